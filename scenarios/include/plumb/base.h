@@ -1,0 +1,42 @@
+/* What every layer of the harness shares: the status of a call and the error it fills.
+ *
+ * A function that can fail returns a pl_status and takes an optional `pl_error *` (NULL is allowed).
+ * On PL_OK the error is untouched. No function here prints, exits, or keeps global state. */
+#ifndef PLUMB_BASE_H
+#define PLUMB_BASE_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Longest name of a body, material, scenario, profile or option, with its terminating zero. */
+enum { PL_NAME_SIZE = 64 };
+
+typedef enum pl_status {
+    PL_OK = 0,
+    PL_BAD_INPUT,   /* the caller's text, file, name or number is wrong: exit code 2 */
+    PL_UNSUPPORTED, /* right, but this engine cannot do it */
+    PL_NO_MEMORY,
+    PL_IO,    /* a file or a process could not be opened, read, written or started */
+    PL_FAILED /* an engine failed in mid-run */
+} pl_status;
+
+typedef struct pl_error {
+    pl_status status;
+    char message[512]; /* what, which object, the number found, what to do; no trailing newline */
+} pl_error;
+
+/* Fills `error` (when not NULL) as printf does, cut to size, and returns `status`. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 3, 4)))
+#endif
+pl_status pl_fail(pl_error *error, pl_status status, const char *format, ...);
+
+/* The candidate nearest to `word` by edit distance, or NULL when none is near enough to be what
+ * was meant (distance at most 1 + a third of the word's length). `candidates` has `count` items. */
+const char *pl_nearest_name(const char *word, const char *const *candidates, int count);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,79 @@
+/* The catalogue: each scenario is a const descriptor in its own file, catalogue/<name>.c. */
+#ifndef PLUMB_SCENARIO_H
+#define PLUMB_SCENARIO_H
+
+#include "plumb/scene.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* A numeric parameter of a scenario, set by `--set NAME=VALUE`. */
+typedef struct pl_param {
+    const char *name;
+    double value, min, max; /* default and inclusive range */
+    bool integer;
+    const char *unit; /* "1" when dimensionless */
+    const char *help;
+} pl_param;
+
+enum { PL_MAX_PARAMS = 16 };
+
+/* What a scenario needs of an engine, as bits. An engine without one answers `unsupported`. */
+enum {
+    PL_NEEDS_FRICTION = 1u << 0,
+    PL_NEEDS_RESTITUTION = 1u << 1,
+    PL_NEEDS_ROTATION = 1u << 2,
+    PL_NEEDS_FORCES = 1u << 3,
+    PL_NEEDS_PLANE = 1u << 8, /* shapes: 1 << (8 + pl_shape_kind) */
+    PL_NEEDS_SPHERE = 1u << 9,
+    PL_NEEDS_BOX = 1u << 10
+};
+
+/* Those bits as the scene itself shows them: friction where any touching pair may have it, and so on. */
+uint32_t pl_scene_needs(const pl_scene *scene);
+
+/* The name of one bit of PL_NEEDS_*, such as "friction" or "box"; NULL for an unknown bit. */
+const char *pl_needs_name(uint32_t bit);
+
+typedef struct pl_scenario {
+    const char *name;        /* as on the command line: "slope-slide" */
+    const char *title;       /* a line for people */
+    const char *description; /* what is built, and what it shows */
+    const char *reference;   /* the right answer, as a formula in plain text */
+    const char *source;      /* of that formula: author, year, equation; or "by symmetry", "statics" */
+    const char *primary_error; /* the metric's name */
+    uint32_t needs;
+    const pl_param *params;
+    int param_count;
+    /* `values` has param_count numbers, already checked against their ranges. The same seed and values
+     * give the same scene, bit for bit, everywhere. On failure *scene is left empty. */
+    pl_status (*build)(const double *values, uint64_t seed, pl_scene *scene, pl_error *);
+} pl_scenario;
+
+/* The whole catalogue, in the order of reports. */
+const pl_scenario *const *pl_scenarios(int *count);
+
+/* By exact name; NULL with an error that suggests the nearest name. */
+const pl_scenario *pl_scenario_find(const char *name, pl_error *);
+
+/* Fills values[param_count] with defaults, then applies `count` texts of the form "NAME=VALUE".
+ * PL_BAD_INPUT names an unknown parameter (with the nearest one), a text that is no number, a fraction
+ * where an integer is due, or a value out of range. */
+pl_status pl_scenario_values(const pl_scenario *scenario, const char *const *settings, int count,
+                             double *values, pl_error *);
+
+/* A named set of scenarios with default parameters. */
+typedef struct pl_suite {
+    const char *name;
+    const char *description;
+    const char *const *scenarios; /* NULL-terminated names */
+} pl_suite;
+
+const pl_suite *pl_suites(int *count);
+const pl_suite *pl_suite_find(const char *name, pl_error *);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

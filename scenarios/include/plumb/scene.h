@@ -1,0 +1,175 @@
+/* The engine-neutral scene: what is there at t = 0, and what is expected of it.
+ *
+ * SI units, right-handed, z up by custom (gravity says). Quaternions are (w, x, y, z), unit, body to
+ * world. `velocity` is that of the centre of mass; `velocity` and `angular_velocity` are in the world
+ * frame. `position` and `orientation` place the shape's own frame, which for a sphere and a box is
+ * also the frame of the centre of mass and of the principal axes.
+ *
+ * Plain data throughout: adapters and loadable engines read it as it stands. Arrays are owned by the
+ * scene; indices, not pointers, refer from one array to another. */
+#ifndef PLUMB_SCENE_H
+#define PLUMB_SCENE_H
+
+#include "plumb/base.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum pl_shape_kind { PL_SHAPE_PLANE, PL_SHAPE_SPHERE, PL_SHAPE_BOX } pl_shape_kind;
+enum { PL_SHAPE_KIND_COUNT = 3 };
+
+typedef struct pl_shape {
+    pl_shape_kind kind;
+    double normal[3];       /* plane: unit, points out of the solid half-space {x : n.x <= offset} */
+    double offset;          /* plane: m, along the normal */
+    double radius;          /* sphere: m */
+    double half_extents[3]; /* box: m */
+} pl_shape;
+
+typedef struct pl_material {
+    char name[PL_NAME_SIZE];
+    double friction;    /* Coulomb coefficient against itself, >= 0 */
+    double restitution; /* Newton coefficient against itself, 0 .. 1 */
+} pl_material;
+
+/* Overrides the mixing rule for one unordered pair of materials. */
+typedef struct pl_material_pair {
+    int material_a, material_b;
+    double friction, restitution;
+} pl_material_pair;
+
+typedef struct pl_body {
+    char name[PL_NAME_SIZE]; /* unique in the scene */
+    bool is_static;          /* never moves; mass and inertia have no meaning */
+    int material;            /* index */
+    pl_shape shape;          /* a plane is always static and ignores position and orientation */
+    double mass;             /* kg, > 0 for a dynamic body */
+    double inertia[3];       /* kg m^2, principal, about the centre of mass, in the shape's axes */
+    double position[3];      /* m */
+    double orientation[4];
+    double velocity[3];         /* m/s */
+    double angular_velocity[3]; /* rad/s */
+} pl_body;
+
+typedef enum pl_force_frame { PL_FRAME_WORLD, PL_FRAME_BODY } pl_force_frame;
+
+/* A constant force on a body at a point, over from <= t < until; t is the time at the start of a step.
+ * In the world frame, `force` is in world axes and `at` is an offset from the centre of mass in world
+ * axes; in the body frame both turn with the body. */
+typedef struct pl_force {
+    int body;
+    double force[3]; /* N */
+    double at[3];    /* m, from the centre of mass */
+    pl_force_frame frame;
+    double from, until; /* s; until may be INFINITY */
+} pl_force;
+
+/* The final pose that a right engine reaches. */
+typedef struct pl_expect_rest {
+    int body;
+    double position[3];
+    double orientation[4];
+    bool has_orientation;
+} pl_expect_rest;
+
+/* A body that moves along one line: how far a right engine carries it by the end of the run. */
+typedef struct pl_expect_travel {
+    int body;
+    double direction[3]; /* unit, world */
+    double distance;     /* m, of the continuous problem */
+    double discrete;     /* m, the exact answer of semi-implicit Euler at the scene's dt; NAN if none */
+} pl_expect_travel;
+
+typedef struct pl_scene {
+    char name[PL_NAME_SIZE];
+    double gravity[3]; /* m/s^2 */
+    double dt;         /* s, > 0 */
+    double duration;   /* s, >= dt; steps = round(duration / dt) */
+
+    pl_material *materials;
+    int material_count;
+    pl_material_pair *pairs;
+    int pair_count;
+    pl_body *bodies;
+    int body_count;
+    pl_force *forces;
+    int force_count;
+
+    /* What is expected. */
+    pl_expect_rest *rests;
+    int rest_count;
+    pl_expect_travel *travels;
+    int travel_count;
+    /* The metric that is the scene's primary error (metrics' names: "rest_position_error", "drift",
+     * "travel_error", "penetration_max"); empty when the scene has no reference. */
+    char primary_error[PL_NAME_SIZE];
+    /* A body of `rests` farther than this from its reference at the end has fallen: outcome
+     * `collapsed`. m; INFINITY when nothing is expected to stand. */
+    double collapse_distance;
+} pl_scene;
+
+/* An empty scene: gravity (0, 0, -9.81), dt 1/60, duration 5, nothing expected. Owns nothing yet. */
+pl_scene pl_scene_default(void);
+
+/* A dynamic unit-mass body at the origin, at rest, without shape data. Owns nothing. */
+pl_body pl_body_default(void);
+
+pl_shape pl_shape_plane(double nx, double ny, double nz, double offset);
+pl_shape pl_shape_sphere(double radius);
+pl_shape pl_shape_box(double half_x, double half_y, double half_z);
+
+/* Volume in m^3 (0 for a plane) and the principal inertia of the solid of uniform density, kg m^2. */
+double pl_shape_volume(const pl_shape *shape);
+void pl_shape_inertia(const pl_shape *shape, double mass, double inertia[3]);
+
+/* Each appends a copy and returns its index in *index (NULL allowed). PL_NO_MEMORY leaves the scene as
+ * it was. pl_scene_add_body with inertia all zero and a dynamic body fills it from the shape. */
+pl_status pl_scene_add_material(pl_scene *scene, const pl_material *item, int *index, pl_error *);
+pl_status pl_scene_add_pair(pl_scene *scene, const pl_material_pair *item, pl_error *);
+pl_status pl_scene_add_body(pl_scene *scene, const pl_body *item, int *index, pl_error *);
+pl_status pl_scene_add_force(pl_scene *scene, const pl_force *item, pl_error *);
+pl_status pl_scene_add_rest(pl_scene *scene, const pl_expect_rest *item, pl_error *);
+pl_status pl_scene_add_travel(pl_scene *scene, const pl_expect_travel *item, pl_error *);
+
+/* Frees what the scene owns and makes it an empty default scene. */
+void pl_scene_free(pl_scene *scene);
+
+/* Friction and restitution of a pair of materials: the override where the scene has one, otherwise the
+ * geometric mean of the frictions and the larger restitution (which is each material's own value for a
+ * material against itself). */
+void pl_scene_pair(const pl_scene *scene, int material_a, int material_b, double *friction,
+                   double *restitution);
+
+/* Number of steps of a run: round(duration / dt). */
+long pl_scene_steps(const pl_scene *scene);
+
+/* Checks a scene made by code by the same rules as one read from a file (finite numbers, mass > 0, unit
+ * normals and quaternions to 1e-9, indices in range, unique names, static planes). PL_BAD_INPUT says
+ * which field of which object, and the number. */
+pl_status pl_scene_validate(const pl_scene *scene, pl_error *);
+
+/* Reads a scene file ("plumb_scene": 1). `path` "-" is standard input. The error's message is
+ * FILE:LINE:COLUMN: path.to.field: what was expected, what was found. The caller frees *scene. */
+pl_status pl_scene_read_file(const char *path, pl_scene *scene, pl_error *);
+
+/* The same for text in memory; `label` stands for the file's name in messages. */
+pl_status pl_scene_read_text(const char *text, size_t length, const char *label, pl_scene *scene,
+                             pl_error *);
+
+/* The scene as JSON text that pl_scene_read_text reads back to the same scene, number for number.
+ * malloc'd; the caller frees. NULL when out of memory. */
+char *pl_scene_to_text(const pl_scene *scene);
+
+/* 64-bit FNV-1a of that text as 16 hexadecimal digits and a zero: two scenes with the same hash are the
+ * same problem. PL_NO_MEMORY leaves `hash` empty. */
+pl_status pl_scene_hash(const pl_scene *scene, char hash[17], pl_error *);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
