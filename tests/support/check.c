@@ -1,0 +1,54 @@
+#include "check.h"
+
+#include <math.h>
+#include <string.h>
+
+void check_close(double actual, double expected, double absolute, double relative, const char *what,
+                 const char *file, int line)
+{
+    double tolerance = absolute + relative * fabs(expected);
+    if (!(fabs(actual - expected) <= tolerance)) {
+        print_error("%s: %.17g, expected %.17g, off by %.3g, tolerance %.3g\n", what, actual, expected,
+                    actual - expected, tolerance);
+        _fail(file, line);
+    }
+}
+
+void check_at_most(double actual, double bound, const char *what, const char *file, int line)
+{
+    if (!(actual <= bound)) {
+        print_error("%s: %.17g, expected at most %.17g\n", what, actual, bound);
+        _fail(file, line);
+    }
+}
+
+void check_contains(const char *text, const char *part, const char *file, int line)
+{
+    if (text == NULL || strstr(text, part) == NULL) {
+        print_error("\"%s\"\n  does not contain \"%s\"\n", text == NULL ? "(null)" : text, part);
+        _fail(file, line);
+    }
+}
+
+double check_uniform(check_random *random, double low, double high)
+{
+    uint64_t x = random->state;
+    x ^= x >> 12;
+    x ^= x << 25;
+    x ^= x >> 27;
+    random->state = x;
+    double unit = (double)((x * UINT64_C(2685821657736338717)) >> 11) * 0x1p-53;
+    return low + (high - low) * unit;
+}
+
+void check_quaternion(check_random *random, double quaternion[4])
+{
+    const double two_pi = 6.283185307179586;
+    double u = check_uniform(random, 0, 1);
+    double a = check_uniform(random, 0, two_pi);
+    double b = check_uniform(random, 0, two_pi);
+    quaternion[0] = sqrt(u) * cos(b);
+    quaternion[1] = sqrt(1 - u) * sin(a);
+    quaternion[2] = sqrt(1 - u) * cos(a);
+    quaternion[3] = sqrt(u) * sin(b);
+}

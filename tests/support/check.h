@@ -1,0 +1,39 @@
+/* Assertions that print what they compared. cmocka's own assert_float_equal casts to float. */
+#ifndef PLUMB_TEST_CHECK_H
+#define PLUMB_TEST_CHECK_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+/* |actual - expected| <= absolute + relative |expected|; a NaN fails. */
+#define assert_close(actual, expected, absolute, relative)                                         \
+    check_close((actual), (expected), (absolute), (relative), #actual, __FILE__, __LINE__)
+
+void check_close(double actual, double expected, double absolute, double relative, const char *what,
+                 const char *file, int line);
+
+/* actual <= bound; a NaN fails. */
+#define assert_at_most(actual, bound) check_at_most((actual), (bound), #actual, __FILE__, __LINE__)
+
+void check_at_most(double actual, double bound, const char *what, const char *file, int line);
+
+/* Fails, printing both, unless `text` contains `part`. */
+#define assert_contains(text, part) check_contains((text), (part), __FILE__, __LINE__)
+
+void check_contains(const char *text, const char *part, const char *file, int line);
+
+/* Seeded numbers for random poses: uniform in [low, high). xorshift64*, Vigna 2016. */
+typedef struct check_random {
+    uint64_t state; /* any value but 0 */
+} check_random;
+
+double check_uniform(check_random *random, double low, double high);
+
+/* A uniformly distributed unit quaternion (w, x, y, z). Shoemake 1992. */
+void check_quaternion(check_random *random, double quaternion[4]);
+
+#endif
