@@ -1,0 +1,248 @@
+/* Bodies: made, unmade, read, set and loaded. */
+#include "shape.h"
+#include "world.h"
+
+pe_body_def pe_body_def_default(void)
+{
+    return (pe_body_def){
+        .shape = {.kind = PE_SHAPE_SPHERE, .radius = 0.5},
+        .mass = 1,
+        .orientation = {.w = 1},
+    };
+}
+
+static bool is_unit(pe_quat q)
+{
+    return fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) <= 2e-6;
+}
+
+static pe_status check_motion(pe_vec3 position, pe_quat orientation, pe_vec3 velocity,
+                              pe_vec3 angular_velocity, pe_error *error)
+{
+    if (!pe_is_finite(position) || !pe_is_finite(velocity) || !pe_is_finite(angular_velocity)) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "position and velocities: expected finite numbers");
+    }
+    if (!is_unit(orientation)) {
+        return pe_fail(error, PE_BAD_ARGUMENT,
+                       "orientation: expected a unit quaternion, found (%g, %g, %g, %g)",
+                       orientation.w, orientation.x, orientation.y, orientation.z);
+    }
+    return PE_OK;
+}
+
+static pe_status check_def(const pe_world *world, const pe_body_def *def, pe_error *error)
+{
+    pe_status status = pe_shape_check(&def->shape, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    if (def->shape.kind == PE_SHAPE_PLANE && !def->is_static) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "a plane must be static");
+    }
+    if (def->material.index >= (uint32_t)world->material_count) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "no material %u in this world", def->material.index);
+    }
+    if (!def->is_static && (!(def->mass > 0) || !isfinite(def->mass))) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "mass: expected a finite number above 0, found %g",
+                       def->mass);
+    }
+    pe_vec3 i = def->inertia;
+    bool given = i.x != 0 || i.y != 0 || i.z != 0;
+    if (given && !(pe_is_finite(i) && i.x > 0 && i.y > 0 && i.z > 0)) {
+        return pe_fail(error, PE_BAD_ARGUMENT,
+                       "inertia: expected three numbers above 0, or all 0, found (%g, %g, %g)", i.x,
+                       i.y, i.z);
+    }
+    return check_motion(def->position, def->orientation, def->velocity, def->angular_velocity,
+                        error);
+}
+
+static pe_mass mass_of(const pe_body_def *def)
+{
+    if (def->is_static) {
+        return (pe_mass){0};
+    }
+    pe_vec3 i = def->inertia.x != 0 ? def->inertia : pe_shape_inertia(&def->shape, def->mass);
+    return (pe_mass){
+        .mass = def->mass,
+        .inverse_mass = 1 / def->mass,
+        .inertia = i,
+        .inverse_root_mass = 1 / sqrt(def->mass),
+        .inverse_root_inertia = {1 / sqrt(i.x), 1 / sqrt(i.y), 1 / sqrt(i.z)},
+        .spherical = i.x == i.y && i.y == i.z,
+    };
+}
+
+/* Room for one slot more in every array of bodies. */
+static pe_status reserve_slot(pe_world *world, pe_error *error)
+{
+    const struct {
+        pe_array *array;
+        size_t stride;
+    } rows[] = {
+        {&world->body_array, sizeof(pe_body)},     {&world->pose_array, sizeof(pe_pose)},
+        {&world->motion_array, sizeof(pe_motion)}, {&world->mass_array, sizeof(pe_mass)},
+        {&world->load_array, sizeof(pe_load)},     {&world->order_array, sizeof(int)},
+    };
+    size_t used = (size_t)world->slot_count;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        pe_status status = pe_array_reserve(rows[i].array, &world->allocator, rows[i].stride,
+                                            used + 1, used, error);
+        if (status != PE_OK) {
+            return status;
+        }
+    }
+    return PE_OK;
+}
+
+pe_status pe_body_create(pe_world *world, const pe_body_def *def, pe_body_id *body, pe_error *error)
+{
+    *body = (pe_body_id){0};
+    pe_status status = check_def(world, def, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    int slot = world->first_free;
+    if (slot != 0) {
+        world->first_free = pe_bodies(world)[slot].next_free;
+    } else {
+        status = reserve_slot(world, error);
+        if (status != PE_OK) {
+            return status;
+        }
+        slot = world->slot_count++;
+        pe_bodies(world)[slot].generation = 0;
+    }
+    pe_body *made = &pe_bodies(world)[slot];
+    *made = (pe_body){
+        .shape = def->shape,
+        .bounding_radius = pe_shape_bounding_radius(&def->shape),
+        .size = pe_shape_size(&def->shape),
+        .material = (int)def->material.index,
+        .generation = made->generation + 1,
+        .alive = true,
+        .is_static = def->is_static,
+    };
+    pe_quat orientation = pe_quat_unit(def->orientation);
+    pe_poses(world)[slot] = (pe_pose){def->position, orientation, pe_matrix_of(orientation)};
+    pe_motions(world)[slot] =
+        def->is_static ? (pe_motion){0} : (pe_motion){def->velocity, def->angular_velocity};
+    pe_masses(world)[slot] = mass_of(def);
+    pe_loads(world)[slot] = (pe_load){0};
+    if (slot > 0 && def->shape.kind != PE_SHAPE_PLANE) {
+        ((int *)world->order_array.items)[world->order_count++] = slot;
+    }
+    *body = (pe_body_id){(uint32_t)slot, made->generation};
+    return PE_OK;
+}
+
+static pe_status check_id(const pe_world *world, pe_body_id body, pe_error *error)
+{
+    if (body.index == 0 || body.index >= (uint32_t)world->slot_count ||
+        !pe_bodies(world)[body.index].alive ||
+        pe_bodies(world)[body.index].generation != body.generation) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "no living body has the id (%u, %u)", body.index,
+                       body.generation);
+    }
+    return PE_OK;
+}
+
+/* Contacts of a body that is gone must not warm-start those of its slot's next owner. */
+static void forget_contacts(pe_contacts *contacts, int slot)
+{
+    pe_manifold *manifolds = pe_manifolds(contacts);
+    int kept = 0;
+    for (int i = 0; i < contacts->manifold_count; ++i) {
+        if (manifolds[i].a != slot && manifolds[i].b != slot) {
+            manifolds[kept++] = manifolds[i];
+        }
+    }
+    contacts->manifold_count = kept;
+}
+
+pe_status pe_body_destroy(pe_world *world, pe_body_id body, pe_error *error)
+{
+    pe_status status = check_id(world, body, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    int slot = (int)body.index;
+    pe_body *gone = &pe_bodies(world)[slot];
+    int *order = world->order_array.items;
+    int kept = 0;
+    for (int i = 0; i < world->order_count; ++i) {
+        if (order[i] != slot) {
+            order[kept++] = order[i];
+        }
+    }
+    world->order_count = kept;
+    forget_contacts(&world->contacts, slot);
+    gone->alive = false;
+    gone->next_free = world->first_free;
+    world->first_free = slot;
+    return PE_OK;
+}
+
+pe_status pe_body_get_state(const pe_world *world, pe_body_id body, pe_body_state *state,
+                            pe_error *error)
+{
+    pe_status status = check_id(world, body, error);
+    if (status == PE_OK) {
+        const pe_pose *pose = &pe_poses(world)[body.index];
+        const pe_motion *motion = &pe_motions(world)[body.index];
+        *state = (pe_body_state){pose->position, pose->orientation, motion->velocity,
+                                 motion->angular_velocity};
+    }
+    return status;
+}
+
+pe_status pe_body_set_state(pe_world *world, pe_body_id body, const pe_body_state *state,
+                            pe_error *error)
+{
+    pe_status status = check_id(world, body, error);
+    if (status == PE_OK) {
+        status = check_motion(state->position, state->orientation, state->velocity,
+                              state->angular_velocity, error);
+    }
+    if (status == PE_OK) {
+        pe_quat orientation = pe_quat_unit(state->orientation);
+        pe_poses(world)[body.index] =
+            (pe_pose){state->position, orientation, pe_matrix_of(orientation)};
+        if (!pe_bodies(world)[body.index].is_static) {
+            pe_motions(world)[body.index] = (pe_motion){state->velocity, state->angular_velocity};
+        }
+    }
+    return status;
+}
+
+pe_status pe_body_get_mass(const pe_world *world, pe_body_id body, double *mass, pe_vec3 *inertia,
+                           pe_error *error)
+{
+    pe_status status = check_id(world, body, error);
+    if (status == PE_OK) {
+        *mass = pe_masses(world)[body.index].mass;
+        *inertia = pe_masses(world)[body.index].inertia;
+    }
+    return status;
+}
+
+pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, pe_vec3 offset,
+                              pe_frame frame, pe_error *error)
+{
+    pe_status status = check_id(world, body, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    if (!pe_is_finite(force) || !pe_is_finite(offset)) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "force: expected finite numbers");
+    }
+    if (frame == PE_FRAME_BODY) {
+        const pe_mat3 *rotation = &pe_poses(world)[body.index].rotation;
+        force = pe_rotate(rotation, force);
+        offset = pe_rotate(rotation, offset);
+    }
+    pe_load *load = &pe_loads(world)[body.index];
+    load->force = pe_add(load->force, force);
+    load->torque = pe_add(load->torque, pe_cross(offset, force));
+    return PE_OK;
+}

@@ -1,0 +1,19 @@
+/* Contact islands: groups of dynamic bodies that push on each other, directly or through others. */
+#ifndef PE_ISLAND_H
+#define PE_ISLAND_H
+
+#include "world.h"
+
+/* Islands with at least one contact, ordered by their first body; island k has the manifolds
+ * manifolds[start[k]] .. manifolds[start[k + 1] - 1], ascending. All in the step's arena. */
+typedef struct pe_islands {
+    int count;
+    int *start;     /* (count + 1) */
+    int *manifolds; /* (manifold_count): indices into the contacts */
+} pe_islands;
+
+/* Union-find over the manifolds between dynamic bodies; static bodies do not join what rests on
+ * them. */
+pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error);
+
+#endif

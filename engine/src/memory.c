@@ -1,0 +1,139 @@
+#include "memory.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ALIGNMENT = 64 };
+
+struct pe_arena_extra {
+    struct pe_arena_extra *next;
+};
+
+pe_status pe_fail(pe_error *error, pe_status status, const char *format, ...)
+{
+    if (error != NULL) {
+        va_list arguments;
+        va_start(arguments, format);
+        error->status = status;
+        vsnprintf(error->message, sizeof error->message, format, arguments);
+        va_end(arguments);
+    }
+    return status;
+}
+
+static size_t round_up(size_t size)
+{
+    return (size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
+}
+
+static void *default_allocate(void *context, size_t size)
+{
+    (void)context;
+    return aligned_alloc(ALIGNMENT, round_up(size));
+}
+
+static void default_release(void *context, void *memory)
+{
+    (void)context;
+    free(memory);
+}
+
+pe_allocator pe_allocator_default(void)
+{
+    return (pe_allocator){.allocate = default_allocate, .release = default_release};
+}
+
+static void release(const pe_allocator *allocator, void *memory)
+{
+    if (memory != NULL) {
+        allocator->release(allocator->context, memory);
+    }
+}
+
+pe_status pe_array_reserve(pe_array *array, const pe_allocator *allocator, size_t stride,
+                           size_t count, size_t used, pe_error *error)
+{
+    if (count <= array->capacity) {
+        return PE_OK;
+    }
+    size_t capacity = array->capacity + array->capacity / 2;
+    capacity = capacity < count ? count : capacity;
+    capacity = capacity < 16 ? 16 : capacity;
+    void *items = capacity <= SIZE_MAX / 2 / stride
+                      ? allocator->allocate(allocator->context, capacity * stride)
+                      : NULL;
+    if (items == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %zu items of %zu bytes", capacity,
+                       stride);
+    }
+    if (used > 0) {
+        memcpy(items, array->items, used * stride);
+    }
+    release(allocator, array->items);
+    array->items = items;
+    array->capacity = capacity;
+    return PE_OK;
+}
+
+void pe_array_free(pe_array *array, const pe_allocator *allocator)
+{
+    release(allocator, array->items);
+    *array = (pe_array){0};
+}
+
+void *pe_arena_take(pe_arena *arena, const pe_allocator *allocator, size_t count, size_t stride)
+{
+    if (count > SIZE_MAX / 2 / stride) {
+        return NULL;
+    }
+    size_t size = round_up(count * stride);
+    arena->wanted += size;
+    if (size <= arena->capacity - arena->used) {
+        char *taken = arena->block + arena->used;
+        arena->used += size;
+        return taken;
+    }
+    struct pe_arena_extra *extra = allocator->allocate(allocator->context, ALIGNMENT + size);
+    if (extra == NULL) {
+        return NULL;
+    }
+    extra->next = arena->extras;
+    arena->extras = extra;
+    return (char *)extra + ALIGNMENT;
+}
+
+static void release_extras(pe_arena *arena, const pe_allocator *allocator)
+{
+    while (arena->extras != NULL) {
+        struct pe_arena_extra *next = arena->extras->next;
+        release(allocator, arena->extras);
+        arena->extras = next;
+    }
+}
+
+void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator)
+{
+    if (arena->wanted > arena->capacity) {
+        release_extras(arena, allocator);
+        /* A quarter more than was needed, so that slow growth does not allocate at each step.
+         * Without memory for it the old block stays, and the extras come back. */
+        size_t capacity = round_up(arena->wanted + arena->wanted / 4);
+        void *block = allocator->allocate(allocator->context, capacity);
+        if (block != NULL) {
+            release(allocator, arena->block);
+            arena->block = block;
+            arena->capacity = capacity;
+        }
+    }
+    arena->used = 0;
+    arena->wanted = 0;
+}
+
+void pe_arena_free(pe_arena *arena, const pe_allocator *allocator)
+{
+    release_extras(arena, allocator);
+    release(allocator, arena->block);
+    *arena = (pe_arena){0};
+}

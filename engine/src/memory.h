@@ -1,0 +1,47 @@
+/* Memory of a world: growing arrays that live with it, and an arena for what lives one step. */
+#ifndef PE_MEMORY_H
+#define PE_MEMORY_H
+
+#include "plumb/engine.h"
+
+/* Fills `error` (when not NULL) as printf does and returns `status`. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 3, 4)))
+#endif
+pe_status
+pe_fail(pe_error *error, pe_status status, const char *format, ...);
+
+/* An allocator of aligned_alloc and free. */
+pe_allocator pe_allocator_default(void);
+
+/* A growing array of plain data. All zero is the empty array. */
+typedef struct pe_array {
+    void *items;
+    size_t capacity; /* in items */
+} pe_array;
+
+/* Makes room for `count` items of `stride` bytes and keeps the first `used`. Grows by at least a
+ * half, so that a scene that stops growing stops allocating. On PE_NO_MEMORY the array is as it
+ * was. */
+pe_status pe_array_reserve(pe_array *array, const pe_allocator *allocator, size_t stride,
+                           size_t count, size_t used, pe_error *error);
+
+void pe_array_free(pe_array *array, const pe_allocator *allocator);
+
+/* One block from which a step takes what it needs, all given back at once. What does not fit comes
+ * from extra blocks, which the next reset merges into one of the size that was needed. */
+typedef struct pe_arena {
+    char *block;
+    size_t capacity, used, wanted; /* bytes; wanted: the sum asked for since the last reset */
+    struct pe_arena_extra *extras;
+} pe_arena;
+
+/* 64-byte aligned, not initialised; NULL when out of memory. */
+void *pe_arena_take(pe_arena *arena, const pe_allocator *allocator, size_t count, size_t stride);
+
+/* Gives everything back. */
+void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator);
+
+void pe_arena_free(pe_arena *arena, const pe_allocator *allocator);
+
+#endif

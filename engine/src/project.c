@@ -1,0 +1,124 @@
+#include "project.h"
+
+#include "integrate.h"
+
+#include <string.h>
+
+/* Separation of a contact at the poses now: of its two surface points, along its normal. */
+static double separation_now(const pe_world *world, const pe_manifold *m, const pe_point *point)
+{
+    const pe_pose *a = &pe_poses(world)[m->a], *b = &pe_poses(world)[m->b];
+    pe_vec3 on_a = pe_add(a->position, pe_rotate(&a->rotation, point->anchor_a));
+    pe_vec3 on_b = pe_add(b->position, pe_rotate(&b->rotation, point->anchor_b));
+    return pe_dot(m->normal, pe_sub(on_b, on_a));
+}
+
+/* Deepest violation of J_n d + bias >= 0. */
+static double violation(const pe_problem *island)
+{
+    double worst = 0;
+    for (int i = 0; i < island->count; ++i) {
+        const pe_row *row = &island->rows[i];
+        double u =
+            row->bias + pe_row_velocity(row, 0, island->velocity[row->a], island->velocity[row->b]);
+        worst = pe_max(worst, -u);
+    }
+    return worst;
+}
+
+static void sweep(const pe_problem *island)
+{
+    for (int i = 0; i < island->count; ++i) {
+        const pe_row *row = &island->rows[i];
+        double *ya = island->velocity[row->a], *yb = island->velocity[row->b];
+        double *p = island->impulse[i];
+        double n =
+            pe_max(0, p[0] - (row->bias + pe_row_velocity(row, 0, ya, yb)) * row->inverse_wnn);
+        if (n != p[0]) {
+            pe_row_add(ya, n - p[0], row->ja[0]);
+            pe_row_add(yb, n - p[0], row->jb[0]);
+            p[0] = n;
+        }
+    }
+}
+
+/* Sets one line of an array for every body of the island. */
+static void copy_lines(const pe_problem *island, double (*to)[PE_LANES], double (*from)[PE_LANES])
+{
+    for (int i = 0; i < island->count; ++i) {
+        memcpy(to[island->rows[i].a], from[island->rows[i].a], sizeof *to);
+        memcpy(to[island->rows[i].b], from[island->rows[i].b], sizeof *to);
+    }
+}
+
+static void clear(const pe_problem *island, double (*lines)[PE_LANES])
+{
+    for (int i = 0; i < island->count; ++i) {
+        memset(lines[island->rows[i].a], 0, sizeof *lines);
+        memset(lines[island->rows[i].b], 0, sizeof *lines);
+    }
+}
+
+/* Finds displacements with the least violation into `best`; returns the sweeps made. */
+static int solve(const pe_problem *island, double (*best)[PE_LANES], double enough, int most)
+{
+    clear(island, island->velocity);
+    clear(island, best);
+    memset(island->impulse, 0, (size_t)island->count * sizeof *island->impulse);
+    double least = violation(island);
+    int iterations = 0;
+    while (iterations < most && least > enough) {
+        sweep(island);
+        iterations += 1;
+        double now = violation(island);
+        if (now < least) {
+            least = now;
+            copy_lines(island, best, island->velocity);
+        }
+    }
+    return iterations;
+}
+
+/* Applies the displacement of one body once: its line is cleared. The rows are in the axes that the
+ * body had at the start of the step; to turn back by those of now errs by the rotation of one step,
+ * on a correction that is of the order of the slop. */
+static void displace(pe_world *world, int slot, double y[PE_LANES])
+{
+    const pe_mass *mass = &pe_masses(world)[slot];
+    pe_pose *pose = &pe_poses(world)[slot];
+    pe_vec3 turn = pe_mul(mass->inverse_root_inertia, pe_v3(y[3], y[4], y[5]));
+    pe_pose_move(pose, pe_scale(mass->inverse_root_mass, pe_v3(y[0], y[1], y[2])),
+                 pe_rotate(&pose->rotation, turn));
+    memset(y, 0, PE_LANES * sizeof *y);
+}
+
+void pe_project_positions(pe_world *world, const pe_islands *islands, pe_problems *problems,
+                          pe_project_report *report)
+{
+    *report = (pe_project_report){0};
+    const pe_manifold *manifolds = pe_manifolds(&world->contacts);
+    const pe_point *points = pe_points(&world->contacts);
+    double slop = world->def.penetration_slop, aim = slop / 3;
+    for (int k = 0; k < islands->count; ++k) {
+        pe_problem island = pe_problems_island(problems, k);
+        int first = problems->row_start[k];
+        double deepest = 0;
+        for (int i = 0; i < island.count; ++i) {
+            const pe_manifold *m = &manifolds[problems->manifold_of[first + i]];
+            double gap = separation_now(world, m, &points[problems->point_of[first + i]]);
+            island.rows[i].bias = gap + aim;
+            deepest = pe_max(deepest, -gap);
+        }
+        report->penetration = pe_max(report->penetration, deepest);
+        if (deepest <= slop) {
+            continue;
+        }
+        int iterations =
+            solve(&island, problems->spare, aim / 2, world->def.max_projection_iterations);
+        report->iterations = iterations > report->iterations ? iterations : report->iterations;
+        for (int i = 0; i < island.count; ++i) {
+            displace(world, island.rows[i].a, problems->spare[island.rows[i].a]);
+            displace(world, island.rows[i].b, problems->spare[island.rows[i].b]);
+        }
+    }
+}

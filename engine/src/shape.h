@@ -1,0 +1,23 @@
+/* Mass properties and bounds of the shapes. */
+#ifndef PE_SHAPE_H
+#define PE_SHAPE_H
+
+#include "vec.h"
+
+/* Principal inertia of the solid of uniform density, kg m^2. Not for a plane. */
+pe_vec3 pe_shape_inertia(const pe_shape *shape, double mass);
+
+/* Radius of the sphere about the body's position that holds the shape; 0 for a plane. */
+double pe_shape_bounding_radius(const pe_shape *shape);
+
+/* Least half extent or radius; 0 for a plane. */
+double pe_shape_size(const pe_shape *shape);
+
+/* Half the extent of the shape's axis-aligned box in the world. Not for a plane. */
+pe_vec3 pe_shape_half_extents(const pe_shape *shape, const pe_mat3 *rotation);
+
+/* PE_BAD_ARGUMENT when a number is not finite, a length not positive, or the normal not unit to
+ * 1e-9. */
+pe_status pe_shape_check(const pe_shape *shape, pe_error *error);
+
+#endif

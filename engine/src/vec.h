@@ -1,0 +1,139 @@
+/* Vectors, quaternions and rotation matrices by value. */
+#ifndef PE_VEC_H
+#define PE_VEC_H
+
+#include "plumb/engine.h"
+
+#include <math.h>
+
+/* Row-major: the rows of a body's rotation matrix; its columns are the body's axes in the world. */
+typedef struct pe_mat3 {
+    pe_vec3 r0, r1, r2;
+} pe_mat3;
+
+static inline pe_vec3 pe_v3(double x, double y, double z)
+{
+    return (pe_vec3){x, y, z};
+}
+
+static inline pe_vec3 pe_add(pe_vec3 a, pe_vec3 b)
+{
+    return pe_v3(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+
+static inline pe_vec3 pe_sub(pe_vec3 a, pe_vec3 b)
+{
+    return pe_v3(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+
+static inline pe_vec3 pe_scale(double s, pe_vec3 a)
+{
+    return pe_v3(s * a.x, s * a.y, s * a.z);
+}
+
+/* a + s b */
+static inline pe_vec3 pe_madd(pe_vec3 a, double s, pe_vec3 b)
+{
+    return pe_v3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
+}
+
+static inline double pe_dot(pe_vec3 a, pe_vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline pe_vec3 pe_cross(pe_vec3 a, pe_vec3 b)
+{
+    return pe_v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+static inline double pe_length(pe_vec3 a)
+{
+    return sqrt(pe_dot(a, a));
+}
+
+static inline bool pe_is_finite(pe_vec3 a)
+{
+    return isfinite(a.x) && isfinite(a.y) && isfinite(a.z);
+}
+
+/* Componentwise product. */
+static inline pe_vec3 pe_mul(pe_vec3 a, pe_vec3 b)
+{
+    return pe_v3(a.x * b.x, a.y * b.y, a.z * b.z);
+}
+
+/* Smaller and larger of two numbers, as one instruction and with one meaning everywhere. */
+static inline double pe_min(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline double pe_max(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+/* m a */
+static inline pe_vec3 pe_rotate(const pe_mat3 *m, pe_vec3 a)
+{
+    return pe_v3(pe_dot(m->r0, a), pe_dot(m->r1, a), pe_dot(m->r2, a));
+}
+
+/* The transpose of m times a: world to body. */
+static inline pe_vec3 pe_unrotate(const pe_mat3 *m, pe_vec3 a)
+{
+    return pe_madd(pe_madd(pe_scale(a.x, m->r0), a.y, m->r1), a.z, m->r2);
+}
+
+/* The body's k-th axis in the world. */
+static inline pe_vec3 pe_axis(const pe_mat3 *m, int k)
+{
+    return k == 0   ? pe_v3(m->r0.x, m->r1.x, m->r2.x)
+           : k == 1 ? pe_v3(m->r0.y, m->r1.y, m->r2.y)
+                    : pe_v3(m->r0.z, m->r1.z, m->r2.z);
+}
+
+static inline double pe_component(pe_vec3 a, int k)
+{
+    return k == 0 ? a.x : k == 1 ? a.y : a.z;
+}
+
+static inline pe_mat3 pe_matrix_of(pe_quat q)
+{
+    double w = q.w, x = q.x, y = q.y, z = q.z;
+    return (pe_mat3){
+        .r0 = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
+        .r1 = {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
+        .r2 = {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)},
+    };
+}
+
+static inline pe_quat pe_quat_product(pe_quat a, pe_quat b)
+{
+    return (pe_quat){
+        .w = a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
+        .x = a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+        .y = a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+        .z = a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
+    };
+}
+
+static inline pe_quat pe_quat_unit(pe_quat q)
+{
+    double s = 1 / sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+    return (pe_quat){q.w * s, q.x * s, q.y * s, q.z * s};
+}
+
+/* Two unit tangents that make a right-handed frame (n, t1, t2) with the unit vector n. */
+static inline void pe_tangents(pe_vec3 n, pe_vec3 *t1, pe_vec3 *t2)
+{
+    /* The world axis least along n, so that the cross product is far from zero. */
+    double ax = fabs(n.x), ay = fabs(n.y), az = fabs(n.z);
+    pe_vec3 e = ax <= ay && ax <= az ? pe_v3(1, 0, 0) : ay <= az ? pe_v3(0, 1, 0) : pe_v3(0, 0, 1);
+    pe_vec3 t = pe_cross(n, e);
+    *t1 = pe_scale(1 / pe_length(t), t);
+    *t2 = pe_cross(n, *t1);
+}
+
+#endif

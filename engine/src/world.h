@@ -1,0 +1,139 @@
+/* The world's inside, seen by the phases of the step. */
+#ifndef PE_WORLD_H
+#define PE_WORLD_H
+
+#include "memory.h"
+#include "vec.h"
+
+/* Body slots start at 1: slot 0 is a static dummy, so that an id's index is its slot and 0 is null.
+ */
+
+/* Where a body is: all that collision reads. */
+typedef struct pe_pose {
+    pe_vec3 position;
+    pe_quat orientation;
+    pe_mat3 rotation; /* of the orientation */
+} pe_pose;
+
+typedef struct pe_motion {
+    pe_vec3 velocity, angular_velocity;
+} pe_motion;
+
+typedef struct pe_mass {
+    double mass, inverse_mass;    /* 0 when static */
+    pe_vec3 inertia;              /* principal, in the body's axes; 0 when static */
+    double inverse_root_mass;     /* 1/sqrt(m) */
+    pe_vec3 inverse_root_inertia; /* 1/sqrt(I), componentwise */
+    bool spherical;               /* equal principal inertia: no gyroscopic torque */
+} pe_mass;
+
+typedef struct pe_body {
+    pe_shape shape;
+    double bounding_radius; /* about the position; 0 for a plane, which has no bound */
+    double size;            /* least half extent or radius: the scale of geometric tolerances */
+    int material;           /* row of the surface table; 0 is the default material */
+    uint32_t generation;
+    bool alive, is_static;
+    int next_free; /* slot of the next free one, 0 ends the list */
+} pe_body;
+
+typedef struct pe_load {
+    pe_vec3 force, torque; /* world, for the next step */
+} pe_load;
+
+typedef struct pe_surface {
+    double friction, restitution;
+} pe_surface;
+
+/* A touching or nearly touching pair: points first .. first + count - 1 share its normal. */
+typedef struct pe_manifold {
+    int a, b;       /* slots, a < b */
+    pe_vec3 normal; /* unit, from a to b */
+    int first, count;
+    double friction, restitution;
+} pe_manifold;
+
+typedef struct pe_point {
+    pe_vec3 position;           /* world, halfway between the two surfaces, when it was found */
+    pe_vec3 anchor_a, anchor_b; /* the same point on either surface, in that body's axes */
+    double separation;          /* m, when it was found */
+    uint32_t feature;           /* names the features that touch: the same from step to step */
+    pe_vec3 impulse;            /* on b, world */
+} pe_point;
+
+enum { PE_MAX_POINTS = 8 }; /* a manifold */
+
+/* The contacts of one step, sorted by (a, b). */
+typedef struct pe_contacts {
+    pe_array manifold_array, point_array;
+    int manifold_count, point_count;
+} pe_contacts;
+
+struct pe_world {
+    pe_world_def def;
+    pe_allocator allocator;
+
+    pe_array body_array, pose_array, motion_array, mass_array, load_array;
+    int slot_count; /* slots in use or free, the dummy included */
+    int first_free;
+
+    pe_array surface_array; /* (material_count x material_count), row-major */
+    int material_count;
+
+    pe_array order_array; /* dynamic and bounded static slots, as the last sweep had them sorted */
+    int order_count;
+
+    pe_contacts contacts, previous; /* of the last step, and of the one before it */
+    double previous_dt;
+
+    pe_arena arena;
+};
+
+static inline pe_body *pe_bodies(const pe_world *world)
+{
+    return world->body_array.items;
+}
+
+static inline pe_pose *pe_poses(const pe_world *world)
+{
+    return world->pose_array.items;
+}
+
+static inline pe_motion *pe_motions(const pe_world *world)
+{
+    return world->motion_array.items;
+}
+
+static inline pe_mass *pe_masses(const pe_world *world)
+{
+    return world->mass_array.items;
+}
+
+static inline pe_load *pe_loads(const pe_world *world)
+{
+    return world->load_array.items;
+}
+
+static inline pe_manifold *pe_manifolds(const pe_contacts *contacts)
+{
+    return contacts->manifold_array.items;
+}
+
+static inline pe_point *pe_points(const pe_contacts *contacts)
+{
+    return contacts->point_array.items;
+}
+
+/* Friction and restitution of two materials, by index. */
+static inline pe_surface *pe_surface_of(const pe_world *world, int a, int b)
+{
+    return (pe_surface *)world->surface_array.items + (size_t)a * (size_t)world->material_count + b;
+}
+
+/* Takes from the step's arena. */
+static inline void *pe_scratch(pe_world *world, size_t count, size_t stride)
+{
+    return pe_arena_take(&world->arena, &world->allocator, count, stride);
+}
+
+#endif
