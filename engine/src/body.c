@@ -226,6 +226,23 @@ pe_status pe_body_get_mass(const pe_world *world, pe_body_id body, double *mass,
     return status;
 }
 
+pe_status pe_body_get_pair(const pe_world *world, pe_body_id a, pe_body_id b, double *friction,
+                           double *restitution, pe_error *error)
+{
+    pe_status status = check_id(world, a, error);
+    if (status == PE_OK) {
+        status = check_id(world, b, error);
+    }
+    if (status == PE_OK) {
+        const pe_body *bodies = pe_bodies(world);
+        const pe_surface *surface =
+            pe_surface_of(world, bodies[a.index].material, bodies[b.index].material);
+        *friction = surface->friction;
+        *restitution = surface->restitution;
+    }
+    return status;
+}
+
 pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, pe_vec3 offset,
                               pe_frame frame, pe_error *error)
 {

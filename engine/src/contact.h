@@ -5,7 +5,7 @@
 #include "broad_phase.h"
 
 /* Finds the manifolds of the pairs (count of them, sorted) into world->contacts, and keeps the last
- * step's in world->previous. On failure both are as they were. */
+ * step's in world->previous. On failure world->contacts is as it was. */
 pe_status pe_contacts_find(pe_world *world, const pe_pair *pairs, int count, double dt,
                            pe_error *error);
 

@@ -8,7 +8,7 @@ pe_world_def pe_world_def_default(void)
     return (pe_world_def){
         .gravity = {0, 0, -9.81},
         .tolerance = 1e-8,
-        .max_iterations = 200000,
+        .max_iterations = 100000,
         .max_contact_updates = 2e6,
         .restitution_threshold = 0,
         .contact_margin = 1e-3,
@@ -165,18 +165,6 @@ pe_status pe_world_set_pair(pe_world *world, pe_material_id a, pe_material_id b,
         pe_surface surface = {friction, restitution};
         *pe_surface_of(world, (int)a.index, (int)b.index) = surface;
         *pe_surface_of(world, (int)b.index, (int)a.index) = surface;
-    }
-    return status;
-}
-
-pe_status pe_world_get_pair(const pe_world *world, pe_material_id a, pe_material_id b,
-                            double *friction, double *restitution, pe_error *error)
-{
-    pe_status status = check_pair(world, a, b, error);
-    if (status == PE_OK) {
-        pe_surface surface = *pe_surface_of(world, (int)a.index, (int)b.index);
-        *friction = surface.friction;
-        *restitution = surface.restitution;
     }
     return status;
 }

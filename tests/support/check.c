@@ -8,8 +8,8 @@ void check_close(double actual, double expected, double absolute, double relativ
 {
     double tolerance = absolute + relative * fabs(expected);
     if (!(fabs(actual - expected) <= tolerance)) {
-        print_error("%s: %.17g, expected %.17g, off by %.3g, tolerance %.3g\n", what, actual, expected,
-                    actual - expected, tolerance);
+        print_error("%s: %.17g, expected %.17g, off by %.3g, tolerance %.3g\n", what, actual,
+                    expected, actual - expected, tolerance);
         _fail(file, line);
     }
 }

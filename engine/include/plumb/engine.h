@@ -102,10 +102,6 @@ pe_status pe_material_create(pe_world *world, double friction, double restitutio
 pe_status pe_world_set_pair(pe_world *world, pe_material_id a, pe_material_id b, double friction,
                             double restitution, pe_error *error);
 
-/* What a contact between these two gets. */
-pe_status pe_world_get_pair(const pe_world *world, pe_material_id a, pe_material_id b,
-                            double *friction, double *restitution, pe_error *error);
-
 /* ---- Bodies
  * --------------------------------------------------------------------------------------- */
 
@@ -158,6 +154,10 @@ pe_status pe_body_set_state(pe_world *world, pe_body_id body, const pe_body_stat
 /* Mass in kg and principal inertia in kg m^2, as the engine uses them; zero for a static body. */
 pe_status pe_body_get_mass(const pe_world *world, pe_body_id body, double *mass, pe_vec3 *inertia,
                            pe_error *error);
+
+/* Friction and restitution of a contact between these two. */
+pe_status pe_body_get_pair(const pe_world *world, pe_body_id a, pe_body_id b, double *friction,
+                           double *restitution, pe_error *error);
 
 typedef enum pe_frame { PE_FRAME_WORLD, PE_FRAME_BODY } pe_frame;
 

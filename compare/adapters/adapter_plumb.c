@@ -1,0 +1,297 @@
+/* Our own engine behind the engine ABI, through its public interface alone. */
+#include "adapters.h"
+#include "force.h"
+#include "plumb/engine.h"
+#include "plumb/scenario.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+struct pl_engine_instance {
+    const pl_scene *scene;
+    pe_world *world;
+    pe_body_id *bodies; /* (scene->body_count) */
+    int *index_of;      /* (body_count + 1): scene index by body id */
+    pe_contact *contacts;
+    int contact_capacity;
+    double time;
+};
+
+enum { OPTION_TOLERANCE, OPTION_ITERATIONS, OPTION_UPDATES, OPTION_SLOP, OPTION_COUNT };
+
+static const pl_engine_option options[OPTION_COUNT] = {
+    {"tolerance", 1e-8, 1e-14, 1, false, "m/s", "natural-map residual that counts as solved"},
+    {"iterations", 100000, 1, 1e8, true, "1", "sweeps of one island in one step, at most"},
+    {"updates", 2e6, 1, 1e12, true, "1", "sweeps times contact points of one island, at most"},
+    {"slop", 1e-4, 1e-12, 1, false, "m", "penetration that is not pushed out"},
+};
+
+static const pl_engine_profile profiles[] = {
+    {"default", "projected Gauss-Seidel with a round cone, to a residual", true},
+};
+
+static pe_vec3 vector(const double v[3])
+{
+    return (pe_vec3){v[0], v[1], v[2]};
+}
+
+static void store(double to[3], pe_vec3 v)
+{
+    to[0] = v.x, to[1] = v.y, to[2] = v.z;
+}
+
+static pl_status translate(pe_status status, const pe_error *from, pl_error *error)
+{
+    if (status == PE_OK) {
+        return PL_OK;
+    }
+    return pl_fail(error, status == PE_NO_MEMORY ? PL_NO_MEMORY : PL_FAILED, "%s", from->message);
+}
+
+static pe_shape shape_of(const pl_shape *shape)
+{
+    switch (shape->kind) {
+    case PL_SHAPE_PLANE:
+        return (pe_shape){
+            .kind = PE_SHAPE_PLANE, .normal = vector(shape->normal), .offset = shape->offset};
+    case PL_SHAPE_SPHERE:
+        return (pe_shape){.kind = PE_SHAPE_SPHERE, .radius = shape->radius};
+    case PL_SHAPE_BOX:
+        break;
+    }
+    return (pe_shape){.kind = PE_SHAPE_BOX, .half_extents = vector(shape->half_extents)};
+}
+
+static pe_status add_materials(pl_engine_instance *instance, pe_material_id *ids, pe_error *error)
+{
+    const pl_scene *scene = instance->scene;
+    pe_status status = PE_OK;
+    for (int i = 0; i < scene->material_count && status == PE_OK; ++i) {
+        const pl_material *m = &scene->materials[i];
+        status = pe_material_create(instance->world, m->friction, m->restitution, &ids[i], error);
+    }
+    for (int i = 0; i < scene->pair_count && status == PE_OK; ++i) {
+        const pl_material_pair *p = &scene->pairs[i];
+        status = pe_world_set_pair(instance->world, ids[p->material_a], ids[p->material_b],
+                                   p->friction, p->restitution, error);
+    }
+    return status;
+}
+
+static pe_status add_bodies(pl_engine_instance *instance, const pe_material_id *materials,
+                            pe_error *error)
+{
+    const pl_scene *scene = instance->scene;
+    pe_status status = PE_OK;
+    for (int i = 0; i < scene->body_count && status == PE_OK; ++i) {
+        const pl_body *body = &scene->bodies[i];
+        const double *q = body->orientation;
+        pe_body_def def = {
+            .shape = shape_of(&body->shape),
+            .is_static = body->is_static,
+            .material = materials[body->material],
+            .mass = body->mass,
+            .inertia = vector(body->inertia),
+            .position = vector(body->position),
+            .orientation = {q[0], q[1], q[2], q[3]},
+            .velocity = vector(body->velocity),
+            .angular_velocity = vector(body->angular_velocity),
+        };
+        status = pe_body_create(instance->world, &def, &instance->bodies[i], error);
+        if (status == PE_OK) {
+            instance->index_of[instance->bodies[i].index] = i;
+        }
+    }
+    return status;
+}
+
+static void destroy(pl_engine_instance *instance)
+{
+    if (instance != NULL) {
+        pe_world_destroy(instance->world);
+        free(instance->bodies);
+        free(instance->index_of);
+        free(instance->contacts);
+        free(instance);
+    }
+}
+
+static pl_status create(const pl_scene *scene, int profile, const double *values,
+                        pl_engine_instance **made, pl_error *error)
+{
+    (void)profile;
+    pe_world_def def = pe_world_def_default();
+    def.gravity = vector(scene->gravity);
+    def.tolerance = values[OPTION_TOLERANCE];
+    def.max_iterations = (int)values[OPTION_ITERATIONS];
+    def.max_contact_updates = values[OPTION_UPDATES];
+    def.penetration_slop = values[OPTION_SLOP];
+
+    pe_error failure;
+    pe_status status = PE_OK;
+    size_t count = (size_t)scene->body_count;
+    pe_material_id *materials = calloc((size_t)scene->material_count + 1, sizeof *materials);
+    pl_engine_instance *instance = calloc(1, sizeof *instance);
+    if (instance != NULL) {
+        instance->scene = scene;
+        instance->bodies = calloc(count + 1, sizeof *instance->bodies);
+        instance->index_of = calloc(count + 1, sizeof *instance->index_of);
+    }
+    if (materials == NULL || instance == NULL || instance->bodies == NULL ||
+        instance->index_of == NULL) {
+        status = PE_NO_MEMORY;
+        failure = (pe_error){PE_NO_MEMORY, "no memory for the scene"};
+    }
+    if (status == PE_OK) {
+        status = pe_world_create(&def, &instance->world, &failure);
+    }
+    if (status == PE_OK) {
+        status = add_materials(instance, materials, &failure);
+    }
+    if (status == PE_OK) {
+        status = add_bodies(instance, materials, &failure);
+    }
+    free(materials);
+    if (status != PE_OK) {
+        destroy(instance);
+        return translate(status, &failure, error);
+    }
+    *made = instance;
+    return PL_OK;
+}
+
+static pl_status apply_forces(pl_engine_instance *instance, double dt, pl_error *error)
+{
+    const pl_scene *scene = instance->scene;
+    for (int i = 0; i < scene->force_count; ++i) {
+        const pl_force *force = &scene->forces[i];
+        pe_body_id body = instance->bodies[force->body];
+        pe_body_state s;
+        pe_error failure;
+        double world_force[3], offset[3];
+        pe_status status = pe_body_get_state(instance->world, body, &s, &failure);
+        double q[4] = {s.orientation.w, s.orientation.x, s.orientation.y, s.orientation.z};
+        if (status == PE_OK && pl_force_at(force, instance->time, dt, q, world_force, offset)) {
+            status = pe_body_apply_force(instance->world, body, vector(world_force), vector(offset),
+                                         PE_FRAME_WORLD, &failure);
+        }
+        if (status != PE_OK) {
+            return translate(status, &failure, error);
+        }
+    }
+    return PL_OK;
+}
+
+static pl_status step(pl_engine_instance *instance, double dt, pl_step_stats *stats,
+                      pl_error *error)
+{
+    pl_status status = apply_forces(instance, dt, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    pe_step_stats did;
+    pe_error failure;
+    status = translate(pe_world_step(instance->world, dt, &did, &failure), &failure, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    instance->time += dt;
+    stats->iterations = did.iterations;
+    stats->residual = did.residual;
+    stats->contacts = did.contacts;
+    stats->islands = did.islands;
+    stats->time_collide = did.time_broad_phase + did.time_narrow_phase + did.time_contacts;
+    stats->time_solve = did.time_solve;
+    stats->time_other = did.time_islands + did.time_integrate + did.time_project;
+    return PL_OK;
+}
+
+static void read_frame(const pl_engine_instance *instance, pl_frame *frame)
+{
+    frame->time = instance->time;
+    for (int i = 0; i < frame->body_count; ++i) {
+        pe_body_state s = {0};
+        pe_body_get_state(instance->world, instance->bodies[i], &s, NULL);
+        pl_body_state *to = &frame->bodies[i];
+        store(to->position, s.position);
+        store(to->velocity, s.velocity);
+        store(to->angular_velocity, s.angular_velocity);
+        to->orientation[0] = s.orientation.w;
+        to->orientation[1] = s.orientation.x;
+        to->orientation[2] = s.orientation.y;
+        to->orientation[3] = s.orientation.z;
+    }
+}
+
+static void read_settings(const pl_engine_instance *instance, double dt,
+                          pl_engine_settings *settings)
+{
+    pe_vec3 gravity;
+    pe_world_get_gravity(instance->world, &gravity);
+    store(settings->gravity, gravity);
+    settings->dt = dt; /* the engine keeps no step of its own */
+    for (int i = 0; i < settings->body_count; ++i) {
+        pe_vec3 inertia = {0};
+        pe_body_get_mass(instance->world, instance->bodies[i], &settings->mass[i], &inertia, NULL);
+        store(settings->inertia[i], inertia);
+    }
+}
+
+static void read_pair(const pl_engine_instance *instance, int body_a, int body_b, double *friction,
+                      double *restitution)
+{
+    pe_body_get_pair(instance->world, instance->bodies[body_a], instance->bodies[body_b], friction,
+                     restitution, NULL);
+}
+
+static int read_contacts(const pl_engine_instance *instance, pl_contact *contacts, int capacity)
+{
+    /* The engine's own list, in a buffer that grows to what it needs. */
+    pl_engine_instance *own = (pl_engine_instance *)instance;
+    int count = pe_world_get_contacts(instance->world, own->contacts, own->contact_capacity);
+    if (count > own->contact_capacity) {
+        pe_contact *grown = realloc(own->contacts, (size_t)count * sizeof *grown);
+        if (grown == NULL) {
+            return 0;
+        }
+        own->contacts = grown;
+        own->contact_capacity = count;
+        pe_world_get_contacts(instance->world, own->contacts, count);
+    }
+    for (int i = 0; i < count && i < capacity; ++i) {
+        const pe_contact *c = &own->contacts[i];
+        contacts[i].body_a = own->index_of[c->body_a.index];
+        contacts[i].body_b = own->index_of[c->body_b.index];
+        contacts[i].separation = c->separation;
+        store(contacts[i].point, c->point);
+        store(contacts[i].normal, c->normal);
+        store(contacts[i].impulse, c->impulse);
+    }
+    return count;
+}
+
+const pl_engine *pl_engine_plumb(void)
+{
+    static const pl_engine engine = {
+        .struct_size = sizeof(pl_engine),
+        .abi_version = PL_ENGINE_ABI_VERSION,
+        .name = "plumb",
+        .version = PLUMB_VERSION,
+        .description = "this project's own engine",
+        .residual_unit = "m/s",
+        .capabilities = PL_NEEDS_FRICTION | PL_NEEDS_RESTITUTION | PL_NEEDS_ROTATION |
+                        PL_NEEDS_FORCES | PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX,
+        .profiles = profiles,
+        .profile_count = 1,
+        .options = options,
+        .option_count = OPTION_COUNT,
+        .create = create,
+        .destroy = destroy,
+        .step = step,
+        .read_frame = read_frame,
+        .read_settings = read_settings,
+        .read_pair = read_pair,
+        .read_contacts = read_contacts,
+    };
+    return &engine;
+}

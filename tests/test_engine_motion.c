@@ -1,0 +1,158 @@
+/* Motion without contact: the integrator against closed forms. */
+#include "check.h"
+#include "rotation.h"
+#include "world_for_tests.h"
+
+#include <math.h>
+
+static const double H = 1.0 / 60;
+
+static void test_sine_and_cosine_equal_those_of_libm(void **state)
+{
+    (void)state;
+    check_random random = {1};
+    for (int i = 0; i < 100000; ++i) {
+        double x = check_uniform(&random, -100, 100), s, c;
+        pe_sincos(i % 2 ? x : 0.01 * x, &s, &c);
+        assert_close(s, sin(i % 2 ? x : 0.01 * x), 4e-16, 0);
+        assert_close(c, cos(i % 2 ? x : 0.01 * x), 4e-16, 0);
+    }
+}
+
+static void test_projectile_follows_the_exact_discrete_answer(void **state)
+{
+    (void)state;
+    pe_world *world = make_world(NULL);
+    pe_body_def def = box_def(0.1, 0.2, 0.3, (pe_vec3){1, 2, 3});
+    def.velocity = (pe_vec3){4, 5, 6};
+    pe_body_id body = add_body(world, &def);
+    for (int n = 1; n <= 600; ++n) {
+        step(world, H);
+        pe_body_state s = state_of(world, body);
+        assert_close(s.position.x, 1 + 4 * n * H, 1e-11, 0);
+        assert_close(s.position.z, 3 + 6 * n * H - 9.81 * H * H * n * (n + 1) / 2, 1e-10, 0);
+    }
+    pe_world_destroy(world);
+}
+
+static pe_vec3 body_spin(const pe_body_state *s)
+{
+    pe_mat3 r = pe_matrix_of(s->orientation);
+    return pe_unrotate(&r, s->angular_velocity);
+}
+
+static void test_free_spin_keeps_energy_and_length_of_angular_momentum(void **state)
+{
+    (void)state;
+    pe_world *world = make_world(NULL);
+    pe_body_def def = box_def(0.5, 2, 4.5, (pe_vec3){0, 0, 0});
+    def.angular_velocity = (pe_vec3){0.1, 5, 0.1}; /* about the middle axis: it flips */
+    pe_body_id body = add_body(world, &def);
+    double mass, least = 5;
+    pe_vec3 inertia;
+    pe_body_get_mass(world, body, &mass, &inertia, NULL);
+    pe_vec3 l0 = pe_mul(inertia, def.angular_velocity);
+    for (int n = 0; n < 3600; ++n) {
+        step(world, H);
+        pe_body_state s = state_of(world, body);
+        pe_vec3 w = body_spin(&s), l = pe_mul(inertia, w);
+        assert_close(pe_dot(w, l), pe_dot(def.angular_velocity, l0), 0, 1e-10);
+        assert_close(pe_length(l), pe_length(l0), 0, 1e-10);
+        least = pe_min(least, w.y);
+    }
+    assert_close(least, -5, 0.05, 0);
+    pe_world_destroy(world);
+}
+
+static void test_period_of_the_flip_is_that_of_the_elliptic_integral(void **state)
+{
+    (void)state;
+    /* I = (0.80833, 0.68333, 0.141667), w0 = (0.1, 5, 0.1): w_y has the period 6.056844 s. */
+    pe_world *world = make_world(NULL);
+    pe_body_def def = box_def(0.5, 2, 4.5, (pe_vec3){0, 0, 0});
+    def.inertia = (pe_vec3){0.80833, 0.68333, 0.141667};
+    def.angular_velocity = (pe_vec3){0.1, 5, 0.1};
+    pe_body_id body = add_body(world, &def);
+    const double h = 1e-3;
+    double crossing[3], before = 5;
+    int found = 0;
+    for (int n = 1; found < 3 && n < 12000; ++n) {
+        step(world, h);
+        pe_body_state s = state_of(world, body);
+        double now = body_spin(&s).y;
+        if ((before > 0) != (now > 0)) {
+            crossing[found++] = h * (n - 1 + before / (before - now));
+        }
+        before = now;
+    }
+    assert_int_equal(found, 3);
+    assert_close(crossing[2] - crossing[0], 6.056844, 0, 1e-4);
+    pe_world_destroy(world);
+}
+
+static void test_force_at_a_point_gives_its_acceleration_and_torque_in_either_frame(void **state)
+{
+    (void)state;
+    for (int frame = 0; frame < 2; ++frame) {
+        pe_world_def world_def = pe_world_def_default();
+        world_def.gravity = (pe_vec3){0, 0, 0};
+        pe_world *world = make_world(&world_def);
+        pe_body_def def = box_def(0.3, 0.3, 0.3, (pe_vec3){0, 0, 0});
+        def.mass = 2;
+        def.orientation =
+            (pe_quat){sqrt(0.5), 0, 0, sqrt(0.5)}; /* x of the body is y of the world */
+        pe_body_id body = add_body(world, &def);
+        assert_int_equal(pe_body_apply_force(world, body, (pe_vec3){3, 0, 0}, (pe_vec3){0, 0, 0.3},
+                                             frame ? PE_FRAME_BODY : PE_FRAME_WORLD, NULL),
+                         PE_OK);
+        step(world, H);
+        double v = 3.0 / 2 * H, w = 0.9 / (2 * (0.36 + 0.36) / 12) * H;
+        pe_body_state s = state_of(world, body);
+        assert_close(s.velocity.x, frame ? 0 : v, 1e-15, 0);
+        assert_close(s.velocity.y, frame ? v : 0, 1e-15, 0);
+        /* r x F: (0, 0, 0.3) x (3, 0, 0) = (0, 0.9, 0). */
+        assert_close(s.angular_velocity.x, frame ? -w : 0, 1e-14, 0);
+        assert_close(s.angular_velocity.y, frame ? 0 : w, 1e-14, 0);
+        /* The force was for one step. */
+        step(world, H);
+        assert_close(state_of(world, body).velocity.x, frame ? 0 : v, 1e-15, 0);
+        pe_world_destroy(world);
+    }
+}
+
+static void test_rotation_is_the_exponential_map(void **state)
+{
+    (void)state;
+    check_random random = {8};
+    for (int i = 0; i < 1000; ++i) {
+        double q[4];
+        check_quaternion(&random, q);
+        pe_quat start = {q[0], q[1], q[2], q[3]};
+        pe_vec3 v = pe_v3(check_uniform(&random, -2, 2), check_uniform(&random, -2, 2),
+                          check_uniform(&random, -2, 2));
+        /* One turn equals many small ones about the same axis, and the axis stays. */
+        pe_quat one = pe_quat_turned(start, v), many = start;
+        for (int k = 0; k < 64; ++k) {
+            many = pe_quat_turned(many, pe_scale(1.0 / 64, v));
+        }
+        assert_close(fabs(one.w * many.w + one.x * many.x + one.y * many.y + one.z * many.z), 1,
+                     1e-13, 0);
+        pe_quat identity = {.w = 1};
+        pe_mat3 turn = pe_matrix_of(pe_quat_turned(identity, v));
+        assert_at_most(pe_length(pe_sub(pe_rotate(&turn, v), v)), 1e-13);
+        assert_close(turn.r0.x + turn.r1.y + turn.r2.z, 1 + 2 * cos(pe_length(v)), 1e-13, 0);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_sine_and_cosine_equal_those_of_libm),
+        cmocka_unit_test(test_projectile_follows_the_exact_discrete_answer),
+        cmocka_unit_test(test_free_spin_keeps_energy_and_length_of_angular_momentum),
+        cmocka_unit_test(test_period_of_the_flip_is_that_of_the_elliptic_integral),
+        cmocka_unit_test(test_force_at_a_point_gives_its_acceleration_and_torque_in_either_frame),
+        cmocka_unit_test(test_rotation_is_the_exponential_map),
+    };
+    return cmocka_run_group_tests_name("engine_motion", tests, NULL, NULL);
+}
