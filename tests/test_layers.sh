@@ -1,0 +1,70 @@
+#!/usr/bin/env bash
+# Data goes one way. Two checks: which folder's headers a file includes, and, from the symbols that each
+# object file takes from the others, that no files call each other in a ring.
+set -eu
+cd "$SOURCE"
+failed=0
+
+complain() {
+    echo "$1" >&2
+    failed=1
+}
+
+# allow FOLDER REGEX: quoted includes of FOLDER's files must match REGEX or be a file of the folder itself.
+allow() {
+    local folder=$1 allowed=$2 file included
+    while IFS=: read -r file included; do
+        [[ -e "$(dirname "$file")/$included" ]] && continue
+        [[ $included =~ ^($allowed)$ ]] && continue
+        complain "$file includes \"$included\", which $folder may not know"
+    done < <(grep -rHoE '^#include "[^"]+"' "$folder" --include=*.c --include=*.h --include=*.cpp |
+             sed -E 's/#include "([^"]+)"/\1/')
+}
+
+scene='plumb/(base|scene|scenario)\.h'
+abi='plumb/engine_abi\.h'
+allow engine/include 'none'
+allow engine/src 'plumb/engine\.h'
+allow scenarios "$scene|scene_[a-z_]+\.h|random\.h|number\.h|name_index\.h|complaint\.h|json_field\.h"
+allow compare/referee "$scene|$abi|referee/.*"
+allow compare/results "$scene|$abi|referee/metrics\.h|results/.*"
+allow compare/report "$scene|referee/(metrics|vec)\.h|results/.*|report/.*"
+allow compare/runner "$scene|$abi|(adapters/registry|adapters/[a-z_]*|referee/.*|results/.*|runner/.*)(\.h)?"
+allow compare/adapters "$scene|$abi|adapters/.*|plumb/engine\.h"
+
+# An engine's headers are known to its adapter alone.
+only() {
+    local pattern=$1 owner=$2 file
+    while read -r file; do
+        [[ $file == "$owner" ]] || complain "$file includes headers that only $owner may"
+    done < <(grep -rlE "^#include [<\"]($pattern)" engine scenarios compare || true)
+}
+only 'ode/' compare/adapters/adapter_ode.c
+only 'bt[A-Z]|Bullet' compare/adapters/bullet_c.cpp
+only 'ccd/' compare/referee/gap_convex.c
+only 'plumb/engine\.h' 'compare/adapters/adapter_plumb.c' 2>&1 |
+    grep -v '^engine/' >"$BUILD/layers.txt" || true
+if [[ -s $BUILD/layers.txt ]]; then
+    complain "$(cat "$BUILD/layers.txt")"
+fi
+
+# Rings: an edge from each object to the object that defines what it takes; tsort finds cycles.
+list=$BUILD/layers_symbols.txt
+find "$BUILD/engine" "$BUILD/scenarios" "$BUILD/compare" -name '*.o' | sort | while read -r object; do
+    nm -g "$object" | awk -v file="${object#"$BUILD"/}" '
+        $1 == "U" { print "use", $2, file; next }
+        NF == 3 && $2 ~ /[TDRB]/ { print "def", $3, file }'
+done >"$list"
+edges=$BUILD/layers_edges.txt
+awk '$1 == "def" { owner[$2] = $3; next }
+     { user[NR] = $3; symbol[NR] = $2 }
+     END { for (i in user) if (symbol[i] in owner && owner[symbol[i]] != user[i])
+               print user[i], owner[symbol[i]] }' "$list" | sort -u >"$edges"
+if [[ $(wc -l <"$edges") -lt 40 ]]; then
+    complain "only $(wc -l <"$edges") calls between files were seen: the check is blind"
+fi
+if ! ring=$(tsort "$edges" 2>&1 >/dev/null) || [[ -n $ring ]]; then
+    complain "files that call each other in a ring:
+$ring"
+fi
+exit $failed
