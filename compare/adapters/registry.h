@@ -21,14 +21,15 @@ typedef struct pl_engine_choice {
     char spec[256];                       /* as the user wrote it */
 } pl_engine_choice;
 
-/* Parses `name[:profile][,option=value]...` where name is a built-in engine or the path of a shared object
- * (it has a '/' or ends in ".so"). A name without a profile is the first profile.
- * PL_BAD_INPUT: unknown name, profile or option (the nearest one suggested), value out of range, a shared
- * object of another ABI. PL_UNSUPPORTED: an engine that this build lacks, with its Debian package. */
+/* Parses `name[:profile][,option=value]...` where name is a built-in engine or the path of a shared
+ * object (it has a '/' or ends in ".so"). A name without a profile is the first profile.
+ * PL_BAD_INPUT: unknown name, profile or option (the nearest one suggested), value out of range, a
+ * shared object of another ABI. PL_UNSUPPORTED: an engine that this build lacks, with its Debian
+ * package. */
 pl_status pl_engine_choose(const char *spec, pl_engine_choice *choice, pl_error *error);
 
-/* "name:profile": how rows of a report name this choice. Options that differ from the profile's default
- * follow as ",option=value". */
+/* "name:profile": how rows of a report name this choice. Options that differ from the profile's
+ * default follow as ",option=value". */
 void pl_engine_choice_label(const pl_engine_choice *choice, char label[128]);
 
 #endif

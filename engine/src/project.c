@@ -13,17 +13,24 @@ static double separation_now(const pe_world *world, const pe_manifold *m, const 
     return pe_dot(m->normal, pe_sub(on_b, on_a));
 }
 
-/* Deepest violation of J_n d + bias >= 0. */
-static double violation(const pe_problem *island)
+/* How far J_n d + bias >= 0 is from being met. */
+typedef struct violation {
+    double deepest, squares; /* m; sum of squares over the contacts, m^2 */
+} violation;
+
+static violation measure(const pe_problem *island)
 {
-    double worst = 0;
+    violation v = {0};
     for (int i = 0; i < island->count; ++i) {
         const pe_row *row = &island->rows[i];
         double u =
             row->bias + pe_row_velocity(row, 0, island->velocity[row->a], island->velocity[row->b]);
-        worst = pe_max(worst, -u);
+        if (u < 0) {
+            v.deepest = pe_max(v.deepest, -u);
+            v.squares += u * u;
+        }
     }
-    return worst;
+    return v;
 }
 
 static void sweep(const pe_problem *island)
@@ -59,19 +66,21 @@ static void clear(const pe_problem *island, double (*lines)[PE_LANES])
     }
 }
 
-/* Finds displacements with the least violation into `best`; returns the sweeps made. */
+/* Finds displacements with the least sum of squared violations into `best`; returns the sweeps
+ * made. The sum, not the deepest: one contact that is jammed must not keep the others from being
+ * mended. */
 static int solve(const pe_problem *island, double (*best)[PE_LANES], double enough, int most)
 {
     clear(island, island->velocity);
     clear(island, best);
     memset(island->impulse, 0, (size_t)island->count * sizeof *island->impulse);
-    double least = violation(island);
+    violation least = measure(island);
     int iterations = 0;
-    while (iterations < most && least > enough) {
+    while (iterations < most && least.deepest > enough) {
         sweep(island);
         iterations += 1;
-        double now = violation(island);
-        if (now < least) {
+        violation now = measure(island);
+        if (now.squares < least.squares) {
             least = now;
             copy_lines(island, best, island->velocity);
         }

@@ -39,14 +39,15 @@ static void update(const pe_row *row, double *restrict p, double *restrict ya, d
 
 /* Sweeping damps the slowest mode of a chain of N bodies by a factor 1 - O(1/N^2) a sweep, so that
  * what has not converged after a multiple of N^2 sweeps will not: an island of few points stops
- * there, a large one at the bound on work. */
+ * there, a large one at the bound on work, but not before it has had a fair number of sweeps. */
 static const double SWEEPS_PER_SQUARED_COUNT = 50;
+static const double LEAST_BOUND = 100;
 
 static int sweep_limit(const pe_problem *problem, const pe_solve_limits *limits)
 {
     double n = problem->count;
-    double most = pe_min(SWEEPS_PER_SQUARED_COUNT * n * n, limits->max_updates / n);
-    return (int)pe_min(limits->max_iterations, pe_max(1, most));
+    double most = pe_max(LEAST_BOUND, limits->max_updates / n);
+    return (int)pe_min(limits->max_iterations, pe_min(SWEEPS_PER_SQUARED_COUNT * n * n, most));
 }
 
 void pe_solve_gauss_seidel(const pe_problem *problem, const pe_solve_limits *limits,

@@ -24,16 +24,35 @@ static double lap(double *mark)
     return passed;
 }
 
-static void solve_islands(const pe_world *world, const pe_islands *islands,
-                          const pe_problems *problems, pe_step_stats *stats)
+/* What collapses has another problem at every step, so that sweeps spent on its last digits are
+ * lost at the next; what stands keeps the digits. A moving island gets this part of the work. */
+static const double MOVING_PART = 0.05;
+
+/* Whether a body of the island is faster than one step of free fall would make it. */
+static bool is_moving(const pe_world *world, const pe_problem *island, double dt)
 {
-    pe_solve_limits limits = {
-        .tolerance = world->def.tolerance,
-        .max_iterations = world->def.max_iterations,
-        .max_updates = world->def.max_contact_updates,
-    };
+    double speed = dt * pe_length(world->def.gravity);
+    const pe_motion *motions = pe_motions(world);
+    for (int i = 0; i < island->count; ++i) {
+        pe_vec3 a = motions[island->rows[i].a].velocity, b = motions[island->rows[i].b].velocity;
+        if (pe_dot(a, a) > speed * speed || pe_dot(b, b) > speed * speed) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void solve_islands(const pe_world *world, const pe_islands *islands,
+                          const pe_problems *problems, double dt, pe_step_stats *stats)
+{
     for (int k = 0; k < islands->count; ++k) {
         pe_problem island = pe_problems_island(problems, k);
+        double part = is_moving(world, &island, dt) ? MOVING_PART : 1;
+        pe_solve_limits limits = {
+            .tolerance = world->def.tolerance,
+            .max_iterations = world->def.max_iterations,
+            .max_updates = part * world->def.max_contact_updates,
+        };
         pe_solve_report report;
         pe_solve_gauss_seidel(&island, &limits, &report);
         stats->unconverged_islands += !report.converged;
@@ -127,7 +146,7 @@ pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_err
     local.contacts = world->contacts.point_count;
 
     double mark = seconds_now();
-    solve_islands(world, &islands, &problems, &local);
+    solve_islands(world, &islands, &problems, dt, &local);
     apply_solution(world, predicted, &problems.all);
     pe_problems_store_impulses(world, &problems);
     local.time_solve += lap(&mark);

@@ -57,7 +57,8 @@ typedef struct pl_body_state {
     double angular_velocity[3];
 } pl_body_state;
 
-/* The state of all bodies of the scene, in the scene's order, static ones too. Caller-owned. */
+/* The state of all bodies of the scene, in the scene's order, static ones too. Caller-owned: the
+ * caller sets body_count to the scene's and provides bodies; the engine fills time and *bodies. */
 typedef struct pl_frame {
     double time; /* s */
     int body_count;
@@ -73,7 +74,8 @@ typedef struct pl_contact {
     double impulse[3];  /* on B over the whole step, world, N s */
 } pl_contact;
 
-/* Read back from the engine's own objects, not from what the adapter handed in. Caller-owned arrays. */
+/* Read back from the engine's own objects, not from what the adapter handed in. Caller-owned
+ * arrays, and body_count is the caller's. */
 typedef struct pl_engine_settings {
     double gravity[3];
     double dt;            /* the step that step(dt) will really make */

@@ -1,9 +1,12 @@
 /* What every layer of the harness shares: the status of a call and the error it fills.
  *
- * A function that can fail returns a pl_status and takes an optional `pl_error *` (NULL is allowed).
- * On PL_OK the error is untouched. No function here prints, exits, or keeps global state. */
+ * A function that can fail returns a pl_status and takes an optional `pl_error *` (NULL is
+ * allowed). On PL_OK the error is untouched. No function here prints, exits, or keeps global state.
+ */
 #ifndef PLUMB_BASE_H
 #define PLUMB_BASE_H
+
+#include <stdbool.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -30,11 +33,17 @@ typedef struct pl_error {
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
-pl_status pl_fail(pl_error *error, pl_status status, const char *format, ...);
+pl_status
+pl_fail(pl_error *error, pl_status status, const char *format, ...);
 
 /* The candidate nearest to `word` by edit distance, or NULL when none is near enough to be what
  * was meant (distance at most 1 + a third of the word's length). `candidates` has `count` items. */
 const char *pl_nearest_name(const char *word, const char *const *candidates, int count);
+
+/* A number as people give it on a command line: a decimal ("0.5", "-1e-3") or a ratio of two
+ * ("1/60"). False for anything else: blanks, hexadecimals, "inf", "nan", an overflow, a division by
+ * zero. */
+bool pl_parse_number(const char *text, double *value);
 
 #ifdef __cplusplus
 }

@@ -30,7 +30,8 @@ enum {
     PL_NEEDS_BOX = 1u << 10
 };
 
-/* Those bits as the scene itself shows them: friction where any touching pair may have it, and so on. */
+/* Those bits as the scene itself shows them: friction where any touching pair may have it, and so
+ * on. */
 uint32_t pl_scene_needs(const pl_scene *scene);
 
 /* The name of one bit of PL_NEEDS_*, such as "friction" or "box"; NULL for an unknown bit. */
@@ -41,13 +42,15 @@ typedef struct pl_scenario {
     const char *title;       /* a line for people */
     const char *description; /* what is built, and what it shows */
     const char *reference;   /* the right answer, as a formula in plain text */
-    const char *source;      /* of that formula: author, year, equation; or "by symmetry", "statics" */
+    const char *source; /* of that formula: author, year, equation; or "by symmetry", "statics" */
     const char *primary_error; /* the metric's name */
     uint32_t needs;
+    /* Every scenario has, besides its own, the parameters "dt" and "duration" (s): its reference
+     * may depend on them, and the command's --dt and --duration set them. */
     const pl_param *params;
     int param_count;
-    /* `values` has param_count numbers, already checked against their ranges. The same seed and values
-     * give the same scene, bit for bit, everywhere. On failure *scene is left empty. */
+    /* `values` has param_count numbers, already checked against their ranges. The same seed and
+     * values give the same scene, bit for bit, everywhere. On failure *scene is left empty. */
     pl_status (*build)(const double *values, uint64_t seed, pl_scene *scene, pl_error *);
 } pl_scenario;
 
@@ -58,8 +61,8 @@ const pl_scenario *const *pl_scenarios(int *count);
 const pl_scenario *pl_scenario_find(const char *name, pl_error *);
 
 /* Fills values[param_count] with defaults, then applies `count` texts of the form "NAME=VALUE".
- * PL_BAD_INPUT names an unknown parameter (with the nearest one), a text that is no number, a fraction
- * where an integer is due, or a value out of range. */
+ * PL_BAD_INPUT names an unknown parameter (with the nearest one), a text that is no number, a
+ * fraction where an integer is due, or a value out of range. */
 pl_status pl_scenario_values(const pl_scenario *scenario, const char *const *settings, int count,
                              double *values, pl_error *);
 

@@ -1,12 +1,12 @@
 /* The engine-neutral scene: what is there at t = 0, and what is expected of it.
  *
- * SI units, right-handed, z up by custom (gravity says). Quaternions are (w, x, y, z), unit, body to
- * world. `velocity` is that of the centre of mass; `velocity` and `angular_velocity` are in the world
- * frame. `position` and `orientation` place the shape's own frame, which for a sphere and a box is
- * also the frame of the centre of mass and of the principal axes.
+ * SI units, right-handed, z up by custom (gravity says). Quaternions are (w, x, y, z), unit, body
+ * to world. `velocity` is that of the centre of mass; `velocity` and `angular_velocity` are in the
+ * world frame. `position` and `orientation` place the shape's own frame, which for a sphere and a
+ * box is also the frame of the centre of mass and of the principal axes.
  *
- * Plain data throughout: adapters and loadable engines read it as it stands. Arrays are owned by the
- * scene; indices, not pointers, refer from one array to another. */
+ * Plain data throughout: adapters and loadable engines read it as it stands. Arrays are owned by
+ * the scene; indices, not pointers, refer from one array to another. */
 #ifndef PLUMB_SCENE_H
 #define PLUMB_SCENE_H
 
@@ -20,14 +20,22 @@
 extern "C" {
 #endif
 
+/* Limits of a scene. */
+enum {
+    PL_MAX_MATERIALS = 256,
+    PL_MAX_BODIES = 100000,
+    PL_MAX_STEPS = 10000000,
+    PL_MAX_SCENE_BYTES = 64 << 20 /* of a scene file */
+};
+
 typedef enum pl_shape_kind { PL_SHAPE_PLANE, PL_SHAPE_SPHERE, PL_SHAPE_BOX } pl_shape_kind;
 enum { PL_SHAPE_KIND_COUNT = 3 };
 
 typedef struct pl_shape {
     pl_shape_kind kind;
-    double normal[3];       /* plane: unit, points out of the solid half-space {x : n.x <= offset} */
-    double offset;          /* plane: m, along the normal */
-    double radius;          /* sphere: m */
+    double normal[3]; /* plane: unit, points out of the solid half-space {x : n.x <= offset} */
+    double offset;    /* plane: m, along the normal */
+    double radius;    /* sphere: m */
     double half_extents[3]; /* box: m */
 } pl_shape;
 
@@ -58,9 +66,9 @@ typedef struct pl_body {
 
 typedef enum pl_force_frame { PL_FRAME_WORLD, PL_FRAME_BODY } pl_force_frame;
 
-/* A constant force on a body at a point, over from <= t < until; t is the time at the start of a step.
- * In the world frame, `force` is in world axes and `at` is an offset from the centre of mass in world
- * axes; in the body frame both turn with the body. */
+/* A constant force on a body at a point, over from <= t < until; t is the time at the start of a
+ * step. In the world frame, `force` is in world axes and `at` is an offset from the centre of mass
+ * in world axes; in the body frame both turn with the body. */
 typedef struct pl_force {
     int body;
     double force[3]; /* N */
@@ -82,7 +90,7 @@ typedef struct pl_expect_travel {
     int body;
     double direction[3]; /* unit, world */
     double distance;     /* m, of the continuous problem */
-    double discrete;     /* m, the exact answer of semi-implicit Euler at the scene's dt; NAN if none */
+    double discrete; /* m, the exact answer of semi-implicit Euler at the scene's dt; NAN if none */
 } pl_expect_travel;
 
 typedef struct pl_scene {
@@ -113,7 +121,8 @@ typedef struct pl_scene {
     double collapse_distance;
 } pl_scene;
 
-/* An empty scene: gravity (0, 0, -9.81), dt 1/60, duration 5, nothing expected. Owns nothing yet. */
+/* An empty scene: gravity (0, 0, -9.81), dt 1/60, duration 5, nothing expected. Owns nothing yet.
+ */
 pl_scene pl_scene_default(void);
 
 /* A dynamic unit-mass body at the origin, at rest, without shape data. Owns nothing. */
@@ -123,12 +132,16 @@ pl_shape pl_shape_plane(double nx, double ny, double nz, double offset);
 pl_shape pl_shape_sphere(double radius);
 pl_shape pl_shape_box(double half_x, double half_y, double half_z);
 
-/* Volume in m^3 (0 for a plane) and the principal inertia of the solid of uniform density, kg m^2. */
+/* Volume in m^3 (0 for a plane) and the principal inertia of the solid of uniform density, kg m^2.
+ */
 double pl_shape_volume(const pl_shape *shape);
 void pl_shape_inertia(const pl_shape *shape, double mass, double inertia[3]);
 
-/* Each appends a copy and returns its index in *index (NULL allowed). PL_NO_MEMORY leaves the scene as
- * it was. pl_scene_add_body with inertia all zero and a dynamic body fills it from the shape. */
+/* Each appends a copy and returns its index in *index (NULL allowed). A failure leaves the scene as
+ * it was: PL_NO_MEMORY, or PL_BAD_INPUT for a material beyond PL_MAX_MATERIALS. pl_scene_add_body
+ * fills an inertia of all zeros of a dynamic body from its shape, and gives what has no meaning
+ * (mass and inertia of a static body, pose of a plane) its one value: zero, and the identity for
+ * the orientation. */
 pl_status pl_scene_add_material(pl_scene *scene, const pl_material *item, int *index, pl_error *);
 pl_status pl_scene_add_pair(pl_scene *scene, const pl_material_pair *item, pl_error *);
 pl_status pl_scene_add_body(pl_scene *scene, const pl_body *item, int *index, pl_error *);
@@ -139,18 +152,18 @@ pl_status pl_scene_add_travel(pl_scene *scene, const pl_expect_travel *item, pl_
 /* Frees what the scene owns and makes it an empty default scene. */
 void pl_scene_free(pl_scene *scene);
 
-/* Friction and restitution of a pair of materials: the override where the scene has one, otherwise the
- * geometric mean of the frictions and the larger restitution (which is each material's own value for a
- * material against itself). */
+/* Friction and restitution of a pair of materials: the override where the scene has one, otherwise
+ * the geometric mean of the frictions and the larger restitution (which is each material's own
+ * value for a material against itself). */
 void pl_scene_pair(const pl_scene *scene, int material_a, int material_b, double *friction,
                    double *restitution);
 
 /* Number of steps of a run: round(duration / dt). */
 long pl_scene_steps(const pl_scene *scene);
 
-/* Checks a scene made by code by the same rules as one read from a file (finite numbers, mass > 0, unit
- * normals and quaternions to 1e-9, indices in range, unique names, static planes). PL_BAD_INPUT says
- * which field of which object, and the number. */
+/* Checks a scene made by code by the same rules as one read from a file (finite numbers, mass > 0,
+ * unit normals and quaternions to 1e-9, indices in range, unique names, static planes).
+ * PL_BAD_INPUT says which field of which object, and the number. */
 pl_status pl_scene_validate(const pl_scene *scene, pl_error *);
 
 /* Reads a scene file ("plumb_scene": 1). `path` "-" is standard input. The error's message is
@@ -161,12 +174,13 @@ pl_status pl_scene_read_file(const char *path, pl_scene *scene, pl_error *);
 pl_status pl_scene_read_text(const char *text, size_t length, const char *label, pl_scene *scene,
                              pl_error *);
 
-/* The scene as JSON text that pl_scene_read_text reads back to the same scene, number for number.
- * malloc'd; the caller frees. NULL when out of memory. */
+/* A valid scene as JSON text that pl_scene_read_text reads back to the same scene, number for
+ * number; forces come in the order of their bodies. malloc'd; the caller frees. NULL when out of
+ * memory. */
 char *pl_scene_to_text(const pl_scene *scene);
 
-/* 64-bit FNV-1a of that text as 16 hexadecimal digits and a zero: two scenes with the same hash are the
- * same problem. PL_NO_MEMORY leaves `hash` empty. */
+/* 64-bit FNV-1a of that text as 16 hexadecimal digits and a zero: two scenes with the same hash are
+ * the same problem. PL_NO_MEMORY leaves `hash` empty. */
 pl_status pl_scene_hash(const pl_scene *scene, char hash[17], pl_error *);
 
 #ifdef __cplusplus

@@ -1,0 +1,284 @@
+/* Bullet 3.24 in double precision, through bullet_c.h.
+ *
+ * si and nncg are Bullet's iterative solvers, at 10 iterations as shipped; dantzig and lemke hand
+ * each group of islands to a dense solver, which falls back to sequential impulse where it fails
+ * (said on standard error at the end of the run). Everything else is as Bullet ships it: one
+ * friction direction a contact point along its sliding velocity, islands gathered into groups of
+ * 128 constraints, contact points kept over steps. Sleeping is off. */
+#include "adapters/adapters.h"
+#include "adapters/bullet_c.h"
+#include "adapters/force.h"
+#include "plumb/scenario.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    OPTION_ITERATIONS,
+    OPTION_SPLIT_IMPULSE,
+    OPTION_ERP,
+    OPTION_ERP2,
+    OPTION_RESTITUTION_THRESHOLD,
+    OPTION_MARGIN,
+    OPTION_PLANE_MULTIPOINT,
+    OPTION_COUNT
+};
+
+static const double gibibyte = 1024.0 * 1024.0 * 1024.0;
+static const double dense_limit = 4 * 1024.0 * 1024.0 * 1024.0; /* bytes */
+
+static const pl_engine_profile profiles[] = {
+    [PL_BULLET_SI] = {.name = "si",
+                      .help = "btSequentialImpulseConstraintSolver",
+                      .in_default_comparison = true},
+    [PL_BULLET_NNCG] = {.name = "nncg",
+                        .help = "btNNCGConstraintSolver: nonsmooth nonlinear conjugate gradients",
+                        .in_default_comparison = true},
+    [PL_BULLET_DANTZIG] = {.name = "dantzig", .help = "btMLCPSolver with btDantzigSolver"},
+    [PL_BULLET_LEMKE] = {.name = "lemke",
+                         .help =
+                             "btMLCPSolver with btLemkeSolver, which bounds friction by mu N s"},
+};
+
+static const pl_engine_option options[OPTION_COUNT] = {
+    [OPTION_ITERATIONS] = {.name = "iterations",
+                           .value = 10,
+                           .min = 1,
+                           .max = 1e6,
+                           .integer = true,
+                           .unit = "1",
+                           .help = "sweeps of si and nncg; of the fallback of dantzig and lemke"},
+    [OPTION_SPLIT_IMPULSE] = {.name = "split_impulse",
+                              .value = 1,
+                              .min = 0,
+                              .max = 1,
+                              .integer = true,
+                              .unit = "1",
+                              .help = "undo deep penetration apart from the velocity"},
+    [OPTION_ERP] = {.name = "erp",
+                    .value = 0.2,
+                    .min = 0,
+                    .max = 1,
+                    .unit = "1",
+                    .help = "share of a joint's error undone in a step"},
+    [OPTION_ERP2] = {.name = "erp2",
+                     .value = 0.2,
+                     .min = 0,
+                     .max = 1,
+                     .unit = "1",
+                     .help = "share of a contact's penetration undone in a step"},
+    [OPTION_RESTITUTION_THRESHOLD] = {.name = "restitution_threshold",
+                                      .value = 0.2,
+                                      .min = 0,
+                                      .max = 1e6,
+                                      .unit = "m/s",
+                                      .help = "slower impacts do not bounce"},
+    [OPTION_MARGIN] = {.name = "margin",
+                       .value = 0.04,
+                       .min = 0,
+                       .max = 1e3,
+                       .unit = "m",
+                       .help = "of a box, inside its half extents; at most a tenth of the least"},
+    [OPTION_PLANE_MULTIPOINT] = {.name = "plane_multipoint",
+                                 .value = 0,
+                                 .min = 0,
+                                 .max = 16,
+                                 .integer = true,
+                                 .unit = "1",
+                                 .help =
+                                     "points sought each step against a plane; Bullet suggests 3"},
+};
+
+struct pl_engine_instance {
+    const pl_scene *scene;
+    pl_bullet_world *world;
+    int profile;
+    double time;
+    long steps;
+};
+
+static void scene_pair(const void *context, int body_a, int body_b, double *friction,
+                       double *restitution)
+{
+    const pl_scene *scene = context;
+    pl_scene_pair(scene, scene->bodies[body_a].material, scene->bodies[body_b].material, friction,
+                  restitution);
+}
+
+static void bullet_destroy(pl_engine_instance *instance)
+{
+    if (instance == NULL) {
+        return;
+    }
+    if (instance->world != NULL) {
+        int fallbacks = pl_bullet_fallbacks(instance->world);
+        if (fallbacks > 0) {
+            fprintf(stderr,
+                    "bullet:%s gave up %d times in %ld steps and fell back to sequential impulse\n",
+                    profiles[instance->profile].name, fallbacks, instance->steps);
+        }
+    }
+    pl_bullet_world_destroy(instance->world);
+    free(instance);
+}
+
+static pl_status bullet_create(const pl_scene *scene, int profile, const double *values,
+                               pl_engine_instance **out, pl_error *error)
+{
+    *out = NULL;
+    pl_engine_instance *instance = calloc(1, sizeof *instance);
+    if (instance == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for a bullet world");
+    }
+    instance->scene = scene;
+    instance->profile = profile;
+    pl_bullet_world_def def = {
+        .solver = (pl_bullet_solver)profile,
+        .settings = {.iterations = (int)values[OPTION_ITERATIONS],
+                     .split_impulse = values[OPTION_SPLIT_IMPULSE] > 0,
+                     .erp = values[OPTION_ERP],
+                     .erp2 = values[OPTION_ERP2],
+                     .restitution_threshold = values[OPTION_RESTITUTION_THRESHOLD],
+                     .margin = values[OPTION_MARGIN],
+                     .plane_multipoint = (int)values[OPTION_PLANE_MULTIPOINT]},
+        .gravity = {scene->gravity[0], scene->gravity[1], scene->gravity[2]},
+        .matrix_limit = dense_limit,
+        .pair = scene_pair,
+        .context = scene,
+    };
+    pl_status status = PL_OK;
+    instance->world = pl_bullet_world_create(&def);
+    if (instance->world == NULL) {
+        status = pl_fail(error, PL_NO_MEMORY, "bullet could not make a world");
+        goto cleanup;
+    }
+    for (int i = 0; i < scene->body_count; i++) {
+        status = pl_bullet_add_body(instance->world, &scene->bodies[i]);
+        if (status != PL_OK) {
+            pl_fail(error, status, "body \"%s\": bullet could not make its shape (kind %d)",
+                    scene->bodies[i].name, (int)scene->bodies[i].shape.kind);
+            goto cleanup;
+        }
+    }
+    *out = instance;
+    instance = NULL;
+cleanup:
+    bullet_destroy(instance);
+    return status;
+}
+
+static void add_forces(const pl_engine_instance *instance, double dt)
+{
+    const pl_scene *scene = instance->scene;
+    for (int i = 0; i < scene->force_count; i++) {
+        const pl_force *force = &scene->forces[i];
+        pl_body_state state;
+        double world_force[3], offset[3];
+        pl_bullet_read_body(instance->world, force->body, &state);
+        if (!scene->bodies[force->body].is_static &&
+            pl_force_at(force, instance->time, dt, state.orientation, world_force, offset)) {
+            pl_bullet_add_force(instance->world, force->body, world_force, offset);
+        }
+    }
+}
+
+static pl_status bullet_step(pl_engine_instance *instance, double dt, pl_step_stats *stats,
+                             pl_error *error)
+{
+    double rows = 0, bytes = 0;
+    add_forces(instance, dt);
+    pl_status status = pl_bullet_step(instance->world, dt, stats, &rows, &bytes);
+    if (status == PL_UNSUPPORTED) {
+        return pl_fail(error, status,
+                       "bullet:%s needs %.1f GiB for the dense matrices of %.0f contact rows; the "
+                       "limit is %.0f GiB",
+                       profiles[instance->profile].name, bytes / gibibyte, rows,
+                       dense_limit / gibibyte);
+    }
+    if (status != PL_OK) {
+        return pl_fail(error, status, "bullet threw an exception in step %ld", instance->steps + 1);
+    }
+    instance->time += dt;
+    instance->steps++;
+    return PL_OK;
+}
+
+static void bullet_read_frame(const pl_engine_instance *instance, pl_frame *frame)
+{
+    const pl_scene *scene = instance->scene;
+    frame->time = instance->time;
+    for (int i = 0; i < frame->body_count; i++) {
+        pl_body_state *state = &frame->bodies[i];
+        pl_bullet_read_body(instance->world, i, state);
+        if (scene->bodies[i].shape.kind == PL_SHAPE_PLANE) {
+            /* The shape holds a plane's place, so that its body stays at the origin. */
+            memcpy(state->position, scene->bodies[i].position, sizeof state->position);
+            memcpy(state->orientation, scene->bodies[i].orientation, sizeof state->orientation);
+        }
+    }
+}
+
+static void bullet_read_settings(const pl_engine_instance *instance, double dt,
+                                 pl_engine_settings *settings)
+{
+    pl_bullet_read_gravity(instance->world, settings->gravity);
+    settings->dt = dt;
+    for (int i = 0; i < settings->body_count; i++) {
+        pl_bullet_read_mass(instance->world, i, &settings->mass[i], settings->inertia[i]);
+    }
+}
+
+static void bullet_read_pair(const pl_engine_instance *instance, int body_a, int body_b,
+                             double *friction, double *restitution)
+{
+    pl_bullet_read_pair(instance->world, body_a, body_b, friction, restitution);
+}
+
+static int bullet_read_contacts(const pl_engine_instance *instance, pl_contact *contacts,
+                                int capacity)
+{
+    return pl_bullet_read_contacts(instance->world, contacts, capacity);
+}
+
+/* Asks Bullet itself, so that a library built with other defaults is compared as it ships. */
+static void bullet_profile_defaults(int profile, double *values)
+{
+    (void)profile;
+    pl_bullet_settings shipped = pl_bullet_shipped();
+    values[OPTION_ITERATIONS] = shipped.iterations;
+    values[OPTION_SPLIT_IMPULSE] = shipped.split_impulse;
+    values[OPTION_ERP] = shipped.erp;
+    values[OPTION_ERP2] = shipped.erp2;
+    values[OPTION_RESTITUTION_THRESHOLD] = shipped.restitution_threshold;
+    values[OPTION_MARGIN] = shipped.margin;
+    values[OPTION_PLANE_MULTIPOINT] = shipped.plane_multipoint;
+}
+
+static const pl_engine engine = {
+    .struct_size = sizeof(pl_engine),
+    .abi_version = PL_ENGINE_ABI_VERSION,
+    .name = "bullet",
+    .version = PLUMB_BULLET_VERSION,
+    .description = "Bullet Physics, double precision",
+    .residual_unit = "m^2/s^2",
+    .capabilities = PL_NEEDS_FRICTION | PL_NEEDS_RESTITUTION | PL_NEEDS_ROTATION | PL_NEEDS_FORCES |
+                    PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX,
+    .profiles = profiles,
+    .profile_count = sizeof profiles / sizeof *profiles,
+    .options = options,
+    .option_count = OPTION_COUNT,
+    .profile_defaults = bullet_profile_defaults,
+    .create = bullet_create,
+    .destroy = bullet_destroy,
+    .step = bullet_step,
+    .read_frame = bullet_read_frame,
+    .read_settings = bullet_read_settings,
+    .read_pair = bullet_read_pair,
+    .read_contacts = bullet_read_contacts,
+};
+
+const pl_engine *pl_engine_bullet(void)
+{
+    return &engine;
+}

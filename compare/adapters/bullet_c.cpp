@@ -1,0 +1,436 @@
+/* The only file that includes Bullet's headers. Read against the source of Bullet 3.24.
+ *
+ * Iterations and residual: btSequentialImpulseConstraintSolver::solveGroupCacheFriendlyIterations
+ * leaves both in m_analyticsData, a group of islands at a time; a derived solver reads them after
+ * each group. A row's residual there is its last change of impulse divided by the row's effective
+ * mass, a velocity; m_remainingLeastSquaresResidual is the largest square of it over the rows
+ * (sequential impulse) or the sum of the squares (NNCG), in m^2/s^2. The dense solvers report
+ * neither.
+ *
+ * Friction and restitution of a pair come through Bullet's two global callbacks, which find the
+ * world through the bodies themselves.
+ *
+ * Signs: m_normalWorldOnB points from Bullet's B to its A, and m_appliedImpulse acts along it on A.
+ *
+ * Boxes: btBoxShape keeps its margin inside the half extents that it is given (its implicit half
+ * extents are smaller by the margin), so the box that collides is the true one. */
+#include "adapters/bullet_c.h"
+
+#include <BulletDynamics/ConstraintSolver/btNNCGConstraintSolver.h>
+#include <BulletDynamics/MLCPSolvers/btDantzigSolver.h>
+#include <BulletDynamics/MLCPSolvers/btLemkeSolver.h>
+#include <BulletDynamics/MLCPSolvers/btMLCPSolver.h>
+#include <btBulletDynamicsCommon.h>
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#ifndef BT_USE_DOUBLE_PRECISION
+#error "Bullet must be used in double precision: pkg-config bullet-float64"
+#endif
+static_assert(sizeof(btScalar) == sizeof(double), "Bullet must be used in double precision");
+
+namespace {
+
+double now()
+{
+    using clock = std::chrono::steady_clock;
+    return std::chrono::duration<double>(clock::now().time_since_epoch()).count();
+}
+
+btVector3 vector(const double v[3])
+{
+    return btVector3(v[0], v[1], v[2]);
+}
+
+void store(const btVector3 &v, double out[3])
+{
+    out[0] = v.x();
+    out[1] = v.y();
+    out[2] = v.z();
+}
+
+/* What the solver has to say of one step, over all its groups. */
+struct StepReport {
+    double iterations = NAN, residual = NAN;
+    double refused_rows = 0, refused_bytes = 0;
+};
+
+/* A solver that keeps its analytics, as the iterative ones fill them. */
+template <class Base> class ReportingSolver final : public Base {
+  public:
+    explicit ReportingSolver(StepReport &report) : report_(report)
+    {
+    }
+
+    btScalar solveGroup(btCollisionObject **bodies, int body_count,
+                        btPersistentManifold **manifolds, int manifold_count,
+                        btTypedConstraint **joints, int joint_count,
+                        const btContactSolverInfo &info, btIDebugDraw *drawer,
+                        btDispatcher *dispatcher) override
+    {
+        this->m_analyticsData = btSolverAnalyticsData();
+        btScalar result = Base::solveGroup(bodies, body_count, manifolds, manifold_count, joints,
+                                           joint_count, info, drawer, dispatcher);
+        if (this->m_analyticsData.m_numIterationsUsed >= 0) {
+            report_.iterations =
+                std::fmax(report_.iterations, this->m_analyticsData.m_numIterationsUsed);
+            report_.residual =
+                std::fmax(report_.residual, this->m_analyticsData.m_remainingLeastSquaresResidual);
+        }
+        return result;
+    }
+
+  private:
+    StepReport &report_;
+};
+
+/* A dense solver that declines a group whose matrices would pass the limit. */
+class DenseSolver final : public btMLCPSolver {
+  public:
+    /* `matrices` is how many times rows^2 numbers are held at once. */
+    DenseSolver(std::unique_ptr<btMLCPSolverInterface> method, double matrices, double limit,
+                StepReport &report)
+        : btMLCPSolver(method.get()), method_(std::move(method)), matrices_(matrices),
+          limit_(limit), report_(report)
+    {
+    }
+
+    btScalar solveGroup(btCollisionObject **bodies, int body_count,
+                        btPersistentManifold **manifolds, int manifold_count,
+                        btTypedConstraint **joints, int joint_count,
+                        const btContactSolverInfo &info, btIDebugDraw *drawer,
+                        btDispatcher *dispatcher) override
+    {
+        /* Bullet as it ships has one friction row a contact point. */
+        int rows_a_point = (info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS) != 0 ? 3 : 2;
+        double rows = 0;
+        for (int i = 0; i < manifold_count; i++) {
+            rows += rows_a_point * manifolds[i]->getNumContacts();
+        }
+        double bytes = matrices_ * rows * rows * sizeof(btScalar);
+        if (bytes > limit_) {
+            report_.refused_rows = rows;
+            report_.refused_bytes = bytes;
+            return 0;
+        }
+        return btMLCPSolver::solveGroup(bodies, body_count, manifolds, manifold_count, joints,
+                                        joint_count, info, drawer, dispatcher);
+    }
+
+  private:
+    std::unique_ptr<btMLCPSolverInterface> method_;
+    double matrices_, limit_;
+    StepReport &report_;
+};
+
+/* Bullet's world with a stopwatch on its two large parts. */
+class TimedWorld final : public btDiscreteDynamicsWorld {
+  public:
+    using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+
+    double collide = 0, solve = 0; /* s, of the last step */
+
+    void performDiscreteCollisionDetection() override
+    {
+        double start = now();
+        btDiscreteDynamicsWorld::performDiscreteCollisionDetection();
+        collide = now() - start;
+    }
+
+  protected:
+    void solveConstraints(btContactSolverInfo &info) override
+    {
+        double start = now();
+        btDiscreteDynamicsWorld::solveConstraints(info);
+        solve = now() - start;
+    }
+};
+
+/* A and its copies: m_A, Acopy, the method's own; and what btLemkeSolver and btLemkeAlgorithm add:
+ * A1, B, n x 2n to invert, M and its two copies of 2n x 2n, and a tableau of 2n x 4n. */
+constexpr double dantzig_matrices = 4, lemke_matrices = 2 + 4 + 3 * 4 + 8;
+
+} // namespace
+
+struct pl_bullet_world {
+    pl_bullet_settings settings;
+    pl_bullet_pair pair;
+    const void *context;
+    StepReport report;
+
+    /* Destroyed from the last to the first: bodies leave the world before it goes. */
+    btDefaultCollisionConfiguration configuration;
+    btCollisionDispatcher dispatcher{&configuration};
+    btDbvtBroadphase broadphase;
+    std::unique_ptr<btSequentialImpulseConstraintSolver> solver;
+    std::unique_ptr<TimedWorld> world;
+    std::vector<std::unique_ptr<btCollisionShape>> shapes;
+    std::vector<std::unique_ptr<btRigidBody>> bodies;
+
+    ~pl_bullet_world()
+    {
+        for (auto &body : bodies) {
+            world->removeRigidBody(body.get());
+        }
+    }
+};
+
+namespace {
+
+void ask_pair(const btCollisionObject *a, const btCollisionObject *b, double &friction,
+              double &restitution)
+{
+    auto *world = static_cast<const pl_bullet_world *>(a->getUserPointer());
+    world->pair(world->context, a->getUserIndex(), b->getUserIndex(), &friction, &restitution);
+}
+
+btScalar combined_friction(const btCollisionObject *a, const btCollisionObject *b)
+{
+    double friction, restitution;
+    ask_pair(a, b, friction, restitution);
+    return friction;
+}
+
+btScalar combined_restitution(const btCollisionObject *a, const btCollisionObject *b)
+{
+    double friction, restitution;
+    ask_pair(a, b, friction, restitution);
+    return restitution;
+}
+
+std::unique_ptr<btSequentialImpulseConstraintSolver> make_solver(const pl_bullet_world_def &def,
+                                                                 StepReport &report)
+{
+    switch (def.solver) {
+    case PL_BULLET_NNCG:
+        return std::make_unique<ReportingSolver<btNNCGConstraintSolver>>(report);
+    case PL_BULLET_DANTZIG:
+        return std::make_unique<DenseSolver>(std::make_unique<btDantzigSolver>(), dantzig_matrices,
+                                             def.matrix_limit, report);
+    case PL_BULLET_LEMKE:
+        return std::make_unique<DenseSolver>(std::make_unique<btLemkeSolver>(), lemke_matrices,
+                                             def.matrix_limit, report);
+    case PL_BULLET_SI:
+        break;
+    }
+    return std::make_unique<ReportingSolver<btSequentialImpulseConstraintSolver>>(report);
+}
+
+std::unique_ptr<btCollisionShape> make_shape(const pl_shape &shape, double margin)
+{
+    switch (shape.kind) {
+    case PL_SHAPE_PLANE:
+        return std::make_unique<btStaticPlaneShape>(vector(shape.normal), shape.offset);
+    case PL_SHAPE_SPHERE:
+        return std::make_unique<btSphereShape>(shape.radius);
+    case PL_SHAPE_BOX: {
+        auto box = std::make_unique<btBoxShape>(vector(shape.half_extents));
+        box->setMargin(margin);
+        /* Bullet's own rule for small boxes: at most a tenth of the least half extent. */
+        box->setSafeMargin(vector(shape.half_extents));
+        return box;
+    }
+    }
+    return nullptr;
+}
+
+pl_status add_body(pl_bullet_world &world, const pl_body &body)
+{
+    auto shape = make_shape(body.shape, world.settings.margin);
+    if (shape == nullptr) {
+        return PL_UNSUPPORTED;
+    }
+    const double *q = body.orientation;
+    btTransform pose = btTransform::getIdentity();
+    if (body.shape.kind != PL_SHAPE_PLANE) {
+        pose = btTransform(btQuaternion(q[1], q[2], q[3], q[0]), vector(body.position));
+    }
+    double mass = body.is_static ? 0 : body.mass;
+    btVector3 inertia = body.is_static ? btVector3(0, 0, 0) : vector(body.inertia);
+    btRigidBody::btRigidBodyConstructionInfo info(mass, nullptr, shape.get(), inertia);
+    info.m_startWorldTransform = pose;
+    auto made = std::make_unique<btRigidBody>(info);
+    made->setUserPointer(&world);
+    made->setUserIndex(static_cast<int>(world.bodies.size()));
+    if (!body.is_static) {
+        made->setLinearVelocity(vector(body.velocity));
+        made->setAngularVelocity(vector(body.angular_velocity));
+        made->forceActivationState(DISABLE_DEACTIVATION);
+    }
+    world.world->addRigidBody(made.get());
+    world.shapes.push_back(std::move(shape));
+    world.bodies.push_back(std::move(made));
+    return PL_OK;
+}
+
+void convert_contact(const btPersistentManifold &manifold, const btManifoldPoint &point,
+                     pl_contact &out)
+{
+    int a = manifold.getBody0()->getUserIndex(), b = manifold.getBody1()->getUserIndex();
+    bool in_order = a < b;
+    btVector3 on_first = point.m_normalWorldOnB * point.m_appliedImpulse +
+                         point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1;
+    out.body_a = in_order ? a : b;
+    out.body_b = in_order ? b : a;
+    out.separation = point.getDistance();
+    store(in_order ? point.getPositionWorldOnB() : point.getPositionWorldOnA(), out.point);
+    store(in_order ? -point.m_normalWorldOnB : point.m_normalWorldOnB, out.normal);
+    store(in_order ? -on_first : on_first, out.impulse);
+}
+
+} // namespace
+
+pl_bullet_settings pl_bullet_shipped(void)
+{
+    btContactSolverInfo info;
+    btBoxShape box(btVector3(1, 1, 1));
+    pl_bullet_settings shipped;
+    shipped.iterations = info.m_numIterations;
+    shipped.split_impulse = info.m_splitImpulse != 0;
+    shipped.erp = info.m_erp;
+    shipped.erp2 = info.m_erp2;
+    shipped.restitution_threshold = info.m_restitutionVelocityThreshold;
+    shipped.margin = box.getMargin();
+    shipped.plane_multipoint = 0; /* btConvexPlaneCollisionAlgorithm's threshold is 0 points */
+    return shipped;
+}
+
+pl_bullet_world *pl_bullet_world_create(const pl_bullet_world_def *def)
+{
+    try {
+        auto made = std::make_unique<pl_bullet_world>();
+        made->settings = def->settings;
+        made->pair = def->pair;
+        made->context = def->context;
+        if (def->settings.plane_multipoint > 0) {
+            made->configuration.setPlaneConvexMultipointIterations(def->settings.plane_multipoint,
+                                                                   def->settings.plane_multipoint);
+        }
+        made->solver = make_solver(*def, made->report);
+        made->world = std::make_unique<TimedWorld>(&made->dispatcher, &made->broadphase,
+                                                   made->solver.get(), &made->configuration);
+        made->world->setGravity(vector(def->gravity));
+        btContactSolverInfo &info = made->world->getSolverInfo();
+        info.m_numIterations = def->settings.iterations;
+        info.m_splitImpulse = def->settings.split_impulse;
+        info.m_erp = def->settings.erp;
+        info.m_erp2 = def->settings.erp2;
+        info.m_restitutionVelocityThreshold = def->settings.restitution_threshold;
+        gCalculateCombinedFrictionCallback = combined_friction;
+        gCalculateCombinedRestitutionCallback = combined_restitution;
+        return made.release();
+    } catch (...) {
+        return nullptr;
+    }
+}
+
+void pl_bullet_world_destroy(pl_bullet_world *world)
+{
+    delete world;
+}
+
+pl_status pl_bullet_add_body(pl_bullet_world *world, const pl_body *body)
+{
+    try {
+        return add_body(*world, *body);
+    } catch (...) {
+        return PL_NO_MEMORY;
+    }
+}
+
+void pl_bullet_add_force(pl_bullet_world *world, int body, const double force[3],
+                         const double offset[3])
+{
+    world->bodies[static_cast<size_t>(body)]->applyForce(vector(force), vector(offset));
+}
+
+pl_status pl_bullet_step(pl_bullet_world *world, double dt, pl_step_stats *stats, double *rows,
+                         double *bytes)
+{
+    world->report = StepReport();
+    double start = now();
+    try {
+        /* No substeps: the step is dt itself. */
+        world->world->stepSimulation(dt, 0);
+    } catch (...) {
+        return PL_FAILED;
+    }
+    double elapsed = now() - start;
+    if (world->report.refused_rows > 0) {
+        *rows = world->report.refused_rows;
+        *bytes = world->report.refused_bytes;
+        return PL_UNSUPPORTED;
+    }
+    int points = 0;
+    for (int i = 0; i < world->dispatcher.getNumManifolds(); i++) {
+        points += world->dispatcher.getManifoldByIndexInternal(i)->getNumContacts();
+    }
+    stats->iterations = world->report.iterations;
+    stats->residual = world->report.residual;
+    stats->contacts = points;
+    stats->time_collide = world->world->collide;
+    stats->time_solve = world->world->solve;
+    stats->time_other = elapsed - world->world->collide - world->world->solve;
+    return PL_OK;
+}
+
+int pl_bullet_fallbacks(const pl_bullet_world *world)
+{
+    auto *dense = dynamic_cast<const DenseSolver *>(world->solver.get());
+    return dense == nullptr ? 0 : dense->getNumFallbacks();
+}
+
+void pl_bullet_read_body(const pl_bullet_world *world, int body, pl_body_state *state)
+{
+    const btRigidBody &source = *world->bodies[static_cast<size_t>(body)];
+    btQuaternion q = source.getOrientation();
+    store(source.getCenterOfMassPosition(), state->position);
+    store(source.getLinearVelocity(), state->velocity);
+    store(source.getAngularVelocity(), state->angular_velocity);
+    state->orientation[0] = q.w();
+    state->orientation[1] = q.x();
+    state->orientation[2] = q.y();
+    state->orientation[3] = q.z();
+}
+
+void pl_bullet_read_mass(const pl_bullet_world *world, int body, double *mass, double inertia[3])
+{
+    const btRigidBody &source = *world->bodies[static_cast<size_t>(body)];
+    const btVector3 &inverse = source.getInvInertiaDiagLocal();
+    *mass = source.getInvMass() > 0 ? 1 / source.getInvMass() : 0;
+    for (int k = 0; k < 3; k++) {
+        inertia[k] = inverse[k] > 0 ? 1 / inverse[k] : 0;
+    }
+}
+
+void pl_bullet_read_gravity(const pl_bullet_world *world, double gravity[3])
+{
+    store(world->world->getGravity(), gravity);
+}
+
+void pl_bullet_read_pair(const pl_bullet_world *world, int body_a, int body_b, double *friction,
+                         double *restitution)
+{
+    const btRigidBody *a = world->bodies[static_cast<size_t>(body_a)].get();
+    const btRigidBody *b = world->bodies[static_cast<size_t>(body_b)].get();
+    *friction = gCalculateCombinedFrictionCallback(a, b);
+    *restitution = gCalculateCombinedRestitutionCallback(a, b);
+}
+
+int pl_bullet_read_contacts(const pl_bullet_world *world, pl_contact *contacts, int capacity)
+{
+    auto &dispatcher = const_cast<btCollisionDispatcher &>(world->dispatcher);
+    int count = 0;
+    for (int i = 0; i < dispatcher.getNumManifolds(); i++) {
+        const btPersistentManifold &manifold = *dispatcher.getManifoldByIndexInternal(i);
+        for (int j = 0; j < manifold.getNumContacts(); j++, count++) {
+            if (count < capacity) {
+                convert_contact(manifold, manifold.getContactPoint(j), contacts[count]);
+            }
+        }
+    }
+    return count;
+}

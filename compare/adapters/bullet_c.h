@@ -1,0 +1,82 @@
+/* A thin C interface over Bullet's public C++ classes. Knows no scene; converts conventions, so
+ * that what crosses it is as in plumb/engine_abi.h: quaternions (w, x, y, z), normals from A to B,
+ * impulses on B. No C++ exception passes through it. Bodies are numbered from 0 in the order of
+ * their adding. */
+#ifndef PLUMB_BULLET_C_H
+#define PLUMB_BULLET_C_H
+
+#include "plumb/engine_abi.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum pl_bullet_solver {
+    PL_BULLET_SI,      /* btSequentialImpulseConstraintSolver */
+    PL_BULLET_NNCG,    /* btNNCGConstraintSolver */
+    PL_BULLET_DANTZIG, /* btMLCPSolver with btDantzigSolver */
+    PL_BULLET_LEMKE    /* btMLCPSolver with btLemkeSolver */
+} pl_bullet_solver;
+
+/* Numbers that Bullet ships with, and that a world may change. */
+typedef struct pl_bullet_settings {
+    int iterations;               /* largest number of sweeps a step */
+    bool split_impulse;           /* deep penetration is undone without adding to the velocity */
+    double erp, erp2;             /* share of error undone a step: joints, contacts */
+    double restitution_threshold; /* m/s: slower impacts do not bounce */
+    double margin;                /* m: of a box, inside its half extents */
+    /* Further support points sought each step where a convex shape meets a plane with fewer points
+     * than that; 0: one point a step, gathered over the steps. */
+    int plane_multipoint;
+} pl_bullet_settings;
+
+/* As Bullet's own constructors set them. */
+pl_bullet_settings pl_bullet_shipped(void);
+
+/* Friction and restitution of a contact between two bodies. */
+typedef void (*pl_bullet_pair)(const void *context, int body_a, int body_b, double *friction,
+                               double *restitution);
+
+typedef struct pl_bullet_world_def {
+    pl_bullet_solver solver;
+    pl_bullet_settings settings;
+    double gravity[3];   /* m/s^2 */
+    double matrix_limit; /* bytes that a dense solver may take */
+    pl_bullet_pair pair; /* asked whenever a contact point is made */
+    const void *context; /* of `pair`; outlives the world */
+} pl_bullet_world_def;
+
+typedef struct pl_bullet_world pl_bullet_world;
+
+/* NULL when Bullet is not built in double precision or memory is out. */
+pl_bullet_world *pl_bullet_world_create(const pl_bullet_world_def *def);
+void pl_bullet_world_destroy(pl_bullet_world *world); /* NULL allowed */
+
+/* Adds a body with the scene's shape, pose, velocities, mass and inertia, never to sleep.
+ * PL_UNSUPPORTED for a shape that this interface does not know, PL_NO_MEMORY. */
+pl_status pl_bullet_add_body(pl_bullet_world *world, const pl_body *body);
+
+/* World force (N) at a world offset from the centre of mass (m), for the next step only. */
+void pl_bullet_add_force(pl_bullet_world *world, int body, const double force[3],
+                         const double offset[3]);
+
+/* One step of exactly dt. Fills what Bullet reports of stats. PL_UNSUPPORTED, before solving, when
+ * a dense solver needs more than matrix_limit: then *rows and *bytes say what it needs. PL_FAILED
+ * when Bullet threw. */
+pl_status pl_bullet_step(pl_bullet_world *world, double dt, pl_step_stats *stats, double *rows,
+                         double *bytes);
+
+/* Islands that a dense solver gave up and left to sequential impulse, since creation. */
+int pl_bullet_fallbacks(const pl_bullet_world *world);
+
+void pl_bullet_read_body(const pl_bullet_world *world, int body, pl_body_state *state);
+void pl_bullet_read_mass(const pl_bullet_world *world, int body, double *mass, double inertia[3]);
+void pl_bullet_read_gravity(const pl_bullet_world *world, double gravity[3]);
+void pl_bullet_read_pair(const pl_bullet_world *world, int body_a, int body_b, double *friction,
+                         double *restitution);
+int pl_bullet_read_contacts(const pl_bullet_world *world, pl_contact *contacts, int capacity);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

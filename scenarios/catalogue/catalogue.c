@@ -1,0 +1,106 @@
+/* The list of scenarios, and their parameters from the command line. */
+#include "catalogue.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const pl_scenario *const scenarios[] = {&pl_scenario_tower, &pl_scenario_slope_stick,
+                                               &pl_scenario_slope_slide, &pl_scenario_wall,
+                                               &pl_scenario_wall_collapse};
+enum { SCENARIO_COUNT = sizeof scenarios / sizeof scenarios[0] };
+
+const pl_scenario *const *pl_scenarios(int *count)
+{
+    *count = SCENARIO_COUNT;
+    return scenarios;
+}
+
+const pl_scenario *pl_scenario_find(const char *name, pl_error *error)
+{
+    const char *names[SCENARIO_COUNT];
+    for (int i = 0; i < SCENARIO_COUNT; i++) {
+        names[i] = scenarios[i]->name;
+        if (strcmp(name, names[i]) == 0) {
+            return scenarios[i];
+        }
+    }
+    const char *nearest = pl_nearest_name(name, names, SCENARIO_COUNT);
+    if (nearest != NULL) {
+        pl_fail(error, PL_BAD_INPUT, "unknown scenario \"%s\"; did you mean \"%s\"?", name,
+                nearest);
+    } else {
+        pl_fail(error, PL_BAD_INPUT, "unknown scenario \"%s\"", name);
+    }
+    return NULL;
+}
+
+static pl_status fail_by_name(const pl_scenario *scenario, const char *setting, int length,
+                              pl_error *error)
+{
+    const char *names[PL_MAX_PARAMS];
+    char word[PL_NAME_SIZE], list[256] = "";
+    for (int i = 0; i < scenario->param_count; i++) {
+        size_t used = strlen(list);
+        names[i] = scenario->params[i].name;
+        snprintf(list + used, sizeof list - used, "%s%s", i == 0 ? "" : ", ", names[i]);
+    }
+    snprintf(word, sizeof word, "%.*s", length, setting);
+    const char *nearest = pl_nearest_name(word, names, scenario->param_count);
+    if (nearest != NULL) {
+        return pl_fail(error, PL_BAD_INPUT, "%s has no parameter \"%s\"; did you mean \"%s\"?",
+                       scenario->name, word, nearest);
+    }
+    return pl_fail(error, PL_BAD_INPUT, "%s has no parameter \"%s\"; it has %s", scenario->name,
+                   word, list);
+}
+
+static pl_status parse_value(const pl_scenario *scenario, const pl_param *param, const char *text,
+                             double *value, pl_error *error)
+{
+    double number;
+    if (!pl_parse_number(text, &number)) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: %s: expected a number, found \"%s\"",
+                       scenario->name, param->name, text);
+    }
+    if (param->integer && number != floor(number)) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: %s: expected a whole number, found %s",
+                       scenario->name, param->name, text);
+    }
+    if (number < param->min || number > param->max) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: %s: expected %g to %g (%s), found %s",
+                       scenario->name, param->name, param->min, param->max, param->unit, text);
+    }
+    *value = number;
+    return PL_OK;
+}
+
+pl_status pl_scenario_values(const pl_scenario *scenario, const char *const *settings, int count,
+                             double *values, pl_error *error)
+{
+    for (int i = 0; i < scenario->param_count; i++) {
+        values[i] = scenario->params[i].value;
+    }
+    for (int s = 0; s < count; s++) {
+        const char *equals = strchr(settings[s], '=');
+        if (equals == NULL) {
+            return pl_fail(error, PL_BAD_INPUT, "%s: expected NAME=VALUE, found \"%s\"",
+                           scenario->name, settings[s]);
+        }
+        size_t length = (size_t)(equals - settings[s]);
+        int index = -1;
+        for (int i = 0; i < scenario->param_count && index < 0; i++) {
+            const char *name = scenario->params[i].name;
+            index = strlen(name) == length && memcmp(settings[s], name, length) == 0 ? i : -1;
+        }
+        if (index < 0) {
+            return fail_by_name(scenario, settings[s], (int)length, error);
+        }
+        pl_status status =
+            parse_value(scenario, &scenario->params[index], equals + 1, &values[index], error);
+        if (status != PL_OK) {
+            return status;
+        }
+    }
+    return PL_OK;
+}

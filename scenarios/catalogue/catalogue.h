@@ -1,0 +1,25 @@
+/* The scenarios of this folder, and what their tables share. */
+#ifndef PLUMB_CATALOGUE_H
+#define PLUMB_CATALOGUE_H
+
+#include "plumb/scenario.h"
+
+extern const pl_scenario pl_scenario_tower;
+extern const pl_scenario pl_scenario_slope_stick;
+extern const pl_scenario pl_scenario_slope_slide;
+extern const pl_scenario pl_scenario_wall;
+extern const pl_scenario pl_scenario_wall_collapse;
+
+/* The two parameters that every scenario has; initialisers, since a table cannot copy another's
+ * row. */
+#define PL_PARAM_DT                                                                                \
+    {                                                                                              \
+        .name = "dt", .value = 1.0 / 60, .min = 1e-6, .max = 1, .unit = "s", .help = "time step"   \
+    }
+#define PL_PARAM_DURATION(seconds)                                                                 \
+    {                                                                                              \
+        .name = "duration", .value = seconds, .min = 1e-6, .max = 1e6, .unit = "s",                \
+        .help = "simulated time"                                                                   \
+    }
+
+#endif

@@ -1,0 +1,76 @@
+/* A tower of n unit cubes.
+ *
+ * Cube k = 1 .. n of side 1 and mass 1 stands with its centre at z = k - 1/2, exactly on the one
+ * below. With `offset`, each is moved in x and y by a uniform random part of up to offset * side.
+ * No cube is then more than 2 * 0.2 sides off any other, so the centre of mass of all cubes above a
+ * joint lies within half a side of the centre of the cube below: it stands by statics, and nothing
+ * moves. */
+#include "catalogue.h"
+#include "random.h"
+#include "scene_builder.h"
+
+enum { COUNT, FRICTION, OFFSET, DT, DURATION, PARAM_COUNT };
+
+static const pl_param params[PARAM_COUNT] = {
+    [COUNT] = {.name = "n",
+               .value = 10,
+               .min = 1,
+               .max = 2000,
+               .integer = true,
+               .unit = "1",
+               .help = "number of cubes"},
+    [FRICTION] = {.name = "friction",
+                  .value = 0.5,
+                  .min = 0,
+                  .max = 10,
+                  .unit = "1",
+                  .help = "Coulomb coefficient of all contacts"},
+    [OFFSET] = {.name = "offset",
+                .value = 0,
+                .min = 0,
+                .max = 0.2,
+                .unit = "1",
+                .help = "largest random displacement in x and in y, in sides of a cube"},
+    [DT] = PL_PARAM_DT,
+    [DURATION] = PL_PARAM_DURATION(10),
+};
+
+static const double side = 1;
+
+static double displacement(pl_random *random, double offset)
+{
+    /* Not 0 times something negative, which would be -0. */
+    return offset > 0 ? offset * side * (2 * pl_random_unit(random) - 1) : 0;
+}
+
+static pl_status build(const double *values, uint64_t seed, pl_scene *scene, pl_error *error)
+{
+    pl_random random = {.state = seed};
+    pl_builder builder = pl_build_begin(scene, pl_scenario_tower.name, values[DT], values[DURATION],
+                                        values[FRICTION], error);
+    pl_build_floor(&builder, 0, 0, 1, 0);
+    for (int k = 1; k <= (int)values[COUNT]; k++) {
+        pl_body cube = pl_body_default();
+        cube.shape = pl_shape_box(side / 2, side / 2, side / 2);
+        cube.position[0] = displacement(&random, values[OFFSET]);
+        cube.position[1] = displacement(&random, values[OFFSET]);
+        cube.position[2] = (k - 0.5) * side;
+        pl_build_rest(&builder, pl_build_body(&builder, &cube, "cube %d", k));
+    }
+    pl_build_judge(&builder, pl_scenario_tower.primary_error, side / 2);
+    return pl_build_end(&builder);
+}
+
+const pl_scenario pl_scenario_tower = {
+    .name = "tower",
+    .title = "Tower of cubes",
+    .description =
+        "n unit cubes of 1 kg stacked exactly, at rest: whether a solver carries the weight "
+        "of the whole tower through every contact, and for how long.",
+    .reference = "every cube stays where it is: z_k = k - 1/2 m",
+    .source = "statics",
+    .primary_error = "rest_position_error",
+    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
+    .params = params,
+    .param_count = PARAM_COUNT,
+    .build = build};

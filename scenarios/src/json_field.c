@@ -1,0 +1,172 @@
+#include "json_field.h"
+
+#include "number.h"
+#include "scene_check.h"
+
+#include <stdio.h>
+#include <string.h>
+
+const char *pl_json_found(const json_t *json, char text[PL_FOUND_SIZE])
+{
+    char number[PL_NUMBER_SIZE], quoted[PL_QUOTED_SIZE];
+    if (json == NULL) {
+        snprintf(text, PL_FOUND_SIZE, "nothing");
+    } else if (json_is_string(json)) {
+        snprintf(text, PL_FOUND_SIZE, "%s", pl_quoted(json_string_value(json), quoted));
+    } else if (json_is_number(json)) {
+        snprintf(text, PL_FOUND_SIZE, "%s", pl_number_text(json_number_value(json), number));
+    } else if (json_is_array(json)) {
+        snprintf(text, PL_FOUND_SIZE, "an array of %zu", json_array_size(json));
+    } else if (json_is_object(json)) {
+        snprintf(text, PL_FOUND_SIZE, "an object");
+    } else {
+        snprintf(text, PL_FOUND_SIZE, "%s",
+                 json_is_null(json)   ? "null"
+                 : json_is_true(json) ? "true"
+                                      : "false");
+    }
+    return text;
+}
+
+static bool complain_of_type(pl_complaint *complaint, const char *key, const char *expected,
+                             const json_t *json)
+{
+    char found[PL_FOUND_SIZE];
+    return pl_complain_of(complaint, key, "expected %s, found %s", expected,
+                          pl_json_found(json, found));
+}
+
+static bool complain_of_unknown_key(const pl_key_set *keys, const char *key,
+                                    pl_complaint *complaint)
+{
+    char quoted[PL_QUOTED_SIZE];
+    complaint->at_key = true;
+    const char *nearest = pl_nearest_name(key, keys->keys, keys->count);
+    if (nearest != NULL) {
+        return pl_complain_of(complaint, key,
+                              "expected a known key, found %s; did you mean \"%s\"?",
+                              pl_quoted(key, quoted), nearest);
+    }
+    char known[200] = "";
+    for (int i = 0; i < keys->count; i++) {
+        size_t used = strlen(known);
+        snprintf(known + used, sizeof known - used, "%s%s", i == 0 ? "" : ", ", keys->keys[i]);
+    }
+    return pl_complain_of(complaint, key, "expected one of %s, found %s", known,
+                          pl_quoted(key, quoted));
+}
+
+bool pl_json_object(const json_t *json, const pl_key_set *keys, pl_complaint *complaint)
+{
+    if (!json_is_object(json)) {
+        char found[PL_FOUND_SIZE];
+        return pl_complain(complaint, "expected an object, found %s", pl_json_found(json, found));
+    }
+    const char *key;
+    json_t *value;
+    json_object_foreach((json_t *)json, key, value)
+    {
+        bool known = false;
+        for (int i = 0; i < keys->count && !known; i++) {
+            known = strcmp(key, keys->keys[i]) == 0;
+        }
+        if (!known) {
+            return complain_of_unknown_key(keys, key, complaint);
+        }
+    }
+    return true;
+}
+
+bool pl_json_array(const json_t *object, const char *key, pl_presence presence,
+                   const json_t **array, pl_complaint *complaint)
+{
+    *array = json_object_get(object, key);
+    return json_is_array(*array) || (*array == NULL && presence == PL_OPTIONAL) ||
+           complain_of_type(complaint, key, "an array", *array);
+}
+
+bool pl_json_bool(const json_t *object, const char *key, bool *value, pl_complaint *complaint)
+{
+    const json_t *json = json_object_get(object, key);
+    if (json == NULL) {
+        return true;
+    }
+    if (!json_is_boolean(json)) {
+        return complain_of_type(complaint, key, "true or false", json);
+    }
+    *value = json_is_true(json);
+    return true;
+}
+
+bool pl_json_number(const json_t *object, const char *key, pl_presence presence, double *value,
+                    pl_complaint *complaint)
+{
+    const json_t *json = json_object_get(object, key);
+    if (json == NULL && presence == PL_OPTIONAL) {
+        return true;
+    }
+    if (!json_is_number(json)) {
+        return complain_of_type(complaint, key, "a number", json);
+    }
+    *value = json_number_value(json);
+    return true;
+}
+
+bool pl_json_vector(const json_t *object, const char *key, pl_presence presence, double *values,
+                    int count, pl_complaint *complaint)
+{
+    const json_t *json = json_object_get(object, key);
+    if (json == NULL && presence == PL_OPTIONAL) {
+        return true;
+    }
+    char expected[32];
+    snprintf(expected, sizeof expected, "an array of %d numbers", count);
+    if (!json_is_array(json) || json_array_size(json) != (size_t)count) {
+        return complain_of_type(complaint, key, expected, json);
+    }
+    for (int i = 0; i < count; i++) {
+        const json_t *item = json_array_get(json, (size_t)i);
+        if (!json_is_number(item)) {
+            char found[PL_FOUND_SIZE];
+            pl_path_push_key(&complaint->path, key);
+            pl_path_push_index(&complaint->path, i);
+            return pl_complain(complaint, "expected a number, found %s",
+                               pl_json_found(item, found));
+        }
+        values[i] = json_number_value(item);
+    }
+    return true;
+}
+
+bool pl_json_string(const json_t *object, const char *key, pl_presence presence,
+                    const char *expected, const char **value, pl_complaint *complaint)
+{
+    const json_t *json = json_object_get(object, key);
+    if (json == NULL && presence == PL_OPTIONAL) {
+        return true;
+    }
+    if (!json_is_string(json)) {
+        return complain_of_type(complaint, key, expected, json);
+    }
+    *value = json_string_value(json);
+    return true;
+}
+
+bool pl_json_name(const json_t *object, const char *key, pl_presence presence,
+                  char name[PL_NAME_SIZE], pl_complaint *complaint)
+{
+    const char *value = NULL;
+    if (!pl_json_string(object, key, presence, "a name", &value, complaint)) {
+        return false;
+    }
+    if (value == NULL) {
+        return true;
+    }
+    pl_path_push_key(&complaint->path, key);
+    if (!pl_check_name(value, strlen(value), complaint)) {
+        return false;
+    }
+    pl_path_pop(&complaint->path);
+    memcpy(name, value, strlen(value) + 1);
+    return true;
+}

@@ -1,0 +1,36 @@
+/* Names in order, for look-up by bisection and for finding duplicates. */
+#ifndef PLUMB_NAME_INDEX_H
+#define PLUMB_NAME_INDEX_H
+
+#include "plumb/base.h"
+
+#include <stddef.h>
+
+typedef struct pl_named {
+    const char *name; /* borrowed */
+    int index;
+} pl_named;
+
+typedef struct pl_name_index {
+    pl_named *items; /* (count), by name, then by index */
+    int count;
+} pl_name_index;
+
+/* Of `count` items, `stride` bytes apart, whose name begins at `first_name` and ends with a zero.
+ * The names must stay where they are while the index is used. PL_NO_MEMORY leaves an empty index.
+ * O(n log n). */
+pl_status pl_name_index_create(const char *first_name, size_t stride, int count,
+                               pl_name_index *index);
+void pl_name_index_free(pl_name_index *index);
+
+/* The number of the item of that name, the first of them when it is not unique; -1 when there is
+ * none. */
+int pl_name_index_find(const pl_name_index *index, const char *name);
+
+/* The lowest number of an item whose name an earlier item has; -1 when all names differ. */
+int pl_name_index_duplicate(const pl_name_index *index);
+
+/* pl_nearest_name over all of the index; also NULL when out of memory. */
+const char *pl_name_index_nearest(const pl_name_index *index, const char *word);
+
+#endif

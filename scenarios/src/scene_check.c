@@ -1,0 +1,524 @@
+#include "scene_check.h"
+
+#include "name_index.h"
+#include "number.h"
+
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *const pl_primary_errors[] = {
+    "rest_position_error", "rest_rotation_error", "travel_error", "discrete_error",
+    "penetration_max",     "penetration_rest",    "drift",        "creep",
+    "energy_gain",         "momentum_error"};
+const int pl_primary_error_count = sizeof pl_primary_errors / sizeof pl_primary_errors[0];
+
+double pl_norm(const double *vector, int n)
+{
+    double sum = 0;
+    for (int k = 0; k < n; k++) {
+        sum += vector[k] * vector[k];
+    }
+    return sqrt(sum);
+}
+
+bool pl_check_name(const char *name, size_t length, pl_complaint *complaint)
+{
+    if (length == 0 || length >= PL_NAME_SIZE) {
+        return pl_complain(complaint, "expected a name of 1 to %d bytes, found %zu bytes",
+                           PL_NAME_SIZE - 1, length);
+    }
+    for (size_t i = 0; i < length; i++) {
+        if ((unsigned char)name[i] < 0x20 || name[i] == 0x7F) {
+            return pl_complain(complaint,
+                               "expected a name without control characters, found byte 0x%02X",
+                               (unsigned)(unsigned char)name[i]);
+        }
+    }
+    return true;
+}
+
+/* A name in an array of PL_NAME_SIZE bytes: it could lack its zero, or not be UTF-8. */
+static bool check_stored_name(const char *name, pl_complaint *complaint)
+{
+    const char *end = memchr(name, '\0', PL_NAME_SIZE);
+    if (!pl_check_name(name, end == NULL ? PL_NAME_SIZE : (size_t)(end - name), complaint)) {
+        return false;
+    }
+    json_t *text = json_string(name); /* NULL for what is not UTF-8 */
+    json_decref(text);
+    return text != NULL || pl_complain(complaint, "expected a name in UTF-8, found other bytes");
+}
+
+/* Complains of the number at `key`, or at the path as it stands when key is NULL, unless `right`.
+ */
+static bool check_number(pl_complaint *complaint, const char *key, double value, bool right,
+                         const char *expected)
+{
+    if (right) {
+        return true;
+    }
+    char found[PL_NUMBER_SIZE];
+    if (key != NULL) {
+        pl_path_push_key(&complaint->path, key);
+    }
+    return pl_complain(complaint, "expected %s, found %s", expected, pl_number_text(value, found));
+}
+
+static bool check_finite(pl_complaint *complaint, const char *key, double value)
+{
+    return check_number(complaint, key, value, isfinite(value), "a finite number");
+}
+
+static bool check_positive(pl_complaint *complaint, const char *key, double value)
+{
+    return check_number(complaint, key, value, isfinite(value) && value > 0,
+                        "a finite number above 0");
+}
+
+static bool check_vector(pl_complaint *complaint, const char *key, const double vector[3])
+{
+    pl_path_push_key(&complaint->path, key);
+    for (int k = 0; k < 3; k++) {
+        if (!isfinite(vector[k])) {
+            pl_path_push_index(&complaint->path, k);
+            return check_finite(complaint, NULL, vector[k]);
+        }
+    }
+    pl_path_pop(&complaint->path);
+    return true;
+}
+
+static bool check_unit(pl_complaint *complaint, const char *key, const double *vector, int n,
+                       const char *expected)
+{
+    char found[PL_NUMBER_SIZE];
+    double norm = pl_norm(vector, n);
+    if (fabs(norm - 1) <= PL_UNIT_TOLERANCE) {
+        return true;
+    }
+    return pl_complain_of(complaint, key, "expected %s, found one of norm %s", expected,
+                          pl_number_text(norm, found));
+}
+
+static bool check_zero(pl_complaint *complaint, const char *key, const double vector[3])
+{
+    bool zero = vector[0] == 0 && vector[1] == 0 && vector[2] == 0;
+    return zero || pl_complain_of(complaint, key,
+                                  "expected zero, since a static body never moves, found another");
+}
+
+static bool check_index(pl_complaint *complaint, const char *key, int index, int count,
+                        const char *kind)
+{
+    return (index >= 0 && index < count) ||
+           pl_complain_of(complaint, key, "expected the index of a %s from 0 to %d, found %d", kind,
+                          count - 1, index);
+}
+
+static bool check_friction_and_restitution(pl_complaint *complaint, double friction,
+                                           double restitution)
+{
+    return check_number(complaint, "friction", friction, isfinite(friction) && friction >= 0,
+                        "a finite number of at least 0") &&
+           check_number(complaint, "restitution", restitution, restitution >= 0 && restitution <= 1,
+                        "a number from 0 to 1");
+}
+
+static bool check_time(const pl_scene *scene, pl_complaint *complaint)
+{
+    if (!check_positive(complaint, "dt", scene->dt) ||
+        !check_finite(complaint, "duration", scene->duration)) {
+        return false;
+    }
+    char dt[PL_NUMBER_SIZE], found[PL_NUMBER_SIZE];
+    if (scene->duration < scene->dt) {
+        return pl_complain_of(complaint, "duration", "expected at least dt, which is %s, found %s",
+                              pl_number_text(scene->dt, dt),
+                              pl_number_text(scene->duration, found));
+    }
+    double steps = round(scene->duration / scene->dt);
+    return steps <= PL_MAX_STEPS ||
+           pl_complain_of(complaint, "duration",
+                          "expected at most %d steps of dt, which is %s, found %.17g steps",
+                          PL_MAX_STEPS, pl_number_text(scene->dt, dt), steps);
+}
+
+/* Complains of the first name that an earlier one of `count` items equals. The path stands at the
+ * array. */
+static bool check_unique(pl_complaint *complaint, const char *first_name, size_t stride, int count)
+{
+    pl_name_index names;
+    if (pl_name_index_create(first_name, stride, count, &names) != PL_OK) {
+        return pl_complain_no_memory(complaint);
+    }
+    int duplicate = pl_name_index_duplicate(&names);
+    bool unique = duplicate < 0;
+    if (!unique) {
+        const char *name = first_name + (size_t)duplicate * stride;
+        char quoted[PL_QUOTED_SIZE];
+        pl_path_push_index(&complaint->path, duplicate);
+        pl_complain_of(complaint, "name", "expected a name of its own, found %s, which item %d has",
+                       pl_quoted(name, quoted), pl_name_index_find(&names, name));
+    }
+    pl_name_index_free(&names);
+    return unique;
+}
+
+static bool check_materials(const pl_scene *scene, pl_complaint *complaint)
+{
+    pl_path_push_key(&complaint->path, "materials");
+    for (int i = 0; i < scene->material_count; i++) {
+        const pl_material *material = &scene->materials[i];
+        pl_path_push_index(&complaint->path, i);
+        if (!check_stored_name(material->name, complaint)) {
+            return false;
+        }
+        pl_path_pop(&complaint->path);
+        pl_path_push_key(&complaint->path, material->name); /* as the file has it */
+        if (!check_friction_and_restitution(complaint, material->friction, material->restitution)) {
+            return false;
+        }
+        pl_path_pop(&complaint->path);
+    }
+    if (!check_unique(complaint, scene->materials == NULL ? NULL : scene->materials[0].name,
+                      sizeof *scene->materials, scene->material_count)) {
+        return false;
+    }
+    pl_path_pop(&complaint->path);
+    return true;
+}
+
+static bool check_pair(const pl_scene *scene, int index, bool *seen, pl_complaint *complaint)
+{
+    const pl_material_pair *pair = &scene->pairs[index];
+    if (!check_index(complaint, "a", pair->material_a, scene->material_count, "material") ||
+        !check_index(complaint, "b", pair->material_b, scene->material_count, "material") ||
+        !check_friction_and_restitution(complaint, pair->friction, pair->restitution)) {
+        return false;
+    }
+    int low = pair->material_a < pair->material_b ? pair->material_a : pair->material_b;
+    int high = pair->material_a + pair->material_b - low;
+    bool *cell = &seen[high * PL_MAX_MATERIALS + low];
+    if (*cell) {
+        return pl_complain(complaint, "expected each pair of materials once, found %s and %s again",
+                           scene->materials[low].name, scene->materials[high].name);
+    }
+    *cell = true;
+    return true;
+}
+
+static bool check_pairs(const pl_scene *scene, pl_complaint *complaint)
+{
+    if (scene->pair_count == 0) {
+        return true;
+    }
+    bool *seen = calloc((size_t)PL_MAX_MATERIALS * PL_MAX_MATERIALS, sizeof *seen);
+    if (seen == NULL) {
+        return pl_complain_no_memory(complaint);
+    }
+    bool right = true;
+    pl_path_push_key(&complaint->path, "pairs");
+    for (int i = 0; i < scene->pair_count && right; i++) {
+        pl_path_push_index(&complaint->path, i);
+        right = check_pair(scene, i, seen, complaint);
+        if (right) {
+            pl_path_pop(&complaint->path);
+        }
+    }
+    if (right) {
+        pl_path_pop(&complaint->path);
+    }
+    free(seen);
+    return right;
+}
+
+static bool check_shape(const pl_shape *shape, pl_complaint *complaint)
+{
+    pl_path_push_key(&complaint->path, "shape");
+    switch (shape->kind) {
+    case PL_SHAPE_PLANE:
+        if (!check_unit(complaint, "normal", shape->normal, 3, "a unit vector") ||
+            !check_finite(complaint, "offset", shape->offset)) {
+            return false;
+        }
+        break;
+    case PL_SHAPE_SPHERE:
+        if (!check_positive(complaint, "radius", shape->radius)) {
+            return false;
+        }
+        break;
+    case PL_SHAPE_BOX:
+        pl_path_push_key(&complaint->path, "half_extents");
+        for (int k = 0; k < 3; k++) {
+            pl_path_push_index(&complaint->path, k);
+            if (!check_positive(complaint, NULL, shape->half_extents[k])) {
+                return false;
+            }
+            pl_path_pop(&complaint->path);
+        }
+        pl_path_pop(&complaint->path);
+        break;
+    default:
+        return pl_complain_of(complaint, "type", "expected a known shape, found number %d",
+                              (int)shape->kind);
+    }
+    pl_path_pop(&complaint->path);
+    return true;
+}
+
+/* Principal inertias of any solid keep I_a + I_b >= I_c: Goldstein, Classical Mechanics, ch. 5. */
+static bool check_inertia(const double inertia[3], pl_complaint *complaint)
+{
+    bool right = true;
+    double sum = inertia[0] + inertia[1] + inertia[2];
+    for (int k = 0; k < 3; k++) {
+        right = right && isfinite(inertia[k]) && inertia[k] > 0 &&
+                inertia[k] <= (sum - inertia[k]) * (1 + PL_UNIT_TOLERANCE);
+    }
+    char x[PL_NUMBER_SIZE], y[PL_NUMBER_SIZE], z[PL_NUMBER_SIZE];
+    return right ||
+           pl_complain_of(complaint, "inertia",
+                          "expected three finite numbers above 0, none larger than the sum "
+                          "of the other two, found [%s, %s, %s]",
+                          pl_number_text(inertia[0], x), pl_number_text(inertia[1], y),
+                          pl_number_text(inertia[2], z));
+}
+
+static bool check_body(const pl_scene *scene, const pl_body *body, pl_complaint *complaint)
+{
+    pl_path_push_key(&complaint->path, "name");
+    if (!check_stored_name(body->name, complaint)) {
+        return false;
+    }
+    pl_path_pop(&complaint->path);
+    if (!check_index(complaint, "material", body->material, scene->material_count, "material") ||
+        !check_shape(&body->shape, complaint)) {
+        return false;
+    }
+    if (body->shape.kind == PL_SHAPE_PLANE && !body->is_static) {
+        return pl_complain_of(complaint, "static",
+                              "expected true, since a plane never moves, found "
+                              "false");
+    }
+    if (!check_vector(complaint, "position", body->position) ||
+        !check_unit(complaint, "orientation", body->orientation, 4,
+                    "a unit quaternion [w, x, y, z]") ||
+        !check_vector(complaint, "velocity", body->velocity) ||
+        !check_vector(complaint, "angular_velocity", body->angular_velocity)) {
+        return false;
+    }
+    if (body->is_static) {
+        return check_zero(complaint, "velocity", body->velocity) &&
+               check_zero(complaint, "angular_velocity", body->angular_velocity);
+    }
+    return check_positive(complaint, "mass", body->mass) && check_inertia(body->inertia, complaint);
+}
+
+static bool check_bodies(const pl_scene *scene, pl_complaint *complaint)
+{
+    pl_path_push_key(&complaint->path, "bodies");
+    if (scene->body_count < 1 || scene->body_count > PL_MAX_BODIES) {
+        return pl_complain(complaint, "expected 1 to %d bodies, found %d", PL_MAX_BODIES,
+                           scene->body_count);
+    }
+    for (int i = 0; i < scene->body_count; i++) {
+        pl_path_push_index(&complaint->path, i);
+        if (!check_body(scene, &scene->bodies[i], complaint)) {
+            return false;
+        }
+        pl_path_pop(&complaint->path);
+    }
+    if (!check_unique(complaint, scene->bodies[0].name, sizeof *scene->bodies, scene->body_count)) {
+        return false;
+    }
+    pl_path_pop(&complaint->path);
+    return true;
+}
+
+static bool check_force(const pl_force *force, pl_complaint *complaint)
+{
+    if (force->frame != PL_FRAME_WORLD && force->frame != PL_FRAME_BODY) {
+        return pl_complain_of(complaint, "frame", "expected a known frame, found number %d",
+                              (int)force->frame);
+    }
+    if (!check_vector(complaint, "force", force->force) ||
+        !check_vector(complaint, "at", force->at) ||
+        !check_number(complaint, "from", force->from, isfinite(force->from) && force->from >= 0,
+                      "a finite number of at least 0")) {
+        return false;
+    }
+    char from[PL_NUMBER_SIZE], found[PL_NUMBER_SIZE];
+    return force->until > force->from ||
+           pl_complain_of(complaint, "until", "expected a time after `from`, which is %s, found %s",
+                          pl_number_text(force->from, from), pl_number_text(force->until, found));
+}
+
+/* Where force number `index` stands in a scene file: in its body's own list. */
+static int place_in_body(const pl_scene *scene, int index)
+{
+    int place = 0;
+    for (int i = 0; i < index; i++) {
+        place += scene->forces[i].body == scene->forces[index].body ? 1 : 0;
+    }
+    return place;
+}
+
+static bool check_forces(const pl_scene *scene, pl_complaint *complaint)
+{
+    for (int i = 0; i < scene->force_count; i++) {
+        const pl_force *force = &scene->forces[i];
+        const pl_path outside = complaint->path;
+        if (force->body < 0 || force->body >= scene->body_count) {
+            pl_path_push_key(&complaint->path, "forces");
+            pl_path_push_index(&complaint->path, i);
+            return check_index(complaint, "body", force->body, scene->body_count, "body");
+        }
+        pl_path_push_key(&complaint->path, "bodies");
+        pl_path_push_index(&complaint->path, force->body);
+        pl_path_push_key(&complaint->path, "forces");
+        if (scene->bodies[force->body].is_static) {
+            return pl_complain(complaint, "expected no forces on a static body, found one");
+        }
+        const pl_path list = complaint->path;
+        pl_path_push_index(&complaint->path, 0);
+        if (!check_force(force, complaint)) {
+            /* Only now: counting for every force would be quadratic. */
+            complaint->path.steps[list.depth].index = place_in_body(scene, i);
+            return false;
+        }
+        complaint->path = outside;
+    }
+    return true;
+}
+
+static bool check_placed_body(const pl_scene *scene, int body, pl_complaint *complaint)
+{
+    if (!check_index(complaint, "body", body, scene->body_count, "body")) {
+        return false;
+    }
+    return scene->bodies[body].shape.kind != PL_SHAPE_PLANE ||
+           pl_complain_of(complaint, "body", "expected a body with a position, found the plane %s",
+                          scene->bodies[body].name);
+}
+
+static bool check_rests(const pl_scene *scene, pl_complaint *complaint)
+{
+    pl_path_push_key(&complaint->path, "rest");
+    for (int i = 0; i < scene->rest_count; i++) {
+        const pl_expect_rest *rest = &scene->rests[i];
+        pl_path_push_index(&complaint->path, i);
+        if (!check_placed_body(scene, rest->body, complaint) ||
+            !check_vector(complaint, "position", rest->position) ||
+            (rest->has_orientation && !check_unit(complaint, "orientation", rest->orientation, 4,
+                                                  "a unit quaternion [w, x, y, z]"))) {
+            return false;
+        }
+        pl_path_pop(&complaint->path);
+    }
+    pl_path_pop(&complaint->path);
+    return true;
+}
+
+static bool check_travels(const pl_scene *scene, pl_complaint *complaint)
+{
+    pl_path_push_key(&complaint->path, "travel");
+    for (int i = 0; i < scene->travel_count; i++) {
+        const pl_expect_travel *travel = &scene->travels[i];
+        pl_path_push_index(&complaint->path, i);
+        if (!check_placed_body(scene, travel->body, complaint) ||
+            !check_unit(complaint, "direction", travel->direction, 3, "a unit vector") ||
+            !check_number(complaint, "distance", travel->distance,
+                          isfinite(travel->distance) && travel->distance != 0,
+                          "a finite number other than 0") ||
+            !check_number(complaint, "discrete", travel->discrete,
+                          isnan(travel->discrete) ||
+                              (isfinite(travel->discrete) && travel->discrete != 0),
+                          "a finite number other than 0")) {
+            return false;
+        }
+        pl_path_pop(&complaint->path);
+    }
+    pl_path_pop(&complaint->path);
+    return true;
+}
+
+static bool check_primary_error(const pl_scene *scene, pl_complaint *complaint)
+{
+    const char *primary = scene->primary_error;
+    if (primary[0] == '\0') {
+        return true;
+    }
+    if (memchr(primary, '\0', sizeof scene->primary_error) == NULL) {
+        return pl_complain_of(complaint, "primary", "expected a metric, found text without an end");
+    }
+    bool known = false;
+    for (int i = 0; i < pl_primary_error_count; i++) {
+        known = known || strcmp(primary, pl_primary_errors[i]) == 0;
+    }
+    if (!known) {
+        const char *nearest = pl_nearest_name(primary, pl_primary_errors, pl_primary_error_count);
+        char quoted[PL_QUOTED_SIZE];
+        return pl_complain_of(complaint, "primary", "expected a metric such as \"%s\", found %s",
+                              nearest != NULL ? nearest : pl_primary_errors[0],
+                              pl_quoted(primary, quoted));
+    }
+    if (strncmp(primary, "rest_", 5) == 0 && scene->rest_count == 0) {
+        return pl_complain_of(complaint, "primary", "expected `rest` beside \"%s\", found none",
+                              primary);
+    }
+    bool of_travel = strcmp(primary, "travel_error") == 0 || strcmp(primary, "discrete_error") == 0;
+    if (of_travel && scene->travel_count == 0) {
+        return pl_complain_of(complaint, "primary", "expected `travel` beside \"%s\", found none",
+                              primary);
+    }
+    return true;
+}
+
+static bool check_expectations(const pl_scene *scene, pl_complaint *complaint)
+{
+    pl_path_push_key(&complaint->path, "expect");
+    if (!check_rests(scene, complaint) || !check_travels(scene, complaint) ||
+        !check_primary_error(scene, complaint) ||
+        !check_number(complaint, "collapse_distance", scene->collapse_distance,
+                      scene->collapse_distance > 0, "a number above 0")) {
+        return false;
+    }
+    pl_path_pop(&complaint->path);
+    return true;
+}
+
+static bool check_scene_name(const pl_scene *scene, pl_complaint *complaint)
+{
+    if (scene->name[0] == '\0') {
+        return true; /* a scene need not have one */
+    }
+    pl_path_push_key(&complaint->path, "name");
+    if (!check_stored_name(scene->name, complaint)) {
+        return false;
+    }
+    pl_path_pop(&complaint->path);
+    return true;
+}
+
+bool pl_scene_check(const pl_scene *scene, pl_complaint *complaint)
+{
+    return check_scene_name(scene, complaint) &&
+           check_vector(complaint, "gravity", scene->gravity) && check_time(scene, complaint) &&
+           check_materials(scene, complaint) && check_pairs(scene, complaint) &&
+           check_bodies(scene, complaint) && check_forces(scene, complaint) &&
+           check_expectations(scene, complaint);
+}
+
+pl_status pl_scene_validate(const pl_scene *scene, pl_error *error)
+{
+    pl_complaint complaint = {.status = PL_OK};
+    if (pl_scene_check(scene, &complaint)) {
+        return PL_OK;
+    }
+    char path[256];
+    pl_path_text(&complaint.path, path, sizeof path);
+    return pl_fail(error, complaint.status, "%s: %s", path, complaint.text);
+}

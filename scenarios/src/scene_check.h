@@ -1,0 +1,28 @@
+/* The rules that every scene keeps, in one place: pl_scene_validate states them for scenes made by
+ * code, the reader for scene files. */
+#ifndef PLUMB_SCENE_CHECK_H
+#define PLUMB_SCENE_CHECK_H
+
+#include "complaint.h"
+#include "plumb/scene.h"
+
+/* The metrics that a scene may name as its primary error. */
+extern const char *const pl_primary_errors[];
+extern const int pl_primary_error_count;
+
+/* How far the norm of a normal, direction or quaternion may be from 1. */
+#define PL_UNIT_TOLERANCE 1e-9
+
+/* sqrt of the sum of squares of n numbers. */
+double pl_norm(const double *vector, int n);
+
+/* False with a complaint about the first rule that is broken; its path follows the scene file,
+ * where forces stand inside their body. `complaint` must be zeroed; its path borrows from the
+ * scene. */
+bool pl_scene_check(const pl_scene *scene, pl_complaint *complaint);
+
+/* A name of a body, material or scene: 1 to 63 bytes of UTF-8 without control characters. Complains
+ * at the path as it stands. */
+bool pl_check_name(const char *name, size_t length, pl_complaint *complaint);
+
+#endif

@@ -1,0 +1,100 @@
+/* A scene file's bytes: from a path or standard input, and never more than PL_MAX_SCENE_BYTES. */
+#define _POSIX_C_SOURCE 200809L
+
+#include "plumb/scene.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static pl_status fail_by_size(const char *label, const char *found, pl_error *error)
+{
+    return pl_fail(error, PL_BAD_INPUT, "%s: expected a scene file of at most %d MiB, found %s",
+                   label, PL_MAX_SCENE_BYTES >> 20, found);
+}
+
+/* What the directory can tell before a byte is read. */
+static pl_status check_stream(FILE *stream, const char *label, pl_error *error)
+{
+    struct stat status;
+    if (fstat(fileno(stream), &status) != 0) {
+        return pl_fail(error, PL_IO, "%s: %s", label, strerror(errno));
+    }
+    if (S_ISDIR(status.st_mode)) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: expected a scene file, found a directory", label);
+    }
+    if (S_ISREG(status.st_mode) && status.st_size > PL_MAX_SCENE_BYTES) {
+        char found[48];
+        snprintf(found, sizeof found, "%lld bytes", (long long)status.st_size);
+        return fail_by_size(label, found, error);
+    }
+    return PL_OK;
+}
+
+/* The whole stream, malloc'd. */
+static pl_status read_stream(FILE *stream, const char *label, char **text, size_t *length,
+                             pl_error *error)
+{
+    size_t capacity = 1 << 16, used = 0;
+    char *bytes = malloc(capacity);
+    pl_status status = PL_OK;
+    while (bytes != NULL) {
+        size_t got = fread(bytes + used, 1, capacity - used, stream);
+        used += got;
+        if (used > PL_MAX_SCENE_BYTES) {
+            status = fail_by_size(label, "more", error);
+            break;
+        }
+        if (got == 0) {
+            status =
+                ferror(stream) ? pl_fail(error, PL_IO, "%s: %s", label, strerror(errno)) : PL_OK;
+            break;
+        }
+        if (used == capacity) {
+            char *grown = realloc(bytes, 2 * capacity);
+            if (grown == NULL) {
+                free(bytes);
+            }
+            bytes = grown;
+            capacity *= 2;
+        }
+    }
+    if (bytes == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", label);
+    }
+    if (status != PL_OK) {
+        free(bytes);
+        return status;
+    }
+    *text = bytes;
+    *length = used;
+    return PL_OK;
+}
+
+pl_status pl_scene_read_file(const char *path, pl_scene *scene, pl_error *error)
+{
+    bool is_stdin = strcmp(path, "-") == 0;
+    const char *label = is_stdin ? "<stdin>" : path;
+    char *text = NULL;
+    size_t length = 0;
+    *scene = pl_scene_default();
+    FILE *stream = is_stdin ? stdin : fopen(path, "rb");
+    if (stream == NULL) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: expected a scene file, found none to read: %s",
+                       label, strerror(errno));
+    }
+    pl_status status = check_stream(stream, label, error);
+    if (status == PL_OK) {
+        status = read_stream(stream, label, &text, &length, error);
+    }
+    if (status == PL_OK) {
+        status = pl_scene_read_text(text, length, label, scene, error);
+    }
+    free(text);
+    if (!is_stdin) {
+        fclose(stream);
+    }
+    return status;
+}
