@@ -201,6 +201,12 @@ static void test_a_destroyed_body_leaves_nothing_behind(void **state)
         step(world, H);
     }
     pe_body_destroy(world, ids[2], NULL);
+    pe_contact left[64];
+    int count = pe_world_get_contacts(world, left, 64);
+    assert_int_equal(count, 4 * 4);
+    for (int i = 0; i < count; ++i) {
+        assert_true(left[i].body_a.index != ids[2].index && left[i].body_b.index != ids[2].index);
+    }
     /* What stood on it falls freely for one step; what is below stays. */
     step(world, H);
     assert_close(state_of(world, ids[3]).velocity.z, -9.81 * H, 1e-6, 0);

@@ -102,7 +102,8 @@ static void test_force_at_a_point_gives_its_acceleration_and_torque_in_either_fr
         def.orientation =
             (pe_quat){sqrt(0.5), 0, 0, sqrt(0.5)}; /* x of the body is y of the world */
         pe_body_id body = add_body(world, &def);
-        assert_int_equal(pe_body_apply_force(world, body, (pe_vec3){3, 0, 0}, (pe_vec3){0, 0, 0.3},
+        assert_int_equal(pe_body_apply_force(world, body, (pe_vec3){3, 0, 0},
+                                             (pe_vec3){0.1, 0, 0.3},
                                              frame ? PE_FRAME_BODY : PE_FRAME_WORLD, NULL),
                          PE_OK);
         step(world, H);
@@ -110,9 +111,10 @@ static void test_force_at_a_point_gives_its_acceleration_and_torque_in_either_fr
         pe_body_state s = state_of(world, body);
         assert_close(s.velocity.x, frame ? 0 : v, 1e-15, 0);
         assert_close(s.velocity.y, frame ? v : 0, 1e-15, 0);
-        /* r x F: (0, 0, 0.3) x (3, 0, 0) = (0, 0.9, 0). */
+        /* r x F: (0.1, 0, 0.3) x (3, 0, 0) = (0, 0.9, 0), and turned by a quarter about z. */
         assert_close(s.angular_velocity.x, frame ? -w : 0, 1e-14, 0);
         assert_close(s.angular_velocity.y, frame ? 0 : w, 1e-14, 0);
+        assert_close(s.angular_velocity.z, 0, 1e-14, 0);
         /* The force was for one step. */
         step(world, H);
         assert_close(state_of(world, body).velocity.x, frame ? 0 : v, 1e-15, 0);

@@ -66,6 +66,11 @@ static void clear(const pe_problem *island, double (*lines)[PE_LANES])
     }
 }
 
+/* Sweeps between two looks at the violation, and the gain at a look without which it is not worth
+ * more. */
+enum { LOOK_INTERVAL = 5 };
+static const double LEAST_GAIN = 0.05;
+
 /* Finds displacements with the least sum of squared violations into `best`; returns the sweeps
  * made. The sum, not the deepest: one contact that is jammed must not keep the others from being
  * mended. */
@@ -77,12 +82,17 @@ static int solve(const pe_problem *island, double (*best)[PE_LANES], double enou
     violation least = measure(island);
     int iterations = 0;
     while (iterations < most && least.deepest > enough) {
-        sweep(island);
-        iterations += 1;
+        for (int i = 0; i < LOOK_INTERVAL && iterations < most; ++i, ++iterations) {
+            sweep(island);
+        }
         violation now = measure(island);
+        bool worth_more = now.squares < (1 - LEAST_GAIN) * least.squares;
         if (now.squares < least.squares) {
             least = now;
             copy_lines(island, best, island->velocity);
+        }
+        if (!worth_more) {
+            break;
         }
     }
     return iterations;

@@ -26,7 +26,7 @@ static double lap(double *mark)
 
 /* What collapses has another problem at every step, so that sweeps spent on its last digits are
  * lost at the next; what stands keeps the digits. A moving island gets this part of the work. */
-static const double MOVING_PART = 0.05;
+static const double MOVING_PART = 0.02;
 
 /* Whether a body of the island is faster than one step of free fall would make it. */
 static bool is_moving(const pe_world *world, const pe_problem *island, double dt)
