@@ -1,5 +1,5 @@
-/* The metrics: names, units and directions (stable: gates and other people's scripts use them), and the
- * values of one run. The table itself, with each definition in a line, is in metrics.c. */
+/* The metrics: names, units and directions (stable: gates and other people's scripts use them), and
+ * the values of one run. The table itself, with each definition in a line, is in metrics.c. */
 #ifndef PLUMB_METRICS_H
 #define PLUMB_METRICS_H
 
@@ -11,7 +11,7 @@ typedef enum pl_metric_id {
     PL_METRIC_REFERENCE_ERROR, /* the scene's primary error, copied */
     PL_METRIC_REST_POSITION_ERROR,
     PL_METRIC_REST_ROTATION_ERROR,
-    PL_METRIC_TRAVEL_ERROR,   /* 1: |travelled - distance| / |distance|, largest over expect.travel */
+    PL_METRIC_TRAVEL_ERROR, /* 1: |travelled - distance| / |distance|, largest over expect.travel */
     PL_METRIC_DISCRETE_ERROR, /* 1: the same against the exact discrete answer */
     PL_METRIC_PENETRATION_MAX,
     PL_METRIC_PENETRATION_REST,

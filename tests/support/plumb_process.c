@@ -21,7 +21,7 @@ const char falling_scene[] =
     "      \"shape\": { \"type\": \"plane\", \"normal\": [0, 0, 1], \"offset\": 0 } },\n"
     "    { \"name\": \"a\", \"mass\": 1, \"material\": \"wood\",\n"
     "      \"shape\": { \"type\": \"sphere\", \"radius\": 0.5 }, \"position\": [0, 0, 5] },\n"
-    "    { \"name\": \"b\", \"mass\": 2, \"material\": \"wood\",\n"
+    "    { \"name\": \"b\", \"mass\": 2, \"inertia\": [0.3, 0.2, 0.25], \"material\": \"wood\",\n"
     "      \"shape\": { \"type\": \"sphere\", \"radius\": 0.5 }, \"position\": [3, 0, 5] } ] }\n";
 
 char *path_in(const char *directory, const char *name)

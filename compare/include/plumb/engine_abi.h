@@ -4,13 +4,13 @@
  * A shared object exports one symbol, `plumb_engine` (PL_ENGINE_SYMBOL), of type pl_engine_entry.
  * Growth: struct_size and abi_version come first; a field is only ever added at an end.
  *
- * Conventions (the adapter undoes its engine's own): SI units; quaternions (w, x, y, z), unit, body to
- * world; velocity of the centre of mass and angular velocity in the world frame; normals point from
- * body A to body B; separation is negative in penetration; impulses in N s, on body B.
+ * Conventions (the adapter undoes its engine's own): SI units; quaternions (w, x, y, z), unit, body
+ * to world; velocity of the centre of mass and angular velocity in the world frame; normals point
+ * from body A to body B; separation is negative in penetration; impulses in N s, on body B.
  *
- * The harness calls from one thread, in this order: create; read_settings, read_pair, read_frame; then
- * for each step: step, read_frame, read_contacts; last destroy. An engine may print: its output is
- * captured. An error message is written into the caller's pl_error. */
+ * The harness calls from one thread, in this order: create; read_settings, read_pair, read_frame;
+ * then for each step: step, read_frame, read_contacts; last destroy. An engine may print: its
+ * output is captured. An error message is written into the caller's pl_error. */
 #ifndef PLUMB_ENGINE_ABI_H
 #define PLUMB_ENGINE_ABI_H
 
@@ -39,13 +39,14 @@ typedef struct pl_engine_profile {
     bool in_default_comparison; /* run by `plumb compare` when no --engine is given */
 } pl_engine_profile;
 
-/* What one step did. The harness sets struct_size and fills every number with NAN before the call; the
- * engine overwrites what it has, and leaves NAN what it does not have (never 0 for "none"). */
+/* What one step did. The harness sets struct_size and fills every number with NAN before the call;
+ * the engine overwrites what it has, and leaves NAN what it does not have (never 0 for "none"). */
 typedef struct pl_step_stats {
     uint32_t struct_size;
     double iterations; /* of the velocity solver, largest over islands */
-    double residual;   /* after the last iteration, in pl_engine.residual_unit, largest over islands */
-    double contacts;   /* contact points handed to the solver */
+    double
+        residual; /* after the last iteration, in pl_engine.residual_unit, largest over islands */
+    double contacts; /* contact points handed to the solver */
     double islands;
     double time_collide, time_solve, time_other; /* s */
 } pl_step_stats;
@@ -92,37 +93,39 @@ typedef struct pl_engine {
     const char *name;     /* "ode" */
     const char *version;  /* "0.16.2" */
     const char *description;
-    const char *residual_unit; /* of pl_step_stats.residual; NULL when it never has one */
-    uint32_t capabilities;     /* PL_NEEDS_* bits of scenario.h that it can do */
+    const char *residual_unit;         /* of pl_step_stats.residual; NULL when it never has one */
+    uint32_t capabilities;             /* PL_NEEDS_* bits of scenario.h that it can do */
     const pl_engine_profile *profiles; /* at least one; the first is the default */
     int profile_count;
     const pl_engine_option *options;
     int option_count;
 
-    /* The defaults of `options` as this profile ships them: overwrites values[option_count], which holds
-     * the table's own defaults. NULL when no profile differs. */
+    /* The defaults of `options` as this profile ships them: overwrites values[option_count], which
+     * holds the table's own defaults. NULL when no profile differs. */
     void (*profile_defaults)(int profile, double *values);
 
-    /* Builds the scene. values[option_count] is complete and in range. The scene outlives the instance.
-     * PL_UNSUPPORTED with a reason when the engine cannot do the scene as it stands. */
+    /* Builds the scene. values[option_count] is complete and in range. The scene outlives the
+     * instance. PL_UNSUPPORTED with a reason when the engine cannot do the scene as it stands. */
     pl_status (*create)(const pl_scene *scene, int profile, const double *values,
                         pl_engine_instance **instance, pl_error *error);
     void (*destroy)(pl_engine_instance *instance); /* NULL allowed */
 
     /* Advances by dt seconds. PL_UNSUPPORTED or PL_FAILED end the run with that outcome. */
-    pl_status (*step)(pl_engine_instance *instance, double dt, pl_step_stats *stats, pl_error *error);
+    pl_status (*step)(pl_engine_instance *instance, double dt, pl_step_stats *stats,
+                      pl_error *error);
 
     void (*read_frame)(const pl_engine_instance *instance, pl_frame *frame);
 
     /* dt is the step that the caller means to make. */
-    void (*read_settings)(const pl_engine_instance *instance, double dt, pl_engine_settings *settings);
+    void (*read_settings)(const pl_engine_instance *instance, double dt,
+                          pl_engine_settings *settings);
 
     /* Friction and restitution that a contact between these two bodies gets. */
     void (*read_pair)(const pl_engine_instance *instance, int body_a, int body_b, double *friction,
                       double *restitution);
 
-    /* Contacts of the last step that carry or may carry force: fills up to `capacity`, returns how many
-     * there are. NULL when the engine does not report them. */
+    /* Contacts of the last step that carry or may carry force: fills up to `capacity`, returns how
+     * many there are. NULL when the engine does not report them. */
     int (*read_contacts)(const pl_engine_instance *instance, pl_contact *contacts, int capacity);
 } pl_engine;
 

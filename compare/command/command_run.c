@@ -1,0 +1,216 @@
+/* plumb run SCENARIO --engine SPEC: one run, one result. */
+#include "command/commands.h"
+#include "command/selection.h"
+#include "results/store.h"
+#include "runner/execute.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+typedef struct options {
+    pl_selection selection;
+    pl_limits limits;
+    pl_texts names;
+    const char *engine, *json, *trajectory;
+} options;
+
+enum { KEY_ENGINE = 0x200, KEY_JSON, KEY_TRAJECTORY };
+
+static const struct argp_option argp_options[] = {
+    {"engine", KEY_ENGINE, "SPEC", 0,
+     "The engine: NAME[:PROFILE][,OPTION=VALUE...], or the path of a shared object in place of "
+     "NAME",
+     0},
+    {"json", KEY_JSON, "FILE", 0, "Write the result as a JSON object (- is standard output)", 0},
+    {"trajectory", KEY_TRAJECTORY, "FILE", 0, "Write every frame as CSV (- is standard output)", 0},
+    {0}};
+
+static void check(const options *o, struct argp_state *state)
+{
+    bool json_out = o->json != NULL && strcmp(o->json, "-") == 0;
+    bool trajectory_out = o->trajectory != NULL && strcmp(o->trajectory, "-") == 0;
+    if (o->names.count == 0) {
+        argp_error(state, "which scenario? See plumb list scenarios");
+    }
+    if (o->engine == NULL) {
+        argp_error(state, "which engine? --engine SPEC; see plumb list engines");
+    }
+    if (json_out && trajectory_out) {
+        argp_error(state, "--json - and --trajectory - would mix on standard output");
+    }
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    options *o = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &o->selection;
+        state->child_inputs[1] = &o->limits;
+        return 0;
+    case KEY_ENGINE:
+        if (o->engine != NULL) {
+            argp_error(state, "one engine at a time: plumb compare runs several");
+        }
+        o->engine = text;
+        return 0;
+    case KEY_JSON:
+        o->json = text;
+        return 0;
+    case KEY_TRAJECTORY:
+        o->trajectory = text;
+        return 0;
+    case ARGP_KEY_ARG:
+        if (o->names.count > 0) {
+            argp_error(state, "one scenario at a time: plumb compare runs several");
+        }
+        pl_texts_add(&o->names, text);
+        return 0;
+    case ARGP_KEY_END:
+        check(o, state);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp_child children[] = {
+    {&pl_selection_argp, 0, NULL, 0}, {&pl_limits_argp, 0, NULL, 0}, {0}};
+static const struct argp argp = {
+    .options = argp_options,
+    .parser = parse,
+    .args_doc = "SCENARIO|SCENE.json --engine SPEC",
+    .doc = "Runs one scenario on one engine and prints its metrics. Exits with 3 when the outcome "
+           "is not "
+           "ok.\v"
+           "Examples:\n"
+           "  plumb run tower --set n=25 --engine ode:quick,iterations=50\n"
+           "  plumb run tower --engine plumb:accurate --json -\n"
+           "  plumb run ./mine.json --engine bullet --trajectory frames.csv",
+    .children = children};
+
+static pl_status keep(void *user, json_t *result, pl_error *error)
+{
+    (void)error;
+    json_t **kept = user;
+    *kept = json_incref(result);
+    return PL_OK;
+}
+
+static const char *text_of(const json_t *object, const char *key)
+{
+    const char *text = json_string_value(json_object_get(object, key));
+    return text == NULL ? "" : text;
+}
+
+static void print_metric(const char *name, const json_t *metric)
+{
+    const json_t *value = json_object_get(metric, "value");
+    if (json_is_string(value)) {
+        printf("  %-22s %s\n", name, json_string_value(value));
+    } else if (json_is_number(value)) {
+        printf("  %-22s %-12.6g %s\n", name, json_number_value(value), text_of(metric, "unit"));
+    } else {
+        printf("  %-22s none: %s\n", name, text_of(metric, "reason"));
+    }
+}
+
+static void print_result(const json_t *result)
+{
+    const json_t *steps = json_object_get(result, "steps");
+    printf("%s on %s: %s, %lld of %lld steps\n", text_of(result, "scenario"),
+           text_of(result, "label"), text_of(result, "outcome"),
+           (long long)json_integer_value(json_object_get(steps, "done")),
+           (long long)json_integer_value(json_object_get(steps, "asked")));
+    if (text_of(result, "reason")[0] != '\0') {
+        printf("  %s\n", text_of(result, "reason"));
+    }
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
+        const char *name = pl_metric_table[i].name;
+        const json_t *metric = json_object_get(json_object_get(result, "metrics"), name);
+        if (metric != NULL) {
+            print_metric(name, metric);
+        }
+    }
+}
+
+static FILE *open_trajectory(const char *path, pl_error *error)
+{
+    FILE *file = strcmp(path, "-") == 0 ? fdopen(dup(STDOUT_FILENO), "w") : fopen(path, "we");
+    if (file == NULL) {
+        pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
+    }
+    return file;
+}
+
+/* Writes the result where it was asked for. */
+static pl_status deliver(const options *o, const json_t *result, pl_error *error)
+{
+    bool data_on_stdout = (o->json != NULL && strcmp(o->json, "-") == 0) ||
+                          (o->trajectory != NULL && strcmp(o->trajectory, "-") == 0);
+    if (!data_on_stdout) {
+        print_result(result);
+    }
+    return o->json == NULL ? PL_OK : pl_results_write_json(o->json, result, error);
+}
+
+static int run(const pl_call *call, const options *o)
+{
+    pl_error error = {.message = ""};
+    pl_plan plan = {.repeats = 1};
+    json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
+    json_t *result = NULL;
+    FILE *trajectory = NULL;
+    int code = PL_EXIT_OK;
+    int signal_number = 0;
+    pl_status status = provenance == NULL ? pl_fail(&error, PL_NO_MEMORY, "out of memory") : PL_OK;
+    if (status == PL_OK) {
+        status = pl_selection_add(&o->selection, &o->names, &plan, &error);
+    }
+    if (status == PL_OK) {
+        status = pl_plan_add_engine(&plan, o->engine, &error);
+    }
+    if (status == PL_OK && o->trajectory != NULL) {
+        trajectory = open_trajectory(o->trajectory, &error);
+        status = error.status;
+    }
+    if (status == PL_OK) {
+        const pl_execution_def execution = {.plan = &plan,
+                                            .jobs = 1,
+                                            .limits = o->limits,
+                                            .trajectory = trajectory,
+                                            .provenance = provenance,
+                                            .progress = isatty(STDERR_FILENO) == 1 ? stderr : NULL,
+                                            .user = &result,
+                                            .keep = keep};
+        status = pl_execute(&execution, &signal_number, &error);
+    }
+    if (status == PL_OK && signal_number == 0) {
+        status = deliver(o, result, &error);
+        code = strcmp(text_of(result, "outcome"), "ok") == 0 ? PL_EXIT_OK : PL_EXIT_FAILED;
+    }
+    if (status != PL_OK) {
+        code = pl_call_fail(call, &error);
+    } else if (signal_number != 0) {
+        code = 128 + signal_number;
+    }
+    if (trajectory != NULL) {
+        fclose(trajectory);
+    }
+    json_decref(result);
+    json_decref(provenance);
+    pl_plan_free(&plan);
+    return code;
+}
+
+int pl_command_run(const pl_call *call)
+{
+    options o = {.selection = pl_selection_default(), .limits = pl_limits_default()};
+    pl_call_parse(call, &argp, &o);
+    int code = run(call, &o);
+    pl_selection_free(&o.selection);
+    free(o.names.items);
+    return code;
+}

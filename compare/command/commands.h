@@ -1,0 +1,17 @@
+/* The commands of `plumb`, one file each: command_<name>.c. */
+#ifndef PLUMB_COMMANDS_H
+#define PLUMB_COMMANDS_H
+
+#include "command/command.h"
+
+int pl_command_compare(const pl_call *call);
+int pl_command_run(const pl_call *call);
+int pl_command_list(const pl_call *call);
+int pl_command_scene(const pl_call *call);
+int pl_command_help(const pl_call *call);
+int pl_command_version(const pl_call *call);
+
+/* The program: finds the command, runs it, and returns the exit code. */
+int pl_program(int argc, char **argv);
+
+#endif

@@ -1,0 +1,209 @@
+#include "command/selection.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void pl_texts_add(pl_texts *texts, const char *item)
+{
+    const char **grown = realloc(texts->items, ((size_t)texts->count + 1) * sizeof *grown);
+    if (grown == NULL) {
+        fprintf(stderr, "plumb: out of memory\n");
+        exit(PL_EXIT_FAILED);
+    }
+    texts->items = grown;
+    texts->items[texts->count++] = item;
+}
+
+pl_selection pl_selection_default(void)
+{
+    return (pl_selection){.dt = NAN, .duration = NAN};
+}
+
+void pl_selection_free(pl_selection *selection)
+{
+    free(selection->settings.items);
+    *selection = pl_selection_default();
+}
+
+enum { KEY_SET = 0x100, KEY_DT, KEY_DURATION, KEY_SEED, KEY_TIMEOUT, KEY_MEMORY };
+
+static const struct argp_option selection_options[] = {
+    {"set", KEY_SET, "NAME=VALUE", 0,
+     "Sets a parameter of every named scenario that has it (repeatable; see plumb list scenarios)",
+     0},
+    {"dt", KEY_DT, "S", 0, "Time step in seconds, also as a fraction: 1/240", 0},
+    {"duration", KEY_DURATION, "S", 0, "Simulated time in seconds", 0},
+    {"seed", KEY_SEED, "N", 0, "Seed of scenarios that draw random numbers (default 0)", 0},
+    {0}};
+
+static error_t parse_selection(int key, char *text, struct argp_state *state)
+{
+    pl_selection *selection = state->input;
+    const double tiny = DBL_MIN;
+    switch (key) {
+    case KEY_SET:
+        if (strchr(text, '=') == NULL || text[0] == '=') {
+            argp_error(state, "--set takes NAME=VALUE; found \"%s\"", text);
+        }
+        pl_texts_add(&selection->settings, text);
+        return 0;
+    case KEY_DT:
+        selection->dt = pl_option_number(state, "--dt takes seconds", text, tiny, 1e3);
+        return 0;
+    case KEY_DURATION:
+        selection->duration = pl_option_number(state, "--duration takes seconds", text, tiny, 1e9);
+        return 0;
+    case KEY_SEED:
+        selection->seed =
+            (uint64_t)pl_option_integer(state, "--seed takes an integer", text, 0, (1L << 53) - 1);
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+const struct argp pl_selection_argp = {.options = selection_options, .parser = parse_selection};
+
+static const struct argp_option limits_options[] = {
+    {"timeout", KEY_TIMEOUT, "S", 0, "Longest wall time of a run in seconds (default 60)", 0},
+    {"memory", KEY_MEMORY, "GIB", 0,
+     "Largest address space of a run in GiB (default 8; 0: no limit)", 0},
+    {0}};
+
+static error_t parse_limits(int key, char *text, struct argp_state *state)
+{
+    pl_limits *limits = state->input;
+    switch (key) {
+    case KEY_TIMEOUT:
+        limits->timeout = pl_option_number(state, "--timeout takes seconds", text, 1e-3, 1e6);
+        return 0;
+    case KEY_MEMORY:
+        limits->memory =
+            (uint64_t)(0x1p30 * pl_option_number(state, "--memory takes GiB", text, 0, 1048576));
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+const struct argp pl_limits_argp = {.options = limits_options, .parser = parse_limits};
+
+pl_limits pl_limits_default(void)
+{
+    return (pl_limits){.timeout = 60, .memory = UINT64_C(8) << 30};
+}
+
+static bool is_scene_file(const char *name)
+{
+    size_t length = strlen(name);
+    return strcmp(name, "-") == 0 || strchr(name, '/') != NULL ||
+           (length > 5 && strcmp(name + length - 5, ".json") == 0);
+}
+
+static bool has_param(const pl_scenario *scenario, const char *setting)
+{
+    size_t length = strcspn(setting, "=");
+    for (int i = 0; i < scenario->param_count; ++i) {
+        const char *name = scenario->params[i].name;
+        if (strlen(name) == length && strncmp(name, setting, length) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* An error that names the parameter and the nearest one of all `scenarios`. */
+static pl_status unknown_param(const char *setting, const pl_scenario *const *scenarios, int count,
+                               pl_error *error)
+{
+    char word[PL_NAME_SIZE];
+    const char *nearest = NULL;
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(setting, "="), setting);
+    for (int i = 0; i < count && nearest == NULL; ++i) {
+        const char *names[PL_MAX_PARAMS];
+        for (int k = 0; k < scenarios[i]->param_count; ++k) {
+            names[k] = scenarios[i]->params[k].name;
+        }
+        nearest = pl_nearest_name(word, names, scenarios[i]->param_count);
+    }
+    if (count == 0) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       "--set %s: a scene file has no parameters; edit the file", setting);
+    }
+    return pl_fail(error, PL_BAD_INPUT, "--set %s: no chosen scenario has the parameter %s%s%s%s",
+                   setting, word, nearest == NULL ? "" : "; did you mean ",
+                   nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
+}
+
+static pl_status check_settings(const pl_selection *selection, const pl_scenario *const *scenarios,
+                                int count, pl_error *error)
+{
+    for (int i = 0; i < selection->settings.count; ++i) {
+        const char *setting = selection->settings.items[i];
+        bool known = false;
+        for (int k = 0; k < count; ++k) {
+            known = known || has_param(scenarios[k], setting);
+        }
+        if (!known) {
+            return unknown_param(setting, scenarios, count, error);
+        }
+    }
+    return PL_OK;
+}
+
+static pl_status add_scenario(const pl_selection *selection, const pl_scenario *scenario,
+                              pl_plan *plan, pl_error *error)
+{
+    char dt[48];
+    char duration[48];
+    pl_texts chosen = {.count = 0};
+    if (!isnan(selection->dt)) {
+        snprintf(dt, sizeof dt, "dt=%.17g", selection->dt);
+        pl_texts_add(&chosen, dt);
+    }
+    if (!isnan(selection->duration)) {
+        snprintf(duration, sizeof duration, "duration=%.17g", selection->duration);
+        pl_texts_add(&chosen, duration);
+    }
+    for (int i = 0; i < selection->settings.count; ++i) {
+        if (has_param(scenario, selection->settings.items[i])) {
+            pl_texts_add(&chosen, selection->settings.items[i]);
+        }
+    }
+    pl_status status = pl_plan_add_scenario(plan, scenario, chosen.items, chosen.count, error);
+    free(chosen.items);
+    return status;
+}
+
+pl_status pl_selection_add(const pl_selection *selection, const pl_texts *names, pl_plan *plan,
+                           pl_error *error)
+{
+    const pl_scenario **scenarios = calloc((size_t)names->count + 1, sizeof *scenarios);
+    if (scenarios == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    pl_status status = PL_OK;
+    int count = 0;
+    for (int i = 0; i < names->count && status == PL_OK; ++i) {
+        if (!is_scene_file(names->items[i])) {
+            scenarios[count] = pl_scenario_find(names->items[i], error);
+            status = scenarios[count] == NULL ? PL_BAD_INPUT : PL_OK;
+            ++count;
+        }
+    }
+    if (status == PL_OK) {
+        status = check_settings(selection, scenarios, count, error);
+    }
+    plan->seed = selection->seed;
+    int next = 0;
+    for (int i = 0; i < names->count && status == PL_OK; ++i) {
+        status = is_scene_file(names->items[i])
+                     ? pl_plan_add_scene_file(plan, names->items[i], selection->dt,
+                                              selection->duration, error)
+                     : add_scenario(selection, scenarios[next++], plan, error);
+    }
+    free(scenarios);
+    return status;
+}

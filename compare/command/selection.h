@@ -1,0 +1,41 @@
+/* Which scenes a command was asked for: names, scene files, --set, --dt, --duration, --seed; and
+ * the limits of a run. */
+#ifndef PLUMB_SELECTION_H
+#define PLUMB_SELECTION_H
+
+#include "command/command.h"
+#include "runner/plan.h"
+#include "runner/process.h"
+
+/* Texts in the order given. */
+typedef struct pl_texts {
+    const char **items;
+    int count;
+} pl_texts;
+
+/* Ends the program when out of memory. */
+void pl_texts_add(pl_texts *texts, const char *item);
+
+typedef struct pl_selection {
+    pl_texts settings;   /* --set NAME=VALUE */
+    double dt, duration; /* s; NAN: the scenario's own */
+    uint64_t seed;
+} pl_selection;
+
+pl_selection pl_selection_default(void);
+void pl_selection_free(pl_selection *selection);
+
+/* Options --set, --dt, --duration, --seed; the input is a pl_selection. */
+extern const struct argp pl_selection_argp;
+
+/* Options --timeout, --memory; the input is a pl_limits. */
+extern const struct argp pl_limits_argp;
+pl_limits pl_limits_default(void);
+
+/* Adds the problems called `names` to the plan: a name with a '/' or that ends in ".json", and "-",
+ * are scene files, others are of the catalogue. A setting goes to every catalogue scenario that has
+ * the parameter; PL_BAD_INPUT when none of them has it. */
+pl_status pl_selection_add(const pl_selection *selection, const pl_texts *names, pl_plan *plan,
+                           pl_error *error);
+
+#endif

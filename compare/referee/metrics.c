@@ -1,0 +1,76 @@
+/* The table of metrics: what each one is, in a line. */
+#include "referee/metrics.h"
+
+#include <string.h>
+
+const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
+    [PL_METRIC_REFERENCE_ERROR] =
+        {"reference_error", "as the scenario says", PL_LOWER_IS_BETTER, true,
+         "the scenario's primary error: the metric that the scene names, copied with its unit"},
+    [PL_METRIC_REST_POSITION_ERROR] =
+        {"rest_position_error", "m", PL_LOWER_IS_BETTER, true,
+         "max over bodies of the distance of the final position from the reference"},
+    [PL_METRIC_REST_ROTATION_ERROR] =
+        {"rest_rotation_error", "rad", PL_LOWER_IS_BETTER, true,
+         "max over bodies of the angle from the reference orientation to the final one, 0 .. pi; "
+         "spheres are left out"},
+    [PL_METRIC_TRAVEL_ERROR] =
+        {"travel_error", "1", PL_LOWER_IS_BETTER, true,
+         "max over travelling bodies of |(x_end - x_0).d - s| / |s|, s the continuous answer"},
+    [PL_METRIC_DISCRETE_ERROR] =
+        {"discrete_error", "1", PL_LOWER_IS_BETTER, true,
+         "travel_error against the exact answer of semi-implicit Euler at the scene's step"},
+    [PL_METRIC_PENETRATION_MAX] =
+        {"penetration_max", "m", PL_LOWER_IS_BETTER, true,
+         "max over steps and pairs of max(0, -gap); percentiles over steps x pairs with gap <= 0, "
+         "to 0.8 %"},
+    [PL_METRIC_PENETRATION_REST] =
+        {"penetration_rest", "m", PL_LOWER_IS_BETTER, true,
+         "mean over the last second of the per-frame maximum of max(0, -gap)"},
+    [PL_METRIC_DRIFT] =
+        {"drift", "m", PL_LOWER_IS_BETTER, true,
+         "max over bodies and later frames of the displacement since settle_time (unsettled: since "
+         "1 s "
+         "or half the duration) in directions in which the reference does not move"},
+    [PL_METRIC_CREEP] =
+        {"creep", "m/s", PL_LOWER_IS_BETTER, true,
+         "max over bodies of the least-squares slope of drift's displacement vector over time"},
+    [PL_METRIC_ENERGY_GAIN] =
+        {"energy_gain", "1", PL_LOWER_IS_BETTER, true,
+         "max over frames of (E - E_0 - work of scene forces) / E_ref, the start's 0 included; E = "
+         "kinetic + potential + (h/2) m g.v; E_ref = initial kinetic + M |g| H"},
+    [PL_METRIC_MOMENTUM_ERROR] =
+        {"momentum_error", "1", PL_LOWER_IS_BETTER, true,
+         "max over frames of |p - p_0 - impulses of gravity, forces and static contacts| / p_ref, "
+         "linear and angular (about the origin), the larger"},
+    [PL_METRIC_SETTLE_TIME] =
+        {"settle_time", "s", PL_LOWER_IS_BETTER, true,
+         "first time from which every body is below 1 mm/s and 1 mrad/s for 0.5 s"},
+    [PL_METRIC_ITERATIONS_MEAN] = {"iterations_mean", "1", PL_LOWER_IS_BETTER, true,
+                                   "solver iterations a step as the engine reports them, mean"},
+    [PL_METRIC_ITERATIONS_MAX] = {"iterations_max", "1", PL_LOWER_IS_BETTER, true,
+                                  "solver iterations a step as the engine reports them, largest"},
+    [PL_METRIC_RESIDUAL_MAX] =
+        {"residual_max", "engine's own", PL_LOWER_IS_BETTER, true,
+         "max over steps of the residual after the last iteration as the engine reports it"},
+    [PL_METRIC_CONTACTS_MEAN] = {"contacts_mean", "1", PL_NO_DIRECTION, true,
+                                 "contact points a step as the engine reports them, mean"},
+    [PL_METRIC_TIME_PER_STEP] = {"time_per_step", "s", PL_LOWER_IS_BETTER, false,
+                                 "CPU time of the engine's step alone, mean over steps"},
+    [PL_METRIC_MEMORY_PEAK] = {"memory_peak", "bytes", PL_LOWER_IS_BETTER, false,
+                               "growth of the resident set of the run's own process"},
+    [PL_METRIC_STATE_HASH] =
+        {"state_hash", "hex", PL_NO_DIRECTION, true,
+         "64-bit FNV-1a of the bits of all final positions and orientations as they are (0 and -0 "
+         "differ)"},
+};
+
+int pl_metric_by_name(const char *name)
+{
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
+        if (strcmp(pl_metric_table[i].name, name) == 0) {
+            return i;
+        }
+    }
+    return -1;
+}

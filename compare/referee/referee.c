@@ -1,0 +1,374 @@
+/* Hands each frame to those who measure one thing, and gathers what they found into the metrics.
+ *
+ * Drift and creep need the pose at settle_time, which is known only half a second later. So two
+ * measurements run: one begins anew with every quiet, and holds once the quiet has lasted; the
+ * other begins at 1 s (or half the duration) and counts only when the scene never settles. */
+#include "referee/referee.h"
+
+#include "referee/drift.h"
+#include "referee/final_state.h"
+#include "referee/mechanics.h"
+#include "referee/penetration.h"
+#include "referee/sanity.h"
+#include "referee/scale.h"
+#include "referee/series.h"
+#include "referee/settle.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef enum series_id {
+    OF_ENERGY,
+    OF_MOMENTUM,
+    OF_ITERATIONS,
+    OF_RESIDUAL,
+    OF_CONTACTS,
+    OF_TIME,
+    SERIES_COUNT
+} series_id;
+
+struct pl_referee {
+    const pl_scene *scene;
+    pl_scale scale;
+    long asked, done; /* steps */
+    pl_verdict ended; /* what ended the run early, with its reason */
+    pl_error reason;
+    pl_penetration *penetration;
+    pl_mechanics *mechanics;
+    pl_settle settle;
+    pl_drift *since_quiet, *since_fixed;
+    long fixed_step; /* where since_fixed begins */
+    pl_series series[SERIES_COUNT];
+    long no_contacts_step;     /* first step whose contacts the engine did not report; 0: none */
+    long foreign_contact_step; /* first step with a contact of no body of the scene; 0: none */
+    pl_body_state *last;       /* (body_count): the last good frame */
+};
+
+pl_status pl_referee_create(const pl_scene *scene, pl_referee **referee, pl_error *error)
+{
+    *referee = NULL;
+    pl_referee *r = calloc(1, sizeof *r);
+    if (r == NULL) {
+        goto out_of_memory;
+    }
+    r->scene = scene;
+    r->scale = pl_scale_of(scene);
+    r->asked = pl_scene_steps(scene);
+    r->fixed_step = lround(fmin(1, scene->duration / 2) / scene->dt);
+    r->settle = pl_settle_start(scene);
+    r->penetration = pl_penetration_create(scene);
+    r->mechanics = pl_mechanics_create(scene);
+    r->since_quiet = pl_drift_create(scene);
+    r->since_fixed = pl_drift_create(scene);
+    r->last = calloc((size_t)scene->body_count + 1, sizeof *r->last);
+    if (r->penetration == NULL || r->mechanics == NULL || r->since_quiet == NULL ||
+        r->since_fixed == NULL || r->last == NULL) {
+        goto out_of_memory;
+    }
+    for (int i = 0; i < SERIES_COUNT; ++i) {
+        if (!pl_series_init(&r->series[i])) {
+            goto out_of_memory;
+        }
+    }
+    *referee = r;
+    return PL_OK;
+
+out_of_memory:
+    pl_referee_destroy(r);
+    return pl_fail(error, PL_NO_MEMORY, "no memory to referee a scene of %d bodies",
+                   scene->body_count);
+}
+
+void pl_referee_destroy(pl_referee *r)
+{
+    if (r == NULL) {
+        return;
+    }
+    for (int i = 0; i < SERIES_COUNT; ++i) {
+        pl_series_free(&r->series[i]);
+    }
+    pl_penetration_destroy(r->penetration);
+    pl_mechanics_destroy(r->mechanics);
+    pl_drift_destroy(r->since_quiet);
+    pl_drift_destroy(r->since_fixed);
+    free(r->last);
+    free(r);
+}
+
+/* Ends the run when `verdict` is not OK; `*error` (NULL allowed) gets the reason. */
+static pl_verdict conclude(pl_referee *r, pl_verdict verdict, pl_error *error)
+{
+    r->ended = verdict;
+    if (verdict != PL_VERDICT_OK && error != NULL) {
+        *error = r->reason;
+    }
+    return verdict;
+}
+
+/* What is measured of the poses alone, at the start and after each step. */
+static void see_poses(pl_referee *r, const pl_body_state *bodies)
+{
+    long step = r->done;
+    double time = (double)step * r->scene->dt;
+    pl_penetration_see(r->penetration, step, bodies);
+    if (pl_settle_see(&r->settle, step, bodies)) {
+        pl_drift_begin(r->since_quiet, time, bodies);
+    } else if (r->settle.quiet_since >= 0) {
+        pl_drift_add(r->since_quiet, time, bodies);
+    }
+    if (step == r->fixed_step) {
+        pl_drift_begin(r->since_fixed, time, bodies);
+    } else if (step > r->fixed_step) {
+        pl_drift_add(r->since_fixed, time, bodies);
+    }
+    memcpy(r->last, bodies, (size_t)r->scene->body_count * sizeof *bodies);
+}
+
+pl_verdict pl_referee_start(pl_referee *r, const pl_frame *frame)
+{
+    pl_verdict verdict = pl_check_finite(r->scene, frame->bodies, 0, &r->reason);
+    if (verdict == PL_VERDICT_OK) {
+        pl_mechanics_start(r->mechanics, frame->bodies);
+        see_poses(r, frame->bodies);
+    }
+    return conclude(r, verdict, NULL);
+}
+
+static bool contacts_belong(const pl_scene *scene, const pl_contact *contacts, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        if (contacts[i].body_a < 0 || contacts[i].body_a >= scene->body_count ||
+            contacts[i].body_b < 0 || contacts[i].body_b >= scene->body_count) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* A NaN must not pass for "not reported" in what the referee works out itself. */
+static double or_infinity(double value)
+{
+    return isnan(value) ? HUGE_VAL : value;
+}
+
+static void see_mechanics(pl_referee *r, const pl_body_state *bodies, const pl_contact *contacts,
+                          int contact_count)
+{
+    if (contact_count < 0 && r->no_contacts_step == 0) {
+        r->no_contacts_step = r->done;
+    }
+    if (!contacts_belong(r->scene, contacts, contact_count)) {
+        r->foreign_contact_step = r->foreign_contact_step == 0 ? r->done : r->foreign_contact_step;
+        contact_count = 0;
+    }
+    pl_mechanics_step(r->mechanics, r->done, bodies, contacts, contact_count);
+    double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale);
+    double error = pl_mechanics_momentum_error(r->mechanics, &r->scale);
+    pl_series_add(&r->series[OF_ENERGY], fmax(or_infinity(gain), 0), r->done);
+    pl_series_add(&r->series[OF_MOMENTUM], or_infinity(error), r->done);
+}
+
+static void see_stats(pl_referee *r, const pl_step_stats *stats, double cpu_time)
+{
+    pl_series_add(&r->series[OF_TIME], cpu_time, r->done);
+    if (stats != NULL) {
+        pl_series_add(&r->series[OF_ITERATIONS], stats->iterations, r->done);
+        pl_series_add(&r->series[OF_RESIDUAL], stats->residual, r->done);
+        pl_series_add(&r->series[OF_CONTACTS], stats->contacts, r->done);
+    }
+}
+
+pl_verdict pl_referee_step(pl_referee *r, const pl_frame *frame, const pl_step_stats *stats,
+                           const pl_contact *contacts, int contact_count, double cpu_time,
+                           pl_error *error)
+{
+    if (r->ended != PL_VERDICT_OK) {
+        return conclude(r, r->ended, error);
+    }
+    long step = r->done + 1;
+    pl_verdict verdict = pl_check_finite(r->scene, frame->bodies, step, &r->reason);
+    if (verdict == PL_VERDICT_OK) {
+        r->done = step;
+        see_stats(r, stats, cpu_time);
+        see_mechanics(r, frame->bodies, contacts, contact_count);
+        see_poses(r, frame->bodies);
+        double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale);
+        verdict = pl_check_bounds(r->scene, &r->scale, frame->bodies, gain, step, &r->reason);
+    }
+    return conclude(r, verdict, error);
+}
+
+#if defined(__GNUC__)
+__attribute__((format(printf, 1, 2)))
+#endif
+static pl_metric
+failed(const char *format, ...)
+{
+    pl_metric metric = {.state = PL_METRIC_FAILED};
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(metric.reason, sizeof metric.reason, format, arguments);
+    va_end(arguments);
+    return metric;
+}
+
+static bool ended_early(const pl_referee *r)
+{
+    return r->ended != PL_VERDICT_OK || r->done < r->asked;
+}
+
+/* A metric of the final state: FAILED after an early end, where it applies at all. */
+static pl_metric final_metric(const pl_referee *r, pl_metric metric)
+{
+    if (metric.state != PL_METRIC_ABSENT && ended_early(r)) {
+        return failed("the run ended at step %ld of %ld", r->done, r->asked);
+    }
+    return metric;
+}
+
+/* A maximum over steps: of those seen, if any. */
+static pl_metric maximum_metric(const pl_referee *r, pl_metric metric)
+{
+    return r->done > 0 ? metric : final_metric(r, metric);
+}
+
+/* A statistic of what the engine reports about its steps. */
+static pl_metric reported_metric(const pl_referee *r, series_id id, double value)
+{
+    if (r->series[id].count == 0) {
+        return maximum_metric(r, failed("the engine reports none"));
+    }
+    return pl_series_metric(&r->series[id], value);
+}
+
+static void final_metrics(const pl_referee *r, pl_metric *item)
+{
+    const pl_scene *scene = r->scene;
+    item[PL_METRIC_REST_POSITION_ERROR] = final_metric(r, pl_rest_position_error(scene, r->last));
+    item[PL_METRIC_REST_ROTATION_ERROR] = final_metric(r, pl_rest_rotation_error(scene, r->last));
+    item[PL_METRIC_TRAVEL_ERROR] = final_metric(r, pl_travel_error(scene, r->last));
+    item[PL_METRIC_DISCRETE_ERROR] = final_metric(r, pl_discrete_error(scene, r->last));
+    item[PL_METRIC_STATE_HASH] = final_metric(r, pl_state_hash(scene, r->last));
+}
+
+static pl_metric settle_metric(const pl_referee *r)
+{
+    if (r->scene->travel_count > 0) {
+        return (pl_metric){0};
+    }
+    if (r->settle.settled) {
+        return (pl_metric){.state = PL_METRIC_VALUE,
+                           .value = (double)r->settle.quiet_since * r->scene->dt};
+    }
+    return final_metric(r, failed("never below 1 mm/s and 1 mrad/s for 0.5 s in %.6g s",
+                                  (double)r->done * r->scene->dt));
+}
+
+static void drift_metrics(const pl_referee *r, pl_metric *item)
+{
+    const pl_drift *drift = r->settle.settled ? r->since_quiet : r->since_fixed;
+    if (!pl_drift_applies(drift)) {
+        return;
+    }
+    if (pl_drift_samples(drift) < 2) {
+        item[PL_METRIC_DRIFT] = item[PL_METRIC_CREEP] =
+            failed("the run has no frame after step %ld", r->fixed_step);
+        return;
+    }
+    item[PL_METRIC_DRIFT] = (pl_metric){.state = PL_METRIC_VALUE, .value = pl_drift_largest(drift)};
+    item[PL_METRIC_CREEP] =
+        final_metric(r, (pl_metric){.state = PL_METRIC_VALUE, .value = pl_drift_slope(drift)});
+}
+
+static pl_metric momentum_metric(const pl_referee *r)
+{
+    if (r->foreign_contact_step > 0) {
+        return failed("a contact reported at step %ld is between no bodies of the scene",
+                      r->foreign_contact_step);
+    }
+    if (r->no_contacts_step > 0 && pl_penetration_touched_static(r->penetration)) {
+        return failed("static bodies are touched, and the engine reports no contacts (step %ld)",
+                      r->no_contacts_step);
+    }
+    return pl_series_metric(&r->series[OF_MOMENTUM], r->series[OF_MOMENTUM].max);
+}
+
+/* Metrics of any scene in which something can move. */
+static void motion_metrics(const pl_referee *r, pl_metric *item)
+{
+    const pl_series *energy = &r->series[OF_ENERGY];
+    item[PL_METRIC_ENERGY_GAIN] = maximum_metric(r, pl_series_metric(energy, energy->max));
+    item[PL_METRIC_MOMENTUM_ERROR] = maximum_metric(r, momentum_metric(r));
+    item[PL_METRIC_SETTLE_TIME] = settle_metric(r);
+    if (r->scene->body_count > 1) {
+        item[PL_METRIC_PENETRATION_MAX] = maximum_metric(r, pl_penetration_max(r->penetration));
+        item[PL_METRIC_PENETRATION_REST] = final_metric(r, pl_penetration_rest(r->penetration));
+    }
+    drift_metrics(r, item);
+}
+
+static void step_metrics(const pl_referee *r, const char *residual_unit, pl_metric *item)
+{
+    const pl_series *s = r->series;
+    item[PL_METRIC_ITERATIONS_MEAN] =
+        reported_metric(r, OF_ITERATIONS, pl_series_mean(&s[OF_ITERATIONS]));
+    item[PL_METRIC_ITERATIONS_MAX] = reported_metric(r, OF_ITERATIONS, s[OF_ITERATIONS].max);
+    item[PL_METRIC_CONTACTS_MEAN] =
+        reported_metric(r, OF_CONTACTS, pl_series_mean(&s[OF_CONTACTS]));
+    item[PL_METRIC_TIME_PER_STEP] = reported_metric(r, OF_TIME, pl_series_mean(&s[OF_TIME]));
+    if (residual_unit != NULL) {
+        item[PL_METRIC_RESIDUAL_MAX] = reported_metric(r, OF_RESIDUAL, s[OF_RESIDUAL].max);
+        item[PL_METRIC_RESIDUAL_MAX].unit = residual_unit;
+    }
+}
+
+static pl_metric reference_metric(const pl_referee *r, const pl_metric *item)
+{
+    const char *name = r->scene->primary_error;
+    if (name[0] == '\0') {
+        return (pl_metric){0};
+    }
+    int id = pl_metric_by_name(name);
+    if (id < 0 || item[id].state == PL_METRIC_ABSENT) {
+        return failed("the scene has no %s", name);
+    }
+    pl_metric metric = item[id];
+    metric.unit = metric.unit != NULL ? metric.unit : pl_metric_table[id].unit;
+    return metric;
+}
+
+static pl_verdict final_verdict(const pl_referee *r, pl_error *error)
+{
+    if (r->ended != PL_VERDICT_OK && error != NULL) {
+        *error = r->reason;
+    }
+    if (ended_early(r)) {
+        return r->ended;
+    }
+    double distance = 0;
+    int farthest = pl_farthest_from_rest(r->scene, r->last, &distance);
+    if (farthest < 0 || !(distance > r->scene->collapse_distance)) {
+        return PL_VERDICT_OK;
+    }
+    (void)pl_fail(error, PL_FAILED, "body \"%s\" ended %.3g m from its reference, beyond %.3g m",
+                  r->scene->bodies[r->scene->rests[farthest].body].name, distance,
+                  r->scene->collapse_distance);
+    return PL_VERDICT_COLLAPSED;
+}
+
+pl_verdict pl_referee_finish(pl_referee *r, const char *residual_unit, pl_metrics *metrics,
+                             pl_error *error)
+{
+    *metrics = (pl_metrics){0};
+    pl_metric *item = metrics->item;
+    final_metrics(r, item);
+    step_metrics(r, residual_unit, item);
+    if (r->scale.dynamic_count > 0) {
+        motion_metrics(r, item);
+    }
+    item[PL_METRIC_REFERENCE_ERROR] = reference_metric(r, item);
+    return final_verdict(r, error);
+}

@@ -1,0 +1,246 @@
+/* A run's result as JSON. The hash of a run is FNV-1a (Fowler, Noll, Vo; 64 bits) over the
+ * canonical JSON of the keys that make it that run. */
+#include "results/result.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static const char *const outcome_names[PL_OUTCOME_COUNT] = {
+    [PL_OUTCOME_OK] = "ok",
+    [PL_OUTCOME_COLLAPSED] = "collapsed",
+    [PL_OUTCOME_DIVERGED] = "diverged",
+    [PL_OUTCOME_NONFINITE] = "nonfinite",
+    [PL_OUTCOME_CRASHED] = "crashed",
+    [PL_OUTCOME_TIMEOUT] = "timeout",
+    [PL_OUTCOME_UNSUPPORTED] = "unsupported",
+};
+
+const char *pl_outcome_name(pl_outcome outcome)
+{
+    return outcome_names[outcome];
+}
+
+json_t *pl_json_text(const char *bytes, size_t length)
+{
+    char *clean = calloc(length + 1, 1);
+    if (clean == NULL) {
+        return NULL;
+    }
+    for (size_t i = 0; i < length; ++i) {
+        unsigned char c = (unsigned char)bytes[i];
+        bool control = (c < 0x20 && c != '\n' && c != '\t') || c == 0x7f;
+        clean[i] = control ? '?' : bytes[i];
+    }
+    json_t *text = json_stringn(clean, length);
+    if (text == NULL) {
+        for (size_t i = 0; i < length; ++i) {
+            clean[i] = (unsigned char)clean[i] < 0x80 ? clean[i] : '?';
+        }
+        text = json_stringn(clean, length);
+    }
+    free(clean);
+    return text;
+}
+
+static json_t *text_or_null(const char *text)
+{
+    return text[0] == '\0' ? json_null() : pl_json_text(text, strlen(text));
+}
+
+static json_t *number_or_null(double value)
+{
+    return isfinite(value) ? json_real(value) : json_null();
+}
+
+char *pl_result_to_line(const json_t *result)
+{
+    return json_dumps(result, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
+}
+
+void pl_timestamp(char text[32])
+{
+    struct timespec now;
+    struct tm utc;
+    char seconds[24];
+    timespec_get(&now, TIME_UTC);
+    gmtime_r(&now.tv_sec, &utc);
+    strftime(seconds, sizeof seconds, "%Y-%m-%dT%H:%M:%S", &utc);
+    int milliseconds = (int)(now.tv_nsec / 1000000) % 1000;
+    snprintf(text, 32, "%s.%03dZ", seconds, milliseconds);
+}
+
+/* An integral parameter is written as an integer. */
+static int set_number(json_t *object, const char *name, double value, bool integer)
+{
+    return json_object_set_new(object, name,
+                               integer ? json_integer((json_int_t)value) : number_or_null(value));
+}
+
+static json_t *params_json(const pl_run_view *run)
+{
+    json_t *params = json_object();
+    for (int i = 0; run->descriptor != NULL && i < run->descriptor->param_count; ++i) {
+        const pl_param *param = &run->descriptor->params[i];
+        if (set_number(params, param->name, run->params[i], param->integer) != 0) {
+            json_decref(params);
+            return NULL;
+        }
+    }
+    return params;
+}
+
+static json_t *settings_json(const pl_run_view *run)
+{
+    json_t *settings = json_object();
+    int failed = set_number(settings, "dt", run->dt, false);
+    failed |= set_number(settings, "duration", run->duration, false);
+    for (int i = 0; i < run->engine->option_count; ++i) {
+        const pl_engine_option *option = &run->engine->options[i];
+        failed |= set_number(settings, option->name, run->options[i], option->integer);
+    }
+    if (failed != 0) {
+        json_decref(settings);
+        return NULL;
+    }
+    return settings;
+}
+
+static uint64_t fnv1a(const char *text)
+{
+    uint64_t hash = UINT64_C(0xcbf29ce484222325);
+    for (; *text != '\0'; ++text) {
+        hash = (hash ^ (unsigned char)*text) * UINT64_C(0x100000001b3);
+    }
+    return hash;
+}
+
+json_t *pl_run_identity(const pl_run_view *run)
+{
+    json_t *identity = json_pack(
+        "{s:o, s:o, s:s, s:s, s:s, s:s, s:o, s:I, s:i}", "scenario",
+        pl_json_text(run->scenario, strlen(run->scenario)), "params", params_json(run),
+        "scene_hash", run->scene_hash, "engine", run->engine->name, "engine_version",
+        run->engine->version, "profile", run->engine->profiles[run->profile].name, "settings",
+        settings_json(run), "seed", (json_int_t)run->seed, "repeat", run->repeat);
+    char *text = identity == NULL ? NULL : pl_result_to_line(identity);
+    if (text == NULL) {
+        json_decref(identity);
+        return NULL;
+    }
+    char hash[17];
+    snprintf(hash, sizeof hash, "%016" PRIx64, fnv1a(text));
+    free(text);
+    int failed = json_object_set_new(identity, "run", json_string(hash));
+    failed |= json_object_set_new(identity, "label", pl_json_text(run->label, strlen(run->label)));
+    failed |= json_object_set_new(identity, "primary_error", json_string(run->primary_error));
+    if (failed != 0) {
+        json_decref(identity);
+        return NULL;
+    }
+    return identity;
+}
+
+static const char *direction_name(pl_direction direction)
+{
+    switch (direction) {
+    case PL_LOWER_IS_BETTER:
+        return "lower";
+    case PL_HIGHER_IS_BETTER:
+        return "higher";
+    case PL_NO_DIRECTION:
+        break;
+    }
+    return "none";
+}
+
+static json_t *metric_json(const pl_metric *metric, const pl_metric_info *info)
+{
+    const char *unit = metric->unit != NULL ? metric->unit : info->unit;
+    bool has_value = metric->state == PL_METRIC_VALUE && isfinite(metric->value);
+    json_t *value = has_value ? json_real(metric->value)
+                    : metric->state == PL_METRIC_TEXT
+                        ? pl_json_text(metric->text, strlen(metric->text))
+                        : json_null();
+    json_t *object =
+        json_pack("{s:o, s:s, s:s, s:b}", "value", value, "unit", unit, "direction",
+                  direction_name(info->direction), "deterministic", (int)info->deterministic);
+    if (object == NULL) {
+        return NULL;
+    }
+    int failed = 0;
+    if (!has_value && metric->state != PL_METRIC_TEXT) {
+        const char *reason = metric->reason[0] != '\0' ? metric->reason : "the value is not finite";
+        failed |= json_object_set_new(object, "reason", pl_json_text(reason, strlen(reason)));
+    }
+    if (has_value && metric->has_percentiles) {
+        failed |= json_object_set_new(object, "p50", number_or_null(metric->p50));
+        failed |= json_object_set_new(object, "p95", number_or_null(metric->p95));
+        failed |= json_object_set_new(object, "p99", number_or_null(metric->p99));
+        failed |= json_object_set_new(object, "worst_step", json_integer(metric->worst_step));
+    }
+    if (failed != 0) {
+        json_decref(object);
+        return NULL;
+    }
+    return object;
+}
+
+static json_t *metrics_json(const pl_metrics *metrics)
+{
+    json_t *object = json_object();
+    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
+        const pl_metric *metric = &metrics->item[id];
+        const pl_metric_info *info = &pl_metric_table[id];
+        if (metric->state != PL_METRIC_ABSENT &&
+            json_object_set_new(object, info->name, metric_json(metric, info)) != 0) {
+            json_decref(object);
+            return NULL;
+        }
+    }
+    return object;
+}
+
+static json_t *poses_json(const pl_body_state *bodies, int body_count)
+{
+    if (bodies == NULL) {
+        return json_null();
+    }
+    json_t *poses = json_array();
+    for (int i = 0; i < body_count; ++i) {
+        const double *x = bodies[i].position;
+        const double *q = bodies[i].orientation;
+        json_t *row = json_pack("[f, f, f, f, f, f, f]", x[0], x[1], x[2], q[0], q[1], q[2], q[3]);
+        if (json_array_append_new(poses, row) != 0) {
+            json_decref(poses);
+            return NULL;
+        }
+    }
+    return poses;
+}
+
+json_t *pl_finding_to_json(const pl_finding *finding)
+{
+    return json_pack("{s:s, s:o, s:{s:I, s:I}, s:o, s:o}", "outcome",
+                     pl_outcome_name(finding->outcome), "reason", text_or_null(finding->reason),
+                     "steps", "asked", (json_int_t)finding->steps_asked, "done",
+                     (json_int_t)finding->steps_done, "metrics", metrics_json(&finding->metrics),
+                     "final_poses", poses_json(finding->bodies, finding->body_count));
+}
+
+json_t *pl_result_compose(json_t *identity, json_t *finding, json_t *provenance, const char *output,
+                          size_t output_length, const char *started)
+{
+    json_t *result = json_pack(
+        "{s:s, s:o, s:s}", "schema", "plumb.result/1", "output",
+        output_length == 0 ? json_null() : pl_json_text(output, output_length), "started", started);
+    if (result == NULL || json_object_update(result, identity) != 0 ||
+        json_object_update(result, finding) != 0 || json_object_update(result, provenance) != 0) {
+        json_decref(result);
+        return NULL;
+    }
+    return result;
+}

@@ -1,0 +1,79 @@
+/* The result of one run in memory, and its form as a JSON object, plumb.result/1 (SCHEMA.md).
+ *
+ * A result has four parts, made in different places: which run it is (pl_run_view), what was found
+ * (pl_finding, made in the run's own process), what it printed, and where it was made (host, build,
+ * command). JSON values returned here are new references; NULL means out of memory. */
+#ifndef PLUMB_RESULT_H
+#define PLUMB_RESULT_H
+
+#include "plumb/engine_abi.h"
+#include "plumb/scenario.h"
+#include "referee/metrics.h"
+
+#include <jansson.h>
+
+typedef enum pl_outcome {
+    PL_OUTCOME_OK,
+    PL_OUTCOME_COLLAPSED,
+    PL_OUTCOME_DIVERGED,
+    PL_OUTCOME_NONFINITE,
+    PL_OUTCOME_CRASHED,
+    PL_OUTCOME_TIMEOUT,
+    PL_OUTCOME_UNSUPPORTED
+} pl_outcome;
+enum { PL_OUTCOME_COUNT = 7 };
+
+/* "ok", "collapsed" ... as in the schema. */
+const char *pl_outcome_name(pl_outcome outcome);
+
+/* Which run. Everything is borrowed for the length of a call. */
+typedef struct pl_run_view {
+    const char *scenario;          /* catalogue name, or the path of a scene file as given */
+    const pl_scenario *descriptor; /* NULL for a scene file */
+    const double *params;          /* (descriptor->param_count) */
+    const char *scene_hash;
+    const char *primary_error;
+    double dt, duration; /* s, of the scene as built */
+    const pl_engine *engine;
+    int profile;
+    const double *options; /* (engine->option_count) */
+    const char *label;
+    uint64_t seed; /* below 2^53, so that every JSON reader keeps it whole */
+    int repeat;
+} pl_run_view;
+
+/* The keys from `scenario` to `repeat`, and `run`: the hash over those that make it that run. */
+json_t *pl_run_identity(const pl_run_view *run);
+
+/* What one run showed. */
+typedef struct pl_finding {
+    pl_outcome outcome;
+    char reason[512]; /* empty when the outcome is ok */
+    long steps_asked, steps_done;
+    pl_metrics metrics;
+    int body_count;
+    const pl_body_state *bodies; /* (body_count) at the last good frame; NULL when there is none */
+} pl_finding;
+
+/* The keys outcome, reason, steps, metrics, final_poses. */
+json_t *pl_finding_to_json(const pl_finding *finding);
+
+/* The keys host, plumb, command: this machine, this build, this call. */
+json_t *pl_provenance(int argc, char *const *argv);
+
+/* The whole result: the union of identity, finding and provenance (each borrowed), with `schema`,
+ * `output` (null when `output` is empty) and `started`. */
+json_t *pl_result_compose(json_t *identity, json_t *finding, json_t *provenance, const char *output,
+                          size_t output_length, const char *started);
+
+/* A JSON string of any bytes: where they are no UTF-8 text, each byte outside of ASCII becomes '?'.
+ * Control characters but tab and newline become '?' too. */
+json_t *pl_json_text(const char *bytes, size_t length);
+
+/* Now, UTC, ISO 8601 to the millisecond. */
+void pl_timestamp(char text[32]);
+
+/* One line without a newline: sorted keys, 17 significant digits. malloc'd. */
+char *pl_result_to_line(const json_t *result);
+
+#endif

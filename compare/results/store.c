@@ -1,0 +1,342 @@
+#include "results/store.h"
+
+#include "results/result.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+struct pl_store {
+    int file;
+    char *path;
+    off_t size; /* bytes of complete lines */
+    json_t *results;
+    json_t *runs; /* a set: run hash -> true */
+};
+
+/* Appends the result on one line to `results`. */
+static pl_status read_line(const char *line, size_t length, const char *path, long number,
+                           json_t *results, pl_error *error)
+{
+    json_error_t fault;
+    json_t *result = json_loadb(line, length, JSON_REJECT_DUPLICATES, &fault);
+    if (result == NULL) {
+        return pl_fail(error, PL_BAD_INPUT, "%s:%ld:%d: %s", path, number, fault.column,
+                       fault.text);
+    }
+    const char *schema = json_string_value(json_object_get(result, "schema"));
+    bool right = schema != NULL && strcmp(schema, "plumb.result/1") == 0 &&
+                 json_is_string(json_object_get(result, "run"));
+    if (!right) {
+        pl_status status =
+            pl_fail(error, PL_BAD_INPUT, "%s:%ld:1: expected a plumb.result/1, found schema %s",
+                    path, number, schema == NULL ? "none" : schema);
+        json_decref(result);
+        return status;
+    }
+    if (json_array_append_new(results, result) != 0) {
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory at line %ld", path, number);
+    }
+    return PL_OK;
+}
+
+pl_status pl_results_read(const char *path, json_t **results, long long *whole, pl_error *error)
+{
+    char *line = NULL;
+    size_t capacity = 0;
+    long long end = 0;
+    long number = 0;
+    pl_status status = PL_OK;
+    json_t *read = NULL;
+    bool is_stdin = strcmp(path, "-") == 0;
+    FILE *file = is_stdin ? stdin : fopen(path, "re");
+    if (file == NULL) {
+        return pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
+    }
+    read = json_array();
+    if (read == NULL) {
+        status = pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
+        goto cleanup;
+    }
+    ssize_t length = 0;
+    while (status == PL_OK && (length = getline(&line, &capacity, file)) > 0 &&
+           line[length - 1] == '\n') {
+        ++number;
+        status = read_line(line, (size_t)length, path, number, read, error);
+        end += length;
+    }
+    if (status == PL_OK && ferror(file)) {
+        status = pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
+    }
+
+cleanup:
+    free(line);
+    if (!is_stdin) {
+        fclose(file);
+    }
+    if (status != PL_OK) {
+        json_decref(read);
+        return status;
+    }
+    if (whole != NULL) {
+        *whole = end;
+    }
+    *results = read;
+    return PL_OK;
+}
+
+static pl_status write_all(int file, const char *text, size_t length, const char *path,
+                           pl_error *error)
+{
+    while (length > 0) {
+        ssize_t written = write(file, text, length);
+        if (written < 0 && errno == EINTR) {
+            continue;
+        }
+        if (written < 0) {
+            return pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
+        }
+        text += written;
+        length -= (size_t)written;
+    }
+    return PL_OK;
+}
+
+/* Closes `file`; the first error wins. */
+static pl_status close_written(int file, const char *path, pl_status status, pl_error *error)
+{
+    if (close(file) != 0 && status == PL_OK) {
+        return pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
+    }
+    return status;
+}
+
+static pl_status write_by_rename(const char *path, const char *text, size_t length, pl_error *error)
+{
+    char *temporary = malloc(strlen(path) + sizeof ".XXXXXX");
+    if (temporary == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
+    }
+    strcat(strcpy(temporary, path), ".XXXXXX");
+    pl_status status = PL_OK;
+    int file = mkstemp(temporary);
+    if (file < 0) {
+        status = pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
+        goto cleanup;
+    }
+    mode_t mask = umask(0);
+    umask(mask);
+    fchmod(file, 0666 & ~mask);
+    status = write_all(file, text, length, path, error);
+    status = close_written(file, path, status, error);
+    if (status == PL_OK && rename(temporary, path) != 0) {
+        status = pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
+    }
+    if (status != PL_OK) {
+        unlink(temporary);
+    }
+
+cleanup:
+    free(temporary);
+    return status;
+}
+
+pl_status pl_results_write_json(const char *path, const json_t *value, pl_error *error)
+{
+    char *text = json_dumps(value, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
+    char *line = text == NULL ? NULL : realloc(text, strlen(text) + 2);
+    if (line == NULL) {
+        free(text);
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
+    }
+    size_t length = strlen(strcat(line, "\n"));
+    struct stat found;
+    pl_status status = PL_OK;
+    if (strcmp(path, "-") == 0) {
+        fflush(stdout);
+        status = write_all(STDOUT_FILENO, line, length, "standard output", error);
+    } else if (stat(path, &found) == 0 && !S_ISREG(found.st_mode)) {
+        int file = open(path, O_WRONLY | O_CLOEXEC);
+        status = file < 0
+                     ? pl_fail(error, PL_IO, "%s: %s", path, strerror(errno))
+                     : close_written(file, path, write_all(file, line, length, path, error), error);
+    } else {
+        status = write_by_rename(path, line, length, error);
+    }
+    free(line);
+    return status;
+}
+
+/* Like mkdir -p. */
+static pl_status make_directories(const char *directory, pl_error *error)
+{
+    char *path = strdup(directory);
+    if (path == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", directory);
+    }
+    pl_status status = PL_OK;
+    for (char *at = path; status == PL_OK && at != NULL;) {
+        at = strchr(at + 1, '/');
+        if (at != NULL) {
+            *at = '\0';
+        }
+        if (mkdir(path, 0777) != 0 && errno != EEXIST) {
+            status =
+                pl_fail(error, PL_IO, "cannot make the directory %s: %s", path, strerror(errno));
+        }
+        if (at != NULL) {
+            *at = '/';
+        }
+    }
+    free(path);
+    return status;
+}
+
+static pl_status note_run(pl_store *store, const json_t *result, pl_error *error)
+{
+    const char *run = json_string_value(json_object_get(result, "run"));
+    if (run == NULL || json_object_set_new(store->runs, run, json_true()) != 0) {
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", store->path);
+    }
+    return PL_OK;
+}
+
+/* Takes over the lines that are there. */
+static pl_status keep_lines(pl_store *store, pl_error *error)
+{
+    json_t *kept = NULL;
+    long long whole = 0;
+    pl_status status = pl_results_read(store->path, &kept, &whole, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    json_decref(store->results);
+    store->results = kept;
+    store->size = (off_t)whole;
+    size_t index;
+    const json_t *result;
+    json_array_foreach(kept, index, result)
+    {
+        if (status == PL_OK) {
+            status = note_run(store, result, error);
+        }
+    }
+    return status;
+}
+
+/* Locks the file and cuts it to its complete lines. The lock goes with the process, so that nothing
+ * is left behind by one that was killed; closing any other descriptor of the file would drop it, so
+ * it comes after the reading. */
+static pl_status lock_and_cut(pl_store *store, pl_error *error)
+{
+    struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+    if (fcntl(store->file, F_SETLK, &lock) != 0) {
+        bool taken = errno == EACCES || errno == EAGAIN;
+        return pl_fail(error, PL_IO, "%s: %s", store->path,
+                       taken ? "another plumb is writing it; choose another --out"
+                             : strerror(errno));
+    }
+    struct stat found;
+    if (fstat(store->file, &found) != 0) {
+        return pl_fail(error, PL_IO, "%s: %s", store->path, strerror(errno));
+    }
+    if (S_ISREG(found.st_mode) && (ftruncate(store->file, store->size) != 0 ||
+                                   lseek(store->file, store->size, SEEK_SET) < 0)) {
+        return pl_fail(error, PL_IO, "%s: %s", store->path, strerror(errno));
+    }
+    return PL_OK;
+}
+
+pl_status pl_store_open(const char *directory, bool resume, pl_store **store, pl_error *error)
+{
+    pl_status status = make_directories(directory, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    pl_store *made = calloc(1, sizeof *made);
+    if (made == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", directory);
+    }
+    made->file = -1;
+    made->results = json_array();
+    made->runs = json_object();
+    made->path = malloc(strlen(directory) + sizeof "/results.jsonl");
+    if (made->path == NULL || made->results == NULL || made->runs == NULL) {
+        status = pl_fail(error, PL_NO_MEMORY, "%s: out of memory", directory);
+        goto cleanup;
+    }
+    strcat(strcpy(made->path, directory), "/results.jsonl");
+    made->file = open(made->path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    if (made->file < 0) {
+        status = pl_fail(error, PL_IO, "%s: %s", made->path, strerror(errno));
+        goto cleanup;
+    }
+    status = resume ? keep_lines(made, error) : PL_OK;
+    if (status == PL_OK) {
+        status = lock_and_cut(made, error);
+    }
+
+cleanup:
+    if (status != PL_OK) {
+        pl_store_close(made);
+        return status;
+    }
+    *store = made;
+    return PL_OK;
+}
+
+void pl_store_close(pl_store *store)
+{
+    if (store == NULL) {
+        return;
+    }
+    if (store->file >= 0) {
+        close(store->file);
+    }
+    json_decref(store->results);
+    json_decref(store->runs);
+    free(store->path);
+    free(store);
+}
+
+json_t *pl_store_results(pl_store *store)
+{
+    return store->results;
+}
+
+bool pl_store_has(const pl_store *store, const char *run)
+{
+    return json_object_get(store->runs, run) != NULL;
+}
+
+pl_status pl_store_append(pl_store *store, json_t *result, pl_error *error)
+{
+    char *text = pl_result_to_line(result);
+    char *line = text == NULL ? NULL : realloc(text, strlen(text) + 2);
+    if (line == NULL) {
+        free(text);
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", store->path);
+    }
+    size_t length = strlen(strcat(line, "\n"));
+    pl_status status = write_all(store->file, line, length, store->path, error);
+    free(line);
+    /* A pipe or device cannot be synchronised: EINVAL, and nothing is wrong. */
+    if (status == PL_OK && fdatasync(store->file) != 0 && errno != EINVAL) {
+        status = pl_fail(error, PL_IO, "%s: %s", store->path, strerror(errno));
+    }
+    if (status != PL_OK) {
+        if (ftruncate(store->file, store->size) == 0) {
+            lseek(store->file, store->size, SEEK_SET);
+        }
+        return status;
+    }
+    store->size += (off_t)length;
+    if (json_array_append(store->results, result) != 0) {
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", store->path);
+    }
+    return note_run(store, result, error);
+}

@@ -1,0 +1,233 @@
+#include "runner/execute.h"
+
+#include "runner/isolated_run.h"
+#include "runner/progress.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+/* A running job. */
+typedef struct slot {
+    bool busy;
+    pl_isolated_run run;
+} slot;
+
+typedef struct execution {
+    const pl_execution_def *def;
+    slot *slots;          /* (def->jobs) */
+    struct pollfd *polls; /* (def->jobs x PL_PROCESS_POLLS, and one for signals) */
+    long next;            /* run to start */
+    int busy;
+    pl_progress progress;
+    int signals; /* signalfd */
+} execution;
+
+static const char *text_of(const json_t *object, const char *key)
+{
+    const char *text = json_string_value(json_object_get(object, key));
+    return text == NULL ? "" : text;
+}
+
+/* Blocks the signals that end a command and are not ignored, and makes them readable. */
+static int catch_signals(sigset_t *before)
+{
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+    sigset_t caught;
+    sigemptyset(&caught);
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
+        struct sigaction action;
+        if (sigaction(numbers[i], NULL, &action) == 0 && action.sa_handler != SIG_IGN) {
+            sigaddset(&caught, numbers[i]);
+        }
+    }
+    sigprocmask(SIG_BLOCK, &caught, before);
+    return signalfd(-1, &caught, SFD_CLOEXEC | SFD_NONBLOCK);
+}
+
+static bool is_done(const execution *e, json_t *identity)
+{
+    return e->def->skip != NULL && e->def->skip(e->def->user, text_of(identity, "run"));
+}
+
+/* How many runs are not done yet, for the bar. */
+static pl_status count_due(const execution *e, long *due, pl_error *error)
+{
+    *due = 0;
+    for (long i = 0; i < pl_plan_size(e->def->plan); ++i) {
+        pl_planned_run planned = pl_plan_run(e->def->plan, i);
+        json_t *identity = pl_planned_run_identity(e->def->plan, &planned);
+        if (identity == NULL) {
+            return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
+        }
+        *due += !is_done(e, identity);
+        json_decref(identity);
+    }
+    return PL_OK;
+}
+
+/* Starts the next run that is due in a free slot. */
+static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
+{
+    const pl_plan *plan = e->def->plan;
+    pl_status status = PL_OK;
+    while (status == PL_OK && !free_slot->busy && e->next < pl_plan_size(plan)) {
+        pl_planned_run planned = pl_plan_run(plan, e->next);
+        json_t *identity = pl_planned_run_identity(plan, &planned);
+        if (identity == NULL) {
+            return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
+        }
+        e->next += 1;
+        if (!is_done(e, identity)) {
+            const pl_engine_choice *choice = &planned.contender->choice;
+            pl_run_def run = {.scene = &planned.problem->scene,
+                              .engine = choice->engine,
+                              .profile = choice->profile,
+                              .options = choice->values,
+                              .trajectory = e->def->trajectory};
+            status = pl_isolated_run_start(&free_slot->run, &run, identity, &e->def->limits, error);
+            free_slot->busy = status == PL_OK;
+            e->busy += free_slot->busy;
+        }
+        json_decref(identity);
+    }
+    return status;
+}
+
+static pl_status finish(execution *e, slot *ended, pl_error *error)
+{
+    json_t *result = NULL;
+    double seconds = pl_monotonic_seconds() - ended->run.process.started;
+    pl_status status = pl_isolated_run_finish(&ended->run, e->def->provenance, &result, error);
+    ended->busy = false;
+    e->busy -= 1;
+    if (status != PL_OK) {
+        return status;
+    }
+    status = e->def->keep(e->def->user, result, error);
+    if (status == PL_OK && e->def->progress != NULL) {
+        pl_progress_run_ended(&e->progress, text_of(result, "scenario"), text_of(result, "label"),
+                              text_of(result, "outcome"), text_of(result, "reason"), seconds);
+    }
+    json_decref(result);
+    return status;
+}
+
+static void draw(const execution *e)
+{
+    char running[256] = "";
+    double part = 0;
+    for (int i = 0; i < e->def->jobs; ++i) {
+        const slot *s = &e->slots[i];
+        if (s->busy) {
+            size_t used = strlen(running);
+            snprintf(running + used, sizeof running - used, "%s%s %s", used == 0 ? "" : ", ",
+                     text_of(s->run.identity, "scenario"), text_of(s->run.identity, "label"));
+            part += pl_isolated_run_progress(&s->run);
+        }
+    }
+    pl_progress_draw(&e->progress, running, part, pl_monotonic_seconds());
+}
+
+/* Milliseconds until something has to be looked at without being woken: a deadline, or the bar. */
+static int patience(const execution *e)
+{
+    double now = pl_monotonic_seconds();
+    double wait = e->def->progress != NULL && e->progress.terminal ? 0.2 : 3600;
+    for (int i = 0; i < e->def->jobs; ++i) {
+        double left = e->slots[i].run.process.deadline - now;
+        if (e->slots[i].busy && !e->slots[i].run.process.timed_out && left < wait) {
+            wait = left;
+        }
+    }
+    return wait <= 0 ? 0 : (int)(1000 * wait) + 1;
+}
+
+/* Waits for something to happen and takes it in. */
+static pl_status wait_and_collect(execution *e, int *signal_number, pl_error *error)
+{
+    const int jobs = e->def->jobs;
+    struct pollfd *signals = &e->polls[jobs * PL_PROCESS_POLLS];
+    pl_status status = PL_OK;
+    for (int i = 0; i < jobs; ++i) {
+        struct pollfd *polls = &e->polls[i * PL_PROCESS_POLLS];
+        for (int k = 0; k < PL_PROCESS_POLLS; ++k) {
+            polls[k] = (struct pollfd){.fd = -1};
+        }
+        if (e->slots[i].busy) {
+            pl_process_polls(&e->slots[i].run.process, polls);
+        }
+    }
+    *signals = (struct pollfd){.fd = e->signals, .events = POLLIN};
+    if (poll(e->polls, (nfds_t)(jobs * PL_PROCESS_POLLS + 1), patience(e)) < 0) {
+        return errno == EINTR ? PL_OK : pl_fail(error, PL_IO, "poll: %s", strerror(errno));
+    }
+    struct signalfd_siginfo info;
+    if (signals->revents != 0 && read(e->signals, &info, sizeof info) == sizeof info) {
+        *signal_number = (int)info.ssi_signo;
+        return PL_OK;
+    }
+    for (int i = 0; i < jobs && status == PL_OK; ++i) {
+        if (e->slots[i].busy &&
+            pl_process_advance(&e->slots[i].run.process, &e->polls[i * PL_PROCESS_POLLS])) {
+            status = finish(e, &e->slots[i], error);
+        }
+    }
+    return status;
+}
+
+static pl_status carry_out(execution *e, int *signal_number, pl_error *error)
+{
+    pl_status status = PL_OK;
+    do {
+        for (int i = 0; i < e->def->jobs && status == PL_OK; ++i) {
+            status = start_next(e, &e->slots[i], error);
+        }
+        if (status == PL_OK && e->busy > 0) {
+            draw(e);
+            status = wait_and_collect(e, signal_number, error);
+        }
+    } while (status == PL_OK && *signal_number == 0 &&
+             (e->busy > 0 || e->next < pl_plan_size(e->def->plan)));
+    return status;
+}
+
+pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *error)
+{
+    size_t jobs = (size_t)def->jobs;
+    execution e = {.def = def, .signals = -1};
+    sigset_t before;
+    long due = 0;
+    *signal_number = 0;
+    e.slots = calloc(jobs, sizeof *e.slots);
+    e.polls = calloc(jobs * PL_PROCESS_POLLS + 1, sizeof *e.polls);
+    if (e.slots == NULL || e.polls == NULL) {
+        free(e.slots);
+        free(e.polls);
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d jobs", def->jobs);
+    }
+    e.signals = catch_signals(&before);
+    pl_status status = count_due(&e, &due, error);
+    if (def->progress != NULL) {
+        e.progress = pl_progress_begin(def->progress, due, pl_monotonic_seconds());
+    }
+    if (status == PL_OK) {
+        status = carry_out(&e, signal_number, error);
+    }
+    for (int i = 0; i < def->jobs; ++i) {
+        if (e.slots[i].busy) {
+            pl_isolated_run_cancel(&e.slots[i].run);
+        }
+    }
+    if (def->progress != NULL) {
+        pl_progress_end(&e.progress);
+    }
+    close(e.signals);
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    free(e.slots);
+    free(e.polls);
+    return status;
+}

@@ -1,0 +1,28 @@
+/* Carries out a plan: so many runs at a time, each in its own process, each result handed on as it
+ * comes. */
+#ifndef PLUMB_EXECUTE_H
+#define PLUMB_EXECUTE_H
+
+#include "runner/plan.h"
+#include "runner/process.h"
+
+typedef struct pl_execution_def {
+    const pl_plan *plan;
+    int jobs; /* >= 1; times are honest only with 1 on a quiet machine */
+    pl_limits limits;
+    FILE *trajectory;   /* of a plan with one run: gets its frames; NULL: none */
+    json_t *provenance; /* pl_provenance */
+    FILE *progress;     /* where progress is shown; NULL: nowhere */
+    void *user;
+    /* Whether this run's result is there already; NULL: none is. */
+    bool (*skip)(void *user, const char *run);
+    /* Gets each result as it comes; anything but PL_OK ends the execution with that. */
+    pl_status (*keep)(void *user, json_t *result, pl_error *error);
+} pl_execution_def;
+
+/* Returns when all runs are done, or at SIGINT, SIGTERM or SIGHUP (unless they are ignored) with
+ * its number in *signal_number, 0 otherwise: runs in progress are then killed and leave nothing.
+ * PL_IO, PL_NO_MEMORY: a run could not be made. */
+pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *error);
+
+#endif

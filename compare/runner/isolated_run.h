@@ -1,0 +1,33 @@
+/* One run in a process of its own, and its result: an engine that aborts, hangs, exits, prints or
+ * eats memory becomes a row like any other. */
+#ifndef PLUMB_ISOLATED_RUN_H
+#define PLUMB_ISOLATED_RUN_H
+
+#include "runner/process.h"
+#include "runner/run_once.h"
+
+typedef struct pl_isolated_run {
+    pl_process process;
+    pl_limits limits;
+    pl_run_def def; /* its watch is shared with the child */
+    json_t *identity;
+    char started[32];
+} pl_isolated_run;
+
+/* Starts the run. `def` is copied, `def->watch` is not used; what it points to must outlive the
+ * run. Takes its own reference of `identity`. */
+pl_status pl_isolated_run_start(pl_isolated_run *run, const pl_run_def *def, json_t *identity,
+                                const pl_limits *limits, pl_error *error);
+
+/* After pl_process_advance said that the process has ended: its plumb.result/1, a new reference.
+ * PL_IO or PL_NO_MEMORY when the run itself could not be made. Frees the run in any case. */
+pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_t **result,
+                                 pl_error *error);
+
+/* Kills it, and frees the run. */
+void pl_isolated_run_cancel(pl_isolated_run *run);
+
+/* The part of its steps that is done, 0 .. 1. */
+double pl_isolated_run_progress(const pl_isolated_run *run);
+
+#endif

@@ -1,0 +1,67 @@
+/* The plan of a comparison: repeats x problems x engines, as a list of independent runs.
+ *
+ * The order of the engines rotates from repeat to repeat, so that a machine that warms up or slows
+ * down does not favour one of them. */
+#ifndef PLUMB_PLAN_H
+#define PLUMB_PLAN_H
+
+#include "adapters/registry.h"
+#include "results/result.h"
+
+/* A scene to run, and where it comes from. */
+typedef struct pl_problem {
+    char *name;                    /* catalogue name, or the path of a scene file as given */
+    const pl_scenario *descriptor; /* NULL for a scene file */
+    double params[PL_MAX_PARAMS];
+    pl_scene scene;
+    char scene_hash[17];
+} pl_problem;
+
+typedef struct pl_contender {
+    pl_engine_choice choice;
+    char label[128];
+} pl_contender;
+
+typedef struct pl_plan {
+    pl_problem *problems;
+    int problem_count;
+    pl_contender *contenders;
+    int contender_count;
+    int repeats;
+    uint64_t seed;
+} pl_plan;
+
+/* A catalogue scenario with `count` settings "NAME=VALUE". One that is already there with the same
+ * values is not added again. */
+pl_status pl_plan_add_scenario(pl_plan *plan, const pl_scenario *scenario,
+                               const char *const *settings, int count, pl_error *error);
+
+/* A scene file ("-" is standard input). A `dt` or `duration` that is not NAN replaces the scene's:
+ * expected travels then lose their discrete answer, and a new duration for a scene with travels,
+ * whose distances hold for its own, is PL_BAD_INPUT. */
+pl_status pl_plan_add_scene_file(pl_plan *plan, const char *path, double dt, double duration,
+                                 pl_error *error);
+
+/* An engine by its SPEC. One that is already there is not added again; another of the same label is
+ * PL_BAD_INPUT, because their rows could not be told apart. */
+pl_status pl_plan_add_engine(pl_plan *plan, const char *spec, pl_error *error);
+
+/* How many runs. */
+long pl_plan_size(const pl_plan *plan);
+
+/* What run `index` is. The pointers are the plan's. */
+typedef struct pl_planned_run {
+    const pl_problem *problem;
+    const pl_contender *contender;
+    int repeat; /* from 0 */
+} pl_planned_run;
+
+pl_planned_run pl_plan_run(const pl_plan *plan, long index);
+
+/* Its identity as in a result; NULL when out of memory. */
+json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run);
+
+/* Frees what the plan owns. */
+void pl_plan_free(pl_plan *plan);
+
+#endif

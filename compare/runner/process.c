@@ -1,0 +1,244 @@
+#include "runner/process.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/pidfd.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+/* More than any result: a longer answer is not one of ours, and the rest of it is dropped. */
+enum { MAX_ANSWER = 1 << 28, CHUNK = 1 << 16 };
+
+double pl_monotonic_seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* The shadow of an address sanitizer is larger than any limit. */
+#ifdef __SANITIZE_ADDRESS__
+static const bool can_limit_memory = false;
+#else
+static const bool can_limit_memory = true;
+#endif
+
+static void limit_resources(const pl_limits *limits)
+{
+    const struct rlimit none = {0, 0};
+    const struct rlimit memory = {limits->memory, limits->memory};
+    setrlimit(RLIMIT_CORE, &none);
+    if (can_limit_memory && limits->memory != 0) {
+        setrlimit(RLIMIT_AS, &memory);
+    }
+}
+
+static void restore_signals(void)
+{
+    static const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE};
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
+        signal(numbers[i], SIG_DFL);
+    }
+    sigset_t none;
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, NULL);
+}
+
+static _Noreturn void run_child(const pl_limits *limits, pid_t parent, int output, int answer,
+                                void (*job)(void *, FILE *), void *user)
+{
+    setsid();
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) {
+        _exit(1);
+    }
+    restore_signals();
+    int nothing = open("/dev/null", O_RDONLY);
+    FILE *file = fdopen(answer, "w");
+    if (nothing < 0 || file == NULL || dup2(nothing, STDIN_FILENO) < 0 ||
+        dup2(output, STDOUT_FILENO) < 0 || dup2(output, STDERR_FILENO) < 0) {
+        _exit(1);
+    }
+    close(nothing);
+    close(output);
+    /* So that a last line is not lost in a buffer when the engine crashes. */
+    setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
+    limit_resources(limits);
+    job(user, file);
+    fflush(stdout);
+    _exit(fclose(file) == 0 ? 0 : 1);
+}
+
+static void close_end(int *descriptor)
+{
+    if (*descriptor >= 0) {
+        close(*descriptor);
+        *descriptor = -1;
+    }
+}
+
+pl_status pl_process_start(pl_process *process, const pl_limits *limits,
+                           void (*job)(void *user, FILE *answer), void *user, pl_error *error)
+{
+    int output[2] = {-1, -1};
+    int answer[2] = {-1, -1};
+    pl_status status = PL_OK;
+    *process = (pl_process){.pid = -1, .handle = -1, .output = -1, .answer = -1};
+    process->text_capacity = CHUNK;
+    process->text = malloc(process->text_capacity);
+    if (process->text == NULL) {
+        status = pl_fail(error, PL_NO_MEMORY, "out of memory");
+        goto cleanup;
+    }
+    if (pipe2(output, O_CLOEXEC) != 0 || pipe2(answer, O_CLOEXEC) != 0) {
+        status = pl_fail(error, PL_IO, "cannot make a pipe for a run: %s", strerror(errno));
+        goto cleanup;
+    }
+    /* What is buffered would otherwise be written twice. */
+    fflush(NULL);
+    pid_t parent = getpid();
+    process->started = pl_monotonic_seconds();
+    process->deadline = process->started + limits->timeout;
+    process->pid = fork();
+    if (process->pid == 0) {
+        close(output[0]);
+        close(answer[0]);
+        run_child(limits, parent, output[1], answer[1], job, user);
+    }
+    process->handle = process->pid < 0 ? -1 : pidfd_open(process->pid, 0);
+    if (process->handle < 0) {
+        status = pl_fail(error, PL_IO, "cannot start a process for a run: %s", strerror(errno));
+        if (process->pid > 0) {
+            kill(process->pid, SIGKILL);
+            waitpid(process->pid, NULL, 0);
+        }
+        goto cleanup;
+    }
+    process->output = output[0];
+    process->answer = answer[0];
+    output[0] = -1;
+    answer[0] = -1;
+    fcntl(process->output, F_SETFL, O_NONBLOCK);
+    fcntl(process->answer, F_SETFL, O_NONBLOCK);
+
+cleanup:
+    for (int i = 0; i < 2; ++i) {
+        close_end(&output[i]);
+        close_end(&answer[i]);
+    }
+    if (status != PL_OK) {
+        pl_process_free(process);
+    }
+    return status;
+}
+
+void pl_process_polls(const pl_process *process, struct pollfd *polls)
+{
+    /* poll(2) passes over a negative descriptor. */
+    polls[0] = (struct pollfd){.fd = process->handle, .events = POLLIN};
+    polls[1] = (struct pollfd){.fd = process->output, .events = POLLIN};
+    polls[2] = (struct pollfd){.fd = process->answer, .events = POLLIN};
+}
+
+static void keep_tail(pl_process *process, const char *bytes, size_t length)
+{
+    if (length > PL_OUTPUT_TAIL) {
+        bytes += length - PL_OUTPUT_TAIL;
+        length = PL_OUTPUT_TAIL;
+    }
+    size_t room = PL_OUTPUT_TAIL - length;
+    size_t kept = process->tail_length < room ? process->tail_length : room;
+    memmove(process->tail, process->tail + process->tail_length - kept, kept);
+    memcpy(process->tail + kept, bytes, length);
+    process->tail_length = kept + length;
+}
+
+static void keep_answer(pl_process *process, const char *bytes, size_t length)
+{
+    size_t needed = process->text_length + length;
+    if (needed > MAX_ANSWER) {
+        return;
+    }
+    if (needed > process->text_capacity) {
+        char *grown = realloc(process->text, 2 * needed);
+        if (grown == NULL) {
+            return;
+        }
+        process->text = grown;
+        process->text_capacity = 2 * needed;
+    }
+    memcpy(process->text + process->text_length, bytes, length);
+    process->text_length = needed;
+}
+
+/* Reads what is there, at most a chunk. */
+static void take(pl_process *process, int *descriptor,
+                 void (*keep)(pl_process *, const char *, size_t))
+{
+    char bytes[CHUNK];
+    if (*descriptor < 0) {
+        return;
+    }
+    ssize_t length = read(*descriptor, bytes, sizeof bytes);
+    if (length > 0) {
+        keep(process, bytes, (size_t)length);
+    } else if (length == 0 || (errno != EAGAIN && errno != EINTR)) {
+        close_end(descriptor);
+    }
+}
+
+static void kill_all(const pl_process *process)
+{
+    kill(-process->pid, SIGKILL);
+    kill(process->pid, SIGKILL);
+}
+
+bool pl_process_advance(pl_process *process, const struct pollfd *polls)
+{
+    if (polls[1].revents != 0) {
+        take(process, &process->output, keep_tail);
+    }
+    if (polls[2].revents != 0) {
+        take(process, &process->answer, keep_answer);
+    }
+    if (polls[0].revents == 0) {
+        if (!process->timed_out && pl_monotonic_seconds() >= process->deadline) {
+            process->timed_out = true;
+            kill_all(process);
+        }
+        return false;
+    }
+    /* It has ended: its offspring goes, and the pipes hold no more than their buffers. The bound is
+     * for one that fled the session and prints on. */
+    kill_all(process);
+    while (waitpid(process->pid, &process->wait_status, 0) < 0 && errno == EINTR) {}
+    for (int i = 0; i < 64; ++i) {
+        take(process, &process->output, keep_tail);
+        take(process, &process->answer, keep_answer);
+    }
+    close_end(&process->handle);
+    close_end(&process->output);
+    close_end(&process->answer);
+    return true;
+}
+
+void pl_process_kill(pl_process *process)
+{
+    kill_all(process);
+    while (waitpid(process->pid, &process->wait_status, 0) < 0 && errno == EINTR) {}
+}
+
+void pl_process_free(pl_process *process)
+{
+    close_end(&process->handle);
+    close_end(&process->output);
+    close_end(&process->answer);
+    free(process->text);
+    process->text = NULL;
+}

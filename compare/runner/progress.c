@@ -1,0 +1,82 @@
+#include "runner/progress.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+enum { BAR_WIDTH = 20 };
+
+pl_progress pl_progress_begin(FILE *out, long total, double now)
+{
+    const char *plain = getenv("NO_COLOR");
+    pl_progress progress = {.out = out,
+                            .terminal = isatty(fileno(out)) == 1,
+                            .width = 80,
+                            .total = total,
+                            .started = now};
+    progress.colour = progress.terminal && (plain == NULL || plain[0] == '\0');
+    struct winsize size;
+    if (progress.terminal && ioctl(fileno(out), TIOCGWINSZ, &size) == 0 && size.ws_col > 0) {
+        progress.width = size.ws_col;
+    }
+    return progress;
+}
+
+/* "1:02:03" or "2:03". */
+static void format_time(double seconds, char *text, size_t size)
+{
+    long s = (long)(seconds + 0.5);
+    if (s >= 3600) {
+        snprintf(text, size, "%ld:%02ld:%02ld", s / 3600, s / 60 % 60, s % 60);
+    } else {
+        snprintf(text, size, "%ld:%02ld", s / 60, s % 60);
+    }
+}
+
+void pl_progress_draw(const pl_progress *progress, const char *running, double part, double now)
+{
+    if (!progress->terminal || progress->total == 0) {
+        return;
+    }
+    double done = (double)progress->done + part;
+    int filled = (int)(BAR_WIDTH * done / (double)progress->total);
+    char bar[BAR_WIDTH + 1];
+    memset(bar, '.', BAR_WIDTH);
+    memset(bar, '#', (size_t)(filled > BAR_WIDTH ? BAR_WIDTH : filled));
+    bar[BAR_WIDTH] = '\0';
+    char left[32] = "?";
+    if (done > 0.01) {
+        format_time((now - progress->started) * ((double)progress->total - done) / done, left,
+                    sizeof left);
+    }
+    char line[512];
+    snprintf(line, sizeof line, "%ld/%ld [%s] %s left  %s", progress->done, progress->total, bar,
+             left, running);
+    int room = progress->width - 1;
+    fprintf(progress->out, "\r%.*s\033[K", room < 0 ? 0 : room, line);
+    fflush(progress->out);
+}
+
+void pl_progress_run_ended(pl_progress *progress, const char *scenario, const char *label,
+                           const char *outcome, const char *reason, double seconds)
+{
+    progress->done += 1;
+    bool good = strcmp(outcome, "ok") == 0;
+    if (progress->terminal && good) {
+        return;
+    }
+    const char *red = progress->colour && !good ? "\033[31m" : "";
+    const char *plain = progress->colour && !good ? "\033[0m" : "";
+    fprintf(progress->out, "%s[%ld/%ld] %s  %s  %s%s%s  %.2f s%s%s\n",
+            progress->terminal ? "\r\033[K" : "", progress->done, progress->total, scenario, label,
+            red, outcome, plain, seconds, good ? "" : ": ", good ? "" : reason);
+}
+
+void pl_progress_end(const pl_progress *progress)
+{
+    if (progress->terminal) {
+        fprintf(progress->out, "\r\033[K");
+    }
+    fflush(progress->out);
+}

@@ -1,0 +1,290 @@
+/* Time is the process's CPU time (CLOCK_PROCESS_CPUTIME_ID, all threads) over the engine's step
+ * alone. Memory is the growth of the resident peak from just before `create`, when everything of
+ * the harness is already there, to just before `destroy`. */
+#include "runner/run_once.h"
+
+#include "referee/referee.h"
+#include "runner/readback.h"
+#include "runner/resident.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* Two frames: the new one, and the last good one. */
+typedef struct run {
+    const pl_run_def *def;
+    pl_engine_instance *instance;
+    pl_referee *referee;
+    pl_frame frame, good;
+    bool has_good;
+    pl_contact *contacts;
+    int contact_capacity;
+} run;
+
+static double cpu_seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static void enter(const run *r, pl_stage stage)
+{
+    atomic_store_explicit(&r->def->watch->stage, (int)stage, memory_order_relaxed);
+}
+
+static void swap_frames(run *r)
+{
+    pl_frame spare = r->good;
+    r->good = r->frame;
+    r->frame = spare;
+    r->has_good = true;
+}
+
+static void set_outcome(pl_finding *finding, pl_outcome outcome, const pl_error *error)
+{
+    finding->outcome = outcome;
+    memcpy(finding->reason, error->message, sizeof finding->reason);
+}
+
+/* An engine's own failure. */
+static void set_failure(pl_finding *finding, const pl_error *error)
+{
+    bool refused = error->status == PL_UNSUPPORTED || error->status == PL_BAD_INPUT;
+    set_outcome(finding, refused ? PL_OUTCOME_UNSUPPORTED : PL_OUTCOME_CRASHED, error);
+}
+
+static pl_status write_header(FILE *file, pl_error *error)
+{
+    int written = fputs("time,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n", file);
+    return written >= 0 ? PL_OK : pl_fail(error, PL_IO, "trajectory: %s", strerror(errno));
+}
+
+/* Flushed a frame at a time, so that a crash leaves whole frames. */
+static pl_status write_frame(FILE *file, const pl_scene *scene, const pl_frame *frame,
+                             pl_error *error)
+{
+    for (int i = 0; i < frame->body_count; ++i) {
+        const pl_body_state *s = &frame->bodies[i];
+        const double *x = s->position;
+        const double *q = s->orientation;
+        const double *v = s->velocity;
+        const double *w = s->angular_velocity;
+        fprintf(file, "%.17g,\"", frame->time);
+        for (const char *c = scene->bodies[i].name; *c != '\0'; ++c) {
+            fputs(*c == '"' ? "\"\"" : (char[]){*c, '\0'}, file);
+        }
+        fprintf(file, "\",%.17g,%.17g,%.17g,%.17g,%.17g,%.17g,%.17g", x[0], x[1], x[2], q[0], q[1],
+                q[2], q[3]);
+        fprintf(file, ",%.17g,%.17g,%.17g,%.17g,%.17g,%.17g\n", v[0], v[1], v[2], w[0], w[1], w[2]);
+    }
+    return fflush(file) == 0 && !ferror(file)
+               ? PL_OK
+               : pl_fail(error, PL_IO, "trajectory: %s", strerror(errno));
+}
+
+/* Touches what it allocates: pages that become resident later would count as the engine's. */
+static void *allocate_touched(size_t count, size_t size)
+{
+    void *memory = malloc(count * size + 1);
+    if (memory != NULL) {
+        memset(memory, 0xff, count * size + 1);
+    }
+    return memory;
+}
+
+static pl_status prepare(run *r, pl_error *error)
+{
+    const pl_scene *scene = r->def->scene;
+    size_t count = (size_t)scene->body_count;
+    r->contact_capacity = 64 + 32 * scene->body_count;
+    r->frame = (pl_frame){.body_count = scene->body_count};
+    r->good = r->frame;
+    r->frame.bodies = allocate_touched(count, sizeof *r->frame.bodies);
+    r->good.bodies = allocate_touched(count, sizeof *r->good.bodies);
+    r->contacts = allocate_touched((size_t)r->contact_capacity, sizeof *r->contacts);
+    if (r->frame.bodies == NULL || r->good.bodies == NULL || r->contacts == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    pl_status status = pl_referee_create(scene, &r->referee, error);
+    if (status == PL_OK && r->def->trajectory != NULL) {
+        status = write_header(r->def->trajectory, error);
+    }
+    return status;
+}
+
+/* The number of contacts of the last step in r->contacts; -1 when the engine does not report them.
+ */
+static pl_status read_contacts(run *r, int *count, pl_error *error)
+{
+    const pl_engine *engine = r->def->engine;
+    *count = -1;
+    if (engine->read_contacts == NULL) {
+        return PL_OK;
+    }
+    *count = engine->read_contacts(r->instance, r->contacts, r->contact_capacity);
+    if (*count <= r->contact_capacity) {
+        return PL_OK;
+    }
+    int capacity = 2 * *count;
+    pl_contact *grown = realloc(r->contacts, (size_t)capacity * sizeof *grown);
+    if (grown == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d contacts", capacity);
+    }
+    r->contacts = grown;
+    r->contact_capacity = capacity;
+    *count = engine->read_contacts(r->instance, r->contacts, r->contact_capacity);
+    return PL_OK;
+}
+
+static void read_frame(run *r, double time)
+{
+    r->def->engine->read_frame(r->instance, &r->frame);
+    r->frame.time = time;
+}
+
+/* Creates the engine and looks at the state before the first step. *going is false when that ended
+ * it. */
+static pl_status begin(run *r, pl_finding *finding, bool *going, pl_error *error)
+{
+    const pl_run_def *def = r->def;
+    pl_error fault = {.message = ""};
+    *going = false;
+    if (pl_needs_check(def->scene, def->engine, &fault) != PL_OK) {
+        set_outcome(finding, PL_OUTCOME_UNSUPPORTED, &fault);
+        return PL_OK;
+    }
+    enter(r, PL_STAGE_CREATE);
+    fault.status =
+        def->engine->create(def->scene, def->profile, def->options, &r->instance, &fault);
+    if (fault.status != PL_OK) {
+        set_failure(finding, &fault);
+        return PL_OK;
+    }
+    enter(r, PL_STAGE_READ_BACK);
+    pl_status status = pl_readback_check(def->scene, def->engine, r->instance, &fault);
+    if (status == PL_UNSUPPORTED) {
+        set_outcome(finding, PL_OUTCOME_UNSUPPORTED, &fault);
+        return PL_OK;
+    }
+    if (status != PL_OK) {
+        return pl_fail(error, status, "%s", fault.message);
+    }
+    read_frame(r, 0);
+    if (pl_referee_start(r->referee, &r->frame) == PL_VERDICT_NONFINITE) {
+        pl_fail(&fault, PL_FAILED, "not finite before the first step");
+        set_outcome(finding, PL_OUTCOME_NONFINITE, &fault);
+        return PL_OK;
+    }
+    *going = true;
+    if (def->trajectory != NULL) {
+        status = write_frame(def->trajectory, def->scene, &r->frame, error);
+    }
+    swap_frames(r);
+    return status;
+}
+
+/* One step. *going is false when it ended the run. */
+static pl_status advance(run *r, pl_finding *finding, bool *going, pl_error *error)
+{
+    const pl_run_def *def = r->def;
+    pl_error fault = {.message = ""};
+    pl_step_stats stats = {.struct_size = sizeof stats,
+                           .iterations = NAN,
+                           .residual = NAN,
+                           .contacts = NAN,
+                           .islands = NAN,
+                           .time_collide = NAN,
+                           .time_solve = NAN,
+                           .time_other = NAN};
+    enter(r, PL_STAGE_STEP);
+    double before = cpu_seconds();
+    fault.status = def->engine->step(r->instance, def->scene->dt, &stats, &fault);
+    double cpu_time = cpu_seconds() - before;
+    enter(r, PL_STAGE_JUDGE);
+    if (fault.status != PL_OK) {
+        *going = false;
+        set_failure(finding, &fault);
+        return PL_OK;
+    }
+    finding->steps_done += 1;
+    read_frame(r, (double)finding->steps_done * def->scene->dt);
+    int count = -1;
+    pl_status status = read_contacts(r, &count, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    pl_verdict verdict = pl_referee_step(r->referee, &r->frame, &stats,
+                                         count < 0 ? NULL : r->contacts, count, cpu_time, &fault);
+    if (def->trajectory != NULL) {
+        status = write_frame(def->trajectory, def->scene, &r->frame, error);
+    }
+    if (verdict == PL_VERDICT_NONFINITE || verdict == PL_VERDICT_DIVERGED) {
+        *going = false;
+        set_outcome(finding,
+                    verdict == PL_VERDICT_NONFINITE ? PL_OUTCOME_NONFINITE : PL_OUTCOME_DIVERGED,
+                    &fault);
+    }
+    if (verdict != PL_VERDICT_NONFINITE) {
+        swap_frames(r);
+    }
+    atomic_store_explicit(&def->watch->steps_done, finding->steps_done, memory_order_relaxed);
+    return status;
+}
+
+static void judge(run *r, double memory, pl_finding *finding)
+{
+    pl_error fault = {.message = ""};
+    pl_verdict verdict =
+        pl_referee_finish(r->referee, r->def->engine->residual_unit, &finding->metrics, &fault);
+    if (verdict == PL_VERDICT_COLLAPSED && finding->outcome == PL_OUTCOME_OK) {
+        set_outcome(finding, PL_OUTCOME_COLLAPSED, &fault);
+    }
+    pl_metric *peak = &finding->metrics.item[PL_METRIC_MEMORY_PEAK];
+    *peak = (pl_metric){.state = PL_METRIC_VALUE, .value = memory};
+    if (!isfinite(memory)) {
+        *peak = (pl_metric){.state = PL_METRIC_FAILED, .reason = "/proc/self does not tell it"};
+    }
+}
+
+pl_status pl_run_once(const pl_run_def *def,
+                      pl_status (*report)(const pl_finding *finding, void *user, pl_error *error),
+                      void *user, pl_error *error)
+{
+    run r = {.def = def};
+    pl_finding finding = {.outcome = PL_OUTCOME_OK,
+                          .steps_asked = pl_scene_steps(def->scene),
+                          .body_count = def->scene->body_count};
+    enter(&r, PL_STAGE_PREPARE);
+    pl_status status = prepare(&r, error);
+    if (status != PL_OK) {
+        goto cleanup;
+    }
+    double baseline = pl_resident_baseline();
+    bool going = false;
+    status = begin(&r, &finding, &going, error);
+    bool started = going;
+    while (status == PL_OK && going && finding.steps_done < finding.steps_asked) {
+        status = advance(&r, &finding, &going, error);
+    }
+    if (status == PL_OK && started) {
+        judge(&r, pl_resident_growth(baseline), &finding);
+    }
+    enter(&r, PL_STAGE_DESTROY);
+    def->engine->destroy(r.instance);
+    if (status == PL_OK) {
+        finding.bodies = r.has_good ? r.good.bodies : NULL;
+        enter(&r, PL_STAGE_JUDGE);
+        status = report(&finding, user, error);
+    }
+
+cleanup:
+    pl_referee_destroy(r.referee);
+    free(r.frame.bodies);
+    free(r.good.bodies);
+    free(r.contacts);
+    return status;
+}

@@ -1,0 +1,42 @@
+/* One run in this process: create, read back, step and measure, destroy. An engine that crashes
+ * here takes the process with it: isolated_run.h is the safe way. */
+#ifndef PLUMB_RUN_ONCE_H
+#define PLUMB_RUN_ONCE_H
+
+#include "results/result.h"
+
+#include <stdatomic.h>
+#include <stdio.h>
+
+/* Where a run is, in memory shared with whoever watches it. */
+typedef enum pl_stage {
+    PL_STAGE_PREPARE,
+    PL_STAGE_CREATE,
+    PL_STAGE_READ_BACK,
+    PL_STAGE_STEP,
+    PL_STAGE_JUDGE, /* reading the frame and contacts of a step, and the referee's work on them */
+    PL_STAGE_DESTROY
+} pl_stage;
+
+typedef struct pl_run_watch {
+    _Atomic(int) stage; /* pl_stage */
+    atomic_long steps_done;
+} pl_run_watch;
+
+typedef struct pl_run_def {
+    const pl_scene *scene;
+    const pl_engine *engine;
+    int profile;
+    const double *options; /* (engine->option_count) */
+    FILE *trajectory;      /* gets every frame as CSV; NULL: none */
+    pl_run_watch *watch;
+} pl_run_def;
+
+/* Runs, and hands the finding to `report`, whose result is returned. The finding's arrays live
+ * until `report` returns; the engine's instance is already destroyed. Any outcome is PL_OK;
+ * PL_NO_MEMORY and PL_IO (the trajectory) mean that the run could not be made. */
+pl_status pl_run_once(const pl_run_def *def,
+                      pl_status (*report)(const pl_finding *finding, void *user, pl_error *error),
+                      void *user, pl_error *error);
+
+#endif

@@ -1,0 +1,388 @@
+/* The command as a user meets it: exit codes, what goes where, and what is said about mistakes. */
+#include "check.h"
+#include "plumb/scenario.h"
+#include "plumb_process.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#define FAULTY PLUMB_BINARY_DIR "/faulty_engine.so"
+
+typedef struct fixture {
+    char *directory, *scene, *out;
+} fixture;
+
+static int prepare(void **state)
+{
+    fixture *f = calloc(1, sizeof *f);
+    f->directory = make_directory();
+    f->scene = path_in(f->directory, "scene.json");
+    f->out = path_in(f->directory, "report");
+    write_text(f->scene, falling_scene);
+    *state = f;
+    return 0;
+}
+
+static int clean(void **state)
+{
+    fixture *f = *state;
+    free(f->scene);
+    free(f->out);
+    remove_directory(f->directory);
+    free(f);
+    return 0;
+}
+
+enum { MAX_WORDS = 16 };
+
+/* Runs "plumb A B C" given as one text, where @ stands for the scene file, # for the directory of
+ * results and % for the faulty engine. */
+static plumb_output call(const fixture *f, const char *text)
+{
+    char *words = strdup(text);
+    char *made[MAX_WORDS] = {NULL};
+    const char *arguments[MAX_WORDS + 1] = {NULL};
+    int count = 0;
+    char *rest = NULL;
+    for (char *word = strtok_r(words, " ", &rest); word != NULL;
+         word = strtok_r(NULL, " ", &rest)) {
+        size_t before = strcspn(word, "@#%");
+        const char *stands = word[before] == '@'   ? f->scene
+                             : word[before] == '#' ? f->out
+                             : word[before] == '%' ? FAULTY
+                                                   : "";
+        const char *after = word[before] == '\0' ? "" : word + before + 1;
+        assert_true(count < MAX_WORDS);
+        assert_true(asprintf(&made[count], "%.*s%s%s", (int)before, word, stands, after) >= 0);
+        arguments[count] = made[count];
+        ++count;
+    }
+    plumb_output output = run_plumb(f->directory, arguments);
+    for (int i = 0; i < count; ++i) {
+        free(made[i]);
+    }
+    free(words);
+    return output;
+}
+
+static void check_call(void **state, const char *text, int code, const char *out, const char *err)
+{
+    plumb_output output = call(*state, text);
+    if (output.code != code) {
+        print_error("plumb %s: exit code %d, expected %d\n%s", text, output.code, code, output.err);
+    }
+    assert_int_equal(output.code, code);
+    assert_contains(output.out, out);
+    assert_contains(output.err, err);
+    free_output(&output);
+}
+
+static void test_usage_errors_exit_2_and_suggest_the_nearest_name(void **state)
+{
+    static const char *const cases[][2] = {
+        {"", "see plumb help"},
+        {"compair", "did you mean compare?"},
+        {"xyzzy", "see plumb help"},
+        {"help lits", "did you mean list?"},
+        {"list", "scenarios, engines, metrics or suites"},
+        {"list metric", "did you mean metrics?"},
+        {"list engines scenarios", "one list at a time"},
+        {"compare --sute canonical", "did you mean --suite?"},
+        {"compare --frobnicate", "there is no option --frobnicate"},
+        {"compare --suite canonicle", "did you mean"},
+        {"compare towr", "tower"},
+        {"compare tower --engine plum", "plumb"},
+        {"compare @ --engine %:god", "good"},
+        {"compare tower --set m=3 --engine %", "no chosen scenario has the parameter m"},
+        {"compare @ --set n=3 --engine %", "a scene file has no parameters"},
+        {"compare tower --set n --engine %", "--set takes NAME=VALUE"},
+        {"compare tower --set n=lots --engine %", "n"},
+        {"compare @ --dt 0 --engine %", "--dt takes seconds"},
+        {"compare @ --dt nan --engine %", "--dt takes seconds"},
+        {"compare @ --duration=-1 --engine %", "--duration takes seconds"},
+        {"compare @ --repeat 0 --engine %", "--repeat takes an integer"},
+        {"compare @ --jobs 1.5 --engine %", "--jobs takes an integer"},
+        {"compare @ --seed -1 --engine %", "--seed takes an integer"},
+        {"compare @ --timeout 0 --engine %", "--timeout takes seconds"},
+        {"compare ./none.json --engine %", "./none.json"},
+        {"run @", "which engine?"},
+        {"run --engine %", "which scenario?"},
+        {"run @ @ --engine %", "one scenario at a time"},
+        {"run @ --engine % --engine plumb", "one engine at a time"},
+        {"run @ --engine % --json - --trajectory -", "would mix"},
+        {"scene", "which scenario?"},
+    };
+    const fixture *f = *state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        check_call(state, cases[i][0], 2, "", cases[i][1]);
+    }
+    assert_int_not_equal(access(f->out, F_OK), 0); /* and nothing is written */
+    assert_int_not_equal(access("report", F_OK), 0);
+}
+
+static void test_every_command_explains_itself(void **state)
+{
+    static const char *const commands[] = {"compare", "run", "list", "scene"};
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; ++i) {
+        char text[64];
+        snprintf(text, sizeof text, "%s --help", commands[i]);
+        check_call(state, text, 0, "Examples:", "");
+        snprintf(text, sizeof text, "help %s", commands[i]);
+        check_call(state, text, 0, "Examples:", "");
+        check_call(state, "help", 0, commands[i], "");
+    }
+    check_call(state, "--help", 0, "Exit codes:", "");
+    check_call(state, "--version", 0, "plumb ", "");
+    check_call(state, "version", 0, "plumb ", "");
+}
+
+static json_t *parse(const char *text)
+{
+    json_error_t error;
+    json_t *value = json_loads(text, 0, &error);
+    if (value == NULL) {
+        print_error("%s in: %.200s\n", error.text, text);
+    }
+    assert_non_null(value);
+    return value;
+}
+
+static void test_lists_are_text_or_json_with_everything(void **state)
+{
+    static const char *const kinds[][2] = {{"scenarios", "tower"},
+                                           {"engines", "plumb"},
+                                           {"metrics", "penetration_max"},
+                                           {"suites", "canonical"}};
+    for (int i = 0; i < 4; ++i) {
+        char text[64];
+        snprintf(text, sizeof text, "list %s", kinds[i][0]);
+        check_call(state, text, 0, kinds[i][1], "");
+        snprintf(text, sizeof text, "list --json %s", kinds[i][0]);
+        plumb_output output = call(*state, text);
+        json_t *list = parse(output.out);
+        assert_true(json_array_size(list) > 0);
+        assert_contains(output.out, kinds[i][1]);
+        size_t index;
+        const json_t *item;
+        json_array_foreach(list, index, item)
+        {
+            assert_true(result_text(item, "name")[0] != '\0');
+        }
+        json_decref(list);
+        free_output(&output);
+    }
+}
+
+static void test_a_printed_scene_is_the_same_problem_as_the_scenario(void **state)
+{
+    const fixture *f = *state;
+    plumb_output output = call(f, "scene tower --set n=3 --dt 1/100");
+    assert_int_equal(output.code, 0);
+    pl_scene scene = pl_scene_default();
+    pl_error error = {.message = ""};
+    assert_int_equal(pl_scene_read_text(output.out, strlen(output.out), "out", &scene, &error),
+                     PL_OK);
+    assert_int_equal(scene.body_count, 4);
+    assert_close(scene.dt, 0.01, 0, 0);
+    char printed[17];
+    assert_int_equal(pl_scene_hash(&scene, printed, &error), PL_OK);
+    pl_scene_free(&scene);
+    free_output(&output);
+    output = call(f, "run tower --set n=3 --dt 1/100 --engine plumb --json -");
+    json_t *result = parse(output.out);
+    assert_string_equal(result_text(result, "scene_hash"), printed);
+    json_decref(result);
+    free_output(&output);
+}
+
+static void test_run_prints_metrics_or_one_object(void **state)
+{
+    check_call(state, "run @ --engine %", 0, "on faulty:good: ok, 20 of 20 steps", "");
+    check_call(state, "run @ --engine %", 0, "time_per_step", "");
+    check_call(state, "run @ --engine %:abort", 3, "SIGABRT in step 3 of 20", "");
+    check_call(state, "run @ --engine=%:hang --timeout=0.2", 3, "timeout, 2 of 20 steps", "");
+    plumb_output output = call(*state, "run @ --engine %:abort --json - --seed 5");
+    assert_int_equal(output.code, 3);
+    json_t *result = parse(output.out);
+    assert_string_equal(result_text(result, "schema"), "plumb.result/1");
+    assert_string_equal(result_text(result, "outcome"), "crashed");
+    assert_int_equal(json_integer_value(json_object_get(result, "seed")), 5);
+    assert_int_equal(json_array_size(json_object_get(result, "command")), 9);
+    json_decref(result);
+    free_output(&output);
+}
+
+static void test_results_hold_every_key_of_the_schema(void **state)
+{
+    static const char *const keys[] = {
+        "schema", "run",     "scenario",       "params",  "scene_hash", "primary_error",
+        "engine", "profile", "engine_version", "label",   "settings",   "seed",
+        "repeat", "outcome", "reason",         "steps",   "metrics",    "final_poses",
+        "output", "host",    "plumb",          "command", "started"};
+    plumb_output output = call(*state, "run @ --engine % --json -");
+    json_t *result = parse(output.out);
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
+        if (json_object_get(result, keys[i]) == NULL) {
+            print_error("missing: %s\n", keys[i]);
+        }
+        assert_non_null(json_object_get(result, keys[i]));
+    }
+    assert_int_equal(json_object_size(result), sizeof keys / sizeof keys[0]);
+    json_decref(result);
+    free_output(&output);
+}
+
+static void test_trajectory_goes_to_a_file_or_to_standard_output(void **state)
+{
+    const fixture *f = *state;
+    check_call(state, "run @ --engine % --trajectory #.csv", 0, "20 of 20 steps", "");
+    char *path = path_in(f->directory, "report.csv");
+    char *text = read_text(path);
+    assert_contains(text, "time,body,");
+    plumb_output output = call(f, "run @ --engine % --trajectory -");
+    assert_string_equal(output.out, text);
+    free_output(&output);
+    free(text);
+    /* One that crashes leaves the frames before it. */
+    check_call(state, "run @ --engine %:segfault --trajectory #.csv", 3, "SIGSEGV", "");
+    text = read_text(path);
+    assert_contains(text, "\n0.02,\"b\"");
+    assert_int_equal(text[strlen(text) - 1], '\n');
+    free(text);
+    free(path);
+    check_call(state, "run @ --engine % --trajectory /dev/full", 3, "", "No space left");
+    check_call(state, "run @ --engine % --trajectory #/none/t.csv", 3, "", "t.csv");
+}
+
+static void test_compare_writes_all_forms_and_keeps_data_and_messages_apart(void **state)
+{
+    const fixture *f = *state;
+    plumb_output output =
+        call(f, "compare @ --engine % --engine %:nan --repeat 2 --out # --json -");
+    assert_int_equal(output.code, 0);
+    json_t *results = parse(output.out); /* and nothing else is on standard output */
+    assert_int_equal(json_array_size(results), 4);
+    /* Engines take turns in going first. */
+    static const char *const labels[] = {"faulty:good", "faulty:nan", "faulty:nan", "faulty:good"};
+    for (size_t i = 0; i < 4; ++i) {
+        const json_t *result = json_array_get(results, i);
+        assert_string_equal(result_text(result, "label"), labels[i]);
+        assert_int_equal(json_integer_value(json_object_get(result, "repeat")), i / 2);
+    }
+    json_decref(results);
+    assert_contains(output.err, "[4/4]");
+    assert_null(strchr(output.err, '\033')); /* no terminal, no colours */
+    free_output(&output);
+    static const char *const files[] = {"results.jsonl", "results.csv", "summary.md", "index.html"};
+    for (int i = 0; i < 4; ++i) {
+        char *path = path_in(f->out, files[i]);
+        assert_int_equal(access(path, R_OK), 0);
+        free(path);
+    }
+    check_call(state, "compare @ --engine % --out # --json #.json", 0, "faulty:good", "report");
+    char *path = path_in(f->directory, "report.json");
+    json_t *written = json_load_file(path, 0, NULL);
+    assert_int_equal(json_array_size(written), 1);
+    json_decref(written);
+    free(path);
+}
+
+static void test_jobs_side_by_side_make_the_same_runs(void **state)
+{
+    plumb_output output = call(
+        *state, "compare @ --engine % --engine %:slow_print --repeat 8 --jobs 4 --out # --json -");
+    assert_int_equal(output.code, 0);
+    json_t *results = parse(output.out);
+    json_t *runs = json_object();
+    size_t index;
+    const json_t *result;
+    json_array_foreach(results, index, result)
+    {
+        assert_string_equal(result_text(result, "outcome"), "ok");
+        json_object_set_new(runs, result_text(result, "run"), json_true());
+    }
+    assert_int_equal(json_object_size(runs), 16);
+    json_decref(runs);
+    json_decref(results);
+    free_output(&output);
+}
+
+static void test_nothing_compared_exits_4(void **state)
+{
+    check_call(state, "compare @ --engine %:mass --out #", 4, "", "");
+}
+
+static void test_output_that_cannot_be_written_exits_3_with_its_name(void **state)
+{
+    const fixture *f = *state;
+    check_call(state, "compare @ --engine % --out @/x", 3, "", "scene.json");
+    check_call(state, "compare @ --engine % --out # --json /dev/full", 3, "", "/dev/full");
+    check_call(state, "compare @ --engine % --out # --json #/none/all.json", 3, "", "all.json");
+    check_call(state, "run @ --engine % --json /dev/full", 3, "", "/dev/full");
+    char *path = path_in(f->directory, "full");
+    char *file = path_in(path, "results.jsonl");
+    assert_int_equal(mkdir(path, 0777), 0);
+    assert_int_equal(symlink("/dev/full", file), 0);
+    char text[512];
+    snprintf(text, sizeof text, "compare @ --engine %% --out %s", path);
+    check_call(state, text, 3, "", "No space left on device");
+    free(file);
+    free(path);
+}
+
+static void test_a_full_standard_output_exits_3(void **state)
+{
+    const fixture *f = *state;
+    char command[1024];
+    static const char *const calls[] = {"list metrics", "help", "scene tower", "version"};
+    for (size_t i = 0; i < sizeof calls / sizeof calls[0]; ++i) {
+        snprintf(command, sizeof command, "%s/plumb %s >/dev/full 2>%s/err; exit $?",
+                 PLUMB_BINARY_DIR, calls[i], f->directory);
+        int status = system(command);
+        assert_int_equal(status, 3 << 8);
+    }
+}
+
+static void test_dt_and_duration_reach_the_scene(void **state)
+{
+    plumb_output output = call(*state, "run @ --dt 1/50 --duration 0.4 --engine % --json -");
+    json_t *result = parse(output.out);
+    const json_t *settings = json_object_get(result, "settings");
+    assert_close(json_number_value(json_object_get(settings, "dt")), 0.02, 0, 0);
+    assert_close(json_number_value(json_object_get(settings, "duration")), 0.4, 0, 0);
+    assert_int_equal(json_integer_value(json_object_get(json_object_get(result, "steps"), "done")),
+                     20);
+    json_decref(result);
+    free_output(&output);
+    output = call(*state, "run tower --set n=2 --dt 1/50 --duration 0.4 --engine plumb --json -");
+    result = parse(output.out);
+    const json_t *params = json_object_get(result, "params");
+    assert_close(json_number_value(json_object_get(params, "dt")), 0.02, 0, 0);
+    assert_close(json_number_value(json_object_get(params, "duration")), 0.4, 0, 0);
+    assert_int_equal(json_integer_value(json_object_get(params, "n")), 2);
+    json_decref(result);
+    free_output(&output);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_usage_errors_exit_2_and_suggest_the_nearest_name),
+        cmocka_unit_test(test_every_command_explains_itself),
+        cmocka_unit_test(test_lists_are_text_or_json_with_everything),
+        cmocka_unit_test(test_a_printed_scene_is_the_same_problem_as_the_scenario),
+        cmocka_unit_test(test_run_prints_metrics_or_one_object),
+        cmocka_unit_test(test_results_hold_every_key_of_the_schema),
+        cmocka_unit_test(test_trajectory_goes_to_a_file_or_to_standard_output),
+        cmocka_unit_test(test_compare_writes_all_forms_and_keeps_data_and_messages_apart),
+        cmocka_unit_test(test_jobs_side_by_side_make_the_same_runs),
+        cmocka_unit_test(test_nothing_compared_exits_4),
+        cmocka_unit_test(test_output_that_cannot_be_written_exits_3_with_its_name),
+        cmocka_unit_test(test_a_full_standard_output_exits_3),
+        cmocka_unit_test(test_dt_and_duration_reach_the_scene),
+    };
+    return cmocka_run_group_tests_name("command", tests, prepare, clean);
+}

@@ -1,0 +1,455 @@
+/* The laws of results: what is written is read back whole, the hash tells runs apart, and an
+ * interrupted file is taken up where its last complete line ends. */
+#include "check.h"
+#include "plumb_process.h"
+#include "results/result.h"
+#include "results/store.h"
+
+#include <fcntl.h>
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static const pl_param params[] = {{"n", 3, 1, 100, true, "1", "cubes"},
+                                  {"dt", 0.01, 1e-6, 1, false, "s", "step"}};
+static const pl_scenario scenario = {.name = "tower", .params = params, .param_count = 2};
+static const pl_engine_profile profiles[] = {{"fast", "", true}, {"exact", "", true}};
+static const pl_engine_option options[] = {{"iterations", 10, 1, 100, true, "1", ""},
+                                           {"erp", 0.2, 0, 1, false, "1", ""}};
+static const pl_engine engine = {.name = "some",
+                                 .version = "1.2",
+                                 .profiles = profiles,
+                                 .profile_count = 2,
+                                 .options = options,
+                                 .option_count = 2};
+static const double param_values[] = {25, 0.01};
+static const double other_params[] = {26, 0.01};
+static const double option_values[] = {10, 0.2};
+static const double other_options[] = {10, 0.3};
+
+static pl_run_view some_run(void)
+{
+    return (pl_run_view){.scenario = "tower",
+                         .descriptor = &scenario,
+                         .params = param_values,
+                         .scene_hash = "0123456789abcdef",
+                         .primary_error = "drift",
+                         .dt = 0.01,
+                         .duration = 5,
+                         .engine = &engine,
+                         .profile = 0,
+                         .options = option_values,
+                         .label = "some:fast",
+                         .seed = 7,
+                         .repeat = 0};
+}
+
+static void hash_of(const pl_run_view *run, char hash[17])
+{
+    json_t *identity = pl_run_identity(run);
+    assert_non_null(identity);
+    snprintf(hash, 17, "%s", result_text(identity, "run"));
+    assert_int_equal(strlen(hash), 16);
+    json_decref(identity);
+}
+
+static void test_runs_that_differ_in_one_thing_have_different_hashes(void **state)
+{
+    (void)state;
+    pl_run_view runs[9];
+    char hashes[9][17];
+    for (int i = 0; i < 9; ++i) {
+        runs[i] = some_run();
+    }
+    runs[1].scenario = "wall";
+    runs[2].params = other_params;
+    runs[3].scene_hash = "0123456789abcdee";
+    runs[4].profile = 1;
+    runs[5].options = other_options;
+    runs[6].seed = 8;
+    runs[7].repeat = 1;
+    runs[8].dt = 0.02;
+    for (int i = 0; i < 9; ++i) {
+        hash_of(&runs[i], hashes[i]);
+        for (int k = 0; k < i; ++k) {
+            assert_string_not_equal(hashes[i], hashes[k]);
+        }
+    }
+    char again[17];
+    hash_of(&runs[0], again);
+    assert_string_equal(again, hashes[0]);
+}
+
+static void test_identity_holds_every_parameter_and_option(void **state)
+{
+    (void)state;
+    pl_run_view run = some_run();
+    json_t *identity = pl_run_identity(&run);
+    char *line = pl_result_to_line(identity);
+    assert_contains(line, "\"params\":{\"dt\":0.01,\"n\":25}");
+    assert_contains(line, "\"settings\":{\"dt\":0.01,\"duration\":5.0,\"erp\":0.2");
+    assert_contains(line, "\"iterations\":10");
+    assert_contains(line, "\"profile\":\"fast\"");
+    assert_contains(line, "\"seed\":7");
+    free(line);
+    json_decref(identity);
+}
+
+static void test_numbers_survive_the_line_bit_for_bit(void **state)
+{
+    (void)state;
+    check_random random = {.state = 1};
+    for (int i = 0; i < 2000; ++i) {
+        double value = ldexp(check_uniform(&random, -1, 1), (int)check_uniform(&random, -300, 300));
+        json_t *array = json_pack("[f]", value);
+        char *line = pl_result_to_line(array);
+        json_t *read = json_loads(line, 0, NULL);
+        double back = json_number_value(json_array_get(read, 0));
+        assert_memory_equal(&back, &value, sizeof value);
+        json_decref(read);
+        json_decref(array);
+        free(line);
+    }
+}
+
+static pl_finding some_finding(const pl_body_state *bodies)
+{
+    pl_finding finding = {.outcome = PL_OUTCOME_COLLAPSED,
+                          .reason = "box fell",
+                          .steps_asked = 300,
+                          .steps_done = 300,
+                          .body_count = 1,
+                          .bodies = bodies};
+    finding.metrics.item[PL_METRIC_DRIFT] = (pl_metric){.state = PL_METRIC_VALUE, .value = 0.25};
+    finding.metrics.item[PL_METRIC_CREEP] = (pl_metric){.state = PL_METRIC_VALUE, .value = NAN};
+    finding.metrics.item[PL_METRIC_SETTLE_TIME] =
+        (pl_metric){.state = PL_METRIC_FAILED, .reason = "it never settled"};
+    finding.metrics.item[PL_METRIC_STATE_HASH] =
+        (pl_metric){.state = PL_METRIC_TEXT, .text = "00ff"};
+    finding.metrics.item[PL_METRIC_TIME_PER_STEP] = (pl_metric){.state = PL_METRIC_VALUE,
+                                                                .value = 1e-5,
+                                                                .has_percentiles = true,
+                                                                .p50 = 1,
+                                                                .p95 = 2,
+                                                                .p99 = 3,
+                                                                .worst_step = 4};
+    return finding;
+}
+
+static void test_metrics_are_absent_null_with_reason_or_values(void **state)
+{
+    (void)state;
+    const pl_body_state body = {.position = {1, 2, 3}, .orientation = {1, 0, 0, 0}};
+    pl_finding finding = some_finding(&body);
+    json_t *object = pl_finding_to_json(&finding);
+    assert_string_equal(result_text(object, "outcome"), "collapsed");
+    assert_string_equal(result_text(object, "reason"), "box fell");
+    const json_t *metrics = json_object_get(object, "metrics");
+    assert_int_equal(json_object_size(metrics), 5);
+    assert_null(json_object_get(metrics, "penetration_max"));
+    const json_t *drift = json_object_get(metrics, "drift");
+    assert_close(json_number_value(json_object_get(drift, "value")), 0.25, 0, 0);
+    assert_string_equal(result_text(drift, "unit"), "m");
+    assert_string_equal(result_text(drift, "direction"), "lower");
+    const json_t *creep = json_object_get(metrics, "creep");
+    assert_true(json_is_null(json_object_get(creep, "value")));
+    assert_contains(result_text(creep, "reason"), "finite");
+    const json_t *settle = json_object_get(metrics, "settle_time");
+    assert_true(json_is_null(json_object_get(settle, "value")));
+    assert_string_equal(result_text(settle, "reason"), "it never settled");
+    assert_string_equal(result_text(json_object_get(metrics, "state_hash"), "value"), "00ff");
+    const json_t *time = json_object_get(metrics, "time_per_step");
+    assert_int_equal(json_integer_value(json_object_get(time, "worst_step")), 4);
+    assert_int_equal(json_array_size(json_array_get(json_object_get(object, "final_poses"), 0)), 7);
+    json_decref(object);
+}
+
+static void test_a_run_without_a_frame_has_null_poses(void **state)
+{
+    (void)state;
+    pl_finding finding = some_finding(NULL);
+    finding.reason[0] = '\0';
+    json_t *object = pl_finding_to_json(&finding);
+    assert_true(json_is_null(json_object_get(object, "final_poses")));
+    assert_true(json_is_null(json_object_get(object, "reason")));
+    json_decref(object);
+}
+
+static void test_any_bytes_become_valid_text(void **state)
+{
+    (void)state;
+    const char bytes[] = "caf\xc3\xa9 \xff\x01\0 end";
+    json_t *text = pl_json_text(bytes, sizeof bytes - 1);
+    assert_string_equal(json_string_value(text), "caf?? ??? end");
+    json_decref(text);
+    text = pl_json_text("caf\xc3\xa9\n", 6);
+    assert_string_equal(json_string_value(text), "caf\xc3\xa9\n");
+    json_decref(text);
+    text = pl_json_text("", 0);
+    assert_string_equal(json_string_value(text), "");
+    json_decref(text);
+}
+
+static json_t *row(const char *run)
+{
+    return json_pack("{s:s, s:s}", "schema", "plumb.result/1", "run", run);
+}
+
+/* A directory with a results.jsonl of the rows a and b. */
+static char *directory_with_two(void)
+{
+    char *directory = make_directory();
+    pl_store *store = NULL;
+    pl_error error;
+    assert_int_equal(pl_store_open(directory, false, &store, &error), PL_OK);
+    for (int i = 0; i < 2; ++i) {
+        json_t *result = row(i == 0 ? "a" : "b");
+        assert_int_equal(pl_store_append(store, result, &error), PL_OK);
+        json_decref(result);
+    }
+    pl_store_close(store);
+    return directory;
+}
+
+static void test_resume_keeps_complete_lines_and_cuts_an_unfinished_one(void **state)
+{
+    (void)state;
+    char *directory = directory_with_two();
+    char *path = path_in(directory, "results.jsonl");
+    char *whole = read_text(path);
+    size_t first = strcspn(whole, "\n") + 1;
+    /* Cut at every byte: whatever a kill leaves. */
+    for (size_t length = 0; length <= strlen(whole); ++length) {
+        char *part = strndup(whole, length);
+        write_text(path, part);
+        pl_store *store = NULL;
+        pl_error error = {.message = ""};
+        assert_int_equal(pl_store_open(directory, true, &store, &error), PL_OK);
+        assert_int_equal(pl_store_has(store, "a"), length >= first);
+        assert_int_equal(pl_store_has(store, "b"), length == strlen(whole));
+        json_t *result = row("c");
+        assert_int_equal(pl_store_append(store, result, &error), PL_OK);
+        json_decref(result);
+        size_t rows = json_array_size(pl_store_results(store));
+        pl_store_close(store);
+        json_t *read = NULL;
+        long long end = 0;
+        assert_int_equal(pl_results_read(path, &read, &end, &error), PL_OK);
+        assert_int_equal(json_array_size(read), rows);
+        json_decref(read);
+        free(part);
+    }
+    free(whole);
+    free(path);
+    remove_directory(directory);
+}
+
+static void test_without_resume_the_file_begins_anew(void **state)
+{
+    (void)state;
+    char *directory = directory_with_two();
+    char *path = path_in(directory, "results.jsonl");
+    pl_store *store = NULL;
+    assert_int_equal(pl_store_open(directory, false, &store, NULL), PL_OK);
+    assert_false(pl_store_has(store, "a"));
+    pl_store_close(store);
+    char *text = read_text(path);
+    assert_string_equal(text, "");
+    free(text);
+    free(path);
+    remove_directory(directory);
+}
+
+static void check_bad_line(const char *text, const char *where)
+{
+    char *directory = make_directory();
+    char *path = path_in(directory, "results.jsonl");
+    write_text(path, text);
+    pl_store *store = NULL;
+    pl_error error = {.message = ""};
+    assert_int_equal(pl_store_open(directory, true, &store, &error), PL_BAD_INPUT);
+    assert_null(store);
+    assert_contains(error.message, path);
+    assert_contains(error.message, where);
+    char *after = read_text(path);
+    assert_string_equal(after, text);
+    free(after);
+    free(path);
+    remove_directory(directory);
+}
+
+static void test_a_complete_line_that_is_no_result_is_an_error_and_changes_nothing(void **state)
+{
+    (void)state;
+    const char good[] = "{\"schema\":\"plumb.result/1\",\"run\":\"a\"}\n";
+    char text[256];
+    const char *const bad[] = {"{\"schema\":\"plumb.res\n",
+                               "\n",
+                               "7\n",
+                               "{\"run\":\"a\"}\n",
+                               "{\"schema\":\"plumb.result/1\"}\n",
+                               "{\"schema\":\"plumb.result/2\",\"run\":\"a\"}\n"};
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
+        snprintf(text, sizeof text, "%s%s%s", good, bad[i], good);
+        check_bad_line(text, "results.jsonl:2:");
+    }
+    snprintf(text, sizeof text, "%s", bad[0]);
+    check_bad_line(text, "results.jsonl:1:");
+}
+
+static void test_one_process_at_a_time_writes_a_file(void **state)
+{
+    (void)state;
+    char *directory = directory_with_two();
+    pl_store *store = NULL;
+    assert_int_equal(pl_store_open(directory, true, &store, NULL), PL_OK);
+    pid_t pid = fork();
+    if (pid == 0) {
+        pl_store *second = NULL;
+        pl_error error = {.message = ""};
+        pl_status status = pl_store_open(directory, false, &second, &error);
+        _exit(status == PL_IO && strstr(error.message, "another plumb") != NULL ? 0 : 1);
+    }
+    int ended = 0;
+    assert_int_equal(waitpid(pid, &ended, 0), pid);
+    assert_int_equal(ended, 0);
+    assert_true(pl_store_has(store, "b"));
+    pl_store_close(store);
+    remove_directory(directory);
+}
+
+static void test_a_full_disk_is_an_error(void **state)
+{
+    (void)state;
+    char *directory = make_directory();
+    char *path = path_in(directory, "results.jsonl");
+    assert_int_equal(symlink("/dev/full", path), 0);
+    pl_store *store = NULL;
+    pl_error error = {.message = ""};
+    assert_int_equal(pl_store_open(directory, false, &store, &error), PL_OK);
+    json_t *result = row("a");
+    assert_int_equal(pl_store_append(store, result, &error), PL_IO);
+    assert_contains(error.message, "No space left");
+    assert_int_equal(json_array_size(pl_store_results(store)), 0);
+    assert_int_equal(pl_results_write_json("/dev/full", result, &error), PL_IO);
+    json_decref(result);
+    pl_store_close(store);
+    free(path);
+    remove_directory(directory);
+}
+
+/* A limit of the file's size lets a write begin and not end, as a disk does that fills up. */
+static void test_a_write_that_fails_halfway_leaves_the_lines_before(void **state)
+{
+    (void)state;
+    char *directory = directory_with_two();
+    char *path = path_in(directory, "results.jsonl");
+    pl_store *store = NULL;
+    pl_error error = {.message = ""};
+    assert_int_equal(pl_store_open(directory, true, &store, &error), PL_OK);
+    json_t *result = row("c");
+    assert_int_equal(pl_store_append(store, result, &error), PL_OK);
+    struct rlimit limit;
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &limit), 0);
+    char *after = read_text(path);
+    const struct rlimit tight = {strlen(after) + 10, limit.rlim_max};
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &tight), 0);
+    assert_int_equal(pl_store_append(store, result, &error), PL_IO);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &limit), 0);
+    signal(SIGXFSZ, SIG_DFL);
+    assert_contains(error.message, path);
+    char *left = read_text(path);
+    assert_string_equal(left, after);
+    /* And it goes on where it was. */
+    assert_int_equal(pl_store_append(store, result, &error), PL_OK);
+    json_decref(result);
+    pl_store_close(store);
+    json_t *read = NULL;
+    assert_int_equal(pl_results_read(path, &read, NULL, &error), PL_OK);
+    assert_int_equal(json_array_size(read), 4);
+    json_decref(read);
+    free(left);
+    free(after);
+    free(path);
+    remove_directory(directory);
+}
+
+static void test_directories_are_made_and_a_file_in_the_way_is_named(void **state)
+{
+    (void)state;
+    char *directory = make_directory();
+    char *deep = path_in(directory, "a/b//c/");
+    char *blocked = path_in(directory, "a/b/c/results.jsonl/d");
+    pl_store *store = NULL;
+    pl_error error = {.message = ""};
+    assert_int_equal(pl_store_open(deep, false, &store, &error), PL_OK);
+    pl_store_close(store);
+    assert_int_equal(pl_store_open(blocked, false, &store, &error), PL_IO);
+    assert_contains(error.message, "results.jsonl");
+    free(deep);
+    free(blocked);
+    remove_directory(directory);
+}
+
+static void test_json_is_written_whole_or_not_at_all(void **state)
+{
+    (void)state;
+    char *directory = make_directory();
+    char *path = path_in(directory, "all.json");
+    char *nowhere = path_in(directory, "none/all.json");
+    json_t *result = row("a");
+    pl_error error = {.message = ""};
+    write_text(path, "old");
+    assert_int_equal(pl_results_write_json(path, result, &error), PL_OK);
+    json_t *read = json_load_file(path, 0, NULL);
+    assert_true(json_equal(read, result));
+    json_decref(read);
+    assert_int_equal(pl_results_write_json(nowhere, result, &error), PL_IO);
+    assert_contains(error.message, nowhere);
+    json_decref(result);
+    free(path);
+    free(nowhere);
+    remove_directory(directory);
+}
+
+static void test_provenance_names_machine_build_and_call(void **state)
+{
+    (void)state;
+    char *argv[] = {(char[]){"plumb"}, (char[]){"run"}, NULL};
+    json_t *provenance = pl_provenance(2, argv);
+    const json_t *host = json_object_get(provenance, "host");
+    assert_true(result_text(host, "cpu")[0] != '\0');
+    assert_contains(result_text(host, "os"), "Linux");
+    assert_contains(result_text(host, "flags"), "-ffp-contract=off");
+    assert_true(result_text(host, "compiler")[0] != '\0');
+    assert_int_equal(json_array_size(json_object_get(provenance, "command")), 2);
+    json_decref(provenance);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_runs_that_differ_in_one_thing_have_different_hashes),
+        cmocka_unit_test(test_identity_holds_every_parameter_and_option),
+        cmocka_unit_test(test_numbers_survive_the_line_bit_for_bit),
+        cmocka_unit_test(test_metrics_are_absent_null_with_reason_or_values),
+        cmocka_unit_test(test_a_run_without_a_frame_has_null_poses),
+        cmocka_unit_test(test_any_bytes_become_valid_text),
+        cmocka_unit_test(test_resume_keeps_complete_lines_and_cuts_an_unfinished_one),
+        cmocka_unit_test(test_without_resume_the_file_begins_anew),
+        cmocka_unit_test(test_a_complete_line_that_is_no_result_is_an_error_and_changes_nothing),
+        cmocka_unit_test(test_one_process_at_a_time_writes_a_file),
+        cmocka_unit_test(test_a_full_disk_is_an_error),
+        cmocka_unit_test(test_a_write_that_fails_halfway_leaves_the_lines_before),
+        cmocka_unit_test(test_directories_are_made_and_a_file_in_the_way_is_named),
+        cmocka_unit_test(test_json_is_written_whole_or_not_at_all),
+        cmocka_unit_test(test_provenance_names_machine_build_and_call),
+    };
+    return cmocka_run_group_tests_name("results", tests, NULL, NULL);
+}

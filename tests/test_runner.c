@@ -1,0 +1,352 @@
+/* The laws of the plan, of a process under limits, and of one run in this process. */
+#include "check.h"
+#include "plumb_process.h"
+#include "runner/plan.h"
+#include "runner/process.h"
+#include "runner/readback.h"
+#include "runner/resident.h"
+#include "runner/run_once.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#define FAULTY PLUMB_BINARY_DIR "/faulty_engine.so"
+
+/* --- the plan --- */
+
+static void test_plan_has_every_run_once_and_rotates_engines(void **state)
+{
+    (void)state;
+    pl_problem problems[2] = {{.name = NULL}};
+    pl_contender contenders[3] = {{.label = "a"}, {.label = "b"}, {.label = "c"}};
+    const pl_plan plan = {.problems = problems,
+                          .problem_count = 2,
+                          .contenders = contenders,
+                          .contender_count = 3,
+                          .repeats = 4};
+    int seen[4][2][3] = {{{0}}};
+    int first[3] = {0};
+    assert_int_equal(pl_plan_size(&plan), 24);
+    for (long i = 0; i < 24; ++i) {
+        pl_planned_run run = pl_plan_run(&plan, i);
+        seen[run.repeat][run.problem - problems][run.contender - contenders] += 1;
+        if (i % 3 == 0 && run.repeat < 3) {
+            first[run.contender - contenders] += 1;
+        }
+        assert_int_equal(run.repeat, i / 6);
+    }
+    for (int i = 0; i < 24; ++i) {
+        assert_int_equal((&seen[0][0][0])[i], 1);
+    }
+    for (int k = 0; k < 3; ++k) {
+        assert_int_equal(first[k], 2); /* each engine goes first equally often */
+    }
+}
+
+static const char travel_scene[] =
+    "{ \"plumb_scene\": 1, \"dt\": 0.01, \"duration\": 1, \"bodies\": [\n"
+    "  { \"name\": \"a\", \"mass\": 1, \"shape\": { \"type\": \"sphere\", \"radius\": 1 } } ],\n"
+    "  \"expect\": { \"travel\": [ { \"body\": \"a\", \"direction\": [0, 0, -1],\n"
+    "    \"distance\": 4.905, \"discrete\": 4.95405 } ] } }\n";
+
+static void test_overrides_of_a_scene_file_drop_what_no_longer_holds(void **state)
+{
+    (void)state;
+    char *directory = make_directory();
+    char *path = path_in(directory, "scene.json");
+    write_text(path, travel_scene);
+    pl_error error = {.message = ""};
+    pl_plan plan = {.repeats = 1};
+    assert_int_equal(pl_plan_add_scene_file(&plan, path, NAN, NAN, &error), PL_OK);
+    assert_int_equal(pl_plan_add_scene_file(&plan, path, 0.02, NAN, &error), PL_OK);
+    assert_int_equal(plan.problem_count, 2);
+    assert_close(plan.problems[0].scene.travels[0].discrete, 4.95405, 0, 0);
+    assert_true(isnan(plan.problems[1].scene.travels[0].discrete));
+    assert_close(plan.problems[1].scene.dt, 0.02, 0, 0);
+    assert_int_equal(pl_plan_add_scene_file(&plan, path, NAN, 2, &error), PL_BAD_INPUT);
+    assert_contains(error.message, "travel");
+    assert_int_equal(pl_plan_add_scene_file(&plan, path, 2, NAN, &error), PL_BAD_INPUT);
+    assert_int_equal(pl_plan_add_scene_file(&plan, path, NAN, NAN, &error), PL_OK);
+    assert_int_equal(plan.problem_count, 2); /* the same problem again is not added */
+    pl_plan_free(&plan);
+    free(path);
+    remove_directory(directory);
+}
+
+/* --- a process under limits --- */
+
+static void collect(pl_process *process)
+{
+    struct pollfd polls[PL_PROCESS_POLLS];
+    do {
+        pl_process_polls(process, polls);
+        poll(polls, PL_PROCESS_POLLS, 20);
+    } while (!pl_process_advance(process, polls));
+}
+
+static void answer_much(void *user, FILE *answer)
+{
+    for (int i = 0; i < *(int *)user; ++i) {
+        fputs("0123456789abcdef", answer);
+    }
+}
+
+static void test_an_answer_larger_than_a_pipe_arrives_whole(void **state)
+{
+    (void)state;
+    const pl_limits limits = {.timeout = 10};
+    const int counts[] = {0, 1, 100000};
+    for (int i = 0; i < 3; ++i) {
+        int count = counts[i];
+        pl_process process;
+        assert_int_equal(pl_process_start(&process, &limits, answer_much, &count, NULL), PL_OK);
+        collect(&process);
+        assert_true(WIFEXITED(process.wait_status) && WEXITSTATUS(process.wait_status) == 0);
+        assert_int_equal(process.text_length, 16 * (size_t)count);
+        pl_process_free(&process);
+    }
+}
+
+/* The child ignores what it can, and its own child holds the pipes. */
+static void hang_for_ever(void *user, FILE *answer)
+{
+    (void)user;
+    (void)answer;
+    signal(SIGTERM, SIG_IGN);
+    fork();
+    for (;;) {
+        puts("still here");
+    }
+}
+
+static void test_one_that_prints_for_ever_is_killed_at_its_time(void **state)
+{
+    (void)state;
+    const pl_limits limits = {.timeout = 0.2};
+    pl_process process;
+    assert_int_equal(pl_process_start(&process, &limits, hang_for_ever, NULL, NULL), PL_OK);
+    collect(&process);
+    assert_true(process.timed_out);
+    assert_true(WIFSIGNALED(process.wait_status) && WTERMSIG(process.wait_status) == SIGKILL);
+    assert_int_equal(process.tail_length, PL_OUTPUT_TAIL);
+    pl_process_free(&process);
+}
+
+static void print_some(void *user, FILE *answer)
+{
+    (void)answer;
+    int length = *(int *)user;
+    for (int i = 0; i < length; ++i) {
+        putchar('a' + i % 26);
+    }
+}
+
+static void test_the_tail_is_the_end_of_what_was_printed(void **state)
+{
+    (void)state;
+    const pl_limits limits = {.timeout = 10};
+    const int lengths[] = {0, 1, 1999, 2000, 2001, 70000};
+    for (size_t i = 0; i < sizeof lengths / sizeof lengths[0]; ++i) {
+        int length = lengths[i];
+        int kept = length < PL_OUTPUT_TAIL ? length : PL_OUTPUT_TAIL;
+        pl_process process;
+        assert_int_equal(pl_process_start(&process, &limits, print_some, &length, NULL), PL_OK);
+        collect(&process);
+        assert_int_equal(process.tail_length, (size_t)kept);
+        for (int k = 0; k < kept; ++k) {
+            assert_int_equal(process.tail[k], 'a' + (length - kept + k) % 26);
+        }
+        pl_process_free(&process);
+    }
+}
+
+static void print_mask(void *user, FILE *answer)
+{
+    (void)user;
+    sigset_t mask;
+    struct sigaction action;
+    sigprocmask(SIG_BLOCK, NULL, &mask);
+    sigaction(SIGINT, NULL, &action);
+    fprintf(answer, "%d %d %d", sigismember(&mask, SIGTERM), action.sa_handler == SIG_DFL,
+            getsid(0) == getpid());
+}
+
+static void test_a_run_begins_with_plain_signals_in_its_own_session(void **state)
+{
+    (void)state;
+    const pl_limits limits = {.timeout = 10};
+    sigset_t blocked;
+    sigset_t before;
+    pl_process process;
+    sigemptyset(&blocked);
+    sigaddset(&blocked, SIGTERM);
+    sigprocmask(SIG_BLOCK, &blocked, &before);
+    signal(SIGINT, SIG_IGN);
+    assert_int_equal(pl_process_start(&process, &limits, print_mask, NULL, NULL), PL_OK);
+    collect(&process);
+    signal(SIGINT, SIG_DFL);
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    process.text[process.text_length] = '\0';
+    assert_string_equal(process.text, "0 1 1");
+    pl_process_free(&process);
+}
+
+/* --- resident memory --- */
+
+/* Takes `bytes` in small blocks, touches and frees them; a last block above keeps the heap from
+ * shrinking. */
+static void use_heap(size_t bytes)
+{
+    enum { BLOCK = 4096 };
+    size_t count = bytes / BLOCK;
+    char **blocks = calloc(count + 1, sizeof *blocks);
+    for (size_t i = 0; i <= count; ++i) {
+        blocks[i] = malloc(BLOCK - 16);
+        explicit_bzero(blocks[i], BLOCK - 16); /* which no compiler leaves out */
+    }
+    for (size_t i = 0; i < count; ++i) {
+        free(blocks[i]);
+    }
+    free(blocks);
+}
+
+static void measure_growth(void *user, FILE *answer)
+{
+    size_t bytes = *(size_t *)user;
+    /* What was used before and given back neither hides what is taken after, nor counts. */
+    use_heap(2 * bytes);
+    double baseline = pl_resident_baseline();
+    use_heap(bytes);
+    fprintf(answer, "%.17g", pl_resident_growth(baseline));
+}
+
+static void test_resident_growth_is_the_peak_that_was_touched(void **state)
+{
+    (void)state;
+#ifdef __SANITIZE_ADDRESS__
+    skip(); /* it keeps freed memory */
+#endif
+    const pl_limits limits = {.timeout = 10};
+    const size_t sizes[] = {8u << 20, 64u << 20};
+    for (int i = 0; i < 2; ++i) {
+        size_t bytes = sizes[i];
+        pl_process process;
+        assert_int_equal(pl_process_start(&process, &limits, measure_growth, &bytes, NULL), PL_OK);
+        collect(&process);
+        process.text[process.text_length] = '\0';
+        /* Linux keeps a process's counters in batches of 64 pages. */
+        assert_close(strtod(process.text, NULL), (double)bytes, 1 << 20, 0);
+        pl_process_free(&process);
+    }
+}
+
+/* --- one run in this process --- */
+
+static pl_status count_report(const pl_finding *finding, void *user, pl_error *error)
+{
+    (void)error;
+    pl_finding *kept = user;
+    assert_non_null(finding->bodies);
+    *kept = *finding;
+    kept->bodies = NULL;
+    return PL_OK;
+}
+
+static void run_profile(const char *spec, pl_finding *finding, FILE *trajectory)
+{
+    pl_scene scene = pl_scene_default();
+    pl_engine_choice choice;
+    pl_error error = {.message = ""};
+    pl_run_watch watch = {0};
+    assert_int_equal(
+        pl_scene_read_text(falling_scene, strlen(falling_scene), "scene", &scene, &error), PL_OK);
+    assert_int_equal(pl_engine_choose(spec, &choice, &error), PL_OK);
+    const pl_run_def def = {.scene = &scene,
+                            .engine = choice.engine,
+                            .profile = choice.profile,
+                            .options = choice.values,
+                            .trajectory = trajectory,
+                            .watch = &watch};
+    assert_int_equal(pl_run_once(&def, count_report, finding, &error), PL_OK);
+    assert_int_equal(watch.steps_done, finding->steps_done);
+    pl_scene_free(&scene);
+}
+
+static void test_a_run_makes_all_its_steps_and_shows_them(void **state)
+{
+    (void)state;
+    pl_finding finding;
+    run_profile(FAULTY ":good", &finding, NULL);
+    assert_int_equal(finding.outcome, PL_OUTCOME_OK);
+    assert_int_equal(finding.steps_done, 20);
+    assert_int_equal(finding.metrics.item[PL_METRIC_STATE_HASH].state, PL_METRIC_TEXT);
+}
+
+static void test_the_same_run_has_the_same_state_hash(void **state)
+{
+    (void)state;
+    pl_finding first;
+    pl_finding second;
+    run_profile(FAULTY ":good", &first, NULL);
+    run_profile(FAULTY ":good", &second, NULL);
+    assert_string_equal(first.metrics.item[PL_METRIC_STATE_HASH].text,
+                        second.metrics.item[PL_METRIC_STATE_HASH].text);
+}
+
+static void test_the_trajectory_has_a_header_and_a_row_a_body_and_frame(void **state)
+{
+    (void)state;
+    char *text = NULL;
+    size_t size = 0;
+    FILE *file = open_memstream(&text, &size);
+    pl_finding finding;
+    run_profile(FAULTY ":good", &finding, file);
+    fclose(file);
+    int lines = 0;
+    for (const char *c = text; *c != '\0'; ++c) {
+        lines += *c == '\n';
+    }
+    assert_int_equal(lines, 1 + 3 * 21);
+    assert_contains(text, "time,body,x,y,z,qw,qx,qy,qz,vx,vy,vz,wx,wy,wz\n");
+    assert_contains(text, "\n0,\"b\",3,0,5,1,0,0,0,0,0,0,0,0,0\n");
+    assert_contains(text, "\n0.01,\"a\",0,0,4.99");
+    free(text);
+}
+
+static void test_an_engine_that_lacks_a_need_is_told_by_name(void **state)
+{
+    (void)state;
+    pl_scene scene = pl_scene_default();
+    pl_engine none = {.name = "none", .capabilities = 0};
+    pl_error error = {.message = ""};
+    assert_int_equal(
+        pl_scene_read_text(falling_scene, strlen(falling_scene), "scene", &scene, &error), PL_OK);
+    assert_int_equal(pl_needs_check(&scene, &none, &error), PL_UNSUPPORTED);
+    assert_contains(error.message, "none lacks ");
+    assert_contains(error.message, "sphere");
+    none.capabilities = pl_scene_needs(&scene);
+    assert_int_equal(pl_needs_check(&scene, &none, &error), PL_OK);
+    pl_scene_free(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_plan_has_every_run_once_and_rotates_engines),
+        cmocka_unit_test(test_overrides_of_a_scene_file_drop_what_no_longer_holds),
+        cmocka_unit_test(test_an_answer_larger_than_a_pipe_arrives_whole),
+        cmocka_unit_test(test_one_that_prints_for_ever_is_killed_at_its_time),
+        cmocka_unit_test(test_the_tail_is_the_end_of_what_was_printed),
+        cmocka_unit_test(test_a_run_begins_with_plain_signals_in_its_own_session),
+        cmocka_unit_test(test_resident_growth_is_the_peak_that_was_touched),
+        cmocka_unit_test(test_a_run_makes_all_its_steps_and_shows_them),
+        cmocka_unit_test(test_the_same_run_has_the_same_state_hash),
+        cmocka_unit_test(test_the_trajectory_has_a_header_and_a_row_a_body_and_frame),
+        cmocka_unit_test(test_an_engine_that_lacks_a_need_is_told_by_name),
+    };
+    return cmocka_run_group_tests_name("runner", tests, NULL, NULL);
+}
