@@ -1,0 +1,169 @@
+/* The report as Markdown for GitHub (GitHub Flavored Markdown Spec 0.29, section 4.10). */
+#include "report/markdown.h"
+
+#include "report/quantity.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { SHOWN_LOSSES = 20 };
+
+static void add_cell(pl_sheet *sheet, const char *text)
+{
+    pl_sheet_add(sheet, "| ");
+    pl_sheet_add_markdown(sheet, text);
+    pl_sheet_add(sheet, " ");
+}
+
+static void add_loss_lines(const pl_losses *losses, int first, int last, pl_sheet *sheet)
+{
+    pl_sheet_add(sheet, "\n| Problem | Ours | Metric | Ours | Best other | Its value | Ratio |\n"
+                        "|---|---|---|---:|---|---:|---:|\n");
+    for (int i = first; i < last; i++) {
+        const pl_loss *loss = &losses->items[i];
+        char metric[PL_LOSS_TEXT_SIZE], ours[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
+        char ratio[PL_LOSS_TEXT_SIZE];
+        pl_loss_texts(loss, metric, ours, best, ratio);
+        add_cell(sheet, loss->block->name);
+        add_cell(sheet, loss->ours->name);
+        add_cell(sheet, metric);
+        add_cell(sheet, ours);
+        add_cell(sheet, loss->best->name);
+        add_cell(sheet, best);
+        add_cell(sheet, ratio);
+        pl_sheet_add(sheet, "|\n");
+    }
+}
+
+static void add_losses(const pl_cells *cells, const pl_losses *losses, pl_sheet *sheet)
+{
+    pl_sheet statement = {0}, rule = {0};
+    pl_losses_statement(losses, cells, &statement);
+    pl_losses_rule(&rule);
+    sheet->failed |= statement.failed || rule.failed;
+    pl_sheet_add(sheet, "## Where plumb loses\n\n");
+    pl_sheet_add_markdown(sheet, statement.data == NULL ? "" : statement.data);
+    pl_sheet_add(sheet, "\n");
+    int shown = losses->count < SHOWN_LOSSES ? losses->count : SHOWN_LOSSES;
+    if (shown > 0)
+        add_loss_lines(losses, 0, shown, sheet);
+    if (losses->count > shown) {
+        pl_sheet_format(sheet, "\n<details><summary>%d more</summary>\n", losses->count - shown);
+        add_loss_lines(losses, shown, losses->count, sheet);
+        pl_sheet_add(sheet, "\n</details>\n");
+    }
+    pl_sheet_add(sheet, "\n<sub>");
+    pl_sheet_add_markdown(sheet, rule.data == NULL ? "" : rule.data);
+    pl_sheet_add(sheet, "</sub>\n\n");
+    pl_sheet_free(&statement);
+    pl_sheet_free(&rule);
+}
+
+static void add_result(const pl_cell *cell, double fastest, pl_sheet *sheet)
+{
+    const pl_measure *time = &cell->measure[PL_METRIC_TIME_PER_STEP];
+    char text[160];
+    pl_sheet_add(sheet, "| ");
+    if (cell->row == NULL) {
+        pl_sheet_add(sheet, "not run ");
+        return;
+    }
+    if (!cell->ok) {
+        pl_sheet_add(sheet, "**");
+        pl_sheet_add_markdown(sheet, cell->outcome);
+        pl_sheet_add(sheet, "** ");
+    }
+    pl_measure_text(&cell->measure[PL_METRIC_REFERENCE_ERROR], text, sizeof text);
+    pl_sheet_add_markdown(sheet, text);
+    if (pl_cell_disagrees(cell))
+        pl_sheet_add(sheet, " *not deterministic*");
+    if (time->state == PL_METRIC_VALUE) {
+        pl_measure_text(time, text, sizeof text);
+        pl_sheet_add(sheet, "<br>");
+        pl_sheet_add_markdown(sheet, text);
+        if (cell->ok && isfinite(fastest) && fastest > 0) {
+            pl_quantity_ratio(time->value / fastest, text);
+            pl_sheet_format(sheet, " (%s)", text);
+        }
+    }
+    pl_sheet_add(sheet, " ");
+}
+
+static void add_main_table(const pl_cells *cells, pl_sheet *sheet)
+{
+    pl_sheet_add(sheet,
+                 "## Results\n\nPrimary error; below it the CPU time of a step, and how many times "
+                 "that of the fastest run that is ok.\n\n| Problem (primary error) ");
+    for (int i = 0; i < cells->column_count; i++)
+        add_cell(sheet, cells->columns[i].name);
+    pl_sheet_add(sheet, "|\n|---");
+    for (int i = 0; i < cells->column_count; i++)
+        pl_sheet_add(sheet, "|---:");
+    pl_sheet_add(sheet, "|\n");
+    for (int b = 0; b < cells->block_count; b++) {
+        const pl_block *block = &cells->blocks[b];
+        double fastest = pl_block_least(block, cells->column_count, PL_METRIC_TIME_PER_STEP);
+        add_cell(sheet, block->name);
+        pl_sheet_add(sheet, "(");
+        pl_sheet_add_markdown(sheet, block->primary_error[0] != '\0' ? block->primary_error
+                                                                     : "no reference");
+        pl_sheet_add(sheet, ") ");
+        for (int i = 0; i < cells->column_count; i++)
+            add_result(&block->cells[i], fastest, sheet);
+        pl_sheet_add(sheet, "|\n");
+    }
+    pl_sheet_add(sheet, "\n");
+}
+
+static void add_failures(const pl_cells *cells, pl_sheet *sheet)
+{
+    int count = 0;
+    for (int b = 0; b < cells->block_count; b++) {
+        for (int i = 0; i < cells->column_count; i++) {
+            const pl_cell *cell = &cells->blocks[b].cells[i];
+            if (cell->row == NULL || cell->ok)
+                continue;
+            if (count++ == 0)
+                pl_sheet_add(sheet, "## Failed runs\n\n| Problem | Engine | Outcome | Reason |\n"
+                                    "|---|---|---|---|\n");
+            add_cell(sheet, cells->blocks[b].name);
+            add_cell(sheet, cells->columns[i].name);
+            add_cell(sheet, cell->outcome);
+            add_cell(sheet, cell->reason);
+            pl_sheet_add(sheet, "|\n");
+        }
+    }
+    pl_sheet_add(sheet, count == 0 ? "No run failed.\n" : "");
+}
+
+void pl_markdown_write(const pl_cells *cells, const pl_losses *losses, pl_sheet *sheet)
+{
+    pl_sheet_add(sheet, "# Plumb report\n\n");
+    if (cells->block_count > 0) {
+        const json_t *row = cells->blocks[0].row;
+        pl_sheet_format(sheet, "%d runs, %d problems, %d engines; ", cells->run_count,
+                        cells->block_count, cells->column_count);
+        pl_sheet_add_markdown(sheet, pl_row_text_in(row, "host", "cpu"));
+        pl_sheet_add(sheet, "; plumb ");
+        pl_sheet_add_markdown(sheet, pl_row_text_in(row, "plumb", "version"));
+        pl_sheet_add(sheet, " (");
+        pl_sheet_add_markdown(sheet, pl_row_text_in(row, "plumb", "git"));
+        pl_sheet_add(sheet, ")\n\n");
+    }
+    add_losses(cells, losses, sheet);
+    if (cells->several_hosts)
+        pl_sheet_add(sheet,
+                     "**These runs come from several machines:** their times cannot be compared "
+                     "with each other.\n\n");
+    if (cells->disagrees)
+        pl_sheet_add(sheet,
+                     "**Not deterministic:** some repeats of the same run differ where they should "
+                     "agree; marked below.\n\n");
+    if (cells->block_count == 0) {
+        pl_sheet_add(sheet, "There are no results.\n");
+        return;
+    }
+    add_main_table(cells, sheet);
+    add_failures(cells, sheet);
+}

@@ -1,0 +1,309 @@
+/* Draws a scene: the ground, what is expected, and of each body the faces that look at the eye. */
+#include "report/svg.h"
+
+#include "report/painter.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SHADES = 6 };
+
+/* "M x y l dx dy ... z", counted in tenths of a pixel so that rounding never accumulates. */
+static void add_polygon(const pl_pixel *corner, int count, pl_sheet *sheet)
+{
+    long x = 0, y = 0;
+    for (int i = 0; i < count; i++) {
+        long next_x = lround(corner[i].x * 10), next_y = lround(corner[i].y * 10);
+        pl_sheet_format(sheet, "%c%.9g%s%.9g", i == 0 ? 'M' : 'l', (double)(next_x - x) / 10,
+                        next_y < y ? "" : " ", (double)(next_y - y) / 10);
+        x = next_x;
+        y = next_y;
+    }
+    pl_sheet_add(sheet, "z");
+}
+
+static int compare_pixels(const void *left, const void *right)
+{
+    const pl_pixel *a = left, *b = right;
+    if (a->x != b->x)
+        return a->x < b->x ? -1 : 1;
+    return (a->y > b->y) - (a->y < b->y);
+}
+
+/* The convex hull of 8 points, which it sorts. Andrew's monotone chain, 1979. */
+static int hull(pl_pixel points[8], pl_pixel out[16])
+{
+    int count = 0;
+    qsort(points, 8, sizeof points[0], compare_pixels);
+    for (int pass = 0; pass < 2; pass++) {
+        int start = count;
+        for (int i = 0; i < 8; i++) {
+            pl_pixel p = points[pass == 0 ? i : 7 - i];
+            while (count - start >= 2 && pl_pixel_turn(out[count - 2], out[count - 1], p) <= 1e-9)
+                count--;
+            out[count++] = p;
+        }
+        count--; /* it is the first of the other chain */
+    }
+    return count;
+}
+
+static void add_outline(const pl_shape *shape, const pl_pose *pose, const pl_view *view,
+                        pl_sheet *sheet)
+{
+    if (shape->kind == PL_SHAPE_SPHERE) {
+        pl_pixel centre = pl_view_project(view, pl_vec3_of(pose->position));
+        double r = shape->radius * view->scale;
+        pl_sheet_format(sheet, "M%.1f %.1fa%.1f %.1f 0 1 0 %.1f 0a%.1f %.1f 0 1 0 %.1f 0z",
+                        centre.x - r, centre.y, r, r, 2 * r, r, r, -2 * r);
+    } else if (shape->kind == PL_SHAPE_BOX) {
+        pl_vec3 corners[8];
+        pl_pixel points[8], out[16];
+        pl_shape_corners(shape, pose, corners);
+        for (int i = 0; i < 8; i++)
+            points[i] = pl_view_project(view, corners[i]);
+        add_polygon(out, hull(points, out), sheet);
+    }
+}
+
+void pl_svg_expected(const pl_scene *scene, const pl_view *view, const char *id, pl_sheet *sheet)
+{
+    int count = scene->rest_count + scene->travel_count;
+    pl_pose *poses = calloc((size_t)count + 1, sizeof *poses);
+    int *bodies = calloc((size_t)count + 1, sizeof *bodies);
+    if (poses == NULL || bodies == NULL) {
+        sheet->failed = true;
+        goto cleanup;
+    }
+    pl_expected_poses(scene, poses, bodies);
+    pl_sheet_format(sheet, "<svg class=\"defs\" width=\"0\" height=\"0\"><defs><g id=\"%s\">", id);
+    if (scene->travel_count > 0) {
+        pl_sheet_add(sheet, "<path class=\"start\" d=\"");
+        for (int i = 0; i < scene->travel_count; i++) {
+            const pl_body *body = &scene->bodies[scene->travels[i].body];
+            pl_pose pose = pl_pose_of(body);
+            add_outline(&body->shape, &pose, view, sheet);
+        }
+        pl_sheet_add(sheet, "\"/>");
+    }
+    if (count > 0) {
+        pl_sheet_add(sheet, "<path class=\"expected\" d=\"");
+        for (int i = 0; i < count; i++)
+            add_outline(&scene->bodies[bodies[i]].shape, &poses[i], view, sheet);
+        pl_sheet_add(sheet, "\"/>");
+    }
+    pl_sheet_add(sheet, "</g></defs></svg>\n");
+
+cleanup:
+    free(poses);
+    free(bodies);
+}
+
+/* --- Ground --- */
+
+/* The mean of the moving bodies' places at the start. */
+static pl_vec3 start_centre(const pl_scene *scene)
+{
+    pl_vec3 sum = {0, 0, 0};
+    int count = 0;
+    for (int i = 0; i < scene->body_count; i++) {
+        if (scene->bodies[i].is_static)
+            continue;
+        sum = pl_vec3_mad(sum, 1, pl_vec3_of(scene->bodies[i].position));
+        count++;
+    }
+    return pl_vec3_scale(sum, 1.0 / (count > 0 ? count : 1));
+}
+
+/* The radius, about `centre` and across the unit vector `n`, that holds the moving bodies at the
+ * start. */
+static double start_radius(const pl_scene *scene, pl_vec3 centre, pl_vec3 n)
+{
+    double radius = 0;
+    for (int i = 0; i < scene->body_count; i++) {
+        const pl_body *body = &scene->bodies[i];
+        pl_pose pose = pl_pose_of(body);
+        pl_vec3 corners[8];
+        pl_shape_corners(&body->shape, &pose, corners);
+        for (int k = 0; k < 8 && !body->is_static; k++) {
+            pl_vec3 from = pl_vec3_mad(corners[k], -1, centre);
+            radius = fmax(radius, pl_vec3_length(pl_vec3_reject(from, n)));
+        }
+    }
+    return radius;
+}
+
+/* A plane as a square under the moving bodies' start or, seen edge-on, as the half-space below a
+ * line that crosses the picture. */
+static void add_plane(const pl_scene *scene, const pl_shape *plane, const pl_view *view,
+                      pl_sheet *sheet)
+{
+    pl_vec3 n = pl_vec3_of(plane->normal), centre = start_centre(scene);
+    centre = pl_vec3_mad(centre, plane->offset - pl_vec3_dot(n, centre), n);
+    pl_vec3 u = pl_vec3_reject(view->along, n);
+    if (pl_vec3_length(u) < 1e-6)
+        return;
+    u = pl_vec3_scale(u, 1 / pl_vec3_length(u));
+    pl_vec3 v = pl_vec3_cross(n, u);
+    double across = fmax(1.3 * start_radius(scene, centre, n), 0.4 * view->width / view->scale);
+    double along = -across, back = across;
+    if (fabs(pl_vec3_dot(n, view->toward)) < 1e-6) {
+        across = 4 * (view->width + view->height) / view->scale;
+        v = n;
+        along = 0;
+        back = -across;
+    }
+    const double corner[4][2] = {
+        {-across, along}, {across, along}, {across, back}, {-across, back}};
+    pl_pixel pixels[4];
+    for (int i = 0; i < 4; i++)
+        pixels[i] = pl_view_project(
+            view, pl_vec3_mad(pl_vec3_mad(centre, corner[i][0], u), corner[i][1], v));
+    pl_sheet_add(sheet, "<path class=\"ground\" d=\"");
+    add_polygon(pixels, 4, sheet);
+    pl_sheet_add(sheet, "\"/>");
+}
+
+/* --- Bodies --- */
+
+/* 0 (dark) .. SHADES - 1 by the angle between a normal and light from the upper left, behind the
+ * eye. */
+static int shade_of(const pl_view *view, pl_vec3 normal)
+{
+    double light = -0.40 * pl_vec3_dot(normal, view->right) + 0.75 * pl_vec3_dot(normal, view->up) +
+                   0.53 * pl_vec3_dot(normal, view->toward);
+    int shade = (int)floor((0.15 + 0.85 * fmax(light, 0)) * SHADES);
+    return shade < SHADES ? shade : SHADES - 1;
+}
+
+/* Appends the faces that look at the eye: at most 3. */
+static void add_faces(const pl_shape *shape, const pl_pose *pose, const pl_view *view, char kind,
+                      pl_painting *painting)
+{
+    pl_face face = {.kind = kind};
+    if (shape->kind == PL_SHAPE_SPHERE) {
+        face.corner[0] = pl_view_project(view, pl_vec3_of(pose->position));
+        face.depth[0] = view->scale * pl_vec3_dot(pl_vec3_of(pose->position), view->toward);
+        face.radius = shape->radius * view->scale;
+        face.shade = SHADES - 2;
+        painting->faces[painting->count++] = face;
+        return;
+    }
+    pl_vec3 corners[8];
+    pl_shape_corners(shape, pose, corners);
+    pl_vec3 axes[3];
+    pl_body_axes(pose->orientation, axes);
+    for (int k = 0; k < 3; k++) {
+        double facing = pl_vec3_dot(axes[k], view->toward);
+        if (fabs(facing) < 1e-6)
+            continue;
+        int side = facing > 0 ? 1 << k : 0, u = 1 << (k + 1) % 3, v = 1 << (k + 2) % 3;
+        const int ring[4] = {side, side | u, side | u | v, side | v};
+        for (int i = 0; i < 4; i++) {
+            face.corner[i] = pl_view_project(view, corners[ring[i]]);
+            face.depth[i] = view->scale * pl_vec3_dot(corners[ring[i]], view->toward);
+        }
+        face.shade = shade_of(view, pl_vec3_scale(axes[k], facing > 0 ? 1 : -1));
+        painting->faces[painting->count++] = face;
+    }
+}
+
+static void add_face(const pl_face *item, pl_sheet *sheet)
+{
+    if (item->radius > 0) {
+        double r = item->radius;
+        pl_sheet_format(sheet, "<circle class=\"%c%d\" cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"/>",
+                        item->kind, item->shade, item->corner[0].x, item->corner[0].y, r);
+        pl_sheet_format(sheet, "<circle class=\"glint\" cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"/>",
+                        item->corner[0].x - 0.35 * r, item->corner[0].y - 0.38 * r, 0.3 * r);
+        return;
+    }
+    pl_sheet_format(sheet, "<path class=\"%c%d\" d=\"", item->kind, item->shade);
+    add_polygon(item->corner, 4, sheet);
+    pl_sheet_add(sheet, "\"/>");
+}
+
+static bool is_finite(const pl_pose *pose)
+{
+    bool finite = true;
+    for (int i = 0; i < 3; i++)
+        finite &= isfinite(pose->position[i]) && fabs(pose->position[i]) < 1e9;
+    double norm = 0;
+    for (int i = 0; i < 4; i++)
+        norm += pose->orientation[i] * pose->orientation[i];
+    return finite && norm > 0.5 && norm < 2;
+}
+
+/* Marks in fallen[body_count] the bodies farther from their rest than the collapse distance. */
+static void mark_fallen(const pl_scene *scene, const pl_pose *poses, bool *fallen)
+{
+    for (int i = 0; i < scene->rest_count; i++) {
+        const pl_expect_rest *rest = &scene->rests[i];
+        pl_vec3 from =
+            pl_vec3_mad(pl_vec3_of(poses[rest->body].position), -1, pl_vec3_of(rest->position));
+        fallen[rest->body] |= !(pl_vec3_length(from) <= scene->collapse_distance);
+    }
+}
+
+/* Fills the painting. Returns how many moving bodies are wholly outside. */
+static int collect(const pl_scene *scene, const pl_view *view, const pl_pose *poses,
+                   const bool *fallen, pl_painting *painting)
+{
+    int outside = 0;
+    for (int i = 0; i < scene->body_count; i++) {
+        const pl_body *body = &scene->bodies[i];
+        if (body->shape.kind == PL_SHAPE_PLANE)
+            continue;
+        size_t before = painting->count;
+        if (is_finite(&poses[i]))
+            add_faces(&body->shape, &poses[i], view,
+                      (char)(body->is_static ? 's'
+                             : fallen[i]     ? 'f'
+                                             : 'd'),
+                      painting);
+        bool inside = false;
+        for (size_t f = before; f < painting->count; f++)
+            inside |= pl_face_inside(&painting->faces[f], view->width, view->height);
+        if (!inside)
+            painting->count = before;
+        outside += !inside && !body->is_static;
+    }
+    return outside;
+}
+
+int pl_svg_picture(const pl_scene *scene, const pl_view *view, const pl_pose *poses,
+                   const char *expected_id, const char *title, pl_sheet *sheet)
+{
+    int outside = 0;
+    pl_painting painting = {.faces = calloc((size_t)scene->body_count * 3 + 1, sizeof(pl_face))};
+    bool *fallen = calloc((size_t)scene->body_count + 1, sizeof *fallen);
+    if (painting.faces == NULL || fallen == NULL) {
+        sheet->failed = true;
+        goto cleanup;
+    }
+    mark_fallen(scene, poses, fallen);
+    outside = collect(scene, view, poses, fallen, &painting);
+    if (!pl_painting_arrange(&painting, view->width, view->height)) {
+        sheet->failed = true;
+        goto cleanup;
+    }
+    pl_sheet_format(sheet,
+                    "<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" role=\"img\">",
+                    view->width, view->height, view->width, view->height);
+    pl_sheet_add(sheet, "<title>");
+    pl_sheet_add_html(sheet, title);
+    pl_sheet_add(sheet, "</title>");
+    for (int i = 0; i < scene->body_count; i++)
+        if (scene->bodies[i].shape.kind == PL_SHAPE_PLANE)
+            add_plane(scene, &scene->bodies[i].shape, view, sheet);
+    pl_sheet_format(sheet, "<use href=\"#%s\"/>", expected_id);
+    for (size_t i = 0; i < painting.count; i++)
+        add_face(&painting.faces[i], sheet);
+    pl_sheet_add(sheet, "</svg>");
+
+cleanup:
+    free(painting.faces);
+    free(fallen);
+    return outside;
+}

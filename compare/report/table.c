@@ -1,0 +1,225 @@
+/* The report for a terminal: fits the width by shortening names and reasons, never numbers. */
+#include "report/losses.h"
+#include "report/quantity.h"
+#include "report/report.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { NUMBER_COLUMNS = 4, SHOWN_LOSSES = 5, TEXT_SIZE = 160, OUTCOME_WIDTH = 11 };
+
+static const pl_metric_id shown[NUMBER_COLUMNS] = {
+    PL_METRIC_REFERENCE_ERROR, PL_METRIC_PENETRATION_MAX, PL_METRIC_ITERATIONS_MEAN,
+    PL_METRIC_TIME_PER_STEP};
+static const char *const headings[NUMBER_COLUMNS] = {"error", "penetration", "iterations",
+                                                     "time/step"};
+
+static const char *const plain = "\033[0m", *const bold = "\033[1m", *const faint = "\033[2m",
+                         *const green = "\033[32m", *const red = "\033[31m";
+
+typedef struct table_layout {
+    pl_sheet *sheet;
+    bool colour;
+    int width, name_width;
+    int number_width[NUMBER_COLUMNS]; /* 0: left out, for want of width */
+} table_layout;
+
+static void paint(const table_layout *layout, const char *colour)
+{
+    if (layout->colour)
+        pl_sheet_add(layout->sheet, colour);
+}
+
+static void spaces(pl_sheet *sheet, int count)
+{
+    for (int i = 0; i < count; i++)
+        pl_sheet_add(sheet, " ");
+}
+
+/* Code points, as pl_sheet_add_plain counts them. */
+static int length_of(const char *text)
+{
+    int count = 0;
+    for (; *text != '\0'; text++)
+        count += ((unsigned char)*text & 0xc0) != 0x80;
+    return count;
+}
+
+static void add_left(pl_sheet *sheet, const char *text, int width)
+{
+    spaces(sheet, width - pl_sheet_add_plain(sheet, text, width));
+}
+
+static void add_right(pl_sheet *sheet, const char *text, int width)
+{
+    spaces(sheet, width - length_of(text));
+    pl_sheet_add_plain(sheet, text, width);
+}
+
+/* The widest of a column's numbers and its heading. */
+static int number_width(const pl_cells *cells, int column)
+{
+    int widest = length_of(headings[column]);
+    for (int b = 0; b < cells->block_count; b++) {
+        for (int i = 0; i < cells->column_count; i++) {
+            const pl_cell *cell = &cells->blocks[b].cells[i];
+            char text[TEXT_SIZE];
+            if (cell->row == NULL)
+                continue;
+            pl_measure_text(&cell->measure[shown[column]], text, sizeof text);
+            int length = length_of(text);
+            widest = length > widest ? length : widest;
+        }
+    }
+    return widest;
+}
+
+/* Where the width is short, iterations go first, then penetration; then names are cut. */
+static void measure_columns(const pl_cells *cells, table_layout *layout)
+{
+    static const int dropped_first[] = {2, 1};
+    int left = layout->width - 4 - OUTCOME_WIDTH, longest = 0;
+    for (int k = 0; k < NUMBER_COLUMNS; k++) {
+        layout->number_width[k] = number_width(cells, k);
+        left -= 2 + layout->number_width[k];
+    }
+    for (int i = 0; i < cells->column_count; i++) {
+        int length = length_of(cells->columns[i].name);
+        longest = length > longest ? length : longest;
+    }
+    for (int i = 0; i < 2 && left < longest && left < 14; i++) {
+        left += 2 + layout->number_width[dropped_first[i]];
+        layout->number_width[dropped_first[i]] = 0;
+    }
+    layout->name_width = longest < left ? longest : left;
+    if (layout->name_width < 6)
+        layout->name_width = 6;
+}
+
+static void add_losses(const pl_cells *cells, const pl_losses *losses, const table_layout *layout)
+{
+    pl_sheet *sheet = layout->sheet;
+    pl_sheet statement = {0};
+    pl_losses_statement(losses, cells, &statement);
+    sheet->failed |= statement.failed;
+    paint(layout, bold);
+    pl_sheet_add(sheet, "Where plumb loses");
+    paint(layout, plain);
+    pl_sheet_add(sheet, "\n");
+    /* Wrapped at blanks. */
+    const char *word = statement.data == NULL ? "" : statement.data;
+    int column = 0;
+    while (*word != '\0') {
+        size_t bytes = strcspn(word, " ");
+        char text[300];
+        snprintf(text, sizeof text, "%.*s", (int)bytes, word);
+        if (column > 0 && column + 1 + length_of(text) > layout->width) {
+            pl_sheet_add(sheet, "\n");
+            column = 0;
+        }
+        if (column > 0)
+            pl_sheet_add(sheet, " ");
+        column += (column > 0) + pl_sheet_add_plain(sheet, text, layout->width);
+        word += bytes + strspn(word + bytes, " ");
+    }
+    pl_sheet_add(sheet, "\n");
+    for (int i = 0; i < losses->count && i < SHOWN_LOSSES; i++) {
+        const pl_loss *loss = &losses->items[i];
+        char metric[PL_LOSS_TEXT_SIZE], ours[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
+        char ratio[PL_LOSS_TEXT_SIZE], line[1600];
+        pl_loss_texts(loss, metric, ours, best, ratio);
+        snprintf(line, sizeof line, "  %s  %s: %s  %s %s, %s %s", ratio, loss->block->name, metric,
+                 loss->ours->name, ours, loss->best->name, best);
+        paint(layout, red);
+        pl_sheet_add_plain(sheet, line, layout->width);
+        paint(layout, plain);
+        pl_sheet_add(sheet, "\n");
+    }
+    if (losses->count > SHOWN_LOSSES)
+        pl_sheet_format(sheet, "  and %d more\n", losses->count - SHOWN_LOSSES);
+    pl_sheet_free(&statement);
+}
+
+static void add_heading(const pl_block *block, const table_layout *layout)
+{
+    pl_sheet *sheet = layout->sheet;
+    char line[640];
+    snprintf(line, sizeof line, "%s%s%s%s%s", block->name,
+             block->catalogue != NULL && block->catalogue->title != NULL ? ": " : "",
+             block->catalogue != NULL ? block->catalogue->title : "",
+             block->primary_error[0] != '\0' ? "; error = " : "; no reference",
+             block->primary_error);
+    pl_sheet_add(sheet, "\n");
+    paint(layout, bold);
+    pl_sheet_add_plain(sheet, line, layout->width);
+    paint(layout, plain);
+    pl_sheet_add(sheet, "\n");
+    paint(layout, faint);
+    add_left(sheet, "  engine", 2 + layout->name_width);
+    for (int k = 0; k < NUMBER_COLUMNS; k++) {
+        if (layout->number_width[k] == 0)
+            continue;
+        pl_sheet_add(sheet, "  ");
+        add_right(sheet, headings[k], layout->number_width[k]);
+    }
+    pl_sheet_add(sheet, "  outcome");
+    paint(layout, plain);
+    pl_sheet_add(sheet, "\n");
+}
+
+static void add_line(const pl_column *column, const pl_cell *cell, const table_layout *layout)
+{
+    pl_sheet *sheet = layout->sheet;
+    int used = 2 + layout->name_width;
+    pl_sheet_add(sheet, "  ");
+    add_left(sheet, column->name, layout->name_width);
+    for (int k = 0; k < NUMBER_COLUMNS; k++) {
+        char text[TEXT_SIZE];
+        if (layout->number_width[k] == 0)
+            continue;
+        pl_measure_text(&cell->measure[shown[k]], text, sizeof text);
+        pl_sheet_add(sheet, "  ");
+        add_right(sheet, cell->row == NULL ? pl_quantity_missing : text, layout->number_width[k]);
+        used += 2 + layout->number_width[k];
+    }
+    char outcome[1024];
+    snprintf(outcome, sizeof outcome, "%.60s%s%s%.600s",
+             cell->row == NULL ? "not run" : cell->outcome,
+             cell->row != NULL && pl_cell_disagrees(cell) ? " (not deterministic)" : "",
+             cell->reason[0] != '\0' ? ": " : "", cell->reason);
+    pl_sheet_add(sheet, "  ");
+    paint(layout, cell->row == NULL ? faint : cell->ok ? green : red);
+    pl_sheet_add_plain(sheet, outcome, layout->width - used - 2);
+    paint(layout, plain);
+    pl_sheet_add(sheet, "\n");
+}
+
+void pl_report_print_table(FILE *out, const json_t *results, bool colour, int width)
+{
+    pl_cells cells = {0};
+    pl_losses losses = {0};
+    pl_sheet sheet = {0};
+    pl_error error = {PL_OK, ""};
+    table_layout layout = {.sheet = &sheet, .colour = colour, .width = width < 40 ? 40 : width};
+    pl_status status = pl_cells_build(results, &cells, &error);
+    if (status == PL_OK)
+        status = pl_losses_find(&cells, &losses, &error);
+    if (status == PL_OK) {
+        measure_columns(&cells, &layout);
+        add_losses(&cells, &losses, &layout);
+        for (int b = 0; b < cells.block_count; b++) {
+            add_heading(&cells.blocks[b], &layout);
+            for (int i = 0; i < cells.column_count; i++)
+                add_line(&cells.columns[i], &cells.blocks[b].cells[i], &layout);
+        }
+    } else {
+        pl_sheet_format(&sheet, "no table: %s\n", error.message);
+    }
+    if (sheet.failed || sheet.data == NULL)
+        fputs("no table: no memory\n", out);
+    else
+        fputs(sheet.data, out);
+    pl_sheet_free(&sheet);
+    pl_losses_free(&losses);
+    pl_cells_free(&cells);
+}

@@ -1,0 +1,251 @@
+/* Chooses the view of a scene. Directions come from the scene alone: gravity gives up, a slope or
+ * the principal axis of the bodies' horizontal spread gives right. */
+#include "report/view.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double radian = 0.017453292519943295; /* of a degree */
+
+static const pl_vec3 zero = {0, 0, 0};
+
+/* `fallback` when `v` has no length. */
+static pl_vec3 unit(pl_vec3 v, pl_vec3 fallback)
+{
+    double length = pl_vec3_length(v);
+    return length > 1e-12 && isfinite(length) ? pl_vec3_scale(v, 1 / length) : fallback;
+}
+
+/* cos(angle) a + sin(angle) b */
+static pl_vec3 turned(pl_vec3 a, pl_vec3 b, double angle)
+{
+    return pl_vec3_mad(pl_vec3_scale(a, cos(angle)), sin(angle), b);
+}
+
+pl_pose pl_pose_of(const pl_body *body)
+{
+    pl_pose pose;
+    memcpy(pose.position, body->position, sizeof pose.position);
+    memcpy(pose.orientation, body->orientation, sizeof pose.orientation);
+    return pose;
+}
+
+int pl_expected_poses(const pl_scene *scene, pl_pose *poses, int *bodies)
+{
+    int count = 0;
+    for (int i = 0; i < scene->rest_count; i++, count++) {
+        const pl_expect_rest *rest = &scene->rests[i];
+        poses[count] = pl_pose_of(&scene->bodies[rest->body]);
+        bodies[count] = rest->body;
+        memcpy(poses[count].position, rest->position, sizeof rest->position);
+        if (rest->has_orientation)
+            memcpy(poses[count].orientation, rest->orientation, sizeof rest->orientation);
+    }
+    for (int i = 0; i < scene->travel_count; i++, count++) {
+        const pl_expect_travel *travel = &scene->travels[i];
+        poses[count] = pl_pose_of(&scene->bodies[travel->body]);
+        bodies[count] = travel->body;
+        for (int k = 0; k < 3; k++)
+            poses[count].position[k] += travel->distance * travel->direction[k];
+    }
+    return count;
+}
+
+/* --- Directions --- */
+
+/* The outward normal of a static plane or box that is tilted against `up` by 0.5 to 80 degrees;
+ * zero when there is none. */
+static pl_vec3 find_slope(const pl_scene *scene, pl_vec3 up)
+{
+    for (int i = 0; i < scene->body_count; i++) {
+        const pl_body *body = &scene->bodies[i];
+        if (!body->is_static || body->shape.kind == PL_SHAPE_SPHERE)
+            continue;
+        pl_vec3 normal = zero;
+        if (body->shape.kind == PL_SHAPE_PLANE)
+            normal = pl_vec3_of(body->shape.normal);
+        pl_vec3 axes[3];
+        pl_body_axes(body->orientation, axes);
+        for (int k = 0; k < 3 && body->shape.kind == PL_SHAPE_BOX; k++) {
+            double rise = pl_vec3_dot(axes[k], up);
+            if (fabs(rise) > pl_vec3_dot(normal, up))
+                normal = pl_vec3_scale(axes[k], rise < 0 ? -1 : 1);
+        }
+        double cosine = pl_vec3_dot(normal, up);
+        if (cosine > cos(80 * radian) && cosine < cos(0.5 * radian))
+            return normal;
+    }
+    return zero;
+}
+
+void pl_shape_corners(const pl_shape *shape, const pl_pose *pose, pl_vec3 corners[8])
+{
+    pl_vec3 axes[3];
+    pl_body_axes(pose->orientation, axes);
+    double half[3] = {shape->radius, shape->radius, shape->radius};
+    if (shape->kind == PL_SHAPE_BOX)
+        memcpy(half, shape->half_extents, sizeof half);
+    for (int i = 0; i < 8; i++) {
+        corners[i] = pl_vec3_of(pose->position);
+        for (int k = 0; k < 3; k++)
+            corners[i] = pl_vec3_mad(corners[i], (i >> k & 1) != 0 ? half[k] : -half[k], axes[k]);
+    }
+}
+
+/* The principal axis of the spread of the moving bodies' corners in the plane of a and b; `a` where
+ * the spread is nearly round. */
+static pl_vec3 longest_axis(const pl_scene *scene, pl_vec3 a, pl_vec3 b)
+{
+    double sum_x = 0, sum_y = 0, sum_xx = 0, sum_xy = 0, sum_yy = 0, count = 0;
+    for (int i = 0; i < scene->body_count; i++) {
+        const pl_body *body = &scene->bodies[i];
+        pl_pose pose = pl_pose_of(body);
+        pl_vec3 corners[8];
+        pl_shape_corners(&body->shape, &pose, corners);
+        for (int k = 0; k < 8 && !body->is_static; k++) {
+            double x = pl_vec3_dot(corners[k], a), y = pl_vec3_dot(corners[k], b);
+            sum_x += x;
+            sum_y += y;
+            sum_xx += x * x;
+            sum_xy += x * y;
+            sum_yy += y * y;
+            count++;
+        }
+    }
+    if (count == 0)
+        return a;
+    double xx = sum_xx / count - sum_x / count * (sum_x / count);
+    double xy = sum_xy / count - sum_x / count * (sum_y / count);
+    double yy = sum_yy / count - sum_y / count * (sum_y / count);
+    bool round = hypot(xx - yy, 2 * xy) < 0.1 * (xx + yy);
+    return round ? a : turned(a, b, 0.5 * atan2(2 * xy, xx - yy));
+}
+
+static void choose_directions(const pl_scene *scene, pl_view *view)
+{
+    const pl_vec3 x = {1, 0, 0}, y = {0, 1, 0}, z = {0, 0, 1};
+    pl_vec3 up = unit(pl_vec3_scale(pl_vec3_of(scene->gravity), -1), z);
+    pl_vec3 slope = find_slope(scene, up);
+    if (pl_vec3_length(slope) > 0) {
+        view->right = unit(pl_vec3_reject(slope, up), x);
+        view->up = up;
+        view->toward = pl_vec3_cross(view->right, up);
+        view->along = view->right;
+        return;
+    }
+    pl_vec3 level = unit(pl_vec3_reject(fabs(up.x) < 0.9 ? x : y, up), x);
+    pl_vec3 right = longest_axis(scene, level, pl_vec3_cross(up, level));
+    pl_vec3 front = pl_vec3_cross(right, up);
+    view->along = right;
+    view->right = turned(right, front, -25 * radian);
+    pl_vec3 turned_front = turned(front, right, 25 * radian);
+    view->toward = turned(turned_front, up, 12 * radian);
+    view->up = turned(up, turned_front, -12 * radian);
+}
+
+/* --- Frame --- */
+
+/* Bounds of right and up coordinates, m. */
+typedef struct bounds {
+    double low[2], high[2];
+} bounds;
+
+static void include_body(const pl_view *view, const pl_shape *shape, const pl_pose *pose,
+                         const bounds *limit, bounds *box)
+{
+    pl_vec3 corners[8];
+    if (shape->kind == PL_SHAPE_PLANE)
+        return;
+    pl_shape_corners(shape, pose, corners);
+    for (int i = 0; i < 8; i++) {
+        double at[2] = {pl_vec3_dot(corners[i], view->right), pl_vec3_dot(corners[i], view->up)};
+        if (!isfinite(at[0]) || !isfinite(at[1]))
+            return;
+        for (int k = 0; k < 2; k++) {
+            double value = limit == NULL ? at[k] : fmin(fmax(at[k], limit->low[k]), limit->high[k]);
+            box->low[k] = fmin(box->low[k], value);
+            box->high[k] = fmax(box->high[k], value);
+        }
+    }
+}
+
+static void include_expected(const pl_view *view, const pl_scene *scene, bounds *box)
+{
+    int count = scene->rest_count + scene->travel_count;
+    pl_pose *poses = calloc((size_t)count + 1, sizeof *poses);
+    int *bodies = calloc((size_t)count + 1, sizeof *bodies);
+    if (poses != NULL && bodies != NULL) {
+        pl_expected_poses(scene, poses, bodies);
+        for (int i = 0; i < count; i++)
+            include_body(view, &scene->bodies[bodies[i]].shape, &poses[i], NULL, box);
+    }
+    free(poses);
+    free(bodies);
+}
+
+static void choose_frame(const bounds *box, pl_view *view)
+{
+    const double most_width = 368, most_height = 300, least = 150, margin = 12;
+    double wide = fmax(box->high[0] - box->low[0], 1e-9);
+    double tall = fmax(box->high[1] - box->low[1], 1e-9);
+    view->scale = fmin((most_width - 2 * margin) / wide, (most_height - 2 * margin) / tall);
+    view->width = ceil(fmax(least, wide * view->scale + 2 * margin));
+    view->height = ceil(fmax(least, tall * view->scale + 2 * margin));
+    view->left = 0.5 * (box->low[0] + box->high[0]) - 0.5 * view->width / view->scale;
+    view->top = 0.5 * (box->low[1] + box->high[1]) + 0.5 * view->height / view->scale;
+}
+
+static bounds widened(const bounds *box, double by)
+{
+    return (bounds){{box->low[0] - by, box->low[1] - by}, {box->high[0] + by, box->high[1] + by}};
+}
+
+/* The largest radius or half extent of a moving body, m. */
+static double largest_body(const pl_scene *scene)
+{
+    double largest = 0;
+    for (int i = 0; i < scene->body_count; i++) {
+        const pl_shape *shape = &scene->bodies[i].shape;
+        if (scene->bodies[i].is_static)
+            continue;
+        const double *half = shape->half_extents;
+        largest = fmax(largest, fmax(shape->radius, fmax(half[0], fmax(half[1], half[2]))));
+    }
+    return largest;
+}
+
+pl_view pl_view_choose(const pl_scene *scene, const pl_pose *const *runs, int run_count)
+{
+    pl_view view = {0};
+    choose_directions(scene, &view);
+    bounds box = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
+    for (int i = 0; i < scene->body_count; i++) {
+        pl_pose pose = pl_pose_of(&scene->bodies[i]);
+        if (!scene->bodies[i].is_static)
+            include_body(&view, &scene->bodies[i].shape, &pose, NULL, &box);
+    }
+    include_expected(&view, scene, &box);
+    if (!isfinite(box.low[0]))
+        box = (bounds){{-1, -1}, {1, 1}};
+    /* Room around, so that a single body has surroundings. */
+    bounds limit = widened(&box, fmax(box.high[0] - box.low[0], box.high[1] - box.low[1]));
+    box = widened(&box, 0.5 * largest_body(scene));
+    for (int r = 0; r < run_count; r++)
+        for (int i = 0; runs[r] != NULL && i < scene->body_count; i++)
+            if (!scene->bodies[i].is_static)
+                include_body(&view, &scene->bodies[i].shape, &runs[r][i], &limit, &box);
+    choose_frame(&box, &view);
+    return view;
+}
+
+pl_pixel pl_view_project(const pl_view *view, pl_vec3 point)
+{
+    return (pl_pixel){(pl_vec3_dot(point, view->right) - view->left) * view->scale,
+                      (view->top - pl_vec3_dot(point, view->up)) * view->scale};
+}
+
+double pl_pixel_turn(pl_pixel o, pl_pixel a, pl_pixel b)
+{
+    return (a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x);
+}
