@@ -33,24 +33,29 @@ as_root() {
     fi
 }
 
+apt_install() {
+    command -v apt-get >/dev/null || return 1
+    echo "installing: $*" >&2
+    local log
+    log=$(mktemp)
+    if as_root env DEBIAN_FRONTEND=noninteractive sh -c \
+        'apt-get update -qq && apt-get install -y -qq --no-install-recommends "$@"' \
+        apt_install "$@" >"$log" 2>&1; then
+        rm -f "$log"
+        return 0
+    fi
+    tail -n 5 "$log" >&2
+    rm -f "$log"
+    return 1
+}
+
 install_packages() {
-    local all=("${missing_needed[@]}" "${missing_wanted[@]}")
-    [[ ${#all[@]} -eq 0 ]] && return 0
-    if command -v apt-get >/dev/null; then
-        echo "installing: ${all[*]}" >&2
-        if as_root env DEBIAN_FRONTEND=noninteractive sh -c '
-               apt-get update -qq && apt-get install -y -qq --no-install-recommends "$@"' \
-               install "${all[@]}" >"${TMPDIR:-/tmp}/plumb-apt.log" 2>&1; then
-            return 0
-        fi
-        tail -n 5 "${TMPDIR:-/tmp}/plumb-apt.log" >&2
-    fi
-    if [[ ${#missing_wanted[@]} -gt 0 ]]; then
-        echo "not installed, so these engines are left out: ${missing_wanted[*]}" >&2
-    fi
-    if [[ ${#missing_needed[@]} -gt 0 ]]; then
+    if [[ ${#missing_needed[@]} -gt 0 ]] && ! apt_install "${missing_needed[@]}"; then
         echo "please install what these Debian packages hold: ${missing_needed[*]}" >&2
-        return 1
+        return 3
+    fi
+    if [[ ${#missing_wanted[@]} -gt 0 ]] && ! apt_install "${missing_wanted[@]}"; then
+        echo "not installed, so their engines are left out: ${missing_wanted[*]}" >&2
     fi
 }
 
@@ -61,6 +66,7 @@ common_packages() {
     need ninja-build command -v ninja
     need pkg-config command -v pkg-config
     need git command -v git
+    need libc6-dev test -e /usr/include/stdio.h
     need libjansson-dev has_module jansson
     need libccd-dev has_module ccd
     want libode-dev has_module ode

@@ -45,7 +45,7 @@ static void update(const pe_row *row, double *restrict p, double *restrict ya, d
  * what has not converged after a multiple of N^2 sweeps will not: an island of few points stops
  * there, a large one at the bound on work, but not before it has had a fair number of sweeps. */
 static const double SWEEPS_PER_SQUARED_COUNT = 50;
-static const double LEAST_BOUND = 100;
+static const double LEAST_BOUND = 50;
 
 static int sweep_limit(const pe_problem *problem, const pe_solve_limits *limits)
 {

@@ -60,7 +60,7 @@ typedef struct pe_world_def {
 
     /* Bounds on the sweeps of one island in one step: an absolute one, and one on the work, counted
      * in contact points visited (sweeps x points). An island in motion gets a twentieth of the
-     * work, so that a collapse costs a bounded time; every island gets 100 sweeps if it needs them.
+     * work, so that a collapse costs a bounded time; every island gets 50 sweeps if it needs them.
      */
     int max_iterations;
     double max_contact_updates;
