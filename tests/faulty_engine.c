@@ -15,6 +15,7 @@ typedef enum fault {
     FAULT_ABORT,
     FAULT_SEGFAULT,
     FAULT_HANG,
+    FAULT_STOP,
     FAULT_NAN,
     FAULT_MEMORY,
     FAULT_EXIT,
@@ -33,6 +34,7 @@ static const pl_engine_profile profiles[] = {
     [FAULT_ABORT] = {"abort", "says why and aborts in step 3", false},
     [FAULT_SEGFAULT] = {"segfault", "SIGSEGV in step 3", false},
     [FAULT_HANG] = {"hang", "never returns from step 3", false},
+    [FAULT_STOP] = {"stop", "stops its process in step 3", false},
     [FAULT_NAN] = {"nan", "a position is NaN after step 3", false},
     [FAULT_MEMORY] = {"memory", "takes memory until there is none, then aborts", false},
     [FAULT_EXIT] = {"exit", "calls exit(0) in step 3", false},
@@ -122,6 +124,9 @@ static pl_status misbehave(pl_engine_instance *instance, pl_error *error)
         for (;;) {
             pause();
         }
+    case FAULT_STOP:
+        raise(SIGSTOP);
+        break;
     case FAULT_NAN:
         last->position[1] = NAN;
         break;

@@ -2,45 +2,21 @@
 #include "check.h"
 #include "plumb/scenario.h"
 #include "plumb_process.h"
+#include "results/store.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
-
-#define FAULTY PLUMB_BINARY_DIR "/faulty_engine.so"
-
-typedef struct fixture {
-    char *directory, *scene, *out;
-} fixture;
-
-static int prepare(void **state)
-{
-    fixture *f = calloc(1, sizeof *f);
-    f->directory = make_directory();
-    f->scene = path_in(f->directory, "scene.json");
-    f->out = path_in(f->directory, "report");
-    write_text(f->scene, falling_scene);
-    *state = f;
-    return 0;
-}
-
-static int clean(void **state)
-{
-    fixture *f = *state;
-    free(f->scene);
-    free(f->out);
-    remove_directory(f->directory);
-    free(f);
-    return 0;
-}
 
 enum { MAX_WORDS = 16 };
 
 /* Runs "plumb A B C" given as one text, where @ stands for the scene file, # for the directory of
  * results and % for the faulty engine. */
-static plumb_output call(const fixture *f, const char *text)
+static plumb_output call(const workspace *f, const char *text)
 {
     char *words = strdup(text);
     char *made[MAX_WORDS] = {NULL};
@@ -115,7 +91,7 @@ static void test_usage_errors_exit_2_and_suggest_the_nearest_name(void **state)
         {"run @ --engine % --json - --trajectory -", "would mix"},
         {"scene", "which scenario?"},
     };
-    const fixture *f = *state;
+    const workspace *f = *state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         check_call(state, cases[i][0], 2, "", cases[i][1]);
     }
@@ -178,7 +154,7 @@ static void test_lists_are_text_or_json_with_everything(void **state)
 
 static void test_a_printed_scene_is_the_same_problem_as_the_scenario(void **state)
 {
-    const fixture *f = *state;
+    const workspace *f = *state;
     plumb_output output = call(f, "scene tower --set n=3 --dt 1/100");
     assert_int_equal(output.code, 0);
     pl_scene scene = pl_scene_default();
@@ -237,7 +213,7 @@ static void test_results_hold_every_key_of_the_schema(void **state)
 
 static void test_trajectory_goes_to_a_file_or_to_standard_output(void **state)
 {
-    const fixture *f = *state;
+    const workspace *f = *state;
     check_call(state, "run @ --engine % --trajectory #.csv", 0, "20 of 20 steps", "");
     char *path = path_in(f->directory, "report.csv");
     char *text = read_text(path);
@@ -259,7 +235,7 @@ static void test_trajectory_goes_to_a_file_or_to_standard_output(void **state)
 
 static void test_compare_writes_all_forms_and_keeps_data_and_messages_apart(void **state)
 {
-    const fixture *f = *state;
+    const workspace *f = *state;
     plumb_output output =
         call(f, "compare @ --engine % --engine %:nan --repeat 2 --out # --json -");
     assert_int_equal(output.code, 0);
@@ -317,7 +293,7 @@ static void test_nothing_compared_exits_4(void **state)
 
 static void test_output_that_cannot_be_written_exits_3_with_its_name(void **state)
 {
-    const fixture *f = *state;
+    const workspace *f = *state;
     check_call(state, "compare @ --engine % --out @/x", 3, "", "scene.json");
     check_call(state, "compare @ --engine % --out # --json /dev/full", 3, "", "/dev/full");
     check_call(state, "compare @ --engine % --out # --json #/none/all.json", 3, "", "all.json");
@@ -333,16 +309,103 @@ static void test_output_that_cannot_be_written_exits_3_with_its_name(void **stat
     free(path);
 }
 
+/* The exit code of "plumb CALL REDIRECTION", given to bash. */
+static int shell(const workspace *f, const char *text, const char *redirection)
+{
+    char *command = NULL;
+    assert_true(asprintf(&command, "cd %s && exec bash -c '%s/plumb %s %s'", f->directory,
+                         PLUMB_BINARY_DIR, text, redirection) > 0);
+    int status = system(command);
+    free(command);
+    assert_true(WIFEXITED(status));
+    return WEXITSTATUS(status);
+}
+
 static void test_a_full_standard_output_exits_3(void **state)
 {
-    const fixture *f = *state;
-    char command[1024];
     static const char *const calls[] = {"list metrics", "help", "scene tower", "version"};
     for (size_t i = 0; i < sizeof calls / sizeof calls[0]; ++i) {
-        snprintf(command, sizeof command, "%s/plumb %s >/dev/full 2>%s/err; exit $?",
-                 PLUMB_BINARY_DIR, calls[i], f->directory);
-        int status = system(command);
-        assert_int_equal(status, 3 << 8);
+        assert_int_equal(shell(*state, calls[i], ">/dev/full 2>err"), 3);
+    }
+}
+
+static void test_help_to_a_full_disk_exits_3_too(void **state)
+{
+    const workspace *f = *state;
+    static const char *const calls[] = {"run --help", "compare --usage", "help scene", "list -V"};
+    for (size_t i = 0; i < sizeof calls / sizeof calls[0]; ++i) {
+        assert_int_equal(shell(f, calls[i], ">/dev/full"), 3);
+    }
+}
+
+static void test_a_closed_standard_stream_never_becomes_a_file(void **state)
+{
+    const workspace *f = *state;
+    static const char *const closed[] = {">&-", "<&- >&-", "<&- >&- 2>&-"};
+    for (size_t i = 0; i < sizeof closed / sizeof closed[0]; ++i) {
+        char text[512];
+        snprintf(text, sizeof text, "compare %s --engine %s --out %s --json -", f->scene, FAULTY,
+                 f->out);
+        assert_int_equal(shell(f, text, closed[i]), 3);
+        json_t *results = NULL;
+        assert_int_equal(pl_results_read(f->results, &results, NULL, NULL), PL_OK);
+        assert_int_equal(json_array_size(results), 1);
+        json_decref(results);
+    }
+    char *frames = path_in(f->directory, "frames.csv");
+    char text[512];
+    snprintf(text, sizeof text, "run %s --engine %s --trajectory %s", f->scene, FAULTY, frames);
+    assert_int_equal(shell(f, text, "<&- 2>&- >/dev/null"), 0);
+    char *csv = read_text(frames);
+    assert_contains(csv, "time,body,");
+    assert_contains(csv, "\n0.20000000000000001,\"b\"");
+    free(csv);
+    free(frames);
+    assert_int_equal(shell(f, "run - --engine plumb", "<&- >/dev/null"), 3);
+}
+
+static void test_json_file_is_whole_when_the_reader_of_the_table_leaves(void **state)
+{
+    const workspace *f = *state;
+    enum { SCENE_COUNT = 40 }; /* a table longer than any buffer of standard output */
+    for (int i = 0; i < SCENE_COUNT; ++i) {
+        char name[32];
+        snprintf(name, sizeof name, "many-%d.json", i);
+        char *path = path_in(f->directory, name);
+        write_text(path, falling_scene);
+        free(path);
+    }
+    int code = shell(f, "compare many-*.json --json all --out many --engine " FAULTY,
+                     "2>err | true; exit ${PIPESTATUS[0]}");
+    assert_int_equal(code, 128 + SIGPIPE);
+    char *path = path_in(f->directory, "all");
+    json_t *written = json_load_file(path, 0, NULL);
+    assert_int_equal(json_array_size(written), SCENE_COUNT);
+    json_decref(written);
+    free(path);
+}
+
+static void test_a_time_limit_is_told_by_help(void **state)
+{
+    check_call(state, "compare --help", 0, "(default\n                             120)", "");
+}
+
+/* Every "--engine plumb..." of the examples is a SPEC that can be run. */
+static void test_engines_in_the_examples_of_help_exist(void **state)
+{
+    static const char *const commands[] = {"help run", "help compare"};
+    const char key[] = "--engine plumb";
+    for (size_t i = 0; i < sizeof commands / sizeof commands[0]; ++i) {
+        plumb_output output = call(*state, commands[i]);
+        int found = 0;
+        for (const char *at = strstr(output.out, key); at != NULL; at = strstr(at + 1, key)) {
+            char text[256];
+            snprintf(text, sizeof text, "run @ %.*s", (int)strcspn(at + 9, " \n") + 9, at);
+            check_call(state, text, 0, "20 of 20 steps", "");
+            ++found;
+        }
+        assert_true(found > 0);
+        free_output(&output);
     }
 }
 
@@ -382,7 +445,12 @@ int main(void)
         cmocka_unit_test(test_nothing_compared_exits_4),
         cmocka_unit_test(test_output_that_cannot_be_written_exits_3_with_its_name),
         cmocka_unit_test(test_a_full_standard_output_exits_3),
+        cmocka_unit_test(test_help_to_a_full_disk_exits_3_too),
+        cmocka_unit_test(test_a_closed_standard_stream_never_becomes_a_file),
+        cmocka_unit_test(test_json_file_is_whole_when_the_reader_of_the_table_leaves),
+        cmocka_unit_test(test_a_time_limit_is_told_by_help),
+        cmocka_unit_test(test_engines_in_the_examples_of_help_exist),
         cmocka_unit_test(test_dt_and_duration_reach_the_scene),
     };
-    return cmocka_run_group_tests_name("command", tests, prepare, clean);
+    return cmocka_run_group_tests_name("command", tests, setup_workspace, teardown_workspace);
 }

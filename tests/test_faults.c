@@ -12,22 +12,17 @@
 #include <sys/prctl.h>
 #include <sys/wait.h>
 
-#define FAULTY PLUMB_BINARY_DIR "/faulty_engine.so"
-
 typedef struct fixture {
-    char *directory, *scene, *out;
+    workspace at;
     json_t *results;
 } fixture;
 
 static int compare_all(void **state)
 {
     fixture *f = calloc(1, sizeof *f);
-    f->directory = make_directory();
-    f->scene = path_in(f->directory, "scene.json");
-    f->out = path_in(f->directory, "report");
-    write_text(f->scene, falling_scene);
-    const char *const arguments[] = {"compare",   f->scene,
-                                     "--out",     f->out,
+    f->at = make_workspace();
+    const char *const arguments[] = {"compare",   f->at.scene,
+                                     "--out",     f->at.out,
                                      "--timeout", "2",
                                      "--jobs",    "2",
                                      "--memory",  "2",
@@ -35,6 +30,7 @@ static int compare_all(void **state)
                                      "--engine",  FAULTY ":abort",
                                      "--engine",  FAULTY ":segfault",
                                      "--engine",  FAULTY ":hang",
+                                     "--engine",  FAULTY ":stop",
                                      "--engine",  FAULTY ":nan",
                                      "--engine",  FAULTY ":memory",
                                      "--engine",  FAULTY ":exit",
@@ -46,16 +42,14 @@ static int compare_all(void **state)
                                      "--engine",  FAULTY ":create",
                                      "--engine",  FAULTY ":destroy",
                                      NULL};
-    plumb_output output = run_plumb(f->directory, arguments);
+    plumb_output output = run_plumb(f->at.directory, arguments);
     if (output.code != 0) {
         print_error("exit code %d: %s\n", output.code, output.err);
     }
     assert_int_equal(output.code, 0);
     free_output(&output);
-    char *path = path_in(f->out, "results.jsonl");
     pl_error error = {.message = ""};
-    assert_int_equal(pl_results_read(path, &f->results, NULL, &error), PL_OK);
-    free(path);
+    assert_int_equal(pl_results_read(f->at.results, &f->results, NULL, &error), PL_OK);
     *state = f;
     return 0;
 }
@@ -64,9 +58,7 @@ static int clean(void **state)
 {
     fixture *f = *state;
     json_decref(f->results);
-    free(f->scene);
-    free(f->out);
-    remove_directory(f->directory);
+    remove_workspace(&f->at);
     free(f);
     return 0;
 }
@@ -86,7 +78,7 @@ static const json_t *check_outcome(void **state, const char *label, const char *
 static void test_every_engine_has_its_row(void **state)
 {
     const fixture *f = *state;
-    assert_int_equal(json_array_size(f->results), 14);
+    assert_int_equal(json_array_size(f->results), 15);
 }
 
 static void test_a_good_engine_among_them_is_ok_with_exact_free_fall(void **state)
@@ -132,6 +124,12 @@ static void test_hang_is_timeout_with_the_steps_done(void **state)
     assert_contains(result_text(row, "reason"), "no end within 2 s");
     assert_contains(result_text(row, "reason"), "step 3 of 20");
     assert_int_equal(json_integer_value(json_object_get(json_object_get(row, "steps"), "done")), 2);
+}
+
+static void test_a_stopped_process_is_timeout(void **state)
+{
+    const json_t *row = check_outcome(state, "faulty:stop", "timeout");
+    assert_contains(result_text(row, "reason"), "step 3 of 20");
 }
 
 static void test_nan_is_nonfinite_with_the_last_good_frame(void **state)
@@ -205,7 +203,7 @@ static void test_a_process_left_behind_is_killed_and_delays_nothing(void **state
 static void test_a_need_that_the_engine_lacks_is_named(void **state)
 {
     const fixture *f = *state;
-    char *scene = path_in(f->directory, "box.json");
+    char *scene = path_in(f->at.directory, "box.json");
     char *text = strdup(falling_scene);
     char *shape = strstr(text, "\"type\": \"sphere\", \"radius\": 0.5");
     const char box[] = "\"type\":\"box\",\"half_extents\":[1,1,1]";
@@ -215,7 +213,7 @@ static void test_a_need_that_the_engine_lacks_is_named(void **state)
                          shape + strlen("\"type\": \"sphere\", \"radius\": 0.5")) > 0);
     write_text(scene, joined);
     const char *const arguments[] = {"run", scene, "--engine", FAULTY, NULL};
-    plumb_output output = run_plumb(f->directory, arguments);
+    plumb_output output = run_plumb(f->at.directory, arguments);
     assert_int_equal(output.code, 3);
     assert_contains(output.out, "unsupported");
     assert_contains(output.out, "faulty lacks box");
@@ -234,6 +232,7 @@ int main(void)
         cmocka_unit_test(test_abort_is_crashed_with_signal_step_and_last_line),
         cmocka_unit_test(test_segfault_is_crashed),
         cmocka_unit_test(test_hang_is_timeout_with_the_steps_done),
+        cmocka_unit_test(test_a_stopped_process_is_timeout),
         cmocka_unit_test(test_nan_is_nonfinite_with_the_last_good_frame),
         cmocka_unit_test(test_all_memory_taken_is_crashed),
         cmocka_unit_test(test_exit_in_a_step_is_crashed_whatever_its_code),

@@ -21,14 +21,14 @@ allow() {
              sed -E 's/#include "([^"]+)"/\1/')
 }
 
-scene='plumb/(base|scene|scenario)\.h'
+scene='plumb/(base|scene|scenario|vec)\.h'
 abi='plumb/engine_abi\.h'
 allow engine/include 'none'
 allow engine/src 'plumb/engine\.h'
 allow scenarios "$scene|scene_[a-z_]+\.h|random\.h|number\.h|name_index\.h|complaint\.h|json_field\.h"
 allow compare/referee "$scene|$abi|referee/.*"
 allow compare/results "$scene|$abi|referee/metrics\.h|results/.*"
-allow compare/report "$scene|referee/(metrics|vec)\.h|results/.*|report/.*"
+allow compare/report "$scene|referee/metrics\.h|results/.*|report/.*"
 allow compare/runner "$scene|$abi|(adapters/registry|adapters/[a-z_]*|referee/.*|results/.*|runner/.*)(\.h)?"
 allow compare/adapters "$scene|$abi|adapters/.*|plumb/engine\.h"
 

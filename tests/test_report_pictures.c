@@ -67,14 +67,6 @@ static pl_pose *start_poses(const pl_scene *scene)
     return poses;
 }
 
-static int count_of(const char *text, const char *part)
-{
-    int count = 0;
-    for (const char *at = strstr(text, part); at != NULL; at = strstr(at + 1, part))
-        count++;
-    return count;
-}
-
 /* --- View --- */
 
 static void test_view_is_a_right_handed_orthonormal_frame(void **state)
@@ -87,10 +79,10 @@ static void test_view_is_a_right_handed_orthonormal_frame(void **state)
         add_body(&scene, pl_shape_box(3, 0.5, 1), 1, 2, 3);
         memcpy(scene.gravity, gravities[i / 2], sizeof scene.gravity);
         pl_view view = pl_view_choose(&scene, NULL, 0);
-        assert_close(pl_vec3_length(view.right), 1, 1e-12, 0);
-        assert_close(pl_vec3_length(view.up), 1, 1e-12, 0);
-        pl_vec3 toward = pl_vec3_cross(view.right, view.up);
-        assert_close(pl_vec3_length(pl_vec3_mad(toward, -1, view.toward)), 0, 1e-12, 0);
+        assert_close(pl_vec_length(view.right), 1, 1e-12, 0);
+        assert_close(pl_vec_length(view.up), 1, 1e-12, 0);
+        pl_vec toward = pl_vec_cross(view.right, view.up);
+        assert_close(pl_vec_length(pl_vec_mad(toward, -1, view.toward)), 0, 1e-12, 0);
         pl_scene_free(&scene);
     }
 }
@@ -102,9 +94,9 @@ static void test_slope_is_seen_edge_on_and_runs_down_to_the_right(void **state)
         pl_scene scene = empty_scene(way * 0.6, 0.8);
         add_body(&scene, pl_shape_box(0.5, 0.5, 0.5), 0, 0, 2);
         pl_view view = pl_view_choose(&scene, NULL, 0);
-        pl_vec3 normal = {way * 0.6, 0, 0.8}, downhill = {way * 0.8, 0, -0.6};
-        assert_close(pl_vec3_dot(normal, view.toward), 0, 1e-12, 0);
-        assert_true(pl_vec3_dot(downhill, view.right) > 0);
+        pl_vec normal = {way * 0.6, 0, 0.8}, downhill = {way * 0.8, 0, -0.6};
+        assert_close(pl_vec_dot(normal, view.toward), 0, 1e-12, 0);
+        assert_true(pl_vec_dot(downhill, view.right) > 0);
         pl_scene_free(&scene);
     }
 }
@@ -129,13 +121,13 @@ static void test_frame_holds_start_expectation_and_end_but_not_a_body_far_away(v
     pl_pose *poses = start_poses(&scene);
     pl_view still = pl_view_choose(&scene, NULL, 0);
     for (int i = 1; i < scene.body_count; i++) {
-        pl_pixel at = pl_view_project(&still, pl_vec3_of(scene.bodies[i].position));
+        pl_pixel at = pl_view_project(&still, pl_vec_of(scene.bodies[i].position));
         assert_true(at.x > 0 && at.x < still.width && at.y > 0 && at.y < still.height);
     }
     poses[3].position[0] = 3;
     const pl_pose *runs[] = {poses};
     pl_view moved = pl_view_choose(&scene, runs, 1);
-    pl_pixel at = pl_view_project(&moved, pl_vec3_of(poses[3].position));
+    pl_pixel at = pl_view_project(&moved, pl_vec_of(poses[3].position));
     assert_true(at.x > 0 && at.x < moved.width);
     poses[3].position[0] = 1e9;
     pl_view fled = pl_view_choose(&scene, runs, 1);

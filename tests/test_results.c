@@ -319,6 +319,16 @@ static void test_one_process_at_a_time_writes_a_file(void **state)
     assert_int_equal(waitpid(pid, &ended, 0), pid);
     assert_int_equal(ended, 0);
     assert_true(pl_store_has(store, "b"));
+    /* And none reads what another has not finished: its lines would be cut off afterwards. */
+    pid = fork();
+    if (pid == 0) {
+        char *path = path_in(directory, "results.jsonl");
+        write_text(path, "{\"unfinished\n");
+        pl_store *second = NULL;
+        _exit(pl_store_open(directory, true, &second, NULL) == PL_IO ? 0 : 1);
+    }
+    assert_int_equal(waitpid(pid, &ended, 0), pid);
+    assert_int_equal(ended, 0);
     pl_store_close(store);
     remove_directory(directory);
 }

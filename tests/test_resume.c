@@ -14,40 +14,18 @@
 #include <time.h>
 #include <unistd.h>
 
-#define FAULTY PLUMB_BINARY_DIR "/faulty_engine.so"
-
 /* 4 repeats of two engines, of which one takes 0.4 s a run. */
 enum { RUN_COUNT = 8 };
 
-typedef struct fixture {
-    char *directory, *scene, *out, *results;
-} fixture;
-
+/* With an empty directory for the results. */
 static int prepare(void **state)
 {
-    fixture *f = calloc(1, sizeof *f);
-    f->directory = make_directory();
-    f->scene = path_in(f->directory, "scene.json");
-    f->out = path_in(f->directory, "report");
-    f->results = path_in(f->out, "results.jsonl");
-    assert_int_equal(mkdir(f->out, 0777), 0);
-    write_text(f->scene, falling_scene);
-    *state = f;
-    return 0;
+    setup_workspace(state);
+    const workspace *f = *state;
+    return mkdir(f->out, 0777);
 }
 
-static int clean(void **state)
-{
-    fixture *f = *state;
-    free(f->scene);
-    free(f->out);
-    free(f->results);
-    remove_directory(f->directory);
-    free(f);
-    return 0;
-}
-
-static pid_t start_compare(const fixture *f, const char *slow, const char *resume)
+static pid_t start_compare(const workspace *f, const char *slow, const char *resume)
 {
     const char *const arguments[] = {"compare", f->scene,   "--out", f->out,     "--repeat",
                                      "4",       "--engine", slow,    "--engine", FAULTY ":good",
@@ -62,7 +40,7 @@ static void pause_milliseconds(long milliseconds)
 }
 
 /* Complete lines of the file; an empty array when there is no file yet. */
-static json_t *read_results(const fixture *f)
+static json_t *read_results(const workspace *f)
 {
     json_t *results = NULL;
     pl_error error = {.message = ""};
@@ -105,7 +83,7 @@ static void check_kept(const json_t *before, const json_t *after)
 
 static void test_kill_and_resume_make_each_run_exactly_once(void **state)
 {
-    const fixture *f = *state;
+    const workspace *f = *state;
     const long moments[] = {1, 30, 250, 450, 900};
     json_t *before = json_array();
     for (size_t i = 0; i < sizeof moments / sizeof moments[0]; ++i) {
@@ -136,7 +114,7 @@ static void test_kill_and_resume_make_each_run_exactly_once(void **state)
 
 static void test_resume_of_a_complete_comparison_runs_nothing(void **state)
 {
-    const fixture *f = *state;
+    const workspace *f = *state;
     for (int i = 0; i < 2; ++i) {
         json_t *before = read_results(f);
         plumb_output output =
@@ -151,7 +129,7 @@ static void test_resume_of_a_complete_comparison_runs_nothing(void **state)
     }
 }
 
-static void check_interrupted(const fixture *f, int number)
+static void check_interrupted(const workspace *f, int number)
 {
     pid_t pid = start_compare(f, FAULTY ":hang", "--resume");
     pause_milliseconds(300);
@@ -177,7 +155,7 @@ static void test_interrupt_and_terminate_kill_the_run_and_say_how_to_go_on(void 
 
 static void test_a_killed_comparison_takes_its_run_with_it(void **state)
 {
-    const fixture *f = *state;
+    const workspace *f = *state;
     pid_t pid = start_compare(f, FAULTY ":hang", "--resume");
     pause_milliseconds(300);
     kill(pid, SIGKILL);
@@ -195,7 +173,7 @@ static void test_a_killed_comparison_takes_its_run_with_it(void **state)
 
 static void test_without_resume_results_are_replaced(void **state)
 {
-    const fixture *f = *state;
+    const workspace *f = *state;
     write_text(f->results, "anything\n");
     plumb_output output = wait_plumb(f->directory, start_compare(f, FAULTY ":good", NULL));
     assert_int_equal(output.code, 0);
@@ -207,7 +185,7 @@ static void test_without_resume_results_are_replaced(void **state)
 
 static void test_a_broken_line_stops_resume_and_stays(void **state)
 {
-    const fixture *f = *state;
+    const workspace *f = *state;
     const char text[] = "{\"broken\n{\"schema\":\"plumb.result/1\",\"run\":\"a\"}\n";
     write_text(f->results, text);
     plumb_output output = wait_plumb(f->directory, start_compare(f, FAULTY ":good", "--resume"));
@@ -224,15 +202,18 @@ int main(void)
     prctl(PR_SET_CHILD_SUBREAPER, 1);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_kill_and_resume_make_each_run_exactly_once, prepare,
-                                        clean),
+                                        teardown_workspace),
         cmocka_unit_test_setup_teardown(test_resume_of_a_complete_comparison_runs_nothing, prepare,
-                                        clean),
+                                        teardown_workspace),
         cmocka_unit_test_setup_teardown(
-            test_interrupt_and_terminate_kill_the_run_and_say_how_to_go_on, prepare, clean),
+            test_interrupt_and_terminate_kill_the_run_and_say_how_to_go_on, prepare,
+            teardown_workspace),
         cmocka_unit_test_setup_teardown(test_a_killed_comparison_takes_its_run_with_it, prepare,
-                                        clean),
-        cmocka_unit_test_setup_teardown(test_without_resume_results_are_replaced, prepare, clean),
-        cmocka_unit_test_setup_teardown(test_a_broken_line_stops_resume_and_stays, prepare, clean),
+                                        teardown_workspace),
+        cmocka_unit_test_setup_teardown(test_without_resume_results_are_replaced, prepare,
+                                        teardown_workspace),
+        cmocka_unit_test_setup_teardown(test_a_broken_line_stops_resume_and_stays, prepare,
+                                        teardown_workspace),
     };
     return cmocka_run_group_tests_name("resume", tests, NULL, NULL);
 }

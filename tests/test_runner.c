@@ -3,6 +3,7 @@
 #include "plumb_process.h"
 #include "runner/plan.h"
 #include "runner/process.h"
+#include "runner/progress.h"
 #include "runner/readback.h"
 #include "runner/resident.h"
 #include "runner/run_once.h"
@@ -13,8 +14,6 @@
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#define FAULTY PLUMB_BINARY_DIR "/faulty_engine.so"
 
 /* --- the plan --- */
 
@@ -75,6 +74,30 @@ static void test_overrides_of_a_scene_file_drop_what_no_longer_holds(void **stat
     pl_plan_free(&plan);
     free(path);
     remove_directory(directory);
+}
+
+/* --- progress --- */
+
+static void test_the_bar_leaves_room_for_names_and_never_fills_the_line(void **state)
+{
+    (void)state;
+    for (int width = 1; width < 130; ++width) {
+        char *text = NULL;
+        size_t size = 0;
+        FILE *out = open_memstream(&text, &size);
+        const pl_progress progress = {
+            .out = out, .terminal = true, .width = width, .total = 9, .done = 4};
+        pl_progress_draw(&progress, "tower plumb:default", 0.5, 10);
+        fclose(out);
+        char *end = strstr(text, "\033[K");
+        assert_int_equal(text[0], '\r');
+        assert_non_null(end);
+        assert_true(end - text - 1 <= width - 1);
+        if (width >= 40) {
+            assert_contains(text, "0:10 left  tower");
+        }
+        free(text);
+    }
 }
 
 /* --- a process under limits --- */
@@ -338,6 +361,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_plan_has_every_run_once_and_rotates_engines),
         cmocka_unit_test(test_overrides_of_a_scene_file_drop_what_no_longer_holds),
+        cmocka_unit_test(test_the_bar_leaves_room_for_names_and_never_fills_the_line),
         cmocka_unit_test(test_an_answer_larger_than_a_pipe_arrives_whole),
         cmocka_unit_test(test_one_that_prints_for_ever_is_killed_at_its_time),
         cmocka_unit_test(test_the_tail_is_the_end_of_what_was_printed),

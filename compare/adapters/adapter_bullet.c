@@ -4,7 +4,9 @@
  * each group of islands to a dense solver, which falls back to sequential impulse where it fails
  * (said on standard error at the end of the run). Everything else is as Bullet ships it: one
  * friction direction a contact point along its sliding velocity, islands gathered into groups of
- * 128 constraints, contact points kept over steps. Sleeping is off. */
+ * 128 constraints, contact points kept over steps. Sleeping is off. The callbacks for a pair's
+ * friction and restitution, asked when a contact point is made, are 1 % of the instructions of a
+ * step of si on the wall of 10 x 10. */
 #include "adapters/adapters.h"
 #include "adapters/bullet_c.h"
 #include "adapters/force.h"

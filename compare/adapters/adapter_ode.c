@@ -6,8 +6,11 @@
  * Contacts are made anew at every step, as ODE's manual has it (section "Collision Detection"): up
  * to max_contacts points a pair, with the friction pyramid whose limits follow the normal force
  * (dContactApprox1) and, where the pair's restitution e > 0, dContactBounce with threshold 0.
- * Everything else stays as ODE ships it: ERP, CFM, over-relaxation, implicit gyroscopic torque.
- * Automatic disabling is off.
+ * Everything else stays as ODE ships it: ERP, CFM, surface layer, unbounded correcting velocity,
+ * over-relaxation, implicit gyroscopic torque. Automatic disabling is off.
+ *
+ * The contact forces are asked for as joint feedback, which ODE works out inside its step: 4 % more
+ * instructions of `quick` on the wall of 10 x 10, and not a bit of difference in the motion.
  *
  * The space is dHashSpace, as in ODE's own demos. ODE has no islands, residual or iteration count
  * to report: `quick` runs exactly the sweeps it is told, and that number is reported; `dantzig`
@@ -19,6 +22,7 @@
 #include "adapters/adapters.h"
 #include "adapters/force.h"
 #include "plumb/scenario.h"
+#include "plumb/vec.h"
 
 #include <math.h>
 #include <ode/ode.h>
@@ -29,7 +33,14 @@
 #include <time.h>
 
 enum { PROFILE_QUICK, PROFILE_DANTZIG, PROFILE_COUNT };
-enum { OPTION_ITERATIONS, OPTION_ERP, OPTION_CFM, OPTION_MAX_CONTACTS, OPTION_COUNT };
+enum {
+    OPTION_ITERATIONS,
+    OPTION_ERP,
+    OPTION_CFM,
+    OPTION_MAX_CONTACTS,
+    OPTION_SURFACE_LAYER,
+    OPTION_COUNT
+};
 
 enum { SHIPPED_ITERATIONS = 20, MOST_CONTACTS = 64 };
 
@@ -72,6 +83,13 @@ static const pl_engine_option options[OPTION_COUNT] = {
                              .integer = true,
                              .unit = "1",
                              .help = "contact points a pair; two boxes make at most 8"},
+    [OPTION_SURFACE_LAYER] = {.name = "surface_layer",
+                              .value = 0,
+                              .min = 0,
+                              .max = 1e3,
+                              .unit = "m",
+                              .help =
+                                  "penetration that is not pushed out; ODE suggests about 0.001"},
 };
 
 /* A contact point of the current step. */
@@ -101,7 +119,11 @@ struct pl_engine_instance {
 
 /* ODE calls exit(1) after an error handler returns. A process that ends so would look like one that
  * chose to end; a signal cannot be mistaken. */
-static void fatal(int number, const char *format, va_list arguments)
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 0)))
+#endif
+static void
+fatal(int number, const char *format, va_list arguments)
 {
     fprintf(stderr, "ODE error %d: ", number);
     vfprintf(stderr, format, arguments);
@@ -267,6 +289,7 @@ static pl_status make_world(pl_engine_instance *instance, const double *values, 
     dWorldSetGravity(instance->world, g[0], g[1], g[2]);
     dWorldSetERP(instance->world, values[OPTION_ERP]);
     dWorldSetCFM(instance->world, values[OPTION_CFM]);
+    dWorldSetContactSurfaceLayer(instance->world, values[OPTION_SURFACE_LAYER]);
     dWorldSetAutoDisableFlag(instance->world, 0);
     dWorldSetQuickStepNumIterations(instance->world, (int)values[OPTION_ITERATIONS]);
     instance->max_contacts = (int)values[OPTION_MAX_CONTACTS];
@@ -320,8 +343,8 @@ static void add_forces(const pl_engine_instance *instance, double dt)
         if (body != NULL &&
             pl_force_at(&scene->forces[i], instance->time, dt, dBodyGetQuaternion(body), f, r)) {
             dBodyAddForce(body, f[0], f[1], f[2]);
-            dBodyAddTorque(body, r[1] * f[2] - r[2] * f[1], r[2] * f[0] - r[0] * f[2],
-                           r[0] * f[1] - r[1] * f[0]);
+            pl_vec torque = pl_vec_cross(pl_vec_of(r), pl_vec_of(f));
+            dBodyAddTorque(body, torque.x, torque.y, torque.z);
         }
     }
 }
@@ -512,6 +535,7 @@ static void ode_profile_defaults(int profile, double *values)
     values[OPTION_ITERATIONS] = dWorldGetQuickStepNumIterations(world);
     values[OPTION_ERP] = dWorldGetERP(world);
     values[OPTION_CFM] = dWorldGetCFM(world);
+    values[OPTION_SURFACE_LAYER] = dWorldGetContactSurfaceLayer(world);
     dWorldDestroy(world);
     dCloseODE();
 }

@@ -31,7 +31,9 @@ static const struct argp_option argp_options[] = {
      0},
     {"repeat", KEY_REPEAT, "N", 0, "Runs of each pair, interleaved (default 1)", 0},
     {"jobs", KEY_JOBS, "N", 0,
-     "Runs at a time (default 1: runs side by side disturb each other's times)", 0},
+     "Runs at a time, of which results come in the order of their ends (default 1: runs side by "
+     "side disturb each other's times)",
+     0},
     {"out", KEY_OUT, "DIR", 0, "Where results and report go (default report)", 0},
     {"json", KEY_JSON, "FILE", 0, "Write all results as a JSON array too (- is standard output)",
      0},
@@ -78,8 +80,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static const struct argp_child children[] = {
-    {&pl_selection_argp, 0, NULL, 0}, {&pl_limits_argp, 0, NULL, 0}, {0}};
 static const struct argp argp = {
     .options = argp_options,
     .parser = parse,
@@ -93,7 +93,7 @@ static const struct argp argp = {
         "  plumb compare tower wall --engine plumb --engine ode:quick --repeat 5\n"
         "  plumb compare tower --set n=50 --dt 1/240 --out report-50\n"
         "  plumb compare ./mine.json --engine ./mine.so:fast --json - | jq .",
-    .children = children};
+    .children = pl_run_children};
 
 static pl_status add_problems(options *o, pl_plan *plan, pl_error *error)
 {
@@ -178,19 +178,21 @@ static void print_table(const json_t *results)
     pl_report_print_table(stdout, results, terminal && (plain == NULL || plain[0] == '\0'), width);
 }
 
-/* Report, table and --json, of all results in the store. */
+/* Report, --json and table, of all results in the store; the table last, because a reader of it
+ * that leaves early ends the program. */
 static pl_status deliver(const options *o, json_t *results, pl_error *error)
 {
     pl_status status = pl_report_write(o->out, results, error);
-    if (o->json == NULL || strcmp(o->json, "-") != 0) {
-        print_table(results);
-    }
     if (status == PL_OK && o->json != NULL) {
         status = pl_results_write_json(o->json, results, error);
     }
+    if (o->json == NULL || strcmp(o->json, "-") != 0) {
+        print_table(results);
+    }
     if (status == PL_OK) {
-        fprintf(stderr, "%zu results and the report are in %s/\n", json_array_size(results),
-                o->out);
+        size_t count = json_array_size(results);
+        fprintf(stderr, "%zu %s and the report are in %s/\n", count,
+                count == 1 ? "result" : "results", o->out);
     }
     return status;
 }

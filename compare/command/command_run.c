@@ -76,8 +76,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static const struct argp_child children[] = {
-    {&pl_selection_argp, 0, NULL, 0}, {&pl_limits_argp, 0, NULL, 0}, {0}};
 static const struct argp argp = {
     .options = argp_options,
     .parser = parse,
@@ -87,9 +85,9 @@ static const struct argp argp = {
            "ok.\v"
            "Examples:\n"
            "  plumb run tower --set n=25 --engine ode:quick,iterations=50\n"
-           "  plumb run tower --engine plumb:accurate --json -\n"
+           "  plumb run tower --engine plumb,iterations=200 --json -\n"
            "  plumb run ./mine.json --engine bullet --trajectory frames.csv",
-    .children = children};
+    .children = pl_run_children};
 
 static pl_status keep(void *user, json_t *result, pl_error *error)
 {

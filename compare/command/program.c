@@ -1,8 +1,10 @@
 /* `plumb COMMAND ...`: the table of commands, and the way to them. */
 #include "command/commands.h"
 
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static const pl_command commands[] = {
     {"compare", "run scenarios on engines side by side and report", pl_command_compare},
@@ -43,16 +45,27 @@ static void reject_command(const char *name)
     }
 }
 
-/* What was printed must have arrived: a full disk or a closed pipe is a failure, not a success. */
-static int close_output(int code)
+/* A standard stream that the caller closed would be the number of the first file opened, and what
+ * is printed would end in that file: it becomes a stream that cannot be used. */
+static void fill_closed_streams(void)
+{
+    for (int stream = STDIN_FILENO; stream <= STDERR_FILENO; ++stream) {
+        if (fcntl(stream, F_GETFD) < 0) {
+            (void)!open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+        }
+    }
+}
+
+/* What was printed must have arrived: a full disk or a closed pipe is a failure, not a success. At
+ * exit, because argp exits by itself after --help. */
+static void check_output(void)
 {
     bool failed = ferror(stdout) != 0;
     failed = fflush(stdout) != 0 || failed;
     if (failed) {
         fprintf(stderr, "plumb: standard output could not be written\n");
-        return code == PL_EXIT_OK ? PL_EXIT_FAILED : code;
+        _exit(PL_EXIT_FAILED);
     }
-    return code;
 }
 
 static void print_version_for_argp(FILE *stream, struct argp_state *state)
@@ -63,6 +76,8 @@ static void print_version_for_argp(FILE *stream, struct argp_state *state)
 
 int pl_program(int argc, char **argv)
 {
+    fill_closed_streams();
+    atexit(check_output);
     argp_err_exit_status = PL_EXIT_USAGE;
     argp_program_version_hook = print_version_for_argp;
     if (argc < 2) {
@@ -91,5 +106,5 @@ int pl_program(int argc, char **argv)
                           .command_count = COMMAND_COUNT};
     int code = command->run(&call);
     free(command_argv);
-    return close_output(code);
+    return code;
 }

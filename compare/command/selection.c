@@ -1,6 +1,5 @@
 #include "command/selection.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,7 +40,7 @@ static const struct argp_option selection_options[] = {
 static error_t parse_selection(int key, char *text, struct argp_state *state)
 {
     pl_selection *selection = state->input;
-    const double tiny = DBL_MIN;
+    const double shortest = 1e-9;
     switch (key) {
     case KEY_SET:
         if (strchr(text, '=') == NULL || text[0] == '=') {
@@ -50,10 +49,11 @@ static error_t parse_selection(int key, char *text, struct argp_state *state)
         pl_texts_add(&selection->settings, text);
         return 0;
     case KEY_DT:
-        selection->dt = pl_option_number(state, "--dt takes seconds", text, tiny, 1e3);
+        selection->dt = pl_option_number(state, "--dt takes seconds", text, shortest, 1e3);
         return 0;
     case KEY_DURATION:
-        selection->duration = pl_option_number(state, "--duration takes seconds", text, tiny, 1e9);
+        selection->duration =
+            pl_option_number(state, "--duration takes seconds", text, shortest, 1e9);
         return 0;
     case KEY_SEED:
         selection->seed =
@@ -67,7 +67,7 @@ static error_t parse_selection(int key, char *text, struct argp_state *state)
 const struct argp pl_selection_argp = {.options = selection_options, .parser = parse_selection};
 
 static const struct argp_option limits_options[] = {
-    {"timeout", KEY_TIMEOUT, "S", 0, "Longest wall time of a run in seconds (default 60)", 0},
+    {"timeout", KEY_TIMEOUT, "S", 0, "Longest wall time of a run in seconds (default 120)", 0},
     {"memory", KEY_MEMORY, "GIB", 0,
      "Largest address space of a run in GiB (default 8; 0: no limit)", 0},
     {0}};
@@ -88,11 +88,14 @@ static error_t parse_limits(int key, char *text, struct argp_state *state)
     }
 }
 
-const struct argp pl_limits_argp = {.options = limits_options, .parser = parse_limits};
+static const struct argp limits_argp = {.options = limits_options, .parser = parse_limits};
+
+const struct argp_child pl_run_children[] = {
+    {&pl_selection_argp, 0, NULL, 0}, {&limits_argp, 0, NULL, 0}, {0}};
 
 pl_limits pl_limits_default(void)
 {
-    return (pl_limits){.timeout = 60, .memory = UINT64_C(8) << 30};
+    return (pl_limits){.timeout = 120, .memory = UINT64_C(8) << 30};
 }
 
 static bool is_scene_file(const char *name)

@@ -28,9 +28,11 @@ void pl_selection_free(pl_selection *selection);
 /* Options --set, --dt, --duration, --seed; the input is a pl_selection. */
 extern const struct argp pl_selection_argp;
 
-/* Options --timeout, --memory; the input is a pl_limits. */
-extern const struct argp pl_limits_argp;
 pl_limits pl_limits_default(void);
+
+/* The children of a command that makes runs: pl_selection_argp, and --timeout and --memory, whose
+ * input is a pl_limits. Ends with a zero. */
+extern const struct argp_child pl_run_children[];
 
 /* Adds the problems called `names` to the plan: a name with a '/' or that ends in ".json", and "-",
  * are scene files, others are of the catalogue. A setting goes to every catalogue scenario that has

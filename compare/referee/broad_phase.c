@@ -4,30 +4,29 @@
  * Cohen et al. 1995 (I-COLLIDE). */
 #include "referee/broad_phase.h"
 
-#include "referee/vec.h"
+#include "plumb/vec.h"
 
 #include <stdlib.h>
 
+/* Coordinates begin with that of the sweep's axis: 0 is along it, 1 and 2 across. */
 typedef struct box {
-    double low[3], high[3]; /* m, world */
+    double low[3], high[3]; /* m */
     int body;
     bool is_static;
 } box;
 
 struct pl_broad_phase {
     const pl_scene *scene;
-    box *boxes; /* (box_count), ascending along axis */
+    box *boxes; /* (box_count), ascending along the sweep's axis */
     int box_count;
     int *planes; /* (plane_count), scene indices */
     int plane_count;
-    int axis;
-    /* Where the enumeration stands: first all pairs of boxes, then planes against boxes. */
-    int first, second, plane;
+    int axis; /* of the sweep: 0, 1, 2 for x, y, z */
 };
 
 /* Widened by a little more than the rounding of poses and gaps, so that no touching pair is lost.
  */
-static void place_box(box *b, const pl_shape *shape, const double position[3],
+static void place_box(box *b, int axis, const pl_shape *shape, const double position[3],
                       const double orientation[4])
 {
     double half[3] = {shape->radius, shape->radius, shape->radius};
@@ -40,23 +39,28 @@ static void place_box(box *b, const pl_shape *shape, const double position[3],
         half[2] = fabs(a[0].z) * h[0] + fabs(a[1].z) * h[1] + fabs(a[2].z) * h[2];
     }
     for (int k = 0; k < 3; ++k) {
-        double slack = 1e-12 * (fabs(position[k]) + half[k]);
-        b->low[k] = position[k] - half[k] - slack;
-        b->high[k] = position[k] + half[k] + slack;
+        int from = (axis + k) % 3;
+        double slack = 1e-12 * (fabs(position[from]) + half[from]);
+        b->low[k] = position[from] - half[from] - slack;
+        b->high[k] = position[from] + half[from] + slack;
     }
 }
 
-/* The axis along which the centres of the boxes vary most. */
-static int widest_axis(const pl_broad_phase *bp)
+/* The axis along which the bodies' positions vary most. */
+static int widest_axis(const pl_scene *scene)
 {
     int widest = 0;
     double most = -1;
     for (int k = 0; k < 3; ++k) {
         double mean = 0, square = 0;
-        for (int i = 0; i < bp->box_count; ++i) {
-            double delta = (bp->boxes[i].low[k] + bp->boxes[i].high[k]) / 2 - mean;
-            mean += delta / (i + 1);
-            square += delta * delta * i / (i + 1);
+        int count = 0;
+        for (int i = 0; i < scene->body_count; ++i) {
+            if (scene->bodies[i].shape.kind != PL_SHAPE_PLANE) {
+                double delta = scene->bodies[i].position[k] - mean;
+                mean += delta / (count + 1);
+                square += delta * delta * count / (count + 1);
+                count += 1;
+            }
         }
         if (square > most) {
             most = square;
@@ -66,29 +70,14 @@ static int widest_axis(const pl_broad_phase *bp)
     return widest;
 }
 
-static bool comes_before(const box *a, const box *b, int axis)
+static bool comes_before(const box *a, const box *b)
 {
-    return a->low[axis] < b->low[axis] || (a->low[axis] == b->low[axis] && a->body < b->body);
+    return a->low[0] < b->low[0] || (a->low[0] == b->low[0] && a->body < b->body);
 }
 
-static int compare_along(const box *a, const box *b, int axis)
+static int compare_boxes(const void *a, const void *b)
 {
-    return comes_before(a, b, axis) ? -1 : comes_before(b, a, axis);
-}
-
-static int compare_x(const void *a, const void *b)
-{
-    return compare_along(a, b, 0);
-}
-
-static int compare_y(const void *a, const void *b)
-{
-    return compare_along(a, b, 1);
-}
-
-static int compare_z(const void *a, const void *b)
-{
-    return compare_along(a, b, 2);
+    return comes_before(a, b) ? -1 : comes_before(b, a);
 }
 
 pl_broad_phase *pl_broad_phase_create(const pl_scene *scene)
@@ -105,6 +94,7 @@ pl_broad_phase *pl_broad_phase_create(const pl_scene *scene)
         pl_broad_phase_destroy(bp);
         return NULL;
     }
+    bp->axis = widest_axis(scene);
     for (int i = 0; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
         if (body->shape.kind == PL_SHAPE_PLANE) {
@@ -112,14 +102,10 @@ pl_broad_phase *pl_broad_phase_create(const pl_scene *scene)
         } else {
             box *b = &bp->boxes[bp->box_count++];
             *b = (box){.body = i, .is_static = body->is_static};
-            place_box(b, &body->shape, body->position, body->orientation);
+            place_box(b, bp->axis, &body->shape, body->position, body->orientation);
         }
     }
-    int (*const compare[3])(const void *, const void *) = {compare_x, compare_y, compare_z};
-    bp->axis = widest_axis(bp);
-    qsort(bp->boxes, (size_t)bp->box_count, sizeof *bp->boxes, compare[bp->axis]);
-    bp->first = bp->box_count;
-    bp->plane = bp->plane_count;
+    qsort(bp->boxes, (size_t)bp->box_count, sizeof *bp->boxes, compare_boxes);
     return bp;
 }
 
@@ -132,72 +118,47 @@ void pl_broad_phase_destroy(pl_broad_phase *bp)
     }
 }
 
-void pl_broad_phase_update(pl_broad_phase *bp, const pl_body_state *bodies)
+/* Moves the boxes to their bodies and mends their order. */
+static void follow(pl_broad_phase *bp, const pl_body_state *bodies)
 {
     for (int i = 0; i < bp->box_count; ++i) {
         box moved = bp->boxes[i];
         if (!moved.is_static) {
             const pl_body_state *state = &bodies[moved.body];
-            place_box(&moved, &bp->scene->bodies[moved.body].shape, state->position,
+            place_box(&moved, bp->axis, &bp->scene->bodies[moved.body].shape, state->position,
                       state->orientation);
         }
         int k = i;
-        for (; k > 0 && comes_before(&moved, &bp->boxes[k - 1], bp->axis); --k) {
+        for (; k > 0 && comes_before(&moved, &bp->boxes[k - 1]); --k) {
             bp->boxes[k] = bp->boxes[k - 1];
         }
         bp->boxes[k] = moved;
     }
-    bp->first = 0;
-    bp->second = 1;
-    bp->plane = 0;
 }
 
-static bool boxes_overlap(const box *a, const box *b)
+static bool overlap_across(const box *a, const box *b)
 {
-    bool overlap = true;
-    for (int k = 0; k < 3; ++k) {
-        overlap = overlap && a->low[k] <= b->high[k] && b->low[k] <= a->high[k];
-    }
-    return overlap;
+    return a->low[1] <= b->high[1] && b->low[1] <= a->high[1] && a->low[2] <= b->high[2] &&
+           b->low[2] <= a->high[2];
 }
 
-static bool next_box_pair(pl_broad_phase *bp, int *body_a, int *body_b)
+void pl_broad_phase_each_pair(pl_broad_phase *bp, const pl_body_state *bodies,
+                              void (*see)(void *context, int body_a, int body_b), void *context)
 {
-    for (; bp->first < bp->box_count; ++bp->first, bp->second = bp->first + 1) {
-        const box *a = &bp->boxes[bp->first];
-        while (bp->second < bp->box_count &&
-               bp->boxes[bp->second].low[bp->axis] <= a->high[bp->axis]) {
-            const box *b = &bp->boxes[bp->second++];
-            if (!(a->is_static && b->is_static) && boxes_overlap(a, b)) {
-                *body_a = a->body;
-                *body_b = b->body;
-                return true;
+    follow(bp, bodies);
+    const box *end = bp->boxes + bp->box_count;
+    for (const box *a = bp->boxes; a < end; ++a) {
+        for (const box *b = a + 1; b < end && b->low[0] <= a->high[0]; ++b) {
+            if (!(a->is_static && b->is_static) && overlap_across(a, b)) {
+                see(context, a->body, b->body);
             }
         }
     }
-    bp->second = 0;
-    return false;
-}
-
-static bool next_plane_pair(pl_broad_phase *bp, int *body_a, int *body_b)
-{
-    for (; bp->plane < bp->plane_count; ++bp->plane, bp->second = 0) {
-        while (bp->second < bp->box_count) {
-            const box *b = &bp->boxes[bp->second++];
+    for (int i = 0; i < bp->plane_count; ++i) {
+        for (const box *b = bp->boxes; b < end; ++b) {
             if (!b->is_static) {
-                *body_a = bp->planes[bp->plane];
-                *body_b = b->body;
-                return true;
+                see(context, bp->planes[i], b->body);
             }
         }
     }
-    return false;
-}
-
-bool pl_broad_phase_next(pl_broad_phase *bp, int *body_a, int *body_b)
-{
-    if (bp->first < bp->box_count && next_box_pair(bp, body_a, body_b)) {
-        return true;
-    }
-    return next_plane_pair(bp, body_a, body_b);
 }

@@ -15,13 +15,10 @@ typedef struct pl_broad_phase pl_broad_phase;
 pl_broad_phase *pl_broad_phase_create(const pl_scene *scene);
 void pl_broad_phase_destroy(pl_broad_phase *broad_phase);
 
-/* Takes new poses, (scene->body_count), and begins a new enumeration. The cost is that of keeping a
- * nearly sorted order sorted. Poses of
- * dynamic bodies must be finite; static ones stay where the scene has them. */
-void pl_broad_phase_update(pl_broad_phase *broad_phase, const pl_body_state *bodies);
-
-/* The next pair of the enumeration, scene indices; false at its end. Cost over an enumeration: O(n
- * + the number of pairs that overlap along the axis). */
-bool pl_broad_phase_next(pl_broad_phase *broad_phase, int *body_a, int *body_b);
+/* Takes new poses, (scene->body_count), and calls `see` with the scene indices of each pair once.
+ * Poses of dynamic bodies must be finite; static ones stay where the scene has them. The cost is
+ * that of keeping a nearly sorted order sorted, and of the pairs that overlap along the axis. */
+void pl_broad_phase_each_pair(pl_broad_phase *broad_phase, const pl_body_state *bodies,
+                              void (*see)(void *context, int body_a, int body_b), void *context);
 
 #endif

@@ -3,7 +3,7 @@
  * Source: Welford 1962, with the cross sum treated as the square sum. */
 #include "referee/drift.h"
 
-#include "referee/vec.h"
+#include "plumb/vec.h"
 
 #include <stdlib.h>
 

@@ -2,7 +2,7 @@
  * 1991). */
 #include "referee/final_state.h"
 
-#include "referee/vec.h"
+#include "plumb/vec.h"
 
 #include <inttypes.h>
 #include <stdio.h>

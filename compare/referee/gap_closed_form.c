@@ -10,8 +10,8 @@
  * normals of all facets of the Minkowski difference: when the boxes overlap the largest of the
  * (negative) numbers is minus the exact depth; when apart, a lower bound of the distance. Source:
  * Gottschalk, Lin and Manocha 1996, sec. 5; Ericson 2005, sec. 4.4 and 5.1.4. */
+#include "plumb/vec.h"
 #include "referee/gap.h"
-#include "referee/vec.h"
 
 /* Half width of a box along a unit vector given in the box's own axes. */
 static double half_width(const double half[3], pl_vec n)

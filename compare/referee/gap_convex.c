@@ -11,8 +11,8 @@
  * its radius is taken off afterwards, which is exact: the signed distance of K + rB is that of K
  * less r. libccd compares squared lengths with absolute numbers, so shapes are scaled to unit size
  * first. Source: van den Bergen 2003, ch. 4. */
+#include "plumb/vec.h"
 #include "referee/gap.h"
-#include "referee/vec.h"
 
 #include <ccd/ccd.h>
 

@@ -3,19 +3,19 @@
  * That integrator, v' = v + h (g + F/m), x' = x + h v', is every engine's here. Substituting it
  * gives, exactly and for any h:
  *
- *   energy    E = sum of m v.v/2 + w.Iw/2 - m g.(x - x0) + (h/2) m g.v,
- *             E' - E = h F.(u + u')/2, u the velocity of the force's point of application (v + w x
- * r with the arm r of the start of the step, I held over the step) momentum  p' - p = h (m g + F) +
- * contact impulses angular   about the origin: x' x m v' = x x m v', so gravity, forces and contact
- * impulses all count with their arms at the start of the step: L' - L = h (x x m g + (x + r) x F) +
- * q x J
+ *   energy    E = sum of m v.v/2 + w.Iw/2 - m g.(x - x0) + (h/2) m g.v,   E' - E = h F.(u + u')/2,
+ *             u the velocity of the force's point of application: v + w x r, with the arm r of the
+ *             start of the step, and I held over the step
+ *   momentum  p' - p = h (m g + F) + contact impulses
+ *   angular   about the origin: x' x m v' = x x m v', so gravity, forces and contact impulses all
+ *             count with their arms at the start: L' - L = h (x x m g + (x + r) x F) + q x J
  *
  * Without the term (h/2) m g.v a falling body would seem to gain or lose m g^2 h t / 2.
  * By substitution, as in every proof that symplectic Euler keeps a modified energy (Hairer, Lubich
  * and Wanner 2006). */
 #include "referee/mechanics.h"
 
-#include "referee/vec.h"
+#include "plumb/vec.h"
 
 #include <stdlib.h>
 #include <string.h>

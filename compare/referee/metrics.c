@@ -30,8 +30,7 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
     [PL_METRIC_DRIFT] =
         {"drift", "m", PL_LOWER_IS_BETTER, true,
          "max over bodies and later frames of the displacement since settle_time (unsettled: since "
-         "1 s "
-         "or half the duration) in directions in which the reference does not move"},
+         "1 s or half the duration) in directions in which the reference does not move"},
     [PL_METRIC_CREEP] =
         {"creep", "m/s", PL_LOWER_IS_BETTER, true,
          "max over bodies of the least-squares slope of drift's displacement vector over time"},

@@ -59,32 +59,43 @@ static pl_placed_shape place(const pl_scene *scene, const pl_body_state *bodies,
     return placed;
 }
 
-void pl_penetration_see(pl_penetration *p, long step, const pl_body_state *bodies)
+/* One frame in the making. */
+typedef struct frame_depth {
+    pl_penetration *penetration;
+    const pl_body_state *bodies;
+    long step;
+    double deepest;
+} frame_depth;
+
+static void see_pair(void *context, int a, int b)
 {
-    double deepest = 0;
-    int a = 0, b = 0;
-    pl_broad_phase_update(p->broad_phase, bodies);
-    while (pl_broad_phase_next(p->broad_phase, &a, &b)) {
-        pl_placed_shape placed_a = place(p->scene, bodies, a);
-        pl_placed_shape placed_b = place(p->scene, bodies, b);
-        double gap = 0;
-        if (pl_gap(&placed_a, &placed_b, &gap) != PL_OK) {
-            if (p->unknown_step < 0) {
-                p->unknown_step = step;
-                p->unknown_a = a;
-                p->unknown_b = b;
-            }
-        } else if (gap <= 0) {
-            p->touched_static =
-                p->touched_static || p->scene->bodies[a].is_static || p->scene->bodies[b].is_static;
-            deepest = fmax(deepest, -gap);
-            if (step > 0) {
-                pl_series_add(&p->depth, -gap, step);
-            }
+    frame_depth *frame = context;
+    pl_penetration *p = frame->penetration;
+    pl_placed_shape placed_a = place(p->scene, frame->bodies, a);
+    pl_placed_shape placed_b = place(p->scene, frame->bodies, b);
+    double gap = 0;
+    if (pl_gap(&placed_a, &placed_b, &gap) != PL_OK) {
+        if (p->unknown_step < 0) {
+            p->unknown_step = frame->step;
+            p->unknown_a = a;
+            p->unknown_b = b;
+        }
+    } else if (gap <= 0) {
+        p->touched_static =
+            p->touched_static || p->scene->bodies[a].is_static || p->scene->bodies[b].is_static;
+        frame->deepest = fmax(frame->deepest, -gap);
+        if (frame->step > 0) {
+            pl_series_add(&p->depth, -gap, frame->step);
         }
     }
+}
+
+void pl_penetration_see(pl_penetration *p, long step, const pl_body_state *bodies)
+{
+    frame_depth frame = {.penetration = p, .bodies = bodies, .step = step};
+    pl_broad_phase_each_pair(p->broad_phase, bodies, see_pair, &frame);
     if (step > 0 && step >= p->rest_from) {
-        p->rest_sum += deepest;
+        p->rest_sum += frame.deepest;
         p->rest_count += 1;
     }
 }

@@ -1,9 +1,9 @@
 /* The bounds beyond which a run is not worth going on with. */
 #include "referee/sanity.h"
 
-#include "referee/vec.h"
+#include "plumb/vec.h"
 
-static const double MOST_ENERGY_GAIN = 1e3;
+static const double MOST_ENERGY_GAIN = 10;
 
 static bool all_finite(const double *numbers, int count)
 {

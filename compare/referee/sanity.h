@@ -13,7 +13,7 @@ pl_verdict pl_check_finite(const pl_scene *scene, const pl_body_state *bodies, l
                            pl_error *error);
 
 /* DIVERGED when any point of a dynamic body is faster than scale->speed_bound, or `energy_gain`
- * (the metric, now) exceeds 1000: energy a thousand times the scene's own scale came from nowhere.
+ * (the metric, now) exceeds 10: ten times the energy that the scene has to lose came from nowhere.
  * A fall, however long, gains none. */
 pl_verdict pl_check_bounds(const pl_scene *scene, const pl_scale *scale,
                            const pl_body_state *bodies, double energy_gain, long step,

@@ -7,7 +7,7 @@
  * blows up, which it does exponentially, passes it within steps. */
 #include "referee/scale.h"
 
-#include "referee/vec.h"
+#include "plumb/vec.h"
 
 double pl_bounding_radius(const pl_shape *shape)
 {

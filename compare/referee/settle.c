@@ -2,7 +2,7 @@
  * top of a bounce or the turn of a swing does not count. */
 #include "referee/settle.h"
 
-#include "referee/vec.h"
+#include "plumb/vec.h"
 
 static const double QUIET_SPEED = 1e-3; /* m/s */
 static const double QUIET_SPIN = 1e-3;  /* rad/s */

@@ -1,9 +1,4 @@
-/* Gathers results into blocks, columns and cells.
- *
- * Over repeats, a measured number (time, memory) is a median with its median absolute deviation,
- * which a single disturbed repeat does not move. A deterministic one must be the same in every
- * repeat, bit for bit; where it is not, the cell says so instead of averaging the difference away.
- */
+/* Gathers results into blocks, columns and cells. */
 #include "report/cells.h"
 
 #include "report/quantity.h"
@@ -12,17 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-const char *pl_row_text(const json_t *row, const char *key)
-{
-    const char *text = json_string_value(json_object_get(row, key));
-    return text == NULL ? "" : text;
-}
-
-const char *pl_row_text_in(const json_t *row, const char *object, const char *key)
-{
-    return pl_row_text(json_object_get(row, object), key);
-}
 
 static pl_status check_row(const json_t *row, size_t index, pl_error *error)
 {
@@ -200,91 +184,6 @@ static void name_blocks(pl_cells *cells)
 
 /* --- Cells --- */
 
-static int compare_doubles(const void *left, const void *right)
-{
-    double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
-/* Sorts `values`. */
-static double median(double *values, int count)
-{
-    qsort(values, (size_t)count, sizeof *values, compare_doubles);
-    int half = count / 2;
-    return count % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
-/* The median of one number of a metric over the rows that have it; *count is how many have it. */
-static double median_of(const json_t *const *metrics, int rows, const char *key, double *scratch,
-                        int *count)
-{
-    *count = 0;
-    for (int i = 0; i < rows; i++) {
-        const json_t *value = json_object_get(metrics[i], key);
-        if (json_is_number(value))
-            scratch[(*count)++] = json_number_value(value);
-    }
-    return *count == 0 ? (double)NAN : median(scratch, *count);
-}
-
-static bool is_deterministic(const json_t *metric, int id)
-{
-    const json_t *said = json_object_get(metric, "deterministic");
-    return json_is_boolean(said) ? json_is_true(said) : pl_metric_table[id].deterministic;
-}
-
-/* `metrics` are the metric's objects of all repeats (NULL where absent); `scratch` has room for
- * them. */
-static pl_measure measure_of(const json_t *const *metrics, int rows, int id, double *scratch)
-{
-    /* These two have the unit that the result says. */
-    bool own_unit = id == PL_METRIC_REFERENCE_ERROR || id == PL_METRIC_RESIDUAL_MAX;
-    pl_measure measure = {.state = PL_METRIC_ABSENT,
-                          .unit = own_unit ? "" : pl_metric_table[id].unit};
-    const json_t *first = NULL;
-    for (int i = 0; i < rows; i++) {
-        const json_t *value = json_object_get(metrics[i], "value");
-        if (metrics[i] == NULL || value == NULL)
-            continue;
-        if (first == NULL)
-            first = metrics[i];
-        if (json_is_string(value) && measure.state != PL_METRIC_TEXT) {
-            measure.state = PL_METRIC_TEXT;
-            measure.text = json_string_value(value);
-        } else if (json_is_null(value) && measure.state == PL_METRIC_ABSENT) {
-            measure.state = PL_METRIC_FAILED;
-            measure.reason = pl_row_text(metrics[i], "reason");
-        }
-    }
-    if (first == NULL)
-        return measure;
-    if (json_is_string(json_object_get(first, "unit")))
-        measure.unit = pl_row_text(first, "unit");
-    for (int i = 0; is_deterministic(first, id) && i < rows; i++) {
-        const json_t *value = json_object_get(metrics[i], "value");
-        if (value == NULL || !json_equal(value, json_object_get(first, "value")))
-            measure.disagrees = true;
-    }
-
-    double value = median_of(metrics, rows, "value", scratch, &measure.count);
-    if (measure.count == 0)
-        return measure;
-    measure.state = PL_METRIC_VALUE;
-    measure.value = value;
-    measure.min = scratch[0];
-    measure.max = scratch[measure.count - 1];
-    for (int i = 0; i < measure.count; i++)
-        scratch[i] = fabs(scratch[i] - value);
-    measure.mad = median(scratch, measure.count);
-    int count = 0;
-    measure.p50 = median_of(metrics, rows, "p50", scratch, &count);
-    measure.has_percentiles = count > 0;
-    measure.p95 = median_of(metrics, rows, "p95", scratch, &count);
-    measure.p99 = median_of(metrics, rows, "p99", scratch, &count);
-    measure.worst_step = median_of(metrics, rows, "worst_step", scratch, &count);
-    return measure;
-}
-
 /* `rows` are the repeats of one run, at least one. */
 static void fill_cell(pl_cell *cell, const json_t *const *rows, int count, const json_t **metrics,
                       double *scratch)
@@ -309,7 +208,7 @@ static void fill_cell(pl_cell *cell, const json_t *const *rows, int count, const
         for (int i = 0; i < count; i++)
             metrics[i] =
                 json_object_get(json_object_get(rows[i], "metrics"), pl_metric_table[id].name);
-        cell->measure[id] = measure_of(metrics, count, id, scratch);
+        cell->measure[id] = pl_measure_of(metrics, count, id, scratch);
     }
 }
 
@@ -455,52 +354,6 @@ void pl_cells_free(pl_cells *cells)
 
 /* --- Questions --- */
 
-void pl_measure_text(const pl_measure *measure, char *text, int size)
-{
-    char number[PL_QUANTITY_SIZE];
-    if (measure->state == PL_METRIC_VALUE) {
-        pl_quantity_text(measure->value, measure->unit, number);
-        snprintf(text, (size_t)size, "%s", number);
-    } else {
-        snprintf(text, (size_t)size, "%s",
-                 measure->state == PL_METRIC_TEXT ? measure->text : pl_quantity_missing);
-    }
-}
-
-void pl_measure_note(const pl_measure *measure, char *text, int size)
-{
-    char a[PL_QUANTITY_SIZE], b[PL_QUANTITY_SIZE], c[PL_QUANTITY_SIZE], part[512];
-    snprintf(text, (size_t)size, "%s", "");
-    if (measure->state == PL_METRIC_ABSENT)
-        append(text, (size_t)size, "does not apply, or the engine does not report it");
-    if (measure->state == PL_METRIC_FAILED)
-        append(text, (size_t)size,
-               measure->reason[0] != '\0' ? measure->reason : "no value and no reason given");
-    if (measure->disagrees)
-        append(text, (size_t)size, "not deterministic: repeats differ. ");
-    if (measure->state != PL_METRIC_VALUE)
-        return;
-    if (measure->count > 1) {
-        pl_quantity_text(measure->min, measure->unit, a);
-        pl_quantity_text(measure->max, measure->unit, b);
-        pl_quantity_text(measure->mad, measure->unit, c);
-        snprintf(part, sizeof part, "median of %d repeats, %s to %s, MAD %s. ", measure->count, a,
-                 b, c);
-        append(text, (size_t)size, part);
-    }
-    if (measure->has_percentiles) {
-        pl_quantity_text(measure->p50, measure->unit, a);
-        pl_quantity_text(measure->p95, measure->unit, b);
-        pl_quantity_text(measure->p99, measure->unit, c);
-        snprintf(part, sizeof part, "over steps: p50 %s, p95 %s, p99 %s", a, b, c);
-        append(text, (size_t)size, part);
-        if (isfinite(measure->worst_step)) {
-            snprintf(part, sizeof part, ", worst at step %.0f", measure->worst_step);
-            append(text, (size_t)size, part);
-        }
-    }
-}
-
 bool pl_block_primary_is(const pl_block *block, int metric)
 {
     return strcmp(block->primary_error, pl_metric_table[metric].name) == 0;
@@ -516,4 +369,57 @@ double pl_block_least(const pl_block *block, int column_count, int metric)
             least = fmin(least, measure->value);
     }
     return least;
+}
+
+bool pl_cells_next_failure(const pl_cells *cells, int *block, int *column)
+{
+    for (; *block < cells->block_count; ++*block, *column = 0) {
+        for (; *column < cells->column_count; ++*column) {
+            const pl_cell *cell = &cells->blocks[*block].cells[*column];
+            if (cell->row != NULL && !cell->ok)
+                return true;
+        }
+    }
+    return false;
+}
+
+int pl_cells_warnings(const pl_cells *cells, pl_warning warnings[PL_WARNINGS_MOST])
+{
+    int count = 0;
+    if (cells->several_hosts)
+        warnings[count++] = (pl_warning){"These runs come from several machines:",
+                                         "their times cannot be compared with each other."};
+    if (cells->disagrees)
+        warnings[count++] = (pl_warning){"Not deterministic:",
+                                         "some repeats of the same run differ where they should "
+                                         "agree. The cells are marked."};
+    return count;
+}
+
+void pl_cells_settings(const pl_cells *cells, int column, pl_sheet *sheet)
+{
+    int b = 0;
+    while (b < cells->block_count && cells->blocks[b].cells[column].row == NULL)
+        b++;
+    if (b == cells->block_count)
+        return;
+    json_t *settings = json_object_get(cells->blocks[b].cells[column].row, "settings");
+    const char *name, *separator = "";
+    json_t *value;
+    json_object_foreach(settings, name, value)
+    {
+        if (strcmp(name, "dt") == 0 || strcmp(name, "duration") == 0)
+            continue;
+        pl_sheet_format(sheet, "%s%s = ", separator, name);
+        if (json_is_integer(value))
+            pl_sheet_format(sheet, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
+        else if (json_is_real(value))
+            pl_sheet_format(sheet, "%.6g", json_real_value(value));
+        else
+            pl_sheet_add(sheet,
+                         json_is_string(value) ? json_string_value(value) : pl_quantity_missing);
+        separator = ", ";
+    }
+    if (separator[0] == '\0')
+        pl_sheet_add(sheet, "none are recorded");
 }

@@ -5,23 +5,9 @@
 
 #include "plumb/base.h"
 #include "plumb/scenario.h"
-#include "referee/metrics.h"
-
-#include <jansson.h>
-
-/* A metric over the repeats of one run. Texts are borrowed from the results. */
-typedef struct pl_measure {
-    pl_metric_state state; /* VALUE when any repeat has a number */
-    double value;          /* the median of the repeats that have a number */
-    double min, max, mad;  /* mad: median of |x - median| */
-    int count;             /* repeats that have a number */
-    const char *text;      /* state TEXT */
-    const char *reason;    /* state FAILED */
-    const char *unit;      /* the result's own, or the table's */
-    bool disagrees;        /* said to be deterministic, yet repeats differ */
-    bool has_percentiles;
-    double p50, p95, p99, worst_step; /* medians over repeats */
-} pl_measure;
+#include "report/measure.h"
+#include "report/row.h"
+#include "report/sheet.h"
 
 typedef struct pl_cell {
     const json_t
@@ -68,16 +54,6 @@ typedef struct pl_cells {
 pl_status pl_cells_build(const json_t *results, pl_cells *cells, pl_error *error);
 void pl_cells_free(pl_cells *cells);
 
-/* A text of a row, or of an object in it; "" when it is absent or no text. */
-const char *pl_row_text(const json_t *row, const char *key);
-const char *pl_row_text_in(const json_t *row, const char *object, const char *key);
-
-/* The metric's value as in a table ("–" when there is none), without any mark. */
-void pl_measure_text(const pl_measure *measure, char *text, int size);
-
-/* What a tooltip says: the reason, or spread and percentiles; "" when there is nothing to say. */
-void pl_measure_note(const pl_measure *measure, char *text, int size);
-
 /* The block's primary error is this metric: reference_error says the same. */
 bool pl_block_primary_is(const pl_block *block, int metric);
 
@@ -86,5 +62,22 @@ double pl_block_least(const pl_block *block, int column_count, int metric);
 
 /* The cell has repeats that should agree and do not. */
 bool pl_cell_disagrees(const pl_cell *cell);
+
+/* Moves *block, *column, block by block, to the next run from there on that is not ok. False when
+ * there is none. */
+bool pl_cells_next_failure(const pl_cells *cells, int *block, int *column);
+
+/* What a reader of these results must be warned of: the first words, and the rest, plain text. */
+typedef struct pl_warning {
+    const char *head, *text;
+} pl_warning;
+
+/* Returns how many of `warnings` there are. */
+enum { PL_WARNINGS_MOST = 2 };
+int pl_cells_warnings(const pl_cells *cells, pl_warning warnings[PL_WARNINGS_MOST]);
+
+/* The settings of a column's engine, as "name = value", in plain text: those of its first run. The
+ * scene's time step and duration are not the engine's, and left out. */
+void pl_cells_settings(const pl_cells *cells, int column, pl_sheet *sheet);
 
 #endif

@@ -29,16 +29,16 @@ static void open_cell(pl_sheet *sheet, const char *classes, const char *note)
 }
 
 /* An outcome's colour: good, bad, or neither where the engine never claimed it could. */
-static const char *outcome_class(const pl_cell *cell)
+static const char *numeric_class(const pl_cell *cell)
 {
     if (cell->ok)
-        return "ok";
-    return strcmp(cell->outcome, "unsupported") == 0 ? "none" : "bad";
+        return "n ok";
+    return strcmp(cell->outcome, "unsupported") == 0 ? "n none" : "n bad";
 }
 
 static void add_badge(const pl_cell *cell, pl_sheet *sheet)
 {
-    pl_sheet_format(sheet, "<span class=\"badge %s\">", outcome_class(cell));
+    pl_sheet_format(sheet, "<span class=\"badge %s\">", numeric_class(cell) + strlen("n "));
     pl_sheet_add_html(sheet, cell->outcome);
     if (cell->outcomes_differ)
         pl_sheet_format(sheet, " in %d of %d", cell->repeats - cell->ok_repeats, cell->repeats);
@@ -167,14 +167,10 @@ static void add_loss_table(const pl_losses *losses, int first, int last, pl_shee
     pl_sheet_add(sheet, "</tbody></table></div>\n");
 }
 
-static void add_losses(const pl_cells *cells, const pl_losses *losses, pl_sheet *sheet)
+static void add_losses(const pl_losses *losses, pl_sheet *sheet)
 {
-    pl_sheet statement = {0}, rule = {0};
-    pl_losses_statement(losses, cells, &statement);
-    pl_losses_rule(&rule);
-    sheet->failed |= statement.failed || rule.failed;
     add_element(sheet, "<h2 id=\"losses\">Where plumb loses</h2>\n<p class=\"verdict\">",
-                statement.data == NULL ? "" : statement.data, "</p>\n");
+                losses->statement.data, "</p>\n");
     int shown = losses->count < SHOWN_LOSSES ? losses->count : SHOWN_LOSSES;
     if (shown > 0)
         add_loss_table(losses, 0, shown, sheet);
@@ -184,16 +180,14 @@ static void add_losses(const pl_cells *cells, const pl_losses *losses, pl_sheet 
         add_loss_table(losses, shown, losses->count, sheet);
         pl_sheet_add(sheet, "</details>\n");
     }
-    add_element(sheet, "<p class=\"note\">", rule.data == NULL ? "" : rule.data, "</p>\n");
-    pl_sheet_free(&statement);
-    pl_sheet_free(&rule);
+    add_element(sheet, "<p class=\"note\">", losses->rule.data, "</p>\n");
 }
 
 /* --- Main table --- */
 
 static void add_main_cell(const pl_cell *cell, double fastest, pl_sheet *sheet)
 {
-    char text[TEXT_SIZE], note[NOTE_SIZE], classes[16];
+    char text[TEXT_SIZE], note[NOTE_SIZE];
     if (cell->row == NULL) {
         pl_sheet_add(sheet, "<td class=\"n none\">not run</td>");
         return;
@@ -203,8 +197,7 @@ static void add_main_cell(const pl_cell *cell, double fastest, pl_sheet *sheet)
     pl_measure_note(error, note, sizeof note);
     if (!cell->ok && cell->reason[0] != '\0')
         snprintf(note, sizeof note, "%.600s", cell->reason);
-    snprintf(classes, sizeof classes, "n %s", outcome_class(cell));
-    open_cell(sheet, classes, note);
+    open_cell(sheet, numeric_class(cell), note);
     if (!cell->ok) {
         add_badge(cell, sheet);
         pl_sheet_add(sheet, "<br>");
@@ -242,8 +235,12 @@ static void add_main_table(const pl_cells *cells, pl_sheet *sheet)
     pl_sheet_add(
         sheet,
         "<h2 id=\"results\">Results</h2>\n<p>In each cell the problem's primary error and, below "
-        "it, the CPU time of a step, with how many times that of the fastest run that is ok. "
-        "Lower is better for both.</p>\n<div class=\"scroll\"><table>\n"
+        "it, the time of a step, with how many times that of the fastest run that is ok. Lower "
+        "is better for both; a number without a unit is relative to what it should be. Green is a "
+        "run that is ok, red one that failed, grey one that the engine does not support.</p>\n"
+        "<p>Times are CPU time of the engine's step call alone, and machines are noisy: take "
+        "differences of less than 10 % for none, and repeat runs (<code>--repeat</code>) before "
+        "you trust larger ones.</p>\n<div class=\"scroll\"><table>\n"
         "<thead><tr><th>Problem</th>");
     for (int i = 0; i < cells->column_count; i++)
         add_element(sheet, "<th class=\"n\">", cells->columns[i].name, "</th>");
@@ -264,6 +261,28 @@ static void add_main_table(const pl_cells *cells, pl_sheet *sheet)
     pl_sheet_add(sheet, "</tbody></table></div>\n");
 }
 
+static void add_settings(const pl_cells *cells, pl_sheet *sheet)
+{
+    pl_sheet_add(
+        sheet,
+        "<h2 id=\"settings\">Engine settings</h2>\n<p>As recorded with the first run of each "
+        "engine. A label names the profile and, after it, every option that was set off "
+        "that profile's default; time step and duration are the problem's.</p>\n"
+        "<div class=\"scroll\"><table>\n<thead><tr><th>Engine</th><th>Version</th>"
+        "<th>Settings</th></tr></thead>\n<tbody>\n");
+    for (int i = 0; i < cells->column_count; i++) {
+        pl_sheet settings = {0};
+        pl_cells_settings(cells, i, &settings);
+        sheet->failed |= settings.failed;
+        add_element(sheet, "<tr><th>", cells->columns[i].name, "</th>");
+        add_element(sheet, "<td>", cells->columns[i].version, "</td>");
+        add_element(sheet, "<td class=\"why\">", settings.data == NULL ? "" : settings.data,
+                    "</td></tr>\n");
+        pl_sheet_free(&settings);
+    }
+    pl_sheet_add(sheet, "</tbody></table></div>\n");
+}
+
 /* --- One problem --- */
 
 static bool counts_for_best(const pl_cell *cell, int metric)
@@ -272,22 +291,17 @@ static bool counts_for_best(const pl_cell *cell, int metric)
 }
 
 /* The least value over good runs in *best. False where there is none to single out: fewer than two
- * values, all the same to rounding, or numbers that mean different things to different engines. */
+ * values, all the same up to noise, or numbers that mean different things to different engines. */
 static bool find_best(const pl_block *block, int column_count, int metric, double *best)
 {
     double most = -INFINITY;
-    *best = INFINITY;
-    if (metric == PL_METRIC_ITERATIONS_MEAN || metric == PL_METRIC_ITERATIONS_MAX ||
-        metric == PL_METRIC_RESIDUAL_MAX || pl_metric_table[metric].direction != PL_LOWER_IS_BETTER)
+    *best = pl_block_least(block, column_count, metric);
+    if (!pl_loss_is_compared(metric))
         return false;
-    for (int i = 0; i < column_count; i++) {
-        if (!counts_for_best(&block->cells[i], metric))
-            continue;
-        double value = block->cells[i].measure[metric].value;
-        *best = fmin(*best, value);
-        most = fmax(most, value);
-    }
-    return most - *best > PL_LOSS_ROUNDING;
+    for (int i = 0; i < column_count; i++)
+        if (counts_for_best(&block->cells[i], metric))
+            most = fmax(most, block->cells[i].measure[metric].value);
+    return pl_loss_is_worse(block, metric, most, *best);
 }
 
 static void add_metric_row(const pl_cells *cells, const pl_block *block, int metric,
@@ -316,7 +330,7 @@ static void add_metric_row(const pl_cells *cells, const pl_block *block, int met
         if (cell->row == NULL)
             snprintf(text, sizeof text, "%s", pl_quantity_missing);
         bool is_best = has_best && counts_for_best(cell, metric) &&
-                       (measure->value == best || measure->value < PL_LOSS_ROUNDING);
+                       !pl_loss_is_worse(block, metric, measure->value, best);
         add_element(sheet, is_best ? "<b class=\"best\">" : "", text, is_best ? "</b>" : "");
         if (measure->disagrees)
             pl_sheet_add(sheet, "<br><span class=\"badge bad\">not deterministic</span>");
@@ -334,11 +348,7 @@ static void add_outcome_row(const pl_cells *cells, const pl_block *block, pl_she
             pl_sheet_add(sheet, "<td class=\"n none\">not run</td>");
             continue;
         }
-        open_cell(sheet,
-                  cell->ok                                   ? "n ok"
-                  : strcmp(outcome_class(cell), "none") == 0 ? "n none"
-                                                             : "n bad",
-                  cell->reason);
+        open_cell(sheet, numeric_class(cell), cell->reason);
         if (cell->ok)
             pl_sheet_add(sheet, "ok");
         else
@@ -376,6 +386,21 @@ static void add_params(const pl_block *block, pl_sheet *sheet)
     pl_sheet_format(sheet, " · seed = %" JSON_INTEGER_FORMAT "</p>\n", block->seed);
 }
 
+/* What a scene file's run has for parameters. */
+static void add_times(const pl_block *block, pl_sheet *sheet)
+{
+    static const char *const names[] = {"dt", "duration"};
+    pl_sheet_add(sheet, "<p class=\"small\">");
+    for (int i = 0; i < 2; i++) {
+        const json_t *value = json_object_get(json_object_get(block->row, "settings"), names[i]);
+        char number[PL_QUANTITY_SIZE];
+        pl_quantity_given(json_is_number(value) ? json_number_value(value) : (double)NAN, "s",
+                          number);
+        pl_sheet_format(sheet, "%s%s = %s", i == 0 ? "" : " · ", names[i], number);
+    }
+    pl_sheet_format(sheet, " · seed = %" JSON_INTEGER_FORMAT "</p>\n", block->seed);
+}
+
 static void add_problem(const pl_cells *cells, int index, pl_sheet *sheet)
 {
     const pl_block *block = &cells->blocks[index];
@@ -391,6 +416,7 @@ static void add_problem(const pl_cells *cells, int index, pl_sheet *sheet)
         add_params(block, sheet);
     } else {
         pl_sheet_add(sheet, "</h3>\n<p>A scene that is not in the catalogue.</p>\n");
+        add_times(block, sheet);
     }
     add_metric_table(cells, block, sheet);
     pl_picture_row(cells, index, sheet);
@@ -401,29 +427,27 @@ static void add_problem(const pl_cells *cells, int index, pl_sheet *sheet)
 
 static void add_failures(const pl_cells *cells, pl_sheet *sheet)
 {
-    int count = 0;
+    int b = 0, i = 0;
     pl_sheet_add(sheet, "<h2 id=\"failures\">Failed runs</h2>\n");
-    for (int b = 0; b < cells->block_count; b++) {
-        for (int i = 0; i < cells->column_count; i++) {
-            const pl_cell *cell = &cells->blocks[b].cells[i];
-            if (cell->row == NULL || cell->ok)
-                continue;
-            if (count++ == 0)
-                pl_sheet_add(sheet, "<div class=\"scroll\"><table>\n<thead><tr><th>Problem</th>"
-                                    "<th>Engine</th><th>Outcome</th><th>Reason and output</th></tr>"
-                                    "</thead>\n<tbody>\n");
-            const char *output = pl_row_text(cell->row, "output");
-            add_element(sheet, "<tr><th>", cells->blocks[b].name, "</th>");
-            add_element(sheet, "<td>", cells->columns[i].name, "</td><td>");
-            add_badge(cell, sheet);
-            add_element(sheet, "</td><td class=\"why\">",
-                        cell->reason[0] != '\0' ? cell->reason : "no reason was recorded", "");
-            if (output[0] != '\0')
-                add_element(sheet, "<pre>", output, "</pre>");
-            pl_sheet_add(sheet, "</td></tr>\n");
-        }
+    if (!pl_cells_next_failure(cells, &b, &i)) {
+        pl_sheet_add(sheet, "<p>No run failed.</p>\n");
+        return;
     }
-    pl_sheet_add(sheet, count > 0 ? "</tbody></table></div>\n" : "<p>No run failed.</p>\n");
+    pl_sheet_add(sheet, "<div class=\"scroll\"><table>\n<thead><tr><th>Problem</th><th>Engine</th>"
+                        "<th>Outcome</th><th>Reason and output</th></tr></thead>\n<tbody>\n");
+    for (; pl_cells_next_failure(cells, &b, &i); i++) {
+        const pl_cell *cell = &cells->blocks[b].cells[i];
+        const char *output = pl_row_text(cell->row, "output");
+        add_element(sheet, "<tr><th>", cells->blocks[b].name, "</th>");
+        add_element(sheet, "<td>", cells->columns[i].name, "</td><td>");
+        add_badge(cell, sheet);
+        add_element(sheet, "</td><td class=\"why\">",
+                    cell->reason[0] != '\0' ? cell->reason : "no reason was recorded", "");
+        if (output[0] != '\0')
+            add_element(sheet, "<pre>", output, "</pre>");
+        pl_sheet_add(sheet, "</td></tr>\n");
+    }
+    pl_sheet_add(sheet, "</tbody></table></div>\n");
 }
 
 static void add_definitions(pl_sheet *sheet)
@@ -462,7 +486,8 @@ static void add_method(pl_sheet *sheet)
         "are medians (the tooltip has the range and the median absolute deviation, MAD); "
         "everything else "
         "must be the same in every repeat, and is marked “not deterministic” where it is not. "
-        "Best values, in bold, are taken over runs that are ok.</p>\n"
+        "Best values, in bold, are taken over runs that are ok; "
+        "values that differ by less than noise (the rule below the losses) are best together.</p>\n"
         "<p>In the pictures a dashed outline is where a body belongs, a dotted one where it "
         "started, and a "
         "body drawn in red has fallen. All engines of a problem are drawn in the same view and "
@@ -473,19 +498,18 @@ static void add_method(pl_sheet *sheet)
 void pl_html_write(const pl_cells *cells, const pl_losses *losses, pl_sheet *sheet)
 {
     add_head(cells, sheet);
-    add_losses(cells, losses, sheet);
-    if (cells->several_hosts)
-        pl_sheet_add(sheet,
-                     "<p class=\"warn\">These runs come from several machines: their times cannot "
-                     "be compared with each other.</p>\n");
-    if (cells->disagrees)
-        pl_sheet_add(sheet,
-                     "<p class=\"warn\"><b>Not deterministic:</b> repeats of the same run differ "
-                     "where they should agree. The cells are marked.</p>\n");
+    add_losses(losses, sheet);
+    pl_warning warnings[PL_WARNINGS_MOST];
+    int warning_count = pl_cells_warnings(cells, warnings);
+    for (int i = 0; i < warning_count; i++) {
+        add_element(sheet, "<p class=\"warn\"><b>", warnings[i].head, "</b> ");
+        add_element(sheet, "", warnings[i].text, "</p>\n");
+    }
     if (cells->block_count == 0) {
         pl_sheet_add(sheet, "<p>There are no results.</p>\n");
     } else {
         add_main_table(cells, sheet);
+        add_settings(cells, sheet);
         pl_sheet_add(sheet, "<h2 id=\"problems\">Problem by problem</h2>\n");
         for (int b = 0; b < cells->block_count; b++)
             add_problem(cells, b, sheet);

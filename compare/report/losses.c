@@ -12,17 +12,26 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* All are better when lower. iterations_mean is left out: an iteration of one solver is not the
- * unit of work of another's. */
-static const pl_metric_id compared[] = {PL_METRIC_REFERENCE_ERROR, PL_METRIC_REST_ROTATION_ERROR,
-                                        PL_METRIC_PENETRATION_MAX, PL_METRIC_PENETRATION_REST,
-                                        PL_METRIC_DRIFT,           PL_METRIC_CREEP,
-                                        PL_METRIC_ENERGY_GAIN,     PL_METRIC_MOMENTUM_ERROR,
-                                        PL_METRIC_SETTLE_TIME,     PL_METRIC_TIME_PER_STEP,
-                                        PL_METRIC_MEMORY_PEAK};
-enum { COMPARED_COUNT = sizeof compared / sizeof compared[0] };
+/* Values below its floor are equal.
+ *
+ * Lengths, speeds, angles and relative numbers: 1e-9 (SI). Double precision resolves 1.4e-14 m at
+ * 100 m; over 10^4 steps such errors pile up to about 1e-10. So a smaller value is rounding, of the
+ * engine or of the referee, and a nanometre is far below what a simulation can be asked for.
+ *
+ * Memory counts whole pages, and what the allocator takes from the system ahead of need: 256 KiB.
+ * A time to rest is known to a step. */
+static const double value_floor = 1e-9, memory_noise = 256 * 1024, relative_noise = 0.1;
 
-static const double measurement_noise = 0.1; /* relative: of times and memory */
+static double floor_of(const pl_block *block, int metric)
+{
+    if (metric == PL_METRIC_MEMORY_PEAK)
+        return memory_noise;
+    if (metric == PL_METRIC_SETTLE_TIME) {
+        const json_t *settings = json_object_get(block->row, "settings");
+        return fmax(value_floor, json_number_value(json_object_get(settings, "dt")));
+    }
+    return value_floor;
+}
 
 static bool is_measured(int metric)
 {
@@ -37,11 +46,19 @@ static bool comparable(const pl_cell *a, const pl_cell *b, int metric)
                                            pl_row_text_in(b->row, "host", "cpu")) == 0);
 }
 
-static bool is_worse(double ours, double best, int metric)
+bool pl_loss_is_worse(const pl_block *block, int metric, double value, double best)
 {
-    if (ours < PL_LOSS_ROUNDING && best < PL_LOSS_ROUNDING)
+    double level = fmax(best, floor_of(block, metric));
+    if (metric == PL_METRIC_MEMORY_PEAK && value - best <= memory_noise)
         return false;
-    return ours > (is_measured(metric) ? best * (1 + measurement_noise) : best);
+    return value > (is_measured(metric) ? level * (1 + relative_noise) : level);
+}
+
+bool pl_loss_is_compared(int metric)
+{
+    return pl_metric_table[metric].direction == PL_LOWER_IS_BETTER &&
+           metric != PL_METRIC_ITERATIONS_MEAN && metric != PL_METRIC_ITERATIONS_MAX &&
+           metric != PL_METRIC_RESIDUAL_MAX;
 }
 
 /* The other engine's ok run with the least value of the metric; -1 when there is none. */
@@ -87,10 +104,10 @@ static void compare_metric(const pl_cells *cells, pl_loss loss, int metric, pl_l
     }
     double our_value = ours->value;
     double best_value = loss.best_cell->measure[metric].value;
-    if (!is_worse(our_value, best_value, metric))
+    if (!pl_loss_is_worse(loss.block, metric, our_value, best_value))
         return;
     loss.kind = PL_LOSS_VALUE;
-    loss.ratio = best_value > 0 ? our_value / best_value : (double)INFINITY;
+    loss.ratio = our_value / fmax(best_value, floor_of(loss.block, metric));
     losses->items[losses->count++] = loss;
 }
 
@@ -101,8 +118,9 @@ static void compare_run(const pl_cells *cells, pl_loss loss, pl_losses *losses)
     if (other < 0)
         return;
     if (loss.our_cell->ok) {
-        for (int i = 0; i < COMPARED_COUNT; i++)
-            compare_metric(cells, loss, (int)compared[i], losses);
+        for (int id = 0; id < PL_METRIC_COUNT; id++)
+            if (pl_loss_is_compared(id))
+                compare_metric(cells, loss, id, losses);
         return;
     }
     int best = best_other(cells, loss.block, loss.our_cell, PL_METRIC_REFERENCE_ERROR);
@@ -129,40 +147,6 @@ static int compare_losses(const void *left, const void *right)
     return (a->ours > b->ours) - (a->ours < b->ours);
 }
 
-pl_status pl_losses_find(const pl_cells *cells, pl_losses *losses, pl_error *error)
-{
-    *losses = (pl_losses){0};
-    size_t most = (size_t)cells->block_count * (size_t)cells->column_count * COMPARED_COUNT;
-    losses->items = calloc(most + 1, sizeof *losses->items);
-    if (losses->items == NULL)
-        return pl_fail(error, PL_NO_MEMORY, "no memory for %zu comparisons", most);
-    for (int i = 0; i < cells->column_count; i++) {
-        losses->ours_present |= cells->columns[i].ours;
-        losses->others_present |= !cells->columns[i].ours;
-    }
-    for (int b = 0; b < cells->block_count; b++) {
-        const pl_block *block = &cells->blocks[b];
-        int before = losses->comparisons;
-        for (int i = 0; i < cells->column_count; i++) {
-            pl_loss loss = {.block = block,
-                            .ours = &cells->columns[i],
-                            .our_cell = &block->cells[i],
-                            .ratio = (double)INFINITY};
-            if (cells->columns[i].ours && block->cells[i].row != NULL)
-                compare_run(cells, loss, losses);
-        }
-        losses->problems += losses->comparisons > before;
-    }
-    qsort(losses->items, (size_t)losses->count, sizeof *losses->items, compare_losses);
-    return PL_OK;
-}
-
-void pl_losses_free(pl_losses *losses)
-{
-    free(losses->items);
-    *losses = (pl_losses){0};
-}
-
 static void list_columns(const pl_cells *cells, bool ours, pl_sheet *sheet)
 {
     const char *separator = "";
@@ -174,7 +158,7 @@ static void list_columns(const pl_cells *cells, bool ours, pl_sheet *sheet)
     }
 }
 
-void pl_losses_statement(const pl_losses *losses, const pl_cells *cells, pl_sheet *sheet)
+static void write_statement(const pl_losses *losses, const pl_cells *cells, pl_sheet *sheet)
 {
     if (!losses->ours_present || !losses->others_present) {
         pl_sheet_add(sheet, losses->ours_present
@@ -203,19 +187,68 @@ void pl_losses_statement(const pl_losses *losses, const pl_cells *cells, pl_shee
     pl_sheet_add(sheet, ".");
 }
 
-void pl_losses_rule(pl_sheet *sheet)
+static void write_rule(pl_sheet *sheet)
 {
     pl_sheet_add(sheet,
                  "Compared, metric by metric and lower is better, with the best run of another "
                  "engine whose outcome is ok: ");
-    for (int i = 0; i < COMPARED_COUNT; i++)
-        pl_sheet_format(sheet, "%s%s", i == 0 ? "" : ", ", pl_metric_table[compared[i]].name);
+    const char *separator = "";
+    for (int id = 0; id < PL_METRIC_COUNT; id++) {
+        if (!pl_loss_is_compared(id))
+            continue;
+        pl_sheet_format(sheet, "%s%s", separator, pl_metric_table[id].name);
+        separator = ", ";
+    }
     pl_sheet_add(
         sheet,
-        ". Iteration counts are left out: an iteration of one solver is not the unit of work of "
-        "another's. No loss is a difference below noise: both numbers below 1e-12 (SI), or times "
-        "and memory within 10 %; these are compared only on one machine. A failed run of ours "
-        "counts once.");
+        ". Iterations and residuals are left out: they mean different things to different solvers. "
+        "No loss is a difference below noise. A value below its floor counts as the "
+        "floor, also in the ratio: 1e-9 for lengths (m), speeds (m/s), angles (rad) and relative "
+        "numbers, since rounding in double precision over a run of thousands of steps reaches "
+        "about 1e-10; one time step for settle_time, which is not known more closely; 256 KiB for "
+        "memory_peak, since memory is counted in pages and taken ahead of need. Times and memory "
+        "within 10 %, and memory within 256 KiB, are equal; both are compared only on one machine. "
+        "A failed run of ours counts once.");
+}
+
+pl_status pl_losses_find(const pl_cells *cells, pl_losses *losses, pl_error *error)
+{
+    *losses = (pl_losses){0};
+    size_t most = (size_t)cells->block_count * (size_t)cells->column_count * PL_METRIC_COUNT;
+    losses->items = calloc(most + 1, sizeof *losses->items);
+    if (losses->items == NULL)
+        return pl_fail(error, PL_NO_MEMORY, "no memory for %zu comparisons", most);
+    for (int i = 0; i < cells->column_count; i++) {
+        losses->ours_present |= cells->columns[i].ours;
+        losses->others_present |= !cells->columns[i].ours;
+    }
+    for (int b = 0; b < cells->block_count; b++) {
+        const pl_block *block = &cells->blocks[b];
+        int before = losses->comparisons;
+        for (int i = 0; i < cells->column_count; i++) {
+            pl_loss loss = {.block = block,
+                            .ours = &cells->columns[i],
+                            .our_cell = &block->cells[i],
+                            .ratio = (double)INFINITY};
+            if (cells->columns[i].ours && block->cells[i].row != NULL)
+                compare_run(cells, loss, losses);
+        }
+        losses->problems += losses->comparisons > before;
+    }
+    qsort(losses->items, (size_t)losses->count, sizeof *losses->items, compare_losses);
+    write_statement(losses, cells, &losses->statement);
+    write_rule(&losses->rule);
+    if (losses->statement.failed || losses->rule.failed)
+        return pl_fail(error, PL_NO_MEMORY, "no memory for the statement of losses");
+    return PL_OK;
+}
+
+void pl_losses_free(pl_losses *losses)
+{
+    free(losses->items);
+    pl_sheet_free(&losses->statement);
+    pl_sheet_free(&losses->rule);
+    *losses = (pl_losses){0};
 }
 
 void pl_loss_texts(const pl_loss *loss, char metric[PL_LOSS_TEXT_SIZE],

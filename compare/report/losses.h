@@ -5,9 +5,6 @@
 #include "report/cells.h"
 #include "report/sheet.h"
 
-/* SI: two numbers below it are equal. */
-#define PL_LOSS_ROUNDING 1e-12
-
 typedef enum pl_loss_kind {
     PL_LOSS_OUTCOME,  /* ours failed, another did not */
     PL_LOSS_NO_VALUE, /* ours has no value where another has one */
@@ -20,7 +17,7 @@ typedef struct pl_loss {
     const pl_column *ours, *best;        /* best: of the other engines whose outcome is ok */
     const pl_cell *our_cell, *best_cell; /* of `ours` and `best` in `block` */
     int metric;                          /* of the two kinds that have one */
-    double ratio; /* ours / best; INFINITY when best is 0, or for the two other kinds */
+    double ratio; /* ours / the larger of best and the metric's floor; INFINITY for other kinds */
 } pl_loss;
 
 typedef struct pl_losses {
@@ -29,17 +26,21 @@ typedef struct pl_losses {
     int comparisons; /* pairs of our run and a metric that were held against another engine */
     int problems;    /* blocks with both a run of ours and a good run of another engine */
     bool ours_present, others_present;
+    pl_sheet statement; /* in words: how many there are, or that there are none, of what */
+    pl_sheet rule;      /* in words: which metrics count, and which differences do not */
 } pl_losses;
 
-/* `cells` must outlive *losses, which the caller frees. */
+/* Both values are of the metric `metric` in `block`; whether `value` is worse than `best` by more
+ * than noise: above the metric's floor and, where it is measured, outside its spread. */
+bool pl_loss_is_worse(const pl_block *block, int metric, double value, double best);
+
+/* The metric is better when lower, and means the same to every engine: an iteration of one solver
+ * is not the unit of work of another's, nor is the residual one number. */
+bool pl_loss_is_compared(int metric);
+
+/* `cells` must outlive *losses, which the caller frees, also on failure. */
 pl_status pl_losses_find(const pl_cells *cells, pl_losses *losses, pl_error *error);
 void pl_losses_free(pl_losses *losses);
-
-/* In words: how many there are, or that there are none, and what was compared. Plain text. */
-void pl_losses_statement(const pl_losses *losses, const pl_cells *cells, pl_sheet *sheet);
-
-/* Which metrics count and which differences do not: plain text for below the table. */
-void pl_losses_rule(pl_sheet *sheet);
 
 /* The texts of a loss, the same in every format. */
 enum { PL_LOSS_TEXT_SIZE = 192 };

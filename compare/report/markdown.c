@@ -36,14 +36,10 @@ static void add_loss_lines(const pl_losses *losses, int first, int last, pl_shee
     }
 }
 
-static void add_losses(const pl_cells *cells, const pl_losses *losses, pl_sheet *sheet)
+static void add_losses(const pl_losses *losses, pl_sheet *sheet)
 {
-    pl_sheet statement = {0}, rule = {0};
-    pl_losses_statement(losses, cells, &statement);
-    pl_losses_rule(&rule);
-    sheet->failed |= statement.failed || rule.failed;
     pl_sheet_add(sheet, "## Where plumb loses\n\n");
-    pl_sheet_add_markdown(sheet, statement.data == NULL ? "" : statement.data);
+    pl_sheet_add_markdown(sheet, losses->statement.data);
     pl_sheet_add(sheet, "\n");
     int shown = losses->count < SHOWN_LOSSES ? losses->count : SHOWN_LOSSES;
     if (shown > 0)
@@ -54,10 +50,8 @@ static void add_losses(const pl_cells *cells, const pl_losses *losses, pl_sheet 
         pl_sheet_add(sheet, "\n</details>\n");
     }
     pl_sheet_add(sheet, "\n<sub>");
-    pl_sheet_add_markdown(sheet, rule.data == NULL ? "" : rule.data);
+    pl_sheet_add_markdown(sheet, losses->rule.data);
     pl_sheet_add(sheet, "</sub>\n\n");
-    pl_sheet_free(&statement);
-    pl_sheet_free(&rule);
 }
 
 static void add_result(const pl_cell *cell, double fastest, pl_sheet *sheet)
@@ -93,8 +87,10 @@ static void add_result(const pl_cell *cell, double fastest, pl_sheet *sheet)
 static void add_main_table(const pl_cells *cells, pl_sheet *sheet)
 {
     pl_sheet_add(sheet,
-                 "## Results\n\nPrimary error; below it the CPU time of a step, and how many times "
-                 "that of the fastest run that is ok.\n\n| Problem (primary error) ");
+                 "## Results\n\nPrimary error (without a unit: relative); below it the CPU time of "
+                 "the engine's step call alone, and how many times that of the fastest run that is "
+                 "ok. Machines are noisy: differences of less than 10 % are none.\n\n| Problem "
+                 "(primary error) ");
     for (int i = 0; i < cells->column_count; i++)
         add_cell(sheet, cells->columns[i].name);
     pl_sheet_add(sheet, "|\n|---");
@@ -118,23 +114,37 @@ static void add_main_table(const pl_cells *cells, pl_sheet *sheet)
 
 static void add_failures(const pl_cells *cells, pl_sheet *sheet)
 {
-    int count = 0;
-    for (int b = 0; b < cells->block_count; b++) {
-        for (int i = 0; i < cells->column_count; i++) {
-            const pl_cell *cell = &cells->blocks[b].cells[i];
-            if (cell->row == NULL || cell->ok)
-                continue;
-            if (count++ == 0)
-                pl_sheet_add(sheet, "## Failed runs\n\n| Problem | Engine | Outcome | Reason |\n"
-                                    "|---|---|---|---|\n");
-            add_cell(sheet, cells->blocks[b].name);
-            add_cell(sheet, cells->columns[i].name);
-            add_cell(sheet, cell->outcome);
-            add_cell(sheet, cell->reason);
-            pl_sheet_add(sheet, "|\n");
-        }
+    int b = 0, i = 0;
+    if (!pl_cells_next_failure(cells, &b, &i)) {
+        pl_sheet_add(sheet, "No run failed.\n\n");
+        return;
     }
-    pl_sheet_add(sheet, count == 0 ? "No run failed.\n" : "");
+    pl_sheet_add(sheet, "## Failed runs\n\n| Problem | Engine | Outcome | Reason |\n"
+                        "|---|---|---|---|\n");
+    for (; pl_cells_next_failure(cells, &b, &i); i++) {
+        add_cell(sheet, cells->blocks[b].name);
+        add_cell(sheet, cells->columns[i].name);
+        add_cell(sheet, cells->blocks[b].cells[i].outcome);
+        add_cell(sheet, cells->blocks[b].cells[i].reason);
+        pl_sheet_add(sheet, "|\n");
+    }
+    pl_sheet_add(sheet, "\n");
+}
+
+static void add_settings(const pl_cells *cells, pl_sheet *sheet)
+{
+    pl_sheet_add(sheet, "## Engine settings\n\n");
+    for (int i = 0; i < cells->column_count; i++) {
+        pl_sheet settings = {0};
+        pl_cells_settings(cells, i, &settings);
+        sheet->failed |= settings.failed;
+        pl_sheet_add(sheet, "- ");
+        pl_sheet_add_markdown(sheet, cells->columns[i].name);
+        pl_sheet_add(sheet, ": ");
+        pl_sheet_add_markdown(sheet, settings.data == NULL ? "" : settings.data);
+        pl_sheet_add(sheet, "\n");
+        pl_sheet_free(&settings);
+    }
 }
 
 void pl_markdown_write(const pl_cells *cells, const pl_losses *losses, pl_sheet *sheet)
@@ -151,19 +161,19 @@ void pl_markdown_write(const pl_cells *cells, const pl_losses *losses, pl_sheet 
         pl_sheet_add_markdown(sheet, pl_row_text_in(row, "plumb", "git"));
         pl_sheet_add(sheet, ")\n\n");
     }
-    add_losses(cells, losses, sheet);
-    if (cells->several_hosts)
-        pl_sheet_add(sheet,
-                     "**These runs come from several machines:** their times cannot be compared "
-                     "with each other.\n\n");
-    if (cells->disagrees)
-        pl_sheet_add(sheet,
-                     "**Not deterministic:** some repeats of the same run differ where they should "
-                     "agree; marked below.\n\n");
+    add_losses(losses, sheet);
+    pl_warning warnings[PL_WARNINGS_MOST];
+    int warning_count = pl_cells_warnings(cells, warnings);
+    for (int i = 0; i < warning_count; i++) {
+        pl_sheet_format(sheet, "**%s** ", warnings[i].head);
+        pl_sheet_add_markdown(sheet, warnings[i].text);
+        pl_sheet_add(sheet, "\n\n");
+    }
     if (cells->block_count == 0) {
         pl_sheet_add(sheet, "There are no results.\n");
         return;
     }
     add_main_table(cells, sheet);
     add_failures(cells, sheet);
+    add_settings(cells, sheet);
 }

@@ -53,12 +53,12 @@ static void add_outline(const pl_shape *shape, const pl_pose *pose, const pl_vie
                         pl_sheet *sheet)
 {
     if (shape->kind == PL_SHAPE_SPHERE) {
-        pl_pixel centre = pl_view_project(view, pl_vec3_of(pose->position));
+        pl_pixel centre = pl_view_project(view, pl_vec_of(pose->position));
         double r = shape->radius * view->scale;
         pl_sheet_format(sheet, "M%.1f %.1fa%.1f %.1f 0 1 0 %.1f 0a%.1f %.1f 0 1 0 %.1f 0z",
                         centre.x - r, centre.y, r, r, 2 * r, r, r, -2 * r);
     } else if (shape->kind == PL_SHAPE_BOX) {
-        pl_vec3 corners[8];
+        pl_vec corners[8];
         pl_pixel points[8], out[16];
         pl_shape_corners(shape, pose, corners);
         for (int i = 0; i < 8; i++)
@@ -102,64 +102,35 @@ cleanup:
 
 /* --- Ground --- */
 
-/* The mean of the moving bodies' places at the start. */
-static pl_vec3 start_centre(const pl_scene *scene)
+/* A floor reaches from a level line behind all bodies of the picture to beyond its lower edge; seen
+ * edge-on it is the half-space below its line. Any other plane is a square around the start. */
+static void add_plane(const pl_shape *plane, const pl_view *view, pl_sheet *sheet)
 {
-    pl_vec3 sum = {0, 0, 0};
-    int count = 0;
-    for (int i = 0; i < scene->body_count; i++) {
-        if (scene->bodies[i].is_static)
-            continue;
-        sum = pl_vec3_mad(sum, 1, pl_vec3_of(scene->bodies[i].position));
-        count++;
-    }
-    return pl_vec3_scale(sum, 1.0 / (count > 0 ? count : 1));
-}
-
-/* The radius, about `centre` and across the unit vector `n`, that holds the moving bodies at the
- * start. */
-static double start_radius(const pl_scene *scene, pl_vec3 centre, pl_vec3 n)
-{
-    double radius = 0;
-    for (int i = 0; i < scene->body_count; i++) {
-        const pl_body *body = &scene->bodies[i];
-        pl_pose pose = pl_pose_of(body);
-        pl_vec3 corners[8];
-        pl_shape_corners(&body->shape, &pose, corners);
-        for (int k = 0; k < 8 && !body->is_static; k++) {
-            pl_vec3 from = pl_vec3_mad(corners[k], -1, centre);
-            radius = fmax(radius, pl_vec3_length(pl_vec3_reject(from, n)));
-        }
-    }
-    return radius;
-}
-
-/* A plane as a square under the moving bodies' start or, seen edge-on, as the half-space below a
- * line that crosses the picture. */
-static void add_plane(const pl_scene *scene, const pl_shape *plane, const pl_view *view,
-                      pl_sheet *sheet)
-{
-    pl_vec3 n = pl_vec3_of(plane->normal), centre = start_centre(scene);
-    centre = pl_vec3_mad(centre, plane->offset - pl_vec3_dot(n, centre), n);
-    pl_vec3 u = pl_vec3_reject(view->along, n);
-    if (pl_vec3_length(u) < 1e-6)
+    pl_vec n = pl_vec_of(plane->normal), centre = view->centre;
+    centre = pl_vec_mad(centre, plane->offset - pl_vec_dot(n, centre), n);
+    pl_vec u = pl_vec_reject(view->right, n);
+    if (pl_vec_length(u) < 1e-6)
         return;
-    u = pl_vec3_scale(u, 1 / pl_vec3_length(u));
-    pl_vec3 v = pl_vec3_cross(n, u);
-    double across = fmax(1.3 * start_radius(scene, centre, n), 0.4 * view->width / view->scale);
-    double along = -across, back = across;
-    if (fabs(pl_vec3_dot(n, view->toward)) < 1e-6) {
-        across = 4 * (view->width + view->height) / view->scale;
+    u = pl_vec_scale(u, 1 / pl_vec_length(u));
+    pl_vec v = pl_vec_cross(n, u);
+    const double beyond = 4 * (view->width + view->height) / view->scale;
+    double back = fmax(1.3 * view->reach, 0.4 * view->width / view->scale);
+    double across = back, front = -back;
+    bool edge_on = fabs(pl_vec_dot(n, view->toward)) < 1e-6;
+    if (edge_on) {
         v = n;
-        along = 0;
-        back = -across;
+        back = 0;
+    }
+    if (edge_on || pl_vec_dot(n, view->up) > 0.5) {
+        across = beyond;
+        front = -beyond;
     }
     const double corner[4][2] = {
-        {-across, along}, {across, along}, {across, back}, {-across, back}};
+        {-across, back}, {across, back}, {across, front}, {-across, front}};
     pl_pixel pixels[4];
     for (int i = 0; i < 4; i++)
-        pixels[i] = pl_view_project(
-            view, pl_vec3_mad(pl_vec3_mad(centre, corner[i][0], u), corner[i][1], v));
+        pixels[i] =
+            pl_view_project(view, pl_vec_mad(pl_vec_mad(centre, corner[i][0], u), corner[i][1], v));
     pl_sheet_add(sheet, "<path class=\"ground\" d=\"");
     add_polygon(pixels, 4, sheet);
     pl_sheet_add(sheet, "\"/>");
@@ -169,10 +140,10 @@ static void add_plane(const pl_scene *scene, const pl_shape *plane, const pl_vie
 
 /* 0 (dark) .. SHADES - 1 by the angle between a normal and light from the upper left, behind the
  * eye. */
-static int shade_of(const pl_view *view, pl_vec3 normal)
+static int shade_of(const pl_view *view, pl_vec normal)
 {
-    double light = -0.40 * pl_vec3_dot(normal, view->right) + 0.75 * pl_vec3_dot(normal, view->up) +
-                   0.53 * pl_vec3_dot(normal, view->toward);
+    double light = -0.40 * pl_vec_dot(normal, view->right) + 0.75 * pl_vec_dot(normal, view->up) +
+                   0.53 * pl_vec_dot(normal, view->toward);
     int shade = (int)floor((0.15 + 0.85 * fmax(light, 0)) * SHADES);
     return shade < SHADES ? shade : SHADES - 1;
 }
@@ -183,28 +154,27 @@ static void add_faces(const pl_shape *shape, const pl_pose *pose, const pl_view 
 {
     pl_face face = {.kind = kind};
     if (shape->kind == PL_SHAPE_SPHERE) {
-        face.corner[0] = pl_view_project(view, pl_vec3_of(pose->position));
-        face.depth[0] = view->scale * pl_vec3_dot(pl_vec3_of(pose->position), view->toward);
+        face.corner[0] = pl_view_project(view, pl_vec_of(pose->position));
+        face.depth[0] = view->scale * pl_vec_dot(pl_vec_of(pose->position), view->toward);
         face.radius = shape->radius * view->scale;
         face.shade = SHADES - 2;
         painting->faces[painting->count++] = face;
         return;
     }
-    pl_vec3 corners[8];
+    pl_vec corners[8];
     pl_shape_corners(shape, pose, corners);
-    pl_vec3 axes[3];
-    pl_body_axes(pose->orientation, axes);
+    const pl_axes axes = pl_axes_of(pose->orientation);
     for (int k = 0; k < 3; k++) {
-        double facing = pl_vec3_dot(axes[k], view->toward);
+        double facing = pl_vec_dot(axes.axis[k], view->toward);
         if (fabs(facing) < 1e-6)
             continue;
         int side = facing > 0 ? 1 << k : 0, u = 1 << (k + 1) % 3, v = 1 << (k + 2) % 3;
         const int ring[4] = {side, side | u, side | u | v, side | v};
         for (int i = 0; i < 4; i++) {
             face.corner[i] = pl_view_project(view, corners[ring[i]]);
-            face.depth[i] = view->scale * pl_vec3_dot(corners[ring[i]], view->toward);
+            face.depth[i] = view->scale * pl_vec_dot(corners[ring[i]], view->toward);
         }
-        face.shade = shade_of(view, pl_vec3_scale(axes[k], facing > 0 ? 1 : -1));
+        face.shade = shade_of(view, pl_vec_scale(axes.axis[k], facing > 0 ? 1 : -1));
         painting->faces[painting->count++] = face;
     }
 }
@@ -240,9 +210,9 @@ static void mark_fallen(const pl_scene *scene, const pl_pose *poses, bool *falle
 {
     for (int i = 0; i < scene->rest_count; i++) {
         const pl_expect_rest *rest = &scene->rests[i];
-        pl_vec3 from =
-            pl_vec3_mad(pl_vec3_of(poses[rest->body].position), -1, pl_vec3_of(rest->position));
-        fallen[rest->body] |= !(pl_vec3_length(from) <= scene->collapse_distance);
+        pl_vec from =
+            pl_vec_mad(pl_vec_of(poses[rest->body].position), -1, pl_vec_of(rest->position));
+        fallen[rest->body] |= !(pl_vec_length(from) <= scene->collapse_distance);
     }
 }
 
@@ -296,7 +266,7 @@ int pl_svg_picture(const pl_scene *scene, const pl_view *view, const pl_pose *po
     pl_sheet_add(sheet, "</title>");
     for (int i = 0; i < scene->body_count; i++)
         if (scene->bodies[i].shape.kind == PL_SHAPE_PLANE)
-            add_plane(scene, &scene->bodies[i].shape, view, sheet);
+            add_plane(&scene->bodies[i].shape, view, sheet);
     pl_sheet_format(sheet, "<use href=\"#%s\"/>", expected_id);
     for (size_t i = 0; i < painting.count; i++)
         add_face(&painting.faces[i], sheet);

@@ -96,18 +96,15 @@ static void measure_columns(const pl_cells *cells, table_layout *layout)
         layout->name_width = 6;
 }
 
-static void add_losses(const pl_cells *cells, const pl_losses *losses, const table_layout *layout)
+static void add_losses(const pl_losses *losses, const table_layout *layout)
 {
     pl_sheet *sheet = layout->sheet;
-    pl_sheet statement = {0};
-    pl_losses_statement(losses, cells, &statement);
-    sheet->failed |= statement.failed;
     paint(layout, bold);
     pl_sheet_add(sheet, "Where plumb loses");
     paint(layout, plain);
     pl_sheet_add(sheet, "\n");
     /* Wrapped at blanks. */
-    const char *word = statement.data == NULL ? "" : statement.data;
+    const char *word = losses->statement.data;
     int column = 0;
     while (*word != '\0') {
         size_t bytes = strcspn(word, " ");
@@ -137,7 +134,6 @@ static void add_losses(const pl_cells *cells, const pl_losses *losses, const tab
     }
     if (losses->count > SHOWN_LOSSES)
         pl_sheet_format(sheet, "  and %d more\n", losses->count - SHOWN_LOSSES);
-    pl_sheet_free(&statement);
 }
 
 static void add_heading(const pl_block *block, const table_layout *layout)
@@ -206,7 +202,7 @@ void pl_report_print_table(FILE *out, const json_t *results, bool colour, int wi
         status = pl_losses_find(&cells, &losses, &error);
     if (status == PL_OK) {
         measure_columns(&cells, &layout);
-        add_losses(&cells, &losses, &layout);
+        add_losses(&losses, &layout);
         for (int b = 0; b < cells.block_count; b++) {
             add_heading(&cells.blocks[b], &layout);
             for (int i = 0; i < cells.column_count; i++)

@@ -8,19 +8,19 @@
 
 static const double radian = 0.017453292519943295; /* of a degree */
 
-static const pl_vec3 zero = {0, 0, 0};
+static const pl_vec zero = {0, 0, 0};
 
 /* `fallback` when `v` has no length. */
-static pl_vec3 unit(pl_vec3 v, pl_vec3 fallback)
+static pl_vec unit(pl_vec v, pl_vec fallback)
 {
-    double length = pl_vec3_length(v);
-    return length > 1e-12 && isfinite(length) ? pl_vec3_scale(v, 1 / length) : fallback;
+    double length = pl_vec_length(v);
+    return length > 1e-12 && isfinite(length) ? pl_vec_scale(v, 1 / length) : fallback;
 }
 
 /* cos(angle) a + sin(angle) b */
-static pl_vec3 turned(pl_vec3 a, pl_vec3 b, double angle)
+static pl_vec turned(pl_vec a, pl_vec b, double angle)
 {
-    return pl_vec3_mad(pl_vec3_scale(a, cos(angle)), sin(angle), b);
+    return pl_vec_mad(pl_vec_scale(a, cos(angle)), sin(angle), b);
 }
 
 pl_pose pl_pose_of(const pl_body *body)
@@ -56,55 +56,54 @@ int pl_expected_poses(const pl_scene *scene, pl_pose *poses, int *bodies)
 
 /* The outward normal of a static plane or box that is tilted against `up` by 0.5 to 80 degrees;
  * zero when there is none. */
-static pl_vec3 find_slope(const pl_scene *scene, pl_vec3 up)
+static pl_vec find_slope(const pl_scene *scene, pl_vec up)
 {
     for (int i = 0; i < scene->body_count; i++) {
         const pl_body *body = &scene->bodies[i];
         if (!body->is_static || body->shape.kind == PL_SHAPE_SPHERE)
             continue;
-        pl_vec3 normal = zero;
+        pl_vec normal = zero;
         if (body->shape.kind == PL_SHAPE_PLANE)
-            normal = pl_vec3_of(body->shape.normal);
-        pl_vec3 axes[3];
-        pl_body_axes(body->orientation, axes);
+            normal = pl_vec_of(body->shape.normal);
+        const pl_axes axes = pl_axes_of(body->orientation);
         for (int k = 0; k < 3 && body->shape.kind == PL_SHAPE_BOX; k++) {
-            double rise = pl_vec3_dot(axes[k], up);
-            if (fabs(rise) > pl_vec3_dot(normal, up))
-                normal = pl_vec3_scale(axes[k], rise < 0 ? -1 : 1);
+            double rise = pl_vec_dot(axes.axis[k], up);
+            if (fabs(rise) > pl_vec_dot(normal, up))
+                normal = pl_vec_scale(axes.axis[k], rise < 0 ? -1 : 1);
         }
-        double cosine = pl_vec3_dot(normal, up);
+        double cosine = pl_vec_dot(normal, up);
         if (cosine > cos(80 * radian) && cosine < cos(0.5 * radian))
             return normal;
     }
     return zero;
 }
 
-void pl_shape_corners(const pl_shape *shape, const pl_pose *pose, pl_vec3 corners[8])
+void pl_shape_corners(const pl_shape *shape, const pl_pose *pose, pl_vec corners[8])
 {
-    pl_vec3 axes[3];
-    pl_body_axes(pose->orientation, axes);
+    const pl_axes axes = pl_axes_of(pose->orientation);
     double half[3] = {shape->radius, shape->radius, shape->radius};
     if (shape->kind == PL_SHAPE_BOX)
         memcpy(half, shape->half_extents, sizeof half);
     for (int i = 0; i < 8; i++) {
-        corners[i] = pl_vec3_of(pose->position);
+        corners[i] = pl_vec_of(pose->position);
         for (int k = 0; k < 3; k++)
-            corners[i] = pl_vec3_mad(corners[i], (i >> k & 1) != 0 ? half[k] : -half[k], axes[k]);
+            corners[i] =
+                pl_vec_mad(corners[i], (i >> k & 1) != 0 ? half[k] : -half[k], axes.axis[k]);
     }
 }
 
 /* The principal axis of the spread of the moving bodies' corners in the plane of a and b; `a` where
  * the spread is nearly round. */
-static pl_vec3 longest_axis(const pl_scene *scene, pl_vec3 a, pl_vec3 b)
+static pl_vec longest_axis(const pl_scene *scene, pl_vec a, pl_vec b)
 {
     double sum_x = 0, sum_y = 0, sum_xx = 0, sum_xy = 0, sum_yy = 0, count = 0;
     for (int i = 0; i < scene->body_count; i++) {
         const pl_body *body = &scene->bodies[i];
         pl_pose pose = pl_pose_of(body);
-        pl_vec3 corners[8];
+        pl_vec corners[8];
         pl_shape_corners(&body->shape, &pose, corners);
         for (int k = 0; k < 8 && !body->is_static; k++) {
-            double x = pl_vec3_dot(corners[k], a), y = pl_vec3_dot(corners[k], b);
+            double x = pl_vec_dot(corners[k], a), y = pl_vec_dot(corners[k], b);
             sum_x += x;
             sum_y += y;
             sum_xx += x * x;
@@ -122,24 +121,29 @@ static pl_vec3 longest_axis(const pl_scene *scene, pl_vec3 a, pl_vec3 b)
     return round ? a : turned(a, b, 0.5 * atan2(2 * xy, xx - yy));
 }
 
+/* Against gravity; z where there is none. */
+static pl_vec up_of(const pl_scene *scene)
+{
+    const pl_vec z = {0, 0, 1};
+    return unit(pl_vec_scale(pl_vec_of(scene->gravity), -1), z);
+}
+
 static void choose_directions(const pl_scene *scene, pl_view *view)
 {
-    const pl_vec3 x = {1, 0, 0}, y = {0, 1, 0}, z = {0, 0, 1};
-    pl_vec3 up = unit(pl_vec3_scale(pl_vec3_of(scene->gravity), -1), z);
-    pl_vec3 slope = find_slope(scene, up);
-    if (pl_vec3_length(slope) > 0) {
-        view->right = unit(pl_vec3_reject(slope, up), x);
+    const pl_vec x = {1, 0, 0}, y = {0, 1, 0};
+    pl_vec up = up_of(scene);
+    pl_vec slope = find_slope(scene, up);
+    if (pl_vec_length(slope) > 0) {
+        view->right = unit(pl_vec_reject(slope, up), x);
         view->up = up;
-        view->toward = pl_vec3_cross(view->right, up);
-        view->along = view->right;
+        view->toward = pl_vec_cross(view->right, up);
         return;
     }
-    pl_vec3 level = unit(pl_vec3_reject(fabs(up.x) < 0.9 ? x : y, up), x);
-    pl_vec3 right = longest_axis(scene, level, pl_vec3_cross(up, level));
-    pl_vec3 front = pl_vec3_cross(right, up);
-    view->along = right;
+    pl_vec level = unit(pl_vec_reject(fabs(up.x) < 0.9 ? x : y, up), x);
+    pl_vec right = longest_axis(scene, level, pl_vec_cross(up, level));
+    pl_vec front = pl_vec_cross(right, up);
     view->right = turned(right, front, -25 * radian);
-    pl_vec3 turned_front = turned(front, right, 25 * radian);
+    pl_vec turned_front = turned(front, right, 25 * radian);
     view->toward = turned(turned_front, up, 12 * radian);
     view->up = turned(up, turned_front, -12 * radian);
 }
@@ -154,12 +158,12 @@ typedef struct bounds {
 static void include_body(const pl_view *view, const pl_shape *shape, const pl_pose *pose,
                          const bounds *limit, bounds *box)
 {
-    pl_vec3 corners[8];
+    pl_vec corners[8];
     if (shape->kind == PL_SHAPE_PLANE)
         return;
     pl_shape_corners(shape, pose, corners);
     for (int i = 0; i < 8; i++) {
-        double at[2] = {pl_vec3_dot(corners[i], view->right), pl_vec3_dot(corners[i], view->up)};
+        double at[2] = {pl_vec_dot(corners[i], view->right), pl_vec_dot(corners[i], view->up)};
         if (!isfinite(at[0]) || !isfinite(at[1]))
             return;
         for (int k = 0; k < 2; k++) {
@@ -215,6 +219,33 @@ static double largest_body(const pl_scene *scene)
     return largest;
 }
 
+/* The mean of the moving bodies' places at the start. */
+static pl_vec start_centre(const pl_scene *scene)
+{
+    pl_vec sum = zero;
+    int count = 0;
+    for (int i = 0; i < scene->body_count; i++) {
+        if (scene->bodies[i].is_static)
+            continue;
+        sum = pl_vec_mad(sum, 1, pl_vec_of(scene->bodies[i].position));
+        count++;
+    }
+    return pl_vec_scale(sum, 1.0 / (count > 0 ? count : 1));
+}
+
+/* Extends the reach to the corners of a body that lie in the frame. */
+static void include_reach(const pl_shape *shape, const pl_pose *pose, pl_vec up, pl_view *view)
+{
+    pl_vec corners[8];
+    pl_shape_corners(shape, pose, corners);
+    for (int i = 0; i < 8; i++) {
+        pl_pixel at = pl_view_project(view, corners[i]);
+        pl_vec from = pl_vec_mad(corners[i], -1, view->centre);
+        if (at.x >= 0 && at.y >= 0 && at.x <= view->width && at.y <= view->height)
+            view->reach = fmax(view->reach, pl_vec_length(pl_vec_reject(from, up)));
+    }
+}
+
 pl_view pl_view_choose(const pl_scene *scene, const pl_pose *const *runs, int run_count)
 {
     pl_view view = {0};
@@ -236,13 +267,24 @@ pl_view pl_view_choose(const pl_scene *scene, const pl_pose *const *runs, int ru
             if (!scene->bodies[i].is_static)
                 include_body(&view, &scene->bodies[i].shape, &runs[r][i], &limit, &box);
     choose_frame(&box, &view);
+    view.centre = start_centre(scene);
+    for (int i = 0; i < scene->body_count; i++) {
+        const pl_body *body = &scene->bodies[i];
+        pl_pose start = pl_pose_of(body);
+        if (body->is_static)
+            continue;
+        include_reach(&body->shape, &start, up_of(scene), &view);
+        for (int r = 0; r < run_count; r++)
+            if (runs[r] != NULL)
+                include_reach(&body->shape, &runs[r][i], up_of(scene), &view);
+    }
     return view;
 }
 
-pl_pixel pl_view_project(const pl_view *view, pl_vec3 point)
+pl_pixel pl_view_project(const pl_view *view, pl_vec point)
 {
-    return (pl_pixel){(pl_vec3_dot(point, view->right) - view->left) * view->scale,
-                      (view->top - pl_vec3_dot(point, view->up)) * view->scale};
+    return (pl_pixel){(pl_vec_dot(point, view->right) - view->left) * view->scale,
+                      (view->top - pl_vec_dot(point, view->up)) * view->scale};
 }
 
 double pl_pixel_turn(pl_pixel o, pl_pixel a, pl_pixel b)

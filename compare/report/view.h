@@ -4,7 +4,7 @@
 #define PLUMB_VIEW_H
 
 #include "plumb/scene.h"
-#include "report/space.h"
+#include "plumb/vec.h"
 
 /* A body's place as a row of `final_poses`: x, y, z, qw, qx, qy, qz. */
 typedef struct pl_pose {
@@ -13,11 +13,12 @@ typedef struct pl_pose {
 } pl_pose;
 
 typedef struct pl_view {
-    pl_vec3 along;             /* world, unit: the scene's own horizontal axis nearest to right */
-    pl_vec3 right, up, toward; /* world, orthonormal; toward the eye */
-    double scale;              /* px/m */
-    double left, top;          /* m: right and up coordinates of the picture's top left corner */
-    double width, height;      /* px, whole numbers */
+    pl_vec right, up, toward; /* world, orthonormal; toward the eye */
+    double scale;             /* px/m */
+    double left, top;         /* m: right and up coordinates of the picture's top left corner */
+    double width, height;     /* px, whole numbers */
+    pl_vec centre;            /* world, m: the mean of the moving bodies' places at the start */
+    double reach;             /* m: level distance from there of the farthest body in the frame */
 } pl_view;
 
 /* The pose of a body in the scene at t = 0. */
@@ -39,13 +40,13 @@ typedef struct pl_pixel {
     double x, y;
 } pl_pixel;
 
-pl_pixel pl_view_project(const pl_view *view, pl_vec3 point);
+pl_pixel pl_view_project(const pl_view *view, pl_vec point);
 
 /* Twice the area of the triangle o a b, px^2; positive when it turns from x towards y. */
 double pl_pixel_turn(pl_pixel o, pl_pixel a, pl_pixel b);
 
 /* The corners of a body's box, or of the cube around its sphere, in the world. Bit k of the index
  * says which side of axis k. */
-void pl_shape_corners(const pl_shape *shape, const pl_pose *pose, pl_vec3 corners[8]);
+void pl_shape_corners(const pl_shape *shape, const pl_pose *pose, pl_vec corners[8]);
 
 #endif

@@ -11,7 +11,8 @@
 #include <unistd.h>
 
 struct pl_store {
-    int file;
+    FILE *stream; /* for reading what is there; a lock of fcntl(2) lasts until any is closed */
+    int file;     /* of the stream, for writing */
     char *path;
     off_t size; /* bytes of complete lines */
     json_t *results;
@@ -44,40 +45,30 @@ static pl_status read_line(const char *line, size_t length, const char *path, lo
     return PL_OK;
 }
 
-pl_status pl_results_read(const char *path, json_t **results, long long *whole, pl_error *error)
+/* Reads the results of `stream` into a new array; `path` is for messages. */
+static pl_status read_lines(FILE *stream, const char *path, json_t **results, long long *whole,
+                            pl_error *error)
 {
     char *line = NULL;
     size_t capacity = 0;
     long long end = 0;
     long number = 0;
     pl_status status = PL_OK;
-    json_t *read = NULL;
-    bool is_stdin = strcmp(path, "-") == 0;
-    FILE *file = is_stdin ? stdin : fopen(path, "re");
-    if (file == NULL) {
-        return pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
-    }
-    read = json_array();
+    json_t *read = json_array();
     if (read == NULL) {
-        status = pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
-        goto cleanup;
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
     }
     ssize_t length = 0;
-    while (status == PL_OK && (length = getline(&line, &capacity, file)) > 0 &&
+    while (status == PL_OK && (length = getline(&line, &capacity, stream)) > 0 &&
            line[length - 1] == '\n') {
         ++number;
         status = read_line(line, (size_t)length, path, number, read, error);
         end += length;
     }
-    if (status == PL_OK && ferror(file)) {
+    if (status == PL_OK && ferror(stream)) {
         status = pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
     }
-
-cleanup:
     free(line);
-    if (!is_stdin) {
-        fclose(file);
-    }
     if (status != PL_OK) {
         json_decref(read);
         return status;
@@ -87,6 +78,20 @@ cleanup:
     }
     *results = read;
     return PL_OK;
+}
+
+pl_status pl_results_read(const char *path, json_t **results, long long *whole, pl_error *error)
+{
+    bool is_stdin = strcmp(path, "-") == 0;
+    FILE *stream = is_stdin ? stdin : fopen(path, "re");
+    if (stream == NULL) {
+        return pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
+    }
+    pl_status status = read_lines(stream, path, results, whole, error);
+    if (!is_stdin) {
+        fclose(stream);
+    }
+    return status;
 }
 
 static pl_status write_all(int file, const char *text, size_t length, const char *path,
@@ -210,7 +215,7 @@ static pl_status keep_lines(pl_store *store, pl_error *error)
 {
     json_t *kept = NULL;
     long long whole = 0;
-    pl_status status = pl_results_read(store->path, &kept, &whole, error);
+    pl_status status = read_lines(store->stream, store->path, &kept, &whole, error);
     if (status != PL_OK) {
         return status;
     }
@@ -228,10 +233,8 @@ static pl_status keep_lines(pl_store *store, pl_error *error)
     return status;
 }
 
-/* Locks the file and cuts it to its complete lines. The lock goes with the process, so that nothing
- * is left behind by one that was killed; closing any other descriptor of the file would drop it, so
- * it comes after the reading. */
-static pl_status lock_and_cut(pl_store *store, pl_error *error)
+/* The lock goes with the process, so that nothing is left behind by one that was killed. */
+static pl_status lock_file(const pl_store *store, pl_error *error)
 {
     struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
     if (fcntl(store->file, F_SETLK, &lock) != 0) {
@@ -240,6 +243,12 @@ static pl_status lock_and_cut(pl_store *store, pl_error *error)
                        taken ? "another plumb is writing it; choose another --out"
                              : strerror(errno));
     }
+    return PL_OK;
+}
+
+/* Cuts the file to its complete lines. */
+static pl_status cut(const pl_store *store, pl_error *error)
+{
     struct stat found;
     if (fstat(store->file, &found) != 0) {
         return pl_fail(error, PL_IO, "%s: %s", store->path, strerror(errno));
@@ -271,13 +280,17 @@ pl_status pl_store_open(const char *directory, bool resume, pl_store **store, pl
     }
     strcat(strcpy(made->path, directory), "/results.jsonl");
     made->file = open(made->path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (made->file < 0) {
+    made->stream = made->file < 0 ? NULL : fdopen(made->file, "r");
+    if (made->stream == NULL) {
         status = pl_fail(error, PL_IO, "%s: %s", made->path, strerror(errno));
         goto cleanup;
     }
-    status = resume ? keep_lines(made, error) : PL_OK;
+    status = lock_file(made, error);
+    if (status == PL_OK && resume) {
+        status = keep_lines(made, error);
+    }
     if (status == PL_OK) {
-        status = lock_and_cut(made, error);
+        status = cut(made, error);
     }
 
 cleanup:
@@ -294,7 +307,9 @@ void pl_store_close(pl_store *store)
     if (store == NULL) {
         return;
     }
-    if (store->file >= 0) {
+    if (store->stream != NULL) {
+        fclose(store->stream);
+    } else if (store->file >= 0) {
         close(store->file);
     }
     json_decref(store->results);

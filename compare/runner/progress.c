@@ -5,7 +5,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-enum { BAR_WIDTH = 20 };
+enum { WIDEST_BAR = 20 };
 
 pl_progress pl_progress_begin(FILE *out, long total, double now)
 {
@@ -40,11 +40,14 @@ void pl_progress_draw(const pl_progress *progress, const char *running, double p
         return;
     }
     double done = (double)progress->done + part;
-    int filled = (int)(BAR_WIDTH * done / (double)progress->total);
-    char bar[BAR_WIDTH + 1];
-    memset(bar, '.', BAR_WIDTH);
-    memset(bar, '#', (size_t)(filled > BAR_WIDTH ? BAR_WIDTH : filled));
-    bar[BAR_WIDTH] = '\0';
+    /* On a narrow terminal the names need the room more than the bar does. */
+    int quarter = progress->width / 4;
+    int length = quarter < WIDEST_BAR ? quarter : WIDEST_BAR;
+    int filled = (int)(length * done / (double)progress->total);
+    char bar[WIDEST_BAR + 1];
+    memset(bar, '.', (size_t)length);
+    memset(bar, '#', (size_t)(filled > length ? length : filled));
+    bar[length] = '\0';
     char left[32] = "?";
     if (done > 0.01) {
         format_time((now - progress->started) * ((double)progress->total - done) / done, left,

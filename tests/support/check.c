@@ -30,6 +30,33 @@ void check_contains(const char *text, const char *part, const char *file, int li
     }
 }
 
+void check_absent(const char *text, const char *part, const char *file, int line)
+{
+    if (strstr(text, part) == NULL)
+        return;
+    print_error("\"%s\" is in the text\n", part);
+    _fail(file, line);
+}
+
+void check_before(const char *text, const char *first, const char *second, const char *file,
+                  int line)
+{
+    check_contains(text, first, file, line);
+    check_contains(text, second, file, line);
+    if (strstr(text, first) <= strstr(text, second))
+        return;
+    print_error("\"%s\" stands after \"%s\"\n", first, second);
+    _fail(file, line);
+}
+
+int count_of(const char *text, const char *part)
+{
+    int count = 0;
+    for (const char *at = strstr(text, part); at != NULL; at = strstr(at + 1, part))
+        count++;
+    return count;
+}
+
 double check_uniform(check_random *random, double low, double high)
 {
     uint64_t x = random->state;

@@ -26,6 +26,21 @@ void check_at_most(double actual, double bound, const char *what, const char *fi
 
 void check_contains(const char *text, const char *part, const char *file, int line);
 
+/* Fails when `text` contains `part`. */
+#define assert_absent(text, part) check_absent((text), (part), __FILE__, __LINE__)
+
+void check_absent(const char *text, const char *part, const char *file, int line);
+
+/* Fails unless `text` contains both, the first before the second. */
+#define assert_before(text, first, second)                                                         \
+    check_before((text), (first), (second), __FILE__, __LINE__)
+
+void check_before(const char *text, const char *first, const char *second, const char *file,
+                  int line);
+
+/* How often `text` contains `part`. */
+int count_of(const char *text, const char *part);
+
 /* Seeded numbers for random poses: uniform in [low, high). xorshift64*, Vigna 2016. */
 typedef struct check_random {
     uint64_t state; /* any value but 0 */

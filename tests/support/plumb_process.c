@@ -88,6 +88,40 @@ char *read_text(const char *path)
     return text;
 }
 
+workspace make_workspace(void)
+{
+    workspace w = {.directory = make_directory()};
+    w.scene = path_in(w.directory, "scene.json");
+    w.out = path_in(w.directory, "report");
+    w.results = path_in(w.out, "results.jsonl");
+    write_text(w.scene, falling_scene);
+    return w;
+}
+
+void remove_workspace(workspace *w)
+{
+    free(w->scene);
+    free(w->out);
+    free(w->results);
+    remove_directory(w->directory);
+}
+
+int setup_workspace(void **state)
+{
+    workspace *w = malloc(sizeof *w);
+    assert_non_null(w);
+    *w = make_workspace();
+    *state = w;
+    return 0;
+}
+
+int teardown_workspace(void **state)
+{
+    remove_workspace(*state);
+    free(*state);
+    return 0;
+}
+
 static void redirect(const char *directory, const char *name, int descriptor)
 {
     char *path = path_in(directory, name);

@@ -36,6 +36,22 @@ plumb_output run_plumb(const char *directory, const char *const *arguments);
 /* Two spheres in free fall over a plane, 20 steps of 0.01 s: a scene for faulty_engine.c. */
 extern const char falling_scene[];
 
+/* The engine of faulty_engine.c. */
+#define FAULTY PLUMB_BINARY_DIR "/faulty_engine.so"
+
+/* A new directory with falling_scene in it. */
+typedef struct workspace {
+    char *directory, *scene; /* the scene's path */
+    char *out, *results;     /* for --out, not made yet, and results.jsonl in it */
+} workspace;
+
+workspace make_workspace(void);
+void remove_workspace(workspace *w);
+
+/* A cmocka setup and teardown: *state is a workspace. */
+int setup_workspace(void **state);
+int teardown_workspace(void **state);
+
 /* The result of the engine called `label` in an array of results; the test fails when there is not
  * exactly one. */
 const json_t *result_of(const json_t *results, const char *label);

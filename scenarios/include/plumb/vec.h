@@ -1,9 +1,10 @@
-/* Vectors, quaternions and rotation matrices as values, for the referee's own arithmetic.
+/* Vectors, quaternions and rotation matrices as values: the harness's own arithmetic, from which no
+ * engine takes its geometry.
  *
  * Quaternions are (w, x, y, z), body to world. They need not be exactly unit: every function
  * divides by the norm, so that an engine's rounding does not scale the geometry. */
-#ifndef PLUMB_REFEREE_VEC_H
-#define PLUMB_REFEREE_VEC_H
+#ifndef PLUMB_VEC_H
+#define PLUMB_VEC_H
 
 #include <math.h>
 
@@ -19,6 +20,13 @@ typedef struct pl_axes {
 static inline pl_vec pl_vec_of(const double v[3])
 {
     return (pl_vec){v[0], v[1], v[2]};
+}
+
+static inline void pl_vec_store(pl_vec v, double out[3])
+{
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
 }
 
 static inline pl_vec pl_vec_add(pl_vec a, pl_vec b)
@@ -55,6 +63,12 @@ static inline pl_vec pl_vec_cross(pl_vec a, pl_vec b)
 static inline double pl_vec_length(pl_vec a)
 {
     return sqrt(pl_vec_dot(a, a));
+}
+
+/* The part of `v` that is normal to the unit vector `n`. */
+static inline pl_vec pl_vec_reject(pl_vec v, pl_vec n)
+{
+    return pl_vec_mad(v, -pl_vec_dot(v, n), n);
 }
 
 static inline pl_axes pl_axes_of(const double q[4])

@@ -1,0 +1,140 @@
+#include "engine_run.h"
+
+#include "check.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+int put_material(pl_scene *scene, const char *name, double friction, double restitution)
+{
+    pl_material item = {.friction = friction, .restitution = restitution};
+    int index = -1;
+    snprintf(item.name, sizeof item.name, "%s", name);
+    assert_int_equal(pl_scene_add_material(scene, &item, &index, NULL), PL_OK);
+    return index;
+}
+
+int put_body(pl_scene *scene, pl_body body)
+{
+    int index = -1;
+    snprintf(body.name, sizeof body.name, "body %d", scene->body_count);
+    assert_int_equal(pl_scene_add_body(scene, &body, &index, NULL), PL_OK);
+    return index;
+}
+
+pl_body floor_body(void)
+{
+    pl_body body = pl_body_default();
+    body.is_static = true;
+    body.shape = pl_shape_plane(0, 0, 1, 0);
+    return body;
+}
+
+pl_body box_body(double mass, double x, double y, double z)
+{
+    pl_body body = pl_body_default();
+    body.mass = mass;
+    body.shape = pl_shape_box(x, y, z);
+    return body;
+}
+
+pl_scene scene_with_block(double friction, double mass, double half_width, double half_height)
+{
+    pl_scene scene = pl_scene_default();
+    put_material(&scene, "stone", friction, 0);
+    put_body(&scene, floor_body());
+    pl_body block = box_body(mass, half_width, half_width, half_height);
+    block.position[2] = half_height;
+    put_body(&scene, block);
+    return scene;
+}
+
+static void read_now(engine_run *r)
+{
+    pl_frame frame = {.body_count = r->scene->body_count, .bodies = r->now};
+    r->engine->read_frame(r->instance, &frame);
+    assert_int_equal(frame.body_count, r->scene->body_count);
+    r->time = frame.time;
+}
+
+engine_run engine_start(const pl_engine_choice *choice, const pl_scene *scene)
+{
+    engine_run r = {.engine = choice->engine, .scene = scene};
+    pl_error error = {.message = ""};
+    assert_true(scene->body_count <= MOST_BODIES);
+    pl_status status =
+        r.engine->create(scene, choice->profile, choice->values, &r.instance, &error);
+    if (status != PL_OK) {
+        print_error("%s: %s\n", choice->spec, error.message);
+    }
+    assert_int_equal(status, PL_OK);
+    read_now(&r);
+    return r;
+}
+
+void engine_step(engine_run *r, double dt)
+{
+    pl_error error = {.message = ""};
+    memcpy(r->before, r->now, sizeof r->now);
+    r->stats = (pl_step_stats){.struct_size = sizeof r->stats,
+                               .iterations = NAN,
+                               .residual = NAN,
+                               .contacts = NAN,
+                               .islands = NAN,
+                               .time_collide = NAN,
+                               .time_solve = NAN,
+                               .time_other = NAN};
+    pl_status status = r->engine->step(r->instance, dt, &r->stats, &error);
+    if (status != PL_OK) {
+        print_error("%s\n", error.message);
+    }
+    assert_int_equal(status, PL_OK);
+    read_now(r);
+    r->contact_count = 0;
+    if (r->engine->read_contacts != NULL) {
+        r->contact_count = r->engine->read_contacts(r->instance, r->contacts, MOST_CONTACTS);
+        assert_true(r->contact_count <= MOST_CONTACTS);
+    }
+}
+
+void engine_finish(engine_run *r)
+{
+    r->engine->destroy(r->instance);
+}
+
+void for_each_profile(void (*law)(const pl_engine_choice *choice))
+{
+    int count = 0, tried = 0;
+    const pl_known_engine *known = pl_known_engines(&count);
+    for (int i = 0; i < count; i++) {
+        for (int p = 0; known[i].engine != NULL && p < known[i].engine->profile_count; p++) {
+            pl_engine_choice choice;
+            char spec[2 * PL_NAME_SIZE];
+            snprintf(spec, sizeof spec, "%s:%s", known[i].name, known[i].engine->profiles[p].name);
+            print_message("    %s\n", spec);
+            assert_int_equal(pl_engine_choose(spec, &choice, NULL), PL_OK);
+            law(&choice);
+            tried++;
+        }
+    }
+    assert_true(tried > 0);
+}
+
+bool solves_coulomb(const pl_engine_choice *choice)
+{
+    return strcmp(choice->spec, "bullet:lemke") != 0;
+}
+
+pl_scene scene_of_pairs(void)
+{
+    pl_scene scene = pl_scene_default();
+    put_material(&scene, "ice", 0.2, 0.1);
+    put_material(&scene, "rubber", 0.8, 0.9);
+    /* Not the product 0.16, the minimum, the maximum, either mean, nor a coefficient itself. */
+    pl_material_pair pair = {
+        .material_a = 1, .material_b = 0, .friction = 0.35, .restitution = 0.6};
+    assert_int_equal(pl_scene_add_pair(&scene, &pair, NULL), PL_OK);
+    put_body(&scene, floor_body());
+    return scene;
+}

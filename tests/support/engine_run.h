@@ -1,0 +1,52 @@
+/* Drives an engine through its adapter for the conformance tests. Whatever fails fails the test. */
+#ifndef PLUMB_TEST_ENGINE_RUN_H
+#define PLUMB_TEST_ENGINE_RUN_H
+
+#include "adapters/registry.h"
+#include "plumb/scenario.h"
+
+enum { MOST_CONTACTS = 256, MOST_BODIES = 8 };
+
+static const double g = 9.81; /* m/s^2, of pl_scene_default */
+
+/* Each returns the index of what it added. */
+int put_material(pl_scene *scene, const char *name, double friction, double restitution);
+int put_body(pl_scene *scene, pl_body body);
+
+/* The plane z = 0. */
+pl_body floor_body(void);
+/* By its half extents. */
+pl_body box_body(double mass, double x, double y, double z);
+
+/* A floor (body 0) and a box of half height `half_height` flat upon it (body 1), one material. */
+pl_scene scene_with_block(double friction, double mass, double half_width, double half_height);
+
+/* A floor of ice (material 0), rubber (material 1), and a pair of them that no rule of mixing
+ * gives: friction 0.35, restitution 0.6. */
+pl_scene scene_of_pairs(void);
+
+typedef struct engine_run {
+    const pl_engine *engine;
+    const pl_scene *scene;
+    pl_engine_instance *instance;
+    pl_body_state before[MOST_BODIES], now[MOST_BODIES];
+    double time;
+    pl_step_stats stats;
+    pl_contact contacts[MOST_CONTACTS];
+    int contact_count;
+} engine_run;
+
+engine_run engine_start(const pl_engine_choice *choice, const pl_scene *scene);
+void engine_step(engine_run *r, double dt);
+void engine_finish(engine_run *r);
+
+/* Applies a law to every profile of every engine of this build; on failure the last line names the
+ * engine. */
+void for_each_profile(void (*law)(const pl_engine_choice *choice));
+
+/* Bullet's Lemke solver bounds a friction impulse by mu N s in place of mu times the normal impulse
+ * (btLemkeSolver.h takes no notice of limitDependency), and a normal one by 1e10 N s, which costs
+ * ten of sixteen digits. What it reports is what it applied; but it is not Coulomb's law. */
+bool solves_coulomb(const pl_engine_choice *choice);
+
+#endif

@@ -1,0 +1,123 @@
+/* Results made by hand, and what the report says of them. */
+#include "report_rows.h"
+
+#include "report/html.h"
+#include "report/markdown.h"
+#include "report/report.h"
+
+#include "check.h"
+
+#include <stdio.h>
+#include <string.h>
+
+const char hostile_text[] =
+    "<script>alert(\"x\")</script>, 'a'|b\r\nhttps://x.y & `Grüße` \\ ]]> -->";
+
+json_t *metric_value(double value)
+{
+    return json_pack("{s:f}", "value", value);
+}
+
+/* A run whose engine is the part of `label` before its colon. */
+static json_t *run_of(const char *scenario, const char *label, const char *outcome)
+{
+    json_t *row = json_pack(
+        "{s:s, s:s, s:s, s:{}, s:s, s:s, s:s%, s:s, s:s, s:s, s:{s:f, s:f, s:i, s:f}, s:i, s:i, "
+        "s:s, s:n, "
+        "s:{s:i, s:i}, s:{}, s:n, s:n, s:{s:s, s:s, s:s, s:s}, s:{s:s, s:s}, s:[s, s], s:s}",
+        "schema", "plumb.result/1", "run", "00", "scenario", scenario, "params", "scene_hash",
+        "cafe", "primary_error", "drift", "engine", label, strcspn(label, ":"), "profile", "p",
+        "engine_version", "1.0", "label", label, "settings", "dt", 0.01, "duration", 0.1,
+        "iterations", 2000000, "erp", 0.2, "seed", 0, "repeat", 0, "outcome", outcome, "reason",
+        "steps", "asked", 10, "done", 10, "metrics", "final_poses", "output", "host", "cpu", "one",
+        "os", "linux", "compiler", "gcc", "flags", "-O2", "plumb", "version", "0.1.0", "git", "abc",
+        "command", "plumb", "compare", "started", "2026-01-01T00:00:00Z");
+    assert_non_null(row);
+    return row;
+}
+
+void set_metric(json_t *row, const char *metric, json_t *value)
+{
+    int failed = json_object_set_new(json_object_get(row, "metrics"), metric, value);
+    assert_int_equal(failed, 0);
+}
+
+json_t *add_run(json_t *results, const char *scenario, const char *label, const char *outcome)
+{
+    json_t *row = run_of(scenario, label, outcome);
+    json_array_append_new(results, row);
+    return row;
+}
+
+json_t *duel(const char *metric, double ours, double theirs)
+{
+    json_t *results = json_array();
+    set_metric(add_run(results, "duel", "plumb:fast", "ok"), metric, metric_value(ours));
+    set_metric(add_run(results, "duel", "ode:quick", "ok"), metric, metric_value(theirs));
+    return results;
+}
+
+json_t *runs_of_every_kind(void)
+{
+    static const char *const outcomes[] = {"ok",      "collapsed", "diverged",   "nonfinite",
+                                           "crashed", "timeout",   "unsupported"};
+    json_t *results = json_array();
+    for (int i = 0; i < 7; i++) {
+        char label[32];
+        snprintf(label, sizeof label, "%s", i == 0 ? "plumb:fast" : "");
+        if (i > 0)
+            snprintf(label, sizeof label, "engine%d:p", i);
+        json_t *row = add_run(results, "kinds", label, outcomes[i]);
+        if (i > 0)
+            json_object_set_new(row, "reason", json_string(hostile_text));
+        if (i == 4)
+            json_object_set_new(row, "output", json_string(hostile_text));
+        if (i < 4)
+            set_metric(row, "drift", metric_value(1e-3 * (i + 1)));
+        if (i < 4)
+            set_metric(row, "reference_error", metric_value(1e-3 * (i + 1)));
+    }
+    json_t *row = add_run(results, hostile_text, "plumb:fast", "ok");
+    json_object_set_new(row, "engine_version", json_string(hostile_text));
+    set_metric(
+        row, "settle_time",
+        json_pack("{s:n, s:s, s:s}", "value", "unit", "s", "reason", "moves to the end <&>"));
+    row = add_run(results, hostile_text, hostile_text, "ok");
+    json_object_set_new(json_object_get(row, "host"), "cpu", json_string(hostile_text));
+    set_metric(row, "settle_time", metric_value(0.5));
+    return results;
+}
+
+made_report make_report(json_t *results)
+{
+    made_report made = {.results = results};
+    pl_error error = {PL_OK, ""};
+    if (pl_cells_build(results, &made.cells, &error) != PL_OK)
+        fail_msg("%s", error.message);
+    assert_int_equal(pl_losses_find(&made.cells, &made.losses, &error), PL_OK);
+    pl_html_write(&made.cells, &made.losses, &made.html);
+    pl_markdown_write(&made.cells, &made.losses, &made.markdown);
+    assert_false(made.html.failed);
+    assert_false(made.markdown.failed);
+    return made;
+}
+
+void free_report(made_report *made)
+{
+    pl_losses_free(&made->losses);
+    pl_cells_free(&made->cells);
+    pl_sheet_free(&made->html);
+    pl_sheet_free(&made->markdown);
+    json_decref(made->results);
+}
+
+char *printed_table(const json_t *results, bool colour, int width)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    assert_non_null(out);
+    pl_report_print_table(out, results, colour, width);
+    fclose(out);
+    return text;
+}

@@ -1,0 +1,47 @@
+/* A run of the referee on frames that the test itself makes up: the scene, its referee, and the
+ * state that the test moves. Whatever fails fails the test. */
+#ifndef PLUMB_TEST_SYNTHETIC_RUN_H
+#define PLUMB_TEST_SYNTHETIC_RUN_H
+
+#include "referee/referee.h"
+
+static const double H = 1.0 / 64; /* s, the step: its multiples are exact */
+
+enum { MOST_BODIES = 8 };
+
+typedef struct run {
+    pl_scene scene;
+    pl_referee *referee;
+    pl_body_state state[MOST_BODIES];
+    pl_step_stats stats;
+    pl_metrics metrics;
+    pl_error error;
+} run;
+
+/* An empty scene with step H that lasts `duration` seconds. */
+void run_prepare(run *r, double duration);
+/* A body of 2 kg at (x, 0, z), added before run_begin. */
+void run_add_body(run *r, const char *name, pl_shape shape, bool is_static, double x, double z);
+/* The body shall rest where the scene puts it. */
+void run_expect_rest(run *r, int body);
+/* The body shall travel along x. */
+void run_expect_travel(run *r, int body, double distance, double discrete);
+/* A floor (body 0) and a cube of side 1 (body 1) that shall rest on it. */
+void run_prepare_box_on_floor(run *r, double duration);
+
+/* Shows the referee the scene's own state. */
+void run_begin(run *r);
+/* Shows it r->state as it is now, with these contacts (count -1: none reported). */
+pl_verdict run_step_with(run *r, const pl_contact *contacts, int count);
+pl_verdict run_step(run *r);
+/* `count` steps that shall all be well. */
+void run_step_many(run *r, long count);
+pl_verdict run_finish(run *r);
+void run_end(run *r);
+pl_frame run_frame(run *r);
+
+/* Of a finished run; run_value fails the test when there is none. */
+const pl_metric *run_metric(const run *r, pl_metric_id id);
+double run_value(const run *r, pl_metric_id id);
+
+#endif

@@ -1,0 +1,277 @@
+/* Conformance of every adapter of this build, all profiles: that bodies move as the scene says.
+ * Truths: Euler's equations solved densely, Newton's law, the exact sums of semi-implicit Euler. */
+#include "check.h"
+#include "engine_run.h"
+#include "rotation_for_tests.h"
+
+#include <math.h>
+#include <string.h>
+
+static pl_body tumbling_box(void)
+{
+    pl_body body = box_body(3, 0.2, 0.5, 0.9);
+    pl_shape_inertia(&body.shape, body.mass, body.inertia);
+    check_random random = {20};
+    check_quaternion(&random, body.orientation);
+    memcpy(body.position, (double[]){1, -2, 30}, sizeof body.position);
+    memcpy(body.velocity, (double[]){0.3, -0.2, 0.5}, sizeof body.velocity);
+    memcpy(body.angular_velocity, (double[]){1.1, 2.3, -1.7}, sizeof body.angular_velocity);
+    return body;
+}
+
+/* y = (q, body angular velocity): q' = q (0, w) / 2, I w' = -w x I w. */
+static void euler_rate(const double inertia[3], const double y[7], double rate[7])
+{
+    const double *q = y, *w = y + 4;
+    double spin[3] = {inertia[0] * w[0], inertia[1] * w[1], inertia[2] * w[2]}, torque[3];
+    cross(spin, w, torque);
+    rate[0] = -0.5 * (q[1] * w[0] + q[2] * w[1] + q[3] * w[2]);
+    rate[1] = 0.5 * (q[0] * w[0] + q[2] * w[2] - q[3] * w[1]);
+    rate[2] = 0.5 * (q[0] * w[1] + q[3] * w[0] - q[1] * w[2]);
+    rate[3] = 0.5 * (q[0] * w[2] + q[1] * w[1] - q[2] * w[0]);
+    for (int i = 0; i < 3; i++) {
+        rate[4 + i] = torque[i] / inertia[i];
+    }
+}
+
+/* Classical Runge-Kutta of order 4 with steps of 0.1 ms: its error here is below 1e-12. */
+static void dense_tumble(const pl_body *body, double duration, double q[4], double omega[3])
+{
+    static const double part[4] = {0, 0.5, 0.5, 1}, weight[4] = {1, 2, 2, 1};
+    int steps = (int)round(duration / 1e-4);
+    double h = duration / steps, y[7];
+    memcpy(y, body->orientation, sizeof body->orientation);
+    to_body(body->orientation, body->angular_velocity, y + 4);
+    for (int n = 0; n < steps; n++) {
+        double rate[7] = {0}, sum[7] = {0}, at[7];
+        for (int stage = 0; stage < 4; stage++) {
+            for (int i = 0; i < 7; i++) {
+                at[i] = y[i] + part[stage] * h * rate[i];
+            }
+            euler_rate(body->inertia, at, rate);
+            for (int i = 0; i < 7; i++) {
+                sum[i] += weight[stage] * rate[i];
+            }
+        }
+        for (int i = 0; i < 7; i++) {
+            y[i] += h / 6 * sum[i];
+        }
+    }
+    memcpy(q, y, 4 * sizeof *q);
+    to_world(q, y + 4, omega);
+}
+
+/* Errors after one second in orientation (rad) and world angular velocity (rad/s). */
+static void tumble(const pl_engine_choice *choice, int steps, double *angle, double *rate)
+{
+    pl_scene scene = pl_scene_default();
+    put_material(&scene, "stone", 0.5, 0);
+    put_body(&scene, tumbling_box());
+    const pl_body *body = &scene.bodies[0];
+    memcpy(scene.gravity, (double[]){1, -2, -9}, sizeof scene.gravity);
+    double h = 1.0 / steps, q[4], omega[3];
+    engine_run r = engine_start(choice, &scene);
+    for (int n = 0; n < steps; n++) {
+        engine_step(&r, h);
+    }
+    for (int i = 0; i < 3; i++) {
+        double fall = scene.gravity[i] * h * h * steps * (steps + 1.0) / 2;
+        assert_close(r.now[0].position[i], body->position[i] + body->velocity[i] + fall, 1e-11,
+                     1e-12);
+        assert_close(r.now[0].velocity[i], body->velocity[i] + scene.gravity[i], 1e-11, 1e-12);
+    }
+    assert_close(r.time, 1, 1e-12, 0);
+    dense_tumble(body, 1, q, omega);
+    *angle = angle_between(r.now[0].orientation, q);
+    *rate = distance(r.now[0].angular_velocity, omega);
+    engine_finish(&r);
+    pl_scene_free(&scene);
+}
+
+/* With a wrong convention the error would stay of order 1 however small the step. */
+static void law_tumble(const pl_engine_choice *choice)
+{
+    double angle, rate, fine_angle, fine_rate;
+    tumble(choice, 1000, &angle, &rate);
+    tumble(choice, 4000, &fine_angle, &fine_rate);
+    assert_at_most(angle, 0.02);
+    assert_at_most(rate, 0.05);
+    assert_at_most(fine_angle, fmax(0.3 * angle, 1e-7));
+    assert_at_most(fine_rate, fmax(0.3 * rate, 1e-7));
+}
+
+static void test_free_tumbling_box_converges_to_euler_and_falls_by_the_discrete_sum(void **state)
+{
+    (void)state;
+    for_each_profile(law_tumble);
+}
+
+static void law_order(const pl_engine_choice *choice)
+{
+    pl_scene scene = pl_scene_default();
+    put_material(&scene, "stone", 0.5, 0);
+    check_random random = {9};
+    for (int i = 0; i < MOST_BODIES; i++) {
+        pl_body body = i == 3 ? floor_body() : box_body(1 + i, 0.2, 0.3, 0.4);
+        body.is_static = i % 3 == 0;
+        if (i % 2 == 1 && i != 3) {
+            body.shape = pl_shape_sphere(0.3);
+        }
+        check_quaternion(&random, body.orientation);
+        memcpy(body.position, (double[]){3 * i, -i, 2 + i}, sizeof body.position);
+        if (!body.is_static) {
+            memcpy(body.velocity, (double[]){0.1 * i, 0.2, 0.3}, sizeof body.velocity);
+            memcpy(body.angular_velocity, (double[]){1, 0.1 * i, 2}, sizeof body.velocity);
+        }
+        put_body(&scene, body);
+    }
+    engine_run r = engine_start(choice, &scene);
+    assert_close(r.time, 0, 0, 0);
+    pl_body_state first[MOST_BODIES];
+    memcpy(first, r.now, sizeof first);
+    for (int i = 0; i < MOST_BODIES; i++) {
+        const pl_body *body = &scene.bodies[i];
+        assert_close(distance(first[i].position, body->position), 0, 1e-14, 0);
+        assert_close(distance(first[i].velocity, body->velocity), 0, 1e-14, 0);
+        assert_close(distance(first[i].angular_velocity, body->angular_velocity), 0, 1e-14, 0);
+        assert_close(angle_between(first[i].orientation, body->orientation), 0, 1e-14, 0);
+    }
+    for (int n = 0; n < 20; n++) {
+        engine_step(&r, 1.0 / 100);
+    }
+    for (int i = 0; i < MOST_BODIES; i++) {
+        bool moved = memcmp(&first[i], &r.now[i], sizeof first[i]) != 0;
+        assert_int_equal(moved, !scene.bodies[i].is_static);
+    }
+    engine_finish(&r);
+    pl_scene_free(&scene);
+}
+
+static void test_bodies_keep_the_scenes_order_and_static_ones_their_place(void **state)
+{
+    (void)state;
+    for_each_profile(law_order);
+}
+
+/* Bodies 0 to 2: a world force at an offset, a body force through the centre, a body force at an
+ * offset. Each acts over 10 of 30 steps. */
+static void law_forces(const pl_engine_choice *choice)
+{
+    pl_scene scene = pl_scene_default();
+    memset(scene.gravity, 0, sizeof scene.gravity);
+    put_material(&scene, "stone", 0.5, 0);
+    check_random random = {31};
+    /* Ten times 0.1 sums to less than 1: the eleventh step must count as starting at 1 all the
+     * same. */
+    double dt = 0.1, acting = 1, along[3];
+    pl_force forces[3] = {
+        {.force = {0, 2, 0}, .at = {0.5, 0, 0}, .frame = PL_FRAME_WORLD},
+        {.force = {1, 2, -3}, .frame = PL_FRAME_BODY},
+        {.force = {0, 2, 0}, .at = {0.5, 0, 0}, .frame = PL_FRAME_BODY},
+    };
+    for (int i = 0; i < 3; i++) {
+        pl_body body = box_body(4, 0.2, 0.3, 0.4);
+        body.position[0] = 10 * i;
+        if (i == 1) {
+            check_quaternion(&random, body.orientation);
+        }
+        forces[i].body = put_body(&scene, body);
+        forces[i].from = 1;
+        forces[i].until = 2;
+        assert_int_equal(pl_scene_add_force(&scene, &forces[i], NULL), PL_OK);
+    }
+    engine_run r = engine_start(choice, &scene);
+    for (int n = 1; n <= 30; n++) {
+        engine_step(&r, dt);
+        double share = fmin(fmax(n - 10, 0), 10) / 10.0;
+        assert_close(r.now[0].velocity[1], share * acting * 2 / 4, 1e-13, 0);
+    }
+    double about_z = scene.bodies[0].inertia[2];
+    to_world(scene.bodies[1].orientation, forces[1].force, along);
+    for (int k = 0; k < 3; k++) {
+        assert_close(r.now[0].angular_velocity[k], k == 2 ? acting / about_z : 0, 1e-12, 0);
+        assert_close(r.now[1].velocity[k], acting * along[k] / 4, 1e-12, 0);
+        assert_close(r.now[1].angular_velocity[k], 0, 1e-12, 0);
+        assert_close(r.now[2].angular_velocity[k], k == 2 ? acting / about_z : 0, 1e-12, 0);
+    }
+    /* The third turned by then, and its force with it. */
+    assert_true(r.now[2].velocity[0] < -1e-3);
+    engine_finish(&r);
+    pl_scene_free(&scene);
+}
+
+static void test_forces_accelerate_by_newton_and_euler_over_their_own_steps(void **state)
+{
+    (void)state;
+    for_each_profile(law_forces);
+}
+
+/* A sleeping body would stay at rest. How exactly it slides is another law's matter. */
+static void law_no_sleep(const pl_engine_choice *choice)
+{
+    if (!solves_coulomb(choice)) {
+        return;
+    }
+    pl_scene scene = scene_with_block(0.2, 1, 0.5, 0.1);
+    pl_force push = {.force = {6, 0, 0}, .body = 1, .from = 10, .until = INFINITY};
+    assert_int_equal(pl_scene_add_force(&scene, &push, NULL), PL_OK);
+    engine_run r = engine_start(choice, &scene);
+    for (int n = 0; n < 600; n++) {
+        engine_step(&r, 1.0 / 60);
+    }
+    assert_close(r.now[1].velocity[0], 0, 1e-3, 0);
+    for (int n = 0; n < 30; n++) {
+        engine_step(&r, 1.0 / 60);
+    }
+    assert_close(r.now[1].velocity[0], 0.5 * (6 - 0.2 * g), 0, 0.1);
+    engine_finish(&r);
+    pl_scene_free(&scene);
+}
+
+static void test_body_at_rest_for_ten_seconds_still_answers_a_push(void **state)
+{
+    (void)state;
+    for_each_profile(law_no_sleep);
+}
+
+/* The same scene twice gives the same bits, though instances share the process. */
+static void law_repeats(const pl_engine_choice *choice)
+{
+    pl_body_state last[2][MOST_BODIES];
+    memset(last, 0, sizeof last);
+    for (int turn = 0; turn < 2; turn++) {
+        pl_scene scene = scene_with_block(0.5, 1, 0.5, 0.5);
+        for (int i = 0; i < 3; i++) {
+            pl_body cube = box_body(1, 0.5, 0.5, 0.5);
+            cube.position[0] = 0.1 * i;
+            cube.position[2] = 1.5 + i;
+            put_body(&scene, cube);
+        }
+        engine_run r = engine_start(choice, &scene);
+        for (int n = 0; n < 60; n++) {
+            engine_step(&r, 1.0 / 60);
+        }
+        memcpy(last[turn], r.now, (size_t)scene.body_count * sizeof *r.now);
+        engine_finish(&r);
+        pl_scene_free(&scene);
+    }
+    assert_memory_equal(last[0], last[1], sizeof last[0]);
+}
+
+static void test_the_same_scene_twice_gives_the_same_bits(void **state)
+{
+    (void)state;
+    for_each_profile(law_repeats);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_free_tumbling_box_converges_to_euler_and_falls_by_the_discrete_sum),
+        cmocka_unit_test(test_bodies_keep_the_scenes_order_and_static_ones_their_place),
+        cmocka_unit_test(test_forces_accelerate_by_newton_and_euler_over_their_own_steps),
+        cmocka_unit_test(test_body_at_rest_for_ten_seconds_still_answers_a_push),
+        cmocka_unit_test(test_the_same_scene_twice_gives_the_same_bits),
+    };
+    return cmocka_run_group_tests_name("adapters motion", tests, NULL, NULL);
+}

@@ -1,0 +1,262 @@
+/* Conformance of every adapter of this build, all profiles: that engines run with the settings
+ * that the harness states, and say what they did. */
+#include "check.h"
+#include "engine_run.h"
+
+#include <math.h>
+#include <string.h>
+
+static void law_descriptor(const pl_engine_choice *choice)
+{
+    const pl_engine *engine = choice->engine;
+    assert_int_equal(engine->struct_size, sizeof *engine);
+    assert_int_equal(engine->abi_version, PL_ENGINE_ABI_VERSION);
+    assert_true(engine->profiles[0].in_default_comparison);
+    uint32_t shapes = PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX;
+    assert_int_equal(engine->capabilities & shapes, shapes);
+    for (int i = 0; i < engine->option_count; i++) {
+        assert_true(choice->values[i] >= engine->options[i].min);
+        assert_true(choice->values[i] <= engine->options[i].max);
+        if (engine->options[i].integer) {
+            assert_close(choice->values[i], round(choice->values[i]), 0, 0);
+        }
+    }
+    engine->destroy(NULL);
+}
+
+static void test_descriptors_are_whole_and_defaults_in_range(void **state)
+{
+    (void)state;
+    for_each_profile(law_descriptor);
+}
+
+static void law_settings(const pl_engine_choice *choice)
+{
+    pl_scene scene = scene_of_pairs();
+    memcpy(scene.gravity, (double[]){0.5, -1.5, -8.25}, sizeof scene.gravity);
+    pl_body box = box_body(3.7, 0.2, 0.5, 0.9), ball = pl_body_default();
+    box.material = 1;
+    box.position[2] = 5;
+    memcpy(box.inertia, (double[]){0.31, 0.22, 0.43}, sizeof box.inertia);
+    ball.shape = pl_shape_sphere(0.3);
+    ball.mass = 1e-3;
+    ball.material = 1;
+    ball.position[2] = 9;
+    put_body(&scene, box);
+    put_body(&scene, ball);
+    engine_run r = engine_start(choice, &scene);
+    double mass[MOST_BODIES], inertia[MOST_BODIES][3], friction, restitution;
+    pl_engine_settings settings = {.mass = mass, .inertia = inertia, .body_count = 3};
+    r.engine->read_settings(r.instance, 1.0 / 77, &settings);
+    assert_int_equal(settings.body_count, 3);
+    assert_close(settings.dt, 1.0 / 77, 0, 0);
+    for (int b = 0; b < 3; b++) {
+        const pl_body *body = &scene.bodies[b];
+        assert_close(mass[b], body->is_static ? 0 : body->mass, 0, 1e-15);
+        for (int k = 0; k < 3; k++) {
+            assert_close(inertia[b][k], body->is_static ? 0 : body->inertia[k], 0, 1e-15);
+            assert_close(settings.gravity[k], scene.gravity[k], 0, 0);
+        }
+    }
+    for (int order = 0; order < 2; order++) {
+        r.engine->read_pair(r.instance, order, 1 - order, &friction, &restitution);
+        assert_close(friction, 0.35, 0, 0);
+        assert_close(restitution, 0.6, 0, 0);
+    }
+    r.engine->read_pair(r.instance, 1, 2, &friction, &restitution);
+    assert_close(friction, 0.8, 1e-15, 0);
+    assert_close(restitution, 0.9, 1e-15, 0);
+    engine_finish(&r);
+    pl_scene_free(&scene);
+}
+
+static void test_settings_read_back_equal_the_scene(void **state)
+{
+    (void)state;
+    for_each_profile(law_settings);
+}
+
+static bool is_built_in(const char *name)
+{
+    int count = 0;
+    const pl_known_engine *known = pl_known_engines(&count);
+    for (int i = 0; i < count; i++) {
+        if (strcmp(known[i].name, name) == 0) {
+            return known[i].engine != NULL;
+        }
+    }
+    return false;
+}
+
+/* The table of options, which `list engines` shows, states the values that the library itself
+ * ships. */
+static void test_option_tables_of_reference_engines_state_what_their_libraries_ship(void **state)
+{
+    (void)state;
+    static const char *const specs[] = {"ode:quick", "ode:dantzig", "bullet:si", "bullet:nncg"};
+    for (size_t s = 0; s < sizeof specs / sizeof *specs; s++) {
+        pl_engine_choice choice;
+        if (pl_engine_choose(specs[s], &choice, NULL) == PL_UNSUPPORTED) {
+            continue;
+        }
+        for (int i = 0; i < choice.engine->option_count; i++) {
+            print_message("    %s %s\n", specs[s], choice.engine->options[i].name);
+            /* Bullet writes some of its doubles as floats. */
+            assert_close(choice.values[i], choice.engine->options[i].value, 0, 1e-7);
+        }
+    }
+}
+
+/* Iterations and residual of five stacked cubes in the first step. */
+static pl_step_stats stack_stats(const char *spec)
+{
+    pl_scene scene = pl_scene_default();
+    put_material(&scene, "stone", 0.5, 0);
+    put_body(&scene, floor_body());
+    for (int i = 0; i < 5; i++) {
+        pl_body cube = box_body(1, 0.5, 0.5, 0.5);
+        cube.position[2] = 0.5 + i;
+        put_body(&scene, cube);
+    }
+    pl_engine_choice choice;
+    assert_int_equal(pl_engine_choose(spec, &choice, NULL), PL_OK);
+    engine_run r = engine_start(&choice, &scene);
+    engine_step(&r, 1.0 / 60);
+    pl_step_stats stats = r.stats;
+    assert_int_equal(r.contact_count, (int)stats.contacts);
+    engine_finish(&r);
+    pl_scene_free(&scene);
+    return stats;
+}
+
+static void test_reported_iterations_are_those_asked_and_none_where_there_are_none(void **state)
+{
+    (void)state;
+    if (is_built_in("ode")) {
+        assert_close(stack_stats("ode").iterations, 20, 0, 0);
+        assert_close(stack_stats("ode:quick,iterations=7").iterations, 7, 0, 0);
+        assert_true(isnan(stack_stats("ode:dantzig").iterations));
+        assert_true(isnan(stack_stats("ode").residual));
+    }
+    if (is_built_in("bullet")) {
+        assert_close(stack_stats("bullet").iterations, 10, 0, 0);
+        assert_close(stack_stats("bullet:nncg,iterations=7").iterations, 7, 0, 0);
+        assert_true(stack_stats("bullet").residual >
+                    stack_stats("bullet:si,iterations=99").residual);
+        assert_true(isnan(stack_stats("bullet:dantzig").iterations));
+        assert_true(isnan(stack_stats("bullet:lemke").residual));
+    }
+}
+
+/* Small boxes side by side, not touching, on a floor or on one large slab that joins them all. */
+static pl_status step_many(const char *spec, bool slab, pl_error *error)
+{
+    pl_scene scene = pl_scene_default();
+    put_material(&scene, "stone", 0.5, 0);
+    put_body(&scene, floor_body());
+    if (slab) {
+        pl_body body = box_body(1000, 20, 20, 0.25);
+        body.position[2] = 0.25;
+        put_body(&scene, body);
+    }
+    for (int i = 0; i < 40 * 40; i++) {
+        pl_body box = box_body(1, 0.3, 0.3, 0.3);
+        box.position[0] = i % 40 - 19.5;
+        box.position[1] = i / 40 - 19.5;
+        box.position[2] = 0.299 + (slab ? 0.5 : 0);
+        put_body(&scene, box);
+    }
+    pl_engine_choice choice;
+    pl_engine_instance *instance = NULL;
+    assert_int_equal(pl_engine_choose(spec, &choice, NULL), PL_OK);
+    assert_int_equal(choice.engine->create(&scene, choice.profile, choice.values, &instance, error),
+                     PL_OK);
+    pl_step_stats stats = {.struct_size = sizeof stats};
+    pl_status status = choice.engine->step(instance, 1.0 / 60, &stats, error);
+    choice.engine->destroy(instance);
+    pl_scene_free(&scene);
+    return status;
+}
+
+static void
+test_dense_solvers_decline_one_island_beyond_their_memory_but_not_many_small(void **state)
+{
+    (void)state;
+    static const char *const specs[] = {"ode:dantzig", "bullet:dantzig", "bullet:lemke"};
+    for (size_t s = 0; s < sizeof specs / sizeof *specs; s++) {
+        pl_engine_choice choice;
+        pl_error error = {.message = ""};
+        if (pl_engine_choose(specs[s], &choice, NULL) == PL_UNSUPPORTED) {
+            continue;
+        }
+        assert_int_equal(step_many(specs[s], true, &error), PL_UNSUPPORTED);
+        print_message("    %s\n", error.message);
+        assert_contains(error.message, specs[s]);
+        assert_contains(error.message, "GiB");
+        assert_contains(error.message, "rows");
+        if (strcmp(specs[s], "ode:dantzig") == 0) {
+            assert_int_equal(step_many(specs[s], false, &error), PL_OK);
+        }
+    }
+}
+
+/* Height after two seconds of a cube of side 1 that starts 5 mm deep in the floor. */
+static double rest_height(const char *spec)
+{
+    pl_engine_choice choice;
+    assert_int_equal(pl_engine_choose(spec, &choice, NULL), PL_OK);
+    pl_scene scene = scene_with_block(0.5, 1, 0.5, 0.5);
+    scene.bodies[1].position[2] -= 5e-3;
+    engine_run r = engine_start(&choice, &scene);
+    for (int n = 0; n < 120; n++) {
+        engine_step(&r, 1.0 / 60);
+    }
+    double height = r.now[1].position[2];
+    engine_finish(&r);
+    pl_scene_free(&scene);
+    return height;
+}
+
+static void test_penetration_within_odes_surface_layer_is_not_pushed_out(void **state)
+{
+    (void)state;
+    if (!is_built_in("ode")) {
+        skip();
+    }
+    assert_close(rest_height("ode:dantzig"), 0.5, 1e-6, 0);
+    assert_close(rest_height("ode:dantzig,surface_layer=0.01"), 0.495, 1e-6, 0);
+    assert_close(rest_height("ode:dantzig,surface_layer=0.002"), 0.498, 1e-6, 0);
+}
+
+static void test_iterations_that_dantzig_cannot_have_are_declined(void **state)
+{
+    (void)state;
+    pl_engine_choice choice;
+    pl_error error = {.message = ""};
+    if (pl_engine_choose("ode:dantzig,iterations=50", &choice, NULL) == PL_UNSUPPORTED) {
+        skip();
+    }
+    pl_scene scene = scene_with_block(0.5, 1, 0.5, 0.5);
+    pl_engine_instance *instance = NULL;
+    assert_int_equal(
+        choice.engine->create(&scene, choice.profile, choice.values, &instance, &error),
+        PL_UNSUPPORTED);
+    assert_null(instance);
+    assert_contains(error.message, "iterations");
+    pl_scene_free(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_descriptors_are_whole_and_defaults_in_range),
+        cmocka_unit_test(test_settings_read_back_equal_the_scene),
+        cmocka_unit_test(test_option_tables_of_reference_engines_state_what_their_libraries_ship),
+        cmocka_unit_test(test_reported_iterations_are_those_asked_and_none_where_there_are_none),
+        cmocka_unit_test(
+            test_dense_solvers_decline_one_island_beyond_their_memory_but_not_many_small),
+        cmocka_unit_test(test_penetration_within_odes_surface_layer_is_not_pushed_out),
+        cmocka_unit_test(test_iterations_that_dantzig_cannot_have_are_declined),
+    };
+    return cmocka_run_group_tests_name("adapters settings", tests, NULL, NULL);
+}

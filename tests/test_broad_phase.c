@@ -1,0 +1,127 @@
+/* The referee's broad phase against all pairs by their gaps. */
+#include "referee/broad_phase.h"
+#include "referee/gap.h"
+
+#include "check.h"
+#include "synthetic_run.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { CROWD = 120 };
+
+/* How often each pair was seen, the lower index first. */
+typedef struct tally {
+    int seen[CROWD][CROWD];
+    int pairs;
+} tally;
+
+static void count_pair(void *context, int a, int b)
+{
+    tally *t = context;
+    assert_int_not_equal(a, b);
+    t->seen[a < b ? a : b][a < b ? b : a] += 1;
+    t->pairs += 1;
+}
+
+static void scatter(check_random *random, double position[3], double orientation[4])
+{
+    for (int k = 0; k < 3; ++k) {
+        position[k] = check_uniform(random, -3, 3);
+    }
+    check_quaternion(random, orientation);
+}
+
+/* Random boxes and spheres, a fifth of them static, and two planes; the dynamic ones jump about at
+ * random from frame to frame. Against all pairs by their gaps. */
+static void test_the_broad_phase_finds_every_touching_pair_once(void **state)
+{
+    (void)state;
+    check_random random = {UINT64_C(1442695040888963407)};
+    pl_scene scene = pl_scene_default();
+    static pl_body_state bodies[CROWD];
+    static tally t;
+    for (int i = 0; i < CROWD; ++i) {
+        pl_body body = pl_body_default();
+        (void)snprintf(body.name, sizeof body.name, "body %d", i);
+        body.shape = i % 2 == 0 ? pl_shape_sphere(check_uniform(&random, 0.1, 0.6))
+                                : pl_shape_box(check_uniform(&random, 0.1, 0.6), 0.2, 0.4);
+        body.is_static = i % 5 == 0;
+        if (i % 60 == 7) {
+            body.shape = pl_shape_plane(0, 0, 1, -2);
+            body.is_static = true;
+        }
+        scatter(&random, body.position, body.orientation);
+        assert_int_equal(pl_scene_add_body(&scene, &body, NULL, NULL), PL_OK);
+        memcpy(bodies[i].position, body.position, sizeof body.position);
+        memcpy(bodies[i].orientation, body.orientation, sizeof body.orientation);
+    }
+    pl_broad_phase *broad_phase = pl_broad_phase_create(&scene);
+    assert_non_null(broad_phase);
+    long found = 0;
+    for (int frame = 0; frame < 50; ++frame) {
+        memset(&t, 0, sizeof t);
+        pl_broad_phase_each_pair(broad_phase, bodies, count_pair, &t);
+        for (int a = 0; a < CROWD; ++a) {
+            for (int b = a + 1; b < CROWD; ++b) {
+                assert_in_range(t.seen[a][b], 0, 1);
+                assert_false(t.seen[a][b] != 0 && scene.bodies[a].is_static &&
+                             scene.bodies[b].is_static);
+                pl_placed_shape pa = {.shape = &scene.bodies[a].shape};
+                pl_placed_shape pb = {.shape = &scene.bodies[b].shape};
+                memcpy(pa.position, bodies[a].position, sizeof pa.position);
+                memcpy(pb.position, bodies[b].position, sizeof pb.position);
+                memcpy(pa.orientation, bodies[a].orientation, sizeof pa.orientation);
+                memcpy(pb.orientation, bodies[b].orientation, sizeof pb.orientation);
+                double gap = HUGE_VAL;
+                bool may_touch = !(scene.bodies[a].is_static && scene.bodies[b].is_static);
+                if (may_touch && pl_gap(&pa, &pb, &gap) == PL_OK && gap <= 0) {
+                    assert_int_equal(t.seen[a][b], 1);
+                    found += 1;
+                }
+            }
+        }
+        for (int i = 0; i < CROWD; ++i) {
+            if (!scene.bodies[i].is_static) {
+                scatter(&random, bodies[i].position, bodies[i].orientation);
+            }
+        }
+    }
+    assert_true(found > 5000);
+    pl_broad_phase_destroy(broad_phase);
+    pl_scene_free(&scene);
+}
+
+/* Faces that touch exactly, as in every tower: rounding must not lose them. */
+static void test_the_broad_phase_keeps_pairs_that_just_touch(void **state)
+{
+    (void)state;
+    run r;
+    run_prepare(&r, 1);
+    for (int i = 0; i < MOST_BODIES; ++i) {
+        char name[PL_NAME_SIZE];
+        (void)snprintf(name, sizeof name, "cube %d", i);
+        run_add_body(&r, name, pl_shape_box(0.05, 0.05, 0.05), false, 0, 0.1 * i);
+    }
+    run_begin(&r);
+    pl_broad_phase *broad_phase = pl_broad_phase_create(&r.scene);
+    assert_non_null(broad_phase);
+    static tally t;
+    pl_broad_phase_each_pair(broad_phase, r.state, count_pair, &t);
+    for (int i = 0; i + 1 < MOST_BODIES; ++i) {
+        assert_int_equal(t.seen[i][i + 1], 1);
+    }
+    assert_int_equal(t.pairs, MOST_BODIES - 1);
+    pl_broad_phase_destroy(broad_phase);
+    run_end(&r);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_broad_phase_finds_every_touching_pair_once),
+        cmocka_unit_test(test_the_broad_phase_keeps_pairs_that_just_touch),
+    };
+    return cmocka_run_group_tests_name("broad phase", tests, NULL, NULL);
+}

@@ -1,0 +1,225 @@
+/* Energy and momentum, against motions integrated here by semi-implicit Euler. */
+#include "referee/mechanics.h"
+
+#include "check.h"
+#include "synthetic_run.h"
+
+#include <math.h>
+#include <string.h>
+
+static void cross(const double a[3], const double b[3], double out[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
+    }
+}
+
+/* One step of semi-implicit Euler of a sphere, whose inertia no rotation changes. */
+static void euler_step(run *r, int body, const double force[3], const double arm[3])
+{
+    pl_body_state *s = &r->state[body];
+    const pl_body *b = &r->scene.bodies[body];
+    double torque[3];
+    cross(arm, force, torque);
+    for (int k = 0; k < 3; ++k) {
+        s->velocity[k] += H * (r->scene.gravity[k] + force[k] / b->mass);
+        s->angular_velocity[k] += H * torque[k] / b->inertia[0];
+        s->position[k] += H * s->velocity[k];
+    }
+}
+
+static void prepare_projectile(run *r)
+{
+    run_prepare(r, 4);
+    run_add_body(r, "ball", pl_shape_sphere(0.5), false, 3, 10);
+    pl_body *ball = &r->scene.bodies[0];
+    const double velocity[3] = {3, -2, 8}, spin[3] = {1, 5, -2};
+    memcpy(ball->velocity, velocity, sizeof velocity);
+    memcpy(ball->angular_velocity, spin, sizeof spin);
+}
+
+/* Flies the only body for 256 steps under a force over part of the time. The metric hides what is
+ * lost, so the signed energy is checked at each step too. */
+static void fly(run *r, const double force[3], const double arm[3], double from, double until)
+{
+    const double none[3] = {0, 0, 0};
+    pl_scale scale = pl_scale_of(&r->scene);
+    pl_mechanics *mechanics = pl_mechanics_create(&r->scene);
+    assert_non_null(mechanics);
+    run_begin(r);
+    pl_mechanics_start(mechanics, r->state);
+    for (int k = 0; k < 256; ++k) {
+        euler_step(r, 0, k * H >= from && k * H < until ? force : none, arm);
+        run_step_many(r, 1);
+        pl_mechanics_step(mechanics, k + 1, r->state, NULL, 0);
+        assert_close(pl_mechanics_energy_gain(mechanics, &scale), 0, 1e-13, 0);
+    }
+    pl_mechanics_destroy(mechanics);
+    assert_int_equal(run_finish(r), PL_VERDICT_OK);
+    assert_close(run_value(r, PL_METRIC_ENERGY_GAIN), 0, 1e-13, 0);
+    assert_close(run_value(r, PL_METRIC_MOMENTUM_ERROR), 0, 1e-13, 0);
+    run_end(r);
+}
+
+static void test_a_projectile_keeps_energy_and_momentum_to_rounding(void **state)
+{
+    (void)state;
+    const double none[3] = {0, 0, 0};
+    run r;
+    prepare_projectile(&r);
+    fly(&r, none, none, 0, 0);
+}
+
+static void test_work_and_impulse_of_scene_forces_are_accounted_to_rounding(void **state)
+{
+    (void)state;
+    run r;
+    prepare_projectile(&r);
+    const pl_force push = {
+        .body = 0, .force = {5, 7, -3}, .at = {0.1, -0.3, 0.2}, .from = 0.5, .until = 2};
+    assert_int_equal(pl_scene_add_force(&r.scene, &push, NULL), PL_OK);
+    fly(&r, push.force, push.at, push.from, push.until);
+}
+
+static void test_a_body_frame_force_turns_with_the_body(void **state)
+{
+    (void)state;
+    run r;
+    prepare_projectile(&r);
+    /* A quarter turn about z takes the body's x to the world's y. */
+    const double quarter[4] = {0.70710678118654752, 0, 0, 0.70710678118654752};
+    memcpy(r.scene.bodies[0].orientation, quarter, sizeof quarter);
+    const pl_force push = {.body = 0,
+                           .force = {6, 0, 0},
+                           .at = {0, 0.25, 0},
+                           .frame = PL_FRAME_BODY,
+                           .until = HUGE_VAL};
+    assert_int_equal(pl_scene_add_force(&r.scene, &push, NULL), PL_OK);
+    const double force[3] = {0, 6, 0}, arm[3] = {-0.25, 0, 0};
+    fly(&r, force, arm, 0, 4);
+}
+
+/* A ball of 2 kg in no gravity is given 1 m/s out of nowhere at step 10 and loses it at step 20. */
+static void test_a_kick_out_of_nowhere_shows_in_energy_and_momentum(void **state)
+{
+    (void)state;
+    run r;
+    run_prepare(&r, 1);
+    memset(r.scene.gravity, 0, sizeof r.scene.gravity);
+    run_add_body(&r, "ball", pl_shape_sphere(0.5), false, 0, 0);
+    r.scene.bodies[0].velocity[0] = 1;
+    run_begin(&r);
+    for (int k = 1; k <= 64; ++k) {
+        r.state[0].velocity[0] = k >= 10 && k < 20 ? 2 : 1;
+        run_step_many(&r, 1);
+    }
+    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    /* E: 1 J -> 4 J; p: 2 -> 4 kg m/s. */
+    assert_close(run_value(&r, PL_METRIC_ENERGY_GAIN), 3, 1e-14, 0);
+    assert_close(run_value(&r, PL_METRIC_MOMENTUM_ERROR), 1, 1e-14, 0);
+    assert_int_equal(run_metric(&r, PL_METRIC_ENERGY_GAIN)->worst_step, 10);
+    assert_int_equal(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->worst_step, 10);
+    run_end(&r);
+}
+
+static void test_lost_energy_is_no_gain(void **state)
+{
+    (void)state;
+    run r;
+    prepare_projectile(&r);
+    run_begin(&r);
+    memset(r.state[0].velocity, 0, sizeof r.state[0].velocity);
+    run_step_many(&r, 256);
+    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_close(run_value(&r, PL_METRIC_ENERGY_GAIN), 0, 0, 0);
+    run_end(&r);
+}
+
+/* A box held up by the floor with exactly m g h a step, whichever body comes first in the contact.
+ */
+static void test_contact_impulses_of_static_bodies_balance_the_weight(void **state)
+{
+    (void)state;
+    for (int order = 0; order < 2; ++order) {
+        for (int wrong = 0; wrong < 2; ++wrong) {
+            run r;
+            run_prepare_box_on_floor(&r, 1);
+            r.scene.bodies[1].position[0] = 7;
+            run_begin(&r);
+            double up = 2 * 9.81 * H * (order == 0 ? 1 : -1) * (wrong != 0 ? 0.5 : 1);
+            const pl_contact contact = {
+                .body_a = order, .body_b = 1 - order, .point = {7, 0, 0}, .impulse = {0, 0, up}};
+            for (int k = 0; k < 64; ++k) {
+                assert_int_equal(run_step_with(&r, &contact, 1), PL_VERDICT_OK);
+            }
+            assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+            /* p_ref is M g T, so half the support leaves half of it unexplained. */
+            assert_close(run_value(&r, PL_METRIC_MOMENTUM_ERROR), wrong != 0 ? 0.5 : 0, 1e-13, 0);
+            run_end(&r);
+        }
+    }
+}
+
+static void test_a_contact_of_no_body_fails_the_momentum_alone(void **state)
+{
+    (void)state;
+    run r;
+    run_prepare_box_on_floor(&r, 1);
+    run_begin(&r);
+    const pl_contact contact = {.body_a = 0, .body_b = 2};
+    assert_int_equal(run_step_with(&r, &contact, 1), PL_VERDICT_OK);
+    run_step_many(&r, 63);
+    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->state, PL_METRIC_FAILED);
+    assert_contains(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->reason, "step 1");
+    assert_close(run_value(&r, PL_METRIC_ENERGY_GAIN), 0, 0, 0);
+    run_end(&r);
+}
+
+static void test_an_impulse_that_is_nan_is_not_taken_for_zero(void **state)
+{
+    (void)state;
+    run r;
+    run_prepare_box_on_floor(&r, 1);
+    run_begin(&r);
+    const pl_contact contact = {.body_a = 0, .body_b = 1, .impulse = {nan(""), 0, 0}};
+    for (int k = 0; k < 64; ++k) {
+        assert_int_equal(run_step_with(&r, &contact, 1), PL_VERDICT_OK);
+    }
+    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->state, PL_METRIC_FAILED);
+    assert_contains(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->reason, "not finite at step 1");
+    run_end(&r);
+}
+
+static void test_a_long_fall_is_no_divergence(void **state)
+{
+    (void)state;
+    const double none[3] = {0, 0, 0};
+    run r;
+    run_prepare(&r, 600);
+    run_add_body(&r, "ball", pl_shape_sphere(0.01), false, 0, 0);
+    run_begin(&r);
+    for (int k = 0; k < 600 * 64; ++k) {
+        euler_step(&r, 0, none, none);
+        run_step_many(&r, 1);
+    }
+    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    run_end(&r);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_projectile_keeps_energy_and_momentum_to_rounding),
+        cmocka_unit_test(test_work_and_impulse_of_scene_forces_are_accounted_to_rounding),
+        cmocka_unit_test(test_a_body_frame_force_turns_with_the_body),
+        cmocka_unit_test(test_a_kick_out_of_nowhere_shows_in_energy_and_momentum),
+        cmocka_unit_test(test_lost_energy_is_no_gain),
+        cmocka_unit_test(test_contact_impulses_of_static_bodies_balance_the_weight),
+        cmocka_unit_test(test_a_contact_of_no_body_fails_the_momentum_alone),
+        cmocka_unit_test(test_an_impulse_that_is_nan_is_not_taken_for_zero),
+        cmocka_unit_test(test_a_long_fall_is_no_divergence),
+    };
+    return cmocka_run_group_tests_name("mechanics", tests, NULL, NULL);
+}

@@ -1,0 +1,224 @@
+/* Where the report says that plumb loses. */
+#include "check.h"
+#include "report_rows.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void test_loss_is_the_ratio_to_the_best_good_run_of_another_engine(void **state)
+{
+    (void)state;
+    json_t *results = duel("drift", 6e-3, 2e-3);
+    set_metric(add_run(results, "duel", "bullet:si", "ok"), "drift", metric_value(3e-3));
+    set_metric(add_run(results, "duel", "bullet:nncg", "collapsed"), "drift", metric_value(1e-9));
+    set_metric(add_run(results, "duel", "plumb:accurate", "ok"), "drift", metric_value(1e-3));
+    json_t *row;
+    size_t index;
+    json_array_foreach(results, index, row)
+        json_object_set_new(row, "primary_error", json_string(""));
+    made_report made = make_report(results);
+    assert_int_equal(made.losses.count, 1);
+    assert_int_equal(made.losses.comparisons, 2);
+    const pl_loss *loss = &made.losses.items[0];
+    assert_int_equal(loss->kind, PL_LOSS_VALUE);
+    assert_int_equal(loss->metric, PL_METRIC_DRIFT);
+    assert_string_equal(loss->ours->label, "plumb:fast");
+    assert_string_equal(loss->best->label, "ode:quick");
+    assert_close(loss->ratio, 3, 0, 1e-15);
+    free_report(&made);
+}
+
+static void test_difference_below_noise_is_no_loss(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *metric;
+        double ours, theirs;
+        int losses;
+    } cases[] = {
+        {"creep", 9e-10, 1e-16, 0},
+        {"creep", 1.1e-9, 1e-16, 1},
+        {"energy_gain", 4.6e-12, 0, 0},
+        {"energy_gain", 2e-9, 0, 1},
+        {"momentum_error", 9e-10, 1e-17, 0},
+        {"rest_rotation_error", 9e-10, 0, 0},
+        {"penetration_rest", 1.5e-10, 2.3e-11, 0},
+        {"penetration_rest", 1.5e-8, 2.3e-11, 1},
+        {"travel_error", 2e-3, 1e-3, 1},
+        {"discrete_error", 2e-3, 1e-3, 1},
+        {"rest_position_error", 2e-3, 1e-3, 1},
+        {"settle_time", 0.01, 0, 0}, /* the step of these rows */
+        {"settle_time", 0.02, 0, 1},
+        {"time_per_step", 1.09e-3, 1e-3, 0},
+        {"time_per_step", 1.11e-3, 1e-3, 1},
+        {"memory_peak", 1.09e7, 1e7, 0},
+        {"memory_peak", 1.2e7, 1e7, 1},
+        {"memory_peak", 33e3, 29e3, 0},
+        {"memory_peak", 262e3, 0, 0},
+        {"memory_peak", 500e3, 238e3, 0},
+        {"memory_peak", 500e3, 230e3, 1},
+        {"creep", 1e-3, 1e-3, 0},
+        {"creep", 1.001e-3, 1e-3, 1},
+        {"creep", 1e-3, 0, 1},
+        {"iterations_mean", 50, 10, 0},
+        {"iterations_max", 50, 10, 0},
+        {"residual_max", 50, 10, 0},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        made_report made = make_report(duel(cases[i].metric, cases[i].ours, cases[i].theirs));
+        if (made.losses.count != cases[i].losses)
+            fail_msg("%s %g against %g: %d losses", cases[i].metric, cases[i].ours, cases[i].theirs,
+                     made.losses.count);
+        free_report(&made);
+    }
+}
+
+static void test_ratio_is_taken_to_the_floor_where_the_best_lies_below_it(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *metric;
+        double ours, theirs, ratio;
+    } cases[] = {
+        {"energy_gain", 5e-9, 0, 5},          {"energy_gain", 5e-9, 1e-12, 5},
+        {"energy_gain", 5e-9, 2e-9, 2.5},     {"settle_time", 0.05, 0, 5},
+        {"memory_peak", 1024 * 1024, 100, 4}, {"time_per_step", 3e-3, 1e-3, 3},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        made_report made = make_report(duel(cases[i].metric, cases[i].ours, cases[i].theirs));
+        assert_int_equal(made.losses.count, 1);
+        assert_close(made.losses.items[0].ratio, cases[i].ratio, 0, 1e-12);
+        assert_absent(made.html.data, "×∞");
+        free_report(&made);
+    }
+}
+
+static void test_floors_are_stated_beside_the_losses(void **state)
+{
+    (void)state;
+    made_report made = make_report(duel("creep", 2e-3, 1e-3));
+    static const char *const facts[] = {"1e-9 for lengths", "256 KiB", "within 10 %",
+                                        "one time step"};
+    for (size_t i = 0; i < sizeof facts / sizeof facts[0]; i++) {
+        assert_before(made.html.data, facts[i], "id=\"results\"");
+        assert_before(made.markdown.data, facts[i], "## Results");
+    }
+    free_report(&made);
+}
+
+static void test_primary_error_is_not_counted_under_two_names(void **state)
+{
+    (void)state;
+    json_t *results = duel("drift", 2e-3, 1e-3); /* the primary error of these rows */
+    set_metric(json_array_get(results, 0), "reference_error", metric_value(2e-3));
+    set_metric(json_array_get(results, 1), "reference_error", metric_value(1e-3));
+    made_report made = make_report(results);
+    assert_int_equal(made.losses.count, 1);
+    assert_int_equal(made.losses.items[0].metric, PL_METRIC_REFERENCE_ERROR);
+    assert_contains(made.html.data, "reference_error (drift)");
+    free_report(&made);
+}
+
+static void test_losses_go_from_failure_over_missing_value_to_falling_ratio(void **state)
+{
+    (void)state;
+    json_t *results = duel("creep", 2e-3, 1e-3);
+    json_t *ours = json_array_get(results, 0), *theirs = json_array_get(results, 1);
+    set_metric(ours, "settle_time", json_pack("{s:n, s:s}", "value", "reason", "it never rests"));
+    set_metric(theirs, "settle_time", metric_value(1));
+    set_metric(ours, "energy_gain", metric_value(5e-3));
+    set_metric(theirs, "energy_gain", metric_value(1e-3));
+    set_metric(ours, "penetration_max", metric_value(1e-3));
+    set_metric(theirs, "penetration_max", metric_value(0));
+    add_run(results, "other", "plumb:fast", "timeout");
+    add_run(results, "other", "ode:quick", "ok");
+    made_report made = make_report(results);
+    assert_int_equal(made.losses.count, 5);
+    assert_int_equal(made.losses.items[0].kind, PL_LOSS_OUTCOME);
+    assert_string_equal(made.losses.items[0].block->scenario, "other");
+    assert_int_equal(made.losses.items[1].kind, PL_LOSS_NO_VALUE);
+    assert_int_equal(made.losses.items[1].metric, PL_METRIC_SETTLE_TIME);
+    assert_int_equal(made.losses.items[2].metric, PL_METRIC_PENETRATION_MAX);
+    assert_close(made.losses.items[2].ratio, 1e6, 0, 1e-15); /* to the floor */
+    assert_int_equal(made.losses.items[3].metric, PL_METRIC_ENERGY_GAIN);
+    assert_close(made.losses.items[3].ratio, 5, 0, 1e-15);
+    assert_int_equal(made.losses.items[4].metric, PL_METRIC_CREEP);
+    assert_contains(made.html.data, "it never rests");
+    free_report(&made);
+}
+
+static void test_times_of_different_machines_are_not_compared(void **state)
+{
+    (void)state;
+    json_t *results = duel("time_per_step", 2e-3, 1e-3);
+    json_object_set_new(json_object_get(json_array_get(results, 1), "host"), "cpu",
+                        json_string("two"));
+    made_report made = make_report(results);
+    assert_int_equal(made.losses.count, 0);
+    assert_contains(made.html.data, "come from several machines");
+    free_report(&made);
+}
+
+static void test_no_losses_is_said_with_what_was_compared(void **state)
+{
+    (void)state;
+    made_report made = make_report(duel("creep", 1e-3, 2e-3));
+    static const char words[] =
+        "No losses: in none of 1 comparisons is plumb worse than the best other "
+        "engine, over 1 problem: plumb:fast against the best of ode:quick.";
+    assert_contains(made.html.data, words);
+    assert_contains(made.markdown.data, words);
+    char *table = printed_table(made.results, false, 1000);
+    assert_contains(table, words);
+    free(table);
+    free_report(&made);
+}
+
+static void test_nothing_compared_is_not_called_no_losses(void **state)
+{
+    (void)state;
+    json_t *ours = json_array(), *theirs = json_array(), *apart = json_array();
+    add_run(ours, "s", "plumb:fast", "ok");
+    add_run(theirs, "s", "ode:quick", "ok");
+    add_run(apart, "s", "plumb:fast", "ok");
+    add_run(apart, "s", "ode:quick", "timeout");
+    made_report reports[] = {make_report(ours), make_report(theirs), make_report(apart),
+                             make_report(json_array())};
+    for (int i = 0; i < 4; i++) {
+        assert_contains(reports[i].html.data, "Nothing was compared");
+        assert_absent(reports[i].html.data, "No losses");
+        free_report(&reports[i]);
+    }
+}
+
+static void test_losses_stand_before_every_other_table(void **state)
+{
+    (void)state;
+    made_report made = make_report(runs_of_every_kind());
+    assert_before(made.html.data, "Where plumb loses", "<table>");
+    assert_before(made.html.data, "Where plumb loses", "id=\"results\"");
+    assert_before(made.markdown.data, "## Where plumb loses", "\n|");
+    assert_before(made.markdown.data, "## Where plumb loses", "## Results");
+    char *table = printed_table(made.results, false, 100);
+    assert_int_equal(strncmp(table, "Where plumb loses\n", 18), 0);
+    free(table);
+    free_report(&made);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_loss_is_the_ratio_to_the_best_good_run_of_another_engine),
+        cmocka_unit_test(test_difference_below_noise_is_no_loss),
+        cmocka_unit_test(test_ratio_is_taken_to_the_floor_where_the_best_lies_below_it),
+        cmocka_unit_test(test_floors_are_stated_beside_the_losses),
+        cmocka_unit_test(test_primary_error_is_not_counted_under_two_names),
+        cmocka_unit_test(test_losses_go_from_failure_over_missing_value_to_falling_ratio),
+        cmocka_unit_test(test_times_of_different_machines_are_not_compared),
+        cmocka_unit_test(test_no_losses_is_said_with_what_was_compared),
+        cmocka_unit_test(test_nothing_compared_is_not_called_no_losses),
+        cmocka_unit_test(test_losses_stand_before_every_other_table),
+    };
+    return cmocka_run_group_tests_name("report_losses", tests, NULL, NULL);
+}
