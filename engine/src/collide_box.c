@@ -8,8 +8,11 @@
 #include "collide.h"
 
 /* Tolerances, in units of the smaller box. */
-static const double FACE_BIAS = 1e-5;  /* the second box's face must be better by this */
-static const double EDGE_BIAS = 1e-4;  /* a pair of edges must be better than faces by this */
+static const double FACE_BIAS = 1e-5; /* the second box's face must be better by this */
+/* A pair of edges must be better than faces by this. An edge contact is one point where a face
+ * contact has four: with a smaller bias, nearly flat bricks of a falling wall are held at one point
+ * only and turn into each other about it. */
+static const double EDGE_BIAS = 1e-3;
 static const double CLIP_SLACK = 1e-6; /* points this far outside still lie on the face */
 /* Edges at a smaller angle than this, in rad, are parallel: a face axis serves as well. */
 static const double LEAST_SINE = 1e-3;
