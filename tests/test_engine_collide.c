@@ -124,7 +124,7 @@ static void test_box_box_depth_equals_dense_direction_sweep(void **state)
         assert_true(least > 0);
         touching += 1;
         /* The normal is the direction of least overlap but for the stated bias towards faces. */
-        double bias = 1.1e-3 * pe_min(pe_shape_size(&a.shape), pe_shape_size(&b.shape));
+        double bias = (1e-3 + 1e-9) * pe_min(pe_shape_size(&a.shape), pe_shape_size(&b.shape));
         double depth = overlap(&a, &b, hits.normal);
         assert_at_most(depth, least + bias);
         assert_at_most(least, depth + 1e-2); /* the resolution of the sweep */
@@ -203,7 +203,8 @@ static void test_box_box_is_symmetric_and_turns_with_the_world(void **state)
         assert_int_equal(one.count, turned.count);
         if (one.count > 0) {
             double size = pe_min(pe_shape_size(&a.shape), pe_shape_size(&b.shape));
-            assert_close(least_separation(&one), least_separation(&swapped), 2.2e-3 * size, 0);
+            assert_close(least_separation(&one), least_separation(&swapped), (1e-3 + 1e-5) * size,
+                         0);
             pe_vec3 back = pe_unrotate(&m, turned.normal);
             assert_at_most(pe_length(pe_sub(back, one.normal)), 1e-9);
             assert_close(least_separation(&one), least_separation(&turned), 1e-9, 0);

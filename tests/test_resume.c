@@ -81,6 +81,19 @@ static void check_kept(const json_t *before, const json_t *after)
     }
 }
 
+/* Resumes to the end: every run is there, and those of `before` (released here) as they were. */
+static void check_resume(const workspace *f, const char *engine, json_t *before)
+{
+    plumb_output output = wait_plumb(f->directory, start_compare(f, engine, "--resume"));
+    assert_int_equal(output.code, 0);
+    free_output(&output);
+    json_t *after = read_results(f);
+    check_kept(before, after);
+    assert_int_equal(json_array_size(after), RUN_COUNT);
+    json_decref(before);
+    json_decref(after);
+}
+
 static void test_kill_and_resume_make_each_run_exactly_once(void **state)
 {
     const workspace *f = *state;
@@ -101,31 +114,14 @@ static void test_kill_and_resume_make_each_run_exactly_once(void **state)
         before = after;
     }
     assert_true(json_array_size(before) > 0);
-    plumb_output output =
-        wait_plumb(f->directory, start_compare(f, FAULTY ":slow_print", "--resume"));
-    assert_int_equal(output.code, 0);
-    free_output(&output);
-    json_t *after = read_results(f);
-    check_kept(before, after);
-    assert_int_equal(json_array_size(after), RUN_COUNT);
-    json_decref(before);
-    json_decref(after);
+    check_resume(f, FAULTY ":slow_print", before);
 }
 
 static void test_resume_of_a_complete_comparison_runs_nothing(void **state)
 {
     const workspace *f = *state;
     for (int i = 0; i < 2; ++i) {
-        json_t *before = read_results(f);
-        plumb_output output =
-            wait_plumb(f->directory, start_compare(f, FAULTY ":exit", "--resume"));
-        assert_int_equal(output.code, 0);
-        free_output(&output);
-        json_t *after = read_results(f);
-        check_kept(before, after);
-        assert_int_equal(json_array_size(after), RUN_COUNT);
-        json_decref(before);
-        json_decref(after);
+        check_resume(f, FAULTY ":exit", read_results(f));
     }
 }
 

@@ -122,20 +122,15 @@ static json_t *list_suites(void)
     return list;
 }
 
-static const char *text_of(const json_t *object, const char *key)
-{
-    const char *text = json_string_value(json_object_get(object, key));
-    return text == NULL ? "" : text;
-}
-
 static void print_settings(const json_t *settings)
 {
     size_t index;
     const json_t *s;
     json_array_foreach(settings, index, s)
     {
-        printf("    %-24s %s (%s; default %g, %g to %g)\n", text_of(s, "name"), text_of(s, "help"),
-               text_of(s, "unit"), json_number_value(json_object_get(s, "default")),
+        printf("    %-24s %s (%s; default %g, %g to %g)\n", pl_json_get_text(s, "name"),
+               pl_json_get_text(s, "help"), pl_json_get_text(s, "unit"),
+               json_number_value(json_object_get(s, "default")),
                json_number_value(json_object_get(s, "min")),
                json_number_value(json_object_get(s, "max")));
     }
@@ -143,26 +138,27 @@ static void print_settings(const json_t *settings)
 
 static void print_scenario(const json_t *item)
 {
-    printf("%-18s %s\n", text_of(item, "name"), text_of(item, "title"));
-    printf("    judged by %s\n", text_of(item, "primary_error"));
+    printf("%-18s %s\n", pl_json_get_text(item, "name"), pl_json_get_text(item, "title"));
+    printf("    judged by %s\n", pl_json_get_text(item, "primary_error"));
     print_settings(json_object_get(item, "params"));
 }
 
 static void print_engine(const json_t *item)
 {
     if (!json_is_true(json_object_get(item, "present"))) {
-        printf("%-10s absent from this build; Debian: %s\n", text_of(item, "name"),
-               text_of(item, "package"));
+        printf("%-10s absent from this build; Debian: %s\n", pl_json_get_text(item, "name"),
+               pl_json_get_text(item, "package"));
         return;
     }
-    printf("%-10s %s  %s\n", text_of(item, "name"), text_of(item, "version"),
-           text_of(item, "description"));
+    printf("%-10s %s  %s\n", pl_json_get_text(item, "name"), pl_json_get_text(item, "version"),
+           pl_json_get_text(item, "description"));
     size_t index;
     const json_t *p;
     json_array_foreach(json_object_get(item, "profiles"), index, p)
     {
-        printf("  %s:%-*s %s%s\n", text_of(item, "name"), 25 - (int)strlen(text_of(item, "name")),
-               text_of(p, "name"), text_of(p, "help"),
+        printf("  %s:%-*s %s%s\n", pl_json_get_text(item, "name"),
+               25 - (int)strlen(pl_json_get_text(item, "name")), pl_json_get_text(p, "name"),
+               pl_json_get_text(p, "help"),
                json_is_true(json_object_get(p, "in_default_comparison"))
                    ? ""
                    : " (only when asked for)");
@@ -172,13 +168,13 @@ static void print_engine(const json_t *item)
 
 static void print_metric(const json_t *item)
 {
-    printf("%-22s %-6s %-7s %s\n", text_of(item, "name"), text_of(item, "unit"),
-           text_of(item, "direction"), text_of(item, "definition"));
+    printf("%-22s %-6s %-7s %s\n", pl_json_get_text(item, "name"), pl_json_get_text(item, "unit"),
+           pl_json_get_text(item, "direction"), pl_json_get_text(item, "definition"));
 }
 
 static void print_suite(const json_t *item)
 {
-    printf("%-12s %s\n   ", text_of(item, "name"), text_of(item, "description"));
+    printf("%-12s %s\n   ", pl_json_get_text(item, "name"), pl_json_get_text(item, "description"));
     size_t index;
     const json_t *name;
     json_array_foreach(json_object_get(item, "scenarios"), index, name)

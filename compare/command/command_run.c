@@ -1,6 +1,8 @@
 /* plumb run SCENARIO --engine SPEC: one run, one result. */
 #include "command/commands.h"
+
 #include "command/selection.h"
+#include "results/result.h"
 #include "results/store.h"
 #include "runner/execute.h"
 
@@ -97,33 +99,28 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
     return PL_OK;
 }
 
-static const char *text_of(const json_t *object, const char *key)
-{
-    const char *text = json_string_value(json_object_get(object, key));
-    return text == NULL ? "" : text;
-}
-
 static void print_metric(const char *name, const json_t *metric)
 {
     const json_t *value = json_object_get(metric, "value");
     if (json_is_string(value)) {
         printf("  %-22s %s\n", name, json_string_value(value));
     } else if (json_is_number(value)) {
-        printf("  %-22s %-12.6g %s\n", name, json_number_value(value), text_of(metric, "unit"));
+        printf("  %-22s %-12.6g %s\n", name, json_number_value(value),
+               pl_json_get_text(metric, "unit"));
     } else {
-        printf("  %-22s none: %s\n", name, text_of(metric, "reason"));
+        printf("  %-22s none: %s\n", name, pl_json_get_text(metric, "reason"));
     }
 }
 
 static void print_result(const json_t *result)
 {
     const json_t *steps = json_object_get(result, "steps");
-    printf("%s on %s: %s, %lld of %lld steps\n", text_of(result, "scenario"),
-           text_of(result, "label"), text_of(result, "outcome"),
+    printf("%s on %s: %s, %lld of %lld steps\n", pl_json_get_text(result, "scenario"),
+           pl_json_get_text(result, "label"), pl_json_get_text(result, "outcome"),
            (long long)json_integer_value(json_object_get(steps, "done")),
            (long long)json_integer_value(json_object_get(steps, "asked")));
-    if (text_of(result, "reason")[0] != '\0') {
-        printf("  %s\n", text_of(result, "reason"));
+    if (pl_json_get_text(result, "reason")[0] != '\0') {
+        printf("  %s\n", pl_json_get_text(result, "reason"));
     }
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         const char *name = pl_metric_table[i].name;
@@ -187,7 +184,7 @@ static int run(const pl_call *call, const options *o)
     }
     if (status == PL_OK && signal_number == 0) {
         status = deliver(o, result, &error);
-        code = strcmp(text_of(result, "outcome"), "ok") == 0 ? PL_EXIT_OK : PL_EXIT_FAILED;
+        code = strcmp(pl_json_get_text(result, "outcome"), "ok") == 0 ? PL_EXIT_OK : PL_EXIT_FAILED;
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);

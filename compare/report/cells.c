@@ -2,6 +2,7 @@
 #include "report/cells.h"
 
 #include "report/quantity.h"
+#include "results/result.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,10 +14,10 @@ static pl_status check_row(const json_t *row, size_t index, pl_error *error)
     static const char *const texts[] = {"scenario", "engine", "label", "outcome"};
     if (!json_is_object(row))
         return pl_fail(error, PL_BAD_INPUT, "results[%zu]: expected an object", index);
-    if (strcmp(pl_row_text(row, "schema"), "plumb.result/1") != 0)
+    if (strcmp(pl_json_get_text(row, "schema"), "plumb.result/1") != 0)
         return pl_fail(error, PL_BAD_INPUT,
                        "results[%zu].schema: expected \"plumb.result/1\", found \"%.40s\"", index,
-                       pl_row_text(row, "schema"));
+                       pl_json_get_text(row, "schema"));
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
         if (!json_is_string(json_object_get(row, texts[i])))
             return pl_fail(error, PL_BAD_INPUT, "results[%zu].%s: expected a string", index,
@@ -30,11 +31,11 @@ static pl_status check_row(const json_t *row, size_t index, pl_error *error)
 
 static pl_column column_of(const json_t *row)
 {
-    return (pl_column){.label = pl_row_text(row, "label"),
-                       .engine = pl_row_text(row, "engine"),
-                       .version = pl_row_text(row, "engine_version"),
+    return (pl_column){.label = pl_json_get_text(row, "label"),
+                       .engine = pl_json_get_text(row, "engine"),
+                       .version = pl_json_get_text(row, "engine_version"),
                        .git = pl_row_text_in(row, "plumb", "git"),
-                       .ours = strcmp(pl_row_text(row, "engine"), "plumb") == 0};
+                       .ours = strcmp(pl_json_get_text(row, "engine"), "plumb") == 0};
 }
 
 static int compare_columns(const void *left, const void *right)
@@ -79,12 +80,12 @@ static void name_columns(pl_cells *cells)
 
 static pl_block block_of(const json_t *row)
 {
-    const char *scenario = pl_row_text(row, "scenario");
+    const char *scenario = pl_json_get_text(row, "scenario");
     return (pl_block){.row = row,
                       .catalogue = pl_scenario_find(scenario, NULL),
                       .scenario = scenario,
-                      .scene_hash = pl_row_text(row, "scene_hash"),
-                      .primary_error = pl_row_text(row, "primary_error"),
+                      .scene_hash = pl_json_get_text(row, "scene_hash"),
+                      .primary_error = pl_json_get_text(row, "primary_error"),
                       .params = json_object_get(row, "params"),
                       .seed = json_integer_value(json_object_get(row, "seed"))};
 }
@@ -192,18 +193,18 @@ static void fill_cell(pl_cell *cell, const json_t *const *rows, int count, const
     const char *cpu = pl_row_text_in(rows[0], "host", "cpu");
     *cell = (pl_cell){.repeats = count};
     for (int i = 0; i < count; i++) {
-        const char *outcome = pl_row_text(rows[i], "outcome");
+        const char *outcome = pl_json_get_text(rows[i], "outcome");
         if (strcmp(outcome, "ok") == 0)
             cell->ok_repeats++;
         else if (shown == NULL)
             shown = rows[i];
-        cell->outcomes_differ |= strcmp(outcome, pl_row_text(rows[0], "outcome")) != 0;
+        cell->outcomes_differ |= strcmp(outcome, pl_json_get_text(rows[0], "outcome")) != 0;
         cell->mixed_hosts |= strcmp(cpu, pl_row_text_in(rows[i], "host", "cpu")) != 0;
     }
     cell->row = shown == NULL ? rows[0] : shown;
     cell->ok = cell->ok_repeats == count;
-    cell->outcome = pl_row_text(cell->row, "outcome");
-    cell->reason = pl_row_text(cell->row, "reason");
+    cell->outcome = pl_json_get_text(cell->row, "outcome");
+    cell->reason = pl_json_get_text(cell->row, "reason");
     for (int id = 0; id < PL_METRIC_COUNT; id++) {
         for (int i = 0; i < count; i++)
             metrics[i] =
@@ -238,7 +239,7 @@ static int compare_places(const void *left, const void *right)
     json_int_t b_repeat = json_integer_value(json_object_get(b->row, "repeat"));
     if (a_repeat != b_repeat)
         return a_repeat < b_repeat ? -1 : 1;
-    int order = strcmp(pl_row_text(a->row, "started"), pl_row_text(b->row, "started"));
+    int order = strcmp(pl_json_get_text(a->row, "started"), pl_json_get_text(b->row, "started"));
     if (order != 0)
         return order;
     return a->index < b->index ? -1 : 1;

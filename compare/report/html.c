@@ -5,6 +5,7 @@
 #include "report/picture.h"
 #include "report/quantity.h"
 #include "report/style.h"
+#include "results/result.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -90,7 +91,7 @@ static void add_dates(const pl_cells *cells, pl_sheet *sheet)
 {
     const char *first = "", *last = "";
     for (size_t i = 0; i < json_array_size(cells->results); i++) {
-        const char *started = pl_row_text(json_array_get(cells->results, i), "started");
+        const char *started = pl_json_get_text(json_array_get(cells->results, i), "started");
         if (started[0] == '\0')
             continue;
         if (first[0] == '\0' || strcmp(started, first) < 0)
@@ -437,7 +438,7 @@ static void add_failures(const pl_cells *cells, pl_sheet *sheet)
                         "<th>Outcome</th><th>Reason and output</th></tr></thead>\n<tbody>\n");
     for (; pl_cells_next_failure(cells, &b, &i); i++) {
         const pl_cell *cell = &cells->blocks[b].cells[i];
-        const char *output = pl_row_text(cell->row, "output");
+        const char *output = pl_json_get_text(cell->row, "output");
         add_element(sheet, "<tr><th>", cells->blocks[b].name, "</th>");
         add_element(sheet, "<td>", cells->columns[i].name, "</td><td>");
         add_badge(cell, sheet);

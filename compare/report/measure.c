@@ -8,6 +8,7 @@
 
 #include "report/quantity.h"
 #include "report/row.h"
+#include "results/result.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -65,13 +66,13 @@ pl_measure pl_measure_of(const json_t *const *metrics, int rows, int id, double 
             measure.text = json_string_value(value);
         } else if (json_is_null(value) && measure.state == PL_METRIC_ABSENT) {
             measure.state = PL_METRIC_FAILED;
-            measure.reason = pl_row_text(metrics[i], "reason");
+            measure.reason = pl_json_get_text(metrics[i], "reason");
         }
     }
     if (first == NULL)
         return measure;
     if (json_is_string(json_object_get(first, "unit")))
-        measure.unit = pl_row_text(first, "unit");
+        measure.unit = pl_json_get_text(first, "unit");
     for (int i = 0; is_deterministic(first, id) && i < rows; i++) {
         const json_t *value = json_object_get(metrics[i], "value");
         if (value == NULL || !json_equal(value, json_object_get(first, "value")))

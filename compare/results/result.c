@@ -24,6 +24,12 @@ const char *pl_outcome_name(pl_outcome outcome)
     return outcome_names[outcome];
 }
 
+const char *pl_json_get_text(const json_t *object, const char *key)
+{
+    const char *text = json_string_value(json_object_get(object, key));
+    return text == NULL ? "" : text;
+}
+
 json_t *pl_json_text(const char *bytes, size_t length)
 {
     char *clean = calloc(length + 1, 1);

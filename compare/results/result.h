@@ -66,6 +66,9 @@ json_t *pl_provenance(int argc, char *const *argv);
 json_t *pl_result_compose(json_t *identity, json_t *finding, json_t *provenance, const char *output,
                           size_t output_length, const char *started);
 
+/* The text of a key of an object, borrowed; "" where there is none or it is no text. */
+const char *pl_json_get_text(const json_t *object, const char *key);
+
 /* A JSON string of any bytes: where they are no UTF-8 text, each byte outside of ASCII becomes '?'.
  * Control characters but tab and newline become '?' too. */
 json_t *pl_json_text(const char *bytes, size_t length);

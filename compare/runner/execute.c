@@ -1,5 +1,6 @@
 #include "runner/execute.h"
 
+#include "results/result.h"
 #include "runner/isolated_run.h"
 #include "runner/progress.h"
 
@@ -26,12 +27,6 @@ typedef struct execution {
     int signals; /* signalfd */
 } execution;
 
-static const char *text_of(const json_t *object, const char *key)
-{
-    const char *text = json_string_value(json_object_get(object, key));
-    return text == NULL ? "" : text;
-}
-
 /* Blocks the signals that end a command and are not ignored, and makes them readable. */
 static int catch_signals(sigset_t *before)
 {
@@ -50,7 +45,7 @@ static int catch_signals(sigset_t *before)
 
 static bool is_done(const execution *e, json_t *identity)
 {
-    return e->def->skip != NULL && e->def->skip(e->def->user, text_of(identity, "run"));
+    return e->def->skip != NULL && e->def->skip(e->def->user, pl_json_get_text(identity, "run"));
 }
 
 /* How many runs are not done yet, for the bar. */
@@ -109,8 +104,9 @@ static pl_status finish(execution *e, slot *ended, pl_error *error)
     }
     status = e->def->keep(e->def->user, result, error);
     if (status == PL_OK && e->def->progress != NULL) {
-        pl_progress_run_ended(&e->progress, text_of(result, "scenario"), text_of(result, "label"),
-                              text_of(result, "outcome"), text_of(result, "reason"), seconds);
+        pl_progress_run_ended(
+            &e->progress, pl_json_get_text(result, "scenario"), pl_json_get_text(result, "label"),
+            pl_json_get_text(result, "outcome"), pl_json_get_text(result, "reason"), seconds);
     }
     json_decref(result);
     return status;
@@ -125,7 +121,8 @@ static void draw(const execution *e)
         if (s->busy) {
             size_t used = strlen(running);
             snprintf(running + used, sizeof running - used, "%s%s %s", used == 0 ? "" : ", ",
-                     text_of(s->run.identity, "scenario"), text_of(s->run.identity, "label"));
+                     pl_json_get_text(s->run.identity, "scenario"),
+                     pl_json_get_text(s->run.identity, "label"));
             part += pl_isolated_run_progress(&s->run);
         }
     }

@@ -19,7 +19,7 @@ typedef struct pe_solve_report {
 /* Projected Gauss-Seidel with a round friction cone, warm-started from problem->impulse: each sweep
  * visits the points in order, and at each takes the normal impulse that stops approach, then the
  * tangential one that stops slip, held to the disc of radius mu p_n. Leaves impulses and velocities
- * in step. No allocation. (Jourdan, Alart, Jean 1998; the disc: Erleben 2007 has a pyramid.) */
+ * in step. No allocation. (Jourdan, Alart, Jean 1998.) */
 void pe_solve_gauss_seidel(const pe_problem *problem, const pe_solve_limits *limits,
                            pe_solve_report *report);
 

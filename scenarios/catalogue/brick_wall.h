@@ -13,6 +13,18 @@
 #define PL_BRICK_LENGTH 1.0
 #define PL_BRICK_HEIGHT 0.5
 
+/* The wall's parameters, with the scenario's default. */
+#define PL_PARAM_BRICK_ROWS(rows)                                                                  \
+    {                                                                                              \
+        .name = "rows", .value = rows, .min = 1, .max = 100, .integer = true, .unit = "1",         \
+        .help = "rows of bricks"                                                                   \
+    }
+#define PL_PARAM_BRICK_COLUMNS(columns)                                                            \
+    {                                                                                              \
+        .name = "columns", .value = columns, .min = 1, .max = 200, .integer = true, .unit = "1",   \
+        .help = "bricks in a row"                                                                  \
+    }
+
 /* Adds the floor z = 0 and the wall; with `expect_rest`, every brick is expected to stay. */
 void pl_build_brick_wall(pl_builder *builder, int rows, int columns, bool expect_rest);
 

@@ -10,8 +10,8 @@ extern const pl_scenario pl_scenario_slope_slide;
 extern const pl_scenario pl_scenario_wall;
 extern const pl_scenario pl_scenario_wall_collapse;
 
-/* The two parameters that every scenario has; initialisers, since a table cannot copy another's
- * row. */
+/* Parameters that scenarios share: dt and duration, which all have, and the friction of stacks.
+ * Initialisers, since a table cannot copy another's row. */
 #define PL_PARAM_DT                                                                                \
     {                                                                                              \
         .name = "dt", .value = 1.0 / 60, .min = 1e-6, .max = 1, .unit = "s", .help = "time step"   \
@@ -20,6 +20,11 @@ extern const pl_scenario pl_scenario_wall_collapse;
     {                                                                                              \
         .name = "duration", .value = seconds, .min = 1e-6, .max = 1e6, .unit = "s",                \
         .help = "simulated time"                                                                   \
+    }
+#define PL_PARAM_FRICTION                                                                          \
+    {                                                                                              \
+        .name = "friction", .value = 0.5, .min = 0, .max = 10, .unit = "1",                        \
+        .help = "Coulomb coefficient of all contacts"                                              \
     }
 
 #endif

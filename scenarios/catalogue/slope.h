@@ -11,6 +11,12 @@
 /* Half width over half height: a block with more friction than that tips before it slides. */
 #define PL_SLOPE_TIPPING 2.0
 
+#define PL_PARAM_SLOPE_FRICTION                                                                    \
+    {                                                                                              \
+        .name = "friction", .value = 0.5, .min = 0, .max = 1.9, .unit = "1",                       \
+        .help = "Coulomb coefficient; below 2, where the block would tip"                          \
+    }
+
 typedef struct pl_slope {
     double sine, cosine; /* of the angle */
     double friction;

@@ -11,12 +11,7 @@
 enum { FRICTION, ANGLE, DT, DURATION, PARAM_COUNT };
 
 static const pl_param params[PARAM_COUNT] = {
-    [FRICTION] = {.name = "friction",
-                  .value = 0.5,
-                  .min = 0,
-                  .max = 1.9,
-                  .unit = "1",
-                  .help = "Coulomb coefficient; below 2, where the block would tip"},
+    [FRICTION] = PL_PARAM_SLOPE_FRICTION,
     [ANGLE] = {.name = "angle",
                .value = 0.44,
                .min = 0,

@@ -6,27 +6,8 @@
 enum { ROWS, COLUMNS, FRICTION, DT, DURATION, PARAM_COUNT };
 
 static const pl_param params[PARAM_COUNT] = {
-    [ROWS] = {.name = "rows",
-              .value = 10,
-              .min = 1,
-              .max = 100,
-              .integer = true,
-              .unit = "1",
-              .help = "rows of bricks"},
-    [COLUMNS] = {.name = "columns",
-                 .value = 10,
-                 .min = 1,
-                 .max = 200,
-                 .integer = true,
-                 .unit = "1",
-                 .help = "bricks in a row"},
-    [FRICTION] = {.name = "friction",
-                  .value = 0.5,
-                  .min = 0,
-                  .max = 10,
-                  .unit = "1",
-                  .help = "Coulomb coefficient of all contacts"},
-    [DT] = PL_PARAM_DT,
+    [ROWS] = PL_PARAM_BRICK_ROWS(10),   [COLUMNS] = PL_PARAM_BRICK_COLUMNS(10),
+    [FRICTION] = PL_PARAM_FRICTION,     [DT] = PL_PARAM_DT,
     [DURATION] = PL_PARAM_DURATION(10),
 };
 

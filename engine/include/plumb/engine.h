@@ -69,7 +69,7 @@ typedef struct pe_world_def {
     double restitution_threshold;
 
     /* Gap, in m, below which two bodies at rest relative to each other get a contact. Motion within
-     * the step is added to it, so nothing slow enough to turn less than a radian a step tunnels. */
+     * the step is added to it, so that fast bodies meet what they would pass. */
     double contact_margin;
 
     /* Penetration, in m, that is left alone. Deeper ones are pushed out after the step by moving
