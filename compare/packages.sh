@@ -1,7 +1,7 @@
 # Sourced by compare/run and tests/run: installs what is missing from Debian's packages, or names it.
 #
 #   need PACKAGE PROBE...      PROBE is a command that succeeds when the package is there
-#   want PACKAGE PROBE...      the same for an engine: left out, and said so, where it cannot be had
+#   want PACKAGE PROBE...      the same for what can be left out, and said so, where it cannot be had
 #   install_packages           after the list: installs what is missing of both
 
 missing_needed=()
@@ -55,7 +55,7 @@ install_packages() {
         return 3
     fi
     if [[ ${#missing_wanted[@]} -gt 0 ]] && ! apt_install "${missing_wanted[@]}"; then
-        echo "not installed, so their engines are left out: ${missing_wanted[*]}" >&2
+        echo "not installed, so what needs them is left out: ${missing_wanted[*]}" >&2
     fi
 }
 

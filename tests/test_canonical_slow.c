@@ -2,29 +2,11 @@
  * that the others behave as they are known to. */
 #include "check.h"
 #include "plumb_process.h"
+#include "run_result.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static json_t *run_to_json(const char *const *arguments)
-{
-    char *directory = make_directory();
-    plumb_output output = run_plumb(directory, arguments);
-    if (output.code != 0 && output.code != 3) {
-        fail_msg("exit code %d: %s", output.code, output.err);
-    }
-    json_error_t error;
-    json_t *result = json_loads(output.out, 0, &error);
-    if (result == NULL) {
-        fail_msg("%s in: %s", error.text, output.out);
-    }
-    assert_int_equal(output.code == 0, strcmp(result_text(result, "outcome"), "ok") == 0);
-    free_output(&output);
-    remove_directory(directory);
-    return result;
-}
 
 /* One run; `set` is a NAME=VALUE or NULL. The caller decrefs. */
 static json_t *run(const char *scenario, const char *set, const char *engine)
@@ -32,13 +14,6 @@ static json_t *run(const char *scenario, const char *set, const char *engine)
     const char *const arguments[] = {
         "run", scenario, "--engine", engine, "--json", "-", set ? "--set" : NULL, set, NULL};
     return run_to_json(arguments);
-}
-
-static double metric(const json_t *result, const char *name)
-{
-    const json_t *m = json_object_get(json_object_get(result, "metrics"), name);
-    const json_t *value = json_object_get(m, "value");
-    return json_is_number(value) ? json_number_value(value) : (double)NAN;
 }
 
 static void test_tower_of_ten_stands_to_a_tenth_of_a_millimetre(void **state)

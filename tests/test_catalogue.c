@@ -229,6 +229,75 @@ static void test_displaced_tower_stands_for_every_seed(void **state)
     assert_true(largest > 0.199 && largest <= 0.2);
 }
 
+/* Masses as their definition says, by the C library's pow, and the scene otherwise that of the
+ * plain tower. */
+static void test_tower_masses_rise_in_equal_ratios_to_a_heavier_top(void **state)
+{
+    (void)state;
+    static const char *const settings[][3] = {{"n=100", "top_mass=1000", "rising_mass=1"},
+                                              {"n=100", "top_mass=1", "rising_mass=1000"},
+                                              {"n=3", "top_mass=7", "rising_mass=1e6"},
+                                              {"n=1", "top_mass=5", "rising_mass=1000"},
+                                              {"n=2", "top_mass=1", "rising_mass=1"}};
+    static const double top[] = {1000, 1, 7, 5, 1}, rising[] = {1, 1000, 1e6, 1000, 1};
+    for (int i = 0; i < 5; i++) {
+        pl_scene scene;
+        build("tower", settings[i], 3, 0, &scene);
+        int n = scene.body_count - 1;
+        for (int k = 1; k <= n; k++) {
+            const pl_body *cube = &scene.bodies[k];
+            double mass = n > 1 ? pow(rising[i], (k - 1.0) / (n - 1)) : 1;
+            mass *= k == n ? top[i] : 1;
+            assert_close(cube->mass, mass, 0, 1e-12);
+            assert_close(cube->inertia[2], mass / 6, 0, 1e-12);
+        }
+        check_stacked(&scene);
+        check_all_rest(&scene);
+        pl_scene_free(&scene);
+    }
+}
+
+static void test_displaced_tower_of_any_masses_stands_by_statics(void **state)
+{
+    (void)state;
+    static const char *const settings[] = {"n=30", "offset=0.2", "top_mass=1e6", "rising_mass=1e6"};
+    for (uint64_t seed = 0; seed < 50; seed++) {
+        pl_scene scene;
+        build("tower", settings, 4, seed, &scene);
+        check_all_rest(&scene);
+        double mass = 0, moment[2] = {0, 0};
+        for (int i = scene.body_count - 1; i >= 2; i--) {
+            const pl_body *cube = &scene.bodies[i];
+            mass += cube->mass;
+            for (int k = 0; k < 2; k++) {
+                moment[k] += cube->mass * cube->position[k];
+                assert_true(fabs(moment[k] / mass - cube[-1].position[k]) < 0.5);
+                assert_true(fabs(moment[k] / mass - cube->position[k]) < 0.5);
+            }
+        }
+        pl_scene_free(&scene);
+    }
+}
+
+static void test_mass_ratio_is_ten_to_the_k(void **state)
+{
+    (void)state;
+    static const char *const settings[] = {"k=0", "k=1", "k=2", "k=3", "k=4", "k=5", "k=6"};
+    static const double ratios[] = {1, 10, 100, 1e3, 1e4, 1e5, 1e6};
+    for (int i = 0; i < 7; i++) {
+        pl_scene scene;
+        build("mass-ratio", &settings[i], 1, 0, &scene);
+        assert_int_equal(scene.body_count, 3);
+        assert_close(scene.bodies[1].mass, 1, 0, 0);
+        assert_close(scene.bodies[2].mass, ratios[i], 0, 0);
+        check_stacked(&scene);
+        check_all_rest(&scene);
+        assert_close(scene.bodies[2].position[2], 1.5, 0, 0);
+        assert_close(scene.collapse_distance, 0.5, 0, 0);
+        pl_scene_free(&scene);
+    }
+}
+
 static void test_wall_bricks_touch_and_stand(void **state)
 {
     (void)state;
@@ -415,6 +484,70 @@ static void test_slide_distances_equal_the_summed_recurrence(void **state)
     }
 }
 
+/* Coulomb's law step by step: a step takes friction g h from the speed, never more than there is.
+ */
+static void test_stopping_distances_equal_the_summed_recurrence(void **state)
+{
+    (void)state;
+    static const char *const settings[][4] = {
+        {"speed=5", "friction=0.5", "dt=1/60", "duration=3"},
+        {"speed=5", "friction=0.5", "dt=1e-5", "duration=1.5"},
+        {"speed=2", "friction=1.9", "dt=0.01", "duration=0.05"},
+        {"speed=3", "friction=0", "dt=0.01", "duration=2"},
+        {"speed=0.05", "friction=0.5", "dt=1/60", "duration=1"}};
+    static const double stops_at[] = {25 / 9.81, 25 / 9.81, 0, 0, 0.0025 / 9.81};
+    for (int i = 0; i < 5; i++) {
+        pl_scene scene;
+        build("slide-to-stop", settings[i], 4, 0, &scene);
+        const pl_expect_travel *travel = &scene.travels[0];
+        double braking = scene.materials[0].friction * 9.81, discrete = 0;
+        const double *v = scene.bodies[1].velocity;
+        double speed = sqrt(v[0] * v[0] + v[1] * v[1]);
+        for (long n = pl_scene_steps(&scene); n > 0; n--) {
+            speed = fmax(0, speed - braking * scene.dt);
+            discrete += scene.dt * speed;
+        }
+        if (discrete > 0) {
+            assert_close(travel->discrete, discrete, 0, 1e-10);
+        } else {
+            assert_true(isnan(travel->discrete));
+        }
+        if (stops_at[i] > 0) {
+            assert_close(travel->distance, stops_at[i], 0, 1e-14);
+        } else {
+            assert_close(travel->distance, discrete, 0, 0.1);
+        }
+        pl_scene_free(&scene);
+    }
+}
+
+static void test_push_goes_along_the_azimuth_and_is_its_own_mirror_image(void **state)
+{
+    (void)state;
+    static const char *const settings[] = {"azimuth=0", "azimuth=90", "azimuth=25", "azimuth=65",
+                                           "azimuth=45"};
+    static const double degrees[] = {0, 90, 25, 65, 45};
+    double directions[5][3];
+    for (int i = 0; i < 5; i++) {
+        pl_scene scene;
+        build("slide-to-stop", &settings[i], 1, 0, &scene);
+        double *d = directions[i];
+        memcpy(d, scene.travels[0].direction, sizeof directions[i]);
+        assert_close(d[0], cos(degrees[i] * 0.017453292519943295), 2e-16, 0);
+        assert_close(d[1], sin(degrees[i] * 0.017453292519943295), 2e-16, 0);
+        for (int k = 0; k < 3; k++) {
+            assert_close(scene.bodies[1].velocity[k], 5 * d[k], 0, 0);
+        }
+        check_block_lies_on_plane(&scene, 0);
+        pl_scene_free(&scene);
+    }
+    assert_true(directions[0][1] == 0 && directions[1][0] == 0 && directions[1][1] == 1);
+    assert_true(directions[2][0] == directions[3][1] && directions[2][1] == directions[3][0]);
+    /* Beyond 2 the block tips. */
+    check_refused("slide-to-stop", "friction=2", "expected 0 to 1.9");
+    check_refused("slide-to-stop", "azimuth=91", "expected 0 to 90");
+}
+
 static void test_dt_and_duration_reach_the_scene(void **state)
 {
     (void)state;
@@ -435,7 +568,7 @@ static void test_bad_settings_are_refused(void **state)
     (void)state;
     check_refused("tower", "n", "expected NAME=VALUE, found \"n\"");
     check_refused("tower", "frction=1", "did you mean \"friction\"?");
-    check_refused("tower", "elasticity=1", "it has n, friction, offset, dt, duration");
+    check_refused("tower", "elasticity=1", "it has n, friction, offset, top_mass, rising_mass, dt");
     check_refused("tower", "n=ten", "n: expected a number, found \"ten\"");
     check_refused("tower", "n=", "expected a number");
     check_refused("tower", "n=nan", "expected a number");
@@ -472,21 +605,44 @@ static void test_canonical_suite_is_the_five_in_order(void **state)
                                            "wall-collapse"};
     const pl_suite *suite = pl_suite_find("canonical", NULL);
     assert_non_null(suite);
+    assert_int_equal(suite->entry_count, 5);
     for (int i = 0; i < 5; i++) {
-        assert_string_equal(suite->scenarios[i], expected[i]);
+        assert_string_equal(suite->entries[i].scenario, expected[i]);
+        assert_null(suite->entries[i].setting);
     }
-    assert_null(suite->scenarios[5]);
+    assert_null(suite->published_metric);
 }
 
-static void test_suites_name_known_scenarios(void **state)
+static void test_paper_suite_holds_the_table_of_the_source(void **state)
+{
+    (void)state;
+    static const char *const towers[] = {"n=5", "n=10", "n=25"};
+    static const double iterations[] = {1.65, 36, 47};
+    const pl_suite *suite = pl_suite_find("paper", NULL);
+    assert_non_null(suite);
+    assert_int_equal(suite->entry_count, 3);
+    for (int i = 0; i < 3; i++) {
+        assert_string_equal(suite->entries[i].scenario, "tower");
+        assert_string_equal(suite->entries[i].setting, towers[i]);
+        assert_close(suite->entries[i].published, iterations[i], 0, 0);
+    }
+    assert_string_equal(suite->published_metric, "iterations_mean");
+    assert_contains(suite->source, "Table 2");
+}
+
+static void test_suites_name_known_scenarios_and_settings(void **state)
 {
     (void)state;
     int count;
     const pl_suite *suites = pl_suites(&count);
     for (int i = 0; i < count; i++) {
-        for (const char *const *name = suites[i].scenarios; *name != NULL; name++) {
-            assert_non_null(pl_scenario_find(*name, NULL));
+        for (int k = 0; k < suites[i].entry_count; k++) {
+            const pl_suite_entry *entry = &suites[i].entries[k];
+            pl_scene scene;
+            build(entry->scenario, &entry->setting, entry->setting == NULL ? 0 : 1, 0, &scene);
+            pl_scene_free(&scene);
         }
+        assert_true((suites[i].published_metric == NULL) == (suites[i].source == NULL));
     }
 }
 
@@ -499,6 +655,9 @@ int main(void)
         cmocka_unit_test(test_every_scene_reads_back_from_its_file),
         cmocka_unit_test(test_tower_cubes_touch_and_stand),
         cmocka_unit_test(test_displaced_tower_stands_for_every_seed),
+        cmocka_unit_test(test_tower_masses_rise_in_equal_ratios_to_a_heavier_top),
+        cmocka_unit_test(test_displaced_tower_of_any_masses_stands_by_statics),
+        cmocka_unit_test(test_mass_ratio_is_ten_to_the_k),
         cmocka_unit_test(test_wall_bricks_touch_and_stand),
         cmocka_unit_test(test_wall_collapse_is_the_wall_and_a_ball_that_misses_nothing),
         cmocka_unit_test(test_ball_never_starts_in_the_floor_or_the_wall),
@@ -506,11 +665,14 @@ int main(void)
         cmocka_unit_test(test_slope_threshold_is_the_angle_of_friction),
         cmocka_unit_test(test_slide_direction_is_downhill_along_the_plane),
         cmocka_unit_test(test_slide_distances_equal_the_summed_recurrence),
+        cmocka_unit_test(test_stopping_distances_equal_the_summed_recurrence),
+        cmocka_unit_test(test_push_goes_along_the_azimuth_and_is_its_own_mirror_image),
         cmocka_unit_test(test_dt_and_duration_reach_the_scene),
         cmocka_unit_test(test_bad_settings_are_refused),
         cmocka_unit_test(test_unknown_names_get_the_nearest),
         cmocka_unit_test(test_canonical_suite_is_the_five_in_order),
-        cmocka_unit_test(test_suites_name_known_scenarios),
+        cmocka_unit_test(test_paper_suite_holds_the_table_of_the_source),
+        cmocka_unit_test(test_suites_name_known_scenarios_and_settings),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

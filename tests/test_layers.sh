@@ -23,14 +23,15 @@ allow() {
 
 scene='plumb/(base|scene|scenario|vec)\.h'
 abi='plumb/engine_abi\.h'
-allow engine/include 'none'
-allow engine/src 'plumb/engine\.h'
-allow scenarios "$scene|scene_[a-z_]+\.h|random\.h|number\.h|name_index\.h|complaint\.h|json_field\.h"
+allow engine/include 'plumb/engine\.h'
+allow engine/src 'plumb/(engine|contact_problem)\.h|((soft|solve)/)?[a-z0-9_]+\.h'
+allow scenarios "$scene|scene_[a-z_]+\.h|random\.h|number\.h|name_index\.h|complaint\.h|json_(field|text)\.h"
 allow compare/referee "$scene|$abi|referee/.*"
 allow compare/results "$scene|$abi|referee/metrics\.h|results/.*"
 allow compare/report "$scene|referee/metrics\.h|results/.*|report/.*"
 allow compare/runner "$scene|$abi|(adapters/registry|adapters/[a-z_]*|referee/.*|results/.*|runner/.*)(\.h)?"
-allow compare/adapters "$scene|$abi|adapters/.*|plumb/engine\.h"
+allow compare/adapters "$scene|$abi|adapters/.*|plumb/(engine|contact_problem)\.h"
+allow compare/solve "$scene|$abi|plumb/contact_problem\.h|json_(field|text)\.h|(adapters/registry|results/.*|runner/process|solve/.*)(\.h)?"
 
 # An engine's headers are known to its adapter alone.
 only() {

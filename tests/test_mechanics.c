@@ -1,4 +1,5 @@
-/* Energy and momentum, against motions integrated here by semi-implicit Euler. */
+/* Energy and momentum, against motions integrated here by semi-implicit Euler and by a second-order
+ * rule. */
 #include "referee/mechanics.h"
 
 #include "check.h"
@@ -14,17 +15,20 @@ static void cross(const double a[3], const double b[3], double out[3])
     }
 }
 
-/* One step of semi-implicit Euler of a sphere, whose inertia no rotation changes. */
-static void euler_step(run *r, int body, const double force[3], const double arm[3])
+/* One step of a sphere, whose inertia no rotation changes: x' = x + h v' or x' = x + h (v + v')/2.
+ */
+static void integrate(run *r, pl_integrator integrator, int body, const double force[3],
+                      const double arm[3])
 {
     pl_body_state *s = &r->state[body];
     const pl_body *b = &r->scene.bodies[body];
     double torque[3];
     cross(arm, force, torque);
     for (int k = 0; k < 3; ++k) {
-        s->velocity[k] += H * (r->scene.gravity[k] + force[k] / b->mass);
+        double change = H * (r->scene.gravity[k] + force[k] / b->mass);
+        s->velocity[k] += change;
         s->angular_velocity[k] += H * torque[k] / b->inertia[0];
-        s->position[k] += H * s->velocity[k];
+        s->position[k] += H * (s->velocity[k] - (integrator == PL_SECOND_ORDER ? change / 2 : 0));
     }
 }
 
@@ -40,7 +44,8 @@ static void prepare_projectile(run *r)
 
 /* Flies the only body for 256 steps under a force over part of the time. The metric hides what is
  * lost, so the signed energy is checked at each step too. */
-static void fly(run *r, const double force[3], const double arm[3], double from, double until)
+static void fly_by(run *r, pl_integrator integrator, const double force[3], const double arm[3],
+                   double from, double until)
 {
     const double none[3] = {0, 0, 0};
     pl_scale scale = pl_scale_of(&r->scene);
@@ -49,54 +54,115 @@ static void fly(run *r, const double force[3], const double arm[3], double from,
     run_begin(r);
     pl_mechanics_start(mechanics, r->state);
     for (int k = 0; k < 256; ++k) {
-        euler_step(r, 0, k * H >= from && k * H < until ? force : none, arm);
+        integrate(r, integrator, 0, k * H >= from && k * H < until ? force : none, arm);
         run_step_many(r, 1);
         pl_mechanics_step(mechanics, k + 1, r->state, NULL, 0);
-        assert_close(pl_mechanics_energy_gain(mechanics, &scale), 0, 1e-13, 0);
+        assert_int_equal(pl_mechanics_integrator(mechanics), integrator);
+        assert_close(pl_mechanics_energy_gain(mechanics, &scale, integrator), 0, 1e-13, 0);
     }
     pl_mechanics_destroy(mechanics);
     assert_int_equal(run_finish(r), PL_VERDICT_OK);
     assert_close(run_value(r, PL_METRIC_ENERGY_GAIN), 0, 1e-13, 0);
+    assert_close(run_value(r, PL_METRIC_ENERGY_STEP_GAIN), 0, 1e-14, 0);
     assert_close(run_value(r, PL_METRIC_MOMENTUM_ERROR), 0, 1e-13, 0);
     run_end(r);
+}
+
+/* The same body, as it was prepared, by either integrator. */
+static void fly(void (*prepare)(run *r), const double force[3], const double arm[3], double from,
+                double until)
+{
+    for (pl_integrator k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
+        run r;
+        prepare(&r);
+        fly_by(&r, k, force, arm, from, until);
+    }
+}
+
+static const pl_force world_push = {
+    .body = 0, .force = {5, 7, -3}, .at = {0.1, -0.3, 0.2}, .from = 0.5, .until = 2};
+
+static void prepare_pushed(run *r)
+{
+    prepare_projectile(r);
+    assert_int_equal(pl_scene_add_force(&r->scene, &world_push, NULL), PL_OK);
+}
+
+/* A quarter turn about z takes the body's x to the world's y. */
+static void prepare_turned(run *r)
+{
+    const double quarter[4] = {0.70710678118654752, 0, 0, 0.70710678118654752};
+    const pl_force push = {.body = 0,
+                           .force = {6, 0, 0},
+                           .at = {0, 0.25, 0},
+                           .frame = PL_FRAME_BODY,
+                           .until = HUGE_VAL};
+    prepare_projectile(r);
+    memcpy(r->scene.bodies[0].orientation, quarter, sizeof quarter);
+    assert_int_equal(pl_scene_add_force(&r->scene, &push, NULL), PL_OK);
 }
 
 static void test_a_projectile_keeps_energy_and_momentum_to_rounding(void **state)
 {
     (void)state;
     const double none[3] = {0, 0, 0};
-    run r;
-    prepare_projectile(&r);
-    fly(&r, none, none, 0, 0);
+    fly(prepare_projectile, none, none, 0, 0);
 }
 
 static void test_work_and_impulse_of_scene_forces_are_accounted_to_rounding(void **state)
 {
     (void)state;
-    run r;
-    prepare_projectile(&r);
-    const pl_force push = {
-        .body = 0, .force = {5, 7, -3}, .at = {0.1, -0.3, 0.2}, .from = 0.5, .until = 2};
-    assert_int_equal(pl_scene_add_force(&r.scene, &push, NULL), PL_OK);
-    fly(&r, push.force, push.at, push.from, push.until);
+    fly(prepare_pushed, world_push.force, world_push.at, world_push.from, world_push.until);
 }
 
 static void test_a_body_frame_force_turns_with_the_body(void **state)
 {
     (void)state;
+    const double force[3] = {0, 6, 0}, arm[3] = {-0.25, 0, 0};
+    fly(prepare_turned, force, arm, 0, 4);
+}
+
+/* The second-order rule that applies an impulse before the flight: v + J/m goes into x, too. */
+static void test_an_impulse_before_the_flight_tells_the_second_order(void **state)
+{
+    (void)state;
+    pl_integrator_votes votes = {{0}};
     run r;
     prepare_projectile(&r);
-    /* A quarter turn about z takes the body's x to the world's y. */
-    const double quarter[4] = {0.70710678118654752, 0, 0, 0.70710678118654752};
-    memcpy(r.scene.bodies[0].orientation, quarter, sizeof quarter);
-    const pl_force push = {.body = 0,
-                           .force = {6, 0, 0},
-                           .at = {0, 0.25, 0},
-                           .frame = PL_FRAME_BODY,
-                           .until = HUGE_VAL};
-    assert_int_equal(pl_scene_add_force(&r.scene, &push, NULL), PL_OK);
-    const double force[3] = {0, 6, 0}, arm[3] = {-0.25, 0, 0};
-    fly(&r, force, arm, 0, 4);
+    run_begin(&r);
+    pl_body_state before = r.state[0];
+    for (int k = 0; k < 3; ++k) {
+        pl_body_state *s = &r.state[0];
+        s->velocity[k] += (k + 1) + H * r.scene.gravity[k];
+        s->position[k] += H * (s->velocity[k] - H * r.scene.gravity[k] / 2);
+    }
+    pl_integrator_see(&votes, &r.scene, &before, &r.state[0]);
+    assert_int_equal(votes.count[PL_SECOND_ORDER], 1);
+    assert_int_equal(votes.count[PL_SEMI_IMPLICIT], 0);
+    run_end(&r);
+}
+
+/* A step that fits neither rule, as of a body that is pushed out of another, tells nothing. */
+static void test_a_pushed_body_does_not_tell_the_integrator(void **state)
+{
+    (void)state;
+    const double none[3] = {0, 0, 0};
+    pl_integrator_votes votes = {{0}};
+    run r;
+    prepare_projectile(&r);
+    run_begin(&r);
+    for (int k = 0; k < 10; ++k) {
+        pl_body_state before = r.state[0];
+        integrate(&r, PL_SEMI_IMPLICIT, 0, none, none);
+        r.state[0].position[2] += 1e-4;
+        pl_integrator_see(&votes, &r.scene, &before, &r.state[0]);
+    }
+    assert_true(votes.count[PL_SEMI_IMPLICIT] == 0 && votes.count[PL_SECOND_ORDER] == 0);
+    pl_body_state before = r.state[0];
+    integrate(&r, PL_SECOND_ORDER, 0, none, none);
+    pl_integrator_see(&votes, &r.scene, &before, &r.state[0]);
+    assert_int_equal(pl_integrator_of(&votes), PL_SECOND_ORDER);
+    run_end(&r);
 }
 
 /* A ball of 2 kg in no gravity is given 1 m/s out of nowhere at step 10 and loses it at step 20. */
@@ -201,7 +267,7 @@ static void test_a_long_fall_is_no_divergence(void **state)
     run_add_body(&r, "ball", pl_shape_sphere(0.01), false, 0, 0);
     run_begin(&r);
     for (int k = 0; k < 600 * 64; ++k) {
-        euler_step(&r, 0, none, none);
+        integrate(&r, PL_SEMI_IMPLICIT, 0, none, none);
         run_step_many(&r, 1);
     }
     assert_int_equal(run_finish(&r), PL_VERDICT_OK);
@@ -214,6 +280,8 @@ int main(void)
         cmocka_unit_test(test_a_projectile_keeps_energy_and_momentum_to_rounding),
         cmocka_unit_test(test_work_and_impulse_of_scene_forces_are_accounted_to_rounding),
         cmocka_unit_test(test_a_body_frame_force_turns_with_the_body),
+        cmocka_unit_test(test_an_impulse_before_the_flight_tells_the_second_order),
+        cmocka_unit_test(test_a_pushed_body_does_not_tell_the_integrator),
         cmocka_unit_test(test_a_kick_out_of_nowhere_shows_in_energy_and_momentum),
         cmocka_unit_test(test_lost_energy_is_no_gain),
         cmocka_unit_test(test_contact_impulses_of_static_bodies_balance_the_weight),

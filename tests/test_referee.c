@@ -160,6 +160,7 @@ static void test_statistics_of_steps(void **state)
     for (int k = 1; k <= 200; ++k) {
         r.stats.iterations = k == 77 ? 500 : k % 100;
         r.stats.contacts = k <= 100 ? 4 : nan("");
+        r.stats.residual = k == 33 ? 0.5 : k <= 8 ? 1e-3 : 1e-6;
         run_step_many(&r, 1);
     }
     assert_int_equal(run_finish(&r), PL_VERDICT_OK);
@@ -172,12 +173,37 @@ static void test_statistics_of_steps(void **state)
     assert_close(run_value(&r, PL_METRIC_ITERATIONS_MAX), 500, 0, 0);
     assert_close(run_value(&r, PL_METRIC_CONTACTS_MEAN), 4, 0, 0);
     assert_close(run_value(&r, PL_METRIC_TIME_PER_STEP), 1e-3, 0, 1e-12);
-    assert_int_equal(run_metric(&r, PL_METRIC_RESIDUAL_MAX)->state, PL_METRIC_FAILED);
-    assert_string_equal(run_metric(&r, PL_METRIC_RESIDUAL_MAX)->reason, "the engine reports none");
-    assert_string_equal(run_metric(&r, PL_METRIC_RESIDUAL_MAX)->unit, "m/s");
+    const pl_metric *residual = run_metric(&r, PL_METRIC_RESIDUAL_MAX);
+    assert_close(residual->value, 0.5, 0, 0);
+    assert_int_equal(residual->worst_step, 33);
+    /* 191 of 200 steps, more than 95 %, are at 1e-6; 8 at 1e-3 and one at 0.5 above them. */
+    assert_close(residual->p95, 1e-6, 0, 1e-12);
+    assert_close(residual->p99, 1e-3, 0, 1e-12);
+    assert_close(run_value(&r, PL_METRIC_RESIDUAL_RMS), sqrt((0.25 + 8e-6 + 191e-12) / 200), 0,
+                 1e-14);
+    assert_string_equal(run_metric(&r, PL_METRIC_RESIDUAL_RMS)->unit, "m/s");
+    run_end(&r);
+}
+
+static void test_what_no_step_reports_has_no_value(void **state)
+{
+    (void)state;
+    const pl_metric_id of_residual[] = {PL_METRIC_RESIDUAL_MAX, PL_METRIC_RESIDUAL_RMS};
+    run r;
+    run_prepare_box_on_floor(&r, 1);
+    run_begin(&r);
+    run_step_many(&r, 64);
+    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
     pl_metrics other;
     assert_int_equal(pl_referee_finish(r.referee, NULL, &other, NULL), PL_VERDICT_OK);
-    assert_int_equal(other.item[PL_METRIC_RESIDUAL_MAX].state, PL_METRIC_ABSENT);
+    for (int i = 0; i < 2; ++i) {
+        const pl_metric *residual = run_metric(&r, of_residual[i]);
+        assert_int_equal(residual->state, PL_METRIC_FAILED);
+        assert_string_equal(residual->reason, "the engine reports none");
+        assert_string_equal(residual->unit, "m/s");
+        assert_int_equal(other.item[of_residual[i]].state, PL_METRIC_ABSENT);
+    }
+    assert_int_equal(run_metric(&r, PL_METRIC_ITERATIONS_MEAN)->state, PL_METRIC_FAILED);
     run_end(&r);
 }
 
@@ -221,6 +247,7 @@ int main(void)
         cmocka_unit_test(test_energy_from_nowhere_diverges_below_the_bound_of_speed),
         cmocka_unit_test(test_an_engine_that_stops_early_leaves_its_maxima),
         cmocka_unit_test(test_statistics_of_steps),
+        cmocka_unit_test(test_what_no_step_reports_has_no_value),
         cmocka_unit_test(test_the_hash_changes_with_one_bit_and_only_then),
     };
     return cmocka_run_group_tests_name("referee", tests, NULL, NULL);

@@ -64,6 +64,9 @@ static void test_difference_below_noise_is_no_loss(void **state)
         {"iterations_mean", 50, 10, 0},
         {"iterations_max", 50, 10, 0},
         {"residual_max", 50, 10, 0},
+        {"residual_rms", 50, 10, 0},
+        {"energy_step_gain", 5e-9, 0, 1},
+        {"lift", 5e-10, 0, 0},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         made_report made = make_report(duel(cases[i].metric, cases[i].ours, cases[i].theirs));

@@ -69,12 +69,27 @@ static void test_percentiles_beyond_the_histograms_range(void **state)
     pl_series_free(&series);
 }
 
+static void test_root_mean_square_is_of_all_numbers_reported(void **state)
+{
+    (void)state;
+    pl_series series;
+    assert_true(pl_series_init(&series));
+    assert_close(pl_series_rms(&series), 0, 0, 0);
+    const double numbers[] = {3, 4, 0, nan("")};
+    for (int i = 0; i < 4; ++i) {
+        pl_series_add(&series, numbers[i], i + 1);
+    }
+    assert_close(pl_series_rms(&series), sqrt(25.0 / 3), 0, 1e-15);
+    pl_series_free(&series);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_percentiles_are_within_the_histograms_resolution),
         cmocka_unit_test(test_numbers_one_percent_apart_never_share_a_bin),
         cmocka_unit_test(test_percentiles_beyond_the_histograms_range),
+        cmocka_unit_test(test_root_mean_square_is_of_all_numbers_reported),
     };
     return cmocka_run_group_tests_name("series", tests, NULL, NULL);
 }

@@ -1,6 +1,7 @@
 /* Our own engine behind the engine ABI, through its public interface alone. */
 #include "adapters.h"
 #include "force.h"
+#include "plumb/contact_problem.h"
 #include "plumb/engine.h"
 #include "plumb/scenario.h"
 
@@ -15,19 +16,21 @@ struct pl_engine_instance {
     pe_contact *contacts;
     int contact_capacity;
     double time;
+    bool forces_applied; /* those of the coming step */
 };
 
-enum { OPTION_TOLERANCE, OPTION_ITERATIONS, OPTION_UPDATES, OPTION_SLOP, OPTION_COUNT };
+enum { OPTION_TOLERANCE, OPTION_UPDATES, OPTION_SLOP, OPTION_COUNT };
 
 static const pl_engine_option options[OPTION_COUNT] = {
     {"tolerance", 1e-8, 1e-14, 1, false, "m/s", "natural-map residual that counts as solved"},
-    {"iterations", 100000, 1, 1e8, true, "1", "sweeps of one island in one step, at most"},
     {"updates", 2e6, 1, 1e12, true, "1", "sweeps times contact points of one island, at most"},
     {"slop", 1e-4, 1e-12, 1, false, "m", "penetration that is not pushed out"},
 };
 
 static const pl_engine_profile profiles[] = {
-    {"default", "projected Gauss-Seidel with a round cone, to a residual", true},
+    {"default", "a direct solver for what stands, sweeps for what moves", true},
+    {"accurate", "the same with more work allowed, and penetration pushed out", true},
+    {"fast", "substeps of soft contact for what moves", true},
 };
 
 static pe_vec3 vector(const double v[3])
@@ -119,11 +122,12 @@ static void destroy(pl_engine_instance *instance)
 static pl_status create(const pl_scene *scene, int profile, const double *values,
                         pl_engine_instance **made, pl_error *error)
 {
-    (void)profile;
+    static const pe_profile profile_of[] = {PE_PROFILE_DEFAULT, PE_PROFILE_ACCURATE,
+                                            PE_PROFILE_FAST};
     pe_world_def def = pe_world_def_default();
+    def.profile = profile_of[profile];
     def.gravity = vector(scene->gravity);
     def.tolerance = values[OPTION_TOLERANCE];
-    def.max_iterations = (int)values[OPTION_ITERATIONS];
     def.max_contact_updates = values[OPTION_UPDATES];
     def.penetration_slop = values[OPTION_SLOP];
 
@@ -163,7 +167,7 @@ static pl_status create(const pl_scene *scene, int profile, const double *values
 static pl_status apply_forces(pl_engine_instance *instance, double dt, pl_error *error)
 {
     const pl_scene *scene = instance->scene;
-    for (int i = 0; i < scene->force_count; ++i) {
+    for (int i = 0; i < scene->force_count && !instance->forces_applied; ++i) {
         const pl_force *force = &scene->forces[i];
         pe_body_id body = instance->bodies[force->body];
         pe_body_state s;
@@ -179,7 +183,19 @@ static pl_status apply_forces(pl_engine_instance *instance, double dt, pl_error 
             return translate(status, &failure, error);
         }
     }
+    instance->forces_applied = true;
     return PL_OK;
+}
+
+static pl_status capture(pl_engine_instance *instance, double dt, pe_contact_problem ***problems,
+                         int *count, pl_error *error)
+{
+    pe_error failure;
+    pl_status status = apply_forces(instance, dt, error);
+    return status != PL_OK ? status
+                           : translate(pe_world_capture_problems(instance->world, dt, problems,
+                                                                 count, &failure),
+                                       &failure, error);
 }
 
 static pl_status step(pl_engine_instance *instance, double dt, pl_step_stats *stats,
@@ -196,6 +212,7 @@ static pl_status step(pl_engine_instance *instance, double dt, pl_step_stats *st
         return status;
     }
     instance->time += dt;
+    instance->forces_applied = false;
     stats->iterations = did.iterations;
     stats->residual = did.residual;
     stats->contacts = did.contacts;
@@ -282,7 +299,7 @@ const pl_engine *pl_engine_plumb(void)
         .capabilities = PL_NEEDS_FRICTION | PL_NEEDS_RESTITUTION | PL_NEEDS_ROTATION |
                         PL_NEEDS_FORCES | PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX,
         .profiles = profiles,
-        .profile_count = 1,
+        .profile_count = sizeof profiles / sizeof profiles[0],
         .options = options,
         .option_count = OPTION_COUNT,
         .create = create,
@@ -292,6 +309,7 @@ const pl_engine *pl_engine_plumb(void)
         .read_settings = read_settings,
         .read_pair = read_pair,
         .read_contacts = read_contacts,
+        .capture = capture,
     };
     return &engine;
 }

@@ -95,27 +95,47 @@ static const struct argp argp = {
         "  plumb compare ./mine.json --engine ./mine.so:fast --json - | jq .",
     .children = pl_run_children};
 
+/* The entries of all suites asked for, then the names. The caller frees *asked. */
+static pl_status list_problems(const options *o, pl_asked **asked, int *count, pl_error *error)
+{
+    int room = o->names.count;
+    *count = 0;
+    for (int i = 0; i < o->suites.count; ++i) {
+        const pl_suite *suite = pl_suite_find(o->suites.items[i], error);
+        if (suite == NULL) {
+            return PL_BAD_INPUT;
+        }
+        room += suite->entry_count;
+    }
+    *asked = calloc((size_t)room + 1, sizeof **asked);
+    if (*asked == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    for (int i = 0; i < o->suites.count; ++i) {
+        const pl_suite *suite = pl_suite_find(o->suites.items[i], NULL);
+        for (int k = 0; k < suite->entry_count; ++k) {
+            const pl_suite_entry *entry = &suite->entries[k];
+            (*asked)[(*count)++] = (pl_asked){.name = entry->scenario, .setting = entry->setting};
+        }
+    }
+    for (int i = 0; i < o->names.count; ++i) {
+        (*asked)[(*count)++] = (pl_asked){.name = o->names.items[i]};
+    }
+    return PL_OK;
+}
+
 static pl_status add_problems(options *o, pl_plan *plan, pl_error *error)
 {
     if (o->names.count == 0 && o->suites.count == 0) {
         pl_texts_add(&o->suites, "canonical");
     }
-    pl_texts names = {.count = 0};
-    pl_status status = PL_OK;
-    for (int i = 0; i < o->suites.count && status == PL_OK; ++i) {
-        const pl_suite *suite = pl_suite_find(o->suites.items[i], error);
-        status = suite == NULL ? PL_BAD_INPUT : PL_OK;
-        for (int k = 0; suite != NULL && suite->scenarios[k] != NULL; ++k) {
-            pl_texts_add(&names, suite->scenarios[k]);
-        }
-    }
-    for (int i = 0; i < o->names.count; ++i) {
-        pl_texts_add(&names, o->names.items[i]);
-    }
+    pl_asked *asked = NULL;
+    int count = 0;
+    pl_status status = list_problems(o, &asked, &count, error);
     if (status == PL_OK) {
-        status = pl_selection_add(&o->selection, &names, plan, error);
+        status = pl_selection_add(&o->selection, asked, count, plan, error);
     }
-    free(names.items);
+    free(asked);
     return status;
 }
 

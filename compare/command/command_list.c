@@ -112,8 +112,11 @@ static json_t *list_suites(void)
     json_t *list = json_array();
     for (int i = 0; i < count; ++i) {
         json_t *names = json_array();
-        for (const char *const *name = suites[i].scenarios; *name != NULL; ++name) {
-            json_array_append_new(names, json_string(*name));
+        for (int k = 0; k < suites[i].entry_count; ++k) {
+            const pl_suite_entry *entry = &suites[i].entries[k];
+            bool set = entry->setting != NULL;
+            json_array_append_new(names, json_sprintf("%s%s%s", entry->scenario, set ? " " : "",
+                                                      set ? entry->setting : ""));
         }
         json_array_append_new(list,
                               json_pack("{s:s, s:s, s:o}", "name", suites[i].name, "description",

@@ -5,6 +5,7 @@
 #include "results/result.h"
 #include "results/store.h"
 #include "runner/execute.h"
+#include "solve/capture.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -16,9 +17,11 @@ typedef struct options {
     pl_limits limits;
     pl_texts names;
     const char *engine, *json, *trajectory;
+    long capture_step; /* from 1; 0: nothing is captured */
+    const char *capture;
 } options;
 
-enum { KEY_ENGINE = 0x200, KEY_JSON, KEY_TRAJECTORY };
+enum { KEY_ENGINE = 0x200, KEY_JSON, KEY_TRAJECTORY, KEY_CAPTURE };
 
 static const struct argp_option argp_options[] = {
     {"engine", KEY_ENGINE, "SPEC", 0,
@@ -27,6 +30,10 @@ static const struct argp_option argp_options[] = {
      0},
     {"json", KEY_JSON, "FILE", 0, "Write the result as a JSON object (- is standard output)", 0},
     {"trajectory", KEY_TRAJECTORY, "FILE", 0, "Write every frame as CSV (- is standard output)", 0},
+    {"capture", KEY_CAPTURE, "STEP:FILE", 0,
+     "Write the contact problem of that step (from 1), as plumb solve reads it: the largest "
+     "island's; with {} in FILE every island's, numbered",
+     0},
     {0}};
 
 static void check(const options *o, struct argp_state *state)
@@ -64,6 +71,11 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_TRAJECTORY:
         o->trajectory = text;
         return 0;
+    case KEY_CAPTURE:
+        if (!pl_capture_parse(text, &o->capture_step, &o->capture)) {
+            argp_error(state, "--capture takes STEP:FILE, with STEP from 1; found \"%s\"", text);
+        }
+        return 0;
     case ARGP_KEY_ARG:
         if (o->names.count > 0) {
             argp_error(state, "one scenario at a time: plumb compare runs several");
@@ -88,7 +100,8 @@ static const struct argp argp = {
            "Examples:\n"
            "  plumb run tower --set n=25 --engine ode:quick,iterations=50\n"
            "  plumb run tower --engine plumb,iterations=200 --json -\n"
-           "  plumb run ./mine.json --engine bullet --trajectory frames.csv",
+           "  plumb run ./mine.json --engine bullet --trajectory frames.csv\n"
+           "  plumb run wall --engine plumb --capture 60:wall.json",
     .children = pl_run_children};
 
 static pl_status keep(void *user, json_t *result, pl_error *error)
@@ -151,8 +164,55 @@ static pl_status deliver(const options *o, const json_t *result, pl_error *error
     return o->json == NULL ? PL_OK : pl_results_write_json(o->json, result, error);
 }
 
+/* What a captured problem says of where it comes from: the keys of the run's identity that people
+ * ask for. */
+static json_t *capture_source(const pl_plan *plan)
+{
+    static const char *const keys[] = {"scenario", "params",  "seed",     "scene_hash",
+                                       "engine",   "profile", "settings", "engine_version"};
+    const pl_planned_run planned = pl_plan_run(plan, 0);
+    json_t *identity = pl_planned_run_identity(plan, &planned);
+    json_t *source = json_object();
+    int failed = identity == NULL;
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
+        failed |= json_object_set(source, keys[i], json_object_get(identity, keys[i]));
+    }
+    json_decref(identity);
+    if (failed != 0) {
+        json_decref(source);
+        return NULL;
+    }
+    return source;
+}
+
+/* Makes ready to capture, where that is asked for and can be done. */
+static pl_status prepare_capture(const options *o, const pl_plan *plan, pl_capture_target *target,
+                                 pl_error *error)
+{
+    if (o->capture == NULL) {
+        return PL_OK;
+    }
+    const pl_engine *engine = plan->contenders[0].choice.engine;
+    long steps = pl_scene_steps(&plan->problems[0].scene);
+    if (engine->capture == NULL) {
+        return pl_fail(error, PL_UNSUPPORTED,
+                       "--capture: engine %s does not give its contact "
+                       "problems; plumb does",
+                       engine->name);
+    }
+    if (o->capture_step > steps) {
+        return pl_fail(error, PL_BAD_INPUT, "--capture: expected a step of 1 to %ld, found %ld",
+                       steps, o->capture_step);
+    }
+    *target = (pl_capture_target){
+        .path = o->capture, .step = o->capture_step, .source = capture_source(plan)};
+    return target->source == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
+}
+
 static int run(const pl_call *call, const options *o)
 {
+    pl_capture_target target = {.path = NULL};
+    const pl_capture capture = {.step = o->capture_step, .take = pl_capture_write, .user = &target};
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
     json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
@@ -162,10 +222,14 @@ static int run(const pl_call *call, const options *o)
     int signal_number = 0;
     pl_status status = provenance == NULL ? pl_fail(&error, PL_NO_MEMORY, "out of memory") : PL_OK;
     if (status == PL_OK) {
-        status = pl_selection_add(&o->selection, &o->names, &plan, &error);
+        const pl_asked asked = {.name = o->names.items[0]};
+        status = pl_selection_add(&o->selection, &asked, 1, &plan, &error);
     }
     if (status == PL_OK) {
         status = pl_plan_add_engine(&plan, o->engine, &error);
+    }
+    if (status == PL_OK) {
+        status = prepare_capture(o, &plan, &target, &error);
     }
     if (status == PL_OK && o->trajectory != NULL) {
         trajectory = open_trajectory(o->trajectory, &error);
@@ -176,6 +240,7 @@ static int run(const pl_call *call, const options *o)
                                             .jobs = 1,
                                             .limits = o->limits,
                                             .trajectory = trajectory,
+                                            .capture = o->capture == NULL ? NULL : &capture,
                                             .provenance = provenance,
                                             .progress = isatty(STDERR_FILENO) == 1 ? stderr : NULL,
                                             .user = &result,
@@ -194,6 +259,7 @@ static int run(const pl_call *call, const options *o)
     if (trajectory != NULL) {
         fclose(trajectory);
     }
+    json_decref(target.source);
     json_decref(result);
     json_decref(provenance);
     pl_plan_free(&plan);

@@ -46,7 +46,8 @@ int pl_command_scene(const pl_call *call)
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
     int code = PL_EXIT_OK;
-    if (pl_selection_add(&o.selection, &o.names, &plan, &error) != PL_OK) {
+    const pl_asked asked = {.name = o.names.items[0]};
+    if (pl_selection_add(&o.selection, &asked, 1, &plan, &error) != PL_OK) {
         code = pl_call_fail(call, &error);
         goto cleanup;
     }

@@ -11,6 +11,7 @@ static const pl_command commands[] = {
     {"run", "run one scenario on one engine", pl_command_run},
     {"list", "list scenarios, engines, metrics or suites", pl_command_list},
     {"scene", "print a scenario as a scene file, to edit and run", pl_command_scene},
+    {"solve", "solve one captured contact problem again", pl_command_solve},
     {"help", "explain a command", pl_command_help},
     {"version", "print the version", pl_command_version},
 };

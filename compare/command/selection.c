@@ -157,11 +157,14 @@ static pl_status check_settings(const pl_selection *selection, const pl_scenario
 }
 
 static pl_status add_scenario(const pl_selection *selection, const pl_scenario *scenario,
-                              pl_plan *plan, pl_error *error)
+                              const char *own_setting, pl_plan *plan, pl_error *error)
 {
     char dt[48];
     char duration[48];
     pl_texts chosen = {.count = 0};
+    if (own_setting != NULL) {
+        pl_texts_add(&chosen, own_setting);
+    }
     if (!isnan(selection->dt)) {
         snprintf(dt, sizeof dt, "dt=%.17g", selection->dt);
         pl_texts_add(&chosen, dt);
@@ -180,32 +183,32 @@ static pl_status add_scenario(const pl_selection *selection, const pl_scenario *
     return status;
 }
 
-pl_status pl_selection_add(const pl_selection *selection, const pl_texts *names, pl_plan *plan,
-                           pl_error *error)
+pl_status pl_selection_add(const pl_selection *selection, const pl_asked *asked, int count,
+                           pl_plan *plan, pl_error *error)
 {
-    const pl_scenario **scenarios = calloc((size_t)names->count + 1, sizeof *scenarios);
+    const pl_scenario **scenarios = calloc((size_t)count + 1, sizeof *scenarios);
     if (scenarios == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory");
     }
     pl_status status = PL_OK;
-    int count = 0;
-    for (int i = 0; i < names->count && status == PL_OK; ++i) {
-        if (!is_scene_file(names->items[i])) {
-            scenarios[count] = pl_scenario_find(names->items[i], error);
-            status = scenarios[count] == NULL ? PL_BAD_INPUT : PL_OK;
-            ++count;
+    int known = 0;
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        if (!is_scene_file(asked[i].name)) {
+            scenarios[known] = pl_scenario_find(asked[i].name, error);
+            status = scenarios[known] == NULL ? PL_BAD_INPUT : PL_OK;
+            ++known;
         }
     }
     if (status == PL_OK) {
-        status = check_settings(selection, scenarios, count, error);
+        status = check_settings(selection, scenarios, known, error);
     }
     plan->seed = selection->seed;
     int next = 0;
-    for (int i = 0; i < names->count && status == PL_OK; ++i) {
-        status = is_scene_file(names->items[i])
-                     ? pl_plan_add_scene_file(plan, names->items[i], selection->dt,
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        status = is_scene_file(asked[i].name)
+                     ? pl_plan_add_scene_file(plan, asked[i].name, selection->dt,
                                               selection->duration, error)
-                     : add_scenario(selection, scenarios[next++], plan, error);
+                     : add_scenario(selection, scenarios[next++], asked[i].setting, plan, error);
     }
     free(scenarios);
     return status;

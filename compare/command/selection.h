@@ -34,10 +34,16 @@ pl_limits pl_limits_default(void);
  * input is a pl_limits. Ends with a zero. */
 extern const struct argp_child pl_run_children[];
 
-/* Adds the problems called `names` to the plan: a name with a '/' or that ends in ".json", and "-",
- * are scene files, others are of the catalogue. A setting goes to every catalogue scenario that has
- * the parameter; PL_BAD_INPUT when none of them has it. */
-pl_status pl_selection_add(const pl_selection *selection, const pl_texts *names, pl_plan *plan,
-                           pl_error *error);
+/* What is asked for by name: a name with a '/' or that ends in ".json", and "-", are scene files,
+ * others are of the catalogue. `setting` is "NAME=VALUE", or NULL; it has no meaning for a file. */
+typedef struct pl_asked {
+    const char *name, *setting;
+} pl_asked;
+
+/* Adds `count` problems to the plan. Each has its own setting first, then the selection's, of which
+ * each goes to every catalogue scenario that has the parameter; PL_BAD_INPUT when none of them has
+ * it. */
+pl_status pl_selection_add(const pl_selection *selection, const pl_asked *asked, int count,
+                           pl_plan *plan, pl_error *error);
 
 #endif

@@ -24,10 +24,10 @@ struct pl_broad_phase {
     int axis; /* of the sweep: 0, 1, 2 for x, y, z */
 };
 
-/* Widened by a little more than the rounding of poses and gaps, so that no touching pair is lost.
- */
+/* Widened by `reach`, and by a little more than the rounding of poses and gaps, so that no touching
+ * pair is lost. */
 static void place_box(box *b, int axis, const pl_shape *shape, const double position[3],
-                      const double orientation[4])
+                      const double orientation[4], double reach)
 {
     double half[3] = {shape->radius, shape->radius, shape->radius};
     if (shape->kind == PL_SHAPE_BOX) {
@@ -40,7 +40,7 @@ static void place_box(box *b, int axis, const pl_shape *shape, const double posi
     }
     for (int k = 0; k < 3; ++k) {
         int from = (axis + k) % 3;
-        double slack = 1e-12 * (fabs(position[from]) + half[from]);
+        double slack = reach + 1e-12 * (fabs(position[from]) + half[from]);
         b->low[k] = position[from] - half[from] - slack;
         b->high[k] = position[from] + half[from] + slack;
     }
@@ -102,7 +102,7 @@ pl_broad_phase *pl_broad_phase_create(const pl_scene *scene)
         } else {
             box *b = &bp->boxes[bp->box_count++];
             *b = (box){.body = i, .is_static = body->is_static};
-            place_box(b, bp->axis, &body->shape, body->position, body->orientation);
+            place_box(b, bp->axis, &body->shape, body->position, body->orientation, 0);
         }
     }
     qsort(bp->boxes, (size_t)bp->box_count, sizeof *bp->boxes, compare_boxes);
@@ -119,14 +119,14 @@ void pl_broad_phase_destroy(pl_broad_phase *bp)
 }
 
 /* Moves the boxes to their bodies and mends their order. */
-static void follow(pl_broad_phase *bp, const pl_body_state *bodies)
+static void follow(pl_broad_phase *bp, const pl_body_state *bodies, const double *reach)
 {
     for (int i = 0; i < bp->box_count; ++i) {
         box moved = bp->boxes[i];
         if (!moved.is_static) {
             const pl_body_state *state = &bodies[moved.body];
             place_box(&moved, bp->axis, &bp->scene->bodies[moved.body].shape, state->position,
-                      state->orientation);
+                      state->orientation, reach == NULL ? 0 : reach[moved.body]);
         }
         int k = i;
         for (; k > 0 && comes_before(&moved, &bp->boxes[k - 1]); --k) {
@@ -142,10 +142,10 @@ static bool overlap_across(const box *a, const box *b)
            b->low[2] <= a->high[2];
 }
 
-void pl_broad_phase_each_pair(pl_broad_phase *bp, const pl_body_state *bodies,
+void pl_broad_phase_each_pair(pl_broad_phase *bp, const pl_body_state *bodies, const double *reach,
                               void (*see)(void *context, int body_a, int body_b), void *context)
 {
-    follow(bp, bodies);
+    follow(bp, bodies, reach);
     const box *end = bp->boxes + bp->box_count;
     for (const box *a = bp->boxes; a < end; ++a) {
         for (const box *b = a + 1; b < end && b->low[0] <= a->high[0]; ++b) {

@@ -20,6 +20,16 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
     [PL_METRIC_DISCRETE_ERROR] =
         {"discrete_error", "1", PL_LOWER_IS_BETTER, true,
          "travel_error against the exact answer of semi-implicit Euler at the scene's step"},
+    [PL_METRIC_PATH_DEVIATION] =
+        {"path_deviation", "m", PL_LOWER_IS_BETTER, true,
+         "max over steps and travelling bodies of the distance of the centre from the line of "
+         "travel "
+         "through its start, without the part normal to the plane that bears the body"},
+    [PL_METRIC_LIFT] =
+        {"lift", "m", PL_LOWER_IS_BETTER, true,
+         "max over steps and bodies with an expected rest or travel of the height of the centre "
+         "over "
+         "its rest (travel: its start) along the normal of the plane that bears the body"},
     [PL_METRIC_PENETRATION_MAX] =
         {"penetration_max", "m", PL_LOWER_IS_BETTER, true,
          "max over steps and pairs of max(0, -gap); percentiles over steps x pairs with gap <= 0, "
@@ -37,7 +47,13 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
     [PL_METRIC_ENERGY_GAIN] =
         {"energy_gain", "1", PL_LOWER_IS_BETTER, true,
          "max over frames of (E - E_0 - work of scene forces) / E_ref, the start's 0 included; E = "
-         "kinetic + potential + (h/2) m g.v; E_ref = initial kinetic + M |g| H"},
+         "kinetic + potential, + (h/2) m g.v where most steps fit x' = x + h v' (semi-implicit "
+         "Euler); E_ref = initial kinetic + M |g| H"},
+    [PL_METRIC_ENERGY_STEP_GAIN] =
+        {"energy_step_gain", "1", PL_LOWER_IS_BETTER, true,
+         "max over steps and islands of (E' - E - work of scene forces) / E_ref of energy_gain, 0 "
+         "at "
+         "least; an island: bodies that touch, in the frame before or after, or could have"},
     [PL_METRIC_MOMENTUM_ERROR] =
         {"momentum_error", "1", PL_LOWER_IS_BETTER, true,
          "max over frames of |p - p_0 - impulses of gravity, forces and static contacts| / p_ref, "
@@ -52,6 +68,10 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
     [PL_METRIC_RESIDUAL_MAX] =
         {"residual_max", "engine's own", PL_LOWER_IS_BETTER, true,
          "max over steps of the residual after the last iteration as the engine reports it"},
+    [PL_METRIC_RESIDUAL_RMS] =
+        {"residual_rms", "engine's own", PL_LOWER_IS_BETTER, true,
+         "root mean square over steps of the residual after the last iteration as the engine "
+         "reports it"},
     [PL_METRIC_CONTACTS_MEAN] = {"contacts_mean", "1", PL_NO_DIRECTION, true,
                                  "contact points a step as the engine reports them, mean"},
     [PL_METRIC_TIME_PER_STEP] = {"time_per_step", "s", PL_LOWER_IS_BETTER, false,

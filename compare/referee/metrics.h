@@ -13,16 +13,20 @@ typedef enum pl_metric_id {
     PL_METRIC_REST_ROTATION_ERROR,
     PL_METRIC_TRAVEL_ERROR, /* 1: |travelled - distance| / |distance|, largest over expect.travel */
     PL_METRIC_DISCRETE_ERROR, /* 1: the same against the exact discrete answer */
+    PL_METRIC_PATH_DEVIATION,
+    PL_METRIC_LIFT,
     PL_METRIC_PENETRATION_MAX,
     PL_METRIC_PENETRATION_REST,
     PL_METRIC_DRIFT,
     PL_METRIC_CREEP,
     PL_METRIC_ENERGY_GAIN,
+    PL_METRIC_ENERGY_STEP_GAIN,
     PL_METRIC_MOMENTUM_ERROR,
     PL_METRIC_SETTLE_TIME,
     PL_METRIC_ITERATIONS_MEAN,
     PL_METRIC_ITERATIONS_MAX,
     PL_METRIC_RESIDUAL_MAX, /* as the engine reports it, in the engine's own unit */
+    PL_METRIC_RESIDUAL_RMS, /* the same unit */
     PL_METRIC_CONTACTS_MEAN,
     PL_METRIC_TIME_PER_STEP,
     PL_METRIC_MEMORY_PEAK,

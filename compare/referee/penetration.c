@@ -1,18 +1,15 @@
-/* Depth = max(0, -gap) over all pairs that the broad phase leaves, a frame at a time. */
+/* Depth = max(0, -gap) over all pairs, a frame at a time. */
 #include "referee/penetration.h"
-
-#include "referee/broad_phase.h"
-#include "referee/gap.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 struct pl_penetration {
     const pl_scene *scene;
-    pl_broad_phase *broad_phase;
     pl_series depth;
+    long step;      /* of the frame in the making */
+    double deepest; /* so far in it */
     long rest_from; /* first step of the last second */
     double rest_sum;
     long rest_count;
@@ -30,8 +27,7 @@ pl_penetration *pl_penetration_create(const pl_scene *scene)
     p->scene = scene;
     p->unknown_step = -1;
     p->rest_from = pl_scene_steps(scene) - lround(1 / scene->dt) + 1;
-    p->broad_phase = pl_broad_phase_create(scene);
-    if (p->broad_phase == NULL || !pl_series_init(&p->depth)) {
+    if (!pl_series_init(&p->depth)) {
         pl_penetration_destroy(p);
         return NULL;
     }
@@ -41,61 +37,40 @@ pl_penetration *pl_penetration_create(const pl_scene *scene)
 void pl_penetration_destroy(pl_penetration *p)
 {
     if (p != NULL) {
-        pl_broad_phase_destroy(p->broad_phase);
         pl_series_free(&p->depth);
         free(p);
     }
 }
 
-/* Static bodies are where the scene has them, whatever an engine says. */
-static pl_placed_shape place(const pl_scene *scene, const pl_body_state *bodies, int body)
+void pl_penetration_begin(pl_penetration *p, long step)
 {
-    const pl_body *b = &scene->bodies[body];
-    pl_placed_shape placed = {.shape = &b->shape};
-    memcpy(placed.position, b->is_static ? b->position : bodies[body].position,
-           sizeof placed.position);
-    memcpy(placed.orientation, b->is_static ? b->orientation : bodies[body].orientation,
-           sizeof placed.orientation);
-    return placed;
+    p->step = step;
+    p->deepest = 0;
 }
 
-/* One frame in the making. */
-typedef struct frame_depth {
-    pl_penetration *penetration;
-    const pl_body_state *bodies;
-    long step;
-    double deepest;
-} frame_depth;
-
-static void see_pair(void *context, int a, int b)
+void pl_penetration_see(pl_penetration *p, const pl_near_pair *pair)
 {
-    frame_depth *frame = context;
-    pl_penetration *p = frame->penetration;
-    pl_placed_shape placed_a = place(p->scene, frame->bodies, a);
-    pl_placed_shape placed_b = place(p->scene, frame->bodies, b);
-    double gap = 0;
-    if (pl_gap(&placed_a, &placed_b, &gap) != PL_OK) {
+    const pl_body *bodies = p->scene->bodies;
+    if (pair->status != PL_OK) {
         if (p->unknown_step < 0) {
-            p->unknown_step = frame->step;
-            p->unknown_a = a;
-            p->unknown_b = b;
+            p->unknown_step = p->step;
+            p->unknown_a = pair->a;
+            p->unknown_b = pair->b;
         }
-    } else if (gap <= 0) {
+    } else if (pair->gap <= 0) {
         p->touched_static =
-            p->touched_static || p->scene->bodies[a].is_static || p->scene->bodies[b].is_static;
-        frame->deepest = fmax(frame->deepest, -gap);
-        if (frame->step > 0) {
-            pl_series_add(&p->depth, -gap, frame->step);
+            p->touched_static || bodies[pair->a].is_static || bodies[pair->b].is_static;
+        p->deepest = fmax(p->deepest, -pair->gap);
+        if (p->step > 0) {
+            pl_series_add(&p->depth, -pair->gap, p->step);
         }
     }
 }
 
-void pl_penetration_see(pl_penetration *p, long step, const pl_body_state *bodies)
+void pl_penetration_end(pl_penetration *p)
 {
-    frame_depth frame = {.penetration = p, .bodies = bodies, .step = step};
-    pl_broad_phase_each_pair(p->broad_phase, bodies, see_pair, &frame);
-    if (step > 0 && step >= p->rest_from) {
-        p->rest_sum += frame.deepest;
+    if (p->step > 0 && p->step >= p->rest_from) {
+        p->rest_sum += p->deepest;
         p->rest_count += 1;
     }
 }

@@ -2,7 +2,7 @@
 #ifndef PLUMB_PENETRATION_H
 #define PLUMB_PENETRATION_H
 
-#include "plumb/engine_abi.h"
+#include "referee/nearby.h"
 #include "referee/series.h"
 
 typedef struct pl_penetration pl_penetration;
@@ -12,8 +12,11 @@ typedef struct pl_penetration pl_penetration;
 pl_penetration *pl_penetration_create(const pl_scene *scene);
 void pl_penetration_destroy(pl_penetration *penetration);
 
-/* The poses after step number `step`. Step 0, before the first, shows only what touches. */
-void pl_penetration_see(pl_penetration *penetration, long step, const pl_body_state *bodies);
+/* The frame after step number `step`: its pairs come between begin and end. Step 0, before the
+ * first, shows only what touches. */
+void pl_penetration_begin(pl_penetration *penetration, long step);
+void pl_penetration_see(pl_penetration *penetration, const pl_near_pair *pair);
+void pl_penetration_end(pl_penetration *penetration);
 
 /* Whether any gap to a static body has been <= 0. */
 bool pl_penetration_touched_static(const pl_penetration *penetration);

@@ -2,12 +2,18 @@
  *
  * Drift and creep need the pose at settle_time, which is known only half a second later. So two
  * measurements run: one begins anew with every quiet, and holds once the quiet has lasted; the
- * other begins at 1 s (or half the duration) and counts only when the scene never settles. */
+ * other begins at 1 s (or half the duration) and counts only when the scene never settles.
+ *
+ * Which integrator an engine has is known only when something has accelerated. So what depends on
+ * it is measured for each, and the one that fits is chosen at the end. */
 #include "referee/referee.h"
 
 #include "referee/drift.h"
 #include "referee/final_state.h"
+#include "referee/islands.h"
 #include "referee/mechanics.h"
+#include "referee/nearby.h"
+#include "referee/path.h"
 #include "referee/penetration.h"
 #include "referee/sanity.h"
 #include "referee/scale.h"
@@ -20,9 +26,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The first three have one for each integrator. */
 typedef enum series_id {
     OF_ENERGY,
-    OF_MOMENTUM,
+    OF_STEP_GAIN = OF_ENERGY + PL_INTEGRATOR_COUNT,
+    OF_MOMENTUM = OF_STEP_GAIN + PL_INTEGRATOR_COUNT,
+    OF_LIFT = OF_MOMENTUM + PL_INTEGRATOR_COUNT,
+    OF_DEVIATION,
     OF_ITERATIONS,
     OF_RESIDUAL,
     OF_CONTACTS,
@@ -36,8 +46,11 @@ struct pl_referee {
     long asked, done; /* steps */
     pl_verdict ended; /* what ended the run early, with its reason */
     pl_error reason;
+    pl_nearby *nearby;
     pl_penetration *penetration;
     pl_mechanics *mechanics;
+    pl_islands *islands;
+    pl_path *path;
     pl_settle settle;
     pl_drift *since_quiet, *since_fixed;
     long fixed_step; /* where since_fixed begins */
@@ -59,13 +72,16 @@ pl_status pl_referee_create(const pl_scene *scene, pl_referee **referee, pl_erro
     r->asked = pl_scene_steps(scene);
     r->fixed_step = lround(fmin(1, scene->duration / 2) / scene->dt);
     r->settle = pl_settle_start(scene);
+    r->nearby = pl_nearby_create(scene);
     r->penetration = pl_penetration_create(scene);
     r->mechanics = pl_mechanics_create(scene);
+    r->islands = pl_islands_create(scene);
+    r->path = pl_path_create(scene);
     r->since_quiet = pl_drift_create(scene);
     r->since_fixed = pl_drift_create(scene);
     r->last = calloc((size_t)scene->body_count + 1, sizeof *r->last);
-    if (r->penetration == NULL || r->mechanics == NULL || r->since_quiet == NULL ||
-        r->since_fixed == NULL || r->last == NULL) {
+    if (r->nearby == NULL || r->penetration == NULL || r->mechanics == NULL || r->islands == NULL ||
+        r->path == NULL || r->since_quiet == NULL || r->since_fixed == NULL || r->last == NULL) {
         goto out_of_memory;
     }
     for (int i = 0; i < SERIES_COUNT; ++i) {
@@ -90,8 +106,11 @@ void pl_referee_destroy(pl_referee *r)
     for (int i = 0; i < SERIES_COUNT; ++i) {
         pl_series_free(&r->series[i]);
     }
+    pl_nearby_destroy(r->nearby);
     pl_penetration_destroy(r->penetration);
     pl_mechanics_destroy(r->mechanics);
+    pl_islands_destroy(r->islands);
+    pl_path_destroy(r->path);
     pl_drift_destroy(r->since_quiet);
     pl_drift_destroy(r->since_fixed);
     free(r->last);
@@ -108,12 +127,29 @@ static pl_verdict conclude(pl_referee *r, pl_verdict verdict, pl_error *error)
     return verdict;
 }
 
+static void see_pair(void *context, const pl_near_pair *pair)
+{
+    pl_referee *r = context;
+    pl_penetration_see(r->penetration, pair);
+    if (pair->meets) {
+        pl_islands_join(r->islands, pair->a, pair->b);
+    }
+}
+
+/* Who touches whom. */
+static void see_pairs(pl_referee *r, const pl_body_state *bodies)
+{
+    pl_penetration_begin(r->penetration, r->done);
+    pl_islands_begin(r->islands);
+    pl_nearby_each(r->nearby, bodies, see_pair, r);
+    pl_penetration_end(r->penetration);
+}
+
 /* What is measured of the poses alone, at the start and after each step. */
 static void see_poses(pl_referee *r, const pl_body_state *bodies)
 {
     long step = r->done;
     double time = (double)step * r->scene->dt;
-    pl_penetration_see(r->penetration, step, bodies);
     if (pl_settle_see(&r->settle, step, bodies)) {
         pl_drift_begin(r->since_quiet, time, bodies);
     } else if (r->settle.quiet_since >= 0) {
@@ -132,6 +168,7 @@ pl_verdict pl_referee_start(pl_referee *r, const pl_frame *frame)
     pl_verdict verdict = pl_check_finite(r->scene, frame->bodies, 0, &r->reason);
     if (verdict == PL_VERDICT_OK) {
         pl_mechanics_start(r->mechanics, frame->bodies);
+        see_pairs(r, frame->bodies);
         see_poses(r, frame->bodies);
     }
     return conclude(r, verdict, NULL);
@@ -165,10 +202,30 @@ static void see_mechanics(pl_referee *r, const pl_body_state *bodies, const pl_c
         contact_count = 0;
     }
     pl_mechanics_step(r->mechanics, r->done, bodies, contacts, contact_count);
-    double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale);
-    double error = pl_mechanics_momentum_error(r->mechanics, &r->scale);
-    pl_series_add(&r->series[OF_ENERGY], fmax(or_infinity(gain), 0), r->done);
-    pl_series_add(&r->series[OF_MOMENTUM], or_infinity(error), r->done);
+    for (pl_integrator k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
+        double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale, k);
+        double error = pl_mechanics_momentum_error(r->mechanics, &r->scale, k);
+        double growth = pl_islands_largest(r->islands, pl_mechanics_growth(r->mechanics, k));
+        pl_series_add(&r->series[OF_ENERGY + k], fmax(or_infinity(gain), 0), r->done);
+        pl_series_add(&r->series[OF_MOMENTUM + k], or_infinity(error), r->done);
+        pl_series_add(&r->series[OF_STEP_GAIN + k], fmax(growth / r->scale.energy, 0), r->done);
+    }
+}
+
+static void see_path(pl_referee *r, const pl_body_state *bodies)
+{
+    pl_series_add(&r->series[OF_LIFT], pl_path_lift(r->path, bodies), r->done);
+    pl_series_add(&r->series[OF_DEVIATION], pl_path_deviation(r->path, bodies), r->done);
+}
+
+/* The smaller of the integrators', since a divergence shows in both. */
+static double energy_gain(const pl_referee *r)
+{
+    double least = HUGE_VAL;
+    for (pl_integrator k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
+        least = fmin(least, or_infinity(pl_mechanics_energy_gain(r->mechanics, &r->scale, k)));
+    }
+    return least;
 }
 
 static void see_stats(pl_referee *r, const pl_step_stats *stats, double cpu_time)
@@ -193,10 +250,12 @@ pl_verdict pl_referee_step(pl_referee *r, const pl_frame *frame, const pl_step_s
     if (verdict == PL_VERDICT_OK) {
         r->done = step;
         see_stats(r, stats, cpu_time);
+        see_pairs(r, frame->bodies);
         see_mechanics(r, frame->bodies, contacts, contact_count);
+        see_path(r, frame->bodies);
         see_poses(r, frame->bodies);
-        double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale);
-        verdict = pl_check_bounds(r->scene, &r->scale, frame->bodies, gain, step, &r->reason);
+        verdict =
+            pl_check_bounds(r->scene, &r->scale, frame->bodies, energy_gain(r), step, &r->reason);
     }
     return conclude(r, verdict, error);
 }
@@ -293,19 +352,33 @@ static pl_metric momentum_metric(const pl_referee *r)
         return failed("static bodies are touched, and the engine reports no contacts (step %ld)",
                       r->no_contacts_step);
     }
-    return pl_series_metric(&r->series[OF_MOMENTUM], r->series[OF_MOMENTUM].max);
+    const pl_series *momentum = &r->series[OF_MOMENTUM + pl_mechanics_integrator(r->mechanics)];
+    return pl_series_metric(momentum, momentum->max);
+}
+
+/* A maximum over steps of what the referee itself measures. */
+static pl_metric measured_metric(const pl_referee *r, int series)
+{
+    return maximum_metric(r, pl_series_metric(&r->series[series], r->series[series].max));
 }
 
 /* Metrics of any scene in which something can move. */
 static void motion_metrics(const pl_referee *r, pl_metric *item)
 {
-    const pl_series *energy = &r->series[OF_ENERGY];
-    item[PL_METRIC_ENERGY_GAIN] = maximum_metric(r, pl_series_metric(energy, energy->max));
+    const int integrator = (int)pl_mechanics_integrator(r->mechanics);
+    item[PL_METRIC_ENERGY_GAIN] = measured_metric(r, OF_ENERGY + integrator);
+    item[PL_METRIC_ENERGY_STEP_GAIN] = measured_metric(r, OF_STEP_GAIN + integrator);
     item[PL_METRIC_MOMENTUM_ERROR] = maximum_metric(r, momentum_metric(r));
     item[PL_METRIC_SETTLE_TIME] = settle_metric(r);
     if (r->scene->body_count > 1) {
         item[PL_METRIC_PENETRATION_MAX] = maximum_metric(r, pl_penetration_max(r->penetration));
         item[PL_METRIC_PENETRATION_REST] = final_metric(r, pl_penetration_rest(r->penetration));
+    }
+    if (pl_path_has_lift(r->path)) {
+        item[PL_METRIC_LIFT] = measured_metric(r, OF_LIFT);
+    }
+    if (pl_path_has_line(r->path)) {
+        item[PL_METRIC_PATH_DEVIATION] = measured_metric(r, OF_DEVIATION);
     }
     drift_metrics(r, item);
 }
@@ -321,7 +394,10 @@ static void step_metrics(const pl_referee *r, const char *residual_unit, pl_metr
     item[PL_METRIC_TIME_PER_STEP] = reported_metric(r, OF_TIME, pl_series_mean(&s[OF_TIME]));
     if (residual_unit != NULL) {
         item[PL_METRIC_RESIDUAL_MAX] = reported_metric(r, OF_RESIDUAL, s[OF_RESIDUAL].max);
+        item[PL_METRIC_RESIDUAL_RMS] =
+            reported_metric(r, OF_RESIDUAL, pl_series_rms(&s[OF_RESIDUAL]));
         item[PL_METRIC_RESIDUAL_MAX].unit = residual_unit;
+        item[PL_METRIC_RESIDUAL_RMS].unit = residual_unit;
     }
 }
 

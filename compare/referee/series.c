@@ -57,6 +57,7 @@ void pl_series_add(pl_series *series, double value, long step)
     bin->sum += value;
     series->count += 1;
     series->sum += value;
+    series->square_sum += value * value;
     if (series->count == 1 || value > series->max) {
         series->max = value;
         series->worst_step = step;
@@ -80,6 +81,11 @@ double pl_series_percentile(const pl_series *series, double q)
 double pl_series_mean(const pl_series *series)
 {
     return series->count > 0 ? series->sum / (double)series->count : 0;
+}
+
+double pl_series_rms(const pl_series *series)
+{
+    return series->count > 0 ? sqrt(series->square_sum / (double)series->count) : 0;
 }
 
 pl_metric pl_series_metric(const pl_series *series, double value)

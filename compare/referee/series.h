@@ -20,7 +20,7 @@ typedef struct pl_series {
     pl_bin
         *bins; /* (PL_SERIES_BINS), owned by the series; pages of unused bins are never touched */
     uint64_t count;
-    double sum, max;
+    double sum, square_sum, max;
     long worst_step; /* the first step at which max was seen; 0 before any */
 } pl_series;
 
@@ -38,6 +38,9 @@ void pl_series_add(pl_series *series, double value, long step);
 double pl_series_percentile(const pl_series *series, double q);
 
 double pl_series_mean(const pl_series *series);
+
+/* Root of the mean of the squares. */
+double pl_series_rms(const pl_series *series);
 
 /* A metric with `value`, and the series' percentiles and worst step. A value that is not finite
  * makes it PL_METRIC_FAILED and says so. */

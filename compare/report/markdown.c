@@ -1,6 +1,7 @@
 /* The report as Markdown for GitHub (GitHub Flavored Markdown Spec 0.29, section 4.10). */
 #include "report/markdown.h"
 
+#include "report/published.h"
 #include "report/quantity.h"
 
 #include <math.h>
@@ -112,6 +113,68 @@ static void add_main_table(const pl_cells *cells, pl_sheet *sheet)
     pl_sheet_add(sheet, "\n");
 }
 
+/* A metric's value, or that there is none, and the outcome. */
+static void add_outcome(const pl_cell *cell, int metric, pl_sheet *sheet)
+{
+    char text[160];
+    pl_sheet_add(sheet, "| ");
+    if (cell->row == NULL) {
+        pl_sheet_add(sheet, "not run ");
+        return;
+    }
+    pl_measure_text(&cell->measure[metric], text, sizeof text);
+    pl_sheet_add_markdown(sheet, text);
+    pl_sheet_add(sheet, cell->ok ? "<br>" : "<br>**");
+    pl_sheet_add_markdown(sheet, cell->outcome);
+    pl_sheet_add(sheet, cell->ok ? " " : "** ");
+}
+
+static void add_published_rows(const pl_cells *cells, const pl_suite_entry *entry, int metric,
+                               pl_sheet *sheet)
+{
+    for (int b = 0; b < cells->block_count; b++) {
+        const pl_block *block = &cells->blocks[b];
+        char published[PL_QUANTITY_SIZE];
+        if (!pl_published_is(block, entry))
+            continue;
+        pl_quantity_given(entry->published, pl_metric_table[metric].unit, published);
+        add_cell(sheet, block->name);
+        add_cell(sheet, published);
+        for (int i = 0; i < cells->column_count; i++)
+            add_outcome(&block->cells[i], metric, sheet);
+        pl_sheet_add(sheet, "|\n");
+    }
+}
+
+/* What others published of the problems here. */
+static void add_published(const pl_cells *cells, pl_sheet *sheet)
+{
+    int count = 0;
+    const pl_suite *suites = pl_suites(&count);
+    for (int s = 0; s < count; s++) {
+        const pl_suite *suite = &suites[s];
+        if (!pl_published_applies(suite, cells))
+            continue;
+        int metric = pl_metric_by_name(suite->published_metric);
+        pl_sheet_add(sheet, "## Beside published numbers: ");
+        pl_sheet_add_markdown(sheet, suite->published_metric);
+        pl_sheet_add(sheet, "\n\n| Problem | Published ");
+        for (int i = 0; i < cells->column_count; i++)
+            add_cell(sheet, cells->columns[i].name);
+        pl_sheet_add(sheet, "|\n|---|---:");
+        for (int i = 0; i < cells->column_count; i++)
+            pl_sheet_add(sheet, "|---:");
+        pl_sheet_add(sheet, "|\n");
+        for (int i = 0; i < suite->entry_count; i++)
+            add_published_rows(cells, &suite->entries[i], metric, sheet);
+        pl_sheet_add(sheet, "\n");
+        pl_sheet_format(sheet,
+                        "<sub>%s: the engine reports none. Published: ", pl_quantity_missing);
+        pl_sheet_add_markdown(sheet, suite->source);
+        pl_sheet_add(sheet, ".</sub>\n\n");
+    }
+}
+
 static void add_failures(const pl_cells *cells, pl_sheet *sheet)
 {
     int b = 0, i = 0;
@@ -174,6 +237,7 @@ void pl_markdown_write(const pl_cells *cells, const pl_losses *losses, pl_sheet 
         return;
     }
     add_main_table(cells, sheet);
+    add_published(cells, sheet);
     add_failures(cells, sheet);
     add_settings(cells, sheet);
 }

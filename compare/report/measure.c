@@ -50,8 +50,9 @@ static bool is_deterministic(const json_t *metric, int id)
 
 pl_measure pl_measure_of(const json_t *const *metrics, int rows, int id, double *scratch)
 {
-    /* These two have the unit that the result says. */
-    bool own_unit = id == PL_METRIC_REFERENCE_ERROR || id == PL_METRIC_RESIDUAL_MAX;
+    /* These have the unit that the result says. */
+    bool own_unit = id == PL_METRIC_REFERENCE_ERROR || id == PL_METRIC_RESIDUAL_MAX ||
+                    id == PL_METRIC_RESIDUAL_RMS;
     pl_measure measure = {.state = PL_METRIC_ABSENT,
                           .unit = own_unit ? "" : pl_metric_table[id].unit};
     const json_t *first = NULL;

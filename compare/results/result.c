@@ -57,7 +57,7 @@ static json_t *text_or_null(const char *text)
     return text[0] == '\0' ? json_null() : pl_json_text(text, strlen(text));
 }
 
-static json_t *number_or_null(double value)
+json_t *pl_json_number_or_null(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();
 }
@@ -82,8 +82,8 @@ void pl_timestamp(char text[32])
 /* An integral parameter is written as an integer. */
 static int set_number(json_t *object, const char *name, double value, bool integer)
 {
-    return json_object_set_new(object, name,
-                               integer ? json_integer((json_int_t)value) : number_or_null(value));
+    return json_object_set_new(
+        object, name, integer ? json_integer((json_int_t)value) : pl_json_number_or_null(value));
 }
 
 static json_t *params_json(const pl_run_view *run)
@@ -183,9 +183,9 @@ static json_t *metric_json(const pl_metric *metric, const pl_metric_info *info)
         failed |= json_object_set_new(object, "reason", pl_json_text(reason, strlen(reason)));
     }
     if (has_value && metric->has_percentiles) {
-        failed |= json_object_set_new(object, "p50", number_or_null(metric->p50));
-        failed |= json_object_set_new(object, "p95", number_or_null(metric->p95));
-        failed |= json_object_set_new(object, "p99", number_or_null(metric->p99));
+        failed |= json_object_set_new(object, "p50", pl_json_number_or_null(metric->p50));
+        failed |= json_object_set_new(object, "p95", pl_json_number_or_null(metric->p95));
+        failed |= json_object_set_new(object, "p99", pl_json_number_or_null(metric->p99));
         failed |= json_object_set_new(object, "worst_step", json_integer(metric->worst_step));
     }
     if (failed != 0) {

@@ -69,6 +69,9 @@ json_t *pl_result_compose(json_t *identity, json_t *finding, json_t *provenance,
 /* The text of a key of an object, borrowed; "" where there is none or it is no text. */
 const char *pl_json_get_text(const json_t *object, const char *key);
 
+/* A JSON number, or null for one that is not finite. */
+json_t *pl_json_number_or_null(double value);
+
 /* A JSON string of any bytes: where they are no UTF-8 text, each byte outside of ASCII becomes '?'.
  * Control characters but tab and newline become '?' too. */
 json_t *pl_json_text(const char *bytes, size_t length);

@@ -150,6 +150,22 @@ cleanup:
     return status;
 }
 
+pl_status pl_write_text(const char *path, const char *text, size_t length, pl_error *error)
+{
+    struct stat found;
+    if (strcmp(path, "-") == 0) {
+        fflush(stdout);
+        return write_all(STDOUT_FILENO, text, length, "standard output", error);
+    }
+    if (stat(path, &found) == 0 && !S_ISREG(found.st_mode)) {
+        int file = open(path, O_WRONLY | O_CLOEXEC);
+        return file < 0
+                   ? pl_fail(error, PL_IO, "%s: %s", path, strerror(errno))
+                   : close_written(file, path, write_all(file, text, length, path, error), error);
+    }
+    return write_by_rename(path, text, length, error);
+}
+
 pl_status pl_results_write_json(const char *path, const json_t *value, pl_error *error)
 {
     char *text = json_dumps(value, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
@@ -159,25 +175,12 @@ pl_status pl_results_write_json(const char *path, const json_t *value, pl_error 
         return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
     }
     size_t length = strlen(strcat(line, "\n"));
-    struct stat found;
-    pl_status status = PL_OK;
-    if (strcmp(path, "-") == 0) {
-        fflush(stdout);
-        status = write_all(STDOUT_FILENO, line, length, "standard output", error);
-    } else if (stat(path, &found) == 0 && !S_ISREG(found.st_mode)) {
-        int file = open(path, O_WRONLY | O_CLOEXEC);
-        status = file < 0
-                     ? pl_fail(error, PL_IO, "%s: %s", path, strerror(errno))
-                     : close_written(file, path, write_all(file, line, length, path, error), error);
-    } else {
-        status = write_by_rename(path, line, length, error);
-    }
+    pl_status status = pl_write_text(path, line, length, error);
     free(line);
     return status;
 }
 
-/* Like mkdir -p. */
-static pl_status make_directories(const char *directory, pl_error *error)
+pl_status pl_make_directories(const char *directory, pl_error *error)
 {
     char *path = strdup(directory);
     if (path == NULL) {
@@ -262,7 +265,7 @@ static pl_status cut(const pl_store *store, pl_error *error)
 
 pl_status pl_store_open(const char *directory, bool resume, pl_store **store, pl_error *error)
 {
-    pl_status status = make_directories(directory, error);
+    pl_status status = pl_make_directories(directory, error);
     if (status != PL_OK) {
         return status;
     }

@@ -14,10 +14,15 @@
  * not readable. */
 pl_status pl_results_read(const char *path, json_t **results, long long *whole, pl_error *error);
 
-/* Writes JSON as text to `path` ("-" is standard output): to a temporary name beside it, renamed
- * when whole. A path that is there and is no regular file (a pipe, a device) is written directly.
- */
+/* Writes text to `path` ("-" is standard output): to a temporary name beside it, renamed when
+ * whole. A path that is there and is no regular file (a pipe, a device) is written directly. */
+pl_status pl_write_text(const char *path, const char *text, size_t length, pl_error *error);
+
+/* The same for JSON as text. */
 pl_status pl_results_write_json(const char *path, const json_t *value, pl_error *error);
+
+/* Makes a directory and those it is in, where they are missing. */
+pl_status pl_make_directories(const char *directory, pl_error *error);
 
 typedef struct pl_store pl_store;
 

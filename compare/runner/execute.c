@@ -82,7 +82,8 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
                               .engine = choice->engine,
                               .profile = choice->profile,
                               .options = choice->values,
-                              .trajectory = e->def->trajectory};
+                              .trajectory = e->def->trajectory,
+                              .capture = e->def->capture};
             status = pl_isolated_run_start(&free_slot->run, &run, identity, &e->def->limits, error);
             free_slot->busy = status == PL_OK;
             e->busy += free_slot->busy;

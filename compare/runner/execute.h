@@ -5,14 +5,16 @@
 
 #include "runner/plan.h"
 #include "runner/process.h"
+#include "runner/run_once.h"
 
 typedef struct pl_execution_def {
     const pl_plan *plan;
     int jobs; /* >= 1; times are honest only with 1 on a quiet machine */
     pl_limits limits;
-    FILE *trajectory;   /* of a plan with one run: gets its frames; NULL: none */
-    json_t *provenance; /* pl_provenance */
-    FILE *progress;     /* where progress is shown; NULL: nowhere */
+    FILE *trajectory;          /* of a plan with one run: gets its frames; NULL: none */
+    const pl_capture *capture; /* of such a plan too; NULL: none */
+    json_t *provenance;        /* pl_provenance */
+    FILE *progress;            /* where progress is shown; NULL: nowhere */
     void *user;
     /* Whether this run's result is there already; NULL: none is. */
     bool (*skip)(void *user, const char *run);

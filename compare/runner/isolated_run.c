@@ -76,6 +76,9 @@ static void describe_place(const pl_isolated_run *run, char *text, size_t size)
     case PL_STAGE_READ_BACK:
         snprintf(text, size, "while its settings were read back");
         break;
+    case PL_STAGE_CAPTURE:
+        snprintf(text, size, "while the contact problems of step %ld were captured", done + 1);
+        break;
     case PL_STAGE_STEP:
         snprintf(text, size, "in step %ld of %ld", done + 1, asked);
         break;

@@ -187,6 +187,21 @@ static pl_status begin(run *r, pl_finding *finding, bool *going, pl_error *error
     return status;
 }
 
+/* Hands on the contact problems of the coming step where they are asked for. */
+static pl_status capture(const run *r, long step, pl_error *error)
+{
+    const pl_capture *asked = r->def->capture;
+    if (asked == NULL || asked->step != step) {
+        return PL_OK;
+    }
+    struct pe_contact_problem **problems = NULL;
+    int count = 0;
+    enter(r, PL_STAGE_CAPTURE);
+    pl_status status =
+        r->def->engine->capture(r->instance, r->def->scene->dt, &problems, &count, error);
+    return status == PL_OK ? asked->take(asked->user, problems, count, error) : status;
+}
+
 /* One step. *going is false when it ended the run. */
 static pl_status advance(run *r, pl_finding *finding, bool *going, pl_error *error)
 {
@@ -200,6 +215,10 @@ static pl_status advance(run *r, pl_finding *finding, bool *going, pl_error *err
                            .time_collide = NAN,
                            .time_solve = NAN,
                            .time_other = NAN};
+    pl_status status = capture(r, finding->steps_done + 1, error);
+    if (status != PL_OK) {
+        return status;
+    }
     enter(r, PL_STAGE_STEP);
     double before = cpu_seconds();
     fault.status = def->engine->step(r->instance, def->scene->dt, &stats, &fault);
@@ -213,7 +232,7 @@ static pl_status advance(run *r, pl_finding *finding, bool *going, pl_error *err
     finding->steps_done += 1;
     read_frame(r, (double)finding->steps_done * def->scene->dt);
     int count = -1;
-    pl_status status = read_contacts(r, &count, error);
+    status = read_contacts(r, &count, error);
     if (status != PL_OK) {
         return status;
     }

@@ -13,6 +13,7 @@ typedef enum pl_stage {
     PL_STAGE_PREPARE,
     PL_STAGE_CREATE,
     PL_STAGE_READ_BACK,
+    PL_STAGE_CAPTURE,
     PL_STAGE_STEP,
     PL_STAGE_JUDGE, /* reading the frame and contacts of a step, and the referee's work on them */
     PL_STAGE_DESTROY
@@ -23,12 +24,22 @@ typedef struct pl_run_watch {
     atomic_long steps_done;
 } pl_run_watch;
 
+/* The contact problems of one step, taken on the way. */
+typedef struct pl_capture {
+    long step; /* from 1 */
+    /* Gets what the engine's `capture` gave, to destroy. Called in the run's process; anything but
+     * PL_OK means that the run could not be made. */
+    pl_status (*take)(void *user, struct pe_contact_problem **problems, int count, pl_error *error);
+    void *user;
+} pl_capture;
+
 typedef struct pl_run_def {
     const pl_scene *scene;
     const pl_engine *engine;
     int profile;
-    const double *options; /* (engine->option_count) */
-    FILE *trajectory;      /* gets every frame as CSV; NULL: none */
+    const double *options;     /* (engine->option_count) */
+    FILE *trajectory;          /* gets every frame as CSV; NULL: none */
+    const pl_capture *capture; /* NULL: none; otherwise the engine has a `capture` */
     pl_run_watch *watch;
 } pl_run_def;
 

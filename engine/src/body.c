@@ -132,6 +132,7 @@ pe_status pe_body_create(pe_world *world, const pe_body_def *def, pe_body_id *bo
     if (slot > 0 && def->shape.kind != PE_SHAPE_PLANE) {
         ((int *)world->order_array.items)[world->order_count++] = slot;
     }
+    world->contacts_stale = true;
     *body = (pe_body_id){(uint32_t)slot, made->generation};
     return PE_OK;
 }
@@ -177,6 +178,8 @@ pe_status pe_body_destroy(pe_world *world, pe_body_id body, pe_error *error)
     }
     world->order_count = kept;
     forget_contacts(&world->contacts, slot);
+    forget_contacts(&world->solved, slot);
+    world->contacts_stale = true;
     gone->alive = false;
     gone->next_free = world->first_free;
     world->first_free = slot;
@@ -211,6 +214,7 @@ pe_status pe_body_set_state(pe_world *world, pe_body_id body, const pe_body_stat
         if (!pe_bodies(world)[body.index].is_static) {
             pe_motions(world)[body.index] = (pe_motion){state->velocity, state->angular_velocity};
         }
+        world->contacts_stale = true;
     }
     return status;
 }
@@ -253,13 +257,14 @@ pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, p
     if (!pe_is_finite(force) || !pe_is_finite(offset)) {
         return pe_fail(error, PE_BAD_ARGUMENT, "force: expected finite numbers");
     }
-    if (frame == PE_FRAME_BODY) {
-        const pe_mat3 *rotation = &pe_poses(world)[body.index].rotation;
-        force = pe_rotate(rotation, force);
-        offset = pe_rotate(rotation, offset);
-    }
     pe_load *load = &pe_loads(world)[body.index];
-    load->force = pe_add(load->force, force);
-    load->torque = pe_add(load->torque, pe_cross(offset, force));
+    if (frame == PE_FRAME_BODY) {
+        load->body_force = pe_add(load->body_force, force);
+        load->body_torque = pe_add(load->body_torque, pe_cross(offset, force));
+        load->turns = true;
+    } else {
+        load->force = pe_add(load->force, force);
+        load->torque = pe_add(load->torque, pe_cross(offset, force));
+    }
     return PE_OK;
 }

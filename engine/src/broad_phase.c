@@ -1,22 +1,24 @@
+/* Sort and sweep (Baraff 1992) in rows.
+ *
+ * Bodies are swept along the axis on which their centres are spread widest. Along one axis alone
+ * every brick of a wall would meet the whole column above it, so the plane of the two other axes is
+ * cut into cells no smaller than the bodies: boxes whose low corners fall into one cell make a row,
+ * and a box can only meet those of its own row and of the eight around it. Rows are found by
+ * hashing, so bodies may be anywhere. The few boxes larger than a cell make a row of their own,
+ * which meets all. */
 #include "broad_phase.h"
 
 #include "shape.h"
 
 #include <string.h>
 
-typedef struct bounds {
-    pe_vec3 low, high;
-} bounds;
-
-/* What a point of a body may travel in a step, gravity apart. */
-static double reach(const pe_world *world, int slot, double dt)
+double pe_spin_speed(const pe_world *world, int slot)
 {
-    const pe_motion *motion = &pe_motions(world)[slot];
-    double spin = pe_length(motion->angular_velocity) * pe_bodies(world)[slot].bounding_radius;
-    return dt * (pe_length(motion->velocity) + spin);
+    return pe_length(pe_motions(world)[slot].angular_velocity) *
+           pe_bodies(world)[slot].bounding_radius;
 }
 
-static double slack(const pe_world *world, double dt)
+double pe_margin_slack(const pe_world *world, double dt)
 {
     return world->def.contact_margin + dt * dt * pe_length(world->def.gravity);
 }
@@ -24,10 +26,8 @@ static double slack(const pe_world *world, double dt)
 double pe_pair_margin(const pe_world *world, int a, int b, double dt)
 {
     const pe_motion *ma = &pe_motions(world)[a], *mb = &pe_motions(world)[b];
-    const pe_body *bodies = pe_bodies(world);
-    double spin = pe_length(ma->angular_velocity) * bodies[a].bounding_radius +
-                  pe_length(mb->angular_velocity) * bodies[b].bounding_radius;
-    return dt * (pe_length(pe_sub(ma->velocity, mb->velocity)) + spin) + slack(world, dt);
+    double spin = pe_spin_speed(world, a) + pe_spin_speed(world, b);
+    return dt * (pe_length(pe_sub(ma->velocity, mb->velocity)) + spin) + pe_margin_slack(world, dt);
 }
 
 /* The axis, 0 to 2, along which the centres have the largest variance. */
@@ -43,38 +43,187 @@ static int widest_axis(const pe_world *world, const int *order, int count)
     return spread.x >= spread.y && spread.x >= spread.z ? 0 : spread.y >= spread.z ? 1 : 2;
 }
 
-/* Sorts slots by the low end of their bounds; ties by slot, so that the order is one. The order of
- * the last step is nearly right, which insertion likes. */
-static void sort_by_low(int *order, int count, const bounds *boxes, int axis)
+/* The bounds of a body with its margin. Axis 0 is the one swept along, 1 and 2 are the next two. */
+typedef struct box {
+    double low[3], high[3];
+    int slot;
+    bool is_static, moved;
+} box;
+
+/* Boxes in rows, each sorted by (low[0], slot). Row 0 has those that are larger than a cell. */
+typedef struct rows {
+    box *boxes;          /* (box_count) */
+    int *start;          /* (count + 1): row r has boxes start[r] .. start[r + 1] - 1 */
+    int32_t (*cell)[2];  /* (count): indices of its cell along axes 1 and 2 */
+    int *table;          /* (table_size): hashed rows, 0: free */
+    uint32_t table_size; /* a power of 2 */
+    int count, box_count;
+    int axis; /* of the world, along which is swept */
+    double cell_size[2];
+} rows;
+
+static void fill_box(const pe_world *world, int slot, double dt, double slack, int axis, box *b)
+{
+    const pe_pose *pose = &pe_poses(world)[slot];
+    /* The whole slack for each, because a plane has no bounds to hold a half of it. */
+    double speed = pe_length(pe_motions(world)[slot].velocity) + pe_spin_speed(world, slot);
+    double margin = dt * speed + slack;
+    pe_vec3 e = pe_shape_half_extents(&pe_bodies(world)[slot].shape, &pose->rotation);
+    pe_vec3 x = pose->position;
+    double centre[3] = {x.x, x.y, x.z}, extent[3] = {e.x, e.y, e.z};
+    for (int k = 0; k < 3; ++k) {
+        int q = (k + 3 - axis) % 3;
+        b->low[q] = centre[k] - (extent[k] + margin);
+        b->high[q] = centre[k] + (extent[k] + margin);
+    }
+    b->slot = slot;
+    b->is_static = pe_bodies(world)[slot].is_static;
+}
+
+/* Cells hold the largest box, or one of twice the mean where few are larger. The slight excess is
+ * for the rounding of cell indices. */
+static void choose_cells(const box *boxes, int count, double cell_size[2])
+{
+    double sum[2] = {0}, largest[2] = {0};
+    for (int i = 0; i < count; ++i) {
+        for (int k = 0; k < 2; ++k) {
+            double length = boxes[i].high[k + 1] - boxes[i].low[k + 1];
+            sum[k] += length;
+            largest[k] = pe_max(largest[k], length);
+        }
+    }
+    for (int k = 0; k < 2; ++k) {
+        cell_size[k] = 1.001 * pe_min(largest[k], 2 * sum[k] / count);
+    }
+}
+
+/* The floor, within bounds. */
+static int32_t cell_index(double x)
+{
+    const double most = 1 << 30;
+    double held = pe_min(pe_max(x, -most), most);
+    int32_t i = (int32_t)held;
+    return i - (held < i);
+}
+
+/* The row of a cell; when there is none, a new one if `make`, else -1. */
+static int row_of(rows *r, int32_t i, int32_t j, bool make)
+{
+    uint32_t hash = (uint32_t)i * 2654435761u ^ (uint32_t)j * 2246822519u;
+    hash ^= hash >> 15;
+    for (uint32_t k = hash & (r->table_size - 1);; k = (k + 1) & (r->table_size - 1)) {
+        int row = r->table[k];
+        if (row == 0) {
+            if (!make) {
+                return -1;
+            }
+            r->table[k] = r->count;
+            r->cell[r->count][0] = i;
+            r->cell[r->count][1] = j;
+            return r->count++;
+        }
+        if (r->cell[row][0] == i && r->cell[row][1] == j) {
+            return row;
+        }
+    }
+}
+
+static int row_of_box(rows *r, const box *b)
+{
+    for (int k = 0; k < 2; ++k) {
+        /* Not <=, so that a box that is not finite is a large one. */
+        if (!(1.0005 * (b->high[k + 1] - b->low[k + 1]) <= r->cell_size[k])) {
+            return 0;
+        }
+    }
+    return row_of(r, cell_index(b->low[1] / r->cell_size[0]),
+                  cell_index(b->low[2] / r->cell_size[1]), true);
+}
+
+/* The order of the last step is nearly right, which insertion likes. */
+static void sort_row(box *boxes, int count)
 {
     for (int i = 1; i < count; ++i) {
-        int slot = order[i];
-        double key = pe_component(boxes[slot].low, axis);
+        if (!(boxes[i - 1].low[0] > boxes[i].low[0]) &&
+            !(boxes[i - 1].low[0] == boxes[i].low[0] && boxes[i - 1].slot > boxes[i].slot)) {
+            continue;
+        }
+        box b = boxes[i];
         int j = i;
         for (; j > 0; --j) {
-            double other = pe_component(boxes[order[j - 1]].low, axis);
-            if (!(other > key) && !(other == key && order[j - 1] > slot)) {
+            const box *p = &boxes[j - 1];
+            if (!(p->low[0] > b.low[0]) && !(p->low[0] == b.low[0] && p->slot > b.slot)) {
                 break;
             }
-            order[j] = order[j - 1];
+            boxes[j] = *p;
         }
-        order[j] = slot;
+        boxes[j] = b;
     }
+}
+
+/* moved NULL: every body counts as moved. Leaves the order of the boxes for the next step. */
+static pe_status make_rows(pe_world *world, double dt, const bool *moved, rows *r, pe_error *error)
+{
+    int *order = world->order_array.items, n = world->order_count;
+    *r = (rows){.count = 1, .box_count = n, .table_size = 16};
+    while (r->table_size < 2 * (uint32_t)n) {
+        r->table_size *= 2;
+    }
+    size_t most = (size_t)n + 1;
+    box *boxes = pe_scratch(world, most, sizeof *boxes);
+    int *row = pe_scratch(world, most, sizeof *row);
+    r->boxes = pe_scratch(world, most, sizeof *r->boxes);
+    r->start = pe_scratch(world, most + 2, sizeof *r->start);
+    r->cell = pe_scratch(world, most, sizeof *r->cell);
+    r->table = pe_scratch(world, r->table_size, sizeof *r->table);
+    if (boxes == NULL || row == NULL || r->boxes == NULL || r->start == NULL || r->cell == NULL ||
+        r->table == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for the bounds of %d bodies", n);
+    }
+    memset(r->table, 0, r->table_size * sizeof *r->table);
+    memset(r->start, 0, (most + 2) * sizeof *r->start);
+    r->axis = n > 0 ? widest_axis(world, order, n) : 0;
+    double slack = pe_margin_slack(world, dt);
+    for (int i = 0; i < n; ++i) {
+        fill_box(world, order[i], dt, slack, r->axis, &boxes[i]);
+        boxes[i].moved = moved == NULL || moved[order[i]];
+    }
+    choose_cells(boxes, n, r->cell_size);
+    /* A counting sort by row: start[row + 2] counts, then start[row + 1] is where the next goes. */
+    for (int i = 0; i < n; ++i) {
+        row[i] = row_of_box(r, &boxes[i]);
+        r->start[row[i] + 2] += 1;
+    }
+    for (int k = 2; k <= r->count + 1; ++k) {
+        r->start[k] += r->start[k - 1];
+    }
+    for (int i = 0; i < n; ++i) {
+        r->boxes[r->start[row[i] + 1]++] = boxes[i];
+    }
+    for (int k = 0; k < r->count; ++k) {
+        sort_row(r->boxes + r->start[k], r->start[k + 1] - r->start[k]);
+    }
+    for (int i = 0; i < n; ++i) {
+        order[i] = r->boxes[i].slot;
+    }
+    return PE_OK;
 }
 
 /* Pairs in a growing piece of the arena. */
 typedef struct pair_list {
+    pe_world *world;
     pe_pair *items;
     int count, capacity;
+    pe_error *error;
 } pair_list;
 
-static pe_status push(pe_world *world, pair_list *list, int a, int b, pe_error *error)
+static pe_status push(pair_list *list, int a, int b)
 {
     if (list->count == list->capacity) {
         int capacity = list->capacity * 2;
-        pe_pair *items = pe_scratch(world, (size_t)capacity, sizeof *items);
+        pe_pair *items = pe_scratch(list->world, (size_t)capacity, sizeof *items);
         if (items == NULL) {
-            return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", capacity);
+            return pe_fail(list->error, PE_NO_MEMORY, "no memory for %d pairs", capacity);
         }
         memcpy(items, list->items, (size_t)list->count * sizeof *items);
         list->items = items;
@@ -84,50 +233,85 @@ static pe_status push(pe_world *world, pair_list *list, int a, int b, pe_error *
     return PE_OK;
 }
 
-static bool overlap(const bounds *p, const bounds *q)
+/* Pairs of `b` with those of the boxes, sorted by low[0], that begin before it ends. */
+static pe_status meet(const box *b, const box *boxes, const box *end, pair_list *list)
 {
-    return p->low.x <= q->high.x && q->low.x <= p->high.x && p->low.y <= q->high.y &&
-           q->low.y <= p->high.y && p->low.z <= q->high.z && q->low.z <= p->high.z;
+    pe_status status = PE_OK;
+    for (const box *p = boxes; p < end && p->low[0] <= b->high[0] && status == PE_OK; ++p) {
+        if (p->low[1] <= b->high[1] && b->low[1] <= p->high[1] && p->low[2] <= b->high[2] &&
+            b->low[2] <= p->high[2] && !(p->is_static && b->is_static) && (p->moved || b->moved)) {
+            status = push(list, p->slot, b->slot);
+        }
+    }
+    return status;
 }
 
-static pe_status sweep(pe_world *world, const int *order, int count, const bounds *boxes, int axis,
-                       pair_list *list, pe_error *error)
+static pe_status sweep_row(const rows *r, int row, pair_list *list)
 {
-    const pe_body *bodies = pe_bodies(world);
-    for (int i = 0; i < count; ++i) {
-        const bounds *box = &boxes[order[i]];
-        double end = pe_component(box->high, axis);
-        for (int j = i + 1; j < count && pe_component(boxes[order[j]].low, axis) <= end; ++j) {
-            if ((bodies[order[i]].is_static && bodies[order[j]].is_static) ||
-                !overlap(box, &boxes[order[j]])) {
-                continue;
-            }
-            pe_status status = push(world, list, order[i], order[j], error);
-            if (status != PE_OK) {
-                return status;
+    const box *end = r->boxes + r->start[row + 1];
+    pe_status status = PE_OK;
+    for (const box *b = r->boxes + r->start[row]; b < end && status == PE_OK; ++b) {
+        status = meet(b, b + 1, end, list);
+    }
+    return status;
+}
+
+/* Pairs across two rows: each is met by the box that begins first. */
+static pe_status sweep_two_rows(const rows *r, int row_p, int row_q, pair_list *list)
+{
+    const box *p = r->boxes + r->start[row_p], *end_p = r->boxes + r->start[row_p + 1];
+    const box *q = r->boxes + r->start[row_q], *end_q = r->boxes + r->start[row_q + 1];
+    pe_status status = PE_OK;
+    while (p < end_p && q < end_q && status == PE_OK) {
+        if (p->low[0] <= q->low[0]) {
+            status = meet(p++, q, end_q, list);
+        } else {
+            status = meet(q++, p, end_p, list);
+        }
+    }
+    return status;
+}
+
+static pe_status sweep(rows *r, pair_list *list)
+{
+    static const int32_t forward[4][2] = {{0, 1}, {1, -1}, {1, 0}, {1, 1}};
+    pe_status status = sweep_row(r, 0, list);
+    for (int row = 1; row < r->count && status == PE_OK; ++row) {
+        status = sweep_row(r, row, list);
+        if (status == PE_OK) {
+            status = sweep_two_rows(r, 0, row, list);
+        }
+        for (int k = 0; k < 4 && status == PE_OK; ++k) {
+            int other =
+                row_of(r, r->cell[row][0] + forward[k][0], r->cell[row][1] + forward[k][1], false);
+            if (other > 0) {
+                status = sweep_two_rows(r, row, other, list);
             }
         }
     }
-    return PE_OK;
+    return status;
 }
 
-/* The bounds of dynamic bodies hold their margin already. */
-static pe_status sweep_plane(pe_world *world, int plane, const int *order, int count,
-                             const bounds *boxes, pair_list *list, pe_error *error)
+/* The bounds of dynamic bodies hold their margin already; one slack more, as between two boxes. */
+static pe_status sweep_plane(const rows *r, int plane, bool plane_moved, double slack,
+                             pair_list *list)
 {
-    const pe_shape *shape = &pe_bodies(world)[plane].shape;
-    pe_vec3 n = shape->normal;
-    for (int i = 0; i < count; ++i) {
-        const bounds *box = &boxes[order[i]];
-        pe_vec3 deepest =
-            pe_v3(n.x > 0 ? box->low.x : box->high.x, n.y > 0 ? box->low.y : box->high.y,
-                  n.z > 0 ? box->low.z : box->high.z);
-        if (pe_bodies(world)[order[i]].is_static || pe_dot(n, deepest) > shape->offset) {
-            continue;
+    const pe_shape *shape = &pe_bodies(list->world)[plane].shape;
+    double normal[3] = {shape->normal.x, shape->normal.y, shape->normal.z}, n[3];
+    for (int k = 0; k < 3; ++k) {
+        n[k] = normal[(r->axis + k) % 3];
+    }
+    for (int i = 0; i < r->box_count; ++i) {
+        const box *b = &r->boxes[i];
+        double deepest = 0;
+        for (int k = 0; k < 3; ++k) {
+            deepest += n[k] * (n[k] > 0 ? b->low[k] : b->high[k]);
         }
-        pe_status status = push(world, list, plane, order[i], error);
-        if (status != PE_OK) {
-            return status;
+        if (!b->is_static && deepest <= shape->offset + slack && (b->moved || plane_moved)) {
+            pe_status status = push(list, plane, b->slot);
+            if (status != PE_OK) {
+                return status;
+            }
         }
     }
     return PE_OK;
@@ -166,33 +350,28 @@ static pe_status sort_pairs(pe_world *world, pair_list *list, pe_error *error)
 
 pe_status pe_broad_phase(pe_world *world, double dt, pe_pair **pairs, int *count, pe_error *error)
 {
-    int *order = world->order_array.items;
-    int n = world->order_count;
-    pair_list list = {.capacity = 64};
+    return pe_broad_phase_moved(world, dt, NULL, pairs, count, error);
+}
+
+pe_status pe_broad_phase_moved(pe_world *world, double dt, const bool *moved, pe_pair **pairs,
+                               int *count, pe_error *error)
+{
+    rows r;
+    pe_status status = make_rows(world, dt, moved, &r, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    pair_list list = {.world = world, .capacity = 64, .error = error};
     list.items = pe_scratch(world, (size_t)list.capacity, sizeof *list.items);
-    bounds *boxes = pe_scratch(world, (size_t)world->slot_count, sizeof *boxes);
-    if (list.items == NULL || boxes == NULL) {
-        return pe_fail(error, PE_NO_MEMORY, "no memory for the bounds of %d bodies", n);
+    if (list.items == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", list.capacity);
     }
-    for (int i = 0; i < n; ++i) {
-        int slot = order[i];
-        const pe_pose *pose = &pe_poses(world)[slot];
-        /* The whole slack for each, because a plane has no bounds to hold a half of it. */
-        double margin = reach(world, slot, dt) + slack(world, dt);
-        pe_vec3 e = pe_shape_half_extents(&pe_bodies(world)[slot].shape, &pose->rotation);
-        e = pe_add(e, pe_v3(margin, margin, margin));
-        boxes[slot] = (bounds){pe_sub(pose->position, e), pe_add(pose->position, e)};
-    }
-    pe_status status = PE_OK;
-    if (n > 0) {
-        int axis = widest_axis(world, order, n);
-        sort_by_low(order, n, boxes, axis);
-        status = sweep(world, order, n, boxes, axis, &list, error);
-    }
+    status = sweep(&r, &list);
     for (int slot = 1; slot < world->slot_count && status == PE_OK; ++slot) {
         const pe_body *body = &pe_bodies(world)[slot];
         if (body->alive && body->shape.kind == PE_SHAPE_PLANE) {
-            status = sweep_plane(world, slot, order, n, boxes, &list, error);
+            status = sweep_plane(&r, slot, moved == NULL || moved[slot], pe_margin_slack(world, dt),
+                                 &list);
         }
     }
     if (status == PE_OK) {

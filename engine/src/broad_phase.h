@@ -13,9 +13,18 @@ typedef struct pe_pair {
  * body's rotation at its bounding radius, and one step of gravity. */
 double pe_pair_margin(const pe_world *world, int a, int b, double dt);
 
+/* Its parts: pe_pair_margin is dt times the relative speed and both bodies' pe_spin_speed, and the
+ * slack. pe_spin_speed, in m/s, is what its rotation gives the outermost point of a body. */
+double pe_spin_speed(const pe_world *world, int slot);
+double pe_margin_slack(const pe_world *world, double dt);
+
 /* All pairs whose gap may be below their margin, sorted by (a, b), in the step's arena. Sort and
- * sweep along the axis on which the bodies are spread widest (Baraff 1992); planes against every
- * dynamic body directly. */
+ * sweep in rows (see broad_phase.c); planes against every dynamic body directly. */
 pe_status pe_broad_phase(pe_world *world, double dt, pe_pair **pairs, int *count, pe_error *error);
+
+/* The same at the poses now, but only the pairs with a body flagged in `moved` (slot_count); NULL:
+ * all of them. */
+pe_status pe_broad_phase_moved(pe_world *world, double dt, const bool *moved, pe_pair **pairs,
+                               int *count, pe_error *error);
 
 #endif

@@ -13,7 +13,9 @@ typedef struct pe_hit {
 
 /* The points of a pair share one normal. count 0: farther apart than the margin. */
 typedef struct pe_hits {
-    pe_vec3 normal; /* unit, from the first shape to the second */
+    pe_vec3 normal;   /* unit, from the first shape to the second */
+    bool normal_on_b; /* it turns with the second shape; else, at small turns, with the first */
+    double least_margin, end_margin; /* m: the same points at every margin in [least, end) */
     int count;
     pe_hit item[PE_MAX_POINTS];
 } pe_hits;

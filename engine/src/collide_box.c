@@ -4,7 +4,9 @@
  * bias towards faces, and towards the first box's: among axes that tie within rounding, a resting
  * stack must choose the same one at every step. A face contact clips the facing face of the other
  * box against the sides of the reference face (Sutherland and Hodgman 1974), at most 8 points, each
- * named by the two edges that bound it. */
+ * named by the two edges that bound it.
+ *
+ * Everything is worked out in the axes of the boxes; the world is met again at the points. */
 #include "collide.h"
 
 /* Tolerances, in units of the smaller box. */
@@ -22,43 +24,57 @@ typedef struct axis_choice {
     int i, j; /* face: axis i; edges: axis i of the first box, j of the second */
 } axis_choice;
 
-/* The boxes in each other's terms. */
+/* One box as the other sees it. */
+typedef struct box_side {
+    const pe_pose *pose;
+    double extent[3];
+    double offset[3]; /* the other's centre from this one's, in this one's axes */
+    double r[3][3];   /* r[i][j]: this one's axis i times the other's axis j */
+} box_side;
+
 typedef struct box_pair {
-    pe_vec3 axis_a[3], axis_b[3];
-    double extent_a[3], extent_b[3];
-    double r[3][3], abs_r[3][3]; /* r[i][j] = axis_a[i] . axis_b[j] */
-    pe_vec3 offset;              /* from the centre of a to that of b, world */
-    double offset_a[3], offset_b[3];
+    box_side a, b;
+    double reach[3][3]; /* |a.r| */
 } box_pair;
+
+static void store(double to[3], pe_vec3 v)
+{
+    to[0] = v.x, to[1] = v.y, to[2] = v.z;
+}
+
+static pe_vec3 axis_of(const box_side *box, int k)
+{
+    return pe_axis(&box->pose->rotation, k);
+}
 
 static void describe(pe_placed a, pe_placed b, box_pair *p)
 {
-    pe_vec3 ea = a.shape->half_extents, eb = b.shape->half_extents;
-    p->offset = pe_sub(b.pose->position, a.pose->position);
-    for (int k = 0; k < 3; ++k) {
-        p->axis_a[k] = pe_axis(&a.pose->rotation, k);
-        p->axis_b[k] = pe_axis(&b.pose->rotation, k);
-        p->extent_a[k] = pe_component(ea, k);
-        p->extent_b[k] = pe_component(eb, k);
-        p->offset_a[k] = pe_dot(p->axis_a[k], p->offset);
-        p->offset_b[k] = pe_dot(p->axis_b[k], p->offset);
-    }
+    const pe_mat3 *ra = &a.pose->rotation, *rb = &b.pose->rotation;
+    pe_vec3 offset = pe_sub(b.pose->position, a.pose->position);
+    p->a.pose = a.pose;
+    p->b.pose = b.pose;
+    store(p->a.extent, a.shape->half_extents);
+    store(p->b.extent, b.shape->half_extents);
+    store(p->a.offset, pe_unrotate(ra, offset));
+    store(p->b.offset, pe_unrotate(rb, pe_scale(-1, offset)));
     for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            p->r[i][j] = pe_dot(p->axis_a[i], p->axis_b[j]);
-            p->abs_r[i][j] = fabs(p->r[i][j]);
-        }
+        pe_vec3 row = pe_unrotate(rb, pe_axis(ra, i));
+        store(p->a.r[i], row);
+        p->b.r[0][i] = row.x;
+        p->b.r[1][i] = row.y;
+        p->b.r[2][i] = row.z;
+        store(p->reach[i], pe_v3(fabs(row.x), fabs(row.y), fabs(row.z)));
     }
 }
 
 /* The best face axis of each box; false as soon as one separates by more than the margin. */
 static bool test_faces(const box_pair *p, double margin, axis_choice *a, axis_choice *b)
 {
+    const double *ea = p->a.extent, *eb = p->b.extent;
     *a = *b = (axis_choice){.separation = -HUGE_VAL};
     for (int k = 0; k < 3; ++k) {
-        double reach_b = p->extent_b[0] * p->abs_r[k][0] + p->extent_b[1] * p->abs_r[k][1] +
-                         p->extent_b[2] * p->abs_r[k][2];
-        double s = fabs(p->offset_a[k]) - p->extent_a[k] - reach_b;
+        const double *q = p->reach[k];
+        double s = fabs(p->a.offset[k]) - ea[k] - (eb[0] * q[0] + eb[1] * q[1] + eb[2] * q[2]);
         if (s > margin) {
             return false;
         }
@@ -67,9 +83,8 @@ static bool test_faces(const box_pair *p, double margin, axis_choice *a, axis_ch
         }
     }
     for (int k = 0; k < 3; ++k) {
-        double reach_a = p->extent_a[0] * p->abs_r[0][k] + p->extent_a[1] * p->abs_r[1][k] +
-                         p->extent_a[2] * p->abs_r[2][k];
-        double s = fabs(p->offset_b[k]) - p->extent_b[k] - reach_a;
+        double reach_a = ea[0] * p->reach[0][k] + ea[1] * p->reach[1][k] + ea[2] * p->reach[2][k];
+        double s = fabs(p->b.offset[k]) - eb[k] - reach_a;
         if (s > margin) {
             return false;
         }
@@ -80,27 +95,33 @@ static bool test_faces(const box_pair *p, double margin, axis_choice *a, axis_ch
     return true;
 }
 
+/* Whether s / sqrt(square) > t, for square > 0, without the root. */
+static bool quotient_exceeds(double s, double square, double t)
+{
+    return t < 0 ? s >= 0 || s * s < t * t * square : s > 0 && s * s > t * t * square;
+}
+
+/* The best pair of edges, of those better than best->separation; false as soon as one separates by
+ * more than the margin. */
 static bool test_edges(const box_pair *p, double margin, axis_choice *best)
 {
-    *best = (axis_choice){.separation = -HUGE_VAL};
+    const double *ea = p->a.extent, *eb = p->b.extent, *t = p->a.offset;
     for (int i = 0; i < 3; ++i) {
-        int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+        int i1 = i < 2 ? i + 1 : 0, i2 = i > 0 ? i - 1 : 2;
+        const double *r1 = p->a.r[i1], *r2 = p->a.r[i2];
+        const double *q = p->reach[i], *q1 = p->reach[i1], *q2 = p->reach[i2];
         for (int j = 0; j < 3; ++j) {
-            int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-            double sine2 = 1 - p->r[i][j] * p->r[i][j];
-            if (sine2 < LEAST_SINE * LEAST_SINE) {
+            int j1 = j < 2 ? j + 1 : 0, j2 = j > 0 ? j - 1 : 2;
+            double sine2 = 1 - q[j] * q[j];
+            /* |offset . (a_i x b_j)| less the reach of both boxes along it, unnormalised. */
+            double s = fabs(t[i2] * r1[j] - t[i1] * r2[j]) - (ea[i1] * q2[j] + ea[i2] * q1[j]) -
+                       (eb[j1] * q[j2] + eb[j2] * q[j1]);
+            if (sine2 < LEAST_SINE * LEAST_SINE || !quotient_exceeds(s, sine2, best->separation)) {
                 continue;
             }
-            /* |offset . (a_i x b_j)| less the reach of both boxes along it, unnormalised. */
-            double distance = fabs(p->offset_a[i2] * p->r[i1][j] - p->offset_a[i1] * p->r[i2][j]);
-            double reach_a = p->extent_a[i1] * p->abs_r[i2][j] + p->extent_a[i2] * p->abs_r[i1][j];
-            double reach_b = p->extent_b[j1] * p->abs_r[i][j2] + p->extent_b[j2] * p->abs_r[i][j1];
-            double s = (distance - reach_a - reach_b) / sqrt(sine2);
-            if (s > margin) {
+            *best = (axis_choice){s / sqrt(sine2), i, j};
+            if (best->separation > margin) {
                 return false;
-            }
-            if (s > best->separation) {
-                *best = (axis_choice){s, i, j};
             }
         }
     }
@@ -109,35 +130,34 @@ static bool test_edges(const box_pair *p, double margin, axis_choice *best)
 
 /* The middle of the box's edge along axis k that lies farthest along the direction. Names the edge
  * by the signs of the two other axes. */
-static pe_vec3 far_edge(const pe_vec3 axis[3], const double extent[3], pe_vec3 centre, int k,
-                        pe_vec3 direction, uint32_t *name)
+static pe_vec3 far_edge(const box_side *box, int k, pe_vec3 direction, uint32_t *name)
 {
-    pe_vec3 x = centre;
+    pe_vec3 x = box->pose->position;
     *name = (uint32_t)k;
     for (int m = 1; m < 3; ++m) {
         int q = (k + m) % 3;
-        bool positive = pe_dot(axis[q], direction) > 0;
-        x = pe_madd(x, positive ? extent[q] : -extent[q], axis[q]);
+        bool positive = pe_dot(axis_of(box, q), direction) > 0;
+        x = pe_madd(x, positive ? box->extent[q] : -box->extent[q], axis_of(box, q));
         *name = *name << 1 | positive;
     }
     return x;
 }
 
-static void edge_contact(const box_pair *p, pe_vec3 centre_a, pe_vec3 centre_b, axis_choice edge,
-                         pe_hits *hits)
+static void edge_contact(const box_pair *p, axis_choice edge, pe_hits *hits)
 {
-    pe_vec3 u = p->axis_a[edge.i], v = p->axis_b[edge.j];
+    pe_vec3 u = axis_of(&p->a, edge.i), v = axis_of(&p->b, edge.j);
     pe_vec3 n = pe_cross(u, v);
-    n = pe_scale((pe_dot(n, p->offset) < 0 ? -1 : 1) / pe_length(n), n);
+    bool against = pe_dot(n, pe_sub(p->b.pose->position, p->a.pose->position)) < 0;
+    n = pe_scale((against ? -1 : 1) / pe_length(n), n);
     uint32_t name_a, name_b;
-    pe_vec3 x = far_edge(p->axis_a, p->extent_a, centre_a, edge.i, n, &name_a);
-    pe_vec3 y = far_edge(p->axis_b, p->extent_b, centre_b, edge.j, pe_scale(-1, n), &name_b);
+    pe_vec3 x = far_edge(&p->a, edge.i, n, &name_a);
+    pe_vec3 y = far_edge(&p->b, edge.j, pe_scale(-1, n), &name_b);
 
     /* Nearest points x + s u and y + t v of the two lines, held to the edges. */
     pe_vec3 d = pe_sub(y, x);
-    double c = p->r[edge.i][edge.j], du = pe_dot(d, u), dv = pe_dot(d, v);
+    double c = p->a.r[edge.i][edge.j], du = pe_dot(d, u), dv = pe_dot(d, v);
     double sine2 = 1 - c * c;
-    double ea = p->extent_a[edge.i], eb = p->extent_b[edge.j];
+    double ea = p->a.extent[edge.i], eb = p->b.extent[edge.j];
     double s = pe_max(-ea, pe_min(ea, (du - c * dv) / sine2));
     double t = pe_max(-eb, pe_min(eb, (c * du - dv) / sine2));
     hits->normal = n;
@@ -152,82 +172,116 @@ static void edge_contact(const box_pair *p, pe_vec3 centre_a, pe_vec3 centre_b, 
 /* A corner of the polygon being clipped: coordinates on the reference face and height over it, with
  * the name of the edge that leads on from it. */
 typedef struct corner {
-    double u, v, height;
+    double x[2], height;
     uint32_t edge;
 } corner;
 
-/* Keeps the part where sign * (along_v ? v : u) <= bound. Clip edges are named 4 .. 7. */
-static int clip(const corner *in, int count, corner *out, double sign, bool along_v, double bound,
-                uint32_t clip_edge)
+enum { MAX_CORNERS = PE_MAX_POINTS + 4 };
+
+/* Keeps the part of `in` where the distances past the clip line are not above 0. */
+static int clip(const corner *in, const double *past, int count, uint32_t clip_edge, corner *out)
 {
     int kept = 0;
-    for (int i = 0; i < count; ++i) {
-        const corner *p = &in[i], *q = &in[i + 1 < count ? i + 1 : 0];
-        double dp = sign * (along_v ? p->v : p->u) - bound;
-        double dq = sign * (along_v ? q->v : q->u) - bound;
-        if (dp <= 0) {
+    /* A convex polygon never fills the room; one that rounding made otherwise must not overrun it.
+     */
+    for (int i = 0; i < count && kept + 2 <= MAX_CORNERS; ++i) {
+        int next = i + 1 < count ? i + 1 : 0;
+        const corner *p = &in[i], *q = &in[next];
+        if (past[i] <= 0) {
             out[kept++] = *p;
         }
-        if ((dp <= 0) != (dq <= 0)) {
-            double t = dp / (dp - dq);
+        if ((past[i] <= 0) != (past[next] <= 0)) {
+            double t = past[i] / (past[i] - past[next]);
             out[kept++] = (corner){
-                .u = p->u + t * (q->u - p->u),
-                .v = p->v + t * (q->v - p->v),
+                .x = {p->x[0] + t * (q->x[0] - p->x[0]), p->x[1] + t * (q->x[1] - p->x[1])},
                 .height = p->height + t * (q->height - p->height),
-                .edge = dp <= 0 ? clip_edge : p->edge,
+                .edge = past[i] <= 0 ? clip_edge : p->edge,
             };
         }
     }
     return kept;
 }
 
-/* One box's face as reference, axis k towards the other box, and that box's facing face. */
-static void face_contact(const pe_vec3 axis[3], const double extent[3], pe_vec3 centre, int k,
-                         const pe_vec3 other_axis[3], const double other_extent[3],
-                         pe_vec3 other_centre, double size, double margin, bool flipped,
-                         pe_hits *hits)
+/* Clips against the rectangle |x[0]| <= bound[0], |x[1]| <= bound[1], whose edges are named 4 .. 7.
+ * The polygon reaches from middle - reach to middle + reach in x. Returns where it then is:
+ * `polygon` itself, which is overwritten, or `spare`. */
+static corner *clip_to_rectangle(corner *polygon, corner *spare, int *count, const double middle[2],
+                                 const double reach[2], const double bound[2])
 {
-    pe_vec3 offset = pe_sub(other_centre, centre);
-    double side = pe_dot(axis[k], offset) < 0 ? -1 : 1;
-    pe_vec3 n = pe_scale(side, axis[k]);
-    int ku = (k + 1) % 3, kv = (k + 2) % 3;
+    for (uint32_t line = 0; line < 4; ++line) {
+        int k = line < 2 ? 0 : 1;
+        double sign = line % 2 == 0 ? 1 : -1, past[MAX_CORNERS];
+        if (!(sign * middle[k] + reach[k] > bound[k])) {
+            continue;
+        }
+        for (int i = 0; i < *count; ++i) {
+            past[i] = sign * polygon[i].x[k] - bound[k];
+        }
+        *count = clip(polygon, past, *count, 4 + line, spare);
+        corner *clipped = spare;
+        spare = polygon;
+        polygon = clipped;
+    }
+    return polygon;
+}
+
+/* One box's face as reference, axis k towards the other box, and that box's facing face. */
+static void face_contact(const box_side *box, const box_side *other, int k, double size,
+                         double margin, bool flipped, pe_hits *hits)
+{
+    double side = box->offset[k] < 0 ? -1 : 1; /* n = side * axis[k] */
+    int ku = k < 2 ? k + 1 : 0, kv = k > 0 ? k - 1 : 2;
 
     /* The facing face: the axis of the other box most opposed to n. */
     int m = 0;
-    double cosine[3];
-    for (int q = 0; q < 3; ++q) {
-        cosine[q] = pe_dot(n, other_axis[q]);
-        m = fabs(cosine[q]) > fabs(cosine[m]) + 1e-9 ? q : m;
+    for (int q = 1; q < 3; ++q) {
+        m = fabs(box->r[k][q]) > fabs(box->r[k][m]) + 1e-9 ? q : m;
     }
-    double facing = cosine[m] > 0 ? -1 : 1;
-    int mu = (m + 1) % 3, mv = (m + 2) % 3;
-    pe_vec3 middle = pe_madd(offset, facing * other_extent[m], other_axis[m]);
+    double facing = side * box->r[k][m] > 0 ? -1 : 1;
+    int mu = m < 2 ? m + 1 : 0, mv = m > 0 ? m - 1 : 2;
 
-    corner one[PE_MAX_POINTS + 4], two[PE_MAX_POINTS + 4];
+    /* Its middle and half edges, with heights in the last place. */
+    const double *e = other->extent;
+    const double *row[3] = {box->r[ku], box->r[kv], box->r[k]};
+    double origin[3] = {box->offset[ku], box->offset[kv], box->offset[k]}, middle[3], u[3], v[3];
+    for (int q = 0; q < 3; ++q) {
+        double sign = q < 2 ? 1 : side;
+        middle[q] = sign * (origin[q] + facing * e[m] * row[q][m]);
+        u[q] = sign * e[mu] * row[q][mu];
+        v[q] = sign * e[mv] * row[q][mv];
+    }
+    middle[2] -= box->extent[k];
+    corner buffer[2][MAX_CORNERS];
     for (uint32_t c = 0; c < 4; ++c) {
         double su = c == 0 || c == 3 ? -1 : 1, sv = c < 2 ? -1 : 1;
-        pe_vec3 x = pe_madd(pe_madd(middle, su * other_extent[mu], other_axis[mu]),
-                            sv * other_extent[mv], other_axis[mv]);
-        one[c] = (corner){pe_dot(axis[ku], x), pe_dot(axis[kv], x), pe_dot(n, x) - extent[k], c};
+        buffer[0][c] = (corner){
+            .x = {middle[0] + su * u[0] + sv * v[0], middle[1] + su * u[1] + sv * v[1]},
+            .height = middle[2] + su * u[2] + sv * v[2],
+            .edge = c,
+        };
     }
+    int count = 4;
     double slack = CLIP_SLACK * size;
-    int count = clip(one, 4, two, 1, false, extent[ku] + slack, 4);
-    count = clip(two, count, one, -1, false, extent[ku] + slack, 5);
-    count = clip(one, count, two, 1, true, extent[kv] + slack, 6);
-    count = clip(two, count, one, -1, true, extent[kv] + slack, 7);
+    const double bound[2] = {box->extent[ku] + slack, box->extent[kv] + slack};
+    const double reach[2] = {fabs(u[0]) + fabs(v[0]), fabs(u[1]) + fabs(v[1])};
+    const corner *polygon = clip_to_rectangle(buffer[0], buffer[1], &count, middle, reach, bound);
 
     uint32_t faces = (uint32_t)flipped << 6 | (uint32_t)(2 * k + (side > 0)) << 3 |
                      (uint32_t)(2 * m + (facing > 0));
+    pe_vec3 n = pe_scale(side, axis_of(box, k)), tu = axis_of(box, ku), tv = axis_of(box, kv);
     hits->normal = flipped ? pe_scale(-1, n) : n;
+    hits->normal_on_b = flipped;
     for (int i = 0; i < count && hits->count < PE_MAX_POINTS; ++i) {
-        const corner *c = &one[i];
+        const corner *c = &polygon[i];
         if (c->height > margin) {
+            hits->end_margin = pe_min(hits->end_margin, c->height);
             continue;
         }
-        pe_vec3 x = pe_madd(pe_madd(centre, c->u, axis[ku]), c->v, axis[kv]);
-        uint32_t edge_in = one[i > 0 ? i - 1 : count - 1].edge;
+        hits->least_margin = pe_max(hits->least_margin, c->height);
+        pe_vec3 x = pe_madd(pe_madd(box->pose->position, c->x[0], tu), c->x[1], tv);
+        uint32_t edge_in = polygon[i > 0 ? i - 1 : count - 1].edge;
         hits->item[hits->count++] = (pe_hit){
-            .position = pe_madd(x, extent[k] + 0.5 * c->height, n),
+            .position = pe_madd(x, box->extent[k] + 0.5 * c->height, n),
             .separation = c->height,
             .feature = faces << 6 | edge_in << 3 | c->edge,
         };
@@ -237,20 +291,23 @@ static void face_contact(const pe_vec3 axis[3], const double extent[3], pe_vec3 
 void pe_collide_box_box(pe_placed a, pe_placed b, double margin, pe_hits *hits)
 {
     box_pair p;
-    axis_choice face_a, face_b, edge;
+    axis_choice face_a, face_b;
     describe(a, b, &p);
-    if (!test_faces(&p, margin, &face_a, &face_b) || !test_edges(&p, margin, &edge)) {
+    if (!test_faces(&p, margin, &face_a, &face_b)) {
+        return;
+    }
+    double face = pe_max(face_a.separation, face_b.separation);
+    axis_choice edge = {.separation = face};
+    if (!test_edges(&p, margin, &edge)) {
         return;
     }
     double size = pe_min(a.size, b.size);
-    pe_vec3 ca = a.pose->position, cb = b.pose->position;
-    if (edge.separation > pe_max(face_a.separation, face_b.separation) + EDGE_BIAS * size) {
-        edge_contact(&p, ca, cb, edge, hits);
+    hits->least_margin = edge.separation;
+    if (edge.separation > face + EDGE_BIAS * size) {
+        edge_contact(&p, edge, hits);
     } else if (face_b.separation > face_a.separation + FACE_BIAS * size) {
-        face_contact(p.axis_b, p.extent_b, cb, face_b.i, p.axis_a, p.extent_a, ca, size, margin,
-                     true, hits);
+        face_contact(&p.b, &p.a, face_b.i, size, margin, true, hits);
     } else {
-        face_contact(p.axis_a, p.extent_a, ca, face_a.i, p.axis_b, p.extent_b, cb, size, margin,
-                     false, hits);
+        face_contact(&p.a, &p.b, face_a.i, size, margin, false, hits);
     }
 }

@@ -7,6 +7,7 @@ static void one_point(pe_hits *hits, double separation, double margin, pe_vec3 n
 {
     if (separation <= margin) {
         hits->normal = normal;
+        hits->least_margin = separation;
         hits->count = 1;
         hits->item[0] = (pe_hit){.position = middle, .separation = separation};
     }

@@ -1,136 +1,253 @@
 #include "contact.h"
 
-#include "collide.h"
+#include "contact_match.h"
+#include "contact_reduce.h"
+#include "contact_reuse.h"
 
-/* Two points of a pair nearer than this, in m per metre of the smaller body, may be the same point
- * whose features were renamed. */
-static const double MATCH_DISTANCE = 0.02;
+#include <string.h>
 
-static pe_status add_manifold(pe_world *world, pe_contacts *contacts, pe_pair pair,
-                              const pe_hits *hits, pe_error *error)
+pe_contact_rules pe_contact_rules_exact(void)
 {
-    size_t manifolds = (size_t)contacts->manifold_count, points = (size_t)contacts->point_count;
-    pe_status status = pe_array_reserve(&contacts->manifold_array, &world->allocator,
-                                        sizeof(pe_manifold), manifolds + 1, manifolds, error);
-    if (status == PE_OK) {
-        status = pe_array_reserve(&contacts->point_array, &world->allocator, sizeof(pe_point),
-                                  points + (size_t)hits->count, points, error);
+    return (pe_contact_rules){.reuse_tolerance = 1e-9, .most_points = PE_MAX_POINTS};
+}
+
+/* The size of the smaller of two bodies; a plane has none. */
+static double pair_size(const pe_body *a, const pe_body *b)
+{
+    return a->size > 0 && b->size > 0 ? pe_min(a->size, b->size) : pe_max(a->size, b->size);
+}
+
+/* One pass over the pairs: the new list grows beside the one that it will replace. */
+typedef struct finder {
+    pe_world *world;
+    const pe_contact_rules *rules;
+    const double *spin;      /* (slot_count), as pe_spin_speed */
+    double dt, slack;        /* s; m, pe_margin_slack */
+    const pe_contacts *then; /* both sorted by (a, b) */
+    int next;                /* the first manifold of `then` that no pair has passed yet */
+    pe_contacts *now;
+    pe_error *error;
+} finder;
+
+/* Whether the manifold comes before the pair. */
+static bool precedes(const pe_manifold *m, pe_pair pair)
+{
+    return m->a < pair.a || (m->a == pair.a && m->b < pair.b);
+}
+
+static pe_status begin(finder *f)
+{
+    double *spin = pe_scratch(f->world, (size_t)f->world->slot_count, sizeof *spin);
+    if (spin == NULL) {
+        return pe_fail(f->error, PE_NO_MEMORY, "no memory for %d bodies", f->world->slot_count);
     }
+    for (int slot = 0; slot < f->world->slot_count; ++slot) {
+        spin[slot] = pe_spin_speed(f->world, slot);
+    }
+    f->spin = spin;
+    f->slack = pe_margin_slack(f->world, f->dt);
+    f->then = &f->world->contacts;
+    f->now = &f->world->previous; /* its contents are of no more use: free to fill */
+    f->now->manifold_count = f->now->point_count = 0;
+    return PE_OK;
+}
+
+/* Makes the new list the world's. */
+static void finish(const finder *f)
+{
+    pe_contacts swapped = f->world->contacts;
+    f->world->contacts = f->world->previous;
+    f->world->previous = swapped;
+}
+
+/* Room for one manifold more with `count` points. */
+static pe_status reserve(finder *f, int count)
+{
+    pe_contacts *now = f->now;
+    size_t manifolds = (size_t)now->manifold_count, points = (size_t)now->point_count;
+    pe_status status = pe_array_reserve(&now->manifold_array, &f->world->allocator,
+                                        sizeof(pe_manifold), manifolds + 1, manifolds, f->error);
+    if (status == PE_OK) {
+        status = pe_array_reserve(&now->point_array, &f->world->allocator, sizeof(pe_point),
+                                  points + (size_t)count, points, f->error);
+    }
+    return status;
+}
+
+/* Appends manifold `index` of the old list with its points as they are. */
+static pe_status copy_manifold(finder *f, int index)
+{
+    const pe_manifold *old = &pe_manifolds(f->then)[index];
+    pe_status status = reserve(f, old->count);
     if (status != PE_OK) {
         return status;
     }
+    pe_contacts *now = f->now;
+    pe_manifold *m = &pe_manifolds(now)[now->manifold_count++];
+    *m = *old;
+    m->first = now->point_count;
+    memcpy(pe_points(now) + m->first, pe_points(f->then) + old->first,
+           (size_t)old->count * sizeof(pe_point));
+    now->point_count += old->count;
+    return PE_OK;
+}
+
+static void place_point(pe_point *point, const pe_hit *hit, pe_vec3 normal, const pe_pose *a,
+                        const pe_pose *b)
+{
+    pe_vec3 half_gap = pe_scale(0.5 * hit->separation, normal);
+    pe_vec3 on_a = pe_sub(hit->position, half_gap), on_b = pe_add(hit->position, half_gap);
+    point->position = hit->position;
+    point->anchor_a = pe_unrotate(&a->rotation, pe_sub(on_a, a->position));
+    point->anchor_b = pe_unrotate(&b->rotation, pe_sub(on_b, b->position));
+    point->separation = hit->separation;
+    point->feature = hit->feature;
+    point->impulse = pe_v3(0, 0, 0);
+}
+
+/* Fills the pair's manifold: the old one carried along, or a new one of the hits with the impulses
+ * of the old one. `old` may be NULL. */
+static void fill_manifold(const finder *f, const pe_manifold *old, const pe_hits *hits,
+                          const pe_relative *relative, double size, pe_manifold *m)
+{
+    const pe_pose *a = &pe_poses(f->world)[m->a], *b = &pe_poses(f->world)[m->b];
+    pe_point *points = pe_points(f->now) + m->first;
+    const pe_point *old_points = old != NULL ? pe_points(f->then) + old->first : NULL;
+    m->kept = hits == NULL;
+    if (hits == NULL) {
+        m->built = old->built;
+        pe_manifold_carry(m, a, b, old_points, points);
+        return;
+    }
+    m->normal = hits->normal;
+    m->built = pe_manifold_built(hits, relative, &a->rotation, &b->rotation);
+    for (int i = 0; i < hits->count; ++i) {
+        place_point(&points[i], &hits->item[i], hits->normal, a, b);
+    }
+    if (old != NULL) {
+        pe_points_match(points, m->count, m->normal, old_points, old->count, size);
+    }
+}
+
+/* The old manifold of the pair, or NULL. Pairs come in order, so that one walk finds them all. */
+static const pe_manifold *old_of(finder *f, pe_pair pair)
+{
+    const pe_manifold *old = pe_manifolds(f->then);
+    int count = f->then->manifold_count;
+    while (f->next < count && precedes(&old[f->next], pair)) {
+        ++f->next;
+    }
+    bool same = f->next < count && old[f->next].a == pair.a && old[f->next].b == pair.b;
+    return same ? &old[f->next++] : NULL;
+}
+
+/* Finds the pair's manifold: the old one carried along, or a new one, or none. */
+static pe_status find_pair(finder *f, pe_pair pair)
+{
+    pe_world *world = f->world;
     const pe_body *a = &pe_bodies(world)[pair.a], *b = &pe_bodies(world)[pair.b];
     const pe_pose *pose_a = &pe_poses(world)[pair.a], *pose_b = &pe_poses(world)[pair.b];
-    const pe_surface *surface = pe_surface_of(world, a->material, b->material);
-    pe_manifolds(contacts)[manifolds] = (pe_manifold){
-        .a = pair.a,
-        .b = pair.b,
-        .normal = hits->normal,
-        .first = contacts->point_count,
-        .count = hits->count,
-        .friction = surface->friction,
-        .restitution = surface->restitution,
-    };
-    for (int i = 0; i < hits->count; ++i) {
-        const pe_hit *hit = &hits->item[i];
-        pe_vec3 half_gap = pe_scale(0.5 * hit->separation, hits->normal);
-        pe_vec3 on_a = pe_sub(hit->position, half_gap), on_b = pe_add(hit->position, half_gap);
-        pe_points(contacts)[points + (size_t)i] = (pe_point){
-            .position = hit->position,
-            .anchor_a = pe_unrotate(&pose_a->rotation, pe_sub(on_a, pose_a->position)),
-            .anchor_b = pe_unrotate(&pose_b->rotation, pe_sub(on_b, pose_b->position)),
-            .separation = hit->separation,
-            .feature = hit->feature,
-        };
+    pe_vec3 closing =
+        pe_sub(pe_motions(world)[pair.a].velocity, pe_motions(world)[pair.b].velocity);
+    double spin = f->spin[pair.a] + f->spin[pair.b];
+    double margin = f->dt * (pe_length(closing) + spin) + f->slack;
+    pe_relative relative = pe_relative_pose(a, pose_a, b, pose_b);
+    double size = pair_size(a, b);
+    const pe_manifold *old = old_of(f, pair);
+    bool holds =
+        old != NULL && old->count <= f->rules->most_points &&
+        pe_manifold_holds(&old->built, &relative, f->rules->reuse_tolerance * size, margin);
+    pe_hits hits;
+    if (!holds) {
+        pe_collide((pe_placed){&a->shape, pose_a, a->size}, (pe_placed){&b->shape, pose_b, b->size},
+                   margin, &hits);
+        if (hits.count > f->rules->most_points) {
+            pe_hits_reduce(&hits, size);
+        }
     }
-    contacts->manifold_count += 1;
-    contacts->point_count += hits->count;
+    int count = holds ? old->count : hits.count;
+    pe_status status = count > 0 ? reserve(f, count) : PE_OK;
+    if (count == 0 || status != PE_OK) {
+        return status;
+    }
+    const pe_surface *surface = pe_surface_of(world, a->material, b->material);
+    pe_manifold *m = &pe_manifolds(f->now)[f->now->manifold_count++];
+    m->a = pair.a;
+    m->b = pair.b;
+    m->first = f->now->point_count;
+    m->count = count;
+    m->friction = surface->friction;
+    m->restitution = surface->restitution;
+    f->now->point_count += count;
+    fill_manifold(f, old, holds ? NULL : &hits, &relative, size, m);
     return PE_OK;
+}
+
+pe_status pe_contacts_find_by(pe_world *world, const pe_contact_rules *rules, const pe_pair *pairs,
+                              int count, double dt, pe_error *error)
+{
+    finder f = {.world = world, .rules = rules, .dt = dt, .error = error};
+    pe_status status = begin(&f);
+    for (int i = 0; i < count && status == PE_OK; ++i) {
+        status = find_pair(&f, pairs[i]);
+    }
+    if (status == PE_OK) {
+        finish(&f);
+    }
+    return status;
 }
 
 pe_status pe_contacts_find(pe_world *world, const pe_pair *pairs, int count, double dt,
                            pe_error *error)
 {
-    const pe_body *bodies = pe_bodies(world);
-    const pe_pose *poses = pe_poses(world);
-    pe_contacts *found = &world->previous; /* its contents are two steps old: free to fill */
-    found->manifold_count = found->point_count = 0;
-    for (int i = 0; i < count; ++i) {
-        int a = pairs[i].a, b = pairs[i].b;
-        pe_hits hits;
-        pe_collide((pe_placed){&bodies[a].shape, &poses[a], bodies[a].size},
-                   (pe_placed){&bodies[b].shape, &poses[b], bodies[b].size},
-                   pe_pair_margin(world, a, b, dt), &hits);
-        if (hits.count > 0) {
-            pe_status status = add_manifold(world, found, pairs[i], &hits, error);
-            if (status != PE_OK) {
-                return status;
-            }
-        }
-    }
-    pe_contacts swapped = world->contacts;
-    world->contacts = *found;
-    world->previous = swapped;
-    return PE_OK;
-}
-
-/* Gives `point` the impulse of `old`, turned into the new contact's cone: what pulls is dropped. */
-static void inherit(pe_point *point, const pe_point *old, pe_vec3 normal, double scale)
-{
-    pe_vec3 impulse = pe_scale(scale, old->impulse);
-    point->impulse = pe_dot(impulse, normal) > 0 ? impulse : pe_v3(0, 0, 0);
-}
-
-static void match_points(const pe_manifold *now, pe_point *points, const pe_manifold *then,
-                         const pe_point *old_points, double scale, double reach)
-{
-    unsigned used = 0, matched = 0; /* bit sets of old and new points */
-    for (int i = 0; i < now->count; ++i) {
-        for (int j = 0; j < then->count; ++j) {
-            if (!(used >> j & 1) && points[i].feature == old_points[j].feature) {
-                inherit(&points[i], &old_points[j], now->normal, scale);
-                used |= 1u << j;
-                matched |= 1u << i;
-                break;
-            }
-        }
-    }
-    for (int i = 0; i < now->count; ++i) {
-        int nearest = -1;
-        double least = reach * reach;
-        for (int j = 0; j < then->count && !(matched >> i & 1); ++j) {
-            pe_vec3 d = pe_sub(points[i].anchor_a, old_points[j].anchor_a);
-            if (!(used >> j & 1) && pe_dot(d, d) < least) {
-                least = pe_dot(d, d);
-                nearest = j;
-            }
-        }
-        if (nearest >= 0) {
-            inherit(&points[i], &old_points[nearest], now->normal, scale);
-            used |= 1u << nearest;
-        }
-    }
+    pe_contact_rules rules = pe_contact_rules_exact();
+    return pe_contacts_find_by(world, &rules, pairs, count, dt, error);
 }
 
 void pe_contacts_match(pe_world *world, double dt)
 {
-    const pe_contacts *now = &world->contacts, *then = &world->previous;
-    double scale = world->previous_dt > 0 ? dt / world->previous_dt : 1;
-    int j = 0;
-    for (int i = 0; i < now->manifold_count; ++i) {
-        const pe_manifold *m = &pe_manifolds(now)[i];
-        /* Both are sorted by (a, b): one walk finds the pairs they share. */
-        const pe_manifold *old = pe_manifolds(then);
-        while (j < then->manifold_count &&
-               (old[j].a < m->a || (old[j].a == m->a && old[j].b < m->b))) {
-            ++j;
-        }
-        if (j < then->manifold_count && old[j].a == m->a && old[j].b == m->b) {
-            const pe_body *a = &pe_bodies(world)[m->a], *b = &pe_bodies(world)[m->b];
-            double size =
-                a->size > 0 ? (b->size > 0 ? pe_min(a->size, b->size) : a->size) : b->size;
-            match_points(m, pe_points(now) + m->first, &old[j], pe_points(then) + old[j].first,
-                         scale, MATCH_DISTANCE * size);
+    if (world->previous_dt > 0 && dt != world->previous_dt) {
+        pe_point *points = pe_points(&world->contacts);
+        for (int i = 0; i < world->contacts.point_count; ++i) {
+            points[i].impulse = pe_scale(dt / world->previous_dt, points[i].impulse);
         }
     }
+}
+
+/* Copies the old manifolds of bodies that have not moved, up to the pair. */
+static pe_status copy_unmoved(finder *f, const bool *moved, pe_pair until)
+{
+    const pe_manifold *old = pe_manifolds(f->then);
+    for (; f->next < f->then->manifold_count && precedes(&old[f->next], until); ++f->next) {
+        const pe_manifold *m = &old[f->next];
+        bool stays = !moved[m->a] && !moved[m->b];
+        pe_status status = stays ? copy_manifold(f, f->next) : PE_OK;
+        if (status != PE_OK) {
+            return status;
+        }
+    }
+    return PE_OK;
+}
+
+pe_status pe_contacts_refind(pe_world *world, const pe_contact_rules *rules, const pe_pair *pairs,
+                             int count, const bool *moved, double dt, pe_error *error)
+{
+    finder f = {.world = world, .rules = rules, .dt = dt, .error = error};
+    pe_status status = begin(&f);
+    for (int i = 0; i < count && status == PE_OK; ++i) {
+        if (!moved[pairs[i].a] && !moved[pairs[i].b]) {
+            continue;
+        }
+        status = copy_unmoved(&f, moved, pairs[i]);
+        if (status == PE_OK) {
+            status = find_pair(&f, pairs[i]);
+        }
+    }
+    if (status == PE_OK) {
+        status = copy_unmoved(&f, moved, (pe_pair){world->slot_count, 0});
+    }
+    if (status == PE_OK) {
+        finish(&f);
+    }
+    return status;
 }

@@ -10,52 +10,99 @@ static pe_vec3 solve3(pe_vec3 r0, pe_vec3 r1, pe_vec3 r2, pe_vec3 right)
     return pe_scale(1 / pe_dot(r0, c12), sum);
 }
 
-/* The body-frame angular velocity after dt without torque: I (w' - w) + h m x I m = 0 with m = (w +
- * w')/2, by Newton's method from w. */
-static pe_vec3 spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
+static pe_mat3 rotation_by(pe_vec3 v)
 {
-    pe_vec3 next = w;
-    for (int i = 0; i < 4; ++i) {
-        pe_vec3 m = pe_scale(0.5, pe_add(w, next));
-        pe_vec3 f = pe_madd(pe_mul(inertia, pe_sub(next, w)), dt, pe_cross(m, pe_mul(inertia, m)));
-        /* df/dw' = I + (h/2) d(m x I m)/dm */
-        double k = 0.5 * dt, ix = inertia.x, iy = inertia.y, iz = inertia.z;
-        pe_vec3 r0 = pe_v3(ix, k * m.z * (iz - iy), k * m.y * (iz - iy));
-        pe_vec3 r1 = pe_v3(k * m.z * (ix - iz), iy, k * m.x * (ix - iz));
-        pe_vec3 r2 = pe_v3(k * m.y * (iy - ix), k * m.x * (iy - ix), iz);
-        next = pe_sub(next, solve3(r0, r1, r2, f));
-    }
-    return next;
+    return pe_matrix_of(pe_quat_turned((pe_quat){.w = 1}, v));
 }
 
-void pe_predict_velocities(const pe_world *world, double dt, pe_motion *predicted)
+typedef struct spin {
+    pe_vec3 end;     /* w' */
+    pe_vec3 mean;    /* m */
+    pe_mat3 turning; /* exp(h m) */
+} spin;
+
+enum { MAX_SPIN_ITERATIONS = 10 };
+
+/* Free rotation over dt from angular velocity w, all in the body's axes: see pe_predict_motion. By
+ * Newton's method with the derivative at small h m; whatever its last digits, the last line keeps
+ * the momentum. */
+static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
+{
+    pe_vec3 inverse = pe_v3(1 / inertia.x, 1 / inertia.y, 1 / inertia.z);
+    pe_vec3 momentum = pe_mul(inertia, w);
+    spin s = {.end = w, .mean = w};
+    double least = 1e-15 * pe_length(w);
+    for (int i = 0; i < MAX_SPIN_ITERATIONS; ++i) {
+        s.mean = pe_scale(0.5, pe_add(w, s.end));
+        s.turning = rotation_by(pe_scale(dt, s.mean));
+        pe_vec3 turned = pe_unrotate(&s.turning, momentum);
+        pe_vec3 f = pe_sub(pe_mul(inertia, s.end), turned);
+        /* d(I w' - exp(-h m) L)/dw' ~ I - (h/2) [exp(-h m) L] */
+        pe_vec3 k = pe_scale(0.5 * dt, turned);
+        pe_vec3 r0 = pe_v3(inertia.x, k.z, -k.y), r1 = pe_v3(-k.z, inertia.y, k.x),
+                r2 = pe_v3(k.y, -k.x, inertia.z);
+        pe_vec3 change = solve3(r0, r1, r2, f);
+        s.end = pe_sub(s.end, change);
+        if (pe_length(change) <= least) {
+            break;
+        }
+    }
+    s.end = pe_mul(inverse, pe_unrotate(&s.turning, momentum));
+    return s;
+}
+
+/* Force and torque of the middle of the step, world. */
+static void mean_load(const pe_load *load, const pe_motion *motion, const pe_pose *pose, double dt,
+                      pe_vec3 *force, pe_vec3 *torque)
+{
+    *force = load->force;
+    *torque = load->torque;
+    if (load->turns) {
+        pe_mat3 half = rotation_by(pe_scale(0.5 * dt, motion->angular_velocity));
+        *force = pe_add(*force, pe_rotate(&half, pe_rotate(&pose->rotation, load->body_force)));
+        *torque = pe_add(*torque, pe_rotate(&half, pe_rotate(&pose->rotation, load->body_torque)));
+    }
+}
+
+static pe_free_motion predict(const pe_world *world, int slot, double dt)
+{
+    const pe_motion *motion = &pe_motions(world)[slot];
+    const pe_mass *mass = &pe_masses(world)[slot];
+    const pe_pose *pose = &pe_poses(world)[slot];
+    pe_vec3 force, torque;
+    mean_load(&pe_loads(world)[slot], motion, pose, dt, &force, &torque);
+
+    pe_free_motion free = {.end = *motion, .mean = *motion};
+    pe_vec3 acceleration = pe_madd(world->def.gravity, mass->inverse_mass, force);
+    free.end.velocity = pe_madd(motion->velocity, dt, acceleration);
+    free.mean.velocity = pe_madd(motion->velocity, 0.5 * dt, acceleration);
+
+    pe_vec3 w = motion->angular_velocity;
+    bool pushed = torque.x != 0 || torque.y != 0 || torque.z != 0;
+    if (!pushed && (mass->spherical || (w.x == 0 && w.y == 0 && w.z == 0))) {
+        return free;
+    }
+    pe_vec3 inverse = pe_v3(1 / mass->inertia.x, 1 / mass->inertia.y, 1 / mass->inertia.z);
+    pe_vec3 half_kick = pe_scale(0.5 * dt, pe_mul(inverse, pe_unrotate(&pose->rotation, torque)));
+    pe_vec3 local = pe_add(pe_unrotate(&pose->rotation, w), half_kick);
+    spin s = spin_freely(mass->inertia, local, dt);
+    /* The second half of the torque, in the axes that the body then has. */
+    pe_vec3 late = pe_mul(inverse, pe_unrotate(&s.turning, pe_unrotate(&pose->rotation, torque)));
+    pe_vec3 end = pe_madd(s.end, 0.5 * dt, late);
+    free.end.angular_velocity = pe_rotate(&pose->rotation, pe_rotate(&s.turning, end));
+    free.mean.angular_velocity = pe_rotate(&pose->rotation, s.mean);
+    return free;
+}
+
+void pe_predict_motion(const pe_world *world, double dt, pe_free_motion *motions)
 {
     for (int slot = 0; slot < world->slot_count; ++slot) {
         const pe_motion *motion = &pe_motions(world)[slot];
-        const pe_mass *mass = &pe_masses(world)[slot];
-        const pe_load *load = &pe_loads(world)[slot];
-        predicted[slot] = *motion;
-        if (mass->inverse_mass == 0) {
-            continue;
+        if (pe_masses(world)[slot].inverse_mass == 0) {
+            motions[slot] = (pe_free_motion){*motion, *motion};
+        } else {
+            motions[slot] = predict(world, slot, dt);
         }
-        pe_vec3 acceleration = pe_madd(world->def.gravity, mass->inverse_mass, load->force);
-        predicted[slot].velocity = pe_madd(motion->velocity, dt, acceleration);
-
-        const pe_mat3 *rotation = &pe_poses(world)[slot].rotation;
-        pe_vec3 torque = load->torque;
-        bool pushed = torque.x != 0 || torque.y != 0 || torque.z != 0;
-        if (mass->spherical && !pushed) {
-            continue;
-        }
-        pe_vec3 w = pe_unrotate(rotation, motion->angular_velocity);
-        if (!mass->spherical) {
-            w = spin_freely(mass->inertia, w, dt);
-        }
-        pe_vec3 local = pe_unrotate(rotation, torque);
-        w = pe_madd(
-            w, dt,
-            pe_v3(local.x / mass->inertia.x, local.y / mass->inertia.y, local.z / mass->inertia.z));
-        predicted[slot].angular_velocity = pe_rotate(rotation, w);
     }
 }
 
@@ -65,17 +112,5 @@ void pe_pose_move(pe_pose *pose, pe_vec3 displacement, pe_vec3 rotation)
     if (rotation.x != 0 || rotation.y != 0 || rotation.z != 0) {
         pose->orientation = pe_quat_turned(pose->orientation, rotation);
         pose->rotation = pe_matrix_of(pose->orientation);
-    }
-}
-
-void pe_integrate_poses(pe_world *world, double dt)
-{
-    const pe_body *bodies = pe_bodies(world);
-    for (int slot = 1; slot < world->slot_count; ++slot) {
-        if (bodies[slot].alive && !bodies[slot].is_static) {
-            const pe_motion *motion = &pe_motions(world)[slot];
-            pe_pose_move(&pe_poses(world)[slot], pe_scale(dt, motion->velocity),
-                         pe_scale(dt, motion->angular_velocity));
-        }
     }
 }

@@ -4,14 +4,18 @@
 
 #include "world.h"
 
-/* The velocities at the end of the step if there were no contacts, v* = v + h M^-1 f, into
- * predicted (slots); the gyroscopic term by the implicit midpoint rule in the body's axes, which
- * keeps kinetic energy and the length of the angular momentum (Hairer, Lubich, Wanner 2006, IV.2).
- */
-void pe_predict_velocities(const pe_world *world, double dt, pe_motion *predicted);
+/* What a step would be without contacts. */
+typedef struct pe_free_motion {
+    pe_motion end;  /* v* = v + h M^-1 f, world */
+    pe_motion mean; /* whose displacement and rotation vector, h times it, are those of the step */
+} pe_free_motion;
 
-/* Moves every dynamic body by its velocity over dt. */
-void pe_integrate_poses(pe_world *world, double dt);
+/* Of every slot, into motions (slots). The free rotation keeps the angular momentum in the world
+ * frame to rounding and is second order: I w' = exp(-h m) I w in the body's axes, m = (w + w')/2
+ * the mean angular velocity by which the body then turns (a midpoint rule on the rotation group, of
+ * the kind of Moser and Veselov 1991); torques act in two halves about it. Forces given in the
+ * body's axes turn with it. */
+void pe_predict_motion(const pe_world *world, double dt, pe_free_motion *motions);
 
 /* Moves one body by a displacement and a rotation vector, world axes. */
 void pe_pose_move(pe_pose *pose, pe_vec3 displacement, pe_vec3 rotation);

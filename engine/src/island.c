@@ -12,6 +12,45 @@ static int find_root(int *parent, int slot)
     return slot;
 }
 
+/* Takes the arrays of *islands for a world of so many slots and manifolds. */
+static bool take_islands(pe_world *world, size_t slots, size_t manifolds, pe_islands *islands)
+{
+    *islands = (pe_islands){
+        .start = pe_scratch(world, slots + 1, sizeof(int)),
+        .manifolds = pe_scratch(world, manifolds + 1, sizeof(int)),
+        .body_start = pe_scratch(world, slots + 1, sizeof(int)),
+        .bodies = pe_scratch(world, slots, sizeof(int)),
+        .place = pe_scratch(world, slots, sizeof(int)),
+    };
+    return islands->start != NULL && islands->manifolds != NULL && islands->body_start != NULL &&
+           islands->bodies != NULL && islands->place != NULL;
+}
+
+/* Lists items 0 .. count - 1 by their group, ascending in each, with group -1 left out. Fills start
+ * (groups + 1). */
+static void sort_by_group(const int *group, int count, int groups, int *start, int *sorted)
+{
+    memset(start, 0, ((size_t)groups + 1) * sizeof(int));
+    for (int i = 0; i < count; ++i) {
+        if (group[i] >= 0) {
+            start[group[i] + 1] += 1;
+        }
+    }
+    for (int k = 0; k < groups; ++k) {
+        start[k + 1] += start[k];
+    }
+    for (int i = 0; i < count; ++i) {
+        if (group[i] >= 0) {
+            sorted[start[group[i]]++] = i;
+        }
+    }
+    /* Each start has walked to its group's end: move them back. */
+    for (int k = groups; k > 0; --k) {
+        start[k] = start[k - 1];
+    }
+    start[0] = 0;
+}
+
 pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
 {
     size_t slots = (size_t)world->slot_count;
@@ -19,12 +58,8 @@ pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
     int *parent = pe_scratch(world, slots, sizeof *parent);
     int *number = pe_scratch(world, slots, sizeof *number);
     int *island_of = pe_scratch(world, (size_t)count + 1, sizeof *island_of);
-    *islands = (pe_islands){
-        .start = pe_scratch(world, slots + 1, sizeof(int)),
-        .manifolds = pe_scratch(world, (size_t)count + 1, sizeof(int)),
-    };
-    if (parent == NULL || number == NULL || island_of == NULL || islands->start == NULL ||
-        islands->manifolds == NULL) {
+    if (!take_islands(world, slots, (size_t)count, islands) || parent == NULL || number == NULL ||
+        island_of == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for the islands of %zu bodies", slots);
     }
     const pe_body *bodies = pe_bodies(world);
@@ -40,7 +75,7 @@ pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
             parent[p > q ? p : q] = p < q ? p : q;
         }
     }
-    /* Mark the roots that have contacts, number them in order, and sort manifolds by number. */
+    /* Mark the roots that have contacts and number them in order. */
     for (int i = 0; i < count; ++i) {
         int body = bodies[manifolds[i].a].is_static ? manifolds[i].b : manifolds[i].a;
         island_of[i] = find_root(parent, body);
@@ -49,21 +84,25 @@ pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
     for (int slot = 0; slot < world->slot_count; ++slot) {
         number[slot] = number[slot] == 0 ? islands->count++ : -1;
     }
-    memset(islands->start, 0, ((size_t)islands->count + 1) * sizeof(int));
     for (int i = 0; i < count; ++i) {
         island_of[i] = number[island_of[i]];
-        islands->start[island_of[i] + 1] += 1;
+    }
+    sort_by_group(island_of, count, islands->count, islands->start, islands->manifolds);
+
+    /* Static and unused slots are roots of themselves without a contact: number -1. */
+    int *island_of_body = islands->place;
+    for (int slot = 0; slot < world->slot_count; ++slot) {
+        island_of_body[slot] = number[find_root(parent, slot)];
+    }
+    sort_by_group(island_of_body, world->slot_count, islands->count, islands->body_start,
+                  islands->bodies);
+    for (int slot = 0; slot < world->slot_count; ++slot) {
+        islands->place[slot] = -1;
     }
     for (int k = 0; k < islands->count; ++k) {
-        islands->start[k + 1] += islands->start[k];
+        for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
+            islands->place[islands->bodies[i]] = i - islands->body_start[k];
+        }
     }
-    for (int i = 0; i < count; ++i) {
-        islands->manifolds[islands->start[island_of[i]]++] = i;
-    }
-    /* Each start has walked to its island's end: move them back. */
-    for (int k = islands->count; k > 0; --k) {
-        islands->start[k] = islands->start[k - 1];
-    }
-    islands->start[0] = 0;
     return PE_OK;
 }

@@ -5,11 +5,16 @@
 #include "world.h"
 
 /* Islands with at least one contact, ordered by their first body; island k has the manifolds
- * manifolds[start[k]] .. manifolds[start[k + 1] - 1], ascending. All in the step's arena. */
+ * manifolds[start[k]] .. manifolds[start[k + 1] - 1] and the dynamic bodies
+ * bodies[body_start[k]] .. bodies[body_start[k + 1] - 1], both ascending. All in the step's arena.
+ */
 typedef struct pe_islands {
     int count;
-    int *start;     /* (count + 1) */
-    int *manifolds; /* (manifold_count): indices into the contacts */
+    int *start;      /* (count + 1) */
+    int *manifolds;  /* (manifold_count): indices into the contacts */
+    int *body_start; /* (count + 1) */
+    int *bodies;     /* (body_start[count]): slots */
+    int *place;      /* (slots): a body's index in its island's list; -1 when it is in none */
 } pe_islands;
 
 /* Union-find over the manifolds between dynamic bodies; static bodies do not join what rests on

@@ -44,4 +44,15 @@ void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator);
 
 void pe_arena_free(pe_arena *arena, const pe_allocator *allocator);
 
+/* Where a function takes what it needs until its caller resets the arena. */
+typedef struct pe_workspace {
+    pe_arena *arena;
+    const pe_allocator *allocator;
+} pe_workspace;
+
+static inline void *pe_take(pe_workspace work, size_t count, size_t stride)
+{
+    return pe_arena_take(work.arena, work.allocator, count, stride);
+}
+
 #endif

@@ -1,143 +1,460 @@
 #include "project.h"
 
-#include "integrate.h"
+#include "solve/momentum.h"
+#include "solve/sweep.h"
 
 #include <string.h>
 
-/* Separation of a contact at the poses now: of its two surface points, along its normal. */
-static double separation_now(const pe_world *world, const pe_manifold *m, const pe_point *point)
+pe_project_rules pe_project_rules_default(void)
 {
-    const pe_pose *a = &pe_poses(world)[m->a], *b = &pe_poses(world)[m->b];
-    pe_vec3 on_a = pe_add(a->position, pe_rotate(&a->rotation, point->anchor_a));
-    pe_vec3 on_b = pe_add(b->position, pe_rotate(&b->rotation, point->anchor_b));
-    return pe_dot(m->normal, pe_sub(on_b, on_a));
+    return (pe_project_rules){
+        .begin = 3e-4,
+        .aim = 1e-4,
+        .enough = 5e-5,
+        .max_sweeps = 200,
+        .max_rounds = 8,
+    };
 }
 
-/* How far J_n d + bias >= 0 is from being met. */
-typedef struct violation {
-    double deepest, squares; /* m; sum of squares over the contacts, m^2 */
-} violation;
+/* Sweeps between two looks at the violation, after which the sweeping may also reach further. */
+enum { LOOK_INTERVAL = 10 };
 
-static violation measure(const pe_problem *island)
+/* A body takes its other contacts into the sweeps when a point of it has moved by this part of
+ * rules->enough. */
+static const double REACHED = 0.3;
+
+typedef struct projecting {
+    pe_world *world;
+    const pe_project_rules *rules;
+    pe_islands islands;
+    bool *moved;      /* (slots): in this round */
+    bool *active;     /* (slots): bodies all of whose contacts are swept */
+    double *push;     /* (points of the world): normal impulses so far, kg m */
+    pe_islands swept; /* one island: the contacts that are swept */
+    int iterations;
+    pe_error *error;
+} projecting;
+
+/* ---- The problem -------------------------------------------------------------------------------
+ */
+
+pe_status pe_project_problem(pe_world *world, const pe_islands *islands, int k, double aim,
+                             pe_island_problem *built, pe_error *error)
 {
-    violation v = {0};
-    for (int i = 0; i < island->count; ++i) {
-        const pe_row *row = &island->rows[i];
-        double u =
-            row->bias + pe_row_velocity(row, 0, island->velocity[row->a], island->velocity[row->b]);
-        if (u < 0) {
-            v.deepest = pe_max(v.deepest, -u);
-            v.squares += u * u;
+    size_t slots = (size_t)world->slot_count;
+    pe_free_motion *none = pe_scratch(world, slots, sizeof *none);
+    if (none == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %zu motions", slots);
+    }
+    memset(none, 0, slots * sizeof *none);
+    pe_status status = pe_problem_build(world, islands, k, none, 1, built, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    pe_problem *problem = &built->problem;
+    size_t patches = (size_t)problem->patch_count, points = (size_t)problem->point_count;
+    pe_patch *patch = pe_scratch(world, patches, sizeof *patch);
+    pe_patch_point *point = pe_scratch(world, points, sizeof *point);
+    if (patch == NULL || point == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %zu contact points", points);
+    }
+    memcpy(patch, problem->patch, patches * sizeof *patch);
+    memcpy(point, problem->point, points * sizeof *point);
+    for (size_t i = 0; i < patches; ++i) {
+        patch[i].friction = 0;
+    }
+    for (size_t i = 0; i < points; ++i) {
+        point[i].bias = pe_points(&world->contacts)[built->point_of[i]].separation + aim;
+    }
+    problem->patch = patch;
+    problem->point = point;
+    memset(problem->impulse, 0, points * sizeof *problem->impulse);
+    memset(problem->velocity, 0, ((size_t)problem->body_count + 1) * sizeof *problem->velocity);
+    return PE_OK;
+}
+
+/* Of J_n d + phi >= -aim, at the displacements as they stand. */
+static pe_violation violation_of(const pe_problem *problem)
+{
+    pe_violation v = {0};
+    for (int i = 0; i < problem->patch_count; ++i) {
+        const pe_patch *patch = &problem->patch[i];
+        double q[6], u[3];
+        pe_patch_twist(patch, (const double(*)[6])problem->velocity, q);
+        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+            pe_point_velocity(&problem->point[j], q, u);
+            double depth = pe_max(-u[0], 0);
+            v.deepest = pe_max(v.deepest, depth);
+            v.squares += depth * depth;
         }
     }
     return v;
 }
 
-static void sweep(const pe_problem *island)
+/* The same at rest. */
+static pe_violation violation_before(const pe_problem *problem)
 {
-    for (int i = 0; i < island->count; ++i) {
-        const pe_row *row = &island->rows[i];
-        double *ya = island->velocity[row->a], *yb = island->velocity[row->b];
-        double *p = island->impulse[i];
-        double n =
-            pe_max(0, p[0] - (row->bias + pe_row_velocity(row, 0, ya, yb)) * row->inverse_wnn);
-        if (n != p[0]) {
-            pe_row_add(ya, n - p[0], row->ja[0]);
-            pe_row_add(yb, n - p[0], row->jb[0]);
-            p[0] = n;
+    pe_violation v = {0};
+    for (int j = 0; j < problem->point_count; ++j) {
+        double depth = pe_max(-problem->point[j].bias, 0);
+        v.deepest = pe_max(v.deepest, depth);
+        v.squares += depth * depth;
+    }
+    return v;
+}
+
+static double deepest_of(const pe_world *world, const int *manifolds, int count)
+{
+    double deepest = 0;
+    for (int i = 0; i < count; ++i) {
+        const pe_manifold *m = &pe_manifolds(&world->contacts)[manifolds[i]];
+        for (int j = m->first; j < m->first + m->count; ++j) {
+            deepest = pe_max(deepest, -pe_points(&world->contacts)[j].separation);
+        }
+    }
+    return deepest;
+}
+
+/* Of phi >= -aim over all contacts of the world. */
+static pe_violation violation_of_world(const pe_world *world, double aim)
+{
+    pe_violation v = {0};
+    for (int j = 0; j < world->contacts.point_count; ++j) {
+        double depth = -pe_points(&world->contacts)[j].separation, over = pe_max(depth - aim, 0);
+        v.deepest = pe_max(v.deepest, depth);
+        v.squares += over * over;
+    }
+    return v;
+}
+
+/* ---- What is swept -----------------------------------------------------------------------------
+ */
+
+static void activate(const projecting *p, int slot)
+{
+    p->active[slot] = !pe_bodies(p->world)[slot].is_static;
+}
+
+/* The bodies of violated contacts. */
+static void activate_violated(const projecting *p, const int *manifolds, int count)
+{
+    double depth = p->rules->aim + 0.5 * p->rules->enough;
+    for (int i = 0; i < count; ++i) {
+        const pe_manifold *m = &pe_manifolds(&p->world->contacts)[manifolds[i]];
+        if (deepest_of(p->world, &manifolds[i], 1) > depth) {
+            activate(p, m->a);
+            activate(p, m->b);
         }
     }
 }
 
-/* Sets one line of an array for every body of the island. */
-static void copy_lines(const pe_problem *island, double (*to)[PE_LANES], double (*from)[PE_LANES])
+/* The bodies that have been pushed; whether there is a new one. */
+static bool activate_reached(const projecting *p, const pe_island_problem *built,
+                             const pe_line *displacement)
 {
-    for (int i = 0; i < island->count; ++i) {
-        memcpy(to[island->rows[i].a], from[island->rows[i].a], sizeof *to);
-        memcpy(to[island->rows[i].b], from[island->rows[i].b], sizeof *to);
+    bool any = false;
+    double enough = REACHED * p->rules->enough;
+    for (int i = 0; i < built->problem.body_count; ++i) {
+        int slot = built->slot[i];
+        const double *d = displacement[i].linear, *r = displacement[i].angular;
+        double reach = pe_bodies(p->world)[slot].bounding_radius;
+        double most = sqrt(pe_dot3(d, d)) + reach * sqrt(pe_dot3(r, r));
+        if (!p->active[slot] && most > enough) {
+            activate(p, slot);
+            any = true;
+        }
+    }
+    return any;
+}
+
+static void take_body(pe_islands *swept, int slot)
+{
+    if (swept->place[slot] < 0) {
+        swept->place[slot] = swept->body_start[1];
+        swept->bodies[swept->body_start[1]++] = slot;
     }
 }
 
-static void clear(const pe_problem *island, double (*lines)[PE_LANES])
+/* Lists the manifolds of active bodies and the bodies of these manifolds in p->swept. */
+static void collect(projecting *p, const int *manifolds, int count)
 {
-    for (int i = 0; i < island->count; ++i) {
-        memset(lines[island->rows[i].a], 0, sizeof *lines);
-        memset(lines[island->rows[i].b], 0, sizeof *lines);
+    pe_islands *swept = &p->swept;
+    for (int i = 0; i < swept->body_start[1]; ++i) {
+        swept->place[swept->bodies[i]] = -1;
+    }
+    swept->start[1] = swept->body_start[1] = 0;
+    for (int i = 0; i < count; ++i) {
+        const pe_manifold *m = &pe_manifolds(&p->world->contacts)[manifolds[i]];
+        if (p->active[m->a] || p->active[m->b]) {
+            swept->manifolds[swept->start[1]++] = manifolds[i];
+            if (!pe_bodies(p->world)[m->a].is_static) {
+                take_body(swept, m->a);
+            }
+            if (!pe_bodies(p->world)[m->b].is_static) {
+                take_body(swept, m->b);
+            }
+        }
     }
 }
 
-/* Sweeps between two looks at the violation, and the gain at a look without which it is not worth
- * more. */
-enum { LOOK_INTERVAL = 5 };
-static const double LEAST_GAIN = 0.05;
-
-/* Finds displacements with the least sum of squared violations into `best`; returns the sweeps
- * made. The sum, not the deepest: one contact that is jammed must not keep the others from being
- * mended. */
-static int solve(const pe_problem *island, double (*best)[PE_LANES], double enough, int most)
+/* The problem of what is swept, at the impulses so far. */
+static pe_status build_swept(projecting *p, pe_island_problem *built)
 {
-    clear(island, island->velocity);
-    clear(island, best);
-    memset(island->impulse, 0, (size_t)island->count * sizeof *island->impulse);
-    violation least = measure(island);
-    int iterations = 0;
-    while (iterations < most && least.deepest > enough) {
-        for (int i = 0; i < LOOK_INTERVAL && iterations < most; ++i, ++iterations) {
-            sweep(island);
+    pe_status status = pe_project_problem(p->world, &p->swept, 0, p->rules->aim, built, p->error);
+    if (status == PE_OK) {
+        for (int j = 0; j < built->problem.point_count; ++j) {
+            built->problem.impulse[j][0] = p->push[built->point_of[j]];
         }
-        violation now = measure(island);
-        bool worth_more = now.squares < (1 - LEAST_GAIN) * least.squares;
-        if (now.squares < least.squares) {
-            least = now;
-            copy_lines(island, best, island->velocity);
+        pe_problem_rebuild_velocity(&built->problem);
+    }
+    return status;
+}
+
+/* Leaves the best displacements found in built->problem. */
+static pe_status sweep_island(projecting *p, const int *manifolds, int count,
+                              pe_island_problem *built)
+{
+    activate_violated(p, manifolds, count);
+    pe_momentum momentum;
+    int sweeps = 0;
+    for (bool grown = true; grown;) {
+        pe_sweep sweep;
+        collect(p, manifolds, count);
+        pe_status status = build_swept(p, built);
+        if (status == PE_OK) {
+            status = pe_sweep_create(&built->problem, pe_sweep_kernel_for(0),
+                                     pe_step_memory(p->world), &sweep, p->error);
         }
-        if (!worth_more) {
+        if (status != PE_OK) {
+            return status;
+        }
+        pe_violation best = pe_sweep_violation(&sweep);
+        if (sweeps == 0) {
+            momentum = pe_momentum_begin(best.deepest);
+        }
+        grown = false;
+        while (!grown && sweeps < p->rules->max_sweeps && best.deepest > p->rules->enough) {
+            for (int i = 0; i < LOOK_INTERVAL; ++i) {
+                pe_sweep_normals(&sweep, pe_momentum_next(&momentum));
+            }
+            sweeps += LOOK_INTERVAL;
+            pe_violation now = pe_sweep_violation(&sweep);
+            pe_momentum_look(&momentum, LOOK_INTERVAL, now.deepest);
+            grown = activate_reached(p, built, sweep.velocity);
+            if (now.squares < best.squares || grown) {
+                best = now;
+                pe_sweep_store(&sweep);
+            }
+        }
+        for (int j = 0; j < built->problem.point_count && grown; ++j) {
+            p->push[built->point_of[j]] = built->problem.impulse[j][0];
+        }
+    }
+    pe_problem_rebuild_velocity(&built->problem);
+    p->iterations = sweeps > p->iterations ? sweeps : p->iterations;
+    return PE_OK;
+}
+
+/* ---- Islands and rounds ------------------------------------------------------------------------
+ */
+
+static pe_status solve_whole(projecting *p, int k, pe_island_problem *built)
+{
+    pe_status status = pe_project_problem(p->world, &p->islands, k, p->rules->aim, built, p->error);
+    if (status == PE_OK) {
+        pe_solve_report report = {0};
+        status = p->rules->solver(&built->problem, &p->rules->solver_limits,
+                                  pe_step_memory(p->world), &report, p->error);
+        p->iterations = report.iterations > p->iterations ? report.iterations : p->iterations;
+    }
+    return status;
+}
+
+static bool is_better(const pe_problem *problem)
+{
+    return violation_of(problem).squares < violation_before(problem).squares;
+}
+
+/* Moves the bodies; the angular velocity turns with its body. */
+static void displace(projecting *p, const pe_island_problem *built)
+{
+    for (int i = 0; i < built->problem.body_count; ++i) {
+        const double *d = built->problem.velocity[i];
+        int slot = built->slot[i];
+        pe_pose *pose = &pe_poses(p->world)[slot];
+        pe_vec3 linear = pe_v3(d[0], d[1], d[2]), turn = pe_v3(d[3], d[4], d[5]);
+        if (pe_dot(linear, linear) > 0 || pe_dot(turn, turn) > 0) {
+            pe_vec3 *spin = &pe_motions(p->world)[slot].angular_velocity;
+            pe_vec3 local = pe_unrotate(&pose->rotation, *spin);
+            pe_pose_move(pose, linear, turn);
+            *spin = pe_rotate(&pose->rotation, local);
+            p->moved[slot] = true;
+        }
+    }
+}
+
+static pe_status project_island(projecting *p, int k)
+{
+    const pe_islands *islands = &p->islands;
+    const int *manifolds = islands->manifolds + islands->start[k];
+    int count = islands->start[k + 1] - islands->start[k];
+    pe_island_problem built;
+    bool whole = p->rules->solver != NULL && p->rules->by_solver != NULL &&
+                 p->rules->by_solver[islands->bodies[islands->body_start[k]]];
+    pe_status status = PE_OK;
+    if (whole) {
+        status = solve_whole(p, k, &built);
+        whole = status == PE_OK && is_better(&built.problem);
+    }
+    if (status == PE_OK && !whole) {
+        status = sweep_island(p, manifolds, count, &built);
+    }
+    if (status == PE_OK && is_better(&built.problem)) {
+        displace(p, &built);
+    }
+    return status;
+}
+
+static pe_status take_round(projecting *p)
+{
+    pe_world *world = p->world;
+    size_t slots = (size_t)world->slot_count;
+    size_t points = (size_t)world->contacts.point_count;
+    size_t manifolds = (size_t)world->contacts.manifold_count;
+    p->active = pe_scratch(world, slots, sizeof *p->active);
+    p->push = pe_scratch(world, points + 1, sizeof *p->push);
+    p->swept = (pe_islands){
+        .count = 1,
+        .start = pe_scratch(world, 2, sizeof(int)),
+        .manifolds = pe_scratch(world, manifolds + 1, sizeof(int)),
+        .body_start = pe_scratch(world, 2, sizeof(int)),
+        .bodies = pe_scratch(world, slots, sizeof(int)),
+        .place = pe_scratch(world, slots, sizeof(int)),
+    };
+    if (p->active == NULL || p->push == NULL || p->swept.start == NULL ||
+        p->swept.manifolds == NULL || p->swept.body_start == NULL || p->swept.bodies == NULL ||
+        p->swept.place == NULL) {
+        return pe_fail(p->error, PE_NO_MEMORY, "no memory to project %zu contact points", points);
+    }
+    memset(p->active, 0, slots * sizeof *p->active);
+    memset(p->push, 0, points * sizeof *p->push);
+    memset(p->swept.start, 0, 2 * sizeof(int));
+    memset(p->swept.body_start, 0, 2 * sizeof(int));
+    for (size_t i = 0; i < slots; ++i) {
+        p->swept.place[i] = -1;
+    }
+    return PE_OK;
+}
+
+/* Moves what is too deep, once. */
+static pe_status project_once(projecting *p)
+{
+    pe_status status = pe_islands_find(p->world, &p->islands, p->error);
+    if (status == PE_OK) {
+        status = take_round(p);
+    }
+    const pe_islands *islands = &p->islands;
+    for (int k = 0; status == PE_OK && k < islands->count; ++k) {
+        const int *manifolds = islands->manifolds + islands->start[k];
+        int count = islands->start[k + 1] - islands->start[k];
+        if (deepest_of(p->world, manifolds, count) > p->rules->begin) {
+            status = project_island(p, k);
+        }
+    }
+    return status;
+}
+
+static pe_status refind(projecting *p, const pe_contact_rules *rules, double dt)
+{
+    pe_pair *pairs;
+    int count;
+    pe_status status = pe_broad_phase_moved(p->world, dt, p->moved, &pairs, &count, p->error);
+    if (status == PE_OK) {
+        status = pe_contacts_refind(p->world, rules, pairs, count, p->moved, dt, p->error);
+    }
+    return status;
+}
+
+/* The bodies as they stood when it was best. */
+typedef struct snapshot {
+    pe_violation violation;
+    pe_pose *poses;     /* (slots) */
+    pe_motion *motions; /* (slots) */
+} snapshot;
+
+static void keep(const pe_world *world, pe_violation violation, snapshot *s)
+{
+    size_t slots = (size_t)world->slot_count;
+    s->violation = violation;
+    memcpy(s->poses, pe_poses(world), slots * sizeof *s->poses);
+    memcpy(s->motions, pe_motions(world), slots * sizeof *s->motions);
+}
+
+/* Brings the bodies that moved in this round back. */
+static void bring_back(const projecting *p, const snapshot *s)
+{
+    for (int slot = 0; slot < p->world->slot_count; ++slot) {
+        if (p->moved[slot]) {
+            pe_poses(p->world)[slot] = s->poses[slot];
+            pe_motions(p->world)[slot] = s->motions[slot];
+        }
+    }
+}
+
+static bool any_moved(const projecting *p, bool *ever)
+{
+    bool any = false;
+    for (int slot = 0; slot < p->world->slot_count; ++slot) {
+        any = any || p->moved[slot];
+        ever[slot] = ever[slot] || p->moved[slot];
+    }
+    return any;
+}
+
+pe_status pe_project_positions(pe_world *world, const pe_project_rules *rules,
+                               const pe_contact_rules *contact_rules, double dt,
+                               pe_project_report *report, pe_error *error)
+{
+    size_t slots = (size_t)world->slot_count;
+    pe_violation start = violation_of_world(world, rules->aim);
+    *report = (pe_project_report){.penetration = start.deepest, .penetration_left = start.deepest};
+    if (!(start.deepest > rules->begin) || rules->max_rounds < 1) {
+        return PE_OK;
+    }
+    projecting p = {.world = world, .rules = rules, .error = error};
+    p.moved = pe_scratch(world, slots, sizeof *p.moved);
+    bool *ever = pe_scratch(world, slots, sizeof *ever);
+    snapshot best = {.poses = pe_scratch(world, slots, sizeof *best.poses),
+                     .motions = pe_scratch(world, slots, sizeof *best.motions)};
+    if (p.moved == NULL || ever == NULL || best.poses == NULL || best.motions == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory to project %zu bodies", slots);
+    }
+    memset(ever, 0, slots * sizeof *ever);
+    keep(world, start, &best);
+    pe_status status = PE_OK;
+    bool better = true;
+    while (better && best.violation.deepest > rules->begin && report->rounds < rules->max_rounds) {
+        memset(p.moved, 0, slots * sizeof *p.moved);
+        status = project_once(&p);
+        if (status != PE_OK || !any_moved(&p, ever)) {
             break;
         }
-    }
-    return iterations;
-}
-
-/* Applies the displacement of one body once: its line is cleared. The rows are in the axes that the
- * body had at the start of the step; to turn back by those of now errs by the rotation of one step,
- * on a correction that is of the order of the slop. */
-static void displace(pe_world *world, int slot, double y[PE_LANES])
-{
-    const pe_mass *mass = &pe_masses(world)[slot];
-    pe_pose *pose = &pe_poses(world)[slot];
-    pe_vec3 turn = pe_mul(mass->inverse_root_inertia, pe_v3(y[3], y[4], y[5]));
-    pe_pose_move(pose, pe_scale(mass->inverse_root_mass, pe_v3(y[0], y[1], y[2])),
-                 pe_rotate(&pose->rotation, turn));
-    memset(y, 0, PE_LANES * sizeof *y);
-}
-
-void pe_project_positions(pe_world *world, const pe_islands *islands, pe_problems *problems,
-                          pe_project_report *report)
-{
-    *report = (pe_project_report){0};
-    const pe_manifold *manifolds = pe_manifolds(&world->contacts);
-    const pe_point *points = pe_points(&world->contacts);
-    double slop = world->def.penetration_slop, aim = slop / 3;
-    for (int k = 0; k < islands->count; ++k) {
-        pe_problem island = pe_problems_island(problems, k);
-        int first = problems->row_start[k];
-        double deepest = 0;
-        for (int i = 0; i < island.count; ++i) {
-            const pe_manifold *m = &manifolds[problems->manifold_of[first + i]];
-            double gap = separation_now(world, m, &points[problems->point_of[first + i]]);
-            island.rows[i].bias = gap + aim;
-            deepest = pe_max(deepest, -gap);
+        status = refind(&p, contact_rules, dt);
+        if (status != PE_OK) {
+            break;
         }
-        report->penetration = pe_max(report->penetration, deepest);
-        if (deepest <= slop) {
-            continue;
-        }
-        int iterations =
-            solve(&island, problems->spare, aim / 2, world->def.max_projection_iterations);
-        report->iterations = iterations > report->iterations ? iterations : report->iterations;
-        for (int i = 0; i < island.count; ++i) {
-            displace(world, island.rows[i].a, problems->spare[island.rows[i].a]);
-            displace(world, island.rows[i].b, problems->spare[island.rows[i].b]);
+        report->rounds += 1;
+        pe_violation now = violation_of_world(world, rules->aim);
+        better = now.squares < best.violation.squares;
+        if (better) {
+            keep(world, now, &best);
+        } else {
+            bring_back(&p, &best);
+            status = refind(&p, contact_rules, dt);
         }
     }
+    report->iterations = p.iterations;
+    report->penetration_left = best.violation.deepest;
+    report->moved = ever;
+    return status;
 }

@@ -1,13 +1,26 @@
 /* The step: a straight pipeline of phases, each timed. */
 #define _POSIX_C_SOURCE 199309L
 
-#include "broad_phase.h"
+#include "advance.h"
 #include "contact.h"
-#include "integrate.h"
+#include "energy_guard.h"
 #include "project.h"
-#include "solve.h"
+#include "soft/soft.h"
+#include "solve/solve_direct.h"
+#include "solve/solve_island.h"
 
+#include <string.h>
 #include <time.h>
+
+/* What sweeps aim at, in m/s: in what collapses the next step's problem is another one. */
+static const double SWEPT_TOLERANCE = 5e-5;
+
+/* How much dearer than the sweeps allowed a direct solve may be. */
+static const double PATIENT = 4, IMPATIENT = 1;
+
+/* Pairs that moved relative to each other by less, in units of the smaller body, keep their
+ * manifold in the fast profile. */
+static const double FAST_REUSE = 2.4e-3;
 
 static double seconds_now(void)
 {
@@ -24,65 +37,239 @@ static double lap(double *mark)
     return passed;
 }
 
-/* What collapses has another problem at every step, so that sweeps spent on its last digits are
- * lost at the next; what stands keeps the digits. A moving island gets this part of the work. */
-static const double MOVING_PART = 0.02;
+/* One step's own data. */
+typedef struct stepping {
+    pe_world *world;
+    double dt;
+    pe_islands islands;
+    pe_free_motion *free; /* (slots) */
+    pe_pose *poses;       /* (slots): where the bodies began */
+    pe_motion *motions;
+    bool *soft;        /* (islands): solved by substeps of soft contact */
+    bool *stands;      /* (slots): in an island that was solved directly */
+    const bool *moved; /* (slots): by the projection; NULL: none */
+    pe_contact_rules rules;
+    pe_step_stats stats;
+    pe_error *error;
+} stepping;
 
-/* Whether a body of the island is faster than one step of free fall would make it. */
-static bool is_moving(const pe_world *world, const pe_problem *island, double dt)
+/* The contacts at the poses now, with the impulses that they inherit. */
+static pe_status find_contacts(stepping *step)
 {
-    double speed = dt * pe_length(world->def.gravity);
-    const pe_motion *motions = pe_motions(world);
-    for (int i = 0; i < island->count; ++i) {
-        pe_vec3 a = motions[island->rows[i].a].velocity, b = motions[island->rows[i].b].velocity;
-        if (pe_dot(a, a) > speed * speed || pe_dot(b, b) > speed * speed) {
-            return true;
+    pe_world *world = step->world;
+    pe_pair *pairs;
+    int count;
+    double mark = seconds_now();
+    pe_status status = pe_broad_phase(world, step->dt, &pairs, &count, step->error);
+    step->stats.time_broad_phase += lap(&mark);
+    if (status == PE_OK) {
+        status = pe_contacts_find_by(world, &step->rules, pairs, count, step->dt, step->error);
+        step->stats.time_narrow_phase += lap(&mark);
+    }
+    if (status == PE_OK) {
+        pe_contacts_match(world, step->dt);
+        step->stats.time_contacts += lap(&mark);
+    }
+    return status;
+}
+
+/* Remembers where everything is, so that a step that runs out of memory has moved nothing. */
+static pe_status remember(stepping *step)
+{
+    pe_world *world = step->world;
+    size_t slots = (size_t)world->slot_count;
+    step->poses = pe_scratch(world, slots, sizeof *step->poses);
+    step->motions = pe_scratch(world, slots, sizeof *step->motions);
+    step->free = pe_scratch(world, slots, sizeof *step->free);
+    step->stands = pe_scratch(world, slots, sizeof *step->stands);
+    if (step->poses == NULL || step->motions == NULL || step->free == NULL ||
+        step->stands == NULL) {
+        return pe_fail(step->error, PE_NO_MEMORY, "no memory to step %zu bodies", slots);
+    }
+    memcpy(step->poses, pe_poses(world), slots * sizeof *step->poses);
+    memcpy(step->motions, pe_motions(world), slots * sizeof *step->motions);
+    memset(step->stands, 0, slots * sizeof *step->stands);
+    return PE_OK;
+}
+
+static void put_back(stepping *step)
+{
+    size_t slots = (size_t)step->world->slot_count;
+    memcpy(pe_poses(step->world), step->poses, slots * sizeof *step->poses);
+    memcpy(pe_motions(step->world), step->motions, slots * sizeof *step->motions);
+    step->world->contacts_stale = true;
+}
+
+static void count_solve(stepping *step, const pe_island_report *report,
+                        const pe_solve_history *history)
+{
+    pe_step_stats *stats = &step->stats;
+    const pe_solve_report *solve = &report->solve;
+    stats->islands_by_path[report->path] += 1;
+    stats->factor_flops += solve->factor_flops;
+    stats->iterations =
+        solve->iterations > stats->iterations ? solve->iterations : stats->iterations;
+    stats->unconverged_islands += !(solve->residual.max <= step->world->def.tolerance);
+    if (stats->path == PE_PATH_NONE || !(solve->residual.max <= stats->residual)) {
+        stats->residual = solve->residual.max;
+        stats->path = report->path;
+        stats->stop = solve->stop;
+        stats->history_count = history->count;
+        for (int i = 0; i < history->count; ++i) {
+            stats->history[i] = history->marks[i].residual;
         }
     }
-    return false;
 }
 
-static void solve_islands(const pe_world *world, const pe_islands *islands,
-                          const pe_problems *problems, double dt, pe_step_stats *stats)
+static pe_status solve_island(stepping *step, int k, double *squares)
 {
-    for (int k = 0; k < islands->count; ++k) {
-        pe_problem island = pe_problems_island(problems, k);
-        double part = is_moving(world, &island, dt) ? MOVING_PART : 1;
-        pe_solve_limits limits = {
-            .tolerance = world->def.tolerance,
-            .max_iterations = world->def.max_iterations,
-            .max_updates = part * world->def.max_contact_updates,
-        };
-        pe_solve_report report;
-        pe_solve_gauss_seidel(&island, &limits, &report);
-        stats->unconverged_islands += !report.converged;
-        stats->iterations =
-            report.iterations > stats->iterations ? report.iterations : stats->iterations;
-        stats->residual = report.residual > stats->residual ? report.residual : stats->residual;
+    pe_world *world = step->world;
+    pe_island_problem island;
+    pe_status status =
+        pe_problem_build(world, &step->islands, k, step->free, step->dt, &island, step->error);
+    if (status != PE_OK) {
+        return status;
     }
+    pe_solve_mark marks[PE_HISTORY];
+    pe_solve_history history = {.marks = marks, .capacity = PE_HISTORY};
+    pe_island_report report = {.solve.history = &history};
+    pe_island_limits limits = {
+        .tolerance = world->def.tolerance,
+        .swept_tolerance = pe_max(world->def.tolerance, SWEPT_TOLERANCE),
+        .max_updates = world->def.max_contact_updates,
+        .patience = world->def.profile == PE_PROFILE_ACCURATE ? PATIENT : IMPATIENT,
+    };
+    status = pe_solve_island(&island.problem, &limits, pe_step_memory(world), &report, step->error);
+    if (status == PE_OK) {
+        status = pe_advance_island(world, &island, step->free, step->dt, step->error);
+    }
+    if (status != PE_OK) {
+        return status;
+    }
+    pe_problem_store_impulses(world, &island);
+    count_solve(step, &report, &history);
+    double rms = report.solve.residual.rms;
+    *squares += rms * rms * island.problem.point_count;
+    for (int i = 0; i < island.problem.body_count; ++i) {
+        step->stands[island.slot[i]] = report.path != PE_PATH_SWEEPS;
+    }
+    return PE_OK;
 }
 
-/* v = v* + M^(-1/2) (y - y*): exactly v* for a body that no contact touched. */
-static void apply_solution(pe_world *world, const pe_motion *predicted, const pe_problem *problem)
+/* Chains and small islands are cheap to solve directly while they hardly move; what is livelier
+ * would take many iterations, and gets soft contacts. */
+enum { SMALL_ISLAND = 60 };
+static const double CHAIN = 1.5;        /* manifolds a body */
+static const double QUIET_SPEED = 0.05; /* m/s */
+
+static bool is_quiet_and_cheap(const stepping *step, int k)
 {
+    const pe_islands *islands = &step->islands;
+    int bodies = islands->body_start[k + 1] - islands->body_start[k];
+    int manifolds = islands->start[k + 1] - islands->start[k];
+    if (bodies > SMALL_ISLAND && manifolds > CHAIN * bodies) {
+        return false;
+    }
+    for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
+        pe_vec3 v = pe_motions(step->world)[islands->bodies[i]].velocity;
+        if (pe_dot(v, v) > QUIET_SPEED * QUIET_SPEED) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static pe_status choose_soft(stepping *step)
+{
+    int count = step->islands.count;
+    step->soft = pe_scratch(step->world, (size_t)count + 1, sizeof *step->soft);
+    if (step->soft == NULL) {
+        return pe_fail(step->error, PE_NO_MEMORY, "no memory for %d islands", count);
+    }
+    for (int k = 0; k < count; ++k) {
+        step->soft[k] = step->world->def.profile == PE_PROFILE_FAST && !is_quiet_and_cheap(step, k);
+        step->stats.islands_by_path[PE_PATH_SOFT] += step->soft[k];
+    }
+    return PE_OK;
+}
+
+/* Velocities, and the poses that follow from them. */
+static pe_status solve_and_move(stepping *step)
+{
+    pe_world *world = step->world;
+    double mark = seconds_now(), squares = 0;
+    pe_predict_motion(world, step->dt, step->free);
+    pe_status status = choose_soft(step);
+    for (int k = 0; k < step->islands.count && status == PE_OK; ++k) {
+        if (!step->soft[k]) {
+            status = solve_island(step, k, &squares);
+        }
+    }
+    if (status == PE_OK && step->stats.islands_by_path[PE_PATH_SOFT] > 0) {
+        status = pe_soft_step(world, &step->islands, step->soft, step->dt, NULL, step->error);
+    }
+    if (status != PE_OK) {
+        return status;
+    }
+    if (world->contacts.point_count > 0) {
+        step->stats.residual_rms = sqrt(squares / world->contacts.point_count);
+    }
+    step->stats.time_solve = lap(&mark);
     const pe_body *bodies = pe_bodies(world);
     for (int slot = 1; slot < world->slot_count; ++slot) {
-        if (!bodies[slot].alive || bodies[slot].is_static) {
-            continue;
+        if (bodies[slot].alive && !bodies[slot].is_static && step->islands.place[slot] < 0) {
+            pe_advance_free(world, slot, step->free, step->dt);
         }
-        const double *y = problem->velocity[slot], *free_y = problem->free_velocity[slot];
-        double d[6];
-        for (int k = 0; k < 6; ++k) {
-            d[k] = y[k] - free_y[k];
-        }
-        const pe_mass *mass = &pe_masses(world)[slot];
-        pe_vec3 turn = pe_mul(mass->inverse_root_inertia, pe_v3(d[3], d[4], d[5]));
-        pe_motions(world)[slot] = (pe_motion){
-            pe_madd(predicted[slot].velocity, mass->inverse_root_mass, pe_v3(d[0], d[1], d[2])),
-            pe_add(predicted[slot].angular_velocity,
-                   pe_rotate(&pe_poses(world)[slot].rotation, turn)),
-        };
     }
+    step->stats.time_integrate = lap(&mark);
+    return PE_OK;
+}
+
+/* The contacts of the step's end, which are those that the next one solves. */
+static pe_status meet(stepping *step)
+{
+    pe_world *world = step->world;
+    world->previous_dt = step->dt;
+    pe_status status = find_contacts(step);
+    if (status != PE_OK) {
+        return status;
+    }
+    /* The list that was just replaced is that of the solved contacts. */
+    pe_contacts solved = world->previous;
+    world->previous = world->solved;
+    world->solved = solved;
+    return PE_OK;
+}
+
+/* Takes back what the step has left of penetration, and energy that came of it. */
+static pe_status mend(stepping *step)
+{
+    pe_world *world = step->world;
+    if (world->def.profile == PE_PROFILE_FAST) {
+        return PE_OK; /* soft contacts push by themselves */
+    }
+    double mark = seconds_now();
+    pe_project_rules rules = pe_project_rules_default();
+    rules.begin = 3 * world->def.penetration_slop;
+    rules.aim = world->def.penetration_slop;
+    rules.enough = 0.5 * world->def.penetration_slop;
+    rules.by_solver = step->stands;
+    pe_project_report report;
+    pe_status status =
+        pe_project_positions(world, &rules, &step->rules, step->dt, &report, step->error);
+    if (status != PE_OK) {
+        return status;
+    }
+    pe_energy_report guarded;
+    pe_energy_guard(world, &step->islands, step->free, step->poses, step->motions, report.moved,
+                    step->dt, &guarded);
+    step->stats.projection_rounds = report.rounds;
+    step->stats.projection_iterations = report.iterations;
+    step->stats.penetration = report.penetration;
+    step->stats.penetration_left = report.penetration_left;
+    step->stats.guarded_islands = guarded.islands;
+    step->stats.time_project = lap(&mark);
+    return PE_OK;
 }
 
 static void clear_loads(pe_world *world)
@@ -92,90 +279,75 @@ static void clear_loads(pe_world *world)
     }
 }
 
-/* All phases that allocate, none of which moves a body. */
-static pe_status prepare(pe_world *world, double dt, pe_islands *islands, pe_motion **predicted,
-                         pe_problems *problems, pe_step_stats *stats, pe_error *error)
+static pe_contact_rules rules_of(pe_profile profile)
 {
-    pe_pair *pairs;
-    int pair_count;
+    pe_contact_rules rules = pe_contact_rules_exact();
+    if (profile == PE_PROFILE_FAST) {
+        rules.reuse_tolerance = FAST_REUSE;
+        rules.most_points = 4;
+    }
+    return rules;
+}
+
+static pe_status advance(stepping *step)
+{
+    pe_world *world = step->world;
+    pe_status status = PE_OK;
+    if (world->contacts_stale || step->dt != world->previous_dt) {
+        status = find_contacts(step);
+    }
     double mark = seconds_now();
-    pe_arena_reset(&world->arena, &world->allocator);
-    pe_status status = pe_broad_phase(world, dt, &pairs, &pair_count, error);
-    if (status != PE_OK) {
-        return status;
+    if (status == PE_OK) {
+        world->contacts_stale = false;
+        status = pe_islands_find(world, &step->islands, step->error);
+        step->stats.time_islands = lap(&mark);
     }
-    stats->time_broad_phase = lap(&mark);
-    status = pe_contacts_find(world, pairs, pair_count, dt, error);
-    if (status != PE_OK) {
-        return status;
+    if (status == PE_OK) {
+        step->stats.islands = step->islands.count;
+        step->stats.manifolds = world->contacts.manifold_count;
+        step->stats.contacts = world->contacts.point_count;
+        status = solve_and_move(step);
     }
-    stats->time_narrow_phase = lap(&mark);
-    pe_contacts_match(world, dt);
-    stats->time_contacts = lap(&mark);
-    status = pe_islands_find(world, islands, error);
-    if (status != PE_OK) {
-        return status;
+    if (status == PE_OK) {
+        status = meet(step);
     }
-    stats->time_islands = lap(&mark);
-    *predicted = pe_scratch(world, (size_t)world->slot_count, sizeof **predicted);
-    if (*predicted == NULL) {
-        return pe_fail(error, PE_NO_MEMORY, "no memory for %d velocities", world->slot_count);
-    }
-    pe_predict_velocities(world, dt, *predicted);
-    status = pe_problems_build(world, islands, *predicted, dt, problems, error);
-    stats->time_solve = lap(&mark);
-    return status;
+    return status == PE_OK ? mend(step) : status;
 }
 
 pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_error *error)
 {
-    pe_step_stats local = {0};
     if (!(dt > 0) || !isfinite(dt)) {
         return pe_fail(error, PE_BAD_ARGUMENT, "dt: expected a finite number above 0, found %g",
                        dt);
     }
-    pe_islands islands;
-    pe_motion *predicted;
-    pe_problems problems;
-    pe_status status = prepare(world, dt, &islands, &predicted, &problems, &local, error);
+    pe_arena_reset(&world->arena, &world->allocator);
+    stepping step = {
+        .world = world, .dt = dt, .rules = rules_of(world->def.profile), .error = error};
+    pe_status status = remember(&step);
     if (status != PE_OK) {
         return status;
     }
-    local.islands = islands.count;
-    local.manifolds = world->contacts.manifold_count;
-    local.contacts = world->contacts.point_count;
-
-    double mark = seconds_now();
-    solve_islands(world, &islands, &problems, dt, &local);
-    apply_solution(world, predicted, &problems.all);
-    pe_problems_store_impulses(world, &problems);
-    local.time_solve += lap(&mark);
-
-    pe_integrate_poses(world, dt);
+    status = advance(&step);
+    if (status != PE_OK) {
+        put_back(&step);
+        return status;
+    }
     clear_loads(world);
-    world->previous_dt = dt;
-    local.time_integrate = lap(&mark);
-
-    pe_project_report projected;
-    pe_project_positions(world, &islands, &problems, &projected);
-    local.projection_iterations = projected.iterations;
-    local.penetration = projected.penetration;
-    local.time_project = lap(&mark);
     if (stats != NULL) {
-        *stats = local;
+        *stats = step.stats;
     }
     return PE_OK;
 }
 
 int pe_world_get_contacts(const pe_world *world, pe_contact *contacts, int capacity)
 {
-    const pe_contacts *now = &world->contacts;
+    const pe_contacts *solved = &world->solved;
     const pe_body *bodies = pe_bodies(world);
     int count = 0;
-    for (int i = 0; i < now->manifold_count; ++i) {
-        const pe_manifold *m = &pe_manifolds(now)[i];
+    for (int i = 0; i < solved->manifold_count; ++i) {
+        const pe_manifold *m = &pe_manifolds(solved)[i];
         for (int j = m->first; j < m->first + m->count; ++j, ++count) {
-            const pe_point *point = &pe_points(now)[j];
+            const pe_point *point = &pe_points(solved)[j];
             if (count < capacity) {
                 contacts[count] = (pe_contact){
                     .body_a = {(uint32_t)m->a, bodies[m->a].generation},

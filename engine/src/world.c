@@ -8,12 +8,10 @@ pe_world_def pe_world_def_default(void)
     return (pe_world_def){
         .gravity = {0, 0, -9.81},
         .tolerance = 1e-8,
-        .max_iterations = 100000,
         .max_contact_updates = 2e6,
         .restitution_threshold = 0,
         .contact_margin = 1e-3,
         .penetration_slop = 1e-4,
-        .max_projection_iterations = 50,
     };
 }
 
@@ -22,19 +20,21 @@ static pe_status check_def(const pe_world_def *def, pe_error *error)
     if (!pe_is_finite(def->gravity)) {
         return pe_fail(error, PE_BAD_ARGUMENT, "gravity: expected finite numbers");
     }
-    if (!(def->tolerance > 0) || def->max_iterations < 1 || !(def->max_contact_updates >= 1)) {
+    if (def->profile < PE_PROFILE_DEFAULT || def->profile > PE_PROFILE_FAST) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "profile: expected one of pe_profile, found %d",
+                       (int)def->profile);
+    }
+    if (!(def->tolerance > 0) || !(def->max_contact_updates >= 1)) {
         return pe_fail(error, PE_BAD_ARGUMENT,
-                       "expected tolerance > 0, max_iterations >= 1 and max_contact_updates >= 1, "
-                       "found %g, %d, %g",
-                       def->tolerance, def->max_iterations, def->max_contact_updates);
+                       "expected tolerance > 0 and max_contact_updates >= 1, found %g, %g",
+                       def->tolerance, def->max_contact_updates);
     }
     if (!(def->restitution_threshold >= 0) || !(def->contact_margin >= 0) ||
-        !(def->penetration_slop > 0) || def->max_projection_iterations < 0) {
+        !(def->penetration_slop > 0)) {
         return pe_fail(error, PE_BAD_ARGUMENT,
-                       "expected restitution_threshold >= 0, contact_margin >= 0, penetration_slop "
-                       "> 0 and max_projection_iterations >= 0, found %g, %g, %g, %d",
-                       def->restitution_threshold, def->contact_margin, def->penetration_slop,
-                       def->max_projection_iterations);
+                       "expected restitution_threshold >= 0, contact_margin >= 0 and "
+                       "penetration_slop > 0, found %g, %g, %g",
+                       def->restitution_threshold, def->contact_margin, def->penetration_slop);
     }
     if ((def->allocator.allocate == NULL) != (def->allocator.release == NULL)) {
         return pe_fail(error, PE_BAD_ARGUMENT, "allocator: expected both functions or neither");
@@ -87,7 +87,8 @@ void pe_world_destroy(pe_world *world)
         &world->load_array,           &world->surface_array,
         &world->order_array,          &world->contacts.manifold_array,
         &world->contacts.point_array, &world->previous.manifold_array,
-        &world->previous.point_array,
+        &world->previous.point_array, &world->solved.manifold_array,
+        &world->solved.point_array,
     };
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         pe_array_free(arrays[i], &allocator);
@@ -165,6 +166,7 @@ pe_status pe_world_set_pair(pe_world *world, pe_material_id a, pe_material_id b,
         pe_surface surface = {friction, restitution};
         *pe_surface_of(world, (int)a.index, (int)b.index) = surface;
         *pe_surface_of(world, (int)b.index, (int)a.index) = surface;
+        world->contacts_stale = true;
     }
     return status;
 }

@@ -38,12 +38,23 @@ typedef struct pe_body {
 } pe_body;
 
 typedef struct pe_load {
-    pe_vec3 force, torque; /* world, for the next step */
+    pe_vec3 force, torque;           /* world, for the next step */
+    pe_vec3 body_force, body_torque; /* in the body's axes, and turning with it */
+    bool turns;                      /* whether there is any of the latter */
 } pe_load;
 
 typedef struct pe_surface {
     double friction, restitution;
 } pe_surface;
+
+/* How a pair lay when its manifold was built: what tells whether the manifold still holds. */
+typedef struct pe_built {
+    pe_vec3 position;                /* of the smaller body in the axes of the larger one */
+    pe_quat orientation;             /* of the smaller body relative to the larger one */
+    pe_vec3 normal;                  /* in the axes of the body whose face it is of */
+    double least_margin, end_margin; /* m: the same points at every margin in [least, end) */
+    bool normal_on_b;
+} pe_built;
 
 /* A touching or nearly touching pair: points first .. first + count - 1 share its normal. */
 typedef struct pe_manifold {
@@ -51,6 +62,8 @@ typedef struct pe_manifold {
     pe_vec3 normal; /* unit, from a to b */
     int first, count;
     double friction, restitution;
+    bool kept; /* its points are those of the list before, carried along */
+    pe_built built;
 } pe_manifold;
 
 typedef struct pe_point {
@@ -83,8 +96,12 @@ struct pe_world {
     pe_array order_array; /* dynamic and bounded static slots, as the last sweep had them sorted */
     int order_count;
 
-    pe_contacts contacts, previous; /* of the last step, and of the one before it */
+    /* `contacts` are those at the poses now, to be solved next, with the impulses they start from;
+     * `solved` those of the last step with the impulses it found; `previous` is the list that was
+     * replaced last. */
+    pe_contacts contacts, previous, solved;
     double previous_dt;
+    bool contacts_stale; /* bodies or materials were changed since `contacts` were found */
 
     pe_arena arena;
 };
@@ -128,6 +145,11 @@ static inline pe_point *pe_points(const pe_contacts *contacts)
 static inline pe_surface *pe_surface_of(const pe_world *world, int a, int b)
 {
     return (pe_surface *)world->surface_array.items + (size_t)a * (size_t)world->material_count + b;
+}
+
+static inline pe_workspace pe_step_memory(pe_world *world)
+{
+    return (pe_workspace){&world->arena, &world->allocator};
 }
 
 /* Takes from the step's arena. */

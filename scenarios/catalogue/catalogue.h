@@ -5,10 +5,13 @@
 #include "plumb/scenario.h"
 
 extern const pl_scenario pl_scenario_tower;
+extern const pl_scenario pl_scenario_mass_ratio;
 extern const pl_scenario pl_scenario_slope_stick;
 extern const pl_scenario pl_scenario_slope_slide;
+extern const pl_scenario pl_scenario_slide_to_stop;
 extern const pl_scenario pl_scenario_wall;
 extern const pl_scenario pl_scenario_wall_collapse;
+extern const pl_scenario pl_scenario_pile;
 
 /* Parameters that scenarios share: dt and duration, which all have, and the friction of stacks.
  * Initialisers, since a table cannot copy another's row. */

@@ -1,4 +1,4 @@
-/* A flat block on an inclined plane, shared by the scenarios slope-*.
+/* A flat block on an inclined plane, shared by the scenarios slope-* and slide-to-stop.
  *
  * The plane goes through the origin with normal n = (sin a, 0, cos a), so downhill is
  * t = (cos a, 0, -sin a). The block, half extents (0.5, 0.5, 0.25) m and mass 1 kg, lies on it with
@@ -18,19 +18,19 @@
     }
 
 typedef struct pl_slope {
-    double sine, cosine; /* of the angle */
+    double angle; /* rad, 0 to 1.6 */
+    double sine, cosine;
     double friction;
 } pl_slope;
 
-/* sine and cosine by their power series, good to a few units in the last place for 0 <= angle
- * <= 1.6: the same bits everywhere, which the C library's are not. */
 pl_slope pl_slope_of(double angle, double friction);
 
 /* The block holds on iff tan(angle) < friction; g (sin - friction cos) along the slope otherwise.
  */
 bool pl_slope_holds(const pl_slope *slope);
 
-/* Adds the plane and the block; returns the block's index, -1 after a failure. */
-int pl_build_slope(pl_builder *builder, const pl_slope *slope, double angle);
+/* Adds the plane and the block, which starts with `velocity` (world, m/s); returns the block's
+ * index, -1 after a failure. */
+int pl_build_slope(pl_builder *builder, const pl_slope *slope, const double velocity[3]);
 
 #endif

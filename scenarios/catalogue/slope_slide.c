@@ -39,6 +39,7 @@ static pl_expect_travel expected_travel(const pl_scene *scene, const pl_slope *s
 static pl_status build(const double *values, uint64_t seed, pl_scene *scene, pl_error *error)
 {
     (void)seed;
+    const double at_rest[3] = {0, 0, 0};
     const pl_slope slope = pl_slope_of(values[ANGLE], values[FRICTION]);
     *scene = pl_scene_default();
     if (!(slope.sine > slope.friction * slope.cosine)) {
@@ -50,7 +51,7 @@ static pl_status build(const double *values, uint64_t seed, pl_scene *scene, pl_
     }
     pl_builder builder = pl_build_begin(scene, pl_scenario_slope_slide.name, values[DT],
                                         values[DURATION], values[FRICTION], error);
-    int block = pl_build_slope(&builder, &slope, values[ANGLE]);
+    int block = pl_build_slope(&builder, &slope, at_rest);
     const pl_expect_travel travel = expected_travel(scene, &slope, block);
     pl_build_travel(&builder, &travel);
     pl_build_judge(&builder, pl_scenario_slope_slide.primary_error, (double)INFINITY);

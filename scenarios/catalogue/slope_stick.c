@@ -25,6 +25,7 @@ static const pl_param params[PARAM_COUNT] = {
 static pl_status build(const double *values, uint64_t seed, pl_scene *scene, pl_error *error)
 {
     (void)seed;
+    const double at_rest[3] = {0, 0, 0};
     const pl_slope slope = pl_slope_of(values[ANGLE], values[FRICTION]);
     *scene = pl_scene_default();
     if (!pl_slope_holds(&slope)) {
@@ -36,7 +37,7 @@ static pl_status build(const double *values, uint64_t seed, pl_scene *scene, pl_
     }
     pl_builder builder = pl_build_begin(scene, pl_scenario_slope_stick.name, values[DT],
                                         values[DURATION], values[FRICTION], error);
-    pl_build_rest(&builder, pl_build_slope(&builder, &slope, values[ANGLE]));
+    pl_build_rest(&builder, pl_build_slope(&builder, &slope, at_rest));
     pl_build_judge(&builder, pl_scenario_slope_stick.primary_error, 0.25);
     return pl_build_end(&builder);
 }

@@ -41,9 +41,9 @@ static bool is_plain_word(const char *key)
     return strlen(key) < PL_NAME_SIZE;
 }
 
-void pl_path_text(const pl_path *path, char *text, size_t size)
+void pl_path_text(const pl_path *path, const char *whole, char *text, size_t size)
 {
-    snprintf(text, size, "%s", path->depth == 0 ? "scene" : "");
+    snprintf(text, size, "%s", path->depth == 0 ? whole : "");
     for (int i = 0; i < path->depth && i < PL_PATH_DEPTH; i++) {
         const pl_path_step *step = &path->steps[i];
         size_t used = strlen(text);

@@ -26,8 +26,8 @@ void pl_path_push_key(pl_path *path, const char *key);
 void pl_path_push_index(pl_path *path, int index);
 void pl_path_pop(pl_path *path);
 
-/* The path as people read it, cut to `size`; "scene" when it is empty. */
-void pl_path_text(const pl_path *path, char *text, size_t size);
+/* The path as people read it, cut to `size`; `whole` when it is empty. */
+void pl_path_text(const pl_path *path, const char *whole, char *text, size_t size);
 
 typedef struct pl_complaint {
     pl_status status; /* PL_OK: nothing is wrong */

@@ -519,6 +519,6 @@ pl_status pl_scene_validate(const pl_scene *scene, pl_error *error)
         return PL_OK;
     }
     char path[256];
-    pl_path_text(&complaint.path, path, sizeof path);
+    pl_path_text(&complaint.path, "scene", path, sizeof path);
     return pl_fail(error, complaint.status, "%s: %s", path, complaint.text);
 }

@@ -1,86 +1,32 @@
-/* Text to scene, and every fault to FILE:LINE:COLUMN. */
-#include "scene_locate.h"
+/* Scene files: their text to a scene. */
+#include "json_text.h"
 #include "scene_read.h"
 
-#include <jansson.h>
-#include <stdio.h>
-#include <string.h>
-
-static pl_status fail_at_offset(const char *text, size_t offset, const char *label,
-                                const char *where, const char *what, pl_error *error)
+static bool read_scene(const json_t *json, void *scene, pl_complaint *complaint)
 {
-    int line, column;
-    pl_locate_offset(text, offset, &line, &column);
-    return pl_fail(error, PL_BAD_INPUT, "%s:%d:%d: %s: %s", label, line, column, where, what);
+    return pl_scene_from_json(json, scene, complaint);
 }
 
-static pl_status fail_by_syntax(const char *text, size_t length, const char *label,
-                                json_error_t *syntax, pl_error *error)
-{
-    enum json_error_code code = json_error_code(syntax);
-    if (code == json_error_out_of_memory) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", label);
-    }
-    size_t end = syntax->position < 0 ? 0 : (size_t)syntax->position;
-    end = end < length ? end : length;
-    /* jansson stops before a byte that it cannot decode, at the end of the text when it is cut
-     * short, and otherwise behind the token that it cannot use. */
-    bool at_end = code == json_error_invalid_utf8 || code == json_error_premature_end_of_input;
-    size_t offset = at_end ? end : pl_locate_token(text, end);
-    char what[JSON_ERROR_TEXT_LENGTH + 48];
-    snprintf(what, sizeof what, "expected valid JSON, found: %s", syntax->text);
-    for (char *c = what; *c != '\0'; c++) {
-        *c = (char)((unsigned char)*c < 0x20 || *c == 0x7F ? '?' : *c);
-    }
-    return fail_at_offset(text, offset, label, "JSON syntax", what, error);
-}
+static const pl_json_kind scene_kind = {
+    .noun = "scene", .most_bytes = PL_MAX_SCENE_BYTES, .read = read_scene};
 
-static pl_status fail_by_complaint(const char *text, size_t length, const char *label,
-                                   const pl_complaint *complaint, pl_error *error)
+static pl_status keep(pl_status status, pl_scene *scene)
 {
-    if (complaint->status != PL_BAD_INPUT) {
-        return pl_fail(error, complaint->status, "%s: %s", label, complaint->text);
+    if (status != PL_OK) {
+        pl_scene_free(scene);
     }
-    char path[256];
-    pl_path_text(&complaint->path, path, sizeof path);
-    size_t offset = pl_locate_path(text, length, &complaint->path, complaint->at_key);
-    return fail_at_offset(text, offset, label, path, complaint->text, error);
-}
-
-static bool is_blank(const char *text, size_t length)
-{
-    size_t i = 0;
-    while (i < length && memchr(" \t\r\n", text[i], 4) != NULL) {
-        i++;
-    }
-    return i == length;
+    return status;
 }
 
 pl_status pl_scene_read_text(const char *text, size_t length, const char *label, pl_scene *scene,
                              pl_error *error)
 {
     *scene = pl_scene_default();
-    if (length > PL_MAX_SCENE_BYTES) {
-        return pl_fail(error, PL_BAD_INPUT, "%s: expected at most %d bytes, found %zu", label,
-                       PL_MAX_SCENE_BYTES, length);
-    }
-    if (is_blank(text, length)) {
-        return fail_at_offset(text, 0, label, "scene",
-                              "expected a JSON object, found an empty file", error);
-    }
-    json_error_t syntax;
-    /* Whole numbers as reals: then 1e3, 1000 and -0 all are what they say, and none is too big. */
-    json_t *json =
-        json_loadb(text, length, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &syntax);
-    if (json == NULL) {
-        return fail_by_syntax(text, length, label, &syntax, error);
-    }
-    pl_complaint complaint;
-    pl_status status = PL_OK;
-    if (!pl_scene_from_json(json, scene, &complaint)) {
-        status = fail_by_complaint(text, length, label, &complaint, error);
-        pl_scene_free(scene);
-    }
-    json_decref(json);
-    return status;
+    return keep(pl_json_read_text(&scene_kind, text, length, label, scene, error), scene);
+}
+
+pl_status pl_scene_read_file(const char *path, pl_scene *scene, pl_error *error)
+{
+    *scene = pl_scene_default();
+    return keep(pl_json_read_file(&scene_kind, path, scene, error), scene);
 }

@@ -85,6 +85,8 @@ typedef struct pl_engine_settings {
     int body_count;
 } pl_engine_settings;
 
+struct pe_contact_problem; /* plumb/contact_problem.h, a header of our engine */
+
 typedef struct pl_engine_instance pl_engine_instance; /* opaque, defined by each engine */
 
 typedef struct pl_engine {
@@ -127,6 +129,13 @@ typedef struct pl_engine {
     /* Contacts of the last step that carry or may carry force: fills up to `capacity`, returns how
      * many there are. NULL when the engine does not report them. */
     int (*read_contacts)(const pl_engine_instance *instance, pl_contact *contacts, int capacity);
+
+    /* The contact problems that step(dt) would solve next, one an island with a contact, warm
+     * starts included: *problems is an array of *count, to be released by
+     * pe_contact_problems_destroy (plumb/contact_problem.h). What follows is the same as without
+     * the call. NULL: this engine does not give them. */
+    pl_status (*capture)(pl_engine_instance *instance, double dt,
+                         struct pe_contact_problem ***problems, int *count, pl_error *error);
 } pl_engine;
 
 typedef const pl_engine *(*pl_engine_entry)(void);

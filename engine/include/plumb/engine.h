@@ -51,18 +51,27 @@ typedef struct pe_allocator {
 
 typedef struct pe_world pe_world;
 
+typedef enum pe_profile {
+    /* Chooses for each contact island by predicted cost: what stands or slides is solved directly, to
+     * the tolerance; what moves so much that this would cost more is swept. */
+    PE_PROFILE_DEFAULT,
+    /* The same choice with far more work allowed before it settles for less than the tolerance, and
+     * penetration pushed out until hardly any is left. */
+    PE_PROFILE_ACCURATE,
+    /* Substepped soft contact for what moves; what stands and is cheaper to solve directly is. */
+    PE_PROFILE_FAST
+} pe_profile;
+
 typedef struct pe_world_def {
     pe_vec3 gravity; /* m/s^2 */
+    pe_profile profile;
 
     /* A contact problem counts as solved when the largest natural-map residual over its contacts is
      * below this, in m/s. One step of gravity at 60 Hz is 0.16 m/s. */
     double tolerance;
 
-    /* Bounds on the sweeps of one island in one step: an absolute one, and one on the work, counted
-     * in contact points visited (sweeps x points). An island in motion gets a twentieth of the
-     * work, so that a collapse costs a bounded time; every island gets 50 sweeps if it needs them.
-     */
-    int max_iterations;
+    /* Bound on the work of sweeping one island in one step, in contact points visited (sweeps x
+     * points); every island gets 50 sweeps if it needs them. */
     double max_contact_updates;
 
     /* Approach slower than this, in m/s, does not bounce. 0: restitution holds at every speed. */
@@ -72,10 +81,10 @@ typedef struct pe_world_def {
      * the step is added to it, so that fast bodies meet what they would pass. */
     double contact_margin;
 
-    /* Penetration, in m, that is left alone. Deeper ones are pushed out after the step by moving
-     * bodies, without touching velocities. */
+    /* Penetration, in m, that is left alone in an island that is swept. Deeper ones are pushed out
+     * after the step by moving bodies, without touching velocities. What is solved directly keeps
+     * none. */
     double penetration_slop;
-    int max_projection_iterations;
 
     pe_allocator allocator; /* all NULL: aligned_alloc and free */
 } pe_world_def;
@@ -162,8 +171,9 @@ pe_status pe_body_get_pair(const pe_world *world, pe_body_id a, pe_body_id b, do
 
 typedef enum pe_frame { PE_FRAME_WORLD, PE_FRAME_BODY } pe_frame;
 
-/* Adds a force, in N, for the next step only, at an offset from the centre of mass, in m. Both
- * vectors are in the given frame as it stands now. No effect on a static body. */
+/* Adds a force, in N, for the next step only, at an offset from the centre of mass, in m. In the
+ * body's frame both turn with the body during the step; in the world's they stay. No effect on a
+ * static body. */
 pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, pe_vec3 offset,
                               pe_frame frame, pe_error *error);
 
@@ -172,20 +182,53 @@ void pe_world_get_gravity(const pe_world *world, pe_vec3 *gravity);
 /* ---- Step
  * ----------------------------------------------------------------------------------------- */
 
+/* How an island's contact problem was solved. */
+typedef enum pe_path {
+    PE_PATH_NONE,   /* there was none */
+    PE_PATH_WARM,   /* the last step's impulses were good enough */
+    PE_PATH_DIRECT, /* Newton and interior point iterations on a factor in body space */
+    PE_PATH_SWEEPS, /* sweeps with momentum */
+    PE_PATH_SOFT,   /* substeps of soft contact: it has no residual */
+    PE_PATH_COUNT
+} pe_path;
+
+/* Why a solver stopped. */
+typedef enum pe_solve_stop {
+    PE_STOP_CONVERGED,
+    PE_STOP_ITERATIONS, /* the bound was met */
+    PE_STOP_STALLED     /* no further decrease */
+} pe_solve_stop;
+
+enum { PE_HISTORY = 32 };
+
 /* What one step did. Times are wall-clock seconds by phase. */
 typedef struct pe_step_stats {
-    int iterations;  /* sweeps, largest over islands; 0 when every warm start was good enough */
-    double residual; /* m/s, natural map, largest over all contacts, after the last sweep */
-    int unconverged_islands;   /* whose residual is above the tolerance */
-    int islands;               /* with at least one contact */
-    int manifolds, contacts;   /* touching or nearly touching pairs, and their points */
-    int projection_iterations; /* largest over islands */
-    double penetration;        /* m, deepest before the projection */
+    int iterations;      /* factorisations or sweeps, largest over islands; 0 when every warm start was
+                            good enough */
+    double residual;     /* m/s, natural map, largest over all contacts that have one */
+    double residual_rms; /* m/s, over the same */
+    double factor_flops; /* of all factorisations */
+    int unconverged_islands;        /* whose residual is above the tolerance */
+    int islands;                    /* with at least one contact */
+    int islands_by_path[PE_PATH_COUNT];
+    int manifolds, contacts;        /* touching or nearly touching pairs, and their points */
+
+    /* Of the island with the largest residual: */
+    pe_path path;
+    pe_solve_stop stop;
+    int history_count; /* residuals as the solver went, the last PE_HISTORY at most */
+    double history[PE_HISTORY];
+
+    int projection_rounds, projection_iterations; /* iterations: largest over islands and rounds */
+    double penetration;       /* m, deepest after the bodies have moved */
+    double penetration_left;  /* m, deepest after the projection */
+    int guarded_islands;      /* whose energy would have grown: see the head of energy_guard.h */
     double time_broad_phase, time_narrow_phase, time_contacts, time_islands, time_solve,
         time_integrate, time_project;
 } pe_step_stats;
 
-/* Advances by dt seconds: broad phase, narrow phase, contacts, islands, solve, integrate, project.
+/* Advances by dt seconds: islands, solve, move; then the contacts at the new poses and the
+ * projection, so that the frame that is seen is the one that was mended.
  * On failure no body has moved. `stats` may be NULL. After some steps of a scene that does not
  * grow, no memory is allocated. */
 pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_error *error);

@@ -66,11 +66,20 @@ const pl_scenario *pl_scenario_find(const char *name, pl_error *);
 pl_status pl_scenario_values(const pl_scenario *scenario, const char *const *settings, int count,
                              double *values, pl_error *);
 
-/* A named set of scenarios with default parameters. */
+typedef struct pl_suite_entry {
+    const char *scenario;
+    const char *setting; /* "NAME=VALUE" beside the default parameters; NULL: none */
+    double published;    /* of the suite's published_metric; no meaning where it has none */
+} pl_suite_entry;
+
+/* A named set of scenarios, and what others published of them. */
 typedef struct pl_suite {
     const char *name;
     const char *description;
-    const char *const *scenarios; /* NULL-terminated names */
+    const pl_suite_entry *entries; /* (entry_count) */
+    int entry_count;
+    const char *published_metric; /* the metric that `published` gives; NULL: none is published */
+    const char *source;           /* of the published numbers, and what they leave open */
 } pl_suite;
 
 const pl_suite *pl_suites(int *count);

@@ -1,7 +1,7 @@
-/* A scene file's bytes: from a path or standard input, and never more than PL_MAX_SCENE_BYTES. */
+/* A file's bytes: from a path or standard input, and never more than its kind may have. */
 #define _POSIX_C_SOURCE 200809L
 
-#include "plumb/scene.h"
+#include "json_text.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -9,33 +9,36 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static pl_status fail_by_size(const char *label, const char *found, pl_error *error)
+static pl_status fail_by_size(const pl_json_kind *kind, const char *label, const char *found,
+                              pl_error *error)
 {
-    return pl_fail(error, PL_BAD_INPUT, "%s: expected a scene file of at most %d MiB, found %s",
-                   label, PL_MAX_SCENE_BYTES >> 20, found);
+    return pl_fail(error, PL_BAD_INPUT, "%s: expected a %s file of at most %zu MiB, found %s",
+                   label, kind->noun, kind->most_bytes >> 20, found);
 }
 
 /* What the directory can tell before a byte is read. */
-static pl_status check_stream(FILE *stream, const char *label, pl_error *error)
+static pl_status check_stream(const pl_json_kind *kind, FILE *stream, const char *label,
+                              pl_error *error)
 {
     struct stat status;
     if (fstat(fileno(stream), &status) != 0) {
         return pl_fail(error, PL_IO, "%s: %s", label, strerror(errno));
     }
     if (S_ISDIR(status.st_mode)) {
-        return pl_fail(error, PL_BAD_INPUT, "%s: expected a scene file, found a directory", label);
+        return pl_fail(error, PL_BAD_INPUT, "%s: expected a %s file, found a directory", label,
+                       kind->noun);
     }
-    if (S_ISREG(status.st_mode) && status.st_size > PL_MAX_SCENE_BYTES) {
+    if (S_ISREG(status.st_mode) && (unsigned long long)status.st_size > kind->most_bytes) {
         char found[48];
         snprintf(found, sizeof found, "%lld bytes", (long long)status.st_size);
-        return fail_by_size(label, found, error);
+        return fail_by_size(kind, label, found, error);
     }
     return PL_OK;
 }
 
 /* The whole stream, malloc'd. */
-static pl_status read_stream(FILE *stream, const char *label, char **text, size_t *length,
-                             pl_error *error)
+static pl_status read_stream(const pl_json_kind *kind, FILE *stream, const char *label, char **text,
+                             size_t *length, pl_error *error)
 {
     size_t capacity = 1 << 16, used = 0;
     char *bytes = malloc(capacity);
@@ -43,8 +46,8 @@ static pl_status read_stream(FILE *stream, const char *label, char **text, size_
     while (bytes != NULL) {
         size_t got = fread(bytes + used, 1, capacity - used, stream);
         used += got;
-        if (used > PL_MAX_SCENE_BYTES) {
-            status = fail_by_size(label, "more", error);
+        if (used > kind->most_bytes) {
+            status = fail_by_size(kind, label, "more", error);
             break;
         }
         if (got == 0) {
@@ -73,24 +76,23 @@ static pl_status read_stream(FILE *stream, const char *label, char **text, size_
     return PL_OK;
 }
 
-pl_status pl_scene_read_file(const char *path, pl_scene *scene, pl_error *error)
+pl_status pl_json_read_file(const pl_json_kind *kind, const char *path, void *user, pl_error *error)
 {
     bool is_stdin = strcmp(path, "-") == 0;
     const char *label = is_stdin ? "<stdin>" : path;
     char *text = NULL;
     size_t length = 0;
-    *scene = pl_scene_default();
     FILE *stream = is_stdin ? stdin : fopen(path, "rb");
     if (stream == NULL) {
-        return pl_fail(error, PL_BAD_INPUT, "%s: expected a scene file, found none to read: %s",
-                       label, strerror(errno));
+        return pl_fail(error, PL_BAD_INPUT, "%s: expected a %s file, found none to read: %s", label,
+                       kind->noun, strerror(errno));
     }
-    pl_status status = check_stream(stream, label, error);
+    pl_status status = check_stream(kind, stream, label, error);
     if (status == PL_OK) {
-        status = read_stream(stream, label, &text, &length, error);
+        status = read_stream(kind, stream, label, &text, &length, error);
     }
     if (status == PL_OK) {
-        status = pl_scene_read_text(text, length, label, scene, error);
+        status = pl_json_read_text(kind, text, length, label, user, error);
     }
     free(text);
     if (!is_stdin) {

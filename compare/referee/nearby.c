@@ -1,0 +1,133 @@
+/* Two bodies meet when their gap is at most
+ *
+ *   1e-3 r + h (|v_a - v_b| + r_a |w_a| + r_b |w_b|)
+ *
+ * r the bounding radii, and the smaller of them in the first term. The second is as far as any two
+ * of their points can approach, or have parted, in a step of h at these velocities: an engine may
+ * stop a body at another before they touch, or throw it off within the step. The first is for
+ * bodies at rest, which engines keep a little apart. */
+#include "referee/nearby.h"
+
+#include "plumb/vec.h"
+#include "referee/broad_phase.h"
+#include "referee/gap.h"
+#include "referee/scale.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const double RESTING_GAP = 1e-3; /* of the smaller bounding radius */
+
+struct pl_nearby {
+    const pl_scene *scene;
+    pl_broad_phase *broad_phase;
+    double *radius; /* (body_count): bounding radii */
+    double *reach;  /* (body_count): a pair that meets has a gap of at most the sum of its two */
+};
+
+pl_nearby *pl_nearby_create(const pl_scene *scene)
+{
+    size_t count = (size_t)scene->body_count + 1;
+    pl_nearby *n = calloc(1, sizeof *n);
+    if (n == NULL) {
+        return NULL;
+    }
+    n->scene = scene;
+    n->broad_phase = pl_broad_phase_create(scene);
+    n->radius = calloc(count, sizeof *n->radius);
+    n->reach = calloc(count, sizeof *n->reach);
+    if (n->broad_phase == NULL || n->radius == NULL || n->reach == NULL) {
+        pl_nearby_destroy(n);
+        return NULL;
+    }
+    for (int i = 0; i < scene->body_count; ++i) {
+        n->radius[i] = pl_bounding_radius(&scene->bodies[i].shape);
+    }
+    return n;
+}
+
+void pl_nearby_destroy(pl_nearby *n)
+{
+    if (n != NULL) {
+        pl_broad_phase_destroy(n->broad_phase);
+        free(n->radius);
+        free(n->reach);
+        free(n);
+    }
+}
+
+/* Static bodies are where the scene has them, whatever an engine says. */
+static pl_placed_shape place(const pl_scene *scene, const pl_body_state *bodies, int body)
+{
+    const pl_body *b = &scene->bodies[body];
+    pl_placed_shape placed = {.shape = &b->shape};
+    memcpy(placed.position, b->is_static ? b->position : bodies[body].position,
+           sizeof placed.position);
+    memcpy(placed.orientation, b->is_static ? b->orientation : bodies[body].orientation,
+           sizeof placed.orientation);
+    return placed;
+}
+
+static double turning_speed(const pl_nearby *n, const pl_body_state *bodies, int body)
+{
+    return n->radius[body] * pl_vec_length(pl_vec_of(bodies[body].angular_velocity));
+}
+
+/* One frame. */
+typedef struct frame {
+    const pl_nearby *nearby;
+    const pl_body_state *bodies;
+    void (*see)(void *context, const pl_near_pair *pair);
+    void *context;
+} frame;
+
+static bool is_far(const frame *f, int a, int b)
+{
+    const pl_nearby *n = f->nearby;
+    if (n->scene->bodies[a].is_static || n->scene->bodies[b].is_static) {
+        return false;
+    }
+    pl_vec c = pl_vec_sub(pl_vec_of(f->bodies[a].position), pl_vec_of(f->bodies[b].position));
+    return pl_vec_length(c) > n->radius[a] + n->radius[b] + n->reach[a] + n->reach[b];
+}
+
+static bool meets(const frame *f, int a, int b, double gap)
+{
+    const pl_nearby *n = f->nearby;
+    if (n->scene->bodies[a].is_static || n->scene->bodies[b].is_static) {
+        return false;
+    }
+    pl_vec between = pl_vec_sub(pl_vec_of(f->bodies[a].velocity), pl_vec_of(f->bodies[b].velocity));
+    double speed =
+        pl_vec_length(between) + turning_speed(n, f->bodies, a) + turning_speed(n, f->bodies, b);
+    double rest = RESTING_GAP * fmin(n->radius[a], n->radius[b]);
+    return gap <= rest + n->scene->dt * speed;
+}
+
+static void see_pair(void *context, int a, int b)
+{
+    const frame *f = context;
+    if (is_far(f, a, b)) {
+        return;
+    }
+    pl_placed_shape placed_a = place(f->nearby->scene, f->bodies, a);
+    pl_placed_shape placed_b = place(f->nearby->scene, f->bodies, b);
+    pl_near_pair pair = {.a = a, .b = b};
+    pair.status = pl_gap(&placed_a, &placed_b, &pair.gap);
+    pair.meets = meets(f, a, b, pair.status == PL_OK ? pair.gap : 0);
+    f->see(f->context, &pair);
+}
+
+void pl_nearby_each(pl_nearby *n, const pl_body_state *bodies,
+                    void (*see)(void *context, const pl_near_pair *pair), void *context)
+{
+    frame f = {.nearby = n, .bodies = bodies, .see = see, .context = context};
+    for (int i = 0; i < n->scene->body_count; ++i) {
+        if (!n->scene->bodies[i].is_static) {
+            double speed =
+                pl_vec_length(pl_vec_of(bodies[i].velocity)) + turning_speed(n, bodies, i);
+            n->reach[i] = RESTING_GAP * n->radius[i] + n->scene->dt * speed;
+        }
+    }
+    pl_broad_phase_each_pair(n->broad_phase, bodies, n->reach, see_pair, &f);
+}

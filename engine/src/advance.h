@@ -1,0 +1,20 @@
+/* Poses by velocities: second order between impacts, no sinking in at them. */
+#ifndef PE_ADVANCE_H
+#define PE_ADVANCE_H
+
+#include "integrate.h"
+#include "solve/problem_build.h"
+
+/* Moves the bodies of a solved island over dt and gives them their new velocities.
+ *
+ * A body moves by the mean of old and new velocity, exact for constant forces and second order
+ * else. Where a contact closes within the step this would carry its bodies into each other: a
+ * contact with phi + h u_n < min(0, phi) at the mean velocities lets both its bodies move by the
+ * new ones, and so on until there is none. `free` (slots) is the motion without contacts. */
+pe_status pe_advance_island(pe_world *world, const pe_island_problem *island,
+                            const pe_free_motion *free, double dt, pe_error *error);
+
+/* The same for a body that touches nothing. */
+void pe_advance_free(pe_world *world, int slot, const pe_free_motion *free, double dt);
+
+#endif

@@ -1,0 +1,31 @@
+/* No island gains energy in a step but from the loads on it. */
+#ifndef PE_ENERGY_GUARD_H
+#define PE_ENERGY_GUARD_H
+
+#include "integrate.h"
+#include "island.h"
+
+typedef struct pe_energy_report {
+    int islands;    /* that had gained energy */
+    double removed; /* J, taken back */
+    double left;    /* J, gained by more than there was motion to take it from */
+} pe_energy_report;
+
+/* Contacts, with friction and restitution up to 1, can only take energy from an island; unconverged
+ * solves, bounces before the surface is reached and projections give it some. To be called at the
+ * end of a step, when bodies have moved and been projected. An island whose kinetic energy grew by
+ * more than what gravity and loads did along the way of its bodies,
+ *
+ *   dE = sum T(end) - T(begin) - F . dx - h tau . w     (w the mean of both angular velocities),
+ *
+ * gets its velocities scaled by sqrt(1 - dE/T(end)), or by 0. Growth within rounding is left alone.
+ *
+ * `islands` are those of the step (their lists of bodies alone are read), `free` (slots) its motion
+ * without contacts, from which F and tau follow; `poses` and `motions` (slots) are from its begin.
+ * Bodies in no island are left alone but those in `moved` (slots; NULL: none), moved by projection:
+ * each is an island by itself. */
+void pe_energy_guard(pe_world *world, const pe_islands *islands, const pe_free_motion *free,
+                     const pe_pose *poses, const pe_motion *motions, const bool *moved, double dt,
+                     pe_energy_report *report);
+
+#endif

@@ -1,0 +1,30 @@
+/* Which solver an island gets: by predicted cost, from counts and residuals, never from the clock.
+ */
+#ifndef PE_SOLVE_ISLAND_H
+#define PE_SOLVE_ISLAND_H
+
+#include "pattern.h"
+#include "solve.h"
+
+typedef struct pe_island_limits {
+    double tolerance;       /* m/s */
+    double swept_tolerance; /* m/s: what sweeps stop at, and what is not good enough without them */
+    double max_updates;     /* contact points visited by sweeps */
+    double patience; /* how much dearer than those sweeps a direct solve may be to be preferred */
+} pe_island_limits;
+
+typedef struct pe_island_report {
+    pe_path path;
+    pe_solve_report solve;
+} pe_island_report;
+
+/* Solves from the warm start in problem->impulse:
+ *
+ * - a warm start far below the tolerance is kept as it is;
+ * - else, if the predicted cost of the direct solver is within bounds, that one: an island whose
+ *   warm start nearly fits needs few iterations, one that is in upheaval many;
+ * - else sweeps with momentum, and if the direct solver gave up, sweeps from its best. */
+pe_status pe_solve_island(const pe_problem *problem, const pe_island_limits *limits,
+                          pe_workspace work, pe_island_report *report, pe_error *error);
+
+#endif

@@ -1,0 +1,132 @@
+/* Spheres and boxes of random sizes and orientations, dropped into a box of planes.
+ *
+ * They start apart, each in its own cell of a lattice over the floor, with random velocities to the
+ * sides, and fall into a loose pile. The motion is chaotic and has no closed form; what every right
+ * answer shares is that no two bodies ever overlap. */
+#include "catalogue.h"
+#include "random.h"
+#include "scene_builder.h"
+
+#include <math.h>
+
+enum { COUNT, SHAPE, FRICTION, DT, DURATION, PARAM_COUNT };
+enum { SPHERES, BOXES, BOTH };
+
+static const pl_param params[PARAM_COUNT] = {
+    [COUNT] = {.name = "n",
+               .value = 100,
+               .min = 1,
+               .max = 5000,
+               .integer = true,
+               .unit = "1",
+               .help = "number of bodies"},
+    [SHAPE] = {.name = "shape",
+               .value = BOTH,
+               .min = SPHERES,
+               .max = BOTH,
+               .integer = true,
+               .unit = "1",
+               .help = "0 spheres, 1 boxes, 2 either at random"},
+    [FRICTION] = PL_PARAM_FRICTION,
+    [DT] = PL_PARAM_DT,
+    [DURATION] = PL_PARAM_DURATION(4),
+};
+
+static const double least_half = 0.35, most_half = 0.5; /* m: radius, or half extent of a box */
+static const double gap = 0.1;                          /* m, between two cells */
+static const double sideways = 1;                       /* m/s, at most, in x and in y */
+static const double density = 1;                        /* kg/m^3 */
+
+static double uniform(pl_random *random, double low, double high)
+{
+    return low + (high - low) * pl_random_unit(random);
+}
+
+/* Uniform over all orientations: a point of the unit ball of four dimensions, normalised, which
+ * needs no function but the square root. */
+static void draw_orientation(pl_random *random, double q[4])
+{
+    double square;
+    do {
+        square = 0;
+        for (int k = 0; k < 4; k++) {
+            q[k] = uniform(random, -1, 1);
+            square += q[k] * q[k];
+        }
+    } while (square > 1 || square < 0.01);
+    double length = sqrt(square);
+    for (int k = 0; k < 4; k++) {
+        q[k] /= length;
+    }
+}
+
+static pl_shape draw_shape(pl_random *random, int shape)
+{
+    if (shape == SPHERES || (shape == BOTH && pl_random_unit(random) < 0.5)) {
+        return pl_shape_sphere(uniform(random, least_half, most_half));
+    }
+    double x = uniform(random, least_half, most_half), y = uniform(random, least_half, most_half);
+    return pl_shape_box(x, y, uniform(random, least_half, most_half));
+}
+
+/* Body i in cell i, of side `cell`, of a lattice `columns` wide and deep. */
+static void build_body(pl_builder *builder, pl_random *random, int i, int shape, int columns,
+                       double cell)
+{
+    pl_body body = pl_body_default();
+    body.shape = draw_shape(random, shape);
+    body.mass = density * pl_shape_volume(&body.shape);
+    draw_orientation(random, body.orientation);
+    body.position[0] = (i % columns + 0.5) * cell;
+    body.position[1] = (i / columns % columns + 0.5) * cell;
+    body.position[2] = (i / columns / columns + 0.5) * cell;
+    body.velocity[0] = uniform(random, -sideways, sideways);
+    body.velocity[1] = uniform(random, -sideways, sideways);
+    pl_build_body(builder, &body, "body %d", i + 1);
+}
+
+static void build_side(pl_builder *builder, double nx, double ny, double offset, const char *name)
+{
+    pl_body side = pl_body_default();
+    side.is_static = true;
+    side.shape = pl_shape_plane(nx, ny, 0, offset);
+    pl_build_body(builder, &side, "%s", name);
+}
+
+static pl_status build(const double *values, uint64_t seed, pl_scene *scene, pl_error *error)
+{
+    pl_random random = {.state = seed};
+    pl_builder builder = pl_build_begin(scene, pl_scenario_pile.name, values[DT], values[DURATION],
+                                        values[FRICTION], error);
+    const int count = (int)values[COUNT], shape = (int)values[SHAPE];
+    /* About twice as high as wide. */
+    int columns = 1;
+    while (2 * columns * columns * columns < count) {
+        columns++;
+    }
+    double cell = 2 * most_half * (shape == SPHERES ? 1 : sqrt(3)) + gap;
+    pl_build_floor(&builder, 0, 0, 1, 0);
+    build_side(&builder, 1, 0, 0, "left");
+    build_side(&builder, -1, 0, -columns * cell, "right");
+    build_side(&builder, 0, 1, 0, "front");
+    build_side(&builder, 0, -1, -columns * cell, "back");
+    for (int i = 0; i < count; i++) {
+        build_body(&builder, &random, i, shape, columns, cell);
+    }
+    pl_build_judge(&builder, pl_scenario_pile.primary_error, (double)INFINITY);
+    return pl_build_end(&builder);
+}
+
+const pl_scenario pl_scenario_pile = {
+    .name = "pile",
+    .title = "Loose pile of spheres and boxes",
+    .description = "Bodies of random sizes and orientations fall into a box of planes: contacts in "
+                   "every direction that come and go at every step, none of them stacked.",
+    .reference = "no closed form for the motion; no overlap at any time: penetration 0",
+    .source = "impenetrability",
+    .primary_error = "penetration_max",
+    .needs =
+        PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX,
+    .params = params,
+    .param_count = PARAM_COUNT,
+    .build = build};

@@ -1,0 +1,481 @@
+/* Projection of positions, and the guard over energy. */
+#include "check.h"
+#include "energy_guard.h"
+#include "project.h"
+#include "world_for_tests.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static const double H = 1.0 / 60;
+
+/* ---- Scenes ------------------------------------------------------------------------------------
+ */
+
+static pe_world *make_weightless_world(void)
+{
+    pe_world_def def = pe_world_def_default();
+    def.gravity = pe_v3(0, 0, 0);
+    return make_world(&def);
+}
+
+/* The contacts at the poses now. */
+static void find(pe_world *world)
+{
+    pe_pair *pairs;
+    int count;
+    pe_arena_reset(&world->arena, &world->allocator);
+    assert_int_equal(pe_broad_phase(world, H, &pairs, &count, NULL), PE_OK);
+    assert_int_equal(pe_contacts_find(world, pairs, count, H, NULL), PE_OK);
+}
+
+static pe_project_report project_found(pe_world *world, const pe_project_rules *rules)
+{
+    pe_project_report report;
+    pe_contact_rules contacts = pe_contact_rules_exact();
+    assert_int_equal(pe_project_positions(world, rules, &contacts, H, &report, NULL), PE_OK);
+    return report;
+}
+
+static pe_project_report project_by(pe_world *world, const pe_project_rules *rules)
+{
+    find(world);
+    return project_found(world, rules);
+}
+
+static pe_project_report project(pe_world *world)
+{
+    pe_project_rules rules = pe_project_rules_default();
+    return project_by(world, &rules);
+}
+
+static double depth_of(const pe_world *world)
+{
+    double depth = 0;
+    for (int j = 0; j < world->contacts.point_count; ++j) {
+        depth = pe_max(depth, -pe_points(&world->contacts)[j].separation);
+    }
+    return depth;
+}
+
+/* Of depths below the aim. */
+static double squares_of(const pe_world *world, double aim)
+{
+    double sum = 0;
+    for (int j = 0; j < world->contacts.point_count; ++j) {
+        double over = pe_max(-pe_points(&world->contacts)[j].separation - aim, 0);
+        sum += over * over;
+    }
+    return sum;
+}
+
+static pe_vec3 centre_of_mass(const pe_world *world)
+{
+    pe_vec3 sum = {0};
+    double mass = 0;
+    for (int slot = 1; slot < world->slot_count; ++slot) {
+        double m = pe_masses(world)[slot].mass;
+        sum = pe_madd(sum, m, pe_poses(world)[slot].position);
+        mass += m;
+    }
+    return pe_scale(1 / mass, sum);
+}
+
+static double kinetic_energy(const pe_world *world)
+{
+    double sum = 0;
+    for (int slot = 1; slot < world->slot_count; ++slot) {
+        const pe_mass *m = &pe_masses(world)[slot];
+        const pe_motion *v = &pe_motions(world)[slot];
+        pe_vec3 w = pe_unrotate(&pe_poses(world)[slot].rotation, v->angular_velocity);
+        sum +=
+            0.5 * (m->mass * pe_dot(v->velocity, v->velocity) + pe_dot(w, pe_mul(m->inertia, w)));
+    }
+    return sum;
+}
+
+static pe_vec3 random_vector(check_random *random, double reach)
+{
+    double x = check_uniform(random, -reach, reach), y = check_uniform(random, -reach, reach);
+    return pe_v3(x, y, check_uniform(random, -reach, reach));
+}
+
+/* Boxes and spheres that overlap, in motion. */
+static void add_heap(pe_world *world, check_random *random, int count, double reach)
+{
+    for (int i = 0; i < count; ++i) {
+        pe_body_def def = box_def(0.4, 0.3, 0.5, random_vector(random, reach));
+        if (i % 2 == 0) {
+            def.shape = (pe_shape){.kind = PE_SHAPE_SPHERE, .radius = 0.4};
+        }
+        double q[4];
+        check_quaternion(random, q);
+        def.mass = check_uniform(random, 0.5, 3);
+        def.orientation = (pe_quat){q[0], q[1], q[2], q[3]};
+        def.velocity = random_vector(random, 1);
+        def.angular_velocity = random_vector(random, 1);
+        add_body(world, &def);
+    }
+}
+
+/* ---- Projection --------------------------------------------------------------------------------
+ */
+
+static void test_overlapping_boxes_part_by_the_overlap_in_ratio_of_their_masses(void **state)
+{
+    (void)state;
+    pe_world *world = make_weightless_world();
+    pe_body_def a = box_def(0.5, 0.5, 0.5, pe_v3(0, 0, 0));
+    pe_body_def b = box_def(0.5, 0.5, 0.5, pe_v3(0.99, 0, 0));
+    b.mass = 3;
+    pe_body_id one = add_body(world, &a), other = add_body(world, &b);
+    pe_project_rules rules = pe_project_rules_default();
+    pe_project_report report = project_by(world, &rules);
+    assert_close(report.penetration, 0.01, 1e-12, 0);
+    double parted = 0.01 - rules.aim, within = rules.enough;
+    double x = state_of(world, one).position.x, y = state_of(world, other).position.x;
+    assert_close(y - x, 0.99 + parted, within, 0);
+    assert_close(-x, 3 * (y - 0.99), 1e-12, 0);
+    assert_close(report.penetration_left, depth_of(world), 0, 0);
+    pe_world_destroy(world);
+}
+
+static void test_what_is_shallow_stays_to_the_bit(void **state)
+{
+    (void)state;
+    pe_world *world = make_world(NULL);
+    pe_project_rules rules = pe_project_rules_default();
+    pe_material_id rough = add_material(world, 0.5, 0);
+    add_plane(world, pe_v3(0, 0, 1), rough);
+    pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(0, 0, 0.5 - 0.99 * rules.begin));
+    pe_body_id box = add_body(world, &def);
+    pe_body_state before = state_of(world, box);
+    pe_project_report report = project_by(world, &rules);
+    pe_body_state after = state_of(world, box);
+    assert_memory_equal(&before, &after, sizeof before);
+    assert_int_equal(report.rounds, 0);
+    assert_null(report.moved);
+    assert_close(report.penetration_left, 0.99 * rules.begin, 1e-12, 0);
+    pe_world_destroy(world);
+}
+
+static void test_a_sunk_box_is_lifted_out_of_the_ground(void **state)
+{
+    (void)state;
+    pe_world *world = make_world(NULL);
+    pe_project_rules rules = pe_project_rules_default();
+    add_plane(world, pe_v3(0, 0, 1), add_material(world, 0.5, 0));
+    pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(0, 0, 0.48));
+    pe_body_id box = add_body(world, &def);
+    project_by(world, &rules);
+    pe_body_state s = state_of(world, box);
+    assert_close(s.position.z, 0.5 - rules.aim, rules.enough, 0);
+    assert_close(s.position.x, 0, 1e-12, 0);
+    assert_close(s.orientation.w, 1, 1e-12, 0);
+    assert_close(s.velocity.z, 0, 0, 0);
+    pe_world_destroy(world);
+}
+
+/* A push goes through a row of touching cubes, each of which is reached by the one before. */
+static void test_a_push_reaches_the_end_of_a_row(void **state)
+{
+    (void)state;
+    enum { ROW = 8 };
+    pe_world *world = make_weightless_world();
+    pe_project_rules rules = pe_project_rules_default();
+    pe_body_id ids[ROW];
+    add_plane(world, pe_v3(1, 0, 0), add_material(world, 0.5, 0));
+    for (int i = 0; i < ROW; ++i) {
+        pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(0.5 + i - 0.005, 0, 0));
+        ids[i] = add_body(world, &def);
+    }
+    project_by(world, &rules);
+    for (int i = 0; i < ROW; ++i) { /* each may be left as deep as the rules say */
+        double x = state_of(world, ids[i]).position.x;
+        assert_at_most(0.5 + i - (i + 1) * rules.begin, x);
+    }
+    assert_at_most(depth_of(world), rules.begin);
+    pe_world_destroy(world);
+}
+
+static void test_what_the_push_does_not_touch_stays_to_the_bit(void **state)
+{
+    (void)state;
+    pe_world *world = make_weightless_world();
+    pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(0, 0, 0));
+    pe_body_id a = add_body(world, &def);
+    def.position.x = 1 - 6e-4;
+    add_body(world, &def);
+    def.position.x = 2; /* 6e-4 from its neighbour, which moves by less */
+    pe_body_id c = add_body(world, &def);
+    pe_body_state far = state_of(world, c), pushed = state_of(world, a);
+    pe_project_report report = project(world);
+    pe_body_state now = state_of(world, c);
+    assert_memory_equal(&far, &now, sizeof far);
+    assert_false(report.moved[c.index]);
+    assert_true(report.moved[a.index]);
+    now = state_of(world, a);
+    assert_true(now.position.x < pushed.position.x);
+    pe_world_destroy(world);
+}
+
+static void test_a_heap_never_gets_worse_and_keeps_centre_of_mass_and_energy(void **state)
+{
+    (void)state;
+    int mended = 0;
+    for (uint64_t seed = 1; seed <= 30; ++seed) {
+        check_random random = {seed};
+        pe_world *world = make_weightless_world();
+        pe_project_rules rules = pe_project_rules_default();
+        rules.max_rounds = 1 + (int)(seed % 4);
+        add_heap(world, &random, 24, 1.2);
+        find(world);
+        double before = squares_of(world, rules.aim), energy = kinetic_energy(world);
+        double depth = depth_of(world);
+        pe_vec3 centre = centre_of_mass(world);
+        pe_project_report report = project_found(world, &rules);
+        double after = squares_of(world, rules.aim);
+        assert_at_most(after, before);
+        assert_close(report.penetration, depth, 0, 0);
+        assert_close(report.penetration_left, depth_of(world), 0, 0);
+        assert_true(report.rounds <= rules.max_rounds);
+        assert_at_most(pe_length(pe_sub(centre_of_mass(world), centre)), 1e-12);
+        assert_close(kinetic_energy(world), energy, 0, 1e-12);
+        mended += after < 0.5 * before;
+        pe_world_destroy(world);
+    }
+    assert_true(mended > 20);
+}
+
+static void test_contacts_afterwards_are_those_of_the_final_poses(void **state)
+{
+    (void)state;
+    for (uint64_t seed = 1; seed <= 10; ++seed) {
+        check_random random = {seed};
+        pe_world *world = make_weightless_world();
+        add_heap(world, &random, 20, 1.2);
+        project(world);
+        int manifolds = world->contacts.manifold_count, points = world->contacts.point_count;
+        double *gaps = malloc(sizeof *gaps * (size_t)points);
+        for (int j = 0; j < points; ++j) {
+            gaps[j] = pe_points(&world->contacts)[j].separation;
+        }
+        find(world);
+        assert_int_equal(world->contacts.manifold_count, manifolds);
+        assert_int_equal(world->contacts.point_count, points);
+        for (int j = 0; j < points; ++j) {
+            assert_close(pe_points(&world->contacts)[j].separation, gaps[j], 1e-12, 0);
+        }
+        free(gaps);
+        pe_world_destroy(world);
+    }
+}
+
+static void test_any_solver_may_take_the_place_of_sweeps(void **state)
+{
+    (void)state;
+    pe_world *world = make_world(NULL);
+    pe_material_id rough = add_material(world, 0.5, 0);
+    add_plane(world, pe_v3(0, 0, 1), rough);
+    for (int i = 0; i < 4; ++i) {
+        pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(0, 0, 0.5 + i - 0.003 * (i + 1)));
+        add_body(world, &def);
+    }
+    bool flags[8] = {0};
+    flags[2] = true; /* the lowest cube: slot 1 is the plane */
+    pe_project_rules rules = pe_project_rules_default();
+    rules.solver = pe_solve_gauss_seidel;
+    rules.solver_limits = (pe_solve_limits){1e-9, 20000};
+    rules.by_solver = flags;
+    pe_project_report report = project_by(world, &rules);
+    assert_int_equal(report.rounds, 1);
+    for (int i = 0; i < 4; ++i) {
+        double z = pe_poses(world)[2 + i].position.z;
+        assert_close(z, 0.5 + i - (i + 1) * rules.aim, 1e-8, 0);
+    }
+    pe_world_destroy(world);
+}
+
+/* ---- The guard ---------------------------------------------------------------------------------
+ */
+
+/* A step under way: what the guard compares with. */
+typedef struct under_way {
+    pe_pose poses[8];
+    pe_motion motions[8];
+    pe_free_motion free[8];
+    pe_islands islands;
+} under_way;
+
+static void remember(pe_world *world, under_way *u)
+{
+    find(world);
+    size_t slots = (size_t)world->slot_count;
+    memcpy(u->poses, pe_poses(world), slots * sizeof *u->poses);
+    memcpy(u->motions, pe_motions(world), slots * sizeof *u->motions);
+    pe_predict_motion(world, H, u->free);
+    assert_int_equal(pe_islands_find(world, &u->islands, NULL), PE_OK);
+}
+
+/* Moves a body as if it touched nothing. */
+static void move_freely(pe_world *world, const under_way *u, int slot)
+{
+    pe_motions(world)[slot] = u->free[slot].end;
+    pe_pose_move(&pe_poses(world)[slot], pe_scale(H, u->free[slot].mean.velocity),
+                 pe_scale(H, u->free[slot].mean.angular_velocity));
+}
+
+static pe_energy_report guard(pe_world *world, const under_way *u)
+{
+    pe_energy_report report;
+    pe_energy_guard(world, &u->islands, u->free, u->poses, u->motions, NULL, H, &report);
+    return report;
+}
+
+/* A body of 2 kg a little above the ground, near enough for a contact. */
+static pe_world *make_world_with(pe_shape shape, pe_vec3 velocity, pe_vec3 spin, pe_body_id *id)
+{
+    pe_world *world = make_world(NULL);
+    add_plane(world, pe_v3(0, 0, 1), add_material(world, 0.5, 1));
+    pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(3, 1, 0.5005));
+    def.shape = shape;
+    def.mass = 2;
+    def.velocity = velocity;
+    def.angular_velocity = spin;
+    *id = add_body(world, &def);
+    return world;
+}
+
+static const pe_shape CUBE = {.kind = PE_SHAPE_BOX, .half_extents = {0.5, 0.5, 0.5}};
+
+static void test_free_fall_and_throws_are_left_to_the_bit(void **state)
+{
+    (void)state;
+    static const pe_vec3 velocities[] = {{0, 0, 0}, {3, -2, 6}, {10, 0, 0}, {0, 0, -1}};
+    for (int k = 0; k < 4; ++k) {
+        pe_body_id id;
+        pe_world *world = make_world_with(CUBE, velocities[k], pe_v3(0.3 * k, 0.1, -2), &id);
+        under_way u;
+        remember(world, &u);
+        assert_int_equal(u.islands.count, 1);
+        move_freely(world, &u, (int)id.index);
+        pe_motion before = pe_motions(world)[id.index];
+        pe_energy_report report = guard(world, &u);
+        assert_memory_equal(&before, &pe_motions(world)[id.index], sizeof before);
+        assert_int_equal(report.islands, 0);
+        pe_world_destroy(world);
+    }
+}
+
+static void test_what_forces_and_torques_do_is_left_to_the_bit(void **state)
+{
+    (void)state;
+    static const pe_frame frames[] = {PE_FRAME_WORLD, PE_FRAME_BODY};
+    for (int k = 0; k < 2; ++k) {
+        pe_body_id id;
+        pe_world *world = make_world_with(CUBE, pe_v3(1, 0, 2), pe_v3(0, 0.5, 1), &id);
+        assert_int_equal(pe_body_apply_force(world, id, pe_v3(40, -7, 25), pe_v3(0.2, 0.1, -0.3),
+                                             frames[k], NULL),
+                         PE_OK);
+        under_way u;
+        remember(world, &u);
+        move_freely(world, &u, (int)id.index);
+        pe_motion before = pe_motions(world)[id.index];
+        guard(world, &u);
+        assert_memory_equal(&before, &pe_motions(world)[id.index], sizeof before);
+        pe_world_destroy(world);
+    }
+}
+
+static double energy_at(const pe_world *world, pe_body_id id)
+{
+    return kinetic_energy(world) + 2 * 9.81 * pe_poses(world)[id.index].position.z;
+}
+
+/* A bounce in mid-air, before the ground is reached, would end higher than it began. */
+static void test_a_bounce_keeps_the_energy(void **state)
+{
+    (void)state;
+    pe_body_id id;
+    pe_world *world = make_world_with(CUBE, pe_v3(1, 0, -5), pe_v3(0, 0, 1), &id);
+    under_way u;
+    remember(world, &u);
+    double before = energy_at(world, id);
+    pe_motion *motion = &pe_motions(world)[id.index];
+    motion->velocity.z = 5;
+    pe_pose_move(&pe_poses(world)[id.index], pe_scale(H, motion->velocity),
+                 pe_scale(H, motion->angular_velocity));
+    assert_true(energy_at(world, id) > before + 0.5);
+    pe_energy_report report = guard(world, &u);
+    assert_close(energy_at(world, id), before, 1e-12, 0);
+    assert_int_equal(report.islands, 1);
+    assert_close(report.removed, 2 * 9.81 * 5 * H, 1e-12, 0);
+    assert_close(motion->angular_velocity.z / motion->velocity.z, 1.0 / 5, 1e-12, 0);
+    pe_world_destroy(world);
+}
+
+static void test_the_guard_never_adds_and_leaves_no_growth_that_motion_could_pay(void **state)
+{
+    (void)state;
+    check_random random = {77};
+    int acted = 0;
+    for (int k = 0; k < 200; ++k) {
+        pe_body_id id;
+        pe_world *world =
+            make_world_with(CUBE, random_vector(&random, 3), random_vector(&random, 3), &id);
+        under_way u;
+        remember(world, &u);
+        double begun = energy_at(world, id);
+        pe_motion *motion = &pe_motions(world)[id.index];
+        motion->velocity = pe_add(motion->velocity, random_vector(&random, 1));
+        motion->angular_velocity = pe_add(motion->angular_velocity, random_vector(&random, 1));
+        pe_pose_move(&pe_poses(world)[id.index], random_vector(&random, 0.05),
+                     random_vector(&random, 0.05));
+        double before = energy_at(world, id);
+        pe_energy_report report = guard(world, &u);
+        double after = energy_at(world, id);
+        assert_at_most(after, before);
+        assert_at_most(after, pe_max(begun + report.left, before) + 1e-12);
+        assert_at_most(after, begun + report.left + 1e-12);
+        assert_close(before - after, report.removed, 1e-12, 0);
+        acted += report.islands;
+        pe_world_destroy(world);
+    }
+    assert_true(acted > 40 && acted < 160);
+}
+
+static void test_a_lift_without_motion_is_reported_and_leaves_rest(void **state)
+{
+    (void)state;
+    pe_body_id id;
+    pe_world *world = make_world_with(CUBE, pe_v3(0, 0, 0), pe_v3(0, 0, 0), &id);
+    under_way u;
+    remember(world, &u);
+    pe_motions(world)[id.index].velocity.x = 1e-3;
+    pe_pose_move(&pe_poses(world)[id.index], pe_v3(0, 0, 0.01), pe_v3(0, 0, 0));
+    pe_energy_report report = guard(world, &u);
+    assert_close(report.left, 2 * 9.81 * 0.01, 1e-12, 0);
+    assert_close(report.removed, 1e-6, 1e-12, 0);
+    assert_close(pe_motions(world)[id.index].velocity.x, 0, 0, 0);
+    pe_world_destroy(world);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_overlapping_boxes_part_by_the_overlap_in_ratio_of_their_masses),
+        cmocka_unit_test(test_what_is_shallow_stays_to_the_bit),
+        cmocka_unit_test(test_a_sunk_box_is_lifted_out_of_the_ground),
+        cmocka_unit_test(test_a_push_reaches_the_end_of_a_row),
+        cmocka_unit_test(test_what_the_push_does_not_touch_stays_to_the_bit),
+        cmocka_unit_test(test_a_heap_never_gets_worse_and_keeps_centre_of_mass_and_energy),
+        cmocka_unit_test(test_contacts_afterwards_are_those_of_the_final_poses),
+        cmocka_unit_test(test_any_solver_may_take_the_place_of_sweeps),
+        cmocka_unit_test(test_free_fall_and_throws_are_left_to_the_bit),
+        cmocka_unit_test(test_what_forces_and_torques_do_is_left_to_the_bit),
+        cmocka_unit_test(test_a_bounce_keeps_the_energy),
+        cmocka_unit_test(test_the_guard_never_adds_and_leaves_no_growth_that_motion_could_pay),
+        cmocka_unit_test(test_a_lift_without_motion_is_reported_and_leaves_rest),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

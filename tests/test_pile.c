@@ -1,0 +1,144 @@
+/* The scenario `pile`: what it puts where. */
+#include "check.h"
+#include "plumb/scenario.h"
+#include "scene_equal.h"
+
+#include <math.h>
+
+enum { SIDES = 5 }; /* floor and walls */
+
+static void build(const char *const *settings, int count, uint64_t seed, pl_scene *scene)
+{
+    pl_error error;
+    double values[PL_MAX_PARAMS];
+    const pl_scenario *pile = pl_scenario_find("pile", &error);
+    assert_non_null(pile);
+    if (pl_scenario_values(pile, settings, count, values, &error) != PL_OK ||
+        pile->build(values, seed, scene, &error) != PL_OK) {
+        fail_msg("%s", error.message);
+    }
+}
+
+/* From the centre to the farthest point. */
+static double reach(const pl_shape *shape)
+{
+    const double *h = shape->half_extents;
+    return shape->kind == PL_SHAPE_SPHERE ? shape->radius
+                                          : sqrt(h[0] * h[0] + h[1] * h[1] + h[2] * h[2]);
+}
+
+static double distance_to_plane(const pl_body *plane, const pl_body *body)
+{
+    const double *n = plane->shape.normal, *x = body->position;
+    return n[0] * x[0] + n[1] * x[1] + n[2] * x[2] - plane->shape.offset;
+}
+
+static double distance_between(const pl_body *a, const pl_body *b)
+{
+    double d[3];
+    for (int k = 0; k < 3; ++k) {
+        d[k] = a->position[k] - b->position[k];
+    }
+    return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+static void test_all_bodies_start_apart_and_inside_of_the_box(void **state)
+{
+    (void)state;
+    const char *const shapes[] = {"shape=0", "shape=1", "shape=2"};
+    for (int s = 0; s < 3; ++s) {
+        const char *settings[] = {"n=150", shapes[s]};
+        pl_scene scene;
+        build(settings, 2, 7, &scene);
+        assert_int_equal(scene.body_count, SIDES + 150);
+        for (int i = SIDES; i < scene.body_count; ++i) {
+            const pl_body *body = &scene.bodies[i];
+            for (int k = 0; k < SIDES; ++k) {
+                assert_true(distance_to_plane(&scene.bodies[k], body) > reach(&body->shape));
+            }
+            for (int k = SIDES; k < i; ++k) {
+                assert_true(distance_between(&scene.bodies[k], body) >
+                            reach(&scene.bodies[k].shape) + reach(&body->shape));
+            }
+        }
+        pl_scene_free(&scene);
+    }
+}
+
+static void test_the_shape_decides_what_falls(void **state)
+{
+    (void)state;
+    const char *const shapes[] = {"shape=0", "shape=1", "shape=2"};
+    for (int s = 0; s < 3; ++s) {
+        const char *settings[] = {"n=100", shapes[s]};
+        int spheres = 0;
+        pl_scene scene;
+        build(settings, 2, 1, &scene);
+        for (int i = SIDES; i < scene.body_count; ++i) {
+            spheres += scene.bodies[i].shape.kind == PL_SHAPE_SPHERE;
+        }
+        if (s == 2) {
+            assert_in_range(spheres, 30, 70);
+        } else {
+            assert_int_equal(spheres, s == 0 ? 100 : 0);
+        }
+        pl_scene_free(&scene);
+    }
+}
+
+static void test_mass_is_volume_and_every_body_its_own(void **state)
+{
+    (void)state;
+    pl_scene scene;
+    build(NULL, 0, 5, &scene);
+    for (int i = SIDES; i < scene.body_count; ++i) {
+        const pl_body *body = &scene.bodies[i];
+        assert_close(body->mass, pl_shape_volume(&body->shape), 0, 1e-15);
+        for (int k = SIDES; k < i; ++k) {
+            assert_true(body->mass != scene.bodies[k].mass);
+            assert_true(body->orientation[0] != scene.bodies[k].orientation[0]);
+        }
+    }
+    pl_scene_free(&scene);
+}
+
+static void test_the_same_seed_is_the_same_pile_and_another_is_another(void **state)
+{
+    (void)state;
+    pl_scene first, again, other;
+    char hash[17], other_hash[17];
+    build(NULL, 0, 3, &first);
+    build(NULL, 0, 3, &again);
+    build(NULL, 0, 4, &other);
+    assert_same_scene(&again, &first);
+    assert_int_equal(pl_scene_hash(&first, hash, NULL), PL_OK);
+    assert_int_equal(pl_scene_hash(&other, other_hash, NULL), PL_OK);
+    assert_string_not_equal(hash, other_hash);
+    pl_scene_free(&first);
+    pl_scene_free(&again);
+    pl_scene_free(&other);
+}
+
+static void test_no_final_state_is_expected_but_that_nothing_overlaps(void **state)
+{
+    (void)state;
+    pl_scene scene;
+    build(NULL, 0, 0, &scene);
+    assert_int_equal(scene.rest_count, 0);
+    assert_int_equal(scene.travel_count, 0);
+    assert_string_equal(scene.primary_error, "penetration_max");
+    assert_true(isinf(scene.collapse_distance));
+    pl_scene_free(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_all_bodies_start_apart_and_inside_of_the_box),
+        cmocka_unit_test(test_the_shape_decides_what_falls),
+        cmocka_unit_test(test_mass_is_volume_and_every_body_its_own),
+        cmocka_unit_test(test_the_same_seed_is_the_same_pile_and_another_is_another),
+        cmocka_unit_test(test_no_final_state_is_expected_but_that_nothing_overlaps),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,142 @@
+/* Published numbers beside results made by hand. */
+#include "report/published.h"
+
+#include "check.h"
+#include "plumb_process.h"
+#include "report_rows.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A tower with the parameters of its defaults but for n and one more. */
+static json_t *add_tower(json_t *results, int n, const char *other, double value, const char *label,
+                         const char *outcome)
+{
+    const pl_scenario *tower = pl_scenario_find("tower", NULL);
+    json_t *row = add_run(results, "tower", label, outcome), *params = json_object();
+    for (int i = 0; i < tower->param_count; i++) {
+        const pl_param *param = &tower->params[i];
+        bool is_other = other != NULL && strcmp(param->name, other) == 0;
+        json_object_set_new(params, param->name, json_real(is_other ? value : param->value));
+    }
+    json_object_set_new(params, "n", json_integer(n));
+    json_object_set_new(row, "params", params);
+    return row;
+}
+
+static json_t *iterations_reported(double value)
+{
+    return json_pack("{s:f, s:s}", "value", value, "unit", "1");
+}
+
+static json_t *no_iterations(void)
+{
+    return json_pack("{s:n, s:s, s:s}", "value", "unit", "1", "reason", "the engine reports none");
+}
+
+/* The three towers on three engines: one that reports nothing, one that fell. */
+static json_t *three_towers(void)
+{
+    static const int sizes[] = {5, 10, 25};
+    json_t *results = json_array();
+    for (int i = 0; i < 3; i++) {
+        json_t *row = add_tower(results, sizes[i], "duration", 3, "plumb:fast", "ok");
+        set_metric(row, "iterations_mean", iterations_reported(2.5 + i));
+        row = add_tower(results, sizes[i], "duration", 3, "ode:dantzig", "ok");
+        set_metric(row, "iterations_mean", no_iterations());
+        row = add_tower(results, sizes[i], "duration", 3, "ode:quick", i == 2 ? "collapsed" : "ok");
+        set_metric(row, "iterations_mean", iterations_reported(20));
+    }
+    return results;
+}
+
+static void test_summary_shows_the_papers_numbers_beside_ours(void **state)
+{
+    (void)state;
+    made_report made = make_report(three_towers());
+    const char *text = made.markdown.data;
+    assert_contains(text, "| Problem | Published | plumb:fast | ode:dantzig | ode:quick |\n");
+    assert_contains(text, "| 1.65 | 2.50<br>ok | –<br>ok | 20.0<br>ok |\n");
+    assert_contains(text, "| 36 | 3.50<br>ok | –<br>ok | 20.0<br>ok |\n");
+    assert_contains(text, "| 47 | 4.50<br>ok | –<br>ok | 20.0<br>**collapsed** |\n");
+    assert_contains(text, "Table 2");
+    assert_before(text, "| 1.65 |", "| 36 |");
+    assert_before(text, "| 36 |", "| 47 |");
+    free_report(&made);
+}
+
+static void test_published_numbers_want_all_of_their_problems(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    add_tower(results, 5, NULL, 0, "plumb:fast", "ok");
+    add_tower(results, 10, NULL, 0, "plumb:fast", "ok");
+    made_report made = make_report(results);
+    assert_absent(made.markdown.data, "published");
+    free_report(&made);
+}
+
+/* A tower of displaced or heavier cubes is another problem; of another step, the same. */
+static void test_other_parameters_are_another_problem(void **state)
+{
+    (void)state;
+    static const char *const others[] = {"offset", "top_mass", "friction", "dt", "duration"};
+    static const bool same[] = {false, false, false, true, true};
+    const pl_suite_entry *entry = &pl_suite_find("paper", NULL)->entries[0];
+    for (int i = 0; i < 5; i++) {
+        json_t *results = json_array();
+        add_tower(results, 5, others[i], 0.125, "plumb:fast", "ok");
+        made_report made = make_report(results);
+        assert_int_equal(made.cells.block_count, 1);
+        assert_int_equal(pl_published_is(&made.cells.blocks[0], entry), same[i]);
+        free_report(&made);
+    }
+}
+
+static void test_unknown_scenarios_and_files_are_no_published_problem(void **state)
+{
+    (void)state;
+    made_report made = make_report(runs_of_every_kind());
+    const pl_suite *paper = pl_suite_find("paper", NULL);
+    for (int b = 0; b < made.cells.block_count; b++)
+        for (int i = 0; i < paper->entry_count; i++)
+            assert_false(pl_published_is(&made.cells.blocks[b], &paper->entries[i]));
+    free_report(&made);
+}
+
+/* The command itself, for a few steps: an engine that reports no iterations has none, never 0. */
+static void test_compare_writes_the_papers_table_beside_real_engines(void **state)
+{
+    (void)state;
+    char *directory = make_directory();
+    char *out = path_in(directory, "report");
+    const char *const arguments[] = {"compare", "--suite",  "paper",       "--engine",
+                                     "plumb",   "--engine", "ode:dantzig", "--duration",
+                                     "0.05",    "--out",    out,           NULL};
+    plumb_output output = run_plumb(directory, arguments);
+    assert_int_equal(output.code, 0);
+    char *path = path_in(out, "summary.md");
+    char *summary = read_text(path);
+    assert_non_null(summary);
+    assert_contains(summary, "| tower n=5 duration=0.05 s | 1.65 | ");
+    assert_contains(summary, "| tower duration=0.05 s | 36 | ");
+    assert_contains(summary, "| tower n=25 duration=0.05 s | 47 | ");
+    assert_int_equal(count_of(summary, "<br>ok | –<br>ok |"), 3);
+    free(summary);
+    free(path);
+    free(out);
+    free_output(&output);
+    remove_directory(directory);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_summary_shows_the_papers_numbers_beside_ours),
+        cmocka_unit_test(test_published_numbers_want_all_of_their_problems),
+        cmocka_unit_test(test_other_parameters_are_another_problem),
+        cmocka_unit_test(test_compare_writes_the_papers_table_beside_real_engines),
+        cmocka_unit_test(test_unknown_scenarios_and_files_are_no_published_problem),
+    };
+    return cmocka_run_group_tests_name("published", tests, NULL, NULL);
+}

@@ -1,0 +1,299 @@
+/* Our solvers against solvers that we have no part in: Siconos' friction-contact solvers (Acary and
+ * others, INRIA), on the very same problems. Both get the same W = J M^-1 J^T and q = J v* + b,
+ * worked out here by formulas of the test's own. Impulses need not be unique, velocities are
+ * compared. */
+#include "check.h"
+
+#include <stdio.h>
+
+#ifndef PLUMB_HAVE_SICONOS
+
+int main(void)
+{
+    fputs("skipped: this build has no Siconos (Debian package libsiconos-numerics-dev)\n", stderr);
+    return 77;
+}
+
+#else
+
+#include "contact_problem_for_tests.h"
+#include "solve/benchmark.h"
+
+#include <FrictionContactProblem.h>
+#include <Friction_cst.h>
+#include <NonSmoothDrivers.h>
+#include <NumericsMatrix.h>
+#include <SolverOptions.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What both are asked for; what counts as an answer, by our residual; and how near velocities must
+ * then be. All in m/s but Siconos' own tolerance, which is relative. */
+static const double TOLERANCE = 1e-12, SOLVED = 1e-8, SAME_VELOCITY = 1e-6;
+
+/* W, column by column: what a unit impulse does to the velocities of all points; and q. */
+static void assemble(const pe_contact_problem *problem, double *w, double *q)
+{
+    int points = problem->point_count;
+    size_t count = (size_t)points;
+    double(*p)[3] = calloc(count, sizeof *p), (*u)[3] = calloc(count, sizeof *u);
+    double(*free_u)[3] = calloc(count, sizeof *free_u);
+    double(*v)[6] = calloc((size_t)problem->body_count, sizeof *v);
+    assert_true(p != NULL && u != NULL && free_u != NULL && v != NULL);
+    reference_velocities(problem, (const double(*)[3])p, v);
+    reference_contact_velocities(problem, (const double(*)[6])v, free_u);
+    memcpy(q, free_u, count * sizeof *free_u);
+    for (int j = 0; j < 3 * points; ++j) {
+        p[j / 3][j % 3] = 1;
+        reference_velocities(problem, (const double(*)[3])p, v);
+        reference_contact_velocities(problem, (const double(*)[6])v, u);
+        p[j / 3][j % 3] = 0;
+        for (int i = 0; i < 3 * points; ++i) {
+            w[i + 3 * points * j] = u[i / 3][i % 3] - free_u[i / 3][i % 3];
+        }
+    }
+    free(p);
+    free(u);
+    free(free_u);
+    free(v);
+}
+
+/* Siconos' answer by one of its solvers, as a warm start in `problem`. */
+static void solve_by_siconos(pe_contact_problem *problem, int solver)
+{
+    int points = problem->point_count;
+    size_t size = 3 * (size_t)points;
+    NumericsMatrix *w = NM_create(NM_DENSE, 3 * points, 3 * points);
+    double *q = malloc(size * sizeof *q), *mu = malloc((size_t)points * sizeof *mu);
+    double *reaction = calloc(size, sizeof *reaction), *velocity = calloc(size, sizeof *velocity);
+    assert_true(q != NULL && mu != NULL && reaction != NULL && velocity != NULL);
+    assemble(problem, w->matrix0, q);
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_problem_manifold *m = &problem->manifolds[i];
+        for (int j = m->first; j < m->first + m->count; ++j) {
+            mu[j] = m->friction;
+        }
+    }
+    FrictionContactProblem *theirs = frictionContactProblem_new_with_data(3, points, w, q, mu);
+    SolverOptions *options = solver_options_create(solver);
+    options->dparam[SICONOS_DPARAM_TOL] = TOLERANCE;
+    options->iparam[SICONOS_IPARAM_MAX_ITER] = 20000;
+    int status = fc3d_driver(theirs, reaction, velocity, options);
+    if (status != 0) {
+        print_message("Siconos' solver %d: status %d, its error %g\n", solver, status,
+                      options->dparam[SICONOS_DPARAM_RESIDU]);
+    }
+    for (int j = 0; j < points; ++j) {
+        memcpy(problem->points[j].impulse, &reaction[3 * j], sizeof problem->points[j].impulse);
+    }
+    solver_options_delete(options);
+    free(options);
+    frictionContactProblem_free(theirs); /* with w, q and mu */
+    free(reaction);
+    free(velocity);
+}
+
+/* Our solution from zero impulses. */
+static pe_contact_solution solve_by_ours(const pe_contact_problem *problem, const char *solver)
+{
+    const pe_solve_limits limits = {.tolerance = TOLERANCE, .max_iterations = 20000};
+    pe_contact_solution solution;
+    pe_error error;
+    if (pe_contact_problem_solve(problem, solver, &limits, NULL, &solution, &error) != PE_OK) {
+        fail_msg("%s", error.message);
+    }
+    return solution;
+}
+
+/* Our residual of the impulses that the problem carries. */
+static double own_residual(const pe_contact_problem *problem)
+{
+    pe_contact_solution s;
+    const pe_solve_limits look = {.tolerance = HUGE_VAL};
+    assert_int_equal(pe_contact_problem_solve(problem, pe_solver(0).name, &look, NULL, &s, NULL),
+                     PE_OK);
+    double residual = s.start.max;
+    pe_contact_solution_free(&s);
+    return residual;
+}
+
+static void drop_impulses(pe_contact_problem *problem)
+{
+    for (int j = 0; j < problem->point_count; ++j) {
+        memset(problem->points[j].impulse, 0, sizeof problem->points[j].impulse);
+    }
+}
+
+static void compare_velocities(const pe_contact_problem *problem, const char *name,
+                               const char *ours, const pe_contact_solution *solution,
+                               const double (*theirs)[6], double residual)
+{
+    double worst = 0;
+    for (int i = 0; i < problem->body_count; ++i) {
+        for (int k = 0; k < 6; ++k) {
+            worst = fmax(worst, fabs(solution->velocities[i][k] - theirs[i][k]));
+        }
+    }
+    if (!(worst <= SAME_VELOCITY)) {
+        fail_msg("%s: %s (residual %g) and Siconos (residual %g) differ by %g m/s", name, ours,
+                 solution->residual.max, residual, worst);
+    }
+}
+
+/* Every solver of ours that gets to an answer gives Siconos' velocities. Whether there was anything
+ * to compare: Siconos has an answer by our residual, and so has `must`. Destroys the problem. */
+static bool agrees(const char *name, pe_contact_problem *problem, int siconos, const char *must)
+{
+    double(*theirs)[6] = calloc((size_t)problem->body_count, sizeof *theirs);
+    double(*p)[3] = calloc((size_t)problem->point_count, sizeof *p);
+    assert_true(theirs != NULL && p != NULL);
+    solve_by_siconos(problem, siconos);
+    for (int j = 0; j < problem->point_count; ++j) {
+        memcpy(p[j], problem->points[j].impulse, sizeof p[j]);
+    }
+    reference_velocities(problem, (const double(*)[3])p, theirs);
+    double residual = own_residual(problem);
+    bool compared = false;
+    drop_impulses(problem);
+    for (int i = 0; i < pe_solver_count() && residual <= SOLVED; ++i) {
+        const char *ours = pe_solver(i).name;
+        pe_contact_solution solution = solve_by_ours(problem, ours);
+        if (solution.residual.max <= SOLVED) {
+            compare_velocities(problem, name, ours, &solution, (const double(*)[6])theirs,
+                               residual);
+            compared = compared || strcmp(ours, must) == 0;
+        }
+        pe_contact_solution_free(&solution);
+    }
+    free(theirs);
+    free(p);
+    pe_contact_problem_destroy(problem);
+    return compared;
+}
+
+/* By Gauss-Seidel over the points, with exact local solves. */
+static void check_by_sweeps(const char *name, pe_contact_problem *problem)
+{
+    if (!agrees(name, problem, SICONOS_FRICTION_3D_NSGS, "direct")) {
+        fail_msg("%s: one of the two has no answer", name);
+    }
+}
+
+static pe_contact_problem *capture(const pl_benchmark_problem *row)
+{
+    pe_contact_problem *problem = NULL;
+    pl_error error;
+    if (pl_benchmark_capture(row, &problem, &error) != PL_OK) {
+        fail_msg("%s", error.message);
+    }
+    return problem;
+}
+
+static void check_captured(const pl_benchmark_problem *row)
+{
+    check_by_sweeps(row->name, capture(row));
+}
+
+/* On three points: on four, slipping in different directions, how they share the load is open, and
+ * with it the friction and the motion. */
+static pe_contact_problem *sliding_box(void)
+{
+    pe_contact_problem *problem = problem_of_box_on_floor(2, 0.4);
+    problem->manifolds[0].count = problem->point_count = 3;
+    problem->bodies[0].free_velocity[0] = 1;
+    problem->bodies[0].free_velocity[1] = -0.5;
+    problem->bodies[0].free_velocity[5] = 0.3; /* spinning too */
+    return problem;
+}
+
+static void test_a_box_that_slides_and_spins_has_the_velocity_that_siconos_finds(void **state)
+{
+    (void)state;
+    check_by_sweeps("sliding box", sliding_box());
+    assert_true(agrees("sliding box", sliding_box(), SICONOS_FRICTION_3D_NSN_AC, "direct"));
+}
+
+static pe_contact_problem *struck_tower(void)
+{
+    const double masses[] = {1, 4, 0.5, 2};
+    pe_contact_problem *problem = problem_of_tower(masses, 4, 0.6);
+    problem->bodies[2].free_velocity[0] = 0.7;
+    problem->bodies[3].free_velocity[4] = -0.2;
+    return problem;
+}
+
+static void test_a_struck_tower_has_the_velocities_that_siconos_finds(void **state)
+{
+    (void)state;
+    check_by_sweeps("struck tower", struck_tower());
+}
+
+static void test_a_standing_tower_has_the_velocities_that_siconos_finds(void **state)
+{
+    (void)state;
+    check_captured(&(pl_benchmark_problem){"tower 5", "tower", {"n=5"}, .step = 1});
+}
+
+static void test_slopes_stick_and_slide_as_siconos_finds(void **state)
+{
+    (void)state;
+    check_captured(&(pl_benchmark_problem){"stick", "slope-stick", {NULL}, .step = 10});
+    check_captured(&(pl_benchmark_problem){"slide", "slope-slide", {NULL}, .step = 10});
+}
+
+static void test_a_mass_ratio_of_a_hundred_has_the_velocities_that_siconos_finds(void **state)
+{
+    (void)state;
+    check_captured(&(pl_benchmark_problem){"mass ratio", "mass-ratio", {"k=2"}, .step = 1});
+}
+
+static void test_a_small_wall_has_the_velocities_that_siconos_finds(void **state)
+{
+    (void)state;
+    check_captured(&(pl_benchmark_problem){"wall", "wall", {"rows=3", "columns=3"}, .step = 1});
+}
+
+/* How many of several small piles in mid-fall could be compared. A loose pile is for sweeps with
+ * momentum: no direct method, Siconos' neither, promises to solve every one. */
+static int count_piles(const char *shape, int siconos)
+{
+    int compared = 0;
+    for (int seed = 1; seed <= 6; ++seed) {
+        const pl_benchmark_problem row = {"pile",         "pile", {"n=5", shape},
+                                          (uint64_t)seed, 50,     false};
+        compared += agrees(row.name, capture(&row), siconos, "momentum");
+    }
+    return compared;
+}
+
+static void test_small_piles_have_the_velocities_that_siconos_finds(void **state)
+{
+    (void)state;
+    assert_true(count_piles("shape=2", SICONOS_FRICTION_3D_NSGS) >= 3);
+}
+
+/* Newton on Alart and Curnier's function factorises W, and so needs that no contact is redundant.
+ */
+static void test_piles_of_spheres_have_the_velocities_that_siconos_finds_by_newton(void **state)
+{
+    (void)state;
+    assert_true(count_piles("shape=0", SICONOS_FRICTION_3D_NSN_AC) >= 3);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_box_that_slides_and_spins_has_the_velocity_that_siconos_finds),
+        cmocka_unit_test(test_a_struck_tower_has_the_velocities_that_siconos_finds),
+        cmocka_unit_test(test_a_standing_tower_has_the_velocities_that_siconos_finds),
+        cmocka_unit_test(test_slopes_stick_and_slide_as_siconos_finds),
+        cmocka_unit_test(test_a_mass_ratio_of_a_hundred_has_the_velocities_that_siconos_finds),
+        cmocka_unit_test(test_a_small_wall_has_the_velocities_that_siconos_finds),
+        cmocka_unit_test(test_small_piles_have_the_velocities_that_siconos_finds),
+        cmocka_unit_test(test_piles_of_spheres_have_the_velocities_that_siconos_finds_by_newton),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
+
+#endif
