@@ -38,7 +38,6 @@ static int tear_down(void **state)
 {
     desk *d = *state;
     remove_directory(d->directory);
-    free(d->directory);
     free(d->file);
     free(d);
     return 0;

@@ -356,6 +356,29 @@ static void test_no_sweep_leaves_worse_than_it_found(void **state)
     }
 }
 
+static void test_the_best_iterate_that_was_looked_at_is_left(void **state)
+{
+    bench *b = *state;
+    int rose = 0;
+    for (uint64_t seed = 1; seed < 40; ++seed) {
+        pe_solve_mark marks[40];
+        pe_solve_history history = {.marks = marks, .capacity = 40};
+        pe_solve_report report = {.history = &history};
+        pe_solve_limits limits = {1e-12, 60};
+        put_heap(b, seed, 40, 70, 4);
+        pe_problem_rebuild_velocity(&b->problem);
+        assert_int_equal(pe_solve_momentum(&b->problem, &limits, workspace(b), &report, NULL),
+                         PE_OK);
+        double best = marks[0].residual;
+        for (int i = 1; i < history.count; ++i) {
+            best = fmin(best, marks[i].residual);
+        }
+        assert_close(report.residual.max, best, 1e-12, 1e-9);
+        rose += best < marks[history.count - 1].residual;
+    }
+    assert_true(rose > 0);
+}
+
 static void test_velocities_are_left_in_step_with_impulses(void **state)
 {
     bench *b = *state;
@@ -370,6 +393,98 @@ static void test_velocities_are_left_in_step_with_impulses(void **state)
 
 /* ---- The kernels -------------------------------------------------------------------------------
  */
+
+static void velocity_now(const bench *b, const pe_patch *patch, const pe_patch_point *point,
+                         double u[3])
+{
+    double q[6];
+    pe_patch_twist(patch, (const double(*)[6])b->velocity, q);
+    pe_point_velocity(point, q, u);
+}
+
+/* What an impulse does to the bodies' velocities. */
+static void push(bench *b, const pe_patch *patch, const pe_patch_point *point, const double p[3])
+{
+    double wrench[6] = {0}, momentum[3][6] = {{0}}, gained[6];
+    pe_wrench_add(point, p, wrench);
+    pe_patch_push(patch, wrench, momentum);
+    for (int i = 0; i < b->problem.body_count; ++i) {
+        pe_inverse_mass_times(&b->inertia[i], momentum[i], gained);
+        for (int k = 0; k < 6; ++k) {
+            b->velocity[i][k] += gained[k];
+        }
+    }
+}
+
+/* W of a point, by trying unit impulses. */
+static void try_impulses(bench *b, const pe_patch *patch, const pe_patch_point *point,
+                         double w[3][3])
+{
+    double before[3], after[3];
+    velocity_now(b, patch, point, before);
+    for (int k = 0; k < 3; ++k) {
+        double unit[3] = {k == 0, k == 1, k == 2}, back[3] = {-unit[0], -unit[1], -unit[2]};
+        push(b, patch, point, unit);
+        velocity_now(b, patch, point, after);
+        push(b, patch, point, back);
+        for (int j = 0; j < 3; ++j) {
+            w[j][k] = after[j] - before[j];
+        }
+    }
+}
+
+/* Gauss-Seidel by the book at one point. */
+static void visit_plainly(bench *b, const pe_patch *patch, int j)
+{
+    const pe_patch_point *point = &b->point[j];
+    double w[3][3], u[3], *p = b->impulse[j];
+    try_impulses(b, patch, point, w);
+    velocity_now(b, patch, point, u);
+    double normal[3] = {fmax(p[0] - u[0] / w[0][0], 0) - p[0], 0, 0};
+    push(b, patch, point, normal);
+    p[0] += normal[0];
+    velocity_now(b, patch, point, u);
+    double gain = 2 / (w[1][1] + w[2][2] + hypot(w[1][1] - w[2][2], 2 * w[1][2]));
+    double t1 = p[1] - gain * u[1], t2 = p[2] - gain * u[2], length = hypot(t1, t2);
+    double shrink = length > patch->friction * p[0] ? patch->friction * p[0] / length : 1;
+    double tangential[3] = {0, shrink * t1 - p[1], shrink * t2 - p[2]};
+    push(b, patch, point, tangential);
+    p[1] += tangential[1];
+    p[2] += tangential[2];
+}
+
+static void test_a_sweep_is_gauss_seidel_point_by_point(void **state)
+{
+    bench *b = *state;
+    static double plain[8][3];
+    for (uint64_t seed = 1; seed < 60; ++seed) {
+        put_heap(b, seed, 2, 1, 8);
+        b->patch[0].a = seed % 2 ? 2 : 1; /* against what is static, or the other body */
+        b->patch[0].b = 0;
+        pe_problem_rebuild_velocity(&b->problem);
+        for (int sweep = 0; sweep < 3; ++sweep) {
+            for (int j = 0; j < b->problem.point_count; ++j) {
+                visit_plainly(b, &b->patch[0], j);
+            }
+        }
+        memcpy(plain, b->impulse, sizeof plain);
+        forget_impulses(b);
+        pe_problem_rebuild_velocity(&b->problem);
+        pe_sweep sweep;
+        assert_int_equal(
+            pe_sweep_create(&b->problem, pe_sweep_kernel_for(0), workspace(b), &sweep, NULL),
+            PE_OK);
+        for (int i = 0; i < 3; ++i) {
+            pe_sweep_cones(&sweep, 0);
+        }
+        pe_sweep_store(&sweep);
+        for (int j = 0; j < b->problem.point_count; ++j) {
+            for (int k = 0; k < 3; ++k) {
+                assert_close(b->impulse[j][k], plain[j][k], 1e-11, 1e-11);
+            }
+        }
+    }
+}
 
 static void test_sweeps_see_the_residual_that_is_reported(void **state)
 {
@@ -535,7 +650,9 @@ int main(void)
         UNIT(test_both_solvers_find_the_same_velocities),
         UNIT(test_momentum_needs_at_most_half_the_sweeps_on_a_tower),
         UNIT(test_no_sweep_leaves_worse_than_it_found),
+        UNIT(test_the_best_iterate_that_was_looked_at_is_left),
         UNIT(test_velocities_are_left_in_step_with_impulses),
+        UNIT(test_a_sweep_is_gauss_seidel_point_by_point),
         UNIT(test_sweeps_see_the_residual_that_is_reported),
         UNIT(test_every_width_gives_the_same_bits),
         UNIT(test_a_body_with_more_contacts_than_colours_is_swept_too),

@@ -13,6 +13,7 @@
 
 static const double RESOLUTION = 1e-10; /* of the distance from the origin */
 static const double FIT = 1e-3;
+static const double FREE = 1e-9; /* of the velocity that gravity gives in a step */
 
 static void see_body(pl_integrator_votes *votes, const pl_body *body, pl_vec g, double h,
                      const pl_body_state *before, const pl_body_state *after)
@@ -29,7 +30,10 @@ static void see_body(pl_integrator_votes *votes, const pl_body *body, pl_vec g, 
     double flight = pl_vec_length(pl_vec_mad(late, h * h / 2, g));
     double second_order = fmin(mean, flight);
     if (fmin(semi_implicit, second_order) <= FIT * apart) {
-        votes->count[semi_implicit <= second_order ? PL_SEMI_IMPLICIT : PL_SECOND_ORDER] += 1;
+        pl_vec falling = pl_vec_mad(pl_vec_sub(end, v), -h, g);
+        bool flies = pl_vec_length(falling) <= FREE * h * pl_vec_length(g);
+        long *count = flies ? votes->flying : votes->pushed;
+        count[semi_implicit <= second_order ? PL_SEMI_IMPLICIT : PL_SECOND_ORDER] += 1;
     }
 }
 
@@ -46,6 +50,7 @@ void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
 
 pl_integrator pl_integrator_of(const pl_integrator_votes *votes)
 {
-    return votes->count[PL_SECOND_ORDER] > votes->count[PL_SEMI_IMPLICIT] ? PL_SECOND_ORDER
-                                                                          : PL_SEMI_IMPLICIT;
+    bool flew = votes->flying[PL_SECOND_ORDER] > 0 || votes->flying[PL_SEMI_IMPLICIT] > 0;
+    const long *count = flew ? votes->flying : votes->pushed;
+    return count[PL_SECOND_ORDER] > count[PL_SEMI_IMPLICIT] ? PL_SECOND_ORDER : PL_SEMI_IMPLICIT;
 }

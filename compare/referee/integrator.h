@@ -13,14 +13,16 @@ typedef enum pl_integrator {
 
 /* Steps of bodies that fit one rule and not the other. Starts as {0}. */
 typedef struct pl_integrator_votes {
-    long count[PL_INTEGRATOR_COUNT];
+    long flying[PL_INTEGRATOR_COUNT]; /* in steps in which gravity alone acted */
+    long pushed[PL_INTEGRATOR_COUNT]; /* in others */
 } pl_integrator_votes;
 
 /* One step of the dynamic bodies. States have scene->body_count items. */
 void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
                        const pl_body_state *before, const pl_body_state *after);
 
-/* The rule that more steps fit; PL_SEMI_IMPLICIT where nothing tells, as when nothing accelerates:
+/* The rule that more steps in free flight fit, or if there are none, more of the others: an engine
+ * may well move bodies otherwise where they collide. PL_SEMI_IMPLICIT where nothing tells, as when nothing accelerates:
  * both energies then grow alike. */
 pl_integrator pl_integrator_of(const pl_integrator_votes *votes);
 

@@ -12,8 +12,11 @@
 #include <string.h>
 #include <time.h>
 
-/* What sweeps aim at, in m/s: in what collapses the next step's problem is another one. */
+/* What sweeps aim at, in m/s, in an island of that many contact points or fewer: in what collapses
+ * the next step's problem is another one. In a larger one they aim at less, as the square: sweeps
+ * converge the more slowly there, and each costs more. */
 static const double SWEPT_TOLERANCE = 5e-5;
+static const double SWEPT_POINTS = 1300;
 
 /* How much dearer than the sweeps allowed a direct solve may be. */
 static const double PATIENT = 4, IMPATIENT = 1;
@@ -130,12 +133,13 @@ static pe_status solve_island(stepping *step, int k, double *squares)
     if (status != PE_OK) {
         return status;
     }
+    double size = pe_max(1, island.problem.point_count / SWEPT_POINTS);
     pe_solve_mark marks[PE_HISTORY];
     pe_solve_history history = {.marks = marks, .capacity = PE_HISTORY};
     pe_island_report report = {.solve.history = &history};
     pe_island_limits limits = {
         .tolerance = world->def.tolerance,
-        .swept_tolerance = pe_max(world->def.tolerance, SWEPT_TOLERANCE),
+        .swept_tolerance = pe_max(world->def.tolerance, SWEPT_TOLERANCE * size * size),
         .max_updates = world->def.max_contact_updates,
         .patience = world->def.profile == PE_PROFILE_ACCURATE ? PATIENT : IMPATIENT,
     };
@@ -241,14 +245,10 @@ static pe_status meet(stepping *step)
     return PE_OK;
 }
 
-/* Takes back what the step has left of penetration, and energy that came of it. */
-static pe_status mend(stepping *step)
+/* Pushes out what the step has left of penetration. Soft contacts do so by themselves. */
+static pe_status project(stepping *step)
 {
     pe_world *world = step->world;
-    if (world->def.profile == PE_PROFILE_FAST) {
-        return PE_OK; /* soft contacts push by themselves */
-    }
-    double mark = seconds_now();
     pe_project_rules rules = pe_project_rules_default();
     rules.begin = 3 * world->def.penetration_slop;
     rules.aim = world->def.penetration_slop;
@@ -260,16 +260,20 @@ static pe_status mend(stepping *step)
     if (status != PE_OK) {
         return status;
     }
-    pe_energy_report guarded;
-    pe_energy_guard(world, &step->islands, step->free, step->poses, step->motions, report.moved,
-                    step->dt, &guarded);
+    step->moved = report.moved;
     step->stats.projection_rounds = report.rounds;
     step->stats.projection_iterations = report.iterations;
     step->stats.penetration = report.penetration;
     step->stats.penetration_left = report.penetration_left;
-    step->stats.guarded_islands = guarded.islands;
-    step->stats.time_project = lap(&mark);
     return PE_OK;
+}
+
+static void guard_energy(stepping *step)
+{
+    pe_energy_report report;
+    pe_energy_guard(step->world, &step->islands, step->free, step->poses, step->motions,
+                    step->moved, step->dt, &report);
+    step->stats.guarded_islands = report.islands;
 }
 
 static void clear_loads(pe_world *world)
@@ -311,7 +315,15 @@ static pe_status advance(stepping *step)
     if (status == PE_OK) {
         status = meet(step);
     }
-    return status == PE_OK ? mend(step) : status;
+    mark = seconds_now();
+    if (status == PE_OK && world->def.profile != PE_PROFILE_FAST) {
+        status = project(step);
+    }
+    if (status == PE_OK) {
+        guard_energy(step);
+        step->stats.time_project = lap(&mark);
+    }
+    return status;
 }
 
 pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_error *error)

@@ -94,6 +94,32 @@ static void draw_body(check_random *random, pe_problem_body *body)
     draw(random, body->free_velocity, 6, 2);
 }
 
+/* Everything of a manifold but its frame and pair; returns where the next one's points begin. */
+static int draw_manifold(check_random *random, pe_contact_problem *problem, pe_problem_manifold *m,
+                         int first, int most_points)
+{
+    m->first = first;
+    m->count = 1 + (int)check_uniform(random, 0, most_points - 0.001);
+    m->friction = check_uniform(random, 0, 1);
+    if (m->a != PE_STATIC) {
+        draw(random, m->arm_a, 3, 1);
+    }
+    draw(random, m->arm_b, 3, 1);
+    for (int j = first; j < first + m->count; ++j) {
+        draw(random, problem->points[j].offset, 3, 0.5);
+        draw(random, problem->points[j].impulse, 3, 0.1);
+        problem->points[j].bias = check_uniform(random, -0.5, 0.5);
+    }
+    return first + m->count;
+}
+
+static void draw_frame(check_random *random, pe_problem_manifold *m)
+{
+    double q[4];
+    check_quaternion(random, q);
+    frame_of(q, m->frame);
+}
+
 pe_contact_problem *problem_at_random(uint64_t seed, int bodies, int manifolds)
 {
     check_random random = {seed};
@@ -104,27 +130,32 @@ pe_contact_problem *problem_at_random(uint64_t seed, int bodies, int manifolds)
     }
     for (int i = 0; i < manifolds; ++i) {
         pe_problem_manifold *m = &problem->manifolds[i];
-        double q[4];
-        check_quaternion(&random, q);
-        frame_of(q, m->frame);
+        draw_frame(&random, m);
         m->a = (int)check_uniform(&random, -1, bodies - 1e-9 * bodies);
         m->a = check_uniform(&random, 0, 1) < 0.3 ? PE_STATIC : m->a;
         do {
             m->b = (int)check_uniform(&random, 0, bodies - 1e-9 * bodies);
         } while (m->b == m->a);
-        m->first = points;
-        m->count = 1 + (int)check_uniform(&random, 0, 3.999);
-        m->friction = check_uniform(&random, 0, 1);
-        if (m->a != PE_STATIC) {
-            draw(&random, m->arm_a, 3, 1);
-        }
-        draw(&random, m->arm_b, 3, 1);
-        for (int j = points; j < points + m->count; ++j) {
-            draw(&random, problem->points[j].offset, 3, 0.5);
-            draw(&random, problem->points[j].impulse, 3, 0.1);
-            problem->points[j].bias = check_uniform(&random, -0.5, 0.5);
-        }
-        points += m->count;
+        points = draw_manifold(&random, problem, m, points, 4);
+    }
+    problem->point_count = points;
+    return problem;
+}
+
+pe_contact_problem *problem_of_pairs(uint64_t seed, int bodies, const int (*pairs)[2], int count)
+{
+    check_random random = {seed};
+    pe_contact_problem *problem = make_problem(bodies, count, 8 * count);
+    int points = 0;
+    for (int i = 0; i < bodies; ++i) {
+        draw_body(&random, &problem->bodies[i]);
+    }
+    for (int i = 0; i < count; ++i) {
+        pe_problem_manifold *m = &problem->manifolds[i];
+        draw_frame(&random, m);
+        m->a = pairs[i][0];
+        m->b = pairs[i][1];
+        points = draw_manifold(&random, problem, m, points, 8);
     }
     problem->point_count = points;
     return problem;

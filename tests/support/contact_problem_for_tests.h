@@ -21,6 +21,9 @@ pe_contact_problem *problem_of_tower(const double *masses, int count, double fri
  * starts too. */
 pe_contact_problem *problem_at_random(uint64_t seed, int bodies, int manifolds);
 
+/* The same with manifolds of 1 to 8 points between these pairs (a, b), a may be PE_STATIC. */
+pe_contact_problem *problem_of_pairs(uint64_t seed, int bodies, const int (*pairs)[2], int count);
+
 /* The same solution again by other formulas: the velocity J v + b of every point, world arithmetic
  * point by point, and v* + M^-1 J^T p by elimination. `u` is (point_count), `v` (body_count). */
 void reference_velocities(const pe_contact_problem *problem, const double (*p)[3], double (*v)[6]);

@@ -17,10 +17,12 @@ pe_status pe_lines_take(pe_world *world, const pe_islands *islands, const bool *
         .velocity = pe_scratch(world, count, sizeof *lines->velocity),
         .previous = pe_scratch(world, count, sizeof *lines->previous),
         .displacement = pe_scratch(world, count, sizeof *lines->displacement),
+        .load = pe_scratch(world, count, sizeof *lines->load),
         .frame = pe_scratch(world, count, sizeof *lines->frame),
     };
     if (lines->line_of == NULL || lines->slot_of == NULL || lines->velocity == NULL ||
-        lines->previous == NULL || lines->displacement == NULL || lines->frame == NULL) {
+        lines->previous == NULL || lines->displacement == NULL || lines->load == NULL ||
+        lines->frame == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for the velocities of %zu bodies", count);
     }
     memset(lines->line_of, 0, slots * sizeof *lines->line_of);
@@ -82,10 +84,9 @@ static pe_vec3 acceleration_of(const pe_world *world, int slot, pe_vec3 *torque)
     return pe_madd(world->def.gravity, pe_masses(world)[slot].inverse_mass, force);
 }
 
-void pe_lines_fill(const pe_world *world, double dt, int substeps, const pe_lines *lines)
+void pe_lines_fill(const pe_world *world, double dt, double h, const pe_lines *lines)
 {
-    double h = dt / substeps;
-    lines->velocity[0] = lines->previous[0] = (pe_line){0};
+    lines->velocity[0] = lines->previous[0] = lines->load[0] = (pe_line){0};
     lines->frame[0] = (pe_line_frame){0};
     memset(lines->displacement, 0, (size_t)lines->count * sizeof *lines->displacement);
     for (int i = 1; i < lines->count; ++i) {
@@ -106,8 +107,11 @@ void pe_lines_fill(const pe_world *world, double dt, int substeps, const pe_line
         line->unused = previous->unused = 0;
         put(line->linear, motion->velocity);
         put(line->angular, spin);
+        pe_vec3 spinning = pe_mul(shrink, torque);
+        put(lines->load[i].linear, acceleration);
+        put(lines->load[i].angular, spinning);
         put(previous->linear, pe_madd(motion->velocity, -h, acceleration));
-        put(previous->angular, pe_madd(spin, -h, pe_mul(shrink, torque)));
+        put(previous->angular, pe_madd(spin, -h, spinning));
 
         pe_line_frame *frame = &lines->frame[i];
         put(frame->position, pose->position);
@@ -118,17 +122,30 @@ void pe_lines_fill(const pe_world *world, double dt, int substeps, const pe_line
     }
 }
 
+/* The angular velocity v with the kinetic energy of w, both in the body's axes. */
+static pe_vec3 with_energy_of(pe_vec3 inertia, pe_vec3 w, pe_vec3 v)
+{
+    double wanted = pe_dot(w, pe_mul(inertia, w)), found = pe_dot(v, pe_mul(inertia, v));
+    return found > 0 ? pe_scale(sqrt(wanted / found), v) : v;
+}
+
 void pe_lines_apply(pe_world *world, const pe_lines *lines)
 {
     for (int i = 1; i < lines->count; ++i) {
         int slot = lines->slot_of[i];
+        const pe_mass *mass = &pe_masses(world)[slot];
         pe_pose *pose = &pe_poses(world)[slot];
-        const pe_mat3 rotation = pose->rotation;
-        pe_vec3 shrink = pe_masses(world)[slot].inverse_root_inertia;
-        pe_vec3 spin = pe_mul(shrink, get(lines->velocity[i].angular));
+        const pe_mat3 before = pose->rotation;
+        pe_vec3 shrink = mass->inverse_root_inertia;
+        pe_vec3 w = pe_mul(shrink, get(lines->velocity[i].angular));
         pe_vec3 turn = pe_mul(shrink, get(lines->displacement[i].angular));
-        pe_motions(world)[slot] =
-            (pe_motion){get(lines->velocity[i].linear), pe_rotate(&rotation, spin)};
-        pe_pose_move(pose, get(lines->displacement[i].linear), pe_rotate(&rotation, turn));
+        pe_vec3 spin = pe_rotate(&before, w);
+        pe_pose_move(pose, get(lines->displacement[i].linear), pe_rotate(&before, turn));
+        if (!mass->spherical) {
+            /* About its own axis a turn changes nothing; about another, the inertia along it. */
+            pe_vec3 turned = pe_unrotate(&pose->rotation, spin);
+            spin = pe_rotate(&pose->rotation, with_energy_of(mass->inertia, w, turned));
+        }
+        pe_motions(world)[slot] = (pe_motion){get(lines->velocity[i].linear), spin};
     }
 }

@@ -32,6 +32,7 @@ typedef struct pe_lines {
     pe_line *velocity;     /* (count) */
     pe_line *previous;     /* (count): velocities a substep ago */
     pe_line *displacement; /* (count): since the step's start */
+    pe_line *load;         /* (count): the change of velocity by the loads in a second */
     pe_line_frame *frame;  /* (count) */
 } pe_lines;
 
@@ -42,8 +43,8 @@ pe_status pe_lines_take(pe_world *world, const pe_islands *islands, const bool *
 
 /* Fills the lines from the bodies. The gyroscopic change of the whole step is in the velocities: it
  * does no work, and so can be made at once. The previous velocities are v - h M^-1 f, so that to go
- * on as before is what the loads do in a substep. */
-void pe_lines_fill(const pe_world *world, double dt, int substeps, const pe_lines *lines);
+ * on as before is what the loads do in a substep of length h. */
+void pe_lines_fill(const pe_world *world, double dt, double h, const pe_lines *lines);
 
 /* Moves the bodies by their displacements and gives them their velocities. */
 void pe_lines_apply(pe_world *world, const pe_lines *lines);

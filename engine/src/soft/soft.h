@@ -1,14 +1,14 @@
 /* Substepped soft contact: the solver for what moves much and must be cheap.
  *
  * The step is cut into n substeps of length h = dt/n. In each, with contact frames frozen at the
- * poses of the step's start and separations s followed along J d, d the displacement so far:
+ * poses of the step's start and separations s = s_0 + J_n d, d the displacement so far:
  *
  *   v += h M^-1 f + M^-1 J^T p       the loads, and the last substep's impulses as a first guess
  *   bias sweep, normals:             v_n + b(s) = 0, soft where s < 0:
  *                                    dp = -m (a_m (v_n + a_b s) ) - a_p p,   p + dp >= 0
  *   d += h v
- *   relaxing sweep:                  v_n = 0 by normals, then friction, so that the push that
- *                                    mended the separation does not stay in the velocity
+ *   relaxing sweep:                  v_n = -max(0, s_0)/dt by normals, then friction, so that the
+ *                                    push that mended the separation does not stay in the velocity
  *
  * a_b, a_m and a_p make the contact an implicitly integrated, overdamped spring (Catto 2011, "Soft
  * constraints"; 2024, "Solver2D", which calls this scheme Soft Step); many substeps with one sweep
@@ -29,15 +29,17 @@ typedef struct pe_soft_settings {
     /* Stiffness of a contact, as the frequency of its spring in cycles a substep. Higher penetrates
      * less; from a quarter on it adds energy. */
     double cycles;
-    double damping;    /* ratio to critical; below 1 contacts bounce */
-    double push_speed; /* m/s, at most, with which a penetration is pushed out */
+    double damping; /* ratio to critical; below 1 contacts bounce */
+    /* Speed, in m/s, at most, with which a penetration is pushed out. What is jammed between heavy
+     * bodies keeps some of it as energy. */
+    double push_speed;
 
     /* Manifolds solved at once: 1, 4 (AVX2) or 8 (AVX-512), and not more than the processor has. 0:
      * all it has. The result is the same bits. */
     int lanes;
 } pe_soft_settings;
 
-/* Substeps of 1/480 s, at most 12, an eighth of a cycle, damping 10, 3 m/s, the widest lanes. */
+/* Substeps of 1/480 s, at most 12, an eighth of a cycle, damping 10, 0.5 m/s, the widest lanes. */
 pe_soft_settings pe_soft_settings_default(void);
 
 typedef struct pe_soft_report {
@@ -45,6 +47,7 @@ typedef struct pe_soft_report {
     int lanes;
     int bodies, manifolds, points; /* that were solved */
     int colours;                   /* groups of manifolds that share no body */
+    int guarded;                   /* islands whose energy would have grown: see guard.h */
     double penetration;            /* m, deepest at the step's start */
 } pe_soft_report;
 

@@ -490,7 +490,7 @@ static inline void relax_friction(const patch *f, patch_row *g, const row *rows,
 static void relax(const pe_soft_task *task)
 {
     pe_line *lines = task->lines->velocity;
-    wide zero = wide_of(0);
+    wide zero = wide_of(0), per_step = wide_of(1 / (task->substep * task->substeps));
     for (int i = 0; i < task->block_count; ++i) {
         const block *c = (const block *)task->blocks + i;
         row *rows = (row *)task->rows + c->row;
@@ -499,7 +499,9 @@ static void relax(const pe_soft_task *task)
         for (int j = 0; j < c->count; ++j) {
             row *r = &rows[j];
             wide u = along + (dot(r->ja, a.angular) + dot(r->jb, b.angular));
-            wide now = wide_max(r->impulse - r->mass * u, zero);
+            /* What was apart at the step's start may come near, as far as the step's end. */
+            wide least = u + wide_max(r->gap, zero) * per_step;
+            wide now = wide_max(r->impulse - r->mass * least, zero);
             wide delta = now - r->impulse;
             r->impulse = now;
             r->sum += now;

@@ -5,7 +5,7 @@
  *
  *   no gain of a tenth in 100 sweeps, or e > 30 times the best: 20 sweeps with beta = 0. If e then
  *   fell to less than half, it was momentum that kept it up: 1 - beta grows by 1.7, to 0.5 at most.
- *   If it fell by less than a fifth, momentum is not to blame: 1 - beta shrinks by 0.85, to 0.03.
+ *   If it fell by less than a fifth, momentum is not to blame: 1 - beta shrinks by 0.7, to 0.02.
  *
  * Measured on piles, towers and walls against Gauss-Seidel, Nesterov's sequence with restarts,
  * nonsmooth nonlinear conjugate gradients (Silcowitz, Niebe, Erleben 2010) and fixed betas. */
@@ -41,8 +41,8 @@ static inline void pe_momentum_end_probe(pe_momentum *m, double residual)
         double rest = 1.7 * (1 - m->beta);
         m->beta = 1 - (rest < 0.5 ? rest : 0.5);
     } else if (residual > 0.8 * m->before_probe) {
-        double rest = 0.85 * (1 - m->beta);
-        m->beta = 1 - (rest > 0.03 ? rest : 0.03);
+        double rest = 0.7 * (1 - m->beta);
+        m->beta = 1 - (rest > 0.02 ? rest : 0.02);
     }
     m->best = residual;
     m->since_gain = 0;

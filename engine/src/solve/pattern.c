@@ -165,6 +165,17 @@ static int find_depth(const pe_problem *problem, const graph *g, int *queue, int
     return depth;
 }
 
+static double find_mass_ratio(const pe_problem *problem)
+{
+    double least = problem->inertia[0].mass, most = least;
+    for (int i = 1; i < problem->body_count; ++i) {
+        double mass = problem->inertia[i].mass;
+        least = mass < least ? mass : least;
+        most = mass > most ? mass : most;
+    }
+    return least / most;
+}
+
 int pe_pattern_mark_loaded(const pe_problem *problem, double speed, bool *loaded)
 {
     int points = 0;
@@ -242,8 +253,17 @@ pe_status pe_pattern_find(const pe_problem *problem, const bool *counted, pe_wor
             couple[k] = find_block(start, row, p < q ? p : q, p < q ? q : p);
         }
     }
-    int depth = find_depth(problem, &g, next, mark);
-    *pattern =
-        (pe_pattern){n, order, place, start, row, couple, kept, depth, count_flops(start, n)};
+    *pattern = (pe_pattern){
+        .count = n,
+        .order = order,
+        .place = place,
+        .start = start,
+        .row = row,
+        .couple = couple,
+        .counted = kept,
+        .depth = find_depth(problem, &g, next, mark),
+        .mass_ratio = find_mass_ratio(problem),
+        .flops = count_flops(start, n),
+    };
     return PE_OK;
 }

@@ -19,6 +19,7 @@ typedef struct pe_pattern {
                             one is static or the patch was left out */
     const bool *counted; /* (patch_count): whether the patch was taken into account */
     int depth;           /* bodies from the static ones to the farthest, 1 where none is static */
+    double mass_ratio;   /* the lightest body's mass over the heaviest's */
     double flops;        /* of one factorisation */
 } pe_pattern;
 

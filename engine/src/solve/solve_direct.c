@@ -16,13 +16,14 @@ enum {
 };
 
 /* The compliance r of a point, as a part of its own effective one, from which a chain of D bodies
- * over each other converges in a few multiplier updates: about a tenth of (pi/2D)^2, softer by ten
+ * over each other converges in a few multiplier updates: about a tenth of (pi/2D)^2, and less where
+ * the lighter carries the heavier; softer by ten
  * in the first. Harder than 1e-8 rounding shows. */
 pe_newton_settings pe_newton_settings_for(const pe_pattern *pattern, pe_newton_form form,
                                           double enough)
 {
     double depth = pattern->depth;
-    double softness = pe_max(1e-8, pe_min(1e-4, 1e-3 / (depth * depth)));
+    double softness = pe_max(1e-8, pe_min(1e-4, 1e-3 * pattern->mass_ratio / (depth * depth)));
     return (pe_newton_settings){form, softness, pe_max(1e-8, 0.1 * softness), MOST_UPDATES, enough};
 }
 

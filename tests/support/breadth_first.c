@@ -1,0 +1,10 @@
+/* The engine's sources once more, under other names and without AMD. */
+#undef PLUMB_HAVE_AMD
+#define pe_order_find breadth_first_order
+#define pe_pattern_find breadth_first_pattern
+#define pe_pattern_mark_loaded breadth_first_mark_loaded
+
+#include "breadth_first.h"
+
+#include "solve/order.c"
+#include "solve/pattern.c"
