@@ -61,6 +61,12 @@ static void dense_tumble(const pl_body *body, double duration, double q[4], doub
     to_world(q, y + 4, omega);
 }
 
+/* Ours moves a body by the mean of its old and new velocity, the others by the new one. */
+static bool is_second_order(const pl_engine_choice *choice)
+{
+    return strcmp(choice->engine->name, "plumb") == 0;
+}
+
 /* Errors after one second in orientation (rad) and world angular velocity (rad/s). */
 static void tumble(const pl_engine_choice *choice, int steps, double *angle, double *rate)
 {
@@ -74,8 +80,9 @@ static void tumble(const pl_engine_choice *choice, int steps, double *angle, dou
     for (int n = 0; n < steps; n++) {
         engine_step(&r, h);
     }
+    bool exact = is_second_order(choice);
     for (int i = 0; i < 3; i++) {
-        double fall = scene.gravity[i] * h * h * steps * (steps + 1.0) / 2;
+        double fall = scene.gravity[i] * h * h * steps * (steps + (exact ? 0 : 1.0)) / 2;
         assert_close(r.now[0].position[i], body->position[i] + body->velocity[i] + fall, 1e-11,
                      1e-12);
         assert_close(r.now[0].velocity[i], body->velocity[i] + scene.gravity[i], 1e-11, 1e-12);

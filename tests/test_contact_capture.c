@@ -60,9 +60,29 @@ static void assert_velocities(const pe_world *world, pe_body_id id, const double
     }
 }
 
+/* How many of the problems' bodies have the velocities of the step; fails for one that has not.
+ * Problems that one of the two did not solve are passed over. */
+static int count_equal(const pe_world *world, pe_contact_problem *const *problems, int count)
+{
+    const pe_solve_limits limits = {.tolerance = 1e-12, .max_iterations = 100000};
+    int equal = 0;
+    for (int k = 0; k < count; ++k) {
+        pe_contact_solution s;
+        assert_int_equal(pe_contact_problem_solve(problems[k], "direct", &limits, NULL, &s, NULL),
+                         PE_OK);
+        for (int i = 0; i < problems[k]->body_count && s.stop == PE_STOP_CONVERGED; ++i) {
+            assert_velocities(world, problems[k]->bodies[i].id, s.velocities[i]);
+            ++equal;
+        }
+        pe_contact_solution_free(&s);
+    }
+    return equal;
+}
+
 static void test_solving_the_captured_problem_gives_the_velocities_of_the_step(void **state)
 {
     (void)state;
+    enum { STEPS = 30, ALL = 7 };
     pe_world_def def = pe_world_def_default();
     def.tolerance = 1e-12;
     pe_body_id ids[5];
@@ -72,26 +92,24 @@ static void test_solving_the_captured_problem_gives_the_velocities_of_the_step(v
     pe_body_state pushed = state_of(world, ids[4]);
     pushed.velocity.x = 0.5; /* the top one slides off */
     assert_int_equal(pe_body_set_state(world, ids[4], &pushed, NULL), PE_OK);
-    const pe_solve_limits limits = {.tolerance = 1e-12, .max_iterations = 1000};
-    int solved = 0;
-    for (int k = 0; k < 30; ++k) {
+    for (int i = 0; i < 2; ++i) { /* one that rolls, and one that slides and spins up */
+        pe_body_def sphere = pe_body_def_default();
+        sphere.material = material;
+        sphere.position = (pe_vec3){10 + 3 * i, 0, 0.5};
+        sphere.velocity = (pe_vec3){0.3, 2, 0};
+        sphere.angular_velocity = i == 0 ? (pe_vec3){-4, 0.6, 0.5} : (pe_vec3){3, 0, 0};
+        add_body(world, &sphere);
+    }
+    int equal = 0;
+    for (int k = 0; k < STEPS; ++k) {
         int count;
         pe_contact_problem **problems = capture(world, STEP, &count);
         pe_step_stats stats = step(world, STEP);
-        assert_int_equal(count, 1);
-        pe_contact_solution s;
-        assert_int_equal(pe_contact_problem_solve(problems[0], "direct", &limits, NULL, &s, NULL),
-                         PE_OK);
-        if (stats.unconverged_islands == 0 && s.stop == PE_STOP_CONVERGED) {
-            ++solved;
-            for (int i = 0; i < problems[0]->body_count; ++i) {
-                assert_velocities(world, problems[0]->bodies[i].id, s.velocities[i]);
-            }
-        }
-        pe_contact_solution_free(&s);
+        assert_int_equal(count, 3);
+        equal += stats.unconverged_islands == 0 ? count_equal(world, problems, count) : 0;
         pe_contact_problems_destroy(problems, count);
     }
-    assert_true(solved >= 25);
+    assert_true(equal >= STEPS * ALL * 3 / 4);
     pe_world_destroy(world);
 }
 

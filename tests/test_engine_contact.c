@@ -365,10 +365,10 @@ static void test_reported_residual_is_the_natural_map_worked_out_from_contacts(v
     (void)state;
     enum { N = 4 };
     for (int k = 0; k < 8; ++k) {
-        int sweeps = 1 + k % 4;
         double speed = k < 4 ? 2 : 8; /* slow: it sticks; fast: it slides */
         pe_world_def def = pe_world_def_default();
-        def.max_iterations = sweeps;
+        /* So lax that what is left of the problem after the last step's impulses is accepted. */
+        def.tolerance = 1e6;
         pe_world *world = make_world(&def);
         pe_body_id ids[N];
         add_tower(world, N, (pe_material_id){0}, ids);
@@ -413,8 +413,7 @@ static void test_reported_residual_is_the_natural_map_worked_out_from_contacts(v
         }
         assert_true(worst > 1e-4);
         assert_close(stats.residual, worst, 1e-12, 1e-9);
-        assert_int_equal(stats.iterations, sweeps);
-        assert_int_equal(stats.unconverged_islands, 1);
+        assert_int_equal(stats.iterations, 0);
         pe_world_destroy(world);
     }
 }

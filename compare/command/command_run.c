@@ -99,7 +99,7 @@ static const struct argp argp = {
            "ok.\v"
            "Examples:\n"
            "  plumb run tower --set n=25 --engine ode:quick,iterations=50\n"
-           "  plumb run tower --engine plumb,iterations=200 --json -\n"
+           "  plumb run tower --engine plumb,tolerance=1e-10 --json -\n"
            "  plumb run ./mine.json --engine bullet --trajectory frames.csv\n"
            "  plumb run wall --engine plumb --capture 60:wall.json",
     .children = pl_run_children};

@@ -32,8 +32,9 @@ pl_status pl_benchmark_capture(const pl_benchmark_problem *row, pe_contact_probl
 /* Residuals to reach, m/s, from the largest to the smallest. */
 extern const double pl_benchmark_levels[PL_BENCHMARK_LEVELS];
 
-/* Solves one problem by every solver, each in a process of its own, warm and cold, and returns the
- * object of SOLVER-BENCHMARK's `problems`: a new reference in *result. `progress` may be NULL. */
+/* Solves one problem by every solver, each in a process of its own, warm and cold. *result is a new
+ * reference: what the problem is, and its `cells`, one for each solver and start, with the `levels`
+ * in order up to the first that was not reached. `progress` may be NULL. */
 pl_status pl_benchmark_race(const pl_benchmark_problem *row, const pe_contact_problem *problem,
                             FILE *progress, json_t **result, pl_error *error);
 

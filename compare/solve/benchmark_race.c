@@ -12,21 +12,25 @@
 
 const double pl_benchmark_levels[PL_BENCHMARK_LEVELS] = {1e-3, 1e-4, 1e-6, 1e-8};
 
-/* Bounds of one solve: iterations, and points times iterations. A sweep costs about 10 ns a point,
- * so that this is half a second of sweeps; what factorises may meet the time limit of a process. */
-static const double MOST_ITERATIONS = 100000, MOST_UPDATES = 5e7;
-static const double LEAST_ITERATIONS = 300;
-static const pl_limits LIMITS = {.timeout = 20};
+/* Bounds of one solve: factorisations, or sweeps, of which there are so many that points times
+ * sweeps is bounded too. A sweep costs about 10 ns a point, so that this is half a second of
+ * sweeps. */
+enum { MOST_FACTORISATIONS = 300, LEAST_SWEEPS = 300, MOST_SWEEPS = 100000 };
+static const double MOST_UPDATES = 5e7;
+static const pl_limits LIMITS = {.timeout = 60};
 
 typedef struct lap {
     const pe_contact_problem *problem; /* with the start that it shall have */
-    const char *solver;
+    pe_solver_info solver;
 } lap;
 
-static int iteration_limit(const pe_contact_problem *problem)
+static int iteration_limit(const lap *l)
 {
-    double most = MOST_UPDATES / (problem->point_count + 1);
-    return (int)fmin(MOST_ITERATIONS, fmax(LEAST_ITERATIONS, most));
+    if (l->solver.factorises) {
+        return MOST_FACTORISATIONS;
+    }
+    double most = MOST_UPDATES / (l->problem->point_count + 1);
+    return (int)fmin(MOST_SWEEPS, fmax(LEAST_SWEEPS, most));
 }
 
 static json_t *level_json(double level, const pl_solver_run *run)
@@ -46,11 +50,11 @@ static void race(void *user, FILE *answer)
     const lap *l = user;
     bool reached = true;
     for (int i = 0; i < PL_BENCHMARK_LEVELS && reached; ++i) {
-        pe_solve_limits limits = {pl_benchmark_levels[i], iteration_limit(l->problem)};
+        pe_solve_limits limits = {pl_benchmark_levels[i], iteration_limit(l)};
         pl_solver_run run;
         pl_error error = {.message = ""};
         json_t *level = NULL;
-        if (pl_measure_solver(l->problem, l->solver, &limits, &run, &error) == PL_OK) {
+        if (pl_measure_solver(l->problem, l->solver.name, &limits, &run, &error) == PL_OK) {
             level = level_json(limits.tolerance, &run);
             reached = run.solution.stop == PE_STOP_CONVERGED;
             pe_contact_solution_free(&run.solution);
@@ -111,7 +115,7 @@ static pl_status run_lap(lap *l, const char *start, json_t *cells, pl_error *err
         poll(polls, PL_PROCESS_POLLS, 100);
         ended = pl_process_advance(&process, polls);
     }
-    json_t *cell = json_pack("{s:s, s:s, s:o}", "solver", l->solver, "start", start, "levels",
+    json_t *cell = json_pack("{s:s, s:s, s:o}", "solver", l->solver.name, "start", start, "levels",
                              collect_levels(&process));
     pl_process_free(&process);
     return json_array_append_new(cells, cell) == 0 ? PL_OK
@@ -174,9 +178,9 @@ pl_status pl_benchmark_race(const pl_benchmark_problem *row, const pe_contact_pr
     pl_status status = copy_cold(problem, &cold, error);
     for (int i = 0; i < 2 * pe_solver_count() && status == PL_OK; ++i) {
         bool is_warm = i < pe_solver_count();
-        lap l = {is_warm ? problem : cold, pe_solver(i % pe_solver_count()).name};
+        lap l = {is_warm ? problem : cold, pe_solver(i % pe_solver_count())};
         if (progress != NULL) {
-            fprintf(progress, "%s, %s, %s\n", row->name, is_warm ? "warm" : "cold", l.solver);
+            fprintf(progress, "%s, %s, %s\n", row->name, is_warm ? "warm" : "cold", l.solver.name);
         }
         status = run_lap(&l, is_warm ? "warm" : "cold", cells, error);
     }

@@ -27,56 +27,115 @@ static bool closes(const pe_world *world, const pe_island_problem *island, const
     return false;
 }
 
+/* Speed, in m/s, against which an impulse may act without mattering. */
+static const double STANDING = 1e-6;
+
+/* Whether the patch pushes, and whether it would add energy at these sums of old and new velocity.
+ */
+static bool pushes(const pe_problem *problem, const pe_patch *patch, const double (*sum)[6],
+                   bool *adds)
+{
+    double q[6], moment[3], normal = 0, work = 0;
+    pe_patch_twist(patch, sum, q);
+    for (int j = patch->first; j < patch->first + patch->count; ++j) {
+        const double *p = problem->impulse[j];
+        pe_cross3(q + 3, problem->point[j].s, moment);
+        for (int k = 0; k < 3; ++k) {
+            work += p[k] * (q[k] + moment[k]);
+        }
+        normal += p[0];
+    }
+    *adds = work > STANDING * normal;
+    return normal > 0;
+}
+
+/* The angular impulse of body i's contacts acts in two halves about its turn, or at an impact
+ * before it, so that the turn is about the new angular velocity and takes no part in the energy. */
+static void turn_body(const pe_world *world, const pe_island_problem *island,
+                      const pe_free_motion *free, int i, bool late, double dt, pe_vec3 *end,
+                      pe_vec3 *mean)
+{
+    const pe_problem *problem = &island->problem;
+    double change[3], impulse[3];
+    for (int k = 0; k < 3; ++k) {
+        change[k] = problem->velocity[i][3 + k] - problem->free_velocity[i][3 + k];
+    }
+    pe_symmetric_times(problem->inertia[i].tensor, change, impulse);
+    pe_vec3 loads = pe_scale(0.5 * dt, free[island->slot[i]].torque), contacts = vector(impulse);
+    pe_turn(world, island->slot[i], dt, pe_madd(loads, late ? 1 : 0.5, contacts),
+            pe_madd(loads, late ? 0 : 0.5, contacts), end, mean);
+}
+
+/* Marks the bodies that move by their new velocities, in `late`, and sets these in `mean`. */
+static void find_late(const pe_world *world, const pe_island_problem *island,
+                      const double (*sum)[6], double dt, double (*mean)[6], bool *late)
+{
+    const pe_problem *problem = &island->problem;
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (int i = 0; i < problem->patch_count; ++i) {
+            const pe_patch *patch = &problem->patch[i];
+            bool adds;
+            if (late[patch->a] && late[patch->b]) {
+                continue;
+            }
+            bool dynamic_late = (late[patch->a] && patch->a != problem->body_count) ||
+                                (late[patch->b] && patch->b != problem->body_count);
+            bool loaded = pushes(problem, patch, sum, &adds);
+            if ((loaded && (adds || dynamic_late)) ||
+                closes(world, island, patch, (const double(*)[6])mean, dt)) {
+                late[patch->a] = late[patch->b] = changed = true;
+                memcpy(mean[patch->a], problem->velocity[patch->a], sizeof *mean);
+                memcpy(mean[patch->b], problem->velocity[patch->b], sizeof *mean);
+            }
+        }
+    }
+}
+
 pe_status pe_advance_island(pe_world *world, const pe_island_problem *island,
                             const pe_free_motion *free, double dt, pe_error *error)
 {
     const pe_problem *problem = &island->problem;
     size_t bodies = (size_t)problem->body_count + 1;
     double(*mean)[6] = pe_scratch(world, bodies, sizeof *mean);
+    double(*sum)[6] = pe_scratch(world, bodies, sizeof *sum);
     bool *late = pe_scratch(world, bodies, sizeof *late);
-    if (mean == NULL || late == NULL) {
+    if (mean == NULL || sum == NULL || late == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory to move %d bodies", problem->body_count);
     }
     memset(mean[problem->body_count], 0, sizeof *mean);
+    memset(sum[problem->body_count], 0, sizeof *sum);
     memset(late, 0, bodies * sizeof *late);
     late[problem->body_count] = true; /* what is static needs no flag */
     for (int i = 0; i < problem->body_count; ++i) {
         const pe_motion *m = &free[island->slot[i]].mean;
+        const pe_motion *old = &pe_motions(world)[island->slot[i]];
         const double *v = problem->velocity[i], *predicted = problem->free_velocity[i];
         const double drift[6] = {m->velocity.x,         m->velocity.y,
                                  m->velocity.z,         m->angular_velocity.x,
                                  m->angular_velocity.y, m->angular_velocity.z};
+        const double began[6] = {old->velocity.x,         old->velocity.y,
+                                 old->velocity.z,         old->angular_velocity.x,
+                                 old->angular_velocity.y, old->angular_velocity.z};
         for (int k = 0; k < 6; ++k) {
             mean[i][k] = drift[k] + 0.5 * (v[k] - predicted[k]);
+            sum[i][k] = began[k] + v[k];
         }
     }
-    for (bool changed = true; changed;) {
-        changed = false;
-        for (int i = 0; i < problem->patch_count; ++i) {
-            const pe_patch *patch = &problem->patch[i];
-            if ((late[patch->a] && late[patch->b]) ||
-                !closes(world, island, patch, (const double(*)[6])mean, dt)) {
-                continue;
-            }
-            late[patch->a] = late[patch->b] = changed = true;
-            memcpy(mean[patch->a], problem->velocity[patch->a], sizeof *mean);
-            memcpy(mean[patch->b], problem->velocity[patch->b], sizeof *mean);
-        }
-    }
+    find_late(world, island, (const double(*)[6])sum, dt, mean, late);
     for (int i = 0; i < problem->body_count; ++i) {
         int slot = island->slot[i];
-        pe_motions(world)[slot] =
-            (pe_motion){vector(problem->velocity[i]), vector(problem->velocity[i] + 3)};
-        pe_pose_move(&pe_poses(world)[slot], pe_scale(dt, vector(mean[i])),
-                     pe_scale(dt, vector(mean[i] + 3)));
+        pe_vec3 end, turn;
+        turn_body(world, island, free, i, late[i], dt, &end, &turn);
+        pe_motions(world)[slot] = (pe_motion){vector(problem->velocity[i]), end};
+        pe_pose_move(&pe_poses(world)[slot], pe_scale(dt, vector(mean[i])), pe_scale(dt, turn));
     }
     return PE_OK;
 }
 
 void pe_advance_free(pe_world *world, int slot, const pe_free_motion *free, double dt)
 {
-    const pe_free_motion *own = &free[slot];
-    pe_motions(world)[slot] = own->end;
-    pe_pose_move(&pe_poses(world)[slot], pe_scale(dt, own->mean.velocity),
-                 pe_scale(dt, own->mean.angular_velocity));
+    pe_motions(world)[slot] = free[slot].end;
+    pe_pose_move(&pe_poses(world)[slot], pe_scale(dt, free[slot].mean.velocity),
+                 pe_scale(dt, free[slot].mean.angular_velocity));
 }

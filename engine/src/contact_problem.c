@@ -184,13 +184,15 @@ typedef struct named_solver {
 } named_solver;
 
 static const named_solver SOLVERS[] = {
-    {{"gauss_seidel", "projected Gauss-Seidel sweeps with a round friction cone"},
+    {{"gauss_seidel", "projected Gauss-Seidel sweeps with a round friction cone", false},
      pe_solve_gauss_seidel},
-    {{"momentum", "the same sweeps at extrapolated impulses, with restarts"}, pe_solve_momentum},
-    {{"newton", "proximal augmented Lagrangian with semismooth Newton steps"}, pe_solve_newton},
-    {{"interior_point", "primal-dual interior point, De Saxce's shift renewed"},
+    {{"momentum", "the same sweeps at extrapolated impulses, with restarts", false},
+     pe_solve_momentum},
+    {{"newton", "proximal augmented Lagrangian with semismooth Newton steps", true},
+     pe_solve_newton},
+    {{"interior_point", "primal-dual interior point, De Saxce's shift renewed", true},
      pe_solve_interior_point},
-    {{"direct", "newton, then interior_point polished by it, as the engine combines them"},
+    {{"direct", "newton, then interior_point polished by it, as the engine combines them", true},
      pe_solve_combined},
 };
 enum { SOLVER_COUNT = sizeof SOLVERS / sizeof SOLVERS[0] };

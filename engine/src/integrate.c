@@ -64,33 +64,40 @@ static void mean_load(const pe_load *load, const pe_motion *motion, const pe_pos
     }
 }
 
+/* A body that turns by less than this in a step, in rad, keeps its inertia in the world's axes. */
+static const double NO_TURN = 1e-9;
+
+void pe_turn(const pe_world *world, int slot, double dt, pe_vec3 early, pe_vec3 late, pe_vec3 *end,
+             pe_vec3 *mean)
+{
+    const pe_mass *mass = &pe_masses(world)[slot];
+    const pe_mat3 *rotation = &pe_poses(world)[slot].rotation;
+    pe_vec3 inverse = pe_v3(1 / mass->inertia.x, 1 / mass->inertia.y, 1 / mass->inertia.z);
+    pe_vec3 w = pe_motions(world)[slot].angular_velocity;
+    pe_vec3 begun = pe_add(w, pe_rotate(rotation, pe_mul(inverse, pe_unrotate(rotation, early))));
+    if (mass->spherical || dt * dt * pe_dot(begun, begun) < NO_TURN * NO_TURN) {
+        *mean = begun;
+        *end = pe_add(begun, pe_rotate(rotation, pe_mul(inverse, pe_unrotate(rotation, late))));
+        return;
+    }
+    spin s = spin_freely(mass->inertia, pe_unrotate(rotation, begun), dt);
+    /* The late impulse in the axes that the body then has. */
+    pe_vec3 kick = pe_mul(inverse, pe_unrotate(&s.turning, pe_unrotate(rotation, late)));
+    *end = pe_rotate(rotation, pe_rotate(&s.turning, pe_add(s.end, kick)));
+    *mean = pe_rotate(rotation, s.mean);
+}
+
 static pe_free_motion predict(const pe_world *world, int slot, double dt)
 {
     const pe_motion *motion = &pe_motions(world)[slot];
-    const pe_mass *mass = &pe_masses(world)[slot];
-    const pe_pose *pose = &pe_poses(world)[slot];
-    pe_vec3 force, torque;
-    mean_load(&pe_loads(world)[slot], motion, pose, dt, &force, &torque);
-
+    pe_vec3 force;
     pe_free_motion free = {.end = *motion, .mean = *motion};
-    pe_vec3 acceleration = pe_madd(world->def.gravity, mass->inverse_mass, force);
+    mean_load(&pe_loads(world)[slot], motion, &pe_poses(world)[slot], dt, &force, &free.torque);
+    pe_vec3 acceleration = pe_madd(world->def.gravity, pe_masses(world)[slot].inverse_mass, force);
     free.end.velocity = pe_madd(motion->velocity, dt, acceleration);
     free.mean.velocity = pe_madd(motion->velocity, 0.5 * dt, acceleration);
-
-    pe_vec3 w = motion->angular_velocity;
-    bool pushed = torque.x != 0 || torque.y != 0 || torque.z != 0;
-    if (!pushed && (mass->spherical || (w.x == 0 && w.y == 0 && w.z == 0))) {
-        return free;
-    }
-    pe_vec3 inverse = pe_v3(1 / mass->inertia.x, 1 / mass->inertia.y, 1 / mass->inertia.z);
-    pe_vec3 half_kick = pe_scale(0.5 * dt, pe_mul(inverse, pe_unrotate(&pose->rotation, torque)));
-    pe_vec3 local = pe_add(pe_unrotate(&pose->rotation, w), half_kick);
-    spin s = spin_freely(mass->inertia, local, dt);
-    /* The second half of the torque, in the axes that the body then has. */
-    pe_vec3 late = pe_mul(inverse, pe_unrotate(&s.turning, pe_unrotate(&pose->rotation, torque)));
-    pe_vec3 end = pe_madd(s.end, 0.5 * dt, late);
-    free.end.angular_velocity = pe_rotate(&pose->rotation, pe_rotate(&s.turning, end));
-    free.mean.angular_velocity = pe_rotate(&pose->rotation, s.mean);
+    pe_vec3 half = pe_scale(0.5 * dt, free.torque);
+    pe_turn(world, slot, dt, half, half, &free.end.angular_velocity, &free.mean.angular_velocity);
     return free;
 }
 
@@ -99,7 +106,7 @@ void pe_predict_motion(const pe_world *world, double dt, pe_free_motion *motions
     for (int slot = 0; slot < world->slot_count; ++slot) {
         const pe_motion *motion = &pe_motions(world)[slot];
         if (pe_masses(world)[slot].inverse_mass == 0) {
-            motions[slot] = (pe_free_motion){*motion, *motion};
+            motions[slot] = (pe_free_motion){.end = *motion, .mean = *motion};
         } else {
             motions[slot] = predict(world, slot, dt);
         }

@@ -8,6 +8,7 @@
 typedef struct pe_free_motion {
     pe_motion end;  /* v* = v + h M^-1 f, world */
     pe_motion mean; /* whose displacement and rotation vector, h times it, are those of the step */
+    pe_vec3 torque; /* h times it is the angular impulse of the loads, N m, world */
 } pe_free_motion;
 
 /* Of every slot, into motions (slots). The free rotation keeps the angular momentum in the world
@@ -16,6 +17,12 @@ typedef struct pe_free_motion {
  * the kind of Moser and Veselov 1991); torques act in two halves about it. Forces given in the
  * body's axes turn with it. */
 void pe_predict_motion(const pe_world *world, double dt, pe_free_motion *motions);
+
+/* Angular velocity at the end of a step, and the mean one by which the body turns in it, when it
+ * gets the angular impulses `early`, in N m s, world, at the step's start and `late` at its end,
+ * and turns freely between. The order is the second when they are the same. */
+void pe_turn(const pe_world *world, int slot, double dt, pe_vec3 early, pe_vec3 late, pe_vec3 *end,
+             pe_vec3 *mean);
 
 /* Moves one body by a displacement and a rotation vector, world axes. */
 void pe_pose_move(pe_pose *pose, pe_vec3 displacement, pe_vec3 rotation);

@@ -272,7 +272,7 @@ static void guard_energy(stepping *step)
 {
     pe_energy_report report;
     pe_energy_guard(step->world, &step->islands, step->free, step->poses, step->motions,
-                    step->moved, step->dt, &report);
+                    step->moved, step->stands, step->dt, &report);
     step->stats.guarded_islands = report.islands;
 }
 

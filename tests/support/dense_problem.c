@@ -64,8 +64,8 @@ static void invert(const double m[6], double inverse[6])
 }
 
 /* From a body's centre of mass to a point. */
-static void arm_to(const pe_problem_manifold *m, const double arm[3],
-                   const pe_problem_point *point, double r[3])
+static void arm_to(const pe_problem_manifold *m, const double arm[3], const pe_problem_point *point,
+                   double r[3])
 {
     for (int k = 0; k < 3; ++k) {
         r[k] = arm[k];

@@ -91,6 +91,7 @@ pe_contact_problem *pe_contact_problems_keep(pe_contact_problem **problems, int 
 typedef struct pe_solver_info {
     const char *name;
     const char *description; /* a line */
+    bool factorises;         /* an iteration is a factorisation; otherwise it is a sweep */
 } pe_solver_info;
 
 int pe_solver_count(void);

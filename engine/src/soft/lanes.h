@@ -135,6 +135,28 @@ static inline void transpose8(wide r[8])
 }
 #endif
 
+/* Column k of eight numbers a lane: from[lane][k]. The lanes' numbers are aligned to 64 bytes. */
+static inline void wide_columns(const double *const from[PE_WIDTH], wide column[8])
+{
+#if PE_WIDTH == 1
+    for (int k = 0; k < 8; ++k) {
+        column[k] = from[0][k];
+    }
+#elif PE_WIDTH == 4
+    for (int i = 0; i < 4; ++i) {
+        column[i] = _mm256_load_pd(from[i]);
+        column[4 + i] = _mm256_load_pd(from[i] + 4);
+    }
+    transpose4(column);
+    transpose4(column + 4);
+#else
+    for (int i = 0; i < 8; ++i) {
+        column[i] = _mm512_load_pd(from[i]);
+    }
+    transpose8(column);
+#endif
+}
+
 /* One line a lane. */
 typedef struct wide_line {
     wide linear[3], inverse_mass, angular[3];
@@ -142,28 +164,13 @@ typedef struct wide_line {
 
 static inline wide_line wide_load(const pe_line *lines, const int index[PE_WIDTH])
 {
-#if PE_WIDTH == 1
-    const pe_line *x = &lines[index[0]];
-    return (wide_line){{x->linear[0], x->linear[1], x->linear[2]},
-                       x->inverse_mass,
-                       {x->angular[0], x->angular[1], x->angular[2]}};
-#elif PE_WIDTH == 4
-    wide r[4], s[4];
-    for (int i = 0; i < 4; ++i) {
-        r[i] = _mm256_load_pd(lines[index[i]].linear);
-        s[i] = _mm256_load_pd(lines[index[i]].angular);
+    const double *from[PE_WIDTH];
+    wide c[8];
+    for (int l = 0; l < PE_WIDTH; ++l) {
+        from[l] = lines[index[l]].linear;
     }
-    transpose4(r);
-    transpose4(s);
-    return (wide_line){{r[0], r[1], r[2]}, r[3], {s[0], s[1], s[2]}};
-#else
-    wide r[8];
-    for (int i = 0; i < 8; ++i) {
-        r[i] = _mm512_load_pd(lines[index[i]].linear);
-    }
-    transpose8(r);
-    return (wide_line){{r[0], r[1], r[2]}, r[3], {r[4], r[5], r[6]}};
-#endif
+    wide_columns(from, c);
+    return (wide_line){{c[0], c[1], c[2]}, c[3], {c[4], c[5], c[6]}};
 }
 
 static inline void wide_save(pe_line *lines, const int index[PE_WIDTH], const wide_line *x)

@@ -17,12 +17,10 @@ pe_status pe_lines_take(pe_world *world, const pe_islands *islands, const bool *
         .velocity = pe_scratch(world, count, sizeof *lines->velocity),
         .previous = pe_scratch(world, count, sizeof *lines->previous),
         .displacement = pe_scratch(world, count, sizeof *lines->displacement),
-        .load = pe_scratch(world, count, sizeof *lines->load),
         .frame = pe_scratch(world, count, sizeof *lines->frame),
     };
     if (lines->line_of == NULL || lines->slot_of == NULL || lines->velocity == NULL ||
-        lines->previous == NULL || lines->displacement == NULL || lines->load == NULL ||
-        lines->frame == NULL) {
+        lines->previous == NULL || lines->displacement == NULL || lines->frame == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for the velocities of %zu bodies", count);
     }
     memset(lines->line_of, 0, slots * sizeof *lines->line_of);
@@ -86,7 +84,7 @@ static pe_vec3 acceleration_of(const pe_world *world, int slot, pe_vec3 *torque)
 
 void pe_lines_fill(const pe_world *world, double dt, double h, const pe_lines *lines)
 {
-    lines->velocity[0] = lines->previous[0] = lines->load[0] = (pe_line){0};
+    lines->velocity[0] = lines->previous[0] = (pe_line){0};
     lines->frame[0] = (pe_line_frame){0};
     memset(lines->displacement, 0, (size_t)lines->count * sizeof *lines->displacement);
     for (int i = 1; i < lines->count; ++i) {
@@ -107,13 +105,11 @@ void pe_lines_fill(const pe_world *world, double dt, double h, const pe_lines *l
         line->unused = previous->unused = 0;
         put(line->linear, motion->velocity);
         put(line->angular, spin);
-        pe_vec3 spinning = pe_mul(shrink, torque);
-        put(lines->load[i].linear, acceleration);
-        put(lines->load[i].angular, spinning);
         put(previous->linear, pe_madd(motion->velocity, -h, acceleration));
-        put(previous->angular, pe_madd(spin, -h, spinning));
+        put(previous->angular, pe_madd(spin, -h, pe_mul(shrink, torque)));
 
         pe_line_frame *frame = &lines->frame[i];
+        *frame = (pe_line_frame){0};
         put(frame->position, pose->position);
         for (int k = 0; k < 3; ++k) {
             put(&frame->turn[3 * k],

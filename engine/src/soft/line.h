@@ -21,8 +21,9 @@ typedef struct pe_line {
 
 /* What turns a world vector into a row: turn = diag(1/sqrt(I)) R^T, row-major; 0 when static. */
 typedef struct pe_line_frame {
-    double position[3];
     double turn[9];
+    double position[3];
+    double unused[4]; /* 0: two visits of the cache */
 } pe_line_frame;
 
 typedef struct pe_lines {
@@ -32,7 +33,6 @@ typedef struct pe_lines {
     pe_line *velocity;     /* (count) */
     pe_line *previous;     /* (count): velocities a substep ago */
     pe_line *displacement; /* (count): since the step's start */
-    pe_line *load;         /* (count): the change of velocity by the loads in a second */
     pe_line_frame *frame;  /* (count) */
 } pe_lines;
 

@@ -1,6 +1,5 @@
 #include "soft/soft.h"
 
-#include "soft/guard.h"
 #include "soft/kernel.h"
 
 pe_soft_settings pe_soft_settings_default(void)
@@ -122,17 +121,11 @@ pe_status pe_soft_step_with(pe_world *world, const pe_islands *islands, const bo
     if (status == PE_OK) {
         status = take_blocks(world, kernel, &task, error);
     }
-    double *energy = pe_scratch(world, (size_t)islands->count + 1, sizeof *energy);
-    if (status == PE_OK && energy == NULL) {
-        status = pe_fail(error, PE_NO_MEMORY, "no memory for %d islands", islands->count);
-    }
     if (status != PE_OK) {
         return status;
     }
     pe_lines_fill(world, dt, h, &lines);
-    pe_guard_measure(islands, chosen, &lines, energy);
     run(kernel, &task);
-    int guarded = pe_guard_apply(world, islands, chosen, &lines, energy);
     pe_lines_apply(world, &lines);
     if (report != NULL) {
         *report = (pe_soft_report){
@@ -142,7 +135,6 @@ pe_status pe_soft_step_with(pe_world *world, const pe_islands *islands, const bo
             .manifolds = plan.count,
             .points = plan.points,
             .colours = plan.colours,
-            .guarded = guarded,
             .penetration = task.penetration,
         };
     }

@@ -47,7 +47,6 @@ typedef struct pe_soft_report {
     int lanes;
     int bodies, manifolds, points; /* that were solved */
     int colours;                   /* groups of manifolds that share no body */
-    int guarded;                   /* islands whose energy would have grown: see guard.h */
     double penetration;            /* m, deepest at the step's start */
 } pe_soft_report;
 

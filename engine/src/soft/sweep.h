@@ -122,32 +122,29 @@ static inline void push_along(const wide direction[3], wide size, wide_line *a, 
 
 /* ---- Preparation */
 
-/* The bodies of a block as its rows need them. */
-typedef struct pair {
-    wide position_a[3], position_b[3];
-    wide turn_a[9], turn_b[9];
-} pair;
+/* A body a lane as its rows need it. */
+typedef struct wide_frame {
+    wide turn[9], position[3];
+    wide unused[4];
+} wide_frame;
 
-static inline pair load_pair(const pe_line_frame *frame, const block *c)
+static inline void load_frame(const pe_line_frame *frames, const int index[PE_WIDTH],
+                              wide_frame *frame)
 {
-    pair p;
-    const double *a[PE_WIDTH], *b[PE_WIDTH], *turn_a[PE_WIDTH], *turn_b[PE_WIDTH];
+    const double *from[PE_WIDTH], *second[PE_WIDTH];
     for (int l = 0; l < PE_WIDTH; ++l) {
-        a[l] = frame[c->a[l]].position;
-        b[l] = frame[c->b[l]].position;
-        turn_a[l] = frame[c->a[l]].turn;
-        turn_b[l] = frame[c->b[l]].turn;
+        from[l] = frames[index[l]].turn;
+        second[l] = from[l] + 8;
     }
-    for (int k = 0; k < 3; ++k) {
-        p.position_a[k] = wide_gather(a, k);
-        p.position_b[k] = wide_gather(b, k);
-    }
-    for (int k = 0; k < 9; ++k) {
-        p.turn_a[k] = wide_gather(turn_a, k);
-        p.turn_b[k] = wide_gather(turn_b, k);
-    }
-    return p;
+    wide column[16];
+    wide_columns(from, column);
+    wide_columns(second, column + 8);
+    memcpy(frame, column, sizeof column);
 }
+
+typedef struct pair {
+    wide_frame a, b;
+} pair;
 
 /* The two halves of the row along `direction` at the world point x. */
 static inline void make_row(const pair *p, const wide direction[3], const wide x[3], wide ja[3],
@@ -155,13 +152,13 @@ static inline void make_row(const pair *p, const wide direction[3], const wide x
 {
     wide ra[3], rb[3], arm[3];
     for (int k = 0; k < 3; ++k) {
-        ra[k] = x[k] - p->position_a[k];
-        rb[k] = x[k] - p->position_b[k];
+        ra[k] = x[k] - p->a.position[k];
+        rb[k] = x[k] - p->b.position[k];
     }
     cross(direction, ra, arm);
-    turned(p->turn_a, arm, ja);
+    turned(p->a.turn, arm, ja);
     cross(rb, direction, arm);
-    turned(p->turn_b, arm, jb);
+    turned(p->b.turn, arm, jb);
 }
 
 /* Two unit vectors that make a right-handed frame (t1, t2, n) with the unit vector n, without a
@@ -237,8 +234,8 @@ static inline void prepare_patch(const pe_soft_task *task, const block *c, const
         make_row(p, f->tangent[q], centre, f->ja[q], f->jb[q]);
     }
     wide opposite[3] = {zero - c->normal[0], zero - c->normal[1], zero - c->normal[2]};
-    turned(p->turn_a, opposite, f->ja[2]);
-    turned(p->turn_b, c->normal, f->jb[2]);
+    turned(p->a.turn, opposite, f->ja[2]);
+    turned(p->b.turn, c->normal, f->jb[2]);
     f->step = inverse(lambda_of(f, c->inverse_mass, wide_of(c->count), spread));
     f->friction = friction;
 }
@@ -298,7 +295,9 @@ static void prepare_block(const pe_soft_task *task, block *c, wide *deepest)
             gap[j][l] = &point->separation;
         }
     }
-    pair p = load_pair(task->lines->frame, c);
+    pair p;
+    load_frame(task->lines->frame, c->a, &p.a);
+    load_frame(task->lines->frame, c->b, &p.b);
     point_lanes points;
     for (int k = 0; k < 3; ++k) {
         c->normal[k] = wide_gather(normal, k);

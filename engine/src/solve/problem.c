@@ -47,7 +47,7 @@ double pe_cone_residual(double friction, double scale, const double p[3], const 
 
 double pe_point_residual(double friction, double scale, const double p[3], const double u[3])
 {
-    if (p[0] == 0 && u[0] >= 0) {
+    if (p[0] == 0 && p[1] == 0 && p[2] == 0 && u[0] >= 0) {
         return 0; /* open: no impulse, no approach */
     }
     double lifted[3] = {u[0] + friction * sqrt(u[1] * u[1] + u[2] * u[2]), u[1], u[2]};

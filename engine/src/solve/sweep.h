@@ -6,8 +6,8 @@
  * the eight lanes an instruction works on is chosen when the program runs.
  *
  * A patch is swept in its relative twist q = T v (problem.h): its points change q through
- * E = T M^-1 T^T, six by six, and only their sum goes back to the bodies. That is half the
- * arithmetic of rows of the Jacobian, and a third of the memory.
+ * E = T M^-1 T^T, six by six, and only their sum goes back to the bodies. For four points that is
+ * 216 bytes a point, where rows of the Jacobian take 360.
  *
  * With momentum, z is what a sweep leaves and y = z + beta (z - z_before) what the next begins at;
  * z lies in the cones, y need not. */
