@@ -63,7 +63,7 @@ static void test_block_on_a_slope_below_the_threshold_does_not_move(void **state
     pe_world_destroy(world);
 }
 
-static void test_block_on_a_slope_above_the_threshold_slides_as_discrete_coulomb(void **state)
+static void test_block_on_a_slope_above_the_threshold_slides_as_coulomb_says(void **state)
 {
     (void)state;
     const double angle = 0.6, mu = 0.5;
@@ -75,9 +75,9 @@ static void test_block_on_a_slope_above_the_threshold_slides_as_discrete_coulomb
         step(world, H);
         pe_vec3 moved = pe_sub(state_of(world, block).position, start);
         double along = pe_dot(moved, pe_v3(cos(angle), 0, -sin(angle)));
-        assert_close(along, a * H * H * n * (n + 1) / 2, 0, 1e-6);
+        assert_close(along, a * H * H * n * n / 2, 0, 1e-9);
         /* No lift: the convex relaxation of friction would raise it by mu times the slip. */
-        assert_close(pe_dot(moved, pe_v3(sin(angle), 0, cos(angle))), 0, 1e-7, 0);
+        assert_close(pe_dot(moved, pe_v3(sin(angle), 0, cos(angle))), 0, 1e-9, 0);
     }
     pe_world_destroy(world);
 }
@@ -99,12 +99,12 @@ static void test_friction_does_not_depend_on_the_azimuth_of_sliding(void **state
         }
         /* v_n = v - mu g n h until it would change sign: stops in 40.77 steps, in the 41st. */
         double decrement = 0.3 * 9.81 * H, distance = 0;
-        for (double v = 2 - decrement; v > 0; v -= decrement) {
-            distance += v * H;
+        for (double v = 2; v > 0; v -= decrement) {
+            distance += (v + fmax(v - decrement, 0)) / 2 * H;
         }
         pe_vec3 x = state_of(world, block).position;
-        assert_close(x.x * cos(azimuth) + x.y * sin(azimuth), distance, 1e-6, 0);
-        assert_close(x.y * cos(azimuth) - x.x * sin(azimuth), 0, 1e-6, 0);
+        assert_close(x.x * cos(azimuth) + x.y * sin(azimuth), distance, 1e-9, 0);
+        assert_close(x.y * cos(azimuth) - x.x * sin(azimuth), 0, 1e-9, 0);
         pe_world_destroy(world);
     }
 }
@@ -123,7 +123,8 @@ static void test_ball_bounces_with_newtons_restitution(void **state)
         def.material = material;
         pe_body_id ball = add_body(world, &def);
         step(world, H);
-        assert_close(state_of(world, ball).velocity.z, 3 * e, 1e-12, 0);
+        /* To the residual that is solved to, a thousandth of the tolerance. */
+        assert_close(state_of(world, ball).velocity.z, 3 * e, 1e-11, 0);
         pe_world_destroy(world);
     }
 }
@@ -244,19 +245,24 @@ static void test_islands_are_separate_stacks_and_do_not_feel_each_other(void **s
     pe_world_destroy(two);
 }
 
-static void test_warm_start_spares_a_resting_tower_the_sweeps(void **state)
+static void test_a_resting_tower_needs_few_iterations_at_first_and_hardly_any_then(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
-    pe_body_id ids[5];
-    add_tower(world, 5, (pe_material_id){0}, ids);
-    int cold = step(world, H).iterations;
-    assert_true(cold > 1000);
-    long warm = 0;
+    pe_body_id ids[25];
+    add_tower(world, 25, (pe_material_id){0}, ids);
+    pe_step_stats first = step(world, H);
+    assert_in_range(first.iterations, 1, 5);
+    assert_int_equal(first.islands_by_path[PE_PATH_DIRECT], 1);
+    assert_true(first.factor_flops > 0 && first.history_count > 0);
+    long warm = 0, kept = 0;
     for (int i = 0; i < 100; ++i) {
-        warm += step(world, H).iterations;
+        pe_step_stats stats = step(world, H);
+        warm += stats.iterations;
+        kept += stats.islands_by_path[PE_PATH_WARM];
     }
-    assert_true(warm < cold);
+    assert_true(warm < 50);
+    assert_true(kept > 80);
     pe_world_destroy(world);
 }
 
@@ -369,6 +375,7 @@ static void test_reported_residual_is_the_natural_map_worked_out_from_contacts(v
         pe_world_def def = pe_world_def_default();
         /* So lax that what is left of the problem after the last step's impulses is accepted. */
         def.tolerance = 1e6;
+        def.penetration_slop = 1; /* and nothing is pushed out after it */
         pe_world *world = make_world(&def);
         pe_body_id ids[N];
         add_tower(world, N, (pe_material_id){0}, ids);
@@ -423,7 +430,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tower_contact_forces_carry_the_weight_above_them),
         cmocka_unit_test(test_block_on_a_slope_below_the_threshold_does_not_move),
-        cmocka_unit_test(test_block_on_a_slope_above_the_threshold_slides_as_discrete_coulomb),
+        cmocka_unit_test(test_block_on_a_slope_above_the_threshold_slides_as_coulomb_says),
         cmocka_unit_test(test_friction_does_not_depend_on_the_azimuth_of_sliding),
         cmocka_unit_test(test_ball_bounces_with_newtons_restitution),
         cmocka_unit_test(test_spheres_in_line_collide_as_newton_says_at_any_mass_ratio),
@@ -431,7 +438,7 @@ int main(void)
         cmocka_unit_test(test_momentum_is_kept_in_a_free_collision_of_boxes),
         cmocka_unit_test(test_islands_are_separate_stacks_and_do_not_feel_each_other),
         cmocka_unit_test(test_reported_residual_is_the_natural_map_worked_out_from_contacts),
-        cmocka_unit_test(test_warm_start_spares_a_resting_tower_the_sweeps),
+        cmocka_unit_test(test_a_resting_tower_needs_few_iterations_at_first_and_hardly_any_then),
         cmocka_unit_test(test_a_resting_box_takes_few_sweeps_at_every_step),
         cmocka_unit_test(test_a_falling_ball_lands_on_the_surface_and_not_above_it),
         cmocka_unit_test(test_contacts_come_sorted_by_pair),

@@ -275,7 +275,13 @@ static bool is_better(const pe_problem *problem)
     return violation_of(problem).squares < violation_before(problem).squares;
 }
 
-/* Moves the bodies; the angular velocity turns with its body. */
+/* R diag(d) R^T x */
+static pe_vec3 turned_times(const pe_mat3 *rotation, pe_vec3 d, pe_vec3 x)
+{
+    return pe_rotate(rotation, pe_mul(d, pe_unrotate(rotation, x)));
+}
+
+/* Moves the bodies; their momenta stay. */
 static void displace(projecting *p, const pe_island_problem *built)
 {
     for (int i = 0; i < built->problem.body_count; ++i) {
@@ -284,10 +290,15 @@ static void displace(projecting *p, const pe_island_problem *built)
         pe_pose *pose = &pe_poses(p->world)[slot];
         pe_vec3 linear = pe_v3(d[0], d[1], d[2]), turn = pe_v3(d[3], d[4], d[5]);
         if (pe_dot(linear, linear) > 0 || pe_dot(turn, turn) > 0) {
+            const pe_mass *mass = &pe_masses(p->world)[slot];
+            pe_vec3 inertia = mass->inertia;
+            pe_vec3 inverse = pe_v3(1 / inertia.x, 1 / inertia.y, 1 / inertia.z);
             pe_vec3 *spin = &pe_motions(p->world)[slot].angular_velocity;
-            pe_vec3 local = pe_unrotate(&pose->rotation, *spin);
+            pe_vec3 momentum = turned_times(&pose->rotation, inertia, *spin);
             pe_pose_move(pose, linear, turn);
-            *spin = pe_rotate(&pose->rotation, local);
+            if (!mass->spherical) {
+                *spin = turned_times(&pose->rotation, inverse, momentum);
+            }
             p->moved[slot] = true;
         }
     }

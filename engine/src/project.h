@@ -45,8 +45,7 @@ typedef struct pe_project_report {
  * moved again, and goes on so while there is such an island, at most rules->max_rounds times.
  *
  * world->contacts must be those at the poses now, and are so afterwards, impulses handed on
- * (pe_contacts_refind with `contact_rules` and `dt`). Angular velocities turn with their bodies, so
- * that kinetic energy stays. The round with the least sum of squared violations of phi >= -aim
+ * (pe_contacts_refind with `contact_rules` and `dt`). Momenta stay. The round with the least sum of squared violations of phi >= -aim
  * wins: if the last one is not it, bodies go back to there. What is left is reported. An island is
  * not swept whole: sweeping begins at the bodies of violated contacts and reaches those that get
  * pushed.

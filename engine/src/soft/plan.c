@@ -3,8 +3,8 @@
 #include <string.h>
 
 enum {
-    COLOURS = 64, /* bits of a mask; the last one is serial */
-    KINDS = 2 * PE_SOFT_POINTS,
+    COLOURS = 64,               /* bits of a mask; the last one is serial */
+    KINDS = 4 * PE_SOFT_POINTS, /* points x hard x rough */
     BATCHES = COLOURS * KINDS
 };
 
@@ -19,10 +19,11 @@ static int lowest_free(uint64_t mask)
     return colour;
 }
 
-/* The batch of a contact: colour by colour, most points first, rough before smooth. */
-static int batch_of(int colour, int points, bool rough)
+/* The batch of a contact: colour by colour, most points first. */
+static int batch_of(int colour, const pe_soft_contact *contact, bool rough)
 {
-    return colour * KINDS + 2 * (PE_SOFT_POINTS - points) + !rough;
+    bool hard = contact->a == 0 || contact->b == 0;
+    return colour * KINDS + 4 * (PE_SOFT_POINTS - contact->count) + 2 * hard + rough;
 }
 
 /* In how many contacts a manifold is solved. */
@@ -53,7 +54,7 @@ static void add_manifold(const pe_world *world, int index, const draft *d, pe_so
         int colour = lowest_free(d->mask[a] | d->mask[b]);
         d->mask[a] |= (uint64_t)(a != 0) << colour;
         d->mask[b] |= (uint64_t)(b != 0) << colour;
-        d->batch[plan->count++] = batch_of(colour, contact->count, m->friction > 0);
+        d->batch[plan->count++] = batch_of(colour, contact, m->friction > 0);
         plan->colours = colour >= plan->colours ? colour + 1 : plan->colours;
         plan->points += contact->count;
     }
@@ -74,8 +75,9 @@ static void sort_into_batches(const draft *d, pe_soft_plan *plan)
             plan->batches[plan->batch_count++] = (pe_soft_batch){
                 .first = first,
                 .count = size[q],
-                .points = PE_SOFT_POINTS - q % KINDS / 2,
-                .rough = q % 2 == 0,
+                .points = PE_SOFT_POINTS - q % KINDS / 4,
+                .hard = q / 2 % 2 == 1,
+                .rough = q % 2 == 1,
                 .serial = q / KINDS == COLOURS - 1,
             };
             first += size[q];

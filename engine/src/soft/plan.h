@@ -20,6 +20,7 @@ typedef struct pe_soft_contact {
 typedef struct pe_soft_batch {
     int first, count; /* contacts */
     int points;       /* of each */
+    bool hard;        /* against a static body */
     bool rough;       /* with friction */
     bool serial;
 } pe_soft_batch;

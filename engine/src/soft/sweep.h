@@ -25,14 +25,14 @@
 
 typedef struct block {
     wide normal[3];
-    wide inverse_mass; /* of both bodies together */
-    wide rate, mass_scale, impulse_scale;
+    wide inverse_mass;            /* of both bodies together */
     int a[PE_WIDTH], b[PE_WIDTH]; /* lines */
     int contact;                  /* the first lane's, in the plan */
     int lanes;                    /* that have a contact */
     int count;                    /* points */
     int row;                      /* the first point's */
     int patch, patch_row;         /* -1 when smooth */
+    bool hard;                    /* against a static body */
 } block;
 
 typedef struct row {
@@ -276,15 +276,12 @@ static void prepare_block(const pe_soft_task *task, block *c, wide *deepest)
     const double *normal[PE_WIDTH], *friction[PE_WIDTH], *restitution[PE_WIDTH];
     const double *position[PE_SOFT_POINTS][PE_WIDTH], *impulse[PE_SOFT_POINTS][PE_WIDTH];
     const double *gap[PE_SOFT_POINTS][PE_WIDTH];
-    const double *spring[PE_WIDTH];
     for (int l = 0; l < PE_WIDTH; ++l) {
         const pe_soft_contact *contact =
             l < c->lanes ? &task->plan->contacts[c->contact + l] : NULL;
         const pe_manifold *m = contact != NULL ? &task->manifolds[contact->manifold] : &no_manifold;
         c->a[l] = contact != NULL ? contact->a : 0;
         c->b[l] = contact != NULL ? contact->b : 0;
-        spring[l] =
-            (const double *)(c->a[l] == 0 || c->b[l] == 0 ? &task->hard_spring : &task->spring);
         normal[l] = (const double *)&m->normal;
         friction[l] = &m->friction;
         restitution[l] = &m->restitution;
@@ -310,9 +307,6 @@ static void prepare_block(const pe_soft_task *task, block *c, wide *deepest)
         points.gap[j] = wide_gather(gap[j], 0);
         *deepest = wide_max(*deepest, wide_of(0) - points.gap[j]);
     }
-    c->rate = wide_gather(spring, 0);
-    c->mass_scale = wide_gather(spring, 1);
-    c->impulse_scale = wide_gather(spring, 2);
     wide_line a = wide_load(task->lines->velocity, c->a);
     wide_line b = wide_load(task->lines->velocity, c->b);
     c->inverse_mass = a.inverse_mass + b.inverse_mass;
@@ -358,6 +352,7 @@ static void prepare(pe_soft_task *task)
             c->contact = batch->first + i;
             c->lanes = batch->count - i < most ? batch->count - i : most;
             c->count = batch->points;
+            c->hard = batch->hard;
             c->row = row_count;
             c->patch = batch->rough ? patch_count++ : -1;
             c->patch_row = patch_row_count;
@@ -424,16 +419,18 @@ static void bias(const pe_soft_task *task)
         wide_line a = wide_load(lines, c->a), b = wide_load(lines, c->b);
         wide_line da = wide_load(moved, c->a), db = wide_load(moved, c->b);
         wide along = relative(c->normal, &a, &b), apart = relative(c->normal, &da, &db);
-        wide total = zero;
+        const pe_soft_spring *spring = c->hard ? &task->hard_spring : &task->spring;
+        wide rate = wide_of(spring->rate), mass_scale = wide_of(spring->mass_scale);
+        wide impulse_scale = wide_of(spring->impulse_scale), total = zero;
         for (int j = 0; j < c->count; ++j) {
             row *r = &rows[j];
             wide u = along + (dot(r->ja, a.angular) + dot(r->jb, b.angular));
             wide s = r->gap + (apart + (dot(r->ja, da.angular) + dot(r->jb, db.angular)));
             /* A gap may close within the substep and no further; a penetration is a spring. */
-            wide spring = c->mass_scale * wide_max(c->rate * s, least);
-            wide speed = wide_select(s, zero, s * per_substep, spring);
-            wide scale = wide_select(s, zero, one, c->mass_scale);
-            wide leak = wide_select(s, zero, zero, c->impulse_scale);
+            wide pushed = mass_scale * wide_max(rate * s, least);
+            wide speed = wide_select(s, zero, s * per_substep, pushed);
+            wide scale = wide_select(s, zero, one, mass_scale);
+            wide leak = wide_select(s, zero, zero, impulse_scale);
             wide old = r->impulse;
             wide now = wide_max(old - (r->mass * (scale * u + speed) + leak * old), zero);
             wide delta = now - old;
