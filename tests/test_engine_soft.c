@@ -64,6 +64,25 @@ static void test_each_joint_of_a_tower_carries_the_weight_above_it(void **state)
     pe_world_destroy(world);
 }
 
+/* Four springs of angular frequency w under a cube, each with its share m/4 of the cube's mass,
+ * give way by g/w^2; between two cubes the share is a half of that. Against the ground w is twice
+ * as high. */
+static void test_a_contact_sinks_until_its_spring_carries_the_load(void **state)
+{
+    (void)state;
+    const double w = 2 * 3.141592653589793 * 60;
+    pe_world *world = make_world(NULL);
+    pe_body_id ids[2];
+    add_tower(world, 2, (pe_material_id){0}, ids);
+    for (int i = 0; i < 600; ++i) {
+        soft_step(world, H, NULL);
+    }
+    double ground = 2 * G / (4 * w * w), joint = 2 * G / (w * w);
+    assert_close(state_of(world, ids[0]).position.z, 0.5 - ground, 1e-8, 0);
+    assert_close(state_of(world, ids[1]).position.z, 1.5 - ground - joint, 1e-8, 0);
+    pe_world_destroy(world);
+}
+
 /* A flat box on the plane that starts with these velocities. */
 static pe_body_id add_slider(pe_world *world, pe_material_id material, double half_height,
                              pe_vec3 velocity, double spin)
@@ -344,6 +363,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_resting_box_is_carried_by_m_g_h),
+        cmocka_unit_test(test_a_contact_sinks_until_its_spring_carries_the_load),
         cmocka_unit_test(test_each_joint_of_a_tower_carries_the_weight_above_it),
         cmocka_unit_test(test_a_sliding_block_slows_by_mu_g_at_every_azimuth),
         cmocka_unit_test(test_a_spinning_slider_loses_speed_and_spin_as_its_four_corners_do),

@@ -219,6 +219,41 @@ static void test_an_island_that_is_not_chosen_is_not_touched(void **state)
     pe_world_destroy(alone);
 }
 
+static void test_neither_precession_nor_turning_changes_kinetic_energy(void **state)
+{
+    (void)state;
+    check_random random = {11};
+    for (int i = 0; i < 100; ++i) {
+        pe_world *world = make_world(NULL);
+        pe_material_id material = add_material(world, 0.5, 0);
+        add_plane(world, pe_v3(0, 0, 1), material);
+        pe_body_def def = box_def(0.1, 0.3, 0.5, pe_v3(0, 0, 0.5));
+        def.angular_velocity = pe_v3(30, -20, 25);
+        pe_body_id body = add_body(world, &def);
+        soft_case now;
+        pe_lines lines;
+        assert_int_equal(soft_prepare(world, H, &now), PE_OK);
+        assert_int_equal(pe_lines_take(world, &now.islands, now.chosen, &lines, NULL), PE_OK);
+        assert_int_equal(lines.count, 2);
+        pe_lines_fill(world, H, H, &lines);
+        const double *spin = lines.velocity[1].angular;
+        double twice = spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2];
+        assert_close(twice / 2, energy_of(world, body) - G * 0.5, 0, 1e-13);
+        twice = 0;
+        for (int k = 0; k < 3; ++k) {
+            double w = check_uniform(&random, -3, 3);
+            lines.velocity[1].linear[k] = 0;
+            lines.velocity[1].angular[k] = w;
+            lines.displacement[1].angular[k] = check_uniform(&random, -0.3, 0.3);
+            twice += w * w;
+        }
+        pe_lines_apply(world, &lines);
+        double potential = G * state_of(world, body).position.z;
+        assert_close(energy_of(world, body), twice / 2 + potential, 1e-12, 0);
+        pe_world_destroy(world);
+    }
+}
+
 /* Counts allocations, and fails all from the one numbered fail_at on (from 1; 0: none). */
 typedef struct counter {
     long made, alive, fail_at;
@@ -320,6 +355,7 @@ int main(void)
         cmocka_unit_test(test_a_manifold_of_eight_points_carries_as_one_of_four),
         cmocka_unit_test(test_substeps_follow_the_step_and_stop_at_twelve),
         cmocka_unit_test(test_an_island_that_is_not_chosen_is_not_touched),
+        cmocka_unit_test(test_neither_precession_nor_turning_changes_kinetic_energy),
         cmocka_unit_test(test_nothing_is_allocated_after_warm_up),
         cmocka_unit_test(test_every_failed_allocation_leaves_all_as_it_was),
     };

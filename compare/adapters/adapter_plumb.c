@@ -23,7 +23,7 @@ enum { OPTION_TOLERANCE, OPTION_UPDATES, OPTION_SLOP, OPTION_COUNT };
 
 static const pl_engine_option options[OPTION_COUNT] = {
     {"tolerance", 1e-8, 1e-14, 1, false, "m/s", "natural-map residual that counts as solved"},
-    {"updates", 2e6, 1, 1e12, true, "1", "sweeps times contact points of one island, at most"},
+    {"updates", 2.4e6, 1, 1e12, true, "1", "sweeps times contact points of one island, at most"},
     {"slop", 1e-4, 1e-12, 1, false, "m", "penetration that is not pushed out"},
 };
 

@@ -82,8 +82,8 @@ static double factor_of(const energy *e, double allowed, pe_energy_report *repor
         return 1;
     }
     report->islands += 1;
-    report->removed += pe_min(e->growth, e->kinetic);
-    report->left += pe_max(e->growth - e->kinetic, 0);
+    report->removed += e->growth;
+    report->put_back += e->growth >= e->kinetic;
     return e->growth < e->kinetic ? sqrt(1 - e->growth / e->kinetic) : 0;
 }
 
@@ -113,6 +113,9 @@ static void guard_bodies(pe_world *world, const step_view *step, const int *slot
     double factor = factor_of(&e, allowed, report);
     for (int i = 0; i < count && factor < 1; ++i) {
         slow(&pe_motions(world)[slots[i]], factor);
+        if (factor == 0) {
+            pe_poses(world)[slots[i]] = step->poses[slots[i]];
+        }
     }
 }
 

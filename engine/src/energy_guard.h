@@ -8,7 +8,7 @@
 typedef struct pe_energy_report {
     int islands;    /* that had gained energy */
     double removed; /* J, taken back */
-    double left;    /* J, gained by more than there was motion to take it from */
+    int put_back;   /* islands that had no motion to take it from: world->contacts are stale then */
 } pe_energy_report;
 
 /* Contacts, with friction and restitution up to 1, can only take energy from an island; unconverged
@@ -18,7 +18,9 @@ typedef struct pe_energy_report {
  *
  *   dE = sum T(end) - T(begin) - F . dx - h tau . w     (w the mean of both angular velocities),
  *
- * gets its velocities scaled by sqrt(1 - dE/T(end)), or by 0. Growth within rounding is left alone.
+ * gets its velocities scaled by sqrt(1 - dE/T(end)). If there is not that much motion, what lifted
+ * it was the projection, and the island goes back to where it was, at rest: it lies as deep as
+ * before, which the projection of earlier steps has bounded. Growth within rounding is left alone.
  *
  * To scale velocities costs momentum. So an island whose first body is flagged in `solved` (slots),
  * and of which no body is in `moved`, may gain a millionth: its contacts took what they had to, and

@@ -16,7 +16,7 @@
  * the next step's problem is another one. In a larger one they aim at less, as the square: sweeps
  * converge the more slowly there, and each costs more. */
 static const double SWEPT_TOLERANCE = 5e-5;
-static const double SWEPT_POINTS = 1300;
+static const double SWEPT_POINTS = 1400;
 
 /* How much dearer than the sweeps allowed a direct solve may be. */
 static const double PATIENT = 4, IMPATIENT = 1;
@@ -274,6 +274,7 @@ static void guard_energy(stepping *step)
     pe_energy_guard(step->world, &step->islands, step->free, step->poses, step->motions,
                     step->moved, step->stands, step->dt, &report);
     step->stats.guarded_islands = report.islands;
+    step->world->contacts_stale |= report.put_back > 0;
 }
 
 static void clear_loads(pe_world *world)

@@ -8,7 +8,7 @@ pe_world_def pe_world_def_default(void)
     return (pe_world_def){
         .gravity = {0, 0, -9.81},
         .tolerance = 1e-8,
-        .max_contact_updates = 2e6,
+        .max_contact_updates = 2.4e6,
         .restitution_threshold = 0,
         .contact_margin = 1e-3,
         .penetration_slop = 1e-4,
