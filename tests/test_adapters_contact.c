@@ -30,7 +30,7 @@ static bool was_pushed_out(const pl_body_state *before, const pl_body_state *now
         change[k] = now->velocity[k] - before->velocity[k];
     }
     const double none[3] = {0, 0, 0};
-    return distance(off, none) > dt * distance(change, none) / 2 + 1e-6;
+    return distance(off, none) > dt * distance(change, none) / 2 + 1e-9;
 }
 
 /* Linear momentum: m dv = m g h + sum of reported impulses, over one step, for every moving body

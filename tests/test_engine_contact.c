@@ -373,9 +373,6 @@ static void test_reported_residual_is_the_natural_map_worked_out_from_contacts(v
     for (int k = 0; k < 8; ++k) {
         double speed = k < 4 ? 2 : 8; /* slow: it sticks; fast: it slides */
         pe_world_def def = pe_world_def_default();
-        /* So lax that what is left of the problem after the last step's impulses is accepted. */
-        def.tolerance = 1e6;
-        def.penetration_slop = 1; /* and nothing is pushed out after it */
         pe_world *world = make_world(&def);
         pe_body_id ids[N];
         add_tower(world, N, (pe_material_id){0}, ids);
@@ -418,9 +415,8 @@ static void test_reported_residual_is_the_natural_map_worked_out_from_contacts(v
             }
             worst = pe_max(worst, w * pe_length(pe_sub(c->impulse, onto)));
         }
-        assert_true(worst > 1e-4);
-        assert_close(stats.residual, worst, 1e-12, 1e-9);
-        assert_int_equal(stats.iterations, 0);
+        assert_true(stats.residual > 0);
+        assert_close(stats.residual, worst, 1e-13, 0);
         pe_world_destroy(world);
     }
 }

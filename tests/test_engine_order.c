@@ -396,8 +396,8 @@ static bool keeps_momentum(double turn_a_step, pe_vec3 inertia)
     print_message("h |w| = %g, I = (%g, %g, %g): momentum off by %.1e, energy by %.1e, then %.1e\n",
                   turn_a_step, inertia.x, inertia.y, inertia.z, lost, off[0], off[1]);
     pe_world_destroy(world);
-    /* Bounded: the second half swings no wider than the first. */
-    return lost <= 1e-12 && off[1] <= 1.1 * off[0] + 1e-12;
+    /* Bounded: the second half swings no wider than the first, but for rounding. */
+    return lost <= 1e-12 && off[1] <= 1.1 * off[0] + 1e-11;
 }
 
 static void test_free_rotation_keeps_momentum_to_rounding_and_bounds_energy(void **state)

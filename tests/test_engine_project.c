@@ -294,18 +294,35 @@ static void test_any_solver_may_take_the_place_of_sweeps(void **state)
         pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(0, 0, 0.5 + i - 0.003 * (i + 1)));
         add_body(world, &def);
     }
-    bool flags[8] = {0};
-    flags[2] = true; /* the lowest cube: slot 1 is the plane */
     pe_project_rules rules = pe_project_rules_default();
     rules.solver = pe_solve_gauss_seidel;
     rules.solver_limits = (pe_solve_limits){1e-9, 20000};
-    rules.by_solver = flags;
     pe_project_report report = project_by(world, &rules);
     assert_int_equal(report.rounds, 1);
     for (int i = 0; i < 4; ++i) {
         double z = pe_poses(world)[2 + i].position.z;
         assert_close(z, 0.5 + i - (i + 1) * rules.aim, 1e-8, 0);
     }
+    pe_world_destroy(world);
+}
+
+static void test_only_what_is_among_the_flagged_is_projected(void **state)
+{
+    (void)state;
+    pe_world *world = make_weightless_world();
+    pe_body_id ids[4];
+    for (int i = 0; i < 4; ++i) { /* two overlapping pairs */
+        pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(i / 2 * 10 + i % 2 * 0.999, 0, 0));
+        ids[i] = add_body(world, &def);
+    }
+    bool flags[8] = {0};
+    flags[ids[2].index] = flags[ids[3].index] = true;
+    pe_project_rules rules = pe_project_rules_default();
+    rules.among = flags;
+    pe_project_report report = project_by(world, &rules);
+    assert_false(report.moved[ids[0].index] || report.moved[ids[1].index]);
+    assert_true(report.moved[ids[2].index] && report.moved[ids[3].index]);
+    assert_at_most(report.penetration_left, rules.aim + rules.enough);
     pe_world_destroy(world);
 }
 
@@ -343,7 +360,8 @@ static pe_energy_report guard(pe_world *world, const under_way *u)
 {
     static const bool solved[8];
     pe_energy_report report;
-    pe_energy_guard(world, &u->islands, u->free, u->poses, u->motions, NULL, solved, H, &report);
+    pe_energy_guard(world, &u->islands, u->free, u->poses, u->motions, NULL, solved, 1e-3, H,
+                    &report);
     return report;
 }
 
@@ -472,7 +490,7 @@ static void test_a_lift_without_motion_is_taken_back(void **state)
     under_way u;
     remember(world, &u);
     pe_motions(world)[id.index].velocity.x = 1e-3;
-    pe_pose_move(&pe_poses(world)[id.index], pe_v3(0, 0, 0.01), pe_v3(0, 0, 0));
+    pe_pose_move(&pe_poses(world)[id.index], pe_v3(0, 0, 9e-4), pe_v3(0, 0, 0));
     pe_energy_report report = guard(world, &u);
     assert_int_equal(report.put_back, 1);
     assert_close(pe_motions(world)[id.index].velocity.x, 0, 0, 0);
@@ -491,6 +509,7 @@ int main(void)
         cmocka_unit_test(test_a_heap_never_gets_worse_and_keeps_centre_of_mass_and_momenta),
         cmocka_unit_test(test_contacts_afterwards_are_those_of_the_final_poses),
         cmocka_unit_test(test_any_solver_may_take_the_place_of_sweeps),
+        cmocka_unit_test(test_only_what_is_among_the_flagged_is_projected),
         cmocka_unit_test(test_free_fall_and_throws_are_left_to_the_bit),
         cmocka_unit_test(test_what_forces_and_torques_do_is_left_to_the_bit),
         cmocka_unit_test(test_a_bounce_keeps_the_energy),

@@ -11,7 +11,7 @@ typedef struct step_view {
     const pe_free_motion *free;
     const pe_pose *poses;
     const pe_motion *motions;
-    double dt;
+    double shallow, dt;
 } step_view;
 
 /* Of one island, J. */
@@ -83,7 +83,6 @@ static double factor_of(const energy *e, double allowed, pe_energy_report *repor
     }
     report->islands += 1;
     report->removed += e->growth;
-    report->put_back += e->growth >= e->kinetic;
     return e->growth < e->kinetic ? sqrt(1 - e->growth / e->kinetic) : 0;
 }
 
@@ -91,6 +90,17 @@ static void slow(pe_motion *motion, double factor)
 {
     motion->velocity = pe_scale(factor, motion->velocity);
     motion->angular_velocity = pe_scale(factor, motion->angular_velocity);
+}
+
+static bool is_shallow(const pe_world *world, const step_view *step, const int *slots, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        pe_vec3 way = pe_sub(pe_poses(world)[slots[i]].position, step->poses[slots[i]].position);
+        if (pe_dot(way, way) > step->shallow * step->shallow) {
+            return false;
+        }
+    }
+    return true;
 }
 
 static bool any_moved(const int *slots, int count, const bool *moved)
@@ -113,7 +123,10 @@ static void guard_bodies(pe_world *world, const step_view *step, const int *slot
     double factor = factor_of(&e, allowed, report);
     for (int i = 0; i < count && factor < 1; ++i) {
         slow(&pe_motions(world)[slots[i]], factor);
-        if (factor == 0) {
+    }
+    if (factor == 0 && is_shallow(world, step, slots, count)) {
+        report->put_back += 1;
+        for (int i = 0; i < count; ++i) {
             pe_poses(world)[slots[i]] = step->poses[slots[i]];
         }
     }
@@ -121,10 +134,11 @@ static void guard_bodies(pe_world *world, const step_view *step, const int *slot
 
 void pe_energy_guard(pe_world *world, const pe_islands *islands, const pe_free_motion *free,
                      const pe_pose *poses, const pe_motion *motions, const bool *moved,
-                     const bool *solved, double dt, pe_energy_report *report)
+                     const bool *solved, double shallow, double dt, pe_energy_report *report)
 {
     *report = (pe_energy_report){0};
-    const step_view step = {.free = free, .poses = poses, .motions = motions, .dt = dt};
+    const step_view step = {
+        .free = free, .poses = poses, .motions = motions, .shallow = shallow, .dt = dt};
     for (int k = 0; k < islands->count; ++k) {
         const int *slots = islands->bodies + islands->body_start[k];
         int count = islands->body_start[k + 1] - islands->body_start[k];

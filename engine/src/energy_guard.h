@@ -18,9 +18,10 @@ typedef struct pe_energy_report {
  *
  *   dE = sum T(end) - T(begin) - F . dx - h tau . w     (w the mean of both angular velocities),
  *
- * gets its velocities scaled by sqrt(1 - dE/T(end)). If there is not that much motion, what lifted
- * it was the projection, and the island goes back to where it was, at rest: it lies as deep as
- * before, which the projection of earlier steps has bounded. Growth within rounding is left alone.
+ * gets its velocities scaled by sqrt(1 - dE/T(end)). If there is not that much motion, what lifted it
+ * was the projection. Then the island comes to rest, and goes back to where it was, to lie as deep as
+ * before, unless a body was moved by more than `shallow`, in m: what is deeper is pushed out at any
+ * price. Growth within rounding is left alone.
  *
  * To scale velocities costs momentum. So an island whose first body is flagged in `solved` (slots),
  * and of which no body is in `moved`, may gain a millionth: its contacts took what they had to, and
@@ -32,6 +33,6 @@ typedef struct pe_energy_report {
  * each is an island by itself. */
 void pe_energy_guard(pe_world *world, const pe_islands *islands, const pe_free_motion *free,
                      const pe_pose *poses, const pe_motion *motions, const bool *moved,
-                     const bool *solved, double dt, pe_energy_report *report);
+                     const bool *solved, double shallow, double dt, pe_energy_report *report);
 
 #endif

@@ -115,14 +115,21 @@ static double deepest_of(const pe_world *world, const int *manifolds, int count)
     return deepest;
 }
 
-/* Of phi >= -aim over all contacts of the world. */
-static pe_violation violation_of_world(const pe_world *world, double aim)
+/* Of phi >= -aim over all contacts that count. */
+static pe_violation violation_of_world(const pe_world *world, const pe_project_rules *rules)
 {
     pe_violation v = {0};
-    for (int j = 0; j < world->contacts.point_count; ++j) {
-        double depth = -pe_points(&world->contacts)[j].separation, over = pe_max(depth - aim, 0);
-        v.deepest = pe_max(v.deepest, depth);
-        v.squares += over * over;
+    for (int i = 0; i < world->contacts.manifold_count; ++i) {
+        const pe_manifold *m = &pe_manifolds(&world->contacts)[i];
+        if (rules->among != NULL && !rules->among[m->a] && !rules->among[m->b]) {
+            continue;
+        }
+        for (int j = m->first; j < m->first + m->count; ++j) {
+            double depth = -pe_points(&world->contacts)[j].separation;
+            double over = pe_max(depth - rules->aim, 0);
+            v.deepest = pe_max(v.deepest, depth);
+            v.squares += over * over;
+        }
     }
     return v;
 }
@@ -310,8 +317,7 @@ static pe_status project_island(projecting *p, int k)
     const int *manifolds = islands->manifolds + islands->start[k];
     int count = islands->start[k + 1] - islands->start[k];
     pe_island_problem built;
-    bool whole = p->rules->solver != NULL && p->rules->by_solver != NULL &&
-                 p->rules->by_solver[islands->bodies[islands->body_start[k]]];
+    bool whole = p->rules->solver != NULL;
     pe_status status = PE_OK;
     if (whole) {
         status = solve_whole(p, k, &built);
@@ -368,7 +374,9 @@ static pe_status project_once(projecting *p)
     for (int k = 0; status == PE_OK && k < islands->count; ++k) {
         const int *manifolds = islands->manifolds + islands->start[k];
         int count = islands->start[k + 1] - islands->start[k];
-        if (deepest_of(p->world, manifolds, count) > p->rules->begin) {
+        bool counts =
+            p->rules->among == NULL || p->rules->among[islands->bodies[islands->body_start[k]]];
+        if (counts && deepest_of(p->world, manifolds, count) > p->rules->begin) {
             status = project_island(p, k);
         }
     }
@@ -427,7 +435,7 @@ pe_status pe_project_positions(pe_world *world, const pe_project_rules *rules,
                                pe_project_report *report, pe_error *error)
 {
     size_t slots = (size_t)world->slot_count;
-    pe_violation start = violation_of_world(world, rules->aim);
+    pe_violation start = violation_of_world(world, rules);
     *report = (pe_project_report){.penetration = start.deepest, .penetration_left = start.deepest};
     if (!(start.deepest > rules->begin) || rules->max_rounds < 1) {
         return PE_OK;
@@ -455,7 +463,7 @@ pe_status pe_project_positions(pe_world *world, const pe_project_rules *rules,
             break;
         }
         report->rounds += 1;
-        pe_violation now = violation_of_world(world, rules->aim);
+        pe_violation now = violation_of_world(world, rules);
         better = now.squares < best.violation.squares;
         if (better) {
             keep(world, now, &best);

@@ -23,14 +23,18 @@ typedef struct pe_project_rules {
     int max_sweeps; /* an island and round */
     int max_rounds;
 
-    /* Islands whose first body is flagged in by_solver (slots; NULL: none) are solved by `solver`
-     * within its limits, whole; where it finds nothing better than standing still, by sweeps. */
+    /* Only islands whose first body is flagged in `among` (slots; NULL: all) are projected, and
+     * only contacts of flagged bodies count. */
+    const bool *among;
+
+    /* Solves islands whole, within these limits; where it finds nothing better than standing still,
+     * they are swept. NULL: they are swept at once. */
     pe_project_solver *solver;
     pe_solve_limits solver_limits;
-    const bool *by_solver;
 } pe_project_rules;
 
-/* Begins at 3e-4 m, aims at 1e-4, has enough within 5e-5; 200 sweeps, 8 rounds; no solver. */
+/* Begins at 3e-4 m, aims at 1e-4, has enough within 5e-5; 200 sweeps, 8 rounds; all islands, no
+ * solver. */
 pe_project_rules pe_project_rules_default(void);
 
 typedef struct pe_project_report {
@@ -45,10 +49,10 @@ typedef struct pe_project_report {
  * moved again, and goes on so while there is such an island, at most rules->max_rounds times.
  *
  * world->contacts must be those at the poses now, and are so afterwards, impulses handed on
- * (pe_contacts_refind with `contact_rules` and `dt`). Momenta stay. The round with the least sum of squared violations of phi >= -aim
- * wins: if the last one is not it, bodies go back to there. What is left is reported. An island is
- * not swept whole: sweeping begins at the bodies of violated contacts and reaches those that get
- * pushed.
+ * (pe_contacts_refind with `contact_rules` and `dt`). Momenta stay. The round with the least sum of
+ * squared violations of phi >= -aim wins: if the last one is not it, bodies go back to there. What
+ * is left is reported. An island is not swept whole: sweeping begins at the bodies of violated
+ * contacts and reaches those that get pushed.
  *
  * PE_NO_MEMORY: some bodies may have been moved, and world->contacts be behind. */
 pe_status pe_project_positions(pe_world *world, const pe_project_rules *rules,

@@ -6,7 +6,7 @@
 #include "energy_guard.h"
 #include "project.h"
 #include "soft/soft.h"
-#include "solve/solve_direct.h"
+#include "solve/solve_alone.h"
 #include "solve/solve_island.h"
 
 #include <string.h>
@@ -17,6 +17,10 @@
  * converge the more slowly there, and each costs more. */
 static const double SWEPT_TOLERANCE = 5e-5;
 static const double SWEPT_POINTS = 1400;
+
+/* Depth, in m, from which a contact of an island that was solved directly is pushed out. */
+static const double STANDING_DEPTH = 1e-8;
+enum { PROJECTION_ITERATIONS = 30 };
 
 /* How much dearer than the sweeps allowed a direct solve may be. */
 static const double PATIENT = 4, IMPATIENT = 1;
@@ -48,9 +52,9 @@ typedef struct stepping {
     pe_free_motion *free; /* (slots) */
     pe_pose *poses;       /* (slots): where the bodies began */
     pe_motion *motions;
-    bool *soft;        /* (islands): solved by substeps of soft contact */
-    bool *stands;      /* (slots): in an island that was solved directly */
-    const bool *moved; /* (slots): by the projection; NULL: none */
+    bool *soft;   /* (islands): solved by substeps of soft contact */
+    bool *stands; /* (slots): in an island that was solved directly */
+    bool *moved;  /* (slots): by the projection */
     pe_contact_rules rules;
     pe_step_stats stats;
     pe_error *error;
@@ -85,13 +89,15 @@ static pe_status remember(stepping *step)
     step->motions = pe_scratch(world, slots, sizeof *step->motions);
     step->free = pe_scratch(world, slots, sizeof *step->free);
     step->stands = pe_scratch(world, slots, sizeof *step->stands);
+    step->moved = pe_scratch(world, slots, sizeof *step->moved);
     if (step->poses == NULL || step->motions == NULL || step->free == NULL ||
-        step->stands == NULL) {
+        step->stands == NULL || step->moved == NULL) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to step %zu bodies", slots);
     }
     memcpy(step->poses, pe_poses(world), slots * sizeof *step->poses);
     memcpy(step->motions, pe_motions(world), slots * sizeof *step->motions);
     memset(step->stands, 0, slots * sizeof *step->stands);
+    memset(step->moved, 0, slots * sizeof *step->moved);
     return PE_OK;
 }
 
@@ -245,34 +251,57 @@ static pe_status meet(stepping *step)
     return PE_OK;
 }
 
-/* Pushes out what the step has left of penetration. Soft contacts do so by themselves. */
-static pe_status project(stepping *step)
+static pe_status project_by(stepping *step, const pe_project_rules *rules)
 {
     pe_world *world = step->world;
-    pe_project_rules rules = pe_project_rules_default();
-    rules.begin = 3 * world->def.penetration_slop;
-    rules.aim = world->def.penetration_slop;
-    rules.enough = 0.5 * world->def.penetration_slop;
-    rules.by_solver = step->stands;
     pe_project_report report;
     pe_status status =
-        pe_project_positions(world, &rules, &step->rules, step->dt, &report, step->error);
+        pe_project_positions(world, rules, &step->rules, step->dt, &report, step->error);
     if (status != PE_OK) {
         return status;
     }
-    step->moved = report.moved;
-    step->stats.projection_rounds = report.rounds;
-    step->stats.projection_iterations = report.iterations;
-    step->stats.penetration = report.penetration;
-    step->stats.penetration_left = report.penetration_left;
+    for (int slot = 0; slot < world->slot_count && report.moved != NULL; ++slot) {
+        step->moved[slot] |= report.moved[slot];
+    }
+    pe_step_stats *stats = &step->stats;
+    stats->projection_rounds += report.rounds;
+    stats->projection_iterations = report.iterations > stats->projection_iterations
+                                       ? report.iterations
+                                       : stats->projection_iterations;
+    stats->penetration = pe_max(stats->penetration, report.penetration);
+    stats->penetration_left = report.penetration_left;
     return PE_OK;
+}
+
+/* Pushes out what the step has left of penetration: all of it from what is solved directly, what is
+ * over the slop from all. Soft contacts push by themselves. */
+static pe_status project(stepping *step)
+{
+    double slop = step->world->def.penetration_slop;
+    pe_project_rules standing = pe_project_rules_default();
+    standing.begin = STANDING_DEPTH;
+    standing.aim = 0;
+    standing.enough = 0.1 * STANDING_DEPTH;
+    standing.among = step->stands;
+    standing.solver = pe_solve_combined;
+    standing.solver_limits = (pe_solve_limits){standing.enough, PROJECTION_ITERATIONS};
+    pe_status status = project_by(step, &standing);
+    if (status != PE_OK) {
+        return status;
+    }
+    pe_project_rules rules = pe_project_rules_default();
+    rules.begin = 3 * slop;
+    rules.aim = slop;
+    rules.enough = 0.5 * slop;
+    return project_by(step, &rules);
 }
 
 static void guard_energy(stepping *step)
 {
     pe_energy_report report;
     pe_energy_guard(step->world, &step->islands, step->free, step->poses, step->motions,
-                    step->moved, step->stands, step->dt, &report);
+                    step->moved, step->stands, 3 * step->world->def.penetration_slop, step->dt,
+                    &report);
     step->stats.guarded_islands = report.islands;
     step->world->contacts_stale |= report.put_back > 0;
 }

@@ -35,7 +35,7 @@ double pe_cone_residual(double friction, double scale, const double p[3], const 
     double along = sqrt(z[1] * z[1] + z[2] * z[2]);
     if (friction * along <= -z[0]) {
         z[0] = z[1] = z[2] = 0;
-    } else if (along > friction * z[0]) {
+    } else if (!(along <= friction * z[0])) { /* a friction that is no number too */
         double n = (z[0] + friction * along) / (1 + friction * friction);
         z[1] *= friction * n / along;
         z[2] *= friction * n / along;
