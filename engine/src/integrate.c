@@ -21,11 +21,24 @@ typedef struct spin {
     pe_mat3 turning; /* exp(h m) */
 } spin;
 
-enum { MAX_SPIN_ITERATIONS = 10 };
+/* d(exp(v) x)/dv = -exp(v) [x] J(v), J = 1 - (1 - cos a)/a^2 [v] + (a - sin a)/a^3 [v]^2, a = |v|:
+ * the derivative of a rotated vector along d. */
+static pe_vec3 rotated_change(const pe_mat3 *rotation, pe_vec3 v, pe_vec3 x, pe_vec3 d)
+{
+    double a = pe_length(v), sine, cosine;
+    pe_sincos(a, &sine, &cosine);
+    /* Below 1e-3 the series' next term is below 1e-8 of the first, enough for a derivative. */
+    double f = a > 1e-3 ? (1 - cosine) / (a * a) : 0.5;
+    double g = a > 1e-3 ? (a - sine) / (a * a * a) : 1.0 / 6;
+    pe_vec3 vd = pe_cross(v, d), vvd = pe_cross(v, vd);
+    pe_vec3 jd = pe_madd(pe_madd(d, -f, vd), g, vvd);
+    return pe_rotate(rotation, pe_cross(jd, x));
+}
+
+enum { MAX_SPIN_ITERATIONS = 20 };
 
 /* Free rotation over dt from angular velocity w, all in the body's axes: see pe_predict_motion. By
- * Newton's method with the derivative at small h m; whatever its last digits, the last line keeps
- * the momentum. */
+ * Newton's method; whatever its last digits, the last line keeps the momentum. */
 static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
 {
     pe_vec3 inverse = pe_v3(1 / inertia.x, 1 / inertia.y, 1 / inertia.z);
@@ -34,19 +47,25 @@ static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
     double least = 1e-15 * pe_length(w);
     for (int i = 0; i < MAX_SPIN_ITERATIONS; ++i) {
         s.mean = pe_scale(0.5, pe_add(w, s.end));
-        s.turning = rotation_by(pe_scale(dt, s.mean));
-        pe_vec3 turned = pe_unrotate(&s.turning, momentum);
-        pe_vec3 f = pe_sub(pe_mul(inertia, s.end), turned);
-        /* d(I w' - exp(-h m) L)/dw' ~ I - (h/2) [exp(-h m) L] */
-        pe_vec3 k = pe_scale(0.5 * dt, turned);
-        pe_vec3 r0 = pe_v3(inertia.x, k.z, -k.y), r1 = pe_v3(-k.z, inertia.y, k.x),
-                r2 = pe_v3(k.y, -k.x, inertia.z);
-        pe_vec3 change = solve3(r0, r1, r2, f);
+        pe_vec3 back = pe_scale(-dt, s.mean);
+        pe_mat3 backwards = rotation_by(back);
+        pe_vec3 f = pe_sub(pe_mul(inertia, s.end), pe_rotate(&backwards, momentum));
+        /* Columns of I + (h/2) d(exp(-h m) L)/d(-h m) */
+        pe_vec3 c[3];
+        for (int k = 0; k < 3; ++k) {
+            pe_vec3 d = pe_v3(k == 0, k == 1, k == 2);
+            c[k] = pe_madd(pe_mul(inertia, d), 0.5 * dt,
+                           rotated_change(&backwards, back, momentum, d));
+        }
+        pe_vec3 change = solve3(pe_v3(c[0].x, c[1].x, c[2].x), pe_v3(c[0].y, c[1].y, c[2].y),
+                                pe_v3(c[0].z, c[1].z, c[2].z), f);
         s.end = pe_sub(s.end, change);
         if (pe_length(change) <= least) {
             break;
         }
     }
+    s.mean = pe_scale(0.5, pe_add(w, s.end));
+    s.turning = rotation_by(pe_scale(dt, s.mean));
     s.end = pe_mul(inverse, pe_unrotate(&s.turning, momentum));
     return s;
 }

@@ -15,8 +15,10 @@
  * converge better than one step with as many sweeps (Macklin et al. 2019, "Small steps in physics
  * simulation"). Contacts at a restitution above 0 get one sweep more at the end.
  *
- * It is soft: under a load a contact sinks until its spring carries it, so that high columns sag.
- */
+ * It is soft: a cube on the ground sinks by g/w^2, w the angular frequency of its springs, and
+ * every joint of a column by what it carries, so that high ones sag and sway. One sweep a substep
+ * does not converge where a light body is jammed between a heavy one and the ground: what is pushed
+ * out there keeps some of the push as energy, which the caller has to bound. */
 #ifndef PE_SOFT_H
 #define PE_SOFT_H
 
@@ -27,12 +29,10 @@ typedef struct pe_soft_settings {
     int max_substeps;       /* but not into more than these */
 
     /* Stiffness of a contact, as the frequency of its spring in cycles a substep. Higher penetrates
-     * less; from a quarter on it adds energy. */
+     * less; from a quarter on a collapse gains energy from it. */
     double cycles;
-    double damping; /* ratio to critical; below 1 contacts bounce */
-    /* Speed, in m/s, at most, with which a penetration is pushed out. What is jammed between heavy
-     * bodies keeps some of it as energy. */
-    double push_speed;
+    double damping;    /* ratio to critical; below 1 contacts bounce */
+    double push_speed; /* m/s, at most, with which a penetration is pushed out */
 
     /* Manifolds solved at once: 1, 4 (AVX2) or 8 (AVX-512), and not more than the processor has. 0:
      * all it has. The result is the same bits. */

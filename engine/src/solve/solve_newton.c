@@ -71,13 +71,16 @@ static inline void derivative(const newton *n, double mu, double bound, double l
 {
     g[0] = y[0] >= least;
     g[1] = g[2] = g[3] = g[4] = g[5] = 0;
-    if (mu == 0 || g[0] == 0) {
+    if (mu == 0) {
         return;
     }
     double t = sqrt(y[1] * y[1] + y[2] * y[2]), ratio;
     bool sticks;
     double e1 = t > 0 ? y[1] / t : 0, e2 = t > 0 ? y[2] / t : 0, along = 0;
     if (n->form == PE_NEWTON_TRESCA) {
+        if (bound <= mu * least) {
+            return;
+        }
         sticks = t <= bound;
         ratio = sticks ? 1 : bound / t;
     } else if (t <= mu * y[0]) {
@@ -148,7 +151,7 @@ static double evaluate(newton *n)
             for (int k = 0; k < 6; ++k) {
                 n->gain[j][k] *= stiffness;
             }
-            n->loaded[i] |= n->gain[j][0] != 0;
+            n->loaded[i] |= n->gain[j][0] != 0 || n->gain[j][3] != 0;
         }
         pe_patch_push(patch, wrench, n->momentum);
     }
@@ -306,6 +309,22 @@ static void renew_bounds(newton *n, bool first)
 /* An inner solve that gains less than half a step below this, in m/s, is at its rounding. */
 static const double ROUNDING = 1e-9;
 
+/* What rounding of velocities leaves of a residual at this compliance, m/s: u/R is a part of it. */
+static double rounding_floor(const newton *n)
+{
+    const pe_problem *problem = n->problem;
+    double fastest = 0;
+    for (int i = 0; i < problem->body_count; ++i) {
+        for (int k = 0; k < 6; ++k) {
+            fastest = pe_max(fastest, fabs(problem->velocity[i][k]));
+        }
+    }
+    return 0x1p-50 * fastest / n->softness;
+}
+
+/* A solve that takes more than this will not end. */
+enum { MAX_INNER = 60 };
+
 typedef enum inner_end { INNER_SOLVED, INNER_ITERATIONS, INNER_BROKEN } inner_end;
 
 /* Minimises until M^-1 gradient is below `enough`. */
@@ -313,7 +332,7 @@ static pe_status minimise(newton *n, double enough, int most, pe_solve_report *r
                           inner_end *end, pe_error *error)
 {
     double previous = HUGE_VAL;
-    for (int stalls = 0;;) {
+    for (int stalls = 0, begun = report->iterations;;) {
         double off = evaluate(n);
         stalls += off > 0.5 * previous && off < ROUNDING;
         previous = off;
@@ -321,7 +340,7 @@ static pe_status minimise(newton *n, double enough, int most, pe_solve_report *r
             *end = INNER_SOLVED;
             return PE_OK;
         }
-        if (report->iterations >= most) {
+        if (report->iterations >= most || report->iterations - begun >= MAX_INNER) {
             *end = INNER_ITERATIONS;
             return PE_OK;
         }
@@ -388,7 +407,9 @@ pe_status pe_newton(const pe_problem *problem, const pe_pattern *pattern,
     report->stop = PE_STOP_STALLED;
     for (int outer = 0, stalls = 0; outer < settings->most_updates; ++outer) {
         renew_bounds(&n, outer == 0);
+        double floor = rounding_floor(&n);
         double enough = pe_max(pe_min(INNER_ENOUGH, 0.1 * now.max), 0.1 * limits->tolerance);
+        enough = pe_max(enough, floor);
         inner_end end;
         status = minimise(&n, enough, limits->max_iterations, report, &end, error);
         if (status != PE_OK) {
@@ -403,7 +424,8 @@ pe_status pe_newton(const pe_problem *problem, const pe_pattern *pattern,
             memcpy(n.best, n.lambda, impulses);
         }
         bool stalled = now.max > 0.5 * previous;
-        if (now.max <= limits->tolerance || (stalled && now.max <= settings->enough)) {
+        bool floored = now.max <= floor || stalled;
+        if (now.max <= limits->tolerance || (floored && now.max <= settings->enough)) {
             report->stop = PE_STOP_CONVERGED;
             break;
         }
