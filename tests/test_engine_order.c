@@ -371,7 +371,9 @@ static double spin_energy(const pe_body_state *s, pe_vec3 inertia)
     return 0.5 * dot(s->angular_velocity, momentum_of(s, inertia));
 }
 
-/* Whether it does. */
+/* Whether it does, and energy too: of I w' = exp(-h m) I w, m = (w + w')/2 is the axis, so that
+ * m . I (w' - w) = 0, half of which is the change of energy. What an iteration cut short leaves
+ * shows in the energy alone. */
 static bool keeps_momentum(double turn_a_step, pe_vec3 inertia)
 {
     enum { STEPS = 10000 };
@@ -396,11 +398,10 @@ static bool keeps_momentum(double turn_a_step, pe_vec3 inertia)
     print_message("h |w| = %g, I = (%g, %g, %g): momentum off by %.1e, energy by %.1e, then %.1e\n",
                   turn_a_step, inertia.x, inertia.y, inertia.z, lost, off[0], off[1]);
     pe_world_destroy(world);
-    /* Bounded: the second half swings no wider than the first, but for rounding. */
-    return lost <= 1e-12 && off[1] <= 1.1 * off[0] + 1e-11;
+    return lost <= 1e-12 && off[0] <= 1e-10 && off[1] <= 1e-10;
 }
 
-static void test_free_rotation_keeps_momentum_to_rounding_and_bounds_energy(void **state)
+static void test_free_rotation_keeps_momentum_and_energy_to_rounding(void **state)
 {
     (void)state;
     static const double turns[] = {0.01, 0.1, 0.5, 1, 2};
@@ -735,7 +736,7 @@ int main(void)
         cmocka_unit_test(test_rocket_in_space_is_second_order),
         cmocka_unit_test(test_period_of_the_tumbling_box_is_second_order),
         cmocka_unit_test(test_tumbling_box_is_second_order),
-        cmocka_unit_test(test_free_rotation_keeps_momentum_to_rounding_and_bounds_energy),
+        cmocka_unit_test(test_free_rotation_keeps_momentum_and_energy_to_rounding),
         cmocka_unit_test(test_heavy_top_precesses_steadily_in_second_order),
         cmocka_unit_test(test_a_sliding_block_is_exact_until_it_stops),
         cmocka_unit_test(test_a_sliding_block_stops_where_it_should_but_for_h_squared),

@@ -125,9 +125,13 @@ static void drop_impulses(pe_contact_problem *problem)
     }
 }
 
-static void compare_velocities(const pe_contact_problem *problem, const char *name,
+/* Coulomb friction in three dimensions may have several answers (Klarbring 1990): of problems in
+ * which it does, those count where both found the same. */
+typedef enum answers { ONE_ANSWER, MAYBE_SEVERAL } answers;
+
+static bool compare_velocities(const pe_contact_problem *problem, const char *name,
                                const char *ours, const pe_contact_solution *solution,
-                               const double (*theirs)[6], double residual)
+                               const double (*theirs)[6], double residual, answers expected)
 {
     double worst = 0;
     for (int i = 0; i < problem->body_count; ++i) {
@@ -135,15 +139,21 @@ static void compare_velocities(const pe_contact_problem *problem, const char *na
             worst = fmax(worst, fabs(solution->velocities[i][k] - theirs[i][k]));
         }
     }
-    if (!(worst <= SAME_VELOCITY)) {
+    if (worst <= SAME_VELOCITY) {
+        return true;
+    }
+    if (expected == ONE_ANSWER || !isfinite(worst)) {
         fail_msg("%s: %s (residual %g) and Siconos (residual %g) differ by %g m/s", name, ours,
                  solution->residual.max, residual, worst);
     }
+    print_message("%s: %s and Siconos found two answers, %g m/s apart\n", name, ours, worst);
+    return false;
 }
 
 /* Every solver of ours that gets to an answer gives Siconos' velocities. Whether there was anything
  * to compare: Siconos has an answer by our residual, and so has `must`. Destroys the problem. */
-static bool agrees(const char *name, pe_contact_problem *problem, int siconos, const char *must)
+static bool agrees(const char *name, pe_contact_problem *problem, int siconos, const char *must,
+                   answers expected)
 {
     double(*theirs)[6] = calloc((size_t)problem->body_count, sizeof *theirs);
     double(*p)[3] = calloc((size_t)problem->point_count, sizeof *p);
@@ -160,9 +170,9 @@ static bool agrees(const char *name, pe_contact_problem *problem, int siconos, c
         const char *ours = pe_solver(i).name;
         pe_contact_solution solution = solve_by_ours(problem, ours);
         if (solution.residual.max <= SOLVED) {
-            compare_velocities(problem, name, ours, &solution, (const double(*)[6])theirs,
-                               residual);
-            compared = compared || strcmp(ours, must) == 0;
+            bool same = compare_velocities(problem, name, ours, &solution,
+                                           (const double(*)[6])theirs, residual, expected);
+            compared = compared || (same && strcmp(ours, must) == 0);
         }
         pe_contact_solution_free(&solution);
     }
@@ -175,7 +185,7 @@ static bool agrees(const char *name, pe_contact_problem *problem, int siconos, c
 /* By Gauss-Seidel over the points, with exact local solves. */
 static void check_by_sweeps(const char *name, pe_contact_problem *problem)
 {
-    if (!agrees(name, problem, SICONOS_FRICTION_3D_NSGS, "direct")) {
+    if (!agrees(name, problem, SICONOS_FRICTION_3D_NSGS, "direct", ONE_ANSWER)) {
         fail_msg("%s: one of the two has no answer", name);
     }
 }
@@ -211,7 +221,8 @@ static void test_a_box_that_slides_and_spins_has_the_velocity_that_siconos_finds
 {
     (void)state;
     check_by_sweeps("sliding box", sliding_box());
-    assert_true(agrees("sliding box", sliding_box(), SICONOS_FRICTION_3D_NSN_AC, "direct"));
+    assert_true(
+        agrees("sliding box", sliding_box(), SICONOS_FRICTION_3D_NSN_AC, "direct", ONE_ANSWER));
 }
 
 static pe_contact_problem *struck_tower(void)
@@ -262,7 +273,7 @@ static int count_piles(const char *shape, int siconos)
     for (int seed = 1; seed <= 6; ++seed) {
         const pl_benchmark_problem row = {"pile",         "pile", {"n=5", shape},
                                           (uint64_t)seed, 50,     false};
-        compared += agrees(row.name, capture(&row), siconos, "momentum");
+        compared += agrees(row.name, capture(&row), siconos, "momentum", MAYBE_SEVERAL);
     }
     return compared;
 }

@@ -22,8 +22,8 @@ void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
                        const pl_body_state *before, const pl_body_state *after);
 
 /* The rule that more steps in free flight fit, or if there are none, more of the others: an engine
- * may well move bodies otherwise where they collide. PL_SEMI_IMPLICIT where nothing tells, as when nothing accelerates:
- * both energies then grow alike. */
+ * may well move bodies otherwise where they collide. PL_SEMI_IMPLICIT where nothing tells, as when
+ * nothing accelerates: both energies then grow alike. */
 pl_integrator pl_integrator_of(const pl_integrator_votes *votes);
 
 #endif

@@ -8,8 +8,8 @@
 /* Moves the bodies of a solved island over dt and gives them their new velocities.
  *
  * A body moves by the mean of old and new velocity, exact for constant forces and second order
- * else. Where a contact closes within the step this would carry its bodies into each other, and where
- * its impulse acts along the velocities it would add energy, p.(u_old + u_new)/2:
+ * else. Where a contact closes within the step this would carry its bodies into each other, and
+ * where its impulse acts along the velocities it would add energy, p.(u_old + u_new)/2:
  *
  *   phi + h u_n < min(0, phi) at the mean velocities, or p.(u_old + u_new) > 0 over a manifold
  *

@@ -18,10 +18,10 @@ typedef struct pe_energy_report {
  *
  *   dE = sum T(end) - T(begin) - F . dx - h tau . w     (w the mean of both angular velocities),
  *
- * gets its velocities scaled by sqrt(1 - dE/T(end)). If there is not that much motion, what lifted it
- * was the projection. Then the island comes to rest, and goes back to where it was, to lie as deep as
- * before, unless a body was moved by more than `shallow`, in m: what is deeper is pushed out at any
- * price. Growth within rounding is left alone.
+ * gets its velocities scaled by sqrt(1 - dE/T(end)). If there is not that much motion, what lifted
+ * it was the projection. Then the island comes to rest, and goes back to where it was, to lie as
+ * deep as before, unless a body was moved by more than `shallow`, in m: what is deeper is pushed
+ * out at any price. Growth within rounding is left alone.
  *
  * To scale velocities costs momentum. So an island whose first body is flagged in `solved` (slots),
  * and of which no body is in `moved`, may gain a millionth: its contacts took what they had to, and

@@ -35,10 +35,12 @@ static pe_vec3 rotated_change(const pe_mat3 *rotation, pe_vec3 v, pe_vec3 x, pe_
     return pe_rotate(rotation, pe_cross(jd, x));
 }
 
-enum { MAX_SPIN_ITERATIONS = 20 };
+/* Newton's steps, and then, for turns of radians a step from which it runs away, steps with the
+ * derivative at a small turn, which converge slowly but surely. */
+enum { MAX_NEWTON_STEPS = 12, MAX_SPIN_ITERATIONS = 300 };
 
-/* Free rotation over dt from angular velocity w, all in the body's axes: see pe_predict_motion. By
- * Newton's method; whatever its last digits, the last line keeps the momentum. */
+/* Free rotation over dt from angular velocity w, all in the body's axes: see pe_predict_motion.
+ * Whatever the last digits of the iteration, the last line keeps the momentum. */
 static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
 {
     pe_vec3 inverse = pe_v3(1 / inertia.x, 1 / inertia.y, 1 / inertia.z);
@@ -46,19 +48,22 @@ static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
     spin s = {.end = w, .mean = w};
     double least = 1e-15 * pe_length(w);
     for (int i = 0; i < MAX_SPIN_ITERATIONS; ++i) {
+        s.end = i == MAX_NEWTON_STEPS ? w : s.end;
         s.mean = pe_scale(0.5, pe_add(w, s.end));
         pe_vec3 back = pe_scale(-dt, s.mean);
         pe_mat3 backwards = rotation_by(back);
-        pe_vec3 f = pe_sub(pe_mul(inertia, s.end), pe_rotate(&backwards, momentum));
+        pe_vec3 turned = pe_rotate(&backwards, momentum);
         /* Columns of I + (h/2) d(exp(-h m) L)/d(-h m) */
         pe_vec3 c[3];
         for (int k = 0; k < 3; ++k) {
             pe_vec3 d = pe_v3(k == 0, k == 1, k == 2);
-            c[k] = pe_madd(pe_mul(inertia, d), 0.5 * dt,
-                           rotated_change(&backwards, back, momentum, d));
+            pe_vec3 change = i < MAX_NEWTON_STEPS ? rotated_change(&backwards, back, momentum, d)
+                                                  : pe_cross(d, turned);
+            c[k] = pe_madd(pe_mul(inertia, d), 0.5 * dt, change);
         }
-        pe_vec3 change = solve3(pe_v3(c[0].x, c[1].x, c[2].x), pe_v3(c[0].y, c[1].y, c[2].y),
-                                pe_v3(c[0].z, c[1].z, c[2].z), f);
+        pe_vec3 change =
+            solve3(pe_v3(c[0].x, c[1].x, c[2].x), pe_v3(c[0].y, c[1].y, c[2].y),
+                   pe_v3(c[0].z, c[1].z, c[2].z), pe_sub(pe_mul(inertia, s.end), turned));
         s.end = pe_sub(s.end, change);
         if (pe_length(change) <= least) {
             break;

@@ -102,10 +102,11 @@ static inline double pe_component(pe_vec3 a, int k)
 static inline pe_mat3 pe_matrix_of(pe_quat q)
 {
     double w = q.w, x = q.x, y = q.y, z = q.z;
+    double f = 2 / (w * w + x * x + y * y + z * z); /* 2 but for rounding, which would add up */
     return (pe_mat3){
-        .r0 = {1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
-        .r1 = {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
-        .r2 = {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)},
+        .r0 = {1 - f * (y * y + z * z), f * (x * y - w * z), f * (x * z + w * y)},
+        .r1 = {f * (x * y + w * z), 1 - f * (x * x + z * z), f * (y * z - w * x)},
+        .r2 = {f * (x * z - w * y), f * (y * z + w * x), 1 - f * (x * x + y * y)},
     };
 }
 

@@ -52,8 +52,8 @@ typedef struct pe_allocator {
 typedef struct pe_world pe_world;
 
 typedef enum pe_profile {
-    /* Chooses for each contact island by predicted cost: what stands or slides is solved directly, to
-     * the tolerance; what moves so much that this would cost more is swept. */
+    /* Chooses for each contact island by predicted cost: what stands or slides is solved directly,
+     * to the tolerance; what moves so much that this would cost more is swept. */
     PE_PROFILE_DEFAULT,
     /* The same choice with far more work allowed before it settles for less than the tolerance, and
      * penetration pushed out until hardly any is left. */
@@ -203,15 +203,15 @@ enum { PE_HISTORY = 32 };
 
 /* What one step did. Times are wall-clock seconds by phase. */
 typedef struct pe_step_stats {
-    int iterations;      /* factorisations or sweeps, largest over islands; 0 when every warm start was
-                            good enough */
-    double residual;     /* m/s, natural map, largest over all contacts that have one */
-    double residual_rms; /* m/s, over the same */
-    double factor_flops; /* of all factorisations */
-    int unconverged_islands;        /* whose residual is above the tolerance */
-    int islands;                    /* with at least one contact */
+    int iterations;  /* factorisations or sweeps, largest over islands; 0 when every warm start was
+                        good enough */
+    double residual; /* m/s, natural map, largest over all contacts that have one */
+    double residual_rms;     /* m/s, over the same */
+    double factor_flops;     /* of all factorisations */
+    int unconverged_islands; /* whose residual is above the tolerance */
+    int islands;             /* with at least one contact */
     int islands_by_path[PE_PATH_COUNT];
-    int manifolds, contacts;        /* touching or nearly touching pairs, and their points */
+    int manifolds, contacts; /* touching or nearly touching pairs, and their points */
 
     /* Of the island with the largest residual: */
     pe_path path;
@@ -220,9 +220,9 @@ typedef struct pe_step_stats {
     double history[PE_HISTORY];
 
     int projection_rounds, projection_iterations; /* iterations: largest over islands and rounds */
-    double penetration;       /* m, deepest after the bodies have moved */
-    double penetration_left;  /* m, deepest after the projection */
-    int guarded_islands;      /* whose energy would have grown: see the head of energy_guard.h */
+    double penetration;                           /* m, deepest after the bodies have moved */
+    double penetration_left;                      /* m, deepest after the projection */
+    int guarded_islands; /* whose energy would have grown: see the head of energy_guard.h */
     double time_broad_phase, time_narrow_phase, time_contacts, time_islands, time_solve,
         time_integrate, time_project;
 } pe_step_stats;

@@ -73,7 +73,7 @@ bool pe_has_impulse(const pe_problem *problem)
     return false;
 }
 
-static const double INTERIOR_ENOUGH = 1e-6; /* m/s: what the polish starts from */
+static const double INTERIOR_ENOUGH = 1e-4; /* m/s: what the polish starts from */
 
 /* So many iterations more, but never past the caller's bound. */
 static int bound(const pe_solve_report *report, int more, const pe_solve_limits *limits)
@@ -145,6 +145,7 @@ pe_status pe_solve_direct(const pe_problem *problem, const pe_pattern *pattern, 
         return pe_fail(error, PE_NO_MEMORY, "no memory to solve %d contact points",
                        problem->point_count);
     }
+    memcpy(best.impulse, problem->impulse, (size_t)problem->point_count * sizeof *best.impulse);
     keep_if_better(&best, pe_problem_residual(problem));
     pe_status status = run_newton(&best, pattern, cold ? PE_NEWTON_CONE : PE_NEWTON_TRESCA, limits,
                                   work, report, error);

@@ -8,13 +8,12 @@
 
 /* From the warm start, in this order, until the residual is met:
  *
- * 1. Newton in the Tresca form, or in the cone form when there is no impulse to start from;
- * 2. the interior point method on the convex problem, renewing De Saxce's shift between rounds,
- * each polished by Newton in the Tresca form;
- * 3. from sweeps with momentum, Newton in the Tresca form.
+ * 1. Newton in the Tresca form, or from nothing (`cold`) in the cone form;
+ * 2. the interior point method on the convex problem, with De Saxce's shift renewed between rounds,
+ *    each polished by Newton in the Tresca form.
  *
- * Iterations are factorisations; sweeps of the third are added a tenth each. The best iterate of
- * all is what is left. */
+ * Iterations are factorisations. The best iterate of all is what is left. `pattern` counts the
+ * patches that are expected to carry. */
 pe_status pe_solve_direct(const pe_problem *problem, const pe_pattern *pattern, bool cold,
                           const pe_solve_limits *limits, pe_workspace work, pe_solve_report *report,
                           pe_error *error);
