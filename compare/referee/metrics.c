@@ -19,7 +19,8 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
          "max over travelling bodies of |(x_end - x_0).d - s| / |s|, s the continuous answer"},
     [PL_METRIC_DISCRETE_ERROR] =
         {"discrete_error", "1", PL_LOWER_IS_BETTER, true,
-         "travel_error against the exact answer of semi-implicit Euler at the scene's step"},
+         "travel_error against the exact answer of semi-implicit Euler at the scene's step; absent "
+         "for an engine that moves by another rule"},
     [PL_METRIC_PATH_DEVIATION] =
         {"path_deviation", "m", PL_LOWER_IS_BETTER, true,
          "max over steps and travelling bodies of the distance of the centre from the line of "

@@ -17,7 +17,8 @@ static uint64_t hashed(uint64_t hash, const void *bytes, size_t size)
     return hash;
 }
 
-static int run(const char *name, const char *const *settings, int setting_count, int steps)
+static int run(const char *name, int profile, const char *const *settings, int setting_count,
+               int steps)
 {
     const pl_engine *engine = pl_engine_plumb();
     double values[PL_MAX_PARAMS], options[PL_ENGINE_MAX_OPTIONS];
@@ -38,7 +39,7 @@ static int run(const char *name, const char *const *settings, int setting_count,
     }
     pl_body_state *bodies = calloc((size_t)scene.body_count, sizeof *bodies);
     pl_status status =
-        bodies != NULL ? engine->create(&scene, 0, options, &instance, &error) : PL_NO_MEMORY;
+        bodies != NULL ? engine->create(&scene, profile, options, &instance, &error) : PL_NO_MEMORY;
     uint64_t hash = UINT64_C(14695981039346656037);
     for (int i = 0; i < steps && status == PL_OK; ++i) {
         pl_step_stats stats = {.struct_size = sizeof stats};
@@ -58,7 +59,7 @@ static int run(const char *name, const char *const *settings, int setting_count,
         fprintf(stderr, "%s: %s\n", name, error.message);
         return 1;
     }
-    printf("%s %016llx\n", name, (unsigned long long)hash);
+    printf("%s %s %016llx\n", engine->profiles[profile].name, name, (unsigned long long)hash);
     return 0;
 }
 
@@ -67,10 +68,13 @@ int main(void)
     const char *const tower[] = {"n=5", "offset=0.05"};
     const char *const wall[] = {"rows=4", "columns=4"};
     const char *const collapse[] = {"rows=6", "columns=8"};
-    int failed = run("tower", tower, 2, 60);
-    failed |= run("slope-stick", NULL, 0, 120);
-    failed |= run("slope-slide", NULL, 0, 120);
-    failed |= run("wall", wall, 2, 30);
-    failed |= run("wall-collapse", collapse, 2, 60);
+    int failed = 0;
+    for (int profile = 0; profile < pl_engine_plumb()->profile_count; ++profile) {
+        failed |= run("tower", profile, tower, 2, 60);
+        failed |= run("slope-stick", profile, NULL, 0, 60);
+        failed |= run("slope-slide", profile, NULL, 0, 60);
+        failed |= run("wall", profile, wall, 2, 20);
+        failed |= run("wall-collapse", profile, collapse, 2, 40);
+    }
     return failed;
 }

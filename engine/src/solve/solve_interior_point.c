@@ -346,7 +346,7 @@ static void move(interior *ip, double length)
 
 static const double BACK_OFF = 0.99;    /* of the way to the boundary */
 static const double LEAST_SPEED = 1e-3; /* m/s, of the starting point */
-enum { MAX_WORSE = 10 };                 /* iterations without a new best */
+enum { MAX_WORSE = 10 };                /* iterations without a new best */
 
 /* The method itself, on a problem of which every patch takes part. */
 static pe_status solve(const pe_problem *problem, const double *shift,
