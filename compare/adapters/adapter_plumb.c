@@ -23,14 +23,16 @@ enum { OPTION_TOLERANCE, OPTION_UPDATES, OPTION_SLOP, OPTION_COUNT };
 
 static const pl_engine_option options[OPTION_COUNT] = {
     {"tolerance", 1e-8, 1e-14, 1, false, "m/s", "natural-map residual that counts as solved"},
-    {"updates", 2.4e6, 1, 1e12, true, "1", "sweeps times contact points of one island, at most"},
-    {"slop", 1e-4, 1e-12, 1, false, "m", "penetration that is not pushed out"},
+    {"updates", 2.4e6, 1, 1e12, true, "1",
+     "sweeps times contact points of one island, at most; a direct solve is weighed against it"},
+    {"slop", 1e-4, 1e-12, 1, false, "m",
+     "penetration of swept islands is pushed out from three times this, down to this"},
 };
 
 static const pl_engine_profile profiles[] = {
-    {"default", "a direct solver for what stands, sweeps for what moves", true},
-    {"accurate", "the same with more work allowed, and penetration pushed out", true},
-    {"fast", "substeps of soft contact for what moves", true},
+    {"default", "solves an island directly unless sweeps are predicted to be cheaper", true},
+    {"accurate", "the same, and solves directly up to four times the cost of the sweeps", true},
+    {"fast", "substeps of soft contact; solves only quiet chains and small islands", true},
 };
 
 static pe_vec3 vector(const double v[3])

@@ -16,9 +16,10 @@ static const char closing[] =
     "  plumb help COMMAND     options and examples of a command\n"
     "  plumb --version        version\n"
     "\n"
-    "Exit codes: 0 all well; 2 usage or bad input; 3 a run's outcome is not ok (run), a run could "
-    "not\n"
-    "be made, or I/O failed; 4 nothing was compared; 128+N ended by signal N.\n";
+    "Exit codes: 0 all well; 2 usage or bad input; 3 a run's outcome is not ok (run), no solver\n"
+    "reached the tolerance (solve), a run could not be made, or I/O failed; 4 nothing was "
+    "compared;\n"
+    "128+N ended by signal N.\n";
 
 int pl_command_help(const pl_call *call)
 {

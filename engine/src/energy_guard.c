@@ -1,7 +1,9 @@
 #include "energy_guard.h"
 
-/* Parts of the terms that growth is the difference of, below which it is left alone. */
+/* Part of the terms that growth is the difference of, below which it is left alone. */
 static const double ROUNDING = 1e-10;
+
+/* Part of the kinetic energy that an island which was solved exactly may gain. */
 static const double MOVING_ERROR = 1e-6;
 
 /* Speed, in m/s, that is none: contacts at rest take back rounding with less (problem_build.c). */
@@ -18,8 +20,9 @@ typedef struct step_view {
 typedef struct energy {
     double kinetic; /* at the end */
     double growth;
-    double terms; /* that growth is the difference of, in size */
-    double mass;  /* kg */
+    double motion; /* kinetic, before and after */
+    double terms;  /* that growth is the difference of, in size */
+    double mass;   /* kg */
 } energy;
 
 static pe_vec3 angular_momentum(const pe_mass *mass, const pe_mat3 *rotation, pe_vec3 w)
@@ -68,6 +71,7 @@ static void add_body(const pe_world *world, const step_view *step, int slot, ene
     pe_vec3 way = pe_sub(end->position, begin->position);
     double work = pe_dot(force, way), spinning = spinning_work(world, step, slot);
     e->kinetic += after;
+    e->motion += before + after;
     e->mass += mass->mass;
     e->growth += (after - before) - work - spinning;
     /* Positions and velocities are rounded themselves. */
@@ -76,9 +80,10 @@ static void add_body(const pe_world *world, const step_view *step, int slot, ene
                 mass->mass / step->dt * pe_length(step->motions[slot].velocity) * pe_length(way);
 }
 
-static double factor_of(const energy *e, double allowed, pe_energy_report *report)
+static double factor_of(const energy *e, bool exact, pe_energy_report *report)
 {
-    if (!(e->growth > allowed * e->terms + STANDING * STANDING * e->mass)) {
+    double allowed = ROUNDING * e->terms + STANDING * STANDING * e->mass;
+    if (!(e->growth > allowed + (exact ? MOVING_ERROR * e->motion : 0))) {
         return 1;
     }
     report->islands += 1;
@@ -114,13 +119,13 @@ static bool any_moved(const int *slots, int count, const bool *moved)
 }
 
 static void guard_bodies(pe_world *world, const step_view *step, const int *slots, int count,
-                         double allowed, pe_energy_report *report)
+                         bool exact, pe_energy_report *report)
 {
     energy e = {0};
     for (int i = 0; i < count; ++i) {
         add_body(world, step, slots[i], &e);
     }
-    double factor = factor_of(&e, allowed, report);
+    double factor = factor_of(&e, exact, report);
     for (int i = 0; i < count && factor < 1; ++i) {
         slow(&pe_motions(world)[slots[i]], factor);
     }
@@ -143,11 +148,11 @@ void pe_energy_guard(pe_world *world, const pe_islands *islands, const pe_free_m
         const int *slots = islands->bodies + islands->body_start[k];
         int count = islands->body_start[k + 1] - islands->body_start[k];
         bool exact = solved[slots[0]] && !any_moved(slots, count, moved);
-        guard_bodies(world, &step, slots, count, exact ? MOVING_ERROR : ROUNDING, report);
+        guard_bodies(world, &step, slots, count, exact, report);
     }
     for (int slot = 1; slot < world->slot_count && moved != NULL; ++slot) {
         if (moved[slot] && islands->place[slot] < 0) {
-            guard_bodies(world, &step, &slot, 1, ROUNDING, report);
+            guard_bodies(world, &step, &slot, 1, false, report);
         }
     }
 }

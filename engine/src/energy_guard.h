@@ -27,10 +27,10 @@ typedef struct pe_energy_report {
  * and of which no body is in `moved`, may gain a millionth: its contacts took what they had to, and
  * what is left is the error of moving in finite steps.
  *
- * `islands` are those of the step (their lists of bodies alone are read), `free` (slots) its motion
- * without contacts, from which F and tau follow; `poses` and `motions` (slots) are from its begin.
- * Bodies in no island are left alone but those in `moved` (slots; NULL: none), moved by projection:
- * each is an island by itself. */
+ * `islands` are groups that touch (pe_islands_find_touching; their lists of bodies alone are read),
+ * `free` (slots) is the step's motion without contacts, from which F and tau follow; `poses` and
+ * `motions` (slots) are from its begin. Bodies in no group are left alone but those in `moved`
+ * (slots; NULL: none), moved by projection: each is a group by itself. */
 void pe_energy_guard(pe_world *world, const pe_islands *islands, const pe_free_motion *free,
                      const pe_pose *poses, const pe_motion *motions, const bool *moved,
                      const bool *solved, double shallow, double dt, pe_energy_report *report);

@@ -21,18 +21,30 @@ typedef struct spin {
     pe_mat3 turning; /* exp(h m) */
 } spin;
 
-/* d(exp(v) x)/dv = -exp(v) [x] J(v), J = 1 - (1 - cos a)/a^2 [v] + (a - sin a)/a^3 [v]^2, a = |v|:
- * the derivative of a rotated vector along d. */
-static pe_vec3 rotated_change(const pe_mat3 *rotation, pe_vec3 v, pe_vec3 x, pe_vec3 d)
+/* exp(v), and what its derivative needs: d(exp(v) x)/dv = -exp(v) [x] J(v),
+ * J = 1 - f [v] + g [v]^2, f = (1 - cos a)/a^2, g = (a - sin a)/a^3, a = |v|. */
+typedef struct turning {
+    pe_vec3 v;
+    pe_mat3 rotation;
+    double f, g;
+} turning;
+
+static turning turning_by(pe_vec3 v)
 {
     double a = pe_length(v), sine, cosine;
     pe_sincos(a, &sine, &cosine);
-    /* Below 1e-3 the series' next term is below 1e-8 of the first, enough for a derivative. */
+    /* Below 1e-3 the series' next term is below 1e-7 of the first, enough for a derivative. */
     double f = a > 1e-3 ? (1 - cosine) / (a * a) : 0.5;
     double g = a > 1e-3 ? (a - sine) / (a * a * a) : 1.0 / 6;
-    pe_vec3 vd = pe_cross(v, d), vvd = pe_cross(v, vd);
-    pe_vec3 jd = pe_madd(pe_madd(d, -f, vd), g, vvd);
-    return pe_rotate(rotation, pe_cross(jd, x));
+    return (turning){v, rotation_by(v), f, g};
+}
+
+/* The derivative of the rotated vector x along d. */
+static pe_vec3 rotated_change(const turning *t, pe_vec3 x, pe_vec3 d)
+{
+    pe_vec3 vd = pe_cross(t->v, d), vvd = pe_cross(t->v, vd);
+    pe_vec3 jd = pe_madd(pe_madd(d, -t->f, vd), t->g, vvd);
+    return pe_rotate(&t->rotation, pe_cross(jd, x));
 }
 
 /* Newton's steps, and then, for turns of radians a step from which it runs away, steps with the
@@ -50,15 +62,14 @@ static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
     for (int i = 0; i < MAX_SPIN_ITERATIONS; ++i) {
         s.end = i == MAX_NEWTON_STEPS ? w : s.end;
         s.mean = pe_scale(0.5, pe_add(w, s.end));
-        pe_vec3 back = pe_scale(-dt, s.mean);
-        pe_mat3 backwards = rotation_by(back);
-        pe_vec3 turned = pe_rotate(&backwards, momentum);
+        turning back = turning_by(pe_scale(-dt, s.mean));
+        pe_vec3 turned = pe_rotate(&back.rotation, momentum);
         /* Columns of I + (h/2) d(exp(-h m) L)/d(-h m) */
         pe_vec3 c[3];
         for (int k = 0; k < 3; ++k) {
             pe_vec3 d = pe_v3(k == 0, k == 1, k == 2);
-            pe_vec3 change = i < MAX_NEWTON_STEPS ? rotated_change(&backwards, back, momentum, d)
-                                                  : pe_cross(d, turned);
+            pe_vec3 change =
+                i < MAX_NEWTON_STEPS ? rotated_change(&back, momentum, d) : pe_cross(d, turned);
             c[k] = pe_madd(pe_mul(inertia, d), 0.5 * dt, change);
         }
         pe_vec3 change =

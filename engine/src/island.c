@@ -51,6 +51,36 @@ static void sort_by_group(const int *group, int count, int groups, int *start, i
     start[0] = 0;
 }
 
+static void join(const pe_world *world, const pe_manifold *m, int *parent)
+{
+    const pe_body *bodies = pe_bodies(world);
+    if (!bodies[m->a].is_static && !bodies[m->b].is_static) {
+        int p = find_root(parent, m->a), q = find_root(parent, m->b);
+        /* The smaller slot is the root, so that an island's root is its first body. */
+        parent[p > q ? p : q] = p < q ? p : q;
+    }
+}
+
+/* Fills the lists of bodies from the numbers of the roots. */
+static void list_bodies(const pe_world *world, int *parent, const int *number, pe_islands *islands)
+{
+    /* Static and unused slots are roots of themselves without a contact: number -1. */
+    int *island_of_body = islands->place;
+    for (int slot = 0; slot < world->slot_count; ++slot) {
+        island_of_body[slot] = number[find_root(parent, slot)];
+    }
+    sort_by_group(island_of_body, world->slot_count, islands->count, islands->body_start,
+                  islands->bodies);
+    for (int slot = 0; slot < world->slot_count; ++slot) {
+        islands->place[slot] = -1;
+    }
+    for (int k = 0; k < islands->count; ++k) {
+        for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
+            islands->place[islands->bodies[i]] = i - islands->body_start[k];
+        }
+    }
+}
+
 pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
 {
     size_t slots = (size_t)world->slot_count;
@@ -69,11 +99,7 @@ pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
         number[slot] = -1;
     }
     for (int i = 0; i < count; ++i) {
-        if (!bodies[manifolds[i].a].is_static && !bodies[manifolds[i].b].is_static) {
-            int p = find_root(parent, manifolds[i].a), q = find_root(parent, manifolds[i].b);
-            /* The smaller slot is the root, so that an island's root is its first body. */
-            parent[p > q ? p : q] = p < q ? p : q;
-        }
+        join(world, &manifolds[i], parent);
     }
     /* Mark the roots that have contacts and number them in order. */
     for (int i = 0; i < count; ++i) {
@@ -89,20 +115,71 @@ pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
     }
     sort_by_group(island_of, count, islands->count, islands->start, islands->manifolds);
 
-    /* Static and unused slots are roots of themselves without a contact: number -1. */
-    int *island_of_body = islands->place;
-    for (int slot = 0; slot < world->slot_count; ++slot) {
-        island_of_body[slot] = number[find_root(parent, slot)];
-    }
-    sort_by_group(island_of_body, world->slot_count, islands->count, islands->body_start,
-                  islands->bodies);
-    for (int slot = 0; slot < world->slot_count; ++slot) {
-        islands->place[slot] = -1;
-    }
-    for (int k = 0; k < islands->count; ++k) {
-        for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
-            islands->place[islands->bodies[i]] = i - islands->body_start[k];
+    list_bodies(world, parent, number, islands);
+    return PE_OK;
+}
+
+/* Gaps up to this, in m, are none. */
+static const double TOUCHING = 1e-6;
+
+static bool touches(const pe_contacts *contacts, const pe_manifold *m)
+{
+    for (int j = m->first; j < m->first + m->count; ++j) {
+        if (pe_points(contacts)[j].separation <= TOUCHING) {
+            return true;
         }
     }
+    return false;
+}
+
+static bool pushed(const pe_contacts *contacts, const pe_manifold *m)
+{
+    for (int j = m->first; j < m->first + m->count; ++j) {
+        pe_vec3 p = pe_points(contacts)[j].impulse;
+        if (pe_dot(p, m->normal) > 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static void join_all(const pe_world *world, const pe_contacts *contacts,
+                     bool (*joins)(const pe_contacts *, const pe_manifold *), int *parent,
+                     bool *joined)
+{
+    for (int i = 0; i < contacts->manifold_count; ++i) {
+        const pe_manifold *m = &pe_manifolds(contacts)[i];
+        if (joins(contacts, m)) {
+            join(world, m, parent);
+            joined[m->a] = joined[m->b] = true;
+        }
+    }
+}
+
+pe_status pe_islands_find_touching(pe_world *world, pe_islands *groups, pe_error *error)
+{
+    size_t slots = (size_t)world->slot_count;
+    int *parent = pe_scratch(world, slots, sizeof *parent);
+    int *number = pe_scratch(world, slots, sizeof *number);
+    bool *joined = pe_scratch(world, slots, sizeof *joined);
+    if (!take_islands(world, slots, 0, groups) || parent == NULL || number == NULL ||
+        joined == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for the groups of %zu bodies", slots);
+    }
+    for (int slot = 0; slot < world->slot_count; ++slot) {
+        parent[slot] = slot;
+        number[slot] = -1;
+        joined[slot] = false;
+    }
+    join_all(world, &world->solved, pushed, parent, joined);
+    join_all(world, &world->contacts, touches, parent, joined);
+    const pe_body *bodies = pe_bodies(world);
+    for (int slot = 1; slot < world->slot_count; ++slot) {
+        if (joined[slot] && bodies[slot].alive && !bodies[slot].is_static) {
+            int root = find_root(parent, slot);
+            number[root] = number[root] < 0 ? groups->count++ : number[root];
+        }
+    }
+    list_bodies(world, parent, number, groups);
     return PE_OK;
 }

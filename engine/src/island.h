@@ -21,4 +21,9 @@ typedef struct pe_islands {
  * them. */
 pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error);
 
+/* The groups of bodies that did push each other in the step, by world->solved, or do touch, by
+ * world->contacts: parts of islands, which hold what is merely near. Only the lists of bodies and
+ * `place` are filled. */
+pe_status pe_islands_find_touching(pe_world *world, pe_islands *groups, pe_error *error);
+
 #endif

@@ -12,18 +12,30 @@
 #include <string.h>
 #include <time.h>
 
-/* What sweeps aim at, in m/s, in an island of that many contact points or fewer: in what collapses
- * the next step's problem is another one. In a larger one they aim at less, as the square: sweeps
- * converge the more slowly there, and each costs more. */
-static const double SWEPT_TOLERANCE = 5e-5;
-static const double SWEPT_POINTS = 1400;
+/* How much each profile asks of an island that is not solved directly. */
+typedef struct strictness {
+    /* What sweeps aim at, in m/s, in an island of SWEPT_POINTS contact points or fewer: in what
+     * collapses the next step's problem is another one. In a larger one they aim at less, as the
+     * square: sweeps converge the more slowly there, and each costs more. */
+    double tolerance;
+    double updates;  /* part of max_contact_updates */
+    double patience; /* how much dearer than the sweeps allowed a direct solve may be */
+} strictness;
+
+static const strictness STRICTNESS[] = {
+    [PE_PROFILE_DEFAULT] = {.tolerance = 2e-4, .updates = 0.5, .patience = 2},
+    [PE_PROFILE_ACCURATE] = {.tolerance = 5e-5, .updates = 1, .patience = 4},
+    [PE_PROFILE_FAST] = {.tolerance = 1e-3, .updates = 0.3, .patience = 2},
+};
+static const double SWEPT_POINTS = 1250;
 
 /* Depth, in m, from which a contact of an island that was solved directly is pushed out. */
 static const double STANDING_DEPTH = 1e-8;
 enum { PROJECTION_ITERATIONS = 30 };
 
-/* How much dearer than the sweeps allowed a direct solve may be. */
-static const double PATIENT = 4, IMPATIENT = 1;
+/* In units of the slop: what is pushed out by less waits for motion to pay for it (energy_guard.h).
+ */
+static const double SHALLOW = 30;
 
 /* Pairs that moved relative to each other by less, in units of the smaller body, keep their
  * manifold in the fast profile. */
@@ -139,15 +151,16 @@ static pe_status solve_island(stepping *step, int k, double *squares)
     if (status != PE_OK) {
         return status;
     }
+    const strictness strict = STRICTNESS[world->def.profile];
     double size = pe_max(1, island.problem.point_count / SWEPT_POINTS);
     pe_solve_mark marks[PE_HISTORY];
     pe_solve_history history = {.marks = marks, .capacity = PE_HISTORY};
     pe_island_report report = {.solve.history = &history};
     pe_island_limits limits = {
         .tolerance = world->def.tolerance,
-        .swept_tolerance = pe_max(world->def.tolerance, SWEPT_TOLERANCE * size * size),
-        .max_updates = world->def.max_contact_updates,
-        .patience = world->def.profile == PE_PROFILE_ACCURATE ? PATIENT : IMPATIENT,
+        .swept_tolerance = pe_max(world->def.tolerance, strict.tolerance * size * size),
+        .max_updates = strict.updates * world->def.max_contact_updates,
+        .patience = strict.patience,
     };
     status = pe_solve_island(&island.problem, &limits, pe_step_memory(world), &report, step->error);
     if (status == PE_OK) {
@@ -293,17 +306,23 @@ static pe_status project(stepping *step)
     rules.begin = 3 * slop;
     rules.aim = slop;
     rules.enough = 0.5 * slop;
+    rules.max_rounds = step->world->def.profile == PE_PROFILE_ACCURATE ? rules.max_rounds : 2;
     return project_by(step, &rules);
 }
 
-static void guard_energy(stepping *step)
+static pe_status guard_energy(stepping *step)
 {
     pe_energy_report report;
-    pe_energy_guard(step->world, &step->islands, step->free, step->poses, step->motions,
-                    step->moved, step->stands, 3 * step->world->def.penetration_slop, step->dt,
-                    &report);
+    pe_islands groups;
+    pe_status status = pe_islands_find_touching(step->world, &groups, step->error);
+    if (status != PE_OK) {
+        return status;
+    }
+    pe_energy_guard(step->world, &groups, step->free, step->poses, step->motions, step->moved,
+                    step->stands, SHALLOW * step->world->def.penetration_slop, step->dt, &report);
     step->stats.guarded_islands = report.islands;
     step->world->contacts_stale |= report.put_back > 0;
+    return PE_OK;
 }
 
 static void clear_loads(pe_world *world)
@@ -350,7 +369,7 @@ static pe_status advance(stepping *step)
         status = project(step);
     }
     if (status == PE_OK) {
-        guard_energy(step);
+        status = guard_energy(step);
         step->stats.time_project = lap(&mark);
     }
     return status;

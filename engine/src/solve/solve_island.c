@@ -8,18 +8,24 @@
  * better than a solve. */
 static const double ACCEPT_WARM = 0.01;
 
-/* Below this residual, in m/s, of its warm start an island is quiet: few iterations will do. */
+/* Below this residual, in m/s, of its start an island is quiet: few iterations will do, and if they
+ * do not, the whole of the direct solver is worth its price. Elsewhere Newton gets one try. */
 static const double QUIET = 1e-3;
-static const double QUIET_ITERATIONS = 4, UPHEAVAL_ITERATIONS = 40;
+enum { QUIET_ITERATIONS = 4, TRIAL_ITERATIONS = 8, ALL_ITERATIONS = 200 };
+
+/* Part of the price of all sweeps that such a try may cost. */
+static const double TRIAL_SHARE = 0.25;
 
 /* Costs in nanoseconds, measured once; only their ratios matter. */
 static const double NS_PER_FLOP = 0.14, NS_PER_ASSEMBLED_POINT = 150, NS_PER_SWEPT_POINT = 15;
 
-enum { LEAST_SWEEPS = 50, MOST_SWEEPS = 2000, DIRECT_ITERATIONS = 200 };
+/* Islands of so few bodies are solved whole whatever happens to them. */
+enum { TINY = 2 };
 
-static double direct_cost(const pe_problem *problem, const pe_pattern *pattern, double residual)
+enum { LEAST_SWEEPS = 50, MOST_SWEEPS = 2000 };
+
+static double direct_cost(const pe_problem *problem, const pe_pattern *pattern, int iterations)
 {
-    double iterations = residual < QUIET ? QUIET_ITERATIONS : UPHEAVAL_ITERATIONS;
     return iterations *
            (NS_PER_FLOP * pattern->flops + NS_PER_ASSEMBLED_POINT * problem->point_count);
 }
@@ -66,16 +72,29 @@ pe_status pe_solve_island(const pe_problem *problem, const pe_island_limits *lim
     }
     int sweeps = sweep_limit(problem, limits);
     double swept_cost = NS_PER_SWEPT_POINT * problem->point_count * sweeps;
+    bool whole = cold || problem->body_count <= TINY ||
+                 (warm < QUIET && direct_cost(problem, &pattern, QUIET_ITERATIONS) <=
+                                      limits->patience * swept_cost);
+    bool trial = direct_cost(problem, &pattern, TRIAL_ITERATIONS) <= TRIAL_SHARE * swept_cost;
     report->path = PE_PATH_SWEEPS;
-    if (cold || direct_cost(problem, &pattern, warm) <= limits->patience * swept_cost) {
+    if (whole || trial) {
         report->path = PE_PATH_DIRECT;
-        pe_solve_limits direct = {limits->tolerance, DIRECT_ITERATIONS};
+        pe_solve_limits direct = {limits->tolerance, whole ? ALL_ITERATIONS : TRIAL_ITERATIONS};
         status = pe_solve_direct(problem, &pattern, cold, &direct, work, &report->solve, error);
     }
     if (status == PE_OK && report->solve.residual.max > limits->swept_tolerance) {
         report->path = PE_PATH_SWEEPS;
         pe_solve_limits swept = {limits->swept_tolerance, sweeps};
         status = sweep(problem, &swept, work, &report->solve, error);
+        if (status == PE_OK && trial && report->solve.residual.max < QUIET) {
+            pe_solve_limits polish = {limits->tolerance,
+                                      report->solve.iterations + TRIAL_ITERATIONS};
+            status =
+                pe_solve_direct(problem, &pattern, false, &polish, work, &report->solve, error);
+        }
+    }
+    if (report->solve.residual.max <= limits->tolerance) {
+        report->path = PE_PATH_DIRECT;
     }
     return status;
 }

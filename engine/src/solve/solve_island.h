@@ -21,9 +21,9 @@ typedef struct pe_island_report {
 /* Solves from the warm start in problem->impulse:
  *
  * - a warm start far below the tolerance is kept as it is;
- * - else, if the predicted cost of the direct solver is within bounds, that one: an island whose
- *   warm start nearly fits needs few iterations, one that is in upheaval many;
- * - else sweeps with momentum, and if the direct solver gave up, sweeps from its best. */
+ * - a quiet or new island gets the direct solver, whole, if its predicted cost is within bounds;
+ * - another gets a few Newton iterations where they are cheap beside sweeps, sweeps with momentum
+ * to swept_tolerance where they did not do, and a few Newton iterations again from there. */
 pe_status pe_solve_island(const pe_problem *problem, const pe_island_limits *limits,
                           pe_workspace work, pe_island_report *report, pe_error *error);
 
