@@ -216,7 +216,10 @@ static pl_status step(pl_engine_instance *instance, double dt, pl_step_stats *st
     instance->time += dt;
     instance->forces_applied = false;
     stats->iterations = did.iterations;
-    stats->residual = did.residual;
+    /* Soft contacts have none, and that of the other islands is not the step's. */
+    if (did.islands_by_path[PE_PATH_SOFT] == 0) {
+        stats->residual = did.residual;
+    }
     stats->contacts = did.contacts;
     stats->islands = did.islands;
     stats->time_collide = did.time_broad_phase + did.time_narrow_phase + did.time_contacts;

@@ -23,9 +23,9 @@ typedef struct strictness {
 } strictness;
 
 static const strictness STRICTNESS[] = {
-    [PE_PROFILE_DEFAULT] = {.tolerance = 2e-4, .updates = 0.5, .patience = 2},
+    [PE_PROFILE_DEFAULT] = {.tolerance = 2e-4, .updates = 0.5, .patience = 8},
     [PE_PROFILE_ACCURATE] = {.tolerance = 5e-5, .updates = 1, .patience = 4},
-    [PE_PROFILE_FAST] = {.tolerance = 1e-3, .updates = 0.3, .patience = 2},
+    [PE_PROFILE_FAST] = {.tolerance = 2e-4, .updates = 0.5, .patience = 8},
 };
 static const double SWEPT_POINTS = 1250;
 

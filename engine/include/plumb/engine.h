@@ -53,12 +53,14 @@ typedef struct pe_world pe_world;
 
 typedef enum pe_profile {
     /* Chooses for each contact island by predicted cost: what stands or slides is solved directly,
-     * to the tolerance; what moves so much that this would cost more is swept. */
+     * to the tolerance; what moves so much that this would cost more is swept with momentum.
+     * Positions are mended after the step, in two rounds at most. */
     PE_PROFILE_DEFAULT,
-    /* The same choice with far more work allowed before it settles for less than the tolerance, and
-     * penetration pushed out until hardly any is left. */
+    /* The same choice, with twice the sweeps to a quarter of the residual, and up to eight rounds
+     * of pushing out penetration. */
     PE_PROFILE_ACCURATE,
-    /* Substepped soft contact for what moves; what stands and is cheaper to solve directly is. */
+    /* Substepped soft contact for what moves; what hardly moves and is cheap to solve directly is.
+     */
     PE_PROFILE_FAST
 } pe_profile;
 
