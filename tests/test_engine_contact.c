@@ -221,6 +221,34 @@ static void test_momentum_is_kept_in_a_free_collision_of_boxes(void **state)
     assert_true(collided > 50);
 }
 
+static void test_bodies_in_one_place_part_without_energy_from_nowhere(void **state)
+{
+    (void)state;
+    for (int profile = PE_PROFILE_DEFAULT; profile <= PE_PROFILE_FAST; ++profile) {
+        pe_world_def world_def = pe_world_def_default();
+        world_def.profile = (pe_profile)profile;
+        world_def.gravity = (pe_vec3){0, 0, 0};
+        pe_world *world = make_world(&world_def);
+        pe_body_def def = box_def(0.5, 0.5, 0.5, (pe_vec3){0, 0, 0});
+        pe_body_id ids[2];
+        for (int k = 0; k < 2; ++k) {
+            def.mass = k ? 1e-6 : 1;
+            def.angular_velocity = k ? (pe_vec3){0, 0, 0} : (pe_vec3){4, 3, 7};
+            ids[k] = add_body(world, &def);
+        }
+        for (int i = 0; i < 200; ++i) {
+            step(world, H);
+        }
+        pe_body_state a = state_of(world, ids[0]), b = state_of(world, ids[1]);
+        assert_true(pe_is_finite(a.position) && pe_is_finite(b.position));
+        /* The heavy one's rim moves at 8.6 m/s times 0.87 m; the light one cannot be thrown at more
+         * than twice that. */
+        assert_at_most(pe_length(a.angular_velocity), 8.7);
+        assert_at_most(pe_length(b.velocity), 2 * 8.7 * 0.87);
+        pe_world_destroy(world);
+    }
+}
+
 static void test_islands_are_separate_stacks_and_do_not_feel_each_other(void **state)
 {
     (void)state;
@@ -432,6 +460,7 @@ int main(void)
         cmocka_unit_test(test_spheres_in_line_collide_as_newton_says_at_any_mass_ratio),
         cmocka_unit_test(test_pair_overrides_the_mixing_rule),
         cmocka_unit_test(test_momentum_is_kept_in_a_free_collision_of_boxes),
+        cmocka_unit_test(test_bodies_in_one_place_part_without_energy_from_nowhere),
         cmocka_unit_test(test_islands_are_separate_stacks_and_do_not_feel_each_other),
         cmocka_unit_test(test_reported_residual_is_the_natural_map_worked_out_from_contacts),
         cmocka_unit_test(test_a_resting_tower_needs_few_iterations_at_first_and_hardly_any_then),

@@ -32,7 +32,7 @@ static int first_best(const double *score, int count, double tie)
 void pe_hits_reduce(pe_hits *hits, double size)
 {
     sort_by_feature(hits);
-    double tie = TIE * size, score[PE_MAX_POINTS];
+    double tie = TIE * size, score[PE_MAX_POINTS] = {0};
     int count = hits->count;
     double least = hits->item[0].separation;
     for (int i = 1; i < count; ++i) {

@@ -218,7 +218,7 @@ typedef struct pe_step_stats {
     /* Of the island with the largest residual: */
     pe_path path;
     pe_solve_stop stop;
-    int history_count; /* residuals as the solver went, the last PE_HISTORY at most */
+    int history_count; /* residuals as the solver went, the first PE_HISTORY at most */
     double history[PE_HISTORY];
 
     int projection_rounds, projection_iterations; /* iterations: largest over islands and rounds */
