@@ -161,6 +161,7 @@ static pe_status solve_island(stepping *step, int k, double *squares)
         .swept_tolerance = pe_max(world->def.tolerance, strict.tolerance * size * size),
         .max_updates = strict.updates * world->def.max_contact_updates,
         .patience = strict.patience,
+        .store = &world->patterns,
     };
     status = pe_solve_island(&island.problem, &limits, pe_step_memory(world), &report, step->error);
     if (status == PE_OK) {

@@ -93,6 +93,7 @@ void pe_world_destroy(pe_world *world)
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         pe_array_free(arrays[i], &allocator);
     }
+    pe_pattern_store_free(&world->patterns, &allocator);
     pe_arena_free(&world->arena, &allocator);
     allocator.release(allocator.context, world);
 }

@@ -3,6 +3,7 @@
 #define PE_WORLD_H
 
 #include "memory.h"
+#include "solve/pattern_store.h"
 #include "vec.h"
 
 /* Body slots start at 1: slot 0 is a static dummy, so that an id's index is its slot and 0 is null.
@@ -103,6 +104,7 @@ struct pe_world {
     double previous_dt;
     bool contacts_stale; /* bodies or materials were changed since `contacts` were found */
 
+    pe_pattern_store patterns;
     pe_arena arena;
 };
 

@@ -3,6 +3,7 @@
 #define pe_order_find breadth_first_order
 #define pe_pattern_find breadth_first_pattern
 #define pe_pattern_mark_loaded breadth_first_mark_loaded
+#define pe_pattern_mass_ratio breadth_first_mass_ratio
 
 #include "breadth_first.h"
 

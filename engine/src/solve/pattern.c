@@ -165,7 +165,7 @@ static int find_depth(const pe_problem *problem, const graph *g, int *queue, int
     return depth;
 }
 
-static double find_mass_ratio(const pe_problem *problem)
+double pe_pattern_mass_ratio(const pe_problem *problem)
 {
     double least = problem->inertia[0].mass, most = least;
     for (int i = 1; i < problem->body_count; ++i) {
@@ -262,7 +262,7 @@ pe_status pe_pattern_find(const pe_problem *problem, const bool *counted, pe_wor
         .couple = couple,
         .counted = kept,
         .depth = find_depth(problem, &g, next, mark),
-        .mass_ratio = find_mass_ratio(problem),
+        .mass_ratio = pe_pattern_mass_ratio(problem),
         .flops = count_flops(start, n),
     };
     return PE_OK;

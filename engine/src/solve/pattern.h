@@ -32,4 +32,7 @@ pe_status pe_pattern_find(const pe_problem *problem, const bool *counted, pe_wor
  * velocities as they stand: those that will be loaded. Returns how many points they have. */
 int pe_pattern_mark_loaded(const pe_problem *problem, double speed, bool *loaded);
 
+/* The lightest body's mass over the heaviest's. */
+double pe_pattern_mass_ratio(const pe_problem *problem);
+
 #endif

@@ -3,6 +3,8 @@
 #include "solve_direct.h"
 #include "vec.h"
 
+#include <string.h>
+
 /* Part of the tolerance within which a warm start is kept. Impulses that are kept without an
  * iteration leave the same error at every step, and bodies creep by it: a warm start must be far
  * better than a solve. */
@@ -65,8 +67,16 @@ pe_status pe_solve_island(const pe_problem *problem, const pe_island_limits *lim
         return pe_fail(error, PE_NO_MEMORY, "no memory for %d manifolds", problem->patch_count);
     }
     bool cold = !pe_has_impulse(problem);
-    pe_pattern_mark_loaded(problem, limits->tolerance, loaded);
-    pe_status status = pe_pattern_find(problem, cold ? NULL : loaded, work, &pattern, error);
+    if (cold) {
+        memset(loaded, true, (size_t)problem->patch_count * sizeof *loaded);
+    } else {
+        pe_pattern_mark_loaded(problem, limits->tolerance, loaded);
+    }
+    /* What is in upheaval has other pairs at every step. */
+    bool keeps = limits->store != NULL && (cold || warm < QUIET);
+    pe_status status =
+        keeps ? pe_pattern_store_find(limits->store, problem, loaded, work, &pattern, error)
+              : pe_pattern_find(problem, loaded, work, &pattern, error);
     if (status != PE_OK) {
         return status;
     }

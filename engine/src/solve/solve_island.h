@@ -3,13 +3,14 @@
 #ifndef PE_SOLVE_ISLAND_H
 #define PE_SOLVE_ISLAND_H
 
-#include "pattern.h"
+#include "pattern_store.h"
 #include "solve.h"
 
 typedef struct pe_island_limits {
     double tolerance;       /* m/s */
     double swept_tolerance; /* m/s: what sweeps stop at, and what is not good enough without them */
     double max_updates;     /* contact points visited by sweeps */
+    pe_pattern_store *store; /* NULL: patterns are not kept */
     double patience; /* how much dearer than those sweeps a direct solve may be to be preferred */
 } pe_island_limits;
 
