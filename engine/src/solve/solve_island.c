@@ -26,10 +26,10 @@ enum { TINY = 2 };
 
 enum { LEAST_SWEEPS = 50, MOST_SWEEPS = 2000 };
 
-static double direct_cost(const pe_problem *problem, const pe_pattern *pattern, int iterations)
+/* Of so many iterations with a factor of so many flops. */
+static double direct_cost(const pe_problem *problem, double flops, int iterations)
 {
-    return iterations *
-           (NS_PER_FLOP * pattern->flops + NS_PER_ASSEMBLED_POINT * problem->point_count);
+    return iterations * (NS_PER_FLOP * flops + NS_PER_ASSEMBLED_POINT * problem->point_count);
 }
 
 static int sweep_limit(const pe_problem *problem, const pe_island_limits *limits)
@@ -50,6 +50,53 @@ static pe_status sweep(const pe_problem *problem, const pe_solve_limits *limits,
     return status;
 }
 
+/* What an island gets of the direct solver: all of it, or a few Newton iterations about the sweeps.
+ */
+typedef struct plan {
+    bool cold, whole, trial;
+    int sweeps; /* at most */
+    pe_pattern pattern;
+} plan;
+
+static void choose(const pe_problem *problem, const pe_island_limits *limits, double warm,
+                   double flops, plan *to)
+{
+    double swept = NS_PER_SWEPT_POINT * problem->point_count * to->sweeps;
+    to->whole =
+        to->cold || problem->body_count <= TINY ||
+        (warm < QUIET && direct_cost(problem, flops, QUIET_ITERATIONS) <= limits->patience * swept);
+    to->trial = direct_cost(problem, flops, TRIAL_ITERATIONS) <= TRIAL_SHARE * swept;
+}
+
+static pe_status make_plan(const pe_problem *problem, const pe_island_limits *limits, double warm,
+                           pe_workspace work, plan *to, pe_error *error)
+{
+    to->cold = !pe_has_impulse(problem);
+    to->sweeps = sweep_limit(problem, limits);
+    choose(problem, limits, warm, 0, to);
+    if (!to->whole && !to->trial) {
+        return PE_OK; /* not even with a factor for nothing */
+    }
+    bool *loaded = pe_take(work, (size_t)problem->patch_count + 1, sizeof *loaded);
+    if (loaded == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %d manifolds", problem->patch_count);
+    }
+    if (to->cold) {
+        memset(loaded, true, (size_t)problem->patch_count * sizeof *loaded);
+    } else {
+        pe_pattern_mark_loaded(problem, limits->tolerance, loaded);
+    }
+    /* What is in upheaval has other pairs at every step. */
+    bool keeps = limits->store != NULL && (to->cold || warm < QUIET);
+    pe_status status =
+        keeps ? pe_pattern_store_find(limits->store, problem, loaded, work, &to->pattern, error)
+              : pe_pattern_find(problem, loaded, work, &to->pattern, error);
+    if (status == PE_OK) {
+        choose(problem, limits, warm, to->pattern.flops, to);
+    }
+    return status;
+}
+
 pe_status pe_solve_island(const pe_problem *problem, const pe_island_limits *limits,
                           pe_workspace work, pe_island_report *report, pe_error *error)
 {
@@ -61,46 +108,25 @@ pe_status pe_solve_island(const pe_problem *problem, const pe_island_limits *lim
         report->solve.stop = PE_STOP_CONVERGED;
         return PE_OK;
     }
-    pe_pattern pattern;
-    bool *loaded = pe_take(work, (size_t)problem->patch_count + 1, sizeof *loaded);
-    if (loaded == NULL) {
-        return pe_fail(error, PE_NO_MEMORY, "no memory for %d manifolds", problem->patch_count);
-    }
-    bool cold = !pe_has_impulse(problem);
-    if (cold) {
-        memset(loaded, true, (size_t)problem->patch_count * sizeof *loaded);
-    } else {
-        pe_pattern_mark_loaded(problem, limits->tolerance, loaded);
-    }
-    /* What is in upheaval has other pairs at every step. */
-    bool keeps = limits->store != NULL && (cold || warm < QUIET);
-    pe_status status =
-        keeps ? pe_pattern_store_find(limits->store, problem, loaded, work, &pattern, error)
-              : pe_pattern_find(problem, loaded, work, &pattern, error);
-    if (status != PE_OK) {
-        return status;
-    }
-    int sweeps = sweep_limit(problem, limits);
-    double swept_cost = NS_PER_SWEPT_POINT * problem->point_count * sweeps;
-    bool whole = cold || problem->body_count <= TINY ||
-                 (warm < QUIET && direct_cost(problem, &pattern, QUIET_ITERATIONS) <=
-                                      limits->patience * swept_cost);
-    bool trial = direct_cost(problem, &pattern, TRIAL_ITERATIONS) <= TRIAL_SHARE * swept_cost;
+    plan chosen;
     report->path = PE_PATH_SWEEPS;
-    if (whole || trial) {
+    pe_status status = make_plan(problem, limits, warm, work, &chosen, error);
+    if (status == PE_OK && (chosen.whole || chosen.trial)) {
+        pe_solve_limits direct = {limits->tolerance,
+                                  chosen.whole ? ALL_ITERATIONS : TRIAL_ITERATIONS};
+        status = pe_solve_direct(problem, &chosen.pattern, chosen.cold, &direct, work,
+                                 &report->solve, error);
         report->path = PE_PATH_DIRECT;
-        pe_solve_limits direct = {limits->tolerance, whole ? ALL_ITERATIONS : TRIAL_ITERATIONS};
-        status = pe_solve_direct(problem, &pattern, cold, &direct, work, &report->solve, error);
     }
     if (status == PE_OK && report->solve.residual.max > limits->swept_tolerance) {
         report->path = PE_PATH_SWEEPS;
-        pe_solve_limits swept = {limits->swept_tolerance, sweeps};
+        pe_solve_limits swept = {limits->swept_tolerance, chosen.sweeps};
         status = sweep(problem, &swept, work, &report->solve, error);
-        if (status == PE_OK && trial && report->solve.residual.max < QUIET) {
+        if (status == PE_OK && chosen.trial && report->solve.residual.max < QUIET) {
             pe_solve_limits polish = {limits->tolerance,
                                       report->solve.iterations + TRIAL_ITERATIONS};
-            status =
-                pe_solve_direct(problem, &pattern, false, &polish, work, &report->solve, error);
+            status = pe_solve_direct(problem, &chosen.pattern, false, &polish, work, &report->solve,
+                                     error);
         }
     }
     if (report->solve.residual.max <= limits->tolerance) {
