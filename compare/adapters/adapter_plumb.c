@@ -215,9 +215,9 @@ static pl_status step(pl_engine_instance *instance, double dt, pl_step_stats *st
     }
     instance->time += dt;
     instance->forces_applied = false;
-    stats->iterations = did.iterations;
-    /* Soft contacts have none, and that of the other islands is not the step's. */
+    /* Soft contacts have neither, and those of the other islands are not the step's. */
     if (did.islands_by_path[PE_PATH_SOFT] == 0) {
+        stats->iterations = did.iterations;
         stats->residual = did.residual;
     }
     stats->contacts = did.contacts;
