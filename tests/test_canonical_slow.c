@@ -67,7 +67,8 @@ static void test_slopes_slide_and_stick_as_coulomb_says(void **state)
     assert_close(metric(slide, "travel_error"), 0, 1e-9, 0);
     json_decref(slide);
     slide = run("slope-slide", NULL, "ode:dantzig");
-    assert_close(metric(slide, "discrete_error"), 0, 1e-2, 0);
+    /* ODE moves by semi-implicit Euler, whose own answer is nearer to its travel. */
+    assert_at_most(metric(slide, "discrete_error"), 0.5 * metric(slide, "travel_error"));
     json_decref(slide);
     json_t *stick = run("slope-stick", NULL, "plumb");
     assert_close(metric(stick, "rest_position_error"), 0, 1e-6, 0);

@@ -2,6 +2,7 @@
  */
 #include "check.h"
 #include "contact_problem_for_tests.h"
+#include "counting_allocator.h"
 #include "world_for_tests.h"
 
 #include <math.h>
@@ -220,28 +221,6 @@ static void test_one_problem_can_be_kept_of_many(void **state)
 
 /* ---- Memory ------------------------------------------------------------------------------------
  */
-
-typedef struct counter {
-    int calls, living, fail_at; /* fail_at < 0: never */
-} counter;
-
-static void *count_allocate(void *context, size_t size)
-{
-    counter *c = context;
-    if (c->calls++ == c->fail_at) {
-        return NULL;
-    }
-    void *memory = aligned_alloc(64, (size + 63) / 64 * 64);
-    c->living += memory != NULL;
-    return memory;
-}
-
-static void count_release(void *context, void *memory)
-{
-    counter *c = context;
-    c->living -= 1;
-    free(memory);
-}
 
 static void test_a_capture_that_runs_out_of_memory_leaves_the_steps_as_they_were(void **state)
 {

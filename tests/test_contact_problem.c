@@ -1,6 +1,7 @@
 /* Contact problems as data: what solvers make of them, and that nothing bad gets to a solver. */
 #include "check.h"
 #include "contact_problem_for_tests.h"
+#include "counting_allocator.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -444,29 +445,6 @@ static void test_counts_that_cannot_be_are_refused(void **state)
 
 /* ---- Memory ------------------------------------------------------------------------------------
  */
-
-/* Counts what is allocated, and fails the call number `fail_at`. */
-typedef struct counter {
-    int calls, living, fail_at;
-} counter;
-
-static void *count_allocate(void *context, size_t size)
-{
-    counter *c = context;
-    if (c->calls++ == c->fail_at) {
-        return NULL;
-    }
-    void *memory = aligned_alloc(64, (size + 63) / 64 * 64);
-    c->living += memory != NULL;
-    return memory;
-}
-
-static void count_release(void *context, void *memory)
-{
-    counter *c = context;
-    c->living -= 1;
-    free(memory);
-}
 
 static void test_every_failed_allocation_is_reported_and_leaks_nothing(void **state)
 {

@@ -142,7 +142,8 @@ static void count_solve(stepping *step, const pe_island_report *report,
     }
 }
 
-static pe_status solve_island(stepping *step, int k, double *squares)
+/* Adds the points of the island, and the squares of their residuals, to the sums. */
+static pe_status solve_island(stepping *step, int k, double *squares, int *points)
 {
     pe_world *world = step->world;
     pe_island_problem island;
@@ -174,6 +175,7 @@ static pe_status solve_island(stepping *step, int k, double *squares)
     count_solve(step, &report, &history);
     double rms = report.solve.residual.rms;
     *squares += rms * rms * island.problem.point_count;
+    *points += island.problem.point_count;
     for (int i = 0; i < island.problem.body_count; ++i) {
         step->stands[island.slot[i]] = report.path != PE_PATH_SWEEPS;
     }
@@ -222,11 +224,12 @@ static pe_status solve_and_move(stepping *step)
 {
     pe_world *world = step->world;
     double mark = seconds_now(), squares = 0;
+    int points = 0;
     pe_predict_motion(world, step->dt, step->free);
     pe_status status = choose_soft(step);
     for (int k = 0; k < step->islands.count && status == PE_OK; ++k) {
         if (!step->soft[k]) {
-            status = solve_island(step, k, &squares);
+            status = solve_island(step, k, &squares, &points);
         }
     }
     if (status == PE_OK && step->stats.islands_by_path[PE_PATH_SOFT] > 0) {
@@ -235,8 +238,8 @@ static pe_status solve_and_move(stepping *step)
     if (status != PE_OK) {
         return status;
     }
-    if (world->contacts.point_count > 0) {
-        step->stats.residual_rms = sqrt(squares / world->contacts.point_count);
+    if (points > 0) {
+        step->stats.residual_rms = sqrt(squares / points);
     }
     step->stats.time_solve = lap(&mark);
     const pe_body *bodies = pe_bodies(world);
