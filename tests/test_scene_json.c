@@ -389,6 +389,14 @@ static json_t *sample_object(json_t *sample, int kind)
         return json_object_get(body, "shape");
     case PL_OBJECT_SPHERE:
         return json_object_get(json_array_get(bodies, 2), "shape");
+    case PL_OBJECT_CAPSULE:
+        return json_object_get(json_object_get(sample, "shapes"), "pill");
+    case PL_OBJECT_CYLINDER:
+        return json_object_get(json_object_get(sample, "shapes"), "can");
+    case PL_OBJECT_HULL:
+        return json_object_get(json_object_get(sample, "shapes"), "stone");
+    case PL_OBJECT_MESH:
+        return json_object_get(json_object_get(sample, "shapes"), "wedge");
     case PL_OBJECT_FORCE:
         return json_array_get(json_object_get(body, "forces"), 0);
     case PL_OBJECT_EXPECT:
@@ -424,11 +432,12 @@ static bool is_required(const json_t *definition, const char *key)
     return false;
 }
 
-/* Mass is needed unless there is density: a condition that `required` cannot say. The materials are
- * needed by the sample's own references. */
+/* Mass is needed unless there is density, vertices and triangles unless there is a file: conditions
+ * that `required` cannot say. The materials are needed by the sample's own references. */
 static bool is_needed_here(int kind, const char *key)
 {
     return (kind == PL_OBJECT_BODY && strcmp(key, "mass") == 0) ||
+           (kind == PL_OBJECT_MESH && strcmp(key, "file") != 0) ||
            (kind == PL_OBJECT_SCENE && strcmp(key, "materials") == 0);
 }
 
@@ -461,7 +470,8 @@ static void test_reader_refuses_the_wrong_type_of_every_field(void **state)
         for (int i = 0; i < pl_scene_keys[kind].count; i++) {
             const char *key = pl_scene_keys[kind].keys[i];
             const bool may_be_empty =
-                kind == PL_OBJECT_SCENE && strcmp(key, "expect") == 0; /* all of it optional */
+                kind == PL_OBJECT_SCENE &&
+                (strcmp(key, "expect") == 0 || strcmp(key, "shapes") == 0); /* all optional */
             json_t *sample = json_loads(sample_scene, 0, NULL);
             json_object_set_new(sample_object(sample, kind), key, json_object());
             if (!may_be_empty && read_status(sample) != PL_BAD_INPUT) {

@@ -53,18 +53,70 @@ static pl_status translate(pe_status status, const pe_error *from, pl_error *err
     return pl_fail(error, status == PE_NO_MEMORY ? PL_NO_MEMORY : PL_FAILED, "%s", from->message);
 }
 
-static pe_shape shape_of(const pl_shape *shape)
+/* Makes a geometry for each polyhedron of the scene. */
+static pe_status add_geometries(pl_engine_instance *instance, pe_geometry_id *ids, pe_error *error)
 {
-    switch (shape->kind) {
-    case PL_SHAPE_PLANE:
-        return (pe_shape){
-            .kind = PE_SHAPE_PLANE, .normal = vector(shape->normal), .offset = shape->offset};
-    case PL_SHAPE_SPHERE:
-        return (pe_shape){.kind = PE_SHAPE_SPHERE, .radius = shape->radius};
-    case PL_SHAPE_BOX:
-        break;
+    const pl_scene *scene = instance->scene;
+    pe_status status = PE_OK;
+    for (int i = 0; i < scene->polyhedron_count && status == PE_OK; ++i) {
+        const pl_polyhedron *p = scene->polyhedra[i];
+        size_t triangle_count = (size_t)p->triangle_count;
+        pe_vec3 *vertices = calloc((size_t)p->vertex_count, sizeof *vertices);
+        uint32_t(*triangles)[3] = calloc(triangle_count, sizeof *triangles);
+        if (vertices == NULL || triangles == NULL) {
+            status = PE_NO_MEMORY;
+            *error = (pe_error){PE_NO_MEMORY, "no memory for the scene"};
+        }
+        for (int k = 0; k < p->vertex_count && status == PE_OK; ++k) {
+            vertices[k] = vector(p->vertices[k]);
+        }
+        for (size_t k = 0; k < 3 * triangle_count && status == PE_OK; ++k) {
+            triangles[k / 3][k % 3] = (uint32_t)p->triangles[k / 3][k % 3];
+        }
+        if (status == PE_OK) {
+            const pe_geometry_def def = {
+                .vertices = vertices,
+                .triangles = (const uint32_t(*)[3])triangles,
+                .vertex_count = p->vertex_count,
+                .triangle_count = p->triangle_count,
+                .convex = p->convex,
+            };
+            status = pe_geometry_create(instance->world, &def, &ids[i], error);
+        }
+        free(vertices);
+        free(triangles);
     }
-    return (pe_shape){.kind = PE_SHAPE_BOX, .half_extents = vector(shape->half_extents)};
+    return status;
+}
+
+static pe_geometry_id geometry_of(const pl_scene *scene, const pl_polyhedron *polyhedron,
+                                  const pe_geometry_id *ids)
+{
+    for (int i = 0; i < scene->polyhedron_count; ++i) {
+        if (scene->polyhedra[i] == polyhedron) {
+            return ids[i];
+        }
+    }
+    return (pe_geometry_id){0};
+}
+
+static pe_shape shape_of(const pl_scene *scene, const pl_shape *shape, const pe_geometry_id *ids)
+{
+    static const pe_shape_kind kind_of[PL_SHAPE_KIND_COUNT] = {
+        [PL_SHAPE_PLANE] = PE_SHAPE_PLANE,       [PL_SHAPE_SPHERE] = PE_SHAPE_SPHERE,
+        [PL_SHAPE_BOX] = PE_SHAPE_BOX,           [PL_SHAPE_CAPSULE] = PE_SHAPE_CAPSULE,
+        [PL_SHAPE_CYLINDER] = PE_SHAPE_CYLINDER, [PL_SHAPE_HULL] = PE_SHAPE_HULL,
+        [PL_SHAPE_MESH] = PE_SHAPE_MESH,
+    };
+    return (pe_shape){
+        .kind = kind_of[shape->kind],
+        .normal = vector(shape->normal),
+        .offset = shape->offset,
+        .radius = shape->radius,
+        .half_height = shape->half_height,
+        .half_extents = vector(shape->half_extents),
+        .geometry = geometry_of(scene, shape->polyhedron, ids),
+    };
 }
 
 static pe_status add_materials(pl_engine_instance *instance, pe_material_id *ids, pe_error *error)
@@ -84,7 +136,7 @@ static pe_status add_materials(pl_engine_instance *instance, pe_material_id *ids
 }
 
 static pe_status add_bodies(pl_engine_instance *instance, const pe_material_id *materials,
-                            pe_error *error)
+                            const pe_geometry_id *geometries, pe_error *error)
 {
     const pl_scene *scene = instance->scene;
     pe_status status = PE_OK;
@@ -92,7 +144,7 @@ static pe_status add_bodies(pl_engine_instance *instance, const pe_material_id *
         const pl_body *body = &scene->bodies[i];
         const double *q = body->orientation;
         pe_body_def def = {
-            .shape = shape_of(&body->shape),
+            .shape = shape_of(scene, &body->shape, geometries),
             .is_static = body->is_static,
             .material = materials[body->material],
             .mass = body->mass,
@@ -137,13 +189,14 @@ static pl_status create(const pl_scene *scene, int profile, const double *values
     pe_status status = PE_OK;
     size_t count = (size_t)scene->body_count;
     pe_material_id *materials = calloc((size_t)scene->material_count + 1, sizeof *materials);
+    pe_geometry_id *geometries = calloc((size_t)scene->polyhedron_count + 1, sizeof *geometries);
     pl_engine_instance *instance = calloc(1, sizeof *instance);
     if (instance != NULL) {
         instance->scene = scene;
         instance->bodies = calloc(count + 1, sizeof *instance->bodies);
         instance->index_of = calloc(count + 1, sizeof *instance->index_of);
     }
-    if (materials == NULL || instance == NULL || instance->bodies == NULL ||
+    if (materials == NULL || geometries == NULL || instance == NULL || instance->bodies == NULL ||
         instance->index_of == NULL) {
         status = PE_NO_MEMORY;
         failure = (pe_error){PE_NO_MEMORY, "no memory for the scene"};
@@ -155,9 +208,13 @@ static pl_status create(const pl_scene *scene, int profile, const double *values
         status = add_materials(instance, materials, &failure);
     }
     if (status == PE_OK) {
-        status = add_bodies(instance, materials, &failure);
+        status = add_geometries(instance, geometries, &failure);
+    }
+    if (status == PE_OK) {
+        status = add_bodies(instance, materials, geometries, &failure);
     }
     free(materials);
+    free(geometries);
     if (status != PE_OK) {
         destroy(instance);
         return translate(status, &failure, error);
@@ -172,15 +229,13 @@ static pl_status apply_forces(pl_engine_instance *instance, double dt, pl_error 
     for (int i = 0; i < scene->force_count && !instance->forces_applied; ++i) {
         const pl_force *force = &scene->forces[i];
         pe_body_id body = instance->bodies[force->body];
-        pe_body_state s;
-        pe_error failure;
-        double world_force[3], offset[3];
-        pe_status status = pe_body_get_state(instance->world, body, &s, &failure);
-        double q[4] = {s.orientation.w, s.orientation.x, s.orientation.y, s.orientation.z};
-        if (status == PE_OK && pl_force_at(force, instance->time, dt, q, world_force, offset)) {
-            status = pe_body_apply_force(instance->world, body, vector(world_force), vector(offset),
-                                         PE_FRAME_WORLD, &failure);
+        if (!pl_force_acts(force, instance->time, dt)) {
+            continue;
         }
+        pe_error failure;
+        pe_status status = pe_body_apply_force(
+            instance->world, body, vector(force->force), vector(force->at),
+            force->frame == PL_FRAME_BODY ? PE_FRAME_BODY : PE_FRAME_WORLD, &failure);
         if (status != PE_OK) {
             return translate(status, &failure, error);
         }
@@ -302,7 +357,8 @@ const pl_engine *pl_engine_plumb(void)
         .description = "this project's own engine",
         .residual_unit = "m/s",
         .capabilities = PL_NEEDS_FRICTION | PL_NEEDS_RESTITUTION | PL_NEEDS_ROTATION |
-                        PL_NEEDS_FORCES | PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX,
+                        PL_NEEDS_FORCES | PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX |
+                        PL_NEEDS_CAPSULE | PL_NEEDS_CYLINDER | PL_NEEDS_HULL | PL_NEEDS_MESH,
         .profiles = profiles,
         .profile_count = sizeof profiles / sizeof profiles[0],
         .options = options,

@@ -24,7 +24,8 @@ typedef struct pl_bullet_settings {
     bool split_impulse;           /* deep penetration is undone without adding to the velocity */
     double erp, erp2;             /* share of error undone a step: joints, contacts */
     double restitution_threshold; /* m/s: slower impacts do not bounce */
-    double margin;                /* m: of a box, inside its half extents */
+    double margin;                /* m: of a box or a cylinder, inside its half extents */
+    double solid_margin;          /* m: of a hull or a moving mesh, around it */
     /* Further support points sought each step where a convex shape meets a plane with fewer points
      * than that; 0: one point a step, gathered over the steps. */
     int plane_multipoint;
@@ -52,7 +53,9 @@ typedef struct pl_bullet_world pl_bullet_world;
 pl_bullet_world *pl_bullet_world_create(const pl_bullet_world_def *def);
 void pl_bullet_world_destroy(pl_bullet_world *world); /* NULL allowed */
 
-/* Adds a body with the scene's shape, pose, velocities, mass and inertia, never to sleep.
+/* Adds a body with the scene's shape, velocities, mass and inertia, never to sleep; its position
+ * and orientation are those of its principal frame (adapters/principal.h), here and when read back.
+ * A hull or mesh outlives the world.
  * PL_UNSUPPORTED for a shape that this interface does not know, PL_NO_MEMORY. */
 pl_status pl_bullet_add_body(pl_bullet_world *world, const pl_body *body);
 

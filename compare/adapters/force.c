@@ -5,11 +5,16 @@
 
 #include <string.h>
 
+bool pl_force_acts(const pl_force *force, double time, double dt)
+{
+    double slack = 1e-6 * dt;
+    return time + slack >= force->from && time + slack < force->until;
+}
+
 bool pl_force_at(const pl_force *force, double time, double dt, const double orientation[4],
                  double world_force[3], double world_offset[3])
 {
-    double slack = 1e-6 * dt;
-    if (time + slack < force->from || time + slack >= force->until) {
+    if (!pl_force_acts(force, time, dt)) {
         return false;
     }
     if (force->frame == PL_FRAME_BODY) {

@@ -4,7 +4,7 @@
  * Cohen et al. 1995 (I-COLLIDE). */
 #include "referee/broad_phase.h"
 
-#include "plumb/vec.h"
+#include "referee/solid.h"
 
 #include <stdlib.h>
 
@@ -29,34 +29,34 @@ struct pl_broad_phase {
 static void place_box(box *b, int axis, const pl_shape *shape, const double position[3],
                       const double orientation[4], double reach)
 {
-    double half[3] = {shape->radius, shape->radius, shape->radius};
-    if (shape->kind == PL_SHAPE_BOX) {
-        pl_axes axes = pl_axes_of(orientation);
-        const pl_vec *a = axes.axis;
-        const double *h = shape->half_extents;
-        half[0] = fabs(a[0].x) * h[0] + fabs(a[1].x) * h[1] + fabs(a[2].x) * h[2];
-        half[1] = fabs(a[0].y) * h[0] + fabs(a[1].y) * h[1] + fabs(a[2].y) * h[2];
-        half[2] = fabs(a[0].z) * h[0] + fabs(a[1].z) * h[1] + fabs(a[2].z) * h[2];
-    }
+    double radius = pl_core_radius(shape);
+    pl_axes axes = pl_axes_of(orientation);
     for (int k = 0; k < 3; ++k) {
         int from = (axis + k) % 3;
-        double slack = reach + 1e-12 * (fabs(position[from]) + half[from]);
-        b->low[k] = position[from] - half[from] - slack;
-        b->high[k] = position[from] + half[from] + slack;
+        const pl_vec unit = {from == 0, from == 1, from == 2};
+        pl_vec up = pl_to_local(&axes, unit), down = pl_vec_scale(up, -1);
+        double above = pl_vec_dot(up, pl_core_support(shape, up)) + radius;
+        double below = pl_vec_dot(down, pl_core_support(shape, down)) + radius;
+        double slack = reach + 1e-12 * (fabs(position[from]) + fmax(fabs(above), fabs(below)));
+        b->low[k] = position[from] - below - slack;
+        b->high[k] = position[from] + above + slack;
     }
 }
 
-/* The axis along which the bodies' positions vary most. */
+/* The axis along which the bodies' centres vary most. */
 static int widest_axis(const pl_scene *scene)
 {
     int widest = 0;
     double most = -1;
     for (int k = 0; k < 3; ++k) {
+        const pl_vec unit = {k == 0, k == 1, k == 2};
         double mean = 0, square = 0;
         int count = 0;
         for (int i = 0; i < scene->body_count; ++i) {
-            if (scene->bodies[i].shape.kind != PL_SHAPE_PLANE) {
-                double delta = scene->bodies[i].position[k] - mean;
+            const pl_body *body = &scene->bodies[i];
+            if (body->shape.kind != PL_SHAPE_PLANE) {
+                pl_vec centre = pl_centre_of_mass(&body->shape, body->position, body->orientation);
+                double delta = pl_vec_dot(unit, centre) - mean;
                 mean += delta / (count + 1);
                 square += delta * delta * count / (count + 1);
                 count += 1;

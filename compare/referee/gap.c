@@ -1,8 +1,19 @@
-/* The gap of any pair: by closed form where there is one, by libccd otherwise. */
+/* The gap of any pair: of a mesh by its surface, of others by closed form where there is one and by
+ * GJK and EPA otherwise. */
 #include "referee/gap.h"
 
-pl_status pl_gap(const pl_placed_shape *a, const pl_placed_shape *b, double *gap)
+static bool has(const pl_placed_shape *a, const pl_placed_shape *b, pl_shape_kind kind)
+{
+    return a->shape->kind == kind || b->shape->kind == kind;
+}
+
+pl_status pl_gap(const pl_placed_shape *a, const pl_placed_shape *b, double within, double *gap)
 {
     pl_status status = pl_gap_closed_form(a, b, gap);
-    return status == PL_UNSUPPORTED ? pl_gap_convex(a, b, gap) : status;
+    if (status != PL_UNSUPPORTED) {
+        return status;
+    }
+    return has(a, b, PL_SHAPE_MESH) && !has(a, b, PL_SHAPE_PLANE)
+               ? pl_gap_mesh(a, b, within, gap)
+               : pl_gap_convex(a, b, within, gap);
 }

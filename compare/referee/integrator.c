@@ -1,4 +1,4 @@
-/* A body that moves by d while its velocity goes from v to v' has made the step of
+/* A body whose centre of mass moves by d while its velocity goes from v to v' has made the step of
  *
  *   semi-implicit Euler   d = h v'
  *   a second-order rule   d = h (v + v') / 2, or d = h v' - h^2 g / 2, where impulses come before
@@ -8,23 +8,27 @@
  * rule fits to a thousandth of it: one that pushes a body out of another fits none. */
 #include "referee/integrator.h"
 
-#include "plumb/vec.h"
-#include "referee/scale.h"
+#include "referee/solid.h"
 
 static const double RESOLUTION = 1e-10; /* of the distance from the origin */
 static const double FIT = 1e-3;
 static const double FREE = 1e-9; /* of the velocity that gravity gives in a step */
 
+static pl_vec centre_of(const pl_body *body, const pl_body_state *state)
+{
+    return pl_centre_of_mass(&body->shape, state->position, state->orientation);
+}
+
 static void see_body(pl_integrator_votes *votes, const pl_body *body, pl_vec g, double h,
                      const pl_body_state *before, const pl_body_state *after)
 {
-    pl_vec x = pl_vec_of(before->position), v = pl_vec_of(before->velocity);
+    pl_vec x = centre_of(body, before), v = pl_vec_of(before->velocity);
     pl_vec end = pl_vec_of(after->velocity);
     double apart = h * pl_vec_length(pl_vec_sub(end, v));
     if (!(apart > RESOLUTION * (pl_vec_length(x) + pl_bounding_radius(&body->shape)))) {
         return;
     }
-    pl_vec late = pl_vec_mad(pl_vec_sub(pl_vec_of(after->position), x), -h, end); /* d - h v' */
+    pl_vec late = pl_vec_mad(pl_vec_sub(centre_of(body, after), x), -h, end); /* d - h v' */
     double semi_implicit = pl_vec_length(late);
     double mean = pl_vec_length(pl_vec_mad(late, h / 2, pl_vec_sub(end, v)));
     double flight = pl_vec_length(pl_vec_mad(late, h * h / 2, g));

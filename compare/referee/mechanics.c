@@ -1,7 +1,7 @@
 /* Energy and momentum, as the engine's integrator conserves them.
  *
- * With E = sum of m v.v/2 + w.Iw/2 - m g.(x - x0) and arms r from the centre of mass at the start
- * of the step, substitution gives, exactly and for any h, I held over the step:
+ * With x the centres of mass, E = sum of m v.v/2 + w.Iw/2 - m g.(x - x0) and arms r from x at the
+ * start of the step, substitution gives, exactly and for any h, I held over the step:
  *
  *   semi-implicit Euler, v' = v + h (g + F/m), x' = x + h v'
  *     energy    E + (h/2) m g.v grows by h F.(u + u')/2, u = v + w x r of the force's point
@@ -17,7 +17,7 @@
  * and Wanner 2006). */
 #include "referee/mechanics.h"
 
-#include "plumb/vec.h"
+#include "referee/solid.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -38,7 +38,7 @@ typedef struct outside {
 struct pl_mechanics {
     const pl_scene *scene;
     pl_body_state *before;               /* (body_count): the state before the step */
-    pl_vec *origin;                      /* (body_count): positions at the start */
+    pl_vec *origin;                      /* (body_count): centres of mass at the start */
     double *energy[PL_INTEGRATOR_COUNT]; /* each (body_count): of the last state */
     double *growth[PL_INTEGRATOR_COUNT]; /* each (body_count): by the last step, without work */
     totals first, last;
@@ -91,6 +91,12 @@ static void set_energy(pl_mechanics *m, pl_integrator integrator, int body, doub
     m->last.energy[integrator] += energy;
 }
 
+static pl_vec centre_of(const pl_mechanics *m, const pl_body_state *bodies, int body)
+{
+    return pl_centre_of_mass(&m->scene->bodies[body].shape, bodies[body].position,
+                             bodies[body].orientation);
+}
+
 /* Measures `last` and every body's energy and growth. */
 static void measure(pl_mechanics *m, const pl_body_state *bodies)
 {
@@ -101,9 +107,9 @@ static void measure(pl_mechanics *m, const pl_body_state *bodies)
         if (body->is_static) {
             continue;
         }
-        pl_vec x = pl_vec_of(bodies[i].position), v = pl_vec_of(bodies[i].velocity);
+        pl_vec x = centre_of(m, bodies, i), v = pl_vec_of(bodies[i].velocity);
         pl_vec w = pl_vec_of(bodies[i].angular_velocity);
-        pl_axes axes = pl_axes_of(bodies[i].orientation);
+        pl_axes axes = pl_principal_axes(&body->shape, bodies[i].orientation);
         pl_vec spin = pl_to_local(&axes, w);
         pl_vec turning =
             pl_to_world(&axes, (pl_vec){body->inertia[0] * spin.x, body->inertia[1] * spin.y,
@@ -125,7 +131,7 @@ static void give(pl_mechanics *m, int body, const pl_body_state *after, pl_vec p
                  pl_vec impulse)
 {
     outside *given = &m->given;
-    pl_vec moved = pl_vec_sub(pl_vec_of(after[body].position), pl_vec_of(m->before[body].position));
+    pl_vec moved = pl_vec_sub(centre_of(m, after, body), centre_of(m, m->before, body));
     pl_vec *angular = given->angular;
     given->momentum = pl_vec_add(given->momentum, impulse);
     angular[PL_SEMI_IMPLICIT] = pl_vec_add(angular[PL_SEMI_IMPLICIT], pl_vec_cross(point, impulse));
@@ -139,7 +145,7 @@ static void give_gravity(pl_mechanics *m, const pl_body_state *after)
     for (int i = 0; i < m->scene->body_count; ++i) {
         const pl_body *body = &m->scene->bodies[i];
         if (!body->is_static) {
-            give(m, i, after, pl_vec_of(m->before[i].position),
+            give(m, i, after, centre_of(m, m->before, i),
                  pl_vec_scale(g, body->mass * m->scene->dt));
         }
     }
@@ -168,7 +174,8 @@ static void give_force(pl_mechanics *m, const pl_force *force, const pl_body_sta
     for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
         m->growth[k][force->body] -= work;
     }
-    give(m, force->body, after, pl_vec_add(pl_vec_of(before->position), arm), impulse);
+    pl_vec point = pl_vec_add(centre_of(m, m->before, force->body), arm);
+    give(m, force->body, after, point, impulse);
 }
 
 /* Contacts among dynamic bodies cancel; those with static bodies come from outside. */
@@ -190,7 +197,7 @@ static void remember(pl_mechanics *m, const pl_body_state *bodies)
 void pl_mechanics_start(pl_mechanics *m, const pl_body_state *bodies)
 {
     for (int i = 0; i < m->scene->body_count; ++i) {
-        m->origin[i] = pl_vec_of(bodies[i].position);
+        m->origin[i] = centre_of(m, bodies, i);
     }
     measure(m, bodies);
     m->first = m->last;

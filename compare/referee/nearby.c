@@ -8,10 +8,10 @@
  * bodies at rest, which engines keep a little apart. */
 #include "referee/nearby.h"
 
-#include "plumb/vec.h"
 #include "referee/broad_phase.h"
 #include "referee/gap.h"
-#include "referee/scale.h"
+#include "referee/solid.h"
+#include "referee/surface_set.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -21,6 +21,7 @@ static const double RESTING_GAP = 1e-3; /* of the smaller bounding radius */
 struct pl_nearby {
     const pl_scene *scene;
     pl_broad_phase *broad_phase;
+    pl_surface_set *surfaces;
     double *radius; /* (body_count): bounding radii */
     double *reach;  /* (body_count): a pair that meets has a gap of at most the sum of its two */
 };
@@ -34,9 +35,10 @@ pl_nearby *pl_nearby_create(const pl_scene *scene)
     }
     n->scene = scene;
     n->broad_phase = pl_broad_phase_create(scene);
+    n->surfaces = pl_surface_set_create(scene);
     n->radius = calloc(count, sizeof *n->radius);
     n->reach = calloc(count, sizeof *n->reach);
-    if (n->broad_phase == NULL || n->radius == NULL || n->reach == NULL) {
+    if (n->broad_phase == NULL || n->surfaces == NULL || n->radius == NULL || n->reach == NULL) {
         pl_nearby_destroy(n);
         return NULL;
     }
@@ -50,6 +52,7 @@ void pl_nearby_destroy(pl_nearby *n)
 {
     if (n != NULL) {
         pl_broad_phase_destroy(n->broad_phase);
+        pl_surface_set_destroy(n->surfaces);
         free(n->radius);
         free(n->reach);
         free(n);
@@ -57,10 +60,10 @@ void pl_nearby_destroy(pl_nearby *n)
 }
 
 /* Static bodies are where the scene has them, whatever an engine says. */
-static pl_placed_shape place(const pl_scene *scene, const pl_body_state *bodies, int body)
+static pl_placed_shape place(const pl_nearby *n, const pl_body_state *bodies, int body)
 {
-    const pl_body *b = &scene->bodies[body];
-    pl_placed_shape placed = {.shape = &b->shape};
+    const pl_body *b = &n->scene->bodies[body];
+    pl_placed_shape placed = {.shape = &b->shape, .surface = pl_surface_set_of(n->surfaces, body)};
     memcpy(placed.position, b->is_static ? b->position : bodies[body].position,
            sizeof placed.position);
     memcpy(placed.orientation, b->is_static ? b->orientation : bodies[body].orientation,
@@ -81,40 +84,49 @@ typedef struct frame {
     void *context;
 } frame;
 
+static bool both_dynamic(const frame *f, int a, int b)
+{
+    const pl_body *bodies = f->nearby->scene->bodies;
+    return !bodies[a].is_static && !bodies[b].is_static;
+}
+
+static pl_vec centre_of(const frame *f, int body)
+{
+    return pl_centre_of_mass(&f->nearby->scene->bodies[body].shape, f->bodies[body].position,
+                             f->bodies[body].orientation);
+}
+
 static bool is_far(const frame *f, int a, int b)
 {
     const pl_nearby *n = f->nearby;
-    if (n->scene->bodies[a].is_static || n->scene->bodies[b].is_static) {
-        return false;
-    }
-    pl_vec c = pl_vec_sub(pl_vec_of(f->bodies[a].position), pl_vec_of(f->bodies[b].position));
+    pl_vec c = pl_vec_sub(centre_of(f, a), centre_of(f, b));
     return pl_vec_length(c) > n->radius[a] + n->radius[b] + n->reach[a] + n->reach[b];
 }
 
-static bool meets(const frame *f, int a, int b, double gap)
+/* The gap of two dynamic bodies at which they still meet. */
+static double meeting_gap(const frame *f, int a, int b)
 {
     const pl_nearby *n = f->nearby;
-    if (n->scene->bodies[a].is_static || n->scene->bodies[b].is_static) {
-        return false;
-    }
     pl_vec between = pl_vec_sub(pl_vec_of(f->bodies[a].velocity), pl_vec_of(f->bodies[b].velocity));
     double speed =
         pl_vec_length(between) + turning_speed(n, f->bodies, a) + turning_speed(n, f->bodies, b);
     double rest = RESTING_GAP * fmin(n->radius[a], n->radius[b]);
-    return gap <= rest + n->scene->dt * speed;
+    return rest + n->scene->dt * speed;
 }
 
 static void see_pair(void *context, int a, int b)
 {
     const frame *f = context;
-    if (is_far(f, a, b)) {
+    bool may_meet = both_dynamic(f, a, b);
+    if (may_meet && is_far(f, a, b)) {
         return;
     }
-    pl_placed_shape placed_a = place(f->nearby->scene, f->bodies, a);
-    pl_placed_shape placed_b = place(f->nearby->scene, f->bodies, b);
+    double within = may_meet ? meeting_gap(f, a, b) : 0;
+    pl_placed_shape placed_a = place(f->nearby, f->bodies, a);
+    pl_placed_shape placed_b = place(f->nearby, f->bodies, b);
     pl_near_pair pair = {.a = a, .b = b};
-    pair.status = pl_gap(&placed_a, &placed_b, &pair.gap);
-    pair.meets = meets(f, a, b, pair.status == PL_OK ? pair.gap : 0);
+    pair.status = pl_gap(&placed_a, &placed_b, within, &pair.gap);
+    pair.meets = may_meet && !(pair.status == PL_OK && pair.gap > within);
     f->see(f->context, &pair);
 }
 

@@ -10,7 +10,9 @@ typedef struct pl_nearby pl_nearby;
 typedef struct pl_near_pair {
     int a, b;         /* scene indices, not both static */
     pl_status status; /* of the gap: anything but PL_OK when it could not be found */
-    double gap;       /* m, as of gap.h */
+    /* m, as of gap.h: of one that neither touches nor meets, only a number above 0, or above that
+     * at which they would meet. */
+    double gap;
     /* Both dynamic, and the gap no more than they could close, or have opened, in a step. */
     bool meets;
 } pl_near_pair;

@@ -1,7 +1,7 @@
 /* The bounds beyond which a run is not worth going on with. */
 #include "referee/sanity.h"
 
-#include "plumb/vec.h"
+#include "referee/solid.h"
 
 static const double MOST_ENERGY_GAIN = 10;
 

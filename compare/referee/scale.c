@@ -7,15 +7,11 @@
  * blows up, which it does exponentially, passes it within steps. */
 #include "referee/scale.h"
 
-#include "plumb/vec.h"
+#include "referee/solid.h"
 
-double pl_bounding_radius(const pl_shape *shape)
+static pl_vec centre_of(const pl_body *body)
 {
-    if (shape->kind == PL_SHAPE_PLANE) {
-        return 0;
-    }
-    return shape->kind == PL_SHAPE_BOX ? pl_vec_length(pl_vec_of(shape->half_extents))
-                                       : shape->radius;
+    return pl_centre_of_mass(&body->shape, body->position, body->orientation);
 }
 
 /* The span of the dynamic bodies' bounding spheres along a unit vector. */
@@ -25,7 +21,7 @@ static double span(const pl_scene *scene, pl_vec along)
     for (int i = 0; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
         if (!body->is_static) {
-            double s = pl_vec_dot(along, pl_vec_of(body->position));
+            double s = pl_vec_dot(along, centre_of(body));
             double r = pl_bounding_radius(&body->shape);
             low = fmin(low, s - r);
             high = fmax(high, s + r);
@@ -34,6 +30,7 @@ static double span(const pl_scene *scene, pl_vec along)
     return high > low ? high - low : 0;
 }
 
+/* `spin` in the principal axes. */
 static double kinetic_energy(const pl_body *body, pl_vec spin)
 {
     pl_vec v = pl_vec_of(body->velocity);
@@ -76,7 +73,7 @@ pl_scale pl_scale_of(const pl_scene *scene)
         }
         double r = pl_bounding_radius(&body->shape);
         double v = pl_vec_length(pl_vec_of(body->velocity));
-        pl_axes axes = pl_axes_of(body->orientation);
+        pl_axes axes = pl_principal_axes(&body->shape, body->orientation);
         pl_vec spin = pl_to_local(&axes, pl_vec_of(body->angular_velocity));
         pl_vec turning = {body->inertia[0] * spin.x, body->inertia[1] * spin.y,
                           body->inertia[2] * spin.z};
@@ -85,7 +82,7 @@ pl_scale pl_scale_of(const pl_scene *scene)
         scale.momentum += body->mass * v + pl_vec_length(turning) / r;
         mass += body->mass;
         fastest = fmax(fastest, v + r * pl_vec_length(spin));
-        farthest = fmax(farthest, pl_vec_length(pl_vec_of(body->position)) + r);
+        farthest = fmax(farthest, pl_vec_length(centre_of(body)) + r);
     }
     double height = scale.gravity > 0 ? span(scene, pl_vec_scale(g, 1 / scale.gravity)) : 0;
     pl_vec spans = {span(scene, (pl_vec){1, 0, 0}), span(scene, (pl_vec){0, 1, 0}),

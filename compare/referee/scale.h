@@ -14,16 +14,13 @@ typedef struct pl_scale {
     /* N s: sum of m |v0| + |I w0| / r + M |g| T + |F| T_F over bodies (bounding radius r), the
      * duration T and each force's own duration T_F; at least 1e-300. */
     double momentum;
-    /* N m s: momentum x the largest distance of a dynamic body from the origin at the start + its
-     * r. */
+    /* N m s: momentum x the largest distance of a dynamic body's centre from the origin at the
+     * start + its r. */
     double angular_momentum;
     /* m/s: no point of a body can rightly be faster: see scale.c. */
     double speed_bound;
 } pl_scale;
 
 pl_scale pl_scale_of(const pl_scene *scene);
-
-/* Of the smallest sphere about the body's position that holds its shape, m; 0 for a plane. */
-double pl_bounding_radius(const pl_shape *shape);
 
 #endif

@@ -30,9 +30,33 @@ static pe_status check_motion(pe_vec3 position, pe_quat orientation, pe_vec3 vel
     return PE_OK;
 }
 
+static bool has_geometry(const pe_shape *shape)
+{
+    return shape->kind == PE_SHAPE_HULL || shape->kind == PE_SHAPE_MESH;
+}
+
+static pe_status check_geometry(const pe_world *world, const pe_shape *shape, pe_error *error)
+{
+    if (!has_geometry(shape)) {
+        return PE_OK;
+    }
+    const pe_geometry *geometry = pe_geometry_of(world, shape->geometry);
+    if (geometry == NULL) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "no geometry %u in this world",
+                       shape->geometry.index);
+    }
+    if (shape->kind == PE_SHAPE_HULL && !geometry->convex) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "hull: its geometry was not made as a convex one");
+    }
+    return PE_OK;
+}
+
 static pe_status check_def(const pe_world *world, const pe_body_def *def, pe_error *error)
 {
     pe_status status = pe_shape_check(&def->shape, error);
+    if (status == PE_OK) {
+        status = check_geometry(world, &def->shape, error);
+    }
     if (status != PE_OK) {
         return status;
     }
@@ -57,12 +81,13 @@ static pe_status check_def(const pe_world *world, const pe_body_def *def, pe_err
                         error);
 }
 
-static pe_mass mass_of(const pe_body_def *def)
+static pe_mass mass_of(const pe_body_def *def, const pe_geometry *geometry)
 {
     if (def->is_static) {
         return (pe_mass){0};
     }
-    pe_vec3 i = def->inertia.x != 0 ? def->inertia : pe_shape_inertia(&def->shape, def->mass);
+    pe_vec3 i =
+        def->inertia.x != 0 ? def->inertia : pe_shape_inertia(&def->shape, geometry, def->mass);
     return (pe_mass){
         .mass = def->mass,
         .inverse_mass = 1 / def->mass,
@@ -71,6 +96,32 @@ static pe_mass mass_of(const pe_body_def *def)
         .inverse_root_inertia = {1 / sqrt(i.x), 1 / sqrt(i.y), 1 / sqrt(i.z)},
         .spherical = i.x == i.y && i.y == i.z,
     };
+}
+
+/* The pose of the body's axes where its shape's frame is at the position and orientation. */
+static pe_pose pose_of(const pe_geometry *geometry, pe_vec3 position, pe_quat orientation)
+{
+    pe_quat q = pe_quat_unit(orientation);
+    if (geometry != NULL) {
+        pe_mat3 shape = pe_matrix_of(q);
+        position = pe_add(position, pe_rotate(&shape, geometry->frame.centre));
+        q = pe_quat_unit(pe_quat_product(q, geometry->frame.orientation));
+    }
+    return (pe_pose){position, q, pe_matrix_of(q)};
+}
+
+/* Undoes pose_of. */
+static void place_of_shape(const pe_geometry *geometry, const pe_pose *pose, pe_vec3 *position,
+                           pe_quat *orientation)
+{
+    *position = pose->position;
+    *orientation = pose->orientation;
+    if (geometry != NULL) {
+        *orientation =
+            pe_quat_product(pose->orientation, pe_quat_conjugate(geometry->frame.orientation));
+        pe_mat3 shape = pe_matrix_of(*orientation);
+        *position = pe_sub(pose->position, pe_rotate(&shape, geometry->frame.centre));
+    }
 }
 
 /* Room for one slot more in every array of bodies. */
@@ -82,7 +133,7 @@ static pe_status reserve_slot(pe_world *world, pe_error *error)
     } rows[] = {
         {&world->body_array, sizeof(pe_body)},     {&world->pose_array, sizeof(pe_pose)},
         {&world->motion_array, sizeof(pe_motion)}, {&world->mass_array, sizeof(pe_mass)},
-        {&world->load_array, sizeof(pe_load)},     {&world->order_array, sizeof(int)},
+        {&world->load_array, sizeof(pe_load)},
     };
     size_t used = (size_t)world->slot_count;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
@@ -113,25 +164,25 @@ pe_status pe_body_create(pe_world *world, const pe_body_def *def, pe_body_id *bo
         slot = world->slot_count++;
         pe_bodies(world)[slot].generation = 0;
     }
+    const pe_geometry *geometry =
+        has_geometry(&def->shape) ? pe_geometry_of(world, def->shape.geometry) : NULL;
     pe_body *made = &pe_bodies(world)[slot];
     *made = (pe_body){
         .shape = def->shape,
-        .bounding_radius = pe_shape_bounding_radius(&def->shape),
-        .size = pe_shape_size(&def->shape),
+        .geometry = geometry,
+        .bounding_radius = pe_shape_bounding_radius(&def->shape, geometry),
+        .size = pe_shape_size(&def->shape, geometry),
         .material = (int)def->material.index,
         .generation = made->generation + 1,
         .alive = true,
         .is_static = def->is_static,
     };
-    pe_quat orientation = pe_quat_unit(def->orientation);
-    pe_poses(world)[slot] = (pe_pose){def->position, orientation, pe_matrix_of(orientation)};
+    pe_poses(world)[slot] = pose_of(geometry, def->position, def->orientation);
     pe_motions(world)[slot] =
         def->is_static ? (pe_motion){0} : (pe_motion){def->velocity, def->angular_velocity};
-    pe_masses(world)[slot] = mass_of(def);
+    pe_masses(world)[slot] = mass_of(def, geometry);
     pe_loads(world)[slot] = (pe_load){0};
-    if (slot > 0 && def->shape.kind != PE_SHAPE_PLANE) {
-        ((int *)world->order_array.items)[world->order_count++] = slot;
-    }
+    world->broad.bodies_changed = true;
     world->contacts_stale = true;
     *body = (pe_body_id){(uint32_t)slot, made->generation};
     return PE_OK;
@@ -169,16 +220,9 @@ pe_status pe_body_destroy(pe_world *world, pe_body_id body, pe_error *error)
     }
     int slot = (int)body.index;
     pe_body *gone = &pe_bodies(world)[slot];
-    int *order = world->order_array.items;
-    int kept = 0;
-    for (int i = 0; i < world->order_count; ++i) {
-        if (order[i] != slot) {
-            order[kept++] = order[i];
-        }
-    }
-    world->order_count = kept;
     forget_contacts(&world->contacts, slot);
     forget_contacts(&world->solved, slot);
+    world->broad.bodies_changed = true;
     world->contacts_stale = true;
     gone->alive = false;
     gone->next_free = world->first_free;
@@ -191,10 +235,11 @@ pe_status pe_body_get_state(const pe_world *world, pe_body_id body, pe_body_stat
 {
     pe_status status = check_id(world, body, error);
     if (status == PE_OK) {
-        const pe_pose *pose = &pe_poses(world)[body.index];
         const pe_motion *motion = &pe_motions(world)[body.index];
-        *state = (pe_body_state){pose->position, pose->orientation, motion->velocity,
-                                 motion->angular_velocity};
+        place_of_shape(pe_bodies(world)[body.index].geometry, &pe_poses(world)[body.index],
+                       &state->position, &state->orientation);
+        state->velocity = motion->velocity;
+        state->angular_velocity = motion->angular_velocity;
     }
     return status;
 }
@@ -208,9 +253,8 @@ pe_status pe_body_set_state(pe_world *world, pe_body_id body, const pe_body_stat
                               state->angular_velocity, error);
     }
     if (status == PE_OK) {
-        pe_quat orientation = pe_quat_unit(state->orientation);
         pe_poses(world)[body.index] =
-            (pe_pose){state->position, orientation, pe_matrix_of(orientation)};
+            pose_of(pe_bodies(world)[body.index].geometry, state->position, state->orientation);
         if (!pe_bodies(world)[body.index].is_static) {
             pe_motions(world)[body.index] = (pe_motion){state->velocity, state->angular_velocity};
         }
@@ -259,6 +303,11 @@ pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, p
     }
     pe_load *load = &pe_loads(world)[body.index];
     if (frame == PE_FRAME_BODY) {
+        const pe_geometry *geometry = pe_bodies(world)[body.index].geometry;
+        if (geometry != NULL) {
+            force = pe_unrotate(&geometry->rotation, force);
+            offset = pe_unrotate(&geometry->rotation, offset);
+        }
         load->body_force = pe_add(load->body_force, force);
         load->body_torque = pe_add(load->body_torque, pe_cross(offset, force));
         load->turns = true;

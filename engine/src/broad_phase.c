@@ -1,16 +1,27 @@
-/* Sort and sweep (Baraff 1992) in rows.
+/* Pairs by dynamic trees of fat boxes, kept from step to step.
  *
- * Bodies are swept along the axis on which their centres are spread widest. Along one axis alone
- * every brick of a wall would meet the whole column above it, so the plane of the two other axes is
- * cut into cells no smaller than the bodies: boxes whose low corners fall into one cell make a row,
- * and a box can only meet those of its own row and of the eight around it. Rows are found by
- * hashing, so bodies may be anywhere. The few boxes larger than a cell make a row of their own,
- * which meets all. */
+ * Every bounded body has two boxes. The snug one holds the body with its margin and a little more,
+ * and stays while the body, at its speed, stays within it. The fat one, a leaf of the tree of
+ * dynamic or of static bodies, holds the snug one and some way ahead. Pairs of fat boxes are kept:
+ * when a fat box is left its body's pairs are found anew. Of these the pairs of snug boxes are the
+ * answer, kept likewise while no snug box is new. A body at rest costs one comparison a step.
+ *
+ * A body that was at x0 with orientation q0, and now is at x with q, has no point that moved by
+ * more than |x - x0| + 2 r |q - q0| (see contact_reuse.c); with its margin it is within the box
+ * that had `room` around it as long as
+ *
+ *     |x - x0| + 2 r |q - q0| + h |v| + h r |w| + slack <= room. */
 #include "broad_phase.h"
 
 #include "shape.h"
 
 #include <string.h>
+
+/* In bounding radii: by how much a snug box is wider than its body and margin need, and a fat one
+ * than the snug one. */
+static const double SNUG = 0.01, FAT = 0.1;
+/* Steps at its velocity that a fat box holds. */
+static const double AHEAD = 2;
 
 double pe_spin_speed(const pe_world *world, int slot)
 {
@@ -30,322 +41,382 @@ double pe_pair_margin(const pe_world *world, int a, int b, double dt)
     return dt * (pe_length(pe_sub(ma->velocity, mb->velocity)) + spin) + pe_margin_slack(world, dt);
 }
 
-/* The axis, 0 to 2, along which the centres have the largest variance. */
-static int widest_axis(const pe_world *world, const int *order, int count)
+void pe_broad_free(pe_broad *broad, const pe_allocator *allocator)
 {
-    pe_vec3 sum = {0}, squares = {0};
-    for (int i = 0; i < count; ++i) {
-        pe_vec3 x = pe_poses(world)[order[i]].position;
-        sum = pe_add(sum, x);
-        squares = pe_add(squares, pe_mul(x, x));
+    pe_array *arrays[] = {&broad->proxy_array, &broad->stirred_flag, &broad->stirred_list,
+                          &broad->plane_array, &broad->fat_array,    &broad->near_array};
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
+        pe_array_free(arrays[i], allocator);
     }
-    pe_vec3 spread = pe_sub(squares, pe_scale(1.0 / count, pe_mul(sum, sum)));
-    return spread.x >= spread.y && spread.x >= spread.z ? 0 : spread.y >= spread.z ? 1 : 2;
+    pe_tree_free(&broad->dynamics, allocator);
+    pe_tree_free(&broad->statics, allocator);
 }
 
-/* The bounds of a body with its margin. Axis 0 is the one swept along, 1 and 2 are the next two. */
-typedef struct box {
-    double low[3], high[3];
-    int slot;
-    bool is_static, moved;
-} box;
-
-/* Boxes in rows, each sorted by (low[0], slot). Row 0 has those that are larger than a cell. */
-typedef struct rows {
-    box *boxes;          /* (box_count) */
-    int *start;          /* (count + 1): row r has boxes start[r] .. start[r + 1] - 1 */
-    int32_t (*cell)[2];  /* (count): indices of its cell along axes 1 and 2 */
-    int *table;          /* (table_size): hashed rows, 0: free */
-    uint32_t table_size; /* a power of 2 */
-    int count, box_count;
-    int axis; /* of the world, along which is swept */
-    double cell_size[2];
-} rows;
-
-static void fill_box(const pe_world *world, int slot, double dt, double slack, int axis, box *b)
+static pe_proxy *proxies_of(const pe_broad *broad)
 {
+    return broad->proxy_array.items;
+}
+
+static pe_tree *tree_of(pe_broad *broad, const pe_proxy *proxy)
+{
+    return proxy->is_static ? &broad->statics : &broad->dynamics;
+}
+
+/* ---- Boxes -------------------------------------------------------------------------------------
+ */
+
+/* Bounds of the body, wider by `room` on every side. */
+static pe_box box_of(const pe_world *world, int slot, double room)
+{
+    const pe_body *body = &pe_bodies(world)[slot];
     const pe_pose *pose = &pe_poses(world)[slot];
-    /* The whole slack for each, because a plane has no bounds to hold a half of it. */
-    double speed = pe_length(pe_motions(world)[slot].velocity) + pe_spin_speed(world, slot);
-    double margin = dt * speed + slack;
-    pe_vec3 e = pe_shape_half_extents(&pe_bodies(world)[slot].shape, &pose->rotation);
-    pe_vec3 x = pose->position;
-    double centre[3] = {x.x, x.y, x.z}, extent[3] = {e.x, e.y, e.z};
+    pe_extent bounds = pe_shape_extent(&body->shape, body->geometry, &pose->rotation);
+    pe_vec3 centre = pe_add(pose->position, bounds.centre);
+    pe_vec3 half = pe_add(bounds.half, pe_v3(room, room, room));
+    pe_vec3 low = pe_sub(centre, half), high = pe_add(centre, half);
+    return (pe_box){{low.x, low.y, low.z}, {high.x, high.y, high.z}};
+}
+
+/* A box that is not a number meets none; a tree wants numbers. */
+static pe_box fat_box(const pe_box *snug, double fat, pe_vec3 ahead)
+{
+    pe_box box = *snug;
     for (int k = 0; k < 3; ++k) {
-        int q = (k + 3 - axis) % 3;
-        b->low[q] = centre[k] - (extent[k] + margin);
-        b->high[q] = centre[k] + (extent[k] + margin);
-    }
-    b->slot = slot;
-    b->is_static = pe_bodies(world)[slot].is_static;
-}
-
-/* Cells hold the largest box, or one of twice the mean where few are larger. The slight excess is
- * for the rounding of cell indices. */
-static void choose_cells(const box *boxes, int count, double cell_size[2])
-{
-    double sum[2] = {0}, largest[2] = {0};
-    for (int i = 0; i < count; ++i) {
-        for (int k = 0; k < 2; ++k) {
-            double length = boxes[i].high[k + 1] - boxes[i].low[k + 1];
-            sum[k] += length;
-            largest[k] = pe_max(largest[k], length);
+        double way = pe_component(ahead, k);
+        box.low[k] += pe_min(way, 0) - fat;
+        box.high[k] += pe_max(way, 0) + fat;
+        if (!(box.low[k] <= box.high[k])) {
+            return (pe_box){{0}, {0}};
         }
     }
-    for (int k = 0; k < 2; ++k) {
-        cell_size[k] = 1.001 * pe_min(largest[k], 2 * sum[k] / count);
+    return box;
+}
+
+static bool is_below(const pe_box *box, const pe_shape *plane)
+{
+    double deepest = 0;
+    for (int k = 0; k < 3; ++k) {
+        double n = pe_component(plane->normal, k);
+        deepest += n * (n > 0 ? box->low[k] : box->high[k]);
+    }
+    return deepest <= plane->offset;
+}
+
+static void stir(pe_broad *broad, int slot)
+{
+    bool *stirred = broad->stirred_flag.items;
+    if (!stirred[slot]) {
+        stirred[slot] = true;
+        ((int *)broad->stirred_list.items)[broad->stirred_count++] = slot;
     }
 }
 
-/* The floor, within bounds. */
-static int32_t cell_index(double x)
+/* ---- Following the bodies ----------------------------------------------------------------------
+ */
+
+/* Room for the slots that the world has, which are planes, have moved and so on at most. */
+static pe_status reserve_slots(pe_world *world, pe_error *error)
 {
-    const double most = 1 << 30;
-    double held = pe_min(pe_max(x, -most), most);
-    int32_t i = (int32_t)held;
-    return i - (held < i);
+    pe_broad *broad = &world->broad;
+    size_t used = (size_t)broad->proxy_count, slots = (size_t)world->slot_count;
+    const struct {
+        pe_array *array;
+        size_t stride, used;
+    } rows[] = {
+        {&broad->proxy_array, sizeof(pe_proxy), used},
+        {&broad->stirred_flag, sizeof(bool), used},
+        {&broad->stirred_list, sizeof(int), (size_t)broad->stirred_count},
+        {&broad->plane_array, sizeof(int), (size_t)broad->plane_count},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        pe_status status = pe_array_reserve(rows[i].array, &world->allocator, rows[i].stride, slots,
+                                            rows[i].used, error);
+        if (status != PE_OK) {
+            return status;
+        }
+    }
+    memset(proxies_of(broad) + used, 0, (slots - used) * sizeof(pe_proxy));
+    memset((bool *)broad->stirred_flag.items + used, 0, (slots - used) * sizeof(bool));
+    broad->proxy_count = world->slot_count;
+    return PE_OK;
 }
 
-/* The row of a cell; when there is none, a new one if `make`, else -1. */
-static int row_of(rows *r, int32_t i, int32_t j, bool make)
+/* Forgets the body that had the slot. */
+static void drop(pe_broad *broad, int slot)
 {
-    uint32_t hash = (uint32_t)i * 2654435761u ^ (uint32_t)j * 2246822519u;
-    hash ^= hash >> 15;
-    for (uint32_t k = hash & (r->table_size - 1);; k = (k + 1) & (r->table_size - 1)) {
-        int row = r->table[k];
-        if (row == 0) {
-            if (!make) {
-                return -1;
-            }
-            r->table[k] = r->count;
-            r->cell[r->count][0] = i;
-            r->cell[r->count][1] = j;
-            return r->count++;
+    pe_proxy *proxy = &proxies_of(broad)[slot];
+    if (proxy->leaf != 0) {
+        pe_tree_remove(tree_of(broad, proxy), proxy->leaf);
+    }
+    broad->planes_changed |= proxy->is_plane;
+    *proxy = (pe_proxy){0};
+    stir(broad, slot);
+}
+
+static pe_status adopt(pe_world *world, int slot, pe_error *error)
+{
+    pe_broad *broad = &world->broad;
+    const pe_body *body = &pe_bodies(world)[slot];
+    pe_proxy made = {
+        .room = -1, /* of no use: to be made */
+        .radius = body->bounding_radius,
+        .generation = body->generation,
+        .alive = true,
+        .is_static = body->is_static,
+        .is_plane = body->shape.kind == PE_SHAPE_PLANE,
+    };
+    if (!made.is_plane) {
+        pe_box none = {{0}, {0}};
+        pe_status status =
+            pe_tree_add(tree_of(broad, &made), &world->allocator, slot, &none, &made.leaf, error);
+        if (status != PE_OK) {
+            return status;
         }
-        if (r->cell[row][0] == i && r->cell[row][1] == j) {
-            return row;
+    }
+    broad->planes_changed |= made.is_plane;
+    proxies_of(broad)[slot] = made;
+    stir(broad, slot);
+    return PE_OK;
+}
+
+/* Finds the bodies that came and went. */
+static pe_status meet_bodies(pe_world *world, pe_error *error)
+{
+    pe_broad *broad = &world->broad;
+    const pe_body *bodies = pe_bodies(world);
+    pe_status status = PE_OK;
+    int planes = 0;
+    for (int slot = 1; slot < world->slot_count && status == PE_OK; ++slot) {
+        pe_proxy *proxy = &proxies_of(broad)[slot];
+        bool same =
+            proxy->alive && bodies[slot].alive && proxy->generation == bodies[slot].generation;
+        if (proxy->alive && !same) {
+            drop(broad, slot);
+        }
+        if (bodies[slot].alive && !same) {
+            status = adopt(world, slot, error);
+        }
+        if (proxy->is_plane) {
+            ((int *)broad->plane_array.items)[planes++] = slot;
+        }
+    }
+    broad->plane_count = planes;
+    broad->bodies_changed = status != PE_OK;
+    return status;
+}
+
+/* Whether the body is for certain within its snug box, as at the head of this file;
+ * (a + b + c + d)^2 <= 4 (a^2 + b^2 + c^2 + d^2) spares the roots. */
+static bool stays(const pe_proxy *proxy, const pe_pose *pose, const pe_motion *motion, double dt,
+                  double slack)
+{
+    pe_vec3 x = pe_sub(pose->position, proxy->position), v = motion->velocity;
+    pe_quat q = pose->orientation, p = proxy->orientation;
+    double dw = q.w - p.w, r = proxy->radius, room = proxy->room - slack;
+    pe_vec3 dv = pe_v3(q.x - p.x, q.y - p.y, q.z - p.z), w = motion->angular_velocity;
+    double turned = 4 * (dw * dw + pe_dot(dv, dv)) + dt * dt * pe_dot(w, w);
+    double way2 = pe_dot(x, x) + dt * dt * pe_dot(v, v) + r * r * turned;
+    return room > 0 && 4 * way2 <= room * room;
+}
+
+/* Renews the boxes that the body has left. */
+static void follow_body(pe_world *world, int slot, double dt, double slack)
+{
+    pe_broad *broad = &world->broad;
+    pe_proxy *proxy = &proxies_of(broad)[slot];
+    const pe_pose *pose = &pe_poses(world)[slot];
+    const pe_motion *motion = &pe_motions(world)[slot];
+    double spin = pe_length(motion->angular_velocity) * proxy->radius;
+    /* The whole slack for each, because a plane has no bounds to hold a half of it. */
+    double margin = dt * (pe_length(motion->velocity) + spin) + slack;
+    pe_box needed = box_of(world, slot, margin);
+    if (proxy->room >= 0 && pe_box_holds(&proxy->snug, &needed)) {
+        return;
+    }
+    proxy->room = margin + SNUG * proxy->radius;
+    proxy->snug = box_of(world, slot, proxy->room);
+    proxy->position = pose->position;
+    proxy->orientation = pose->orientation;
+    broad->shifted = true;
+    pe_tree *tree = tree_of(broad, proxy);
+    if (!pe_box_holds(pe_tree_box(tree, proxy->leaf), &proxy->snug)) {
+        pe_box fat =
+            fat_box(&proxy->snug, FAT * proxy->radius, pe_scale(AHEAD * dt, motion->velocity));
+        pe_tree_move(tree, proxy->leaf, &fat);
+        stir(broad, slot);
+    }
+}
+
+static void follow(pe_world *world, double dt)
+{
+    const pe_proxy *proxies = proxies_of(&world->broad);
+    double slack = pe_margin_slack(world, dt);
+    for (int slot = 1; slot < world->slot_count; ++slot) {
+        if (proxies[slot].leaf != 0 &&
+            !stays(&proxies[slot], &pe_poses(world)[slot], &pe_motions(world)[slot], dt, slack)) {
+            follow_body(world, slot, dt, slack);
         }
     }
 }
 
-static int row_of_box(rows *r, const box *b)
+/* ---- Pairs -------------------------------------------------------------------------------------
+ */
+
+static void stir_all_dynamics(pe_broad *broad)
 {
-    for (int k = 0; k < 2; ++k) {
-        /* Not <=, so that a box that is not finite is a large one. */
-        if (!(1.0005 * (b->high[k + 1] - b->low[k + 1]) <= r->cell_size[k])) {
-            return 0;
+    for (int slot = 1; slot < broad->proxy_count; ++slot) {
+        const pe_proxy *proxy = &proxies_of(broad)[slot];
+        if (proxy->leaf != 0 && !proxy->is_static) {
+            stir(broad, slot);
         }
     }
-    return row_of(r, cell_index(b->low[1] / r->cell_size[0]),
-                  cell_index(b->low[2] / r->cell_size[1]), true);
+    pe_tree_mark_all(&broad->dynamics);
 }
 
-/* The order of the last step is nearly right, which insertion likes. */
-static void sort_row(box *boxes, int count)
+static pe_status meet_planes(const pe_world *world, pe_pair_list *pairs, pe_error *error)
 {
-    for (int i = 1; i < count; ++i) {
-        if (!(boxes[i - 1].low[0] > boxes[i].low[0]) &&
-            !(boxes[i - 1].low[0] == boxes[i].low[0] && boxes[i - 1].slot > boxes[i].slot)) {
+    const pe_broad *broad = &world->broad;
+    const int *planes = broad->plane_array.items, *stirred = broad->stirred_list.items;
+    pe_status status = PE_OK;
+    for (int i = 0; i < broad->stirred_count; ++i) {
+        const pe_proxy *proxy = &proxies_of(broad)[stirred[i]];
+        if (proxy->leaf == 0 || proxy->is_static) {
             continue;
         }
-        box b = boxes[i];
-        int j = i;
-        for (; j > 0; --j) {
-            const box *p = &boxes[j - 1];
-            if (!(p->low[0] > b.low[0]) && !(p->low[0] == b.low[0] && p->slot > b.slot)) {
-                break;
-            }
-            boxes[j] = *p;
-        }
-        boxes[j] = b;
-    }
-}
-
-/* moved NULL: every body counts as moved. Leaves the order of the boxes for the next step. */
-static pe_status make_rows(pe_world *world, double dt, const bool *moved, rows *r, pe_error *error)
-{
-    int *order = world->order_array.items, n = world->order_count;
-    *r = (rows){.count = 1, .box_count = n, .table_size = 16};
-    while (r->table_size < 2 * (uint32_t)n) {
-        r->table_size *= 2;
-    }
-    size_t most = (size_t)n + 1;
-    box *boxes = pe_scratch(world, most, sizeof *boxes);
-    int *row = pe_scratch(world, most, sizeof *row);
-    r->boxes = pe_scratch(world, most, sizeof *r->boxes);
-    r->start = pe_scratch(world, most + 2, sizeof *r->start);
-    r->cell = pe_scratch(world, most, sizeof *r->cell);
-    r->table = pe_scratch(world, r->table_size, sizeof *r->table);
-    if (boxes == NULL || row == NULL || r->boxes == NULL || r->start == NULL || r->cell == NULL ||
-        r->table == NULL) {
-        return pe_fail(error, PE_NO_MEMORY, "no memory for the bounds of %d bodies", n);
-    }
-    memset(r->table, 0, r->table_size * sizeof *r->table);
-    memset(r->start, 0, (most + 2) * sizeof *r->start);
-    r->axis = n > 0 ? widest_axis(world, order, n) : 0;
-    double slack = pe_margin_slack(world, dt);
-    for (int i = 0; i < n; ++i) {
-        fill_box(world, order[i], dt, slack, r->axis, &boxes[i]);
-        boxes[i].moved = moved == NULL || moved[order[i]];
-    }
-    choose_cells(boxes, n, r->cell_size);
-    /* A counting sort by row: start[row + 2] counts, then start[row + 1] is where the next goes. */
-    for (int i = 0; i < n; ++i) {
-        row[i] = row_of_box(r, &boxes[i]);
-        r->start[row[i] + 2] += 1;
-    }
-    for (int k = 2; k <= r->count + 1; ++k) {
-        r->start[k] += r->start[k - 1];
-    }
-    for (int i = 0; i < n; ++i) {
-        r->boxes[r->start[row[i] + 1]++] = boxes[i];
-    }
-    for (int k = 0; k < r->count; ++k) {
-        sort_row(r->boxes + r->start[k], r->start[k + 1] - r->start[k]);
-    }
-    for (int i = 0; i < n; ++i) {
-        order[i] = r->boxes[i].slot;
-    }
-    return PE_OK;
-}
-
-/* Pairs in a growing piece of the arena. */
-typedef struct pair_list {
-    pe_world *world;
-    pe_pair *items;
-    int count, capacity;
-    pe_error *error;
-} pair_list;
-
-static pe_status push(pair_list *list, int a, int b)
-{
-    if (list->count == list->capacity) {
-        int capacity = list->capacity * 2;
-        pe_pair *items = pe_scratch(list->world, (size_t)capacity, sizeof *items);
-        if (items == NULL) {
-            return pe_fail(list->error, PE_NO_MEMORY, "no memory for %d pairs", capacity);
-        }
-        memcpy(items, list->items, (size_t)list->count * sizeof *items);
-        list->items = items;
-        list->capacity = capacity;
-    }
-    list->items[list->count++] = a < b ? (pe_pair){a, b} : (pe_pair){b, a};
-    return PE_OK;
-}
-
-/* Pairs of `b` with those of the boxes, sorted by low[0], that begin before it ends. */
-static pe_status meet(const box *b, const box *boxes, const box *end, pair_list *list)
-{
-    pe_status status = PE_OK;
-    for (const box *p = boxes; p < end && p->low[0] <= b->high[0] && status == PE_OK; ++p) {
-        if (p->low[1] <= b->high[1] && b->low[1] <= p->high[1] && p->low[2] <= b->high[2] &&
-            b->low[2] <= p->high[2] && !(p->is_static && b->is_static) && (p->moved || b->moved)) {
-            status = push(list, p->slot, b->slot);
-        }
-    }
-    return status;
-}
-
-static pe_status sweep_row(const rows *r, int row, pair_list *list)
-{
-    const box *end = r->boxes + r->start[row + 1];
-    pe_status status = PE_OK;
-    for (const box *b = r->boxes + r->start[row]; b < end && status == PE_OK; ++b) {
-        status = meet(b, b + 1, end, list);
-    }
-    return status;
-}
-
-/* Pairs across two rows: each is met by the box that begins first. */
-static pe_status sweep_two_rows(const rows *r, int row_p, int row_q, pair_list *list)
-{
-    const box *p = r->boxes + r->start[row_p], *end_p = r->boxes + r->start[row_p + 1];
-    const box *q = r->boxes + r->start[row_q], *end_q = r->boxes + r->start[row_q + 1];
-    pe_status status = PE_OK;
-    while (p < end_p && q < end_q && status == PE_OK) {
-        if (p->low[0] <= q->low[0]) {
-            status = meet(p++, q, end_q, list);
-        } else {
-            status = meet(q++, p, end_p, list);
-        }
-    }
-    return status;
-}
-
-static pe_status sweep(rows *r, pair_list *list)
-{
-    static const int32_t forward[4][2] = {{0, 1}, {1, -1}, {1, 0}, {1, 1}};
-    pe_status status = sweep_row(r, 0, list);
-    for (int row = 1; row < r->count && status == PE_OK; ++row) {
-        status = sweep_row(r, row, list);
-        if (status == PE_OK) {
-            status = sweep_two_rows(r, 0, row, list);
-        }
-        for (int k = 0; k < 4 && status == PE_OK; ++k) {
-            int other =
-                row_of(r, r->cell[row][0] + forward[k][0], r->cell[row][1] + forward[k][1], false);
-            if (other > 0) {
-                status = sweep_two_rows(r, row, other, list);
+        const pe_box *box = pe_tree_box(&broad->dynamics, proxy->leaf);
+        for (int k = 0; k < broad->plane_count && status == PE_OK; ++k) {
+            if (is_below(box, &pe_bodies(world)[planes[k]].shape)) {
+                status = pe_pair_list_add(pairs, planes[k], stirred[i], error);
             }
         }
     }
     return status;
 }
 
-/* The bounds of dynamic bodies hold their margin already; one slack more, as between two boxes. */
-static pe_status sweep_plane(const rows *r, int plane, bool plane_moved, double slack,
-                             pair_list *list)
+/* All pairs of fat boxes with a stirred one, sorted. */
+static pe_status find_stirred(pe_world *world, pe_pair_list *pairs, pe_error *error)
 {
-    const pe_shape *shape = &pe_bodies(list->world)[plane].shape;
-    double normal[3] = {shape->normal.x, shape->normal.y, shape->normal.z}, n[3];
-    for (int k = 0; k < 3; ++k) {
-        n[k] = normal[(r->axis + k) % 3];
+    pe_broad *broad = &world->broad;
+    *pairs = (pe_pair_list){.work = pe_step_memory(world)};
+    pe_status status = pe_tree_update(&broad->dynamics, pairs->work, error);
+    if (status == PE_OK) {
+        status = pe_tree_update(&broad->statics, pairs->work, error);
     }
-    for (int i = 0; i < r->box_count; ++i) {
-        const box *b = &r->boxes[i];
-        double deepest = 0;
-        for (int k = 0; k < 3; ++k) {
-            deepest += n[k] * (n[k] > 0 ? b->low[k] : b->high[k]);
-        }
-        if (!b->is_static && deepest <= shape->offset + slack && (b->moved || plane_moved)) {
-            pe_status status = push(list, plane, b->slot);
-            if (status != PE_OK) {
-                return status;
-            }
+    if (status == PE_OK) {
+        status = pe_tree_meet(&broad->dynamics, &broad->dynamics, pairs, error);
+    }
+    if (status == PE_OK) {
+        status = pe_tree_meet(&broad->dynamics, &broad->statics, pairs, error);
+    }
+    if (status == PE_OK) {
+        status = meet_planes(world, pairs, error);
+    }
+    return status == PE_OK ? pe_pair_list_sort(pairs, world->slot_count, error) : status;
+}
+
+static bool precedes(pe_pair p, pe_pair q)
+{
+    return p.a < q.a || (p.a == q.a && p.b < q.b);
+}
+
+/* Puts the pairs found in the place of those that the stirred bodies had. */
+static pe_status replace_stirred(pe_world *world, const pe_pair_list *found, pe_error *error)
+{
+    pe_broad *broad = &world->broad;
+    const bool *stirred = broad->stirred_flag.items;
+    pe_pair *fat = broad->fat_array.items;
+    int kept = 0;
+    for (int i = 0; i < broad->fat_count; ++i) {
+        if (!stirred[fat[i].a] && !stirred[fat[i].b]) {
+            fat[kept++] = fat[i];
         }
     }
+    broad->fat_count = kept;
+    int count = kept + found->count;
+    pe_status status = pe_array_reserve(&broad->fat_array, &world->allocator, sizeof *fat,
+                                        (size_t)count, (size_t)kept, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    fat = broad->fat_array.items; /* merged from behind */
+    for (int i = kept - 1, j = found->count - 1, to = count - 1; j >= 0; --to) {
+        fat[to] = i >= 0 && precedes(found->items[j], fat[i]) ? fat[i--] : found->items[j--];
+    }
+    broad->fat_count = count;
     return PE_OK;
 }
 
-/* Sorts by (a, b): a counting sort by a, then insertion by b in each short run. */
-static pe_status sort_pairs(pe_world *world, pair_list *list, pe_error *error)
+static pe_status renew_fat(pe_world *world, pe_error *error)
 {
-    int slots = world->slot_count;
-    int *start = pe_scratch(world, (size_t)slots + 1, sizeof *start);
-    pe_pair *sorted = pe_scratch(world, (size_t)list->count + 1, sizeof *sorted);
-    if (start == NULL || sorted == NULL) {
-        return pe_fail(error, PE_NO_MEMORY, "no memory to sort %d pairs", list->count);
+    pe_broad *broad = &world->broad;
+    if (broad->planes_changed) {
+        stir_all_dynamics(broad);
     }
-    memset(start, 0, ((size_t)slots + 1) * sizeof *start);
-    for (int i = 0; i < list->count; ++i) {
-        start[list->items[i].a + 1] += 1;
+    pe_pair_list found;
+    pe_status status = find_stirred(world, &found, error);
+    if (status == PE_OK) {
+        status = replace_stirred(world, &found, error);
     }
-    for (int s = 0; s < slots; ++s) {
-        start[s + 1] += start[s];
-    }
-    for (int i = 0; i < list->count; ++i) {
-        sorted[start[list->items[i].a]++] = list->items[i];
-    }
-    for (int i = 1; i < list->count; ++i) {
-        pe_pair pair = sorted[i];
-        int j = i;
-        for (; j > 0 && sorted[j - 1].a == pair.a && sorted[j - 1].b > pair.b; --j) {
-            sorted[j] = sorted[j - 1];
+    if (status == PE_OK) {
+        pe_tree_unmark(&broad->dynamics);
+        pe_tree_unmark(&broad->statics);
+        bool *stirred = broad->stirred_flag.items;
+        const int *list = broad->stirred_list.items;
+        for (int i = 0; i < broad->stirred_count; ++i) {
+            stirred[list[i]] = false;
         }
-        sorted[j] = pair;
+        broad->stirred_count = 0;
+        broad->planes_changed = false;
+        broad->shifted = true;
     }
-    list->items = sorted;
+    return status;
+}
+
+static bool are_near(const pe_world *world, pe_pair pair)
+{
+    const pe_proxy *a = &proxies_of(&world->broad)[pair.a], *b = &proxies_of(&world->broad)[pair.b];
+    const pe_body *bodies = pe_bodies(world);
+    return a->is_plane   ? is_below(&b->snug, &bodies[pair.a].shape)
+           : b->is_plane ? is_below(&a->snug, &bodies[pair.b].shape)
+                         : pe_box_overlaps(&a->snug, &b->snug);
+}
+
+static pe_status renew_near(pe_world *world, pe_error *error)
+{
+    pe_broad *broad = &world->broad;
+    pe_status status = pe_array_reserve(&broad->near_array, &world->allocator, sizeof(pe_pair),
+                                        (size_t)broad->fat_count, 0, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    const pe_pair *fat = broad->fat_array.items;
+    pe_pair *near = broad->near_array.items;
+    int count = 0;
+    for (int i = 0; i < broad->fat_count; ++i) {
+        if (are_near(world, fat[i])) {
+            near[count++] = fat[i];
+        }
+    }
+    broad->near_count = count;
+    broad->shifted = false;
     return PE_OK;
+}
+
+static pe_status renew(pe_world *world, double dt, pe_error *error)
+{
+    pe_broad *broad = &world->broad;
+    pe_status status = reserve_slots(world, error);
+    if (status == PE_OK && broad->bodies_changed) {
+        status = meet_bodies(world, error);
+    }
+    if (status != PE_OK) {
+        return status;
+    }
+    follow(world, dt);
+    if (broad->stirred_count > 0) {
+        status = renew_fat(world, error);
+    }
+    return status == PE_OK && broad->shifted ? renew_near(world, error) : status;
 }
 
 pe_status pe_broad_phase(pe_world *world, double dt, pe_pair **pairs, int *count, pe_error *error)
@@ -356,28 +427,21 @@ pe_status pe_broad_phase(pe_world *world, double dt, pe_pair **pairs, int *count
 pe_status pe_broad_phase_moved(pe_world *world, double dt, const bool *moved, pe_pair **pairs,
                                int *count, pe_error *error)
 {
-    rows r;
-    pe_status status = make_rows(world, dt, moved, &r, error);
+    *count = 0;
+    pe_status status = renew(world, dt, error);
     if (status != PE_OK) {
         return status;
     }
-    pair_list list = {.world = world, .capacity = 64, .error = error};
-    list.items = pe_scratch(world, (size_t)list.capacity, sizeof *list.items);
-    if (list.items == NULL) {
-        return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", list.capacity);
+    int most = world->broad.near_count;
+    const pe_pair *near = world->broad.near_array.items;
+    *pairs = pe_scratch(world, (size_t)most + 1, sizeof **pairs);
+    if (*pairs == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", most);
     }
-    status = sweep(&r, &list);
-    for (int slot = 1; slot < world->slot_count && status == PE_OK; ++slot) {
-        const pe_body *body = &pe_bodies(world)[slot];
-        if (body->alive && body->shape.kind == PE_SHAPE_PLANE) {
-            status = sweep_plane(&r, slot, moved == NULL || moved[slot], pe_margin_slack(world, dt),
-                                 &list);
+    for (int i = 0; i < most; ++i) {
+        if (moved == NULL || moved[near[i].a] || moved[near[i].b]) {
+            (*pairs)[(*count)++] = near[i];
         }
     }
-    if (status == PE_OK) {
-        status = sort_pairs(world, &list, error);
-    }
-    *pairs = list.items;
-    *count = list.count;
-    return status;
+    return PE_OK;
 }

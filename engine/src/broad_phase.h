@@ -4,10 +4,6 @@
 
 #include "world.h"
 
-typedef struct pe_pair {
-    int a, b; /* slots, a < b, not both static */
-} pe_pair;
-
 /* How far, in m, the surfaces of two bodies can come towards each other within a step of dt, and
  * the contact margin: pairs with a smaller gap need contacts now. Bound: relative velocity, each
  * body's rotation at its bounding radius, and one step of gravity. */
@@ -18,13 +14,17 @@ double pe_pair_margin(const pe_world *world, int a, int b, double dt);
 double pe_spin_speed(const pe_world *world, int slot);
 double pe_margin_slack(const pe_world *world, double dt);
 
-/* All pairs whose gap may be below their margin, sorted by (a, b), in the step's arena. Sort and
- * sweep in rows (see broad_phase.c); planes against every dynamic body directly. */
+/* All pairs whose gap may be below their margin, and few others, sorted by (a, b), in the step's
+ * arena. Pairs are kept from call to call: what does not move costs next to nothing (see
+ * broad_phase.c). On PE_NO_MEMORY the next call makes up for it. */
 pe_status pe_broad_phase(pe_world *world, double dt, pe_pair **pairs, int *count, pe_error *error);
 
 /* The same at the poses now, but only the pairs with a body flagged in `moved` (slot_count); NULL:
  * all of them. */
 pe_status pe_broad_phase_moved(pe_world *world, double dt, const bool *moved, pe_pair **pairs,
                                int *count, pe_error *error);
+
+/* Releases what the broad phase keeps. */
+void pe_broad_free(pe_broad *broad, const pe_allocator *allocator);
 
 #endif

@@ -1,27 +1,42 @@
 /* The table of colliders by kinds of shape. */
 #include "collide.h"
 
-typedef void collider(pe_placed a, pe_placed b, double margin, pe_hits *hits);
-
-/* Rows and columns as in pe_shape_kind; the lower triangle is the upper one with the shapes
- * swapped. */
-static collider *const colliders[3][3] = {
-    {NULL, pe_collide_plane_sphere, pe_collide_plane_box},
-    {NULL, pe_collide_sphere_sphere, pe_collide_sphere_box},
-    {NULL, NULL, pe_collide_box_box},
+/* Rows and columns as in pe_shape_kind, meshes apart; the lower triangle is the upper one with the
+ * shapes swapped. */
+static pe_collider *const colliders[PE_SHAPE_MESH][PE_SHAPE_MESH] = {
+    {NULL, pe_collide_plane_sphere, pe_collide_plane_box, pe_collide_plane_capsule,
+     pe_collide_plane_cylinder, pe_collide_plane_hull},
+    {NULL, pe_collide_sphere_sphere, pe_collide_sphere_box, pe_collide_capsule_or_sphere,
+     pe_collide_sphere_cylinder, pe_collide_polytopes},
+    {NULL, NULL, pe_collide_box_box, pe_collide_polytopes, pe_collide_box_cylinder,
+     pe_collide_polytopes},
+    {NULL, NULL, NULL, pe_collide_capsule_or_sphere, pe_collide_capsule_cylinder,
+     pe_collide_polytopes},
+    {NULL, NULL, NULL, NULL, pe_collide_cylinder_cylinder, pe_collide_cylinder_hull},
+    {NULL, NULL, NULL, NULL, NULL, pe_collide_polytopes},
 };
 
-void pe_collide(pe_placed a, pe_placed b, double margin, pe_hits *hits)
+/* Of shapes in the order of the table. */
+static int collide_in_order(pe_placed a, pe_placed b, double margin, pe_workspace work,
+                            pe_hits *patches)
 {
-    hits->count = 0;
-    hits->normal_on_b = false;
-    hits->least_margin = -HUGE_VAL;
-    hits->end_margin = HUGE_VAL;
-    if (a.shape->kind <= b.shape->kind) {
-        colliders[a.shape->kind][b.shape->kind](a, b, margin, hits);
-        return;
+    if (b.shape->kind == PE_SHAPE_MESH) {
+        return pe_collide_with_mesh(a, b, margin, work, patches);
     }
-    colliders[b.shape->kind][a.shape->kind](b, a, margin, hits);
-    hits->normal = pe_scale(-1, hits->normal);
-    hits->normal_on_b = !hits->normal_on_b;
+    pe_hits_none(patches);
+    colliders[a.shape->kind][b.shape->kind](a, b, margin, patches);
+    return patches->count > 0;
+}
+
+int pe_collide(pe_placed a, pe_placed b, double margin, pe_workspace work, pe_hits *patches)
+{
+    if (a.shape->kind <= b.shape->kind) {
+        return collide_in_order(a, b, margin, work, patches);
+    }
+    int count = collide_in_order(b, a, margin, work, patches);
+    for (int i = 0; i < count; ++i) {
+        patches[i].normal = pe_scale(-1, patches[i].normal);
+        patches[i].normal_on_b = !patches[i].normal_on_b;
+    }
+    return count;
 }

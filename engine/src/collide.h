@@ -2,16 +2,17 @@
 #ifndef PE_COLLIDE_H
 #define PE_COLLIDE_H
 
+#include "geometry.h"
 #include "world.h"
 
 /* One point as a collider finds it. */
 typedef struct pe_hit {
     pe_vec3 position; /* world, halfway between the surfaces */
     double separation;
-    uint32_t feature;
+    uint64_t feature; /* names the features that touch: other points of the patch have others */
 } pe_hit;
 
-/* The points of a pair share one normal. count 0: farther apart than the margin. */
+/* A patch of contact: points that share one normal. count 0: farther apart than the margin. */
 typedef struct pe_hits {
     pe_vec3 normal;   /* unit, from the first shape to the second */
     bool normal_on_b; /* it turns with the second shape; else, at small turns, with the first */
@@ -23,18 +24,41 @@ typedef struct pe_hits {
 /* A shape where it is, with the scale of its tolerances. */
 typedef struct pe_placed {
     const pe_shape *shape;
-    const pe_pose *pose;
-    double size; /* m, pe_shape_size */
+    const pe_geometry *geometry; /* of a hull or mesh; else NULL */
+    const pe_pose *pose;         /* of the body's axes: see geometry.h */
+    double size;                 /* m, pe_shape_size */
 } pe_placed;
 
-/* Points of two shapes with a gap of at most `margin`. All shapes but plane against plane. */
-void pe_collide(pe_placed a, pe_placed b, double margin, pe_hits *hits);
+/* Patches of two shapes with a gap of at most `margin`: all kinds but plane against plane. Convex
+ * shapes have one at most. `patches` has room for PE_MAX_PATCHES. Returns how many there are; -1
+ * when out of memory, which only meshes take, from `work`. Swapping the shapes swaps the normal. */
+int pe_collide(pe_placed a, pe_placed b, double margin, pe_workspace work, pe_hits *patches);
 
-/* By pair of kinds, the first kind first. */
-void pe_collide_plane_sphere(pe_placed plane, pe_placed sphere, double margin, pe_hits *hits);
-void pe_collide_plane_box(pe_placed plane, pe_placed box, double margin, pe_hits *hits);
-void pe_collide_sphere_sphere(pe_placed a, pe_placed b, double margin, pe_hits *hits);
-void pe_collide_sphere_box(pe_placed sphere, pe_placed box, double margin, pe_hits *hits);
-void pe_collide_box_box(pe_placed a, pe_placed b, double margin, pe_hits *hits);
+/* A collider of convex shapes, by kinds; it finds *hits empty (as pe_hits_none makes it). */
+typedef void pe_collider(pe_placed a, pe_placed b, double margin, pe_hits *hits);
+
+pe_collider pe_collide_plane_sphere, pe_collide_plane_box, pe_collide_plane_capsule,
+    pe_collide_plane_cylinder, pe_collide_plane_hull;
+pe_collider pe_collide_sphere_sphere, pe_collide_sphere_box, pe_collide_sphere_cylinder;
+pe_collider pe_collide_box_box, pe_collide_box_cylinder;
+pe_collider pe_collide_capsule_cylinder;
+pe_collider pe_collide_cylinder_cylinder, pe_collide_cylinder_hull;
+/* Of a capsule and a sphere or capsule. */
+pe_collider pe_collide_capsule_or_sphere;
+/* Of sphere, box, capsule and hull, where one at least is a box or a hull. */
+pe_collider pe_collide_polytopes;
+
+/* Any shape against a mesh: returns as pe_collide does. */
+int pe_collide_with_mesh(pe_placed other, pe_placed mesh, double margin, pe_workspace work,
+                         pe_hits *patches);
+
+/* Makes it empty, without touching the points. */
+static inline void pe_hits_none(pe_hits *hits)
+{
+    hits->normal_on_b = false;
+    hits->least_margin = -HUGE_VAL;
+    hits->end_margin = HUGE_VAL;
+    hits->count = 0;
+}
 
 #endif

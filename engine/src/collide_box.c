@@ -1,23 +1,30 @@
 /* Box against box: separating axes, then face clipping or the nearest points of two edges.
  *
- * Of the 15 axes (Gottschalk, Lin, Manocha 1996) the one of largest separation is taken, with a
- * bias towards faces, and towards the first box's: among axes that tie within rounding, a resting
- * stack must choose the same one at every step. A face contact clips the facing face of the other
- * box against the sides of the reference face (Sutherland and Hodgman 1974), at most 8 points, each
- * named by the two edges that bound it.
+ * Of the 15 axes (Gottschalk, Lin, Manocha 1996) the one of largest separation is the normal. A
+ * face that looks along it, or nearly, is the reference: the facing face of the other box is
+ * clipped along the normal against its sides (Sutherland and Hodgman 1974), at most 8 points, each
+ * named by the two edges that bound it. So nearly flat bricks keep all their points, and the names
+ * of these, when a pair of edges or the other box's face separates a trifle more than the face.
+ *
+ * An axis that separates gives a lower bound of the distance. When no point has it, the nearest
+ * features are a corner and a corner or edge, or edges off the axis: polytope_distance.c.
  *
  * Everything is worked out in the axes of the boxes; the world is met again at the points. */
-#include "collide.h"
+#include "polytope.h"
 
 /* Tolerances, in units of the smaller box. */
-static const double FACE_BIAS = 1e-5; /* the second box's face must be better by this */
-/* A pair of edges must be better than faces by this. An edge contact is one point where a face
- * contact has four: with a smaller bias, nearly flat bricks of a falling wall are held at one point
- * only and turn into each other about it. */
-static const double EDGE_BIAS = 1e-3;
-static const double CLIP_SLACK = 1e-6; /* points this far outside still lie on the face */
-/* Edges at a smaller angle than this, in rad, are parallel: a face axis serves as well. */
-static const double LEAST_SINE = 1e-3;
+static const double TIE = 1e-10; /* axes that tie: a face of the first box, of the second, edges */
+/* The second box's face must separate more by this to be the reference: a resting stack must choose
+ * the same one at every step. */
+static const double REFERENCE_BIAS = 1e-5;
+static const double CLIP_SLACK = 1e-8;     /* points this far outside still lie on the face */
+static const double SAME_DISTANCE = 5e-10; /* a point that has the separation of the axis */
+
+/* Cosine of the angle between a face and the normal up to which it is the reference. */
+static const double FLAT = 0.995;
+/* Square of the sine of the angle of two edges below which the quick test of their axis loses
+ * digits, and below which the axis is rounding alone. */
+static const double SMALL_SINE2 = 1e-6, LEAST_SINE2 = 1e-24;
 
 typedef struct axis_choice {
     double separation;
@@ -101,9 +108,46 @@ static bool quotient_exceeds(double s, double square, double t)
     return t < 0 ? s >= 0 || s * s < t * t * square : s > 0 && s * s > t * t * square;
 }
 
-/* The best pair of edges, of those better than best->separation; false as soon as one separates by
- * more than the margin. */
-static bool test_edges(const box_pair *p, double margin, axis_choice *best)
+/* The cross of edges i and j in the axes of the first box, unnormalised: exact where the edges are
+ * nearly parallel. */
+static pe_vec3 cross_of(const box_pair *p, int i, int j)
+{
+    int i1 = i < 2 ? i + 1 : 0, i2 = i > 0 ? i - 1 : 2;
+    double n[3];
+    n[i] = 0;
+    n[i1] = -p->a.r[i2][j];
+    n[i2] = p->a.r[i1][j];
+    return pe_v3(n[0], n[1], n[2]);
+}
+
+/* The separation along a direction in the axes of the first box, without cancellation. */
+static double separation_along(const box_pair *p, pe_vec3 n)
+{
+    const double *t = p->a.offset, *ea = p->a.extent;
+    double c[3] = {n.x, n.y, n.z}, s = fabs(t[0] * n.x + t[1] * n.y + t[2] * n.z);
+    for (int k = 0; k < 3; ++k) {
+        double along = c[0] * p->a.r[0][k] + c[1] * p->a.r[1][k] + c[2] * p->a.r[2][k];
+        s -= ea[k] * fabs(c[k]) + p->b.extent[k] * fabs(along);
+    }
+    return s;
+}
+
+/* Takes the axis of nearly parallel edges i and j if it is better. */
+static void test_parallel(const box_pair *p, int i, int j, double tie, axis_choice *best)
+{
+    pe_vec3 n = cross_of(p, i, j);
+    double square = pe_dot(n, n);
+    if (square > LEAST_SINE2) {
+        double s = separation_along(p, pe_scale(1 / sqrt(square), n));
+        if (s > best->separation + tie) {
+            *best = (axis_choice){s, i, j};
+        }
+    }
+}
+
+/* The best pair of edges, of those better than best->separation by `tie`; false as soon as one
+ * separates by more than the margin. */
+static bool test_edges(const box_pair *p, double margin, double tie, axis_choice *best)
 {
     const double *ea = p->a.extent, *eb = p->b.extent, *t = p->a.offset;
     for (int i = 0; i < 3; ++i) {
@@ -116,10 +160,11 @@ static bool test_edges(const box_pair *p, double margin, axis_choice *best)
             /* |offset . (a_i x b_j)| less the reach of both boxes along it, unnormalised. */
             double s = fabs(t[i2] * r1[j] - t[i1] * r2[j]) - (ea[i1] * q2[j] + ea[i2] * q1[j]) -
                        (eb[j1] * q[j2] + eb[j2] * q[j1]);
-            if (sine2 < LEAST_SINE * LEAST_SINE || !quotient_exceeds(s, sine2, best->separation)) {
-                continue;
+            if (sine2 < SMALL_SINE2) {
+                test_parallel(p, i, j, tie, best);
+            } else if (quotient_exceeds(s, sine2, best->separation + tie)) {
+                *best = (axis_choice){s / sqrt(sine2), i, j};
             }
-            *best = (axis_choice){s / sqrt(sine2), i, j};
             if (best->separation > margin) {
                 return false;
             }
@@ -143,30 +188,45 @@ static pe_vec3 far_edge(const box_side *box, int k, pe_vec3 direction, uint32_t 
     return x;
 }
 
-static void edge_contact(const box_pair *p, axis_choice edge, pe_hits *hits)
+/* The normal of a pair of edges, from the first box to the second. */
+static pe_vec3 edge_normal(const box_pair *p, axis_choice edge)
+{
+    pe_vec3 n = pe_rotate(&p->a.pose->rotation, cross_of(p, edge.i, edge.j));
+    bool against = pe_dot(n, pe_sub(p->b.pose->position, p->a.pose->position)) < 0;
+    return pe_scale((against ? -1 : 1) / pe_length(n), n);
+}
+
+/* The nearest points of two edges. False when they do not have the separation of the axis, as they
+ * do where the boxes overlap. */
+static bool edge_contact(const box_pair *p, axis_choice edge, pe_vec3 n, double tolerance,
+                         pe_hits *hits)
 {
     pe_vec3 u = axis_of(&p->a, edge.i), v = axis_of(&p->b, edge.j);
-    pe_vec3 n = pe_cross(u, v);
-    bool against = pe_dot(n, pe_sub(p->b.pose->position, p->a.pose->position)) < 0;
-    n = pe_scale((against ? -1 : 1) / pe_length(n), n);
     uint32_t name_a, name_b;
     pe_vec3 x = far_edge(&p->a, edge.i, n, &name_a);
     pe_vec3 y = far_edge(&p->b, edge.j, pe_scale(-1, n), &name_b);
 
     /* Nearest points x + s u and y + t v of the two lines, held to the edges. */
-    pe_vec3 d = pe_sub(y, x);
-    double c = p->a.r[edge.i][edge.j], du = pe_dot(d, u), dv = pe_dot(d, v);
-    double sine2 = 1 - c * c;
+    pe_vec3 d = pe_sub(y, x), w = pe_cross(u, v);
+    double square = pe_dot(w, w), s = 0, t = 0;
     double ea = p->a.extent[edge.i], eb = p->b.extent[edge.j];
-    double s = pe_max(-ea, pe_min(ea, (du - c * dv) / sine2));
-    double t = pe_max(-eb, pe_min(eb, (c * du - dv) / sine2));
+    if (square > 0) {
+        s = pe_max(-ea, pe_min(ea, pe_dot(pe_cross(d, v), w) / square));
+        t = pe_max(-eb, pe_min(eb, pe_dot(pe_cross(d, u), w) / square));
+    }
+    x = pe_madd(x, s, u);
+    y = pe_madd(y, t, v);
+    if (edge.separation > 0 && pe_length(pe_sub(y, x)) > edge.separation + tolerance) {
+        return false;
+    }
     hits->normal = n;
     hits->count = 1;
     hits->item[0] = (pe_hit){
-        .position = pe_scale(0.5, pe_add(pe_madd(x, s, u), pe_madd(y, t, v))),
+        .position = pe_scale(0.5, pe_add(x, y)),
         .separation = edge.separation,
         .feature = 1u << 31 | name_a << 8 | name_b,
     };
+    return true;
 }
 
 /* A corner of the polygon being clipped: coordinates on the reference face and height over it, with
@@ -178,25 +238,36 @@ typedef struct corner {
 
 enum { MAX_CORNERS = PE_MAX_POINTS + 4 };
 
-/* Keeps the part of `in` where the distances past the clip line are not above 0. */
-static int clip(const corner *in, const double *past, int count, uint32_t clip_edge, corner *out)
+/* From a corner inside, `in` past the clip line, to where the way to one outside, `out` past it,
+ * crosses; corners inside by the slack alone are there already. */
+static corner crossing(const corner *p, double in, const corner *q, double out)
+{
+    double t = in < 0 ? in / (in - out) : 0;
+    return (corner){
+        .x = {p->x[0] + t * (q->x[0] - p->x[0]), p->x[1] + t * (q->x[1] - p->x[1])},
+        .height = p->height + t * (q->height - p->height),
+    };
+}
+
+/* Keeps the part of `in` where the distances past the clip line are not above the slack. */
+static int clip(const corner *in, const double *past, double slack, int count, uint32_t clip_edge,
+                corner *out)
 {
     int kept = 0;
     /* A convex polygon never fills the room; one that rounding made otherwise must not overrun it.
      */
     for (int i = 0; i < count && kept + 2 <= MAX_CORNERS; ++i) {
         int next = i + 1 < count ? i + 1 : 0;
-        const corner *p = &in[i], *q = &in[next];
-        if (past[i] <= 0) {
-            out[kept++] = *p;
+        bool here = past[i] <= slack, there = past[next] <= slack;
+        if (here) {
+            out[kept++] = in[i];
         }
-        if ((past[i] <= 0) != (past[next] <= 0)) {
-            double t = past[i] / (past[i] - past[next]);
-            out[kept++] = (corner){
-                .x = {p->x[0] + t * (q->x[0] - p->x[0]), p->x[1] + t * (q->x[1] - p->x[1])},
-                .height = p->height + t * (q->height - p->height),
-                .edge = past[i] <= 0 ? clip_edge : p->edge,
-            };
+        if (here && !there) {
+            out[kept] = crossing(&in[i], past[i], &in[next], past[next]);
+            out[kept++].edge = clip_edge;
+        } else if (there && !here) {
+            out[kept] = crossing(&in[next], past[next], &in[i], past[i]);
+            out[kept++].edge = in[i].edge;
         }
     }
     return kept;
@@ -206,18 +277,18 @@ static int clip(const corner *in, const double *past, int count, uint32_t clip_e
  * The polygon reaches from middle - reach to middle + reach in x. Returns where it then is:
  * `polygon` itself, which is overwritten, or `spare`. */
 static corner *clip_to_rectangle(corner *polygon, corner *spare, int *count, const double middle[2],
-                                 const double reach[2], const double bound[2])
+                                 const double reach[2], const double bound[2], double slack)
 {
     for (uint32_t line = 0; line < 4; ++line) {
         int k = line < 2 ? 0 : 1;
         double sign = line % 2 == 0 ? 1 : -1, past[MAX_CORNERS];
-        if (!(sign * middle[k] + reach[k] > bound[k])) {
+        if (!(sign * middle[k] + reach[k] > bound[k] + slack)) {
             continue;
         }
         for (int i = 0; i < *count; ++i) {
             past[i] = sign * polygon[i].x[k] - bound[k];
         }
-        *count = clip(polygon, past, *count, 4 + line, spare);
+        *count = clip(polygon, past, slack, *count, 4 + line, spare);
         corner *clipped = spare;
         spare = polygon;
         polygon = clipped;
@@ -225,14 +296,24 @@ static corner *clip_to_rectangle(corner *polygon, corner *spare, int *count, con
     return polygon;
 }
 
-/* One box's face as reference, axis k towards the other box, and that box's facing face. */
-static void face_contact(const box_side *box, const box_side *other, int k, double size,
-                         double margin, bool flipped, pe_hits *hits)
-{
-    double side = box->offset[k] < 0 ? -1 : 1; /* n = side * axis[k] */
-    int ku = k < 2 ? k + 1 : 0, kv = k > 0 ? k - 1 : 2;
+/* A face as reference: that of axis k towards the other box. */
+typedef struct reference {
+    const box_side *box, *other;
+    int k;
+    bool flipped;   /* the box is the second one */
+    pe_vec3 normal; /* of the contact, in the world, out of the box */
+} reference;
 
-    /* The facing face: the axis of the other box most opposed to n. */
+/* The facing face of the other box, clipped along the normal. Returns the least separation of its
+ * points, whether within the margin or not. */
+static double face_contact(const reference *r, double size, double margin, pe_hits *hits)
+{
+    const box_side *box = r->box, *other = r->other;
+    int k = r->k, ku = k < 2 ? k + 1 : 0, kv = k > 0 ? k - 1 : 2;
+    double side = box->offset[k] < 0 ? -1 : 1; /* the face's own normal is side * axis[k] */
+    pe_vec3 face = pe_scale(side, axis_of(box, k)), tu = axis_of(box, ku), tv = axis_of(box, kv);
+
+    /* The facing face: the axis of the other box most opposed to the reference face. */
     int m = 0;
     for (int q = 1; q < 3; ++q) {
         m = fabs(box->r[k][q]) > fabs(box->r[k][m]) + 1e-9 ? q : m;
@@ -240,17 +321,22 @@ static void face_contact(const box_side *box, const box_side *other, int k, doub
     double facing = side * box->r[k][m] > 0 ? -1 : 1;
     int mu = m < 2 ? m + 1 : 0, mv = m > 0 ? m - 1 : 2;
 
-    /* Its middle and half edges, with heights in the last place. */
+    /* Its middle and half edges, with heights along the normal in the last place: the point at
+     * height h over the face has its foot, along the normal, h tilt off to the side. */
+    double along = pe_dot(r->normal, face);
+    double tilt[2] = {pe_dot(r->normal, tu), pe_dot(r->normal, tv)};
     const double *e = other->extent;
     const double *row[3] = {box->r[ku], box->r[kv], box->r[k]};
     double origin[3] = {box->offset[ku], box->offset[kv], box->offset[k]}, middle[3], u[3], v[3];
-    for (int q = 0; q < 3; ++q) {
-        double sign = q < 2 ? 1 : side;
-        middle[q] = sign * (origin[q] + facing * e[m] * row[q][m]);
-        u[q] = sign * e[mu] * row[q][mu];
-        v[q] = sign * e[mv] * row[q][mv];
+    for (int q = 2; q >= 0; --q) {
+        double scale = q < 2 ? 1 : side / along, shift = q < 2 ? tilt[q] : 0;
+        middle[q] = scale * (origin[q] + facing * e[m] * row[q][m]);
+        u[q] = scale * e[mu] * row[q][mu] - shift * u[2];
+        v[q] = scale * e[mv] * row[q][mv] - shift * v[2];
     }
-    middle[2] -= box->extent[k];
+    middle[2] -= box->extent[k] / along;
+    middle[0] -= tilt[0] * middle[2];
+    middle[1] -= tilt[1] * middle[2];
     corner buffer[2][MAX_CORNERS];
     for (uint32_t c = 0; c < 4; ++c) {
         double su = c == 0 || c == 3 ? -1 : 1, sv = c < 2 ? -1 : 1;
@@ -261,31 +347,57 @@ static void face_contact(const box_side *box, const box_side *other, int k, doub
         };
     }
     int count = 4;
-    double slack = CLIP_SLACK * size;
-    const double bound[2] = {box->extent[ku] + slack, box->extent[kv] + slack};
+    const double bound[2] = {box->extent[ku], box->extent[kv]};
     const double reach[2] = {fabs(u[0]) + fabs(v[0]), fabs(u[1]) + fabs(v[1])};
-    const corner *polygon = clip_to_rectangle(buffer[0], buffer[1], &count, middle, reach, bound);
+    const corner *polygon =
+        clip_to_rectangle(buffer[0], buffer[1], &count, middle, reach, bound, CLIP_SLACK * size);
 
-    uint32_t faces = (uint32_t)flipped << 6 | (uint32_t)(2 * k + (side > 0)) << 3 |
+    uint32_t faces = (uint32_t)r->flipped << 6 | (uint32_t)(2 * k + (side > 0)) << 3 |
                      (uint32_t)(2 * m + (facing > 0));
-    pe_vec3 n = pe_scale(side, axis_of(box, k)), tu = axis_of(box, ku), tv = axis_of(box, kv);
-    hits->normal = flipped ? pe_scale(-1, n) : n;
-    hits->normal_on_b = flipped;
+    double least = HUGE_VAL;
+    pe_vec3 centre = pe_madd(box->pose->position, box->extent[k], face);
     for (int i = 0; i < count && hits->count < PE_MAX_POINTS; ++i) {
         const corner *c = &polygon[i];
+        least = pe_min(least, c->height);
         if (c->height > margin) {
             hits->end_margin = pe_min(hits->end_margin, c->height);
             continue;
         }
         hits->least_margin = pe_max(hits->least_margin, c->height);
-        pe_vec3 x = pe_madd(pe_madd(box->pose->position, c->x[0], tu), c->x[1], tv);
+        pe_vec3 x = pe_madd(pe_madd(centre, c->x[0], tu), c->x[1], tv);
         uint32_t edge_in = polygon[i > 0 ? i - 1 : count - 1].edge;
         hits->item[hits->count++] = (pe_hit){
-            .position = pe_madd(x, box->extent[k] + 0.5 * c->height, n),
+            .position = pe_madd(x, 0.5 * c->height, r->normal),
             .separation = c->height,
             .feature = faces << 6 | edge_in << 3 | c->edge,
         };
     }
+    hits->normal = r->flipped ? pe_scale(-1, r->normal) : r->normal;
+    return least;
+}
+
+/* Whether the face of axis k of a box looks along the normal out of the box. */
+static bool looks_along(const box_side *box, int k, pe_vec3 normal)
+{
+    return (box->offset[k] < 0 ? -1 : 1) * pe_dot(axis_of(box, k), normal) >= FLAT;
+}
+
+/* The reference for the normal n, which one of the two faces may be; the first box's if both. */
+static bool choose_reference(const box_pair *p, axis_choice face_a, axis_choice face_b, pe_vec3 n,
+                             double size, reference *r)
+{
+    pe_vec3 back = pe_scale(-1, n);
+    bool a = looks_along(&p->a, face_a.i, n), b = looks_along(&p->b, face_b.i, back);
+    bool flipped = b && (!a || face_b.separation > face_a.separation + REFERENCE_BIAS * size);
+    *r = flipped ? (reference){&p->b, &p->a, face_b.i, true, back}
+                 : (reference){&p->a, &p->b, face_a.i, false, n};
+    return a || b;
+}
+
+/* The normal of a face, from the first box to the second. */
+static pe_vec3 face_normal(const box_side *box, int k, bool flipped)
+{
+    return pe_scale((box->offset[k] < 0) != flipped ? -1 : 1, axis_of(box, k));
 }
 
 void pe_collide_box_box(pe_placed a, pe_placed b, double margin, pe_hits *hits)
@@ -296,18 +408,24 @@ void pe_collide_box_box(pe_placed a, pe_placed b, double margin, pe_hits *hits)
     if (!test_faces(&p, margin, &face_a, &face_b)) {
         return;
     }
-    double face = pe_max(face_a.separation, face_b.separation);
-    axis_choice edge = {.separation = face};
-    if (!test_edges(&p, margin, &edge)) {
+    double size = pe_min(a.size, b.size), tie = TIE * size, tolerance = SAME_DISTANCE * size;
+    bool of_b = face_b.separation > face_a.separation + tie;
+    axis_choice best = of_b ? face_b : face_a, edge = {.separation = best.separation};
+    if (!test_edges(&p, margin, tie, &edge)) {
         return;
     }
-    double size = pe_min(a.size, b.size);
-    hits->least_margin = edge.separation;
-    if (edge.separation > face + EDGE_BIAS * size) {
-        edge_contact(&p, edge, hits);
-    } else if (face_b.separation > face_a.separation + FACE_BIAS * size) {
-        face_contact(&p.b, &p.a, face_b.i, size, margin, true, hits);
-    } else {
-        face_contact(&p.a, &p.b, face_a.i, size, margin, false, hits);
+    bool of_edges = edge.separation > best.separation;
+    double separation = edge.separation;
+    pe_vec3 n = of_edges ? edge_normal(&p, edge) : face_normal(of_b ? &p.b : &p.a, best.i, of_b);
+    hits->least_margin = separation;
+    hits->normal_on_b = of_b && !of_edges;
+    reference r;
+    if (choose_reference(&p, face_a, face_b, n, size, &r)
+            ? face_contact(&r, size, margin, hits) <= separation + tolerance
+            : edge_contact(&p, edge, n, tolerance, hits)) {
+        return;
     }
+    /* No point has the separation: that of corners. */
+    pe_hits_none(hits);
+    pe_collide_polytopes(a, b, margin, hits);
 }

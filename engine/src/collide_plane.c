@@ -1,5 +1,6 @@
 /* A half-space against the bounded shapes: the support points within the margin. */
-#include "collide.h"
+#include "candidates.h"
+#include "polytope.h"
 
 void pe_collide_plane_sphere(pe_placed plane, pe_placed sphere, double margin, pe_hits *hits)
 {
@@ -40,4 +41,50 @@ void pe_collide_plane_box(pe_placed plane, pe_placed box, double margin, pe_hits
             };
         }
     }
+}
+
+/* Both ends of the segment carry a ball. */
+void pe_collide_plane_capsule(pe_placed plane, pe_placed capsule, double margin, pe_hits *hits)
+{
+    pe_vec3 n = plane.shape->normal, axis = pe_axis(&capsule.pose->rotation, 2);
+    double r = capsule.shape->radius, half = capsule.shape->half_height;
+    hits->normal = n;
+    for (uint64_t end = 0; end < 2; ++end) {
+        pe_vec3 x = pe_madd(capsule.pose->position, end == 0 ? -half : half, axis);
+        double separation = pe_dot(n, x) - plane.shape->offset - r;
+        if (separation > margin) {
+            hits->end_margin = pe_min(hits->end_margin, separation);
+        } else {
+            hits->least_margin = pe_max(hits->least_margin, separation);
+            hits->item[hits->count++] = (pe_hit){
+                .position = pe_madd(x, -(r + 0.5 * separation), n),
+                .separation = separation,
+                .feature = end,
+            };
+        }
+    }
+}
+
+/* All vertices of a small hull; of others, the corners of the face that looks at the plane: the
+ * next face takes its place before its far corners come nearer. */
+void pe_collide_plane_hull(pe_placed plane, pe_placed hull, double margin, pe_hits *hits)
+{
+    pe_vec3 n = plane.shape->normal, down = pe_scale(-1, pe_unrotate(&hull.pose->rotation, n));
+    double height = pe_dot(n, hull.pose->position) - plane.shape->offset, cosine;
+    pe_polytope p;
+    pe_polytope_make(hull, &p);
+    const pe_face *face = &p.faces[pe_polytope_facing(&p, down, &cosine)];
+    bool small = p.vertex_count <= PE_MAX_POINTS;
+    int count = small ? p.vertex_count : pe_face_corners(face);
+    pe_candidates found;
+    pe_candidates_none(&found);
+    for (int i = 0; i < count; ++i) {
+        int vertex = small ? i : pe_face_corner(&p, face, i);
+        pe_vec3 x = p.vertices[vertex];
+        double separation = height - pe_dot(down, x);
+        pe_candidates_add(&found, hull.pose, pe_madd(x, 0.5 * separation, down), separation,
+                          (uint64_t)vertex);
+    }
+    hits->normal = n;
+    pe_candidates_keep(&found, hull.size, margin, hits);
 }

@@ -1,5 +1,6 @@
 #include "contact.h"
 
+#include "contact_centre.h"
 #include "contact_match.h"
 #include "contact_reduce.h"
 #include "contact_reuse.h"
@@ -105,43 +106,103 @@ static void place_point(pe_point *point, const pe_hit *hit, pe_vec3 normal, cons
     point->impulse = pe_v3(0, 0, 0);
 }
 
-/* Fills the pair's manifold: the old one carried along, or a new one of the hits with the impulses
- * of the old one. `old` may be NULL. */
-static void fill_manifold(const finder *f, const pe_manifold *old, const pe_hits *hits,
-                          const pe_relative *relative, double size, pe_manifold *m)
-{
-    const pe_pose *a = &pe_poses(f->world)[m->a], *b = &pe_poses(f->world)[m->b];
-    pe_point *points = pe_points(f->now) + m->first;
-    const pe_point *old_points = old != NULL ? pe_points(f->then) + old->first : NULL;
-    m->kept = hits == NULL;
-    if (hits == NULL) {
-        m->built = old->built;
-        pe_manifold_carry(m, a, b, old_points, points);
-        return;
-    }
-    m->normal = hits->normal;
-    m->built = pe_manifold_built(hits, relative, &a->rotation, &b->rotation);
-    for (int i = 0; i < hits->count; ++i) {
-        place_point(&points[i], &hits->item[i], hits->normal, a, b);
-    }
-    if (old != NULL) {
-        pe_points_match(points, m->count, m->normal, old_points, old->count, size);
-    }
-}
+/* The old manifolds of a pair. */
+typedef struct old_patches {
+    const pe_manifold *items;
+    int count, point_count;
+    const pe_point *points; /* of all of them */
+} old_patches;
 
-/* The old manifold of the pair, or NULL. Pairs come in order, so that one walk finds them all. */
-static const pe_manifold *old_of(finder *f, pe_pair pair)
+/* Pairs come in order, so that one walk finds them all. */
+static old_patches old_of(finder *f, pe_pair pair)
 {
     const pe_manifold *old = pe_manifolds(f->then);
-    int count = f->then->manifold_count;
-    while (f->next < count && precedes(&old[f->next], pair)) {
+    int end = f->then->manifold_count;
+    while (f->next < end && precedes(&old[f->next], pair)) {
         ++f->next;
     }
-    bool same = f->next < count && old[f->next].a == pair.a && old[f->next].b == pair.b;
-    return same ? &old[f->next++] : NULL;
+    old_patches found = {.items = &old[f->next]};
+    for (; f->next < end && old[f->next].a == pair.a && old[f->next].b == pair.b; ++f->next) {
+        found.count += 1;
+        found.point_count += old[f->next].count;
+    }
+    if (found.count > 0) {
+        found.points = pe_points(f->then) + found.items[0].first;
+    }
+    return found;
 }
 
-/* Finds the pair's manifold: the old one carried along, or a new one, or none. */
+/* Appends a manifold of the pair with `count` points, which are to be filled. */
+static pe_status append(finder *f, pe_pair pair, int count, pe_manifold **manifold)
+{
+    pe_status status = reserve(f, count);
+    if (status == PE_OK) {
+        const pe_body *bodies = pe_bodies(f->world);
+        const pe_surface *surface =
+            pe_surface_of(f->world, bodies[pair.a].material, bodies[pair.b].material);
+        pe_manifold *m = &pe_manifolds(f->now)[f->now->manifold_count++];
+        m->a = pair.a;
+        m->b = pair.b;
+        m->first = f->now->point_count;
+        m->count = count;
+        m->friction = surface->friction;
+        m->restitution = surface->restitution;
+        f->now->point_count += count;
+        *manifold = m;
+    }
+    return status;
+}
+
+/* Appends the pair's old manifolds, carried along by the bodies. */
+static pe_status carry_pair(finder *f, pe_pair pair, const old_patches *old)
+{
+    const pe_pose *a = &pe_poses(f->world)[pair.a], *b = &pe_poses(f->world)[pair.b];
+    pe_status status = PE_OK;
+    for (int i = 0; i < old->count && status == PE_OK; ++i) {
+        const pe_manifold *then = &old->items[i];
+        pe_manifold *m;
+        status = append(f, pair, then->count, &m);
+        if (status == PE_OK) {
+            m->kept = true;
+            m->built = then->built;
+            pe_manifold_carry(m, a, b, pe_points(f->then) + then->first,
+                              pe_points(f->now) + m->first);
+        }
+    }
+    return status;
+}
+
+/* Appends new manifolds of the patches, with the impulses of the old ones. */
+static pe_status build_pair(finder *f, pe_pair pair, const old_patches *old, const pe_hits *patches,
+                            int count, const pe_relative *relative, double size)
+{
+    const pe_pose *a = &pe_poses(f->world)[pair.a], *b = &pe_poses(f->world)[pair.b];
+    pe_matched matched;
+    memset(matched.point, 0, (size_t)old->point_count * sizeof *matched.point);
+    pe_status status = PE_OK;
+    for (int i = 0; i < count && status == PE_OK; ++i) {
+        const pe_hits *hits = &patches[i];
+        pe_manifold *m;
+        status = append(f, pair, hits->count, &m);
+        if (status != PE_OK) {
+            break;
+        }
+        pe_point *points = pe_points(f->now) + m->first;
+        m->kept = false;
+        m->normal = hits->normal;
+        m->built = pe_manifold_built(hits, relative, &a->rotation, &b->rotation);
+        for (int k = 0; k < hits->count; ++k) {
+            place_point(&points[k], &hits->item[k], hits->normal, a, b);
+        }
+        if (old->count > 0) {
+            pe_points_match(points, m->count, m->normal, old->items, old->count, old->points, size,
+                            &matched);
+        }
+    }
+    return status;
+}
+
+/* Finds the pair's manifolds: the old ones carried along, or new ones, or none. */
 static pe_status find_pair(finder *f, pe_pair pair)
 {
     pe_world *world = f->world;
@@ -153,34 +214,36 @@ static pe_status find_pair(finder *f, pe_pair pair)
     double margin = f->dt * (pe_length(closing) + spin) + f->slack;
     pe_relative relative = pe_relative_pose(a, pose_a, b, pose_b);
     double size = pair_size(a, b);
-    const pe_manifold *old = old_of(f, pair);
-    bool holds =
-        old != NULL && old->count <= f->rules->most_points &&
-        pe_manifold_holds(&old->built, &relative, f->rules->reuse_tolerance * size, margin);
-    pe_hits hits;
-    if (!holds) {
-        pe_collide((pe_placed){&a->shape, pose_a, a->size}, (pe_placed){&b->shape, pose_b, b->size},
-                   margin, &hits);
-        if (hits.count > f->rules->most_points) {
-            pe_hits_reduce(&hits, size);
+    old_patches old = old_of(f, pair);
+    bool few = true; /* points in each manifold */
+    for (int i = 0; i < old.count; ++i) {
+        few = few && old.items[i].count <= f->rules->most_points;
+    }
+    if (old.count > 0 && few &&
+        pe_manifolds_hold(old.items, old.count, &relative, f->rules->reuse_tolerance * size,
+                          margin)) {
+        return carry_pair(f, pair, &old);
+    }
+    pe_workspace work = pe_step_memory(world);
+    pe_arena_mark mark = pe_arena_fill(work.arena);
+    pe_hits patches[PE_MAX_PATCHES];
+    int count =
+        pe_collide((pe_placed){&a->shape, a->geometry, pose_a, a->size},
+                   (pe_placed){&b->shape, b->geometry, pose_b, b->size}, margin, work, patches);
+    pe_arena_rewind(work.arena, work.allocator, mark);
+    if (count < 0) {
+        return pe_fail(f->error, PE_NO_MEMORY, "no memory for the contacts of two meshes");
+    }
+    for (int i = 0; i < count; ++i) {
+        if (patches[i].count > f->rules->most_points) {
+            pe_hits_reduce(&patches[i], size);
         }
     }
-    int count = holds ? old->count : hits.count;
-    pe_status status = count > 0 ? reserve(f, count) : PE_OK;
-    if (count == 0 || status != PE_OK) {
-        return status;
+    bool convex = a->shape.kind != PE_SHAPE_MESH && b->shape.kind != PE_SHAPE_MESH;
+    if (count > 0 && convex) {
+        pe_hits_hold_centre(&patches[0], a, pose_a, b, pose_b, margin);
     }
-    const pe_surface *surface = pe_surface_of(world, a->material, b->material);
-    pe_manifold *m = &pe_manifolds(f->now)[f->now->manifold_count++];
-    m->a = pair.a;
-    m->b = pair.b;
-    m->first = f->now->point_count;
-    m->count = count;
-    m->friction = surface->friction;
-    m->restitution = surface->restitution;
-    f->now->point_count += count;
-    fill_manifold(f, old, holds ? NULL : &hits, &relative, size, m);
-    return PE_OK;
+    return build_pair(f, pair, &old, patches, count, &relative, size);
 }
 
 pe_status pe_contacts_find_by(pe_world *world, const pe_contact_rules *rules, const pe_pair *pairs,

@@ -4,10 +4,17 @@
 
 #include "world.h"
 
-/* Gives each of the new points the impulse of the old point on the same features, or else of the
- * nearest one that is left, within a fiftieth of `size`, the smaller body's; none: 0. An impulse
- * that would pull along the new normal is dropped. */
-void pe_points_match(pe_point *points, int count, pe_vec3 normal, const pe_point *old_points,
-                     int old_count, double size);
+/* Which old points of a pair have given their impulse away. */
+typedef struct pe_matched {
+    bool point[PE_MAX_PATCHES * PE_MAX_POINTS];
+} pe_matched;
+
+/* Gives each point of a new manifold the impulse of the old point of the pair on the same features,
+ * or else of the nearest one that is left in a patch that faces the same way, within a fiftieth of
+ * `size`, the smaller body's; none: 0. An impulse that would pull along the new normal is dropped.
+ * `old` are the pair's manifolds (old_count of them), whose points stand together from old_points
+ * on. */
+void pe_points_match(pe_point *points, int count, pe_vec3 normal, const pe_manifold *old,
+                     int old_count, const pe_point *old_points, double size, pe_matched *matched);
 
 #endif

@@ -10,11 +10,6 @@
  * building counts, not the last one: slow motion must not carry a manifold along for ever. */
 #include "contact_reuse.h"
 
-static pe_quat conjugate(pe_quat q)
-{
-    return (pe_quat){q.w, -q.x, -q.y, -q.z};
-}
-
 pe_relative pe_relative_pose(const pe_body *a, const pe_pose *pose_a, const pe_body *b,
                              const pe_pose *pose_b)
 {
@@ -23,13 +18,12 @@ pe_relative pe_relative_pose(const pe_body *a, const pe_pose *pose_a, const pe_b
     const pe_pose *large = b_is_larger ? pose_b : pose_a, *small = b_is_larger ? pose_a : pose_b;
     return (pe_relative){
         .position = pe_unrotate(&large->rotation, pe_sub(small->position, large->position)),
-        .orientation = pe_quat_product(conjugate(large->orientation), small->orientation),
+        .orientation = pe_quat_product(pe_quat_conjugate(large->orientation), small->orientation),
         .radius = b_is_larger ? ra : rb,
     };
 }
 
-bool pe_manifold_holds(const pe_built *built, const pe_relative *now, double distance,
-                       double margin)
+static bool holds(const pe_built *built, const pe_relative *now, double distance, double margin)
 {
     pe_vec3 dx = pe_sub(now->position, built->position);
     pe_quat q = now->orientation, p = built->orientation;
@@ -39,6 +33,16 @@ bool pe_manifold_holds(const pe_built *built, const pe_relative *now, double dis
     /* (s + t)^2 <= 2 (s^2 + t^2) spares the roots. */
     return 2 * shift2 + 8 * r * r * turn2 < distance * distance && built->least_margin <= margin &&
            margin < built->end_margin;
+}
+
+bool pe_manifolds_hold(const pe_manifold *manifolds, int count, const pe_relative *now,
+                       double distance, double margin)
+{
+    bool all = true;
+    for (int i = 0; i < count && all; ++i) {
+        all = holds(&manifolds[i].built, now, distance, margin);
+    }
+    return all;
 }
 
 pe_built pe_manifold_built(const pe_hits *hits, const pe_relative *now, const pe_mat3 *rotation_a,

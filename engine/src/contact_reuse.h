@@ -15,10 +15,10 @@ typedef struct pe_relative {
 pe_relative pe_relative_pose(const pe_body *a, const pe_pose *pose_a, const pe_body *b,
                              const pe_pose *pose_b);
 
-/* Whether no point of either body has moved relative to the other by `distance` or more since the
- * manifold was built, and `margin` asks for the same points. */
-bool pe_manifold_holds(const pe_built *built, const pe_relative *now, double distance,
-                       double margin);
+/* Whether no point of either body has moved relative to the other by `distance` or more since these
+ * manifolds of one pair (count of them) were built, and `margin` asks for the same points. */
+bool pe_manifolds_hold(const pe_manifold *manifolds, int count, const pe_relative *now,
+                       double distance, double margin);
 
 /* Notes how the pair lies for a manifold made of `hits` just now. */
 pe_built pe_manifold_built(const pe_hits *hits, const pe_relative *now, const pe_mat3 *rotation_a,

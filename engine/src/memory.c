@@ -90,6 +90,7 @@ void *pe_arena_take(pe_arena *arena, const pe_allocator *allocator, size_t count
     }
     size_t size = round_up(count * stride);
     arena->wanted += size;
+    arena->most = arena->most > arena->wanted ? arena->most : arena->wanted;
     if (size <= arena->capacity - arena->used) {
         char *taken = arena->block + arena->used;
         arena->used += size;
@@ -104,22 +105,36 @@ void *pe_arena_take(pe_arena *arena, const pe_allocator *allocator, size_t count
     return (char *)extra + ALIGNMENT;
 }
 
-static void release_extras(pe_arena *arena, const pe_allocator *allocator)
+/* Those that were taken after `kept`; NULL: all. */
+static void release_extras(pe_arena *arena, const pe_allocator *allocator,
+                           const struct pe_arena_extra *kept)
 {
-    while (arena->extras != NULL) {
+    while (arena->extras != kept) {
         struct pe_arena_extra *next = arena->extras->next;
         release(allocator, arena->extras);
         arena->extras = next;
     }
 }
 
+pe_arena_mark pe_arena_fill(const pe_arena *arena)
+{
+    return (pe_arena_mark){arena->used, arena->wanted, arena->extras};
+}
+
+void pe_arena_rewind(pe_arena *arena, const pe_allocator *allocator, pe_arena_mark mark)
+{
+    release_extras(arena, allocator, mark.extras);
+    arena->used = mark.used;
+    arena->wanted = mark.wanted;
+}
+
 void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator)
 {
-    if (arena->wanted > arena->capacity) {
-        release_extras(arena, allocator);
+    release_extras(arena, allocator, NULL);
+    if (arena->most > arena->capacity) {
         /* A quarter more than was needed, so that slow growth does not allocate at each step.
          * Without memory for it the old block stays, and the extras come back. */
-        size_t capacity = round_up(arena->wanted + arena->wanted / 4);
+        size_t capacity = round_up(arena->most + arena->most / 4);
         void *block = allocator->allocate(allocator->context, capacity);
         if (block != NULL) {
             release(allocator, arena->block);
@@ -129,11 +144,12 @@ void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator)
     }
     arena->used = 0;
     arena->wanted = 0;
+    arena->most = 0;
 }
 
 void pe_arena_free(pe_arena *arena, const pe_allocator *allocator)
 {
-    release_extras(arena, allocator);
+    release_extras(arena, allocator, NULL);
     release(allocator, arena->block);
     *arena = (pe_arena){0};
 }

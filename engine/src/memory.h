@@ -32,12 +32,25 @@ void pe_array_free(pe_array *array, const pe_allocator *allocator);
  * from extra blocks, which the next reset merges into one of the size that was needed. */
 typedef struct pe_arena {
     char *block;
-    size_t capacity, used, wanted; /* bytes; wanted: the sum asked for since the last reset */
+    size_t capacity, used; /* bytes of the block */
+    size_t wanted, most;   /* bytes: in use now, extra blocks included, and at most since the last
+                              reset */
     struct pe_arena_extra *extras;
 } pe_arena;
 
 /* 64-byte aligned, not initialised; NULL when out of memory. */
 void *pe_arena_take(pe_arena *arena, const pe_allocator *allocator, size_t count, size_t stride);
+
+/* How full an arena is. */
+typedef struct pe_arena_mark {
+    size_t used, wanted;
+    const struct pe_arena_extra *extras;
+} pe_arena_mark;
+
+pe_arena_mark pe_arena_fill(const pe_arena *arena);
+
+/* Gives back what was taken since the mark. */
+void pe_arena_rewind(pe_arena *arena, const pe_allocator *allocator, pe_arena_mark mark);
 
 /* Gives everything back. */
 void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator);

@@ -120,6 +120,11 @@ static inline pe_quat pe_quat_product(pe_quat a, pe_quat b)
     };
 }
 
+static inline pe_quat pe_quat_conjugate(pe_quat q)
+{
+    return (pe_quat){q.w, -q.x, -q.y, -q.z};
+}
+
 static inline pe_quat pe_quat_unit(pe_quat q)
 {
     double s = 1 / sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);

@@ -1,5 +1,5 @@
 /* Making and unmaking a world, and its materials. */
-#include "world.h"
+#include "broad_phase.h"
 
 #include <string.h>
 
@@ -82,17 +82,28 @@ void pe_world_destroy(pe_world *world)
     }
     pe_allocator allocator = world->allocator;
     pe_array *arrays[] = {
-        &world->body_array,           &world->pose_array,
-        &world->motion_array,         &world->mass_array,
-        &world->load_array,           &world->surface_array,
-        &world->order_array,          &world->contacts.manifold_array,
-        &world->contacts.point_array, &world->previous.manifold_array,
-        &world->previous.point_array, &world->solved.manifold_array,
+        &world->body_array,
+        &world->pose_array,
+        &world->motion_array,
+        &world->mass_array,
+        &world->load_array,
+        &world->surface_array,
+        &world->contacts.manifold_array,
+        &world->contacts.point_array,
+        &world->previous.manifold_array,
+        &world->previous.point_array,
+        &world->solved.manifold_array,
         &world->solved.point_array,
     };
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         pe_array_free(arrays[i], &allocator);
     }
+    pe_geometry **geometries = world->geometry_array.items;
+    for (int i = 0; i < world->geometry_count; ++i) {
+        pe_geometry_free(geometries[i], &allocator);
+    }
+    pe_array_free(&world->geometry_array, &allocator);
+    pe_broad_free(&world->broad, &allocator);
     pe_pattern_store_free(&world->patterns, &allocator);
     pe_arena_free(&world->arena, &allocator);
     allocator.release(allocator.context, world);

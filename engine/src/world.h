@@ -2,6 +2,8 @@
 #ifndef PE_WORLD_H
 #define PE_WORLD_H
 
+#include "broad_phase_state.h"
+#include "geometry.h"
 #include "memory.h"
 #include "solve/pattern_store.h"
 #include "vec.h"
@@ -9,7 +11,8 @@
 /* Body slots start at 1: slot 0 is a static dummy, so that an id's index is its slot and 0 is null.
  */
 
-/* Where a body is: all that collision reads. */
+/* Where a body is: all that collision reads. Its axes are the principal ones through the centre of
+ * mass, for a hull or mesh not those of its vertices: see geometry.h. */
 typedef struct pe_pose {
     pe_vec3 position;
     pe_quat orientation;
@@ -30,9 +33,10 @@ typedef struct pe_mass {
 
 typedef struct pe_body {
     pe_shape shape;
-    double bounding_radius; /* about the position; 0 for a plane, which has no bound */
-    double size;            /* least half extent or radius: the scale of geometric tolerances */
-    int material;           /* row of the surface table; 0 is the default material */
+    const pe_geometry *geometry; /* of a hull or mesh, the world's; else NULL */
+    double bounding_radius;      /* about the position; 0 for a plane, which has no bound */
+    double size;  /* least half extent or radius: the scale of geometric tolerances */
+    int material; /* row of the surface table; 0 is the default material */
     uint32_t generation;
     bool alive, is_static;
     int next_free; /* slot of the next free one, 0 ends the list */
@@ -57,7 +61,9 @@ typedef struct pe_built {
     bool normal_on_b;
 } pe_built;
 
-/* A touching or nearly touching pair: points first .. first + count - 1 share its normal. */
+/* A patch of a touching or nearly touching pair: points first .. first + count - 1 share its
+ * normal.
+ */
 typedef struct pe_manifold {
     int a, b;       /* slots, a < b */
     pe_vec3 normal; /* unit, from a to b */
@@ -71,13 +77,16 @@ typedef struct pe_point {
     pe_vec3 position;           /* world, halfway between the two surfaces, when it was found */
     pe_vec3 anchor_a, anchor_b; /* the same point on either surface, in that body's axes */
     double separation;          /* m, when it was found */
-    uint32_t feature;           /* names the features that touch: the same from step to step */
+    uint64_t feature;           /* names the features that touch: the same from step to step */
     pe_vec3 impulse;            /* on b, world */
 } pe_point;
 
-enum { PE_MAX_POINTS = 8 }; /* a manifold */
+enum {
+    PE_MAX_POINTS = 8,  /* of a manifold */
+    PE_MAX_PATCHES = 16 /* manifolds of a pair */
+};
 
-/* The contacts of one step, sorted by (a, b). */
+/* The contacts of one step, sorted by (a, b); those of one pair stand together. */
 typedef struct pe_contacts {
     pe_array manifold_array, point_array;
     int manifold_count, point_count;
@@ -91,11 +100,13 @@ struct pe_world {
     int slot_count; /* slots in use or free, the dummy included */
     int first_free;
 
+    pe_array geometry_array; /* (geometry_count) pointers to pe_geometry */
+    int geometry_count;
+
     pe_array surface_array; /* (material_count x material_count), row-major */
     int material_count;
 
-    pe_array order_array; /* dynamic and bounded static slots, as the last sweep had them sorted */
-    int order_count;
+    pe_broad broad;
 
     /* `contacts` are those at the poses now, to be solved next, with the impulses they start from;
      * `solved` those of the last step with the impulses it found; `previous` is the list that was

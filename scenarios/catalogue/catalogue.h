@@ -12,6 +12,12 @@ extern const pl_scenario pl_scenario_slide_to_stop;
 extern const pl_scenario pl_scenario_wall;
 extern const pl_scenario pl_scenario_wall_collapse;
 extern const pl_scenario pl_scenario_pile;
+extern const pl_scenario pl_scenario_rest_shape;
+extern const pl_scenario pl_scenario_linked_rings;
+extern const pl_scenario pl_scenario_roll_slope;
+extern const pl_scenario pl_scenario_blocks;
+extern const pl_scenario pl_scenario_thin_wall;
+extern const pl_scenario pl_scenario_rocket;
 
 /* Parameters that scenarios share: dt and duration, which all have, and the friction of stacks.
  * Initialisers, since a table cannot copy another's row. */

@@ -1,16 +1,16 @@
-/* Spheres and boxes of random sizes and orientations, dropped into a box of planes.
+/* Bodies of random sizes and orientations, dropped into a box of planes.
  *
  * They start apart, each in its own cell of a lattice over the floor, with random velocities to the
  * sides, and fall into a loose pile. The motion is chaotic and has no closed form; what every right
  * answer shares is that no two bodies ever overlap. */
 #include "catalogue.h"
 #include "random.h"
-#include "scene_builder.h"
+#include "solids.h"
 
 #include <math.h>
 
 enum { COUNT, SHAPE, FRICTION, DT, DURATION, PARAM_COUNT };
-enum { SPHERES, BOXES, BOTH };
+enum { SPHERES, BOXES, BOTH, MESHES, ALL };
 
 static const pl_param params[PARAM_COUNT] = {
     [COUNT] = {.name = "n",
@@ -23,10 +23,11 @@ static const pl_param params[PARAM_COUNT] = {
     [SHAPE] = {.name = "shape",
                .value = BOTH,
                .min = SPHERES,
-               .max = BOTH,
+               .max = ALL,
                .integer = true,
                .unit = "1",
-               .help = "0 spheres, 1 boxes, 2 either at random"},
+               .help = "0 spheres, 1 boxes, 2 either at random, 3 rings of 500 triangles, 4 any of "
+                       "the shapes"},
     [FRICTION] = PL_PARAM_FRICTION,
     [DT] = PL_PARAM_DT,
     [DURATION] = PL_PARAM_DURATION(4),
@@ -60,21 +61,65 @@ static void draw_orientation(pl_random *random, double q[4])
     }
 }
 
-static pl_shape draw_shape(pl_random *random, int shape)
+/* What bodies share: all rings are one mesh, and all hulls one icosahedron. */
+typedef struct kit {
+    int shape;
+    const pl_polyhedron *ring, *hull;
+} kit;
+
+enum { AROUND = 25, SIDES = 10 }; /* 500 triangles */
+
+static kit make_kit(pl_builder *builder, int shape)
 {
-    if (shape == SPHERES || (shape == BOTH && pl_random_unit(random) < 0.5)) {
-        return pl_shape_sphere(uniform(random, least_half, most_half));
+    kit k = {.shape = shape};
+    if (shape == MESHES || shape == ALL) {
+        pl_solid solid = pl_solid_torus(0.7 * most_half, 0.3 * most_half, AROUND, SIDES);
+        k.ring = pl_build_solid(builder, &solid, false, "ring");
     }
+    if (shape == ALL) {
+        double height;
+        pl_solid solid = pl_solid_icosahedron(most_half, &height);
+        k.hull = pl_build_solid(builder, &solid, true, "icosahedron");
+    }
+    return k;
+}
+
+static pl_shape draw_box(pl_random *random)
+{
     double x = uniform(random, least_half, most_half), y = uniform(random, least_half, most_half);
     return pl_shape_box(x, y, uniform(random, least_half, most_half));
 }
 
+static pl_shape draw_shape(pl_random *random, const kit *k)
+{
+    if (k->shape == MESHES) {
+        return pl_shape_of(k->ring);
+    }
+    if (k->shape == SPHERES || (k->shape == BOTH && pl_random_unit(random) < 0.5)) {
+        return pl_shape_sphere(uniform(random, least_half, most_half));
+    }
+    switch (k->shape == ALL ? (int)(6 * pl_random_unit(random)) : 0) {
+    case 1:
+        return pl_shape_sphere(uniform(random, least_half, most_half));
+    case 2:
+        return pl_shape_capsule(0.5 * most_half, uniform(random, 0.2, 0.5));
+    case 3:
+        return pl_shape_cylinder(uniform(random, least_half, most_half), least_half);
+    case 4:
+        return pl_shape_of(k->hull);
+    case 5:
+        return pl_shape_of(k->ring);
+    default:
+        return draw_box(random);
+    }
+}
+
 /* Body i in cell i, of side `cell`, of a lattice `columns` wide and deep. */
-static void build_body(pl_builder *builder, pl_random *random, int i, int shape, int columns,
+static void build_body(pl_builder *builder, pl_random *random, int i, const kit *k, int columns,
                        double cell)
 {
     pl_body body = pl_body_default();
-    body.shape = draw_shape(random, shape);
+    body.shape = draw_shape(random, k);
     body.mass = density * pl_shape_volume(&body.shape);
     draw_orientation(random, body.orientation);
     body.position[0] = (i % columns + 0.5) * cell;
@@ -110,8 +155,9 @@ static pl_status build(const double *values, uint64_t seed, pl_scene *scene, pl_
     build_side(&builder, -1, 0, -columns * cell, "right");
     build_side(&builder, 0, 1, 0, "front");
     build_side(&builder, 0, -1, -columns * cell, "back");
-    for (int i = 0; i < count; i++) {
-        build_body(&builder, &random, i, shape, columns, cell);
+    const kit shared = make_kit(&builder, shape);
+    for (int i = 0; i < count && builder.status == PL_OK; i++) {
+        build_body(&builder, &random, i, &shared, columns, cell);
     }
     pl_build_judge(&builder, pl_scenario_pile.primary_error, (double)INFINITY);
     return pl_build_end(&builder);
@@ -119,7 +165,7 @@ static pl_status build(const double *values, uint64_t seed, pl_scene *scene, pl_
 
 const pl_scenario pl_scenario_pile = {
     .name = "pile",
-    .title = "Loose pile of spheres and boxes",
+    .title = "Loose pile",
     .description = "Bodies of random sizes and orientations fall into a box of planes: contacts in "
                    "every direction that come and go at every step, none of them stacked.",
     .reference = "no closed form for the motion; no overlap at any time: penetration 0",

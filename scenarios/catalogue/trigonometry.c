@@ -2,6 +2,11 @@
  * terms leave less than 1e-20 for x <= 1.6. */
 #include "trigonometry.h"
 
+#include <math.h>
+#include <stdbool.h>
+
+static const double right_angle = 1.5707963267948966;
+
 /* The sum of all terms but the first over the first, whose power of x is `first_power`. */
 static double later_terms(double x, int first_power)
 {
@@ -20,4 +25,59 @@ double pl_sine(double angle)
 double pl_cosine(double angle)
 {
     return 1 + later_terms(angle, 0);
+}
+
+/* Turns (*x, *y) by so many right angles. */
+static void turn(long long right_angles, double *x, double *y)
+{
+    double c = *x, s = *y;
+    switch (right_angles % 4) {
+    case 1:
+        *x = -s, *y = c;
+        break;
+    case 2:
+        *x = -c, *y = -s;
+        break;
+    case 3:
+        *x = s, *y = -c;
+        break;
+    default:
+        break;
+    }
+}
+
+static void point_at(double angle, double *x, double *y)
+{
+    double right_angles = floor(angle / right_angle);
+    double rest = fmax(angle - right_angles * right_angle, 0);
+    *x = pl_cosine(rest);
+    *y = pl_sine(rest);
+    turn((long long)right_angles, x, y);
+}
+
+double pl_sine_of_any(double angle)
+{
+    double x, y;
+    point_at(angle, &x, &y);
+    return y;
+}
+
+double pl_cosine_of_any(double angle)
+{
+    double x, y;
+    point_at(angle, &x, &y);
+    return x;
+}
+
+void pl_circle_point(int k, int n, double *x, double *y)
+{
+    long long eighths = 8LL * k, octant = eighths / n;
+    /* The rest of the octant counts up in even ones and down from its end in odd ones. */
+    double part = (double)(octant % 2 == 0 ? eighths - octant * n : (octant + 1) * n - eighths) / n;
+    bool diagonal = part == 1; /* where sine and cosine are one number */
+    double c = diagonal ? sqrt(0.5) : pl_cosine(part * right_angle / 2);
+    double s = diagonal ? sqrt(0.5) : pl_sine(part * right_angle / 2);
+    *x = octant % 2 == 0 ? c : s;
+    *y = octant % 2 == 0 ? s : c;
+    turn(octant / 2, x, y);
 }

@@ -1,9 +1,18 @@
 /* Sine and cosine of scenarios' angles: the same bits on every machine, which the C library's are
- * not. Good to a few units in the last place for 0 <= angle <= 1.6. */
+ * not. */
 #ifndef PLUMB_TRIGONOMETRY_H
 #define PLUMB_TRIGONOMETRY_H
 
+/* Good to a few units in the last place for 0 <= angle <= 1.6. */
 double pl_sine(double angle);
 double pl_cosine(double angle);
+
+/* Of any angle from 0 to 1e6: good to 1e-16 of the angle. */
+double pl_sine_of_any(double angle);
+double pl_cosine_of_any(double angle);
+
+/* The point of the unit circle at the part k / n of a turn, 0 <= k, 0 < n. Points that mirror each
+ * other in an axis do so to the bit. */
+void pl_circle_point(int k, int n, double *x, double *y);
 
 #endif

@@ -1,10 +1,10 @@
 /* Errors, suggestions of names, and numbers given as text. */
 #include "plumb/base.h"
+#include "number.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 pl_status pl_fail(pl_error *error, pl_status status, const char *format, ...)
@@ -83,27 +83,15 @@ const char *pl_nearest_name(const char *word, const char *const *candidates, int
     return nearest;
 }
 
-/* One decimal number from `text` up to and not including `end`. */
-static bool parse_decimal(const char *text, const char *end, double *value)
-{
-    char *stop = NULL;
-    /* strtod would also take blanks, hexadecimals, "inf" and "nan". */
-    if (text == end || text + strspn(text, "+-.0123456789eE") < end) {
-        return false;
-    }
-    *value = strtod(text, &stop);
-    return stop == end && isfinite(*value);
-}
-
 bool pl_parse_number(const char *text, double *value)
 {
-    const char *end = text + strlen(text);
     const char *slash = strchr(text, '/');
     if (slash == NULL) {
-        return parse_decimal(text, end, value);
+        return pl_decimal(text, strlen(text), value);
     }
     double numerator, denominator;
-    if (!parse_decimal(text, slash, &numerator) || !parse_decimal(slash + 1, end, &denominator)) {
+    if (!pl_decimal(text, (size_t)(slash - text), &numerator) ||
+        !pl_decimal(slash + 1, strlen(slash + 1), &denominator)) {
         return false;
     }
     *value = numerator / denominator;

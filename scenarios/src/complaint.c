@@ -87,6 +87,19 @@ bool pl_complain_of(pl_complaint *complaint, const char *key, const char *format
     return false;
 }
 
+bool pl_complain_of_reference(pl_complaint *complaint, const char *key, const char *kind,
+                              const char *name, const char *nearest)
+{
+    char quoted[PL_QUOTED_SIZE];
+    if (nearest == NULL) {
+        return pl_complain_of(complaint, key, "expected the name of a %s, found %s", kind,
+                              pl_quoted(name, quoted));
+    }
+    return pl_complain_of(complaint, key,
+                          "expected the name of a %s, found %s; did you mean \"%s\"?", kind,
+                          pl_quoted(name, quoted), nearest);
+}
+
 bool pl_complain_no_memory(pl_complaint *complaint)
 {
     complaint->status = PL_NO_MEMORY;

@@ -48,6 +48,10 @@ __attribute__((format(printf, 3, 4)))
 #endif
 bool pl_complain_of(pl_complaint *complaint, const char *key, const char *format, ...);
 
+/* That `name` at `key` is that of no `kind`; `nearest` is one that may have been meant, or NULL. */
+bool pl_complain_of_reference(pl_complaint *complaint, const char *key, const char *kind,
+                              const char *name, const char *nearest);
+
 /* Sets status PL_NO_MEMORY and returns false. */
 bool pl_complain_no_memory(pl_complaint *complaint);
 

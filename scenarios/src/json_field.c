@@ -1,9 +1,12 @@
 #include "json_field.h"
 
+#include "check_number.h"
 #include "number.h"
 #include "scene_check.h"
 
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 const char *pl_json_found(const json_t *json, char text[PL_FOUND_SIZE])
@@ -112,6 +115,26 @@ bool pl_json_number(const json_t *object, const char *key, pl_presence presence,
     return true;
 }
 
+/* An array of exactly `count` numbers, at the path as it stands. */
+static bool read_numbers(const json_t *json, double *values, int count, pl_complaint *complaint)
+{
+    char found[PL_FOUND_SIZE];
+    if (!json_is_array(json) || json_array_size(json) != (size_t)count) {
+        return pl_complain(complaint, "expected an array of %d numbers, found %s", count,
+                           pl_json_found(json, found));
+    }
+    for (int i = 0; i < count; i++) {
+        const json_t *item = json_array_get(json, (size_t)i);
+        if (!json_is_number(item)) {
+            pl_path_push_index(&complaint->path, i);
+            return pl_complain(complaint, "expected a number, found %s",
+                               pl_json_found(item, found));
+        }
+        values[i] = json_number_value(item);
+    }
+    return true;
+}
+
 bool pl_json_vector(const json_t *object, const char *key, pl_presence presence, double *values,
                     int count, pl_complaint *complaint)
 {
@@ -119,22 +142,72 @@ bool pl_json_vector(const json_t *object, const char *key, pl_presence presence,
     if (json == NULL && presence == PL_OPTIONAL) {
         return true;
     }
-    char expected[32];
-    snprintf(expected, sizeof expected, "an array of %d numbers", count);
-    if (!json_is_array(json) || json_array_size(json) != (size_t)count) {
-        return complain_of_type(complaint, key, expected, json);
+    pl_path_push_key(&complaint->path, key);
+    if (!read_numbers(json, values, count, complaint)) {
+        return false;
     }
-    for (int i = 0; i < count; i++) {
-        const json_t *item = json_array_get(json, (size_t)i);
-        if (!json_is_number(item)) {
-            char found[PL_FOUND_SIZE];
-            pl_path_push_key(&complaint->path, key);
-            pl_path_push_index(&complaint->path, i);
-            return pl_complain(complaint, "expected a number, found %s",
-                               pl_json_found(item, found));
+    pl_path_pop(&complaint->path);
+    return true;
+}
+
+/* People write few digits: a vector that is almost of unit length is made so. One that is of unit
+ * length to rounding stays, so that what was written reads back number for number; any other stays
+ * too, and scene_check.c rejects it. */
+static void normalize(double *vector, int n)
+{
+    const double written_tolerance = 1e-6;
+    double norm = pl_norm(vector, n);
+    if (fabs(norm - 1) > PL_UNIT_TOLERANCE && fabs(norm - 1) <= written_tolerance) {
+        for (int k = 0; k < n; k++) {
+            vector[k] /= norm;
         }
-        values[i] = json_number_value(item);
     }
+}
+
+bool pl_json_unit(const json_t *object, const char *key, pl_presence presence, double *values,
+                  int count, pl_complaint *complaint)
+{
+    if (!pl_json_vector(object, key, presence, values, count, complaint)) {
+        return false;
+    }
+    normalize(values, count);
+    return true;
+}
+
+static bool read_triples(const json_t *array, double (*triples)[3], pl_complaint *complaint)
+{
+    size_t i;
+    json_t *item;
+    json_array_foreach(array, i, item)
+    {
+        pl_path_push_index(&complaint->path, (int)i);
+        if (!read_numbers(item, triples[i], 3, complaint)) {
+            return false;
+        }
+        pl_path_pop(&complaint->path);
+    }
+    return true;
+}
+
+bool pl_json_triples(const json_t *object, const char *key, double (**triples)[3], int *count,
+                     pl_complaint *complaint)
+{
+    const json_t *array;
+    if (!pl_json_array(object, key, PL_REQUIRED, &array, complaint)) {
+        return false;
+    }
+    double(*made)[3] = malloc(json_array_size(array) * sizeof *made + 1);
+    if (made == NULL) {
+        return pl_complain_no_memory(complaint);
+    }
+    pl_path_push_key(&complaint->path, key);
+    if (!read_triples(array, made, complaint)) {
+        free(made);
+        return false;
+    }
+    pl_path_pop(&complaint->path);
+    *triples = made;
+    *count = (int)json_array_size(array);
     return true;
 }
 

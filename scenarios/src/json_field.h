@@ -36,6 +36,14 @@ bool pl_json_number(const json_t *object, const char *key, pl_presence presence,
 bool pl_json_vector(const json_t *object, const char *key, pl_presence presence, double *values,
                     int count, pl_complaint *complaint);
 
+/* The same, made of unit length where people wrote too few digits. */
+bool pl_json_unit(const json_t *object, const char *key, pl_presence presence, double *values,
+                  int count, pl_complaint *complaint);
+
+/* An array of arrays of three numbers, malloc'd: *triples is (*count). */
+bool pl_json_triples(const json_t *object, const char *key, double (**triples)[3], int *count,
+                     pl_complaint *complaint);
+
 /* Borrowed from `object`. `expected` says in a message what the string should be. */
 bool pl_json_string(const json_t *object, const char *key, pl_presence presence,
                     const char *expected, const char **value, pl_complaint *complaint);

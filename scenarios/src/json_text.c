@@ -1,8 +1,10 @@
 #include "json_text.h"
 
+#include "file_text.h"
 #include "scene_locate.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static pl_status fail_at_offset(const char *text, size_t offset, const char *label,
@@ -80,5 +82,18 @@ pl_status pl_json_read_text(const pl_json_kind *kind, const char *text, size_t l
         status = fail_by_complaint(kind, text, length, label, &complaint, error);
     }
     json_decref(json);
+    return status;
+}
+
+pl_status pl_json_read_file(const pl_json_kind *kind, const char *path, void *user, pl_error *error)
+{
+    const pl_file_kind file_kind = {.noun = kind->noun, .most_bytes = kind->most_bytes};
+    char *text = NULL;
+    size_t length = 0;
+    pl_status status = pl_file_read(&file_kind, path, &text, &length, error);
+    if (status == PL_OK) {
+        status = pl_json_read_text(kind, text, length, pl_file_label(path), user, error);
+        free(text);
+    }
     return status;
 }

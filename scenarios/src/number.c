@@ -1,5 +1,6 @@
 #include "number.h"
 
+#include <locale.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -23,4 +24,30 @@ const char *pl_number_text(double value, char text[PL_NUMBER_SIZE])
         *not_a_digit = '.'; /* the decimal comma of some locales */
     }
     return text;
+}
+
+bool pl_decimal(const char *text, size_t length, double *value)
+{
+    /* 1075 digits are the most that matter: of the smallest double's half. */
+    enum { LONGEST = 1200, POINT_SIZE = 8 };
+    char copy[LONGEST + POINT_SIZE];
+    if (length == 0 || length > LONGEST) {
+        return false;
+    }
+    memcpy(copy, text, length);
+    copy[length] = '\0';
+    /* strtod would also take blanks, hexadecimals, "inf" and "nan". */
+    if (strspn(copy, "+-.0123456789eE") < length) {
+        return false;
+    }
+    const char *local_point = localeconv()->decimal_point;
+    const size_t size = strlen(local_point);
+    char *point = strchr(copy, '.');
+    if (point != NULL && size <= POINT_SIZE) {
+        memmove(point + size, point + 1, strlen(point));
+        memcpy(point, local_point, size);
+    }
+    char *stop = NULL;
+    *value = strtod(copy, &stop);
+    return *stop == '\0' && isfinite(*value);
 }

@@ -3,7 +3,8 @@
  * Arrays double whenever they are full, and carry no capacity of their own: an array of `count`
  * items has room for the next power of two, and for FIRST_CAPACITY at least, so it is full when
  * `count` is such a number. Appending is amortised constant time. */
-#include "plumb/scene.h"
+#include "polyhedron.h"
+#include "scene_array.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -31,6 +32,10 @@ void pl_scene_free(pl_scene *scene)
     }
     free(scene->materials);
     free(scene->pairs);
+    for (int i = 0; i < scene->polyhedron_count; i++) {
+        pl_polyhedron_free(scene->polyhedra[i]);
+    }
+    free(scene->polyhedra);
     free(scene->bodies);
     free(scene->forces);
     free(scene->rests);
@@ -85,6 +90,17 @@ pl_status pl_scene_add_pair(pl_scene *scene, const pl_material_pair *item, pl_er
         return PL_NO_MEMORY;
     }
     scene->pairs = grown;
+    return PL_OK;
+}
+
+pl_status pl_scene_add_polyhedron(pl_scene *scene, pl_polyhedron *polyhedron, pl_error *error)
+{
+    pl_polyhedron **grown = append(scene->polyhedra, &scene->polyhedron_count, &polyhedron,
+                                   sizeof(pl_polyhedron *), error);
+    if (grown == NULL) {
+        return PL_NO_MEMORY;
+    }
+    scene->polyhedra = grown;
     return PL_OK;
 }
 

@@ -1,7 +1,9 @@
 #include "scene_check.h"
 
+#include "check_number.h"
 #include "name_index.h"
 #include "number.h"
+#include "shape_check.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -14,15 +16,6 @@ const char *const pl_primary_errors[] = {
     "penetration_max",     "penetration_rest",    "drift",        "creep",
     "energy_gain",         "momentum_error"};
 const int pl_primary_error_count = sizeof pl_primary_errors / sizeof pl_primary_errors[0];
-
-double pl_norm(const double *vector, int n)
-{
-    double sum = 0;
-    for (int k = 0; k < n; k++) {
-        sum += vector[k] * vector[k];
-    }
-    return sqrt(sum);
-}
 
 bool pl_check_name(const char *name, size_t length, pl_complaint *complaint)
 {
@@ -52,57 +45,6 @@ static bool check_stored_name(const char *name, pl_complaint *complaint)
     return text != NULL || pl_complain(complaint, "expected a name in UTF-8, found other bytes");
 }
 
-/* Complains of the number at `key`, or at the path as it stands when key is NULL, unless `right`.
- */
-static bool check_number(pl_complaint *complaint, const char *key, double value, bool right,
-                         const char *expected)
-{
-    if (right) {
-        return true;
-    }
-    char found[PL_NUMBER_SIZE];
-    if (key != NULL) {
-        pl_path_push_key(&complaint->path, key);
-    }
-    return pl_complain(complaint, "expected %s, found %s", expected, pl_number_text(value, found));
-}
-
-static bool check_finite(pl_complaint *complaint, const char *key, double value)
-{
-    return check_number(complaint, key, value, isfinite(value), "a finite number");
-}
-
-static bool check_positive(pl_complaint *complaint, const char *key, double value)
-{
-    return check_number(complaint, key, value, isfinite(value) && value > 0,
-                        "a finite number above 0");
-}
-
-static bool check_vector(pl_complaint *complaint, const char *key, const double vector[3])
-{
-    pl_path_push_key(&complaint->path, key);
-    for (int k = 0; k < 3; k++) {
-        if (!isfinite(vector[k])) {
-            pl_path_push_index(&complaint->path, k);
-            return check_finite(complaint, NULL, vector[k]);
-        }
-    }
-    pl_path_pop(&complaint->path);
-    return true;
-}
-
-static bool check_unit(pl_complaint *complaint, const char *key, const double *vector, int n,
-                       const char *expected)
-{
-    char found[PL_NUMBER_SIZE];
-    double norm = pl_norm(vector, n);
-    if (fabs(norm - 1) <= PL_UNIT_TOLERANCE) {
-        return true;
-    }
-    return pl_complain_of(complaint, key, "expected %s, found one of norm %s", expected,
-                          pl_number_text(norm, found));
-}
-
 static bool check_zero(pl_complaint *complaint, const char *key, const double vector[3])
 {
     bool zero = vector[0] == 0 && vector[1] == 0 && vector[2] == 0;
@@ -121,16 +63,16 @@ static bool check_index(pl_complaint *complaint, const char *key, int index, int
 static bool check_friction_and_restitution(pl_complaint *complaint, double friction,
                                            double restitution)
 {
-    return check_number(complaint, "friction", friction, isfinite(friction) && friction >= 0,
-                        "a finite number of at least 0") &&
-           check_number(complaint, "restitution", restitution, restitution >= 0 && restitution <= 1,
-                        "a number from 0 to 1");
+    return pl_check_number(complaint, "friction", friction, isfinite(friction) && friction >= 0,
+                           "a finite number of at least 0") &&
+           pl_check_number(complaint, "restitution", restitution,
+                           restitution >= 0 && restitution <= 1, "a number from 0 to 1");
 }
 
 static bool check_time(const pl_scene *scene, pl_complaint *complaint)
 {
-    if (!check_positive(complaint, "dt", scene->dt) ||
-        !check_finite(complaint, "duration", scene->duration)) {
+    if (!pl_check_positive(complaint, "dt", scene->dt) ||
+        !pl_check_is_finite(complaint, "duration", scene->duration)) {
         return false;
     }
     char dt[PL_NUMBER_SIZE], found[PL_NUMBER_SIZE];
@@ -191,6 +133,31 @@ static bool check_materials(const pl_scene *scene, pl_complaint *complaint)
     return true;
 }
 
+/* The names that polyhedra have are keys of one object in a scene file. */
+static bool check_polyhedra(const pl_scene *scene, pl_complaint *complaint)
+{
+    char(*names)[PL_NAME_SIZE] = calloc((size_t)scene->polyhedron_count + 1, sizeof *names);
+    if (names == NULL) {
+        return pl_complain_no_memory(complaint);
+    }
+    int count = 0;
+    bool right = true;
+    pl_path_push_key(&complaint->path, "shapes");
+    for (int i = 0; i < scene->polyhedron_count && right; i++) {
+        const char *name = scene->polyhedra[i]->name;
+        if (name[0] != '\0') {
+            right = check_stored_name(name, complaint);
+            memcpy(names[count++], name, PL_NAME_SIZE);
+        }
+    }
+    right = right && check_unique(complaint, names[0], sizeof *names, count);
+    if (right) {
+        pl_path_pop(&complaint->path);
+    }
+    free(names);
+    return right;
+}
+
 static bool check_pair(const pl_scene *scene, int index, bool *seen, pl_complaint *complaint)
 {
     const pl_material_pair *pair = &scene->pairs[index];
@@ -235,40 +202,6 @@ static bool check_pairs(const pl_scene *scene, pl_complaint *complaint)
     return right;
 }
 
-static bool check_shape(const pl_shape *shape, pl_complaint *complaint)
-{
-    pl_path_push_key(&complaint->path, "shape");
-    switch (shape->kind) {
-    case PL_SHAPE_PLANE:
-        if (!check_unit(complaint, "normal", shape->normal, 3, "a unit vector") ||
-            !check_finite(complaint, "offset", shape->offset)) {
-            return false;
-        }
-        break;
-    case PL_SHAPE_SPHERE:
-        if (!check_positive(complaint, "radius", shape->radius)) {
-            return false;
-        }
-        break;
-    case PL_SHAPE_BOX:
-        pl_path_push_key(&complaint->path, "half_extents");
-        for (int k = 0; k < 3; k++) {
-            pl_path_push_index(&complaint->path, k);
-            if (!check_positive(complaint, NULL, shape->half_extents[k])) {
-                return false;
-            }
-            pl_path_pop(&complaint->path);
-        }
-        pl_path_pop(&complaint->path);
-        break;
-    default:
-        return pl_complain_of(complaint, "type", "expected a known shape, found number %d",
-                              (int)shape->kind);
-    }
-    pl_path_pop(&complaint->path);
-    return true;
-}
-
 /* Principal inertias of any solid keep I_a + I_b >= I_c: Goldstein, Classical Mechanics, ch. 5. */
 static bool check_inertia(const double inertia[3], pl_complaint *complaint)
 {
@@ -287,7 +220,19 @@ static bool check_inertia(const double inertia[3], pl_complaint *complaint)
                           pl_number_text(inertia[2], z));
 }
 
-static bool check_body(const pl_scene *scene, const pl_body *body, pl_complaint *complaint)
+static bool check_body_shape(const pl_shape *shape, const pl_address_list *polyhedra,
+                             pl_complaint *complaint)
+{
+    pl_path_push_key(&complaint->path, "shape");
+    if (!pl_check_shape(shape, complaint) || !pl_check_polyhedron(shape, polyhedra, complaint)) {
+        return false;
+    }
+    pl_path_pop(&complaint->path);
+    return true;
+}
+
+static bool check_body(const pl_scene *scene, const pl_body *body, const pl_address_list *polyhedra,
+                       pl_complaint *complaint)
 {
     pl_path_push_key(&complaint->path, "name");
     if (!check_stored_name(body->name, complaint)) {
@@ -295,7 +240,7 @@ static bool check_body(const pl_scene *scene, const pl_body *body, pl_complaint 
     }
     pl_path_pop(&complaint->path);
     if (!check_index(complaint, "material", body->material, scene->material_count, "material") ||
-        !check_shape(&body->shape, complaint)) {
+        !check_body_shape(&body->shape, polyhedra, complaint)) {
         return false;
     }
     if (body->shape.kind == PL_SHAPE_PLANE && !body->is_static) {
@@ -303,18 +248,19 @@ static bool check_body(const pl_scene *scene, const pl_body *body, pl_complaint 
                               "expected true, since a plane never moves, found "
                               "false");
     }
-    if (!check_vector(complaint, "position", body->position) ||
-        !check_unit(complaint, "orientation", body->orientation, 4,
-                    "a unit quaternion [w, x, y, z]") ||
-        !check_vector(complaint, "velocity", body->velocity) ||
-        !check_vector(complaint, "angular_velocity", body->angular_velocity)) {
+    if (!pl_check_vector(complaint, "position", body->position) ||
+        !pl_check_unit(complaint, "orientation", body->orientation, 4,
+                       "a unit quaternion [w, x, y, z]") ||
+        !pl_check_vector(complaint, "velocity", body->velocity) ||
+        !pl_check_vector(complaint, "angular_velocity", body->angular_velocity)) {
         return false;
     }
     if (body->is_static) {
         return check_zero(complaint, "velocity", body->velocity) &&
                check_zero(complaint, "angular_velocity", body->angular_velocity);
     }
-    return check_positive(complaint, "mass", body->mass) && check_inertia(body->inertia, complaint);
+    return pl_check_positive(complaint, "mass", body->mass) &&
+           check_inertia(body->inertia, complaint);
 }
 
 static bool check_bodies(const pl_scene *scene, pl_complaint *complaint)
@@ -324,12 +270,21 @@ static bool check_bodies(const pl_scene *scene, pl_complaint *complaint)
         return pl_complain(complaint, "expected 1 to %d bodies, found %d", PL_MAX_BODIES,
                            scene->body_count);
     }
-    for (int i = 0; i < scene->body_count; i++) {
+    pl_address_list polyhedra;
+    if (pl_address_list_create(scene, &polyhedra) != PL_OK) {
+        return pl_complain_no_memory(complaint);
+    }
+    bool right = true;
+    for (int i = 0; i < scene->body_count && right; i++) {
         pl_path_push_index(&complaint->path, i);
-        if (!check_body(scene, &scene->bodies[i], complaint)) {
-            return false;
+        right = check_body(scene, &scene->bodies[i], &polyhedra, complaint);
+        if (right) {
+            pl_path_pop(&complaint->path);
         }
-        pl_path_pop(&complaint->path);
+    }
+    pl_address_list_free(&polyhedra);
+    if (!right) {
+        return false;
     }
     if (!check_unique(complaint, scene->bodies[0].name, sizeof *scene->bodies, scene->body_count)) {
         return false;
@@ -344,10 +299,10 @@ static bool check_force(const pl_force *force, pl_complaint *complaint)
         return pl_complain_of(complaint, "frame", "expected a known frame, found number %d",
                               (int)force->frame);
     }
-    if (!check_vector(complaint, "force", force->force) ||
-        !check_vector(complaint, "at", force->at) ||
-        !check_number(complaint, "from", force->from, isfinite(force->from) && force->from >= 0,
-                      "a finite number of at least 0")) {
+    if (!pl_check_vector(complaint, "force", force->force) ||
+        !pl_check_vector(complaint, "at", force->at) ||
+        !pl_check_number(complaint, "from", force->from, isfinite(force->from) && force->from >= 0,
+                         "a finite number of at least 0")) {
         return false;
     }
     char from[PL_NUMBER_SIZE], found[PL_NUMBER_SIZE];
@@ -411,9 +366,9 @@ static bool check_rests(const pl_scene *scene, pl_complaint *complaint)
         const pl_expect_rest *rest = &scene->rests[i];
         pl_path_push_index(&complaint->path, i);
         if (!check_placed_body(scene, rest->body, complaint) ||
-            !check_vector(complaint, "position", rest->position) ||
-            (rest->has_orientation && !check_unit(complaint, "orientation", rest->orientation, 4,
-                                                  "a unit quaternion [w, x, y, z]"))) {
+            !pl_check_vector(complaint, "position", rest->position) ||
+            (rest->has_orientation && !pl_check_unit(complaint, "orientation", rest->orientation, 4,
+                                                     "a unit quaternion [w, x, y, z]"))) {
             return false;
         }
         pl_path_pop(&complaint->path);
@@ -429,14 +384,14 @@ static bool check_travels(const pl_scene *scene, pl_complaint *complaint)
         const pl_expect_travel *travel = &scene->travels[i];
         pl_path_push_index(&complaint->path, i);
         if (!check_placed_body(scene, travel->body, complaint) ||
-            !check_unit(complaint, "direction", travel->direction, 3, "a unit vector") ||
-            !check_number(complaint, "distance", travel->distance,
-                          isfinite(travel->distance) && travel->distance != 0,
-                          "a finite number other than 0") ||
-            !check_number(complaint, "discrete", travel->discrete,
-                          isnan(travel->discrete) ||
-                              (isfinite(travel->discrete) && travel->discrete != 0),
-                          "a finite number other than 0")) {
+            !pl_check_unit(complaint, "direction", travel->direction, 3, "a unit vector") ||
+            !pl_check_number(complaint, "distance", travel->distance,
+                             isfinite(travel->distance) && travel->distance != 0,
+                             "a finite number other than 0") ||
+            !pl_check_number(complaint, "discrete", travel->discrete,
+                             isnan(travel->discrete) ||
+                                 (isfinite(travel->discrete) && travel->discrete != 0),
+                             "a finite number other than 0")) {
             return false;
         }
         pl_path_pop(&complaint->path);
@@ -482,8 +437,8 @@ static bool check_expectations(const pl_scene *scene, pl_complaint *complaint)
     pl_path_push_key(&complaint->path, "expect");
     if (!check_rests(scene, complaint) || !check_travels(scene, complaint) ||
         !check_primary_error(scene, complaint) ||
-        !check_number(complaint, "collapse_distance", scene->collapse_distance,
-                      scene->collapse_distance > 0, "a number above 0")) {
+        !pl_check_number(complaint, "collapse_distance", scene->collapse_distance,
+                         scene->collapse_distance > 0, "a number above 0")) {
         return false;
     }
     pl_path_pop(&complaint->path);
@@ -506,10 +461,10 @@ static bool check_scene_name(const pl_scene *scene, pl_complaint *complaint)
 bool pl_scene_check(const pl_scene *scene, pl_complaint *complaint)
 {
     return check_scene_name(scene, complaint) &&
-           check_vector(complaint, "gravity", scene->gravity) && check_time(scene, complaint) &&
+           pl_check_vector(complaint, "gravity", scene->gravity) && check_time(scene, complaint) &&
            check_materials(scene, complaint) && check_pairs(scene, complaint) &&
-           check_bodies(scene, complaint) && check_forces(scene, complaint) &&
-           check_expectations(scene, complaint);
+           check_polyhedra(scene, complaint) && check_bodies(scene, complaint) &&
+           check_forces(scene, complaint) && check_expectations(scene, complaint);
 }
 
 pl_status pl_scene_validate(const pl_scene *scene, pl_error *error)

@@ -10,12 +10,6 @@
 extern const char *const pl_primary_errors[];
 extern const int pl_primary_error_count;
 
-/* How far the norm of a normal, direction or quaternion may be from 1. */
-#define PL_UNIT_TOLERANCE 1e-9
-
-/* sqrt of the sum of squares of n numbers. */
-double pl_norm(const double *vector, int n);
-
 /* False with a complaint about the first rule that is broken; its path follows the scene file,
  * where forces stand inside their body. `complaint` must be zeroed; its path borrows from the
  * scene. */

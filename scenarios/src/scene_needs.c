@@ -55,8 +55,8 @@ static uint32_t needs_of_pairs(const pl_scene *scene)
     return needs;
 }
 
-/* A moving box turns when anything touches it, a sphere only by friction, since its contact forces
- * else pass through its centre; both when they spin already or a force acts off the centre. */
+/* A moving body turns when anything touches it, a sphere only by friction, since its contact forces
+ * else pass through its centre; any when it spins already or a force acts off the centre. */
 static bool may_turn(const pl_body *body, bool has_friction, bool has_others)
 {
     if (body->is_static) {
@@ -99,6 +99,14 @@ const char *pl_needs_name(uint32_t bit)
         return "sphere";
     case PL_NEEDS_BOX:
         return "box";
+    case PL_NEEDS_CAPSULE:
+        return "capsule";
+    case PL_NEEDS_CYLINDER:
+        return "cylinder";
+    case PL_NEEDS_HULL:
+        return "hull";
+    case PL_NEEDS_MESH:
+        return "mesh";
     default:
         return NULL;
     }

@@ -6,12 +6,15 @@
 #include "name_index.h"
 #include "scene_check.h"
 #include "scene_keys.h"
+#include "scene_read_shape.h"
+#include "shape_width.h"
 
 #include <math.h>
 #include <string.h>
 
 typedef struct reader {
     pl_scene *scene;
+    pl_shape_reader shapes;
     pl_name_index body_names; /* once all bodies are read */
     pl_complaint complaint;
 } reader;
@@ -46,43 +49,6 @@ static bool added(reader *r, pl_status status)
     return status == PL_OK || pl_complain_no_memory(&r->complaint);
 }
 
-/* People write few digits: a vector that is almost of unit length is made so. One that is of unit
- * length to rounding stays, so that what was written reads back number for number; any other stays
- * too, and scene_check.c rejects it. */
-static void normalize(double *vector, int n)
-{
-    const double written_tolerance = 1e-6;
-    double norm = pl_norm(vector, n);
-    if (fabs(norm - 1) > PL_UNIT_TOLERANCE && fabs(norm - 1) <= written_tolerance) {
-        for (int k = 0; k < n; k++) {
-            vector[k] /= norm;
-        }
-    }
-}
-
-static bool read_unit(reader *r, const json_t *object, const char *key, pl_presence presence,
-                      double *vector, int n)
-{
-    if (!pl_json_vector(object, key, presence, vector, n, &r->complaint)) {
-        return false;
-    }
-    normalize(vector, n);
-    return true;
-}
-
-static bool complain_of_reference(reader *r, const char *key, const char *kind, const char *name,
-                                  const char *nearest)
-{
-    char quoted[PL_QUOTED_SIZE];
-    if (nearest == NULL) {
-        return pl_complain_of(&r->complaint, key, "expected the name of a %s, found %s", kind,
-                              pl_quoted(name, quoted));
-    }
-    return pl_complain_of(&r->complaint, key,
-                          "expected the name of a %s, found %s; did you mean \"%s\"?", kind,
-                          pl_quoted(name, quoted), nearest);
-}
-
 static int find_material(const pl_scene *scene, const char *name)
 {
     for (int i = 0; i < scene->material_count; i++) {
@@ -109,7 +75,7 @@ static bool read_material_reference(reader *r, const json_t *object, const char 
         names[i] = scene->materials[i].name;
     }
     const char *nearest = pl_nearest_name(name, names, scene->material_count);
-    return complain_of_reference(r, key, "material", name, nearest);
+    return pl_complain_of_reference(&r->complaint, key, "material", name, nearest);
 }
 
 static bool read_material(reader *r, const char *name, const json_t *json)
@@ -163,59 +129,6 @@ static bool read_pair(reader *r, const json_t *json)
            pl_json_number(json, "friction", PL_REQUIRED, &pair.friction, &r->complaint) &&
            pl_json_number(json, "restitution", PL_REQUIRED, &pair.restitution, &r->complaint) &&
            added(r, pl_scene_add_pair(r->scene, &pair, NULL));
-}
-
-static bool read_shape_kind(reader *r, const json_t *json, pl_shape_kind *kind)
-{
-    const char *type = NULL;
-    if (!json_is_object(json)) {
-        char found[PL_FOUND_SIZE];
-        return pl_complain(&r->complaint, "expected an object, found %s",
-                           pl_json_found(json, found));
-    }
-    if (!pl_json_string(json, "type", PL_REQUIRED, "the name of a shape", &type, &r->complaint)) {
-        return false;
-    }
-    for (int i = 0; i < PL_SHAPE_KIND_COUNT; i++) {
-        if (strcmp(type, pl_shape_names[i]) == 0) {
-            *kind = (pl_shape_kind)i;
-            return true;
-        }
-    }
-    char quoted[PL_QUOTED_SIZE];
-    return pl_complain_of(&r->complaint, "type", "expected plane, sphere or box, found %s",
-                          pl_quoted(type, quoted));
-}
-
-static bool read_shape(reader *r, const json_t *body, pl_shape *shape)
-{
-    const json_t *json = json_object_get(body, "shape");
-    pl_complaint *complaint = &r->complaint;
-    pl_path_push_key(&complaint->path, "shape");
-    if (!read_shape_kind(r, json, &shape->kind)) {
-        return false;
-    }
-    bool right = false;
-    switch (shape->kind) {
-    case PL_SHAPE_PLANE:
-        right = pl_json_object(json, &pl_scene_keys[PL_OBJECT_PLANE], complaint) &&
-                read_unit(r, json, "normal", PL_REQUIRED, shape->normal, 3) &&
-                pl_json_number(json, "offset", PL_REQUIRED, &shape->offset, complaint);
-        break;
-    case PL_SHAPE_SPHERE:
-        right = pl_json_object(json, &pl_scene_keys[PL_OBJECT_SPHERE], complaint) &&
-                pl_json_number(json, "radius", PL_REQUIRED, &shape->radius, complaint);
-        break;
-    case PL_SHAPE_BOX:
-        right =
-            pl_json_object(json, &pl_scene_keys[PL_OBJECT_BOX], complaint) &&
-            pl_json_vector(json, "half_extents", PL_REQUIRED, shape->half_extents, 3, complaint);
-        break;
-    }
-    if (right) {
-        pl_path_pop(&complaint->path);
-    }
-    return right;
 }
 
 /* Complains when the body has one of `keys`, a list that ends with NULL. */
@@ -318,7 +231,7 @@ static bool read_body(reader *r, const json_t *json)
     pl_complaint *complaint = &r->complaint;
     if (!pl_json_object(json, &pl_scene_keys[PL_OBJECT_BODY], complaint) ||
         !pl_json_name(json, "name", PL_REQUIRED, body.name, complaint) ||
-        !read_shape(r, json, &body.shape)) {
+        !pl_read_body_shape(&r->shapes, json, &body.shape)) {
         return false;
     }
     bool is_plane = body.shape.kind == PL_SHAPE_PLANE;
@@ -327,7 +240,7 @@ static bool read_body(reader *r, const json_t *json)
         (is_plane && !has_none_of(r, json, of_placed,
                                   "a plane to be placed by its shape's normal and offset")) ||
         !pl_json_vector(json, "position", PL_OPTIONAL, body.position, 3, complaint) ||
-        !read_unit(r, json, "orientation", PL_OPTIONAL, body.orientation, 4) ||
+        !pl_json_unit(json, "orientation", PL_OPTIONAL, body.orientation, 4, &r->complaint) ||
         !pl_json_vector(json, "velocity", PL_OPTIONAL, body.velocity, 3, complaint) ||
         !pl_json_vector(json, "angular_velocity", PL_OPTIONAL, body.angular_velocity, 3,
                         complaint)) {
@@ -348,8 +261,8 @@ static bool read_body_reference(reader *r, const json_t *object, int *index)
         return false;
     }
     *index = pl_name_index_find(&r->body_names, name);
-    return *index >= 0 || complain_of_reference(r, "body", "body", name,
-                                                pl_name_index_nearest(&r->body_names, name));
+    return *index >= 0 || pl_complain_of_reference(&r->complaint, "body", "body", name,
+                                                   pl_name_index_nearest(&r->body_names, name));
 }
 
 static bool read_rest(reader *r, const json_t *json)
@@ -359,7 +272,7 @@ static bool read_rest(reader *r, const json_t *json)
     return pl_json_object(json, &pl_scene_keys[PL_OBJECT_REST], &r->complaint) &&
            read_body_reference(r, json, &rest.body) &&
            pl_json_vector(json, "position", PL_REQUIRED, rest.position, 3, &r->complaint) &&
-           read_unit(r, json, "orientation", PL_OPTIONAL, rest.orientation, 4) &&
+           pl_json_unit(json, "orientation", PL_OPTIONAL, rest.orientation, 4, &r->complaint) &&
            added(r, pl_scene_add_rest(r->scene, &rest, NULL));
 }
 
@@ -368,7 +281,7 @@ static bool read_travel(reader *r, const json_t *json)
     pl_expect_travel travel = {.discrete = (double)NAN};
     return pl_json_object(json, &pl_scene_keys[PL_OBJECT_TRAVEL], &r->complaint) &&
            read_body_reference(r, json, &travel.body) &&
-           read_unit(r, json, "direction", PL_REQUIRED, travel.direction, 3) &&
+           pl_json_unit(json, "direction", PL_REQUIRED, travel.direction, 3, &r->complaint) &&
            pl_json_number(json, "distance", PL_REQUIRED, &travel.distance, &r->complaint) &&
            pl_json_number(json, "discrete", PL_OPTIONAL, &travel.discrete, &r->complaint) &&
            added(r, pl_scene_add_travel(r->scene, &travel, NULL));
@@ -380,13 +293,7 @@ static double default_collapse_distance(const pl_scene *scene)
 {
     double half = (double)INFINITY;
     for (int i = 0; i < scene->rest_count; i++) {
-        const pl_shape *shape = &scene->bodies[scene->rests[i].body].shape;
-        if (shape->kind == PL_SHAPE_SPHERE) {
-            half = fmin(half, shape->radius);
-        } else if (shape->kind == PL_SHAPE_BOX) {
-            half = fmin(half, fmin(shape->half_extents[0],
-                                   fmin(shape->half_extents[1], shape->half_extents[2])));
-        }
+        half = fmin(half, pl_shape_half_width(&scene->bodies[scene->rests[i].body].shape));
     }
     return half;
 }
@@ -461,14 +368,18 @@ static bool read_scene(reader *r, const json_t *json)
            pl_json_number(json, "dt", PL_OPTIONAL, &scene->dt, complaint) &&
            pl_json_number(json, "duration", PL_OPTIONAL, &scene->duration, complaint) &&
            read_materials(r, json) && read_items(r, json, "pairs", PL_OPTIONAL, read_pair) &&
+           pl_read_shapes(&r->shapes, json) &&
            read_items(r, json, "bodies", PL_REQUIRED, read_body) && read_expectations(r, json) &&
            pl_scene_check(scene, complaint);
 }
 
-bool pl_scene_from_json(const json_t *json, pl_scene *scene, pl_complaint *complaint)
+bool pl_scene_from_json(const json_t *json, const char *folder, pl_scene *scene,
+                        pl_complaint *complaint)
 {
     reader r = {.scene = scene};
+    r.shapes = (pl_shape_reader){.scene = scene, .folder = folder, .complaint = &r.complaint};
     bool right = read_scene(&r, json);
+    pl_shape_reader_free(&r.shapes);
     pl_name_index_free(&r.body_names);
     *complaint = r.complaint;
     return right;

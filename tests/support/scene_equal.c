@@ -10,13 +10,34 @@ static void same_doubles(const double *actual, const double *expected, size_t co
     assert_memory_equal(actual, expected, count * sizeof *actual);
 }
 
+/* All but the name: a polyhedron without one gets one in a file where bodies share it. */
+static void same_polyhedron(const pl_polyhedron *actual, const pl_polyhedron *expected)
+{
+    assert_int_equal(actual->convex, expected->convex);
+    assert_int_equal(actual->vertex_count, expected->vertex_count);
+    assert_int_equal(actual->triangle_count, expected->triangle_count);
+    same_doubles(actual->vertices[0], expected->vertices[0], 3 * (size_t)expected->vertex_count);
+    assert_memory_equal(actual->triangles, expected->triangles,
+                        (size_t)expected->triangle_count * sizeof *expected->triangles);
+    same_doubles(&actual->volume, &expected->volume, 1);
+    same_doubles(actual->centre, expected->centre, 3);
+    same_doubles(actual->axes, expected->axes, 4);
+    same_doubles(actual->inertia, expected->inertia, 3);
+    same_doubles(&actual->radius, &expected->radius, 1);
+}
+
 static void same_shape(const pl_shape *actual, const pl_shape *expected)
 {
     assert_int_equal(actual->kind, expected->kind);
     same_doubles(actual->normal, expected->normal, 3);
     same_doubles(&actual->offset, &expected->offset, 1);
     same_doubles(&actual->radius, &expected->radius, 1);
+    same_doubles(&actual->half_height, &expected->half_height, 1);
     same_doubles(actual->half_extents, expected->half_extents, 3);
+    assert_int_equal(actual->polyhedron == NULL, expected->polyhedron == NULL);
+    if (expected->polyhedron != NULL) {
+        same_polyhedron(actual->polyhedron, expected->polyhedron);
+    }
 }
 
 static void same_body(const pl_body *actual, const pl_body *expected)

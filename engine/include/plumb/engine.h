@@ -117,15 +117,55 @@ pe_status pe_world_set_pair(pe_world *world, pe_material_id a, pe_material_id b,
 /* ---- Bodies
  * --------------------------------------------------------------------------------------- */
 
-typedef enum pe_shape_kind { PE_SHAPE_PLANE, PE_SHAPE_SPHERE, PE_SHAPE_BOX } pe_shape_kind;
+typedef enum pe_shape_kind {
+    PE_SHAPE_PLANE,
+    PE_SHAPE_SPHERE,
+    PE_SHAPE_BOX,
+    PE_SHAPE_CAPSULE,  /* around the segment from -half_height to half_height on its z axis */
+    PE_SHAPE_CYLINDER, /* about its z axis, capped at -half_height and half_height */
+    PE_SHAPE_HULL,     /* a convex polyhedron */
+    PE_SHAPE_MESH,     /* a solid bounded by triangles, of any form; it may move */
+    PE_SHAPE_COUNT
+} pe_shape_kind;
+
+typedef struct pe_geometry_id {
+    uint32_t index; /* from 1; 0 is null */
+} pe_geometry_id;
 
 typedef struct pe_shape {
     pe_shape_kind kind;
-    pe_vec3 normal;       /* plane: unit, out of the solid half-space {x : n.x <= offset} */
-    double offset;        /* plane: m */
-    double radius;        /* sphere: m */
-    pe_vec3 half_extents; /* box: m */
+    pe_vec3 normal;          /* plane: unit, out of the solid half-space {x : n.x <= offset} */
+    double offset;           /* plane: m */
+    double radius;           /* sphere, capsule, cylinder: m */
+    double half_height;      /* capsule, cylinder: m */
+    pe_vec3 half_extents;    /* box: m */
+    pe_geometry_id geometry; /* hull, mesh */
 } pe_shape;
+
+/* The solid of a hull or a mesh, as closed surfaces of triangles in a frame of the caller's. */
+typedef struct pe_geometry_def {
+    const pe_vec3 *vertices;        /* (vertex_count), m */
+    const uint32_t (*triangles)[3]; /* (triangle_count): counter-clockwise seen from outside */
+    int vertex_count, triangle_count;
+    bool convex; /* for hulls: the solid must be convex */
+} pe_geometry_def;
+
+/* Copies the geometry into the world, where it stays until the world is destroyed; any number of
+ * bodies may have it. PE_BAD_ARGUMENT says where a surface is open, inside out, without area or,
+ * if it is to be, not convex. That surfaces do not cross is not checked. Mass properties are the
+ * exact integrals over the polyhedron. */
+pe_status pe_geometry_create(pe_world *world, const pe_geometry_def *def, pe_geometry_id *geometry,
+                             pe_error *error);
+
+typedef struct pe_geometry_frame {
+    double volume;       /* m^3 */
+    pe_vec3 centre;      /* of mass, in the frame of the vertices */
+    pe_quat orientation; /* principal axes to the frame of the vertices */
+    pe_vec3 inertia;     /* principal, of 1 kg, about the centre, m^2 */
+} pe_geometry_frame;
+
+pe_status pe_geometry_get_frame(const pe_world *world, pe_geometry_id geometry,
+                                pe_geometry_frame *frame, pe_error *error);
 
 typedef struct pe_body_id {
     uint32_t index;      /* from 1; 0 is null */
@@ -137,8 +177,10 @@ typedef struct pe_body_def {
     bool is_static;          /* never moves; a plane must be static */
     pe_material_id material; /* null: friction 0.5, restitution 0 */
     double mass;             /* kg, > 0 unless static */
-    pe_vec3 inertia;         /* kg m^2, principal, in the body's axes; zero: from the shape */
-    pe_vec3 position;        /* of the centre of mass, m; not used by a plane */
+    pe_vec3 inertia;         /* kg m^2, principal, in the principal axes; zero: from the shape */
+    /* Of the shape's frame: that of a hull's or mesh's vertices; else its centre of mass and its
+     * principal axes. Not used by a plane. */
+    pe_vec3 position; /* m */
     pe_quat orientation;
     pe_vec3 velocity;
     pe_vec3 angular_velocity;
@@ -152,9 +194,9 @@ pe_status pe_body_create(pe_world *world, const pe_body_def *def, pe_body_id *bo
 pe_status pe_body_destroy(pe_world *world, pe_body_id body, pe_error *error);
 
 typedef struct pe_body_state {
-    pe_vec3 position;
+    pe_vec3 position; /* of the shape's frame, as in pe_body_def */
     pe_quat orientation;
-    pe_vec3 velocity;
+    pe_vec3 velocity; /* of the centre of mass */
     pe_vec3 angular_velocity;
 } pe_body_state;
 
@@ -174,8 +216,8 @@ pe_status pe_body_get_pair(const pe_world *world, pe_body_id a, pe_body_id b, do
 typedef enum pe_frame { PE_FRAME_WORLD, PE_FRAME_BODY } pe_frame;
 
 /* Adds a force, in N, for the next step only, at an offset from the centre of mass, in m. In the
- * body's frame both turn with the body during the step; in the world's they stay. No effect on a
- * static body. */
+ * body's frame both are in the axes of the shape's frame and turn with the body during the step; in
+ * the world's they stay. No effect on a static body. */
 pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, pe_vec3 offset,
                               pe_frame frame, pe_error *error);
 

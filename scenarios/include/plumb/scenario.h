@@ -27,7 +27,11 @@ enum {
     PL_NEEDS_FORCES = 1u << 3,
     PL_NEEDS_PLANE = 1u << 8, /* shapes: 1 << (8 + pl_shape_kind) */
     PL_NEEDS_SPHERE = 1u << 9,
-    PL_NEEDS_BOX = 1u << 10
+    PL_NEEDS_BOX = 1u << 10,
+    PL_NEEDS_CAPSULE = 1u << 11,
+    PL_NEEDS_CYLINDER = 1u << 12,
+    PL_NEEDS_HULL = 1u << 13,
+    PL_NEEDS_MESH = 1u << 14
 };
 
 /* Those bits as the scene itself shows them: friction where any touching pair may have it, and so

@@ -2,11 +2,12 @@
  *
  * SI units, right-handed, z up by custom (gravity says). Quaternions are (w, x, y, z), unit, body
  * to world. `velocity` is that of the centre of mass; `velocity` and `angular_velocity` are in the
- * world frame. `position` and `orientation` place the shape's own frame, which for a sphere and a
- * box is also the frame of the centre of mass and of the principal axes.
+ * world frame. `position` and `orientation` place the shape's own frame: for a hull or a mesh that
+ * of its vertices, for the others also that of the centre of mass and of the principal axes.
  *
  * Plain data throughout: adapters and loadable engines read it as it stands. Arrays are owned by
- * the scene; indices, not pointers, refer from one array to another. */
+ * the scene; indices refer from one array to another, but for shapes, which point to the scene's
+ * polyhedra. */
 #ifndef PLUMB_SCENE_H
 #define PLUMB_SCENE_H
 
@@ -28,15 +29,39 @@ enum {
     PL_MAX_SCENE_BYTES = 64 << 20 /* of a scene file */
 };
 
-typedef enum pl_shape_kind { PL_SHAPE_PLANE, PL_SHAPE_SPHERE, PL_SHAPE_BOX } pl_shape_kind;
-enum { PL_SHAPE_KIND_COUNT = 3 };
+typedef enum pl_shape_kind {
+    PL_SHAPE_PLANE,
+    PL_SHAPE_SPHERE,
+    PL_SHAPE_BOX,
+    PL_SHAPE_CAPSULE,  /* around the segment from -half_height to half_height on its z axis */
+    PL_SHAPE_CYLINDER, /* about its z axis, capped at -half_height and half_height */
+    PL_SHAPE_HULL,     /* the convex hull of its points */
+    PL_SHAPE_MESH      /* the solid within closed surfaces of triangles */
+} pl_shape_kind;
+enum { PL_SHAPE_KIND_COUNT = 7 };
+
+/* The solid of a hull or a mesh, in the shape's own frame. */
+typedef struct pl_polyhedron {
+    char name[PL_NAME_SIZE]; /* in the scene file's "shapes"; empty: it has none */
+    bool convex;             /* a hull */
+    int vertex_count, triangle_count;
+    double (*vertices)[3]; /* (vertex_count), m; of a hull, those of its points that are corners */
+    int (*triangles)[3];   /* (triangle_count), counter-clockwise seen from outside */
+    double volume;         /* m^3 */
+    double centre[3];      /* of mass, m */
+    double axes[4];        /* unit quaternion: principal axes to the shape's frame */
+    double inertia[3];     /* principal, of 1 kg, about the centre, m^2 */
+    double radius;         /* of the smallest sphere about the centre that holds all vertices, m */
+} pl_polyhedron;
 
 typedef struct pl_shape {
     pl_shape_kind kind;
-    double normal[3]; /* plane: unit, points out of the solid half-space {x : n.x <= offset} */
-    double offset;    /* plane: m, along the normal */
-    double radius;    /* sphere: m */
-    double half_extents[3]; /* box: m */
+    double normal[3];   /* plane: unit, points out of the solid half-space {x : n.x <= offset} */
+    double offset;      /* plane: m, along the normal */
+    double radius;      /* sphere, capsule, cylinder: m */
+    double half_height; /* capsule, cylinder: m */
+    double half_extents[3];          /* box: m */
+    const pl_polyhedron *polyhedron; /* hull, mesh: of the scene */
 } pl_shape;
 
 typedef struct pl_material {
@@ -57,8 +82,8 @@ typedef struct pl_body {
     int material;            /* index */
     pl_shape shape;          /* a plane is always static and ignores position and orientation */
     double mass;             /* kg, > 0 for a dynamic body */
-    double inertia[3];       /* kg m^2, principal, about the centre of mass, in the shape's axes */
-    double position[3];      /* m */
+    double inertia[3];  /* kg m^2, principal, about the centre of mass, in its principal axes */
+    double position[3]; /* of the shape's frame, m */
     double orientation[4];
     double velocity[3];         /* m/s */
     double angular_velocity[3]; /* rad/s */
@@ -68,7 +93,7 @@ typedef enum pl_force_frame { PL_FRAME_WORLD, PL_FRAME_BODY } pl_force_frame;
 
 /* A constant force on a body at a point, over from <= t < until; t is the time at the start of a
  * step. In the world frame, `force` is in world axes and `at` is an offset from the centre of mass
- * in world axes; in the body frame both turn with the body. */
+ * in world axes; in the body frame both are in the axes of the shape's frame and turn with it. */
 typedef struct pl_force {
     int body;
     double force[3]; /* N */
@@ -103,6 +128,8 @@ typedef struct pl_scene {
     int material_count;
     pl_material_pair *pairs;
     int pair_count;
+    pl_polyhedron **polyhedra; /* (polyhedron_count); each stays where it is */
+    int polyhedron_count;
     pl_body *bodies;
     int body_count;
     pl_force *forces;
@@ -131,9 +158,22 @@ pl_body pl_body_default(void);
 pl_shape pl_shape_plane(double nx, double ny, double nz, double offset);
 pl_shape pl_shape_sphere(double radius);
 pl_shape pl_shape_box(double half_x, double half_y, double half_z);
+pl_shape pl_shape_capsule(double radius, double half_height);
+pl_shape pl_shape_cylinder(double radius, double half_height);
+pl_shape pl_shape_of(const pl_polyhedron *polyhedron); /* a hull if it is convex, else a mesh */
 
-/* Volume in m^3 (0 for a plane) and the principal inertia of the solid of uniform density, kg m^2.
- */
+/* Make a polyhedron of the scene's own, which *polyhedron then borrows; `name` as in pl_polyhedron,
+ * or NULL. PL_BAD_INPUT: of a hull, points that are not finite or lie in one plane; of a mesh, an
+ * index out of range, or a surface that is open, not orientable, inside out or crosses itself, and
+ * where. */
+pl_status pl_scene_add_hull(pl_scene *scene, const char *name, const double (*points)[3], int count,
+                            const pl_polyhedron **polyhedron, pl_error *);
+pl_status pl_scene_add_mesh(pl_scene *scene, const char *name, const double (*vertices)[3],
+                            int vertex_count, const int (*triangles)[3], int triangle_count,
+                            const pl_polyhedron **polyhedron, pl_error *);
+
+/* Volume in m^3 (0 for a plane) and the principal inertia of the solid of uniform density, kg m^2,
+ * in its principal axes. */
 double pl_shape_volume(const pl_shape *shape);
 void pl_shape_inertia(const pl_shape *shape, double mass, double inertia[3]);
 

@@ -1,7 +1,6 @@
-/* A file's bytes: from a path or standard input, and never more than its kind may have. */
 #define _POSIX_C_SOURCE 200809L
 
-#include "json_text.h"
+#include "file_text.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -9,7 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static pl_status fail_by_size(const pl_json_kind *kind, const char *label, const char *found,
+static pl_status fail_by_size(const pl_file_kind *kind, const char *label, const char *found,
                               pl_error *error)
 {
     return pl_fail(error, PL_BAD_INPUT, "%s: expected a %s file of at most %zu MiB, found %s",
@@ -17,7 +16,7 @@ static pl_status fail_by_size(const pl_json_kind *kind, const char *label, const
 }
 
 /* What the directory can tell before a byte is read. */
-static pl_status check_stream(const pl_json_kind *kind, FILE *stream, const char *label,
+static pl_status check_stream(const pl_file_kind *kind, FILE *stream, const char *label,
                               pl_error *error)
 {
     struct stat status;
@@ -37,7 +36,7 @@ static pl_status check_stream(const pl_json_kind *kind, FILE *stream, const char
 }
 
 /* The whole stream, malloc'd. */
-static pl_status read_stream(const pl_json_kind *kind, FILE *stream, const char *label, char **text,
+static pl_status read_stream(const pl_file_kind *kind, FILE *stream, const char *label, char **text,
                              size_t *length, pl_error *error)
 {
     size_t capacity = 1 << 16, used = 0;
@@ -76,12 +75,16 @@ static pl_status read_stream(const pl_json_kind *kind, FILE *stream, const char 
     return PL_OK;
 }
 
-pl_status pl_json_read_file(const pl_json_kind *kind, const char *path, void *user, pl_error *error)
+const char *pl_file_label(const char *path)
 {
-    bool is_stdin = strcmp(path, "-") == 0;
-    const char *label = is_stdin ? "<stdin>" : path;
-    char *text = NULL;
-    size_t length = 0;
+    return strcmp(path, "-") == 0 ? "<stdin>" : path;
+}
+
+pl_status pl_file_read(const pl_file_kind *kind, const char *path, char **text, size_t *length,
+                       pl_error *error)
+{
+    const bool is_stdin = strcmp(path, "-") == 0;
+    const char *label = pl_file_label(path);
     FILE *stream = is_stdin ? stdin : fopen(path, "rb");
     if (stream == NULL) {
         return pl_fail(error, PL_BAD_INPUT, "%s: expected a %s file, found none to read: %s", label,
@@ -89,12 +92,8 @@ pl_status pl_json_read_file(const pl_json_kind *kind, const char *path, void *us
     }
     pl_status status = check_stream(kind, stream, label, error);
     if (status == PL_OK) {
-        status = read_stream(kind, stream, label, &text, &length, error);
+        status = read_stream(kind, stream, label, text, length, error);
     }
-    if (status == PL_OK) {
-        status = pl_json_read_text(kind, text, length, label, user, error);
-    }
-    free(text);
     if (!is_stdin) {
         fclose(stream);
     }

@@ -1,0 +1,22 @@
+/* The faces of a hull as polygons, for engines that ask for them. */
+#ifndef PLUMB_HULL_FACES_H
+#define PLUMB_HULL_FACES_H
+
+#include "plumb/scene.h"
+
+typedef struct pl_hull_faces {
+    int count;
+    double (*planes)[4]; /* (count): unit normal n out of the hull, and n . x on the face, m */
+    /* For each face how many corners it has, then their indices, counter-clockwise seen from
+     * outside. */
+    unsigned int *polygons;
+} pl_hull_faces;
+
+/* The faces of a convex polyhedron, its planes in the frame with origin `origin` and the shape's
+ * axes. On success the caller frees *faces. PL_NO_MEMORY; PL_BAD_INPUT when the triangles of one
+ * plane have not one border, as those of a hull have. */
+pl_status pl_hull_faces_of(const pl_polyhedron *hull, const double origin[3], pl_hull_faces *faces,
+                           pl_error *error);
+void pl_hull_faces_free(pl_hull_faces *faces);
+
+#endif

@@ -1,0 +1,38 @@
+/* Two trees of boxes descended together: which leaves come near each other.
+ *
+ * A tree's boxes lie along its body's axes, so that one rotation serves all pairs of boxes. The gap
+ * of two boxes is bounded from below by the distance, along the axes of either one, to the box that
+ * holds the other (six of the axes of Gottschalk, Lin, Manocha 1996, put together by Pythagoras). */
+#ifndef PE_BVH_H
+#define PE_BVH_H
+
+#include "geometry.h"
+
+/* Tree a as tree b sees it: x_b = turn x_a + offset. */
+typedef struct pe_bvh_pair {
+    const pe_node *a, *b;
+    pe_mat3 turn, reach; /* reach: |turn|, entry by entry */
+    pe_vec3 offset;      /* m */
+} pe_bvh_pair;
+
+pe_bvh_pair pe_bvh_pair_of(const pe_node *a, const pe_node *b, const pe_mat3 *turn, pe_vec3 offset);
+
+/* The deepest tree halves 2^28 triangles down to single ones; each level leaves one entry. */
+enum { PE_BVH_STACK = 64 };
+
+typedef struct pe_bvh_walk {
+    int depth;
+    struct pe_bvh_entry {
+        int a, b;
+        double gap2; /* m^2, lower bound */
+    } stack[PE_BVH_STACK];
+} pe_bvh_walk;
+
+void pe_bvh_begin(const pe_bvh_pair *pair, pe_bvh_walk *walk);
+
+/* The next pair of leaves whose boxes may be within `bound` (m, >= 0), the nearer branch first;
+ * false: no more. The bound may shrink from call to call. */
+bool pe_bvh_next(const pe_bvh_pair *pair, pe_bvh_walk *walk, double bound, const pe_node **a,
+                 const pe_node **b);
+
+#endif

@@ -1,0 +1,231 @@
+/* A mesh against anything.
+ *
+ * TODO head
+ */
+#include "collide_mesh.h"
+
+/* In units of the margin: how much farther features are looked for, to know from which margin on
+ * there would be more. */
+static const double LOOK_AHEAD = 0.1;
+/* In units of the smaller solid: a line of least distance shorter than this has no direction. */
+static const double LEAST_LINE = 1e-9;
+
+/* Of the faces that one vertex touches, only those between which and the vertex nothing lies: when
+ * the nearest one is above it, the vertex is outside and none below counts; when it is below, the
+ * vertex is inside, and that one is the way out. Marks the others. */
+static void settle_vertex(const pe_solid_pair *pair, pe_touch *touches, int count)
+{
+    int nearest = 0;
+    double slack = pair->slack, least = HUGE_VAL;
+    for (int i = 0; i < count; ++i) {
+        double height = touches[i].separation + pair->radius;
+        if (fabs(height) < fabs(least)) {
+            least = height;
+            nearest = i;
+        }
+    }
+    bool inside = least < -slack;
+    bool blocked = inside && pe_touch_is_blocked(pair, &touches[nearest]);
+    for (int i = 0; i < count; ++i) {
+        double height = touches[i].separation + pair->radius;
+        bool stays = inside ? !blocked && height < 0 && height >= least - slack : height >= -slack;
+        touches[i].merged = !stays;
+    }
+}
+
+/* Each touch once, and of each vertex those that settle_vertex leaves. */
+static void settle(const pe_solid_pair *pair, pe_touches *list)
+{
+    pe_touches_sort(list);
+    int kept = 0;
+    for (int i = 0; i < list->count; ++i) {
+        if (kept == 0 || list->items[kept - 1].feature != list->items[i].feature) {
+            list->items[kept++] = list->items[i];
+        }
+    }
+    list->count = kept;
+    for (int i = 0; i < list->count;) {
+        int end = i + 1;
+        uint64_t vertex = list->items[i].feature >> 30;
+        while (end < list->count && list->items[end].feature >> 30 == vertex) {
+            ++end;
+        }
+        if (list->items[i].kind <= PE_FACE_VERTEX) {
+            settle_vertex(pair, &list->items[i], end - i);
+        }
+        i = end;
+    }
+    kept = 0;
+    for (int i = 0; i < list->count; ++i) {
+        if (!list->items[i].merged) {
+            list->items[kept++] = list->items[i];
+        }
+    }
+    list->count = kept;
+}
+
+/* Adds the nearest points of solids apart where no touch has their distance: vertices against
+ * vertices and edges. */
+static void add_nearest(const pe_solid_pair *pair, const pe_nearest *nearest, pe_touches *list)
+{
+    double least = HUGE_VAL, tie = LEAST_LINE * pair->size;
+    for (int i = 0; i < list->count; ++i) {
+        least = pe_min(least, list->items[i].separation + pair->radius);
+    }
+    if (least > nearest->distance + 0.1 * tie && (least == HUGE_VAL || nearest->distance > tie)) {
+        pe_touch touch = nearest->touch;
+        touch.separation = nearest->distance - pair->radius;
+        touch.kind = touch.kind <= PE_EDGE_EDGE ? PE_VERTEX_VERTEX : touch.kind;
+        pe_touches_add(list, &touch);
+        pe_touches_sort(list);
+    }
+}
+
+/* One solid may lie wholly in the other, with no surface near: then one vertex shows it. */
+static bool nested(const pe_solid_pair *pair)
+{
+    pe_vec3 a = pe_add(pe_rotate(&pair->trees.turn, pair->a.vertices[0]), pair->trees.offset);
+    if (pe_solid_holds(&pair->b, a)) {
+        return true;
+    }
+    pe_vec3 b = pe_add(pe_rotate(&pair->swapped.turn, pair->b.vertices[0]), pair->swapped.offset);
+    return !pair->a.core && pe_solid_holds(&pair->a, b);
+}
+
+static int collide_solids(const pe_solid_pair *pair, const pe_pose *pose, double margin,
+                          pe_workspace work, pe_hits *patches)
+{
+    double wanted = margin + pair->radius, look = wanted * (1 + LOOK_AHEAD) + pair->slack;
+    pe_nearest nearest = pe_solids_nearest(pair, wanted + pair->slack);
+    if (!nearest.found) {
+        if (!nested(pair)) {
+            return 0;
+        }
+        nearest = pe_solids_nearest(pair, HUGE_VAL);
+        nearest.inside = true;
+    }
+    bool overlap = nearest.cross || nearest.inside;
+    double from = nearest.cross ? 0 : nearest.distance;
+    double reach = pe_min(nearest.inside ? HUGE_VAL : look, from + pair->band);
+    pe_touches list = {.work = work};
+    pe_touches_find(pair, reach, &list);
+    if (overlap) {
+        pe_touches_find_deep(pair, reach, nearest.inside, &list);
+    }
+    settle(pair, &list);
+    if (!overlap) {
+        add_nearest(pair, &nearest, &list);
+    } else if (list.count == 0) {
+        pe_touches_find_way_out(pair, &list);
+    }
+    pe_patch_rules rules = {
+        .size = pair->size,
+        .radius = pair->radius,
+        .margin = pe_min(margin, reach - pair->radius),
+        .least = overlap ? -HUGE_VAL : nearest.distance - pair->radius,
+        .end_margin = reach < look ? HUGE_VAL : reach - pair->radius,
+    };
+    return list.failed ? -1 : pe_touches_make_patches(&list, &rules, pose, patches);
+}
+
+/* A mesh over a plane, in the mesh's axes: n.x = offset. */
+typedef struct plane_view {
+    const pe_geometry *mesh;
+    pe_vec3 normal;
+    double offset;
+} plane_view;
+
+/* The leaves that reach below `bound`, one at a call; `stack` starts with the root, 0. */
+static const pe_node *next_leaf(const plane_view *view, double bound, int stack[PE_BVH_STACK],
+                                int *depth)
+{
+    pe_vec3 n = view->normal;
+    while (*depth > 0) {
+        int index = stack[--*depth];
+        const pe_node *node = &view->mesh->nodes[index];
+        double reach = fabs(n.x) * node->half.x + fabs(n.y) * node->half.y +
+                       fabs(n.z) * node->half.z;
+        if (pe_dot(n, node->centre) - reach - view->offset > bound) {
+            continue;
+        }
+        if (node->right < 0) {
+            return node;
+        }
+        stack[(*depth)++] = node->right;
+        stack[(*depth)++] = index + 1;
+    }
+    return NULL;
+}
+
+/* The least height of a vertex, or `bound` if none is lower. */
+static double lowest(const plane_view *view, double bound)
+{
+    int stack[PE_BVH_STACK] = {0}, depth = 1;
+    const pe_geometry *g = view->mesh;
+    for (const pe_node *leaf; (leaf = next_leaf(view, bound, stack, &depth)) != NULL;) {
+        for (int i = 3 * leaf->first; i < 3 * (leaf->first + leaf->count); ++i) {
+            pe_vec3 v = g->vertices[g->triangles[i / 3][i % 3]];
+            bound = pe_min(bound, pe_dot(view->normal, v) - view->offset);
+        }
+    }
+    return bound;
+}
+
+static void find_below(const plane_view *view, double bound, pe_touches *list)
+{
+    int stack[PE_BVH_STACK] = {0}, depth = 1;
+    const pe_geometry *g = view->mesh;
+    for (const pe_node *leaf; (leaf = next_leaf(view, bound, stack, &depth)) != NULL;) {
+        for (int i = 3 * leaf->first; i < 3 * (leaf->first + leaf->count); ++i) {
+            int vertex = g->triangles[i / 3][i % 3];
+            double height = pe_dot(view->normal, g->vertices[vertex]) - view->offset;
+            if ((g->triangle_owns[i / 3] >> i % 3 & 1) == 0 || height > bound) {
+                continue;
+            }
+            pe_touch touch = {
+                .feature = pe_touch_feature(PE_FACE_VERTEX, vertex, 0),
+                .kind = PE_FACE_VERTEX,
+                .normal = view->normal,
+                .on_a = pe_madd(g->vertices[vertex], -height, view->normal),
+                .separation = height,
+            };
+            pe_touches_add(list, &touch);
+        }
+    }
+}
+
+static int collide_plane(pe_placed plane, pe_placed mesh, double margin, pe_workspace work,
+                         pe_hits *patches)
+{
+    plane_view view = {
+        .mesh = mesh.geometry,
+        .normal = pe_unrotate(&mesh.pose->rotation, plane.shape->normal),
+        .offset = plane.shape->offset - pe_dot(plane.shape->normal, mesh.pose->position),
+    };
+    double look = margin * (1 + LOOK_AHEAD), band = PE_BAND * view.mesh->bounding_radius;
+    double reach = pe_min(look, lowest(&view, margin) + band);
+    pe_touches list = {.work = work};
+    find_below(&view, reach, &list);
+    pe_touches_sort(&list);
+    pe_patch_rules rules = {
+        .size = mesh.size,
+        .margin = pe_min(margin, reach),
+        .least = -HUGE_VAL,
+        .end_margin = reach < look ? HUGE_VAL : look,
+    };
+    return list.failed ? -1 : pe_touches_make_patches(&list, &rules, mesh.pose, patches);
+}
+
+int pe_collide_with_mesh(pe_placed other, pe_placed mesh, double margin, pe_workspace work,
+                         pe_hits *patches)
+{
+    if (other.shape->kind == PE_SHAPE_PLANE) {
+        return collide_plane(other, mesh, margin, work, patches);
+    }
+    if (other.shape->kind == PE_SHAPE_CYLINDER) {
+        return 0;
+    }
+    pe_solid_pair pair;
+    pe_solid_pair_make(other, mesh, &pair);
+    return collide_solids(&pair, mesh.pose, margin, work, patches);
+}

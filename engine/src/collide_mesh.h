@@ -1,0 +1,173 @@
+/* What the parts of the collider of meshes share: two solids, their features, and where they touch.
+ *
+ * Solid b is the mesh; a is the other shape: a mesh, a hull, a box, or the core of a rounded shape,
+ * a point or a segment swept by a ball. All is worked out in b's axes. Normals point from a to b.
+ * In the mesh a triangle's edges and vertices are tested for one triangle only (triangle_owns). */
+#ifndef PE_COLLIDE_MESH_H
+#define PE_COLLIDE_MESH_H
+
+#include "bvh.h"
+#include "collide.h"
+
+/* A solid of triangles as in pe_geometry. A core has one triangle without area and no faces. */
+typedef struct pe_solid {
+    bool core;
+    const pe_node *nodes;
+    const pe_vec3 *vertices;
+    const int (*triangles)[3], (*triangle_edges)[3];
+    const int *triangle_face;
+    const unsigned char *triangle_owns;
+    const pe_face *faces;
+    const pe_edge *edges;
+    const int *vertex_first, *vertex_edges;
+    int vertex_count, triangle_count;
+} pe_solid;
+
+/* Room for the numbers of a solid that is no geometry. */
+typedef struct pe_small_solid {
+    pe_vec3 vertices[8];
+    pe_face faces[6];
+    pe_node nodes[11];
+} pe_small_solid;
+
+typedef struct pe_solid_pair {
+    pe_solid a, b;
+    pe_bvh_pair trees;   /* with the pose of a in b's axes */
+    pe_bvh_pair swapped; /* b in a's axes */
+    double radius;       /* m, of the ball that sweeps a's core; 0: no core */
+    double size;         /* m, least size of the two: the scale of tolerances */
+    double slack;        /* m, see PE_SLACK */
+    double band;         /* m, see PE_BAND */
+    pe_small_solid small;
+} pe_solid_pair;
+
+/* In units of `size`: a point this far beyond the rim of a face still lies on it. */
+#define PE_SLACK 1e-6
+/* In units of the smaller bounding radius: features whose gap exceeds the least one by more than
+ * this are not looked for, whatever the margin. */
+#define PE_BAND 0.25
+
+/* Describes the pair; `pair` must stay where it is. Not for planes and cylinders. */
+void pe_solid_pair_make(pe_placed a, pe_placed b, pe_solid_pair *pair);
+
+/* A triangle in b's axes. Of a core: all but the corners is zero. */
+typedef struct pe_facet {
+    pe_vec3 x[3], normal;
+    double offset; /* n.x = offset in the plane */
+    const int *vertices, *edges;
+    int face;
+    unsigned owns;
+} pe_facet;
+
+void pe_facet_of_a(const pe_solid_pair *pair, int triangle, pe_facet *facet);
+void pe_facet_of_b(const pe_solid_pair *pair, int triangle, pe_facet *facet);
+
+/* Whether x, brought down to the facet's plane along its normal, lies on the facet, or beyond its
+ * rim by at most `slack`. */
+bool pe_facet_holds(const pe_facet *facet, pe_vec3 x, double slack);
+
+/* Signed heights of the corners of `of` over the plane of `over`; false: all are above `bound`, or
+ * all below -bound, so that the two are farther apart than that. */
+bool pe_facet_heights(const pe_facet *over, const pe_facet *of, double bound, double height[3]);
+
+/* Whether the edges of either facet pass through the other, by the heights of each one's corners
+ * over the other. Edges that only touch may count or not. */
+bool pe_facets_cross(const pe_facet *a, const double above_b[3], const pe_facet *b,
+                     const double above_a[3]);
+
+/* An edge that a facet owns, in b's axes. A core's has no normals. */
+typedef struct pe_ridge {
+    pe_vec3 x, along;      /* from its first vertex to the second */
+    pe_vec3 normal[2];     /* of the faces it stands between, as in pe_edge */
+    double offset[2];
+    double length2;
+    int edge;
+} pe_ridge;
+
+/* Returns how many there are, at most 3. */
+int pe_ridges_of(const pe_solid *solid, const pe_bvh_pair *seen, const pe_facet *facet,
+                 pe_ridge ridges[3]);
+
+/* Nearest points x + s u and y + t v of two segments, s and t in 0 .. 1. */
+void pe_segments_nearest(pe_vec3 x, pe_vec3 u, pe_vec3 y, pe_vec3 v, double *s, double *t);
+
+typedef enum pe_touch_kind {
+    PE_VERTEX_FACE, /* of a, of b */
+    PE_FACE_VERTEX,
+    PE_EDGE_EDGE,
+    PE_EDGE_VERTEX,
+    PE_VERTEX_EDGE,
+    PE_VERTEX_VERTEX
+} pe_touch_kind;
+
+/* Two features that touch or are near. */
+typedef struct pe_touch {
+    uint64_t feature;
+    pe_touch_kind kind;
+    pe_vec3 normal;           /* unit */
+    pe_vec3 on_a;             /* a's core's point; b's is on_a + (separation + radius) normal */
+    double separation;        /* m, of the surfaces: the ball's radius is taken off */
+    pe_vec3 along_a, along_b; /* of two edges */
+    bool merged;              /* has found its patch, or its better */
+} pe_touch;
+
+/* A kind, the feature of a and that of b; for PE_FACE_VERTEX b's comes first, so that the contacts
+ * of one vertex stand together in order. */
+uint64_t pe_touch_feature(pe_touch_kind kind, int first, int second);
+
+/* A list that grows in the step's memory. */
+typedef struct pe_touches {
+    pe_touch *items;
+    int count, capacity;
+    pe_workspace work;
+    bool failed; /* out of memory */
+} pe_touches;
+
+void pe_touches_add(pe_touches *list, const pe_touch *touch);
+void pe_touches_sort(pe_touches *list); /* by feature */
+
+/* The nearest points of the two surfaces, cores without their balls. */
+typedef struct pe_nearest {
+    double distance;  /* m; the bound where none is below it */
+    bool found;
+    bool inside;      /* by the side of the face: a's core lies in b, or b in a */
+    bool cross;       /* the surfaces pass through each other: no more was looked for */
+    pe_touch touch;   /* all but its separation; apart: the normal is along the line */
+} pe_nearest;
+
+pe_nearest pe_solids_nearest(const pe_solid_pair *pair, double bound);
+
+/* Whether the point (in the axes of `solid`) lies in the solid. */
+bool pe_solid_holds(const pe_solid *solid, pe_vec3 x);
+
+/* Adds the features that touch within `reach` (m, of the cores): see collide_mesh_touch.c. */
+void pe_touches_find(const pe_solid_pair *pair, double reach, pe_touches *list);
+
+/* Adds the vertices of either solid that lie deeper in the other one than `reach`, as far as the
+ * surfaces lead to them from where they cross, or, with `all`, all. */
+void pe_touches_find_deep(const pe_solid_pair *pair, double reach, bool all, pe_touches *list);
+
+/* Whether a vertex may take the normal of a face of the other solid, n in its own axes and away from
+ * that face: no edge leads from it towards the face, but for a small angle. */
+bool pe_vertex_faces(const pe_solid *solid, int vertex, pe_vec3 normal);
+
+/* Whether a vertex that lies under a face is parted from it by another part of the surface. */
+bool pe_touch_is_blocked(const pe_solid_pair *pair, const pe_touch *touch);
+
+/* Where nothing else was found between overlapping solids: one way out. */
+void pe_touches_find_way_out(const pe_solid_pair *pair, pe_touches *list);
+
+/* How touches become patches. */
+typedef struct pe_patch_rules {
+    double size, radius; /* m, as in pe_solid_pair */
+    double margin;       /* m: what is farther is dropped */
+    double least;        /* m: no separation is smaller; -HUGE_VAL: unknown */
+    double end_margin;   /* m: from this margin on there may be more touches */
+} pe_patch_rules;
+
+/* Makes patches of the touches (sorted by feature, each once) and returns their number. Normals and
+ * positions are in the world if `pose` is that of the touches' axes. */
+int pe_touches_make_patches(pe_touches *list, const pe_patch_rules *rules, const pe_pose *pose,
+                            pe_hits *patches);
+
+#endif

@@ -1,0 +1,122 @@
+/* The nearest points of two surfaces of triangles.
+ *
+ * Pairs of triangles are taken from the trees, near ones first, while their boxes are within the
+ * least distance so far. Two triangles that do not cross are nearest at a vertex of one and the
+ * other's inside, or on two edges (Larsen, Gottschalk, Lin, Manocha 1999). Of the edges the convex
+ * ones suffice, for nothing outside a solid is nearest to a dent of it. */
+#include "collide_mesh.h"
+
+static void take_vertex_face(pe_touch_kind kind, const pe_facet *of, int corner,
+                             const pe_facet *over, double height, pe_nearest *best)
+{
+    bool of_a = kind == PE_VERTEX_FACE;
+    best->distance = fabs(height);
+    best->found = true;
+    best->inside = height < 0;
+    best->touch.kind = kind;
+    best->touch.feature = pe_touch_feature(kind, of->vertices[corner], over->face);
+    best->touch.normal = pe_scale(of_a ? -1 : 1, over->normal);
+    best->touch.on_a =
+        of_a ? of->x[corner] : pe_madd(of->x[corner], -height, over->normal);
+}
+
+static void take_edges(const pe_solid_pair *pair, const pe_ridge *a, const pe_ridge *b, double s,
+                       double t, pe_vec3 on_a, pe_vec3 apart, double distance2, pe_nearest *best)
+{
+    bool end_a = s <= 0 || s >= 1, end_b = t <= 0 || t >= 1;
+    pe_touch *touch = &best->touch;
+    touch->kind = end_a   ? end_b ? PE_VERTEX_VERTEX : PE_VERTEX_EDGE
+                  : end_b ? PE_EDGE_VERTEX
+                          : PE_EDGE_EDGE;
+    int name_a = end_a ? pair->a.edges[a->edge].vertex[s >= 1] : a->edge;
+    int name_b = end_b ? pair->b.edges[b->edge].vertex[t >= 1] : b->edge;
+    touch->feature = pe_touch_feature(touch->kind, name_a, name_b);
+    best->distance = sqrt(distance2);
+    best->found = true;
+    best->inside = false;
+    touch->on_a = on_a;
+    touch->normal = pe_scale(1 / best->distance, apart);
+}
+
+static void try_edges(const pe_solid_pair *pair, const pe_ridge *a, const pe_ridge *b,
+                      pe_nearest *best)
+{
+    double s, t;
+    pe_segments_nearest(a->x, a->along, b->x, b->along, &s, &t);
+    pe_vec3 on_a = pe_madd(a->x, s, a->along);
+    pe_vec3 apart = pe_sub(pe_madd(b->x, t, b->along), on_a);
+    double distance2 = pe_dot(apart, apart);
+    if (distance2 < best->distance * best->distance && distance2 > 0) {
+        take_edges(pair, a, b, s, t, on_a, apart, distance2, best);
+    }
+}
+
+static void try_vertices(pe_touch_kind kind, const pe_facet *of,
+                         const pe_facet *over, const double height[3], pe_nearest *best)
+{
+    for (int k = 0; k < 3; ++k) {
+        bool owned = (of->owns >> k & 1) != 0;
+        if (owned && fabs(height[k]) < best->distance && pe_facet_holds(over, of->x[k], 0)) {
+            take_vertex_face(kind, of, k, over, height[k], best);
+        }
+    }
+}
+
+/* The least height, where all are of one side: no point of the triangle is nearer to the plane. */
+static double least_height(const double height[3])
+{
+    double least = pe_min(height[0], pe_min(height[1], height[2]));
+    double most = pe_max(height[0], pe_max(height[1], height[2]));
+    return least > 0 ? least : most < 0 ? -most : 0;
+}
+
+static void try_facets(const pe_solid_pair *pair, const pe_facet *a, const pe_ridge *ridges_a,
+                       int ridge_count, const pe_facet *b, pe_nearest *best)
+{
+    double above_a[3] = {0}, above_b[3];
+    if (!pe_facet_heights(b, a, best->distance, above_b) ||
+        (a->face >= 0 && !pe_facet_heights(a, b, best->distance, above_a))) {
+        return;
+    }
+    double bound_b = least_height(above_b), bound_a = least_height(above_a);
+    if (bound_b == 0 && (a->face < 0 || bound_a == 0) &&
+        pe_facets_cross(a, above_b, b, above_a)) {
+        best->cross = best->found = true;
+        return;
+    }
+    try_vertices(PE_VERTEX_FACE, a, b, above_b, best);
+    if (a->face >= 0) {
+        try_vertices(PE_FACE_VERTEX, b, a, above_a, best);
+    }
+    if (pe_max(bound_a, bound_b) >= best->distance) {
+        return;
+    }
+    pe_ridge ridges_b[3];
+    int count_b = pe_ridges_of(&pair->b, NULL, b, ridges_b);
+    for (int i = 0; i < ridge_count; ++i) {
+        for (int j = 0; j < count_b; ++j) {
+            try_edges(pair, &ridges_a[i], &ridges_b[j], best);
+        }
+    }
+}
+
+pe_nearest pe_solids_nearest(const pe_solid_pair *pair, double bound)
+{
+    pe_nearest best = {.distance = bound};
+    pe_bvh_walk walk;
+    const pe_node *leaf_a, *leaf_b;
+    pe_bvh_begin(&pair->trees, &walk);
+    while (!best.cross && pe_bvh_next(&pair->trees, &walk, best.distance, &leaf_a, &leaf_b)) {
+        for (int i = 0; i < leaf_a->count && !best.cross; ++i) {
+            pe_facet a, b;
+            pe_ridge ridges[3];
+            pe_facet_of_a(pair, leaf_a->first + i, &a);
+            int count = pe_ridges_of(&pair->a, &pair->trees, &a, ridges);
+            for (int j = 0; j < leaf_b->count && !best.cross; ++j) {
+                pe_facet_of_b(pair, leaf_b->first + j, &b);
+                try_facets(pair, &a, ridges, count, &b, &best);
+            }
+        }
+    }
+    return best;
+}

@@ -1,0 +1,283 @@
+/* The solids of a pair, their triangles and their edges, as the colliders of meshes see them. */
+#include "collide_mesh.h"
+
+/* A box: corner i lies on the positive side of axis k where bit k of i is set; face 2 k + 1 is that
+ * side, face 2 k the other one. */
+static const int BOX_TRIANGLES[12][3] = {{4, 6, 2}, {4, 2, 0}, {1, 3, 7}, {1, 7, 5},
+                                         {1, 5, 4}, {1, 4, 0}, {2, 6, 7}, {2, 7, 3},
+                                         {2, 3, 1}, {2, 1, 0}, {4, 5, 7}, {4, 7, 6}};
+static const int BOX_TRIANGLE_EDGES[12][3] = {{0, 1, -1}, {-1, 2, 3},  {4, 5, -1}, {-1, 6, 7},
+                                              {7, 8, -1}, {-1, 3, 9},  {1, 10, -1}, {-1, 5, 11},
+                                              {11, 4, -1}, {-1, 9, 2}, {8, 6, -1}, {-1, 10, 0}};
+static const int BOX_TRIANGLE_FACE[12] = {0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5};
+static const unsigned char BOX_OWNS[12] = {31, 52, 31, 52, 16, 32, 16, 32, 0, 0, 0, 0};
+static const pe_edge BOX_EDGES[12] = {
+    {{4, 6}, {0, 5}, true}, {{6, 2}, {0, 3}, true}, {{2, 0}, {0, 4}, true}, {{0, 4}, {0, 2}, true},
+    {{1, 3}, {1, 4}, true}, {{3, 7}, {1, 3}, true}, {{7, 5}, {1, 5}, true}, {{5, 1}, {1, 2}, true},
+    {{5, 4}, {2, 5}, true}, {{0, 1}, {2, 4}, true}, {{6, 7}, {3, 5}, true}, {{3, 2}, {3, 4}, true}};
+static const int BOX_VERTEX_FIRST[9] = {0, 3, 6, 9, 12, 15, 18, 21, 24};
+static const int BOX_VERTEX_EDGES[24] = {2, 3, 9, 4, 7, 9, 1, 2, 11, 4, 5,  11,
+                                         0, 3, 8, 6, 7, 8, 0, 1, 10, 5, 6, 10};
+
+/* A point is a segment of no length. */
+static const int CORE_TRIANGLE[1][3] = {{0, 1, 1}};
+static const int CORE_TRIANGLE_EDGES[1][3] = {{0, -1, -1}};
+static const int CORE_TRIANGLE_FACE[1] = {-1};
+static const unsigned char SEGMENT_OWNS[1] = {1 | 2 | 8}, POINT_OWNS[1] = {1 | 8};
+static const pe_edge CORE_EDGE[1] = {{{0, 1}, {-1, -1}, true}};
+static const int SEGMENT_VERTEX_FIRST[3] = {0, 1, 2}, POINT_VERTEX_FIRST[3] = {0, 0, 0};
+static const int CORE_VERTEX_EDGES[2] = {0, 0};
+
+static pe_solid solid_of_geometry(const pe_geometry *g)
+{
+    return (pe_solid){
+        .nodes = g->nodes,
+        .vertices = g->vertices,
+        .triangles = (const int(*)[3])g->triangles,
+        .triangle_edges = (const int(*)[3])g->triangle_edges,
+        .triangle_face = g->triangle_face,
+        .triangle_owns = g->triangle_owns,
+        .faces = g->faces,
+        .edges = g->edges,
+        .vertex_first = g->vertex_first,
+        .vertex_edges = g->vertex_edges,
+        .vertex_count = g->vertex_count,
+        .triangle_count = g->triangle_count,
+    };
+}
+
+/* Leaves are the faces, on a chain of boxes of the whole. */
+static void make_box_nodes(pe_vec3 half, pe_node nodes[11])
+{
+    for (int face = 0; face < 6; ++face) {
+        double side = face % 2 == 1 ? 1 : -1;
+        pe_vec3 across = face < 2   ? pe_v3(1, 0, 0)
+                         : face < 4 ? pe_v3(0, 1, 0)
+                                    : pe_v3(0, 0, 1);
+        pe_vec3 out = pe_mul(across, half);
+        int leaf = face < 5 ? 2 * face + 1 : 10;
+        nodes[leaf] = (pe_node){.centre = pe_scale(side, out),
+                                .half = pe_sub(half, out),
+                                .right = -1,
+                                .first = 2 * face,
+                                .count = 2};
+        if (face < 5) {
+            nodes[2 * face] = (pe_node){.half = half, .right = 2 * face + 2};
+        }
+    }
+}
+
+static pe_solid solid_of_box(pe_vec3 half, pe_small_solid *small)
+{
+    for (int i = 0; i < 8; ++i) {
+        small->vertices[i] = pe_v3((i & 1) != 0 ? half.x : -half.x, (i & 2) != 0 ? half.y : -half.y,
+                                   (i & 4) != 0 ? half.z : -half.z);
+    }
+    for (int face = 0; face < 6; ++face) {
+        double side = face % 2 == 1 ? 1 : -1;
+        small->faces[face] = (pe_face){
+            .normal = pe_v3(face / 2 == 0 ? side : 0, face / 2 == 1 ? side : 0,
+                            face / 2 == 2 ? side : 0),
+            .offset = pe_component(half, face / 2),
+        };
+    }
+    make_box_nodes(half, small->nodes);
+    return (pe_solid){
+        .nodes = small->nodes,
+        .vertices = small->vertices,
+        .triangles = BOX_TRIANGLES,
+        .triangle_edges = BOX_TRIANGLE_EDGES,
+        .triangle_face = BOX_TRIANGLE_FACE,
+        .triangle_owns = BOX_OWNS,
+        .faces = small->faces,
+        .edges = BOX_EDGES,
+        .vertex_first = BOX_VERTEX_FIRST,
+        .vertex_edges = BOX_VERTEX_EDGES,
+        .vertex_count = 8,
+        .triangle_count = 12,
+    };
+}
+
+static pe_solid solid_of_core(double half_height, pe_small_solid *small)
+{
+    small->vertices[0] = pe_v3(0, 0, -half_height);
+    small->vertices[1] = pe_v3(0, 0, half_height);
+    small->nodes[0] = (pe_node){.half = pe_v3(0, 0, half_height), .right = -1, .count = 1};
+    return (pe_solid){
+        .core = true,
+        .nodes = small->nodes,
+        .vertices = small->vertices,
+        .triangles = CORE_TRIANGLE,
+        .triangle_edges = CORE_TRIANGLE_EDGES,
+        .triangle_face = CORE_TRIANGLE_FACE,
+        .triangle_owns = half_height > 0 ? SEGMENT_OWNS : POINT_OWNS,
+        .edges = CORE_EDGE,
+        .vertex_first = half_height > 0 ? SEGMENT_VERTEX_FIRST : POINT_VERTEX_FIRST,
+        .vertex_edges = CORE_VERTEX_EDGES,
+        .vertex_count = half_height > 0 ? 2 : 1,
+        .triangle_count = 1,
+    };
+}
+
+static pe_solid solid_of(pe_placed placed, pe_small_solid *small)
+{
+    const pe_shape *shape = placed.shape;
+    return placed.geometry != NULL             ? solid_of_geometry(placed.geometry)
+           : shape->kind == PE_SHAPE_BOX       ? solid_of_box(shape->half_extents, small)
+           : shape->kind == PE_SHAPE_CAPSULE   ? solid_of_core(shape->half_height, small)
+                                               : solid_of_core(0, small);
+}
+
+static double bounding_radius(pe_placed p)
+{
+    return p.geometry != NULL                 ? p.geometry->bounding_radius
+           : p.shape->kind == PE_SHAPE_BOX    ? pe_length(p.shape->half_extents)
+           : p.shape->kind == PE_SHAPE_SPHERE ? p.shape->radius
+                                              : p.shape->radius + p.shape->half_height;
+}
+
+void pe_solid_pair_make(pe_placed a, pe_placed b, pe_solid_pair *pair)
+{
+    bool rounded = a.shape->kind == PE_SHAPE_SPHERE || a.shape->kind == PE_SHAPE_CAPSULE;
+    pair->a = solid_of(a, &pair->small);
+    pair->b = solid_of_geometry(b.geometry);
+    pair->radius = rounded ? a.shape->radius : 0;
+    pair->size = pe_min(a.size, b.size);
+    pair->slack = PE_SLACK * pair->size;
+    pair->band = PE_BAND * pe_min(bounding_radius(a), bounding_radius(b));
+
+    const pe_mat3 *ra = &a.pose->rotation, *rb = &b.pose->rotation;
+    pe_vec3 x = pe_unrotate(ra, pe_axis(rb, 0)), y = pe_unrotate(ra, pe_axis(rb, 1));
+    pe_mat3 turn = {x, y, pe_unrotate(ra, pe_axis(rb, 2))};
+    pe_mat3 back = {pe_axis(&turn, 0), pe_axis(&turn, 1), pe_axis(&turn, 2)};
+    pe_vec3 offset = pe_unrotate(rb, pe_sub(a.pose->position, b.pose->position));
+    pair->trees = pe_bvh_pair_of(pair->a.nodes, pair->b.nodes, &turn, offset);
+    pair->swapped = pe_bvh_pair_of(pair->b.nodes, pair->a.nodes, &back,
+                                   pe_scale(-1, pe_rotate(&back, offset)));
+}
+
+static void describe(const pe_solid *solid, int triangle, pe_facet *facet)
+{
+    facet->vertices = solid->triangles[triangle];
+    facet->edges = solid->triangle_edges[triangle];
+    facet->face = solid->triangle_face[triangle];
+    facet->owns = solid->triangle_owns[triangle];
+    facet->normal = pe_v3(0, 0, 0);
+    facet->offset = 0;
+}
+
+void pe_facet_of_a(const pe_solid_pair *pair, int triangle, pe_facet *facet)
+{
+    describe(&pair->a, triangle, facet);
+    const pe_bvh_pair *seen = &pair->trees;
+    for (int k = 0; k < 3; ++k) {
+        facet->x[k] = pe_add(pe_rotate(&seen->turn, pair->a.vertices[facet->vertices[k]]),
+                             seen->offset);
+    }
+    if (facet->face >= 0) {
+        const pe_face *face = &pair->a.faces[facet->face];
+        facet->normal = pe_rotate(&seen->turn, face->normal);
+        facet->offset = face->offset + pe_dot(facet->normal, seen->offset);
+    }
+}
+
+void pe_facet_of_b(const pe_solid_pair *pair, int triangle, pe_facet *facet)
+{
+    describe(&pair->b, triangle, facet);
+    for (int k = 0; k < 3; ++k) {
+        facet->x[k] = pair->b.vertices[facet->vertices[k]];
+    }
+    facet->normal = pair->b.faces[facet->face].normal;
+    facet->offset = pair->b.faces[facet->face].offset;
+}
+
+bool pe_facet_holds(const pe_facet *facet, pe_vec3 x, double slack)
+{
+    for (int k = 0; k < 3; ++k) {
+        pe_vec3 from = facet->x[k], u = pe_sub(facet->x[k < 2 ? k + 1 : 0], from);
+        double in = pe_dot(pe_cross(facet->normal, u), pe_sub(x, from));
+        if (in < 0 && in * in > slack * slack * pe_dot(u, u)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool pe_facet_heights(const pe_facet *over, const pe_facet *of, double bound, double height[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        height[k] = pe_dot(over->normal, of->x[k]) - over->offset;
+    }
+    return pe_min(height[0], pe_min(height[1], height[2])) <= bound &&
+           pe_max(height[0], pe_max(height[1], height[2])) >= -bound;
+}
+
+/* Whether an edge of the facet `of` pierces the other. */
+static bool pierces(const pe_facet *over, const pe_facet *of, const double height[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        int next = k < 2 ? k + 1 : 0;
+        double p = height[k], q = height[next];
+        if ((p > 0) != (q > 0)) {
+            double t = p / (p - q);
+            pe_vec3 x = pe_madd(of->x[k], t, pe_sub(of->x[next], of->x[k]));
+            if (pe_facet_holds(over, x, 0)) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+bool pe_facets_cross(const pe_facet *a, const double above_b[3], const pe_facet *b,
+                     const double above_a[3])
+{
+    return pierces(b, a, above_b) || (a->face >= 0 && pierces(a, b, above_a));
+}
+
+int pe_ridges_of(const pe_solid *solid, const pe_bvh_pair *seen, const pe_facet *facet,
+                 pe_ridge ridges[3])
+{
+    int count = 0;
+    for (int k = 0; k < 3; ++k) {
+        if ((facet->owns >> (3 + k) & 1) == 0) {
+            continue;
+        }
+        pe_ridge *r = &ridges[count++];
+        const pe_edge *edge = &solid->edges[facet->edges[k]];
+        r->edge = facet->edges[k];
+        r->x = facet->x[k];
+        r->along = pe_sub(facet->x[k < 2 ? k + 1 : 0], r->x);
+        r->length2 = pe_dot(r->along, r->along);
+        r->normal[0] = r->normal[1] = facet->normal;
+        r->offset[0] = r->offset[1] = facet->offset;
+        if (edge->face[1] >= 0) {
+            const pe_face *face = &solid->faces[edge->face[1]];
+            r->normal[1] = seen != NULL ? pe_rotate(&seen->turn, face->normal) : face->normal;
+            r->offset[1] =
+                face->offset + (seen != NULL ? pe_dot(r->normal[1], seen->offset) : 0);
+        }
+    }
+    return count;
+}
+
+static double clamp01(double x)
+{
+    return pe_max(0, pe_min(1, x));
+}
+
+void pe_segments_nearest(pe_vec3 x, pe_vec3 u, pe_vec3 y, pe_vec3 v, double *s, double *t)
+{
+    pe_vec3 d = pe_sub(y, x);
+    double uu = pe_dot(u, u), vv = pe_dot(v, v), uv = pe_dot(u, v);
+    double du = pe_dot(d, u), dv = pe_dot(d, v);
+    double det = uu * vv - uv * uv;
+    /* The best s for the whole second line; then the best t for it; where t had to be held to its
+     * segment, the best s for that end. */
+    *s = det > 0 ? clamp01((du * vv - dv * uv) / det) : 0;
+    double best = vv > 0 ? (*s * uv - dv) / vv : 0;
+    *t = clamp01(best);
+    if (best != *t || !(det > 0)) {
+        *s = uu > 0 ? clamp01((du + *t * uv) / uu) : 0;
+    }
+}

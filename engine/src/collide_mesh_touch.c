@@ -1,0 +1,280 @@
+/* The features of two solids that touch or come within reach: see collide_mesh.c for the rules. */
+#include "collide_mesh.h"
+
+/* Sine of the angle by which a contact's normal may lie outside what a feature faces, so that all
+ * corners of a face that lies on another, nearly, are found. */
+static const double FACING = 0.1;
+/* Sine of the angle from which the nearest features of a rounded shape count as facing each other:
+ * rounding alone. */
+static const double ROUNDING = 1e-9;
+/* Edges at a smaller angle than this, in rad, are parallel: their ends say as much. */
+static const double LEAST_SINE = 1e-3;
+/* Sine of the angle up to which the normal of two edges is that of a face at one of them. */
+static const double FLAT = 1e-2;
+/* In slacks: an edge's end this far outside the other one's wedge may still be within. Wider than
+ * the slack of the edges' own ends, so that a crossing at an end is never taken for a real one. */
+static const double WEDGE = 4;
+
+typedef struct finder {
+    const pe_solid_pair *pair;
+    double reach;
+    pe_touches *list;
+} finder;
+
+/* Whether no edge at the vertex leads back along -d by more than the angle: d in its axes. */
+static bool faces(const pe_solid *solid, int vertex, pe_vec3 d, double length, double sine)
+{
+    for (int i = solid->vertex_first[vertex]; i < solid->vertex_first[vertex + 1]; ++i) {
+        const pe_edge *edge = &solid->edges[solid->vertex_edges[i]];
+        int other = edge->vertex[edge->vertex[0] == vertex];
+        pe_vec3 u = pe_sub(solid->vertices[other], solid->vertices[vertex]);
+        double rise = pe_dot(d, u), least = sine * length;
+        if (rise < 0 && rise * rise > least * least * pe_dot(u, u)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool pe_vertex_faces(const pe_solid *solid, int vertex, pe_vec3 normal)
+{
+    return faces(solid, vertex, normal, 1, FACING);
+}
+
+static void add_vertex_face(const finder *f, int vertex, pe_vec3 x, const pe_facet *face,
+                            double height)
+{
+    pe_touch touch = {
+        .feature = pe_touch_feature(PE_VERTEX_FACE, vertex, face->face),
+        .kind = PE_VERTEX_FACE,
+        .normal = pe_scale(-1, face->normal),
+        .on_a = x,
+        .separation = height - f->pair->radius,
+    };
+    pe_touches_add(f->list, &touch);
+}
+
+static void add_face_vertex(const finder *f, int vertex, pe_vec3 x, const pe_facet *face,
+                            double height)
+{
+    pe_touch touch = {
+        .feature = pe_touch_feature(PE_FACE_VERTEX, vertex, face->face),
+        .kind = PE_FACE_VERTEX,
+        .normal = face->normal,
+        .on_a = pe_madd(x, -height, face->normal),
+        .separation = height,
+    };
+    pe_touches_add(f->list, &touch);
+}
+
+static bool within(const finder *f, const pe_facet *of, int k, const pe_facet *over, double height)
+{
+    return (of->owns >> k & 1) != 0 && fabs(height) <= f->reach &&
+           pe_facet_holds(over, of->x[k], f->pair->slack);
+}
+
+static void try_vertices(const finder *f, const pe_facet *a, const pe_facet *b,
+                         const double above_a[3], const double above_b[3])
+{
+    const pe_solid_pair *pair = f->pair;
+    for (int k = 0; k < 3; ++k) {
+        if (within(f, a, k, b, above_b[k]) &&
+            pe_vertex_faces(&pair->a, a->vertices[k], pe_unrotate(&pair->trees.turn, b->normal))) {
+            add_vertex_face(f, a->vertices[k], a->x[k], b, above_b[k]);
+        }
+        if (a->face >= 0 && within(f, b, k, a, above_a[k]) &&
+            pe_vertex_faces(&pair->b, b->vertices[k], a->normal)) {
+            add_face_vertex(f, b->vertices[k], b->x[k], a, above_a[k]);
+        }
+    }
+}
+
+/* Whether the direction n, of the given length, lies between the normals of the ridge's faces: it
+ * rises neither along the one face nor along the other. */
+static bool ridge_faces(const pe_ridge *r, pe_vec3 n, double length, double sine)
+{
+    double most = sine * length * sqrt(r->length2);
+    return pe_dot(n, pe_cross(r->normal[0], r->along)) <= most &&
+           pe_dot(n, pe_cross(r->along, r->normal[1])) <= most;
+}
+
+/* Whether an end of the edge lies under both faces of the ridge, so that the edge does not pass
+ * over it, and the direction is not that of the face which is nearer to that end. */
+static bool end_denies(const finder *f, const pe_ridge *edge, const pe_ridge *ridge, pe_vec3 n)
+{
+    double slack = WEDGE * f->pair->slack;
+    for (int end = 0; end < 2; ++end) {
+        pe_vec3 x = end == 0 ? edge->x : pe_add(edge->x, edge->along);
+        double h0 = pe_dot(ridge->normal[0], x) - ridge->offset[0];
+        double h1 = pe_dot(ridge->normal[1], x) - ridge->offset[1];
+        if (h0 > slack || h1 > slack) {
+            continue;
+        }
+        pe_vec3 across = pe_cross(n, ridge->normal[h0 >= h1 ? 0 : 1]);
+        if (pe_dot(across, across) > FLAT * FLAT) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Two convex edges whose lines are nearest inside both. With u, v their directions and c = u x v,
+ * the normal n = +-c/|c| rises along the faces of the first one by +-(v.n0) |u|^2/|c| and
+ * -+(v.n1) |u|^2/|c| (for c x u has no part along v but that), and likewise with the second: the
+ * signs of four products say whether both edges face each other (Gregorius 2013). */
+static void try_edges(const finder *f, const pe_ridge *a, const pe_ridge *b)
+{
+    bool core = f->pair->a.core;
+    double la = sqrt(a->length2), lb = sqrt(b->length2);
+    double b0 = lb * pe_dot(a->along, b->normal[0]), b1 = -lb * pe_dot(a->along, b->normal[1]);
+    double a0 = core ? 0 : la * pe_dot(b->along, a->normal[0]);
+    double a1 = core ? 0 : -la * pe_dot(b->along, a->normal[1]);
+    double sign = a0 + a1 + b0 + b1 > 0 ? 1 : -1, most = FACING * la * lb;
+    if (pe_min(pe_min(sign * a0, sign * a1), pe_min(sign * b0, sign * b1)) < -most) {
+        return;
+    }
+    pe_vec3 c = pe_cross(a->along, b->along), apart = pe_sub(b->x, a->x);
+    double c2 = pe_dot(c, c);
+    if (c2 <= LEAST_SINE * LEAST_SINE * a->length2 * b->length2) {
+        return;
+    }
+    double scale = sign / sqrt(c2), separation = scale * pe_dot(apart, c);
+    if (separation > f->reach || separation < -f->pair->band) {
+        return;
+    }
+    most = FACING * fabs(1 / scale);
+    if (pe_min(pe_min(sign * a0, sign * a1), pe_min(sign * b0, sign * b1)) < -most) {
+        return;
+    }
+    double s = pe_dot(pe_cross(apart, b->along), c) / c2;
+    double t = pe_dot(pe_cross(apart, a->along), c) / c2;
+    double past_a = f->pair->slack / la, past_b = f->pair->slack / lb;
+    if (s < -past_a || s > 1 + past_a || t < -past_b || t > 1 + past_b) {
+        return;
+    }
+    pe_vec3 n = pe_scale(scale, c);
+    if (separation < f->pair->slack &&
+        (end_denies(f, a, b, n) || (!core && end_denies(f, b, a, n)))) {
+        return;
+    }
+    pe_touch touch = {
+        .feature = pe_touch_feature(PE_EDGE_EDGE, a->edge, b->edge),
+        .kind = PE_EDGE_EDGE,
+        .normal = n,
+        .on_a = pe_madd(a->x, s, a->along),
+        .separation = separation - f->pair->radius,
+        .along_a = a->along,
+        .along_b = b->along,
+    };
+    pe_touches_add(f->list, &touch);
+}
+
+/* A point of the core and one of b that face each other across a gap. */
+static void add_points(const finder *f, pe_touch_kind kind, int name_a, int name_b, pe_vec3 on_a,
+                       pe_vec3 apart, double distance)
+{
+    pe_touch touch = {
+        .feature = pe_touch_feature(kind, name_a, name_b),
+        .kind = kind,
+        .normal = pe_scale(1 / distance, apart),
+        .on_a = on_a,
+        .separation = distance - f->pair->radius,
+    };
+    pe_touches_add(f->list, &touch);
+}
+
+/* An end of the core and an edge of b, or one of its vertices. */
+static void try_end_edge(const finder *f, int end, pe_vec3 x, const pe_ridge *b)
+{
+    const pe_solid_pair *pair = f->pair;
+    double t = pe_dot(pe_sub(x, b->x), b->along) / b->length2;
+    bool at_vertex = t <= 0 || t >= 1;
+    t = pe_max(0, pe_min(1, t));
+    pe_vec3 apart = pe_sub(pe_madd(b->x, t, b->along), x), out = pe_scale(-1, apart);
+    double distance = pe_length(apart);
+    if (distance > f->reach || !(distance > pair->slack) ||
+        !faces(&pair->a, end, pe_unrotate(&pair->trees.turn, out), distance, FACING)) {
+        return;
+    }
+    int vertex = pair->b.edges[b->edge].vertex[t >= 1];
+    if (at_vertex ? faces(&pair->b, vertex, apart, distance, ROUNDING)
+                  : ridge_faces(b, out, distance, ROUNDING)) {
+        add_points(f, at_vertex ? PE_VERTEX_VERTEX : PE_VERTEX_EDGE, end,
+                   at_vertex ? vertex : b->edge, x, apart, distance);
+    }
+}
+
+/* The inside of the core's segment and a vertex of b. */
+static void try_segment_vertex(const finder *f, const pe_ridge *segment, int vertex, pe_vec3 y)
+{
+    double s = pe_dot(pe_sub(y, segment->x), segment->along) / segment->length2;
+    pe_vec3 x = pe_madd(segment->x, s, segment->along), apart = pe_sub(y, x);
+    double distance = pe_length(apart);
+    if (s > 0 && s < 1 && distance <= f->reach && distance > f->pair->slack &&
+        faces(&f->pair->b, vertex, apart, distance, ROUNDING)) {
+        add_points(f, PE_EDGE_VERTEX, segment->edge, vertex, x, apart, distance);
+    }
+}
+
+static void try_core(const finder *f, const pe_facet *a, const pe_ridge *segment,
+                     const pe_facet *b, const pe_ridge *ridges_b, int count_b)
+{
+    bool point = (a->owns >> 1 & 1) == 0;
+    for (int j = 0; j < count_b; ++j) {
+        for (int k = 0; k < 2; ++k) {
+            if ((a->owns >> k & 1) != 0) {
+                try_end_edge(f, a->vertices[k], a->x[k], &ridges_b[j]);
+            }
+        }
+        if (!point) {
+            try_edges(f, segment, &ridges_b[j]);
+        }
+    }
+    for (int k = 0; k < 3 && !point; ++k) {
+        if ((b->owns >> k & 1) != 0) {
+            try_segment_vertex(f, segment, b->vertices[k], b->x[k]);
+        }
+    }
+}
+
+static void try_facets(const finder *f, const pe_facet *a, const pe_ridge *ridges_a, int count_a,
+                       const pe_facet *b)
+{
+    double above_a[3] = {0}, above_b[3];
+    if (!pe_facet_heights(b, a, f->reach, above_b) ||
+        (a->face >= 0 && !pe_facet_heights(a, b, f->reach, above_a))) {
+        return;
+    }
+    try_vertices(f, a, b, above_a, above_b);
+    pe_ridge ridges_b[3];
+    int count_b = pe_ridges_of(&f->pair->b, NULL, b, ridges_b);
+    if (f->pair->a.core) {
+        try_core(f, a, ridges_a, b, ridges_b, count_b);
+        return;
+    }
+    for (int i = 0; i < count_a; ++i) {
+        for (int j = 0; j < count_b; ++j) {
+            try_edges(f, &ridges_a[i], &ridges_b[j]);
+        }
+    }
+}
+
+void pe_touches_find(const pe_solid_pair *pair, double reach, pe_touches *list)
+{
+    finder f = {pair, reach, list};
+    pe_bvh_walk walk;
+    const pe_node *leaf_a, *leaf_b;
+    pe_bvh_begin(&pair->trees, &walk);
+    while (!list->failed && pe_bvh_next(&pair->trees, &walk, reach, &leaf_a, &leaf_b)) {
+        for (int i = 0; i < leaf_a->count; ++i) {
+            pe_facet a, b;
+            pe_ridge ridges[3];
+            pe_facet_of_a(pair, leaf_a->first + i, &a);
+            int count = pe_ridges_of(&pair->a, &pair->trees, &a, ridges);
+            for (int j = 0; j < leaf_b->count; ++j) {
+                pe_facet_of_b(pair, leaf_b->first + j, &b);
+                try_facets(&f, &a, ridges, count, &b);
+            }
+        }
+    }
+}

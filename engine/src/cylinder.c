@@ -1,0 +1,130 @@
+/* The peak of a line against a rim. With d = x u + y t, x > 0 on the side that is asked for, the
+ * separation is
+ *
+ *     s = A x + B y - R sqrt(c^2 x^2 + y^2),    A = w.u - H q,  B = w.t,
+ *
+ * q and c the sine and cosine between the axis and the line. In the slope k = y/x its derivative
+ * along the circle is x times
+ *
+ *     G(k) = B - A k - R q^2 k / sqrt(c^2 + k^2):
+ *
+ * a straight line less a sigmoid, whose curvature changes at k = 0 only. A maximum is a root where G
+ * falls; it lies on the side of k = 0 that the sign of B tells, and from k = 0 on G is convex there:
+ * Newton's iterates grow towards the root without ever passing it, and where there is none G stops
+ * falling. */
+#include "cylinder.h"
+
+pe_cylinder pe_cylinder_seen(pe_placed cylinder, const pe_pose *pose)
+{
+    const pe_mat3 *turn = &pose->rotation;
+    return (pe_cylinder){
+        .centre = pe_unrotate(turn, pe_sub(cylinder.pose->position, pose->position)),
+        .axis = pe_unrotate(turn, pe_axis(&cylinder.pose->rotation, 2)),
+        .radius = cylinder.shape->radius,
+        .half_height = cylinder.shape->half_height,
+    };
+}
+
+pe_vec3 pe_cylinder_outward(const pe_cylinder *c, pe_vec3 v, double *length)
+{
+    pe_vec3 out = pe_cylinder_across(c, v);
+    *length = pe_length(out);
+    if (!(*length > 0)) {
+        return pe_v3(0, 0, 0);
+    }
+    /* What rounding left along the axis has grown as much as the vector. */
+    out = pe_cylinder_across(c, pe_scale(1 / *length, out));
+    return pe_scale(1 / pe_length(out), out);
+}
+
+pe_vec3 pe_cylinder_support(const pe_cylinder *c, pe_vec3 d)
+{
+    double height = pe_dot(d, c->axis) > 0 ? c->half_height : -c->half_height, length;
+    pe_vec3 x = pe_madd(c->centre, height, c->axis);
+    return pe_madd(x, c->radius, pe_cylinder_outward(c, d, &length));
+}
+
+bool pe_circle_make(const pe_cylinder *c, pe_vec3 e, pe_circle *circle)
+{
+    double cosine = pe_dot(c->axis, e);
+    pe_vec3 across = pe_madd(c->axis, -cosine, e);
+    circle->sine = pe_length(across);
+    if (circle->sine < 1e-15) {
+        return false;
+    }
+    circle->cosine2 = cosine * cosine;
+    circle->u = pe_scale(1 / circle->sine, across);
+    circle->t = pe_cross(e, circle->u);
+    return true;
+}
+
+/* A root of G with B >= 0, between the slopes low and high, where G falls. */
+static bool find_root(double a, double b, double rq2, double c2, double low, double high,
+                      double *slope)
+{
+    enum { MOST = 64 };
+    double k = pe_max(low, 0);
+    if (high < k) {
+        return false;
+    }
+    if (c2 < 1e-200) {
+        /* The sigmoid is a step; at the step itself d is along the axis, which is the cap's. */
+        *slope = (b - rq2) / a;
+        return a > 0 && b > rq2 && *slope >= low && *slope <= high;
+    }
+    if (a >= 0 && high < HUGE_VAL && b > high * (a + rq2 / sqrt(c2 + high * high))) {
+        return false;
+    }
+    for (int i = 0; i < MOST; ++i) {
+        double g = 1 / sqrt(c2 + k * k);
+        double value = b - k * (a + rq2 * g);
+        if (value <= 0) {
+            if (i == 0 && value < 0) {
+                return false; /* G has fallen below 0 already */
+            }
+            break;
+        }
+        double fall = a + rq2 * c2 * g * g * g;
+        double next = k + value / fall;
+        if (!(fall > 0) || next > high || next > 1e100) {
+            return false;
+        }
+        if (!(next > k)) {
+            break;
+        }
+        k = next;
+    }
+    *slope = k;
+    return true;
+}
+
+bool pe_circle_peak(const pe_circle *circle, const pe_cylinder *c, pe_vec3 w, double side,
+                    const pe_turn *from, const pe_turn *to, double least, pe_vec3 *d,
+                    double *value)
+{
+    double low = -HUGE_VAL, high = HUGE_VAL;
+    if (from != NULL) {
+        double x0 = side * from->x, x1 = side * to->x;
+        if (!(x0 > 0) && !(x1 > 0)) {
+            return false;
+        }
+        low = x0 > 0 ? side * from->y / x0 : low;
+        high = x1 > 0 ? side * to->y / x1 : high;
+    }
+    double q = circle->sine, c2 = circle->cosine2, r = c->radius;
+    double a = side * pe_dot(w, circle->u) - c->half_height * q, b = side * pe_dot(w, circle->t);
+    double bound = least + r * sqrt(c2);
+    if (bound > 0 && a * a + b * b <= bound * bound) {
+        return false; /* s <= |(A, B)| - R c */
+    }
+    double k;
+    if (!(b < 0 ? find_root(a, -b, r * q * q, c2, -high, -low, &k)
+                : find_root(a, b, r * q * q, c2, low, high, &k))) {
+        return false;
+    }
+    k = b < 0 ? -k : k;
+    double x = 1 / sqrt(1 + k * k), y = k * x;
+    *value = a * x + b * y - r * sqrt(c2 * x * x + y * y);
+    *d = pe_madd(pe_scale(side * x, circle->u), side * y, circle->t);
+    return *value > least;
+}

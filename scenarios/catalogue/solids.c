@@ -1,0 +1,267 @@
+#include "solids.h"
+
+#include "trigonometry.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static void put_vertex(pl_solid *s, double x, double y, double z)
+{
+    double *v = s->vertices[s->vertex_count++];
+    v[0] = x, v[1] = y, v[2] = z;
+}
+
+static void put_triangle(pl_solid *s, int a, int b, int c)
+{
+    int *t = s->triangles[s->triangle_count++];
+    t[0] = a, t[1] = b, t[2] = c;
+}
+
+static void put_quad(pl_solid *s, int a, int b, int c, int d)
+{
+    put_triangle(s, a, b, c);
+    put_triangle(s, a, c, d);
+}
+
+/* Room for so many; false, and nothing kept, when out of memory. */
+static bool take(pl_solid *s, int vertices, int triangles)
+{
+    *s = (pl_solid){.vertices = calloc((size_t)vertices, sizeof *s->vertices),
+                    .triangles = calloc((size_t)triangles, sizeof *s->triangles)};
+    if (s->vertices == NULL || s->triangles == NULL) {
+        pl_solid_free(s);
+        return false;
+    }
+    return true;
+}
+
+void pl_solid_free(pl_solid *solid)
+{
+    free(solid->vertices);
+    free(solid->triangles);
+    *solid = (pl_solid){0};
+}
+
+pl_solid pl_solid_box(double half_x, double half_y, double half_z)
+{
+    pl_solid s;
+    if (take(&s, 8, 12)) {
+        for (int i = 0; i < 8; i++) {
+            put_vertex(&s, i & 1 ? half_x : -half_x, i & 2 ? half_y : -half_y,
+                       i & 4 ? half_z : -half_z);
+        }
+        put_quad(&s, 0, 2, 3, 1);
+        put_quad(&s, 4, 5, 7, 6);
+        put_quad(&s, 0, 1, 5, 4);
+        put_quad(&s, 2, 6, 7, 3);
+        put_quad(&s, 0, 4, 6, 2);
+        put_quad(&s, 1, 3, 7, 5);
+    }
+    return s;
+}
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void cross(const double a[3], const double b[3], double c[3])
+{
+    for (int k = 0; k < 3; k++) {
+        int i = (k + 1) % 3, j = (k + 2) % 3;
+        c[k] = a[i] * b[j] - a[j] * b[i];
+    }
+}
+
+static void make_unit(double v[3])
+{
+    double length = sqrt(dot(v, v));
+    for (int k = 0; k < 3; k++) {
+        v[k] /= length;
+    }
+}
+
+/* Turns the solid so that its first triangle lies below, level, at z = -*height. */
+static void lay_on_first_face(pl_solid *s, double *height)
+{
+    double axis[3][3]; /* rows: the new axes in the old ones */
+    double u[3], v[3], down[3];
+    const int *t = s->triangles[0];
+    for (int k = 0; k < 3; k++) {
+        u[k] = s->vertices[t[1]][k] - s->vertices[t[0]][k];
+        v[k] = s->vertices[t[2]][k] - s->vertices[t[0]][k];
+    }
+    cross(u, v, down);
+    make_unit(down);
+    make_unit(u);
+    for (int k = 0; k < 3; k++) {
+        axis[0][k] = u[k];
+        axis[2][k] = -down[k];
+    }
+    cross(axis[2], axis[0], axis[1]);
+    *height = dot(down, s->vertices[t[0]]);
+    for (int i = 0; i < s->vertex_count; i++) {
+        double turned[3];
+        for (int k = 0; k < 3; k++) {
+            turned[k] = dot(axis[k], s->vertices[i]);
+        }
+        for (int k = 0; k < 3; k++) {
+            s->vertices[i][k] = turned[k];
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        s->vertices[s->triangles[0][k]][2] = -*height; /* level to the last digit */
+    }
+}
+
+pl_solid pl_solid_tetrahedron(double edge, double *height)
+{
+    pl_solid s;
+    if (take(&s, 4, 4)) {
+        double c = edge / sqrt(8); /* four corners of a cube */
+        put_vertex(&s, c, c, c);
+        put_vertex(&s, c, -c, -c);
+        put_vertex(&s, -c, c, -c);
+        put_vertex(&s, -c, -c, c);
+        put_triangle(&s, 0, 1, 2);
+        put_triangle(&s, 0, 3, 1);
+        put_triangle(&s, 0, 2, 3);
+        put_triangle(&s, 1, 3, 2);
+        lay_on_first_face(&s, height);
+    }
+    return s;
+}
+
+pl_solid pl_solid_icosahedron(double edge, double *height)
+{
+    static const int faces[20][3] = {{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                     {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                     {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                     {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}};
+    pl_solid s;
+    if (take(&s, 12, 20)) {
+        /* Three golden rectangles. */
+        double a = edge / 2, b = a * (1 + sqrt(5)) / 2;
+        for (int k = 0; k < 3; k++) {
+            for (int i = 0; i < 4; i++) {
+                double v[3] = {0, 0, 0};
+                v[k] = i & 1 ? a : -a;
+                v[(k + 1) % 3] = i & 2 ? -b : b;
+                put_vertex(&s, v[0], v[1], v[2]);
+            }
+        }
+        for (int i = 0; i < 20; i++) {
+            put_triangle(&s, faces[i][0], faces[i][1], faces[i][2]);
+        }
+        lay_on_first_face(&s, height);
+    }
+    return s;
+}
+
+pl_solid pl_solid_prism(int sides, double radius, double half_height)
+{
+    pl_solid s;
+    if (take(&s, 2 * sides, 4 * sides - 4)) {
+        for (int i = 0; i < sides; i++) {
+            double x, y;
+            pl_circle_point(2 * i + 1, 2 * sides, &x, &y);
+            put_vertex(&s, radius * x, radius * y, -half_height);
+            put_vertex(&s, radius * x, radius * y, half_height);
+        }
+        for (int i = 0; i < sides; i++) {
+            int next = (i + 1) % sides;
+            put_quad(&s, 2 * i, 2 * next, 2 * next + 1, 2 * i + 1);
+        }
+        for (int i = 1; i + 1 < sides; i++) {
+            put_triangle(&s, 0, 2 * i + 2, 2 * i);
+            put_triangle(&s, 1, 2 * i + 1, 2 * i + 3);
+        }
+    }
+    return s;
+}
+
+pl_solid pl_solid_angle(double length, double thickness, double width)
+{
+    const double l = length, t = thickness;
+    const double corner[6][2] = {{0, 0}, {l, 0}, {l, t}, {t, t}, {t, l}, {0, l}}; /* x, z */
+    pl_solid s;
+    if (take(&s, 12, 20)) {
+        for (int i = 0; i < 6; i++) {
+            put_vertex(&s, corner[i][0], 0, corner[i][1]);
+            put_vertex(&s, corner[i][0], width, corner[i][1]);
+        }
+        for (int i = 0; i < 6; i++) {
+            int next = (i + 1) % 6;
+            put_quad(&s, 2 * i, 2 * i + 1, 2 * next + 1, 2 * next);
+        }
+        /* Each end as two quads that share the diagonal of the corner. */
+        put_quad(&s, 0, 2, 4, 6);
+        put_quad(&s, 0, 6, 8, 10);
+        put_quad(&s, 1, 7, 5, 3);
+        put_quad(&s, 1, 11, 9, 7);
+    }
+    return s;
+}
+
+pl_solid pl_solid_torus(double ring_radius, double tube_radius, int around, int sides)
+{
+    pl_solid s;
+    if (take(&s, around * sides, 2 * around * sides)) {
+        for (int i = 0; i < around; i++) {
+            double x, y;
+            pl_circle_point(2 * i + 1, 2 * around, &x, &y);
+            for (int k = 0; k < sides; k++) {
+                double out, up;
+                pl_circle_point(2 * k + 1, 2 * sides, &out, &up);
+                double r = ring_radius + tube_radius * out;
+                put_vertex(&s, r * x, r * y, tube_radius * up);
+            }
+        }
+        for (int i = 0; i < around; i++) {
+            int piece = i * sides, next = (i + 1) % around * sides;
+            for (int k = 0; k < sides; k++) {
+                int up = (k + 1) % sides;
+                put_quad(&s, piece + k, next + k, next + up, piece + up);
+            }
+        }
+    }
+    return s;
+}
+
+/* From the middle of a regular polygon to its side, its corners at 1. */
+static double inner_radius(int sides)
+{
+    double x, y;
+    pl_circle_point(1, 2 * sides, &x, &y);
+    return x;
+}
+
+double pl_torus_half_height(double tube_radius, int sides)
+{
+    return tube_radius * inner_radius(sides);
+}
+
+double pl_torus_hole(double ring_radius, double tube_radius, int around, int sides)
+{
+    return (ring_radius - tube_radius * inner_radius(sides)) * inner_radius(around);
+}
+
+const pl_polyhedron *pl_build_solid(pl_builder *builder, pl_solid *solid, bool convex,
+                                    const char *name)
+{
+    const pl_polyhedron *made = NULL;
+    if (builder->status == PL_OK && solid->vertices == NULL) {
+        builder->status = pl_fail(builder->error, PL_NO_MEMORY, "no memory for %s", name);
+    }
+    const double(*vertices)[3] = (const double(*)[3])solid->vertices;
+    if (builder->status == PL_OK && convex) {
+        builder->status = pl_scene_add_hull(builder->scene, name, vertices, solid->vertex_count,
+                                            &made, builder->error);
+    } else if (builder->status == PL_OK) {
+        builder->status = pl_scene_add_mesh(builder->scene, name, vertices, solid->vertex_count,
+                                            (const int(*)[3])solid->triangles,
+                                            solid->triangle_count, &made, builder->error);
+    }
+    pl_solid_free(solid);
+    return made;
+}

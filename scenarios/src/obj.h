@@ -1,0 +1,35 @@
+/* Wavefront .obj files: the faces of solids.
+ *
+ * Read are `v` x y z, of which a weight and a colour behind are left out, and `f` with three or
+ * more corners v, v/vt, v//vn or v/vt/vn, each by its number from 1 or, if negative, counted back
+ * from the last vertex before the face. Left out are vt, vn, o, g, s, usemtl, mtllib and the like,
+ * and also points and lines (p, l), which bound no solid. Curves and curved surfaces are refused,
+ * as is every word that is none of the format. A # begins a comment; a backslash at a line's end
+ * joins the next one.
+ *
+ * A face of more corners becomes triangles; it must be flat to a thousandth of its size and not
+ * cross itself. Where the faces do not close as they are numbered, vertices of one place, the same
+ * to the bit, are one: programs write a vertex once for each normal or texture that it has. A face
+ * then loses what it has of one place side by side. */
+#ifndef PLUMB_OBJ_H
+#define PLUMB_OBJ_H
+
+#include "plumb/base.h"
+
+#include <stddef.h>
+
+typedef struct pl_obj {
+    double (*vertices)[3]; /* (vertex_count), as in the file, from 0 */
+    int (*triangles)[3];   /* (triangle_count) */
+    int *lines;            /* (triangle_count), of the file, from 1: where the face begins */
+    int vertex_count, triangle_count;
+} pl_obj;
+
+/* PL_BAD_INPUT says FILE:LINE: what was expected, what was found; *obj is then empty. */
+pl_status pl_obj_read_text(const char *text, size_t length, const char *label, pl_obj *obj,
+                           pl_error *error);
+pl_status pl_obj_read_file(const char *path, pl_obj *obj, pl_error *error);
+
+void pl_obj_free(pl_obj *obj);
+
+#endif

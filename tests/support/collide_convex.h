@@ -1,0 +1,16 @@
+/* The one patch of two convex shapes, which need no memory for it. */
+#ifndef PLUMB_TEST_COLLIDE_CONVEX_H
+#define PLUMB_TEST_COLLIDE_CONVEX_H
+
+#include "collide.h"
+
+/* hits->count 0: none. */
+static inline void collide_convex(pe_placed a, pe_placed b, double margin, pe_hits *hits)
+{
+    pe_hits patches[PE_MAX_PATCHES];
+    int count = pe_collide(a, b, margin, (pe_workspace){NULL, NULL}, patches);
+    *hits = patches[0];
+    hits->count = count > 0 ? hits->count : 0;
+}
+
+#endif

@@ -1,0 +1,104 @@
+/* Nothing passes a wall that is thinner than the way it makes in a step. */
+#include "check.h"
+#include "vec.h"
+#include "world_for_tests.h"
+
+static const double half_wall = 0.005; /* m */
+static const double dt = 1.0 / 60;
+
+static pe_world *world_with_wall(pe_profile profile)
+{
+    pe_world_def def = pe_world_def_default();
+    def.profile = profile;
+    def.gravity = pe_v3(0, 0, 0);
+    pe_world *world;
+    assert_int_equal(pe_world_create(&def, &world, NULL), PE_OK);
+    pe_body_def wall = pe_body_def_default();
+    wall.is_static = true;
+    wall.shape = (pe_shape){.kind = PE_SHAPE_BOX, .half_extents = {half_wall, 100, 100}};
+    pe_body_id id;
+    assert_int_equal(pe_body_create(world, &wall, &id, NULL), PE_OK);
+    return world;
+}
+
+static pe_vec3 random_vector(check_random *random, double size)
+{
+    double x = check_uniform(random, -size, size), y = check_uniform(random, -size, size);
+    return pe_v3(x, y, check_uniform(random, -size, size));
+}
+
+/* How far the body reaches beyond the wall's near face. */
+static double reach(const pe_shape *shape, const pe_body_state *s)
+{
+    pe_mat3 r = pe_matrix_of(s->orientation);
+    pe_vec3 e = shape->half_extents;
+    double half = shape->kind == PE_SHAPE_SPHERE
+                      ? shape->radius
+                      : fabs(r.r0.x) * e.x + fabs(r.r0.y) * e.y + fabs(r.r0.z) * e.z;
+    return s->position.x + half + half_wall;
+}
+
+/* Flies a body at the wall, at `speed` in a direction within 60 degrees of its normal, and checks
+ * that its centre never passes, and where it ends. */
+static void fly(check_random *random, pe_profile profile, pe_shape shape, double speed, double spin)
+{
+    pe_world *world = world_with_wall(profile);
+    pe_body_def def = pe_body_def_default();
+    double q[4];
+    check_quaternion(random, q);
+    def.shape = shape;
+    def.orientation = (pe_quat){q[0], q[1], q[2], q[3]};
+    def.position = pe_v3(-check_uniform(random, 1, 12), 0, 0);
+    pe_vec3 sideways = random_vector(random, 1.2);
+    pe_vec3 towards = pe_v3(1, sideways.y, sideways.z);
+    def.velocity = pe_scale(speed / pe_length(towards), towards);
+    def.angular_velocity = random_vector(random, spin);
+    pe_body_id id;
+    pe_body_state s;
+    assert_int_equal(pe_body_create(world, &def, &id, NULL), PE_OK);
+    for (int i = 0; i < 40; ++i) {
+        assert_int_equal(pe_world_step(world, dt, NULL, NULL), PE_OK);
+        assert_int_equal(pe_body_get_state(world, id, &s, NULL), PE_OK);
+        assert_at_most(s.position.x, -half_wall);
+    }
+    assert_at_most(reach(&shape, &s), 1e-2);
+    pe_world_destroy(world);
+}
+
+static void fly_all(pe_shape shape, double spin)
+{
+    for (int profile = PE_PROFILE_DEFAULT; profile <= PE_PROFILE_FAST; ++profile) {
+        check_random random = {99};
+        for (int i = 0; i < 300; ++i) {
+            fly(&random, (pe_profile)profile, shape, check_uniform(&random, 50, 200), spin);
+        }
+    }
+}
+
+static void test_a_sphere_at_200_m_s_does_not_pass_a_wall_of_1_cm(void **state)
+{
+    (void)state;
+    fly_all((pe_shape){.kind = PE_SHAPE_SPHERE, .radius = 0.5}, 100);
+}
+
+static void test_a_plate_at_200_m_s_does_not_pass_a_wall_of_1_cm(void **state)
+{
+    (void)state;
+    fly_all((pe_shape){.kind = PE_SHAPE_BOX, .half_extents = {0.5, 0.5, 0.005}}, 0);
+}
+
+static void test_a_spinning_plate_does_not_either(void **state)
+{
+    (void)state;
+    fly_all((pe_shape){.kind = PE_SHAPE_BOX, .half_extents = {0.5, 0.5, 0.005}}, 50);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_sphere_at_200_m_s_does_not_pass_a_wall_of_1_cm),
+        cmocka_unit_test(test_a_plate_at_200_m_s_does_not_pass_a_wall_of_1_cm),
+        cmocka_unit_test(test_a_spinning_plate_does_not_either),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
