@@ -69,6 +69,7 @@ common_packages() {
     need libc6-dev test -e /usr/include/stdio.h
     need libjansson-dev has_module jansson
     need libccd-dev has_module ccd
+    need libqhull-dev has_module qhull_r
     want libsuitesparse-dev test -e /usr/include/suitesparse/amd.h
     want libode-dev has_module ode
     want libbullet-dev has_module bullet

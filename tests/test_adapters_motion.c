@@ -26,21 +26,17 @@ static pl_body tumbling_body(pl_scene *scene, bool mesh)
 }
 
 /* The centre of mass in the world and the orientation of the principal axes, of a body whose frame
- * is at `position` and `orientation`: q = orientation axes, Hamilton's product. */
+ * is at `position` and `orientation`. */
 static void principal_pose(const pl_shape *shape, const double position[3],
                            const double orientation[4], double centre[3], double q[4])
 {
     static const pl_polyhedron plain = {.axes = {1, 0, 0, 0}};
     const pl_polyhedron *solid = shape->polyhedron != NULL ? shape->polyhedron : &plain;
-    const double *a = orientation, *b = solid->axes;
     to_world(orientation, solid->centre, centre);
     for (int k = 0; k < 3; k++) {
         centre[k] += position[k];
     }
-    q[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
-    q[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
-    q[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
-    q[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
+    quaternion_product(orientation, solid->axes, q);
 }
 
 /* y = (q, body angular velocity): q' = q (0, w) / 2, I w' = -w x I w. */

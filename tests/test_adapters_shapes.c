@@ -127,12 +127,16 @@ static void check_contact(const char *below, const char *above, const pl_contact
 
 /* The upper body lies 1 cm deep in the top of the lower one, a little aside and turned about z, so
  * that no edges meet; a round top touches on its axis. ODE keeps meshes in single precision, and
- * its search in hulls stops at 1e-6. */
+ * its search in hulls stops at 1e-6. Two meshes are left out: engines meet them triangle by
+ * triangle, and triangles that lie in each other have no one depth. */
 static void law_faces(const pl_engine_choice *choice)
 {
     for (int low = PL_SHAPE_PLANE; low < PL_SHAPE_KIND_COUNT; low++) {
         for (int high = PL_SHAPE_SPHERE; high < PL_SHAPE_KIND_COUNT; high++) {
             pl_shape_kind a = (pl_shape_kind)low, b = (pl_shape_kind)high;
+            if (a == PL_SHAPE_MESH && b == PL_SHAPE_MESH) {
+                continue;
+            }
             double aside = a == PL_SHAPE_SPHERE || a == PL_SHAPE_CAPSULE ? 0 : 0.1;
             const double at[3] = {aside, aside / 2, 0.5 + 0.3 - 0.01};
             for (int order = 0; order < 2 && knows(choice, a) && knows(choice, b); order++) {
@@ -153,30 +157,34 @@ static void test_any_two_shapes_face_on_face_have_true_depth_and_normals_from_a_
     for_each_profile(law_faces);
 }
 
-/* The lowest point of each solid tilted by `tilt`: below its middle by h cos + r sin for a
- * cylinder, the same for a cube, h cos + r for a capsule. Bullet rounds a cylinder's rim by its
- * margin m, which takes m (cos + sin - 1) from that. */
+/* The lowest point of a solid of widths h upwards and r in the plane of the tilt is h cos + r sin
+ * below its middle, of a capsule (h / 2) (cos + 1). Bullet rounds a cylinder's rim by its margin m,
+ * which takes m (cos + sin - 1) from that. ODE's meshes are in single precision. */
 static void law_tilted(const pl_engine_choice *choice)
 {
     static const pl_shape_kind kinds[] = {PL_SHAPE_CAPSULE, PL_SHAPE_CYLINDER, PL_SHAPE_HULL,
                                           PL_SHAPE_MESH};
     double c = cos(0.5), s = sin(0.5), half = 0.5, depth = 0.03;
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
-        bool capsule = kinds[i] == PL_SHAPE_CAPSULE;
-        bool rounded = kinds[i] == PL_SHAPE_CYLINDER && strcmp(choice->engine->name, "bullet") == 0;
-        const double at[3] = {3, -1, (capsule ? half / 2 * (c + 1) : half * (c + s)) - depth};
-        for (int axis = 0; axis < 2 && knows(choice, kinds[i]); axis++) {
-            pl_scene scene = empty_scene();
-            pl_body body = solid_body(&scene, kinds[i], half, at, axis, 0.5);
-            pl_contact contact = deepest_contact(choice, &scene, floor_body(), body, axis == 0);
-            check_contact("plane", kind_name(kinds[i]), &contact,
-                          depth - (rounded ? 0.04 * (c + s - 1) : 0), 1e-7);
-            /* Turned about y, z leans towards x: a capsule's lower end is back, an edge ahead. */
-            double lever = capsule ? -half / 2 * s : half * (c - s);
-            double along = contact.point[1 - axis] - at[1 - axis];
-            assert_close(axis == 1 ? along : -along, lever, rounded ? 0.04 : 1e-7, 0);
-            pl_scene_free(&scene);
+    for (int n = 0; n < 8; n++) {
+        pl_shape_kind kind = kinds[n / 2];
+        int axis = n % 2;
+        bool capsule = kind == PL_SHAPE_CAPSULE;
+        bool rounded = kind == PL_SHAPE_CYLINDER && strcmp(choice->engine->name, "bullet") == 0;
+        if (!knows(choice, kind)) {
+            continue;
         }
+        double side = solid_width(kind, half, 1 - axis), margin = rounded ? 0.04 : 0;
+        double low = capsule ? half / 2 * (c + 1) : half * c + side * s;
+        const double at[3] = {3, -1, low - depth};
+        pl_scene scene = empty_scene();
+        pl_body body = solid_body(&scene, kind, half, at, axis, 0.5);
+        pl_contact contact = deepest_contact(choice, &scene, floor_body(), body, axis == 0);
+        check_contact("plane", kind_name(kind), &contact, depth - margin * (c + s - 1), 3e-7);
+        /* Turned about y, z leans towards x: a capsule's lower end is back, an edge ahead. */
+        double lever = capsule ? -half / 2 * s : side * c - half * s;
+        double along = contact.point[1 - axis] - at[1 - axis];
+        assert_close(axis == 1 ? along : -along, lever, fmax(margin, 3e-7), 0);
+        pl_scene_free(&scene);
     }
 }
 
@@ -223,9 +231,9 @@ static void law_rest_heights(const pl_engine_choice *choice)
     rest(choice, PL_SHAPE_CYLINDER, 0, 0.5, 0);
     rest(choice, PL_SHAPE_CYLINDER, pi / 2, 0.5, 0);
     rest(choice, PL_SHAPE_HULL, 0, 0.5, 0);
-    rest(choice, PL_SHAPE_HULL, pi / 2, 0.5, 0);
+    rest(choice, PL_SHAPE_HULL, pi / 2, 0.4, 0);
     rest(choice, PL_SHAPE_MESH, 0, 0.5, 0);
-    rest(choice, PL_SHAPE_MESH, pi / 2, 0.5, 0);
+    rest(choice, PL_SHAPE_MESH, pi / 2, 0.4, 0);
 }
 
 static void test_every_shape_rests_on_a_plane_at_its_own_height(void **state)

@@ -3,6 +3,7 @@
 #include "referee/gap.h"
 
 #include "check.h"
+#include "polyhedra.h"
 #include "synthetic_run.h"
 
 #include <math.h>
@@ -33,8 +34,27 @@ static void scatter(check_random *random, double position[3], double orientation
     check_quaternion(random, orientation);
 }
 
-/* Random boxes and spheres, a fifth of them static, and two planes; the dynamic ones jump about at
- * random from frame to frame. Against all pairs by their gaps, and in every other frame by their
+static pl_shape random_shape(pl_scene *scene, check_random *random, int which)
+{
+    double r = check_uniform(random, 0.1, 0.6);
+    switch (which % 6) {
+    case 0:
+        return pl_shape_sphere(r);
+    case 1:
+        return pl_shape_box(r, 0.2, 0.4);
+    case 2:
+        return pl_shape_capsule(0.2, r);
+    case 3:
+        return pl_shape_cylinder(0.3, r);
+    case 4:
+        return pl_shape_of(random_hull(scene, random, 12));
+    default:
+        return pl_shape_of(torus_mesh(scene, 0.4, 0.15, 6, 4));
+    }
+}
+
+/* Random shapes of all kinds, a fifth of them static, and two planes; the dynamic ones jump about
+ * at random from frame to frame. Against all pairs by their gaps, and in every other frame by their
  * exact distances within random reaches. */
 static void test_the_broad_phase_finds_every_touching_pair_once(void **state)
 {
@@ -46,8 +66,7 @@ static void test_the_broad_phase_finds_every_touching_pair_once(void **state)
     for (int i = 0; i < CROWD; ++i) {
         pl_body body = pl_body_default();
         (void)snprintf(body.name, sizeof body.name, "body %d", i);
-        body.shape = i % 2 == 0 ? pl_shape_sphere(check_uniform(&random, 0.1, 0.6))
-                                : pl_shape_box(check_uniform(&random, 0.1, 0.6), 0.2, 0.4);
+        body.shape = random_shape(&scene, &random, i);
         body.is_static = i % 5 == 0;
         if (i % 60 == 7) {
             body.shape = pl_shape_plane(0, 0, 1, -2);
@@ -61,7 +80,7 @@ static void test_the_broad_phase_finds_every_touching_pair_once(void **state)
     pl_broad_phase *broad_phase = pl_broad_phase_create(&scene);
     assert_non_null(broad_phase);
     long found = 0;
-    for (int frame = 0; frame < 50; ++frame) {
+    for (int frame = 0; frame < 8; ++frame) {
         memset(&t, 0, sizeof t);
         double reach[CROWD] = {0};
         for (int i = 0; i < CROWD; ++i) {
@@ -84,8 +103,9 @@ static void test_the_broad_phase_finds_every_touching_pair_once(void **state)
                 double gap = HUGE_VAL;
                 bool may_touch = !(scene.bodies[a].is_static && scene.bodies[b].is_static);
                 double within = reach[a] + reach[b];
-                if (may_touch && pl_gap(&pa, &pb, HUGE_VAL, &gap) == PL_OK && gap <= within &&
-                    (gap <= 0 || (pl_gap_convex(&pa, &pb, HUGE_VAL, &gap) == PL_OK && gap <= within))) {
+                if (may_touch && pl_gap(&pa, &pb, within, &gap) == PL_OK && gap <= within &&
+                    (gap <= 0 || pl_gap_convex(&pa, &pb, HUGE_VAL, &gap) == PL_UNSUPPORTED ||
+                     gap <= within)) {
                     assert_int_equal(t.seen[a][b], 1);
                     found += 1;
                 }
@@ -97,7 +117,7 @@ static void test_the_broad_phase_finds_every_touching_pair_once(void **state)
             }
         }
     }
-    assert_true(found > 5000);
+    assert_true(found > 500);
     pl_broad_phase_destroy(broad_phase);
     pl_scene_free(&scene);
 }

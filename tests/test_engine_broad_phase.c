@@ -2,6 +2,8 @@
 #include "broad_phase.h"
 #include "check.h"
 #include "collide_convex.h"
+#include "counting_allocator.h"
+#include "integrate.h"
 #include "world_for_tests.h"
 
 #include <string.h>
@@ -32,9 +34,8 @@ static pe_body_state random_state(check_random *random, bool is_static)
 }
 
 /* Boxes and spheres from 2 cm to 5 m, a fifth of them static, and two planes. */
-static pe_world *crowd(check_random *random, pe_body_id *ids)
+static pe_world *crowd_in(pe_world *world, check_random *random, pe_body_id *ids)
 {
-    pe_world *world = make_world(NULL);
     for (int i = 0; i < CROWD; ++i) {
         double size = 0.02 * pow(250, pow(check_uniform(random, 0, 1), 3));
         pe_body_def def = i % 3 == 0 ? pe_body_def_default()
@@ -51,6 +52,11 @@ static pe_world *crowd(check_random *random, pe_body_id *ids)
         ids[i] = add_body(world, &def);
     }
     return world;
+}
+
+static pe_world *crowd(check_random *random, pe_body_id *ids)
+{
+    return crowd_in(make_world(NULL), random, ids);
 }
 
 static void move_at_random(pe_world *world, const pe_body_id *ids, check_random *random)
@@ -86,6 +92,41 @@ static void assert_sorted(const pe_world *world, const pe_pair *pairs, int count
     }
 }
 
+typedef struct tally {
+    int near, listed;
+} tally;
+
+/* The pairs of the poses now: in order, and all that the narrow phase finds within their margin. */
+static void check_pairs(pe_world *world, tally *t)
+{
+    pe_arena_reset(&world->arena, &world->allocator);
+    pe_pair *pairs;
+    int count;
+    assert_int_equal(pe_broad_phase(world, H, &pairs, &count, NULL), PE_OK);
+    assert_sorted(world, pairs, count);
+    t->listed += count;
+    const pe_body *bodies = pe_bodies(world);
+    const pe_pose *poses = pe_poses(world);
+    for (int a = 1; a < world->slot_count; ++a) {
+        for (int b = a + 1; b < world->slot_count; ++b) {
+            double margin = pe_pair_margin(world, a, b, H);
+            bool placed = pe_is_finite(poses[a].position) && pe_is_finite(poses[b].position);
+            if ((bodies[a].is_static && bodies[b].is_static) || !isfinite(margin) || !placed) {
+                continue;
+            }
+            pe_hits hits;
+            collide_convex(
+                (pe_placed){&bodies[a].shape, bodies[a].geometry, &poses[a], bodies[a].size},
+                (pe_placed){&bodies[b].shape, bodies[b].geometry, &poses[b], bodies[b].size},
+                margin, &hits);
+            if (hits.count > 0) {
+                assert_true(is_there(pairs, count, a, b));
+                t->near += 1;
+            }
+        }
+    }
+}
+
 static void test_every_pair_within_its_margin_is_found_once_and_in_order(void **state)
 {
     (void)state;
@@ -96,36 +137,197 @@ static void test_every_pair_within_its_margin_is_found_once_and_in_order(void **
         pe_body_state s = random_state(&random, true);
         assert_int_equal(pe_body_set_state(world, ids[i], &s, NULL), PE_OK);
     }
-    int near = 0, listed = 0;
+    tally t = {0};
     for (int n = 0; n < STEPS; ++n) {
         move_at_random(world, ids, &random);
+        check_pairs(world, &t);
+    }
+    assert_true(t.near > 3000);
+    assert_true(t.listed < 8 * t.near); /* not all pairs */
+    pe_world_destroy(world);
+}
+
+/* A step's motion, without contacts. Some jump, some are destroyed, and others come in their place.
+ */
+static void stir(pe_world *world, pe_body_id *ids, int step, check_random *random)
+{
+    for (int i = 0; i < CROWD; ++i) {
+        bool is_static = pe_bodies(world)[ids[i].index].is_static;
+        double chance = check_uniform(random, 0, 1);
+        if (chance < 0.01) {
+            pe_body_state s = random_state(random, is_static);
+            assert_int_equal(pe_body_set_state(world, ids[i], &s, NULL), PE_OK);
+        } else if (chance < 0.02 || (step == 20 && i % 70 == 5)) { /* the planes go as well */
+            pe_body_state s = random_state(random, i % 5 == 0);
+            pe_body_def def = box_def(0.3, 0.2, 0.1, s.position);
+            def.is_static = i % 5 == 0;
+            assert_int_equal(pe_body_destroy(world, ids[i], NULL), PE_OK);
+            ids[i] = add_body(world, &def);
+        } else {
+            pe_motion *m = &pe_motions(world)[ids[i].index];
+            pe_pose_move(&pe_poses(world)[ids[i].index], pe_scale(H, m->velocity),
+                         pe_scale(H, m->angular_velocity));
+            m->velocity = pe_scale(check_uniform(random, 0.5, 1.1), m->velocity);
+        }
+    }
+}
+
+static void test_pairs_kept_from_step_to_step_are_all_there_are(void **state)
+{
+    (void)state;
+    check_random random = {4712};
+    pe_body_id ids[CROWD];
+    pe_world *world = crowd(&random, ids);
+    move_at_random(world, ids, &random);
+    tally t = {0};
+    for (int n = 0; n < 2 * STEPS; ++n) {
+        stir(world, ids, n, &random);
+        check_pairs(world, &t);
+    }
+    assert_true(t.near > 3000);
+    pe_world_destroy(world);
+}
+
+/* So slowly that it takes tens of steps to leave a box. */
+static void test_bodies_that_creep_together_become_a_pair_in_time(void **state)
+{
+    (void)state;
+    pe_world *world = make_world(NULL);
+    pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(0, 0, 0));
+    add_body(world, &def);
+    def.position.x = 1.6;
+    pe_body_id creeping = add_body(world, &def);
+    int paired = 0;
+    for (int n = 0; n < 600; ++n) {
+        pe_poses(world)[creeping.index].position.x -= 1e-3;
+        tally t = {0};
+        check_pairs(world, &t);
+        paired += t.listed;
+    }
+    /* Not before the last 25 mm: twice 3.7 mm of margin and a hundredth of the radius. */
+    assert_in_range(paired, 4, 26);
+    pe_world_destroy(world);
+}
+
+/* A long body turns on the spot, by poses alone, until its end meets another body. */
+static void test_bodies_that_turn_together_become_a_pair_in_time(void **state)
+{
+    (void)state;
+    pe_world *world = make_world(NULL);
+    pe_body_def def = box_def(2, 0.05, 0.05, pe_v3(0, 0, 0));
+    pe_body_id turning = add_body(world, &def);
+    def = box_def(0.5, 0.5, 0.5, pe_v3(2, 1.5, 0));
+    add_body(world, &def);
+    tally t = {0};
+    for (int n = 0; n < 600; ++n) {
+        pe_pose_move(&pe_poses(world)[turning.index], pe_v3(0, 0, 0), pe_v3(0, 0, 1e-3));
+        check_pairs(world, &t);
+    }
+    assert_in_range(t.near, 50, 150); /* at 0.5 rad they meet */
+    pe_world_destroy(world);
+}
+
+static void test_a_floor_laid_under_bodies_at_rest_has_all_of_them(void **state)
+{
+    (void)state;
+    pe_world *world = make_world(NULL);
+    for (int i = 0; i < 10; ++i) {
+        pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(2 * i, 0, 0.5));
+        add_body(world, &def);
+    }
+    tally before = {0}, with = {0}, after = {0};
+    check_pairs(world, &before);
+    pe_body_id floor = add_plane(world, pe_v3(0, 0, 1), (pe_material_id){0});
+    check_pairs(world, &with);
+    assert_int_equal(pe_body_destroy(world, floor, NULL), PE_OK);
+    check_pairs(world, &after);
+    assert_int_equal(before.listed, 0);
+    assert_int_equal(with.listed, 10);
+    assert_int_equal(after.listed, 0);
+    pe_world_destroy(world);
+}
+
+static void test_a_body_at_no_place_has_no_pairs_and_spoils_none(void **state)
+{
+    (void)state;
+    check_random random = {4713};
+    pe_body_id ids[CROWD];
+    pe_world *world = crowd(&random, ids);
+    for (int n = 0; n < STEPS; ++n) {
+        move_at_random(world, ids, &random);
+        pe_poses(world)[ids[1].index].position.x = NAN;
+        pe_motions(world)[ids[2].index].velocity.y = INFINITY; /* which could be everywhere */
+        tally t = {0};
+        check_pairs(world, &t);
+        pe_pair *pairs;
+        int count, wide = 0;
+        assert_int_equal(pe_broad_phase(world, H, &pairs, &count, NULL), PE_OK);
+        for (int i = 0; i < count; ++i) {
+            int a = pairs[i].a, b = pairs[i].b, lost = (int)ids[1].index, fast = (int)ids[2].index;
+            assert_true(a != lost && b != lost);
+            wide += a == fast || b == fast;
+        }
+        assert_true(wide > CROWD / 2);
+    }
+    pe_world_destroy(world);
+}
+
+/* Every allocation of some steps of the broad phase fails once. The next call makes up for it. */
+static void test_after_a_failed_allocation_no_pair_is_lost(void **state)
+{
+    (void)state;
+    int failures = 0, last = 0;
+    for (int k = 0; k <= last; ++k) {
+        counter c = {.fail_at = -1};
+        pe_world_def def = pe_world_def_default();
+        def.allocator = (pe_allocator){count_allocate, count_release, &c};
+        check_random random = {4714};
+        pe_body_id ids[CROWD];
+        pe_world *world = crowd_in(make_world(&def), &random, ids);
+        int before = c.calls;
+        c.fail_at = before + k;
+        for (int n = 0; n < 3; ++n) {
+            move_at_random(world, ids, &random);
+            pe_arena_reset(&world->arena, &world->allocator);
+            pe_pair *pairs;
+            int count;
+            pe_status status = pe_broad_phase(world, H, &pairs, &count, NULL);
+            assert_true(status == PE_OK || status == PE_NO_MEMORY);
+            failures += status != PE_OK;
+            tally t = {0};
+            check_pairs(world, &t);
+        }
+        last = c.calls - before > last ? c.calls - before - 1 : last;
+        pe_world_destroy(world);
+        assert_int_equal(c.living, 0);
+    }
+    assert_true(failures > 10);
+}
+
+static void test_motion_to_and_fro_allocates_nothing_after_warm_up(void **state)
+{
+    (void)state;
+    counter c = {.fail_at = -1};
+    pe_world_def def = pe_world_def_default();
+    def.allocator = (pe_allocator){count_allocate, count_release, &c};
+    check_random random = {4715};
+    pe_body_id ids[CROWD];
+    pe_world *world = crowd_in(make_world(&def), &random, ids);
+    move_at_random(world, ids, &random);
+    int calls = 0;
+    for (int n = 0; n < 8 * STEPS; ++n) {
+        for (int i = 0; i < CROWD; ++i) {
+            pe_motion *m = &pe_motions(world)[ids[i].index];
+            m->velocity = n % STEPS == 0 ? pe_scale(-1, m->velocity) : m->velocity;
+            pe_pose_move(&pe_poses(world)[ids[i].index], pe_scale(H, m->velocity), pe_v3(0, 0, 0));
+        }
         pe_arena_reset(&world->arena, &world->allocator);
         pe_pair *pairs;
         int count;
         assert_int_equal(pe_broad_phase(world, H, &pairs, &count, NULL), PE_OK);
-        assert_sorted(world, pairs, count);
-        listed += count;
-        const pe_body *bodies = pe_bodies(world);
-        const pe_pose *poses = pe_poses(world);
-        for (int a = 1; a < world->slot_count; ++a) {
-            for (int b = a + 1; b < world->slot_count; ++b) {
-                if (bodies[a].is_static && bodies[b].is_static) {
-                    continue;
-                }
-                pe_hits hits;
-                collide_convex(
-                    (pe_placed){&bodies[a].shape, bodies[a].geometry, &poses[a], bodies[a].size},
-                    (pe_placed){&bodies[b].shape, bodies[b].geometry, &poses[b], bodies[b].size},
-                    pe_pair_margin(world, a, b, H), &hits);
-                if (hits.count > 0) {
-                    assert_true(is_there(pairs, count, a, b));
-                    near += 1;
-                }
-            }
-        }
+        calls = n == 4 * STEPS ? c.calls : calls;
     }
-    assert_true(near > 3000);
-    assert_true(listed < 8 * near); /* not all pairs */
+    assert_int_equal(c.calls, calls);
     pe_world_destroy(world);
 }
 
@@ -186,6 +388,13 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_pair_within_its_margin_is_found_once_and_in_order),
+        cmocka_unit_test(test_pairs_kept_from_step_to_step_are_all_there_are),
+        cmocka_unit_test(test_bodies_that_creep_together_become_a_pair_in_time),
+        cmocka_unit_test(test_bodies_that_turn_together_become_a_pair_in_time),
+        cmocka_unit_test(test_a_floor_laid_under_bodies_at_rest_has_all_of_them),
+        cmocka_unit_test(test_a_body_at_no_place_has_no_pairs_and_spoils_none),
+        cmocka_unit_test(test_after_a_failed_allocation_no_pair_is_lost),
+        cmocka_unit_test(test_motion_to_and_fro_allocates_nothing_after_warm_up),
         cmocka_unit_test(test_pairs_of_moved_bodies_are_those_of_all_pairs),
         cmocka_unit_test(test_resting_neighbours_are_the_only_pairs_of_a_wall),
     };

@@ -361,7 +361,7 @@ static double point_to_face(const core *c, int f, pe_vec3 x)
         }
     }
     double height = pe_dot(n, pe_sub(x, c->vertices[c->faces[f].corners[0]]));
-    return height > 0 ? height : HUGE_VAL;
+    return height > -1e-12 ? pe_max(height, 0) : HUGE_VAL;
 }
 
 /* The distance of cores that are apart. */

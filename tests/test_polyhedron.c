@@ -111,6 +111,11 @@ static void test_torus_equals_its_slices(void **state)
     solid_clear(&surface);
     solid_add_rings(&surface, 24, radius, height, 12, true);
     check_mesh(&surface, &expected, NULL, NULL, 1e-14);
+    pl_scene scene;
+    const pl_polyhedron *torus = mesh_of(&surface, &scene);
+    assert_memory_equal(torus->centre, no_shift, sizeof no_shift); /* not rounding of it */
+    assert_memory_equal(torus->axes, no_turn, sizeof no_turn);
+    pl_scene_free(&scene);
     /* Of the round torus: 2 pi^2 R r^2, to the 24 and 12 sides' shortfall. */
     assert_close(expected.volume, 2 * 9.8696044 * 2 * 0.25, 0, 0.06);
 }

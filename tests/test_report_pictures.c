@@ -4,6 +4,7 @@
 #include "report/svg.h"
 
 #include "check.h"
+#include "polyhedra.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -331,6 +332,57 @@ static void test_thousand_bricks_draw_in_less_than_a_tenth_of_a_megabyte(void **
     pl_scene_free(&scene);
 }
 
+/* Of a cube as a mesh or a hull the six triangles that look at the eye; of round ones about half of
+ * their facets, as fine as the picture shows. */
+static void test_every_shape_is_drawn_by_facets_that_look_at_the_eye(void **state)
+{
+    (void)state;
+    pl_scene scene = empty_scene(0, 1);
+    const double half[3] = {0.5, 0.5, 0.5}, middle[3] = {4, 4, 4};
+    const pl_polyhedron *cube = box_mesh(&scene, half, middle, 1), *hull = NULL;
+    assert_int_equal(
+        pl_scene_add_hull(&scene, NULL, (const double(*)[3])cube->vertices, 8, &hull, NULL), PL_OK);
+    const pl_shape shapes[] = {pl_shape_of(cube), pl_shape_of(hull), pl_shape_capsule(0.3, 0.5),
+                               pl_shape_cylinder(0.3, 0.5),
+                               pl_shape_of(torus_mesh(&scene, 1, 0.25, 24, 12))};
+    static const int least[] = {6, 6, 60, 15, 150}, most[] = {6, 6, 130, 30, 350};
+    for (int i = 0; i < 5; i++) {
+        expect_rest(&scene, add_body(&scene, shapes[i], -4, -4, -3));
+        pl_pose *poses = start_poses(&scene);
+        pl_sheet sheet = {0};
+        draw(&scene, poses, &sheet);
+        int faces = count_of(sheet.data, "<path class=\"d");
+        assert_in_range(faces, least[i], most[i]);
+        assert_int_equal(count_of(sheet.data, " fine\""), faces);
+        assert_contains(sheet.data, "<path class=\"expected\" d=\"M");
+        pl_sheet_free(&sheet);
+        free(poses);
+        scene.body_count = 1; /* the next one alone */
+        scene.rest_count = 0;
+    }
+    pl_scene_free(&scene);
+}
+
+static void test_thousand_meshes_of_500_triangles_draw_in_less_than_two_megabytes(void **state)
+{
+    (void)state;
+    check_random random = {UINT64_C(20250101)};
+    pl_scene scene = empty_scene(0, 1);
+    pl_shape ring = pl_shape_of(torus_mesh(&scene, 0.3, 0.12, 25, 10));
+    for (int i = 0; i < 1000; i++) {
+        int body = add_body(&scene, ring, check_uniform(&random, -3, 3),
+                            check_uniform(&random, -3, 3), check_uniform(&random, 0.4, 5));
+        check_quaternion(&random, scene.bodies[body].orientation);
+    }
+    pl_pose *poses = start_poses(&scene);
+    pl_sheet sheet = {0};
+    draw(&scene, poses, &sheet);
+    assert_at_most((double)sheet.length, 2e6);
+    pl_sheet_free(&sheet);
+    free(poses);
+    pl_scene_free(&scene);
+}
+
 /* --- From results --- */
 
 /* A result of one engine on a scene, with the scene's own poses. */
@@ -488,6 +540,8 @@ int main(void)
         cmocka_unit_test(test_standing_body_is_not_drawn_as_fallen),
         cmocka_unit_test(test_body_that_left_the_picture_is_counted_and_not_drawn),
         cmocka_unit_test(test_thousand_bricks_draw_in_less_than_a_tenth_of_a_megabyte),
+        cmocka_unit_test(test_every_shape_is_drawn_by_facets_that_look_at_the_eye),
+        cmocka_unit_test(test_thousand_meshes_of_500_triangles_draw_in_less_than_two_megabytes),
         cmocka_unit_test(test_every_scenario_of_the_catalogue_gets_its_picture),
         cmocka_unit_test(test_scene_file_gets_pictures_with_the_step_of_the_run),
         cmocka_unit_test(test_scene_that_changed_since_the_run_gets_no_picture_but_the_reason),

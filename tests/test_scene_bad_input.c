@@ -161,7 +161,8 @@ static void test_keys_are_located(void **state)
         {"{ \"name\": \"ball\",", "@{ ", "bodies[2].name", "a name, found nothing"},
         {"    { \"name\": \"ball\", \"density\": 100,\n"
          "      \"shape\": { \"type\": \"sphere\", \"radius\": 0.2 } }",
-         "@{ \"name\": \"ball\" }", "bodies[2].shape", "an object, found nothing"},
+         "@{ \"name\": \"ball\" }", "bodies[2].shape",
+         "an object or the name of a shape, found nothing"},
         {"{ \"type\": \"sphere\", \"radius\": 0.2 }", "@{ \"type\": \"sphere\" }",
          "bodies[2].shape.radius", "a number, found nothing"},
         {"{ \"force\": [1, 0, 0] }", "@{ }", "bodies[1].forces[1].force",
@@ -207,7 +208,7 @@ static void test_types_and_lengths_are_located(void **state)
          "expected plane, sphere, box, capsule, cylinder, hull or mesh, found \"cone\""},
         {"\"sphere\"", "@\"a\\u0001\\\"\"", "bodies[2].shape.type", "found \"a?\"\""},
         {"{ \"type\": \"sphere\", \"radius\": 0.2 }", "@\"sphere\"", "bodies[2].shape",
-         "an object, found \"sphere\""},
+         "expected the name of a shape, found \"sphere\""},
         {"\"body\", \"from\"", "@\"local\", \"from\"", "bodies[1].forces[0].frame",
          "\"world\" or \"body\", found \"local\""},
         {"[ { \"body\": \"kåse\", \"position\": [1, 2, 0], \"orientation\": [1, 0, 0, 0] } ]",

@@ -16,23 +16,25 @@
  * to report: `quick` runs exactly the sweeps it is told, and that number is reported; `dantzig`
  * reports none.
  *
- * Shapes are ODE's own: a hull is a dConvex, a mesh a dTriMesh. Builds of ODE differ in the pairs
- * that they can collide, so `create` asks ODE itself and declines a scene with a pair that has no
- * collider. Debian's libode8 0.16.2 (OPCODE with its new collider of two meshes, libccd for
- * cylinders, capsules and hulls) has one for every pair. Measured on it, bodies of 1 m at a depth
- * of 1 cm in random poses:
- * - spheres, boxes and capsules with one another and on a mesh, but a sphere on a mesh; cylinders
- *   on a plane, a sphere, a box or a mesh: true depth and normal.
- * - a hull with anything but a plane, a box or a mesh, a cylinder with a capsule or askew to
- * another: one point (libccd's MPR search), its depth within 0.3 mm in half of the poses (once 15
- * cm), but its normal more than 10 degrees off in a sixth to two fifths of them. Two hulls, or a
- * hull and a box, have a true normal, but one point all the same: one never comes to rest on the
- * other, it rocks, about 1 cm deep.
- * - meshes: vertices are rounded to single precision. The first contacts found are kept, not the
- *   deepest, so that a pair with a hull or a mesh may have as many as ODE's own demo of meshes
- *   allows, 64. A sphere on a mesh's edge gets a normal more than 10 degrees off in half of the
- *   poses, and none where its centre is inside the mesh.
- * - two meshes touch triangle by triangle, which has no depth for faces that lie in each other: of
+ * Shapes are ODE's own: a hull is a dConvex, a mesh a dTriMesh. Rolling friction is none. Builds of
+ * ODE differ in the pairs that they can collide, so `create` asks ODE itself and declines a scene
+ * with a pair that has no collider. Debian's libode8 0.16.2 (OPCODE with its new collider of two
+ * meshes, libccd for cylinders, capsules and hulls) has one for every pair. Measured on it, bodies
+ * of 1 m at a depth of 1 cm in random poses:
+ *
+ * - True depth and normal, but for a few poses at edges: spheres, boxes and capsules with one
+ *   another; cylinders on a plane, a sphere or a box; meshes with all but a sphere and another
+ *   mesh.
+ * - One point, by libccd's MPR search: a hull with any other convex shape, a cylinder with a
+ *   capsule or askew to another. Its depth is within 0.3 mm in half of the poses (once off by
+ *   15 cm). With a curved shape its normal is more than 10 degrees off in a sixth to two fifths of
+ *   them. Two hulls, or a hull and a box, have a true normal, but on one point neither comes to
+ *   rest on the other: it rocks, about 1 cm deep.
+ * - Meshes: vertices are rounded to single precision. The first contacts found are kept, not the
+ *   deepest, so that a pair with a hull or a mesh may have 64, as in ODE's demos of moving ones. A
+ *   sphere at a mesh's edge gets a normal more than 10 degrees off in half of the poses, and no
+ *   contact where its centre is inside.
+ * - Two meshes touch triangle by triangle, which has no depth for faces that lie in each other: of
  *   cubes of triangles dropped askew on a slab of triangles all came to lie on it within 1.4 mm in
  *   20 poses, but one that starts flush with the edges of another falls through it.
  *
@@ -460,6 +462,11 @@ static bool has_collider(pl_shape_kind kind_a, pl_shape_kind kind_b)
     return count > 0;
 }
 
+static const char *kind_name(int kind)
+{
+    return pl_needs_name((uint32_t)PL_NEEDS_PLANE << kind);
+}
+
 /* Builds of ODE differ in what they can collide, so ODE itself is asked. */
 static pl_status check_colliders(const pl_scene *scene, pl_error *error)
 {
@@ -473,8 +480,7 @@ static pl_status check_colliders(const pl_scene *scene, pl_error *error)
             bool meet = bodies[a] > 0 && bodies[b] > (a == b) && moving[a] + moving[b] > 0;
             if (meet && !has_collider((pl_shape_kind)a, (pl_shape_kind)b)) {
                 return pl_fail(error, PL_UNSUPPORTED, "ODE: no collider for %s-%s in this build",
-                               pl_needs_name(PL_NEEDS_PLANE << a),
-                               pl_needs_name(PL_NEEDS_PLANE << b));
+                               kind_name(a), kind_name(b));
             }
         }
     }

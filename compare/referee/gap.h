@@ -31,10 +31,11 @@ pl_status pl_gap_closed_form(const pl_placed_shape *a, const pl_placed_shape *b,
 /* Any two bounded convex shapes, by GJK where they are apart and libccd's EPA where they overlap
  * (two boxes apart: the exact distance). Never more than the true gap but for rounding, and within
  * 1e-7 of the sum of the bounding radii of a bound from the other side; typically 1e-12. With a
- * cylinder that overlaps the two bounds are within 1e-4 of that sum; the gap itself is a local
- * minimum over all directions to 1e-12, so exact unless another minimum is that close to it.
- * Allocates. PL_FAILED when the two bounds do not meet within its limit of iterations,
- * PL_NO_MEMORY. Source: van den Bergen 2003, ch. 4. */
+ * cylinder the gap is exact to about 1e-9 of that sum. Where it overlaps it is so as a local
+ * minimum over all directions, and the bound from the other side, within 3e-4 (mostly 1e-6), says
+ * that no other is lower by more. Allocates. PL_FAILED when the two bounds do not meet within its
+ * limit of iterations, PL_NO_MEMORY, PL_UNSUPPORTED for a plane or a mesh. Source: van den Bergen
+ * 2003, ch. 4. */
 pl_status pl_gap_convex(const pl_placed_shape *a, const pl_placed_shape *b, double within,
                         double *gap);
 
@@ -45,14 +46,16 @@ double pl_distance_convex(const pl_placed_shape *a, const pl_placed_shape *b, do
 /* A mesh and any bounded shape. Apart: the exact distance. Overlapping: minus the largest depth of
  *
  *   a vertex of either that is inside the other: its distance to the other's surface
- *   a stretch of an edge of either that runs inside the other: the least translation that takes it
- *   out through a plane of the other, at one of its ends or nearest to its middle, or over the line
- *   in which the planes at its ends meet
+ *   a stretch of an edge of either that runs inside the other: the depth of its middle, or where it
+ *   crosses under an edge of the other, the least translation that takes it out (stretch.h)
  *
  * which for convex solids that overlap a little, in whatever features, is their least separating
- * translation, and else the depth to which one has locally sunk into the other. A cylinder's
- * vertices are the points of it farthest against the faces that it crosses. A sphere and a capsule
- * are measured by their cores, and their radius is added. Allocates. PL_NO_MEMORY. */
+ * translation (in the odd pose at a sharp corner somewhat less), and else the depth to which one
+ * has locally sunk into the other. A cylinder's vertices are the points of it farthest against the
+ * faces that it crosses, and an edge in it has its own depth as a convex shape. A sphere and a
+ * capsule are measured by their cores, and their radius is added. Allocates. PL_NO_MEMORY;
+ * PL_FAILED as pl_gap_convex, with a cylinder alone; PL_UNSUPPORTED without a mesh or with a plane.
+ */
 pl_status pl_gap_mesh(const pl_placed_shape *a, const pl_placed_shape *b, double within,
                       double *gap);
 

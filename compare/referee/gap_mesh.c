@@ -40,6 +40,11 @@ static void reach(probe *p, int vertex)
     }
 }
 
+static pl_tangent tangent_of(const probe *p, const pl_surface_point *nearest)
+{
+    return pl_tangent_at(p->target->normals[nearest->triangle], nearest->point);
+}
+
 /* At an end of a stretch: a piercing, or where there is none the vertex there, which is inside. */
 static pl_tangent tangent_at_end(probe *p, pl_vec point, const pl_piercing *piercing, int vertex)
 {
@@ -48,7 +53,7 @@ static pl_tangent tangent_at_end(probe *p, pl_vec point, const pl_piercing *pier
     }
     pl_surface_point nearest = pl_surface_nearest(p->target, point);
     reach(p, vertex);
-    return pl_tangent_at(p->target->normals[nearest.triangle], nearest.point);
+    return tangent_of(p, &nearest);
 }
 
 static void see_stretch(probe *p, const pl_stretch *stretch)
@@ -80,6 +85,7 @@ static void see_edge(probe *p, const pl_piercing *piercings, int count)
                                   .q = to,
                                   .at_p = tangent_at_end(p, from, before, edge->start),
                                   .at_q = tangent_at_end(p, to, after, edge->end),
+                                  .at_middle = tangent_of(p, &nearest),
                                   .middle_depth = -nearest.distance};
             see_stretch(p, &stretch);
         }

@@ -6,7 +6,7 @@
 /* Sines of angles below this are of parallel lines or planes. */
 static const double PARALLEL = 1e-9;
 /* The surface counts as being at the ridge if it is nearer than this part of the ridge's height. */
-static const double NEAR = 1e-3;
+static const double NEAR = -1;
 
 pl_tangent pl_tangent_at(pl_vec normal, pl_vec point)
 {
@@ -48,6 +48,6 @@ double pl_stretch_depth(const pl_stretch *s, pl_vec ridge, pl_vec on_surface)
     if (!(pl_vec_length(pl_vec_sub(ridge, on_surface)) <= NEAR * height)) {
         return s->middle_depth;
     }
-    double least = fmin(lift, fmin(below(&s->at_p, s), below(&s->at_q, s)));
-    return fmax(s->middle_depth, least);
+    double least = fmin(below(&s->at_p, s), fmin(below(&s->at_q, s), below(&s->at_middle, s)));
+    return fmax(s->middle_depth, fmin(lift, least));
 }

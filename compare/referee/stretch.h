@@ -16,9 +16,10 @@ typedef struct pl_tangent {
 pl_tangent pl_tangent_at(pl_vec normal, pl_vec point);
 
 typedef struct pl_stretch {
-    pl_vec p, q;           /* its ends, m */
-    pl_tangent at_p, at_q; /* of the surface there; of an end that is inside, nearest to it */
-    double middle_depth;   /* m, of its middle: the distance to the surface */
+    pl_vec p, q; /* its ends, m */
+    /* Of the surface there, or where the end or the middle is inside, nearest to it. */
+    pl_tangent at_p, at_q, at_middle;
+    double middle_depth; /* m, of its middle: the distance to the surface */
 } pl_stretch;
 
 /* The point, m, of the line in which the tangents meet that is nearest to the stretch. False where

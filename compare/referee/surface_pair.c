@@ -30,7 +30,7 @@ static double boxes_square(const descent *d, const pl_surface_node *a, const pl_
     return pl_vec_dot(apart, apart);
 }
 
-static double volume_of(const pl_surface_node *node)
+static double size_of(const pl_surface_node *node)
 {
     return fmax(node->half.x, fmax(node->half.y, node->half.z));
 }
@@ -103,7 +103,7 @@ static void descend(descent *d, int index_a, int index_b)
         see_leaves(d, a, b);
         return;
     }
-    bool open_a = b->count > 0 || (a->count == 0 && volume_of(a) >= volume_of(b));
+    bool open_a = b->count > 0 || (a->count == 0 && size_of(a) >= size_of(b));
     int next_a[2] = {open_a ? index_a + 1 : index_a, open_a ? a->second : index_a};
     int next_b[2] = {open_a ? index_b : index_b + 1, open_a ? index_b : b->second};
     double square[2];

@@ -84,7 +84,7 @@ static bool depth_at(const pl_face *face, pl_pixel point, double *depth)
     }
     if (left && right)
         return false;
-    /* A parallelogram: point = corner 0 + u (corner 1 - corner 0) + v (corner 3 - corner 0). */
+    /* In its plane: point = corner 0 + u (corner 1 - corner 0) + v (corner 3 - corner 0). */
     double area = pl_pixel_turn(corner[0], corner[1], corner[3]);
     double u = pl_pixel_turn(corner[0], point, corner[3]) / area;
     double v = pl_pixel_turn(corner[0], corner[1], point) / area;

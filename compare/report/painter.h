@@ -4,15 +4,18 @@
 
 #include "report/view.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 
-/* A quadrilateral, or a sphere's disc (corner 0 is its centre). */
+/* A flat quadrilateral, a triangle, whose last corner is there twice, or a sphere's disc (corner 0
+ * is its centre). */
 typedef struct pl_face {
     pl_pixel corner[4];
     double depth[4]; /* px, of the corners; larger is nearer the eye */
-    double radius;   /* px; 0 for a quadrilateral */
-    char kind;       /* the painter does not look at these two */
+    double radius;   /* px; 0 for a quadrilateral or triangle */
+    char kind;       /* the painter does not look at these */
     int shade;
+    bool triangle, fine;
 } pl_face;
 
 typedef struct pl_painting {

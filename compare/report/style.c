@@ -86,6 +86,7 @@ const char *const pl_style[] = {
     "svg [class^=d],svg [class^=s],svg [class^=f]{stroke:var(--edge);stroke-width:.5;"
     "stroke-linejoin:round}",
     "svg .start{stroke:var(--none);stroke-width:1.2}",
+    "svg .fine{stroke-width:.3;stroke-opacity:.3}",
     ".d0{fill:var(--d0)}",
     ".d1{fill:var(--d1)}",
     ".d2{fill:var(--d2)}",

@@ -1,6 +1,7 @@
 /* Draws a scene: the ground, what is expected, and of each body the faces that look at the eye. */
 #include "report/svg.h"
 
+#include "report/facets.h"
 #include "report/painter.h"
 
 #include <math.h>
@@ -8,6 +9,9 @@
 #include <string.h>
 
 enum { SHADES = 6 };
+
+/* Details of hulls and meshes below this are not drawn, so that a page of many stays small. px. */
+static const double RESOLUTION = 5;
 
 /* "M x y l dx dy ... z", counted in tenths of a pixel so that rounding never accumulates. */
 static void add_polygon(const pl_pixel *corner, int count, pl_sheet *sheet)
@@ -31,15 +35,16 @@ static int compare_pixels(const void *left, const void *right)
     return (a->y > b->y) - (a->y < b->y);
 }
 
-/* The convex hull of 8 points, which it sorts. Andrew's monotone chain, 1979. */
-static int hull(pl_pixel points[8], pl_pixel out[16])
+/* The convex hull of n points, which it sorts; `out` has room for 2 n. Andrew's monotone chain,
+ * 1979. */
+static int hull(pl_pixel *points, int n, pl_pixel *out)
 {
     int count = 0;
-    qsort(points, 8, sizeof points[0], compare_pixels);
+    qsort(points, (size_t)n, sizeof points[0], compare_pixels);
     for (int pass = 0; pass < 2; pass++) {
         int start = count;
-        for (int i = 0; i < 8; i++) {
-            pl_pixel p = points[pass == 0 ? i : 7 - i];
+        for (int i = 0; i < n; i++) {
+            pl_pixel p = points[pass == 0 ? i : n - 1 - i];
             while (count - start >= 2 && pl_pixel_turn(out[count - 2], out[count - 1], p) <= 1e-9)
                 count--;
             out[count++] = p;
@@ -47,6 +52,32 @@ static int hull(pl_pixel points[8], pl_pixel out[16])
         count--; /* it is the first of the other chain */
     }
     return count;
+}
+
+static pl_vec placed(const pl_pose *pose, const pl_axes *axes, pl_vec local)
+{
+    return pl_vec_add(pl_vec_of(pose->position), pl_to_world(axes, local));
+}
+
+/* The convex outline of all facets. */
+static void add_hull_outline(const pl_shape *shape, const pl_pose *pose, const pl_view *view,
+                             pl_sheet *sheet)
+{
+    pl_facets facets;
+    const pl_axes axes = pl_axes_of(pose->orientation);
+    bool complete = pl_facets_of(shape, RESOLUTION / view->scale, &facets);
+    int count = 4 * facets.count;
+    pl_pixel *points = calloc(3 * (size_t)count + 1, sizeof *points);
+    if (!complete || points == NULL) {
+        sheet->failed = true;
+    } else if (count > 0) {
+        for (int i = 0; i < count; i++)
+            points[i] =
+                pl_view_project(view, placed(pose, &axes, facets.items[i / 4].corner[i % 4]));
+        add_polygon(points + count, hull(points, count, points + count), sheet);
+    }
+    free(points);
+    pl_facets_free(&facets);
 }
 
 static void add_outline(const pl_shape *shape, const pl_pose *pose, const pl_view *view,
@@ -57,13 +88,8 @@ static void add_outline(const pl_shape *shape, const pl_pose *pose, const pl_vie
         double r = shape->radius * view->scale;
         pl_sheet_format(sheet, "M%.1f %.1fa%.1f %.1f 0 1 0 %.1f 0a%.1f %.1f 0 1 0 %.1f 0z",
                         centre.x - r, centre.y, r, r, 2 * r, r, r, -2 * r);
-    } else if (shape->kind == PL_SHAPE_BOX) {
-        pl_vec corners[8];
-        pl_pixel points[8], out[16];
-        pl_shape_corners(shape, pose, corners);
-        for (int i = 0; i < 8; i++)
-            points[i] = pl_view_project(view, corners[i]);
-        add_polygon(out, hull(points, out), sheet);
+    } else if (shape->kind != PL_SHAPE_PLANE) {
+        add_hull_outline(shape, pose, view, sheet);
     }
 }
 
@@ -138,6 +164,13 @@ static void add_plane(const pl_shape *plane, const pl_view *view, pl_sheet *shee
 
 /* --- Bodies --- */
 
+/* A picture in the making. */
+typedef struct picture {
+    const pl_view *view;
+    pl_painting painting;
+    size_t capacity; /* faces */
+} picture;
+
 /* 0 (dark) .. SHADES - 1 by the angle between a normal and light from the upper left, behind the
  * eye. */
 static int shade_of(const pl_view *view, pl_vec normal)
@@ -148,35 +181,66 @@ static int shade_of(const pl_view *view, pl_vec normal)
     return shade < SHADES ? shade : SHADES - 1;
 }
 
-/* Appends the faces that look at the eye: at most 3. */
-static void add_faces(const pl_shape *shape, const pl_pose *pose, const pl_view *view, char kind,
-                      pl_painting *painting)
+/* Room for `more` faces. */
+static bool reserve(picture *p, size_t more)
 {
-    pl_face face = {.kind = kind};
-    if (shape->kind == PL_SHAPE_SPHERE) {
-        face.corner[0] = pl_view_project(view, pl_vec_of(pose->position));
-        face.depth[0] = view->scale * pl_vec_dot(pl_vec_of(pose->position), view->toward);
-        face.radius = shape->radius * view->scale;
-        face.shade = SHADES - 2;
-        painting->faces[painting->count++] = face;
+    if (p->painting.count + more > p->capacity) {
+        size_t capacity = 2 * (p->painting.count + more);
+        pl_face *faces = realloc(p->painting.faces, capacity * sizeof *faces);
+        if (faces == NULL)
+            return false;
+        p->painting.faces = faces;
+        p->capacity = capacity;
+    }
+    return true;
+}
+
+static bool add_sphere(picture *p, const pl_shape *shape, const pl_pose *pose, char kind)
+{
+    pl_vec centre = pl_vec_of(pose->position);
+    pl_face face = {.kind = kind, .shade = SHADES - 2, .radius = shape->radius * p->view->scale};
+    if (!reserve(p, 1))
+        return false;
+    face.corner[0] = pl_view_project(p->view, centre);
+    face.depth[0] = p->view->scale * pl_vec_dot(centre, p->view->toward);
+    p->painting.faces[p->painting.count++] = face;
+    return true;
+}
+
+/* Appends a facet if it looks at the eye. */
+static void add_facet(picture *p, const pl_facet *facet, const pl_pose *pose, const pl_axes *axes,
+                      pl_face face)
+{
+    pl_vec corner[4];
+    for (int i = 0; i < 4; i++) {
+        corner[i] = placed(pose, axes, facet->corner[i]);
+        face.corner[i] = pl_view_project(p->view, corner[i]);
+        face.depth[i] = p->view->scale * pl_vec_dot(corner[i], p->view->toward);
+    }
+    pl_vec normal =
+        pl_vec_cross(pl_vec_sub(corner[1], corner[0]), pl_vec_sub(corner[2], corner[0]));
+    double length = pl_vec_length(normal);
+    if (!(pl_vec_dot(normal, p->view->toward) > 1e-6 * length))
         return;
-    }
-    pl_vec corners[8];
-    pl_shape_corners(shape, pose, corners);
+    face.triangle = facet->triangle;
+    face.shade = shade_of(p->view, pl_vec_scale(normal, 1 / length));
+    p->painting.faces[p->painting.count++] = face;
+}
+
+/* Appends the faces that look at the eye. */
+static bool add_faces(picture *p, const pl_shape *shape, const pl_pose *pose, char kind)
+{
+    pl_facets facets;
     const pl_axes axes = pl_axes_of(pose->orientation);
-    for (int k = 0; k < 3; k++) {
-        double facing = pl_vec_dot(axes.axis[k], view->toward);
-        if (fabs(facing) < 1e-6)
-            continue;
-        int side = facing > 0 ? 1 << k : 0, u = 1 << (k + 1) % 3, v = 1 << (k + 2) % 3;
-        const int ring[4] = {side, side | u, side | u | v, side | v};
-        for (int i = 0; i < 4; i++) {
-            face.corner[i] = pl_view_project(view, corners[ring[i]]);
-            face.depth[i] = view->scale * pl_vec_dot(corners[ring[i]], view->toward);
-        }
-        face.shade = shade_of(view, pl_vec_scale(axes.axis[k], facing > 0 ? 1 : -1));
-        painting->faces[painting->count++] = face;
-    }
+    if (shape->kind == PL_SHAPE_SPHERE)
+        return add_sphere(p, shape, pose, kind);
+    bool complete = pl_facets_of(shape, RESOLUTION / p->view->scale, &facets) &&
+                    reserve(p, (size_t)facets.count);
+    pl_face face = {.kind = kind, .fine = shape->kind != PL_SHAPE_BOX};
+    for (int i = 0; complete && i < facets.count; i++)
+        add_facet(p, &facets.items[i], pose, &axes, face);
+    pl_facets_free(&facets);
+    return complete;
 }
 
 static void add_face(const pl_face *item, pl_sheet *sheet)
@@ -189,8 +253,9 @@ static void add_face(const pl_face *item, pl_sheet *sheet)
                         item->corner[0].x - 0.35 * r, item->corner[0].y - 0.38 * r, 0.3 * r);
         return;
     }
-    pl_sheet_format(sheet, "<path class=\"%c%d\" d=\"", item->kind, item->shade);
-    add_polygon(item->corner, 4, sheet);
+    pl_sheet_format(sheet, "<path class=\"%c%d%s\" d=\"", item->kind, item->shade,
+                    item->fine ? " fine" : "");
+    add_polygon(item->corner, item->triangle ? 3 : 4, sheet);
     pl_sheet_add(sheet, "\"/>");
 }
 
@@ -216,27 +281,24 @@ static void mark_fallen(const pl_scene *scene, const pl_pose *poses, bool *falle
     }
 }
 
-/* Fills the painting. Returns how many moving bodies are wholly outside. */
-static int collect(const pl_scene *scene, const pl_view *view, const pl_pose *poses,
-                   const bool *fallen, pl_painting *painting)
+/* Fills the painting. Returns how many moving bodies are wholly outside, or -1 when out of memory.
+ */
+static int collect(const pl_scene *scene, const pl_pose *poses, const bool *fallen, picture *p)
 {
     int outside = 0;
     for (int i = 0; i < scene->body_count; i++) {
         const pl_body *body = &scene->bodies[i];
         if (body->shape.kind == PL_SHAPE_PLANE)
             continue;
-        size_t before = painting->count;
-        if (is_finite(&poses[i]))
-            add_faces(&body->shape, &poses[i], view,
-                      (char)(body->is_static ? 's'
-                             : fallen[i]     ? 'f'
-                                             : 'd'),
-                      painting);
+        size_t before = p->painting.count;
+        char kind = (char)(body->is_static ? 's' : fallen[i] ? 'f' : 'd');
+        if (is_finite(&poses[i]) && !add_faces(p, &body->shape, &poses[i], kind))
+            return -1;
         bool inside = false;
-        for (size_t f = before; f < painting->count; f++)
-            inside |= pl_face_inside(&painting->faces[f], view->width, view->height);
+        for (size_t f = before; f < p->painting.count; f++)
+            inside |= pl_face_inside(&p->painting.faces[f], p->view->width, p->view->height);
         if (!inside)
-            painting->count = before;
+            p->painting.count = before;
         outside += !inside && !body->is_static;
     }
     return outside;
@@ -246,15 +308,16 @@ int pl_svg_picture(const pl_scene *scene, const pl_view *view, const pl_pose *po
                    const char *expected_id, const char *title, pl_sheet *sheet)
 {
     int outside = 0;
-    pl_painting painting = {.faces = calloc((size_t)scene->body_count * 3 + 1, sizeof(pl_face))};
+    picture p = {.view = view};
+    pl_painting *painting = &p.painting;
     bool *fallen = calloc((size_t)scene->body_count + 1, sizeof *fallen);
-    if (painting.faces == NULL || fallen == NULL) {
+    if (fallen == NULL) {
         sheet->failed = true;
         goto cleanup;
     }
     mark_fallen(scene, poses, fallen);
-    outside = collect(scene, view, poses, fallen, &painting);
-    if (!pl_painting_arrange(&painting, view->width, view->height)) {
+    outside = collect(scene, poses, fallen, &p);
+    if (outside < 0 || !pl_painting_arrange(painting, view->width, view->height)) {
         sheet->failed = true;
         goto cleanup;
     }
@@ -268,12 +331,12 @@ int pl_svg_picture(const pl_scene *scene, const pl_view *view, const pl_pose *po
         if (scene->bodies[i].shape.kind == PL_SHAPE_PLANE)
             add_plane(&scene->bodies[i].shape, view, sheet);
     pl_sheet_format(sheet, "<use href=\"#%s\"/>", expected_id);
-    for (size_t i = 0; i < painting.count; i++)
-        add_face(&painting.faces[i], sheet);
+    for (size_t i = 0; i < painting->count; i++)
+        add_face(&painting->faces[i], sheet);
     pl_sheet_add(sheet, "</svg>");
 
 cleanup:
-    free(painting.faces);
+    free(painting->faces);
     free(fallen);
-    return outside;
+    return outside < 0 ? 0 : outside;
 }

@@ -1,5 +1,6 @@
 /* Pictures of a scene as inline SVG for an HTML page. Colours are the page's: classes d0..d5
- * (moving bodies, dark to light), s0..s5 (static), f0..f5 (fallen), ground, expected, start. */
+ * (moving bodies, dark to light), s0..s5 (static), f0..f5 (fallen), fine (a facet of a body that is
+ * no box), ground, expected, start. Hulls and meshes are drawn without details below 5 px. */
 #ifndef PLUMB_SVG_H
 #define PLUMB_SVG_H
 

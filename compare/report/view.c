@@ -78,17 +78,40 @@ static pl_vec find_slope(const pl_scene *scene, pl_vec up)
     return zero;
 }
 
-void pl_shape_corners(const pl_shape *shape, const pl_pose *pose, pl_vec corners[8])
+/* The bounds of a shape along its own axes, m. */
+static void shape_bounds(const pl_shape *shape, double low[3], double high[3])
 {
-    const pl_axes axes = pl_axes_of(pose->orientation);
     double half[3] = {shape->radius, shape->radius, shape->radius};
     if (shape->kind == PL_SHAPE_BOX)
         memcpy(half, shape->half_extents, sizeof half);
+    else if (shape->kind == PL_SHAPE_CAPSULE)
+        half[2] += shape->half_height;
+    else if (shape->kind == PL_SHAPE_CYLINDER)
+        half[2] = shape->half_height;
+    for (int k = 0; k < 3; k++) {
+        low[k] = -half[k];
+        high[k] = half[k];
+    }
+    if (shape->kind != PL_SHAPE_HULL && shape->kind != PL_SHAPE_MESH)
+        return;
+    for (int k = 0; k < 3; k++) {
+        low[k] = high[k] = shape->polyhedron->vertices[0][k];
+        for (int i = 1; i < shape->polyhedron->vertex_count; i++) {
+            low[k] = fmin(low[k], shape->polyhedron->vertices[i][k]);
+            high[k] = fmax(high[k], shape->polyhedron->vertices[i][k]);
+        }
+    }
+}
+
+void pl_shape_corners(const pl_shape *shape, const pl_pose *pose, pl_vec corners[8])
+{
+    const pl_axes axes = pl_axes_of(pose->orientation);
+    double low[3], high[3];
+    shape_bounds(shape, low, high);
     for (int i = 0; i < 8; i++) {
         corners[i] = pl_vec_of(pose->position);
         for (int k = 0; k < 3; k++)
-            corners[i] =
-                pl_vec_mad(corners[i], (i >> k & 1) != 0 ? half[k] : -half[k], axes.axis[k]);
+            corners[i] = pl_vec_mad(corners[i], (i >> k & 1) != 0 ? high[k] : low[k], axes.axis[k]);
     }
 }
 
@@ -205,7 +228,7 @@ static bounds widened(const bounds *box, double by)
     return (bounds){{box->low[0] - by, box->low[1] - by}, {box->high[0] + by, box->high[1] + by}};
 }
 
-/* The largest radius or half extent of a moving body, m. */
+/* The largest half extent of a moving body, m. */
 static double largest_body(const pl_scene *scene)
 {
     double largest = 0;
@@ -213,13 +236,23 @@ static double largest_body(const pl_scene *scene)
         const pl_shape *shape = &scene->bodies[i].shape;
         if (scene->bodies[i].is_static)
             continue;
-        const double *half = shape->half_extents;
-        largest = fmax(largest, fmax(shape->radius, fmax(half[0], fmax(half[1], half[2]))));
+        double low[3], high[3];
+        shape_bounds(shape, low, high);
+        for (int k = 0; k < 3; k++)
+            largest = fmax(largest, (high[k] - low[k]) / 2);
     }
     return largest;
 }
 
-/* The mean of the moving bodies' places at the start. */
+/* The middle of a body's box. */
+static pl_vec middle_of(const pl_shape *shape, const pl_pose *pose)
+{
+    pl_vec corners[8];
+    pl_shape_corners(shape, pose, corners);
+    return pl_vec_scale(pl_vec_add(corners[0], corners[7]), 0.5);
+}
+
+/* The mean of the moving bodies' middles at the start. */
 static pl_vec start_centre(const pl_scene *scene)
 {
     pl_vec sum = zero;
@@ -227,7 +260,8 @@ static pl_vec start_centre(const pl_scene *scene)
     for (int i = 0; i < scene->body_count; i++) {
         if (scene->bodies[i].is_static)
             continue;
-        sum = pl_vec_mad(sum, 1, pl_vec_of(scene->bodies[i].position));
+        pl_pose pose = pl_pose_of(&scene->bodies[i]);
+        sum = pl_vec_add(sum, middle_of(&scene->bodies[i].shape, &pose));
         count++;
     }
     return pl_vec_scale(sum, 1.0 / (count > 0 ? count : 1));

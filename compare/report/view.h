@@ -17,7 +17,7 @@ typedef struct pl_view {
     double scale;             /* px/m */
     double left, top;         /* m: right and up coordinates of the picture's top left corner */
     double width, height;     /* px, whole numbers */
-    pl_vec centre;            /* world, m: the mean of the moving bodies' places at the start */
+    pl_vec centre;            /* world, m: the mean of the moving bodies' middles at the start */
     double reach;             /* m: level distance from there of the farthest body in the frame */
 } pl_view;
 
@@ -45,8 +45,8 @@ pl_pixel pl_view_project(const pl_view *view, pl_vec point);
 /* Twice the area of the triangle o a b, px^2; positive when it turns from x towards y. */
 double pl_pixel_turn(pl_pixel o, pl_pixel a, pl_pixel b);
 
-/* The corners of a body's box, or of the cube around its sphere, in the world. Bit k of the index
- * says which side of axis k. */
+/* The corners, in the world, of the smallest box along a shape's own axes that holds it (of nothing
+ * around a plane's origin). Bit k of the index says which side of axis k. */
 void pl_shape_corners(const pl_shape *shape, const pl_pose *pose, pl_vec corners[8]);
 
 #endif

@@ -16,14 +16,26 @@ static pe_tree_node *nodes_of(const pe_tree *tree)
     return tree->node_array.items;
 }
 
+static int *leaves_of(const pe_tree *tree)
+{
+    return tree->leaf_array.items;
+}
+
 static bool is_leaf(const pe_tree_node *node)
 {
     return node->child[0] == NONE;
 }
 
+/* Whether to look at all nodes costs no more than to follow the marks. */
+static bool is_stirred(const pe_tree *tree)
+{
+    return 8 * tree->marked_count > tree->leaf_count;
+}
+
 void pe_tree_free(pe_tree *tree, const pe_allocator *allocator)
 {
     pe_array_free(&tree->node_array, allocator);
+    pe_array_free(&tree->leaf_array, allocator);
     *tree = (pe_tree){0};
 }
 
@@ -42,25 +54,35 @@ static int take_node(pe_tree *tree)
 
 static void give_back(pe_tree *tree, int node)
 {
-    nodes_of(tree)[node].parent = tree->first_free;
+    nodes_of(tree)[node] = (pe_tree_node){.parent = tree->first_free};
     tree->first_free = node;
 }
 
 /* Everything above a marked node is marked. */
-static void mark(pe_tree *tree, int node)
+static void mark(pe_tree *tree, int leaf)
 {
     pe_tree_node *nodes = nodes_of(tree);
-    for (; node != NONE && !nodes[node].marked; node = nodes[node].parent) {
+    tree->marked_count += !nodes[leaf].marked;
+    for (int node = leaf; node != NONE && !nodes[node].marked; node = nodes[node].parent) {
         nodes[node].marked = true;
     }
 }
 
-pe_status pe_tree_add(pe_tree *tree, const pe_allocator *allocator, int item, const pe_box *box,
-                      int *leaf, pe_error *error)
+/* Room for two nodes more, and for the item. */
+static pe_status reserve(pe_tree *tree, const pe_allocator *allocator, int item, pe_error *error)
 {
-    size_t used = tree->node_count > 0 ? (size_t)tree->node_count + 1 : 0;
-    pe_status status =
-        pe_array_reserve(&tree->node_array, allocator, sizeof(pe_tree_node), used + 3, used, error);
+    size_t nodes = tree->node_count > 0 ? (size_t)tree->node_count + 1 : 0;
+    pe_status status = pe_array_reserve(&tree->node_array, allocator, sizeof(pe_tree_node),
+                                        nodes + 3, nodes, error);
+    return status == PE_OK ? pe_array_reserve(&tree->leaf_array, allocator, sizeof(int),
+                                              (size_t)item + 1, (size_t)tree->item_count, error)
+                           : status;
+}
+
+pe_status pe_tree_add(pe_tree *tree, const pe_allocator *allocator, int item, const pe_box *box,
+                      pe_error *error)
+{
+    pe_status status = reserve(tree, allocator, item, error);
     if (status != PE_OK) {
         return status;
     }
@@ -76,18 +98,22 @@ pe_status pe_tree_add(pe_tree *tree, const pe_allocator *allocator, int item, co
         tree->root = above;
     }
     tree->leaf_count += 1;
-    *leaf = added;
+    tree->marked_count += 1;
+    tree->item_count = item < tree->item_count ? tree->item_count : item + 1;
+    leaves_of(tree)[item] = added;
     return PE_OK;
 }
 
-void pe_tree_move(pe_tree *tree, int leaf, const pe_box *box)
+void pe_tree_move(pe_tree *tree, int item, const pe_box *box)
 {
+    int leaf = leaves_of(tree)[item];
     nodes_of(tree)[leaf].box = *box;
     mark(tree, leaf);
 }
 
-void pe_tree_remove(pe_tree *tree, int leaf)
+void pe_tree_remove(pe_tree *tree, int item)
 {
+    int leaf = leaves_of(tree)[item];
     nodes_of(tree)[leaf].child[1] = NONE;
     mark(tree, leaf);
 }
@@ -113,16 +139,24 @@ void pe_tree_mark_all(pe_tree *tree)
     for (int i = tree->root; i != NONE; i = next_node(nodes, i, false)) {
         nodes[i].marked = true;
     }
+    tree->marked_count = tree->leaf_count;
 }
 
 void pe_tree_unmark(pe_tree *tree)
 {
     pe_tree_node *nodes = nodes_of(tree);
-    for (int i = tree->root, next; i != NONE; i = next) {
-        bool over = !nodes[i].marked;
-        nodes[i].marked = false;
-        next = next_node(nodes, i, over);
+    if (is_stirred(tree)) {
+        for (int i = 1; i <= tree->node_count; ++i) {
+            nodes[i].marked = false;
+        }
+    } else {
+        for (int i = tree->root, next; i != NONE; i = next) {
+            bool over = !nodes[i].marked;
+            nodes[i].marked = false;
+            next = next_node(nodes, i, over);
+        }
     }
+    tree->marked_count = 0;
 }
 
 /* ---- Rebuilding --------------------------------------------------------------------------------
@@ -134,6 +168,14 @@ typedef struct part {
     int node;
 } part;
 
+/* The subtrees. Where all nodes are made anew these are the leaves, copied; else `leaf` is NULL. */
+typedef struct forest {
+    part *item;
+    int count;
+    pe_tree_node *leaf;
+    int *pile; /* room for as many nodes and one more */
+} forest;
+
 /* The middle; 0 for a box without one, because it has no end. */
 static double middle_of(double low, double high)
 {
@@ -141,37 +183,49 @@ static double middle_of(double low, double high)
     return isfinite(middle) ? middle : 0;
 }
 
-static part part_of(const pe_tree_node *nodes, int node)
+static void add_part(forest *p, int node, const pe_box *box)
 {
-    const pe_box *box = &nodes[node].box;
-    part p = {.node = node};
+    part *added = &p->item[p->count++];
+    added->node = node;
     for (int k = 0; k < 3; ++k) {
-        p.centre[k] = middle_of(box->low[k], box->high[k]);
+        added->centre[k] = middle_of(box->low[k], box->high[k]);
     }
-    return p;
 }
 
-/* Takes the marked inner nodes away and lists what is left. The pile needs room for one node more
- * than are marked. Returns how many parts there are. */
-static int take_apart(pe_tree *tree, int *pile, part *parts)
+/* Takes the marked inner nodes away and lists what is left. */
+static void take_apart(pe_tree *tree, forest *p)
 {
     const pe_tree_node *nodes = nodes_of(tree);
-    int count = 0, piled = 0;
-    pile[piled++] = tree->root;
+    int piled = 0;
+    p->pile[piled++] = tree->root;
     while (piled > 0) {
-        int i = pile[--piled];
+        int i = p->pile[--piled];
         if (nodes[i].marked && !is_leaf(&nodes[i])) {
-            pile[piled++] = nodes[i].child[1];
-            pile[piled++] = nodes[i].child[0];
+            p->pile[piled++] = nodes[i].child[1];
+            p->pile[piled++] = nodes[i].child[0];
             give_back(tree, i);
         } else if (is_leaf(&nodes[i]) && nodes[i].child[1] == NONE) {
             tree->leaf_count -= 1;
             give_back(tree, i);
         } else {
-            parts[count++] = part_of(nodes, i);
+            add_part(p, i, &nodes[i].box);
         }
     }
-    return count;
+}
+
+/* Takes all nodes away. */
+static void take_all(pe_tree *tree, forest *p)
+{
+    const pe_tree_node *nodes = nodes_of(tree);
+    for (int i = 1; i <= tree->node_count; ++i) {
+        if (is_leaf(&nodes[i]) && nodes[i].child[1] != NONE) {
+            p->leaf[p->count] = nodes[i];
+            add_part(p, p->count, &nodes[i].box);
+        }
+    }
+    tree->leaf_count = p->count;
+    tree->node_count = 0;
+    tree->first_free = NONE;
 }
 
 static void swap(part *a, part *b)
@@ -268,20 +322,33 @@ typedef struct range {
     int begin, end, parent, side;
 } range;
 
-/* Builds nodes over all parts; `made` has room for as many. */
-static void build(pe_tree *tree, part *parts, int count, int *made)
+/* The node of a part, which is made if there is none. */
+static int node_of(pe_tree *tree, const forest *p, int i)
+{
+    int node = p->item[i].node;
+    if (p->leaf != NULL) {
+        const pe_tree_node *leaf = &p->leaf[node];
+        node = take_node(tree);
+        nodes_of(tree)[node] = *leaf;
+        leaves_of(tree)[leaf->child[1]] = node;
+    }
+    return node;
+}
+
+/* Builds nodes over all parts. */
+static void build(pe_tree *tree, const forest *p)
 {
     pe_tree_node *nodes = nodes_of(tree);
     range open[MOST_RANGES];
     int open_count = 0, made_count = 0;
     tree->root = NONE;
-    if (count > 0) {
-        open[open_count++] = (range){0, count, NONE, 0};
+    if (p->count > 0) {
+        open[open_count++] = (range){0, p->count, NONE, 0};
     }
     while (open_count > 0) {
         range r = open[--open_count];
         bool one = r.end - r.begin == 1;
-        int node = one ? parts[r.begin].node : take_node(tree);
+        int node = one ? node_of(tree, p, r.begin) : take_node(tree);
         nodes[node].parent = r.parent;
         if (r.parent == NONE) {
             tree->root = node;
@@ -289,32 +356,36 @@ static void build(pe_tree *tree, part *parts, int count, int *made)
             nodes[r.parent].child[r.side] = node;
         }
         if (!one) {
-            int middle = r.begin + cut(parts + r.begin, r.end - r.begin);
+            int middle = r.begin + cut(p->item + r.begin, r.end - r.begin);
             open[open_count++] = (range){middle, r.end, node, 1};
             open[open_count++] = (range){r.begin, middle, node, 0};
-            made[made_count++] = node;
+            p->pile[made_count++] = node;
         }
     }
     while (made_count > 0) { /* children were made after their parents */
-        fit(nodes, made[--made_count]);
+        fit(nodes, p->pile[--made_count]);
     }
 }
 
-static pe_status rebuild_marked(pe_tree *tree, pe_workspace work, pe_error *error)
+static pe_status rebuild(pe_tree *tree, bool all, pe_workspace work, pe_error *error)
 {
-    if (tree->root == NONE || !nodes_of(tree)[tree->root].marked) {
-        return PE_OK;
-    }
     pe_arena_mark before = pe_arena_fill(work.arena);
     size_t leaves = (size_t)tree->leaf_count;
-    part *parts = pe_take(work, leaves, sizeof *parts);
-    int *pile = pe_take(work, leaves + 1, sizeof *pile);
+    forest p = {
+        .item = pe_take(work, leaves, sizeof *p.item),
+        .leaf = all ? pe_take(work, leaves, sizeof *p.leaf) : NULL,
+        .pile = pe_take(work, leaves + 1, sizeof *p.pile),
+    };
     pe_status status = PE_OK;
-    if (parts == NULL || pile == NULL) {
+    if (p.item == NULL || p.pile == NULL || (all && p.leaf == NULL)) {
         status = pe_fail(error, PE_NO_MEMORY, "no memory for a tree of %zu boxes", leaves);
     } else {
-        int count = take_apart(tree, pile, parts);
-        build(tree, parts, count, pile);
+        if (all) {
+            take_all(tree, &p);
+        } else {
+            take_apart(tree, &p);
+        }
+        build(tree, &p);
     }
     pe_arena_rewind(work.arena, work.allocator, before);
     return status;
@@ -322,10 +393,12 @@ static pe_status rebuild_marked(pe_tree *tree, pe_workspace work, pe_error *erro
 
 pe_status pe_tree_update(pe_tree *tree, pe_workspace work, pe_error *error)
 {
-    pe_status status = rebuild_marked(tree, work, error);
+    pe_status status = PE_OK;
+    if (tree->marked_count > 0) {
+        status = rebuild(tree, is_stirred(tree), work, error);
+    }
     if (status == PE_OK && tree->root != NONE && nodes_of(tree)[tree->root].height > MOST_HEIGHT) {
-        pe_tree_mark_all(tree);
-        status = rebuild_marked(tree, work, error);
+        status = rebuild(tree, true, work, error);
     }
     return status;
 }

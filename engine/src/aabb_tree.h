@@ -5,8 +5,8 @@
  * inner nodes away. What is left are the largest subtrees without a change; new nodes are built
  * over them from above: the centres are cut at the middle of the axis along which they are spread
  * widest, or, where that would leave less than a quarter of them on one side, at the median. So one
- * change costs what its way to the root does, and a change of all leaves is a new tree. (The
- * partial rebuild is that of Catto's Box2D 3, 2023.) */
+ * change costs what its way to the root does. Where many leaves have changed all nodes are made
+ * anew, in depth-first order. (The partial rebuild is that of Catto's Box2D 3, 2023.) */
 #ifndef PE_AABB_TREE_H
 #define PE_AABB_TREE_H
 
@@ -39,28 +39,30 @@ typedef struct pe_tree_node {
     bool marked; /* changed since pe_tree_unmark, or with such a leaf below */
 } pe_tree_node;
 
-/* All zero is the empty tree. Nodes are counted from 1; leaves keep their index while they live. */
+/* All zero is the empty tree. Nodes are counted from 1. */
 typedef struct pe_tree {
-    pe_array node_array;
-    int node_count, first_free; /* free ones included in the count */
-    int root;                   /* 0: none */
-    int leaf_count;             /* those removed since the last update included */
+    pe_array node_array, leaf_array; /* (node_count + 1); (item_count): nodes of the items */
+    int node_count, item_count;      /* free nodes included */
+    int first_free, root;            /* nodes; 0: none */
+    int leaf_count, marked_count;    /* leaves, those removed since the last update included */
 } pe_tree;
 
 void pe_tree_free(pe_tree *tree, const pe_allocator *allocator);
 
-/* Adds a leaf for an item > 0. The box must hold no NaN. On PE_NO_MEMORY nothing has changed. */
+/* Adds a leaf for an item > 0, which names it. Boxes must hold no NaN. On PE_NO_MEMORY the tree is
+ * as it was. */
 pe_status pe_tree_add(pe_tree *tree, const pe_allocator *allocator, int item, const pe_box *box,
-                      int *leaf, pe_error *error);
-void pe_tree_move(pe_tree *tree, int leaf, const pe_box *box);
-void pe_tree_remove(pe_tree *tree, int leaf);
+                      pe_error *error);
+void pe_tree_move(pe_tree *tree, int item, const pe_box *box);
+void pe_tree_remove(pe_tree *tree, int item);
 
 /* Marks every leaf. */
 void pe_tree_mark_all(pe_tree *tree);
 
-static inline const pe_box *pe_tree_box(const pe_tree *tree, int leaf)
+static inline const pe_box *pe_tree_box(const pe_tree *tree, int item)
 {
-    return &((const pe_tree_node *)tree->node_array.items)[leaf].box;
+    const pe_tree_node *nodes = tree->node_array.items;
+    return &nodes[((const int *)tree->leaf_array.items)[item]].box;
 }
 
 /* Puts the tree in order after changes. On PE_NO_MEMORY it is as it was: to be updated. */

@@ -21,7 +21,7 @@
  * than the snug one. */
 static const double SNUG = 0.01, FAT = 0.1;
 /* Steps at its velocity that a fat box holds. */
-static const double AHEAD = 2;
+static const double AHEAD = 4;
 
 double pe_spin_speed(const pe_world *world, int slot)
 {
@@ -62,6 +62,11 @@ static pe_tree *tree_of(pe_broad *broad, const pe_proxy *proxy)
     return proxy->is_static ? &broad->statics : &broad->dynamics;
 }
 
+static bool is_plane(const pe_proxy *proxy)
+{
+    return proxy->alive && !proxy->bounded;
+}
+
 /* ---- Boxes -------------------------------------------------------------------------------------
  */
 
@@ -77,19 +82,15 @@ static pe_box box_of(const pe_world *world, int slot, double room)
     return (pe_box){{low.x, low.y, low.z}, {high.x, high.y, high.z}};
 }
 
-/* A box that is not a number meets none; a tree wants numbers. */
-static pe_box fat_box(const pe_box *snug, double fat, pe_vec3 ahead)
+/* The box wider by `room` on every side, and by `way` besides on that to which it leads. */
+static pe_box wider(const pe_box *box, double room, pe_vec3 way)
 {
-    pe_box box = *snug;
+    pe_box wide = *box;
     for (int k = 0; k < 3; ++k) {
-        double way = pe_component(ahead, k);
-        box.low[k] += pe_min(way, 0) - fat;
-        box.high[k] += pe_max(way, 0) + fat;
-        if (!(box.low[k] <= box.high[k])) {
-            return (pe_box){{0}, {0}};
-        }
+        wide.low[k] += pe_min(pe_component(way, k), 0) - room;
+        wide.high[k] += pe_max(pe_component(way, k), 0) + room;
     }
-    return box;
+    return wide;
 }
 
 static bool is_below(const pe_box *box, const pe_shape *plane)
@@ -145,10 +146,10 @@ static pe_status reserve_slots(pe_world *world, pe_error *error)
 static void drop(pe_broad *broad, int slot)
 {
     pe_proxy *proxy = &proxies_of(broad)[slot];
-    if (proxy->leaf != 0) {
-        pe_tree_remove(tree_of(broad, proxy), proxy->leaf);
+    if (proxy->bounded) {
+        pe_tree_remove(tree_of(broad, proxy), slot);
     }
-    broad->planes_changed |= proxy->is_plane;
+    broad->planes_changed |= is_plane(proxy);
     *proxy = (pe_proxy){0};
     stir(broad, slot);
 }
@@ -163,17 +164,17 @@ static pe_status adopt(pe_world *world, int slot, pe_error *error)
         .generation = body->generation,
         .alive = true,
         .is_static = body->is_static,
-        .is_plane = body->shape.kind == PE_SHAPE_PLANE,
+        .bounded = body->shape.kind != PE_SHAPE_PLANE,
     };
-    if (!made.is_plane) {
+    if (made.bounded) {
         pe_box none = {{0}, {0}};
         pe_status status =
-            pe_tree_add(tree_of(broad, &made), &world->allocator, slot, &none, &made.leaf, error);
+            pe_tree_add(tree_of(broad, &made), &world->allocator, slot, &none, error);
         if (status != PE_OK) {
             return status;
         }
     }
-    broad->planes_changed |= made.is_plane;
+    broad->planes_changed |= is_plane(&made);
     proxies_of(broad)[slot] = made;
     stir(broad, slot);
     return PE_OK;
@@ -196,7 +197,7 @@ static pe_status meet_bodies(pe_world *world, pe_error *error)
         if (bodies[slot].alive && !same) {
             status = adopt(world, slot, error);
         }
-        if (proxy->is_plane) {
+        if (is_plane(proxy)) {
             ((int *)broad->plane_array.items)[planes++] = slot;
         }
     }
@@ -229,20 +230,22 @@ static void follow_body(pe_world *world, int slot, double dt, double slack)
     double spin = pe_length(motion->angular_velocity) * proxy->radius;
     /* The whole slack for each, because a plane has no bounds to hold a half of it. */
     double margin = dt * (pe_length(motion->velocity) + spin) + slack;
+    double more = SNUG * proxy->radius;
     pe_box needed = box_of(world, slot, margin);
     if (proxy->room >= 0 && pe_box_holds(&proxy->snug, &needed)) {
         return;
     }
-    proxy->room = margin + SNUG * proxy->radius;
-    proxy->snug = box_of(world, slot, proxy->room);
+    proxy->room = margin + more;
+    proxy->snug = wider(&needed, more, pe_v3(0, 0, 0));
     proxy->position = pose->position;
     proxy->orientation = pose->orientation;
     broad->shifted = true;
     pe_tree *tree = tree_of(broad, proxy);
-    if (!pe_box_holds(pe_tree_box(tree, proxy->leaf), &proxy->snug)) {
-        pe_box fat =
-            fat_box(&proxy->snug, FAT * proxy->radius, pe_scale(AHEAD * dt, motion->velocity));
-        pe_tree_move(tree, proxy->leaf, &fat);
+    if (!pe_box_holds(pe_tree_box(tree, slot), &proxy->snug)) {
+        pe_vec3 way = pe_scale(AHEAD * dt, motion->velocity);
+        pe_box fat = wider(&proxy->snug, FAT * proxy->radius, way);
+        bool is_box = pe_box_holds(&fat, &fat); /* no NaN: that meets nothing, and has no place */
+        pe_tree_move(tree, slot, is_box ? &fat : &(pe_box){{0}, {0}});
         stir(broad, slot);
     }
 }
@@ -252,7 +255,7 @@ static void follow(pe_world *world, double dt)
     const pe_proxy *proxies = proxies_of(&world->broad);
     double slack = pe_margin_slack(world, dt);
     for (int slot = 1; slot < world->slot_count; ++slot) {
-        if (proxies[slot].leaf != 0 &&
+        if (proxies[slot].bounded &&
             !stays(&proxies[slot], &pe_poses(world)[slot], &pe_motions(world)[slot], dt, slack)) {
             follow_body(world, slot, dt, slack);
         }
@@ -266,7 +269,7 @@ static void stir_all_dynamics(pe_broad *broad)
 {
     for (int slot = 1; slot < broad->proxy_count; ++slot) {
         const pe_proxy *proxy = &proxies_of(broad)[slot];
-        if (proxy->leaf != 0 && !proxy->is_static) {
+        if (proxy->bounded && !proxy->is_static) {
             stir(broad, slot);
         }
     }
@@ -280,10 +283,10 @@ static pe_status meet_planes(const pe_world *world, pe_pair_list *pairs, pe_erro
     pe_status status = PE_OK;
     for (int i = 0; i < broad->stirred_count; ++i) {
         const pe_proxy *proxy = &proxies_of(broad)[stirred[i]];
-        if (proxy->leaf == 0 || proxy->is_static) {
+        if (!proxy->bounded || proxy->is_static) {
             continue;
         }
-        const pe_box *box = pe_tree_box(&broad->dynamics, proxy->leaf);
+        const pe_box *box = pe_tree_box(&broad->dynamics, stirred[i]);
         for (int k = 0; k < broad->plane_count && status == PE_OK; ++k) {
             if (is_below(box, &pe_bodies(world)[planes[k]].shape)) {
                 status = pe_pair_list_add(pairs, planes[k], stirred[i], error);
@@ -376,8 +379,8 @@ static bool are_near(const pe_world *world, pe_pair pair)
 {
     const pe_proxy *a = &proxies_of(&world->broad)[pair.a], *b = &proxies_of(&world->broad)[pair.b];
     const pe_body *bodies = pe_bodies(world);
-    return a->is_plane   ? is_below(&b->snug, &bodies[pair.a].shape)
-           : b->is_plane ? is_below(&a->snug, &bodies[pair.b].shape)
+    return is_plane(a)   ? is_below(&b->snug, &bodies[pair.a].shape)
+           : is_plane(b) ? is_below(&a->snug, &bodies[pair.b].shape)
                          : pe_box_overlaps(&a->snug, &b->snug);
 }
 

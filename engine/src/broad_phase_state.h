@@ -11,9 +11,9 @@ typedef struct pe_proxy {
     pe_quat orientation;
     double room;         /* m, by which `snug` was wider than the body on every side */
     double radius;       /* m, bounding, of the body */
-    int leaf;            /* in the tree of its kind, with the fat box; 0: a plane, or no body */
     uint32_t generation; /* of the body */
-    bool alive, is_static, is_plane;
+    bool alive, is_static;
+    bool bounded; /* in the tree of its kind, with its fat box; else a plane, or no body */
 } pe_proxy;
 
 typedef struct pe_broad {

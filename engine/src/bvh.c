@@ -1,19 +1,13 @@
 #include "bvh.h"
 
+pe_bvh_pair pe_bvh_pair_of(const pe_node *a, const pe_node *b, const pe_mat3 *turn, pe_vec3 offset)
+{
+    return (pe_bvh_pair){.a = a, .b = b, .turn = *turn, .offset = offset};
+}
+
 static pe_vec3 absolute(pe_vec3 v)
 {
     return pe_v3(fabs(v.x), fabs(v.y), fabs(v.z));
-}
-
-pe_bvh_pair pe_bvh_pair_of(const pe_node *a, const pe_node *b, const pe_mat3 *turn, pe_vec3 offset)
-{
-    return (pe_bvh_pair){
-        .a = a,
-        .b = b,
-        .turn = *turn,
-        .reach = {absolute(turn->r0), absolute(turn->r1), absolute(turn->r2)},
-        .offset = offset,
-    };
 }
 
 /* Square of the distance from the origin to the box of half extents `half` about c. */
@@ -25,21 +19,32 @@ static double square_out(pe_vec3 c, pe_vec3 half)
 }
 
 /* Stops at the first bound above the limit. */
-static double gap2(const pe_bvh_pair *p, const pe_node *a, const pe_node *b, double limit2)
+static double gap2(const pe_bvh_pair *p, const pe_node *a, const pe_node *b, double limit)
 {
     pe_vec3 c = pe_sub(pe_add(pe_rotate(&p->turn, a->centre), p->offset), b->centre);
-    double along_b = square_out(c, pe_add(pe_rotate(&p->reach, a->half), b->half));
-    if (along_b > limit2) {
+    double near = a->radius + b->radius + limit;
+    if (pe_dot(c, c) > near * near) {
+        return HUGE_VAL;
+    }
+    /* Axes of a as columns in the axes of b. */
+    pe_vec3 x = pe_rotate(&b->axes, pe_rotate(&p->turn, a->axes.r0));
+    pe_vec3 y = pe_rotate(&b->axes, pe_rotate(&p->turn, a->axes.r1));
+    pe_vec3 z = pe_rotate(&b->axes, pe_rotate(&p->turn, a->axes.r2));
+    pe_vec3 ax = absolute(x), ay = absolute(y), az = absolute(z), ha = a->half, hb = b->half;
+    c = pe_rotate(&b->axes, c);
+    pe_vec3 reach = pe_madd(pe_madd(pe_madd(hb, ha.x, ax), ha.y, ay), ha.z, az);
+    double along_b = square_out(c, reach);
+    if (along_b > limit * limit) {
         return along_b;
     }
-    pe_vec3 half = pe_add(pe_unrotate(&p->reach, b->half), a->half);
-    return pe_max(along_b, square_out(pe_unrotate(&p->turn, c), half));
+    reach = pe_add(ha, pe_v3(pe_dot(ax, hb), pe_dot(ay, hb), pe_dot(az, hb)));
+    return pe_max(along_b, square_out(pe_v3(pe_dot(x, c), pe_dot(y, c), pe_dot(z, c)), reach));
 }
 
-static void push(const pe_bvh_pair *pair, pe_bvh_walk *walk, int a, int b, double limit2)
+static void push(const pe_bvh_pair *pair, pe_bvh_walk *walk, int a, int b, double limit)
 {
-    double g = gap2(pair, &pair->a[a], &pair->b[b], limit2);
-    if (g <= limit2) {
+    double g = gap2(pair, &pair->a[a], &pair->b[b], limit);
+    if (g <= limit * limit) {
         walk->stack[walk->depth++] = (struct pe_bvh_entry){a, b, g};
     }
 }
@@ -48,11 +53,6 @@ void pe_bvh_begin(const pe_bvh_pair *pair, pe_bvh_walk *walk)
 {
     walk->depth = 0;
     push(pair, walk, 0, 0, HUGE_VAL);
-}
-
-static double girth(const pe_node *n)
-{
-    return n->half.x + n->half.y + n->half.z;
 }
 
 bool pe_bvh_next(const pe_bvh_pair *pair, pe_bvh_walk *walk, double bound, const pe_node **a,
@@ -71,12 +71,12 @@ bool pe_bvh_next(const pe_bvh_pair *pair, pe_bvh_walk *walk, double bound, const
             return true;
         }
         int first = walk->depth;
-        if (nb->right < 0 || (na->right >= 0 && girth(na) >= girth(nb))) {
-            push(pair, walk, e.a + 1, e.b, limit2);
-            push(pair, walk, na->right, e.b, limit2);
+        if (nb->right < 0 || (na->right >= 0 && na->radius >= nb->radius)) {
+            push(pair, walk, e.a + 1, e.b, bound);
+            push(pair, walk, na->right, e.b, bound);
         } else {
-            push(pair, walk, e.a, e.b + 1, limit2);
-            push(pair, walk, e.a, nb->right, limit2);
+            push(pair, walk, e.a, e.b + 1, bound);
+            push(pair, walk, e.a, nb->right, bound);
         }
         struct pe_bvh_entry *pushed = &walk->stack[first];
         if (walk->depth == first + 2 && pushed[0].gap2 < pushed[1].gap2) {

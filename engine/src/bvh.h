@@ -1,8 +1,8 @@
 /* Two trees of boxes descended together: which leaves come near each other.
  *
- * A tree's boxes lie along its body's axes, so that one rotation serves all pairs of boxes. The gap
- * of two boxes is bounded from below by the distance, along the axes of either one, to the box that
- * holds the other (six of the axes of Gottschalk, Lin, Manocha 1996, put together by Pythagoras). */
+ * Boxes are oriented (Gottschalk, Lin, Manocha 1996). The gap of two is bounded from below by that
+ * of the spheres about them, and by the distance, along the axes of either one, to the box that
+ * holds the other: six of their 15 axes, put together by Pythagoras. */
 #ifndef PE_BVH_H
 #define PE_BVH_H
 
@@ -11,8 +11,8 @@
 /* Tree a as tree b sees it: x_b = turn x_a + offset. */
 typedef struct pe_bvh_pair {
     const pe_node *a, *b;
-    pe_mat3 turn, reach; /* reach: |turn|, entry by entry */
-    pe_vec3 offset;      /* m */
+    pe_mat3 turn;
+    pe_vec3 offset; /* m */
 } pe_bvh_pair;
 
 pe_bvh_pair pe_bvh_pair_of(const pe_node *a, const pe_node *b, const pe_mat3 *turn, pe_vec3 offset);

@@ -206,16 +206,14 @@ static bool edge_contact(const box_pair *p, axis_choice edge, pe_vec3 n, double 
     pe_vec3 x = far_edge(&p->a, edge.i, n, &name_a);
     pe_vec3 y = far_edge(&p->b, edge.j, pe_scale(-1, n), &name_b);
 
-    /* Nearest points x + s u and y + t v of the two lines, held to the edges. */
+    /* They cross at x + s u and y + t v, within what they have beside each other. */
     pe_vec3 d = pe_sub(y, x), w = pe_cross(u, v);
-    double square = pe_dot(w, w), s = 0, t = 0;
-    double ea = p->a.extent[edge.i], eb = p->b.extent[edge.j];
-    if (square > 0) {
-        s = pe_max(-ea, pe_min(ea, pe_dot(pe_cross(d, v), w) / square));
-        t = pe_max(-eb, pe_min(eb, pe_dot(pe_cross(d, u), w) / square));
-    }
+    double square = pe_dot(w, w), ea = p->a.extent[edge.i], eb = p->b.extent[edge.j];
+    double middle = pe_dot(d, u), reach = eb * fabs(p->a.r[edge.i][edge.j]);
+    double s = square > 0 ? pe_dot(pe_cross(d, v), w) / square : middle;
+    s = pe_max(pe_max(-ea, middle - reach), pe_min(pe_min(ea, middle + reach), s));
     x = pe_madd(x, s, u);
-    y = pe_madd(y, t, v);
+    y = pe_madd(y, pe_max(-eb, pe_min(eb, pe_dot(pe_sub(x, y), v))), v);
     if (edge.separation > 0 && pe_length(pe_sub(y, x)) > edge.separation + tolerance) {
         return false;
     }
@@ -328,15 +326,18 @@ static double face_contact(const reference *r, double size, double margin, pe_hi
     const double *e = other->extent;
     const double *row[3] = {box->r[ku], box->r[kv], box->r[k]};
     double origin[3] = {box->offset[ku], box->offset[kv], box->offset[k]}, middle[3], u[3], v[3];
-    for (int q = 2; q >= 0; --q) {
-        double scale = q < 2 ? 1 : side / along, shift = q < 2 ? tilt[q] : 0;
+    for (int q = 0; q < 3; ++q) {
+        double scale = q < 2 ? 1 : side / along;
         middle[q] = scale * (origin[q] + facing * e[m] * row[q][m]);
-        u[q] = scale * e[mu] * row[q][mu] - shift * u[2];
-        v[q] = scale * e[mv] * row[q][mv] - shift * v[2];
+        u[q] = scale * e[mu] * row[q][mu];
+        v[q] = scale * e[mv] * row[q][mv];
     }
     middle[2] -= box->extent[k] / along;
-    middle[0] -= tilt[0] * middle[2];
-    middle[1] -= tilt[1] * middle[2];
+    for (int q = 0; q < 2; ++q) {
+        middle[q] -= tilt[q] * middle[2];
+        u[q] -= tilt[q] * u[2];
+        v[q] -= tilt[q] * v[2];
+    }
     corner buffer[2][MAX_CORNERS];
     for (uint32_t c = 0; c < 4; ++c) {
         double su = c == 0 || c == 3 ? -1 : 1, sv = c < 2 ? -1 : 1;

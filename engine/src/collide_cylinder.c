@@ -15,7 +15,7 @@ void pe_collide_plane_cylinder(pe_placed plane, pe_placed cylinder, double margi
                                  .rotation = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     pe_cylinder c = pe_cylinder_seen(cylinder, &from_centre);
     double r = c.radius, rise = pe_dot(n, c.axis), sine;
-    pe_vec3 up = pe_cylinder_outward(&c, n, &sine);
+    pe_vec3 up = pe_outward(c.axis, n, &sine);
     double height = pe_dot(n, cylinder.pose->position) - plane.shape->offset;
     double gap = height - c.half_height * fabs(rise) - r * sine;
     if (gap > margin) {
@@ -34,7 +34,7 @@ void pe_collide_plane_cylinder(pe_placed plane, pe_placed cylinder, double margi
         double length;
         pe_vec3 t1, t2;
         pe_tangents(n, &t1, &t2);
-        t1 = pe_scale(r, pe_cylinder_outward(&c, t1, &length));
+        t1 = pe_scale(r, pe_outward(c.axis, t1, &length));
         t2 = pe_cross(c.axis, t1);
         pe_vec3 rim[5] = {pe_add(cap, t1), pe_add(cap, t2), pe_sub(cap, t1), pe_sub(cap, t2),
                           pe_madd(cap, -r, up)};
@@ -68,7 +68,8 @@ void pe_collide_sphere_cylinder(pe_placed sphere, pe_placed cylinder, double mar
     if (separation > margin) {
         return;
     }
-    pe_hit_list list = pe_hit_list_begin(pe_scale(-1, out), separation, margin, pe_min(sphere.size, cylinder.size));
+    pe_hit_list list = pe_hit_list_begin(pe_scale(-1, out), separation, margin,
+                                         pe_min(sphere.size, cylinder.size));
     pe_hit_list_add(&list, pe_madd(x, -distance, out), separation, 0);
     pe_hit_list_finish(&list, cylinder.pose, false, hits);
 }

@@ -11,9 +11,15 @@
 /* In units of the smaller cylinder: points this far outside a rim are moved onto it. */
 static const double SLACK = 1e-6;
 /* In units of the smaller cylinder: a cap tilted by less, from end to end, has no lowest point. */
-static const double LEVEL = 3e-9;
+static const double LEVEL = 6e-9;
+/* In units of the smaller cylinder: where a point is, but for rounding. */
+static const double TIE = 4e-10;
 /* Least cosine between the direction and an axis at which it is a cap that faces the other. */
 static const double FACING = 0.7;
+
+/* In units of the smaller cylinder: a cap is left only for what is better by this, so that what
+ * rests on one does not leave it for rounding. */
+static const double BIAS = 4e-10;
 
 /* Kinds of points, for their names. */
 enum { RIM_A = 1, RIM_B, LOWEST_A, LOWEST_B, CROSSING, LINE_END, NEAREST };
@@ -36,7 +42,7 @@ static side make_side(const pe_cylinder *c, pe_vec3 toward)
     side s = {.c = *c, .toward = toward, .rise = pe_dot(c->axis, toward)};
     s.cap = pe_madd(c->centre, s.rise < 0 ? -c->half_height : c->half_height, c->axis);
     double sine;
-    s.line = pe_madd(c->centre, c->radius, pe_cylinder_outward(c, toward, &sine));
+    s.line = pe_madd(c->centre, c->radius, pe_outward(c->axis, toward, &sine));
     return s;
 }
 
@@ -57,7 +63,8 @@ typedef struct scene {
     pe_hit_list patch;
 } scene;
 
-/* The side that is the patch's second shape adds its own points; the other moves them by the gap. */
+/* The side that is the patch's second shape adds its own points; the other moves them by the gap.
+ */
 static void add(scene *s, const side *of, pe_vec3 x, double gap, uint64_t feature)
 {
     bool second = of == &s->b;
@@ -77,23 +84,28 @@ static void add_rim_point(scene *s, const side *of, const side *in, pe_vec3 x, u
         x = pe_madd(x, -beyond / (r + beyond), from);
         x = pe_madd(x, to_cap(of, x), of->toward);
         gap = -to_cap(in, x);
+        if (pe_length(pe_sub(x, of->cap)) > of->c.radius + TIE * s->patch.size) {
+            return;
+        }
     }
     add(s, of, x, gap, feature);
 }
 
-/* Four points of one rim, in the directions t1 and across it, and the one lowest over the other. */
-static void add_rim(scene *s, const side *of, const side *in, pe_vec3 t1, uint64_t kind,
-                    uint64_t lowest)
+/* Four points of one rim, in directions of the first cylinder's axes, and the one lowest over the
+ * other cap. */
+static void add_rim(scene *s, const side *of, const side *in, uint64_t kind, uint64_t lowest)
 {
     const pe_cylinder *c = &of->c;
-    double length, sine;
-    t1 = pe_scale(c->radius, pe_cylinder_outward(c, t1, &length));
+    double sine;
+    pe_vec3 t1 = pe_outward(c->axis, pe_v3(1, 0, 0), &sine);
+    t1 = sine > 0.5 ? t1 : pe_outward(c->axis, pe_v3(0, 1, 0), &sine);
+    t1 = pe_scale(c->radius, t1);
     pe_vec3 t2 = pe_cross(c->axis, t1);
     add_rim_point(s, of, in, pe_add(of->cap, t1), name(kind, 0));
     add_rim_point(s, of, in, pe_add(of->cap, t2), name(kind, 1));
     add_rim_point(s, of, in, pe_sub(of->cap, t1), name(kind, 2));
     add_rim_point(s, of, in, pe_sub(of->cap, t2), name(kind, 3));
-    pe_vec3 out = pe_cylinder_outward(c, in->c.axis, &sine);
+    pe_vec3 out = pe_outward(c->axis, in->c.axis, &sine);
     if (2 * c->radius * sine > LEVEL * s->patch.size) {
         double sign = in->rise < 0 ? 1 : -1; /* against the other cap's outward normal */
         add_rim_point(s, of, in, pe_madd(of->cap, sign * c->radius, out), name(lowest, 0));
@@ -121,10 +133,8 @@ static void add_crossings(scene *s)
 
 static void add_caps(scene *s)
 {
-    pe_vec3 t1, t2;
-    pe_tangents(s->patch.normal, &t1, &t2);
-    add_rim(s, &s->a, &s->b, t1, RIM_A, LOWEST_A);
-    add_rim(s, &s->b, &s->a, t1, RIM_B, LOWEST_B);
+    add_rim(s, &s->a, &s->b, RIM_A, LOWEST_A);
+    add_rim(s, &s->b, &s->a, RIM_B, LOWEST_B);
     add_crossings(s);
 }
 
@@ -136,12 +146,13 @@ static void add_line_in_cap(scene *s, const side *line, const side *cap)
     x = pe_madd(x, -pe_dot(x, cap->c.axis) / cap->rise, cap->toward);
     u = pe_madd(u, -pe_dot(u, cap->c.axis) / cap->rise, cap->toward);
     double r = cap->c.radius, half = line->c.half_height;
-    double u2 = pe_dot(u, u), xu = pe_dot(x, u), root2 = xu * xu - u2 * (pe_dot(x, x) - r * r);
-    if (!(root2 > 0)) {
+    double u2 = pe_dot(u, u), middle = -pe_dot(x, u) / u2;
+    double past = pe_length(pe_madd(x, middle, u)) - r; /* of the point nearest to the middle */
+    if (past > TIE * s->patch.size) {
         return;
     }
-    double low = pe_max(-half, (-xu - sqrt(root2)) / u2);
-    double high = pe_min(half, (-xu + sqrt(root2)) / u2);
+    double root = sqrt(pe_max(0, -past * (2 * r + past)) / u2);
+    double low = pe_max(-half, middle - root), high = pe_min(half, middle + root);
     if (low <= high) {
         pe_vec3 p = pe_madd(line->line, low, line->c.axis);
         pe_vec3 q = pe_madd(line->line, high, line->c.axis);
@@ -150,29 +161,39 @@ static void add_line_in_cap(scene *s, const side *line, const side *cap)
     }
 }
 
-/* How far along `toward` a point, near the axis, is from the side's surface; false near its
+/* How far along `toward` a point near the axis is from the side's surface; false near its
  * silhouette or beyond its ends. */
 static bool to_side(const side *s, double rounding, pe_vec3 x, double *t)
 {
-    const pe_cylinder *c = &s->c;
-    pe_vec3 p = pe_cylinder_across(c, pe_sub(x, c->centre)), e = pe_cylinder_across(c, s->toward);
-    double e2 = pe_dot(e, e), along = pe_dot(p, e), r2 = c->radius * c->radius;
-    double root2 = along * along - e2 * (pe_dot(p, p) - r2);
-    if (!(root2 > 0.75 * r2 * e2)) {
+    double unused;
+    if (!pe_cylinder_pierce(&s->c, x, s->toward, &unused, t)) {
         return false;
     }
-    *t = (-along + sqrt(root2)) / e2;
-    double z = pe_dot(pe_sub(pe_madd(x, *t, s->toward), c->centre), c->axis);
-    return fabs(z) <= c->half_height + rounding;
+    double z = pe_dot(pe_sub(pe_madd(x, *t, s->toward), s->c.centre), s->c.axis);
+    return fabs(z) <= s->c.half_height + rounding;
 }
 
-/* The part of a's axis that b lies beside, in m from a's centre: end[0] to end[1] if not empty. */
-static void beside(const pe_cylinder *a, const pe_cylinder *b, double end[2])
+/* How far along a's axis, from its centre, the line from the point at z of that axis along the
+ * direction meets the plane that b's axis is in. */
+static double opposite(const scene *s, double z)
 {
-    double middle = pe_dot(pe_sub(b->centre, a->centre), a->axis);
-    double reach = b->half_height * fabs(pe_dot(a->axis, b->axis));
-    end[0] = pe_max(-a->half_height, middle - reach);
-    end[1] = pe_min(a->half_height, middle + reach);
+    pe_vec3 offset = pe_sub(s->b.c.centre, s->a.c.centre);
+    return z + pe_dot(offset, s->patch.normal) * s->a.rise;
+}
+
+/* The part of a's axis, in m from its centre, from which the lines along the direction go through
+ * both sides: from end[0] to end[1] if not empty. */
+static void beside(const scene *s, double end[2])
+{
+    const pe_cylinder *a = &s->a.c, *b = &s->b.c;
+    double cosine = pe_dot(a->axis, b->axis), shift = opposite(s, 0);
+    double middle = pe_dot(pe_sub(b->centre, a->centre), a->axis) - shift;
+    /* The surfaces are farther along either axis than the points of the axes below them. */
+    double on_a = a->radius * s->a.rise, on_b = b->radius * s->b.rise;
+    double b0 = middle + (-b->half_height - on_b) * cosine;
+    double b1 = middle + (b->half_height - on_b) * cosine;
+    end[0] = pe_max(-a->half_height - on_a, pe_min(b0, b1));
+    end[1] = pe_min(a->half_height - on_a, pe_max(b0, b1));
 }
 
 /* Ends of the part of b's side that lies along a's. */
@@ -182,11 +203,11 @@ static void add_sides(scene *s)
     pe_vec3 d = s->patch.normal, offset = pe_sub(b->centre, a->centre);
     pe_vec3 lateral = pe_cross(a->axis, d);
     double cosine = pe_dot(a->axis, b->axis), middle = pe_dot(offset, a->axis), end[2];
-    double rounding = 1e-10 * s->patch.size;
-    beside(a, b, end);
+    double rounding = TIE * s->patch.size;
+    beside(s, end);
     for (int k = 0; k < 2 && end[0] <= end[1] && cosine != 0; ++k) {
         pe_vec3 x = pe_madd(a->centre, end[k], a->axis);
-        pe_vec3 y = pe_madd(b->centre, (end[k] - middle) / cosine, b->axis);
+        pe_vec3 y = pe_madd(b->centre, (opposite(s, end[k]) - middle) / cosine, b->axis);
         /* Between the two axes, nearer to the thinner cylinder's. */
         double aside = pe_dot(pe_sub(y, x), lateral), share = a->radius / (a->radius + b->radius);
         double from_x, from_y;
@@ -199,27 +220,36 @@ static void add_sides(scene *s)
     }
 }
 
-/* Adds the point that realises the gap if none of the others does. */
-static void add_nearest(scene *s, pe_cylinder_meeting kind)
+/* Whether a point lies in the cap, seen along the direction. */
+static bool is_in_cap(const scene *s, const side *cap, pe_vec3 x)
 {
-    const pe_cylinder *a = &s->a.c, *b = &s->b.c;
-    const side *of = kind == PE_CAP_B || kind == PE_SIDE_B ? &s->a : &s->b;
-    pe_vec3 x = pe_cylinder_support(&of->c, of->toward);
-    if (kind == PE_SIDES) {
-        /* Where a's axis is nearest to b's; of parallel ones the middle of what they share. */
-        pe_vec3 across = pe_cylinder_across(b, a->axis);
-        double sine2 = pe_dot(across, across), end[2];
-        beside(a, b, end);
-        double z = 0.5 * (end[0] + end[1]);
-        if (sine2 > 1e-30) {
-            z = pe_dot(pe_sub(b->centre, a->centre), across) / sine2;
-            z = pe_max(end[0], pe_min(end[1], z));
-        }
-        of = &s->a;
-        x = pe_madd(pe_madd(a->centre, z, a->axis), a->radius, s->a.toward);
+    pe_vec3 from = pe_sub(pe_madd(x, to_cap(cap, x), cap->toward), cap->cap);
+    return pe_length(from) <= cap->c.radius + TIE * s->patch.size;
+}
+
+/* Adds the point that realises the gap if none of the others does. False where, for the bias
+ * towards caps, it is not in the cap; then it is added `at_any_rate` only. */
+static bool add_nearest(scene *s, const pe_cylinder_gap *gap, bool at_any_rate)
+{
+    if (pe_hit_list_has_nearest(&s->patch)) {
+        return true;
     }
-    x = of == &s->b ? x : pe_madd(x, s->patch.least, s->patch.normal);
-    pe_hit_list_add_nearest(&s->patch, x, name(NEAREST, (int)kind));
+    pe_vec3 x = pe_cylinder_pair_point(&s->a.c, &s->b.c, gap);
+    const side *cap = gap->kind == PE_CAP_A ? &s->a : gap->kind == PE_CAP_B ? &s->b : NULL;
+    bool sound = cap == NULL || is_in_cap(s, cap, x);
+    if (!sound && at_any_rate) {
+        /* Caps that touch side by side, whose lowest points may be anywhere. */
+        const side *of = cap == &s->a ? &s->b : &s->a;
+        double unused;
+        pe_vec3 in = pe_outward(of->c.axis, pe_sub(cap->cap, of->cap), &unused);
+        x = pe_madd(of->cap, of->c.radius, in);
+        x = of == &s->a ? x : pe_madd(x, -gap->distance, s->patch.normal);
+    }
+    if (sound || at_any_rate) {
+        x = pe_madd(x, gap->distance, s->patch.normal);
+        pe_hit_list_add(&s->patch, x, gap->distance, name(NEAREST, 0));
+    }
+    return sound;
 }
 
 static void add_points(scene *s)
@@ -239,19 +269,21 @@ static void add_points(scene *s)
 void pe_collide_cylinder_cylinder(pe_placed a, pe_placed b, double margin, pe_hits *hits)
 {
     pe_cylinder ca = pe_cylinder_seen(a, a.pose), cb = pe_cylinder_seen(b, a.pose);
-    double size = pe_min(a.size, b.size);
+    double size = pe_min(a.size, b.size), bias = BIAS * size;
     pe_cylinder_gap gap;
-    if (!pe_cylinder_pair_gap(&ca, &cb, size, margin, &gap)) {
-        return;
+    scene s = {.slack = SLACK * size};
+    bool done = false;
+    for (int pass = 0; pass < 2 && !done; ++pass) {
+        if (!pe_cylinder_pair_gap(&ca, &cb, size, bias, margin, &gap)) {
+            return;
+        }
+        s.a = make_side(&ca, gap.normal);
+        s.b = make_side(&cb, pe_scale(-1, gap.normal));
+        s.patch = pe_hit_list_begin(gap.normal, gap.distance, margin, size);
+        add_points(&s);
+        done = add_nearest(&s, &gap, pass == 1);
+        bias = 0; /* it took a cap that the other cylinder only passes by */
     }
-    scene s = {
-        .a = make_side(&ca, gap.normal),
-        .b = make_side(&cb, pe_scale(-1, gap.normal)),
-        .slack = SLACK * size,
-        .patch = pe_hit_list_begin(gap.normal, gap.distance, margin, size),
-    };
-    add_points(&s);
-    add_nearest(&s, gap.kind);
     pe_hit_list_finish(&s.patch, a.pose, false, hits);
     hits->normal_on_b = gap.kind == PE_CAP_B;
 }

@@ -7,53 +7,66 @@
 /* In units of the margin: how much farther features are looked for, to know from which margin on
  * there would be more. */
 static const double LOOK_AHEAD = 0.1;
+/* In units of the smaller solid: depths that differ by less are one. */
+static const double TIE = 1e-9;
+/* In units of its depth: how near other touches are at the same place. */
+static const double PLACE = 8;
+/* Sine of the angle from which a direction is another one. */
+static const double ANOTHER = 1e-3;
 /* In units of the smaller solid: a line of least distance shorter than this has no direction. */
 static const double LEAST_LINE = 1e-9;
 
-/* Of the faces that one vertex touches, only those between which and the vertex nothing lies: when
- * the nearest one is above it, the vertex is outside and none below counts; when it is below, the
- * vertex is inside, and that one is the way out. Marks the others. */
-static void settle_vertex(const pe_solid_pair *pair, pe_touch *touches, int count)
+static pe_vec3 middle_of(const pe_touch *t, double radius)
 {
-    int nearest = 0;
-    double slack = pair->slack, least = HUGE_VAL;
-    for (int i = 0; i < count; ++i) {
-        double height = touches[i].separation + pair->radius;
-        if (fabs(height) < fabs(least)) {
-            least = height;
-            nearest = i;
-        }
-    }
-    bool inside = least < -slack;
-    bool blocked = inside && pe_touch_is_blocked(pair, &touches[nearest]);
-    for (int i = 0; i < count; ++i) {
-        double height = touches[i].separation + pair->radius;
-        bool stays = inside ? !blocked && height < 0 && height >= least - slack : height >= -slack;
-        touches[i].merged = !stays;
-    }
+    return pe_madd(t->on_a, 0.5 * (t->separation + radius), t->normal);
 }
 
-/* Each touch once, and of each vertex those that settle_vertex leaves. */
+/* Whether another touch at about the same place, in another direction, says that the solids overlap
+ * less there, or not at all. */
+static bool has_better(const pe_solid_pair *pair, const pe_touches *list, const pe_touch *t)
+{
+    double height = t->separation + pair->radius, tie = TIE * pair->size;
+    double near = PLACE * height;
+    pe_vec3 x = middle_of(t, pair->radius);
+    for (int i = 0; i < list->count; ++i) {
+        const pe_touch *other = &list->items[i];
+        double h = other->separation + pair->radius;
+        if (!other->strict || other->dent || h <= height + tie || h > -height) {
+            continue;
+        }
+        pe_vec3 d = pe_sub(middle_of(other, pair->radius), x);
+        pe_vec3 across = pe_cross(other->normal, t->normal);
+        if (pe_dot(d, d) <= near * near && pe_dot(across, across) > ANOTHER * ANOTHER) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool is_vertex_face(const pe_touch *t)
+{
+    return t->kind == PE_VERTEX_FACE || t->kind == PE_FACE_VERTEX;
+}
+
+/* Each touch once, and of overlaps those that show the way out. */
 static void settle(const pe_solid_pair *pair, pe_touches *list)
 {
     pe_touches_sort(list);
     int kept = 0;
     for (int i = 0; i < list->count; ++i) {
-        if (kept == 0 || list->items[kept - 1].feature != list->items[i].feature) {
-            list->items[kept++] = list->items[i];
+        pe_touch *t = &list->items[i];
+        bool deep = t->separation + pair->radius < -TIE * pair->size;
+        if ((kept > 0 && list->items[kept - 1].feature == t->feature) ||
+            (deep && !t->dent && is_vertex_face(t) && pe_touch_is_blocked(pair, t))) {
+            continue;
         }
+        list->items[kept++] = *t;
     }
     list->count = kept;
-    for (int i = 0; i < list->count;) {
-        int end = i + 1;
-        uint64_t vertex = list->items[i].feature >> 30;
-        while (end < list->count && list->items[end].feature >> 30 == vertex) {
-            ++end;
-        }
-        if (list->items[i].kind <= PE_FACE_VERTEX) {
-            settle_vertex(pair, &list->items[i], end - i);
-        }
-        i = end;
+    for (int i = 0; i < list->count; ++i) {
+        pe_touch *t = &list->items[i];
+        bool deep = t->separation + pair->radius < -TIE * pair->size;
+        t->merged = deep && !t->dent && has_better(pair, list, t);
     }
     kept = 0;
     for (int i = 0; i < list->count; ++i) {
@@ -64,14 +77,20 @@ static void settle(const pe_solid_pair *pair, pe_touches *list)
     list->count = kept;
 }
 
+static double least_of(const pe_touches *list)
+{
+    double least = HUGE_VAL;
+    for (int i = 0; i < list->count; ++i) {
+        least = pe_min(least, list->items[i].separation);
+    }
+    return least;
+}
+
 /* Adds the nearest points of solids apart where no touch has their distance: vertices against
  * vertices and edges. */
 static void add_nearest(const pe_solid_pair *pair, const pe_nearest *nearest, pe_touches *list)
 {
-    double least = HUGE_VAL, tie = LEAST_LINE * pair->size;
-    for (int i = 0; i < list->count; ++i) {
-        least = pe_min(least, list->items[i].separation + pair->radius);
-    }
+    double least = least_of(list) + pair->radius, tie = LEAST_LINE * pair->size;
     if (least > nearest->distance + 0.1 * tie && (least == HUGE_VAL || nearest->distance > tie)) {
         pe_touch touch = nearest->touch;
         touch.separation = nearest->distance - pair->radius;
@@ -106,22 +125,24 @@ static int collide_solids(const pe_solid_pair *pair, const pe_pose *pose, double
     }
     bool overlap = nearest.cross || nearest.inside;
     double from = nearest.cross ? 0 : nearest.distance;
-    double reach = pe_min(nearest.inside ? HUGE_VAL : look, from + pair->band);
+    double reach = pe_min(look, from + pair->band), depth = overlap ? pair->depth : 0;
     pe_touches list = {.work = work};
-    pe_touches_find(pair, reach, &list);
+    pe_touches_find(pair, reach, depth, &list);
     if (overlap) {
-        pe_touches_find_deep(pair, reach, nearest.inside, &list);
+        pe_touches_find_deep(pair, depth, nearest.inside, &list);
     }
     settle(pair, &list);
     if (!overlap) {
         add_nearest(pair, &nearest, &list);
-    } else if (list.count == 0) {
-        pe_touches_find_way_out(pair, &list);
+    } else if (least_of(&list) > 0.5 * TIE * pair->size - pair->radius) {
+        pe_touches_find_way_out(pair, &nearest, &list);
+        pe_touches_sort(&list);
     }
     pe_patch_rules rules = {
         .size = pair->size,
         .radius = pair->radius,
-        .margin = pe_min(margin, reach - pair->radius),
+        .margin = margin,
+        .limit = from + pair->band - pair->radius,
         .least = overlap ? -HUGE_VAL : nearest.distance - pair->radius,
         .end_margin = reach < look ? HUGE_VAL : reach - pair->radius,
     };
@@ -143,8 +164,9 @@ static const pe_node *next_leaf(const plane_view *view, double bound, int stack[
     while (*depth > 0) {
         int index = stack[--*depth];
         const pe_node *node = &view->mesh->nodes[index];
-        double reach = fabs(n.x) * node->half.x + fabs(n.y) * node->half.y +
-                       fabs(n.z) * node->half.z;
+        pe_vec3 along = pe_rotate(&node->axes, n);
+        double reach = fabs(along.x) * node->half.x + fabs(along.y) * node->half.y +
+                       fabs(along.z) * node->half.z;
         if (pe_dot(n, node->centre) - reach - view->offset > bound) {
             continue;
         }
@@ -202,14 +224,15 @@ static int collide_plane(pe_placed plane, pe_placed mesh, double margin, pe_work
         .normal = pe_unrotate(&mesh.pose->rotation, plane.shape->normal),
         .offset = plane.shape->offset - pe_dot(plane.shape->normal, mesh.pose->position),
     };
-    double look = margin * (1 + LOOK_AHEAD), band = PE_BAND * view.mesh->bounding_radius;
-    double reach = pe_min(look, lowest(&view, margin) + band);
+    double look = margin * (1 + LOOK_AHEAD) + PE_SLACK * mesh.size, band = PE_BAND * view.mesh->bounding_radius;
+    double lowest_height = lowest(&view, margin), reach = pe_min(look, lowest_height + band);
     pe_touches list = {.work = work};
     find_below(&view, reach, &list);
     pe_touches_sort(&list);
     pe_patch_rules rules = {
         .size = mesh.size,
-        .margin = pe_min(margin, reach),
+        .margin = margin,
+        .limit = lowest_height + band,
         .least = -HUGE_VAL,
         .end_margin = reach < look ? HUGE_VAL : look,
     };

@@ -38,17 +38,24 @@ typedef struct pe_solid_pair {
     double size;         /* m, least size of the two: the scale of tolerances */
     double slack;        /* m, see PE_SLACK */
     double band;         /* m, see PE_BAND */
+    double depth;        /* m, see PE_DEPTH */
     pe_small_solid small;
 } pe_solid_pair;
 
 /* In units of `size`: a point this far beyond the rim of a face still lies on it. */
-#define PE_SLACK 1e-6
+#define PE_SLACK 5e-9
 /* In units of the smaller bounding radius: features whose gap exceeds the least one by more than
  * this are not looked for, whatever the margin. */
 #define PE_BAND 0.25
+/* In units of `size`: overlaps deeper than this are found from the vertices within alone; and a
+ * vertex that far behind a dent at the rim of a face is still over that face. */
+#define PE_DEPTH 0.05
 
 /* Describes the pair; `pair` must stay where it is. Not for planes and cylinders. */
 void pe_solid_pair_make(pe_placed a, pe_placed b, pe_solid_pair *pair);
+
+/* A leaf of one triangle with a box along its body's axes. */
+pe_node pe_box_node(pe_vec3 centre, pe_vec3 half);
 
 /* A triangle in b's axes. Of a core: all but the corners is zero. */
 typedef struct pe_facet {
@@ -66,14 +73,19 @@ void pe_facet_of_b(const pe_solid_pair *pair, int triangle, pe_facet *facet);
  * rim by at most `slack`. */
 bool pe_facet_holds(const pe_facet *facet, pe_vec3 x, double slack);
 
+/* The same, and also behind the face across a dent, by at most `past`, where the solid goes on;
+ * *dent tells. `seen`: the solid's place in the axes of the facet; NULL: the same. */
+bool pe_facet_holds_dented(const pe_solid *solid, const pe_bvh_pair *seen, const pe_facet *facet,
+                           pe_vec3 x, double slack, double past, bool *dent);
+
 /* Signed heights of the corners of `of` over the plane of `over`; false: all are above `bound`, or
  * all below -bound, so that the two are farther apart than that. */
 bool pe_facet_heights(const pe_facet *over, const pe_facet *of, double bound, double height[3]);
 
 /* Whether the edges of either facet pass through the other, by the heights of each one's corners
- * over the other. Edges that only touch may count or not. */
+ * over the other, and a point where. Edges that only touch may count or not. */
 bool pe_facets_cross(const pe_facet *a, const double above_b[3], const pe_facet *b,
-                     const double above_a[3]);
+                     const double above_a[3], pe_vec3 *where);
 
 /* An edge that a facet owns, in b's axes. A core's has no normals. */
 typedef struct pe_ridge {
@@ -108,6 +120,8 @@ typedef struct pe_touch {
     pe_vec3 on_a;             /* a's core's point; b's is on_a + (separation + radius) normal */
     double separation;        /* m, of the surfaces: the ball's radius is taken off */
     pe_vec3 along_a, along_b; /* of two edges */
+    bool dent;                /* the vertex lies behind a dent at the rim of the face */
+    bool strict;              /* both features face each other but for rounding */
     bool merged;              /* has found its patch, or its better */
 } pe_touch;
 
@@ -137,30 +151,36 @@ typedef struct pe_nearest {
 
 pe_nearest pe_solids_nearest(const pe_solid_pair *pair, double bound);
 
+/* How far the solid reaches along d: the largest d.x of its points, in its own axes. */
+double pe_solid_reach(const pe_solid *solid, pe_vec3 d);
+
 /* Whether the point (in the axes of `solid`) lies in the solid. */
 bool pe_solid_holds(const pe_solid *solid, pe_vec3 x);
 
-/* Adds the features that touch within `reach` (m, of the cores): see collide_mesh_touch.c. */
-void pe_touches_find(const pe_solid_pair *pair, double reach, pe_touches *list);
+/* Adds the features with a gap of at most `reach` or, where `depth` is not 0, an overlap of at most
+ * that (m, of the cores): see collide_mesh.c. */
+void pe_touches_find(const pe_solid_pair *pair, double reach, double depth, pe_touches *list);
 
-/* Adds the vertices of either solid that lie deeper in the other one than `reach`, as far as the
+/* Adds the vertices of either solid that lie deeper in the other one than `depth`, as far as the
  * surfaces lead to them from where they cross, or, with `all`, all. */
-void pe_touches_find_deep(const pe_solid_pair *pair, double reach, bool all, pe_touches *list);
+void pe_touches_find_deep(const pe_solid_pair *pair, double depth, bool all, pe_touches *list);
 
 /* Whether a vertex may take the normal of a face of the other solid, n in its own axes and away from
- * that face: no edge leads from it towards the face, but for a small angle. */
-bool pe_vertex_faces(const pe_solid *solid, int vertex, pe_vec3 normal);
+ * that face: no edge leads from it towards the face, but for a small angle; *strict: for rounding alone. */
+bool pe_vertex_faces(const pe_solid *solid, int vertex, pe_vec3 normal, bool *strict);
 
 /* Whether a vertex that lies under a face is parted from it by another part of the surface. */
 bool pe_touch_is_blocked(const pe_solid_pair *pair, const pe_touch *touch);
 
-/* Where nothing else was found between overlapping solids: one way out. */
-void pe_touches_find_way_out(const pe_solid_pair *pair, pe_touches *list);
+/* One way out of an overlap, where the features show none. */
+void pe_touches_find_way_out(const pe_solid_pair *pair, const pe_nearest *nearest,
+                             pe_touches *list);
 
 /* How touches become patches. */
 typedef struct pe_patch_rules {
     double size, radius; /* m, as in pe_solid_pair */
     double margin;       /* m: what is farther is dropped */
+    double limit;        /* m: the same at any margin */
     double least;        /* m: no separation is smaller; -HUGE_VAL: unknown */
     double end_margin;   /* m: from this margin on there may be more touches */
 } pe_patch_rules;

@@ -8,11 +8,6 @@
 
 #include <string.h>
 
-static pe_node point_node(pe_vec3 x, pe_vec3 half)
-{
-    return (pe_node){.centre = x, .half = half, .right = -1, .count = 1};
-}
-
 /* A box about a segment or a point, and the tree of a solid in whose axes it is. */
 static pe_bvh_pair around(const pe_node *node, const pe_solid *solid)
 {
@@ -55,7 +50,7 @@ static pe_vec3 nearest_point(const pe_facet *facet, pe_vec3 x)
  * along the line to it has the sign right. */
 bool pe_solid_holds(const pe_solid *solid, pe_vec3 x)
 {
-    pe_node point = point_node(x, pe_v3(0, 0, 0));
+    pe_node point = pe_box_node(x, pe_v3(0, 0, 0));
     pe_bvh_pair trees = around(&point, solid);
     pe_bvh_walk walk;
     const pe_node *node, *leaf;
@@ -82,7 +77,7 @@ bool pe_solid_holds(const pe_solid *solid, pe_vec3 x)
 /* Whether a triangle of another face crosses the way from x along d, both ends apart. */
 static bool blocked(const pe_solid *solid, pe_vec3 x, pe_vec3 d, int face, double slack)
 {
-    pe_node segment = point_node(pe_madd(x, 0.5, d),
+    pe_node segment = pe_box_node(pe_madd(x, 0.5, d),
                                  pe_scale(0.5, pe_v3(fabs(d.x), fabs(d.y), fabs(d.z))));
     pe_bvh_pair trees = around(&segment, solid);
     pe_bvh_walk walk;
@@ -124,9 +119,9 @@ bool pe_touch_is_blocked(const pe_solid_pair *pair, const pe_touch *touch)
 /* The nearest face over the vertex (of `of`, at x and with its axes turned into those of `solid`)
  * that it faces: -1: none. */
 static int nearest_face(const pe_solid *solid, const pe_solid *of, const pe_bvh_pair *seen,
-                        int vertex, pe_vec3 x, double slack, double *depth)
+                        int vertex, pe_vec3 x, double slack, double *depth, bool *strict)
 {
-    pe_node point = point_node(x, pe_v3(0, 0, 0));
+    pe_node point = pe_box_node(x, pe_v3(0, 0, 0));
     pe_bvh_pair trees = around(&point, solid);
     pe_bvh_walk walk;
     const pe_node *node, *leaf;
@@ -139,13 +134,45 @@ static int nearest_face(const pe_solid *solid, const pe_solid *of, const pe_bvh_
             facet_of(solid, leaf->first + i, &facet);
             double d = facet.offset - pe_dot(facet.normal, x);
             if (d > 0 && d < *depth && pe_facet_holds(&facet, x, slack) &&
-                pe_vertex_faces(of, vertex, pe_unrotate(&seen->turn, facet.normal))) {
+                pe_vertex_faces(of, vertex, pe_unrotate(&seen->turn, facet.normal), strict)) {
                 *depth = d;
                 found = facet.face;
             }
         }
     }
     return found;
+}
+
+typedef struct crossing {
+    const pe_facet *a, *b;
+    const double *above_a, *above_b; /* heights of the other's corners */
+    pe_vec3 where;
+} crossing;
+
+typedef void take_crossing(void *context, const crossing *c);
+
+/* Hands over each two triangles that cross, and a point where they do. */
+static void each_crossing(const pe_solid_pair *pair, take_crossing *take, void *context)
+{
+    pe_bvh_walk walk;
+    const pe_node *leaf_a, *leaf_b;
+    pe_bvh_begin(&pair->trees, &walk);
+    while (pe_bvh_next(&pair->trees, &walk, 0, &leaf_a, &leaf_b)) {
+        for (int i = 0; i < leaf_a->count; ++i) {
+            pe_facet a, b;
+            pe_facet_of_a(pair, leaf_a->first + i, &a);
+            for (int j = 0; j < leaf_b->count; ++j) {
+                double above_a[3] = {0}, above_b[3];
+                pe_vec3 where;
+                pe_facet_of_b(pair, leaf_b->first + j, &b);
+                if (pe_facet_heights(&b, &a, 0, above_b) &&
+                    (a.face < 0 || pe_facet_heights(&a, &b, 0, above_a)) &&
+                    pe_facets_cross(&a, above_b, &b, above_a, &where)) {
+                    take(context, &(crossing){&a, &b, above_a, above_b, where});
+                }
+            }
+        }
+    }
 }
 
 /* One solid's vertices in the other. */
@@ -167,13 +194,14 @@ static void visit(diver *d, int vertex)
     }
 }
 
-static void add(const diver *d, int vertex, pe_vec3 x, int face, double depth)
+static void add(const diver *d, int vertex, pe_vec3 x, int face, double depth, bool strict)
 {
     const pe_solid_pair *pair = d->pair;
     pe_vec3 n = d->in->faces[face].normal;
     pe_touch_kind kind = d->of_a ? PE_VERTEX_FACE : PE_FACE_VERTEX;
     pe_touch touch = {.feature = pe_touch_feature(kind, vertex, face), .kind = kind};
     touch.separation = -depth - pair->radius;
+    touch.strict = strict;
     if (d->of_a) {
         touch.normal = pe_scale(-1, n);
         touch.on_a = x;
@@ -195,9 +223,10 @@ static void dive(diver *d)
             continue;
         }
         double depth;
-        int face = nearest_face(d->in, of, d->seen, vertex, x, d->pair->slack, &depth);
+        bool strict;
+        int face = nearest_face(d->in, of, d->seen, vertex, x, d->pair->slack, &depth, &strict);
         if (face >= 0) {
-            add(d, vertex, x, face, depth);
+            add(d, vertex, x, face, depth, strict);
         }
         for (int i = of->vertex_first[vertex]; i < of->vertex_first[vertex + 1]; ++i) {
             const pe_edge *edge = &of->edges[of->vertex_edges[i]];
@@ -219,37 +248,26 @@ static bool begin(diver *d)
     return !d->list->failed;
 }
 
-static void visit_behind(diver *d, const pe_facet *facet, const double height[3], double reach)
+static void visit_behind(diver *d, const pe_facet *facet, const double height[3], double depth)
 {
     for (int k = 0; k < 3; ++k) {
-        if (height[k] < -reach) {
+        if (height[k] < -depth) {
             visit(d, facet->vertices[k]);
         }
     }
 }
 
+typedef struct divers {
+    diver a, b;
+    double depth;
+} divers;
+
 /* The corners of crossing triangles that lie behind each other. */
-static void visit_crossings(const pe_solid_pair *pair, double reach, diver *a, diver *b)
+static void visit_crossing(void *context, const crossing *c)
 {
-    pe_bvh_walk walk;
-    const pe_node *leaf_a, *leaf_b;
-    pe_bvh_begin(&pair->trees, &walk);
-    while (pe_bvh_next(&pair->trees, &walk, 0, &leaf_a, &leaf_b)) {
-        for (int i = 0; i < leaf_a->count; ++i) {
-            pe_facet fa, fb;
-            pe_facet_of_a(pair, leaf_a->first + i, &fa);
-            for (int j = 0; j < leaf_b->count; ++j) {
-                double above_a[3] = {0}, above_b[3];
-                pe_facet_of_b(pair, leaf_b->first + j, &fb);
-                if (pe_facet_heights(&fb, &fa, 0, above_b) &&
-                    (fa.face < 0 || pe_facet_heights(&fa, &fb, 0, above_a)) &&
-                    pe_facets_cross(&fa, above_b, &fb, above_a)) {
-                    visit_behind(a, &fa, above_b, reach);
-                    visit_behind(b, &fb, above_a, reach);
-                }
-            }
-        }
-    }
+    divers *d = context;
+    visit_behind(&d->a, c->a, c->above_b, d->depth);
+    visit_behind(&d->b, c->b, c->above_a, d->depth);
 }
 
 static void visit_all(diver *d)
@@ -259,74 +277,176 @@ static void visit_all(diver *d)
     }
 }
 
-void pe_touches_find_deep(const pe_solid_pair *pair, double reach, bool all, pe_touches *list)
+void pe_touches_find_deep(const pe_solid_pair *pair, double depth, bool all, pe_touches *list)
 {
-    diver a = {.pair = pair, .of_a = true, .of = &pair->a, .in = &pair->b, .list = list};
-    diver b = {.pair = pair, .of = &pair->b, .in = &pair->a, .list = list};
-    a.seen = &pair->trees;
-    b.seen = &pair->swapped;
-    if (!begin(&a) || !begin(&b)) {
+    divers d = {
+        .a = {pair, true, &pair->a, &pair->b, &pair->trees, .list = list},
+        .b = {pair, false, &pair->b, &pair->a, &pair->swapped, .list = list},
+        .depth = depth,
+    };
+    if (!begin(&d.a) || !begin(&d.b)) {
         return;
     }
     if (all) {
-        visit_all(&a);
-        visit_all(&b);
+        visit_all(&d.a);
+        visit_all(&d.b);
     } else {
-        visit_crossings(pair, reach, &a, &b);
+        each_crossing(pair, visit_crossing, &d);
     }
-    dive(&a);
+    dive(&d.a);
     if (!pair->a.core) {
-        dive(&b);
+        dive(&d.b);
     }
 }
 
 /* How far the solids reach past each other along the unit direction n, from a to b. */
 static double overlap(const pe_solid_pair *pair, pe_vec3 n)
 {
-    double most = -HUGE_VAL, least = HUGE_VAL;
-    pe_vec3 back = pe_unrotate(&pair->trees.turn, n);
-    for (int i = 0; i < pair->a.vertex_count; ++i) {
-        most = pe_max(most, pe_dot(back, pair->a.vertices[i]));
-    }
-    for (int i = 0; i < pair->b.vertex_count; ++i) {
-        least = pe_min(least, pe_dot(n, pair->b.vertices[i]));
-    }
-    return most + pe_dot(n, pair->trees.offset) - least;
+    return pe_solid_reach(&pair->a, pe_unrotate(&pair->trees.turn, n)) +
+           pe_dot(n, pair->trees.offset) + pe_solid_reach(&pair->b, pe_scale(-1, n));
 }
 
-/* The shortest way out among those along the normals of triangles that cross, all the way past the
- * other solid, which may be far but never leads further in. */
-void pe_touches_find_way_out(const pe_solid_pair *pair, pe_touches *list)
+/* The nearest point of the surface. */
+static pe_vec3 nearest_on(const pe_solid *solid, pe_vec3 x)
 {
-    enum { MOST_TRIED = 16 };
+    pe_node point = pe_box_node(x, pe_v3(0, 0, 0));
+    pe_bvh_pair trees = around(&point, solid);
     pe_bvh_walk walk;
-    const pe_node *leaf_a, *leaf_b;
-    int tried = 0;
-    pe_touch best = {.feature = pe_touch_feature(PE_VERTEX_VERTEX, 0, 0),
-                     .kind = PE_VERTEX_VERTEX,
-                     .separation = -HUGE_VAL};
-    pe_bvh_begin(&pair->trees, &walk);
-    while (tried < MOST_TRIED && pe_bvh_next(&pair->trees, &walk, pair->slack, &leaf_a, &leaf_b)) {
-        for (int i = 0; i < leaf_a->count; ++i) {
-            pe_facet a, b;
-            pe_facet_of_a(pair, leaf_a->first + i, &a);
-            for (int j = 0; j < leaf_b->count && tried < MOST_TRIED; ++j) {
-                pe_facet_of_b(pair, leaf_b->first + j, &b);
-                for (int side = a.face < 0; side < 2; ++side) {
-                    pe_vec3 n = side == 0 ? a.normal : pe_scale(-1, b.normal);
-                    double depth = overlap(pair, n);
-                    if (-depth > best.separation) {
-                        best.separation = -depth;
-                        best.normal = n;
-                        best.on_a = pe_madd(b.x[0], 0.5 * depth, n);
-                    }
-                }
-                tried += 1;
+    const pe_node *node, *leaf;
+    double bound = HUGE_VAL;
+    pe_vec3 best = x;
+    pe_bvh_begin(&trees, &walk);
+    while (pe_bvh_next(&trees, &walk, bound, &node, &leaf)) {
+        for (int i = 0; i < leaf->count; ++i) {
+            pe_facet facet;
+            facet_of(solid, leaf->first + i, &facet);
+            pe_vec3 y = nearest_point(&facet, x);
+            double distance = pe_length(pe_sub(y, x));
+            if (distance < bound) {
+                bound = distance;
+                best = y;
             }
         }
     }
-    if (tried > 0) {
-        best.separation -= pair->radius;
-        pe_touches_add(list, &best);
+    return best;
+}
+
+/* The ends of a core that are inside leave by the nearest point of the surface. */
+static bool find_way_out_of_ends(const pe_solid_pair *pair, pe_touches *list)
+{
+    bool found = false;
+    for (int i = 0; i < pair->a.vertex_count; ++i) {
+        pe_vec3 x = pe_add(pe_rotate(&pair->trees.turn, pair->a.vertices[i]), pair->trees.offset);
+        if (!pe_solid_holds(&pair->b, x)) {
+            continue;
+        }
+        pe_vec3 in = pe_sub(x, nearest_on(&pair->b, x));
+        double depth = pe_length(in);
+        if (depth > 0) {
+            pe_touch touch = {
+                .feature = pe_touch_feature(PE_VERTEX_VERTEX, i, pair->b.vertex_count),
+                .kind = PE_VERTEX_VERTEX,
+                .normal = pe_scale(1 / depth, in),
+                .on_a = x,
+                .separation = -depth - pair->radius,
+            };
+            pe_touches_add(list, &touch);
+            found = true;
+        }
+    }
+    return found;
+}
+
+/* How far it is from x, along d, to where the surface is crossed outwards, in units of d; 0: it is
+ * not crossed within d. */
+static double way_to_exit(const pe_solid *solid, pe_vec3 x, pe_vec3 d)
+{
+    pe_node segment =
+        pe_box_node(pe_madd(x, 0.5, d), pe_scale(0.5, pe_v3(fabs(d.x), fabs(d.y), fabs(d.z))));
+    pe_bvh_pair trees = around(&segment, solid);
+    pe_bvh_walk walk;
+    const pe_node *node, *leaf;
+    double first = HUGE_VAL;
+    pe_bvh_begin(&trees, &walk);
+    while (pe_bvh_next(&trees, &walk, 0, &node, &leaf)) {
+        for (int i = 0; i < leaf->count; ++i) {
+            pe_facet facet;
+            facet_of(solid, leaf->first + i, &facet);
+            double from = facet.offset - pe_dot(facet.normal, x), rise = pe_dot(facet.normal, d);
+            double t = rise > 0 ? from / rise : -1;
+            if (t >= 0 && t < first && t <= 1 && pe_facet_holds(&facet, pe_madd(x, t, d), 0)) {
+                first = t;
+            }
+        }
+    }
+    return first <= 1 ? first : 0;
+}
+
+typedef struct way_out {
+    const pe_solid_pair *pair;
+    double least; /* m, overlap along n */
+    pe_vec3 n;
+    pe_touch touch;
+} way_out;
+
+static void try_normals(void *context, const crossing *c)
+{
+    way_out *w = context;
+    for (int side = c->a->face < 0; side < 2; ++side) {
+        pe_vec3 n = side == 0 ? c->a->normal : pe_scale(-1, c->b->normal);
+        double least = overlap(w->pair, n);
+        if (least < w->least) {
+            w->least = least;
+            w->n = n;
+        }
+    }
+}
+
+static void measure(void *context, const crossing *c)
+{
+    way_out *w = context;
+    const pe_solid_pair *pair = w->pair;
+    pe_vec3 way = pe_scale(w->least, w->n);
+    double in_a = 0, in_b = w->least * way_to_exit(&pair->b, c->where, pe_scale(-1, way));
+    if (!pair->a.core) {
+        pe_vec3 x = pe_unrotate(&pair->trees.turn, pe_sub(c->where, pair->trees.offset));
+        in_a = w->least * way_to_exit(&pair->a, x, pe_unrotate(&pair->trees.turn, way));
+    }
+    double separation = -in_a - in_b - pair->radius;
+    if (separation < w->touch.separation) {
+        w->touch.separation = separation;
+        w->touch.on_a = pe_madd(c->where, in_a, w->n);
+    }
+}
+
+/* A core's ends, and what lies wholly inside, leave by the nearest way. Else the direction is that,
+ * of the normals of triangles that cross, along which the solids as a whole reach least past each
+ * other, so that it never leads further in; the depth is the most that lies along it, in both, where
+ * triangles cross. */
+void pe_touches_find_way_out(const pe_solid_pair *pair, const pe_nearest *nearest,
+                             pe_touches *list)
+{
+    if (pair->a.core && find_way_out_of_ends(pair, list)) {
+        return;
+    }
+    way_out w = {
+        .pair = pair,
+        .least = HUGE_VAL,
+        .touch = {.feature = pe_touch_feature(PE_VERTEX_VERTEX, 0, pair->b.vertex_count),
+                  .kind = PE_VERTEX_VERTEX,
+                  .separation = HUGE_VAL},
+    };
+    if (nearest->cross) {
+        each_crossing(pair, try_normals, &w);
+        each_crossing(pair, measure, &w);
+        w.touch.normal = w.n;
+    } else {
+        bool of_face = nearest->touch.kind <= PE_FACE_VERTEX;
+        w.touch.normal = pe_scale(of_face ? 1 : -1, nearest->touch.normal);
+        w.touch.on_a = nearest->touch.on_a;
+        w.touch.separation = -nearest->distance - pair->radius;
+    }
+    if (w.touch.separation < HUGE_VAL) {
+        pe_touches_add(list, &w.touch);
     }
 }

@@ -78,9 +78,10 @@ static void try_facets(const pe_solid_pair *pair, const pe_facet *a, const pe_ri
         (a->face >= 0 && !pe_facet_heights(a, b, best->distance, above_a))) {
         return;
     }
+    pe_vec3 where;
     double bound_b = least_height(above_b), bound_a = least_height(above_a);
     if (bound_b == 0 && (a->face < 0 || bound_a == 0) &&
-        pe_facets_cross(a, above_b, b, above_a)) {
+        pe_facets_cross(a, above_b, b, above_a, &where)) {
         best->cross = best->found = true;
         return;
     }

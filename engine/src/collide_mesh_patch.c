@@ -151,9 +151,10 @@ static void reduce(gatherer *g)
         least = pe_min(least, g->points[i].separation);
     }
     polygon p = {.count = 1};
-    while (g->points[p.corner[0]].separation > least) {
+    while (g->points[p.corner[0]].separation > least + TIE * g->rules->size) {
         p.corner[0] += 1;
     }
+    g->points[p.corner[0]].separation = least;
     while (p.count < PE_MAX_POINTS && widen(g, least, &p)) {
     }
     int kept = 0;
@@ -193,6 +194,9 @@ static void drop_far(pe_touches *list, const pe_patch_rules *rules, double *leas
     *end_margin = rules->end_margin;
     for (int i = 0; i < list->count; ++i) {
         double s = pe_max(list->items[i].separation, rules->least);
+        if (s > rules->limit) {
+            continue;
+        }
         if (s > rules->margin) {
             *end_margin = pe_min(*end_margin, s);
             continue;

@@ -46,6 +46,18 @@ static pe_solid solid_of_geometry(const pe_geometry *g)
     };
 }
 
+pe_node pe_box_node(pe_vec3 centre, pe_vec3 half)
+{
+    return (pe_node){
+        .axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+        .centre = centre,
+        .half = half,
+        .radius = pe_length(half),
+        .right = -1,
+        .count = 1,
+    };
+}
+
 /* Leaves are the faces, on a chain of boxes of the whole. */
 static void make_box_nodes(pe_vec3 half, pe_node nodes[11])
 {
@@ -56,13 +68,12 @@ static void make_box_nodes(pe_vec3 half, pe_node nodes[11])
                                     : pe_v3(0, 0, 1);
         pe_vec3 out = pe_mul(across, half);
         int leaf = face < 5 ? 2 * face + 1 : 10;
-        nodes[leaf] = (pe_node){.centre = pe_scale(side, out),
-                                .half = pe_sub(half, out),
-                                .right = -1,
-                                .first = 2 * face,
-                                .count = 2};
+        nodes[leaf] = pe_box_node(pe_scale(side, out), pe_sub(half, out));
+        nodes[leaf].first = 2 * face;
+        nodes[leaf].count = 2;
         if (face < 5) {
-            nodes[2 * face] = (pe_node){.half = half, .right = 2 * face + 2};
+            nodes[2 * face] = pe_box_node(pe_v3(0, 0, 0), half);
+            nodes[2 * face].right = 2 * face + 2;
         }
     }
 }
@@ -102,7 +113,7 @@ static pe_solid solid_of_core(double half_height, pe_small_solid *small)
 {
     small->vertices[0] = pe_v3(0, 0, -half_height);
     small->vertices[1] = pe_v3(0, 0, half_height);
-    small->nodes[0] = (pe_node){.half = pe_v3(0, 0, half_height), .right = -1, .count = 1};
+    small->nodes[0] = pe_box_node(pe_v3(0, 0, 0), pe_v3(0, 0, half_height));
     return (pe_solid){
         .core = true,
         .nodes = small->nodes,
@@ -144,6 +155,7 @@ void pe_solid_pair_make(pe_placed a, pe_placed b, pe_solid_pair *pair)
     pair->radius = rounded ? a.shape->radius : 0;
     pair->size = pe_min(a.size, b.size);
     pair->slack = PE_SLACK * pair->size;
+    pair->depth = PE_DEPTH * pair->size;
     pair->band = PE_BAND * pe_min(bounding_radius(a), bounding_radius(b));
 
     const pe_mat3 *ra = &a.pose->rotation, *rb = &b.pose->rotation;
@@ -191,14 +203,43 @@ void pe_facet_of_b(const pe_solid_pair *pair, int triangle, pe_facet *facet)
     facet->offset = pair->b.faces[facet->face].offset;
 }
 
+/* Whether x lies beyond the edge from corner k, along the plane, by more than `slack`. */
+static bool is_past(const pe_facet *facet, int k, pe_vec3 x, double slack)
+{
+    pe_vec3 from = facet->x[k], u = pe_sub(facet->x[k < 2 ? k + 1 : 0], from);
+    double in = pe_dot(pe_cross(facet->normal, u), pe_sub(x, from));
+    return in < 0 && in * in > slack * slack * pe_dot(u, u);
+}
+
 bool pe_facet_holds(const pe_facet *facet, pe_vec3 x, double slack)
 {
+    return !is_past(facet, 0, x, slack) && !is_past(facet, 1, x, slack) &&
+           !is_past(facet, 2, x, slack);
+}
+
+/* Whether x is behind the face of the solid, but by no more than `past`. */
+static bool is_behind(const pe_solid *solid, const pe_bvh_pair *seen, int face, pe_vec3 x,
+                      double slack, double past)
+{
+    pe_vec3 own = seen != NULL ? pe_unrotate(&seen->turn, pe_sub(x, seen->offset)) : x;
+    double height = pe_dot(solid->faces[face].normal, own) - solid->faces[face].offset;
+    return height <= slack && height >= -past;
+}
+
+bool pe_facet_holds_dented(const pe_solid *solid, const pe_bvh_pair *seen, const pe_facet *facet,
+                           pe_vec3 x, double slack, double past, bool *dent)
+{
+    *dent = false;
     for (int k = 0; k < 3; ++k) {
-        pe_vec3 from = facet->x[k], u = pe_sub(facet->x[k < 2 ? k + 1 : 0], from);
-        double in = pe_dot(pe_cross(facet->normal, u), pe_sub(x, from));
-        if (in < 0 && in * in > slack * slack * pe_dot(u, u)) {
+        if (!is_past(facet, k, x, slack)) {
+            continue;
+        }
+        const pe_edge *edge = facet->edges[k] >= 0 ? &solid->edges[facet->edges[k]] : NULL;
+        if (edge == NULL || edge->convex || is_past(facet, k, x, past) ||
+            !is_behind(solid, seen, edge->face[edge->face[0] == facet->face], x, slack, past)) {
             return false;
         }
+        *dent = true;
     }
     return true;
 }
@@ -213,7 +254,8 @@ bool pe_facet_heights(const pe_facet *over, const pe_facet *of, double bound, do
 }
 
 /* Whether an edge of the facet `of` pierces the other. */
-static bool pierces(const pe_facet *over, const pe_facet *of, const double height[3])
+static bool pierces(const pe_facet *over, const pe_facet *of, const double height[3],
+                    pe_vec3 *where)
 {
     for (int k = 0; k < 3; ++k) {
         int next = k < 2 ? k + 1 : 0;
@@ -222,6 +264,7 @@ static bool pierces(const pe_facet *over, const pe_facet *of, const double heigh
             double t = p / (p - q);
             pe_vec3 x = pe_madd(of->x[k], t, pe_sub(of->x[next], of->x[k]));
             if (pe_facet_holds(over, x, 0)) {
+                *where = x;
                 return true;
             }
         }
@@ -230,9 +273,9 @@ static bool pierces(const pe_facet *over, const pe_facet *of, const double heigh
 }
 
 bool pe_facets_cross(const pe_facet *a, const double above_b[3], const pe_facet *b,
-                     const double above_a[3])
+                     const double above_a[3], pe_vec3 *where)
 {
-    return pierces(b, a, above_b) || (a->face >= 0 && pierces(a, b, above_a));
+    return pierces(b, a, above_b, where) || (a->face >= 0 && pierces(a, b, above_a, where));
 }
 
 int pe_ridges_of(const pe_solid *solid, const pe_bvh_pair *seen, const pe_facet *facet,
@@ -280,4 +323,29 @@ void pe_segments_nearest(pe_vec3 x, pe_vec3 u, pe_vec3 y, pe_vec3 v, double *s, 
     if (best != *t || !(det > 0)) {
         *s = uu > 0 ? clamp01((du + *t * uv) / uu) : 0;
     }
+}
+
+double pe_solid_reach(const pe_solid *solid, pe_vec3 d)
+{
+    int stack[PE_BVH_STACK] = {0}, depth = 1;
+    double most = -HUGE_VAL;
+    while (depth > 0) {
+        int index = stack[--depth];
+        const pe_node *node = &solid->nodes[index];
+        pe_vec3 along = pe_rotate(&node->axes, d);
+        double reach = fabs(along.x) * node->half.x + fabs(along.y) * node->half.y +
+                       fabs(along.z) * node->half.z;
+        if (pe_dot(d, node->centre) + reach <= most) {
+            continue;
+        }
+        if (node->right >= 0) {
+            stack[depth++] = node->right;
+            stack[depth++] = index + 1;
+            continue;
+        }
+        for (int i = 3 * node->first; i < 3 * (node->first + node->count); ++i) {
+            most = pe_max(most, pe_dot(d, solid->vertices[solid->triangles[i / 3][i % 3]]));
+        }
+    }
+    return most;
 }

@@ -4,20 +4,15 @@
 /* Sine of the angle by which a contact's normal may lie outside what a feature faces, so that all
  * corners of a face that lies on another, nearly, are found. */
 static const double FACING = 0.1;
-/* Sine of the angle from which the nearest features of a rounded shape count as facing each other:
- * rounding alone. */
+/* The same for features that face each other strictly: rounding, and how a body at rest sways. */
+static const double STRICT = 1e-6;
+/* The same for the nearest features of a rounded shape: rounding alone. */
 static const double ROUNDING = 1e-9;
 /* Edges at a smaller angle than this, in rad, are parallel: their ends say as much. */
 static const double LEAST_SINE = 1e-3;
-/* Sine of the angle up to which the normal of two edges is that of a face at one of them. */
-static const double FLAT = 1e-2;
-/* In slacks: an edge's end this far outside the other one's wedge may still be within. Wider than
- * the slack of the edges' own ends, so that a crossing at an end is never taken for a real one. */
-static const double WEDGE = 4;
-
 typedef struct finder {
     const pe_solid_pair *pair;
-    double reach;
+    double reach, depth;
     pe_touches *list;
 } finder;
 
@@ -36,13 +31,14 @@ static bool faces(const pe_solid *solid, int vertex, pe_vec3 d, double length, d
     return true;
 }
 
-bool pe_vertex_faces(const pe_solid *solid, int vertex, pe_vec3 normal)
+bool pe_vertex_faces(const pe_solid *solid, int vertex, pe_vec3 normal, bool *strict)
 {
-    return faces(solid, vertex, normal, 1, FACING);
+    *strict = faces(solid, vertex, normal, 1, STRICT);
+    return *strict || faces(solid, vertex, normal, 1, FACING);
 }
 
 static void add_vertex_face(const finder *f, int vertex, pe_vec3 x, const pe_facet *face,
-                            double height)
+                            double height, bool dent, bool strict)
 {
     pe_touch touch = {
         .feature = pe_touch_feature(PE_VERTEX_FACE, vertex, face->face),
@@ -50,12 +46,14 @@ static void add_vertex_face(const finder *f, int vertex, pe_vec3 x, const pe_fac
         .normal = pe_scale(-1, face->normal),
         .on_a = x,
         .separation = height - f->pair->radius,
+        .dent = dent,
+        .strict = strict,
     };
     pe_touches_add(f->list, &touch);
 }
 
 static void add_face_vertex(const finder *f, int vertex, pe_vec3 x, const pe_facet *face,
-                            double height)
+                            double height, bool dent, bool strict)
 {
     pe_touch touch = {
         .feature = pe_touch_feature(PE_FACE_VERTEX, vertex, face->face),
@@ -63,28 +61,35 @@ static void add_face_vertex(const finder *f, int vertex, pe_vec3 x, const pe_fac
         .normal = face->normal,
         .on_a = pe_madd(x, -height, face->normal),
         .separation = height,
+        .dent = dent,
+        .strict = strict,
     };
     pe_touches_add(f->list, &touch);
 }
 
-static bool within(const finder *f, const pe_facet *of, int k, const pe_facet *over, double height)
+static bool within(const finder *f, const pe_facet *of, int k, double height)
 {
-    return (of->owns >> k & 1) != 0 && fabs(height) <= f->reach &&
-           pe_facet_holds(over, of->x[k], f->pair->slack);
+    return (of->owns >> k & 1) != 0 && height <= f->reach &&
+           height >= -pe_max(f->depth, f->pair->slack);
 }
 
 static void try_vertices(const finder *f, const pe_facet *a, const pe_facet *b,
                          const double above_a[3], const double above_b[3])
 {
     const pe_solid_pair *pair = f->pair;
+    bool dent, strict;
     for (int k = 0; k < 3; ++k) {
-        if (within(f, a, k, b, above_b[k]) &&
-            pe_vertex_faces(&pair->a, a->vertices[k], pe_unrotate(&pair->trees.turn, b->normal))) {
-            add_vertex_face(f, a->vertices[k], a->x[k], b, above_b[k]);
+        if (within(f, a, k, above_b[k]) &&
+            pe_facet_holds_dented(&pair->b, NULL, b, a->x[k], pair->slack, f->depth, &dent) &&
+            pe_vertex_faces(&pair->a, a->vertices[k], pe_unrotate(&pair->trees.turn, b->normal),
+                            &strict)) {
+            add_vertex_face(f, a->vertices[k], a->x[k], b, above_b[k], dent, strict);
         }
-        if (a->face >= 0 && within(f, b, k, a, above_a[k]) &&
-            pe_vertex_faces(&pair->b, b->vertices[k], a->normal)) {
-            add_face_vertex(f, b->vertices[k], b->x[k], a, above_a[k]);
+        if (a->face >= 0 && within(f, b, k, above_a[k]) &&
+            pe_facet_holds_dented(&pair->a, &pair->trees, a, b->x[k], pair->slack, f->depth,
+                                  &dent) &&
+            pe_vertex_faces(&pair->b, b->vertices[k], a->normal, &strict)) {
+            add_face_vertex(f, b->vertices[k], b->x[k], a, above_a[k], dent, strict);
         }
     }
 }
@@ -96,26 +101,6 @@ static bool ridge_faces(const pe_ridge *r, pe_vec3 n, double length, double sine
     double most = sine * length * sqrt(r->length2);
     return pe_dot(n, pe_cross(r->normal[0], r->along)) <= most &&
            pe_dot(n, pe_cross(r->along, r->normal[1])) <= most;
-}
-
-/* Whether an end of the edge lies under both faces of the ridge, so that the edge does not pass
- * over it, and the direction is not that of the face which is nearer to that end. */
-static bool end_denies(const finder *f, const pe_ridge *edge, const pe_ridge *ridge, pe_vec3 n)
-{
-    double slack = WEDGE * f->pair->slack;
-    for (int end = 0; end < 2; ++end) {
-        pe_vec3 x = end == 0 ? edge->x : pe_add(edge->x, edge->along);
-        double h0 = pe_dot(ridge->normal[0], x) - ridge->offset[0];
-        double h1 = pe_dot(ridge->normal[1], x) - ridge->offset[1];
-        if (h0 > slack || h1 > slack) {
-            continue;
-        }
-        pe_vec3 across = pe_cross(n, ridge->normal[h0 >= h1 ? 0 : 1]);
-        if (pe_dot(across, across) > FLAT * FLAT) {
-            return true;
-        }
-    }
-    return false;
 }
 
 /* Two convex edges whose lines are nearest inside both. With u, v their directions and c = u x v,
@@ -139,11 +124,12 @@ static void try_edges(const finder *f, const pe_ridge *a, const pe_ridge *b)
         return;
     }
     double scale = sign / sqrt(c2), separation = scale * pe_dot(apart, c);
-    if (separation > f->reach || separation < -f->pair->band) {
+    if (separation > f->reach || separation < -pe_max(f->depth, f->pair->slack)) {
         return;
     }
-    most = FACING * fabs(1 / scale);
-    if (pe_min(pe_min(sign * a0, sign * a1), pe_min(sign * b0, sign * b1)) < -most) {
+    double least = pe_min(pe_min(sign * a0, sign * a1), pe_min(sign * b0, sign * b1));
+    double length = fabs(1 / scale);
+    if (least < -FACING * length) {
         return;
     }
     double s = pe_dot(pe_cross(apart, b->along), c) / c2;
@@ -153,16 +139,13 @@ static void try_edges(const finder *f, const pe_ridge *a, const pe_ridge *b)
         return;
     }
     pe_vec3 n = pe_scale(scale, c);
-    if (separation < f->pair->slack &&
-        (end_denies(f, a, b, n) || (!core && end_denies(f, b, a, n)))) {
-        return;
-    }
     pe_touch touch = {
         .feature = pe_touch_feature(PE_EDGE_EDGE, a->edge, b->edge),
         .kind = PE_EDGE_EDGE,
         .normal = n,
         .on_a = pe_madd(a->x, s, a->along),
         .separation = separation - f->pair->radius,
+        .strict = least >= -STRICT * length,
         .along_a = a->along,
         .along_b = b->along,
     };
@@ -240,9 +223,9 @@ static void try_core(const finder *f, const pe_facet *a, const pe_ridge *segment
 static void try_facets(const finder *f, const pe_facet *a, const pe_ridge *ridges_a, int count_a,
                        const pe_facet *b)
 {
-    double above_a[3] = {0}, above_b[3];
-    if (!pe_facet_heights(b, a, f->reach, above_b) ||
-        (a->face >= 0 && !pe_facet_heights(a, b, f->reach, above_a))) {
+    double above_a[3] = {0}, above_b[3], bound = pe_max(f->reach, f->depth);
+    if (!pe_facet_heights(b, a, bound, above_b) ||
+        (a->face >= 0 && !pe_facet_heights(a, b, bound, above_a))) {
         return;
     }
     try_vertices(f, a, b, above_a, above_b);
@@ -259,13 +242,14 @@ static void try_facets(const finder *f, const pe_facet *a, const pe_ridge *ridge
     }
 }
 
-void pe_touches_find(const pe_solid_pair *pair, double reach, pe_touches *list)
+void pe_touches_find(const pe_solid_pair *pair, double reach, double depth, pe_touches *list)
 {
-    finder f = {pair, reach, list};
+    finder f = {pair, reach, depth, list};
+    double bound = pe_max(reach, depth);
     pe_bvh_walk walk;
     const pe_node *leaf_a, *leaf_b;
     pe_bvh_begin(&pair->trees, &walk);
-    while (!list->failed && pe_bvh_next(&pair->trees, &walk, reach, &leaf_a, &leaf_b)) {
+    while (!list->failed && pe_bvh_next(&pair->trees, &walk, bound, &leaf_a, &leaf_b)) {
         for (int i = 0; i < leaf_a->count; ++i) {
             pe_facet a, b;
             pe_ridge ridges[3];

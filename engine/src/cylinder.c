@@ -8,10 +8,10 @@
  *
  *     G(k) = B - A k - R q^2 k / sqrt(c^2 + k^2):
  *
- * a straight line less a sigmoid, whose curvature changes at k = 0 only. A maximum is a root where G
- * falls; it lies on the side of k = 0 that the sign of B tells, and from k = 0 on G is convex there:
- * Newton's iterates grow towards the root without ever passing it, and where there is none G stops
- * falling. */
+ * a straight line less a sigmoid, whose curvature changes at k = 0 only. A maximum is a root where
+ * G falls; it lies on the side of k = 0 that the sign of B tells, and from k = 0 on G is convex
+ * there: Newton's iterates grow towards the root without ever passing it, and where there is none G
+ * stops falling. */
 #include "cylinder.h"
 
 pe_cylinder pe_cylinder_seen(pe_placed cylinder, const pe_pose *pose)
@@ -25,15 +25,16 @@ pe_cylinder pe_cylinder_seen(pe_placed cylinder, const pe_pose *pose)
     };
 }
 
-pe_vec3 pe_cylinder_outward(const pe_cylinder *c, pe_vec3 v, double *length)
+pe_vec3 pe_outward(pe_vec3 axis, pe_vec3 v, double *length)
 {
-    pe_vec3 out = pe_cylinder_across(c, v);
+    pe_vec3 out = pe_across(axis, v);
     *length = pe_length(out);
-    if (!(*length > 0)) {
+    if (!(*length > 1e-15 * pe_length(v))) {
+        *length = 0; /* only rounding is left */
         return pe_v3(0, 0, 0);
     }
     /* What rounding left along the axis has grown as much as the vector. */
-    out = pe_cylinder_across(c, pe_scale(1 / *length, out));
+    out = pe_across(axis, pe_scale(1 / *length, out));
     return pe_scale(1 / pe_length(out), out);
 }
 
@@ -41,21 +42,41 @@ pe_vec3 pe_cylinder_support(const pe_cylinder *c, pe_vec3 d)
 {
     double height = pe_dot(d, c->axis) > 0 ? c->half_height : -c->half_height, length;
     pe_vec3 x = pe_madd(c->centre, height, c->axis);
-    return pe_madd(x, c->radius, pe_cylinder_outward(c, d, &length));
+    return pe_madd(x, c->radius, pe_outward(c->axis, d, &length));
+}
+
+pe_vec3 pe_cylinder_nearest(const pe_cylinder *c, pe_vec3 x)
+{
+    double z = pe_dot(pe_sub(x, c->centre), c->axis), from_axis;
+    pe_vec3 across = pe_across(c->axis, pe_sub(x, c->centre));
+    pe_vec3 out = pe_outward(c->axis, across, &from_axis);
+    z = pe_max(-c->half_height, pe_min(c->half_height, z));
+    pe_vec3 on_axis = pe_madd(c->centre, z, c->axis);
+    return from_axis > c->radius ? pe_madd(on_axis, c->radius, out) : pe_add(on_axis, across);
+}
+
+bool pe_cylinder_pierce(const pe_cylinder *c, pe_vec3 x, pe_vec3 d, double *entry, double *exit)
+{
+    pe_vec3 p = pe_across(c->axis, pe_sub(x, c->centre)), e = pe_across(c->axis, d);
+    double square = pe_dot(e, e), middle = -pe_dot(p, e) / square;
+    p = pe_madd(p, middle, e); /* nearest to the axis */
+    double chord2 = c->radius * c->radius - pe_dot(p, p);
+    if (!(chord2 > 0.75 * c->radius * c->radius)) {
+        return false;
+    }
+    double half = sqrt(chord2 / square);
+    *entry = middle - half;
+    *exit = middle + half;
+    return true;
 }
 
 bool pe_circle_make(const pe_cylinder *c, pe_vec3 e, pe_circle *circle)
 {
     double cosine = pe_dot(c->axis, e);
-    pe_vec3 across = pe_madd(c->axis, -cosine, e);
-    circle->sine = pe_length(across);
-    if (circle->sine < 1e-15) {
-        return false;
-    }
     circle->cosine2 = cosine * cosine;
-    circle->u = pe_scale(1 / circle->sine, across);
+    circle->u = pe_outward(e, c->axis, &circle->sine);
     circle->t = pe_cross(e, circle->u);
-    return true;
+    return circle->sine >= 1e-15;
 }
 
 /* A root of G with B >= 0, between the slopes low and high, where G falls. */
@@ -99,8 +120,7 @@ static bool find_root(double a, double b, double rq2, double c2, double low, dou
 }
 
 bool pe_circle_peak(const pe_circle *circle, const pe_cylinder *c, pe_vec3 w, double side,
-                    const pe_turn *from, const pe_turn *to, double least, pe_vec3 *d,
-                    double *value)
+                    const pe_turn *from, const pe_turn *to, double least, pe_vec3 *d, double *value)
 {
     double low = -HUGE_VAL, high = HUGE_VAL;
     if (from != NULL) {

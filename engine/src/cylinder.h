@@ -28,22 +28,29 @@ pe_cylinder pe_cylinder_seen(pe_placed cylinder, const pe_pose *pose);
 /* A point farthest along d: of the lower cap or of the side's lower end where there are many. */
 pe_vec3 pe_cylinder_support(const pe_cylinder *c, pe_vec3 d);
 
-/* Part of v across the axis. */
-static inline pe_vec3 pe_cylinder_across(const pe_cylinder *c, pe_vec3 v)
+/* Part of v across the unit vector `axis`. */
+static inline pe_vec3 pe_across(pe_vec3 axis, pe_vec3 v)
 {
-    return pe_madd(v, -pe_dot(v, c->axis), c->axis);
+    return pe_madd(v, -pe_dot(v, axis), axis);
 }
 
-/* The same made a unit vector, across the axis to all digits; zero if v is along the axis. *length:
- * of what it was made from. */
-pe_vec3 pe_cylinder_outward(const pe_cylinder *c, pe_vec3 v, double *length);
+/* The same made a unit vector, across the axis to all digits; zero if v is along the axis, to
+ * rounding. *length: of what it was made from. */
+pe_vec3 pe_outward(pe_vec3 axis, pe_vec3 v, double *length);
 
 /* How far it reaches from its centre along the unit direction d: H |a.d| + R |a x d|. */
 static inline double pe_cylinder_reach(const pe_cylinder *c, pe_vec3 d)
 {
-    return c->half_height * fabs(pe_dot(c->axis, d)) +
-           c->radius * pe_length(pe_cross(c->axis, d));
+    return c->half_height * fabs(pe_dot(c->axis, d)) + c->radius * pe_length(pe_cross(c->axis, d));
 }
+
+/* The point of the solid nearest to x. */
+pe_vec3 pe_cylinder_nearest(const pe_cylinder *c, pe_vec3 x);
+
+/* Where the line x + t d enters the side, at entry, and leaves it again, at exit, however long the
+ * cylinder is; false where it misses it or is near the silhouette: farther than half the radius
+ * from the axis. */
+bool pe_cylinder_pierce(const pe_cylinder *c, pe_vec3 x, pe_vec3 d, double *entry, double *exit);
 
 /* The directions across the unit vector e, as a cylinder lies to them: x u + y t, with t = e x u
  * and the axis a in the plane of e and u, a.u >= 0. */

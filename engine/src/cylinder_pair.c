@@ -2,26 +2,34 @@
  *
  *     s(d) = D.d - H_A |a.d| - R_A |a x d| - H_B |b.d| - R_B |b x d|,    D from centre to centre,
  *
- * as named in cylinder.h. All but that of two rims are in closed form or peaks of a circle. Two rims
- * meet where s is smooth: Newton's method on the sphere finds such a maximum, from starts that
- * branch and bound leaves over. Its cells are squares on the faces of a cube around the sphere. With
- * g(d) = ds/dd, s being concave, s(d') <= g(d).d' everywhere, which bounds s over a cell; and over
- * a cell of radius r the tangential part of g changes by at most r (R_A/|a x d| + R_B/|b x d| + |s|),
- * so that one which is larger at the middle leaves no maximum inside. */
+ * as named in cylinder.h. All but that of two rims are in closed form or peaks of a circle. Two
+ * rims meet where s is smooth: Newton's method on the sphere finds such a maximum, from starts that
+ * branch and bound leaves over. Its cells are squares on the faces of a cube around the sphere.
+ * With g(d) = ds/dd, s being concave, s(d') <= g(d).d' everywhere, which bounds s over a cell; and
+ * over a cell of radius r the tangential part of g changes by at most r (R_A/|a x d| + R_B/|b x d|
+ * + |s|), so that one which is larger at the middle leaves no maximum inside. */
 #include "cylinder_pair.h"
 
-static const double BIAS = 4e-10; /* in units of the smaller cylinder */
+/* In units of the smaller cylinder: a meeting is better than another by more than rounding. */
+static const double ROUNDING = 1e-14;
 
 typedef struct search {
     const pe_cylinder *a, *b;
-    pe_vec3 offset; /* D */
-    double bias;
+    pe_vec3 offset;        /* D */
+    double bias, rounding; /* m */
     pe_cylinder_gap best;
 } search;
 
+/* What another meeting must exceed to be the best. */
+static double to_beat(const search *s)
+{
+    bool flat = s->best.kind == PE_CAP_A || s->best.kind == PE_CAP_B;
+    return s->best.distance + (flat ? s->bias : s->rounding);
+}
+
 static void offer(search *s, double distance, pe_vec3 d, pe_cylinder_meeting kind)
 {
-    if (distance > s->best.distance + s->bias) {
+    if (distance > to_beat(s)) {
         s->best = (pe_cylinder_gap){distance, d, kind};
     }
 }
@@ -47,9 +55,9 @@ static void offer_direction(search *s, pe_vec3 d, pe_cylinder_meeting kind)
 static void test_sides(search *s)
 {
     double length;
-    pe_vec3 d = pe_cylinder_outward(s->a, pe_cross(s->a->axis, s->b->axis), &length);
+    pe_vec3 d = pe_outward(s->a->axis, pe_cross(s->a->axis, s->b->axis), &length);
     if (length < 1e-15) {
-        d = pe_cylinder_outward(s->a, s->offset, &length);
+        d = pe_outward(s->a->axis, s->offset, &length);
     }
     if (!(length > 0)) {
         pe_vec3 other;
@@ -67,7 +75,7 @@ static void test_side_and_rim(search *s, const pe_cylinder *side, const pe_cylin
     }
     for (double half = -1; half < 2; half += 2) {
         pe_vec3 d;
-        double value, least = s->best.distance + s->bias + side->radius;
+        double value, least = to_beat(s) + side->radius;
         if (pe_circle_peak(&circle, rim, s->offset, half, NULL, NULL, least, &d, &value)) {
             offer(s, value - side->radius, d, kind);
         }
@@ -105,7 +113,7 @@ static pe_vec3 gradient(const search *s, const view *v, double sign_a, double si
 }
 
 /* Newton's step on the sphere: solves (R_A/s_A p p^T + R_B/s_B q q^T + s I) x = g across d, where p
- * and q are the rims' tangents; s is raised where the matrix would not be positive. */
+ * and q are the rims' tangents; s is raised where the matrix would not be positive definite. */
 static pe_vec3 newton_step(const search *s, const view *v, pe_vec3 g)
 {
     pe_vec3 t1, t2;
@@ -117,7 +125,8 @@ static pe_vec3 newton_step(const search *s, const view *v, pe_vec3 g)
            m22 = ka * p2 * p2 + kb * q2 * q2;
     double middle = 0.5 * (m11 + m22), spread = 0.5 * (m11 - m22);
     double lowest = middle - sqrt(spread * spread + m12 * m12);
-    double shift = pe_max(along, 1e-3 * (ka + kb) - lowest);
+    bool definite = along + lowest > 1e-9 * (ka + kb);
+    double shift = along > 0 || definite ? along : 1e-3 * (ka + kb) - lowest;
     m11 += shift;
     m22 += shift;
     double g1 = pe_dot(g, t1), g2 = pe_dot(g, t2), det = m11 * m22 - m12 * m12;
@@ -125,36 +134,72 @@ static pe_vec3 newton_step(const search *s, const view *v, pe_vec3 g)
     return pe_madd(pe_scale(x1, t1), x2, t2);
 }
 
-/* Climbs from d to a maximum of two rims. */
-static void climb(search *s, pe_vec3 d)
+/* The side of a.d = 0 where d is; on it, that on which s may grow. */
+static double side_of(const view *v, double rise, pe_vec3 axis)
+{
+    double place = fabs(rise) > 1e-13 ? rise : pe_dot(v->rims, axis);
+    return place < 0 ? -1 : 1;
+}
+
+static pe_vec3 gradient_there(const search *s, const view *v)
+{
+    return gradient(s, v, side_of(v, v->rise_a, s->a->axis), side_of(v, v->rise_b, s->b->axis));
+}
+
+static pe_vec3 moved(pe_vec3 d, double scale, pe_vec3 step)
+{
+    pe_vec3 next = pe_madd(d, scale, step);
+    return pe_scale(1 / pe_length(next), next);
+}
+
+/* Climbs from d to a maximum of two rims: while the value grows, then, where that is a matter of
+ * rounding, as long as steps shrink. */
+static pe_cylinder_gap climb(const search *s, pe_vec3 d)
 {
     enum { MOST = 40, HALVINGS = 30 };
-    double value = separation_along(s, d);
+    double value = separation_along(s, d), last = 1e-5;
     for (int i = 0; i < MOST; ++i) {
         view v = look(s, d);
-        pe_vec3 g = gradient(s, &v, v.rise_a < 0 ? -1 : 1, v.rise_b < 0 ? -1 : 1);
-        pe_vec3 step = newton_step(s, &v, g);
-        double size2 = pe_dot(step, step), scale = size2 > 0.25 ? 0.5 / sqrt(size2) : 1;
-        bool better = false;
-        for (int k = 0; k < HALVINGS && !better; ++k, scale *= 0.5) {
-            pe_vec3 next = pe_madd(d, scale, step);
-            next = pe_scale(1 / pe_length(next), next);
-            double there = separation_along(s, next);
-            better = there > value;
-            if (better) {
-                d = next;
-                value = there;
-            } else if (size2 < 1e-12) {
-                /* Too near for the value to tell; the gradient does, once. */
-                d = k == 0 ? next : d;
+        pe_vec3 step = newton_step(s, &v, gradient_there(s, &v));
+        double size = pe_length(step), scale = size > 0.5 ? 0.5 / size : 1;
+        if (size < last) {
+            if (size < 1e-16) {
                 break;
             }
+            last = 0.5 * size;
+            d = moved(d, 1, step);
+            value = separation_along(s, d);
+            continue;
         }
-        if (!better) {
+        pe_vec3 next = moved(d, scale, step);
+        double there = separation_along(s, next);
+        for (int k = 0; k < HALVINGS && !(there > value); ++k) {
+            scale *= 0.5;
+            next = moved(d, scale, step);
+            there = separation_along(s, next);
+        }
+        if (!(there > value)) {
             break;
         }
+        d = next;
+        value = there;
     }
-    offer(s, separation_along(s, d), d, PE_RIMS);
+    return (pe_cylinder_gap){value, d, PE_RIMS};
+}
+
+/* Climbs from the best direction, which separates the cylinders. True where g is along the
+ * direction that this leads to: then it is the one maximum. */
+static bool climb_apart(search *s)
+{
+    pe_cylinder_gap found = climb(s, s->best.normal);
+    view v = look(s, found.normal);
+    pe_vec3 g = gradient_there(s, &v);
+    double along = pe_dot(g, v.d);
+    if (pe_length(pe_madd(g, -along, v.d)) > 1e-12 * along) {
+        return false;
+    }
+    s->best = found;
+    return true;
 }
 
 /* A square on a face of the cube: its middle. */
@@ -167,9 +212,7 @@ static pe_vec3 direction(const cell *c)
 {
     double scale = (c->face & 1 ? 1 : -1) / sqrt(1 + c->x * c->x + c->y * c->y);
     double x = c->x * scale, y = c->y * scale;
-    return c->face < 2   ? pe_v3(scale, x, y)
-           : c->face < 4 ? pe_v3(y, scale, x)
-                         : pe_v3(x, y, scale);
+    return c->face < 2 ? pe_v3(scale, x, y) : c->face < 4 ? pe_v3(y, scale, x) : pe_v3(x, y, scale);
 }
 
 /* Whether some maximum of two rims, better than the best known, may lie within the angle whose
@@ -177,12 +220,12 @@ static pe_vec3 direction(const cell *c)
 static bool may_hold(const search *s, pe_vec3 d, double cosine, double sine)
 {
     view v = look(s, d);
-    pe_vec3 g = gradient(s, &v, v.rise_a < 0 ? -1 : 1, v.rise_b < 0 ? -1 : 1);
+    pe_vec3 g = gradient_there(s, &v);
     double along = pe_dot(g, d), length2 = pe_dot(g, g);
     double tangential = sqrt(pe_max(0, length2 - along * along));
     double bound =
         tangential * cosine > along * sine ? along * cosine + tangential * sine : sqrt(length2);
-    if (bound <= s->best.distance + s->bias) {
+    if (bound <= to_beat(s)) {
         return false;
     }
     /* The least sines within the cell. */
@@ -191,8 +234,8 @@ static bool may_hold(const search *s, pe_vec3 d, double cosine, double sine)
     if (!(sa > 0 && sb > 0)) {
         return true;
     }
-    double change = angle * (s->a->radius / sa + s->b->radius / sb + fabs(along) +
-                             angle * sqrt(length2));
+    double change =
+        angle * (s->a->radius / sa + s->b->radius / sb + fabs(along) + angle * sqrt(length2));
     for (double i = -1; i < 2; i += 2) {
         for (double j = -1; j < 2; j += 2) {
             if (i * v.rise_a < -sine || j * v.rise_b < -sine) {
@@ -230,7 +273,8 @@ static void test_rims(search *s, double limit)
                 continue;
             }
             if (level + 1 == LEVELS) {
-                climb(s, d);
+                pe_cylinder_gap found = climb(s, d);
+                offer(s, found.distance, found.normal, PE_RIMS);
                 if (s->best.distance > limit) {
                     return;
                 }
@@ -248,40 +292,66 @@ static void test_rims(search *s, double limit)
 /* Whether the best direction, along the axis of `cap`, is proven to be best of all. The difference
  * of the shapes has a flat facet across it, which holds a disc of radius rho around the foot of the
  * perpendicular from the origin. Apart that is the nearest point. Overlapping by f, no direction
- * nearer than 2 atan(rho/f) is better, because the disc reaches as far along it; and the rest, close
- * to the opposite direction, is far. */
+ * nearer than 2 atan(rho/f) is better, because the disc reaches as far along it; and the rest,
+ * close to the opposite direction, is far. */
 static bool cap_is_best(const search *s, const pe_cylinder *cap, const pe_cylinder *other,
                         double sign)
 {
     pe_vec3 d = s->best.normal;
     pe_vec3 x = pe_sub(pe_cylinder_support(other, pe_scale(-sign, d)), cap->centre);
-    double rho = cap->radius - pe_length(pe_cylinder_across(cap, x));
+    double rho = cap->radius - pe_length(pe_across(cap->axis, x));
     double f = -s->best.distance;
     if (!(rho >= 0) || f <= 0) {
         return rho >= 0;
     }
     double back = f + 2 * pe_dot(s->offset, d); /* the overlap along -d */
-    double span = pe_length(s->offset) + s->a->half_height + s->a->radius + s->b->half_height +
-                  s->b->radius;
+    double span =
+        pe_length(s->offset) + s->a->half_height + s->a->radius + s->b->half_height + s->b->radius;
     double tangent = f / rho; /* of half the angle from -d */
     return tangent < 0.1 && back * (1 - 2 * tangent * tangent) - span * 2 * tangent > f;
 }
 
-/* Whether the best direction separates the cylinders and g is along it: then it is the one maximum.
- */
-static bool rims_are_best(const search *s)
+pe_vec3 pe_cylinder_pair_point(const pe_cylinder *a, const pe_cylinder *b,
+                               const pe_cylinder_gap *gap)
 {
-    view v = look(s, s->best.normal);
-    pe_vec3 g = gradient(s, &v, v.rise_a < 0 ? -1 : 1, v.rise_b < 0 ? -1 : 1);
-    double along = pe_dot(g, v.d);
-    pe_vec3 across = pe_madd(g, -along, v.d);
-    return s->best.distance > 0 && pe_length(across) <= 1e-9 * along;
+    pe_vec3 d = gap->normal, to_a = pe_scale(-1, d);
+    if (gap->kind == PE_CAP_B || gap->kind == PE_SIDE_B) {
+        return pe_cylinder_support(a, d);
+    }
+    if (gap->kind != PE_SIDES) {
+        return pe_madd(pe_cylinder_support(b, to_a), -gap->distance, d);
+    }
+    /* Where a's axis is nearest to b's; of parallel ones the middle of what they share. */
+    pe_vec3 offset = pe_sub(b->centre, a->centre), across = pe_across(b->axis, a->axis);
+    double square = pe_dot(across, across), middle = pe_dot(offset, a->axis);
+    double low = pe_max(-a->half_height, middle - b->half_height);
+    double high = pe_min(a->half_height, middle + b->half_height);
+    double z = square > 1e-30 ? pe_dot(offset, across) / square : 0.5 * (low + high);
+    z = pe_max(-a->half_height, pe_min(a->half_height, z));
+    return pe_madd(pe_madd(a->centre, z, a->axis), a->radius, d);
 }
 
-bool pe_cylinder_pair_gap(const pe_cylinder *a, const pe_cylinder *b, double size, double limit,
-                          pe_cylinder_gap *gap)
+/* Near where one meeting turns into another both are as good to rounding, with directions that are
+ * only as exact as the root of that. Of cylinders that are apart nearest points give all digits. */
+static void settle(search *s, double size)
 {
-    search s = {.a = a, .b = b, .bias = BIAS * size, .best = {.distance = -HUGE_VAL}};
+    pe_cylinder_gap *best = &s->best;
+    if (best->distance < 1e-3 * size || best->kind == PE_CAP_A || best->kind == PE_CAP_B) {
+        return;
+    }
+    pe_vec3 on_a = pe_cylinder_nearest(s->a, pe_cylinder_pair_point(s->a, s->b, best));
+    pe_vec3 between = pe_sub(pe_cylinder_nearest(s->b, on_a), on_a);
+    pe_vec3 d = pe_scale(1 / pe_length(between), between);
+    if (separation_along(s, d) > best->distance - 1e-11 * size) {
+        best->normal = d;
+    }
+}
+
+bool pe_cylinder_pair_gap(const pe_cylinder *a, const pe_cylinder *b, double size, double bias,
+                          double limit, pe_cylinder_gap *gap)
+{
+    search s = {
+        .a = a, .b = b, .bias = bias, .rounding = ROUNDING * size, .best = {.distance = -HUGE_VAL}};
     s.offset = pe_sub(b->centre, a->centre);
     offer_direction(&s, a->axis, PE_CAP_A);
     offer_direction(&s, b->axis, PE_CAP_B);
@@ -291,12 +361,14 @@ bool pe_cylinder_pair_gap(const pe_cylinder *a, const pe_cylinder *b, double siz
         test_side_and_rim(&s, a, b, PE_SIDE_A);
         test_side_and_rim(&s, b, a, PE_SIDE_B);
         if (s.best.distance > 0 && s.best.distance <= limit) {
-            climb(&s, s.best.normal);
-            sure = rims_are_best(&s);
+            sure = climb_apart(&s);
         }
         if (!sure && s.best.distance <= limit) {
             test_rims(&s, limit);
         }
+    }
+    if (s.best.distance <= limit) {
+        settle(&s, size);
     }
     *gap = s.best;
     return s.best.distance <= limit;

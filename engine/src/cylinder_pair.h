@@ -19,10 +19,15 @@ typedef struct pe_cylinder_gap {
     pe_cylinder_meeting kind;
 } pe_cylinder_gap;
 
-/* The gap of two cylinders in the same axes. A meeting named earlier above is taken unless a later
- * one is better by more than 1e-9 of `size`. False as soon as some direction separates them by more
- * than `limit`. */
-bool pe_cylinder_pair_gap(const pe_cylinder *a, const pe_cylinder *b, double size, double limit,
-                          pe_cylinder_gap *gap);
+/* The gap of two cylinders in the same axes. A cap is left only for a meeting named later above
+ * that is better by more than `bias`, in m. `size` is that of the smaller one. False as soon as
+ * some direction separates them by more than `limit`. */
+bool pe_cylinder_pair_gap(const pe_cylinder *a, const pe_cylinder *b, double size, double bias,
+                          double limit, pe_cylinder_gap *gap);
+
+/* The point of a's surface that realises the gap; where there are many, any one, but along a cap it
+ * may lie outside of it by what the bias allows. */
+pe_vec3 pe_cylinder_pair_point(const pe_cylinder *a, const pe_cylinder *b,
+                               const pe_cylinder_gap *gap);
 
 #endif

@@ -4,26 +4,34 @@
  * every value that is found is the true separation along its direction. */
 #include "cylinder_polytope.h"
 
-/* In units of the smaller shape. */
-static const double BIAS = 4e-10;
+/* In units of the smaller shape: a meeting is better than another by more than rounding; vertices
+ * that are farther out than others by less than a tie are as far. */
+static const double ROUNDING = 1e-14, TIE = 1e-10;
 
 typedef struct search {
     const pe_polytope *p;
     const pe_cylinder *c;
-    double bias;
+    double bias, rounding, tie; /* m */
     pe_meeting_gap best;
     double high, low; /* m: of the vertices along the axis, from the cylinder's centre */
     int high_vertex, low_vertex;
-    int nearest;      /* vertex nearest to the cylinder; -1: one is inside */
+    int nearest; /* vertex nearest to the cylinder; -1: one is inside */
     double nearest_distance;
     pe_vec3 nearest_normal; /* from the vertex */
     int radial;             /* vertex nearest to the axis */
     double radial_distance;
 } search;
 
+/* What another meeting must exceed to be the best. */
+static double to_beat(const search *s)
+{
+    bool flat = s->best.kind == PE_FACE_CYLINDER || s->best.kind == PE_CORNER_CAP;
+    return s->best.distance + (flat ? s->bias : s->rounding);
+}
+
 static void offer(search *s, double distance, pe_vec3 normal, pe_meeting kind, int index)
 {
-    if (distance > s->best.distance + s->bias) {
+    if (distance > to_beat(s)) {
         s->best = (pe_meeting_gap){distance, normal, kind, index};
     }
 }
@@ -86,27 +94,36 @@ static void look_at_vertices(search *s)
     s->nearest_distance = sqrt(least2);
 }
 
-/* The true separation along d, which the vertex suggested. */
+static double separation_along(const search *s, pe_vec3 d, int last)
+{
+    return pe_dot(d, pe_sub(s->c->centre, s->p->vertices[last])) - pe_cylinder_reach(s->c, d);
+}
+
+/* The separation along d, which the vertex suggested, unless another vertex is farther out. */
 static void offer_from_vertex(search *s, pe_vec3 d, int vertex)
 {
+    const pe_vec3 *v = s->p->vertices;
     int last = pe_polytope_support(s->p, d, vertex);
-    double distance = pe_dot(d, pe_sub(s->c->centre, s->p->vertices[last])) -
-                      pe_cylinder_reach(s->c, d);
-    offer(s, distance, d, PE_CORNER_CYLINDER, last);
+    if (pe_dot(d, pe_sub(v[last], v[vertex])) <= s->tie) {
+        offer(s, separation_along(s, d, last), d, PE_CORNER_CYLINDER, vertex);
+    }
 }
 
 /* The corner nearest to the cylinder from outside, and that nearest to the axis, whether in or out:
  * if a corner meets the cap, side or rim at all, it is one of these. */
 static void test_vertices(search *s)
 {
-    double enough = s->best.distance + s->bias;
-    if (s->nearest_distance > 0 && s->nearest_distance > enough) {
+    if (s->nearest_distance > 0 && s->nearest_distance > to_beat(s)) {
         offer_from_vertex(s, pe_scale(1 / s->nearest_distance, s->nearest_normal), s->nearest);
     }
-    if (s->radial_distance > 0 && s->radial_distance - s->c->radius > enough) {
+    if (s->radial_distance - s->c->radius > to_beat(s)) {
         double distance;
-        pe_vec3 x = pe_sub(s->c->centre, s->p->vertices[s->radial]);
-        offer_from_vertex(s, pe_cylinder_outward(s->c, x, &distance), s->radial);
+        pe_vec3 x = pe_sub(s->c->centre, s->p->vertices[s->radial]), other;
+        pe_vec3 d = pe_outward(s->c->axis, x, &distance);
+        if (!(distance > 0)) {
+            pe_tangents(s->c->axis, &d, &other);
+        }
+        offer_from_vertex(s, d, s->radial);
     }
 }
 
@@ -117,9 +134,9 @@ static void test_edge_side(search *s, int index, const pe_circle *circle, pe_vec
     for (double side = -1; side < 2; side += 2) {
         bool outermost = from == NULL || (side * from->x >= 0 && side * to->x <= 0);
         double distance = side * pe_dot(w, circle->t) - s->c->radius;
-        if (outermost && distance > s->best.distance + s->bias) {
+        if (outermost && distance > to_beat(s)) {
             double length;
-            pe_vec3 d = pe_scale(side, pe_cylinder_outward(s->c, circle->t, &length));
+            pe_vec3 d = pe_scale(side, pe_outward(s->c->axis, circle->t, &length));
             offer(s, pe_dot(w, d) - s->c->radius, d, PE_EDGE_SIDE, index);
         }
     }
@@ -151,17 +168,65 @@ static void test_edge(search *s, int index)
     for (double side = -1; side < 2; side += 2) {
         pe_vec3 d;
         double value;
-        if (pe_circle_peak(&circle, s->c, w, side, from, to, s->best.distance + s->bias, &d,
-                           &value)) {
+        if (pe_circle_peak(&circle, s->c, w, side, from, to, to_beat(s), &d, &value)) {
             offer(s, value, d, PE_EDGE_RIM, index);
         }
     }
 }
 
-bool pe_cylinder_polytope_gap(const pe_polytope *p, const pe_cylinder *c, double size,
+double pe_cylinder_edge_place(const pe_polytope *p, const pe_cylinder *c, const pe_meeting_gap *gap)
+{
+    const pe_edge *edge = &p->edges[gap->index];
+    pe_vec3 v = p->vertices[edge->vertex[0]];
+    pe_vec3 step = pe_sub(p->vertices[edge->vertex[1]], v), to, along = step;
+    if (gap->kind == PE_EDGE_SIDE) {
+        to = c->centre; /* the axis */
+        along = pe_across(c->axis, step);
+    } else {
+        pe_vec3 rim = pe_cylinder_support(c, pe_scale(-1, gap->normal));
+        to = pe_madd(rim, -gap->distance, gap->normal);
+    }
+    double square = pe_dot(along, along);
+    double place = square > 0 ? pe_dot(pe_sub(to, v), along) / square : 0.5;
+    return pe_max(0, pe_min(1, place));
+}
+
+/* Near where one meeting turns into another both are as good to rounding, with directions that are
+ * only as exact as the root of that. Of shapes that are apart the nearest point of the cylinder to
+ * the place on the edge, or to the corner, gives all digits. */
+static void settle(search *s, double size)
+{
+    pe_meeting_gap *best = &s->best;
+    bool at_edge = best->kind == PE_EDGE_SIDE || best->kind == PE_EDGE_RIM;
+    if (best->distance < 1e-3 * size || !(at_edge || best->kind == PE_CORNER_CYLINDER)) {
+        return;
+    }
+    const pe_vec3 *v = s->p->vertices;
+    pe_vec3 x;
+    if (at_edge) {
+        const int *vertex = s->p->edges[best->index].vertex;
+        x = pe_madd(v[vertex[0]], pe_cylinder_edge_place(s->p, s->c, best),
+                    pe_sub(v[vertex[1]], v[vertex[0]]));
+    } else {
+        x = v[best->index];
+    }
+    pe_vec3 between = pe_sub(pe_cylinder_nearest(s->c, x), x);
+    pe_vec3 d = pe_scale(1 / pe_length(between), between);
+    int last = pe_polytope_support(s->p, d, -1);
+    if (separation_along(s, d, last) > best->distance - 0.1 * s->tie) {
+        best->normal = d;
+    }
+}
+
+bool pe_cylinder_polytope_gap(const pe_polytope *p, const pe_cylinder *c, double size, double bias,
                               bool face_first, double limit, pe_meeting_gap *gap)
 {
-    search s = {.p = p, .c = c, .bias = BIAS * size, .best = {.distance = -HUGE_VAL}};
+    search s = {.p = p,
+                .c = c,
+                .bias = bias,
+                .rounding = ROUNDING * size,
+                .tie = TIE * size,
+                .best = {.distance = -HUGE_VAL}};
     look_at_vertices(&s);
     if (face_first) {
         test_faces(&s);
@@ -175,6 +240,9 @@ bool pe_cylinder_polytope_gap(const pe_polytope *p, const pe_cylinder *c, double
     }
     for (int i = 0; i < p->edge_count && s.best.distance <= limit; ++i) {
         test_edge(&s, i);
+    }
+    if (s.best.distance <= limit) {
+        settle(&s, size);
     }
     *gap = s.best;
     return s.best.distance <= limit;

@@ -21,11 +21,16 @@ typedef struct pe_meeting_gap {
     int index; /* of the face, edge or vertex */
 } pe_meeting_gap;
 
-/* The gap of a polytope and a cylinder in the same axes. Of a face and a cap that come within 1e-9
- * of `size` of each other, the face is taken if `face_first`; any other meeting must be better than
- * both by as much. False as soon as some direction separates them by more than `limit`.
- * O(vertices + edges + faces). */
-bool pe_cylinder_polytope_gap(const pe_polytope *p, const pe_cylinder *c, double size,
+/* Where an edge is nearest to the cylinder that meets it along `normal` at the distance given, in
+ * parts of the way from its first vertex to its second; where that is many places, any. */
+double pe_cylinder_edge_place(const pe_polytope *p, const pe_cylinder *c,
+                              const pe_meeting_gap *gap);
+
+/* The gap of a polytope and a cylinder in the same axes. Of a face and a cap that come within
+ * `bias` (m) of each other, the face is taken if `face_first`; any other meeting must be better
+ * than both by as much. `size` is that of the smaller shape. False as soon as some direction
+ * separates them by more than `limit`. O(vertices + edges + faces). */
+bool pe_cylinder_polytope_gap(const pe_polytope *p, const pe_cylinder *c, double size, double bias,
                               bool face_first, double limit, pe_meeting_gap *gap);
 
 #endif

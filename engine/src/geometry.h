@@ -27,7 +27,9 @@ typedef struct pe_edge {
 
 /* A node of the tree of triangles, in depth-first order: the left child comes next. */
 typedef struct pe_node {
-    pe_vec3 centre, half; /* box along the body's axes, m */
+    pe_mat3 axes;         /* of its box, in rows, in the body's axes */
+    pe_vec3 centre, half; /* of the box; `half` along its own axes, m */
+    double radius;        /* |half| */
     int right;            /* inner node: index of the right child; leaf: -1 */
     int first, count;     /* of its triangles, which stand together in `triangles` */
 } pe_node;

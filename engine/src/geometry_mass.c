@@ -107,10 +107,12 @@ static pe_quat quaternion_of(double r[3][3])
     return pe_quat_unit((pe_quat){q[0], q[1], q[2], q[3]});
 }
 
-static void principal_axes(double a[3][3], pe_geometry_frame *frame)
+void pe_principal_axes(double a[3][3], double axes[3][3])
 {
     enum { SWEEPS = 16 }; /* it converges quadratically: five are enough */
-    double axes[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int k = 0; k < 9; ++k) {
+        axes[k / 3][k % 3] = k % 4 == 0;
+    }
     double least = ROUNDING * (a[0][0] + a[1][1] + a[2][2]);
     for (int sweep = 0; sweep < SWEEPS; ++sweep) {
         for (int p = 0; p < 2; ++p) {
@@ -126,8 +128,6 @@ static void principal_axes(double a[3][3], pe_geometry_frame *frame)
             break;
         }
     }
-    frame->inertia = pe_v3(a[0][0], a[1][1], a[2][2]);
-    frame->orientation = quaternion_of(axes);
 }
 
 pe_geometry_frame pe_geometry_mass(const pe_geometry_def *def)
@@ -150,6 +150,9 @@ pe_geometry_frame pe_geometry_mass(const pe_geometry_def *def)
         {-f * s[5], f * (s[2] + s[0]), -f * s[3]},
         {-f * s[4], -f * s[3], f * (s[0] + s[1])},
     };
-    principal_axes(a, &frame);
+    double axes[3][3];
+    pe_principal_axes(a, axes);
+    frame.inertia = pe_v3(a[0][0], a[1][1], a[2][2]);
+    frame.orientation = quaternion_of(axes);
     return frame;
 }

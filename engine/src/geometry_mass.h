@@ -9,4 +9,9 @@
  * volume <= 0: the surface is inside out, and the rest has no meaning. */
 pe_geometry_frame pe_geometry_mass(const pe_geometry_def *def);
 
+/* Turns the symmetric matrix a to its principal axes, the columns of the rotation `axes`; its
+ * eigenvalues are then its diagonal. Off-diagonal entries of rounding are left, so that a matrix
+ * that is diagonal keeps its own axes. */
+void pe_principal_axes(double a[3][3], double axes[3][3]);
+
 #endif

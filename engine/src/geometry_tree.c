@@ -1,16 +1,18 @@
-/* Top down: the triangles of a node are halved by number along the axis on which their middles are
- * spread widest. Halving by number bounds the depth, and the node's place in the array says where
- * its children are. */
+/* A tree of oriented boxes (Gottschalk, Lin, Manocha 1996): each lies along the principal axes of
+ * its corners, or along the body's where that box is smaller, and its triangles are halved by number
+ * along its longest axis. Halving by number bounds the depth, and the node's place in the array says
+ * where its children are. */
 #include "geometry_tree.h"
+
+#include "geometry_mass.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEAF = 4 }; /* triangles at most */
+enum { LEAF = 2 }; /* triangles at most */
 
 typedef struct item {
     double key;
-    pe_vec3 middle, low, high;
     int triangle;
 } item;
 
@@ -23,54 +25,77 @@ static int by_key(const void *a, const void *b)
     return p->triangle < q->triangle ? -1 : p->triangle > q->triangle;
 }
 
-static pe_vec3 lower(pe_vec3 a, pe_vec3 b)
+static pe_vec3 corner_of(const pe_geometry *g, const item *items, int i)
 {
-    return pe_v3(pe_min(a.x, b.x), pe_min(a.y, b.y), pe_min(a.z, b.z));
+    return g->vertices[g->triangles[items[i / 3].triangle][i % 3]];
 }
 
-static pe_vec3 higher(pe_vec3 a, pe_vec3 b)
+/* The box along the axes that holds the triangles. */
+static void fit(const pe_geometry *g, const item *items, int count, const pe_mat3 *axes,
+                pe_node *node)
 {
-    return pe_v3(pe_max(a.x, b.x), pe_max(a.y, b.y), pe_max(a.z, b.z));
+    pe_vec3 low = pe_v3(HUGE_VAL, HUGE_VAL, HUGE_VAL), high = pe_scale(-1, low);
+    for (int i = 0; i < 3 * count; ++i) {
+        pe_vec3 x = pe_rotate(axes, corner_of(g, items, i));
+        low = pe_v3(pe_min(low.x, x.x), pe_min(low.y, x.y), pe_min(low.z, x.z));
+        high = pe_v3(pe_max(high.x, x.x), pe_max(high.y, x.y), pe_max(high.z, x.z));
+    }
+    node->axes = *axes;
+    node->centre = pe_unrotate(axes, pe_scale(0.5, pe_add(low, high)));
+    node->half = pe_scale(0.5, pe_sub(high, low));
+    node->radius = pe_length(node->half);
 }
 
-static item item_of(const pe_geometry *g, int triangle)
+/* Rows: the principal axes of the corners' scatter about their mean. */
+static pe_mat3 principal_axes_of(const pe_geometry *g, const item *items, int count)
 {
-    const int *t = g->triangles[triangle];
-    pe_vec3 a = g->vertices[t[0]], b = g->vertices[t[1]], c = g->vertices[t[2]];
-    return (item){
-        .middle = pe_scale(1.0 / 3, pe_add(a, pe_add(b, c))),
-        .low = lower(a, lower(b, c)),
-        .high = higher(a, higher(b, c)),
-        .triangle = triangle,
+    pe_vec3 mean = pe_v3(0, 0, 0);
+    for (int i = 0; i < 3 * count; ++i) {
+        mean = pe_madd(mean, 1.0 / (3 * count), corner_of(g, items, i));
+    }
+    double a[3][3] = {{0}}, axes[3][3];
+    for (int i = 0; i < 3 * count; ++i) {
+        pe_vec3 d = pe_sub(corner_of(g, items, i), mean);
+        const double x[3] = {d.x, d.y, d.z};
+        for (int k = 0; k < 9; ++k) {
+            a[k / 3][k % 3] += x[k / 3] * x[k % 3];
+        }
+    }
+    pe_principal_axes(a, axes);
+    return (pe_mat3){
+        .r0 = {axes[0][0], axes[1][0], axes[2][0]},
+        .r1 = {axes[0][1], axes[1][1], axes[2][1]},
+        .r2 = {axes[0][2], axes[1][2], axes[2][2]},
     };
+}
+
+static double area(pe_vec3 half)
+{
+    return half.x * half.y + half.y * half.z + half.z * half.x;
 }
 
 /* Makes the node of the items and all below it; its index is the one after the last so far. */
 static void make_node(pe_geometry *g, item *items, int first, int count)
 {
-    pe_vec3 low = items[0].low, high = items[0].high;
-    pe_vec3 least = items[0].middle, most = items[0].middle;
-    for (int i = 1; i < count; ++i) {
-        low = lower(low, items[i].low);
-        high = higher(high, items[i].high);
-        least = lower(least, items[i].middle);
-        most = higher(most, items[i].middle);
+    const pe_mat3 own = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    pe_mat3 turned = principal_axes_of(g, items, count);
+    pe_node *node = &g->nodes[g->node_count++], along_body;
+    *node = along_body = (pe_node){.right = -1, .first = first, .count = count};
+    fit(g, items, count, &turned, node);
+    fit(g, items, count, &own, &along_body);
+    if (!(area(node->half) < area(along_body.half))) {
+        *node = along_body;
     }
-    pe_node *node = &g->nodes[g->node_count++];
-    *node = (pe_node){
-        .centre = pe_scale(0.5, pe_add(low, high)),
-        .half = pe_scale(0.5, pe_sub(high, low)),
-        .right = -1,
-        .first = first,
-        .count = count,
-    };
     if (count <= LEAF) {
         return;
     }
-    pe_vec3 spread = pe_sub(most, least);
-    int axis = spread.x >= spread.y && spread.x >= spread.z ? 0 : spread.y >= spread.z ? 1 : 2;
+    pe_vec3 h = node->half;
+    pe_vec3 axis = h.x >= h.y && h.x >= h.z ? node->axes.r0
+                   : h.y >= h.z             ? node->axes.r1
+                                            : node->axes.r2;
     for (int i = 0; i < count; ++i) {
-        items[i].key = pe_component(items[i].middle, axis);
+        pe_vec3 sum = pe_add(corner_of(g, items, 3 * i), corner_of(g, items, 3 * i + 1));
+        items[i].key = pe_dot(axis, pe_add(sum, corner_of(g, items, 3 * i + 2)));
     }
     qsort(items, (size_t)count, sizeof *items, by_key);
     int half = count / 2;
@@ -123,7 +148,7 @@ pe_status pe_geometry_make_tree(pe_geometry *g, const pe_allocator *allocator, p
         return pe_fail(error, PE_NO_MEMORY, "no memory for a tree of %d triangles", n);
     }
     for (int i = 0; i < n; ++i) {
-        items[i] = item_of(g, i);
+        items[i] = (item){.triangle = i};
     }
     g->node_count = 0;
     make_node(g, items, 0, n);

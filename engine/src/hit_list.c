@@ -7,23 +7,23 @@ static const double TIE = 4e-10;
 
 pe_hit_list pe_hit_list_begin(pe_vec3 normal, double least, double margin, double size)
 {
-    pe_hit_list patch;
-    patch.normal = normal;
-    patch.least = least;
-    patch.margin = margin;
-    patch.size = size;
-    patch.least_margin = least;
-    patch.end_margin = HUGE_VAL;
-    patch.count = 0;
-    return patch;
+    pe_hit_list list;
+    list.normal = normal;
+    list.least = least;
+    list.margin = margin;
+    list.size = size;
+    list.least_margin = least;
+    list.end_margin = HUGE_VAL;
+    list.count = 0;
+    return list;
 }
 
 /* Index of the point with the least separation. */
-static int nearest_of(const pe_hit_list *patch)
+static int nearest_of(const pe_hit_list *list)
 {
     int nearest = 0;
-    for (int i = 1; i < patch->count; ++i) {
-        nearest = patch->item[i].separation < patch->item[nearest].separation ? i : nearest;
+    for (int i = 1; i < list->count; ++i) {
+        nearest = list->item[i].separation < list->item[nearest].separation ? i : nearest;
     }
     return nearest;
 }
@@ -33,82 +33,88 @@ static double square(pe_vec3 v)
     return pe_dot(v, v);
 }
 
-/* Keeps `most` points: the first, then whichever is farthest from all kept ones, the nearest to
- * touching in any case. Where two are as far but for a tie, the earlier one. */
-static void reduce(pe_hit_list *patch, int most)
+/* Keeps `most` points: the first, then whichever is farthest from all kept ones, and in any case
+ * one with the least separation but for a tie. Where two are as far, the earlier one. */
+static void reduce(pe_hit_list *list, int most)
 {
-    int nearest = nearest_of(patch), count = patch->count;
-    double apart[PE_HIT_LIST_ROOM];
+    int nearest = nearest_of(list), count = list->count;
+    double enough = list->item[nearest].separation + TIE * list->size, apart[PE_HIT_LIST_ROOM];
     for (int i = 0; i < count; ++i) {
         apart[i] = HUGE_VAL;
     }
     unsigned kept = 0;
+    bool has_nearest = false;
     int next = 0;
     for (int n = 0; n < most; ++n) {
         kept |= 1u << next;
+        has_nearest = has_nearest || list->item[next].separation <= enough;
         int farthest = -1;
         for (int i = 0; i < count; ++i) {
-            pe_vec3 d = pe_sub(patch->item[i].position, patch->item[next].position);
-            apart[i] = pe_min(apart[i], square(d));
-            bool free = (kept >> i & 1) == 0;
-            if (free && (farthest < 0 || apart[i] > (1 + 1e-6) * apart[farthest])) {
+            apart[i] =
+                pe_min(apart[i], square(pe_sub(list->item[i].position, list->item[next].position)));
+            bool is_free = (kept >> i & 1) == 0;
+            if (is_free && (farthest < 0 || apart[i] > (1 + 1e-6) * apart[farthest])) {
                 farthest = i;
             }
         }
-        next = n + 2 == most && (kept >> nearest & 1) == 0 ? nearest : farthest;
+        next = n + 2 == most && !has_nearest ? nearest : farthest;
     }
-    patch->count = 0;
+    list->count = 0;
     for (int i = 0; i < count; ++i) {
         if (kept >> i & 1) {
-            patch->item[patch->count++] = patch->item[i];
+            list->item[list->count++] = list->item[i];
         }
     }
 }
 
-void pe_hit_list_add(pe_hit_list *patch, pe_vec3 on_second, double separation, uint64_t feature)
+void pe_hit_list_add(pe_hit_list *list, pe_vec3 on_second, double separation, uint64_t feature)
 {
     /* Points within the slack of the features' bounds may come out nearer than can be. */
-    double s = pe_max(separation, patch->least);
-    if (s > patch->margin) {
-        patch->end_margin = pe_min(patch->end_margin, s);
+    double s = pe_max(separation, list->least);
+    if (s > list->margin) {
+        list->end_margin = pe_min(list->end_margin, s);
         return;
     }
-    patch->least_margin = pe_max(patch->least_margin, s);
-    pe_vec3 x = pe_madd(on_second, -0.5 * s, patch->normal);
-    double merge = MERGE_DISTANCE * patch->size;
-    for (int i = 0; i < patch->count; ++i) {
-        const pe_hit *other = &patch->item[i];
-        if (other->separation <= s + TIE * patch->size &&
+    list->least_margin = pe_max(list->least_margin, s);
+    pe_vec3 x = pe_madd(on_second, -0.5 * s, list->normal);
+    double merge = MERGE_DISTANCE * list->size;
+    for (int i = 0; i < list->count; ++i) {
+        pe_hit *other = &list->item[i];
+        if (other->feature == feature) {
+            if (s < other->separation) {
+                *other = (pe_hit){x, s, feature};
+            }
+            return;
+        }
+        if (other->separation <= s + TIE * list->size &&
             square(pe_sub(other->position, x)) <= merge * merge) {
             return;
         }
     }
-    if (patch->count == PE_HIT_LIST_ROOM) {
-        reduce(patch, PE_MAX_POINTS);
+    if (list->count == PE_HIT_LIST_ROOM) {
+        reduce(list, PE_MAX_POINTS);
     }
-    patch->item[patch->count++] = (pe_hit){x, s, feature};
+    list->item[list->count++] = (pe_hit){x, s, feature};
 }
 
-void pe_hit_list_add_nearest(pe_hit_list *patch, pe_vec3 on_second, uint64_t feature)
+bool pe_hit_list_has_nearest(const pe_hit_list *list)
 {
-    double tie = TIE * patch->size;
-    if (patch->count == 0 || patch->item[nearest_of(patch)].separation > patch->least + tie) {
-        pe_hit_list_add(patch, on_second, patch->least, feature);
-    }
+    return list->count > 0 &&
+           list->item[nearest_of(list)].separation <= list->least + TIE * list->size;
 }
 
-void pe_hit_list_finish(pe_hit_list *patch, const pe_pose *pose, bool flip, pe_hits *hits)
+void pe_hit_list_finish(pe_hit_list *list, const pe_pose *pose, bool flip, pe_hits *hits)
 {
-    if (patch->count > PE_MAX_POINTS) {
-        reduce(patch, PE_MAX_POINTS);
+    if (list->count > PE_MAX_POINTS) {
+        reduce(list, PE_MAX_POINTS);
     }
-    hits->normal = pe_rotate(&pose->rotation, pe_scale(flip ? -1 : 1, patch->normal));
-    hits->least_margin = patch->least_margin;
-    hits->end_margin = patch->end_margin;
-    hits->count = patch->count;
-    for (int i = 0; i < patch->count; ++i) {
-        hits->item[i] = patch->item[i];
+    hits->normal = pe_rotate(&pose->rotation, pe_scale(flip ? -1 : 1, list->normal));
+    hits->least_margin = list->least_margin;
+    hits->end_margin = list->end_margin;
+    hits->count = list->count;
+    for (int i = 0; i < list->count; ++i) {
+        hits->item[i] = list->item[i];
         hits->item[i].position =
-            pe_add(pose->position, pe_rotate(&pose->rotation, patch->item[i].position));
+            pe_add(pose->position, pe_rotate(&pose->rotation, list->item[i].position));
     }
 }

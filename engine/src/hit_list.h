@@ -7,10 +7,10 @@
 enum { PE_HIT_LIST_ROOM = 32 };
 
 typedef struct pe_hit_list {
-    pe_vec3 normal;  /* unit, from the first shape to the second */
-    double least;    /* m: the signed distance; no point is nearer */
-    double margin;   /* m */
-    double size;     /* m, of the smaller shape: the scale of tolerances */
+    pe_vec3 normal;                  /* unit, from the first shape to the second */
+    double least;                    /* m: the signed distance; no point is nearer */
+    double margin;                   /* m */
+    double size;                     /* m, of the smaller shape: the scale of tolerances */
     double least_margin, end_margin; /* as in pe_hits */
     int count;
     pe_hit item[PE_HIT_LIST_ROOM];
@@ -20,15 +20,15 @@ pe_hit_list pe_hit_list_begin(pe_vec3 normal, double least, double margin, doubl
 
 /* A point of the second shape, with the separation from the first at that place. Dropped when it
  * is beyond the margin, or so near to an earlier point, which is no farther from touching, that it
- * adds nothing. */
-void pe_hit_list_add(pe_hit_list *patch, pe_vec3 on_second, double separation, uint64_t feature);
+ * adds nothing. Of two points of one name the one with the lesser separation stays. */
+void pe_hit_list_add(pe_hit_list *list, pe_vec3 on_second, double separation, uint64_t feature);
 
-/* The same, where no point that was added realises the signed distance. */
-void pe_hit_list_add_nearest(pe_hit_list *patch, pe_vec3 on_second, uint64_t feature);
+/* Whether one of the points realises the signed distance. */
+bool pe_hit_list_has_nearest(const pe_hit_list *list);
 
 /* Fills *hits, in the world; of more than PE_MAX_POINTS points the nearest one and those farthest
  * apart. `pose` has the axes of the patch; `flip`: the patch's second shape is the first of the
  * hits. */
-void pe_hit_list_finish(pe_hit_list *patch, const pe_pose *pose, bool flip, pe_hits *hits);
+void pe_hit_list_finish(pe_hit_list *list, const pe_pose *pose, bool flip, pe_hits *hits);
 
 #endif

@@ -14,8 +14,13 @@
 
 /* Cosine of the angle between a face and the normal up to which it is a patch of contact. */
 static const double FLAT = 0.995;
+/* The second shape's face is the reference when its cosine is larger by this, 1e-3 rad off: at rest
+ * the choice must be the same at every step. */
+static const double SAME_COSINE = 1e-6;
 /* Sine of the angle up to which two edges touch along a line. */
 static const double ALONG = 0.01;
+/* Cosine between an edge and the normal up to which the edge lies across the normal. */
+static const double ACROSS = 1e-4;
 /* In units of the smaller shape: */
 static const double CLIP_SLACK = 1e-8;     /* points this far outside still lie on the face */
 static const double SAME_DISTANCE = 5e-10; /* a corner that has the least separation */
@@ -208,6 +213,9 @@ static uint64_t witness_name(const pe_polytope_pair *pair, uint64_t kind, const 
     if (pair->a.vertex_count == 1 || pair->b.vertex_count == 1) {
         return 0; /* a ball has one point */
     }
+    static const int whole[2] = {0, 1}; /* no matter whether at the end of a capsule's segment */
+    a = pair->a.face_count == 0 && kind == NEAREST ? whole : a;
+    b = pair->b.face_count == 0 && kind == NEAREST ? whole : b;
     uint64_t name = kind;
     name = name << 15 | ((uint64_t)(a[0] < a[1] ? a[0] : a[1]) & 0x7fff);
     name = name << 15 | ((uint64_t)(a[0] < a[1] ? a[1] : a[0]) & 0x7fff);
@@ -221,21 +229,22 @@ static pe_vec3 vertex_of_b(const pe_polytope_pair *pair, int vertex)
     return pe_add(pe_rotate(&placed->turn, pair->b.vertices[vertex]), placed->offset);
 }
 
-/* Nearest points of the lines of two edges, held to the edges. */
-static witness nearest_of_edges(const pe_polytope_pair *pair, const pe_edge *a, const pe_edge *b)
+/* Where two edges cross, seen along their common normal. It is within what they have beside each
+ * other, which holds it where they are nearly parallel and the lines' crossing is uncertain. */
+static witness crossing_of_edges(const pe_polytope_pair *pair, const pe_edge *a, const pe_edge *b)
 {
     pe_vec3 p = pair->a.vertices[a->vertex[0]], q = vertex_of_b(pair, b->vertex[0]);
     pe_vec3 u = pe_sub(pair->a.vertices[a->vertex[1]], p);
-    pe_vec3 v = pe_sub(vertex_of_b(pair, b->vertex[1]), q), d = pe_sub(q, p);
-    /* With w = u x v: s = (d x v).w / w.w, t = (d x u).w / w.w. */
-    pe_vec3 w = pe_cross(u, v);
-    double square = pe_dot(w, w), s = 0.5, t = 0.5;
-    if (square > 0) {
-        s = pe_max(0, pe_min(1, pe_dot(pe_cross(d, v), w) / square));
-        t = pe_max(0, pe_min(1, pe_dot(pe_cross(d, u), w) / square));
-    }
-    return (witness){.on_a = pe_madd(p, s, u),
-                     .on_b = pe_madd(q, t, v),
+    pe_vec3 v = pe_sub(vertex_of_b(pair, b->vertex[1]), q), d = pe_sub(q, p), w = pe_cross(u, v);
+    double square = pe_dot(w, w), whole = pe_dot(u, u);
+    double from = pe_dot(d, u) / whole, to = from + pe_dot(v, u) / whole;
+    double low = pe_max(0, pe_min(from, to)), high = pe_min(1, pe_max(from, to));
+    double s = square > 0 ? pe_dot(pe_cross(d, v), w) / square : low;
+    s = pe_max(low, pe_min(high, s));
+    pe_vec3 x = pe_madd(p, s, u);
+    double t = pe_dot(pe_sub(x, q), v) / pe_dot(v, v);
+    return (witness){.on_a = x,
+                     .on_b = pe_madd(q, pe_max(0, pe_min(1, t)), v),
                      .ends_a = {a->vertex[0], a->vertex[1]},
                      .ends_b = {b->vertex[0], b->vertex[1]}};
 }
@@ -248,7 +257,7 @@ static witness witness_of(const pe_polytope_pair *pair, const pe_separation *s)
             s->on_a, s->on_b, {s->ends_a[0], s->ends_a[1]}, {s->ends_b[0], s->ends_b[1]}};
     }
     if (s->kind == PE_OF_EDGES) {
-        return nearest_of_edges(pair, &pair->a.edges[s->a], &pair->b.edges[s->b]);
+        return crossing_of_edges(pair, &pair->a.edges[s->a], &pair->b.edges[s->b]);
     }
     pe_vec3 back = pe_scale(-1, pe_unrotate(&pair->b_from_a.turn, s->normal));
     int a = pe_polytope_support(&pair->a, s->normal, -1);
@@ -299,8 +308,10 @@ static void add_line_point(const pe_polytope_pair *pair, const line *l, pe_vec3 
     double ya = share * y, yb = y - ya;
     xa = pe_madd(pe_madd(xa, ya, across), sqrt(pe_max(0, ra * ra - ya * ya)), n);
     xb = pe_madd(pe_madd(xb, -yb, across), -sqrt(pe_max(0, rb * rb - yb * yb)), n);
-    pe_candidates_add(found, pair->pose_a, pe_scale(0.5, pe_add(xa, xb)), pe_dot(n, pe_sub(xb, xa)),
-                      name);
+    /* The two points differ a little along the line: the one on the sharper shape counts. */
+    double separation = pe_dot(n, pe_sub(xb, xa));
+    pe_vec3 middle = ra < rb ? pe_madd(xa, 0.5 * separation, n) : pe_madd(xb, -0.5 * separation, n);
+    pe_candidates_add(found, pair->pose_a, middle, separation, name);
 }
 
 /* Both ends of what two nearly parallel edges have beside each other. */
@@ -320,13 +331,14 @@ static void line_contact(const pe_polytope_pair *pair, const pe_edge *a, const p
     }
     int first_b = l.at_b[0] < l.at_b[1] ? 0 : 1;
     double low = pe_max(l.at_a[0], l.at_b[first_b]), high = pe_min(l.at_a[1], l.at_b[1 - first_b]);
-    if (!(high - low > CLIP_SLACK * pair->size)) {
+    double slack = CLIP_SLACK * pair->size;
+    if (!(high - low > slack)) {
         return;
     }
     for (int end = 0; end < 2; ++end) {
         double t = end == 0 ? low : high;
         int at_b = end == 0 ? first_b : 1 - first_b;
-        bool of_a = t == l.at_a[end];
+        bool of_a = fabs(t - l.at_a[end]) <= slack;
         int corner_a[2] = {a->vertex[end], a->vertex[end]};
         int corner_b[2] = {b->vertex[at_b], b->vertex[at_b]};
         uint64_t name = of_a ? witness_name(pair, END_OF_A, corner_a, b->vertex)
@@ -343,7 +355,7 @@ static double sine_of_edges(const pe_polytope_pair *pair, const pe_edge *a, cons
     pe_vec3 v = pe_rotate(&pair->b_from_a.turn,
                           pe_sub(pair->b.vertices[b->vertex[1]], pair->b.vertices[b->vertex[0]]));
     double lu = pe_length(u), lv = pe_length(v);
-    bool across = fabs(pe_dot(u, n)) < ALONG * lu && fabs(pe_dot(v, n)) < ALONG * lv;
+    bool across = fabs(pe_dot(u, n)) < ACROSS * lu && fabs(pe_dot(v, n)) < ACROSS * lv;
     return across ? pe_length(pe_cross(u, v)) / (lu * lv) : 2;
 }
 
@@ -383,17 +395,19 @@ static bool contact(const pe_polytope_pair *pair, const pe_separation *s, bool m
     pe_candidates found;
     pe_candidates_none(&found);
     double cosine_a = -2, cosine_b = -2;
+    pe_vec3 back = pe_scale(-1, pe_unrotate(&pair->b_from_a.turn, s->normal));
     int face_a = s->a, face_b = s->b;
     if (s->kind == PE_OF_FACE_A) {
         cosine_a = 1;
-    } else if (s->kind == PE_OF_FACE_B) {
-        cosine_b = 1;
-    } else {
-        pe_vec3 back = pe_scale(-1, pe_unrotate(&pair->b_from_a.turn, s->normal));
-        face_a = pair->a.face_count > 0 ? pe_polytope_facing(&pair->a, s->normal, &cosine_a) : 0;
-        face_b = pair->b.face_count > 0 ? pe_polytope_facing(&pair->b, back, &cosine_b) : 0;
+    } else if (pair->a.face_count > 0) {
+        face_a = pe_polytope_facing(&pair->a, s->normal, &cosine_a);
     }
-    bool flipped = cosine_b > cosine_a;
+    if (s->kind == PE_OF_FACE_B) {
+        cosine_b = 1;
+    } else if (s->kind != PE_OF_FACE_A && pair->b.face_count > 0) {
+        face_b = pe_polytope_facing(&pair->b, back, &cosine_b);
+    }
+    bool flipped = cosine_b > cosine_a + SAME_COSINE;
     if (pe_max(cosine_a, cosine_b) > FLAT) {
         view w = view_of(pair, s->normal, flipped);
         face_contact(&w, flipped ? face_b : face_a, pair->size, &found);

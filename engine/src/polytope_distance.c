@@ -68,21 +68,22 @@ static simplex of_triangle(corner p, corner q, corner r)
     return nearer(nearer(of_edge(p, q), of_edge(q, r)), of_edge(r, p));
 }
 
-/* The new corner is the last: the nearest point is on one of its three faces. count 4: the origin
- * is inside. */
+/* The new corner is the last: the nearest point is on one of its three faces. Those that have the
+ * origin behind them are left out; all have, by rounding, when it lies in a flat simplex. */
 static simplex of_tetrahedron(const corner c[4])
 {
     static const int faces[3][4] = {{0, 1, 3, 2}, {1, 2, 3, 0}, {2, 0, 3, 1}};
-    simplex best = {.count = 4};
-    for (int f = 0; f < 3; ++f) {
-        corner p = c[faces[f][0]], q = c[faces[f][1]], r = c[faces[f][2]], other = c[faces[f][3]];
-        pe_vec3 n = pe_cross(pe_sub(q.x, p.x), pe_sub(r.x, p.x));
-        double inside = pe_dot(n, pe_sub(other.x, p.x)), origin = -pe_dot(n, p.x);
-        if (inside * origin > 0) {
-            continue;
+    simplex best = {.count = 0};
+    for (int every = 0; every < 2 && best.count == 0; ++every) {
+        for (int f = 0; f < 3; ++f) {
+            corner p = c[faces[f][0]], q = c[faces[f][1]], r = c[faces[f][2]];
+            pe_vec3 n = pe_cross(pe_sub(q.x, p.x), pe_sub(r.x, p.x));
+            double inside = pe_dot(n, pe_sub(c[faces[f][3]].x, p.x)), origin = -pe_dot(n, p.x);
+            if (every || !(inside * origin > 0)) {
+                simplex s = of_triangle(p, q, r);
+                best = best.count == 0 ? s : nearer(best, s);
+            }
         }
-        simplex s = of_triangle(p, q, r);
-        best = best.count == 4 ? s : nearer(best, s);
     }
     return best;
 }
@@ -129,7 +130,7 @@ static simplex descend(const pe_polytope_pair *pair, pe_vec3 n)
         simplex larger = s;
         larger.corner[larger.count++] = next;
         larger = reduce(&larger);
-        if (larger.count == 4 || !(pe_dot(larger.nearest, larger.nearest) < square)) {
+        if (!(pe_dot(larger.nearest, larger.nearest) < square)) {
             break; /* rounding: it cannot come nearer */
         }
         s = larger;
@@ -141,6 +142,19 @@ static void widen(int ends[2], int vertex)
 {
     ends[0] = vertex < ends[0] ? vertex : ends[0];
     ends[1] = vertex > ends[1] ? vertex : ends[1];
+}
+
+/* The direction of the nearest point. Where that is near, the direction has few digits; square to
+ * an edge it must be to all of them, or an end of the edge would be nearer along it. */
+static pe_vec3 normal_of(const simplex *s)
+{
+    pe_vec3 n = pe_scale(1 / pe_length(s->nearest), s->nearest);
+    if (s->count == 2) {
+        pe_vec3 d = pe_sub(s->corner[1].x, s->corner[0].x);
+        n = pe_madd(n, -pe_dot(n, d) / pe_dot(d, d), d);
+        n = pe_scale(1 / pe_length(n), n);
+    }
+    return n;
 }
 
 pe_separation pe_polytope_distance(const pe_polytope_pair *pair, const pe_separation *start)
@@ -155,7 +169,7 @@ pe_separation pe_polytope_distance(const pe_polytope_pair *pair, const pe_separa
         .ends_b = {c[0].b, c[0].b},
     };
     if (found.distance > 0) {
-        found.normal = pe_scale(1 / found.distance, s.nearest);
+        found.normal = normal_of(&s);
     }
     /* So near to each other the direction may be rounding. */
     if (!(found.distance > 0) ||

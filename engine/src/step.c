@@ -66,7 +66,9 @@ typedef struct stepping {
     pe_motion *motions;
     bool *soft;   /* (islands): solved by substeps of soft contact */
     bool *stands; /* (slots): in an island that was solved directly */
-    bool *moved;  /* (slots): by the projection */
+    bool *thrown; /* (slots): in an island solved in place of soft contacts: is_tiny_or_thrown */
+    bool any_thrown;
+    bool *moved; /* (slots): by the projection */
     pe_contact_rules rules;
     pe_step_stats stats;
     pe_error *error;
@@ -101,14 +103,16 @@ static pe_status remember(stepping *step)
     step->motions = pe_scratch(world, slots, sizeof *step->motions);
     step->free = pe_scratch(world, slots, sizeof *step->free);
     step->stands = pe_scratch(world, slots, sizeof *step->stands);
+    step->thrown = pe_scratch(world, slots, sizeof *step->thrown);
     step->moved = pe_scratch(world, slots, sizeof *step->moved);
     if (step->poses == NULL || step->motions == NULL || step->free == NULL ||
-        step->stands == NULL || step->moved == NULL) {
+        step->stands == NULL || step->thrown == NULL || step->moved == NULL) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to step %zu bodies", slots);
     }
     memcpy(step->poses, pe_poses(world), slots * sizeof *step->poses);
     memcpy(step->motions, pe_motions(world), slots * sizeof *step->motions);
     memset(step->stands, 0, slots * sizeof *step->stands);
+    memset(step->thrown, 0, slots * sizeof *step->thrown);
     memset(step->moved, 0, slots * sizeof *step->moved);
     return PE_OK;
 }
@@ -205,15 +209,18 @@ static bool is_quiet_and_cheap(const stepping *step, int k)
     return true;
 }
 
-/* A substep's one pass of soft contacts does not stop what meets a wall in one step with more than
- * its own size to go: that is solved, where it costs little. */
+/* One or two bodies cost no more to solve than to substep. And a substep's one pass of soft
+ * contacts does not stop what meets a wall in one step with more than its own size to go: that is
+ * solved too, where it costs little. */
+enum { TINY_ISLAND = 2 };
 static const double FAR = 0.5; /* a step's motion in units of the bounding radius */
 
-static bool is_fast_and_small(const stepping *step, int k)
+static bool is_tiny_or_thrown(const stepping *step, int k)
 {
     const pe_islands *islands = &step->islands;
-    if (islands->body_start[k + 1] - islands->body_start[k] > SMALL_ISLAND) {
-        return false;
+    int bodies = islands->body_start[k + 1] - islands->body_start[k];
+    if (bodies <= TINY_ISLAND || bodies > SMALL_ISLAND) {
+        return bodies <= TINY_ISLAND;
     }
     for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
         int slot = islands->bodies[i];
@@ -226,6 +233,15 @@ static bool is_fast_and_small(const stepping *step, int k)
     return false;
 }
 
+static void mark_thrown(stepping *step, int k)
+{
+    const pe_islands *islands = &step->islands;
+    for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
+        step->thrown[islands->bodies[i]] = true;
+    }
+    step->any_thrown = true;
+}
+
 static pe_status choose_soft(stepping *step)
 {
     int count = step->islands.count;
@@ -234,8 +250,11 @@ static pe_status choose_soft(stepping *step)
         return pe_fail(step->error, PE_NO_MEMORY, "no memory for %d islands", count);
     }
     for (int k = 0; k < count; ++k) {
-        step->soft[k] = step->world->def.profile == PE_PROFILE_FAST &&
-                        !is_quiet_and_cheap(step, k) && !is_fast_and_small(step, k);
+        step->soft[k] = step->world->def.profile == PE_PROFILE_FAST && !is_quiet_and_cheap(step, k);
+        if (step->soft[k] && is_tiny_or_thrown(step, k)) {
+            step->soft[k] = false;
+            mark_thrown(step, k);
+        }
         step->stats.islands_by_path[PE_PATH_SOFT] += step->soft[k];
     }
     return PE_OK;
@@ -313,19 +332,24 @@ static pe_status project_by(stepping *step, const pe_project_rules *rules)
 }
 
 /* Pushes out what the step has left of penetration: all of it from what is solved directly, what is
- * over the slop from all. Soft contacts push by themselves. */
+ * over the slop from all. Soft contacts push by themselves, so that in the fast profile only what
+ * was too fast for them is left. */
 static pe_status project(stepping *step)
 {
+    bool fast = step->world->def.profile == PE_PROFILE_FAST;
     double slop = step->world->def.penetration_slop;
+    if (fast && !step->any_thrown) {
+        return PE_OK;
+    }
     pe_project_rules standing = pe_project_rules_default();
     standing.begin = STANDING_DEPTH;
     standing.aim = 0;
     standing.enough = 0.1 * STANDING_DEPTH;
-    standing.among = step->stands;
+    standing.among = fast ? step->thrown : step->stands;
     standing.solver = pe_solve_combined;
     standing.solver_limits = (pe_solve_limits){standing.enough, PROJECTION_ITERATIONS};
     pe_status status = project_by(step, &standing);
-    if (status != PE_OK) {
+    if (status != PE_OK || fast) {
         return status;
     }
     pe_project_rules rules = pe_project_rules_default();
@@ -391,7 +415,7 @@ static pe_status advance(stepping *step)
         status = meet(step);
     }
     mark = seconds_now();
-    if (status == PE_OK && world->def.profile != PE_PROFILE_FAST) {
+    if (status == PE_OK) {
         status = project(step);
     }
     if (status == PE_OK) {

@@ -96,8 +96,11 @@ static stretch cut(const triangle *t, const heights *h, pl_vec origin, pl_vec li
 static bool cross(const triangle *a, const triangle *b, double tolerance)
 {
     const heights of_a = measure_heights(a, b, tolerance);
+    if (of_a.above != of_a.below) {
+        return false; /* on one side */
+    }
     const heights of_b = measure_heights(b, a, tolerance);
-    if (of_a.above && of_a.below && of_b.above && of_b.below) {
+    if (of_a.above && of_b.above && of_b.below) {
         const pl_vec line = pl_vec_cross(a->normal, b->normal);
         const double length = pl_vec_length(line);
         if (length == 0) {
@@ -106,7 +109,7 @@ static bool cross(const triangle *a, const triangle *b, double tolerance)
         const pl_vec unit = pl_vec_scale(line, 1 / length), origin = a->corner[0];
         return overlap(cut(a, &of_a, origin, unit), cut(b, &of_b, origin, unit)) > tolerance;
     }
-    const bool in_plane = !of_a.above && !of_a.below && !of_b.above && !of_b.below;
+    const bool in_plane = !of_a.above && !of_b.above && !of_b.below;
     return in_plane && pl_vec_dot(a->normal, b->normal) > 0 && overlap_in_plane(a, b, tolerance);
 }
 
@@ -122,6 +125,7 @@ typedef struct search {
     const double (*vertices)[3];
     const int (*triangles)[3];
     double tolerance;
+    pl_vec *normals; /* of the triangles, unit */
     int *order;
     double (*middle)[3]; /* of the triangles' boxes, twice */
     node *nodes;
@@ -206,14 +210,20 @@ static int build_node(search *s, int begin, int end)
 
 static triangle load(const search *s, int t)
 {
-    triangle made;
+    triangle made = {.normal = s->normals[t]};
     for (int k = 0; k < 3; k++) {
         made.corner[k] = pl_vec_of(s->vertices[s->triangles[t][k]]);
     }
-    const pl_vec normal = pl_vec_cross(pl_vec_sub(made.corner[1], made.corner[0]),
-                                       pl_vec_sub(made.corner[2], made.corner[0]));
-    made.normal = pl_vec_scale(normal, 1 / pl_vec_length(normal));
     return made;
+}
+
+static pl_vec normal_of(const search *s, int t)
+{
+    const pl_vec a = pl_vec_of(s->vertices[s->triangles[t][0]]);
+    const pl_vec ab = pl_vec_sub(pl_vec_of(s->vertices[s->triangles[t][1]]), a);
+    const pl_vec ac = pl_vec_sub(pl_vec_of(s->vertices[s->triangles[t][2]]), a);
+    const pl_vec normal = pl_vec_cross(ab, ac);
+    return pl_vec_scale(normal, 1 / pl_vec_length(normal));
 }
 
 static int common_vertices(const int a[3], const int b[3])
@@ -269,16 +279,18 @@ static bool prepare(search *s, int vertex_count, int triangle_count)
         largest = fmax(largest, fmax(-low, high));
     }
     s->tolerance = 1e-9 * size + 16 * DBL_EPSILON * largest;
+    s->normals = malloc((size_t)triangle_count * sizeof *s->normals);
     s->order = malloc((size_t)triangle_count * sizeof *s->order);
     s->middle = malloc((size_t)triangle_count * sizeof *s->middle);
     s->nodes = malloc(2 * (size_t)triangle_count * sizeof *s->nodes);
-    if (s->order == NULL || s->middle == NULL || s->nodes == NULL) {
+    if (s->normals == NULL || s->order == NULL || s->middle == NULL || s->nodes == NULL) {
         return false;
     }
     for (int t = 0; t < triangle_count; t++) {
         double low[3], high[3];
         box_of_triangle(s, t, low, high);
         s->order[t] = t;
+        s->normals[t] = normal_of(s, t);
         for (int k = 0; k < 3; k++) {
             s->middle[t][k] = low[k] + high[k];
         }
@@ -304,6 +316,7 @@ bool pl_mesh_check_crossing(const double (*vertices)[3], int vertex_count,
                                 triangles[other][0], triangles[other][1], triangles[other][2]);
         }
     }
+    free(s.normals);
     free(s.order);
     free(s.middle);
     free(s.nodes);

@@ -77,6 +77,22 @@ static bool is_fan(const point *points, int count)
     return true;
 }
 
+/* Whether two of its sides go through each other. Ears alone would not show it of an outline that
+ * goes round twice. */
+static bool crosses_itself(const point *points, int count)
+{
+    for (int i = 0; i < count; i++) {
+        const point a = points[i], b = points[(i + 1) % count];
+        for (int k = i + 2; k < count; k++) {
+            const point c = points[k], d = points[(k + 1) % count];
+            if (area(a, b, c) * area(a, b, d) < 0 && area(c, d, a) * area(c, d, b) < 0) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 /* What is left of a polygon, a ring of corners. */
 typedef struct ring {
     const point *points;
@@ -160,7 +176,7 @@ pl_polygon_fault pl_polygon_cut(const double (*vertices)[3], const int *corner, 
             triangles[i][1] = i + 1;
             triangles[i][2] = i + 2;
         }
-    } else if (!clip_ears(&r, count, triangles)) {
+    } else if (crosses_itself(points, count) || !clip_ears(&r, count, triangles)) {
         fault = PL_POLYGON_CROSSES;
         goto cleanup;
     }

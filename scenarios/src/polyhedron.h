@@ -14,7 +14,7 @@
 #define PL_MIN_THICKNESS 1e-50 /* m, volume over surface */
 
 enum {
-    PL_MAX_HULL_POINTS = 1 << 20,
+    PL_MAX_HULL_POINTS = 1 << 16, /* qhull takes seconds for thousands of corners in one plane */
     PL_MAX_VERTICES = 1 << 21,
     PL_MAX_TRIANGLES = 1 << 21,
 };

@@ -159,6 +159,9 @@ static double scale_points(const double (*points)[3], int count, double (*scaled
             size = fmax(size, scaled[i][k]);
         }
     }
+    if (size == 0) {
+        return 1; /* all in one place */
+    }
     int exponent = 0;
     frexp(size, &exponent);
     for (int i = 0; i < count; i++) {

@@ -1,6 +1,6 @@
 #include "convex_truth.h"
 
-enum { NODES = 4000, CELLS = 8000 };
+enum { NODES = 10000, CELLS = 20000 };
 
 /* A direction and what M has there, without its ball. */
 typedef struct node {

@@ -57,7 +57,7 @@ typedef struct truth_distance {
     int supports;     /* how many were evaluated */
 } truth_distance;
 
-/* Stops when high - low <= tolerance, in m, or after 4,000 supports. */
+/* Stops when high - low <= tolerance, in m, or after 10,000 supports. */
 truth_distance truth_signed_distance(const truth_difference *m, double tolerance);
 
 #endif

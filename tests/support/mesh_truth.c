@@ -3,7 +3,7 @@
 #include "shape_pairs_forms.h"
 
 typedef struct triangle {
-    pe_vec3 v[3], centre;
+    pe_vec3 v[3], normal, centre;
     double radius; /* about the centre */
 } triangle;
 
@@ -11,6 +11,12 @@ typedef struct soup {
     int count;
     triangle item[FORM_TRIANGLES];
 } soup;
+
+static pe_vec3 normal_of(const triangle *t)
+{
+    pe_vec3 n = pe_cross(pe_sub(t->v[1], t->v[0]), pe_sub(t->v[2], t->v[0]));
+    return pe_scale(1 / pe_length(n), n);
+}
 
 static void take_triangles(const placed *p, soup *s)
 {
@@ -22,6 +28,7 @@ static void take_triangles(const placed *p, soup *s)
             t->v[k] = pe_add(p->pose.position, pe_rotate(&p->pose.rotation, local));
         }
         t->centre = pe_scale(1.0 / 3, pe_add(t->v[0], pe_add(t->v[1], t->v[2])));
+        t->normal = normal_of(t);
         t->radius = 0;
         for (int k = 0; k < 3; ++k) {
             t->radius = pe_max(t->radius, pe_length(pe_sub(t->v[k], t->centre)));
@@ -29,18 +36,12 @@ static void take_triangles(const placed *p, soup *s)
     }
 }
 
-static pe_vec3 normal_of(const triangle *t)
-{
-    pe_vec3 n = pe_cross(pe_sub(t->v[1], t->v[0]), pe_sub(t->v[2], t->v[0]));
-    return pe_scale(1 / pe_length(n), n);
-}
-
 /* Whether the foot of x on the plane is within the triangle. */
-static bool is_over(const triangle *t, pe_vec3 n, pe_vec3 x)
+static bool is_over(const triangle *t, pe_vec3 x)
 {
     for (int k = 0; k < 3; ++k) {
         pe_vec3 side = pe_sub(t->v[(k + 1) % 3], t->v[k]);
-        if (pe_dot(n, pe_cross(side, pe_sub(x, t->v[k]))) < 0) {
+        if (pe_dot(t->normal, pe_cross(side, pe_sub(x, t->v[k]))) < 0) {
             return false;
         }
     }
@@ -61,9 +62,8 @@ static double point_segment(pe_vec3 x, pe_vec3 p, pe_vec3 q)
 
 static double point_triangle(pe_vec3 x, const triangle *t)
 {
-    pe_vec3 n = normal_of(t);
-    if (is_over(t, n, x)) {
-        return fabs(pe_dot(n, pe_sub(x, t->v[0])));
+    if (is_over(t, x)) {
+        return fabs(pe_dot(t->normal, pe_sub(x, t->v[0])));
     }
     double least = HUGE_VAL;
     for (int k = 0; k < 3; ++k) {
@@ -91,9 +91,9 @@ static double segment_segment(pe_vec3 p, pe_vec3 q, pe_vec3 r, pe_vec3 s)
 /* Whether the segment goes through the triangle. */
 static bool pierces(pe_vec3 p, pe_vec3 q, const triangle *t)
 {
-    pe_vec3 n = normal_of(t);
+    pe_vec3 n = t->normal;
     double high = pe_dot(n, pe_sub(p, t->v[0])), low = pe_dot(n, pe_sub(q, t->v[0]));
-    return high * low < 0 && is_over(t, n, pe_madd(p, high / (high - low), pe_sub(q, p)));
+    return high * low < 0 && is_over(t, pe_madd(p, high / (high - low), pe_sub(q, p)));
 }
 
 static double segment_triangle(pe_vec3 p, pe_vec3 q, const triangle *t)
@@ -123,14 +123,20 @@ static double triangle_triangle(const triangle *t, const triangle *o)
 
 static double to_surfaces(const soup *a, const soup *b)
 {
+    /* The centres are of the surfaces too: what is farther by both radii need not be looked at. */
     double least = HUGE_VAL;
-    for (int i = 0; i < a->count; ++i) {
+    for (int i = 0; i < a->count * b->count; ++i) {
+        pe_vec3 d = pe_sub(b->item[i % b->count].centre, a->item[i / b->count].centre);
+        least = pe_min(least, pe_dot(d, d));
+    }
+    least = sqrt(least);
+    for (int i = 0; i < a->count && least > 0; ++i) {
         const triangle *t = &a->item[i];
         for (int j = 0; j < b->count; ++j) {
             const triangle *o = &b->item[j];
             double reach = t->radius + o->radius + least;
             pe_vec3 d = pe_sub(o->centre, t->centre);
-            if (!(pe_dot(d, d) > reach * reach)) {
+            if (pe_dot(d, d) <= reach * reach) {
                 least = pe_min(least, triangle_triangle(t, o));
             }
         }

@@ -46,6 +46,14 @@ void to_body(const double q[4], const double v[3], double out[3])
     }
 }
 
+void quaternion_product(const double a[4], const double b[4], double out[4])
+{
+    out[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
+    out[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
+    out[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
+    out[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
+}
+
 /* The angle of the rotation from one orientation to another, from the chord of the quaternions. */
 double angle_between(const double a[4], const double b[4])
 {

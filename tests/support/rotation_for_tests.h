@@ -9,6 +9,9 @@ double distance(const double a[3], const double b[3]);
 void to_world(const double q[4], const double v[3], double out[3]);
 void to_body(const double q[4], const double v[3], double out[3]);
 
+/* Hamilton's product: the rotation b, then a. `out` is neither. */
+void quaternion_product(const double a[4], const double b[4], double out[4]);
+
 /* The angle of the rotation from one orientation to another, from the chord of the quaternions. */
 double angle_between(const double a[4], const double b[4]);
 

@@ -478,6 +478,8 @@ pair random_pair(const shape_pool *pool, pe_shape_kind a, pe_shape_kind b, pair_
         distance = p.size * check_uniform(random, 0, 1);
     } else if (pose == POSE_FAR) {
         distance = reach * log_uniform(random, 1, 100);
+    } else if (b == PE_SHAPE_MESH && pose != POSE_ANY) {
+        distance = reach; /* apart: from within, the way to where they touch may not be straight */
     }
     place(&p.b, pe_madd(at, distance, away), random_turn(random));
     switch (pose) {

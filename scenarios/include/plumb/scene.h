@@ -162,10 +162,11 @@ pl_shape pl_shape_capsule(double radius, double half_height);
 pl_shape pl_shape_cylinder(double radius, double half_height);
 pl_shape pl_shape_of(const pl_polyhedron *polyhedron); /* a hull if it is convex, else a mesh */
 
-/* Make a polyhedron of the scene's own, which *polyhedron then borrows; `name` as in pl_polyhedron,
- * or NULL. PL_BAD_INPUT: of a hull, points that are not finite or lie in one plane; of a mesh, an
- * index out of range, or a surface that is open, not orientable, inside out or crosses itself, and
- * where. */
+/* Make a polyhedron of the scene's own, which *polyhedron (NULL allowed) then borrows; `name` as in
+ * pl_polyhedron, or NULL. PL_BAD_INPUT: of a hull, points that are not finite or lie in one plane;
+ * of a mesh, an index out of range, or a surface that is open, not orientable, encloses nothing or
+ * crosses itself, and where. A mesh may be wound in any way: its surfaces are turned outward, those
+ * of cavities inward; vertices that no triangle has are left out. */
 pl_status pl_scene_add_hull(pl_scene *scene, const char *name, const double (*points)[3], int count,
                             const pl_polyhedron **polyhedron, pl_error *);
 pl_status pl_scene_add_mesh(pl_scene *scene, const char *name, const double (*vertices)[3],
@@ -207,16 +208,19 @@ long pl_scene_steps(const pl_scene *scene);
 pl_status pl_scene_validate(const pl_scene *scene, pl_error *);
 
 /* Reads a scene file ("plumb_scene": 1). `path` "-" is standard input. The error's message is
- * FILE:LINE:COLUMN: path.to.field: what was expected, what was found. The caller frees *scene. */
+ * FILE:LINE:COLUMN: path.to.field: what was expected, what was found. Files that it names are
+ * looked for beside it, or in the working directory. The caller frees *scene. */
 pl_status pl_scene_read_file(const char *path, pl_scene *scene, pl_error *);
 
-/* The same for text in memory; `label` stands for the file's name in messages. */
+/* The same for text in memory, which may name no files; `label` stands for the file's name in
+ * messages. */
 pl_status pl_scene_read_text(const char *text, size_t length, const char *label, pl_scene *scene,
                              pl_error *);
 
 /* A valid scene as JSON text that pl_scene_read_text reads back to the same scene, number for
- * number; forces come in the order of their bodies. malloc'd; the caller frees. NULL when out of
- * memory. */
+ * number; forces come in the order of their bodies, a polyhedron that several share gets a name,
+ * and one that has neither a name nor a body is left out. malloc'd; the caller frees. NULL when out
+ * of memory. */
 char *pl_scene_to_text(const pl_scene *scene);
 
 /* 64-bit FNV-1a of that text as 16 hexadecimal digits and a zero: two scenes with the same hash are

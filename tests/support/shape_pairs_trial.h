@@ -1,0 +1,58 @@
+/* Running a law over poses of all pairs of kinds, and saying where it fails. */
+#ifndef PLUMB_TEST_SHAPE_PAIRS_TRIAL_H
+#define PLUMB_TEST_SHAPE_PAIRS_TRIAL_H
+
+#include "shape_pairs.h"
+
+/* One pose, and what was wrong with it. */
+typedef struct trial {
+    const shape_pool *pool;
+    pair pair;
+    pair_pose pose;
+    check_random random;
+    double margin;    /* m: the pair's gap is within it */
+    double tolerance; /* m: 1e-9 of the size, and rounding of the lengths that were added */
+    const char *what;
+    double found, expected;
+    int skipped; /* of the trials of the pair of kinds: where the law says nothing */
+} trial;
+
+/* Returns whether it holds. */
+typedef bool law(trial *t);
+
+/* For a law to return: false, and what was found; true when near; true, counted as skipped. */
+bool fails(trial *t, const char *what, double found, double expected);
+bool is_near(trial *t, const char *what, double found, double expected, double within);
+bool skips(trial *t);
+
+typedef enum law_kinds { LAW_CONVEX = 1, LAW_MESH = 2, LAW_ALL = 3 } law_kinds;
+
+/* Poses of each pair of kinds. */
+typedef struct law_count {
+    int convex, mesh;
+} law_count;
+
+/* Over all pairs of kinds, or the one that the environment names, as in PLUMB_TEST_PAIR="box x
+ * hull". Prints, of each pair, the first pose of every sort where the law fails, and how many do;
+ * then the test fails. Returns the largest share of the poses of a pair that the law skips. */
+double run_law(law *holds, law_kinds kinds, law_count poses, pair_gap *gap);
+
+/* What the engine finds. */
+typedef struct patches {
+    int count;
+    pe_hits item[PE_MAX_PATCHES];
+} patches;
+
+patches collide(const placed *a, const placed *b, double margin);
+
+/* The deepest point, NULL when there is none; *normal is that of its patch. */
+const pe_hit *deepest_of(const patches *found, pe_vec3 *normal);
+
+/* A margin that the pair is within, wherever it is. */
+double wide(const pair *p);
+
+/* The signed distance as the engine has it, and as it is; the latter of convex shapes. */
+double engine_gap(const pair *p, pe_vec3 *normal);
+double true_gap(const pair *p, pe_vec3 *normal);
+
+#endif

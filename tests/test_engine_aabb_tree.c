@@ -1,0 +1,229 @@
+/* The tree of boxes against all pairs. */
+#include "aabb_tree.h"
+#include "check.h"
+#include "counting_allocator.h"
+#include "vec.h"
+
+#include <string.h>
+
+enum { ITEMS = 200 };
+
+/* Boxes by item, and which of them changed since pairs were found. */
+typedef struct forest {
+    pe_tree tree;
+    pe_box box[ITEMS];
+    bool there[ITEMS], changed[ITEMS];
+    pe_arena arena;
+    pe_allocator allocator;
+} forest;
+
+static pe_box random_box(check_random *random)
+{
+    pe_box box;
+    double size = check_uniform(random, 0, 1) < 0.02 ? 1e6 : 1;
+    for (int k = 0; k < 3; ++k) {
+        box.low[k] = check_uniform(random, -3, 3) * size;
+        box.high[k] = box.low[k] + check_uniform(random, 0, 2) * size;
+    }
+    return box;
+}
+
+static void add(forest *f, int item, check_random *random)
+{
+    f->box[item] = random_box(random);
+    f->there[item] = f->changed[item] = true;
+    assert_int_equal(pe_tree_add(&f->tree, &f->allocator, item, &f->box[item], NULL), PE_OK);
+}
+
+static void change(forest *f, int item, check_random *random)
+{
+    if (!f->there[item]) {
+        add(f, item, random);
+    } else if (check_uniform(random, 0, 1) < 0.3) {
+        pe_tree_remove(&f->tree, item);
+        f->there[item] = false;
+    } else {
+        f->box[item] = random_box(random);
+        f->changed[item] = true;
+        pe_tree_move(&f->tree, item, &f->box[item]);
+    }
+}
+
+/* Marks the pairs that the tree tells. */
+static void find(forest *f, char (*told)[ITEMS])
+{
+    pe_arena_reset(&f->arena, &f->allocator);
+    pe_pair_list pairs = {.work = {&f->arena, &f->allocator}};
+    assert_int_equal(pe_tree_update(&f->tree, pairs.work, NULL), PE_OK);
+    assert_int_equal(pe_tree_meet(&f->tree, &f->tree, &pairs, NULL), PE_OK);
+    memset(told, 0, ITEMS * sizeof *told);
+    for (int i = 0; i < pairs.count; ++i) {
+        told[pairs.items[i].a][pairs.items[i].b] += 1;
+    }
+    pe_tree_unmark(&f->tree);
+}
+
+static void test_pairs_are_all_overlaps_of_changed_boxes_each_once(void **state)
+{
+    (void)state;
+    static char told[ITEMS][ITEMS];
+    check_random random = {31};
+    forest f = {.allocator = pe_allocator_default()};
+    long found = 0;
+    for (int round = 0; round < 400; ++round) {
+        /* From one change to all of them, so that every way to rebuild is gone. */
+        int changes = round % 3 == 0 ? 1 : round % 3 == 1 ? 12 : ITEMS - 1;
+        memset(f.changed, 0, sizeof f.changed);
+        for (int i = 0; i < changes; ++i) {
+            change(&f, 1 + (int)check_uniform(&random, 0, ITEMS - 1), &random);
+        }
+        find(&f, told);
+        for (int a = 1; a < ITEMS; ++a) {
+            for (int b = a + 1; b < ITEMS; ++b) {
+                bool meet = f.there[a] && f.there[b] && (f.changed[a] || f.changed[b]) &&
+                            pe_box_overlaps(&f.box[a], &f.box[b]);
+                assert_int_equal(told[a][b], meet);
+                found += meet;
+            }
+        }
+    }
+    assert_true(found > 10000);
+    pe_tree_free(&f.tree, &f.allocator);
+    pe_arena_free(&f.arena, &f.allocator);
+}
+
+static void test_without_changes_no_pair_is_found(void **state)
+{
+    (void)state;
+    static char told[ITEMS][ITEMS], none[ITEMS][ITEMS];
+    check_random random = {32};
+    forest f = {.allocator = pe_allocator_default()};
+    find(&f, told); /* empty, too */
+    for (int i = 1; i < ITEMS; ++i) {
+        add(&f, i, &random);
+    }
+    find(&f, told);
+    assert_memory_not_equal(told, none, sizeof told);
+    find(&f, told);
+    assert_memory_equal(told, none, sizeof told);
+    pe_tree_mark_all(&f.tree);
+    find(&f, told);
+    assert_memory_not_equal(told, none, sizeof told);
+    pe_tree_free(&f.tree, &f.allocator);
+    pe_arena_free(&f.arena, &f.allocator);
+}
+
+/* Boxes at 2^-i need the most cuts, and equal ones cannot be cut at all. */
+static void test_height_stays_low_for_boxes_that_are_hard_to_part(void **state)
+{
+    (void)state;
+    static char told[ITEMS][ITEMS];
+    for (int kind = 0; kind < 2; ++kind) {
+        forest f = {.allocator = pe_allocator_default()};
+        for (int i = 1; i < ITEMS; ++i) {
+            double x = kind == 0 ? pow(0.5, i) : 1;
+            f.box[i] = (pe_box){{x, x, x}, {x, x, x}};
+            assert_int_equal(pe_tree_add(&f.tree, &f.allocator, i, &f.box[i], NULL), PE_OK);
+        }
+        find(&f, told);
+        const pe_tree_node *nodes = f.tree.node_array.items;
+        assert_in_range(nodes[f.tree.root].height, 8, 19); /* log 199 to the base 2, and 4/3 */
+        assert_int_equal(told[1][2], kind);
+        pe_tree_free(&f.tree, &f.allocator);
+        pe_arena_free(&f.arena, &f.allocator);
+    }
+}
+
+/* One leaf after the other moves a little, for many rounds: partial rebuilds alone. */
+static void test_height_and_nodes_stay_bounded_under_single_moves(void **state)
+{
+    (void)state;
+    static char told[ITEMS][ITEMS];
+    check_random random = {33};
+    forest f = {.allocator = pe_allocator_default()};
+    for (int i = 1; i < ITEMS; ++i) {
+        add(&f, i, &random);
+    }
+    find(&f, told);
+    int nodes = f.tree.node_count;
+    assert_int_equal(nodes, 2 * (ITEMS - 1) - 1);
+    for (int round = 0; round < 20000; ++round) {
+        int item = 1 + round * 7 % (ITEMS - 1);
+        for (int k = 0; k < 3; ++k) {
+            double way = check_uniform(&random, -0.5, 0.5);
+            f.box[item].low[k] += way;
+            f.box[item].high[k] += way;
+        }
+        pe_tree_move(&f.tree, item, &f.box[item]);
+        assert_int_equal(pe_tree_update(&f.tree, (pe_workspace){&f.arena, &f.allocator}, NULL),
+                         PE_OK);
+        pe_tree_unmark(&f.tree);
+        const pe_tree_node *node = f.tree.node_array.items;
+        assert_true(node[f.tree.root].height <= 96);
+    }
+    assert_int_equal(f.tree.node_count, nodes);
+    pe_tree_free(&f.tree, &f.allocator);
+    pe_arena_free(&f.arena, &f.allocator);
+}
+
+static void test_an_update_without_memory_can_be_made_up_for(void **state)
+{
+    (void)state;
+    static char told[ITEMS][ITEMS], expected[ITEMS][ITEMS];
+    check_random random = {34};
+    counter c = {.fail_at = -1};
+    forest f = {.allocator = {count_allocate, count_release, &c}};
+    for (int i = 1; i < ITEMS; ++i) {
+        add(&f, i, &random);
+    }
+    c.fail_at = c.calls;
+    pe_error error = {0};
+    assert_int_equal(pe_tree_update(&f.tree, (pe_workspace){&f.arena, &f.allocator}, &error),
+                     PE_NO_MEMORY);
+    assert_contains(error.message, "199 boxes");
+    c.fail_at = -1;
+    find(&f, told);
+    for (int a = 1; a < ITEMS; ++a) {
+        for (int b = a + 1; b < ITEMS; ++b) {
+            expected[a][b] = pe_box_overlaps(&f.box[a], &f.box[b]);
+        }
+    }
+    assert_memory_equal(told, expected, sizeof told);
+    pe_tree_free(&f.tree, &f.allocator);
+    pe_arena_free(&f.arena, &f.allocator);
+    assert_int_equal(c.living, 0);
+}
+
+/* (a, b) in order, also where one slot has nearly all of them. */
+static void test_pairs_are_sorted_by_both_slots(void **state)
+{
+    (void)state;
+    pe_allocator allocator = pe_allocator_default();
+    pe_arena arena = {0};
+    pe_pair_list pairs = {.work = {&arena, &allocator}};
+    for (int i = 0; i < 5000; ++i) {
+        int b = 1 + i * 3571 % 4999;
+        assert_int_equal(
+            pe_pair_list_add(&pairs, i % 9 == 0 ? i * 77 % 5000 : b, i % 9 ? 0 : b, NULL), PE_OK);
+    }
+    assert_int_equal(pe_pair_list_sort(&pairs, 5000, NULL), PE_OK);
+    assert_int_equal(pairs.count, 5000);
+    for (int i = 1; i < pairs.count; ++i) {
+        pe_pair p = pairs.items[i - 1], q = pairs.items[i];
+        assert_true(p.a < q.a || (p.a == q.a && p.b <= q.b));
+    }
+    pe_arena_free(&arena, &allocator);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_pairs_are_all_overlaps_of_changed_boxes_each_once),
+        cmocka_unit_test(test_without_changes_no_pair_is_found),
+        cmocka_unit_test(test_height_stays_low_for_boxes_that_are_hard_to_part),
+        cmocka_unit_test(test_height_and_nodes_stay_bounded_under_single_moves),
+        cmocka_unit_test(test_an_update_without_memory_can_be_made_up_for),
+        cmocka_unit_test(test_pairs_are_sorted_by_both_slots),
+    };
+    return cmocka_run_group_tests_name("engine_aabb_tree", tests, NULL, NULL);
+}
