@@ -111,7 +111,9 @@ static void check_pairs(pe_world *world, tally *t)
         for (int b = a + 1; b < world->slot_count; ++b) {
             double margin = pe_pair_margin(world, a, b, H);
             bool placed = pe_is_finite(poses[a].position) && pe_is_finite(poses[b].position);
-            if ((bodies[a].is_static && bodies[b].is_static) || !isfinite(margin) || !placed) {
+            bool alive = bodies[a].alive && bodies[b].alive;
+            if (!alive || (bodies[a].is_static && bodies[b].is_static) || !isfinite(margin) ||
+                !placed) {
                 continue;
             }
             pe_hits hits;

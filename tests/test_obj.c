@@ -33,14 +33,14 @@ static pl_polyhedron *read_good(const char *name)
 static void check_good(const char *name, const solid_moments *expected, double relative)
 {
     pl_polyhedron *made = read_good(name);
-    solid_check(made, expected, NULL, NULL, relative);
+    known_check(made, expected, NULL, NULL, relative);
     pl_polyhedron_free(made);
 }
 
 static void check_boxes(const char *name, const double (*centres)[3], const double (*halves)[3],
                         const int *signs, int count)
 {
-    const solid_moments expected = solid_moments_of_boxes(centres, halves, signs, count);
+    const solid_moments expected = known_moments_of_boxes(centres, halves, signs, count);
     check_good(name, &expected, 1e-14);
 }
 
@@ -115,13 +115,13 @@ static void test_round_solids_equal_their_slices(void **state)
         radius[j] = 2 + 0.5 * cos(j * two_pi / 12);
         height[j] = 0.5 * sin(j * two_pi / 12);
     }
-    const solid_moments torus = solid_moments_of_rings(24, radius, height, 12, true);
+    const solid_moments torus = known_moments_of_rings(24, radius, height, 12, true);
     check_good("torus", &torus, 1e-14);
     for (int j = 0; j <= 4; j++) { /* from pole to pole */
         radius[j] = j % 4 == 0 ? 0 : sin(j * two_pi / 8);
         height[j] = -cos(j * two_pi / 8);
     }
-    const solid_moments ball = solid_moments_of_rings(8, radius, height, 5, false);
+    const solid_moments ball = known_moments_of_rings(8, radius, height, 5, false);
     check_good("ball_poles", &ball, 1e-14);
     pl_polyhedron *made = read_good("tetrahedron");
     assert_close(made->volume, 1.0 / 6, 0, 1e-15);

@@ -28,7 +28,7 @@ static void check_mesh(const solid_surface *s, const solid_moments *expected,
                        const double rotation[4], const double shift[3], double relative)
 {
     pl_scene scene;
-    solid_check(mesh_of(s, &scene), expected, rotation, shift, relative);
+    known_check(mesh_of(s, &scene), expected, rotation, shift, relative);
     pl_scene_free(&scene);
 }
 
@@ -39,9 +39,9 @@ static void test_box_off_centre_has_the_closed_form_and_its_own_axes(void **stat
     (void)state;
     const double centre[3] = {5, -7, 11}, half[3] = {0.5, 1.5, 0.25};
     const int plus = 1;
-    const solid_moments expected = solid_moments_of_boxes(&centre, &half, &plus, 1);
-    solid_clear(&surface);
-    solid_add_box(&surface, centre, half, false);
+    const solid_moments expected = known_moments_of_boxes(&centre, &half, &plus, 1);
+    known_clear(&surface);
+    known_add_box(&surface, centre, half, false);
     check_mesh(&surface, &expected, NULL, NULL, 1e-15);
     pl_scene scene;
     const pl_polyhedron *box = mesh_of(&surface, &scene);
@@ -62,15 +62,15 @@ static void test_box_off_centre_has_the_closed_form_and_its_own_axes(void **stat
 static void test_tetrahedron_has_the_closed_form(void **state)
 {
     (void)state;
-    solid_clear(&surface);
-    solid_add_vertex(&surface, 0, 0, 0);
-    solid_add_vertex(&surface, 1, 0, 0);
-    solid_add_vertex(&surface, 0, 1, 0);
-    solid_add_vertex(&surface, 0, 0, 1);
-    solid_add_triangle(&surface, 0, 2, 1);
-    solid_add_triangle(&surface, 0, 1, 3);
-    solid_add_triangle(&surface, 0, 3, 2);
-    solid_add_triangle(&surface, 1, 2, 3);
+    known_clear(&surface);
+    known_add_vertex(&surface, 0, 0, 0);
+    known_add_vertex(&surface, 1, 0, 0);
+    known_add_vertex(&surface, 0, 1, 0);
+    known_add_vertex(&surface, 0, 0, 1);
+    known_add_triangle(&surface, 0, 2, 1);
+    known_add_triangle(&surface, 0, 1, 3);
+    known_add_triangle(&surface, 0, 3, 2);
+    known_add_triangle(&surface, 1, 2, 3);
     solid_moments expected = {.volume = 1.0 / 6, .mean = {0.25, 0.25, 0.25}};
     for (int i = 0; i < 9; i++) {
         expected.square[i / 3][i % 3] = (i / 3 == i % 3 ? 0.1 : 0.05) - 1.0 / 16;
@@ -84,12 +84,12 @@ static void test_prism_has_the_closed_form_of_its_polygon(void **state)
     const double radius[2] = {0.75, 0.75}, height[2] = {-2, 1};
     static const int sides[] = {3, 4, 7, 64, 1000};
     for (int i = 0; i < 5; i++) {
-        const solid_moments expected = solid_moments_of_rings(sides[i], radius, height, 2, false);
+        const solid_moments expected = known_moments_of_rings(sides[i], radius, height, 2, false);
         const double angle = 6.28318530717958647692 / sides[i];
         assert_close(expected.volume, 3 * sides[i] / 2.0 * 0.75 * 0.75 * sin(angle), 0, 1e-14);
         assert_close(expected.square[2][2], 9.0 / 12, 0, 1e-14);
-        solid_clear(&surface);
-        solid_add_rings(&surface, sides[i], radius, height, 2, false);
+        known_clear(&surface);
+        known_add_rings(&surface, sides[i], radius, height, 2, false);
         check_mesh(&surface, &expected, NULL, NULL, 1e-13);
     }
 }
@@ -107,9 +107,9 @@ static void test_torus_equals_its_slices(void **state)
     (void)state;
     double radius[12], height[12];
     torus_rings(radius, height);
-    const solid_moments expected = solid_moments_of_rings(24, radius, height, 12, true);
-    solid_clear(&surface);
-    solid_add_rings(&surface, 24, radius, height, 12, true);
+    const solid_moments expected = known_moments_of_rings(24, radius, height, 12, true);
+    known_clear(&surface);
+    known_add_rings(&surface, 24, radius, height, 12, true);
     check_mesh(&surface, &expected, NULL, NULL, 1e-14);
     pl_scene scene;
     const pl_polyhedron *torus = mesh_of(&surface, &scene);
@@ -136,19 +136,19 @@ static void test_turned_and_moved_solids_keep_their_moments(void **state)
             shift[k] = check_uniform(&random, -10, 10);
         }
         const int count = i % 2 + 1; /* one box, or two that touch */
-        const solid_moments expected = solid_moments_of_boxes(centres, halves, signs, count);
-        solid_clear(&surface);
+        const solid_moments expected = known_moments_of_boxes(centres, halves, signs, count);
+        known_clear(&surface);
         for (int b = 0; b < count; b++) {
-            solid_add_box(&surface, centres[b], halves[b], false);
+            known_add_box(&surface, centres[b], halves[b], false);
         }
-        solid_move(&surface, rotation, shift);
+        known_move(&surface, rotation, shift);
         check_mesh(&surface, &expected, rotation, shift, 1e-13);
     }
-    const solid_moments torus = solid_moments_of_rings(24, radius, height, 12, true);
+    const solid_moments torus = known_moments_of_rings(24, radius, height, 12, true);
     const double rotation[4] = {0.5, 0.5, -0.5, 0.5}, shift[3] = {1, 2, 3};
-    solid_clear(&surface);
-    solid_add_rings(&surface, 24, radius, height, 12, true);
-    solid_move(&surface, rotation, shift);
+    known_clear(&surface);
+    known_add_rings(&surface, 24, radius, height, 12, true);
+    known_move(&surface, rotation, shift);
     check_mesh(&surface, &torus, rotation, shift, 1e-14);
 }
 
@@ -158,11 +158,11 @@ static void test_far_solid_has_the_inertia_of_the_near_one(void **state)
     (void)state;
     const double centre[3] = {0.5, -0.75, 0.25}, half[3] = {0.5, 1.5, 0.25};
     const double far[3] = {1e6, -1e6, 1e6};
-    solid_clear(&surface);
-    solid_add_box(&surface, centre, half, false);
+    known_clear(&surface);
+    known_add_box(&surface, centre, half, false);
     pl_scene near_scene, far_scene;
     const pl_polyhedron *near = mesh_of(&surface, &near_scene);
-    solid_move(&surface, no_turn, far);
+    known_move(&surface, no_turn, far);
     const pl_polyhedron *moved = mesh_of(&surface, &far_scene);
     assert_memory_equal(moved->inertia, near->inertia, sizeof near->inertia);
     assert_memory_equal(moved->axes, near->axes, sizeof near->axes);
@@ -176,10 +176,10 @@ static void test_far_solid_has_the_inertia_of_the_near_one(void **state)
     /* And others, by what a million rounds. */
     double radius[12], height[12];
     torus_rings(radius, height);
-    const solid_moments torus = solid_moments_of_rings(24, radius, height, 12, true);
-    solid_clear(&surface);
-    solid_add_rings(&surface, 24, radius, height, 12, true);
-    solid_move(&surface, no_turn, far);
+    const solid_moments torus = known_moments_of_rings(24, radius, height, 12, true);
+    known_clear(&surface);
+    known_add_rings(&surface, 24, radius, height, 12, true);
+    known_move(&surface, no_turn, far);
     check_mesh(&surface, &torus, NULL, far, 1e-9);
 }
 
@@ -189,12 +189,12 @@ static void test_solid_cut_in_two_has_the_moments_of_the_whole(void **state)
     const double whole[3] = {0, 0, 0}, whole_half[3] = {2, 1, 1};
     const double parts[2][3] = {{-1, 0, 0}, {1, 0, 0}}, part_half[3] = {1, 1, 1};
     pl_scene one, two;
-    solid_clear(&surface);
-    solid_add_box(&surface, whole, whole_half, false);
+    known_clear(&surface);
+    known_add_box(&surface, whole, whole_half, false);
     const pl_polyhedron *a = mesh_of(&surface, &one);
-    solid_clear(&surface);
-    solid_add_box(&surface, parts[0], part_half, false);
-    solid_add_box(&surface, parts[1], part_half, false);
+    known_clear(&surface);
+    known_add_box(&surface, parts[0], part_half, false);
+    known_add_box(&surface, parts[1], part_half, false);
     const pl_polyhedron *b = mesh_of(&surface, &two);
     assert_close(b->volume, a->volume, 0, 1e-15);
     for (int k = 0; k < 3; k++) {
@@ -211,11 +211,11 @@ static void test_cavity_is_taken_away_and_what_is_in_it_added(void **state)
     const double centres[3][3] = {{0, 0, 0}, {0.5, 0.25, 0}, {0.5, 0, 0.25}};
     const double halves[3][3] = {{2, 2, 2}, {1, 1.25, 1}, {0.5, 0.5, 0.5}};
     static const int signs[3] = {1, -1, 1};
-    const solid_moments expected = solid_moments_of_boxes(centres, halves, signs, 3);
+    const solid_moments expected = known_moments_of_boxes(centres, halves, signs, 3);
     for (int winding = 0; winding < 8; winding++) {
-        solid_clear(&surface);
+        known_clear(&surface);
         for (int b = 0; b < 3; b++) {
-            solid_add_box(&surface, centres[b], halves[b], (winding >> b & 1) != 0);
+            known_add_box(&surface, centres[b], halves[b], (winding >> b & 1) != 0);
         }
         check_mesh(&surface, &expected, NULL, NULL, 1e-14);
     }
@@ -230,9 +230,9 @@ static void test_turned_rod_keeps_the_inertia_about_its_length(void **state)
     for (int i = 0; i < 50; i++) {
         double rotation[4], least = HUGE_VAL;
         check_quaternion(&random, rotation);
-        solid_clear(&surface);
-        solid_add_box(&surface, centre, half, false);
-        solid_move(&surface, i == 0 ? no_turn : rotation, no_shift);
+        known_clear(&surface);
+        known_add_box(&surface, centre, half, false);
+        known_move(&surface, i == 0 ? no_turn : rotation, no_shift);
         pl_scene scene;
         const pl_polyhedron *rod = mesh_of(&surface, &scene);
         for (int k = 0; k < 3; k++) {
@@ -260,11 +260,11 @@ static void test_axes_are_right_handed_and_make_the_moments_diagonal(void **stat
         const double *q = p->axes;
         assert_close(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1, 1e-15, 0);
         /* In the frame of its axes it has the identity. */
-        solid_clear(&surface);
+        known_clear(&surface);
         const pl_axes axes = pl_axes_of(q);
         for (int i = 0; i < p->vertex_count; i++) {
             const pl_vec local = pl_to_local(&axes, pl_vec_of(p->vertices[i]));
-            solid_add_vertex(&surface, local.x, local.y, local.z);
+            known_add_vertex(&surface, local.x, local.y, local.z);
         }
         memcpy(surface.triangles, p->triangles, (size_t)p->triangle_count * sizeof *p->triangles);
         surface.triangle_count = p->triangle_count;

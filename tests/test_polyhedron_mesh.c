@@ -47,8 +47,8 @@ static void expect_refused(const char *message)
 
 static void make_cube(void)
 {
-    solid_clear(&surface);
-    solid_add_box(&surface, origin, ones, false);
+    known_clear(&surface);
+    known_add_box(&surface, origin, ones, false);
 }
 
 static void test_faults_of_a_triangle_are_located(void **state)
@@ -92,8 +92,8 @@ static void test_every_open_edge_is_found(void **state)
         expect_refused("expected a closed surface, each edge of two triangles, found triangle ");
     }
     make_cube();
-    solid_add_vertex(&surface, 5, 5, 5);
-    solid_add_triangle(&surface, 0, 1, 8);
+    known_add_vertex(&surface, 5, 5, 5);
+    known_add_triangle(&surface, 0, 1, 8);
     expect_refused("mesh: triangles[1]: expected each edge to be of two triangles, found that of "
                    "vertices 0 and 1 in 3, such as triangles 1, 4 and 12");
 }
@@ -105,13 +105,13 @@ static void test_surface_with_one_side_is_refused(void **state)
     static const int plane[10][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}, {0, 5, 1},
                                      {1, 2, 4}, {2, 3, 5}, {3, 4, 1}, {4, 5, 2}, {5, 1, 3}};
     check_random random = {.state = 4};
-    solid_clear(&surface);
+    known_clear(&surface);
     for (int i = 0; i < 6; i++) {
-        solid_add_vertex(&surface, check_uniform(&random, -1, 1), check_uniform(&random, -1, 1),
+        known_add_vertex(&surface, check_uniform(&random, -1, 1), check_uniform(&random, -1, 1),
                          check_uniform(&random, -1, 1));
     }
     for (int t = 0; t < 10; t++) {
-        solid_add_triangle(&surface, plane[t][0], plane[t][1], plane[t][2]);
+        known_add_triangle(&surface, plane[t][0], plane[t][1], plane[t][2]);
     }
     expect_refused("expected a surface with two sides, found that triangles ");
 }
@@ -147,10 +147,10 @@ static void test_unused_vertices_are_left_out(void **state)
     (void)state;
     pl_scene scene;
     const pl_polyhedron *made;
-    solid_clear(&surface);
-    solid_add_vertex(&surface, 1e6, 0, 0);
-    solid_add_box(&surface, origin, ones, false);
-    solid_add_vertex(&surface, 0, 1e6, 0);
+    known_clear(&surface);
+    known_add_vertex(&surface, 1e6, 0, 0);
+    known_add_box(&surface, origin, ones, false);
+    known_add_vertex(&surface, 0, 1e6, 0);
     assert_int_equal(add_mesh(&scene, &made, NULL), PL_OK);
     assert_int_equal(made->vertex_count, 8);
     assert_close(made->radius, sqrt(3), 0, 1e-15);
@@ -175,9 +175,9 @@ static void test_boxes_cross_where_their_insides_partly_overlap(void **state)
             within = within && fabs(centre[k]) + h[k] < half[k];
             around = around && fabs(centre[k]) + half[k] < h[k];
         }
-        solid_clear(&surface);
-        solid_add_box(&surface, origin, half, false);
-        solid_add_box(&surface, centre, h, false);
+        known_clear(&surface);
+        known_add_box(&surface, origin, half, false);
+        known_add_box(&surface, centre, h, false);
         if (overlap && !within && !around) {
             expect_refused("expected a surface that does not cross itself");
             crossing++;
@@ -194,16 +194,16 @@ static void test_boxes_cross_where_their_insides_partly_overlap(void **state)
 static void test_star_of_two_tetrahedra_crosses(void **state)
 {
     (void)state;
-    solid_clear(&surface);
+    known_clear(&surface);
     for (int star = 0; star < 2; star++) {
         const int first = surface.vertex_count;
         for (int i = 0; i < 8; i++) {
             if (((i & 1) + (i >> 1 & 1) + (i >> 2 & 1)) % 2 == star) {
-                solid_add_vertex(&surface, i & 1, i >> 1 & 1, i >> 2 & 1);
+                known_add_vertex(&surface, i & 1, i >> 1 & 1, i >> 2 & 1);
             }
         }
         for (int skipped = 0; skipped < 4; skipped++) {
-            solid_add_triangle(&surface, first + (skipped + 1) % 4, first + (skipped + 2) % 4,
+            known_add_triangle(&surface, first + (skipped + 1) % 4, first + (skipped + 2) % 4,
                                first + (skipped + 3) % 4);
         }
     }
@@ -217,19 +217,19 @@ static void test_triangles_with_a_common_vertex_can_cross(void **state)
     (void)state;
     static const double low[2] = {0.5, 4};
     for (int i = 0; i < 2; i++) {
-        solid_clear(&surface);
+        known_clear(&surface);
         /* Two pyramids of one apex; the second one's base reaches into the first or not. */
-        const int apex = solid_add_vertex(&surface, 0, 0, 0);
+        const int apex = known_add_vertex(&surface, 0, 0, 0);
         for (int p = 0; p < 2; p++) {
             const int first = surface.vertex_count;
             const double x = p == 0 ? 0 : low[i];
-            solid_add_vertex(&surface, x - 1, -1, 2);
-            solid_add_vertex(&surface, x + 1, -1, 2);
-            solid_add_vertex(&surface, x, 1, 2);
-            solid_add_triangle(&surface, apex, first + 1, first);
-            solid_add_triangle(&surface, apex, first + 2, first + 1);
-            solid_add_triangle(&surface, apex, first, first + 2);
-            solid_add_triangle(&surface, first, first + 1, first + 2);
+            known_add_vertex(&surface, x - 1, -1, 2);
+            known_add_vertex(&surface, x + 1, -1, 2);
+            known_add_vertex(&surface, x, 1, 2);
+            known_add_triangle(&surface, apex, first + 1, first);
+            known_add_triangle(&surface, apex, first + 2, first + 1);
+            known_add_triangle(&surface, apex, first, first + 2);
+            known_add_triangle(&surface, first, first + 1, first + 2);
         }
         if (i == 0) {
             expect_refused("expected a surface that does not cross itself");
@@ -249,8 +249,8 @@ static void test_touching_within_rounding_is_not_crossing(void **state)
         double rotation[4];
         check_quaternion(&random, rotation);
         make_cube();
-        solid_add_box(&surface, beside, ones, false);
-        solid_move(&surface, rotation, far);
+        known_add_box(&surface, beside, ones, false);
+        known_move(&surface, rotation, far);
         assert_close(volume_of_mesh(), 16, 0, 1e-10);
     }
 }
@@ -268,9 +268,9 @@ static void test_surface_that_crosses_itself_is_found_wherever_it_is(void **stat
     for (int i = 0; i < 20; i++) {
         double rotation[4];
         check_quaternion(&random, rotation);
-        solid_clear(&surface);
-        solid_add_rings(&surface, 40, radius, height, 32, true);
-        solid_move(&surface, rotation, origin);
+        known_clear(&surface);
+        known_add_rings(&surface, 40, radius, height, 32, true);
+        known_move(&surface, rotation, origin);
         expect_refused("mesh: triangles[");
         expect_refused("in each other");
     }
@@ -279,15 +279,15 @@ static void test_surface_that_crosses_itself_is_found_wherever_it_is(void **stat
 static void test_surface_that_encloses_nothing_is_refused(void **state)
 {
     (void)state;
-    solid_clear(&surface);
-    solid_add_vertex(&surface, 0, 0, 0);
-    solid_add_vertex(&surface, 1, 0, 0);
-    solid_add_vertex(&surface, 0, 1, 0);
-    solid_add_vertex(&surface, 0.25, 0.25, 0);
-    solid_add_triangle(&surface, 0, 1, 3);
-    solid_add_triangle(&surface, 1, 2, 3);
-    solid_add_triangle(&surface, 2, 0, 3);
-    solid_add_triangle(&surface, 2, 1, 0);
+    known_clear(&surface);
+    known_add_vertex(&surface, 0, 0, 0);
+    known_add_vertex(&surface, 1, 0, 0);
+    known_add_vertex(&surface, 0, 1, 0);
+    known_add_vertex(&surface, 0.25, 0.25, 0);
+    known_add_triangle(&surface, 0, 1, 3);
+    known_add_triangle(&surface, 1, 2, 3);
+    known_add_triangle(&surface, 2, 0, 3);
+    known_add_triangle(&surface, 2, 1, 0);
     expect_refused("expected a surface that encloses a volume, found 0 m^3 in that of triangle 0");
 }
 
@@ -297,10 +297,10 @@ static void test_mesh_made_again_from_itself_is_the_same(void **state)
     const double inner[3] = {0.5, 0.5, 0.5};
     pl_scene scene, other;
     const pl_polyhedron *made, *again;
-    solid_clear(&surface);
-    solid_add_vertex(&surface, 9, 9, 9);
-    solid_add_box(&surface, origin, ones, true);
-    solid_add_box(&surface, origin, inner, false);
+    known_clear(&surface);
+    known_add_vertex(&surface, 9, 9, 9);
+    known_add_box(&surface, origin, ones, true);
+    known_add_box(&surface, origin, inner, false);
     assert_int_equal(add_mesh(&scene, &made, NULL), PL_OK);
     other = pl_scene_default();
     assert_int_equal(pl_scene_add_mesh(&other, "again", (const double(*)[3])made->vertices,

@@ -122,9 +122,9 @@ static void test_random_polyhedra_read_back_to_the_bit(void **state)
         }
         check_quaternion(&random, rotation);
         pl_vec_store((pl_vec){check_uniform(&random, -9, 9), 1e3, 0}, shift);
-        solid_clear(&surface);
-        solid_add_rings(&surface, 9, radius, height, 8, true);
-        solid_move(&surface, rotation, shift);
+        known_clear(&surface);
+        known_add_rings(&surface, 9, radius, height, 8, true);
+        known_move(&surface, rotation, shift);
         assert_int_equal(
             pl_scene_add_hull(&scene, NULL, (const double(*)[3])points, 200, &hull, NULL), PL_OK);
         assert_int_equal(pl_scene_add_mesh(&scene, "torus", (const double(*)[3])surface.vertices,
@@ -207,9 +207,9 @@ static void test_half_width_is_the_least_half_dimension(void **state)
     const double centre[3] = {7, 8, 9}, half[3] = {3, 0.25, 2}, shift[3] = {0, 0, 0};
     const double rotation[4] = {0.6, 0, 0.8, 0};
     const pl_polyhedron *box = NULL;
-    solid_clear(&surface);
-    solid_add_box(&surface, centre, half, false);
-    solid_move(&surface, rotation, shift);
+    known_clear(&surface);
+    known_add_box(&surface, centre, half, false);
+    known_move(&surface, rotation, shift);
     assert_int_equal(
         pl_scene_add_hull(&scene, NULL, (const double(*)[3])surface.vertices, 8, &box, NULL),
         PL_OK);
@@ -238,8 +238,8 @@ static void test_capsule_and_cylinder_have_the_moments_of_their_fine_polyhedra(v
         height[j] = -height[2 * ARC - 1 - j];
     }
     const double ends[2] = {-h, h}, same[2] = {r, r};
-    const solid_moments solids[2] = {solid_moments_of_rings(100000, radius, height, 2 * ARC, false),
-                                     solid_moments_of_rings(100000, same, ends, 2, false)};
+    const solid_moments solids[2] = {known_moments_of_rings(100000, radius, height, 2 * ARC, false),
+                                     known_moments_of_rings(100000, same, ends, 2, false)};
     const pl_shape shapes[2] = {pl_shape_capsule(r, h), pl_shape_cylinder(r, h)};
     for (int i = 0; i < 2; i++) {
         const solid_moments *m = &solids[i];

@@ -116,9 +116,23 @@ static bool is_inside(const probe *p, int vertex)
            pl_surface_nearest(p->target, point).distance < 0;
 }
 
-/* Whether any connected part of the source may be wholly inside. */
+/* All of the source is in the target's box: told soon where it is not. */
+static bool box_holds_all(const probe *p)
+{
+    for (int i = 0; i < p->source->vertex_count; ++i) {
+        if (!pl_surface_box_holds(p->target, vertex_of(p, i), 0)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Whether any connected part of the source, which pierces nothing, is inside. */
 static bool any_part_inside(const probe *p)
 {
+    if (p->source->part_count == 1 && !box_holds_all(p)) {
+        return false;
+    }
     for (int i = 0; i < p->source->part_count; ++i) {
         if (is_inside(p, p->source->parts[i])) {
             return true;
@@ -153,7 +167,8 @@ static pl_status probe_depth(const pl_surface_pair *pair, int of, const pl_pierc
         see_edge(&p, &piercings[first], next - first);
     }
     see_vertices(&p);
-    for (int i = 0; i < p.source->part_count; ++i) {
+    /* What pierces is known; other parts may lie inside whole. */
+    for (int i = 0; i < p.source->part_count && (p.source->part_count > 1 || count == 0); ++i) {
         if (!p.reached[p.source->parts[i]] && is_inside(&p, p.source->parts[i])) {
             reach(&p, p.source->parts[i]);
             see_vertices(&p);

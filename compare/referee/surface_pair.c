@@ -72,6 +72,19 @@ static void pierce(descent *d, int of, int t, const pl_triangle *tri, int other,
     }
 }
 
+/* How far all of a triangle is to one side of a plane, which is no more than its distance from
+ * anything in the plane; <= 0 where the plane cuts it. */
+static double beyond_plane(pl_vec normal, pl_vec on_plane, const pl_triangle *triangle)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (int k = 0; k < 3; ++k) {
+        double height = pl_vec_dot(normal, pl_vec_sub(triangle->corner[k], on_plane));
+        low = height < low ? height : low;
+        high = height > high ? height : high;
+    }
+    return low > -high ? low : -high;
+}
+
 static void see_leaves(descent *d, const pl_surface_node *a, const pl_surface_node *b)
 {
     const pl_surface *of_a = d->pair->a, *of_b = d->pair->b;
@@ -82,9 +95,14 @@ static void see_leaves(descent *d, const pl_surface_node *a, const pl_surface_no
             pl_vec turned = pl_to_world(&d->pair->axes, triangle_b.corner[c]);
             triangle_b.corner[c] = pl_vec_add(d->pair->offset, turned);
         }
+        pl_vec normal_b = pl_to_world(&d->pair->axes, of_b->normals[tb]);
         for (int i = 0; i < a->count; ++i) {
             int ta = of_a->order[a->first + i];
             pl_triangle triangle_a = pl_surface_triangle(of_a, ta);
+            if (beyond_plane(of_a->normals[ta], triangle_a.corner[0], &triangle_b) > d->distance ||
+                beyond_plane(normal_b, triangle_b.corner[0], &triangle_a) > d->distance) {
+                continue;
+            }
             if (d->piercings) {
                 pierce(d, 0, ta, &triangle_a, tb, &triangle_b);
                 pierce(d, 1, tb, &triangle_b, ta, &triangle_a);

@@ -1,6 +1,7 @@
 #include "candidates.h"
 
-static const double SAME_DEPTH = 1e-5; /* in units of the smaller shape */
+/* In units of the smaller shape: depths that tie for where to begin, and for being the deepest. */
+static const double SAME_DEPTH = 1e-5, DEEPEST = 5e-10;
 static const double SAME_REACH = 1e-5; /* of squared distances, relatively */
 
 void pe_candidates_add(pe_candidates *found, const pe_pose *pose, pe_vec3 middle, double separation,
@@ -40,15 +41,26 @@ static void take_spread(const pe_candidates *found, double size, bool *taken)
     for (int i = 0; i < found->count; ++i) {
         score[i] = HUGE_VAL; /* squared distance from the nearest one taken */
     }
+    int last = next;
+    bool has_deepest = false;
     for (int count = 0; count < PE_MAX_POINTS && next >= 0; ++count) {
-        taken[next] = true;
+        last = next;
+        taken[last] = true;
+        has_deepest = has_deepest || -found->item[last].separation >= deepest - DEEPEST * size;
         double farthest = 0;
         for (int i = 0; i < found->count; ++i) {
-            pe_vec3 d = pe_sub(found->item[i].position, found->item[next].position);
+            pe_vec3 d = pe_sub(found->item[i].position, found->item[last].position);
             score[i] = pe_min(score[i], pe_dot(d, d));
             farthest = pe_max(farthest, score[i]);
         }
         next = lowest_feature(found, score, farthest * (1 - SAME_REACH), taken);
+    }
+    if (!has_deepest) {
+        taken[last] = false;
+        for (int i = 0; i < found->count && !has_deepest; ++i) {
+            has_deepest = -found->item[i].separation >= deepest;
+            taken[i] = taken[i] || has_deepest;
+        }
     }
 }
 

@@ -214,7 +214,8 @@ static bool edge_contact(const box_pair *p, axis_choice edge, pe_vec3 n, double 
     s = pe_max(pe_max(-ea, middle - reach), pe_min(pe_min(ea, middle + reach), s));
     x = pe_madd(x, s, u);
     y = pe_madd(y, pe_max(-eb, pe_min(eb, pe_dot(pe_sub(x, y), v))), v);
-    if (edge.separation > 0 && pe_length(pe_sub(y, x)) > edge.separation + tolerance) {
+    pe_vec3 rest = pe_madd(pe_sub(y, x), -edge.separation, n);
+    if (edge.separation > 0 && pe_length(rest) > tolerance) {
         return false;
     }
     hits->normal = n;

@@ -43,7 +43,7 @@ typedef struct pe_solid_pair {
 } pe_solid_pair;
 
 /* In units of `size`: a point this far beyond the rim of a face still lies on it. */
-#define PE_SLACK 5e-9
+#define PE_SLACK 9e-9
 /* In units of the smaller bounding radius: features whose gap exceeds the least one by more than
  * this are not looked for, whatever the margin. */
 #define PE_BAND 0.25

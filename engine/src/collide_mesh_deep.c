@@ -74,7 +74,24 @@ bool pe_solid_holds(const pe_solid *solid, pe_vec3 x)
     return height < 0;
 }
 
-/* Whether a triangle of another face crosses the way from x along d, both ends apart. */
+/* Whether the face has an edge in common with the one that the triangle is of, near it. */
+static bool are_neighbours(const pe_solid *solid, const pe_facet *facet, int face)
+{
+    for (int k = 0; k < 3; ++k) {
+        int v = facet->vertices[k];
+        for (int i = solid->vertex_first[v]; i < solid->vertex_first[v + 1]; ++i) {
+            const int *f = solid->edges[solid->vertex_edges[i]].face;
+            if ((f[0] == face && f[1] == facet->face) || (f[1] == face && f[0] == facet->face)) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* Whether a triangle of another face crosses the way from x along d to the face, both ends apart.
+ * A neighbour of the face does not count: where the two make a sharp edge, what lies under the one
+ * lies beside the other, and the way out is over the edge all the same. */
 static bool blocked(const pe_solid *solid, pe_vec3 x, pe_vec3 d, int face, double slack)
 {
     pe_node segment = pe_box_node(pe_madd(x, 0.5, d),
@@ -95,7 +112,7 @@ static bool blocked(const pe_solid *solid, pe_vec3 x, pe_vec3 d, int face, doubl
             }
             /* The point of crossing, not its foot, decides. */
             pe_vec3 y = pe_madd(x, from / (from - to), d);
-            if (pe_facet_holds(&facet, y, 0)) {
+            if (pe_facet_holds(&facet, y, 0) && !are_neighbours(solid, &facet, face)) {
                 return true;
             }
         }

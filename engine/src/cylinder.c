@@ -45,6 +45,17 @@ pe_vec3 pe_cylinder_support(const pe_cylinder *c, pe_vec3 d)
     return pe_madd(x, c->radius, pe_outward(c->axis, d, &length));
 }
 
+double pe_cylinder_inner_ball(const pe_cylinder *c, pe_vec3 x, pe_vec3 n)
+{
+    pe_vec3 from = pe_sub(x, c->centre);
+    double z = fabs(pe_dot(from, c->axis)), rise = fabs(pe_dot(n, c->axis));
+    double to_rim = c->radius - pe_length(pe_across(c->axis, from)), to_cap = c->half_height - z;
+    if (rise < 1e-14) {
+        return pe_min(c->radius, to_cap);
+    }
+    return 1 - rise < 1e-15 ? pe_min(c->half_height, to_rim) : pe_min(0, pe_min(to_rim, to_cap));
+}
+
 pe_vec3 pe_cylinder_nearest(const pe_cylinder *c, pe_vec3 x)
 {
     double z = pe_dot(pe_sub(x, c->centre), c->axis), from_axis;

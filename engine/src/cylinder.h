@@ -44,6 +44,10 @@ static inline double pe_cylinder_reach(const pe_cylinder *c, pe_vec3 d)
     return c->half_height * fabs(pe_dot(c->axis, d)) + c->radius * pe_length(pe_cross(c->axis, d));
 }
 
+/* Radius of the largest ball in the solid that touches the surface at x, where its outward normal
+ * is n: 0 on the rim, less where x is outside. */
+double pe_cylinder_inner_ball(const pe_cylinder *c, pe_vec3 x, pe_vec3 n);
+
 /* The point of the solid nearest to x. */
 pe_vec3 pe_cylinder_nearest(const pe_cylinder *c, pe_vec3 x);
 

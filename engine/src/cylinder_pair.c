@@ -153,19 +153,22 @@ static pe_vec3 moved(pe_vec3 d, double scale, pe_vec3 step)
 }
 
 /* Climbs from d to a maximum of two rims: while the value grows, then, where that is a matter of
- * rounding, as long as steps shrink. */
-static pe_cylinder_gap climb(const search *s, pe_vec3 d)
+ * rounding, as long as steps shrink. Gives up farther than `reach` (rad) from the start, or where
+ * steps must be cut short again and again: at a ridge, which is no maximum of two rims. */
+static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach)
 {
-    enum { MOST = 40, HALVINGS = 30 };
+    enum { MOST = 60, HALVINGS = 24 };
+    pe_vec3 start = d;
     double value = separation_along(s, d), last = 1e-5;
     for (int i = 0; i < MOST; ++i) {
+        pe_vec3 away = pe_sub(d, start);
         view v = look(s, d);
         pe_vec3 step = newton_step(s, &v, gradient_there(s, &v));
         double size = pe_length(step), scale = size > 0.5 ? 0.5 / size : 1;
+        if (pe_dot(away, away) > reach * reach || size < 1e-16) {
+            break;
+        }
         if (size < last) {
-            if (size < 1e-16) {
-                break;
-            }
             last = 0.5 * size;
             d = moved(d, 1, step);
             value = separation_along(s, d);
@@ -191,7 +194,7 @@ static pe_cylinder_gap climb(const search *s, pe_vec3 d)
  * direction that this leads to: then it is the one maximum. */
 static bool climb_apart(search *s)
 {
-    pe_cylinder_gap found = climb(s, s->best.normal);
+    pe_cylinder_gap found = climb(s, s->best.normal, HUGE_VAL);
     view v = look(s, found.normal);
     pe_vec3 g = gradient_there(s, &v);
     double along = pe_dot(g, v.d);
@@ -273,7 +276,7 @@ static void test_rims(search *s, double limit)
                 continue;
             }
             if (level + 1 == LEVELS) {
-                pe_cylinder_gap found = climb(s, d);
+                pe_cylinder_gap found = climb(s, d, 16 * sine);
                 offer(s, found.distance, found.normal, PE_RIMS);
                 if (s->best.distance > limit) {
                     return;
@@ -287,28 +290,6 @@ static void test_rims(search *s, double limit)
         }
         count = kept;
     }
-}
-
-/* Whether the best direction, along the axis of `cap`, is proven to be best of all. The difference
- * of the shapes has a flat facet across it, which holds a disc of radius rho around the foot of the
- * perpendicular from the origin. Apart that is the nearest point. Overlapping by f, no direction
- * nearer than 2 atan(rho/f) is better, because the disc reaches as far along it; and the rest,
- * close to the opposite direction, is far. */
-static bool cap_is_best(const search *s, const pe_cylinder *cap, const pe_cylinder *other,
-                        double sign)
-{
-    pe_vec3 d = s->best.normal;
-    pe_vec3 x = pe_sub(pe_cylinder_support(other, pe_scale(-sign, d)), cap->centre);
-    double rho = cap->radius - pe_length(pe_across(cap->axis, x));
-    double f = -s->best.distance;
-    if (!(rho >= 0) || f <= 0) {
-        return rho >= 0;
-    }
-    double back = f + 2 * pe_dot(s->offset, d); /* the overlap along -d */
-    double span =
-        pe_length(s->offset) + s->a->half_height + s->a->radius + s->b->half_height + s->b->radius;
-    double tangent = f / rho; /* of half the angle from -d */
-    return tangent < 0.1 && back * (1 - 2 * tangent * tangent) - span * 2 * tangent > f;
 }
 
 pe_vec3 pe_cylinder_pair_point(const pe_cylinder *a, const pe_cylinder *b,
@@ -329,6 +310,27 @@ pe_vec3 pe_cylinder_pair_point(const pe_cylinder *a, const pe_cylinder *b,
     double z = square > 1e-30 ? pe_dot(offset, across) / square : 0.5 * (low + high);
     z = pe_max(-a->half_height, pe_min(a->half_height, z));
     return pe_madd(pe_madd(a->centre, z, a->axis), a->radius, d);
+}
+
+/* Whether the best direction is proven to be the best of all. Its nearest points being in both
+ * cylinders, it is if they are apart. Overlapping by f, either cylinder holds a ball that touches
+ * its surface there; if their radii add up to f at least, the difference of the cylinders holds a
+ * ball with the origin inside whose surface is nowhere nearer to it than at that point. */
+static bool is_proven(const search *s, double size)
+{
+    const pe_cylinder_gap *best = &s->best;
+    double tie = 1e-12 * size;
+    pe_vec3 x = pe_cylinder_pair_point(s->a, s->b, best),
+            y = pe_madd(x, best->distance, best->normal);
+    pe_vec3 off_a = pe_sub(pe_cylinder_nearest(s->a, x), x);
+    pe_vec3 off_b = pe_sub(pe_cylinder_nearest(s->b, y), y);
+    if (pe_dot(off_a, off_a) > tie * tie || pe_dot(off_b, off_b) > tie * tie) {
+        return false;
+    }
+    return best->distance >= 0 ||
+           pe_max(0, pe_cylinder_inner_ball(s->a, x, best->normal)) +
+                   pe_max(0, pe_cylinder_inner_ball(s->b, y, best->normal)) >=
+               -best->distance;
 }
 
 /* Near where one meeting turns into another both are as good to rounding, with directions that are
@@ -355,14 +357,13 @@ bool pe_cylinder_pair_gap(const pe_cylinder *a, const pe_cylinder *b, double siz
     s.offset = pe_sub(b->centre, a->centre);
     offer_direction(&s, a->axis, PE_CAP_A);
     offer_direction(&s, b->axis, PE_CAP_B);
-    bool sure = s.best.kind == PE_CAP_A ? cap_is_best(&s, a, b, 1) : cap_is_best(&s, b, a, -1);
+    bool sure = s.best.distance <= limit && is_proven(&s, size);
     if (!sure && s.best.distance <= limit) {
         test_sides(&s);
         test_side_and_rim(&s, a, b, PE_SIDE_A);
         test_side_and_rim(&s, b, a, PE_SIDE_B);
-        if (s.best.distance > 0 && s.best.distance <= limit) {
-            sure = climb_apart(&s);
-        }
+        sure = s.best.distance <= limit &&
+               (is_proven(&s, size) || (s.best.distance > 0 && climb_apart(&s)));
         if (!sure && s.best.distance <= limit) {
             test_rims(&s, limit);
         }

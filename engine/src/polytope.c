@@ -4,6 +4,8 @@
 enum { SCAN_MOST = 24 };
 /* Faces that look along a direction equally. */
 static const double SAME_COSINE = 1e-9;
+/* Sine of an edge over the plane across a direction, where both its ends are last along it. */
+static const double LEVEL = 1e-6;
 
 /* A box's vertex has bit k set where it is on the positive side of axis k; its face 2 k + 1 is the
  * positive one of axis k. Corners and edges as in geometry.h. */
@@ -153,10 +155,23 @@ double pe_polytope_separation_along(const pe_polytope_pair *pair, pe_vec3 n)
 int pe_polytope_facing(const pe_polytope *p, pe_vec3 d, double *cosine)
 {
     int vertex = pe_polytope_support(p, d, -1), best = -1;
+    bool found_level = false;
     *cosine = -2;
     for (int k = p->vertex_first[vertex]; k < p->vertex_first[vertex + 1]; ++k) {
+        const pe_edge *edge = &p->edges[p->vertex_edges[k]];
+        pe_vec3 along = pe_sub(p->vertices[edge->vertex[1]], p->vertices[edge->vertex[0]]);
+        double rise = pe_dot(d, along);
+        bool level = rise * rise < LEVEL * LEVEL * pe_dot(along, along);
+        if (found_level && !level) {
+            continue;
+        }
+        if (level && !found_level) {
+            found_level = true;
+            *cosine = -2;
+            best = -1;
+        }
         for (int side = 0; side < 2; ++side) {
-            int face = p->edges[p->vertex_edges[k]].face[side];
+            int face = edge->face[side];
             double c = pe_dot(d, p->faces[face].normal);
             if (c > *cosine + SAME_COSINE || (c > *cosine - SAME_COSINE && face < best)) {
                 *cosine = pe_max(c, *cosine);

@@ -48,7 +48,8 @@ void pe_polytope_pair_make(pe_placed a, pe_placed b, pe_polytope_pair *pair);
 int pe_polytope_support(const pe_polytope *p, pe_vec3 d, int from);
 
 /* The face at the last vertex along the unit direction d that looks most along it, with the cosine
- * between them; ties go to the lower index. Not for points and segments. */
+ * between them; where an edge is last, one of its two. Ties go to the lower index. Not for points
+ * and segments. */
 int pe_polytope_facing(const pe_polytope *p, pe_vec3 d, double *cosine);
 
 /* Vertices of a face, in order: of more than PE_FACE_CORNERS so many, evenly spaced. */

@@ -23,6 +23,7 @@ static const double ALONG = 0.01;
 static const double ACROSS = 1e-4;
 /* In units of the smaller shape: */
 static const double CLIP_SLACK = 1e-8;     /* points this far outside still lie on the face */
+static const double SAME_PLACE = 4e-8;     /* corners this near to the one before are one */
 static const double SAME_DISTANCE = 5e-10; /* a corner that has the least separation */
 
 /* Clipping adds a corner a side at most; the room for one more is never used. */
@@ -185,7 +186,12 @@ static void face_contact(const view *w, int index, double size, pe_candidates *f
         count = clip_segment(w, face, slack, buffer[0]);
     }
     double along = pe_dot(face->normal, w->normal), radius = w->q->radius;
+    const double merge2 = SAME_PLACE * SAME_PLACE * size * size;
     for (int i = 0; i < count; ++i) {
+        pe_vec3 gap = pe_sub(corners[i].x, corners[i > 0 ? i - 1 : count - 1].x);
+        if (count > 1 && pe_dot(gap, gap) <= merge2) {
+            continue;
+        }
         double height = (pe_dot(face->normal, corners[i].x) - face->offset) / along;
         uint32_t in = corners[i > 0 ? i - 1 : count - 1].edge;
         uint64_t name = w->q->face_count > 0 ? corner_name(w, index, other, corners[i].edge, in)
@@ -417,7 +423,10 @@ static bool contact(const pe_polytope_pair *pair, const pe_separation *s, bool m
         if (must_be_real) {
             return false;
         }
-        witness w = witness_of(pair, s);
+        /* Cores that touch where no face does have their nearest points, too. */
+        bool touch = s->kind != PE_OF_EDGES && fabs(s->distance) <= tolerance;
+        pe_separation points = touch ? pe_polytope_distance(pair, s) : *s;
+        witness w = witness_of(pair, &points);
         if (found.count == 0) {
             touching_line(pair, s, &w, &found);
         }

@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-enum { COUNT, SHAPE, FRICTION, DT, DURATION, PARAM_COUNT };
+enum { COUNT, SHAPE, COLUMNS, FRICTION, DT, DURATION, PARAM_COUNT };
 enum { SPHERES, BOXES, BOTH, MESHES, ALL };
 
 static const pl_param params[PARAM_COUNT] = {
@@ -28,6 +28,14 @@ static const pl_param params[PARAM_COUNT] = {
                .unit = "1",
                .help = "0 spheres, 1 boxes, 2 either at random, 3 rings of 500 triangles, 4 any of "
                        "the shapes"},
+    [COLUMNS] = {.name = "columns",
+                 .value = 0,
+                 .min = 0,
+                 .max = 1000,
+                 .integer = true,
+                 .unit = "1",
+                 .help = "cells of the lattice in x and in y; 0: so many that it is about twice "
+                         "as high as wide"},
     [FRICTION] = PL_PARAM_FRICTION,
     [DT] = PL_PARAM_DT,
     [DURATION] = PL_PARAM_DURATION(4),
@@ -144,12 +152,11 @@ static pl_status build(const double *values, uint64_t seed, pl_scene *scene, pl_
     pl_builder builder = pl_build_begin(scene, pl_scenario_pile.name, values[DT], values[DURATION],
                                         values[FRICTION], error);
     const int count = (int)values[COUNT], shape = (int)values[SHAPE];
-    /* About twice as high as wide. */
-    int columns = 1;
-    while (2 * columns * columns * columns < count) {
+    int columns = values[COLUMNS] > 0 ? (int)values[COLUMNS] : 1;
+    while (values[COLUMNS] == 0 && 2 * columns * columns * columns < count) {
         columns++;
     }
-    double cell = 2 * most_half * (shape == SPHERES ? 1 : sqrt(3)) + gap;
+    double cell = 2 * most_half * (shape == SPHERES || shape == MESHES ? 1 : sqrt(3)) + gap;
     pl_build_floor(&builder, 0, 0, 1, 0);
     build_side(&builder, 1, 0, 0, "left");
     build_side(&builder, -1, 0, -columns * cell, "right");

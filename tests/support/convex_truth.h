@@ -15,6 +15,8 @@
  *
  * p is the best convex combination of the support points at the three d_i, that is the value of a
  * matrix game of 3 x 3. Cells are split where the bound is lowest until it meets the least f seen.
+ * Apart, every point p of M proves another upper bound of the distance: |p|.
+ *
  * Nothing here relies on features, simplices that hold the origin, or how well a triangle is
  * shaped: whatever p is chosen, the bound holds but for the rounding of sums of lengths. */
 #ifndef PLUMB_TEST_CONVEX_TRUTH_H

@@ -8,12 +8,12 @@
 
 static const double two_pi = 6.28318530717958647692;
 
-void solid_clear(solid_surface *s)
+void known_clear(solid_surface *s)
 {
     s->vertex_count = s->triangle_count = 0;
 }
 
-int solid_add_vertex(solid_surface *s, double x, double y, double z)
+int known_add_vertex(solid_surface *s, double x, double y, double z)
 {
     const double place[3] = {x, y, z};
     assert_in_range(s->vertex_count, 0, 8191);
@@ -21,7 +21,7 @@ int solid_add_vertex(solid_surface *s, double x, double y, double z)
     return s->vertex_count++;
 }
 
-void solid_add_triangle(solid_surface *s, int a, int b, int c)
+void known_add_triangle(solid_surface *s, int a, int b, int c)
 {
     const int corner[3] = {a, b, c};
     assert_in_range(s->triangle_count, 0, 16383);
@@ -30,17 +30,17 @@ void solid_add_triangle(solid_surface *s, int a, int b, int c)
 
 static void add_quadrilateral(solid_surface *s, int a, int b, int c, int d)
 {
-    solid_add_triangle(s, a, b, c);
-    solid_add_triangle(s, a, c, d);
+    known_add_triangle(s, a, b, c);
+    known_add_triangle(s, a, c, d);
 }
 
-void solid_add_box(solid_surface *s, const double centre[3], const double half[3], bool inward)
+void known_add_box(solid_surface *s, const double centre[3], const double half[3], bool inward)
 {
     static const int sides[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
                                     {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
     const int first = s->vertex_count;
     for (int i = 0; i < 8; i++) {
-        solid_add_vertex(s, centre[0] + (i & 1 ? 1 : -1) * half[0],
+        known_add_vertex(s, centre[0] + (i & 1 ? 1 : -1) * half[0],
                          centre[1] + (i & 2 ? 1 : -1) * half[1],
                          centre[2] + (i & 4 ? 1 : -1) * half[2]);
     }
@@ -51,14 +51,14 @@ void solid_add_box(solid_surface *s, const double centre[3], const double half[3
     }
 }
 
-void solid_add_rings(solid_surface *s, int sides, const double *radius, const double *height,
+void known_add_rings(solid_surface *s, int sides, const double *radius, const double *height,
                      int rings, bool around)
 {
     const int first = s->vertex_count;
     for (int j = 0; j < rings; j++) {
         for (int i = 0; i < sides; i++) {
             const double angle = two_pi * i / sides;
-            solid_add_vertex(s, radius[j] * cos(angle), radius[j] * sin(angle), height[j]);
+            known_add_vertex(s, radius[j] * cos(angle), radius[j] * sin(angle), height[j]);
         }
     }
     for (int j = 0; j < (around ? rings : rings - 1); j++) {
@@ -70,12 +70,12 @@ void solid_add_rings(solid_surface *s, int sides, const double *radius, const do
     }
     for (int i = 1; i + 1 < sides && !around; i++) {
         const int top = first + (rings - 1) * sides;
-        solid_add_triangle(s, first, first + i + 1, first + i);
-        solid_add_triangle(s, top, top + i, top + i + 1);
+        known_add_triangle(s, first, first + i + 1, first + i);
+        known_add_triangle(s, top, top + i, top + i + 1);
     }
 }
 
-solid_moments solid_moments_of_rings(int sides, const double *radius, const double *height,
+solid_moments known_moments_of_rings(int sides, const double *radius, const double *height,
                                      int rings, bool around)
 {
     static const double places[3] = {-0.77459666924148337704, 0, 0.77459666924148337704};
@@ -102,7 +102,7 @@ solid_moments solid_moments_of_rings(int sides, const double *radius, const doub
     return m;
 }
 
-solid_moments solid_moments_of_boxes(const double (*centres)[3], const double (*halves)[3],
+solid_moments known_moments_of_boxes(const double (*centres)[3], const double (*halves)[3],
                                      const int *signs, int count)
 {
     solid_moments m = {.volume = 0};
@@ -134,7 +134,7 @@ static pl_vec move(const double rotation[4], const double shift[3], const double
     return pl_vec_add(pl_to_world(&axes, pl_vec_of(place)), pl_vec_of(shift));
 }
 
-void solid_move(solid_surface *s, const double rotation[4], const double shift[3])
+void known_move(solid_surface *s, const double rotation[4], const double shift[3])
 {
     for (int i = 0; i < s->vertex_count; i++) {
         pl_vec_store(move(rotation, shift, s->vertices[i]), s->vertices[i]);
@@ -156,7 +156,7 @@ static void compose(const pl_axes *axes, const double values[3], double tensor[3
     }
 }
 
-void solid_check(const pl_polyhedron *actual, const solid_moments *expected,
+void known_check(const pl_polyhedron *actual, const solid_moments *expected,
                  const double rotation[4], const double shift[3], double relative)
 {
     static const double none[3] = {0, 0, 0}, one[4] = {1, 0, 0, 0};

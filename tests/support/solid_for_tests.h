@@ -11,16 +11,16 @@ typedef struct solid_surface {
     int vertex_count, triangle_count;
 } solid_surface;
 
-void solid_clear(solid_surface *s);
-int solid_add_vertex(solid_surface *s, double x, double y, double z);
-void solid_add_triangle(solid_surface *s, int a, int b, int c);
+void known_clear(solid_surface *s);
+int known_add_vertex(solid_surface *s, double x, double y, double z);
+void known_add_triangle(solid_surface *s, int a, int b, int c);
 
 /* A box about `centre`, its triangles outward, or inward. */
-void solid_add_box(solid_surface *s, const double centre[3], const double half[3], bool inward);
+void known_add_box(solid_surface *s, const double centre[3], const double half[3], bool inward);
 
 /* A ring of `sides` regular polygons about z, joined: ring j has radius[j] at height[j]. Closed
  * around, as a torus, where `around`; else capped at both ends, the lowest first. */
-void solid_add_rings(solid_surface *s, int sides, const double *radius, const double *height,
+void known_add_rings(solid_surface *s, int sides, const double *radius, const double *height,
                      int rings, bool around);
 
 /* Volume and moments of a solid. */
@@ -30,22 +30,22 @@ typedef struct solid_moments {
     double square[3][3]; /* means of x_i x_j about the centre */
 } solid_moments;
 
-/* Of solid_add_rings, from its slices: the area of a regular polygon of radius r with n sides is
+/* Of known_add_rings, from its slices: the area of a regular polygon of radius r with n sides is
  * n/2 r^2 sin(2 pi/n), its polar moment n/12 r^4 sin(2 pi/n) (2 + cos(2 pi/n)); over z by Gauss's
  * three points in each band, which is exact. */
-solid_moments solid_moments_of_rings(int sides, const double *radius, const double *height,
+solid_moments known_moments_of_rings(int sides, const double *radius, const double *height,
                                      int rings, bool around);
 
 /* Of a sum of boxes that do not overlap; a negative volume is taken away. */
-solid_moments solid_moments_of_boxes(const double (*centres)[3], const double (*halves)[3],
+solid_moments known_moments_of_boxes(const double (*centres)[3], const double (*halves)[3],
                                      const int *signs, int count);
 
 /* That volume, centre and the inertia tensor, with axes and principal values put together again,
  * are those of `expected`, the solid turned by `rotation` and then moved by `shift` (NULL: not). */
-void solid_check(const pl_polyhedron *actual, const solid_moments *expected,
+void known_check(const pl_polyhedron *actual, const solid_moments *expected,
                  const double rotation[4], const double shift[3], double relative);
 
 /* The surface turned, then moved. */
-void solid_move(solid_surface *s, const double rotation[4], const double shift[3]);
+void known_move(solid_surface *s, const double rotation[4], const double shift[3]);
 
 #endif
