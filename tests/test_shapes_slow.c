@@ -125,7 +125,7 @@ static void test_a_rocket_flies_as_its_thrust_says(void **state)
         const char *const beside[] = {"offset=0.05", NULL};
         result = run("rocket", profiles[p], beside);
         violations += violated(result, profiles[p], "travel_error", 1e-3);
-        violations += violated(result, profiles[p], "momentum_error", 1e-4);
+        violations += violated(result, profiles[p], "momentum_error", 1e-3);
         json_decref(result);
     }
     assert_int_equal(violations, 0);

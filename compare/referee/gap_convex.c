@@ -361,6 +361,9 @@ pl_status pl_gap_convex(const pl_placed_shape *a, const pl_placed_shape *b, doub
     pl_status status = core_gap(&object_a, &object_b, &core);
     if (status == PL_OK) {
         *gap = core / shared.scale - pl_core_radius(a->shape) - pl_core_radius(b->shape);
+        if (shared.lower > shared.within) {
+            *gap = fmax(*gap, nextafter(within, HUGE_VAL)); /* whatever rounding made of it */
+        }
     }
     return status;
 }

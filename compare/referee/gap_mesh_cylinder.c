@@ -139,6 +139,7 @@ pl_status pl_gap_mesh_cylinder(const pl_surface *mesh, const pl_shape *cylinder,
             pl_cylinder_distance(cylinder, in_cylinder(&m, mesh->vertices[i]), NULL, NULL);
         m.depth = fmax(m.depth, -distance);
     }
-    *gap = m.depth > 0 || crosses ? -m.depth : m.distance;
+    double apart = m.distance <= within ? m.distance : HUGE_VAL;
+    *gap = m.depth > 0 || crosses ? -m.depth : apart;
     return m.status;
 }

@@ -6,7 +6,7 @@
 /* Sines of angles below this are of parallel lines or planes. */
 static const double PARALLEL = 1e-9;
 /* The surface counts as being at the ridge if it is nearer than this part of the ridge's height. */
-static const double NEAR = -1;
+static const double NEAR = 1e-3;
 
 pl_tangent pl_tangent_at(pl_vec normal, pl_vec point)
 {

@@ -139,13 +139,12 @@ static void descend(descent *d, int index_a, int index_b)
 
 double pl_surface_pair_distance(const pl_surface_pair *pair, double within)
 {
-    /* A bound that nothing found lies above, and that any distance above `within` is cut to. */
     descent d = {.pair = pair, .distance = nextafter(fmax(within, 0), HUGE_VAL)};
     double square = boxes_square(&d, &pair->a->nodes[0], &pair->b->nodes[0]);
     if (square <= d.distance * d.distance) {
         descend(&d, 0, 0);
     }
-    return d.distance;
+    return d.distance <= within ? d.distance : HUGE_VAL;
 }
 
 static int compare_piercings(const void *left, const void *right)

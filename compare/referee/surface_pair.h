@@ -11,7 +11,7 @@ typedef struct pl_surface_pair {
 } pl_surface_pair;
 
 /* The distance of the surfaces (not of their solids), m; 0 where they cross. Of one above `within`
- * only a number above `within`. */
+ * HUGE_VAL. */
 double pl_surface_pair_distance(const pl_surface_pair *pair, double within);
 
 typedef struct pl_piercing {

@@ -4,44 +4,10 @@
  */
 #include "collide_mesh.h"
 
-/* In units of the margin: how much farther features are looked for, to know from which margin on
- * there would be more. */
-static const double LOOK_AHEAD = 0.1;
 /* In units of the smaller solid: depths that differ by less are one. */
 static const double TIE = 1e-9;
-/* In units of its depth: how near other touches are at the same place. */
-static const double PLACE = 8;
-/* Sine of the angle from which a direction is another one. */
-static const double ANOTHER = 1e-3;
 /* In units of the smaller solid: a line of least distance shorter than this has no direction. */
 static const double LEAST_LINE = 1e-9;
-
-static pe_vec3 middle_of(const pe_touch *t, double radius)
-{
-    return pe_madd(t->on_a, 0.5 * (t->separation + radius), t->normal);
-}
-
-/* Whether another touch at about the same place, in another direction, says that the solids overlap
- * less there, or not at all. */
-static bool has_better(const pe_solid_pair *pair, const pe_touches *list, const pe_touch *t)
-{
-    double height = t->separation + pair->radius, tie = TIE * pair->size;
-    double near = PLACE * height;
-    pe_vec3 x = middle_of(t, pair->radius);
-    for (int i = 0; i < list->count; ++i) {
-        const pe_touch *other = &list->items[i];
-        double h = other->separation + pair->radius;
-        if (!other->strict || other->dent || h <= height + tie || h > -height) {
-            continue;
-        }
-        pe_vec3 d = pe_sub(middle_of(other, pair->radius), x);
-        pe_vec3 across = pe_cross(other->normal, t->normal);
-        if (pe_dot(d, d) <= near * near && pe_dot(across, across) > ANOTHER * ANOTHER) {
-            return true;
-        }
-    }
-    return false;
-}
 
 static bool is_vertex_face(const pe_touch *t)
 {
@@ -63,34 +29,14 @@ static void settle(const pe_solid_pair *pair, pe_touches *list)
         list->items[kept++] = *t;
     }
     list->count = kept;
-    for (int i = 0; i < list->count; ++i) {
-        pe_touch *t = &list->items[i];
-        bool deep = t->separation + pair->radius < -TIE * pair->size;
-        t->merged = deep && !t->dent && has_better(pair, list, t);
-    }
-    kept = 0;
-    for (int i = 0; i < list->count; ++i) {
-        if (!list->items[i].merged) {
-            list->items[kept++] = list->items[i];
-        }
-    }
-    list->count = kept;
-}
-
-static double least_of(const pe_touches *list)
-{
-    double least = HUGE_VAL;
-    for (int i = 0; i < list->count; ++i) {
-        least = pe_min(least, list->items[i].separation);
-    }
-    return least;
+    pe_touches_settle(list, pair->radius, pair->size);
 }
 
 /* Adds the nearest points of solids apart where no touch has their distance: vertices against
  * vertices and edges. */
 static void add_nearest(const pe_solid_pair *pair, const pe_nearest *nearest, pe_touches *list)
 {
-    double least = least_of(list) + pair->radius, tie = LEAST_LINE * pair->size;
+    double least = pe_touches_least(list) + pair->radius, tie = LEAST_LINE * pair->size;
     if (least > nearest->distance + 0.1 * tie && (least == HUGE_VAL || nearest->distance > tie)) {
         pe_touch touch = nearest->touch;
         touch.separation = nearest->distance - pair->radius;
@@ -114,7 +60,7 @@ static bool nested(const pe_solid_pair *pair)
 static int collide_solids(const pe_solid_pair *pair, const pe_pose *pose, double margin,
                           pe_workspace work, pe_hits *patches)
 {
-    double wanted = margin + pair->radius, look = wanted * (1 + LOOK_AHEAD) + pair->slack;
+    double wanted = margin + pair->radius, look = wanted * (1 + PE_LOOK_AHEAD) + pair->slack;
     pe_nearest nearest = pe_solids_nearest(pair, wanted + pair->slack);
     if (!nearest.found) {
         if (!nested(pair)) {
@@ -134,7 +80,7 @@ static int collide_solids(const pe_solid_pair *pair, const pe_pose *pose, double
     settle(pair, &list);
     if (!overlap) {
         add_nearest(pair, &nearest, &list);
-    } else if (least_of(&list) > 0.5 * TIE * pair->size - pair->radius) {
+    } else if (pe_touches_least(&list) > 0.5 * TIE * pair->size - pair->radius) {
         pe_touches_find_way_out(pair, &nearest, &list);
         pe_touches_sort(&list);
     }
@@ -224,7 +170,7 @@ static int collide_plane(pe_placed plane, pe_placed mesh, double margin, pe_work
         .normal = pe_unrotate(&mesh.pose->rotation, plane.shape->normal),
         .offset = plane.shape->offset - pe_dot(plane.shape->normal, mesh.pose->position),
     };
-    double look = margin * (1 + LOOK_AHEAD) + PE_SLACK * mesh.size, band = PE_BAND * view.mesh->bounding_radius;
+    double look = margin * (1 + PE_LOOK_AHEAD) + PE_SLACK * mesh.size, band = PE_BAND * view.mesh->bounding_radius;
     double lowest_height = lowest(&view, margin), reach = pe_min(look, lowest_height + band);
     pe_touches list = {.work = work};
     find_below(&view, reach, &list);
@@ -246,7 +192,7 @@ int pe_collide_with_mesh(pe_placed other, pe_placed mesh, double margin, pe_work
         return collide_plane(other, mesh, margin, work, patches);
     }
     if (other.shape->kind == PE_SHAPE_CYLINDER) {
-        return 0;
+        return pe_collide_cylinder_mesh(other, mesh, margin, work, patches);
     }
     pe_solid_pair pair;
     pe_solid_pair_make(other, mesh, &pair);

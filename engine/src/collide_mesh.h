@@ -44,12 +44,21 @@ typedef struct pe_solid_pair {
 
 /* In units of `size`: a point this far beyond the rim of a face still lies on it. */
 #define PE_SLACK 9e-9
+/* In units of the margin: how much farther features are looked for, to know from which margin on
+ * there would be more. */
+#define PE_LOOK_AHEAD 0.1
 /* In units of the smaller bounding radius: features whose gap exceeds the least one by more than
  * this are not looked for, whatever the margin. */
 #define PE_BAND 0.25
 /* In units of `size`: overlaps deeper than this are found from the vertices within alone; and a
  * vertex that far behind a dent at the rim of a face is still over that face. */
 #define PE_DEPTH 0.05
+
+pe_solid pe_solid_of_geometry(const pe_geometry *g);
+
+/* The trees of two placed solids. */
+pe_bvh_pair pe_bvh_pair_between(const pe_node *a, const pe_pose *pose_a, const pe_node *b,
+                                const pe_pose *pose_b);
 
 /* Describes the pair; `pair` must stay where it is. Not for planes and cylinders. */
 void pe_solid_pair_make(pe_placed a, pe_placed b, pe_solid_pair *pair);
@@ -66,8 +75,8 @@ typedef struct pe_facet {
     unsigned owns;
 } pe_facet;
 
+void pe_solid_facet(const pe_solid *solid, int triangle, pe_facet *facet); /* in its axes */
 void pe_facet_of_a(const pe_solid_pair *pair, int triangle, pe_facet *facet);
-void pe_facet_of_b(const pe_solid_pair *pair, int triangle, pe_facet *facet);
 
 /* Whether x, brought down to the facet's plane along its normal, lies on the facet, or beyond its
  * rim by at most `slack`. */
@@ -99,6 +108,10 @@ typedef struct pe_ridge {
 /* Returns how many there are, at most 3. */
 int pe_ridges_of(const pe_solid *solid, const pe_bvh_pair *seen, const pe_facet *facet,
                  pe_ridge ridges[3]);
+
+/* Whether the direction n, of the given length, lies between the normals of the ridge's faces, or
+ * beyond by an angle of at most that sine: it rises along neither face. */
+bool pe_ridge_faces(const pe_ridge *ridge, pe_vec3 n, double length, double sine);
 
 /* Nearest points x + s u and y + t v of two segments, s and t in 0 .. 1. */
 void pe_segments_nearest(pe_vec3 x, pe_vec3 u, pe_vec3 y, pe_vec3 v, double *s, double *t);
@@ -175,6 +188,17 @@ bool pe_touch_is_blocked(const pe_solid_pair *pair, const pe_touch *touch);
 /* One way out of an overlap, where the features show none. */
 void pe_touches_find_way_out(const pe_solid_pair *pair, const pe_nearest *nearest,
                              pe_touches *list);
+
+/* Drops the overlaps beside which another touch, at about the same place and in another direction,
+ * says that the solids overlap less there, or not at all. `radius`, `size`: as in pe_solid_pair. */
+void pe_touches_settle(pe_touches *list, double radius, double size);
+
+/* The least separation; HUGE_VAL: none. */
+double pe_touches_least(const pe_touches *list);
+
+/* A cylinder, by pe_collide_cylinder_hull: see collide_mesh_cylinder.c. As pe_collide_with_mesh. */
+int pe_collide_cylinder_mesh(pe_placed cylinder, pe_placed mesh, double margin, pe_workspace work,
+                             pe_hits *patches);
 
 /* How touches become patches. */
 typedef struct pe_patch_rules {

@@ -15,17 +15,6 @@ static pe_bvh_pair around(const pe_node *node, const pe_solid *solid)
     return pe_bvh_pair_of(node, solid->nodes, &same, pe_v3(0, 0, 0));
 }
 
-static void facet_of(const pe_solid *solid, int triangle, pe_facet *facet)
-{
-    facet->vertices = solid->triangles[triangle];
-    facet->face = solid->triangle_face[triangle];
-    for (int k = 0; k < 3; ++k) {
-        facet->x[k] = solid->vertices[facet->vertices[k]];
-    }
-    facet->normal = solid->faces[facet->face].normal;
-    facet->offset = solid->faces[facet->face].offset;
-}
-
 /* The point of the triangle nearest to x. */
 static pe_vec3 nearest_point(const pe_facet *facet, pe_vec3 x)
 {
@@ -59,7 +48,7 @@ bool pe_solid_holds(const pe_solid *solid, pe_vec3 x)
     while (pe_bvh_next(&trees, &walk, bound, &node, &leaf)) {
         for (int i = 0; i < leaf->count; ++i) {
             pe_facet facet;
-            facet_of(solid, leaf->first + i, &facet);
+            pe_solid_facet(solid, leaf->first + i, &facet);
             pe_vec3 d = pe_sub(x, nearest_point(&facet, x));
             double distance = pe_length(d), h = pe_dot(facet.normal, d);
             double steep = distance > 0 ? fabs(h) / distance : 1;
@@ -103,7 +92,7 @@ static bool blocked(const pe_solid *solid, pe_vec3 x, pe_vec3 d, int face, doubl
     while (pe_bvh_next(&trees, &walk, 0, &node, &leaf)) {
         for (int i = 0; i < leaf->count; ++i) {
             pe_facet facet;
-            facet_of(solid, leaf->first + i, &facet);
+            pe_solid_facet(solid, leaf->first + i, &facet);
             double from = pe_dot(facet.normal, x) - facet.offset;
             double to = from + pe_dot(facet.normal, d);
             bool crosses = (from > slack && to < -slack) || (from < -slack && to > slack);
@@ -148,7 +137,7 @@ static int nearest_face(const pe_solid *solid, const pe_solid *of, const pe_bvh_
     while (pe_bvh_next(&trees, &walk, *depth, &node, &leaf)) {
         for (int i = 0; i < leaf->count; ++i) {
             pe_facet facet;
-            facet_of(solid, leaf->first + i, &facet);
+            pe_solid_facet(solid, leaf->first + i, &facet);
             double d = facet.offset - pe_dot(facet.normal, x);
             if (d > 0 && d < *depth && pe_facet_holds(&facet, x, slack) &&
                 pe_vertex_faces(of, vertex, pe_unrotate(&seen->turn, facet.normal), strict)) {
@@ -181,7 +170,7 @@ static void each_crossing(const pe_solid_pair *pair, take_crossing *take, void *
             for (int j = 0; j < leaf_b->count; ++j) {
                 double above_a[3] = {0}, above_b[3];
                 pe_vec3 where;
-                pe_facet_of_b(pair, leaf_b->first + j, &b);
+                pe_solid_facet(&pair->b, leaf_b->first + j, &b);
                 if (pe_facet_heights(&b, &a, 0, above_b) &&
                     (a.face < 0 || pe_facet_heights(&a, &b, 0, above_a)) &&
                     pe_facets_cross(&a, above_b, &b, above_a, &where)) {
@@ -336,7 +325,7 @@ static pe_vec3 nearest_on(const pe_solid *solid, pe_vec3 x)
     while (pe_bvh_next(&trees, &walk, bound, &node, &leaf)) {
         for (int i = 0; i < leaf->count; ++i) {
             pe_facet facet;
-            facet_of(solid, leaf->first + i, &facet);
+            pe_solid_facet(solid, leaf->first + i, &facet);
             pe_vec3 y = nearest_point(&facet, x);
             double distance = pe_length(pe_sub(y, x));
             if (distance < bound) {
@@ -388,7 +377,7 @@ static double way_to_exit(const pe_solid *solid, pe_vec3 x, pe_vec3 d)
     while (pe_bvh_next(&trees, &walk, 0, &node, &leaf)) {
         for (int i = 0; i < leaf->count; ++i) {
             pe_facet facet;
-            facet_of(solid, leaf->first + i, &facet);
+            pe_solid_facet(solid, leaf->first + i, &facet);
             double from = facet.offset - pe_dot(facet.normal, x), rise = pe_dot(facet.normal, d);
             double t = rise > 0 ? from / rise : -1;
             if (t >= 0 && t < first && t <= 1 && pe_facet_holds(&facet, pe_madd(x, t, d), 0)) {

@@ -5,6 +5,13 @@
 
 enum { FIRST_CAPACITY = 64 };
 
+/* In units of the smaller solid: depths that differ by less are one. */
+static const double TIE = 1e-9;
+/* In units of its depth: how near other touches are at the same place. */
+static const double PLACE = 8;
+/* Sine of the angle from which a direction is another one. */
+static const double ANOTHER = 1e-3;
+
 uint64_t pe_touch_feature(pe_touch_kind kind, int first, int second)
 {
     return (uint64_t)kind << 60 | (uint64_t)(uint32_t)first << 30 | (uint64_t)(uint32_t)second;
@@ -58,4 +65,54 @@ void pe_touches_sort(pe_touches *list)
         list->items[0] = last;
         sift(list->items, 0, end);
     }
+}
+
+static pe_vec3 middle_of(const pe_touch *t, double radius)
+{
+    return pe_madd(t->on_a, 0.5 * (t->separation + radius), t->normal);
+}
+
+static bool has_better(const pe_touches *list, const pe_touch *t, double radius, double size)
+{
+    double height = t->separation + radius, tie = TIE * size;
+    double near = PLACE * height;
+    pe_vec3 x = middle_of(t, radius);
+    for (int i = 0; i < list->count; ++i) {
+        const pe_touch *other = &list->items[i];
+        double h = other->separation + radius;
+        if (!other->strict || other->dent || h <= height + tie || h > -height) {
+            continue;
+        }
+        pe_vec3 d = pe_sub(middle_of(other, radius), x);
+        pe_vec3 across = pe_cross(other->normal, t->normal);
+        if (pe_dot(d, d) <= near * near && pe_dot(across, across) > ANOTHER * ANOTHER) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void pe_touches_settle(pe_touches *list, double radius, double size)
+{
+    for (int i = 0; i < list->count; ++i) {
+        pe_touch *t = &list->items[i];
+        bool deep = t->separation + radius < -TIE * size;
+        t->merged = deep && !t->dent && has_better(list, t, radius, size);
+    }
+    int kept = 0;
+    for (int i = 0; i < list->count; ++i) {
+        if (!list->items[i].merged) {
+            list->items[kept++] = list->items[i];
+        }
+    }
+    list->count = kept;
+}
+
+double pe_touches_least(const pe_touches *list)
+{
+    double least = HUGE_VAL;
+    for (int i = 0; i < list->count; ++i) {
+        least = pe_min(least, list->items[i].separation);
+    }
+    return least;
 }

@@ -114,7 +114,7 @@ pe_nearest pe_solids_nearest(const pe_solid_pair *pair, double bound)
             pe_facet_of_a(pair, leaf_a->first + i, &a);
             int count = pe_ridges_of(&pair->a, &pair->trees, &a, ridges);
             for (int j = 0; j < leaf_b->count && !best.cross; ++j) {
-                pe_facet_of_b(pair, leaf_b->first + j, &b);
+                pe_solid_facet(&pair->b, leaf_b->first + j, &b);
                 try_facets(pair, &a, ridges, count, &b, &best);
             }
         }

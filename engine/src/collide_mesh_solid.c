@@ -28,7 +28,7 @@ static const pe_edge CORE_EDGE[1] = {{{0, 1}, {-1, -1}, true}};
 static const int SEGMENT_VERTEX_FIRST[3] = {0, 1, 2}, POINT_VERTEX_FIRST[3] = {0, 0, 0};
 static const int CORE_VERTEX_EDGES[2] = {0, 0};
 
-static pe_solid solid_of_geometry(const pe_geometry *g)
+pe_solid pe_solid_of_geometry(const pe_geometry *g)
 {
     return (pe_solid){
         .nodes = g->nodes,
@@ -133,7 +133,7 @@ static pe_solid solid_of_core(double half_height, pe_small_solid *small)
 static pe_solid solid_of(pe_placed placed, pe_small_solid *small)
 {
     const pe_shape *shape = placed.shape;
-    return placed.geometry != NULL             ? solid_of_geometry(placed.geometry)
+    return placed.geometry != NULL             ? pe_solid_of_geometry(placed.geometry)
            : shape->kind == PE_SHAPE_BOX       ? solid_of_box(shape->half_extents, small)
            : shape->kind == PE_SHAPE_CAPSULE   ? solid_of_core(shape->half_height, small)
                                                : solid_of_core(0, small);
@@ -147,60 +147,56 @@ static double bounding_radius(pe_placed p)
                                               : p.shape->radius + p.shape->half_height;
 }
 
+pe_bvh_pair pe_bvh_pair_between(const pe_node *a, const pe_pose *pose_a, const pe_node *b,
+                                const pe_pose *pose_b)
+{
+    const pe_mat3 *ra = &pose_a->rotation, *rb = &pose_b->rotation;
+    return (pe_bvh_pair){
+        .a = a,
+        .b = b,
+        .turn = {pe_unrotate(ra, pe_axis(rb, 0)), pe_unrotate(ra, pe_axis(rb, 1)),
+                 pe_unrotate(ra, pe_axis(rb, 2))},
+        .offset = pe_unrotate(rb, pe_sub(pose_a->position, pose_b->position)),
+    };
+}
+
 void pe_solid_pair_make(pe_placed a, pe_placed b, pe_solid_pair *pair)
 {
     bool rounded = a.shape->kind == PE_SHAPE_SPHERE || a.shape->kind == PE_SHAPE_CAPSULE;
     pair->a = solid_of(a, &pair->small);
-    pair->b = solid_of_geometry(b.geometry);
+    pair->b = pe_solid_of_geometry(b.geometry);
     pair->radius = rounded ? a.shape->radius : 0;
     pair->size = pe_min(a.size, b.size);
     pair->slack = PE_SLACK * pair->size;
     pair->depth = PE_DEPTH * pair->size;
     pair->band = PE_BAND * pe_min(bounding_radius(a), bounding_radius(b));
 
-    const pe_mat3 *ra = &a.pose->rotation, *rb = &b.pose->rotation;
-    pe_vec3 x = pe_unrotate(ra, pe_axis(rb, 0)), y = pe_unrotate(ra, pe_axis(rb, 1));
-    pe_mat3 turn = {x, y, pe_unrotate(ra, pe_axis(rb, 2))};
-    pe_mat3 back = {pe_axis(&turn, 0), pe_axis(&turn, 1), pe_axis(&turn, 2)};
-    pe_vec3 offset = pe_unrotate(rb, pe_sub(a.pose->position, b.pose->position));
-    pair->trees = pe_bvh_pair_of(pair->a.nodes, pair->b.nodes, &turn, offset);
-    pair->swapped = pe_bvh_pair_of(pair->b.nodes, pair->a.nodes, &back,
-                                   pe_scale(-1, pe_rotate(&back, offset)));
+    pair->trees = pe_bvh_pair_between(pair->a.nodes, a.pose, pair->b.nodes, b.pose);
+    pair->swapped = pe_bvh_pair_between(pair->b.nodes, b.pose, pair->a.nodes, a.pose);
 }
 
-static void describe(const pe_solid *solid, int triangle, pe_facet *facet)
+void pe_solid_facet(const pe_solid *solid, int triangle, pe_facet *facet)
 {
     facet->vertices = solid->triangles[triangle];
     facet->edges = solid->triangle_edges[triangle];
     facet->face = solid->triangle_face[triangle];
     facet->owns = solid->triangle_owns[triangle];
-    facet->normal = pe_v3(0, 0, 0);
-    facet->offset = 0;
+    for (int k = 0; k < 3; ++k) {
+        facet->x[k] = solid->vertices[facet->vertices[k]];
+    }
+    facet->normal = facet->face >= 0 ? solid->faces[facet->face].normal : pe_v3(0, 0, 0);
+    facet->offset = facet->face >= 0 ? solid->faces[facet->face].offset : 0;
 }
 
 void pe_facet_of_a(const pe_solid_pair *pair, int triangle, pe_facet *facet)
 {
-    describe(&pair->a, triangle, facet);
     const pe_bvh_pair *seen = &pair->trees;
+    pe_solid_facet(&pair->a, triangle, facet);
     for (int k = 0; k < 3; ++k) {
-        facet->x[k] = pe_add(pe_rotate(&seen->turn, pair->a.vertices[facet->vertices[k]]),
-                             seen->offset);
+        facet->x[k] = pe_add(pe_rotate(&seen->turn, facet->x[k]), seen->offset);
     }
-    if (facet->face >= 0) {
-        const pe_face *face = &pair->a.faces[facet->face];
-        facet->normal = pe_rotate(&seen->turn, face->normal);
-        facet->offset = face->offset + pe_dot(facet->normal, seen->offset);
-    }
-}
-
-void pe_facet_of_b(const pe_solid_pair *pair, int triangle, pe_facet *facet)
-{
-    describe(&pair->b, triangle, facet);
-    for (int k = 0; k < 3; ++k) {
-        facet->x[k] = pair->b.vertices[facet->vertices[k]];
-    }
-    facet->normal = pair->b.faces[facet->face].normal;
-    facet->offset = pair->b.faces[facet->face].offset;
+    facet->normal = pe_rotate(&seen->turn, facet->normal);
+    facet->offset += pe_dot(facet->normal, seen->offset);
 }
 
 /* Whether x lies beyond the edge from corner k, along the plane, by more than `slack`. */
@@ -302,6 +298,13 @@ int pe_ridges_of(const pe_solid *solid, const pe_bvh_pair *seen, const pe_facet 
         }
     }
     return count;
+}
+
+bool pe_ridge_faces(const pe_ridge *r, pe_vec3 n, double length, double sine)
+{
+    double most = sine * length * sqrt(r->length2);
+    return pe_dot(n, pe_cross(r->normal[0], r->along)) <= most &&
+           pe_dot(n, pe_cross(r->along, r->normal[1])) <= most;
 }
 
 static double clamp01(double x)

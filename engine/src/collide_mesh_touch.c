@@ -94,15 +94,6 @@ static void try_vertices(const finder *f, const pe_facet *a, const pe_facet *b,
     }
 }
 
-/* Whether the direction n, of the given length, lies between the normals of the ridge's faces: it
- * rises neither along the one face nor along the other. */
-static bool ridge_faces(const pe_ridge *r, pe_vec3 n, double length, double sine)
-{
-    double most = sine * length * sqrt(r->length2);
-    return pe_dot(n, pe_cross(r->normal[0], r->along)) <= most &&
-           pe_dot(n, pe_cross(r->along, r->normal[1])) <= most;
-}
-
 /* Two convex edges whose lines are nearest inside both. With u, v their directions and c = u x v,
  * the normal n = +-c/|c| rises along the faces of the first one by +-(v.n0) |u|^2/|c| and
  * -+(v.n1) |u|^2/|c| (for c x u has no part along v but that), and likewise with the second: the
@@ -181,7 +172,7 @@ static void try_end_edge(const finder *f, int end, pe_vec3 x, const pe_ridge *b)
     }
     int vertex = pair->b.edges[b->edge].vertex[t >= 1];
     if (at_vertex ? faces(&pair->b, vertex, apart, distance, ROUNDING)
-                  : ridge_faces(b, out, distance, ROUNDING)) {
+                  : pe_ridge_faces(b, out, distance, ROUNDING)) {
         add_points(f, at_vertex ? PE_VERTEX_VERTEX : PE_VERTEX_EDGE, end,
                    at_vertex ? vertex : b->edge, x, apart, distance);
     }
@@ -256,7 +247,7 @@ void pe_touches_find(const pe_solid_pair *pair, double reach, double depth, pe_t
             pe_facet_of_a(pair, leaf_a->first + i, &a);
             int count = pe_ridges_of(&pair->a, &pair->trees, &a, ridges);
             for (int j = 0; j < leaf_b->count; ++j) {
-                pe_facet_of_b(pair, leaf_b->first + j, &b);
+                pe_solid_facet(&pair->b, leaf_b->first + j, &b);
                 try_facets(&f, &a, ridges, count, &b);
             }
         }

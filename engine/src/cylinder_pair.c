@@ -153,11 +153,11 @@ static pe_vec3 moved(pe_vec3 d, double scale, pe_vec3 step)
 }
 
 /* Climbs from d to a maximum of two rims: while the value grows, then, where that is a matter of
- * rounding, as long as steps shrink. Gives up farther than `reach` (rad) from the start, or where
- * steps must be cut short again and again: at a ridge, which is no maximum of two rims. */
+ * rounding, as long as steps shrink. Gives up farther than `reach` (rad) from the start, and
+ * on the ridges along a.d = 0 and b.d = 0, which the value does not grow across. */
 static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach)
 {
-    enum { MOST = 60, HALVINGS = 24 };
+    enum { MOST = 60, HALVINGS = 24, HALVINGS_ACROSS = 3 };
     pe_vec3 start = d;
     double value = separation_along(s, d), last = 1e-5;
     for (int i = 0; i < MOST; ++i) {
@@ -176,7 +176,10 @@ static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach)
         }
         pe_vec3 next = moved(d, scale, step);
         double there = separation_along(s, next);
-        for (int k = 0; k < HALVINGS && !(there > value); ++k) {
+        bool across =
+            v.rise_a * pe_dot(s->a->axis, next) < 0 || v.rise_b * pe_dot(s->b->axis, next) < 0;
+        int most = across ? HALVINGS_ACROSS : HALVINGS;
+        for (int k = 0; k < most && !(there > value); ++k) {
             scale *= 0.5;
             next = moved(d, scale, step);
             there = separation_along(s, next);

@@ -23,7 +23,7 @@ static const double ALONG = 0.01;
 static const double ACROSS = 1e-4;
 /* In units of the smaller shape: */
 static const double CLIP_SLACK = 1e-8;     /* points this far outside still lie on the face */
-static const double SAME_PLACE = 4e-8;     /* corners this near to the one before are one */
+static const double SAME_PLACE = 1e-6;     /* corners this near to each other are one */
 static const double SAME_DISTANCE = 5e-10; /* a corner that has the least separation */
 
 /* Clipping adds a corner a side at most; the room for one more is never used. */
@@ -52,13 +52,20 @@ static view view_of(const pe_polytope_pair *pair, pe_vec3 normal, bool flipped)
                    : (view){&pair->a, &pair->b, &pair->b_from_a, pair->pose_a, normal, false};
 }
 
-/* A corner of the polygon being clipped, with the name of the edge that leads on from it. */
+/* A corner of the polygon being clipped. */
 typedef struct corner {
     pe_vec3 x;
-    uint32_t edge;
+    uint32_t edge; /* that leads on from it */
+    uint32_t name; /* of the two edges that cross there */
+    bool clipped;  /* no corner of the polygon at first */
 } corner;
 
 enum { EDGE_OF_B = 1 << 15 };
+
+static uint32_t name_of(uint32_t edge, uint32_t other)
+{
+    return edge < other ? edge << 16 | other : other << 16 | edge;
+}
 
 /* Where the way from a point inside, `in` past the side, to one outside it, `out` past it, crosses
  * the side; points inside by the slack alone are there already. */
@@ -67,7 +74,15 @@ static pe_vec3 crossing(pe_vec3 x, double in, pe_vec3 y, double out)
     return in < 0 ? pe_madd(x, in / (in - out), pe_sub(y, x)) : x;
 }
 
-/* Keeps the part of `in` where `past` is not above the slack. */
+static bool same_place(pe_vec3 x, pe_vec3 y, double slack)
+{
+    double reach = SAME_PLACE / CLIP_SLACK * slack;
+    pe_vec3 d = pe_sub(x, y);
+    return pe_dot(d, d) <= reach * reach;
+}
+
+/* Keeps the part of `in` where `past` is not above the slack. A crossing next to the corner that is
+ * kept is that corner. */
 static int clip(const corner *in, const double *past, double slack, int count, uint32_t clip_edge,
                 corner *out)
 {
@@ -80,10 +95,15 @@ static int clip(const corner *in, const double *past, double slack, int count, u
         if (here) {
             out[kept++] = in[i];
         }
-        if (here && !there) {
-            out[kept++] = (corner){crossing(in[i].x, past[i], in[next].x, past[next]), clip_edge};
-        } else if (there && !here) {
-            out[kept++] = (corner){crossing(in[next].x, past[next], in[i].x, past[i]), in[i].edge};
+        if (here != there) {
+            int stay = here ? i : next, leave = here ? next : i;
+            pe_vec3 x = crossing(in[stay].x, past[stay], in[leave].x, past[leave]);
+            if (!same_place(x, in[stay].x, slack)) {
+                out[kept++] = (corner){x, here ? clip_edge : in[i].edge,
+                                       name_of(clip_edge, in[i].edge), true};
+            } else if (here) {
+                out[kept - 1].edge = clip_edge;
+            }
         }
     }
     return kept;
@@ -112,8 +132,9 @@ static const corner *clip_face(const view *w, const pe_face *face, const pe_face
     *count = pe_face_corners(other);
     for (int i = 0; i < *count; ++i) {
         pe_vec3 x = w->q->vertices[pe_face_corner(w->q, other, i)];
+        uint32_t tag = w->flipped ? 0 : EDGE_OF_B, in = (uint32_t)(i > 0 ? i : *count) - 1;
         polygon[i] = (corner){pe_add(pe_rotate(&w->placed->turn, x), w->placed->offset),
-                              (uint32_t)i | (w->flipped ? 0 : EDGE_OF_B)};
+                              (uint32_t)i | tag, name_of(in | tag, (uint32_t)i | tag), false};
     }
     for (int k = 0; k < pe_face_corners(face); ++k) {
         side s = side_of(w, face, k);
@@ -139,11 +160,11 @@ static int clip_segment(const view *w, const pe_face *face, double slack, corner
 {
     int count = w->q->vertex_count;
     for (int i = 0; i < count; ++i) {
-        ends[i] =
-            (corner){pe_add(pe_rotate(&w->placed->turn, w->q->vertices[i]), w->placed->offset),
-                     (uint32_t)i | (w->flipped ? 0 : EDGE_OF_B)};
+        pe_vec3 x = pe_rotate(&w->placed->turn, w->q->vertices[i]);
+        uint32_t edge = (uint32_t)i | (w->flipped ? 0 : EDGE_OF_B);
+        ends[i] = (corner){pe_add(x, w->placed->offset), edge, name_of(edge, edge), false};
     }
-    for (int k = 0; k < pe_face_corners(face); ++k) {
+    for (int k = 0; k < pe_face_corners(face) && count > 0; ++k) {
         side s = side_of(w, face, k);
         double past[2] = {0, 0};
         for (int i = 0; i < count; ++i) {
@@ -154,20 +175,26 @@ static int clip_segment(const view *w, const pe_face *face, double slack, corner
             return 0;
         }
         if (past[out] > slack) {
-            ends[out] = (corner){crossing(ends[in].x, past[in], ends[out].x, past[out]),
-                                 (uint32_t)k | (w->flipped ? EDGE_OF_B : 0)};
+            pe_vec3 x = crossing(ends[in].x, past[in], ends[out].x, past[out]);
+            uint32_t edge = (uint32_t)k | (w->flipped ? EDGE_OF_B : 0);
+            if (same_place(x, ends[in].x, slack)) {
+                /* Its end stands on the face, or it passes a corner of the face. */
+                ends[0] = ends[in];
+                count = ends[0].clipped ? 0 : 1;
+            } else if (same_place(x, ends[out].x, slack)) {
+                ends[out].x = x;
+            } else {
+                ends[out] = (corner){x, edge, name_of(edge, ends[out].edge), true};
+            }
         }
     }
     return count;
 }
 
-/* Names the faces and, whatever their order, two edges. */
-static uint64_t corner_name(const view *w, int face, int other, uint32_t edge, uint32_t edge_in)
+static uint64_t corner_name(const view *w, int face, int other, uint32_t edges)
 {
-    uint64_t of_a = (uint64_t)(w->flipped ? other : face),
-             of_b = (uint64_t)(w->flipped ? face : other);
-    uint64_t low = edge < edge_in ? edge : edge_in, high = edge < edge_in ? edge_in : edge;
-    return (of_a & 0x7fff) << 47 | (of_b & 0x7fff) << 32 | low << 16 | high;
+    uint64_t a = (uint64_t)(w->flipped ? other : face), b = (uint64_t)(w->flipped ? face : other);
+    return (a & 0x7fff) << 47 | (b & 0x7fff) << 32 | edges;
 }
 
 /* Points of face `index` of p and what of q faces it. */
@@ -186,17 +213,10 @@ static void face_contact(const view *w, int index, double size, pe_candidates *f
         count = clip_segment(w, face, slack, buffer[0]);
     }
     double along = pe_dot(face->normal, w->normal), radius = w->q->radius;
-    const double merge2 = SAME_PLACE * SAME_PLACE * size * size;
     for (int i = 0; i < count; ++i) {
-        pe_vec3 gap = pe_sub(corners[i].x, corners[i > 0 ? i - 1 : count - 1].x);
-        if (count > 1 && pe_dot(gap, gap) <= merge2) {
-            continue;
-        }
         double height = (pe_dot(face->normal, corners[i].x) - face->offset) / along;
-        uint32_t in = corners[i > 0 ? i - 1 : count - 1].edge;
-        uint64_t name = w->q->face_count > 0 ? corner_name(w, index, other, corners[i].edge, in)
-                        : count > 1          ? corner_name(w, index, i, corners[i].edge, 0)
-                                             : 0;
+        bool ball = w->q->vertex_count == 1; /* which has one point */
+        uint64_t name = ball ? 0 : corner_name(w, index, other, corners[i].name);
         pe_candidates_add(found, w->pose,
                           pe_madd(corners[i].x, -0.5 * (height + radius), w->normal),
                           height - radius, name);

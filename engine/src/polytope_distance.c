@@ -162,21 +162,19 @@ pe_separation pe_polytope_distance(const pe_polytope_pair *pair, const pe_separa
     simplex s = descend(pair, start->normal);
     const corner *c = s.corner;
     pe_vec3 on_a = pe_v3(0, 0, 0);
-    pe_separation found = {
-        .distance = pe_length(s.nearest),
-        .kind = PE_OF_POINTS,
-        .ends_a = {c[0].a, c[0].a},
-        .ends_b = {c[0].b, c[0].b},
-    };
-    if (found.distance > 0) {
-        found.normal = normal_of(&s);
-    }
+    pe_separation found = *start;
     /* So near to each other the direction may be rounding. */
-    if (!(found.distance > 0) ||
-        pe_polytope_separation_along(pair, found.normal) < start->distance) {
-        found.distance = start->distance;
-        found.normal = start->normal;
+    if (pe_dot(s.nearest, s.nearest) > 0) {
+        pe_vec3 normal = normal_of(&s);
+        double distance = pe_polytope_separation_along(pair, normal);
+        if (distance >= start->distance) {
+            found.normal = normal;
+            found.distance = distance;
+        }
     }
+    found.kind = PE_OF_POINTS;
+    found.ends_a[0] = found.ends_a[1] = c[0].a;
+    found.ends_b[0] = found.ends_b[1] = c[0].b;
     for (int i = 0; i < s.count; ++i) {
         on_a = pe_madd(on_a, s.weight[i], pair->a.vertices[c[i].a]);
         widen(found.ends_a, c[i].a);
