@@ -302,6 +302,7 @@ pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, p
         return pe_fail(error, PE_BAD_ARGUMENT, "force: expected finite numbers");
     }
     pe_load *load = &pe_loads(world)[body.index];
+    world->loaded = true;
     if (frame == PE_FRAME_BODY) {
         const pe_geometry *geometry = pe_bodies(world)[body.index].geometry;
         if (geometry != NULL) {

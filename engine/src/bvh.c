@@ -5,6 +5,25 @@ pe_bvh_pair pe_bvh_pair_of(const pe_node *a, const pe_node *b, const pe_mat3 *tu
     return (pe_bvh_pair){.a = a, .b = b, .turn = *turn, .offset = offset};
 }
 
+double pe_node_reach(const pe_node *node, pe_vec3 d)
+{
+    pe_vec3 along = pe_rotate(&node->axes, d);
+    return fabs(along.x) * node->half.x + fabs(along.y) * node->half.y +
+           fabs(along.z) * node->half.z;
+}
+
+/* Whether the node ends below all that is within `limit` of b. */
+static bool a_is_far(const pe_bvh_pair *p, const pe_node *a, double limit)
+{
+    double middle = pe_dot(p->parting_a, a->centre) + pe_dot(p->parting, p->offset);
+    return middle + pe_node_reach(a, p->parting_a) < p->least_b - limit;
+}
+
+static bool b_is_far(const pe_bvh_pair *p, const pe_node *b, double limit)
+{
+    return pe_dot(p->parting, b->centre) - pe_node_reach(b, p->parting) > p->most_a + limit;
+}
+
 static pe_vec3 absolute(pe_vec3 v)
 {
     return pe_v3(fabs(v.x), fabs(v.y), fabs(v.z));
@@ -49,6 +68,20 @@ static void push(const pe_bvh_pair *pair, pe_bvh_walk *walk, int a, int b, doubl
     }
 }
 
+static void push_a(const pe_bvh_pair *pair, pe_bvh_walk *walk, int a, int b, double limit)
+{
+    if (!a_is_far(pair, &pair->a[a], limit)) {
+        push(pair, walk, a, b, limit);
+    }
+}
+
+static void push_b(const pe_bvh_pair *pair, pe_bvh_walk *walk, int a, int b, double limit)
+{
+    if (!b_is_far(pair, &pair->b[b], limit)) {
+        push(pair, walk, a, b, limit);
+    }
+}
+
 void pe_bvh_begin(const pe_bvh_pair *pair, pe_bvh_walk *walk)
 {
     walk->depth = 0;
@@ -72,11 +105,11 @@ bool pe_bvh_next(const pe_bvh_pair *pair, pe_bvh_walk *walk, double bound, const
         }
         int first = walk->depth;
         if (nb->right < 0 || (na->right >= 0 && na->radius >= nb->radius)) {
-            push(pair, walk, e.a + 1, e.b, bound);
-            push(pair, walk, na->right, e.b, bound);
+            push_a(pair, walk, e.a + 1, e.b, bound);
+            push_a(pair, walk, na->right, e.b, bound);
         } else {
-            push(pair, walk, e.a, e.b + 1, bound);
-            push(pair, walk, e.a, nb->right, bound);
+            push_b(pair, walk, e.a, e.b + 1, bound);
+            push_b(pair, walk, e.a, nb->right, bound);
         }
         struct pe_bvh_entry *pushed = &walk->stack[first];
         if (walk->depth == first + 2 && pushed[0].gap2 < pushed[1].gap2) {

@@ -13,9 +13,18 @@ typedef struct pe_bvh_pair {
     const pe_node *a, *b;
     pe_mat3 turn;
     pe_vec3 offset; /* m */
+    /* A direction that about parts the two, in the axes of b and of a; all of a lies below `most_a`
+     * along it and all of b above `least_b` (m, in b's axes). What of either is farther from the
+     * other's bound than the pairs in question is left out at once. Zero: none. */
+    pe_vec3 parting, parting_a;
+    double most_a, least_b;
 } pe_bvh_pair;
 
+/* Without a parting direction. */
 pe_bvh_pair pe_bvh_pair_of(const pe_node *a, const pe_node *b, const pe_mat3 *turn, pe_vec3 offset);
+
+/* How far the box reaches from its centre along d, in the body's axes. */
+double pe_node_reach(const pe_node *node, pe_vec3 d);
 
 /* The deepest tree halves 2^28 triangles down to single ones; each level leaves one entry. */
 enum { PE_BVH_STACK = 64 };

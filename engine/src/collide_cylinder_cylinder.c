@@ -234,7 +234,7 @@ static bool add_nearest(scene *s, const pe_cylinder_gap *gap, bool at_any_rate)
     if (pe_hit_list_has_nearest(&s->patch)) {
         return true;
     }
-    pe_vec3 x = pe_cylinder_pair_point(&s->a.c, &s->b.c, gap);
+    pe_vec3 x = gap->on_a;
     const side *cap = gap->kind == PE_CAP_A ? &s->a : gap->kind == PE_CAP_B ? &s->b : NULL;
     bool sound = cap == NULL || is_in_cap(s, cap, x);
     if (!sound && at_any_rate) {

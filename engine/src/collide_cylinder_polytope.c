@@ -373,7 +373,7 @@ static bool nearest_point(const scene *s, const pe_meeting_gap *gap, pe_vec3 *x)
         *x = pe_cylinder_support(c, pe_scale(-1, s->d));
         return gap->kind == PE_EDGE_RIM || is_in_face(s, *x);
     }
-    pe_vec3 v = p->vertices[gap->index];
+    pe_vec3 v;
     if (gap->kind == PE_EDGE_SIDE) {
         const pe_edge *edge = &p->edges[gap->index];
         v = p->vertices[edge->vertex[0]];
@@ -381,6 +381,8 @@ static bool nearest_point(const scene *s, const pe_meeting_gap *gap, pe_vec3 *x)
         double end[2], place = pe_cylinder_edge_place(p, c, gap);
         beside(s, v, step, end);
         v = pe_madd(v, pe_max(end[0], pe_min(end[1], place)), step);
+    } else {
+        v = p->vertices[gap->index];
     }
     *x = pe_madd(v, gap->distance, s->d);
     pe_vec3 out = pe_across(c->axis, pe_sub(*x, c->centre));

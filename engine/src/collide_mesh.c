@@ -46,21 +46,33 @@ static void add_nearest(const pe_solid_pair *pair, const pe_nearest *nearest, pe
     }
 }
 
-/* One solid may lie wholly in the other, with no surface near: then one vertex shows it. */
-static bool nested(const pe_solid_pair *pair)
+/* Whether the point, in the solid's axes, lies in it: most are not even in its box. */
+static bool holds(const pe_solid *solid, pe_vec3 x)
 {
-    pe_vec3 a = pe_add(pe_rotate(&pair->trees.turn, pair->a.vertices[0]), pair->trees.offset);
-    if (pe_solid_holds(&pair->b, a)) {
-        return true;
-    }
-    pe_vec3 b = pe_add(pe_rotate(&pair->swapped.turn, pair->b.vertices[0]), pair->swapped.offset);
-    return !pair->a.core && pe_solid_holds(&pair->a, b);
+    const pe_node *root = &solid->nodes[0];
+    pe_vec3 local = pe_rotate(&root->axes, pe_sub(x, root->centre));
+    return fabs(local.x) <= root->half.x && fabs(local.y) <= root->half.y &&
+           fabs(local.z) <= root->half.z && pe_solid_holds(solid, x);
 }
 
-static int collide_solids(const pe_solid_pair *pair, const pe_pose *pose, double margin,
+/* The smaller solid may lie wholly in the larger, with no surface near: then one vertex shows it. */
+static bool nested(const pe_solid_pair *pair)
+{
+    if (pair->a.volume < pair->b.volume) {
+        pe_vec3 a = pe_rotate(&pair->trees.turn, pair->a.vertices[0]);
+        return holds(&pair->b, pe_add(a, pair->trees.offset));
+    }
+    pe_vec3 b = pe_rotate(&pair->swapped.turn, pair->b.vertices[0]);
+    return pair->b.volume < pair->a.volume && holds(&pair->a, pe_add(b, pair->swapped.offset));
+}
+
+static int collide_solids(pe_solid_pair *pair, const pe_pose *pose, double margin,
                           pe_workspace work, pe_hits *patches)
 {
     double wanted = margin + pair->radius, look = wanted * (1 + PE_LOOK_AHEAD) + pair->slack;
+    if (!pe_solid_pair_part(pair, wanted + pair->slack)) {
+        return 0;
+    }
     pe_nearest nearest = pe_solids_nearest(pair, wanted + pair->slack);
     if (!nearest.found) {
         if (!nested(pair)) {
@@ -110,10 +122,7 @@ static const pe_node *next_leaf(const plane_view *view, double bound, int stack[
     while (*depth > 0) {
         int index = stack[--*depth];
         const pe_node *node = &view->mesh->nodes[index];
-        pe_vec3 along = pe_rotate(&node->axes, n);
-        double reach = fabs(along.x) * node->half.x + fabs(along.y) * node->half.y +
-                       fabs(along.z) * node->half.z;
-        if (pe_dot(n, node->centre) - reach - view->offset > bound) {
+        if (pe_dot(n, node->centre) - pe_node_reach(node, n) - view->offset > bound) {
             continue;
         }
         if (node->right < 0) {

@@ -21,6 +21,7 @@ typedef struct pe_solid {
     const pe_edge *edges;
     const int *vertex_first, *vertex_edges;
     int vertex_count, triangle_count;
+    double volume; /* m^3; of a core 0 */
 } pe_solid;
 
 /* Room for the numbers of a solid that is no geometry. */
@@ -164,8 +165,15 @@ typedef struct pe_nearest {
 
 pe_nearest pe_solids_nearest(const pe_solid_pair *pair, double bound);
 
-/* How far the solid reaches along d: the largest d.x of its points, in its own axes. */
-double pe_solid_reach(const pe_solid *solid, pe_vec3 d);
+/* A vertex that is farthest along d, in the solid's own axes. */
+pe_vec3 pe_solid_support(const pe_solid *solid, pe_vec3 d);
+
+/* Looks for a direction that parts the hulls of the two, for pair->trees, in a few steps (Gilbert
+ * 1966). False: it parts them by more than `limit`. */
+bool pe_solid_pair_part(pe_solid_pair *pair, double limit);
+
+/* The point of the surface nearest to x, in the solid's own axes. */
+pe_vec3 pe_solid_nearest_point(const pe_solid *solid, pe_vec3 x);
 
 /* Whether the point (in the axes of `solid`) lies in the solid. */
 bool pe_solid_holds(const pe_solid *solid, pe_vec3 x);

@@ -3,9 +3,9 @@
  * What a triangle gives counts when its direction is one that the mesh has there: the triangle's own
  * normal, or one between those of the faces at the edge or vertex that is nearest. So the rim of a
  * triangle inside a face gives nothing of its own. A triangle that is cut so deep that the shortest
- * way off it leads into the solid, or along it, pushes the cylinder out along its normal instead,
- * by the cylinder's deepest point. Where not even that lies over a triangle, the one along whose
- * normal the cylinder is least deep decides. */
+ * way off it leads into the solid, or along it, gives nothing either. Where no triangle gives an
+ * overlap but some are cut, the cylinder is pushed out along the normal of one of these, by what of
+ * it lies under the triangle there: the one where that is least. */
 #include "collide_mesh.h"
 
 /* Sine of the angle up to which a direction is a face's normal. */
@@ -32,7 +32,7 @@ typedef struct scene {
     pe_bvh_pair trees; /* of the cylinder's box and the mesh */
     double size, reach;
     pe_touches list;
-    pe_touch fallback;
+    pe_touch fallback; /* of triangles that give nothing, the least deep way out */
 } scene;
 
 static void make_hull(const scene *s, const pe_facet *f, thin_hull *h)
@@ -95,29 +95,35 @@ static bool is_faced(const scene *s, const pe_facet *f, pe_vec3 out)
     for (int k = 0; k < 3; ++k) {
         bool owned = (f->owns >> (3 + k) & 1) != 0;
         if (along[k] >= most - level && along[k < 2 ? k + 1 : 0] >= most - level) {
-            return owned && pe_ridge_faces(&ridges[ridge], out, 1, OUTSIDE);
+            if (owned && pe_ridge_faces(&ridges[ridge], out, 1, OUTSIDE)) {
+                return true;
+            }
         }
         ridge += owned;
     }
     for (int k = 0; k < 3; ++k) {
         bool strict, owned = (f->owns >> k & 1) != 0;
-        if (along[k] == most && owned &&
-            pe_vertex_faces(&s->solid, f->vertices[k], pe_scale(-1, out), &strict)) {
-            return strict;
+        if (along[k] >= most - level && owned &&
+            pe_vertex_faces(&s->solid, f->vertices[k], pe_scale(-1, out), &strict) && strict) {
+            return true;
         }
     }
     return false;
 }
 
-/* The cylinder's last point along d, in the mesh's axes. */
-static pe_vec3 last_point(const scene *s, pe_vec3 d)
+/* How far it is from a point in the cylinder, along the unit direction n, to its surface; both in
+ * the mesh's axes. */
+static double way_out_of_cylinder(const scene *s, pe_vec3 x, pe_vec3 n)
 {
     const pe_shape *shape = s->cylinder.shape;
-    pe_vec3 own = pe_unrotate(&s->trees.turn, d);
-    double across = sqrt(own.x * own.x + own.y * own.y);
-    double f = across > 0 ? shape->radius / across : 0;
-    pe_vec3 x = pe_v3(f * own.x, f * own.y, own.z < 0 ? -shape->half_height : shape->half_height);
-    return pe_add(pe_rotate(&s->trees.turn, x), s->trees.offset);
+    pe_vec3 y = pe_unrotate(&s->trees.turn, pe_sub(x, s->trees.offset));
+    pe_vec3 d = pe_unrotate(&s->trees.turn, n);
+    double a = d.x * d.x + d.y * d.y, b = y.x * d.x + y.y * d.y;
+    double c = shape->radius * shape->radius - y.x * y.x - y.y * y.y;
+    double side = a > 0 ? (sqrt(pe_max(0, b * b + a * c)) - b) / a : HUGE_VAL;
+    double z = d.z < 0 ? -y.z : y.z;
+    double cap = d.z != 0 ? (shape->half_height - z) / fabs(d.z) : HUGE_VAL;
+    return pe_max(0, pe_min(side, cap));
 }
 
 /* Names a point by its triangle and a hash of its name on the hull. */
@@ -126,9 +132,9 @@ static uint64_t feature_of(int triangle, uint64_t name)
     return (uint64_t)(uint32_t)triangle << 32 | (name * 0x9E3779B97F4A7C15u) >> 32;
 }
 
-static void add(scene *s, int triangle, uint64_t name, pe_vec3 n, pe_vec3 on_a, double separation)
+static pe_touch touch_of(int triangle, uint64_t name, pe_vec3 n, pe_vec3 on_a, double separation)
 {
-    pe_touch touch = {
+    return (pe_touch){
         .feature = feature_of(triangle, name),
         .kind = PE_VERTEX_FACE,
         .normal = n,
@@ -136,24 +142,25 @@ static void add(scene *s, int triangle, uint64_t name, pe_vec3 n, pe_vec3 on_a, 
         .separation = separation,
         .strict = true,
     };
-    pe_touches_add(&s->list, &touch);
 }
 
-/* Out along the triangle's normal, by the cylinder's deepest point. */
-static void push_out(scene *s, const pe_facet *f, int triangle)
+/* Out along a direction, by what of the cylinder lies that way from a point of the mesh in it. */
+static void push_out(scene *s, pe_vec3 n, pe_vec3 on_b, double depth, int triangle)
 {
-    pe_vec3 n = pe_scale(-1, f->normal), x = last_point(s, n);
-    double height = pe_dot(f->normal, x) - f->offset;
-    if (!(height < 0)) {
-        return;
+    double way = way_out_of_cylinder(s, on_b, n);
+    if (-way - depth > s->fallback.separation) {
+        pe_vec3 on_a = pe_madd(on_b, way, n);
+        s->fallback = touch_of(triangle, 0, n, on_a, -way - depth);
     }
-    if (pe_facet_holds(f, x, PE_SLACK * s->size)) {
-        add(s, triangle, 0, n, x, height);
-    } else if (height > s->fallback.separation) {
-        s->fallback.feature = feature_of(triangle, 0);
-        s->fallback.normal = n;
-        s->fallback.on_a = x;
-        s->fallback.separation = height;
+}
+
+/* From inside the solid, by the way that is shortest from the cylinder's centre. */
+static void push_out_of_solid(scene *s)
+{
+    pe_vec3 x = s->trees.offset, in = pe_sub(x, pe_solid_nearest_point(&s->solid, x));
+    double depth = pe_length(in);
+    if (depth > 0) {
+        push_out(s, pe_scale(1 / depth, in), x, depth, 0);
     }
 }
 
@@ -173,14 +180,24 @@ static void try_facet(scene *s, int triangle, double bound)
     const pe_pose *pose = s->mesh.pose;
     pe_vec3 n = pe_unrotate(&pose->rotation, hits.normal);
     if (!is_faced(s, &f, pe_scale(-1, n))) {
-        push_out(s, &f, triangle);
+        const pe_hit *deepest = &hits.item[0];
+        for (int i = 1; i < hits.count; ++i) {
+            bool deeper = hits.item[i].separation < deepest->separation;
+            deepest = deeper ? &hits.item[i] : deepest;
+        }
+        if (deepest->separation < 0) {
+            pe_vec3 x = pe_madd(deepest->position, 0.5 * deepest->separation, hits.normal);
+            x = pe_unrotate(&pose->rotation, pe_sub(x, pose->position));
+            push_out(s, pe_scale(-1, f.normal), x, 0, triangle);
+        }
         return;
     }
     for (int i = 0; i < hits.count; ++i) {
         const pe_hit *hit = &hits.item[i];
         pe_vec3 x = pe_unrotate(&pose->rotation, pe_sub(hit->position, pose->position));
         pe_vec3 on_a = pe_madd(x, -0.5 * hit->separation, n);
-        add(s, triangle, hit->feature, n, on_a, hit->separation);
+        pe_touch touch = touch_of(triangle, hit->feature, n, on_a, hit->separation);
+        pe_touches_add(&s->list, &touch);
     }
 }
 
@@ -210,7 +227,12 @@ int pe_collide_cylinder_mesh(pe_placed cylinder, pe_placed mesh, double margin, 
         }
         bound = pe_min(look, pe_max(0, pe_touches_least(&s.list) + band));
     }
-    if (s.list.count == 0 && s.fallback.separation > -HUGE_VAL) {
+    bool overlap = s.fallback.separation > -HUGE_VAL;
+    if (s.list.count == 0 && !overlap && pe_solid_holds(&s.solid, s.trees.offset)) {
+        push_out_of_solid(&s);
+        overlap = s.fallback.separation > -HUGE_VAL;
+    }
+    if (overlap && !(pe_touches_least(&s.list) < 0)) {
         pe_touches_add(&s.list, &s.fallback);
     }
     pe_touches_sort(&s.list);

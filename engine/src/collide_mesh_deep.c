@@ -308,12 +308,12 @@ void pe_touches_find_deep(const pe_solid_pair *pair, double depth, bool all, pe_
 /* How far the solids reach past each other along the unit direction n, from a to b. */
 static double overlap(const pe_solid_pair *pair, pe_vec3 n)
 {
-    return pe_solid_reach(&pair->a, pe_unrotate(&pair->trees.turn, n)) +
-           pe_dot(n, pair->trees.offset) + pe_solid_reach(&pair->b, pe_scale(-1, n));
+    pe_vec3 back = pe_unrotate(&pair->trees.turn, n);
+    return pe_dot(back, pe_solid_support(&pair->a, back)) + pe_dot(n, pair->trees.offset) -
+           pe_dot(n, pe_solid_support(&pair->b, pe_scale(-1, n)));
 }
 
-/* The nearest point of the surface. */
-static pe_vec3 nearest_on(const pe_solid *solid, pe_vec3 x)
+pe_vec3 pe_solid_nearest_point(const pe_solid *solid, pe_vec3 x)
 {
     pe_node point = pe_box_node(x, pe_v3(0, 0, 0));
     pe_bvh_pair trees = around(&point, solid);
@@ -346,7 +346,7 @@ static bool find_way_out_of_ends(const pe_solid_pair *pair, pe_touches *list)
         if (!pe_solid_holds(&pair->b, x)) {
             continue;
         }
-        pe_vec3 in = pe_sub(x, nearest_on(&pair->b, x));
+        pe_vec3 in = pe_sub(x, pe_solid_nearest_point(&pair->b, x));
         double depth = pe_length(in);
         if (depth > 0) {
             pe_touch touch = {

@@ -1,6 +1,10 @@
 /* The solids of a pair, their triangles and their edges, as the colliders of meshes see them. */
 #include "collide_mesh.h"
 
+/* In units of the band: a parting direction is good enough when its gap is within this of the
+ * distance of the hulls. */
+static const double PARTING_TOLERANCE = 0.01;
+
 /* A box: corner i lies on the positive side of axis k where bit k of i is set; face 2 k + 1 is that
  * side, face 2 k the other one. */
 static const int BOX_TRIANGLES[12][3] = {{4, 6, 2}, {4, 2, 0}, {1, 3, 7}, {1, 7, 5},
@@ -43,6 +47,7 @@ pe_solid pe_solid_of_geometry(const pe_geometry *g)
         .vertex_edges = g->vertex_edges,
         .vertex_count = g->vertex_count,
         .triangle_count = g->triangle_count,
+        .volume = g->frame.volume,
     };
 }
 
@@ -106,6 +111,7 @@ static pe_solid solid_of_box(pe_vec3 half, pe_small_solid *small)
         .vertex_edges = BOX_VERTEX_EDGES,
         .vertex_count = 8,
         .triangle_count = 12,
+        .volume = 8 * half.x * half.y * half.z,
     };
 }
 
@@ -328,27 +334,68 @@ void pe_segments_nearest(pe_vec3 x, pe_vec3 u, pe_vec3 y, pe_vec3 v, double *s, 
     }
 }
 
-double pe_solid_reach(const pe_solid *solid, pe_vec3 d)
+pe_vec3 pe_solid_support(const pe_solid *solid, pe_vec3 d)
 {
     int stack[PE_BVH_STACK] = {0}, depth = 1;
     double most = -HUGE_VAL;
+    pe_vec3 best = solid->vertices[0];
     while (depth > 0) {
         int index = stack[--depth];
         const pe_node *node = &solid->nodes[index];
-        pe_vec3 along = pe_rotate(&node->axes, d);
-        double reach = fabs(along.x) * node->half.x + fabs(along.y) * node->half.y +
-                       fabs(along.z) * node->half.z;
-        if (pe_dot(d, node->centre) + reach <= most) {
+        if (pe_dot(d, node->centre) + pe_node_reach(node, d) <= most) {
             continue;
         }
         if (node->right >= 0) {
-            stack[depth++] = node->right;
-            stack[depth++] = index + 1;
+            /* The child that is farther along is looked at first. */
+            int left = index + 1, right = node->right;
+            bool left_first = pe_dot(d, solid->nodes[left].centre) >
+                              pe_dot(d, solid->nodes[right].centre);
+            stack[depth++] = left_first ? right : left;
+            stack[depth++] = left_first ? left : right;
             continue;
         }
         for (int i = 3 * node->first; i < 3 * (node->first + node->count); ++i) {
-            most = pe_max(most, pe_dot(d, solid->vertices[solid->triangles[i / 3][i % 3]]));
+            pe_vec3 v = solid->vertices[solid->triangles[i / 3][i % 3]];
+            if (pe_dot(d, v) > most) {
+                most = pe_dot(d, v);
+                best = v;
+            }
         }
     }
-    return most;
+    return best;
+}
+
+bool pe_solid_pair_part(pe_solid_pair *pair, double limit)
+{
+    enum { MOST_STEPS = 6 };
+    pe_bvh_pair *trees = &pair->trees;
+    pe_vec3 v = pe_scale(-1, trees->offset); /* of b - a, as near to the origin as is known */
+    double best = -HUGE_VAL;
+    for (int step = 0; step < MOST_STEPS; ++step) {
+        double length = pe_length(v);
+        if (!(length > 0)) {
+            break;
+        }
+        pe_vec3 n = pe_scale(1 / length, v), back = pe_unrotate(&trees->turn, n);
+        pe_vec3 a = pe_solid_support(&pair->a, back), b = pe_solid_support(&pair->b, pe_scale(-1, n));
+        pe_vec3 in_b = pe_add(pe_rotate(&trees->turn, a), trees->offset), w = pe_sub(b, in_b);
+        double gap = pe_dot(n, w);
+        if (gap > limit) {
+            return false;
+        }
+        if (gap > best) {
+            best = gap;
+            trees->parting = n;
+            trees->parting_a = back;
+            trees->most_a = pe_dot(n, in_b) + pair->slack;
+            trees->least_b = pe_dot(n, b) - pair->slack;
+        }
+        pe_vec3 u = pe_sub(w, v);
+        double uu = pe_dot(u, u), t = uu > 0 ? -pe_dot(v, u) / uu : 0;
+        if (!(t > 0) || length - gap < PARTING_TOLERANCE * pair->band) {
+            break;
+        }
+        v = pe_madd(v, pe_min(1, t), u);
+    }
+    return true;
 }

@@ -74,12 +74,16 @@ void pe_collide_plane_hull(pe_placed plane, pe_placed hull, double margin, pe_hi
     pe_polytope p;
     pe_polytope_make(hull, &p);
     const pe_face *face = &p.faces[pe_polytope_facing(&p, down, &cosine)];
-    bool small = p.vertex_count <= PE_MAX_POINTS;
+    bool small = p.vertex_count <= PE_MAX_POINTS, many = face->corner_count > PE_FACE_CORNERS;
     int count = small ? p.vertex_count : pe_face_corners(face);
+    int lowest = many ? pe_polytope_support(&p, down, -1) : -1;
     pe_candidates found;
     pe_candidates_none(&found);
-    for (int i = 0; i < count; ++i) {
-        int vertex = small ? i : pe_face_corner(&p, face, i);
+    for (int i = 0; i < count + many; ++i) {
+        int vertex = small ? i : i < count ? pe_face_corner(&p, face, i) : lowest;
+        if (i < count && vertex == lowest) {
+            continue;
+        }
         pe_vec3 x = p.vertices[vertex];
         double separation = height - pe_dot(down, x);
         pe_candidates_add(&found, hull.pose, pe_madd(x, 0.5 * separation, down), separation,

@@ -191,8 +191,10 @@ static pe_status build_pair(finder *f, pe_pair pair, const old_patches *old, con
         m->kept = false;
         m->normal = hits->normal;
         m->built = pe_manifold_built(hits, relative, &a->rotation, &b->rotation);
+        m->least_separation = HUGE_VAL;
         for (int k = 0; k < hits->count; ++k) {
             place_point(&points[k], &hits->item[k], hits->normal, a, b);
+            m->least_separation = pe_min(m->least_separation, hits->item[k].separation);
         }
         if (old->count > 0) {
             pe_points_match(points, m->count, m->normal, old->items, old->count, old->points, size,

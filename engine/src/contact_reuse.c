@@ -64,6 +64,7 @@ void pe_manifold_carry(pe_manifold *manifold, const pe_pose *a, const pe_pose *b
     const pe_built *built = &manifold->built;
     pe_vec3 n = pe_rotate(built->normal_on_b ? &b->rotation : &a->rotation, built->normal);
     manifold->normal = n;
+    manifold->least_separation = HUGE_VAL;
     for (int i = 0; i < manifold->count; ++i) {
         const pe_point *old = &old_points[i];
         pe_point *point = &points[i];
@@ -73,6 +74,7 @@ void pe_manifold_carry(pe_manifold *manifold, const pe_pose *a, const pe_pose *b
         point->anchor_a = old->anchor_a;
         point->anchor_b = old->anchor_b;
         point->separation = pe_dot(n, pe_sub(on_b, on_a));
+        manifold->least_separation = pe_min(manifold->least_separation, point->separation);
         point->feature = old->feature;
         point->impulse = old->impulse;
     }

@@ -30,7 +30,7 @@ static double to_beat(const search *s)
 static void offer(search *s, double distance, pe_vec3 d, pe_cylinder_meeting kind)
 {
     if (distance > to_beat(s)) {
-        s->best = (pe_cylinder_gap){distance, d, kind};
+        s->best = (pe_cylinder_gap){.distance = distance, .normal = d, .kind = kind};
     }
 }
 
@@ -152,13 +152,17 @@ static pe_vec3 moved(pe_vec3 d, double scale, pe_vec3 step)
     return pe_scale(1 / pe_length(next), next);
 }
 
+/* How often a climb may halve its steps. */
+enum { FEW = 40, MANY = 1000 };
+
 /* Climbs from d to a maximum of two rims: while the value grows, then, where that is a matter of
  * rounding, as long as steps shrink. Gives up farther than `reach` (rad) from the start, and
- * on the ridges along a.d = 0 and b.d = 0, which the value does not grow across. */
-static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach)
+ * where steps must be cut short again and again: on a ridge, which is no maximum of two rims. */
+static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach, int most_halvings)
 {
-    enum { MOST = 60, HALVINGS = 24, HALVINGS_ACROSS = 3 };
+    enum { MOST = 100 };
     pe_vec3 start = d;
+    int halvings = 0;
     double value = separation_along(s, d), last = 1e-5;
     for (int i = 0; i < MOST; ++i) {
         pe_vec3 away = pe_sub(d, start);
@@ -176,10 +180,8 @@ static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach)
         }
         pe_vec3 next = moved(d, scale, step);
         double there = separation_along(s, next);
-        bool across =
-            v.rise_a * pe_dot(s->a->axis, next) < 0 || v.rise_b * pe_dot(s->b->axis, next) < 0;
-        int most = across ? HALVINGS_ACROSS : HALVINGS;
-        for (int k = 0; k < most && !(there > value); ++k) {
+        while (!(there > value) && halvings < most_halvings) {
+            halvings += 1;
             scale *= 0.5;
             next = moved(d, scale, step);
             there = separation_along(s, next);
@@ -190,14 +192,14 @@ static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach)
         d = next;
         value = there;
     }
-    return (pe_cylinder_gap){value, d, PE_RIMS};
+    return (pe_cylinder_gap){.distance = value, .normal = d, .kind = PE_RIMS};
 }
 
 /* Climbs from the best direction, which separates the cylinders. True where g is along the
  * direction that this leads to: then it is the one maximum. */
 static bool climb_apart(search *s)
 {
-    pe_cylinder_gap found = climb(s, s->best.normal, HUGE_VAL);
+    pe_cylinder_gap found = climb(s, s->best.normal, HUGE_VAL, MANY);
     view v = look(s, found.normal);
     pe_vec3 g = gradient_there(s, &v);
     double along = pe_dot(g, v.d);
@@ -279,7 +281,7 @@ static void test_rims(search *s, double limit)
                 continue;
             }
             if (level + 1 == LEVELS) {
-                pe_cylinder_gap found = climb(s, d, 16 * sine);
+                pe_cylinder_gap found = climb(s, d, 16 * sine, FEW);
                 offer(s, found.distance, found.normal, PE_RIMS);
                 if (s->best.distance > limit) {
                     return;
@@ -295,8 +297,7 @@ static void test_rims(search *s, double limit)
     }
 }
 
-pe_vec3 pe_cylinder_pair_point(const pe_cylinder *a, const pe_cylinder *b,
-                               const pe_cylinder_gap *gap)
+static pe_vec3 point_on_a(const pe_cylinder *a, const pe_cylinder *b, const pe_cylinder_gap *gap)
 {
     pe_vec3 d = gap->normal, to_a = pe_scale(-1, d);
     if (gap->kind == PE_CAP_B || gap->kind == PE_SIDE_B) {
@@ -323,8 +324,7 @@ static bool is_proven(const search *s, double size)
 {
     const pe_cylinder_gap *best = &s->best;
     double tie = 1e-12 * size;
-    pe_vec3 x = pe_cylinder_pair_point(s->a, s->b, best),
-            y = pe_madd(x, best->distance, best->normal);
+    pe_vec3 x = point_on_a(s->a, s->b, best), y = pe_madd(x, best->distance, best->normal);
     pe_vec3 off_a = pe_sub(pe_cylinder_nearest(s->a, x), x);
     pe_vec3 off_b = pe_sub(pe_cylinder_nearest(s->b, y), y);
     if (pe_dot(off_a, off_a) > tie * tie || pe_dot(off_b, off_b) > tie * tie) {
@@ -340,15 +340,23 @@ static bool is_proven(const search *s, double size)
  * only as exact as the root of that. Of cylinders that are apart nearest points give all digits. */
 static void settle(search *s, double size)
 {
+    enum { MOST = 100 };
     pe_cylinder_gap *best = &s->best;
-    if (best->distance < 1e-3 * size || best->kind == PE_CAP_A || best->kind == PE_CAP_B) {
+    best->on_a = point_on_a(s->a, s->b, best);
+    if (best->distance < 1e-4 * size || best->kind == PE_CAP_A || best->kind == PE_CAP_B) {
         return;
     }
-    pe_vec3 on_a = pe_cylinder_nearest(s->a, pe_cylinder_pair_point(s->a, s->b, best));
-    pe_vec3 between = pe_sub(pe_cylinder_nearest(s->b, on_a), on_a);
-    pe_vec3 d = pe_scale(1 / pe_length(between), between);
-    if (separation_along(s, d) > best->distance - 1e-11 * size) {
-        best->normal = d;
+    pe_vec3 on_a = best->on_a;
+    for (int i = 0; i < MOST; ++i) {
+        on_a = pe_cylinder_nearest(s->a, on_a);
+        pe_vec3 on_b = pe_cylinder_nearest(s->b, on_a), between = pe_sub(on_b, on_a);
+        pe_vec3 d = pe_scale(1 / pe_length(between), between);
+        if (separation_along(s, d) > best->distance - 1e-11 * size) {
+            best->normal = d;
+            best->on_a = on_a;
+            return;
+        }
+        on_a = on_b; /* the nearest point to it is nearer still */
     }
 }
 
@@ -369,6 +377,11 @@ bool pe_cylinder_pair_gap(const pe_cylinder *a, const pe_cylinder *b, double siz
                (is_proven(&s, size) || (s.best.distance > 0 && climb_apart(&s)));
         if (!sure && s.best.distance <= limit) {
             test_rims(&s, limit);
+            if (s.best.kind == PE_RIMS) {
+                /* Rims nearly tangent to each other take long. */
+                pe_cylinder_gap found = climb(&s, s.best.normal, HUGE_VAL, MANY);
+                s.best = found.distance >= s.best.distance ? found : s.best;
+            }
         }
     }
     if (s.best.distance <= limit) {

@@ -17,6 +17,9 @@ typedef struct pe_cylinder_gap {
     double distance; /* m; negative when they overlap */
     pe_vec3 normal;  /* unit, from a to b */
     pe_cylinder_meeting kind;
+    /* The point of a's surface that realises the gap; where there are many, any one, but along a
+     * cap it may lie outside of it by what the bias allows. */
+    pe_vec3 on_a;
 } pe_cylinder_gap;
 
 /* The gap of two cylinders in the same axes. A cap is left only for a meeting named later above
@@ -24,10 +27,5 @@ typedef struct pe_cylinder_gap {
  * some direction separates them by more than `limit`. */
 bool pe_cylinder_pair_gap(const pe_cylinder *a, const pe_cylinder *b, double size, double bias,
                           double limit, pe_cylinder_gap *gap);
-
-/* The point of a's surface that realises the gap; where there are many, any one, but along a cap it
- * may lie outside of it by what the bias allows. */
-pe_vec3 pe_cylinder_pair_point(const pe_cylinder *a, const pe_cylinder *b,
-                               const pe_cylinder_gap *gap);
 
 #endif

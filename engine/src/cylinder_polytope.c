@@ -142,10 +142,28 @@ static void test_edge_side(search *s, int index, const pe_circle *circle, pe_vec
     }
 }
 
+/* Whether no direction between the edge's two face normals can be better than the best. With x the
+ * cylinder's nearest point over one of the faces and v on the edge, (x - v).d bounds the separation
+ * along every d; it has its largest value at one of the normals unless it grows from both. */
+static bool is_edge_out(const search *s, const pe_face *f, const pe_face *g)
+{
+    double cosine = pe_dot(f->normal, g->normal);
+    pe_vec3 x = pe_cylinder_support(s->c, pe_scale(-1, f->normal));
+    double over_f = pe_dot(f->normal, x) - f->offset, over_g = pe_dot(g->normal, x) - g->offset;
+    bool grows = over_g > over_f * cosine && over_f > over_g * cosine;
+    return (over_f < 0 && over_g < 0) || !grows ? pe_max(over_f, over_g) <= to_beat(s) : false;
+}
+
 static void test_edge(search *s, int index)
 {
     const pe_polytope *p = s->p;
     const pe_edge *edge = &p->edges[index];
+    if (edge->face[0] >= 0) {
+        const pe_face *f = &p->faces[edge->face[0]], *g = &p->faces[edge->face[1]];
+        if (is_edge_out(s, f, g) || is_edge_out(s, g, f)) {
+            return;
+        }
+    }
     pe_vec3 v = p->vertices[edge->vertex[0]];
     pe_vec3 e = pe_sub(p->vertices[edge->vertex[1]], v);
     e = pe_scale(1 / pe_length(e), e);
@@ -198,7 +216,7 @@ static void settle(search *s, double size)
 {
     pe_meeting_gap *best = &s->best;
     bool at_edge = best->kind == PE_EDGE_SIDE || best->kind == PE_EDGE_RIM;
-    if (best->distance < 1e-3 * size || !(at_edge || best->kind == PE_CORNER_CYLINDER)) {
+    if (best->distance < 1e-4 * size || !(at_edge || best->kind == PE_CORNER_CYLINDER)) {
         return;
     }
     const pe_vec3 *v = s->p->vertices;

@@ -303,7 +303,7 @@ static void add_witness(const pe_polytope_pair *pair, const pe_separation *s, co
     pe_vec3 on_a = pe_madd(w->on_a, pair->a.radius, s->normal);
     pe_vec3 on_b = pe_madd(w->on_b, -pair->b.radius, s->normal);
     pe_candidates_add(found, pair->pose_a, pe_scale(0.5, pe_add(on_a, on_b)),
-                      s->distance - pair->a.radius - pair->b.radius,
+                      pe_dot(s->normal, pe_sub(on_b, on_a)),
                       witness_name(pair, NEAREST, w->ends_a, w->ends_b));
 }
 

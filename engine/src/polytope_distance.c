@@ -6,9 +6,11 @@
 #include "polytope.h"
 
 /* It takes some ten rounds; rounding may make it go round in circles. */
-enum { MOST_ROUNDS = 100 };
-/* |v|^2 and v . w agree when they differ by less than this, relatively. */
+enum { MOST_ROUNDS = 50 };
+/* The two distances agree when they differ by less than this, relatively. */
 static const double AGREE = 1e-15;
+/* Of coordinates, relatively. */
+static const double ROUNDING = 1e-15;
 
 typedef struct corner {
     pe_vec3 x; /* the point of b less that of a, in a's axes */
@@ -116,34 +118,6 @@ static bool has_corner(const simplex *s, const corner *p)
     return found;
 }
 
-/* Goes down to the simplex with the nearest point. */
-static simplex descend(const pe_polytope_pair *pair, pe_vec3 n)
-{
-    simplex s = of_corner(first_along(pair, n, NULL));
-    for (int round = 0; round < MOST_ROUNDS; ++round) {
-        pe_vec3 v = s.nearest;
-        corner next = first_along(pair, v, &s.corner[0]);
-        double square = pe_dot(v, v);
-        if (square - pe_dot(v, next.x) <= AGREE * square || has_corner(&s, &next)) {
-            break;
-        }
-        simplex larger = s;
-        larger.corner[larger.count++] = next;
-        larger = reduce(&larger);
-        if (!(pe_dot(larger.nearest, larger.nearest) < square)) {
-            break; /* rounding: it cannot come nearer */
-        }
-        s = larger;
-    }
-    return s;
-}
-
-static void widen(int ends[2], int vertex)
-{
-    ends[0] = vertex < ends[0] ? vertex : ends[0];
-    ends[1] = vertex > ends[1] ? vertex : ends[1];
-}
-
 /* The direction of the nearest point. Where that is near, the direction has few digits; square to
  * an edge it must be to all of them, or an end of the edge would be nearer along it. */
 static pe_vec3 normal_of(const simplex *s)
@@ -157,17 +131,56 @@ static pe_vec3 normal_of(const simplex *s)
     return n;
 }
 
+/* Goes down to the simplex with the nearest point. The one along which the cores are separated most
+ * may be another: by rounding, a turn of v changes its length too little to be seen. */
+static simplex descend(const pe_polytope_pair *pair, pe_vec3 n, simplex *most_separated)
+{
+    simplex s = of_corner(first_along(pair, n, NULL)), best = s;
+    double most = -HUGE_VAL;
+    *most_separated = s;
+    for (int round = 0; round < MOST_ROUNDS && pe_dot(s.nearest, s.nearest) > 0; ++round) {
+        pe_vec3 v = normal_of(&s);
+        double length = pe_length(s.nearest);
+        corner next = first_along(pair, v, &s.corner[0]);
+        double along = pe_dot(v, next.x);
+        if (along > most) {
+            most = along;
+            *most_separated = s;
+        }
+        if (length - along <= AGREE * length || has_corner(&s, &next)) {
+            break;
+        }
+        s.corner[s.count++] = next;
+        s = reduce(&s);
+        best = nearer(best, s);
+        if (pe_length(s.nearest) > length * (1 + AGREE)) {
+            break; /* rounding: it cannot come nearer */
+        }
+    }
+    return best;
+}
+
+static void widen(int ends[2], int vertex)
+{
+    ends[0] = vertex < ends[0] ? vertex : ends[0];
+    ends[1] = vertex > ends[1] ? vertex : ends[1];
+}
+
 pe_separation pe_polytope_distance(const pe_polytope_pair *pair, const pe_separation *start)
 {
-    simplex s = descend(pair, start->normal);
+    simplex directed, s = descend(pair, start->normal, &directed);
+    double rounding = ROUNDING * pe_length(pair->b_from_a.offset);
+    if (pe_length(directed.nearest) <= pe_length(s.nearest) + rounding) {
+        s = directed; /* equally near, and its points lie along the normal */
+    }
     const corner *c = s.corner;
     pe_vec3 on_a = pe_v3(0, 0, 0);
     pe_separation found = *start;
     /* So near to each other the direction may be rounding. */
-    if (pe_dot(s.nearest, s.nearest) > 0) {
-        pe_vec3 normal = normal_of(&s);
+    if (pe_dot(directed.nearest, directed.nearest) > 0) {
+        pe_vec3 normal = normal_of(&directed);
         double distance = pe_polytope_separation_along(pair, normal);
-        if (distance >= start->distance) {
+        if (distance >= start->distance - rounding) {
             found.normal = normal;
             found.distance = distance;
         }

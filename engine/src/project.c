@@ -41,13 +41,7 @@ typedef struct projecting {
 pe_status pe_project_problem(pe_world *world, const pe_islands *islands, int k, double aim,
                              pe_island_problem *built, pe_error *error)
 {
-    size_t slots = (size_t)world->slot_count;
-    pe_free_motion *none = pe_scratch(world, slots, sizeof *none);
-    if (none == NULL) {
-        return pe_fail(error, PE_NO_MEMORY, "no memory for %zu motions", slots);
-    }
-    memset(none, 0, slots * sizeof *none);
-    pe_status status = pe_problem_build(world, islands, k, none, 1, built, error);
+    pe_status status = pe_problem_build(world, islands, k, NULL, 1, built, error);
     if (status != PE_OK) {
         return status;
     }
@@ -108,9 +102,22 @@ static double deepest_of(const pe_world *world, const int *manifolds, int count)
     double deepest = 0;
     for (int i = 0; i < count; ++i) {
         const pe_manifold *m = &pe_manifolds(&world->contacts)[manifolds[i]];
-        for (int j = m->first; j < m->first + m->count; ++j) {
-            deepest = pe_max(deepest, -pe_points(&world->contacts)[j].separation);
-        }
+        deepest = pe_max(deepest, -m->least_separation);
+    }
+    return deepest;
+}
+
+static bool counts(const pe_project_rules *rules, const pe_manifold *m)
+{
+    return rules->among == NULL || rules->among[m->a] || rules->among[m->b];
+}
+
+static double deepest_of_world(const pe_world *world, const pe_project_rules *rules)
+{
+    double deepest = 0;
+    for (int i = 0; i < world->contacts.manifold_count; ++i) {
+        const pe_manifold *m = &pe_manifolds(&world->contacts)[i];
+        deepest = counts(rules, m) ? pe_max(deepest, -m->least_separation) : deepest;
     }
     return deepest;
 }
@@ -121,10 +128,7 @@ static pe_violation violation_of_world(const pe_world *world, const pe_project_r
     pe_violation v = {0};
     for (int i = 0; i < world->contacts.manifold_count; ++i) {
         const pe_manifold *m = &pe_manifolds(&world->contacts)[i];
-        if (rules->among != NULL && !rules->among[m->a] && !rules->among[m->b]) {
-            continue;
-        }
-        for (int j = m->first; j < m->first + m->count; ++j) {
+        for (int j = m->first; j < m->first + m->count && counts(rules, m); ++j) {
             double depth = -pe_points(&world->contacts)[j].separation;
             double over = pe_max(depth - rules->aim, 0);
             v.deepest = pe_max(v.deepest, depth);
@@ -374,10 +378,12 @@ static pe_status project_once(projecting *p)
     for (int k = 0; status == PE_OK && k < islands->count; ++k) {
         const int *manifolds = islands->manifolds + islands->start[k];
         int count = islands->start[k + 1] - islands->start[k];
-        bool counts =
+        bool among =
             p->rules->among == NULL || p->rules->among[islands->bodies[islands->body_start[k]]];
-        if (counts && deepest_of(p->world, manifolds, count) > p->rules->begin) {
+        if (among && deepest_of(p->world, manifolds, count) > p->rules->begin) {
+            pe_arena_mark before = pe_arena_fill(&p->world->arena);
             status = project_island(p, k);
+            pe_arena_rewind(&p->world->arena, &p->world->allocator, before);
         }
     }
     return status;
@@ -435,9 +441,9 @@ pe_status pe_project_positions(pe_world *world, const pe_project_rules *rules,
                                pe_project_report *report, pe_error *error)
 {
     size_t slots = (size_t)world->slot_count;
-    pe_violation start = violation_of_world(world, rules);
-    *report = (pe_project_report){.penetration = start.deepest, .penetration_left = start.deepest};
-    if (!(start.deepest > rules->begin) || rules->max_rounds < 1) {
+    double deepest = deepest_of_world(world, rules);
+    *report = (pe_project_report){.penetration = deepest, .penetration_left = deepest};
+    if (!(deepest > rules->begin) || rules->max_rounds < 1) {
         return PE_OK;
     }
     projecting p = {.world = world, .rules = rules, .error = error};
@@ -449,7 +455,7 @@ pe_status pe_project_positions(pe_world *world, const pe_project_rules *rules,
         return pe_fail(error, PE_NO_MEMORY, "no memory to project %zu bodies", slots);
     }
     memset(ever, 0, slots * sizeof *ever);
-    keep(world, start, &best);
+    keep(world, violation_of_world(world, rules), &best);
     pe_status status = PE_OK;
     bool better = true;
     while (better && best.violation.deepest > rules->begin && report->rounds < rules->max_rounds) {

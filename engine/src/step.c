@@ -270,7 +270,10 @@ static pe_status solve_and_move(stepping *step)
     pe_status status = choose_soft(step);
     for (int k = 0; k < step->islands.count && status == PE_OK; ++k) {
         if (!step->soft[k]) {
+            /* Each island's numbers in the memory of the one before: it is in the cache. */
+            pe_arena_mark before = pe_arena_fill(&world->arena);
             status = solve_island(step, k, &squares, &points);
+            pe_arena_rewind(&world->arena, &world->allocator, before);
         }
     }
     if (status == PE_OK && step->stats.islands_by_path[PE_PATH_SOFT] > 0) {
@@ -377,6 +380,10 @@ static pe_status guard_energy(stepping *step)
 
 static void clear_loads(pe_world *world)
 {
+    if (!world->loaded) {
+        return;
+    }
+    world->loaded = false;
     for (int slot = 0; slot < world->slot_count; ++slot) {
         pe_loads(world)[slot] = (pe_load){0};
     }

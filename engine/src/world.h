@@ -68,6 +68,7 @@ typedef struct pe_manifold {
     int a, b;       /* slots, a < b */
     pe_vec3 normal; /* unit, from a to b */
     int first, count;
+    double least_separation; /* m, of its points */
     double friction, restitution;
     bool kept; /* its points are those of the list before, carried along */
     pe_built built;
@@ -97,6 +98,7 @@ struct pe_world {
     pe_allocator allocator;
 
     pe_array body_array, pose_array, motion_array, mass_array, load_array;
+    bool loaded;    /* a force was applied since the last step */
     int slot_count; /* slots in use or free, the dummy included */
     int first_free;
 

@@ -94,8 +94,9 @@ static void fill_bodies(const pe_world *world, const int *slots, int count,
         int slot = slots[i];
         f->slot[i] = slot;
         f->inertia[i] = inertia_of(&pe_masses(world)[slot], &pe_poses(world)[slot].rotation);
-        store3(f->free_velocity[i], free[slot].end.velocity);
-        store3(f->free_velocity[i] + 3, free[slot].end.angular_velocity);
+        pe_motion end = free != NULL ? free[slot].end : (pe_motion){0};
+        store3(f->free_velocity[i], end.velocity);
+        store3(f->free_velocity[i] + 3, end.angular_velocity);
     }
     f->inertia[count] = (pe_inertia){0};
     for (int k = 0; k < 6; ++k) {

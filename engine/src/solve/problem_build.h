@@ -13,8 +13,8 @@ typedef struct pe_island_problem {
 } pe_island_problem;
 
 /* Island k's problem in the step's arena, with the impulses that its contact points carry and the
- * velocities in step with them. `free` (slots) is the motion without contacts, `dt` the
- * step. */
+ * velocities in step with them. `free` (slots) is the motion without contacts; NULL: none,
+ * bodies are at rest. `dt` is the step. */
 pe_status pe_problem_build(pe_world *world, const pe_islands *islands, int k,
                            const pe_free_motion *free, double dt, pe_island_problem *built,
                            pe_error *error);
