@@ -452,7 +452,7 @@ static double check_pair(const body *x, const body *y)
     double size = size_of(x, y), truth = true_gap(&a, &b);
     /* Rounding leaves a length uncertain by eps and the direction of the nearest points by its
      * root: many sizes apart, the distance sets the scale. */
-    double within = 1e-9 * size + 1e-12 * pe_max(0, truth);
+    double within = 1e-9 * size + 2e-12 * pe_max(1, truth);
     double turned = within + 1e-8 * pe_max(0, truth);
     pe_hits hits, swapped, none;
     collide_convex(of(x), of(y), 100, &hits);

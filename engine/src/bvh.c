@@ -120,3 +120,30 @@ bool pe_bvh_next(const pe_bvh_pair *pair, pe_bvh_walk *walk, double bound, const
     }
     return false;
 }
+
+int pe_bvh_leaves(const pe_bvh_pair *pair, bool of_a, double limit, int *leaves, int most)
+{
+    const pe_node *nodes = of_a ? pair->a : pair->b;
+    int stack[PE_BVH_STACK] = {0}, depth = 1, count = 0;
+    while (depth > 0) {
+        int index = stack[--depth];
+        const pe_node *node = &nodes[index];
+        if (of_a ? a_is_far(pair, node, limit) : b_is_far(pair, node, limit)) {
+            continue;
+        }
+        if (node->right >= 0) {
+            stack[depth++] = node->right;
+            stack[depth++] = index + 1;
+            continue;
+        }
+        double g = of_a ? gap2(pair, node, pair->b, limit) : gap2(pair, pair->a, node, limit);
+        if (g > limit * limit) {
+            continue;
+        }
+        if (count == most) {
+            return -1;
+        }
+        leaves[count++] = index;
+    }
+    return count;
+}

@@ -44,4 +44,8 @@ void pe_bvh_begin(const pe_bvh_pair *pair, pe_bvh_walk *walk);
 bool pe_bvh_next(const pe_bvh_pair *pair, pe_bvh_walk *walk, double bound, const pe_node **a,
                  const pe_node **b);
 
+/* Which leaves of the one tree, of a or of b, may be within `limit` of anything of the other: fills
+ * `leaves` with their nodes' indices. Returns how many there are; -1: more than `most`. */
+int pe_bvh_leaves(const pe_bvh_pair *pair, bool of_a, double limit, int *leaves, int most);
+
 #endif

@@ -73,17 +73,24 @@ static int collide_solids(pe_solid_pair *pair, const pe_pose *pose, double margi
     if (!pe_solid_pair_part(pair, wanted + pair->slack)) {
         return 0;
     }
+    if (!pe_solid_pair_gather(pair, look, work)) {
+        return -1;
+    }
     pe_nearest nearest = pe_solids_nearest(pair, wanted + pair->slack);
     if (!nearest.found) {
         if (!nested(pair)) {
             return 0;
         }
+        pair->near_a = NULL;
         nearest = pe_solids_nearest(pair, HUGE_VAL);
         nearest.inside = true;
     }
     bool overlap = nearest.cross || nearest.inside;
     double from = nearest.cross ? 0 : nearest.distance;
     double reach = pe_min(look, from + pair->band), depth = overlap ? pair->depth : 0;
+    if (pair->near_a != NULL && depth > look && !pe_solid_pair_gather(pair, depth, work)) {
+        return -1;
+    }
     pe_touches list = {.work = work};
     pe_touches_find(pair, reach, depth, &list);
     if (overlap) {

@@ -31,6 +31,8 @@ typedef struct pe_small_solid {
     pe_node nodes[11];
 } pe_small_solid;
 
+struct pe_facet;
+
 typedef struct pe_solid_pair {
     pe_solid a, b;
     pe_bvh_pair trees;   /* with the pose of a in b's axes */
@@ -40,6 +42,8 @@ typedef struct pe_solid_pair {
     double slack;        /* m, see PE_SLACK */
     double band;         /* m, see PE_BAND */
     double depth;        /* m, see PE_DEPTH */
+    struct pe_facet *near_a, *near_b; /* see pe_solid_pair_gather; NULL: not gathered */
+    int near_count_a, near_count_b;
     pe_small_solid small;
 } pe_solid_pair;
 
@@ -67,13 +71,25 @@ void pe_solid_pair_make(pe_placed a, pe_placed b, pe_solid_pair *pair);
 /* A leaf of one triangle with a box along its body's axes. */
 pe_node pe_box_node(pe_vec3 centre, pe_vec3 half);
 
+/* An edge that a facet owns, in b's axes. A core's has no normals. */
+typedef struct pe_ridge {
+    pe_vec3 x, along;      /* from its first vertex to the second */
+    pe_vec3 normal[2];     /* of the faces it stands between, as in pe_edge */
+    double length, length2;
+    int edge;
+} pe_ridge;
+
 /* A triangle in b's axes. Of a core: all but the corners is zero. */
 typedef struct pe_facet {
+    pe_vec3 centre; /* of a ball that holds it */
+    double radius;
     pe_vec3 x[3], normal;
     double offset; /* n.x = offset in the plane */
     const int *vertices, *edges;
     int face;
     unsigned owns;
+    int ridge_count; /* -1: not asked for so far, see pe_facet_ridges */
+    pe_ridge ridges[3];
 } pe_facet;
 
 void pe_solid_facet(const pe_solid *solid, int triangle, pe_facet *facet); /* in its axes */
@@ -88,6 +104,18 @@ bool pe_facet_holds(const pe_facet *facet, pe_vec3 x, double slack);
 bool pe_facet_holds_dented(const pe_solid *solid, const pe_bvh_pair *seen, const pe_facet *facet,
                            pe_vec3 x, double slack, double past, bool *dent);
 
+/* Gathers the facets of either solid that may be within `limit` of the other in `work`, if they are
+ * few: then each with each is quicker than the trees. False: out of memory. */
+bool pe_solid_pair_gather(pe_solid_pair *pair, double limit, pe_workspace work);
+
+/* What is done with two facets; false: no more are wanted. */
+typedef bool pe_take_facets(void *context, pe_facet *a, pe_facet *b);
+
+/* Hands over all that may be within *bound, which may shrink on the way; it must not be above the
+ * limit of what was gathered. */
+void pe_near_facets(const pe_solid_pair *pair, const double *bound, pe_take_facets *take,
+                    void *context);
+
 /* Signed heights of the corners of `of` over the plane of `over`; false: all are above `bound`, or
  * all below -bound, so that the two are farther apart than that. */
 bool pe_facet_heights(const pe_facet *over, const pe_facet *of, double bound, double height[3]);
@@ -97,18 +125,9 @@ bool pe_facet_heights(const pe_facet *over, const pe_facet *of, double bound, do
 bool pe_facets_cross(const pe_facet *a, const double above_b[3], const pe_facet *b,
                      const double above_a[3], pe_vec3 *where);
 
-/* An edge that a facet owns, in b's axes. A core's has no normals. */
-typedef struct pe_ridge {
-    pe_vec3 x, along;      /* from its first vertex to the second */
-    pe_vec3 normal[2];     /* of the faces it stands between, as in pe_edge */
-    double offset[2];
-    double length2;
-    int edge;
-} pe_ridge;
-
-/* Returns how many there are, at most 3. */
-int pe_ridges_of(const pe_solid *solid, const pe_bvh_pair *seen, const pe_facet *facet,
-                 pe_ridge ridges[3]);
+/* Fills the facet's ridges, once. `seen`: the solid's place in the axes of the facet; NULL: the same.
+ */
+void pe_facet_ridges(const pe_solid *solid, const pe_bvh_pair *seen, pe_facet *facet);
 
 /* Whether the direction n, of the given length, lies between the normals of the ridge's faces, or
  * beyond by an angle of at most that sine: it rises along neither face. */

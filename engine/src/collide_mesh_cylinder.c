@@ -77,7 +77,7 @@ static void make_hull(const scene *s, const pe_facet *f, thin_hull *h)
 
 /* Whether the mesh has the direction `out`, away from it, at what of the triangle is last along it.
  */
-static bool is_faced(const scene *s, const pe_facet *f, pe_vec3 out)
+static bool is_faced(const scene *s, pe_facet *f, pe_vec3 out)
 {
     pe_vec3 across = pe_cross(out, f->normal);
     if (pe_dot(out, f->normal) > 0 && pe_dot(across, across) <= ALONG_NORMAL * ALONG_NORMAL) {
@@ -88,14 +88,13 @@ static bool is_faced(const scene *s, const pe_facet *f, pe_vec3 out)
         along[k] = pe_dot(out, f->x[k]);
         most = pe_max(most, along[k]);
     }
-    pe_ridge ridges[3];
     int ridge = 0;
-    pe_ridges_of(&s->solid, NULL, f, ridges);
+    pe_facet_ridges(&s->solid, NULL, f);
     double level = LEVEL * s->size;
     for (int k = 0; k < 3; ++k) {
         bool owned = (f->owns >> (3 + k) & 1) != 0;
         if (along[k] >= most - level && along[k < 2 ? k + 1 : 0] >= most - level) {
-            if (owned && pe_ridge_faces(&ridges[ridge], out, 1, OUTSIDE)) {
+            if (owned && pe_ridge_faces(&f->ridges[ridge], out, 1, OUTSIDE)) {
                 return true;
             }
         }

@@ -157,28 +157,30 @@ typedef struct crossing {
 
 typedef void take_crossing(void *context, const crossing *c);
 
+typedef struct crossings {
+    take_crossing *take;
+    void *context;
+} crossings;
+
+static bool try_facets(void *context, pe_facet *a, pe_facet *b)
+{
+    const crossings *c = context;
+    double above_a[3] = {0}, above_b[3];
+    pe_vec3 where;
+    if (pe_facet_heights(b, a, 0, above_b) &&
+        (a->face < 0 || pe_facet_heights(a, b, 0, above_a)) &&
+        pe_facets_cross(a, above_b, b, above_a, &where)) {
+        c->take(c->context, &(crossing){a, b, above_a, above_b, where});
+    }
+    return true;
+}
+
 /* Hands over each two triangles that cross, and a point where they do. */
 static void each_crossing(const pe_solid_pair *pair, take_crossing *take, void *context)
 {
-    pe_bvh_walk walk;
-    const pe_node *leaf_a, *leaf_b;
-    pe_bvh_begin(&pair->trees, &walk);
-    while (pe_bvh_next(&pair->trees, &walk, 0, &leaf_a, &leaf_b)) {
-        for (int i = 0; i < leaf_a->count; ++i) {
-            pe_facet a, b;
-            pe_facet_of_a(pair, leaf_a->first + i, &a);
-            for (int j = 0; j < leaf_b->count; ++j) {
-                double above_a[3] = {0}, above_b[3];
-                pe_vec3 where;
-                pe_solid_facet(&pair->b, leaf_b->first + j, &b);
-                if (pe_facet_heights(&b, &a, 0, above_b) &&
-                    (a.face < 0 || pe_facet_heights(&a, &b, 0, above_a)) &&
-                    pe_facets_cross(&a, above_b, &b, above_a, &where)) {
-                    take(context, &(crossing){&a, &b, above_a, above_b, where});
-                }
-            }
-        }
-    }
+    crossings c = {take, context};
+    double bound = 0;
+    pe_near_facets(pair, &bound, try_facets, &c);
 }
 
 /* One solid's vertices in the other. */
@@ -254,10 +256,13 @@ static bool begin(diver *d)
     return !d->list->failed;
 }
 
+/* Corners farther behind the other triangle than `depth`, but not past all of its solid. */
 static void visit_behind(diver *d, const pe_facet *facet, const double height[3], double depth)
 {
+    const pe_bvh_pair *trees = &d->pair->trees;
     for (int k = 0; k < 3; ++k) {
-        if (height[k] < -depth) {
+        double along = pe_dot(trees->parting, facet->x[k]);
+        if (height[k] < -depth && (d->of_a ? along > trees->least_b : along < trees->most_a)) {
             visit(d, facet->vertices[k]);
         }
     }

@@ -70,54 +70,49 @@ static double least_height(const double height[3])
     return least > 0 ? least : most < 0 ? -most : 0;
 }
 
-static void try_facets(const pe_solid_pair *pair, const pe_facet *a, const pe_ridge *ridges_a,
-                       int ridge_count, const pe_facet *b, pe_nearest *best)
+typedef struct search {
+    const pe_solid_pair *pair;
+    pe_nearest best;
+} search;
+
+static bool try_facets(void *context, pe_facet *a, pe_facet *b)
 {
+    search *s = context;
+    pe_nearest *best = &s->best;
+    const pe_solid_pair *pair = s->pair;
     double above_a[3] = {0}, above_b[3];
     if (!pe_facet_heights(b, a, best->distance, above_b) ||
         (a->face >= 0 && !pe_facet_heights(a, b, best->distance, above_a))) {
-        return;
+        return true;
     }
     pe_vec3 where;
     double bound_b = least_height(above_b), bound_a = least_height(above_a);
     if (bound_b == 0 && (a->face < 0 || bound_a == 0) &&
         pe_facets_cross(a, above_b, b, above_a, &where)) {
         best->cross = best->found = true;
-        return;
+        best->inside = false;
+        return false;
     }
     try_vertices(PE_VERTEX_FACE, a, b, above_b, best);
     if (a->face >= 0) {
         try_vertices(PE_FACE_VERTEX, b, a, above_a, best);
     }
     if (pe_max(bound_a, bound_b) >= best->distance) {
-        return;
+        return true;
     }
-    pe_ridge ridges_b[3];
-    int count_b = pe_ridges_of(&pair->b, NULL, b, ridges_b);
-    for (int i = 0; i < ridge_count; ++i) {
-        for (int j = 0; j < count_b; ++j) {
-            try_edges(pair, &ridges_a[i], &ridges_b[j], best);
+    pe_facet_ridges(&pair->a, &pair->trees, a);
+    pe_facet_ridges(&pair->b, NULL, b);
+    for (int i = 0; i < a->ridge_count; ++i) {
+        for (int j = 0; j < b->ridge_count; ++j) {
+            try_edges(pair, &a->ridges[i], &b->ridges[j], best);
         }
     }
+    return true;
 }
 
 pe_nearest pe_solids_nearest(const pe_solid_pair *pair, double bound)
 {
-    pe_nearest best = {.distance = bound};
-    pe_bvh_walk walk;
-    const pe_node *leaf_a, *leaf_b;
-    pe_bvh_begin(&pair->trees, &walk);
-    while (!best.cross && pe_bvh_next(&pair->trees, &walk, best.distance, &leaf_a, &leaf_b)) {
-        for (int i = 0; i < leaf_a->count && !best.cross; ++i) {
-            pe_facet a, b;
-            pe_ridge ridges[3];
-            pe_facet_of_a(pair, leaf_a->first + i, &a);
-            int count = pe_ridges_of(&pair->a, &pair->trees, &a, ridges);
-            for (int j = 0; j < leaf_b->count && !best.cross; ++j) {
-                pe_solid_facet(&pair->b, leaf_b->first + j, &b);
-                try_facets(pair, &a, ridges, count, &b, &best);
-            }
-        }
-    }
-    return best;
+    search s = {.pair = pair, .best = {.distance = bound}};
+    pe_near_facets(pair, &s.best.distance, try_facets, &s);
+    return s.best;
 }

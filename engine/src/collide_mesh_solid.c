@@ -3,7 +3,7 @@
 
 /* In units of the band: a parting direction is good enough when its gap is within this of the
  * distance of the hulls. */
-static const double PARTING_TOLERANCE = 0.01;
+static const double PARTING_TOLERANCE = 0.03;
 
 /* A box: corner i lies on the positive side of axis k where bit k of i is set; face 2 k + 1 is that
  * side, face 2 k the other one. */
@@ -171,6 +171,7 @@ void pe_solid_pair_make(pe_placed a, pe_placed b, pe_solid_pair *pair)
     bool rounded = a.shape->kind == PE_SHAPE_SPHERE || a.shape->kind == PE_SHAPE_CAPSULE;
     pair->a = solid_of(a, &pair->small);
     pair->b = pe_solid_of_geometry(b.geometry);
+    pair->near_a = pair->near_b = NULL;
     pair->radius = rounded ? a.shape->radius : 0;
     pair->size = pe_min(a.size, b.size);
     pair->slack = PE_SLACK * pair->size;
@@ -179,6 +180,19 @@ void pe_solid_pair_make(pe_placed a, pe_placed b, pe_solid_pair *pair)
 
     pair->trees = pe_bvh_pair_between(pair->a.nodes, a.pose, pair->b.nodes, b.pose);
     pair->swapped = pe_bvh_pair_between(pair->b.nodes, b.pose, pair->a.nodes, a.pose);
+}
+
+static void find_ball(pe_facet *facet)
+{
+    const pe_vec3 *x = facet->x;
+    pe_vec3 c = pe_scale(1.0 / 3, pe_add(x[0], pe_add(x[1], x[2])));
+    double r2 = 0;
+    for (int k = 0; k < 3; ++k) {
+        pe_vec3 d = pe_sub(x[k], c);
+        r2 = pe_max(r2, pe_dot(d, d));
+    }
+    facet->centre = c;
+    facet->radius = sqrt(r2);
 }
 
 void pe_solid_facet(const pe_solid *solid, int triangle, pe_facet *facet)
@@ -192,6 +206,8 @@ void pe_solid_facet(const pe_solid *solid, int triangle, pe_facet *facet)
     }
     facet->normal = facet->face >= 0 ? solid->faces[facet->face].normal : pe_v3(0, 0, 0);
     facet->offset = facet->face >= 0 ? solid->faces[facet->face].offset : 0;
+    facet->ridge_count = -1;
+    find_ball(facet);
 }
 
 void pe_facet_of_a(const pe_solid_pair *pair, int triangle, pe_facet *facet)
@@ -201,6 +217,7 @@ void pe_facet_of_a(const pe_solid_pair *pair, int triangle, pe_facet *facet)
     for (int k = 0; k < 3; ++k) {
         facet->x[k] = pe_add(pe_rotate(&seen->turn, facet->x[k]), seen->offset);
     }
+    facet->centre = pe_add(pe_rotate(&seen->turn, facet->centre), seen->offset);
     facet->normal = pe_rotate(&seen->turn, facet->normal);
     facet->offset += pe_dot(facet->normal, seen->offset);
 }
@@ -280,35 +297,34 @@ bool pe_facets_cross(const pe_facet *a, const double above_b[3], const pe_facet 
     return pierces(b, a, above_b, where) || (a->face >= 0 && pierces(a, b, above_a, where));
 }
 
-int pe_ridges_of(const pe_solid *solid, const pe_bvh_pair *seen, const pe_facet *facet,
-                 pe_ridge ridges[3])
+void pe_facet_ridges(const pe_solid *solid, const pe_bvh_pair *seen, pe_facet *facet)
 {
-    int count = 0;
+    if (facet->ridge_count >= 0) {
+        return;
+    }
+    facet->ridge_count = 0;
     for (int k = 0; k < 3; ++k) {
         if ((facet->owns >> (3 + k) & 1) == 0) {
             continue;
         }
-        pe_ridge *r = &ridges[count++];
-        const pe_edge *edge = &solid->edges[facet->edges[k]];
+        pe_ridge *r = &facet->ridges[facet->ridge_count++];
         r->edge = facet->edges[k];
         r->x = facet->x[k];
         r->along = pe_sub(facet->x[k < 2 ? k + 1 : 0], r->x);
         r->length2 = pe_dot(r->along, r->along);
+        r->length = sqrt(r->length2);
         r->normal[0] = r->normal[1] = facet->normal;
-        r->offset[0] = r->offset[1] = facet->offset;
-        if (edge->face[1] >= 0) {
-            const pe_face *face = &solid->faces[edge->face[1]];
-            r->normal[1] = seen != NULL ? pe_rotate(&seen->turn, face->normal) : face->normal;
-            r->offset[1] =
-                face->offset + (seen != NULL ? pe_dot(r->normal[1], seen->offset) : 0);
+        int face = solid->edges[facet->edges[k]].face[1];
+        if (face >= 0) {
+            pe_vec3 n = solid->faces[face].normal;
+            r->normal[1] = seen != NULL ? pe_rotate(&seen->turn, n) : n;
         }
     }
-    return count;
 }
 
 bool pe_ridge_faces(const pe_ridge *r, pe_vec3 n, double length, double sine)
 {
-    double most = sine * length * sqrt(r->length2);
+    double most = sine * length * r->length;
     return pe_dot(n, pe_cross(r->normal[0], r->along)) <= most &&
            pe_dot(n, pe_cross(r->along, r->normal[1])) <= most;
 }
@@ -334,8 +350,25 @@ void pe_segments_nearest(pe_vec3 x, pe_vec3 u, pe_vec3 y, pe_vec3 v, double *s, 
     }
 }
 
+/* Of few vertices each is looked at. */
+static pe_vec3 support_of_few(const pe_solid *solid, pe_vec3 d)
+{
+    int best = 0;
+    double most = -HUGE_VAL;
+    for (int i = 0; i < solid->vertex_count; ++i) {
+        double along = pe_dot(d, solid->vertices[i]);
+        best = along > most ? i : best;
+        most = pe_max(most, along);
+    }
+    return solid->vertices[best];
+}
+
 pe_vec3 pe_solid_support(const pe_solid *solid, pe_vec3 d)
 {
+    enum { FEW = 1000 };
+    if (solid->vertex_count <= FEW) {
+        return support_of_few(solid, d);
+    }
     int stack[PE_BVH_STACK] = {0}, depth = 1;
     double most = -HUGE_VAL;
     pe_vec3 best = solid->vertices[0];

@@ -12,7 +12,7 @@ static const double ROUNDING = 1e-9;
 static const double LEAST_SINE = 1e-3;
 typedef struct finder {
     const pe_solid_pair *pair;
-    double reach, depth;
+    double reach, depth, bound; /* bound: the larger of the two */
     pe_touches *list;
 } finder;
 
@@ -101,7 +101,7 @@ static void try_vertices(const finder *f, const pe_facet *a, const pe_facet *b,
 static void try_edges(const finder *f, const pe_ridge *a, const pe_ridge *b)
 {
     bool core = f->pair->a.core;
-    double la = sqrt(a->length2), lb = sqrt(b->length2);
+    double la = a->length, lb = b->length;
     double b0 = lb * pe_dot(a->along, b->normal[0]), b1 = -lb * pe_dot(a->along, b->normal[1]);
     double a0 = core ? 0 : la * pe_dot(b->along, a->normal[0]);
     double a1 = core ? 0 : -la * pe_dot(b->along, a->normal[1]);
@@ -190,66 +190,51 @@ static void try_segment_vertex(const finder *f, const pe_ridge *segment, int ver
     }
 }
 
-static void try_core(const finder *f, const pe_facet *a, const pe_ridge *segment,
-                     const pe_facet *b, const pe_ridge *ridges_b, int count_b)
+static void try_core(const finder *f, const pe_facet *a, const pe_facet *b)
 {
     bool point = (a->owns >> 1 & 1) == 0;
-    for (int j = 0; j < count_b; ++j) {
+    for (int j = 0; j < b->ridge_count; ++j) {
         for (int k = 0; k < 2; ++k) {
             if ((a->owns >> k & 1) != 0) {
-                try_end_edge(f, a->vertices[k], a->x[k], &ridges_b[j]);
+                try_end_edge(f, a->vertices[k], a->x[k], &b->ridges[j]);
             }
         }
         if (!point) {
-            try_edges(f, segment, &ridges_b[j]);
+            try_edges(f, a->ridges, &b->ridges[j]);
         }
     }
     for (int k = 0; k < 3 && !point; ++k) {
         if ((b->owns >> k & 1) != 0) {
-            try_segment_vertex(f, segment, b->vertices[k], b->x[k]);
+            try_segment_vertex(f, a->ridges, b->vertices[k], b->x[k]);
         }
     }
 }
 
-static void try_facets(const finder *f, const pe_facet *a, const pe_ridge *ridges_a, int count_a,
-                       const pe_facet *b)
+static bool try_facets(void *context, pe_facet *a, pe_facet *b)
 {
-    double above_a[3] = {0}, above_b[3], bound = pe_max(f->reach, f->depth);
-    if (!pe_facet_heights(b, a, bound, above_b) ||
-        (a->face >= 0 && !pe_facet_heights(a, b, bound, above_a))) {
-        return;
+    const finder *f = context;
+    double above_a[3] = {0}, above_b[3];
+    if (!pe_facet_heights(b, a, f->bound, above_b) ||
+        (a->face >= 0 && !pe_facet_heights(a, b, f->bound, above_a))) {
+        return true;
     }
     try_vertices(f, a, b, above_a, above_b);
-    pe_ridge ridges_b[3];
-    int count_b = pe_ridges_of(&f->pair->b, NULL, b, ridges_b);
+    pe_facet_ridges(&f->pair->a, &f->pair->trees, a);
+    pe_facet_ridges(&f->pair->b, NULL, b);
     if (f->pair->a.core) {
-        try_core(f, a, ridges_a, b, ridges_b, count_b);
-        return;
+        try_core(f, a, b);
+        return !f->list->failed;
     }
-    for (int i = 0; i < count_a; ++i) {
-        for (int j = 0; j < count_b; ++j) {
-            try_edges(f, &ridges_a[i], &ridges_b[j]);
+    for (int i = 0; i < a->ridge_count; ++i) {
+        for (int j = 0; j < b->ridge_count; ++j) {
+            try_edges(f, &a->ridges[i], &b->ridges[j]);
         }
     }
+    return !f->list->failed;
 }
 
 void pe_touches_find(const pe_solid_pair *pair, double reach, double depth, pe_touches *list)
 {
-    finder f = {pair, reach, depth, list};
-    double bound = pe_max(reach, depth);
-    pe_bvh_walk walk;
-    const pe_node *leaf_a, *leaf_b;
-    pe_bvh_begin(&pair->trees, &walk);
-    while (!list->failed && pe_bvh_next(&pair->trees, &walk, bound, &leaf_a, &leaf_b)) {
-        for (int i = 0; i < leaf_a->count; ++i) {
-            pe_facet a, b;
-            pe_ridge ridges[3];
-            pe_facet_of_a(pair, leaf_a->first + i, &a);
-            int count = pe_ridges_of(&pair->a, &pair->trees, &a, ridges);
-            for (int j = 0; j < leaf_b->count; ++j) {
-                pe_solid_facet(&pair->b, leaf_b->first + j, &b);
-                try_facets(&f, &a, ridges, count, &b);
-            }
-        }
-    }
+    finder f = {pair, reach, depth, pe_max(reach, depth), list};
+    pe_near_facets(pair, &f.bound, try_facets, &f);
 }

@@ -375,13 +375,15 @@ static void line_contact(const pe_polytope_pair *pair, const pe_edge *a, const p
 
 /* Sine of the angle of two edges that both lie across the normal; 2: they do not. */
 static double sine_of_edges(const pe_polytope_pair *pair, const pe_edge *a, const pe_edge *b,
-                            pe_vec3 n)
+                            const pe_separation *s)
 {
     pe_vec3 u = pe_sub(pair->a.vertices[a->vertex[1]], pair->a.vertices[a->vertex[0]]);
     pe_vec3 v = pe_rotate(&pair->b_from_a.turn,
                           pe_sub(pair->b.vertices[b->vertex[1]], pair->b.vertices[b->vertex[0]]));
     double lu = pe_length(u), lv = pe_length(v);
-    bool across = fabs(pe_dot(u, n)) < ACROSS * lu && fabs(pe_dot(v, n)) < ACROSS * lv;
+    /* Over a wide gap points opposite along the normal would be off each other. */
+    double most = ACROSS * pe_min(1, pair->size / fabs(s->distance));
+    bool across = fabs(pe_dot(u, s->normal)) < most * lu && fabs(pe_dot(v, s->normal)) < most * lv;
     return across ? pe_length(pe_cross(u, v)) / (lu * lv) : 2;
 }
 
@@ -398,7 +400,7 @@ static void touching_line(const pe_polytope_pair *pair, const pe_separation *s, 
     for (int i = a->vertex_first[w->ends_a[0]]; i < a->vertex_first[w->ends_a[0] + 1]; ++i) {
         for (int j = b->vertex_first[w->ends_b[0]]; j < b->vertex_first[w->ends_b[0] + 1]; ++j) {
             const pe_edge *p = &a->edges[a->vertex_edges[i]], *q = &b->edges[b->vertex_edges[j]];
-            double sine = sine_of_edges(pair, p, q, s->normal);
+            double sine = sine_of_edges(pair, p, q, s);
             if (sine < least) {
                 least = sine;
                 edge_a = p;

@@ -1,0 +1,93 @@
+/* The triangles of two solids that come near each other: from the trees, or where few of either one
+ * come near the other at all, each with each. */
+#include "collide_mesh.h"
+
+/* Leaves of one solid at most, to be gathered. */
+enum { MOST_LEAVES = 32 };
+
+static int triangles_in(const pe_node *nodes, const int *leaves, int count)
+{
+    int sum = 0;
+    for (int i = 0; i < count; ++i) {
+        sum += nodes[leaves[i]].count;
+    }
+    return sum;
+}
+
+bool pe_solid_pair_gather(pe_solid_pair *pair, double limit, pe_workspace work)
+{
+    int leaves_a[MOST_LEAVES], leaves_b[MOST_LEAVES];
+    pair->near_a = pair->near_b = NULL;
+    int count_a = pe_bvh_leaves(&pair->trees, true, limit, leaves_a, MOST_LEAVES);
+    int count_b = count_a < 0 ? -1
+                              : pe_bvh_leaves(&pair->trees, false, limit, leaves_b, MOST_LEAVES);
+    if (count_b < 0) {
+        return true;
+    }
+    pair->near_count_a = triangles_in(pair->a.nodes, leaves_a, count_a);
+    pair->near_count_b = triangles_in(pair->b.nodes, leaves_b, count_b);
+    pe_facet *a = pe_take(work, (size_t)pair->near_count_a + 1, sizeof *a);
+    pe_facet *b = pe_take(work, (size_t)pair->near_count_b + 1, sizeof *b);
+    if (a == NULL || b == NULL) {
+        return false;
+    }
+    pair->near_a = a;
+    pair->near_b = b;
+    for (int i = 0; i < count_a; ++i) {
+        const pe_node *leaf = &pair->a.nodes[leaves_a[i]];
+        for (int k = 0; k < leaf->count; ++k) {
+            pe_facet_of_a(pair, leaf->first + k, a++);
+        }
+    }
+    for (int i = 0; i < count_b; ++i) {
+        const pe_node *leaf = &pair->b.nodes[leaves_b[i]];
+        for (int k = 0; k < leaf->count; ++k) {
+            pe_solid_facet(&pair->b, leaf->first + k, b++);
+        }
+    }
+    return true;
+}
+
+static bool are_near(const pe_facet *a, const pe_facet *b, double bound)
+{
+    pe_vec3 d = pe_sub(a->centre, b->centre);
+    double reach = a->radius + b->radius + bound;
+    return pe_dot(d, d) <= reach * reach;
+}
+
+static void walk_trees(const pe_solid_pair *pair, const double *bound, pe_take_facets *take,
+                       void *context)
+{
+    pe_bvh_walk walk;
+    const pe_node *leaf_a, *leaf_b;
+    pe_bvh_begin(&pair->trees, &walk);
+    while (pe_bvh_next(&pair->trees, &walk, *bound, &leaf_a, &leaf_b)) {
+        for (int i = 0; i < leaf_a->count; ++i) {
+            pe_facet a, b;
+            pe_facet_of_a(pair, leaf_a->first + i, &a);
+            for (int j = 0; j < leaf_b->count; ++j) {
+                pe_solid_facet(&pair->b, leaf_b->first + j, &b);
+                if (are_near(&a, &b, *bound) && !take(context, &a, &b)) {
+                    return;
+                }
+            }
+        }
+    }
+}
+
+void pe_near_facets(const pe_solid_pair *pair, const double *bound, pe_take_facets *take,
+                    void *context)
+{
+    if (pair->near_a == NULL) {
+        walk_trees(pair, bound, take, context);
+        return;
+    }
+    for (int i = 0; i < pair->near_count_a; ++i) {
+        for (int j = 0; j < pair->near_count_b; ++j) {
+            pe_facet *a = &pair->near_a[i], *b = &pair->near_b[j];
+            if (are_near(a, b, *bound) && !take(context, a, b)) {
+                return;
+            }
+        }
+    }
+}
