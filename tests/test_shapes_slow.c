@@ -3,7 +3,7 @@
 #include "check.h"
 #include "run_result.h"
 
-#include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -85,7 +85,9 @@ static void test_a_sphere_and_a_cylinder_roll_as_fast_as_their_inertia_lets_them
         for (int i = 0; i < 2; ++i) {
             const char *const settings[] = {shapes[i], NULL};
             json_t *result = run("roll-slope", profiles[p], settings);
-            violations += violated(result, profiles[p], "travel_error", 1e-3);
+            /* Soft contacts move by semi-implicit Euler in steps of 1/480 s: 1/960 after 2 s. */
+            bool soft = strcmp(profiles[p], "plumb:fast") == 0;
+            violations += violated(result, profiles[p], "travel_error", soft ? 1.2e-3 : 1e-3);
             json_decref(result);
         }
         const char *const prism[] = {"shape=2", NULL};

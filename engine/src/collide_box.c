@@ -25,6 +25,7 @@ static const double FLAT = 0.995;
 /* Square of the sine of the angle of two edges below which the quick test of their axis loses
  * digits, and below which the axis is rounding alone. */
 static const double SMALL_SINE2 = 1e-6, LEAST_SINE2 = 1e-24;
+static const double ROUNDING = 1e-15; /* of the quick test, in units of the lengths in it */
 
 typedef struct axis_choice {
     double separation;
@@ -136,12 +137,9 @@ static double separation_along(const box_pair *p, pe_vec3 n)
 static void test_parallel(const box_pair *p, int i, int j, double tie, axis_choice *best)
 {
     pe_vec3 n = cross_of(p, i, j);
-    double square = pe_dot(n, n);
-    if (square > LEAST_SINE2) {
-        double s = separation_along(p, pe_scale(1 / sqrt(square), n));
-        if (s > best->separation + tie) {
-            *best = (axis_choice){s, i, j};
-        }
+    double s = separation_along(p, pe_scale(1 / pe_length(n), n));
+    if (s > best->separation + tie) {
+        *best = (axis_choice){s, i, j};
     }
 }
 
@@ -150,6 +148,8 @@ static void test_parallel(const box_pair *p, int i, int j, double tie, axis_choi
 static bool test_edges(const box_pair *p, double margin, double tie, axis_choice *best)
 {
     const double *ea = p->a.extent, *eb = p->b.extent, *t = p->a.offset;
+    double rounding = ROUNDING * (ea[0] + ea[1] + ea[2] + eb[0] + eb[1] + eb[2] + fabs(t[0]) +
+                                  fabs(t[1]) + fabs(t[2]));
     for (int i = 0; i < 3; ++i) {
         int i1 = i < 2 ? i + 1 : 0, i2 = i > 0 ? i - 1 : 2;
         const double *r1 = p->a.r[i1], *r2 = p->a.r[i2];
@@ -161,7 +161,11 @@ static bool test_edges(const box_pair *p, double margin, double tie, axis_choice
             double s = fabs(t[i2] * r1[j] - t[i1] * r2[j]) - (ea[i1] * q2[j] + ea[i2] * q1[j]) -
                        (eb[j1] * q[j2] + eb[j2] * q[j1]);
             if (sine2 < SMALL_SINE2) {
-                test_parallel(p, i, j, tie, best);
+                sine2 = r1[j] * r1[j] + r2[j] * r2[j];
+                if (sine2 > LEAST_SINE2 &&
+                    quotient_exceeds(s + rounding, sine2, best->separation + tie)) {
+                    test_parallel(p, i, j, tie, best);
+                }
             } else if (quotient_exceeds(s, sine2, best->separation + tie)) {
                 *best = (axis_choice){s / sqrt(sine2), i, j};
             }

@@ -76,10 +76,19 @@ static int collide_solids(pe_solid_pair *pair, const pe_pose *pose, double margi
     if (!pe_solid_pair_gather(pair, look, work)) {
         return -1;
     }
-    pe_nearest nearest = pe_solids_nearest(pair, wanted + pair->slack);
-    if (!nearest.found) {
+    /* What is found first bounds the search for the nearest points. */
+    pe_touches list = {.work = work};
+    double bound = wanted + pair->slack;
+    bool first = look <= pair->band;
+    if (first) {
+        pe_touches_find(pair, look, 0, &list);
+        double least = pe_touches_least(&list) + pair->radius;
+        bound = pe_min(bound, pe_max(0, least) + pair->slack);
+    }
+    pe_nearest nearest = pe_solids_nearest(pair, bound);
+    if (!nearest.found && list.count == 0) {
         if (!nested(pair)) {
-            return 0;
+            return list.failed ? -1 : 0;
         }
         pair->near_a = NULL;
         nearest = pe_solids_nearest(pair, HUGE_VAL);
@@ -88,18 +97,20 @@ static int collide_solids(pe_solid_pair *pair, const pe_pose *pose, double margi
     bool overlap = nearest.cross || nearest.inside;
     double from = nearest.cross ? 0 : nearest.distance;
     double reach = pe_min(look, from + pair->band), depth = overlap ? pair->depth : 0;
-    if (pair->near_a != NULL && depth > look && !pe_solid_pair_gather(pair, depth, work)) {
-        return -1;
+    if (overlap || !first) {
+        if (pair->near_a != NULL && depth > look && !pe_solid_pair_gather(pair, depth, work)) {
+            return -1;
+        }
+        list.count = 0;
+        pe_touches_find(pair, reach, depth, &list);
     }
-    pe_touches list = {.work = work};
-    pe_touches_find(pair, reach, depth, &list);
     if (overlap) {
         pe_touches_find_deep(pair, depth, nearest.inside, &list);
     }
     settle(pair, &list);
-    if (!overlap) {
+    if (!overlap && nearest.found) {
         add_nearest(pair, &nearest, &list);
-    } else if (pe_touches_least(&list) > 0.5 * TIE * pair->size - pair->radius) {
+    } else if (overlap && pe_touches_least(&list) > 0.5 * TIE * pair->size - pair->radius) {
         pe_touches_find_way_out(pair, &nearest, &list);
         pe_touches_sort(&list);
     }
@@ -108,7 +119,7 @@ static int collide_solids(pe_solid_pair *pair, const pe_pose *pose, double margi
         .radius = pair->radius,
         .margin = margin,
         .limit = from + pair->band - pair->radius,
-        .least = overlap ? -HUGE_VAL : nearest.distance - pair->radius,
+        .least = overlap || !nearest.found ? -HUGE_VAL : nearest.distance - pair->radius,
         .end_margin = reach < look ? HUGE_VAL : reach - pair->radius,
     };
     return list.failed ? -1 : pe_touches_make_patches(&list, &rules, pose, patches);

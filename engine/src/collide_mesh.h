@@ -83,6 +83,7 @@ typedef struct pe_ridge {
 typedef struct pe_facet {
     pe_vec3 centre; /* of a ball that holds it */
     double radius;
+    double along; /* where gathered: how far it reaches towards the other solid, along `parting` */
     pe_vec3 x[3], normal;
     double offset; /* n.x = offset in the plane */
     const int *vertices, *edges;

@@ -14,6 +14,12 @@ static int triangles_in(const pe_node *nodes, const int *leaves, int count)
     return sum;
 }
 
+static double farthest_along(const pe_facet *facet, pe_vec3 n)
+{
+    const pe_vec3 *x = facet->x;
+    return pe_max(pe_dot(n, x[0]), pe_max(pe_dot(n, x[1]), pe_dot(n, x[2])));
+}
+
 bool pe_solid_pair_gather(pe_solid_pair *pair, double limit, pe_workspace work)
 {
     int leaves_a[MOST_LEAVES], leaves_b[MOST_LEAVES];
@@ -31,18 +37,23 @@ bool pe_solid_pair_gather(pe_solid_pair *pair, double limit, pe_workspace work)
     if (a == NULL || b == NULL) {
         return false;
     }
+    pe_vec3 n = pair->trees.parting;
     pair->near_a = a;
     pair->near_b = b;
     for (int i = 0; i < count_a; ++i) {
         const pe_node *leaf = &pair->a.nodes[leaves_a[i]];
         for (int k = 0; k < leaf->count; ++k) {
-            pe_facet_of_a(pair, leaf->first + k, a++);
+            pe_facet_of_a(pair, leaf->first + k, a);
+            a->along = farthest_along(a, n);
+            ++a;
         }
     }
     for (int i = 0; i < count_b; ++i) {
         const pe_node *leaf = &pair->b.nodes[leaves_b[i]];
         for (int k = 0; k < leaf->count; ++k) {
-            pe_solid_facet(&pair->b, leaf->first + k, b++);
+            pe_solid_facet(&pair->b, leaf->first + k, b);
+            b->along = -farthest_along(b, pe_scale(-1, n));
+            ++b;
         }
     }
     return true;
@@ -85,7 +96,7 @@ void pe_near_facets(const pe_solid_pair *pair, const double *bound, pe_take_face
     for (int i = 0; i < pair->near_count_a; ++i) {
         for (int j = 0; j < pair->near_count_b; ++j) {
             pe_facet *a = &pair->near_a[i], *b = &pair->near_b[j];
-            if (are_near(a, b, *bound) && !take(context, a, b)) {
+            if (b->along - a->along <= *bound && are_near(a, b, *bound) && !take(context, a, b)) {
                 return;
             }
         }

@@ -62,16 +62,18 @@ typedef struct pe_separation {
     double distance; /* m, of the cores along the normal */
     pe_vec3 normal;  /* unit, in a's axes, from a to b */
     enum { PE_OF_FACE_A, PE_OF_FACE_B, PE_OF_EDGES, PE_OF_POINTS } kind;
-    int a, b;                 /* the face; the edge of each */
-    pe_vec3 on_a, on_b;       /* PE_OF_POINTS: nearest points, in a's axes */
-    int ends_a[2], ends_b[2]; /* PE_OF_POINTS: first and last of the vertices that they lie among */
+    int a, b; /* the face; the edge of each */
+    /* Not of edges: nearest points along the normal, in a's axes, that of a face perhaps beside it,
+     * and the first and last of the vertices that they lie among (0 for a face). */
+    pe_vec3 on_a, on_b;
+    int ends_a[2], ends_b[2];
 } pe_separation;
 
 /* The best face of either core; false as soon as one separates by more than `limit`. */
 bool pe_polytope_best_face(const pe_polytope_pair *pair, double limit, pe_separation *best);
 
-/* Replaces *best by the pair of edges that separates more, if any; false as soon as one separates
- * by more than `limit`. With the faces this is the separation of cores that overlap. */
+/* Replaces *best, a face, by the pair of edges that separates more, if any; false as soon as one
+ * separates by more than `limit`. With the faces this is the separation of cores that overlap. */
 bool pe_polytope_best_edges(const pe_polytope_pair *pair, double limit, pe_separation *best);
 
 /* The distance of cores that `start` separates or touches along, with the nearest points. */

@@ -19,7 +19,7 @@ static const double SMALL_SINE = 1e-4;
 /* The best face of p against q, placed in p's axes. */
 typedef struct face_choice {
     double separation;
-    int face;
+    int face, vertex; /* of p; of q, the first over it */
 } face_choice;
 
 static bool best_face_of(const pe_polytope *p, const pe_polytope *q, const pe_seen *placed,
@@ -50,32 +50,47 @@ static bool best_face_of(const pe_polytope *p, const pe_polytope *q, const pe_se
             return false;
         }
         if (separation > best->separation + tie) {
-            *best = (face_choice){separation, i};
+            *best = (face_choice){separation, i, vertex};
         }
     }
     return true;
 }
 
+static pe_vec3 place(const pe_seen *placed, pe_vec3 x)
+{
+    return pe_add(pe_rotate(&placed->turn, x), placed->offset);
+}
+
 bool pe_polytope_best_face(const pe_polytope_pair *pair, double limit, pe_separation *best)
 {
     double tie = TIE * pair->size;
-    face_choice choice = {-HUGE_VAL, 0};
-    if (!best_face_of(&pair->a, &pair->b, &pair->b_from_a, limit, tie, &choice)) {
+    face_choice of_a = {-HUGE_VAL, 0, 0};
+    if (!best_face_of(&pair->a, &pair->b, &pair->b_from_a, limit, tie, &of_a)) {
         return false;
     }
-    *best = (pe_separation){.distance = choice.separation, .kind = PE_OF_FACE_A, .a = choice.face};
-    if (!best_face_of(&pair->b, &pair->a, &pair->a_from_b, limit, tie, &choice)) {
+    face_choice of_b = of_a;
+    if (!best_face_of(&pair->b, &pair->a, &pair->a_from_b, limit, tie, &of_b)) {
         return false;
     }
-    if (choice.separation > best->distance) {
-        best->distance = choice.separation;
+    bool flipped = of_b.separation > of_a.separation;
+    face_choice choice = flipped ? of_b : of_a;
+    *best = (pe_separation){.distance = choice.separation};
+    if (flipped) {
+        pe_vec3 n = pe_rotate(&pair->b_from_a.turn, pair->b.faces[choice.face].normal);
         best->kind = PE_OF_FACE_B;
         best->b = choice.face;
+        best->normal = pe_scale(-1, n);
+        best->on_a = pair->a.vertices[choice.vertex];
+        best->on_b = pe_madd(best->on_a, best->distance, best->normal);
+    } else {
+        best->kind = PE_OF_FACE_A;
+        best->a = choice.face;
+        best->normal = pair->a.faces[choice.face].normal;
+        best->on_b = place(&pair->b_from_a, pair->b.vertices[choice.vertex]);
+        best->on_a = pe_madd(best->on_b, -best->distance, best->normal);
     }
-    best->normal =
-        best->kind == PE_OF_FACE_A
-            ? pair->a.faces[best->a].normal
-            : pe_scale(-1, pe_rotate(&pair->b_from_a.turn, pair->b.faces[best->b].normal));
+    best->ends_a[0] = best->ends_a[1] = flipped ? choice.vertex : 0;
+    best->ends_b[0] = best->ends_b[1] = flipped ? 0 : choice.vertex;
     return true;
 }
 
@@ -87,42 +102,68 @@ typedef struct seen_edge {
     bool has_faces;
 } seen_edge;
 
-/* The most that a ball of radius `inner` about `centre` is separated from the core along a
- * direction of the edge's arc. With x the distances of the centre from the two faces' planes, its
- * distance along the arc is a sinusoid, largest at an end or at its crest between. */
-static double most_over_arc(const pe_polytope *p, const pe_edge *edge, pe_vec3 centre, double inner)
+/* The farthest that a point is out of the core along a direction of an edge's arc. With x and y its
+ * distances from the two faces' planes, that along the arc is a sinusoid, largest at an end or at
+ * its crest between. */
+static double most_over_arc(const pe_face *f, const pe_face *g, pe_vec3 point)
+{
+    double x = pe_dot(f->normal, point) - f->offset, y = pe_dot(g->normal, point) - g->offset;
+    double c = pe_dot(f->normal, g->normal), sine2 = 1 - c * c;
+    return y - c * x > 0 && x - c * y > 0
+               ? (sine2 > 0 ? sqrt((x * x + y * y - 2 * c * x * y) / sine2) : HUGE_VAL)
+               : pe_max(x, y);
+}
+
+/* Points of one core as the other sees them: a ball about the origin, and where it is nearest by
+ * the best face. */
+typedef struct inside {
+    pe_vec3 centre, nearest;
+    double radius;
+} inside;
+
+/* `nearest` in the core's own axes; if it is off the core, by more than the slack, it tells nothing
+ * and the origin takes its place. */
+static inside points_of(const pe_polytope *p, const pe_seen *placed, pe_vec3 nearest, double slack)
+{
+    bool in = true;
+    for (int i = 0; i < p->face_count && in; ++i) {
+        in = pe_dot(p->faces[i].normal, nearest) <= p->faces[i].offset + slack;
+    }
+    pe_vec3 seen = in ? place(placed, nearest) : placed->offset;
+    return (inside){.centre = placed->offset, .nearest = seen, .radius = p->inner};
+}
+
+/* Whether an edge of the core may separate those points by more than `least`. */
+static bool may_separate(const pe_polytope *p, const pe_edge *edge, const inside *other,
+                         double least)
 {
     if (edge->face[0] < 0) {
-        return HUGE_VAL;
+        return true;
     }
     const pe_face *f = &p->faces[edge->face[0]], *g = &p->faces[edge->face[1]];
-    double x = pe_dot(f->normal, centre) - f->offset, y = pe_dot(g->normal, centre) - g->offset;
-    double c = pe_dot(f->normal, g->normal), most = pe_max(x, y);
-    if (y - c * x > 0 && x - c * y > 0) {
-        double sine2 = 1 - c * c;
-        most = sine2 > 0 ? sqrt((x * x + y * y - 2 * c * x * y) / sine2) : HUGE_VAL;
-    }
-    return most - inner;
+    return most_over_arc(f, g, other->nearest) > least &&
+           most_over_arc(f, g, other->centre) - other->radius > least;
 }
 
 enum { CHUNK = 64 };
 
 /* Puts the next edges of b that may separate more than `least` into `chunk`; *next moves on. */
-static int gather(const pe_polytope_pair *pair, double least, int *next, seen_edge *chunk)
+static int gather(const pe_polytope_pair *pair, const inside *a, double least, int *next,
+                  seen_edge *chunk)
 {
     const pe_polytope *b = &pair->b;
     const pe_seen *placed = &pair->b_from_a;
     int count = 0;
     for (; *next < b->edge_count && count < CHUNK; ++*next) {
         const pe_edge *edge = &b->edges[*next];
-        if (most_over_arc(b, edge, pair->a_from_b.offset, pair->a.inner) <= least) {
+        if (!may_separate(b, edge, a, least)) {
             continue;
         }
         pe_vec3 p = b->vertices[edge->vertex[0]], q = b->vertices[edge->vertex[1]];
         pe_vec3 along = pe_rotate(&placed->turn, pe_sub(q, p));
         seen_edge *seen = &chunk[count++];
         *seen = (seen_edge){
-            .start = pe_add(pe_rotate(&placed->turn, p), placed->offset),
+            .start = place(placed, p),
             .along = along,
             .along2 = pe_dot(along, along),
             .index = *next,
@@ -189,12 +230,14 @@ bool pe_polytope_best_edges(const pe_polytope_pair *pair, double limit, pe_separ
 {
     const pe_polytope *a = &pair->a;
     double tie = TIE * pair->size;
-    for (int next = 0; next < pair->b.edge_count;) {
+    pe_vec3 on_b = place(&pair->a_from_b, best->on_b);
+    const inside of_a = points_of(a, &pair->a_from_b, best->on_a, 0.01 * tie);
+    const inside of_b = points_of(&pair->b, &pair->b_from_a, on_b, 0.01 * tie);
+    for (int next = 0; next < pair->b.edge_count && a->edge_count > 0;) {
         seen_edge chunk[CHUNK];
-        int count = gather(pair, best->distance + tie, &next, chunk);
+        int count = gather(pair, &of_a, best->distance + tie, &next, chunk);
         for (int i = 0; i < a->edge_count && count > 0; ++i) {
-            if (most_over_arc(a, &a->edges[i], pair->b_from_a.offset, pair->b.inner) >
-                    best->distance + tie &&
+            if (may_separate(a, &a->edges[i], &of_b, best->distance + tie) &&
                 !try_edge(pair, i, chunk, count, limit, tie, best)) {
                 return false;
             }

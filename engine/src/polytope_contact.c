@@ -275,26 +275,13 @@ static witness crossing_of_edges(const pe_polytope_pair *pair, const pe_edge *a,
                      .ends_b = {b->vertex[0], b->vertex[1]}};
 }
 
-/* Where the direction's line of nearest points meets the shapes. */
+/* Where the direction's line of nearest points meets the cores. */
 static witness witness_of(const pe_polytope_pair *pair, const pe_separation *s)
 {
-    if (s->kind == PE_OF_POINTS) {
-        return (witness){
-            s->on_a, s->on_b, {s->ends_a[0], s->ends_a[1]}, {s->ends_b[0], s->ends_b[1]}};
-    }
-    if (s->kind == PE_OF_EDGES) {
-        return crossing_of_edges(pair, &pair->a.edges[s->a], &pair->b.edges[s->b]);
-    }
-    pe_vec3 back = pe_scale(-1, pe_unrotate(&pair->b_from_a.turn, s->normal));
-    int a = pe_polytope_support(&pair->a, s->normal, -1);
-    int b = pe_polytope_support(&pair->b, back, -1);
-    pe_vec3 on_a = pair->a.vertices[a], on_b = vertex_of_b(pair, b);
-    if (s->kind == PE_OF_FACE_A) {
-        on_a = pe_madd(on_b, -s->distance, s->normal);
-    } else {
-        on_b = pe_madd(on_a, s->distance, s->normal);
-    }
-    return (witness){on_a, on_b, {a, a}, {b, b}};
+    return s->kind == PE_OF_EDGES
+               ? crossing_of_edges(pair, &pair->a.edges[s->a], &pair->b.edges[s->b])
+               : (witness){
+                     s->on_a, s->on_b, {s->ends_a[0], s->ends_a[1]}, {s->ends_b[0], s->ends_b[1]}};
 }
 
 static void add_witness(const pe_polytope_pair *pair, const pe_separation *s, const witness *w,

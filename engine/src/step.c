@@ -66,7 +66,7 @@ typedef struct stepping {
     pe_motion *motions;
     bool *soft;   /* (islands): solved by substeps of soft contact */
     bool *stands; /* (slots): in an island that was solved directly */
-    bool *thrown; /* (slots): in an island solved in place of soft contacts: is_tiny_or_thrown */
+    bool *thrown; /* (slots): in a small island too fast for soft contacts */
     bool any_thrown;
     bool *moved; /* (slots): by the projection */
     pe_contact_rules rules;
@@ -215,12 +215,11 @@ static bool is_quiet_and_cheap(const stepping *step, int k)
 enum { TINY_ISLAND = 2 };
 static const double FAR = 0.5; /* a step's motion in units of the bounding radius */
 
-static bool is_tiny_or_thrown(const stepping *step, int k)
+static bool is_thrown_and_small(const stepping *step, int k)
 {
     const pe_islands *islands = &step->islands;
-    int bodies = islands->body_start[k + 1] - islands->body_start[k];
-    if (bodies <= TINY_ISLAND || bodies > SMALL_ISLAND) {
-        return bodies <= TINY_ISLAND;
+    if (islands->body_start[k + 1] - islands->body_start[k] > SMALL_ISLAND) {
+        return false;
     }
     for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
         int slot = islands->bodies[i];
@@ -251,7 +250,7 @@ static pe_status choose_soft(stepping *step)
     }
     for (int k = 0; k < count; ++k) {
         step->soft[k] = step->world->def.profile == PE_PROFILE_FAST && !is_quiet_and_cheap(step, k);
-        if (step->soft[k] && is_tiny_or_thrown(step, k)) {
+        if (step->soft[k] && is_thrown_and_small(step, k)) {
             step->soft[k] = false;
             mark_thrown(step, k);
         }

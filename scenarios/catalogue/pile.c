@@ -9,7 +9,7 @@
 
 #include <math.h>
 
-enum { COUNT, SHAPE, COLUMNS, FRICTION, DT, DURATION, PARAM_COUNT };
+enum { COUNT, SHAPE, COLUMNS, GAP, FRICTION, DT, DURATION, PARAM_COUNT };
 enum { SPHERES, BOXES, BOTH, MESHES, ALL };
 
 static const pl_param params[PARAM_COUNT] = {
@@ -36,13 +36,18 @@ static const pl_param params[PARAM_COUNT] = {
                  .unit = "1",
                  .help = "cells of the lattice in x and in y; 0: so many that it is about twice "
                          "as high as wide"},
+    [GAP] = {.name = "gap",
+             .value = 0.1,
+             .min = 0,
+             .max = 100,
+             .unit = "m",
+             .help = "between two cells: with a wide one bodies rain down, each for itself"},
     [FRICTION] = PL_PARAM_FRICTION,
     [DT] = PL_PARAM_DT,
     [DURATION] = PL_PARAM_DURATION(4),
 };
 
 static const double least_half = 0.35, most_half = 0.5; /* m: radius, or half extent of a box */
-static const double gap = 0.1;                          /* m, between two cells */
 static const double sideways = 1;                       /* m/s, at most, in x and in y */
 static const double density = 1;                        /* kg/m^3 */
 
@@ -156,7 +161,7 @@ static pl_status build(const double *values, uint64_t seed, pl_scene *scene, pl_
     while (values[COLUMNS] == 0 && 2 * columns * columns * columns < count) {
         columns++;
     }
-    double cell = 2 * most_half * (shape == SPHERES || shape == MESHES ? 1 : sqrt(3)) + gap;
+    double cell = 2 * most_half * (shape == SPHERES || shape == MESHES ? 1 : sqrt(3)) + values[GAP];
     pl_build_floor(&builder, 0, 0, 1, 0);
     build_side(&builder, 1, 0, 0, "left");
     build_side(&builder, -1, 0, -columns * cell, "right");
