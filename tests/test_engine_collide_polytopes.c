@@ -147,20 +147,20 @@ static body random_hull(check_random *random)
 
 enum { SPHERE, CAPSULE, BOX, HULL, PRISM, KINDS };
 
+/* Numbers are drawn one after another: the order of arguments is not the language's to say. */
 static body random_body(check_random *random, int kind)
 {
+    pe_vec3 x = random_vector(random, 0, 1);
+    int sides = 3 + (int)check_uniform(random, 0, 6);
     switch (kind) {
     case SPHERE:
-        return (body){
-            .shape = {.kind = PE_SHAPE_SPHERE, .radius = check_uniform(random, 0.2, 0.8)}};
+        return (body){.shape = {.kind = PE_SHAPE_SPHERE, .radius = 0.2 + 0.6 * x.x}};
     case CAPSULE:
-        return capsule_of(check_uniform(random, 0.1, 0.8), check_uniform(random, 0.1, 1.5));
+        return capsule_of(0.1 + 0.7 * x.x, 0.1 + 1.4 * x.y);
     case BOX:
-        return box_of(check_uniform(random, 0.1, 1.2), check_uniform(random, 0.1, 1.2),
-                      check_uniform(random, 0.1, 1.2));
+        return box_of(0.1 + 1.1 * x.x, 0.1 + 1.1 * x.y, 0.1 + 1.1 * x.z);
     case PRISM:
-        return prism(3 + (int)check_uniform(random, 0, 6), check_uniform(random, 0.3, 1),
-                     check_uniform(random, 0.1, 1), check_uniform(random, 0, 0.5));
+        return prism(sides, 0.3 + 0.7 * x.x, 0.1 + 0.9 * x.y, 0.5 * x.z);
     default:
         return random_hull(random);
     }
@@ -177,6 +177,12 @@ static pe_quat random_turn(check_random *random)
     double q[4];
     check_quaternion(random, q);
     return (pe_quat){q[0], q[1], q[2], q[3]};
+}
+
+static void place_at_random(body *b, check_random *random)
+{
+    pe_vec3 x = random_vector(random, -1, 1);
+    place(b, x, random_turn(random));
 }
 
 static pe_placed of(const body *b)
@@ -480,8 +486,8 @@ test_separation_is_the_brute_force_one_along_the_normal_of_every_pair_of_kinds(v
             int apart = 0, deep = 0;
             for (int pose = 0; pose < 200; ++pose) {
                 body a = random_body(&random, i), b = random_body(&random, j);
-                place(&a, random_vector(&random, -1, 1), random_turn(&random));
-                place(&b, random_vector(&random, -1, 1), random_turn(&random));
+                place_at_random(&a, &random);
+                place_at_random(&b, &random);
                 double gap = check_pair(&a, &b);
                 /* Then where they just touch, and overlap and clear by little. */
                 pe_hits hits;
@@ -513,8 +519,8 @@ static void test_a_hull_that_is_a_box_separates_as_the_box_does(void **state)
         pe_vec3 e = random_vector(&random, 0.1, 1);
         body a = box_of(e.x, e.y, e.z), hull = box_hull(e.x, e.y, e.z);
         body b = random_body(&random, i % KINDS);
-        place(&a, random_vector(&random, -1, 1), random_turn(&random));
-        place(&b, random_vector(&random, -1, 1), random_turn(&random));
+        place_at_random(&a, &random);
+        place_at_random(&b, &random);
         place(&hull, a.pose.position,
               pe_quat_product(a.pose.orientation, hull.geometry->frame.orientation));
         pe_hits one, two;
@@ -679,7 +685,7 @@ static void test_heights_over_a_plane_are_those_of_the_vertices(void **state)
                                 .normal = pe_scale(1 / pe_length(n), n),
                                 .offset = check_uniform(&random, -1, 1)}};
         body b = i % 5 == 0 ? prism(75, 1, 0.1, 0.2) : random_body(&random, i % KINDS);
-        place(&b, random_vector(&random, -1, 1), random_turn(&random));
+        place_at_random(&b, &random);
         static core c;
         core_of(&b, &c);
         double truth =

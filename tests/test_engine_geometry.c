@@ -205,8 +205,8 @@ static void test_every_triangle_lies_in_its_leaf_and_every_leaf_in_its_parents(v
         }
         for (int t = node->first; t < node->first + node->count; ++t) {
             for (int k = 0; k < 3; ++k) {
-                pe_vec3 d = pe_rotate(&node->axes,
-                                      pe_sub(g->vertices[g->triangles[t][k]], node->centre));
+                pe_vec3 d =
+                    pe_rotate(&node->axes, pe_sub(g->vertices[g->triangles[t][k]], node->centre));
                 assert_at_most(fabs(d.x), node->half.x + 4e-15);
                 assert_at_most(fabs(d.y), node->half.y + 4e-15);
                 assert_at_most(fabs(d.z), node->half.z + 4e-15);

@@ -133,13 +133,18 @@ static double separation_along(const box_pair *p, pe_vec3 n)
     return s;
 }
 
-/* Takes the axis of nearly parallel edges i and j if it is better. */
-static void test_parallel(const box_pair *p, int i, int j, double tie, axis_choice *best)
+/* Replaces *best by an axis of nearly parallel edges that is better; `pairs` has bit 3 i + j set
+ * for edges i and j. */
+static void test_parallel(const box_pair *p, unsigned pairs, double tie, axis_choice *best)
 {
-    pe_vec3 n = cross_of(p, i, j);
-    double s = separation_along(p, pe_scale(1 / pe_length(n), n));
-    if (s > best->separation + tie) {
-        *best = (axis_choice){s, i, j};
+    for (int k = 0; k < 9; ++k) {
+        pe_vec3 n = cross_of(p, k / 3, k % 3);
+        if (pairs >> k & 1) {
+            double s = separation_along(p, pe_scale(1 / pe_length(n), n));
+            if (s > best->separation + tie) {
+                *best = (axis_choice){s, k / 3, k % 3};
+            }
+        }
     }
 }
 
@@ -148,8 +153,8 @@ static void test_parallel(const box_pair *p, int i, int j, double tie, axis_choi
 static bool test_edges(const box_pair *p, double margin, double tie, axis_choice *best)
 {
     const double *ea = p->a.extent, *eb = p->b.extent, *t = p->a.offset;
-    double rounding = ROUNDING * (ea[0] + ea[1] + ea[2] + eb[0] + eb[1] + eb[2] + fabs(t[0]) +
-                                  fabs(t[1]) + fabs(t[2]));
+    double exceed = best->separation + tie;
+    unsigned parallel = 0;
     for (int i = 0; i < 3; ++i) {
         int i1 = i < 2 ? i + 1 : 0, i2 = i > 0 ? i - 1 : 2;
         const double *r1 = p->a.r[i1], *r2 = p->a.r[i2];
@@ -161,20 +166,27 @@ static bool test_edges(const box_pair *p, double margin, double tie, axis_choice
             double s = fabs(t[i2] * r1[j] - t[i1] * r2[j]) - (ea[i1] * q2[j] + ea[i2] * q1[j]) -
                        (eb[j1] * q[j2] + eb[j2] * q[j1]);
             if (sine2 < SMALL_SINE2) {
+                double lengths = ea[i1] + ea[i2] + eb[j1] + eb[j2] + fabs(t[i1]) + fabs(t[i2]);
                 sine2 = r1[j] * r1[j] + r2[j] * r2[j];
-                if (sine2 > LEAST_SINE2 &&
-                    quotient_exceeds(s + rounding, sine2, best->separation + tie)) {
-                    test_parallel(p, i, j, tie, best);
-                }
-            } else if (quotient_exceeds(s, sine2, best->separation + tie)) {
-                *best = (axis_choice){s / sqrt(sine2), i, j};
+                bool may_gain =
+                    sine2 > LEAST_SINE2 && quotient_exceeds(s + ROUNDING * lengths, sine2, exceed);
+                parallel |= (unsigned)may_gain << (3 * i + j);
+                continue;
             }
+            if (!quotient_exceeds(s, sine2, exceed)) {
+                continue;
+            }
+            *best = (axis_choice){s / sqrt(sine2), i, j};
+            exceed = best->separation + tie;
             if (best->separation > margin) {
                 return false;
             }
         }
     }
-    return true;
+    if (parallel != 0) {
+        test_parallel(p, parallel, tie, best);
+    }
+    return best->separation <= margin;
 }
 
 /* The middle of the box's edge along axis k that lies farthest along the direction. Names the edge
@@ -241,18 +253,8 @@ typedef struct corner {
 
 enum { MAX_CORNERS = PE_MAX_POINTS + 4 };
 
-/* From a corner inside, `in` past the clip line, to where the way to one outside, `out` past it,
- * crosses; corners inside by the slack alone are there already. */
-static corner crossing(const corner *p, double in, const corner *q, double out)
-{
-    double t = in < 0 ? in / (in - out) : 0;
-    return (corner){
-        .x = {p->x[0] + t * (q->x[0] - p->x[0]), p->x[1] + t * (q->x[1] - p->x[1])},
-        .height = p->height + t * (q->height - p->height),
-    };
-}
-
-/* Keeps the part of `in` where the distances past the clip line are not above the slack. */
+/* Keeps the part of `in` where the distances past the clip line are not above the slack. A way out
+ * from a corner that is inside by the slack alone crosses the line there. */
 static int clip(const corner *in, const double *past, double slack, int count, uint32_t clip_edge,
                 corner *out)
 {
@@ -265,12 +267,15 @@ static int clip(const corner *in, const double *past, double slack, int count, u
         if (here) {
             out[kept++] = in[i];
         }
-        if (here && !there) {
-            out[kept] = crossing(&in[i], past[i], &in[next], past[next]);
-            out[kept++].edge = clip_edge;
-        } else if (there && !here) {
-            out[kept] = crossing(&in[next], past[next], &in[i], past[i]);
-            out[kept++].edge = in[i].edge;
+        if (here != there) {
+            const corner *p = here ? &in[i] : &in[next], *q = here ? &in[next] : &in[i];
+            double inner = pe_min(0, here ? past[i] : past[next]);
+            double t = inner / (inner - (here ? past[next] : past[i]));
+            out[kept++] = (corner){
+                .x = {p->x[0] + t * (q->x[0] - p->x[0]), p->x[1] + t * (q->x[1] - p->x[1])},
+                .height = p->height + t * (q->height - p->height),
+                .edge = here ? clip_edge : in[i].edge,
+            };
         }
     }
     return kept;
@@ -304,8 +309,18 @@ typedef struct reference {
     const box_side *box, *other;
     int k;
     bool flipped;   /* the box is the second one */
+    bool tilted;    /* the normal is not the face's own */
     pe_vec3 normal; /* of the contact, in the world, out of the box */
 } reference;
+
+/* Replaces the height over the face by that along the normal, and the place by the foot along it.
+ */
+static void shear(double x[3], const double tilt[2], double along)
+{
+    x[2] /= along;
+    x[0] -= tilt[0] * x[2];
+    x[1] -= tilt[1] * x[2];
+}
 
 /* The facing face of the other box, clipped along the normal. Returns the least separation of its
  * points, whether within the margin or not. */
@@ -324,24 +339,27 @@ static double face_contact(const reference *r, double size, double margin, pe_hi
     double facing = side * box->r[k][m] > 0 ? -1 : 1;
     int mu = m < 2 ? m + 1 : 0, mv = m > 0 ? m - 1 : 2;
 
-    /* Its middle and half edges, with heights along the normal in the last place: the point at
-     * height h over the face has its foot, along the normal, h tilt off to the side. */
-    double along = pe_dot(r->normal, face);
-    double tilt[2] = {pe_dot(r->normal, tu), pe_dot(r->normal, tv)};
+    /* Its middle and half edges, with heights in the last place. */
+    double along = r->tilted ? pe_dot(r->normal, face) : 1;
+    double tilt[2] = {0, 0};
+    if (r->tilted) {
+        tilt[0] = pe_dot(r->normal, tu);
+        tilt[1] = pe_dot(r->normal, tv);
+    }
     const double *e = other->extent;
     const double *row[3] = {box->r[ku], box->r[kv], box->r[k]};
     double origin[3] = {box->offset[ku], box->offset[kv], box->offset[k]}, middle[3], u[3], v[3];
     for (int q = 0; q < 3; ++q) {
-        double scale = q < 2 ? 1 : side / along;
+        double scale = q < 2 ? 1 : side;
         middle[q] = scale * (origin[q] + facing * e[m] * row[q][m]);
         u[q] = scale * e[mu] * row[q][mu];
         v[q] = scale * e[mv] * row[q][mv];
     }
-    middle[2] -= box->extent[k] / along;
-    for (int q = 0; q < 2; ++q) {
-        middle[q] -= tilt[q] * middle[2];
-        u[q] -= tilt[q] * u[2];
-        v[q] -= tilt[q] * v[2];
+    middle[2] -= box->extent[k];
+    if (r->tilted) {
+        shear(middle, tilt, along);
+        shear(u, tilt, along);
+        shear(v, tilt, along);
     }
     corner buffer[2][MAX_CORNERS];
     for (uint32_t c = 0; c < 4; ++c) {
@@ -388,16 +406,30 @@ static bool looks_along(const box_side *box, int k, pe_vec3 normal)
     return (box->offset[k] < 0 ? -1 : 1) * pe_dot(axis_of(box, k), normal) >= FLAT;
 }
 
-/* The reference for the normal n, which one of the two faces may be; the first box's if both. */
-static bool choose_reference(const box_pair *p, axis_choice face_a, axis_choice face_b, pe_vec3 n,
-                             double size, reference *r)
+/* The reference for the normal n of two edges, if one of the best faces may be. */
+static bool reference_of_edges(const box_pair *p, axis_choice face_a, axis_choice face_b, pe_vec3 n,
+                               double bias, reference *r)
 {
     pe_vec3 back = pe_scale(-1, n);
     bool a = looks_along(&p->a, face_a.i, n), b = looks_along(&p->b, face_b.i, back);
-    bool flipped = b && (!a || face_b.separation > face_a.separation + REFERENCE_BIAS * size);
-    *r = flipped ? (reference){&p->b, &p->a, face_b.i, true, back}
-                 : (reference){&p->a, &p->b, face_a.i, false, n};
+    bool flipped = b && (!a || face_b.separation > face_a.separation + bias);
+    *r = flipped ? (reference){&p->b, &p->a, face_b.i, true, true, back}
+                 : (reference){&p->a, &p->b, face_a.i, false, true, n};
     return a || b;
+}
+
+/* The reference for the normal n of one of the faces: the first box's unless that is clearly
+ * worse. */
+static reference reference_of_faces(const box_pair *p, axis_choice face_a, axis_choice face_b,
+                                    bool of_b, pe_vec3 n, double bias)
+{
+    double cosine = p->a.r[face_a.i][face_b.i]; /* of the axes; of the normals but for the sides */
+    bool same_side = (p->a.offset[face_a.i] < 0) == (p->b.offset[face_b.i] < 0);
+    bool flat = (same_side ? -cosine : cosine) >= FLAT;
+    if (of_b && (!flat || face_b.separation > face_a.separation + bias)) {
+        return (reference){&p->b, &p->a, face_b.i, true, false, pe_scale(-1, n)};
+    }
+    return (reference){&p->a, &p->b, face_a.i, false, of_b, n};
 }
 
 /* The normal of a face, from the first box to the second. */
@@ -425,10 +457,16 @@ void pe_collide_box_box(pe_placed a, pe_placed b, double margin, pe_hits *hits)
     pe_vec3 n = of_edges ? edge_normal(&p, edge) : face_normal(of_b ? &p.b : &p.a, best.i, of_b);
     hits->least_margin = separation;
     hits->normal_on_b = of_b && !of_edges;
+    double bias = REFERENCE_BIAS * size;
     reference r;
-    if (choose_reference(&p, face_a, face_b, n, size, &r)
-            ? face_contact(&r, size, margin, hits) <= separation + tolerance
-            : edge_contact(&p, edge, n, tolerance, hits)) {
+    bool has_reference = true;
+    if (of_edges) {
+        has_reference = reference_of_edges(&p, face_a, face_b, n, bias, &r);
+    } else {
+        r = reference_of_faces(&p, face_a, face_b, of_b, n, bias);
+    }
+    if (has_reference ? face_contact(&r, size, margin, hits) <= separation + tolerance
+                      : edge_contact(&p, edge, n, tolerance, hits)) {
         return;
     }
     /* No point has the separation: that of corners. */

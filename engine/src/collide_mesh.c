@@ -1,7 +1,35 @@
 /* A mesh against anything.
  *
- * TODO head
- */
+ * The other shape is a solid of triangles too, or the core of a rounded one: a point or a segment,
+ * swept by a ball whose radius is taken off every separation. Planes have no edges, cylinders no
+ * vertices: they are collided below and in collide_mesh_cylinder.c.
+ *
+ * Contacts are pairs of features that face each other, the separation measured along their normal,
+ * positive across a gap:
+ *   - a vertex over a face: the face's normal. The vertex faces the face when no edge leads from it
+ *     towards the face, but for a small angle, so that all corners of a face that lies upon another
+ *     are found. Over the face is also what lies behind the face across a dent: in a corner of a
+ *     room the floor goes on under the wall.
+ *   - an edge across an edge, both convex: their common normal, which must lie between the normals
+ *     of either edge's faces. Two faces that lie upon each other touch at vertices over faces and
+ *     where their rims cross, which are the corners of their overlap.
+ *   - apart, the nearest points: of all vertices and edges, the one pair whose distance is the
+ *     solids'; its normal is the line between them. A rounded core has such contacts with each
+ *     vertex and convex edge that faces it.
+ * Edges inside a flat face are none, and dents touch nothing: what slides over triangles feels none
+ * of their rims.
+ *
+ * Overlap. Of contacts at about one place but in different directions, only the shallowest counts:
+ * it is the way out. (Of a corner that stands on a table's edge, the table's side says that it is
+ * half a table deep.) Between convex solids that overlap little this is the shortest translation
+ * that parts them. A vertex that lies deeper than PE_DEPTH is found from where the surfaces cross,
+ * along edges that lie within, and touches the nearest face that it faces; so are all vertices of a
+ * solid wholly inside another. Where thin parts have passed through each other no feature may show
+ * a way out: then the solids part along that normal of the crossing triangles along which they
+ * reach least past each other as a whole, which never leads further in; the depth is what lies
+ * along it where they cross.
+ *
+ * Beyond the nearest contact by more than PE_BAND none is looked for, however wide the margin. */
 #include "collide_mesh.h"
 
 /* In units of the smaller solid: depths that differ by less are one. */
@@ -55,7 +83,8 @@ static bool holds(const pe_solid *solid, pe_vec3 x)
            fabs(local.z) <= root->half.z && pe_solid_holds(solid, x);
 }
 
-/* The smaller solid may lie wholly in the larger, with no surface near: then one vertex shows it. */
+/* The smaller solid may lie wholly in the larger, with no surface near: then one vertex shows it.
+ */
 static bool nested(const pe_solid_pair *pair)
 {
     if (pair->a.volume < pair->b.volume) {
@@ -197,7 +226,8 @@ static int collide_plane(pe_placed plane, pe_placed mesh, double margin, pe_work
         .normal = pe_unrotate(&mesh.pose->rotation, plane.shape->normal),
         .offset = plane.shape->offset - pe_dot(plane.shape->normal, mesh.pose->position),
     };
-    double look = margin * (1 + PE_LOOK_AHEAD) + PE_SLACK * mesh.size, band = PE_BAND * view.mesh->bounding_radius;
+    double look = margin * (1 + PE_LOOK_AHEAD) + PE_SLACK * mesh.size,
+           band = PE_BAND * view.mesh->bounding_radius;
     double lowest_height = lowest(&view, margin), reach = pe_min(look, lowest_height + band);
     pe_touches list = {.work = work};
     find_below(&view, reach, &list);

@@ -35,13 +35,13 @@ struct pe_facet;
 
 typedef struct pe_solid_pair {
     pe_solid a, b;
-    pe_bvh_pair trees;   /* with the pose of a in b's axes */
-    pe_bvh_pair swapped; /* b in a's axes */
-    double radius;       /* m, of the ball that sweeps a's core; 0: no core */
-    double size;         /* m, least size of the two: the scale of tolerances */
-    double slack;        /* m, see PE_SLACK */
-    double band;         /* m, see PE_BAND */
-    double depth;        /* m, see PE_DEPTH */
+    pe_bvh_pair trees;                /* with the pose of a in b's axes */
+    pe_bvh_pair swapped;              /* b in a's axes */
+    double radius;                    /* m, of the ball that sweeps a's core; 0: no core */
+    double size;                      /* m, least size of the two: the scale of tolerances */
+    double slack;                     /* m, see PE_SLACK */
+    double band;                      /* m, see PE_BAND */
+    double depth;                     /* m, see PE_DEPTH */
     struct pe_facet *near_a, *near_b; /* see pe_solid_pair_gather; NULL: not gathered */
     int near_count_a, near_count_b;
     pe_small_solid small;
@@ -73,8 +73,8 @@ pe_node pe_box_node(pe_vec3 centre, pe_vec3 half);
 
 /* An edge that a facet owns, in b's axes. A core's has no normals. */
 typedef struct pe_ridge {
-    pe_vec3 x, along;      /* from its first vertex to the second */
-    pe_vec3 normal[2];     /* of the faces it stands between, as in pe_edge */
+    pe_vec3 x, along;  /* from its first vertex to the second */
+    pe_vec3 normal[2]; /* of the faces it stands between, as in pe_edge */
     double length, length2;
     int edge;
 } pe_ridge;
@@ -126,7 +126,8 @@ bool pe_facet_heights(const pe_facet *over, const pe_facet *of, double bound, do
 bool pe_facets_cross(const pe_facet *a, const double above_b[3], const pe_facet *b,
                      const double above_a[3], pe_vec3 *where);
 
-/* Fills the facet's ridges, once. `seen`: the solid's place in the axes of the facet; NULL: the same.
+/* Fills the facet's ridges, once. `seen`: the solid's place in the axes of the facet; NULL: the
+ * same.
  */
 void pe_facet_ridges(const pe_solid *solid, const pe_bvh_pair *seen, pe_facet *facet);
 
@@ -176,11 +177,11 @@ void pe_touches_sort(pe_touches *list); /* by feature */
 
 /* The nearest points of the two surfaces, cores without their balls. */
 typedef struct pe_nearest {
-    double distance;  /* m; the bound where none is below it */
+    double distance; /* m; the bound where none is below it */
     bool found;
-    bool inside;      /* by the side of the face: a's core lies in b, or b in a */
-    bool cross;       /* the surfaces pass through each other: no more was looked for */
-    pe_touch touch;   /* all but its separation; apart: the normal is along the line */
+    bool inside;    /* by the side of the face: a's core lies in b, or b in a */
+    bool cross;     /* the surfaces pass through each other: no more was looked for */
+    pe_touch touch; /* all but its separation; apart: the normal is along the line */
 } pe_nearest;
 
 pe_nearest pe_solids_nearest(const pe_solid_pair *pair, double bound);
@@ -206,8 +207,9 @@ void pe_touches_find(const pe_solid_pair *pair, double reach, double depth, pe_t
  * surfaces lead to them from where they cross, or, with `all`, all. */
 void pe_touches_find_deep(const pe_solid_pair *pair, double depth, bool all, pe_touches *list);
 
-/* Whether a vertex may take the normal of a face of the other solid, n in its own axes and away from
- * that face: no edge leads from it towards the face, but for a small angle; *strict: for rounding alone. */
+/* Whether a vertex may take the normal of a face of the other solid, n in its own axes and away
+ * from that face: no edge leads from it towards the face, but for a small angle; *strict: for
+ * rounding alone. */
 bool pe_vertex_faces(const pe_solid *solid, int vertex, pe_vec3 normal, bool *strict);
 
 /* Whether a vertex that lies under a face is parted from it by another part of the surface. */

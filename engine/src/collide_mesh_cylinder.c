@@ -1,11 +1,12 @@
-/* A cylinder against a mesh: against each triangle near it, as a hull without thickness.
+/* A cylinder against a mesh: against each triangle near it, as a hull without thickness, and each
+ * vertex in it.
  *
- * What a triangle gives counts when its direction is one that the mesh has there: the triangle's own
- * normal, or one between those of the faces at the edge or vertex that is nearest. So the rim of a
- * triangle inside a face gives nothing of its own. A triangle that is cut so deep that the shortest
- * way off it leads into the solid, or along it, gives nothing either. Where no triangle gives an
- * overlap but some are cut, the cylinder is pushed out along the normal of one of these, by what of
- * it lies under the triangle there: the one where that is least. */
+ * What a triangle gives counts when its direction is one that the mesh has there: the triangle's
+ * own normal, or one between those of the faces at the edge or vertex that is nearest. So the rim
+ * of a triangle inside a face gives nothing of its own. A triangle that is cut so deep that the
+ * shortest way off it leads into the solid, or along it, gives nothing either. Where no triangle
+ * gives an overlap but some are cut, the cylinder is pushed out along the normal of one of these,
+ * by what of it lies under the triangle there: the one where that is least. */
 #include "collide_mesh.h"
 
 /* Sine of the angle up to which a direction is a face's normal. */
@@ -18,9 +19,9 @@ static const double LEVEL = 1e-8;
 /* A triangle as a hull, in axes about its middle. */
 typedef struct thin_hull {
     pe_vec3 vertices[3];
-    pe_face faces[2];
-    pe_edge edges[3];
-    int corners[6], vertex_first[4], vertex_edges[6];
+    pe_face faces[5];
+    pe_edge edges[6];
+    int corners[12], vertex_first[4], vertex_edges[12];
     pe_geometry geometry;
     pe_shape shape;
     pe_pose pose;
@@ -33,33 +34,45 @@ typedef struct scene {
     double size, reach;
     pe_touches list;
     pe_touch fallback; /* of triangles that give nothing, the least deep way out */
+    bool is_over;      /* its point lies over its triangle: better than one that does not */
 } scene;
 
+/* Two faces back to back, and three without width between them, so that every edge has the normals
+ * between which it is outermost. */
 static void make_hull(const scene *s, const pe_facet *f, thin_hull *h)
 {
-    static const int corners[6] = {0, 1, 2, 0, 2, 1}, first[4] = {0, 2, 4, 6};
-    static const int edges_at[6] = {0, 2, 0, 1, 1, 2};
+    static const int corners[12] = {0, 1, 2, 0, 2, 1, 0, 1, 1, 2, 2, 0}, first[4] = {0, 4, 8, 12};
+    static const int edges_at[12] = {0, 1, 4, 5, 0, 1, 2, 3, 2, 3, 4, 5};
     pe_vec3 middle = pe_scale(1.0 / 3, pe_add(f->x[0], pe_add(f->x[1], f->x[2])));
     double radius = 0;
+    h->faces[0] = (pe_face){.normal = f->normal, .corner_count = 3};
+    h->faces[1] =
+        (pe_face){.normal = pe_scale(-1, f->normal), .first_corner = 3, .corner_count = 3};
     for (int k = 0; k < 3; ++k) {
+        int next = k < 2 ? k + 1 : 0;
         h->vertices[k] = pe_sub(f->x[k], middle);
-        h->edges[k] = (pe_edge){{k, k < 2 ? k + 1 : 0}, {0, 1}, true};
+        h->edges[2 * k] = (pe_edge){{k, next}, {0, 2 + k}, true};
+        h->edges[2 * k + 1] = (pe_edge){{k, next}, {2 + k, 1}, true};
         h->vertex_first[k] = first[k];
         radius = pe_max(radius, pe_length(h->vertices[k]));
+        pe_vec3 out = pe_cross(pe_sub(f->x[next], f->x[k]), f->normal);
+        out = pe_scale(1 / pe_length(out), out);
+        h->faces[2 + k] = (pe_face){.normal = out,
+                                    .offset = pe_dot(out, h->vertices[k]),
+                                    .first_corner = 6 + 2 * k,
+                                    .corner_count = 2};
     }
     h->vertex_first[3] = first[3];
-    for (int i = 0; i < 6; ++i) {
+    for (int i = 0; i < 12; ++i) {
         h->corners[i] = corners[i];
         h->vertex_edges[i] = edges_at[i];
     }
-    h->faces[0] = (pe_face){.normal = f->normal, .corner_count = 3};
-    h->faces[1] = (pe_face){.normal = pe_scale(-1, f->normal), .first_corner = 3, .corner_count = 3};
     h->geometry = (pe_geometry){
         .convex = true,
         .vertex_count = 3,
-        .face_count = 2,
-        .edge_count = 3,
-        .corner_count = 6,
+        .face_count = 5,
+        .edge_count = 6,
+        .corner_count = 12,
         .vertices = h->vertices,
         .faces = h->faces,
         .edges = h->edges,
@@ -128,7 +141,8 @@ static double way_out_of_cylinder(const scene *s, pe_vec3 x, pe_vec3 n)
 /* Names a point by its triangle and a hash of its name on the hull. */
 static uint64_t feature_of(int triangle, uint64_t name)
 {
-    return (uint64_t)(uint32_t)triangle << 32 | (name * 0x9E3779B97F4A7C15u) >> 32;
+    return (uint64_t)2 << 60 | (uint64_t)(uint32_t)triangle << 32 |
+           (name * 0x9E3779B97F4A7C15u) >> 32;
 }
 
 static pe_touch touch_of(int triangle, uint64_t name, pe_vec3 n, pe_vec3 on_a, double separation)
@@ -143,13 +157,38 @@ static pe_touch touch_of(int triangle, uint64_t name, pe_vec3 n, pe_vec3 on_a, d
     };
 }
 
+/* Takes the way out if it is better than the one so far. */
+static void offer(scene *s, bool is_over, pe_touch touch)
+{
+    if (is_over > s->is_over ||
+        (is_over == s->is_over && touch.separation > s->fallback.separation)) {
+        s->is_over = is_over;
+        s->fallback = touch;
+    }
+}
+
 /* Out along a direction, by what of the cylinder lies that way from a point of the mesh in it. */
 static void push_out(scene *s, pe_vec3 n, pe_vec3 on_b, double depth, int triangle)
 {
     double way = way_out_of_cylinder(s, on_b, n);
-    if (-way - depth > s->fallback.separation) {
-        pe_vec3 on_a = pe_madd(on_b, way, n);
-        s->fallback = touch_of(triangle, 0, n, on_a, -way - depth);
+    offer(s, false, touch_of(triangle, 0, n, pe_madd(on_b, way, n), -way - depth));
+}
+
+/* Out along the triangle's normal: by the cylinder's last point below it, if over the triangle, or
+ * else from a point of the triangle in the cylinder. */
+static void push_off(scene *s, const pe_facet *f, pe_vec3 on_b, int triangle)
+{
+    pe_vec3 n = pe_scale(-1, f->normal), own = pe_unrotate(&s->trees.turn, n);
+    const pe_shape *shape = s->cylinder.shape;
+    double across = sqrt(own.x * own.x + own.y * own.y);
+    double r = across > 0 ? shape->radius / across : 0;
+    pe_vec3 x = pe_v3(r * own.x, r * own.y, own.z < 0 ? -shape->half_height : shape->half_height);
+    x = pe_add(pe_rotate(&s->trees.turn, x), s->trees.offset);
+    double height = pe_dot(f->normal, x) - f->offset;
+    if (height < 0 && pe_facet_holds(f, x, PE_SLACK * s->size)) {
+        offer(s, true, touch_of(triangle, 0, n, x, height));
+    } else {
+        push_out(s, n, on_b, 0, triangle);
     }
 }
 
@@ -163,10 +202,47 @@ static void push_out_of_solid(scene *s)
     }
 }
 
+/* A vertex in the cylinder, out through the nearer one of its cap and its side that it faces. */
+static void try_vertex(scene *s, int vertex, pe_vec3 x)
+{
+    const pe_shape *shape = s->cylinder.shape;
+    pe_vec3 y = pe_unrotate(&s->trees.turn, pe_sub(x, s->trees.offset));
+    double from_axis = sqrt(y.x * y.x + y.y * y.y);
+    double to_cap = shape->half_height - fabs(y.z), to_side = shape->radius - from_axis;
+    if (!(to_cap > 0 && to_side > 0)) {
+        return;
+    }
+    for (int side = 0; side < 2; ++side) {
+        bool to_cap_now = (side == 0) == (to_cap <= to_side);
+        pe_vec3 out = to_cap_now ? pe_v3(0, 0, y.z < 0 ? -1 : 1)
+                                 : pe_scale(from_axis > 0 ? 1 / from_axis : 0, pe_v3(y.x, y.y, 0));
+        pe_vec3 n = pe_rotate(&s->trees.turn, out);
+        double depth = to_cap_now ? to_cap : to_side;
+        bool strict;
+        if (pe_vertex_faces(&s->solid, vertex, n, &strict) && strict && pe_dot(n, n) > 0.5) {
+            pe_touch touch = {
+                .feature = pe_touch_feature(PE_FACE_VERTEX, vertex, to_cap_now),
+                .kind = PE_FACE_VERTEX,
+                .normal = n,
+                .on_a = pe_madd(x, depth, n),
+                .separation = -depth,
+                .strict = true,
+            };
+            pe_touches_add(&s->list, &touch);
+            return;
+        }
+    }
+}
+
 static void try_facet(scene *s, int triangle, double bound)
 {
     pe_facet f;
     pe_solid_facet(&s->solid, triangle, &f);
+    for (int k = 0; k < 3; ++k) {
+        if ((f.owns >> k & 1) != 0) {
+            try_vertex(s, f.vertices[k], f.x[k]);
+        }
+    }
     thin_hull hull;
     make_hull(s, &f, &hull);
     pe_placed b = {&hull.shape, &hull.geometry, &hull.pose, s->size};
@@ -187,7 +263,7 @@ static void try_facet(scene *s, int triangle, double bound)
         if (deepest->separation < 0) {
             pe_vec3 x = pe_madd(deepest->position, 0.5 * deepest->separation, hits.normal);
             x = pe_unrotate(&pose->rotation, pe_sub(x, pose->position));
-            push_out(s, pe_scale(-1, f.normal), x, 0, triangle);
+            push_off(s, &f, x, triangle);
         }
         return;
     }
@@ -204,8 +280,8 @@ int pe_collide_cylinder_mesh(pe_placed cylinder, pe_placed mesh, double margin, 
                              pe_hits *patches)
 {
     const pe_shape *shape = cylinder.shape;
-    pe_node box = pe_box_node(pe_v3(0, 0, 0), pe_v3(shape->radius, shape->radius,
-                                                    shape->half_height));
+    pe_node box =
+        pe_box_node(pe_v3(0, 0, 0), pe_v3(shape->radius, shape->radius, shape->half_height));
     scene s = {
         .cylinder = cylinder,
         .mesh = mesh,

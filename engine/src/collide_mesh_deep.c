@@ -83,8 +83,8 @@ static bool are_neighbours(const pe_solid *solid, const pe_facet *facet, int fac
  * lies beside the other, and the way out is over the edge all the same. */
 static bool blocked(const pe_solid *solid, pe_vec3 x, pe_vec3 d, int face, double slack)
 {
-    pe_node segment = pe_box_node(pe_madd(x, 0.5, d),
-                                 pe_scale(0.5, pe_v3(fabs(d.x), fabs(d.y), fabs(d.z))));
+    pe_node segment =
+        pe_box_node(pe_madd(x, 0.5, d), pe_scale(0.5, pe_v3(fabs(d.x), fabs(d.y), fabs(d.z))));
     pe_bvh_pair trees = around(&segment, solid);
     pe_bvh_walk walk;
     const pe_node *node, *leaf;
@@ -167,8 +167,7 @@ static bool try_facets(void *context, pe_facet *a, pe_facet *b)
     const crossings *c = context;
     double above_a[3] = {0}, above_b[3];
     pe_vec3 where;
-    if (pe_facet_heights(b, a, 0, above_b) &&
-        (a->face < 0 || pe_facet_heights(a, b, 0, above_a)) &&
+    if (pe_facet_heights(b, a, 0, above_b) && (a->face < 0 || pe_facet_heights(a, b, 0, above_a)) &&
         pe_facets_cross(a, above_b, b, above_a, &where)) {
         c->take(c->context, &(crossing){a, b, above_a, above_b, where});
     }
@@ -186,7 +185,7 @@ static void each_crossing(const pe_solid_pair *pair, take_crossing *take, void *
 /* One solid's vertices in the other. */
 typedef struct diver {
     const pe_solid_pair *pair;
-    bool of_a;              /* the vertices are a's */
+    bool of_a; /* the vertices are a's */
     const pe_solid *of, *in;
     const pe_bvh_pair *seen; /* `of` in the axes of `in` */
     bool *visited;
@@ -215,8 +214,7 @@ static void add(const diver *d, int vertex, pe_vec3 x, int face, double depth, b
         touch.on_a = x;
     } else {
         touch.normal = pe_rotate(&pair->trees.turn, n);
-        touch.on_a = pe_add(pe_rotate(&pair->trees.turn, pe_madd(x, depth, n)),
-                            pair->trees.offset);
+        touch.on_a = pe_add(pe_rotate(&pair->trees.turn, pe_madd(x, depth, n)), pair->trees.offset);
     }
     pe_touches_add(d->list, &touch);
 }
@@ -432,10 +430,9 @@ static void measure(void *context, const crossing *c)
 
 /* A core's ends, and what lies wholly inside, leave by the nearest way. Else the direction is that,
  * of the normals of triangles that cross, along which the solids as a whole reach least past each
- * other, so that it never leads further in; the depth is the most that lies along it, in both, where
- * triangles cross. */
-void pe_touches_find_way_out(const pe_solid_pair *pair, const pe_nearest *nearest,
-                             pe_touches *list)
+ * other, so that it never leads further in; the depth is the most that lies along it, in both,
+ * where triangles cross. */
+void pe_touches_find_way_out(const pe_solid_pair *pair, const pe_nearest *nearest, pe_touches *list)
 {
     if (pair->a.core && find_way_out_of_ends(pair, list)) {
         return;

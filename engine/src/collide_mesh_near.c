@@ -25,8 +25,8 @@ bool pe_solid_pair_gather(pe_solid_pair *pair, double limit, pe_workspace work)
     int leaves_a[MOST_LEAVES], leaves_b[MOST_LEAVES];
     pair->near_a = pair->near_b = NULL;
     int count_a = pe_bvh_leaves(&pair->trees, true, limit, leaves_a, MOST_LEAVES);
-    int count_b = count_a < 0 ? -1
-                              : pe_bvh_leaves(&pair->trees, false, limit, leaves_b, MOST_LEAVES);
+    int count_b =
+        count_a < 0 ? -1 : pe_bvh_leaves(&pair->trees, false, limit, leaves_b, MOST_LEAVES);
     if (count_b < 0) {
         return true;
     }

@@ -16,8 +16,7 @@ static void take_vertex_face(pe_touch_kind kind, const pe_facet *of, int corner,
     best->touch.kind = kind;
     best->touch.feature = pe_touch_feature(kind, of->vertices[corner], over->face);
     best->touch.normal = pe_scale(of_a ? -1 : 1, over->normal);
-    best->touch.on_a =
-        of_a ? of->x[corner] : pe_madd(of->x[corner], -height, over->normal);
+    best->touch.on_a = of_a ? of->x[corner] : pe_madd(of->x[corner], -height, over->normal);
 }
 
 static void take_edges(const pe_solid_pair *pair, const pe_ridge *a, const pe_ridge *b, double s,
@@ -51,8 +50,8 @@ static void try_edges(const pe_solid_pair *pair, const pe_ridge *a, const pe_rid
     }
 }
 
-static void try_vertices(pe_touch_kind kind, const pe_facet *of,
-                         const pe_facet *over, const double height[3], pe_nearest *best)
+static void try_vertices(pe_touch_kind kind, const pe_facet *of, const pe_facet *over,
+                         const double height[3], pe_nearest *best)
 {
     for (int k = 0; k < 3; ++k) {
         bool owned = (of->owns >> k & 1) != 0;

@@ -155,8 +155,7 @@ static void reduce(gatherer *g)
         p.corner[0] += 1;
     }
     g->points[p.corner[0]].separation = least;
-    while (p.count < PE_MAX_POINTS && widen(g, least, &p)) {
-    }
+    while (p.count < PE_MAX_POINTS && widen(g, least, &p)) {}
     int kept = 0;
     for (int i = 0; i < g->count; ++i) {
         for (int k = 0; k < p.count; ++k) {

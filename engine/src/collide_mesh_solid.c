@@ -10,9 +10,9 @@ static const double PARTING_TOLERANCE = 0.03;
 static const int BOX_TRIANGLES[12][3] = {{4, 6, 2}, {4, 2, 0}, {1, 3, 7}, {1, 7, 5},
                                          {1, 5, 4}, {1, 4, 0}, {2, 6, 7}, {2, 7, 3},
                                          {2, 3, 1}, {2, 1, 0}, {4, 5, 7}, {4, 7, 6}};
-static const int BOX_TRIANGLE_EDGES[12][3] = {{0, 1, -1}, {-1, 2, 3},  {4, 5, -1}, {-1, 6, 7},
-                                              {7, 8, -1}, {-1, 3, 9},  {1, 10, -1}, {-1, 5, 11},
-                                              {11, 4, -1}, {-1, 9, 2}, {8, 6, -1}, {-1, 10, 0}};
+static const int BOX_TRIANGLE_EDGES[12][3] = {{0, 1, -1},  {-1, 2, 3}, {4, 5, -1},  {-1, 6, 7},
+                                              {7, 8, -1},  {-1, 3, 9}, {1, 10, -1}, {-1, 5, 11},
+                                              {11, 4, -1}, {-1, 9, 2}, {8, 6, -1},  {-1, 10, 0}};
 static const int BOX_TRIANGLE_FACE[12] = {0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5};
 static const unsigned char BOX_OWNS[12] = {31, 52, 31, 52, 16, 32, 16, 32, 0, 0, 0, 0};
 static const pe_edge BOX_EDGES[12] = {
@@ -20,7 +20,7 @@ static const pe_edge BOX_EDGES[12] = {
     {{1, 3}, {1, 4}, true}, {{3, 7}, {1, 3}, true}, {{7, 5}, {1, 5}, true}, {{5, 1}, {1, 2}, true},
     {{5, 4}, {2, 5}, true}, {{0, 1}, {2, 4}, true}, {{6, 7}, {3, 5}, true}, {{3, 2}, {3, 4}, true}};
 static const int BOX_VERTEX_FIRST[9] = {0, 3, 6, 9, 12, 15, 18, 21, 24};
-static const int BOX_VERTEX_EDGES[24] = {2, 3, 9, 4, 7, 9, 1, 2, 11, 4, 5,  11,
+static const int BOX_VERTEX_EDGES[24] = {2, 3, 9, 4, 7, 9, 1, 2, 11, 4, 5, 11,
                                          0, 3, 8, 6, 7, 8, 0, 1, 10, 5, 6, 10};
 
 /* A point is a segment of no length. */
@@ -68,9 +68,7 @@ static void make_box_nodes(pe_vec3 half, pe_node nodes[11])
 {
     for (int face = 0; face < 6; ++face) {
         double side = face % 2 == 1 ? 1 : -1;
-        pe_vec3 across = face < 2   ? pe_v3(1, 0, 0)
-                         : face < 4 ? pe_v3(0, 1, 0)
-                                    : pe_v3(0, 0, 1);
+        pe_vec3 across = face < 2 ? pe_v3(1, 0, 0) : face < 4 ? pe_v3(0, 1, 0) : pe_v3(0, 0, 1);
         pe_vec3 out = pe_mul(across, half);
         int leaf = face < 5 ? 2 * face + 1 : 10;
         nodes[leaf] = pe_box_node(pe_scale(side, out), pe_sub(half, out));
@@ -92,8 +90,8 @@ static pe_solid solid_of_box(pe_vec3 half, pe_small_solid *small)
     for (int face = 0; face < 6; ++face) {
         double side = face % 2 == 1 ? 1 : -1;
         small->faces[face] = (pe_face){
-            .normal = pe_v3(face / 2 == 0 ? side : 0, face / 2 == 1 ? side : 0,
-                            face / 2 == 2 ? side : 0),
+            .normal =
+                pe_v3(face / 2 == 0 ? side : 0, face / 2 == 1 ? side : 0, face / 2 == 2 ? side : 0),
             .offset = pe_component(half, face / 2),
         };
     }
@@ -139,10 +137,10 @@ static pe_solid solid_of_core(double half_height, pe_small_solid *small)
 static pe_solid solid_of(pe_placed placed, pe_small_solid *small)
 {
     const pe_shape *shape = placed.shape;
-    return placed.geometry != NULL             ? pe_solid_of_geometry(placed.geometry)
-           : shape->kind == PE_SHAPE_BOX       ? solid_of_box(shape->half_extents, small)
-           : shape->kind == PE_SHAPE_CAPSULE   ? solid_of_core(shape->half_height, small)
-                                               : solid_of_core(0, small);
+    return placed.geometry != NULL           ? pe_solid_of_geometry(placed.geometry)
+           : shape->kind == PE_SHAPE_BOX     ? solid_of_box(shape->half_extents, small)
+           : shape->kind == PE_SHAPE_CAPSULE ? solid_of_core(shape->half_height, small)
+                                             : solid_of_core(0, small);
 }
 
 static double bounding_radius(pe_placed p)
@@ -222,12 +220,19 @@ void pe_facet_of_a(const pe_solid_pair *pair, int triangle, pe_facet *facet)
     facet->offset += pe_dot(facet->normal, seen->offset);
 }
 
-/* Whether x lies beyond the edge from corner k, along the plane, by more than `slack`. */
-static bool is_past(const pe_facet *facet, int k, pe_vec3 x, double slack)
+/* How far x lies inside the edge from corner k, along the plane, in units of 1/length of it. */
+static double inset(const pe_facet *facet, int k, pe_vec3 x, double *length2)
 {
     pe_vec3 from = facet->x[k], u = pe_sub(facet->x[k < 2 ? k + 1 : 0], from);
-    double in = pe_dot(pe_cross(facet->normal, u), pe_sub(x, from));
-    return in < 0 && in * in > slack * slack * pe_dot(u, u);
+    *length2 = pe_dot(u, u);
+    return pe_dot(pe_cross(facet->normal, u), pe_sub(x, from));
+}
+
+/* Whether x lies beyond the edge from corner k by more than `slack`. */
+static bool is_past(const pe_facet *facet, int k, pe_vec3 x, double slack)
+{
+    double length2, in = inset(facet, k, x, &length2);
+    return in < 0 && in * in > slack * slack * length2;
 }
 
 bool pe_facet_holds(const pe_facet *facet, pe_vec3 x, double slack)
@@ -249,12 +254,20 @@ bool pe_facet_holds_dented(const pe_solid *solid, const pe_bvh_pair *seen, const
                            pe_vec3 x, double slack, double past, bool *dent)
 {
     *dent = false;
+    past = pe_max(past, slack);
     for (int k = 0; k < 3; ++k) {
-        if (!is_past(facet, k, x, slack)) {
+        double length2, in = inset(facet, k, x, &length2);
+        if (in > 0 && in * in > slack * slack * length2) {
             continue;
         }
         const pe_edge *edge = facet->edges[k] >= 0 ? &solid->edges[facet->edges[k]] : NULL;
-        if (edge == NULL || edge->convex || is_past(facet, k, x, past) ||
+        if (edge == NULL || edge->convex) {
+            if (in * in > slack * slack * length2) {
+                return false;
+            }
+            continue;
+        }
+        if (in * in > past * past * length2 ||
             !is_behind(solid, seen, edge->face[edge->face[0] == facet->face], x, slack, past)) {
             return false;
         }
@@ -381,8 +394,8 @@ pe_vec3 pe_solid_support(const pe_solid *solid, pe_vec3 d)
         if (node->right >= 0) {
             /* The child that is farther along is looked at first. */
             int left = index + 1, right = node->right;
-            bool left_first = pe_dot(d, solid->nodes[left].centre) >
-                              pe_dot(d, solid->nodes[right].centre);
+            bool left_first =
+                pe_dot(d, solid->nodes[left].centre) > pe_dot(d, solid->nodes[right].centre);
             stack[depth++] = left_first ? right : left;
             stack[depth++] = left_first ? left : right;
             continue;
@@ -410,7 +423,8 @@ bool pe_solid_pair_part(pe_solid_pair *pair, double limit)
             break;
         }
         pe_vec3 n = pe_scale(1 / length, v), back = pe_unrotate(&trees->turn, n);
-        pe_vec3 a = pe_solid_support(&pair->a, back), b = pe_solid_support(&pair->b, pe_scale(-1, n));
+        pe_vec3 a = pe_solid_support(&pair->a, back),
+                b = pe_solid_support(&pair->b, pe_scale(-1, n));
         pe_vec3 in_b = pe_add(pe_rotate(&trees->turn, a), trees->offset), w = pe_sub(b, in_b);
         double gap = pe_dot(n, w);
         if (gap > limit) {

@@ -9,7 +9,7 @@ static const double STRICT = 1e-6;
 /* The same for the nearest features of a rounded shape: rounding alone. */
 static const double ROUNDING = 1e-9;
 /* Edges at a smaller angle than this, in rad, are parallel: their ends say as much. */
-static const double LEAST_SINE = 1e-3;
+static const double LEAST_SINE = 1e-4;
 typedef struct finder {
     const pe_solid_pair *pair;
     double reach, depth, bound; /* bound: the larger of the two */

@@ -45,9 +45,9 @@ typedef struct pe_geometry {
      * and every convex edge is one triangle's, an edge's in its face[0], so that pairs of triangles
      * name each pair of features once. */
     unsigned char *triangle_owns;
-    pe_face *faces;           /* (face_count) */
-    pe_edge *edges;           /* (edge_count) */
-    int *corners;             /* (corner_count): vertices of the faces of a convex solid */
+    pe_face *faces;                   /* (face_count) */
+    pe_edge *edges;                   /* (edge_count) */
+    int *corners;                     /* (corner_count): vertices of the faces of a convex solid */
     int *vertex_first, *vertex_edges; /* (vertex_count + 1), (2 edge_count): edges at a vertex */
     pe_node *nodes;                   /* (node_count): root first */
     pe_geometry_frame frame;

@@ -1,7 +1,7 @@
 /* A tree of oriented boxes (Gottschalk, Lin, Manocha 1996): each lies along the principal axes of
- * its corners, or along the body's where that box is smaller, and its triangles are halved by number
- * along its longest axis. Halving by number bounds the depth, and the node's place in the array says
- * where its children are. */
+ * its corners, or along the body's where that box is smaller, and its triangles are halved by
+ * number along its longest axis. Halving by number bounds the depth, and the node's place in the
+ * array says where its children are. */
 #include "geometry_tree.h"
 
 #include "geometry_mass.h"

@@ -112,8 +112,8 @@ static double key_of(int triangle)
 {
     double sum = 0;
     for (int k = 0; k < 3; ++k) {
-        sum += pe_dot(sorted_axis,
-                      sorted_geometry->vertices[sorted_geometry->triangles[triangle][k]]);
+        sum +=
+            pe_dot(sorted_axis, sorted_geometry->vertices[sorted_geometry->triangles[triangle][k]]);
     }
     return sum;
 }
@@ -228,8 +228,7 @@ static bool discs_near(const relative *r, const node *a, const node *b)
     }
     pe_vec3 n = pe_rotate(&r->turn, a->normal);
     double cosine = fabs(pe_dot(n, b->normal)), sine = sqrt(pe_max(0, 1 - cosine * cosine));
-    return fabs(pe_dot(n, c)) <=
-               a->half.y + b->half.x * sine + b->half.y * cosine + r->margin &&
+    return fabs(pe_dot(n, c)) <= a->half.y + b->half.x * sine + b->half.y * cosine + r->margin &&
            fabs(pe_dot(b->normal, c)) <=
                b->half.y + a->half.x * sine + a->half.y * cosine + r->margin;
 }
@@ -309,7 +308,8 @@ static pe_geometry *make_mesh(int n, int m, bool ball)
             t[faces][0] = p, t[faces][1] = o, t[faces++][2] = s;
         }
         if (ball) {
-            uint32_t top = (uint32_t)(n * m), p = (uint32_t)(i * m), s = (uint32_t)((i + 1) % n * m);
+            uint32_t top = (uint32_t)(n * m), p = (uint32_t)(i * m),
+                     s = (uint32_t)((i + 1) % n * m);
             t[faces][0] = top, t[faces][1] = p, t[faces++][2] = s;
             t[faces][0] = top + 1, t[faces][1] = s + (uint32_t)m - 1;
             t[faces++][2] = p + (uint32_t)m - 1;
@@ -363,10 +363,8 @@ static relative random_pair(const pe_geometry *g, double gap, double margin)
     pe_solid_pair_make((pe_placed){&shape, g, &a, g->size}, (pe_placed){&shape, g, &b, g->size},
                        &pair);
     pe_mat3 turn = pair.trees.turn;
-    return (relative){turn,
-                      {absolute(turn.r0), absolute(turn.r1), absolute(turn.r2)},
-                      pair.trees.offset,
-                      margin};
+    return (relative){
+        turn, {absolute(turn.r0), absolute(turn.r1), absolute(turn.r2)}, pair.trees.offset, margin};
 }
 
 /* ---- Measuring ---------------------------------------------------------------------------------

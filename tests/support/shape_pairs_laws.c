@@ -57,7 +57,8 @@ static bool equals_the_truth(trial *t)
  * normal that is reported. */
 static void test_depth_and_normal_equal_the_truth(void **state)
 {
-    double unproven = run_law(equals_the_truth, LAW_CONVEX, of_truth(*state, 1), true_gap);
+    double unproven =
+        run_law("equals_the_truth", equals_the_truth, LAW_CONVEX, of_truth(*state, 1), true_gap);
     /* Directions that nearly tie along a circle are too many to bound to the tolerance. */
     assert_at_most(unproven, 0.1);
 }
@@ -85,7 +86,7 @@ static bool equals_brute_force(trial *t)
 /* Of meshes: apart, the least separation is the distance; overlapping, it is not above 0. */
 static void test_distance_to_a_mesh_equals_brute_force(void **state)
 {
-    run_law(equals_brute_force, LAW_MESH, of_truth(*state, 1), engine_gap);
+    run_law("equals_brute_force", equals_brute_force, LAW_MESH, of_truth(*state, 1), engine_gap);
 }
 
 static bool is_as_deep_as_the_hull(trial *t)
@@ -102,7 +103,8 @@ static bool is_as_deep_as_the_hull(trial *t)
 /* A convex mesh that overlaps by up to 1e-3 of the size is as deep as the hull. */
 static void test_shallow_depth_of_a_convex_mesh_equals_that_of_the_hull(void **state)
 {
-    run_law(is_as_deep_as_the_hull, LAW_MESH, of_truth(*state, 1), true_gap);
+    run_law("is_as_deep_as_the_hull", is_as_deep_as_the_hull, LAW_MESH, of_truth(*state, 1),
+            true_gap);
 }
 
 /* ---- Points */
@@ -178,7 +180,7 @@ static bool has_sound_points(trial *t)
  * either surface, half a separation along the normal, is in that shape. */
 static void test_points_lie_in_both_shapes_a_separation_apart(void **state)
 {
-    run_law(has_sound_points, LAW_ALL, share(*state, 1), engine_gap);
+    run_law("has_sound_points", has_sound_points, LAW_ALL, share(*state, 1), engine_gap);
 }
 
 /* ---- Symmetry */
@@ -218,7 +220,7 @@ static bool is_symmetric(trial *t)
 
 static void test_swapping_the_shapes_turns_the_normal(void **state)
 {
-    run_law(is_symmetric, LAW_ALL, share(*state, 4), engine_gap);
+    run_law("is_symmetric", is_symmetric, LAW_ALL, share(*state, 4), engine_gap);
 }
 
 static bool moves_with_the_world(trial *t)
@@ -246,7 +248,7 @@ static bool moves_with_the_world(trial *t)
 
 static void test_contacts_move_with_the_world(void **state)
 {
-    run_law(moves_with_the_world, LAW_ALL, share(*state, 4), engine_gap);
+    run_law("moves_with_the_world", moves_with_the_world, LAW_ALL, share(*state, 4), engine_gap);
 }
 
 static bool scales(trial *t)
@@ -274,7 +276,7 @@ static bool scales(trial *t)
 
 static void test_contacts_scale_with_the_shapes(void **state)
 {
-    run_law(scales, LAW_ALL, of_truth(*state, 4), engine_gap);
+    run_law("scales", scales, LAW_ALL, of_truth(*state, 4), engine_gap);
 }
 
 /* ---- Continuity */
@@ -313,7 +315,7 @@ static bool is_continuous(trial *t)
 /* The least separation changes by no more than the surfaces move. */
 static void test_separation_is_continuous(void **state)
 {
-    run_law(is_continuous, LAW_ALL, share(*state, 4), engine_gap);
+    run_law("is_continuous", is_continuous, LAW_ALL, share(*state, 4), engine_gap);
 }
 
 /* ---- Margins */
@@ -338,7 +340,8 @@ static bool is_found_within_the_margin_alone(trial *t)
 /* Points within the margin, none beyond it. */
 static void test_a_pair_has_points_exactly_when_its_gap_is_within_the_margin(void **state)
 {
-    run_law(is_found_within_the_margin_alone, LAW_ALL, share(*state, 4), engine_gap);
+    run_law("is_found_within_the_margin_alone", is_found_within_the_margin_alone, LAW_ALL,
+            share(*state, 4), engine_gap);
 }
 
 static bool are_same_points(const patches *one, const patches *two)
@@ -388,7 +391,8 @@ static bool keeps_points_over_the_range(trial *t)
 /* The same points at every margin from least_margin to end_margin. */
 static void test_points_are_the_same_at_every_margin_of_their_range(void **state)
 {
-    run_law(keeps_points_over_the_range, LAW_ALL, share(*state, 4), engine_gap);
+    run_law("keeps_points_over_the_range", keeps_points_over_the_range, LAW_ALL, share(*state, 4),
+            engine_gap);
 }
 
 /* ---- Rest */
@@ -453,7 +457,7 @@ static bool keeps_its_features(trial *t)
 /* Normal and features of a pair at rest stay while it sways by 1e-9. */
 static void test_features_stay_while_a_pair_at_rest_sways(void **state)
 {
-    run_law(keeps_its_features, LAW_ALL, of_truth(*state, 4), engine_gap);
+    run_law("keeps_its_features", keeps_its_features, LAW_ALL, of_truth(*state, 4), engine_gap);
 }
 
 int run_pair_laws(const char *group, law_budget budget)

@@ -34,8 +34,9 @@ typedef struct law_count {
 
 /* Over all pairs of kinds, or the one that the environment names, as in PLUMB_TEST_PAIR="box x
  * hull". Prints, of each pair, the first pose of every sort where the law fails, and how many do;
- * then the test fails. Returns the largest share of the poses of a pair that the law skips. */
-double run_law(law *holds, law_kinds kinds, law_count poses, pair_gap *gap);
+ * where these are more than are known of this law, by its `name` (shape_pairs_known.h), the test
+ * fails. Returns the largest share of the poses of a pair that the law skips. */
+double run_law(const char *name, law *holds, law_kinds kinds, law_count poses, pair_gap *gap);
 
 /* What the engine finds. */
 typedef struct patches {
