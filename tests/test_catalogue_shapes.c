@@ -7,6 +7,7 @@
 #include "trigonometry.h"
 
 #include <math.h>
+#include <stdio.h>
 
 static void build(const char *name, const char *const *settings, int count, pl_scene *scene)
 {

@@ -2,7 +2,7 @@
 # The engine gives the same bits under gcc and clang, -O0 and -O2, with and without wide instructions, and
 # at a second run: the whole way from scenario to poses is compiled by each and the hashes of all frames
 # compared.
-set -eu
+set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$SOURCE"
@@ -25,7 +25,7 @@ fi
 
 # build COMPILER LEVEL WIDE: the wide kernels have their own flags, as in engine/CMakeLists.txt.
 build() {
-    local file flags objects=() wide=
+    local file flags object objects=() commands=() wide=
     [[ $3 == wide ]] && wide="-DPE_SOFT_X86 -DPE_SWEEP_X86"
     for file in $sources; do
         flags=
@@ -34,13 +34,14 @@ build() {
         *kernel_8.c) flags=-mavx512f ;;
         esac
         [[ -n $flags && -z $wide ]] && continue
-        objects+=("$folder/$(tr / _ <<<"$file").o")
-        # shellcheck disable=SC2086
-        $1 -std=c17 $2 -ffp-contract=off -D_GNU_SOURCE -DPLUMB_VERSION='"test"' -w $includes $wide \
-            $flags $(pkg-config --cflags jansson) -c -o "${objects[-1]}" "$file"
+        object=$folder/$(tr / _ <<<"$file").o
+        objects+=("$object")
+        commands+=("$1 -std=c17 $2 -ffp-contract=off -D_GNU_SOURCE -DPLUMB_VERSION='\"test\"' -w \
+            ${includes//$'\n'/ } $wide $flags $(pkg-config --cflags jansson) -c -o '$object' '$file'")
     done
+    printf '%s\0' "${commands[@]}" | xargs -0 -P "$(nproc)" -I '{}' bash -c '{}'
     # shellcheck disable=SC2046
-    $1 -o "$folder/driver" "${objects[@]}" $(pkg-config --libs jansson) $amd -lm
+    $1 -o "$folder/driver" "${objects[@]}" $(pkg-config --libs jansson) $amd -lqhull_r -lm
 }
 
 machines=scalar

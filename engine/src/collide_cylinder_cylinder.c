@@ -220,33 +220,16 @@ static void add_sides(scene *s)
     }
 }
 
-/* Whether a point lies in the cap, seen along the direction. */
-static bool is_in_cap(const scene *s, const side *cap, pe_vec3 x)
-{
-    pe_vec3 from = pe_sub(pe_madd(x, to_cap(cap, x), cap->toward), cap->cap);
-    return pe_length(from) <= cap->c.radius + TIE * s->patch.size;
-}
-
 /* Adds the point that realises the gap if none of the others does. False where, for the bias
- * towards caps, it is not in the cap; then it is added `at_any_rate` only. */
+ * towards caps, it is not in both cylinders; then it is added `at_any_rate` only. */
 static bool add_nearest(scene *s, const pe_cylinder_gap *gap, bool at_any_rate)
 {
     if (pe_hit_list_has_nearest(&s->patch)) {
         return true;
     }
-    pe_vec3 x = gap->on_a;
-    const side *cap = gap->kind == PE_CAP_A ? &s->a : gap->kind == PE_CAP_B ? &s->b : NULL;
-    bool sound = cap == NULL || is_in_cap(s, cap, x);
-    if (!sound && at_any_rate) {
-        /* Caps that touch side by side, whose lowest points may be anywhere. */
-        const side *of = cap == &s->a ? &s->b : &s->a;
-        double unused;
-        pe_vec3 in = pe_outward(of->c.axis, pe_sub(cap->cap, of->cap), &unused);
-        x = pe_madd(of->cap, of->c.radius, in);
-        x = of == &s->a ? x : pe_madd(x, -gap->distance, s->patch.normal);
-    }
+    bool sound = gap->aside <= TIE * s->patch.size;
     if (sound || at_any_rate) {
-        x = pe_madd(x, gap->distance, s->patch.normal);
+        pe_vec3 x = pe_madd(gap->on_a, gap->distance, s->patch.normal);
         pe_hit_list_add(&s->patch, x, gap->distance, name(NEAREST, 0));
     }
     return sound;

@@ -20,11 +20,15 @@ typedef struct search {
     pe_cylinder_gap best;
 } search;
 
+static bool is_flat(const search *s)
+{
+    return s->best.kind == PE_CAP_A || s->best.kind == PE_CAP_B;
+}
+
 /* What another meeting must exceed to be the best. */
 static double to_beat(const search *s)
 {
-    bool flat = s->best.kind == PE_CAP_A || s->best.kind == PE_CAP_B;
-    return s->best.distance + (flat ? s->bias : s->rounding);
+    return s->best.distance + (is_flat(s) ? s->bias : s->rounding);
 }
 
 static void offer(search *s, double distance, pe_vec3 d, pe_cylinder_meeting kind)
@@ -113,8 +117,10 @@ static pe_vec3 gradient(const search *s, const view *v, double sign_a, double si
 }
 
 /* Newton's step on the sphere: solves (R_A/s_A p p^T + R_B/s_B q q^T + s I) x = g across d, where p
- * and q are the rims' tangents; s is raised where the matrix would not be positive definite. */
-static pe_vec3 newton_step(const search *s, const view *v, pe_vec3 g)
+ * and q are the rims' tangents. Either of its principal parts is at most `trust`, and as much
+ * uphill where the matrix is not positive. Near an axis, or where the rims are nearly tangent, the
+ * two curvatures differ by many powers of ten: the lesser comes from the product of both. */
+static pe_vec3 newton_step(const search *s, const view *v, pe_vec3 g, double trust, bool *is_cut)
 {
     pe_vec3 t1, t2;
     pe_tangents(v->d, &t1, &t2);
@@ -122,16 +128,23 @@ static pe_vec3 newton_step(const search *s, const view *v, pe_vec3 g)
     double ka = s->a->radius / v->sine_a, kb = s->b->radius / v->sine_b, along = pe_dot(g, v->d);
     double p1 = pe_dot(p, t1), p2 = pe_dot(p, t2), q1 = pe_dot(q, t1), q2 = pe_dot(q, t2);
     double m11 = ka * p1 * p1 + kb * q1 * q1, m12 = ka * p1 * p2 + kb * q1 * q2,
-           m22 = ka * p2 * p2 + kb * q2 * q2;
-    double middle = 0.5 * (m11 + m22), spread = 0.5 * (m11 - m22);
-    double lowest = middle - sqrt(spread * spread + m12 * m12);
-    bool definite = along + lowest > 1e-9 * (ka + kb);
-    double shift = along > 0 || definite ? along : 1e-3 * (ka + kb) - lowest;
-    m11 += shift;
-    m22 += shift;
-    double g1 = pe_dot(g, t1), g2 = pe_dot(g, t2), det = m11 * m22 - m12 * m12;
-    double x1 = (m22 * g1 - m12 * g2) / det, x2 = (m11 * g2 - m12 * g1) / det;
-    return pe_madd(pe_scale(x1, t1), x2, t2);
+           m22 = ka * p2 * p2 + kb * q2 * q2, area = p1 * q2 - p2 * q1;
+    double spread = 0.5 * (m11 - m22), root = sqrt(spread * spread + m12 * m12);
+    double most = 0.5 * (m11 + m22) + root;
+    pe_vec3 e1 = spread > 0 ? pe_madd(pe_scale(spread + root, t1), m12, t2)
+                            : pe_madd(pe_scale(m12, t1), root - spread, t2);
+    double length = pe_length(e1);
+    e1 = length > 0 ? pe_scale(1 / length, e1) : t1;
+    pe_vec3 e[2] = {e1, pe_cross(v->d, e1)}, step = pe_v3(0, 0, 0);
+    const double curvature[2] = {most + along, ka * kb * area * area / most + along};
+    *is_cut = false;
+    for (int k = 0; k < 2; ++k) {
+        double slope = pe_dot(g, e[k]);
+        bool cut = !(fabs(slope) <= trust * curvature[k]);
+        step = pe_madd(step, !cut ? slope / curvature[k] : slope < 0 ? -trust : trust, e[k]);
+        *is_cut = *is_cut || cut;
+    }
+    return step;
 }
 
 /* The side of a.d = 0 where d is; on it, that on which s may grow. */
@@ -152,45 +165,77 @@ static pe_vec3 moved(pe_vec3 d, double scale, pe_vec3 step)
     return pe_scale(1 / pe_length(next), next);
 }
 
-/* How often a climb may halve its steps. */
-enum { FEW = 40, MANY = 1000 };
+/* From an axis, where s has the shape of a cone's tip, the way in which it grows: some direction
+ * there that is better. d itself if it is not along an axis, or none is. */
+static pe_vec3 leave_axis(const search *s, pe_vec3 d)
+{
+    const double tip = 1e-12;
+    view v = look(s, d);
+    bool at_a = v.sine_a < tip, at_b = v.sine_b < tip;
+    if (!at_a && !at_b) {
+        return d;
+    }
+    pe_vec3 g = gradient_there(s, &v);
+    g = at_a ? pe_madd(g, s->a->radius, v.out_a) : g;
+    g = at_b ? pe_madd(g, s->b->radius, v.out_b) : g;
+    double length, fall = (at_a ? s->a->radius : 0) + (at_b ? s->b->radius : 0);
+    pe_vec3 uphill = pe_outward(d, g, &length);
+    if (!(length > fall)) {
+        return d;
+    }
+    double value = separation_along(s, d);
+    for (double scale = 0.5; scale > tip; scale *= 0.5) {
+        pe_vec3 next = moved(d, scale, uphill);
+        if (separation_along(s, next) > value) {
+            return next;
+        }
+    }
+    return d;
+}
+
+/* How often a climb may have to step back. */
+enum { FEW = 30, MANY = 100 };
 
 /* Climbs from d to a maximum of two rims: while the value grows, then, where that is a matter of
  * rounding, as long as steps shrink. Gives up farther than `reach` (rad) from the start, and
  * where steps must be cut short again and again: on a ridge, which is no maximum of two rims. */
-static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach, int most_halvings)
+static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach, int most_failures)
 {
-    enum { MOST = 100 };
+    enum { MOST = 200 };
     pe_vec3 start = d;
-    int halvings = 0;
-    double value = separation_along(s, d), last = 1e-5;
+    int failures = 0;
+    double value = separation_along(s, d), last = 1e-5, trust = 0.5;
+    double rounding = 1e-17 * (pe_length(s->offset) + s->a->radius + s->b->radius);
     for (int i = 0; i < MOST; ++i) {
         pe_vec3 away = pe_sub(d, start);
         view v = look(s, d);
-        pe_vec3 step = newton_step(s, &v, gradient_there(s, &v));
-        double size = pe_length(step), scale = size > 0.5 ? 0.5 / size : 1;
-        if (pe_dot(away, away) > reach * reach || size < 1e-16) {
+        double sine = pe_min(v.sine_a, v.sine_b);
+        if (pe_dot(away, away) > reach * reach || sine < 1e-15) {
             break;
         }
-        if (size < last) {
-            last = 0.5 * size;
+        pe_vec3 g = gradient_there(s, &v);
+        bool is_cut;
+        pe_vec3 step = newton_step(s, &v, g, trust, &is_cut);
+        double size = pe_length(step);
+        if (!is_cut && size < last * sine) {
             d = moved(d, 1, step);
             value = separation_along(s, d);
+            last = 0.5 * size / sine;
             continue;
         }
-        pe_vec3 next = moved(d, scale, step);
+        pe_vec3 next = moved(d, 1, step);
         double there = separation_along(s, next);
-        while (!(there > value) && halvings < most_halvings) {
-            halvings += 1;
-            scale *= 0.5;
-            next = moved(d, scale, step);
-            there = separation_along(s, next);
+        if (there > value) {
+            d = next;
+            value = there;
+            trust = is_cut ? pe_min(0.5, 2 * trust) : trust;
+            continue;
         }
-        if (!(there > value)) {
+        failures += 1;
+        trust = 0.25 * pe_min(trust, size);
+        if (failures > most_failures || trust * pe_dot(g, step) < rounding * size) {
             break;
         }
-        d = next;
-        value = there;
     }
     return (pe_cylinder_gap){.distance = value, .normal = d, .kind = PE_RIMS};
 }
@@ -199,14 +244,14 @@ static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach, int most_
  * direction that this leads to: then it is the one maximum. */
 static bool climb_apart(search *s)
 {
-    pe_cylinder_gap found = climb(s, s->best.normal, HUGE_VAL, MANY);
+    pe_cylinder_gap found = climb(s, leave_axis(s, s->best.normal), HUGE_VAL, MANY);
     view v = look(s, found.normal);
     pe_vec3 g = gradient_there(s, &v);
     double along = pe_dot(g, v.d);
-    if (pe_length(pe_madd(g, -along, v.d)) > 1e-12 * along) {
+    if (!(pe_length(pe_madd(g, -along, v.d)) <= 1e-12 * along)) {
         return false;
     }
-    s->best = found;
+    s->best = is_flat(s) && found.distance <= to_beat(s) ? s->best : found;
     return true;
 }
 
@@ -259,6 +304,13 @@ static bool may_hold(const search *s, pe_vec3 d, double cosine, double sine)
     return false;
 }
 
+/* Beside an axis cells are too coarse for maxima that nearly parallel axes may have there. */
+static void climb_from_axis(search *s, pe_vec3 axis)
+{
+    pe_cylinder_gap found = climb(s, leave_axis(s, along_offset(s, axis)), HUGE_VAL, MANY);
+    offer(s, found.distance, found.normal, PE_RIMS);
+}
+
 /* Looks for maxima of two rims over the half of the sphere along the offset. */
 static void test_rims(search *s, double limit)
 {
@@ -268,6 +320,8 @@ static void test_rims(search *s, double limit)
     for (int i = 0; i < 24; ++i) {
         cells[0][count++] = (cell){i / 4, i & 1 ? 0.5 : -0.5, i & 2 ? 0.5 : -0.5};
     }
+    climb_from_axis(s, s->a->axis);
+    climb_from_axis(s, s->b->axis);
     double reach = pe_length(s->offset), half = 0.5;
     for (int level = 0; level < LEVELS && count > 0; ++level, half *= 0.5) {
         /* A square of half width h is seen from the middle of the sphere within atan(sqrt(2) h). */
@@ -316,6 +370,14 @@ static pe_vec3 point_on_a(const pe_cylinder *a, const pe_cylinder *b, const pe_c
     return pe_madd(pe_madd(a->centre, z, a->axis), a->radius, d);
 }
 
+/* How far the point x is from a, or the one that it meets from b, in m. */
+static double off_both(const search *s, pe_vec3 x)
+{
+    pe_vec3 y = pe_madd(x, s->best.distance, s->best.normal);
+    double off_a = pe_length(pe_sub(pe_cylinder_nearest(s->a, x), x));
+    return pe_max(off_a, pe_length(pe_sub(pe_cylinder_nearest(s->b, y), y)));
+}
+
 /* Whether the best direction is proven to be the best of all. Its nearest points being in both
  * cylinders, it is if they are apart. Overlapping by f, either cylinder holds a ball that touches
  * its surface there; if their radii add up to f at least, the difference of the cylinders holds a
@@ -325,9 +387,7 @@ static bool is_proven(const search *s, double size)
     const pe_cylinder_gap *best = &s->best;
     double tie = 1e-12 * size;
     pe_vec3 x = point_on_a(s->a, s->b, best), y = pe_madd(x, best->distance, best->normal);
-    pe_vec3 off_a = pe_sub(pe_cylinder_nearest(s->a, x), x);
-    pe_vec3 off_b = pe_sub(pe_cylinder_nearest(s->b, y), y);
-    if (pe_dot(off_a, off_a) > tie * tie || pe_dot(off_b, off_b) > tie * tie) {
+    if (off_both(s, x) > tie) {
         return false;
     }
     return best->distance >= 0 ||
@@ -336,14 +396,65 @@ static bool is_proven(const search *s, double size)
                -best->distance;
 }
 
+/* Moves x towards the points where a meets b once that is moved back by the gap: each cylinder's
+ * nearest point to the other's in turn. Returns how far it still is outside b, in m. */
+static double meet(const search *s, double enough, pe_vec3 *x)
+{
+    enum { MOST = 40 };
+    pe_vec3 gap = pe_scale(s->best.distance, s->best.normal), on_b = *x;
+    double aside = HUGE_VAL;
+    for (int i = 0; i < MOST && aside > enough; ++i) {
+        *x = pe_cylinder_nearest(s->a, on_b);
+        on_b = pe_sub(pe_cylinder_nearest(s->b, pe_add(*x, gap)), gap);
+        aside = pe_length(pe_sub(on_b, *x));
+    }
+    return aside;
+}
+
+/* The middle of the cap that is farther along d. */
+static pe_vec3 cap_along(const pe_cylinder *c, pe_vec3 d)
+{
+    double height = pe_dot(d, c->axis) < 0 ? -c->half_height : c->half_height;
+    return pe_madd(c->centre, height, c->axis);
+}
+
+/* Where the direction is along an axis, but for rounding, a whole cap is nearest, and what it
+ * suggests may be anywhere on it: then the way from the middle of either cap is shorter. */
+static void find_point(search *s, double size)
+{
+    pe_cylinder_gap *best = &s->best;
+    pe_vec3 d = best->normal;
+    const pe_vec3 starts[3] = {
+        point_on_a(s->a, s->b, best),
+        pe_madd(cap_along(s->b, pe_scale(-1, d)), -best->distance, d),
+        cap_along(s->a, d),
+    };
+    double enough = 1e-12 * size;
+    if (is_flat(s) && s->bias > 0) {
+        /* The cap is kept for its bias only where it is what is suggested that it meets. */
+        best->on_a = starts[0];
+        best->aside = off_both(s, starts[0]);
+        return;
+    }
+    best->aside = HUGE_VAL;
+    for (int i = 0; i < 3 && best->aside > enough; ++i) {
+        pe_vec3 x = starts[i];
+        double aside = meet(s, enough, &x);
+        if (aside < best->aside) {
+            best->aside = aside;
+            best->on_a = x;
+        }
+    }
+}
+
 /* Near where one meeting turns into another both are as good to rounding, with directions that are
  * only as exact as the root of that. Of cylinders that are apart nearest points give all digits. */
 static void settle(search *s, double size)
 {
     enum { MOST = 100 };
     pe_cylinder_gap *best = &s->best;
-    best->on_a = point_on_a(s->a, s->b, best);
-    if (best->distance < 1e-4 * size || best->kind == PE_CAP_A || best->kind == PE_CAP_B) {
+    find_point(s, size);
+    if (best->distance < 1e-4 * size || is_flat(s)) {
         return;
     }
     pe_vec3 on_a = best->on_a;

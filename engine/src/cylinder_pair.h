@@ -17,9 +17,8 @@ typedef struct pe_cylinder_gap {
     double distance; /* m; negative when they overlap */
     pe_vec3 normal;  /* unit, from a to b */
     pe_cylinder_meeting kind;
-    /* The point of a's surface that realises the gap; where there are many, any one, but along a
-     * cap it may lie outside of it by what the bias allows. */
-    pe_vec3 on_a;
+    pe_vec3 on_a; /* the point of a that realises the gap; where there are many, any one */
+    double aside; /* m: that what it meets is beside b, for the bias, or for rounding */
 } pe_cylinder_gap;
 
 /* The gap of two cylinders in the same axes. A cap is left only for a meeting named later above

@@ -68,6 +68,8 @@ int main(void)
     const char *const tower[] = {"n=5", "offset=0.05"};
     const char *const wall[] = {"rows=4", "columns=4"};
     const char *const collapse[] = {"rows=6", "columns=8"};
+    const char *const pile[] = {"n=30", "shape=4"};
+    const char *const prism[] = {"shape=2"};
     int failed = 0;
     for (int profile = 0; profile < pl_engine_plumb()->profile_count; ++profile) {
         failed |= run("tower", profile, tower, 2, 60);
@@ -75,6 +77,9 @@ int main(void)
         failed |= run("slope-slide", profile, NULL, 0, 60);
         failed |= run("wall", profile, wall, 2, 20);
         failed |= run("wall-collapse", profile, collapse, 2, 40);
+        failed |= run("pile", profile, pile, 2, 60);
+        failed |= run("roll-slope", profile, prism, 1, 40);
+        failed |= run("linked-rings", profile, NULL, 0, 20);
     }
     return failed;
 }
