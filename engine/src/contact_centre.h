@@ -2,9 +2,9 @@
  *
  * The points of a manifold hold what is near by velocities, to first order. A plate that meets a
  * wall with its edge at 200 m/s is stopped at that edge, and turns about it by radians within the
- * step: its centre flies on, and passes the wall. So where two convex bodies may approach each other
- * by more than half the radius of the smaller, its centre is held too: it may come no further than
- * the plane of the contact. */
+ * step: its centre flies on, and passes the wall. So where two convex bodies may approach each
+ * other by more than half the radius of the smaller, its centre is held too: it may come no further
+ * than the plane of the contact. */
 #ifndef PE_CONTACT_CENTRE_H
 #define PE_CONTACT_CENTRE_H
 
