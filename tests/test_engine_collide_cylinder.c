@@ -2,7 +2,10 @@
  * cylinders that stand, spin, roll and lie on each other. */
 #include "check.h"
 #include "collide_convex.h"
+#include "convex_truth.h"
 #include "shape.h"
+
+#include <string.h>
 
 typedef struct body {
     pe_shape shape;
@@ -409,6 +412,207 @@ static void test_overhanging_cap_has_the_crossings_of_rim_and_edge(void **state)
     assert_int_equal(crossings, 2);
 }
 
+/* How far a point is outside a cylinder or a box. */
+static double outside(const body *b, pe_vec3 x)
+{
+    pe_vec3 p = pe_unrotate(&b->pose.rotation, pe_sub(x, b->pose.position));
+    const pe_shape *s = &b->shape;
+    if (s->kind == PE_SHAPE_BOX) {
+        pe_vec3 e = s->half_extents;
+        return pe_max(0, pe_max(fabs(p.x) - e.x, pe_max(fabs(p.y) - e.y, fabs(p.z) - e.z)));
+    }
+    double past = sqrt(p.x * p.x + p.y * p.y) - s->radius, over = fabs(p.z) - s->half_height;
+    return pe_max(0, pe_max(past, over));
+}
+
+/* Each point, half a separation along the normal, is in either shape. */
+static void check_points_are_in_both(const body *a, const body *b, const pe_hits *hits)
+{
+    double size = pe_min(of(a).size, of(b).size);
+    assert_true(hits->count > 0);
+    for (int i = 0; i < hits->count; ++i) {
+        double half = 0.5 * hits->item[i].separation;
+        assert_at_most(outside(a, pe_madd(hits->item[i].position, -half, hits->normal)),
+                       1e-8 * size);
+        assert_at_most(outside(b, pe_madd(hits->item[i].position, half, hits->normal)),
+                       1e-8 * size);
+    }
+}
+
+/* Turns both about the origin. */
+static void turn_both(body *a, body *b, check_random *random)
+{
+    double q[4];
+    check_quaternion(random, q);
+    pe_quat turn = pe_quat_unit((pe_quat){q[0], q[1], q[2], q[3]});
+    pe_mat3 matrix = pe_matrix_of(turn);
+    body *both[2] = {a, b};
+    for (int i = 0; i < 2; ++i) {
+        place(both[i], pe_rotate(&matrix, both[i]->pose.position),
+              pe_quat_product(turn, both[i]->pose.orientation));
+    }
+}
+
+/* A number from 1e-10 to 1, whose logarithm is even. */
+static double of_any_order(check_random *random)
+{
+    return pow(10, check_uniform(random, -10, 0));
+}
+
+/* Cylinders end to end, with axes that are parallel but for a tilt of 1e-1 down to 1e-10, whose
+ * rims, seen along them, touch or nearly do: there are the maxima of two rims within the tilt of an
+ * axis, and ridges along which the separation hardly changes. */
+static void test_nearly_tangent_rims_of_nearly_parallel_cylinders_equal_the_truth(void **state)
+{
+    (void)state;
+    enum { POSES = 600 };
+    check_random random = {11};
+    int proven = 0;
+    for (int i = 0; i < POSES; ++i) {
+        body a = cylinder(check_uniform(&random, 0.1, 1), check_uniform(&random, 0.1, 1));
+        body b = cylinder(check_uniform(&random, 0.01, 1), check_uniform(&random, 0.1, 1));
+        double size = pe_min(of(&a).size, of(&b).size), ra = a.shape.radius, rb = b.shape.radius;
+        double aside = i % 2 == 0 ? ra + rb : fabs(ra - rb);
+        aside += of_any_order(&random) * size * (i % 3 - 1);
+        double gap = of_any_order(&random) * size * (i % 5 - 2);
+        double tilt = of_any_order(&random), way = check_uniform(&random, 0, 6.28);
+        place(&b, pe_v3(aside, 0, a.shape.half_height + b.shape.half_height + gap),
+              about(pe_v3(cos(way), sin(way), 0), tilt));
+        turn_both(&a, &b, &random);
+        pe_hits hits;
+        collide_convex(of(&a), of(&b), 10, &hits);
+        truth_difference difference =
+            truth_subtract((truth_solid){.shape = &a.shape, .pose = &a.pose},
+                           (truth_solid){.shape = &b.shape, .pose = &b.pose});
+        truth_distance truth = truth_signed_distance(&difference, 1e-10 * size);
+        assert_at_most(truth.low - 1e-9 * size, least_separation(&hits));
+        assert_at_most(least_separation(&hits), truth.high + 1e-9 * size);
+        assert_close(separation_along(&a, &b, hits.normal), least_separation(&hits), 1e-9 * size,
+                     0);
+        check_points_are_in_both(&a, &b, &hits);
+        proven += truth.high - truth.low < 1e-9 * size;
+    }
+    assert_true(proven > POSES / 2);
+}
+
+/* A cap whose rim comes down on the edge of another cylinder, so that all of the cap is as far
+ * along the normal as the one point where they meet. */
+static void test_side_that_touches_a_cap_at_one_point_of_its_rim_has_that_point(void **state)
+{
+    (void)state;
+    check_random random = {12};
+    for (int i = 0; i < 1000; ++i) {
+        body a = cylinder(check_uniform(&random, 0.1, 1), check_uniform(&random, 0.1, 1));
+        body b = cylinder(check_uniform(&random, 0.1, 1), check_uniform(&random, 0.1, 1));
+        pe_quat lying = about(pe_v3(1, 0, 0), 1.5707963267948966);
+        place(&b,
+              pe_v3(0, a.shape.radius + b.shape.half_height, a.shape.half_height + b.shape.radius),
+              lying);
+        turn_both(&a, &b, &random);
+        pe_hits hits;
+        collide_convex(of(&a), of(&b), 1e-2, &hits);
+        assert_close(least_separation(&hits), 0, 1e-14, 0);
+        check_points_are_in_both(&a, &b, &hits);
+    }
+}
+
+/* A prism along z, of a convex outline counter-clockwise. */
+static pe_geometry *make_prism(const double (*outline)[2], int count, double half_height)
+{
+    enum { MOST = 6 };
+    pe_vec3 vertices[2 * MOST];
+    uint32_t triangles[4 * MOST][3], n = (uint32_t)count, triangle_count = 0;
+    for (uint32_t i = 0; i < n; ++i) {
+        vertices[i] = pe_v3(outline[i][0], outline[i][1], -half_height);
+        vertices[n + i] = pe_v3(outline[i][0], outline[i][1], half_height);
+        uint32_t next = (i + 1) % n;
+        const uint32_t of_corner[4][3] = {
+            {i, next, n + next}, {i, n + next, n + i}, {0, next, i}, {n, n + i, n + next}};
+        for (int k = 0; k < (i > 0 && next > 0 ? 4 : 2); ++k, ++triangle_count) {
+            memcpy(triangles[triangle_count], of_corner[k], sizeof of_corner[k]);
+        }
+    }
+    const pe_geometry_def def = {vertices, (const uint32_t(*)[3])triangles, (int)(2 * n),
+                                 (int)triangle_count, true};
+    pe_allocator allocator = pe_allocator_default();
+    pe_geometry *geometry;
+    assert_int_equal(pe_geometry_make(&def, &allocator, &geometry, NULL), PE_OK);
+    return geometry;
+}
+
+/* Puts a hull so that the axes it was given in are the world's. */
+static body hull_of(const pe_geometry *geometry)
+{
+    body b = {.shape = {.kind = PE_SHAPE_HULL}};
+    place(&b, geometry->frame.centre, geometry->frame.orientation);
+    return b;
+}
+
+/* The edge and the line on the side meet in their ends only; the other end of the edge is as near
+ * to the axis. */
+static void test_edge_in_line_with_a_side_touches_it_at_the_end_they_share(void **state)
+{
+    (void)state;
+    static const double hexagon[6][2] = {{1, 0},  {0.5, 0.4},   {-0.5, 0.4},
+                                         {-1, 0}, {-0.5, -0.4}, {0.5, -0.4}};
+    pe_geometry *geometry = make_prism(hexagon, 6, 0.2);
+    check_random random = {13};
+    for (int i = 0; i < 1000; ++i) {
+        body hull = hull_of(geometry);
+        body b = cylinder(check_uniform(&random, 0.1, 1), check_uniform(&random, 0.1, 0.3));
+        double way = i % 2 == 0 ? 1 : -1, aside = b.shape.radius * sqrt(0.5);
+        pe_vec3 end = pe_v3(way * 0.5, 0.4, 0.2);
+        pe_vec3 centre = pe_add(end, pe_v3(way * b.shape.half_height, aside, aside));
+        place(&b, pe_add(centre, random_vector(&random, 4e-16)),
+              about(pe_v3(0, 1, 0), 1.5707963267948966));
+        pe_hits hits;
+        collide_convex((pe_placed){&hull.shape, geometry, &hull.pose, geometry->size}, of(&b), 1e-2,
+                       &hits);
+        assert_true(hits.count > 0);
+        for (int k = 0; k < hits.count; ++k) {
+            assert_close(hits.item[k].separation, 0, 1e-14, 0);
+            assert_at_most(pe_length(pe_sub(hits.item[k].position, end)), 1e-8);
+        }
+    }
+    pe_allocator allocator = pe_allocator_default();
+    pe_geometry_free(geometry, &allocator);
+}
+
+/* A point of the rim falls on a sharp corner of the face. */
+static void test_cap_with_a_corner_on_its_rim_keeps_its_features_while_it_sways(void **state)
+{
+    (void)state;
+    static const double wedge[3][2] = {{0.6, 0}, {-0.3, 0.2}, {-0.3, -0.2}};
+    pe_geometry *geometry = make_prism(wedge, 3, 0.2);
+    body hull = hull_of(geometry);
+    check_random random = {14};
+    pe_vec3 across[2];
+    pe_tangents(pe_unrotate(&hull.pose.rotation, pe_v3(0, 0, 1)), &across[0], &across[1]);
+    for (int way = 0; way < 4; ++way) {
+        pe_vec3 arm =
+            pe_scale(way < 2 ? 0.5 : -0.5, pe_rotate(&hull.pose.rotation, across[way % 2]));
+        if (arm.x < -0.4) {
+            continue; /* the cap is beside the face */
+        }
+        pe_hits first = {0}, hits;
+        for (int i = 0; i < 300; ++i) {
+            body b = cylinder(0.5, 0.4);
+            pe_vec3 sway = i == 0 ? pe_v3(0, 0, 0) : random_vector(&random, 2e-10);
+            place(&b, pe_add(pe_sub(pe_v3(0.6, 0, 0.6), arm), sway),
+                  (pe_quat){1, 0.2 * sway.y, 0.2 * sway.z, 0});
+            collide_convex((pe_placed){&hull.shape, geometry, &hull.pose, geometry->size}, of(&b),
+                           1e-2, &hits);
+            first = i == 0 ? hits : first;
+            assert_int_equal(hits.count, first.count);
+            for (int k = 0; k < hits.count; ++k) {
+                assert_true(has_feature(&first, hits.item[k].feature));
+            }
+        }
+    }
+    pe_allocator allocator = pe_allocator_default();
+    pe_geometry_free(geometry, &allocator);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -424,6 +628,10 @@ int main(void)
         cmocka_unit_test(test_rolling_cylinder_touches_at_the_ends_of_the_line_below_its_axis),
         cmocka_unit_test(test_cap_wider_than_a_box_stands_on_the_corners),
         cmocka_unit_test(test_overhanging_cap_has_the_crossings_of_rim_and_edge),
+        cmocka_unit_test(test_nearly_tangent_rims_of_nearly_parallel_cylinders_equal_the_truth),
+        cmocka_unit_test(test_side_that_touches_a_cap_at_one_point_of_its_rim_has_that_point),
+        cmocka_unit_test(test_edge_in_line_with_a_side_touches_it_at_the_end_they_share),
+        cmocka_unit_test(test_cap_with_a_corner_on_its_rim_keeps_its_features_while_it_sways),
     };
     return cmocka_run_group_tests_name("engine_collide_cylinder", tests, NULL, NULL);
 }

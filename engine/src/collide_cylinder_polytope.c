@@ -363,6 +363,23 @@ static void add_edge_along_side(scene *s)
     }
 }
 
+/* Of the corners that are as near as the one at the vertex, that whose opposite point is in the
+ * cylinder, or least outside. */
+static pe_vec3 corner_below(const scene *s, const pe_polytope *p, int vertex)
+{
+    pe_vec3 best = p->vertices[vertex];
+    double height = pe_dot(s->d, best) - TIE * s->patch.size, least = HUGE_VAL;
+    for (int i = 0; i < p->vertex_count && least > 0; ++i) {
+        pe_vec3 v = p->vertices[i], x = pe_madd(v, s->gap, s->d);
+        double outside = pe_length(pe_sub(pe_cylinder_nearest(s->c, x), x));
+        if (pe_dot(s->d, v) >= height && outside < least) {
+            least = outside;
+            best = v;
+        }
+    }
+    return best;
+}
+
 /* The point of the cylinder that realises the gap. False where, for the bias towards caps and faces
  * or because many corners are as near, it is not in both shapes. */
 static bool nearest_point(const scene *s, const pe_meeting_gap *gap, pe_vec3 *x)
@@ -382,7 +399,7 @@ static bool nearest_point(const scene *s, const pe_meeting_gap *gap, pe_vec3 *x)
         beside(s, v, step, end);
         v = pe_madd(v, pe_max(end[0], pe_min(end[1], place)), step);
     } else {
-        v = p->vertices[gap->index];
+        v = corner_below(s, p, gap->index);
     }
     *x = pe_madd(v, gap->distance, s->d);
     pe_vec3 out = pe_across(c->axis, pe_sub(*x, c->centre));
@@ -396,11 +413,12 @@ static bool add_points(scene *s, const pe_meeting_gap *gap, bool at_any_rate)
     if (s->cap) {
         double height = s->rise > 0 ? -c->half_height : c->half_height;
         pe_vec3 middle = pe_madd(c->centre, height, c->axis);
-        if (s->facing.face != NULL) {
-            add_rim(s, middle);
-        }
+        /* Corners first: a point of the rim that falls on one comes and goes. */
         if (s->facing.count > 0) {
             add_bounds(s, middle);
+        }
+        if (s->facing.face != NULL) {
+            add_rim(s, middle);
         }
     } else if (s->facing.face != NULL) {
         add_line(s);

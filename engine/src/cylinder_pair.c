@@ -194,7 +194,7 @@ static pe_vec3 leave_axis(const search *s, pe_vec3 d)
 }
 
 /* How often a climb may have to step back. */
-enum { FEW = 30, MANY = 100 };
+enum { FEW = 10, MANY = 60 };
 
 /* Climbs from d to a maximum of two rims: while the value grows, then, where that is a matter of
  * rounding, as long as steps shrink. Gives up farther than `reach` (rad) from the start, and
@@ -204,38 +204,36 @@ static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach, int most_
     enum { MOST = 200 };
     pe_vec3 start = d;
     int failures = 0;
-    double value = separation_along(s, d), last = 1e-5, trust = 0.5;
-    double rounding = 1e-17 * (pe_length(s->offset) + s->a->radius + s->b->radius);
+    double value = separation_along(s, d), last = HUGE_VAL, trust = 0.5;
+    double rounding = 1e-16 * (pe_length(s->offset) + s->a->radius + s->b->radius);
+    view v = look(s, d);
+    pe_vec3 g = gradient_there(s, &v);
     for (int i = 0; i < MOST; ++i) {
         pe_vec3 away = pe_sub(d, start);
-        view v = look(s, d);
         double sine = pe_min(v.sine_a, v.sine_b);
         if (pe_dot(away, away) > reach * reach || sine < 1e-15) {
             break;
         }
-        pe_vec3 g = gradient_there(s, &v);
         bool is_cut;
-        pe_vec3 step = newton_step(s, &v, g, trust, &is_cut);
-        double size = pe_length(step);
-        if (!is_cut && size < last * sine) {
-            d = moved(d, 1, step);
-            value = separation_along(s, d);
-            last = 0.5 * size / sine;
-            continue;
-        }
-        pe_vec3 next = moved(d, 1, step);
-        double there = separation_along(s, next);
-        if (there > value) {
-            d = next;
-            value = there;
+        pe_vec3 step = newton_step(s, &v, g, trust, &is_cut), next = moved(d, 1, step);
+        double size = pe_length(step), there = separation_along(s, next);
+        bool is_last = size < 1e-5 * sine || pe_dot(g, step) < rounding;
+        if (!is_cut && is_last && size < last) {
+            last = 0.5 * size;
+        } else if (there > value) {
             trust = is_cut ? pe_min(0.5, 2 * trust) : trust;
+        } else {
+            failures += 1;
+            trust = 0.25 * pe_min(trust, size);
+            if (failures > most_failures || trust * pe_dot(g, step) < 0.1 * rounding * size) {
+                break;
+            }
             continue;
         }
-        failures += 1;
-        trust = 0.25 * pe_min(trust, size);
-        if (failures > most_failures || trust * pe_dot(g, step) < rounding * size) {
-            break;
-        }
+        d = next;
+        value = there;
+        v = look(s, d);
+        g = gradient_there(s, &v);
     }
     return (pe_cylinder_gap){.distance = value, .normal = d, .kind = PE_RIMS};
 }
