@@ -139,8 +139,13 @@ static void test_a_pile_of_every_shape_holds(void **state)
     (void)state;
     const char *const settings[] = {"shape=4", "n=60", "duration=3", NULL};
     json_t *result = run("pile", "plumb:accurate", settings);
-    int violations = violated(result, "pile", "penetration_max", 2e-2) +
+    int violations = violated(result, "pile", "penetration_rest", 5e-4) +
                      violated(result, "pile", "energy_step_gain", 1e-8);
+    double p95 = metric_percentile(result, "penetration_max", "p95");
+    if (!(p95 <= 3e-4)) {
+        print_error("pile: 95 %% of the overlaps are below %g, at most 3e-4 is due\n", p95);
+        violations += 1;
+    }
     json_decref(result);
     assert_int_equal(violations, 0);
 }

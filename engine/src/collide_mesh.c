@@ -95,6 +95,29 @@ static bool nested(const pe_solid_pair *pair)
     return pair->b.volume < pair->a.volume && holds(&pair->a, pe_add(b, pair->swapped.offset));
 }
 
+/* The least gap of a touch that is no overlap; HUGE_VAL: none. */
+static double least_gap(const pe_solid_pair *pair, const pe_touches *list)
+{
+    double least = HUGE_VAL;
+    for (int i = 0; i < list->count; ++i) {
+        double height = list->items[i].separation + pair->radius;
+        least = height >= -pair->slack ? pe_min(least, pe_max(0, height)) : least;
+    }
+    return least;
+}
+
+/* Between solids that turned out to be apart, what seems to overlap is on another's far side. */
+static void drop_overlaps(const pe_solid_pair *pair, pe_touches *list)
+{
+    int kept = 0;
+    for (int i = 0; i < list->count; ++i) {
+        if (list->items[i].separation + pair->radius >= -pair->slack) {
+            list->items[kept++] = list->items[i];
+        }
+    }
+    list->count = kept;
+}
+
 static int collide_solids(pe_solid_pair *pair, const pe_pose *pose, double margin,
                           pe_workspace work, pe_hits *patches)
 {
@@ -102,7 +125,7 @@ static int collide_solids(pe_solid_pair *pair, const pe_pose *pose, double margi
     if (!pe_solid_pair_part(pair, wanted + pair->slack)) {
         return 0;
     }
-    if (!pe_solid_pair_gather(pair, look, work)) {
+    if (!pe_solid_pair_gather(pair, pe_max(look, pair->depth), work)) {
         return -1;
     }
     /* What is found first bounds the search for the nearest points. */
@@ -110,28 +133,29 @@ static int collide_solids(pe_solid_pair *pair, const pe_pose *pose, double margi
     double bound = wanted + pair->slack;
     bool first = look <= pair->band;
     if (first) {
-        pe_touches_find(pair, look, 0, &list);
-        double least = pe_touches_least(&list) + pair->radius;
-        bound = pe_min(bound, pe_max(0, least) + pair->slack);
+        pe_touches_find(pair, look, pair->depth, &list);
+        bound = pe_min(bound, least_gap(pair, &list) + pair->slack);
     }
     pe_nearest nearest = pe_solids_nearest(pair, bound);
-    if (!nearest.found && list.count == 0) {
-        if (!nested(pair)) {
-            return list.failed ? -1 : 0;
-        }
+    bool wholly = !nearest.found && pair->depth > 2 * pair->slack && nested(pair);
+    if (wholly) {
         pair->near_a = NULL;
         nearest = pe_solids_nearest(pair, HUGE_VAL);
         nearest.inside = true;
+    } else if (!nearest.found && least_gap(pair, &list) == HUGE_VAL) {
+        return list.failed ? -1 : 0;
     }
     bool overlap = nearest.cross || nearest.inside;
-    double from = nearest.cross ? 0 : nearest.distance;
-    double reach = pe_min(look, from + pair->band), depth = overlap ? pair->depth : 0;
-    if (overlap || !first) {
-        if (pair->near_a != NULL && depth > look && !pe_solid_pair_gather(pair, depth, work)) {
+    double from = nearest.cross ? 0 : nearest.distance, depth = overlap ? pair->depth : 0;
+    double reach = pe_min(look, from + pair->band);
+    if (wholly || !first) {
+        if (!wholly && !pe_solid_pair_gather(pair, pe_max(reach, depth), work)) {
             return -1;
         }
         list.count = 0;
         pe_touches_find(pair, reach, depth, &list);
+    } else if (!overlap) {
+        drop_overlaps(pair, &list);
     }
     if (overlap) {
         pe_touches_find_deep(pair, depth, nearest.inside, &list);

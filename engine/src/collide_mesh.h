@@ -33,6 +33,13 @@ typedef struct pe_small_solid {
 
 struct pe_facet;
 
+/* A ball that holds a facet, and how far the facet reaches towards the other solid, along `parting`
+ * of the pair's trees. */
+typedef struct pe_facet_ball {
+    pe_vec3 centre;
+    double radius, along;
+} pe_facet_ball;
+
 typedef struct pe_solid_pair {
     pe_solid a, b;
     pe_bvh_pair trees;                /* with the pose of a in b's axes */
@@ -43,6 +50,7 @@ typedef struct pe_solid_pair {
     double band;                      /* m, see PE_BAND */
     double depth;                     /* m, see PE_DEPTH */
     struct pe_facet *near_a, *near_b; /* see pe_solid_pair_gather; NULL: not gathered */
+    pe_facet_ball *balls_a, *balls_b;
     int near_count_a, near_count_b;
     pe_small_solid small;
 } pe_solid_pair;
@@ -81,9 +89,6 @@ typedef struct pe_ridge {
 
 /* A triangle in b's axes. Of a core: all but the corners is zero. */
 typedef struct pe_facet {
-    pe_vec3 centre; /* of a ball that holds it */
-    double radius;
-    double along; /* where gathered: how far it reaches towards the other solid, along `parting` */
     pe_vec3 x[3], normal;
     double offset; /* n.x = offset in the plane */
     const int *vertices, *edges;

@@ -39,6 +39,11 @@ static pe_vec3 nearest_point(const pe_facet *facet, pe_vec3 x)
  * along the line to it has the sign right. */
 bool pe_solid_holds(const pe_solid *solid, pe_vec3 x)
 {
+    const pe_node *root = &solid->nodes[0];
+    pe_vec3 in = pe_rotate(&root->axes, pe_sub(x, root->centre));
+    if (fabs(in.x) > root->half.x || fabs(in.y) > root->half.y || fabs(in.z) > root->half.z) {
+        return false;
+    }
     pe_node point = pe_box_node(x, pe_v3(0, 0, 0));
     pe_bvh_pair trees = around(&point, solid);
     pe_bvh_walk walk;

@@ -3,7 +3,7 @@
 #include "collide_mesh.h"
 
 /* Leaves of one solid at most, to be gathered. */
-enum { MOST_LEAVES = 32 };
+enum { MOST_LEAVES = 64 };
 
 static int triangles_in(const pe_node *nodes, const int *leaves, int count)
 {
@@ -14,10 +14,18 @@ static int triangles_in(const pe_node *nodes, const int *leaves, int count)
     return sum;
 }
 
-static double farthest_along(const pe_facet *facet, pe_vec3 n)
+/* `sign`: 1 of a, -1 of b. */
+static pe_facet_ball ball_of(const pe_facet *facet, pe_vec3 parting, double sign)
 {
     const pe_vec3 *x = facet->x;
-    return pe_max(pe_dot(n, x[0]), pe_max(pe_dot(n, x[1]), pe_dot(n, x[2])));
+    pe_vec3 c = pe_scale(1.0 / 3, pe_add(x[0], pe_add(x[1], x[2])));
+    double square = 0, along = -HUGE_VAL;
+    for (int k = 0; k < 3; ++k) {
+        pe_vec3 d = pe_sub(x[k], c);
+        square = pe_max(square, pe_dot(d, d));
+        along = pe_max(along, sign * pe_dot(parting, x[k]));
+    }
+    return (pe_facet_ball){c, sqrt(square), sign * along};
 }
 
 bool pe_solid_pair_gather(pe_solid_pair *pair, double limit, pe_workspace work)
@@ -34,32 +42,34 @@ bool pe_solid_pair_gather(pe_solid_pair *pair, double limit, pe_workspace work)
     pair->near_count_b = triangles_in(pair->b.nodes, leaves_b, count_b);
     pe_facet *a = pe_take(work, (size_t)pair->near_count_a + 1, sizeof *a);
     pe_facet *b = pe_take(work, (size_t)pair->near_count_b + 1, sizeof *b);
-    if (a == NULL || b == NULL) {
+    pair->balls_a = pe_take(work, (size_t)pair->near_count_a + 1, sizeof *pair->balls_a);
+    pair->balls_b = pe_take(work, (size_t)pair->near_count_b + 1, sizeof *pair->balls_b);
+    if (a == NULL || b == NULL || pair->balls_a == NULL || pair->balls_b == NULL) {
         return false;
     }
     pe_vec3 n = pair->trees.parting;
     pair->near_a = a;
     pair->near_b = b;
+    pe_facet_ball *ball = pair->balls_a;
     for (int i = 0; i < count_a; ++i) {
         const pe_node *leaf = &pair->a.nodes[leaves_a[i]];
         for (int k = 0; k < leaf->count; ++k) {
             pe_facet_of_a(pair, leaf->first + k, a);
-            a->along = farthest_along(a, n);
-            ++a;
+            *ball++ = ball_of(a++, n, 1);
         }
     }
+    ball = pair->balls_b;
     for (int i = 0; i < count_b; ++i) {
         const pe_node *leaf = &pair->b.nodes[leaves_b[i]];
         for (int k = 0; k < leaf->count; ++k) {
             pe_solid_facet(&pair->b, leaf->first + k, b);
-            b->along = -farthest_along(b, pe_scale(-1, n));
-            ++b;
+            *ball++ = ball_of(b++, n, -1);
         }
     }
     return true;
 }
 
-static bool are_near(const pe_facet *a, const pe_facet *b, double bound)
+static bool are_near(const pe_facet_ball *a, const pe_facet_ball *b, double bound)
 {
     pe_vec3 d = pe_sub(a->centre, b->centre);
     double reach = a->radius + b->radius + bound;
@@ -78,7 +88,7 @@ static void walk_trees(const pe_solid_pair *pair, const double *bound, pe_take_f
             pe_facet_of_a(pair, leaf_a->first + i, &a);
             for (int j = 0; j < leaf_b->count; ++j) {
                 pe_solid_facet(&pair->b, leaf_b->first + j, &b);
-                if (are_near(&a, &b, *bound) && !take(context, &a, &b)) {
+                if (!take(context, &a, &b)) {
                     return;
                 }
             }
@@ -94,9 +104,11 @@ void pe_near_facets(const pe_solid_pair *pair, const double *bound, pe_take_face
         return;
     }
     for (int i = 0; i < pair->near_count_a; ++i) {
+        const pe_facet_ball *a = &pair->balls_a[i];
         for (int j = 0; j < pair->near_count_b; ++j) {
-            pe_facet *a = &pair->near_a[i], *b = &pair->near_b[j];
-            if (b->along - a->along <= *bound && are_near(a, b, *bound) && !take(context, a, b)) {
+            const pe_facet_ball *b = &pair->balls_b[j];
+            if (b->along - a->along <= *bound && are_near(a, b, *bound) &&
+                !take(context, &pair->near_a[i], &pair->near_b[j])) {
                 return;
             }
         }

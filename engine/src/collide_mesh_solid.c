@@ -180,19 +180,6 @@ void pe_solid_pair_make(pe_placed a, pe_placed b, pe_solid_pair *pair)
     pair->swapped = pe_bvh_pair_between(pair->b.nodes, b.pose, pair->a.nodes, a.pose);
 }
 
-static void find_ball(pe_facet *facet)
-{
-    const pe_vec3 *x = facet->x;
-    pe_vec3 c = pe_scale(1.0 / 3, pe_add(x[0], pe_add(x[1], x[2])));
-    double r2 = 0;
-    for (int k = 0; k < 3; ++k) {
-        pe_vec3 d = pe_sub(x[k], c);
-        r2 = pe_max(r2, pe_dot(d, d));
-    }
-    facet->centre = c;
-    facet->radius = sqrt(r2);
-}
-
 void pe_solid_facet(const pe_solid *solid, int triangle, pe_facet *facet)
 {
     facet->vertices = solid->triangles[triangle];
@@ -205,7 +192,6 @@ void pe_solid_facet(const pe_solid *solid, int triangle, pe_facet *facet)
     facet->normal = facet->face >= 0 ? solid->faces[facet->face].normal : pe_v3(0, 0, 0);
     facet->offset = facet->face >= 0 ? solid->faces[facet->face].offset : 0;
     facet->ridge_count = -1;
-    find_ball(facet);
 }
 
 void pe_facet_of_a(const pe_solid_pair *pair, int triangle, pe_facet *facet)
@@ -215,7 +201,6 @@ void pe_facet_of_a(const pe_solid_pair *pair, int triangle, pe_facet *facet)
     for (int k = 0; k < 3; ++k) {
         facet->x[k] = pe_add(pe_rotate(&seen->turn, facet->x[k]), seen->offset);
     }
-    facet->centre = pe_add(pe_rotate(&seen->turn, facet->centre), seen->offset);
     facet->normal = pe_rotate(&seen->turn, facet->normal);
     facet->offset += pe_dot(facet->normal, seen->offset);
 }
@@ -444,5 +429,6 @@ bool pe_solid_pair_part(pe_solid_pair *pair, double limit)
         }
         v = pe_madd(v, pe_min(1, t), u);
     }
+    pair->depth = pe_min(pair->depth, pe_max(0, -best) + pair->slack);
     return true;
 }

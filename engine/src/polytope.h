@@ -35,9 +35,6 @@ typedef struct pe_polytope_pair {
     double size;                /* m, of the smaller shape: the scale of tolerances */
 } pe_polytope_pair;
 
-/* Describes a sphere, box, capsule or hull. Not to be copied. */
-void pe_polytope_make(pe_placed placed, pe_polytope *p);
-
 /* Describes the core of a sphere, box, capsule or hull. Not to be copied. */
 void pe_polytope_make(pe_placed placed, pe_polytope *p);
 
