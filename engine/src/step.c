@@ -209,10 +209,8 @@ static bool is_quiet_and_cheap(const stepping *step, int k)
     return true;
 }
 
-/* One or two bodies cost no more to solve than to substep. And a substep's one pass of soft
- * contacts does not stop what meets a wall in one step with more than its own size to go: that is
- * solved too, where it costs little. */
-enum { TINY_ISLAND = 2 };
+/* A substep's one pass of soft contacts does not stop what meets a wall in one step with more than
+ * its own size to go: that is solved, where it costs little. */
 static const double FAR = 0.5; /* a step's motion in units of the bounding radius */
 
 static bool is_thrown_and_small(const stepping *step, int k)
