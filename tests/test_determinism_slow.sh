@@ -6,7 +6,7 @@ set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$SOURCE"
-sources="engine/src/*.c engine/src/solve/*.c engine/src/soft/*.c scenarios/src/*.c
+sources="engine/src/*.c engine/src/*/*.c scenarios/src/*.c
          scenarios/catalogue/*.c compare/adapters/adapter_plumb.c compare/adapters/force.c
          tests/determinism/driver.c"
 includes="-Iengine/include -Iengine/src -Iscenarios/include -Iscenarios/src -Iscenarios/catalogue

@@ -1,5 +1,5 @@
 /* The tree of boxes against all pairs. */
-#include "aabb_tree.h"
+#include "broad_phase/aabb_tree.h"
 #include "check.h"
 #include "counting_allocator.h"
 #include "vec.h"

@@ -1,5 +1,5 @@
 /* The engine's broad phase against all pairs. */
-#include "broad_phase.h"
+#include "broad_phase/broad_phase.h"
 #include "check.h"
 #include "collide_convex.h"
 #include "counting_allocator.h"

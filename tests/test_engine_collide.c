@@ -1,8 +1,8 @@
 /* Narrow phase: contact points against truths that know no separating axes. */
 #include "check.h"
 #include "collide_convex.h"
-#include "contact_reduce.h"
-#include "shape.h"
+#include "contact/contact_reduce.h"
+#include "geometry/shape.h"
 
 typedef struct placed_box {
     pe_shape shape;

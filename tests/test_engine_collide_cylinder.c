@@ -3,7 +3,7 @@
 #include "check.h"
 #include "collide_convex.h"
 #include "convex_truth.h"
-#include "shape.h"
+#include "geometry/shape.h"
 
 #include <string.h>
 

@@ -1,9 +1,9 @@
 /* Meshes: their triangles by brute force, what must not be felt (edges inside a face), what must be
  * (both walls of a corner), and meshes at rest in a world. */
 #include "check.h"
-#include "collide_mesh.h"
+#include "collide/collide_mesh.h"
 #include "counting_allocator.h"
-#include "shape.h"
+#include "geometry/shape.h"
 #include "solids.h"
 #include "world_for_tests.h"
 

@@ -4,8 +4,8 @@
  * all normals of faces and crosses of edges, each over all vertices. */
 #include "check.h"
 #include "collide_convex.h"
+#include "geometry/shape.h"
 #include "memory.h"
-#include "shape.h"
 
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* The list of contacts: what is kept, carried along, found again and taken over. */
 #include "check.h"
-#include "contact.h"
+#include "contact/contact.h"
 #include "world_for_tests.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* Pairs that touch in several patches: a block in the corner of an L. */
 #include "check.h"
-#include "contact.h"
+#include "contact/contact.h"
 #include "solids.h"
 #include "world_for_tests.h"
 

@@ -2,7 +2,7 @@
  * refused. */
 #include "check.h"
 #include "counting_allocator.h"
-#include "geometry.h"
+#include "geometry/geometry.h"
 #include "solids.h"
 
 #include <stdlib.h>

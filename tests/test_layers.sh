@@ -24,7 +24,7 @@ allow() {
 scene='plumb/(base|scene|scenario|vec)\.h'
 abi='plumb/engine_abi\.h'
 allow engine/include 'plumb/engine\.h'
-allow engine/src 'plumb/(engine|contact_problem)\.h|((soft|solve)/)?[a-z0-9_]+\.h'
+allow engine/src 'plumb/(engine|contact_problem)\.h|((broad_phase|collide|contact|geometry|soft|solve)/)?[a-z0-9_]+\.h'
 allow scenarios "$scene|scene_[a-z_]+\.h|random\.h|number\.h|name_index\.h|complaint\.h|json_(field|text)\.h"
 allow compare/referee "$scene|$abi|referee/.*"
 allow compare/results "$scene|$abi|referee/metrics\.h|results/.*"

@@ -1,5 +1,5 @@
 /* Bodies: made, unmade, read, set and loaded. */
-#include "shape.h"
+#include "geometry/shape.h"
 #include "world.h"
 
 pe_body_def pe_body_def_default(void)

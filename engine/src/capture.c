@@ -1,5 +1,5 @@
 /* The contact problems of the coming step, copied out of the world. */
-#include "contact.h"
+#include "contact/contact.h"
 #include "plumb/contact_problem.h"
 #include "solve/problem_build.h"
 

@@ -8,7 +8,7 @@
 #ifndef PE_PROJECT_H
 #define PE_PROJECT_H
 
-#include "contact.h"
+#include "contact/contact.h"
 #include "solve/problem_build.h"
 #include "solve/solve.h"
 

@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 199309L
 
 #include "advance.h"
-#include "contact.h"
+#include "contact/contact.h"
 #include "energy_guard.h"
 #include "project.h"
 #include "soft/soft.h"

@@ -1,5 +1,5 @@
 /* Making and unmaking a world, and its materials. */
-#include "broad_phase.h"
+#include "broad_phase/broad_phase.h"
 
 #include <string.h>
 

@@ -2,8 +2,8 @@
 #ifndef PE_WORLD_H
 #define PE_WORLD_H
 
-#include "broad_phase_state.h"
-#include "geometry.h"
+#include "broad_phase/broad_phase_state.h"
+#include "geometry/geometry.h"
 #include "memory.h"
 #include "solve/pattern_store.h"
 #include "vec.h"

@@ -9,10 +9,10 @@
  * says are within their margin. */
 #define _POSIX_C_SOURCE 199309L
 
-#include "collide.h"
+#include "collide/collide.h"
+#include "geometry/shape.h"
 #include "integrate.h"
 #include "rows.h"
-#include "shape.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -10,8 +10,8 @@
  * in turn (A B C A B C), medians. A triangle pair is one that the volumes did not part. */
 #define _POSIX_C_SOURCE 199309L
 
-#include "collide_mesh.h"
-#include "geometry_mass.h"
+#include "collide/collide_mesh.h"
+#include "geometry/geometry_mass.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -8,7 +8,7 @@
  * which meets all. */
 #include "rows.h"
 
-#include "shape.h"
+#include "geometry/shape.h"
 
 #include <string.h>
 

@@ -2,7 +2,7 @@
 #ifndef PLUMB_BENCHMARK_ROWS_H
 #define PLUMB_BENCHMARK_ROWS_H
 
-#include "broad_phase.h"
+#include "broad_phase/broad_phase.h"
 
 /* All pairs whose gap may be below their margin, sorted by (a, b), in the step's arena. `order` has
  * the slots of all bounded bodies, in any order at first, and then as the last call left them. */

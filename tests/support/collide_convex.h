@@ -2,7 +2,7 @@
 #ifndef PLUMB_TEST_COLLIDE_CONVEX_H
 #define PLUMB_TEST_COLLIDE_CONVEX_H
 
-#include "collide.h"
+#include "collide/collide.h"
 
 /* hits->count 0: none. */
 static inline void collide_convex(pe_placed a, pe_placed b, double margin, pe_hits *hits)

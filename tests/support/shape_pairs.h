@@ -4,7 +4,7 @@
 #define PLUMB_TEST_SHAPE_PAIRS_H
 
 #include "check.h"
-#include "collide.h"
+#include "collide/collide.h"
 #include "convex_truth.h"
 
 /* A shape in its body's axes. */

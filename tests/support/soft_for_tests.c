@@ -1,7 +1,7 @@
 #include "soft_for_tests.h"
 
 #include "check.h"
-#include "contact.h"
+#include "contact/contact.h"
 #include "world_for_tests.h"
 
 pe_status soft_prepare(pe_world *world, double dt, soft_case *made)

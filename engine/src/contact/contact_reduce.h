@@ -2,7 +2,7 @@
 #ifndef PE_CONTACT_REDUCE_H
 #define PE_CONTACT_REDUCE_H
 
-#include "collide.h"
+#include "collide/collide.h"
 
 /* Keeps 4 of the points: a deepest one, the one farthest from it, and those that widen the polygon
  * most on either side of the line between the two. Depths and widths that differ by less than

@@ -6,7 +6,7 @@
 #ifndef PE_BVH_H
 #define PE_BVH_H
 
-#include "geometry.h"
+#include "geometry/geometry.h"
 
 /* Tree a as tree b sees it: x_b = turn x_a + offset. */
 typedef struct pe_bvh_pair {

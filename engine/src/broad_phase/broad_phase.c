@@ -13,7 +13,7 @@
  *     |x - x0| + 2 r |q - q0| + h |v| + h r |w| + slack <= room. */
 #include "broad_phase.h"
 
-#include "shape.h"
+#include "geometry/shape.h"
 
 #include <string.h>
 

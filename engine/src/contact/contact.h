@@ -3,7 +3,7 @@
 #ifndef PE_CONTACT_H
 #define PE_CONTACT_H
 
-#include "broad_phase.h"
+#include "broad_phase/broad_phase.h"
 
 typedef struct pe_contact_rules {
     /* A manifold is kept, its points carried along by the two bodies, while no point of either body

@@ -2,7 +2,7 @@
 #ifndef PE_CONTACT_REUSE_H
 #define PE_CONTACT_REUSE_H
 
-#include "collide.h"
+#include "collide/collide.h"
 
 /* How two bodies lie relative to each other: the smaller one in the axes of the larger. A plane is
  * larger than anything; of two equal bodies b counts as the smaller. */

@@ -8,7 +8,7 @@
 #ifndef PE_CONTACT_CENTRE_H
 #define PE_CONTACT_CENTRE_H
 
-#include "collide.h"
+#include "collide/collide.h"
 
 /* Adds that point to the patch of two convex bodies at this margin, or notes at which margins it
  * would be there. */

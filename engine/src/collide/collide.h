@@ -2,7 +2,7 @@
 #ifndef PE_COLLIDE_H
 #define PE_COLLIDE_H
 
-#include "geometry.h"
+#include "geometry/geometry.h"
 #include "world.h"
 
 /* One point as a collider finds it. */
