@@ -216,7 +216,7 @@ static bool sort_faces(pl_painting *painting, const paint_graph *graph)
             stack[height++] = next.before;
         }
     }
-    if (complete)
+    if (complete && count > 0)
         memcpy(painting->faces, sorted, count * sizeof *sorted);
     free(sorted);
     free(stack);
