@@ -16,21 +16,28 @@ static pe_collider *const colliders[PE_SHAPE_MESH][PE_SHAPE_MESH] = {
     {NULL, NULL, NULL, NULL, NULL, pe_collide_polytopes},
 };
 
+/* A mesh that is a small convex polyhedron is collided as the hull that it is. */
+static pe_shape_kind kind_of(pe_placed p)
+{
+    pe_shape_kind kind = p.shape->kind;
+    return kind == PE_SHAPE_MESH && pe_geometry_is_polytope(p.geometry) ? PE_SHAPE_HULL : kind;
+}
+
 /* Of shapes in the order of the table. */
 static int collide_in_order(pe_placed a, pe_placed b, double margin, pe_workspace work,
                             pe_hits *patches)
 {
-    if (b.shape->kind == PE_SHAPE_MESH) {
+    if (kind_of(b) == PE_SHAPE_MESH) {
         return pe_collide_with_mesh(a, b, margin, work, patches);
     }
     pe_hits_none(patches);
-    colliders[a.shape->kind][b.shape->kind](a, b, margin, patches);
+    colliders[kind_of(a)][kind_of(b)](a, b, margin, patches);
     return patches->count > 0;
 }
 
 int pe_collide(pe_placed a, pe_placed b, double margin, pe_workspace work, pe_hits *patches)
 {
-    if (a.shape->kind <= b.shape->kind) {
+    if (kind_of(a) <= kind_of(b)) {
         return collide_in_order(a, b, margin, work, patches);
     }
     int count = collide_in_order(b, a, margin, work, patches);

@@ -157,7 +157,8 @@ static int nearest_face(const pe_solid *solid, const pe_solid *of, const pe_bvh_
 typedef struct crossing {
     const pe_facet *a, *b;
     const double *above_a, *above_b; /* heights of the other's corners */
-    pe_vec3 where;
+    int count;
+    const pe_vec3 *where; /* (count) */
 } crossing;
 
 typedef void take_crossing(void *context, const crossing *c);
@@ -171,15 +172,17 @@ static bool try_facets(void *context, pe_facet *a, pe_facet *b)
 {
     const crossings *c = context;
     double above_a[3] = {0}, above_b[3];
-    pe_vec3 where;
-    if (pe_facet_heights(b, a, 0, above_b) && (a->face < 0 || pe_facet_heights(a, b, 0, above_a)) &&
-        pe_facets_cross(a, above_b, b, above_a, &where)) {
-        c->take(c->context, &(crossing){a, b, above_a, above_b, where});
+    pe_vec3 where[PE_MOST_PIERCINGS];
+    if (pe_facet_heights(b, a, 0, above_b) && (a->face < 0 || pe_facet_heights(a, b, 0, above_a))) {
+        int count = pe_facets_cross(a, above_b, b, above_a, where);
+        if (count > 0) {
+            c->take(c->context, &(crossing){a, b, above_a, above_b, count, where});
+        }
     }
     return true;
 }
 
-/* Hands over each two triangles that cross, and a point where they do. */
+/* Hands over each two triangles that cross, and where they do. */
 static void each_crossing(const pe_solid_pair *pair, take_crossing *take, void *context)
 {
     crossings c = {take, context};
@@ -416,20 +419,26 @@ static void try_normals(void *context, const crossing *c)
     }
 }
 
-static void measure(void *context, const crossing *c)
+static void measure_at(way_out *w, pe_vec3 where)
 {
-    way_out *w = context;
     const pe_solid_pair *pair = w->pair;
     pe_vec3 way = pe_scale(w->least, w->n);
-    double in_a = 0, in_b = w->least * way_to_exit(&pair->b, c->where, pe_scale(-1, way));
+    double in_a = 0, in_b = w->least * way_to_exit(&pair->b, where, pe_scale(-1, way));
     if (!pair->a.core) {
-        pe_vec3 x = pe_unrotate(&pair->trees.turn, pe_sub(c->where, pair->trees.offset));
+        pe_vec3 x = pe_unrotate(&pair->trees.turn, pe_sub(where, pair->trees.offset));
         in_a = w->least * way_to_exit(&pair->a, x, pe_unrotate(&pair->trees.turn, way));
     }
     double separation = -in_a - in_b - pair->radius;
     if (separation < w->touch.separation) {
         w->touch.separation = separation;
-        w->touch.on_a = pe_madd(c->where, in_a, w->n);
+        w->touch.on_a = pe_madd(where, in_a, w->n);
+    }
+}
+
+static void measure(void *context, const crossing *c)
+{
+    for (int i = 0; i < c->count; ++i) {
+        measure_at(context, c->where[i]);
     }
 }
 

@@ -84,10 +84,10 @@ static bool try_facets(void *context, pe_facet *a, pe_facet *b)
         (a->face >= 0 && !pe_facet_heights(a, b, best->distance, above_a))) {
         return true;
     }
-    pe_vec3 where;
+    pe_vec3 where[PE_MOST_PIERCINGS];
     double bound_b = least_height(above_b), bound_a = least_height(above_a);
     if (bound_b == 0 && (a->face < 0 || bound_a == 0) &&
-        pe_facets_cross(a, above_b, b, above_a, &where)) {
+        pe_facets_cross(a, above_b, b, above_a, where) > 0) {
         best->cross = best->found = true;
         best->inside = false;
         return false;

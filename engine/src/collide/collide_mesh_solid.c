@@ -270,9 +270,9 @@ bool pe_facet_heights(const pe_facet *over, const pe_facet *of, double bound, do
            pe_max(height[0], pe_max(height[1], height[2])) >= -bound;
 }
 
-/* Whether an edge of the facet `of` pierces the other. */
-static bool pierces(const pe_facet *over, const pe_facet *of, const double height[3],
-                    pe_vec3 *where)
+/* Adds the points at which edges of the facet `of` pierce the other. */
+static int add_piercings(const pe_facet *over, const pe_facet *of, const double height[3],
+                         pe_vec3 *where, int count)
 {
     for (int k = 0; k < 3; ++k) {
         int next = k < 2 ? k + 1 : 0;
@@ -281,18 +281,18 @@ static bool pierces(const pe_facet *over, const pe_facet *of, const double heigh
             double t = p / (p - q);
             pe_vec3 x = pe_madd(of->x[k], t, pe_sub(of->x[next], of->x[k]));
             if (pe_facet_holds(over, x, 0)) {
-                *where = x;
-                return true;
+                where[count++] = x;
             }
         }
     }
-    return false;
+    return count;
 }
 
-bool pe_facets_cross(const pe_facet *a, const double above_b[3], const pe_facet *b,
-                     const double above_a[3], pe_vec3 *where)
+int pe_facets_cross(const pe_facet *a, const double above_b[3], const pe_facet *b,
+                    const double above_a[3], pe_vec3 where[PE_MOST_PIERCINGS])
 {
-    return pierces(b, a, above_b, where) || (a->face >= 0 && pierces(a, b, above_a, where));
+    int count = add_piercings(b, a, above_b, where, 0);
+    return a->face >= 0 ? add_piercings(a, b, above_a, where, count) : count;
 }
 
 void pe_facet_ridges(const pe_solid *solid, const pe_bvh_pair *seen, pe_facet *facet)

@@ -73,7 +73,7 @@ void pe_polytope_make(pe_placed placed, pe_polytope *p)
     p->radius = p->inner = 0;
     if (shape->kind == PE_SHAPE_BOX) {
         make_box(shape->half_extents, p);
-    } else if (shape->kind == PE_SHAPE_HULL) {
+    } else if (placed.geometry != NULL) {
         make_hull(placed.geometry, p);
     } else {
         bool segment = shape->kind == PE_SHAPE_CAPSULE;

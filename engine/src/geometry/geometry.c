@@ -67,7 +67,6 @@ static pe_status copy_def(pe_geometry *g, const pe_geometry_def *def, const pe_a
 static pe_status make(pe_geometry *g, const pe_geometry_def *def, const pe_allocator *allocator,
                       pe_workspace work, pe_error *error)
 {
-    g->convex = def->convex;
     g->frame = pe_geometry_mass(def);
     if (!(g->frame.volume > 0)) {
         return pe_fail(
@@ -79,7 +78,7 @@ static pe_status make(pe_geometry *g, const pe_geometry_def *def, const pe_alloc
     g->rotation = pe_matrix_of(g->frame.orientation);
     pe_status status = copy_def(g, def, allocator, error);
     if (status == PE_OK) {
-        status = pe_geometry_find_surface(g, allocator, work, error);
+        status = pe_geometry_find_surface(g, def->convex, allocator, work, error);
     }
     return status == PE_OK ? pe_geometry_make_tree(g, allocator, work, error) : status;
 }

@@ -35,7 +35,7 @@ typedef struct pe_node {
 } pe_node;
 
 typedef struct pe_geometry {
-    bool convex;
+    bool convex; /* found out; of a hull it must be */
     int vertex_count, triangle_count, face_count, edge_count, corner_count, node_count;
     pe_vec3 *vertices;        /* (vertex_count), m */
     int (*triangles)[3];      /* (triangle_count), in the order of the tree's leaves */
@@ -57,6 +57,14 @@ typedef struct pe_geometry {
     pe_vec3 box_centre, box_half; /* of that box, m */
     pe_arena arena;               /* holds the arrays above */
 } pe_geometry;
+
+/* Whether a solid is collided as a convex polyhedron, whatever it is called: convex, and of so few
+ * faces that its axes are quicker than a tree. */
+static inline bool pe_geometry_is_polytope(const pe_geometry *g)
+{
+    enum { MOST_FACES = 64 };
+    return g != NULL && g->convex && g->face_count <= MOST_FACES;
+}
 
 /* NULL for an id that is not of this world. */
 const pe_geometry *pe_geometry_of(const struct pe_world *world, pe_geometry_id id);

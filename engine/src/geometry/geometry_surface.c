@@ -23,6 +23,7 @@ typedef struct surface {
     pe_vec3 *normal; /* (triangle_count): unit */
     int *stack;      /* (triangle_count) */
     double flat;     /* m */
+    int dent;        /* a half-edge at which the solid is dented; -1: none */
     pe_error *error;
 } surface;
 
@@ -166,10 +167,11 @@ static void find_faces(surface *s)
     }
 }
 
-static pe_status find_edges(surface *s)
+static void find_edges(surface *s)
 {
     pe_geometry *g = s->g;
     g->edge_count = 0;
+    s->dent = -1;
     for (int i = 0; i < 3 * g->triangle_count; ++i) {
         int other = s->opposite[i];
         int face = g->triangle_face[i / 3], other_face = g->triangle_face[other / 3];
@@ -183,13 +185,7 @@ static pe_status find_edges(surface *s)
         /* How far the other face's triangle rises over this face. */
         pe_vec3 tip = g->vertices[end_of(g, next_of(other))], x = g->vertices[start_of(g, i)];
         double rise = pe_dot(g->faces[face].normal, pe_sub(tip, x));
-        if (g->convex && rise > s->flat) {
-            return pe_fail(
-                s->error, PE_BAD_ARGUMENT,
-                "geometry: expected a convex solid, but it is dented at the edge between "
-                "vertices %d and %d, at triangle %d",
-                start_of(g, i), end_of(g, i), i / 3);
-        }
+        s->dent = s->dent < 0 && rise > s->flat ? i : s->dent;
         g->triangle_edges[i / 3][i % 3] = g->triangle_edges[other / 3][other % 3] = g->edge_count;
         g->edges[g->edge_count++] = (pe_edge){
             .vertex = {start_of(g, i), end_of(g, i)},
@@ -197,7 +193,6 @@ static pe_status find_edges(surface *s)
             .convex = rise < 0,
         };
     }
-    return PE_OK;
 }
 
 /* The edges at each vertex. */
@@ -232,8 +227,8 @@ static int next_around(const surface *s, int half)
     return next;
 }
 
-/* The corners of every face in order. PE_BAD_ARGUMENT when a face has more than one rim. */
-static pe_status find_corners(surface *s)
+/* The corners of every face in order. False when a face has more than one rim. */
+static bool find_corners(surface *s)
 {
     pe_geometry *g = s->g;
     for (int i = 0; i < 3 * g->triangle_count; ++i) {
@@ -249,23 +244,37 @@ static pe_status find_corners(surface *s)
         } while (half != i);
         face->corner_count = g->corner_count - face->first_corner;
     }
-    if (g->corner_count != 2 * g->edge_count) {
-        return pe_fail(s->error, PE_BAD_ARGUMENT,
-                       "geometry: expected a convex solid, found a face with more than one rim");
-    }
-    return PE_OK;
+    return g->corner_count == 2 * g->edge_count;
 }
 
-/* A convex solid is one piece. */
-static pe_status check_one_piece(surface *s)
+/* Finds out whether the solid is convex, and then its faces' corners. PE_BAD_ARGUMENT: it is not
+ * though it must be. A closed surface of one piece without a dent is convex (van Heijenoort 1952).
+ */
+static pe_status find_convex(surface *s, bool must)
 {
-    const pe_geometry *g = s->g;
-    if (g->vertex_count - g->edge_count + g->face_count > 2) {
-        return pe_fail(
-            s->error, PE_BAD_ARGUMENT,
-            "geometry: expected a convex solid, found several pieces, or vertices that no "
-            "edge has");
+    pe_geometry *g = s->g;
+    g->corner_count = 0;
+    g->convex = false;
+    if (s->dent >= 0) {
+        return !must ? PE_OK
+                     : pe_fail(s->error, PE_BAD_ARGUMENT,
+                               "geometry: expected a convex solid, but it is dented at the edge "
+                               "between vertices %d and %d, at triangle %d",
+                               start_of(g, s->dent), end_of(g, s->dent), s->dent / 3);
     }
+    if (!find_corners(s)) {
+        return !must ? PE_OK
+                     : pe_fail(s->error, PE_BAD_ARGUMENT,
+                               "geometry: expected a convex solid, found a face with more than one "
+                               "rim");
+    }
+    if (g->vertex_count - g->edge_count + g->face_count > 2) {
+        return !must ? PE_OK
+                     : pe_fail(s->error, PE_BAD_ARGUMENT,
+                               "geometry: expected a convex solid, found several pieces, or "
+                               "vertices that no edge has");
+    }
+    g->convex = true;
     return PE_OK;
 }
 
@@ -290,7 +299,8 @@ static bool take(surface *s, half_edge **halves, const pe_allocator *allocator, 
            g->vertex_edges != NULL;
 }
 
-pe_status pe_geometry_find_surface(pe_geometry *g, const pe_allocator *allocator, pe_workspace work,
+pe_status pe_geometry_find_surface(pe_geometry *g, bool must_be_convex,
+                                   const pe_allocator *allocator, pe_workspace work,
                                    pe_error *error)
 {
     surface s = {.g = g, .error = error};
@@ -306,14 +316,9 @@ pe_status pe_geometry_find_surface(pe_geometry *g, const pe_allocator *allocator
     }
     if (status == PE_OK) {
         find_faces(&s);
-        status = find_edges(&s);
-    }
-    if (status == PE_OK) {
+        find_edges(&s);
         find_fans(g);
-        g->corner_count = 0;
+        status = find_convex(&s, must_be_convex);
     }
-    if (status == PE_OK && g->convex) {
-        status = find_corners(&s);
-    }
-    return status == PE_OK && g->convex ? check_one_piece(&s) : status;
+    return status;
 }

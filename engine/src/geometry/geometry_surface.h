@@ -6,8 +6,9 @@
 
 /* Fills everything of *g but the tree from its vertices and triangles, taking from g->arena; `work`
  * is for what is needed meanwhile. PE_BAD_ARGUMENT says where the surface is open, without area or,
- * where g->convex asks for it, not convex. */
-pe_status pe_geometry_find_surface(pe_geometry *g, const pe_allocator *allocator, pe_workspace work,
+ * where it must be, not convex. */
+pe_status pe_geometry_find_surface(pe_geometry *g, bool must_be_convex,
+                                   const pe_allocator *allocator, pe_workspace work,
                                    pe_error *error);
 
 #endif
