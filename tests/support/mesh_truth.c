@@ -72,7 +72,8 @@ static double point_triangle(pe_vec3 x, const triangle *t)
     return least;
 }
 
-/* Between the ends, or where the common normal of the lines meets both within. */
+/* Between the ends, or where the common normal of the lines meets both within. Of lines that are
+ * nearly parallel this normal is uncertain, but not how far the points that it meets are apart. */
 static double segment_segment(pe_vec3 p, pe_vec3 q, pe_vec3 r, pe_vec3 s)
 {
     double least = pe_min(pe_min(point_segment(p, r, s), point_segment(q, r, s)),
@@ -80,10 +81,8 @@ static double segment_segment(pe_vec3 p, pe_vec3 q, pe_vec3 r, pe_vec3 s)
     pe_vec3 u = pe_sub(q, p), v = pe_sub(s, r), w = pe_sub(r, p), n = pe_cross(u, v);
     double n2 = pe_dot(n, n);
     if (n2 > 0) {
-        double t = pe_dot(pe_cross(w, v), n) / n2, o = pe_dot(pe_cross(w, u), n) / n2;
-        if (t >= 0 && t <= 1 && o >= 0 && o <= 1) {
-            least = pe_min(least, fabs(pe_dot(w, n)) / sqrt(n2));
-        }
+        double t = clamp(pe_dot(pe_cross(w, v), n) / n2);
+        least = pe_min(least, point_segment(pe_madd(p, t, u), r, s));
     }
     return least;
 }

@@ -127,10 +127,11 @@ void pe_near_facets(const pe_solid_pair *pair, const double *bound, pe_take_face
 bool pe_facet_heights(const pe_facet *over, const pe_facet *of, double bound, double height[3]);
 
 /* Where the edges of either facet pass through the other, by the heights of each one's corners over
- * the other; 0: they do not cross. Edges that only touch may count or not. */
-enum { PE_MOST_PIERCINGS = 4 };
+ * the other; 0: they do not cross. What is within `slack` of touching counts; with 0, edges that
+ * only touch may count or not. */
+enum { PE_MOST_PIERCINGS = 6 };
 int pe_facets_cross(const pe_facet *a, const double above_b[3], const pe_facet *b,
-                    const double above_a[3], pe_vec3 where[PE_MOST_PIERCINGS]);
+                    const double above_a[3], double slack, pe_vec3 where[PE_MOST_PIERCINGS]);
 
 /* Fills the facet's ridges, once. `seen`: the solid's place in the axes of the facet; NULL: the
  * same.

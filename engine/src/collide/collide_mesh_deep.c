@@ -8,6 +8,9 @@
 
 #include <string.h>
 
+/* Sine of the angle to a face from which a way crosses it. */
+static const double LEAST_RISE = 1e-9;
+
 /* A box about a segment or a point, and the tree of a solid in whose axes it is. */
 static pe_bvh_pair around(const pe_node *node, const pe_solid *solid)
 {
@@ -164,6 +167,7 @@ typedef struct crossing {
 typedef void take_crossing(void *context, const crossing *c);
 
 typedef struct crossings {
+    double slack;
     take_crossing *take;
     void *context;
 } crossings;
@@ -173,8 +177,9 @@ static bool try_facets(void *context, pe_facet *a, pe_facet *b)
     const crossings *c = context;
     double above_a[3] = {0}, above_b[3];
     pe_vec3 where[PE_MOST_PIERCINGS];
-    if (pe_facet_heights(b, a, 0, above_b) && (a->face < 0 || pe_facet_heights(a, b, 0, above_a))) {
-        int count = pe_facets_cross(a, above_b, b, above_a, where);
+    if (pe_facet_heights(b, a, c->slack, above_b) &&
+        (a->face < 0 || pe_facet_heights(a, b, c->slack, above_a))) {
+        int count = pe_facets_cross(a, above_b, b, above_a, c->slack, where);
         if (count > 0) {
             c->take(c->context, &(crossing){a, b, above_a, above_b, count, where});
         }
@@ -185,8 +190,8 @@ static bool try_facets(void *context, pe_facet *a, pe_facet *b)
 /* Hands over each two triangles that cross, and where they do. */
 static void each_crossing(const pe_solid_pair *pair, take_crossing *take, void *context)
 {
-    crossings c = {take, context};
-    double bound = 0;
+    crossings c = {pair->slack, take, context};
+    double bound = pair->slack;
     pe_near_facets(pair, &bound, try_facets, &c);
 }
 
@@ -375,9 +380,10 @@ static bool find_way_out_of_ends(const pe_solid_pair *pair, pe_touches *list)
 }
 
 /* How far it is from x, along d, to where the surface is crossed outwards, in units of d; 0: it is
- * not crossed within d. */
-static double way_to_exit(const pe_solid *solid, pe_vec3 x, pe_vec3 d)
+ * not crossed within d. What is met within the slack counts, so that rounding does not decide. */
+static double way_to_exit(const pe_solid *solid, pe_vec3 x, pe_vec3 d, double slack)
 {
+    double least_rise = LEAST_RISE * pe_length(d);
     pe_node segment =
         pe_box_node(pe_madd(x, 0.5, d), pe_scale(0.5, pe_v3(fabs(d.x), fabs(d.y), fabs(d.z))));
     pe_bvh_pair trees = around(&segment, solid);
@@ -385,18 +391,21 @@ static double way_to_exit(const pe_solid *solid, pe_vec3 x, pe_vec3 d)
     const pe_node *node, *leaf;
     double first = HUGE_VAL;
     pe_bvh_begin(&trees, &walk);
-    while (pe_bvh_next(&trees, &walk, 0, &node, &leaf)) {
+    while (pe_bvh_next(&trees, &walk, slack, &node, &leaf)) {
         for (int i = 0; i < leaf->count; ++i) {
             pe_facet facet;
             pe_solid_facet(solid, leaf->first + i, &facet);
             double from = facet.offset - pe_dot(facet.normal, x), rise = pe_dot(facet.normal, d);
-            double t = rise > 0 ? from / rise : -1;
-            if (t >= 0 && t < first && t <= 1 && pe_facet_holds(&facet, pe_madd(x, t, d), 0)) {
+            if (from < -slack || from > rise + slack || rise < least_rise) {
+                continue;
+            }
+            double t = pe_max(0, from) / rise;
+            if (t < first && pe_facet_holds(&facet, pe_madd(x, t, d), slack)) {
                 first = t;
             }
         }
     }
-    return first <= 1 ? first : 0;
+    return first < HUGE_VAL ? first : 0;
 }
 
 typedef struct way_out {
@@ -423,10 +432,11 @@ static void measure_at(way_out *w, pe_vec3 where)
 {
     const pe_solid_pair *pair = w->pair;
     pe_vec3 way = pe_scale(w->least, w->n);
-    double in_a = 0, in_b = w->least * way_to_exit(&pair->b, where, pe_scale(-1, way));
+    double in_a = 0, in_b = w->least * way_to_exit(&pair->b, where, pe_scale(-1, way), pair->slack);
     if (!pair->a.core) {
         pe_vec3 x = pe_unrotate(&pair->trees.turn, pe_sub(where, pair->trees.offset));
-        in_a = w->least * way_to_exit(&pair->a, x, pe_unrotate(&pair->trees.turn, way));
+        in_a =
+            w->least * way_to_exit(&pair->a, x, pe_unrotate(&pair->trees.turn, way), pair->slack);
     }
     double separation = -in_a - in_b - pair->radius;
     if (separation < w->touch.separation) {

@@ -87,7 +87,7 @@ static bool try_facets(void *context, pe_facet *a, pe_facet *b)
     pe_vec3 where[PE_MOST_PIERCINGS];
     double bound_b = least_height(above_b), bound_a = least_height(above_a);
     if (bound_b == 0 && (a->face < 0 || bound_a == 0) &&
-        pe_facets_cross(a, above_b, b, above_a, where) > 0) {
+        pe_facets_cross(a, above_b, b, above_a, 0, where) > 0) {
         best->cross = best->found = true;
         best->inside = false;
         return false;

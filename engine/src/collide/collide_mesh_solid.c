@@ -270,17 +270,19 @@ bool pe_facet_heights(const pe_facet *over, const pe_facet *of, double bound, do
            pe_max(height[0], pe_max(height[1], height[2])) >= -bound;
 }
 
-/* Adds the points at which edges of the facet `of` pierce the other. */
+/* Adds the points at which edges of the facet `of` pierce the other. An edge that begins in its plane
+ * does so there. */
 static int add_piercings(const pe_facet *over, const pe_facet *of, const double height[3],
-                         pe_vec3 *where, int count)
+                         double slack, pe_vec3 *where, int count)
 {
     for (int k = 0; k < 3; ++k) {
         int next = k < 2 ? k + 1 : 0;
         double p = height[k], q = height[next];
-        if ((p > 0) != (q > 0)) {
-            double t = p / (p - q);
+        bool begins = fabs(p) <= slack, passes = fabs(q) > slack && (p > 0) != (q > 0);
+        if (begins || passes) {
+            double t = begins ? 0 : p / (p - q);
             pe_vec3 x = pe_madd(of->x[k], t, pe_sub(of->x[next], of->x[k]));
-            if (pe_facet_holds(over, x, 0)) {
+            if (pe_facet_holds(over, x, slack)) {
                 where[count++] = x;
             }
         }
@@ -289,10 +291,10 @@ static int add_piercings(const pe_facet *over, const pe_facet *of, const double 
 }
 
 int pe_facets_cross(const pe_facet *a, const double above_b[3], const pe_facet *b,
-                    const double above_a[3], pe_vec3 where[PE_MOST_PIERCINGS])
+                    const double above_a[3], double slack, pe_vec3 where[PE_MOST_PIERCINGS])
 {
-    int count = add_piercings(b, a, above_b, where, 0);
-    return a->face >= 0 ? add_piercings(a, b, above_a, where, count) : count;
+    int count = add_piercings(b, a, above_b, slack, where, 0);
+    return a->face >= 0 ? add_piercings(a, b, above_a, slack, where, count) : count;
 }
 
 void pe_facet_ridges(const pe_solid *solid, const pe_bvh_pair *seen, pe_facet *facet)
