@@ -147,9 +147,11 @@ static int nearest_face(const pe_solid *solid, const pe_solid *of, const pe_bvh_
             pe_facet facet;
             pe_solid_facet(solid, leaf->first + i, &facet);
             double d = facet.offset - pe_dot(facet.normal, x);
+            bool is_strict;
             if (d > 0 && d < *depth && pe_facet_holds(&facet, x, slack) &&
-                pe_vertex_faces(of, vertex, pe_unrotate(&seen->turn, facet.normal), strict)) {
+                pe_vertex_faces(of, vertex, pe_unrotate(&seen->turn, facet.normal), &is_strict)) {
                 *depth = d;
+                *strict = is_strict;
                 found = facet.face;
             }
         }
