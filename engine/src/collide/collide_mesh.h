@@ -170,6 +170,8 @@ typedef struct pe_touch {
 /* A kind, the feature of a and that of b; for PE_FACE_VERTEX b's comes first, so that the contacts
  * of one vertex stand together in order. */
 uint64_t pe_touch_feature(pe_touch_kind kind, int first, int second);
+int pe_touch_first(uint64_t feature);
+int pe_touch_second(uint64_t feature);
 
 /* A list that grows in the step's memory. */
 typedef struct pe_touches {

@@ -120,7 +120,7 @@ static bool blocked(const pe_solid *solid, pe_vec3 x, pe_vec3 d, int face, doubl
 bool pe_touch_is_blocked(const pe_solid_pair *pair, const pe_touch *touch)
 {
     double depth = -(touch->separation + pair->radius);
-    int face = (int)(touch->feature & ((1u << 30) - 1));
+    int face = pe_touch_second(touch->feature);
     if (touch->kind == PE_VERTEX_FACE) {
         return blocked(&pair->b, touch->on_a, pe_scale(-depth, touch->normal), face, pair->slack);
     }

@@ -17,6 +17,16 @@ uint64_t pe_touch_feature(pe_touch_kind kind, int first, int second)
     return (uint64_t)kind << 60 | (uint64_t)(uint32_t)first << 30 | (uint64_t)(uint32_t)second;
 }
 
+int pe_touch_first(uint64_t feature)
+{
+    return (int)(feature >> 30 & ((1u << 30) - 1));
+}
+
+int pe_touch_second(uint64_t feature)
+{
+    return (int)(feature & ((1u << 30) - 1));
+}
+
 void pe_touches_add(pe_touches *list, const pe_touch *touch)
 {
     if (list->count == list->capacity && !list->failed) {

@@ -109,9 +109,51 @@ static bool try_facets(void *context, pe_facet *a, pe_facet *b)
     return true;
 }
 
+static pe_vec3 vertex_of_a(const pe_solid_pair *pair, int vertex)
+{
+    return pe_add(pe_rotate(&pair->trees.turn, pair->a.vertices[vertex]), pair->trees.offset);
+}
+
+static pe_vec3 nearest_on(pe_vec3 p, pe_vec3 q, pe_vec3 x)
+{
+    pe_vec3 u = pe_sub(q, p);
+    return pe_madd(p, pe_dot(pe_sub(x, p), u) / pe_dot(u, u), u);
+}
+
+/* A vertex ends several edges, and each finds it with another rounding: the points again, from the
+ * features alone. */
+static void measure_again(const pe_solid_pair *pair, pe_nearest *best)
+{
+    pe_touch *touch = &best->touch;
+    int name_a = pe_touch_first(touch->feature), name_b = pe_touch_second(touch->feature);
+    if (touch->kind <= PE_EDGE_EDGE) {
+        return;
+    }
+    pe_vec3 x, y;
+    if (touch->kind == PE_EDGE_VERTEX) {
+        const int *ends = pair->a.edges[name_a].vertex;
+        y = pair->b.vertices[name_b];
+        x = nearest_on(vertex_of_a(pair, ends[0]), vertex_of_a(pair, ends[1]), y);
+    } else {
+        x = vertex_of_a(pair, name_a);
+        y = pair->b.vertices[touch->kind == PE_VERTEX_VERTEX ? name_b : 0];
+        if (touch->kind == PE_VERTEX_EDGE) {
+            const int *ends = pair->b.edges[name_b].vertex;
+            y = nearest_on(pair->b.vertices[ends[0]], pair->b.vertices[ends[1]], x);
+        }
+    }
+    pe_vec3 apart = pe_sub(y, x);
+    best->distance = pe_length(apart);
+    touch->on_a = x;
+    touch->normal = pe_scale(1 / best->distance, apart);
+}
+
 pe_nearest pe_solids_nearest(const pe_solid_pair *pair, double bound)
 {
     search s = {.pair = pair, .best = {.distance = bound}};
     pe_near_facets(pair, &s.best.distance, try_facets, &s);
+    if (s.best.found && !s.best.cross) {
+        measure_again(pair, &s.best);
+    }
     return s.best;
 }
