@@ -197,18 +197,18 @@ static placed moved_a_little(trial *t, double step)
 }
 
 /* The depth of an overlap with a hollow solid jumps from pose to pose, and where it does, either
- * value is right: whether some pose within rounding of the pair's has this one. */
+ * value is right: whether some pose within the slack of the pair's, 1e-8 of the size, has this one. */
 static bool jumps_to(trial *t, double separation, double within)
 {
-    enum { TRIES = 100 };
+    enum { TRIES = 200 };
     bool found = false;
     for (int i = 0; i < TRIES && !found; ++i) {
-        double step = t->tolerance * pow(10, check_uniform(&t->random, -3, 0));
+        double step = 1e-8 * t->pair.size * pow(10, check_uniform(&t->random, -5, 0));
         placed b = moved_a_little(t, step);
         pe_vec3 n;
         patches near = collide(&t->pair.a, &b, t->margin);
         const pe_hit *hit = deepest_of(&near, &n);
-        found = hit != NULL && fabs(hit->separation - separation) <= within + t->tolerance;
+        found = hit != NULL && fabs(hit->separation - separation) <= within + 2 * step;
     }
     return found;
 }

@@ -121,11 +121,13 @@ static void drop_overlaps(const pe_solid_pair *pair, pe_touches *list)
 static int collide_solids(pe_solid_pair *pair, const pe_pose *pose, double margin,
                           pe_workspace work, pe_hits *patches)
 {
-    double wanted = margin + pair->radius, look = wanted * (1 + PE_LOOK_AHEAD) + pair->slack;
+    double wanted = margin + pair->radius;
+    /* Not less than what settles an overlap, so that its contacts do not hang on the margin. */
+    double look = pe_max(wanted * (1 + PE_LOOK_AHEAD) + pair->slack, pair->depth);
     if (!pe_solid_pair_part(pair, wanted + pair->slack)) {
         return 0;
     }
-    if (!pe_solid_pair_gather(pair, pe_max(look, pair->depth), work)) {
+    if (!pe_solid_pair_gather(pair, look, work)) {
         return -1;
     }
     /* What is found first bounds the search for the nearest points. */

@@ -56,7 +56,7 @@ typedef struct pe_solid_pair {
 } pe_solid_pair;
 
 /* In units of `size`: a point this far beyond the rim of a face still lies on it. */
-#define PE_SLACK 9e-9
+#define PE_SLACK 6e-9
 /* In units of the margin: how much farther features are looked for, to know from which margin on
  * there would be more. */
 #define PE_LOOK_AHEAD 0.1
@@ -229,7 +229,7 @@ void pe_touches_find_way_out(const pe_solid_pair *pair, const pe_nearest *neares
                              pe_touches *list);
 
 /* Drops the overlaps beside which another touch, at about the same place and in another direction,
- * says that the solids overlap less there, or not at all. `radius`, `size`: as in pe_solid_pair. */
+ * says that the solids overlap less there, or are apart, by no more than PE_DEPTH. `radius`, `size`: as in pe_solid_pair. */
 void pe_touches_settle(pe_touches *list, double radius, double size);
 
 /* The least separation; HUGE_VAL: none. */

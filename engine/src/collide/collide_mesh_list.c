@@ -85,12 +85,12 @@ static pe_vec3 middle_of(const pe_touch *t, double radius)
 static bool has_better(const pe_touches *list, const pe_touch *t, double radius, double size)
 {
     double height = t->separation + radius, tie = TIE * size;
-    double near = PLACE * height;
+    double near = PLACE * height, most = pe_min(-height, PE_DEPTH * size);
     pe_vec3 x = middle_of(t, radius);
     for (int i = 0; i < list->count; ++i) {
         const pe_touch *other = &list->items[i];
         double h = other->separation + radius;
-        if (!other->strict || other->dent || h <= height + tie || h > -height) {
+        if (!other->strict || other->dent || h <= height + tie || h > most) {
             continue;
         }
         pe_vec3 d = pe_sub(middle_of(other, radius), x);

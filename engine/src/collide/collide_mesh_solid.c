@@ -213,17 +213,31 @@ static double inset(const pe_facet *facet, int k, pe_vec3 x, double *length2)
     return pe_dot(pe_cross(facet->normal, u), pe_sub(x, from));
 }
 
-/* Whether x lies beyond the edge from corner k by more than `slack`. */
-static bool is_past(const pe_facet *facet, int k, pe_vec3 x, double slack)
+/* Whether x, beyond the sides that are marked and seen along the normal, is farther from a corner
+ * than the slack beyond both sides of a right angle: at a sharp one both lines are near far off. */
+static bool is_past_a_corner(const pe_facet *facet, const bool beyond[3], pe_vec3 x, double slack)
 {
-    double length2, in = inset(facet, k, x, &length2);
-    return in < 0 && in * in > slack * slack * length2;
+    for (int k = 0; k < 3; ++k) {
+        if (beyond[k] && beyond[k > 0 ? k - 1 : 2]) {
+            pe_vec3 d = pe_sub(x, facet->x[k]);
+            double height = pe_dot(facet->normal, d);
+            return pe_dot(d, d) - height * height > 2 * slack * slack;
+        }
+    }
+    return false;
 }
 
 bool pe_facet_holds(const pe_facet *facet, pe_vec3 x, double slack)
 {
-    return !is_past(facet, 0, x, slack) && !is_past(facet, 1, x, slack) &&
-           !is_past(facet, 2, x, slack);
+    bool beyond[3];
+    for (int k = 0; k < 3; ++k) {
+        double length2, in = inset(facet, k, x, &length2);
+        beyond[k] = in < 0;
+        if (beyond[k] && in * in > slack * slack * length2) {
+            return false;
+        }
+    }
+    return !is_past_a_corner(facet, beyond, x, slack);
 }
 
 /* Whether x is behind the face of the solid, but by no more than `past`. */
@@ -238,10 +252,12 @@ static bool is_behind(const pe_solid *solid, const pe_bvh_pair *seen, int face, 
 bool pe_facet_holds_dented(const pe_solid *solid, const pe_bvh_pair *seen, const pe_facet *facet,
                            pe_vec3 x, double slack, double past, bool *dent)
 {
+    bool beyond[3];
     *dent = false;
     past = pe_max(past, slack);
     for (int k = 0; k < 3; ++k) {
         double length2, in = inset(facet, k, x, &length2);
+        beyond[k] = in < 0;
         if (in > 0 && in * in > slack * slack * length2) {
             continue;
         }
@@ -257,8 +273,9 @@ bool pe_facet_holds_dented(const pe_solid *solid, const pe_bvh_pair *seen, const
             return false;
         }
         *dent = true;
+        beyond[k] = false;
     }
-    return true;
+    return !is_past_a_corner(facet, beyond, x, slack);
 }
 
 bool pe_facet_heights(const pe_facet *over, const pe_facet *of, double bound, double height[3])
@@ -403,6 +420,9 @@ bool pe_solid_pair_part(pe_solid_pair *pair, double limit)
     enum { MOST_STEPS = 6 };
     pe_bvh_pair *trees = &pair->trees;
     pe_vec3 v = pe_scale(-1, trees->offset); /* of b - a, as near to the origin as is known */
+    if (!(pe_dot(v, v) > 0)) {
+        v = pe_v3(0, 0, pair->size); /* any direction tells something of concentric solids */
+    }
     double best = -HUGE_VAL;
     for (int step = 0; step < MOST_STEPS; ++step) {
         double length = pe_length(v);

@@ -163,14 +163,14 @@ static void try_end_edge(const finder *f, int end, pe_vec3 x, const pe_ridge *b)
     const pe_solid_pair *pair = f->pair;
     double t = pe_dot(pe_sub(x, b->x), b->along) / b->length2;
     bool at_vertex = t <= 0 || t >= 1;
-    t = pe_max(0, pe_min(1, t));
-    pe_vec3 apart = pe_sub(pe_madd(b->x, t, b->along), x), out = pe_scale(-1, apart);
+    int vertex = pair->b.edges[b->edge].vertex[t >= 1];
+    pe_vec3 y = at_vertex ? pair->b.vertices[vertex] : pe_madd(b->x, t, b->along);
+    pe_vec3 apart = pe_sub(y, x), out = pe_scale(-1, apart);
     double distance = pe_length(apart);
     if (distance > f->reach || !(distance > pair->slack) ||
         !faces(&pair->a, end, pe_unrotate(&pair->trees.turn, out), distance, FACING)) {
         return;
     }
-    int vertex = pair->b.edges[b->edge].vertex[t >= 1];
     if (at_vertex ? faces(&pair->b, vertex, apart, distance, ROUNDING)
                   : pe_ridge_faces(b, out, distance, ROUNDING)) {
         add_points(f, at_vertex ? PE_VERTEX_VERTEX : PE_VERTEX_EDGE, end,
