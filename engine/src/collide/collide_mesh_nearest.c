@@ -6,58 +6,74 @@
  * ones suffice, for nothing outside a solid is nearest to a dent of it. */
 #include "collide_mesh.h"
 
-static void take_vertex_face(pe_touch_kind kind, const pe_facet *of, int corner,
-                             const pe_facet *over, double height, pe_nearest *best)
+/* In units of the smaller solid: of features as near as this the one of the lowest name is taken,
+ * in whatever order they are found. */
+static const double TIE = 1e-13;
+
+typedef struct search {
+    const pe_solid_pair *pair;
+    double bound; /* m: what is farther is not looked at */
+    pe_nearest best;
+} search;
+
+static void offer(search *s, const pe_nearest *found)
+{
+    double tie = TIE * s->pair->size, least = pe_min(s->best.distance, found->distance);
+    if (!s->best.found || found->distance < s->best.distance - tie ||
+        found->touch.feature < s->best.touch.feature) {
+        s->best = *found;
+    }
+    s->best.distance = least;
+    s->bound = least + tie;
+}
+
+static void try_edges(search *s, const pe_ridge *a, const pe_ridge *b)
+{
+    double at_a, at_b;
+    pe_segments_nearest(a->x, a->along, b->x, b->along, &at_a, &at_b);
+    pe_vec3 on_a = pe_madd(a->x, at_a, a->along);
+    pe_vec3 apart = pe_sub(pe_madd(b->x, at_b, b->along), on_a);
+    double distance2 = pe_dot(apart, apart);
+    if (!(distance2 < s->bound * s->bound && distance2 > 0)) {
+        return;
+    }
+    bool end_a = at_a <= 0 || at_a >= 1, end_b = at_b <= 0 || at_b >= 1;
+    pe_touch_kind kind = end_a   ? end_b ? PE_VERTEX_VERTEX : PE_VERTEX_EDGE
+                         : end_b ? PE_EDGE_VERTEX
+                                 : PE_EDGE_EDGE;
+    int name_a = end_a ? s->pair->a.edges[a->edge].vertex[at_a >= 1] : a->edge;
+    int name_b = end_b ? s->pair->b.edges[b->edge].vertex[at_b >= 1] : b->edge;
+    double distance = sqrt(distance2);
+    pe_nearest found = {
+        .distance = distance,
+        .found = true,
+        .touch = {.feature = pe_touch_feature(kind, name_a, name_b),
+                  .kind = kind,
+                  .on_a = on_a,
+                  .normal = pe_scale(1 / distance, apart)},
+    };
+    offer(s, &found);
+}
+
+static void try_vertices(search *s, pe_touch_kind kind, const pe_facet *of, const pe_facet *over,
+                         const double height[3])
 {
     bool of_a = kind == PE_VERTEX_FACE;
-    best->distance = fabs(height);
-    best->found = true;
-    best->inside = height < 0;
-    best->touch.kind = kind;
-    best->touch.feature = pe_touch_feature(kind, of->vertices[corner], over->face);
-    best->touch.normal = pe_scale(of_a ? -1 : 1, over->normal);
-    best->touch.on_a = of_a ? of->x[corner] : pe_madd(of->x[corner], -height, over->normal);
-}
-
-static void take_edges(const pe_solid_pair *pair, const pe_ridge *a, const pe_ridge *b, double s,
-                       double t, pe_vec3 on_a, pe_vec3 apart, double distance2, pe_nearest *best)
-{
-    bool end_a = s <= 0 || s >= 1, end_b = t <= 0 || t >= 1;
-    pe_touch *touch = &best->touch;
-    touch->kind = end_a   ? end_b ? PE_VERTEX_VERTEX : PE_VERTEX_EDGE
-                  : end_b ? PE_EDGE_VERTEX
-                          : PE_EDGE_EDGE;
-    int name_a = end_a ? pair->a.edges[a->edge].vertex[s >= 1] : a->edge;
-    int name_b = end_b ? pair->b.edges[b->edge].vertex[t >= 1] : b->edge;
-    touch->feature = pe_touch_feature(touch->kind, name_a, name_b);
-    best->distance = sqrt(distance2);
-    best->found = true;
-    best->inside = false;
-    touch->on_a = on_a;
-    touch->normal = pe_scale(1 / best->distance, apart);
-}
-
-static void try_edges(const pe_solid_pair *pair, const pe_ridge *a, const pe_ridge *b,
-                      pe_nearest *best)
-{
-    double s, t;
-    pe_segments_nearest(a->x, a->along, b->x, b->along, &s, &t);
-    pe_vec3 on_a = pe_madd(a->x, s, a->along);
-    pe_vec3 apart = pe_sub(pe_madd(b->x, t, b->along), on_a);
-    double distance2 = pe_dot(apart, apart);
-    if (distance2 < best->distance * best->distance && distance2 > 0) {
-        take_edges(pair, a, b, s, t, on_a, apart, distance2, best);
-    }
-}
-
-static void try_vertices(pe_touch_kind kind, const pe_facet *of, const pe_facet *over,
-                         const double height[3], pe_nearest *best)
-{
     for (int k = 0; k < 3; ++k) {
         bool owned = (of->owns >> k & 1) != 0;
-        if (owned && fabs(height[k]) < best->distance && pe_facet_holds(over, of->x[k], 0)) {
-            take_vertex_face(kind, of, k, over, height[k], best);
+        if (!owned || !(fabs(height[k]) < s->bound) || !pe_facet_holds(over, of->x[k], 0)) {
+            continue;
         }
+        pe_nearest found = {
+            .distance = fabs(height[k]),
+            .found = true,
+            .inside = height[k] < 0,
+            .touch = {.feature = pe_touch_feature(kind, of->vertices[k], over->face),
+                      .kind = kind,
+                      .on_a = of_a ? of->x[k] : pe_madd(of->x[k], -height[k], over->normal),
+                      .normal = pe_scale(of_a ? -1 : 1, over->normal)},
+        };
+        offer(s, &found);
     }
 }
 
@@ -69,41 +85,34 @@ static double least_height(const double height[3])
     return least > 0 ? least : most < 0 ? -most : 0;
 }
 
-typedef struct search {
-    const pe_solid_pair *pair;
-    pe_nearest best;
-} search;
-
 static bool try_facets(void *context, pe_facet *a, pe_facet *b)
 {
     search *s = context;
-    pe_nearest *best = &s->best;
     const pe_solid_pair *pair = s->pair;
     double above_a[3] = {0}, above_b[3];
-    if (!pe_facet_heights(b, a, best->distance, above_b) ||
-        (a->face >= 0 && !pe_facet_heights(a, b, best->distance, above_a))) {
+    if (!pe_facet_heights(b, a, s->bound, above_b) ||
+        (a->face >= 0 && !pe_facet_heights(a, b, s->bound, above_a))) {
         return true;
     }
     pe_vec3 where[PE_MOST_PIERCINGS];
     double bound_b = least_height(above_b), bound_a = least_height(above_a);
     if (bound_b == 0 && (a->face < 0 || bound_a == 0) &&
         pe_facets_cross(a, above_b, b, above_a, 0, where) > 0) {
-        best->cross = best->found = true;
-        best->inside = false;
+        s->best = (pe_nearest){.distance = s->best.distance, .found = true, .cross = true};
         return false;
     }
-    try_vertices(PE_VERTEX_FACE, a, b, above_b, best);
+    try_vertices(s, PE_VERTEX_FACE, a, b, above_b);
     if (a->face >= 0) {
-        try_vertices(PE_FACE_VERTEX, b, a, above_a, best);
+        try_vertices(s, PE_FACE_VERTEX, b, a, above_a);
     }
-    if (pe_max(bound_a, bound_b) >= best->distance) {
+    if (pe_max(bound_a, bound_b) >= s->bound) {
         return true;
     }
     pe_facet_ridges(&pair->a, &pair->trees, a);
     pe_facet_ridges(&pair->b, NULL, b);
     for (int i = 0; i < a->ridge_count; ++i) {
         for (int j = 0; j < b->ridge_count; ++j) {
-            try_edges(pair, &a->ridges[i], &b->ridges[j], best);
+            try_edges(s, &a->ridges[i], &b->ridges[j]);
         }
     }
     return true;
@@ -150,8 +159,8 @@ static void measure_again(const pe_solid_pair *pair, pe_nearest *best)
 
 pe_nearest pe_solids_nearest(const pe_solid_pair *pair, double bound)
 {
-    search s = {.pair = pair, .best = {.distance = bound}};
-    pe_near_facets(pair, &s.best.distance, try_facets, &s);
+    search s = {.pair = pair, .bound = bound, .best = {.distance = bound}};
+    pe_near_facets(pair, &s.bound, try_facets, &s);
     if (s.best.found && !s.best.cross) {
         measure_again(pair, &s.best);
     }

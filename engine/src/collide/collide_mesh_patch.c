@@ -3,8 +3,9 @@
 
 /* Sine of the angle up to which normals are one. */
 static const double ONE_NORMAL = 1e-3;
-/* The same for touches that no plane has, whose normal is that of their line alone. */
-static const double ONE_LINE = 1e-7;
+/* For touches that no plane has, whose normal is that of their line alone, it is less: by how far
+ * the points move when the line turns so much about the core, in units of the smaller solid. */
+static const double ONE_LINE = 5e-9;
 
 /* In units of the smaller solid: */
 static const double MERGE_DISTANCE = 1e-4; /* nearer points of a patch are one */
@@ -50,10 +51,13 @@ static int find_leader(const pe_touches *list, double size)
     return leader;
 }
 
-static bool same_normal(const pe_touch *t, pe_vec3 n)
+static bool same_normal(const pe_touch *t, pe_vec3 n, const pe_patch_rules *rules)
 {
     pe_vec3 c = pe_cross(t->normal, n);
-    double most = t->kind <= PE_EDGE_EDGE ? ONE_NORMAL : ONE_LINE;
+    double length = rules->radius + fabs(t->separation), most = ONE_NORMAL;
+    if (t->kind > PE_EDGE_EDGE && length > 0) {
+        most = pe_min(most, ONE_LINE * rules->size / length);
+    }
     return pe_dot(t->normal, n) > 0 && pe_dot(c, c) <= most * most;
 }
 
@@ -174,7 +178,7 @@ static void gather(gatherer *g, pe_touches *list, int leader)
     g->count = 0;
     for (int i = 0; i < list->count; ++i) {
         pe_touch *t = &list->items[i];
-        if (!t->merged && same_normal(t, g->normal)) {
+        if (!t->merged && same_normal(t, g->normal, g->rules)) {
             t->merged = true;
             add_point(g, point_of(g, t));
         }
