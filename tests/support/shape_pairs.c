@@ -124,7 +124,7 @@ static form mesh_form(int index, bool *convex)
     case 0:
         return form_cube();
     case 1:
-        return form_icosahedron();
+        return index % 2 == 0 ? form_icosahedron() : form_icosphere();
     case 2:
         return form_torus(1, 0.3, 12, 6);
     default:

@@ -93,6 +93,39 @@ form form_icosahedron(void)
     return form_hull(p, 12);
 }
 
+static uint32_t middle_of(form *f, uint32_t i, uint32_t j)
+{
+    pe_vec3 x = pe_add(f->vertices[i], f->vertices[j]);
+    x = pe_scale(pe_length(f->vertices[i]) / pe_length(x), x);
+    for (uint32_t k = 0; k < (uint32_t)f->vertex_count; ++k) {
+        if (pe_length(pe_sub(f->vertices[k], x)) < 1e-9) {
+            return k;
+        }
+    }
+    f->vertices[f->vertex_count] = x;
+    return (uint32_t)f->vertex_count++;
+}
+
+form form_icosphere(void)
+{
+    form coarse = form_icosahedron(), f = coarse;
+    f.triangle_count = 0;
+    for (int i = 0; i < coarse.triangle_count; ++i) {
+        const uint32_t *t = coarse.triangles[i];
+        uint32_t m[3];
+        for (int k = 0; k < 3; ++k) {
+            m[k] = middle_of(&f, t[k], t[(k + 1) % 3]);
+        }
+        for (int k = 0; k < 4; ++k) {
+            uint32_t *to = f.triangles[f.triangle_count++];
+            to[0] = k < 3 ? t[k] : m[0];
+            to[1] = k < 3 ? m[k] : m[1];
+            to[2] = k < 3 ? m[(k + 2) % 3] : m[2];
+        }
+    }
+    return f;
+}
+
 form form_cube(void)
 {
     form f = {.vertex_count = 8};
