@@ -148,6 +148,9 @@ static bool is_point_sound(trial *t, const pe_hits *patch, const pe_hit *hit, do
     /* Corners a hundred-millionth beside a face count as on it, so that flush sides do not make
      * them come and go. */
     double within = t->tolerance + 1e-8 * t->pair.size;
+    /* Across the normal the nearest points are known to so much only, for they then are no farther
+     * apart but for rounding. */
+    within += sqrt(2 * pe_max(0, hit->separation) * DBL_EPSILON * (wide(&t->pair) + 5));
     return is_near(t, "point of a outside it by", off_the_solid(&t->pair.a, on_a), 0, within) &&
            is_near(t, "point of b outside it by", off_the_solid(&t->pair.b, on_b), 0, within);
 }
@@ -231,8 +234,11 @@ static bool is_the_same(trial *t, const patches *other, double separation, pe_ve
     if (!is_near(t, "least separation", hit->separation, separation, within)) {
         return is_hollow(&t->pair) && jumps_to(t, hit->separation, within);
     }
+    /* Of meshes that overlap more than a little, depth is not the shortest way out: see
+     * collide_mesh.c. */
+    bool deep = t->pair.b.shape.kind == PE_SHAPE_MESH && separation < -1e-3 * t->pair.size;
     double turned = pe_length(pe_sub(normal, other_normal));
-    return turned <= 1e-9 || is_hollow(&t->pair) ||
+    return turned <= 1e-9 || is_hollow(&t->pair) || deep ||
            is_near(t, "separation along the other normal",
                    pair_separation_along(&t->pair, other_normal), separation, 2 * within);
 }

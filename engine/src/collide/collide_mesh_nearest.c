@@ -9,6 +9,8 @@
 /* In units of the smaller solid: of features as near as this the one of the lowest name is taken,
  * in whatever order they are found. */
 static const double TIE = 1e-13;
+/* Edges at a smaller angle than this, in rad, have no common normal but for rounding. */
+static const double LEAST_SINE = 1e-6;
 
 typedef struct search {
     const pe_solid_pair *pair;
@@ -123,38 +125,74 @@ static pe_vec3 vertex_of_a(const pe_solid_pair *pair, int vertex)
     return pe_add(pe_rotate(&pair->trees.turn, pair->a.vertices[vertex]), pair->trees.offset);
 }
 
-static pe_vec3 nearest_on(pe_vec3 p, pe_vec3 q, pe_vec3 x)
+/* An edge of either solid. */
+typedef struct line {
+    pe_vec3 from, along;
+} line;
+
+static line edge_of_a(const pe_solid_pair *pair, int edge)
 {
-    pe_vec3 u = pe_sub(q, p);
-    return pe_madd(p, pe_dot(pe_sub(x, p), u) / pe_dot(u, u), u);
+    const int *ends = pair->a.edges[edge].vertex;
+    pe_vec3 from = vertex_of_a(pair, ends[0]);
+    return (line){from, pe_sub(vertex_of_a(pair, ends[1]), from)};
+}
+
+static line edge_of_b(const pe_solid_pair *pair, int edge)
+{
+    const int *ends = pair->b.edges[edge].vertex;
+    pe_vec3 from = pair->b.vertices[ends[0]];
+    return (line){from, pe_sub(pair->b.vertices[ends[1]], from)};
+}
+
+static pe_vec3 nearest_on(const line *l, pe_vec3 x)
+{
+    return pe_madd(l->from, pe_dot(pe_sub(x, l->from), l->along) / pe_dot(l->along, l->along),
+                   l->along);
+}
+
+static pe_vec3 square_to(const line *l, pe_vec3 d)
+{
+    return pe_madd(d, -pe_dot(d, l->along) / pe_dot(l->along, l->along), l->along);
 }
 
 /* A vertex ends several edges, and each finds it with another rounding: the points again, from the
- * features alone. */
+ * features alone. Where they are near each other, the line between them has few digits; square to
+ * an edge it must be to all of them. */
 static void measure_again(const pe_solid_pair *pair, pe_nearest *best)
 {
     pe_touch *touch = &best->touch;
     int name_a = pe_touch_first(touch->feature), name_b = pe_touch_second(touch->feature);
-    if (touch->kind <= PE_EDGE_EDGE) {
+    if (touch->kind < PE_EDGE_EDGE) {
         return;
     }
-    pe_vec3 x, y;
-    if (touch->kind == PE_EDGE_VERTEX) {
-        const int *ends = pair->a.edges[name_a].vertex;
-        y = pair->b.vertices[name_b];
-        x = nearest_on(vertex_of_a(pair, ends[0]), vertex_of_a(pair, ends[1]), y);
-    } else {
+    pe_vec3 x, n;
+    if (touch->kind == PE_VERTEX_VERTEX) {
         x = vertex_of_a(pair, name_a);
-        y = pair->b.vertices[touch->kind == PE_VERTEX_VERTEX ? name_b : 0];
-        if (touch->kind == PE_VERTEX_EDGE) {
-            const int *ends = pair->b.edges[name_b].vertex;
-            y = nearest_on(pair->b.vertices[ends[0]], pair->b.vertices[ends[1]], x);
-        }
+        n = pe_sub(pair->b.vertices[name_b], x);
+        best->distance = pe_length(n);
+    } else if (touch->kind == PE_VERTEX_EDGE) {
+        line b = edge_of_b(pair, name_b);
+        x = vertex_of_a(pair, name_a);
+        n = pe_sub(nearest_on(&b, x), x);
+        best->distance = pe_length(n);
+        n = square_to(&b, n);
+    } else if (touch->kind == PE_EDGE_VERTEX) {
+        line a = edge_of_a(pair, name_a);
+        x = nearest_on(&a, pair->b.vertices[name_b]);
+        n = pe_sub(pair->b.vertices[name_b], x);
+        best->distance = pe_length(n);
+        n = square_to(&a, n);
+    } else {
+        line a = edge_of_a(pair, name_a), b = edge_of_b(pair, name_b);
+        x = touch->on_a;
+        n = pe_cross(a.along, b.along);
+        double sine2 = pe_dot(n, n) / (pe_dot(a.along, a.along) * pe_dot(b.along, b.along));
+        n = !(sine2 > LEAST_SINE * LEAST_SINE) ? touch->normal
+            : pe_dot(n, touch->normal) < 0     ? pe_scale(-1, n)
+                                               : n;
     }
-    pe_vec3 apart = pe_sub(y, x);
-    best->distance = pe_length(apart);
     touch->on_a = x;
-    touch->normal = pe_scale(1 / best->distance, apart);
+    touch->normal = pe_scale(1 / pe_length(n), n);
 }
 
 pe_nearest pe_solids_nearest(const pe_solid_pair *pair, double bound)

@@ -28,6 +28,14 @@ typedef struct gatherer {
     int count;
 } gatherer;
 
+/* Points and lines alone are nearest, so that they face each other; of overlaps the ways out are
+ * left. */
+static bool leads(const pe_touch *t, const pe_patch_rules *rules)
+{
+    return t->strict || t->kind > PE_EDGE_EDGE ||
+           t->separation + rules->radius < -TIE * rules->size;
+}
+
 static double bias(const pe_touch *t, double size)
 {
     return t->kind == PE_FACE_VERTEX   ? 0
@@ -35,20 +43,31 @@ static double bias(const pe_touch *t, double size)
                                        : EDGE_BIAS * size;
 }
 
-/* The touch that gives the next patch its normal; -1: none is left. */
-static int find_leader(const pe_touches *list, double size)
+/* The touch that gives the next patch its normal; -1: none is left. What faces the other feature
+ * but nearly joins a patch and leads none, unless nothing faces. */
+static int find_leader(const pe_touches *list, const pe_patch_rules *rules, bool must_face)
 {
     int leader = -1;
     double least = HUGE_VAL;
     for (int i = 0; i < list->count; ++i) {
         const pe_touch *t = &list->items[i];
-        double value = t->separation + bias(t, size);
-        if (!t->merged && value < least) {
+        double value = t->separation + bias(t, rules->size);
+        if (!t->merged && (leads(t, rules) || !must_face) && value < least) {
             least = value;
             leader = i;
         }
     }
     return leader;
+}
+
+static bool has_leader(const pe_touches *list, const pe_patch_rules *rules)
+{
+    for (int i = 0; i < list->count; ++i) {
+        if (leads(&list->items[i], rules)) {
+            return true;
+        }
+    }
+    return false;
 }
 
 static bool same_normal(const pe_touch *t, pe_vec3 n, const pe_patch_rules *rules)
@@ -231,8 +250,9 @@ int pe_touches_make_patches(pe_touches *list, const pe_patch_rules *rules, const
     g.points = list->count > 0 ? pe_take(list->work, (size_t)list->count, sizeof *g.points) : NULL;
     list->failed = list->failed || (list->count > 0 && g.points == NULL);
     int count = 0;
+    bool must_face = has_leader(list, rules);
     for (int leader; count < PE_MAX_PATCHES && !list->failed; ++count) {
-        leader = find_leader(list, rules->size);
+        leader = find_leader(list, rules, must_face);
         if (leader < 0) {
             break;
         }

@@ -287,8 +287,8 @@ bool pe_facet_heights(const pe_facet *over, const pe_facet *of, double bound, do
            pe_max(height[0], pe_max(height[1], height[2])) >= -bound;
 }
 
-/* Adds the points at which edges of the facet `of` pierce the other. An edge that begins in its plane
- * does so there. */
+/* Adds the points at which edges of the facet `of` pierce the other. An edge that begins in its
+ * plane does so there. */
 static int add_piercings(const pe_facet *over, const pe_facet *of, const double height[3],
                          double slack, pe_vec3 *where, int count)
 {
