@@ -27,6 +27,23 @@ static pe_vec3 random_vector(check_random *random, double size)
     return pe_v3(x, y, check_uniform(random, -size, size));
 }
 
+/* A box of the half extents, of two triangles a side. */
+static pe_geometry_id box_mesh(pe_world *world, pe_vec3 e)
+{
+    static const uint32_t triangles[12][3] = {{4, 6, 2}, {4, 2, 0}, {1, 3, 7}, {1, 7, 5},
+                                              {1, 5, 4}, {1, 4, 0}, {2, 6, 7}, {2, 7, 3},
+                                              {2, 3, 1}, {2, 1, 0}, {4, 5, 7}, {4, 7, 6}};
+    pe_vec3 vertices[8];
+    for (int i = 0; i < 8; ++i) {
+        vertices[i] = pe_mul(pe_v3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1), e);
+    }
+    const pe_geometry_def def = {
+        .vertices = vertices, .triangles = triangles, .vertex_count = 8, .triangle_count = 12};
+    pe_geometry_id id;
+    assert_int_equal(pe_geometry_create(world, &def, &id, NULL), PE_OK);
+    return id;
+}
+
 /* How far the body reaches beyond the wall's near face. */
 static double reach(const pe_shape *shape, const pe_body_state *s)
 {
@@ -48,6 +65,9 @@ static void fly(check_random *random, pe_profile profile, pe_shape shape, double
     double q[4];
     check_quaternion(random, q);
     def.shape = shape;
+    if (shape.kind == PE_SHAPE_MESH) {
+        def.shape.geometry = box_mesh(world, shape.half_extents);
+    }
     def.orientation = (pe_quat){q[0], q[1], q[2], q[3]};
     def.position = pe_v3(-check_uniform(random, 1, 12), 0, 0);
     pe_vec3 sideways = random_vector(random, 1.2);
@@ -96,12 +116,19 @@ static void test_a_spinning_plate_does_not_either(void **state)
     fly_all((pe_shape){.kind = PE_SHAPE_BOX, .half_extents = {0.5, 0.5, 0.005}}, 50);
 }
 
+static void test_a_plate_of_triangles_does_not_either(void **state)
+{
+    (void)state;
+    fly_all((pe_shape){.kind = PE_SHAPE_MESH, .half_extents = {0.5, 0.5, 0.005}}, 50);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_sphere_at_200_m_s_does_not_pass_a_wall_of_1_cm),
         cmocka_unit_test(test_a_plate_at_200_m_s_does_not_pass_a_wall_of_1_cm),
         cmocka_unit_test(test_a_spinning_plate_does_not_either),
+        cmocka_unit_test(test_a_plate_of_triangles_does_not_either),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

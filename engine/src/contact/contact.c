@@ -204,6 +204,11 @@ static pe_status build_pair(finder *f, pe_pair pair, const old_patches *old, con
     return status;
 }
 
+static bool is_convex(const pe_body *b)
+{
+    return b->shape.kind != PE_SHAPE_MESH || b->geometry->convex;
+}
+
 /* Finds the pair's manifolds: the old ones carried along, or new ones, or none. */
 static pe_status find_pair(finder *f, pe_pair pair)
 {
@@ -241,8 +246,7 @@ static pe_status find_pair(finder *f, pe_pair pair)
             pe_hits_reduce(&patches[i], size);
         }
     }
-    bool convex = a->shape.kind != PE_SHAPE_MESH && b->shape.kind != PE_SHAPE_MESH;
-    if (count > 0 && convex) {
+    if (count > 0 && is_convex(a) && is_convex(b)) {
         pe_hits_hold_centre(&patches[0], a, pose_a, b, pose_b, margin);
     }
     return build_pair(f, pair, &old, patches, count, &relative, size);
