@@ -510,16 +510,37 @@ static void test_what_slides_over_a_flat_floor_feels_none_of_its_inner_edges(voi
     free_geometry(small);
 }
 
-/* The smooth torus about z that the mesh of ring 0.35 and tube 0.15 stands for: the unit vector out
- * of it at x. */
-static pe_vec3 out_of_torus(const body *b, pe_vec3 x)
+/* The smooth torus about z that the mesh of ring 0.35 and tube 0.15 stands for: to x from the
+ * nearest point of its ring. */
+static pe_vec3 from_ring(const body *b, pe_vec3 x)
 {
     pe_mat3 frame = pe_matrix_of(
         pe_quat_product(b->pose.orientation, pe_quat_conjugate(b->geometry->frame.orientation)));
     pe_vec3 y = pe_unrotate(&frame, pe_sub(x, b->pose.position));
     double r = sqrt(y.x * y.x + y.y * y.y);
-    pe_vec3 ring = pe_v3(0.35 * y.x / r, 0.35 * y.y / r, 0), out = pe_sub(y, ring);
-    return pe_rotate(&frame, pe_scale(1 / pe_length(out), out));
+    return pe_rotate(&frame, pe_sub(y, pe_v3(0.35 * y.x / r, 0.35 * y.y / r, 0)));
+}
+
+static pe_vec3 out_of_torus(const body *b, pe_vec3 x)
+{
+    pe_vec3 out = from_ring(b, x);
+    return pe_scale(1 / pe_length(out), out);
+}
+
+/* The gap of two such tori, from points along the ring of the first. */
+static double gap_of_tori(const body *a, const body *b)
+{
+    enum { POINTS = 2000 };
+    pe_mat3 frame = pe_matrix_of(
+        pe_quat_product(a->pose.orientation, pe_quat_conjugate(a->geometry->frame.orientation)));
+    double least = HUGE_VAL;
+    for (int i = 0; i < POINTS; ++i) {
+        double angle = 6.283185307179586 * i / POINTS;
+        pe_vec3 x = pe_v3(0.35 * cos(angle), 0.35 * sin(angle), 0);
+        x = pe_add(a->pose.position, pe_rotate(&frame, x));
+        least = pe_min(least, pe_length(from_ring(b, x)));
+    }
+    return least - 2 * 0.15;
 }
 
 /* Rings through each other, touching or overlapping by up to a fifth of the tube: no normal leads
@@ -538,10 +559,10 @@ static void test_linked_rings_are_never_pulled_through_each_other(void **state)
             g,
             pe_v3(0.35 + check_uniform(&random, -0.1, 0.1), 0, check_uniform(&random, -0.1, 0.1)),
             q);
-        found f = collide(&a, &b, 0.01);
-        if (f.count > 0 && least_of(&f) < -0.03) {
+        if (gap_of_tori(&a, &b) < -0.03) {
             continue;
         }
+        found f = collide(&a, &b, 0.01);
         for (int p = 0; p < f.count; ++p) {
             for (int k = 0; k < f.patch[p].count; ++k) {
                 pe_vec3 x = f.patch[p].item[k].position, n = f.patch[p].normal;

@@ -200,7 +200,8 @@ static placed moved_a_little(trial *t, double step)
 }
 
 /* The depth of an overlap with a hollow solid jumps from pose to pose, and where it does, either
- * value is right: whether some pose within the slack of the pair's, 1e-8 of the size, has this one. */
+ * value is right: whether some pose within the slack of the pair's, 1e-8 of the size, has this one.
+ */
 static bool jumps_to(trial *t, double separation, double within)
 {
     enum { TRIES = 200 };

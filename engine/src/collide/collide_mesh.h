@@ -229,7 +229,8 @@ void pe_touches_find_way_out(const pe_solid_pair *pair, const pe_nearest *neares
                              pe_touches *list);
 
 /* Drops the overlaps beside which another touch, at about the same place and in another direction,
- * says that the solids overlap less there, or are apart, by no more than PE_DEPTH. `radius`, `size`: as in pe_solid_pair. */
+ * says that the solids overlap less there, or are apart, by no more than PE_DEPTH. `radius`,
+ * `size`: as in pe_solid_pair. */
 void pe_touches_settle(pe_touches *list, double radius, double size);
 
 /* The least separation; HUGE_VAL: none. */
