@@ -11,7 +11,7 @@
 
 /* A solid of triangles as in pe_geometry. A core has one triangle without area and no faces. */
 typedef struct pe_solid {
-    bool core;
+    bool core, convex;
     const pe_node *nodes;
     const pe_vec3 *vertices;
     const int (*triangles)[3], (*triangle_edges)[3];
@@ -207,6 +207,26 @@ pe_vec3 pe_solid_nearest_point(const pe_solid *solid, pe_vec3 x);
 
 /* Whether the point (in the axes of `solid`) lies in the solid. */
 bool pe_solid_holds(const pe_solid *solid, pe_vec3 x);
+
+/* How far it is from x, along d, to where the surface is crossed outwards, in units of d; 0: it is
+ * not crossed within d. What is met within the slack counts, so that rounding does not decide. */
+double pe_solid_way_to_exit(const pe_solid *solid, pe_vec3 x, pe_vec3 d, double slack);
+
+/* A box about a segment or a point, and the tree of a solid in whose axes it is. */
+pe_bvh_pair pe_solid_around(const pe_node *node, const pe_solid *solid);
+
+/* Two triangles that cross, and where. */
+typedef struct pe_crossing {
+    const pe_facet *a, *b;
+    const double *above_a, *above_b; /* heights of the other's corners */
+    int count;
+    const pe_vec3 *where; /* (count), see pe_facets_cross */
+} pe_crossing;
+
+typedef void pe_take_crossing(void *context, const pe_crossing *c);
+
+/* Hands over each two triangles that cross or touch. */
+void pe_solids_each_crossing(const pe_solid_pair *pair, pe_take_crossing *take, void *context);
 
 /* Adds the features with a gap of at most `reach` or, where `depth` is not 0, an overlap of at most
  * that (m, of the cores): see collide_mesh.c. */

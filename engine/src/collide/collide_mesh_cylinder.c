@@ -1,161 +1,41 @@
-/* A cylinder against a mesh: against each triangle near it, as a hull without thickness, and each
- * vertex in it.
+/* A cylinder against a mesh that is not convex: against each triangle near it, as a hull without
+ * thickness, and each vertex in it.
  *
  * What a triangle gives counts when its direction is one that the mesh has there: the triangle's
- * own normal, or one between those of the faces at the edge or vertex that is nearest. So the rim
- * of a triangle inside a face gives nothing of its own. A triangle that is cut so deep that the
- * shortest way off it leads into the solid, or along it, gives nothing either. Where no triangle
- * gives an overlap but some are cut, the cylinder is pushed out along the normal of one of these,
- * by what of it lies under the triangle there: the one where that is least. */
-#include "collide_mesh.h"
+ * own normal, or one between those of the faces at the edge or vertex that is nearest. Along a
+ * face's normal the points are those of the face (collide_mesh_cylinder_face.c), also from its
+ * triangles that lie beside what is lowest, whose own nearest points are at a rim inside the face:
+ * so a cap upon a face that tilts a little keeps its points.
+ *
+ * Apart, the least distance of a triangle is that of the solids: where nothing else has it, the
+ * nearest points of that triangle are the contact. Of overlaps, a triangle that is cut so deep that
+ * the shortest way off it leads into the solid, or along it, gives nothing. Where no triangle gives
+ * an overlap but some are cut, the cylinder is pushed out along the normal of one of these, by what
+ * of it lies under the triangle there: the one where that is least. */
+#include "collide_mesh_cylinder.h"
 
-/* Sine of the angle up to which a direction is a face's normal. */
-static const double ALONG_NORMAL = 1e-6;
-/* Sine of the angle by which a direction may lie outside what an edge or a vertex faces. */
-static const double OUTSIDE = 1e-6;
-/* In units of the smaller shape: corners of a triangle that are level along a direction. */
-static const double LEVEL = 1e-8;
+/* In units of the smaller shape: separations that differ by less are one. */
+static const double TIE = 5e-10;
+/* The same: where an edge overlaps by more, its own direction is the way out, however near to that
+ * of a face. */
+static const double DEEP = 5e-7;
 
-/* A triangle as a hull, in axes about its middle. */
-typedef struct thin_hull {
-    pe_vec3 vertices[3];
-    pe_face faces[5];
-    pe_edge edges[6];
-    int corners[12], vertex_first[4], vertex_edges[12];
-    pe_geometry geometry;
-    pe_shape shape;
-    pe_pose pose;
-} thin_hull;
+/* A convex mesh of at most so many faces is collided as the hull that it is: exactly, in about the
+ * time of its triangles one by one. */
+enum { MOST_FACES = 128 };
 
 typedef struct scene {
     pe_placed cylinder, mesh;
+    pe_cylinder seen; /* in the mesh's axes */
     pe_solid solid;
-    pe_bvh_pair trees; /* of the cylinder's box and the mesh */
-    double size, reach;
+    double size;
     pe_touches list;
-    pe_touch fallback; /* of triangles that give nothing, the least deep way out */
-    bool is_over;      /* its point lies over its triangle: better than one that does not */
+    pe_touch nearest;     /* of the triangles that are apart; separation HUGE_VAL: none */
+    double nearest_value; /* its separation, or a little more where it has no name of its own */
+    bool cut;             /* a triangle passes through the cylinder */
+    pe_touch fallback;    /* of triangles that give nothing, the least deep way out */
+    bool is_over;         /* its point lies over its triangle: better than one that does not */
 } scene;
-
-/* Two faces back to back, and three without width between them, so that every edge has the normals
- * between which it is outermost. */
-static void make_hull(const scene *s, const pe_facet *f, thin_hull *h)
-{
-    static const int corners[12] = {0, 1, 2, 0, 2, 1, 0, 1, 1, 2, 2, 0}, first[4] = {0, 4, 8, 12};
-    static const int edges_at[12] = {0, 1, 4, 5, 0, 1, 2, 3, 2, 3, 4, 5};
-    pe_vec3 middle = pe_scale(1.0 / 3, pe_add(f->x[0], pe_add(f->x[1], f->x[2])));
-    double radius = 0;
-    h->faces[0] = (pe_face){.normal = f->normal, .corner_count = 3};
-    h->faces[1] =
-        (pe_face){.normal = pe_scale(-1, f->normal), .first_corner = 3, .corner_count = 3};
-    for (int k = 0; k < 3; ++k) {
-        int next = k < 2 ? k + 1 : 0;
-        h->vertices[k] = pe_sub(f->x[k], middle);
-        h->edges[2 * k] = (pe_edge){{k, next}, {0, 2 + k}, true};
-        h->edges[2 * k + 1] = (pe_edge){{k, next}, {2 + k, 1}, true};
-        h->vertex_first[k] = first[k];
-        radius = pe_max(radius, pe_length(h->vertices[k]));
-        pe_vec3 out = pe_cross(pe_sub(f->x[next], f->x[k]), f->normal);
-        out = pe_scale(1 / pe_length(out), out);
-        h->faces[2 + k] = (pe_face){.normal = out,
-                                    .offset = pe_dot(out, h->vertices[k]),
-                                    .first_corner = 6 + 2 * k,
-                                    .corner_count = 2};
-    }
-    h->vertex_first[3] = first[3];
-    for (int i = 0; i < 12; ++i) {
-        h->corners[i] = corners[i];
-        h->vertex_edges[i] = edges_at[i];
-    }
-    h->geometry = (pe_geometry){
-        .convex = true,
-        .vertex_count = 3,
-        .face_count = 5,
-        .edge_count = 6,
-        .corner_count = 12,
-        .vertices = h->vertices,
-        .faces = h->faces,
-        .edges = h->edges,
-        .corners = h->corners,
-        .vertex_first = h->vertex_first,
-        .vertex_edges = h->vertex_edges,
-        .bounding_radius = radius,
-        .size = s->size,
-        .box_half = {radius, radius, radius},
-    };
-    h->shape = (pe_shape){.kind = PE_SHAPE_HULL};
-    h->pose = *s->mesh.pose;
-    h->pose.position = pe_add(h->pose.position, pe_rotate(&h->pose.rotation, middle));
-}
-
-/* Whether the mesh has the direction `out`, away from it, at what of the triangle is last along it.
- */
-static bool is_faced(const scene *s, pe_facet *f, pe_vec3 out)
-{
-    pe_vec3 across = pe_cross(out, f->normal);
-    if (pe_dot(out, f->normal) > 0 && pe_dot(across, across) <= ALONG_NORMAL * ALONG_NORMAL) {
-        return true;
-    }
-    double along[3], most = -HUGE_VAL;
-    for (int k = 0; k < 3; ++k) {
-        along[k] = pe_dot(out, f->x[k]);
-        most = pe_max(most, along[k]);
-    }
-    int ridge = 0;
-    pe_facet_ridges(&s->solid, NULL, f);
-    double level = LEVEL * s->size;
-    for (int k = 0; k < 3; ++k) {
-        bool owned = (f->owns >> (3 + k) & 1) != 0;
-        if (along[k] >= most - level && along[k < 2 ? k + 1 : 0] >= most - level) {
-            if (owned && pe_ridge_faces(&f->ridges[ridge], out, 1, OUTSIDE)) {
-                return true;
-            }
-        }
-        ridge += owned;
-    }
-    for (int k = 0; k < 3; ++k) {
-        bool strict, owned = (f->owns >> k & 1) != 0;
-        if (along[k] >= most - level && owned &&
-            pe_vertex_faces(&s->solid, f->vertices[k], pe_scale(-1, out), &strict) && strict) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* How far it is from a point in the cylinder, along the unit direction n, to its surface; both in
- * the mesh's axes. */
-static double way_out_of_cylinder(const scene *s, pe_vec3 x, pe_vec3 n)
-{
-    const pe_shape *shape = s->cylinder.shape;
-    pe_vec3 y = pe_unrotate(&s->trees.turn, pe_sub(x, s->trees.offset));
-    pe_vec3 d = pe_unrotate(&s->trees.turn, n);
-    double a = d.x * d.x + d.y * d.y, b = y.x * d.x + y.y * d.y;
-    double c = shape->radius * shape->radius - y.x * y.x - y.y * y.y;
-    double side = a > 0 ? (sqrt(pe_max(0, b * b + a * c)) - b) / a : HUGE_VAL;
-    double z = d.z < 0 ? -y.z : y.z;
-    double cap = d.z != 0 ? (shape->half_height - z) / fabs(d.z) : HUGE_VAL;
-    return pe_max(0, pe_min(side, cap));
-}
-
-/* Names a point by its triangle and a hash of its name on the hull. */
-static uint64_t feature_of(int triangle, uint64_t name)
-{
-    return (uint64_t)2 << 60 | (uint64_t)(uint32_t)triangle << 32 |
-           (name * 0x9E3779B97F4A7C15u) >> 32;
-}
-
-static pe_touch touch_of(int triangle, uint64_t name, pe_vec3 n, pe_vec3 on_a, double separation)
-{
-    return (pe_touch){
-        .feature = feature_of(triangle, name),
-        .kind = PE_VERTEX_FACE,
-        .normal = n,
-        .on_a = on_a,
-        .separation = separation,
-        .strict = true,
-    };
-}
 
 /* Takes the way out if it is better than the one so far. */
 static void offer(scene *s, bool is_over, pe_touch touch)
@@ -167,62 +47,69 @@ static void offer(scene *s, bool is_over, pe_touch touch)
     }
 }
 
-/* Out along a direction, by what of the cylinder lies that way from a point of the mesh in it. */
-static void push_out(scene *s, pe_vec3 n, pe_vec3 on_b, double depth, int triangle)
-{
-    double way = way_out_of_cylinder(s, on_b, n);
-    offer(s, false, touch_of(triangle, 0, n, pe_madd(on_b, way, n), -way - depth));
-}
-
 /* Out along the triangle's normal: by the cylinder's last point below it, if over the triangle, or
- * else from a point of the triangle in the cylinder. */
-static void push_off(scene *s, const pe_facet *f, pe_vec3 on_b, int triangle)
+ * else from a point of the triangle in the cylinder; or as it was found, where that leads less far
+ * than the triangle's own way out. */
+static void push_off(scene *s, const pe_facet *f, const pe_touch *found)
 {
-    pe_vec3 n = pe_scale(-1, f->normal), own = pe_unrotate(&s->trees.turn, n);
-    const pe_shape *shape = s->cylinder.shape;
-    double across = sqrt(own.x * own.x + own.y * own.y);
-    double r = across > 0 ? shape->radius / across : 0;
-    pe_vec3 x = pe_v3(r * own.x, r * own.y, own.z < 0 ? -shape->half_height : shape->half_height);
-    x = pe_add(pe_rotate(&s->trees.turn, x), s->trees.offset);
+    pe_vec3 n = pe_scale(-1, f->normal), x = pe_cylinder_support(&s->seen, n);
     double height = pe_dot(f->normal, x) - f->offset;
-    if (height < 0 && pe_facet_holds(f, x, PE_SLACK * s->size)) {
-        offer(s, true, touch_of(triangle, 0, n, x, height));
-    } else {
-        push_out(s, n, on_b, 0, triangle);
+    bool is_over = height < 0 && pe_facet_holds(f, x, PE_SLACK * s->size);
+    pe_touch touch = *found;
+    if (is_over) {
+        touch = pe_cylinder_touch(f, PE_AT_NEAREST, x, height);
+    } else if (s->is_over) {
+        return; /* there is a better one */
+    } else if (pe_cylinder_facet_point(&s->seen, f, &x)) {
+        double way = pe_cylinder_way_out(&s->seen, x, n);
+        if (-way < found->separation) {
+            touch = pe_cylinder_touch(f, PE_AT_NEAREST, pe_madd(x, way, n), -way);
+        }
     }
+    touch.feature = found->feature; /* the face's nearest point may be another */
+    offer(s, is_over, touch);
 }
 
 /* From inside the solid, by the way that is shortest from the cylinder's centre. */
 static void push_out_of_solid(scene *s)
 {
-    pe_vec3 x = s->trees.offset, in = pe_sub(x, pe_solid_nearest_point(&s->solid, x));
+    pe_vec3 x = s->seen.centre, in = pe_sub(x, pe_solid_nearest_point(&s->solid, x));
     double depth = pe_length(in);
     if (depth > 0) {
-        push_out(s, pe_scale(1 / depth, in), x, depth, 0);
+        pe_vec3 n = pe_scale(1 / depth, in);
+        double way = pe_cylinder_way_out(&s->seen, x, n);
+        pe_touch touch = {
+            .feature = pe_touch_feature(PE_VERTEX_FACE, PE_AT_NEAREST, 0),
+            .kind = PE_VERTEX_FACE,
+            .normal = n,
+            .on_a = pe_madd(x, way, n),
+            .separation = -way - depth,
+            .strict = true,
+        };
+        pe_touches_add(&s->list, &touch);
     }
 }
 
 /* A vertex in the cylinder, out through the nearer one of its cap and its side that it faces. */
 static void try_vertex(scene *s, int vertex, pe_vec3 x)
 {
-    const pe_shape *shape = s->cylinder.shape;
-    pe_vec3 y = pe_unrotate(&s->trees.turn, pe_sub(x, s->trees.offset));
-    double from_axis = sqrt(y.x * y.x + y.y * y.y);
-    double to_cap = shape->half_height - fabs(y.z), to_side = shape->radius - from_axis;
-    if (!(to_cap > 0 && to_side > 0)) {
+    const pe_cylinder *c = &s->seen;
+    pe_vec3 from = pe_sub(x, c->centre), across = pe_across(c->axis, from);
+    double z = pe_dot(from, c->axis), from_axis;
+    if (!(fabs(z) < c->half_height && pe_dot(across, across) < c->radius * c->radius)) {
         return;
     }
+    pe_vec3 radial = pe_outward(c->axis, from, &from_axis);
+    double to_cap = c->half_height - fabs(z), to_side = c->radius - from_axis;
     for (int side = 0; side < 2; ++side) {
         bool to_cap_now = (side == 0) == (to_cap <= to_side);
-        pe_vec3 out = to_cap_now ? pe_v3(0, 0, y.z < 0 ? -1 : 1)
-                                 : pe_scale(from_axis > 0 ? 1 / from_axis : 0, pe_v3(y.x, y.y, 0));
-        pe_vec3 n = pe_rotate(&s->trees.turn, out);
+        pe_vec3 n = to_cap_now ? pe_scale(z < 0 ? -1 : 1, c->axis) : radial;
         double depth = to_cap_now ? to_cap : to_side;
         bool strict;
         if (pe_vertex_faces(&s->solid, vertex, n, &strict) && strict && pe_dot(n, n) > 0.5) {
             pe_touch touch = {
                 .feature = pe_touch_feature(PE_FACE_VERTEX, vertex, to_cap_now),
-                .kind = PE_FACE_VERTEX,
+                .kind = PE_EDGE_VERTEX, /* no face shares its patch */
                 .normal = n,
                 .on_a = pe_madd(x, depth, n),
                 .separation = -depth,
@@ -234,89 +121,223 @@ static void try_vertex(scene *s, int vertex, pe_vec3 x)
     }
 }
 
+static pe_touch touch_of(const scene *s, const pe_hit *hit, pe_vec3 n, pe_cylinder_place at)
+{
+    const pe_pose *pose = s->mesh.pose;
+    pe_vec3 x = pe_unrotate(&pose->rotation, pe_sub(hit->position, pose->position));
+    return (pe_touch){
+        .feature = at.name,
+        .kind = at.kind == PE_ON_FACE ? PE_VERTEX_FACE : PE_EDGE_VERTEX,
+        .normal = n,
+        .on_a = pe_madd(x, -0.5 * hit->separation, n),
+        .separation = hit->separation,
+        .strict = true,
+    };
+}
+
+/* The nearest point, by the name of its place. Beside a face, so near that its normal leads as well
+ * to the mesh, it has that normal, and so the face's patch. */
+static pe_touch nearest_of(const scene *s, const pe_hit *hit, pe_vec3 n, pe_cylinder_place at)
+{
+    pe_touch touch = touch_of(s, hit, n, at);
+    if (at.kind == PE_BESIDE_FACE && PE_BESIDE * fabs(hit->separation) <= TIE * s->size) {
+        touch.kind = PE_VERTEX_FACE;
+        touch.normal = pe_scale(-1, s->solid.faces[at.face].normal);
+    }
+    return touch;
+}
+
+static const pe_hit *deepest_of(const pe_hits *hits)
+{
+    const pe_hit *deepest = &hits->item[0];
+    for (int i = 1; i < hits->count; ++i) {
+        deepest = hits->item[i].separation < deepest->separation ? &hits->item[i] : deepest;
+    }
+    return deepest;
+}
+
+/* What the triangle's hull gave. */
+static void take_hits(scene *s, pe_facet *f, const pe_hits *hits, double bound)
+{
+    pe_vec3 n = pe_unrotate(&s->mesh.pose->rotation, hits->normal), out = pe_scale(-1, n);
+    const pe_hit *deepest = deepest_of(hits);
+    bool cut = deepest->separation < -PE_SLACK * s->size;
+    bool by_faces = deepest->separation >= -DEEP * s->size;
+    pe_cylinder_place at = pe_cylinder_find_place(&s->solid, s->size, f, out, by_faces);
+    pe_touch nearest = nearest_of(s, deepest, n, at);
+    s->cut = s->cut || cut;
+    /* Of triangles at one edge, that which has its name. */
+    double value = nearest.separation + (at.kind == PE_NOWHERE ? 0.2 * TIE * s->size : 0);
+    if (!cut && value < s->nearest_value) {
+        s->nearest_value = value;
+        s->nearest = nearest;
+    }
+    if (at.kind != PE_AT_EDGE && at.kind != PE_AT_VERTEX &&
+        (at.kind == PE_ON_FACE || pe_dot(out, f->normal) >= PE_CAP_ON_FACE)) {
+        pe_cylinder_touches_on_facet(&s->seen, &s->solid, f, s->size,
+                                     cut ? -HUGE_VAL : -PE_SLACK * s->size, bound, &s->list);
+    }
+    if (at.kind == PE_ON_FACE) {
+        pe_touches_add(&s->list, &nearest);
+    } else if (at.kind == PE_BESIDE_FACE && cut) {
+        offer(s, true, nearest);
+    } else if (at.kind == PE_AT_EDGE || at.kind == PE_AT_VERTEX) {
+        for (int i = 0; i < hits->count; ++i) {
+            const pe_hit *hit = &hits->item[i];
+            pe_touch touch = touch_of(s, hit, n, at);
+            uint64_t point = (hit->feature >> 56) << 2 | (hit->feature & 3);
+            touch.feature |= point << 30; /* kinds start at 1, so that it is not the place's own */
+            pe_touches_add(&s->list, &touch);
+        }
+    } else if (cut) {
+        push_off(s, f, &nearest);
+    }
+}
+
 static void try_facet(scene *s, int triangle, double bound)
 {
     pe_facet f;
     pe_solid_facet(&s->solid, triangle, &f);
+    double height = pe_dot(f.normal, s->seen.centre) - f.offset;
+    if (fabs(height) - pe_cylinder_reach(&s->seen, f.normal) > bound) {
+        return;
+    }
     for (int k = 0; k < 3; ++k) {
         if ((f.owns >> k & 1) != 0) {
             try_vertex(s, f.vertices[k], f.x[k]);
         }
     }
-    thin_hull hull;
-    make_hull(s, &f, &hull);
-    pe_placed b = {&hull.shape, &hull.geometry, &hull.pose, s->size};
     pe_hits hits;
-    pe_hits_none(&hits);
-    pe_collide_cylinder_hull(s->cylinder, b, bound, &hits);
-    if (hits.count == 0) {
-        return;
+    pe_collide_cylinder_facet(s->cylinder, &f, s->mesh.pose, s->size, bound, &hits);
+    if (hits.count > 0) {
+        take_hits(s, &f, &hits, bound);
     }
-    const pe_pose *pose = s->mesh.pose;
-    pe_vec3 n = pe_unrotate(&pose->rotation, hits.normal);
-    if (!is_faced(s, &f, pe_scale(-1, n))) {
-        const pe_hit *deepest = &hits.item[0];
-        for (int i = 1; i < hits.count; ++i) {
-            bool deeper = hits.item[i].separation < deepest->separation;
-            deepest = deeper ? &hits.item[i] : deepest;
+}
+
+static bool is_nearest_of_face(const pe_touch *t)
+{
+    return t->feature >> 30 == pe_touch_feature(PE_VERTEX_FACE, PE_AT_NEAREST, 0) >> 30;
+}
+
+/* Whether the face whose nearest point this is has another one as near. */
+static bool is_said(const scene *s, const pe_touch *t)
+{
+    for (int i = 0; i < s->list.count; ++i) {
+        const pe_touch *other = &s->list.items[i];
+        if (other->kind == PE_VERTEX_FACE && !is_nearest_of_face(other) &&
+            pe_touch_second(other->feature) == pe_touch_second(t->feature) &&
+            other->separation <= t->separation + TIE * s->size) {
+            return true;
         }
-        if (deepest->separation < 0) {
-            pe_vec3 x = pe_madd(deepest->position, 0.5 * deepest->separation, hits.normal);
-            x = pe_unrotate(&pose->rotation, pe_sub(x, pose->position));
-            push_off(s, &f, x, triangle);
+    }
+    return false;
+}
+
+/* Each name once: triangles of one face find the same points. Of a face, its nearest point only
+ * where no other is as near. */
+static void settle(scene *s)
+{
+    pe_touches_sort(&s->list);
+    int kept = 0;
+    for (int i = 0; i < s->list.count; ++i) {
+        pe_touch *t = &s->list.items[i], *last = kept > 0 ? &s->list.items[kept - 1] : NULL;
+        if (last == NULL || last->feature != t->feature) {
+            s->list.items[kept++] = *t;
+        } else if (t->separation < last->separation) {
+            *last = *t;
         }
-        return;
     }
-    for (int i = 0; i < hits.count; ++i) {
-        const pe_hit *hit = &hits.item[i];
-        pe_vec3 x = pe_unrotate(&pose->rotation, pe_sub(hit->position, pose->position));
-        pe_vec3 on_a = pe_madd(x, -0.5 * hit->separation, n);
-        pe_touch touch = touch_of(triangle, hit->feature, n, on_a, hit->separation);
-        pe_touches_add(&s->list, &touch);
+    s->list.count = kept;
+    for (int i = 0; i < s->list.count; ++i) {
+        pe_touch *t = &s->list.items[i];
+        t->merged = is_nearest_of_face(t) && is_said(s, t);
     }
+    kept = 0;
+    for (int i = 0; i < s->list.count; ++i) {
+        if (!s->list.items[i].merged) {
+            s->list.items[kept++] = s->list.items[i];
+        }
+    }
+    s->list.count = kept;
+    for (int i = 0; i < s->list.count; ++i) {
+        if (s->list.items[i].separation < -PE_SLACK * s->size) {
+            offer(s, true, s->list.items[i]); /* should nothing stay */
+        }
+    }
+    pe_touches_settle(&s->list, 0, s->size);
+}
+
+static void add_alone(scene *s, const pe_touch *touch)
+{
+    pe_touches_add(&s->list, touch);
+    pe_touches_sort(&s->list);
+}
+
+/* Nearest points at a dent, or a way out, where nothing else has as much. */
+static void complete(scene *s)
+{
+    double least = pe_touches_least(&s->list);
+    if (s->cut) {
+        if (!(least < 0) && s->fallback.separation > -HUGE_VAL) {
+            add_alone(s, &s->fallback);
+        }
+    } else if (s->list.count == 0 || least > s->nearest.separation + TIE * s->size) {
+        if (pe_solid_holds(&s->solid, s->seen.centre)) {
+            s->list.count = 0;
+            push_out_of_solid(s);
+        } else if (s->nearest.separation < HUGE_VAL) {
+            add_alone(s, &s->nearest);
+        }
+    }
+}
+
+static int collide_convex(pe_placed cylinder, pe_placed mesh, double margin, pe_hits *patches)
+{
+    pe_hits_none(patches);
+    pe_collide_cylinder_hull(cylinder, mesh, margin, patches);
+    return patches->count > 0;
 }
 
 int pe_collide_cylinder_mesh(pe_placed cylinder, pe_placed mesh, double margin, pe_workspace work,
                              pe_hits *patches)
 {
+    if (mesh.geometry->convex && mesh.geometry->face_count <= MOST_FACES) {
+        return collide_convex(cylinder, mesh, margin, patches);
+    }
     const pe_shape *shape = cylinder.shape;
     pe_node box =
         pe_box_node(pe_v3(0, 0, 0), pe_v3(shape->radius, shape->radius, shape->half_height));
+    pe_bvh_pair trees = pe_bvh_pair_between(&box, cylinder.pose, mesh.geometry->nodes, mesh.pose);
     scene s = {
         .cylinder = cylinder,
         .mesh = mesh,
+        .seen = pe_cylinder_seen(cylinder, mesh.pose),
         .solid = pe_solid_of_geometry(mesh.geometry),
-        .trees = pe_bvh_pair_between(&box, cylinder.pose, mesh.geometry->nodes, mesh.pose),
         .size = pe_min(cylinder.size, mesh.size),
         .list = {.work = work},
-        .fallback = {.kind = PE_VERTEX_FACE, .separation = -HUGE_VAL, .strict = true},
+        .nearest = {.separation = HUGE_VAL},
+        .nearest_value = HUGE_VAL,
+        .fallback = {.separation = -HUGE_VAL},
     };
     double band = PE_BAND * pe_min(box.radius, mesh.geometry->bounding_radius);
     double look = margin * (1 + PE_LOOK_AHEAD) + PE_SLACK * s.size, bound = look;
     pe_bvh_walk walk;
     const pe_node *leaf_a, *leaf;
-    pe_bvh_begin(&s.trees, &walk);
-    while (!s.list.failed && pe_bvh_next(&s.trees, &walk, bound, &leaf_a, &leaf)) {
+    pe_bvh_begin(&trees, &walk);
+    while (!s.list.failed && pe_bvh_next(&trees, &walk, bound, &leaf_a, &leaf)) {
         for (int i = 0; i < leaf->count; ++i) {
             try_facet(&s, leaf->first + i, bound);
         }
-        bound = pe_min(look, pe_max(0, pe_touches_least(&s.list) + band));
+        bound = pe_min(look, (s.cut ? 0 : pe_max(0, s.nearest.separation)) + band);
     }
-    bool overlap = s.fallback.separation > -HUGE_VAL;
-    if (s.list.count == 0 && !overlap && pe_solid_holds(&s.solid, s.trees.offset)) {
-        push_out_of_solid(&s);
-        overlap = s.fallback.separation > -HUGE_VAL;
-    }
-    if (overlap && !(pe_touches_least(&s.list) < 0)) {
-        pe_touches_add(&s.list, &s.fallback);
-    }
-    pe_touches_sort(&s.list);
-    pe_touches_settle(&s.list, 0, s.size);
+    settle(&s);
+    complete(&s);
+    double least = pe_touches_least(&s.list);
     pe_patch_rules rules = {
         .size = s.size,
         .margin = margin,
-        .limit = pe_touches_least(&s.list) + band,
-        .least = -HUGE_VAL,
+        .limit = least + band,
+        .least = s.cut || s.list.count == 0 ? -HUGE_VAL : pe_min(least, s.nearest.separation),
         .end_margin = bound < look ? HUGE_VAL : look,
     };
     return s.list.failed ? -1 : pe_touches_make_patches(&s.list, &rules, mesh.pose, patches);

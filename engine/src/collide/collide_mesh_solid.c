@@ -35,6 +35,7 @@ static const int CORE_VERTEX_EDGES[2] = {0, 0};
 pe_solid pe_solid_of_geometry(const pe_geometry *g)
 {
     return (pe_solid){
+        .convex = g->convex,
         .nodes = g->nodes,
         .vertices = g->vertices,
         .triangles = (const int(*)[3])g->triangles,
@@ -97,6 +98,7 @@ static pe_solid solid_of_box(pe_vec3 half, pe_small_solid *small)
     }
     make_box_nodes(half, small->nodes);
     return (pe_solid){
+        .convex = true,
         .nodes = small->nodes,
         .vertices = small->vertices,
         .triangles = BOX_TRIANGLES,
@@ -120,6 +122,7 @@ static pe_solid solid_of_core(double half_height, pe_small_solid *small)
     small->nodes[0] = pe_box_node(pe_v3(0, 0, 0), pe_v3(0, 0, half_height));
     return (pe_solid){
         .core = true,
+        .convex = true,
         .nodes = small->nodes,
         .vertices = small->vertices,
         .triangles = CORE_TRIANGLE,
