@@ -155,7 +155,7 @@ static double cylinder_triangle(const placed *a, pe_vec3 p, pe_vec3 q, const tri
     const pe_pose at = {{0, 0, 0}, {1, 0, 0, 0}, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     truth_difference m = truth_subtract((truth_solid){&a->shape, NULL, 0, &a->pose},
                                         (truth_solid){&hull, t->v, 3, &at});
-    return pe_min(least, pe_max(0, truth_signed_distance(&m, 1e-12 * a->solid->size).high));
+    return pe_min(least, pe_max(0, truth_signed_distance(&m, 1e-12 * a->solid->size).low));
 }
 
 /* Of a sphere, a capsule or a cylinder. */

@@ -106,12 +106,12 @@ static uint32_t middle_of(form *f, uint32_t i, uint32_t j)
     return (uint32_t)f->vertex_count++;
 }
 
-form form_icosphere(void)
+static form finer(const form *from)
 {
-    form coarse = form_icosahedron(), f = coarse;
+    form f = *from;
     f.triangle_count = 0;
-    for (int i = 0; i < coarse.triangle_count; ++i) {
-        const uint32_t *t = coarse.triangles[i];
+    for (int i = 0; i < from->triangle_count; ++i) {
+        const uint32_t *t = from->triangles[i];
         uint32_t m[3];
         for (int k = 0; k < 3; ++k) {
             m[k] = middle_of(&f, t[k], t[(k + 1) % 3]);
@@ -124,6 +124,13 @@ form form_icosphere(void)
         }
     }
     return f;
+}
+
+form form_icosphere(void)
+{
+    form f = form_icosahedron();
+    f = finer(&f);
+    return finer(&f);
 }
 
 form form_cube(void)

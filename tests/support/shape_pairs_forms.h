@@ -23,7 +23,7 @@ form form_hull(const pe_vec3 *points, int count);
 form form_tetrahedron(void);
 form form_icosahedron(void);
 
-/* Its triangles in four, the new corners on the sphere: 80 faces. */
+/* Its triangles in four, twice, the new corners on the sphere: 320 faces. */
 form form_icosphere(void);
 form form_cube(void);
 form form_random_hull(check_random *random, int count);

@@ -8,43 +8,31 @@ typedef struct known {
     int poses;
 } known;
 
-/* Mostly deep or concentric poses with a mesh, and the names of features under a sway of 1e-9. */
+/* Of 10,000 poses (equals_brute_force, is_as_deep_as_the_hull), 100,000 (has_sound_points), 2,500
+ * (keeps_its_features, scales) or 25,000. Meshes: convex ones of 320 faces that overlap at an edge
+ * seen along its own direction, and solids one within the other, centres and axes in line; of the
+ * cylinder's, the truth does not close its own interval. The names of features: a corner or a
+ * core's end exactly over an edge. */
 static const known table[] = {
-    {"equals_brute_force", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 19},
-    {"is_as_deep_as_the_hull", PE_SHAPE_BOX, PE_SHAPE_MESH, 60},
-    {"is_as_deep_as_the_hull", PE_SHAPE_CAPSULE, PE_SHAPE_MESH, 3},
-    {"is_as_deep_as_the_hull", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 49},
-    {"is_as_deep_as_the_hull", PE_SHAPE_HULL, PE_SHAPE_MESH, 28},
-    {"is_as_deep_as_the_hull", PE_SHAPE_MESH, PE_SHAPE_MESH, 7},
-    {"has_sound_points", PE_SHAPE_CAPSULE, PE_SHAPE_MESH, 3},
-    {"has_sound_points", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 62},
-    {"is_symmetric", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 1},
-    {"is_symmetric", PE_SHAPE_MESH, PE_SHAPE_MESH, 66},
-    {"moves_with_the_world", PE_SHAPE_BOX, PE_SHAPE_MESH, 15},
-    {"moves_with_the_world", PE_SHAPE_CAPSULE, PE_SHAPE_MESH, 15},
-    {"moves_with_the_world", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 4},
-    {"moves_with_the_world", PE_SHAPE_HULL, PE_SHAPE_MESH, 7},
-    {"moves_with_the_world", PE_SHAPE_MESH, PE_SHAPE_MESH, 19},
-    {"scales", PE_SHAPE_BOX, PE_SHAPE_MESH, 34},
-    {"scales", PE_SHAPE_CAPSULE, PE_SHAPE_MESH, 8},
-    {"scales", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 2},
-    {"scales", PE_SHAPE_HULL, PE_SHAPE_MESH, 54},
-    {"scales", PE_SHAPE_MESH, PE_SHAPE_MESH, 63},
-    {"is_continuous", PE_SHAPE_BOX, PE_SHAPE_MESH, 1},
+    {"equals_brute_force", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 1},
+    {"is_as_deep_as_the_hull", PE_SHAPE_BOX, PE_SHAPE_MESH, 2},
+    {"is_as_deep_as_the_hull", PE_SHAPE_HULL, PE_SHAPE_MESH, 1},
+    {"is_as_deep_as_the_hull", PE_SHAPE_MESH, PE_SHAPE_MESH, 3},
+    {"has_sound_points", PE_SHAPE_MESH, PE_SHAPE_MESH, 1},
+    {"is_symmetric", PE_SHAPE_MESH, PE_SHAPE_MESH, 1},
+    {"moves_with_the_world", PE_SHAPE_BOX, PE_SHAPE_MESH, 4},
+    {"moves_with_the_world", PE_SHAPE_CAPSULE, PE_SHAPE_MESH, 2},
+    {"moves_with_the_world", PE_SHAPE_HULL, PE_SHAPE_MESH, 1},
     {"is_continuous", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 1},
+    {"is_continuous", PE_SHAPE_HULL, PE_SHAPE_MESH, 1},
     {"is_continuous", PE_SHAPE_MESH, PE_SHAPE_MESH, 1},
-    {"is_found_within_the_margin_alone", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 1},
-    {"keeps_points_over_the_range", PE_SHAPE_BOX, PE_SHAPE_MESH, 4},
-    {"keeps_points_over_the_range", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 1},
-    {"keeps_points_over_the_range", PE_SHAPE_HULL, PE_SHAPE_MESH, 1},
     {"keeps_points_over_the_range", PE_SHAPE_MESH, PE_SHAPE_MESH, 1},
-    {"keeps_its_features", PE_SHAPE_SPHERE, PE_SHAPE_MESH, 40},
+    {"keeps_its_features", PE_SHAPE_SPHERE, PE_SHAPE_MESH, 47},
     {"keeps_its_features", PE_SHAPE_BOX, PE_SHAPE_BOX, 7},
     {"keeps_its_features", PE_SHAPE_BOX, PE_SHAPE_HULL, 9},
-    {"keeps_its_features", PE_SHAPE_BOX, PE_SHAPE_MESH, 1},
+    {"keeps_its_features", PE_SHAPE_BOX, PE_SHAPE_MESH, 2},
     {"keeps_its_features", PE_SHAPE_CAPSULE, PE_SHAPE_HULL, 59},
-    {"keeps_its_features", PE_SHAPE_CAPSULE, PE_SHAPE_MESH, 26},
-    {"keeps_its_features", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 543},
+    {"keeps_its_features", PE_SHAPE_CAPSULE, PE_SHAPE_MESH, 54},
     {"keeps_its_features", PE_SHAPE_HULL, PE_SHAPE_HULL, 6},
     {"keeps_its_features", PE_SHAPE_HULL, PE_SHAPE_MESH, 7},
 };

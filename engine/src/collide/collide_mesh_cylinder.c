@@ -20,10 +20,6 @@ static const double TIE = 5e-10;
  * of a face. */
 static const double DEEP = 5e-7;
 
-/* A convex mesh of at most so many faces is collided as the hull that it is: exactly, in about the
- * time of its triangles one by one. */
-enum { MOST_FACES = 128 };
-
 typedef struct scene {
     pe_placed cylinder, mesh;
     pe_cylinder seen; /* in the mesh's axes */
@@ -291,6 +287,8 @@ static void complete(scene *s)
     }
 }
 
+/* A convex mesh is the hull that it is, also one of many faces: the work then grows with them all,
+ * but what its triangles tell one by one is not exact where they overlap the cylinder. */
 static int collide_convex(pe_placed cylinder, pe_placed mesh, double margin, pe_hits *patches)
 {
     pe_hits_none(patches);
@@ -301,7 +299,7 @@ static int collide_convex(pe_placed cylinder, pe_placed mesh, double margin, pe_
 int pe_collide_cylinder_mesh(pe_placed cylinder, pe_placed mesh, double margin, pe_workspace work,
                              pe_hits *patches)
 {
-    if (mesh.geometry->convex && mesh.geometry->face_count <= MOST_FACES) {
+    if (mesh.geometry->convex) {
         return collide_convex(cylinder, mesh, margin, patches);
     }
     const pe_shape *shape = cylinder.shape;
