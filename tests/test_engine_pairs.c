@@ -3,6 +3,7 @@
 
 int main(void)
 {
-    const law_budget budget = {.truth_poses = 120, .poses = 1000, .mesh_poses = 300};
+    const law_budget budget = {
+        .truth_poses = 120, .mesh_truth_poses = 120, .poses = 1000, .mesh_poses = 300};
     return run_pair_laws("engine_pairs", budget);
 }

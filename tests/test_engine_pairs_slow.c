@@ -1,8 +1,9 @@
-/* Narrow phase: the laws of contact of all pairs of shapes, over many poses of each. */
+/* Narrow phase: the laws of contact of all pairs of shapes without a mesh, over many poses of each.
+ */
 #include "shape_pairs_laws.h"
 
 int main(void)
 {
-    const law_budget budget = {.truth_poses = 10000, .poses = 100000, .mesh_poses = 100000};
+    const law_budget budget = {.truth_poses = 10000, .poses = 100000};
     return run_pair_laws("engine_pairs_slow", budget);
 }

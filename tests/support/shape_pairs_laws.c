@@ -14,7 +14,7 @@ static law_count share(const law_budget *budget, int parts)
 /* A part of those that are held against the truth. */
 static law_count of_truth(const law_budget *budget, int parts)
 {
-    return (law_count){budget->truth_poses / parts, budget->truth_poses / parts};
+    return (law_count){budget->truth_poses / parts, budget->mesh_truth_poses / parts};
 }
 
 /* The deepest point; fails without. */

@@ -163,9 +163,9 @@ double run_law(const char *name, law *holds, law_kinds kinds, law_count count, p
     for (int a = 0; a < PE_SHAPE_COUNT; ++a) {
         for (int b = a; b < PE_SHAPE_COUNT; ++b) {
             bool mesh = b == PE_SHAPE_MESH;
-            if (b > PE_SHAPE_PLANE && is_asked_for(a, b) &&
+            int poses = mesh ? count.mesh : count.convex;
+            if (b > PE_SHAPE_PLANE && is_asked_for(a, b) && poses > 0 &&
                 (kinds & (mesh ? LAW_MESH : LAW_CONVEX)) != 0) {
-                int poses = mesh ? count.mesh : count.convex;
                 t.skipped = 0;
                 failures +=
                     run_pair(&t, name, holds, (pe_shape_kind)a, (pe_shape_kind)b, poses, gap);
