@@ -62,7 +62,7 @@ typedef struct pe_geometry {
  * faces that its axes are quicker than a tree. */
 static inline bool pe_geometry_is_polytope(const pe_geometry *g)
 {
-    enum { MOST_FACES = 128 };
+    enum { MOST_FACES = 512 };
     return g != NULL && g->convex && g->face_count <= MOST_FACES;
 }
 
