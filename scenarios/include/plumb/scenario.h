@@ -41,6 +41,18 @@ uint32_t pl_scene_needs(const pl_scene *scene);
 /* The name of one bit of PL_NEEDS_*, such as "friction" or "box"; NULL for an unknown bit. */
 const char *pl_needs_name(uint32_t bit);
 
+/* A critical value of one parameter: on one side of it the scene holds (the outcome is `ok`), on the
+ * other it does not. `plumb threshold` bisects it for each engine. */
+typedef struct pl_threshold {
+    const char *param;
+    double low, high; /* of that parameter: where the search begins, one that holds, one not */
+    bool holds_below; /* else above */
+    double tolerance; /* of the parameter: the width of the bracket at which the search ends */
+    /* The critical value in closed form, of the other parameters' values; NULL: there is none. */
+    double (*critical)(const double *values);
+    const char *formula; /* that, as plain text; NULL with it */
+} pl_threshold;
+
 typedef struct pl_scenario {
     const char *name;        /* as on the command line: "slope-slide" */
     const char *title;       /* a line for people */
@@ -48,6 +60,10 @@ typedef struct pl_scenario {
     const char *reference;   /* the right answer, as a formula in plain text */
     const char *source; /* of that formula: author, year, equation; or "by symmetry", "statics" */
     const char *primary_error; /* the metric's name */
+    const char *validity;      /* where the reference holds; NULL: for all parameters */
+    const char *provokes; /* of a hard case: the failure that it provokes, and what a right engine
+                             does; NULL: not one of them */
+    const pl_threshold *threshold; /* NULL: none */
     uint32_t needs;
     /* Every scenario has, besides its own, the parameters "dt" and "duration" (s): its reference
      * may depend on them, and the command's --dt and --duration set them. */

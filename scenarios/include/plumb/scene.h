@@ -118,6 +118,32 @@ typedef struct pl_expect_travel {
     double discrete; /* m, the exact answer of semi-implicit Euler at the scene's dt; NAN if none */
 } pl_expect_travel;
 
+/* What is read from the path of one body. */
+typedef enum pl_quantity {
+    PL_QUANTITY_POSITION, /* m: of its frame along the direction, from where it starts, at `until` */
+    PL_QUANTITY_VELOCITY, /* m/s: of its centre of mass along the direction, at `until` */
+    PL_QUANTITY_SPIN,     /* rad/s: of its angular velocity along the direction, at `until` */
+    PL_QUANTITY_TURN,     /* rad: turned about the direction, over whole turns too, at `until`: the
+                             integral of the spin */
+    PL_QUANTITY_APEX,     /* m: the highest position along the direction, from its start, in
+                             from .. until */
+    PL_QUANTITY_PERIOD    /* s: of the angular velocity along the direction, which turns with the
+                             body: the mean time between its changes from - to + in from .. until */
+} pl_quantity;
+enum { PL_QUANTITY_COUNT = 6 };
+
+/* A number that a right engine reaches. Between frames it is interpolated: positions by the cubic
+ * through both frames' positions and velocities, all else linearly. */
+typedef struct pl_expect_value {
+    int body;
+    pl_quantity quantity;
+    double direction[3]; /* unit, world; of a period in the axes of the shape's frame */
+    double from, until;  /* s; from matters to apex and period alone */
+    double value;        /* of the continuous problem */
+    double discrete;     /* the exact answer of semi-implicit Euler at the scene's dt; NAN if none */
+    double scale;        /* > 0, in the quantity's unit: what the error is divided by */
+} pl_expect_value;
+
 typedef struct pl_scene {
     char name[PL_NAME_SIZE];
     double gravity[3]; /* m/s^2 */
@@ -140,6 +166,8 @@ typedef struct pl_scene {
     int rest_count;
     pl_expect_travel *travels;
     int travel_count;
+    pl_expect_value *values;
+    int value_count;
     /* The metric that is the scene's primary error (metrics' names: "rest_position_error", "drift",
      * "travel_error", "penetration_max"); empty when the scene has no reference. */
     char primary_error[PL_NAME_SIZE];
@@ -189,6 +217,7 @@ pl_status pl_scene_add_body(pl_scene *scene, const pl_body *item, int *index, pl
 pl_status pl_scene_add_force(pl_scene *scene, const pl_force *item, pl_error *);
 pl_status pl_scene_add_rest(pl_scene *scene, const pl_expect_rest *item, pl_error *);
 pl_status pl_scene_add_travel(pl_scene *scene, const pl_expect_travel *item, pl_error *);
+pl_status pl_scene_add_value(pl_scene *scene, const pl_expect_value *item, pl_error *);
 
 /* Frees what the scene owns and makes it an empty default scene. */
 void pl_scene_free(pl_scene *scene);
