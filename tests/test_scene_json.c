@@ -73,6 +73,9 @@ static void test_sample_reads_as_it_says(void **state)
     assert_true(scene.rests[0].has_orientation);
     assert_int_equal(scene.travels[0].body, 2);
     assert_close(scene.travels[0].discrete, 4.5, 0, 0);
+    assert_int_equal(scene.values[0].quantity, PL_QUANTITY_APEX);
+    assert_close(scene.values[0].from, 0.5, 0, 0);
+    assert_close(scene.values[0].scale, 2, 0, 0);
     assert_string_equal(scene.primary_error, "drift");
     assert_close(scene.collapse_distance, 0.5, 0, 0);
     pl_scene_free(&scene);
@@ -126,7 +129,13 @@ static void test_random_scenes_read_back_number_for_number(void **state)
             assert_int_equal(pl_scene_add_body(&scene, &body, NULL, NULL), PL_OK);
             assert_int_equal(pl_scene_add_force(&scene, &force, NULL), PL_OK);
             assert_int_equal(pl_scene_add_rest(&scene, &rest, NULL), PL_OK);
+            pl_expect_value value = pl_expect_value_default(&scene);
+            value.body = i;
+            value.quantity = (pl_quantity)(i % PL_QUANTITY_COUNT);
+            value.value = any_double(&random);
+            value.scale = fabs(any_double(&random));
             assert_int_equal(pl_scene_add_travel(&scene, &travel, NULL), PL_OK);
+            assert_int_equal(pl_scene_add_value(&scene, &value, NULL), PL_OK);
         }
         assert_int_equal(pl_scene_validate(&scene, NULL), PL_OK);
         check_reads_back(&scene);
@@ -141,7 +150,7 @@ static void test_expectations_that_differ_from_their_defaults_read_back(void **s
     scene.collapse_distance = HUGE_VAL; /* with a rest, whose default is finite */
     scene.primary_error[0] = '\0';
     check_reads_back(&scene);
-    scene.rest_count = scene.travel_count = 0;
+    scene.rest_count = scene.travel_count = scene.value_count = 0;
     check_reads_back(&scene);
     scene.collapse_distance = 3;
     check_reads_back(&scene);
@@ -403,8 +412,10 @@ static json_t *sample_object(json_t *sample, int kind)
         return expect;
     case PL_OBJECT_REST:
         return json_array_get(json_object_get(expect, "rest"), 0);
-    default:
+    case PL_OBJECT_TRAVEL:
         return json_array_get(json_object_get(expect, "travel"), 0);
+    default:
+        return json_array_get(json_object_get(expect, "values"), 0);
     }
 }
 

@@ -17,10 +17,15 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
     [PL_METRIC_TRAVEL_ERROR] =
         {"travel_error", "1", PL_LOWER_IS_BETTER, true,
          "max over travelling bodies of |(x_end - x_0).d - s| / |s|, s the continuous answer"},
-    [PL_METRIC_DISCRETE_ERROR] =
-        {"discrete_error", "1", PL_LOWER_IS_BETTER, true,
-         "travel_error against the exact answer of semi-implicit Euler at the scene's step; absent "
-         "for an engine that moves by another rule"},
+    [PL_METRIC_VALUE_ERROR] =
+        {"value_error", "1", PL_LOWER_IS_BETTER, true,
+         "max over the scene's expected values (velocities, spins, turns, apexes, periods, "
+         "positions) "
+         "of |found - value| / scale, against the continuous answer"},
+    [PL_METRIC_DISCRETE_ERROR] = {"discrete_error", "1", PL_LOWER_IS_BETTER, true,
+                                  "travel_error or value_error against the exact answer of "
+                                  "semi-implicit Euler at the scene's step; absent "
+                                  "for an engine that moves by another rule"},
     [PL_METRIC_PATH_DEVIATION] =
         {"path_deviation", "m", PL_LOWER_IS_BETTER, true,
          "max over steps and travelling bodies of the distance of the centre from the line of "
@@ -59,9 +64,45 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
         {"momentum_error", "1", PL_LOWER_IS_BETTER, true,
          "max over frames of |p - p_0 - impulses of gravity, forces and static contacts| / p_ref, "
          "linear and angular (about the origin), the larger"},
+    [PL_METRIC_FORCE_BALANCE] =
+        {"force_balance", "1", PL_LOWER_IS_BETTER, true,
+         "max over steps and bodies of |sum r + h m g + h F - m dv| / (h m |g|), r the reported "
+         "contact impulses, F the scene's forces, dv from frames; absent without gravity"},
+    [PL_METRIC_CONE_VIOLATION] =
+        {"cone_violation", "1", PL_LOWER_IS_BETTER, true,
+         "max over steps and contacts of (|r_t| - mu r_n)+ / (mu r_n), of those that carry more "
+         "than 1e-3 of the lighter body's weight"},
+    [PL_METRIC_FRICTION_EFFECTIVE] =
+        {"friction_effective", "1", PL_NO_DIRECTION, true,
+         "mean over steps and such contacts that slide, |u_t| > h |g|, of |r_t| / r_n: the mu "
+         "that was applied; u is the relative velocity after the step"},
+    [PL_METRIC_SIGNORINI] =
+        {"signorini", "W", PL_LOWER_IS_BETTER, true,
+         "max over steps and contacts of |r_n u_n| / h, u_n + gap / h where a gap was open; pairs "
+         "with restitution are left out"},
+    [PL_METRIC_NATURAL_MAP] =
+        {"natural_map", "m/s", PL_LOWER_IS_BETTER, true,
+         "max over steps and the same contacts of |r - P_K(r - rho (u + mu |u_t| n))| / rho: the "
+         "residual of the contact law, by reported impulses; K the cone, rho the contact's "
+         "effective mass"},
     [PL_METRIC_SETTLE_TIME] =
         {"settle_time", "s", PL_LOWER_IS_BETTER, true,
          "first time from which every body is below 1 mm/s and 1 mrad/s for 0.5 s"},
+    [PL_METRIC_SPREAD_X] = {"spread_x", "m", PL_NO_DIRECTION, true,
+                            "standard deviation over the dynamic bodies of their centres' x at the "
+                            "end; two bodies at least"},
+    [PL_METRIC_SPREAD_Y] = {"spread_y", "m", PL_NO_DIRECTION, true, "the same of y"},
+    [PL_METRIC_MASS_HEIGHT] =
+        {"mass_height", "m", PL_NO_DIRECTION, true,
+         "height above the origin, against gravity, of the centre of mass of all dynamic bodies at "
+         "the end"},
+    [PL_METRIC_RUN_OUT_P95] =
+        {"run_out_p95", "m", PL_NO_DIRECTION, true,
+         "95th percentile over the dynamic bodies of the way of the centre from start to end, "
+         "across gravity"},
+    [PL_METRIC_ENERGY_LOST] =
+        {"energy_lost", "J", PL_NO_DIRECTION, true,
+         "E_0 + work of scene forces - E at the end, E as for energy_gain: what was dissipated"},
     [PL_METRIC_ITERATIONS_MEAN] = {"iterations_mean", "1", PL_LOWER_IS_BETTER, true,
                                    "solver iterations a step as the engine reports them, mean"},
     [PL_METRIC_ITERATIONS_MAX] = {"iterations_max", "1", PL_LOWER_IS_BETTER, true,

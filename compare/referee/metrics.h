@@ -12,6 +12,7 @@ typedef enum pl_metric_id {
     PL_METRIC_REST_POSITION_ERROR,
     PL_METRIC_REST_ROTATION_ERROR,
     PL_METRIC_TRAVEL_ERROR, /* 1: |travelled - distance| / |distance|, largest over expect.travel */
+    PL_METRIC_VALUE_ERROR,  /* 1: |found - expected| / scale, largest over expect.values */
     PL_METRIC_DISCRETE_ERROR, /* 1: the same against the exact discrete answer */
     PL_METRIC_PATH_DEVIATION,
     PL_METRIC_LIFT,
@@ -22,7 +23,17 @@ typedef enum pl_metric_id {
     PL_METRIC_ENERGY_GAIN,
     PL_METRIC_ENERGY_STEP_GAIN,
     PL_METRIC_MOMENTUM_ERROR,
+    PL_METRIC_FORCE_BALANCE,      /* 1: these five from the contacts that the engine reports */
+    PL_METRIC_CONE_VIOLATION,     /* 1 */
+    PL_METRIC_FRICTION_EFFECTIVE, /* 1 */
+    PL_METRIC_SIGNORINI,          /* W */
+    PL_METRIC_NATURAL_MAP,        /* m/s */
     PL_METRIC_SETTLE_TIME,
+    PL_METRIC_SPREAD_X, /* these five: of scenes in which two bodies or more can move */
+    PL_METRIC_SPREAD_Y,
+    PL_METRIC_MASS_HEIGHT,
+    PL_METRIC_RUN_OUT_P95,
+    PL_METRIC_ENERGY_LOST,
     PL_METRIC_ITERATIONS_MEAN,
     PL_METRIC_ITERATIONS_MAX,
     PL_METRIC_RESIDUAL_MAX, /* as the engine reports it, in the engine's own unit */

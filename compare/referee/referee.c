@@ -8,6 +8,7 @@
  * it is measured for each, and the one that fits is chosen at the end. */
 #include "referee/referee.h"
 
+#include "referee/contact_force.h"
 #include "referee/drift.h"
 #include "referee/final_state.h"
 #include "referee/islands.h"
@@ -19,6 +20,8 @@
 #include "referee/scale.h"
 #include "referee/series.h"
 #include "referee/settle.h"
+#include "referee/spread.h"
+#include "referee/value.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -49,8 +52,11 @@ struct pl_referee {
     pl_nearby *nearby;
     pl_penetration *penetration;
     pl_mechanics *mechanics;
+    pl_contact_force *force;
     pl_islands *islands;
     pl_path *path;
+    pl_values *values;
+    pl_spread *spread;
     pl_settle settle;
     pl_drift *since_quiet, *since_fixed;
     long fixed_step; /* where since_fixed begins */
@@ -75,13 +81,17 @@ pl_status pl_referee_create(const pl_scene *scene, pl_referee **referee, pl_erro
     r->nearby = pl_nearby_create(scene);
     r->penetration = pl_penetration_create(scene);
     r->mechanics = pl_mechanics_create(scene);
+    r->force = pl_contact_force_create(scene);
     r->islands = pl_islands_create(scene);
     r->path = pl_path_create(scene);
+    r->values = pl_values_create(scene);
+    r->spread = pl_spread_create(scene);
     r->since_quiet = pl_drift_create(scene);
     r->since_fixed = pl_drift_create(scene);
     r->last = calloc((size_t)scene->body_count + 1, sizeof *r->last);
-    if (r->nearby == NULL || r->penetration == NULL || r->mechanics == NULL || r->islands == NULL ||
-        r->path == NULL || r->since_quiet == NULL || r->since_fixed == NULL || r->last == NULL) {
+    if (r->nearby == NULL || r->penetration == NULL || r->mechanics == NULL || r->force == NULL ||
+        r->islands == NULL || r->path == NULL || r->values == NULL || r->spread == NULL ||
+        r->since_quiet == NULL || r->since_fixed == NULL || r->last == NULL) {
         goto out_of_memory;
     }
     for (int i = 0; i < SERIES_COUNT; ++i) {
@@ -109,8 +119,11 @@ void pl_referee_destroy(pl_referee *r)
     pl_nearby_destroy(r->nearby);
     pl_penetration_destroy(r->penetration);
     pl_mechanics_destroy(r->mechanics);
+    pl_contact_force_destroy(r->force);
     pl_islands_destroy(r->islands);
     pl_path_destroy(r->path);
+    pl_values_destroy(r->values);
+    pl_spread_destroy(r->spread);
     pl_drift_destroy(r->since_quiet);
     pl_drift_destroy(r->since_fixed);
     free(r->last);
@@ -160,6 +173,7 @@ static void see_poses(pl_referee *r, const pl_body_state *bodies)
     } else if (step > r->fixed_step) {
         pl_drift_add(r->since_fixed, time, bodies);
     }
+    pl_values_see(r->values, step, bodies);
     memcpy(r->last, bodies, (size_t)r->scene->body_count * sizeof *bodies);
 }
 
@@ -168,6 +182,8 @@ pl_verdict pl_referee_start(pl_referee *r, const pl_frame *frame)
     pl_verdict verdict = pl_check_finite(r->scene, frame->bodies, 0, &r->reason);
     if (verdict == PL_VERDICT_OK) {
         pl_mechanics_start(r->mechanics, frame->bodies);
+        pl_contact_force_start(r->force, frame->bodies);
+        pl_spread_start(r->spread, frame->bodies);
         see_pairs(r, frame->bodies);
         see_poses(r, frame->bodies);
     }
@@ -202,6 +218,7 @@ static void see_mechanics(pl_referee *r, const pl_body_state *bodies, const pl_c
         contact_count = 0;
     }
     pl_mechanics_step(r->mechanics, r->done, bodies, contacts, contact_count);
+    pl_contact_force_step(r->force, r->done, bodies, contacts, contact_count);
     for (pl_integrator k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
         double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale, k);
         double error = pl_mechanics_momentum_error(r->mechanics, &r->scale, k);
@@ -309,17 +326,21 @@ static void final_metrics(const pl_referee *r, pl_metric *item)
     item[PL_METRIC_REST_POSITION_ERROR] = final_metric(r, pl_rest_position_error(scene, r->last));
     item[PL_METRIC_REST_ROTATION_ERROR] = final_metric(r, pl_rest_rotation_error(scene, r->last));
     item[PL_METRIC_TRAVEL_ERROR] = final_metric(r, pl_travel_error(scene, r->last));
+    item[PL_METRIC_VALUE_ERROR] = final_metric(r, pl_values_error(r->values, false));
     /* That answer is semi-implicit Euler's own, and says nothing of an engine that moves otherwise.
      */
     if (pl_mechanics_integrator(r->mechanics) == PL_SEMI_IMPLICIT) {
-        item[PL_METRIC_DISCRETE_ERROR] = final_metric(r, pl_discrete_error(scene, r->last));
+        pl_metric of_travels = pl_discrete_error(scene, r->last);
+        pl_metric of_values = pl_values_error(r->values, true);
+        bool larger = of_values.state == PL_METRIC_VALUE && of_values.value >= of_travels.value;
+        item[PL_METRIC_DISCRETE_ERROR] = final_metric(r, larger ? of_values : of_travels);
     }
     item[PL_METRIC_STATE_HASH] = final_metric(r, pl_state_hash(scene, r->last));
 }
 
 static pl_metric settle_metric(const pl_referee *r)
 {
-    if (r->scene->travel_count > 0) {
+    if (r->scene->travel_count > 0 || r->scene->value_count > 0) {
         return (pl_metric){0};
     }
     if (r->settle.settled) {
@@ -346,11 +367,29 @@ static void drift_metrics(const pl_referee *r, pl_metric *item)
         final_metric(r, (pl_metric){.state = PL_METRIC_VALUE, .value = pl_drift_slope(drift)});
 }
 
+static pl_metric foreign_contact(const pl_referee *r)
+{
+    return failed("a contact reported at step %ld is between no bodies of the scene",
+                  r->foreign_contact_step);
+}
+
+/* What is found of reported contacts has no meaning once one of them was nonsense. */
+static void contact_force_metrics(const pl_referee *r, pl_metric *item)
+{
+    pl_contact_force_metrics(r->force, pl_mechanics_integrator(r->mechanics), item);
+    const pl_metric_id of_force[] = {PL_METRIC_FORCE_BALANCE, PL_METRIC_CONE_VIOLATION,
+                                     PL_METRIC_FRICTION_EFFECTIVE, PL_METRIC_SIGNORINI,
+                                     PL_METRIC_NATURAL_MAP};
+    for (size_t i = 0; r->foreign_contact_step > 0 && i < sizeof of_force / sizeof *of_force; ++i) {
+        pl_metric *metric = &item[of_force[i]];
+        *metric = metric->state != PL_METRIC_ABSENT ? foreign_contact(r) : *metric;
+    }
+}
+
 static pl_metric momentum_metric(const pl_referee *r)
 {
     if (r->foreign_contact_step > 0) {
-        return failed("a contact reported at step %ld is between no bodies of the scene",
-                      r->foreign_contact_step);
+        return foreign_contact(r);
     }
     if (r->no_contacts_step > 0 && pl_penetration_touched_static(r->penetration)) {
         return failed("static bodies are touched, and the engine reports no contacts (step %ld)",
@@ -358,6 +397,21 @@ static pl_metric momentum_metric(const pl_referee *r)
     }
     const pl_series *momentum = &r->series[OF_MOMENTUM + pl_mechanics_integrator(r->mechanics)];
     return pl_series_metric(momentum, momentum->max);
+}
+
+/* What a collapse leaves. */
+static void spread_metrics(const pl_referee *r, pl_metric *item)
+{
+    static const pl_metric_id of_the_end[] = {PL_METRIC_SPREAD_X, PL_METRIC_SPREAD_Y,
+                                              PL_METRIC_MASS_HEIGHT, PL_METRIC_RUN_OUT_P95};
+    const pl_integrator integrator = pl_mechanics_integrator(r->mechanics);
+    pl_spread_measure(r->spread, r->last, item);
+    for (size_t i = 0; i < sizeof of_the_end / sizeof of_the_end[0]; ++i) {
+        item[of_the_end[i]] = final_metric(r, item[of_the_end[i]]);
+    }
+    double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale, integrator);
+    item[PL_METRIC_ENERGY_LOST] =
+        final_metric(r, (pl_metric){.state = PL_METRIC_VALUE, .value = -gain * r->scale.energy});
 }
 
 /* A maximum over steps of what the referee itself measures. */
@@ -373,6 +427,7 @@ static void motion_metrics(const pl_referee *r, pl_metric *item)
     item[PL_METRIC_ENERGY_GAIN] = measured_metric(r, OF_ENERGY + integrator);
     item[PL_METRIC_ENERGY_STEP_GAIN] = measured_metric(r, OF_STEP_GAIN + integrator);
     item[PL_METRIC_MOMENTUM_ERROR] = maximum_metric(r, momentum_metric(r));
+    contact_force_metrics(r, item);
     item[PL_METRIC_SETTLE_TIME] = settle_metric(r);
     if (r->scene->body_count > 1) {
         item[PL_METRIC_PENETRATION_MAX] = maximum_metric(r, pl_penetration_max(r->penetration));
@@ -383,6 +438,9 @@ static void motion_metrics(const pl_referee *r, pl_metric *item)
     }
     if (pl_path_has_line(r->path)) {
         item[PL_METRIC_PATH_DEVIATION] = measured_metric(r, OF_DEVIATION);
+    }
+    if (pl_spread_applies(r->spread)) {
+        spread_metrics(r, item);
     }
     drift_metrics(r, item);
 }

@@ -64,6 +64,13 @@ void pl_build_travel(pl_builder *builder, const pl_expect_travel *travel)
     }
 }
 
+void pl_build_value(pl_builder *builder, const pl_expect_value *value)
+{
+    if (ready(builder)) {
+        builder->status = pl_scene_add_value(builder->scene, value, builder->error);
+    }
+}
+
 void pl_build_judge(pl_builder *builder, const char *primary_error, double collapse_distance)
 {
     pl_scene *scene = builder->scene;

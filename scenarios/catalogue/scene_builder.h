@@ -30,6 +30,9 @@ void pl_build_rest(pl_builder *builder, int body);
 /* Expects a body to travel; `travel` has its index. */
 void pl_build_travel(pl_builder *builder, const pl_expect_travel *travel);
 
+/* Expects a value; `value` has its body's index. */
+void pl_build_value(pl_builder *builder, const pl_expect_value *value);
+
 /* Sets the primary error and the distance beyond which a resting body has fallen (INFINITY: none).
  */
 void pl_build_judge(pl_builder *builder, const char *primary_error, double collapse_distance);

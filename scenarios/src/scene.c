@@ -25,6 +25,14 @@ pl_body pl_body_default(void)
     return (pl_body){.mass = 1, .orientation = {1, 0, 0, 0}};
 }
 
+pl_expect_value pl_expect_value_default(const pl_scene *scene)
+{
+    return (pl_expect_value){.direction = {0, 0, 1},
+                             .until = (double)pl_scene_steps(scene) * scene->dt,
+                             .discrete = (double)NAN,
+                             .scale = 1};
+}
+
 void pl_scene_free(pl_scene *scene)
 {
     if (scene == NULL) {
@@ -40,6 +48,7 @@ void pl_scene_free(pl_scene *scene)
     free(scene->forces);
     free(scene->rests);
     free(scene->travels);
+    free(scene->values);
     *scene = pl_scene_default();
 }
 
@@ -164,6 +173,16 @@ pl_status pl_scene_add_travel(pl_scene *scene, const pl_expect_travel *item, pl_
         return PL_NO_MEMORY;
     }
     scene->travels = grown;
+    return PL_OK;
+}
+
+pl_status pl_scene_add_value(pl_scene *scene, const pl_expect_value *item, pl_error *error)
+{
+    pl_expect_value *grown = append(scene->values, &scene->value_count, item, sizeof *item, error);
+    if (grown == NULL) {
+        return PL_NO_MEMORY;
+    }
+    scene->values = grown;
     return PL_OK;
 }
 

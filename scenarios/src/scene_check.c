@@ -12,9 +12,9 @@
 #include <string.h>
 
 const char *const pl_primary_errors[] = {
-    "rest_position_error", "rest_rotation_error", "travel_error", "discrete_error",
-    "penetration_max",     "penetration_rest",    "drift",        "creep",
-    "energy_gain",         "momentum_error"};
+    "rest_position_error", "rest_rotation_error", "travel_error", "value_error", "discrete_error",
+    "penetration_max",     "penetration_rest",    "drift",        "creep",       "energy_gain",
+    "momentum_error"};
 const int pl_primary_error_count = sizeof pl_primary_errors / sizeof pl_primary_errors[0];
 
 bool pl_check_name(const char *name, size_t length, pl_complaint *complaint)
@@ -400,6 +400,44 @@ static bool check_travels(const pl_scene *scene, pl_complaint *complaint)
     return true;
 }
 
+static bool check_times(const pl_scene *scene, const pl_expect_value *value,
+                        pl_complaint *complaint)
+{
+    /* The last frame is at a whole number of steps. */
+    double end = (double)pl_scene_steps(scene) * scene->dt * (1 + 1e-12);
+    return pl_check_number(complaint, "from", value->from,
+                           value->from >= 0 && value->from <= value->until,
+                           "a time from 0 to `until`") &&
+           pl_check_number(complaint, "until", value->until,
+                           value->until > 0 && value->until <= end, "a time within the run");
+}
+
+static bool check_values(const pl_scene *scene, pl_complaint *complaint)
+{
+    pl_path_push_key(&complaint->path, "values");
+    for (int i = 0; i < scene->value_count; i++) {
+        const pl_expect_value *value = &scene->values[i];
+        pl_path_push_index(&complaint->path, i);
+        if (!check_placed_body(scene, value->body, complaint) ||
+            !pl_check_number(complaint, "quantity", value->quantity,
+                             (int)value->quantity >= 0 && (int)value->quantity < PL_QUANTITY_COUNT,
+                             "a quantity") ||
+            !pl_check_unit(complaint, "direction", value->direction, 3, "a unit vector") ||
+            !check_times(scene, value, complaint) ||
+            !pl_check_number(complaint, "value", value->value, isfinite(value->value),
+                             "a finite number") ||
+            !pl_check_number(complaint, "discrete", value->discrete, !isinf(value->discrete),
+                             "a finite number") ||
+            !pl_check_number(complaint, "scale", value->scale,
+                             isfinite(value->scale) && value->scale > 0, "a number above 0")) {
+            return false;
+        }
+        pl_path_pop(&complaint->path);
+    }
+    pl_path_pop(&complaint->path);
+    return true;
+}
+
 static bool check_primary_error(const pl_scene *scene, pl_complaint *complaint)
 {
     const char *primary = scene->primary_error;
@@ -424,7 +462,12 @@ static bool check_primary_error(const pl_scene *scene, pl_complaint *complaint)
         return pl_complain_of(complaint, "primary", "expected `rest` beside \"%s\", found none",
                               primary);
     }
-    bool of_travel = strcmp(primary, "travel_error") == 0 || strcmp(primary, "discrete_error") == 0;
+    if (strcmp(primary, "value_error") == 0 && scene->value_count == 0) {
+        return pl_complain_of(complaint, "primary", "expected `values` beside \"%s\", found none",
+                              primary);
+    }
+    bool of_travel = strcmp(primary, "travel_error") == 0 ||
+                     (strcmp(primary, "discrete_error") == 0 && scene->value_count == 0);
     if (of_travel && scene->travel_count == 0) {
         return pl_complain_of(complaint, "primary", "expected `travel` beside \"%s\", found none",
                               primary);
@@ -436,7 +479,7 @@ static bool check_expectations(const pl_scene *scene, pl_complaint *complaint)
 {
     pl_path_push_key(&complaint->path, "expect");
     if (!check_rests(scene, complaint) || !check_travels(scene, complaint) ||
-        !check_primary_error(scene, complaint) ||
+        !check_values(scene, complaint) || !check_primary_error(scene, complaint) ||
         !pl_check_number(complaint, "collapse_distance", scene->collapse_distance,
                          scene->collapse_distance > 0, "a number above 0")) {
         return false;

@@ -22,9 +22,12 @@ static const char *const cylinder_keys[] = {"type", "radius", "half_height"};
 static const char *const hull_keys[] = {"type", "points"};
 static const char *const mesh_keys[] = {"type", "file", "vertices", "triangles"};
 static const char *const force_keys[] = {"force", "at", "frame", "from", "until"};
-static const char *const expect_keys[] = {"rest", "travel", "primary", "collapse_distance"};
+static const char *const expect_keys[] = {"rest", "travel", "values", "primary",
+                                          "collapse_distance"};
 static const char *const rest_keys[] = {"body", "position", "orientation"};
 static const char *const travel_keys[] = {"body", "direction", "distance", "discrete"};
+static const char *const value_keys[] = {"body",  "quantity", "direction", "from",
+                                         "until", "value",    "discrete",  "scale"};
 
 const pl_key_set pl_scene_keys[PL_OBJECT_COUNT] = {
     [PL_OBJECT_SCENE] = KEY_SET("scene", scene_keys),
@@ -41,9 +44,15 @@ const pl_key_set pl_scene_keys[PL_OBJECT_COUNT] = {
     [PL_OBJECT_FORCE] = KEY_SET("force", force_keys),
     [PL_OBJECT_EXPECT] = KEY_SET("expect", expect_keys),
     [PL_OBJECT_REST] = KEY_SET("rest", rest_keys),
-    [PL_OBJECT_TRAVEL] = KEY_SET("travel", travel_keys)};
+    [PL_OBJECT_TRAVEL] = KEY_SET("travel", travel_keys),
+    [PL_OBJECT_VALUE] = KEY_SET("value", value_keys)};
 
 const char *const pl_shape_names[PL_SHAPE_KIND_COUNT] = {
     [PL_SHAPE_PLANE] = "plane",     [PL_SHAPE_SPHERE] = "sphere",     [PL_SHAPE_BOX] = "box",
     [PL_SHAPE_CAPSULE] = "capsule", [PL_SHAPE_CYLINDER] = "cylinder", [PL_SHAPE_HULL] = "hull",
     [PL_SHAPE_MESH] = "mesh"};
+
+const char *const pl_quantity_names[PL_QUANTITY_COUNT] = {
+    [PL_QUANTITY_POSITION] = "position", [PL_QUANTITY_VELOCITY] = "velocity",
+    [PL_QUANTITY_SPIN] = "spin",         [PL_QUANTITY_TURN] = "turn",
+    [PL_QUANTITY_APEX] = "apex",         [PL_QUANTITY_PERIOD] = "period"};

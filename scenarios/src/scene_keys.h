@@ -21,6 +21,7 @@ typedef enum pl_object_kind {
     PL_OBJECT_EXPECT,
     PL_OBJECT_REST,
     PL_OBJECT_TRAVEL,
+    PL_OBJECT_VALUE,
     PL_OBJECT_COUNT
 } pl_object_kind;
 
@@ -29,5 +30,8 @@ extern const pl_key_set pl_scene_keys[];
 
 /* The names of the shapes as a scene file has them, by pl_shape_kind. */
 extern const char *const pl_shape_names[];
+
+/* The names of the quantities, by pl_quantity. */
+extern const char *const pl_quantity_names[];
 
 #endif

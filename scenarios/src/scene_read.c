@@ -287,6 +287,40 @@ static bool read_travel(reader *r, const json_t *json)
            added(r, pl_scene_add_travel(r->scene, &travel, NULL));
 }
 
+static bool read_quantity(reader *r, const json_t *json, pl_quantity *quantity)
+{
+    const char *name = NULL;
+    if (!pl_json_string(json, "quantity", PL_REQUIRED, "the name of a quantity", &name,
+                        &r->complaint)) {
+        return false;
+    }
+    for (int i = 0; i < PL_QUANTITY_COUNT; i++) {
+        if (strcmp(name, pl_quantity_names[i]) == 0) {
+            *quantity = (pl_quantity)i;
+            return true;
+        }
+    }
+    const char *nearest = pl_nearest_name(name, pl_quantity_names, PL_QUANTITY_COUNT);
+    char quoted[PL_QUOTED_SIZE];
+    return pl_complain_of(&r->complaint, "quantity", "expected a quantity such as \"%s\", found %s",
+                          nearest != NULL ? nearest : pl_quantity_names[0],
+                          pl_quoted(name, quoted));
+}
+
+static bool read_value(reader *r, const json_t *json)
+{
+    pl_expect_value value = pl_expect_value_default(r->scene);
+    return pl_json_object(json, &pl_scene_keys[PL_OBJECT_VALUE], &r->complaint) &&
+           read_body_reference(r, json, &value.body) && read_quantity(r, json, &value.quantity) &&
+           pl_json_unit(json, "direction", PL_REQUIRED, value.direction, 3, &r->complaint) &&
+           pl_json_number(json, "from", PL_OPTIONAL, &value.from, &r->complaint) &&
+           pl_json_number(json, "until", PL_OPTIONAL, &value.until, &r->complaint) &&
+           pl_json_number(json, "value", PL_REQUIRED, &value.value, &r->complaint) &&
+           pl_json_number(json, "discrete", PL_OPTIONAL, &value.discrete, &r->complaint) &&
+           pl_json_number(json, "scale", PL_OPTIONAL, &value.scale, &r->complaint) &&
+           added(r, pl_scene_add_value(r->scene, &value, NULL));
+}
+
 /* Half of the smallest dimension of the bodies that should rest: what has moved farther has fallen.
  */
 static double default_collapse_distance(const pl_scene *scene)
@@ -301,9 +335,10 @@ static double default_collapse_distance(const pl_scene *scene)
 static bool read_primary_error(reader *r, const json_t *expect)
 {
     pl_scene *scene = r->scene;
-    const char *primary = scene->travel_count > 0 ? "travel_error"
-                          : scene->rest_count > 0 ? "rest_position_error"
-                                                  : "";
+    const char *primary = scene->travel_count > 0  ? "travel_error"
+                          : scene->value_count > 0 ? "value_error"
+                          : scene->rest_count > 0  ? "rest_position_error"
+                                                   : "";
     if (!pl_json_string(expect, "primary", PL_OPTIONAL, "the name of a metric", &primary,
                         &r->complaint)) {
         return false;
@@ -332,6 +367,7 @@ static bool read_expectations(reader *r, const json_t *object)
     if (!pl_json_object(expect, &pl_scene_keys[PL_OBJECT_EXPECT], &r->complaint) ||
         !read_items(r, expect, "rest", PL_OPTIONAL, read_rest) ||
         !read_items(r, expect, "travel", PL_OPTIONAL, read_travel) ||
+        !read_items(r, expect, "values", PL_OPTIONAL, read_value) ||
         !read_primary_error(r, expect)) {
         return false;
     }

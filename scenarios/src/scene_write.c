@@ -278,9 +278,30 @@ static void put_travels(pl_json_writer *w, const pl_scene *scene)
     pl_put(w, "\n    ],");
 }
 
+static void put_values(pl_json_writer *w, const pl_scene *scene)
+{
+    pl_put(w, "\n    \"values\": [");
+    for (int i = 0; i < scene->value_count; i++) {
+        const pl_expect_value *value = &scene->values[i];
+        pl_put_string_member(w, i == 0 ? "\n      { " : ",\n      { ", "body",
+                             scene->bodies[value->body].name);
+        pl_put_string_member(w, ", ", "quantity", pl_quantity_names[value->quantity]);
+        pl_put_vector_member(w, ", ", "direction", value->direction, 3);
+        pl_put_number_member(w, ", ", "from", value->from);
+        pl_put_number_member(w, ", ", "until", value->until);
+        pl_put_number_member(w, ", ", "value", value->value);
+        if (!isnan(value->discrete)) {
+            pl_put_number_member(w, ", ", "discrete", value->discrete);
+        }
+        pl_put_number_member(w, ", ", "scale", value->scale);
+        pl_put(w, " }");
+    }
+    pl_put(w, "\n    ],");
+}
+
 static void put_expectations(pl_json_writer *w, const pl_scene *scene)
 {
-    bool nothing = scene->rest_count == 0 && scene->travel_count == 0 &&
+    bool nothing = scene->rest_count == 0 && scene->travel_count == 0 && scene->value_count == 0 &&
                    scene->primary_error[0] == '\0' && isinf(scene->collapse_distance);
     if (nothing) {
         return;
@@ -291,6 +312,9 @@ static void put_expectations(pl_json_writer *w, const pl_scene *scene)
     }
     if (scene->travel_count > 0) {
         put_travels(w, scene);
+    }
+    if (scene->value_count > 0) {
+        put_values(w, scene);
     }
     pl_put_string_member(w, "\n    ", "primary", scene->primary_error);
     if (scene->rest_count > 0 || isfinite(scene->collapse_distance)) {

@@ -44,6 +44,8 @@ const char sample_scene[] =
     "    \"travel\": [ { \"body\": \"ball\", \"direction\": [1, 0, 0], \"distance\": 4, "
     "\"discrete\": "
     "4.5 } ],\n"
+    "    \"values\": [ { \"body\": \"kåse\", \"quantity\": \"apex\", \"direction\": [0, 0, 1], "
+    "\"from\": 0.5, \"until\": 1.25, \"value\": 0.125, \"discrete\": 0.25, \"scale\": 2 } ],\n"
     "    \"primary\": \"drift\",\n"
     "    \"collapse_distance\": 0.5\n"
     "  }\n"

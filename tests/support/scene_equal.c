@@ -107,6 +107,21 @@ static void same_expectations(const pl_scene *actual, const pl_scene *expected)
             same_doubles(&a->discrete, &b->discrete, 1);
         }
     }
+    assert_int_equal(actual->value_count, expected->value_count);
+    for (int i = 0; i < expected->value_count; i++) {
+        const pl_expect_value *a = &actual->values[i], *b = &expected->values[i];
+        assert_int_equal(a->body, b->body);
+        assert_int_equal(a->quantity, b->quantity);
+        same_doubles(a->direction, b->direction, 3);
+        same_doubles(&a->from, &b->from, 1);
+        same_doubles(&a->until, &b->until, 1);
+        same_doubles(&a->value, &b->value, 1);
+        assert_int_equal(a->discrete != a->discrete, b->discrete != b->discrete);
+        if (b->discrete == b->discrete) {
+            same_doubles(&a->discrete, &b->discrete, 1);
+        }
+        same_doubles(&a->scale, &b->scale, 1);
+    }
     assert_string_equal(actual->primary_error, expected->primary_error);
     same_doubles(&actual->collapse_distance, &expected->collapse_distance, 1);
 }

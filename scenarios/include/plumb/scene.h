@@ -120,28 +120,29 @@ typedef struct pl_expect_travel {
 
 /* What is read from the path of one body. */
 typedef enum pl_quantity {
-    PL_QUANTITY_POSITION, /* m: of its frame along the direction, from where it starts, at `until` */
+    PL_QUANTITY_POSITION, /* m: of its frame along the direction, from where it starts, at `until`
+                           */
     PL_QUANTITY_VELOCITY, /* m/s: of its centre of mass along the direction, at `until` */
     PL_QUANTITY_SPIN,     /* rad/s: of its angular velocity along the direction, at `until` */
-    PL_QUANTITY_TURN,     /* rad: turned about the direction, over whole turns too, at `until`: the
-                             integral of the spin */
-    PL_QUANTITY_APEX,     /* m: the highest position along the direction, from its start, in
-                             from .. until */
-    PL_QUANTITY_PERIOD    /* s: of the angular velocity along the direction, which turns with the
-                             body: the mean time between its changes from - to + in from .. until */
+    PL_QUANTITY_TURN,  /* rad: the sum over steps of the parts of their turns along the direction,
+                          until `until`: also over whole turns */
+    PL_QUANTITY_APEX,  /* m: the highest position along the direction, from its start, in
+                          from .. until */
+    PL_QUANTITY_PERIOD /* s: of the angular velocity along the direction, which turns with the
+                          body: the mean time between its changes from - to + in from .. until */
 } pl_quantity;
 enum { PL_QUANTITY_COUNT = 6 };
 
-/* A number that a right engine reaches. Between frames it is interpolated: positions by the cubic
- * through both frames' positions and velocities, all else linearly. */
+/* A number that a right engine reaches. Between frames it is interpolated linearly; an apex is that
+ * of the parabola through the highest frame and its neighbours. */
 typedef struct pl_expect_value {
     int body;
     pl_quantity quantity;
     double direction[3]; /* unit, world; of a period in the axes of the shape's frame */
     double from, until;  /* s; from matters to apex and period alone */
     double value;        /* of the continuous problem */
-    double discrete;     /* the exact answer of semi-implicit Euler at the scene's dt; NAN if none */
-    double scale;        /* > 0, in the quantity's unit: what the error is divided by */
+    double discrete; /* the exact answer of semi-implicit Euler at the scene's dt; NAN if none */
+    double scale;    /* > 0, in the quantity's unit: what the error is divided by */
 } pl_expect_value;
 
 typedef struct pl_scene {
@@ -169,7 +170,7 @@ typedef struct pl_scene {
     pl_expect_value *values;
     int value_count;
     /* The metric that is the scene's primary error (metrics' names: "rest_position_error", "drift",
-     * "travel_error", "penetration_max"); empty when the scene has no reference. */
+     * "value_error", "penetration_max"); empty when the scene has no reference. */
     char primary_error[PL_NAME_SIZE];
     /* A body of `rests` farther than this from its reference at the end has fallen: outcome
      * `collapsed`. m; INFINITY when nothing is expected to stand. */
@@ -182,6 +183,9 @@ pl_scene pl_scene_default(void);
 
 /* A dynamic unit-mass body at the origin, at rest, without shape data. Owns nothing. */
 pl_body pl_body_default(void);
+
+/* At rest at the end of the scene: direction (0, 0, 1), no discrete answer, scale 1. */
+pl_expect_value pl_expect_value_default(const pl_scene *scene);
 
 pl_shape pl_shape_plane(double nx, double ny, double nz, double offset);
 pl_shape pl_shape_sphere(double radius);
