@@ -277,6 +277,67 @@ static void test_contact_impulses_of_a_resting_box_carry_its_weight(void **state
     for_each_profile(law_rest);
 }
 
+/* A block on a slope of 20 degrees that friction holds: m g cos on the slab, m g sin up the slope.
+ * The contacts act on the block as body A and as body B, and from a slab that stands turned. What
+ * the block gains in the step is no part of the weight. */
+static void slope_rest(const pl_engine_choice *choice, int block_index)
+{
+    const double angle = 20 * acos(-1) / 180, dt = 1.0 / 60;
+    const double up[3] = {sin(angle), 0, cos(angle)}, along[3] = {-cos(angle), 0, sin(angle)};
+    const double turned[4] = {cos(angle / 2), 0, sin(angle / 2), 0};
+    pl_scene scene = pl_scene_default();
+    put_material(&scene, "stone", 0.8, 0);
+    pl_body slab = box_body(1, 5, 5, 0.5), block = box_body(2, 0.5, 0.5, 0.25);
+    slab.is_static = true;
+    for (int k = 0; k < 3; k++) {
+        slab.position[k] = -0.5 * up[k];
+        block.position[k] = 0.25 * up[k];
+    }
+    memcpy(slab.orientation, turned, sizeof turned);
+    memcpy(block.orientation, turned, sizeof turned);
+    put_body(&scene, block_index == 0 ? block : slab);
+    put_body(&scene, block_index == 0 ? slab : block);
+    engine_run r = engine_start(choice, &scene);
+    for (int n = 0; n < 120; n++) {
+        engine_step(&r, dt);
+    }
+    double normal = 0, tangent = 0, weight = scene.bodies[block_index].mass * g * dt;
+    for (int i = 0; i < r.contact_count; i++) {
+        double sign = r.contacts[i].body_b == block_index ? 1 : -1;
+        for (int k = 0; k < 3; k++) {
+            normal += sign * r.contacts[i].impulse[k] * up[k];
+            tangent += sign * r.contacts[i].impulse[k] * along[k];
+        }
+    }
+    for (int k = 0; k < 3; k++) {
+        double change = r.now[block_index].velocity[k] - r.before[block_index].velocity[k];
+        normal -= scene.bodies[block_index].mass * change * up[k];
+        tangent -= scene.bodies[block_index].mass * change * along[k];
+    }
+    print_message("      normal off by %.1e, tangential %.1e of the weight\n",
+                  normal / weight - cos(angle), tangent / weight - sin(angle));
+    assert_close(normal, weight * cos(angle), 1e-12 * weight, 0);
+    assert_close(tangent, weight * sin(angle), 1e-12 * weight, 0);
+    const double *rest = scene.bodies[block_index].position;
+    assert_at_most(distance(r.now[block_index].position, rest), 0.02);
+    engine_finish(&r);
+    pl_scene_free(&scene);
+}
+
+static void law_slope_rest(const pl_engine_choice *choice)
+{
+    if (choice->engine->read_contacts != NULL && solves_coulomb(choice)) {
+        slope_rest(choice, 1);
+        slope_rest(choice, 0);
+    }
+}
+
+static void test_contact_impulses_on_a_slope_are_the_weights_two_parts(void **state)
+{
+    (void)state;
+    for_each_profile(law_slope_rest);
+}
+
 /* v = v0 - mu g t, for a flat block that slides along x on a slab. The slab is a box, because
  * Bullet as it ships makes one point a step against a plane, and a block that hops on it shows no
  * clean friction. */
@@ -353,6 +414,7 @@ int main(void)
         cmocka_unit_test(test_corner_impact_balances_momentum_and_torque_with_reported_contacts),
         cmocka_unit_test(test_pair_impact_reports_equal_and_opposite_impulses),
         cmocka_unit_test(test_contact_impulses_of_a_resting_box_carry_its_weight),
+        cmocka_unit_test(test_contact_impulses_on_a_slope_are_the_weights_two_parts),
         cmocka_unit_test(test_sliding_block_slows_by_the_pairs_friction),
         cmocka_unit_test(test_ball_bounces_with_the_pairs_restitution),
     };

@@ -66,6 +66,7 @@ static void test_usage_errors_exit_2_and_suggest_the_nearest_name(void **state)
         {"list", "scenarios, engines, metrics or suites"},
         {"list metric", "did you mean metrics?"},
         {"list engines scenarios", "one list at a time"},
+        {"list engines --page -", "--page is of scenarios"},
         {"compare --sute canonical", "did you mean --suite?"},
         {"compare --frobnicate", "there is no option --frobnicate"},
         {"compare --suite canonicle", "did you mean"},
@@ -150,6 +151,24 @@ static void test_lists_are_text_or_json_with_everything(void **state)
         json_decref(list);
         free_output(&output);
     }
+}
+
+static void test_the_catalogue_s_page_has_every_scenario_and_asks_for_nothing(void **state)
+{
+    plumb_output page = call(*state, "list scenarios --page -");
+    assert_int_equal(page.code, 0);
+    int count;
+    const pl_scenario *const *scenarios = pl_scenarios(&count);
+    for (int i = 0; i < count; ++i) {
+        char id[160];
+        snprintf(id, sizeof id, "<h2 id=\"%s\">", scenarios[i]->name);
+        assert_contains(page.out, id);
+    }
+    assert_null(strstr(page.out, "<script"));
+    assert_null(strstr(page.out, "http"));
+    assert_contains(page.out, "<svg");
+    free_output(&page);
+    check_call(state, "list scenarios --page /no/such/directory/page.html", 3, "", "/no/such");
 }
 
 static void test_a_printed_scene_is_the_same_problem_as_the_scenario(void **state)
@@ -436,6 +455,7 @@ int main(void)
         cmocka_unit_test(test_usage_errors_exit_2_and_suggest_the_nearest_name),
         cmocka_unit_test(test_every_command_explains_itself),
         cmocka_unit_test(test_lists_are_text_or_json_with_everything),
+        cmocka_unit_test(test_the_catalogue_s_page_has_every_scenario_and_asks_for_nothing),
         cmocka_unit_test(test_a_printed_scene_is_the_same_problem_as_the_scenario),
         cmocka_unit_test(test_run_prints_metrics_or_one_object),
         cmocka_unit_test(test_results_hold_every_key_of_the_schema),

@@ -30,8 +30,10 @@ allow compare/referee "$scene|$abi|referee/.*"
 allow compare/results "$scene|$abi|referee/metrics\.h|results/.*"
 allow compare/report "$scene|referee/metrics\.h|results/.*|report/.*"
 allow compare/runner "$scene|$abi|(adapters/registry|adapters/[a-z_]*|referee/.*|results/.*|runner/.*)(\.h)?"
+allow compare/threshold "$scene|$abi|(results/result|runner/.*|threshold/.*)(\.h)?"
 allow compare/adapters "$scene|$abi|adapters/.*|plumb/(engine|contact_problem)\.h"
 allow compare/solve "$scene|$abi|plumb/contact_problem\.h|json_(field|text)\.h|(adapters/registry|results/.*|runner/process|solve/.*)(\.h)?"
+allow compare/metamorphic "$scene|$abi|referee/solid\.h|results/.*|runner/.*|metamorphic/.*"
 
 # An engine's headers are known to its adapter alone.
 only() {

@@ -1,7 +1,7 @@
 /* plumb compare: scenarios on engines side by side. Results are appended to DIR/results.jsonl as
  * runs end; the report is made of all that is there at the end. */
 #include "command/commands.h"
-#include "command/selection.h"
+#include "command/contest.h"
 #include "report/report.h"
 #include "results/store.h"
 #include "runner/execute.h"
@@ -95,85 +95,12 @@ static const struct argp argp = {
         "  plumb compare ./mine.json --engine ./mine.so:fast --json - | jq .",
     .children = pl_run_children};
 
-/* The entries of all suites asked for, then the names. The caller frees *asked. */
-static pl_status list_problems(const options *o, pl_asked **asked, int *count, pl_error *error)
-{
-    int room = o->names.count;
-    *count = 0;
-    for (int i = 0; i < o->suites.count; ++i) {
-        const pl_suite *suite = pl_suite_find(o->suites.items[i], error);
-        if (suite == NULL) {
-            return PL_BAD_INPUT;
-        }
-        room += suite->entry_count;
-    }
-    *asked = calloc((size_t)room + 1, sizeof **asked);
-    if (*asked == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory");
-    }
-    for (int i = 0; i < o->suites.count; ++i) {
-        const pl_suite *suite = pl_suite_find(o->suites.items[i], NULL);
-        for (int k = 0; k < suite->entry_count; ++k) {
-            const pl_suite_entry *entry = &suite->entries[k];
-            (*asked)[(*count)++] = (pl_asked){.name = entry->scenario, .setting = entry->setting};
-        }
-    }
-    for (int i = 0; i < o->names.count; ++i) {
-        (*asked)[(*count)++] = (pl_asked){.name = o->names.items[i]};
-    }
-    return PL_OK;
-}
-
 static pl_status add_problems(options *o, pl_plan *plan, pl_error *error)
 {
     if (o->names.count == 0 && o->suites.count == 0) {
         pl_texts_add(&o->suites, "canonical");
     }
-    pl_asked *asked = NULL;
-    int count = 0;
-    pl_status status = list_problems(o, &asked, &count, error);
-    if (status == PL_OK) {
-        status = pl_selection_add(&o->selection, asked, count, plan, error);
-    }
-    free(asked);
-    return status;
-}
-
-/* Those asked for; one that this build lacks is said so and left out. */
-static pl_status add_asked_engines(const options *o, pl_plan *plan, pl_error *error)
-{
-    pl_status status = PL_OK;
-    for (int i = 0; i < o->engines.count && status == PL_OK; ++i) {
-        status = pl_plan_add_engine(plan, o->engines.items[i], error);
-        if (status == PL_UNSUPPORTED) {
-            fprintf(stderr, "plumb compare: %s\n", error->message);
-            status = PL_OK;
-        }
-    }
-    return status;
-}
-
-/* All profiles that engines put up for comparison. */
-static pl_status add_found_engines(pl_plan *plan, pl_error *error)
-{
-    int count;
-    const pl_known_engine *known = pl_known_engines(&count);
-    pl_status status = PL_OK;
-    for (int i = 0; i < count; ++i) {
-        const pl_engine *engine = known[i].engine;
-        if (engine == NULL) {
-            fprintf(stderr, "plumb compare: engine %s is absent from this build; Debian: %s\n",
-                    known[i].name, known[i].package);
-        }
-        for (int k = 0; engine != NULL && k < engine->profile_count && status == PL_OK; ++k) {
-            char spec[2 * PL_NAME_SIZE];
-            snprintf(spec, sizeof spec, "%s:%s", known[i].name, engine->profiles[k].name);
-            if (engine->profiles[k].in_default_comparison) {
-                status = pl_plan_add_engine(plan, spec, error);
-            }
-        }
-    }
-    return status;
+    return pl_contest_add_problems(&o->selection, &o->suites, &o->names, plan, error);
 }
 
 static bool skip(void *user, const char *run)
@@ -284,8 +211,7 @@ int pl_command_compare(const pl_call *call)
     int code = PL_EXIT_OK;
     pl_status status = add_problems(&o, &plan, &error);
     if (status == PL_OK) {
-        status = o.engines.count > 0 ? add_asked_engines(&o, &plan, &error)
-                                     : add_found_engines(&plan, &error);
+        status = pl_contest_add_engines("plumb compare", &o.engines, &plan, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);

@@ -4,7 +4,11 @@
 
 #include "adapters/registry.h"
 #include "plumb/scenario.h"
+#include "report/catalogue.h"
 #include "results/result.h"
+
+#include <errno.h>
+#include <stdio.h>
 
 #include <stdlib.h>
 #include <string.h>
@@ -22,6 +26,18 @@ static json_t *list_params(const pl_scenario *scenario)
     return list;
 }
 
+/* NULL: none. */
+static json_t *threshold_of(const pl_scenario *scenario)
+{
+    const pl_threshold *t = scenario->threshold;
+    if (t == NULL) {
+        return NULL;
+    }
+    return json_pack("{s:s, s:f, s:f, s:s, s:f, s:s*}", "param", t->param, "low", t->low, "high",
+                     t->high, "holds", t->holds_below ? "below" : "above", "tolerance",
+                     t->tolerance, "formula", t->formula);
+}
+
 static json_t *list_scenarios(void)
 {
     int count;
@@ -35,11 +51,12 @@ static json_t *list_scenarios(void)
                 json_array_append_new(needs, json_string(pl_needs_name(bit)));
             }
         }
-        json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:o, s:o}", "name",
-                                              s->name, "title", s->title, "description",
-                                              s->description, "reference", s->reference, "source",
-                                              s->source, "primary_error", s->primary_error, "needs",
-                                              needs, "params", list_params(s)));
+        json_array_append_new(
+            list, json_pack("{s:s, s:s, s:s, s:s, s:s, s:s*, s:s*, s:o*, s:s, s:o, s:o}", "name",
+                            s->name, "title", s->title, "description", s->description, "reference",
+                            s->reference, "source", s->source, "validity", s->validity, "provokes",
+                            s->provokes, "threshold", threshold_of(s), "primary_error",
+                            s->primary_error, "needs", needs, "params", list_params(s)));
     }
     return list;
 }
@@ -202,6 +219,7 @@ enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
 typedef struct options {
     const kind *kind;
     bool json;
+    const char *page; /* NULL: none */
 } options;
 
 static const kind *find_kind(struct argp_state *state, const char *name)
@@ -227,11 +245,19 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case 'j':
         o->json = true;
         return 0;
+    case 'p':
+        o->page = text;
+        return 0;
     case ARGP_KEY_ARG:
         if (o->kind != NULL) {
             argp_error(state, "one list at a time; found also \"%s\"", text);
         }
         o->kind = find_kind(state, text);
+        return 0;
+    case ARGP_KEY_END:
+        if (o->page != NULL && o->kind != NULL && o->kind->list != list_scenarios) {
+            argp_error(state, "--page is of scenarios");
+        }
         return 0;
     case ARGP_KEY_NO_ARGS:
         argp_error(state, "list what? scenarios, engines, metrics or suites");
@@ -242,19 +268,48 @@ static error_t parse(int key, char *text, struct argp_state *state)
 }
 
 static const struct argp_option argp_options[] = {
-    {"json", 'j', NULL, 0, "Print a JSON array with everything there is to know", 0}, {0}};
+    {"json", 'j', NULL, 0, "Print a JSON array with everything there is to know", 0},
+    {"page", 'p', "FILE", 0,
+     "Of scenarios: write them as one HTML page with pictures, formulas and sources; - is stdout",
+     0},
+    {0}};
 static const struct argp argp = {.options = argp_options,
                                  .parser = parse,
                                  .args_doc = "scenarios|engines|metrics|suites",
                                  .doc = "Lists what this build knows.\v"
                                         "Examples:\n"
                                         "  plumb list engines\n"
-                                        "  plumb list scenarios --json"};
+                                        "  plumb list scenarios --json\n"
+                                        "  plumb list scenarios --page catalogue.html"};
+
+static int write_page(const char *path)
+{
+    pl_sheet sheet = {0};
+    pl_error error = {PL_OK, ""};
+    bool written = false;
+    if (pl_catalogue_page(&sheet, &error) == PL_OK) {
+        bool to_stdout = strcmp(path, "-") == 0;
+        FILE *file = to_stdout ? stdout : fopen(path, "we");
+        written = file != NULL && fputs(sheet.data, file) >= 0 && fflush(file) == 0;
+        written = (file == NULL || to_stdout || fclose(file) == 0) && written;
+        if (!written) {
+            pl_fail(&error, PL_IO, "%s: %s", path, strerror(errno));
+        }
+    }
+    pl_sheet_free(&sheet);
+    if (!written) {
+        fprintf(stderr, "plumb list: %s\n", error.message);
+    }
+    return written ? PL_EXIT_OK : PL_EXIT_FAILED;
+}
 
 int pl_command_list(const pl_call *call)
 {
     options o = {.json = false};
     pl_call_parse(call, &argp, &o);
+    if (o.page != NULL) {
+        return write_page(o.page);
+    }
     json_t *list = o.kind->list();
     if (o.json) {
         json_dumpf(list, stdout, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));

@@ -6,9 +6,11 @@
 
 int pl_command_compare(const pl_call *call);
 int pl_command_run(const pl_call *call);
+int pl_command_threshold(const pl_call *call);
 int pl_command_list(const pl_call *call);
 int pl_command_scene(const pl_call *call);
 int pl_command_solve(const pl_call *call);
+int pl_command_metamorphic(const pl_call *call);
 int pl_command_help(const pl_call *call);
 int pl_command_version(const pl_call *call);
 

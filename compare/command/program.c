@@ -9,9 +9,11 @@
 static const pl_command commands[] = {
     {"compare", "run scenarios on engines side by side and report", pl_command_compare},
     {"run", "run one scenario on one engine", pl_command_run},
+    {"threshold", "bisect a scenario's critical value on engines", pl_command_threshold},
     {"list", "list scenarios, engines, metrics or suites", pl_command_list},
     {"scene", "print a scenario as a scene file, to edit and run", pl_command_scene},
     {"solve", "solve one captured contact problem again", pl_command_solve},
+    {"metamorphic", "check engines without a reference", pl_command_metamorphic},
     {"help", "explain a command", pl_command_help},
     {"version", "print the version", pl_command_version},
 };

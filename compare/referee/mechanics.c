@@ -19,6 +19,7 @@
  * and Wanner 2006). */
 #include "referee/mechanics.h"
 
+#include "referee/loads.h"
 #include "referee/solid.h"
 
 #include <math.h>
@@ -179,30 +180,6 @@ static pl_vec point_velocity(const pl_body_state *before, const pl_body_state *a
     return pl_vec_add(v, pl_vec_cross(w, arm));
 }
 
-/* The frame of the body at the start, the middle and the end of the step. The middle is halfway
- * between, and ahead of that by h (w - w')/8, as Hermite's cubic has it. */
-static pl_axes axes_at(const pl_body_state *before, const pl_body_state *after, double dt, int node)
-{
-    const double *p = before->orientation, *q = after->orientation;
-    if (node != 1) {
-        return pl_axes_of(node == 0 ? p : q);
-    }
-    double same = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3] < 0 ? -1 : 1;
-    double w = p[0] + same * q[0], x = p[1] + same * q[1], y = p[2] + same * q[2],
-           z = p[3] + same * q[3];
-    pl_vec d = pl_vec_scale(
-        pl_vec_sub(pl_vec_of(before->angular_velocity), pl_vec_of(after->angular_velocity)),
-        dt / 16);
-    double mixed[4] = {w - d.x * x - d.y * y - d.z * z, x + d.x * w + d.y * z - d.z * y,
-                       y + d.y * w + d.z * x - d.x * z, z + d.z * w + d.x * y - d.y * x};
-    double length =
-        sqrt(mixed[0] * mixed[0] + mixed[1] * mixed[1] + mixed[2] * mixed[2] + mixed[3] * mixed[3]);
-    for (int k = 0; k < 4; ++k) {
-        mixed[k] /= length;
-    }
-    return pl_axes_of(mixed);
-}
-
 static void add_work(pl_mechanics *m, pl_integrator k, int body, double work)
 {
     m->given.work[k] += work;
@@ -211,16 +188,15 @@ static void add_work(pl_mechanics *m, pl_integrator k, int body, double work)
 
 static void give_force(pl_mechanics *m, const pl_force *force, const pl_body_state *after)
 {
-    static const double times[3] = {0, 0.5, 1}; /* of the step */
-    static const double weights[3] = {1.0 / 6, 4.0 / 6, 1.0 / 6};
+    static const double times[PL_LOAD_NODES] = {0, 0.5, 1}; /* of the step */
     const pl_body_state *before = &m->before[force->body], *end = &after[force->body];
     double dt = m->scene->dt;
     pl_vec centre = centre_of(m, m->before, force->body), way = way_of(m, force->body, after);
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < PL_LOAD_NODES; ++i) {
         pl_vec impulse = pl_vec_scale(pl_vec_of(force->force), dt);
         pl_vec arm = pl_vec_of(force->at);
         if (force->frame == PL_FRAME_BODY) {
-            pl_axes axes = axes_at(before, end, dt, i);
+            pl_axes axes = pl_load_axes(before, end, dt, i);
             impulse = pl_to_world(&axes, impulse);
             arm = pl_to_world(&axes, arm);
         }
@@ -230,7 +206,7 @@ static void give_force(pl_mechanics *m, const pl_force *force, const pl_body_sta
             add_work(m, PL_SEMI_IMPLICIT, force->body, pl_vec_dot(impulse, twice) / 2);
             give(m, PL_SEMI_IMPLICIT, pl_vec_add(centre, arm), impulse);
         }
-        impulse = pl_vec_scale(impulse, weights[i]);
+        impulse = pl_vec_scale(impulse, pl_load_weights[i]);
         pl_vec velocity = point_velocity(before, end, way, dt, i, arm);
         add_work(m, PL_SECOND_ORDER, force->body, pl_vec_dot(impulse, velocity));
         give(m, PL_SECOND_ORDER, pl_vec_add(pl_vec_mad(centre, times[i], way), arm), impulse);
@@ -266,18 +242,14 @@ void pl_mechanics_start(pl_mechanics *m, const pl_body_state *bodies)
 void pl_mechanics_step(pl_mechanics *m, long step, const pl_body_state *bodies,
                        const pl_contact *contacts, int contact_count)
 {
-    double dt = m->scene->dt;
     for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
         memset(m->growth[k], 0, (size_t)m->scene->body_count * sizeof *m->growth[k]);
     }
     pl_integrator_see(&m->votes, m->scene, m->before, bodies);
-    /* Times of start and end are met to a millionth of a step, whatever way they were rounded. */
-    double time = (double)(step - 1) * dt + 1e-6 * dt;
     give_gravity(m, bodies);
     for (int i = 0; i < m->scene->force_count; ++i) {
         const pl_force *force = &m->scene->forces[i];
-        if (!m->scene->bodies[force->body].is_static && time >= force->from &&
-            time < force->until) {
+        if (!m->scene->bodies[force->body].is_static && pl_load_acts(force, step, m->scene->dt)) {
             give_force(m, force, bodies);
         }
     }

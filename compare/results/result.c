@@ -132,6 +132,10 @@ json_t *pl_run_identity(const pl_run_view *run)
         "scene_hash", run->scene_hash, "engine", run->engine->name, "engine_version",
         run->engine->version, "profile", run->engine->profiles[run->profile].name, "settings",
         settings_json(run), "seed", (json_int_t)run->seed, "repeat", run->repeat);
+    if (run->is_member && json_object_set_new(identity, "member", json_integer(run->member)) != 0) {
+        json_decref(identity);
+        return NULL;
+    }
     char *text = identity == NULL ? NULL : pl_result_to_line(identity);
     if (text == NULL) {
         json_decref(identity);

@@ -40,6 +40,8 @@ typedef struct pl_run_view {
     const char *label;
     uint64_t seed; /* below 2^53, so that every JSON reader keeps it whole */
     int repeat;
+    bool is_member; /* of an ensemble */
+    int member;     /* from 0 */
 } pl_run_view;
 
 /* The keys from `scenario` to `repeat`, and `run`: the hash over those that make it that run. */

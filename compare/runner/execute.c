@@ -15,6 +15,7 @@
 typedef struct slot {
     bool busy;
     pl_isolated_run run;
+    char *positions; /* path, or NULL */
 } slot;
 
 typedef struct execution {
@@ -64,6 +65,27 @@ static pl_status count_due(const execution *e, long *due, pl_error *error)
     return PL_OK;
 }
 
+char *pl_positions_path(const char *folder, const char *run)
+{
+    char *path = NULL;
+    return asprintf(&path, "%s/%s.positions", folder, run) < 0 ? NULL : path;
+}
+
+/* Where the slot's run shall write its positions, if anywhere. */
+static pl_status place_positions(const execution *e, slot *s, const json_t *identity,
+                                 pl_error *error)
+{
+    free(s->positions);
+    s->positions = NULL;
+    if (e->def->positions != NULL) {
+        s->positions = pl_positions_path(e->def->positions, pl_json_get_text(identity, "run"));
+        if (s->positions == NULL) {
+            return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
+        }
+    }
+    return PL_OK;
+}
+
 /* Starts the next run that is due in a free slot. */
 static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
 {
@@ -77,14 +99,19 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
         }
         e->next += 1;
         if (!is_done(e, identity)) {
+            status = place_positions(e, free_slot, identity, error);
             const pl_engine_choice *choice = &planned.contender->choice;
             pl_run_def run = {.scene = &planned.problem->scene,
                               .engine = choice->engine,
                               .profile = choice->profile,
                               .options = choice->values,
                               .trajectory = e->def->trajectory,
+                              .positions = free_slot->positions,
                               .capture = e->def->capture};
-            status = pl_isolated_run_start(&free_slot->run, &run, identity, &e->def->limits, error);
+            if (status == PL_OK) {
+                status =
+                    pl_isolated_run_start(&free_slot->run, &run, identity, &e->def->limits, error);
+            }
             free_slot->busy = status == PL_OK;
             e->busy += free_slot->busy;
         }
@@ -219,6 +246,7 @@ pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *
         if (e.slots[i].busy) {
             pl_isolated_run_cancel(&e.slots[i].run);
         }
+        free(e.slots[i].positions);
     }
     if (def->progress != NULL) {
         pl_progress_end(&e.progress);

@@ -13,6 +13,7 @@ typedef struct pl_execution_def {
     pl_limits limits;
     FILE *trajectory;          /* of a plan with one run: gets its frames; NULL: none */
     const pl_capture *capture; /* of such a plan too; NULL: none */
+    const char *positions;     /* folder that gets RUN.positions of every run; NULL: none */
     json_t *provenance;        /* pl_provenance */
     FILE *progress;            /* where progress is shown; NULL: nowhere */
     void *user;
@@ -21,6 +22,10 @@ typedef struct pl_execution_def {
     /* Gets each result as it comes; anything but PL_OK ends the execution with that. */
     pl_status (*keep)(void *user, json_t *result, pl_error *error);
 } pl_execution_def;
+
+/* The name in that folder of the file of the run with this hash; malloc'd, NULL when out of memory.
+ */
+char *pl_positions_path(const char *folder, const char *run);
 
 /* Returns when all runs are done, or at SIGINT, SIGTERM or SIGHUP (unless they are ignored) with
  * its number in *signal_number, 0 otherwise: runs in progress are then killed and leave nothing.

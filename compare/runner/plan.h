@@ -9,12 +9,21 @@
 #include "results/result.h"
 
 /* A scene to run, and where it comes from. */
+/* How a problem differs from what was asked for; all zero: not at all. */
+typedef struct pl_variation {
+    bool is_member;
+    int member;     /* from 0: pl_scene_jitter with the plan's seed */
+    int refinement; /* > 1: its time step is the asked one divided by this */
+} pl_variation;
+
+/* A scene to run, and where it comes from. */
 typedef struct pl_problem {
     char *name;                    /* catalogue name, or the path of a scene file as given */
     const pl_scenario *descriptor; /* NULL for a scene file */
     double params[PL_MAX_PARAMS];
     pl_scene scene;
     char scene_hash[17];
+    pl_variation variation;
 } pl_problem;
 
 typedef struct pl_contender {
@@ -22,13 +31,21 @@ typedef struct pl_contender {
     char label[128];
 } pl_contender;
 
+/* One run of a plan that is not all problems on all engines. */
+typedef struct pl_pairing {
+    int problem, contender;
+} pl_pairing;
+
 typedef struct pl_plan {
     pl_problem *problems;
     int problem_count;
     pl_contender *contenders;
     int contender_count;
+    pl_pairing *pairings; /* (pairing_count): the runs, in this order; NULL: all on all */
+    int pairing_count;
     int repeats;
     uint64_t seed;
+    pl_variation variation; /* of the problems that are added next */
 } pl_plan;
 
 /* A catalogue scenario with `count` settings "NAME=VALUE". One that is already there with the same
@@ -45,6 +62,13 @@ pl_status pl_plan_add_scene_file(pl_plan *plan, const char *path, double dt, dou
 /* An engine by its SPEC. One that is already there is not added again; another of the same label is
  * PL_BAD_INPUT, because their rows could not be told apart. */
 pl_status pl_plan_add_engine(pl_plan *plan, const char *spec, pl_error *error);
+
+/* The same engine by its choice, under a label of its own; *index is its place. */
+pl_status pl_plan_add_choice(pl_plan *plan, const pl_engine_choice *choice, const char *label,
+                             int *index, pl_error *error);
+
+/* One more run; from the first on, those are all that the plan has. */
+pl_status pl_plan_add_pairing(pl_plan *plan, int problem, int contender, pl_error *error);
 
 /* How many runs. */
 long pl_plan_size(const pl_plan *plan);

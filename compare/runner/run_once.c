@@ -4,6 +4,7 @@
 #include "runner/run_once.h"
 
 #include "referee/referee.h"
+#include "runner/positions.h"
 #include "runner/readback.h"
 #include "runner/resident.h"
 
@@ -22,6 +23,7 @@ typedef struct run {
     bool has_good;
     pl_contact *contacts;
     int contact_capacity;
+    pl_positions_writer positions;
 } run;
 
 static double cpu_seconds(void)
@@ -113,6 +115,9 @@ static pl_status prepare(run *r, pl_error *error)
     if (status == PL_OK && r->def->trajectory != NULL) {
         status = write_header(r->def->trajectory, error);
     }
+    if (status == PL_OK && r->def->positions != NULL) {
+        status = pl_positions_create(r->def->positions, scene, &r->positions, error);
+    }
     return status;
 }
 
@@ -138,6 +143,19 @@ static pl_status read_contacts(run *r, int *count, pl_error *error)
     r->contact_capacity = capacity;
     *count = engine->read_contacts(r->instance, r->contacts, r->contact_capacity);
     return PL_OK;
+}
+
+/* Hands the new frame to those who keep it. */
+static pl_status record_frame(run *r, long step, pl_error *error)
+{
+    pl_status status = PL_OK;
+    if (r->def->trajectory != NULL) {
+        status = write_frame(r->def->trajectory, r->def->scene, &r->frame, error);
+    }
+    if (status == PL_OK) {
+        status = pl_positions_write(&r->positions, step, &r->frame, error);
+    }
+    return status;
 }
 
 static void read_frame(run *r, double time)
@@ -180,9 +198,7 @@ static pl_status begin(run *r, pl_finding *finding, bool *going, pl_error *error
         return PL_OK;
     }
     *going = true;
-    if (def->trajectory != NULL) {
-        status = write_frame(def->trajectory, def->scene, &r->frame, error);
-    }
+    status = record_frame(r, 0, error);
     swap_frames(r);
     return status;
 }
@@ -238,9 +254,7 @@ static pl_status advance(run *r, pl_finding *finding, bool *going, pl_error *err
     }
     pl_verdict verdict = pl_referee_step(r->referee, &r->frame, &stats,
                                          count < 0 ? NULL : r->contacts, count, cpu_time, &fault);
-    if (def->trajectory != NULL) {
-        status = write_frame(def->trajectory, def->scene, &r->frame, error);
-    }
+    status = record_frame(r, finding->steps_done, error);
     if (verdict == PL_VERDICT_NONFINITE || verdict == PL_VERDICT_DIVERGED) {
         *going = false;
         set_outcome(finding,
@@ -301,6 +315,7 @@ pl_status pl_run_once(const pl_run_def *def,
     }
 
 cleanup:
+    pl_positions_end(&r.positions);
     pl_referee_destroy(r.referee);
     free(r.frame.bodies);
     free(r.good.bodies);

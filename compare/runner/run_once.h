@@ -39,6 +39,7 @@ typedef struct pl_run_def {
     int profile;
     const double *options;     /* (engine->option_count) */
     FILE *trajectory;          /* gets every frame as CSV; NULL: none */
+    const char *positions;     /* file that gets a compact trajectory (positions.h); NULL: none */
     const pl_capture *capture; /* NULL: none; otherwise the engine has a `capture` */
     pl_run_watch *watch;
 } pl_run_def;

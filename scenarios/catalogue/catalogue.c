@@ -6,11 +6,14 @@
 #include <string.h>
 
 static const pl_scenario *const scenarios[] = {
-    &pl_scenario_tower,         &pl_scenario_mass_ratio,    &pl_scenario_slope_stick,
-    &pl_scenario_slope_slide,   &pl_scenario_slide_to_stop, &pl_scenario_wall,
-    &pl_scenario_wall_collapse, &pl_scenario_pile,          &pl_scenario_rest_shape,
-    &pl_scenario_linked_rings,  &pl_scenario_roll_slope,    &pl_scenario_blocks,
-    &pl_scenario_thin_wall,     &pl_scenario_rocket};
+    &pl_scenario_tower,          &pl_scenario_mass_ratio,    &pl_scenario_slope_stick,
+    &pl_scenario_slope_slide,    &pl_scenario_slide_to_stop, &pl_scenario_wall,
+    &pl_scenario_wall_collapse,  &pl_scenario_pile,          &pl_scenario_rest_shape,
+    &pl_scenario_linked_rings,   &pl_scenario_roll_slope,    &pl_scenario_blocks,
+    &pl_scenario_thin_wall,      &pl_scenario_rocket,        &pl_scenario_slope_threshold,
+    &pl_scenario_free_fall,      &pl_scenario_projectile,    &pl_scenario_bowling,
+    &pl_scenario_torque_free,    &pl_scenario_bounce,        &pl_scenario_oblique_impact,
+    &pl_scenario_collision_train};
 enum { SCENARIO_COUNT = sizeof scenarios / sizeof scenarios[0] };
 
 const pl_scenario *const *pl_scenarios(int *count)

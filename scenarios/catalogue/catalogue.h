@@ -8,6 +8,7 @@ extern const pl_scenario pl_scenario_tower;
 extern const pl_scenario pl_scenario_mass_ratio;
 extern const pl_scenario pl_scenario_slope_stick;
 extern const pl_scenario pl_scenario_slope_slide;
+extern const pl_scenario pl_scenario_slope_threshold;
 extern const pl_scenario pl_scenario_slide_to_stop;
 extern const pl_scenario pl_scenario_wall;
 extern const pl_scenario pl_scenario_wall_collapse;
@@ -18,6 +19,13 @@ extern const pl_scenario pl_scenario_roll_slope;
 extern const pl_scenario pl_scenario_blocks;
 extern const pl_scenario pl_scenario_thin_wall;
 extern const pl_scenario pl_scenario_rocket;
+extern const pl_scenario pl_scenario_free_fall;
+extern const pl_scenario pl_scenario_projectile;
+extern const pl_scenario pl_scenario_bowling;
+extern const pl_scenario pl_scenario_torque_free;
+extern const pl_scenario pl_scenario_bounce;
+extern const pl_scenario pl_scenario_oblique_impact;
+extern const pl_scenario pl_scenario_collision_train;
 
 /* Parameters that scenarios share: dt and duration, which all have, and the friction of stacks.
  * Initialisers, since a table cannot copy another's row. */

@@ -25,6 +25,8 @@ void run_prepare(run *r, double duration)
     r->scene.dt = H;
     r->scene.duration = duration;
     r->stats.iterations = r->stats.residual = r->stats.contacts = nan("");
+    const pl_material stone = {.name = "stone", .friction = 0.5};
+    assert_int_equal(pl_scene_add_material(&r->scene, &stone, NULL, NULL), PL_OK);
 }
 
 void run_expect_rest(run *r, int body)

@@ -18,7 +18,7 @@ typedef struct run {
     pl_error error;
 } run;
 
-/* An empty scene with step H that lasts `duration` seconds. */
+/* An empty scene with step H that lasts `duration` seconds, and one material of friction 0.5. */
 void run_prepare(run *r, double duration);
 /* A body of 2 kg at (x, 0, z), added before run_begin. */
 void run_add_body(run *r, const char *name, pl_shape shape, bool is_static, double x, double z);

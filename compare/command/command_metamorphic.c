@@ -1,0 +1,193 @@
+/* plumb metamorphic: checks of engines that need no reference. Each trial is printed as it ends. */
+#include "command/commands.h"
+#include "command/contest.h"
+#include "metamorphic/trial_report.h"
+#include "results/store.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct options {
+    pl_selection selection;
+    pl_limits limits;
+    pl_texts names, suites, engines, checks;
+    const char *json;
+} options;
+
+enum { KEY_SUITE = 0x200, KEY_ENGINE, KEY_CHECK, KEY_JSON };
+
+static const struct argp_option argp_options[] = {
+    {"suite", KEY_SUITE, "NAME", 0, "All scenarios of a suite (repeatable)", 0},
+    {"engine", KEY_ENGINE, "SPEC", 0,
+     "An engine: NAME[:PROFILE][,OPTION=VALUE...], or the path of a shared object in place of NAME "
+     "(repeatable; default all found)",
+     0},
+    {"check", KEY_CHECK, "NAME", 0,
+     "One check, such as rotate-z45, or all of a kind: again, rotate, mirror, order, far, scale, "
+     "shift, restart (repeatable; default all)",
+     0},
+    {"json", KEY_JSON, "FILE", 0,
+     "Write what was found as a JSON array too (- is standard output, in place of the tables)", 0},
+    {0}};
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    options *o = state->input;
+    switch (key) {
+    case ARGP_KEY_INIT:
+        state->child_inputs[0] = &o->selection;
+        state->child_inputs[1] = &o->limits;
+        return 0;
+    case KEY_SUITE:
+        pl_texts_add(&o->suites, text);
+        return 0;
+    case KEY_ENGINE:
+        pl_texts_add(&o->engines, text);
+        return 0;
+    case KEY_CHECK:
+        pl_texts_add(&o->checks, text);
+        return 0;
+    case KEY_JSON:
+        o->json = text;
+        return 0;
+    case ARGP_KEY_ARG:
+        pl_texts_add(&o->names, text);
+        return 0;
+    case ARGP_KEY_END:
+        if (o->names.count == 0 && o->suites.count == 0) {
+            argp_error(state, "which scenario? See plumb list scenarios");
+        }
+        return 0;
+    default:
+        return ARGP_ERR_UNKNOWN;
+    }
+}
+
+static const struct argp argp = {
+    .options = argp_options,
+    .parser = parse,
+    .args_doc = "SCENARIO|SCENE.json...",
+    .doc =
+        "Runs a scene on an engine, and then scenes that must move alike: turned, mirrored, moved, "
+        "scaled (length s, mass s^3, time sqrt(s)), with its bodies in another order, with a copy "
+        "of everything 1e4 times its size away, once more, and with a new instance from half time "
+        "on. Prints how far each, mapped back, is from the first at a tenth of the run and at its "
+        "end: bitwise; exact, to 1e-9 of the scene's size and 1e-9 rad; close, to 1e-3; differs; "
+        "or failed, where a run did not come to its end. A difference is a finding: it exits "
+        "with 0.\v"
+        "Examples:\n"
+        "  plumb metamorphic tower --set n=10\n"
+        "  plumb metamorphic wall-collapse --engine plumb --check order --check far\n"
+        "  plumb metamorphic ./mine.json --engine ./mine.so:fast --json - | jq .",
+    .children = pl_run_children};
+
+typedef struct delivery {
+    const options *options;
+    json_t *trials;
+    bool compared; /* a plain run was not unsupported */
+} delivery;
+
+static bool json_on_stdout(const options *o)
+{
+    return o->json != NULL && strcmp(o->json, "-") == 0;
+}
+
+static pl_status keep(void *user, const pl_trial *trial, pl_error *error)
+{
+    delivery *d = user;
+    d->compared = d->compared || strcmp(trial->outcome, "unsupported") != 0;
+    if (!json_on_stdout(d->options)) {
+        pl_trial_print(stdout, trial);
+        fflush(stdout);
+    }
+    if (json_array_append_new(d->trials, pl_trial_to_json(trial)) != 0) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for what was found");
+    }
+    return PL_OK;
+}
+
+/* The caller frees *chosen. */
+static pl_status choose_checks(const options *o, bool **chosen, pl_error *error)
+{
+    int count;
+    (void)pl_checks(&count);
+    *chosen = calloc((size_t)count, sizeof **chosen);
+    if (*chosen == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    for (int i = 0; i < count; ++i) {
+        (*chosen)[i] = o->checks.count == 0;
+    }
+    pl_status status = PL_OK;
+    for (int i = 0; i < o->checks.count && status == PL_OK; ++i) {
+        status = pl_check_choose(o->checks.items[i], *chosen, error);
+    }
+    return status;
+}
+
+static int run(const pl_call *call, const options *o, const pl_plan *plan, const bool *chosen)
+{
+    pl_error error = {.message = ""};
+    int signal_number = 0;
+    int code = PL_EXIT_OK;
+    delivery d = {.options = o, .trials = json_array()};
+    json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
+    pl_status status = provenance == NULL || d.trials == NULL
+                           ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
+                           : PL_OK;
+    if (status == PL_OK) {
+        const pl_trials_def def = {.plan = plan,
+                                   .chosen = chosen,
+                                   .limits = o->limits,
+                                   .provenance = provenance,
+                                   .progress = stderr,
+                                   .user = &d,
+                                   .keep = keep};
+        status = pl_trials(&def, &signal_number, &error);
+    }
+    if (status == PL_OK && signal_number == 0) {
+        code = d.compared ? PL_EXIT_OK : PL_EXIT_NOTHING;
+        status = o->json == NULL ? PL_OK : pl_results_write_json(o->json, d.trials, &error);
+    }
+    if (status != PL_OK) {
+        code = pl_call_fail(call, &error);
+    } else if (signal_number != 0) {
+        code = 128 + signal_number;
+    }
+    json_decref(d.trials);
+    json_decref(provenance);
+    return code;
+}
+
+int pl_command_metamorphic(const pl_call *call)
+{
+    options o = {.selection = pl_selection_default(), .limits = pl_limits_default()};
+    pl_call_parse(call, &argp, &o);
+    pl_error error = {.message = ""};
+    pl_plan plan = {.repeats = 1};
+    bool *chosen = NULL;
+    int code = PL_EXIT_OK;
+    pl_status status = choose_checks(&o, &chosen, &error);
+    if (status == PL_OK) {
+        status = pl_contest_add_problems(&o.selection, &o.suites, &o.names, &plan, &error);
+    }
+    if (status == PL_OK) {
+        status = pl_contest_add_engines(call->argv[0], &o.engines, &plan, &error);
+    }
+    if (status != PL_OK) {
+        code = pl_call_fail(call, &error);
+    } else if (pl_plan_size(&plan) == 0) {
+        fprintf(stderr, "plumb metamorphic: there is nothing to compare\n");
+        code = PL_EXIT_NOTHING;
+    } else {
+        code = run(call, &o, &plan, chosen);
+    }
+    free(chosen);
+    pl_plan_free(&plan);
+    pl_selection_free(&o.selection);
+    free(o.names.items);
+    free(o.suites.items);
+    free(o.engines.items);
+    free(o.checks.items);
+    return code;
+}

@@ -1,0 +1,49 @@
+/* Which runs an ensemble is made of: members x problems x engines, where the members of one number
+ * have the same jitter on every engine. */
+#ifndef PLUMB_MEMBERS_H
+#define PLUMB_MEMBERS_H
+
+#include "runner/plan.h"
+
+/* A reference run has the time step divided by PL_FINER_STEPS, and PL_MORE_ITERATIONS times the
+ * engine's iterations, where it has such an option. */
+enum { PL_FINER_STEPS = 16, PL_MORE_ITERATIONS = 8 };
+
+/* The members of one problem on one engine. */
+typedef struct pl_ensemble {
+    int problem;   /* which of those asked for, from 0 */
+    int setting;   /* 0: as asked; k: with the k-th other setting */
+    bool reference; /* of the finer step */
+    int contender; /* index into the plan's */
+    int *problems; /* (members): index into the plan's, by member */
+    char name[256]; /* the engine's label, and the other setting in brackets */
+} pl_ensemble;
+
+typedef struct pl_ensembles {
+    pl_ensemble *items; /* (count) */
+    int count;
+    int members;
+    int problem_count;
+} pl_ensembles;
+
+typedef struct pl_members_def {
+    int members;               /* >= 2 */
+    int setting_count;         /* other settings */
+    const char *const *settings; /* (setting_count): how they are called */
+    bool references;
+    void *user;
+    /* Adds the problems to the plan: setting 0 as asked, k with the k-th other setting. */
+    pl_status (*add)(void *user, int setting, pl_plan *plan, pl_error *error);
+} pl_members_def;
+
+/* `plan` has its engines, and gets the problems and the runs; members of other settings have
+ * numbers of their own, so that no jitter is used twice on an engine. PL_BAD_INPUT: a scene in
+ * which nothing can move. The caller frees *ensembles by pl_ensembles_free, in any case. */
+pl_status pl_members_plan(const pl_members_def *def, pl_plan *plan, pl_ensembles *ensembles,
+                          pl_error *error);
+void pl_ensembles_free(pl_ensembles *ensembles);
+
+/* The hash by which results know a member's run; "" when out of memory. */
+void pl_member_run(const pl_plan *plan, const pl_ensemble *ensemble, int member, char run[17]);
+
+#endif

@@ -1,0 +1,194 @@
+#include "report/catalogue.h"
+
+#include "plumb/scenario.h"
+#include "referee/metrics.h"
+#include "report/style.h"
+#include "report/svg.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_PARAMS = PL_MAX_PARAMS };
+
+static void add_element(pl_sheet *sheet, const char *open, const char *text, const char *close)
+{
+    pl_sheet_add(sheet, open);
+    pl_sheet_add_html(sheet, text);
+    pl_sheet_add(sheet, close);
+}
+
+/* A name and what there is to say; nothing where that is NULL. */
+static void add_fact(pl_sheet *sheet, const char *name, const char *text)
+{
+    if (text != NULL) {
+        add_element(sheet, "<dt>", name, "</dt>");
+        add_element(sheet, "<dd>", text, "</dd>\n");
+    }
+}
+
+static void add_head(pl_sheet *sheet, int count)
+{
+    pl_sheet_add(sheet, "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+                        "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
+                        "<title>Plumb: the catalogue</title>\n<style>\n");
+    for (int i = 0; pl_style[i] != NULL; ++i) {
+        pl_sheet_add(sheet, pl_style[i]);
+        pl_sheet_add(sheet, "\n");
+    }
+    pl_sheet_format(sheet,
+                    "</style>\n</head>\n<body>\n<main>\n<h1>The catalogue</h1>\n"
+                    "<p class=\"lead\">%d scenarios: what is built, what the right answer is, and "
+                    "where that is from.</p>\n<p>",
+                    count);
+}
+
+static void add_index(pl_sheet *sheet, const pl_scenario *const *scenarios, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        add_element(sheet, i == 0 ? "<a href=\"#" : " · <a href=\"#", scenarios[i]->name, "\">");
+        add_element(sheet, "", scenarios[i]->name, "</a>");
+    }
+    pl_sheet_add(sheet, "</p>\n");
+}
+
+/* The scene with its defaults, as it is at the start. */
+static pl_status add_picture(pl_sheet *sheet, const pl_scenario *s, int index, pl_error *error)
+{
+    double values[MOST_PARAMS];
+    pl_scene scene = pl_scene_default();
+    pl_status status = pl_scenario_values(s, NULL, 0, values, error);
+    if (status == PL_OK) {
+        status = s->build(values, 0, &scene, error);
+    }
+    pl_pose *poses = status == PL_OK ? calloc((size_t)scene.body_count + 1, sizeof *poses) : NULL;
+    if (status == PL_OK && poses == NULL) {
+        status = pl_fail(error, PL_NO_MEMORY, "no memory for a picture of %s", s->name);
+    }
+    if (status == PL_OK) {
+        for (int i = 0; i < scene.body_count; ++i) {
+            poses[i] = pl_pose_of(&scene.bodies[i]);
+        }
+        pl_view view = pl_view_choose(&scene, NULL, 0);
+        char id[32], title[160];
+        snprintf(id, sizeof id, "expected-%d", index);
+        snprintf(title, sizeof title, "%.100s at the start", s->name);
+        pl_svg_expected(&scene, &view, id, sheet);
+        pl_sheet_add(sheet, "<div class=\"pictures\"><figure>");
+        pl_svg_picture(&scene, &view, poses, id, title, sheet);
+        pl_sheet_format(
+            sheet, "<figcaption>%d bodies, %g s in steps of %g s</figcaption></figure></div>\n",
+            scene.body_count, scene.duration, scene.dt);
+    }
+    free(poses);
+    pl_scene_free(&scene);
+    return status;
+}
+
+static void add_needs(pl_sheet *sheet, uint32_t needs)
+{
+    pl_sheet_add(sheet, "<dt>Needs</dt><dd>");
+    const char *between = "";
+    for (uint32_t bit = 1; bit != 0; bit <<= 1) {
+        if ((needs & bit) != 0) {
+            add_element(sheet, between, pl_needs_name(bit), "");
+            between = ", ";
+        }
+    }
+    pl_sheet_add(sheet, "</dd>\n");
+}
+
+static void add_suites(pl_sheet *sheet, const char *name)
+{
+    int count;
+    const pl_suite *suites = pl_suites(&count);
+    const char *between = "<dt>Suites</dt><dd>";
+    for (int i = 0; i < count; ++i) {
+        bool within = false;
+        for (int k = 0; k < suites[i].entry_count; ++k) {
+            within = within || strcmp(suites[i].entries[k].scenario, name) == 0;
+        }
+        if (within) {
+            add_element(sheet, between, suites[i].name, "");
+            between = ", ";
+        }
+    }
+    pl_sheet_add(sheet, between[0] == ',' ? "</dd>\n" : "");
+}
+
+static void add_primary(pl_sheet *sheet, const char *name)
+{
+    int id = pl_metric_by_name(name);
+    if (id >= 0) {
+        const pl_metric_info *info = &pl_metric_table[id];
+        add_element(sheet, "<dt>Judged by</dt><dd><code>", info->name, "</code>");
+        if (strcmp(info->unit, "1") != 0) {
+            add_element(sheet, ", ", info->unit, "");
+        }
+        add_element(sheet, ": ", info->definition, "</dd>\n");
+    }
+}
+
+static void add_threshold(pl_sheet *sheet, const pl_threshold *t)
+{
+    if (t == NULL) {
+        return;
+    }
+    add_element(sheet, "<dt>Threshold</dt><dd>holds ", t->holds_below ? "below" : "above",
+                " a critical ");
+    add_element(sheet, "<code>", t->param, "</code>: ");
+    pl_sheet_add_html(sheet, t->formula != NULL ? t->formula : "no closed form");
+    pl_sheet_add(sheet, "</dd>\n");
+}
+
+static void add_params(pl_sheet *sheet, const pl_scenario *s)
+{
+    pl_sheet_add(sheet, "<div class=\"scroll\"><table><thead><tr><th>Parameter</th><th class=\"n\">"
+                        "Default</th><th>Range</th><th>Unit</th><th>Meaning</th></tr></thead>"
+                        "<tbody>\n");
+    for (int i = 0; i < s->param_count; ++i) {
+        const pl_param *p = &s->params[i];
+        add_element(sheet, "<tr><th>", p->name, "</th>");
+        pl_sheet_format(sheet, "<td class=\"n\">%g</td><td>%g to %g%s</td>", p->value, p->min,
+                        p->max, p->integer ? ", whole" : "");
+        add_element(sheet, "<td>", p->unit, "</td>");
+        add_element(sheet, "<td>", p->help, "</td></tr>\n");
+    }
+    pl_sheet_add(sheet, "</tbody></table></div>\n");
+}
+
+static pl_status add_scenario(pl_sheet *sheet, const pl_scenario *s, int index, pl_error *error)
+{
+    add_element(sheet, "<h2 id=\"", s->name, "\">");
+    add_element(sheet, "", s->name, "");
+    add_element(sheet, " <span class=\"small\">", s->title, "</span></h2>\n");
+    pl_status status = add_picture(sheet, s, index, error);
+    add_element(sheet, "<p>", s->description, "</p>\n<dl class=\"facts\">\n");
+    add_fact(sheet, "Right answer", s->reference);
+    add_fact(sheet, "Source", s->source);
+    add_fact(sheet, "Valid", s->validity);
+    add_fact(sheet, "Provokes", s->provokes);
+    add_threshold(sheet, s->threshold);
+    add_primary(sheet, s->primary_error);
+    add_needs(sheet, s->needs);
+    add_suites(sheet, s->name);
+    pl_sheet_add(sheet, "</dl>\n");
+    add_params(sheet, s);
+    return status;
+}
+
+pl_status pl_catalogue_page(pl_sheet *sheet, pl_error *error)
+{
+    int count;
+    const pl_scenario *const *scenarios = pl_scenarios(&count);
+    add_head(sheet, count);
+    add_index(sheet, scenarios, count);
+    pl_status status = PL_OK;
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        status = add_scenario(sheet, scenarios[i], i, error);
+    }
+    pl_sheet_add(sheet, "</main>\n</body>\n</html>\n");
+    return status == PL_OK && sheet->failed
+               ? pl_fail(error, PL_NO_MEMORY, "no memory for the catalogue's page")
+               : status;
+}

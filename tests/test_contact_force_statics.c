@@ -1,0 +1,227 @@
+/* Statics through the contact forces that engines report: what a stack must carry at each joint. */
+#include "referee/contact_force.h"
+
+#include "adapters/registry.h"
+#include "check.h"
+#include "plumb/scenario.h"
+#include "run_result.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* An engine in a scene of the catalogue, and the contacts of its last step. */
+typedef struct stand {
+    pl_scene scene;
+    const pl_engine *engine;
+    pl_engine_instance *instance;
+    pl_frame frame;
+    pl_contact *contacts;
+    int count, capacity;
+    pl_contact_force *force;
+    long steps;
+} stand;
+
+static bool has_engine(const char *spec)
+{
+    pl_engine_choice choice;
+    return pl_engine_choose(spec, &choice, NULL) == PL_OK;
+}
+
+static stand stand_begin(const char *scenario, const char *const *settings, int count,
+                         const char *spec)
+{
+    stand s = {.steps = 0};
+    double values[PL_MAX_PARAMS];
+    pl_engine_choice choice;
+    const pl_scenario *found = pl_scenario_find(scenario, NULL);
+    assert_non_null(found);
+    assert_int_equal(pl_scenario_values(found, settings, count, values, NULL), PL_OK);
+    assert_int_equal(found->build(values, 0, &s.scene, NULL), PL_OK);
+    assert_int_equal(pl_engine_choose(spec, &choice, NULL), PL_OK);
+    s.engine = choice.engine;
+    s.frame.body_count = s.scene.body_count;
+    s.frame.bodies = calloc((size_t)s.scene.body_count, sizeof *s.frame.bodies);
+    s.capacity = 64 * s.scene.body_count;
+    s.contacts = calloc((size_t)s.capacity, sizeof *s.contacts);
+    assert_true(s.frame.bodies != NULL && s.contacts != NULL);
+    return s;
+}
+
+/* The scene must be where it stays: it is borrowed from here on. */
+static void stand_start(stand *s, const char *spec)
+{
+    pl_engine_choice choice;
+    assert_int_equal(pl_engine_choose(spec, &choice, NULL), PL_OK);
+    assert_int_equal(
+        s->engine->create(&s->scene, choice.profile, choice.values, &s->instance, NULL), PL_OK);
+    s->force = pl_contact_force_create(&s->scene);
+    assert_non_null(s->force);
+    s->engine->read_frame(s->instance, &s->frame);
+    pl_contact_force_start(s->force, s->frame.bodies);
+}
+
+static void stand_step(stand *s)
+{
+    pl_step_stats stats = {.struct_size = sizeof stats};
+    assert_int_equal(s->engine->step(s->instance, s->scene.dt, &stats, NULL), PL_OK);
+    s->engine->read_frame(s->instance, &s->frame);
+    s->count = s->engine->read_contacts(s->instance, s->contacts, s->capacity);
+    assert_true(s->count <= s->capacity);
+    s->steps += 1;
+    pl_contact_force_step(s->force, s->steps, s->frame.bodies, s->contacts, s->count);
+}
+
+/* Of all steps; second order or not is the same where no force turns. */
+static double stand_balance(const stand *s)
+{
+    pl_metrics metrics = {.item = {{0}}};
+    pl_contact_force_metrics(s->force, PL_SEMI_IMPLICIT, metrics.item);
+    assert_int_equal(metrics.item[PL_METRIC_FORCE_BALANCE].state, PL_METRIC_VALUE);
+    return metrics.item[PL_METRIC_FORCE_BALANCE].value;
+}
+
+static void stand_end(stand *s)
+{
+    s->engine->destroy(s->instance);
+    pl_contact_force_destroy(s->force);
+    pl_scene_free(&s->scene);
+    free(s->frame.bodies);
+    free(s->contacts);
+}
+
+enum { FLOOR = 0 };
+
+static double weight_of(const stand *s, int from)
+{
+    double mass = 0;
+    for (int i = from; i < s->scene.body_count; ++i) {
+        mass += s->scene.bodies[i].is_static ? 0 : s->scene.bodies[i].mass;
+    }
+    return mass * -s->scene.gravity[2];
+}
+
+/* Bodies 1 .. n stand on each other from the floor up: the joint under body i carries it and all
+ * above. The largest error of a joint in units of what it carries; *sideways that of the
+ * horizontal part. */
+static double ladder_error(const stand *s, double *sideways)
+{
+    double worst = 0;
+    *sideways = 0;
+    for (int i = 1; i < s->scene.body_count; ++i) {
+        pl_vec f = pl_contact_force_between(s->contacts, s->count, i - 1, i, s->scene.dt);
+        double due = weight_of(s, i);
+        worst = fmax(worst, fabs(f.z / due - 1));
+        *sideways = fmax(*sideways, hypot(f.x, f.y) / due);
+    }
+    return worst;
+}
+
+/* The sum of what the floor carries, in units of the weight, less 1. */
+static double floor_error(const stand *s)
+{
+    double sum = 0;
+    for (int i = 1; i < s->scene.body_count; ++i) {
+        sum += pl_contact_force_between(s->contacts, s->count, FLOOR, i, s->scene.dt).z;
+    }
+    return sum / weight_of(s, 1) - 1;
+}
+
+/* What every engine must keep: Newton's second law, by its own forces and velocities. */
+static const double balance = 1e-9;
+
+static void test_each_joint_of_a_tower_carries_what_is_above_it(void **state)
+{
+    (void)state;
+    const char *const towers[] = {"n=10", "top_mass=50"};
+    for (int t = 0; t < 2; ++t) {
+        stand s = stand_begin("tower", &towers[t], 1, "plumb:accurate");
+        stand_start(&s, "plumb:accurate");
+        assert_int_equal(s.scene.body_count, 11);
+        assert_true(s.scene.bodies[FLOOR].is_static);
+        for (int n = 0; n < 120; ++n) {
+            double sideways;
+            stand_step(&s);
+            assert_at_most(ladder_error(&s, &sideways), 1e-6);
+            assert_at_most(sideways, 1e-6);
+        }
+        assert_at_most(stand_balance(&s), balance);
+        stand_end(&s);
+    }
+}
+
+static void test_the_floor_under_a_wall_carries_the_wall(void **state)
+{
+    (void)state;
+    const char *const small[] = {"rows=6", "columns=8"};
+    stand s = stand_begin("wall", small, 2, "plumb:accurate");
+    stand_start(&s, "plumb:accurate");
+    assert_true(s.scene.bodies[FLOOR].is_static);
+    assert_close(weight_of(&s, 1), 6 * 8 * 9.81, 1e-10, 0);
+    for (int n = 0; n < 120; ++n) {
+        stand_step(&s);
+        assert_close(floor_error(&s), 0, 1e-6, 0);
+    }
+    assert_at_most(stand_balance(&s), balance);
+    stand_end(&s);
+}
+
+/* How far the others are is told; that their forces are those that moved the bodies is due. */
+static void test_forces_of_other_engines_are_those_that_moved_the_bodies(void **state)
+{
+    (void)state;
+    const char *const engines[] = {"ode:quick", "ode:dantzig", "bullet:si", "bullet:nncg"};
+    const char *const scenarios[] = {"tower", "wall"};
+    const char *const settings[] = {"n=10", "rows=6"};
+    for (size_t i = 0; i < sizeof engines / sizeof engines[0]; ++i) {
+        for (int k = 0; k < 2 && has_engine(engines[i]); ++k) {
+            stand s = stand_begin(scenarios[k], &settings[k], 1, engines[i]);
+            stand_start(&s, engines[i]);
+            double ladder = 0, sideways = 0, ground = 0;
+            for (int n = 0; n < 60; ++n) {
+                double aside;
+                stand_step(&s);
+                ladder = fmax(ladder, k == 0 ? ladder_error(&s, &aside) : 0);
+                sideways = fmax(sideways, k == 0 ? aside : 0);
+                ground = fmax(ground, fabs(floor_error(&s)));
+            }
+            print_message("    %s, %s, 1 s: floor off by %.1e of the weight", engines[i],
+                          scenarios[k], ground);
+            if (k == 0) {
+                print_message("; a joint by %.1e, sideways %.1e", ladder, sideways);
+            }
+            print_message("\n");
+            assert_at_most(stand_balance(&s), balance);
+            stand_end(&s);
+        }
+    }
+}
+
+/* Spheres have the same inertia in every frame, so that the velocities that were solved for are
+ * those that are seen: the referee's natural map, worked out from frames and reported impulses, is
+ * the engine's own residual but for what the energy guard takes. */
+static void test_natural_map_of_spheres_is_the_residual_that_the_engine_reports(void **state)
+{
+    (void)state;
+    const char *const arguments[] = {"run",        "pile",  "--engine", "plumb:accurate", "--set",
+                                     "n=20",       "--set", "shape=0",  "--json",         "-",
+                                     "--duration", "2",     NULL};
+    json_t *r = run_to_json(arguments);
+    double reported = metric(r, "residual_max"), seen = metric(r, "natural_map");
+    assert_true(reported > 1e-5);
+    assert_close(seen, reported, 0, 0.02);
+    assert_close(metric_percentile(r, "natural_map", "p95"),
+                 metric_percentile(r, "residual_max", "p95"), 0, 0.05);
+    json_decref(r);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_each_joint_of_a_tower_carries_what_is_above_it),
+        cmocka_unit_test(test_the_floor_under_a_wall_carries_the_wall),
+        cmocka_unit_test(test_forces_of_other_engines_are_those_that_moved_the_bodies),
+        cmocka_unit_test(test_natural_map_of_spheres_is_the_residual_that_the_engine_reports),
+    };
+    return cmocka_run_group_tests_name("contact force statics", tests, NULL, NULL);
+}

@@ -1,0 +1,71 @@
+#!/usr/bin/env bash
+# plumb threshold as a user meets it: the value, the rows of engines that fail, exit codes, JSON lines.
+set -eu
+failed=0
+directory=$(mktemp -d)
+trap 'rm -rf "$directory"' EXIT
+cd "$directory"
+
+complain() {
+    echo "$1" >&2
+    failed=1
+}
+
+# expect CODE PATTERN ARGUMENT...: `plumb threshold ARGUMENT...` exits with CODE and prints PATTERN.
+expect() {
+    local code=$1 pattern=$2 actual=0
+    shift 2
+    "$PLUMB" threshold "$@" >out 2>err || actual=$?
+    [[ $actual == "$code" ]] || complain "threshold $*: exit code $actual, expected $code: $(cat err)"
+    cat out err | grep -qE -- "$pattern" || complain "threshold $*: no \"$pattern\" in: $(cat out err)"
+}
+
+expect 2 'which scenario' --engine plumb
+expect 2 'tower has no threshold; these have one: .*slope-threshold' tower
+expect 2 'no scenario of the suite has a threshold' --suite paper
+expect 2 'did you mean "slope-threshold"' slope-treshold
+expect 2 'angle is what is searched for' slope-threshold --set angle=20
+expect 2 'no chosen scenario has the parameter' slope-threshold --set height=20
+expect 2 '--jobs takes an integer' slope-threshold --jobs 0
+expect 2 'unknown engine|there is no engine' slope-threshold --engine plumg
+
+# A value, with its closed form; the second friction in the order of the arguments.
+expect 0 '26\.56[0-9]* .* 21$' slope-threshold --set friction=0.5 --engine plumb:accurate
+expect 0 'closed form: 45 = atan\(friction\)' slope-threshold --set friction=1 --engine plumb:accurate
+
+# Held at both ends or at neither, within a time too short to fall and on an engine that drifts off.
+expect 0 'always holds \(2 runs\)' slope-threshold --engine plumb --duration 0.05
+
+# Other outcomes are rows, with their reason; nothing but unsupported ones is nothing compared.
+faulty=$BUILD/faulty_engine.so
+expect 0 'crashed: SIGABRT.*\(1 run\)' slope-threshold --engine "$faulty:abort" --engine plumb
+expect 0 'timeout: ' slope-threshold --engine "$faulty:hang" --engine plumb --timeout 1
+expect 4 'unsupported: ' slope-threshold --engine "$faulty:refuse"
+
+# JSON lines: one a row, whatever came of it, the same from one job and from two.
+"$PLUMB" threshold slope-threshold --engine plumb --engine "$faulty:abort" --engine plumb:fast \
+    --json rows.jsonl --jobs 2 >table 2>/dev/null
+"$PLUMB" threshold slope-threshold --engine plumb --engine "$faulty:abort" --engine plumb:fast \
+    --json - 2>/dev/null >again.jsonl
+[[ $(wc -l <rows.jsonl) == 3 ]] || complain "expected 3 lines: $(cat rows.jsonl)"
+grep -q 'closed form' table || complain "the table is missing beside --json FILE"
+python3 - <<'END' || complain "the JSON lines are wrong"
+import json
+first = [json.loads(line) for line in open("rows.jsonl")]
+again = [json.loads(line) for line in open("again.jsonl")]
+for row in first + again:
+    assert row.pop("command") and row.pop("started")
+assert first == again
+assert [row["finding"] for row in first] == ["found", "crashed", "found"]
+for row in first:
+    assert row["schema"] == "plumb.threshold/1" and row["param"] == "angle"
+    assert "angle" not in row["params"] and row["params"]["friction"] == 0.5
+    if row["finding"] == "found":
+        low, high = row["bracket"]
+        assert 0 < high - low <= row["tolerance"] and row["value"] == low + (high - low) / 2
+        assert row["error"] == row["value"] - row["closed_form"]
+        assert abs(row["relative_error"]) < 1e-4 and row["reason"] is None
+    else:
+        assert row["value"] is None and row["bracket"] == [None, None] and row["reason"]
+END
+exit $failed
