@@ -21,7 +21,7 @@ allow() {
              sed -E 's/#include "([^"]+)"/\1/')
 }
 
-scene='plumb/(base|scene|scenario|vec)\.h'
+scene='plumb/(base|jitter|scene|scenario|vec)\.h'
 abi='plumb/engine_abi\.h'
 allow engine/include 'plumb/engine\.h'
 allow engine/src 'plumb/(engine|contact_problem)\.h|((broad_phase|collide|contact|geometry|soft|solve)/)?[a-z0-9_]+\.h'
@@ -33,6 +33,7 @@ allow compare/runner "$scene|$abi|(adapters/registry|adapters/[a-z_]*|referee/.*
 allow compare/threshold "$scene|$abi|(results/result|runner/.*|threshold/.*)(\.h)?"
 allow compare/adapters "$scene|$abi|adapters/.*|plumb/(engine|contact_problem)\.h"
 allow compare/solve "$scene|$abi|plumb/contact_problem\.h|json_(field|text)\.h|(adapters/registry|results/.*|runner/process|solve/.*)(\.h)?"
+allow compare/ensemble "$scene|$abi|random\.h|referee/(metrics|solid)\.h|results/.*|runner/.*|ensemble/.*"
 allow compare/metamorphic "$scene|$abi|referee/solid\.h|results/.*|runner/.*|metamorphic/.*"
 
 # An engine's headers are known to its adapter alone.

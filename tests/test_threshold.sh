@@ -22,7 +22,7 @@ expect() {
 
 expect 2 'which scenario' --engine plumb
 expect 2 'tower has no threshold; these have one: .*slope-threshold' tower
-expect 2 'no scenario of the suite has a threshold' --suite paper
+expect 2 'the suite has no threshold' --suite paper
 expect 2 'did you mean "slope-threshold"' slope-treshold
 expect 2 'angle is what is searched for' slope-threshold --set angle=20
 expect 2 'no chosen scenario has the parameter' slope-threshold --set height=20

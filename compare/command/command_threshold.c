@@ -91,7 +91,7 @@ static pl_status fail_without(const char *what, pl_error *error)
                      scenarios[i]->name);
         }
     }
-    return pl_fail(error, PL_BAD_INPUT, "%s a threshold; these have one: %s", what, list);
+    return pl_fail(error, PL_BAD_INPUT, "%s has no threshold; these have one: %s", what, list);
 }
 
 /* A scenario that is named must have a threshold; those of suites may. */
@@ -103,9 +103,7 @@ static pl_status check_names(const options *o, pl_error *error)
             return PL_BAD_INPUT;
         }
         if (scenario->threshold == NULL) {
-            char what[PL_NAME_SIZE + 16];
-            snprintf(what, sizeof what, "%s has not", scenario->name);
-            return fail_without(what, error);
+            return fail_without(scenario->name, error);
         }
     }
     return PL_OK;
@@ -127,7 +125,7 @@ static pl_status keep_thresholds(pl_plan *plan, pl_error *error)
         free(last->name);
         pl_scene_free(&last->scene);
     }
-    return kept > 0 ? PL_OK : fail_without("no scenario of the suite has", error);
+    return kept > 0 ? PL_OK : fail_without("the suite", error);
 }
 
 /* What is searched for cannot be set. */

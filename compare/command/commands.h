@@ -11,6 +11,7 @@ int pl_command_list(const pl_call *call);
 int pl_command_scene(const pl_call *call);
 int pl_command_solve(const pl_call *call);
 int pl_command_metamorphic(const pl_call *call);
+int pl_command_ensemble(const pl_call *call);
 int pl_command_help(const pl_call *call);
 int pl_command_version(const pl_call *call);
 

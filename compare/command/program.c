@@ -13,6 +13,7 @@ static const pl_command commands[] = {
     {"list", "list scenarios, engines, metrics or suites", pl_command_list},
     {"scene", "print a scenario as a scene file, to edit and run", pl_command_scene},
     {"solve", "solve one captured contact problem again", pl_command_solve},
+    {"ensemble", "compare engines where motion is chaotic", pl_command_ensemble},
     {"metamorphic", "check engines without a reference", pl_command_metamorphic},
     {"help", "explain a command", pl_command_help},
     {"version", "print the version", pl_command_version},

@@ -22,10 +22,10 @@ static json_t *horizon_json(const pl_horizon *horizon)
     if (!horizon->known) {
         return json_pack("{s:n, s:s}", "time", "reason", horizon->reason);
     }
-    json_t *object = json_pack("{s:o, s:f, s:o, s:f}", "time", pl_json_number_or_null(horizon->time),
-                               "threshold", horizon->threshold, "last_spread",
-                               pl_json_number_or_null(horizon->last_spread),
-                               "last_time", horizon->last_time);
+    json_t *object =
+        json_pack("{s:o, s:f, s:o, s:f}", "time", pl_json_number_or_null(horizon->time),
+                  "threshold", horizon->threshold, "last_spread",
+                  pl_json_number_or_null(horizon->last_spread), "last_time", horizon->last_time);
     if (isinf(horizon->time)) {
         json_object_set_new(object, "reason",
                             json_sprintf("not passed within %.6g s", horizon->last_time));
@@ -90,27 +90,25 @@ static json_t *view_json(const pl_plan *plan, const pl_ensemble_view *view, int 
     json_t *observables = json_object();
     for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
         const pl_metric_info *info = &pl_metric_table[pl_observables[i]];
-        json_object_set_new(observables, info->name,
-                            sample_json(&view->findings.samples[i], info));
+        json_object_set_new(observables, info->name, sample_json(&view->findings.samples[i], info));
     }
     json_t *invariants =
         json_pack("{s:i, s:o, s:i, s:i}", "energy_grew", kept->energy_grew, "energy_growth",
                   pl_json_number_or_null(kept->energy_growth), "fell_through", kept->fell_through,
                   "not_finite", kept->not_finite);
-    return json_pack("{s:i, s:o, s:s, s:s, s:i, s:b, s:f, s:o, s:i, s:o, s:o, s:o, s:o}", "problem",
-                     ensemble->problem, "scenario",
-                     pl_json_text(problem->name, strlen(problem->name)), "name", ensemble->name,
-                     "label", plan->contenders[ensemble->contender].label, "setting",
-                     ensemble->setting, "converged", (int)ensemble->reference, "dt",
-                     problem->scene.dt, "runs", runs_json(plan, ensemble, members), "results",
-                     view->findings.results, "outcomes", outcomes_json(&view->findings),
-                     "invariants", invariants, "horizon", horizon_json(&view->horizon),
-                     "observables", observables);
+    return json_pack(
+        "{s:i, s:o, s:s, s:s, s:i, s:b, s:f, s:o, s:i, s:o, s:o, s:o, s:o}", "problem",
+        ensemble->problem, "scenario", pl_json_text(problem->name, strlen(problem->name)), "name",
+        ensemble->name, "label", plan->contenders[ensemble->contender].label, "setting",
+        ensemble->setting, "converged", (int)ensemble->reference, "dt", problem->scene.dt, "runs",
+        runs_json(plan, ensemble, members), "results", view->findings.results, "outcomes",
+        outcomes_json(&view->findings), "invariants", invariants, "horizon",
+        horizon_json(&view->horizon), "observables", observables);
 }
 
 static json_t *ratio_json(double value, double floor)
 {
-    return pl_json_number_or_null(floor > 0 ? value / floor : NAN);
+    return pl_json_number_or_null(floor > 0 ? value / floor : (double)NAN);
 }
 
 static json_t *comparison_json(const pl_ensemble_view *views, const pl_comparison *c)

@@ -11,7 +11,7 @@
 #include "ensemble/members.h"
 
 typedef struct pl_horizon {
-    bool known;         /* false: `reason` says why, and the rest has no meaning */
+    bool known; /* false: `reason` says why, and the rest has no meaning */
     char reason[160];
     double time;        /* s; INFINITY: never passed within the time that all have */
     double threshold;   /* m: 1 % of the smallest body's size */

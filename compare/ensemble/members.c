@@ -117,8 +117,7 @@ static pl_status strengthen(const pl_scene *scene, pl_engine_choice *choice, pl_
         }
     }
     bool refused = false;
-    pl_status status =
-        found ? refuses(&(attempt){scene, &stronger}, &refused, error) : PL_OK;
+    pl_status status = found ? refuses(&(attempt){scene, &stronger}, &refused, error) : PL_OK;
     if (status == PL_OK && found && !refused) {
         *choice = stronger;
     }
@@ -167,8 +166,8 @@ static pl_status list_ensembles(const pl_members_def *def, const pl_plan *plan, 
 {
     const int rows = def->setting_count + 1 + (def->references ? 1 : 0);
     pl_status status = PL_OK;
-    all->items = calloc((size_t)all->problem_count * (size_t)rows * (size_t)engines + 1,
-                        sizeof *all->items);
+    all->items =
+        calloc((size_t)all->problem_count * (size_t)rows * (size_t)engines + 1, sizeof *all->items);
     if (all->items == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for the ensembles");
     }

@@ -11,11 +11,11 @@ enum { PL_FINER_STEPS = 16, PL_MORE_ITERATIONS = 8 };
 
 /* The members of one problem on one engine. */
 typedef struct pl_ensemble {
-    int problem;   /* which of those asked for, from 0 */
-    int setting;   /* 0: as asked; k: with the k-th other setting */
+    int problem;    /* which of those asked for, from 0 */
+    int setting;    /* 0: as asked; k: with the k-th other setting */
     bool reference; /* of the finer step */
-    int contender; /* index into the plan's */
-    int *problems; /* (members): index into the plan's, by member */
+    int contender;  /* index into the plan's */
+    int *problems;  /* (members): index into the plan's, by member */
     char name[256]; /* the engine's label, and the other setting in brackets */
 } pl_ensemble;
 
@@ -27,8 +27,8 @@ typedef struct pl_ensembles {
 } pl_ensembles;
 
 typedef struct pl_members_def {
-    int members;               /* >= 2 */
-    int setting_count;         /* other settings */
+    int members;                 /* >= 2 */
+    int setting_count;           /* other settings */
     const char *const *settings; /* (setting_count): how they are called */
     bool references;
     void *user;

@@ -36,8 +36,8 @@ void pl_sample_summarise(pl_sample *sample)
         double d = sample->values[i] - mean;
         square += d * d;
     }
-    sample->mean = sample->count > 0 ? mean : NAN;
-    sample->deviation = sample->count > 1 ? sqrt(square / (sample->count - 1)) : NAN;
+    sample->mean = sample->count > 0 ? mean : (double)NAN;
+    sample->deviation = sample->count > 1 ? sqrt(square / (sample->count - 1)) : (double)NAN;
 }
 
 static pl_outcome outcome_of(const json_t *result)
@@ -58,7 +58,7 @@ static double value_of(const json_t *result, pl_metric_id id)
     const json_t *metric =
         json_object_get(json_object_get(result, "metrics"), pl_metric_table[id].name);
     const json_t *value = json_object_get(metric, "value");
-    return json_is_number(value) ? json_number_value(value) : NAN;
+    return json_is_number(value) ? json_number_value(value) : (double)NAN;
 }
 
 static bool has_metric(const json_t *result, pl_metric_id id)
@@ -106,8 +106,8 @@ static bool fell_through(const pl_scene *scene, const json_t *result)
 static void check_invariants(pl_invariants *kept, const pl_scene *scene, const json_t *result)
 {
     /* fmax passes over a NAN. */
-    const double growth = fmax(value_of(result, PL_METRIC_ENERGY_GAIN),
-                               value_of(result, PL_METRIC_ENERGY_STEP_GAIN));
+    const double growth =
+        fmax(value_of(result, PL_METRIC_ENERGY_GAIN), value_of(result, PL_METRIC_ENERGY_STEP_GAIN));
     kept->energy_growth = fmax(kept->energy_growth, growth);
     kept->energy_grew += growth > pl_energy_growth;
     kept->fell_through += fell_through(scene, result);

@@ -32,8 +32,8 @@ typedef struct pl_invariants {
 extern const double pl_energy_growth;
 
 typedef struct pl_findings {
-    int results;                     /* members whose result is there */
-    int outcomes[PL_OUTCOME_COUNT];  /* of those */
+    int results;                    /* members whose result is there */
+    int outcomes[PL_OUTCOME_COUNT]; /* of those */
     pl_invariants invariants;
     pl_sample samples[PL_OBSERVABLE_COUNT];
 } pl_findings;

@@ -49,8 +49,8 @@ static void horizon_text(const pl_horizon *horizon, char text[48])
 static void add_engines(FILE *out, const pl_ensembles *all, const pl_ensemble_view *views,
                         int problem)
 {
-    static const char *const heads[] = {"Engine",        "Members",      "Horizon",
-                                        "Energy grew in", "by at most", "Fell through", "Not finite"};
+    static const char *const heads[] = {"Engine",     "Members",      "Horizon",   "Energy grew in",
+                                        "by at most", "Fell through", "Not finite"};
     pl_aligned *table = pl_aligned_begin(heads, 7);
     for (int i = 0; i < all->count; ++i) {
         const pl_findings *findings = &views[i].findings;
@@ -108,16 +108,16 @@ static void add_observables(FILE *out, const pl_ensembles *all, const pl_ensembl
 static void add_ratio(pl_aligned *table, double value, double floor)
 {
     char text[32];
-    number(floor > 0 ? value / floor : NAN, text);
+    number(floor > 0 ? value / floor : (double)NAN, text);
     pl_aligned_add(table, text);
 }
 
 static void add_comparisons(FILE *out, const pl_ensembles *all, const pl_ensemble_view *views,
                             const pl_verdicts *verdicts, int problem)
 {
-    static const char *const heads[] = {"Observable", "Engine A", "Engine B", "Mean A", "Mean B",
-                                        "Energy distance / floor", "KS", "KS / floor",
-                                        "Corrected p", "Verdict"};
+    static const char *const heads[] = {
+        "Observable", "Engine A",   "Engine B",    "Mean A", "Mean B", "Energy distance / floor",
+        "KS",         "KS / floor", "Corrected p", "Verdict"};
     pl_aligned *table = pl_aligned_begin(heads, 10);
     for (int k = 0; k < PL_OBSERVABLE_COUNT; ++k) {
         for (int i = 0; i < verdicts->count; ++i) {

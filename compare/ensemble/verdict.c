@@ -12,9 +12,12 @@ const double pl_significance = 0.05;
 /* Less of a difference of means than this is not what tells two ensembles apart. */
 static const double notable_share = 0.005;
 
+/* Engines as asked with each other, and each engine in another setting with itself as asked: what
+ * more could be compared would only blunt the correction. */
 static bool comparable(const pl_ensemble *a, const pl_ensemble *b)
 {
-    return a->problem == b->problem && (a->setting == b->setting || a->contender == b->contender);
+    return a->problem == b->problem && (a->setting == 0 || b->setting == 0) &&
+           (a->setting == b->setting || a->contender == b->contender);
 }
 
 /* An observable of two ensembles, but for the correction. */
@@ -66,6 +69,20 @@ static pl_status correct(pl_verdicts *verdicts, pl_error *error)
     return status;
 }
 
+/* Whether there is nothing to compare: such as the time of settling where no member settled. What
+ * does not depend on who has which value may be left out of the tests that are corrected for. */
+static bool all_equal(const pl_sample *a, const pl_sample *b)
+{
+    bool equal = true;
+    for (int i = 0; i < a->count; ++i) {
+        equal = equal && a->values[i] == a->values[0];
+    }
+    for (int i = 0; i < b->count; ++i) {
+        equal = equal && b->values[i] == a->values[0];
+    }
+    return equal;
+}
+
 /* Adds what two ensembles have in common. */
 static pl_status add_pair(const pl_ensemble_view *views, int a, int b, pl_verdicts *verdicts,
                           pl_error *error)
@@ -74,7 +91,7 @@ static pl_status add_pair(const pl_ensemble_view *views, int a, int b, pl_verdic
     for (int i = 0; i < PL_OBSERVABLE_COUNT && status == PL_OK; ++i) {
         const pl_sample *of_a = &views[a].findings.samples[i];
         const pl_sample *of_b = &views[b].findings.samples[i];
-        if (of_a->count > 1 && of_b->count > 1) {
+        if (of_a->count > 1 && of_b->count > 1 && !all_equal(of_a, of_b)) {
             pl_comparison *comparison = &verdicts->items[verdicts->count];
             *comparison = (pl_comparison){.a = a, .b = b, .observable = i};
             status = compare(of_a, of_b, comparison, error);

@@ -1,5 +1,9 @@
-/* Which ensembles are told apart, and by what: every observable of every pair of ensembles of one
- * problem that differ either in the engine or in the setting. */
+/* Which ensembles are told apart, and by what: every observable of every pair of engines as asked,
+ * and of every engine as asked and in another setting.
+ *
+ * Members of the same number start alike on every engine. Past the horizon they have nothing in
+ * common any more; where they still have, two engines look more alike than the test expects, and it
+ * is only more cautious. */
 #ifndef PLUMB_VERDICT_H
 #define PLUMB_VERDICT_H
 
@@ -27,7 +31,7 @@ typedef struct pl_comparison {
 } pl_comparison;
 
 typedef struct pl_verdicts {
-    pl_comparison *items; /* (count): those with at least two values on both sides */
+    pl_comparison *items; /* (count): with two values or more on both sides, not all equal */
     int count;
 } pl_verdicts;
 

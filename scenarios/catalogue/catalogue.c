@@ -5,15 +5,53 @@
 #include <stdio.h>
 #include <string.h>
 
-static const pl_scenario *const scenarios[] = {
-    &pl_scenario_tower,          &pl_scenario_mass_ratio,    &pl_scenario_slope_stick,
-    &pl_scenario_slope_slide,    &pl_scenario_slide_to_stop, &pl_scenario_wall,
-    &pl_scenario_wall_collapse,  &pl_scenario_pile,          &pl_scenario_rest_shape,
-    &pl_scenario_linked_rings,   &pl_scenario_roll_slope,    &pl_scenario_blocks,
-    &pl_scenario_thin_wall,      &pl_scenario_rocket,        &pl_scenario_slope_threshold,
-    &pl_scenario_free_fall,      &pl_scenario_projectile,    &pl_scenario_bowling,
-    &pl_scenario_torque_free,    &pl_scenario_bounce,        &pl_scenario_oblique_impact,
-    &pl_scenario_collision_train};
+static const pl_scenario *const scenarios[] = {&pl_scenario_tower,
+                                               &pl_scenario_mass_ratio,
+                                               &pl_scenario_slope_stick,
+                                               &pl_scenario_slope_slide,
+                                               &pl_scenario_slide_to_stop,
+                                               &pl_scenario_wall,
+                                               &pl_scenario_wall_collapse,
+                                               &pl_scenario_pile,
+                                               &pl_scenario_rest_shape,
+                                               &pl_scenario_linked_rings,
+                                               &pl_scenario_roll_slope,
+                                               &pl_scenario_blocks,
+                                               &pl_scenario_thin_wall,
+                                               &pl_scenario_rocket,
+                                               &pl_scenario_slope_threshold,
+                                               &pl_scenario_slope_tip,
+                                               &pl_scenario_ladder,
+                                               &pl_scenario_multi_tower,
+                                               &pl_scenario_pyramid,
+                                               &pl_scenario_overhang,
+                                               &pl_scenario_cylinder_pyramid,
+                                               &pl_scenario_sphere_pyramid,
+                                               &pl_scenario_large_step,
+                                               &pl_scenario_far_from_origin,
+                                               &pl_scenario_initial_overlap,
+                                               &pl_scenario_thin_rod,
+                                               &pl_scenario_arch,
+                                               &pl_scenario_card_house,
+                                               &pl_scenario_painleve,
+                                               &pl_scenario_needle_in_gap,
+                                               &pl_scenario_free_fall,
+                                               &pl_scenario_projectile,
+                                               &pl_scenario_bowling,
+                                               &pl_scenario_torque_free,
+                                               &pl_scenario_bounce,
+                                               &pl_scenario_oblique_impact,
+                                               &pl_scenario_collision_train,
+                                               &pl_scenario_rocking_block,
+                                               &pl_scenario_isotropy,
+                                               &pl_scenario_carried_balls,
+                                               &pl_scenario_reaction_split,
+                                               &pl_scenario_spin_stop,
+                                               &pl_scenario_cradle,
+                                               &pl_scenario_dominoes,
+                                               &pl_scenario_falling_cubes,
+                                               &pl_scenario_domino_into_pile,
+                                               &pl_scenario_top};
 enum { SCENARIO_COUNT = sizeof scenarios / sizeof scenarios[0] };
 
 const pl_scenario *const *pl_scenarios(int *count)
@@ -81,32 +119,43 @@ static pl_status parse_value(const pl_scenario *scenario, const pl_param *param,
     return PL_OK;
 }
 
+/* One "NAME=VALUE". */
+static pl_status apply_setting(const pl_scenario *scenario, const char *setting, double *values,
+                               pl_error *error)
+{
+    const char *equals = strchr(setting, '=');
+    if (equals == NULL) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: expected NAME=VALUE, found \"%s\"", scenario->name,
+                       setting);
+    }
+    size_t length = (size_t)(equals - setting);
+    int index = -1;
+    for (int i = 0; i < scenario->param_count && index < 0; i++) {
+        const char *name = scenario->params[i].name;
+        index = strlen(name) == length && memcmp(setting, name, length) == 0 ? i : -1;
+    }
+    if (index < 0) {
+        return fail_by_name(scenario, setting, (int)length, error);
+    }
+    return parse_value(scenario, &scenario->params[index], equals + 1, &values[index], error);
+}
+
 pl_status pl_scenario_values(const pl_scenario *scenario, const char *const *settings, int count,
                              double *values, pl_error *error)
 {
+    pl_status status = PL_OK;
     for (int i = 0; i < scenario->param_count; i++) {
         values[i] = scenario->params[i].value;
     }
-    for (int s = 0; s < count; s++) {
-        const char *equals = strchr(settings[s], '=');
-        if (equals == NULL) {
-            return pl_fail(error, PL_BAD_INPUT, "%s: expected NAME=VALUE, found \"%s\"",
-                           scenario->name, settings[s]);
-        }
-        size_t length = (size_t)(equals - settings[s]);
-        int index = -1;
-        for (int i = 0; i < scenario->param_count && index < 0; i++) {
-            const char *name = scenario->params[i].name;
-            index = strlen(name) == length && memcmp(settings[s], name, length) == 0 ? i : -1;
-        }
-        if (index < 0) {
-            return fail_by_name(scenario, settings[s], (int)length, error);
-        }
-        pl_status status =
-            parse_value(scenario, &scenario->params[index], equals + 1, &values[index], error);
-        if (status != PL_OK) {
-            return status;
-        }
+    for (int s = 0; s < count && status == PL_OK; s++) {
+        const char *next = settings[s];
+        do {
+            char setting[256];
+            const int length = (int)strcspn(next, ",");
+            snprintf(setting, sizeof setting, "%.*s", length, next);
+            status = apply_setting(scenario, setting, values, error);
+            next += length;
+        } while (status == PL_OK && *next++ == ',');
     }
-    return PL_OK;
+    return status;
 }

@@ -9,6 +9,21 @@ extern const pl_scenario pl_scenario_mass_ratio;
 extern const pl_scenario pl_scenario_slope_stick;
 extern const pl_scenario pl_scenario_slope_slide;
 extern const pl_scenario pl_scenario_slope_threshold;
+extern const pl_scenario pl_scenario_slope_tip;
+extern const pl_scenario pl_scenario_ladder;
+extern const pl_scenario pl_scenario_multi_tower;
+extern const pl_scenario pl_scenario_pyramid;
+extern const pl_scenario pl_scenario_overhang;
+extern const pl_scenario pl_scenario_cylinder_pyramid;
+extern const pl_scenario pl_scenario_sphere_pyramid;
+extern const pl_scenario pl_scenario_large_step;
+extern const pl_scenario pl_scenario_far_from_origin;
+extern const pl_scenario pl_scenario_initial_overlap;
+extern const pl_scenario pl_scenario_thin_rod;
+extern const pl_scenario pl_scenario_arch;
+extern const pl_scenario pl_scenario_card_house;
+extern const pl_scenario pl_scenario_painleve;
+extern const pl_scenario pl_scenario_needle_in_gap;
 extern const pl_scenario pl_scenario_slide_to_stop;
 extern const pl_scenario pl_scenario_wall;
 extern const pl_scenario pl_scenario_wall_collapse;
@@ -26,6 +41,16 @@ extern const pl_scenario pl_scenario_torque_free;
 extern const pl_scenario pl_scenario_bounce;
 extern const pl_scenario pl_scenario_oblique_impact;
 extern const pl_scenario pl_scenario_collision_train;
+extern const pl_scenario pl_scenario_rocking_block;
+extern const pl_scenario pl_scenario_isotropy;
+extern const pl_scenario pl_scenario_carried_balls;
+extern const pl_scenario pl_scenario_reaction_split;
+extern const pl_scenario pl_scenario_spin_stop;
+extern const pl_scenario pl_scenario_cradle;
+extern const pl_scenario pl_scenario_dominoes;
+extern const pl_scenario pl_scenario_falling_cubes;
+extern const pl_scenario pl_scenario_domino_into_pile;
+extern const pl_scenario pl_scenario_top;
 
 /* Parameters that scenarios share: dt and duration, which all have, and the friction of stacks.
  * Initialisers, since a table cannot copy another's row. */

@@ -59,6 +59,9 @@ const pl_scenario pl_scenario_mass_ratio = {
                  "(M + m) g",
     .source = "statics",
     .primary_error = "rest_position_error",
+    .provokes = "a large weight through a small mass: an iteration passes on a part of it at a "
+                "time, so the light cube is squeezed and the heavy one falls; a right engine "
+                "holds it still",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     .params = params,
     .param_count = PARAM_COUNT,

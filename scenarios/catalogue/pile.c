@@ -4,7 +4,7 @@
  * sides, and fall into a loose pile. The motion is chaotic and has no closed form; what every right
  * answer shares is that no two bodies ever overlap. */
 #include "catalogue.h"
-#include "random.h"
+#include "draw.h"
 #include "solids.h"
 
 #include <math.h>
@@ -51,29 +51,6 @@ static const double least_half = 0.35, most_half = 0.5; /* m: radius, or half ex
 static const double sideways = 1;                       /* m/s, at most, in x and in y */
 static const double density = 1;                        /* kg/m^3 */
 
-static double uniform(pl_random *random, double low, double high)
-{
-    return low + (high - low) * pl_random_unit(random);
-}
-
-/* Uniform over all orientations: a point of the unit ball of four dimensions, normalised, which
- * needs no function but the square root. */
-static void draw_orientation(pl_random *random, double q[4])
-{
-    double square;
-    do {
-        square = 0;
-        for (int k = 0; k < 4; k++) {
-            q[k] = uniform(random, -1, 1);
-            square += q[k] * q[k];
-        }
-    } while (square > 1 || square < 0.01);
-    double length = sqrt(square);
-    for (int k = 0; k < 4; k++) {
-        q[k] /= length;
-    }
-}
-
 /* What bodies share: all rings are one mesh, and all hulls one icosahedron. */
 typedef struct kit {
     int shape;
@@ -99,8 +76,9 @@ static kit make_kit(pl_builder *builder, int shape)
 
 static pl_shape draw_box(pl_random *random)
 {
-    double x = uniform(random, least_half, most_half), y = uniform(random, least_half, most_half);
-    return pl_shape_box(x, y, uniform(random, least_half, most_half));
+    double x = pl_draw_uniform(random, least_half, most_half),
+           y = pl_draw_uniform(random, least_half, most_half);
+    return pl_shape_box(x, y, pl_draw_uniform(random, least_half, most_half));
 }
 
 static pl_shape draw_shape(pl_random *random, const kit *k)
@@ -109,15 +87,15 @@ static pl_shape draw_shape(pl_random *random, const kit *k)
         return pl_shape_of(k->ring);
     }
     if (k->shape == SPHERES || (k->shape == BOTH && pl_random_unit(random) < 0.5)) {
-        return pl_shape_sphere(uniform(random, least_half, most_half));
+        return pl_shape_sphere(pl_draw_uniform(random, least_half, most_half));
     }
     switch (k->shape == ALL ? (int)(6 * pl_random_unit(random)) : 0) {
     case 1:
-        return pl_shape_sphere(uniform(random, least_half, most_half));
+        return pl_shape_sphere(pl_draw_uniform(random, least_half, most_half));
     case 2:
-        return pl_shape_capsule(0.5 * most_half, uniform(random, 0.2, 0.5));
+        return pl_shape_capsule(0.5 * most_half, pl_draw_uniform(random, 0.2, 0.5));
     case 3:
-        return pl_shape_cylinder(uniform(random, least_half, most_half), least_half);
+        return pl_shape_cylinder(pl_draw_uniform(random, least_half, most_half), least_half);
     case 4:
         return pl_shape_of(k->hull);
     case 5:
@@ -134,12 +112,12 @@ static void build_body(pl_builder *builder, pl_random *random, int i, const kit 
     pl_body body = pl_body_default();
     body.shape = draw_shape(random, k);
     body.mass = density * pl_shape_volume(&body.shape);
-    draw_orientation(random, body.orientation);
+    pl_draw_orientation(random, body.orientation);
     body.position[0] = (i % columns + 0.5) * cell;
     body.position[1] = (i / columns % columns + 0.5) * cell;
     body.position[2] = (i / columns / columns + 0.5) * cell;
-    body.velocity[0] = uniform(random, -sideways, sideways);
-    body.velocity[1] = uniform(random, -sideways, sideways);
+    body.velocity[0] = pl_draw_uniform(random, -sideways, sideways);
+    body.velocity[1] = pl_draw_uniform(random, -sideways, sideways);
     pl_build_body(builder, &body, "body %d", i + 1);
 }
 

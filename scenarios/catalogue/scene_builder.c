@@ -22,6 +22,26 @@ pl_builder pl_build_begin(pl_scene *scene, const char *name, double dt, double d
     return builder;
 }
 
+int pl_build_material(pl_builder *builder, const char *name, double friction)
+{
+    pl_material material = {.friction = friction};
+    int index = 0;
+    snprintf(material.name, sizeof material.name, "%s", name);
+    if (ready(builder)) {
+        builder->status = pl_scene_add_material(builder->scene, &material, &index, builder->error);
+    }
+    return ready(builder) ? index : 0;
+}
+
+void pl_build_pair(pl_builder *builder, int material_a, int material_b, double friction)
+{
+    const pl_material_pair pair = {
+        .material_a = material_a, .material_b = material_b, .friction = friction};
+    if (ready(builder)) {
+        builder->status = pl_scene_add_pair(builder->scene, &pair, builder->error);
+    }
+}
+
 void pl_build_floor(pl_builder *builder, double nx, double ny, double nz, double offset)
 {
     pl_body floor = pl_body_default();

@@ -15,6 +15,12 @@ typedef struct pl_builder {
 pl_builder pl_build_begin(pl_scene *scene, const char *name, double dt, double duration,
                           double friction, pl_error *error);
 
+/* Adds a material without restitution and returns its index; 0 after a failure. */
+int pl_build_material(pl_builder *builder, const char *name, double friction);
+
+/* The friction between two materials, in place of the geometric mean of theirs. */
+void pl_build_pair(pl_builder *builder, int material_a, int material_b, double friction);
+
 /* A static plane "floor" of material 0. */
 void pl_build_floor(pl_builder *builder, double nx, double ny, double nz, double offset);
 

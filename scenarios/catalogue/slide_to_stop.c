@@ -39,17 +39,6 @@ static const pl_param params[PARAM_COUNT] = {
     [DURATION] = PL_PARAM_DURATION(3),
 };
 
-/* Exact at 0 and at 90 degrees, and the mirror image of itself about 45. */
-static void direction_of(double degrees, double direction[3])
-{
-    const double radian = 0.017453292519943295; /* pi / 180 */
-    bool steep = degrees > 45;
-    double angle = radian * (steep ? 90 - degrees : degrees);
-    direction[steep ? 1 : 0] = pl_cosine(angle);
-    direction[steep ? 0 : 1] = pl_sine(angle);
-    direction[2] = 0;
-}
-
 /* The sum of h v_k over the steps that end in motion; NAN where there is none. */
 static double discrete_distance(double speed, double braking, double dt, double steps)
 {
@@ -76,7 +65,7 @@ static pl_status build(const double *values, uint64_t seed, pl_scene *scene, pl_
     pl_builder builder = pl_build_begin(scene, pl_scenario_slide_to_stop.name, values[DT],
                                         values[DURATION], values[FRICTION], error);
     double direction[3], velocity[3];
-    direction_of(values[AZIMUTH], direction);
+    pl_azimuth(values[AZIMUTH], direction);
     for (int i = 0; i < 3; i++) {
         velocity[i] = speed * direction[i];
     }

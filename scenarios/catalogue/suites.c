@@ -19,7 +19,13 @@ static const pl_suite_entry paper_blocks[] = {{"blocks", "n=5", 0.6e-3 + 1.5e-3}
                                               {"blocks", "n=100", 20e-3 + 60e-3},
                                               {"blocks", "n=200", 44e-3 + 140e-3}};
 
+/* Small enough for a hundred members on two cores in minutes. */
+static const pl_suite_entry chaotic[] = {
+    {.scenario = "wall-collapse", .setting = "rows=8,columns=12"},
+    {.scenario = "pile", .setting = "n=60,duration=6"}};
+
 enum {
+    CHAOTIC_COUNT = sizeof chaotic / sizeof chaotic[0],
     CANONICAL_COUNT = sizeof canonical / sizeof canonical[0],
     PAPER_COUNT = sizeof paper / sizeof paper[0],
     PAPER_BLOCKS_COUNT = sizeof paper_blocks / sizeof paper_blocks[0]
@@ -30,6 +36,10 @@ static const pl_suite suites[] = {
      .description = "stacks, friction slope, wall and wall collapse: the default",
      .entries = canonical,
      .entry_count = CANONICAL_COUNT},
+    {.name = "chaotic",
+     .description = "collapses and piles, to be compared as ensembles: plumb ensemble's default",
+     .entries = chaotic,
+     .entry_count = CHAOTIC_COUNT},
     {.name = "paper",
      .description = "the towers of the source paper, beside its own iteration counts",
      .entries = paper,

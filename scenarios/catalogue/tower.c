@@ -102,6 +102,8 @@ const pl_scenario pl_scenario_tower = {
                  "offsets",
     .source = "statics",
     .primary_error = "rest_position_error",
+    .provokes = "a weight that must pass through every contact: a solver of few iterations lets "
+                "the tower sink, sway and fall; a right engine holds any number of cubes still",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     .params = params,
     .param_count = PARAM_COUNT,

@@ -81,3 +81,13 @@ void pl_circle_point(int k, int n, double *x, double *y)
     *y = octant % 2 == 0 ? s : c;
     turn(octant / 2, x, y);
 }
+
+void pl_azimuth(double degrees, double direction[3])
+{
+    const double radian = 0.017453292519943295; /* pi / 180 */
+    bool steep = degrees > 45;
+    double angle = radian * (steep ? 90 - degrees : degrees);
+    direction[steep ? 1 : 0] = pl_cosine(angle);
+    direction[steep ? 0 : 1] = pl_sine(angle);
+    direction[2] = 0;
+}

@@ -15,4 +15,8 @@ double pl_cosine_of_any(double angle);
  * other in an axis do so to the bit. */
 void pl_circle_point(int k, int n, double *x, double *y);
 
+/* The level direction at so many degrees from x towards y, 0 to 90: exact at both ends, and the
+ * mirror image of itself about 45. */
+void pl_azimuth(double degrees, double direction[3]);
+
 #endif

@@ -41,8 +41,8 @@ uint32_t pl_scene_needs(const pl_scene *scene);
 /* The name of one bit of PL_NEEDS_*, such as "friction" or "box"; NULL for an unknown bit. */
 const char *pl_needs_name(uint32_t bit);
 
-/* A critical value of one parameter: on one side of it the scene holds (the outcome is `ok`), on the
- * other it does not. `plumb threshold` bisects it for each engine. */
+/* A critical value of one parameter: on one side of it the scene holds (the outcome is `ok`), on
+ * the other it does not. `plumb threshold` bisects it for each engine. */
 typedef struct pl_threshold {
     const char *param;
     double low, high; /* of that parameter: where the search begins, one that holds, one not */
@@ -80,7 +80,8 @@ const pl_scenario *const *pl_scenarios(int *count);
 /* By exact name; NULL with an error that suggests the nearest name. */
 const pl_scenario *pl_scenario_find(const char *name, pl_error *);
 
-/* Fills values[param_count] with defaults, then applies `count` texts of the form "NAME=VALUE".
+/* Fills values[param_count] with defaults, then applies `count` texts of the form
+ * "NAME=VALUE[,NAME=VALUE]...".
  * PL_BAD_INPUT names an unknown parameter (with the nearest one), a text that is no number, a
  * fraction where an integer is due, or a value out of range. */
 pl_status pl_scenario_values(const pl_scenario *scenario, const char *const *settings, int count,
@@ -88,7 +89,7 @@ pl_status pl_scenario_values(const pl_scenario *scenario, const char *const *set
 
 typedef struct pl_suite_entry {
     const char *scenario;
-    const char *setting; /* "NAME=VALUE" beside the default parameters; NULL: none */
+    const char *setting; /* "NAME=VALUE[,NAME=VALUE]..." beside the defaults; NULL: none */
     double published;    /* of the suite's published_metric; no meaning where it has none */
 } pl_suite_entry;
 

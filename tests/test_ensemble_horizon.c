@@ -1,0 +1,169 @@
+/* How long members stay together, on trajectories that are written by hand. */
+#include "check.h"
+#include "ensemble/horizon.h"
+#include "plumb_process.h"
+#include "runner/execute.h"
+#include "runner/positions.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static void test_spread_is_the_deviation_of_the_most_spread_body(void **state)
+{
+    (void)state;
+    /* Two bodies, four members: the second body lies on the corners of a tetrahedron. */
+    static const double at[4][6] = {
+        {9, 9, 9, 1, 1, 1}, {9, 9, 9, 1, -1, -1}, {9, 9, 9, -1, 1, -1}, {9, 9, 9, -1, -1, 1}};
+    const double *members[4] = {at[0], at[1], at[2], at[3]};
+    assert_close(pl_ensemble_spread(members, 4, 1), 0, 0, 0);
+    assert_close(pl_ensemble_spread(members, 4, 2), sqrt(3 * 4.0 / 3), 1e-15, 0);
+}
+
+static void test_samples_are_at_most_60_a_second(void **state)
+{
+    (void)state;
+    assert_int_equal(pl_positions_stride(1.0 / 30), 1);
+    assert_int_equal(pl_positions_stride(1.0 / 60), 1);
+    assert_int_equal(pl_positions_stride(1.0 / 61), 2);
+    assert_int_equal(pl_positions_stride(1.0 / 240), 4);
+    assert_int_equal(pl_positions_stride(1.0 / 960), 16);
+    assert_int_equal(pl_positions_stride(1.0 / 1000), 17);
+}
+
+/* Two members of a tower of two cubes of 1 m. */
+typedef struct fixture {
+    char *folder;
+    pl_plan plan;
+    pl_ensembles ensembles;
+} fixture;
+
+static pl_status add_tower(void *user, int setting, pl_plan *plan, pl_error *error)
+{
+    (void)user;
+    (void)setting;
+    static const char *const settings[] = {"n=2", "dt=1/240", "duration=1"};
+    return pl_plan_add_scenario(plan, pl_scenario_find("tower", NULL), settings, 3, error);
+}
+
+static int prepare(void **state)
+{
+    fixture *f = calloc(1, sizeof *f);
+    const pl_members_def def = {.members = 2, .add = add_tower};
+    f->plan = (pl_plan){.repeats = 1};
+    f->folder = make_directory();
+    assert_int_equal(pl_plan_add_engine(&f->plan, "plumb", NULL), PL_OK);
+    assert_int_equal(pl_members_plan(&def, &f->plan, &f->ensembles, NULL), PL_OK);
+    assert_int_equal(f->ensembles.count, 1);
+    *state = f;
+    return 0;
+}
+
+static int clean(void **state)
+{
+    fixture *f = *state;
+    pl_ensembles_free(&f->ensembles);
+    pl_plan_free(&f->plan);
+    remove_directory(f->folder);
+    free(f);
+    return 0;
+}
+
+/* Writes a member's trajectory of so many steps in which every body flies along x at `speed`. */
+static void write_member(const fixture *f, int member, double speed, long steps)
+{
+    const pl_ensemble *ensemble = &f->ensembles.items[0];
+    const pl_scene *scene = &f->plan.problems[ensemble->problems[member]].scene;
+    char run[17];
+    pl_body_state states[8];
+    pl_positions_writer writer;
+    memset(states, 0, sizeof states);
+    assert_true(scene->body_count <= 8);
+    pl_member_run(&f->plan, ensemble, member, run);
+    char *path = pl_positions_path(f->folder, run);
+    assert_int_equal(pl_positions_create(path, scene, &writer, NULL), PL_OK);
+    for (long step = 0; step <= steps; ++step) {
+        for (int i = 0; i < scene->body_count; ++i) {
+            memcpy(states[i].position, scene->bodies[i].position, sizeof states[i].position);
+            memcpy(states[i].orientation, scene->bodies[i].orientation,
+                   sizeof states[i].orientation);
+            states[i].position[0] += speed * (double)step * scene->dt;
+        }
+        const pl_frame frame = {.body_count = scene->body_count, .bodies = states};
+        assert_int_equal(pl_positions_write(&writer, step, &frame, NULL), PL_OK);
+    }
+    pl_positions_end(&writer);
+    free(path);
+}
+
+static pl_horizon find(const fixture *f)
+{
+    pl_horizon horizon;
+    assert_int_equal(
+        pl_horizon_find(&f->plan, &f->ensembles.items[0], 2, f->folder, &horizon, NULL), PL_OK);
+    return horizon;
+}
+
+static void test_horizon_is_when_members_are_a_hundredth_of_a_body_apart(void **state)
+{
+    const fixture *f = *state;
+    write_member(f, 0, 0, 240);
+    write_member(f, 1, 0.04, 240);
+    pl_horizon horizon = find(f);
+    assert_true(horizon.known);
+    assert_close(horizon.threshold, 0.01, 1e-15, 0);
+    /* Two members d apart spread by d / sqrt(2): 0.01 m at 0.354 s, but for the jitter of at most
+     * 2e-4 m in each axis, which is 5 ms of flight along x and nothing across; seen at the next
+     * sample. */
+    assert_close(horizon.time, 0.01 * sqrt(2) / 0.04 + 0.5 / 60, 5e-3 + 0.5 / 60, 0);
+    assert_close(horizon.time * 60, round(horizon.time * 60), 1e-9, 0);
+    assert_close(horizon.last_time, 1, 1e-12, 0);
+    assert_close(horizon.last_spread, 0.04 / sqrt(2), 2e-4, 0);
+}
+
+static void test_members_that_stay_together_have_no_horizon(void **state)
+{
+    const fixture *f = *state;
+    write_member(f, 0, 3, 240);
+    write_member(f, 1, 3, 240);
+    pl_horizon horizon = find(f);
+    assert_true(horizon.known && isinf(horizon.time));
+    assert_at_most(horizon.last_spread, 1e-4 * sqrt(6));
+}
+
+static void test_a_member_that_ended_early_ends_the_search(void **state)
+{
+    const fixture *f = *state;
+    write_member(f, 0, 0, 240);
+    write_member(f, 1, 0.04, 60);
+    pl_horizon horizon = find(f);
+    assert_true(horizon.known && isinf(horizon.time));
+    assert_close(horizon.last_time, 0.25, 1e-12, 0);
+}
+
+static void test_without_every_trajectory_nothing_is_known(void **state)
+{
+    const fixture *f = *state;
+    write_member(f, 1, 0, 240);
+    pl_horizon horizon = find(f);
+    assert_false(horizon.known);
+    assert_contains(horizon.reason, "1 of 2 members");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_spread_is_the_deviation_of_the_most_spread_body),
+        cmocka_unit_test(test_samples_are_at_most_60_a_second),
+        cmocka_unit_test_setup_teardown(
+            test_horizon_is_when_members_are_a_hundredth_of_a_body_apart, prepare, clean),
+        cmocka_unit_test_setup_teardown(test_members_that_stay_together_have_no_horizon, prepare,
+                                        clean),
+        cmocka_unit_test_setup_teardown(test_a_member_that_ended_early_ends_the_search, prepare,
+                                        clean),
+        cmocka_unit_test_setup_teardown(test_without_every_trajectory_nothing_is_known, prepare,
+                                        clean),
+    };
+    return cmocka_run_group_tests_name("ensemble horizon", tests, NULL, NULL);
+}
