@@ -97,7 +97,7 @@ static json_int_t integer(const json_t *object, const char *key)
 static void test_bad_options_exit_2_and_write_nothing(void **state)
 {
     static const char *const cases[][2] = {
-        {"@ --engine % --members 1", "--members takes an integer, 2 to 10000; found \"1\""},
+        {"@ --engine % --members 1", "--members takes an integer, 2 to 1000; found \"1\""},
         {"@ --engine % --members many", "--members takes an integer"},
         {"@ --engine % --jobs 0", "--jobs takes an integer"},
         {"@ --engine % --membrs 4", "did you mean --members?"},
@@ -130,6 +130,14 @@ static void test_bad_options_exit_2_and_write_nothing(void **state)
     }
     assert_int_not_equal(access(f->out, F_OK), 0);
     assert_int_not_equal(access("ensemble", F_OK), 0);
+}
+
+static void test_help_has_examples(void **state)
+{
+    plumb_output output = well(*state, "--help");
+    assert_contains(output.out, "Examples:");
+    assert_contains(output.out, "--against");
+    free_output(&output);
 }
 
 static void test_a_scene_in_which_nothing_moves_is_refused(void **state)
@@ -444,6 +452,8 @@ int main(void)
     prctl(PR_SET_CHILD_SUBREAPER, 1);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_bad_options_exit_2_and_write_nothing, setup_workspace,
+                                        teardown_workspace),
+        cmocka_unit_test_setup_teardown(test_help_has_examples, setup_workspace,
                                         teardown_workspace),
         cmocka_unit_test_setup_teardown(test_a_scene_in_which_nothing_moves_is_refused,
                                         setup_workspace, teardown_workspace),

@@ -115,7 +115,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         pl_texts_add(&o->engines, text);
         return 0;
     case KEY_MEMBERS:
-        o->members = (int)pl_option_integer(state, "--members takes an integer", text, 2, 10000);
+        o->members = (int)pl_option_integer(state, "--members takes an integer", text, 2, 1000);
         return 0;
     case KEY_AGAINST:
         add_against(o, state, text);

@@ -7,7 +7,9 @@
  *
  * Without a row above, a pair of cards stands on the floor iff, by moments about a lower edge,
  *     friction >= (tan(lean) - t / L) / 2,
- * as long as its partner's push is level. More storeys have no closed form. */
+ * where its partner's push is level, as symmetry asks. But the two edges that meet there have no
+ * normal of their own: where an engine takes that of a card's face, which leans, the level push
+ * needs friction >= tan(lean) too. More storeys have no closed form. */
 #include "catalogue.h"
 #include "degree.h"
 #include "scene_builder.h"
@@ -99,8 +101,11 @@ const pl_scenario pl_scenario_card_house = {
     .title = "House of cards",
     .description = "Three rows of leaning cards with level ones between them: every card stands on "
                    "an edge, by friction alone.",
-    .reference = "every card stays where it is; no closed form for the least friction but of one "
-                 "pair, (tan(lean) - thickness / length) / 2",
+    .reference =
+        "every card stays where it is; one pair needs friction >= (tan(lean) - thickness / "
+        "length) / 2, or tan(lean) where the edges that meet take the normal of a face; more "
+        "storeys "
+        "have no closed form",
     .source = "statics of a pair: moments about its lower edge",
     .primary_error = "rest_position_error",
     .validity = "friction well above that of one pair",

@@ -51,7 +51,8 @@ static const pl_scenario *const scenarios[] = {&pl_scenario_tower,
                                                &pl_scenario_dominoes,
                                                &pl_scenario_falling_cubes,
                                                &pl_scenario_domino_into_pile,
-                                               &pl_scenario_top};
+                                               &pl_scenario_top,
+                                               &pl_scenario_slide_and_spin};
 enum { SCENARIO_COUNT = sizeof scenarios / sizeof scenarios[0] };
 
 const pl_scenario *const *pl_scenarios(int *count)

@@ -51,6 +51,7 @@ extern const pl_scenario pl_scenario_dominoes;
 extern const pl_scenario pl_scenario_falling_cubes;
 extern const pl_scenario pl_scenario_domino_into_pile;
 extern const pl_scenario pl_scenario_top;
+extern const pl_scenario pl_scenario_slide_and_spin;
 
 /* Parameters that scenarios share: dt and duration, which all have, and the friction of stacks.
  * Initialisers, since a table cannot copy another's row. */

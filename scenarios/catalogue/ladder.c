@@ -6,7 +6,7 @@
  * the wall's push P and the floor's friction F = P, moments about the lower edge:
  *     W (L cos - t sin) = P 2 L sin
  * so friction >= P / W means tan(angle) >= 1 / (2 friction + t / L); for t = 0 that is
- * atan(1 / (2 friction)).
+ * atan(1 / (2 friction)). At tan(angle) > L / t it would tip away from the wall.
  *
  * At d below the critical angle the board turns by an acceleration near g d / L that grows as it
  * sinks, at a rate near sqrt(g / L): d = 1e-4 is more than the 0.1 m of a fall within 5 s. From 10
@@ -30,7 +30,7 @@ static const pl_param params[PARAM_COUNT] = {
     [THICKNESS] = {.name = "thickness",
                    .value = 0.02,
                    .min = 1e-3,
-                   .max = 0.2,
+                   .max = 0.05,
                    .unit = "1",
                    .help = "of the board over its length"},
     [ANGLE] = {.name = "angle",

@@ -20,7 +20,7 @@ static const pl_param params[PARAM_COUNT] = {
                    .unit = "1",
                    .help = "of the gap beside the needle, over the needle's width"},
     [TILT] = {.name = "tilt",
-              .value = 0,
+              .value = 0.5,
               .min = 0,
               .max = 0.9,
               .unit = "1",

@@ -1,12 +1,13 @@
-/* A slender rod that slides on its end over rough ground, pushed towards where it leans.
+/* A slender rod that slides on its end over rough ground, that end ahead, as chalk that is pushed.
  *
- * The rod, of length 2 L and uniform density, leans by an angle a from the ground, its lower end in
- * contact and sliding towards the upper end's side, so that friction, against the slip, turns the
- * rod into the ground. The normal acceleration of the end for a normal force N is N / m (1 + 3 cos
- * a (cos a - friction sin a)): with friction > (1 + 3 cos^2 a) / (3 sin a cos a), least 4/3 at tan
- * a = 2, a larger force presses the end further in. No finite force keeps it out, and the answer is
- * an impulse that stops the slip at once (Painleve 1895). Energy: impulses of friction and a
- * contact that does not rebound take energy and never give any. */
+ * The rod, of length 2 L and uniform density, leans back by an angle a from the ground, so that
+ * friction, against the slip, turns its end into the ground. The normal acceleration of the end for
+ * a normal force N is
+ *     N / m (1 + 3 cos a (cos a - friction sin a)):
+ * with friction > (1 + 3 cos^2 a) / (3 sin a cos a), least 4/3 at tan a = 2, a larger force presses
+ * the end further in. No finite force keeps it out, and the answer is an impulse that stops the
+ * slip at once. Impulses of friction, and of a contact that does not rebound, take energy and never
+ * give any. */
 #include "catalogue.h"
 #include "degree.h"
 #include "scene_builder.h"
@@ -54,7 +55,7 @@ static pl_status build(const double *values, uint64_t seed, pl_scene *scene, pl_
     rod.position[2] = half_length * s + half_thickness * c;
     rod.orientation[0] = pl_cosine(angle / 2);
     rod.orientation[2] = pl_sine(angle / 2);
-    rod.velocity[0] = -values[SPEED];
+    rod.velocity[0] = values[SPEED];
     pl_build_body(&builder, &rod, "rod");
     pl_build_judge(&builder, pl_scenario_painleve.primary_error, (double)INFINITY);
     return pl_build_end(&builder);
@@ -63,9 +64,8 @@ static pl_status build(const double *values, uint64_t seed, pl_scene *scene, pl_
 const pl_scenario pl_scenario_painleve = {
     .name = "painleve",
     .title = "Rod without a finite force",
-    .description =
-        "A rod that slides on its end into the direction in which it leans, with so much "
-        "friction that no finite force keeps it out of the ground.",
+    .description = "A rod that slides on its end, that end ahead, with so much "
+                   "friction that no finite force keeps it out of the ground.",
     .reference =
         "an impulse stops the end at once; energy never grows; inconsistent iff friction > "
         "(1 + 3 cos^2) / (3 sin cos) of the angle, at least 4/3",

@@ -157,6 +157,10 @@ const pl_scenario pl_scenario_rocking_block = {
     .primary_error = "value_error",
     .validity = "restitution 0 at the corner that strikes, no slip; the fall and the apex where "
                 "they come within the run",
+    .provokes =
+        "an impact on one corner in the instant in which the other lets go: solvers that hold "
+        "both, or push the floor's penetration out as speed, stop the block or make it "
+        "bounce; a right engine leaves it 1 - 3/2 sin^2(alpha) of its spin",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     .params = params,
     .param_count = PARAM_COUNT,

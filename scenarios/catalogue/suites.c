@@ -24,9 +24,28 @@ static const pl_suite_entry chaotic[] = {
     {.scenario = "wall-collapse", .setting = "rows=8,columns=12"},
     {.scenario = "pile", .setting = "n=60,duration=6"}};
 
+/* What breaks engines; each says what it provokes. */
+static const pl_suite_entry hard[] = {{.scenario = "tower", .setting = "n=100"},
+                                      {.scenario = "mass-ratio", .setting = "k=6"},
+                                      {.scenario = "arch"},
+                                      {.scenario = "card-house"},
+                                      {.scenario = "overhang"},
+                                      {.scenario = "cylinder-pyramid"},
+                                      {.scenario = "sphere-pyramid"},
+                                      {.scenario = "cradle"},
+                                      {.scenario = "painleve"},
+                                      {.scenario = "rocking-block"},
+                                      {.scenario = "thin-rod"},
+                                      {.scenario = "far-from-origin"},
+                                      {.scenario = "large-step"},
+                                      {.scenario = "initial-overlap"},
+                                      {.scenario = "pile", .setting = "shape=3"},
+                                      {.scenario = "needle-in-gap"}};
+
 enum {
     CHAOTIC_COUNT = sizeof chaotic / sizeof chaotic[0],
     CANONICAL_COUNT = sizeof canonical / sizeof canonical[0],
+    HARD_COUNT = sizeof hard / sizeof hard[0],
     PAPER_COUNT = sizeof paper / sizeof paper[0],
     PAPER_BLOCKS_COUNT = sizeof paper_blocks / sizeof paper_blocks[0]
 };
@@ -40,6 +59,10 @@ static const pl_suite suites[] = {
      .description = "collapses and piles, to be compared as ensembles: plumb ensemble's default",
      .entries = chaotic,
      .entry_count = CHAOTIC_COUNT},
+    {.name = "hard",
+     .description = "what breaks engines: weights, edges, friction at its limit, sizes, steps",
+     .entries = hard,
+     .entry_count = HARD_COUNT},
     {.name = "paper",
      .description = "the towers of the source paper, beside its own iteration counts",
      .entries = paper,
