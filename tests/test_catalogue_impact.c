@@ -63,19 +63,21 @@ static void test_a_run_without_a_whole_flight_expects_the_height_at_its_end(void
     (void)state;
     static const char *const settings[][4] = {{"restitution=0.8", "duration=0.4", NULL},
                                               {"restitution=0.5", "duration=0.5", "dt=0.01", NULL},
+                                              {"restitution=0.5", "duration=1", "dt=0.1", NULL},
                                               {"restitution=0", "duration=2", NULL}};
-    static const double restitutions[] = {0.8, 0.5, 0};
-    for (int i = 0; i < 3; i++) {
+    static const double restitutions[] = {0.8, 0.5, 0.5, 0};
+    for (int i = 0; i < 4; i++) {
         pl_scene scene = scenario_scene("bounce", settings[i]);
         assert_int_equal(scene.value_count, 1);
-        const double until = scene.values[0].until, fall = sqrt(2 / g);
-        double y[2] = {1, 0};
-        integrate(fall_rate, NULL, 0, fmin(until, fall), 4, 2, y);
-        if (until > fall) {
+        double y[2] = {1, 0}, left = scene.values[0].until, flight = sqrt(2 / g);
+        while (flight > 0 && left > flight) {
+            integrate(fall_rate, NULL, 0, flight, 4, 2, y);
+            left -= flight;
             y[0] = 0;
             y[1] *= -restitutions[i];
-            integrate(fall_rate, NULL, 0, y[1] > 0 ? until - fall : 0, 4, 2, y);
+            flight = 2 * y[1] / g;
         }
+        integrate(fall_rate, NULL, 0, flight > 0 ? left : 0, 4, 2, y);
         assert_close(scene.values[0].value, y[0] - 1, 1e-12, 0);
         pl_scene_free(&scene);
     }
@@ -101,11 +103,13 @@ static void test_oblique_impacts_are_those_of_an_impulse_that_grows_bit_by_bit(v
     (void)state;
     static const char *const frictions[] = {"friction=0", "friction=0.05", "friction=0.1",
                                             "friction=0.6"};
-    static const char *const spins[] = {"spin=-80", "spin=0", "spin=35", "spin=200"};
+    /* At 17.8 and 17.4 the friction 0.1 just stops the slip, and just does not, for e = 0.5. */
+    static const char *const spins[] = {"spin=-80",  "spin=0",   "spin=35",
+                                        "spin=17.8", "spin=200", "spin=17.4"};
     static const char *const restitutions[] = {"restitution=0", "restitution=0.5", "restitution=1"};
     int sticks = 0, slides = 0;
-    for (int i = 0; i < 4 * 4 * 3; i++) {
-        const char *settings[] = {frictions[i % 4], spins[i / 4 % 4], restitutions[i / 16], NULL};
+    for (int i = 0; i < 4 * 6 * 3; i++) {
+        const char *settings[] = {frictions[i % 4], spins[i / 4 % 6], restitutions[i / 24], NULL};
         pl_scene scene = scenario_scene("oblique-impact", settings);
         const pl_body *ball = &scene.bodies[1];
         double v = ball->velocity[0], up = ball->velocity[2];

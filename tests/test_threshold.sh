@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# plumb threshold as a user meets it: the value, the rows of engines that fail, exit codes, JSON lines.
+# plumb threshold as a user meets it: the value, rows of engines that fail, exit codes, JSON lines.
 set -eu
 failed=0
 directory=$(mktemp -d)
@@ -29,23 +29,27 @@ expect 2 'no chosen scenario has the parameter' slope-threshold --set height=20
 expect 2 '--jobs takes an integer' slope-threshold --jobs 0
 expect 2 'unknown engine|there is no engine' slope-threshold --engine plumg
 
-# A value, with its closed form; the second friction in the order of the arguments.
+# A value, with its closed form and the number of runs.
 expect 0 '26\.56[0-9]* .* 21$' slope-threshold --set friction=0.5 --engine plumb:accurate
 expect 0 'closed form: 45 = atan\(friction\)' slope-threshold --set friction=1 --engine plumb:accurate
 
-# Held at both ends or at neither, within a time too short to fall and on an engine that drifts off.
+# Held at both ends, within a time too short to fall, and at neither, by an engine of free fall.
+faulty=$BUILD/faulty_engine.so
 expect 0 'always holds \(2 runs\)' slope-threshold --engine plumb --duration 0.05
+expect 0 'never holds \(2 runs\)' sphere-pyramid --engine "$faulty:good"
+expect 0 'no closed form' sphere-pyramid --engine "$faulty:good" --set floor_friction=0.01
 
 # Other outcomes are rows, with their reason; nothing but unsupported ones is nothing compared.
-faulty=$BUILD/faulty_engine.so
-expect 0 'crashed: SIGABRT.*\(1 run\)' slope-threshold --engine "$faulty:abort" --engine plumb
-expect 0 'timeout: ' slope-threshold --engine "$faulty:hang" --engine plumb --timeout 1
-expect 4 'unsupported: ' slope-threshold --engine "$faulty:refuse"
+expect 0 'crashed: SIGABRT in step 3.*\(1 run\)' sphere-pyramid --engine "$faulty:abort"
+expect 0 'nonfinite: ' sphere-pyramid --engine "$faulty:nan"
+expect 0 'timeout: ' sphere-pyramid --engine "$faulty:hang" --timeout 1
+expect 4 'unsupported: ' sphere-pyramid --engine "$faulty:refuse"
+expect 0 'unsupported: faulty lacks box' slope-threshold --engine "$faulty:good" --engine plumb
 
 # JSON lines: one a row, whatever came of it, the same from one job and from two.
-"$PLUMB" threshold slope-threshold --engine plumb --engine "$faulty:abort" --engine plumb:fast \
+"$PLUMB" threshold sphere-pyramid --engine plumb --engine "$faulty:abort" --engine plumb:fast \
     --json rows.jsonl --jobs 2 >table 2>/dev/null
-"$PLUMB" threshold slope-threshold --engine plumb --engine "$faulty:abort" --engine plumb:fast \
+"$PLUMB" threshold sphere-pyramid --engine plumb --engine "$faulty:abort" --engine plumb:fast \
     --json - 2>/dev/null >again.jsonl
 [[ $(wc -l <rows.jsonl) == 3 ]] || complain "expected 3 lines: $(cat rows.jsonl)"
 grep -q 'closed form' table || complain "the table is missing beside --json FILE"
@@ -58,8 +62,8 @@ for row in first + again:
 assert first == again
 assert [row["finding"] for row in first] == ["found", "crashed", "found"]
 for row in first:
-    assert row["schema"] == "plumb.threshold/1" and row["param"] == "angle"
-    assert "angle" not in row["params"] and row["params"]["friction"] == 0.5
+    assert row["schema"] == "plumb.threshold/1" and row["param"] == "friction"
+    assert "friction" not in row["params"] and row["params"]["floor_friction"] == 1
     if row["finding"] == "found":
         low, high = row["bracket"]
         assert 0 < high - low <= row["tolerance"] and row["value"] == low + (high - low) / 2

@@ -67,8 +67,9 @@ static void show_end(searches *s, const pl_search *search)
     if (s->progress.terminal) {
         return;
     }
-    fprintf(s->progress.out, "%s  %s  %s after %d runs\n", plan->problems[search->problem].name,
-            plan->contenders[search->contender].label, pl_search_finding(search), search->runs);
+    fprintf(s->progress.out, "%s  %s  %s after %d %s\n", plan->problems[search->problem].name,
+            plan->contenders[search->contender].label, pl_search_finding(search), search->runs,
+            search->runs == 1 ? "run" : "runs");
     fflush(s->progress.out);
 }
 

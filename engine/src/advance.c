@@ -133,8 +133,42 @@ pe_status pe_advance_island(pe_world *world, const pe_island_problem *island,
     return PE_OK;
 }
 
+/* Three steps of a symmetric rule of second order, the middle one backwards, make one of fourth
+ * (Yoshida 1990, Construction of higher order symplectic integrators, eq. 2.12). */
+static const double OUTER = 1.3512071919596576, INNER = -1.7024143839193153;
+/* rad: what turns by more in a step takes one step, for three would not converge. */
+static const double MOST_TURN = 0.5;
+
+/* Whether nothing but its own inertia turns the body, and how it turns matters. */
+static bool spins_freely(const pe_world *world, int slot, const pe_free_motion *free, double dt)
+{
+    pe_vec3 torque = free->torque, w = pe_motions(world)[slot].angular_velocity;
+    double turn2 = dt * dt * pe_dot(w, w);
+    return world->def.profile != PE_PROFILE_FAST && !pe_masses(world)[slot].spherical &&
+           pe_dot(torque, torque) == 0 && turn2 > 0 && turn2 < MOST_TURN * MOST_TURN;
+}
+
+static void spin(pe_world *world, int slot, double dt)
+{
+    const double part[3] = {OUTER, INNER, OUTER};
+    const pe_vec3 none = {0, 0, 0};
+    for (int k = 0; k < 3; ++k) {
+        pe_vec3 end, mean;
+        pe_turn(world, slot, part[k] * dt, none, none, &end, &mean);
+        pe_pose_move(&pe_poses(world)[slot], none, pe_scale(part[k] * dt, mean));
+        pe_motions(world)[slot].angular_velocity = end;
+    }
+}
+
 void pe_advance_free(pe_world *world, int slot, const pe_free_motion *free, double dt)
 {
+    if (spins_freely(world, slot, &free[slot], dt)) {
+        spin(world, slot, dt);
+        pe_motions(world)[slot].velocity = free[slot].end.velocity;
+        pe_pose_move(&pe_poses(world)[slot], pe_scale(dt, free[slot].mean.velocity),
+                     pe_v3(0, 0, 0));
+        return;
+    }
     pe_motions(world)[slot] = free[slot].end;
     pe_pose_move(&pe_poses(world)[slot], pe_scale(dt, free[slot].mean.velocity),
                  pe_scale(dt, free[slot].mean.angular_velocity));

@@ -19,7 +19,8 @@
 pe_status pe_advance_island(pe_world *world, const pe_island_problem *island,
                             const pe_free_motion *free, double dt, pe_error *error);
 
-/* The same for a body that touches nothing. */
+/* The same for a body that touches nothing. One that no torque acts on turns by a rule of fourth
+ * order, but in the fast profile. */
 void pe_advance_free(pe_world *world, int slot, const pe_free_motion *free, double dt);
 
 #endif
