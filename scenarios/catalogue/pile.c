@@ -161,6 +161,10 @@ const pl_scenario pl_scenario_pile = {
     .reference = "no closed form for the motion; no overlap at any time: penetration 0",
     .source = "impenetrability",
     .primary_error = "penetration_max",
+    .provokes =
+        "many bodies of odd shapes at once, meshes that are hollow among them: bodies pass into "
+        "each other or are thrown, and a step takes too long; a right engine keeps them apart "
+        "and lets them come to rest",
     .needs =
         PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX,
     .params = params,

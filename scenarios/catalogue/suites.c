@@ -9,6 +9,46 @@ static const pl_suite_entry canonical[] = {{.scenario = "tower"},
                                            {.scenario = "wall"},
                                            {.scenario = "wall-collapse"}};
 
+/* Every scenario that has a right answer in numbers. */
+static const pl_suite_entry analytic[] = {{.scenario = "free-fall"},
+                                          {.scenario = "projectile"},
+                                          {.scenario = "rocket"},
+                                          {.scenario = "torque-free"},
+                                          {.scenario = "slope-stick"},
+                                          {.scenario = "slope-slide"},
+                                          {.scenario = "slope-threshold"},
+                                          {.scenario = "slope-tip"},
+                                          {.scenario = "slide-to-stop"},
+                                          {.scenario = "isotropy"},
+                                          {.scenario = "reaction-split"},
+                                          {.scenario = "spin-stop"},
+                                          {.scenario = "roll-slope"},
+                                          {.scenario = "bowling"},
+                                          {.scenario = "carried-balls"},
+                                          {.scenario = "ladder"},
+                                          {.scenario = "bounce"},
+                                          {.scenario = "oblique-impact"},
+                                          {.scenario = "collision-train"},
+                                          {.scenario = "cradle"},
+                                          {.scenario = "rocking-block"},
+                                          {.scenario = "thin-wall"},
+                                          {.scenario = "tower"},
+                                          {.scenario = "multi-tower"},
+                                          {.scenario = "mass-ratio"},
+                                          {.scenario = "wall"},
+                                          {.scenario = "pyramid"},
+                                          {.scenario = "blocks"},
+                                          {.scenario = "rest-shape"},
+                                          {.scenario = "linked-rings"},
+                                          {.scenario = "overhang"},
+                                          {.scenario = "arch"},
+                                          {.scenario = "cylinder-pyramid"},
+                                          {.scenario = "sphere-pyramid"},
+                                          {.scenario = "thin-rod"},
+                                          {.scenario = "far-from-origin"},
+                                          {.scenario = "large-step"},
+                                          {.scenario = "initial-overlap"}};
+
 /* Table 2 of the source. */
 static const pl_suite_entry paper[] = {
     {"tower", "n=5", 1.65}, {"tower", "n=10", 36}, {"tower", "n=25", 47}};
@@ -43,6 +83,7 @@ static const pl_suite_entry hard[] = {{.scenario = "tower", .setting = "n=100"},
                                       {.scenario = "needle-in-gap"}};
 
 enum {
+    ANALYTIC_COUNT = sizeof analytic / sizeof analytic[0],
     CHAOTIC_COUNT = sizeof chaotic / sizeof chaotic[0],
     CANONICAL_COUNT = sizeof canonical / sizeof canonical[0],
     HARD_COUNT = sizeof hard / sizeof hard[0],
@@ -55,6 +96,11 @@ static const pl_suite suites[] = {
      .description = "stacks, friction slope, wall and wall collapse: the default",
      .entries = canonical,
      .entry_count = CANONICAL_COUNT},
+    {.name = "analytic",
+     .description =
+         "all that have a right answer in numbers: what moves, slides, bounces and rests",
+     .entries = analytic,
+     .entry_count = ANALYTIC_COUNT},
     {.name = "chaotic",
      .description = "collapses and piles, to be compared as ensembles: plumb ensemble's default",
      .entries = chaotic,
