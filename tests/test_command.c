@@ -169,6 +169,7 @@ static void test_the_catalogue_s_page_has_every_scenario_and_asks_for_nothing(vo
     assert_contains(page.out, "<svg");
     free_output(&page);
     check_call(state, "list scenarios --page /no/such/directory/page.html", 3, "", "/no/such");
+    check_call(state, "list scenarios --page /dev/full", 3, "", "No space left");
 }
 
 static void test_a_printed_scene_is_the_same_problem_as_the_scenario(void **state)
