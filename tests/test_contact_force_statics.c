@@ -191,13 +191,16 @@ static void test_forces_of_other_engines_are_those_that_moved_the_bodies(void **
 
 /* Spheres have the same inertia in every frame, so that the velocities that were solved for are
  * those that are seen: the referee's natural map, worked out from frames and reported impulses, is
- * the engine's own residual but for what the energy guard takes. */
+ * the engine's own residual but for what the energy guard takes. Where an impact has its own time
+ * the velocities at the step's end are not those that its impulse answers to. */
 static void test_natural_map_of_spheres_is_the_residual_that_the_engine_reports(void **state)
 {
     (void)state;
-    const char *const arguments[] = {"run",        "pile",  "--engine", "plumb:accurate", "--set",
-                                     "n=20",       "--set", "shape=0",  "--json",         "-",
-                                     "--duration", "2",     NULL};
+    const char *const arguments[] = {
+        "run",    "pile", "--engine",   "plumb:accurate,impact_bodies=0",
+        "--set",  "n=20", "--set",      "shape=0",
+        "--json", "-",    "--duration", "2",
+        NULL};
     json_t *r = run_to_json(arguments);
     double reported = metric(r, "residual_max"), seen = metric(r, "natural_map");
     assert_true(reported > 1e-5);

@@ -124,7 +124,8 @@ static void test_ball_bounces_with_newtons_restitution(void **state)
         pe_body_id ball = add_body(world, &def);
         step(world, H);
         /* To the residual that is solved to, a thousandth of the tolerance. */
-        assert_close(state_of(world, ball).velocity.z, 3 * e, 1e-11, 0);
+        double left = e > 0 ? 3 * e - 9.81 * H : 0;
+        assert_close(state_of(world, ball).velocity.z, left, 1e-11, 0);
         pe_world_destroy(world);
     }
 }
@@ -181,6 +182,7 @@ static void test_momentum_is_kept_in_a_free_collision_of_boxes(void **state)
     for (int i = 0; i < 200; ++i) {
         pe_world_def world_def = pe_world_def_default();
         world_def.gravity = (pe_vec3){0, 0, 0};
+        world_def.impact_bodies = 0; /* see test_engine_impact.c for those that have their time */
         pe_world *world = make_world(&world_def);
         pe_body_id ids[2];
         pe_vec3 p0 = {0}, l0 = {0}, p1 = {0}, l1 = {0};

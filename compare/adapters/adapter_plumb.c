@@ -19,7 +19,7 @@ struct pl_engine_instance {
     bool forces_applied; /* those of the coming step */
 };
 
-enum { OPTION_TOLERANCE, OPTION_UPDATES, OPTION_SLOP, OPTION_COUNT };
+enum { OPTION_TOLERANCE, OPTION_UPDATES, OPTION_SLOP, OPTION_IMPACT_BODIES, OPTION_COUNT };
 
 static const pl_engine_option options[OPTION_COUNT] = {
     {"tolerance", 1e-8, 1e-14, 1, false, "m/s", "natural-map residual that counts as solved"},
@@ -27,6 +27,8 @@ static const pl_engine_option options[OPTION_COUNT] = {
      "sweeps times contact points of one island, at most; a direct solve is weighed against it"},
     {"slop", 1e-4, 1e-12, 1, false, "m",
      "penetration of swept islands is pushed out from three times this, down to this"},
+    {"impact_bodies", 2, 0, 1e6, true, "1",
+     "islands of so many bodies or fewer take impacts at their own time; fast: none"},
 };
 
 static const pl_engine_profile profiles[] = {
@@ -184,6 +186,7 @@ static pl_status create(const pl_scene *scene, int profile, const double *values
     def.tolerance = values[OPTION_TOLERANCE];
     def.max_contact_updates = values[OPTION_UPDATES];
     def.penetration_slop = values[OPTION_SLOP];
+    def.impact_bodies = (int)values[OPTION_IMPACT_BODIES];
 
     pe_error failure;
     pe_status status = PE_OK;

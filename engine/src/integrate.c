@@ -122,7 +122,7 @@ void pe_turn(const pe_world *world, int slot, double dt, pe_vec3 early, pe_vec3 
     *mean = pe_rotate(rotation, s.mean);
 }
 
-static pe_free_motion predict(const pe_world *world, int slot, double dt)
+pe_free_motion pe_predict_body(const pe_world *world, int slot, double dt)
 {
     const pe_motion *motion = &pe_motions(world)[slot];
     pe_vec3 force;
@@ -143,7 +143,7 @@ void pe_predict_motion(const pe_world *world, double dt, pe_free_motion *motions
         if (pe_masses(world)[slot].inverse_mass == 0) {
             motions[slot] = (pe_free_motion){.end = *motion, .mean = *motion};
         } else {
-            motions[slot] = predict(world, slot, dt);
+            motions[slot] = pe_predict_body(world, slot, dt);
         }
     }
 }

@@ -18,6 +18,9 @@ typedef struct pe_free_motion {
  * body's axes turn with it. */
 void pe_predict_motion(const pe_world *world, double dt, pe_free_motion *motions);
 
+/* Of one dynamic body. */
+pe_free_motion pe_predict_body(const pe_world *world, int slot, double dt);
+
 /* Angular velocity at the end of a step, and the mean one by which the body turns in it, when it
  * gets the angular impulses `early`, in N m s, world, at the step's start and `late` at its end,
  * and turns freely between. The order is the second when they are the same. */

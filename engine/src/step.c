@@ -4,30 +4,13 @@
 #include "advance.h"
 #include "contact/contact.h"
 #include "energy_guard.h"
+#include "impact/impact.h"
 #include "project.h"
 #include "soft/soft.h"
 #include "solve/solve_alone.h"
-#include "solve/solve_island.h"
 
 #include <string.h>
 #include <time.h>
-
-/* How much each profile asks of an island that is not solved directly. */
-typedef struct strictness {
-    /* What sweeps aim at, in m/s, in an island of SWEPT_POINTS contact points or fewer: in what
-     * collapses the next step's problem is another one. In a larger one they aim at less, as the
-     * square: sweeps converge the more slowly there, and each costs more. */
-    double tolerance;
-    double updates;  /* part of max_contact_updates */
-    double patience; /* how much dearer than the sweeps allowed a direct solve may be */
-} strictness;
-
-static const strictness STRICTNESS[] = {
-    [PE_PROFILE_DEFAULT] = {.tolerance = 2e-4, .updates = 0.5, .patience = 8},
-    [PE_PROFILE_ACCURATE] = {.tolerance = 5e-5, .updates = 1, .patience = 4},
-    [PE_PROFILE_FAST] = {.tolerance = 2e-4, .updates = 0.5, .patience = 8},
-};
-static const double SWEPT_POINTS = 1250;
 
 /* Depth, in m, from which a contact of an island that was solved directly is pushed out. */
 static const double STANDING_DEPTH = 1e-8;
@@ -125,63 +108,23 @@ static void put_back(stepping *step)
     step->world->contacts_stale = true;
 }
 
-static void count_solve(stepping *step, const pe_island_report *report,
-                        const pe_solve_history *history)
-{
-    pe_step_stats *stats = &step->stats;
-    const pe_solve_report *solve = &report->solve;
-    stats->islands_by_path[report->path] += 1;
-    stats->factor_flops += solve->factor_flops;
-    stats->iterations =
-        solve->iterations > stats->iterations ? solve->iterations : stats->iterations;
-    stats->unconverged_islands += !(solve->residual.max <= step->world->def.tolerance);
-    if (stats->path == PE_PATH_NONE || !(solve->residual.max <= stats->residual)) {
-        stats->residual = solve->residual.max;
-        stats->path = report->path;
-        stats->stop = solve->stop;
-        stats->history_count = history->count;
-        for (int i = 0; i < history->count; ++i) {
-            stats->history[i] = history->marks[i].residual;
-        }
-    }
-}
-
-/* Adds the points of the island, and the squares of their residuals, to the sums. */
-static pe_status solve_island(stepping *step, int k, double *squares, int *points)
+/* Its bodies' velocities and poses at the end of the step. */
+static pe_status solve_island(stepping *step, int k, pe_solve_tally *tally)
 {
     pe_world *world = step->world;
-    pe_island_problem island;
-    pe_status status =
-        pe_problem_build(world, &step->islands, k, step->free, step->dt, &island, step->error);
+    bool in_parts = world->def.profile != PE_PROFILE_FAST &&
+                    pe_impact_is_due(world, &step->islands, k, step->dt);
+    pe_path path = PE_PATH_NONE;
+    pe_status status = in_parts ? pe_impact_step(world, &step->islands, k, &step->rules, step->dt,
+                                                 tally, &path, step->error)
+                                : pe_island_step(world, &step->islands, k, step->free, step->dt,
+                                                 tally, &path, step->error);
     if (status != PE_OK) {
         return status;
     }
-    const strictness strict = STRICTNESS[world->def.profile];
-    double size = pe_max(1, island.problem.point_count / SWEPT_POINTS);
-    pe_solve_mark marks[PE_HISTORY];
-    pe_solve_history history = {.marks = marks, .capacity = PE_HISTORY};
-    pe_island_report report = {.solve.history = &history};
-    pe_island_limits limits = {
-        .tolerance = world->def.tolerance,
-        .swept_tolerance = pe_max(world->def.tolerance, strict.tolerance * size * size),
-        .max_updates = strict.updates * world->def.max_contact_updates,
-        .patience = strict.patience,
-        .store = &world->patterns,
-    };
-    status = pe_solve_island(&island.problem, &limits, pe_step_memory(world), &report, step->error);
-    if (status == PE_OK) {
-        status = pe_advance_island(world, &island, step->free, step->dt, step->error);
-    }
-    if (status != PE_OK) {
-        return status;
-    }
-    pe_problem_store_impulses(world, &island);
-    count_solve(step, &report, &history);
-    double rms = report.solve.residual.rms;
-    *squares += rms * rms * island.problem.point_count;
-    *points += island.problem.point_count;
-    for (int i = 0; i < island.problem.body_count; ++i) {
-        step->stands[island.slot[i]] = report.path != PE_PATH_SWEEPS;
+    step->stats.islands_by_path[path] += 1;
+    for (int i = step->islands.body_start[k]; i < step->islands.body_start[k + 1]; ++i) {
+        step->stands[step->islands.bodies[i]] = path != PE_PATH_SWEEPS;
     }
     return PE_OK;
 }
@@ -261,15 +204,15 @@ static pe_status choose_soft(stepping *step)
 static pe_status solve_and_move(stepping *step)
 {
     pe_world *world = step->world;
-    double mark = seconds_now(), squares = 0;
-    int points = 0;
+    double mark = seconds_now();
+    pe_solve_tally tally = {.stats = &step->stats};
     pe_predict_motion(world, step->dt, step->free);
     pe_status status = choose_soft(step);
     for (int k = 0; k < step->islands.count && status == PE_OK; ++k) {
         if (!step->soft[k]) {
             /* Each island's numbers in the memory of the one before: it is in the cache. */
             pe_arena_mark before = pe_arena_fill(&world->arena);
-            status = solve_island(step, k, &squares, &points);
+            status = solve_island(step, k, &tally);
             pe_arena_rewind(&world->arena, &world->allocator, before);
         }
     }
@@ -279,8 +222,8 @@ static pe_status solve_and_move(stepping *step)
     if (status != PE_OK) {
         return status;
     }
-    if (points > 0) {
-        step->stats.residual_rms = sqrt(squares / points);
+    if (tally.points > 0) {
+        step->stats.residual_rms = sqrt(tally.squares / tally.points);
     }
     step->stats.time_solve = lap(&mark);
     const pe_body *bodies = pe_bodies(world);

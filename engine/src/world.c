@@ -10,6 +10,7 @@ pe_world_def pe_world_def_default(void)
         .tolerance = 1e-8,
         .max_contact_updates = 2.4e6,
         .restitution_threshold = 0,
+        .impact_bodies = 2,
         .contact_margin = 1e-3,
         .penetration_slop = 1e-4,
     };
@@ -35,6 +36,10 @@ static pe_status check_def(const pe_world_def *def, pe_error *error)
                        "expected restitution_threshold >= 0, contact_margin >= 0 and "
                        "penetration_slop > 0, found %g, %g, %g",
                        def->restitution_threshold, def->contact_margin, def->penetration_slop);
+    }
+    if (def->impact_bodies < 0) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "impact_bodies: expected at least 0, found %d",
+                       def->impact_bodies);
     }
     if ((def->allocator.allocate == NULL) != (def->allocator.release == NULL)) {
         return pe_fail(error, PE_BAD_ARGUMENT, "allocator: expected both functions or neither");
@@ -92,6 +97,10 @@ void pe_world_destroy(pe_world *world)
         &world->contacts.point_array,
         &world->previous.manifold_array,
         &world->previous.point_array,
+        &world->part.manifold_array,
+        &world->part.point_array,
+        &world->part_previous.manifold_array,
+        &world->part_previous.point_array,
         &world->solved.manifold_array,
         &world->solved.point_array,
     };

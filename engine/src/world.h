@@ -114,6 +114,7 @@ struct pe_world {
      * `solved` those of the last step with the impulses it found; `previous` is the list that was
      * replaced last. */
     pe_contacts contacts, previous, solved;
+    pe_contacts part, part_previous; /* the same of an island that moves in parts (impact.h) */
     double previous_dt;
     bool contacts_stale; /* bodies or materials were changed since `contacts` were found */
 

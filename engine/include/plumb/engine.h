@@ -79,6 +79,11 @@ typedef struct pe_world_def {
     /* Approach slower than this, in m/s, does not bounce. 0: restitution holds at every speed. */
     double restitution_threshold;
 
+    /* An island of this many bodies or fewer takes its impacts at their own time within the step,
+     * one after the other, but in the fast profile. In a larger one, and everywhere at 0, an impact
+     * acts at the step's start, over the gap. */
+    int impact_bodies;
+
     /* Gap, in m, below which two bodies at rest relative to each other get a contact. Motion within
      * the step is added to it, so that fast bodies meet what they would pass. */
     double contact_margin;

@@ -22,7 +22,7 @@ static double pair_size(const pe_body *a, const pe_body *b)
 typedef struct finder {
     pe_world *world;
     const pe_contact_rules *rules;
-    const double *spin;      /* (slot_count), as pe_spin_speed */
+    const double *spin;      /* (slot_count), as pe_spin_speed, of the pairs' bodies */
     double dt, slack;        /* s; m, pe_margin_slack */
     const pe_contacts *then; /* both sorted by (a, b) */
     int next;                /* the first manifold of `then` that no pair has passed yet */
@@ -36,13 +36,18 @@ static bool precedes(const pe_manifold *m, pe_pair pair)
     return m->a < pair.a || (m->a == pair.a && m->b < pair.b);
 }
 
-static pe_status begin(finder *f)
+static pe_status begin(finder *f, const pe_pair *pairs, int count)
 {
     double *spin = pe_scratch(f->world, (size_t)f->world->slot_count, sizeof *spin);
     if (spin == NULL) {
         return pe_fail(f->error, PE_NO_MEMORY, "no memory for %d bodies", f->world->slot_count);
     }
-    for (int slot = 0; slot < f->world->slot_count; ++slot) {
+    bool few = 2 * count < f->world->slot_count;
+    for (int i = 0; i < count && few; ++i) {
+        spin[pairs[i].a] = pe_spin_speed(f->world, pairs[i].a);
+        spin[pairs[i].b] = pe_spin_speed(f->world, pairs[i].b);
+    }
+    for (int slot = 0; slot < f->world->slot_count && !few; ++slot) {
         spin[slot] = pe_spin_speed(f->world, slot);
     }
     f->spin = spin;
@@ -256,7 +261,7 @@ pe_status pe_contacts_find_by(pe_world *world, const pe_contact_rules *rules, co
                               int count, double dt, pe_error *error)
 {
     finder f = {.world = world, .rules = rules, .dt = dt, .error = error};
-    pe_status status = begin(&f);
+    pe_status status = begin(&f, pairs, count);
     for (int i = 0; i < count && status == PE_OK; ++i) {
         status = find_pair(&f, pairs[i]);
     }
@@ -302,7 +307,7 @@ pe_status pe_contacts_refind(pe_world *world, const pe_contact_rules *rules, con
                              int count, const bool *moved, double dt, pe_error *error)
 {
     finder f = {.world = world, .rules = rules, .dt = dt, .error = error};
-    pe_status status = begin(&f);
+    pe_status status = begin(&f, pairs, count);
     for (int i = 0; i < count && status == PE_OK; ++i) {
         if (!moved[pairs[i].a] && !moved[pairs[i].b]) {
             continue;
