@@ -451,6 +451,48 @@ static void test_reported_residual_is_the_natural_map_worked_out_from_contacts(v
     }
 }
 
+static void test_no_island_takes_more_iterations_than_allowed(void **state)
+{
+    (void)state;
+    double worst[4];
+    for (int k = 0; k < 4; ++k) {
+        const int most = 1 << 2 * k;
+        pe_world_def def = pe_world_def_default();
+        def.max_iterations = most;
+        pe_world *world = make_world(&def);
+        pe_material_id material = add_material(world, 0.5, 0);
+        add_plane(world, pe_v3(0, 0, 1), material);
+        /* Balls in a heap that falls apart: not solved in a step or two. */
+        for (int i = 0; i < 27; ++i) {
+            pe_body_def ball = pe_body_def_default();
+            ball.position =
+                pe_v3(0.95 * (i % 3) + 0.1 * (i / 9), 0.95 * (i / 3 % 3), 0.5 + 0.95 * (i / 9));
+            ball.velocity = pe_v3(0, 0, -2);
+            ball.material = material;
+            add_body(world, &ball);
+        }
+        worst[k] = 0;
+        for (int n = 0; n < 10; ++n) {
+            pe_step_stats stats = step(world, H);
+            assert_true(stats.iterations <= most);
+            worst[k] = fmax(worst[k], stats.residual);
+        }
+        print_message("    %d iterations: %g m/s\n", most, worst[k]);
+        pe_world_destroy(world);
+    }
+    assert_true(worst[3] < 0.1 * worst[0]);
+    pe_world *world;
+    pe_error error;
+    pe_world_def def = pe_world_def_default();
+    def.max_iterations = 0;
+    assert_int_equal(pe_world_create(&def, &world, &error), PE_BAD_ARGUMENT);
+    assert_contains(error.message, "max_iterations: expected at least 1, found 0");
+    def = pe_world_def_default();
+    def.impact_bodies = -1;
+    assert_int_equal(pe_world_create(&def, &world, &error), PE_BAD_ARGUMENT);
+    assert_contains(error.message, "impact_bodies: expected at least 0, found -1");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -471,6 +513,7 @@ int main(void)
         cmocka_unit_test(test_contacts_come_sorted_by_pair),
         cmocka_unit_test(test_overlap_is_pushed_out_without_velocity),
         cmocka_unit_test(test_fast_ball_does_not_pass_a_floor_or_a_wall_of_boxes),
+        cmocka_unit_test(test_no_island_takes_more_iterations_than_allowed),
     };
     return cmocka_run_group_tests_name("engine_contact", tests, NULL, NULL);
 }

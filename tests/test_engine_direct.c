@@ -74,8 +74,11 @@ static pe_status solve_tresca(solving *s, const pe_solve_limits *limits, pe_erro
 
 static pe_status solve_island(solving *s, const pe_solve_limits *limits, pe_error *error)
 {
-    const pe_island_limits island = {
-        .tolerance = limits->tolerance, .swept_tolerance = 5e-5, .max_updates = 1e6, .patience = 4};
+    const pe_island_limits island = {.tolerance = limits->tolerance,
+                                     .swept_tolerance = 5e-5,
+                                     .max_updates = 1e6,
+                                     .max_iterations = 100000,
+                                     .patience = 4};
     pe_island_report report = {.path = PE_PATH_NONE};
     pe_status status = pe_solve_island(&s->problem, &island, s->work, &report, error);
     s->report = report.solve;
@@ -763,8 +766,11 @@ static void started_at_its_answer(pe_contact_problem *source, const char *name)
 {
     solving s;
     prepare(&s, source);
-    const pe_island_limits limits = {
-        .tolerance = 1e-8, .swept_tolerance = 5e-5, .max_updates = 1e6, .patience = 4};
+    const pe_island_limits limits = {.tolerance = 1e-8,
+                                     .swept_tolerance = 5e-5,
+                                     .max_updates = 1e6,
+                                     .max_iterations = 100000,
+                                     .patience = 4};
     pe_island_report report = {.path = PE_PATH_NONE};
     assert_int_equal(pe_solve_island(&s.problem, &limits, s.work, &report, NULL), PE_OK);
     print_message("%s: %d iterations to %g m/s, then none\n", name, report.solve.iterations,

@@ -19,12 +19,21 @@ struct pl_engine_instance {
     bool forces_applied; /* those of the coming step */
 };
 
-enum { OPTION_TOLERANCE, OPTION_UPDATES, OPTION_SLOP, OPTION_IMPACT_BODIES, OPTION_COUNT };
+enum {
+    OPTION_TOLERANCE,
+    OPTION_UPDATES,
+    OPTION_ITERATIONS,
+    OPTION_SLOP,
+    OPTION_IMPACT_BODIES,
+    OPTION_COUNT
+};
 
 static const pl_engine_option options[OPTION_COUNT] = {
     {"tolerance", 1e-8, 1e-14, 1, false, "m/s", "natural-map residual that counts as solved"},
     {"updates", 2.4e6, 1, 1e12, true, "1",
      "sweeps times contact points of one island, at most; a direct solve is weighed against it"},
+    {"iterations", 100000, 1, 1e6, true, "1",
+     "Newton steps and sweeps of one island in one step, at most"},
     {"slop", 1e-4, 1e-12, 1, false, "m",
      "penetration of swept islands is pushed out from three times this, down to this"},
     {"impact_bodies", 2, 0, 1e6, true, "1",
@@ -185,6 +194,7 @@ static pl_status create(const pl_scene *scene, int profile, const double *values
     def.gravity = vector(scene->gravity);
     def.tolerance = values[OPTION_TOLERANCE];
     def.max_contact_updates = values[OPTION_UPDATES];
+    def.max_iterations = (int)values[OPTION_ITERATIONS];
     def.penetration_slop = values[OPTION_SLOP];
     def.impact_bodies = (int)values[OPTION_IMPACT_BODIES];
 

@@ -59,6 +59,7 @@ pe_status pe_island_solve(pe_world *world, const pe_islands *islands, int k,
         .tolerance = world->def.tolerance,
         .swept_tolerance = pe_max(world->def.tolerance, strict.tolerance * size * size),
         .max_updates = strict.updates * world->def.max_contact_updates,
+        .max_iterations = world->def.max_iterations,
         .patience = strict.patience,
         .store = &world->patterns,
     };

@@ -9,6 +9,7 @@ pe_world_def pe_world_def_default(void)
         .gravity = {0, 0, -9.81},
         .tolerance = 1e-8,
         .max_contact_updates = 2.4e6,
+        .max_iterations = 100000,
         .restitution_threshold = 0,
         .impact_bodies = 2,
         .contact_margin = 1e-3,
@@ -36,6 +37,10 @@ static pe_status check_def(const pe_world_def *def, pe_error *error)
                        "expected restitution_threshold >= 0, contact_margin >= 0 and "
                        "penetration_slop > 0, found %g, %g, %g",
                        def->restitution_threshold, def->contact_margin, def->penetration_slop);
+    }
+    if (def->max_iterations < 1) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "max_iterations: expected at least 1, found %d",
+                       def->max_iterations);
     }
     if (def->impact_bodies < 0) {
         return pe_fail(error, PE_BAD_ARGUMENT, "impact_bodies: expected at least 0, found %d",

@@ -76,6 +76,10 @@ typedef struct pe_world_def {
      * points); every island gets 50 sweeps if it needs them. */
     double max_contact_updates;
 
+    /* Bound on the iterations of one island in one step, of whatever solver: Newton steps and
+     * sweeps together. A smaller one saves time where it leaves an error. */
+    int max_iterations;
+
     /* Approach slower than this, in m/s, does not bounce. 0: restitution holds at every speed. */
     double restitution_threshold;
 

@@ -97,6 +97,11 @@ static pe_status make_plan(const pe_problem *problem, const pe_island_limits *li
     return status;
 }
 
+static int fewer(int a, int b)
+{
+    return a < b ? a : b;
+}
+
 pe_status pe_solve_island(const pe_problem *problem, const pe_island_limits *limits,
                           pe_workspace work, pe_island_report *report, pe_error *error)
 {
@@ -112,19 +117,20 @@ pe_status pe_solve_island(const pe_problem *problem, const pe_island_limits *lim
     report->path = PE_PATH_SWEEPS;
     pe_status status = make_plan(problem, limits, warm, work, &chosen, error);
     if (status == PE_OK && (chosen.whole || chosen.trial)) {
-        pe_solve_limits direct = {limits->tolerance,
-                                  chosen.whole ? ALL_ITERATIONS : TRIAL_ITERATIONS};
+        int most = chosen.whole ? ALL_ITERATIONS : TRIAL_ITERATIONS;
+        pe_solve_limits direct = {limits->tolerance, fewer(most, limits->max_iterations)};
         status = pe_solve_direct(problem, &chosen.pattern, chosen.cold, &direct, work,
                                  &report->solve, error);
         report->path = PE_PATH_DIRECT;
     }
-    if (status == PE_OK && report->solve.residual.max > limits->swept_tolerance) {
+    int left = limits->max_iterations - report->solve.iterations;
+    if (status == PE_OK && left > 0 && report->solve.residual.max > limits->swept_tolerance) {
         report->path = PE_PATH_SWEEPS;
-        pe_solve_limits swept = {limits->swept_tolerance, chosen.sweeps};
+        pe_solve_limits swept = {limits->swept_tolerance, fewer(chosen.sweeps, left)};
         status = sweep(problem, &swept, work, &report->solve, error);
         if (status == PE_OK && chosen.trial && report->solve.residual.max < QUIET) {
-            pe_solve_limits polish = {limits->tolerance,
-                                      report->solve.iterations + TRIAL_ITERATIONS};
+            int most = report->solve.iterations + TRIAL_ITERATIONS;
+            pe_solve_limits polish = {limits->tolerance, fewer(most, limits->max_iterations)};
             status = pe_solve_direct(problem, &chosen.pattern, false, &polish, work, &report->solve,
                                      error);
         }

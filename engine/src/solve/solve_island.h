@@ -10,6 +10,7 @@ typedef struct pe_island_limits {
     double tolerance;       /* m/s */
     double swept_tolerance; /* m/s: what sweeps stop at, and what is not good enough without them */
     double max_updates;     /* contact points visited by sweeps */
+    int max_iterations;     /* of all solvers together */
     pe_pattern_store *store; /* NULL: patterns are not kept */
     double patience; /* how much dearer than those sweeps a direct solve may be to be preferred */
 } pe_island_limits;
