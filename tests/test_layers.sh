@@ -24,13 +24,14 @@ allow() {
 scene='plumb/(base|jitter|scene|scenario|vec)\.h'
 abi='plumb/engine_abi\.h'
 allow engine/include 'plumb/engine\.h'
-allow engine/src 'plumb/(engine|contact_problem)\.h|((broad_phase|collide|contact|geometry|soft|solve)/)?[a-z0-9_]+\.h'
+allow engine/src 'plumb/(engine|contact_problem)\.h|((broad_phase|collide|contact|geometry|impact|soft|solve)/)?[a-z0-9_]+\.h'
 allow scenarios "$scene|scene_[a-z_]+\.h|random\.h|number\.h|name_index\.h|complaint\.h|json_(field|text)\.h"
 allow compare/referee "$scene|$abi|referee/.*"
 allow compare/results "$scene|$abi|referee/metrics\.h|results/.*"
 allow compare/report "$scene|referee/metrics\.h|results/.*|report/.*"
 allow compare/runner "$scene|$abi|(adapters/registry|adapters/[a-z_]*|referee/.*|results/.*|runner/.*)(\.h)?"
 allow compare/threshold "$scene|$abi|(results/result|runner/.*|threshold/.*)(\.h)?"
+allow compare/iterations "$scene|$abi|referee/metrics\.h|(runner/.*|iterations/.*)(\.h)?"
 allow compare/adapters "$scene|$abi|adapters/.*|plumb/(engine|contact_problem)\.h"
 allow compare/solve "$scene|$abi|plumb/contact_problem\.h|json_(field|text)\.h|(adapters/registry|results/.*|runner/process|solve/.*)(\.h)?"
 allow compare/ensemble "$scene|$abi|random\.h|referee/(metrics|solid)\.h|results/.*|runner/.*|ensemble/.*"

@@ -21,6 +21,17 @@ static int collect(const struct argp_option *from, const struct argp_option **op
     return count;
 }
 
+/* Those of an argp and of its children, and of theirs. */
+static int collect_all(const struct argp *argp, const struct argp_option **options, int count)
+{
+    count = collect(argp->options, options, count);
+    for (const struct argp_child *child = argp->children; child != NULL && child->argp != NULL;
+         ++child) {
+        count = collect_all(child->argp, options, count);
+    }
+    return count;
+}
+
 /* The only option that begins with the first `length` characters of `name`, or is `name`; as getopt
  * has it. *ambiguous when there are several. */
 static const struct argp_option *find(const struct argp_option *const *options, int count,
@@ -61,11 +72,7 @@ static void check_options(const pl_call *call, const struct argp *argp)
 {
     const struct argp_option *options[MAX_OPTIONS];
     int count = collect(common_options, options, 0);
-    count = collect(argp->options, options, count);
-    for (const struct argp_child *child = argp->children; child != NULL && child->argp != NULL;
-         ++child) {
-        count = collect(child->argp->options, options, count);
-    }
+    count = collect_all(argp, options, count);
     for (int i = 1; i < call->argc && strcmp(call->argv[i], "--") != 0; ++i) {
         const char *argument = call->argv[i];
         if (strncmp(argument, "--", 2) == 0) {

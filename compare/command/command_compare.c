@@ -2,6 +2,7 @@
  * runs end; the report is made of all that is there at the end. */
 #include "command/commands.h"
 #include "command/contest.h"
+#include "iterations/iterations_to_tolerance.h"
 #include "report/report.h"
 #include "results/store.h"
 #include "runner/execute.h"
@@ -12,34 +13,25 @@
 #include <unistd.h>
 
 typedef struct options {
-    pl_selection selection;
-    pl_limits limits;
-    pl_texts names, suites, engines;
-    const char *out, *json;
-    int repeats, jobs;
-    bool resume;
+    pl_contest contest;
+    int repeats;
+    bool tolerance; /* --iterations-to-tolerance */
 } options;
 
-enum { KEY_SUITE = 0x200, KEY_ENGINE, KEY_REPEAT, KEY_JOBS, KEY_OUT, KEY_JSON, KEY_RESUME };
+static const pl_contest_help option_help = {
+    .suite = "All scenarios of a suite (repeatable; default canonical when no scenario is named)",
+    .json = "Write all results as a JSON array too (- is standard output)",
+    .jobs = "Runs at a time, of which results come in the order of their ends (default 1: runs "
+            "side by side disturb each other's times)",
+    .out = "Where results and report go (default report)"};
+
+enum { KEY_REPEAT = 0x200, KEY_TOLERANCE };
 
 static const struct argp_option argp_options[] = {
-    {"suite", KEY_SUITE, "NAME", 0,
-     "All scenarios of a suite (repeatable; default canonical when no scenario is named)", 0},
-    {"engine", KEY_ENGINE, "SPEC", 0,
-     "An engine: NAME[:PROFILE][,OPTION=VALUE...], or the path of a shared object in place of NAME "
-     "(repeatable; default all found)",
-     0},
     {"repeat", KEY_REPEAT, "N", 0, "Runs of each pair, interleaved (default 1)", 0},
-    {"jobs", KEY_JOBS, "N", 0,
-     "Runs at a time, of which results come in the order of their ends (default 1: runs side by "
-     "side disturb each other's times)",
-     0},
-    {"out", KEY_OUT, "DIR", 0, "Where results and report go (default report)", 0},
-    {"json", KEY_JSON, "FILE", 0, "Write all results as a JSON array too (- is standard output)",
-     0},
-    {"resume", KEY_RESUME, NULL, 0,
-     "Keep the results in DIR and make only the runs that are missing, whatever the outcome of "
-     "those there",
+    {"iterations-to-tolerance", KEY_TOLERANCE, NULL, 0,
+     "Also find that metric (plumb list metrics), by up to 20 more runs of each pair of which runs "
+     "are made, where the engine has an option iterations",
      0},
     {0}};
 
@@ -48,37 +40,23 @@ static error_t parse(int key, char *text, struct argp_state *state)
     options *o = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        state->child_inputs[0] = &o->selection;
-        state->child_inputs[1] = &o->limits;
-        return 0;
-    case KEY_SUITE:
-        pl_texts_add(&o->suites, text);
-        return 0;
-    case KEY_ENGINE:
-        pl_texts_add(&o->engines, text);
+        pl_contest_init(&o->contest, state);
         return 0;
     case KEY_REPEAT:
         o->repeats = (int)pl_option_integer(state, "--repeat takes an integer", text, 1, 1000000);
         return 0;
-    case KEY_JOBS:
-        o->jobs = (int)pl_option_integer(state, "--jobs takes an integer", text, 1, 1024);
-        return 0;
-    case KEY_OUT:
-        o->out = text;
-        return 0;
-    case KEY_JSON:
-        o->json = text;
-        return 0;
-    case KEY_RESUME:
-        o->resume = true;
-        return 0;
-    case ARGP_KEY_ARG:
-        pl_texts_add(&o->names, text);
+    case KEY_TOLERANCE:
+        o->tolerance = true;
         return 0;
     default:
         return ARGP_ERR_UNKNOWN;
     }
 }
+
+static const struct argp_child children[] = {{&pl_contest_argp, 0, NULL, 0},
+                                             {&pl_contest_jobs_argp, 0, NULL, 0},
+                                             {&pl_contest_out_argp, 0, NULL, 0},
+                                             {0}};
 
 static const struct argp argp = {
     .options = argp_options,
@@ -93,24 +71,27 @@ static const struct argp argp = {
         "  plumb compare tower wall --engine plumb --engine ode:quick --repeat 5\n"
         "  plumb compare tower --set n=50 --dt 1/240 --out report-50\n"
         "  plumb compare ./mine.json --engine ./mine.so:fast --json - | jq .",
-    .children = pl_run_children};
+    .children = children};
 
-static pl_status add_problems(options *o, pl_plan *plan, pl_error *error)
-{
-    if (o->names.count == 0 && o->suites.count == 0) {
-        pl_texts_add(&o->suites, "canonical");
-    }
-    return pl_contest_add_problems(&o->selection, &o->suites, &o->names, plan, error);
-}
+/* What the callbacks of runs need. */
+typedef struct keeper {
+    pl_store *store;
+    const pl_plan *plan;
+    const pl_metric *tolerances; /* of pl_tolerance_search; NULL: not asked for */
+} keeper;
 
 static bool skip(void *user, const char *run)
 {
-    return pl_store_has(user, run);
+    const keeper *k = user;
+    return pl_store_has(k->store, run);
 }
 
 static pl_status keep(void *user, json_t *result, pl_error *error)
 {
-    return pl_store_append(user, result, error);
+    const keeper *k = user;
+    pl_status status =
+        k->tolerances == NULL ? PL_OK : pl_tolerance_put(k->plan, k->tolerances, result, error);
+    return status == PL_OK ? pl_store_append(k->store, result, error) : status;
 }
 
 static void print_table(const json_t *results)
@@ -129,17 +110,17 @@ static void print_table(const json_t *results)
  * that leaves early ends the program. */
 static pl_status deliver(const options *o, json_t *results, pl_error *error)
 {
-    pl_status status = pl_report_write(o->out, results, error);
-    if (status == PL_OK && o->json != NULL) {
-        status = pl_results_write_json(o->json, results, error);
+    pl_status status = pl_report_write(o->contest.out, results, error);
+    if (status == PL_OK && o->contest.json != NULL) {
+        status = pl_results_write_json(o->contest.json, results, error);
     }
-    if (o->json == NULL || strcmp(o->json, "-") != 0) {
+    if (o->contest.json == NULL || strcmp(o->contest.json, "-") != 0) {
         print_table(results);
     }
     if (status == PL_OK) {
         size_t count = json_array_size(results);
         fprintf(stderr, "%zu %s and the report are in %s/\n", count,
-                count == 1 ? "result" : "results", o->out);
+                count == 1 ? "result" : "results", o->contest.out);
     }
     return status;
 }
@@ -158,6 +139,50 @@ static bool all_unsupported(const json_t *results)
     return true;
 }
 
+/* The searches first, because a row is written whole; then the runs of the plan. */
+static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store, json_t *provenance,
+                         int *signal_number, pl_error *error)
+{
+    keeper k = {.store = store, .plan = plan};
+    pl_execution_def execution = {.plan = plan,
+                                  .jobs = o->contest.jobs,
+                                  .limits = o->contest.limits,
+                                  .provenance = provenance,
+                                  .progress = stderr,
+                                  .user = &k,
+                                  .skip = skip,
+                                  .keep = keep};
+    if (!o->tolerance) {
+        return pl_execute(&execution, signal_number, error);
+    }
+    pl_progress bar;
+    const pl_tolerance_def def = {.plan = plan,
+                                  .limits = o->contest.limits,
+                                  .provenance = provenance,
+                                  .bar = &bar,
+                                  .user = &k,
+                                  .skip = skip};
+    long searches = 0, due = 0;
+    pl_metric *tolerances = NULL;
+    pl_status status = pl_tolerance_most_runs(&def, &searches, error);
+    if (status == PL_OK) {
+        status = pl_execution_due(&execution, &due, error);
+    }
+    if (status != PL_OK) {
+        return status;
+    }
+    bar = pl_progress_begin(stderr, searches + due, pl_monotonic_seconds());
+    execution.bar = &bar;
+    status = pl_tolerance_search(&def, &tolerances, signal_number, error);
+    k.tolerances = tolerances;
+    if (status == PL_OK && *signal_number == 0) {
+        status = pl_execute(&execution, signal_number, error);
+    }
+    pl_progress_end(&bar);
+    free(tolerances);
+    return status;
+}
+
 /* Runs what is due and delivers. */
 static int execute(const pl_call *call, const options *o, const pl_plan *plan)
 {
@@ -166,18 +191,11 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
     int signal_number = 0;
     int code = PL_EXIT_OK;
     json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
-    pl_status status = provenance == NULL ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
-                                          : pl_store_open(o->out, o->resume, &store, &error);
+    pl_status status = provenance == NULL
+                           ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
+                           : pl_store_open(o->contest.out, o->contest.resume, &store, &error);
     if (status == PL_OK) {
-        const pl_execution_def execution = {.plan = plan,
-                                            .jobs = o->jobs,
-                                            .limits = o->limits,
-                                            .provenance = provenance,
-                                            .progress = stderr,
-                                            .user = store,
-                                            .skip = skip,
-                                            .keep = keep};
-        status = pl_execute(&execution, &signal_number, &error);
+        status = run_all(o, plan, store, provenance, &signal_number, &error);
     }
     if (status == PL_OK && signal_number == 0) {
         status = deliver(o, pl_store_results(store), &error);
@@ -190,7 +208,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
                 "plumb compare: interrupted; %zu results are in %s/results.jsonl: the same command "
                 "with "
                 "--resume goes on from there\n",
-                json_array_size(pl_store_results(store)), o->out);
+                json_array_size(pl_store_results(store)), o->contest.out);
         code = 128 + signal_number;
     }
     pl_store_close(store);
@@ -200,18 +218,18 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
 
 int pl_command_compare(const pl_call *call)
 {
-    options o = {.selection = pl_selection_default(),
-                 .limits = pl_limits_default(),
-                 .out = "report",
-                 .repeats = 1,
-                 .jobs = 1};
+    options o = {.contest = pl_contest_default(&option_help), .repeats = 1};
+    o.contest.out = "report";
     pl_call_parse(call, &argp, &o);
+    if (o.contest.names.count == 0 && o.contest.suites.count == 0) {
+        pl_texts_add(&o.contest.suites, "canonical");
+    }
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = o.repeats};
     int code = PL_EXIT_OK;
-    pl_status status = add_problems(&o, &plan, &error);
+    pl_status status = pl_contest_add_problems(&o.contest, &plan, &error);
     if (status == PL_OK) {
-        status = pl_contest_add_engines("plumb compare", &o.engines, &plan, &error);
+        status = pl_contest_add_engines("plumb compare", &o.contest, &plan, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
@@ -222,9 +240,6 @@ int pl_command_compare(const pl_call *call)
         code = execute(call, &o, &plan);
     }
     pl_plan_free(&plan);
-    pl_selection_free(&o.selection);
-    free(o.names.items);
-    free(o.suites.items);
-    free(o.engines.items);
+    pl_contest_free(&o.contest);
     return code;
 }

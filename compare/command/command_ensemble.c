@@ -14,41 +14,28 @@
 typedef struct other_setting {
     const char *text; /* as given */
     char *parts;      /* the same, cut at its commas */
-    pl_selection selection;
+    pl_texts settings;
 } other_setting;
 
 typedef struct options {
-    pl_selection selection;
-    pl_limits limits;
-    pl_texts names, suites, engines, against;
+    pl_contest contest;
+    pl_texts against;
     other_setting *others; /* (against.count) */
-    const char *out, *json;
-    int members, jobs;
-    bool converged, keep, resume;
+    int members;
+    bool converged, keep;
 } options;
 
-enum {
-    KEY_SUITE = 0x200,
-    KEY_ENGINE,
-    KEY_MEMBERS,
-    KEY_AGAINST,
-    KEY_CONVERGED,
-    KEY_KEEP,
-    KEY_JOBS,
-    KEY_OUT,
-    KEY_JSON,
-    KEY_RESUME
-};
+enum { KEY_MEMBERS = 0x200, KEY_AGAINST, KEY_CONVERGED, KEY_KEEP };
 
 static const char itself[] = "itself";
 
+static const pl_contest_help option_help = {
+    .suite = "All scenarios of a suite (repeatable; default chaotic when no scenario is named)",
+    .json = "Write the outcome as a JSON object there too (- is standard output)",
+    .jobs = "Runs at a time (default the number of cores)",
+    .out = "Where results and summary go (default ensemble)"};
+
 static const struct argp_option argp_options[] = {
-    {"suite", KEY_SUITE, "NAME", 0,
-     "All scenarios of a suite (repeatable; default chaotic when no scenario is named)", 0},
-    {"engine", KEY_ENGINE, "SPEC", 0,
-     "An engine: NAME[:PROFILE][,OPTION=VALUE...], or the path of a shared object in place of NAME "
-     "(repeatable; default all found)",
-     0},
     {"members", KEY_MEMBERS, "N", 0, "Members of each ensemble (default 16)", 0},
     {"against", KEY_AGAINST, "NAME=VALUE[,...]|itself", 0,
      "Also a second ensemble of each engine, of members of its own, with these scenario settings, "
@@ -60,12 +47,6 @@ static const struct argp_option argp_options[] = {
      0},
     {"keep-trajectories", KEY_KEEP, NULL, 0,
      "Leave the members' positions over time in DIR/trajectories", 0},
-    {"jobs", KEY_JOBS, "N", 0, "Runs at a time (default the number of cores)", 0},
-    {"out", KEY_OUT, "DIR", 0, "Where results and summary go (default ensemble)", 0},
-    {"json", KEY_JSON, "FILE", 0,
-     "Write the outcome as a JSON object there too (- is standard output)", 0},
-    {"resume", KEY_RESUME, NULL, 0,
-     "Keep the results in DIR and make only the runs that are missing", 0},
     {0}};
 
 static void add_against(options *o, struct argp_state *state, const char *text)
@@ -91,7 +72,7 @@ static void add_against(options *o, struct argp_state *state, const char *text)
             argp_error(state, "--against takes NAME=VALUE[,NAME=VALUE]... or %s; found \"%s\"",
                        itself, text);
         }
-        pl_texts_add(&added->selection.settings, part);
+        pl_texts_add(&added->settings, part);
         ++parts_found;
     }
     if (parts_found == 0) {
@@ -105,14 +86,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     options *o = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        state->child_inputs[0] = &o->selection;
-        state->child_inputs[1] = &o->limits;
-        return 0;
-    case KEY_SUITE:
-        pl_texts_add(&o->suites, text);
-        return 0;
-    case KEY_ENGINE:
-        pl_texts_add(&o->engines, text);
+        pl_contest_init(&o->contest, state);
         return 0;
     case KEY_MEMBERS:
         o->members = (int)pl_option_integer(state, "--members takes an integer", text, 2, 1000);
@@ -126,29 +100,21 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_KEEP:
         o->keep = true;
         return 0;
-    case KEY_JOBS:
-        o->jobs = (int)pl_option_integer(state, "--jobs takes an integer", text, 1, 1024);
-        return 0;
-    case KEY_OUT:
-        o->out = text;
-        return 0;
-    case KEY_JSON:
-        o->json = text;
-        return 0;
-    case KEY_RESUME:
-        o->resume = true;
-        return 0;
     case ARGP_KEY_ARG:
         if (strcmp(text, "-") == 0) {
             argp_error(state, "standard input can be read once, and every member reads its scene: "
                               "give a file");
         }
-        pl_texts_add(&o->names, text);
-        return 0;
+        return ARGP_ERR_UNKNOWN; /* a child takes it */
     default:
         return ARGP_ERR_UNKNOWN;
     }
 }
+
+static const struct argp_child children[] = {{&pl_contest_argp, 0, NULL, 0},
+                                             {&pl_contest_jobs_argp, 0, NULL, 0},
+                                             {&pl_contest_out_argp, 0, NULL, 0},
+                                             {0}};
 
 static const struct argp argp = {
     .options = argp_options,
@@ -165,23 +131,18 @@ static const struct argp argp = {
         "  plumb ensemble pile --set n=60 --members 64 --converged --out pile-60\n"
         "  plumb ensemble wall-collapse --engine plumb --against friction=0.4 --against itself\n"
         "  plumb ensemble ./mine.json --engine ./mine.so:fast --json - | jq .comparisons",
-    .children = pl_run_children};
+    .children = children};
 
 /* The problems of a setting: those asked for, where the other setting's values come last. */
 static pl_status add_problems(void *user, int setting, pl_plan *plan, pl_error *error)
 {
     const options *o = user;
-    pl_selection selection = o->selection;
-    selection.settings = (pl_texts){.count = 0};
-    for (int i = 0; i < o->selection.settings.count; ++i) {
-        pl_texts_add(&selection.settings, o->selection.settings.items[i]);
+    pl_contest contest = o->contest;
+    if (setting > 0) {
+        contest.selection.others = o->others[setting - 1].settings;
+        contest.selection.others_option = "--against";
     }
-    for (int i = 0; setting > 0 && i < o->others[setting - 1].selection.settings.count; ++i) {
-        pl_texts_add(&selection.settings, o->others[setting - 1].selection.settings.items[i]);
-    }
-    pl_status status = pl_contest_add_problems(&selection, &o->suites, &o->names, plan, error);
-    free(selection.settings.items);
-    return status;
+    return pl_contest_add_problems(&contest, plan, error);
 }
 
 static bool skip(void *user, const char *run)
@@ -207,8 +168,8 @@ static char *path_in(const char *folder, const char *name, pl_error *error)
 /* Files, then the summary on standard output, unless the JSON is there. */
 static pl_status deliver(const options *o, const pl_ensemble_outcome *outcome, pl_error *error)
 {
-    char *json = path_in(o->out, "ensemble.json", error);
-    char *summary = path_in(o->out, "summary.md", error);
+    char *json = path_in(o->contest.out, "ensemble.json", error);
+    char *summary = path_in(o->contest.out, "summary.md", error);
     pl_status status = json == NULL || summary == NULL ? error->status : PL_OK;
     if (status == PL_OK) {
         status = pl_results_write_json(json, outcome->json, error);
@@ -216,10 +177,10 @@ static pl_status deliver(const options *o, const pl_ensemble_outcome *outcome, p
     if (status == PL_OK) {
         status = pl_write_text(summary, outcome->summary, strlen(outcome->summary), error);
     }
-    if (status == PL_OK && o->json != NULL) {
-        status = pl_results_write_json(o->json, outcome->json, error);
+    if (status == PL_OK && o->contest.json != NULL) {
+        status = pl_results_write_json(o->contest.json, outcome->json, error);
     }
-    if (o->json == NULL || strcmp(o->json, "-") != 0) {
+    if (o->contest.json == NULL || strcmp(o->contest.json, "-") != 0) {
         fputs(outcome->summary, stdout);
     }
     free(json);
@@ -245,11 +206,11 @@ static pl_status conclude(const options *o, const pl_plan *plan, const pl_ensemb
                           const json_t *results, const char *folder, pl_error *error)
 {
     pl_ensemble_outcome outcome;
-    char *path = path_in(o->out, "ensemble.json", error);
+    char *path = path_in(o->contest.out, "ensemble.json", error);
     if (path == NULL) {
         return PL_NO_MEMORY;
     }
-    json_t *before = o->resume ? json_load_file(path, 0, NULL) : NULL;
+    json_t *before = o->contest.resume ? json_load_file(path, 0, NULL) : NULL;
     free(path);
     pl_status status =
         pl_ensemble_conclude(plan, ensembles, results, folder, before, &outcome, error);
@@ -272,18 +233,18 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan,
     pl_store *store = NULL;
     int signal_number = 0;
     int code = PL_EXIT_OK;
-    char *folder = path_in(o->out, "trajectories", &error);
+    char *folder = path_in(o->contest.out, "trajectories", &error);
     json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
     pl_status status = provenance == NULL || folder == NULL
                            ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
-                           : pl_store_open(o->out, o->resume, &store, &error);
+                           : pl_store_open(o->contest.out, o->contest.resume, &store, &error);
     if (status == PL_OK) {
         status = pl_make_directories(folder, &error);
     }
     if (status == PL_OK) {
         const pl_execution_def execution = {.plan = plan,
-                                            .jobs = o->jobs,
-                                            .limits = o->limits,
+                                            .jobs = o->contest.jobs,
+                                            .limits = o->contest.limits,
                                             .positions = folder,
                                             .provenance = provenance,
                                             .progress = stderr,
@@ -302,7 +263,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan,
         fprintf(stderr,
                 "plumb ensemble: interrupted; %zu results are in %s/results.jsonl: the same "
                 "command with --resume goes on from there\n",
-                json_array_size(pl_store_results(store)), o->out);
+                json_array_size(pl_store_results(store)), o->contest.out);
         code = 128 + signal_number;
     }
     pl_store_close(store);
@@ -319,10 +280,10 @@ static pl_status make_plan(options *o, pl_plan *plan, pl_ensembles *ensembles, p
                                 .references = o->converged,
                                 .user = o,
                                 .add = add_problems};
-    if (o->names.count == 0 && o->suites.count == 0) {
-        pl_texts_add(&o->suites, "chaotic");
+    if (o->contest.names.count == 0 && o->contest.suites.count == 0) {
+        pl_texts_add(&o->contest.suites, "chaotic");
     }
-    pl_status status = pl_contest_add_engines("plumb ensemble", &o->engines, plan, error);
+    pl_status status = pl_contest_add_engines("plumb ensemble", &o->contest, plan, error);
     return status == PL_OK ? pl_members_plan(&def, plan, ensembles, error) : status;
 }
 
@@ -336,23 +297,18 @@ static void free_options(options *o)
 {
     for (int i = 0; i < o->against.count; ++i) {
         free(o->others[i].parts);
-        free(o->others[i].selection.settings.items);
+        free(o->others[i].settings.items);
     }
     free(o->others);
-    pl_selection_free(&o->selection);
-    free(o->names.items);
-    free(o->suites.items);
-    free(o->engines.items);
+    pl_contest_free(&o->contest);
     free(o->against.items);
 }
 
 int pl_command_ensemble(const pl_call *call)
 {
-    options o = {.selection = pl_selection_default(),
-                 .limits = pl_limits_default(),
-                 .out = "ensemble",
-                 .members = 16,
-                 .jobs = core_count()};
+    options o = {.contest = pl_contest_default(&option_help), .members = 16};
+    o.contest.out = "ensemble";
+    o.contest.jobs = core_count();
     pl_call_parse(call, &argp, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};

@@ -8,26 +8,21 @@
 #include <string.h>
 
 typedef struct options {
-    pl_selection selection;
-    pl_limits limits;
-    pl_texts names, suites, engines, checks;
-    const char *json;
+    pl_contest contest;
+    pl_texts checks;
 } options;
 
-enum { KEY_SUITE = 0x200, KEY_ENGINE, KEY_CHECK, KEY_JSON };
+static const pl_contest_help option_help = {
+    .json = "Write what was found as a JSON array too (- is standard output, in place of the "
+            "tables)"};
+
+enum { KEY_CHECK = 0x200 };
 
 static const struct argp_option argp_options[] = {
-    {"suite", KEY_SUITE, "NAME", 0, "All scenarios of a suite (repeatable)", 0},
-    {"engine", KEY_ENGINE, "SPEC", 0,
-     "An engine: NAME[:PROFILE][,OPTION=VALUE...], or the path of a shared object in place of NAME "
-     "(repeatable; default all found)",
-     0},
     {"check", KEY_CHECK, "NAME", 0,
      "One check, such as rotate-z45, or all of a kind: again, rotate, mirror, order, far, scale, "
      "shift, restart (repeatable; default all)",
      0},
-    {"json", KEY_JSON, "FILE", 0,
-     "Write what was found as a JSON array too (- is standard output, in place of the tables)", 0},
     {0}};
 
 static error_t parse(int key, char *text, struct argp_state *state)
@@ -35,26 +30,13 @@ static error_t parse(int key, char *text, struct argp_state *state)
     options *o = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        state->child_inputs[0] = &o->selection;
-        state->child_inputs[1] = &o->limits;
-        return 0;
-    case KEY_SUITE:
-        pl_texts_add(&o->suites, text);
-        return 0;
-    case KEY_ENGINE:
-        pl_texts_add(&o->engines, text);
+        pl_contest_init(&o->contest, state);
         return 0;
     case KEY_CHECK:
         pl_texts_add(&o->checks, text);
         return 0;
-    case KEY_JSON:
-        o->json = text;
-        return 0;
-    case ARGP_KEY_ARG:
-        pl_texts_add(&o->names, text);
-        return 0;
     case ARGP_KEY_END:
-        if (o->names.count == 0 && o->suites.count == 0) {
+        if (o->contest.names.count == 0 && o->contest.suites.count == 0) {
             argp_error(state, "which scenario? See plumb list scenarios");
         }
         return 0;
@@ -62,6 +44,8 @@ static error_t parse(int key, char *text, struct argp_state *state)
         return ARGP_ERR_UNKNOWN;
     }
 }
+
+static const struct argp_child children[] = {{&pl_contest_argp, 0, NULL, 0}, {0}};
 
 static const struct argp argp = {
     .options = argp_options,
@@ -79,7 +63,7 @@ static const struct argp argp = {
         "  plumb metamorphic tower --set n=10\n"
         "  plumb metamorphic wall-collapse --engine plumb --check order --check far\n"
         "  plumb metamorphic ./mine.json --engine ./mine.so:fast --json - | jq .",
-    .children = pl_run_children};
+    .children = children};
 
 typedef struct delivery {
     const options *options;
@@ -89,7 +73,7 @@ typedef struct delivery {
 
 static bool json_on_stdout(const options *o)
 {
-    return o->json != NULL && strcmp(o->json, "-") == 0;
+    return o->contest.json != NULL && strcmp(o->contest.json, "-") == 0;
 }
 
 static pl_status keep(void *user, const pl_trial *trial, pl_error *error)
@@ -138,7 +122,7 @@ static int run(const pl_call *call, const options *o, const pl_plan *plan, const
     if (status == PL_OK) {
         const pl_trials_def def = {.plan = plan,
                                    .chosen = chosen,
-                                   .limits = o->limits,
+                                   .limits = o->contest.limits,
                                    .provenance = provenance,
                                    .progress = stderr,
                                    .user = &d,
@@ -147,7 +131,8 @@ static int run(const pl_call *call, const options *o, const pl_plan *plan, const
     }
     if (status == PL_OK && signal_number == 0) {
         code = d.compared ? PL_EXIT_OK : PL_EXIT_NOTHING;
-        status = o->json == NULL ? PL_OK : pl_results_write_json(o->json, d.trials, &error);
+        status = o->contest.json == NULL ? PL_OK
+                                         : pl_results_write_json(o->contest.json, d.trials, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
@@ -161,7 +146,7 @@ static int run(const pl_call *call, const options *o, const pl_plan *plan, const
 
 int pl_command_metamorphic(const pl_call *call)
 {
-    options o = {.selection = pl_selection_default(), .limits = pl_limits_default()};
+    options o = {.contest = pl_contest_default(&option_help)};
     pl_call_parse(call, &argp, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
@@ -169,10 +154,10 @@ int pl_command_metamorphic(const pl_call *call)
     int code = PL_EXIT_OK;
     pl_status status = choose_checks(&o, &chosen, &error);
     if (status == PL_OK) {
-        status = pl_contest_add_problems(&o.selection, &o.suites, &o.names, &plan, &error);
+        status = pl_contest_add_problems(&o.contest, &plan, &error);
     }
     if (status == PL_OK) {
-        status = pl_contest_add_engines(call->argv[0], &o.engines, &plan, &error);
+        status = pl_contest_add_engines(call->argv[0], &o.contest, &plan, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
@@ -184,10 +169,7 @@ int pl_command_metamorphic(const pl_call *call)
     }
     free(chosen);
     pl_plan_free(&plan);
-    pl_selection_free(&o.selection);
-    free(o.names.items);
-    free(o.suites.items);
-    free(o.engines.items);
+    pl_contest_free(&o.contest);
     free(o.checks.items);
     return code;
 }

@@ -8,53 +8,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct options {
-    pl_selection selection;
-    pl_limits limits;
-    pl_texts names, suites, engines;
-    const char *json;
-    int jobs;
-} options;
-
-enum { KEY_SUITE = 0x200, KEY_ENGINE, KEY_JOBS, KEY_JSON };
-
-static const struct argp_option argp_options[] = {
-    {"suite", KEY_SUITE, "NAME", 0, "All scenarios of a suite that have a threshold (repeatable)",
-     0},
-    {"engine", KEY_ENGINE, "SPEC", 0,
-     "An engine: NAME[:PROFILE][,OPTION=VALUE...], or the path of a shared object in place of NAME "
-     "(repeatable; default all found)",
-     0},
-    {"jobs", KEY_JOBS, "N", 0, "Runs at a time, of different searches (default 1)", 0},
-    {"json", KEY_JSON, "FILE", 0,
-     "Write a JSON object a line for each scenario and engine (- is standard output)", 0},
-    {0}};
+static const pl_contest_help option_help = {
+    .suite = "All scenarios of a suite that have a threshold (repeatable)",
+    .json = "Write a JSON object a line for each scenario and engine (- is standard output)",
+    .jobs = "Runs at a time, of different searches (default 1)"};
 
 static error_t parse(int key, char *text, struct argp_state *state)
 {
-    options *o = state->input;
+    (void)text;
+    pl_contest *contest = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        state->child_inputs[0] = &o->selection;
-        state->child_inputs[1] = &o->limits;
-        return 0;
-    case KEY_SUITE:
-        pl_texts_add(&o->suites, text);
-        return 0;
-    case KEY_ENGINE:
-        pl_texts_add(&o->engines, text);
-        return 0;
-    case KEY_JOBS:
-        o->jobs = (int)pl_option_integer(state, "--jobs takes an integer", text, 1, 1024);
-        return 0;
-    case KEY_JSON:
-        o->json = text;
-        return 0;
-    case ARGP_KEY_ARG:
-        pl_texts_add(&o->names, text);
+        pl_contest_init(contest, state);
         return 0;
     case ARGP_KEY_END:
-        if (o->names.count == 0 && o->suites.count == 0) {
+        if (contest->names.count == 0 && contest->suites.count == 0) {
             argp_error(state, "which scenario? plumb threshold SCENARIO, or --suite NAME");
         }
         return 0;
@@ -63,8 +31,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
+static const struct argp_child children[] = {
+    {&pl_contest_argp, 0, NULL, 0}, {&pl_contest_jobs_argp, 0, NULL, 0}, {0}};
+
 static const struct argp argp = {
-    .options = argp_options,
     .parser = parse,
     .args_doc = "SCENARIO...",
     .doc =
@@ -76,7 +46,7 @@ static const struct argp argp = {
         "  plumb threshold slope-threshold --set friction=0.5\n"
         "  plumb threshold slope-threshold slope-tip --engine plumb --engine ode:quick\n"
         "  plumb threshold --suite hard --jobs 2 --json thresholds.jsonl",
-    .children = pl_run_children};
+    .children = children};
 
 /* An error with the names of those that have one. */
 static pl_status fail_without(const char *what, pl_error *error)
@@ -95,10 +65,10 @@ static pl_status fail_without(const char *what, pl_error *error)
 }
 
 /* A scenario that is named must have a threshold; those of suites may. */
-static pl_status check_names(const options *o, pl_error *error)
+static pl_status check_names(const pl_contest *contest, pl_error *error)
 {
-    for (int i = 0; i < o->names.count; ++i) {
-        const pl_scenario *scenario = pl_scenario_find(o->names.items[i], error);
+    for (int i = 0; i < contest->names.count; ++i) {
+        const pl_scenario *scenario = pl_scenario_find(contest->names.items[i], error);
         if (scenario == NULL) {
             return PL_BAD_INPUT;
         }
@@ -129,12 +99,12 @@ static pl_status keep_thresholds(pl_plan *plan, pl_error *error)
 }
 
 /* What is searched for cannot be set. */
-static pl_status check_settings(const options *o, const pl_plan *plan, pl_error *error)
+static pl_status check_settings(const pl_contest *contest, const pl_plan *plan, pl_error *error)
 {
     for (int i = 0; i < plan->problem_count; ++i) {
         const char *param = plan->problems[i].descriptor->threshold->param;
-        for (int k = 0; k < o->selection.settings.count; ++k) {
-            const char *setting = o->selection.settings.items[k];
+        for (int k = 0; k < contest->selection.settings.count; ++k) {
+            const char *setting = contest->selection.settings.items[k];
             size_t length = strcspn(setting, "=");
             if (strlen(param) == length && strncmp(setting, param, length) == 0) {
                 return pl_fail(error, PL_BAD_INPUT, "--set %s: %s is what is searched for in %s",
@@ -145,16 +115,16 @@ static pl_status check_settings(const options *o, const pl_plan *plan, pl_error 
     return PL_OK;
 }
 
-static pl_status add_problems(const options *o, pl_plan *plan, pl_error *error)
+static pl_status add_problems(const pl_contest *contest, pl_plan *plan, pl_error *error)
 {
-    pl_status status = check_names(o, error);
+    pl_status status = check_names(contest, error);
     if (status == PL_OK) {
-        status = pl_contest_add_problems(&o->selection, &o->suites, &o->names, plan, error);
+        status = pl_contest_add_problems(contest, plan, error);
     }
     if (status == PL_OK) {
         status = keep_thresholds(plan, error);
     }
-    return status == PL_OK ? check_settings(o, plan, error) : status;
+    return status == PL_OK ? check_settings(contest, plan, error) : status;
 }
 
 static pl_status write_lines(const char *path, const pl_plan *plan, const pl_search *searches,
@@ -188,7 +158,7 @@ static bool all_unsupported(const pl_search *searches, int count)
     return true;
 }
 
-static int search(const pl_call *call, const options *o, const pl_plan *plan)
+static int search(const pl_call *call, const pl_contest *contest, const pl_plan *plan)
 {
     pl_error error = {.message = ""};
     pl_search *searches = NULL;
@@ -197,8 +167,8 @@ static int search(const pl_call *call, const options *o, const pl_plan *plan)
     pl_timestamp(started);
     json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
     const pl_search_def def = {.plan = plan,
-                               .jobs = o->jobs,
-                               .limits = o->limits,
+                               .jobs = contest->jobs,
+                               .limits = contest->limits,
                                .provenance = provenance,
                                .progress = stderr};
     pl_status status = provenance == NULL
@@ -206,10 +176,10 @@ static int search(const pl_call *call, const options *o, const pl_plan *plan)
                            : pl_search_thresholds(&def, &searches, &count, &signal_number, &error);
     if (status == PL_OK && signal_number == 0) {
         code = all_unsupported(searches, count) ? PL_EXIT_NOTHING : PL_EXIT_OK;
-        if (o->json != NULL) {
-            status = write_lines(o->json, plan, searches, count, provenance, started, &error);
+        if (contest->json != NULL) {
+            status = write_lines(contest->json, plan, searches, count, provenance, started, &error);
         }
-        if (o->json == NULL || strcmp(o->json, "-") != 0) {
+        if (contest->json == NULL || strcmp(contest->json, "-") != 0) {
             pl_threshold_print(stdout, plan, searches, count);
         }
     }
@@ -225,14 +195,14 @@ static int search(const pl_call *call, const options *o, const pl_plan *plan)
 
 int pl_command_threshold(const pl_call *call)
 {
-    options o = {.selection = pl_selection_default(), .limits = pl_limits_default(), .jobs = 1};
-    pl_call_parse(call, &argp, &o);
+    pl_contest contest = pl_contest_default(&option_help);
+    pl_call_parse(call, &argp, &contest);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
     int code = PL_EXIT_OK;
-    pl_status status = add_problems(&o, &plan, &error);
+    pl_status status = add_problems(&contest, &plan, &error);
     if (status == PL_OK) {
-        status = pl_contest_add_engines("plumb threshold", &o.engines, &plan, &error);
+        status = pl_contest_add_engines("plumb threshold", &contest, &plan, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
@@ -240,12 +210,9 @@ int pl_command_threshold(const pl_call *call)
         fprintf(stderr, "plumb threshold: there is no engine to search on\n");
         code = PL_EXIT_NOTHING;
     } else {
-        code = search(call, &o, &plan);
+        code = search(call, &contest, &plan);
     }
     pl_plan_free(&plan);
-    pl_selection_free(&o.selection);
-    free(o.names.items);
-    free(o.suites.items);
-    free(o.engines.items);
+    pl_contest_free(&contest);
     return code;
 }

@@ -32,14 +32,13 @@ static pl_status list_problems(const pl_texts *suites, const pl_texts *names, pl
     return PL_OK;
 }
 
-pl_status pl_contest_add_problems(const pl_selection *selection, const pl_texts *suites,
-                                  const pl_texts *names, pl_plan *plan, pl_error *error)
+pl_status pl_contest_add_problems(const pl_contest *contest, pl_plan *plan, pl_error *error)
 {
     pl_asked *asked = NULL;
     int count = 0;
-    pl_status status = list_problems(suites, names, &asked, &count, error);
+    pl_status status = list_problems(&contest->suites, &contest->names, &asked, &count, error);
     if (status == PL_OK) {
-        status = pl_selection_add(selection, asked, count, plan, error);
+        status = pl_selection_add(&contest->selection, asked, count, plan, error);
     }
     free(asked);
     return status;
@@ -81,9 +80,9 @@ static pl_status add_found_engines(const char *command, pl_plan *plan, pl_error 
     return status;
 }
 
-pl_status pl_contest_add_engines(const char *command, const pl_texts *specs, pl_plan *plan,
+pl_status pl_contest_add_engines(const char *command, const pl_contest *contest, pl_plan *plan,
                                  pl_error *error)
 {
-    return specs->count > 0 ? add_asked_engines(command, specs, plan, error)
-                            : add_found_engines(command, plan, error);
+    return contest->engines.count > 0 ? add_asked_engines(command, &contest->engines, plan, error)
+                                      : add_found_engines(command, plan, error);
 }

@@ -2,17 +2,16 @@
 #ifndef PLUMB_CONTEST_H
 #define PLUMB_CONTEST_H
 
-#include "command/selection.h"
+#include "command/contest_options.h"
 
 /* Adds the problems of all suites (pl_suite_find), then those of the names. PL_BAD_INPUT: there is
  * no such suite, scenario or parameter. */
-pl_status pl_contest_add_problems(const pl_selection *selection, const pl_texts *suites,
-                                  const pl_texts *names, pl_plan *plan, pl_error *error);
+pl_status pl_contest_add_problems(const pl_contest *contest, pl_plan *plan, pl_error *error);
 
-/* Adds the engines asked for, or, when `specs` is empty, all profiles that engines put up for
+/* Adds the engines asked for, or, when there are none, all profiles that engines put up for
  * comparison. One that this build lacks is said so on standard error, in the name of `command`, and
  * left out. */
-pl_status pl_contest_add_engines(const char *command, const pl_texts *specs, pl_plan *plan,
+pl_status pl_contest_add_engines(const char *command, const pl_contest *contest, pl_plan *plan,
                                  pl_error *error);
 
 #endif

@@ -117,9 +117,9 @@ static bool has_param(const pl_scenario *scenario, const char *setting)
     return false;
 }
 
-/* An error that names the parameter and the nearest one of all `scenarios`. */
-static pl_status unknown_param(const char *setting, const pl_scenario *const *scenarios, int count,
-                               pl_error *error)
+/* An error that names the option, the parameter and the nearest one of all `scenarios`. */
+static pl_status unknown_param(const char *option, const char *setting,
+                               const pl_scenario *const *scenarios, int count, pl_error *error)
 {
     char word[PL_NAME_SIZE];
     const char *nearest = NULL;
@@ -132,28 +132,37 @@ static pl_status unknown_param(const char *setting, const pl_scenario *const *sc
         nearest = pl_nearest_name(word, names, scenarios[i]->param_count);
     }
     if (count == 0) {
-        return pl_fail(error, PL_BAD_INPUT,
-                       "--set %s: a scene file has no parameters; edit the file", setting);
+        return pl_fail(error, PL_BAD_INPUT, "%s %s: a scene file has no parameters; edit the file",
+                       option, setting);
     }
-    return pl_fail(error, PL_BAD_INPUT, "--set %s: no chosen scenario has the parameter %s%s%s%s",
-                   setting, word, nearest == NULL ? "" : "; did you mean ",
+    return pl_fail(error, PL_BAD_INPUT, "%s %s: no chosen scenario has the parameter %s%s%s%s",
+                   option, setting, word, nearest == NULL ? "" : "; did you mean ",
                    nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
 }
 
-static pl_status check_settings(const pl_selection *selection, const pl_scenario *const *scenarios,
-                                int count, pl_error *error)
+static pl_status check_settings(const char *option, const pl_texts *settings,
+                                const pl_scenario *const *scenarios, int count, pl_error *error)
 {
-    for (int i = 0; i < selection->settings.count; ++i) {
-        const char *setting = selection->settings.items[i];
+    for (int i = 0; i < settings->count; ++i) {
+        const char *setting = settings->items[i];
         bool known = false;
         for (int k = 0; k < count; ++k) {
             known = known || has_param(scenarios[k], setting);
         }
         if (!known) {
-            return unknown_param(setting, scenarios, count, error);
+            return unknown_param(option, setting, scenarios, count, error);
         }
     }
     return PL_OK;
+}
+
+static void add_known(const pl_scenario *scenario, const pl_texts *settings, pl_texts *chosen)
+{
+    for (int i = 0; i < settings->count; ++i) {
+        if (has_param(scenario, settings->items[i])) {
+            pl_texts_add(chosen, settings->items[i]);
+        }
+    }
 }
 
 static pl_status add_scenario(const pl_selection *selection, const pl_scenario *scenario,
@@ -173,11 +182,8 @@ static pl_status add_scenario(const pl_selection *selection, const pl_scenario *
         snprintf(duration, sizeof duration, "duration=%.17g", selection->duration);
         pl_texts_add(&chosen, duration);
     }
-    for (int i = 0; i < selection->settings.count; ++i) {
-        if (has_param(scenario, selection->settings.items[i])) {
-            pl_texts_add(&chosen, selection->settings.items[i]);
-        }
-    }
+    add_known(scenario, &selection->settings, &chosen);
+    add_known(scenario, &selection->others, &chosen);
     pl_status status = pl_plan_add_scenario(plan, scenario, chosen.items, chosen.count, error);
     free(chosen.items);
     return status;
@@ -200,7 +206,11 @@ pl_status pl_selection_add(const pl_selection *selection, const pl_asked *asked,
         }
     }
     if (status == PL_OK) {
-        status = check_settings(selection, scenarios, known, error);
+        status = check_settings("--set", &selection->settings, scenarios, known, error);
+    }
+    if (status == PL_OK) {
+        status =
+            check_settings(selection->others_option, &selection->others, scenarios, known, error);
     }
     plan->seed = selection->seed;
     int next = 0;

@@ -17,12 +17,16 @@ typedef struct pl_texts {
 void pl_texts_add(pl_texts *texts, const char *item);
 
 typedef struct pl_selection {
-    pl_texts settings;   /* --set NAME=VALUE */
+    pl_texts settings; /* --set NAME=VALUE */
+    pl_texts others;   /* settings that come after them, of the option `others_option` */
+    const char *others_option;
     double dt, duration; /* s; NAN: the scenario's own */
     uint64_t seed;
 } pl_selection;
 
 pl_selection pl_selection_default(void);
+
+/* `others` is the caller's, and stays. */
 void pl_selection_free(pl_selection *selection);
 
 /* Options --set, --dt, --duration, --seed; the input is a pl_selection. */
@@ -41,8 +45,8 @@ typedef struct pl_asked {
 } pl_asked;
 
 /* Adds `count` problems to the plan. Each has its own setting first, then the selection's, of which
- * each goes to every catalogue scenario that has the parameter; PL_BAD_INPUT when none of them has
- * it. */
+ * each goes to every catalogue scenario that has the parameter, those of `others` last;
+ * PL_BAD_INPUT when none of them has it. */
 pl_status pl_selection_add(const pl_selection *selection, const pl_asked *asked, int count,
                            pl_plan *plan, pl_error *error);
 

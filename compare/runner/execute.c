@@ -24,8 +24,8 @@ typedef struct execution {
     struct pollfd *polls; /* (def->jobs x PL_PROCESS_POLLS, and one for signals) */
     long next;            /* run to start */
     int busy;
-    pl_progress progress;
-    int signals; /* signalfd */
+    pl_progress *bar; /* NULL: none */
+    int signals;      /* signalfd */
 } execution;
 
 /* Blocks the signals that end a command and are not ignored, and makes them readable. */
@@ -44,22 +44,21 @@ static int catch_signals(sigset_t *before)
     return signalfd(-1, &caught, SFD_CLOEXEC | SFD_NONBLOCK);
 }
 
-static bool is_done(const execution *e, json_t *identity)
+static bool is_done(const pl_execution_def *def, const json_t *identity)
 {
-    return e->def->skip != NULL && e->def->skip(e->def->user, pl_json_get_text(identity, "run"));
+    return def->skip != NULL && def->skip(def->user, pl_json_get_text(identity, "run"));
 }
 
-/* How many runs are not done yet, for the bar. */
-static pl_status count_due(const execution *e, long *due, pl_error *error)
+pl_status pl_execution_due(const pl_execution_def *def, long *due, pl_error *error)
 {
     *due = 0;
-    for (long i = 0; i < pl_plan_size(e->def->plan); ++i) {
-        pl_planned_run planned = pl_plan_run(e->def->plan, i);
-        json_t *identity = pl_planned_run_identity(e->def->plan, &planned);
+    for (long i = 0; i < pl_plan_size(def->plan); ++i) {
+        pl_planned_run planned = pl_plan_run(def->plan, i);
+        json_t *identity = pl_planned_run_identity(def->plan, &planned);
         if (identity == NULL) {
             return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
         }
-        *due += !is_done(e, identity);
+        *due += !is_done(def, identity);
         json_decref(identity);
     }
     return PL_OK;
@@ -98,7 +97,7 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
             return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
         }
         e->next += 1;
-        if (!is_done(e, identity)) {
+        if (!is_done(e->def, identity)) {
             status = place_positions(e, free_slot, identity, error);
             const pl_engine_choice *choice = &planned.contender->choice;
             pl_run_def run = {.scene = &planned.problem->scene,
@@ -131,9 +130,9 @@ static pl_status finish(execution *e, slot *ended, pl_error *error)
         return status;
     }
     status = e->def->keep(e->def->user, result, error);
-    if (status == PL_OK && e->def->progress != NULL) {
+    if (status == PL_OK && e->bar != NULL) {
         pl_progress_run_ended(
-            &e->progress, pl_json_get_text(result, "scenario"), pl_json_get_text(result, "label"),
+            e->bar, pl_json_get_text(result, "scenario"), pl_json_get_text(result, "label"),
             pl_json_get_text(result, "outcome"), pl_json_get_text(result, "reason"), seconds);
     }
     json_decref(result);
@@ -144,6 +143,9 @@ static void draw(const execution *e)
 {
     char running[256] = "";
     double part = 0;
+    if (e->bar == NULL) {
+        return;
+    }
     for (int i = 0; i < e->def->jobs; ++i) {
         const slot *s = &e->slots[i];
         if (s->busy) {
@@ -154,14 +156,14 @@ static void draw(const execution *e)
             part += pl_isolated_run_progress(&s->run);
         }
     }
-    pl_progress_draw(&e->progress, running, part, pl_monotonic_seconds());
+    pl_progress_draw(e->bar, running, part, pl_monotonic_seconds());
 }
 
 /* Milliseconds until something has to be looked at without being woken: a deadline, or the bar. */
 static int patience(const execution *e)
 {
     double now = pl_monotonic_seconds();
-    double wait = e->def->progress != NULL && e->progress.terminal ? 0.2 : 3600;
+    double wait = e->bar != NULL && e->bar->terminal ? 0.2 : 3600;
     for (int i = 0; i < e->def->jobs; ++i) {
         double left = e->slots[i].run.process.deadline - now;
         if (e->slots[i].busy && !e->slots[i].run.process.timed_out && left < wait) {
@@ -223,7 +225,8 @@ static pl_status carry_out(execution *e, int *signal_number, pl_error *error)
 pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *error)
 {
     size_t jobs = (size_t)def->jobs;
-    execution e = {.def = def, .signals = -1};
+    execution e = {.def = def, .bar = def->bar, .signals = -1};
+    pl_progress own;
     sigset_t before;
     long due = 0;
     *signal_number = 0;
@@ -235,9 +238,10 @@ pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *
         return pl_fail(error, PL_NO_MEMORY, "out of memory for %d jobs", def->jobs);
     }
     e.signals = catch_signals(&before);
-    pl_status status = count_due(&e, &due, error);
-    if (def->progress != NULL) {
-        e.progress = pl_progress_begin(def->progress, due, pl_monotonic_seconds());
+    pl_status status = pl_execution_due(def, &due, error);
+    if (def->bar == NULL && def->progress != NULL) {
+        own = pl_progress_begin(def->progress, due, pl_monotonic_seconds());
+        e.bar = &own;
     }
     if (status == PL_OK) {
         status = carry_out(&e, signal_number, error);
@@ -248,8 +252,8 @@ pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *
         }
         free(e.slots[i].positions);
     }
-    if (def->progress != NULL) {
-        pl_progress_end(&e.progress);
+    if (def->bar == NULL && e.bar != NULL) {
+        pl_progress_end(e.bar);
     }
     close(e.signals);
     sigprocmask(SIG_SETMASK, &before, NULL);

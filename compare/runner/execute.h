@@ -5,6 +5,7 @@
 
 #include "runner/plan.h"
 #include "runner/process.h"
+#include "runner/progress.h"
 #include "runner/run_once.h"
 
 typedef struct pl_execution_def {
@@ -16,6 +17,9 @@ typedef struct pl_execution_def {
     const char *positions;     /* folder that gets RUN.positions of every run; NULL: none */
     json_t *provenance;        /* pl_provenance */
     FILE *progress;            /* where progress is shown; NULL: nowhere */
+    /* A bar that several executions share, begun and ended by the caller with the runs of all in
+     * its total; `progress` is then not used. NULL: one of its own. */
+    pl_progress *bar;
     void *user;
     /* Whether this run's result is there already; NULL: none is. */
     bool (*skip)(void *user, const char *run);
@@ -26,6 +30,9 @@ typedef struct pl_execution_def {
 /* The name in that folder of the file of the run with this hash; malloc'd, NULL when out of memory.
  */
 char *pl_positions_path(const char *folder, const char *run);
+
+/* How many runs are to be made. PL_NO_MEMORY. */
+pl_status pl_execution_due(const pl_execution_def *def, long *due, pl_error *error);
 
 /* Returns when all runs are done, or at SIGINT, SIGTERM or SIGHUP (unless they are ignored) with
  * its number in *signal_number, 0 otherwise: runs in progress are then killed and leave nothing.

@@ -8,7 +8,6 @@
 #include "adapters/registry.h"
 #include "results/result.h"
 
-/* A scene to run, and where it comes from. */
 /* How a problem differs from what was asked for; all zero: not at all. */
 typedef struct pl_variation {
     bool is_member;

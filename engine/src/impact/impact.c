@@ -1,4 +1,4 @@
-#include "impact/impact.h"
+#include "impact.h"
 
 #include "advance.h"
 #include "part.h"

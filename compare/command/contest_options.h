@@ -1,0 +1,44 @@
+/* What commands that take several scenes and engines parse alike: argp parsers that are children of
+ * the command's own, each with a pl_contest as its input. */
+#ifndef PLUMB_CONTEST_OPTIONS_H
+#define PLUMB_CONTEST_OPTIONS_H
+
+#include "command/selection.h"
+
+/* What --help says of the options that mean something else in each command. */
+typedef struct pl_contest_help {
+    const char *suite, *json, *jobs, *out;
+} pl_contest_help;
+
+/* What was asked for. A command fills in its defaults and its help before it parses. The texts are
+ * those of the command line, borrowed. */
+typedef struct pl_contest {
+    const pl_contest_help *help;
+    pl_selection selection;
+    pl_limits limits;
+    pl_texts names, suites, engines;
+    const char *json; /* NULL: none */
+    const char *out;
+    int jobs;
+    bool resume;
+} pl_contest;
+
+/* The defaults of pl_selection and pl_limits, and one job. */
+pl_contest pl_contest_default(const pl_contest_help *help);
+
+/* Frees what parsing allocated. */
+void pl_contest_free(pl_contest *contest);
+
+/* Scenarios as arguments, --suite, --engine, --json, and pl_run_children. */
+extern const struct argp pl_contest_argp;
+
+/* --jobs */
+extern const struct argp pl_contest_jobs_argp;
+
+/* --out, --resume */
+extern const struct argp pl_contest_out_argp;
+
+/* At ARGP_KEY_INIT of a command whose children are all of those above: gives them their input. */
+void pl_contest_init(pl_contest *contest, const struct argp_state *state);
+
+#endif
