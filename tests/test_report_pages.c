@@ -252,7 +252,7 @@ static void test_markdown_tables_are_rectangular_whatever_the_texts_hold(void **
         }
         line += length + (line[length] == '\n');
     }
-    assert_int_equal(tables, 3);
+    assert_int_equal(tables, 4);
     assert_absent(made.markdown.data, "<script");
     free_report(&made);
 }

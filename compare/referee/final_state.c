@@ -3,6 +3,7 @@
 #include "referee/final_state.h"
 
 #include "plumb/vec.h"
+#include "referee/discrete_answer.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -74,15 +75,18 @@ pl_metric pl_travel_error(const pl_scene *scene, const pl_body_state *bodies)
     return metric;
 }
 
-pl_metric pl_discrete_error(const pl_scene *scene, const pl_body_state *bodies)
+pl_metric pl_discrete_error(const pl_scene *scene, const pl_body_state *bodies,
+                            pl_integrator integrator)
 {
     pl_metric metric = {0};
     for (int i = 0; i < scene->travel_count; ++i) {
         const pl_expect_travel *travel = &scene->travels[i];
-        if (!isnan(travel->discrete)) {
-            double error = relative(travelled(scene, bodies, travel), travel->discrete);
-            metric = value_of(fmax(metric.value, error));
+        double answer = pl_discrete_travel(scene, travel, integrator);
+        if (isnan(answer)) {
+            return (pl_metric){0};
         }
+        double error = relative(travelled(scene, bodies, travel), answer);
+        metric = value_of(fmax(metric.value, error));
     }
     return metric;
 }

@@ -3,6 +3,7 @@
 #define PLUMB_FINAL_STATE_H
 
 #include "plumb/engine_abi.h"
+#include "referee/integrator.h"
 #include "referee/metrics.h"
 
 /* PL_METRIC_ABSENT where the scene expects nothing of the kind. `bodies` has scene->body_count
@@ -11,7 +12,9 @@ pl_metric pl_rest_position_error(const pl_scene *scene, const pl_body_state *bod
 /* Spheres have no orientation that shows, and are left out. */
 pl_metric pl_rest_rotation_error(const pl_scene *scene, const pl_body_state *bodies);
 pl_metric pl_travel_error(const pl_scene *scene, const pl_body_state *bodies);
-pl_metric pl_discrete_error(const pl_scene *scene, const pl_body_state *bodies);
+/* Against the answer of the engine's own rule, if it is known of all travels. */
+pl_metric pl_discrete_error(const pl_scene *scene, const pl_body_state *bodies,
+                            pl_integrator integrator);
 pl_metric pl_state_hash(const pl_scene *scene, const pl_body_state *bodies);
 
 /* Index into scene->rests of the body farthest from its reference and how far, m; -1 when none is

@@ -4,8 +4,9 @@
  *   a second-order rule   d = h (v + v') / 2, or d = h v' - h^2 g / 2, where impulses come before
  * the flight; under gravity alone the two are one
  *
- * The rules differ by h |v' - v| / 2. A step votes where that is far above rounding, and where one
- * rule fits to a thousandth of it: one that pushes a body out of another fits none. */
+ * The rules differ by h |v' - v| / 2. A step votes where that is far above rounding and one rule
+ * alone fits, to a thousandth of it: one that pushes a body out of another fits none, and without
+ * gravity an impulse before the flight fits both. */
 #include "referee/integrator.h"
 
 #include "referee/solid.h"
@@ -33,12 +34,14 @@ static void see_body(pl_integrator_votes *votes, const pl_body *body, pl_vec g, 
     double mean = pl_vec_length(pl_vec_mad(late, h / 2, pl_vec_sub(end, v)));
     double flight = pl_vec_length(pl_vec_mad(late, h * h / 2, g));
     double second_order = fmin(mean, flight);
-    if (fmin(semi_implicit, second_order) <= FIT * apart) {
-        pl_vec falling = pl_vec_mad(pl_vec_sub(end, v), -h, g);
-        bool flies = pl_vec_length(falling) <= FREE * h * pl_vec_length(g);
-        long *count = flies ? votes->flying : votes->pushed;
-        count[semi_implicit <= second_order ? PL_SEMI_IMPLICIT : PL_SECOND_ORDER] += 1;
+    bool is_first = semi_implicit <= FIT * apart, is_second = second_order <= FIT * apart;
+    if (is_first && is_second) {
+        return;
     }
+    pl_vec falling = pl_vec_mad(pl_vec_sub(end, v), -h, g);
+    bool flies = pl_vec_length(falling) <= FREE * h * pl_vec_length(g);
+    long *count = flies ? votes->flying : votes->pushed;
+    count[is_first ? PL_SEMI_IMPLICIT : is_second ? PL_SECOND_ORDER : PL_INTEGRATOR_COUNT] += 1;
 }
 
 void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
@@ -52,9 +55,40 @@ void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
     }
 }
 
-pl_integrator pl_integrator_of(const pl_integrator_votes *votes)
+/* The votes that count. */
+static const long *votes_of(const pl_integrator_votes *votes)
 {
     bool flew = votes->flying[PL_SECOND_ORDER] > 0 || votes->flying[PL_SEMI_IMPLICIT] > 0;
-    const long *count = flew ? votes->flying : votes->pushed;
+    return flew ? votes->flying : votes->pushed;
+}
+
+pl_integrator pl_integrator_of(const pl_integrator_votes *votes)
+{
+    const long *count = votes_of(votes);
     return count[PL_SECOND_ORDER] > count[PL_SEMI_IMPLICIT] ? PL_SECOND_ORDER : PL_SEMI_IMPLICIT;
+}
+
+pl_integrator_certainty pl_integrator_certain(const pl_integrator_votes *votes)
+{
+    const long *count = votes_of(votes);
+    long either = count[PL_SEMI_IMPLICIT] + count[PL_SECOND_ORDER];
+    if (either == 0 || either < count[PL_INTEGRATOR_COUNT]) {
+        return PL_INTEGRATOR_UNTOLD;
+    }
+    long more = count[pl_integrator_of(votes)];
+    return 10 * more >= 9 * either ? PL_INTEGRATOR_TOLD : PL_INTEGRATOR_MIXED;
+}
+
+const char *pl_integrator_name(const pl_integrator_votes *votes)
+{
+    switch (pl_integrator_certain(votes)) {
+    case PL_INTEGRATOR_TOLD:
+        return pl_integrator_of(votes) == PL_SECOND_ORDER ? "second order, exact for constant force"
+                                                          : "semi-implicit Euler";
+    case PL_INTEGRATOR_MIXED:
+        return "mixed";
+    case PL_INTEGRATOR_UNTOLD:
+        break;
+    }
+    return NULL;
 }

@@ -11,10 +11,11 @@ typedef enum pl_integrator {
     PL_INTEGRATOR_COUNT
 } pl_integrator;
 
-/* Steps of bodies that fit one rule and not the other. Starts as {0}. */
+/* Steps of bodies that tell the rules apart, by the rule that they fit; the last item counts those
+ * that fit neither. Starts as {0}. */
 typedef struct pl_integrator_votes {
-    long flying[PL_INTEGRATOR_COUNT]; /* in steps in which gravity alone acted */
-    long pushed[PL_INTEGRATOR_COUNT]; /* in others */
+    long flying[PL_INTEGRATOR_COUNT + 1]; /* in steps in which gravity alone acted */
+    long pushed[PL_INTEGRATOR_COUNT + 1]; /* in others */
 } pl_integrator_votes;
 
 /* One step of the dynamic bodies. States have scene->body_count items. */
@@ -25,5 +26,17 @@ void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
  * may well move bodies otherwise where they collide. PL_SEMI_IMPLICIT where nothing tells, as when
  * nothing accelerates: both energies then grow alike. */
 pl_integrator pl_integrator_of(const pl_integrator_votes *votes);
+
+/* How sure that is. */
+typedef enum pl_integrator_certainty {
+    PL_INTEGRATOR_UNTOLD, /* nothing tells, or more steps fit neither rule than either */
+    PL_INTEGRATOR_MIXED,  /* one rule here, the other there */
+    PL_INTEGRATOR_TOLD    /* nine in ten of the steps that fit either fit it */
+} pl_integrator_certainty;
+pl_integrator_certainty pl_integrator_certain(const pl_integrator_votes *votes);
+
+/* "semi-implicit Euler", "second order, exact for constant force" or "mixed"; NULL where it is
+ * untold. */
+const char *pl_integrator_name(const pl_integrator_votes *votes);
 
 #endif

@@ -265,6 +265,11 @@ pl_integrator pl_mechanics_integrator(const pl_mechanics *m)
     return pl_integrator_of(&m->votes);
 }
 
+const pl_integrator_votes *pl_mechanics_votes(const pl_mechanics *m)
+{
+    return &m->votes;
+}
+
 double pl_mechanics_energy_gain(const pl_mechanics *m, const pl_scale *scale,
                                 pl_integrator integrator)
 {

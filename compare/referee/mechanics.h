@@ -23,6 +23,8 @@ void pl_mechanics_step(pl_mechanics *mechanics, long step, const pl_body_state *
 
 /* The integrator that the steps so far show. */
 pl_integrator pl_mechanics_integrator(const pl_mechanics *mechanics);
+/* What it is told by. Borrowed. */
+const pl_integrator_votes *pl_mechanics_votes(const pl_mechanics *mechanics);
 
 /* Of the last state: (E - E0 - work) / scale.energy, E as the integrator keeps it. */
 double pl_mechanics_energy_gain(const pl_mechanics *mechanics, const pl_scale *scale,

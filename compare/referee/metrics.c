@@ -22,10 +22,11 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
          "max over the scene's expected values (velocities, spins, turns, apexes, periods, "
          "positions) "
          "of |found - value| / scale, against the continuous answer"},
-    [PL_METRIC_DISCRETE_ERROR] = {"discrete_error", "1", PL_LOWER_IS_BETTER, true,
-                                  "travel_error or value_error against the exact answer of "
-                                  "semi-implicit Euler at the scene's step; absent "
-                                  "for an engine that moves by another rule"},
+    [PL_METRIC_DISCRETE_ERROR] =
+        {"discrete_error", "1", PL_LOWER_IS_BETTER, true,
+         "travel_error or value_error against the exact answer of the engine's own integrator at "
+         "the scene's step: what contacts and friction err by, without the stepping; absent where "
+         "the integrator is not told, or that answer is not known of all that is expected"},
     [PL_METRIC_PATH_DEVIATION] =
         {"path_deviation", "m", PL_LOWER_IS_BETTER, true,
          "max over steps and travelling bodies of the distance of the centre from the line of "
@@ -107,6 +108,11 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
                                    "solver iterations a step as the engine reports them, mean"},
     [PL_METRIC_ITERATIONS_MAX] = {"iterations_max", "1", PL_LOWER_IS_BETTER, true,
                                   "solver iterations a step as the engine reports them, largest"},
+    [PL_METRIC_ITERATIONS_TO_TOLERANCE] =
+        {"iterations_to_tolerance", "1", PL_LOWER_IS_BETTER, true,
+         "the least iteration budget whose reference_error is within 10 % of the converged one, by "
+         "doubling and bisection: comparable between engines where raw counts are not; given by "
+         "plumb compare --iterations-to-tolerance to engines with an option iterations"},
     [PL_METRIC_RESIDUAL_MAX] =
         {"residual_max", "engine's own", PL_LOWER_IS_BETTER, true,
          "max over steps of the residual after the last iteration as the engine reports it"},
@@ -120,6 +126,12 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
                                  "CPU time of the engine's step alone, mean over steps"},
     [PL_METRIC_MEMORY_PEAK] = {"memory_peak", "bytes", PL_LOWER_IS_BETTER, false,
                                "growth of the resident set of the run's own process"},
+    [PL_METRIC_INTEGRATOR] =
+        {"integrator", "rule", PL_NO_DIRECTION, true,
+         "the rule that takes velocities to positions, told from frames: 'semi-implicit Euler', x' "
+         "= x + h v', or 'second order, exact for constant force', x' = x + h (v + v')/2: which "
+         "nine in ten fit of the steps in free flight, or if nothing flies, of the others; 'mixed' "
+         "where neither has so many, absent where nothing tells"},
     [PL_METRIC_STATE_HASH] =
         {"state_hash", "hex", PL_NO_DIRECTION, true,
          "64-bit FNV-1a of the bits of all final positions and orientations as they are (0 and -0 "

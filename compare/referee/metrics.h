@@ -13,7 +13,7 @@ typedef enum pl_metric_id {
     PL_METRIC_REST_ROTATION_ERROR,
     PL_METRIC_TRAVEL_ERROR, /* 1: |travelled - distance| / |distance|, largest over expect.travel */
     PL_METRIC_VALUE_ERROR,  /* 1: |found - expected| / scale, largest over expect.values */
-    PL_METRIC_DISCRETE_ERROR, /* 1: the same against the exact discrete answer */
+    PL_METRIC_DISCRETE_ERROR, /* 1: the same against the exact answer of its integrator */
     PL_METRIC_PATH_DEVIATION,
     PL_METRIC_LIFT,
     PL_METRIC_PENETRATION_MAX,
@@ -36,11 +36,13 @@ typedef enum pl_metric_id {
     PL_METRIC_ENERGY_LOST,
     PL_METRIC_ITERATIONS_MEAN,
     PL_METRIC_ITERATIONS_MAX,
-    PL_METRIC_RESIDUAL_MAX, /* as the engine reports it, in the engine's own unit */
-    PL_METRIC_RESIDUAL_RMS, /* the same unit */
+    PL_METRIC_ITERATIONS_TO_TOLERANCE, /* of several runs: plumb compare puts it in */
+    PL_METRIC_RESIDUAL_MAX,            /* as the engine reports it, in the engine's own unit */
+    PL_METRIC_RESIDUAL_RMS,            /* the same unit */
     PL_METRIC_CONTACTS_MEAN,
     PL_METRIC_TIME_PER_STEP,
     PL_METRIC_MEMORY_PEAK,
+    PL_METRIC_INTEGRATOR,
     PL_METRIC_STATE_HASH,
     PL_METRIC_COUNT
 } pl_metric_id;
@@ -63,14 +65,14 @@ int pl_metric_by_name(const char *name);
 typedef enum pl_metric_state {
     PL_METRIC_ABSENT, /* does not apply to this scene or engine: not in the results at all */
     PL_METRIC_VALUE,
-    PL_METRIC_TEXT,  /* state_hash */
+    PL_METRIC_TEXT,  /* integrator, state_hash */
     PL_METRIC_FAILED /* applies, but has no value: null with `reason` */
 } pl_metric_state;
 
 typedef struct pl_metric {
     pl_metric_state state;
     double value;
-    char text[24];
+    char text[48];
     char reason[128];
     const char *unit; /* NULL: the table's */
     /* Of metrics taken over steps: percentiles and the step (from 1) of the worst. */

@@ -320,21 +320,55 @@ static pl_metric reported_metric(const pl_referee *r, series_id id, double value
     return pl_series_metric(&r->series[id], value);
 }
 
+/* Of travels and values together; absent where either has no answer. */
+static pl_metric discrete_error_of(const pl_referee *r, pl_integrator integrator)
+{
+    const pl_scene *scene = r->scene;
+    pl_metric of_travels = pl_discrete_error(scene, r->last, integrator);
+    pl_metric of_values = pl_values_discrete_error(r->values, integrator);
+    if ((scene->travel_count > 0 && of_travels.state == PL_METRIC_ABSENT) ||
+        (scene->value_count > 0 && of_values.state == PL_METRIC_ABSENT)) {
+        return (pl_metric){0};
+    }
+    bool larger = of_values.state == PL_METRIC_VALUE && of_values.value >= of_travels.value;
+    return larger ? of_values : of_travels;
+}
+
+/* Where the integrator is not told, the answer counts that is the same by either. */
+static pl_metric discrete_error(const pl_referee *r)
+{
+    const pl_integrator_votes *votes = pl_mechanics_votes(r->mechanics);
+    pl_metric error = discrete_error_of(r, pl_integrator_of(votes));
+    for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
+        pl_metric other = discrete_error_of(r, (pl_integrator)k);
+        bool same = other.state == error.state && other.value == error.value;
+        if (pl_integrator_certain(votes) != PL_INTEGRATOR_TOLD && !same) {
+            return (pl_metric){0};
+        }
+    }
+    return error;
+}
+
+static pl_metric integrator_metric(const pl_referee *r)
+{
+    pl_metric metric = {0};
+    const char *name = pl_integrator_name(pl_mechanics_votes(r->mechanics));
+    if (name != NULL) {
+        metric.state = PL_METRIC_TEXT;
+        (void)snprintf(metric.text, sizeof metric.text, "%s", name);
+    }
+    return metric;
+}
+
 static void final_metrics(const pl_referee *r, pl_metric *item)
 {
     const pl_scene *scene = r->scene;
     item[PL_METRIC_REST_POSITION_ERROR] = final_metric(r, pl_rest_position_error(scene, r->last));
     item[PL_METRIC_REST_ROTATION_ERROR] = final_metric(r, pl_rest_rotation_error(scene, r->last));
     item[PL_METRIC_TRAVEL_ERROR] = final_metric(r, pl_travel_error(scene, r->last));
-    item[PL_METRIC_VALUE_ERROR] = final_metric(r, pl_values_error(r->values, false));
-    /* That answer is semi-implicit Euler's own, and says nothing of an engine that moves otherwise.
-     */
-    if (pl_mechanics_integrator(r->mechanics) == PL_SEMI_IMPLICIT) {
-        pl_metric of_travels = pl_discrete_error(scene, r->last);
-        pl_metric of_values = pl_values_error(r->values, true);
-        bool larger = of_values.state == PL_METRIC_VALUE && of_values.value >= of_travels.value;
-        item[PL_METRIC_DISCRETE_ERROR] = final_metric(r, larger ? of_values : of_travels);
-    }
+    item[PL_METRIC_VALUE_ERROR] = final_metric(r, pl_values_error(r->values));
+    item[PL_METRIC_DISCRETE_ERROR] = final_metric(r, discrete_error(r));
+    item[PL_METRIC_INTEGRATOR] = integrator_metric(r);
     item[PL_METRIC_STATE_HASH] = final_metric(r, pl_state_hash(scene, r->last));
 }
 

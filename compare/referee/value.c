@@ -1,6 +1,7 @@
 #include "referee/value.h"
 
 #include "plumb/vec.h"
+#include "referee/discrete_answer.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -158,27 +159,43 @@ void pl_values_see(pl_values *values, long step, const pl_body_state *bodies)
     }
 }
 
-pl_metric pl_values_error(const pl_values *values, bool discrete)
+/* Adds the error of one value to the largest so far. */
+static void add_error(pl_metric *metric, const follower *f, double expected)
+{
+    metric->state = PL_METRIC_VALUE;
+    metric->value = fmax(metric->value, fabs(f->found - expected) / f->expected->scale);
+}
+
+pl_metric pl_values_error(const pl_values *values)
 {
     pl_metric metric = {0};
     for (int i = 0; i < values->count; ++i) {
-        const follower *f = &values->items[i];
-        const pl_expect_value *e = f->expected;
-        double expected = discrete ? e->discrete : e->value, found = f->found;
-        if (isnan(expected)) {
-            continue;
-        }
+        follower f = values->items[i];
+        const pl_expect_value *e = f.expected;
         if (e->quantity == PL_QUANTITY_PERIOD) {
-            if (f->crossings < 2) {
+            if (f.crossings < 2) {
                 metric = (pl_metric){.state = PL_METRIC_FAILED};
                 (void)snprintf(metric.reason, sizeof metric.reason,
                                "no whole period was seen from %g to %g s", e->from, e->until);
                 return metric;
             }
-            found = (f->last_crossing - f->first_crossing) / (double)(f->crossings - 1);
+            f.found = (f.last_crossing - f.first_crossing) / (double)(f.crossings - 1);
         }
-        metric.state = PL_METRIC_VALUE;
-        metric.value = fmax(metric.value, fabs(found - expected) / e->scale);
+        add_error(&metric, &f, e->value);
+    }
+    return metric;
+}
+
+pl_metric pl_values_discrete_error(const pl_values *values, pl_integrator integrator)
+{
+    pl_metric metric = {0};
+    for (int i = 0; i < values->count; ++i) {
+        const follower *f = &values->items[i];
+        double answer = pl_discrete_value(values->scene, f->expected, integrator);
+        if (isnan(answer) || f->expected->quantity == PL_QUANTITY_PERIOD) {
+            return (pl_metric){0};
+        }
+        add_error(&metric, f, answer);
     }
     return metric;
 }

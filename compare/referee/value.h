@@ -3,6 +3,7 @@
 #define PLUMB_REFEREE_VALUE_H
 
 #include "plumb/engine_abi.h"
+#include "referee/integrator.h"
 #include "referee/metrics.h"
 
 typedef struct pl_values pl_values;
@@ -14,8 +15,11 @@ void pl_values_destroy(pl_values *values);
 /* The state after step number `step`, from 0 (before the first) on. */
 void pl_values_see(pl_values *values, long step, const pl_body_state *bodies);
 
-/* The largest |found - expected| / scale, against the continuous answers or the discrete ones where
- * there are any; absent without. FAILED: a period that has not been seen whole. */
-pl_metric pl_values_error(const pl_values *values, bool discrete);
+/* The largest |found - expected| / scale against the continuous answers; absent where nothing is
+ * expected. FAILED: a period that has not been seen whole. */
+pl_metric pl_values_error(const pl_values *values);
+
+/* The same against the answers of the engine's own rule, if they are known of all values. */
+pl_metric pl_values_discrete_error(const pl_values *values, pl_integrator integrator);
 
 #endif

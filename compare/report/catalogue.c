@@ -77,8 +77,8 @@ static pl_status add_picture(pl_sheet *sheet, const pl_scenario *s, int index, p
         pl_sheet_add(sheet, "<div class=\"pictures\"><figure>");
         pl_svg_picture(&scene, &view, poses, id, title, sheet);
         pl_sheet_format(
-            sheet, "<figcaption>%d bodies, %g s in steps of %g s</figcaption></figure></div>\n",
-            scene.body_count, scene.duration, scene.dt);
+            sheet, "<figcaption>%d %s, %g s in steps of %g s</figcaption></figure></div>\n",
+            scene.body_count, scene.body_count == 1 ? "body" : "bodies", scene.duration, scene.dt);
     }
     free(poses);
     pl_scene_free(&scene);
@@ -166,6 +166,7 @@ static pl_status add_scenario(pl_sheet *sheet, const pl_scenario *s, int index, 
     add_element(sheet, "<p>", s->description, "</p>\n<dl class=\"facts\">\n");
     add_fact(sheet, "Right answer", s->reference);
     add_fact(sheet, "Source", s->source);
+    add_fact(sheet, "Expected", s->expected);
     add_fact(sheet, "Valid", s->validity);
     add_fact(sheet, "Provokes", s->provokes);
     add_threshold(sheet, s->threshold);

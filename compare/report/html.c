@@ -4,6 +4,7 @@
 
 #include "report/picture.h"
 #include "report/quantity.h"
+#include "report/stepping.h"
 #include "report/style.h"
 #include "results/result.h"
 
@@ -496,7 +497,8 @@ static void add_method(pl_sheet *sheet)
         "“–” means that there is no number; its tooltip says why.</p>\n");
 }
 
-void pl_html_write(const pl_cells *cells, const pl_losses *losses, pl_sheet *sheet)
+void pl_html_write(const pl_cells *cells, const pl_losses *losses, const pl_faults *findings,
+                   pl_sheet *sheet)
 {
     add_head(cells, sheet);
     add_losses(losses, sheet);
@@ -510,6 +512,8 @@ void pl_html_write(const pl_cells *cells, const pl_losses *losses, pl_sheet *she
         pl_sheet_add(sheet, "<p>There are no results.</p>\n");
     } else {
         add_main_table(cells, sheet);
+        pl_faults_html(findings, sheet);
+        pl_stepping_html(cells, sheet);
         add_settings(cells, sheet);
         pl_sheet_add(sheet, "<h2 id=\"problems\">Problem by problem</h2>\n");
         for (int b = 0; b < cells->block_count; b++)

@@ -3,6 +3,7 @@
 
 #include "report/published.h"
 #include "report/quantity.h"
+#include "report/stepping.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -210,7 +211,8 @@ static void add_settings(const pl_cells *cells, pl_sheet *sheet)
     }
 }
 
-void pl_markdown_write(const pl_cells *cells, const pl_losses *losses, pl_sheet *sheet)
+void pl_markdown_write(const pl_cells *cells, const pl_losses *losses, const pl_faults *findings,
+                       pl_sheet *sheet)
 {
     pl_sheet_add(sheet, "# Plumb report\n\n");
     if (cells->block_count > 0) {
@@ -237,6 +239,8 @@ void pl_markdown_write(const pl_cells *cells, const pl_losses *losses, pl_sheet 
         return;
     }
     add_main_table(cells, sheet);
+    pl_faults_markdown(findings, sheet);
+    pl_stepping_markdown(cells, sheet);
     add_published(cells, sheet);
     add_failures(cells, sheet);
     add_settings(cells, sheet);

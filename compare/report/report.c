@@ -2,6 +2,7 @@
 #include "report/report.h"
 
 #include "report/csv.h"
+#include "report/findings.h"
 #include "report/html.h"
 #include "report/losses.h"
 #include "report/markdown.h"
@@ -85,14 +86,17 @@ pl_status pl_report_write(const char *directory, json_t *results, pl_error *erro
     enum { FILE_COUNT = sizeof files / sizeof files[0] };
     pl_cells cells = {0};
     pl_losses losses = {0};
+    pl_faults findings = {0};
     pl_status status = pl_cells_build(results, &cells, error);
     if (status == PL_OK)
         status = pl_losses_find(&cells, &losses, error);
+    if (status == PL_OK)
+        status = pl_faults_find(&cells, &findings, error);
     if (status != PL_OK)
         goto cleanup;
     pl_csv_write(results, &files[0].text);
-    pl_markdown_write(&cells, &losses, &files[1].text);
-    pl_html_write(&cells, &losses, &files[2].text);
+    pl_markdown_write(&cells, &losses, &findings, &files[1].text);
+    pl_html_write(&cells, &losses, &findings, &files[2].text);
     for (int i = 0; i < FILE_COUNT; i++) {
         if (files[i].text.failed) {
             status = pl_fail(error, PL_NO_MEMORY, "no memory to write %s", files[i].name);
@@ -104,6 +108,7 @@ pl_status pl_report_write(const char *directory, json_t *results, pl_error *erro
 cleanup:
     for (int i = 0; i < FILE_COUNT; i++)
         pl_sheet_free(&files[i].text);
+    pl_faults_free(&findings);
     pl_losses_free(&losses);
     pl_cells_free(&cells);
     return status;

@@ -20,9 +20,9 @@
 pl_status pl_report_write(const char *directory, json_t *results, pl_error *error);
 
 /* Prints the same results as a UTF-8 table that fits `width` columns (at least 40 are taken): first
- * where plumb loses, then a block a scenario with a line an engine. `colour` allows ANSI colours.
- * Control characters in texts are shown as '?', so that nothing an engine wrote can drive the
- * terminal. */
+ * where plumb loses, then a block a scenario with a line an engine, then where other engines err
+ * and why. `colour` allows ANSI colours. Control characters in texts are shown as '?', so that
+ * nothing an engine wrote can drive the terminal. */
 void pl_report_print_table(FILE *out, const json_t *results, bool colour, int width);
 
 #endif

@@ -1,4 +1,5 @@
 /* The report for a terminal: fits the width by shortening names and reasons, never numbers. */
+#include "report/findings.h"
 #include "report/losses.h"
 #include "report/quantity.h"
 #include "report/report.h"
@@ -96,6 +97,28 @@ static void measure_columns(const pl_cells *cells, table_layout *layout)
         layout->name_width = 6;
 }
 
+/* A paragraph, wrapped at blanks; from its second line on it is indented. */
+static void add_wrapped(const table_layout *layout, const char *paragraph, int indent)
+{
+    pl_sheet *sheet = layout->sheet;
+    int column = 0, start = 0;
+    for (const char *word = paragraph; *word != '\0';) {
+        size_t bytes = strcspn(word, " ");
+        char text[300];
+        snprintf(text, sizeof text, "%.*s", (int)bytes, word);
+        if (column > start && column + 1 + length_of(text) > layout->width) {
+            pl_sheet_add(sheet, "\n");
+            spaces(sheet, indent);
+            column = start = indent;
+        }
+        if (column > start)
+            pl_sheet_add(sheet, " ");
+        column += (column > start) + pl_sheet_add_plain(sheet, text, layout->width - start);
+        word += bytes + strspn(word + bytes, " ");
+    }
+    pl_sheet_add(sheet, "\n");
+}
+
 static void add_losses(const pl_losses *losses, const table_layout *layout)
 {
     pl_sheet *sheet = layout->sheet;
@@ -103,23 +126,7 @@ static void add_losses(const pl_losses *losses, const table_layout *layout)
     pl_sheet_add(sheet, "Where plumb loses");
     paint(layout, plain);
     pl_sheet_add(sheet, "\n");
-    /* Wrapped at blanks. */
-    const char *word = losses->statement.data;
-    int column = 0;
-    while (*word != '\0') {
-        size_t bytes = strcspn(word, " ");
-        char text[300];
-        snprintf(text, sizeof text, "%.*s", (int)bytes, word);
-        if (column > 0 && column + 1 + length_of(text) > layout->width) {
-            pl_sheet_add(sheet, "\n");
-            column = 0;
-        }
-        if (column > 0)
-            pl_sheet_add(sheet, " ");
-        column += (column > 0) + pl_sheet_add_plain(sheet, text, layout->width);
-        word += bytes + strspn(word + bytes, " ");
-    }
-    pl_sheet_add(sheet, "\n");
+    add_wrapped(layout, losses->statement.data, 0);
     for (int i = 0; i < losses->count && i < SHOWN_LOSSES; i++) {
         const pl_loss *loss = &losses->items[i];
         char metric[PL_LOSS_TEXT_SIZE], ours[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
@@ -134,6 +141,30 @@ static void add_losses(const pl_losses *losses, const table_layout *layout)
     }
     if (losses->count > SHOWN_LOSSES)
         pl_sheet_format(sheet, "  and %d more\n", losses->count - SHOWN_LOSSES);
+}
+
+/* Without what was varied, which the pages have. */
+static void add_findings(const pl_faults *findings, const table_layout *layout)
+{
+    pl_sheet *sheet = layout->sheet;
+    if (findings->runs == 0)
+        return;
+    pl_sheet_add(sheet, "\n");
+    paint(layout, bold);
+    pl_sheet_add(sheet, "Findings");
+    paint(layout, plain);
+    pl_sheet_add(sheet, "\n");
+    add_wrapped(layout, findings->statement.data, 0);
+    add_wrapped(layout, findings->innocence.data, 0);
+    for (int i = 0; i < findings->count; i++) {
+        const pl_fault *fault = &findings->items[i];
+        char error[PL_FAULT_TEXT_SIZE], line[1600];
+        const char *cause = NULL, *evidence = NULL;
+        pl_fault_texts(fault, error, &cause, &evidence);
+        snprintf(line, sizeof line, "%.250s, %.250s: %s: %s", fault->block->name,
+                 fault->column->name, error, cause);
+        add_wrapped(layout, line, 4);
+    }
 }
 
 static void add_heading(const pl_block *block, const table_layout *layout)
@@ -194,12 +225,15 @@ void pl_report_print_table(FILE *out, const json_t *results, bool colour, int wi
 {
     pl_cells cells = {0};
     pl_losses losses = {0};
+    pl_faults findings = {0};
     pl_sheet sheet = {0};
     pl_error error = {PL_OK, ""};
     table_layout layout = {.sheet = &sheet, .colour = colour, .width = width < 40 ? 40 : width};
     pl_status status = pl_cells_build(results, &cells, &error);
     if (status == PL_OK)
         status = pl_losses_find(&cells, &losses, &error);
+    if (status == PL_OK)
+        status = pl_faults_find(&cells, &findings, &error);
     if (status == PL_OK) {
         measure_columns(&cells, &layout);
         add_losses(&losses, &layout);
@@ -208,6 +242,7 @@ void pl_report_print_table(FILE *out, const json_t *results, bool colour, int wi
             for (int i = 0; i < cells.column_count; i++)
                 add_line(&cells.columns[i], &cells.blocks[b].cells[i], &layout);
         }
+        add_findings(&findings, &layout);
     } else {
         pl_sheet_format(&sheet, "no table: %s\n", error.message);
     }
@@ -216,6 +251,7 @@ void pl_report_print_table(FILE *out, const json_t *results, bool colour, int wi
     else
         fputs(sheet.data, out);
     pl_sheet_free(&sheet);
+    pl_faults_free(&findings);
     pl_losses_free(&losses);
     pl_cells_free(&cells);
 }

@@ -95,8 +95,9 @@ made_report make_report(json_t *results)
     if (pl_cells_build(results, &made.cells, &error) != PL_OK)
         fail_msg("%s", error.message);
     assert_int_equal(pl_losses_find(&made.cells, &made.losses, &error), PL_OK);
-    pl_html_write(&made.cells, &made.losses, &made.html);
-    pl_markdown_write(&made.cells, &made.losses, &made.markdown);
+    assert_int_equal(pl_faults_find(&made.cells, &made.findings, &error), PL_OK);
+    pl_html_write(&made.cells, &made.losses, &made.findings, &made.html);
+    pl_markdown_write(&made.cells, &made.losses, &made.findings, &made.markdown);
     assert_false(made.html.failed);
     assert_false(made.markdown.failed);
     return made;
@@ -104,6 +105,7 @@ made_report make_report(json_t *results)
 
 void free_report(made_report *made)
 {
+    pl_faults_free(&made->findings);
     pl_losses_free(&made->losses);
     pl_cells_free(&made->cells);
     pl_sheet_free(&made->html);

@@ -2,6 +2,7 @@
 #ifndef PLUMB_TEST_REPORT_ROWS_H
 #define PLUMB_TEST_REPORT_ROWS_H
 
+#include "report/findings.h"
 #include "report/losses.h"
 
 /* Markup, quotes, separators and letters that are not ASCII. */
@@ -27,6 +28,7 @@ typedef struct made_report {
     json_t *results;
     pl_cells cells;
     pl_losses losses;
+    pl_faults findings;
     pl_sheet html, markdown;
 } made_report;
 

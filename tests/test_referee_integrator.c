@@ -1,0 +1,271 @@
+/* The integrator that the referee finds out, and the errors against the exact answer of each rule,
+ * on motions made here by either rule. */
+#include "check.h"
+#include "synthetic_run.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { STEPS = 64 };
+
+/* How positions follow: from the new velocity, or from the mean of old and new. */
+typedef enum motion_rule { NEW_VELOCITY, MEAN_VELOCITY } motion_rule;
+
+static const char *const names[] = {"semi-implicit Euler",
+                                    "second order, exact for constant force"};
+
+static void move(run *r, int body, motion_rule rule, const double velocity[3])
+{
+    pl_body_state *s = &r->state[body];
+    for (int k = 0; k < 3; ++k) {
+        double mean = (s->velocity[k] + velocity[k]) / 2;
+        s->position[k] += H * (rule == MEAN_VELOCITY ? mean : velocity[k]);
+        s->velocity[k] = velocity[k];
+    }
+}
+
+static const char *integrator_of(const run *r)
+{
+    const pl_metric *metric = run_metric(r, PL_METRIC_INTEGRATOR);
+    return metric->state == PL_METRIC_TEXT ? metric->text : "";
+}
+
+/* A ball thrown up, expected where the continuous problem and semi-implicit Euler have it. */
+static void prepare_fall(run *r, double speed)
+{
+    const double g = 9.81, t = STEPS * H;
+    run_prepare(r, t);
+    run_add_body(r, "ball", pl_shape_sphere(0.5), false, 0, 100);
+    r->scene.bodies[0].velocity[2] = speed;
+    pl_expect_value height = pl_expect_value_default(&r->scene);
+    height.value = speed * t - g * t * t / 2;
+    height.discrete = height.value - g * t * H / 2;
+    height.scale = 1;
+    assert_int_equal(pl_scene_add_value(&r->scene, &height, NULL), PL_OK);
+}
+
+static void test_each_rule_is_named_and_has_no_error_against_its_own_answer(void **state)
+{
+    (void)state;
+    for (motion_rule rule = NEW_VELOCITY; rule <= MEAN_VELOCITY; ++rule) {
+        run r;
+        prepare_fall(&r, 3);
+        run_begin(&r);
+        for (int i = 1; i <= STEPS; ++i) {
+            const double velocity[3] = {0, 0, 3 - 9.81 * i * H};
+            move(&r, 0, rule, velocity);
+            run_step_many(&r, 1);
+        }
+        run_finish(&r);
+        assert_string_equal(integrator_of(&r), names[rule]);
+        double stepping = rule == NEW_VELOCITY ? 9.81 * STEPS * H * H / 2 : 0;
+        assert_close(run_value(&r, PL_METRIC_VALUE_ERROR), stepping, 1e-12, 0);
+        assert_close(run_value(&r, PL_METRIC_DISCRETE_ERROR), 0, 1e-12, 0);
+        run_end(&r);
+    }
+}
+
+/* Too weak a gravity, by 1 %, is no error of the step. */
+static void test_a_wrong_force_shows_in_both_errors(void **state)
+{
+    (void)state;
+    for (motion_rule rule = NEW_VELOCITY; rule <= MEAN_VELOCITY; ++rule) {
+        run r;
+        prepare_fall(&r, 3);
+        run_begin(&r);
+        for (int i = 1; i <= STEPS; ++i) {
+            const double velocity[3] = {0, 0, 3 - 0.99 * 9.81 * i * H};
+            move(&r, 0, rule, velocity);
+            run_step_many(&r, 1);
+        }
+        run_finish(&r);
+        double n = STEPS + (rule == NEW_VELOCITY ? 1 : 0);
+        assert_string_equal(integrator_of(&r), names[rule]);
+        assert_close(run_value(&r, PL_METRIC_DISCRETE_ERROR), 0.0981 * H * H * STEPS * n / 2, 1e-12,
+                     0);
+        run_end(&r);
+    }
+}
+
+/* A block that friction stops within a step: there the second-order rule is off as well. */
+static void test_a_stop_within_a_step_is_stepping_and_not_contact(void **state)
+{
+    (void)state;
+    const double braking = 4.905, speed = 2;
+    const double moving = floor(speed / (braking * H));
+    const double way = speed * speed / (2 * braking);
+    const double sum = moving * H * speed - braking * H * H * moving * (moving + 1) / 2;
+    for (motion_rule rule = NEW_VELOCITY; rule <= MEAN_VELOCITY; ++rule) {
+        run r;
+        run_prepare(&r, STEPS * H);
+        run_add_body(&r, "block", pl_shape_box(1, 1, 1), false, 0, 0);
+        r.scene.bodies[0].velocity[0] = speed;
+        run_expect_travel(&r, 0, way, sum);
+        run_begin(&r);
+        for (int i = 1; i <= STEPS; ++i) {
+            const double velocity[3] = {fmax(0, speed - braking * i * H), 0, 0};
+            move(&r, 0, rule, velocity);
+            run_step_many(&r, 1);
+        }
+        run_finish(&r);
+        assert_true(run_value(&r, PL_METRIC_TRAVEL_ERROR) > 1e-5);
+        assert_close(run_value(&r, PL_METRIC_DISCRETE_ERROR), 0, 1e-12, 0);
+        run_end(&r);
+    }
+}
+
+/* A ball that skids and then rolls: the velocity at the end is expected too. */
+static void test_an_expected_velocity_gives_the_second_order_answer(void **state)
+{
+    (void)state;
+    const double braking = 2, speed = 1, skid = 10;
+    const double end = speed - braking * skid * H;
+    double sums[2] = {0, 0};
+    run r;
+    run_prepare(&r, STEPS * H);
+    run_add_body(&r, "ball", pl_shape_sphere(0.5), false, 0, 0);
+    r.scene.bodies[0].velocity[0] = speed;
+    double before = speed;
+    for (int i = 1; i <= STEPS; ++i) {
+        double after = fmax(end, speed - braking * i * H);
+        sums[0] += H * after;
+        sums[1] += H * (before + after) / 2;
+        before = after;
+    }
+    pl_expect_value way = pl_expect_value_default(&r.scene), velocity = way;
+    way.direction[0] = velocity.direction[0] = 1;
+    way.direction[2] = velocity.direction[2] = 0;
+    way.value = 0.9 * sums[1];
+    way.discrete = sums[0];
+    velocity.quantity = PL_QUANTITY_VELOCITY;
+    velocity.value = velocity.discrete = end;
+    assert_int_equal(pl_scene_add_value(&r.scene, &way, NULL), PL_OK);
+    assert_int_equal(pl_scene_add_value(&r.scene, &velocity, NULL), PL_OK);
+    run_begin(&r);
+    for (int i = 1; i <= STEPS; ++i) {
+        const double after[3] = {fmax(end, speed - braking * i * H), 0, 0};
+        move(&r, 0, MEAN_VELOCITY, after);
+        run_step_many(&r, 1);
+    }
+    run_finish(&r);
+    assert_close(run_value(&r, PL_METRIC_DISCRETE_ERROR), 0, 1e-12, 0);
+    run_end(&r);
+}
+
+/* Without the velocity, and by neither of the motions that determine it, there is no answer. */
+static void test_an_answer_that_is_not_known_is_absent(void **state)
+{
+    (void)state;
+    run r;
+    prepare_fall(&r, 3);
+    r.scene.values[0].discrete += 0.1;
+    run_begin(&r);
+    for (int i = 1; i <= STEPS; ++i) {
+        const double velocity[3] = {0, 0, 3 - 9.81 * i * H};
+        move(&r, 0, MEAN_VELOCITY, velocity);
+        run_step_many(&r, 1);
+    }
+    run_finish(&r);
+    assert_int_equal(run_metric(&r, PL_METRIC_DISCRETE_ERROR)->state, PL_METRIC_ABSENT);
+    run_end(&r);
+}
+
+static void test_one_expectation_without_answer_leaves_no_discrete_error(void **state)
+{
+    (void)state;
+    run r;
+    prepare_fall(&r, 0);
+    pl_expect_value other = pl_expect_value_default(&r.scene);
+    assert_int_equal(pl_scene_add_value(&r.scene, &other, NULL), PL_OK);
+    run_begin(&r);
+    for (int i = 1; i <= STEPS; ++i) {
+        const double velocity[3] = {0, 0, -9.81 * i * H};
+        move(&r, 0, NEW_VELOCITY, velocity);
+        run_step_many(&r, 1);
+    }
+    run_finish(&r);
+    assert_string_equal(integrator_of(&r), names[NEW_VELOCITY]);
+    assert_int_equal(run_metric(&r, PL_METRIC_DISCRETE_ERROR)->state, PL_METRIC_ABSENT);
+    run_end(&r);
+}
+
+/* Both rules keep a body that nothing accelerates, and an impulse before the flight, without
+ * gravity, is the same by both. What is expected of it by either has its discrete error still. */
+static void test_where_nothing_tells_no_rule_is_named(void **state)
+{
+    (void)state;
+    run r;
+    run_prepare(&r, STEPS * H);
+    run_add_body(&r, "ball", pl_shape_sphere(0.5), false, 0, 0);
+    r.scene.bodies[0].velocity[2] = 1;
+    r.scene.gravity[2] = 0;
+    pl_expect_value velocity = pl_expect_value_default(&r.scene);
+    velocity.quantity = PL_QUANTITY_VELOCITY;
+    velocity.value = velocity.discrete = -0.5;
+    assert_int_equal(pl_scene_add_value(&r.scene, &velocity, NULL), PL_OK);
+    run_begin(&r);
+    for (int i = 1; i <= STEPS; ++i) {
+        const double now[3] = {0, 0, i < 32 ? 1 : -0.25};
+        move(&r, 0, NEW_VELOCITY, now);
+        run_step_many(&r, 1);
+    }
+    run_finish(&r);
+    assert_int_equal(run_metric(&r, PL_METRIC_INTEGRATOR)->state, PL_METRIC_ABSENT);
+    assert_close(run_value(&r, PL_METRIC_DISCRETE_ERROR), 0.25, 1e-12, 0);
+    run_end(&r);
+}
+
+static void test_one_rule_now_and_the_other_then_is_mixed(void **state)
+{
+    (void)state;
+    run r;
+    prepare_fall(&r, 3);
+    run_begin(&r);
+    for (int i = 1; i <= STEPS; ++i) {
+        const double velocity[3] = {0, 0, 3 - 9.81 * i * H};
+        move(&r, 0, i % 3 == 0 ? MEAN_VELOCITY : NEW_VELOCITY, velocity);
+        run_step_many(&r, 1);
+    }
+    run_finish(&r);
+    assert_string_equal(integrator_of(&r), "mixed");
+    assert_int_equal(run_metric(&r, PL_METRIC_DISCRETE_ERROR)->state, PL_METRIC_ABSENT);
+    run_end(&r);
+}
+
+/* x' = x + h v: neither of the two, also where a few steps fit one by chance. */
+static void test_another_rule_is_not_named(void **state)
+{
+    (void)state;
+    for (int by_chance = 0; by_chance <= STEPS / 4; by_chance += STEPS / 4) {
+        run r;
+        prepare_fall(&r, 3);
+        run_begin(&r);
+        for (int i = 1; i <= STEPS; ++i) {
+            const double velocity[3] = {0, 0, 3 - 9.81 * i * H};
+            double before = r.state[0].velocity[2];
+            move(&r, 0, NEW_VELOCITY, velocity);
+            r.state[0].position[2] += i > by_chance ? H * (before - velocity[2]) : 0;
+            run_step_many(&r, 1);
+        }
+        run_finish(&r);
+        assert_int_equal(run_metric(&r, PL_METRIC_INTEGRATOR)->state, PL_METRIC_ABSENT);
+        assert_int_equal(run_metric(&r, PL_METRIC_DISCRETE_ERROR)->state, PL_METRIC_ABSENT);
+        run_end(&r);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_each_rule_is_named_and_has_no_error_against_its_own_answer),
+        cmocka_unit_test(test_a_wrong_force_shows_in_both_errors),
+        cmocka_unit_test(test_a_stop_within_a_step_is_stepping_and_not_contact),
+        cmocka_unit_test(test_an_expected_velocity_gives_the_second_order_answer),
+        cmocka_unit_test(test_an_answer_that_is_not_known_is_absent),
+        cmocka_unit_test(test_one_expectation_without_answer_leaves_no_discrete_error),
+        cmocka_unit_test(test_where_nothing_tells_no_rule_is_named),
+        cmocka_unit_test(test_one_rule_now_and_the_other_then_is_mixed),
+        cmocka_unit_test(test_another_rule_is_not_named),
+    };
+    return cmocka_run_group_tests_name("referee_integrator", tests, NULL, NULL);
+}
