@@ -110,11 +110,14 @@ static void test_every_scenario_is_complete_and_builds(void **state)
     const pl_scenario *const *scenarios = pl_scenarios(&count);
     for (int i = 0; i < count; i++) {
         const pl_scenario *s = scenarios[i];
-        const char *texts[] = {s->name, s->title, s->description, s->reference, s->source};
+        const char *texts[] = {s->name,      s->title,    s->description,
+                               s->reference, s->expected, s->source};
         for (size_t k = 0; k < sizeof texts / sizeof texts[0]; k++) {
             assert_non_null(texts[k]);
             assert_true(strlen(texts[k]) > 0);
         }
+        assert_true(strncmp(s->expected, "ok: ", 4) == 0 && strlen(s->expected) <= 120);
+        assert_null(strchr(s->expected, '\n'));
         assert_ptr_equal(pl_scenario_find(s->name, NULL), s);
         assert_in_range(s->param_count, 2, PL_MAX_PARAMS);
         bool has_dt = false, has_duration = false;

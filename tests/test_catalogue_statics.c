@@ -117,8 +117,8 @@ static void test_cylinders_need_a_third_of_that_on_the_floor(void **state)
     assert_true(isnan(scenario->threshold->critical(values)));
 }
 
-/* Of many voussoirs the limit is that of the continuous arch with radial joints, 0.107478
- * (Cocchetti, Colasante and Rizzi 2011). */
+/* Of many voussoirs the limit is that of the continuous arch with radial joints, 0.1075
+ * (Milankovitch 1907); its further digits are found in test_catalogue_rest.c. */
 static void test_the_arch_of_many_voussoirs_has_the_continuous_limit(void **state)
 {
     (void)state;

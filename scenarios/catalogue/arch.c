@@ -124,10 +124,13 @@ const pl_scenario pl_scenario_arch = {
     .reference =
         "it stands iff a line of thrust lies within all joints: thickness >= 0.107478 mean "
         "radii in the limit of many voussoirs, 0.107348 for 20",
-    .source = "Milankovitch 1907; Cocchetti, Colasante and Rizzi 2011 for radial joints; for few "
-              "voussoirs by the same limit analysis",
+    .expected = "ok: every voussoir at rest where it began, above the critical thickness; "
+                "collapsed below: the arch opens",
+    .source = "radial joints, many voussoirs: Milankovitch 1907, 0.1075; the further digits, and "
+              "few voussoirs, by limit analysis worked out here",
     .primary_error = "rest_position_error",
-    .validity = "thickness > 0.1073, friction large",
+    .validity =
+        "thickness above the threshold, which is below 0.10748 for any n; friction of 1 or more",
     .provokes =
         "one loop of contacts through all bodies: a little give at each joint adds up, the "
         "line of thrust leaves the arch, and it opens in five hinges; a right engine stands "

@@ -111,6 +111,7 @@ const pl_scenario pl_scenario_bounce = {
     .description = "A sphere falls on the floor and bounces, with any restitution from 0 to 1: "
                    "whether it comes back as high as it should, time after time.",
     .reference = "apex e^(2 k) H after k bounces; at rest after sqrt(2 H / g) (1 + e) / (1 - e)",
+    .expected = "ok: each apex at e^2 of the one before",
     .source = "Newton 1687, Principia, scholium to the laws: v' = -e v; conservation of energy in "
               "flight",
     .primary_error = "value_error",

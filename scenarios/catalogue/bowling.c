@@ -87,7 +87,9 @@ const pl_scenario pl_scenario_bowling = {
     .reference =
         "t_s = 2 |v0 - r w0| / (7 friction g); then v = r w = (5 v0 + 2 r w0) / 7; without "
         "spin the skid is 12 v0^2 / (49 friction g) long",
-    .source = "Coriolis 1835, Jeu de billard; Coulomb's law, I = 2/5 m r^2",
+    .expected = "ok: the ball skids until it rolls; way, speed and spin are those of the reference",
+    .source = "Coulomb's law and I = 2/5 m r^2; Coriolis 1835, Theorie mathematique des effets du "
+              "jeu de billard",
     .primary_error = "value_error",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_SPHERE,
     .params = params,

@@ -106,6 +106,8 @@ const pl_scenario pl_scenario_card_house = {
         "length) / 2, or tan(lean) where the edges that meet take the normal of a face; more "
         "storeys "
         "have no closed form",
+    .expected = "ok: every card at rest where it began; collapsed with too little friction: the "
+                "cards slide apart",
     .source = "statics of a pair: moments about its lower edge",
     .primary_error = "rest_position_error",
     .validity = "friction well above that of one pair",

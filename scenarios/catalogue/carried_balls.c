@@ -157,6 +157,7 @@ const pl_scenario pl_scenario_carried_balls = {
                    "its top: sliding and rolling friction in one island, in each its own.",
     .reference = "a_box = (F - friction (M + n m) g) / (M + 2/7 n m), a_ball = 2/7 a_box, while "
                  "the balls stick and stay on the box",
+    .expected = "ok: box and balls go as far as the reference says; no ball slips or falls off",
     .source = "Newton's and Euler's laws with I = 2/5 m r^2; the scene after the rolling test of "
               "SimBenchmark (Kang and Hwangbo 2018)",
     .primary_error = "value_error",

@@ -53,6 +53,9 @@ extern const pl_scenario pl_scenario_domino_into_pile;
 extern const pl_scenario pl_scenario_top;
 extern const pl_scenario pl_scenario_slide_and_spin;
 
+/* The paper that the project grew from, whose tables are the suites paper and paper-blocks. */
+#define PL_SOURCE_PAPER "\"3D Rigid Body Simulation with Contacts using the LCP Formulation\""
+
 /* Parameters that scenarios share: dt and duration, which all have, and the friction of stacks.
  * Initialisers, since a table cannot copy another's row. */
 #define PL_PARAM_DT                                                                                \

@@ -136,6 +136,8 @@ const pl_scenario pl_scenario_collision_train = {
                    "the next: whether every impact keeps momentum and gives the restitution.",
     .reference = "at each impact v1' = ((m1 - e m2) v1 + (1 + e) m2 v2) / (m1 + m2), and the same "
                  "with 1 and 2 changed",
+    .expected =
+        "ok: velocities at the end are those handed on from impact to impact; momentum stays",
     .source = "Newton 1687, Principia, scholium to the laws; from impact to impact",
     .primary_error = "value_error",
     .validity = "no impact falls within a step of the end, and no two of one sphere in one step",

@@ -74,6 +74,8 @@ const pl_scenario pl_scenario_cradle = {
                    "simultaneous impact the engine has, and whether it keeps momentum and energy.",
     .reference = "momentum kept (momentum_error 0), at restitution 1 also energy (energy_lost 0 "
                  "J); 1 on 2 leave with v (0, 0, 1) in sequence, v (-1/3, 2/3, 2/3) all at once",
+    .expected = "ok: momentum stays, at restitution 1 energy too; either law of simultaneous "
+                "impact is right",
     .source = "conservation laws; simultaneous Newton impacts: Moreau 1988, Unilateral contact and "
               "dry friction in finite freedom dynamics",
     .primary_error = "momentum_error",

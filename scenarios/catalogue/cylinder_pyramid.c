@@ -67,6 +67,8 @@ const pl_scenario pl_scenario_cylinder_pyramid = {
                    "little more of it than that takes.",
     .reference = "they stand iff friction >= tan 15 deg = 0.26795 between them, and >= tan(15 deg) "
                  "/ 3 = 0.08932 on the floor",
+    .expected = "ok: all at rest where they began, above both critical frictions; collapsed below: "
+                "they roll apart",
     .source = "statics of each cylinder",
     .primary_error = "rest_position_error",
     .validity = "friction > 0.26795, floor_friction > 0.08932",

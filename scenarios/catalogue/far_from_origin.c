@@ -54,6 +54,7 @@ const pl_scenario pl_scenario_far_from_origin = {
         "A tower of cubes 10 km from the origin, turned by 30 degrees: whether an engine "
         "works with differences of positions or with positions.",
     .reference = "every cube stays where it is",
+    .expected = "ok: every cube at rest where it began, as at the origin",
     .source = "statics, by the law's indifference to place",
     .primary_error = "rest_position_error",
     .provokes = "digits are lost where moments or planes are taken about the origin, so that "

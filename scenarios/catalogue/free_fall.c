@@ -49,6 +49,7 @@ const pl_scenario pl_scenario_free_fall = {
                    "alone, and whether the engine damps what it should not.",
     .reference = "z = v0 t - g t^2 / 2, v = v0 - g t; of semi-implicit Euler "
                  "z_n = v0 n h - g h^2 n (n + 1) / 2",
+    .expected = "ok: height and speed at the end are those of the reference",
     .source = "Galilei 1638, Discorsi, third day; the discrete form: the sum of h v_k",
     .primary_error = "value_error",
     .needs = PL_NEEDS_SPHERE,

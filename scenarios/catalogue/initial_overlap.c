@@ -54,6 +54,7 @@ const pl_scenario pl_scenario_initial_overlap = {
     .description = "Cubes that overlap by 1 % at the start: an engine must part them without "
                    "throwing them, as after any mistake of its own or of a user.",
     .reference = "the cubes come to stand on each other, z_k = k - 1/2 m",
+    .expected = "ok: the cubes part without a jump and rest on each other",
     .source = "impenetrability and statics",
     .primary_error = "rest_position_error",
     .provokes = "overlap turned into speed: the tower jumps and gains energy, or stays overlapped; "

@@ -71,6 +71,7 @@ const pl_scenario pl_scenario_isotropy = {
         "different distances, and off their paths.",
     .reference = "s = v0^2 / (2 friction g) along every azimuth, while friction < half width / "
                  "half height = 2, so that no block tips",
+    .expected = "ok: all blocks go equally far, each straight along its azimuth",
     .source = "Coulomb's law and uniform deceleration",
     .primary_error = "travel_error",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,

@@ -90,6 +90,8 @@ const pl_scenario pl_scenario_ladder = {
         "A thin board that leans on a wall without friction, held by the floor's friction alone, a "
         "little steeper than it must be: two kinds of contact in one body.",
     .reference = "it holds iff tan(angle) >= 1 / (2 friction + thickness / length)",
+    .expected = "ok: the board at rest where it began, above the critical angle; collapsed below: "
+                "it slides down",
     .source =
         "statics: moments about the lower edge; textbooks have it for a line, 1 / (2 friction)",
     .primary_error = "rest_position_error",

@@ -41,6 +41,7 @@ const pl_scenario pl_scenario_large_step = {
     .description = "A tower of cubes at rest with a step of 1/10 s: whether what stands depends on "
                    "how often it is looked at.",
     .reference = "every cube stays where it is, at any step",
+    .expected = "ok: every cube at rest where it began, as at short steps",
     .source = "statics",
     .primary_error = "rest_position_error",
     .provokes = "what a step does wrong grows with its square: cubes sink into each other, are "

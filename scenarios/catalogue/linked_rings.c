@@ -60,6 +60,7 @@ const pl_scenario pl_scenario_linked_rings = {
         "Two tori of triangles, linked: neither is convex, and where they touch both are "
         "hollow. Whether one hangs in the other without passing through.",
     .reference = "the lower centre hangs two inner radii below the upper one",
+    .expected = "ok: the lower ring hangs in the upper one, at rest",
     .source = "by symmetry",
     .primary_error = "rest_position_error",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_MESH,

@@ -57,6 +57,7 @@ const pl_scenario pl_scenario_mass_ratio = {
         "through a small mass.",
     .reference = "both cubes stay where they are: z = 1/2 m and 3/2 m; the contacts carry M g and "
                  "(M + m) g",
+    .expected = "ok: both cubes at rest where they began, at any ratio",
     .source = "statics",
     .primary_error = "rest_position_error",
     .provokes = "a large weight through a small mass: an iteration passes on a part of it at a "

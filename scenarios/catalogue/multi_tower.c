@@ -52,8 +52,9 @@ const pl_scenario pl_scenario_multi_tower = {
     .title = "Field of towers",
     .description =
         "A square of towers of cubes, at rest: many stacks at once, each of them as hard "
-        "as if it were alone.",
+        "as if it were alone. Figure 4 of the source paper, " PL_SOURCE_PAPER ".",
     .reference = "every cube stays where it is: z_k = k - 1/2 m",
+    .expected = "ok: every cube of every tower at rest where it began",
     .source = "statics",
     .primary_error = "rest_position_error",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,

@@ -69,9 +69,11 @@ const pl_scenario pl_scenario_needle_in_gap = {
     .description = "A slender box that falls down a gap 1 % wider than itself: contacts on both "
                    "sides at once, in a body thinner than it falls in a step.",
     .reference = "it stands on the floor, upright, to within the clearance",
+    .expected = "ok: the needle stands upright on the floor",
     .source = "statics and impenetrability",
     .primary_error = "rest_position_error",
-    .validity = "across the gap to within half of clearance times width",
+    .validity = "across the gap to within half of clearance times width; the run lasts until it "
+                "stands: duration > 0.4 s",
     .provokes =
         "margins and contacts from both sides that will not agree: the needle jams, shakes, "
         "is squeezed out or passes through a side; a right engine lets it fall to the floor",

@@ -117,8 +117,10 @@ const pl_scenario pl_scenario_oblique_impact = {
     .reference = "with s = v - r w and c = friction (1 + e) v_n: sticks iff |s| <= 7/2 c, "
                  "v' = r w' = (5 v + 2 r w) / 7; else v' = v - sign(s) c, "
                  "r w' = r w + 5/2 sign(s) c; v_n' = e v_n",
-    .source = "Coulomb's cone and Newton's restitution in the impulse on a solid sphere, as in "
-              "Routh 1905, Dynamics of a System of Rigid Bodies",
+    .expected = "ok: the ball leaves with the velocity and the spin of the reference",
+    .source =
+        "Coulomb's cone and Newton's restitution in the impulse on a solid sphere, as in "
+        "Routh 1905, The Elementary Part of a Treatise on the Dynamics of a System of Rigid Bodies",
     .primary_error = "value_error",
     .validity = "the slip does not turn round in the impact, which it never does for a sphere",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_RESTITUTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE |

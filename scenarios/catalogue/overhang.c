@@ -82,7 +82,10 @@ const pl_scenario pl_scenario_overhang = {
         "A stack of blocks that leans out as far as balance allows, times a factor: at 1 "
         "every joint is at its limit at once.",
     .reference = "it stands iff factor <= 1: the top is out by L/2 (1 + 1/2 + ... + 1/n)",
-    .source = "statics: Phillips 1850; Hall 2005, Fun with stacking blocks",
+    .expected = "ok: every block at rest where it began, at factors below 1; collapsed above: the "
+                "stack tips",
+    .source = "statics, as in Hall 2005, Fun with stacking blocks; more than one block to a level "
+              "would reach farther: Paterson and Zwick 2009, Overhang",
     .primary_error = "rest_position_error",
     .validity = "factor < 1",
     .provokes =

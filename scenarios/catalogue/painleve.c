@@ -69,7 +69,9 @@ const pl_scenario pl_scenario_painleve = {
     .reference =
         "an impulse stops the end at once; energy never grows; inconsistent iff friction > "
         "(1 + 3 cos^2) / (3 sin cos) of the angle, at least 4/3",
-    .source = "Painleve 1895; Genot and Brogliato 1999",
+    .expected = "ok: the sliding end stops at once and the rod falls over; energy never grows",
+    .source = "Newton's and Euler's laws with Coulomb's friction: Painleve 1895; Genot and "
+              "Brogliato 1999, New results on Painleve paradoxes",
     .primary_error = "energy_gain",
     .provokes =
         "the equations of forces have no solution: a solver of accelerations fails or finds "

@@ -71,6 +71,7 @@ const pl_scenario pl_scenario_projectile = {
                    "damps velocities falls short.",
     .reference = "x = u t, z = w t - g t^2 / 2, apex w^2 / (2 g); of semi-implicit Euler "
                  "z_n = w n h - g h^2 n (n + 1) / 2, apex (w - g h / 2)^2 / (2 g)",
+    .expected = "ok: place at the end and apex are those of the reference",
     .source = "Galilei 1638, Discorsi, fourth day; the discrete form: the sum of h v_k",
     .primary_error = "value_error",
     .validity = "the apex: where it comes within the run",

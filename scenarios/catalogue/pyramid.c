@@ -55,6 +55,7 @@ const pl_scenario pl_scenario_pyramid = {
     .description = "Cubes in rows, each on the two below it, at rest: the weight spreads over many "
                    "ways to the floor.",
     .reference = "every cube stays where it is: z = row - 1/2 m",
+    .expected = "ok: every cube at rest where it began, even without friction",
     .source = "statics",
     .primary_error = "rest_position_error",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,

@@ -76,6 +76,7 @@ const pl_scenario pl_scenario_reaction_split = {
                    "as a flat one.",
     .reference = "a = friction g without turning; front and back reactions (m g / 2) "
                  "(1 +- friction height / width)",
+    .expected = "ok: the block brakes as a flat one and does not turn",
     .source = "Coulomb's law; moments about the centre of mass",
     .primary_error = "value_error",
     .validity = "friction < width / height, else the block tips",

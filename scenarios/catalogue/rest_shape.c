@@ -125,6 +125,7 @@ const pl_scenario pl_scenario_rest_shape = {
     .description = "One body on the floor, where it rests: whether its contact points hold it, at "
                    "its own height, without rocking, rolling or turning.",
     .reference = "z = the frame's height over the lowest face, edge or line",
+    .expected = "ok: the body at rest where it began",
     .source = "by geometry: a regular tetrahedron's face is at edge / sqrt(24) from its middle, an "
               "icosahedron's at edge (3 sqrt(3) + sqrt(15)) / 12",
     .primary_error = "rest_position_error",

@@ -152,6 +152,8 @@ const pl_scenario pl_scenario_rocking_block = {
     .reference = "w+ / w- = 1 - 3/2 sin^2(alpha), alpha = atan(width / height); the fall: "
                  "t'' = -p^2 sin(alpha - t), p = sqrt(3 g / (4 R)), for slender blocks in "
                  "acosh(1 / (1 - t0 / alpha)) / p",
+    .expected =
+        "ok: the block rocks on in its plane, its next swing lower by the loss at the impact",
     .source = "Housner 1963, The behavior of inverted pendulum structures during earthquakes: the "
               "equation of motion, the period of free rocking and the loss at impact",
     .primary_error = "value_error",

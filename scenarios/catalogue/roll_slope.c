@@ -73,6 +73,10 @@ static pl_status build(const double *values, uint64_t seed, pl_scene *scene, pl_
     const pl_slope slope = pl_slope_of(values[ANGLE], values[FRICTION]);
     const double inertia = shape == SPHERE ? 0.4 : 0.5; /* over m r^2 */
     *scene = pl_scene_default();
+    if (slope.angle == 0 && shape != PRISM) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       "roll-slope: expected an angle above 0, where it begins to roll, found 0");
+    }
     if (slope.friction * slope.cosine * (1 + 1 / inertia) < slope.sine) {
         return pl_fail(error, PL_BAD_INPUT,
                        "roll-slope: expected a friction of %g at least, where it does not slip, "
@@ -117,8 +121,11 @@ const pl_scenario pl_scenario_roll_slope = {
                    "enough: whether it rolls without slip, as fast as its inertia lets it.",
     .reference = "s = a t^2 / 2 along the slope, a = 5/7 g sin(angle) for the sphere, 2/3 for the "
                  "cylinder; of semi-implicit Euler a h^2 n (n + 1) / 2; none for the prism",
+    .expected = "ok: sphere and cylinder roll by the distance of the reference; a prism stays out "
+                "of the slope",
     .source = "a = g sin(angle) / (1 + I / (m r^2)), rolling without slip",
     .primary_error = "travel_error",
+    .validity = "angle > 0, friction >= 2/7 tan(angle) for the sphere, 1/3 for the cylinder",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_SPHERE,
     .params = params,
     .param_count = PARAM_COUNT,

@@ -169,6 +169,8 @@ const pl_scenario pl_scenario_slide_and_spin = {
                    "instant.",
     .reference = "the equations of motion with Coulomb's friction at the three corners, solved to "
                  "1e-8 of the way; no closed form",
+    .expected =
+        "ok: way and turn are those of the reference; sliding and spinning end at one instant",
     .source = "Coulomb's law and statics of three points; the coupling: Farkas, Bartels, Unger and "
               "Wolf 2003, Frictional coupling between sliding and spinning motion",
     .primary_error = "value_error",

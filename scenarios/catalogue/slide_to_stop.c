@@ -89,9 +89,12 @@ const pl_scenario pl_scenario_slide_to_stop = {
         "distance to stop it, the same in all directions, along a straight path.",
     .reference = "s = v0^2 / (2 friction g) along the azimuth, while friction < half width / half "
                  "height = 2, so that it does not tip",
+    .expected =
+        "ok: the block stops at the distance of the reference, straight ahead and not turned",
     .source = "Coulomb's law and uniform deceleration; the condition: moments about the centre of "
               "mass",
     .primary_error = "travel_error",
+    .validity = "speed well above friction g dt, which a step takes from it",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     .params = params,
     .param_count = PARAM_COUNT,

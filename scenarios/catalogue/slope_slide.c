@@ -67,6 +67,7 @@ const pl_scenario pl_scenario_slope_slide = {
     .reference =
         "s = g (sin(angle) - friction cos(angle)) t^2 / 2 along the slope; of semi-implicit Euler "
         "a h^2 n (n + 1) / 2",
+    .expected = "ok: the block slides straight down, flat, by the distance of the reference",
     .source = "Coulomb's law and uniform acceleration; the discrete sum is arithmetic",
     .primary_error = "travel_error",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,

@@ -49,7 +49,8 @@ const pl_scenario pl_scenario_slope_stick = {
         "A block on a slope a little below the angle at which it slides, for a minute: whether "
         "friction holds it, or lets it creep.",
     .reference = "no motion, since tan(angle) < friction",
-    .source = "Coulomb 1785, the angle of repose",
+    .expected = "ok: the block at rest where it began",
+    .source = "Coulomb's law of friction (Coulomb 1785) and statics",
     .primary_error = "rest_position_error",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     .params = params,

@@ -55,7 +55,8 @@ const pl_scenario pl_scenario_slope_threshold = {
     .description = "A block on a slope a little below the angle at which it slides; bisected, it "
                    "gives the friction that an engine really has.",
     .reference = "it holds iff angle < atan(friction)",
-    .source = "Coulomb 1785, the angle of repose",
+    .expected = "ok: at rest where it began, below atan(friction); collapsed above: it slides off",
+    .source = "Coulomb's law of friction (Coulomb 1785) and statics",
     .primary_error = "rest_position_error",
     .validity = "angle < atan(friction); friction < 2, where the block would tip",
     .threshold = &threshold,

@@ -76,9 +76,12 @@ const pl_scenario pl_scenario_slope_tip = {
     .name = "slope-tip",
     .title = "Tall block on a slope",
     .description = "A block twice as tall as wide on a slope a little below the angle at which it "
-                   "tips over; with less friction than that takes, it slides instead.",
+                   "tips over; with less friction than that takes, it slides instead. Figure 3 of "
+                   "the source paper, " PL_SOURCE_PAPER ".",
     .reference = "it holds iff tan(angle) < min(friction, half width / half height); it tips first "
                  "iff friction > half width / half height",
+    .expected = "ok: at rest where it began, below the critical angle; collapsed above: it tips or "
+                "slides off",
     .source = "statics: moments about the lower edge, and Coulomb's law",
     .primary_error = "rest_position_error",
     .validity = "tan(angle) < min(friction, half width / half height)",

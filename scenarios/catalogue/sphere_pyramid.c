@@ -67,6 +67,8 @@ const pl_scenario pl_scenario_sphere_pyramid = {
                    "little more of it than that takes.",
     .reference = "they stand iff friction >= sqrt(3) - sqrt(2) = 0.31784 between them, and >= a "
                  "quarter of that, 0.07946, on the floor",
+    .expected = "ok: all at rest where they began, above both critical frictions; collapsed below: "
+                "they roll apart",
     .source = "statics of each sphere",
     .primary_error = "rest_position_error",
     .validity = "friction > 0.31784, floor_friction > 0.07946",

@@ -77,6 +77,7 @@ const pl_scenario pl_scenario_spin_stop = {
                    "the corners brakes the spin as much as Coulomb's law lets it.",
     .reference = "box on its corners, d from the axis: w' = -3 friction g / d; disc that presses "
                  "evenly: w' = -4/3 friction g / R; it turns by w0^2 / (2 |w'|)",
+    .expected = "ok: the body turns by the angle of the reference and stays in its place",
     .source = "Coulomb's law: the moment of friction over the contact points; for the disc over "
               "its face, as in Farkas, Bartels, Unger and Wolf 2003, Frictional coupling between "
               "sliding and spinning motion",

@@ -1,5 +1,5 @@
 /* The suites: which scenarios are run together. */
-#include "plumb/scenario.h"
+#include "catalogue.h"
 
 #include <string.h>
 
@@ -116,10 +116,11 @@ static const pl_suite suites[] = {
      .entries = paper,
      .entry_count = PAPER_COUNT,
      .published_metric = "iterations_mean",
-     .source = "\"3D Rigid Body Simulation with Contacts using the LCP Formulation\", Table 2 "
-               "(average number of iterations for stacked cubes), projected Gauss-Seidel. By its "
-               "text no tower of more than 25 cubes stood, and the solver often failed to converge "
-               "in 500 iterations. It names neither its time step, nor its duration or tolerance"},
+     .source = PL_SOURCE_PAPER
+     ", Table 2 "
+     "(average number of iterations for stacked cubes), projected Gauss-Seidel. By its "
+     "text no tower of more than 25 cubes stood, and the solver often failed to converge "
+     "in 500 iterations. It names neither its time step, nor its duration or tolerance"},
     {.name = "paper-blocks",
      .description = "the blocks of the source paper at rest on the floor, beside its own times",
      .entries = paper_blocks,

@@ -51,8 +51,10 @@ const pl_scenario pl_scenario_thin_rod = {
     .description = "A rod of 1 m and 1 mm thickness that falls level: moments of inertia that "
                    "differ by half a million, and a body thinner than it falls in a step.",
     .reference = "it lies where it fell: z = half its thickness, not turned",
+    .expected = "ok: the rod lies flat where it fell",
     .source = "by symmetry",
     .primary_error = "rest_position_error",
+    .validity = "the run lasts until it lies: duration > sqrt(2 drop / g)",
     .provokes = "the rod passes through the floor, spins up about its long axis, where the least "
                 "moment turns it, or never comes to rest; in a right engine it lies down and stays",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,

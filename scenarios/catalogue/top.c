@@ -116,6 +116,7 @@ const pl_scenario pl_scenario_top = {
                    "torque against one contact, round and round.",
     .reference = "I1 P^2 cos(tilt) - I3 w3 P + m g l = 0, the slower root; inertias about the "
                  "centre of mass, which stays where it is",
+    .expected = "ok: the top precesses steadily and its centre of mass stays where it is",
     .source =
         "Landau and Lifshitz 1976, Mechanics, section 35, with the tip free to glide: Euler's "
         "law about the centre of mass",

@@ -111,7 +111,8 @@ const pl_scenario pl_scenario_torque_free = {
                    "tells whether its angular momentum stays.",
     .reference = "the middle component of the spin has the period 4 K(m) / p; at the default spins "
                  "6.056844 s; angular momentum and energy are constant",
-    .source = "Landau and Lifshitz 1976, Mechanics, section 37, equation 37.12",
+    .expected = "ok: the box flips at equal intervals; energy and angular momentum stay",
+    .source = "Landau and Lifshitz 1976, Mechanics, section 37, the asymmetrical top",
     .primary_error = "value_error",
     .validity = "the run must see two whole flips: a duration of two periods suffices",
     .needs = PL_NEEDS_ROTATION | PL_NEEDS_BOX,

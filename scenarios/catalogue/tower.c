@@ -100,6 +100,7 @@ const pl_scenario pl_scenario_tower = {
         "or grow heavier upwards.",
     .reference = "every cube stays where it is: z_k = k - 1/2 m, for any masses and "
                  "offsets",
+    .expected = "ok: every cube at rest where it began, for any number, masses and offsets",
     .source = "statics",
     .primary_error = "rest_position_error",
     .provokes = "a weight that must pass through every contact: a solver of few iterations lets "

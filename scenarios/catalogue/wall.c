@@ -28,6 +28,7 @@ const pl_scenario pl_scenario_wall = {
         "A wall of bricks in running bond that touch exactly: many bodies and closed loops of "
         "contacts, where a stack has a chain.",
     .reference = "every brick stays where it is",
+    .expected = "ok: every brick at rest where it began",
     .source = "statics",
     .primary_error = "rest_position_error",
     .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,

@@ -58,6 +58,7 @@ typedef struct pl_scenario {
     const char *title;       /* a line for people */
     const char *description; /* what is built, and what it shows */
     const char *reference;   /* the right answer, as a formula in plain text */
+    const char *expected;    /* the outcome of a right engine, "ok: ..." and what is then seen */
     const char *source; /* of that formula: author, year, equation; or "by symmetry", "statics" */
     const char *primary_error; /* the metric's name */
     const char *validity;      /* where the reference holds; NULL: for all parameters */

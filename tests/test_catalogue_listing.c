@@ -1,0 +1,92 @@
+/* What `plumb list scenarios` shows of each scenario, as JSON and as a page. */
+#include "check.h"
+#include "plumb/scenario.h"
+#include "plumb_process.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static char *list(const char *directory, const char *option, const char *value)
+{
+    const char *const arguments[] = {"list", "scenarios", option, value, NULL};
+    plumb_output output = run_plumb(directory, arguments);
+    assert_int_equal(output.code, 0);
+    char *text = output.out;
+    output.out = NULL;
+    free_output(&output);
+    return text;
+}
+
+static void test_the_list_has_what_a_right_engine_does(void **state)
+{
+    (void)state;
+    char *directory = make_directory(), *text = list(directory, "--json", NULL);
+    json_t *array = json_loads(text, 0, NULL);
+    int count;
+    const pl_scenario *const *scenarios = pl_scenarios(&count);
+    assert_int_equal(json_array_size(array), count);
+    for (int i = 0; i < count; i++) {
+        const json_t *item = json_array_get(array, (size_t)i);
+        assert_string_equal(result_text(item, "name"), scenarios[i]->name);
+        assert_string_equal(result_text(item, "expected"), scenarios[i]->expected);
+        assert_string_equal(result_text(item, "reference"), scenarios[i]->reference);
+        assert_string_equal(result_text(item, "source"), scenarios[i]->source);
+    }
+    json_decref(array);
+    free(text);
+    remove_directory(directory);
+}
+
+/* The part of the page on one scenario; malloc'd. */
+static char *section_of(const char *page, const char *name)
+{
+    char head[64];
+    snprintf(head, sizeof head, "<h2 id=\"%s\">", name);
+    const char *start = strstr(page, head);
+    assert_non_null(start);
+    const char *end = strstr(start + 1, "<h2 ");
+    return end != NULL ? strndup(start, (size_t)(end - start)) : strdup(start);
+}
+
+static void test_the_page_has_every_scenario_with_picture_and_outcome(void **state)
+{
+    (void)state;
+    char *directory = make_directory(), *page = list(directory, "--page", "-");
+    int count;
+    const pl_scenario *const *scenarios = pl_scenarios(&count);
+    for (int i = 0; i < count; i++) {
+        char *section = section_of(page, scenarios[i]->name);
+        assert_contains(section, "<dt>Expected</dt><dd>ok: ");
+        assert_before(section, "<svg", "</svg>");
+        free(section);
+    }
+    free(page);
+    remove_directory(directory);
+}
+
+static void test_the_page_says_which_scene_is_which_figure_of_the_paper(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"rocket", "falling-cubes", "slope-tip", "multi-tower"};
+    char *directory = make_directory(), *page = list(directory, "--page", "-");
+    for (int i = 0; i < 4; i++) {
+        char text[64], *section = section_of(page, names[i]);
+        snprintf(text, sizeof text, "Figure %d of the source paper", i + 1);
+        assert_contains(section, text);
+        free(section);
+    }
+    assert_int_equal(count_of(page, "of the source paper, "), 4);
+    free(page);
+    remove_directory(directory);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_list_has_what_a_right_engine_does),
+        cmocka_unit_test(test_the_page_has_every_scenario_with_picture_and_outcome),
+        cmocka_unit_test(test_the_page_says_which_scene_is_which_figure_of_the_paper),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
