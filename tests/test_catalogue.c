@@ -601,18 +601,20 @@ static void test_unknown_names_get_the_nearest(void **state)
     assert_contains(error.message, "did you mean \"canonical\"?");
 }
 
-static void test_canonical_suite_is_the_five_in_order(void **state)
+static void test_canonical_suite_is_these_in_order(void **state)
 {
     (void)state;
-    static const char *const expected[] = {"tower", "slope-stick", "slope-slide", "wall",
-                                           "wall-collapse"};
+    static const char *const expected[] = {"tower",         "multi-tower",   "slope-stick",
+                                           "slope-slide",   "slope-tip",     "wall",
+                                           "wall-collapse", "falling-cubes", "rocket"};
+    enum { COUNT = sizeof expected / sizeof expected[0] };
     const pl_suite *suite = pl_suite_find("canonical", NULL);
     assert_non_null(suite);
-    assert_int_equal(suite->entry_count, 5);
-    for (int i = 0; i < 5; i++) {
+    assert_int_equal(suite->entry_count, COUNT);
+    for (int i = 0; i < COUNT; i++) {
         assert_string_equal(suite->entries[i].scenario, expected[i]);
-        assert_null(suite->entries[i].setting);
     }
+    assert_string_equal(suite->entries[1].setting, "k=2,n=10");
     assert_null(suite->published_metric);
 }
 
@@ -673,7 +675,7 @@ int main(void)
         cmocka_unit_test(test_dt_and_duration_reach_the_scene),
         cmocka_unit_test(test_bad_settings_are_refused),
         cmocka_unit_test(test_unknown_names_get_the_nearest),
-        cmocka_unit_test(test_canonical_suite_is_the_five_in_order),
+        cmocka_unit_test(test_canonical_suite_is_these_in_order),
         cmocka_unit_test(test_paper_suite_holds_the_table_of_the_source),
         cmocka_unit_test(test_suites_name_known_scenarios_and_settings),
     };

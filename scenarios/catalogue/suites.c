@@ -3,11 +3,12 @@
 
 #include <string.h>
 
-static const pl_suite_entry canonical[] = {{.scenario = "tower"},
-                                           {.scenario = "slope-stick"},
-                                           {.scenario = "slope-slide"},
-                                           {.scenario = "wall"},
-                                           {.scenario = "wall-collapse"}};
+static const pl_suite_entry canonical[] = {
+    {.scenario = "tower"},         {.scenario = "multi-tower", .setting = "k=2,n=10"},
+    {.scenario = "slope-stick"},   {.scenario = "slope-slide"},
+    {.scenario = "slope-tip"},     {.scenario = "wall"},
+    {.scenario = "wall-collapse"}, {.scenario = "falling-cubes"},
+    {.scenario = "rocket"}};
 
 /* Every scenario that has a right answer in numbers. */
 static const pl_suite_entry analytic[] = {{.scenario = "free-fall"},
@@ -95,7 +96,8 @@ enum {
 
 static const pl_suite suites[] = {
     {.name = "canonical",
-     .description = "stacks, friction slope, wall and wall collapse: the default",
+     .description =
+         "stacks, friction slopes, wall, wall collapse, falling cubes, rocket: the default",
      .entries = canonical,
      .entry_count = CANONICAL_COUNT},
     {.name = "analytic",

@@ -21,6 +21,10 @@ static const double TRIAL_SHARE = 0.25;
 /* Costs in nanoseconds, measured once; only their ratios matter. */
 static const double NS_PER_FLOP = 0.14, NS_PER_ASSEMBLED_POINT = 150, NS_PER_SWEPT_POINT = 15;
 
+/* The same of an island with no impulses to start from. Dense ones of millions of points, as where
+ * a step of a second brings every body near every other, cost minutes. */
+static const double COLD_PATIENCE = 16;
+
 /* Islands of so few bodies are solved whole whatever happens to them. */
 enum { TINY = 2 };
 
@@ -62,9 +66,9 @@ static void choose(const pe_problem *problem, const pe_island_limits *limits, do
                    double flops, plan *to)
 {
     double swept = NS_PER_SWEPT_POINT * problem->point_count * to->sweeps;
-    to->whole =
-        to->cold || problem->body_count <= TINY ||
-        (warm < QUIET && direct_cost(problem, flops, QUIET_ITERATIONS) <= limits->patience * swept);
+    double patience = to->cold ? COLD_PATIENCE : warm < QUIET ? limits->patience : 0;
+    to->whole = problem->body_count <= TINY ||
+                direct_cost(problem, flops, QUIET_ITERATIONS) <= patience * swept;
     to->trial = direct_cost(problem, flops, TRIAL_ITERATIONS) <= TRIAL_SHARE * swept;
 }
 
