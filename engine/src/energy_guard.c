@@ -6,15 +6,15 @@ static const double ROUNDING = 1e-10;
 /* Part of the kinetic energy that an island which was solved exactly may gain. */
 static const double MOVING_ERROR = 1e-6;
 
+/* Height, in m, by which a contact that was solved may lift what lies on it in a step, to take back
+ * rounding (problem_build.c). */
+static const double TAKEN_BACK = 1e-10;
+
+/* Part of the speed that projection must leave. */
+static const double LEFT = 0.5;
+
 /* Speed, in m/s, that is none: contacts at rest take back rounding with less (problem_build.c). */
 static const double STANDING = 1e-6;
-
-typedef struct step_view {
-    const pe_free_motion *free;
-    const pe_pose *poses;
-    const pe_motion *motions;
-    double shallow, dt;
-} step_view;
 
 /* Of one island, J. */
 typedef struct energy {
@@ -23,6 +23,7 @@ typedef struct energy {
     double motion; /* kinetic, before and after */
     double terms;  /* that growth is the difference of, in size */
     double mass;   /* kg */
+    double force;  /* N, in size */
 } energy;
 
 static pe_vec3 angular_momentum(const pe_mass *mass, const pe_mat3 *rotation, pe_vec3 w)
@@ -44,7 +45,7 @@ static bool has_torque(const pe_load *load)
 }
 
 /* Work of the torque on a body: its impulse is what the free motion gains of angular momentum. */
-static double spinning_work(const pe_world *world, const step_view *step, int slot)
+static double spinning_work(const pe_world *world, const pe_energy_step *step, int slot)
 {
     if (!has_torque(&pe_loads(world)[slot])) {
         return 0;
@@ -60,7 +61,7 @@ static double spinning_work(const pe_world *world, const step_view *step, int sl
     return 0.5 * pe_dot(impulse, pe_add(begin, end));
 }
 
-static void add_body(const pe_world *world, const step_view *step, int slot, energy *e)
+static void add_body(const pe_world *world, const pe_energy_step *step, int slot, energy *e)
 {
     const pe_mass *mass = &pe_masses(world)[slot];
     const pe_pose *begin = &step->poses[slot], *end = &pe_poses(world)[slot];
@@ -73,6 +74,7 @@ static void add_body(const pe_world *world, const step_view *step, int slot, ene
     e->kinetic += after;
     e->motion += before + after;
     e->mass += mass->mass;
+    e->force += pe_length(force);
     e->growth += (after - before) - work - spinning;
     /* Positions and velocities are rounded themselves. */
     double far = pe_length(force) * (pe_length(end->position) + pe_length(way));
@@ -80,14 +82,23 @@ static void add_body(const pe_world *world, const step_view *step, int slot, ene
                 mass->mass / step->dt * pe_length(step->motions[slot].velocity) * pe_length(way);
 }
 
-static double factor_of(const energy *e, bool exact, pe_energy_report *report)
+static energy energy_of(const pe_world *world, const pe_energy_step *step, const int *slots,
+                        int count)
+{
+    energy e = {0};
+    for (int i = 0; i < count; ++i) {
+        add_body(world, step, slots[i], &e);
+    }
+    return e;
+}
+
+/* Of the velocities that leave no growth; 0: there are none. */
+static double factor_of(const energy *e, bool exact)
 {
     double allowed = ROUNDING * e->terms + STANDING * STANDING * e->mass;
     if (!(e->growth > allowed + (exact ? MOVING_ERROR * e->motion : 0))) {
         return 1;
     }
-    report->islands += 1;
-    report->removed += e->growth;
     return e->growth < e->kinetic ? sqrt(1 - e->growth / e->kinetic) : 0;
 }
 
@@ -97,62 +108,102 @@ static void slow(pe_motion *motion, double factor)
     motion->angular_velocity = pe_scale(factor, motion->angular_velocity);
 }
 
-static bool is_shallow(const pe_world *world, const step_view *step, const int *slots, int count)
+static bool has_moved(const pe_energy_step *step, int slot)
 {
-    for (int i = 0; i < count; ++i) {
-        pe_vec3 way = pe_sub(pe_poses(world)[slots[i]].position, step->poses[slots[i]].position);
-        if (pe_dot(way, way) > step->shallow * step->shallow) {
-            return false;
-        }
-    }
-    return true;
+    return step->moved != NULL && step->moved[slot];
 }
 
-static bool any_moved(const int *slots, int count, const bool *moved)
+static bool any_moved(const pe_energy_step *step, const int *slots, int count)
 {
-    for (int i = 0; i < count && moved != NULL; ++i) {
-        if (moved[slots[i]]) {
+    for (int i = 0; i < count; ++i) {
+        if (has_moved(step, slots[i])) {
             return true;
         }
     }
     return false;
 }
 
-static void guard_bodies(pe_world *world, const step_view *step, const int *slots, int count,
-                         bool exact, pe_energy_report *report)
+static bool all_solved(const pe_energy_step *step, const int *slots, int count)
 {
-    energy e = {0};
     for (int i = 0; i < count; ++i) {
-        add_body(world, step, slots[i], &e);
-    }
-    double factor = factor_of(&e, exact, report);
-    for (int i = 0; i < count && factor < 1; ++i) {
-        slow(&pe_motions(world)[slots[i]], factor);
-    }
-    if (factor == 0 && is_shallow(world, step, slots, count)) {
-        report->put_back += 1;
-        for (int i = 0; i < count; ++i) {
-            pe_poses(world)[slots[i]] = step->poses[slots[i]];
+        if (!step->solved[slots[i]]) {
+            return false;
         }
     }
+    return true;
 }
 
-void pe_energy_guard(pe_world *world, const pe_islands *islands, const pe_free_motion *free,
-                     const pe_pose *poses, const pe_motion *motions, const bool *moved,
-                     const bool *solved, double shallow, double dt, pe_energy_report *report)
+/* No body is farther than `shallow` from `poses`, flagged ones alone. */
+static bool is_shallow(const pe_world *world, const pe_energy_step *step, const pe_pose *poses,
+                       const bool *flags, const int *slots, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        int slot = slots[i];
+        if (flags == NULL || flags[slot]) {
+            pe_vec3 way = pe_sub(pe_poses(world)[slot].position, poses[slot].position);
+            if (pe_dot(way, way) > step->shallow * step->shallow) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+/* Takes back the projection. Returns the factor of the velocities. */
+static double unproject(pe_world *world, const pe_energy_step *step, const int *slots, int count,
+                        bool *put_back)
+{
+    for (int i = 0; i < count; ++i) {
+        int slot = slots[i];
+        if (has_moved(step, slot)) {
+            pe_poses(world)[slot] = step->unprojected_poses[slot];
+            pe_motions(world)[slot] = step->unprojected_motions[slot];
+            put_back[slot] = true;
+        }
+    }
+    energy e = energy_of(world, step, slots, count);
+    return e.growth < TAKEN_BACK * count * e.force ? 1 : factor_of(&e, true);
+}
+
+static void guard_bodies(pe_world *world, const pe_energy_step *step, const int *slots, int count,
+                         bool *put_back, pe_energy_report *report)
+{
+    bool projected = any_moved(step, slots, count), solved = all_solved(step, slots, count);
+    energy e = energy_of(world, step, slots, count);
+    double factor = factor_of(&e, solved && !projected);
+    if (factor == 1) {
+        return;
+    }
+    report->islands += 1;
+    report->removed += e.growth;
+    bool waits = projected && solved && factor < LEFT &&
+                 is_shallow(world, step, step->unprojected_poses, step->moved, slots, count);
+    if (waits) {
+        factor = unproject(world, step, slots, count, put_back);
+    }
+    for (int i = 0; i < count; ++i) {
+        slow(&pe_motions(world)[slots[i]], factor);
+    }
+    bool returns = factor == 0 && is_shallow(world, step, step->poses, NULL, slots, count);
+    for (int i = 0; i < count && returns; ++i) {
+        pe_poses(world)[slots[i]] = step->poses[slots[i]];
+        put_back[slots[i]] = true;
+    }
+    report->put_back += waits || returns;
+}
+
+void pe_energy_guard(pe_world *world, const pe_islands *islands, const pe_energy_step *step,
+                     bool *put_back, pe_energy_report *report)
 {
     *report = (pe_energy_report){0};
-    const step_view step = {
-        .free = free, .poses = poses, .motions = motions, .shallow = shallow, .dt = dt};
     for (int k = 0; k < islands->count; ++k) {
         const int *slots = islands->bodies + islands->body_start[k];
         int count = islands->body_start[k + 1] - islands->body_start[k];
-        bool exact = solved[slots[0]] && !any_moved(slots, count, moved);
-        guard_bodies(world, &step, slots, count, exact, report);
+        guard_bodies(world, step, slots, count, put_back, report);
     }
-    for (int slot = 1; slot < world->slot_count && moved != NULL; ++slot) {
-        if (moved[slot] && islands->place[slot] < 0) {
-            guard_bodies(world, &step, &slot, 1, false, report);
+    for (int slot = 1; slot < world->slot_count; ++slot) {
+        if (has_moved(step, slot) && islands->place[slot] < 0) {
+            guard_bodies(world, step, &slot, 1, put_back, report);
         }
     }
 }

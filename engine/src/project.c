@@ -112,6 +112,18 @@ static bool counts(const pe_project_rules *rules, const pe_manifold *m)
     return rules->among == NULL || rules->among[m->a] || rules->among[m->b];
 }
 
+/* Of the contacts of an island that count. */
+static double deepest_that_counts(const projecting *p, int k)
+{
+    const pe_islands *islands = &p->islands;
+    double deepest = 0;
+    for (int i = islands->start[k]; i < islands->start[k + 1]; ++i) {
+        const pe_manifold *m = &pe_manifolds(&p->world->contacts)[islands->manifolds[i]];
+        deepest = counts(p->rules, m) ? pe_max(deepest, -m->least_separation) : deepest;
+    }
+    return deepest;
+}
+
 static double deepest_of_world(const pe_world *world, const pe_project_rules *rules)
 {
     double deepest = 0;
@@ -374,13 +386,10 @@ static pe_status project_once(projecting *p)
     if (status == PE_OK) {
         status = take_round(p);
     }
-    const pe_islands *islands = &p->islands;
-    for (int k = 0; status == PE_OK && k < islands->count; ++k) {
-        const int *manifolds = islands->manifolds + islands->start[k];
-        int count = islands->start[k + 1] - islands->start[k];
-        bool among =
-            p->rules->among == NULL || p->rules->among[islands->bodies[islands->body_start[k]]];
-        if (among && deepest_of(p->world, manifolds, count) > p->rules->begin) {
+    for (int k = 0; status == PE_OK && k < p->islands.count; ++k) {
+        int first = p->islands.bodies[p->islands.body_start[k]];
+        bool among = p->rules->among == NULL || p->rules->among[first];
+        if (among && deepest_that_counts(p, k) > p->rules->begin) {
             pe_arena_mark before = pe_arena_fill(&p->world->arena);
             status = project_island(p, k);
             pe_arena_rewind(&p->world->arena, &p->world->allocator, before);
@@ -400,12 +409,20 @@ static pe_status refind(projecting *p, const pe_contact_rules *rules, double dt)
     return status;
 }
 
-/* The bodies as they stood when it was best. */
+/* The bodies as they stood at some time. */
 typedef struct snapshot {
     pe_violation violation;
     pe_pose *poses;     /* (slots) */
     pe_motion *motions; /* (slots) */
 } snapshot;
+
+static bool take_snapshot(pe_world *world, snapshot *s)
+{
+    size_t slots = (size_t)world->slot_count;
+    s->poses = pe_scratch(world, slots, sizeof *s->poses);
+    s->motions = pe_scratch(world, slots, sizeof *s->motions);
+    return s->poses != NULL && s->motions != NULL;
+}
 
 static void keep(const pe_world *world, pe_violation violation, snapshot *s)
 {
@@ -449,13 +466,14 @@ pe_status pe_project_positions(pe_world *world, const pe_project_rules *rules,
     projecting p = {.world = world, .rules = rules, .error = error};
     p.moved = pe_scratch(world, slots, sizeof *p.moved);
     bool *ever = pe_scratch(world, slots, sizeof *ever);
-    snapshot best = {.poses = pe_scratch(world, slots, sizeof *best.poses),
-                     .motions = pe_scratch(world, slots, sizeof *best.motions)};
-    if (p.moved == NULL || ever == NULL || best.poses == NULL || best.motions == NULL) {
+    snapshot begun, later;
+    if (!take_snapshot(world, &begun) || !take_snapshot(world, &later) || p.moved == NULL ||
+        ever == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory to project %zu bodies", slots);
     }
     memset(ever, 0, slots * sizeof *ever);
-    keep(world, violation_of_world(world, rules), &best);
+    keep(world, violation_of_world(world, rules), &begun);
+    snapshot best = begun;
     pe_status status = PE_OK;
     bool better = true;
     while (better && best.violation.deepest > rules->begin && report->rounds < rules->max_rounds) {
@@ -472,6 +490,7 @@ pe_status pe_project_positions(pe_world *world, const pe_project_rules *rules,
         pe_violation now = violation_of_world(world, rules);
         better = now.squares < best.violation.squares;
         if (better) {
+            best = later;
             keep(world, now, &best);
         } else {
             bring_back(&p, &best);
@@ -481,5 +500,7 @@ pe_status pe_project_positions(pe_world *world, const pe_project_rules *rules,
     report->iterations = p.iterations;
     report->penetration_left = best.violation.deepest;
     report->moved = ever;
+    report->poses = begun.poses;
+    report->motions = begun.motions;
     return status;
 }

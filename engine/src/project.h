@@ -17,7 +17,7 @@ typedef pe_status pe_project_solver(const pe_problem *problem, const pe_solve_li
                                     pe_workspace work, pe_solve_report *report, pe_error *error);
 
 typedef struct pe_project_rules {
-    double begin;   /* m, > aim + enough: islands with a deeper contact are projected */
+    double begin;   /* m, > aim + enough: islands with a deeper contact that counts are projected */
     double aim;     /* m: the depth that is left alone */
     double enough;  /* m: solved when no contact is deeper than aim + enough */
     int max_sweeps; /* an island and round */
@@ -43,6 +43,8 @@ typedef struct pe_project_report {
     double penetration;      /* m, deepest before */
     double penetration_left; /* m, deepest after */
     const bool *moved;       /* (slots), in the step's arena: bodies that were moved; NULL: none */
+    const pe_pose *poses;    /* (slots), likewise: before any was moved; NULL where `moved` is */
+    const pe_motion *motions;
 } pe_project_report;
 
 /* Projects each island that has a contact deeper than rules->begin, finds the contacts of what it

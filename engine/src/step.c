@@ -51,7 +51,9 @@ typedef struct stepping {
     bool *stands; /* (slots): in an island that was solved directly */
     bool *thrown; /* (slots): in a small island too fast for soft contacts */
     bool any_thrown;
-    bool *moved; /* (slots): by the projection */
+    bool *moved;                      /* (slots): by the projection */
+    const pe_pose *unprojected_poses; /* (slots): before it; NULL: there was none */
+    const pe_motion *unprojected_motions;
     pe_contact_rules rules;
     pe_step_stats stats;
     pe_error *error;
@@ -264,6 +266,10 @@ static pe_status project_by(stepping *step, const pe_project_rules *rules)
     for (int slot = 0; slot < world->slot_count && report.moved != NULL; ++slot) {
         step->moved[slot] |= report.moved[slot];
     }
+    if (step->unprojected_poses == NULL) {
+        step->unprojected_poses = report.poses;
+        step->unprojected_motions = report.motions;
+    }
     pe_step_stats *stats = &step->stats;
     stats->projection_rounds += report.rounds;
     stats->projection_iterations = report.iterations > stats->projection_iterations
@@ -303,19 +309,54 @@ static pe_status project(stepping *step)
     return project_by(step, &rules);
 }
 
+/* The contacts of these bodies (slots) at their poses now; all others stay to the bit. */
+static pe_status meet_again(stepping *step, const bool *bodies)
+{
+    pe_pair *pairs;
+    int count;
+    pe_status status =
+        pe_broad_phase_moved(step->world, step->dt, bodies, &pairs, &count, step->error);
+    if (status == PE_OK) {
+        status = pe_contacts_refind(step->world, &step->rules, pairs, count, bodies, step->dt,
+                                    step->error);
+    }
+    return status;
+}
+
 static pe_status guard_energy(stepping *step)
 {
+    pe_world *world = step->world;
+    size_t slots = (size_t)world->slot_count;
+    bool *put_back = pe_scratch(world, slots, sizeof *put_back);
+    bool *exact = pe_scratch(world, slots, sizeof *exact);
+    if (put_back == NULL || exact == NULL) {
+        return pe_fail(step->error, PE_NO_MEMORY, "no memory to step %zu bodies", slots);
+    }
+    for (size_t slot = 0; slot < slots; ++slot) {
+        put_back[slot] = false;
+        /* What had no contact to solve has moved as exactly as what stands. */
+        exact[slot] = step->stands[slot] || step->islands.place[slot] < 0;
+    }
     pe_energy_report report;
     pe_islands groups;
-    pe_status status = pe_islands_find_touching(step->world, &groups, step->error);
+    pe_status status = pe_islands_find_touching(world, &groups, step->error);
     if (status != PE_OK) {
         return status;
     }
-    pe_energy_guard(step->world, &groups, step->free, step->poses, step->motions, step->moved,
-                    step->stands, SHALLOW * step->world->def.penetration_slop, step->dt, &report);
+    const pe_energy_step ends = {
+        .dt = step->dt,
+        .free = step->free,
+        .poses = step->poses,
+        .motions = step->motions,
+        .moved = step->moved,
+        .unprojected_poses = step->unprojected_poses,
+        .unprojected_motions = step->unprojected_motions,
+        .solved = exact,
+        .shallow = SHALLOW * world->def.penetration_slop,
+    };
+    pe_energy_guard(world, &groups, &ends, put_back, &report);
     step->stats.guarded_islands = report.islands;
-    step->world->contacts_stale |= report.put_back > 0;
-    return PE_OK;
+    return report.put_back > 0 ? meet_again(step, put_back) : PE_OK;
 }
 
 static void clear_loads(pe_world *world)

@@ -1,0 +1,432 @@
+/* The guard over energy. */
+#include "energy_guard.h"
+
+#include "broad_phase/broad_phase.h"
+#include "check.h"
+#include "contact/contact.h"
+#include "world_for_tests.h"
+
+#include <string.h>
+
+static const double H = 1.0 / 60;
+
+static double kinetic_energy(const pe_world *world)
+{
+    double sum = 0;
+    for (int slot = 1; slot < world->slot_count; ++slot) {
+        const pe_mass *m = &pe_masses(world)[slot];
+        const pe_motion *v = &pe_motions(world)[slot];
+        pe_vec3 w = pe_unrotate(&pe_poses(world)[slot].rotation, v->angular_velocity);
+        sum +=
+            0.5 * (m->mass * pe_dot(v->velocity, v->velocity) + pe_dot(w, pe_mul(m->inertia, w)));
+    }
+    return sum;
+}
+
+static pe_vec3 random_vector(check_random *random, double reach)
+{
+    double x = check_uniform(random, -reach, reach), y = check_uniform(random, -reach, reach);
+    return pe_v3(x, y, check_uniform(random, -reach, reach));
+}
+
+/* ---- Growth -----------------------------------------------------------------------------------
+ */
+
+/* A step under way: what the guard compares with. */
+typedef struct under_way {
+    pe_pose poses[8];
+    pe_motion motions[8];
+    pe_free_motion free[8];
+    pe_islands islands;
+} under_way;
+
+static void remember(pe_world *world, under_way *u)
+{
+    pe_pair *pairs;
+    int count;
+    pe_arena_reset(&world->arena, &world->allocator);
+    assert_int_equal(pe_broad_phase(world, H, &pairs, &count, NULL), PE_OK);
+    assert_int_equal(pe_contacts_find(world, pairs, count, H, NULL), PE_OK);
+    size_t slots = (size_t)world->slot_count;
+    memcpy(u->poses, pe_poses(world), slots * sizeof *u->poses);
+    memcpy(u->motions, pe_motions(world), slots * sizeof *u->motions);
+    pe_predict_motion(world, H, u->free);
+    assert_int_equal(pe_islands_find(world, &u->islands, NULL), PE_OK);
+}
+
+/* Moves a body as if it touched nothing. */
+static void move_freely(pe_world *world, const under_way *u, int slot)
+{
+    pe_motions(world)[slot] = u->free[slot].end;
+    pe_pose_move(&pe_poses(world)[slot], pe_scale(H, u->free[slot].mean.velocity),
+                 pe_scale(H, u->free[slot].mean.angular_velocity));
+}
+
+/* What no solver vouches for, and projection did not move. */
+static pe_energy_report guard(pe_world *world, const under_way *u)
+{
+    static const bool solved[8];
+    bool put_back[8] = {false};
+    pe_energy_step s = {.dt = H,
+                        .free = u->free,
+                        .poses = u->poses,
+                        .motions = u->motions,
+                        .solved = solved,
+                        .shallow = 1e-3};
+    pe_energy_report report;
+    pe_energy_guard(world, &u->islands, &s, put_back, &report);
+    return report;
+}
+
+/* A body of 2 kg a little above the ground, near enough for a contact. */
+static pe_world *make_world_with(pe_shape shape, pe_vec3 velocity, pe_vec3 spin, pe_body_id *id)
+{
+    pe_world *world = make_world(NULL);
+    add_plane(world, pe_v3(0, 0, 1), add_material(world, 0.5, 1));
+    pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(3, 1, 0.5005));
+    def.shape = shape;
+    def.mass = 2;
+    def.velocity = velocity;
+    def.angular_velocity = spin;
+    *id = add_body(world, &def);
+    return world;
+}
+
+static const pe_shape CUBE = {.kind = PE_SHAPE_BOX, .half_extents = {0.5, 0.5, 0.5}};
+
+static void test_free_fall_and_throws_are_left_to_the_bit(void **state)
+{
+    (void)state;
+    static const pe_vec3 velocities[] = {{0, 0, 0}, {3, -2, 6}, {10, 0, 0}, {0, 0, -1}};
+    for (int k = 0; k < 4; ++k) {
+        pe_body_id id;
+        pe_world *world = make_world_with(CUBE, velocities[k], pe_v3(0.3 * k, 0.1, -2), &id);
+        under_way u;
+        remember(world, &u);
+        assert_int_equal(u.islands.count, 1);
+        move_freely(world, &u, (int)id.index);
+        pe_motion before = pe_motions(world)[id.index];
+        pe_energy_report report = guard(world, &u);
+        assert_memory_equal(&before, &pe_motions(world)[id.index], sizeof before);
+        assert_int_equal(report.islands, 0);
+        pe_world_destroy(world);
+    }
+}
+
+static void test_what_forces_and_torques_do_is_left_to_the_bit(void **state)
+{
+    (void)state;
+    static const pe_frame frames[] = {PE_FRAME_WORLD, PE_FRAME_BODY};
+    for (int k = 0; k < 4; ++k) {
+        pe_body_id id;
+        pe_world *world = make_world_with(CUBE, pe_v3(1, 0, 2), pe_v3(0, 0.5, 1), &id);
+        pe_vec3 force = pe_scale(k < 2 ? 1 : -1, pe_v3(40, -7, 25));
+        assert_int_equal(
+            pe_body_apply_force(world, id, force, pe_v3(0.2, 0.1, -0.3), frames[k % 2], NULL),
+            PE_OK);
+        under_way u;
+        remember(world, &u);
+        move_freely(world, &u, (int)id.index);
+        pe_motion before = pe_motions(world)[id.index];
+        guard(world, &u);
+        assert_memory_equal(&before, &pe_motions(world)[id.index], sizeof before);
+        pe_world_destroy(world);
+    }
+}
+
+static double energy_at(const pe_world *world, pe_body_id id)
+{
+    return kinetic_energy(world) + 2 * 9.81 * pe_poses(world)[id.index].position.z;
+}
+
+/* A bounce in mid-air, before the ground is reached, would end higher than it began. */
+static void test_a_bounce_keeps_the_energy(void **state)
+{
+    (void)state;
+    pe_body_id id;
+    pe_world *world = make_world_with(CUBE, pe_v3(1, 0, -5), pe_v3(0, 0, 1), &id);
+    under_way u;
+    remember(world, &u);
+    double before = energy_at(world, id);
+    pe_motion *motion = &pe_motions(world)[id.index];
+    motion->velocity.z = 5;
+    pe_pose_move(&pe_poses(world)[id.index], pe_scale(H, motion->velocity),
+                 pe_scale(H, motion->angular_velocity));
+    assert_true(energy_at(world, id) > before + 0.5);
+    pe_energy_report report = guard(world, &u);
+    assert_close(energy_at(world, id), before, 1e-12, 0);
+    assert_int_equal(report.islands, 1);
+    assert_close(report.removed, 2 * 9.81 * 5 * H, 1e-12, 0);
+    assert_close(motion->angular_velocity.z / motion->velocity.z, 1.0 / 5, 1e-12, 0);
+    pe_world_destroy(world);
+}
+
+static void test_the_guard_never_adds_and_leaves_no_growth_that_motion_could_pay(void **state)
+{
+    (void)state;
+    check_random random = {77};
+    int acted = 0;
+    for (int k = 0; k < 200; ++k) {
+        pe_body_id id;
+        pe_world *world =
+            make_world_with(CUBE, random_vector(&random, 3), random_vector(&random, 3), &id);
+        under_way u;
+        remember(world, &u);
+        double begun = energy_at(world, id);
+        pe_motion *motion = &pe_motions(world)[id.index];
+        motion->velocity = pe_add(motion->velocity, random_vector(&random, 1));
+        motion->angular_velocity = pe_add(motion->angular_velocity, random_vector(&random, 1));
+        pe_pose_move(&pe_poses(world)[id.index], random_vector(&random, 0.05),
+                     random_vector(&random, 0.05));
+        double before = energy_at(world, id);
+        pe_energy_report report = guard(world, &u);
+        double after = energy_at(world, id);
+        /* Rest where it was has no more than its energy of position. */
+        assert_at_most(after, pe_max(before, begun));
+        if (report.islands > 0) {
+            assert_at_most(after, begun + 1e-12);
+        }
+        if (report.put_back == 0) {
+            assert_close(before - after, report.removed, 1e-12, 0);
+        }
+        acted += report.islands;
+        pe_world_destroy(world);
+    }
+    assert_true(acted > 40 && acted < 160);
+}
+
+static void test_a_rise_without_motion_is_taken_back(void **state)
+{
+    (void)state;
+    pe_body_id id;
+    pe_world *world = make_world_with(CUBE, pe_v3(0, 0, 0), pe_v3(0, 0, 0), &id);
+    under_way u;
+    remember(world, &u);
+    pe_motions(world)[id.index].velocity.x = 1e-3;
+    pe_pose_move(&pe_poses(world)[id.index], pe_v3(0, 0, 9e-4), pe_v3(0, 0, 0));
+    pe_energy_report report = guard(world, &u);
+    assert_int_equal(report.put_back, 1);
+    assert_close(pe_motions(world)[id.index].velocity.x, 0, 0, 0);
+    assert_memory_equal(&pe_poses(world)[id.index], &u.poses[id.index], sizeof(pe_pose));
+    pe_world_destroy(world);
+}
+
+/* ---- Projection that motion cannot pay for ----------------------------------------------------
+ */
+
+/* A cube of 2 kg that moved freely in a step at whose begin it stood, and then was lifted. */
+typedef struct lifted {
+    pe_world *world;
+    int slot;
+    under_way begun;
+    pe_pose pose[8]; /* (slots): before the lift */
+    pe_motion motion[8];
+    pe_energy_report report;
+    bool put_back[8];
+} lifted;
+
+/* `kept`: part of the speed of free fall. shallow: 3e-3 m. */
+static lifted lift(double height, double kept, bool solved)
+{
+    lifted l = {0};
+    pe_body_id id;
+    l.world = make_world_with(CUBE, pe_v3(0, 0, 0), pe_v3(0, 0, 0), &id);
+    l.slot = (int)id.index;
+    remember(l.world, &l.begun);
+    move_freely(l.world, &l.begun, l.slot);
+    pe_motion *motion = &pe_motions(l.world)[l.slot];
+    motion->velocity = pe_scale(kept, motion->velocity);
+    l.pose[l.slot] = pe_poses(l.world)[l.slot];
+    l.motion[l.slot] = *motion;
+    pe_pose_move(&pe_poses(l.world)[l.slot], pe_v3(0, 0, height), pe_v3(0, 1e-3, 0));
+    bool flags[8] = {false}, exact[8] = {false};
+    flags[l.slot] = true;
+    exact[l.slot] = solved;
+    const pe_energy_step s = {.dt = H,
+                              .free = l.begun.free,
+                              .poses = l.begun.poses,
+                              .motions = l.begun.motions,
+                              .moved = flags,
+                              .unprojected_poses = l.pose,
+                              .unprojected_motions = l.motion,
+                              .solved = exact,
+                              .shallow = 3e-3};
+    pe_energy_guard(l.world, &l.begun.islands, &s, l.put_back, &l.report);
+    return l;
+}
+
+/* Free fall in a step gives m (g h)^2 / 2, which pays for a lift of g h^2 / 2, 1.36e-3 m. */
+static void test_a_lift_that_motion_pays_for_stays(void **state)
+{
+    (void)state;
+    lifted l = lift(4e-4, 1, true);
+    assert_int_equal(l.report.put_back, 0);
+    assert_close(pe_poses(l.world)[l.slot].position.z, l.pose[l.slot].position.z + 4e-4, 1e-15, 0);
+    double v = pe_motions(l.world)[l.slot].velocity.z, fall = l.motion[l.slot].velocity.z;
+    assert_true(fall < 0);
+    assert_close(v * v, fall * fall - 2 * 9.81 * 4e-4, 1e-9, 0);
+    pe_world_destroy(l.world);
+}
+
+static void test_a_dearer_lift_is_taken_back_and_the_motion_goes_on(void **state)
+{
+    (void)state;
+    static const double kept[] = {1, 0.3, 0};
+    for (int k = 0; k < 3; ++k) {
+        lifted l = lift(2e-3, kept[k], true);
+        assert_int_equal(l.report.put_back, 1);
+        assert_true(l.put_back[l.slot]);
+        assert_memory_equal(&pe_poses(l.world)[l.slot], &l.pose[l.slot], sizeof(pe_pose));
+        assert_memory_equal(&pe_motions(l.world)[l.slot], &l.motion[l.slot], sizeof(pe_motion));
+        pe_world_destroy(l.world);
+    }
+}
+
+/* Contacts that sweeps left give way: what lies on them would sink step by step. */
+static void test_what_was_not_solved_comes_to_rest_where_it_was(void **state)
+{
+    (void)state;
+    lifted l = lift(2e-3, 0.3, false);
+    assert_int_equal(l.report.put_back, 1);
+    assert_true(l.put_back[l.slot]);
+    assert_memory_equal(&pe_poses(l.world)[l.slot], &l.begun.poses[l.slot], sizeof(pe_pose));
+    assert_close(pe_length(pe_motions(l.world)[l.slot].velocity), 0, 0, 0);
+    pe_world_destroy(l.world);
+}
+
+static void test_what_is_deep_is_lifted_at_any_price(void **state)
+{
+    (void)state;
+    lifted l = lift(8e-3, 1, true);
+    assert_false(l.put_back[l.slot]);
+    assert_close(pe_poses(l.world)[l.slot].position.z, l.pose[l.slot].position.z + 8e-3, 1e-15, 0);
+    assert_close(pe_length(pe_motions(l.world)[l.slot].velocity), 0, 0, 0);
+    pe_world_destroy(l.world);
+}
+
+/* ---- Stacks that fall --------------------------------------------------------------------------
+ */
+
+enum { MOST_BLOCKS = 20 };
+
+/* Blocks 1 by 0.5 by 0.25 m on a table whose edge is x = 0, its top z = 0, the k-th from the top
+ * out over the next by factor / (2 k): they stand if and only if factor <= 1. */
+static void add_overhang(pe_world *world, int count, double factor, pe_vec3 at, pe_body_id *ids)
+{
+    pe_body_def def = box_def(0.5, 0.25, 0.125, pe_add(at, pe_v3(-0.5, 0, -0.125)));
+    def.is_static = true;
+    add_body(world, &def);
+    def.is_static = false;
+    double x = -0.5;
+    for (int k = count; k >= 1; --k) {
+        x += factor * 0.5 / k;
+        def.position = pe_add(at, pe_v3(x, 0, 0.125 + 0.25 * (count - k)));
+        ids[count - k] = add_body(world, &def);
+    }
+}
+
+static double height_of(const pe_world *world, const pe_body_id *ids, int count)
+{
+    double sum = 0;
+    for (int i = 0; i < count; ++i) {
+        sum += state_of(world, ids[i]).position.z;
+    }
+    return sum / count;
+}
+
+/* Less is not told from standing. */
+static const double FALLEN = 2e-5; /* m */
+
+/* Without friction or blows nothing slows the fall of what has begun to fall: the way down in half
+ * a second is longer than in the one before. */
+static void test_what_has_begun_to_fall_falls_on(void **state)
+{
+    (void)state;
+    static const struct {
+        int count;
+        double factor;
+    } stacks[] = {{12, 1.0005}, {14, 1.001}, {16, 1.001}, {16, 1.002}, {20, 1.002}};
+    for (int k = 0; k < 5; ++k) {
+        pe_body_id ids[MOST_BLOCKS];
+        pe_world_def def = pe_world_def_default();
+        def.profile = PE_PROFILE_ACCURATE;
+        pe_world *world = make_world(&def);
+        add_overhang(world, stacks[k].count, stacks[k].factor, pe_v3(0, 0, 0), ids);
+        double begin = height_of(world, ids, stacks[k].count), before = begin;
+        for (int n = 0; n < 12 && before > begin - 0.1; ++n) {
+            for (int i = 0; i < 30; ++i) {
+                step(world, H);
+            }
+            double now = height_of(world, ids, stacks[k].count);
+            if (before < begin - FALLEN) {
+                assert_true(now < before - FALLEN);
+            }
+            before = now;
+        }
+        assert_true(before < begin - 0.1);
+        pe_world_destroy(world);
+    }
+}
+
+/* ---- What is far -------------------------------------------------------------------------------
+ */
+
+/* Boxes that drop onto each other. */
+static void add_falling_boxes(pe_world *world, pe_body_id *ids)
+{
+    check_random random = {5};
+    for (int i = 0; i < MOST_BLOCKS; ++i) {
+        pe_body_def def =
+            box_def(0.3, 0.2, 0.25, pe_v3(0.1 * (i % 3), 0.1 * (i % 2), 0.4 + 0.7 * i));
+        double q[4];
+        check_quaternion(&random, q);
+        def.orientation = (pe_quat){q[0], q[1], q[2], q[3]};
+        ids[i] = add_body(world, &def);
+    }
+}
+
+/* The stack, 1 km away, has its projection taken back in many steps. */
+static void test_what_is_put_back_changes_no_bit_of_what_is_far(void **state)
+{
+    (void)state;
+    pe_world *worlds[2];
+    pe_body_id near_by[MOST_BLOCKS], far_off[MOST_BLOCKS];
+    for (int k = 0; k < 2; ++k) {
+        pe_world_def def = pe_world_def_default();
+        def.profile = PE_PROFILE_ACCURATE;
+        worlds[k] = make_world(&def);
+        add_plane(worlds[k], pe_v3(0, 0, 1), add_material(worlds[k], 0.5, 0));
+        add_falling_boxes(worlds[k], near_by);
+    }
+    add_overhang(worlds[1], 16, 1.001, pe_v3(1000, 0, 100), far_off);
+    int guarded = 0;
+    for (int n = 0; n < 180; ++n) {
+        int alone = step(worlds[0], H).guarded_islands;
+        guarded += step(worlds[1], H).guarded_islands > alone;
+        for (int i = 0; i < MOST_BLOCKS; ++i) {
+            pe_body_state a = state_of(worlds[0], near_by[i]), b = state_of(worlds[1], near_by[i]);
+            assert_memory_equal(&a, &b, sizeof a);
+        }
+    }
+    assert_true(guarded > 10);
+    pe_world_destroy(worlds[0]);
+    pe_world_destroy(worlds[1]);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_free_fall_and_throws_are_left_to_the_bit),
+        cmocka_unit_test(test_what_forces_and_torques_do_is_left_to_the_bit),
+        cmocka_unit_test(test_a_bounce_keeps_the_energy),
+        cmocka_unit_test(test_the_guard_never_adds_and_leaves_no_growth_that_motion_could_pay),
+        cmocka_unit_test(test_a_rise_without_motion_is_taken_back),
+        cmocka_unit_test(test_a_lift_that_motion_pays_for_stays),
+        cmocka_unit_test(test_a_dearer_lift_is_taken_back_and_the_motion_goes_on),
+        cmocka_unit_test(test_what_was_not_solved_comes_to_rest_where_it_was),
+        cmocka_unit_test(test_what_is_deep_is_lifted_at_any_price),
+        cmocka_unit_test(test_what_has_begun_to_fall_falls_on),
+        cmocka_unit_test(test_what_is_put_back_changes_no_bit_of_what_is_far),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
