@@ -5,11 +5,11 @@
  * people "bodies": [ { "mass": 1, "inertia": [xx, xy, xz, yy, yz, zz], "free_velocity": [vx, vy,
  * vz, wx, wy, wz] } ], "manifolds": [ { "a": -1, "b": 0, "friction": 0.5, "frame": [n, t1, t2: nine
  * numbers], "arm_a": [x, y, z], "arm_b": [x, y, z], "points": [ { "offset": [n, t1, t2], "bias": 0,
- * "impulse": [n, t1, t2] } ] } ] }
+ * "slip": [t1, t2], "impulse": [n, t1, t2] } ] } ] }
  *
  * What the numbers mean, their units and what must hold of them: plumb/contact_problem.h. -1 stands
- * for what is static; an arm of it may be left out, and so may an impulse of zero. Numbers are
- * written so that every bit survives. */
+ * for what is static; an arm of it may be left out, and so may a slip or an impulse of zero.
+ * Numbers are written so that every bit survives. */
 #ifndef PLUMB_PROBLEM_FILE_H
 #define PLUMB_PROBLEM_FILE_H
 

@@ -17,7 +17,7 @@ static const char *const problem_keys[] = {"schema", "source", "bodies", "manifo
 static const char *const body_keys[] = {"mass", "inertia", "free_velocity"};
 static const char *const manifold_keys[] = {"a",     "b",     "friction", "frame",
                                             "arm_a", "arm_b", "points"};
-static const char *const point_keys[] = {"offset", "bias", "impulse"};
+static const char *const point_keys[] = {"offset", "bias", "slip", "impulse"};
 static const pl_key_set problem_set = KEY_SET("problem", problem_keys);
 static const pl_key_set body_set = KEY_SET("body", body_keys);
 static const pl_key_set manifold_set = KEY_SET("manifold", manifold_keys);
@@ -80,6 +80,7 @@ static bool read_point(const json_t *json, pe_problem_point *point, pl_complaint
     return pl_json_object(json, &point_set, complaint) &&
            pl_json_vector(json, "offset", PL_REQUIRED, point->offset, 3, complaint) &&
            pl_json_number(json, "bias", PL_REQUIRED, &point->bias, complaint) &&
+           pl_json_vector(json, "slip", PL_OPTIONAL, point->slip, 2, complaint) &&
            pl_json_vector(json, "impulse", PL_OPTIONAL, point->impulse, 3, complaint);
 }
 

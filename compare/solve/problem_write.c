@@ -38,8 +38,9 @@ static bool put_body(FILE *stream, const char *before, const pe_problem_body *bo
 static bool put_point(FILE *stream, const char *before, const pe_problem_point *point)
 {
     return put(stream, before,
-               json_pack("{s:o, s:f, s:o}", "offset", vector(point->offset, 3), "bias", point->bias,
-                         "impulse", vector(point->impulse, 3)));
+               json_pack("{s:o, s:f, s:o, s:o}", "offset", vector(point->offset, 3), "bias",
+                         point->bias, "slip", vector(point->slip, 2), "impulse",
+                         vector(point->impulse, 3)));
 }
 
 static bool put_manifold(FILE *stream, const char *before, const pe_problem_manifold *m,

@@ -2,7 +2,8 @@
 
 #include <string.h>
 
-/* A gap may shrink below 0 by this, in m, before its bodies move by the new velocity. */
+/* A gap may shrink below 0 by this, in m, before its bodies move by the new velocity; and by what a
+ * carried point swings. */
 static const double CLOSING_SLACK = 1e-9;
 
 static pe_vec3 vector(const double v[3])
@@ -19,8 +20,8 @@ static bool closes(const pe_world *world, const pe_island_problem *island, const
     for (int j = patch->first; j < patch->first + patch->count; ++j) {
         double gap = points[island->point_of[j]].separation;
         pe_point_velocity(&island->problem.point[j], q, u);
-        double approach = u[0] - island->problem.point[j].bias;
-        if (gap + dt * approach < pe_min(0, gap) - CLOSING_SLACK) {
+        pe_point_take_bias(&island->problem.point[j], u);
+        if (gap + dt * u[0] < pe_min(0, gap) - CLOSING_SLACK - dt * island->swing[j]) {
             return true;
         }
     }
@@ -30,12 +31,27 @@ static bool closes(const pe_world *world, const pe_island_problem *island, const
 /* Speed, in m/s, against which an impulse may act without mattering. */
 static const double STANDING = 1e-6;
 
+/* Part of the kinetic energy of its bodies that a patch which is carried may add: less than the
+ * energy guard lets pass. */
+static const double MOVING_ERROR = 2e-6;
+
+/* Kinetic energy of body i, J. */
+static double motion_of(const pe_problem *problem, int i)
+{
+    double momentum[6];
+    pe_mass_times(&problem->inertia[i], problem->velocity[i], momentum);
+    return 0.5 * (pe_dot3(momentum, problem->velocity[i]) +
+                  pe_dot3(momentum + 3, problem->velocity[i] + 3));
+}
+
 /* Whether the patch pushes, and whether it would add energy at these sums of old and new velocity.
  */
-static bool pushes(const pe_problem *problem, const pe_patch *patch, const double (*sum)[6],
+static bool pushes(const pe_island_problem *island, const pe_patch *patch, const double (*sum)[6],
                    bool *adds)
 {
+    const pe_problem *problem = &island->problem;
     double q[6], moment[3], normal = 0, work = 0;
+    bool swings = false;
     pe_patch_twist(patch, sum, q);
     for (int j = patch->first; j < patch->first + patch->count; ++j) {
         const double *p = problem->impulse[j];
@@ -44,8 +60,13 @@ static bool pushes(const pe_problem *problem, const pe_patch *patch, const doubl
             work += p[k] * (q[k] + moment[k]);
         }
         normal += p[0];
+        swings |= island->swing[j] > 0;
     }
-    *adds = work > STANDING * normal;
+    double allowed = STANDING * normal;
+    if (swings) {
+        allowed += MOVING_ERROR * (motion_of(problem, patch->a) + motion_of(problem, patch->b));
+    }
+    *adds = work > allowed;
     return normal > 0;
 }
 
@@ -81,7 +102,7 @@ static void find_late(const pe_world *world, const pe_island_problem *island,
             }
             bool dynamic_late = (late[patch->a] && patch->a != problem->body_count) ||
                                 (late[patch->b] && patch->b != problem->body_count);
-            bool loaded = pushes(problem, patch, sum, &adds);
+            bool loaded = pushes(island, patch, sum, &adds);
             if ((loaded && (adds || dynamic_late)) ||
                 closes(world, island, patch, (const double(*)[6])mean, dt)) {
                 late[patch->a] = late[patch->b] = changed = true;

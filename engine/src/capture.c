@@ -41,6 +41,7 @@ static void copy_contacts(const pe_problem *from, pe_contact_problem *to)
     }
     for (int j = 0; j < to->point_count; ++j) {
         to->points[j].bias = from->point[j].bias;
+        memcpy(to->points[j].slip, from->point[j].slip, sizeof to->points[j].slip);
         memcpy(to->points[j].offset, from->point[j].s, sizeof to->points[j].offset);
         memcpy(to->points[j].impulse, from->impulse[j], sizeof to->points[j].impulse);
     }

@@ -135,6 +135,7 @@ static void view_manifolds(const pe_contact_problem *problem, const pe_inertia *
                 .bias = from->bias,
                 .scale = pe_point_scale(&inertia[patch->a], &inertia[patch->b], ra, rb)};
             memcpy(points[j].s, from->offset, sizeof points[j].s);
+            memcpy(points[j].slip, from->slip, sizeof points[j].slip);
         }
     }
 }

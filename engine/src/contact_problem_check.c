@@ -141,7 +141,7 @@ static bool check_manifold(const pe_contact_problem *problem, const pe_problem_m
 static bool check_point(const pe_problem_point *point, const place *at)
 {
     return are_finite(at, "offset", point->offset, 3) && are_finite(at, "bias", &point->bias, 1) &&
-           are_finite(at, "impulse", point->impulse, 3);
+           are_finite(at, "slip", point->slip, 2) && are_finite(at, "impulse", point->impulse, 3);
 }
 
 bool pe_contact_problem_is_valid(const pe_contact_problem *problem, pe_problem_fault *fault)

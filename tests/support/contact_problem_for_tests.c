@@ -274,6 +274,8 @@ void reference_contact_velocities(const pe_contact_problem *problem, const doubl
                           m->frame[k][2] * relative[2];
             }
             u[j][0] += problem->points[j].bias;
+            u[j][1] += problem->points[j].slip[0];
+            u[j][2] += problem->points[j].slip[1];
         }
     }
 }

@@ -109,6 +109,7 @@ pe_problem solver_problem(const pe_contact_problem *from, pe_workspace work)
             arm_to(m, m->arm_b, &from->points[j], rb);
             memcpy(point[j].s, from->points[j].offset, sizeof point[j].s);
             point[j].bias = from->points[j].bias;
+            memcpy(point[j].slip, from->points[j].slip, sizeof point[j].slip);
             point[j].scale = pe_point_scale(&inertia[patch->a], &inertia[patch->b], ra, rb);
             memcpy(impulse[j], from->points[j].impulse, sizeof impulse[j]);
         }

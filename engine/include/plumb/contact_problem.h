@@ -39,7 +39,8 @@ typedef struct pe_problem_manifold {
 
 typedef struct pe_problem_point {
     double offset[3];  /* s: in the manifold's frame, m */
-    double bias;       /* b_n, m/s: the bounce asked for, or a gap over the step; b_t is 0 */
+    double bias;       /* b_n, m/s: the bounce asked for, or a gap over the step */
+    double slip[2];    /* b_t, m/s: added to what friction opposes, where a slip goes on */
     double impulse[3]; /* warm start, (n, t1, t2) on b, N s */
 } pe_problem_point;
 

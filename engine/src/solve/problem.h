@@ -3,6 +3,8 @@
  *
  *   v = v* + M^-1 J^T p,   u = J v + b        per contact point: n, t1, t2; p in N s, u in m/s
  *   b_n = e u_n before an impact above the threshold, phi/h for a gap phi > 0, else 0
+ *   b_t = (u_t of the step's start - u_t)/2, predicted, where a slip goes on, else 0
+ *   and in both what the rest of the step turns of them: problem_middle.h
  *
  * Signorini-Coulomb in De Saxce's form: K* contains u + mu |u_t| n, K = { |p_t| <= mu p_n }
  * contains p, and the two are orthogonal. (De Saxce and Feng 1998; Acary and Brogliato 2008,
@@ -34,9 +36,10 @@ typedef struct pe_patch {
 } pe_patch;
 
 typedef struct pe_patch_point {
-    double s[3];  /* from the patch's centre, in the patch's frame, m */
-    double bias;  /* b_n, m/s */
-    double scale; /* w = tr(J M^-1 J^T) / 3, 1/kg: makes an impulse of this point a velocity */
+    double s[3];    /* from the patch's centre, in the patch's frame, m */
+    double bias;    /* b_n, m/s */
+    double slip[2]; /* b_t, m/s */
+    double scale;   /* w = tr(J M^-1 J^T) / 3, 1/kg: makes an impulse of this point a velocity */
 } pe_patch_point;
 
 /* Borrowed arrays; one body more than body_count stands for everything static, with zero velocity.
@@ -99,13 +102,30 @@ static inline void pe_patch_twist(const pe_patch *patch, const double (*velocity
     }
 }
 
+/* J v of a point of the patch. */
+static inline void pe_point_motion(const pe_patch_point *point, const double q[6], double u[3])
+{
+    pe_cross3(q + 3, point->s, u);
+    u[0] = u[0] + q[0];
+    u[1] = u[1] + q[1];
+    u[2] = u[2] + q[2];
+}
+
 /* J v + b of a point of the patch. */
 static inline void pe_point_velocity(const pe_patch_point *point, const double q[6], double u[3])
 {
-    pe_cross3(q + 3, point->s, u);
-    u[0] = u[0] + q[0] + point->bias;
-    u[1] = u[1] + q[1];
-    u[2] = u[2] + q[2];
+    pe_point_motion(point, q, u);
+    u[0] = u[0] + point->bias;
+    u[1] = u[1] + point->slip[0];
+    u[2] = u[2] + point->slip[1];
+}
+
+/* Takes b from u again. */
+static inline void pe_point_take_bias(const pe_patch_point *point, double u[3])
+{
+    u[0] -= point->bias;
+    u[1] -= point->slip[0];
+    u[2] -= point->slip[1];
 }
 
 /* Adds the impulse of one point to the patch's wrench. */

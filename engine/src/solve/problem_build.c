@@ -1,5 +1,7 @@
 #include "solve/problem_build.h"
 
+#include "solve/problem_middle.h"
+
 /* Gaps and penetrations up to this, in m, are those of contacts that touch: what rounding and
  * tolerances leave at a step. A tenth of them is taken back at each, by the velocities, so that a
  * stack that stands for an hour stands where it stood: a tower of 1000 leans by a micrometre when
@@ -85,6 +87,7 @@ typedef struct filling {
     pe_patch_point *point;
     double (*impulse)[3];
     int *slot, *point_of;
+    double *swing;
 } filling;
 
 static void fill_bodies(const pe_world *world, const int *slots, int count,
@@ -134,8 +137,10 @@ static void fill_patch(const pe_world *world, const pe_islands *islands, const p
             f->impulse[first + j][k] = pe_dot(direction[k], points[j].impulse);
         }
         point->bias = bias_of(world, m, &points[j], dt);
+        point->slip[0] = point->slip[1] = 0;
         point->scale = pe_point_scale(&f->inertia[patch->a], &f->inertia[patch->b], ra, rb);
         f->point_of[first + j] = m->first + j;
+        f->swing[first + j] = 0;
     }
 }
 
@@ -150,10 +155,11 @@ static bool take_arrays(pe_workspace work, size_t bodies, size_t patches, size_t
         .impulse = pe_take(work, points, sizeof *f->impulse),
         .slot = pe_take(work, bodies, sizeof *f->slot),
         .point_of = pe_take(work, points, sizeof *f->point_of),
+        .swing = pe_take(work, points, sizeof *f->swing),
     };
     return f->inertia != NULL && f->free_velocity != NULL && f->velocity != NULL &&
            f->patch != NULL && f->point != NULL && f->impulse != NULL && f->slot != NULL &&
-           f->point_of != NULL;
+           f->point_of != NULL && f->swing != NULL;
 }
 
 pe_status pe_problem_build(pe_world *world, const pe_islands *islands, int k,
@@ -189,8 +195,13 @@ pe_status pe_problem_build(pe_world *world, const pe_islands *islands, int k,
                     .impulse = f.impulse},
         .slot = f.slot,
         .point_of = f.point_of,
+        .swing = f.swing,
     };
     pe_problem_rebuild_velocity(&built->problem);
+    if (free != NULL && world->def.profile != PE_PROFILE_FAST) {
+        return pe_problem_to_middle(world, built, listed, free, dt, f.patch, f.point, f.swing,
+                                    error);
+    }
     return PE_OK;
 }
 

@@ -298,7 +298,7 @@ static double direction(interior *ip, bool corrects, double target)
         for (int j = patch->first; j < patch->first + patch->count; ++j) {
             cone_point *c = &ip->cone[j];
             pe_point_velocity(&problem->point[j], q, u);
-            u[0] -= problem->point[j].bias;
+            pe_point_take_bias(&problem->point[j], u);
             cone_velocity(c, u, dz);
             unscale_twice(c, dz, back);
             for (int k = 0; k < 3; ++k) {

@@ -120,7 +120,9 @@ static void find_point_velocities(const pe_problem *problem, const vec6 *velocit
         pe_patch_twist(patch, velocity, q);
         for (int j = patch->first; j < patch->first + patch->count; ++j) {
             pe_point_velocity(&problem->point[j], q, u[j]);
-            u[j][0] -= with_bias ? 0 : problem->point[j].bias;
+            if (!with_bias) {
+                pe_point_take_bias(&problem->point[j], u[j]);
+            }
         }
     }
 }

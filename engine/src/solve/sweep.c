@@ -129,6 +129,8 @@ static void fill_point(const pe_patch_point *from, const double p[3], pe_sweep_p
         point->before[k][lane] = p[k];
     }
     point->bias[lane] = from->bias;
+    point->slip[0][lane] = from->slip[0];
+    point->slip[1][lane] = from->slip[1];
     point->scale[lane] = from->scale;
     point->inverse_wnn[lane] = 1;
 }

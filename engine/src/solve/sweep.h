@@ -36,7 +36,7 @@ typedef struct pe_sweep_block {
 
 /* The k-th points of eight patches. Lanes whose patch has fewer never touch. */
 typedef struct pe_sweep_point {
-    pe_block_lanes s[3], bias;
+    pe_block_lanes s[3], bias, slip[2];
     pe_block_lanes inverse_wnn; /* W = J M^-1 J^T of the point, kg; 0 in a lane without a point */
     pe_block_lanes inverse_wtt; /* of the larger eigenvalue of W's tangential block */
     pe_block_lanes wn1, wn2;    /* W's coupling of n with t1 and t2, 1/kg */

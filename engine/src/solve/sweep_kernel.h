@@ -193,6 +193,13 @@ INLINE void velocity_at(const wide q[6], const wide s[3], wide u[3])
     }
 }
 
+INLINE void add_bias(const pe_sweep_point *point, int lane, wide u[3])
+{
+    u[0] = u[0] + load(point->bias + lane);
+    u[1] = u[1] + load(point->slip[0] + lane);
+    u[2] = u[2] + load(point->slip[1] + lane);
+}
+
 /* The wrench of an impulse at a point. */
 INLINE void wrench_of(const wide s[3], const wide p[3], wide x[6])
 {
@@ -314,7 +321,7 @@ INLINE void sweep_point(pe_sweep_point *point, int lane, wide friction, wide bet
         y[k] = take_start(point, k, lane, beta);
     }
     velocity_at(q, s, u);
-    u[0] = u[0] + load(point->bias + lane);
+    add_bias(point, lane, u);
     wide n = wide_max(y[0] - u[0] * load(point->inverse_wnn + lane), wide_of(0));
     d[0] = n - y[0];
     /* The slip as the new normal impulse leaves it. */
@@ -559,7 +566,7 @@ INLINE wide residual_at(const pe_sweep_point *point, int lane, wide friction, co
         p[k] = scale * load(point->impulse[k] + lane);
     }
     velocity_at(q, s, u);
-    u[0] = u[0] + load(point->bias + lane);
+    add_bias(point, lane, u);
     z[0] = p[0] - (u[0] + friction * wide_sqrt(u[1] * u[1] + u[2] * u[2]));
     z[1] = p[1] - u[1];
     z[2] = p[2] - u[2];
