@@ -23,12 +23,16 @@ enum { LOOK_INTERVAL = 10 };
  * rules->enough. */
 static const double REACHED = 0.3;
 
+/* In units of the deepest penetration of its island: a gap that no push closes. */
+static const double FAR = 4;
+
 typedef struct projecting {
     pe_world *world;
     const pe_project_rules *rules;
     pe_islands islands;
     bool *moved;      /* (slots): in this round */
     bool *active;     /* (slots): bodies all of whose contacts are swept */
+    double far;       /* m: gaps of more are not swept */
     double *push;     /* (points of the world): normal impulses so far, kg m */
     pe_islands swept; /* one island: the contacts that are swept */
     int iterations;
@@ -208,7 +212,7 @@ static void collect(projecting *p, const int *manifolds, int count)
     swept->start[1] = swept->body_start[1] = 0;
     for (int i = 0; i < count; ++i) {
         const pe_manifold *m = &pe_manifolds(&p->world->contacts)[manifolds[i]];
-        if (p->active[m->a] || p->active[m->b]) {
+        if ((p->active[m->a] || p->active[m->b]) && m->least_separation < p->far) {
             swept->manifolds[swept->start[1]++] = manifolds[i];
             if (!pe_bodies(p->world)[m->a].is_static) {
                 take_body(swept, m->a);
@@ -238,10 +242,13 @@ static pe_status sweep_island(projecting *p, const int *manifolds, int count,
                               pe_island_problem *built)
 {
     activate_violated(p, manifolds, count);
+    p->far = FAR * deepest_of(p->world, manifolds, count);
     pe_momentum momentum;
     int sweeps = 0;
+    pe_arena_mark before = pe_arena_fill(&p->world->arena);
     for (bool grown = true; grown;) {
         pe_sweep sweep;
+        pe_arena_rewind(&p->world->arena, &p->world->allocator, before);
         collect(p, manifolds, count);
         pe_status status = build_swept(p, built);
         if (status == PE_OK) {
