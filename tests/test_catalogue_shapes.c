@@ -1,28 +1,13 @@
 /* The scenarios of shapes: what rests touches, what rolls and flies follows laws worked out here by
  * another way. */
 #include "check.h"
-#include "plumb/scenario.h"
 #include "plumb/vec.h"
 #include "referee/gap.h"
+#include "scenario_scene.h"
 #include "trigonometry.h"
 
 #include <math.h>
 #include <stdio.h>
-
-static void build(const char *name, const char *const *settings, int count, pl_scene *scene)
-{
-    double values[PL_MAX_PARAMS];
-    pl_error error = {.message = ""};
-    const pl_scenario *scenario = pl_scenario_find(name, &error);
-    assert_non_null(scenario);
-    pl_status status = pl_scenario_values(scenario, settings, count, values, &error);
-    if (status == PL_OK) {
-        status = scenario->build(values, 1, scene, &error);
-    }
-    if (status != PL_OK) {
-        fail_msg("%s %s: %s", name, count > 0 ? settings[0] : "", error.message);
-    }
-}
 
 static double gap_at(const pl_scene *scene, int a, int b, const double position_b[3])
 {
@@ -62,7 +47,7 @@ static void test_every_shape_touches_the_floor_and_can_rest(void **state)
             snprintf(mesh_is, sizeof mesh_is, "mesh=%d", mesh);
             const char *const settings[] = {shape_is, mesh_is};
             pl_scene scene;
-            build("rest-shape", settings, 2, &scene);
+            build_scenario("rest-shape", settings, 2, 1, &scene);
             const pl_body *body = &scene.bodies[1];
             assert_close(gap_at(&scene, 0, 1, body->position), 0, 1e-15, 0);
             const pl_polyhedron *p = body->shape.polyhedron;
@@ -90,7 +75,7 @@ static void test_linked_rings_touch_where_they_rest_and_are_apart_above(void **s
 {
     (void)state;
     pl_scene scene;
-    build("linked-rings", NULL, 0, &scene);
+    build_scenario("linked-rings", NULL, 0, 1, &scene);
     const double *rest = scene.rests[0].position;
     assert_close(gap_at(&scene, 0, 1, rest), 0, 1e-15, 0);
     double above[3] = {rest[0], rest[1], rest[2] + 0.01};
@@ -99,7 +84,7 @@ static void test_linked_rings_touch_where_they_rest_and_are_apart_above(void **s
     assert_true(-rest[2] > 0.5 && -rest[2] < 1);
     pl_scene_free(&scene);
     const char *const settings[] = {"drop=0.25"};
-    build("linked-rings", settings, 1, &scene);
+    build_scenario("linked-rings", settings, 1, 1, &scene);
     assert_close(scene.bodies[1].position[2] - scene.rests[0].position[2], 0.25, 1e-15, 0);
     assert_true(gap_at(&scene, 0, 1, scene.bodies[1].position) > 0.1);
     pl_scene_free(&scene);
@@ -111,7 +96,7 @@ static void test_rollers_touch_the_slope(void **state)
     static const char *const shapes[] = {"shape=0", "shape=1", "shape=2"};
     for (int i = 0; i < 3; i++) {
         pl_scene scene;
-        build("roll-slope", &shapes[i], 1, &scene);
+        build_scenario("roll-slope", &shapes[i], 1, 1, &scene);
         assert_close(gap_at(&scene, 0, 1, scene.bodies[1].position), 0, 1e-15, 0);
         pl_scene_free(&scene);
     }
@@ -124,7 +109,7 @@ static void test_rolling_distance_follows_from_the_torque_about_the_contact(void
     static const char *const shapes[] = {"shape=0", "shape=1"};
     for (int i = 0; i < 2; i++) {
         pl_scene scene;
-        build("roll-slope", &shapes[i], 1, &scene);
+        build_scenario("roll-slope", &shapes[i], 1, 1, &scene);
         const pl_body *body = &scene.bodies[1];
         double r = body->shape.radius, m = body->mass;
         double inertia = body->inertia[i == 0 ? 0 : 2]; /* about the axis of the roll */
@@ -183,7 +168,7 @@ static void test_rocket_flies_as_runge_kutta_says(void **state)
     static const char *const offsets[] = {"offset=0", "offset=0.01", "offset=-0.05", "offset=0.2"};
     for (int i = 0; i < 4; i++) {
         pl_scene scene;
-        build("rocket", &offsets[i], 1, &scene);
+        build_scenario("rocket", &offsets[i], 1, 1, &scene);
         double way[2];
         fly(&scene, way);
         const pl_expect_travel *travel = &scene.travels[0];
@@ -199,7 +184,7 @@ static void test_what_flies_at_the_wall_stops_where_it_touches(void **state)
     static const char *const shapes[] = {"shape=0", "shape=1", "shape=2"};
     for (int i = 0; i < 3; i++) {
         pl_scene scene;
-        build("thin-wall", &shapes[i], 1, &scene);
+        build_scenario("thin-wall", &shapes[i], 1, 1, &scene);
         assert_close(gap_at(&scene, 0, 1, scene.rests[0].position), 0, 1e-15, 0);
         assert_true(gap_at(&scene, 0, 1, scene.bodies[1].position) > 7);
         pl_scene_free(&scene);
@@ -213,7 +198,7 @@ static void test_blocks_lie_on_the_floor_apart(void **state)
     for (int i = 0; i < 2; i++) {
         const char *const settings[] = {"n=10", kinds[i]};
         pl_scene scene;
-        build("blocks", settings, 2, &scene);
+        build_scenario("blocks", settings, 2, 1, &scene);
         assert_int_equal(scene.body_count, 11);
         for (int b = 1; b <= 10; b++) {
             assert_close(gap_at(&scene, 0, b, scene.bodies[b].position), 0, 1e-15, 0);
@@ -232,7 +217,7 @@ static void test_bodies_of_a_pile_start_apart(void **state)
     for (int i = 0; i < 2; i++) {
         const char *const settings[] = {"n=40", kinds[i]};
         pl_scene scene;
-        build("pile", settings, 2, &scene);
+        build_scenario("pile", settings, 2, 1, &scene);
         for (int b = 5; b < scene.body_count; b++) {
             for (int c = 0; c < b; c++) {
                 double reach = 2;

@@ -12,36 +12,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-enum { MAX_WORDS = 16 };
-
-/* Runs "plumb A B C" given as one text, where @ stands for the scene file, # for the directory of
- * results and % for the faulty engine. */
 static plumb_output call(const workspace *f, const char *text)
 {
-    char *words = strdup(text);
-    char *made[MAX_WORDS] = {NULL};
-    const char *arguments[MAX_WORDS + 1] = {NULL};
-    int count = 0;
-    char *rest = NULL;
-    for (char *word = strtok_r(words, " ", &rest); word != NULL;
-         word = strtok_r(NULL, " ", &rest)) {
-        size_t before = strcspn(word, "@#%");
-        const char *stands = word[before] == '@'   ? f->scene
-                             : word[before] == '#' ? f->out
-                             : word[before] == '%' ? FAULTY
-                                                   : "";
-        const char *after = word[before] == '\0' ? "" : word + before + 1;
-        assert_true(count < MAX_WORDS);
-        assert_true(asprintf(&made[count], "%.*s%s%s", (int)before, word, stands, after) >= 0);
-        arguments[count] = made[count];
-        ++count;
-    }
-    plumb_output output = run_plumb(f->directory, arguments);
-    for (int i = 0; i < count; ++i) {
-        free(made[i]);
-    }
-    free(words);
-    return output;
+    return wait_plumb(f->directory, start_plumb_words(f, text));
 }
 
 static void check_call(void **state, const char *text, int code, const char *out, const char *err)

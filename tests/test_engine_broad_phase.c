@@ -4,6 +4,7 @@
 #include "collide_convex.h"
 #include "counting_allocator.h"
 #include "integrate.h"
+#include "random_pose.h"
 #include "world_for_tests.h"
 
 #include <string.h>
@@ -11,12 +12,6 @@
 static const double H = 1.0 / 60;
 
 enum { CROWD = 150, STEPS = 40 };
-
-static pe_vec3 random_vector(check_random *random, double reach)
-{
-    double x = check_uniform(random, -reach, reach), y = check_uniform(random, -reach, reach);
-    return pe_v3(x, y, check_uniform(random, -reach, reach));
-}
 
 /* Crowded, most of it in a cube of 3 m, with some bodies far out. */
 static pe_body_state random_state(check_random *random, bool is_static)

@@ -1,5 +1,6 @@
 /* Substepped soft contact as a piece of machinery: lanes, order, memory, what is chosen. */
 #include "check.h"
+#include "counting_allocator.h"
 #include "soft/plan.h"
 #include "soft_for_tests.h"
 #include "vec.h"
@@ -254,28 +255,6 @@ static void test_neither_precession_nor_turning_changes_kinetic_energy(void **st
     }
 }
 
-/* Counts allocations, and fails all from the one numbered fail_at on (from 1; 0: none). */
-typedef struct counter {
-    long made, alive, fail_at;
-} counter;
-
-static void *count_allocate(void *context, size_t size)
-{
-    counter *c = context;
-    c->made += 1;
-    if (c->fail_at > 0 && c->made >= c->fail_at) {
-        return NULL;
-    }
-    c->alive += 1;
-    return aligned_alloc(64, (size + 63) / 64 * 64);
-}
-
-static void count_release(void *context, void *memory)
-{
-    ((counter *)context)->alive -= 1;
-    free(memory);
-}
-
 static pe_world *counted_world(counter *c)
 {
     pe_world_def def = pe_world_def_default();
@@ -286,28 +265,28 @@ static pe_world *counted_world(counter *c)
 static void test_nothing_is_allocated_after_warm_up(void **state)
 {
     (void)state;
-    counter c = {0};
+    counter c = {.fail_at = -1, .lasting = true};
     pe_world *world = counted_world(&c);
     pe_body_id ids[8];
     add_tower(world, 8, (pe_material_id){0}, ids);
     for (int i = 0; i < 60; ++i) {
         soft_step(world, H, NULL); /* it settles, and corners gain and lose points */
     }
-    long made = c.made;
+    int made = c.calls;
     for (int i = 0; i < 100; ++i) {
         soft_step(world, H, NULL);
     }
-    assert_int_equal(c.made, made);
+    assert_int_equal(c.calls, made);
     pe_world_destroy(world);
-    assert_int_equal(c.alive, 0);
+    assert_int_equal(c.living, 0);
 }
 
 static void test_every_failed_allocation_leaves_all_as_it_was(void **state)
 {
     (void)state;
     int failed = 0;
-    for (long k = 1;; ++k) {
-        counter c = {0};
+    for (int k = 0;; ++k) {
+        counter c = {.fail_at = -1, .lasting = true};
         pe_world *world = counted_world(&c);
         pe_body_id ids[WALL_BODIES];
         add_wall_and_ball(world, ids);
@@ -325,7 +304,7 @@ static void test_every_failed_allocation_leaves_all_as_it_was(void **state)
         memcpy(before, pe_poses(world), poses);
         memcpy(before + poses, pe_motions(world), motions);
         memcpy(before + poses + motions, pe_points(&world->contacts), points);
-        c.fail_at = c.made + k;
+        c.fail_at = c.calls + k;
         pe_error error = {0};
         pe_status status = pe_soft_step(world, &now.islands, now.chosen, H, NULL, &error);
         if (status != PE_OK) {
@@ -338,7 +317,7 @@ static void test_every_failed_allocation_leaves_all_as_it_was(void **state)
         }
         free(before);
         pe_world_destroy(world);
-        assert_int_equal(c.alive, 0);
+        assert_int_equal(c.living, 0);
         if (status == PE_OK) {
             break;
         }

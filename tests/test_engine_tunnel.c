@@ -1,5 +1,6 @@
 /* Nothing passes a wall that is thinner than the way it makes in a step. */
 #include "check.h"
+#include "random_pose.h"
 #include "vec.h"
 #include "world_for_tests.h"
 
@@ -19,12 +20,6 @@ static pe_world *world_with_wall(pe_profile profile)
     pe_body_id id;
     assert_int_equal(pe_body_create(world, &wall, &id, NULL), PE_OK);
     return world;
-}
-
-static pe_vec3 random_vector(check_random *random, double size)
-{
-    double x = check_uniform(random, -size, size), y = check_uniform(random, -size, size);
-    return pe_v3(x, y, check_uniform(random, -size, size));
 }
 
 /* A box of the half extents, of two triangles a side. */

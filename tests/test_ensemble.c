@@ -15,34 +15,12 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { MOST_WORDS = 40 };
-
-/* Runs "plumb ensemble A B C" given as one text, where @ stands for the scene file, # for the
- * directory of results and % for the faulty engine. Returns its process. */
+/* Runs "plumb ensemble A B C", as start_plumb_words reads it. Returns its process. */
 static pid_t start(const workspace *f, const char *text)
 {
-    char *words = strdup(text);
-    char *made[MOST_WORDS] = {NULL};
-    const char *arguments[MOST_WORDS + 2] = {"ensemble"};
-    int count = 1;
-    char *rest = NULL;
-    for (char *word = strtok_r(words, " ", &rest); word != NULL;
-         word = strtok_r(NULL, " ", &rest)) {
-        size_t before = strcspn(word, "@#%");
-        const char *stands = word[before] == '@'   ? f->scene
-                             : word[before] == '#' ? f->out
-                             : word[before] == '%' ? FAULTY
-                                                   : "";
-        const char *after = word[before] == '\0' ? "" : word + before + 1;
-        assert_true(count < MOST_WORDS);
-        assert_true(asprintf(&made[count], "%.*s%s%s", (int)before, word, stands, after) >= 0);
-        arguments[count] = made[count];
-        ++count;
-    }
-    pid_t pid = start_plumb(f->directory, arguments);
-    for (int i = 0; i < count; ++i) {
-        free(made[i]);
-    }
+    char *words = NULL;
+    assert_true(asprintf(&words, "ensemble %s", text) >= 0);
+    pid_t pid = start_plumb_words(f, words);
     free(words);
     return pid;
 }

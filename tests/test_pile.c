@@ -1,23 +1,11 @@
 /* The scenario `pile`: what it puts where. */
 #include "check.h"
-#include "plumb/scenario.h"
+#include "scenario_scene.h"
 #include "scene_equal.h"
 
 #include <math.h>
 
 enum { SIDES = 5 }; /* floor and walls */
-
-static void build(const char *const *settings, int count, uint64_t seed, pl_scene *scene)
-{
-    pl_error error;
-    double values[PL_MAX_PARAMS];
-    const pl_scenario *pile = pl_scenario_find("pile", &error);
-    assert_non_null(pile);
-    if (pl_scenario_values(pile, settings, count, values, &error) != PL_OK ||
-        pile->build(values, seed, scene, &error) != PL_OK) {
-        fail_msg("%s", error.message);
-    }
-}
 
 /* From the centre to the farthest point. */
 static double reach(const pl_shape *shape)
@@ -49,7 +37,7 @@ static void test_all_bodies_start_apart_and_inside_of_the_box(void **state)
     for (int s = 0; s < 3; ++s) {
         const char *settings[] = {"n=150", shapes[s]};
         pl_scene scene;
-        build(settings, 2, 7, &scene);
+        build_scenario("pile", settings, 2, 7, &scene);
         assert_int_equal(scene.body_count, SIDES + 150);
         for (int i = SIDES; i < scene.body_count; ++i) {
             const pl_body *body = &scene.bodies[i];
@@ -73,7 +61,7 @@ static void test_the_shape_decides_what_falls(void **state)
         const char *settings[] = {"n=100", shapes[s]};
         int spheres = 0;
         pl_scene scene;
-        build(settings, 2, 1, &scene);
+        build_scenario("pile", settings, 2, 1, &scene);
         for (int i = SIDES; i < scene.body_count; ++i) {
             spheres += scene.bodies[i].shape.kind == PL_SHAPE_SPHERE;
         }
@@ -90,7 +78,7 @@ static void test_mass_is_volume_and_every_body_its_own(void **state)
 {
     (void)state;
     pl_scene scene;
-    build(NULL, 0, 5, &scene);
+    build_scenario("pile", NULL, 0, 5, &scene);
     for (int i = SIDES; i < scene.body_count; ++i) {
         const pl_body *body = &scene.bodies[i];
         assert_close(body->mass, pl_shape_volume(&body->shape), 0, 1e-15);
@@ -107,9 +95,9 @@ static void test_the_same_seed_is_the_same_pile_and_another_is_another(void **st
     (void)state;
     pl_scene first, again, other;
     char hash[17], other_hash[17];
-    build(NULL, 0, 3, &first);
-    build(NULL, 0, 3, &again);
-    build(NULL, 0, 4, &other);
+    build_scenario("pile", NULL, 0, 3, &first);
+    build_scenario("pile", NULL, 0, 3, &again);
+    build_scenario("pile", NULL, 0, 4, &other);
     assert_same_scene(&again, &first);
     assert_int_equal(pl_scene_hash(&first, hash, NULL), PL_OK);
     assert_int_equal(pl_scene_hash(&other, other_hash, NULL), PL_OK);
@@ -123,7 +111,7 @@ static void test_no_final_state_is_expected_but_that_nothing_overlaps(void **sta
 {
     (void)state;
     pl_scene scene;
-    build(NULL, 0, 0, &scene);
+    build_scenario("pile", NULL, 0, 0, &scene);
     assert_int_equal(scene.rest_count, 0);
     assert_int_equal(scene.travel_count, 0);
     assert_string_equal(scene.primary_error, "penetration_max");

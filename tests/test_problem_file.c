@@ -5,6 +5,7 @@
 #include "contact_problem_for_tests.h"
 #include "plumb_process.h"
 #include "solve/problem_file.h"
+#include "text_fault.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -151,48 +152,9 @@ static void test_a_written_file_reads_back_and_an_invalid_problem_is_not_written
 /* ---- Bad files ---------------------------------------------------------------------------------
  */
 
-typedef struct fault {
-    const char *from, *to; /* the first `from` becomes `to`, which holds the @ */
-    const char *path;
-    const char *part; /* of the message behind the path */
-} fault;
-
-static char *replace(const char *text, const char *from, const char *to)
+static void check_fault(const text_fault *item)
 {
-    const char *place = strstr(text, from);
-    if (place == NULL) {
-        fail_msg("the sample has no %s", from);
-    }
-    size_t before = (size_t)(place - text);
-    char *result = malloc(strlen(text) + strlen(to) + 1);
-    assert_non_null(result);
-    memcpy(result, text, before);
-    strcpy(result + before, to);
-    strcat(result, place + strlen(from));
-    return result;
-}
-
-/* Takes the @ out of `text` and counts characters up to it. */
-static void take_mark(char *text, int *line, int *column)
-{
-    char *mark = strchr(text, '@');
-    assert_non_null(mark);
-    *line = 1;
-    *column = 1;
-    for (const char *c = text; c < mark; c++) {
-        if (*c == '\n') {
-            *line += 1;
-            *column = 1;
-        } else {
-            *column += ((unsigned char)*c & 0xC0u) == 0x80u ? 0 : 1;
-        }
-    }
-    memmove(mark, mark + 1, strlen(mark));
-}
-
-static void check_fault(const fault *item)
-{
-    char *text = replace(sample, item->from, item->to);
+    char *text = text_with(sample, item->from, item->to);
     char expected[256];
     int line, column;
     take_mark(text, &line, &column);
@@ -212,7 +174,7 @@ static void check_fault(const fault *item)
     free(text);
 }
 
-static void check_faults(const fault *faults, size_t count)
+static void check_faults(const text_fault *faults, size_t count)
 {
     for (size_t i = 0; i < count; ++i) {
         check_fault(&faults[i]);
@@ -224,7 +186,7 @@ static void check_faults(const fault *faults, size_t count)
 static void test_wrong_kinds_are_found_where_they_are(void **state)
 {
     (void)state;
-    const fault faults[] = {
+    const text_fault faults[] = {
         {"\"plumb.contact_problem/1\"", "@\"plumb.contact_problem/2\"", "schema",
          "expected \"plumb.contact_problem/1\", found \"plumb.contact_problem/2\""},
         {"\"plumb.contact_problem/1\"", "@1", "schema", "found 1"},
@@ -257,7 +219,7 @@ static void test_wrong_kinds_are_found_where_they_are(void **state)
 static void test_bad_numbers_are_found_where_they_are(void **state)
 {
     (void)state;
-    const fault faults[] = {
+    const text_fault faults[] = {
         {"\"mass\": 2", "\"mass\": @0", "bodies[1].mass",
          "expected a finite number above 0, found 0"},
         {"\"mass\": 2", "\"mass\": @-2", "bodies[1].mass", "found -2"},
@@ -285,7 +247,7 @@ static void test_bad_numbers_are_found_where_they_are(void **state)
 static void test_what_json_cannot_say_is_a_fault_of_syntax(void **state)
 {
     (void)state;
-    const fault faults[] = {
+    const text_fault faults[] = {
         {"\"mass\": 2", "\"mass\": @NaN", "JSON syntax", "expected valid JSON"},
         {"\"mass\": 2", "\"mass\": @Infinity", "JSON syntax", "expected valid JSON"},
         {"\"mass\": 2", "\"mass\": @1e999", "JSON syntax", "real number overflow"},

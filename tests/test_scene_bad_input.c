@@ -4,51 +4,13 @@
 #include "check.h"
 #include "plumb/scene.h"
 #include "sample_scene.h"
+#include "text_fault.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
-
-typedef struct fault {
-    const char *from, *to; /* the first `from` becomes `to`, which holds the @ */
-    const char *path;
-    const char *part; /* of the message behind the path */
-} fault;
-
-static char *replace(const char *text, const char *from, const char *to)
-{
-    const char *place = strstr(text, from);
-    if (place == NULL) {
-        fail_msg("the sample scene has no %s", from);
-    }
-    size_t before = (size_t)(place - text);
-    char *result = malloc(strlen(text) + strlen(to) + 1);
-    assert_non_null(result);
-    memcpy(result, text, before);
-    strcpy(result + before, to);
-    strcat(result, place + strlen(from));
-    return result;
-}
-
-/* Takes the @ out of `text` and counts characters up to it. */
-static void take_mark(char *text, int *line, int *column)
-{
-    char *mark = strchr(text, '@');
-    assert_non_null(mark);
-    *line = 1;
-    *column = 1;
-    for (const char *c = text; c < mark; c++) {
-        if (*c == '\n') {
-            *line += 1;
-            *column = 1;
-        } else {
-            *column += ((unsigned char)*c & 0xC0u) == 0x80u ? 0 : 1;
-        }
-    }
-    memmove(mark, mark + 1, strlen(mark));
-}
 
 static void check_message(const char *text, int line, int column, const char *path,
                           const char *part)
@@ -68,16 +30,16 @@ static void check_message(const char *text, int line, int column, const char *pa
     assert_null(scene.bodies); /* left empty */
 }
 
-static void check_fault(const fault *item)
+static void check_fault(const text_fault *item)
 {
-    char *text = replace(sample_scene, item->from, item->to);
+    char *text = text_with(sample_scene, item->from, item->to);
     int line, column;
     take_mark(text, &line, &column);
     check_message(text, line, column, item->path, item->part);
     free(text);
 }
 
-static void check_faults(const fault *faults, size_t count)
+static void check_faults(const text_fault *faults, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         check_fault(&faults[i]);
@@ -87,7 +49,7 @@ static void check_faults(const fault *faults, size_t count)
 static void test_syntax_errors_are_located(void **state)
 {
     (void)state;
-    static const fault faults[] = {
+    static const text_fault faults[] = {
         {"0.01,", "@NaN,", "JSON syntax", "NaN"},
         {"0.01,", "@1e999,", "JSON syntax", "overflow"},
         {"0.01,", "@Infinity,", "JSON syntax", "invalid token"},
@@ -136,7 +98,7 @@ static void test_deep_nesting_is_refused(void **state)
 static void test_keys_are_located(void **state)
 {
     (void)state;
-    static const fault faults[] = {
+    static const text_fault faults[] = {
         {"\"dt\": 0.01,", "\"dt\": 0.01, @\"colour\": 1,", "colour", "expected one of plumb_scene"},
         {"\"gravity\"", "@\"gravty\"", "gravty", "did you mean \"gravity\"?"},
         {"\"plumb_scene\": 1,\n  \"name\": \"é", "\"plumb_scene\": 1,\n  @\"é\": 1, \"name\": \"é",
@@ -184,7 +146,7 @@ static void test_keys_are_located(void **state)
 static void test_types_and_lengths_are_located(void **state)
 {
     (void)state;
-    static const fault faults[] = {
+    static const text_fault faults[] = {
         {"\"plumb_scene\": 1", "\"plumb_scene\": @2", "plumb_scene", "expected 1, found 2"},
         {"\"plumb_scene\": 1", "\"plumb_scene\": @\"1\"", "plumb_scene", "found \"1\""},
         {"\"é scène\"", "@7", "name", "a name, found 7"},
@@ -223,7 +185,7 @@ static void test_types_and_lengths_are_located(void **state)
 static void test_numbers_out_of_range_are_located(void **state)
 {
     (void)state;
-    static const fault faults[] = {
+    static const text_fault faults[] = {
         {"\"dt\": 0.01", "\"dt\": @0", "dt", "above 0, found 0"},
         {"\"dt\": 0.01", "\"dt\": @-0.01", "dt", "found -0.01"},
         {"\"duration\": 2", "\"duration\": @0.005", "duration", "at least dt, which is 0.01"},
@@ -279,7 +241,7 @@ static void test_numbers_out_of_range_are_located(void **state)
 static void test_names_and_references_are_located(void **state)
 {
     (void)state;
-    static const fault faults[] = {
+    static const text_fault faults[] = {
         {"{ \"name\": \"ball\"",
          "{ \"name\": @\"kåse\", \"shape\": { \"type\": \"plane\", \"normal\": [1, 0, 0], "
          "\"offset\": 0 } }, { \"name\": \"ball\"",
@@ -315,11 +277,11 @@ static void test_names_and_references_are_located(void **state)
 static void test_primary_error_needs_its_expectation(void **state)
 {
     (void)state;
-    char *text = replace(sample_scene,
-                         "\"rest\": [ { \"body\": \"kåse\", \"position\": [1, 2, 0], "
-                         "\"orientation\": [1, 0, 0, 0] } ],",
-                         "");
-    char *changed = replace(text, "\"drift\"", "@\"rest_rotation_error\"");
+    char *text = text_with(sample_scene,
+                           "\"rest\": [ { \"body\": \"kåse\", \"position\": [1, 2, 0], "
+                           "\"orientation\": [1, 0, 0, 0] } ],",
+                           "");
+    char *changed = text_with(text, "\"drift\"", "@\"rest_rotation_error\"");
     int line, column;
     take_mark(changed, &line, &column);
     check_message(changed, line, column, "expect.primary", "expected `rest` beside");

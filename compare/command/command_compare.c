@@ -53,11 +53,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static const struct argp_child children[] = {{&pl_contest_argp, 0, NULL, 0},
-                                             {&pl_contest_jobs_argp, 0, NULL, 0},
-                                             {&pl_contest_out_argp, 0, NULL, 0},
-                                             {0}};
-
 static const struct argp argp = {
     .options = argp_options,
     .parser = parse,
@@ -71,7 +66,7 @@ static const struct argp argp = {
         "  plumb compare tower wall --engine plumb --engine ode:quick --repeat 5\n"
         "  plumb compare tower --set n=50 --dt 1/240 --out report-50\n"
         "  plumb compare ./mine.json --engine ./mine.so:fast --json - | jq .",
-    .children = children};
+    .children = pl_contest_children};
 
 /* What the callbacks of runs need. */
 typedef struct keeper {

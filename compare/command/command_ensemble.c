@@ -111,11 +111,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static const struct argp_child children[] = {{&pl_contest_argp, 0, NULL, 0},
-                                             {&pl_contest_jobs_argp, 0, NULL, 0},
-                                             {&pl_contest_out_argp, 0, NULL, 0},
-                                             {0}};
-
 static const struct argp argp = {
     .options = argp_options,
     .parser = parse,
@@ -131,7 +126,7 @@ static const struct argp argp = {
         "  plumb ensemble pile --set n=60 --members 64 --converged --out pile-60\n"
         "  plumb ensemble wall-collapse --engine plumb --against friction=0.4 --against itself\n"
         "  plumb ensemble ./mine.json --engine ./mine.so:fast --json - | jq .comparisons",
-    .children = children};
+    .children = pl_contest_children};
 
 /* The problems of a setting: those asked for, where the other setting's values come last. */
 static pl_status add_problems(void *user, int setting, pl_plan *plan, pl_error *error)

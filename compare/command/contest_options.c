@@ -128,6 +128,11 @@ const struct argp pl_contest_jobs_argp = {
 const struct argp pl_contest_out_argp = {
     .options = out_options, .parser = parse_out, .help_filter = filter_help};
 
+const struct argp_child pl_contest_children[] = {{&pl_contest_argp, 0, NULL, 0},
+                                                 {&pl_contest_jobs_argp, 0, NULL, 0},
+                                                 {&pl_contest_out_argp, 0, NULL, 0},
+                                                 {0}};
+
 void pl_contest_init(pl_contest *contest, const struct argp_state *state)
 {
     const struct argp_child *children = state->root_argp->children;

@@ -38,6 +38,9 @@ extern const struct argp pl_contest_jobs_argp;
 /* --out, --resume */
 extern const struct argp pl_contest_out_argp;
 
+/* All three. */
+extern const struct argp_child pl_contest_children[];
+
 /* At ARGP_KEY_INIT of a command whose children are all of those above: gives them their input. */
 void pl_contest_init(pl_contest *contest, const struct argp_state *state);
 

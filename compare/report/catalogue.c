@@ -11,19 +11,12 @@
 
 enum { MOST_PARAMS = PL_MAX_PARAMS };
 
-static void add_element(pl_sheet *sheet, const char *open, const char *text, const char *close)
-{
-    pl_sheet_add(sheet, open);
-    pl_sheet_add_html(sheet, text);
-    pl_sheet_add(sheet, close);
-}
-
 /* A name and what there is to say; nothing where that is NULL. */
 static void add_fact(pl_sheet *sheet, const char *name, const char *text)
 {
     if (text != NULL) {
-        add_element(sheet, "<dt>", name, "</dt>");
-        add_element(sheet, "<dd>", text, "</dd>\n");
+        pl_sheet_add_element(sheet, "<dt>", name, "</dt>");
+        pl_sheet_add_element(sheet, "<dd>", text, "</dd>\n");
     }
 }
 
@@ -46,8 +39,9 @@ static void add_head(pl_sheet *sheet, int count)
 static void add_index(pl_sheet *sheet, const pl_scenario *const *scenarios, int count)
 {
     for (int i = 0; i < count; ++i) {
-        add_element(sheet, i == 0 ? "<a href=\"#" : " · <a href=\"#", scenarios[i]->name, "\">");
-        add_element(sheet, "", scenarios[i]->name, "</a>");
+        pl_sheet_add_element(sheet, i == 0 ? "<a href=\"#" : " · <a href=\"#", scenarios[i]->name,
+                             "\">");
+        pl_sheet_add_element(sheet, "", scenarios[i]->name, "</a>");
     }
     pl_sheet_add(sheet, "</p>\n");
 }
@@ -91,7 +85,7 @@ static void add_needs(pl_sheet *sheet, uint32_t needs)
     const char *between = "";
     for (uint32_t bit = 1; bit != 0; bit <<= 1) {
         if ((needs & bit) != 0) {
-            add_element(sheet, between, pl_needs_name(bit), "");
+            pl_sheet_add_element(sheet, between, pl_needs_name(bit), "");
             between = ", ";
         }
     }
@@ -109,7 +103,7 @@ static void add_suites(pl_sheet *sheet, const char *name)
             within = within || strcmp(suites[i].entries[k].scenario, name) == 0;
         }
         if (within) {
-            add_element(sheet, between, suites[i].name, "");
+            pl_sheet_add_element(sheet, between, suites[i].name, "");
             between = ", ";
         }
     }
@@ -121,11 +115,11 @@ static void add_primary(pl_sheet *sheet, const char *name)
     int id = pl_metric_by_name(name);
     if (id >= 0) {
         const pl_metric_info *info = &pl_metric_table[id];
-        add_element(sheet, "<dt>Judged by</dt><dd><code>", info->name, "</code>");
+        pl_sheet_add_element(sheet, "<dt>Judged by</dt><dd><code>", info->name, "</code>");
         if (strcmp(info->unit, "1") != 0) {
-            add_element(sheet, ", ", info->unit, "");
+            pl_sheet_add_element(sheet, ", ", info->unit, "");
         }
-        add_element(sheet, ": ", info->definition, "</dd>\n");
+        pl_sheet_add_element(sheet, ": ", info->definition, "</dd>\n");
     }
 }
 
@@ -134,9 +128,9 @@ static void add_threshold(pl_sheet *sheet, const pl_threshold *t)
     if (t == NULL) {
         return;
     }
-    add_element(sheet, "<dt>Threshold</dt><dd>holds ", t->holds_below ? "below" : "above",
-                " a critical ");
-    add_element(sheet, "<code>", t->param, "</code>: ");
+    pl_sheet_add_element(sheet, "<dt>Threshold</dt><dd>holds ", t->holds_below ? "below" : "above",
+                         " a critical ");
+    pl_sheet_add_element(sheet, "<code>", t->param, "</code>: ");
     pl_sheet_add_html(sheet, t->formula != NULL ? t->formula : "no closed form");
     pl_sheet_add(sheet, "</dd>\n");
 }
@@ -148,22 +142,22 @@ static void add_params(pl_sheet *sheet, const pl_scenario *s)
                         "<tbody>\n");
     for (int i = 0; i < s->param_count; ++i) {
         const pl_param *p = &s->params[i];
-        add_element(sheet, "<tr><th>", p->name, "</th>");
+        pl_sheet_add_element(sheet, "<tr><th>", p->name, "</th>");
         pl_sheet_format(sheet, "<td class=\"n\">%g</td><td>%g to %g%s</td>", p->value, p->min,
                         p->max, p->integer ? ", whole" : "");
-        add_element(sheet, "<td>", p->unit, "</td>");
-        add_element(sheet, "<td>", p->help, "</td></tr>\n");
+        pl_sheet_add_element(sheet, "<td>", p->unit, "</td>");
+        pl_sheet_add_element(sheet, "<td>", p->help, "</td></tr>\n");
     }
     pl_sheet_add(sheet, "</tbody></table></div>\n");
 }
 
 static pl_status add_scenario(pl_sheet *sheet, const pl_scenario *s, int index, pl_error *error)
 {
-    add_element(sheet, "<h2 id=\"", s->name, "\">");
-    add_element(sheet, "", s->name, "");
-    add_element(sheet, " <span class=\"small\">", s->title, "</span></h2>\n");
+    pl_sheet_add_element(sheet, "<h2 id=\"", s->name, "\">");
+    pl_sheet_add_element(sheet, "", s->name, "");
+    pl_sheet_add_element(sheet, " <span class=\"small\">", s->title, "</span></h2>\n");
     pl_status status = add_picture(sheet, s, index, error);
-    add_element(sheet, "<p>", s->description, "</p>\n<dl class=\"facts\">\n");
+    pl_sheet_add_element(sheet, "<p>", s->description, "</p>\n<dl class=\"facts\">\n");
     add_fact(sheet, "Right answer", s->reference);
     add_fact(sheet, "Source", s->source);
     add_fact(sheet, "Expected", s->expected);

@@ -141,20 +141,13 @@ void pl_fault_texts(const pl_fault *fault, char error[PL_FAULT_TEXT_SIZE], const
     *evidence = tried ? fault->cause->evidence : pl_quantity_missing;
 }
 
-static void add_html(pl_sheet *sheet, const char *open, const char *text, const char *close)
-{
-    pl_sheet_add(sheet, open);
-    pl_sheet_add_html(sheet, text);
-    pl_sheet_add(sheet, close);
-}
-
 void pl_faults_html(const pl_faults *findings, pl_sheet *sheet)
 {
     if (findings->runs == 0)
         return;
-    add_html(sheet, "<h2 id=\"findings\">Findings</h2>\n<p class=\"verdict\">",
-             findings->statement.data, "</p>\n");
-    add_html(sheet, "<p>", findings->innocence.data, "</p>\n");
+    pl_sheet_add_element(sheet, "<h2 id=\"findings\">Findings</h2>\n<p class=\"verdict\">",
+                         findings->statement.data, "</p>\n");
+    pl_sheet_add_element(sheet, "<p>", findings->innocence.data, "</p>\n");
     if (findings->count == 0)
         return;
     pl_sheet_add(sheet, "<div class=\"scroll\"><table>\n<thead><tr><th>Problem</th><th>Engine</th>"
@@ -164,12 +157,12 @@ void pl_faults_html(const pl_faults *findings, pl_sheet *sheet)
         char error[PL_FAULT_TEXT_SIZE];
         const char *cause = NULL, *evidence = NULL;
         pl_fault_texts(&findings->items[i], error, &cause, &evidence);
-        add_html(sheet, "<tr><th>", findings->items[i].block->name, "</th>");
-        add_html(sheet, "<td>", findings->items[i].column->name, "</td>");
-        add_html(sheet, findings->items[i].cell->ok ? "<td>" : "<td class=\"bad\">", error,
-                 "</td>");
-        add_html(sheet, "<td class=\"why\">", cause, "</td>");
-        add_html(sheet, "<td class=\"why\">", evidence, "</td></tr>\n");
+        pl_sheet_add_element(sheet, "<tr><th>", findings->items[i].block->name, "</th>");
+        pl_sheet_add_element(sheet, "<td>", findings->items[i].column->name, "</td>");
+        pl_sheet_add_element(sheet, findings->items[i].cell->ok ? "<td>" : "<td class=\"bad\">",
+                             error, "</td>");
+        pl_sheet_add_element(sheet, "<td class=\"why\">", cause, "</td>");
+        pl_sheet_add_element(sheet, "<td class=\"why\">", evidence, "</td></tr>\n");
     }
     pl_sheet_add(sheet, "</tbody></table></div>\n");
 }

@@ -84,6 +84,13 @@ void pl_sheet_add_html(pl_sheet *sheet, const char *text)
     }
 }
 
+void pl_sheet_add_element(pl_sheet *sheet, const char *open, const char *text, const char *close)
+{
+    pl_sheet_add(sheet, open);
+    pl_sheet_add_html(sheet, text);
+    pl_sheet_add(sheet, close);
+}
+
 void pl_sheet_add_markdown(pl_sheet *sheet, const char *text)
 {
     for (const char *c = text; *c != '\0'; c++) {

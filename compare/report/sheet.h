@@ -26,6 +26,9 @@ void pl_sheet_format(pl_sheet *sheet, const char *format, ...);
  */
 void pl_sheet_add_html(pl_sheet *sheet, const char *text);
 
+/* `text` as HTML between two pieces that go in as they stand. */
+void pl_sheet_add_element(pl_sheet *sheet, const char *open, const char *text, const char *close);
+
 /* For a cell of a GitHub table: one line, nothing in it means markup. */
 void pl_sheet_add_markdown(pl_sheet *sheet, const char *text);
 

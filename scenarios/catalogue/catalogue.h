@@ -72,5 +72,15 @@ extern const pl_scenario pl_scenario_slide_and_spin;
         .name = "friction", .value = 0.5, .min = 0, .max = 10, .unit = "1",                        \
         .help = "Coulomb coefficient of all contacts"                                              \
     }
+#define PL_PARAM_RESTITUTION(coefficient)                                                          \
+    {                                                                                              \
+        .name = "restitution", .value = coefficient, .min = 0, .max = 1, .unit = "1",              \
+        .help = "Newton's coefficient"                                                             \
+    }
+#define PL_PARAM_CUBES                                                                             \
+    {                                                                                              \
+        .name = "n", .value = 10, .min = 1, .max = 2000, .integer = true, .unit = "1",             \
+        .help = "number of cubes"                                                                  \
+    }
 
 #endif

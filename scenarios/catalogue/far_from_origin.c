@@ -8,13 +8,7 @@
 enum { COUNT, DISTANCE, FRICTION, DT, DURATION, PARAM_COUNT };
 
 static const pl_param params[PARAM_COUNT] = {
-    [COUNT] = {.name = "n",
-               .value = 10,
-               .min = 1,
-               .max = 2000,
-               .integer = true,
-               .unit = "1",
-               .help = "number of cubes"},
+    [COUNT] = PL_PARAM_CUBES,
     [DISTANCE] = {.name = "distance",
                   .value = 1e4,
                   .min = 0,

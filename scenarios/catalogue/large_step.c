@@ -6,13 +6,7 @@
 enum { COUNT, FRICTION, DT, DURATION, PARAM_COUNT };
 
 static const pl_param params[PARAM_COUNT] = {
-    [COUNT] = {.name = "n",
-               .value = 10,
-               .min = 1,
-               .max = 2000,
-               .integer = true,
-               .unit = "1",
-               .help = "number of cubes"},
+    [COUNT] = PL_PARAM_CUBES,
     [FRICTION] = PL_PARAM_FRICTION,
     [DT] = {.name = "dt", .value = 0.1, .min = 1e-6, .max = 1, .unit = "s", .help = "time step"},
     [DURATION] = PL_PARAM_DURATION(20),

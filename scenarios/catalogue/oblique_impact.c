@@ -43,12 +43,7 @@ static const pl_param params[PARAM_COUNT] = {
                   .max = 10,
                   .unit = "1",
                   .help = "Coulomb coefficient"},
-    [RESTITUTION] = {.name = "restitution",
-                     .value = 0.8,
-                     .min = 0,
-                     .max = 1,
-                     .unit = "1",
-                     .help = "Newton's coefficient"},
+    [RESTITUTION] = PL_PARAM_RESTITUTION(0.8),
     [DT] = PL_PARAM_DT,
     [DURATION] = PL_PARAM_DURATION(0.5),
 };

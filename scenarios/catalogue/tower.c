@@ -13,13 +13,7 @@
 enum { COUNT, FRICTION, OFFSET, TOP_MASS, RISING_MASS, DT, DURATION, PARAM_COUNT };
 
 static const pl_param params[PARAM_COUNT] = {
-    [COUNT] = {.name = "n",
-               .value = 10,
-               .min = 1,
-               .max = 2000,
-               .integer = true,
-               .unit = "1",
-               .help = "number of cubes"},
+    [COUNT] = PL_PARAM_CUBES,
     [FRICTION] = PL_PARAM_FRICTION,
     [OFFSET] = {.name = "offset",
                 .value = 0,

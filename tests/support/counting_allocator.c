@@ -5,7 +5,8 @@
 void *count_allocate(void *context, size_t size)
 {
     counter *c = context;
-    if (c->calls++ == c->fail_at) {
+    int call = c->calls++;
+    if (call == c->fail_at || (c->lasting && c->fail_at >= 0 && call > c->fail_at)) {
         return NULL;
     }
     void *memory = aligned_alloc(64, (size + 63) / 64 * 64);

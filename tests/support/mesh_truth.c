@@ -1,5 +1,6 @@
 #include "mesh_truth.h"
 
+#include "segment_distance.h"
 #include "shape_pairs_forms.h"
 
 typedef struct triangle {
@@ -53,13 +54,6 @@ static double clamp(double x)
     return pe_min(1, pe_max(0, x));
 }
 
-static double point_segment(pe_vec3 x, pe_vec3 p, pe_vec3 q)
-{
-    pe_vec3 side = pe_sub(q, p);
-    double t = clamp(pe_dot(pe_sub(x, p), side) / pe_dot(side, side));
-    return pe_length(pe_sub(x, pe_madd(p, t, side)));
-}
-
 static double point_triangle(pe_vec3 x, const triangle *t)
 {
     if (is_over(t, x)) {
@@ -67,7 +61,7 @@ static double point_triangle(pe_vec3 x, const triangle *t)
     }
     double least = HUGE_VAL;
     for (int k = 0; k < 3; ++k) {
-        least = pe_min(least, point_segment(x, t->v[k], t->v[(k + 1) % 3]));
+        least = pe_min(least, point_to_segment(x, t->v[k], t->v[(k + 1) % 3]));
     }
     return least;
 }
@@ -76,13 +70,13 @@ static double point_triangle(pe_vec3 x, const triangle *t)
  * nearly parallel this normal is uncertain, but not how far the points that it meets are apart. */
 static double segment_segment(pe_vec3 p, pe_vec3 q, pe_vec3 r, pe_vec3 s)
 {
-    double least = pe_min(pe_min(point_segment(p, r, s), point_segment(q, r, s)),
-                          pe_min(point_segment(r, p, q), point_segment(s, p, q)));
+    double least = pe_min(pe_min(point_to_segment(p, r, s), point_to_segment(q, r, s)),
+                          pe_min(point_to_segment(r, p, q), point_to_segment(s, p, q)));
     pe_vec3 u = pe_sub(q, p), v = pe_sub(s, r), w = pe_sub(r, p), n = pe_cross(u, v);
     double n2 = pe_dot(n, n);
     if (n2 > 0) {
         double t = clamp(pe_dot(pe_cross(w, v), n) / n2);
-        least = pe_min(least, point_segment(pe_madd(p, t, u), r, s));
+        least = pe_min(least, point_to_segment(pe_madd(p, t, u), r, s));
     }
     return least;
 }

@@ -188,6 +188,35 @@ plumb_output run_plumb(const char *directory, const char *const *arguments)
     return wait_plumb(directory, start_plumb(directory, arguments));
 }
 
+pid_t start_plumb_words(const workspace *w, const char *text)
+{
+    enum { MOST_WORDS = 40 };
+    char *words = strdup(text);
+    char *made[MOST_WORDS] = {NULL};
+    const char *arguments[MOST_WORDS + 1] = {NULL};
+    int count = 0;
+    char *rest = NULL;
+    for (char *word = strtok_r(words, " ", &rest); word != NULL;
+         word = strtok_r(NULL, " ", &rest)) {
+        size_t before = strcspn(word, "@#%");
+        const char *stands = word[before] == '@'   ? w->scene
+                             : word[before] == '#' ? w->out
+                             : word[before] == '%' ? FAULTY
+                                                   : "";
+        const char *after = word[before] == '\0' ? "" : word + before + 1;
+        assert_true(count < MOST_WORDS);
+        assert_true(asprintf(&made[count], "%.*s%s%s", (int)before, word, stands, after) >= 0);
+        arguments[count] = made[count];
+        ++count;
+    }
+    pid_t pid = start_plumb(w->directory, arguments);
+    for (int i = 0; i < count; ++i) {
+        free(made[i]);
+    }
+    free(words);
+    return pid;
+}
+
 const char *result_text(const json_t *result, const char *key)
 {
     const char *text = json_string_value(json_object_get(result, key));

@@ -52,6 +52,10 @@ void remove_workspace(workspace *w);
 int setup_workspace(void **state);
 int teardown_workspace(void **state);
 
+/* Starts "plumb A B C" given as one text of at most 40 words, where @ stands for the scene file, #
+ * for the directory of results and % for the faulty engine. */
+pid_t start_plumb_words(const workspace *w, const char *text);
+
 /* The result of the engine called `label` in an array of results; the test fails when there is not
  * exactly one. */
 const json_t *result_of(const json_t *results, const char *label);

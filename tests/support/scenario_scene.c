@@ -17,25 +17,30 @@ static int count_of_settings(const char *const *settings)
     return count;
 }
 
-static pl_status build(const char *name, const char *const *settings, pl_scene *scene,
-                       pl_error *error)
+static pl_status build(const char *name, const char *const *settings, int count, uint64_t seed,
+                       pl_scene *scene, pl_error *error)
 {
     double values[PL_MAX_PARAMS];
     *scene = pl_scene_default();
     const pl_scenario *scenario = pl_scenario_find(name, error);
     assert_non_null(scenario);
-    pl_status status =
-        pl_scenario_values(scenario, settings, count_of_settings(settings), values, error);
-    return status == PL_OK ? scenario->build(values, 0, scene, error) : status;
+    pl_status status = pl_scenario_values(scenario, settings, count, values, error);
+    return status == PL_OK ? scenario->build(values, seed, scene, error) : status;
+}
+
+void build_scenario(const char *name, const char *const *settings, int count, uint64_t seed,
+                    pl_scene *scene)
+{
+    pl_error error = {.message = ""};
+    if (build(name, settings, count, seed, scene, &error) != PL_OK) {
+        fail_msg("%s %s: %s", name, count > 0 ? settings[0] : "", error.message);
+    }
 }
 
 pl_scene scenario_scene(const char *name, const char *const *settings)
 {
     pl_scene scene;
-    pl_error error = {.message = ""};
-    if (build(name, settings, &scene, &error) != PL_OK) {
-        fail_msg("%s", error.message);
-    }
+    build_scenario(name, settings, count_of_settings(settings), 0, &scene);
     return scene;
 }
 
@@ -58,9 +63,32 @@ void assert_scenario_refuses(const char *name, const char *const *settings, cons
 {
     pl_scene scene;
     pl_error error = {.message = ""};
-    assert_int_equal(build(name, settings, &scene, &error), PL_BAD_INPUT);
+    int count = count_of_settings(settings);
+    assert_int_equal(build(name, settings, count, 0, &scene, &error), PL_BAD_INPUT);
     assert_null(scene.bodies);
     assert_contains(error.message, part);
+}
+
+void assert_setting_refused(const char *name, const char *setting, const char *part)
+{
+    const char *const settings[] = {setting, NULL};
+    assert_scenario_refuses(name, settings, part);
+}
+
+void check_all_rest(const pl_scene *scene)
+{
+    int dynamic = 0;
+    for (int i = 0; i < scene->body_count; i++) {
+        dynamic += scene->bodies[i].is_static ? 0 : 1;
+    }
+    assert_int_equal(scene->rest_count, dynamic);
+    for (int i = 0; i < scene->rest_count; i++) {
+        const pl_expect_rest *rest = &scene->rests[i];
+        const pl_body *body = &scene->bodies[rest->body];
+        assert_true(rest->has_orientation);
+        assert_memory_equal(rest->position, body->position, sizeof rest->position);
+        assert_memory_equal(rest->orientation, body->orientation, sizeof rest->orientation);
+    }
 }
 
 double accurate_metric(const char *name, const char *const *settings, const char *dt,

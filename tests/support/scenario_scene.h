@@ -8,12 +8,22 @@
  * caller frees the scene. */
 pl_scene scenario_scene(const char *name, const char *const *settings);
 
+/* The same with `count` settings and any seed. The caller frees *scene. */
+void build_scenario(const char *name, const char *const *settings, int count, uint64_t seed,
+                    pl_scene *scene);
+
 /* The only expectation of this kind. `axis` is the axis of its direction, 0 to 2. */
 const pl_expect_value *expected_value(const pl_scene *scene, int body, pl_quantity quantity,
                                       int axis);
 
 /* That it is refused as bad input, with `part` in the message. */
 void assert_scenario_refuses(const char *name, const char *const *settings, const char *part);
+
+/* The same of one setting. */
+void assert_setting_refused(const char *name, const char *setting, const char *part);
+
+/* Every dynamic body is expected to end as it starts. */
+void check_all_rest(const pl_scene *scene);
 
 /* What `plumb run` with plumb:accurate at this dt, as text, finds of a metric; the outcome must be
  * ok. */

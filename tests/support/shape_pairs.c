@@ -22,13 +22,6 @@ pe_vec3 random_direction(check_random *random)
     return pe_v3(sqrt(1 - z * z) * cos(angle), sqrt(1 - z * z) * sin(angle), z);
 }
 
-pe_quat random_turn(check_random *random)
-{
-    double q[4];
-    check_quaternion(random, q);
-    return (pe_quat){q[0], q[1], q[2], q[3]};
-}
-
 /* ---- Solids */
 
 /* Three half lengths: the largest of 0.1 to 10 m, the others shorter by the aspect. */

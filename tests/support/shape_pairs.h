@@ -6,6 +6,7 @@
 #include "check.h"
 #include "collide/collide.h"
 #include "convex_truth.h"
+#include "random_pose.h"
 
 /* A shape in its body's axes. */
 typedef struct solid {
@@ -97,6 +98,5 @@ truth_distance pair_truth(const pair *p, double tolerance);
 void pair_print(const pair *p);
 
 pe_vec3 random_direction(check_random *random);
-pe_quat random_turn(check_random *random);
 
 #endif

@@ -1,0 +1,157 @@
+/* Contacts are made anew at every step, as ODE's manual has it (section "Collision Detection"): up
+ * to max_contacts points a pair, with the friction pyramid whose limits follow the normal force
+ * (dContactApprox1) and, where the pair's restitution e > 0, dContactBounce with threshold 0. */
+#include "adapters/ode/ode_contacts.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double gibibyte = 1024.0 * 1024.0 * 1024.0;
+static const double dense_limit = 4 * 1024.0 * 1024.0 * 1024.0; /* bytes */
+
+static bool is_solid(dGeomID geom)
+{
+    int class = dGeomGetClass(geom);
+    return class == dConvexClass || class == dTriMeshClass;
+}
+
+static bool reserve_contacts(pl_engine_instance *instance, int more)
+{
+    if (instance->contact_count + more <= instance->contact_capacity) {
+        return true;
+    }
+    int capacity = 2 * instance->contact_capacity + more;
+    ode_contact *contacts = realloc(instance->contacts, (size_t)capacity * sizeof *contacts);
+    if (contacts != NULL) {
+        instance->contacts = contacts;
+    }
+    dJointFeedback *feedback = realloc(instance->feedback, (size_t)capacity * sizeof *feedback);
+    if (feedback != NULL) {
+        instance->feedback = feedback;
+    }
+    if (contacts == NULL || feedback == NULL) {
+        return false;
+    }
+    instance->contact_capacity = capacity;
+    return true;
+}
+
+void pl_ode_collide_pair(void *data, dGeomID a, dGeomID b)
+{
+    pl_engine_instance *instance = data;
+    dBodyID body_a = dGeomGetBody(a), body_b = dGeomGetBody(b);
+    if (body_a == NULL && body_b == NULL) {
+        return;
+    }
+    int most = is_solid(a) || is_solid(b) ? instance->solid_contacts : instance->max_contacts;
+    if (!reserve_contacts(instance, most)) {
+        instance->out_of_memory = true;
+        return;
+    }
+    ode_contact *found = &instance->contacts[instance->contact_count];
+    int count = dCollide(a, b, most, &found->geom, sizeof *found);
+    if (count == 0) {
+        return;
+    }
+    dContact contact;
+    memset(&contact, 0, sizeof contact);
+    const pl_scene *scene = instance->scene;
+    double friction, restitution;
+    pl_scene_pair(scene, scene->bodies[geom_index(a)].material,
+                  scene->bodies[geom_index(b)].material, &friction, &restitution);
+    contact.surface.mode = dContactApprox1;
+    contact.surface.mu = friction;
+    if (restitution > 0) {
+        contact.surface.mode |= dContactBounce;
+        contact.surface.bounce = restitution;
+    }
+    for (int i = 0; i < count; i++) {
+        contact.geom = found[i].geom;
+        found[i].joint = dJointCreateContact(instance->world, instance->joints, &contact);
+        dJointAttach(found[i].joint, body_a, body_b);
+    }
+    instance->contact_count += count;
+}
+
+static int island_root(int *parent, int body)
+{
+    while (parent[body] != body) {
+        parent[body] = parent[parent[body]];
+        body = parent[body];
+    }
+    return body;
+}
+
+/* Constraint rows of the largest island: dWorldStep solves the islands one after another. A static
+ * body joins none, so a contact counts at its moving body. */
+static double largest_island_rows(const pl_engine_instance *instance)
+{
+    int count = instance->scene->body_count;
+    int *parent = instance->island;
+    for (int i = 0; i < count; i++) {
+        parent[i] = i;
+        instance->rows[i] = 0;
+    }
+    for (int i = 0; i < instance->contact_count; i++) {
+        int a = geom_index(instance->contacts[i].geom.g1);
+        int b = geom_index(instance->contacts[i].geom.g2);
+        if (instance->bodies[a] != NULL && instance->bodies[b] != NULL) {
+            parent[island_root(parent, a)] = island_root(parent, b);
+        }
+    }
+    double largest = 0;
+    for (int i = 0; i < instance->contact_count; i++) {
+        int a = geom_index(instance->contacts[i].geom.g1);
+        int b = geom_index(instance->contacts[i].geom.g2);
+        int root = island_root(parent, instance->bodies[a] != NULL ? a : b);
+        instance->rows[root] += 3;
+        largest = fmax(largest, instance->rows[root]);
+    }
+    return largest;
+}
+
+/* dWorldStep holds the island's matrix and its factor, both dense (ODE, lcp.cpp and step.cpp: A and
+ * L). */
+static double dense_bytes(double rows)
+{
+    return 2 * rows * rows * (double)sizeof(dReal);
+}
+
+pl_status pl_ode_check_dense_memory(const pl_engine_instance *instance, pl_error *error)
+{
+    if (dense_bytes(3.0 * instance->contact_count) <= dense_limit) {
+        return PL_OK;
+    }
+    double rows = largest_island_rows(instance);
+    if (dense_bytes(rows) <= dense_limit) {
+        return PL_OK;
+    }
+    return pl_fail(
+        error, PL_UNSUPPORTED,
+        "ode:dantzig needs %.1f GiB for the dense matrices of %.0f contact rows; the limit "
+        "is %.0f GiB",
+        dense_bytes(rows) / gibibyte, rows, dense_limit / gibibyte);
+}
+
+int pl_ode_read_contacts(const pl_engine_instance *instance, pl_contact *contacts, int capacity)
+{
+    int count = instance->contact_count < capacity ? instance->contact_count : capacity;
+    for (int i = 0; i < count; i++) {
+        const dContactGeom *geom = &instance->contacts[i].geom;
+        int first = geom_index(geom->g1), second = geom_index(geom->g2);
+        bool in_order = first < second;
+        pl_contact *contact = &contacts[i];
+        contact->body_a = in_order ? first : second;
+        contact->body_b = in_order ? second : first;
+        contact->separation = -geom->depth;
+        /* f1 is the force on the first geom's body, or on the only moving one. */
+        bool on_b = instance->bodies[first] != NULL ? !in_order : in_order;
+        for (int k = 0; k < 3; k++) {
+            contact->point[k] = geom->pos[k];
+            contact->normal[k] = in_order ? -geom->normal[k] : geom->normal[k];
+            contact->impulse[k] = (on_b ? 1 : -1) * instance->feedback[i].f1[k] * instance->last_dt;
+        }
+    }
+    return instance->contact_count;
+}

@@ -1,0 +1,54 @@
+/* Problems for the sweeping solvers, put together by hand. Whatever fails fails the test. */
+#ifndef PLUMB_TEST_SWEEP_BENCH_H
+#define PLUMB_TEST_SWEEP_BENCH_H
+
+#include "solve/solve.h"
+
+enum { BENCH_BODIES = 300, BENCH_PATCHES = 1200, BENCH_POINTS = 6000 };
+
+typedef struct sweep_bench {
+    pe_problem problem;
+    pe_inertia inertia[BENCH_BODIES + 1];
+    double free_velocity[BENCH_BODIES + 1][6], velocity[BENCH_BODIES + 1][6];
+    pe_patch patch[BENCH_PATCHES];
+    pe_patch_point point[BENCH_POINTS];
+    double impulse[BENCH_POINTS][3];
+    pe_allocator allocator;
+    pe_arena arena;
+} sweep_bench;
+
+/* For cmocka: *state is a bench. */
+int bench_set_up(void **state);
+int bench_tear_down(void **state);
+
+/* Without patches; bodies are to be set. */
+void bench_begin(sweep_bench *b, int bodies);
+
+/* Principal inertia along the world's axes. */
+void bench_set_body(sweep_bench *b, int i, double mass, double x, double y, double z);
+
+/* A patch at arms from the two centres of mass; points follow. */
+void bench_add_patch(sweep_bench *b, int body_a, int body_b, const double n[3], double friction,
+                     const double arm_a[3], const double arm_b[3]);
+
+/* A point of the patch added last, at s in its frame. */
+void bench_add_point(sweep_bench *b, double s0, double s1, double s2, double bias);
+
+/* The corners of a square face of the given half side. */
+void bench_add_corners(sweep_bench *b, double half);
+
+/* Bodies of all shapes and weights in a random net of patches of 1 to `most` points, falling. */
+void bench_put_heap(sweep_bench *b, uint64_t seed, int bodies, int patches, int most);
+
+/* Empty each time. */
+pe_workspace bench_workspace(sweep_bench *b);
+
+typedef pe_status sweep_solver(const pe_problem *problem, const pe_solve_limits *limits,
+                               pe_workspace work, pe_solve_report *report, pe_error *error);
+
+/* From the impulses that are there. */
+pe_solve_report bench_solve(sweep_bench *b, sweep_solver *by, double tolerance, int most);
+
+void bench_forget_impulses(sweep_bench *b);
+
+#endif

@@ -1,0 +1,195 @@
+/* The direct solver and what it combines, where they must give up. */
+#include "check.h"
+#include "solving.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A problem that takes many iterations: a tower of heavy on light, pushed. */
+static pe_contact_problem *hard_problem(void)
+{
+    double masses[20];
+    for (int i = 0; i < 20; ++i) {
+        masses[i] = 1 + 10 * i;
+    }
+    pe_contact_problem *problem = problem_of_tower(masses, 20, 0.3);
+    problem->bodies[10].free_velocity[0] = 0.5;
+    problem->bodies[3].free_velocity[5] = 2;
+    return problem;
+}
+
+static void test_one_iteration_is_reported_as_too_few_and_leaves_the_best(void **state)
+{
+    (void)state;
+    for (int k = 0; k < ALL_SOLVERS; ++k) {
+        solving s;
+        pe_contact_problem *source = hard_problem();
+        solving_begin(&s, source);
+        const pe_solve_limits limits = {1e-10, 1};
+        assert_int_equal(SOLVERS[k].solve(&s, &limits, NULL), PE_OK);
+        assert_int_equal(s.report.stop, PE_STOP_ITERATIONS);
+        assert_int_equal(s.report.iterations, 1);
+        assert_true(s.report.factor_flops > 0);
+        const double *last = s.problem.velocity[19];
+        double before[6];
+        memcpy(before, last, sizeof before);
+        pe_problem_rebuild_velocity(&s.problem);
+        assert_memory_equal(before, last, sizeof before); /* in step with the impulses */
+        assert_close(s.report.residual.max, pe_problem_residual(&s.problem).max, 1e-15, 1e-9);
+        assert_true(s.report.residual.max > 1e-10);
+        if (k < COULOMB_SOLVERS) {
+            assert_at_most(s.report.residual.max, s.start);
+        }
+        pe_contact_problem_destroy(source);
+        solving_end(&s);
+    }
+}
+
+static void test_no_limit_is_passed_and_none_leaves_worse_than_the_start(void **state)
+{
+    (void)state;
+    for (int k = 0; k < COULOMB_SOLVERS; ++k) {
+        for (int most = 0; most <= 60; ++most) {
+            solving s;
+            pe_contact_problem *source = hard_problem();
+            for (int j = 0; j < source->point_count; ++j) {
+                source->points[j].impulse[0] = 1; /* something to start from, for every form */
+            }
+            solving_begin(&s, source);
+            const pe_solve_limits limits = {1e-10, most};
+            assert_int_equal(SOLVERS[k].solve(&s, &limits, NULL), PE_OK);
+            assert_at_most(s.report.iterations, most);
+            pe_problem_rebuild_velocity(&s.problem);
+            double left = pe_problem_residual(&s.problem).max;
+            assert_at_most(left, s.start);
+            assert_close(s.report.residual.max, left, 1e-15, 1e-9);
+            assert_int_equal(s.report.stop == PE_STOP_CONVERGED, left <= 1e-10);
+            pe_contact_problem_destroy(source);
+            solving_end(&s);
+        }
+    }
+}
+
+/* Where a NaN may come from. */
+static void poison(pe_contact_problem *problem, int place)
+{
+    const double nan = (double)NAN;
+    if (place == 0) {
+        problem->bodies[1].free_velocity[0] = nan;
+    } else if (place == 1) {
+        problem->points[6].bias = nan;
+    } else if (place == 2) {
+        problem->manifolds[1].friction = nan;
+    } else if (place == 3) {
+        problem->bodies[1].inertia[0] = nan;
+    } else {
+        problem->points[6].impulse[0] = nan;
+    }
+}
+
+static void test_a_problem_with_nan_ends_and_is_not_called_solved(void **state)
+{
+    (void)state;
+    static const named_solver island = {.name = "island", .solve = solve_by_island};
+    for (int k = 0; k <= ALL_SOLVERS; ++k) {
+        const named_solver *by = k < ALL_SOLVERS ? &SOLVERS[k] : &island;
+        for (int place = 0; place < 5; ++place) {
+            for (int warm = 0; warm < 2; ++warm) {
+                solving s;
+                pe_contact_problem *source = problem_of_uniform_tower(4, 0.5);
+                for (int j = 0; j < source->point_count; ++j) {
+                    source->points[j].impulse[0] = warm ? 0.03 : 0;
+                }
+                poison(source, place);
+                solving_begin(&s, source);
+                const pe_solve_limits limits = {1e-8, SOLVING_ITERATIONS};
+                assert_int_equal(by->solve(&s, &limits, NULL), PE_OK);
+                pe_problem_rebuild_velocity(&s.problem);
+                bool is_solved = pe_problem_residual(&s.problem).max <= 1e-8;
+                if (is_solved != (s.report.stop == PE_STOP_CONVERGED) ||
+                    is_solved != (s.report.residual.max <= 1e-8)) {
+                    fail_msg("%s, NaN %d: said to stop by %d at %g, it is %g", by->name, place,
+                             (int)s.report.stop, s.report.residual.max,
+                             pe_problem_residual(&s.problem).max);
+                }
+                pe_contact_problem_destroy(source);
+                solving_end(&s);
+            }
+        }
+    }
+}
+
+/* No iterate was better than the start, so that the start is what is left. */
+static void test_a_problem_with_nan_leaves_the_impulses_that_it_began_with(void **state)
+{
+    (void)state;
+    for (int k = 0; k < COULOMB_SOLVERS; ++k) {
+        for (int place = 0; place < 4; ++place) {
+            solving s;
+            pe_contact_problem *source = problem_of_uniform_tower(4, 0.5);
+            for (int j = 0; j < source->point_count; ++j) {
+                source->points[j].impulse[0] = 0.03 + 0.001 * j;
+            }
+            poison(source, place);
+            solving_begin(&s, source);
+            const pe_solve_limits limits = {1e-8, SOLVING_ITERATIONS};
+            assert_int_equal(SOLVERS[k].solve(&s, &limits, NULL), PE_OK);
+            for (int j = 0; j < source->point_count; ++j) {
+                if (!(s.problem.impulse[j][0] == source->points[j].impulse[0])) {
+                    fail_msg("%s, NaN %d: impulse %d began as %g and was left as %g",
+                             SOLVERS[k].name, place, j, source->points[j].impulse[0],
+                             s.problem.impulse[j][0]);
+                }
+            }
+            pe_contact_problem_destroy(source);
+            solving_end(&s);
+        }
+    }
+}
+
+static void test_every_failed_allocation_is_reported(void **state)
+{
+    (void)state;
+    const named_solver by[] = {SOLVERS[0],
+                               SOLVERS[1],
+                               SOLVERS[2],
+                               SOLVERS[3],
+                               {.name = "island", .solve = solve_by_island}};
+    for (int i = 0; i < 5; ++i) {
+        pe_contact_problem *source = hard_problem();
+        /* Tighter than any solver gets, so that it tries all that it has. */
+        const pe_solve_limits limits = {1e-30, 60};
+        long total = 0;
+        for (long k = 0; k == 0 || k <= total; ++k) {
+            solving s;
+            pe_error error = {0};
+            solving_begin(&s, source);
+            long before = s.memory.made;
+            s.memory.fail_at = k == 0 ? 0 : before + k;
+            pe_status status = by[i].solve(&s, &limits, &error);
+            if (k == 0) {
+                assert_int_equal(status, PE_OK);
+                total = s.memory.made - before;
+                assert_true(total >= 10);
+                print_message("%s: %ld allocations failed in turn\n", by[i].name, total);
+            } else if (status != PE_NO_MEMORY || error.status != PE_NO_MEMORY) {
+                fail_msg("%s: allocation %ld of %ld failed: status %d", by[i].name, k, total,
+                         (int)status);
+            }
+            solving_end(&s);
+        }
+        pe_contact_problem_destroy(source);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_one_iteration_is_reported_as_too_few_and_leaves_the_best),
+        cmocka_unit_test(test_no_limit_is_passed_and_none_leaves_worse_than_the_start),
+        cmocka_unit_test(test_a_problem_with_nan_ends_and_is_not_called_solved),
+        cmocka_unit_test(test_a_problem_with_nan_leaves_the_impulses_that_it_began_with),
+        cmocka_unit_test(test_every_failed_allocation_is_reported),
+    };
+    return cmocka_run_group_tests_name("engine_direct_limits", tests, NULL, NULL);
+}
