@@ -15,8 +15,9 @@ static void test_every_metric_has_a_name_a_unit_and_a_definition(void **state)
         assert_non_null(info->name);
         assert_true(strlen(info->unit) > 0 && strlen(info->definition) > 0);
         assert_int_equal(pl_metric_by_name(info->name), i);
-        bool measured_by_clock = i == PL_METRIC_TIME_PER_STEP || i == PL_METRIC_MEMORY_PEAK;
-        assert_int_equal(info->deterministic, !measured_by_clock);
+        bool is_cost = i == PL_METRIC_TIME_PER_STEP || i == PL_METRIC_INSTRUCTIONS_PER_STEP ||
+                       i == PL_METRIC_MEMORY_PEAK;
+        assert_int_equal(info->deterministic, !is_cost);
     }
     assert_int_equal(pl_metric_by_name("penetration"), -1);
     assert_int_equal(pl_metric_by_name(""), -1);

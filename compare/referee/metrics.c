@@ -124,6 +124,10 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
                                  "contact points a step as the engine reports them, mean"},
     [PL_METRIC_TIME_PER_STEP] = {"time_per_step", "s", PL_LOWER_IS_BETTER, false,
                                  "CPU time of the engine's step alone, mean over steps"},
+    [PL_METRIC_INSTRUCTIONS_PER_STEP] =
+        {"instructions_per_step", "1", PL_LOWER_IS_BETTER, false,
+         "instructions of the engine's step alone in user space, all threads, mean over steps; "
+         "absent where the kernel or the machine does not count them"},
     [PL_METRIC_MEMORY_PEAK] = {"memory_peak", "bytes", PL_LOWER_IS_BETTER, false,
                                "growth of the resident set of the run's own process"},
     [PL_METRIC_INTEGRATOR] =

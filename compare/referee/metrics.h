@@ -41,6 +41,7 @@ typedef enum pl_metric_id {
     PL_METRIC_RESIDUAL_RMS,            /* the same unit */
     PL_METRIC_CONTACTS_MEAN,
     PL_METRIC_TIME_PER_STEP,
+    PL_METRIC_INSTRUCTIONS_PER_STEP, /* 1: put in by who makes the run, as memory_peak is */
     PL_METRIC_MEMORY_PEAK,
     PL_METRIC_INTEGRATOR,
     PL_METRIC_STATE_HASH,

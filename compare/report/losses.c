@@ -58,7 +58,8 @@ bool pl_loss_is_compared(int metric)
 {
     return pl_metric_table[metric].direction == PL_LOWER_IS_BETTER &&
            metric != PL_METRIC_ITERATIONS_MEAN && metric != PL_METRIC_ITERATIONS_MAX &&
-           metric != PL_METRIC_RESIDUAL_MAX && metric != PL_METRIC_RESIDUAL_RMS;
+           metric != PL_METRIC_RESIDUAL_MAX && metric != PL_METRIC_RESIDUAL_RMS &&
+           metric != PL_METRIC_INSTRUCTIONS_PER_STEP; /* time_per_step once more */
 }
 
 /* The other engine's ok run with the least value of the metric; -1 when there is none. */

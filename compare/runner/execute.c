@@ -16,6 +16,7 @@ typedef struct slot {
     bool busy;
     pl_isolated_run run;
     char *positions; /* path, or NULL */
+    pl_scene built;  /* of a deferred problem */
 } slot;
 
 typedef struct execution {
@@ -85,6 +86,19 @@ static pl_status place_positions(const execution *e, slot *s, const json_t *iden
     return PL_OK;
 }
 
+/* The scene of a problem, built in the slot where the plan does not keep it. */
+static pl_status place_scene(const execution *e, slot *s, const pl_problem *problem,
+                             const pl_scene **scene, pl_error *error)
+{
+    *scene = &problem->scene;
+    if (!problem->deferred) {
+        return PL_OK;
+    }
+    *scene = &s->built;
+    pl_scene_free(&s->built);
+    return pl_plan_build_scene(e->def->plan, problem, &s->built, error);
+}
+
 /* Starts the next run that is due in a free slot. */
 static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
 {
@@ -98,9 +112,13 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
         }
         e->next += 1;
         if (!is_done(e->def, identity)) {
+            const pl_scene *scene = NULL;
             status = place_positions(e, free_slot, identity, error);
+            if (status == PL_OK) {
+                status = place_scene(e, free_slot, planned.problem, &scene, error);
+            }
             const pl_engine_choice *choice = &planned.contender->choice;
-            pl_run_def run = {.scene = &planned.problem->scene,
+            pl_run_def run = {.scene = scene,
                               .engine = choice->engine,
                               .profile = choice->profile,
                               .options = choice->values,
@@ -237,6 +255,9 @@ pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *
         free(e.polls);
         return pl_fail(error, PL_NO_MEMORY, "out of memory for %d jobs", def->jobs);
     }
+    for (size_t i = 0; i < jobs; ++i) {
+        e.slots[i].built = pl_scene_default();
+    }
     e.signals = catch_signals(&before);
     pl_status status = pl_execution_due(def, &due, error);
     if (def->bar == NULL && def->progress != NULL) {
@@ -251,6 +272,7 @@ pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *
             pl_isolated_run_cancel(&e.slots[i].run);
         }
         free(e.slots[i].positions);
+        pl_scene_free(&e.slots[i].built);
     }
     if (def->bar == NULL && e.bar != NULL) {
         pl_progress_end(e.bar);

@@ -12,23 +12,65 @@ static void *grow(void *items, int count, size_t size)
     return realloc(items, ((size_t)count + 1) * size);
 }
 
+/* Notes what tells the problem from others. *known: it is there already. */
+static pl_status note_problem(pl_plan *plan, const pl_problem *problem, const char *name,
+                              bool *known, pl_error *error)
+{
+    char *key = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&key, &length);
+    bool failed = stream == NULL;
+    if (!failed) {
+        fprintf(stream, "%s\n%s", problem->scene_hash, name);
+        for (int i = 0; problem->descriptor != NULL && i < problem->descriptor->param_count; ++i) {
+            fprintf(stream, "\n%a", problem->params[i]);
+        }
+        failed = fclose(stream) != 0;
+    }
+    if (plan->known == NULL) {
+        plan->known = json_object();
+    }
+    *known = !failed && json_object_get(plan->known, key) != NULL;
+    failed = failed || (!*known && json_object_set_new_nocheck(plan->known, key, json_true()) != 0);
+    free(key);
+    return failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for %s", name) : PL_OK;
+}
+
+static void vary_scene(const pl_plan *plan, const pl_problem *problem, pl_scene *scene)
+{
+    if (problem->variation.is_member) {
+        pl_scene_jitter(scene, plan->seed, problem->variation.member);
+    }
+}
+
+/* Leaves of a scene what tells which run it is. */
+static void defer(pl_problem *problem)
+{
+    pl_scene kept = pl_scene_default();
+    kept.dt = problem->scene.dt;
+    kept.duration = problem->scene.duration;
+    memcpy(kept.primary_error, problem->scene.primary_error, sizeof kept.primary_error);
+    pl_scene_free(&problem->scene);
+    problem->scene = kept;
+    problem->deferred = true;
+}
+
 /* Varies and hashes the problem and moves it into the plan, or frees it. */
 static pl_status add_problem(pl_plan *plan, pl_problem *problem, const char *name, pl_error *error)
 {
-    problem->variation = plan->variation;
-    if (plan->variation.is_member) {
-        pl_scene_jitter(&problem->scene, plan->seed, plan->variation.member);
-    }
-    pl_status status = pl_scene_hash(&problem->scene, problem->scene_hash, error);
     bool known = false;
-    for (int i = 0; i < plan->problem_count; ++i) {
-        const pl_problem *other = &plan->problems[i];
-        known = known || (strcmp(other->name, name) == 0 &&
-                          strcmp(other->scene_hash, problem->scene_hash) == 0);
+    problem->variation = plan->variation;
+    vary_scene(plan, problem, &problem->scene);
+    pl_status status = pl_scene_hash(&problem->scene, problem->scene_hash, error);
+    if (status == PL_OK) {
+        status = note_problem(plan, problem, name, &known, error);
     }
     if (status != PL_OK || known) {
         pl_scene_free(&problem->scene);
         return status;
+    }
+    if (plan->defers && problem->descriptor != NULL) {
+        defer(problem);
     }
     problem->name = strdup(name);
     pl_problem *problems = grow(plan->problems, plan->problem_count, sizeof *problems);
@@ -42,6 +84,17 @@ static pl_status add_problem(pl_plan *plan, pl_problem *problem, const char *nam
     }
     plan->problems[plan->problem_count++] = *problem;
     return PL_OK;
+}
+
+pl_status pl_plan_build_scene(const pl_plan *plan, const pl_problem *problem, pl_scene *scene,
+                              pl_error *error)
+{
+    *scene = pl_scene_default();
+    pl_status status = problem->descriptor->build(problem->params, plan->seed, scene, error);
+    if (status == PL_OK) {
+        vary_scene(plan, problem, scene);
+    }
+    return status;
 }
 
 pl_status pl_plan_add_scenario(pl_plan *plan, const pl_scenario *scenario,
@@ -156,13 +209,28 @@ long pl_plan_size(const pl_plan *plan)
     return (long)plan->repeats * plan->problem_count * plan->contender_count;
 }
 
+/* Who stands at `place` in a repeat: the neighbours with its problem take turns. */
+static const pl_pairing *turn(const pl_plan *plan, long place, long repeat)
+{
+    const int problem = plan->pairings[place].problem;
+    long first = place, end = place + 1;
+    while (first > 0 && plan->pairings[first - 1].problem == problem) {
+        --first;
+    }
+    while (end < plan->pairing_count && plan->pairings[end].problem == problem) {
+        ++end;
+    }
+    return &plan->pairings[first + (place - first + repeat) % (end - first)];
+}
+
 pl_planned_run pl_plan_run(const pl_plan *plan, long index)
 {
     if (plan->pairings != NULL) {
-        const pl_pairing *pairing = &plan->pairings[index % plan->pairing_count];
+        const long repeat = index / plan->pairing_count;
+        const pl_pairing *pairing = turn(plan, index % plan->pairing_count, repeat);
         return (pl_planned_run){.problem = &plan->problems[pairing->problem],
                                 .contender = &plan->contenders[pairing->contender],
-                                .repeat = (int)(index / plan->pairing_count)};
+                                .repeat = (int)repeat};
     }
     long engines = plan->contender_count;
     long position = index % engines;
@@ -204,5 +272,6 @@ void pl_plan_free(pl_plan *plan)
     free(plan->problems);
     free(plan->contenders);
     free(plan->pairings);
+    json_decref(plan->known);
     *plan = (pl_plan){.repeats = 0};
 }

@@ -20,9 +20,10 @@ typedef struct pl_problem {
     char *name;                    /* catalogue name, or the path of a scene file as given */
     const pl_scenario *descriptor; /* NULL for a scene file */
     double params[PL_MAX_PARAMS];
-    pl_scene scene;
+    pl_scene scene; /* of a deferred one only dt, duration and primary_error */
     char scene_hash[17];
     pl_variation variation;
+    bool deferred; /* pl_plan_build_scene makes its scene */
 } pl_problem;
 
 typedef struct pl_contender {
@@ -40,11 +41,15 @@ typedef struct pl_plan {
     int problem_count;
     pl_contender *contenders;
     int contender_count;
-    pl_pairing *pairings; /* (pairing_count): the runs, in this order; NULL: all on all */
+    /* (pairing_count): the runs, in this order, where from repeat to repeat the engines of
+     * neighbours with the same problem take turns; NULL: all on all */
+    pl_pairing *pairings;
     int pairing_count;
     int repeats;
     uint64_t seed;
     pl_variation variation; /* of the problems that are added next */
+    bool defers;            /* catalogue scenes added next are built again for each run, not kept */
+    json_t *known;          /* a set: what tells the problems apart; the plan's own */
 } pl_plan;
 
 /* A catalogue scenario with `count` settings "NAME=VALUE". One that is already there with the same
@@ -68,6 +73,10 @@ pl_status pl_plan_add_choice(pl_plan *plan, const pl_engine_choice *choice, cons
 
 /* One more run; from the first on, those are all that the plan has. */
 pl_status pl_plan_add_pairing(pl_plan *plan, int problem, int contender, pl_error *error);
+
+/* Builds the scene of a deferred problem, which the caller frees. PL_NO_MEMORY. */
+pl_status pl_plan_build_scene(const pl_plan *plan, const pl_problem *problem, pl_scene *scene,
+                              pl_error *error);
 
 /* How many runs. */
 long pl_plan_size(const pl_plan *plan);

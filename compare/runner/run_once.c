@@ -1,18 +1,18 @@
-/* Time is the process's CPU time (CLOCK_PROCESS_CPUTIME_ID, all threads) over the engine's step
- * alone. Memory is the growth of the resident peak from just before `create`, when everything of
- * the harness is already there, to just before `destroy`. */
+/* Time and instructions are those of the engine's step alone (step_meter.h). Memory is the growth
+ * of the resident peak from just before `create`, when everything of the harness is already there,
+ * to just before `destroy`. */
 #include "runner/run_once.h"
 
 #include "referee/referee.h"
 #include "runner/positions.h"
 #include "runner/readback.h"
 #include "runner/resident.h"
+#include "runner/step_meter.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* Two frames: the new one, and the last good one. */
 typedef struct run {
@@ -24,14 +24,9 @@ typedef struct run {
     pl_contact *contacts;
     int contact_capacity;
     pl_positions_writer positions;
+    pl_step_meter meter;
+    double instructions; /* of all steps; NAN: not counted */
 } run;
-
-static double cpu_seconds(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
 
 static void enter(const run *r, pl_stage stage)
 {
@@ -236,9 +231,9 @@ static pl_status advance(run *r, pl_finding *finding, bool *going, pl_error *err
         return status;
     }
     enter(r, PL_STAGE_STEP);
-    double before = cpu_seconds();
+    pl_step_meter_begin(&r->meter);
     fault.status = def->engine->step(r->instance, def->scene->dt, &stats, &fault);
-    double cpu_time = cpu_seconds() - before;
+    pl_step_cost cost = pl_step_meter_end(&r->meter);
     enter(r, PL_STAGE_JUDGE);
     if (fault.status != PL_OK) {
         *going = false;
@@ -246,14 +241,16 @@ static pl_status advance(run *r, pl_finding *finding, bool *going, pl_error *err
         return PL_OK;
     }
     finding->steps_done += 1;
+    r->instructions += cost.instructions;
     read_frame(r, (double)finding->steps_done * def->scene->dt);
     int count = -1;
     status = read_contacts(r, &count, error);
     if (status != PL_OK) {
         return status;
     }
-    pl_verdict verdict = pl_referee_step(r->referee, &r->frame, &stats,
-                                         count < 0 ? NULL : r->contacts, count, cpu_time, &fault);
+    pl_verdict verdict =
+        pl_referee_step(r->referee, &r->frame, &stats, count < 0 ? NULL : r->contacts, count,
+                        cost.cpu_time, &fault);
     status = record_frame(r, finding->steps_done, error);
     if (verdict == PL_VERDICT_NONFINITE || verdict == PL_VERDICT_DIVERGED) {
         *going = false;
@@ -281,13 +278,17 @@ static void judge(run *r, double memory, pl_finding *finding)
     if (!isfinite(memory)) {
         *peak = (pl_metric){.state = PL_METRIC_FAILED, .reason = "/proc/self does not tell it"};
     }
+    if (isfinite(r->instructions) && finding->steps_done > 0) {
+        finding->metrics.item[PL_METRIC_INSTRUCTIONS_PER_STEP] = (pl_metric){
+            .state = PL_METRIC_VALUE, .value = r->instructions / (double)finding->steps_done};
+    }
 }
 
 pl_status pl_run_once(const pl_run_def *def,
                       pl_status (*report)(const pl_finding *finding, void *user, pl_error *error),
                       void *user, pl_error *error)
 {
-    run r = {.def = def};
+    run r = {.def = def, .meter = {.counter = -1}};
     pl_finding finding = {.outcome = PL_OUTCOME_OK,
                           .steps_asked = pl_scene_steps(def->scene),
                           .body_count = def->scene->body_count};
@@ -296,6 +297,7 @@ pl_status pl_run_once(const pl_run_def *def,
     if (status != PL_OK) {
         goto cleanup;
     }
+    r.meter = pl_step_meter_open();
     double baseline = pl_resident_baseline();
     bool going = false;
     status = begin(&r, &finding, &going, error);
@@ -315,6 +317,7 @@ pl_status pl_run_once(const pl_run_def *def,
     }
 
 cleanup:
+    pl_step_meter_close(&r.meter);
     pl_positions_end(&r.positions);
     pl_referee_destroy(r.referee);
     free(r.frame.bodies);

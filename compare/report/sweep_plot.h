@@ -1,0 +1,22 @@
+/* Plots of a sweep as inline SVG. Colours are the page's: pl_sweep_style beside pl_style. */
+#ifndef PLUMB_REPORT_SWEEP_PLOT_H
+#define PLUMB_REPORT_SWEEP_PLOT_H
+
+#include "report/sheet.h"
+#include "sweep/analysis.h"
+
+/* CSS rules, NULL-terminated. */
+extern const char *const pl_sweep_style[];
+
+/* Error over cost of a problem, both logarithmic: a front a whole engine, ours drawn last and
+ * thicker; points off the front faint; failed points as crosses along the upper edge. Nothing where
+ * the problem has no points. */
+void pl_sweep_plot_problem(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
+                           pl_sheet *sheet);
+
+/* Shares of problems over the factor tau, logarithmic to 100: a line an engine. Nothing where no
+ * engine solved any. */
+void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
+                           pl_sheet *sheet);
+
+#endif

@@ -1,0 +1,46 @@
+/* The tables of a sweep, and what is said above them: the same on a terminal and on a page. */
+#ifndef PLUMB_REPORT_SWEEP_TABLES_H
+#define PLUMB_REPORT_SWEEP_TABLES_H
+
+#include "report/sweep_table.h"
+#include "sweep/analysis.h"
+
+/* How the losses stand, in words, in plain text. */
+void pl_sweep_statement(const pl_sweep_analysis *analysis, pl_sheet *sheet);
+
+/* What a reader must be warned of; nothing where there is nothing. Plain text. */
+void pl_sweep_warning(const pl_sweep_analysis *analysis, pl_sheet *sheet);
+
+/* A row a loss, in their order. */
+void pl_sweep_losses_table(const pl_sweep_analysis *analysis, pl_sweep_table *table);
+
+/* A row a pair: the mean ratio of speeds at an error, and who reached it. */
+void pl_sweep_means_table(const pl_sweep_analysis *analysis, bool whole, int level,
+                          pl_sweep_table *table);
+
+/* A row an engine that was run on the problem: what each level costs, and what failed. */
+void pl_sweep_reach_table(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
+                          bool whole, pl_sweep_table *table);
+
+/* A row a pair: the ratio of speeds at each error. */
+void pl_sweep_speeds_table(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
+                           bool whole, bool between, pl_sweep_table *table);
+
+/* A row a pair and cost at which either has a point: the ratio of errors. */
+void pl_sweep_errors_table(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
+                           bool whole, pl_sweep_table *table);
+
+/* A row a series of time steps: all, or of one problem (an index; -1: all). */
+void pl_sweep_orders_table(const pl_sweep_analysis *analysis, int problem, pl_sweep_table *table);
+
+/* A row an engine: the share of problems solved within factors of the best. */
+void pl_sweep_shares_table(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
+                           pl_sweep_table *table);
+
+/* A row a point without numbers: all, or of one problem (an index; -1: all). */
+void pl_sweep_failed_table(const pl_sweep_analysis *analysis, int problem, pl_sweep_table *table);
+
+/* A row a point with numbers of a problem. */
+void pl_sweep_points_table(const pl_sweep_analysis *analysis, int problem, pl_sweep_table *table);
+
+#endif

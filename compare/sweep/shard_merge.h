@@ -1,0 +1,37 @@
+/* Results of several files as one: of shards, of machines, of the same sweep made twice. */
+#ifndef PLUMB_SWEEP_SHARD_MERGE_H
+#define PLUMB_SWEEP_SHARD_MERGE_H
+
+#include "plumb/base.h"
+
+#include <jansson.h>
+#include <stdio.h>
+
+typedef struct pl_merge {
+    json_t *results; /* array: each run once, as it was read first; in the order of reading */
+    json_t *runs;    /* run hash -> its result */
+    long files;
+    long doubles;   /* results left out, because their run was there */
+    long differing; /* of those, how many differ in their outcome or a deterministic metric */
+} pl_merge;
+
+/* PL_NO_MEMORY. The caller frees it by pl_merge_free in any case. */
+pl_status pl_merge_begin(pl_merge *merge, pl_error *error);
+void pl_merge_free(pl_merge *merge);
+
+/* Adds a file of results ("-" is standard input), or of a folder results.jsonl and those of its
+ * shards, shard-*-of-*. A double that differs is said so on `warnings` (NULL: nowhere), the first
+ * ten with what differs. PL_BAD_INPUT: a file that holds other things, or a folder without results;
+ * PL_IO. */
+pl_status pl_merge_add(pl_merge *merge, const char *path, FILE *warnings, pl_error *error);
+
+/* Adds the results of an array. PL_NO_MEMORY. */
+pl_status pl_merge_add_results(pl_merge *merge, json_t *results, FILE *warnings, pl_error *error);
+
+/* pl_merge_add of a folder that may have no results, or not be there; nothing is warned of. */
+pl_status pl_merge_add_any(pl_merge *merge, const char *folder, pl_error *error);
+
+/* Writes all results as JSON lines (pl_write_text). */
+pl_status pl_merge_write(const pl_merge *merge, const char *path, pl_error *error);
+
+#endif

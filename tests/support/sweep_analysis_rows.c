@@ -1,0 +1,76 @@
+#include "sweep_analysis_rows.h"
+
+#include "check.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static json_t *value_of(double value)
+{
+    return isnan(value) ? json_pack("{s:n, s:s}", "value", "unit", "1")
+                        : json_pack("{s:f, s:s}", "value", value, "unit", "1");
+}
+
+json_t *add_sweep_run(json_t *results, sweep_run run)
+{
+    const double dt = run.dt == 0 ? 1.0 / 64 : run.dt;
+    const char *profile = strchr(run.engine, ':') + 1;
+    char label[128];
+    snprintf(label, sizeof label, "%s,iterations=%d", run.engine, run.iterations);
+    json_t *row = json_pack(
+        "{s:s, s:s, s:s, s:{s:i, s:f}, s:s, s:s%, s:s, s:s, s:s, s:{s:f, s:f, s:i}, s:i, s:i, s:s, "
+        "s:n, s:{s:o, s:o}, s:{s:s}, s:{s:s, s:s}}",
+        "schema", "plumb.result/1", "run", "00", "scenario", run.scenario, "params", "n", run.n,
+        "dt", dt, "primary_error", "travel_error", "engine", run.engine,
+        (int)(profile - 1 - run.engine), "profile", profile, "engine_version", "1.0", "label",
+        label, "settings", "dt", dt, "duration", 2.0, "iterations", run.iterations, "seed", 0,
+        "repeat", run.repeat, "outcome", run.outcome == NULL ? "ok" : run.outcome, "reason",
+        "metrics", "travel_error", value_of(run.error), "time_per_step", value_of(run.cost * dt),
+        "host", "cpu", "one", "plumb", "version", "0.1.0", "git", "abc");
+    assert_non_null(row);
+    assert_int_equal(json_array_append_new(results, row), 0);
+    return row;
+}
+
+void add_repeats(json_t *results, sweep_run run, const double *costs, int count)
+{
+    for (int i = 0; i < count; i++) {
+        run.repeat = i;
+        run.cost = costs[i];
+        add_sweep_run(results, run);
+    }
+}
+
+pl_sweep_analysis analysis_of(const json_t *results)
+{
+    pl_sweep_analysis analysis;
+    pl_error error = {PL_OK, ""};
+    if (pl_sweep_analyse(results, &analysis, &error) != PL_OK)
+        fail_msg("%s", error.message);
+    return analysis;
+}
+
+int engine_named(const pl_sweep_analysis *analysis, const char *name)
+{
+    for (int i = 0; i < analysis->engine_count; i++)
+        if (strcmp(analysis->engines[i].name, name) == 0)
+            return i;
+    fail_msg("no engine %s", name);
+    return -1;
+}
+
+int pair_named(const pl_sweep_analysis *analysis, const char *ours, const char *other)
+{
+    for (int i = 0; i < analysis->pair_count; i++)
+        if (analysis->pairs[i].ours == engine_named(analysis, ours) &&
+            analysis->pairs[i].other == engine_named(analysis, other))
+            return i;
+    fail_msg("no pair %s, %s", ours, other);
+    return -1;
+}
+
+const pl_sweep_duel *duel_with(const pl_sweep_analysis *analysis, const char *other)
+{
+    return &analysis->problems[0].duels[pair_named(analysis, "plumb", other)];
+}

@@ -1,0 +1,285 @@
+/* From points to ratios, their intervals, losses, means and profiles, by hand. */
+#include "check.h"
+#include "sweep_analysis_rows.h"
+
+#include <math.h>
+
+static void finish(pl_sweep_analysis *analysis, json_t *results)
+{
+    pl_sweep_analysis_free(analysis);
+    json_decref(results);
+}
+
+/* Ours: 2 s/s at 1e-4. ode: 1 at 1e-2, 8 at 1e-4. */
+static json_t *crossing(void)
+{
+    json_t *results = json_array();
+    add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 2, 1e-4});
+    add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 1, 1e-2, .iterations = 1});
+    add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 8, 1e-4, .iterations = 9});
+    return results;
+}
+
+static void test_speed_is_their_cost_over_ours_at_each_error(void **state)
+{
+    (void)state;
+    json_t *results = crossing();
+    pl_sweep_analysis analysis = analysis_of(results);
+    const pl_sweep_duel *duel = duel_with(&analysis, "ode");
+    static const double speeds[] = {0.5, 0.5, 4, 4};
+    for (int k = 0; k < PL_SWEEP_LEVELS; k++) {
+        assert_int_equal(duel->reach[k], k < 4 ? PL_SWEEP_BOTH : PL_SWEEP_NEITHER);
+        if (k < 4)
+            assert_close(duel->speed[k].value, speeds[k], 0, 0);
+        else
+            assert_true(isnan(duel->speed[k].value));
+        assert_true(isnan(duel->speed[k].low)); /* one repeat says nothing of spread */
+    }
+    /* Ours is one point, so between points there is 1e-4 alone. */
+    assert_true(isnan(duel->speed_between[2].value));
+    assert_close(duel->speed_between[3].value, 4, 0, 0);
+    finish(&analysis, results);
+}
+
+static void test_exactness_is_their_error_over_ours_at_each_cost(void **state)
+{
+    (void)state;
+    json_t *results = crossing();
+    add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 32, 1e-6, .iterations = 5});
+    pl_sweep_analysis analysis = analysis_of(results);
+    const pl_sweep_duel *duel = duel_with(&analysis, "ode");
+    enum { AT_1 = 18, AT_2, AT_5, AT_10, AT_20 };
+    assert_close(pl_sweep_times[AT_5], 5, 0, 0);
+    assert_int_equal(duel->afford[AT_1 - 1], PL_SWEEP_NEITHER);
+    assert_int_equal(duel->afford[AT_1], PL_SWEEP_OTHER_ONLY);
+    assert_close(duel->exactness[AT_2].value, 100, 0, 1e-15);
+    assert_close(duel->exactness[AT_5].value, 100, 0, 1e-15);
+    assert_close(duel->exactness[AT_10].value, 1, 0, 0);
+    /* At 5: ode (5 -> 8 of 1e-2 -> 1e-4), ours 2 -> 32 of 1e-4 -> 1e-6. */
+    double theirs = pow(10, -2 - 2 * log(5) / log(8));
+    double ours = pow(10, -4 - 2 * log(2.5) / log(16));
+    assert_close(duel->exactness_between[AT_5].value, theirs / ours, 0, 1e-12);
+    assert_true(isnan(duel->exactness_between[AT_20].value)); /* beyond ode's front */
+    finish(&analysis, results);
+}
+
+static void test_losses_are_where_another_front_is_ahead(void **state)
+{
+    (void)state;
+    json_t *results = crossing();
+    /* b: at 1e-3 ours is never there, at 1e-1 it is 5 % behind. */
+    add_sweep_run(results, (sweep_run){.scenario = "b", "plumb:p", 1.05, 5e-2});
+    add_sweep_run(results, (sweep_run){.scenario = "b", "ode:q", 1, 5e-2, .iterations = 1});
+    add_sweep_run(results, (sweep_run){.scenario = "b", "ode:q", 3, 5e-4, .iterations = 2});
+    pl_sweep_analysis analysis = analysis_of(results);
+    /* a: 1e-1, 1e-2. b: 1e-1, 1e-2, 1e-3. */
+    assert_int_equal(analysis.loss_count, 5);
+    assert_int_equal(analysis.fine_losses, 1);
+    assert_int_equal(analysis.duels_fought, 4 + 3);
+    static const struct {
+        const char *problem;
+        int level;
+        pl_sweep_reach reach;
+        bool within_noise;
+    } expected[] = {{"b", 2, PL_SWEEP_OTHER_ONLY, false},
+                    {"b", 1, PL_SWEEP_OTHER_ONLY, false},
+                    {"a", 0, PL_SWEEP_BOTH, false},
+                    {"a", 1, PL_SWEEP_BOTH, false},
+                    {"b", 0, PL_SWEEP_BOTH, true}};
+    for (int i = 0; i < 5; i++) {
+        const pl_sweep_loss *loss = &analysis.losses[i];
+        assert_string_equal(analysis.problems[loss->problem].name, expected[i].problem);
+        assert_int_equal(loss->level, expected[i].level);
+        assert_int_equal(loss->reach, expected[i].reach);
+        assert_int_equal(loss->within_noise, expected[i].within_noise);
+        assert_int_equal(loss->ours < 0, loss->reach == PL_SWEEP_OTHER_ONLY);
+        assert_true(loss->other >= 0);
+    }
+    assert_close(analysis.losses[0].other, 5, 0, 0);
+    finish(&analysis, results);
+}
+
+static void test_equal_engines_have_no_losses(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 2, 1e-4});
+    add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 2, 1e-4});
+    pl_sweep_analysis analysis = analysis_of(results);
+    assert_int_equal(analysis.loss_count, 0);
+    assert_int_equal(analysis.duels_fought, 4);
+    assert_close(duel_with(&analysis, "ode")->speed[0].value, 1, 0, 0);
+    finish(&analysis, results);
+}
+
+static void test_constant_repeats_have_an_interval_without_width(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    add_repeats(results, (sweep_run){.scenario = "a", "plumb:p", .error = 1e-2},
+                (const double[]){3, 3, 3}, 3);
+    add_repeats(results, (sweep_run){.scenario = "a", "plumb:p", .error = 1e-4, .dt = 0.125},
+                (const double[]){9, 9, 9}, 3);
+    add_repeats(results, (sweep_run){.scenario = "a", "ode:q", .error = 1e-1},
+                (const double[]){0.7, 0.7}, 2);
+    add_repeats(results, (sweep_run){.scenario = "a", "ode:q", .error = 1e-5, .dt = 0.125},
+                (const double[]){11, 11}, 2);
+    pl_sweep_analysis analysis = analysis_of(results);
+    const pl_sweep_duel *duel = duel_with(&analysis, "ode");
+    const pl_sweep_pair *pair = &analysis.pairs[pair_named(&analysis, "plumb", "ode")];
+    const pl_sweep_ratio *ratios[] = {&duel->speed[2], &duel->speed_between[2],
+                                      &duel->exactness[20], &duel->exactness_between[20]};
+    for (int i = 0; i < 4; i++) {
+        assert_true(isfinite(ratios[i]->value));
+        assert_true(ratios[i]->low == ratios[i]->value && ratios[i]->high == ratios[i]->value);
+    }
+    assert_close(pair->mean[2].low, pair->mean[2].value, 0, 1e-15);
+    assert_close(pair->mean[2].high, pair->mean[2].value, 0, 1e-15);
+    finish(&analysis, results);
+}
+
+/* The median of 3 drawn from {1, 2, 3} is 1, 2, 3 in 7, 13, 7 of 27 cases: 95 % need all three. */
+static void test_interval_is_that_of_resampled_medians(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    add_repeats(results, (sweep_run){.scenario = "a", "plumb:p", .error = 1e-2},
+                (const double[]){1, 1, 1}, 3);
+    add_repeats(results, (sweep_run){.scenario = "a", "ode:q", .error = 1e-2},
+                (const double[]){3, 1, 2}, 3);
+    /* 1 of 11 is drawn 6 times or more of 11 in 4e-4 of all cases: the median stays at 2. */
+    add_repeats(results, (sweep_run){.scenario = "a", "bullet:s", .error = 1e-2},
+                (const double[]){2, 2, 2, 2, 2, 90, 2, 2, 2, 2, 2}, 11);
+    pl_sweep_analysis analysis = analysis_of(results);
+    const pl_sweep_ratio *ode = &duel_with(&analysis, "ode")->speed[1];
+    const pl_sweep_ratio *bullet = &duel_with(&analysis, "bullet")->speed[1];
+    assert_close(ode->value, 2, 0, 0);
+    assert_close(ode->low, 1, 0, 0);
+    assert_close(ode->high, 3, 0, 0);
+    assert_close(bullet->low, 2, 0, 0);
+    assert_close(bullet->high, 2, 0, 0);
+    finish(&analysis, results);
+}
+
+static void test_loss_within_its_interval_is_noise(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    add_repeats(results, (sweep_run){.scenario = "a", "plumb:p", .error = 1e-2},
+                (const double[]){2, 2, 2}, 3);
+    add_repeats(results, (sweep_run){.scenario = "a", "ode:q", .error = 1e-2},
+                (const double[]){0.5, 1, 3}, 3);
+    add_repeats(results, (sweep_run){.scenario = "a", "bullet:s", .error = 1e-2},
+                (const double[]){1, 1, 1.5}, 3);
+    pl_sweep_analysis analysis = analysis_of(results);
+    assert_int_equal(analysis.loss_count, 4);
+    for (int i = 0; i < 4; i++) {
+        const pl_sweep_pair *pair = &analysis.pairs[analysis.losses[i].pair];
+        assert_string_equal(analysis.engines[pair->other].name, i < 2 ? "bullet" : "ode");
+        assert_int_equal(analysis.losses[i].within_noise, i >= 2);
+    }
+    finish(&analysis, results);
+}
+
+static void test_intervals_of_two_engines_do_not_depend_on_a_third(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    enum { REPEATS = 31 };
+    double ours[REPEATS], theirs[REPEATS];
+    check_random random = {3};
+    for (int i = 0; i < REPEATS; i++) {
+        ours[i] = check_uniform(&random, 1, 2);
+        theirs[i] = check_uniform(&random, 2, 4);
+    }
+    add_repeats(results, (sweep_run){.scenario = "a", "plumb:p", .error = 1e-2}, ours, REPEATS);
+    add_repeats(results, (sweep_run){.scenario = "a", "ode:q", .error = 1e-2}, theirs, REPEATS);
+    pl_sweep_analysis without = analysis_of(results);
+    pl_sweep_ratio before = duel_with(&without, "ode")->speed[1];
+    pl_sweep_analysis_free(&without);
+    add_repeats(results, (sweep_run){.scenario = "a", "bullet:s", .error = 1e-2}, ours, REPEATS);
+    add_repeats(results, (sweep_run){.scenario = "a", "ode:r", .error = 1e-2, .dt = 0.125},
+                (const double[]){9, 9.5, 10}, 3);
+    pl_sweep_analysis with = analysis_of(results);
+    const pl_sweep_ratio *after = &duel_with(&with, "ode")->speed[1];
+    assert_true(before.low < before.value && before.value < before.high);
+    assert_memory_equal(after, &before, sizeof before);
+    finish(&with, results);
+}
+
+static void test_mean_is_geometric_and_counts_what_is_never_reached(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    static const double theirs[] = {4, 9, 1};
+    static const char *const names[] = {"a", "b", "c"};
+    for (int i = 0; i < 3; i++) {
+        add_sweep_run(results, (sweep_run){.scenario = names[i], "plumb:p", 1, 1e-3});
+        add_sweep_run(results,
+                      (sweep_run){.scenario = names[i], "ode:q", theirs[i], i < 2 ? 1e-3 : 1e-2});
+    }
+    add_sweep_run(results, (sweep_run){.scenario = "d", "plumb:p", 1, 1e-3}); /* not run on ode */
+    pl_sweep_analysis analysis = analysis_of(results);
+    const pl_sweep_pair *pair = &analysis.pairs[pair_named(&analysis, "plumb", "ode")];
+    assert_int_equal(pair->problems, 3);
+    assert_close(pair->mean[PL_SWEEP_MATCHED_LEVEL].value, 6, 0, 1e-14);
+    assert_int_equal(pair->both[PL_SWEEP_MATCHED_LEVEL], 2);
+    assert_int_equal(pair->ours_only[PL_SWEEP_MATCHED_LEVEL], 1);
+    assert_int_equal(pair->other_only[PL_SWEEP_MATCHED_LEVEL], 0);
+    assert_close(pair->mean[1].value, cbrt(36), 0, 1e-14);
+    assert_true(isnan(pair->mean[3].value));
+    finish(&analysis, results);
+}
+
+static void test_profile_by_hand(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *problem;
+        double ours, theirs; /* costs to 1e-3; 0: not reached */
+    } cases[] = {{"a", 1, 2}, {"b", 3, 1}, {"c", 5, 0}, {"d", 0, 0}};
+    json_t *results = json_array();
+    for (int i = 0; i < 4; i++) {
+        add_sweep_run(results, (sweep_run){.scenario = cases[i].problem,
+                                           "plumb:p",
+                                           fmax(cases[i].ours, 1),
+                                           cases[i].ours > 0 ? 1e-3 : 1});
+        add_sweep_run(results, (sweep_run){.scenario = cases[i].problem,
+                                           "ode:q",
+                                           fmax(cases[i].theirs, 1),
+                                           cases[i].theirs > 0 ? 1e-3 : 1});
+    }
+    add_sweep_run(results, (sweep_run){.scenario = "e", "plumb:p", 1, 1e-3}); /* not run on ode */
+    pl_sweep_analysis analysis = analysis_of(results);
+    const pl_sweep_profile *profile = &analysis.profiles[PL_SWEEP_MATCHED_LEVEL];
+    int ours = engine_named(&analysis, "plumb"), ode = engine_named(&analysis, "ode");
+    assert_true(profile->whole);
+    assert_int_equal(profile->problems, 4);
+    static const struct {
+        double tau, ours, theirs;
+    } shares[] = {
+        {1, 0.5, 0.25}, {1.9, 0.5, 0.25}, {2, 0.5, 0.5}, {3, 0.75, 0.5}, {1e9, 0.75, 0.5}};
+    for (int i = 0; i < 5; i++) {
+        assert_close(pl_sweep_share(&analysis, profile, ours, shares[i].tau), shares[i].ours, 0, 0);
+        assert_close(pl_sweep_share(&analysis, profile, ode, shares[i].tau), shares[i].theirs, 0,
+                     0);
+    }
+    finish(&analysis, results);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_speed_is_their_cost_over_ours_at_each_error),
+        cmocka_unit_test(test_exactness_is_their_error_over_ours_at_each_cost),
+        cmocka_unit_test(test_losses_are_where_another_front_is_ahead),
+        cmocka_unit_test(test_equal_engines_have_no_losses),
+        cmocka_unit_test(test_constant_repeats_have_an_interval_without_width),
+        cmocka_unit_test(test_interval_is_that_of_resampled_medians),
+        cmocka_unit_test(test_loss_within_its_interval_is_noise),
+        cmocka_unit_test(test_intervals_of_two_engines_do_not_depend_on_a_third),
+        cmocka_unit_test(test_mean_is_geometric_and_counts_what_is_never_reached),
+        cmocka_unit_test(test_profile_by_hand),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

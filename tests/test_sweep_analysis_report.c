@@ -1,0 +1,299 @@
+/* What the report of a sweep says, and that it says it safely. */
+#include "check.h"
+#include "plumb_process.h"
+#include "report/sweep_html.h"
+#include "report/sweep_plot.h"
+#include "report/sweep_report.h"
+#include "report/sweep_tables.h"
+#include "report/sweep_words.h"
+#include "report_rows.h"
+#include "results/store.h"
+#include "sweep_analysis_rows.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Two problems: on a ours loses at 1e-1 and 1e-2; on b ode's two points fail. */
+static json_t *mixed(void)
+{
+    json_t *results = json_array();
+    add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 2, 1e-4});
+    add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 4, 1e-6, .iterations = 8});
+    add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 9, 1e-5, .iterations = 9});
+    add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 1, 1e-2, .iterations = 1});
+    add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 8, 1e-4, .iterations = 9});
+    add_sweep_run(results, (sweep_run){.scenario = "b", "plumb:p", 2, 1e-4});
+    add_sweep_run(results, (sweep_run){.scenario = "b", "ode:q", 1, 1, .outcome = "crashed"});
+    add_sweep_run(results,
+                  (sweep_run){.scenario = "b", "ode:q", 1, 1, .dt = 0.5, .outcome = "timeout"});
+    return results;
+}
+
+static pl_sheet page_of(const json_t *results)
+{
+    pl_sheet page = {0};
+    pl_sweep_analysis analysis = analysis_of(results);
+    pl_sweep_page(&analysis, &page);
+    assert_false(page.failed);
+    pl_sweep_analysis_free(&analysis);
+    return page;
+}
+
+static char *print_of(const json_t *results)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    pl_sweep_analysis analysis = analysis_of(results);
+    pl_sweep_report_print(out, &analysis);
+    fclose(out);
+    pl_sweep_analysis_free(&analysis);
+    return text;
+}
+
+static void test_losses_come_before_everything_else(void **state)
+{
+    (void)state;
+    json_t *results = mixed();
+    pl_sheet page = page_of(results);
+    char *text = print_of(results);
+    static const char *const later[] = {"id=\"sweep-speed\"", "id=\"sweep-profiles\"",
+                                        "id=\"sweep-problems\"", "id=\"sweep-method\""};
+    for (int i = 0; i < 4; i++)
+        assert_before(page.data, "id=\"sweep-losses\"", later[i]);
+    static const char *const said =
+        "ahead of plumb&#39;s in 2 of 10 comparisons (problem, engine, error): in 0 at errors up "
+        "to 1e-3, in 2 at larger ones; 0 of all are within noise.";
+    assert_contains(page.data, said);
+    assert_before(text, "in 2 of 10 comparisons", "Where plumb loses");
+    assert_before(text, "Where plumb loses", "over all problems");
+    assert_contains(text, "1 of 2 problems: never reached");
+    pl_sheet_free(&page);
+    free(text);
+    json_decref(results);
+}
+
+static void test_statement_when_nothing_is_lost_or_compared(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *first, *second, *outcome, *said;
+    } cases[] = {
+        {"plumb:p", "ode:q", NULL, "No losses: in none of 4 comparisons"},
+        {"plumb:p", "plumb:q", NULL, "these results hold no other engine"},
+        {"bullet:p", "ode:q", NULL, "plumb itself was not run"},
+        {"plumb:p", "ode:q", "crashed", "reach any error asked for"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        json_t *results = json_array();
+        add_sweep_run(
+            results,
+            (sweep_run){.scenario = "a", cases[i].first, 1, 1e-4, .outcome = cases[i].outcome});
+        add_sweep_run(
+            results,
+            (sweep_run){.scenario = "a", cases[i].second, 2, 1e-4, .outcome = cases[i].outcome});
+        pl_sweep_analysis analysis = analysis_of(results);
+        pl_sheet sheet = {0};
+        pl_sweep_statement(&analysis, &sheet);
+        assert_contains(sheet.data, cases[i].said);
+        pl_sheet_free(&sheet);
+        pl_sweep_analysis_free(&analysis);
+        json_decref(results);
+    }
+}
+
+static void test_plot_has_every_point_and_a_cross_for_each_that_failed(void **state)
+{
+    (void)state;
+    json_t *results = mixed();
+    pl_sweep_analysis analysis = analysis_of(results);
+    pl_sheet a = {0}, b = {0};
+    pl_sweep_plot_problem(&analysis, &analysis.problems[0], &a);
+    pl_sweep_plot_problem(&analysis, &analysis.problems[1], &b);
+    assert_int_equal(count_of(a.data, "class=\"m0\""), 2 + 1); /* the front, and the legend */
+    assert_int_equal(count_of(a.data, "class=\"m0 off\""), 1);
+    assert_int_equal(count_of(a.data, "class=\"m1\""), 2 + 1);
+    assert_int_equal(count_of(a.data, "cross"), 1); /* the caption alone */
+    assert_int_equal(count_of(b.data, "class=\"e1 cross\""), 2);
+    assert_int_equal(count_of(b.data, "class=\"m1\""), 1);
+    assert_contains(b.data, "dt 1/2 s: timeout</title>");
+    assert_contains(b.data, "0 points, 2 failed");
+    /* Ours is painted over the others. */
+    assert_before(a.data, "class=\"e1\"", "class=\"e0\"");
+    pl_sheet_free(&a);
+    pl_sheet_free(&b);
+    pl_sweep_analysis_free(&analysis);
+    json_decref(results);
+}
+
+/* x and y of the only front of two points in a plot. */
+static void read_front(const char *plot, double numbers[4])
+{
+    const char *path = strstr(plot, "class=\"e0\" d=\"M");
+    assert_non_null(path);
+    int read = sscanf(path, "class=\"e0\" d=\"M%lf %lfL%lf %lf", &numbers[0], &numbers[1],
+                      &numbers[2], &numbers[3]);
+    assert_int_equal(read, 4);
+}
+
+static void test_plot_is_logarithmic_with_exactness_downwards(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 1, 1e-1});
+    add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 100, 1e-5, .iterations = 2});
+    add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 10, 1e-1, .iterations = 3});
+    pl_sweep_analysis analysis = analysis_of(results);
+    pl_sheet plot = {0};
+    double place[4];
+    pl_sweep_plot_problem(&analysis, &analysis.problems[0], &plot);
+    read_front(plot.data, place);
+    assert_close(place[0], 72, 0.05, 0);
+    assert_close(place[2], 710, 0.05, 0);
+    assert_close(place[1], 16, 0.05, 0);
+    assert_close(place[3], 416, 0.05, 0);
+    assert_contains(plot.data, "class=\"m0 off\" cx=\"391.0\""); /* a decade of two */
+    pl_sheet_free(&plot);
+    pl_sweep_analysis_free(&analysis);
+    json_decref(results);
+}
+
+static json_t *hostile(void)
+{
+    json_t *results = mixed();
+    json_t *row;
+    size_t index;
+    json_array_foreach(results, index, row)
+    {
+        json_object_set_new(row, "label", json_string(hostile_text));
+        json_object_set_new(row, "reason", json_string(hostile_text));
+        json_object_set_new(row, "scenario", json_string(hostile_text));
+        json_object_set_new(row, "profile", json_string(hostile_text));
+        if (index % 2 == 0)
+            json_object_set_new(row, "engine", json_string(hostile_text));
+    }
+    return results;
+}
+
+static void test_page_asks_nothing_and_escapes_everything(void **state)
+{
+    (void)state;
+    json_t *results = hostile();
+    pl_sheet page = page_of(results);
+    static const char *const never[] = {"<script",     " src=", "@import", "url(",
+                                        "href=\"http", "nan",   "inf"};
+    for (size_t i = 0; i < sizeof never / sizeof never[0]; i++)
+        assert_absent(page.data, never[i]);
+    assert_contains(page.data, "&lt;script&gt;alert(&quot;x&quot;)");
+    char *text = print_of(results);
+    assert_absent(text, "\r");
+    assert_absent(text, "\033");
+    pl_sheet_free(&page);
+    free(text);
+    json_decref(results);
+}
+
+static void test_tags_of_the_page_are_balanced(void **state)
+{
+    (void)state;
+    static const char *const tags[] = {"table", "tr", "figure", "svg", "details", "summary",
+                                       "g",     "p",  "text",   "h2",  "h4",      "div"};
+    json_t *results = mixed();
+    pl_sheet page = page_of(results);
+    for (size_t i = 0; i < sizeof tags / sizeof tags[0]; i++) {
+        char open[16], open_with[16], close[16];
+        snprintf(open, sizeof open, "<%s>", tags[i]);
+        snprintf(open_with, sizeof open_with, "<%s ", tags[i]);
+        snprintf(close, sizeof close, "</%s>", tags[i]);
+        assert_true(count_of(page.data, close) > 0);
+        assert_int_equal(count_of(page.data, open) + count_of(page.data, open_with),
+                         count_of(page.data, close));
+    }
+    pl_sheet_free(&page);
+    json_decref(results);
+}
+
+static void test_numbers_are_written_as_people_read_them(void **state)
+{
+    (void)state;
+    char text[PL_SWEEP_TEXT_SIZE];
+    pl_sweep_ratio_text(&(pl_sweep_ratio){2.5, 2.25, 2.75}, text);
+    assert_string_equal(text, "×2.50 (2.25 to 2.75)");
+    pl_sweep_ratio_text(&(pl_sweep_ratio){2.5, (double)NAN, (double)NAN}, text);
+    assert_string_equal(text, "×2.50");
+    pl_sweep_ratio_text(&(pl_sweep_ratio){(double)NAN, (double)NAN, (double)NAN}, text);
+    assert_string_equal(text, "–");
+    pl_sweep_error_text(1e-9, "m", text);
+    assert_string_equal(text, "≤ 1e-9 m");
+    pl_sweep_error_text(0.0125, "1", text);
+    assert_string_equal(text, "0.0125");
+    pl_sweep_step_text(1.0 / 240, text);
+    assert_string_equal(text, "1/240 s");
+    pl_sweep_step_text(0.03, text);
+    assert_string_equal(text, "0.03 s");
+    pl_sweep_cost_text(0.0125, text);
+    assert_string_equal(text, "12.5 ms");
+}
+
+static void test_files_are_written(void **state)
+{
+    (void)state;
+    char *directory = make_directory();
+    char path[512];
+    json_t *results = mixed();
+    pl_sweep_analysis analysis = analysis_of(results);
+    pl_error error = {PL_OK, ""};
+    assert_int_equal(pl_sweep_report_write(directory, &analysis, &error), PL_OK);
+    snprintf(path, sizeof path, "%s/sweep.json", directory);
+    json_t *json = json_load_file(path, 0, NULL);
+    assert_non_null(json);
+    assert_string_equal(json_string_value(json_object_get(json, "schema")), "plumb.sweep/1");
+    assert_int_equal(json_array_size(json_object_get(json, "points")), 8);
+    assert_int_equal(json_array_size(json_object_get(json, "losses")), 2);
+    assert_int_equal(json_array_size(json_object_get(json, "profiles")), 16);
+    const json_t *loss = json_array_get(json_object_get(json, "losses"), 0);
+    assert_close(json_number_value(json_object_get(json_object_get(loss, "speed"), "value")), 0.5,
+                 0, 0);
+    assert_true(json_is_null(json_object_get(json_object_get(loss, "speed"), "low")));
+    json_decref(json);
+    snprintf(path, sizeof path, "%s/sweep.html", directory);
+    FILE *page = fopen(path, "r");
+    assert_non_null(page);
+    fclose(page);
+    snprintf(path, sizeof path, "%s/missing", directory);
+    assert_int_equal(pl_sweep_report_write(path, &analysis, &error), PL_IO);
+    pl_sweep_analysis_free(&analysis);
+    json_decref(results);
+    remove_directory(directory);
+}
+
+static void test_nothing_is_a_whole_page(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    pl_sheet page = page_of(results);
+    assert_contains(page.data, "There are no results.");
+    assert_contains(page.data, "</html>");
+    char *text = print_of(results);
+    assert_contains(text, "Nothing was compared");
+    pl_sheet_free(&page);
+    free(text);
+    json_decref(results);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_losses_come_before_everything_else),
+        cmocka_unit_test(test_statement_when_nothing_is_lost_or_compared),
+        cmocka_unit_test(test_plot_has_every_point_and_a_cross_for_each_that_failed),
+        cmocka_unit_test(test_plot_is_logarithmic_with_exactness_downwards),
+        cmocka_unit_test(test_page_asks_nothing_and_escapes_everything),
+        cmocka_unit_test(test_tags_of_the_page_are_balanced),
+        cmocka_unit_test(test_numbers_are_written_as_people_read_them),
+        cmocka_unit_test(test_files_are_written),
+        cmocka_unit_test(test_nothing_is_a_whole_page),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
