@@ -14,7 +14,10 @@ static const pl_command commands[] = {
     {"scene", "print a scenario as a scene file, to edit and run", pl_command_scene},
     {"solve", "solve one captured contact problem again", pl_command_solve},
     {"ensemble", "compare engines where motion is chaotic", pl_command_ensemble},
+    {"sweep", "vary steps, options and parameters over many runs", pl_command_sweep},
+    {"report", "report on results that are there", pl_command_report},
     {"metamorphic", "check engines without a reference", pl_command_metamorphic},
+    {"gate", "fail where results are worse than a baseline", pl_command_gate},
     {"help", "explain a command", pl_command_help},
     {"version", "print the version", pl_command_version},
 };

@@ -1,0 +1,261 @@
+/* Gathers the repeats of each run into a row. */
+#include "gate/gather.h"
+
+#include "gate/ratio.h"
+#include "plumb/scenario.h"
+#include "results/result.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* A row while it is being made. */
+typedef struct making {
+    pl_gate_row *row;
+    const pl_gate_limits *limits;
+    double *numbers; /* room for a number of each sample */
+} making;
+
+static pl_status no_memory(pl_error *error)
+{
+    return pl_fail(error, PL_NO_MEMORY, "out of memory for the rows of results");
+}
+
+static pl_status check_result(const json_t *result, const char *path, size_t index, pl_error *error)
+{
+    static const char *const texts[] = {"scenario", "label", "outcome"};
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
+        if (!json_is_string(json_object_get(result, texts[i]))) {
+            return pl_fail(error, PL_BAD_INPUT, "%s:%zu:1: %s: expected a string", path, index + 1,
+                           texts[i]);
+        }
+    }
+    const json_t *settings = json_object_get(result, "settings");
+    if (!json_is_number(json_object_get(settings, "dt")) ||
+        !json_is_object(json_object_get(result, "metrics"))) {
+        return pl_fail(error, PL_BAD_INPUT, "%s:%zu:1: expected settings.dt and metrics", path,
+                       index + 1);
+    }
+    return PL_OK;
+}
+
+/* Without those at their defaults. */
+static json_t *params_of(const json_t *result)
+{
+    json_t *params = json_object();
+    const pl_scenario *scenario = pl_scenario_find(pl_json_get_text(result, "scenario"), NULL);
+    const char *name;
+    json_t *value;
+    json_object_foreach(json_object_get(result, "params"), name, value)
+    {
+        bool is_default = false;
+        for (int i = 0; scenario != NULL && i < scenario->param_count; ++i) {
+            is_default |= strcmp(scenario->params[i].name, name) == 0 &&
+                          scenario->params[i].value == json_number_value(value);
+        }
+        if (!is_default && json_object_set(params, name, value) != 0) {
+            json_decref(params);
+            return NULL;
+        }
+    }
+    return params;
+}
+
+static json_t *row_json(const json_t *result)
+{
+    const json_t *settings = json_object_get(result, "settings");
+    json_t *json = json_pack("{s:s, s:o, s:s, s:f, s:f, s:I, s:s, s:s, s:{}}", "scenario",
+                             pl_json_get_text(result, "scenario"), "params", params_of(result),
+                             "engine", pl_json_get_text(result, "label"), "dt",
+                             json_number_value(json_object_get(settings, "dt")), "duration",
+                             json_number_value(json_object_get(settings, "duration")), "seed",
+                             json_integer_value(json_object_get(result, "seed")), "scene_hash",
+                             pl_json_get_text(result, "scene_hash"), "outcome", "ok", "metrics");
+    json_t *member = json_object_get(result, "member");
+    if (json != NULL && member != NULL && json_object_set(json, "member", member) != 0) {
+        json_decref(json);
+        return NULL;
+    }
+    return json;
+}
+
+static pl_status add_sample(pl_gate_row *row, const json_t *result, int file, pl_error *error)
+{
+    size_t size = ((size_t)row->sample_count + 1) * sizeof *row->samples;
+    pl_gate_sample *grown = realloc(row->samples, size);
+    if (grown == NULL) {
+        return no_memory(error);
+    }
+    row->samples = grown;
+    row->samples[row->sample_count++] =
+        (pl_gate_sample){.file = file,
+                         .repeat = json_integer_value(json_object_get(result, "repeat")),
+                         .metrics = json_object_get(result, "metrics")};
+    const char *outcome = pl_json_get_text(result, "outcome");
+    if (pl_gate_row_is_ok(row) && strcmp(outcome, "ok") != 0) {
+        row->reason = pl_json_get_text(result, "reason");
+        if (json_object_set_new(row->json, "outcome", json_string(outcome)) != 0) {
+            return no_memory(error);
+        }
+        row->outcome = pl_json_get_text(row->json, "outcome");
+    }
+    return PL_OK;
+}
+
+/* A row of the result's run, with nothing in it yet; false: out of memory. */
+static bool begin_row(const json_t *result, pl_gate_row *row)
+{
+    *row = (pl_gate_row){.json = row_json(result),
+                         .reason = "",
+                         .reasons = json_object(),
+                         .spread = json_object(),
+                         .measured = json_object()};
+    return row->json != NULL && row->reasons != NULL && row->spread != NULL &&
+           row->measured != NULL && pl_gate_row_identify(row);
+}
+
+/* Adds the result to the row of its key, which it makes where it is missing. */
+static pl_status add_result(pl_gate_rows *rows, json_t *indices, const json_t *result, int file,
+                            pl_error *error)
+{
+    pl_gate_row row;
+    bool begun = begin_row(result, &row);
+    json_t *known = begun ? json_object_get(indices, row.key) : NULL;
+    int index = known == NULL ? rows->count : (int)json_integer_value(known);
+    if (begun && known == NULL && json_object_set_new(indices, row.key, json_integer(index)) == 0) {
+        rows->items[rows->count++] = row;
+    } else {
+        pl_gate_row_free(&row);
+    }
+    return index < rows->count ? add_sample(&rows->items[index], result, file, error)
+                               : no_memory(error);
+}
+
+static int compare_doubles(const void *left, const void *right)
+{
+    double a = *(const double *)left, b = *(const double *)right;
+    return (a > b) - (a < b);
+}
+
+static bool is_deterministic(const json_t *metric, int id)
+{
+    const json_t *said = json_object_get(metric, "deterministic");
+    return json_is_boolean(said) ? json_is_true(said) : id < 0 || pl_metric_table[id].deterministic;
+}
+
+/* Numbers: their median, with their range where they should be equal and are not. Texts: the first.
+ * Null as soon as one repeat has no value. */
+static json_t *summarise(const making *m, const char *name, bool deterministic)
+{
+    int count = 0;
+    for (int i = 0; i < m->row->sample_count; ++i) {
+        const json_t *metric = json_object_get(m->row->samples[i].metrics, name);
+        json_t *value = json_object_get(metric, "value");
+        if (json_is_string(value)) {
+            return json_incref(value);
+        }
+        if (json_is_null(value)) {
+            const char *reason = pl_json_get_text(metric, "reason");
+            json_object_set_new(m->row->reasons, name, json_string(reason));
+            return json_null();
+        }
+        if (json_is_number(value)) {
+            m->numbers[count++] = json_number_value(value);
+        }
+    }
+    if (count == 0) {
+        return json_null();
+    }
+    qsort(m->numbers, (size_t)count, sizeof *m->numbers, compare_doubles);
+    double least = m->numbers[0], largest = m->numbers[count - 1];
+    if (deterministic && least != largest) {
+        json_object_set_new(m->row->spread, name, json_pack("[f, f]", least, largest));
+    }
+    return json_real(0.5 * (m->numbers[(count - 1) / 2] + m->numbers[count / 2]));
+}
+
+static bool summarise_all(const making *m)
+{
+    bool is_ok = pl_gate_row_is_ok(m->row);
+    json_t *kept = json_object_get(m->row->json, "metrics");
+    for (int i = 0; i < m->row->sample_count; ++i) {
+        const char *name;
+        json_t *metric;
+        json_object_foreach((json_t *)m->row->samples[i].metrics, name, metric)
+        {
+            if (json_object_get(kept, name) != NULL ||
+                json_object_get(m->row->measured, name) != NULL) {
+                continue;
+            }
+            int id = pl_metric_by_name(name);
+            bool deterministic = is_deterministic(metric, id);
+            bool is_kept = is_ok && pl_gate_cost_of(name) < 0 &&
+                           pl_gate_limits_keep(m->limits, id, deterministic);
+            if (json_object_set_new(is_kept ? kept : m->row->measured, name,
+                                    summarise(m, name, deterministic)) != 0) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+static pl_status fill_rows(pl_gate_rows *rows, const pl_gate_limits *limits, pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int i = 0; i < rows->count && status == PL_OK; ++i) {
+        pl_gate_row *row = &rows->items[i];
+        making m = {.row = row,
+                    .limits = limits,
+                    .numbers = calloc((size_t)row->sample_count + 1, sizeof(double))};
+        row->metrics = json_object_get(row->json, "metrics");
+        if (m.numbers == NULL || !summarise_all(&m)) {
+            status = no_memory(error);
+        }
+        free(m.numbers);
+    }
+    return status;
+}
+
+/* An equal result came before in this file or an earlier one. */
+static bool came_before(const pl_gate_file *files, int file, size_t index)
+{
+    const json_t *result = json_array_get(files[file].results, index);
+    const char *run = pl_json_get_text(result, "run");
+    for (int f = 0; f <= file; ++f) {
+        size_t end = f == file ? index : json_array_size(files[f].results);
+        for (size_t i = 0; i < end; ++i) {
+            const json_t *other = json_array_get(files[f].results, i);
+            if (strcmp(pl_json_get_text(other, "run"), run) == 0 && json_equal(other, result)) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+pl_status pl_gate_gather(const pl_gate_file *files, int count, const pl_gate_limits *limits,
+                         pl_gate_rows *rows, pl_error *error)
+{
+    size_t most = 0;
+    for (int f = 0; f < count; ++f) {
+        most += json_array_size(files[f].results);
+    }
+    json_t *indices = json_object();
+    *rows = (pl_gate_rows){.items = calloc(most + 1, sizeof *rows->items)};
+    pl_status status = indices == NULL || rows->items == NULL ? no_memory(error) : PL_OK;
+    for (int f = 0; f < count; ++f) {
+        for (size_t i = 0; status == PL_OK && i < json_array_size(files[f].results); ++i) {
+            const json_t *result = json_array_get(files[f].results, i);
+            status = check_result(result, files[f].path, i, error);
+            if (status == PL_OK && !came_before(files, f, i)) {
+                status = add_result(rows, indices, result, f, error);
+            }
+        }
+    }
+    json_decref(indices);
+    if (status == PL_OK) {
+        status = fill_rows(rows, limits, error);
+    }
+    pl_gate_rows_sort(rows);
+    return status;
+}

@@ -1,0 +1,217 @@
+/* Rules: their text, which rows they are of, and when they hold. */
+#include "gate/rule.h"
+
+#include "gate/limits.h"
+#include "gate/ratio.h"
+#include "results/result.h"
+
+#include <fnmatch.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const struct {
+    const char *text;
+    pl_gate_operator op;
+} operators[] = {{">=", PL_GATE_AT_LEAST}, {"<=", PL_GATE_AT_MOST}, {"==", PL_GATE_EQUAL},
+                 {"!=", PL_GATE_OTHER},    {">", PL_GATE_ABOVE},    {"<", PL_GATE_BELOW}};
+enum { OPERATOR_COUNT = sizeof operators / sizeof operators[0] };
+
+static const char name_letters[] = "abcdefghijklmnopqrstuvwxyz0123456789_";
+
+static pl_status fail_at(const char *text, const char *at, const char *expected, pl_error *error)
+{
+    int length = (int)strcspn(at, " \t");
+    return pl_fail(error, PL_BAD_INPUT,
+                   "--fail-if \"%.120s\": column %d: expected %s, found %s%.*s%s", text,
+                   (int)(at - text) + 1, expected, length == 0 ? "nothing" : "\"",
+                   length > 60 ? 60 : length, at, length == 0 ? "" : "\"");
+}
+
+static const char *skip_blanks(const char *at)
+{
+    return at + strspn(at, " \t");
+}
+
+/* Copies without blanks at either end; nothing is "*". False: too long. */
+static bool copy_pattern(const char *from, const char *end, char pattern[256])
+{
+    from = skip_blanks(from);
+    while (end > from && (end[-1] == ' ' || end[-1] == '\t')) {
+        --end;
+    }
+    if (end - from > 255) {
+        return false;
+    }
+    snprintf(pattern, 256, "%.*s", (int)(end - from), from);
+    if (pattern[0] == '\0') {
+        strcpy(pattern, "*");
+    }
+    return true;
+}
+
+/* Reads "SCENARIO/ENGINE:" and returns what follows it; NULL: too long. */
+static const char *read_filter(const char *text, pl_gate_rule *rule)
+{
+    strcpy(rule->scenario, "*");
+    strcpy(rule->engine, "*");
+    const char *colon = strrchr(text, ':');
+    if (colon == NULL) {
+        return text;
+    }
+    const char *slash = colon;
+    while (slash > text && *slash != '/') {
+        --slash;
+    }
+    bool has_engine = *slash == '/';
+    if (!copy_pattern(text, has_engine ? slash : colon, rule->scenario) ||
+        (has_engine && !copy_pattern(slash + 1, colon, rule->engine))) {
+        return NULL;
+    }
+    return colon + 1;
+}
+
+static pl_status read_metric(const char *text, const char *at, pl_gate_rule *rule, pl_error *error)
+{
+    size_t length = strspn(at, name_letters);
+    if (length == 0 || length >= sizeof rule->metric) {
+        return fail_at(text, at, "a metric", error);
+    }
+    snprintf(rule->metric, sizeof rule->metric, "%.*s", (int)length, at);
+    if (pl_gate_name_is_known(rule->metric)) {
+        return PL_OK;
+    }
+    const char *nearest = pl_gate_nearest_name(rule->metric);
+    return pl_fail(error, PL_BAD_INPUT,
+                   "--fail-if \"%.120s\": column %d: there is no metric %s%s%s%s", text,
+                   (int)(at - text) + 1, rule->metric,
+                   nearest == NULL ? "; see plumb list metrics" : "; did you mean ",
+                   nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
+}
+
+/* Without blanks at its end. */
+static size_t trimmed_length(const char *at)
+{
+    size_t length = strlen(at);
+    while (length > 0 && (at[length - 1] == ' ' || at[length - 1] == '\t')) {
+        --length;
+    }
+    return length;
+}
+
+static pl_status read_number(const char *text, const char *at, pl_gate_rule *rule, pl_error *error)
+{
+    char number[64] = "";
+    size_t length = trimmed_length(at);
+    bool plus = at[0] == '+', minus = at[0] == '-';
+    bool percent = length > 0 && at[length - 1] == '%';
+    if (length < sizeof number && length > (size_t)plus + percent) {
+        snprintf(number, sizeof number, "%.*s", (int)(length - plus - percent), at + plus);
+    }
+    if (number[0] == '+' || !pl_parse_number(number, &rule->value)) {
+        return fail_at(text, at, "a number, or one with a sign and %", error);
+    }
+    if ((plus && !percent) || (percent && !plus && !minus)) {
+        return fail_at(text, at, "a sign and % together, as in +10%", error);
+    }
+    rule->is_relative = percent;
+    rule->value *= percent ? 0.01 : 1;
+    bool is_bound = rule->op != PL_GATE_EQUAL && rule->op != PL_GATE_OTHER;
+    if (percent && !is_bound) {
+        return fail_at(text, at, "a number without % beside == and !=", error);
+    }
+    bool is_growth = plus && (rule->op == PL_GATE_ABOVE || rule->op == PL_GATE_AT_LEAST);
+    if (pl_gate_rule_is_cost(rule) && !is_growth) {
+        return fail_at(text, at, "growth of a time or of instructions, as in >+10%", error);
+    }
+    return PL_OK;
+}
+
+static pl_status read_word(const char *text, const char *at, pl_gate_rule *rule, pl_error *error)
+{
+    size_t length = trimmed_length(at);
+    if (length == 0 || length >= sizeof rule->word) {
+        return fail_at(text, at, "a text", error);
+    }
+    snprintf(rule->word, sizeof rule->word, "%.*s", (int)length, at);
+    bool known = strcmp(rule->metric, "outcome") != 0;
+    for (int i = 0; i < PL_OUTCOME_COUNT; ++i) {
+        known |= strcmp(pl_outcome_name((pl_outcome)i), rule->word) == 0;
+    }
+    return known ? PL_OK
+                 : fail_at(text, at,
+                           "ok, collapsed, diverged, nonfinite, crashed, timeout or "
+                           "unsupported",
+                           error);
+}
+
+pl_status pl_gate_rule_parse(const char *text, pl_gate_rule *rule, pl_error *error)
+{
+    *rule = (pl_gate_rule){.text = text};
+    const char *at = read_filter(text, rule);
+    if (at == NULL) {
+        return fail_at(text, text, "names of at most 255 bytes", error);
+    }
+    at = skip_blanks(at);
+    pl_status status = read_metric(text, at, rule, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    at = skip_blanks(at + strlen(rule->metric));
+    int i = 0;
+    while (i < OPERATOR_COUNT && strncmp(at, operators[i].text, strlen(operators[i].text)) != 0) {
+        ++i;
+    }
+    if (i == OPERATOR_COUNT) {
+        return fail_at(text, at, "one of > >= < <= == !=", error);
+    }
+    rule->op = operators[i].op;
+    rule->is_text = strcmp(rule->metric, "outcome") == 0 ||
+                    strcmp(rule->metric, "integrator") == 0 ||
+                    strcmp(rule->metric, "state_hash") == 0;
+    if (rule->is_text && rule->op != PL_GATE_EQUAL && rule->op != PL_GATE_OTHER) {
+        return fail_at(text, at, "== or != beside a text", error);
+    }
+    at = skip_blanks(at + strlen(operators[i].text));
+    rule->value_column = (int)(at - text) + 1;
+    return rule->is_text ? read_word(text, at, rule, error) : read_number(text, at, rule, error);
+}
+
+bool pl_gate_rule_selects(const pl_gate_rule *rule, const pl_gate_row *row)
+{
+    char engine[256];
+    snprintf(engine, sizeof engine, "%.*s", (int)strcspn(row->label, ":"), row->label);
+    return (fnmatch(rule->scenario, row->scenario, 0) == 0 ||
+            fnmatch(rule->scenario, row->name, 0) == 0) &&
+           (fnmatch(rule->engine, row->label, 0) == 0 || fnmatch(rule->engine, engine, 0) == 0);
+}
+
+bool pl_gate_rule_holds(const pl_gate_rule *rule, double value)
+{
+    switch (rule->op) {
+    case PL_GATE_ABOVE:
+        return value > rule->value;
+    case PL_GATE_AT_LEAST:
+        return value >= rule->value;
+    case PL_GATE_BELOW:
+        return value < rule->value;
+    case PL_GATE_AT_MOST:
+        return value <= rule->value;
+    case PL_GATE_EQUAL:
+        return value == rule->value;
+    default:
+        return value != rule->value;
+    }
+}
+
+bool pl_gate_rule_holds_relative(const pl_gate_rule *rule, double before, double now, double least)
+{
+    pl_gate_rule absolute = *rule;
+    absolute.value = before + rule->value * fabs(before);
+    return fabs(now - before) > least && pl_gate_rule_holds(&absolute, now);
+}
+
+bool pl_gate_rule_is_cost(const pl_gate_rule *rule)
+{
+    return rule->is_relative && pl_gate_cost_of(rule->metric) >= 0;
+}

@@ -1,0 +1,92 @@
+/* Results made by hand, judged by the gate. */
+#include "gate_trial.h"
+
+#include "check.h"
+#include "gate/baseline.h"
+#include "gate/ratio.h"
+#include "report_rows.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+trial begin_trial(json_t *old_results, json_t *new_results)
+{
+    return (trial){.old_file = {"old", old_results},
+                   .new_file = {"new", new_results},
+                   .limits = pl_gate_limits_default()};
+}
+
+void add_rule(trial *t, const char *text)
+{
+    pl_error error = {PL_OK, ""};
+    if (pl_gate_rule_parse(text, &t->rules[t->rule_count++], &error) != PL_OK) {
+        fail_msg("%s", error.message);
+    }
+}
+
+void set_limit(trial *t, const char *text)
+{
+    assert_int_equal(pl_gate_limits_parse(text, &t->limits, NULL), PL_OK);
+}
+
+void judge(const workspace *w, trial *t)
+{
+    pl_error error = {PL_OK, ""};
+    char *path = path_in(w->directory, "baseline.json");
+    pl_status status = pl_gate_gather(&t->old_file, 1, &t->limits, &t->made, &error);
+    status = status == PL_OK ? pl_gate_ratios_add(&t->made, NULL, &error) : status;
+    status = status == PL_OK ? pl_gate_baseline_write(path, &t->made, &error) : status;
+    status = status == PL_OK ? pl_gate_baseline_read(path, &t->before, &error) : status;
+    status =
+        status == PL_OK ? pl_gate_gather(&t->new_file, 1, &t->limits, &t->now, &error) : status;
+    const pl_gate_case c = {.before = &t->before,
+                            .now = &t->now,
+                            .limits = &t->limits,
+                            .rules = t->rules,
+                            .rule_count = t->rule_count};
+    status = status == PL_OK ? pl_gate_judge(&c, &t->report, &error) : status;
+    if (status != PL_OK) {
+        fail_msg("%s", error.message);
+    }
+    free(path);
+}
+
+void end_trial(trial *t)
+{
+    pl_gate_report_free(&t->report);
+    pl_gate_rows_free(&t->made);
+    pl_gate_rows_free(&t->before);
+    pl_gate_rows_free(&t->now);
+    json_decref(t->old_file.results);
+    json_decref(t->new_file.results);
+}
+
+void expect(const workspace *w, trial t, int failures, int notices, const char *metric,
+            const char *what)
+{
+    judge(w, &t);
+    if (t.report.failures != failures || t.report.notices != notices) {
+        for (int i = 0; i < t.report.count; ++i) {
+            print_error("%s: %s\n", t.report.items[i].metric, t.report.items[i].what);
+        }
+    }
+    assert_int_equal(t.report.failures, failures);
+    assert_int_equal(t.report.notices, notices);
+    if (failures + notices > 0) {
+        assert_string_equal(t.report.items[0].metric, metric);
+        assert_contains(t.report.items[0].what, what);
+    }
+    end_trial(&t);
+}
+
+json_t *single(const char *metric, json_t *value)
+{
+    json_t *results = json_array();
+    set_metric(add_run(results, "scene", "mine:p", "ok"), metric, value);
+    return results;
+}
+
+trial pair(const char *metric, double before, double now)
+{
+    return begin_trial(single(metric, metric_value(before)), single(metric, metric_value(now)));
+}

@@ -1,0 +1,12 @@
+#!/usr/bin/env bash
+# Our own engine against its own baseline, tests/baseline/plumb.json: numbers, not times. Where a number
+# is meant to have moved, tests/baseline/update renews it.
+set -eu
+# shellcheck source=tests/baseline/runs.sh
+source "$SOURCE/tests/baseline/runs.sh"
+directory=$(mktemp -d)
+trap 'rm -rf "$directory"' EXIT
+
+baseline_runs "$PLUMB" "$directory" || { cat "$directory/log" >&2; exit 1; }
+"$PLUMB" gate "$directory/still" "$directory/swept" --baseline "$SOURCE/tests/baseline/plumb.json" \
+    --fail-if '*/plumb: outcome!=ok' --fail-if 'tower/plumb:accurate: rest_position_error>1e-9'

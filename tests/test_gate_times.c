@@ -1,0 +1,140 @@
+/* The gate's judgement of times and instructions, and what it takes for noise. */
+#include "check.h"
+#include "gate/ratio.h"
+#include "gate_trial.h"
+#include "report_rows.h"
+
+enum { REPEATS = 7 };
+
+/* Times of both engines in the same repeats. `factor`: how much slower ours is than its usual half
+ * of the reference's. `noise`: relative, of each time by itself. */
+static json_t *timed(check_random *random, double factor, double noise)
+{
+    json_t *results = json_array();
+    for (int i = 0; i < REPEATS; ++i) {
+        double machine = check_uniform(random, 1, 3);
+        for (int engine = 0; engine < 2; ++engine) {
+            json_t *row = add_run(results, "scene", engine == 0 ? "mine:p" : "bullet:si", "ok");
+            double disturbed = machine * (1 + check_uniform(random, -noise, noise));
+            json_object_set_new(row, "repeat", json_integer(i));
+            set_metric(row, "time_per_step",
+                       metric_value(1e-5 * disturbed * (engine == 0 ? 0.5 * factor : 1)));
+        }
+    }
+    return results;
+}
+
+static void test_an_unchanged_time_passes(void **state)
+{
+    const workspace *w = *state;
+    check_random random = {20};
+    for (int i = 0; i < 20; ++i) {
+        trial t = begin_trial(timed(&random, 1, 0.02), timed(&random, 1, 0.02));
+        expect(w, t, 0, 0, "", "");
+    }
+    for (int i = 0; i < 20; ++i) {
+        trial t = begin_trial(timed(&random, 1, 0.2), timed(&random, 1, 0.2));
+        judge(w, &t);
+        assert_int_equal(t.report.failures, 0);
+        end_trial(&t);
+    }
+}
+
+static void test_a_slower_step_fails_where_noise_allows(void **state)
+{
+    const workspace *w = *state;
+    check_random random = {21};
+    for (int i = 0; i < 20; ++i) {
+        expect(w, begin_trial(timed(&random, 1, 0.01), timed(&random, 1.2, 0.01)), 1, 0,
+               "time_per_step", "costlier: +");
+        expect(w, begin_trial(timed(&random, 1, 0.01), timed(&random, 0.8, 0.01)), 0, 1,
+               "time_per_step", "cheaper: -");
+        expect(w, begin_trial(timed(&random, 1, 0.4), timed(&random, 1.2, 0.4)), 0, 1,
+               "time_per_step", "inconclusive: ");
+        /* So much that no noise hides it. */
+        expect(w, begin_trial(timed(&random, 1, 0.1), timed(&random, 3, 0.1)), 1, 0,
+               "time_per_step", "costlier: +");
+    }
+    trial t = begin_trial(timed(&random, 1, 0.01), timed(&random, 1.2, 0.01));
+    t.limits.time = 0.3;
+    expect(w, t, 0, 0, "", "");
+    t = begin_trial(timed(&random, 1, 0.01), timed(&random, 1.2, 0.01));
+    add_rule(&t, "scene/mine: time_per_step>+30%");
+    expect(w, t, 0, 0, "", "");
+    t = begin_trial(timed(&random, 1, 0.01), timed(&random, 1.07, 0.01));
+    add_rule(&t, "scene/mine: time_per_step>+2%");
+    expect(w, t, 1, 0, "time_per_step", "costlier");
+}
+
+static void test_few_repeats_say_nothing_of_times(void **state)
+{
+    const workspace *w = *state;
+    check_random random = {22};
+    json_t *few = timed(&random, 3, 0.01);
+    while (json_array_size(few) > 8) {
+        json_array_remove(few, json_array_size(few) - 1);
+    }
+    expect(w, begin_trial(timed(&random, 1, 0.01), few), 0, 1, "time_per_step",
+           "5 repeats or more");
+}
+
+static void test_instructions_have_a_tighter_limit(void **state)
+{
+    const workspace *w = *state;
+    for (int slow = 0; slow < 2; ++slow) {
+        json_t *sides[2];
+        for (int side = 0; side < 2; ++side) {
+            sides[side] = json_array();
+            for (int i = 0; i < 2 * REPEATS; ++i) {
+                bool ours = i % 2 == 0;
+                json_t *row = add_run(sides[side], "scene", ours ? "mine:p" : "ode:quick", "ok");
+                json_object_set_new(row, "repeat", json_integer(i / 2));
+                double count = ours && side == 1 ? (slow == 1 ? 1030 : 1010) : 1000;
+                set_metric(row, "instructions_per_step",
+                           json_pack("{s:f, s:b}", "value", count, "deterministic", 0));
+            }
+        }
+        expect(w, begin_trial(sides[0], sides[1]), slow, 0, "instructions_per_step",
+               "costlier: +3 %");
+    }
+}
+
+/* Bounds of the median by the sign test: 5 to 8 repeats reach from the least to the largest, 9
+ * leave out one at each end, 20 five: 2 P(B < 2) = 20/512, 2 P(B < 6) = 0.0414 below 1/16. */
+static void test_bounds_of_the_median(void **state)
+{
+    (void)state;
+    static const int counts[] = {1, 5, 8, 9, 20}, ranks[] = {1, 1, 1, 2, 6};
+    for (int i = 0; i < 5; ++i) {
+        json_t *ours = json_array(), *theirs = json_array();
+        pl_gate_sample samples[2][20];
+        for (int k = 0; k < counts[i]; ++k) {
+            json_array_append_new(ours, json_pack("{s:{s:i}}", "m", "value", k + 1));
+            json_array_append_new(theirs, json_pack("{s:{s:i}}", "m", "value", 1));
+            samples[0][k] = (pl_gate_sample){0, k, json_array_get(ours, (size_t)k)};
+            samples[1][k] = (pl_gate_sample){0, k, json_array_get(theirs, (size_t)k)};
+        }
+        const pl_gate_row row = {.samples = samples[0], .sample_count = counts[i]};
+        const pl_gate_row reference = {.samples = samples[1], .sample_count = counts[i]};
+        pl_gate_ratio ratio;
+        assert_int_equal(pl_gate_ratio_measure(&row, &reference, "m", &ratio, NULL), PL_OK);
+        assert_int_equal(ratio.repeats, counts[i]);
+        assert_close(ratio.value, 0.5 * (counts[i] + 1), 0, 0);
+        assert_close(ratio.low, ranks[i], 0, 0);
+        assert_close(ratio.high, counts[i] + 1 - ranks[i], 0, 0);
+        json_decref(ours);
+        json_decref(theirs);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_an_unchanged_time_passes),
+        cmocka_unit_test(test_a_slower_step_fails_where_noise_allows),
+        cmocka_unit_test(test_few_repeats_say_nothing_of_times),
+        cmocka_unit_test(test_instructions_have_a_tighter_limit),
+        cmocka_unit_test(test_bounds_of_the_median),
+    };
+    return cmocka_run_group_tests_name("gate times", tests, setup_workspace, teardown_workspace);
+}
