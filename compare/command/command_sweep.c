@@ -6,8 +6,11 @@
 #include "results/store.h"
 #include "runner/execute.h"
 #include "sweep/grid.h"
+#include "sweep/repeats.h"
 #include "sweep/shard_merge.h"
+#include "sweep/usual.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,9 +18,10 @@ typedef struct options {
     pl_contest contest;
     pl_vary *varied;
     int varied_count;
-    int repeats;
-    const char *list;  /* --plan; NULL: none */
-    const char *shard; /* --shard; NULL: from the environment */
+    int repeats;         /* 0: not said */
+    double repeat_below; /* s of CPU time */
+    const char *list;    /* --plan; NULL: none */
+    const char *shard;   /* --shard; NULL: from the environment */
 } options;
 
 static const pl_contest_help option_help = {
@@ -25,16 +29,26 @@ static const pl_contest_help option_help = {
     .jobs = "Runs at a time (default 1: runs side by side disturb each other's times)",
     .out = "Where results go (default sweep); of a shard in DIR/shard-I-of-N"};
 
-enum { KEY_VARY = 0x200, KEY_REPEAT, KEY_PLAN, KEY_SHARD };
+enum { KEY_VARY = 0x200, KEY_REPEAT, KEY_REPEAT_BELOW, KEY_PLAN, KEY_SHARD };
+
+static const double REPEAT_BELOW = 2;
 
 static const struct argp_option argp_options[] = {
     {"vary", KEY_VARY, "KEY=VALUES", 0,
      "Varies dt, profile (or solver), an option of the engines or a parameter of the scenarios, "
      "over all that have it; ENGINE.KEY and SCENARIO.KEY over that one alone, where it counts "
      "instead. VALUES: a,b,c; 1..9; 0..1:+0.25; 1..256:x2, also mixed; numbers may be fractions, "
-     "1/240..1/60:x2. What --set or --dt say of it does not count (repeatable)",
+     "1/240..1/60:x2. What --set or --dt say of it does not count (repeatable; without any: "
+     "dt=1/960..1/60:x2, and of engines shipped with so many iterations these and five times as "
+     "many)",
      0},
-    {"repeat", KEY_REPEAT, "N", 0, "Runs of each point, interleaved (default 1)", 0},
+    {"repeat", KEY_REPEAT, "N", 0,
+     "Runs of each point, interleaved (default 1; 3 where nothing is varied by --vary)", 0},
+    {"repeat-below", KEY_REPEAT_BELOW, "S", 0,
+     "Repeat only what took its engine less than S seconds of CPU time (default 2): the median "
+     "over "
+     "the steps of a long run hardly moves",
+     0},
     {"plan", KEY_PLAN, "FILE", 0,
      "Write the runs as JSON lines in their order, and make none (- is standard output)", 0},
     {"shard", KEY_SHARD, "I/N", 0,
@@ -72,6 +86,10 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_REPEAT:
         o->repeats =
             (int)pl_option_integer(state, "--repeat takes an integer", text, 1, PL_GRID_MOST_RUNS);
+        return 0;
+    case KEY_REPEAT_BELOW:
+        o->repeat_below =
+            pl_option_number(state, "--repeat-below takes seconds", text, 0, (double)INFINITY);
         return 0;
     case KEY_PLAN:
         o->list = text;
@@ -118,17 +136,20 @@ static const struct argp argp = {
 typedef struct keeper {
     pl_store *store;
     pl_merge before; /* what was there, of this shard and others */
+    pl_repeats repeats;
 } keeper;
 
 static bool skip(void *user, const char *run)
 {
     const keeper *k = user;
-    return json_object_get(k->before.runs, run) != NULL || pl_store_has(k->store, run);
+    return json_object_get(k->before.runs, run) != NULL || pl_store_has(k->store, run) ||
+           pl_repeats_spare(&k->repeats, run);
 }
 
 static pl_status keep(void *user, json_t *result, pl_error *error)
 {
-    const keeper *k = user;
+    keeper *k = user;
+    pl_repeats_see(&k->repeats, result);
     return pl_store_append(k->store, result, error);
 }
 
@@ -152,6 +173,9 @@ static pl_status open_store(const options *o, const char *folder, keeper *k, pl_
     pl_status status = pl_merge_begin(&k->before, error);
     if (status == PL_OK && o->contest.resume) {
         status = pl_merge_add_any(&k->before, o->contest.out, error);
+    }
+    for (size_t i = 0; status == PL_OK && i < json_array_size(k->before.results); ++i) {
+        pl_repeats_see(&k->repeats, json_array_get(k->before.results, i));
     }
     return status == PL_OK ? pl_store_open(folder, o->contest.resume, &k->store, error) : status;
 }
@@ -204,8 +228,12 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
     int signal_number = 0;
     int code = PL_EXIT_OK;
     json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
-    pl_status status = provenance == NULL ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
-                                          : open_store(o, folder, &k, &error);
+    pl_status status = provenance == NULL
+                           ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
+                           : pl_repeats_begin(&k.repeats, plan, o->repeat_below, &error);
+    if (status == PL_OK) {
+        status = open_store(o, folder, &k, &error);
+    }
     if (status == PL_OK) {
         const pl_execution_def execution = {.plan = plan,
                                             .jobs = o->contest.jobs,
@@ -232,6 +260,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
     }
     pl_store_close(k.store);
     pl_merge_free(&k.before);
+    pl_repeats_free(&k.repeats);
     json_decref(provenance);
     return code;
 }
@@ -250,20 +279,25 @@ static pl_status choose_shard(const options *o, pl_shard *shard, bool *is_shard,
     return *folder == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
 }
 
-static pl_status make_plan(const options *o, pl_shard shard, pl_plan *plan, pl_error *error)
+static pl_status make_plan(options *o, pl_shard shard, pl_plan *plan, pl_error *error)
 {
-    pl_plan base = {.repeats = o->repeats};
-    const pl_grid_def def = {.base = &base,
-                             .varied = o->varied,
-                             .varied_count = o->varied_count,
-                             .dt = o->contest.selection.dt,
-                             .duration = o->contest.selection.duration,
-                             .shard = shard};
+    const int repeats = o->varied_count == 0 ? PL_USUAL_REPEATS : 1;
+    pl_plan base = {.repeats = o->repeats > 0 ? o->repeats : repeats};
     pl_status status = pl_contest_add_problems(&o->contest, &base, error);
     if (status == PL_OK) {
         status = pl_contest_add_engines("plumb sweep", &o->contest, &base, error);
     }
     if (status == PL_OK) {
+        status =
+            o->varied_count > 0 ? PL_OK : pl_usual_vary(&base, &o->varied, &o->varied_count, error);
+    }
+    if (status == PL_OK) {
+        const pl_grid_def def = {.base = &base,
+                                 .varied = o->varied,
+                                 .varied_count = o->varied_count,
+                                 .dt = o->contest.selection.dt,
+                                 .duration = o->contest.selection.duration,
+                                 .shard = shard};
         status = pl_grid_plan(&def, plan, error);
     }
     pl_plan_free(&base);
@@ -281,7 +315,7 @@ static void free_options(options *o)
 
 int pl_command_sweep(const pl_call *call)
 {
-    options o = {.contest = pl_contest_default(&option_help), .repeats = 1};
+    options o = {.contest = pl_contest_default(&option_help), .repeat_below = REPEAT_BELOW};
     o.contest.out = "sweep";
     pl_call_parse(call, &argp, &o);
     pl_error error = {.message = ""};
