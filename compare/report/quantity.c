@@ -79,6 +79,10 @@ void pl_quantity_ratio(double ratio, char text[PL_QUANTITY_SIZE])
         snprintf(text, PL_QUANTITY_SIZE, "×∞");
         return;
     }
+    if (isnan(ratio)) {
+        snprintf(text, PL_QUANTITY_SIZE, "%s", pl_quantity_missing);
+        return;
+    }
     char number[32];
     digits(ratio, number);
     snprintf(text, PL_QUANTITY_SIZE, "×%s", number);
