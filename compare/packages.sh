@@ -71,6 +71,7 @@ common_packages() {
     need libccd-dev has_module ccd
     need libqhull-dev has_module qhull_r
     want libsuitesparse-dev test -e /usr/include/suitesparse/amd.h
+    want libnlopt-dev has_module nlopt
     want libode-dev has_module ode
     want libbullet-dev has_module bullet
     want libbullet-extras-dev has_module bullet-float64

@@ -34,6 +34,7 @@ allow compare/gate "$scene|json_(field|text)\.h|referee/metrics\.h|results/.*|re
 allow compare/runner "$scene|$abi|(adapters/registry|adapters/[a-z_]*|referee/.*|results/.*|runner/.*)(\.h)?"
 allow compare/threshold "$scene|$abi|(results/result|runner/.*|threshold/.*)(\.h)?"
 allow compare/iterations "$scene|$abi|referee/metrics\.h|(runner/.*|iterations/.*)(\.h)?"
+allow compare/tune "$scene|$abi|random\.h|adapters/registry\.h|referee/metrics\.h|results/.*|runner/.*|tune/.*"
 allow compare/adapters "$scene|$abi|adapters/.*|plumb/(engine|contact_problem)\.h"
 allow compare/solve "$scene|$abi|plumb/contact_problem\.h|json_(field|text)\.h|(adapters/registry|results/.*|runner/process|solve/.*)(\.h)?"
 allow compare/ensemble "$scene|$abi|random\.h|referee/(metrics|solid)\.h|results/.*|runner/.*|ensemble/.*"
@@ -49,6 +50,7 @@ only() {
 only 'ode/' compare/adapters/ode
 only 'bt[A-Z]|Bullet' compare/adapters/bullet_c.cpp
 only 'ccd/' compare/referee/gap_convex.c
+only 'nlopt' compare/tune/model.c
 only 'plumb/engine\.h' 'compare/adapters/adapter_plumb.c' 2>&1 |
     grep -v '^engine/' >"$BUILD/layers.txt" || true
 if [[ -s $BUILD/layers.txt ]]; then

@@ -4,6 +4,7 @@
  * because its descriptor is its own memory. */
 #include "adapters/registry.h"
 #include "adapters/adapters.h"
+#include "adapters/tuned_profile.h"
 
 #include <dlfcn.h>
 #include <math.h>
@@ -193,6 +194,26 @@ static int find_option(const pl_engine *engine, const char *name)
     return -1;
 }
 
+/* Chooses a profile of the engine's own, or one of a file, which changes some of its values. */
+static pl_status choose_profile(pl_engine_choice *choice, const char *name, pl_error *error)
+{
+    const pl_engine *engine = choice->engine;
+    pl_tuned_profile tuned;
+    bool found = false;
+    if (find_profile(engine, name, &choice->profile, NULL) != PL_OK) {
+        pl_status status = pl_tuned_profile_find(engine, name, &tuned, &found, error);
+        if (status != PL_OK) {
+            return status;
+        }
+    }
+    pl_status status = find_profile(engine, found ? tuned.base : name, &choice->profile, error);
+    profile_values(engine, choice->profile, choice->values);
+    for (int i = 0; found && i < engine->option_count; i++) {
+        choice->values[i] = tuned.given[i] ? tuned.values[i] : choice->values[i];
+    }
+    return status;
+}
+
 /* Applies one "option=value"; `given` marks the options that were set already. */
 static pl_status set_option(const pl_engine *engine, char *text, double *values, bool *given,
                             pl_error *error)
@@ -266,15 +287,15 @@ pl_status pl_engine_choose(const char *spec, pl_engine_choice *choice, pl_error 
     if (status != PL_OK) {
         return status;
     }
+    profile_values(made.engine, made.profile, made.values);
     if (separator == ':') {
         const char *profile = rest;
         separator = cut(&rest, ",");
-        status = find_profile(made.engine, profile, &made.profile, error);
+        status = choose_profile(&made, profile, error);
         if (status != PL_OK) {
             return status;
         }
     }
-    profile_values(made.engine, made.profile, made.values);
     bool given[PL_ENGINE_MAX_OPTIONS] = {false};
     while (separator == ',') {
         char *setting = rest;

@@ -22,7 +22,9 @@ typedef struct pl_engine_choice {
 } pl_engine_choice;
 
 /* Parses `name[:profile][,option=value]...` where name is a built-in engine or the path of a shared
- * object (it has a '/' or ends in ".so"). A name without a profile is the first profile.
+ * object (it has a '/' or ends in ".so"). A name without a profile is the first profile; one that
+ * the engine has not itself is looked for in the files that PLUMB_PROFILES names
+ * (tuned_profile.h), and stands for the values there.
  * PL_BAD_INPUT: unknown name, profile or option (the nearest one suggested), value out of range, a
  * shared object of another ABI. PL_UNSUPPORTED: an engine that this build lacks, with its Debian
  * package. */

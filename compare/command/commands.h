@@ -14,6 +14,7 @@ int pl_command_metamorphic(const pl_call *call);
 int pl_command_ensemble(const pl_call *call);
 int pl_command_gate(const pl_call *call);
 int pl_command_sweep(const pl_call *call);
+int pl_command_tune(const pl_call *call);
 int pl_command_report(const pl_call *call);
 int pl_command_help(const pl_call *call);
 int pl_command_version(const pl_call *call);

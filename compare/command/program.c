@@ -15,6 +15,7 @@ static const pl_command commands[] = {
     {"solve", "solve one captured contact problem again", pl_command_solve},
     {"ensemble", "compare engines where motion is chaotic", pl_command_ensemble},
     {"sweep", "vary steps, options and parameters over many runs", pl_command_sweep},
+    {"tune", "find the cheapest settings that meet a target", pl_command_tune},
     {"report", "report on results that are there", pl_command_report},
     {"metamorphic", "check engines without a reference", pl_command_metamorphic},
     {"gate", "fail where results are worse than a baseline", pl_command_gate},

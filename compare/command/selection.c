@@ -1,5 +1,7 @@
 #include "command/selection.h"
 
+#include "adapters/tuned_profile.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +28,7 @@ void pl_selection_free(pl_selection *selection)
     *selection = pl_selection_default();
 }
 
-enum { KEY_SET = 0x100, KEY_DT, KEY_DURATION, KEY_SEED, KEY_TIMEOUT, KEY_MEMORY };
+enum { KEY_SET = 0x100, KEY_DT, KEY_DURATION, KEY_SEED, KEY_TIMEOUT, KEY_MEMORY, KEY_PROFILES };
 
 static const struct argp_option selection_options[] = {
     {"set", KEY_SET, "NAME=VALUE", 0,
@@ -70,7 +72,25 @@ static const struct argp_option limits_options[] = {
     {"timeout", KEY_TIMEOUT, "S", 0, "Longest wall time of a run in seconds (default 120)", 0},
     {"memory", KEY_MEMORY, "GIB", 0,
      "Largest address space of a run in GiB (default 8; 0: no limit)", 0},
+    {"profiles", KEY_PROFILES, "FILE", 0,
+     "Profiles that plumb tune saved: --engine NAME:tuned then is one (repeatable, before those of "
+     "the environment's PLUMB_PROFILES)",
+     0},
     {0}};
+
+/* Puts a file before those that the environment names, where engines are looked for. */
+static void add_profiles(const char *path)
+{
+    const char *before = getenv(PL_PROFILES_VARIABLE);
+    char *paths = NULL;
+    if (asprintf(&paths, "%s%s%s", path, before == NULL ? "" : ":", before == NULL ? "" : before) <
+            0 ||
+        setenv(PL_PROFILES_VARIABLE, paths, 1) != 0) {
+        fprintf(stderr, "plumb: out of memory\n");
+        exit(PL_EXIT_FAILED);
+    }
+    free(paths);
+}
 
 static error_t parse_limits(int key, char *text, struct argp_state *state)
 {
@@ -78,6 +98,9 @@ static error_t parse_limits(int key, char *text, struct argp_state *state)
     switch (key) {
     case KEY_TIMEOUT:
         limits->timeout = pl_option_number(state, "--timeout takes seconds", text, 1e-3, 1e6);
+        return 0;
+    case KEY_PROFILES:
+        add_profiles(text);
         return 0;
     case KEY_MEMORY:
         limits->memory =

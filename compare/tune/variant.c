@@ -1,0 +1,124 @@
+#include "tune/variant.h"
+
+#include "random.h"
+
+#include <math.h>
+#include <string.h>
+
+const pl_variant pl_variant_none = {"as asked for", PL_VARIANT_NONE, 0};
+
+const pl_variant *pl_variants_tuned_on(int *count)
+{
+    /* Those first that are missed first: the others are then not run. */
+    static const pl_variant variants[] = {
+        {"n two larger", PL_VARIANT_TWO_LARGER, 0},
+        {"offset=0.01, seed + 1", PL_VARIANT_OFFSET, 1},
+        {"parameters within 1 %, draw 1", PL_VARIANT_DRAWN, 1},
+        {"offset=0.01, seed + 4", PL_VARIANT_OFFSET, 4},
+        {"parameters within 1 %, draw 4", PL_VARIANT_DRAWN, 4},
+        {"friction up by a last bit", PL_VARIANT_FRICTION_UP, 1},
+        {"friction up by two", PL_VARIANT_FRICTION_UP, 2},
+        {"friction up by three", PL_VARIANT_FRICTION_UP, 3},
+    };
+    *count = sizeof variants / sizeof variants[0];
+    return variants;
+}
+
+const pl_variant *pl_variants_held_out(int *count)
+{
+    static const pl_variant variants[] = {
+        {"friction down by a last bit", PL_VARIANT_FRICTION_DOWN, 1},
+        {"n one larger", PL_VARIANT_LARGER, 0},
+        {"offset=0.01, seed + 2", PL_VARIANT_OFFSET, 2},
+        {"offset=0.01, seed + 3", PL_VARIANT_OFFSET, 3},
+        {"parameters within 1 %, draw 2", PL_VARIANT_DRAWN, 2},
+        {"parameters within 1 %, draw 3", PL_VARIANT_DRAWN, 3},
+    };
+    *count = sizeof variants / sizeof variants[0];
+    return variants;
+}
+
+/* Changes a parameter `times` times, where the scenario has it and its range the new value. */
+static bool set(const pl_scenario *scenario, const char *name, double (*change)(double value),
+                int times, double *values)
+{
+    for (int i = 0; i < scenario->param_count; ++i) {
+        const pl_param *param = &scenario->params[i];
+        double value = values[i];
+        for (int k = 0; k < times; ++k) {
+            value = change(value);
+        }
+        if (strcmp(param->name, name) == 0 && value >= param->min && value <= param->max) {
+            values[i] = value;
+            return true;
+        }
+    }
+    return false;
+}
+
+static double bit_up(double value)
+{
+    return nextafter(value, (double)INFINITY);
+}
+
+static double bit_down(double value)
+{
+    return nextafter(value, -(double)INFINITY);
+}
+
+static double one_more(double value)
+{
+    return value + 1;
+}
+
+static double small_offset(double value)
+{
+    (void)value;
+    return 0.01;
+}
+
+/* The steps and how long they go on are not the scene. */
+static bool is_drawn(const pl_param *param, double value)
+{
+    return !param->integer && value != 0 && strcmp(param->name, "dt") != 0 &&
+           strcmp(param->name, "duration") != 0;
+}
+
+static bool draw(const pl_scenario *scenario, uint64_t seed, double *values)
+{
+    const double part = 0.01;
+    pl_random random = {.state = seed};
+    bool changed = false;
+    for (int i = 0; i < scenario->param_count; ++i) {
+        const pl_param *param = &scenario->params[i];
+        if (is_drawn(param, values[i])) {
+            const double moved = values[i] * (1 + part * (2 * pl_random_unit(&random) - 1));
+            const double value = fmin(fmax(moved, param->min), param->max);
+            changed = changed || value != values[i];
+            values[i] = value;
+        }
+    }
+    return changed;
+}
+
+bool pl_variant_apply(const pl_variant *variant, const pl_scenario *scenario, uint64_t seed,
+                      double *values)
+{
+    switch (variant->kind) {
+    case PL_VARIANT_FRICTION_UP:
+        return set(scenario, "friction", bit_up, variant->seed, values);
+    case PL_VARIANT_FRICTION_DOWN:
+        return set(scenario, "friction", bit_down, variant->seed, values);
+    case PL_VARIANT_LARGER:
+        return set(scenario, "n", one_more, 1, values);
+    case PL_VARIANT_TWO_LARGER:
+        return set(scenario, "n", one_more, 2, values);
+    case PL_VARIANT_OFFSET:
+        return set(scenario, "offset", small_offset, 1, values);
+    case PL_VARIANT_DRAWN:
+        return draw(scenario, seed + (uint64_t)variant->seed, values);
+    case PL_VARIANT_NONE:
+        break;
+    }
+    return true;
+}

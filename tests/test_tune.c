@@ -1,0 +1,379 @@
+/* What plumb tune takes and says: axes, spaces, targets, changed scenarios, an engine's own API. */
+#include "check.h"
+#include "tune/score.h"
+#include "tune/seek.h"
+#include "tune/space.h"
+#include "tune/target.h"
+#include "tune/tunable.h"
+#include "tune/variant.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const pl_tune_axis scales[] = {
+    {.name = "a", .low = 1, .high = 300, .logarithmic = true, .integer = true},
+    {.name = "b", .low = 1e-10, .high = 1e-3, .logarithmic = true},
+    {.name = "c", .low = 0, .high = 0.002},
+    {.name = "d", .low = -3, .high = 8, .integer = true},
+    {.name = "e", .low = 1e3, .high = 1e7, .logarithmic = true, .integer = true},
+};
+enum { SCALE_COUNT = sizeof scales / sizeof scales[0] };
+
+static void test_an_axis_maps_its_range_to_0_and_1_and_back(void **state)
+{
+    (void)state;
+    for (int i = 0; i < SCALE_COUNT; ++i) {
+        const pl_tune_axis *axis = &scales[i];
+        double before = -(double)INFINITY;
+        assert_close(pl_tune_value(axis, 0), axis->low, 0, 1e-15);
+        assert_close(pl_tune_value(axis, 1), axis->high, 0, 1e-15);
+        assert_close(pl_tune_value(axis, -5), axis->low, 0, 1e-15);
+        assert_close(pl_tune_value(axis, 7), axis->high, 0, 1e-15);
+        for (double u = 0; u <= 1; u += 1.0 / 64) {
+            const double value = pl_tune_value(axis, u);
+            assert_true(value >= before && value >= axis->low && value <= axis->high);
+            /* What is rounded once stays. */
+            assert_true(pl_tune_value(axis, pl_tune_unit(axis, value)) == value);
+            before = value;
+        }
+    }
+}
+
+static void test_neighbours_are_a_tenth_or_a_step_away_and_stay_in_the_range(void **state)
+{
+    (void)state;
+    assert_true(pl_tune_neighbour(&scales[0], 100, 1) == 110);
+    assert_true(pl_tune_neighbour(&scales[0], 5, -1) == 4);
+    assert_true(pl_tune_neighbour(&scales[0], 1, -1) == 1);
+    assert_true(pl_tune_neighbour(&scales[0], 300, 1) == 300);
+    assert_close(pl_tune_neighbour(&scales[1], 1e-6, -1), 9e-7, 0, 1e-12);
+    assert_close(pl_tune_neighbour(&scales[2], 0, 1), 2e-5, 0, 1e-12);
+    assert_true(pl_tune_neighbour(&scales[3], 0, 1) == 1);
+    assert_true(pl_tune_neighbour(&scales[3], -2, -1) == -3);
+}
+
+static void check_bad_target(const char *text, const char *part)
+{
+    pl_targets targets = {.count = 0};
+    pl_error error = {.message = ""};
+    assert_int_equal(pl_target_add(&targets, text, &error), PL_BAD_INPUT);
+    assert_contains(error.message, part);
+    assert_int_equal(targets.count, 0);
+}
+
+static void test_bad_targets_are_refused(void **state)
+{
+    (void)state;
+    check_bad_target("reference_error", "METRIC<=VALUE");
+    check_bad_target("reference_error>=1", "METRIC<=VALUE");
+    check_bad_target("reference_error=1", "METRIC<=VALUE");
+    check_bad_target("<=1", "METRIC<=VALUE");
+    check_bad_target("reference_eror<=1", "did you mean reference_error");
+    check_bad_target("reference_error<=", "positive number");
+    check_bad_target("reference_error<=0", "positive number");
+    check_bad_target("reference_error<=-1", "positive number");
+    check_bad_target("reference_error<=1e-3m", "positive number");
+    check_bad_target("state_hash<=1", "lower is not better");
+}
+
+static pl_target_reading reading_of(const pl_targets *targets, const char *outcome, double value)
+{
+    json_t *result = json_pack("{s:s, s:{s:{s:o}}}", "outcome", outcome, "metrics", "drift",
+                               "value", isnan(value) ? json_null() : json_real(value));
+    const pl_target_reading reading = pl_target_read(targets, result);
+    json_decref(result);
+    return reading;
+}
+
+static void test_a_target_is_met_up_to_its_bound_and_only_by_runs_that_are_ok(void **state)
+{
+    (void)state;
+    pl_targets at_most = {.count = 0}, below = {.count = 0};
+    char text[96];
+    assert_int_equal(pl_target_add(&at_most, "drift<=1e-3", NULL), PL_OK);
+    assert_int_equal(pl_target_add(&below, "drift<1/1000", NULL), PL_OK);
+    pl_target_text(&below.items[0], text);
+    assert_string_equal(text, "drift<0.001");
+    const double above = nextafter(1e-3, 1), under = nextafter(1e-3, 0);
+    assert_true(reading_of(&at_most, "ok", 1e-3).excess <= 0);
+    assert_true(reading_of(&below, "ok", 1e-3).excess > 0);
+    assert_true(reading_of(&below, "ok", under).excess <= 0);
+    assert_true(reading_of(&at_most, "ok", above).excess > 0);
+    assert_close(reading_of(&at_most, "ok", 1e-2).excess, log(10), 1e-12, 0);
+    assert_true(reading_of(&at_most, "ok", 0).excess <= 0);
+    assert_true(reading_of(&at_most, "collapsed", 1e-9).excess > 0);
+    assert_true(reading_of(&at_most, "collapsed", 1).excess > reading_of(&at_most, "ok", 1).excess);
+    assert_true(reading_of(&at_most, "ok", (double)NAN).excess == PL_SEEK_WORST);
+    /* Of several the one that is missed by most. */
+    assert_int_equal(pl_target_add(&at_most, "drift<=1e-4", NULL), PL_OK);
+    assert_close(reading_of(&at_most, "ok", 1e-2).excess, log(100), 1e-12, 0);
+}
+
+static double likely(const double *excesses, int count)
+{
+    pl_spread spread = {.count = 0};
+    for (int i = 0; i < count; ++i) {
+        pl_spread_add(&spread, excesses[i]);
+    }
+    return pl_spread_likely(&spread);
+}
+
+static void test_errors_that_scatter_need_two_standard_deviations_to_spare(void **state)
+{
+    (void)state;
+    const double same[] = {-0.5, -0.5, -0.5}, scattered[] = {-2, -1, 0};
+    const double clear[] = {-28, -4, -11}, one[] = {-1};
+    assert_close(likely(same, 3), -0.5, 1e-12, 0);
+    assert_close(likely(scattered, 3), -1 + 2 * 1.0, 1e-12, 0);
+    assert_close(likely(one, 1), -1, 1e-12, 0);
+    /* Far below the target, how far does not matter. */
+    assert_true(likely(clear, 3) <= -2.9);
+}
+
+static pl_reading timed(double *seconds)
+{
+    return (pl_reading){.is_there = true, .seconds = seconds};
+}
+
+static void test_a_ratio_of_costs_is_the_median_of_repeats_side_by_side(void **state)
+{
+    (void)state;
+    /* The machine becomes ten times slower, for both; one repeat of one has no time. */
+    double mine[] = {2, 2, 20, 40, (double)NAN}, theirs[] = {1, 1, 10, 10, 10};
+    const pl_reading a = timed(mine), b = timed(theirs);
+    assert_close(pl_score_ratio(&a, &b, 0, 5), 2, 1e-12, 0);
+    assert_close(pl_score_ratio(&a, &b, 2, 4), 3, 1e-12, 0);
+    assert_close(pl_score_ratio(&a, NULL, 0, 2), 2, 1e-12, 0);
+    assert_true(isnan(pl_score_ratio(&a, &b, 4, 5)));
+}
+
+static pl_engine_choice choose(const char *spec)
+{
+    pl_engine_choice choice;
+    assert_int_equal(pl_engine_choose(spec, &choice, NULL), PL_OK);
+    return choice;
+}
+
+static const pl_tune_axis *axis_of(const pl_tune_space *space, const char *name)
+{
+    for (int i = 0; i < space->axis_count; ++i) {
+        if (strcmp(space->axes[i].name, name) == 0) {
+            return &space->axes[i];
+        }
+    }
+    return NULL;
+}
+
+static void test_every_axis_of_the_tables_lies_in_the_engines_ranges(void **state)
+{
+    (void)state;
+    int count = 0;
+    const pl_known_engine *known = pl_known_engines(&count);
+    for (int i = 0; i < count; ++i) {
+        const pl_engine *engine = known[i].engine;
+        for (int p = 0; engine != NULL && p < engine->profile_count; ++p) {
+            char spec[2 * PL_NAME_SIZE];
+            pl_tune_space space;
+            snprintf(spec, sizeof spec, "%s:%s", engine->name, engine->profiles[p].name);
+            const pl_engine_choice choice = choose(spec);
+            assert_int_equal(
+                pl_tune_space_make(&choice, (double)NAN, NULL, 0, NULL, 0, &space, NULL), PL_OK);
+            assert_non_null(axis_of(&space, "dt"));
+            assert_true(space.axis_count >= 3);
+            for (int k = 0; k < space.axis_count; ++k) {
+                const pl_tune_axis *axis = &space.axes[k];
+                assert_true(axis->low < axis->high);
+                assert_true(!axis->logarithmic || axis->low > 0);
+                if (axis->option != PL_TUNE_RATE) {
+                    const pl_engine_option *option = &engine->options[axis->option];
+                    assert_true(axis->low >= option->min && axis->high <= option->max);
+                    assert_int_equal(axis->integer, option->integer);
+                }
+            }
+        }
+    }
+}
+
+static void test_what_is_varied_fixed_or_in_the_spec_is_so(void **state)
+{
+    (void)state;
+    const pl_engine_choice choice = choose("plumb:fast,tolerance=1e-5");
+    const char *const varied[] = {"dt=1/240..1/60", "updates=100..2e6", "iterations=10..20"};
+    const char *const fixed[] = {"slop=1e-5"};
+    pl_tune_space space;
+    assert_int_equal(pl_tune_space_make(&choice, (double)NAN, varied, 3, fixed, 1, &space, NULL),
+                     PL_OK);
+    assert_null(axis_of(&space, "tolerance"));
+    assert_null(axis_of(&space, "slop"));
+    const pl_tune_axis *dt = axis_of(&space, "dt"), *iterations = axis_of(&space, "iterations");
+    assert_true(dt->low == 60 && dt->high == 240 && dt->integer);
+    assert_true(iterations->low == 10 && iterations->high == 20 && !iterations->logarithmic);
+    assert_true(axis_of(&space, "updates")->logarithmic);
+    double values[PL_TUNE_MOST_AXES], step = 0;
+    for (int i = 0; i < space.axis_count; ++i) {
+        values[i] = space.axes[i].low;
+    }
+    const pl_engine_choice lowest = pl_tune_choice(&space, values, &step);
+    assert_true(step == 1.0 / 60);
+    assert_contains(lowest.spec, "plumb:fast");
+    /* The SPEC gives the very same settings. */
+    const pl_engine_choice again = choose(lowest.spec);
+    assert_memory_equal(again.values, lowest.values,
+                        (size_t)lowest.engine->option_count * sizeof(double));
+    assert_contains(lowest.spec, "tolerance=1e-05");
+    assert_contains(lowest.spec, "slop=1e-05");
+}
+
+static void check_bad_space(const char *vary, const char *fix, const char *part)
+{
+    const pl_engine_choice choice = choose("plumb");
+    const char *const varied[] = {vary, vary}, *const fixed[] = {fix};
+    pl_tune_space space;
+    pl_error error = {.message = ""};
+    assert_int_equal(pl_tune_space_make(&choice, (double)NAN, varied, vary != NULL, fixed,
+                                        fix != NULL, &space, &error),
+                     PL_BAD_INPUT);
+    assert_contains(error.message, part);
+}
+
+static void test_bad_axes_are_refused(void **state)
+{
+    (void)state;
+    check_bad_space("slop", NULL, "KEY=LOW..HIGH");
+    check_bad_space("slop=1e-5", NULL, "KEY=LOW..HIGH");
+    check_bad_space("slop=1e-5..", NULL, "no number");
+    check_bad_space("slop=1e-3..1e-5", NULL, "empty");
+    check_bad_space("slop=1e-3..2", NULL, "expected 1e-12 to 1");
+    check_bad_space("slip=1e-3..1e-2", NULL, "did you mean slop");
+    check_bad_space("iterations=1.5..7", NULL, "whole");
+    check_bad_space("dt=0..1/60", NULL, "expected 1e-06 to 1");
+    check_bad_space("dt=0.0166..0.0167", NULL, "no two whole rates");
+    check_bad_space("slop=1e-5..1e-3", "slop=1e-4", "given twice");
+    check_bad_space(NULL, "slop", "KEY=VALUE");
+    check_bad_space(NULL, "slop=x", "no number");
+}
+
+static void test_the_engines_own_api_is_written_with_what_differs(void **state)
+{
+    (void)state;
+    char *text = NULL;
+    size_t length = 0;
+    FILE *out = open_memstream(&text, &length);
+    const pl_engine_choice choice = choose("plumb:fast,slop=0.002");
+    pl_tune_print_api(out, &choice, 1.0 / 240);
+    fclose(out);
+    assert_string_equal(text, "    def.penetration_slop = 0.002;\n"
+                              "    pe_world_step(world, 1.0 / 240, &stats, &error);\n");
+    free(text);
+}
+
+/* What is held out is never what was tuned on, for any scenario of the catalogue. */
+static void test_scenarios_held_out_are_none_of_those_tuned_on(void **state)
+{
+    (void)state;
+    int scenario_count, tuned_count, held_count;
+    const pl_scenario *const *scenarios = pl_scenarios(&scenario_count);
+    const pl_variant *tuned = pl_variants_tuned_on(&tuned_count);
+    const pl_variant *held = pl_variants_held_out(&held_count);
+    for (int s = 0; s < scenario_count; ++s) {
+        for (int i = 0; i < held_count; ++i) {
+            double mine[PL_MAX_PARAMS] = {0};
+            pl_scenario_values(scenarios[s], NULL, 0, mine, NULL);
+            if (!pl_variant_apply(&held[i], scenarios[s], 3, mine)) {
+                continue;
+            }
+            for (int p = 0; p < scenarios[s]->param_count; ++p) {
+                const pl_param *param = &scenarios[s]->params[p];
+                assert_true(mine[p] >= param->min && mine[p] <= param->max);
+            }
+            for (int k = -1; k < tuned_count; ++k) {
+                const pl_variant *other = k < 0 ? &pl_variant_none : &tuned[k];
+                double theirs[PL_MAX_PARAMS] = {0};
+                pl_scenario_values(scenarios[s], NULL, 0, theirs, NULL);
+                assert_true(!pl_variant_apply(other, scenarios[s], 3, theirs) ||
+                            memcmp(mine, theirs, sizeof mine) != 0 || held[i].seed != other->seed);
+            }
+        }
+    }
+}
+
+static void write_profile(const char *path, const char *text)
+{
+    FILE *file = fopen(path, "w");
+    assert_non_null(file);
+    fputs(text, file);
+    fclose(file);
+}
+
+static void check_bad_profile(const char *path, const char *text, const char *part)
+{
+    pl_engine_choice choice;
+    pl_error error = {.message = ""};
+    write_profile(path, text);
+    assert_true(pl_engine_choose("plumb:tuned", &choice, &error) != PL_OK);
+    assert_contains(error.message, part);
+}
+
+static void test_a_profile_of_a_file_is_its_base_with_its_values(void **state)
+{
+    (void)state;
+    char path[] = "/tmp/plumb_profile_XXXXXX";
+    pl_engine_choice choice;
+    const int file = mkstemp(path);
+    assert_true(file >= 0);
+    close(file);
+    setenv("PLUMB_PROFILES", path, 1);
+    write_profile(path, "{\"schema\": \"plumb.profile/1\", \"name\": \"tuned\", \"engine\": "
+                        "\"plumb\", \"profile\": \"fast\", \"options\": {\"slop\": 0.002}}");
+    choice = choose("plumb:tuned");
+    const pl_engine_choice same = choose("plumb:fast,slop=0.002");
+    assert_int_equal(choice.profile, same.profile);
+    assert_memory_equal(choice.values, same.values,
+                        (size_t)choice.engine->option_count * sizeof(double));
+    char label[128];
+    pl_engine_choice_label(&choice, label);
+    assert_string_equal(label, "plumb:fast,slop=0.002");
+    const pl_engine_choice further = choose("plumb:tuned,slop=0.001");
+    assert_memory_equal(further.values, choose("plumb:fast,slop=0.001").values,
+                        (size_t)choice.engine->option_count * sizeof(double));
+    /* Own profiles need no file, and other names find none. */
+    assert_int_equal(pl_engine_choose("plumb:tuend", &choice, NULL), PL_BAD_INPUT);
+    check_bad_profile(path, "{", "1:");
+    check_bad_profile(path, "{}", "no plumb.profile/1");
+    check_bad_profile(path,
+                      "{\"schema\": \"plumb.profile/1\", \"name\": \"tuned\", \"engine\": "
+                      "\"plumb\", \"profile\": \"fast\", \"options\": {\"slip\": 0.002}}",
+                      "has no option slip");
+    check_bad_profile(path,
+                      "{\"schema\": \"plumb.profile/1\", \"name\": \"tuned\", \"engine\": "
+                      "\"plumb\", \"profile\": \"fast\", \"options\": {\"slop\": 7}}",
+                      "expected a number of 1e-12 to 1");
+    choose("plumb:fast");
+    remove(path);
+    pl_error error = {.message = ""};
+    assert_int_equal(pl_engine_choose("plumb:tuned", &choice, &error), PL_IO);
+    unsetenv("PLUMB_PROFILES");
+    assert_int_equal(pl_engine_choose("plumb:tuned", &choice, &error), PL_BAD_INPUT);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_an_axis_maps_its_range_to_0_and_1_and_back),
+        cmocka_unit_test(test_neighbours_are_a_tenth_or_a_step_away_and_stay_in_the_range),
+        cmocka_unit_test(test_bad_targets_are_refused),
+        cmocka_unit_test(test_a_target_is_met_up_to_its_bound_and_only_by_runs_that_are_ok),
+        cmocka_unit_test(test_errors_that_scatter_need_two_standard_deviations_to_spare),
+        cmocka_unit_test(test_a_ratio_of_costs_is_the_median_of_repeats_side_by_side),
+        cmocka_unit_test(test_every_axis_of_the_tables_lies_in_the_engines_ranges),
+        cmocka_unit_test(test_what_is_varied_fixed_or_in_the_spec_is_so),
+        cmocka_unit_test(test_bad_axes_are_refused),
+        cmocka_unit_test(test_the_engines_own_api_is_written_with_what_differs),
+        cmocka_unit_test(test_scenarios_held_out_are_none_of_those_tuned_on),
+        cmocka_unit_test(test_a_profile_of_a_file_is_its_base_with_its_values),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

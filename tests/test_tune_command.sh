@@ -1,0 +1,82 @@
+#!/usr/bin/env bash
+# plumb tune as a user meets it: settings that meet a target, the profile they are saved as, exit codes.
+set -eu
+failed=0
+directory=$(mktemp -d)
+trap 'rm -rf "$directory"' EXIT
+cd "$directory"
+
+complain() {
+    echo "$1" >&2
+    failed=1
+}
+
+# expect CODE PATTERN ARGUMENT...: `plumb tune ARGUMENT...` exits with CODE and prints PATTERN.
+expect() {
+    local code=$1 pattern=$2 actual=0
+    shift 2
+    "$PLUMB" tune "$@" >out 2>err || actual=$?
+    [[ $actual == "$code" ]] || complain "tune $*: exit code $actual, expected $code: $(cat err)"
+    cat out err | grep -qE -- "$pattern" || complain "tune $*: no \"$pattern\" in: $(cat out err)"
+}
+
+target='reference_error<=1e-3'
+if "$PLUMB" tune blocks --engine plumb --target "$target" --budget 1 --duration 0.1 2>&1 |
+    grep -q 'lacks NLopt'; then
+    echo "NLopt is absent: plumb tune is left out"
+    exit 77
+fi
+
+expect 2 'which scenario' --engine plumb --target "$target"
+expect 2 'one engine is tuned at a time' tower --target "$target"
+expect 2 'one engine is tuned at a time' tower --engine plumb --engine plumb:fast --target "$target"
+expect 2 'to what' tower --engine plumb
+expect 2 'did you mean reference_error' tower --engine plumb --target 'reference_eror<=1'
+expect 2 'METRIC<=VALUE' tower --engine plumb --target 'reference_error>=1'
+expect 2 'did you mean slop' tower --engine plumb --target "$target" --vary slip=1..2
+expect 2 'the range is empty' tower --engine plumb --target "$target" --vary slop=1e-3..1e-4
+expect 2 '--budget takes an integer' tower --engine plumb --target "$target" --budget 0
+expect 2 'give a file' - --engine plumb --target "$target"
+expect 2 'unknown engine|there is no engine' tower --engine plumg --target "$target"
+expect 4 'does not do' slope-stick --engine "$BUILD/faulty_engine.so:refuse" --target "$target"
+
+# An engine of free fall: its error is that of its step, 0.495 dt.
+fall=(free-fall --engine "$BUILD/faulty_engine.so:good" --duration 1 --target 'value_error<=0.004')
+expect 0 'the cheapest found' "${fall[@]}" --budget 16 --json fall.json --out saved
+[[ -s saved/faulty.profile.json ]] || complain "no profile was saved: $(ls -R)"
+python3 - <<'END' || complain "the JSON is wrong: $(cat fall.json)"
+import json
+found = json.load(open("fall.json"))
+assert found["schema"] == "plumb.tuning/1" and found["met"] is True
+assert len(found["trials"]) <= 16
+values = [tuple(sorted(trial["values"].items())) for trial in found["trials"]]
+assert len(set(values)) == len(values)
+assert found["on"][0]["metrics"]["value_error"] <= 0.004
+assert 0 < found["setting"]["dt"] <= 1 / 123, found["setting"]
+assert found["validated"] == (len(found["validation"]) > 0 and
+                              all(check["excess"] <= 0 for check in found["validation"]))
+END
+
+# None: said so, with the nearest.
+expect 3 'no settings found meet value_error<1e-09; the nearest' free-fall \
+    --engine "$BUILD/faulty_engine.so:good" --duration 1 --target 'value_error<1e-9' --budget 10
+
+# Our own engine, its API, and its profile, which is the same settings by another name.
+expect 0 'pe_world_step\(world, 1\.0 / [0-9]+' tower slope-stick --engine plumb:fast --duration 0.2 \
+    --set n=2 --target 'reference_error<=1e-3' --target 'penetration_max<1e-2' --budget 4 --fix \
+    impact_bodies=2 --vary dt=1/120..1/30 --out profiles
+profile=profiles/plumb.profile.json
+"$PLUMB" run tower --duration 0.1 --engine plumb:tuned --profiles "$profile" --json by_name.json >/dev/null
+PLUMB_PROFILES=$profile "$PLUMB" run tower --duration 0.1 --engine plumb:tuned --json by_env.json >/dev/null
+python3 - <<'END' || complain "the profile is not what was tuned: $(cat profiles/plumb.profile.json)"
+import json
+profile = json.load(open("profiles/plumb.profile.json"))
+for name in "by_name.json", "by_env.json":
+    run = json.load(open(name))
+    assert run["outcome"] == "ok" and run["profile"] == "fast" == profile["profile"]
+    for option, value in profile["options"].items():
+        assert run["settings"][option] == value, option
+END
+expect 2 'unknown profile' tower --engine plumb:tuned --target "$target"
+
+exit $failed

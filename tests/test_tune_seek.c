@@ -1,0 +1,282 @@
+/* The search for the cheapest point that meets a target, on costs and errors whose optimum is
+ * known. */
+#include "check.h"
+#include "tune/seek.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BUDGET = 200 };
+
+/* A made-up engine: what its points cost, and by what they miss the target. */
+typedef struct made_up {
+    double (*cost)(const double *values);
+    double (*excess)(const double *values);
+    double noise; /* part of the cost, at most */
+    check_random random;
+    int axis_count;
+    int asked, stop_at, fail_at; /* 0: never */
+    double seen[BUDGET][PL_TUNE_MOST_AXES];
+} made_up;
+
+static const pl_tune_axis axes[] = {
+    {.name = "iterations", .low = 1, .high = 100, .logarithmic = true, .integer = true, .start = 1},
+    {.name = "erp", .low = 0, .high = 1, .start = 0},
+};
+
+/* Each point once, in range, whole where it should be. */
+static void check_point(made_up *m, const double *values)
+{
+    for (int k = 0; k < m->axis_count; ++k) {
+        assert_true(values[k] >= axes[k].low && values[k] <= axes[k].high);
+        assert_true(!axes[k].integer || values[k] == floor(values[k]));
+    }
+    for (int i = 0; i < m->asked; ++i) {
+        assert_true(m->axis_count == 0 ||
+                    memcmp(m->seen[i], values, (size_t)m->axis_count * sizeof *values) != 0);
+    }
+    memcpy(m->seen[m->asked], values, sizeof m->seen[0]);
+}
+
+static pl_status measure(void *user, pl_seek_trial *trial, bool *stop, pl_error *error)
+{
+    made_up *m = user;
+    assert_true(m->asked < BUDGET);
+    check_point(m, trial->values);
+    m->asked += 1;
+    trial->cost = m->cost(trial->values) * (1 + check_uniform(&m->random, -m->noise, m->noise));
+    trial->excess = m->excess(trial->values);
+    *stop = m->asked == m->stop_at;
+    return m->asked == m->fail_at ? pl_fail(error, PL_IO, "it failed") : PL_OK;
+}
+
+static made_up make(double (*cost)(const double *), double (*excess)(const double *), int count)
+{
+    return (made_up){.cost = cost, .excess = excess, .random = {.state = 7}, .axis_count = count};
+}
+
+static pl_seek_found search(made_up *m, int budget, uint64_t seed)
+{
+    const pl_seek_def def = {.axes = axes,
+                             .axis_count = m->axis_count,
+                             .budget = budget,
+                             .seed = seed,
+                             .user = m,
+                             .measure = measure};
+    pl_seek_found found;
+    assert_int_equal(pl_seek(&def, &found, NULL), PL_OK);
+    assert_true(found.count <= budget);
+    assert_int_equal(found.count, found.swept + found.modelled + found.polished);
+    for (int i = 0; i < found.count; ++i) {
+        assert_false(pl_seek_better(&found.trials[i], &found.trials[found.best]));
+    }
+    return found;
+}
+
+/* Without its middle stage the search is not held to how near it comes. */
+static void need_nlopt(void)
+{
+    if (!pl_seek_has_nlopt()) {
+        skip();
+    }
+}
+
+static double valley_cost(const double *v)
+{
+    return v[0] * (1 + v[1]);
+}
+
+/* error 100 / n^2 (1 + 10 (e - 0.3)^2) against a target of 1: infeasible at the start. */
+static double valley_excess(const double *v)
+{
+    return log(100 / (v[0] * v[0]) * (1 + 10 * (v[1] - 0.3) * (v[1] - 0.3)));
+}
+
+static double least_cost(void)
+{
+    double least = (double)INFINITY;
+    for (int n = 1; n <= 100; ++n) {
+        for (int e = 0; e <= 1000; ++e) {
+            const double values[2] = {n, e / 1000.0};
+            if (valley_excess(values) <= 0) {
+                least = fmin(least, valley_cost(values));
+            }
+        }
+    }
+    return least;
+}
+
+static void
+test_the_optimum_of_whole_and_continuous_axes_is_found_from_where_it_is_missed(void **state)
+{
+    (void)state;
+    need_nlopt();
+    const double least = least_cost();
+    for (uint64_t seed = 0; seed < 10; ++seed) {
+        made_up m = make(valley_cost, valley_excess, 2);
+        pl_seek_found found = search(&m, BUDGET, seed);
+        assert_true(found.trials[0].excess > 0);
+        assert_true(found.trials[0].values[0] == 1 && found.trials[0].values[1] == 0);
+        assert_true(found.met);
+        assert_true(found.trials[found.best].excess <= 0);
+        assert_at_most(found.trials[found.best].cost, 1.03 * least);
+        free(found.trials);
+    }
+}
+
+static void test_noise_in_the_cost_leads_no_further_astray_than_it_is_large(void **state)
+{
+    (void)state;
+    need_nlopt();
+    const double least = least_cost();
+    for (uint64_t seed = 0; seed < 10; ++seed) {
+        made_up m = make(valley_cost, valley_excess, 2);
+        m.noise = 0.1;
+        pl_seek_found found = search(&m, BUDGET, seed);
+        assert_true(found.met);
+        assert_at_most(valley_cost(found.trials[found.best].values), 1.1 / 0.9 * 1.03 * least);
+        free(found.trials);
+    }
+}
+
+static double bowl_excess(const double *v)
+{
+    return 1 + pow(log(v[0] / 20), 2) + pow(v[1] - 0.7, 2);
+}
+
+static void test_where_nothing_meets_the_target_the_nearest_is_said(void **state)
+{
+    (void)state;
+    need_nlopt();
+    made_up m = make(valley_cost, bowl_excess, 2);
+    pl_seek_found found = search(&m, BUDGET, 3);
+    assert_false(found.met);
+    assert_int_equal(found.count, BUDGET);
+    assert_at_most(found.trials[found.best].excess, 1.01);
+    free(found.trials);
+}
+
+static double flat(const double *v)
+{
+    (void)v;
+    return 1;
+}
+
+static double none(const double *v)
+{
+    (void)v;
+    return (double)INFINITY;
+}
+
+static double met(const double *v)
+{
+    (void)v;
+    return -1;
+}
+
+static double worst(const double *v)
+{
+    (void)v;
+    return PL_SEEK_WORST;
+}
+
+static void test_plateaus_and_points_without_a_cost_end_the_search_in_time(void **state)
+{
+    (void)state;
+    double (*const costs[])(const double *) = {flat, none, flat};
+    double (*const excesses[])(const double *) = {met, worst, worst};
+    for (int i = 0; i < 3; ++i) {
+        made_up m = make(costs[i], excesses[i], 2);
+        pl_seek_found found = search(&m, 50, 1);
+        assert_int_equal(found.met, excesses[i] == met);
+        assert_true(found.best >= 0);
+        free(found.trials);
+    }
+}
+
+static void test_a_space_smaller_than_the_budget_is_tried_out(void **state)
+{
+    (void)state;
+    made_up m = make(flat, met, 1); /* 100 whole numbers */
+    pl_seek_found found = search(&m, BUDGET, 1);
+    assert_true(found.count > 50 && found.count <= 100);
+    free(found.trials);
+    made_up point = make(flat, met, 0);
+    found = search(&point, BUDGET, 1);
+    assert_int_equal(found.count, 1);
+    assert_true(found.met);
+    free(found.trials);
+}
+
+static void test_a_seed_gives_the_same_points_and_another_others(void **state)
+{
+    (void)state;
+    pl_seek_found found[3];
+    for (int i = 0; i < 3; ++i) {
+        made_up m = make(valley_cost, valley_excess, 2);
+        found[i] = search(&m, BUDGET, i < 2 ? 5 : 6);
+    }
+    assert_int_equal(found[0].count, found[1].count);
+    const size_t size = (size_t)found[0].count * sizeof *found[0].trials;
+    assert_memory_equal(found[0].trials, found[1].trials, size);
+    assert_memory_not_equal(found[0].trials, found[2].trials, size);
+    for (int i = 0; i < 3; ++i) {
+        free(found[i].trials);
+    }
+}
+
+static void test_the_budget_is_kept_however_small(void **state)
+{
+    (void)state;
+    for (int budget = 1; budget <= 12; ++budget) {
+        made_up m = make(valley_cost, valley_excess, 2);
+        pl_seek_found found = search(&m, budget, 1);
+        assert_int_equal(found.count, budget);
+        assert_int_equal(m.asked, budget);
+        free(found.trials);
+    }
+}
+
+/* In every stage. */
+static void test_a_stop_or_failure_ends_it_with_what_there_is(void **state)
+{
+    (void)state;
+    for (int at = 1; at <= BUDGET; at += 13) {
+        made_up m = make(valley_cost, valley_excess, 2);
+        pl_seek_def def = {.axes = axes,
+                           .axis_count = 2,
+                           .budget = BUDGET,
+                           .seed = 1,
+                           .user = &m,
+                           .measure = measure};
+        pl_seek_found found;
+        pl_error error = {.message = ""};
+        m.stop_at = at;
+        assert_int_equal(pl_seek(&def, &found, &error), PL_OK);
+        assert_true(found.stopped && found.count == at - 1 && m.asked == at);
+        free(found.trials);
+        m = make(valley_cost, valley_excess, 2);
+        m.fail_at = at;
+        assert_int_equal(pl_seek(&def, &found, &error), PL_IO);
+        assert_true(found.count == at - 1 && m.asked == at);
+        assert_string_equal(error.message, "it failed");
+        free(found.trials);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(
+            test_the_optimum_of_whole_and_continuous_axes_is_found_from_where_it_is_missed),
+        cmocka_unit_test(test_noise_in_the_cost_leads_no_further_astray_than_it_is_large),
+        cmocka_unit_test(test_where_nothing_meets_the_target_the_nearest_is_said),
+        cmocka_unit_test(test_plateaus_and_points_without_a_cost_end_the_search_in_time),
+        cmocka_unit_test(test_a_space_smaller_than_the_budget_is_tried_out),
+        cmocka_unit_test(test_a_seed_gives_the_same_points_and_another_others),
+        cmocka_unit_test(test_the_budget_is_kept_however_small),
+        cmocka_unit_test(test_a_stop_or_failure_ends_it_with_what_there_is),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
