@@ -6,26 +6,10 @@
 
 enum { PLACE_SIZE = 512, WORDS_SIZE = 1024 };
 
-void pl_gate_write_text(const pl_gate_report *report, pl_sheet *sheet)
+static void add_plain(pl_sheet *sheet, const char *text, bool is_property)
 {
-    char place[PLACE_SIZE], words[WORDS_SIZE];
-    for (int failures = 1; failures >= 0; --failures) {
-        for (int i = 0; i < report->count; ++i) {
-            const pl_gate_finding *finding = &report->items[i];
-            if (finding->is_failure != (failures == 1)) {
-                continue;
-            }
-            pl_gate_finding_place(finding, place, sizeof place);
-            pl_gate_finding_words(finding, words, sizeof words);
-            pl_sheet_add(sheet, finding->is_failure ? "FAIL  " : "note  ");
-            pl_sheet_add_plain(sheet, place, INT_MAX);
-            pl_sheet_format(sheet, ": %s: ", finding->metric);
-            pl_sheet_add_plain(sheet, words, INT_MAX);
-            pl_sheet_add(sheet, "\n");
-        }
-    }
-    pl_gate_report_summary(report, words, sizeof words);
-    pl_sheet_format(sheet, "%s\n", words);
+    (void)is_property;
+    pl_sheet_add_plain(sheet, text, INT_MAX);
 }
 
 /* A workflow command ends at a line's end, and its properties at a comma or a colon. */
@@ -39,7 +23,14 @@ static void add_escaped(pl_sheet *sheet, const char *text, bool is_property)
     }
 }
 
-void pl_gate_write_github(const pl_gate_report *report, pl_sheet *sheet)
+/* How a line is written. */
+typedef struct line_style {
+    const char *failure, *note, *after_place;
+    void (*add)(pl_sheet *sheet, const char *text, bool is_property);
+} line_style;
+
+/* A line a finding, failures first, and the summary. */
+static void write_lines(const pl_gate_report *report, const line_style *style, pl_sheet *sheet)
 {
     char place[PLACE_SIZE], words[WORDS_SIZE];
     for (int failures = 1; failures >= 0; --failures) {
@@ -50,15 +41,27 @@ void pl_gate_write_github(const pl_gate_report *report, pl_sheet *sheet)
             }
             pl_gate_finding_place(finding, place, sizeof place);
             pl_gate_finding_words(finding, words, sizeof words);
-            pl_sheet_add(sheet, finding->is_failure ? "::error title=" : "::notice title=");
-            add_escaped(sheet, place, true);
-            pl_sheet_format(sheet, "::%s: ", finding->metric);
-            add_escaped(sheet, words, false);
+            pl_sheet_add(sheet, finding->is_failure ? style->failure : style->note);
+            style->add(sheet, place, true);
+            pl_sheet_format(sheet, "%s%s: ", style->after_place, finding->metric);
+            style->add(sheet, words, false);
             pl_sheet_add(sheet, "\n");
         }
     }
     pl_gate_report_summary(report, words, sizeof words);
     pl_sheet_format(sheet, "%s\n", words);
+}
+
+void pl_gate_write_text(const pl_gate_report *report, pl_sheet *sheet)
+{
+    const line_style style = {"FAIL  ", "note  ", ": ", add_plain};
+    write_lines(report, &style, sheet);
+}
+
+void pl_gate_write_github(const pl_gate_report *report, pl_sheet *sheet)
+{
+    const line_style style = {"::error title=", "::notice title=", "::", add_escaped};
+    write_lines(report, &style, sheet);
 }
 
 static void add_cell(pl_sheet *sheet, const char *text)

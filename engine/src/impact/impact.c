@@ -45,6 +45,12 @@ static void predict(pe_part *part, double dt)
     }
 }
 
+static pe_motion solved_motion(const pe_island_problem *built, int i)
+{
+    const double *v = built->problem.velocity[i];
+    return (pe_motion){pe_v3(v[0], v[1], v[2]), pe_v3(v[3], v[4], v[5])};
+}
+
 /* Where the bodies would be heading at the end of what is left, but for the impacts. */
 static pe_status look_ahead(pe_part *part)
 {
@@ -58,8 +64,7 @@ static pe_status look_ahead(pe_part *part)
     for (int i = 0; i < pe_part_bodies(part) && status == PE_OK; ++i) {
         part->ends[i] = part->free[part->island.bodies[i]].end;
         if (touching) {
-            const double *v = built.problem.velocity[i];
-            part->ends[i] = (pe_motion){pe_v3(v[0], v[1], v[2]), pe_v3(v[3], v[4], v[5])};
+            part->ends[i] = solved_motion(&built, i);
         }
     }
     pe_part_choose(part, PE_ALL);
@@ -220,9 +225,7 @@ static pe_status strike(pe_part *part)
                                        &built, &part->path, part->error);
     if (status == PE_OK) {
         for (int i = 0; i < pe_part_bodies(part); ++i) {
-            const double *v = built.problem.velocity[i];
-            pe_motions(part->world)[part->island.bodies[i]] =
-                (pe_motion){pe_v3(v[0], v[1], v[2]), pe_v3(v[3], v[4], v[5])};
+            pe_motions(part->world)[part->island.bodies[i]] = solved_motion(&built, i);
         }
         pe_problem_store_impulses(part->world, &built);
         pe_part_add_impulses(part, &part->world->contacts);
