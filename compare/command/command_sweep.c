@@ -6,6 +6,7 @@
 #include "results/store.h"
 #include "runner/execute.h"
 #include "sweep/grid.h"
+#include "sweep/hopeless.h"
 #include "sweep/repeats.h"
 #include "sweep/shard_merge.h"
 #include "sweep/usual.h"
@@ -39,8 +40,8 @@ static const struct argp_option argp_options[] = {
      "over all that have it; ENGINE.KEY and SCENARIO.KEY over that one alone, where it counts "
      "instead. VALUES: a,b,c; 1..9; 0..1:+0.25; 1..256:x2, also mixed; numbers may be fractions, "
      "1/240..1/60:x2. What --set or --dt say of it does not count (repeatable; without any: "
-     "dt=1/960..1/60:x2, and of engines shipped with so many iterations these and five times as "
-     "many)",
+     "dt=1/60 to 1/960 s, halved each time, of engines shipped with so many iterations these and "
+     "five times as many, and a --timeout of 15 s)",
      0},
     {"repeat", KEY_REPEAT, "N", 0,
      "Runs of each point, interleaved (default 1; 3 where nothing is varied by --vary)", 0},
@@ -134,6 +135,8 @@ static const struct argp argp = {
 
 /* What the callbacks of runs need. */
 typedef struct keeper {
+    const pl_plan *plan;
+    json_t *provenance;
     pl_store *store;
     pl_merge before; /* what was there, of this shard and others */
     pl_repeats repeats;
@@ -146,11 +149,20 @@ static bool skip(void *user, const char *run)
            pl_repeats_spare(&k->repeats, run);
 }
 
-static pl_status keep(void *user, json_t *result, pl_error *error)
+static pl_status keep_one(void *user, json_t *result, pl_error *error)
 {
     keeper *k = user;
     pl_repeats_see(&k->repeats, result);
-    return pl_store_append(k->store, result, error);
+    return skip(k, pl_json_get_text(result, "run")) ? PL_OK
+                                                    : pl_store_append(k->store, result, error);
+}
+
+static pl_status keep(void *user, json_t *result, pl_error *error)
+{
+    keeper *k = user;
+    pl_status status = keep_one(k, result, error);
+    return status == PL_OK ? pl_hopeless(k->plan, result, k->provenance, k, keep_one, error)
+                           : status;
 }
 
 static bool all_unsupported(const json_t *results)
@@ -224,11 +236,10 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
                    const char *folder)
 {
     pl_error error = {.message = ""};
-    keeper k = {.store = NULL};
+    keeper k = {.plan = plan, .provenance = pl_provenance(call->program_argc, call->program_argv)};
     int signal_number = 0;
     int code = PL_EXIT_OK;
-    json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
-    pl_status status = provenance == NULL
+    pl_status status = k.provenance == NULL
                            ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
                            : pl_repeats_begin(&k.repeats, plan, o->repeat_below, &error);
     if (status == PL_OK) {
@@ -238,7 +249,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
         const pl_execution_def execution = {.plan = plan,
                                             .jobs = o->contest.jobs,
                                             .limits = o->contest.limits,
-                                            .provenance = provenance,
+                                            .provenance = k.provenance,
                                             .progress = stderr,
                                             .user = &k,
                                             .skip = skip,
@@ -261,7 +272,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
     pl_store_close(k.store);
     pl_merge_free(&k.before);
     pl_repeats_free(&k.repeats);
-    json_decref(provenance);
+    json_decref(k.provenance);
     return code;
 }
 
@@ -281,15 +292,18 @@ static pl_status choose_shard(const options *o, pl_shard *shard, bool *is_shard,
 
 static pl_status make_plan(options *o, pl_shard shard, pl_plan *plan, pl_error *error)
 {
-    const int repeats = o->varied_count == 0 ? PL_USUAL_REPEATS : 1;
+    const bool is_usual = o->varied_count == 0;
+    const int repeats = is_usual ? PL_USUAL_REPEATS : 1;
     pl_plan base = {.repeats = o->repeats > 0 ? o->repeats : repeats};
+    if (o->contest.limits.timeout <= 0) {
+        o->contest.limits.timeout = is_usual ? PL_USUAL_TIMEOUT : pl_limits_default().timeout;
+    }
     pl_status status = pl_contest_add_problems(&o->contest, &base, error);
     if (status == PL_OK) {
         status = pl_contest_add_engines("plumb sweep", &o->contest, &base, error);
     }
     if (status == PL_OK) {
-        status =
-            o->varied_count > 0 ? PL_OK : pl_usual_vary(&base, &o->varied, &o->varied_count, error);
+        status = is_usual ? pl_usual_vary(&base, &o->varied, &o->varied_count, error) : PL_OK;
     }
     if (status == PL_OK) {
         const pl_grid_def def = {.base = &base,
@@ -317,6 +331,7 @@ int pl_command_sweep(const pl_call *call)
 {
     options o = {.contest = pl_contest_default(&option_help), .repeat_below = REPEAT_BELOW};
     o.contest.out = "sweep";
+    o.contest.limits.timeout = 0; /* not said */
     pl_call_parse(call, &argp, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};

@@ -26,7 +26,7 @@ pl_status pl_gate_judge_costs(const pl_gate_case *c, const pl_gate_row *before,
                               const pl_gate_row *now, pl_gate_report *report, pl_error *error);
 pl_status pl_gate_judge_rules(const pl_gate_case *c, pl_gate_report *report, pl_error *error);
 
-/* A metric's unit; "" where it is not known. */
+/* A metric's unit; "" where it is not known, and of a plain number. */
 const char *pl_gate_unit(const char *metric);
 
 #endif

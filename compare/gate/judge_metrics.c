@@ -12,7 +12,8 @@ const char *pl_gate_unit(const char *metric)
     int id = pl_metric_by_name(metric);
     bool own = id == PL_METRIC_REFERENCE_ERROR || id == PL_METRIC_RESIDUAL_MAX ||
                id == PL_METRIC_RESIDUAL_RMS;
-    return id < 0 || own ? "" : pl_metric_table[id].unit;
+    return id < 0 || own || strcmp(pl_metric_table[id].unit, "1") == 0 ? ""
+                                                                       : pl_metric_table[id].unit;
 }
 
 static void tell_value(const json_t *value, char text[96])
@@ -99,10 +100,10 @@ static void judge_number(const pl_gate_case *c, const pl_gate_row *row, const ch
     bool grew = now > before;
     bool is_better = direction != PL_NO_DIRECTION && grew == (direction == PL_HIGHER_IS_BETTER);
     pl_gate_finding *finding = pl_gate_report_add(report, !is_better, row, metric);
-    pl_gate_number_texts(finding, before, now, pl_gate_unit(metric));
+    const char *unit = pl_gate_unit(metric);
+    pl_gate_number_texts(finding, before, now, unit);
     snprintf(finding->limit, sizeof finding->limit, "a difference of %.3g%s%.40s", limit,
-             strcmp(pl_gate_unit(metric), "1") == 0 ? "" : " ",
-             strcmp(pl_gate_unit(metric), "1") == 0 ? "" : pl_gate_unit(metric));
+             unit[0] == '\0' ? "" : " ", unit);
     tell_change(before, now,
                 is_better                      ? "better"
                 : direction == PL_NO_DIRECTION ? "changed"

@@ -64,7 +64,7 @@ void pl_gate_report_order(pl_gate_report *report)
 
 void pl_gate_number_texts(pl_gate_finding *finding, double before, double after, const char *unit)
 {
-    bool bare = strcmp(unit, "1") == 0 || unit[0] == '\0';
+    bool bare = unit[0] == '\0';
     static const int digits[] = {4, 6, 17};
     for (size_t i = 0; i < sizeof digits / sizeof digits[0]; ++i) {
         snprintf(finding->before, sizeof finding->before, "%.*g%s%.40s", digits[i], before,

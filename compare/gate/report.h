@@ -34,7 +34,7 @@ void pl_gate_report_count(pl_gate_report *report, const char *metric, const char
 /* Notices of several rows to the end. */
 void pl_gate_report_order(pl_gate_report *report);
 
-/* Two values as short as they can be told apart, with their unit. */
+/* Two values as short as they can be told apart, with their unit; "": none. */
 void pl_gate_number_texts(pl_gate_finding *finding, double before, double after, const char *unit);
 
 /* "gate passed: 120 comparisons of 8 rows, 2 notices", in a buffer of `size`. */

@@ -117,9 +117,9 @@ static json_t *trials_json(const pl_tune_def *def, const pl_tuning *tuning)
             json_object_set_new(values, def->space->axes[k].name,
                                 value_json(&def->space->axes[k], trial->values[k]));
         }
-        json_array_append_new(list, json_pack("{s:o, s:o, s:f}", "values", values, "cost",
+        json_array_append_new(list, json_pack("{s:o, s:o, s:f, s:b}", "values", values, "cost",
                                               pl_json_number_or_null(trial->cost), "excess",
-                                              trial->excess));
+                                              trial->excess, "holds", trial->holds));
     }
     return list;
 }

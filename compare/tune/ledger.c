@@ -39,6 +39,9 @@ bool pl_seek_better(const pl_seek_trial *a, const pl_seek_trial *b)
     if (a_meets != b_meets) {
         return a_meets;
     }
+    if (!a_meets && a->holds != b->holds) {
+        return a->holds;
+    }
     if (!a_meets && a->excess != b->excess) {
         return a->excess < b->excess;
     }

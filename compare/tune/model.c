@@ -17,13 +17,14 @@ static const nlopt_algorithm algorithm = NLOPT_LN_NELDERMEAD;
 typedef struct model {
     pl_ledger *ledger;
     nlopt_opt optimiser;
-    int asked;
+    int limit; /* trials in all, at which it is another start's turn */
 } model;
 
-/* A hundredth more than the target costs as much as a twentieth more time. */
+/* What a trial would cost where it met the target, about, and then some: an error falls about as
+ * the cost to the power 1.5 grows, which is to be paid in full before missing pays. */
 static double merit(const pl_seek_trial *trial)
 {
-    const double weight = 5, no_cost = 10;
+    const double weight = 2, no_cost = 10;
     const double cost = isfinite(trial->cost) ? log(trial->cost) : no_cost;
     return cost + weight * fmax(trial->excess, 0);
 }
@@ -38,13 +39,13 @@ static double objective(unsigned count, const double *x, double *gradient, void 
         point.u[i] = x[i];
     }
     const int index = pl_ledger_try(ledger, &point);
-    if (pl_ledger_is_over(ledger)) {
+    if (pl_ledger_is_over(ledger) || ledger->found->count >= m->limit) {
         nlopt_force_stop(m->optimiser);
     }
     return index < 0 ? PL_SEEK_WORST * PL_SEEK_WORST : merit(&ledger->found->trials[index]);
 }
 
-/* The trial of the best merit that is none of those begun from; -1 when there is none. */
+/* The trial of the sweep of the best merit that is none of those begun from; -1: there is none. */
 static int next_start(const pl_ledger *ledger, const int *begun, int count)
 {
     int best = -1;
@@ -54,19 +55,21 @@ static int next_start(const pl_ledger *ledger, const int *begun, int count)
             is_new = is_new && begun[k] != i;
         }
         if (is_new &&
-            (best < 0 || pl_seek_better(&ledger->found->trials[i], &ledger->found->trials[best]))) {
+            (best < 0 || merit(&ledger->found->trials[i]) < merit(&ledger->found->trials[best]))) {
             best = i;
         }
     }
     return best;
 }
 
-/* False when NLopt could not be had. */
-static bool optimise(pl_ledger *ledger, int start)
+/* With at most so many new trials. False when NLopt could not be had. */
+static bool optimise(pl_ledger *ledger, int start, int trials)
 {
     const int axes = ledger->def->axis_count, most_asked = 10;
     pl_seek_units at = pl_ledger_units(ledger, &ledger->found->trials[start]);
-    model m = {.ledger = ledger, .optimiser = nlopt_create(algorithm, (unsigned)axes)};
+    model m = {.ledger = ledger,
+               .optimiser = nlopt_create(algorithm, (unsigned)axes),
+               .limit = ledger->found->count + trials};
     double value = 0;
     if (m.optimiser == NULL) {
         return false;
@@ -76,7 +79,7 @@ static bool optimise(pl_ledger *ledger, int start)
     nlopt_set_min_objective(m.optimiser, objective, &m);
     nlopt_set_initial_step1(m.optimiser, 0.12);
     nlopt_set_xtol_abs1(m.optimiser, 0.01);
-    nlopt_set_maxeval(m.optimiser, most_asked * (ledger->limit - ledger->found->count));
+    nlopt_set_maxeval(m.optimiser, most_asked * trials);
     nlopt_optimize(m.optimiser, at.u, &value);
     nlopt_destroy(m.optimiser);
     return true;
@@ -95,8 +98,9 @@ void pl_seek_model(pl_ledger *ledger)
     }
     nlopt_srand((unsigned long)ledger->def->seed);
     for (int i = 0; i < MOST_STARTS && !pl_ledger_is_over(ledger); ++i) {
+        const int left = ledger->limit - ledger->found->count, starts_left = MOST_STARTS - i;
         begun[i] = next_start(ledger, begun, i);
-        if (begun[i] < 0 || !optimise(ledger, begun[i])) {
+        if (begun[i] < 0 || !optimise(ledger, begun[i], (left + starts_left - 1) / starts_left)) {
             return;
         }
     }

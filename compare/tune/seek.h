@@ -12,6 +12,7 @@ typedef struct pl_seek_trial {
     double values[PL_TUNE_MOST_AXES]; /* (axis_count) */
     double cost;                      /* > 0; INFINITY: it has none */
     double excess;                    /* <= 0: the target is met; at most PL_SEEK_WORST */
+    bool holds;                       /* met where it was tried, if with too little to spare */
 } pl_seek_trial;
 
 typedef struct pl_seek_def {
@@ -44,7 +45,7 @@ bool pl_seek_has_nlopt(void);
 pl_status pl_seek(const pl_seek_def *def, pl_seek_found *found, pl_error *error);
 
 /* Whether a is better than b: it meets the target and b does not, or both do and it is cheaper, or
- * neither does and it exceeds it by less. */
+ * neither does and it holds alone, or exceeds the target by less. */
 bool pl_seek_better(const pl_seek_trial *a, const pl_seek_trial *b);
 
 #endif

@@ -3,7 +3,6 @@
 #include "tune/score.h"
 #include "tune/tunable.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -145,10 +144,10 @@ static pl_status judge(tuner *t, const pl_setting *setting, const pl_reading *as
             return status;
         }
     }
-    trial->excess = worst > 0 ? fmin(PL_TUNE_MISSED + worst, PL_SEEK_WORST) : worst;
-    for (int p = 0; p < t->def->plan->problem_count && worst <= 0; ++p) {
-        const double likely = fmin(pl_spread_likely(&t->spreads[p]), PL_TUNE_MISSED - DBL_EPSILON);
-        trial->excess = fmax(trial->excess, likely);
+    trial->holds = worst <= 0;
+    trial->excess = fmin(worst, PL_SEEK_WORST);
+    for (int p = 0; p < t->def->plan->problem_count && trial->holds; ++p) {
+        trial->excess = fmax(trial->excess, pl_spread_likely(&t->spreads[p]));
     }
     return status;
 }
@@ -174,8 +173,7 @@ static pl_status try_setting(void *user, pl_seek_trial *trial, bool *stop, pl_er
         status = judge(t, &settings[0], pl_readings_of(&readings, 0), trial, error);
     }
     pl_readings_free(&readings);
-    if (status == PL_OK && tuning->signal_number == 0 && trial->excess < PL_TUNE_MISSED &&
-        is_near && !counted) {
+    if (status == PL_OK && tuning->signal_number == 0 && trial->holds && is_near && !counted) {
         status = measure(t, &pl_variant_none, settings, 2, 1, SEARCH_REPEATS, &readings, error);
         if (status == PL_OK) {
             trial->cost = cost_of(t, pl_readings_of(&readings, 0), pl_readings_of(&readings, 1), 1,
@@ -208,7 +206,7 @@ static pl_status choose(tuner *t, pl_error *error)
     }
     memcpy(sorted, tuning->found.trials, (size_t)tuning->found.count * sizeof *sorted);
     qsort(sorted, (size_t)tuning->found.count, sizeof *sorted, by_merit);
-    tuning->met = tuning->found.count > 0 && sorted[0].excess < PL_TUNE_MISSED;
+    tuning->met = tuning->found.count > 0 && sorted[0].holds;
     tuning->has_margin = tuning->found.met;
     while (count < tuning->found.count && count < PL_TUNE_FINALISTS &&
            (count == 0 || (sorted[count].excess <= 0 && !tuning->by_instructions &&

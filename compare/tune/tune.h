@@ -7,11 +7,6 @@
 #include "tune/seek.h"
 #include "tune/space.h"
 
-/* A trial's excess: at most 0 where the targets are met on all runs tuned on with two standard
- * deviations of their errors to spare; below this where they are met; else this and the largest
- * ln(value / bound). */
-#define PL_TUNE_MISSED 2.0
-
 enum { PL_TUNE_REPEATS = 5, PL_TUNE_FINALISTS = 4 };
 
 typedef struct pl_tune_def {
@@ -51,6 +46,8 @@ typedef struct pl_tune_check {
 } pl_tune_check;
 
 typedef struct pl_tuning {
+    /* Of a trial: it holds where the targets are met on all runs tuned on, and its excess is at
+     * most 0 where they are with two standard deviations of ln(value / bound) to spare. */
     pl_seek_found found;
     bool met;              /* `answer` meets the targets; else it is the nearest to them */
     bool has_margin;       /* with two standard deviations to spare */
