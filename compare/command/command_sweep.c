@@ -41,7 +41,7 @@ static const struct argp_option argp_options[] = {
      "instead. VALUES: a,b,c; 1..9; 0..1:+0.25; 1..256:x2, also mixed; numbers may be fractions, "
      "1/240..1/60:x2. What --set or --dt say of it does not count (repeatable; without any: "
      "dt=1/60 to 1/960 s, halved each time, of engines shipped with so many iterations these and "
-     "five times as many, and a --timeout of 15 s)",
+     "five times as many, and a --timeout of 20 s)",
      0},
     {"repeat", KEY_REPEAT, "N", 0,
      "Runs of each point, interleaved (default 1; 3 where nothing is varied by --vary)", 0},

@@ -6,6 +6,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 static const char *engine_name(const pl_sweep_analysis *analysis, int engine)
 {
@@ -162,21 +163,44 @@ void pl_sweep_shares_table(const pl_sweep_analysis *analysis, const pl_sweep_pro
     }
 }
 
+static const char *state_of(const pl_sweep_point *point)
+{
+    return point->state == PL_SWEEP_FAILED ? point->outcome : "not measured";
+}
+
+/* How many points from the first on are of one engine and problem and came to the same end. */
+static int alike(const pl_sweep_analysis *analysis, int first)
+{
+    const pl_sweep_point *points = analysis->points, *point = &points[first];
+    int count = 1;
+    while (first + count < analysis->point_count &&
+           points[first + count].problem == point->problem &&
+           points[first + count].state == point->state &&
+           strcmp(points[first + count].label, point->label) == 0 &&
+           strcmp(points[first + count].outcome, point->outcome) == 0)
+        count++;
+    return count;
+}
+
 void pl_sweep_failed_table(const pl_sweep_analysis *analysis, int problem, pl_sweep_table *table)
 {
     *table = (pl_sweep_table){.columns = 5,
                               .heads = {"Problem", "Engine", "Time step", "Outcome", "Reason"}};
-    for (int i = 0; i < analysis->point_count; i++) {
+    for (int i = 0, count; i < analysis->point_count; i += count) {
         const pl_sweep_point *point = &analysis->points[i];
-        char step[PL_SWEEP_TEXT_SIZE];
+        char first[PL_SWEEP_TEXT_SIZE], last[PL_SWEEP_TEXT_SIZE];
+        count = alike(analysis, i);
         if (point->state == PL_SWEEP_OK || (problem >= 0 && point->problem != problem))
             continue;
-        pl_sweep_step_text(point->dt, step);
+        pl_sweep_step_text(point->dt, first);
+        pl_sweep_step_text(point[count - 1].dt, last);
         pl_sweep_table_add(table, "%s", analysis->problems[point->problem].name);
         pl_sweep_table_add(table, "%s", point->label);
-        pl_sweep_table_add(table, "%s", step);
-        pl_sweep_table_add(table, "%s",
-                           point->state == PL_SWEEP_FAILED ? point->outcome : "not measured");
+        if (count > 1)
+            pl_sweep_table_add(table, "%s to %s: %d", first, last, count);
+        else
+            pl_sweep_table_add(table, "%s", first);
+        pl_sweep_table_add(table, "%s", state_of(point));
         pl_sweep_table_add(table, "%s", point->reason);
     }
 }

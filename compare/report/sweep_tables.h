@@ -37,7 +37,8 @@ void pl_sweep_orders_table(const pl_sweep_analysis *analysis, int problem, pl_sw
 void pl_sweep_shares_table(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
                            pl_sweep_table *table);
 
-/* A row a point without numbers: all, or of one problem (an index; -1: all). */
+/* A row a series of points without numbers that came to the same end: all, or of one problem (an
+ * index; -1: all). */
 void pl_sweep_failed_table(const pl_sweep_analysis *analysis, int problem, pl_sweep_table *table);
 
 /* A row a point with numbers of a problem. */

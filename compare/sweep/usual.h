@@ -5,7 +5,7 @@
 #include "runner/plan.h"
 #include "sweep/vary.h"
 
-enum { PL_USUAL_REPEATS = 3, PL_USUAL_TIMEOUT = 15 /* s */ };
+enum { PL_USUAL_REPEATS = 3, PL_USUAL_TIMEOUT = 20 /* s */ };
 
 /* The steps 1/60 to 1/960 s by halves, and of each engine of the plan that is shipped with so many
  * `iterations` these and five times as many. *varied is malloc'd, and freed, with what is in it, by
