@@ -138,15 +138,16 @@ static void test_constant_repeats_have_an_interval_without_width(void **state)
     finish(&analysis, results);
 }
 
-/* The median of 3 drawn from {1, 2, 3} is 1, 2, 3 in 7, 13, 7 of 27 cases: 95 % need all three. */
+/* Five of eleven are 1 and five are 3: the median of eleven that are drawn is either in 38 % of all
+ * cases. */
 static void test_interval_is_that_of_resampled_medians(void **state)
 {
     (void)state;
     json_t *results = json_array();
     add_repeats(results, (sweep_run){.scenario = "a", "plumb:p", .error = 1e-2},
-                (const double[]){1, 1, 1}, 3);
+                (const double[]){1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1}, 11);
     add_repeats(results, (sweep_run){.scenario = "a", "ode:q", .error = 1e-2},
-                (const double[]){3, 1, 2}, 3);
+                (const double[]){3, 1, 2, 3, 1, 3, 1, 3, 1, 3, 1}, 11);
     /* 1 of 11 is drawn 6 times or more of 11 in 4e-4 of all cases: the median stays at 2. */
     add_repeats(results, (sweep_run){.scenario = "a", "bullet:s", .error = 1e-2},
                 (const double[]){2, 2, 2, 2, 2, 90, 2, 2, 2, 2, 2}, 11);
@@ -161,16 +162,56 @@ static void test_interval_is_that_of_resampled_medians(void **state)
     finish(&analysis, results);
 }
 
+/* Repeats of a time of 1 with noise of 5 %; `seed` says which. */
+static void add_noisy(json_t *results, sweep_run run, int repeats, check_random *random)
+{
+    double costs[3];
+    for (int i = 0; i < repeats; i++) {
+        double normal = -6;
+        for (int k = 0; k < 12; k++)
+            normal += check_uniform(random, 0, 1);
+        costs[i] = exp(0.05 * normal);
+    }
+    add_repeats(results, run, costs, repeats);
+}
+
+/* Three repeats of a point, or one, tell little of its scatter; all points together tell it. */
+static void test_intervals_of_few_repeats_hold_the_true_ratio(void **state)
+{
+    (void)state;
+    enum { SWEEPS = 200, POINTS = 4 };
+    check_random random = {5};
+    int held[2] = {0, 0};
+    for (int sweep = 0; sweep < SWEEPS; sweep++) {
+        json_t *results = json_array();
+        for (int i = 0; i < POINTS; i++) {
+            const double error = i == 0 ? 1e-2 : 1, dt = ldexp(1, -i);
+            add_noisy(results, (sweep_run){.scenario = "a", "plumb:p", 0, error, dt}, 3, &random);
+            add_noisy(results, (sweep_run){.scenario = "a", "ode:q", 0, error, dt}, 3, &random);
+        }
+        add_noisy(results, (sweep_run){.scenario = "a", "bullet:s", 0, 1e-2}, 1, &random);
+        pl_sweep_analysis analysis = analysis_of(results);
+        for (int i = 0; i < 2; i++) {
+            const pl_sweep_ratio *ratio =
+                &duel_with(&analysis, i == 0 ? "ode" : "bullet")->speed[1];
+            held[i] += ratio->low <= 1 && 1 <= ratio->high;
+        }
+        finish(&analysis, results);
+    }
+    for (int i = 0; i < 2; i++)
+        assert_true(held[i] >= 0.93 * SWEEPS && held[i] < SWEEPS);
+}
+
 static void test_loss_within_its_interval_is_noise(void **state)
 {
     (void)state;
     json_t *results = json_array();
     add_repeats(results, (sweep_run){.scenario = "a", "plumb:p", .error = 1e-2},
-                (const double[]){2, 2, 2}, 3);
+                (const double[]){2, 2, 2, 2, 2, 2, 2, 2, 2, 2}, 10);
     add_repeats(results, (sweep_run){.scenario = "a", "ode:q", .error = 1e-2},
-                (const double[]){0.5, 1, 3}, 3);
+                (const double[]){0.5, 1, 3, 0.5, 1, 3, 0.5, 1, 3, 1}, 10);
     add_repeats(results, (sweep_run){.scenario = "a", "bullet:s", .error = 1e-2},
-                (const double[]){1, 1, 1.5}, 3);
+                (const double[]){1, 1, 1.5, 1, 1, 1.5, 1, 1, 1.5, 1}, 10);
     pl_sweep_analysis analysis = analysis_of(results);
     assert_int_equal(analysis.loss_count, 4);
     for (int i = 0; i < 4; i++) {
@@ -276,6 +317,7 @@ int main(void)
         cmocka_unit_test(test_equal_engines_have_no_losses),
         cmocka_unit_test(test_constant_repeats_have_an_interval_without_width),
         cmocka_unit_test(test_interval_is_that_of_resampled_medians),
+        cmocka_unit_test(test_intervals_of_few_repeats_hold_the_true_ratio),
         cmocka_unit_test(test_loss_within_its_interval_is_noise),
         cmocka_unit_test(test_intervals_of_two_engines_do_not_depend_on_a_third),
         cmocka_unit_test(test_mean_is_geometric_and_counts_what_is_never_reached),

@@ -2,6 +2,7 @@
 
 #include "sweep/analysis_duels.h"
 #include "sweep/analysis_front.h"
+#include "sweep/analysis_noise.h"
 #include "sweep/analysis_order.h"
 #include "sweep/analysis_profile.h"
 #include "sweep/analysis_rows.h"
@@ -40,9 +41,6 @@ static pl_status draw_curve(const pl_sweep_analysis *analysis, const pl_sweep_pr
     }
     curve->front_count = pl_front_find(samples, curve->front, curve->front_count);
     for (int i = 0; i < curve->front_count; ++i) {
-        int repeats = analysis->points[curve->front[i]].sample_count;
-        curve->least_repeats =
-            i == 0 || repeats < curve->least_repeats ? repeats : curve->least_repeats;
         front[i] = samples[curve->front[i]];
     }
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
@@ -87,6 +85,7 @@ pl_status pl_sweep_analyse(const json_t *results, pl_sweep_analysis *analysis, p
     *analysis = (pl_sweep_analysis){.results = results};
     pl_status status = pl_sweep_gather(results, analysis, error);
     if (status == PL_OK) {
+        pl_sweep_take_noise(analysis);
         status = draw_curves(analysis, error);
     }
     if (status == PL_OK) {

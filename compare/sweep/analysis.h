@@ -71,7 +71,6 @@ typedef struct pl_sweep_curve {
     int *front;                 /* (front_count): points no other of which is both cheaper and as
                                    exact; by rising cost and falling error; owned */
     int front_count;
-    int least_repeats;          /* of a point on the front; 0 without one */
     int reach[PL_SWEEP_LEVELS]; /* the cheapest point at or below the level; -1: not reached */
     int best[PL_SWEEP_TIMES];   /* the most exact point that costs no more; -1: none does */
 } pl_sweep_curve;
@@ -83,8 +82,8 @@ typedef enum pl_sweep_reach {
     PL_SWEEP_BOTH
 } pl_sweep_reach;
 
-/* NAN: none. low .. high holds 95 % of what resampled repeats give; it is absent where a point of
- * either front has a single repeat, or where over 5 % of the draws give no ratio. */
+/* NAN: none. low .. high holds 95 % of what resampled repeats give; it is absent where nothing was
+ * repeated, or where over 5 % of the draws give no ratio. */
 typedef struct pl_sweep_ratio {
     double value, low, high;
 } pl_sweep_ratio;
@@ -107,7 +106,8 @@ typedef struct pl_sweep_problem {
     const pl_scenario *catalogue; /* NULL: a scene file, or unknown here */
     const json_t *row;            /* any of its results */
     const char *scenario, *primary_error, *unit;
-    int first, count;       /* its points */
+    int first, count; /* its points */
+    double noise;     /* standard deviation of ln(cost) over repeats; NAN: nothing was repeated */
     pl_sweep_curve *curves; /* (engine_count) */
     pl_sweep_duel *duels;   /* (pair_count) */
 } pl_sweep_problem;

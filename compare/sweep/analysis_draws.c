@@ -6,10 +6,14 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* So many repeats tell their own scatter. */
+enum { ENOUGH = 10 };
+
 /* A problem's draws. */
 typedef struct drawing {
     const pl_sweep_point *points; /* (count) */
     int count;
+    double noise;             /* of the problem; 0: none is known */
     bool *needed;             /* (count): can be on a front in some draw */
     pl_random *random;        /* (count) */
     pl_sweep_sample *medians; /* (count): of this draw */
@@ -36,10 +40,18 @@ static double smallest_error(const pl_sweep_point *point)
     return smallest;
 }
 
-/* Whether q is ahead of p in every draw, so that p is on no front. */
-static bool always_ahead(const pl_sweep_point *q, const pl_sweep_point *p)
+/* What a repeat of the point that is drawn is moved by, as a standard deviation of ln(cost). */
+static double moved_by(const drawing *d, const pl_sweep_point *point)
 {
-    return q->state == PL_SWEEP_OK && q->samples[q->sample_count - 1].cost < p->samples[0].cost &&
+    return point->sample_count < ENOUGH ? d->noise : 0;
+}
+
+/* Whether q is ahead of p in every draw, so that p is on no front. */
+static bool always_ahead(const drawing *d, const pl_sweep_point *q, const pl_sweep_point *p)
+{
+    const double most = PL_RANDOM_MOST_NORMAL * (moved_by(d, q) + moved_by(d, p));
+    return q->state == PL_SWEEP_OK &&
+           q->samples[q->sample_count - 1].cost * exp(most) < p->samples[0].cost &&
            largest_error(q) <= smallest_error(p);
 }
 
@@ -50,8 +62,8 @@ static void mark_needed(drawing *d)
         const pl_sweep_point *point = &d->points[i];
         d->needed[i] = point->state == PL_SWEEP_OK;
         for (int k = 0; k < d->count && d->needed[i]; ++k) {
-            d->needed[i] =
-                d->points[k].engines[1] != point->engines[1] || !always_ahead(&d->points[k], point);
+            d->needed[i] = d->points[k].engines[1] != point->engines[1] ||
+                           !always_ahead(d, &d->points[k], point);
         }
     }
 }
@@ -65,9 +77,11 @@ static void resample(drawing *d)
         if (!d->needed[i]) {
             continue;
         }
+        const double by = moved_by(d, point);
         for (int k = 0; k < repeats; ++k) {
             int chosen = (int)(pl_random_unit(&d->random[i]) * repeats);
             costs[k] = point->samples[chosen].cost;
+            costs[k] *= by > 0 ? exp(by * pl_random_normal(&d->random[i])) : 1;
             errors[k] = point->samples[chosen].error;
         }
         d->medians[i].cost = pl_sweep_median(costs, repeats);
@@ -111,7 +125,9 @@ pl_status pl_sweep_draw(const pl_sweep_analysis *analysis, const pl_sweep_proble
                         pl_front_reading *readings, pl_error *error)
 {
     pl_status status = PL_OK;
-    drawing d = {.points = analysis->points + problem->first, .count = problem->count};
+    drawing d = {.points = analysis->points + problem->first,
+                 .count = problem->count,
+                 .noise = isnan(problem->noise) ? 0 : problem->noise};
     if (!prepare(&d)) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory to resample %d points", d.count);
         goto cleanup;

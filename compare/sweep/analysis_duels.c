@@ -90,7 +90,7 @@ static void fight(const arena *a, pl_sweep_analysis *analysis, const pl_sweep_pr
     if (!duel->run) {
         return;
     }
-    bool resampled = ours->least_repeats > 1 && other->least_repeats > 1;
+    bool resampled = !isnan(problem->noise);
     for (size_t k = 0; k < PL_SWEEP_LEVELS; ++k) {
         duel->reach[k] = reach_of(ours->reach[k] >= 0, other->reach[k] >= 0);
         duel->speed[k] = with_interval(a, pair, COST + k, resampled);

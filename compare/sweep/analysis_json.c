@@ -154,11 +154,11 @@ static json_t *problem_json(const pl_sweep_analysis *analysis, const pl_sweep_pr
             json_array_append_new(duels, duel_json(&analysis->pairs[i], &problem->duels[i]));
         }
     }
-    return json_pack("{s:o, s:o, s:o, s:O?, s:o, s:o, s:o, s:o}", "name", text(problem->name),
+    return json_pack("{s:o, s:o, s:o, s:O?, s:o, s:o, s:o, s:o, s:o}", "name", text(problem->name),
                      "scenario", text(problem->scenario), "params", params, "seed",
                      json_object_get(problem->row, "seed"), "primary_error",
-                     text(problem->primary_error), "unit", text(problem->unit), "curves", curves,
-                     "duels", duels);
+                     text(problem->primary_error), "unit", text(problem->unit), "noise",
+                     number(problem->noise), "curves", curves, "duels", duels);
 }
 
 static json_t *problems_json(const pl_sweep_analysis *analysis)

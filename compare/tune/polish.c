@@ -53,16 +53,6 @@ static void step_along_all(pl_ledger *ledger, double step)
     }
 }
 
-/* About normal, of variance 1: twelve uniform numbers less 6. */
-static double normal(pl_random *random)
-{
-    double sum = -6;
-    for (int i = 0; i < 12; ++i) {
-        sum += pl_random_unit(random);
-    }
-    return sum;
-}
-
 void pl_seek_polish(pl_ledger *ledger)
 {
     const double grow = 1.5, shrink = 0.9, moving_part = 0.75;
@@ -82,7 +72,7 @@ void pl_seek_polish(pl_ledger *ledger)
         /* Whole axes move by one at least, and must be able to stay. */
         for (int k = 0; k < axes; ++k) {
             const bool moves = pl_random_unit(&random) < moving_part;
-            to = moves ? moved(ledger, &to, k, radius * normal(&random)) : to;
+            to = moves ? moved(ledger, &to, k, radius * pl_random_normal(&random)) : to;
         }
         const bool helps = try_one(ledger, &to);
         const bool is_known = ledger->found->count == before;

@@ -13,3 +13,12 @@ double pl_random_unit(pl_random *random)
 {
     return (double)(pl_random_bits(random) >> 11) * 0x1p-53;
 }
+
+double pl_random_normal(pl_random *random)
+{
+    double sum = -6;
+    for (int i = 0; i < 12; ++i) {
+        sum += pl_random_unit(random);
+    }
+    return sum;
+}

@@ -14,4 +14,8 @@ uint64_t pl_random_bits(pl_random *random);
 /* Uniform over the multiples of 2^-53 in [0, 1). */
 double pl_random_unit(pl_random *random);
 
+/* About normal, of mean 0 and variance 1: twelve uniform numbers less 6. */
+#define PL_RANDOM_MOST_NORMAL 6.0
+double pl_random_normal(pl_random *random);
+
 #endif
