@@ -12,6 +12,7 @@ typedef struct pl_tune_axis {
     int option;       /* index in the engine's table; PL_TUNE_RATE: steps a second, of "dt" */
     double low, high; /* low < high; of a logarithmic axis low > 0 */
     bool logarithmic, integer;
+    bool spends;  /* more of it takes more time: steps a second, iterations */
     double start; /* where the search begins: what the engine ships, moved into the range */
 } pl_tune_axis;
 

@@ -20,11 +20,13 @@ typedef struct model {
     int limit; /* trials in all, at which it is another start's turn */
 } model;
 
-/* What a trial would cost where it met the target, about, and then some: an error falls about as
- * the cost to the power 1.5 grows, which is to be paid in full before missing pays. */
-static double merit(const pl_seek_trial *trial)
+/* What a target missed by a factor of e costs, as the logarithm of a factor: to reach it, where an
+ * error falls as the cost rises; and while seeking, so much that to miss it does not pay. */
+static const double to_reach = 1, to_miss = 2;
+
+static double merit(const pl_seek_trial *trial, double weight)
 {
-    const double weight = 2, no_cost = 10;
+    const double no_cost = 10;
     const double cost = isfinite(trial->cost) ? log(trial->cost) : no_cost;
     return cost + weight * fmax(trial->excess, 0);
 }
@@ -42,7 +44,8 @@ static double objective(unsigned count, const double *x, double *gradient, void 
     if (pl_ledger_is_over(ledger) || ledger->found->count >= m->limit) {
         nlopt_force_stop(m->optimiser);
     }
-    return index < 0 ? PL_SEEK_WORST * PL_SEEK_WORST : merit(&ledger->found->trials[index]);
+    return index < 0 ? PL_SEEK_WORST * PL_SEEK_WORST
+                     : merit(&ledger->found->trials[index], to_miss);
 }
 
 /* The trial of the sweep of the best merit that is none of those begun from; -1: there is none. */
@@ -54,8 +57,8 @@ static int next_start(const pl_ledger *ledger, const int *begun, int count)
         for (int k = 0; k < count; ++k) {
             is_new = is_new && begun[k] != i;
         }
-        if (is_new &&
-            (best < 0 || merit(&ledger->found->trials[i]) < merit(&ledger->found->trials[best]))) {
+        if (is_new && (best < 0 || merit(&ledger->found->trials[i], to_reach) <
+                                       merit(&ledger->found->trials[best], to_reach))) {
             best = i;
         }
     }

@@ -39,7 +39,8 @@ typedef struct pl_seek_found {
  * is left out. */
 bool pl_seek_has_nlopt(void);
 
-/* Low-discrepancy points over the space, then NLopt from the best of them, then steps along each
+/* Low-discrepancy points over the space, in half of which an axis that spends no time stays at its
+ * start, then NLopt from the best of them, then steps along each
  * axis and in seeded directions around the best. The same seed and answers give the same points.
  * The caller frees found->trials in any case. PL_NO_MEMORY, and what `measure` returned. */
 pl_status pl_seek(const pl_seek_def *def, pl_seek_found *found, pl_error *error);

@@ -235,6 +235,10 @@ pl_status pl_tune_space_make(const pl_engine_choice *engine, double dt, const ch
     for (int i = 0; i < fixed_count && status == PL_OK; ++i) {
         status = fix(space, fixed[i], given, error);
     }
+    for (int i = 0; i < space->axis_count; ++i) {
+        pl_tune_axis *axis = &space->axes[i];
+        axis->spends = axis->option == PL_TUNE_RATE || strcmp(axis->name, "iterations") == 0;
+    }
     if (find_axis(space, "dt") >= 0) {
         space->dt = (double)NAN;
     }

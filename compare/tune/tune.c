@@ -4,6 +4,7 @@
 #include "tune/tunable.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,7 +22,19 @@ typedef struct tuner {
     pl_setting shipped;
     pl_spread *spreads;           /* (problem_count): of the trial in progress */
     double *shipped_instructions; /* (problem_count): per simulated second; NAN: not counted */
+    double best_seconds;          /* wall time of the first runs of the best trial */
 } tuner;
+
+/* What takes much longer than the best so far costs more, and need not come to its end. */
+static pl_limits limits_of(const tuner *t)
+{
+    const double patience = 5, least = 2;
+    pl_limits limits = t->def->limits;
+    if (t->tuning->found.met) {
+        limits.timeout = fmin(limits.timeout, fmax(least, patience * t->best_seconds));
+    }
+    return limits;
+}
 
 static pl_status measure(tuner *t, const pl_variant *variant, const pl_setting *settings, int count,
                          int first_repeat, int repeats, pl_readings *readings, pl_error *error)
@@ -37,7 +50,7 @@ static pl_status measure(tuner *t, const pl_variant *variant, const pl_setting *
                                      .first_repeat = first_repeat,
                                      .targets = def->targets,
                                      .jobs = def->jobs,
-                                     .limits = def->limits,
+                                     .limits = limits_of(t),
                                      .provenance = def->provenance,
                                      .bar = t->shows ? &t->bar : NULL};
     return pl_measure(&measured, readings, &t->tuning->runs, &t->tuning->signal_number, error);
@@ -152,6 +165,28 @@ static pl_status judge(tuner *t, const pl_setting *setting, const pl_reading *as
     return status;
 }
 
+/* A line a trial, where there is no terminal whose line could be drawn again. */
+static void tell(const tuner *t, const pl_setting *setting, const pl_seek_trial *trial)
+{
+    char spec[256], step[32] = "";
+    if (!t->shows || t->bar.terminal) {
+        return;
+    }
+    pl_tune_spec(&setting->choice, spec);
+    if (!isnan(setting->dt)) {
+        snprintf(step, sizeof step, " at 1/%.4g s", 1 / setting->dt);
+    }
+    fprintf(t->def->progress, "[%d/%d] %s%s: cost x %.3g, ", t->tuning->found.count + 1,
+            t->def->budget, spec, step, trial->cost);
+    if (trial->excess >= PL_SEEK_WORST) {
+        fprintf(t->def->progress, "no value\n");
+    } else {
+        fprintf(t->def->progress, "%s by a factor of %.3g%s\n",
+                trial->holds && trial->excess <= 0 ? "meets the target" : "misses the target",
+                exp(fabs(trial->excess)), trial->holds && trial->excess > 0 ? ", likely" : "");
+    }
+}
+
 /* One repeat; a setting that meets the targets also on the changed scenarios is timed by more.
  * What is shipped runs beside it, so that a machine that drifts does so for both. */
 static pl_status try_setting(void *user, pl_seek_trial *trial, bool *stop, pl_error *error)
@@ -160,9 +195,11 @@ static pl_status try_setting(void *user, pl_seek_trial *trial, bool *stop, pl_er
     pl_tuning *tuning = t->tuning;
     const bool counted = tuning->by_instructions;
     const pl_setting settings[2] = {setting_of(t, trial->values), t->shipped};
+    const double began = pl_monotonic_seconds();
     pl_readings readings;
     pl_status status =
         measure(t, &pl_variant_none, settings, counted ? 1 : 2, 0, 1, &readings, error);
+    const double seconds = pl_monotonic_seconds() - began;
     if (status == PL_OK) {
         const pl_reading *mine = pl_readings_of(&readings, 0);
         trial->cost = counted ? instructions_of(t, mine)
@@ -182,6 +219,13 @@ static pl_status try_setting(void *user, pl_seek_trial *trial, bool *stop, pl_er
         pl_readings_free(&readings);
     }
     *stop = tuning->signal_number != 0;
+    const pl_seek_found *found = &tuning->found;
+    if (trial->excess <= 0 && (!found->met || trial->cost < found->trials[found->best].cost)) {
+        t->best_seconds = seconds;
+    }
+    if (status == PL_OK && !*stop) {
+        tell(t, &settings[0], trial);
+    }
     return status;
 }
 
