@@ -1,0 +1,14 @@
+/* One setting tried: what it costs, and whether it meets the targets on all that is tuned on. */
+#ifndef PLUMB_TUNE_TRIAL_H
+#define PLUMB_TUNE_TRIAL_H
+
+#include "tune/tuner.h"
+
+/* What is shipped, once: whether the engine does the scenarios, and what is counted there.
+ * PL_UNSUPPORTED where it does not do one. */
+pl_status pl_trial_shipped(pl_tuner *t, pl_error *error);
+
+/* pl_seek_def.measure, of a pl_tuner. */
+pl_status pl_trial_make(void *user, pl_seek_trial *trial, bool *stop, pl_error *error);
+
+#endif
