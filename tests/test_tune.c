@@ -274,9 +274,10 @@ static void test_the_engines_own_api_is_written_with_what_differs(void **state)
 static void test_scenarios_held_out_are_none_of_those_tuned_on(void **state)
 {
     (void)state;
-    int scenario_count, tuned_count, held_count;
+    int scenario_count, tuned_count, chosen_count, held_count;
     const pl_scenario *const *scenarios = pl_scenarios(&scenario_count);
     const pl_variant *tuned = pl_variants_tuned_on(&tuned_count);
+    const pl_variant *chosen = pl_variants_chosen_by(&chosen_count);
     const pl_variant *held = pl_variants_held_out(&held_count);
     for (int s = 0; s < scenario_count; ++s) {
         for (int i = 0; i < held_count; ++i) {
@@ -289,8 +290,10 @@ static void test_scenarios_held_out_are_none_of_those_tuned_on(void **state)
                 const pl_param *param = &scenarios[s]->params[p];
                 assert_true(mine[p] >= param->min && mine[p] <= param->max);
             }
-            for (int k = -1; k < tuned_count; ++k) {
-                const pl_variant *other = k < 0 ? &pl_variant_none : &tuned[k];
+            for (int k = -1; k < tuned_count + chosen_count; ++k) {
+                const pl_variant *other = k < 0             ? &pl_variant_none
+                                          : k < tuned_count ? &tuned[k]
+                                                            : &chosen[k - tuned_count];
                 double theirs[PL_MAX_PARAMS] = {0};
                 pl_scenario_values(scenarios[s], NULL, 0, theirs, NULL);
                 assert_true(!pl_variant_apply(other, scenarios[s], 3, theirs) ||

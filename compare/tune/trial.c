@@ -36,20 +36,17 @@ static bool may_be_best(const pl_tuner *t, const pl_seek_trial *trial)
     return !found->met || pl_tuner_is_near(trial->cost, found->trials[found->best].cost);
 }
 
-/* The scenarios as asked for, whose readings are given, and changed. */
-static pl_status judge(pl_tuner *t, const pl_setting *setting, const pl_reading *asked,
-                       pl_seek_trial *trial, pl_error *error)
+pl_status pl_trial_judge(pl_tuner *t, const pl_setting *setting, const pl_reading *asked,
+                         const pl_variant *variants, int count, pl_seek_trial *trial,
+                         pl_error *error)
 {
-    int count = 0;
-    const pl_variant *variants = pl_variants_tuned_on(&count);
     pl_status status = PL_OK;
     for (int p = 0; p < t->def->plan->problem_count; ++p) {
         t->spreads[p] = (pl_spread){.count = 0};
         pl_spread_add(&t->spreads[p], asked[p].target.excess);
     }
     double worst = pl_tuner_excess(t, asked);
-    const int needed = worst <= 0 && may_be_best(t, trial) ? count : 0;
-    for (int i = 0; i < needed && status == PL_OK && worst <= 0; ++i) {
+    for (int i = 0; i < count && status == PL_OK && worst <= 0; ++i) {
         pl_readings readings;
         status = pl_tuner_measure(t, &variants[i], setting, 1, 0, 1, &readings, error);
         for (int p = 0; p < readings.problem_count && status == PL_OK; ++p) {
@@ -114,7 +111,10 @@ pl_status pl_trial_make(void *user, pl_seek_trial *trial, bool *stop, pl_error *
     }
     const bool is_near = may_be_best(t, trial);
     if (status == PL_OK && tuning->signal_number == 0) {
-        status = judge(t, &settings[0], pl_readings_of(&readings, 0), trial, error);
+        int count = 0;
+        const pl_variant *variants = pl_variants_tuned_on(&count);
+        status = pl_trial_judge(t, &settings[0], pl_readings_of(&readings, 0), variants,
+                                is_near ? count : 0, trial, error);
     }
     pl_readings_free(&readings);
     if (status == PL_OK && tuning->signal_number == 0 && trial->holds && is_near && !counted) {

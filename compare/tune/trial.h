@@ -8,6 +8,12 @@
  * PL_UNSUPPORTED where it does not do one. */
 pl_status pl_trial_shipped(pl_tuner *t, pl_error *error);
 
+/* Sets the trial's `excess` and `holds` by the scenarios as asked for, whose readings are given,
+ * and as the variants change them, up to the first that is missed. */
+pl_status pl_trial_judge(pl_tuner *t, const pl_setting *setting, const pl_reading *asked,
+                         const pl_variant *variants, int count, pl_seek_trial *trial,
+                         pl_error *error);
+
 /* pl_seek_def.measure, of a pl_tuner. */
 pl_status pl_trial_make(void *user, pl_seek_trial *trial, bool *stop, pl_error *error);
 

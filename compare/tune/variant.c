@@ -24,6 +24,26 @@ const pl_variant *pl_variants_tuned_on(int *count)
     return variants;
 }
 
+const pl_variant *pl_variants_chosen_by(int *count)
+{
+    static const pl_variant variants[] = {
+        {"offset=0.01, seed + 5", PL_VARIANT_OFFSET, 5},
+        {"parameters within 1 %, draw 5", PL_VARIANT_DRAWN, 5},
+        {"offset=0.01, seed + 6", PL_VARIANT_OFFSET, 6},
+        {"parameters within 1 %, draw 6", PL_VARIANT_DRAWN, 6},
+        {"offset=0.01, seed + 7", PL_VARIANT_OFFSET, 7},
+        {"parameters within 1 %, draw 7", PL_VARIANT_DRAWN, 7},
+        {"offset=0.01, seed + 8", PL_VARIANT_OFFSET, 8},
+        {"parameters within 1 %, draw 8", PL_VARIANT_DRAWN, 8},
+        {"offset=0.01, seed + 9", PL_VARIANT_OFFSET, 9},
+        {"parameters within 1 %, draw 9", PL_VARIANT_DRAWN, 9},
+        {"friction up by four", PL_VARIANT_FRICTION_UP, 4},
+        {"friction up by five", PL_VARIANT_FRICTION_UP, 5},
+    };
+    *count = sizeof variants / sizeof variants[0];
+    return variants;
+}
+
 const pl_variant *pl_variants_held_out(int *count)
 {
     static const pl_variant variants[] = {

@@ -23,8 +23,9 @@ typedef struct pl_variant {
 
 extern const pl_variant pl_variant_none;
 
-/* Static storage. The two have no run in common. */
+/* Static storage. The three have no run in common. */
 const pl_variant *pl_variants_tuned_on(int *count);
+const pl_variant *pl_variants_chosen_by(int *count); /* among the search's best */
 const pl_variant *pl_variants_held_out(int *count);
 
 /* Changes the values of a scenario's parameters; false when the scenario has none that this variant
