@@ -117,11 +117,13 @@ pl_status pl_orders_find(pl_sweep_analysis *analysis, pl_error *error)
     }
     for (int first = 0, next; first < count; first = next) {
         const pl_sweep_point *point = &analysis->points[first];
+        bool is_known = false;
         for (next = first; next < count && analysis->points[next].series == point->series; ++next) {
             dt[next - first] = analysis->points[next].dt;
             errors[next - first] = analysis->points[next].error;
+            is_known = is_known || !isnan(errors[next - first]);
         }
-        if (next - first > 1) {
+        if (next - first > 1 && is_known) {
             pl_sweep_order *order = &analysis->orders[analysis->order_count++];
             *order = (pl_sweep_order){
                 .problem = point->problem, .engine = point->engines[1], .first = first};

@@ -7,12 +7,12 @@
 
 typedef enum pl_variant_kind {
     PL_VARIANT_NONE,
-    PL_VARIANT_FRICTION_UP, /* friction by so many last bits as the seed says */
+    PL_VARIANT_FRICTION_UP, /* friction by its last bit */
     PL_VARIANT_FRICTION_DOWN,
-    PL_VARIANT_LARGER, /* n one larger */
-    PL_VARIANT_TWO_LARGER,
-    PL_VARIANT_OFFSET, /* offset = 0.01, with another seed */
-    PL_VARIANT_DRAWN   /* continuous parameters within 1 %, drawn */
+    PL_VARIANT_LARGER,  /* n one larger */
+    PL_VARIANT_SMALLER, /* n one smaller */
+    PL_VARIANT_OFFSET,  /* offset = 0.01, with another seed */
+    PL_VARIANT_DRAWN    /* continuous parameters within 1 %, drawn */
 } pl_variant_kind;
 
 typedef struct pl_variant {
