@@ -21,8 +21,17 @@ typedef struct made_up {
 } made_up;
 
 static const pl_tune_axis axes[] = {
-    {.name = "iterations", .low = 1, .high = 100, .logarithmic = true, .integer = true, .start = 1},
+    {.name = "iterations",
+     .low = 1,
+     .high = 100,
+     .logarithmic = true,
+     .integer = true,
+     .spends = true,
+     .start = 1},
     {.name = "erp", .low = 0, .high = 1, .start = 0},
+    {.name = "margin", .low = 0, .high = 1, .start = 0.2},
+    {.name = "slop", .low = 0, .high = 1, .start = 0.2},
+    {.name = "layer", .low = 0, .high = 1, .start = 0.2},
 };
 
 /* Each point once, in range, whole where it should be. */
@@ -136,6 +145,36 @@ static void test_noise_in_the_cost_leads_no_further_astray_than_it_is_large(void
         pl_seek_found found = search(&m, BUDGET, seed);
         assert_true(found.met);
         assert_at_most(valley_cost(found.trials[found.best].values), 1.1 / 0.9 * 1.03 * least);
+        free(found.trials);
+    }
+}
+
+/* The promise of tuning is 1.3 times the least cost. The target is met with 40 iterations where the
+ * other options are as shipped, and by a factor of 20 more for each tenth that one of them is off.
+ */
+static double shipped_excess(const double *v)
+{
+    double off = v[1];
+    for (int k = 2; k < 5; ++k) {
+        off += fabs(v[k] - axes[k].start);
+    }
+    return log(40 / v[0]) + 10 * log(20) * off;
+}
+
+static double iterations_cost(const double *v)
+{
+    return v[0];
+}
+
+static void test_options_that_are_right_as_shipped_stay_so(void **state)
+{
+    (void)state;
+    need_nlopt();
+    for (uint64_t seed = 0; seed < 10; ++seed) {
+        made_up m = make(iterations_cost, shipped_excess, 5);
+        pl_seek_found found = search(&m, BUDGET, seed);
+        assert_true(found.met);
+        assert_at_most(found.trials[found.best].cost, 1.3 * 40);
         free(found.trials);
     }
 }
@@ -271,6 +310,7 @@ int main(void)
         cmocka_unit_test(
             test_the_optimum_of_whole_and_continuous_axes_is_found_from_where_it_is_missed),
         cmocka_unit_test(test_noise_in_the_cost_leads_no_further_astray_than_it_is_large),
+        cmocka_unit_test(test_options_that_are_right_as_shipped_stay_so),
         cmocka_unit_test(test_where_nothing_meets_the_target_the_nearest_is_said),
         cmocka_unit_test(test_plateaus_and_points_without_a_cost_end_the_search_in_time),
         cmocka_unit_test(test_a_space_smaller_than_the_budget_is_tried_out),
