@@ -122,6 +122,24 @@ static void test_all_failed_is_no_comparison(void **state)
     finish(&analysis, results);
 }
 
+static void test_what_is_not_supported_has_not_failed(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 1, 1e-3});
+    add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 2, 1e-3});
+    add_sweep_run(results,
+                  (sweep_run){.scenario = "a", "ode:q", .iterations = 9, .outcome = "unsupported"});
+    add_sweep_run(results, (sweep_run){.scenario = "a", "bullet:s", .outcome = "unsupported"});
+    pl_sweep_analysis analysis = analysis_of(results);
+    const pl_sweep_curve *ode = &analysis.problems[0].curves[engine_named(&analysis, "ode")];
+    assert_int_equal(ode->ok, 1);
+    assert_int_equal(ode->failed + ode->unmeasured, 0);
+    assert_int_equal(analysis.pairs[pair_named(&analysis, "plumb", "ode")].problems, 1);
+    assert_int_equal(analysis.pairs[pair_named(&analysis, "plumb", "bullet")].problems, 0);
+    finish(&analysis, results);
+}
+
 static void test_missing_number_makes_a_point_unmeasured(void **state)
 {
     (void)state;
@@ -316,6 +334,7 @@ int main(void)
         cmocka_unit_test(test_what_makes_a_problem_an_engine_and_a_point),
         cmocka_unit_test(test_failed_point_is_never_a_number),
         cmocka_unit_test(test_all_failed_is_no_comparison),
+        cmocka_unit_test(test_what_is_not_supported_has_not_failed),
         cmocka_unit_test(test_missing_number_makes_a_point_unmeasured),
         cmocka_unit_test(test_error_below_the_floor_counts_as_the_floor),
         cmocka_unit_test(test_order_is_found_along_runs_that_differ_in_dt_alone),

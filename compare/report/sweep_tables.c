@@ -165,7 +165,7 @@ void pl_sweep_shares_table(const pl_sweep_analysis *analysis, const pl_sweep_pro
 
 static const char *state_of(const pl_sweep_point *point)
 {
-    return point->state == PL_SWEEP_FAILED ? point->outcome : "not measured";
+    return point->state == PL_SWEEP_UNMEASURED ? "not measured" : point->outcome;
 }
 
 /* How many points from the first on are of one engine and problem and came to the same end. */

@@ -30,8 +30,9 @@ extern const double pl_sweep_error_floor;
 
 typedef enum pl_sweep_state {
     PL_SWEEP_OK,
-    PL_SWEEP_FAILED,    /* a repeat ended with another outcome than ok */
-    PL_SWEEP_UNMEASURED /* all are ok, but error or time has no number */
+    PL_SWEEP_FAILED,     /* a repeat ended with another outcome than ok */
+    PL_SWEEP_UNMEASURED, /* all are ok, but error or time has no number */
+    PL_SWEEP_UNSUPPORTED /* the engine does not do it, or not with these settings: no failure */
 } pl_sweep_state;
 
 typedef struct pl_sweep_sample {
@@ -67,7 +68,7 @@ typedef struct pl_sweep_engine {
 
 /* One engine on one problem. */
 typedef struct pl_sweep_curve {
-    int ok, failed, unmeasured; /* points; all 0: it was not run */
+    int ok, failed, unmeasured; /* points; all 0: it was not run, or nothing of it is supported */
     int *front;                 /* (front_count): points no other of which is both cheaper and as
                                    exact; by rising cost and falling error; owned */
     int front_count;

@@ -68,7 +68,7 @@ static json_t *engines_json(const pl_sweep_analysis *analysis)
 
 static json_t *point_json(const pl_sweep_point *point)
 {
-    static const char *const states[] = {"ok", "failed", "unmeasured"};
+    static const char *const states[] = {"ok", "failed", "unmeasured", "unsupported"};
     json_t *costs = json_array();
     for (int i = 0; i < point->sample_count; ++i) {
         json_array_append_new(costs, json_real(point->samples[i].cost));

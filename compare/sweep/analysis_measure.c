@@ -68,14 +68,16 @@ pl_status pl_sweep_measure(const json_t *const *rows, int count, pl_sweep_point 
         (double)NAN;
     for (int i = 0; i < count && point->state == PL_SWEEP_OK; ++i) {
         if (strcmp(pl_json_get_text(rows[i], "outcome"), "ok") != 0) {
-            point->state = PL_SWEEP_FAILED;
+            point->state = strcmp(pl_json_get_text(rows[i], "outcome"), "unsupported") == 0
+                               ? PL_SWEEP_UNSUPPORTED
+                               : PL_SWEEP_FAILED;
             point->row = rows[i];
         }
     }
     point->outcome = pl_json_get_text(point->row, "outcome");
     point->reason = pl_json_get_text(point->row, "reason");
     point->label = pl_json_get_text(point->row, "label");
-    if (point->state == PL_SWEEP_FAILED) {
+    if (point->state != PL_SWEEP_OK) {
         return PL_OK;
     }
     point->samples = calloc((size_t)count, sizeof *point->samples);
