@@ -133,18 +133,18 @@ json_t *pl_tune_json(const pl_tune_def *def, const pl_tuning *tuning)
 {
     const pl_engine_choice *base = &def->space->base;
     json_t *json = json_pack(
-        "{s:s, s:s, s:s, s:o, s:o, s:b, s:b, s:b, s:o, s:b, s:f, s:o, s:o, s:o, s:o, s:s, s:I, "
-        "s:I, "
-        "s:o}",
+        "{s:s, s:s, s:s, s:o, s:o, s:b, s:b, s:b, s:o, s:b, s:f, s:o, s:o, s:o, s:o, s:i, s:s, "
+        "s:I, s:I, s:o}",
         "schema", "plumb.tuning/1", "engine", base->engine->name, "profile",
         base->engine->profiles[base->profile].name, "scenarios", scenarios_json(def), "targets",
         targets_json(def), "met", tuning->met, "has_margin", tuning->has_margin, "validated",
         is_validated(tuning), "cost", pl_json_number_or_null(tuning->cost), "cost_is_ratio",
         tuning->shipped_has_cost, "excess", tuning->worst, "setting",
         setting_json(&tuning->setting), "on", scores_json(def, tuning), "sensitivity",
-        slopes_json(def, tuning), "validation", checks_json(def, tuning), "search_cost",
-        tuning->by_instructions ? "instructions" : "cpu_time", "seed", (json_int_t)def->plan->seed,
-        "runs", (json_int_t)tuning->runs, "trials", trials_json(def, tuning));
+        slopes_json(def, tuning), "validation", checks_json(def, tuning), "passed_over",
+        tuning->passed_over, "search_cost", tuning->by_instructions ? "instructions" : "cpu_time",
+        "seed", (json_int_t)def->plan->seed, "runs", (json_int_t)tuning->runs, "trials",
+        trials_json(def, tuning));
     if (json != NULL && json_object_update(json, def->provenance) != 0) {
         json_decref(json);
         return NULL;

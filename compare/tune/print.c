@@ -106,6 +106,10 @@ static void print_checks(FILE *out, const pl_tune_def *def, const pl_tuning *tun
                 "%d miss the target: these settings are fitted to the scenarios as asked for\n",
                 tuning->missed);
     }
+    if (tuning->passed_over > 0) {
+        fprintf(out, "  (%d cheaper, or nearer to a margin, missed it there)\n",
+                tuning->passed_over);
+    }
     for (int i = 0; i < tuning->check_count; ++i) {
         const pl_tune_check *check = &tuning->checks[i];
         fprintf(out, "  %s, %s: %s, ", def->plan->problems[check->problem].name, check->variant,

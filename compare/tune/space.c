@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Steps a second. */
-static const double lowest_rate = 30, highest_rate = 960;
+static const double lowest_rate = 30, highest_rate = 1920;
 
 static int find_axis(const pl_tune_space *space, const char *name)
 {

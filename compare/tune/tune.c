@@ -33,9 +33,6 @@ static pl_status search(pl_tuner *t, pl_error *error)
     if (status == PL_OK && tuning->signal_number == 0) {
         status = pl_answer_slope(t, error);
     }
-    if (status == PL_OK && tuning->signal_number == 0 && tuning->met) {
-        status = pl_answer_validate(t, error);
-    }
     return status;
 }
 

@@ -7,7 +7,7 @@
 #include "tune/seek.h"
 #include "tune/space.h"
 
-enum { PL_TUNE_REPEATS = 5, PL_TUNE_FINALISTS = 4 };
+enum { PL_TUNE_REPEATS = 5, PL_TUNE_FINALISTS = 6 };
 
 typedef struct pl_tune_def {
     const pl_plan *plan; /* the problems as asked for, and the seed, of the search too */
@@ -61,6 +61,7 @@ typedef struct pl_tuning {
     int slope_count;
     pl_tune_check *checks; /* (check_count): empty where nothing could be changed, or not met */
     int check_count, missed;
+    int passed_over; /* finalists before the answer that missed a target in validation */
     long runs;
     int signal_number; /* that ended it; 0: none */
 } pl_tuning;
