@@ -102,6 +102,8 @@ static pl_status analyse(const options *o, const pl_merge *merge, pl_error *erro
         status = pl_sweep_report_write(o->out, &analysis, error);
         if (status == PL_OK) {
             pl_sweep_report_print(stdout, &analysis);
+            fflush(stdout);
+            fprintf(stderr, "speed against error is in %s/sweep.html\n", o->out);
         }
     }
     pl_sweep_analysis_free(&analysis);

@@ -225,6 +225,10 @@ static pl_status deliver(const options *o, keeper *k, bool is_shard, const char 
     }
     if (status == PL_OK) {
         const size_t count = json_array_size(made);
+        fflush(stdout);
+        if (!is_shard) {
+            fprintf(stderr, "speed against error is in %s/sweep.html\n", o->contest.out);
+        }
         fprintf(stderr, "%zu %s in %s/results.jsonl; plumb report %s --out DIR makes a report\n",
                 count, count == 1 ? "result is" : "results are", folder, o->contest.out);
     }
