@@ -1,24 +1,9 @@
 #!/usr/bin/env bash
 # plumb gate as a user meets it: exit codes, formats, the baseline file, and files that cannot be written.
 set -eu
-failed=0
-directory=$(mktemp -d)
-trap 'rm -rf "$directory"' EXIT
-cd "$directory"
-
-complain() {
-    echo "$1" >&2
-    failed=1
-}
-
-# expect CODE PATTERN ARGUMENT...: `plumb gate ARGUMENT...` exits with CODE and prints PATTERN.
-expect() {
-    local code=$1 pattern=$2 actual=0
-    shift 2
-    "$PLUMB" gate "$@" >out 2>err || actual=$?
-    [[ $actual == "$code" ]] || complain "gate $*: exit code $actual, expected $code: $(cat out err)"
-    cat out err | grep -qE -- "$pattern" || complain "gate $*: no \"$pattern\" in: $(cat out err)"
-}
+command=gate
+# shellcheck source=tests/support/command.sh
+source "$SOURCE/tests/support/command.sh"
 
 # same FILE: the baseline is as it was kept.
 same() {

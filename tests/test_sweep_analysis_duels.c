@@ -4,26 +4,10 @@
 
 #include <math.h>
 
-static void finish(pl_sweep_analysis *analysis, json_t *results)
-{
-    pl_sweep_analysis_free(analysis);
-    json_decref(results);
-}
-
-/* Ours: 2 s/s at 1e-4. ode: 1 at 1e-2, 8 at 1e-4. */
-static json_t *crossing(void)
-{
-    json_t *results = json_array();
-    add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 2, 1e-4});
-    add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 1, 1e-2, .iterations = 1});
-    add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 8, 1e-4, .iterations = 9});
-    return results;
-}
-
 static void test_speed_is_their_cost_over_ours_at_each_error(void **state)
 {
     (void)state;
-    json_t *results = crossing();
+    json_t *results = crossing_sweep();
     pl_sweep_analysis analysis = analysis_of(results);
     const pl_sweep_duel *duel = duel_with(&analysis, "ode");
     static const double speeds[] = {0.5, 0.5, 4, 4};
@@ -38,13 +22,13 @@ static void test_speed_is_their_cost_over_ours_at_each_error(void **state)
     /* Ours is one point, so between points there is 1e-4 alone. */
     assert_true(isnan(duel->speed_between[2].value));
     assert_close(duel->speed_between[3].value, 4, 0, 0);
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_exactness_is_their_error_over_ours_at_each_cost(void **state)
 {
     (void)state;
-    json_t *results = crossing();
+    json_t *results = crossing_sweep();
     add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 32, 1e-6, .iterations = 5});
     pl_sweep_analysis analysis = analysis_of(results);
     const pl_sweep_duel *duel = duel_with(&analysis, "ode");
@@ -60,13 +44,13 @@ static void test_exactness_is_their_error_over_ours_at_each_cost(void **state)
     double ours = pow(10, -4 - 2 * log(2.5) / log(16));
     assert_close(duel->exactness_between[AT_5].value, theirs / ours, 0, 1e-12);
     assert_true(isnan(duel->exactness_between[AT_20].value)); /* beyond ode's front */
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_losses_are_where_another_front_is_ahead(void **state)
 {
     (void)state;
-    json_t *results = crossing();
+    json_t *results = crossing_sweep();
     /* b: at 1e-3 ours is never there, at 1e-1 it is 5 % behind. */
     add_sweep_run(results, (sweep_run){.scenario = "b", "plumb:p", 1.05, 5e-2});
     add_sweep_run(results, (sweep_run){.scenario = "b", "ode:q", 1, 5e-2, .iterations = 1});
@@ -96,7 +80,7 @@ static void test_losses_are_where_another_front_is_ahead(void **state)
         assert_true(loss->other >= 0);
     }
     assert_close(analysis.losses[0].other, 5, 0, 0);
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_equal_engines_have_no_losses(void **state)
@@ -109,7 +93,7 @@ static void test_equal_engines_have_no_losses(void **state)
     assert_int_equal(analysis.loss_count, 0);
     assert_int_equal(analysis.duels_fought, 4);
     assert_close(duel_with(&analysis, "ode")->speed[0].value, 1, 0, 0);
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_constant_repeats_have_an_interval_without_width(void **state)
@@ -135,7 +119,7 @@ static void test_constant_repeats_have_an_interval_without_width(void **state)
     }
     assert_close(pair->mean[2].low, pair->mean[2].value, 0, 1e-15);
     assert_close(pair->mean[2].high, pair->mean[2].value, 0, 1e-15);
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 /* Five of eleven are 1 and five are 3: the median of eleven that are drawn is either in 38 % of all
@@ -159,7 +143,7 @@ static void test_interval_is_that_of_resampled_medians(void **state)
     assert_close(ode->high, 3, 0, 0);
     assert_close(bullet->low, 2, 0, 0);
     assert_close(bullet->high, 2, 0, 0);
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 /* Repeats of a time of 1 with noise of 5 %; `seed` says which. */
@@ -196,7 +180,7 @@ static void test_intervals_of_few_repeats_hold_the_true_ratio(void **state)
                 &duel_with(&analysis, i == 0 ? "ode" : "bullet")->speed[1];
             held[i] += ratio->low <= 1 && 1 <= ratio->high;
         }
-        finish(&analysis, results);
+        finish_sweep(&analysis, results);
     }
     for (int i = 0; i < 2; i++)
         assert_true(held[i] >= 0.93 * SWEEPS && held[i] < SWEEPS);
@@ -219,7 +203,7 @@ static void test_loss_within_its_interval_is_noise(void **state)
         assert_string_equal(analysis.engines[pair->other].name, i < 2 ? "bullet" : "ode");
         assert_int_equal(analysis.losses[i].within_noise, i >= 2);
     }
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_intervals_of_two_engines_do_not_depend_on_a_third(void **state)
@@ -245,7 +229,7 @@ static void test_intervals_of_two_engines_do_not_depend_on_a_third(void **state)
     const pl_sweep_ratio *after = &duel_with(&with, "ode")->speed[1];
     assert_true(before.low < before.value && before.value < before.high);
     assert_memory_equal(after, &before, sizeof before);
-    finish(&with, results);
+    finish_sweep(&with, results);
 }
 
 static void test_mean_is_geometric_and_counts_what_is_never_reached(void **state)
@@ -269,7 +253,7 @@ static void test_mean_is_geometric_and_counts_what_is_never_reached(void **state
     assert_int_equal(pair->other_only[PL_SWEEP_MATCHED_LEVEL], 0);
     assert_close(pair->mean[1].value, cbrt(36), 0, 1e-14);
     assert_true(isnan(pair->mean[3].value));
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_profile_by_hand(void **state)
@@ -305,7 +289,7 @@ static void test_profile_by_hand(void **state)
         assert_close(pl_sweep_share(&analysis, profile, ode, shares[i].tau), shares[i].theirs, 0,
                      0);
     }
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 int main(void)

@@ -8,22 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void finish(pl_sweep_analysis *analysis, json_t *results)
-{
-    pl_sweep_analysis_free(analysis);
-    json_decref(results);
-}
-
-/* Ours: 2 s/s at 1e-4. ode: 1 at 1e-2, 8 at 1e-4. */
-static json_t *crossing(void)
-{
-    json_t *results = json_array();
-    add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 2, 1e-4});
-    add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 1, 1e-2, .iterations = 1});
-    add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 8, 1e-4, .iterations = 9});
-    return results;
-}
-
 static void test_point_is_the_median_of_its_repeats(void **state)
 {
     (void)state;
@@ -45,7 +29,7 @@ static void test_point_is_the_median_of_its_repeats(void **state)
     assert_true(isnan(point->instructions));
     assert_close(analysis.points[1].cost, 4, 0, 0);
     assert_close(analysis.points[1].cost_mad, 0, 0, 0);
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_what_makes_a_problem_an_engine_and_a_point(void **state)
@@ -74,7 +58,7 @@ static void test_what_makes_a_problem_an_engine_and_a_point(void **state)
     assert_int_equal(analysis.problems[0].curves[1].ok, 4);
     assert_int_equal(analysis.problems[0].curves[3].ok, 3);
     assert_int_equal(analysis.order_count, 1); /* of one series there are two time steps */
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_failed_point_is_never_a_number(void **state)
@@ -103,7 +87,7 @@ static void test_failed_point_is_never_a_number(void **state)
     assert_true(isnan(analysis.points[0].error));
     assert_int_equal(analysis.loss_count, 3);
     assert_int_equal(analysis.losses[0].reach, PL_SWEEP_OTHER_ONLY);
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_all_failed_is_no_comparison(void **state)
@@ -119,7 +103,7 @@ static void test_all_failed_is_no_comparison(void **state)
     assert_int_equal(pair->problems, 1);
     assert_int_equal(pair->both[0] + pair->ours_only[0] + pair->other_only[0], 0);
     assert_true(isnan(pair->mean[0].value));
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_what_is_not_supported_has_not_failed(void **state)
@@ -137,7 +121,7 @@ static void test_what_is_not_supported_has_not_failed(void **state)
     assert_int_equal(ode->failed + ode->unmeasured, 0);
     assert_int_equal(analysis.pairs[pair_named(&analysis, "plumb", "ode")].problems, 1);
     assert_int_equal(analysis.pairs[pair_named(&analysis, "plumb", "bullet")].problems, 0);
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_missing_number_makes_a_point_unmeasured(void **state)
@@ -159,7 +143,7 @@ static void test_missing_number_makes_a_point_unmeasured(void **state)
     }
     assert_int_equal(analysis.unjudged, 1);
     assert_int_equal(analysis.loss_count, 0);
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_error_below_the_floor_counts_as_the_floor(void **state)
@@ -178,7 +162,7 @@ static void test_error_below_the_floor_counts_as_the_floor(void **state)
     for (int k = 0; k < PL_SWEEP_LEVELS; k++)
         assert_close(duel->speed[k].value, 5, 0, 0);
     assert_close(duel->exactness[PL_SWEEP_TIMES - 1].value, 1, 0, 0);
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_order_is_found_along_runs_that_differ_in_dt_alone(void **state)
@@ -202,13 +186,13 @@ static void test_order_is_found_along_runs_that_differ_in_dt_alone(void **state)
         assert_close(order->dt_low, ldexp(1, -7), 0, 0);
         assert_close(order->dt_high, ldexp(1, -4), 0, 0);
     }
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_instructions_are_for_a_simulated_second(void **state)
 {
     (void)state;
-    json_t *results = crossing();
+    json_t *results = crossing_sweep();
     for (size_t i = 0; i < 3; i++)
         json_object_set_new(json_object_get(json_array_get(results, i), "metrics"),
                             "instructions_per_step",
@@ -217,7 +201,7 @@ static void test_instructions_are_for_a_simulated_second(void **state)
     assert_close(analysis.points[0].instructions, 64e6, 0, 0);
     assert_close(duel_with(&analysis, "ode")->instructions[0], 2, 0, 0);
     assert_close(duel_with(&analysis, "ode")->instructions[3], 3, 0, 0);
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static char *json_text_of(const json_t *results)
@@ -271,7 +255,7 @@ static void expect_bad(json_t *results, const char *message)
     pl_error error = {PL_OK, ""};
     assert_int_equal(pl_sweep_analyse(results, &analysis, &error), PL_BAD_INPUT);
     assert_contains(error.message, message);
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_broken_input_is_named(void **state)
@@ -280,24 +264,24 @@ static void test_broken_input_is_named(void **state)
     static const char *const keys[] = {"scenario",      "engine", "profile",  "label",  "outcome",
                                        "primary_error", "params", "settings", "metrics"};
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
-        json_t *results = crossing();
+        json_t *results = crossing_sweep();
         char message[64];
         json_object_set_new(json_array_get(results, 1), keys[i], json_integer(3));
         snprintf(message, sizeof message, "results[1].%s: expected a", keys[i]);
         expect_bad(results, message);
-        results = crossing();
+        results = crossing_sweep();
         json_object_del(json_array_get(results, 2), keys[i]);
         snprintf(message, sizeof message, "results[2].%s: expected a", keys[i]);
         expect_bad(results, message);
     }
-    json_t *results = crossing();
+    json_t *results = crossing_sweep();
     json_object_set_new(json_object_get(json_array_get(results, 0), "settings"), "dt",
                         json_real(0));
     expect_bad(results, "results[0].settings.dt: expected a time step above 0");
-    results = crossing();
+    results = crossing_sweep();
     json_object_set_new(json_array_get(results, 0), "schema", json_string("plumb.result/9"));
     expect_bad(results, "results[0].schema: expected \"plumb.result/1\", found \"plumb.result/9\"");
-    results = crossing();
+    results = crossing_sweep();
     json_array_append_new(results, json_null());
     expect_bad(results, "results[3]: expected an object");
     expect_bad(json_object(), "results: expected an array");
@@ -309,13 +293,13 @@ static void test_nothing_is_an_empty_analysis(void **state)
     json_t *results = json_array();
     pl_sweep_analysis analysis = analysis_of(results);
     assert_int_equal(analysis.point_count + analysis.problem_count + analysis.loss_count, 0);
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 static void test_several_processors_and_versions_are_noted(void **state)
 {
     (void)state;
-    json_t *results = crossing();
+    json_t *results = crossing_sweep();
     pl_sweep_analysis analysis = analysis_of(results);
     assert_false(analysis.several_hosts || analysis.several_builds);
     pl_sweep_analysis_free(&analysis);
@@ -324,7 +308,7 @@ static void test_several_processors_and_versions_are_noted(void **state)
     json_object_set_new(json_array_get(results, 2), "engine_version", json_string("2.0"));
     analysis = analysis_of(results);
     assert_true(analysis.several_hosts && analysis.several_builds);
-    finish(&analysis, results);
+    finish_sweep(&analysis, results);
 }
 
 int main(void)

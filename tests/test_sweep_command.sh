@@ -2,26 +2,10 @@
 # plumb sweep and plumb report as a user meets them: the plan, shards, what is resumed, and what a report
 # of several files has.
 set -eu
-failed=0
-directory=$(mktemp -d)
-trap 'rm -rf "$directory"' EXIT
-cd "$directory"
+# shellcheck source=tests/support/command.sh
+source "$SOURCE/tests/support/command.sh"
 export PLUMB
 unset "${!SLURM_@}" "${!OMPI_@}" "${!PMIX_@}" "${!PMI_@}"
-
-complain() {
-    echo "$1" >&2
-    failed=1
-}
-
-# expect CODE PATTERN ARGUMENT...: `plumb ARGUMENT...` exits with CODE and prints PATTERN.
-expect() {
-    local code=$1 pattern=$2 actual=0
-    shift 2
-    "$PLUMB" "$@" >out 2>err || actual=$?
-    [[ $actual == "$code" ]] || complain "$*: exit code $actual, expected $code: $(cat err)"
-    cat out err | grep -qE -- "$pattern" || complain "$*: no \"$pattern\" in: $(cat out err)"
-}
 
 # runs FILE...: the run hashes in their order.
 runs() {

@@ -1,26 +1,9 @@
 #!/usr/bin/env bash
 # plumb threshold as a user meets it: the value, rows of engines that fail, exit codes, JSON lines.
 set -eu
-failed=0
-directory=$(mktemp -d)
-trap 'rm -rf "$directory"' EXIT
-cd "$directory"
-
-complain() {
-    echo "$1" >&2
-    failed=1
-}
-
-# expect CODE PATTERN ARGUMENT...: `plumb threshold ARGUMENT...` exits with CODE and prints PATTERN.
-expect() {
-    local code=$1 pattern=$2 actual=0
-    shift 2
-    "$PLUMB" threshold "$@" >out 2>err || actual=$?
-    [[ $actual == "$code" ]] ||
-        complain "threshold $*: exit code $actual, expected $code: $(cat err)"
-    cat out err | grep -qE -- "$pattern" ||
-        complain "threshold $*: no \"$pattern\" in: $(cat out err)"
-}
+command=threshold
+# shellcheck source=tests/support/command.sh
+source "$SOURCE/tests/support/command.sh"
 
 expect 2 'which scenario' --engine plumb
 expect 2 'tower has no threshold; these have one: .*slope-threshold' tower

@@ -2,15 +2,8 @@
 # Our engine has the critical value of every scenario with a closed form, at 1/60 and 1/240 s: to
 # 1e-4 of it, or 1e-3 where many bodies hold each other; and it holds what is hard.
 set -eu
-failed=0
-directory=$(mktemp -d)
-trap 'rm -rf "$directory"' EXIT
-cd "$directory"
-
-complain() {
-    echo "$1" >&2
-    failed=1
-}
+# shellcheck source=tests/support/command.sh
+source "$SOURCE/tests/support/command.sh"
 
 # expect TOLERANCE ARGUMENT...: what is found is the closed form to that, relative.
 expect() {

@@ -1,24 +1,9 @@
 #!/usr/bin/env bash
 # plumb tune as a user meets it: settings that meet a target, the profile they are saved as, exit codes.
 set -eu
-failed=0
-directory=$(mktemp -d)
-trap 'rm -rf "$directory"' EXIT
-cd "$directory"
-
-complain() {
-    echo "$1" >&2
-    failed=1
-}
-
-# expect CODE PATTERN ARGUMENT...: `plumb tune ARGUMENT...` exits with CODE and prints PATTERN.
-expect() {
-    local code=$1 pattern=$2 actual=0
-    shift 2
-    "$PLUMB" tune "$@" >out 2>err || actual=$?
-    [[ $actual == "$code" ]] || complain "tune $*: exit code $actual, expected $code: $(cat err)"
-    cat out err | grep -qE -- "$pattern" || complain "tune $*: no \"$pattern\" in: $(cat out err)"
-}
+command=tune
+# shellcheck source=tests/support/command.sh
+source "$SOURCE/tests/support/command.sh"
 
 target='reference_error<=1e-3'
 if "$PLUMB" tune blocks --engine plumb --target "$target" --budget 1 --duration 0.1 2>&1 |

@@ -74,3 +74,18 @@ const pl_sweep_duel *duel_with(const pl_sweep_analysis *analysis, const char *ot
 {
     return &analysis->problems[0].duels[pair_named(analysis, "plumb", other)];
 }
+
+json_t *crossing_sweep(void)
+{
+    json_t *results = json_array();
+    add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 2, 1e-4});
+    add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 1, 1e-2, .iterations = 1});
+    add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 8, 1e-4, .iterations = 9});
+    return results;
+}
+
+void finish_sweep(pl_sweep_analysis *analysis, json_t *results)
+{
+    pl_sweep_analysis_free(analysis);
+    json_decref(results);
+}
