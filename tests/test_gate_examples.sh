@@ -2,15 +2,8 @@
 # The CI jobs of compare/gate/examples work when copied: their own commands are run as they stand, first to
 # make a baseline, then against it, then with a fault in the results.
 set -eu
-failed=0
-directory=$(mktemp -d)
-trap 'rm -rf "$directory"' EXIT
-cd "$directory"
-
-complain() {
-    echo "$1" >&2
-    failed=1
-}
+# shellcheck source=tests/support/command.sh
+source "$SOURCE/tests/support/command.sh"
 
 # What the jobs find after clone and build.
 mkdir -p plumb/build/compare

@@ -142,19 +142,23 @@ typedef struct keeper {
     pl_repeats repeats;
 } keeper;
 
+static bool is_there(const keeper *k, const char *run)
+{
+    return json_object_get(k->before.runs, run) != NULL || pl_store_has(k->store, run);
+}
+
 static bool skip(void *user, const char *run)
 {
     const keeper *k = user;
-    return json_object_get(k->before.runs, run) != NULL || pl_store_has(k->store, run) ||
-           pl_repeats_spare(&k->repeats, run);
+    return is_there(k, run) || pl_repeats_spare(&k->repeats, run);
 }
 
 static pl_status keep_one(void *user, json_t *result, pl_error *error)
 {
     keeper *k = user;
     pl_repeats_see(&k->repeats, result);
-    return skip(k, pl_json_get_text(result, "run")) ? PL_OK
-                                                    : pl_store_append(k->store, result, error);
+    return is_there(k, pl_json_get_text(result, "run")) ? PL_OK
+                                                        : pl_store_append(k->store, result, error);
 }
 
 static pl_status keep(void *user, json_t *result, pl_error *error)

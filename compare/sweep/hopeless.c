@@ -70,13 +70,15 @@ pl_status pl_hopeless(const pl_plan *plan, const json_t *result, json_t *provena
             continue;
         }
         json_t *identity = pl_planned_run_identity(plan, &run);
-        json_t *made = identity == NULL ? NULL : result_of(identity, result, provenance);
-        if (made == NULL) {
+        const bool is_due = identity == NULL || is_finer(identity, result);
+        json_t *unmade =
+            is_due && identity != NULL ? result_of(identity, result, provenance) : NULL;
+        if (unmade != NULL) {
+            status = keep(user, unmade, error);
+        } else if (is_due) {
             status = pl_fail(error, PL_NO_MEMORY, "out of memory for a result");
-        } else if (is_finer(identity, result)) {
-            status = keep(user, made, error);
         }
-        json_decref(made);
+        json_decref(unmade);
         json_decref(identity);
     }
     return status;

@@ -39,6 +39,7 @@ static pl_status look_again(pl_tuner *t, pl_seek_trial *trial, bool *stands, pl_
     }
     pl_readings_free(&readings);
     trial->excess = fmax(trial->excess, again.excess);
+    trial->holds = again.holds;
     *stands = trial->excess <= 0;
     return status;
 }
@@ -126,12 +127,12 @@ pl_status pl_answer_choose(pl_tuner *t, pl_error *error)
     }
     memcpy(sorted, tuning->found.trials, trials * sizeof *sorted);
     qsort(sorted, trials, sizeof *sorted, by_merit);
-    tuning->met = trials > 0 && sorted[0].holds;
     pl_status status = find(t, sorted, &f, error);
     free(sorted);
     if (status != PL_OK || tuning->signal_number != 0 || f.count == 0) {
         return status;
     }
+    tuning->met = f.trials[0].holds;
     tuning->has_margin = f.stand;
     for (int i = 0; i < f.count; ++i) {
         settings[i + 1] = pl_tuner_setting(t, f.trials[i].values);

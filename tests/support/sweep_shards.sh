@@ -1,20 +1,13 @@
 # Sourced by the tests of sweeps made by several processes: the sweep, and what they all check.
 set -u
-failed=0
-directory=$(mktemp -d)
-trap 'rm -rf "$directory"' EXIT
-cd "$directory" || exit 1
+# shellcheck source=tests/support/command.sh
+source "$SOURCE/tests/support/command.sh"
 unset "${!SLURM_@}" "${!OMPI_@}" "${!PMIX_@}" "${!PMI_@}"
 
 # 252 runs, and 108 of ODE where it is there.
 sweep=(sweep tower --engine plumb --engine plumb:fast --engine ode:quick
     --engine "$BUILD/faulty_engine.so:good" --vary n=6..11 --vary dt=1/120,1/60
     --vary iterations=5,50,500 --repeat 3 --duration 1)
-
-complain() {
-    echo "$1" >&2
-    failed=1
-}
 
 # The whole sweep in one process, into whole/.
 run_whole() {
