@@ -24,6 +24,7 @@ typedef struct execution {
     slot *slots;          /* (def->jobs) */
     struct pollfd *polls; /* (def->jobs x PL_PROCESS_POLLS, and one for signals) */
     long next;            /* run to start */
+    bool *due;            /* (size of the plan): counted by the bar, and not begun */
     int busy;
     pl_progress *bar; /* NULL: none */
     int signals;      /* signalfd */
@@ -50,19 +51,29 @@ static bool is_done(const pl_execution_def *def, const json_t *identity)
     return def->skip != NULL && def->skip(def->user, pl_json_get_text(identity, "run"));
 }
 
-pl_status pl_execution_due(const pl_execution_def *def, long *due, pl_error *error)
+/* Marks the runs in due (size of the plan), unless that is NULL, and counts them. */
+static pl_status mark_due(const pl_execution_def *def, bool *due, long *count, pl_error *error)
 {
-    *due = 0;
+    *count = 0;
     for (long i = 0; i < pl_plan_size(def->plan); ++i) {
         pl_planned_run planned = pl_plan_run(def->plan, i);
         json_t *identity = pl_planned_run_identity(def->plan, &planned);
         if (identity == NULL) {
             return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
         }
-        *due += !is_done(def, identity);
+        const bool is_due = !is_done(def, identity);
+        *count += is_due;
+        if (due != NULL) {
+            due[i] = is_due;
+        }
         json_decref(identity);
     }
     return PL_OK;
+}
+
+pl_status pl_execution_due(const pl_execution_def *def, long *due, pl_error *error)
+{
+    return mark_due(def, NULL, due, error);
 }
 
 char *pl_positions_path(const char *folder, const char *run)
@@ -110,8 +121,13 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
         if (identity == NULL) {
             return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
         }
+        const bool done = is_done(e->def, identity);
+        /* What came meanwhile made it needless. */
+        if (done && e->due[e->next] && e->bar != NULL) {
+            e->bar->total -= 1;
+        }
         e->next += 1;
-        if (!is_done(e->def, identity)) {
+        if (!done) {
             const pl_scene *scene = NULL;
             status = place_positions(e, free_slot, identity, error);
             if (status == PL_OK) {
@@ -250,16 +266,18 @@ pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *
     *signal_number = 0;
     e.slots = calloc(jobs, sizeof *e.slots);
     e.polls = calloc(jobs * PL_PROCESS_POLLS + 1, sizeof *e.polls);
-    if (e.slots == NULL || e.polls == NULL) {
+    e.due = calloc((size_t)pl_plan_size(def->plan) + 1, sizeof *e.due);
+    if (e.slots == NULL || e.polls == NULL || e.due == NULL) {
         free(e.slots);
         free(e.polls);
+        free(e.due);
         return pl_fail(error, PL_NO_MEMORY, "out of memory for %d jobs", def->jobs);
     }
     for (size_t i = 0; i < jobs; ++i) {
         e.slots[i].built = pl_scene_default();
     }
     e.signals = catch_signals(&before);
-    pl_status status = pl_execution_due(def, &due, error);
+    pl_status status = mark_due(def, e.due, &due, error);
     if (def->bar == NULL && def->progress != NULL) {
         own = pl_progress_begin(def->progress, due, pl_monotonic_seconds());
         e.bar = &own;
@@ -281,5 +299,6 @@ pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *
     sigprocmask(SIG_SETMASK, &before, NULL);
     free(e.slots);
     free(e.polls);
+    free(e.due);
     return status;
 }
