@@ -1,0 +1,79 @@
+/* What an execution makes of a plan, and what its bar says. */
+#include "check.h"
+#include "results/result.h"
+#include "runner/execute.h"
+
+#include <stdlib.h>
+
+enum { REPEATS = 3 };
+
+typedef struct seen {
+    long results;
+    bool is_enough; /* repeats are needless from the first result on */
+} seen;
+
+static bool is_needless(void *user, const char *run)
+{
+    const seen *s = user;
+    (void)run;
+    return s->is_enough && s->results > 0;
+}
+
+static pl_status keep(void *user, json_t *result, pl_error *error)
+{
+    seen *s = user;
+    (void)error;
+    assert_string_equal(pl_json_get_text(result, "outcome"), "ok");
+    s->results += 1;
+    return PL_OK;
+}
+
+/* Runs a plan of three repeats; the bar as it is left. */
+static pl_progress execute(seen *s, FILE *out)
+{
+    pl_plan plan = {.repeats = REPEATS};
+    const char *const settings[] = {"duration=0.1"};
+    const pl_scenario *scenario = pl_scenario_find("free-fall", NULL);
+    assert_int_equal(pl_plan_add_scenario(&plan, scenario, settings, 1, NULL), PL_OK);
+    assert_int_equal(pl_plan_add_engine(&plan, "plumb", NULL), PL_OK);
+    pl_progress bar = pl_progress_begin(out, REPEATS, 0);
+    json_t *provenance = json_object();
+    const pl_execution_def def = {.plan = &plan,
+                                  .jobs = 1,
+                                  .limits = {.timeout = 60},
+                                  .provenance = provenance,
+                                  .bar = &bar,
+                                  .user = s,
+                                  .skip = is_needless,
+                                  .keep = keep};
+    int signal_number = 0;
+    long due = 0;
+    assert_int_equal(pl_execution_due(&def, &due, NULL), PL_OK);
+    assert_int_equal(due, REPEATS);
+    assert_int_equal(pl_execute(&def, &signal_number, NULL), PL_OK);
+    json_decref(provenance);
+    pl_plan_free(&plan);
+    return bar;
+}
+
+static void test_the_bar_counts_what_is_made_and_not_what_became_needless(void **state)
+{
+    (void)state;
+    for (int is_enough = 0; is_enough < 2; ++is_enough) {
+        seen s = {.is_enough = is_enough};
+        FILE *out = tmpfile();
+        const pl_progress bar = execute(&s, out);
+        assert_int_equal(s.results, is_enough ? 1 : REPEATS);
+        assert_int_equal(bar.done, s.results);
+        assert_int_equal(bar.total, s.results);
+        fclose(out);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_the_bar_counts_what_is_made_and_not_what_became_needless),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
