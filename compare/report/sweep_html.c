@@ -159,14 +159,18 @@ static void add_method(pl_sheet *sheet)
         "<p>A point is an engine with its options at a time step on a problem. Its cost is the CPU "
         "time of the engine's steps alone for a second of simulated time, the median over its "
         "repeats; its error is the scenario's primary error, and an error below %s counts as "
-        "%s. A point of which any repeat was not ok is a failed one and has no numbers.</p>\n"
+        "%s. A point of which any repeat was not ok is a failed one and has no numbers; so is one "
+        "that ran into the time limit, or would have at a shorter step. What an engine does not "
+        "support, or not with these options, is no point of its own.</p>\n"
         "<p>A front is what no other point of the same engine is both cheaper than and as exact. "
         "Nothing is extrapolated: between points of a front the line is straight in the "
         "logarithms, "
         "and beyond its ends there is none.</p>\n"
         "<p>The ranges in brackets hold 95 %% of %d draws in which each point's repeats are drawn "
-        "anew from its own, by a fixed seed. There are none where a point has one repeat alone; "
-        "those of few repeats are too narrow.</p>\n",
+        "anew from its own, by a fixed seed. Two or three repeats do not tell their own scatter, "
+        "and one none: of fewer than ten each that is drawn is moved by the noise of the problem, "
+        "which the repeats of all its points tell. There are no ranges where nothing was "
+        "repeated.</p>\n",
         floor, floor, PL_SWEEP_DRAWS);
 }
 

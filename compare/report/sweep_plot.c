@@ -185,7 +185,8 @@ void pl_sweep_plot_problem(const pl_sweep_analysis *analysis, const pl_sweep_pro
             continue;
         if (curve->failed > 0)
             add_crosses(analysis, problem, &axes, e, 14 + 16 * strip++, sheet);
-        snprintf(note, sizeof note, "%d points, %d failed", curve->ok, curve->failed);
+        snprintf(note, sizeof note, "%d %s, %d failed", curve->ok,
+                 curve->ok == 1 ? "point" : "points", curve->failed);
         pl_sweep_legend(&axes, line++, colour_of(analysis, e), analysis->engines[e].name, note,
                         sheet);
     }
