@@ -1,5 +1,6 @@
 /* From points to ratios, their intervals, losses, means and profiles, by hand. */
 #include "check.h"
+#include "random.h"
 #include "sweep_analysis_rows.h"
 
 #include <math.h>
@@ -146,16 +147,12 @@ static void test_interval_is_that_of_resampled_medians(void **state)
     finish_sweep(&analysis, results);
 }
 
-/* Repeats of a time of 1 with noise of 5 %; `seed` says which. */
-static void add_noisy(json_t *results, sweep_run run, int repeats, check_random *random)
+/* Repeats of a time of 1 with noise of 5 %. */
+static void add_noisy(json_t *results, sweep_run run, int repeats, pl_random *random)
 {
     double costs[3];
-    for (int i = 0; i < repeats; i++) {
-        double normal = -6;
-        for (int k = 0; k < 12; k++)
-            normal += check_uniform(random, 0, 1);
-        costs[i] = exp(0.05 * normal);
-    }
+    for (int i = 0; i < repeats; i++)
+        costs[i] = exp(0.05 * pl_random_normal(random));
     add_repeats(results, run, costs, repeats);
 }
 
@@ -164,7 +161,7 @@ static void test_intervals_of_few_repeats_hold_the_true_ratio(void **state)
 {
     (void)state;
     enum { SWEEPS = 200, POINTS = 4 };
-    check_random random = {5};
+    pl_random random = {.state = 5};
     int held[2] = {0, 0};
     for (int sweep = 0; sweep < SWEEPS; sweep++) {
         json_t *results = json_array();

@@ -33,7 +33,8 @@ static const pl_contest_help option_help = {
     .suite = "All scenarios of a suite (repeatable; default chaotic when no scenario is named)",
     .json = "Write the outcome as a JSON object there too (- is standard output)",
     .jobs = "Runs at a time (default the number of cores)",
-    .out = "Where results and summary go (default ensemble)"};
+    .out = "Where results and summary go (default ensemble)",
+    .reader = "every member"};
 
 static const struct argp_option argp_options[] = {
     {"members", KEY_MEMBERS, "N", 0, "Members of each ensemble (default 16)", 0},
@@ -100,12 +101,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_KEEP:
         o->keep = true;
         return 0;
-    case ARGP_KEY_ARG:
-        if (strcmp(text, "-") == 0) {
-            argp_error(state, "standard input can be read once, and every member reads its scene: "
-                              "give a file");
-        }
-        return ARGP_ERR_UNKNOWN; /* a child takes it */
     default:
         return ARGP_ERR_UNKNOWN;
     }

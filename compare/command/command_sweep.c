@@ -28,7 +28,8 @@ typedef struct options {
 static const pl_contest_help option_help = {
     .json = "Write all results of this process as a JSON array too (- is standard output)",
     .jobs = "Runs at a time (default 1: runs side by side disturb each other's times)",
-    .out = "Where results go (default sweep); of a shard in DIR/shard-I-of-N"};
+    .out = "Where results go (default sweep); of a shard in DIR/shard-I-of-N",
+    .reader = "every point"};
 
 enum { KEY_VARY = 0x200, KEY_REPEAT, KEY_REPEAT_BELOW, KEY_PLAN, KEY_SHARD };
 
@@ -98,12 +99,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_SHARD:
         o->shard = text;
         return 0;
-    case ARGP_KEY_ARG:
-        if (strcmp(text, "-") == 0) {
-            argp_error(state, "standard input can be read once, and every point reads its scene: "
-                              "give a file");
-        }
-        return ARGP_ERR_UNKNOWN; /* a child takes it */
     case ARGP_KEY_END:
         if (o->contest.names.count == 0 && o->contest.suites.count == 0) {
             argp_error(state, "name a scenario, a scene file or a --suite");

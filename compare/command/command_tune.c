@@ -19,7 +19,8 @@ typedef struct options {
 
 static const pl_contest_help option_help = {
     .json = "Write all that was found as a JSON object too (- is standard output)",
-    .jobs = "Runs at a time (default 1: runs side by side disturb each other's times)"};
+    .jobs = "Runs at a time (default 1: runs side by side disturb each other's times)",
+    .reader = "every run"};
 
 enum { KEY_TARGET = 0x200, KEY_VARY, KEY_FIX, KEY_BUDGET, KEY_OUT };
 
@@ -64,12 +65,6 @@ static error_t parse(int key, char *text, struct argp_state *state)
     case KEY_OUT:
         o->contest.out = text;
         return 0;
-    case ARGP_KEY_ARG:
-        if (strcmp(text, "-") == 0) {
-            argp_error(state, "standard input can be read once, and every run reads its scene: "
-                              "give a file");
-        }
-        return ARGP_ERR_UNKNOWN; /* a child takes it */
     case ARGP_KEY_END:
         if (o->contest.names.count == 0 && o->contest.suites.count == 0) {
             argp_error(state, "which scenario? plumb tune SCENARIO --engine NAME --target ...");

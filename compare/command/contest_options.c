@@ -40,6 +40,11 @@ static error_t parse(int key, char *text, struct argp_state *state)
         contest->json = text;
         return 0;
     case ARGP_KEY_ARG:
+        if (contest->help->reader != NULL && strcmp(text, "-") == 0) {
+            argp_error(state,
+                       "standard input can be read once, and %s reads its scene: give a file",
+                       contest->help->reader);
+        }
         pl_texts_add(&contest->names, text);
         return 0;
     default:

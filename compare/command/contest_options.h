@@ -8,6 +8,8 @@
 /* What --help says of the options that mean something else in each command. */
 typedef struct pl_contest_help {
     const char *suite, *json, *jobs, *out;
+    const char
+        *reader; /* which reads the scene anew, so that it is no standard input; NULL: none */
 } pl_contest_help;
 
 /* What was asked for. A command fills in its defaults and its help before it parses. The texts are

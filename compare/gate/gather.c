@@ -3,6 +3,7 @@
 
 #include "gate/ratio.h"
 #include "plumb/scenario.h"
+#include "results/median.h"
 #include "results/result.h"
 
 #include <stdlib.h>
@@ -130,12 +131,6 @@ static pl_status add_result(pl_gate_rows *rows, json_t *indices, const json_t *r
                                : no_memory(error);
 }
 
-static int compare_doubles(const void *left, const void *right)
-{
-    double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
 static bool is_deterministic(const json_t *metric, int id)
 {
     const json_t *said = json_object_get(metric, "deterministic");
@@ -165,12 +160,12 @@ static json_t *summarise(const making *m, const char *name, bool deterministic)
     if (count == 0) {
         return json_null();
     }
-    qsort(m->numbers, (size_t)count, sizeof *m->numbers, compare_doubles);
+    const double median = pl_median(m->numbers, count);
     double least = m->numbers[0], largest = m->numbers[count - 1];
     if (deterministic && least != largest) {
         json_object_set_new(m->row->spread, name, json_pack("[f, f]", least, largest));
     }
-    return json_real(0.5 * (m->numbers[(count - 1) / 2] + m->numbers[count / 2]));
+    return json_real(median);
 }
 
 static bool summarise_all(const making *m)

@@ -7,6 +7,8 @@
  * repeats just reach. */
 #include "gate/ratio.h"
 
+#include "results/median.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,12 +45,6 @@ const pl_gate_row *pl_gate_reference_of(const pl_gate_rows *rows, const pl_gate_
     return reference == row ? NULL : reference;
 }
 
-static int compare_doubles(const void *left, const void *right)
-{
-    double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
 /* The largest k for which the k-th values from both ends, from 1, bound the median. */
 static int bound_rank(int count)
 {
@@ -70,12 +66,10 @@ static pl_gate_ratio summarise(double *values, int count)
     if (count == 0) {
         return (pl_gate_ratio){0};
     }
-    qsort(values, (size_t)count, sizeof *values, compare_doubles);
+    const double median = pl_median(values, count);
     int rank = bound_rank(count);
-    return (pl_gate_ratio){.repeats = count,
-                           .value = 0.5 * (values[(count - 1) / 2] + values[count / 2]),
-                           .low = values[rank - 1],
-                           .high = values[count - rank]};
+    return (pl_gate_ratio){
+        .repeats = count, .value = median, .low = values[rank - 1], .high = values[count - rank]};
 }
 
 /* NAN where there is none. */

@@ -8,26 +8,13 @@
 
 #include "report/quantity.h"
 #include "report/row.h"
+#include "results/median.h"
 #include "results/result.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static int compare_doubles(const void *left, const void *right)
-{
-    double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
-/* Sorts `values`. */
-static double median(double *values, int count)
-{
-    qsort(values, (size_t)count, sizeof *values, compare_doubles);
-    int half = count / 2;
-    return count % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
 
 /* The median of one number of a metric over the rows that have it; *count is how many have it. */
 static double median_of(const json_t *const *metrics, int rows, const char *key, double *scratch,
@@ -39,7 +26,7 @@ static double median_of(const json_t *const *metrics, int rows, const char *key,
         if (json_is_number(value))
             scratch[(*count)++] = json_number_value(value);
     }
-    return *count == 0 ? (double)NAN : median(scratch, *count);
+    return pl_median(scratch, *count);
 }
 
 static bool is_deterministic(const json_t *metric, int id)
@@ -89,7 +76,7 @@ pl_measure pl_measure_of(const json_t *const *metrics, int rows, int id, double 
     measure.max = scratch[measure.count - 1];
     for (int i = 0; i < measure.count; i++)
         scratch[i] = fabs(scratch[i] - value);
-    measure.mad = median(scratch, measure.count);
+    measure.mad = pl_median(scratch, measure.count);
     int count = 0;
     measure.p50 = median_of(metrics, rows, "p50", scratch, &count);
     measure.has_percentiles = count > 0;

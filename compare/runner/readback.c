@@ -1,6 +1,7 @@
 #include "runner/readback.h"
 
 #include "plumb/scenario.h"
+#include "results/median.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,13 +20,6 @@ static pl_status differs(const char *what, double found, double asked, pl_error 
                    found);
 }
 
-static int compare_numbers(const void *a, const void *b)
-{
-    double x = *(const double *)a;
-    double y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
 static pl_status check_body(const pl_body *body, double mass, const double inertia[3],
                             pl_error *error)
 {
@@ -41,8 +35,8 @@ static pl_status check_body(const pl_body *body, double mass, const double inert
     double found[3];
     memcpy(asked, body->inertia, sizeof asked);
     memcpy(found, inertia, sizeof found);
-    qsort(asked, 3, sizeof asked[0], compare_numbers);
-    qsort(found, 3, sizeof found[0], compare_numbers);
+    pl_sort_numbers(asked, 3);
+    pl_sort_numbers(found, 3);
     for (int i = 0; i < 3; ++i) {
         if (!agrees(found[i], asked[i], asked[i])) {
             snprintf(what, sizeof what, "principal inertia of %s, kg m^2", body->name);

@@ -1,7 +1,7 @@
 #include "sweep/analysis_draws.h"
 
 #include "random.h"
-#include "sweep/analysis_median.h"
+#include "results/median.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -84,8 +84,8 @@ static void resample(drawing *d)
             costs[k] *= by > 0 ? exp(by * pl_random_normal(&d->random[i])) : 1;
             errors[k] = point->samples[chosen].error;
         }
-        d->medians[i].cost = pl_sweep_median(costs, repeats);
-        d->medians[i].error = pl_sweep_median(errors, repeats);
+        d->medians[i].cost = pl_median(costs, repeats);
+        d->medians[i].error = pl_median(errors, repeats);
     }
 }
 
@@ -167,7 +167,7 @@ void pl_sweep_interval(double *values, int count, double *low, double *high)
     if (known == 0 || known < 0.95 * count) {
         return;
     }
-    pl_sweep_sort(values, known);
+    pl_sort_numbers(values, known);
     int cut = (int)(0.025 * known);
     *low = values[cut];
     *high = values[known - 1 - cut];

@@ -1,6 +1,6 @@
 /* What the repeats of a point say: its samples, and their medians. */
+#include "results/median.h"
 #include "results/result.h"
-#include "sweep/analysis_median.h"
 #include "sweep/analysis_rows.h"
 
 #include <math.h>
@@ -47,15 +47,15 @@ static void take_medians(pl_sweep_point *point, double *scratch)
     for (int i = 0; i < count; ++i) {
         scratch[i] = point->samples[i].cost;
     }
-    point->cost = pl_sweep_median(scratch, count);
+    point->cost = pl_median(scratch, count);
     for (int i = 0; i < count; ++i) {
         scratch[i] = fabs(point->samples[i].cost - point->cost);
     }
-    point->cost_mad = pl_sweep_median(scratch, count);
+    point->cost_mad = pl_median(scratch, count);
     for (int i = 0; i < count; ++i) {
         scratch[i] = point->samples[i].error;
     }
-    point->error = pl_sweep_median(scratch, count);
+    point->error = pl_median(scratch, count);
 }
 
 pl_status pl_sweep_measure(const json_t *const *rows, int count, pl_sweep_point *point,
@@ -109,8 +109,8 @@ pl_status pl_sweep_measure(const json_t *const *rows, int count, pl_sweep_point 
         point->reason = what_is_missing(rows[0], errors, costs);
     } else {
         qsort(point->samples, (size_t)point->sample_count, sizeof *point->samples, by_cost);
-        point->raw_error = pl_sweep_median(raw, point->sample_count);
-        point->instructions = pl_sweep_median(instructions, counted);
+        point->raw_error = pl_median(raw, point->sample_count);
+        point->instructions = pl_median(instructions, counted);
         take_medians(point, scratch);
     }
     free(scratch);

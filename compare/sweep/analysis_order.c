@@ -1,6 +1,6 @@
 #include "sweep/analysis_order.h"
 
-#include "sweep/analysis_median.h"
+#include "results/median.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -45,7 +45,7 @@ static stretch without_slow_ends(const double *dt, const double *error, stretch 
     for (int i = part.first; i < part.last; ++i) {
         scratch[i - part.first] = slope_after(dt, error, i);
     }
-    double bound = 0.5 * pl_sweep_median(scratch, part.last - part.first);
+    double bound = 0.5 * pl_median(scratch, part.last - part.first);
     while (part.last - part.first > 2 && slope_after(dt, error, part.last - 1) < bound) {
         --part.last;
     }

@@ -1,6 +1,6 @@
 #include "sweep/analysis_profile.h"
 
-#include "sweep/analysis_median.h"
+#include "results/median.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -67,7 +67,7 @@ pl_status pl_profiles_find(pl_sweep_analysis *analysis, pl_error *error)
             }
         }
         for (size_t e = 0; e < engines; ++e) {
-            pl_sweep_sort(profile->ratios + e * problems, profile->counts[e]);
+            pl_sort_numbers(profile->ratios + e * problems, profile->counts[e]);
         }
     }
     return PL_OK;

@@ -1,26 +1,12 @@
 #include "tune/score.h"
 
+#include "results/median.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { MOST_REPEATS = 64 };
-
-static int compare(const void *left, const void *right)
-{
-    const double a = *(const double *)left, b = *(const double *)right;
-    return (a > b) - (a < b);
-}
-
-/* Sorts them. */
-static double median(double *values, int count)
-{
-    if (count == 0) {
-        return (double)NAN;
-    }
-    qsort(values, (size_t)count, sizeof *values, compare);
-    return 0.5 * (values[(count - 1) / 2] + values[count / 2]);
-}
 
 double pl_score_ratio(const pl_reading *reading, const pl_reading *other, int first, int repeats)
 {
@@ -32,7 +18,7 @@ double pl_score_ratio(const pl_reading *reading, const pl_reading *other, int fi
             ratios[count++] = ratio;
         }
     }
-    return median(ratios, count);
+    return pl_median(ratios, count);
 }
 
 double pl_score_mean_ratio(const pl_reading *readings, const pl_reading *others, int problem_count,

@@ -1,4 +1,4 @@
-#include "sweep/analysis_median.h"
+#include "results/median.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -9,7 +9,7 @@ static int ascending(const void *left, const void *right)
     return (a > b) - (a < b);
 }
 
-void pl_sweep_sort(double *values, int count)
+void pl_sort_numbers(double *values, int count)
 {
     if (count > 16) {
         qsort(values, (size_t)count, sizeof *values, ascending);
@@ -25,12 +25,12 @@ void pl_sweep_sort(double *values, int count)
     }
 }
 
-double pl_sweep_median(double *values, int count)
+double pl_median(double *values, int count)
 {
     if (count == 0) {
         return (double)NAN;
     }
-    pl_sweep_sort(values, count);
+    pl_sort_numbers(values, count);
     int half = count / 2;
     return count % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
 }
