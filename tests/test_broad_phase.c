@@ -1,6 +1,6 @@
 /* The referee's broad phase against all pairs by their gaps. */
-#include "referee/broad_phase.h"
-#include "referee/gap.h"
+#include "referee/geometry/gap.h"
+#include "referee/geometry/sweep_and_prune.h"
 
 #include "check.h"
 #include "polyhedra.h"

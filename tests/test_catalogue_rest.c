@@ -1,7 +1,7 @@
 /* What rests in the catalogue: scenes whose answer is that nothing moves stand by a limit analysis
  * that knows none of them, and are placed as they say; and formulas of statics by other ways. */
 #include "check.h"
-#include "referee/gap.h"
+#include "referee/geometry/gap.h"
 #include "scenario_scene.h"
 #include "statics.h"
 

@@ -1,10 +1,10 @@
 /* The scenarios of shapes: what rests touches, what rolls and flies follows laws worked out here by
  * another way. */
+#include "catalogue/trigonometry.h"
 #include "check.h"
 #include "plumb/vec.h"
-#include "referee/gap.h"
+#include "referee/geometry/gap.h"
 #include "scenario_scene.h"
-#include "trigonometry.h"
 
 #include <math.h>
 #include <stdio.h>

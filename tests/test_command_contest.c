@@ -139,5 +139,5 @@ int main(void)
         cmocka_unit_test(test_a_misspelt_parameter_names_the_option_that_gave_it),
         cmocka_unit_test(test_members_that_hang_are_rows_of_the_ensemble),
     };
-    return cmocka_run_group_tests_name("contest", tests, setup_workspace, teardown_workspace);
+    return cmocka_run_group_tests_name("comparison", tests, setup_workspace, teardown_workspace);
 }

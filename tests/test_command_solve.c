@@ -3,9 +3,9 @@
 #include "contact_problem_for_tests.h"
 #include "plumb/scenario.h"
 #include "plumb_process.h"
-#include "solve/benchmark.h"
-#include "solve/benchmark_report.h"
-#include "solve/problem_file.h"
+#include "studies/solve/benchmark.h"
+#include "studies/solve/benchmark_report.h"
+#include "studies/solve/problem_file.h"
 
 #include <math.h>
 #include <stdio.h>

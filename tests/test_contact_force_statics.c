@@ -1,5 +1,5 @@
 /* Statics through the contact forces that engines report: what a stack must carry at each joint. */
-#include "referee/contact_force.h"
+#include "referee/metrics/contact_force.h"
 
 #include "adapters/registry.h"
 #include "check.h"

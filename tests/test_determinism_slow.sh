@@ -6,10 +6,10 @@ set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$SOURCE"
-sources="engine/src/*.c engine/src/*/*.c scenarios/src/*.c
+sources="engine/src/*/*.c engine/src/*/*/*.c scenarios/base/*.c scenarios/scene/*.c
          scenarios/catalogue/*.c compare/adapters/adapter_plumb.c compare/adapters/force.c
          tests/determinism/driver.c"
-includes="-Iengine/include -Iengine/src -Iscenarios/include -Iscenarios/src -Iscenarios/catalogue
+includes="-Iengine/include -Iengine/src -Iscenarios/include -Iscenarios
           -Icompare -Icompare/include"
 amd=
 if [[ -e /usr/include/suitesparse/amd.h ]]; then

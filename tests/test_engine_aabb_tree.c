@@ -1,8 +1,8 @@
 /* The tree of boxes against all pairs. */
+#include "base/vec3.h"
 #include "broad_phase/aabb_tree.h"
 #include "check.h"
 #include "counting_allocator.h"
-#include "vec.h"
 
 #include <string.h>
 
@@ -55,7 +55,7 @@ static void find(forest *f, char (*told)[ITEMS])
     pe_arena_reset(&f->arena, &f->allocator);
     pe_pair_list pairs = {.work = {&f->arena, &f->allocator}};
     assert_int_equal(pe_tree_update(&f->tree, pairs.work, NULL), PE_OK);
-    assert_int_equal(pe_tree_meet(&f->tree, &f->tree, &pairs, NULL), PE_OK);
+    assert_int_equal(pe_tree_query_pairs(&f->tree, &f->tree, &pairs, NULL), PE_OK);
     memset(told, 0, ITEMS * sizeof *told);
     for (int i = 0; i < pairs.count; ++i) {
         told[pairs.items[i].a][pairs.items[i].b] += 1;
@@ -106,7 +106,7 @@ static void test_without_changes_no_pair_is_found(void **state)
     assert_memory_not_equal(told, none, sizeof told);
     find(&f, told);
     assert_memory_equal(told, none, sizeof told);
-    pe_tree_mark_all(&f.tree);
+    pe_tree_invalidate(&f.tree);
     find(&f, told);
     assert_memory_not_equal(told, none, sizeof told);
     pe_tree_free(&f.tree, &f.allocator);

@@ -3,7 +3,7 @@
 #include "check.h"
 #include "collide_convex.h"
 #include "counting_allocator.h"
-#include "integrate.h"
+#include "model/integrate.h"
 #include "random_pose.h"
 #include "world_for_tests.h"
 
@@ -111,7 +111,7 @@ static void check_pairs(pe_world *world, tally *t)
                 !placed) {
                 continue;
             }
-            pe_hits hits;
+            pe_pair_manifold hits;
             collide_convex(
                 (pe_placed){&bodies[a].shape, bodies[a].geometry, &poses[a], bodies[a].size},
                 (pe_placed){&bodies[b].shape, bodies[b].geometry, &poses[b], bodies[b].size},
@@ -161,7 +161,7 @@ static void stir(pe_world *world, pe_body_id *ids, int step, check_random *rando
             assert_int_equal(pe_body_destroy(world, ids[i], NULL), PE_OK);
             ids[i] = add_body(world, &def);
         } else {
-            pe_motion *m = &pe_motions(world)[ids[i].index];
+            pe_twist *m = &pe_twists(world)[ids[i].index];
             pe_pose_move(&pe_poses(world)[ids[i].index], pe_scale(H, m->velocity),
                          pe_scale(H, m->angular_velocity));
             m->velocity = pe_scale(check_uniform(random, 0.5, 1.1), m->velocity);
@@ -253,7 +253,7 @@ static void test_a_body_at_no_place_has_no_pairs_and_spoils_none(void **state)
     for (int n = 0; n < STEPS; ++n) {
         move_at_random(world, ids, &random);
         pe_poses(world)[ids[1].index].position.x = NAN;
-        pe_motions(world)[ids[2].index].velocity.y = INFINITY; /* which could be everywhere */
+        pe_twists(world)[ids[2].index].velocity.y = INFINITY; /* which could be everywhere */
         tally t = {0};
         check_pairs(world, &t);
         pe_pair *pairs;
@@ -314,7 +314,7 @@ static void test_motion_to_and_fro_allocates_nothing_after_warm_up(void **state)
     int calls = 0;
     for (int n = 0; n < 8 * STEPS; ++n) {
         for (int i = 0; i < CROWD; ++i) {
-            pe_motion *m = &pe_motions(world)[ids[i].index];
+            pe_twist *m = &pe_twists(world)[ids[i].index];
             m->velocity = n % STEPS == 0 ? pe_scale(-1, m->velocity) : m->velocity;
             pe_pose_move(&pe_poses(world)[ids[i].index], pe_scale(H, m->velocity), pe_v3(0, 0, 0));
         }

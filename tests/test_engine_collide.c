@@ -76,7 +76,7 @@ static void test_box_box_depth_equals_dense_direction_sweep(void **state)
     int touching = 0;
     for (int i = 0; i < 400; ++i) {
         placed_shape a = random_box(&random, 0.8), b = random_box(&random, 0.8);
-        pe_hits hits = {0};
+        pe_pair_manifold hits = {0};
         collide_convex(of(&a), of(&b), 0, &hits);
         /* The sweep is an upper bound of the least overlap, and near it. */
         double least = least_overlap(&a, &b);
@@ -118,10 +118,10 @@ static void test_box_box_points_are_finite_unit_named_once_and_inside_within_dep
     check_random random = {7};
     for (int i = 0; i < 100000; ++i) {
         placed_shape a = random_box(&random, 0.8), b = random_box(&random, 0.8);
-        pe_hits hits = {0};
+        pe_pair_manifold hits = {0};
         collide_convex(of(&a), of(&b), 0.01, &hits);
         for (int j = 0; j < hits.count; ++j) {
-            const pe_hit *hit = &hits.item[j];
+            const pe_pair_point *hit = &hits.item[j];
             assert_true(pe_is_finite(hit->position) && isfinite(hit->separation));
             double reach = 0.5 * fabs(hit->separation) + 1e-8;
             assert_at_most(outside(&a, hit->position), reach);
@@ -143,7 +143,7 @@ static void test_box_box_is_symmetric_and_turns_with_the_world(void **state)
     check_random random = {11};
     for (int i = 0; i < 20000; ++i) {
         placed_shape a = random_box(&random, 0.8), b = random_box(&random, 0.8);
-        pe_hits one = {0}, swapped = {0}, turned = {0};
+        pe_pair_manifold one = {0}, swapped = {0}, turned = {0};
         collide_convex(of(&a), of(&b), 0, &one);
         collide_convex(of(&b), of(&a), 0, &swapped);
         assert_int_equal(one.count > 0, swapped.count > 0);
@@ -171,7 +171,7 @@ static void test_stacked_cubes_touch_at_four_corners(void **state)
     placed_shape a = {.shape = {.kind = PE_SHAPE_BOX, .half_extents = {0.5, 0.5, 0.5}}}, b = a;
     place(&a, pe_v3(0, 0, 0.5), (pe_quat){.w = 1});
     place(&b, pe_v3(0, 0, 1.5), (pe_quat){.w = 1});
-    pe_hits hits = {0};
+    pe_pair_manifold hits = {0};
     collide_convex(of(&a), of(&b), 1e-3, &hits);
     assert_int_equal(hits.count, 4);
     assert_close(hits.normal.z, 1, 0, 0);
@@ -190,7 +190,7 @@ static void test_faces_turned_by_an_eighth_touch_at_eight_points(void **state)
     place(&a, pe_v3(0, 0, 0.5), (pe_quat){.w = 1});
     place(&b, pe_v3(0, 0, 1.5),
           (pe_quat){.w = cos(0.39269908169872414), .z = sin(0.39269908169872414)});
-    pe_hits hits = {0};
+    pe_pair_manifold hits = {0};
     collide_convex(of(&a), of(&b), 1e-3, &hits);
     assert_int_equal(hits.count, 8);
     /* The octagon common to a square and the same turned by 45 degrees has inradius 1/2. */
@@ -210,7 +210,7 @@ static void test_features_keep_their_names_under_small_motion(void **state)
         place(&b, pe_v3(0.1 + check_uniform(&random, -1e-4, 1e-4), 0.2, 1.5),
               (pe_quat){1, 1e-6 * check_uniform(&random, -1, 1),
                         1e-6 * check_uniform(&random, -1, 1), 0.01});
-        pe_hits hits = {0};
+        pe_pair_manifold hits = {0};
         collide_convex(of(&a), of(&b), 1e-2, &hits);
         static uint64_t first[PE_MAX_POINTS];
         if (i == 0) {
@@ -238,7 +238,7 @@ static void test_sphere_against_box_equals_nearest_surface_point(void **state)
         placed_shape box = random_box(&random, 0.5);
         placed_shape ball = {.shape = {.kind = PE_SHAPE_SPHERE, .radius = 0.3}};
         place(&ball, random_vector_in(&random, -1.5, 1.5), random_turn(&random));
-        pe_hits hits = {0};
+        pe_pair_manifold hits = {0};
         collide_convex(of(&ball), of(&box), 100, &hits);
         assert_int_equal(hits.count, 1);
 
@@ -274,7 +274,7 @@ static void test_plane_contacts_are_heights_over_it(void **state)
                                         .normal = pe_scale(1 / pe_length(n), n),
                                         .offset = check_uniform(&random, -1, 1)}};
         placed_shape box = random_box(&random, 1);
-        pe_hits hits = {0}, swapped = {0};
+        pe_pair_manifold hits = {0}, swapped = {0};
         collide_convex(of(&plane), of(&box), 100, &hits);
         collide_convex(of(&box), of(&plane), 100, &swapped);
         assert_int_equal(hits.count, 8);

@@ -92,7 +92,7 @@ static void check_against_sweep(pe_shape_kind kind, uint64_t seed)
     for (int i = 0; i < 120; ++i) {
         placed_shape a = random_shape(&random, kind, i % 3 == 0 ? 0.2 : 1);
         placed_shape b = random_shape(&random, PE_SHAPE_CYLINDER, i % 3 == 0 ? 0.2 : 1);
-        pe_hits hits;
+        pe_pair_manifold hits;
         collide_convex(of(&a), of(&b), 100, &hits);
         double found = least_separation(&hits), swept = signed_distance(&a, &b);
         /* The answer's own direction proves that it is not too deep; the sweep, which may only fall
@@ -137,7 +137,7 @@ static void test_plane_cylinder_separation_is_the_height_of_the_lowest_point(voi
         placed_shape plane = {
             .shape = {.kind = PE_SHAPE_PLANE, .normal = {0.6, 0, 0.8}, .offset = 0.3}};
         placed_shape b = random_shape(&random, PE_SHAPE_CYLINDER, 1);
-        pe_hits hits;
+        pe_pair_manifold hits;
         collide_convex(of(&plane), of(&b), 100, &hits);
         pe_vec3 n = plane.shape.normal;
         double lowest = pe_dot(n, b.pose.position) - 0.3 - reach(&b, n);
@@ -170,7 +170,7 @@ static void test_cube_as_hull_gives_the_same_as_box(void **state)
               pe_add(box.pose.position, pe_rotate(&box.pose.rotation, geometry->frame.centre)),
               pe_quat_product(box.pose.orientation, geometry->frame.orientation));
         placed_shape b = random_shape(&random, PE_SHAPE_CYLINDER, 0.6);
-        pe_hits by_box, by_hull;
+        pe_pair_manifold by_box, by_hull;
         collide_convex(of(&box), of(&b), 10, &by_box);
         collide_convex((pe_placed){&hull.shape, geometry, &hull.pose, geometry->size}, of(&b), 10,
                        &by_hull);
@@ -225,7 +225,7 @@ static void test_degenerate_poses_have_their_closed_form(void **state)
         {"capsule beside", at(capsule, 1.5, 0, 0, up), unit, 0},
     };
     for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i) {
-        pe_hits hits;
+        pe_pair_manifold hits;
         collide_convex(of(&poses[i].a), of(&poses[i].b), 10, &hits);
         if (!(fabs(least_separation(&hits) - poses[i].separation) < 1e-12)) {
             print_error("%s\n", poses[i].what);
@@ -253,7 +253,7 @@ static double outside(const placed_shape *b, pe_vec3 x)
 
 /* Each point, half a separation along the normal, is in either shape. */
 static void check_points_are_in_both(const placed_shape *a, const placed_shape *b,
-                                     const pe_hits *hits)
+                                     const pe_pair_manifold *hits)
 {
     double size = pe_min(of(a).size, of(b).size);
     assert_true(hits->count > 0);
@@ -306,7 +306,7 @@ static void test_nearly_tangent_rims_of_nearly_parallel_cylinders_equal_the_trut
         place(&b, pe_v3(aside, 0, a.shape.half_height + b.shape.half_height + gap),
               about(pe_v3(cos(way), sin(way), 0), tilt));
         turn_both(&a, &b, &random);
-        pe_hits hits;
+        pe_pair_manifold hits;
         collide_convex(of(&a), of(&b), 10, &hits);
         truth_difference difference =
             truth_subtract((truth_solid){.shape = &a.shape, .pose = &a.pose},
@@ -336,7 +336,7 @@ static void test_side_that_touches_a_cap_at_one_point_of_its_rim_has_that_point(
               pe_v3(0, a.shape.radius + b.shape.half_height, a.shape.half_height + b.shape.radius),
               lying);
         turn_both(&a, &b, &random);
-        pe_hits hits;
+        pe_pair_manifold hits;
         collide_convex(of(&a), of(&b), 1e-2, &hits);
         assert_close(least_separation(&hits), 0, 1e-14, 0);
         check_points_are_in_both(&a, &b, &hits);

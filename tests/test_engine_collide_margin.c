@@ -67,7 +67,7 @@ static void test_a_pair_is_rejected_exactly_when_an_axis_separates_it_by_the_mar
         random_pair(&random, i % 2 == 0, &a, &b);
         double second, margin = i % 3 == 0 ? 0 : check_uniform(&random, 0, 0.3);
         double truth = separation_by_corners(&a, &b, &second);
-        pe_hits hits = {0};
+        pe_pair_manifold hits = {0};
         collide_convex(of(&a), of(&b), margin, &hits);
         if (truth > margin + 1e-12) {
             assert_int_equal(hits.count, 0);
@@ -96,7 +96,7 @@ static void test_swapping_the_shapes_mirrors_the_points(void **state)
         double size = pe_min(pe_shape_size(&a.shape, NULL), pe_shape_size(&b.shape, NULL)),
                second = -HUGE_VAL;
         double best = i % 5 == 0 ? 0 : separation_by_corners(&a, &b, &second);
-        pe_hits one = {0}, two = {0};
+        pe_pair_manifold one = {0}, two = {0};
         collide_convex(of(&a), of(&b), 0.05, &one);
         collide_convex(of(&b), of(&a), 0.05, &two);
         assert_int_equal(one.count > 0, two.count > 0);
@@ -134,7 +134,7 @@ static void test_points_are_the_same_at_every_margin_of_their_range_and_at_no_ot
         } else if (i % 4 == 1) {
             a.shape = (pe_shape){.kind = PE_SHAPE_SPHERE, .radius = 0.4};
         }
-        pe_hits hits, other;
+        pe_pair_manifold hits, other;
         collide_convex(of(&a), of(&b), check_uniform(&random, 0, 0.3), &hits);
         if (hits.count == 0) {
             continue;

@@ -1,9 +1,9 @@
 /* Narrow phase of meshes: what must not be felt (edges inside a face), and what must be (both walls
  * of a corner). */
 #include "check.h"
-#include "collide/collide_mesh.h"
 #include "counting_allocator.h"
 #include "mesh_for_tests.h"
+#include "narrow_phase/mesh/collide_mesh.h"
 
 static placed_shape shape_at(pe_shape shape, pe_vec3 position, pe_quat q)
 {
@@ -22,7 +22,7 @@ static placed_shape sphere_at(double radius, pe_vec3 position)
 
 typedef struct found {
     int count;
-    pe_hits patch[PE_MAX_PATCHES];
+    pe_pair_manifold patch[PE_MAX_MANIFOLDS];
 } found;
 
 static found collide(const placed_shape *a, const placed_shape *b, double margin)
@@ -32,7 +32,7 @@ static found collide(const placed_shape *a, const placed_shape *b, double margin
     pe_allocator allocator = pe_allocator_default();
     f.count = pe_collide(of(a), of(b), margin, (pe_workspace){&arena, &allocator}, f.patch);
     pe_arena_free(&arena, &allocator);
-    assert_true(f.count >= 0 && f.count <= PE_MAX_PATCHES);
+    assert_true(f.count >= 0 && f.count <= PE_MAX_MANIFOLDS);
     return f;
 }
 
@@ -68,7 +68,7 @@ static void test_cubes_face_to_face_touch_at_the_corners_of_their_overlap(void *
         assert_close(f.patch[0].normal.z, 1, 1e-12, 0);
         double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
         for (int k = 0; k < 4; ++k) {
-            const pe_hit *h = &f.patch[0].item[k];
+            const pe_pair_point *h = &f.patch[0].item[k];
             assert_close(h->separation, gap, 1e-12, 0);
             assert_close(h->position.z, 0.5 + 0.5 * gap, 1e-12, 0);
             low[0] = pe_min(low[0], h->position.x), high[0] = pe_max(high[0], h->position.x);
@@ -95,7 +95,7 @@ static void test_crossed_bars_touch_at_the_corners_of_their_overlap(void **state
         assert_int_equal(f.count, 1);
         assert_int_equal(f.patch[0].count, 4);
         for (int k = 0; k < 4; ++k) {
-            const pe_hit *h = &f.patch[0].item[k];
+            const pe_pair_point *h = &f.patch[0].item[k];
             assert_close(h->separation, gap, 1e-12, 0);
             assert_close(fabs(h->position.x), 0.25, 1e-8, 0);
             assert_close(fabs(h->position.y), 0.25, 1e-8, 0);
@@ -361,7 +361,7 @@ static void test_any_allocation_may_fail(void **state)
     for (int k = -1; k < all; ++k) {
         c = (counter){.fail_at = k};
         pe_arena arena = {0};
-        pe_hits patches[PE_MAX_PATCHES];
+        pe_pair_manifold patches[PE_MAX_MANIFOLDS];
         int count = pe_collide(of(&a), of(&b), 0.01, (pe_workspace){&arena, &allocator}, patches);
         all = k < 0 ? c.calls : all;
         assert_true(k < 0 ? count > 0 : count == -1);

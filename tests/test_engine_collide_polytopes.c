@@ -10,13 +10,13 @@ static double size_of(const placed_shape *a, const placed_shape *b)
     return pe_min(of(a).size, of(b).size);
 }
 
-static void check_points(const polytope_core *a, const polytope_core *b, const pe_hits *hits,
-                         double size)
+static void check_points(const polytope_core *a, const polytope_core *b,
+                         const pe_pair_manifold *hits, double size)
 {
     assert_in_range(hits->count, 1, PE_MAX_POINTS);
     assert_close(pe_length(hits->normal), 1, 1e-12, 0);
     for (int i = 0; i < hits->count; ++i) {
-        const pe_hit *hit = &hits->item[i];
+        const pe_pair_point *hit = &hits->item[i];
         assert_true(pe_is_finite(hit->position) && isfinite(hit->separation));
         pe_vec3 on_a = pe_madd(hit->position, -0.5 * hit->separation, hits->normal);
         pe_vec3 on_b = pe_madd(hit->position, 0.5 * hit->separation, hits->normal);
@@ -41,7 +41,7 @@ static double check_pair(const placed_shape *x, const placed_shape *y)
      * root: many sizes apart, the distance sets the scale. */
     double within = 1e-9 * size + 2e-12 * pe_max(1, truth);
     double turned = within + 1e-8 * pe_max(0, truth);
-    pe_hits hits, swapped, none;
+    pe_pair_manifold hits, swapped, none;
     collide_convex(of(x), of(y), 100, &hits);
     check_points(&a, &b, &hits, size);
     assert_close(least_separation(&hits), truth, within, 0);
@@ -71,7 +71,7 @@ test_separation_is_the_brute_force_one_along_the_normal_of_every_pair_of_kinds(v
                 place_at_random(&b, &random);
                 double gap = check_pair(&a, &b);
                 /* Then where they just touch, and overlap and clear by little. */
-                pe_hits hits;
+                pe_pair_manifold hits;
                 collide_convex(of(&a), of(&b), 100, &hits);
                 for (int k = 0; k < 3; ++k) {
                     double shift = gap + (k == 0 ? 0 : k == 1 ? 1e-3 : -1e-3) * size_of(&a, &b);
@@ -102,7 +102,7 @@ static void test_a_hull_that_is_a_box_separates_as_the_box_does(void **state)
         place_at_random(&b, &random);
         place(&hull, a.pose.position,
               pe_quat_product(a.pose.orientation, hull.geometry->frame.orientation));
-        pe_hits one, two;
+        pe_pair_manifold one, two;
         collide_convex(of(&a), of(&b), 100, &one);
         collide_convex(of(&hull), of(&b), 100, &two);
         assert_close(least_separation(&one), least_separation(&two), 1e-9 * size_of(&a, &b), 0);
@@ -158,7 +158,7 @@ static void test_nothing_depends_on_the_size_of_things_or_where_they_are(void **
             place(&two, x, r);
             place(&a, pe_v3(0, 0, 0), q);
             place(&b, pe_scale(scale, x), r);
-            pe_hits here, large, there;
+            pe_pair_manifold here, large, there;
             collide_convex(of(&one), of(&two), 100, &here);
             collide_convex(of(&a), of(&b), 100 * scale, &large);
             assert_int_equal(here.count, large.count);
@@ -182,7 +182,7 @@ static void test_stacked_hulls_keep_their_points_while_they_sway(void **state)
     for (int n = 0; n < 5; ++n) {
         placed_shape a = hull_prism(sides[n], 0.5, 0.5, 0), b = hull_prism(sides[n], 0.5, 0.5, 0);
         place(&a, pe_v3(0, 0, 0), unturned);
-        pe_hits first, now;
+        pe_pair_manifold first, now;
         pe_vec3 up = pe_v3(0, 0, 0);
         for (int i = 0; i < a.geometry->face_count; ++i) {
             bool cap = fabs(2 * a.geometry->faces[i].offset - 1) < 1e-9;
@@ -217,7 +217,7 @@ static void test_capsules_lie_on_two_points(void **state)
     (void)state;
     placed_shape long_one = capsule_of(0.1, 1), short_one = capsule_of(0.2, 0.5),
                  box = box_of(2, 2, 0.5);
-    pe_hits hits;
+    pe_pair_manifold hits;
     place(&long_one, pe_v3(0, 0, 0), unturned);
     place(&short_one, pe_v3(0.3, 0, 0.8), unturned);
     collide_convex(of(&long_one), of(&short_one), 1e-3, &hits);
@@ -248,7 +248,7 @@ static void test_cores_that_meet_are_parted_across(void **state)
         place(&a, pe_v3(0, 0, 0), unturned);
         place(&b, pe_v3(0, 0, 0.1 * t), turns[t]);
         place(&ball, pe_v3(0, 0, 0.1 * t), unturned);
-        pe_hits hits;
+        pe_pair_manifold hits;
         collide_convex(of(&a), of(&b), 0, &hits);
         assert_close(least_separation(&hits), -0.3, 1e-12, 0);
         assert_close(hits.normal.z, 0, 1e-12, 0);
@@ -282,12 +282,12 @@ static void test_heights_over_a_plane_are_those_of_the_vertices(void **state)
         polytope_core_of(&b, &c);
         double truth =
             -core_farthest(&c, pe_scale(-1, plane.shape.normal)) - plane.shape.offset - c.radius;
-        pe_hits hits;
+        pe_pair_manifold hits;
         collide_convex(of(&plane), of(&b), 100, &hits);
         assert_in_range(hits.count, 1, PE_MAX_POINTS);
         assert_close(least_separation(&hits), truth, 1e-9 * of(&b).size, 0);
         for (int j = 0; j < hits.count; ++j) {
-            const pe_hit *hit = &hits.item[j];
+            const pe_pair_point *hit = &hits.item[j];
             pe_vec3 on_b = pe_madd(hit->position, 0.5 * hit->separation, hits.normal);
             assert_at_most(core_outside(&c, on_b), 1e-12);
             assert_close(pe_dot(plane.shape.normal, on_b) - plane.shape.offset, hit->separation,

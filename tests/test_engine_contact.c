@@ -1,6 +1,6 @@
 /* Contact dynamics of the engine against closed forms of mechanics. */
+#include "base/vec3.h"
 #include "check.h"
-#include "vec.h"
 #include "world_for_tests.h"
 
 static const double H = 1.0 / 60;

@@ -16,17 +16,17 @@ static void test_impulses_go_with_the_features_and_what_would_pull_is_dropped(vo
     (void)state;
     pe_body_id ids[2];
     pe_world *world = marked_tower(ids);
-    pe_points(&world->contacts)[2].impulse.z *= -1;
+    pe_manifold_points(&world->contacts)[2].impulse.z *= -1;
     find_contacts(world, 0); /* anew, at the same poses */
     for (int i = 0; i < world->contacts.point_count; ++i) {
-        const pe_point *p = &pe_points(&world->contacts)[i];
-        assert_int_equal(p->feature, pe_points(&world->previous)[i].feature);
+        const pe_manifold_point *p = &pe_manifold_points(&world->contacts)[i];
+        assert_int_equal(p->feature, pe_manifold_points(&world->previous)[i].feature);
         assert_close(p->impulse.z, i == 2 ? 0 : i + 1, 0, 0);
     }
     /* Another step: twice as long, twice the impulse. */
     world->previous_dt = CONTACT_STEP;
     pe_contacts_match(world, 2 * CONTACT_STEP);
-    assert_close(pe_points(&world->contacts)[4].impulse.z, 10, 1e-15, 0);
+    assert_close(pe_manifold_points(&world->contacts)[4].impulse.z, 10, 1e-15, 0);
     pe_world_destroy(world);
 }
 
@@ -38,23 +38,23 @@ static void test_impulses_go_to_the_nearest_point_when_features_are_renamed(void
     const pe_manifold *m = manifold_of(&world->contacts, 2, 3);
     assert_non_null(m);
     for (int j = m->first; j < m->first + m->count; ++j) {
-        pe_points(&world->contacts)[j].feature += 1u << 20;
+        pe_manifold_points(&world->contacts)[j].feature += 1u << 20;
     }
     pe_body_state s = state_of(world, ids[1]);
     place_body(world, ids[1], pe_add(s.position, pe_v3(4e-3, 0, 0)), s.orientation);
     find_contacts(world, 0);
     for (int j = m->first; j < m->first + m->count; ++j) {
-        assert_close(pe_points(&world->contacts)[j].impulse.z, 1 + j, 0, 0);
+        assert_close(pe_manifold_points(&world->contacts)[j].impulse.z, 1 + j, 0, 0);
     }
     /* Too far for being the same. */
     m = manifold_of(&world->contacts, 2, 3);
     for (int j = m->first; j < m->first + m->count; ++j) {
-        pe_points(&world->contacts)[j].feature += 1u << 20;
-        pe_points(&world->contacts)[j].anchor_a.y += 0.011;
+        pe_manifold_points(&world->contacts)[j].feature += 1u << 20;
+        pe_manifold_points(&world->contacts)[j].anchor_a.y += 0.011;
     }
     find_contacts(world, 0);
     for (int j = m->first; j < m->first + m->count; ++j) {
-        assert_close(pe_points(&world->contacts)[j].impulse.z, 0, 0, 0);
+        assert_close(pe_manifold_points(&world->contacts)[j].impulse.z, 0, 0, 0);
     }
     pe_world_destroy(world);
 }
@@ -77,7 +77,7 @@ static void test_a_kept_manifold_has_its_impulses_and_the_surface_of_now(void **
         assert_close(m->friction, 0.25, 0, 0);
         assert_close(m->restitution, 0.75, 0, 0);
         for (int j = m->first; j < m->first + m->count; ++j) {
-            assert_close(pe_points(&world->contacts)[j].impulse.z, 1 + j, 0, 0);
+            assert_close(pe_manifold_points(&world->contacts)[j].impulse.z, 1 + j, 0, 0);
         }
     }
     pe_world_destroy(world);

@@ -90,7 +90,8 @@ static void test_a_kept_manifold_is_a_fresh_one_within_its_tolerance(void **stat
             assert_at_most(pe_length(pe_sub(m->normal, fresh->normal)), 4 * tolerance);
             double error = tolerance * size, most = error * amplification(world) + 1e-14;
             for (int j = 0; j < m->count; ++j) {
-                const pe_point *p = &pe_points(&carried)[j], *q = &pe_points(&world->contacts)[j];
+                const pe_manifold_point *p = &pe_manifold_points(&carried)[j],
+                                        *q = &pe_manifold_points(&world->contacts)[j];
                 assert_int_equal(p->feature, q->feature);
                 double moved = pe_length(pe_sub(p->position, q->position));
                 assert_at_most(moved, most);
@@ -138,7 +139,8 @@ static void test_a_pair_that_moved_beyond_the_tolerance_is_found_anew_to_the_bit
             found += 1;
         }
         for (int j = 0; j < second.point_count; ++j) {
-            const pe_point *p = &pe_points(&second)[j], *q = &pe_points(&world->contacts)[j];
+            const pe_manifold_point *p = &pe_manifold_points(&second)[j],
+                                    *q = &pe_manifold_points(&world->contacts)[j];
             assert_memory_equal(&p->position, &q->position, sizeof p->position);
             assert_memory_equal(&p->separation, &q->separation, sizeof p->separation);
         }
@@ -168,7 +170,7 @@ static void test_slow_motion_does_not_carry_a_manifold_for_ever(void **state)
         assert_int_equal(m->count, 4);
         for (int j = m->first; j < m->first + m->count; ++j) {
             /* The overlap of the two faces reaches from x - 1/2 to 1/2. */
-            double at = pe_points(&world->contacts)[j].position.x;
+            double at = pe_manifold_points(&world->contacts)[j].position.x;
             double off = pe_min(fabs(at - 0.5), fabs(at - (x - 0.5)));
             assert_at_most(off, 0.5 * tolerance + 2e-6);
         }
@@ -218,7 +220,7 @@ static void test_a_new_body_in_an_old_slot_inherits_no_manifold(void **state)
     const pe_manifold *m = manifold_of(&world->contacts, 2, 3);
     assert_non_null(m);
     assert_false(m->kept);
-    assert_close(fabs(pe_points(&world->contacts)[m->first].position.x), 0.3, 1e-5, 0);
+    assert_close(fabs(pe_manifold_points(&world->contacts)[m->first].position.x), 0.3, 1e-5, 0);
     pe_world_destroy(world);
 }
 

@@ -1,7 +1,7 @@
 /* Pairs that touch in several patches: a block in the corner of an L. */
+#include "catalogue/solids.h"
 #include "check.h"
 #include "contact/contact.h"
-#include "solids.h"
 #include "world_for_tests.h"
 
 static const double H = 1.0 / 60;
@@ -61,7 +61,7 @@ static void test_a_block_in_a_corner_has_a_patch_on_either_arm(void **state)
         assert_int_equal(m[i].count, 4);
     }
     /* Features name the points of the whole pair. */
-    const pe_point *points = pe_points(contacts);
+    const pe_manifold_point *points = pe_manifold_points(contacts);
     for (int i = 0; i < contacts->point_count; ++i) {
         for (int j = 0; j < i; ++j) {
             assert_true(points[i].feature != points[j].feature);
@@ -75,7 +75,7 @@ static pe_vec3 patch_impulse(const pe_contacts *contacts, int manifold)
     const pe_manifold *m = &pe_manifolds(contacts)[manifold];
     pe_vec3 sum = pe_v3(0, 0, 0);
     for (int i = m->first; i < m->first + m->count; ++i) {
-        sum = pe_add(sum, pe_points(contacts)[i].impulse);
+        sum = pe_add(sum, pe_manifold_points(contacts)[i].impulse);
     }
     return sum;
 }

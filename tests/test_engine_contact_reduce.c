@@ -6,7 +6,7 @@
 
 /* Twice the area of the projection of a quadrilateral of points, the largest over its three orders.
  */
-static double quad_area(const pe_hits *hits, const int q[4])
+static double quad_area(const pe_pair_manifold *hits, const int q[4])
 {
     double most = 0;
     static const int orders[3][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 1, 3, 2}};
@@ -23,7 +23,7 @@ static double quad_area(const pe_hits *hits, const int q[4])
 }
 
 /* Faces that overlap in five to eight corners, tilted a little. */
-static void many_points(check_random *random, pe_hits *hits)
+static void many_points(check_random *random, pe_pair_manifold *hits)
 {
     do {
         placed_shape a = {.shape = {.kind = PE_SHAPE_BOX, .half_extents = {0.5, 0.5, 0.5}}}, b = a;
@@ -42,10 +42,10 @@ static void test_reducing_keeps_a_deepest_point_and_most_of_the_area(void **stat
     (void)state;
     check_random random = {37};
     for (int i = 0; i < 2000; ++i) {
-        pe_hits hits;
+        pe_pair_manifold hits;
         many_points(&random, &hits);
-        pe_hits all = hits;
-        pe_hits_reduce(&hits, 0.4);
+        pe_pair_manifold all = hits;
+        pe_pair_manifold_reduce(&hits, 0.4);
         assert_int_equal(hits.count, 4);
         assert_close(least_separation(&hits), least_separation(&all), 1e-5 * 0.4, 0);
         static const int every[4] = {0, 1, 2, 3};
@@ -72,21 +72,21 @@ static void test_reducing_chooses_the_same_features_under_the_motion_of_rest(voi
     /* Regular polygons: depths tie, and in those of odd number the farthest points too. */
     check_random random = {41};
     for (int corners = 5; corners <= PE_MAX_POINTS; ++corners) {
-        pe_hits first = {0};
+        pe_pair_manifold first = {0};
         for (int i = 0; i < 500; ++i) {
-            pe_hits hits = {.normal = {0, 0, 1}, .count = corners};
+            pe_pair_manifold hits = {.normal = {0, 0, 1}, .count = corners};
             for (int j = 0; j < corners; ++j) {
                 /* Found from another corner on each time. */
                 int k = (i + j) % corners;
                 double angle = 2 * 3.141592653589793 * k / corners;
-                hits.item[j] = (pe_hit){
+                hits.item[j] = (pe_pair_point){
                     .position = pe_add(pe_v3(0.5 * cos(angle), 0.5 * sin(angle), 0),
                                        random_vector_in(&random, -1e-8, 1e-8)),
                     .separation = check_uniform(&random, -1e-8, 1e-8),
                     .feature = (uint64_t)(7 * k % 11),
                 };
             }
-            pe_hits_reduce(&hits, 0.5);
+            pe_pair_manifold_reduce(&hits, 0.5);
             assert_int_equal(hits.count, 4);
             first = i == 0 ? hits : first;
             for (int j = 0; j < 4; ++j) {
@@ -99,13 +99,13 @@ static void test_reducing_chooses_the_same_features_under_the_motion_of_rest(voi
 static void test_reducing_points_on_one_line_keeps_the_ends(void **state)
 {
     (void)state;
-    pe_hits hits = {.normal = {0, 0, 1}, .count = 6};
+    pe_pair_manifold hits = {.normal = {0, 0, 1}, .count = 6};
     static const double at[6] = {0.3, -1, 0, 1, 0.5, -0.2};
     for (uint32_t i = 0; i < 6; ++i) {
-        hits.item[i] =
-            (pe_hit){.position = {at[i], 0, 0}, .separation = i == 3 ? -1e-3 : 0, .feature = 6 - i};
+        hits.item[i] = (pe_pair_point){
+            .position = {at[i], 0, 0}, .separation = i == 3 ? -1e-3 : 0, .feature = 6 - i};
     }
-    pe_hits_reduce(&hits, 1);
+    pe_pair_manifold_reduce(&hits, 1);
     assert_int_equal(hits.count, 2);
     assert_close(hits.item[0].position.x, 1, 0, 0);
     assert_close(hits.item[1].position.x, -1, 0, 0);

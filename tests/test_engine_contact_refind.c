@@ -139,7 +139,7 @@ static void test_without_memory_the_contacts_are_as_they_were(void **state)
         find_contacts(world, 1e-9);
         mark_impulses(&world->contacts);
         pe_contacts before = world->contacts;
-        size_t size = (size_t)before.point_count * sizeof(pe_point);
+        size_t size = (size_t)before.point_count * sizeof(pe_manifold_point);
         void *points = malloc(size);
         assert_non_null(points);
         memcpy(points, before.point_array.items, size);

@@ -5,7 +5,7 @@
 
 #include <string.h>
 
-static bool has_feature(const pe_hits *hits, uint64_t feature)
+static bool has_feature(const pe_pair_manifold *hits, uint64_t feature)
 {
     bool has = false;
     for (int i = 0; i < hits->count; ++i) {
@@ -17,7 +17,7 @@ static bool has_feature(const pe_hits *hits, uint64_t feature)
 static void check_standing(placed_shape ground, double top)
 {
     check_random random = {7};
-    pe_hits first = {0}, hits;
+    pe_pair_manifold first = {0}, hits;
     for (int i = 0; i < 1000; ++i) {
         /* Sways by 1e-9 while it spins as it likes. */
         placed_shape b = cylinder(0.5, 0.4);
@@ -52,7 +52,7 @@ static void test_tilted_cylinder_has_its_lowest_point(void **state)
         placed_shape b = cylinder(0.5, 0.4),
                      plane = {.shape = {.kind = PE_SHAPE_PLANE, .normal = {0, 0, 1}}};
         place(&b, pe_v3(0, 0, 1), about(pe_v3(0.6, 0.8, 0), tilt));
-        pe_hits hits;
+        pe_pair_manifold hits;
         collide_convex(of(&plane), of(&b), 2, &hits);
         pe_vec3 lowest = pe_v3(0, 0, 0);
         for (int i = 0; i < hits.count; ++i) {
@@ -67,7 +67,7 @@ static void test_tilted_cylinder_has_its_lowest_point(void **state)
 
 static void check_rolling(placed_shape ground, double top)
 {
-    pe_hits before = {0}, hits;
+    pe_pair_manifold before = {0}, hits;
     for (int i = 0; i < 1000; ++i) {
         placed_shape b = cylinder(0.5, 0.4);
         double angle = 1e-3 * i;
@@ -100,7 +100,7 @@ static void test_cap_wider_than_a_box_stands_on_the_corners(void **state)
     (void)state;
     placed_shape box = shape_of(PE_SHAPE_BOX, 0, 0, pe_v3(0.3, 0.2, 1)), b = cylinder(1, 0.5);
     place(&b, pe_v3(0, 0, 1.5), (pe_quat){.w = 1});
-    pe_hits hits;
+    pe_pair_manifold hits;
     collide_convex(of(&box), of(&b), 1e-3, &hits);
     assert_int_equal(hits.count, 4);
     for (int i = 0; i < 4; ++i) {
@@ -114,7 +114,7 @@ static void test_overhanging_cap_has_the_crossings_of_rim_and_edge(void **state)
     (void)state;
     placed_shape box = shape_of(PE_SHAPE_BOX, 0, 0, pe_v3(1, 1, 1)), b = cylinder(0.5, 0.5);
     place(&b, pe_v3(1.1, 0, 1.5), (pe_quat){.w = 1});
-    pe_hits hits;
+    pe_pair_manifold hits;
     collide_convex(of(&box), of(&b), 1e-3, &hits);
     int crossings = 0;
     double across = sqrt(0.25 - 0.01);
@@ -175,7 +175,7 @@ static void test_edge_in_line_with_a_side_touches_it_at_the_end_they_share(void 
         pe_vec3 centre = pe_add(end, pe_v3(way * b.shape.half_height, aside, aside));
         place(&b, pe_add(centre, random_vector(&random, 4e-16)),
               about(pe_v3(0, 1, 0), 1.5707963267948966));
-        pe_hits hits;
+        pe_pair_manifold hits;
         collide_convex((pe_placed){&hull.shape, geometry, &hull.pose, geometry->size}, of(&b), 1e-2,
                        &hits);
         assert_true(hits.count > 0);
@@ -204,7 +204,7 @@ static void test_cap_with_a_corner_on_its_rim_keeps_its_features_while_it_sways(
         if (arm.x < -0.4) {
             continue; /* the cap is beside the face */
         }
-        pe_hits first = {0}, hits;
+        pe_pair_manifold first = {0}, hits;
         for (int i = 0; i < 300; ++i) {
             placed_shape b = cylinder(0.5, 0.4);
             pe_vec3 sway = i == 0 ? pe_v3(0, 0, 0) : random_vector(&random, 2e-10);

@@ -12,7 +12,7 @@ static void solved(solving *s, const pe_contact_problem *source, const named_sol
 /* Component k of the impulse of a manifold. */
 static double impulse_of(const solving *s, int manifold, int k)
 {
-    const pe_patch *patch = &s->problem.patch[manifold];
+    const pe_solver_manifold *patch = &s->problem.patch[manifold];
     double sum = 0;
     for (int j = patch->first; j < patch->first + patch->count; ++j) {
         sum += s->problem.impulse[j][k];

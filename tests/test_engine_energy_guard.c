@@ -1,5 +1,5 @@
 /* The guard over energy. */
-#include "energy_guard.h"
+#include "step/energy_guard.h"
 
 #include "broad_phase/broad_phase.h"
 #include "check.h"
@@ -15,7 +15,7 @@ static double kinetic_energy(const pe_world *world)
     double sum = 0;
     for (int slot = 1; slot < world->slot_count; ++slot) {
         const pe_mass *m = &pe_masses(world)[slot];
-        const pe_motion *v = &pe_motions(world)[slot];
+        const pe_twist *v = &pe_twists(world)[slot];
         pe_vec3 w = pe_unrotate(&pe_poses(world)[slot].rotation, v->angular_velocity);
         sum +=
             0.5 * (m->mass * pe_dot(v->velocity, v->velocity) + pe_dot(w, pe_mul(m->inertia, w)));
@@ -35,7 +35,7 @@ static pe_vec3 random_vector(check_random *random, double reach)
 /* A step under way: what the guard compares with. */
 typedef struct under_way {
     pe_pose poses[8];
-    pe_motion motions[8];
+    pe_twist motions[8];
     pe_free_motion free[8];
     pe_islands islands;
 } under_way;
@@ -49,7 +49,7 @@ static void remember(pe_world *world, under_way *u)
     assert_int_equal(pe_contacts_find(world, pairs, count, H, NULL), PE_OK);
     size_t slots = (size_t)world->slot_count;
     memcpy(u->poses, pe_poses(world), slots * sizeof *u->poses);
-    memcpy(u->motions, pe_motions(world), slots * sizeof *u->motions);
+    memcpy(u->motions, pe_twists(world), slots * sizeof *u->motions);
     pe_predict_motion(world, H, u->free);
     assert_int_equal(pe_islands_find(world, &u->islands, NULL), PE_OK);
 }
@@ -57,7 +57,7 @@ static void remember(pe_world *world, under_way *u)
 /* Moves a body as if it touched nothing. */
 static void move_freely(pe_world *world, const under_way *u, int slot)
 {
-    pe_motions(world)[slot] = u->free[slot].end;
+    pe_twists(world)[slot] = u->free[slot].end;
     pe_pose_move(&pe_poses(world)[slot], pe_scale(H, u->free[slot].mean.velocity),
                  pe_scale(H, u->free[slot].mean.angular_velocity));
 }
@@ -105,9 +105,9 @@ static void test_free_fall_and_throws_are_left_to_the_bit(void **state)
         remember(world, &u);
         assert_int_equal(u.islands.count, 1);
         move_freely(world, &u, (int)id.index);
-        pe_motion before = pe_motions(world)[id.index];
+        pe_twist before = pe_twists(world)[id.index];
         pe_energy_report report = guard(world, &u);
-        assert_memory_equal(&before, &pe_motions(world)[id.index], sizeof before);
+        assert_memory_equal(&before, &pe_twists(world)[id.index], sizeof before);
         assert_int_equal(report.islands, 0);
         pe_world_destroy(world);
     }
@@ -127,9 +127,9 @@ static void test_what_forces_and_torques_do_is_left_to_the_bit(void **state)
         under_way u;
         remember(world, &u);
         move_freely(world, &u, (int)id.index);
-        pe_motion before = pe_motions(world)[id.index];
+        pe_twist before = pe_twists(world)[id.index];
         guard(world, &u);
-        assert_memory_equal(&before, &pe_motions(world)[id.index], sizeof before);
+        assert_memory_equal(&before, &pe_twists(world)[id.index], sizeof before);
         pe_world_destroy(world);
     }
 }
@@ -148,7 +148,7 @@ static void test_a_bounce_keeps_the_energy(void **state)
     under_way u;
     remember(world, &u);
     double before = energy_at(world, id);
-    pe_motion *motion = &pe_motions(world)[id.index];
+    pe_twist *motion = &pe_twists(world)[id.index];
     motion->velocity.z = 5;
     pe_pose_move(&pe_poses(world)[id.index], pe_scale(H, motion->velocity),
                  pe_scale(H, motion->angular_velocity));
@@ -173,7 +173,7 @@ static void test_the_guard_never_adds_and_leaves_no_growth_that_motion_could_pay
         under_way u;
         remember(world, &u);
         double begun = energy_at(world, id);
-        pe_motion *motion = &pe_motions(world)[id.index];
+        pe_twist *motion = &pe_twists(world)[id.index];
         motion->velocity = pe_add(motion->velocity, random_vector(&random, 1));
         motion->angular_velocity = pe_add(motion->angular_velocity, random_vector(&random, 1));
         pe_pose_move(&pe_poses(world)[id.index], random_vector(&random, 0.05),
@@ -202,11 +202,11 @@ static void test_a_rise_without_motion_is_taken_back(void **state)
     pe_world *world = make_world_with(CUBE, pe_v3(0, 0, 0), pe_v3(0, 0, 0), &id);
     under_way u;
     remember(world, &u);
-    pe_motions(world)[id.index].velocity.x = 1e-3;
+    pe_twists(world)[id.index].velocity.x = 1e-3;
     pe_pose_move(&pe_poses(world)[id.index], pe_v3(0, 0, 9e-4), pe_v3(0, 0, 0));
     pe_energy_report report = guard(world, &u);
     assert_int_equal(report.put_back, 1);
-    assert_close(pe_motions(world)[id.index].velocity.x, 0, 0, 0);
+    assert_close(pe_twists(world)[id.index].velocity.x, 0, 0, 0);
     assert_memory_equal(&pe_poses(world)[id.index], &u.poses[id.index], sizeof(pe_pose));
     pe_world_destroy(world);
 }
@@ -220,7 +220,7 @@ typedef struct lifted {
     int slot;
     under_way begun;
     pe_pose pose[8]; /* (slots): before the lift */
-    pe_motion motion[8];
+    pe_twist motion[8];
     pe_energy_report report;
     bool put_back[8];
 } lifted;
@@ -234,7 +234,7 @@ static lifted lift(double height, double kept, bool solved)
     l.slot = (int)id.index;
     remember(l.world, &l.begun);
     move_freely(l.world, &l.begun, l.slot);
-    pe_motion *motion = &pe_motions(l.world)[l.slot];
+    pe_twist *motion = &pe_twists(l.world)[l.slot];
     motion->velocity = pe_scale(kept, motion->velocity);
     l.pose[l.slot] = pe_poses(l.world)[l.slot];
     l.motion[l.slot] = *motion;
@@ -262,7 +262,7 @@ static void test_a_lift_that_motion_pays_for_stays(void **state)
     lifted l = lift(4e-4, 1, true);
     assert_int_equal(l.report.put_back, 0);
     assert_close(pe_poses(l.world)[l.slot].position.z, l.pose[l.slot].position.z + 4e-4, 1e-15, 0);
-    double v = pe_motions(l.world)[l.slot].velocity.z, fall = l.motion[l.slot].velocity.z;
+    double v = pe_twists(l.world)[l.slot].velocity.z, fall = l.motion[l.slot].velocity.z;
     assert_true(fall < 0);
     assert_close(v * v, fall * fall - 2 * 9.81 * 4e-4, 1e-9, 0);
     pe_world_destroy(l.world);
@@ -277,7 +277,7 @@ static void test_a_dearer_lift_is_taken_back_and_the_motion_goes_on(void **state
         assert_int_equal(l.report.put_back, 1);
         assert_true(l.put_back[l.slot]);
         assert_memory_equal(&pe_poses(l.world)[l.slot], &l.pose[l.slot], sizeof(pe_pose));
-        assert_memory_equal(&pe_motions(l.world)[l.slot], &l.motion[l.slot], sizeof(pe_motion));
+        assert_memory_equal(&pe_twists(l.world)[l.slot], &l.motion[l.slot], sizeof(pe_twist));
         pe_world_destroy(l.world);
     }
 }
@@ -290,7 +290,7 @@ static void test_what_was_not_solved_comes_to_rest_where_it_was(void **state)
     assert_int_equal(l.report.put_back, 1);
     assert_true(l.put_back[l.slot]);
     assert_memory_equal(&pe_poses(l.world)[l.slot], &l.begun.poses[l.slot], sizeof(pe_pose));
-    assert_close(pe_length(pe_motions(l.world)[l.slot].velocity), 0, 0, 0);
+    assert_close(pe_length(pe_twists(l.world)[l.slot].velocity), 0, 0, 0);
     pe_world_destroy(l.world);
 }
 
@@ -300,7 +300,7 @@ static void test_what_is_deep_is_lifted_at_any_price(void **state)
     lifted l = lift(8e-3, 1, true);
     assert_false(l.put_back[l.slot]);
     assert_close(pe_poses(l.world)[l.slot].position.z, l.pose[l.slot].position.z + 8e-3, 1e-15, 0);
-    assert_close(pe_length(pe_motions(l.world)[l.slot].velocity), 0, 0, 0);
+    assert_close(pe_length(pe_twists(l.world)[l.slot].velocity), 0, 0, 0);
     pe_world_destroy(l.world);
 }
 

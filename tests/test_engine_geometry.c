@@ -1,9 +1,9 @@
 /* Geometries of hulls and meshes: mass by closed forms, faces and edges by Euler, and what is
  * refused. */
+#include "catalogue/solids.h"
 #include "check.h"
 #include "counting_allocator.h"
-#include "geometry/geometry.h"
-#include "solids.h"
+#include "model/geometry.h"
 
 #include <stdlib.h>
 #include <string.h>

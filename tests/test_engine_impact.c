@@ -1,6 +1,6 @@
 /* Impacts at their own time within the step, against closed forms. */
+#include "base/vec3.h"
 #include "check.h"
-#include "vec.h"
 #include "world_for_tests.h"
 
 #include <math.h>

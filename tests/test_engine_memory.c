@@ -1,8 +1,8 @@
 /* Memory: nothing allocated after warm-up, nothing lost when an allocation fails, nothing accepted
  * that the interface forbids. */
+#include "base/vec3.h"
 #include "check.h"
 #include "counting_allocator.h"
-#include "vec.h"
 #include "world_for_tests.h"
 
 static const double H = 1.0 / 60;

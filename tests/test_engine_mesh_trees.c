@@ -1,7 +1,7 @@
 /* The trees of meshes: pairs of triangles and insides by brute force. */
 #include "check.h"
-#include "collide/collide_mesh.h"
 #include "mesh_for_tests.h"
+#include "narrow_phase/mesh/collide_mesh.h"
 
 static double distance_of_facets(const pe_facet *a, const pe_facet *b)
 {

@@ -1,7 +1,7 @@
 /* Meshes at rest in a world. */
+#include "catalogue/solids.h"
 #include "check.h"
 #include "mesh_for_tests.h"
-#include "solids.h"
 #include "world_for_tests.h"
 
 static pe_geometry_id add_geometry(pe_world *world, test_mesh m)

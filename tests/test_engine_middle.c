@@ -1,7 +1,7 @@
 /* Smooth motion in contact is second order in the step: halving it quarters the error. */
+#include "base/vec3.h"
 #include "check.h"
 #include "plumb/contact_problem.h"
-#include "vec.h"
 #include "world_for_tests.h"
 
 #include <math.h>

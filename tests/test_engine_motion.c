@@ -1,6 +1,6 @@
 /* Motion without contact: the integrator against closed forms. */
+#include "base/rotation.h"
 #include "check.h"
-#include "rotation.h"
 #include "world_for_tests.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 #include "check.h"
 #include "contact_problem_for_tests.h"
 #include "dense_problem.h"
-#include "solve/pattern_store.h"
+#include "sparse/pattern_store.h"
 
 #include <string.h>
 

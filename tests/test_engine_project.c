@@ -1,6 +1,6 @@
 /* Projection of positions. */
 #include "check.h"
-#include "project.h"
+#include "step/position_correction.h"
 #include "world_for_tests.h"
 
 #include <stdlib.h>
@@ -52,7 +52,7 @@ static double depth_of(const pe_world *world)
 {
     double depth = 0;
     for (int j = 0; j < world->contacts.point_count; ++j) {
-        depth = pe_max(depth, -pe_points(&world->contacts)[j].separation);
+        depth = pe_max(depth, -pe_manifold_points(&world->contacts)[j].separation);
     }
     return depth;
 }
@@ -62,7 +62,7 @@ static double squares_of(const pe_world *world, double aim)
 {
     double sum = 0;
     for (int j = 0; j < world->contacts.point_count; ++j) {
-        double over = pe_max(-pe_points(&world->contacts)[j].separation - aim, 0);
+        double over = pe_max(-pe_manifold_points(&world->contacts)[j].separation - aim, 0);
         sum += over * over;
     }
     return sum;
@@ -86,7 +86,7 @@ static pe_vec3 spin_of(const pe_world *world)
     pe_vec3 sum = {0};
     for (int slot = 1; slot < world->slot_count; ++slot) {
         const pe_mat3 *r = &pe_poses(world)[slot].rotation;
-        pe_vec3 w = pe_unrotate(r, pe_motions(world)[slot].angular_velocity);
+        pe_vec3 w = pe_unrotate(r, pe_twists(world)[slot].angular_velocity);
         sum = pe_add(sum, pe_rotate(r, pe_mul(pe_masses(world)[slot].inertia, w)));
     }
     return sum;
@@ -257,13 +257,13 @@ static void test_contacts_afterwards_are_those_of_the_final_poses(void **state)
         int manifolds = world->contacts.manifold_count, points = world->contacts.point_count;
         double *gaps = malloc(sizeof *gaps * (size_t)points);
         for (int j = 0; j < points; ++j) {
-            gaps[j] = pe_points(&world->contacts)[j].separation;
+            gaps[j] = pe_manifold_points(&world->contacts)[j].separation;
         }
         find(world);
         assert_int_equal(world->contacts.manifold_count, manifolds);
         assert_int_equal(world->contacts.point_count, points);
         for (int j = 0; j < points; ++j) {
-            assert_close(pe_points(&world->contacts)[j].separation, gaps[j], 1e-12, 0);
+            assert_close(pe_manifold_points(&world->contacts)[j].separation, gaps[j], 1e-12, 0);
         }
         free(gaps);
         pe_world_destroy(world);

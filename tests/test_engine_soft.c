@@ -1,7 +1,7 @@
 /* Substepped soft contact against closed forms of mechanics. */
+#include "base/vec3.h"
 #include "check.h"
 #include "soft_for_tests.h"
-#include "vec.h"
 #include "world_for_tests.h"
 
 static const double H = 1.0 / 60, G = 9.81;
@@ -14,7 +14,7 @@ static pe_vec3 impulse_on(const pe_world *world, pe_body_id body)
         const pe_manifold *m = &pe_manifolds(&world->contacts)[i];
         for (int j = m->first; j < m->first + m->count; ++j) {
             double sign = m->b == (int)body.index ? 1 : m->a == (int)body.index ? -1 : 0;
-            sum = pe_madd(sum, sign, pe_points(&world->contacts)[j].impulse);
+            sum = pe_madd(sum, sign, pe_manifold_points(&world->contacts)[j].impulse);
         }
     }
     return sum;
@@ -55,7 +55,7 @@ static void test_each_joint_of_a_tower_carries_the_weight_above_it(void **state)
         const pe_manifold *m = &pe_manifolds(contacts)[i];
         double carried = 0;
         for (int j = m->first; j < m->first + m->count; ++j) {
-            carried += pe_points(contacts)[j].impulse.z;
+            carried += pe_manifold_points(contacts)[j].impulse.z;
         }
         assert_close(carried, (N - i) * G * H, 1e-6, 0);
     }

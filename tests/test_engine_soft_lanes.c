@@ -1,9 +1,9 @@
 /* Substepped soft contact as a piece of machinery: lanes, order, memory, what is chosen. */
+#include "base/vec3.h"
 #include "check.h"
 #include "counting_allocator.h"
-#include "soft/plan.h"
 #include "soft_for_tests.h"
-#include "vec.h"
+#include "solver/soft_plan.h"
 #include "world_for_tests.h"
 
 #include <stdlib.h>
@@ -72,10 +72,11 @@ static void test_one_four_and_eight_lanes_give_the_same_bits(void **state)
                 pe_soft_report report = soft_step(other, H, &wide);
                 assert_int_equal(report.colours == 64, scene == 1);
                 assert_memory_equal(pe_poses(one), pe_poses(other), slots * sizeof(pe_pose));
-                assert_memory_equal(pe_motions(one), pe_motions(other), slots * sizeof(pe_motion));
+                assert_memory_equal(pe_twists(one), pe_twists(other), slots * sizeof(pe_twist));
                 for (int j = 0; j < one->contacts.point_count; ++j) {
-                    assert_memory_equal(&pe_points(&one->contacts)[j].impulse,
-                                        &pe_points(&other->contacts)[j].impulse, sizeof(pe_vec3));
+                    assert_memory_equal(&pe_manifold_points(&one->contacts)[j].impulse,
+                                        &pe_manifold_points(&other->contacts)[j].impulse,
+                                        sizeof(pe_vec3));
                 }
             }
             pe_world_destroy(one);
@@ -97,7 +98,7 @@ static void test_a_body_with_more_contacts_than_colours_is_carried_like_any_othe
     for (int i = 0; i < contacts->manifold_count; ++i) {
         const pe_manifold *m = &pe_manifolds(contacts)[i];
         for (int j = m->first; m->b == (int)plate.index && j < m->first + m->count; ++j) {
-            floor_carries += pe_points(contacts)[j].impulse.z;
+            floor_carries += pe_manifold_points(contacts)[j].impulse.z;
         }
     }
     assert_close(floor_carries, (100 + TABLE * TABLE) * G * H, 0, 1e-6);
@@ -117,10 +118,11 @@ static void test_colours_share_no_body_and_every_point_is_planned_once(void **st
             add_laid_table(world, TABLE, ids);
         }
         soft_case now;
-        pe_lines lines;
+        pe_solver_bodies lines;
         pe_soft_plan plan;
         assert_int_equal(soft_prepare(world, H, &now), PE_OK);
-        assert_int_equal(pe_lines_take(world, &now.islands, now.chosen, &lines, NULL), PE_OK);
+        assert_int_equal(pe_solver_bodies_take(world, &now.islands, now.chosen, &lines, NULL),
+                         PE_OK);
         assert_int_equal(pe_soft_plan_make(world, &now.islands, now.chosen, &lines, &plan, NULL),
                          PE_OK);
         int *seen = calloc((size_t)world->contacts.point_count, sizeof *seen);
@@ -166,8 +168,8 @@ static void test_a_manifold_of_eight_points_carries_as_one_of_four(void **state)
     assert_int_equal(m->count, 8);
     double carried = 0;
     for (int j = m->first; j < m->first + m->count; ++j) {
-        assert_true(pe_points(&world->contacts)[j].impulse.z >= 0);
-        carried += pe_points(&world->contacts)[j].impulse.z;
+        assert_true(pe_manifold_points(&world->contacts)[j].impulse.z >= 0);
+        carried += pe_manifold_points(&world->contacts)[j].impulse.z;
     }
     assert_close(carried, G * H, 1e-8, 0);
     pe_world_destroy(world);
@@ -209,7 +211,7 @@ static void test_an_island_that_is_not_chosen_is_not_touched(void **state)
     assert_int_equal(report.bodies, 3);
     assert_int_equal(report.manifolds, 3);
     const pe_manifold *m = &pe_manifolds(&both->contacts)[now.islands.manifolds[3]];
-    assert_close(pe_length(pe_points(&both->contacts)[m->first].impulse), 0, 0, 0);
+    assert_close(pe_length(pe_manifold_points(&both->contacts)[m->first].impulse), 0, 0, 0);
     /* And what is chosen moves as if there were nothing else. */
     soft_step(alone, H, NULL);
     for (int i = 0; i < 3; ++i) {
@@ -232,11 +234,12 @@ static void test_neither_precession_nor_turning_changes_kinetic_energy(void **st
         def.angular_velocity = pe_v3(30, -20, 25);
         pe_body_id body = add_body(world, &def);
         soft_case now;
-        pe_lines lines;
+        pe_solver_bodies lines;
         assert_int_equal(soft_prepare(world, H, &now), PE_OK);
-        assert_int_equal(pe_lines_take(world, &now.islands, now.chosen, &lines, NULL), PE_OK);
+        assert_int_equal(pe_solver_bodies_take(world, &now.islands, now.chosen, &lines, NULL),
+                         PE_OK);
         assert_int_equal(lines.count, 2);
-        pe_lines_fill(world, H, H, &lines);
+        pe_solver_bodies_fill(world, H, H, &lines);
         const double *spin = lines.velocity[1].angular;
         double twice = spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2];
         assert_close(twice / 2, energy_of(world, body) - G * 0.5, 0, 1e-13);
@@ -248,7 +251,7 @@ static void test_neither_precession_nor_turning_changes_kinetic_energy(void **st
             lines.displacement[1].angular[k] = check_uniform(&random, -0.3, 0.3);
             twice += w * w;
         }
-        pe_lines_apply(world, &lines);
+        pe_solver_bodies_apply(world, &lines);
         double potential = G * state_of(world, body).position.z;
         assert_close(energy_of(world, body), twice / 2 + potential, 1e-12, 0);
         pe_world_destroy(world);
@@ -298,12 +301,12 @@ static void test_every_failed_allocation_leaves_all_as_it_was(void **state)
         /* The arena is empty until the first step: each piece of it is an allocation. */
         assert_int_equal(soft_prepare(world, H, &now), PE_OK);
         size_t poses = (size_t)world->slot_count * sizeof(pe_pose);
-        size_t motions = (size_t)world->slot_count * sizeof(pe_motion);
-        size_t points = (size_t)world->contacts.point_count * sizeof(pe_point);
+        size_t motions = (size_t)world->slot_count * sizeof(pe_twist);
+        size_t points = (size_t)world->contacts.point_count * sizeof(pe_manifold_point);
         char *before = malloc(poses + motions + points);
         memcpy(before, pe_poses(world), poses);
-        memcpy(before + poses, pe_motions(world), motions);
-        memcpy(before + poses + motions, pe_points(&world->contacts), points);
+        memcpy(before + poses, pe_twists(world), motions);
+        memcpy(before + poses + motions, pe_manifold_points(&world->contacts), points);
         c.fail_at = c.calls + k;
         pe_error error = {0};
         pe_status status = pe_soft_step(world, &now.islands, now.chosen, H, NULL, &error);
@@ -312,8 +315,9 @@ static void test_every_failed_allocation_leaves_all_as_it_was(void **state)
             assert_int_equal(status, PE_NO_MEMORY);
             assert_contains(error.message, "no memory for");
             assert_memory_equal(before, pe_poses(world), poses);
-            assert_memory_equal(before + poses, pe_motions(world), motions);
-            assert_memory_equal(before + poses + motions, pe_points(&world->contacts), points);
+            assert_memory_equal(before + poses, pe_twists(world), motions);
+            assert_memory_equal(before + poses + motions, pe_manifold_points(&world->contacts),
+                                points);
         }
         free(before);
         pe_world_destroy(world);

@@ -1,27 +1,27 @@
 /* The kernels of the sweeps: Gauss-Seidel by the book, and the same bits at every width. */
 #include "check.h"
 #include "contact_problem_for_tests.h"
-#include "solve/sweep.h"
+#include "solver/sweep.h"
 #include "sweep_bench.h"
 
 #include <math.h>
 #include <string.h>
 
-static void velocity_now(const sweep_bench *b, const pe_patch *patch, const pe_patch_point *point,
-                         double u[3])
+static void velocity_now(const sweep_bench *b, const pe_solver_manifold *patch,
+                         const pe_solver_point *point, double u[3])
 {
     double q[6];
-    pe_patch_twist(patch, (const double(*)[6])b->velocity, q);
+    pe_solver_manifold_twist(patch, (const double(*)[6])b->velocity, q);
     pe_point_velocity(point, q, u);
 }
 
 /* What an impulse does to the bodies' velocities. */
-static void push(sweep_bench *b, const pe_patch *patch, const pe_patch_point *point,
+static void push(sweep_bench *b, const pe_solver_manifold *patch, const pe_solver_point *point,
                  const double p[3])
 {
     double wrench[6] = {0}, momentum[3][6] = {{0}}, gained[6];
     pe_wrench_add(point, p, wrench);
-    pe_patch_push(patch, wrench, momentum);
+    pe_solver_manifold_push(patch, wrench, momentum);
     for (int i = 0; i < b->problem.body_count; ++i) {
         pe_inverse_mass_times(&b->inertia[i], momentum[i], gained);
         for (int k = 0; k < 6; ++k) {
@@ -31,8 +31,8 @@ static void push(sweep_bench *b, const pe_patch *patch, const pe_patch_point *po
 }
 
 /* W of a point, by trying unit impulses. */
-static void try_impulses(sweep_bench *b, const pe_patch *patch, const pe_patch_point *point,
-                         double w[3][3])
+static void try_impulses(sweep_bench *b, const pe_solver_manifold *patch,
+                         const pe_solver_point *point, double w[3][3])
 {
     double before[3], after[3];
     velocity_now(b, patch, point, before);
@@ -48,9 +48,9 @@ static void try_impulses(sweep_bench *b, const pe_patch *patch, const pe_patch_p
 }
 
 /* Gauss-Seidel by the book at one point. */
-static void visit_plainly(sweep_bench *b, const pe_patch *patch, int j)
+static void visit_plainly(sweep_bench *b, const pe_solver_manifold *patch, int j)
 {
-    const pe_patch_point *point = &b->point[j];
+    const pe_solver_point *point = &b->point[j];
     double w[3][3], u[3], *p = b->impulse[j];
     try_impulses(b, patch, point, w);
     velocity_now(b, patch, point, u);

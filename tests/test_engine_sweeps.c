@@ -121,9 +121,9 @@ static void test_both_solvers_meet_the_contact_law(void **state)
         assert_int_equal(report.stop, PE_STOP_CONVERGED);
         int sliding = 0, sticking = 0;
         for (int i = 0; i < b->problem.patch_count; ++i) {
-            const pe_patch *patch = &b->patch[i];
+            const pe_solver_manifold *patch = &b->patch[i];
             double q[6], u[3];
-            pe_patch_twist(patch, (const double(*)[6])b->velocity, q);
+            pe_solver_manifold_twist(patch, (const double(*)[6])b->velocity, q);
             for (int j = patch->first; j < patch->first + patch->count; ++j) {
                 const double *p = b->impulse[j];
                 pe_point_velocity(&b->point[j], q, u);

@@ -1,7 +1,7 @@
 /* Nothing passes a wall that is thinner than the way it makes in a step. */
+#include "base/vec3.h"
 #include "check.h"
 #include "random_pose.h"
-#include "vec.h"
 #include "world_for_tests.h"
 
 static const double half_wall = 0.005; /* m */

@@ -1,9 +1,9 @@
 /* How long members stay together, on trajectories that are written by hand. */
 #include "check.h"
-#include "ensemble/horizon.h"
 #include "plumb_process.h"
 #include "runner/execute.h"
 #include "runner/positions.h"
+#include "studies/ensemble/horizon.h"
 
 #include <math.h>
 #include <stdlib.h>

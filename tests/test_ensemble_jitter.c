@@ -3,7 +3,7 @@
 #include "plumb/jitter.h"
 #include "plumb/scenario.h"
 #include "plumb/vec.h"
-#include "referee/solid.h"
+#include "referee/geometry/solid.h"
 
 #include <math.h>
 #include <string.h>

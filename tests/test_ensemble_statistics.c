@@ -1,8 +1,8 @@
 /* What ensembles are compared by, against closed forms and against sums over all pairs and all
  * arrangements. */
 #include "check.h"
-#include "ensemble/holm.h"
-#include "ensemble/permutation.h"
+#include "studies/ensemble/holm.h"
+#include "studies/ensemble/permutation.h"
 
 #include <math.h>
 

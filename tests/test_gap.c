@@ -1,6 +1,6 @@
 /* The referee's geometry: closed forms against libccd, and both against truths that know neither.
  */
-#include "referee/gap.h"
+#include "referee/geometry/gap.h"
 
 #include "check.h"
 

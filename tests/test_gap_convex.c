@@ -1,6 +1,6 @@
 /* The gaps of convex shapes of all kinds, against sweeps of directions that know of a shape no more
  * than its farthest point, and against nearest points found by brute force. */
-#include "referee/gap.h"
+#include "referee/geometry/gap.h"
 
 #include "check.h"
 #include "polyhedra.h"

@@ -1,6 +1,6 @@
 /* Gaps of meshes, against convex shapes whose surface they have, and against rings by closed form.
  */
-#include "referee/gap.h"
+#include "referee/geometry/gap.h"
 
 #include "check.h"
 #include "polyhedra.h"

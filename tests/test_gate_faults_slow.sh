@@ -23,8 +23,8 @@ judge() {
 }
 
 friction='s/\.friction = m->friction,/.friction = FACTOR * m->friction,/'
-faulty wider engine/src/solve/problem_build.c "${friction/FACTOR/1.01}"
-faulty narrower engine/src/solve/problem_build.c "${friction/FACTOR/0.99}"
+faulty wider engine/src/problem/problem_build.c "${friction/FACTOR/1.01}"
+faulty narrower engine/src/problem/problem_build.c "${friction/FACTOR/0.99}"
 faulty cold engine/src/contact/contact_match.c \
     's/point->impulse = pushes ? old->impulse/point->impulse = pushes \&\& 0 ? old->impulse/'
 for fault in wider narrower cold; do

@@ -1,6 +1,6 @@
 /* Islands against a flood fill, and the energy that an island gains in a step against motions made
  * up here. */
-#include "referee/islands.h"
+#include "referee/metrics/contact_groups.h"
 
 #include "check.h"
 #include "synthetic_run.h"

@@ -1,66 +1,125 @@
 #!/usr/bin/env bash
-# Data goes one way. Two checks: which folder's headers a file includes, and, from the symbols that each
-# object file takes from the others, that no files call each other in a ring.
+# Every folder uses only what stands below it. The table has one line a folder: what the folder may use
+# besides itself. Includes are checked in the sources, calls by the symbols of the object files (nm).
 set -eu
 cd "$SOURCE"
 failed=0
 
-complain() {
+fail() {
     echo "$1" >&2
     failed=1
 }
 
-# allow FOLDER REGEX: quoted includes of FOLDER's files must match REGEX or be a file of the folder itself.
-allow() {
-    local folder=$1 allowed=$2 file included
-    while IFS=: read -r file included; do
-        [[ -e "$(dirname "$file")/$included" ]] && continue
-        [[ $included =~ ^($allowed)$ ]] && continue
-        complain "$file includes \"$included\", which $folder may not know"
-    done < <(grep -rHoE '^#include "[^"]+"' "$folder" --include=*.c --include=*.h --include=*.cpp |
-             sed -E 's/#include "([^"]+)"/\1/')
+# FOLDER: FOLDERS. A line may use a name that stands left of an earlier line's colon, or a group below.
+table='
+engine/include:
+engine/src/base:             engine/include
+engine/src/model:            engine/include base
+engine/src/broad_phase:      engine/include base model
+engine/src/narrow_phase:     engine/include base model
+engine/src/contact:          engine/include base model broad_phase narrow_phase
+engine/src/problem:          engine/include base model
+engine/src/sparse:           engine/include base problem
+engine/src/solver:           engine/include base model problem sparse
+engine/src/step:             engine/include base model broad_phase contact problem sparse solver
+scenarios/include:
+scenarios/base:              scenarios/include
+scenarios/scene:             scenarios/include scenarios/base
+scenarios/catalogue:         scenarios/include scenarios/base scenarios/scene
+compare/include:             scenarios/include
+compare/adapters:            SCENE compare/include engine/include
+compare/referee/geometry:    SCENE compare/include
+compare/referee/metrics:     SCENE compare/include geometry
+compare/referee:             SCENE compare/include geometry metrics
+compare/results:             SCENE compare/include metrics
+compare/runner:              SCENE compare/include adapters geometry metrics referee results
+compare/studies/sweep:       SCENE compare/include adapters metrics results runner
+compare/studies/tune:        SCENE compare/include adapters metrics results runner
+compare/studies/threshold:   SCENE compare/include results runner
+compare/studies/ensemble:    SCENE compare/include geometry metrics results runner
+compare/studies/metamorphic: SCENE compare/include geometry results runner
+compare/studies/iterations:  SCENE compare/include adapters metrics results runner
+compare/studies/solve:       SCENE compare/include engine/include adapters results runner
+compare/gate:                SCENE compare/include metrics results
+compare/report:              SCENE compare/include metrics results sweep
+compare/command:             SCENE compare/include engine/include adapters metrics results runner STUDIES gate report
+compare:                     command
+'
+group() {
+    case $1 in
+    SCENE) echo scenarios/include scenarios/base ;;
+    STUDIES) echo sweep tune threshold ensemble metamorphic iterations solve ;;
+    *) echo "$1" ;;
+    esac
 }
 
-scene='plumb/(base|jitter|scene|scenario|vec)\.h'
-abi='plumb/engine_abi\.h'
-allow engine/include 'plumb/engine\.h'
-allow engine/src 'plumb/(engine|contact_problem)\.h|((broad_phase|collide|contact|geometry|impact|soft|solve)/)?[a-z0-9_]+\.h'
-allow scenarios "$scene|scene_[a-z_]+\.h|random\.h|number\.h|name_index\.h|complaint\.h|json_(field|text)\.h"
-allow compare/referee "$scene|$abi|referee/.*"
-allow compare/results "$scene|$abi|referee/metrics\.h|results/.*"
-allow compare/report "$scene|referee/metrics\.h|results/.*|report/.*|sweep/analysis[a-z_]*\.h"
-allow compare/sweep "$scene|$abi|random\.h|adapters/registry\.h|referee/metrics\.h|results/.*|runner/.*|sweep/.*"
-allow compare/gate "$scene|json_(field|text)\.h|referee/metrics\.h|results/.*|report/sheet\.h|gate/.*"
-allow compare/runner "$scene|$abi|(adapters/registry|adapters/[a-z_]*|referee/.*|results/.*|runner/.*)(\.h)?"
-allow compare/threshold "$scene|$abi|(results/result|runner/.*|threshold/.*)(\.h)?"
-allow compare/iterations "$scene|$abi|referee/metrics\.h|(runner/.*|iterations/.*)(\.h)?"
-allow compare/tune "$scene|$abi|random\.h|adapters/registry\.h|referee/metrics\.h|results/.*|runner/.*|tune/.*"
-allow compare/adapters "$scene|$abi|adapters/.*|plumb/(engine|contact_problem)\.h"
-allow compare/solve "$scene|$abi|plumb/contact_problem\.h|json_(field|text)\.h|(adapters/registry|results/.*|runner/process|solve/.*)(\.h)?"
-allow compare/ensemble "$scene|$abi|random\.h|referee/(metrics|solid)\.h|results/.*|runner/.*|ensemble/.*"
-allow compare/metamorphic "$scene|$abi|referee/solid\.h|results/.*|runner/.*|metamorphic/.*"
+# folders[NAME] and allowed[FOLDER], from the table; a short name is a folder's last part.
+declare -A folder_of=() allowed=()
+while IFS=: read -r folder uses; do
+    [[ -z $folder ]] && continue
+    folder_of[$folder]=$folder
+    [[ -v folder_of[${folder##*/}] ]] || folder_of[${folder##*/}]=$folder
+    allowed[$folder]=" $folder "
+    for name in $uses; do
+        for member in $(group "$name"); do
+            [[ $folder == engine/* && $member == base ]] && member=engine/src/base
+            [[ -v folder_of[$member] ]] || { fail "the table's line of $folder: $member is not above it"; continue; }
+            allowed[$folder]+="${folder_of[$member]} "
+        done
+    done
+done <<<"$table"
 
-# An engine's headers are known to its adapter alone. only PATTERN OWNER: a file, or a folder's files.
+# layer PATH: the table's folder that a file belongs to, the longest that fits.
+layer() {
+    local path=${1%/*}
+    until [[ -v allowed[$path] ]]; do
+        [[ $path == */* ]] || { echo ""; return; }
+        path=${path%/*}
+    done
+    echo "$path"
+}
+
+# Headers by base name, which is unique.
+declare -A header=()
+while read -r file; do
+    [[ -v header[${file##*/}] ]] && fail "${file##*/} stands in ${header[${file##*/}]} and in $file"
+    header[${file##*/}]=$file
+done < <(find engine scenarios compare -name '*.h')
+
+includes=0
+while IFS=: read -r file included; do
+    own=$(layer "$file")
+    [[ -z $own ]] && { fail "$file: its folder has no line in the table of layers"; continue; }
+    target=${header[${included##*/}]-}
+    [[ -z $target ]] && { fail "$file includes \"$included\", which no folder has"; continue; }
+    used=$(layer "$target")
+    includes=$((includes + 1))
+    [[ ${allowed[$own]} == *" $used "* ]] ||
+        fail "$file includes \"$included\": $own may not use $used (it may use${allowed[$own]% })"
+done < <(grep -rHoE '^# *include "[^"]+"' engine scenarios compare --include=*.c --include=*.h --include=*.cpp |
+         sed -E 's/# *include "([^"]+)"/\1/')
+[[ $includes -ge 500 ]] || fail "only $includes includes were seen: the check is blind"
+
+# only PATTERN OWNER: headers of other libraries that one file or folder alone may include.
 only() {
     local pattern=$1 owner=$2 file
     while read -r file; do
-        [[ $file == "$owner" || $file == "$owner"/* ]] || complain "$file includes headers that only $owner may"
+        [[ $file == "$owner" || $file == "$owner"/* ]] || fail "$file includes headers that only $owner may"
     done < <(grep -rlE "^#include [<\"]($pattern)" engine scenarios compare || true)
 }
 only 'ode/' compare/adapters/ode
 only 'bt[A-Z]|Bullet' compare/adapters/bullet_c.cpp
-only 'ccd/' compare/referee/gap_convex.c
-only 'nlopt' compare/tune/model.c
-only 'plumb/engine\.h' 'compare/adapters/adapter_plumb.c' 2>&1 |
-    grep -v '^engine/' >"$BUILD/layers.txt" || true
-if [[ -s $BUILD/layers.txt ]]; then
-    complain "$(cat "$BUILD/layers.txt")"
-fi
+only 'ccd/' compare/referee/geometry/gap_convex.c
+only 'nlopt' compare/studies/tune/model.c
+only 'argp' compare/command
 
-# Rings: an edge from each object to the object that defines what it takes; tsort finds cycles.
+# Calls: from each object to the object that defines what it takes. They obey the table, and no files call
+# each other in a ring (tsort finds rings).
 list=$BUILD/layers_symbols.txt
 find "$BUILD/engine" "$BUILD/scenarios" "$BUILD/compare" -name '*.o' | sort | while read -r object; do
-    nm -g "$object" | awk -v file="${object#"$BUILD"/}" '
+    path=${object#"$BUILD"/}
+    path=$(sed -E 's#CMakeFiles/[^/]+\.dir/##; s#\.o$##' <<<"$path")
+    nm -g "$object" | awk -v file="$path" '
         $1 == "U" { print "use", $2, file; next }
         NF == 3 && $2 ~ /[TDRB]/ { print "def", $3, file }'
 done >"$list"
@@ -68,12 +127,20 @@ edges=$BUILD/layers_edges.txt
 awk '$1 == "def" { owner[$2] = $3; next }
      { user[NR] = $3; symbol[NR] = $2 }
      END { for (i in user) if (symbol[i] in owner && owner[symbol[i]] != user[i])
-               print user[i], owner[symbol[i]] }' "$list" | sort -u >"$edges"
-if [[ $(wc -l <"$edges") -lt 40 ]]; then
-    complain "only $(wc -l <"$edges") calls between files were seen: the check is blind"
-fi
-if ! ring=$(tsort "$edges" 2>&1 >/dev/null) || [[ -n $ring ]]; then
-    complain "files that call each other in a ring:
+               print user[i], owner[symbol[i]], symbol[i] }' "$list" | sort -u >"$edges"
+[[ $(wc -l <"$edges") -ge 500 ]] || fail "only $(wc -l <"$edges") calls were seen: the check is blind"
+while read -r user owner symbol; do
+    own=$(layer "$user")
+    used=$(layer "$owner")
+    # A public function is used through its header, wherever it is defined.
+    case $used in
+    engine/src/*) [[ $own == engine/src/* ]] || used=engine/include ;;
+    scenarios/scene | scenarios/catalogue) [[ $own == scenarios/* ]] || used=scenarios/include ;;
+    esac
+    [[ ${allowed[$own]} == *" $used "* ]] || fail "$user calls $symbol of $owner: $own may not use $used"
+done <"$edges"
+if ! ring=$(cut -d' ' -f1,2 "$edges" | sort -u | tsort 2>&1 >/dev/null) || [[ -n $ring ]]; then
+    fail "files that call each other in a ring:
 $ring"
 fi
 exit $failed

@@ -1,6 +1,6 @@
 /* Energy and momentum, against motions integrated here by semi-implicit Euler and by a second-order
  * rule. */
-#include "referee/mechanics.h"
+#include "referee/metrics/mechanics.h"
 
 #include "check.h"
 #include "polyhedra.h"

@@ -1,9 +1,9 @@
 /* plumb metamorphic as a user meets it: exit codes, names, verdicts of engines with known faults;
  * and the judgement itself, on trajectories written by hand. */
 #include "check.h"
-#include "metamorphic/agreement.h"
 #include "plumb_process.h"
 #include "results/store.h"
+#include "studies/metamorphic/agreement.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -173,12 +173,12 @@ static pl_status compare(int frames, int from, double off, double turn, pl_agree
     assert_int_equal(pl_scene_add_body(&scene, &ball, NULL, &error), PL_OK);
     write_frames(&plain, STEPS + 1, 0, 0, 0);
     write_frames(&other, frames, from, off, turn);
-    const pl_comparison comparison = {.scene = &scene,
-                                      .transform = &same,
-                                      .size = 2,
-                                      .plain = &plain,
-                                      .other = &other,
-                                      .other_body_count = 1};
+    const pl_trajectory_pair comparison = {.scene = &scene,
+                                           .transform = &same,
+                                           .size = 2,
+                                           .plain = &plain,
+                                           .other = &other,
+                                           .other_body_count = 1};
     pl_status status = pl_compare_trajectories(&comparison, agreement, &error);
     pl_trajectory_close(&plain);
     pl_trajectory_close(&other);

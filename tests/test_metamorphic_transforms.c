@@ -1,11 +1,11 @@
 /* What a transform carries is carried as the thing it is: places, vectors, pseudovectors, tensors,
  * solids; and copies and restarts are of the same problem. */
 #include "check.h"
-#include "metamorphic/far_copy.h"
-#include "metamorphic/restart.h"
 #include "plumb/vec.h"
 #include "polyhedra.h"
-#include "referee/solid.h"
+#include "referee/geometry/solid.h"
+#include "studies/metamorphic/far_copy.h"
+#include "studies/metamorphic/restart.h"
 #include "transformed.h"
 
 #include <float.h>

@@ -1,11 +1,11 @@
 /* Wavefront .obj files: the good of tests/obj/good are the solids that they say, in every form; of
  * the bad of tests/obj/bad each is refused with its line, what was expected and what was found. */
+#include "base/number.h"
 #include "check.h"
-#include "mesh_file.h"
-#include "number.h"
-#include "obj.h"
 #include "plumb/vec.h"
-#include "polyhedron.h"
+#include "scene/mesh_file.h"
+#include "scene/obj.h"
+#include "scene/polyhedron.h"
 #include "solid_for_tests.h"
 
 #include <dirent.h>

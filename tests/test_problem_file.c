@@ -4,7 +4,7 @@
 #include "check.h"
 #include "contact_problem_for_tests.h"
 #include "plumb_process.h"
-#include "solve/problem_file.h"
+#include "studies/solve/problem_file.h"
 #include "text_fault.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* What the referee makes of contact forces that the test makes up: closed forms. */
-#include "referee/contact_force.h"
+#include "referee/metrics/contact_force.h"
 
 #include "check.h"
 #include "synthetic_run.h"

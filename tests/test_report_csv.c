@@ -69,9 +69,9 @@ static void test_csv_parses_back_field_for_field(void **state)
                json_pack("{s:f, s:s, s:s, s:b, s:f, s:i}", "value", 0.1, "unit", "m", "direction",
                          "lower", "deterministic", 1, "p95", 1.0 / 3, "worst_step", 7));
     set_metric(row, "settle_time", json_pack("{s:n, s:s}", "value", "reason", hostile_text));
-    pl_sheet sheet = {0};
-    pl_csv_write(results, &sheet);
-    const char *at = sheet.data;
+    pl_text_buffer out = {0};
+    pl_csv_write(results, &out);
+    const char *at = out.data;
     int columns = read_line(&at, head);
     assert_int_equal(read_line(&at, line), columns);
     assert_string_equal(field_of(head, line, "scenario"), hostile_text);
@@ -91,7 +91,7 @@ static void test_csv_parses_back_field_for_field(void **state)
     assert_string_equal(field_of(head, line, "value"), "");
     assert_string_equal(field_of(head, line, "metric_reason"), hostile_text);
     assert_string_equal(at, "");
-    pl_sheet_free(&sheet);
+    pl_text_free(&out);
     json_decref(results);
 }
 
@@ -100,8 +100,8 @@ static void test_csv_has_a_row_for_every_metric_and_for_a_run_without_any(void *
     (void)state;
     static char head[CSV_COLUMNS][CSV_FIELD], line[CSV_COLUMNS][CSV_FIELD];
     json_t *results = runs_of_every_kind();
-    pl_sheet sheet = {0};
-    pl_csv_write(results, &sheet);
+    pl_text_buffer out = {0};
+    pl_csv_write(results, &out);
     size_t expected = 0;
     json_t *row;
     size_t index;
@@ -110,13 +110,13 @@ static void test_csv_has_a_row_for_every_metric_and_for_a_run_without_any(void *
         size_t metrics = json_object_size(json_object_get(row, "metrics"));
         expected += metrics > 0 ? metrics : 1;
     }
-    const char *at = sheet.data;
+    const char *at = out.data;
     int columns = read_line(&at, head);
     size_t lines = 0;
     for (; *at != '\0'; lines++)
         assert_int_equal(read_line(&at, line), columns);
     assert_int_equal(lines, expected);
-    pl_sheet_free(&sheet);
+    pl_text_free(&out);
     json_decref(results);
 }
 

@@ -3,7 +3,7 @@
 #include "report_rows.h"
 
 #include "plumb/scenario.h"
-#include "referee/metrics.h"
+#include "referee/metrics/metrics.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -97,10 +97,10 @@ static void test_an_error_without_a_value_is_a_finding(void **state)
 
 static void assert_contains_html(const char *page, const char *text)
 {
-    pl_sheet sheet = {0};
-    pl_sheet_add_html(&sheet, text);
-    assert_contains(page, sheet.data);
-    pl_sheet_free(&sheet);
+    pl_text_buffer out = {0};
+    pl_text_add_html(&out, text);
+    assert_contains(page, out.data);
+    pl_text_free(&out);
 }
 
 static void test_a_known_cause_is_told_with_what_was_varied(void **state)

@@ -1,5 +1,5 @@
 /* The report's pictures: the view, what hides what, and the drawing. */
-#include "report/painter.h"
+#include "report/hidden_surface.h"
 #include "report/picture.h"
 #include "report/svg.h"
 
@@ -234,13 +234,13 @@ static void test_painting_shows_the_nearest_face_at_every_sample(void **state)
 
 /* --- Drawing --- */
 
-static void draw(const pl_scene *scene, const pl_pose *poses, pl_sheet *sheet)
+static void draw(const pl_scene *scene, const pl_pose *poses, pl_text_buffer *out)
 {
     const pl_pose *runs[] = {poses};
     pl_view view = pl_view_choose(scene, runs, 1);
-    pl_svg_expected(scene, &view, "expected-0", sheet);
-    pl_svg_picture(scene, &view, poses, "expected-0", "tiny <scene>", sheet);
-    assert_false(sheet->failed);
+    pl_svg_expected(scene, &view, "expected-0", out);
+    pl_svg_picture(scene, &view, poses, "expected-0", "tiny <scene>", out);
+    assert_false(out->failed);
 }
 
 /* PLUMB_UPDATE_GOLDEN=1 writes it anew: read the difference before it is kept. */
@@ -253,13 +253,13 @@ static void test_tiny_scene_draws_as_in_the_golden_file(void **state)
     poses[2].position[0] = 0.7; /* the upper cube has fallen off */
     poses[2].orientation[0] = cos(0.3);
     poses[2].orientation[2] = sin(0.3);
-    pl_sheet sheet = {0};
-    draw(&scene, poses, &sheet);
-    pl_sheet_add(&sheet, "\n");
+    pl_text_buffer out = {0};
+    draw(&scene, poses, &out);
+    pl_text_add(&out, "\n");
     if (getenv("PLUMB_UPDATE_GOLDEN") != NULL) {
         FILE *file = fopen(path, "wb");
         assert_non_null(file);
-        fputs(sheet.data, file);
+        fputs(out.data, file);
         fclose(file);
     }
     FILE *file = fopen(path, "rb");
@@ -268,8 +268,8 @@ static void test_tiny_scene_draws_as_in_the_golden_file(void **state)
     size_t length = fread(golden, 1, sizeof golden - 1, file);
     fclose(file);
     assert_true(length < sizeof golden - 1);
-    assert_string_equal(sheet.data, golden);
-    pl_sheet_free(&sheet);
+    assert_string_equal(out.data, golden);
+    pl_text_free(&out);
     free(poses);
     pl_scene_free(&scene);
 }
@@ -279,7 +279,7 @@ static void test_standing_body_is_not_drawn_as_fallen(void **state)
     (void)state;
     pl_scene scene = tiny_scene();
     pl_pose *poses = start_poses(&scene);
-    pl_sheet stands = {0}, leans = {0}, falls = {0};
+    pl_text_buffer stands = {0}, leans = {0}, falls = {0};
     draw(&scene, poses, &stands);
     assert_int_equal(count_of(stands.data, "<path class=\"f"), 0);
     assert_int_equal(count_of(stands.data, "<path class=\"d"), 5); /* one top is covered */
@@ -290,9 +290,9 @@ static void test_standing_body_is_not_drawn_as_fallen(void **state)
     poses[2].position[0] = 0.51;
     draw(&scene, poses, &falls);
     assert_int_equal(count_of(falls.data, "<path class=\"f"), 3);
-    pl_sheet_free(&stands);
-    pl_sheet_free(&leans);
-    pl_sheet_free(&falls);
+    pl_text_free(&stands);
+    pl_text_free(&leans);
+    pl_text_free(&falls);
     free(poses);
     pl_scene_free(&scene);
 }
@@ -306,10 +306,10 @@ static void test_body_that_left_the_picture_is_counted_and_not_drawn(void **stat
     static const double far[] = {1e6, 1e300, (double)INFINITY, (double)NAN};
     for (int i = 0; i < 4; i++) {
         poses[3].position[0] = far[i];
-        pl_sheet sheet = {0};
-        assert_int_equal(pl_svg_picture(&scene, &view, poses, "e", "t", &sheet), 1);
-        assert_int_equal(count_of(sheet.data, "<circle"), 0);
-        pl_sheet_free(&sheet);
+        pl_text_buffer out = {0};
+        assert_int_equal(pl_svg_picture(&scene, &view, poses, "e", "t", &out), 1);
+        assert_int_equal(count_of(out.data, "<circle"), 0);
+        pl_text_free(&out);
     }
     free(poses);
     pl_scene_free(&scene);
@@ -322,12 +322,12 @@ static void test_thousand_bricks_draw_in_less_than_a_tenth_of_a_megabyte(void **
     for (int i = 0; i < 1000; i++)
         add_body(&scene, pl_shape_box(0.5, 0.25, 0.25), i % 40, 0, 0.25 + 0.5 * (double)(i / 40));
     pl_pose *poses = start_poses(&scene);
-    pl_sheet sheet = {0};
-    draw(&scene, poses, &sheet);
-    assert_at_most((double)sheet.length, 100e3);
-    assert_true(count_of(sheet.data, "<path class=\"d") >= 1000); /* every front is seen */
-    assert_true(count_of(sheet.data, "<path class=\"d") < 1100);  /* nothing between bricks is */
-    pl_sheet_free(&sheet);
+    pl_text_buffer out = {0};
+    draw(&scene, poses, &out);
+    assert_at_most((double)out.length, 100e3);
+    assert_true(count_of(out.data, "<path class=\"d") >= 1000); /* every front is seen */
+    assert_true(count_of(out.data, "<path class=\"d") < 1100);  /* nothing between bricks is */
+    pl_text_free(&out);
     free(poses);
     pl_scene_free(&scene);
 }
@@ -349,13 +349,13 @@ static void test_every_shape_is_drawn_by_facets_that_look_at_the_eye(void **stat
     for (int i = 0; i < 5; i++) {
         expect_rest(&scene, add_body(&scene, shapes[i], -4, -4, -3));
         pl_pose *poses = start_poses(&scene);
-        pl_sheet sheet = {0};
-        draw(&scene, poses, &sheet);
-        int faces = count_of(sheet.data, "<path class=\"d");
+        pl_text_buffer out = {0};
+        draw(&scene, poses, &out);
+        int faces = count_of(out.data, "<path class=\"d");
         assert_in_range(faces, least[i], most[i]);
-        assert_int_equal(count_of(sheet.data, " fine\""), faces);
-        assert_contains(sheet.data, "<path class=\"expected\" d=\"M");
-        pl_sheet_free(&sheet);
+        assert_int_equal(count_of(out.data, " fine\""), faces);
+        assert_contains(out.data, "<path class=\"expected\" d=\"M");
+        pl_text_free(&out);
         free(poses);
         scene.body_count = 1; /* the next one alone */
         scene.rest_count = 0;
@@ -375,10 +375,10 @@ static void test_thousand_meshes_of_500_triangles_draw_in_less_than_two_megabyte
         check_quaternion(&random, scene.bodies[body].orientation);
     }
     pl_pose *poses = start_poses(&scene);
-    pl_sheet sheet = {0};
-    draw(&scene, poses, &sheet);
-    assert_at_most((double)sheet.length, 2e6);
-    pl_sheet_free(&sheet);
+    pl_text_buffer out = {0};
+    draw(&scene, poses, &out);
+    assert_at_most((double)out.length, 2e6);
+    pl_text_free(&out);
     free(poses);
     pl_scene_free(&scene);
 }
@@ -406,15 +406,15 @@ static json_t *result_of(const pl_scene *scene, const char *scenario, json_t *pa
 /* The pictures of the one problem in `results`, which it takes. The caller frees the text. */
 static char *pictures_of(json_t *results)
 {
-    pl_cells cells;
-    pl_sheet sheet = {0};
-    assert_int_equal(pl_cells_build(results, &cells, NULL), PL_OK);
+    pl_result_matrix cells;
+    pl_text_buffer out = {0};
+    assert_int_equal(pl_result_matrix_build(results, &cells, NULL), PL_OK);
     assert_int_equal(cells.block_count, 1);
-    pl_picture_row(&cells, 0, &sheet);
-    assert_false(sheet.failed);
-    pl_cells_free(&cells);
+    pl_picture_row(&cells, 0, &out);
+    assert_false(out.failed);
+    pl_result_matrix_free(&cells);
     json_decref(results);
-    return sheet.data;
+    return out.data;
 }
 
 static void test_every_scenario_of_the_catalogue_gets_its_picture(void **state)

@@ -1,11 +1,11 @@
 /* The laws of the plan, of a process under limits, and of one run in this process. */
 #include "check.h"
 #include "plumb_process.h"
+#include "runner/parameter_check.h"
 #include "runner/plan.h"
 #include "runner/process.h"
 #include "runner/progress.h"
-#include "runner/readback.h"
-#include "runner/resident.h"
+#include "runner/resident_set.h"
 #include "runner/run_once.h"
 
 #include <math.h>
@@ -242,9 +242,9 @@ static void measure_growth(void *user, FILE *answer)
     size_t bytes = *(size_t *)user;
     /* What was used before and given back neither hides what is taken after, nor counts. */
     use_heap(2 * bytes);
-    double baseline = pl_resident_baseline();
+    double baseline = pl_resident_set_baseline();
     use_heap(bytes);
-    fprintf(answer, "%.17g", pl_resident_growth(baseline));
+    fprintf(answer, "%.17g", pl_resident_set_growth(baseline));
 }
 
 static void test_resident_growth_is_the_peak_that_was_touched(void **state)

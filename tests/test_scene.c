@@ -1,10 +1,10 @@
 /* The scene model made by code: growth, shapes, pairs, validation, needs; and what all rooms share.
  */
+#include "base/name_index.h"
+#include "base/number.h"
+#include "base/random.h"
 #include "check.h"
-#include "name_index.h"
-#include "number.h"
 #include "plumb/scenario.h"
-#include "random.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,13 +1,13 @@
 /* Scene files: what is written reads back number for number, defaults, and the schema beside the
  * reader. */
+#include "base/number.h"
 #include "check.h"
-#include "number.h"
 #include "plumb/scene.h"
-#include "referee/metrics.h"
+#include "referee/metrics/metrics.h"
 #include "sample_scene.h"
-#include "scene_check.h"
+#include "scene/scene_check.h"
+#include "scene/scene_keys.h"
 #include "scene_equal.h"
-#include "scene_keys.h"
 
 #include <jansson.h>
 #include <math.h>

@@ -3,9 +3,9 @@
 #include "check.h"
 #include "plumb/scenario.h"
 #include "plumb/vec.h"
-#include "polyhedron.h"
+#include "scene/polyhedron.h"
+#include "scene/shape_width.h"
 #include "scene_equal.h"
-#include "shape_width.h"
 #include "solid_for_tests.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* Streaming statistics against the sorted numbers themselves. */
-#include "referee/series.h"
+#include "referee/metrics/series.h"
 
 #include "check.h"
 

@@ -17,7 +17,7 @@ int main(void)
 #else
 
 #include "contact_problem_for_tests.h"
-#include "solve/benchmark.h"
+#include "studies/solve/benchmark.h"
 
 #include <FrictionContactProblem.h>
 #include <Friction_cst.h>

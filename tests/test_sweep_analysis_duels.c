@@ -1,6 +1,6 @@
 /* From points to ratios, their intervals, losses, means and profiles, by hand. */
+#include "base/random.h"
 #include "check.h"
-#include "random.h"
 #include "sweep_analysis_rows.h"
 
 #include <math.h>

@@ -30,9 +30,9 @@ static json_t *mixed(void)
     return results;
 }
 
-static pl_sheet page_of(const json_t *results)
+static pl_text_buffer page_of(const json_t *results)
 {
-    pl_sheet page = {0};
+    pl_text_buffer page = {0};
     pl_sweep_analysis analysis = analysis_of(results);
     pl_sweep_page(&analysis, &page);
     assert_false(page.failed);
@@ -56,7 +56,7 @@ static void test_losses_come_before_everything_else(void **state)
 {
     (void)state;
     json_t *results = mixed();
-    pl_sheet page = page_of(results);
+    pl_text_buffer page = page_of(results);
     char *text = print_of(results);
     static const char *const later[] = {"id=\"sweep-speed\"", "id=\"sweep-profiles\"",
                                         "id=\"sweep-problems\"", "id=\"sweep-method\""};
@@ -69,7 +69,7 @@ static void test_losses_come_before_everything_else(void **state)
     assert_before(text, "in 2 of 10 comparisons", "Where plumb loses");
     assert_before(text, "Where plumb loses", "over all problems");
     assert_contains(text, "1 of 2 problems: never reached");
-    pl_sheet_free(&page);
+    pl_text_free(&page);
     free(text);
     json_decref(results);
 }
@@ -94,10 +94,10 @@ static void test_statement_when_nothing_is_lost_or_compared(void **state)
             results,
             (sweep_run){.scenario = "a", cases[i].second, 2, 1e-4, .outcome = cases[i].outcome});
         pl_sweep_analysis analysis = analysis_of(results);
-        pl_sheet sheet = {0};
-        pl_sweep_statement(&analysis, &sheet);
-        assert_contains(sheet.data, cases[i].said);
-        pl_sheet_free(&sheet);
+        pl_text_buffer buffer = {0};
+        pl_sweep_statement(&analysis, &buffer);
+        assert_contains(buffer.data, cases[i].said);
+        pl_text_free(&buffer);
         pl_sweep_analysis_free(&analysis);
         json_decref(results);
     }
@@ -108,7 +108,7 @@ static void test_plot_has_every_point_and_a_cross_for_each_that_failed(void **st
     (void)state;
     json_t *results = mixed();
     pl_sweep_analysis analysis = analysis_of(results);
-    pl_sheet a = {0}, b = {0};
+    pl_text_buffer a = {0}, b = {0};
     pl_sweep_plot_problem(&analysis, &analysis.problems[0], &a);
     pl_sweep_plot_problem(&analysis, &analysis.problems[1], &b);
     assert_int_equal(count_of(a.data, "class=\"m0\""), 2 + 1); /* the front, and the legend */
@@ -121,8 +121,8 @@ static void test_plot_has_every_point_and_a_cross_for_each_that_failed(void **st
     assert_contains(b.data, "0 points, 2 failed");
     /* Ours is painted over the others. */
     assert_before(a.data, "class=\"e1\"", "class=\"e0\"");
-    pl_sheet_free(&a);
-    pl_sheet_free(&b);
+    pl_text_free(&a);
+    pl_text_free(&b);
     pl_sweep_analysis_free(&analysis);
     json_decref(results);
 }
@@ -145,7 +145,7 @@ static void test_plot_is_logarithmic_with_exactness_downwards(void **state)
     add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 100, 1e-5, .iterations = 2});
     add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 10, 1e-1, .iterations = 3});
     pl_sweep_analysis analysis = analysis_of(results);
-    pl_sheet plot = {0};
+    pl_text_buffer plot = {0};
     double place[4];
     pl_sweep_plot_problem(&analysis, &analysis.problems[0], &plot);
     read_front(plot.data, place);
@@ -154,7 +154,7 @@ static void test_plot_is_logarithmic_with_exactness_downwards(void **state)
     assert_close(place[1], 16, 0.05, 0);
     assert_close(place[3], 416, 0.05, 0);
     assert_contains(plot.data, "class=\"m0 off\" cx=\"391.0\""); /* a decade of two */
-    pl_sheet_free(&plot);
+    pl_text_free(&plot);
     pl_sweep_analysis_free(&analysis);
     json_decref(results);
 }
@@ -180,7 +180,7 @@ static void test_page_asks_nothing_and_escapes_everything(void **state)
 {
     (void)state;
     json_t *results = hostile();
-    pl_sheet page = page_of(results);
+    pl_text_buffer page = page_of(results);
     static const char *const never[] = {"<script",     " src=", "@import", "url(",
                                         "href=\"http", "nan",   "inf"};
     for (size_t i = 0; i < sizeof never / sizeof never[0]; i++)
@@ -189,7 +189,7 @@ static void test_page_asks_nothing_and_escapes_everything(void **state)
     char *text = print_of(results);
     assert_absent(text, "\r");
     assert_absent(text, "\033");
-    pl_sheet_free(&page);
+    pl_text_free(&page);
     free(text);
     json_decref(results);
 }
@@ -200,7 +200,7 @@ static void test_tags_of_the_page_are_balanced(void **state)
     static const char *const tags[] = {"table", "tr", "figure", "svg", "details", "summary",
                                        "g",     "p",  "text",   "h2",  "h4",      "div"};
     json_t *results = mixed();
-    pl_sheet page = page_of(results);
+    pl_text_buffer page = page_of(results);
     for (size_t i = 0; i < sizeof tags / sizeof tags[0]; i++) {
         char open[16], open_with[16], close[16];
         snprintf(open, sizeof open, "<%s>", tags[i]);
@@ -210,7 +210,7 @@ static void test_tags_of_the_page_are_balanced(void **state)
         assert_int_equal(count_of(page.data, open) + count_of(page.data, open_with),
                          count_of(page.data, close));
     }
-    pl_sheet_free(&page);
+    pl_text_free(&page);
     json_decref(results);
 }
 
@@ -272,12 +272,12 @@ static void test_nothing_is_a_whole_page(void **state)
 {
     (void)state;
     json_t *results = json_array();
-    pl_sheet page = page_of(results);
+    pl_text_buffer page = page_of(results);
     assert_contains(page.data, "There are no results.");
     assert_contains(page.data, "</html>");
     char *text = print_of(results);
     assert_contains(text, "Nothing was compared");
-    pl_sheet_free(&page);
+    pl_text_free(&page);
     free(text);
     json_decref(results);
 }

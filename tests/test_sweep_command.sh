@@ -116,7 +116,7 @@ mkdir bin
 printf '#!/bin/sh\nshift\nexec "$PLUMB" "$@" --plan -\n' >bin/srun
 chmod +x bin/srun
 SLURM_ARRAY_TASK_ID=16 SLURM_ARRAY_TASK_MIN=1 SLURM_ARRAY_TASK_COUNT=16 PATH=$PWD/bin:$PATH \
-    bash "$SOURCE/compare/sweep/example.slurm" >shard.jsonl 2>err ||
+    bash "$SOURCE/compare/studies/sweep/example.slurm" >shard.jsonl 2>err ||
     complain "example.slurm failed: $(cat err)"
 [[ $(wc -l <shard.jsonl) -gt 0 ]] || complain "example.slurm has no runs"
 

@@ -1,7 +1,7 @@
 /* The grid of a sweep: its points, their order, and what shards get of it. */
 #include "check.h"
 #include "plumb_process.h"
-#include "sweep/grid.h"
+#include "studies/sweep/grid.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -1,7 +1,7 @@
 /* What a sweep does not run because it ran into the time limit at a longer time step. */
 #include "check.h"
 #include "results/result.h"
-#include "sweep/hopeless.h"
+#include "studies/sweep/pruning.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* The meter of a step: instructions where they are counted, and nothing where they are not. */
 #include "check.h"
-#include "runner/step_meter.h"
+#include "runner/step_timer.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -14,13 +14,13 @@ static void *work(void *unused)
     return unused;
 }
 
-static pl_step_cost measure_work(pl_step_meter *meter, int times)
+static pl_step_cost measure_work(pl_step_timer *meter, int times)
 {
-    pl_step_meter_begin(meter);
+    pl_step_timer_begin(meter);
     for (int i = 0; i < times; ++i) {
         work(NULL);
     }
-    return pl_step_meter_end(meter);
+    return pl_step_timer_end(meter);
 }
 
 /* A turn of the loop is a few instructions. */
@@ -37,35 +37,35 @@ static void check_cost(pl_step_cost cost, bool counts, double least_loops, doubl
 static void test_a_step_counts_its_own_instructions(void **state)
 {
     (void)state;
-    pl_step_meter meter = pl_step_meter_open();
+    pl_step_timer meter = pl_step_timer_open();
     const bool counts = meter.counter >= 0;
     check_cost(measure_work(&meter, 1), counts, 1, 20);
     check_cost(measure_work(&meter, 3), counts, 3, 60);
     work(NULL); /* between steps: not counted */
     check_cost(measure_work(&meter, 0), counts, 0, 0.01);
-    pl_step_meter_close(&meter);
+    pl_step_timer_close(&meter);
 }
 
 static void test_threads_that_a_step_starts_are_counted(void **state)
 {
     (void)state;
     pthread_t thread;
-    pl_step_meter meter = pl_step_meter_open();
+    pl_step_timer meter = pl_step_timer_open();
     const bool counts = meter.counter >= 0;
-    pl_step_meter_begin(&meter);
+    pl_step_timer_begin(&meter);
     assert_int_equal(pthread_create(&thread, NULL, work, NULL), 0);
     work(NULL);
     assert_int_equal(pthread_join(thread, NULL), 0);
-    check_cost(pl_step_meter_end(&meter), counts, 2, 41);
-    pl_step_meter_close(&meter);
+    check_cost(pl_step_timer_end(&meter), counts, 2, 41);
+    pl_step_timer_close(&meter);
 }
 
 static void test_a_meter_without_a_counter_still_has_the_time(void **state)
 {
     (void)state;
-    pl_step_meter meter = {.counter = -1};
+    pl_step_timer meter = {.counter = -1};
     check_cost(measure_work(&meter, 1), false, 0, 0);
-    pl_step_meter_close(&meter);
+    pl_step_timer_close(&meter);
     check_cost(measure_work(&meter, 1), false, 0, 0);
 }
 

@@ -2,8 +2,8 @@
 #include "check.h"
 #include "plumb_process.h"
 #include "results/store.h"
-#include "sweep/shard.h"
-#include "sweep/shard_merge.h"
+#include "studies/sweep/shard.h"
+#include "studies/sweep/shard_merge.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,11 +1,11 @@
 /* What plumb tune takes and says: axes, spaces, targets, changed scenarios, an engine's own API. */
 #include "check.h"
-#include "tune/score.h"
-#include "tune/seek.h"
-#include "tune/space.h"
-#include "tune/target.h"
-#include "tune/tunable.h"
-#include "tune/variant.h"
+#include "studies/tune/score.h"
+#include "studies/tune/search_driver.h"
+#include "studies/tune/space.h"
+#include "studies/tune/target.h"
+#include "studies/tune/tunable.h"
+#include "studies/tune/variant.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -10,11 +10,11 @@
  *
  * nncg ends every sweep by a step along its search direction that is not bounded again (3.24,
  * btNNCGConstraintSolver.cpp), so that of several contact points one may be left pulling. */
-#include "adapters/adapters.h"
-#include "adapters/bullet_c.h"
-#include "adapters/force.h"
-#include "adapters/principal.h"
+#include "adapters.h"
+#include "bullet_c.h"
+#include "force.h"
 #include "plumb/scenario.h"
+#include "principal.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -32,9 +32,9 @@
  * with the edges of another falls through it.
  *
  * Rolling and spinning friction are 0, as Bullet ships them. */
-#include "adapters/bullet_c.h"
+#include "bullet_c.h"
 
-#include "adapters/principal.h"
+#include "principal.h"
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>

@@ -1,5 +1,5 @@
 /* A force in the body frame turns with the body. */
-#include "adapters/force.h"
+#include "force.h"
 
 #include "plumb/vec.h"
 

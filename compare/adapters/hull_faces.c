@@ -3,7 +3,7 @@
  *
  * The largest triangle that is still free founds the next face, so that a thin one, whose normal is
  * poor, founds none that a good one could. */
-#include "adapters/hull_faces.h"
+#include "hull_faces.h"
 
 #include "plumb/vec.h"
 

@@ -1,6 +1,6 @@
 /* With c the centre and A the axes in the shape's frame, and (p, R) its pose: the principal frame
  * is at p + R c and turned by R A. */
-#include "adapters/principal.h"
+#include "principal.h"
 
 #include "plumb/vec.h"
 

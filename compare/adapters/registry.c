@@ -2,9 +2,9 @@
  *
  * SPEC = name[:profile][,option=value]...  A loaded object stays loaded until the process ends,
  * because its descriptor is its own memory. */
-#include "adapters/registry.h"
-#include "adapters/adapters.h"
-#include "adapters/tuned_profile.h"
+#include "registry.h"
+#include "adapters.h"
+#include "tuned_profile.h"
 
 #include <dlfcn.h>
 #include <math.h>

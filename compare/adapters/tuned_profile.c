@@ -1,4 +1,4 @@
-#include "adapters/tuned_profile.h"
+#include "tuned_profile.h"
 
 #include <jansson.h>
 #include <math.h>

@@ -1,4 +1,4 @@
-#include "command/command.h"
+#include "command.h"
 
 #include <stdlib.h>
 #include <string.h>

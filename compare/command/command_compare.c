@@ -1,11 +1,11 @@
 /* plumb compare: scenarios on engines side by side. Results are appended to DIR/results.jsonl as
  * runs end; the report is made of all that is there at the end. */
-#include "command/commands.h"
-#include "command/contest.h"
-#include "iterations/iterations_to_tolerance.h"
+#include "commands.h"
+#include "comparison.h"
 #include "report/report.h"
 #include "results/store.h"
 #include "runner/execute.h"
+#include "studies/iterations/iterations_to_tolerance.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -13,12 +13,12 @@
 #include <unistd.h>
 
 typedef struct options {
-    pl_contest contest;
+    pl_comparison comparison;
     int repeats;
     bool tolerance; /* --iterations-to-tolerance */
 } options;
 
-static const pl_contest_help option_help = {
+static const pl_comparison_help option_help = {
     .suite = "All scenarios of a suite (repeatable; default canonical when no scenario is named)",
     .json = "Write all results as a JSON array too (- is standard output)",
     .jobs = "Runs at a time, of which results come in the order of their ends (default 1: runs "
@@ -40,7 +40,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     options *o = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        pl_contest_init(&o->contest, state);
+        pl_comparison_init(&o->comparison, state);
         return 0;
     case KEY_REPEAT:
         o->repeats = (int)pl_option_integer(state, "--repeat takes an integer", text, 1, 1000000);
@@ -66,7 +66,7 @@ static const struct argp argp = {
         "  plumb compare tower wall --engine plumb --engine ode:quick --repeat 5\n"
         "  plumb compare tower --set n=50 --dt 1/240 --out report-50\n"
         "  plumb compare ./mine.json --engine ./mine.so:fast --json - | jq .",
-    .children = pl_contest_children};
+    .children = pl_comparison_children};
 
 /* What the callbacks of runs need. */
 typedef struct keeper {
@@ -105,17 +105,17 @@ static void print_table(const json_t *results)
  * that leaves early ends the program. */
 static pl_status deliver(const options *o, json_t *results, pl_error *error)
 {
-    pl_status status = pl_report_write(o->contest.out, results, error);
-    if (status == PL_OK && o->contest.json != NULL) {
-        status = pl_results_write_json(o->contest.json, results, error);
+    pl_status status = pl_report_write(o->comparison.out, results, error);
+    if (status == PL_OK && o->comparison.json != NULL) {
+        status = pl_results_write_json(o->comparison.json, results, error);
     }
-    if (o->contest.json == NULL || strcmp(o->contest.json, "-") != 0) {
+    if (o->comparison.json == NULL || strcmp(o->comparison.json, "-") != 0) {
         print_table(results);
     }
     if (status == PL_OK) {
         size_t count = json_array_size(results);
         fprintf(stderr, "%zu %s and the report are in %s/\n", count,
-                count == 1 ? "result" : "results", o->contest.out);
+                count == 1 ? "result" : "results", o->comparison.out);
     }
     return status;
 }
@@ -140,8 +140,8 @@ static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store,
 {
     keeper k = {.store = store, .plan = plan};
     pl_execution_def execution = {.plan = plan,
-                                  .jobs = o->contest.jobs,
-                                  .limits = o->contest.limits,
+                                  .jobs = o->comparison.jobs,
+                                  .limits = o->comparison.limits,
                                   .provenance = provenance,
                                   .progress = stderr,
                                   .user = &k,
@@ -152,7 +152,7 @@ static pl_status run_all(const options *o, const pl_plan *plan, pl_store *store,
     }
     pl_progress bar;
     const pl_tolerance_def def = {.plan = plan,
-                                  .limits = o->contest.limits,
+                                  .limits = o->comparison.limits,
                                   .provenance = provenance,
                                   .bar = &bar,
                                   .user = &k,
@@ -188,7 +188,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
     json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
     pl_status status = provenance == NULL
                            ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
-                           : pl_store_open(o->contest.out, o->contest.resume, &store, &error);
+                           : pl_store_open(o->comparison.out, o->comparison.resume, &store, &error);
     if (status == PL_OK) {
         status = run_all(o, plan, store, provenance, &signal_number, &error);
     }
@@ -203,7 +203,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
                 "plumb compare: interrupted; %zu results are in %s/results.jsonl: the same command "
                 "with "
                 "--resume goes on from there\n",
-                json_array_size(pl_store_results(store)), o->contest.out);
+                json_array_size(pl_store_results(store)), o->comparison.out);
         code = 128 + signal_number;
     }
     pl_store_close(store);
@@ -213,18 +213,18 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan)
 
 int pl_command_compare(const pl_call *call)
 {
-    options o = {.contest = pl_contest_default(&option_help), .repeats = 1};
-    o.contest.out = "report";
+    options o = {.comparison = pl_comparison_default(&option_help), .repeats = 1};
+    o.comparison.out = "report";
     pl_call_parse(call, &argp, &o);
-    if (o.contest.names.count == 0 && o.contest.suites.count == 0) {
-        pl_texts_add(&o.contest.suites, "canonical");
+    if (o.comparison.names.count == 0 && o.comparison.suites.count == 0) {
+        pl_texts_add(&o.comparison.suites, "canonical");
     }
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = o.repeats};
     int code = PL_EXIT_OK;
-    pl_status status = pl_contest_add_problems(&o.contest, &plan, &error);
+    pl_status status = pl_comparison_add_problems(&o.comparison, &plan, &error);
     if (status == PL_OK) {
-        status = pl_contest_add_engines("plumb compare", &o.contest, &plan, &error);
+        status = pl_comparison_add_engines("plumb compare", &o.comparison, &plan, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
@@ -235,6 +235,6 @@ int pl_command_compare(const pl_call *call)
         code = execute(call, &o, &plan);
     }
     pl_plan_free(&plan);
-    pl_contest_free(&o.contest);
+    pl_comparison_free(&o.comparison);
     return code;
 }

@@ -1,10 +1,10 @@
 /* plumb ensemble: engines compared where no trajectory is right, by the distributions of what many
  * runs from almost the same start end in. Results are appended to DIR/results.jsonl as runs end. */
-#include "command/commands.h"
-#include "command/contest.h"
-#include "ensemble/outcome.h"
+#include "commands.h"
+#include "comparison.h"
 #include "results/store.h"
 #include "runner/execute.h"
+#include "studies/ensemble/outcome.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +18,7 @@ typedef struct other_setting {
 } other_setting;
 
 typedef struct options {
-    pl_contest contest;
+    pl_comparison comparison;
     pl_texts against;
     other_setting *others; /* (against.count) */
     int members;
@@ -29,7 +29,7 @@ enum { KEY_MEMBERS = 0x200, KEY_AGAINST, KEY_CONVERGED, KEY_KEEP };
 
 static const char itself[] = "itself";
 
-static const pl_contest_help option_help = {
+static const pl_comparison_help option_help = {
     .suite = "All scenarios of a suite (repeatable; default chaotic when no scenario is named)",
     .json = "Write the outcome as a JSON object there too (- is standard output)",
     .jobs = "Runs at a time (default the number of cores)",
@@ -87,7 +87,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     options *o = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        pl_contest_init(&o->contest, state);
+        pl_comparison_init(&o->comparison, state);
         return 0;
     case KEY_MEMBERS:
         o->members = (int)pl_option_integer(state, "--members takes an integer", text, 2, 1000);
@@ -121,18 +121,18 @@ static const struct argp argp = {
         "  plumb ensemble pile --set n=60 --members 64 --converged --out pile-60\n"
         "  plumb ensemble wall-collapse --engine plumb --against friction=0.4 --against itself\n"
         "  plumb ensemble ./mine.json --engine ./mine.so:fast --json - | jq .comparisons",
-    .children = pl_contest_children};
+    .children = pl_comparison_children};
 
 /* The problems of a setting: those asked for, where the other setting's values come last. */
 static pl_status add_problems(void *user, int setting, pl_plan *plan, pl_error *error)
 {
     const options *o = user;
-    pl_contest contest = o->contest;
+    pl_comparison comparison = o->comparison;
     if (setting > 0) {
-        contest.selection.others = o->others[setting - 1].settings;
-        contest.selection.others_option = "--against";
+        comparison.selection.others = o->others[setting - 1].settings;
+        comparison.selection.others_option = "--against";
     }
-    return pl_contest_add_problems(&contest, plan, error);
+    return pl_comparison_add_problems(&comparison, plan, error);
 }
 
 static bool skip(void *user, const char *run)
@@ -158,8 +158,8 @@ static char *path_in(const char *folder, const char *name, pl_error *error)
 /* Files, then the summary on standard output, unless the JSON is there. */
 static pl_status deliver(const options *o, const pl_ensemble_outcome *outcome, pl_error *error)
 {
-    char *json = path_in(o->contest.out, "ensemble.json", error);
-    char *summary = path_in(o->contest.out, "summary.md", error);
+    char *json = path_in(o->comparison.out, "ensemble.json", error);
+    char *summary = path_in(o->comparison.out, "summary.md", error);
     pl_status status = json == NULL || summary == NULL ? error->status : PL_OK;
     if (status == PL_OK) {
         status = pl_results_write_json(json, outcome->json, error);
@@ -167,10 +167,10 @@ static pl_status deliver(const options *o, const pl_ensemble_outcome *outcome, p
     if (status == PL_OK) {
         status = pl_write_text(summary, outcome->summary, strlen(outcome->summary), error);
     }
-    if (status == PL_OK && o->contest.json != NULL) {
-        status = pl_results_write_json(o->contest.json, outcome->json, error);
+    if (status == PL_OK && o->comparison.json != NULL) {
+        status = pl_results_write_json(o->comparison.json, outcome->json, error);
     }
-    if (o->contest.json == NULL || strcmp(o->contest.json, "-") != 0) {
+    if (o->comparison.json == NULL || strcmp(o->comparison.json, "-") != 0) {
         fputs(outcome->summary, stdout);
     }
     free(json);
@@ -196,11 +196,11 @@ static pl_status conclude(const options *o, const pl_plan *plan, const pl_ensemb
                           const json_t *results, const char *folder, pl_error *error)
 {
     pl_ensemble_outcome outcome;
-    char *path = path_in(o->contest.out, "ensemble.json", error);
+    char *path = path_in(o->comparison.out, "ensemble.json", error);
     if (path == NULL) {
         return PL_NO_MEMORY;
     }
-    json_t *before = o->contest.resume ? json_load_file(path, 0, NULL) : NULL;
+    json_t *before = o->comparison.resume ? json_load_file(path, 0, NULL) : NULL;
     free(path);
     pl_status status =
         pl_ensemble_conclude(plan, ensembles, results, folder, before, &outcome, error);
@@ -223,18 +223,18 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan,
     pl_store *store = NULL;
     int signal_number = 0;
     int code = PL_EXIT_OK;
-    char *folder = path_in(o->contest.out, "trajectories", &error);
+    char *folder = path_in(o->comparison.out, "trajectories", &error);
     json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
     pl_status status = provenance == NULL || folder == NULL
                            ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
-                           : pl_store_open(o->contest.out, o->contest.resume, &store, &error);
+                           : pl_store_open(o->comparison.out, o->comparison.resume, &store, &error);
     if (status == PL_OK) {
         status = pl_make_directories(folder, &error);
     }
     if (status == PL_OK) {
         const pl_execution_def execution = {.plan = plan,
-                                            .jobs = o->contest.jobs,
-                                            .limits = o->contest.limits,
+                                            .jobs = o->comparison.jobs,
+                                            .limits = o->comparison.limits,
                                             .positions = folder,
                                             .provenance = provenance,
                                             .progress = stderr,
@@ -253,7 +253,7 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan,
         fprintf(stderr,
                 "plumb ensemble: interrupted; %zu results are in %s/results.jsonl: the same "
                 "command with --resume goes on from there\n",
-                json_array_size(pl_store_results(store)), o->contest.out);
+                json_array_size(pl_store_results(store)), o->comparison.out);
         code = 128 + signal_number;
     }
     pl_store_close(store);
@@ -270,10 +270,10 @@ static pl_status make_plan(options *o, pl_plan *plan, pl_ensembles *ensembles, p
                                 .references = o->converged,
                                 .user = o,
                                 .add = add_problems};
-    if (o->contest.names.count == 0 && o->contest.suites.count == 0) {
-        pl_texts_add(&o->contest.suites, "chaotic");
+    if (o->comparison.names.count == 0 && o->comparison.suites.count == 0) {
+        pl_texts_add(&o->comparison.suites, "chaotic");
     }
-    pl_status status = pl_contest_add_engines("plumb ensemble", &o->contest, plan, error);
+    pl_status status = pl_comparison_add_engines("plumb ensemble", &o->comparison, plan, error);
     return status == PL_OK ? pl_members_plan(&def, plan, ensembles, error) : status;
 }
 
@@ -290,15 +290,15 @@ static void free_options(options *o)
         free(o->others[i].settings.items);
     }
     free(o->others);
-    pl_contest_free(&o->contest);
+    pl_comparison_free(&o->comparison);
     free(o->against.items);
 }
 
 int pl_command_ensemble(const pl_call *call)
 {
-    options o = {.contest = pl_contest_default(&option_help), .members = 16};
-    o.contest.out = "ensemble";
-    o.contest.jobs = core_count();
+    options o = {.comparison = pl_comparison_default(&option_help), .members = 16};
+    o.comparison.out = "ensemble";
+    o.comparison.jobs = core_count();
     pl_call_parse(call, &argp, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};

@@ -1,5 +1,5 @@
 /* plumb gate: results against a baseline and against rules; the exit code is the verdict. */
-#include "command/commands.h"
+#include "commands.h"
 #include "gate/baseline.h"
 #include "gate/gather.h"
 #include "gate/judge.h"
@@ -253,23 +253,23 @@ static pl_status update(const options *o, material *m, pl_error *error)
 /* The page of a GitHub job: other steps of it write the same file. */
 static pl_status append_page(const pl_gate_report *report, const char *path, pl_error *error)
 {
-    pl_sheet page = {0};
+    pl_text_buffer page = {0};
     pl_gate_write_markdown(report, &page);
     FILE *file = page.failed ? NULL : fopen(path, "ae");
     bool written = file != NULL && fputs(page.data, file) >= 0;
     written = file != NULL && fclose(file) == 0 && written;
-    pl_sheet_free(&page);
+    pl_text_free(&page);
     return written ? PL_OK : pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
 }
 
 static pl_status write_format(pl_gate_format format, const pl_gate_report *report, const char *path,
                               pl_error *error)
 {
-    pl_sheet sheet = {0};
-    pl_gate_write(format, report, &sheet);
-    pl_status status = sheet.failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for the report")
-                                    : pl_write_text(path, sheet.data, sheet.length, error);
-    pl_sheet_free(&sheet);
+    pl_text_buffer buffer = {0};
+    pl_gate_write(format, report, &buffer);
+    pl_status status = buffer.failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for the report")
+                                     : pl_write_text(path, buffer.data, buffer.length, error);
+    pl_text_free(&buffer);
     return status;
 }
 

@@ -1,5 +1,5 @@
 /* plumb help [COMMAND], plumb version. */
-#include "command/commands.h"
+#include "commands.h"
 
 #include <string.h>
 

@@ -1,10 +1,10 @@
 /* plumb list scenarios|engines|metrics|suites. Each kind is built as one JSON array, which is
  * printed as it is or as text. */
-#include "command/commands.h"
+#include "commands.h"
 
 #include "adapters/registry.h"
 #include "plumb/scenario.h"
-#include "report/catalogue.h"
+#include "report/catalogue_page.h"
 #include "results/result.h"
 
 #include <errno.h>
@@ -285,19 +285,19 @@ static const struct argp argp = {.options = argp_options,
 
 static int write_page(const char *path)
 {
-    pl_sheet sheet = {0};
+    pl_text_buffer out = {0};
     pl_error error = {PL_OK, ""};
     bool written = false;
-    if (pl_catalogue_page(&sheet, &error) == PL_OK) {
+    if (pl_catalogue_page(&out, &error) == PL_OK) {
         bool to_stdout = strcmp(path, "-") == 0;
         FILE *file = to_stdout ? stdout : fopen(path, "we");
-        written = file != NULL && fputs(sheet.data, file) >= 0 && fflush(file) == 0;
+        written = file != NULL && fputs(out.data, file) >= 0 && fflush(file) == 0;
         written = (file == NULL || to_stdout || fclose(file) == 0) && written;
         if (!written) {
             pl_fail(&error, PL_IO, "%s: %s", path, strerror(errno));
         }
     }
-    pl_sheet_free(&sheet);
+    pl_text_free(&out);
     if (!written) {
         fprintf(stderr, "plumb list: %s\n", error.message);
     }

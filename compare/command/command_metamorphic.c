@@ -1,18 +1,18 @@
 /* plumb metamorphic: checks of engines that need no reference. Each trial is printed as it ends. */
-#include "command/commands.h"
-#include "command/contest.h"
-#include "metamorphic/trial_report.h"
+#include "commands.h"
+#include "comparison.h"
 #include "results/store.h"
+#include "studies/metamorphic/trial_report.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct options {
-    pl_contest contest;
+    pl_comparison comparison;
     pl_texts checks;
 } options;
 
-static const pl_contest_help option_help = {
+static const pl_comparison_help option_help = {
     .json = "Write what was found as a JSON array too (- is standard output, in place of the "
             "tables)"};
 
@@ -30,13 +30,13 @@ static error_t parse(int key, char *text, struct argp_state *state)
     options *o = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        pl_contest_init(&o->contest, state);
+        pl_comparison_init(&o->comparison, state);
         return 0;
     case KEY_CHECK:
         pl_texts_add(&o->checks, text);
         return 0;
     case ARGP_KEY_END:
-        if (o->contest.names.count == 0 && o->contest.suites.count == 0) {
+        if (o->comparison.names.count == 0 && o->comparison.suites.count == 0) {
             argp_error(state, "which scenario? See plumb list scenarios");
         }
         return 0;
@@ -45,7 +45,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     }
 }
 
-static const struct argp_child children[] = {{&pl_contest_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {{&pl_comparison_argp, 0, NULL, 0}, {0}};
 
 static const struct argp argp = {
     .options = argp_options,
@@ -73,7 +73,7 @@ typedef struct delivery {
 
 static bool json_on_stdout(const options *o)
 {
-    return o->contest.json != NULL && strcmp(o->contest.json, "-") == 0;
+    return o->comparison.json != NULL && strcmp(o->comparison.json, "-") == 0;
 }
 
 static pl_status keep(void *user, const pl_trial *trial, pl_error *error)
@@ -122,7 +122,7 @@ static int run(const pl_call *call, const options *o, const pl_plan *plan, const
     if (status == PL_OK) {
         const pl_trials_def def = {.plan = plan,
                                    .chosen = chosen,
-                                   .limits = o->contest.limits,
+                                   .limits = o->comparison.limits,
                                    .provenance = provenance,
                                    .progress = stderr,
                                    .user = &d,
@@ -131,8 +131,9 @@ static int run(const pl_call *call, const options *o, const pl_plan *plan, const
     }
     if (status == PL_OK && signal_number == 0) {
         code = d.compared ? PL_EXIT_OK : PL_EXIT_NOTHING;
-        status = o->contest.json == NULL ? PL_OK
-                                         : pl_results_write_json(o->contest.json, d.trials, &error);
+        status = o->comparison.json == NULL
+                     ? PL_OK
+                     : pl_results_write_json(o->comparison.json, d.trials, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
@@ -146,7 +147,7 @@ static int run(const pl_call *call, const options *o, const pl_plan *plan, const
 
 int pl_command_metamorphic(const pl_call *call)
 {
-    options o = {.contest = pl_contest_default(&option_help)};
+    options o = {.comparison = pl_comparison_default(&option_help)};
     pl_call_parse(call, &argp, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
@@ -154,10 +155,10 @@ int pl_command_metamorphic(const pl_call *call)
     int code = PL_EXIT_OK;
     pl_status status = choose_checks(&o, &chosen, &error);
     if (status == PL_OK) {
-        status = pl_contest_add_problems(&o.contest, &plan, &error);
+        status = pl_comparison_add_problems(&o.comparison, &plan, &error);
     }
     if (status == PL_OK) {
-        status = pl_contest_add_engines(call->argv[0], &o.contest, &plan, &error);
+        status = pl_comparison_add_engines(call->argv[0], &o.comparison, &plan, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
@@ -169,7 +170,7 @@ int pl_command_metamorphic(const pl_call *call)
     }
     free(chosen);
     pl_plan_free(&plan);
-    pl_contest_free(&o.contest);
+    pl_comparison_free(&o.comparison);
     free(o.checks.items);
     return code;
 }

@@ -1,11 +1,11 @@
 /* plumb report: the report of results that are there, of any number of files. */
-#include "command/commands.h"
-#include "command/selection.h"
+#include "commands.h"
 #include "report/report.h"
 #include "report/sweep_report.h"
 #include "results/result.h"
 #include "results/store.h"
-#include "sweep/shard_merge.h"
+#include "selection.h"
+#include "studies/sweep/shard_merge.h"
 
 #include <stdlib.h>
 #include <string.h>

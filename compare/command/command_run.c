@@ -1,11 +1,11 @@
 /* plumb run SCENARIO --engine SPEC: one run, one result. */
-#include "command/commands.h"
+#include "commands.h"
 
-#include "command/selection.h"
 #include "results/result.h"
 #include "results/store.h"
 #include "runner/execute.h"
-#include "solve/capture.h"
+#include "selection.h"
+#include "studies/solve/capture_file.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* plumb scene SCENARIO: the scene as JSON, to edit and run. */
-#include "command/commands.h"
-#include "command/selection.h"
+#include "commands.h"
+#include "selection.h"
 
 #include <stdlib.h>
 

@@ -1,12 +1,12 @@
 /* plumb solve PROBLEM.json --solver NAME: one contact problem, solved again. */
-#include "command/commands.h"
+#include "commands.h"
 
-#include "command/selection.h"
 #include "results/result.h"
 #include "results/store.h"
-#include "solve/benchmark.h"
-#include "solve/measure.h"
-#include "solve/problem_file.h"
+#include "selection.h"
+#include "studies/solve/benchmark.h"
+#include "studies/solve/problem_file.h"
+#include "studies/solve/solve_measure.h"
 
 #include <math.h>
 #include <stdlib.h>

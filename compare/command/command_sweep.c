@@ -1,22 +1,22 @@
 /* plumb sweep: engines over many settings and time steps. Results are appended to results.jsonl as
  * runs end; several processes may make a shard each, in folders of their own. */
-#include "command/commands.h"
-#include "command/contest.h"
+#include "commands.h"
+#include "comparison.h"
 #include "report/sweep_report.h"
 #include "results/store.h"
 #include "runner/execute.h"
-#include "sweep/grid.h"
-#include "sweep/hopeless.h"
-#include "sweep/repeats.h"
-#include "sweep/shard_merge.h"
-#include "sweep/usual.h"
+#include "studies/sweep/grid.h"
+#include "studies/sweep/pruning.h"
+#include "studies/sweep/repeats.h"
+#include "studies/sweep/shard_merge.h"
+#include "studies/sweep/sweep_defaults.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct options {
-    pl_contest contest;
+    pl_comparison comparison;
     pl_vary *varied;
     int varied_count;
     int repeats;         /* 0: not said */
@@ -25,7 +25,7 @@ typedef struct options {
     const char *shard;   /* --shard; NULL: from the environment */
 } options;
 
-static const pl_contest_help option_help = {
+static const pl_comparison_help option_help = {
     .json = "Write all results of this process as a JSON array too (- is standard output)",
     .jobs = "Runs at a time (default 1: runs side by side disturb each other's times)",
     .out = "Where results go (default sweep); of a shard in DIR/shard-I-of-N",
@@ -80,7 +80,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     options *o = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        pl_contest_init(&o->contest, state);
+        pl_comparison_init(&o->comparison, state);
         return 0;
     case KEY_VARY:
         add_vary(o, state, text);
@@ -100,7 +100,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
         o->shard = text;
         return 0;
     case ARGP_KEY_END:
-        if (o->contest.names.count == 0 && o->contest.suites.count == 0) {
+        if (o->comparison.names.count == 0 && o->comparison.suites.count == 0) {
             argp_error(state, "name a scenario, a scene file or a --suite");
         }
         return 0;
@@ -126,7 +126,7 @@ static const struct argp argp = {
         "  parallel plumb sweep --suite canonical --vary dt=1/60,1/240 --shard {}/4 ::: 1 2 3 4\n"
         "  mpirun -n 4 plumb sweep --suite canonical --vary dt=1/60,1/240\n"
         "  plumb report sweep --out report",
-    .children = pl_contest_children};
+    .children = pl_comparison_children};
 
 /* What the callbacks of runs need. */
 typedef struct keeper {
@@ -182,13 +182,13 @@ static bool all_unsupported(const json_t *results)
 static pl_status open_store(const options *o, const char *folder, keeper *k, pl_error *error)
 {
     pl_status status = pl_merge_begin(&k->before, error);
-    if (status == PL_OK && o->contest.resume) {
-        status = pl_merge_add_any(&k->before, o->contest.out, error);
+    if (status == PL_OK && o->comparison.resume) {
+        status = pl_merge_add_any(&k->before, o->comparison.out, error);
     }
     for (size_t i = 0; status == PL_OK && i < json_array_size(k->before.results); ++i) {
         pl_repeats_see(&k->repeats, json_array_get(k->before.results, i));
     }
-    return status == PL_OK ? pl_store_open(folder, o->contest.resume, &k->store, error) : status;
+    return status == PL_OK ? pl_store_open(folder, o->comparison.resume, &k->store, error) : status;
 }
 
 /* The analysis of all that is there: files, then tables on standard output, unless the JSON is
@@ -198,9 +198,9 @@ static pl_status analyse(const options *o, const json_t *results, pl_error *erro
     pl_sweep_analysis analysis;
     pl_status status = pl_sweep_analyse(results, &analysis, error);
     if (status == PL_OK) {
-        status = pl_sweep_report_write(o->contest.out, &analysis, error);
+        status = pl_sweep_report_write(o->comparison.out, &analysis, error);
     }
-    if (status == PL_OK && (o->contest.json == NULL || strcmp(o->contest.json, "-") != 0)) {
+    if (status == PL_OK && (o->comparison.json == NULL || strcmp(o->comparison.json, "-") != 0)) {
         pl_sweep_report_print(stdout, &analysis);
     }
     pl_sweep_analysis_free(&analysis);
@@ -213,8 +213,8 @@ static pl_status deliver(const options *o, keeper *k, bool is_shard, const char 
 {
     json_t *made = pl_store_results(k->store);
     pl_status status = PL_OK;
-    if (o->contest.json != NULL) {
-        status = pl_results_write_json(o->contest.json, made, error);
+    if (o->comparison.json != NULL) {
+        status = pl_results_write_json(o->comparison.json, made, error);
     }
     if (status == PL_OK && !is_shard) {
         status = pl_merge_add_results(&k->before, made, NULL, error);
@@ -226,10 +226,10 @@ static pl_status deliver(const options *o, keeper *k, bool is_shard, const char 
         const size_t count = json_array_size(made);
         fflush(stdout);
         if (!is_shard) {
-            fprintf(stderr, "speed against error is in %s/sweep.html\n", o->contest.out);
+            fprintf(stderr, "speed against error is in %s/sweep.html\n", o->comparison.out);
         }
         fprintf(stderr, "%zu %s in %s/results.jsonl; plumb report %s --out DIR makes a report\n",
-                count, count == 1 ? "result is" : "results are", folder, o->contest.out);
+                count, count == 1 ? "result is" : "results are", folder, o->comparison.out);
     }
     return status;
 }
@@ -250,8 +250,8 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
     }
     if (status == PL_OK) {
         const pl_execution_def execution = {.plan = plan,
-                                            .jobs = o->contest.jobs,
-                                            .limits = o->contest.limits,
+                                            .jobs = o->comparison.jobs,
+                                            .limits = o->comparison.limits,
                                             .provenance = k.provenance,
                                             .progress = stderr,
                                             .user = &k,
@@ -289,7 +289,7 @@ static pl_status choose_shard(const options *o, pl_shard *shard, bool *is_shard,
     if (status != PL_OK) {
         return status;
     }
-    *folder = *is_shard ? pl_shard_folder(o->contest.out, *shard) : strdup(o->contest.out);
+    *folder = *is_shard ? pl_shard_folder(o->comparison.out, *shard) : strdup(o->comparison.out);
     return *folder == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
 }
 
@@ -298,12 +298,12 @@ static pl_status make_plan(options *o, pl_shard shard, pl_plan *plan, pl_error *
     const bool is_usual = o->varied_count == 0;
     const int repeats = is_usual ? PL_USUAL_REPEATS : 1;
     pl_plan base = {.repeats = o->repeats > 0 ? o->repeats : repeats};
-    if (o->contest.limits.timeout <= 0) {
-        o->contest.limits.timeout = is_usual ? PL_USUAL_TIMEOUT : pl_limits_default().timeout;
+    if (o->comparison.limits.timeout <= 0) {
+        o->comparison.limits.timeout = is_usual ? PL_USUAL_TIMEOUT : pl_limits_default().timeout;
     }
-    pl_status status = pl_contest_add_problems(&o->contest, &base, error);
+    pl_status status = pl_comparison_add_problems(&o->comparison, &base, error);
     if (status == PL_OK) {
-        status = pl_contest_add_engines("plumb sweep", &o->contest, &base, error);
+        status = pl_comparison_add_engines("plumb sweep", &o->comparison, &base, error);
     }
     if (status == PL_OK) {
         status = is_usual ? pl_usual_vary(&base, &o->varied, &o->varied_count, error) : PL_OK;
@@ -312,8 +312,8 @@ static pl_status make_plan(options *o, pl_shard shard, pl_plan *plan, pl_error *
         const pl_grid_def def = {.base = &base,
                                  .varied = o->varied,
                                  .varied_count = o->varied_count,
-                                 .dt = o->contest.selection.dt,
-                                 .duration = o->contest.selection.duration,
+                                 .dt = o->comparison.selection.dt,
+                                 .duration = o->comparison.selection.duration,
                                  .shard = shard};
         status = pl_grid_plan(&def, plan, error);
     }
@@ -327,14 +327,14 @@ static void free_options(options *o)
         pl_vary_free(&o->varied[i]);
     }
     free(o->varied);
-    pl_contest_free(&o->contest);
+    pl_comparison_free(&o->comparison);
 }
 
 int pl_command_sweep(const pl_call *call)
 {
-    options o = {.contest = pl_contest_default(&option_help), .repeat_below = REPEAT_BELOW};
-    o.contest.out = "sweep";
-    o.contest.limits.timeout = 0; /* not said */
+    options o = {.comparison = pl_comparison_default(&option_help), .repeat_below = REPEAT_BELOW};
+    o.comparison.out = "sweep";
+    o.comparison.limits.timeout = 0; /* not said */
     pl_call_parse(call, &argp, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};

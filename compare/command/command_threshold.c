@@ -1,14 +1,14 @@
 /* plumb threshold: the critical value of a scenario's parameter, bisected on every engine. */
-#include "command/commands.h"
+#include "commands.h"
 
-#include "command/contest.h"
+#include "comparison.h"
 #include "results/store.h"
-#include "threshold/row.h"
+#include "studies/threshold/threshold_row.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static const pl_contest_help option_help = {
+static const pl_comparison_help option_help = {
     .suite = "All scenarios of a suite that have a threshold (repeatable)",
     .json = "Write a JSON object a line for each scenario and engine (- is standard output)",
     .jobs = "Runs at a time, of different searches (default 1)"};
@@ -16,13 +16,13 @@ static const pl_contest_help option_help = {
 static error_t parse(int key, char *text, struct argp_state *state)
 {
     (void)text;
-    pl_contest *contest = state->input;
+    pl_comparison *comparison = state->input;
     switch (key) {
     case ARGP_KEY_INIT:
-        pl_contest_init(contest, state);
+        pl_comparison_init(comparison, state);
         return 0;
     case ARGP_KEY_END:
-        if (contest->names.count == 0 && contest->suites.count == 0) {
+        if (comparison->names.count == 0 && comparison->suites.count == 0) {
             argp_error(state, "which scenario? plumb threshold SCENARIO, or --suite NAME");
         }
         return 0;
@@ -32,7 +32,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 }
 
 static const struct argp_child children[] = {
-    {&pl_contest_argp, 0, NULL, 0}, {&pl_contest_jobs_argp, 0, NULL, 0}, {0}};
+    {&pl_comparison_argp, 0, NULL, 0}, {&pl_comparison_jobs_argp, 0, NULL, 0}, {0}};
 
 static const struct argp argp = {
     .parser = parse,
@@ -65,10 +65,10 @@ static pl_status fail_without(const char *what, pl_error *error)
 }
 
 /* A scenario that is named must have a threshold; those of suites may. */
-static pl_status check_names(const pl_contest *contest, pl_error *error)
+static pl_status check_names(const pl_comparison *comparison, pl_error *error)
 {
-    for (int i = 0; i < contest->names.count; ++i) {
-        const pl_scenario *scenario = pl_scenario_find(contest->names.items[i], error);
+    for (int i = 0; i < comparison->names.count; ++i) {
+        const pl_scenario *scenario = pl_scenario_find(comparison->names.items[i], error);
         if (scenario == NULL) {
             return PL_BAD_INPUT;
         }
@@ -99,12 +99,13 @@ static pl_status keep_thresholds(pl_plan *plan, pl_error *error)
 }
 
 /* What is searched for cannot be set. */
-static pl_status check_settings(const pl_contest *contest, const pl_plan *plan, pl_error *error)
+static pl_status check_settings(const pl_comparison *comparison, const pl_plan *plan,
+                                pl_error *error)
 {
     for (int i = 0; i < plan->problem_count; ++i) {
         const char *param = plan->problems[i].descriptor->threshold->param;
-        for (int k = 0; k < contest->selection.settings.count; ++k) {
-            const char *setting = contest->selection.settings.items[k];
+        for (int k = 0; k < comparison->selection.settings.count; ++k) {
+            const char *setting = comparison->selection.settings.items[k];
             size_t length = strcspn(setting, "=");
             if (strlen(param) == length && strncmp(setting, param, length) == 0) {
                 return pl_fail(error, PL_BAD_INPUT, "--set %s: %s is what is searched for in %s",
@@ -115,16 +116,16 @@ static pl_status check_settings(const pl_contest *contest, const pl_plan *plan, 
     return PL_OK;
 }
 
-static pl_status add_problems(const pl_contest *contest, pl_plan *plan, pl_error *error)
+static pl_status add_problems(const pl_comparison *comparison, pl_plan *plan, pl_error *error)
 {
-    pl_status status = check_names(contest, error);
+    pl_status status = check_names(comparison, error);
     if (status == PL_OK) {
-        status = pl_contest_add_problems(contest, plan, error);
+        status = pl_comparison_add_problems(comparison, plan, error);
     }
     if (status == PL_OK) {
         status = keep_thresholds(plan, error);
     }
-    return status == PL_OK ? check_settings(contest, plan, error) : status;
+    return status == PL_OK ? check_settings(comparison, plan, error) : status;
 }
 
 static pl_status write_lines(const char *path, const pl_plan *plan, const pl_search *searches,
@@ -158,7 +159,7 @@ static bool all_unsupported(const pl_search *searches, int count)
     return true;
 }
 
-static int search(const pl_call *call, const pl_contest *contest, const pl_plan *plan)
+static int search(const pl_call *call, const pl_comparison *comparison, const pl_plan *plan)
 {
     pl_error error = {.message = ""};
     pl_search *searches = NULL;
@@ -167,8 +168,8 @@ static int search(const pl_call *call, const pl_contest *contest, const pl_plan 
     pl_timestamp(started);
     json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
     const pl_search_def def = {.plan = plan,
-                               .jobs = contest->jobs,
-                               .limits = contest->limits,
+                               .jobs = comparison->jobs,
+                               .limits = comparison->limits,
                                .provenance = provenance,
                                .progress = stderr};
     pl_status status = provenance == NULL
@@ -176,10 +177,11 @@ static int search(const pl_call *call, const pl_contest *contest, const pl_plan 
                            : pl_search_thresholds(&def, &searches, &count, &signal_number, &error);
     if (status == PL_OK && signal_number == 0) {
         code = all_unsupported(searches, count) ? PL_EXIT_NOTHING : PL_EXIT_OK;
-        if (contest->json != NULL) {
-            status = write_lines(contest->json, plan, searches, count, provenance, started, &error);
+        if (comparison->json != NULL) {
+            status =
+                write_lines(comparison->json, plan, searches, count, provenance, started, &error);
         }
-        if (contest->json == NULL || strcmp(contest->json, "-") != 0) {
+        if (comparison->json == NULL || strcmp(comparison->json, "-") != 0) {
             pl_threshold_print(stdout, plan, searches, count);
         }
     }
@@ -195,14 +197,14 @@ static int search(const pl_call *call, const pl_contest *contest, const pl_plan 
 
 int pl_command_threshold(const pl_call *call)
 {
-    pl_contest contest = pl_contest_default(&option_help);
-    pl_call_parse(call, &argp, &contest);
+    pl_comparison comparison = pl_comparison_default(&option_help);
+    pl_call_parse(call, &argp, &comparison);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
     int code = PL_EXIT_OK;
-    pl_status status = add_problems(&contest, &plan, &error);
+    pl_status status = add_problems(&comparison, &plan, &error);
     if (status == PL_OK) {
-        status = pl_contest_add_engines("plumb threshold", &contest, &plan, &error);
+        status = pl_comparison_add_engines("plumb threshold", &comparison, &plan, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
@@ -210,9 +212,9 @@ int pl_command_threshold(const pl_call *call)
         fprintf(stderr, "plumb threshold: there is no engine to search on\n");
         code = PL_EXIT_NOTHING;
     } else {
-        code = search(call, &contest, &plan);
+        code = search(call, &comparison, &plan);
     }
     pl_plan_free(&plan);
-    pl_contest_free(&contest);
+    pl_comparison_free(&comparison);
     return code;
 }

@@ -1,8 +1,8 @@
 /* plumb tune: the cheapest settings of an engine that meet targets on scenarios. */
-#include "command/commands.h"
-#include "command/contest.h"
+#include "commands.h"
+#include "comparison.h"
 #include "results/store.h"
-#include "tune/print.h"
+#include "studies/tune/print.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -11,13 +11,13 @@
 enum { DEFAULT_BUDGET = 200, MOST_BUDGET = 100000 };
 
 typedef struct options {
-    pl_contest contest;
+    pl_comparison comparison;
     pl_texts varied, fixed;
     pl_targets targets;
     int budget;
 } options;
 
-static const pl_contest_help option_help = {
+static const pl_comparison_help option_help = {
     .json = "Write all that was found as a JSON object too (- is standard output)",
     .jobs = "Runs at a time (default 1: runs side by side disturb each other's times)",
     .reader = "every run"};
@@ -45,7 +45,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
     pl_error error = {.message = ""};
     switch (key) {
     case ARGP_KEY_INIT:
-        pl_contest_init(&o->contest, state);
+        pl_comparison_init(&o->comparison, state);
         return 0;
     case KEY_TARGET:
         if (pl_target_add(&o->targets, text, &error) != PL_OK) {
@@ -63,13 +63,13 @@ static error_t parse(int key, char *text, struct argp_state *state)
             (int)pl_option_integer(state, "--budget takes an integer", text, 1, MOST_BUDGET);
         return 0;
     case KEY_OUT:
-        o->contest.out = text;
+        o->comparison.out = text;
         return 0;
     case ARGP_KEY_END:
-        if (o->contest.names.count == 0 && o->contest.suites.count == 0) {
+        if (o->comparison.names.count == 0 && o->comparison.suites.count == 0) {
             argp_error(state, "which scenario? plumb tune SCENARIO --engine NAME --target ...");
         }
-        if (o->contest.engines.count != 1) {
+        if (o->comparison.engines.count != 1) {
             argp_error(state, "one engine is tuned at a time: --engine NAME[:PROFILE]");
         }
         if (o->targets.count == 0) {
@@ -82,7 +82,7 @@ static error_t parse(int key, char *text, struct argp_state *state)
 }
 
 static const struct argp_child children[] = {
-    {&pl_contest_argp, 0, NULL, 0}, {&pl_contest_jobs_argp, 0, NULL, 0}, {0}};
+    {&pl_comparison_argp, 0, NULL, 0}, {&pl_comparison_jobs_argp, 0, NULL, 0}, {0}};
 
 static const struct argp argp = {
     .options = argp_options,
@@ -108,7 +108,7 @@ static const struct argp argp = {
 static pl_status save_profile(const options *o, const pl_tune_def *def, const pl_tuning *tuning,
                               pl_error *error)
 {
-    const char *directory = o->contest.out == NULL ? "." : o->contest.out;
+    const char *directory = o->comparison.out == NULL ? "." : o->comparison.out;
     char *path = NULL;
     pl_status status = pl_make_directories(directory, error);
     json_t *profile = pl_tune_profile(def, tuning);
@@ -132,7 +132,7 @@ static pl_status save_profile(const options *o, const pl_tune_def *def, const pl
 static pl_status write_findings(const options *o, const pl_tune_def *def, const pl_tuning *tuning,
                                 pl_error *error)
 {
-    const char *json_path = o->contest.json;
+    const char *json_path = o->comparison.json;
     pl_status status = PL_OK;
     if (json_path != NULL) {
         json_t *json = pl_tune_json(def, tuning);
@@ -153,13 +153,13 @@ static int tune(const pl_call *call, const options *o, const pl_plan *plan,
     pl_tuning tuning = {.runs = 0};
     json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
     const pl_tune_def def = {.plan = plan,
-                             .dt = o->contest.selection.dt,
-                             .duration = o->contest.selection.duration,
+                             .dt = o->comparison.selection.dt,
+                             .duration = o->comparison.selection.duration,
                              .space = space,
                              .targets = &o->targets,
                              .budget = o->budget,
-                             .jobs = o->contest.jobs,
-                             .limits = o->contest.limits,
+                             .jobs = o->comparison.jobs,
+                             .limits = o->comparison.limits,
                              .provenance = provenance,
                              .progress = stderr};
     pl_status status = provenance == NULL ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
@@ -182,7 +182,7 @@ static int tune(const pl_call *call, const options *o, const pl_plan *plan,
 
 int pl_command_tune(const pl_call *call)
 {
-    options o = {.contest = pl_contest_default(&option_help), .budget = DEFAULT_BUDGET};
+    options o = {.comparison = pl_comparison_default(&option_help), .budget = DEFAULT_BUDGET};
     pl_call_parse(call, &argp, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
@@ -194,15 +194,15 @@ int pl_command_tune(const pl_call *call)
                          "this build lacks NLopt: install libnlopt-dev and build again");
     }
     if (status == PL_OK) {
-        status = pl_contest_add_problems(&o.contest, &plan, &error);
+        status = pl_comparison_add_problems(&o.comparison, &plan, &error);
     }
     if (status == PL_OK) {
-        status = pl_contest_add_engines("plumb tune", &o.contest, &plan, &error);
+        status = pl_comparison_add_engines("plumb tune", &o.comparison, &plan, &error);
     }
     if (status == PL_OK && plan.contender_count > 0) {
-        status =
-            pl_tune_space_make(&plan.contenders[0].choice, o.contest.selection.dt, o.varied.items,
-                               o.varied.count, o.fixed.items, o.fixed.count, &space, &error);
+        status = pl_tune_space_make(&plan.contenders[0].choice, o.comparison.selection.dt,
+                                    o.varied.items, o.varied.count, o.fixed.items, o.fixed.count,
+                                    &space, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
@@ -215,6 +215,6 @@ int pl_command_tune(const pl_call *call)
     pl_plan_free(&plan);
     free(o.varied.items);
     free(o.fixed.items);
-    pl_contest_free(&o.contest);
+    pl_comparison_free(&o.comparison);
     return code;
 }

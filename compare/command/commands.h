@@ -2,7 +2,7 @@
 #ifndef PLUMB_COMMANDS_H
 #define PLUMB_COMMANDS_H
 
-#include "command/command.h"
+#include "command.h"
 
 int pl_command_compare(const pl_call *call);
 int pl_command_run(const pl_call *call);

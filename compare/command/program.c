@@ -1,5 +1,5 @@
 /* `plumb COMMAND ...`: the table of commands, and the way to them. */
-#include "command/commands.h"
+#include "commands.h"
 
 #include <fcntl.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-#include "command/selection.h"
+#include "selection.h"
 
 #include "adapters/tuned_profile.h"
 

@@ -3,7 +3,7 @@
 #ifndef PLUMB_SELECTION_H
 #define PLUMB_SELECTION_H
 
-#include "command/command.h"
+#include "command.h"
 #include "runner/plan.h"
 #include "runner/process.h"
 

@@ -1,10 +1,10 @@
 /* The baseline file: reading, with every fault at its place, and writing. */
-#include "gate/baseline.h"
+#include "baseline.h"
 
 #include "results/store.h"
 
-#include "json_field.h"
-#include "json_text.h"
+#include "base/json_field.h"
+#include "base/json_text.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -25,27 +25,28 @@ static const pl_key_set file_set = KEY_SET("baseline", file_keys);
 static const pl_key_set row_set = KEY_SET("row", row_keys);
 static const pl_key_set ratio_set = KEY_SET("ratio", ratio_keys);
 
-static bool read_schema(const json_t *json, pl_complaint *complaint)
+static bool read_schema(const json_t *json, pl_diagnostic *diagnostic)
 {
     const char *schema = NULL;
     char quoted[PL_QUOTED_SIZE];
     return pl_json_string(json, "schema", PL_REQUIRED, "\"plumb.baseline/1\"", &schema,
-                          complaint) &&
+                          diagnostic) &&
            (strcmp(schema, schema_name) == 0 ||
-            pl_complain_of(complaint, "schema", "expected \"%s\", found %s", schema_name,
+            pl_complain_of(diagnostic, "schema", "expected \"%s\", found %s", schema_name,
                            pl_quoted(schema, quoted)));
 }
 
 /* An object of numbers, or, where `is_free`, of numbers, texts and nulls. */
-static bool check_values(const json_t *row, const char *key, bool is_free, pl_complaint *complaint)
+static bool check_values(const json_t *row, const char *key, bool is_free,
+                         pl_diagnostic *diagnostic)
 {
     json_t *object = json_object_get(row, key);
     char found[PL_FOUND_SIZE];
     if (!json_is_object(object)) {
-        return pl_complain_of(complaint, key, "expected an object, found %s",
+        return pl_complain_of(diagnostic, key, "expected an object, found %s",
                               pl_json_found(object, found));
     }
-    pl_path_push_key(&complaint->path, key);
+    pl_path_push_key(&diagnostic->path, key);
     const char *name;
     json_t *value;
     json_object_foreach(object, name, value)
@@ -53,58 +54,58 @@ static bool check_values(const json_t *row, const char *key, bool is_free, pl_co
         bool right =
             json_is_number(value) || (is_free && (json_is_string(value) || json_is_null(value)));
         if (!right) {
-            return pl_complain_of(complaint, name, "expected a number%s, found %s",
+            return pl_complain_of(diagnostic, name, "expected a number%s, found %s",
                                   is_free ? ", a text or null" : "", pl_json_found(value, found));
         }
     }
-    pl_path_pop(&complaint->path);
+    pl_path_pop(&diagnostic->path);
     return true;
 }
 
-static bool check_ratio(const json_t *row, const char *key, pl_complaint *complaint)
+static bool check_ratio(const json_t *row, const char *key, pl_diagnostic *diagnostic)
 {
     const json_t *ratio = json_object_get(row, key);
     const char *reference = NULL;
     if (ratio == NULL) {
         return true;
     }
-    pl_path_push_key(&complaint->path, key);
-    if (!pl_json_object(ratio, &ratio_set, complaint) ||
-        !pl_json_string(ratio, "reference", PL_REQUIRED, "an engine", &reference, complaint)) {
+    pl_path_push_key(&diagnostic->path, key);
+    if (!pl_json_object(ratio, &ratio_set, diagnostic) ||
+        !pl_json_string(ratio, "reference", PL_REQUIRED, "an engine", &reference, diagnostic)) {
         return false;
     }
     static const char *const numbers[] = {"value", "low", "high", "repeats"};
     for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; ++i) {
         double value = 0;
-        if (!pl_json_number(ratio, numbers[i], PL_REQUIRED, &value, complaint)) {
+        if (!pl_json_number(ratio, numbers[i], PL_REQUIRED, &value, diagnostic)) {
             return false;
         }
         if (!(value > 0) || (i == 3 && (value != floor(value) || value > 1e9))) {
-            return pl_complain_of(complaint, numbers[i], "expected a %s above 0, found %g",
+            return pl_complain_of(diagnostic, numbers[i], "expected a %s above 0, found %g",
                                   i == 3 ? "whole number" : "number", value);
         }
     }
-    pl_path_pop(&complaint->path);
+    pl_path_pop(&diagnostic->path);
     return true;
 }
 
-static bool check_row(const json_t *json, pl_complaint *complaint)
+static bool check_row(const json_t *json, pl_diagnostic *diagnostic)
 {
     const char *text = NULL;
     double number = 0;
-    return pl_json_object(json, &row_set, complaint) &&
-           pl_json_string(json, "scenario", PL_REQUIRED, "a scenario", &text, complaint) &&
-           pl_json_string(json, "engine", PL_REQUIRED, "an engine", &text, complaint) &&
-           pl_json_string(json, "outcome", PL_REQUIRED, "an outcome", &text, complaint) &&
-           pl_json_string(json, "scene_hash", PL_OPTIONAL, "a hash", &text, complaint) &&
-           pl_json_number(json, "dt", PL_REQUIRED, &number, complaint) &&
-           pl_json_number(json, "duration", PL_REQUIRED, &number, complaint) &&
-           pl_json_number(json, "seed", PL_REQUIRED, &number, complaint) &&
-           pl_json_number(json, "member", PL_OPTIONAL, &number, complaint) &&
-           check_values(json, "params", false, complaint) &&
-           check_values(json, "metrics", true, complaint) &&
-           check_ratio(json, "time_ratio", complaint) &&
-           check_ratio(json, "instructions_ratio", complaint);
+    return pl_json_object(json, &row_set, diagnostic) &&
+           pl_json_string(json, "scenario", PL_REQUIRED, "a scenario", &text, diagnostic) &&
+           pl_json_string(json, "engine", PL_REQUIRED, "an engine", &text, diagnostic) &&
+           pl_json_string(json, "outcome", PL_REQUIRED, "an outcome", &text, diagnostic) &&
+           pl_json_string(json, "scene_hash", PL_OPTIONAL, "a hash", &text, diagnostic) &&
+           pl_json_number(json, "dt", PL_REQUIRED, &number, diagnostic) &&
+           pl_json_number(json, "duration", PL_REQUIRED, &number, diagnostic) &&
+           pl_json_number(json, "seed", PL_REQUIRED, &number, diagnostic) &&
+           pl_json_number(json, "member", PL_OPTIONAL, &number, diagnostic) &&
+           check_values(json, "params", false, diagnostic) &&
+           check_values(json, "metrics", true, diagnostic) &&
+           check_ratio(json, "time_ratio", diagnostic) &&
+           check_ratio(json, "instructions_ratio", diagnostic);
 }
 
 /* The index of a row of the same run before the one at `index`; -1 when there is none. */
@@ -118,44 +119,44 @@ static int find_twin(const pl_gate_rows *rows, int index)
     return -1;
 }
 
-static bool read_rows(const json_t *array, pl_gate_rows *rows, pl_complaint *complaint)
+static bool read_rows(const json_t *array, pl_gate_rows *rows, pl_diagnostic *diagnostic)
 {
     rows->items = calloc(json_array_size(array) + 1, sizeof *rows->items);
     if (rows->items == NULL) {
-        return pl_complain_no_memory(complaint);
+        return pl_complain_no_memory(diagnostic);
     }
-    pl_path_push_key(&complaint->path, "rows");
+    pl_path_push_key(&diagnostic->path, "rows");
     size_t index;
     json_t *json;
     json_array_foreach(array, index, json)
     {
-        pl_path_push_index(&complaint->path, (int)index);
-        if (!check_row(json, complaint)) {
+        pl_path_push_index(&diagnostic->path, (int)index);
+        if (!check_row(json, diagnostic)) {
             return false;
         }
         pl_gate_row *row = &rows->items[rows->count++];
         row->json = json_incref(json);
         row->reason = "";
         if (!pl_gate_row_identify(row)) {
-            return pl_complain_no_memory(complaint);
+            return pl_complain_no_memory(diagnostic);
         }
         int twin = find_twin(rows, (int)index);
         if (twin >= 0) {
-            return pl_complain(complaint, "expected another run than rows[%d], found the same",
+            return pl_complain(diagnostic, "expected another run than rows[%d], found the same",
                                twin);
         }
-        pl_path_pop(&complaint->path);
+        pl_path_pop(&diagnostic->path);
     }
-    pl_path_pop(&complaint->path);
+    pl_path_pop(&diagnostic->path);
     return true;
 }
 
-static bool read_baseline(const json_t *json, void *user, pl_complaint *complaint)
+static bool read_baseline(const json_t *json, void *user, pl_diagnostic *diagnostic)
 {
     const json_t *array = NULL;
-    return pl_json_object(json, &file_set, complaint) && read_schema(json, complaint) &&
-           pl_json_array(json, "rows", PL_REQUIRED, &array, complaint) &&
-           read_rows(array, user, complaint);
+    return pl_json_object(json, &file_set, diagnostic) && read_schema(json, diagnostic) &&
+           pl_json_array(json, "rows", PL_REQUIRED, &array, diagnostic) &&
+           read_rows(array, user, diagnostic);
 }
 
 static const pl_json_kind baseline_kind = {

@@ -2,7 +2,7 @@
 #ifndef PLUMB_GATE_BASELINE_H
 #define PLUMB_GATE_BASELINE_H
 
-#include "gate/row.h"
+#include "gate_row.h"
 
 enum { PL_GATE_BASELINE_MOST_BYTES = 64 << 20 };
 

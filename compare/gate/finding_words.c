@@ -1,5 +1,5 @@
 /* What all formats say of a finding alike. */
-#include "gate/output.h"
+#include "output.h"
 
 #include <stdio.h>
 

@@ -1,9 +1,9 @@
 /* Gathers the repeats of each run into a row. */
-#include "gate/gather.h"
+#include "gather.h"
 
-#include "gate/ratio.h"
+#include "base/median.h"
 #include "plumb/scenario.h"
-#include "results/median.h"
+#include "ratio.h"
 #include "results/result.h"
 
 #include <stdlib.h>

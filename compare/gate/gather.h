@@ -2,8 +2,8 @@
 #ifndef PLUMB_GATE_GATHER_H
 #define PLUMB_GATE_GATHER_H
 
-#include "gate/limits.h"
-#include "gate/row.h"
+#include "gate_row.h"
+#include "limits.h"
 
 /* A file of results, as read. */
 typedef struct pl_gate_file {

@@ -1,5 +1,5 @@
 /* Row by row: is it there, did it end well, are its numbers what they were. */
-#include "gate/judge.h"
+#include "judge.h"
 
 #include <stdio.h>
 #include <string.h>

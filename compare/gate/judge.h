@@ -2,9 +2,9 @@
 #ifndef PLUMB_GATE_JUDGE_H
 #define PLUMB_GATE_JUDGE_H
 
-#include "gate/limits.h"
-#include "gate/report.h"
-#include "gate/rule.h"
+#include "gate_report.h"
+#include "limits.h"
+#include "rule.h"
 
 typedef struct pl_gate_case {
     const pl_gate_rows *before; /* the baseline; NULL: rules alone */

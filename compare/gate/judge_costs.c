@@ -1,6 +1,6 @@
 /* Times and instructions: as ratios to the reference engine of the same results. */
-#include "gate/judge.h"
-#include "gate/ratio.h"
+#include "judge.h"
+#include "ratio.h"
 #include "results/result.h"
 
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* What every run of a deterministic engine repeats: metric by metric, against its limit. */
-#include "gate/judge.h"
-#include "gate/ratio.h"
+#include "judge.h"
+#include "ratio.h"
 #include "results/result.h"
 
 #include <math.h>

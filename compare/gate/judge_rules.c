@@ -1,7 +1,7 @@
 /* The caller's own rules. One that judges nothing fails: a gate that is open by a misspelt name, or
  * because a run is gone, is no gate. */
-#include "gate/judge.h"
-#include "gate/ratio.h"
+#include "judge.h"
+#include "ratio.h"
 #include "results/result.h"
 
 #include <stdio.h>

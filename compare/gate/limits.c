@@ -3,9 +3,9 @@
  * A deterministic engine gives the same numbers at every run, so its limits are those of rounding:
  * a millionth, or 1e-9 in the metric's own unit, below which a number is rounding of the engine or
  * of the referee over some thousands of steps. A time to rest is known to a step. */
-#include "gate/limits.h"
+#include "limits.h"
 
-#include "gate/ratio.h"
+#include "ratio.h"
 
 #include <math.h>
 #include <stdio.h>

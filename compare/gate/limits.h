@@ -2,7 +2,7 @@
 #ifndef PLUMB_GATE_LIMITS_H
 #define PLUMB_GATE_LIMITS_H
 
-#include "referee/metrics.h"
+#include "referee/metrics/metrics.h"
 
 typedef struct pl_gate_limit {
     bool given; /* by the caller */

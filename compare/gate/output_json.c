@@ -1,5 +1,5 @@
 /* plumb.gate/1. */
-#include "gate/output.h"
+#include "output.h"
 #include "results/result.h"
 
 #include <stdlib.h>
@@ -49,7 +49,7 @@ static json_t *findings_json(const pl_gate_report *report, bool is_failure)
     return array;
 }
 
-void pl_gate_write_json(const pl_gate_report *report, pl_sheet *sheet)
+void pl_gate_write_json(const pl_gate_report *report, pl_text_buffer *buffer)
 {
     const char *verdict = report->failures > 0       ? "failed"
                           : report->comparisons == 0 ? "nothing compared"
@@ -62,10 +62,10 @@ void pl_gate_write_json(const pl_gate_report *report, pl_sheet *sheet)
                      ? NULL
                      : json_dumps(json, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
     if (text == NULL) {
-        sheet->failed = true;
+        buffer->failed = true;
     } else {
-        pl_sheet_add(sheet, text);
-        pl_sheet_add(sheet, "\n");
+        pl_text_add(buffer, text);
+        pl_text_add(buffer, "\n");
     }
     free(text);
     json_decref(json);

@@ -1,5 +1,5 @@
 /* JUnit's XML, as CI servers read it. */
-#include "gate/output.h"
+#include "output.h"
 
 #include <stdio.h>
 
@@ -16,7 +16,7 @@ static int count_of(const pl_gate_report *report, const pl_gate_row *row, bool i
 }
 
 static void add_findings(const pl_gate_report *report, const pl_gate_row *row, bool is_failure,
-                         pl_sheet *sheet)
+                         pl_text_buffer *text)
 {
     char place[WORDS_SIZE], words[WORDS_SIZE];
     for (int i = 0; i < report->count; ++i) {
@@ -24,33 +24,33 @@ static void add_findings(const pl_gate_report *report, const pl_gate_row *row, b
         if (finding->row == row && finding->is_failure == is_failure) {
             pl_gate_finding_place(finding, place, sizeof place);
             pl_gate_finding_words(finding, words, sizeof words);
-            pl_sheet_add_html(sheet, place);
-            pl_sheet_format(sheet, ": %s: ", finding->metric);
-            pl_sheet_add_html(sheet, words);
-            pl_sheet_add(sheet, "\n");
+            pl_text_add_html(text, place);
+            pl_text_format(text, ": %s: ", finding->metric);
+            pl_text_add_html(text, words);
+            pl_text_add(text, "\n");
         }
     }
 }
 
 /* `row` is NULL for what is of no single row. */
-static void add_case(const pl_gate_report *report, const pl_gate_row *row, pl_sheet *sheet)
+static void add_case(const pl_gate_report *report, const pl_gate_row *row, pl_text_buffer *text)
 {
     int failures = count_of(report, row, true), notices = count_of(report, row, false);
-    pl_sheet_add_element(sheet, "  <testcase classname=\"plumb.", row == NULL ? "gate" : row->name,
-                         "\"");
-    pl_sheet_add_element(sheet, " name=\"", row == NULL ? "rules and notices" : row->label, "\">");
+    pl_text_add_element(text, "  <testcase classname=\"plumb.", row == NULL ? "gate" : row->name,
+                        "\"");
+    pl_text_add_element(text, " name=\"", row == NULL ? "rules and notices" : row->label, "\">");
     if (failures > 0) {
-        pl_sheet_format(sheet, "\n    <failure message=\"%d failure%s\">", failures,
-                        failures == 1 ? "" : "s");
-        add_findings(report, row, true, sheet);
-        pl_sheet_add(sheet, "</failure>");
+        pl_text_format(text, "\n    <failure message=\"%d failure%s\">", failures,
+                       failures == 1 ? "" : "s");
+        add_findings(report, row, true, text);
+        pl_text_add(text, "</failure>");
     }
     if (notices > 0) {
-        pl_sheet_add(sheet, "\n    <system-out>");
-        add_findings(report, row, false, sheet);
-        pl_sheet_add(sheet, "</system-out>");
+        pl_text_add(text, "\n    <system-out>");
+        add_findings(report, row, false, text);
+        pl_text_add(text, "</system-out>");
     }
-    pl_sheet_add(sheet, "</testcase>\n");
+    pl_text_add(text, "</testcase>\n");
 }
 
 static bool is_missing(const pl_gate_report *report, int index)
@@ -58,7 +58,7 @@ static bool is_missing(const pl_gate_report *report, int index)
     return pl_gate_rows_find(report->now, report->before->items[index].key) == NULL;
 }
 
-void pl_gate_write_junit(const pl_gate_report *report, pl_sheet *sheet)
+void pl_gate_write_junit(const pl_gate_report *report, pl_text_buffer *text)
 {
     bool has_others = count_of(report, NULL, true) + count_of(report, NULL, false) > 0;
     int cases = report->now->count + has_others;
@@ -70,21 +70,21 @@ void pl_gate_write_junit(const pl_gate_report *report, pl_sheet *sheet)
         cases += is_missing(report, i);
         failed += is_missing(report, i);
     }
-    pl_sheet_format(sheet,
-                    "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-                    "<testsuites>\n<testsuite name=\"plumb gate\" tests=\"%d\" failures=\"%d\" "
-                    "errors=\"0\" skipped=\"0\">\n",
-                    cases, failed);
+    pl_text_format(text,
+                   "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+                   "<testsuites>\n<testsuite name=\"plumb gate\" tests=\"%d\" failures=\"%d\" "
+                   "errors=\"0\" skipped=\"0\">\n",
+                   cases, failed);
     for (int i = 0; i < report->now->count; ++i) {
-        add_case(report, &report->now->items[i], sheet);
+        add_case(report, &report->now->items[i], text);
     }
     for (int i = 0; report->before != NULL && i < report->before->count; ++i) {
         if (is_missing(report, i)) {
-            add_case(report, &report->before->items[i], sheet);
+            add_case(report, &report->before->items[i], text);
         }
     }
     if (has_others) {
-        add_case(report, NULL, sheet);
+        add_case(report, NULL, text);
     }
-    pl_sheet_add(sheet, "</testsuite>\n</testsuites>\n");
+    pl_text_add(text, "</testsuite>\n</testsuites>\n");
 }

@@ -1,36 +1,36 @@
 /* For people: the text, GitHub's workflow commands, and its job page. */
-#include "gate/output.h"
+#include "output.h"
 
 #include <limits.h>
 #include <stdio.h>
 
 enum { PLACE_SIZE = 512, WORDS_SIZE = 1024 };
 
-static void add_plain(pl_sheet *sheet, const char *text, bool is_property)
+static void add_plain(pl_text_buffer *out, const char *text, bool is_property)
 {
     (void)is_property;
-    pl_sheet_add_plain(sheet, text, INT_MAX);
+    pl_text_add_plain(out, text, INT_MAX);
 }
 
 /* A workflow command ends at a line's end, and its properties at a comma or a colon. */
-static void add_escaped(pl_sheet *sheet, const char *text, bool is_property)
+static void add_escaped(pl_text_buffer *out, const char *text, bool is_property)
 {
     for (const char *c = text; *c != '\0'; ++c) {
         unsigned char byte = (unsigned char)*c;
         bool escaped = byte == '%' || byte < 0x20 || byte == 0x7f ||
                        (is_property && (byte == ':' || byte == ','));
-        pl_sheet_format(sheet, escaped ? "%%%02X" : "%c", byte);
+        pl_text_format(out, escaped ? "%%%02X" : "%c", byte);
     }
 }
 
 /* How a line is written. */
 typedef struct line_style {
     const char *failure, *note, *after_place;
-    void (*add)(pl_sheet *sheet, const char *text, bool is_property);
+    void (*add)(pl_text_buffer *out, const char *text, bool is_property);
 } line_style;
 
 /* A line a finding, failures first, and the summary. */
-static void write_lines(const pl_gate_report *report, const line_style *style, pl_sheet *sheet)
+static void write_lines(const pl_gate_report *report, const line_style *style, pl_text_buffer *out)
 {
     char place[PLACE_SIZE], words[WORDS_SIZE];
     for (int failures = 1; failures >= 0; --failures) {
@@ -41,46 +41,46 @@ static void write_lines(const pl_gate_report *report, const line_style *style, p
             }
             pl_gate_finding_place(finding, place, sizeof place);
             pl_gate_finding_words(finding, words, sizeof words);
-            pl_sheet_add(sheet, finding->is_failure ? style->failure : style->note);
-            style->add(sheet, place, true);
-            pl_sheet_format(sheet, "%s%s: ", style->after_place, finding->metric);
-            style->add(sheet, words, false);
-            pl_sheet_add(sheet, "\n");
+            pl_text_add(out, finding->is_failure ? style->failure : style->note);
+            style->add(out, place, true);
+            pl_text_format(out, "%s%s: ", style->after_place, finding->metric);
+            style->add(out, words, false);
+            pl_text_add(out, "\n");
         }
     }
     pl_gate_report_summary(report, words, sizeof words);
-    pl_sheet_format(sheet, "%s\n", words);
+    pl_text_format(out, "%s\n", words);
 }
 
-void pl_gate_write_text(const pl_gate_report *report, pl_sheet *sheet)
+void pl_gate_write_text(const pl_gate_report *report, pl_text_buffer *out)
 {
     const line_style style = {"FAIL  ", "note  ", ": ", add_plain};
-    write_lines(report, &style, sheet);
+    write_lines(report, &style, out);
 }
 
-void pl_gate_write_github(const pl_gate_report *report, pl_sheet *sheet)
+void pl_gate_write_github(const pl_gate_report *report, pl_text_buffer *out)
 {
     const line_style style = {"::error title=", "::notice title=", "::", add_escaped};
-    write_lines(report, &style, sheet);
+    write_lines(report, &style, out);
 }
 
-static void add_cell(pl_sheet *sheet, const char *text)
+static void add_cell(pl_text_buffer *out, const char *text)
 {
-    pl_sheet_add(sheet, " ");
-    pl_sheet_add_markdown(sheet, text);
-    pl_sheet_add(sheet, " |");
+    pl_text_add(out, " ");
+    pl_text_add_markdown(out, text);
+    pl_text_add(out, " |");
 }
 
-void pl_gate_write_markdown(const pl_gate_report *report, pl_sheet *sheet)
+void pl_gate_write_markdown(const pl_gate_report *report, pl_text_buffer *out)
 {
     char text[WORDS_SIZE];
     pl_gate_report_summary(report, text, sizeof text);
-    pl_sheet_add(sheet, "### plumb ");
-    pl_sheet_add_markdown(sheet, text);
-    pl_sheet_add(sheet, "\n");
+    pl_text_add(out, "### plumb ");
+    pl_text_add_markdown(out, text);
+    pl_text_add(out, "\n");
     if (report->count > 0) {
-        pl_sheet_add(sheet, "\n| | run | metric | before | after | allowed | |\n"
-                            "|---|---|---|---:|---:|---|---|\n");
+        pl_text_add(out, "\n| | run | metric | before | after | allowed | |\n"
+                         "|---|---|---|---:|---:|---|---|\n");
     }
     for (int failures = 1; failures >= 0; --failures) {
         for (int i = 0; i < report->count; ++i) {
@@ -89,15 +89,15 @@ void pl_gate_write_markdown(const pl_gate_report *report, pl_sheet *sheet)
                 continue;
             }
             pl_gate_finding_place(finding, text, sizeof text);
-            pl_sheet_add(sheet, finding->is_failure ? "| **failed** |" : "| note |");
-            add_cell(sheet, text);
-            add_cell(sheet, finding->metric);
-            add_cell(sheet, finding->before);
-            add_cell(sheet, finding->after);
-            add_cell(sheet, finding->limit);
-            add_cell(sheet, finding->what);
-            pl_sheet_add(sheet, "\n");
+            pl_text_add(out, finding->is_failure ? "| **failed** |" : "| note |");
+            add_cell(out, text);
+            add_cell(out, finding->metric);
+            add_cell(out, finding->before);
+            add_cell(out, finding->after);
+            add_cell(out, finding->limit);
+            add_cell(out, finding->what);
+            pl_text_add(out, "\n");
         }
     }
-    pl_sheet_add(sheet, "\n");
+    pl_text_add(out, "\n");
 }

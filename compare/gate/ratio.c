@@ -5,9 +5,9 @@
  * distribution (W. R. Thompson 1936): with the k-th value from either end they hold the true median
  * but for a probability of 2 P(B < k), B binomial of n and 1/2. At most 1/16 is allowed, which five
  * repeats just reach. */
-#include "gate/ratio.h"
+#include "ratio.h"
 
-#include "results/median.h"
+#include "base/median.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -2,7 +2,7 @@
 #ifndef PLUMB_GATE_RATIO_H
 #define PLUMB_GATE_RATIO_H
 
-#include "gate/row.h"
+#include "gate_row.h"
 
 /* The fewest repeats from which noise is told. */
 enum { PL_GATE_FEWEST_REPEATS = 5 };

@@ -1,5 +1,5 @@
 /* Reads a file of results. */
-#include "gate/gather.h"
+#include "gather.h"
 
 #include "results/store.h"
 

@@ -1,8 +1,8 @@
 /* Rules: their text, which rows they are of, and when they hold. */
-#include "gate/rule.h"
+#include "rule.h"
 
-#include "gate/limits.h"
-#include "gate/ratio.h"
+#include "limits.h"
+#include "ratio.h"
 #include "results/result.h"
 
 #include <fnmatch.h>

@@ -2,7 +2,7 @@
 #ifndef PLUMB_GATE_RULE_H
 #define PLUMB_GATE_RULE_H
 
-#include "gate/row.h"
+#include "gate_row.h"
 
 typedef enum pl_gate_operator {
     PL_GATE_ABOVE,    /* > */

@@ -6,10 +6,10 @@
  *
  * Which integrator an engine has is known only when something has accelerated. So what depends on
  * it is measured for each, and the one that fits is chosen at the end. */
-#include "referee/referee.h"
+#include "referee.h"
 
-#include "referee/referee_state.h"
-#include "referee/sanity.h"
+#include "referee/metrics/validity.h"
+#include "referee_state.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,7 +27,7 @@ pl_status pl_referee_create(const pl_scene *scene, pl_referee **referee, pl_erro
     r->asked = pl_scene_steps(scene);
     r->fixed_step = lround(fmin(1, scene->duration / 2) / scene->dt);
     r->settle = pl_settle_start(scene);
-    r->nearby = pl_nearby_create(scene);
+    r->nearby = pl_candidate_pairs_create(scene);
     r->penetration = pl_penetration_create(scene);
     r->mechanics = pl_mechanics_create(scene);
     r->force = pl_contact_force_create(scene);
@@ -65,7 +65,7 @@ void pl_referee_destroy(pl_referee *r)
     for (int i = 0; i < SERIES_COUNT; ++i) {
         pl_series_free(&r->series[i]);
     }
-    pl_nearby_destroy(r->nearby);
+    pl_candidate_pairs_destroy(r->nearby);
     pl_penetration_destroy(r->penetration);
     pl_mechanics_destroy(r->mechanics);
     pl_contact_force_destroy(r->force);
@@ -103,7 +103,7 @@ static void see_pairs(pl_referee *r, const pl_body_state *bodies)
 {
     pl_penetration_begin(r->penetration, r->done);
     pl_islands_begin(r->islands);
-    pl_nearby_each(r->nearby, bodies, see_pair, r);
+    pl_candidate_pairs_each(r->nearby, bodies, see_pair, r);
     pl_penetration_end(r->penetration);
 }
 

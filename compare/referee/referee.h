@@ -7,7 +7,7 @@
 #define PLUMB_REFEREE_H
 
 #include "plumb/engine_abi.h"
-#include "referee/metrics.h"
+#include "referee/metrics/metrics.h"
 
 typedef struct pl_referee pl_referee;
 

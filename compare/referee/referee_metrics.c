@@ -1,7 +1,7 @@
 /* Gathers what was found of a run into the metrics. */
-#include "referee/final_state.h"
-#include "referee/referee.h"
-#include "referee/referee_state.h"
+#include "referee.h"
+#include "referee/metrics/final_state.h"
+#include "referee_state.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -2,19 +2,19 @@
 #ifndef PLUMB_REFEREE_STATE_H
 #define PLUMB_REFEREE_STATE_H
 
-#include "referee/contact_force.h"
-#include "referee/drift.h"
-#include "referee/islands.h"
-#include "referee/mechanics.h"
-#include "referee/nearby.h"
-#include "referee/path.h"
-#include "referee/penetration.h"
-#include "referee/referee.h"
-#include "referee/scale.h"
-#include "referee/series.h"
-#include "referee/settle.h"
-#include "referee/spread.h"
-#include "referee/value.h"
+#include "referee.h"
+#include "referee/geometry/candidate_pairs.h"
+#include "referee/metrics/contact_force.h"
+#include "referee/metrics/contact_groups.h"
+#include "referee/metrics/drift.h"
+#include "referee/metrics/mechanics.h"
+#include "referee/metrics/path.h"
+#include "referee/metrics/penetration.h"
+#include "referee/metrics/scale.h"
+#include "referee/metrics/series.h"
+#include "referee/metrics/settle.h"
+#include "referee/metrics/spread.h"
+#include "referee/metrics/value.h"
 
 /* The first three have one for each integrator. */
 typedef enum series_id {
@@ -36,7 +36,7 @@ struct pl_referee {
     long asked, done; /* steps */
     pl_verdict ended; /* what ended the run early, with its reason */
     pl_error reason;
-    pl_nearby *nearby;
+    pl_candidate_pairs *nearby;
     pl_penetration *penetration;
     pl_mechanics *mechanics;
     pl_contact_force *force;

@@ -1,6 +1,6 @@
 /* Round shapes are cut into slices like an orange. Meshes are thinned by clustering their vertices
  * in a grid (Rossignac and Borrel 1993). */
-#include "report/facets.h"
+#include "facets.h"
 
 #include <stdlib.h>
 

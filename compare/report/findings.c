@@ -1,6 +1,6 @@
-#include "report/findings.h"
+#include "findings.h"
 
-#include "report/quantity.h"
+#include "quantity.h"
 #include "results/result.h"
 
 #include <stdio.h>
@@ -27,37 +27,37 @@ static bool is_fault(const pl_block *block, const pl_cell *cell)
            (error->state == PL_METRIC_VALUE && error->value > pl_fault_limit);
 }
 
-static void list_engines(const pl_cells *cells, pl_sheet *sheet)
+static void list_engines(const pl_result_matrix *cells, pl_text_buffer *out)
 {
     const char *separator = "";
     for (int i = 0; i < cells->column_count; i++) {
         if (cells->columns[i].ours)
             continue;
-        pl_sheet_format(sheet, "%s%s", separator, cells->columns[i].name);
+        pl_text_format(out, "%s%s", separator, cells->columns[i].name);
         separator = ", ";
     }
 }
 
-static void write_statement(const pl_cells *cells, pl_faults *findings)
+static void write_statement(const pl_result_matrix *cells, pl_faults *findings)
 {
-    pl_sheet *sheet = &findings->statement;
+    pl_text_buffer *out = &findings->statement;
     int known = 0;
     for (int i = 0; i < findings->count; i++)
         known += findings->items[i].cause != NULL && findings->items[i].cause->text != NULL;
     if (findings->runs == 0)
         return;
-    pl_sheet_format(sheet, "%d of %d runs of ", findings->count, findings->runs);
-    list_engines(cells, sheet);
-    pl_sheet_format(sheet,
-                    " with a known right answer failed or are off by more than %g %% where the "
-                    "error is relative",
-                    100 * pl_fault_limit);
+    pl_text_format(out, "%d of %d runs of ", findings->count, findings->runs);
+    list_engines(cells, out);
+    pl_text_format(out,
+                   " with a known right answer failed or are off by more than %g %% where the "
+                   "error is relative",
+                   100 * pl_fault_limit);
     if (findings->count > 0)
-        pl_sheet_format(sheet, "; of %d the cause is known", known);
-    pl_sheet_add(sheet, ".");
+        pl_text_format(out, "; of %d the cause is known", known);
+    pl_text_add(out, ".");
 }
 
-static bool has_engine(const pl_cells *cells, const char *engine)
+static bool has_engine(const pl_result_matrix *cells, const char *engine)
 {
     for (int i = 0; i < cells->column_count; i++)
         if (strcmp(cells->columns[i].engine, engine) == 0)
@@ -65,23 +65,23 @@ static bool has_engine(const pl_cells *cells, const char *engine)
     return false;
 }
 
-static void write_innocence(const pl_cells *cells, pl_faults *findings)
+static void write_innocence(const pl_result_matrix *cells, pl_faults *findings)
 {
-    pl_sheet *sheet = &findings->innocence;
-    pl_sheet_add(sheet, "It is not the adapter: before its first step every run reads masses, "
-                        "principal inertias and gravity back from the engine, and the step, "
-                        "friction and restitution as the engine is handed them, and is refused "
-                        "where one differs from the scene's by more than 1e-12 of it");
+    pl_text_buffer *out = &findings->innocence;
+    pl_text_add(out, "It is not the adapter: before its first step every run reads masses, "
+                     "principal inertias and gravity back from the engine, and the step, "
+                     "friction and restitution as the engine is handed them, and is refused "
+                     "where one differs from the scene's by more than 1e-12 of it");
     if (has_engine(cells, "ode"))
-        pl_sheet_add(sheet, "; ODE keeps no friction and restitution to be read, it is given them "
-                            "with each contact");
+        pl_text_add(out, "; ODE keeps no friction and restitution to be read, it is given them "
+                         "with each contact");
     if (has_engine(cells, "bullet"))
-        pl_sheet_add(sheet, "; Bullet asks for friction and restitution by callbacks, and these "
-                            "are what is read");
-    pl_sheet_format(sheet, ". Causes were found by experiment with %s.", pl_causes_versions);
+        pl_text_add(out, "; Bullet asks for friction and restitution by callbacks, and these "
+                         "are what is read");
+    pl_text_format(out, ". Causes were found by experiment with %s.", pl_causes_versions);
 }
 
-pl_status pl_faults_find(const pl_cells *cells, pl_faults *findings, pl_error *error)
+pl_status pl_faults_find(const pl_result_matrix *cells, pl_faults *findings, pl_error *error)
 {
     *findings = (pl_faults){0};
     size_t most = (size_t)cells->block_count * (size_t)cells->column_count;
@@ -116,8 +116,8 @@ pl_status pl_faults_find(const pl_cells *cells, pl_faults *findings, pl_error *e
 void pl_faults_free(pl_faults *findings)
 {
     free(findings->items);
-    pl_sheet_free(&findings->statement);
-    pl_sheet_free(&findings->innocence);
+    pl_text_free(&findings->statement);
+    pl_text_free(&findings->innocence);
     *findings = (pl_faults){0};
 }
 
@@ -141,62 +141,62 @@ void pl_fault_texts(const pl_fault *fault, char error[PL_FAULT_TEXT_SIZE], const
     *evidence = tried ? fault->cause->evidence : pl_quantity_missing;
 }
 
-void pl_faults_html(const pl_faults *findings, pl_sheet *sheet)
+void pl_faults_html(const pl_faults *findings, pl_text_buffer *out)
 {
     if (findings->runs == 0)
         return;
-    pl_sheet_add_element(sheet, "<h2 id=\"findings\">Findings</h2>\n<p class=\"verdict\">",
-                         findings->statement.data, "</p>\n");
-    pl_sheet_add_element(sheet, "<p>", findings->innocence.data, "</p>\n");
+    pl_text_add_element(out, "<h2 id=\"findings\">Findings</h2>\n<p class=\"verdict\">",
+                        findings->statement.data, "</p>\n");
+    pl_text_add_element(out, "<p>", findings->innocence.data, "</p>\n");
     if (findings->count == 0)
         return;
-    pl_sheet_add(sheet, "<div class=\"scroll\"><table>\n<thead><tr><th>Problem</th><th>Engine</th>"
-                        "<th>Error</th><th>What in the engine causes it</th>"
-                        "<th>What was varied, and what changed</th></tr></thead>\n<tbody>\n");
+    pl_text_add(out, "<div class=\"scroll\"><table>\n<thead><tr><th>Problem</th><th>Engine</th>"
+                     "<th>Error</th><th>What in the engine causes it</th>"
+                     "<th>What was varied, and what changed</th></tr></thead>\n<tbody>\n");
     for (int i = 0; i < findings->count; i++) {
         char error[PL_FAULT_TEXT_SIZE];
         const char *cause = NULL, *evidence = NULL;
         pl_fault_texts(&findings->items[i], error, &cause, &evidence);
-        pl_sheet_add_element(sheet, "<tr><th>", findings->items[i].block->name, "</th>");
-        pl_sheet_add_element(sheet, "<td>", findings->items[i].column->name, "</td>");
-        pl_sheet_add_element(sheet, findings->items[i].cell->ok ? "<td>" : "<td class=\"bad\">",
-                             error, "</td>");
-        pl_sheet_add_element(sheet, "<td class=\"why\">", cause, "</td>");
-        pl_sheet_add_element(sheet, "<td class=\"why\">", evidence, "</td></tr>\n");
+        pl_text_add_element(out, "<tr><th>", findings->items[i].block->name, "</th>");
+        pl_text_add_element(out, "<td>", findings->items[i].column->name, "</td>");
+        pl_text_add_element(out, findings->items[i].cell->ok ? "<td>" : "<td class=\"bad\">", error,
+                            "</td>");
+        pl_text_add_element(out, "<td class=\"why\">", cause, "</td>");
+        pl_text_add_element(out, "<td class=\"why\">", evidence, "</td></tr>\n");
     }
-    pl_sheet_add(sheet, "</tbody></table></div>\n");
+    pl_text_add(out, "</tbody></table></div>\n");
 }
 
-static void add_markdown(pl_sheet *sheet, const char *text)
+static void add_markdown(pl_text_buffer *out, const char *text)
 {
-    pl_sheet_add(sheet, "| ");
-    pl_sheet_add_markdown(sheet, text);
-    pl_sheet_add(sheet, " ");
+    pl_text_add(out, "| ");
+    pl_text_add_markdown(out, text);
+    pl_text_add(out, " ");
 }
 
-void pl_faults_markdown(const pl_faults *findings, pl_sheet *sheet)
+void pl_faults_markdown(const pl_faults *findings, pl_text_buffer *out)
 {
     if (findings->runs == 0)
         return;
-    pl_sheet_add(sheet, "## Findings\n\n");
-    pl_sheet_add_markdown(sheet, findings->statement.data);
-    pl_sheet_add(sheet, "\n\n");
-    pl_sheet_add_markdown(sheet, findings->innocence.data);
-    pl_sheet_add(sheet, "\n\n");
+    pl_text_add(out, "## Findings\n\n");
+    pl_text_add_markdown(out, findings->statement.data);
+    pl_text_add(out, "\n\n");
+    pl_text_add_markdown(out, findings->innocence.data);
+    pl_text_add(out, "\n\n");
     if (findings->count == 0)
         return;
-    pl_sheet_add(sheet, "| Problem | Engine | Error | What in the engine causes it | What was "
-                        "varied, and what changed |\n|---|---|---|---|---|\n");
+    pl_text_add(out, "| Problem | Engine | Error | What in the engine causes it | What was "
+                     "varied, and what changed |\n|---|---|---|---|---|\n");
     for (int i = 0; i < findings->count; i++) {
         char error[PL_FAULT_TEXT_SIZE];
         const char *cause = NULL, *evidence = NULL;
         pl_fault_texts(&findings->items[i], error, &cause, &evidence);
-        add_markdown(sheet, findings->items[i].block->name);
-        add_markdown(sheet, findings->items[i].column->name);
-        add_markdown(sheet, error);
-        add_markdown(sheet, cause);
-        add_markdown(sheet, evidence);
-        pl_sheet_add(sheet, "|\n");
+        add_markdown(out, findings->items[i].block->name);
+        add_markdown(out, findings->items[i].column->name);
+        add_markdown(out, error);
+        add_markdown(out, cause);
+        add_markdown(out, evidence);
+        pl_text_add(out, "|\n");
     }
-    pl_sheet_add(sheet, "\n");
+    pl_text_add(out, "\n");
 }

@@ -1,13 +1,13 @@
 /* The report as one HTML page: its frame, what it says of all runs together, and the order of its
  * sections. */
-#include "report/html.h"
+#include "html.h"
 
-#include "report/html_parts.h"
-#include "report/html_problem.h"
-#include "report/html_results.h"
-#include "report/stepping.h"
-#include "report/style.h"
+#include "html_parts.h"
+#include "html_problem.h"
+#include "html_results.h"
 #include "results/result.h"
+#include "style.h"
+#include "time_stepping.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -17,8 +17,8 @@ enum { SHOWN_LOSSES = 20 };
 /* --- Head --- */
 
 /* A fact that may differ between rows: each value once, sorted. */
-static void add_distinct(const pl_cells *cells, const char *name, const char *object,
-                         const char *key, pl_sheet *sheet)
+static void add_distinct(const pl_result_matrix *cells, const char *name, const char *object,
+                         const char *key, pl_text_buffer *buffer)
 {
     enum { MOST = 16 };
     const char *seen[MOST];
@@ -36,26 +36,26 @@ static void add_distinct(const pl_cells *cells, const char *name, const char *ob
     }
     if (count == 0)
         return;
-    pl_sheet_add_element(sheet, "<dt>", name, "</dt><dd>");
+    pl_text_add_element(buffer, "<dt>", name, "</dt><dd>");
     for (int i = 0; i < count; i++)
-        pl_sheet_add_element(sheet, i == 0 ? "" : "; ", seen[i], "");
-    pl_sheet_add(sheet, count == MOST ? " and perhaps more</dd>\n" : "</dd>\n");
+        pl_text_add_element(buffer, i == 0 ? "" : "; ", seen[i], "");
+    pl_text_add(buffer, count == MOST ? " and perhaps more</dd>\n" : "</dd>\n");
 }
 
-static void add_command(const json_t *row, pl_sheet *sheet)
+static void add_command(const json_t *row, pl_text_buffer *buffer)
 {
     const json_t *command = json_object_get(row, "command");
     if (json_array_size(command) == 0)
         return;
-    pl_sheet_add(sheet, "<dt>Command</dt><dd><code>");
+    pl_text_add(buffer, "<dt>Command</dt><dd><code>");
     for (size_t i = 0; i < json_array_size(command); i++) {
         const char *word = json_string_value(json_array_get(command, i));
-        pl_sheet_add_element(sheet, i == 0 ? "" : " ", word == NULL ? "" : word, "");
+        pl_text_add_element(buffer, i == 0 ? "" : " ", word == NULL ? "" : word, "");
     }
-    pl_sheet_add(sheet, "</code></dd>\n");
+    pl_text_add(buffer, "</code></dd>\n");
 }
 
-static void add_dates(const pl_cells *cells, pl_sheet *sheet)
+static void add_dates(const pl_result_matrix *cells, pl_text_buffer *buffer)
 {
     const char *first = "", *last = "";
     for (size_t i = 0; i < json_array_size(cells->results); i++) {
@@ -69,53 +69,53 @@ static void add_dates(const pl_cells *cells, pl_sheet *sheet)
     }
     if (first[0] == '\0')
         return;
-    pl_sheet_add_element(sheet, "<dt>Started</dt><dd>", first, "");
+    pl_text_add_element(buffer, "<dt>Started</dt><dd>", first, "");
     if (strcmp(first, last) != 0)
-        pl_sheet_add_element(sheet, " to ", last, "");
-    pl_sheet_add(sheet, " (UTC)</dd>\n");
+        pl_text_add_element(buffer, " to ", last, "");
+    pl_text_add(buffer, " (UTC)</dd>\n");
 }
 
-static void add_head(const pl_cells *cells, pl_sheet *sheet)
+static void add_head(const pl_result_matrix *cells, pl_text_buffer *buffer)
 {
-    pl_sheet_add(sheet, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+    pl_text_add(buffer, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
                         "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
                         "<title>Plumb report</title>\n<style>\n");
     for (int i = 0; pl_style[i] != NULL; i++)
-        pl_sheet_format(sheet, "%s\n", pl_style[i]);
-    pl_sheet_add(sheet, "</style>\n</head>\n<body>\n<main>\n<h1>Plumb report</h1>\n");
-    pl_sheet_format(
-        sheet,
+        pl_text_format(buffer, "%s\n", pl_style[i]);
+    pl_text_add(buffer, "</style>\n</head>\n<body>\n<main>\n<h1>Plumb report</h1>\n");
+    pl_text_format(
+        buffer,
         "<p class=\"lead\">How far each rigid-body engine is from the right answer, and at "
         "what cost: %d %s of %d %s on %d %s.</p>\n",
         cells->run_count, cells->run_count == 1 ? "run" : "runs", cells->block_count,
         cells->block_count == 1 ? "problem" : "problems", cells->column_count,
         cells->column_count == 1 ? "engine" : "engines");
-    pl_sheet_add(sheet, "<dl class=\"facts\">\n");
-    add_distinct(cells, "Processor", "host", "cpu", sheet);
-    add_distinct(cells, "System", "host", "os", sheet);
-    add_distinct(cells, "Compiler", "host", "compiler", sheet);
-    add_distinct(cells, "Flags", "host", "flags", sheet);
-    add_distinct(cells, "Plumb", "plumb", "version", sheet);
-    add_distinct(cells, "Commit", "plumb", "git", sheet);
-    add_dates(cells, sheet);
+    pl_text_add(buffer, "<dl class=\"facts\">\n");
+    add_distinct(cells, "Processor", "host", "cpu", buffer);
+    add_distinct(cells, "System", "host", "os", buffer);
+    add_distinct(cells, "Compiler", "host", "compiler", buffer);
+    add_distinct(cells, "Flags", "host", "flags", buffer);
+    add_distinct(cells, "Plumb", "plumb", "version", buffer);
+    add_distinct(cells, "Commit", "plumb", "git", buffer);
+    add_dates(cells, buffer);
     if (cells->block_count > 0)
-        add_command(cells->blocks[0].row, sheet);
-    pl_sheet_add(sheet, "<dt>Engines</dt><dd>");
+        add_command(cells->blocks[0].row, buffer);
+    pl_text_add(buffer, "<dt>Engines</dt><dd>");
     for (int i = 0; i < cells->column_count; i++) {
-        pl_sheet_add_element(sheet, i == 0 ? "" : ", ", cells->columns[i].label, " ");
-        pl_sheet_add_html(sheet, cells->columns[i].version);
+        pl_text_add_element(buffer, i == 0 ? "" : ", ", cells->columns[i].label, " ");
+        pl_text_add_html(buffer, cells->columns[i].version);
     }
-    pl_sheet_add(sheet, "</dd>\n</dl>\n");
+    pl_text_add(buffer, "</dd>\n</dl>\n");
 }
 
 /* --- Losses --- */
 
-static void add_loss_table(const pl_losses *losses, int first, int last, pl_sheet *sheet)
+static void add_loss_table(const pl_losses *losses, int first, int last, pl_text_buffer *buffer)
 {
-    pl_sheet_add(sheet,
-                 "<div class=\"scroll\"><table>\n<thead><tr><th>Problem</th><th>Metric</th>"
-                 "<th>Ours</th><th class=\"n\">value</th><th>Best other</th>"
-                 "<th class=\"n\">value</th><th class=\"n\">Ratio</th></tr></thead>\n<tbody>\n");
+    pl_text_add(buffer,
+                "<div class=\"scroll\"><table>\n<thead><tr><th>Problem</th><th>Metric</th>"
+                "<th>Ours</th><th class=\"n\">value</th><th>Best other</th>"
+                "<th class=\"n\">value</th><th class=\"n\">Ratio</th></tr></thead>\n<tbody>\n");
     for (int i = first; i < last; i++) {
         const pl_loss *loss = &losses->items[i];
         char metric[PL_LOSS_TEXT_SIZE], ours[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
@@ -124,81 +124,81 @@ static void add_loss_table(const pl_losses *losses, int first, int last, pl_shee
         snprintf(note, sizeof note, "%.600s", loss->our_cell->reason);
         if (loss->kind != PL_LOSS_OUTCOME)
             pl_measure_note(&loss->our_cell->measure[loss->metric], note, sizeof note);
-        pl_sheet_add_element(sheet, "<tr><th>", loss->block->name, "</th>");
-        pl_sheet_add_element(sheet, "<td>", metric, "</td>");
-        pl_sheet_add_element(sheet, "<td>", loss->ours->name, "</td>");
-        pl_html_open_cell(sheet, loss->kind == PL_LOSS_OUTCOME ? "n bad" : "n", note);
-        pl_sheet_add_element(sheet, "", ours, "</td>");
-        pl_sheet_add_element(sheet, "<td>", loss->best->name, "</td>");
-        pl_sheet_add_element(sheet, "<td class=\"n\">", best, "</td>");
-        pl_sheet_add_element(sheet, "<td class=\"n\">", ratio, "</td></tr>\n");
+        pl_text_add_element(buffer, "<tr><th>", loss->block->name, "</th>");
+        pl_text_add_element(buffer, "<td>", metric, "</td>");
+        pl_text_add_element(buffer, "<td>", loss->ours->name, "</td>");
+        pl_html_open_cell(buffer, loss->kind == PL_LOSS_OUTCOME ? "n bad" : "n", note);
+        pl_text_add_element(buffer, "", ours, "</td>");
+        pl_text_add_element(buffer, "<td>", loss->best->name, "</td>");
+        pl_text_add_element(buffer, "<td class=\"n\">", best, "</td>");
+        pl_text_add_element(buffer, "<td class=\"n\">", ratio, "</td></tr>\n");
     }
-    pl_sheet_add(sheet, "</tbody></table></div>\n");
+    pl_text_add(buffer, "</tbody></table></div>\n");
 }
 
-static void add_losses(const pl_losses *losses, pl_sheet *sheet)
+static void add_losses(const pl_losses *losses, pl_text_buffer *buffer)
 {
-    pl_sheet_add_element(sheet, "<h2 id=\"losses\">Where plumb loses</h2>\n<p class=\"verdict\">",
-                         losses->statement.data, "</p>\n");
+    pl_text_add_element(buffer, "<h2 id=\"losses\">Where plumb loses</h2>\n<p class=\"verdict\">",
+                        losses->statement.data, "</p>\n");
     int shown = losses->count < SHOWN_LOSSES ? losses->count : SHOWN_LOSSES;
     if (shown > 0)
-        add_loss_table(losses, 0, shown, sheet);
+        add_loss_table(losses, 0, shown, buffer);
     if (losses->count > shown) {
-        pl_sheet_format(sheet, "<details><summary>%d more, with smaller ratios</summary>\n",
-                        losses->count - shown);
-        add_loss_table(losses, shown, losses->count, sheet);
-        pl_sheet_add(sheet, "</details>\n");
+        pl_text_format(buffer, "<details><summary>%d more, with smaller ratios</summary>\n",
+                       losses->count - shown);
+        add_loss_table(losses, shown, losses->count, buffer);
+        pl_text_add(buffer, "</details>\n");
     }
-    pl_sheet_add_element(sheet, "<p class=\"note\">", losses->rule.data, "</p>\n");
+    pl_text_add_element(buffer, "<p class=\"note\">", losses->rule.data, "</p>\n");
 }
 
 /* --- Tail --- */
 
-static void add_failures(const pl_cells *cells, pl_sheet *sheet)
+static void add_failures(const pl_result_matrix *cells, pl_text_buffer *buffer)
 {
     int b = 0, i = 0;
-    pl_sheet_add(sheet, "<h2 id=\"failures\">Failed runs</h2>\n");
-    if (!pl_cells_next_failure(cells, &b, &i)) {
-        pl_sheet_add(sheet, "<p>No run failed.</p>\n");
+    pl_text_add(buffer, "<h2 id=\"failures\">Failed runs</h2>\n");
+    if (!pl_result_matrix_next_failure(cells, &b, &i)) {
+        pl_text_add(buffer, "<p>No run failed.</p>\n");
         return;
     }
-    pl_sheet_add(sheet, "<div class=\"scroll\"><table>\n<thead><tr><th>Problem</th><th>Engine</th>"
+    pl_text_add(buffer, "<div class=\"scroll\"><table>\n<thead><tr><th>Problem</th><th>Engine</th>"
                         "<th>Outcome</th><th>Reason and output</th></tr></thead>\n<tbody>\n");
-    for (; pl_cells_next_failure(cells, &b, &i); i++) {
+    for (; pl_result_matrix_next_failure(cells, &b, &i); i++) {
         const pl_cell *cell = &cells->blocks[b].cells[i];
         const char *output = pl_json_get_text(cell->row, "output");
-        pl_sheet_add_element(sheet, "<tr><th>", cells->blocks[b].name, "</th>");
-        pl_sheet_add_element(sheet, "<td>", cells->columns[i].name, "</td><td>");
-        pl_html_badge(cell, sheet);
-        pl_sheet_add_element(sheet, "</td><td class=\"why\">",
-                             cell->reason[0] != '\0' ? cell->reason : "no reason was recorded", "");
+        pl_text_add_element(buffer, "<tr><th>", cells->blocks[b].name, "</th>");
+        pl_text_add_element(buffer, "<td>", cells->columns[i].name, "</td><td>");
+        pl_html_badge(cell, buffer);
+        pl_text_add_element(buffer, "</td><td class=\"why\">",
+                            cell->reason[0] != '\0' ? cell->reason : "no reason was recorded", "");
         if (output[0] != '\0')
-            pl_sheet_add_element(sheet, "<pre>", output, "</pre>");
-        pl_sheet_add(sheet, "</td></tr>\n");
+            pl_text_add_element(buffer, "<pre>", output, "</pre>");
+        pl_text_add(buffer, "</td></tr>\n");
     }
-    pl_sheet_add(sheet, "</tbody></table></div>\n");
+    pl_text_add(buffer, "</tbody></table></div>\n");
 }
 
-static void add_definitions(pl_sheet *sheet)
+static void add_definitions(pl_text_buffer *buffer)
 {
     static const char *const directions[] = {"lower is better", "higher is better", "no direction"};
-    pl_sheet_add(sheet, "<h2 id=\"metrics\">Metrics</h2>\n<dl class=\"metrics\">\n");
+    pl_text_add(buffer, "<h2 id=\"metrics\">Metrics</h2>\n<dl class=\"metrics\">\n");
     for (int id = 0; id < PL_METRIC_COUNT; id++) {
         const pl_metric_info *info = &pl_metric_table[id];
-        pl_sheet_add_element(sheet, "<dt><code>", info->name, "</code> <span class=\"small\">");
+        pl_text_add_element(buffer, "<dt><code>", info->name, "</code> <span class=\"small\">");
         if (strcmp(info->unit, "1") != 0 && info->unit[0] != '\0')
-            pl_sheet_add_element(sheet, "", info->unit, ", ");
-        pl_sheet_add(sheet, directions[info->direction]);
-        pl_sheet_add(sheet, info->deterministic ? "" : ", measured");
-        pl_sheet_add_element(sheet, "</span></dt><dd>", info->definition, "</dd>\n");
+            pl_text_add_element(buffer, "", info->unit, ", ");
+        pl_text_add(buffer, directions[info->direction]);
+        pl_text_add(buffer, info->deterministic ? "" : ", measured");
+        pl_text_add_element(buffer, "</span></dt><dd>", info->definition, "</dd>\n");
     }
-    pl_sheet_add(sheet, "</dl>\n");
+    pl_text_add(buffer, "</dl>\n");
 }
 
-static void add_method(pl_sheet *sheet)
+static void add_method(pl_text_buffer *buffer)
 {
-    pl_sheet_add(
-        sheet,
+    pl_text_add(
+        buffer,
         "<h2 id=\"method\">How it was measured</h2>\n"
         "<p>Every run is a process of its own, with a limit of time and of memory. An engine that "
         "aborts, "
@@ -224,30 +224,30 @@ static void add_method(pl_sheet *sheet)
         "“–” means that there is no number; its tooltip says why.</p>\n");
 }
 
-void pl_html_write(const pl_cells *cells, const pl_losses *losses, const pl_faults *findings,
-                   pl_sheet *sheet)
+void pl_html_write(const pl_result_matrix *cells, const pl_losses *losses,
+                   const pl_faults *findings, pl_text_buffer *buffer)
 {
-    add_head(cells, sheet);
-    add_losses(losses, sheet);
+    add_head(cells, buffer);
+    add_losses(losses, buffer);
     pl_warning warnings[PL_WARNINGS_MOST];
-    int warning_count = pl_cells_warnings(cells, warnings);
+    int warning_count = pl_result_matrix_warnings(cells, warnings);
     for (int i = 0; i < warning_count; i++) {
-        pl_sheet_add_element(sheet, "<p class=\"warn\"><b>", warnings[i].head, "</b> ");
-        pl_sheet_add_element(sheet, "", warnings[i].text, "</p>\n");
+        pl_text_add_element(buffer, "<p class=\"warn\"><b>", warnings[i].head, "</b> ");
+        pl_text_add_element(buffer, "", warnings[i].text, "</p>\n");
     }
     if (cells->block_count == 0) {
-        pl_sheet_add(sheet, "<p>There are no results.</p>\n");
+        pl_text_add(buffer, "<p>There are no results.</p>\n");
     } else {
-        pl_html_results(cells, sheet);
-        pl_faults_html(findings, sheet);
-        pl_stepping_html(cells, sheet);
-        pl_html_settings(cells, sheet);
-        pl_sheet_add(sheet, "<h2 id=\"problems\">Problem by problem</h2>\n");
+        pl_html_results(cells, buffer);
+        pl_faults_html(findings, buffer);
+        pl_stepping_html(cells, buffer);
+        pl_html_settings(cells, buffer);
+        pl_text_add(buffer, "<h2 id=\"problems\">Problem by problem</h2>\n");
         for (int b = 0; b < cells->block_count; b++)
-            pl_html_problem(cells, b, sheet);
-        add_failures(cells, sheet);
+            pl_html_problem(cells, b, buffer);
+        add_failures(cells, buffer);
     }
-    add_definitions(sheet);
-    add_method(sheet);
-    pl_sheet_add(sheet, "</main>\n</body>\n</html>\n");
+    add_definitions(buffer);
+    add_method(buffer);
+    pl_text_add(buffer, "</main>\n</body>\n</html>\n");
 }

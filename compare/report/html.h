@@ -2,11 +2,11 @@
 #ifndef PLUMB_HTML_H
 #define PLUMB_HTML_H
 
-#include "report/findings.h"
-#include "report/losses.h"
+#include "findings.h"
+#include "losses.h"
 
 /* One self-contained page: no script, no request. It begins with where plumb loses. */
-void pl_html_write(const pl_cells *cells, const pl_losses *losses, const pl_faults *findings,
-                   pl_sheet *sheet);
+void pl_html_write(const pl_result_matrix *cells, const pl_losses *losses,
+                   const pl_faults *findings, pl_text_buffer *out);
 
 #endif

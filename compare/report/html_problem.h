@@ -2,10 +2,10 @@
 #ifndef PLUMB_HTML_PROBLEM_H
 #define PLUMB_HTML_PROBLEM_H
 
-#include "report/cells.h"
-#include "report/sheet.h"
+#include "base/text_buffer.h"
+#include "result_matrix.h"
 
 /* `index` is the block's. */
-void pl_html_problem(const pl_cells *cells, int index, pl_sheet *sheet);
+void pl_html_problem(const pl_result_matrix *cells, int index, pl_text_buffer *out);
 
 #endif

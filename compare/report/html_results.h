@@ -2,11 +2,11 @@
 #ifndef PLUMB_HTML_RESULTS_H
 #define PLUMB_HTML_RESULTS_H
 
-#include "report/cells.h"
-#include "report/sheet.h"
+#include "base/text_buffer.h"
+#include "result_matrix.h"
 
 /* Each a section with its heading. */
-void pl_html_results(const pl_cells *cells, pl_sheet *sheet);
-void pl_html_settings(const pl_cells *cells, pl_sheet *sheet);
+void pl_html_results(const pl_result_matrix *cells, pl_text_buffer *out);
+void pl_html_settings(const pl_result_matrix *cells, pl_text_buffer *out);
 
 #endif

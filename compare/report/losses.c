@@ -3,9 +3,9 @@
  * Each of our runs is held against the other engines' runs of the same problem whose outcome is ok,
  * metric by metric; the best of them may be a different one for each metric, which is the hardest
  * test. */
-#include "report/losses.h"
+#include "losses.h"
 
-#include "report/quantity.h"
+#include "quantity.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -63,7 +63,8 @@ bool pl_loss_is_compared(int metric)
 }
 
 /* The other engine's ok run with the least value of the metric; -1 when there is none. */
-static int best_other(const pl_cells *cells, const pl_block *block, const pl_cell *ours, int metric)
+static int best_other(const pl_result_matrix *cells, const pl_block *block, const pl_cell *ours,
+                      int metric)
 {
     int best = -1;
     for (int i = 0; i < cells->column_count; i++) {
@@ -77,7 +78,7 @@ static int best_other(const pl_cells *cells, const pl_block *block, const pl_cel
     return best;
 }
 
-static int first_good_other(const pl_cells *cells, const pl_block *block)
+static int first_good_other(const pl_result_matrix *cells, const pl_block *block)
 {
     for (int i = 0; i < cells->column_count; i++)
         if (!cells->columns[i].ours && block->cells[i].row != NULL && block->cells[i].ok)
@@ -85,7 +86,8 @@ static int first_good_other(const pl_cells *cells, const pl_block *block)
     return -1;
 }
 
-static void compare_metric(const pl_cells *cells, pl_loss loss, int metric, pl_losses *losses)
+static void compare_metric(const pl_result_matrix *cells, pl_loss loss, int metric,
+                           pl_losses *losses)
 {
     const pl_measure *ours = &loss.our_cell->measure[metric];
     /* reference_error says the same already. */
@@ -113,7 +115,7 @@ static void compare_metric(const pl_cells *cells, pl_loss loss, int metric, pl_l
 }
 
 /* A run of ours against the others: a failed run is one loss, not one a metric. */
-static void compare_run(const pl_cells *cells, pl_loss loss, pl_losses *losses)
+static void compare_run(const pl_result_matrix *cells, pl_loss loss, pl_losses *losses)
 {
     int other = first_good_other(cells, loss.block);
     if (other < 0)
@@ -148,60 +150,61 @@ static int compare_losses(const void *left, const void *right)
     return (a->ours > b->ours) - (a->ours < b->ours);
 }
 
-static void list_columns(const pl_cells *cells, bool ours, pl_sheet *sheet)
+static void list_columns(const pl_result_matrix *cells, bool ours, pl_text_buffer *text)
 {
     const char *separator = "";
     for (int i = 0; i < cells->column_count; i++) {
         if (cells->columns[i].ours != ours)
             continue;
-        pl_sheet_format(sheet, "%s%s", separator, cells->columns[i].name);
+        pl_text_format(text, "%s%s", separator, cells->columns[i].name);
         separator = ", ";
     }
 }
 
-static void write_statement(const pl_losses *losses, const pl_cells *cells, pl_sheet *sheet)
+static void write_statement(const pl_losses *losses, const pl_result_matrix *cells,
+                            pl_text_buffer *text)
 {
     if (!losses->ours_present || !losses->others_present) {
-        pl_sheet_add(sheet, losses->ours_present
-                                ? "Nothing was compared: these results hold no other engine."
-                                : "Nothing was compared: plumb itself was not run.");
+        pl_text_add(text, losses->ours_present
+                              ? "Nothing was compared: these results hold no other engine."
+                              : "Nothing was compared: plumb itself was not run.");
         return;
     }
     if (losses->comparisons == 0) {
-        pl_sheet_add(sheet,
-                     "Nothing was compared: there is no problem that plumb was run on and that "
-                     "another engine ended with outcome ok.");
+        pl_text_add(text,
+                    "Nothing was compared: there is no problem that plumb was run on and that "
+                    "another engine ended with outcome ok.");
         return;
     }
     if (losses->count == 0)
-        pl_sheet_format(sheet, "No losses: in none of %d comparisons", losses->comparisons);
+        pl_text_format(text, "No losses: in none of %d comparisons", losses->comparisons);
     else
-        pl_sheet_format(sheet, "plumb is worse than the best other engine in %d of %d comparisons",
-                        losses->count, losses->comparisons);
+        pl_text_format(text, "plumb is worse than the best other engine in %d of %d comparisons",
+                       losses->count, losses->comparisons);
     if (losses->count == 0)
-        pl_sheet_add(sheet, " is plumb worse than the best other engine");
-    pl_sheet_format(sheet, ", over %d %s: ", losses->problems,
-                    losses->problems == 1 ? "problem" : "problems");
-    list_columns(cells, true, sheet);
-    pl_sheet_add(sheet, " against the best of ");
-    list_columns(cells, false, sheet);
-    pl_sheet_add(sheet, ".");
+        pl_text_add(text, " is plumb worse than the best other engine");
+    pl_text_format(text, ", over %d %s: ", losses->problems,
+                   losses->problems == 1 ? "problem" : "problems");
+    list_columns(cells, true, text);
+    pl_text_add(text, " against the best of ");
+    list_columns(cells, false, text);
+    pl_text_add(text, ".");
 }
 
-static void write_rule(pl_sheet *sheet)
+static void write_rule(pl_text_buffer *text)
 {
-    pl_sheet_add(sheet,
-                 "Compared, metric by metric and lower is better, with the best run of another "
-                 "engine whose outcome is ok: ");
+    pl_text_add(text,
+                "Compared, metric by metric and lower is better, with the best run of another "
+                "engine whose outcome is ok: ");
     const char *separator = "";
     for (int id = 0; id < PL_METRIC_COUNT; id++) {
         if (!pl_loss_is_compared(id))
             continue;
-        pl_sheet_format(sheet, "%s%s", separator, pl_metric_table[id].name);
+        pl_text_format(text, "%s%s", separator, pl_metric_table[id].name);
         separator = ", ";
     }
-    pl_sheet_add(
-        sheet,
+    pl_text_add(
+        text,
         ". Iterations and residuals are left out: they mean different things to different solvers. "
         "No loss is a difference below noise. A value below its floor counts as the "
         "floor, also in the ratio: 1e-9 for lengths (m), speeds (m/s), angles (rad) and relative "
@@ -212,7 +215,7 @@ static void write_rule(pl_sheet *sheet)
         "A failed run of ours counts once.");
 }
 
-pl_status pl_losses_find(const pl_cells *cells, pl_losses *losses, pl_error *error)
+pl_status pl_losses_find(const pl_result_matrix *cells, pl_losses *losses, pl_error *error)
 {
     *losses = (pl_losses){0};
     size_t most = (size_t)cells->block_count * (size_t)cells->column_count * PL_METRIC_COUNT;
@@ -247,8 +250,8 @@ pl_status pl_losses_find(const pl_cells *cells, pl_losses *losses, pl_error *err
 void pl_losses_free(pl_losses *losses)
 {
     free(losses->items);
-    pl_sheet_free(&losses->statement);
-    pl_sheet_free(&losses->rule);
+    pl_text_free(&losses->statement);
+    pl_text_free(&losses->rule);
     *losses = (pl_losses){0};
 }
 

@@ -2,8 +2,8 @@
 #ifndef PLUMB_LOSSES_H
 #define PLUMB_LOSSES_H
 
-#include "report/cells.h"
-#include "report/sheet.h"
+#include "base/text_buffer.h"
+#include "result_matrix.h"
 
 typedef enum pl_loss_kind {
     PL_LOSS_OUTCOME,  /* ours failed, another did not */
@@ -26,8 +26,8 @@ typedef struct pl_losses {
     int comparisons; /* pairs of our run and a metric that were held against another engine */
     int problems;    /* blocks with both a run of ours and a good run of another engine */
     bool ours_present, others_present;
-    pl_sheet statement; /* in words: how many there are, or that there are none, of what */
-    pl_sheet rule;      /* in words: which metrics count, and which differences do not */
+    pl_text_buffer statement; /* in words: how many there are, or that there are none, of what */
+    pl_text_buffer rule;      /* in words: which metrics count, and which differences do not */
 } pl_losses;
 
 /* Both values are of the metric `metric` in `block`; whether `value` is worse than `best` by more
@@ -39,7 +39,7 @@ bool pl_loss_is_worse(const pl_block *block, int metric, double value, double be
 bool pl_loss_is_compared(int metric);
 
 /* `cells` must outlive *losses, which the caller frees, also on failure. */
-pl_status pl_losses_find(const pl_cells *cells, pl_losses *losses, pl_error *error);
+pl_status pl_losses_find(const pl_result_matrix *cells, pl_losses *losses, pl_error *error);
 void pl_losses_free(pl_losses *losses);
 
 /* The texts of a loss, the same in every format. */

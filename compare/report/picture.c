@@ -1,9 +1,9 @@
 /* Rebuilds scenes and lays out their pictures. A picture is drawn only over the very scene that was
  * run: its hash must be the results'. */
-#include "report/picture.h"
+#include "picture.h"
 
-#include "report/quantity.h"
-#include "report/svg.h"
+#include "quantity.h"
+#include "svg.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -95,46 +95,47 @@ static pl_pose *read_poses(const json_t *row, int body_count, char why[160])
     return poses;
 }
 
-static void add_caption(const pl_column *column, const pl_cell *cell, int outside, pl_sheet *sheet)
+static void add_caption(const pl_column *column, const pl_cell *cell, int outside,
+                        pl_text_buffer *buffer)
 {
     char text[160];
-    pl_sheet_add(sheet, "<figcaption><b>");
-    pl_sheet_add_html(sheet, column->name);
-    pl_sheet_add(sheet, "</b> ");
+    pl_text_add(buffer, "<figcaption><b>");
+    pl_text_add_html(buffer, column->name);
+    pl_text_add(buffer, "</b> ");
     if (cell->ok) {
         pl_measure_text(&cell->measure[PL_METRIC_REFERENCE_ERROR], text, sizeof text);
-        pl_sheet_format(sheet, "error %s", text);
+        pl_text_format(buffer, "error %s", text);
     } else {
-        pl_sheet_add(sheet, "<span class=\"badge bad\">");
-        pl_sheet_add_html(sheet, cell->outcome);
-        pl_sheet_add(sheet, "</span>");
+        pl_text_add(buffer, "<span class=\"badge bad\">");
+        pl_text_add_html(buffer, cell->outcome);
+        pl_text_add(buffer, "</span>");
     }
     if (outside > 0)
-        pl_sheet_format(sheet, "<br>%d %s outside the picture", outside,
-                        outside == 1 ? "body is" : "bodies are");
-    pl_sheet_add(sheet, "</figcaption></figure>\n");
+        pl_text_format(buffer, "<br>%d %s outside the picture", outside,
+                       outside == 1 ? "body is" : "bodies are");
+    pl_text_add(buffer, "</figcaption></figure>\n");
 }
 
 static void add_figure(const pl_scene *scene, const pl_view *view, const pl_column *column,
                        const pl_cell *cell, const pl_pose *poses, const char *why,
-                       const char *expected_id, pl_sheet *sheet)
+                       const char *expected_id, pl_text_buffer *buffer)
 {
     int outside = 0;
-    pl_sheet_add(sheet, "<figure>");
+    pl_text_add(buffer, "<figure>");
     if (poses != NULL) {
         char title[400];
         snprintf(title, sizeof title, "%.255s: where the bodies are at the end", column->name);
-        outside = pl_svg_picture(scene, view, poses, expected_id, title, sheet);
+        outside = pl_svg_picture(scene, view, poses, expected_id, title, buffer);
     } else {
-        pl_sheet_format(sheet, "<div class=\"empty\" style=\"width:%.0fpx;height:%.0fpx\"><span>",
-                        view->width, view->height);
-        pl_sheet_add_html(sheet, why);
-        pl_sheet_add(sheet, "</span></div>");
+        pl_text_format(buffer, "<div class=\"empty\" style=\"width:%.0fpx;height:%.0fpx\"><span>",
+                       view->width, view->height);
+        pl_text_add_html(buffer, why);
+        pl_text_add(buffer, "</span></div>");
     }
-    add_caption(column, cell, outside, sheet);
+    add_caption(column, cell, outside, buffer);
 }
 
-void pl_picture_row(const pl_cells *cells, int index, pl_sheet *sheet)
+void pl_picture_row(const pl_result_matrix *cells, int index, pl_text_buffer *buffer)
 {
     const pl_block *block = &cells->blocks[index];
     int count = cells->column_count;
@@ -144,13 +145,13 @@ void pl_picture_row(const pl_cells *cells, int index, pl_sheet *sheet)
     const pl_pose **framed = calloc((size_t)count + 1, sizeof *framed);
     char(*why)[160] = calloc((size_t)count + 1, sizeof *why);
     if (poses == NULL || framed == NULL || why == NULL) {
-        sheet->failed = true;
+        buffer->failed = true;
         goto cleanup;
     }
     if (pl_picture_scene(block, &scene, &error) != PL_OK) {
-        pl_sheet_add(sheet, "<p class=\"note\">No pictures: ");
-        pl_sheet_add_html(sheet, error.message);
-        pl_sheet_add(sheet, ".</p>\n");
+        pl_text_add(buffer, "<p class=\"note\">No pictures: ");
+        pl_text_add_html(buffer, error.message);
+        pl_text_add(buffer, ".</p>\n");
         goto cleanup;
     }
     for (int i = 0; i < count; i++) {
@@ -165,13 +166,13 @@ void pl_picture_row(const pl_cells *cells, int index, pl_sheet *sheet)
     pl_view view = pl_view_choose(&scene, framed, count);
     char id[32];
     snprintf(id, sizeof id, "expected-%d", index);
-    pl_svg_expected(&scene, &view, id, sheet);
-    pl_sheet_add(sheet, "<div class=\"pictures\">\n");
+    pl_svg_expected(&scene, &view, id, buffer);
+    pl_text_add(buffer, "<div class=\"pictures\">\n");
     for (int i = 0; i < count; i++)
         if (block->cells[i].row != NULL)
             add_figure(&scene, &view, &cells->columns[i], &block->cells[i], poses[i], why[i], id,
-                       sheet);
-    pl_sheet_add(sheet, "</div>\n");
+                       buffer);
+    pl_text_add(buffer, "</div>\n");
 
 cleanup:
     for (int i = 0; poses != NULL && i < count; i++)

@@ -2,13 +2,13 @@
 #ifndef PLUMB_PICTURE_H
 #define PLUMB_PICTURE_H
 
-#include "report/cells.h"
-#include "report/sheet.h"
+#include "base/text_buffer.h"
+#include "result_matrix.h"
 
 /* Writes a <figure> for every engine that has a run of the block, or one paragraph that says why
  * there are no pictures: the scene cannot be rebuilt, or is not the one that was run. `index` is
  * the block's, unique in the page. */
-void pl_picture_row(const pl_cells *cells, int index, pl_sheet *sheet);
+void pl_picture_row(const pl_result_matrix *cells, int index, pl_text_buffer *out);
 
 /* Rebuilds the scene of a block: from the catalogue, or from the scene file by its path, with the
  * step and the duration of the run. PL_FAILED when its hash is not that of the results. The caller

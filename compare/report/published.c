@@ -1,4 +1,4 @@
-#include "report/published.h"
+#include "published.h"
 
 #include <string.h>
 
@@ -21,7 +21,7 @@ bool pl_published_is(const pl_block *block, const pl_suite_entry *entry)
     return true;
 }
 
-bool pl_published_applies(const pl_suite *suite, const pl_cells *cells)
+bool pl_published_applies(const pl_suite *suite, const pl_result_matrix *cells)
 {
     bool applies = suite->published_metric != NULL;
     for (int i = 0; i < suite->entry_count && applies; i++) {

@@ -1,5 +1,5 @@
 /* Numbers as people read them. */
-#include "report/quantity.h"
+#include "quantity.h"
 
 #include <math.h>
 #include <stdbool.h>

@@ -1,11 +1,11 @@
 /* Writes the report's files: all texts first, then all under temporary names, then the renames. */
-#include "report/report.h"
+#include "report.h"
 
-#include "report/csv.h"
-#include "report/findings.h"
-#include "report/html.h"
-#include "report/losses.h"
-#include "report/markdown.h"
+#include "csv.h"
+#include "findings.h"
+#include "html.h"
+#include "losses.h"
+#include "markdown.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -17,7 +17,7 @@
 /* A file of the report: its text, and where it is written before it gets its name. */
 typedef struct report_file {
     const char *name;
-    pl_sheet text;
+    pl_text_buffer text;
     char final[PATH_MAX], temporary[PATH_MAX];
     bool written;
 } report_file;
@@ -84,10 +84,10 @@ pl_status pl_report_write(const char *directory, json_t *results, pl_error *erro
 {
     report_file files[] = {{.name = "results.csv"}, {.name = "summary.md"}, {.name = "index.html"}};
     enum { FILE_COUNT = sizeof files / sizeof files[0] };
-    pl_cells cells = {0};
+    pl_result_matrix cells = {0};
     pl_losses losses = {0};
     pl_faults findings = {0};
-    pl_status status = pl_cells_build(results, &cells, error);
+    pl_status status = pl_result_matrix_build(results, &cells, error);
     if (status == PL_OK)
         status = pl_losses_find(&cells, &losses, error);
     if (status == PL_OK)
@@ -107,9 +107,9 @@ pl_status pl_report_write(const char *directory, json_t *results, pl_error *erro
 
 cleanup:
     for (int i = 0; i < FILE_COUNT; i++)
-        pl_sheet_free(&files[i].text);
+        pl_text_free(&files[i].text);
     pl_faults_free(&findings);
     pl_losses_free(&losses);
-    pl_cells_free(&cells);
+    pl_result_matrix_free(&cells);
     return status;
 }

@@ -1,6 +1,6 @@
-/* The page's style sheet, a rule an item. Colours are variables, so that dark is a change of
+/* The page's style out, a rule an item. Colours are variables, so that dark is a change of
  * variables alone; an outcome is always a word too, never a colour alone. */
-#include "report/style.h"
+#include "style.h"
 
 #include <stddef.h>
 

@@ -1,4 +1,4 @@
-/* The page's style sheet. */
+/* The page's style out. */
 #ifndef PLUMB_STYLE_H
 #define PLUMB_STYLE_H
 

@@ -1,8 +1,8 @@
 /* Draws a scene: the ground, what is expected, and of each body the faces that look at the eye. */
-#include "report/svg.h"
+#include "svg.h"
 
-#include "report/facets.h"
-#include "report/painter.h"
+#include "facets.h"
+#include "hidden_surface.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -14,17 +14,17 @@ enum { SHADES = 6 };
 static const double RESOLUTION = 5;
 
 /* "M x y l dx dy ... z", counted in tenths of a pixel so that rounding never accumulates. */
-static void add_polygon(const pl_pixel *corner, int count, pl_sheet *sheet)
+static void add_polygon(const pl_pixel *corner, int count, pl_text_buffer *text)
 {
     long x = 0, y = 0;
     for (int i = 0; i < count; i++) {
         long next_x = lround(corner[i].x * 10), next_y = lround(corner[i].y * 10);
-        pl_sheet_format(sheet, "%c%.9g%s%.9g", i == 0 ? 'M' : 'l', (double)(next_x - x) / 10,
-                        next_y < y ? "" : " ", (double)(next_y - y) / 10);
+        pl_text_format(text, "%c%.9g%s%.9g", i == 0 ? 'M' : 'l', (double)(next_x - x) / 10,
+                       next_y < y ? "" : " ", (double)(next_y - y) / 10);
         x = next_x;
         y = next_y;
     }
-    pl_sheet_add(sheet, "z");
+    pl_text_add(text, "z");
 }
 
 static int compare_pixels(const void *left, const void *right)
@@ -61,7 +61,7 @@ static pl_vec placed(const pl_pose *pose, const pl_axes *axes, pl_vec local)
 
 /* The convex outline of all facets. */
 static void add_hull_outline(const pl_shape *shape, const pl_pose *pose, const pl_view *view,
-                             pl_sheet *sheet)
+                             pl_text_buffer *text)
 {
     pl_facets facets;
     const pl_axes axes = pl_axes_of(pose->orientation);
@@ -69,57 +69,58 @@ static void add_hull_outline(const pl_shape *shape, const pl_pose *pose, const p
     int count = 4 * facets.count;
     pl_pixel *points = calloc(3 * (size_t)count + 1, sizeof *points);
     if (!complete || points == NULL) {
-        sheet->failed = true;
+        text->failed = true;
     } else if (count > 0) {
         for (int i = 0; i < count; i++)
             points[i] =
                 pl_view_project(view, placed(pose, &axes, facets.items[i / 4].corner[i % 4]));
-        add_polygon(points + count, hull(points, count, points + count), sheet);
+        add_polygon(points + count, hull(points, count, points + count), text);
     }
     free(points);
     pl_facets_free(&facets);
 }
 
 static void add_outline(const pl_shape *shape, const pl_pose *pose, const pl_view *view,
-                        pl_sheet *sheet)
+                        pl_text_buffer *text)
 {
     if (shape->kind == PL_SHAPE_SPHERE) {
         pl_pixel centre = pl_view_project(view, pl_vec_of(pose->position));
         double r = shape->radius * view->scale;
-        pl_sheet_format(sheet, "M%.1f %.1fa%.1f %.1f 0 1 0 %.1f 0a%.1f %.1f 0 1 0 %.1f 0z",
-                        centre.x - r, centre.y, r, r, 2 * r, r, r, -2 * r);
+        pl_text_format(text, "M%.1f %.1fa%.1f %.1f 0 1 0 %.1f 0a%.1f %.1f 0 1 0 %.1f 0z",
+                       centre.x - r, centre.y, r, r, 2 * r, r, r, -2 * r);
     } else if (shape->kind != PL_SHAPE_PLANE) {
-        add_hull_outline(shape, pose, view, sheet);
+        add_hull_outline(shape, pose, view, text);
     }
 }
 
-void pl_svg_expected(const pl_scene *scene, const pl_view *view, const char *id, pl_sheet *sheet)
+void pl_svg_expected(const pl_scene *scene, const pl_view *view, const char *id,
+                     pl_text_buffer *text)
 {
     int count = scene->rest_count + scene->travel_count;
     pl_pose *poses = calloc((size_t)count + 1, sizeof *poses);
     int *bodies = calloc((size_t)count + 1, sizeof *bodies);
     if (poses == NULL || bodies == NULL) {
-        sheet->failed = true;
+        text->failed = true;
         goto cleanup;
     }
     pl_expected_poses(scene, poses, bodies);
-    pl_sheet_format(sheet, "<svg class=\"defs\" width=\"0\" height=\"0\"><defs><g id=\"%s\">", id);
+    pl_text_format(text, "<svg class=\"defs\" width=\"0\" height=\"0\"><defs><g id=\"%s\">", id);
     if (scene->travel_count > 0) {
-        pl_sheet_add(sheet, "<path class=\"start\" d=\"");
+        pl_text_add(text, "<path class=\"start\" d=\"");
         for (int i = 0; i < scene->travel_count; i++) {
             const pl_body *body = &scene->bodies[scene->travels[i].body];
             pl_pose pose = pl_pose_of(body);
-            add_outline(&body->shape, &pose, view, sheet);
+            add_outline(&body->shape, &pose, view, text);
         }
-        pl_sheet_add(sheet, "\"/>");
+        pl_text_add(text, "\"/>");
     }
     if (count > 0) {
-        pl_sheet_add(sheet, "<path class=\"expected\" d=\"");
+        pl_text_add(text, "<path class=\"expected\" d=\"");
         for (int i = 0; i < count; i++)
-            add_outline(&scene->bodies[bodies[i]].shape, &poses[i], view, sheet);
-        pl_sheet_add(sheet, "\"/>");
+            add_outline(&scene->bodies[bodies[i]].shape, &poses[i], view, text);
+        pl_text_add(text, "\"/>");
     }
-    pl_sheet_add(sheet, "</g></defs></svg>\n");
+    pl_text_add(text, "</g></defs></svg>\n");
 
 cleanup:
     free(poses);
@@ -130,7 +131,7 @@ cleanup:
 
 /* A floor reaches from a level line behind all bodies of the picture to beyond its lower edge; seen
  * edge-on it is the half-space below its line. Any other plane is a square around the start. */
-static void add_plane(const pl_shape *plane, const pl_view *view, pl_sheet *sheet)
+static void add_plane(const pl_shape *plane, const pl_view *view, pl_text_buffer *text)
 {
     pl_vec n = pl_vec_of(plane->normal), centre = view->centre;
     centre = pl_vec_mad(centre, plane->offset - pl_vec_dot(n, centre), n);
@@ -157,9 +158,9 @@ static void add_plane(const pl_shape *plane, const pl_view *view, pl_sheet *shee
     for (int i = 0; i < 4; i++)
         pixels[i] =
             pl_view_project(view, pl_vec_mad(pl_vec_mad(centre, corner[i][0], u), corner[i][1], v));
-    pl_sheet_add(sheet, "<path class=\"ground\" d=\"");
-    add_polygon(pixels, 4, sheet);
-    pl_sheet_add(sheet, "\"/>");
+    pl_text_add(text, "<path class=\"ground\" d=\"");
+    add_polygon(pixels, 4, text);
+    pl_text_add(text, "\"/>");
 }
 
 /* --- Bodies --- */
@@ -243,20 +244,20 @@ static bool add_faces(picture *p, const pl_shape *shape, const pl_pose *pose, ch
     return complete;
 }
 
-static void add_face(const pl_face *item, pl_sheet *sheet)
+static void add_face(const pl_face *item, pl_text_buffer *text)
 {
     if (item->radius > 0) {
         double r = item->radius;
-        pl_sheet_format(sheet, "<circle class=\"%c%d\" cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"/>",
-                        item->kind, item->shade, item->corner[0].x, item->corner[0].y, r);
-        pl_sheet_format(sheet, "<circle class=\"glint\" cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"/>",
-                        item->corner[0].x - 0.35 * r, item->corner[0].y - 0.38 * r, 0.3 * r);
+        pl_text_format(text, "<circle class=\"%c%d\" cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"/>",
+                       item->kind, item->shade, item->corner[0].x, item->corner[0].y, r);
+        pl_text_format(text, "<circle class=\"glint\" cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"/>",
+                       item->corner[0].x - 0.35 * r, item->corner[0].y - 0.38 * r, 0.3 * r);
         return;
     }
-    pl_sheet_format(sheet, "<path class=\"%c%d%s\" d=\"", item->kind, item->shade,
-                    item->fine ? " fine" : "");
-    add_polygon(item->corner, item->triangle ? 3 : 4, sheet);
-    pl_sheet_add(sheet, "\"/>");
+    pl_text_format(text, "<path class=\"%c%d%s\" d=\"", item->kind, item->shade,
+                   item->fine ? " fine" : "");
+    add_polygon(item->corner, item->triangle ? 3 : 4, text);
+    pl_text_add(text, "\"/>");
 }
 
 static bool is_finite(const pl_pose *pose)
@@ -305,35 +306,35 @@ static int collect(const pl_scene *scene, const pl_pose *poses, const bool *fall
 }
 
 int pl_svg_picture(const pl_scene *scene, const pl_view *view, const pl_pose *poses,
-                   const char *expected_id, const char *title, pl_sheet *sheet)
+                   const char *expected_id, const char *title, pl_text_buffer *text)
 {
     int outside = 0;
     picture p = {.view = view};
     pl_painting *painting = &p.painting;
     bool *fallen = calloc((size_t)scene->body_count + 1, sizeof *fallen);
     if (fallen == NULL) {
-        sheet->failed = true;
+        text->failed = true;
         goto cleanup;
     }
     mark_fallen(scene, poses, fallen);
     outside = collect(scene, poses, fallen, &p);
     if (outside < 0 || !pl_painting_arrange(painting, view->width, view->height)) {
-        sheet->failed = true;
+        text->failed = true;
         goto cleanup;
     }
-    pl_sheet_format(sheet,
-                    "<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" role=\"img\">",
-                    view->width, view->height, view->width, view->height);
-    pl_sheet_add(sheet, "<title>");
-    pl_sheet_add_html(sheet, title);
-    pl_sheet_add(sheet, "</title>");
+    pl_text_format(text,
+                   "<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" role=\"img\">",
+                   view->width, view->height, view->width, view->height);
+    pl_text_add(text, "<title>");
+    pl_text_add_html(text, title);
+    pl_text_add(text, "</title>");
     for (int i = 0; i < scene->body_count; i++)
         if (scene->bodies[i].shape.kind == PL_SHAPE_PLANE)
-            add_plane(&scene->bodies[i].shape, view, sheet);
-    pl_sheet_format(sheet, "<use href=\"#%s\"/>", expected_id);
+            add_plane(&scene->bodies[i].shape, view, text);
+    pl_text_format(text, "<use href=\"#%s\"/>", expected_id);
     for (size_t i = 0; i < painting->count; i++)
-        add_face(&painting->faces[i], sheet);
-    pl_sheet_add(sheet, "</svg>");
+        add_face(&painting->faces[i], text);
+    pl_text_add(text, "</svg>");
 
 cleanup:
     free(painting->faces);

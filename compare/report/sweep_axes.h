@@ -2,7 +2,7 @@
 #ifndef PLUMB_REPORT_SWEEP_AXES_H
 #define PLUMB_REPORT_SWEEP_AXES_H
 
-#include "report/sheet.h"
+#include "base/text_buffer.h"
 
 enum { PL_SWEEP_COLOURS = 6 };
 
@@ -19,15 +19,15 @@ double pl_sweep_y(const pl_sweep_axes *axes, double value);
 /* Opens the picture, `title` its alternative text, and draws grid, numbers and the names of both
  * axes. */
 void pl_sweep_axes_open(const pl_sweep_axes *axes, const char *title, const char *x_name,
-                        const char *y_name, pl_sheet *sheet);
+                        const char *y_name, pl_text_buffer *out);
 
 /* The marker of colour 0 .. PL_SWEEP_COLOURS - 1, each of a shape of its own, of half-width r, px.
  */
 void pl_sweep_marker(const char *classes, int colour, double x, double y, double r,
-                     pl_sheet *sheet);
+                     pl_text_buffer *out);
 
 /* A line of the legend, from 0. */
 void pl_sweep_legend(const pl_sweep_axes *axes, int line, int colour, const char *name,
-                     const char *note, pl_sheet *sheet);
+                     const char *note, pl_text_buffer *out);
 
 #endif

@@ -1,7 +1,7 @@
-#include "report/sweep_plot.h"
+#include "sweep_plot.h"
 
-#include "report/sweep_axes.h"
-#include "report/sweep_words.h"
+#include "sweep_axes.h"
+#include "sweep_words.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -90,23 +90,23 @@ static bool lay_out(const pl_sweep_analysis *analysis, const pl_sweep_problem *p
 /* The same marker, with a tooltip. */
 static void add_point(const pl_sweep_problem *problem, const pl_sweep_point *point,
                       const pl_sweep_axes *axes, const char *classes, int colour, double r,
-                      pl_sheet *sheet)
+                      pl_text_buffer *out)
 {
     char step[PL_SWEEP_TEXT_SIZE], cost[PL_SWEEP_TEXT_SIZE], error[PL_SWEEP_TEXT_SIZE];
     pl_sweep_step_text(point->dt, step);
     pl_sweep_cost_text(point->cost, cost);
     pl_sweep_error_text(point->error, problem->unit, error);
-    pl_sheet_add_element(sheet, "<g><title>", point->label, "");
-    pl_sheet_format(sheet, ", dt %s: ", step);
-    pl_sheet_add_element(sheet, "", error, " at ");
-    pl_sheet_format(sheet, "%s for a second</title>", cost);
+    pl_text_add_element(out, "<g><title>", point->label, "");
+    pl_text_format(out, ", dt %s: ", step);
+    pl_text_add_element(out, "", error, " at ");
+    pl_text_format(out, "%s for a second</title>", cost);
     pl_sweep_marker(classes, colour, pl_sweep_x(axes, point->cost), pl_sweep_y(axes, point->error),
-                    r, sheet);
-    pl_sheet_add(sheet, "</g>");
+                    r, out);
+    pl_text_add(out, "</g>");
 }
 
 static void add_curve(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
-                      const pl_sweep_axes *axes, int engine, pl_sheet *sheet)
+                      const pl_sweep_axes *axes, int engine, pl_text_buffer *out)
 {
     const pl_sweep_curve *curve = &problem->curves[engine];
     const int colour = colour_of(analysis, engine);
@@ -119,26 +119,26 @@ static void add_curve(const pl_sweep_analysis *analysis, const pl_sweep_problem 
         for (next = 0; next < curve->front_count && !on_front; next++)
             on_front = curve->front[next] == i;
         if (point->state == PL_SWEEP_OK && pl_sweep_point_is_of(point, engine) && !on_front)
-            add_point(problem, point, axes, classes, colour, 0.6 * r, sheet);
+            add_point(problem, point, axes, classes, colour, 0.6 * r, out);
     }
     if (curve->front_count > 1)
-        pl_sheet_format(sheet, "\n<path class=\"e%d\" d=\"", colour);
+        pl_text_format(out, "\n<path class=\"e%d\" d=\"", colour);
     for (int i = 0; i < curve->front_count && curve->front_count > 1; i++) {
         const pl_sweep_point *point = &analysis->points[curve->front[i]];
-        pl_sheet_format(sheet, "%c%.1f %.1f", i == 0 ? 'M' : 'L', pl_sweep_x(axes, point->cost),
-                        pl_sweep_y(axes, point->error));
+        pl_text_format(out, "%c%.1f %.1f", i == 0 ? 'M' : 'L', pl_sweep_x(axes, point->cost),
+                       pl_sweep_y(axes, point->error));
     }
     if (curve->front_count > 1)
-        pl_sheet_add(sheet, "\"/>\n");
+        pl_text_add(out, "\"/>\n");
     snprintf(classes, sizeof classes, "m%d", colour);
     for (int i = 0; i < curve->front_count; i++)
-        add_point(problem, &analysis->points[curve->front[i]], axes, classes, colour, r, sheet);
+        add_point(problem, &analysis->points[curve->front[i]], axes, classes, colour, r, out);
 }
 
 /* Failed points have no place: they stand in a row above the field, an engine a row, all of them
  * or as many as fit. */
 static void add_crosses(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
-                        const pl_sweep_axes *axes, int engine, double y, pl_sheet *sheet)
+                        const pl_sweep_axes *axes, int engine, double y, pl_text_buffer *out)
 {
     const int failed = problem->curves[engine].failed, colour = colour_of(analysis, engine);
     const int shown = failed < CROSSES_MOST ? failed : CROSSES_MOST;
@@ -152,17 +152,17 @@ static void add_crosses(const pl_sweep_analysis *analysis, const pl_sweep_proble
         char step[PL_SWEEP_TEXT_SIZE];
         double x = axes->left + 8 + 15.5 * drawn++;
         pl_sweep_step_text(point->dt, step);
-        pl_sheet_add_element(sheet, "<g><title>", point->label, ", dt ");
-        pl_sheet_add_element(sheet, step, ": ", "");
-        pl_sheet_add_element(sheet, "", point->outcome, "</title>");
-        pl_sheet_format(sheet, "<path class=\"e%d cross\" d=\"M%.1f %.1fl8 8m0 -8l-8 8\"/></g>",
-                        colour, x - 4, y - 4);
+        pl_text_add_element(out, "<g><title>", point->label, ", dt ");
+        pl_text_add_element(out, step, ": ", "");
+        pl_text_add_element(out, "", point->outcome, "</title>");
+        pl_text_format(out, "<path class=\"e%d cross\" d=\"M%.1f %.1fl8 8m0 -8l-8 8\"/></g>",
+                       colour, x - 4, y - 4);
     }
-    pl_sheet_add(sheet, "\n");
+    pl_text_add(out, "\n");
 }
 
 void pl_sweep_plot_problem(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
-                           pl_sheet *sheet)
+                           pl_text_buffer *out)
 {
     pl_sweep_axes axes;
     char y_name[PL_SWEEP_TEXT_SIZE], title[2 * PL_SWEEP_TEXT_SIZE];
@@ -173,34 +173,33 @@ void pl_sweep_plot_problem(const pl_sweep_analysis *analysis, const pl_sweep_pro
     snprintf(y_name, sizeof y_name, "%.80s%s%.40s", problem->primary_error, bare ? "" : ", ",
              bare ? "" : problem->unit);
     snprintf(title, sizeof title, "%.250s: error over cost", problem->name);
-    pl_sheet_add(sheet, "<figure>");
-    pl_sweep_axes_open(&axes, title, "CPU time for a simulated second, s", y_name, sheet);
+    pl_text_add(out, "<figure>");
+    pl_sweep_axes_open(&axes, title, "CPU time for a simulated second, s", y_name, out);
     for (int e = analysis->engine_count - 1; e >= 0; e--)
         if (analysis->engines[e].whole)
-            add_curve(analysis, problem, &axes, e, sheet);
+            add_curve(analysis, problem, &axes, e, out);
     for (int e = 0; e < analysis->engine_count; e++) {
         const pl_sweep_curve *curve = &problem->curves[e];
         char note[PL_SWEEP_TEXT_SIZE];
         if (!analysis->engines[e].whole || !pl_sweep_curve_was_run(curve))
             continue;
         if (curve->failed > 0)
-            add_crosses(analysis, problem, &axes, e, 14 + 16 * strip++, sheet);
+            add_crosses(analysis, problem, &axes, e, 14 + 16 * strip++, out);
         snprintf(note, sizeof note, "%d %s, %d failed", curve->ok,
                  curve->ok == 1 ? "point" : "points", curve->failed);
         pl_sweep_legend(&axes, line++, colour_of(analysis, e), analysis->engines[e].name, note,
-                        sheet);
+                        out);
     }
-    pl_sheet_add(sheet,
-                 "</svg><figcaption>Towards the lower left is better. A line is an engine's "
-                 "front; crosses along the upper edge are points that failed. An error below "
-                 "1e-9 stands at 1e-9.</figcaption>"
-                 "</figure>\n");
+    pl_text_add(out, "</svg><figcaption>Towards the lower left is better. A line is an engine's "
+                     "front; crosses along the upper edge are points that failed. An error below "
+                     "1e-9 stands at 1e-9.</figcaption>"
+                     "</figure>\n");
 }
 
 /* --- Performance profiles --- */
 
 void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
-                           pl_sheet *sheet)
+                           pl_text_buffer *out)
 {
     const pl_sweep_axes axes = {
         .left = 72, .right = 710, .top = 16, .bottom = 266, .x_low = 1, .x_high = 100, .y_high = 1};
@@ -212,24 +211,24 @@ void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_pro
         return;
     pl_sweep_power_text(pl_sweep_levels[profile->level], error);
     snprintf(title, sizeof title, "Performance profile at an error of %.20s", error);
-    pl_sheet_add(sheet, "<figure>");
+    pl_text_add(out, "<figure>");
     pl_sweep_axes_open(&axes, title, "factor within which of the fastest engine's cost",
-                       "problems solved", sheet);
+                       "problems solved", out);
     for (int e = analysis->engine_count - 1; e >= 0; e--) {
         const double *ratios = profile->ratios + (size_t)e * (size_t)analysis->problem_count;
         if (analysis->engines[e].whole != profile->whole)
             continue;
         double share = pl_sweep_share(analysis, profile, e, 1);
-        pl_sheet_format(sheet, "<path class=\"e%d\" d=\"M%.1f %.1f", colour_of(analysis, e),
-                        axes.left, pl_sweep_y(&axes, share));
+        pl_text_format(out, "<path class=\"e%d\" d=\"M%.1f %.1f", colour_of(analysis, e), axes.left,
+                       pl_sweep_y(&axes, share));
         for (int i = 0; i < profile->counts[e] && ratios[i] <= axes.x_high; i++) {
             if (ratios[i] <= 1)
                 continue;
             share = (double)(i + 1) / profile->problems;
-            pl_sheet_format(sheet, "H%.1fV%.1f", pl_sweep_x(&axes, ratios[i]),
-                            pl_sweep_y(&axes, share));
+            pl_text_format(out, "H%.1fV%.1f", pl_sweep_x(&axes, ratios[i]),
+                           pl_sweep_y(&axes, share));
         }
-        pl_sheet_format(sheet, "H%.1f\"/>\n", axes.right);
+        pl_text_format(out, "H%.1f\"/>\n", axes.right);
     }
     for (int e = 0; e < analysis->engine_count; e++) {
         char note[PL_SWEEP_TEXT_SIZE];
@@ -237,7 +236,7 @@ void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_pro
             continue;
         snprintf(note, sizeof note, "solves %d of %d", profile->counts[e], profile->problems);
         pl_sweep_legend(&axes, line++, colour_of(analysis, e), analysis->engines[e].name, note,
-                        sheet);
+                        out);
     }
-    pl_sheet_add(sheet, "</svg></figure>\n");
+    pl_text_add(out, "</svg></figure>\n");
 }

@@ -2,8 +2,8 @@
 #ifndef PLUMB_REPORT_SWEEP_PLOT_H
 #define PLUMB_REPORT_SWEEP_PLOT_H
 
-#include "report/sheet.h"
-#include "sweep/analysis.h"
+#include "base/text_buffer.h"
+#include "studies/sweep/analysis.h"
 
 /* CSS rules, NULL-terminated. */
 extern const char *const pl_sweep_style[];
@@ -12,11 +12,11 @@ extern const char *const pl_sweep_style[];
  * thicker; points off the front faint; failed points as crosses along the upper edge. Nothing where
  * the problem has no points. */
 void pl_sweep_plot_problem(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
-                           pl_sheet *sheet);
+                           pl_text_buffer *out);
 
 /* Shares of problems over the factor tau, logarithmic to 100: a line an engine. Nothing where no
  * engine solved any. */
 void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
-                           pl_sheet *sheet);
+                           pl_text_buffer *out);
 
 #endif

@@ -1,7 +1,7 @@
 /* The tables of one problem. */
-#include "report/quantity.h"
-#include "report/sweep_tables.h"
-#include "report/sweep_words.h"
+#include "quantity.h"
+#include "sweep_tables.h"
+#include "sweep_words.h"
 
 #include <math.h>
 #include <stdio.h>

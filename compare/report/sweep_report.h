@@ -2,7 +2,7 @@
 #ifndef PLUMB_REPORT_SWEEP_REPORT_H
 #define PLUMB_REPORT_SWEEP_REPORT_H
 
-#include "sweep/analysis.h"
+#include "studies/sweep/analysis.h"
 
 #include <stdio.h>
 

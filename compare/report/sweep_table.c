@@ -1,4 +1,4 @@
-#include "report/sweep_table.h"
+#include "sweep_table.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -8,7 +8,7 @@ enum { CELL_SIZE = 1024, WIDTH_MOST = 60 };
 
 void pl_sweep_table_free(pl_sweep_table *table)
 {
-    pl_sheet_free(&table->texts);
+    pl_text_free(&table->texts);
 }
 
 void pl_sweep_table_add(pl_sweep_table *table, const char *format, ...)
@@ -18,8 +18,8 @@ void pl_sweep_table_add(pl_sweep_table *table, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    pl_sheet_add(&table->texts, text);
-    pl_sheet_format(&table->texts, "%c", '\0');
+    pl_text_add(&table->texts, text);
+    pl_text_format(&table->texts, "%c", '\0');
     table->cells++;
 }
 
@@ -41,27 +41,25 @@ static const char *row_text(const pl_sweep_table *table, int row)
     return text;
 }
 
-void pl_sweep_table_html(const pl_sweep_table *table, int first, int last, pl_sheet *sheet)
+void pl_sweep_table_html(const pl_sweep_table *table, int first, int last, pl_text_buffer *out)
 {
     if (first >= last || pl_sweep_table_rows(table) < last)
         return;
-    pl_sheet_add(sheet, "<div class=\"scroll\"><table>\n<thead><tr>");
+    pl_text_add(out, "<div class=\"scroll\"><table>\n<thead><tr>");
     for (int k = 0; k < table->columns; k++)
-        pl_sheet_add_element(sheet, table->numeric[k] ? "<th class=\"n\">" : "<th>",
-                             table->heads[k], "</th>");
-    pl_sheet_add(sheet, "</tr></thead>\n<tbody>\n");
+        pl_text_add_element(out, table->numeric[k] ? "<th class=\"n\">" : "<th>", table->heads[k],
+                            "</th>");
+    pl_text_add(out, "</tr></thead>\n<tbody>\n");
     const char *text = row_text(table, first);
     for (int i = first; i < last; i++) {
         for (int k = 0; k < table->columns; k++, text = next_text(text)) {
-            pl_sheet_add(sheet, k == 0              ? "<tr><th>"
-                                : table->numeric[k] ? "<td class=\"n\">"
-                                                    : "<td>");
-            pl_sheet_add_html(sheet, text);
-            pl_sheet_add(sheet, k == 0 ? "</th>" : "</td>");
+            pl_text_add(out, k == 0 ? "<tr><th>" : table->numeric[k] ? "<td class=\"n\">" : "<td>");
+            pl_text_add_html(out, text);
+            pl_text_add(out, k == 0 ? "</th>" : "</td>");
         }
-        pl_sheet_add(sheet, "</tr>\n");
+        pl_text_add(out, "</tr>\n");
     }
-    pl_sheet_add(sheet, "</tbody></table></div>\n");
+    pl_text_add(out, "</tbody></table></div>\n");
 }
 
 /* Code points. */
@@ -73,23 +71,23 @@ static int length_of(const char *text)
     return count < WIDTH_MOST ? count : WIDTH_MOST;
 }
 
-static void spaces(pl_sheet *sheet, int count)
+static void spaces(pl_text_buffer *out, int count)
 {
     for (int i = 0; i < count; i++)
-        pl_sheet_add(sheet, " ");
+        pl_text_add(out, " ");
 }
 
-static void add_cell(const char *text, bool right, bool is_last, int width, pl_sheet *sheet)
+static void add_cell(const char *text, bool right, bool is_last, int width, pl_text_buffer *out)
 {
     if (right)
-        spaces(sheet, width - length_of(text));
-    int used = pl_sheet_add_plain(sheet, text, WIDTH_MOST);
+        spaces(out, width - length_of(text));
+    int used = pl_text_add_plain(out, text, WIDTH_MOST);
     if (!right && !is_last)
-        spaces(sheet, width - used);
-    pl_sheet_add(sheet, is_last ? "\n" : "  ");
+        spaces(out, width - used);
+    pl_text_add(out, is_last ? "\n" : "  ");
 }
 
-void pl_sweep_table_text(const pl_sweep_table *table, int first, int last, pl_sheet *sheet)
+void pl_sweep_table_text(const pl_sweep_table *table, int first, int last, pl_text_buffer *out)
 {
     int width[PL_SWEEP_COLUMNS_MOST] = {0};
     if (first >= last || pl_sweep_table_rows(table) < last)
@@ -101,9 +99,9 @@ void pl_sweep_table_text(const pl_sweep_table *table, int first, int last, pl_sh
         for (int k = 0; k < table->columns; k++, text = next_text(text))
             width[k] = length_of(text) > width[k] ? length_of(text) : width[k];
     for (int k = 0; k < table->columns; k++)
-        add_cell(table->heads[k], table->numeric[k], k + 1 == table->columns, width[k], sheet);
+        add_cell(table->heads[k], table->numeric[k], k + 1 == table->columns, width[k], out);
     text = row_text(table, first);
     for (int i = first; i < last; i++)
         for (int k = 0; k < table->columns; k++, text = next_text(text))
-            add_cell(text, table->numeric[k], k + 1 == table->columns, width[k], sheet);
+            add_cell(text, table->numeric[k], k + 1 == table->columns, width[k], out);
 }

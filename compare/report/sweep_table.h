@@ -2,7 +2,7 @@
 #ifndef PLUMB_REPORT_SWEEP_TABLE_H
 #define PLUMB_REPORT_SWEEP_TABLE_H
 
-#include "report/sheet.h"
+#include "base/text_buffer.h"
 
 enum { PL_SWEEP_COLUMNS_MOST = 12 };
 
@@ -12,7 +12,7 @@ typedef struct pl_sweep_table {
     int columns;
     const char *heads[PL_SWEEP_COLUMNS_MOST]; /* plain text */
     bool numeric[PL_SWEEP_COLUMNS_MOST];      /* to the right */
-    pl_sheet texts;
+    pl_text_buffer texts;
     int cells;
 } pl_sweep_table;
 
@@ -28,7 +28,7 @@ int pl_sweep_table_rows(const pl_sweep_table *table);
 
 /* Rows [first, last), with the headings; nothing where there are none. For a terminal, columns are
  * padded, long first columns shortened, and control characters are '?'. */
-void pl_sweep_table_html(const pl_sweep_table *table, int first, int last, pl_sheet *sheet);
-void pl_sweep_table_text(const pl_sweep_table *table, int first, int last, pl_sheet *sheet);
+void pl_sweep_table_html(const pl_sweep_table *table, int first, int last, pl_text_buffer *out);
+void pl_sweep_table_text(const pl_sweep_table *table, int first, int last, pl_text_buffer *out);
 
 #endif

@@ -1,8 +1,8 @@
 /* The tables of all problems together. */
-#include "report/sweep_tables.h"
+#include "sweep_tables.h"
 
-#include "report/quantity.h"
-#include "report/sweep_words.h"
+#include "quantity.h"
+#include "sweep_words.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -13,7 +13,7 @@ static const char *engine_name(const pl_sweep_analysis *analysis, int engine)
     return analysis->engines[engine].name;
 }
 
-void pl_sweep_statement(const pl_sweep_analysis *analysis, pl_sheet *sheet)
+void pl_sweep_statement(const pl_sweep_analysis *analysis, pl_text_buffer *out)
 {
     bool ours = false, others = false;
     int within = 0;
@@ -24,37 +24,37 @@ void pl_sweep_statement(const pl_sweep_analysis *analysis, pl_sheet *sheet)
     for (int i = 0; i < analysis->loss_count; i++)
         within += analysis->losses[i].within_noise;
     if (!ours || !others) {
-        pl_sheet_add(sheet, ours ? "Nothing was compared: these results hold no other engine."
-                                 : "Nothing was compared: plumb itself was not run.");
+        pl_text_add(out, ours ? "Nothing was compared: these results hold no other engine."
+                              : "Nothing was compared: plumb itself was not run.");
     } else if (analysis->duels_fought == 0) {
-        pl_sheet_add(sheet, "Nothing was compared: on no problem did plumb or another engine that "
-                            "was run on it reach any error asked for.");
+        pl_text_add(out, "Nothing was compared: on no problem did plumb or another engine that "
+                         "was run on it reach any error asked for.");
     } else if (analysis->loss_count == 0) {
-        pl_sheet_format(sheet,
-                        "No losses: in none of %d comparisons (problem, engine, error) is another "
-                        "engine's front ahead of plumb's.",
-                        analysis->duels_fought);
+        pl_text_format(out,
+                       "No losses: in none of %d comparisons (problem, engine, error) is another "
+                       "engine's front ahead of plumb's.",
+                       analysis->duels_fought);
     } else {
-        pl_sheet_format(sheet,
-                        "Another engine's front is ahead of plumb's in %d of %d comparisons "
-                        "(problem, engine, error): in %d at errors up to 1e-3, in %d at larger "
-                        "ones; %d of all are within noise.",
-                        analysis->loss_count, analysis->duels_fought, analysis->fine_losses,
-                        analysis->loss_count - analysis->fine_losses, within);
+        pl_text_format(out,
+                       "Another engine's front is ahead of plumb's in %d of %d comparisons "
+                       "(problem, engine, error): in %d at errors up to 1e-3, in %d at larger "
+                       "ones; %d of all are within noise.",
+                       analysis->loss_count, analysis->duels_fought, analysis->fine_losses,
+                       analysis->loss_count - analysis->fine_losses, within);
     }
     if (analysis->unjudged > 0)
-        pl_sheet_format(sheet, " %d of %d problems have no primary error and are not judged.",
-                        analysis->unjudged, analysis->problem_count);
+        pl_text_format(out, " %d of %d problems have no primary error and are not judged.",
+                       analysis->unjudged, analysis->problem_count);
 }
 
-void pl_sweep_warning(const pl_sweep_analysis *analysis, pl_sheet *sheet)
+void pl_sweep_warning(const pl_sweep_analysis *analysis, pl_text_buffer *out)
 {
     if (analysis->several_hosts)
-        pl_sheet_add(sheet, "These runs come from several processors: ratios of time between them "
-                            "mean little. ");
+        pl_text_add(out, "These runs come from several processors: ratios of time between them "
+                         "mean little. ");
     if (analysis->several_builds)
-        pl_sheet_add(sheet, "These runs come from several builds of plumb or versions of an "
-                            "engine, which share a front here. ");
+        pl_text_add(out, "These runs come from several builds of plumb or versions of an "
+                         "engine, which share a front here. ");
 }
 
 void pl_sweep_losses_table(const pl_sweep_analysis *analysis, pl_sweep_table *table)

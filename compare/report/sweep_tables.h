@@ -2,14 +2,14 @@
 #ifndef PLUMB_REPORT_SWEEP_TABLES_H
 #define PLUMB_REPORT_SWEEP_TABLES_H
 
-#include "report/sweep_table.h"
-#include "sweep/analysis.h"
+#include "studies/sweep/analysis.h"
+#include "sweep_table.h"
 
 /* How the losses stand, in words, in plain text. */
-void pl_sweep_statement(const pl_sweep_analysis *analysis, pl_sheet *sheet);
+void pl_sweep_statement(const pl_sweep_analysis *analysis, pl_text_buffer *out);
 
 /* What a reader must be warned of; nothing where there is nothing. Plain text. */
-void pl_sweep_warning(const pl_sweep_analysis *analysis, pl_sheet *sheet);
+void pl_sweep_warning(const pl_sweep_analysis *analysis, pl_text_buffer *out);
 
 /* A row a loss, in their order. */
 void pl_sweep_losses_table(const pl_sweep_analysis *analysis, pl_sweep_table *table);

@@ -1,6 +1,6 @@
-#include "report/sweep_words.h"
+#include "sweep_words.h"
 
-#include "report/quantity.h"
+#include "quantity.h"
 
 #include <math.h>
 #include <stdio.h>

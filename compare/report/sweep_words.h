@@ -2,7 +2,7 @@
 #ifndef PLUMB_REPORT_SWEEP_WORDS_H
 #define PLUMB_REPORT_SWEEP_WORDS_H
 
-#include "sweep/analysis.h"
+#include "studies/sweep/analysis.h"
 
 enum { PL_SWEEP_TEXT_SIZE = 256 };
 

@@ -1,8 +1,8 @@
 /* The report for a terminal: fits the width by shortening names and reasons, never numbers. */
-#include "report/findings.h"
-#include "report/losses.h"
-#include "report/quantity.h"
-#include "report/report.h"
+#include "findings.h"
+#include "losses.h"
+#include "quantity.h"
+#include "report.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -19,7 +19,7 @@ static const char *const plain = "\033[0m", *const bold = "\033[1m", *const fain
                          *const green = "\033[32m", *const red = "\033[31m";
 
 typedef struct table_layout {
-    pl_sheet *sheet;
+    pl_text_buffer *buffer;
     bool colour;
     int width, name_width;
     int number_width[NUMBER_COLUMNS]; /* 0: left out, for want of width */
@@ -28,16 +28,16 @@ typedef struct table_layout {
 static void paint(const table_layout *layout, const char *colour)
 {
     if (layout->colour)
-        pl_sheet_add(layout->sheet, colour);
+        pl_text_add(layout->buffer, colour);
 }
 
-static void spaces(pl_sheet *sheet, int count)
+static void spaces(pl_text_buffer *buffer, int count)
 {
     for (int i = 0; i < count; i++)
-        pl_sheet_add(sheet, " ");
+        pl_text_add(buffer, " ");
 }
 
-/* Code points, as pl_sheet_add_plain counts them. */
+/* Code points, as pl_text_add_plain counts them. */
 static int length_of(const char *text)
 {
     int count = 0;
@@ -46,19 +46,19 @@ static int length_of(const char *text)
     return count;
 }
 
-static void add_left(pl_sheet *sheet, const char *text, int width)
+static void add_left(pl_text_buffer *buffer, const char *text, int width)
 {
-    spaces(sheet, width - pl_sheet_add_plain(sheet, text, width));
+    spaces(buffer, width - pl_text_add_plain(buffer, text, width));
 }
 
-static void add_right(pl_sheet *sheet, const char *text, int width)
+static void add_right(pl_text_buffer *buffer, const char *text, int width)
 {
-    spaces(sheet, width - length_of(text));
-    pl_sheet_add_plain(sheet, text, width);
+    spaces(buffer, width - length_of(text));
+    pl_text_add_plain(buffer, text, width);
 }
 
 /* The widest of a column's numbers and its heading. */
-static int number_width(const pl_cells *cells, int column)
+static int number_width(const pl_result_matrix *cells, int column)
 {
     int widest = length_of(headings[column]);
     for (int b = 0; b < cells->block_count; b++) {
@@ -76,7 +76,7 @@ static int number_width(const pl_cells *cells, int column)
 }
 
 /* Where the width is short, iterations go first, then penetration; then names are cut. */
-static void measure_columns(const pl_cells *cells, table_layout *layout)
+static void measure_columns(const pl_result_matrix *cells, table_layout *layout)
 {
     static const int dropped_first[] = {2, 1};
     int left = layout->width - 4 - OUTCOME_WIDTH, longest = 0;
@@ -100,32 +100,32 @@ static void measure_columns(const pl_cells *cells, table_layout *layout)
 /* A paragraph, wrapped at blanks; from its second line on it is indented. */
 static void add_wrapped(const table_layout *layout, const char *paragraph, int indent)
 {
-    pl_sheet *sheet = layout->sheet;
+    pl_text_buffer *buffer = layout->buffer;
     int column = 0, start = 0;
     for (const char *word = paragraph; *word != '\0';) {
         size_t bytes = strcspn(word, " ");
         char text[300];
         snprintf(text, sizeof text, "%.*s", (int)bytes, word);
         if (column > start && column + 1 + length_of(text) > layout->width) {
-            pl_sheet_add(sheet, "\n");
-            spaces(sheet, indent);
+            pl_text_add(buffer, "\n");
+            spaces(buffer, indent);
             column = start = indent;
         }
         if (column > start)
-            pl_sheet_add(sheet, " ");
-        column += (column > start) + pl_sheet_add_plain(sheet, text, layout->width - start);
+            pl_text_add(buffer, " ");
+        column += (column > start) + pl_text_add_plain(buffer, text, layout->width - start);
         word += bytes + strspn(word + bytes, " ");
     }
-    pl_sheet_add(sheet, "\n");
+    pl_text_add(buffer, "\n");
 }
 
 static void add_losses(const pl_losses *losses, const table_layout *layout)
 {
-    pl_sheet *sheet = layout->sheet;
+    pl_text_buffer *buffer = layout->buffer;
     paint(layout, bold);
-    pl_sheet_add(sheet, "Where plumb loses");
+    pl_text_add(buffer, "Where plumb loses");
     paint(layout, plain);
-    pl_sheet_add(sheet, "\n");
+    pl_text_add(buffer, "\n");
     add_wrapped(layout, losses->statement.data, 0);
     for (int i = 0; i < losses->count && i < SHOWN_LOSSES; i++) {
         const pl_loss *loss = &losses->items[i];
@@ -135,25 +135,25 @@ static void add_losses(const pl_losses *losses, const table_layout *layout)
         snprintf(line, sizeof line, "  %s  %s: %s  %s %s, %s %s", ratio, loss->block->name, metric,
                  loss->ours->name, ours, loss->best->name, best);
         paint(layout, red);
-        pl_sheet_add_plain(sheet, line, layout->width);
+        pl_text_add_plain(buffer, line, layout->width);
         paint(layout, plain);
-        pl_sheet_add(sheet, "\n");
+        pl_text_add(buffer, "\n");
     }
     if (losses->count > SHOWN_LOSSES)
-        pl_sheet_format(sheet, "  and %d more\n", losses->count - SHOWN_LOSSES);
+        pl_text_format(buffer, "  and %d more\n", losses->count - SHOWN_LOSSES);
 }
 
 /* Without what was varied, which the pages have. */
 static void add_findings(const pl_faults *findings, const table_layout *layout)
 {
-    pl_sheet *sheet = layout->sheet;
+    pl_text_buffer *buffer = layout->buffer;
     if (findings->runs == 0)
         return;
-    pl_sheet_add(sheet, "\n");
+    pl_text_add(buffer, "\n");
     paint(layout, bold);
-    pl_sheet_add(sheet, "Findings");
+    pl_text_add(buffer, "Findings");
     paint(layout, plain);
-    pl_sheet_add(sheet, "\n");
+    pl_text_add(buffer, "\n");
     add_wrapped(layout, findings->statement.data, 0);
     add_wrapped(layout, findings->innocence.data, 0);
     for (int i = 0; i < findings->count; i++) {
@@ -169,44 +169,44 @@ static void add_findings(const pl_faults *findings, const table_layout *layout)
 
 static void add_heading(const pl_block *block, const table_layout *layout)
 {
-    pl_sheet *sheet = layout->sheet;
+    pl_text_buffer *buffer = layout->buffer;
     char line[640];
     snprintf(line, sizeof line, "%s%s%s%s%s", block->name,
              block->catalogue != NULL && block->catalogue->title != NULL ? ": " : "",
              block->catalogue != NULL ? block->catalogue->title : "",
              block->primary_error[0] != '\0' ? "; error = " : "; no reference",
              block->primary_error);
-    pl_sheet_add(sheet, "\n");
+    pl_text_add(buffer, "\n");
     paint(layout, bold);
-    pl_sheet_add_plain(sheet, line, layout->width);
+    pl_text_add_plain(buffer, line, layout->width);
     paint(layout, plain);
-    pl_sheet_add(sheet, "\n");
+    pl_text_add(buffer, "\n");
     paint(layout, faint);
-    add_left(sheet, "  engine", 2 + layout->name_width);
+    add_left(buffer, "  engine", 2 + layout->name_width);
     for (int k = 0; k < NUMBER_COLUMNS; k++) {
         if (layout->number_width[k] == 0)
             continue;
-        pl_sheet_add(sheet, "  ");
-        add_right(sheet, headings[k], layout->number_width[k]);
+        pl_text_add(buffer, "  ");
+        add_right(buffer, headings[k], layout->number_width[k]);
     }
-    pl_sheet_add(sheet, "  outcome");
+    pl_text_add(buffer, "  outcome");
     paint(layout, plain);
-    pl_sheet_add(sheet, "\n");
+    pl_text_add(buffer, "\n");
 }
 
 static void add_line(const pl_column *column, const pl_cell *cell, const table_layout *layout)
 {
-    pl_sheet *sheet = layout->sheet;
+    pl_text_buffer *buffer = layout->buffer;
     int used = 2 + layout->name_width;
-    pl_sheet_add(sheet, "  ");
-    add_left(sheet, column->name, layout->name_width);
+    pl_text_add(buffer, "  ");
+    add_left(buffer, column->name, layout->name_width);
     for (int k = 0; k < NUMBER_COLUMNS; k++) {
         char text[TEXT_SIZE];
         if (layout->number_width[k] == 0)
             continue;
         pl_measure_text(&cell->measure[shown[k]], text, sizeof text);
-        pl_sheet_add(sheet, "  ");
-        add_right(sheet, cell->row == NULL ? pl_quantity_missing : text, layout->number_width[k]);
+        pl_text_add(buffer, "  ");
+        add_right(buffer, cell->row == NULL ? pl_quantity_missing : text, layout->number_width[k]);
         used += 2 + layout->number_width[k];
     }
     char outcome[1024];
@@ -214,22 +214,22 @@ static void add_line(const pl_column *column, const pl_cell *cell, const table_l
              cell->row == NULL ? "not run" : cell->outcome,
              cell->row != NULL && pl_cell_disagrees(cell) ? " (not deterministic)" : "",
              cell->reason[0] != '\0' ? ": " : "", cell->reason);
-    pl_sheet_add(sheet, "  ");
+    pl_text_add(buffer, "  ");
     paint(layout, cell->row == NULL ? faint : cell->ok ? green : red);
-    pl_sheet_add_plain(sheet, outcome, layout->width - used - 2);
+    pl_text_add_plain(buffer, outcome, layout->width - used - 2);
     paint(layout, plain);
-    pl_sheet_add(sheet, "\n");
+    pl_text_add(buffer, "\n");
 }
 
 void pl_report_print_table(FILE *out, const json_t *results, bool colour, int width)
 {
-    pl_cells cells = {0};
+    pl_result_matrix cells = {0};
     pl_losses losses = {0};
     pl_faults findings = {0};
-    pl_sheet sheet = {0};
+    pl_text_buffer buffer = {0};
     pl_error error = {PL_OK, ""};
-    table_layout layout = {.sheet = &sheet, .colour = colour, .width = width < 40 ? 40 : width};
-    pl_status status = pl_cells_build(results, &cells, &error);
+    table_layout layout = {.buffer = &buffer, .colour = colour, .width = width < 40 ? 40 : width};
+    pl_status status = pl_result_matrix_build(results, &cells, &error);
     if (status == PL_OK)
         status = pl_losses_find(&cells, &losses, &error);
     if (status == PL_OK)
@@ -244,14 +244,14 @@ void pl_report_print_table(FILE *out, const json_t *results, bool colour, int wi
         }
         add_findings(&findings, &layout);
     } else {
-        pl_sheet_format(&sheet, "no table: %s\n", error.message);
+        pl_text_format(&buffer, "no table: %s\n", error.message);
     }
-    if (sheet.failed || sheet.data == NULL)
+    if (buffer.failed || buffer.data == NULL)
         fputs("no table: no memory\n", out);
     else
-        fputs(sheet.data, out);
-    pl_sheet_free(&sheet);
+        fputs(buffer.data, out);
+    pl_text_free(&buffer);
     pl_faults_free(&findings);
     pl_losses_free(&losses);
-    pl_cells_free(&cells);
+    pl_result_matrix_free(&cells);
 }

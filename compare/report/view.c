@@ -1,6 +1,6 @@
 /* Chooses the view of a scene. Directions come from the scene alone: gravity gives up, a slope or
  * the principal axis of the bodies' horizontal spread gives right. */
-#include "report/view.h"
+#include "view.h"
 
 #include <math.h>
 #include <stdlib.h>

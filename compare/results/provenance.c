@@ -1,6 +1,6 @@
 /* Where a result was made: the processor, the operating system, the compiler and its flags, the
  * version of plumb, and the command. */
-#include "results/result.h"
+#include "result.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,6 +1,6 @@
 /* A run's result as JSON. The hash of a run is FNV-1a (Fowler, Noll, Vo; 64 bits) over the
  * canonical JSON of the keys that make it that run. */
-#include "results/result.h"
+#include "result.h"
 
 #include <inttypes.h>
 #include <math.h>

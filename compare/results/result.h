@@ -8,7 +8,7 @@
 
 #include "plumb/engine_abi.h"
 #include "plumb/scenario.h"
-#include "referee/metrics.h"
+#include "referee/metrics/metrics.h"
 
 #include <jansson.h>
 

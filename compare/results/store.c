@@ -1,6 +1,6 @@
-#include "results/store.h"
+#include "store.h"
 
-#include "results/result.h"
+#include "result.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -1,8 +1,8 @@
-#include "runner/execute.h"
+#include "execute.h"
 
+#include "isolated_run.h"
+#include "progress.h"
 #include "results/result.h"
-#include "runner/isolated_run.h"
-#include "runner/progress.h"
 
 #include <errno.h>
 #include <signal.h>

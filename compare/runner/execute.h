@@ -3,10 +3,10 @@
 #ifndef PLUMB_EXECUTE_H
 #define PLUMB_EXECUTE_H
 
-#include "runner/plan.h"
-#include "runner/process.h"
-#include "runner/progress.h"
-#include "runner/run_once.h"
+#include "plan.h"
+#include "process.h"
+#include "progress.h"
+#include "run_once.h"
 
 typedef struct pl_execution_def {
     const pl_plan *plan;

@@ -1,4 +1,4 @@
-#include "runner/isolated_run.h"
+#include "isolated_run.h"
 
 #include <errno.h>
 #include <signal.h>

@@ -3,8 +3,8 @@
 #ifndef PLUMB_ISOLATED_RUN_H
 #define PLUMB_ISOLATED_RUN_H
 
-#include "runner/process.h"
-#include "runner/run_once.h"
+#include "process.h"
+#include "run_once.h"
 
 typedef struct pl_isolated_run {
     pl_process process;

@@ -1,4 +1,4 @@
-#include "runner/plan.h"
+#include "plan.h"
 
 #include "plumb/jitter.h"
 

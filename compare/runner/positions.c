@@ -1,6 +1,6 @@
-#include "runner/positions.h"
+#include "positions.h"
 
-#include "referee/solid.h"
+#include "referee/geometry/solid.h"
 
 #include <errno.h>
 #include <math.h>

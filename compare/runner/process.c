@@ -1,4 +1,4 @@
-#include "runner/process.h"
+#include "process.h"
 
 #include <errno.h>
 #include <fcntl.h>

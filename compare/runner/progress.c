@@ -1,4 +1,4 @@
-#include "runner/progress.h"
+#include "progress.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,13 +1,13 @@
 /* Time and instructions are those of the engine's step alone (step_meter.h). Memory is the growth
  * of the resident peak from just before `create`, when everything of the harness is already there,
  * to just before `destroy`. */
-#include "runner/run_once.h"
+#include "run_once.h"
 
+#include "parameter_check.h"
+#include "positions.h"
 #include "referee/referee.h"
-#include "runner/positions.h"
-#include "runner/readback.h"
-#include "runner/resident.h"
-#include "runner/step_meter.h"
+#include "resident_set.h"
+#include "step_timer.h"
 
 #include <errno.h>
 #include <math.h>
@@ -24,7 +24,7 @@ typedef struct run {
     pl_contact *contacts;
     int contact_capacity;
     pl_positions_writer positions;
-    pl_step_meter meter;
+    pl_step_timer meter;
     double instructions; /* of all steps; NAN: not counted */
 } run;
 
@@ -178,7 +178,7 @@ static pl_status begin(run *r, pl_finding *finding, bool *going, pl_error *error
         return PL_OK;
     }
     enter(r, PL_STAGE_READ_BACK);
-    pl_status status = pl_readback_check(def->scene, def->engine, r->instance, &fault);
+    pl_status status = pl_parameter_check(def->scene, def->engine, r->instance, &fault);
     if (status == PL_UNSUPPORTED) {
         set_outcome(finding, PL_OUTCOME_UNSUPPORTED, &fault);
         return PL_OK;
@@ -231,9 +231,9 @@ static pl_status advance(run *r, pl_finding *finding, bool *going, pl_error *err
         return status;
     }
     enter(r, PL_STAGE_STEP);
-    pl_step_meter_begin(&r->meter);
+    pl_step_timer_begin(&r->meter);
     fault.status = def->engine->step(r->instance, def->scene->dt, &stats, &fault);
-    pl_step_cost cost = pl_step_meter_end(&r->meter);
+    pl_step_cost cost = pl_step_timer_end(&r->meter);
     enter(r, PL_STAGE_JUDGE);
     if (fault.status != PL_OK) {
         *going = false;
@@ -297,8 +297,8 @@ pl_status pl_run_once(const pl_run_def *def,
     if (status != PL_OK) {
         goto cleanup;
     }
-    r.meter = pl_step_meter_open();
-    double baseline = pl_resident_baseline();
+    r.meter = pl_step_timer_open();
+    double baseline = pl_resident_set_baseline();
     bool going = false;
     status = begin(&r, &finding, &going, error);
     bool started = going;
@@ -306,7 +306,7 @@ pl_status pl_run_once(const pl_run_def *def,
         status = advance(&r, &finding, &going, error);
     }
     if (status == PL_OK && started) {
-        judge(&r, pl_resident_growth(baseline), &finding);
+        judge(&r, pl_resident_set_growth(baseline), &finding);
     }
     enter(&r, PL_STAGE_DESTROY);
     def->engine->destroy(r.instance);
@@ -317,7 +317,7 @@ pl_status pl_run_once(const pl_run_def *def,
     }
 
 cleanup:
-    pl_step_meter_close(&r.meter);
+    pl_step_timer_close(&r.meter);
     pl_positions_end(&r.positions);
     pl_referee_destroy(r.referee);
     free(r.frame.bodies);

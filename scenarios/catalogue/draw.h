@@ -2,7 +2,7 @@
 #ifndef PLUMB_DRAW_H
 #define PLUMB_DRAW_H
 
-#include "random.h"
+#include "base/random.h"
 
 /* Uniform in low .. high. */
 double pl_draw_uniform(pl_random *random, double low, double high);

@@ -6,8 +6,8 @@
  * offset * side. No cube is then more than 2 * 0.2 sides off any other, so the centre of mass of
  * all cubes above a joint, a mean of theirs whatever their masses, lies within half a side of the
  * centres of both cubes at the joint: it stands by statics, and nothing moves. */
+#include "base/random.h"
 #include "catalogue.h"
-#include "random.h"
 #include "scene_builder.h"
 
 enum { COUNT, FRICTION, OFFSET, TOP_MASS, RISING_MASS, DT, DURATION, PARAM_COUNT };

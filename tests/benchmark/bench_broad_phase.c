@@ -9,9 +9,9 @@
  * says are within their margin. */
 #define _POSIX_C_SOURCE 199309L
 
-#include "collide/collide.h"
-#include "geometry/shape.h"
-#include "integrate.h"
+#include "model/integrate.h"
+#include "model/shape.h"
+#include "narrow_phase/collide.h"
 #include "rows.h"
 
 #include <stdio.h>
@@ -118,7 +118,7 @@ static pe_world *make_scene(const scene *s, int n)
 static void move_bodies(pe_world *world)
 {
     for (int slot = 1; slot < world->slot_count; ++slot) {
-        const pe_motion *motion = &pe_motions(world)[slot];
+        const pe_twist *motion = &pe_twists(world)[slot];
         pe_pose_move(&pe_poses(world)[slot], pe_scale(DT, motion->velocity),
                      pe_scale(DT, motion->angular_velocity));
     }
@@ -138,7 +138,7 @@ typedef pe_status way(bench *b, pe_pair **pairs, int *count, pe_error *error);
 static bool spheres_meet(const pe_world *world, int a, int b, double slack)
 {
     const pe_body *body = &pe_bodies(world)[a], *other = &pe_bodies(world)[b];
-    const pe_motion *ma = &pe_motions(world)[a], *mb = &pe_motions(world)[b];
+    const pe_twist *ma = &pe_twists(world)[a], *mb = &pe_twists(world)[b];
     pe_vec3 x = pe_poses(world)[a].position, y = pe_poses(world)[b].position;
     double ra = body->bounding_radius, rb = other->bounding_radius;
     double speed = pe_length(pe_sub(ma->velocity, mb->velocity)) +
@@ -190,7 +190,7 @@ static pe_status brute_boxes(bench *b, pe_pair **pairs, int *count, pe_error *er
     pe_status status = PE_OK;
     double slack = pe_margin_slack(world, DT);
     for (int i = 2; i < world->slot_count && status == PE_OK; ++i) {
-        double speed = pe_length(pe_motions(world)[i].velocity) + pe_spin_speed(world, i);
+        double speed = pe_length(pe_twists(world)[i].velocity) + pe_spin_speed(world, i);
         box[i] = box_of(world, i, DT * speed + slack);
         if (box[i].low[2] <= 0) {
             status = pe_pair_list_add(&list, 1, i, error);
@@ -248,7 +248,7 @@ static bool collide(pe_world *world, pe_pair pair)
 {
     const pe_body *a = &pe_bodies(world)[pair.a], *b = &pe_bodies(world)[pair.b];
     const pe_pose *poses = pe_poses(world);
-    pe_hits patches[PE_MAX_PATCHES];
+    pe_pair_manifold patches[PE_MAX_MANIFOLDS];
     return pe_collide((pe_placed){&a->shape, NULL, &poses[pair.a], a->size},
                       (pe_placed){&b->shape, NULL, &poses[pair.b], b->size},
                       pe_pair_margin(world, pair.a, pair.b, DT), pe_step_memory(world),

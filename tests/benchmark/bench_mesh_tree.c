@@ -10,8 +10,8 @@
  * in turn (A B C A B C), medians. A triangle pair is one that the volumes did not part. */
 #define _POSIX_C_SOURCE 199309L
 
-#include "collide/collide_mesh.h"
-#include "geometry/geometry_mass.h"
+#include "model/geometry_mass.h"
+#include "narrow_phase/mesh/collide_mesh.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -8,7 +8,7 @@
  * which meets all. */
 #include "rows.h"
 
-#include "geometry/shape.h"
+#include "model/shape.h"
 
 #include <string.h>
 
@@ -48,7 +48,7 @@ static void fill_box(const pe_world *world, int slot, double dt, double slack, i
 {
     const pe_pose *pose = &pe_poses(world)[slot];
     /* The whole slack for each, because a plane has no bounds to hold a half of it. */
-    double speed = pe_length(pe_motions(world)[slot].velocity) + pe_spin_speed(world, slot);
+    double speed = pe_length(pe_twists(world)[slot].velocity) + pe_spin_speed(world, slot);
     double margin = dt * speed + slack;
     const pe_body *body = &pe_bodies(world)[slot];
     pe_extent bounds = pe_shape_extent(&body->shape, body->geometry, &pose->rotation);

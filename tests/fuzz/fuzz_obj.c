@@ -2,9 +2,9 @@
  * or is refused, and so does the hull of its vertices; both stay what they are when they are made
  * again from what they have. */
 #include "fuzz.h"
-#include "obj.h"
 #include "plumb/vec.h"
-#include "polyhedron.h"
+#include "scene/obj.h"
+#include "scene/polyhedron.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -43,27 +43,27 @@ static void check_solid(const pl_polyhedron *p)
     fuzz_check(p->volume > 0 && p->radius > 0 && isfinite(p->radius), "it has a volume");
 }
 
-static void check_complaint(const pl_complaint *complaint)
+static void check_diagnostic(const pl_diagnostic *diagnostic)
 {
-    fuzz_check(complaint->status == PL_BAD_INPUT && strstr(complaint->text, "expected") != NULL &&
-                   strstr(complaint->text, "found") != NULL,
+    fuzz_check(diagnostic->status == PL_BAD_INPUT && strstr(diagnostic->text, "expected") != NULL &&
+                   strstr(diagnostic->text, "found") != NULL,
                "what is refused says what was expected and what was found");
 }
 
 static void try_mesh(const pl_obj *obj)
 {
     pl_polyhedron *mesh = NULL, *again = NULL;
-    pl_complaint complaint = {.status = PL_OK};
+    pl_diagnostic diagnostic = {.status = PL_OK};
     if (!pl_polyhedron_of_mesh((const double(*)[3])obj->vertices, obj->vertex_count,
                                (const int(*)[3])obj->triangles, obj->triangle_count, &mesh,
-                               &complaint)) {
-        check_complaint(&complaint);
+                               &diagnostic)) {
+        check_diagnostic(&diagnostic);
         return;
     }
     check_solid(mesh);
     fuzz_check(pl_polyhedron_of_mesh((const double(*)[3])mesh->vertices, mesh->vertex_count,
                                      (const int(*)[3])mesh->triangles, mesh->triangle_count, &again,
-                                     &complaint),
+                                     &diagnostic),
                "a mesh is a mesh");
     check_same(mesh, again);
     pl_polyhedron_free(mesh);
@@ -73,16 +73,16 @@ static void try_mesh(const pl_obj *obj)
 static void try_hull(const pl_obj *obj)
 {
     pl_polyhedron *hull = NULL, *again = NULL;
-    pl_complaint complaint = {.status = PL_OK};
+    pl_diagnostic diagnostic = {.status = PL_OK};
     if (!pl_polyhedron_of_hull((const double(*)[3])obj->vertices, obj->vertex_count, &hull,
-                               &complaint)) {
-        check_complaint(&complaint);
+                               &diagnostic)) {
+        check_diagnostic(&diagnostic);
         return;
     }
     check_solid(hull);
     fuzz_check(hull->triangle_count == 2 * hull->vertex_count - 4, "a hull is a sphere: Euler");
     fuzz_check(pl_polyhedron_of_hull((const double(*)[3])hull->vertices, hull->vertex_count, &again,
-                                     &complaint),
+                                     &diagnostic),
                "a hull is a hull");
     check_same(hull, again);
     pl_polyhedron_free(hull);

@@ -7,5 +7,5 @@
 
 #include "breadth_first.h"
 
-#include "solve/order.c"
-#include "solve/pattern.c"
+#include "sparse/order.c"
+#include "sparse/pattern.c"

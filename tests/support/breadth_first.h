@@ -2,8 +2,8 @@
 #ifndef PLUMB_TEST_BREADTH_FIRST_H
 #define PLUMB_TEST_BREADTH_FIRST_H
 
-#include "solve/order.h"
-#include "solve/pattern.h"
+#include "sparse/order.h"
+#include "sparse/pattern.h"
 
 pe_status breadth_first_order(int count, const int *start, const int *adjacent, pe_workspace work,
                               int *order, pe_error *error);

@@ -2,12 +2,12 @@
 #ifndef PLUMB_TEST_COLLIDE_CONVEX_H
 #define PLUMB_TEST_COLLIDE_CONVEX_H
 
-#include "collide/collide.h"
+#include "narrow_phase/collide.h"
 
 /* hits->count 0: none. */
-static inline void collide_convex(pe_placed a, pe_placed b, double margin, pe_hits *hits)
+static inline void collide_convex(pe_placed a, pe_placed b, double margin, pe_pair_manifold *hits)
 {
-    pe_hits patches[PE_MAX_PATCHES];
+    pe_pair_manifold patches[PE_MAX_MANIFOLDS];
     int count = pe_collide(a, b, margin, (pe_workspace){NULL, NULL}, patches);
     *hits = patches[0];
     hits->count = count > 0 ? hits->count : 0;

@@ -36,7 +36,7 @@ static void put_face(pe_contact_problem *problem, int index, int a, int b, doubl
                                .arm_a = {0, 0, a == PE_STATIC ? 0 : 0.5},
                                .arm_b = {0, 0, -0.5}};
     for (int k = 0; k < 4; ++k) {
-        pe_problem_point *point = &problem->points[m->first + k];
+        pe_problem_manifold_point *point = &problem->points[m->first + k];
         point->offset[1] = k < 2 ? -0.5 : 0.5;
         point->offset[2] = k % 2 == 0 ? -0.5 : 0.5;
     }
@@ -181,7 +181,7 @@ static void to_world(const double frame[3][3], const double c[3], double x[3])
 
 /* From a body's centre of mass to the point, world. */
 static void arm_to_point(const pe_problem_manifold *m, const double arm[3],
-                         const pe_problem_point *point, double r[3])
+                         const pe_problem_manifold_point *point, double r[3])
 {
     double s[3];
     to_world(m->frame, point->offset, s);

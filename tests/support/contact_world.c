@@ -84,7 +84,7 @@ void mark_impulses(pe_contacts *contacts)
     for (int i = 0; i < contacts->manifold_count; ++i) {
         const pe_manifold *m = &pe_manifolds(contacts)[i];
         for (int j = m->first; j < m->first + m->count; ++j) {
-            pe_points(contacts)[j].impulse = pe_scale(1 + j, m->normal);
+            pe_manifold_points(contacts)[j].impulse = pe_scale(1 + j, m->normal);
         }
     }
 }
@@ -95,7 +95,8 @@ void assert_same_points(const pe_contacts *p, const pe_manifold *m, const pe_con
     assert_memory_equal(&m->normal, &n->normal, sizeof m->normal);
     assert_int_equal(m->count, n->count);
     for (int j = 0; j < m->count; ++j) {
-        pe_point one = pe_points(p)[m->first + j], two = pe_points(q)[n->first + j];
+        pe_manifold_point one = pe_manifold_points(p)[m->first + j],
+                          two = pe_manifold_points(q)[n->first + j];
         assert_memory_equal(&one.position, &two.position, sizeof one.position);
         assert_memory_equal(&one.anchor_a, &two.anchor_a, 2 * sizeof one.anchor_a);
         assert_memory_equal(&one.separation, &two.separation, sizeof one.separation);

@@ -22,7 +22,7 @@
 #ifndef PLUMB_TEST_CONVEX_TRUTH_H
 #define PLUMB_TEST_CONVEX_TRUTH_H
 
-#include "world.h"
+#include "model/world.h"
 
 /* A convex solid in its own axes: any but a plane. */
 typedef struct truth_solid {

@@ -64,8 +64,8 @@ static void invert(const double m[6], double inverse[6])
 }
 
 /* From a body's centre of mass to a point. */
-static void arm_to(const pe_problem_manifold *m, const double arm[3], const pe_problem_point *point,
-                   double r[3])
+static void arm_to(const pe_problem_manifold *m, const double arm[3],
+                   const pe_problem_manifold_point *point, double r[3])
 {
     for (int k = 0; k < 3; ++k) {
         r[k] = arm[k];
@@ -81,8 +81,8 @@ pe_problem solver_problem(const pe_contact_problem *from, pe_workspace work)
     pe_inertia *inertia = taken(work, bodies, sizeof *inertia);
     double(*free_velocity)[6] = taken(work, bodies, sizeof *free_velocity);
     double(*velocity)[6] = taken(work, bodies, sizeof *velocity);
-    pe_patch *patches = taken(work, from->manifold_count, sizeof *patches);
-    pe_patch_point *point = taken(work, points, sizeof *point);
+    pe_solver_manifold *patches = taken(work, from->manifold_count, sizeof *patches);
+    pe_solver_point *point = taken(work, points, sizeof *point);
     double(*impulse)[3] = taken(work, points, sizeof *impulse);
     for (int i = 0; i < bodies; ++i) {
         const pe_problem_body *body = &from->bodies[i];
@@ -94,12 +94,12 @@ pe_problem solver_problem(const pe_contact_problem *from, pe_workspace work)
     }
     for (int i = 0; i < from->manifold_count; ++i) {
         const pe_problem_manifold *m = &from->manifolds[i];
-        pe_patch *patch = &patches[i];
-        *patch = (pe_patch){.a = m->a == PE_STATIC ? bodies : m->a,
-                            .b = m->b == PE_STATIC ? bodies : m->b,
-                            .first = m->first,
-                            .count = m->count,
-                            .friction = m->friction};
+        pe_solver_manifold *patch = &patches[i];
+        *patch = (pe_solver_manifold){.a = m->a == PE_STATIC ? bodies : m->a,
+                                      .b = m->b == PE_STATIC ? bodies : m->b,
+                                      .first = m->first,
+                                      .count = m->count,
+                                      .friction = m->friction};
         memcpy(patch->frame, m->frame, sizeof m->frame);
         memcpy(patch->arm_a, m->arm_a, sizeof m->arm_a);
         memcpy(patch->arm_b, m->arm_b, sizeof m->arm_b);

@@ -4,9 +4,9 @@
 #define PLUMB_TEST_DENSE_PROBLEM_H
 
 #include "plumb/contact_problem.h"
-#include "solve/problem.h"
+#include "problem/problem.h"
 
-#include "memory.h"
+#include "base/memory.h"
 
 /* Memory of a test; `fail_at` is the allocation, from 1, that fails (0: none). Every block is
  * filled with what reads as NaN, so that what was never written shows. */

@@ -5,7 +5,7 @@
 
 #include "contact_problem_for_tests.h"
 #include "dense_problem.h"
-#include "solve/factor.h"
+#include "sparse/factor.h"
 
 typedef pe_status (*pattern_finder)(const pe_problem *problem, const bool *counted,
                                     pe_workspace work, pe_pattern *pattern, pe_error *error);

@@ -1,6 +1,6 @@
 #include "mesh_for_tests.h"
 
-#include "solids.h"
+#include "catalogue/solids.h"
 
 #include <stdlib.h>
 

@@ -2,8 +2,8 @@
 #ifndef PLUMB_TEST_PLACED_SHAPE_H
 #define PLUMB_TEST_PLACED_SHAPE_H
 
-#include "collide/collide.h"
-#include "geometry/shape.h"
+#include "model/shape.h"
+#include "narrow_phase/collide.h"
 #include "random_pose.h"
 
 typedef struct placed_shape {
@@ -59,7 +59,7 @@ static inline pe_quat about(pe_vec3 axis, double angle)
     return (pe_quat){cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
 }
 
-static inline double least_separation(const pe_hits *hits)
+static inline double least_separation(const pe_pair_manifold *hits)
 {
     double least = HUGE_VAL;
     for (int i = 0; i < hits->count; ++i) {
@@ -68,7 +68,8 @@ static inline double least_separation(const pe_hits *hits)
     return least;
 }
 
-static inline bool has_point_at(const pe_hits *hits, const pe_hit *at, double within)
+static inline bool has_point_at(const pe_pair_manifold *hits, const pe_pair_point *at,
+                                double within)
 {
     for (int i = 0; i < hits->count; ++i) {
         if (pe_length(pe_sub(hits->item[i].position, at->position)) <= within &&

@@ -2,8 +2,8 @@
 #ifndef PLUMB_TEST_RANDOM_POSE_H
 #define PLUMB_TEST_RANDOM_POSE_H
 
+#include "base/vec3.h"
 #include "check.h"
-#include "vec.h"
 
 /* Components uniform in [low, high). */
 static inline pe_vec3 random_vector_in(check_random *random, double low, double high)

@@ -92,7 +92,7 @@ made_report make_report(json_t *results)
 {
     made_report made = {.results = results};
     pl_error error = {PL_OK, ""};
-    if (pl_cells_build(results, &made.cells, &error) != PL_OK)
+    if (pl_result_matrix_build(results, &made.cells, &error) != PL_OK)
         fail_msg("%s", error.message);
     assert_int_equal(pl_losses_find(&made.cells, &made.losses, &error), PL_OK);
     assert_int_equal(pl_faults_find(&made.cells, &made.findings, &error), PL_OK);
@@ -107,9 +107,9 @@ void free_report(made_report *made)
 {
     pl_faults_free(&made->findings);
     pl_losses_free(&made->losses);
-    pl_cells_free(&made->cells);
-    pl_sheet_free(&made->html);
-    pl_sheet_free(&made->markdown);
+    pl_result_matrix_free(&made->cells);
+    pl_text_free(&made->html);
+    pl_text_free(&made->markdown);
     json_decref(made->results);
 }
 

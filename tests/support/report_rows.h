@@ -26,10 +26,10 @@ json_t *runs_of_every_kind(void);
 
 typedef struct made_report {
     json_t *results;
-    pl_cells cells;
+    pl_result_matrix cells;
     pl_losses losses;
     pl_faults findings;
-    pl_sheet html, markdown;
+    pl_text_buffer html, markdown;
 } made_report;
 
 /* Takes `results`. */

@@ -2,7 +2,7 @@
 #ifndef PLUMB_TEST_SEGMENT_DISTANCE_H
 #define PLUMB_TEST_SEGMENT_DISTANCE_H
 
-#include "vec.h"
+#include "base/vec3.h"
 
 /* m: from x to the segment from p to q, which are apart. */
 static inline double point_to_segment(pe_vec3 x, pe_vec3 p, pe_vec3 q)

@@ -1,6 +1,6 @@
 #include "shape_pairs.h"
 
-#include "geometry/shape.h"
+#include "model/shape.h"
 #include "shape_pairs_forms.h"
 
 #include <stdlib.h>

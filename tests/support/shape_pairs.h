@@ -4,8 +4,8 @@
 #define PLUMB_TEST_SHAPE_PAIRS_H
 
 #include "check.h"
-#include "collide/collide.h"
 #include "convex_truth.h"
+#include "narrow_phase/collide.h"
 #include "random_pose.h"
 
 /* A shape in its body's axes. */

@@ -2,8 +2,8 @@
 #ifndef PLUMB_TEST_SHAPE_PAIRS_FORMS_H
 #define PLUMB_TEST_SHAPE_PAIRS_FORMS_H
 
+#include "base/vec3.h"
 #include "check.h"
-#include "vec.h"
 
 enum { FORM_VERTICES = 256, FORM_TRIANGLES = 512 };
 

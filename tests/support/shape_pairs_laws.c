@@ -18,7 +18,7 @@ static law_count of_truth(const law_budget *budget, int parts)
 }
 
 /* The deepest point; fails without. */
-static bool ask(trial *t, patches *found, const pe_hit **hit, pe_vec3 *normal)
+static bool ask(trial *t, patches *found, const pe_pair_point **hit, pe_vec3 *normal)
 {
     *found = collide(&t->pair.a, &t->pair.b, t->margin);
     *hit = deepest_of(found, normal);
@@ -33,7 +33,7 @@ static bool ask(trial *t, patches *found, const pe_hit **hit, pe_vec3 *normal)
 static bool equals_the_truth(trial *t)
 {
     patches found;
-    const pe_hit *hit;
+    const pe_pair_point *hit;
     pe_vec3 normal;
     if (!ask(t, &found, &hit, &normal)) {
         return false;
@@ -66,7 +66,7 @@ static void test_depth_and_normal_equal_the_truth(void **state)
 static bool equals_brute_force(trial *t)
 {
     patches found;
-    const pe_hit *hit;
+    const pe_pair_point *hit;
     pe_vec3 normal;
     double distance = mesh_distance(&t->pair);
     if (!ask(t, &found, &hit, &normal)) {
@@ -111,7 +111,7 @@ static void test_shallow_depth_of_a_convex_mesh_equals_that_of_the_hull(void **s
 
 static bool has_features_named_once(trial *t, const patches *found)
 {
-    uint64_t seen[PE_MAX_PATCHES * PE_MAX_POINTS];
+    uint64_t seen[PE_MAX_MANIFOLDS * PE_MAX_POINTS];
     int count = 0;
     for (int i = 0; i < found->count; ++i) {
         for (int j = 0; j < found->item[i].count; ++j) {
@@ -135,7 +135,8 @@ static double off_the_solid(const placed *p, pe_vec3 x)
     return is_in_polyhedron(p, x) ? 0 : surface_distance(p, x);
 }
 
-static bool is_point_sound(trial *t, const pe_hits *patch, const pe_hit *hit, double margin)
+static bool is_point_sound(trial *t, const pe_pair_manifold *patch, const pe_pair_point *hit,
+                           double margin)
 {
     if (!pe_is_finite(hit->position) || !isfinite(hit->separation)) {
         return fails(t, "finite point", hit->separation, 0);
@@ -159,11 +160,11 @@ static bool has_sound_points(trial *t)
 {
     double margin = t->margin * check_uniform(&t->random, 0.5, 1);
     patches found = collide(&t->pair.a, &t->pair.b, margin);
-    if (found.count < 0 || found.count > PE_MAX_PATCHES) {
+    if (found.count < 0 || found.count > PE_MAX_MANIFOLDS) {
         return fails(t, "patches", found.count, 1);
     }
     for (int i = 0; i < found.count; ++i) {
-        const pe_hits *patch = &found.item[i];
+        const pe_pair_manifold *patch = &found.item[i];
         if (patch->count < 1 || patch->count > PE_MAX_POINTS) {
             return fails(t, "points of a patch", patch->count, 1);
         }
@@ -211,7 +212,7 @@ static bool jumps_to(trial *t, double separation, double within)
         placed b = moved_a_little(t, step);
         pe_vec3 n;
         patches near = collide(&t->pair.a, &b, t->margin);
-        const pe_hit *hit = deepest_of(&near, &n);
+        const pe_pair_point *hit = deepest_of(&near, &n);
         found = hit != NULL && fabs(hit->separation - separation) <= within + 2 * step;
     }
     return found;
@@ -228,7 +229,7 @@ static bool is_the_same(trial *t, const patches *other, double separation, pe_ve
                         pe_vec3 other_normal, double within)
 {
     pe_vec3 unused;
-    const pe_hit *hit = deepest_of(other, &unused);
+    const pe_pair_point *hit = deepest_of(other, &unused);
     if (hit == NULL) {
         return fails(t, "points", 0, 1);
     }
@@ -247,7 +248,7 @@ static bool is_the_same(trial *t, const patches *other, double separation, pe_ve
 static bool is_symmetric(trial *t)
 {
     patches one;
-    const pe_hit *hit;
+    const pe_pair_point *hit;
     pe_vec3 n, m = {0, 0, 1};
     if (!ask(t, &one, &hit, &n)) {
         return false;
@@ -265,7 +266,7 @@ static void test_swapping_the_shapes_turns_the_normal(void **state)
 static bool moves_with_the_world(trial *t)
 {
     patches one;
-    const pe_hit *hit;
+    const pe_pair_point *hit;
     pe_vec3 n, m = {0, 0, 1};
     if (!ask(t, &one, &hit, &n)) {
         return false;
@@ -293,7 +294,7 @@ static void test_contacts_move_with_the_world(void **state)
 static bool scales(trial *t)
 {
     patches one;
-    const pe_hit *hit;
+    const pe_pair_point *hit;
     pe_vec3 n, m = {0, 0, 1};
     if (!ask(t, &one, &hit, &n)) {
         return false;
@@ -304,7 +305,7 @@ static bool scales(trial *t)
                    .b = placed_scaled(&t->pair.b, factor, &b),
                    .size = factor * t->pair.size};
     patches two = collide(&scaled.a, &scaled.b, factor * t->margin);
-    const pe_hit *other = deepest_of(&two, &m);
+    const pe_pair_point *other = deepest_of(&two, &m);
     double within = 2 * t->tolerance;
     bool same = other != NULL ? is_near(t, "scaled separation", other->separation / factor,
                                         hit->separation, within)
@@ -326,7 +327,7 @@ static void test_contacts_scale_with_the_shapes(void **state)
 static bool is_continuous(trial *t)
 {
     patches one;
-    const pe_hit *hit;
+    const pe_pair_point *hit;
     pe_vec3 n, m = {0, 0, 1};
     if (!ask(t, &one, &hit, &n)) {
         return false;
@@ -337,7 +338,7 @@ static bool is_continuous(trial *t)
     double step = 1e-6 * t->pair.size;
     placed b = moved_a_little(t, step);
     patches two = collide(&t->pair.a, &b, t->margin);
-    const pe_hit *other = deepest_of(&two, &m);
+    const pe_pair_point *other = deepest_of(&two, &m);
     return other != NULL ? is_near(t, "separation after a motion of 1e-6", other->separation,
                                    hit->separation, 2.001 * step + 2 * t->tolerance)
                          : fails(t, "points after a motion of 1e-6", 0, 1);
@@ -354,7 +355,7 @@ static void test_separation_is_continuous(void **state)
 static bool is_found_within_the_margin_alone(trial *t)
 {
     patches found;
-    const pe_hit *hit;
+    const pe_pair_point *hit;
     pe_vec3 n;
     if (!ask(t, &found, &hit, &n)) {
         return false;
@@ -379,10 +380,10 @@ static bool are_same_points(const patches *one, const patches *two)
 {
     bool same = one->count == two->count;
     for (int i = 0; same && i < one->count; ++i) {
-        const pe_hits *p = &one->item[i], *q = &two->item[i];
+        const pe_pair_manifold *p = &one->item[i], *q = &two->item[i];
         same = p->count == q->count && pe_length(pe_sub(p->normal, q->normal)) == 0;
         for (int j = 0; same && j < p->count; ++j) {
-            const pe_hit *x = &p->item[j], *y = &q->item[j];
+            const pe_pair_point *x = &p->item[j], *y = &q->item[j];
             same = x->feature == y->feature && x->separation == y->separation &&
                    pe_length(pe_sub(x->position, y->position)) == 0;
         }
@@ -401,7 +402,7 @@ static bool keeps_points_over_the_range(trial *t)
     }
     double least = 0, end = 2 * margin + t->pair.size;
     for (int i = 0; i < found.count; ++i) {
-        const pe_hits *patch = &found.item[i];
+        const pe_pair_manifold *patch = &found.item[i];
         if (!(patch->least_margin <= margin && margin < patch->end_margin)) {
             return fails(t, "margin within its own range", margin, patch->least_margin);
         }
@@ -446,7 +447,7 @@ static bool is_the_same_contact(trial *t, const patches *first, const patches *n
         return fails(t, "patches after a sway", now->count, first->count);
     }
     for (int i = 0; i < now->count; ++i) {
-        const pe_hits *p = &first->item[i], *q = &now->item[i];
+        const pe_pair_manifold *p = &first->item[i], *q = &now->item[i];
         if (p->count != q->count) {
             return fails(t, "points after a sway", q->count, p->count);
         }

@@ -40,12 +40,12 @@ patches collide(const placed *a, const placed *b, double margin)
     return found;
 }
 
-const pe_hit *deepest_of(const patches *found, pe_vec3 *normal)
+const pe_pair_point *deepest_of(const patches *found, pe_vec3 *normal)
 {
-    const pe_hit *least = NULL;
-    for (int i = 0; i < found->count && i < PE_MAX_PATCHES; ++i) {
+    const pe_pair_point *least = NULL;
+    for (int i = 0; i < found->count && i < PE_MAX_MANIFOLDS; ++i) {
         for (int j = 0; j < found->item[i].count && j < PE_MAX_POINTS; ++j) {
-            const pe_hit *hit = &found->item[i].item[j];
+            const pe_pair_point *hit = &found->item[i].item[j];
             if (least == NULL || !(hit->separation >= least->separation)) {
                 least = hit;
                 *normal = found->item[i].normal;
@@ -67,7 +67,7 @@ double engine_gap(const pair *p, pe_vec3 *normal)
 {
     *normal = pe_v3(0, 0, 1);
     patches found = collide(&p->a, &p->b, wide(p));
-    const pe_hit *hit = deepest_of(&found, normal);
+    const pe_pair_point *hit = deepest_of(&found, normal);
     return hit != NULL ? hit->separation : 0;
 }
 

@@ -41,13 +41,13 @@ double run_law(const char *name, law *holds, law_kinds kinds, law_count poses, p
 /* What the engine finds. */
 typedef struct patches {
     int count;
-    pe_hits item[PE_MAX_PATCHES];
+    pe_pair_manifold item[PE_MAX_MANIFOLDS];
 } patches;
 
 patches collide(const placed *a, const placed *b, double margin);
 
 /* The deepest point, NULL when there is none; *normal is that of its patch. */
-const pe_hit *deepest_of(const patches *found, pe_vec3 *normal);
+const pe_pair_point *deepest_of(const patches *found, pe_vec3 *normal);
 
 /* A margin that the pair is within, wherever it is. */
 double wide(const pair *p);

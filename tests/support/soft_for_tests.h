@@ -2,7 +2,7 @@
 #ifndef PLUMB_TEST_SOFT_H
 #define PLUMB_TEST_SOFT_H
 
-#include "soft/soft.h"
+#include "solver/soft.h"
 
 /* One step of all islands, from finding the contacts on; bodies in no island stand still.
  * `settings` NULL: the default. */

@@ -5,9 +5,9 @@
 
 #include "contact_problem_for_tests.h"
 #include "dense_problem.h"
-#include "solve/solve_direct.h"
-#include "solve/solve_interior_point.h"
-#include "solve/solve_island.h"
+#include "solver/solve_direct.h"
+#include "solver/solve_interior_point.h"
+#include "solver/solve_island.h"
 
 enum { SOLVING_ITERATIONS = 400 };
 

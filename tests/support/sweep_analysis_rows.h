@@ -2,7 +2,7 @@
 #ifndef PLUMB_TEST_SWEEP_ANALYSIS_ROWS_H
 #define PLUMB_TEST_SWEEP_ANALYSIS_ROWS_H
 
-#include "sweep/analysis.h"
+#include "studies/sweep/analysis.h"
 
 /* A run. What is left out is 0; a dt of 0 is 1/64 s, an outcome of NULL "ok". */
 typedef struct sweep_run {

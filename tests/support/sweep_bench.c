@@ -51,9 +51,9 @@ void bench_set_body(sweep_bench *b, int i, double mass, double x, double y, doub
 void bench_add_patch(sweep_bench *b, int body_a, int body_b, const double n[3], double friction,
                      const double arm_a[3], const double arm_b[3])
 {
-    pe_patch *patch = &b->patch[b->problem.patch_count++];
-    *patch =
-        (pe_patch){.a = body_a, .b = body_b, .first = b->problem.point_count, .friction = friction};
+    pe_solver_manifold *patch = &b->patch[b->problem.patch_count++];
+    *patch = (pe_solver_manifold){
+        .a = body_a, .b = body_b, .first = b->problem.point_count, .friction = friction};
     /* Any tangent. */
     double e[3] = {fabs(n[0]) < 0.5, fabs(n[0]) >= 0.5, 0}, t[3];
     pe_cross3(n, e, t);
@@ -69,9 +69,9 @@ void bench_add_patch(sweep_bench *b, int body_a, int body_b, const double n[3], 
 
 void bench_add_point(sweep_bench *b, double s0, double s1, double s2, double bias)
 {
-    pe_patch *patch = &b->patch[b->problem.patch_count - 1];
-    pe_patch_point *point = &b->point[b->problem.point_count++];
-    *point = (pe_patch_point){.s = {s0, s1, s2}, .bias = bias};
+    pe_solver_manifold *patch = &b->patch[b->problem.patch_count - 1];
+    pe_solver_point *point = &b->point[b->problem.point_count++];
+    *point = (pe_solver_point){.s = {s0, s1, s2}, .bias = bias};
     double ra[3], rb[3];
     for (int k = 0; k < 3; ++k) {
         double off = patch->frame[0][k] * s0 + patch->frame[1][k] * s1 + patch->frame[2][k] * s2;

@@ -2,7 +2,7 @@
 #ifndef PLUMB_TEST_SWEEP_BENCH_H
 #define PLUMB_TEST_SWEEP_BENCH_H
 
-#include "solve/solve.h"
+#include "solver/solve.h"
 
 enum { BENCH_BODIES = 300, BENCH_PATCHES = 1200, BENCH_POINTS = 6000 };
 
@@ -10,8 +10,8 @@ typedef struct sweep_bench {
     pe_problem problem;
     pe_inertia inertia[BENCH_BODIES + 1];
     double free_velocity[BENCH_BODIES + 1][6], velocity[BENCH_BODIES + 1][6];
-    pe_patch patch[BENCH_PATCHES];
-    pe_patch_point point[BENCH_POINTS];
+    pe_solver_manifold patch[BENCH_PATCHES];
+    pe_solver_point point[BENCH_POINTS];
     double impulse[BENCH_POINTS][3];
     pe_allocator allocator;
     pe_arena arena;

@@ -15,10 +15,10 @@
  * reports none. */
 #include "adapters/adapters.h"
 #include "adapters/force.h"
-#include "adapters/ode/ode_contacts.h"
-#include "adapters/ode/ode_read.h"
-#include "adapters/ode/ode_shapes.h"
 #include "adapters/principal.h"
+#include "ode_contacts.h"
+#include "ode_read.h"
+#include "ode_shapes.h"
 #include "plumb/scenario.h"
 #include "plumb/vec.h"
 

@@ -2,7 +2,7 @@
 #ifndef PLUMB_ODE_CONTACTS_H
 #define PLUMB_ODE_CONTACTS_H
 
-#include "adapters/ode/ode_instance.h"
+#include "ode_instance.h"
 
 /* For dSpaceCollide with a pl_engine_instance as its data: makes the contact joints of two geoms
  * and notes them in the instance. Sets out_of_memory there where there is no room for them. */

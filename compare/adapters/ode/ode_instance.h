@@ -6,7 +6,7 @@
 #ifndef PLUMB_ODE_INSTANCE_H
 #define PLUMB_ODE_INSTANCE_H
 
-#include "adapters/ode/ode_shapes.h"
+#include "ode_shapes.h"
 #include "plumb/engine_abi.h"
 
 #include <stdint.h>

@@ -1,4 +1,4 @@
-#include "adapters/ode/ode_read.h"
+#include "ode_read.h"
 
 #include "adapters/principal.h"
 #include "plumb/scenario.h"

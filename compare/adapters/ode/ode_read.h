@@ -2,7 +2,7 @@
 #ifndef PLUMB_ODE_READ_H
 #define PLUMB_ODE_READ_H
 
-#include "adapters/ode/ode_instance.h"
+#include "ode_instance.h"
 
 /* The pose of the frame of a moving body's shape. */
 void pl_ode_read_pose(const pl_engine_instance *instance, int body, double position[3],

@@ -18,7 +18,7 @@
  * - Two meshes touch triangle by triangle, which has no depth for faces that lie in each other: of
  *   cubes of triangles dropped askew on a slab of triangles all came to lie on it within 1.4 mm in
  *   20 poses, but one that starts flush with the edges of another falls through it. */
-#include "adapters/ode/ode_shapes.h"
+#include "ode_shapes.h"
 
 #include "plumb/engine_abi.h"
 #include "plumb/scenario.h"

@@ -14,7 +14,7 @@
 #ifndef PLUMB_CONTACT_PROBLEM_H
 #define PLUMB_CONTACT_PROBLEM_H
 
-#include "plumb/engine.h"
+#include "engine.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -37,21 +37,21 @@ typedef struct pe_problem_manifold {
     double arm_a[3], arm_b[3]; /* r_a, r_b: world, m; no meaning for PE_STATIC */
 } pe_problem_manifold;
 
-typedef struct pe_problem_point {
+typedef struct pe_problem_manifold_point {
     double offset[3];  /* s: in the manifold's frame, m */
     double bias;       /* b_n, m/s: the bounce asked for, or a gap over the step */
     double slip[2];    /* b_t, m/s: added to what friction opposes, where a slip goes on */
     double impulse[3]; /* warm start, (n, t1, t2) on b, N s */
-} pe_problem_point;
+} pe_problem_manifold_point;
 
 /* Points lie in the order of their manifolds, without gaps: manifold 0 has first = 0, each next one
  * begins where the one before ends, and every manifold has at least one point. */
 typedef struct pe_contact_problem {
     int body_count, manifold_count, point_count;
-    pe_problem_body *bodies;        /* (body_count) */
-    pe_problem_manifold *manifolds; /* (manifold_count) */
-    pe_problem_point *points;       /* (point_count) */
-    pe_allocator allocator;         /* of this struct and its arrays */
+    pe_problem_body *bodies;           /* (body_count) */
+    pe_problem_manifold *manifolds;    /* (manifold_count) */
+    pe_problem_manifold_point *points; /* (point_count) */
+    pe_allocator allocator;            /* of this struct and its arrays */
 } pe_contact_problem;
 
 /* A problem with room for so many, all zero. `allocator` NULL: that of a default world. The caller

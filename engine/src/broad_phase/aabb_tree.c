@@ -1,6 +1,6 @@
 #include "aabb_tree.h"
 
-#include "vec.h"
+#include "base/vec3.h"
 
 enum {
     NONE = 0,
@@ -133,7 +133,7 @@ static int next_node(const pe_tree_node *nodes, int node, bool over)
     return parent == NONE ? NONE : nodes[parent].child[1];
 }
 
-void pe_tree_mark_all(pe_tree *tree)
+void pe_tree_invalidate(pe_tree *tree)
 {
     pe_tree_node *nodes = nodes_of(tree);
     for (int i = tree->root; i != NONE; i = next_node(nodes, i, false)) {
@@ -433,7 +433,8 @@ static void open_inside(meetings *m, const pe_tree_node *nodes, const pe_tree_no
     }
 }
 
-pe_status pe_tree_meet(const pe_tree *a, const pe_tree *b, pe_pair_list *pairs, pe_error *error)
+pe_status pe_tree_query_pairs(const pe_tree *a, const pe_tree *b, pe_pair_list *pairs,
+                              pe_error *error)
 {
     pe_status status = PE_OK;
     if (a->root == NONE || b->root == NONE) {

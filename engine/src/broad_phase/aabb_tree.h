@@ -23,7 +23,7 @@ static inline bool pe_box_overlaps(const pe_box *a, const pe_box *b)
            b->low[1] <= a->high[1] && a->low[2] <= b->high[2] && b->low[2] <= a->high[2];
 }
 
-static inline bool pe_box_holds(const pe_box *outer, const pe_box *inner)
+static inline bool pe_aabb_contains(const pe_box *outer, const pe_box *inner)
 {
     return outer->low[0] <= inner->low[0] && inner->high[0] <= outer->high[0] &&
            outer->low[1] <= inner->low[1] && inner->high[1] <= outer->high[1] &&
@@ -57,7 +57,7 @@ void pe_tree_move(pe_tree *tree, int item, const pe_box *box);
 void pe_tree_remove(pe_tree *tree, int item);
 
 /* Marks every leaf. */
-void pe_tree_mark_all(pe_tree *tree);
+void pe_tree_invalidate(pe_tree *tree);
 
 static inline const pe_box *pe_tree_box(const pe_tree *tree, int item)
 {
@@ -70,9 +70,10 @@ pe_status pe_tree_update(pe_tree *tree, pe_workspace work, pe_error *error);
 
 /* Appends all pairs of items whose boxes overlap, one of each tree, or both of one where they are
  * the same; only those with a marked leaf. Each comes once. The trees must be updated. */
-pe_status pe_tree_meet(const pe_tree *a, const pe_tree *b, pe_pair_list *pairs, pe_error *error);
+pe_status pe_tree_query_pairs(const pe_tree *a, const pe_tree *b, pe_pair_list *pairs,
+                              pe_error *error);
 
-/* Ends what pe_tree_add, pe_tree_move and pe_tree_mark_all began. The tree must be updated. */
+/* Ends what pe_tree_add, pe_tree_move and pe_tree_invalidate began. The tree must be updated. */
 void pe_tree_unmark(pe_tree *tree);
 
 #endif

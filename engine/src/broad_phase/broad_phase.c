@@ -13,7 +13,7 @@
  *     |x - x0| + 2 r |q - q0| + h |v| + h r |w| + slack <= room. */
 #include "broad_phase.h"
 
-#include "geometry/shape.h"
+#include "model/shape.h"
 
 #include <string.h>
 
@@ -25,7 +25,7 @@ static const double AHEAD = 4;
 
 double pe_spin_speed(const pe_world *world, int slot)
 {
-    return pe_length(pe_motions(world)[slot].angular_velocity) *
+    return pe_length(pe_twists(world)[slot].angular_velocity) *
            pe_bodies(world)[slot].bounding_radius;
 }
 
@@ -36,7 +36,7 @@ double pe_margin_slack(const pe_world *world, double dt)
 
 double pe_pair_margin(const pe_world *world, int a, int b, double dt)
 {
-    const pe_motion *ma = &pe_motions(world)[a], *mb = &pe_motions(world)[b];
+    const pe_twist *ma = &pe_twists(world)[a], *mb = &pe_twists(world)[b];
     double spin = pe_spin_speed(world, a) + pe_spin_speed(world, b);
     return dt * (pe_length(pe_sub(ma->velocity, mb->velocity)) + spin) + pe_margin_slack(world, dt);
 }
@@ -208,7 +208,7 @@ static pe_status meet_bodies(pe_world *world, pe_error *error)
 
 /* Whether the body is for certain within its snug box, as at the head of this file;
  * (a + b + c + d)^2 <= 4 (a^2 + b^2 + c^2 + d^2) spares the roots. */
-static bool stays(const pe_proxy *proxy, const pe_pose *pose, const pe_motion *motion, double dt,
+static bool stays(const pe_proxy *proxy, const pe_pose *pose, const pe_twist *motion, double dt,
                   double slack)
 {
     pe_vec3 x = pe_sub(pose->position, proxy->position), v = motion->velocity;
@@ -226,13 +226,13 @@ static void follow_body(pe_world *world, int slot, double dt, double slack)
     pe_broad *broad = &world->broad;
     pe_proxy *proxy = &proxies_of(broad)[slot];
     const pe_pose *pose = &pe_poses(world)[slot];
-    const pe_motion *motion = &pe_motions(world)[slot];
+    const pe_twist *motion = &pe_twists(world)[slot];
     double spin = pe_length(motion->angular_velocity) * proxy->radius;
     /* The whole slack for each, because a plane has no bounds to hold a half of it. */
     double margin = dt * (pe_length(motion->velocity) + spin) + slack;
     double more = SNUG * proxy->radius;
     pe_box needed = box_of(world, slot, margin);
-    if (proxy->room >= 0 && pe_box_holds(&proxy->snug, &needed)) {
+    if (proxy->room >= 0 && pe_aabb_contains(&proxy->snug, &needed)) {
         return;
     }
     proxy->room = margin + more;
@@ -241,10 +241,11 @@ static void follow_body(pe_world *world, int slot, double dt, double slack)
     proxy->orientation = pose->orientation;
     broad->shifted = true;
     pe_tree *tree = tree_of(broad, proxy);
-    if (!pe_box_holds(pe_tree_box(tree, slot), &proxy->snug)) {
+    if (!pe_aabb_contains(pe_tree_box(tree, slot), &proxy->snug)) {
         pe_vec3 way = pe_scale(AHEAD * dt, motion->velocity);
         pe_box fat = wider(&proxy->snug, FAT * proxy->radius, way);
-        bool is_box = pe_box_holds(&fat, &fat); /* no NaN: that meets nothing, and has no place */
+        bool is_box =
+            pe_aabb_contains(&fat, &fat); /* no NaN: that meets nothing, and has no place */
         pe_tree_move(tree, slot, is_box ? &fat : &(pe_box){{0}, {0}});
         stir(broad, slot);
     }
@@ -256,7 +257,7 @@ static void follow(pe_world *world, double dt)
     double slack = pe_margin_slack(world, dt);
     for (int slot = 1; slot < world->slot_count; ++slot) {
         if (proxies[slot].bounded &&
-            !stays(&proxies[slot], &pe_poses(world)[slot], &pe_motions(world)[slot], dt, slack)) {
+            !stays(&proxies[slot], &pe_poses(world)[slot], &pe_twists(world)[slot], dt, slack)) {
             follow_body(world, slot, dt, slack);
         }
     }
@@ -273,7 +274,7 @@ static void stir_all_dynamics(pe_broad *broad)
             stir(broad, slot);
         }
     }
-    pe_tree_mark_all(&broad->dynamics);
+    pe_tree_invalidate(&broad->dynamics);
 }
 
 static pe_status meet_planes(const pe_world *world, pe_pair_list *pairs, pe_error *error)
@@ -306,10 +307,10 @@ static pe_status find_stirred(pe_world *world, pe_pair_list *pairs, pe_error *er
         status = pe_tree_update(&broad->statics, pairs->work, error);
     }
     if (status == PE_OK) {
-        status = pe_tree_meet(&broad->dynamics, &broad->dynamics, pairs, error);
+        status = pe_tree_query_pairs(&broad->dynamics, &broad->dynamics, pairs, error);
     }
     if (status == PE_OK) {
-        status = pe_tree_meet(&broad->dynamics, &broad->statics, pairs, error);
+        status = pe_tree_query_pairs(&broad->dynamics, &broad->statics, pairs, error);
     }
     if (status == PE_OK) {
         status = meet_planes(world, pairs, error);

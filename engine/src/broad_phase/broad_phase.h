@@ -2,7 +2,7 @@
 #ifndef PE_BROAD_PHASE_H
 #define PE_BROAD_PHASE_H
 
-#include "world.h"
+#include "model/world.h"
 
 /* How far, in m, the surfaces of two bodies can come towards each other within a step of dt, and
  * the contact margin: pairs with a smaller gap need contacts now. Bound: relative velocity, each

@@ -2,7 +2,7 @@
 #ifndef PE_BROAD_PHASE_PAIRS_H
 #define PE_BROAD_PHASE_PAIRS_H
 
-#include "memory.h"
+#include "base/memory.h"
 
 typedef struct pe_pair {
     int a, b; /* slots, a < b, not both static */

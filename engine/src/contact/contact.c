@@ -74,8 +74,9 @@ static pe_status reserve(finder *f, int count)
     pe_status status = pe_array_reserve(&now->manifold_array, &f->world->allocator,
                                         sizeof(pe_manifold), manifolds + 1, manifolds, f->error);
     if (status == PE_OK) {
-        status = pe_array_reserve(&now->point_array, &f->world->allocator, sizeof(pe_point),
-                                  points + (size_t)count, points, f->error);
+        status =
+            pe_array_reserve(&now->point_array, &f->world->allocator, sizeof(pe_manifold_point),
+                             points + (size_t)count, points, f->error);
     }
     return status;
 }
@@ -92,14 +93,14 @@ static pe_status copy_manifold(finder *f, int index)
     pe_manifold *m = &pe_manifolds(now)[now->manifold_count++];
     *m = *old;
     m->first = now->point_count;
-    memcpy(pe_points(now) + m->first, pe_points(f->then) + old->first,
-           (size_t)old->count * sizeof(pe_point));
+    memcpy(pe_manifold_points(now) + m->first, pe_manifold_points(f->then) + old->first,
+           (size_t)old->count * sizeof(pe_manifold_point));
     now->point_count += old->count;
     return PE_OK;
 }
 
-static void place_point(pe_point *point, const pe_hit *hit, pe_vec3 normal, const pe_pose *a,
-                        const pe_pose *b)
+static void place_point(pe_manifold_point *point, const pe_pair_point *hit, pe_vec3 normal,
+                        const pe_pose *a, const pe_pose *b)
 {
     pe_vec3 half_gap = pe_scale(0.5 * hit->separation, normal);
     pe_vec3 on_a = pe_sub(hit->position, half_gap), on_b = pe_add(hit->position, half_gap);
@@ -115,7 +116,7 @@ static void place_point(pe_point *point, const pe_hit *hit, pe_vec3 normal, cons
 typedef struct old_patches {
     const pe_manifold *items;
     int count, point_count;
-    const pe_point *points; /* of all of them */
+    const pe_manifold_point *points; /* of all of them */
 } old_patches;
 
 /* Pairs come in order, so that one walk finds them all. */
@@ -132,7 +133,7 @@ static old_patches old_of(finder *f, pe_pair pair)
         found.point_count += old[f->next].count;
     }
     if (found.count > 0) {
-        found.points = pe_points(f->then) + found.items[0].first;
+        found.points = pe_manifold_points(f->then) + found.items[0].first;
     }
     return found;
 }
@@ -143,8 +144,8 @@ static pe_status append(finder *f, pe_pair pair, int count, pe_manifold **manifo
     pe_status status = reserve(f, count);
     if (status == PE_OK) {
         const pe_body *bodies = pe_bodies(f->world);
-        const pe_surface *surface =
-            pe_surface_of(f->world, bodies[pair.a].material, bodies[pair.b].material);
+        const pe_material_pair *surface =
+            pe_material_pair_of(f->world, bodies[pair.a].material, bodies[pair.b].material);
         pe_manifold *m = &pe_manifolds(f->now)[f->now->manifold_count++];
         m->a = pair.a;
         m->b = pair.b;
@@ -170,29 +171,30 @@ static pe_status carry_pair(finder *f, pe_pair pair, const old_patches *old)
         if (status == PE_OK) {
             m->kept = true;
             m->built = then->built;
-            pe_manifold_carry(m, a, b, pe_points(f->then) + then->first,
-                              pe_points(f->now) + m->first);
+            pe_manifold_carry(m, a, b, pe_manifold_points(f->then) + then->first,
+                              pe_manifold_points(f->now) + m->first);
         }
     }
     return status;
 }
 
 /* Appends new manifolds of the patches, with the impulses of the old ones. */
-static pe_status build_pair(finder *f, pe_pair pair, const old_patches *old, const pe_hits *patches,
-                            int count, const pe_relative *relative, double size)
+static pe_status build_pair(finder *f, pe_pair pair, const old_patches *old,
+                            const pe_pair_manifold *patches, int count, const pe_relative *relative,
+                            double size)
 {
     const pe_pose *a = &pe_poses(f->world)[pair.a], *b = &pe_poses(f->world)[pair.b];
     pe_matched matched;
     memset(matched.point, 0, (size_t)old->point_count * sizeof *matched.point);
     pe_status status = PE_OK;
     for (int i = 0; i < count && status == PE_OK; ++i) {
-        const pe_hits *hits = &patches[i];
+        const pe_pair_manifold *hits = &patches[i];
         pe_manifold *m;
         status = append(f, pair, hits->count, &m);
         if (status != PE_OK) {
             break;
         }
-        pe_point *points = pe_points(f->now) + m->first;
+        pe_manifold_point *points = pe_manifold_points(f->now) + m->first;
         m->kept = false;
         m->normal = hits->normal;
         m->built = pe_manifold_built(hits, relative, &a->rotation, &b->rotation);
@@ -220,8 +222,7 @@ static pe_status find_pair(finder *f, pe_pair pair)
     pe_world *world = f->world;
     const pe_body *a = &pe_bodies(world)[pair.a], *b = &pe_bodies(world)[pair.b];
     const pe_pose *pose_a = &pe_poses(world)[pair.a], *pose_b = &pe_poses(world)[pair.b];
-    pe_vec3 closing =
-        pe_sub(pe_motions(world)[pair.a].velocity, pe_motions(world)[pair.b].velocity);
+    pe_vec3 closing = pe_sub(pe_twists(world)[pair.a].velocity, pe_twists(world)[pair.b].velocity);
     double spin = f->spin[pair.a] + f->spin[pair.b];
     double margin = f->dt * (pe_length(closing) + spin) + f->slack;
     pe_relative relative = pe_relative_pose(a, pose_a, b, pose_b);
@@ -238,7 +239,7 @@ static pe_status find_pair(finder *f, pe_pair pair)
     }
     pe_workspace work = pe_step_memory(world);
     pe_arena_mark mark = pe_arena_fill(work.arena);
-    pe_hits patches[PE_MAX_PATCHES];
+    pe_pair_manifold patches[PE_MAX_MANIFOLDS];
     int count =
         pe_collide((pe_placed){&a->shape, a->geometry, pose_a, a->size},
                    (pe_placed){&b->shape, b->geometry, pose_b, b->size}, margin, work, patches);
@@ -248,11 +249,11 @@ static pe_status find_pair(finder *f, pe_pair pair)
     }
     for (int i = 0; i < count; ++i) {
         if (patches[i].count > f->rules->most_points) {
-            pe_hits_reduce(&patches[i], size);
+            pe_pair_manifold_reduce(&patches[i], size);
         }
     }
     if (count > 0 && is_convex(a) && is_convex(b)) {
-        pe_hits_hold_centre(&patches[0], a, pose_a, b, pose_b, margin);
+        pe_pair_manifold_hold_centre(&patches[0], a, pose_a, b, pose_b, margin);
     }
     return build_pair(f, pair, &old, patches, count, &relative, size);
 }
@@ -281,7 +282,7 @@ pe_status pe_contacts_find(pe_world *world, const pe_pair *pairs, int count, dou
 void pe_contacts_match(pe_world *world, double dt)
 {
     if (world->previous_dt > 0 && dt != world->previous_dt) {
-        pe_point *points = pe_points(&world->contacts);
+        pe_manifold_point *points = pe_manifold_points(&world->contacts);
         for (int i = 0; i < world->contacts.point_count; ++i) {
             points[i].impulse = pe_scale(dt / world->previous_dt, points[i].impulse);
         }

@@ -3,9 +3,9 @@
 static const double FAR = 0.5; /* margin, in units of the smaller body's bounding radius */
 static const uint64_t CENTRE_FEATURE = UINT64_MAX;
 
-static const pe_hit *deepest(const pe_hits *hits)
+static const pe_pair_point *deepest(const pe_pair_manifold *hits)
 {
-    const pe_hit *least = &hits->item[0];
+    const pe_pair_point *least = &hits->item[0];
     for (int i = 1; i < hits->count; ++i) {
         least = hits->item[i].separation < least->separation ? &hits->item[i] : least;
     }
@@ -13,7 +13,7 @@ static const pe_hit *deepest(const pe_hits *hits)
 }
 
 /* The least separated points stay. */
-static void drop_farthest(pe_hits *hits)
+static void drop_farthest(pe_pair_manifold *hits)
 {
     int farthest = 0;
     for (int i = 1; i < hits->count; ++i) {
@@ -25,8 +25,8 @@ static void drop_farthest(pe_hits *hits)
     }
 }
 
-void pe_hits_hold_centre(pe_hits *hits, const pe_body *a, const pe_pose *pose_a, const pe_body *b,
-                         const pe_pose *pose_b, double margin)
+void pe_pair_manifold_hold_centre(pe_pair_manifold *hits, const pe_body *a, const pe_pose *pose_a,
+                                  const pe_body *b, const pe_pose *pose_b, double margin)
 {
     double ra = a->bounding_radius, rb = b->bounding_radius;
     bool b_is_smaller = ra == 0 || (rb > 0 && rb <= ra);
@@ -36,7 +36,7 @@ void pe_hits_hold_centre(pe_hits *hits, const pe_body *a, const pe_pose *pose_a,
         return;
     }
     /* The plane through the other body's nearest point, and the centre's height over it. */
-    const pe_hit *hit = deepest(hits);
+    const pe_pair_point *hit = deepest(hits);
     pe_vec3 out = b_is_smaller ? hits->normal : pe_scale(-1, hits->normal);
     pe_vec3 centre = b_is_smaller ? pose_b->position : pose_a->position;
     pe_vec3 on_other = pe_madd(hit->position, -0.5 * hit->separation, out);
@@ -50,7 +50,7 @@ void pe_hits_hold_centre(pe_hits *hits, const pe_body *a, const pe_pose *pose_a,
         if (hits->count == PE_MAX_POINTS) {
             drop_farthest(hits);
         }
-        hits->item[hits->count++] = (pe_hit){
+        hits->item[hits->count++] = (pe_pair_point){
             .position = pe_madd(centre, -0.5 * height, out),
             .separation = height,
             .feature = CENTRE_FEATURE,

@@ -8,11 +8,11 @@
 #ifndef PE_CONTACT_CENTRE_H
 #define PE_CONTACT_CENTRE_H
 
-#include "collide/collide.h"
+#include "narrow_phase/collide.h"
 
 /* Adds that point to the patch of two convex bodies at this margin, or notes at which margins it
  * would be there. */
-void pe_hits_hold_centre(pe_hits *hits, const pe_body *a, const pe_pose *pose_a, const pe_body *b,
-                         const pe_pose *pose_b, double margin);
+void pe_pair_manifold_hold_centre(pe_pair_manifold *hits, const pe_body *a, const pe_pose *pose_a,
+                                  const pe_body *b, const pe_pose *pose_b, double margin);
 
 #endif

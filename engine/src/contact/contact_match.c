@@ -6,14 +6,15 @@ static const double MATCH_DISTANCE = 0.02;
 /* Cosine of the angle up to which two patches face the same way. */
 static const double SAME_WAY = 0.9;
 
-static void inherit(pe_point *point, const pe_point *old, pe_vec3 normal)
+static void inherit(pe_manifold_point *point, const pe_manifold_point *old, pe_vec3 normal)
 {
     bool pushes = pe_dot(old->impulse, normal) > 0;
     point->impulse = pushes ? old->impulse : pe_v3(0, 0, 0);
 }
 
-static void match_nearest(pe_point *point, pe_vec3 normal, const pe_manifold *old, int old_count,
-                          const pe_point *old_points, double reach, pe_matched *matched)
+static void match_nearest(pe_manifold_point *point, pe_vec3 normal, const pe_manifold *old,
+                          int old_count, const pe_manifold_point *old_points, double reach,
+                          pe_matched *matched)
 {
     int nearest = -1;
     double least = reach * reach;
@@ -36,8 +37,9 @@ static void match_nearest(pe_point *point, pe_vec3 normal, const pe_manifold *ol
     }
 }
 
-void pe_points_match(pe_point *points, int count, pe_vec3 normal, const pe_manifold *old,
-                     int old_count, const pe_point *old_points, double size, pe_matched *matched)
+void pe_points_match(pe_manifold_point *points, int count, pe_vec3 normal, const pe_manifold *old,
+                     int old_count, const pe_manifold_point *old_points, double size,
+                     pe_matched *matched)
 {
     const pe_manifold *last = &old[old_count - 1];
     int total = last->first + last->count - old[0].first;

@@ -2,11 +2,11 @@
 #ifndef PE_CONTACT_MATCH_H
 #define PE_CONTACT_MATCH_H
 
-#include "world.h"
+#include "model/world.h"
 
 /* Which old points of a pair have given their impulse away. */
 typedef struct pe_matched {
-    bool point[PE_MAX_PATCHES * PE_MAX_POINTS];
+    bool point[PE_MAX_MANIFOLDS * PE_MAX_POINTS];
 } pe_matched;
 
 /* Gives each point of a new manifold the impulse of the old point of the pair on the same features,
@@ -14,7 +14,8 @@ typedef struct pe_matched {
  * `size`, the smaller body's; none: 0. An impulse that would pull along the new normal is dropped.
  * `old` are the pair's manifolds (old_count of them), whose points stand together from old_points
  * on. */
-void pe_points_match(pe_point *points, int count, pe_vec3 normal, const pe_manifold *old,
-                     int old_count, const pe_point *old_points, double size, pe_matched *matched);
+void pe_points_match(pe_manifold_point *points, int count, pe_vec3 normal, const pe_manifold *old,
+                     int old_count, const pe_manifold_point *old_points, double size,
+                     pe_matched *matched);
 
 #endif

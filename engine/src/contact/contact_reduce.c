@@ -2,10 +2,10 @@
 
 static const double TIE = 1e-5; /* in units of the smaller body */
 
-static void sort_by_feature(pe_hits *hits)
+static void sort_by_feature(pe_pair_manifold *hits)
 {
     for (int i = 1; i < hits->count; ++i) {
-        pe_hit hit = hits->item[i];
+        pe_pair_point hit = hits->item[i];
         int j = i;
         for (; j > 0 && hits->item[j - 1].feature > hit.feature; --j) {
             hits->item[j] = hits->item[j - 1];
@@ -29,7 +29,7 @@ static int first_best(const double *score, int count, double tie)
     return -1;
 }
 
-void pe_hits_reduce(pe_hits *hits, double size)
+void pe_pair_manifold_reduce(pe_pair_manifold *hits, double size)
 {
     sort_by_feature(hits);
     double tie = TIE * size, score[PE_MAX_POINTS] = {0};

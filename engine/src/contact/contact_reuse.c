@@ -45,8 +45,8 @@ bool pe_manifolds_hold(const pe_manifold *manifolds, int count, const pe_relativ
     return all;
 }
 
-pe_built pe_manifold_built(const pe_hits *hits, const pe_relative *now, const pe_mat3 *rotation_a,
-                           const pe_mat3 *rotation_b)
+pe_built pe_manifold_built(const pe_pair_manifold *hits, const pe_relative *now,
+                           const pe_mat3 *rotation_a, const pe_mat3 *rotation_b)
 {
     return (pe_built){
         .position = now->position,
@@ -59,15 +59,15 @@ pe_built pe_manifold_built(const pe_hits *hits, const pe_relative *now, const pe
 }
 
 void pe_manifold_carry(pe_manifold *manifold, const pe_pose *a, const pe_pose *b,
-                       const pe_point *old_points, pe_point *points)
+                       const pe_manifold_point *old_points, pe_manifold_point *points)
 {
     const pe_built *built = &manifold->built;
     pe_vec3 n = pe_rotate(built->normal_on_b ? &b->rotation : &a->rotation, built->normal);
     manifold->normal = n;
     manifold->least_separation = HUGE_VAL;
     for (int i = 0; i < manifold->count; ++i) {
-        const pe_point *old = &old_points[i];
-        pe_point *point = &points[i];
+        const pe_manifold_point *old = &old_points[i];
+        pe_manifold_point *point = &points[i];
         pe_vec3 on_a = pe_add(a->position, pe_rotate(&a->rotation, old->anchor_a));
         pe_vec3 on_b = pe_add(b->position, pe_rotate(&b->rotation, old->anchor_b));
         point->position = pe_scale(0.5, pe_add(on_a, on_b));

@@ -2,7 +2,7 @@
 #ifndef PE_CONTACT_REUSE_H
 #define PE_CONTACT_REUSE_H
 
-#include "collide/collide.h"
+#include "narrow_phase/collide.h"
 
 /* How two bodies lie relative to each other: the smaller one in the axes of the larger. A plane is
  * larger than anything; of two equal bodies b counts as the smaller. */
@@ -21,13 +21,13 @@ bool pe_manifolds_hold(const pe_manifold *manifolds, int count, const pe_relativ
                        double distance, double margin);
 
 /* Notes how the pair lies for a manifold made of `hits` just now. */
-pe_built pe_manifold_built(const pe_hits *hits, const pe_relative *now, const pe_mat3 *rotation_a,
-                           const pe_mat3 *rotation_b);
+pe_built pe_manifold_built(const pe_pair_manifold *hits, const pe_relative *now,
+                           const pe_mat3 *rotation_a, const pe_mat3 *rotation_b);
 
 /* Fills the manifold's normal and its points (`count` of them) from the old ones, moved along with
  * the bodies: the normal turns with the body that it belongs to, position and separation are those
  * of the two surface points, and the rest stays. `built` and `count` are set already. */
 void pe_manifold_carry(pe_manifold *manifold, const pe_pose *a, const pe_pose *b,
-                       const pe_point *old_points, pe_point *points);
+                       const pe_manifold_point *old_points, pe_manifold_point *points);
 
 #endif

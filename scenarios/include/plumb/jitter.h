@@ -2,7 +2,7 @@
 #ifndef PLUMB_JITTER_H
 #define PLUMB_JITTER_H
 
-#include "plumb/scene.h"
+#include "scene.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -2,7 +2,7 @@
 #ifndef PLUMB_SCENARIO_H
 #define PLUMB_SCENARIO_H
 
-#include "plumb/scene.h"
+#include "scene.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -1,0 +1,441 @@
+#include "surface.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { LEAF = 2, MAX_DEPTH = 64 };
+
+static const int box_triangles[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
+                                         {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
+                                         {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+
+/* --- Vertices and triangles --- */
+
+static bool allocate(pl_surface *s, int vertex_count, int triangle_count)
+{
+    size_t v = (size_t)vertex_count, t = (size_t)triangle_count;
+    s->vertex_count = vertex_count;
+    s->triangle_count = triangle_count;
+    s->vertices = calloc(v, sizeof *s->vertices);
+    s->triangles = calloc(t, sizeof *s->triangles);
+    s->normals = calloc(t, sizeof *s->normals);
+    s->sides = calloc(t, sizeof *s->sides);
+    s->edges = calloc(3 * t, sizeof *s->edges);
+    s->vertex_normals = calloc(v, sizeof *s->vertex_normals);
+    s->ring_start = calloc(v + 1, sizeof *s->ring_start);
+    s->ring = calloc(6 * t, sizeof *s->ring);
+    s->parts = calloc(v, sizeof *s->parts);
+    s->nodes = calloc(2 * t, sizeof *s->nodes);
+    s->order = calloc(t, sizeof *s->order);
+    return s->vertices != NULL && s->triangles != NULL && s->normals != NULL && s->sides != NULL &&
+           s->edges != NULL && s->vertex_normals != NULL && s->ring_start != NULL &&
+           s->ring != NULL && s->parts != NULL && s->nodes != NULL && s->order != NULL;
+}
+
+static bool fill_polyhedron(pl_surface *s, const pl_polyhedron *polyhedron)
+{
+    if (!allocate(s, polyhedron->vertex_count, polyhedron->triangle_count)) {
+        return false;
+    }
+    for (int i = 0; i < s->vertex_count; ++i) {
+        s->vertices[i] = pl_vec_of(polyhedron->vertices[i]);
+    }
+    memcpy(s->triangles, polyhedron->triangles, (size_t)s->triangle_count * sizeof *s->triangles);
+    return true;
+}
+
+static bool fill_box(pl_surface *s, const double half[3])
+{
+    if (!allocate(s, 8, 12)) {
+        return false;
+    }
+    for (int i = 0; i < 8; ++i) {
+        s->vertices[i] =
+            (pl_vec){(i & 1) != 0 ? half[0] : -half[0], (i & 2) != 0 ? half[1] : -half[1],
+                     (i & 4) != 0 ? half[2] : -half[2]};
+    }
+    memcpy(s->triangles, box_triangles, sizeof box_triangles);
+    return true;
+}
+
+static bool fill_segment(pl_surface *s, double half_height)
+{
+    if (!allocate(s, 2, 1)) {
+        return false;
+    }
+    s->vertices[0].z = -half_height;
+    s->vertices[1].z = half_height;
+    s->triangles[0][1] = s->triangles[0][2] = 1;
+    return true;
+}
+
+pl_triangle pl_surface_triangle(const pl_surface *s, int triangle)
+{
+    const int *t = s->triangles[triangle];
+    return (pl_triangle){{s->vertices[t[0]], s->vertices[t[1]], s->vertices[t[2]]}};
+}
+
+/* --- Normals and edges --- */
+
+static pl_vec unit(pl_vec v)
+{
+    double length = pl_vec_length(v);
+    return length > 0 ? pl_vec_scale(v, 1 / length) : v;
+}
+
+/* A side of a triangle, its lesser vertex first. */
+typedef struct side {
+    int low, high, triangle, corner;
+} side;
+
+static int compare_sides(const void *left, const void *right)
+{
+    const side *a = left, *b = right;
+    if (a->low != b->low) {
+        return a->low < b->low ? -1 : 1;
+    }
+    if (a->high != b->high) {
+        return a->high < b->high ? -1 : 1;
+    }
+    return a->triangle != b->triangle ? (a->triangle < b->triangle ? -1 : 1)
+                                      : a->corner - b->corner;
+}
+
+/* Equal sides of several triangles become one edge. Sides without length, as a capsule's core has
+ * one, are left out. */
+static bool join_sides(pl_surface *s)
+{
+    int count = 0;
+    side *sides = calloc(3 * (size_t)s->triangle_count, sizeof *sides);
+    if (sides == NULL) {
+        return false;
+    }
+    for (int t = 0; t < s->triangle_count; ++t) {
+        for (int k = 0; k < 3; ++k) {
+            int from = s->triangles[t][k], to = s->triangles[t][(k + 1) % 3];
+            if (from != to) {
+                sides[count++] = (side){from < to ? from : to, from < to ? to : from, t, k};
+            }
+        }
+    }
+    qsort(sides, (size_t)count, sizeof *sides, compare_sides);
+    for (int i = 0; i < count; ++i) {
+        if (i == 0 || sides[i].low != sides[i - 1].low || sides[i].high != sides[i - 1].high) {
+            s->edges[s->edge_count++] = (pl_surface_edge){
+                .start = sides[i].low, .end = sides[i].high, .triangle = sides[i].triangle};
+        }
+        pl_surface_edge *edge = &s->edges[s->edge_count - 1];
+        edge->normal = pl_vec_add(edge->normal, s->normals[sides[i].triangle]);
+        s->sides[sides[i].triangle][sides[i].corner] = s->edge_count - 1;
+    }
+    free(sides);
+    return true;
+}
+
+static void find_normals(pl_surface *s)
+{
+    for (int t = 0; t < s->triangle_count; ++t) {
+        pl_triangle tri = pl_surface_triangle(s, t);
+        pl_vec u = pl_vec_sub(tri.corner[1], tri.corner[0]);
+        pl_vec v = pl_vec_sub(tri.corner[2], tri.corner[0]);
+        s->normals[t] = unit(pl_vec_cross(u, v));
+        for (int k = 0; k < 3; ++k) {
+            u = pl_vec_sub(tri.corner[(k + 1) % 3], tri.corner[k]);
+            v = pl_vec_sub(tri.corner[(k + 2) % 3], tri.corner[k]);
+            double angle = atan2(pl_vec_length(pl_vec_cross(u, v)), pl_vec_dot(u, v));
+            pl_vec *sum = &s->vertex_normals[s->triangles[t][k]];
+            *sum = pl_vec_mad(*sum, angle, s->normals[t]);
+        }
+    }
+}
+
+/* --- Neighbours and connected parts --- */
+
+static void find_rings(pl_surface *s)
+{
+    for (int e = 0; e < s->edge_count; ++e) {
+        s->ring_start[s->edges[e].start] += 1;
+        s->ring_start[s->edges[e].end] += 1;
+    }
+    int sum = 0;
+    for (int i = 0; i <= s->vertex_count; ++i) {
+        sum += s->ring_start[i];
+        s->ring_start[i] = sum; /* the end; filling moves it to the start */
+    }
+    for (int e = 0; e < s->edge_count; ++e) {
+        s->ring[--s->ring_start[s->edges[e].start]] = e;
+        s->ring[--s->ring_start[s->edges[e].end]] = e;
+    }
+}
+
+static bool find_parts(pl_surface *s)
+{
+    bool *seen = calloc((size_t)s->vertex_count, sizeof *seen);
+    int *stack = calloc((size_t)s->vertex_count, sizeof *stack);
+    bool complete = seen != NULL && stack != NULL;
+    for (int i = 0; complete && i < s->vertex_count; ++i) {
+        if (seen[i]) {
+            continue;
+        }
+        int height = 0;
+        s->parts[s->part_count++] = i;
+        seen[i] = true;
+        stack[height++] = i;
+        while (height > 0) {
+            int v = stack[--height];
+            for (int k = s->ring_start[v]; k < s->ring_start[v + 1]; ++k) {
+                int other = s->edges[s->ring[k]].start + s->edges[s->ring[k]].end - v;
+                if (!seen[other]) {
+                    seen[other] = true;
+                    stack[height++] = other;
+                }
+            }
+        }
+    }
+    free(seen);
+    free(stack);
+    return complete;
+}
+
+/* --- Tree: halves by the median along the widest axis of the triangles' middles --- */
+
+/* A triangle's place in the tree's order. */
+typedef struct item {
+    double middle[3];
+    int triangle;
+    int axis; /* to sort by */
+} item;
+
+static int compare_items(const void *left, const void *right)
+{
+    const item *a = left, *b = right;
+    double difference = a->middle[a->axis] - b->middle[b->axis];
+    return difference < 0 ? -1 : difference > 0 ? 1 : a->triangle - b->triangle;
+}
+
+static int widest_axis(const item *items, int count)
+{
+    int widest = 0;
+    double most = -1;
+    for (int k = 0; k < 3; ++k) {
+        double low = HUGE_VAL, high = -HUGE_VAL;
+        for (int i = 0; i < count; ++i) {
+            low = fmin(low, items[i].middle[k]);
+            high = fmax(high, items[i].middle[k]);
+        }
+        if (high - low > most) {
+            most = high - low;
+            widest = k;
+        }
+    }
+    return widest;
+}
+
+static void enclose(const pl_surface *s, const item *items, int count, pl_surface_node *node)
+{
+    double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (int i = 0; i < count; ++i) {
+        pl_triangle t = pl_surface_triangle(s, items[i].triangle);
+        for (int c = 0; c < 3; ++c) {
+            double p[3];
+            pl_vec_store(t.corner[c], p);
+            for (int k = 0; k < 3; ++k) {
+                low[k] = fmin(low[k], p[k]);
+                high[k] = fmax(high[k], p[k]);
+            }
+        }
+    }
+    node->centre = pl_vec_scale(pl_vec_add(pl_vec_of(low), pl_vec_of(high)), 0.5);
+    node->half = pl_vec_scale(pl_vec_sub(pl_vec_of(high), pl_vec_of(low)), 0.5);
+}
+
+/* The items are those of order[first .. first + count). The depth is at most 1 + log2(triangles).
+ */
+static void build_node(pl_surface *s, item *items, int first, int count)
+{
+    int index = s->node_count++;
+    pl_surface_node *node = &s->nodes[index];
+    enclose(s, items, count, node);
+    if (count <= LEAF) {
+        node->first = first;
+        node->count = count;
+        for (int i = 0; i < count; ++i) {
+            s->order[first + i] = items[i].triangle;
+        }
+        return;
+    }
+    int axis = widest_axis(items, count), half = count / 2;
+    for (int i = 0; i < count; ++i) {
+        items[i].axis = axis;
+    }
+    qsort(items, (size_t)count, sizeof *items, compare_items);
+    build_node(s, items, first, half);
+    node->second = s->node_count;
+    build_node(s, items + half, first + half, count - half);
+}
+
+static bool build_tree(pl_surface *s)
+{
+    item *items = calloc((size_t)s->triangle_count, sizeof *items);
+    if (items == NULL) {
+        return false;
+    }
+    for (int t = 0; t < s->triangle_count; ++t) {
+        pl_triangle tri = pl_surface_triangle(s, t);
+        pl_vec sum = pl_vec_add(tri.corner[0], pl_vec_add(tri.corner[1], tri.corner[2]));
+        items[t].triangle = t;
+        pl_vec_store(pl_vec_scale(sum, 1.0 / 3), items[t].middle);
+    }
+    build_node(s, items, 0, s->triangle_count);
+    free(items);
+    return true;
+}
+
+pl_status pl_surface_create(const pl_shape *shape, pl_surface **surface)
+{
+    pl_surface *s = calloc(1, sizeof *s);
+    bool filled = false;
+    *surface = NULL;
+    if (s == NULL) {
+        return PL_NO_MEMORY;
+    }
+    switch (shape->kind) {
+    case PL_SHAPE_BOX:
+        filled = fill_box(s, shape->half_extents);
+        break;
+    case PL_SHAPE_HULL:
+    case PL_SHAPE_MESH:
+        filled = fill_polyhedron(s, shape->polyhedron);
+        break;
+    case PL_SHAPE_CAPSULE:
+        filled = fill_segment(s, shape->half_height);
+        break;
+    case PL_SHAPE_PLANE:
+    case PL_SHAPE_SPHERE:
+    case PL_SHAPE_CYLINDER:
+        free(s);
+        return PL_UNSUPPORTED;
+    }
+    s->closed = shape->kind != PL_SHAPE_CAPSULE;
+    if (filled) {
+        find_normals(s);
+        filled = join_sides(s);
+    }
+    if (filled) {
+        find_rings(s);
+        filled = find_parts(s) && build_tree(s);
+    }
+    if (!filled) {
+        pl_surface_destroy(s);
+        return PL_NO_MEMORY;
+    }
+    *surface = s;
+    return PL_OK;
+}
+
+void pl_surface_destroy(pl_surface *s)
+{
+    if (s != NULL) {
+        free(s->vertices);
+        free(s->triangles);
+        free(s->normals);
+        free(s->sides);
+        free(s->edges);
+        free(s->vertex_normals);
+        free(s->ring_start);
+        free(s->ring);
+        free(s->parts);
+        free(s->nodes);
+        free(s->order);
+        free(s);
+    }
+}
+
+/* --- Questions --- */
+
+/* Square of the distance of a point from a node's box, m^2. */
+static double box_square(const pl_surface_node *node, pl_vec point)
+{
+    pl_vec d = {fmax(fabs(point.x - node->centre.x) - node->half.x, 0),
+                fmax(fabs(point.y - node->centre.y) - node->half.y, 0),
+                fmax(fabs(point.z - node->centre.z) - node->half.z, 0)};
+    return pl_vec_dot(d, d);
+}
+
+bool pl_surface_box_holds(const pl_surface *s, pl_vec point, double margin)
+{
+    return box_square(&s->nodes[0], point) <= margin * margin;
+}
+
+static pl_vec feature_normal(const pl_surface *s, int triangle, pl_feature feature)
+{
+    if (feature == PL_FACE) {
+        return s->normals[triangle];
+    }
+    if (feature >= PL_EDGE_0) {
+        return s->edges[s->sides[triangle][feature - PL_EDGE_0]].normal;
+    }
+    return s->vertex_normals[s->triangles[triangle][feature - PL_CORNER_0]];
+}
+
+pl_surface_point pl_surface_nearest(const pl_surface *s, pl_vec point)
+{
+    pl_surface_point best = {.triangle = s->order[0]};
+    pl_feature on = PL_FACE;
+    double least = HUGE_VAL;
+    int stack[MAX_DEPTH], height = 0;
+    stack[height++] = 0;
+    while (height > 0) {
+        int index = stack[--height];
+        const pl_surface_node *node = &s->nodes[index];
+        if (box_square(node, point) >= least) {
+            continue;
+        }
+        for (int i = 0; i < node->count; ++i) {
+            int t = s->order[node->first + i];
+            pl_triangle triangle = pl_surface_triangle(s, t);
+            pl_feature feature;
+            pl_vec q = pl_triangle_nearest(&triangle, point, &feature);
+            pl_vec d = pl_vec_sub(point, q);
+            if (pl_vec_dot(d, d) < least) {
+                least = pl_vec_dot(d, d);
+                best.point = q;
+                best.triangle = t;
+                on = feature;
+            }
+        }
+        if (node->count == 0) {
+            bool first_nearer = box_square(&s->nodes[index + 1], point) <=
+                                box_square(&s->nodes[node->second], point);
+            stack[height++] = first_nearer ? node->second : index + 1;
+            stack[height++] = first_nearer ? index + 1 : node->second;
+        }
+    }
+    pl_vec out = feature_normal(s, best.triangle, on);
+    bool inside = s->closed && pl_vec_dot(out, pl_vec_sub(point, best.point)) < 0;
+    best.distance = inside ? -sqrt(least) : sqrt(least);
+    return best;
+}
+
+void pl_surface_each_near(const pl_surface *s, pl_vec centre, pl_vec half,
+                          void (*see)(void *context, int triangle), void *context)
+{
+    int stack[MAX_DEPTH], height = 0;
+    stack[height++] = 0;
+    while (height > 0) {
+        int index = stack[--height];
+        const pl_surface_node *node = &s->nodes[index];
+        pl_vec d = pl_vec_sub(node->centre, centre);
+        if (fabs(d.x) > node->half.x + half.x || fabs(d.y) > node->half.y + half.y ||
+            fabs(d.z) > node->half.z + half.z) {
+            continue;
+        }
+        for (int i = 0; i < node->count; ++i) {
+            see(context, s->order[node->first + i]);
+        }
+        if (node->count == 0) {
+            stack[height++] = node->second;
+            stack[height++] = index + 1;
+        }
+    }
+}

@@ -1,0 +1,247 @@
+#include "members.h"
+
+#include "plumb/jitter.h"
+#include "runner/process.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The plan's index of the first problem of each setting and member. */
+typedef struct firsts {
+    int *index; /* ((settings + 2) x members): the last row is that of the references */
+    int members;
+} firsts;
+
+static int *first_of(const firsts *f, int row, int member)
+{
+    return &f->index[row * f->members + member];
+}
+
+/* Adds the problems of one member in one setting. */
+static pl_status add_member(const pl_members_def *def, int setting, bool reference, int member,
+                            pl_plan *plan, int *count, pl_error *error)
+{
+    const int before = plan->problem_count;
+    plan->variation = (pl_variation){.is_member = true,
+                                     .member = setting * def->members + member,
+                                     .refinement = reference ? PL_FINER_STEPS : 0};
+    pl_status status = def->add(def->user, setting, plan, error);
+    const int added = plan->problem_count - before;
+    plan->variation = (pl_variation){.member = 0};
+    for (int i = before; i < plan->problem_count && status == PL_OK; ++i) {
+        if (!isfinite(pl_scene_least_size(&plan->problems[i].scene))) {
+            status = pl_fail(error, PL_BAD_INPUT, "%s: nothing in the scene can move",
+                             plan->problems[i].name);
+        }
+    }
+    if (status == PL_OK && *count >= 0 && added != *count) {
+        status = pl_fail(error, PL_BAD_INPUT,
+                         "two of the scenarios asked for are the same in one setting and differ in "
+                         "another: ask for them one at a time");
+    }
+    *count = added;
+    return status;
+}
+
+static pl_status add_problems(const pl_members_def *def, pl_plan *plan, firsts *f, int *count,
+                              pl_error *error)
+{
+    pl_status status = PL_OK;
+    const int rows = def->setting_count + 1 + (def->references ? 1 : 0);
+    *count = -1;
+    for (int row = 0; row < rows && status == PL_OK; ++row) {
+        const bool reference = row > def->setting_count;
+        for (int k = 0; k < def->members && status == PL_OK; ++k) {
+            *first_of(f, row, k) = plan->problem_count;
+            status = add_member(def, reference ? 0 : row, reference, k, plan, count, error);
+        }
+    }
+    return status;
+}
+
+/* What is tried in a process of its own: whether the engine takes these values at all. */
+typedef struct attempt {
+    const pl_scene *scene;
+    const pl_engine_choice *choice;
+} attempt;
+
+static void try_values(void *user, FILE *answer)
+{
+    const attempt *a = user;
+    pl_engine_instance *instance = NULL;
+    pl_error error = {.message = ""};
+    pl_status status = a->choice->engine->create(a->scene, a->choice->profile, a->choice->values,
+                                                 &instance, &error);
+    fputs(status == PL_UNSUPPORTED ? "unsupported" : "other", answer);
+}
+
+/* Whether the engine's profile says that it does not support these values. */
+static pl_status refuses(const attempt *a, bool *refused, pl_error *error)
+{
+    const pl_limits limits = {.timeout = 60};
+    pl_process process;
+    pl_status status =
+        pl_process_start(&process, &limits, try_values, &(attempt){a->scene, a->choice}, error);
+    *refused = false;
+    if (status != PL_OK) {
+        return status;
+    }
+    struct pollfd polls[PL_PROCESS_POLLS];
+    do {
+        pl_process_polls(&process, polls);
+        if (poll(polls, PL_PROCESS_POLLS, 1000) < 0 && errno != EINTR) {
+            pl_process_kill(&process);
+            pl_process_free(&process);
+            return pl_fail(error, PL_IO, "poll: %s", strerror(errno));
+        }
+    } while (!pl_process_advance(&process, polls));
+    *refused = process.text_length == strlen("unsupported") &&
+               memcmp(process.text, "unsupported", process.text_length) == 0;
+    pl_process_free(&process);
+    return PL_OK;
+}
+
+/* The engine with more iterations, where it has that option and its profile takes it. */
+static pl_status strengthen(const pl_scene *scene, pl_engine_choice *choice, pl_error *error)
+{
+    const pl_engine *engine = choice->engine;
+    pl_engine_choice stronger = *choice;
+    bool found = false;
+    for (int i = 0; i < engine->option_count; ++i) {
+        const pl_engine_option *option = &engine->options[i];
+        if (strcmp(option->name, "iterations") == 0) {
+            stronger.values[i] = fmin(PL_MORE_ITERATIONS * choice->values[i], option->max);
+            found = true;
+        }
+    }
+    bool refused = false;
+    pl_status status = found ? refuses(&(attempt){scene, &stronger}, &refused, error) : PL_OK;
+    if (status == PL_OK && found && !refused) {
+        *choice = stronger;
+    }
+    return status;
+}
+
+/* A contender NAME@converged for each of the first `count`. */
+static pl_status add_references(pl_plan *plan, int count, int problem, pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        char label[2 * PL_NAME_SIZE + 16];
+        pl_engine_choice choice = plan->contenders[i].choice;
+        snprintf(label, sizeof label, "%.100s@converged", plan->contenders[i].label);
+        status = strengthen(&plan->problems[problem].scene, &choice, error);
+        if (status == PL_OK) {
+            status = pl_plan_add_choice(plan, &choice, label, NULL, error);
+        }
+    }
+    return status;
+}
+
+static pl_status add_ensemble(const pl_members_def *def, const pl_plan *plan, const firsts *f,
+                              pl_ensemble added, int row, pl_ensembles *all, pl_error *error)
+{
+    added.problems = calloc((size_t)def->members, sizeof *added.problems);
+    if (added.problems == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d members", def->members);
+    }
+    for (int k = 0; k < def->members; ++k) {
+        added.problems[k] = *first_of(f, row, k) + added.problem;
+    }
+    const char *label = plan->contenders[added.contender].label;
+    if (added.setting == 0) {
+        snprintf(added.name, sizeof added.name, "%s", label);
+    } else {
+        snprintf(added.name, sizeof added.name, "%s [%.100s]", label,
+                 def->settings[added.setting - 1]);
+    }
+    all->items[all->count++] = added;
+    return PL_OK;
+}
+
+static pl_status list_ensembles(const pl_members_def *def, const pl_plan *plan, int engines,
+                                const firsts *f, pl_ensembles *all, pl_error *error)
+{
+    const int rows = def->setting_count + 1 + (def->references ? 1 : 0);
+    pl_status status = PL_OK;
+    all->items =
+        calloc((size_t)all->problem_count * (size_t)rows * (size_t)engines + 1, sizeof *all->items);
+    if (all->items == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for the ensembles");
+    }
+    for (int p = 0; p < all->problem_count; ++p) {
+        for (int row = 0; row < rows; ++row) {
+            const bool reference = row > def->setting_count;
+            for (int e = 0; e < engines && status == PL_OK; ++e) {
+                const pl_ensemble added = {.problem = p,
+                                           .setting = reference ? 0 : row,
+                                           .reference = reference,
+                                           .contender = reference ? engines + e : e};
+                status = add_ensemble(def, plan, f, added, row, all, error);
+            }
+        }
+    }
+    return status;
+}
+
+/* Member by member, so that a plan that is cut short has something of every ensemble; references,
+ * which take longest, come last. */
+static pl_status pair_up(const pl_ensembles *all, pl_plan *plan, pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int pass = 0; pass < 2; ++pass) {
+        for (int k = 0; k < all->members; ++k) {
+            for (int i = 0; i < all->count && status == PL_OK; ++i) {
+                const pl_ensemble *e = &all->items[i];
+                if (e->reference == (pass == 1)) {
+                    status = pl_plan_add_pairing(plan, e->problems[k], e->contender, error);
+                }
+            }
+        }
+    }
+    return status;
+}
+
+pl_status pl_members_plan(const pl_members_def *def, pl_plan *plan, pl_ensembles *ensembles,
+                          pl_error *error)
+{
+    const int engines = plan->contender_count;
+    firsts f = {.members = def->members};
+    *ensembles = (pl_ensembles){.members = def->members};
+    f.index = calloc(((size_t)def->setting_count + 2) * (size_t)def->members, sizeof *f.index);
+    if (f.index == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d members", def->members);
+    }
+    pl_status status = add_problems(def, plan, &f, &ensembles->problem_count, error);
+    if (status == PL_OK && def->references && ensembles->problem_count > 0) {
+        status = add_references(plan, engines, 0, error);
+    }
+    if (status == PL_OK) {
+        status = list_ensembles(def, plan, engines, &f, ensembles, error);
+    }
+    if (status == PL_OK) {
+        status = pair_up(ensembles, plan, error);
+    }
+    free(f.index);
+    return status;
+}
+
+void pl_ensembles_free(pl_ensembles *ensembles)
+{
+    for (int i = 0; i < ensembles->count; ++i) {
+        free(ensembles->items[i].problems);
+    }
+    free(ensembles->items);
+    *ensembles = (pl_ensembles){.count = 0};
+}
+
+void pl_member_run(const pl_plan *plan, const pl_ensemble *ensemble, int member, char run[17])
+{
+    const pl_planned_run planned = {.problem = &plan->problems[ensemble->problems[member]],
+                                    .contender = &plan->contenders[ensemble->contender]};
+    json_t *identity = pl_planned_run_identity(plan, &planned);
+    snprintf(run, 17, "%s", pl_json_get_text(identity, "run"));
+    json_decref(identity);
+}

@@ -1,0 +1,155 @@
+#include "sample.h"
+
+#include "plumb/vec.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+const pl_metric_id pl_observables[PL_OBSERVABLE_COUNT] = {
+    PL_METRIC_SPREAD_X,    PL_METRIC_SPREAD_Y,    PL_METRIC_MASS_HEIGHT,    PL_METRIC_RUN_OUT_P95,
+    PL_METRIC_SETTLE_TIME, PL_METRIC_ENERGY_LOST, PL_METRIC_PENETRATION_MAX};
+
+const double pl_energy_growth = 1e-3;
+
+json_t *pl_results_by_run(const json_t *results)
+{
+    json_t *by_run = json_object();
+    size_t index;
+    json_t *result;
+    json_array_foreach(results, index, result)
+    {
+        if (json_object_set(by_run, pl_json_get_text(result, "run"), result) != 0) {
+            json_decref(by_run);
+            return NULL;
+        }
+    }
+    return by_run;
+}
+
+void pl_sample_summarise(pl_sample *sample)
+{
+    double mean = 0, square = 0;
+    for (int i = 0; i < sample->count; ++i) {
+        mean += sample->values[i] / sample->count;
+    }
+    for (int i = 0; i < sample->count; ++i) {
+        double d = sample->values[i] - mean;
+        square += d * d;
+    }
+    sample->mean = sample->count > 0 ? mean : (double)NAN;
+    sample->deviation = sample->count > 1 ? sqrt(square / (sample->count - 1)) : (double)NAN;
+}
+
+static pl_outcome outcome_of(const json_t *result)
+{
+    const char *name = pl_json_get_text(result, "outcome");
+    pl_outcome outcome = PL_OUTCOME_OK;
+    for (int i = 0; i < PL_OUTCOME_COUNT; ++i) {
+        if (strcmp(name, pl_outcome_name((pl_outcome)i)) == 0) {
+            outcome = (pl_outcome)i;
+        }
+    }
+    return outcome;
+}
+
+/* NAN where the result has no such number. */
+static double value_of(const json_t *result, pl_metric_id id)
+{
+    const json_t *metric =
+        json_object_get(json_object_get(result, "metrics"), pl_metric_table[id].name);
+    const json_t *value = json_object_get(metric, "value");
+    return json_is_number(value) ? json_number_value(value) : (double)NAN;
+}
+
+static bool has_metric(const json_t *result, pl_metric_id id)
+{
+    return json_object_get(json_object_get(result, "metrics"), pl_metric_table[id].name) != NULL;
+}
+
+/* Of a run that went to its end. */
+static void add_values(pl_findings *findings, const json_t *result, double duration)
+{
+    for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
+        pl_sample *sample = &findings->samples[i];
+        double value = value_of(result, pl_observables[i]);
+        if (isnan(value) && pl_observables[i] == PL_METRIC_SETTLE_TIME &&
+            has_metric(result, PL_METRIC_SETTLE_TIME)) {
+            value = duration;
+            sample->unsettled += 1;
+        }
+        if (!isnan(value)) {
+            sample->values[sample->count++] = value;
+        }
+    }
+}
+
+/* Whether a body's centre ended on the solid side of a static plane. */
+static bool fell_through(const pl_scene *scene, const json_t *result)
+{
+    const json_t *poses = json_object_get(result, "final_poses");
+    for (int i = 0; i < scene->body_count; ++i) {
+        const json_t *pose = json_array_get(poses, (size_t)i);
+        const pl_vec x = {json_number_value(json_array_get(pose, 0)),
+                          json_number_value(json_array_get(pose, 1)),
+                          json_number_value(json_array_get(pose, 2))};
+        for (int k = 0; k < scene->body_count && pose != NULL && !scene->bodies[i].is_static; ++k) {
+            const pl_shape *shape = &scene->bodies[k].shape;
+            if (shape->kind == PL_SHAPE_PLANE &&
+                pl_vec_dot(pl_vec_of(shape->normal), x) < shape->offset) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static void check_invariants(pl_invariants *kept, const pl_scene *scene, const json_t *result)
+{
+    /* fmax passes over a NAN. */
+    const double growth =
+        fmax(value_of(result, PL_METRIC_ENERGY_GAIN), value_of(result, PL_METRIC_ENERGY_STEP_GAIN));
+    kept->energy_growth = fmax(kept->energy_growth, growth);
+    kept->energy_grew += growth > pl_energy_growth;
+    kept->fell_through += fell_through(scene, result);
+    kept->not_finite += outcome_of(result) == PL_OUTCOME_NONFINITE;
+}
+
+pl_status pl_findings_gather(const pl_plan *plan, const pl_ensemble *ensemble, int members,
+                             const json_t *results_by_run, pl_findings *findings, pl_error *error)
+{
+    *findings = (pl_findings){.invariants = {.energy_growth = NAN}};
+    for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
+        findings->samples[i].values = calloc((size_t)members, sizeof(double));
+        if (findings->samples[i].values == NULL) {
+            return pl_fail(error, PL_NO_MEMORY, "out of memory for %d members", members);
+        }
+    }
+    for (int k = 0; k < members; ++k) {
+        const pl_scene *scene = &plan->problems[ensemble->problems[k]].scene;
+        char run[17];
+        pl_member_run(plan, ensemble, k, run);
+        const json_t *result = json_object_get(results_by_run, run);
+        if (result == NULL) {
+            continue;
+        }
+        const pl_outcome outcome = outcome_of(result);
+        findings->results += 1;
+        findings->outcomes[outcome] += 1;
+        check_invariants(&findings->invariants, scene, result);
+        if (outcome == PL_OUTCOME_OK || outcome == PL_OUTCOME_COLLAPSED) {
+            add_values(findings, result, scene->duration);
+        }
+    }
+    for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
+        pl_sample_summarise(&findings->samples[i]);
+    }
+    return PL_OK;
+}
+
+void pl_findings_free(pl_findings *findings)
+{
+    for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
+        free(findings->samples[i].values);
+    }
+    *findings = (pl_findings){.results = 0};
+}

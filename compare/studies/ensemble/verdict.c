@@ -1,0 +1,171 @@
+#include "verdict.h"
+
+#include "holm.h"
+#include "permutation.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+const double pl_significance = 0.05;
+
+/* Less of a difference of means than this is not what tells two ensembles apart. */
+static const double notable_share = 0.005;
+
+/* Engines as asked with each other, and each engine in another setting with itself as asked: what
+ * more could be compared would only blunt the correction. */
+static bool comparable(const pl_ensemble *a, const pl_ensemble *b)
+{
+    return a->problem == b->problem && (a->setting == 0 || b->setting == 0) &&
+           (a->setting == b->setting || a->contender == b->contender);
+}
+
+/* An observable of two ensembles, but for the correction. */
+static pl_status compare(const pl_sample *a, const pl_sample *b, pl_sample_test *comparison,
+                         pl_error *error)
+{
+    pl_pool pool;
+    pl_noise noise_a, noise_b;
+    pl_status status = pl_pool_make(a->values, a->count, b->values, b->count, &pool, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    comparison->energy = pl_energy_distance(&pool);
+    comparison->ks = pl_kolmogorov_smirnov(&pool);
+    status = pl_permutation_p(&pool, &comparison->p, error);
+    pl_pool_free(&pool);
+    if (status == PL_OK) {
+        status = pl_split_half_noise(a->values, a->count, a->count, b->count, &noise_a, error);
+    }
+    if (status == PL_OK) {
+        status = pl_split_half_noise(b->values, b->count, a->count, b->count, &noise_b, error);
+    }
+    if (status == PL_OK) {
+        comparison->energy_floor = fmax(noise_a.energy, noise_b.energy);
+        comparison->ks_floor = fmax(noise_a.ks, noise_b.ks);
+    }
+    return status;
+}
+
+static pl_status correct(pl_verdicts *verdicts, pl_error *error)
+{
+    size_t count = (size_t)verdicts->count + 1;
+    double *p = calloc(count, sizeof *p), *corrected = calloc(count, sizeof *corrected);
+    pl_status status = p == NULL || corrected == NULL
+                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for the verdicts")
+                           : PL_OK;
+    for (int i = 0; i < verdicts->count && status == PL_OK; ++i) {
+        p[i] = verdicts->items[i].p;
+    }
+    if (status == PL_OK) {
+        status = pl_holm(p, verdicts->count, corrected, error);
+    }
+    for (int i = 0; i < verdicts->count && status == PL_OK; ++i) {
+        verdicts->items[i].corrected = corrected[i];
+        verdicts->items[i].apart = corrected[i] < pl_significance;
+    }
+    free(p);
+    free(corrected);
+    return status;
+}
+
+/* Whether there is nothing to compare: such as the time of settling where no member settled. What
+ * does not depend on who has which value may be left out of the tests that are corrected for. */
+static bool all_equal(const pl_sample *a, const pl_sample *b)
+{
+    bool equal = true;
+    for (int i = 0; i < a->count; ++i) {
+        equal = equal && a->values[i] == a->values[0];
+    }
+    for (int i = 0; i < b->count; ++i) {
+        equal = equal && b->values[i] == a->values[0];
+    }
+    return equal;
+}
+
+/* Adds what two ensembles have in common. */
+static pl_status add_pair(const pl_ensemble_view *views, int a, int b, pl_verdicts *verdicts,
+                          pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int i = 0; i < PL_OBSERVABLE_COUNT && status == PL_OK; ++i) {
+        const pl_sample *of_a = &views[a].findings.samples[i];
+        const pl_sample *of_b = &views[b].findings.samples[i];
+        if (of_a->count > 1 && of_b->count > 1 && !all_equal(of_a, of_b)) {
+            pl_sample_test *comparison = &verdicts->items[verdicts->count];
+            *comparison = (pl_sample_test){.a = a, .b = b, .observable = i};
+            status = compare(of_a, of_b, comparison, error);
+            verdicts->count += 1;
+        }
+    }
+    return status;
+}
+
+pl_status pl_verdicts_reach(const pl_ensemble_view *views, int count, pl_verdicts *verdicts,
+                            pl_error *error)
+{
+    size_t most = (size_t)count * (size_t)count / 2 * PL_OBSERVABLE_COUNT + 1;
+    pl_status status = PL_OK;
+    *verdicts = (pl_verdicts){.items = calloc(most, sizeof *verdicts->items)};
+    if (verdicts->items == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for the verdicts");
+    }
+    for (int a = 0; a < count; ++a) {
+        for (int b = a + 1; b < count && status == PL_OK; ++b) {
+            if (comparable(views[a].ensemble, views[b].ensemble)) {
+                status = add_pair(views, a, b, verdicts, error);
+            }
+        }
+    }
+    return status == PL_OK ? correct(verdicts, error) : status;
+}
+
+void pl_verdicts_free(pl_verdicts *verdicts)
+{
+    free(verdicts->items);
+    *verdicts = (pl_verdicts){.count = 0};
+}
+
+/* How an ensemble of the larger mean reads: before the amount, and after it. */
+static const struct wording {
+    const char *before, *after;
+} wordings[PL_OBSERVABLE_COUNT] = {{"spreads", "farther in x"},
+                                   {"spreads", "farther in y"},
+                                   {"leaves the centre of mass", "higher"},
+                                   {"throws its bodies", "farther"},
+                                   {"comes to rest", "later"},
+                                   {"dissipates", "more energy"},
+                                   {"lets bodies overlap", "deeper"}};
+
+void pl_sample_test_sentence(const pl_ensemble_view *views, const pl_sample_test *comparison,
+                             char *text, size_t size)
+{
+    const pl_metric_info *info = &pl_metric_table[pl_observables[comparison->observable]];
+    const struct wording *wording = &wordings[comparison->observable];
+    const pl_ensemble_view *more = &views[comparison->a], *less = &views[comparison->b];
+    if (more->findings.samples[comparison->observable].mean <
+        less->findings.samples[comparison->observable].mean) {
+        more = &views[comparison->b];
+        less = &views[comparison->a];
+    }
+    const pl_sample *high = &more->findings.samples[comparison->observable];
+    const pl_sample *low = &less->findings.samples[comparison->observable];
+    const double excess = high->mean - low->mean;
+    char amount[64];
+    if (!(excess > notable_share * fabs(low->mean))) {
+        snprintf(text, size,
+                 "%s and %s have about the same mean %s (%.3g and %.3g %s) but not the same "
+                 "distribution: standard deviations %.3g and %.3g %s (p = %.2g)",
+                 more->ensemble->name, less->ensemble->name, info->name, high->mean, low->mean,
+                 info->unit, high->deviation, low->deviation, info->unit, comparison->corrected);
+        return;
+    }
+    if (low->mean > 0 && excess <= 2 * low->mean) {
+        snprintf(amount, sizeof amount, "%.2g %%", 100 * excess / low->mean);
+    } else {
+        snprintf(amount, sizeof amount, "%.3g %s", excess, info->unit);
+    }
+    snprintf(text, size, "%s %s %s %s than %s (%s: means %.3g and %.3g %s, p = %.2g)",
+             more->ensemble->name, wording->before, amount, wording->after, less->ensemble->name,
+             info->name, high->mean, low->mean, info->unit, comparison->corrected);
+}

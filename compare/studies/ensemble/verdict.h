@@ -1,0 +1,48 @@
+/* Which ensembles are told apart, and by what: every observable of every pair of engines as asked,
+ * and of every engine as asked and in another setting.
+ *
+ * Members of the same number start alike on every engine. Past the horizon they have nothing in
+ * common any more; where they still have, two engines look more alike than the test expects, and it
+ * is only more cautious. */
+#ifndef PLUMB_VERDICT_H
+#define PLUMB_VERDICT_H
+
+#include "horizon.h"
+#include "sample.h"
+
+/* A difference that chance makes as large in less than this share of all cases, corrected for all
+ * tests made, tells two ensembles apart. */
+extern const double pl_significance;
+
+/* Everything known of one ensemble. */
+typedef struct pl_ensemble_view {
+    const pl_ensemble *ensemble;
+    pl_findings findings;
+    pl_horizon horizon;
+} pl_ensemble_view;
+
+typedef struct pl_sample_test {
+    int a, b;          /* indices of the views */
+    int observable;    /* of pl_observables */
+    double energy, ks; /* energy distance in the observable's unit; Kolmogorov-Smirnov, 1 */
+    double energy_floor, ks_floor; /* the larger of the two ensembles' own noise; NAN: too few */
+    double p, corrected;           /* permutation p of the energy distance; after Holm */
+    bool apart;
+} pl_sample_test;
+
+typedef struct pl_verdicts {
+    pl_sample_test *items; /* (count): with two values or more on both sides, not all equal */
+    int count;
+} pl_verdicts;
+
+/* Compares all pairs, and corrects over all of them. The caller frees *verdicts by
+ * pl_verdicts_free, in any case. */
+pl_status pl_verdicts_reach(const pl_ensemble_view *views, int count, pl_verdicts *verdicts,
+                            pl_error *error);
+void pl_verdicts_free(pl_verdicts *verdicts);
+
+/* How a comparison reads: "bullet:si spreads 12 % farther in x than ode:quick (...)". */
+void pl_sample_test_sentence(const pl_ensemble_view *views, const pl_sample_test *comparison,
+                             char *text, size_t size);
+
+#endif

@@ -1,0 +1,249 @@
+#include "iterations_to_tolerance.h"
+
+#include "budget_search.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* As in the report: below a nanometre, or 1e-9 of what is relative, errors are equal. */
+static const double error_floor = 1e-9;
+
+/* One search. */
+typedef struct candidate {
+    const pl_tolerance_def *def;
+    const pl_problem *problem;
+    const pl_contender *contender;
+    int option; /* index of `iterations` */
+    int signal_number;
+    char outcome[32]; /* of the last run that did not hold, with `fell` iterations */
+    long fell;
+    json_t *result; /* of the run in progress */
+} candidate;
+
+/* The engine's option `iterations`; -1 when there is none. */
+static int find_option(const pl_engine *engine)
+{
+    for (int i = 0; i < engine->option_count; ++i) {
+        if (strcmp(engine->options[i].name, "iterations") == 0) {
+            return i;
+        }
+    }
+    return -1;
+}
+
+static void budgets_of(const pl_engine *engine, int option, long *least, long *most)
+{
+    *least = (long)fmax(1, ceil(engine->options[option].min));
+    *most = (long)fmin(PL_MOST_ITERATIONS, floor(engine->options[option].max));
+}
+
+/* *due: whether a run of the pair is still to be made. */
+static pl_status is_due(const pl_tolerance_def *def, const pl_problem *problem,
+                        const pl_contender *contender, bool *due, pl_error *error)
+{
+    *due = def->skip == NULL;
+    for (int repeat = 0; repeat < def->plan->repeats && !*due; ++repeat) {
+        const pl_planned_run run = {.problem = problem, .contender = contender, .repeat = repeat};
+        json_t *identity = pl_planned_run_identity(def->plan, &run);
+        if (identity == NULL) {
+            return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
+        }
+        *due = !def->skip(def->user, pl_json_get_text(identity, "run"));
+        json_decref(identity);
+    }
+    return PL_OK;
+}
+
+/* *runs is 0 where there is nothing to search. */
+static pl_status most_runs_of(const candidate *c, long *runs, pl_error *error)
+{
+    bool due = false;
+    *runs = 0;
+    if (c->option < 0 || c->problem->scene.primary_error[0] == '\0') {
+        return PL_OK;
+    }
+    pl_status status = is_due(c->def, c->problem, c->contender, &due, error);
+    long least, most;
+    budgets_of(c->contender->choice.engine, c->option, &least, &most);
+    if (status == PL_OK && due && least <= most) {
+        *runs = pl_budget_most_trials(least, most);
+    }
+    return status;
+}
+
+static candidate candidate_of(const pl_tolerance_def *def, int problem, int contender)
+{
+    const pl_contender *of = &def->plan->contenders[contender];
+    return (candidate){.def = def,
+                       .problem = &def->plan->problems[problem],
+                       .contender = of,
+                       .option = find_option(of->choice.engine)};
+}
+
+static pl_status keep(void *user, json_t *result, pl_error *error)
+{
+    (void)error;
+    candidate *c = user;
+    c->result = json_incref(result);
+    return PL_OK;
+}
+
+static void judge(candidate *c, long budget, pl_budget_trial *trial, double *found)
+{
+    const char *outcome = pl_json_get_text(c->result, "outcome");
+    const json_t *metric = json_object_get(json_object_get(c->result, "metrics"),
+                                           pl_metric_table[PL_METRIC_REFERENCE_ERROR].name);
+    const json_t *value = json_object_get(metric, "value");
+    const bool ok = strcmp(outcome, "ok") == 0;
+    const bool hopeless = strcmp(outcome, "timeout") == 0 || strcmp(outcome, "unsupported") == 0;
+    if (ok && json_is_number(value)) {
+        *trial = PL_BUDGET_HELD;
+        *found = json_number_value(value);
+        return;
+    }
+    *trial = hopeless ? PL_BUDGET_ENDED : PL_BUDGET_FELL;
+    snprintf(c->outcome, sizeof c->outcome, "%s", ok ? "no error" : outcome);
+    c->fell = budget;
+}
+
+/* One run of the scene with that many iterations. */
+static pl_status try_budget(void *user, long budget, pl_budget_trial *trial, double *found,
+                            pl_error *error)
+{
+    candidate *c = user;
+    pl_contender contender = *c->contender;
+    contender.choice.values[c->option] = (double)budget;
+    pl_engine_choice_label(&contender.choice, contender.label);
+    pl_problem problem = *c->problem;
+    const pl_plan plan = {.problems = &problem,
+                          .problem_count = 1,
+                          .contenders = &contender,
+                          .contender_count = 1,
+                          .repeats = 1,
+                          .seed = c->def->plan->seed};
+    const pl_execution_def execution = {.plan = &plan,
+                                        .jobs = 1,
+                                        .limits = c->def->limits,
+                                        .provenance = c->def->provenance,
+                                        .bar = c->def->bar,
+                                        .user = c,
+                                        .keep = keep};
+    pl_status status = pl_execute(&execution, &c->signal_number, error);
+    *trial = PL_BUDGET_ENDED;
+    if (status == PL_OK && c->signal_number == 0) {
+        judge(c, budget, trial, found);
+    }
+    json_decref(c->result);
+    c->result = NULL;
+    return status;
+}
+
+static void conclude(const candidate *c, const pl_budget_found *found, pl_metric *metric)
+{
+    if (found->state == PL_BUDGET_FOUND) {
+        *metric = (pl_metric){.state = PL_METRIC_VALUE, .value = (double)found->budget};
+        return;
+    }
+    if (strcmp(c->outcome, "unsupported") == 0) {
+        return;
+    }
+    metric->state = PL_METRIC_FAILED;
+    if (found->state == PL_BUDGET_NONE_HELD) {
+        snprintf(metric->reason, sizeof metric->reason,
+                 "the run is not ok with up to %ld iterations: %s", found->largest, c->outcome);
+    } else {
+        snprintf(metric->reason, sizeof metric->reason,
+                 "no converged error: %s with %ld iterations", c->outcome, c->fell);
+    }
+}
+
+static pl_status search(candidate *c, pl_metric *metric, int *signal_number, pl_error *error)
+{
+    long runs = 0;
+    pl_budget_found found;
+    pl_budget_search_def def = {.floor = error_floor, .user = c, .try_budget = try_budget};
+    pl_status status = most_runs_of(c, &runs, error);
+    if (status != PL_OK || runs == 0) {
+        return status;
+    }
+    budgets_of(c->contender->choice.engine, c->option, &def.least, &def.most);
+    status = pl_budget_search(&def, &found, error);
+    *signal_number = c->signal_number;
+    if (status != PL_OK || *signal_number != 0) {
+        return status;
+    }
+    conclude(c, &found, metric);
+    if (c->def->bar != NULL) {
+        c->def->bar->total -= runs - found.trials;
+    }
+    return PL_OK;
+}
+
+pl_status pl_tolerance_most_runs(const pl_tolerance_def *def, long *runs, pl_error *error)
+{
+    const pl_plan *plan = def->plan;
+    pl_status status = PL_OK;
+    *runs = 0;
+    for (int i = 0; i < plan->problem_count * plan->contender_count && status == PL_OK; ++i) {
+        const candidate c = candidate_of(def, i / plan->contender_count, i % plan->contender_count);
+        long most = 0;
+        status = most_runs_of(&c, &most, error);
+        *runs += most;
+    }
+    return status;
+}
+
+pl_status pl_tolerance_search(const pl_tolerance_def *def, pl_metric **metrics, int *signal_number,
+                              pl_error *error)
+{
+    const pl_plan *plan = def->plan;
+    const int count = plan->problem_count * plan->contender_count;
+    pl_status status = PL_OK;
+    *signal_number = 0;
+    *metrics = calloc((size_t)count + 1, sizeof **metrics);
+    if (*metrics == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d searches", count);
+    }
+    for (int i = 0; i < count && status == PL_OK && *signal_number == 0; ++i) {
+        candidate c = candidate_of(def, i / plan->contender_count, i % plan->contender_count);
+        status = search(&c, &(*metrics)[i], signal_number, error);
+    }
+    return status;
+}
+
+/* The place of the result's problem and contender; -1 when they are not the plan's. */
+static int place_of(const pl_plan *plan, const json_t *result)
+{
+    for (int p = 0; p < plan->problem_count; ++p) {
+        const pl_problem *problem = &plan->problems[p];
+        if (strcmp(problem->name, pl_json_get_text(result, "scenario")) != 0 ||
+            strcmp(problem->scene_hash, pl_json_get_text(result, "scene_hash")) != 0) {
+            continue;
+        }
+        for (int c = 0; c < plan->contender_count; ++c) {
+            if (strcmp(plan->contenders[c].label, pl_json_get_text(result, "label")) == 0) {
+                return p * plan->contender_count + c;
+            }
+        }
+    }
+    return -1;
+}
+
+pl_status pl_tolerance_put(const pl_plan *plan, const pl_metric *metrics, json_t *result,
+                           pl_error *error)
+{
+    const int place = place_of(plan, result);
+    if (place < 0 || metrics[place].state == PL_METRIC_ABSENT) {
+        return PL_OK;
+    }
+    /* A finding of this metric alone, so that it has the form of all others. */
+    pl_finding finding = {.outcome = PL_OUTCOME_OK};
+    finding.metrics.item[PL_METRIC_ITERATIONS_TO_TOLERANCE] = metrics[place];
+    json_t *object = pl_finding_to_json(&finding);
+    json_t *all = json_object_get(result, "metrics");
+    int failed = object == NULL || all == NULL ||
+                 json_object_update(all, json_object_get(object, "metrics")) != 0;
+    json_decref(object);
+    return failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for a result") : PL_OK;
+}

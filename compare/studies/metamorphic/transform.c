@@ -1,0 +1,357 @@
+#include "transform.h"
+
+#include "plumb/vec.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Transforms --------------------------------------------------------------------------------
+ */
+
+pl_transform pl_transform_identity(void)
+{
+    return (pl_transform){
+        .matrix = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .turn = {1, 0, 0, 0}, .scale = 1};
+}
+
+/* Cosine of so many sixteenths of a turn, from square roots alone. */
+static double cosine(int sixteenths)
+{
+    const double half = sqrt(0.5);
+    const double quarter[5] = {1, sqrt((1 + half) / 2), half, sqrt((1 - half) / 2), 0};
+    int k = ((sixteenths % 16) + 16) % 16;
+    k = k > 8 ? 16 - k : k;
+    return k <= 4 ? quarter[k] : -quarter[8 - k];
+}
+
+pl_transform pl_transform_rotation(int axis, int eighths)
+{
+    pl_transform t = pl_transform_identity();
+    const int a = (axis + 1) % 3, b = (axis + 2) % 3;
+    const double c = cosine(2 * eighths), s = cosine(2 * eighths - 4);
+    t.matrix[a][a] = c;
+    t.matrix[a][b] = -s;
+    t.matrix[b][a] = s;
+    t.matrix[b][b] = c;
+    t.turn[0] = cosine(eighths);
+    t.turn[1 + axis] = cosine(eighths - 4);
+    return t;
+}
+
+pl_transform pl_transform_mirror(void)
+{
+    pl_transform t = pl_transform_identity();
+    t.matrix[1][1] = -1;
+    t.mirrored = true;
+    return t;
+}
+
+pl_transform pl_transform_scaling(double scale)
+{
+    pl_transform t = pl_transform_identity();
+    t.scale = scale;
+    return t;
+}
+
+pl_transform pl_transform_shift(double x, double y, double z)
+{
+    pl_transform t = pl_transform_identity();
+    pl_vec_store((pl_vec){x, y, z}, t.shift);
+    return t;
+}
+
+pl_transform pl_transform_order(pl_body_order order)
+{
+    pl_transform t = pl_transform_identity();
+    t.order = order;
+    return t;
+}
+
+pl_transform pl_transform_copy(const double offset[3])
+{
+    pl_transform t = pl_transform_identity();
+    t.has_copy = true;
+    memcpy(t.copy_offset, offset, sizeof t.copy_offset);
+    return t;
+}
+
+static int greatest_common_divisor(int a, int b)
+{
+    while (b != 0) {
+        int rest = a % b;
+        a = b;
+        b = rest;
+    }
+    return a;
+}
+
+/* Shuffled: i -> (k i + k) mod n, a permutation because k, near 0.62 n, has no divisor in common
+ * with n. */
+int pl_transform_index(const pl_transform *transform, int body, int body_count)
+{
+    if (transform->order == PL_ORDER_REVERSED) {
+        return body_count - 1 - body;
+    }
+    if (transform->order == PL_ORDER_SAME || body_count < 2) {
+        return body;
+    }
+    int k = (int)(0.62 * body_count) + 1;
+    while (greatest_common_divisor(k, body_count) != 1) {
+        ++k;
+    }
+    return (int)(((long long)k * body + k) % body_count);
+}
+
+/* ---- Vectors and orientations ------------------------------------------------------------------
+ */
+
+/* factor M v, in place. */
+static void carry(const pl_transform *t, double factor, double v[3])
+{
+    const double was[3] = {v[0], v[1], v[2]};
+    for (int i = 0; i < 3; ++i) {
+        const double *row = t->matrix[i];
+        v[i] = factor * (row[0] * was[0] + row[1] * was[1] + row[2] * was[2]);
+    }
+}
+
+/* M^T v / divisor */
+static void carry_back(const pl_transform *t, double divisor, const double v[3], double out[3])
+{
+    for (int i = 0; i < 3; ++i) {
+        out[i] =
+            (t->matrix[0][i] * v[0] + t->matrix[1][i] * v[1] + t->matrix[2][i] * v[2]) / divisor;
+    }
+}
+
+static void carry_place(const pl_transform *t, double x[3])
+{
+    carry(t, t->scale, x);
+    for (int i = 0; i < 3; ++i) {
+        x[i] += t->shift[i];
+    }
+}
+
+/* Hamilton's product a b. */
+static void multiply(const double a[4], const double b[4], double out[4])
+{
+    out[0] = a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3];
+    out[1] = a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2];
+    out[2] = a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1];
+    out[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
+}
+
+/* Mirrored, R becomes S R S with S = diag(1, -1, 1): the axis is a pseudovector. */
+static void mirror_orientation(double q[4])
+{
+    q[1] = -q[1];
+    q[3] = -q[3];
+}
+
+static void carry_orientation(const pl_transform *t, double q[4])
+{
+    const double was[4] = {q[0], q[1], q[2], q[3]};
+    if (t->mirrored) {
+        mirror_orientation(q);
+    } else {
+        multiply(t->turn, was, q);
+    }
+}
+
+void pl_transform_state_back(const pl_transform *transform, const pl_body_state *from,
+                             pl_body_state *to)
+{
+    const pl_transform *t = transform;
+    const double time = sqrt(t->scale);
+    const double place[3] = {from->position[0] - t->shift[0], from->position[1] - t->shift[1],
+                             from->position[2] - t->shift[2]};
+    carry_back(t, t->scale, place, to->position);
+    carry_back(t, time, from->velocity, to->velocity);
+    carry_back(t, (t->mirrored ? -1 : 1) / time, from->angular_velocity, to->angular_velocity);
+    if (t->mirrored) {
+        memcpy(to->orientation, from->orientation, sizeof to->orientation);
+        mirror_orientation(to->orientation);
+    } else {
+        const double back[4] = {t->turn[0], -t->turn[1], -t->turn[2], -t->turn[3]};
+        multiply(back, from->orientation, to->orientation);
+    }
+}
+
+/* ---- Scenes ------------------------------------------------------------------------------------
+ */
+
+pl_status pl_scene_copy_problem(const pl_scene *from, pl_scene *to, pl_error *error)
+{
+    pl_scene problem = *from;
+    problem.rest_count = 0;
+    problem.travel_count = 0;
+    problem.value_count = 0;
+    problem.primary_error[0] = '\0';
+    problem.collapse_distance = (double)INFINITY;
+    *to = pl_scene_default();
+    char *text = pl_scene_to_text(&problem);
+    if (text == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for a copy of a scene");
+    }
+    pl_status status = pl_scene_read_text(text, strlen(text), from->name, to, error);
+    free(text);
+    return status;
+}
+
+static void carry_shape(const pl_transform *t, pl_shape *shape)
+{
+    shape->radius *= t->scale;
+    shape->half_height *= t->scale;
+    for (int i = 0; i < 3; ++i) {
+        shape->half_extents[i] *= t->scale;
+    }
+    if (shape->kind == PL_SHAPE_PLANE) {
+        carry(t, 1, shape->normal);
+        shape->offset *= t->scale;
+        for (int i = 0; i < 3; ++i) {
+            shape->offset += shape->normal[i] * t->shift[i];
+        }
+    }
+}
+
+/* A solid's own frame is mirrored with the world, but does not turn with it. The other shapes are
+ * their own mirror images in their own frames. */
+static void carry_polyhedron(const pl_transform *t, pl_polyhedron *p)
+{
+    const double s = t->scale, y = t->mirrored ? -s : s;
+    for (int i = 0; i < p->vertex_count; ++i) {
+        p->vertices[i][0] *= s;
+        p->vertices[i][1] *= y;
+        p->vertices[i][2] *= s;
+    }
+    for (int i = 0; i < p->triangle_count && t->mirrored; ++i) {
+        int second = p->triangles[i][1];
+        p->triangles[i][1] = p->triangles[i][2];
+        p->triangles[i][2] = second;
+    }
+    p->centre[0] *= s;
+    p->centre[1] *= y;
+    p->centre[2] *= s;
+    for (int i = 0; i < 3; ++i) {
+        p->inertia[i] *= s * s;
+    }
+    p->volume *= s * s * s;
+    p->radius *= s;
+    if (t->mirrored) {
+        mirror_orientation(p->axes);
+    }
+}
+
+static void carry_body(const pl_transform *t, pl_body *body)
+{
+    const double s = t->scale, time = sqrt(s);
+    carry_shape(t, &body->shape);
+    if (body->shape.kind == PL_SHAPE_PLANE) {
+        return;
+    }
+    body->mass *= s * s * s;
+    for (int i = 0; i < 3; ++i) {
+        body->inertia[i] *= s * s * s * s * s;
+    }
+    carry_place(t, body->position);
+    carry_orientation(t, body->orientation);
+    carry(t, time, body->velocity);
+    carry(t, (t->mirrored ? -1 : 1) / time, body->angular_velocity);
+}
+
+static void carry_force(const pl_transform *t, pl_force *force)
+{
+    const double s = t->scale, time = sqrt(s);
+    if (force->frame == PL_FRAME_WORLD) {
+        carry(t, s * s * s, force->force);
+        carry(t, s, force->at);
+    } else {
+        for (int i = 0; i < 3; ++i) {
+            double sign = t->mirrored && i == 1 ? -1 : 1;
+            force->force[i] *= sign * s * s * s;
+            force->at[i] *= sign * s;
+        }
+    }
+    force->from *= time;
+    force->until *= time;
+}
+
+static void carry_scene(const pl_transform *t, pl_scene *scene)
+{
+    const double time = sqrt(t->scale);
+    carry(t, 1, scene->gravity);
+    scene->dt *= time;
+    scene->duration *= time;
+    for (int i = 0; i < scene->polyhedron_count; ++i) {
+        carry_polyhedron(t, scene->polyhedra[i]);
+    }
+    for (int i = 0; i < scene->body_count; ++i) {
+        carry_body(t, &scene->bodies[i]);
+    }
+    for (int i = 0; i < scene->force_count; ++i) {
+        carry_force(t, &scene->forces[i]);
+    }
+}
+
+/* The bodies that the scene has now, once more; forces follow. */
+static pl_status add_copies(const pl_transform *t, pl_scene *scene, pl_error *error)
+{
+    const int body_count = scene->body_count, force_count = scene->force_count;
+    int *copy_of = calloc((size_t)body_count + 1, sizeof *copy_of);
+    pl_status status =
+        copy_of == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for copies") : PL_OK;
+    for (int i = 0; i < body_count && status == PL_OK; ++i) {
+        pl_body body = scene->bodies[i];
+        if (body.shape.kind != PL_SHAPE_PLANE) {
+            snprintf(body.name, sizeof body.name, "copy of body %d", i);
+            for (int k = 0; k < 3; ++k) {
+                body.position[k] += t->copy_offset[k];
+            }
+            status = pl_scene_add_body(scene, &body, &copy_of[i], error);
+        }
+    }
+    for (int i = 0; i < force_count && status == PL_OK; ++i) {
+        pl_force force = scene->forces[i];
+        force.body = copy_of[force.body];
+        status = pl_scene_add_force(scene, &force, error);
+    }
+    free(copy_of);
+    return status == PL_OK ? pl_scene_validate(scene, error) : status;
+}
+
+static pl_status reorder(const pl_transform *t, pl_scene *scene, pl_error *error)
+{
+    const int count = scene->body_count;
+    pl_body *bodies = calloc((size_t)count + 1, sizeof *bodies);
+    if (bodies == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for bodies in another order");
+    }
+    memcpy(bodies, scene->bodies, (size_t)count * sizeof *bodies);
+    for (int i = 0; i < count; ++i) {
+        scene->bodies[pl_transform_index(t, i, count)] = bodies[i];
+    }
+    free(bodies);
+    for (int i = 0; i < scene->force_count; ++i) {
+        scene->forces[i].body = pl_transform_index(t, scene->forces[i].body, count);
+    }
+    return PL_OK;
+}
+
+pl_status pl_transform_scene(const pl_transform *transform, const pl_scene *from, pl_scene *to,
+                             pl_error *error)
+{
+    pl_status status = pl_scene_copy_problem(from, to, error);
+    if (status == PL_OK && transform->has_copy) {
+        status = add_copies(transform, to, error);
+    }
+    if (status == PL_OK && transform->order != PL_ORDER_SAME) {
+        status = reorder(transform, to, error);
+    }
+    if (status == PL_OK) {
+        carry_scene(transform, to);
+    } else {
+        pl_scene_free(to);
+    }
+    return status;
+}

@@ -1,0 +1,234 @@
+#include "trial.h"
+
+#include "far_copy.h"
+#include "restart.h"
+#include "runner/execute.h"
+#include "runner/progress.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct trials {
+    const pl_trials_def *def;
+    pl_progress progress;
+    int signal; /* that ended a run; 0: none */
+} trials;
+
+/* One run of the scene in place of the planned one's. */
+typedef struct run {
+    const pl_planned_run *planned;
+    const pl_scene *scene;
+    const char *check; /* "plain" or a check's name */
+    pl_trajectory trajectory;
+    json_t *result; /* NULL: interrupted */
+} run;
+
+static pl_status keep_result(void *user, json_t *result, pl_error *error)
+{
+    (void)error;
+    run *r = user;
+    r->result = json_incref(result);
+    return PL_OK;
+}
+
+static void show(trials *t, const run *r, double started)
+{
+    char title[256];
+    snprintf(title, sizeof title, "%s, %s", r->planned->problem->name, r->check);
+    pl_progress_run_ended(&t->progress, title, r->planned->contender->label,
+                          pl_json_get_text(r->result, "outcome"),
+                          pl_json_get_text(r->result, "reason"), pl_monotonic_seconds() - started);
+}
+
+static pl_status make_run(trials *t, run *r, pl_error *error)
+{
+    pl_problem problem = *r->planned->problem;
+    pl_contender contender = *r->planned->contender;
+    const double started = pl_monotonic_seconds();
+    problem.scene = *r->scene;
+    pl_status status = pl_scene_hash(r->scene, problem.scene_hash, error);
+    if (status == PL_OK) {
+        status = pl_trajectory_open(&r->trajectory, error);
+    }
+    if (status != PL_OK) {
+        return status;
+    }
+    const pl_plan plan = {.problems = &problem,
+                          .problem_count = 1,
+                          .contenders = &contender,
+                          .contender_count = 1,
+                          .repeats = 1,
+                          .seed = t->def->plan->seed};
+    const pl_execution_def execution = {.plan = &plan,
+                                        .jobs = 1,
+                                        .limits = t->def->limits,
+                                        .trajectory = r->trajectory.file,
+                                        .provenance = t->def->provenance,
+                                        .user = r,
+                                        .keep = keep_result};
+    if (t->def->progress != NULL) {
+        pl_progress_draw(&t->progress, r->check, 0, started);
+    }
+    status = pl_execute(&execution, &t->signal, error);
+    if (status == PL_OK && t->signal == 0 && t->def->progress != NULL) {
+        show(t, r, started);
+    }
+    return status;
+}
+
+static void free_run(run *r)
+{
+    pl_trajectory_close(&r->trajectory);
+    json_decref(r->result);
+}
+
+/* A run that came to its end, whether or not it stood as it was expected to. */
+static bool went_through(const run *r)
+{
+    const char *outcome = pl_json_get_text(r->result, "outcome");
+    return strcmp(outcome, "ok") == 0 || strcmp(outcome, "collapsed") == 0;
+}
+
+static void set_grade(pl_check_finding *finding, pl_grade grade, const char *what,
+                      const char *reason)
+{
+    finding->early = grade;
+    finding->end = grade;
+    snprintf(finding->reason, sizeof finding->reason, "%s%s", what, reason);
+}
+
+static void set_failed(pl_check_finding *finding, const char *which, const run *r)
+{
+    char what[96];
+    snprintf(what, sizeof what, "%s run %s: ", which, pl_json_get_text(r->result, "outcome"));
+    set_grade(finding, PL_GRADE_FAILED, what, pl_json_get_text(r->result, "reason"));
+}
+
+/* The check's scene. `first` is the plain run's frame that it begins at. */
+static pl_status make_scene(const pl_check *check, const pl_transform *transform, run *plain,
+                            long first, pl_scene *scene, pl_error *error)
+{
+    if (check->kind != PL_CHECK_RESTART) {
+        return pl_transform_scene(transform, plain->scene, scene, error);
+    }
+    pl_status status = pl_trajectory_rewind(&plain->trajectory, plain->scene->body_count, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    for (long i = 0; i <= first; ++i) {
+        if (!pl_trajectory_next(&plain->trajectory)) {
+            return pl_fail(error, PL_IO, "the plain run's frames could not be read back");
+        }
+    }
+    return pl_restart_scene(plain->scene, plain->trajectory.frame.bodies, first, scene, error);
+}
+
+static pl_status compare(const pl_transform *transform, run *plain, run *other, long first,
+                         pl_check_finding *finding, pl_error *error)
+{
+    pl_error fault = {.message = ""};
+    const pl_trajectory_pair comparison = {.scene = plain->scene,
+                                           .transform = transform,
+                                           .size = pl_scene_size(plain->scene),
+                                           .plain = &plain->trajectory,
+                                           .other = &other->trajectory,
+                                           .other_body_count = other->scene->body_count,
+                                           .first = first};
+    pl_status status = pl_compare_trajectories(&comparison, &finding->agreement, &fault);
+    if (status == PL_FAILED) {
+        set_grade(finding, PL_GRADE_FAILED, "too few frames: ", fault.message);
+        return PL_OK;
+    }
+    finding->early = pl_difference_grade(&finding->agreement.early);
+    finding->end = pl_difference_grade(&finding->agreement.end);
+    return status == PL_OK ? PL_OK : pl_fail(error, status, "%s", fault.message);
+}
+
+static pl_status make_check(trials *t, run *plain, pl_check_finding *finding, pl_error *error)
+{
+    const pl_check *check = finding->check;
+    pl_transform transform;
+    pl_scene scene = pl_scene_default();
+    const char *reason = NULL;
+    const bool restart = check->kind == PL_CHECK_RESTART;
+    const long first = restart ? pl_scene_steps(plain->scene) / 2 : 0;
+    run other = {.planned = plain->planned, .scene = &scene, .check = check->name};
+    if (!pl_check_transform(check, plain->scene, &transform, &reason)) {
+        set_grade(finding, PL_GRADE_INAPPLICABLE, "", reason);
+        return PL_OK;
+    }
+    if (!went_through(plain)) {
+        set_failed(finding, "plain", plain);
+        return PL_OK;
+    }
+    pl_status status = make_scene(check, &transform, plain, first, &scene, error);
+    if (status == PL_OK) {
+        status = make_run(t, &other, error);
+    }
+    if (status == PL_OK && t->signal == 0) {
+        if (went_through(&other)) {
+            status = compare(&transform, plain, &other, first, finding, error);
+        } else {
+            set_failed(finding, "transformed", &other);
+        }
+    }
+    free_run(&other);
+    pl_scene_free(&scene);
+    return status;
+}
+
+/* One scene on one engine. */
+static pl_status make_trial(trials *t, const pl_planned_run *planned, pl_check_finding *findings,
+                            pl_error *error)
+{
+    int check_count, count = 0;
+    const pl_check *checks = pl_checks(&check_count);
+    run plain = {.planned = planned, .scene = &planned->problem->scene, .check = "plain"};
+    pl_status status = make_run(t, &plain, error);
+    for (int i = 0; i < check_count && status == PL_OK && t->signal == 0; ++i) {
+        if (t->def->chosen[i]) {
+            findings[count] = (pl_check_finding){.check = &checks[i]};
+            status = make_check(t, &plain, &findings[count++], error);
+        }
+    }
+    if (status == PL_OK && t->signal == 0) {
+        const pl_trial trial = {.plan = t->def->plan,
+                                .run = *planned,
+                                .outcome = pl_json_get_text(plain.result, "outcome"),
+                                .size = pl_scene_size(plain.scene),
+                                .findings = findings,
+                                .finding_count = count};
+        status = t->def->keep(t->def->user, &trial, error);
+    }
+    free_run(&plain);
+    return status;
+}
+
+pl_status pl_trials(const pl_trials_def *def, int *signal_number, pl_error *error)
+{
+    trials t = {.def = def};
+    pl_status status = PL_OK;
+    int check_count, chosen = 0;
+    (void)pl_checks(&check_count);
+    for (int i = 0; i < check_count; ++i) {
+        chosen += def->chosen[i];
+    }
+    pl_check_finding *findings = calloc((size_t)check_count, sizeof *findings);
+    if (findings == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for the checks");
+    }
+    if (def->progress != NULL) {
+        t.progress = pl_progress_begin(def->progress, (1 + chosen) * pl_plan_size(def->plan),
+                                       pl_monotonic_seconds());
+    }
+    for (long i = 0; i < pl_plan_size(def->plan) && status == PL_OK && t.signal == 0; ++i) {
+        const pl_planned_run planned = pl_plan_run(def->plan, i);
+        status = make_trial(&t, &planned, findings, error);
+    }
+    if (def->progress != NULL) {
+        pl_progress_end(&t.progress);
+    }
+    free(findings);
+    *signal_number = t.signal;
+    return status;
+}

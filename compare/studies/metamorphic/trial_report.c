@@ -1,0 +1,87 @@
+#include "trial_report.h"
+
+#include <math.h>
+#include <string.h>
+
+static bool has_numbers(const pl_check_finding *finding)
+{
+    return finding->end != PL_GRADE_FAILED && finding->end != PL_GRADE_INAPPLICABLE;
+}
+
+static void print_difference(FILE *out, const pl_difference *d, pl_grade grade)
+{
+    fprintf(out, "  %8.1e  %8.1e  %-8s", d->position, d->rotation, pl_grade_name(grade));
+}
+
+static void print_finding(FILE *out, const pl_check_finding *finding)
+{
+    fprintf(out, "  %-14s", finding->check->name);
+    if (!has_numbers(finding)) {
+        fprintf(out, "  %s: %s\n", pl_grade_name(finding->end), finding->reason);
+        return;
+    }
+    print_difference(out, &finding->agreement.early, finding->early);
+    print_difference(out, &finding->agreement.end, finding->end);
+    if (isnan(finding->agreement.passes_at)) {
+        fprintf(out, "  %9s\n", "never");
+    } else {
+        fprintf(out, "  %7.3g s\n", finding->agreement.passes_at);
+    }
+}
+
+void pl_trial_print(FILE *out, const pl_trial *trial)
+{
+    const pl_scene *scene = &trial->run.problem->scene;
+    fprintf(out, "%s on %s: %d bodies, size %.4g m, %ld steps\n", trial->run.problem->name,
+            trial->run.contender->label, scene->body_count, trial->size, pl_scene_steps(scene));
+    fprintf(out, "  %-14s  %-28s  %-28s  %9s\n", "", "at a tenth of the run", "at its end",
+            "1e-6 size");
+    fprintf(out, "  %-14s  %8s  %8s  %-8s  %8s  %8s  %-8s  %9s\n", "check", "m/size", "rad",
+            "verdict", "m/size", "rad", "verdict", "passed at");
+    for (int i = 0; i < trial->finding_count; ++i) {
+        print_finding(out, &trial->findings[i]);
+    }
+    fputc('\n', out);
+}
+
+static json_t *difference_to_json(const pl_difference *d, pl_grade grade, bool has)
+{
+    return json_pack("{s:o, s:o, s:s}", "position",
+                     pl_json_number_or_null(has ? d->position : (double)NAN), "rotation",
+                     pl_json_number_or_null(has ? d->rotation : (double)NAN), "verdict",
+                     pl_grade_name(grade));
+}
+
+static json_t *finding_to_json(const pl_check_finding *finding)
+{
+    const pl_agreement *a = &finding->agreement;
+    bool has = has_numbers(finding);
+    return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "check", finding->check->name, "verdict",
+                     pl_grade_name(finding->end), "reason",
+                     finding->reason[0] == '\0'
+                         ? json_null()
+                         : pl_json_text(finding->reason, strlen(finding->reason)),
+                     "passes_at", pl_json_number_or_null(has ? a->passes_at : (double)NAN), "early",
+                     difference_to_json(&a->early, finding->early, has), "end",
+                     difference_to_json(&a->end, finding->end, has));
+}
+
+json_t *pl_trial_to_json(const pl_trial *trial)
+{
+    json_t *object = pl_planned_run_identity(trial->plan, &trial->run);
+    json_t *checks = json_array();
+    int failed = object == NULL || checks == NULL;
+    for (int i = 0; i < trial->finding_count && !failed; ++i) {
+        failed |= json_array_append_new(checks, finding_to_json(&trial->findings[i])) != 0;
+    }
+    failed = failed || json_object_set_new(object, "schema", json_string("plumb.metamorphic/1"));
+    failed = failed || json_object_set_new(object, "outcome", json_string(trial->outcome));
+    failed = failed || json_object_set_new(object, "size", json_real(trial->size));
+    failed = failed || json_object_set(object, "checks", checks);
+    json_decref(checks);
+    if (failed) {
+        json_decref(object);
+        return NULL;
+    }
+    return object;
+}

@@ -1,0 +1,261 @@
+#include "analysis_json.h"
+
+#include "results/result.h"
+
+#include <math.h>
+#include <string.h>
+
+static json_t *number(double value)
+{
+    return pl_json_number_or_null(value);
+}
+
+static json_t *text(const char *value)
+{
+    return pl_json_text(value, strlen(value));
+}
+
+/* An index; null for none. */
+static json_t *place(int index)
+{
+    return index < 0 ? json_null() : json_integer(index);
+}
+
+static json_t *places(const int *indices, int count)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < count; ++i) {
+        json_array_append_new(array, place(indices[i]));
+    }
+    return array;
+}
+
+static json_t *numbers(const double *values, int count)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < count; ++i) {
+        json_array_append_new(array, number(values[i]));
+    }
+    return array;
+}
+
+static json_t *ratio_json(const pl_sweep_ratio *ratio)
+{
+    if (isnan(ratio->value)) {
+        return json_null();
+    }
+    return json_pack("{s:o, s:o, s:o}", "value", number(ratio->value), "low", number(ratio->low),
+                     "high", number(ratio->high));
+}
+
+static const char *reach_name(pl_sweep_reach reach)
+{
+    static const char *const names[] = {"neither", "ours only", "other only", "both"};
+    return names[reach];
+}
+
+static json_t *engines_json(const pl_sweep_analysis *analysis)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < analysis->engine_count; ++i) {
+        const pl_sweep_engine *engine = &analysis->engines[i];
+        json_array_append_new(array,
+                              json_pack("{s:o, s:b, s:b}", "name", text(engine->name), "ours",
+                                        (int)engine->ours, "all_profiles", (int)engine->whole));
+    }
+    return array;
+}
+
+static json_t *point_json(const pl_sweep_point *point)
+{
+    static const char *const states[] = {"ok", "failed", "unmeasured", "unsupported"};
+    json_t *costs = json_array();
+    for (int i = 0; i < point->sample_count; ++i) {
+        json_array_append_new(costs, json_real(point->samples[i].cost));
+    }
+    json_t *object = json_pack(
+        "{s:i, s:i, s:i, s:o, s:O?, s:f, s:s, s:o, s:o, s:i}", "problem", point->problem, "engine",
+        point->engines[0], "profile", point->engines[1], "label", text(point->label), "settings",
+        json_object_get(point->row, "settings"), "dt", point->dt, "state", states[point->state],
+        "outcome", text(point->outcome), "reason",
+        point->reason[0] == '\0' ? json_null() : text(point->reason), "repeats", point->repeats);
+    if (object != NULL && point->state == PL_SWEEP_OK) {
+        json_object_set_new(object, "cost", number(point->cost));
+        json_object_set_new(object, "cost_mad", number(point->cost_mad));
+        json_object_set_new(object, "costs", json_incref(costs));
+        json_object_set_new(object, "error", number(point->error));
+        json_object_set_new(object, "error_as_found", number(point->raw_error));
+        json_object_set_new(object, "instructions", number(point->instructions));
+    }
+    json_decref(costs);
+    return object;
+}
+
+static json_t *points_json(const pl_sweep_analysis *analysis)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < analysis->point_count; ++i) {
+        json_array_append_new(array, point_json(&analysis->points[i]));
+    }
+    return array;
+}
+
+static json_t *curve_json(const pl_sweep_analysis *analysis, const pl_sweep_curve *curve,
+                          int engine)
+{
+    json_t *costs = json_array();
+    for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
+        int reached = curve->reach[k];
+        json_array_append_new(costs,
+                              reached < 0 ? json_null() : number(analysis->points[reached].cost));
+    }
+    return json_pack("{s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:o}", "engine", engine, "ok", curve->ok,
+                     "failed", curve->failed, "unmeasured", curve->unmeasured, "front",
+                     places(curve->front, curve->front_count), "cheapest_at_level",
+                     places(curve->reach, PL_SWEEP_LEVELS), "cost_at_level", costs,
+                     "most_exact_at_time", places(curve->best, PL_SWEEP_TIMES));
+}
+
+static json_t *duel_json(const pl_sweep_pair *pair, const pl_sweep_duel *duel)
+{
+    json_t *levels = json_array(), *times = json_array();
+    for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
+        json_array_append_new(
+            levels, json_pack("{s:f, s:s, s:o, s:o, s:o}", "level", pl_sweep_levels[k], "reached",
+                              reach_name(duel->reach[k]), "speed", ratio_json(&duel->speed[k]),
+                              "speed_between", ratio_json(&duel->speed_between[k]), "instructions",
+                              number(duel->instructions[k])));
+    }
+    for (int k = 0; k < PL_SWEEP_TIMES; ++k) {
+        if (duel->afford[k] == PL_SWEEP_NEITHER) {
+            continue;
+        }
+        json_array_append_new(times, json_pack("{s:f, s:s, s:o, s:o}", "time", pl_sweep_times[k],
+                                               "reached", reach_name(duel->afford[k]), "exactness",
+                                               ratio_json(&duel->exactness[k]), "exactness_between",
+                                               ratio_json(&duel->exactness_between[k])));
+    }
+    return json_pack("{s:i, s:i, s:o, s:o}", "ours", pair->ours, "other", pair->other, "levels",
+                     levels, "times", times);
+}
+
+static json_t *problem_json(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem)
+{
+    json_t *curves = json_array(), *duels = json_array();
+    json_t *params = json_copy(json_object_get(problem->row, "params"));
+    json_object_del(params, "dt");
+    for (int e = 0; e < analysis->engine_count; ++e) {
+        if (pl_sweep_curve_was_run(&problem->curves[e])) {
+            json_array_append_new(curves, curve_json(analysis, &problem->curves[e], e));
+        }
+    }
+    for (int i = 0; i < analysis->pair_count; ++i) {
+        if (problem->duels[i].run) {
+            json_array_append_new(duels, duel_json(&analysis->pairs[i], &problem->duels[i]));
+        }
+    }
+    return json_pack("{s:o, s:o, s:o, s:O?, s:o, s:o, s:o, s:o, s:o}", "name", text(problem->name),
+                     "scenario", text(problem->scenario), "params", params, "seed",
+                     json_object_get(problem->row, "seed"), "primary_error",
+                     text(problem->primary_error), "unit", text(problem->unit), "noise",
+                     number(problem->noise), "curves", curves, "duels", duels);
+}
+
+static json_t *problems_json(const pl_sweep_analysis *analysis)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < analysis->problem_count; ++i) {
+        json_array_append_new(array, problem_json(analysis, &analysis->problems[i]));
+    }
+    return array;
+}
+
+static json_t *pairs_json(const pl_sweep_analysis *analysis)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < analysis->pair_count; ++i) {
+        const pl_sweep_pair *pair = &analysis->pairs[i];
+        json_t *levels = json_array();
+        for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
+            json_array_append_new(levels, json_pack("{s:f, s:o, s:i, s:i, s:i, s:i}", "level",
+                                                    pl_sweep_levels[k], "mean_speed",
+                                                    ratio_json(&pair->mean[k]), "both",
+                                                    pair->both[k], "ours_only", pair->ours_only[k],
+                                                    "other_only", pair->other_only[k], "neither",
+                                                    pair->problems - pair->both[k] -
+                                                        pair->ours_only[k] - pair->other_only[k]));
+        }
+        json_array_append_new(array,
+                              json_pack("{s:i, s:i, s:i, s:o}", "ours", pair->ours, "other",
+                                        pair->other, "problems", pair->problems, "levels", levels));
+    }
+    return array;
+}
+
+static json_t *losses_json(const pl_sweep_analysis *analysis)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < analysis->loss_count; ++i) {
+        const pl_sweep_loss *loss = &analysis->losses[i];
+        const pl_sweep_pair *pair = &analysis->pairs[loss->pair];
+        json_array_append_new(
+            array,
+            json_pack("{s:i, s:i, s:i, s:f, s:s, s:o, s:o, s:o, s:b}", "problem", loss->problem,
+                      "ours", pair->ours, "other", pair->other, "level",
+                      pl_sweep_levels[loss->level], "reached", reach_name(loss->reach), "our_point",
+                      place(loss->ours), "other_point", place(loss->other), "speed",
+                      ratio_json(&loss->speed), "within_noise", (int)loss->within_noise));
+    }
+    return array;
+}
+
+static json_t *orders_json(const pl_sweep_analysis *analysis)
+{
+    static const char *const kinds[] = {"found", "too few time steps", "exact", "not converging"};
+    json_t *array = json_array();
+    for (int i = 0; i < analysis->order_count; ++i) {
+        const pl_sweep_order *order = &analysis->orders[i];
+        json_array_append_new(
+            array,
+            json_pack("{s:i, s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:i, s:i}", "problem",
+                      order->problem, "engine", order->engine, "point", order->first, "finding",
+                      kinds[order->kind], "order", number(order->order), "deviation",
+                      number(order->deviation), "dt_low", number(order->dt_low), "dt_high",
+                      number(order->dt_high), "used", order->used, "total", order->total));
+    }
+    return array;
+}
+
+static json_t *profiles_json(const pl_sweep_analysis *analysis)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < analysis->profile_count; ++i) {
+        const pl_sweep_profile *profile = &analysis->profiles[i];
+        json_t *engines = json_array();
+        for (int e = 0; e < analysis->engine_count; ++e) {
+            const double *ratios = profile->ratios + (size_t)e * (size_t)analysis->problem_count;
+            if (analysis->engines[e].whole == profile->whole) {
+                json_array_append_new(engines, json_pack("{s:i, s:o}", "engine", e, "ratios",
+                                                         numbers(ratios, profile->counts[e])));
+            }
+        }
+        json_array_append_new(array, json_pack("{s:f, s:b, s:i, s:o}", "level",
+                                               pl_sweep_levels[profile->level], "all_profiles",
+                                               (int)profile->whole, "problems", profile->problems,
+                                               "engines", engines));
+    }
+    return array;
+}
+
+json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis)
+{
+    return json_pack(
+        "{s:s, s:i, s:f, s:i, s:o, s:o, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "schema",
+        "plumb.sweep/1", "runs", analysis->run_count, "error_floor", pl_sweep_error_floor, "draws",
+        PL_SWEEP_DRAWS, "levels", numbers(pl_sweep_levels, PL_SWEEP_LEVELS), "times",
+        numbers(pl_sweep_times, PL_SWEEP_TIMES), "several_hosts", (int)analysis->several_hosts,
+        "several_builds", (int)analysis->several_builds, "engines", engines_json(analysis),
+        "losses", losses_json(analysis), "pairs", pairs_json(analysis), "profiles",
+        profiles_json(analysis), "orders", orders_json(analysis), "problems",
+        problems_json(analysis), "points", points_json(analysis));
+}

@@ -1,0 +1,85 @@
+#include "pruning.h"
+
+#include "results/result.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static double step_of(const json_t *run)
+{
+    return json_number_value(json_object_get(json_object_get(run, "settings"), "dt"));
+}
+
+static bool has_equal_params_but_dt(const json_t *run, const json_t *other)
+{
+    json_t *a = json_deep_copy(json_object_get(run, "params"));
+    json_t *b = json_deep_copy(json_object_get(other, "params"));
+    json_object_del(a, "dt");
+    json_object_del(b, "dt");
+    const bool equal = json_equal(a, b);
+    json_decref(a);
+    json_decref(b);
+    return equal;
+}
+
+static bool is_same_text(const json_t *run, const json_t *other, const char *key)
+{
+    return strcmp(pl_json_get_text(run, key), pl_json_get_text(other, key)) == 0;
+}
+
+static bool is_finer(const json_t *run, const json_t *than)
+{
+    return step_of(run) < step_of(than) && is_same_text(run, than, "scenario") &&
+           is_same_text(run, than, "label") && has_equal_params_but_dt(run, than);
+}
+
+/* The finding of a run of so many steps that was not made. */
+static json_t *finding_of(const json_t *timed_out, double dt)
+{
+    const json_t *asked = json_object_get(json_object_get(timed_out, "steps"), "asked");
+    const double duration = json_number_value(asked) * step_of(timed_out);
+    pl_finding finding = {.outcome = PL_OUTCOME_TIMEOUT, .steps_asked = lround(duration / dt)};
+    snprintf(finding.reason, sizeof finding.reason, "not run: at a time step of 1/%g s, %s",
+             1 / step_of(timed_out), pl_json_get_text(timed_out, "reason"));
+    return pl_finding_to_json(&finding);
+}
+
+static json_t *result_of(json_t *identity, const json_t *timed_out, json_t *provenance)
+{
+    char now[32];
+    json_t *finding = finding_of(timed_out, step_of(identity));
+    pl_timestamp(now);
+    json_t *result =
+        finding == NULL ? NULL : pl_result_compose(identity, finding, provenance, "", 0, now);
+    json_decref(finding);
+    return result;
+}
+
+pl_status pl_hopeless(const pl_plan *plan, const json_t *result, json_t *provenance, void *user,
+                      pl_status (*keep)(void *user, json_t *result, pl_error *error),
+                      pl_error *error)
+{
+    pl_status status = PL_OK;
+    if (strcmp(pl_json_get_text(result, "outcome"), "timeout") != 0) {
+        return PL_OK;
+    }
+    for (long i = 0; i < pl_plan_size(plan) && status == PL_OK; ++i) {
+        const pl_planned_run run = pl_plan_run(plan, i);
+        if (run.repeat > 0) {
+            continue;
+        }
+        json_t *identity = pl_planned_run_identity(plan, &run);
+        const bool is_due = identity == NULL || is_finer(identity, result);
+        json_t *unmade =
+            is_due && identity != NULL ? result_of(identity, result, provenance) : NULL;
+        if (unmade != NULL) {
+            status = keep(user, unmade, error);
+        } else if (is_due) {
+            status = pl_fail(error, PL_NO_MEMORY, "out of memory for a result");
+        }
+        json_decref(unmade);
+        json_decref(identity);
+    }
+    return status;
+}

@@ -1,0 +1,207 @@
+#include "shard_merge.h"
+
+#include "results/result.h"
+#include "results/store.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { MOST_WARNINGS = 10 };
+
+pl_status pl_merge_begin(pl_merge *merge, pl_error *error)
+{
+    *merge = (pl_merge){.results = json_array(), .runs = json_object()};
+    return merge->results == NULL || merge->runs == NULL
+               ? pl_fail(error, PL_NO_MEMORY, "out of memory for results")
+               : PL_OK;
+}
+
+void pl_merge_free(pl_merge *merge)
+{
+    json_decref(merge->results);
+    json_decref(merge->runs);
+    *merge = (pl_merge){.results = NULL};
+}
+
+/* The name of a deterministic metric that both have, with other values; NULL when there is none. */
+static const char *differing_metric(const json_t *first, const json_t *second)
+{
+    const json_t *others = json_object_get(second, "metrics");
+    const char *name;
+    json_t *metric;
+    json_object_foreach(json_object_get(first, "metrics"), name, metric)
+    {
+        const json_t *other = json_object_get(others, name);
+        if (other != NULL && json_is_true(json_object_get(metric, "deterministic")) &&
+            !json_equal(json_object_get(metric, "value"), json_object_get(other, "value"))) {
+            return name;
+        }
+    }
+    return NULL;
+}
+
+static void say_difference(const json_t *first, const json_t *second, const char *metric,
+                           FILE *warnings)
+{
+    fprintf(warnings, "run %s, %s on %s, repeat %lld, was made twice and differs: ",
+            pl_json_get_text(first, "run"), pl_json_get_text(first, "scenario"),
+            pl_json_get_text(first, "label"),
+            (long long)json_integer_value(json_object_get(first, "repeat")));
+    if (metric == NULL) {
+        fprintf(warnings, "outcome %s, then %s\n", pl_json_get_text(first, "outcome"),
+                pl_json_get_text(second, "outcome"));
+        return;
+    }
+    const json_t *rows[] = {first, second};
+    for (int i = 0; i < 2; ++i) {
+        const json_t *item = json_object_get(json_object_get(rows[i], "metrics"), metric);
+        char *value =
+            json_dumps(json_object_get(item, "value"), JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
+        fprintf(warnings, "%s%s%s", i == 0 ? metric : ", then", i == 0 ? " " : " ",
+                value == NULL ? "?" : value);
+        free(value);
+    }
+    fputc('\n', warnings);
+}
+
+static void judge_double(pl_merge *merge, const json_t *first, const json_t *second, FILE *warnings)
+{
+    const bool same_outcome =
+        strcmp(pl_json_get_text(first, "outcome"), pl_json_get_text(second, "outcome")) == 0;
+    const char *metric = same_outcome ? differing_metric(first, second) : NULL;
+    merge->doubles += 1;
+    if (same_outcome && metric == NULL) {
+        return;
+    }
+    merge->differing += 1;
+    if (warnings != NULL && merge->differing <= MOST_WARNINGS) {
+        say_difference(first, second, metric, warnings);
+    }
+}
+
+pl_status pl_merge_add_results(pl_merge *merge, json_t *results, FILE *warnings, pl_error *error)
+{
+    size_t index;
+    json_t *result;
+    json_array_foreach(results, index, result)
+    {
+        const char *run = pl_json_get_text(result, "run");
+        const json_t *first = json_object_get(merge->runs, run);
+        if (first != NULL) {
+            judge_double(merge, first, result, warnings);
+        } else if (json_object_set(merge->runs, run, result) != 0 ||
+                   json_array_append(merge->results, result) != 0) {
+            return pl_fail(error, PL_NO_MEMORY, "out of memory for results");
+        }
+    }
+    return PL_OK;
+}
+
+static pl_status add_file(pl_merge *merge, const char *path, FILE *warnings, pl_error *error)
+{
+    json_t *read = NULL;
+    pl_status status = pl_results_read(path, &read, NULL, error);
+    if (status == PL_OK) {
+        merge->files += 1;
+        status = pl_merge_add_results(merge, read, warnings, error);
+        json_decref(read);
+    }
+    return status;
+}
+
+static int is_shard(const struct dirent *entry)
+{
+    int index = 0, count = 0, length = 0;
+    return sscanf(entry->d_name, "shard-%d-of-%d%n", &index, &count, &length) == 2 &&
+           entry->d_name[length] == '\0';
+}
+
+/* folder/results.jsonl, where there is one. */
+static pl_status add_results_of(pl_merge *merge, const char *folder, FILE *warnings,
+                                pl_error *error)
+{
+    char *path = NULL;
+    if (asprintf(&path, "%s/results.jsonl", folder) < 0) {
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", folder);
+    }
+    pl_status status = access(path, F_OK) == 0 ? add_file(merge, path, warnings, error) : PL_OK;
+    free(path);
+    return status;
+}
+
+static pl_status add_folder(pl_merge *merge, const char *folder, FILE *warnings, pl_error *error)
+{
+    struct dirent **shards = NULL;
+    pl_status status = add_results_of(merge, folder, warnings, error);
+    const int count = status == PL_OK ? scandir(folder, &shards, is_shard, versionsort) : 0;
+    if (count < 0) {
+        return pl_fail(error, PL_IO, "%s: %s", folder, strerror(errno));
+    }
+    for (int i = 0; i < count; ++i) {
+        char *path = NULL;
+        if (status == PL_OK && asprintf(&path, "%s/%s", folder, shards[i]->d_name) < 0) {
+            path = NULL;
+            status = pl_fail(error, PL_NO_MEMORY, "%s: out of memory", folder);
+        }
+        if (status == PL_OK) {
+            status = add_results_of(merge, path, warnings, error);
+        }
+        free(path);
+        free(shards[i]);
+    }
+    free(shards);
+    return status;
+}
+
+static bool is_folder(const char *path)
+{
+    struct stat found;
+    return stat(path, &found) == 0 && S_ISDIR(found.st_mode);
+}
+
+pl_status pl_merge_add(pl_merge *merge, const char *path, FILE *warnings, pl_error *error)
+{
+    if (!is_folder(path)) {
+        return add_file(merge, path, warnings, error);
+    }
+    const long before = merge->files;
+    pl_status status = add_folder(merge, path, warnings, error);
+    if (status == PL_OK && merge->files == before) {
+        status = pl_fail(error, PL_BAD_INPUT,
+                         "%s: has neither a results.jsonl nor shard-*-of-*/results.jsonl", path);
+    }
+    return status;
+}
+
+pl_status pl_merge_add_any(pl_merge *merge, const char *folder, pl_error *error)
+{
+    return is_folder(folder) ? add_folder(merge, folder, NULL, error) : PL_OK;
+}
+
+pl_status pl_merge_write(const pl_merge *merge, const char *path, pl_error *error)
+{
+    char *text = NULL;
+    size_t length = 0;
+    bool failed = false;
+    FILE *stream = open_memstream(&text, &length);
+    if (stream == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
+    }
+    size_t index;
+    const json_t *result;
+    json_array_foreach(merge->results, index, result)
+    {
+        char *line = pl_result_to_line(result);
+        failed = failed || line == NULL || fprintf(stream, "%s\n", line) < 0;
+        free(line);
+    }
+    failed = fclose(stream) != 0 || failed;
+    pl_status status = failed ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path)
+                              : pl_write_text(path, text, length, error);
+    free(text);
+    return status;
+}

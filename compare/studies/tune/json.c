@@ -1,0 +1,165 @@
+/* plumb.tuning/1 and plumb.profile/1. */
+#include "print.h"
+
+#include "results/result.h"
+
+#include <math.h>
+#include <string.h>
+
+/* As a SPEC names it; the file of an engine that was loaded is not part of it. */
+static json_t *options_json(const pl_engine_choice *choice)
+{
+    json_t *options = json_object();
+    for (int i = 0; i < choice->engine->option_count; ++i) {
+        json_object_set_new(options, choice->engine->options[i].name, json_real(choice->values[i]));
+    }
+    return options;
+}
+
+/* Of the step in seconds, of which the axis has the reciprocal. */
+static json_t *value_json(const pl_tune_axis *axis, double value)
+{
+    return json_real(axis->option == PL_TUNE_RATE ? 1 / value : value);
+}
+
+static json_t *targets_json(const pl_tune_def *def)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < def->targets->count; ++i) {
+        char text[96];
+        pl_target_text(&def->targets->items[i], text);
+        json_array_append_new(list, json_string(text));
+    }
+    return list;
+}
+
+static json_t *scenarios_json(const pl_tune_def *def)
+{
+    json_t *list = json_array();
+    for (int p = 0; p < def->plan->problem_count; ++p) {
+        json_array_append_new(list, json_string(def->plan->problems[p].name));
+    }
+    return list;
+}
+
+/* The shipped step of a setting that keeps the scenarios' own is not one number: null. */
+static json_t *setting_json(const pl_setting *setting)
+{
+    return json_pack("{s:s, s:o, s:o}", "spec", setting->choice.spec, "dt",
+                     pl_json_number_or_null(setting->dt), "options",
+                     options_json(&setting->choice));
+}
+
+static json_t *values_json(const pl_tune_def *def, const pl_target_reading *reading)
+{
+    json_t *values = json_object();
+    for (int i = 0; i < def->targets->count; ++i) {
+        json_object_set_new(values, pl_metric_table[def->targets->items[i].metric].name,
+                            pl_json_number_or_null(reading->values[i]));
+    }
+    return values;
+}
+
+static json_t *scores_json(const pl_tune_def *def, const pl_tuning *tuning)
+{
+    json_t *list = json_array();
+    for (int p = 0; p < def->plan->problem_count; ++p) {
+        const pl_tune_score *score = &tuning->scores[p];
+        json_array_append_new(
+            list, json_pack("{s:s, s:s, s:o, s:f, s:o, s:o, s:o, s:s, s:o}", "scenario",
+                            def->plan->problems[p].name, "outcome", score->outcome, "metrics",
+                            values_json(def, &score->target), "excess", score->target.excess,
+                            "cost_ratio", pl_json_number_or_null(score->ratio), "seconds",
+                            pl_json_number_or_null(score->seconds), "shipped_seconds",
+                            pl_json_number_or_null(score->shipped_seconds), "shipped_outcome",
+                            score->shipped_outcome, "shipped_metrics",
+                            values_json(def, &score->shipped_target)));
+    }
+    return list;
+}
+
+static json_t *slopes_json(const pl_tune_def *def, const pl_tuning *tuning)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < tuning->slope_count; ++i) {
+        const pl_tune_slope *slope = &tuning->slopes[i];
+        const pl_tune_axis *axis = &def->space->axes[slope->axis];
+        json_array_append_new(
+            list, json_pack("{s:s, s:o, s:o, s:o, s:f}", "key", axis->name, "from",
+                            value_json(axis, tuning->answer.values[slope->axis]), "to",
+                            value_json(axis, slope->value), "cost_ratio",
+                            pl_json_number_or_null(slope->cost), "excess", slope->excess));
+    }
+    return list;
+}
+
+static json_t *checks_json(const pl_tune_def *def, const pl_tuning *tuning)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < tuning->check_count; ++i) {
+        const pl_tune_check *check = &tuning->checks[i];
+        json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:o, s:f}", "scenario",
+                                              def->plan->problems[check->problem].name, "variant",
+                                              check->variant, "outcome", check->outcome, "metrics",
+                                              values_json(def, &check->target), "excess",
+                                              check->target.excess));
+    }
+    return list;
+}
+
+static json_t *trials_json(const pl_tune_def *def, const pl_tuning *tuning)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < tuning->found.count; ++i) {
+        const pl_seek_trial *trial = &tuning->found.trials[i];
+        json_t *values = json_object();
+        for (int k = 0; k < def->space->axis_count; ++k) {
+            json_object_set_new(values, def->space->axes[k].name,
+                                value_json(&def->space->axes[k], trial->values[k]));
+        }
+        json_array_append_new(list, json_pack("{s:o, s:o, s:f, s:b}", "values", values, "cost",
+                                              pl_json_number_or_null(trial->cost), "excess",
+                                              trial->excess, "holds", trial->holds));
+    }
+    return list;
+}
+
+static bool is_validated(const pl_tuning *tuning)
+{
+    return tuning->met && tuning->check_count > 0 && tuning->missed == 0;
+}
+
+json_t *pl_tune_json(const pl_tune_def *def, const pl_tuning *tuning)
+{
+    const pl_engine_choice *base = &def->space->base;
+    json_t *json = json_pack(
+        "{s:s, s:s, s:s, s:o, s:o, s:b, s:b, s:b, s:o, s:b, s:f, s:o, s:o, s:o, s:o, s:i, s:s, "
+        "s:I, s:I, s:o}",
+        "schema", "plumb.tuning/1", "engine", base->engine->name, "profile",
+        base->engine->profiles[base->profile].name, "scenarios", scenarios_json(def), "targets",
+        targets_json(def), "met", tuning->met, "has_margin", tuning->has_margin, "validated",
+        is_validated(tuning), "cost", pl_json_number_or_null(tuning->cost), "cost_is_ratio",
+        tuning->shipped_has_cost, "excess", tuning->worst, "setting",
+        setting_json(&tuning->setting), "on", scores_json(def, tuning), "sensitivity",
+        slopes_json(def, tuning), "validation", checks_json(def, tuning), "passed_over",
+        tuning->passed_over, "search_cost", tuning->by_instructions ? "instructions" : "cpu_time",
+        "seed", (json_int_t)def->plan->seed, "runs", (json_int_t)tuning->runs, "trials",
+        trials_json(def, tuning));
+    if (json != NULL && json_object_update(json, def->provenance) != 0) {
+        json_decref(json);
+        return NULL;
+    }
+    return json;
+}
+
+json_t *pl_tune_profile(const pl_tune_def *def, const pl_tuning *tuning)
+{
+    const pl_engine_choice *base = &def->space->base;
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:b}", "schema",
+                     "plumb.profile/1", "name", "tuned", "engine", base->engine->name,
+                     "engine_version", base->engine->version, "profile",
+                     base->engine->profiles[base->profile].name, "dt",
+                     pl_json_number_or_null(tuning->setting.dt), "options",
+                     options_json(&tuning->setting.choice), "scenarios", scenarios_json(def),
+                     "targets", targets_json(def), "validated", is_validated(tuning));
+}

@@ -1,0 +1,150 @@
+#include "print.h"
+
+#include "tunable.h"
+
+#include <math.h>
+#include <string.h>
+
+static void print_margin(FILE *out, double excess)
+{
+    const double clear = 1e6, ratio = exp(fabs(excess));
+    if (excess >= PL_SEEK_WORST) {
+        fprintf(out, "no value");
+    } else if (ratio >= clear) {
+        fprintf(out, excess <= 0 ? "clear of the target" : "far from the target");
+    } else {
+        fprintf(out, "%.3g x %s the target", ratio, excess <= 0 ? "below" : "above");
+    }
+}
+
+static void print_values(FILE *out, const pl_targets *targets, const pl_target_reading *reading)
+{
+    for (int i = 0; i < targets->count; ++i) {
+        fprintf(out, "%s%s %.3g", i == 0 ? "" : ", ",
+                pl_metric_table[targets->items[i].metric].name, reading->values[i]);
+    }
+}
+
+static void print_targets(FILE *out, const pl_tune_def *def)
+{
+    for (int i = 0; i < def->targets->count; ++i) {
+        char text[96];
+        pl_target_text(&def->targets->items[i], text);
+        fprintf(out, "%s%s", i == 0 ? "" : " and ", text);
+    }
+}
+
+static void print_settings(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
+{
+    const pl_setting *setting = &tuning->setting;
+    const double rate = 1 / setting->dt;
+    const bool is_whole = fabs(rate - nearbyint(rate)) < 1e-9 * rate;
+    fprintf(out, "  --engine %s", setting->choice.spec);
+    if (!isnan(setting->dt)) {
+        fprintf(out, is_whole ? " --dt 1/%.0f" : " --dt %.9g", is_whole ? rate : setting->dt);
+    }
+    fprintf(out, "\n\nin its own API:\n\n");
+    pl_tune_print_api(out, &setting->choice,
+                      isnan(setting->dt) ? def->plan->problems[0].scene.dt : setting->dt);
+}
+
+static void print_scores(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
+{
+    if (tuning->shipped_has_cost) {
+        fprintf(out, "\ncost: %.3g x that of the shipped settings at the scenarios' own step\n",
+                tuning->cost);
+    } else {
+        fprintf(out,
+                "\ncost: %.3g s of CPU time a simulated second; the shipped settings have none\n",
+                tuning->cost);
+    }
+    for (int p = 0; p < def->plan->problem_count; ++p) {
+        const pl_tune_score *score = &tuning->scores[p];
+        fprintf(out, "  %s: ", def->plan->problems[p].name);
+        if (isfinite(score->ratio)) {
+            fprintf(out, "x %.3g, ", score->ratio);
+        }
+        fprintf(out, "%.3g s a simulated second; %s, ", score->seconds, score->outcome);
+        print_values(out, def->targets, &score->target);
+        fprintf(out, ", ");
+        print_margin(out, score->target.excess);
+        fprintf(out, "; shipped %s, ", score->shipped_outcome);
+        print_values(out, def->targets, &score->shipped_target);
+        fprintf(out, "\n");
+    }
+}
+
+static void print_slopes(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
+{
+    if (tuning->slope_count > 0) {
+        fprintf(out, "\nsensitivity, each moved by 10 %% or one step, on the scenarios as asked "
+                     "for:\n");
+    }
+    for (int i = 0; i < tuning->slope_count; ++i) {
+        const pl_tune_slope *slope = &tuning->slopes[i];
+        const pl_tune_axis *axis = &def->space->axes[slope->axis];
+        char from[32], to[32];
+        pl_tune_value_text(axis, tuning->answer.values[slope->axis], from);
+        pl_tune_value_text(axis, slope->value, to);
+        fprintf(out, "  %-16s %10s -> %-10s cost x %.3g, ", axis->name, from, to, slope->cost);
+        print_margin(out, slope->excess);
+        fprintf(out, "\n");
+    }
+}
+
+static void print_checks(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
+{
+    if (tuning->check_count == 0) {
+        fprintf(out, "\nnot validated: the scenarios have no parameters to change\n");
+        return;
+    }
+    fprintf(out, "\nvalidation on %d runs that were not tuned on: ", tuning->check_count);
+    if (tuning->missed == 0) {
+        fprintf(out, "all meet the target\n");
+    } else {
+        fprintf(out,
+                "%d miss the target: these settings are fitted to the scenarios as asked for\n",
+                tuning->missed);
+    }
+    if (tuning->passed_over > 0) {
+        fprintf(out, "  (%d cheaper, or nearer to a margin, missed it there)\n",
+                tuning->passed_over);
+    }
+    for (int i = 0; i < tuning->check_count; ++i) {
+        const pl_tune_check *check = &tuning->checks[i];
+        fprintf(out, "  %s, %s: %s, ", def->plan->problems[check->problem].name, check->variant,
+                check->outcome);
+        print_values(out, def->targets, &check->target);
+        fprintf(out, ", ");
+        print_margin(out, check->target.excess);
+        fprintf(out, "\n");
+    }
+}
+
+void pl_tune_print(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
+{
+    const pl_engine_choice *base = &def->space->base;
+    fprintf(out, tuning->met ? "%s:%s, the cheapest found for " : "%s:%s: no settings found meet ",
+            base->engine->name, base->engine->profiles[base->profile].name);
+    print_targets(out, def);
+    fprintf(out, tuning->met ? ":\n\n" : "; the nearest:\n\n");
+    print_settings(out, def, tuning);
+    print_scores(out, def, tuning);
+    print_slopes(out, def, tuning);
+    if (tuning->met && !tuning->has_margin) {
+        fprintf(out, "\nthe errors of the runs tuned on scatter so much that another may miss the "
+                     "target: no settings found have two standard deviations to spare\n");
+    }
+    if (tuning->met) {
+        print_checks(out, def, tuning);
+    }
+    fprintf(out,
+            "\n%d settings tried (%d of a sweep, %d by NLopt, %d around the best) in %ld runs; the "
+            "search took %s as cost\n",
+            tuning->found.count, tuning->found.swept, tuning->found.modelled,
+            tuning->found.polished, tuning->runs,
+            tuning->by_instructions
+                ? "instructions a step"
+                : "CPU time beside the shipped settings' in turns (instructions "
+                  "are not counted here)");
+}

@@ -1,0 +1,94 @@
+#include "target.h"
+
+#include "results/result.h"
+#include "search_driver.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* What a run that did not end well exceeds its targets by, beside what its numbers say. */
+static const double fallen = 2;
+
+static pl_status fail_metric(const char *name, pl_error *error)
+{
+    const char *names[PL_METRIC_COUNT];
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
+        names[i] = pl_metric_table[i].name;
+    }
+    const char *nearest = pl_nearest_name(name, names, PL_METRIC_COUNT);
+    return pl_fail(error, PL_BAD_INPUT, "--target: there is no metric %s%s%s%s", name,
+                   nearest == NULL ? "; see plumb list metrics" : "; did you mean ",
+                   nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
+}
+
+pl_status pl_target_add(pl_targets *targets, const char *text, pl_error *error)
+{
+    char name[PL_NAME_SIZE];
+    const size_t length = strcspn(text, "<>=!");
+    const char *sign = text + length;
+    const bool strict = sign[0] == '<' && sign[1] != '=';
+    pl_target target = {.strict = strict};
+    if (sign[0] != '<' || length == 0 || length >= sizeof name) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       "--target takes METRIC<=VALUE or METRIC<VALUE; found \"%.200s\"", text);
+    }
+    memcpy(name, text, length);
+    name[length] = '\0';
+    target.metric = pl_metric_by_name(name);
+    if (target.metric < 0) {
+        return fail_metric(name, error);
+    }
+    if (pl_metric_table[target.metric].direction != PL_LOWER_IS_BETTER) {
+        return pl_fail(error, PL_BAD_INPUT, "--target: of %s lower is not better", name);
+    }
+    if (!pl_parse_number(sign + (strict ? 1 : 2), &target.bound) || !(target.bound > 0)) {
+        return pl_fail(error, PL_BAD_INPUT, "--target %s: expected a positive number, found \"%s\"",
+                       name, sign + (strict ? 1 : 2));
+    }
+    if (targets->count == PL_TUNE_MOST_TARGETS) {
+        return pl_fail(error, PL_BAD_INPUT, "--target: more than %d", (int)PL_TUNE_MOST_TARGETS);
+    }
+    targets->items[targets->count++] = target;
+    return PL_OK;
+}
+
+void pl_target_text(const pl_target *target, char text[96])
+{
+    snprintf(text, 96, "%s%s%.6g", pl_metric_table[target->metric].name,
+             target->strict ? "<" : "<=", target->bound);
+}
+
+static double excess_of(const pl_target *target, double value)
+{
+    if (!isfinite(value)) {
+        return PL_SEEK_WORST;
+    }
+    if (value <= 0) {
+        return -PL_SEEK_WORST;
+    }
+    const double excess = log(value / target->bound);
+    /* Rounding of the quotient must not tell a miss from a hit. */
+    if (value > target->bound || (target->strict && value >= target->bound)) {
+        return fmin(fmax(excess, DBL_EPSILON), PL_SEEK_WORST);
+    }
+    return fmax(fmin(excess, 0), -PL_SEEK_WORST);
+}
+
+pl_target_reading pl_target_read(const pl_targets *targets, const json_t *result)
+{
+    pl_target_reading reading = {.excess = -PL_SEEK_WORST};
+    const json_t *metrics = json_object_get(result, "metrics");
+    for (int i = 0; i < targets->count; ++i) {
+        const pl_target *target = &targets->items[i];
+        const json_t *metric = json_object_get(metrics, pl_metric_table[target->metric].name);
+        const json_t *value = json_object_get(metric, "value");
+        reading.values[i] = json_is_number(value) ? json_number_value(value) : (double)NAN;
+        reading.excess = fmax(reading.excess, excess_of(target, reading.values[i]));
+    }
+    if (strcmp(pl_json_get_text(result, "outcome"), "ok") != 0) {
+        reading.excess = fmin(fmax(reading.excess, 0) + fallen, PL_SEEK_WORST);
+    }
+    return reading;
+}

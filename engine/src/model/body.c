@@ -1,0 +1,322 @@
+/* Bodies: made, unmade, read, set and loaded. */
+#include "shape.h"
+#include "world.h"
+
+pe_body_def pe_body_def_default(void)
+{
+    return (pe_body_def){
+        .shape = {.kind = PE_SHAPE_SPHERE, .radius = 0.5},
+        .mass = 1,
+        .orientation = {.w = 1},
+    };
+}
+
+static bool is_unit(pe_quat q)
+{
+    return fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) <= 2e-6;
+}
+
+static pe_status check_motion(pe_vec3 position, pe_quat orientation, pe_vec3 velocity,
+                              pe_vec3 angular_velocity, pe_error *error)
+{
+    if (!pe_is_finite(position) || !pe_is_finite(velocity) || !pe_is_finite(angular_velocity)) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "position and velocities: expected finite numbers");
+    }
+    if (!is_unit(orientation)) {
+        return pe_fail(error, PE_BAD_ARGUMENT,
+                       "orientation: expected a unit quaternion, found (%g, %g, %g, %g)",
+                       orientation.w, orientation.x, orientation.y, orientation.z);
+    }
+    return PE_OK;
+}
+
+static bool has_geometry(const pe_shape *shape)
+{
+    return shape->kind == PE_SHAPE_HULL || shape->kind == PE_SHAPE_MESH;
+}
+
+static pe_status check_geometry(const pe_world *world, const pe_shape *shape, pe_error *error)
+{
+    if (!has_geometry(shape)) {
+        return PE_OK;
+    }
+    const pe_geometry *geometry = pe_geometry_of(world, shape->geometry);
+    if (geometry == NULL) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "no geometry %u in this world",
+                       shape->geometry.index);
+    }
+    if (shape->kind == PE_SHAPE_HULL && !geometry->convex) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "hull: its geometry was not made as a convex one");
+    }
+    return PE_OK;
+}
+
+static pe_status check_def(const pe_world *world, const pe_body_def *def, pe_error *error)
+{
+    pe_status status = pe_shape_check(&def->shape, error);
+    if (status == PE_OK) {
+        status = check_geometry(world, &def->shape, error);
+    }
+    if (status != PE_OK) {
+        return status;
+    }
+    if (def->shape.kind == PE_SHAPE_PLANE && !def->is_static) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "a plane must be static");
+    }
+    if (def->material.index >= (uint32_t)world->material_count) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "no material %u in this world", def->material.index);
+    }
+    if (!def->is_static && (!(def->mass > 0) || !isfinite(def->mass))) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "mass: expected a finite number above 0, found %g",
+                       def->mass);
+    }
+    pe_vec3 i = def->inertia;
+    bool given = i.x != 0 || i.y != 0 || i.z != 0;
+    if (given && !(pe_is_finite(i) && i.x > 0 && i.y > 0 && i.z > 0)) {
+        return pe_fail(error, PE_BAD_ARGUMENT,
+                       "inertia: expected three numbers above 0, or all 0, found (%g, %g, %g)", i.x,
+                       i.y, i.z);
+    }
+    return check_motion(def->position, def->orientation, def->velocity, def->angular_velocity,
+                        error);
+}
+
+static pe_mass mass_of(const pe_body_def *def, const pe_geometry *geometry)
+{
+    if (def->is_static) {
+        return (pe_mass){0};
+    }
+    pe_vec3 i =
+        def->inertia.x != 0 ? def->inertia : pe_shape_inertia(&def->shape, geometry, def->mass);
+    return (pe_mass){
+        .mass = def->mass,
+        .inverse_mass = 1 / def->mass,
+        .inertia = i,
+        .inverse_root_mass = 1 / sqrt(def->mass),
+        .inverse_root_inertia = {1 / sqrt(i.x), 1 / sqrt(i.y), 1 / sqrt(i.z)},
+        .spherical = i.x == i.y && i.y == i.z,
+    };
+}
+
+/* The pose of the body's axes where its shape's frame is at the position and orientation. */
+static pe_pose pose_of(const pe_geometry *geometry, pe_vec3 position, pe_quat orientation)
+{
+    pe_quat q = pe_quat_unit(orientation);
+    if (geometry != NULL) {
+        pe_mat3 shape = pe_matrix_of(q);
+        position = pe_add(position, pe_rotate(&shape, geometry->frame.centre));
+        q = pe_quat_unit(pe_quat_product(q, geometry->frame.orientation));
+    }
+    return (pe_pose){position, q, pe_matrix_of(q)};
+}
+
+/* Undoes pose_of. */
+static void place_of_shape(const pe_geometry *geometry, const pe_pose *pose, pe_vec3 *position,
+                           pe_quat *orientation)
+{
+    *position = pose->position;
+    *orientation = pose->orientation;
+    if (geometry != NULL) {
+        *orientation =
+            pe_quat_product(pose->orientation, pe_quat_conjugate(geometry->frame.orientation));
+        pe_mat3 shape = pe_matrix_of(*orientation);
+        *position = pe_sub(pose->position, pe_rotate(&shape, geometry->frame.centre));
+    }
+}
+
+/* Room for one slot more in every array of bodies. */
+static pe_status reserve_slot(pe_world *world, pe_error *error)
+{
+    const struct {
+        pe_array *array;
+        size_t stride;
+    } rows[] = {
+        {&world->body_array, sizeof(pe_body)},
+        {&world->pose_array, sizeof(pe_pose)},
+        {&world->twist_array, sizeof(pe_twist)},
+        {&world->mass_array, sizeof(pe_mass)},
+        {&world->applied_force_array, sizeof(pe_applied_force)},
+    };
+    size_t used = (size_t)world->slot_count;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        pe_status status = pe_array_reserve(rows[i].array, &world->allocator, rows[i].stride,
+                                            used + 1, used, error);
+        if (status != PE_OK) {
+            return status;
+        }
+    }
+    return PE_OK;
+}
+
+pe_status pe_body_create(pe_world *world, const pe_body_def *def, pe_body_id *body, pe_error *error)
+{
+    *body = (pe_body_id){0};
+    pe_status status = check_def(world, def, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    int slot = world->first_free;
+    if (slot != 0) {
+        world->first_free = pe_bodies(world)[slot].next_free;
+    } else {
+        status = reserve_slot(world, error);
+        if (status != PE_OK) {
+            return status;
+        }
+        slot = world->slot_count++;
+        pe_bodies(world)[slot].generation = 0;
+    }
+    const pe_geometry *geometry =
+        has_geometry(&def->shape) ? pe_geometry_of(world, def->shape.geometry) : NULL;
+    pe_body *made = &pe_bodies(world)[slot];
+    *made = (pe_body){
+        .shape = def->shape,
+        .geometry = geometry,
+        .bounding_radius = pe_shape_bounding_radius(&def->shape, geometry),
+        .size = pe_shape_size(&def->shape, geometry),
+        .material = (int)def->material.index,
+        .generation = made->generation + 1,
+        .alive = true,
+        .is_static = def->is_static,
+    };
+    pe_poses(world)[slot] = pose_of(geometry, def->position, def->orientation);
+    pe_twists(world)[slot] =
+        def->is_static ? (pe_twist){0} : (pe_twist){def->velocity, def->angular_velocity};
+    pe_masses(world)[slot] = mass_of(def, geometry);
+    pe_applied_forces(world)[slot] = (pe_applied_force){0};
+    world->broad.bodies_changed = true;
+    world->contacts_stale = true;
+    *body = (pe_body_id){(uint32_t)slot, made->generation};
+    return PE_OK;
+}
+
+static pe_status check_id(const pe_world *world, pe_body_id body, pe_error *error)
+{
+    if (body.index == 0 || body.index >= (uint32_t)world->slot_count ||
+        !pe_bodies(world)[body.index].alive ||
+        pe_bodies(world)[body.index].generation != body.generation) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "no living body has the id (%u, %u)", body.index,
+                       body.generation);
+    }
+    return PE_OK;
+}
+
+/* Contacts of a body that is gone must not warm-start those of its slot's next owner. */
+static void forget_contacts(pe_contacts *contacts, int slot)
+{
+    pe_manifold *manifolds = pe_manifolds(contacts);
+    int kept = 0;
+    for (int i = 0; i < contacts->manifold_count; ++i) {
+        if (manifolds[i].a != slot && manifolds[i].b != slot) {
+            manifolds[kept++] = manifolds[i];
+        }
+    }
+    contacts->manifold_count = kept;
+}
+
+pe_status pe_body_destroy(pe_world *world, pe_body_id body, pe_error *error)
+{
+    pe_status status = check_id(world, body, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    int slot = (int)body.index;
+    pe_body *gone = &pe_bodies(world)[slot];
+    forget_contacts(&world->contacts, slot);
+    forget_contacts(&world->solved, slot);
+    world->broad.bodies_changed = true;
+    world->contacts_stale = true;
+    gone->alive = false;
+    gone->next_free = world->first_free;
+    world->first_free = slot;
+    return PE_OK;
+}
+
+pe_status pe_body_get_state(const pe_world *world, pe_body_id body, pe_body_state *state,
+                            pe_error *error)
+{
+    pe_status status = check_id(world, body, error);
+    if (status == PE_OK) {
+        const pe_twist *motion = &pe_twists(world)[body.index];
+        place_of_shape(pe_bodies(world)[body.index].geometry, &pe_poses(world)[body.index],
+                       &state->position, &state->orientation);
+        state->velocity = motion->velocity;
+        state->angular_velocity = motion->angular_velocity;
+    }
+    return status;
+}
+
+pe_status pe_body_set_state(pe_world *world, pe_body_id body, const pe_body_state *state,
+                            pe_error *error)
+{
+    pe_status status = check_id(world, body, error);
+    if (status == PE_OK) {
+        status = check_motion(state->position, state->orientation, state->velocity,
+                              state->angular_velocity, error);
+    }
+    if (status == PE_OK) {
+        pe_poses(world)[body.index] =
+            pose_of(pe_bodies(world)[body.index].geometry, state->position, state->orientation);
+        if (!pe_bodies(world)[body.index].is_static) {
+            pe_twists(world)[body.index] = (pe_twist){state->velocity, state->angular_velocity};
+        }
+        world->contacts_stale = true;
+    }
+    return status;
+}
+
+pe_status pe_body_get_mass(const pe_world *world, pe_body_id body, double *mass, pe_vec3 *inertia,
+                           pe_error *error)
+{
+    pe_status status = check_id(world, body, error);
+    if (status == PE_OK) {
+        *mass = pe_masses(world)[body.index].mass;
+        *inertia = pe_masses(world)[body.index].inertia;
+    }
+    return status;
+}
+
+pe_status pe_body_get_pair(const pe_world *world, pe_body_id a, pe_body_id b, double *friction,
+                           double *restitution, pe_error *error)
+{
+    pe_status status = check_id(world, a, error);
+    if (status == PE_OK) {
+        status = check_id(world, b, error);
+    }
+    if (status == PE_OK) {
+        const pe_body *bodies = pe_bodies(world);
+        const pe_material_pair *surface =
+            pe_material_pair_of(world, bodies[a.index].material, bodies[b.index].material);
+        *friction = surface->friction;
+        *restitution = surface->restitution;
+    }
+    return status;
+}
+
+pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, pe_vec3 offset,
+                              pe_frame frame, pe_error *error)
+{
+    pe_status status = check_id(world, body, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    if (!pe_is_finite(force) || !pe_is_finite(offset)) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "force: expected finite numbers");
+    }
+    pe_applied_force *load = &pe_applied_forces(world)[body.index];
+    world->loaded = true;
+    if (frame == PE_FRAME_BODY) {
+        const pe_geometry *geometry = pe_bodies(world)[body.index].geometry;
+        if (geometry != NULL) {
+            force = pe_unrotate(&geometry->rotation, force);
+            offset = pe_unrotate(&geometry->rotation, offset);
+        }
+        load->body_force = pe_add(load->body_force, force);
+        load->body_torque = pe_add(load->body_torque, pe_cross(offset, force));
+        load->turns = true;
+    } else {
+        load->force = pe_add(load->force, force);
+        load->torque = pe_add(load->torque, pe_cross(offset, force));
+    }
+    return PE_OK;
+}

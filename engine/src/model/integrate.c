@@ -1,0 +1,159 @@
+#include "integrate.h"
+
+#include "base/rotation.h"
+
+/* Solves the 3 x 3 system with these rows by Cramer's rule. */
+static pe_vec3 solve3(pe_vec3 r0, pe_vec3 r1, pe_vec3 r2, pe_vec3 right)
+{
+    pe_vec3 c12 = pe_cross(r1, r2), c20 = pe_cross(r2, r0), c01 = pe_cross(r0, r1);
+    pe_vec3 sum = pe_madd(pe_madd(pe_scale(right.x, c12), right.y, c20), right.z, c01);
+    return pe_scale(1 / pe_dot(r0, c12), sum);
+}
+
+static pe_mat3 rotation_by(pe_vec3 v)
+{
+    return pe_matrix_of(pe_quat_turned((pe_quat){.w = 1}, v));
+}
+
+typedef struct spin {
+    pe_vec3 end;     /* w' */
+    pe_vec3 mean;    /* m */
+    pe_mat3 turning; /* exp(h m) */
+} spin;
+
+/* exp(v), and what its derivative needs: d(exp(v) x)/dv = -exp(v) [x] J(v),
+ * J = 1 - f [v] + g [v]^2, f = (1 - cos a)/a^2, g = (a - sin a)/a^3, a = |v|. */
+typedef struct turning {
+    pe_vec3 v;
+    pe_mat3 rotation;
+    double f, g;
+} turning;
+
+static turning turning_by(pe_vec3 v)
+{
+    double a = pe_length(v), sine, cosine;
+    pe_sincos(a, &sine, &cosine);
+    /* Below 1e-3 the series' next term is below 1e-7 of the first, enough for a derivative. */
+    double f = a > 1e-3 ? (1 - cosine) / (a * a) : 0.5;
+    double g = a > 1e-3 ? (a - sine) / (a * a * a) : 1.0 / 6;
+    return (turning){v, rotation_by(v), f, g};
+}
+
+/* The derivative of the rotated vector x along d. */
+static pe_vec3 rotated_change(const turning *t, pe_vec3 x, pe_vec3 d)
+{
+    pe_vec3 vd = pe_cross(t->v, d), vvd = pe_cross(t->v, vd);
+    pe_vec3 jd = pe_madd(pe_madd(d, -t->f, vd), t->g, vvd);
+    return pe_rotate(&t->rotation, pe_cross(jd, x));
+}
+
+/* Newton's steps, and then, for turns of radians a step from which it runs away, steps with the
+ * derivative at a small turn, which converge slowly but surely. */
+enum { MAX_NEWTON_STEPS = 12, MAX_SPIN_ITERATIONS = 300 };
+
+/* Free rotation over dt from angular velocity w, all in the body's axes: see pe_predict_motion.
+ * Whatever the last digits of the iteration, the last line keeps the momentum. */
+static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
+{
+    pe_vec3 inverse = pe_v3(1 / inertia.x, 1 / inertia.y, 1 / inertia.z);
+    pe_vec3 momentum = pe_mul(inertia, w);
+    spin s = {.end = w, .mean = w};
+    double least = 1e-15 * pe_length(w);
+    for (int i = 0; i < MAX_SPIN_ITERATIONS; ++i) {
+        s.end = i == MAX_NEWTON_STEPS ? w : s.end;
+        s.mean = pe_scale(0.5, pe_add(w, s.end));
+        turning back = turning_by(pe_scale(-dt, s.mean));
+        pe_vec3 turned = pe_rotate(&back.rotation, momentum);
+        /* Columns of I + (h/2) d(exp(-h m) L)/d(-h m) */
+        pe_vec3 c[3];
+        for (int k = 0; k < 3; ++k) {
+            pe_vec3 d = pe_v3(k == 0, k == 1, k == 2);
+            pe_vec3 change =
+                i < MAX_NEWTON_STEPS ? rotated_change(&back, momentum, d) : pe_cross(d, turned);
+            c[k] = pe_madd(pe_mul(inertia, d), 0.5 * dt, change);
+        }
+        pe_vec3 change =
+            solve3(pe_v3(c[0].x, c[1].x, c[2].x), pe_v3(c[0].y, c[1].y, c[2].y),
+                   pe_v3(c[0].z, c[1].z, c[2].z), pe_sub(pe_mul(inertia, s.end), turned));
+        s.end = pe_sub(s.end, change);
+        if (pe_length(change) <= least) {
+            break;
+        }
+    }
+    s.mean = pe_scale(0.5, pe_add(w, s.end));
+    s.turning = rotation_by(pe_scale(dt, s.mean));
+    s.end = pe_mul(inverse, pe_unrotate(&s.turning, momentum));
+    return s;
+}
+
+/* Force and torque of the middle of the step, world. */
+static void mean_load(const pe_applied_force *load, const pe_twist *motion, const pe_pose *pose,
+                      double dt, pe_vec3 *force, pe_vec3 *torque)
+{
+    *force = load->force;
+    *torque = load->torque;
+    if (load->turns) {
+        pe_mat3 half = rotation_by(pe_scale(0.5 * dt, motion->angular_velocity));
+        *force = pe_add(*force, pe_rotate(&half, pe_rotate(&pose->rotation, load->body_force)));
+        *torque = pe_add(*torque, pe_rotate(&half, pe_rotate(&pose->rotation, load->body_torque)));
+    }
+}
+
+/* A body that turns by less than this in a step, in rad, keeps its inertia in the world's axes. */
+static const double NO_TURN = 1e-9;
+
+void pe_turn(const pe_world *world, int slot, double dt, pe_vec3 early, pe_vec3 late, pe_vec3 *end,
+             pe_vec3 *mean)
+{
+    const pe_mass *mass = &pe_masses(world)[slot];
+    const pe_mat3 *rotation = &pe_poses(world)[slot].rotation;
+    pe_vec3 inverse = pe_v3(1 / mass->inertia.x, 1 / mass->inertia.y, 1 / mass->inertia.z);
+    pe_vec3 w = pe_twists(world)[slot].angular_velocity;
+    pe_vec3 begun = pe_add(w, pe_rotate(rotation, pe_mul(inverse, pe_unrotate(rotation, early))));
+    if (mass->spherical || dt * dt * pe_dot(begun, begun) < NO_TURN * NO_TURN) {
+        *mean = begun;
+        *end = pe_add(begun, pe_rotate(rotation, pe_mul(inverse, pe_unrotate(rotation, late))));
+        return;
+    }
+    spin s = spin_freely(mass->inertia, pe_unrotate(rotation, begun), dt);
+    /* The late impulse in the axes that the body then has. */
+    pe_vec3 kick = pe_mul(inverse, pe_unrotate(&s.turning, pe_unrotate(rotation, late)));
+    *end = pe_rotate(rotation, pe_rotate(&s.turning, pe_add(s.end, kick)));
+    *mean = pe_rotate(rotation, s.mean);
+}
+
+pe_free_motion pe_predict_body(const pe_world *world, int slot, double dt)
+{
+    const pe_twist *motion = &pe_twists(world)[slot];
+    pe_vec3 force;
+    pe_free_motion free = {.end = *motion, .mean = *motion};
+    mean_load(&pe_applied_forces(world)[slot], motion, &pe_poses(world)[slot], dt, &force,
+              &free.torque);
+    pe_vec3 acceleration = pe_madd(world->def.gravity, pe_masses(world)[slot].inverse_mass, force);
+    free.end.velocity = pe_madd(motion->velocity, dt, acceleration);
+    free.mean.velocity = pe_madd(motion->velocity, 0.5 * dt, acceleration);
+    pe_vec3 half = pe_scale(0.5 * dt, free.torque);
+    pe_turn(world, slot, dt, half, half, &free.end.angular_velocity, &free.mean.angular_velocity);
+    return free;
+}
+
+void pe_predict_motion(const pe_world *world, double dt, pe_free_motion *motions)
+{
+    for (int slot = 0; slot < world->slot_count; ++slot) {
+        const pe_twist *motion = &pe_twists(world)[slot];
+        if (pe_masses(world)[slot].inverse_mass == 0) {
+            motions[slot] = (pe_free_motion){.end = *motion, .mean = *motion};
+        } else {
+            motions[slot] = pe_predict_body(world, slot, dt);
+        }
+    }
+}
+
+void pe_pose_move(pe_pose *pose, pe_vec3 displacement, pe_vec3 rotation)
+{
+    pose->position = pe_add(pose->position, displacement);
+    if (rotation.x != 0 || rotation.y != 0 || rotation.z != 0) {
+        pose->orientation = pe_quat_turned(pose->orientation, rotation);
+        pose->rotation = pe_matrix_of(pose->orientation);
+    }
+}

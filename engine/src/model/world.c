@@ -1,0 +1,199 @@
+/* Making and unmaking a world, and its materials. */
+#include "broad_phase/broad_phase.h"
+
+#include <string.h>
+
+pe_world_def pe_world_def_default(void)
+{
+    return (pe_world_def){
+        .gravity = {0, 0, -9.81},
+        .tolerance = 1e-8,
+        .max_contact_updates = 2.4e6,
+        .max_iterations = 100000,
+        .restitution_threshold = 0,
+        .impact_bodies = 2,
+        .contact_margin = 1e-3,
+        .penetration_slop = 1e-4,
+    };
+}
+
+static pe_status check_def(const pe_world_def *def, pe_error *error)
+{
+    if (!pe_is_finite(def->gravity)) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "gravity: expected finite numbers");
+    }
+    if (def->profile < PE_PROFILE_DEFAULT || def->profile > PE_PROFILE_FAST) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "profile: expected one of pe_profile, found %d",
+                       (int)def->profile);
+    }
+    if (!(def->tolerance > 0) || !(def->max_contact_updates >= 1)) {
+        return pe_fail(error, PE_BAD_ARGUMENT,
+                       "expected tolerance > 0 and max_contact_updates >= 1, found %g, %g",
+                       def->tolerance, def->max_contact_updates);
+    }
+    if (!(def->restitution_threshold >= 0) || !(def->contact_margin >= 0) ||
+        !(def->penetration_slop > 0)) {
+        return pe_fail(error, PE_BAD_ARGUMENT,
+                       "expected restitution_threshold >= 0, contact_margin >= 0 and "
+                       "penetration_slop > 0, found %g, %g, %g",
+                       def->restitution_threshold, def->contact_margin, def->penetration_slop);
+    }
+    if (def->max_iterations < 1) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "max_iterations: expected at least 1, found %d",
+                       def->max_iterations);
+    }
+    if (def->impact_bodies < 0) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "impact_bodies: expected at least 0, found %d",
+                       def->impact_bodies);
+    }
+    if ((def->allocator.allocate == NULL) != (def->allocator.release == NULL)) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "allocator: expected both functions or neither");
+    }
+    return PE_OK;
+}
+
+pe_status pe_world_create(const pe_world_def *def, pe_world **world, pe_error *error)
+{
+    *world = NULL;
+    pe_status status = check_def(def, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    pe_allocator allocator =
+        def->allocator.allocate != NULL ? def->allocator : pe_allocator_default();
+    pe_world *made = allocator.allocate(allocator.context, sizeof *made);
+    if (made == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for a world");
+    }
+    *made = (pe_world){.def = *def, .allocator = allocator};
+
+    /* Slot 0 is the static dummy, and material 0 the default one. */
+    pe_body_def dummy = pe_body_def_default();
+    dummy.is_static = true;
+    pe_body_id id;
+    pe_material_id material;
+    status = pe_material_create(made, 0.5, 0, &material, error);
+    if (status == PE_OK) {
+        status = pe_body_create(made, &dummy, &id, error);
+    }
+    if (status != PE_OK) {
+        pe_world_destroy(made);
+        return status;
+    }
+    pe_bodies(made)[0].alive = false;
+    *world = made;
+    return PE_OK;
+}
+
+void pe_world_destroy(pe_world *world)
+{
+    if (world == NULL) {
+        return;
+    }
+    pe_allocator allocator = world->allocator;
+    pe_array *arrays[] = {
+        &world->body_array,
+        &world->pose_array,
+        &world->twist_array,
+        &world->mass_array,
+        &world->applied_force_array,
+        &world->material_pair_array,
+        &world->contacts.manifold_array,
+        &world->contacts.point_array,
+        &world->previous.manifold_array,
+        &world->previous.point_array,
+        &world->part.manifold_array,
+        &world->part.point_array,
+        &world->part_previous.manifold_array,
+        &world->part_previous.point_array,
+        &world->solved.manifold_array,
+        &world->solved.point_array,
+    };
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
+        pe_array_free(arrays[i], &allocator);
+    }
+    pe_geometry **geometries = world->geometry_array.items;
+    for (int i = 0; i < world->geometry_count; ++i) {
+        pe_geometry_free(geometries[i], &allocator);
+    }
+    pe_array_free(&world->geometry_array, &allocator);
+    pe_broad_free(&world->broad, &allocator);
+    pe_pattern_store_free(&world->patterns, &allocator);
+    pe_arena_free(&world->arena, &allocator);
+    allocator.release(allocator.context, world);
+}
+
+void pe_world_get_gravity(const pe_world *world, pe_vec3 *gravity)
+{
+    *gravity = world->def.gravity;
+}
+
+static pe_status check_surface(double friction, double restitution, pe_error *error)
+{
+    if (!(friction >= 0) || !isfinite(friction) || !(restitution >= 0) || !(restitution <= 1)) {
+        return pe_fail(error, PE_BAD_ARGUMENT,
+                       "expected friction >= 0 and restitution in 0 .. 1, found %g, %g", friction,
+                       restitution);
+    }
+    return PE_OK;
+}
+
+pe_status pe_material_create(pe_world *world, double friction, double restitution,
+                             pe_material_id *material, pe_error *error)
+{
+    pe_status status = check_surface(friction, restitution, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    /* A table of one row and one column more. */
+    size_t n = (size_t)world->material_count;
+    pe_array grown = {0};
+    status = pe_array_reserve(&grown, &world->allocator, sizeof(pe_material_pair),
+                              (n + 1) * (n + 1), 0, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    pe_material_pair *table = grown.items;
+    for (size_t i = 0; i < n; ++i) {
+        memcpy(table + i * (n + 1), (pe_material_pair *)world->material_pair_array.items + i * n,
+               n * sizeof *table);
+        pe_material_pair own = table[i * (n + 1) + i];
+        pe_material_pair mixed = {sqrt(own.friction * friction),
+                                  pe_max(own.restitution, restitution)};
+        table[i * (n + 1) + n] = mixed;
+        table[n * (n + 1) + i] = mixed;
+    }
+    table[n * (n + 1) + n] = (pe_material_pair){friction, restitution};
+    pe_array_free(&world->material_pair_array, &world->allocator);
+    world->material_pair_array = grown;
+    world->material_count += 1;
+    *material = (pe_material_id){(uint32_t)n};
+    return PE_OK;
+}
+
+static pe_status check_pair(const pe_world *world, pe_material_id a, pe_material_id b,
+                            pe_error *error)
+{
+    uint32_t n = (uint32_t)world->material_count;
+    if (a.index >= n || b.index >= n) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "no material %u in a world of %u",
+                       a.index >= n ? a.index : b.index, n - 1);
+    }
+    return PE_OK;
+}
+
+pe_status pe_world_set_pair(pe_world *world, pe_material_id a, pe_material_id b, double friction,
+                            double restitution, pe_error *error)
+{
+    pe_status status = check_pair(world, a, b, error);
+    if (status == PE_OK) {
+        status = check_surface(friction, restitution, error);
+    }
+    if (status == PE_OK) {
+        pe_material_pair surface = {friction, restitution};
+        *pe_material_pair_of(world, (int)a.index, (int)b.index) = surface;
+        *pe_material_pair_of(world, (int)b.index, (int)a.index) = surface;
+        world->contacts_stale = true;
+    }
+    return status;
+}

@@ -1,0 +1,178 @@
+/* The world's inside, seen by the phases of the step. */
+#ifndef PE_WORLD_H
+#define PE_WORLD_H
+
+#include "base/memory.h"
+#include "base/vec3.h"
+#include "broad_phase/broad_phase_state.h"
+#include "geometry.h"
+#include "sparse/pattern_store.h"
+
+/* Body slots start at 1: slot 0 is a static dummy, so that an id's index is its slot and 0 is null.
+ */
+
+/* Where a body is: all that collision reads. Its axes are the principal ones through the centre of
+ * mass, for a hull or mesh not those of its vertices: see geometry.h. */
+typedef struct pe_pose {
+    pe_vec3 position;
+    pe_quat orientation;
+    pe_mat3 rotation; /* of the orientation */
+} pe_pose;
+
+typedef struct pe_twist {
+    pe_vec3 velocity, angular_velocity;
+} pe_twist;
+
+typedef struct pe_mass {
+    double mass, inverse_mass;    /* 0 when static */
+    pe_vec3 inertia;              /* principal, in the body's axes; 0 when static */
+    double inverse_root_mass;     /* 1/sqrt(m) */
+    pe_vec3 inverse_root_inertia; /* 1/sqrt(I), componentwise */
+    bool spherical;               /* equal principal inertia: no gyroscopic torque */
+} pe_mass;
+
+typedef struct pe_body {
+    pe_shape shape;
+    const pe_geometry *geometry; /* of a hull or mesh, the world's; else NULL */
+    double bounding_radius;      /* about the position; 0 for a plane, which has no bound */
+    double size;  /* least half extent or radius: the scale of geometric tolerances */
+    int material; /* row of the surface table; 0 is the default material */
+    uint32_t generation;
+    bool alive, is_static;
+    int next_free; /* slot of the next free one, 0 ends the list */
+} pe_body;
+
+typedef struct pe_applied_force {
+    pe_vec3 force, torque;           /* world, for the next step */
+    pe_vec3 body_force, body_torque; /* in the body's axes, and turning with it */
+    bool turns;                      /* whether there is any of the latter */
+} pe_applied_force;
+
+typedef struct pe_material_pair {
+    double friction, restitution;
+} pe_material_pair;
+
+/* How a pair lay when its manifold was built: what tells whether the manifold still holds. */
+typedef struct pe_built {
+    pe_vec3 position;                /* of the smaller body in the axes of the larger one */
+    pe_quat orientation;             /* of the smaller body relative to the larger one */
+    pe_vec3 normal;                  /* in the axes of the body whose face it is of */
+    double least_margin, end_margin; /* m: the same points at every margin in [least, end) */
+    bool normal_on_b;
+} pe_built;
+
+/* A patch of a touching or nearly touching pair: points first .. first + count - 1 share its
+ * normal.
+ */
+typedef struct pe_manifold {
+    int a, b;       /* slots, a < b */
+    pe_vec3 normal; /* unit, from a to b */
+    int first, count;
+    double least_separation; /* m, of its points */
+    double friction, restitution;
+    bool kept; /* its points are those of the list before, carried along */
+    pe_built built;
+} pe_manifold;
+
+typedef struct pe_manifold_point {
+    pe_vec3 position;           /* world, halfway between the two surfaces, when it was found */
+    pe_vec3 anchor_a, anchor_b; /* the same point on either surface, in that body's axes */
+    double separation;          /* m, when it was found */
+    uint64_t feature;           /* names the features that touch: the same from step to step */
+    pe_vec3 impulse;            /* on b, world */
+} pe_manifold_point;
+
+enum {
+    PE_MAX_POINTS = 8,    /* of a manifold */
+    PE_MAX_MANIFOLDS = 16 /* manifolds of a pair */
+};
+
+/* The contacts of one step, sorted by (a, b); those of one pair stand together. */
+typedef struct pe_contacts {
+    pe_array manifold_array, point_array;
+    int manifold_count, point_count;
+} pe_contacts;
+
+struct pe_world {
+    pe_world_def def;
+    pe_allocator allocator;
+
+    pe_array body_array, pose_array, twist_array, mass_array, applied_force_array;
+    bool loaded;    /* a force was applied since the last step */
+    int slot_count; /* slots in use or free, the dummy included */
+    int first_free;
+
+    pe_array geometry_array; /* (geometry_count) pointers to pe_geometry */
+    int geometry_count;
+
+    pe_array material_pair_array; /* (material_count x material_count), row-major */
+    int material_count;
+
+    pe_broad broad;
+
+    /* `contacts` are those at the poses now, to be solved next, with the impulses they start from;
+     * `solved` those of the last step with the impulses it found; `previous` is the list that was
+     * replaced last. */
+    pe_contacts contacts, previous, solved;
+    pe_contacts part, part_previous; /* the same of an island that moves in parts (impact.h) */
+    double previous_dt;
+    bool contacts_stale; /* bodies or materials were changed since `contacts` were found */
+
+    pe_pattern_store patterns;
+    pe_arena arena;
+};
+
+static inline pe_body *pe_bodies(const pe_world *world)
+{
+    return world->body_array.items;
+}
+
+static inline pe_pose *pe_poses(const pe_world *world)
+{
+    return world->pose_array.items;
+}
+
+static inline pe_twist *pe_twists(const pe_world *world)
+{
+    return world->twist_array.items;
+}
+
+static inline pe_mass *pe_masses(const pe_world *world)
+{
+    return world->mass_array.items;
+}
+
+static inline pe_applied_force *pe_applied_forces(const pe_world *world)
+{
+    return world->applied_force_array.items;
+}
+
+static inline pe_manifold *pe_manifolds(const pe_contacts *contacts)
+{
+    return contacts->manifold_array.items;
+}
+
+static inline pe_manifold_point *pe_manifold_points(const pe_contacts *contacts)
+{
+    return contacts->point_array.items;
+}
+
+/* Friction and restitution of two materials, by index. */
+static inline pe_material_pair *pe_material_pair_of(const pe_world *world, int a, int b)
+{
+    return (pe_material_pair *)world->material_pair_array.items +
+           (size_t)a * (size_t)world->material_count + b;
+}
+
+static inline pe_workspace pe_step_memory(pe_world *world)
+{
+    return (pe_workspace){&world->arena, &world->allocator};
+}
+
+/* Takes from the step's arena. */
+static inline void *pe_scratch(pe_world *world, size_t count, size_t stride)
+{
+    return pe_arena_take(&world->arena, &world->allocator, count, stride);
+}
+
+#endif

@@ -1,0 +1,475 @@
+/* Box against box: separating axes, then face clipping or the nearest points of two edges.
+ *
+ * Of the 15 axes (Gottschalk, Lin, Manocha 1996) the one of largest separation is the normal. A
+ * face that looks along it, or nearly, is the reference: the facing face of the other box is
+ * clipped along the normal against its sides (Sutherland and Hodgman 1974), at most 8 points, each
+ * named by the two edges that bound it. So nearly flat bricks keep all their points, and the names
+ * of these, when a pair of edges or the other box's face separates a trifle more than the face.
+ *
+ * An axis that separates gives a lower bound of the distance. When no point has it, the nearest
+ * features are a corner and a corner or edge, or edges off the axis: polytope_distance.c.
+ *
+ * Everything is worked out in the axes of the boxes; the world is met again at the points. */
+#include "polytope.h"
+
+/* Tolerances, in units of the smaller box. */
+static const double TIE = 1e-10; /* axes that tie: a face of the first box, of the second, edges */
+/* The second box's face must separate more by this to be the reference: a resting stack must choose
+ * the same one at every step. */
+static const double REFERENCE_BIAS = 1e-5;
+static const double CLIP_SLACK = 1e-8;     /* points this far outside still lie on the face */
+static const double SAME_DISTANCE = 5e-10; /* a point that has the separation of the axis */
+
+/* Cosine of the angle between a face and the normal up to which it is the reference. */
+static const double FLAT = 0.995;
+/* Square of the sine of the angle of two edges below which the quick test of their axis loses
+ * digits, and below which the axis is rounding alone. */
+static const double SMALL_SINE2 = 1e-6, LEAST_SINE2 = 1e-24;
+static const double ROUNDING = 1e-15; /* of the quick test, in units of the lengths in it */
+
+typedef struct axis_choice {
+    double separation;
+    int i, j; /* face: axis i; edges: axis i of the first box, j of the second */
+} axis_choice;
+
+/* One box as the other sees it. */
+typedef struct box_side {
+    const pe_pose *pose;
+    double extent[3];
+    double offset[3]; /* the other's centre from this one's, in this one's axes */
+    double r[3][3];   /* r[i][j]: this one's axis i times the other's axis j */
+} box_side;
+
+typedef struct box_pair {
+    box_side a, b;
+    double reach[3][3]; /* |a.r| */
+} box_pair;
+
+static void store(double to[3], pe_vec3 v)
+{
+    to[0] = v.x, to[1] = v.y, to[2] = v.z;
+}
+
+static pe_vec3 axis_of(const box_side *box, int k)
+{
+    return pe_axis(&box->pose->rotation, k);
+}
+
+static void describe(pe_placed a, pe_placed b, box_pair *p)
+{
+    const pe_mat3 *ra = &a.pose->rotation, *rb = &b.pose->rotation;
+    pe_vec3 offset = pe_sub(b.pose->position, a.pose->position);
+    p->a.pose = a.pose;
+    p->b.pose = b.pose;
+    store(p->a.extent, a.shape->half_extents);
+    store(p->b.extent, b.shape->half_extents);
+    store(p->a.offset, pe_unrotate(ra, offset));
+    store(p->b.offset, pe_unrotate(rb, pe_scale(-1, offset)));
+    for (int i = 0; i < 3; ++i) {
+        pe_vec3 row = pe_unrotate(rb, pe_axis(ra, i));
+        store(p->a.r[i], row);
+        p->b.r[0][i] = row.x;
+        p->b.r[1][i] = row.y;
+        p->b.r[2][i] = row.z;
+        store(p->reach[i], pe_v3(fabs(row.x), fabs(row.y), fabs(row.z)));
+    }
+}
+
+/* The best face axis of each box; false as soon as one separates by more than the margin. */
+static bool test_faces(const box_pair *p, double margin, axis_choice *a, axis_choice *b)
+{
+    const double *ea = p->a.extent, *eb = p->b.extent;
+    *a = *b = (axis_choice){.separation = -HUGE_VAL};
+    for (int k = 0; k < 3; ++k) {
+        const double *q = p->reach[k];
+        double s = fabs(p->a.offset[k]) - ea[k] - (eb[0] * q[0] + eb[1] * q[1] + eb[2] * q[2]);
+        if (s > margin) {
+            return false;
+        }
+        if (s > a->separation) {
+            *a = (axis_choice){.separation = s, .i = k};
+        }
+    }
+    for (int k = 0; k < 3; ++k) {
+        double reach_a = ea[0] * p->reach[0][k] + ea[1] * p->reach[1][k] + ea[2] * p->reach[2][k];
+        double s = fabs(p->b.offset[k]) - eb[k] - reach_a;
+        if (s > margin) {
+            return false;
+        }
+        if (s > b->separation) {
+            *b = (axis_choice){.separation = s, .i = k};
+        }
+    }
+    return true;
+}
+
+/* Whether s / sqrt(square) > t, for square > 0, without the root. */
+static bool quotient_exceeds(double s, double square, double t)
+{
+    return t < 0 ? s >= 0 || s * s < t * t * square : s > 0 && s * s > t * t * square;
+}
+
+/* The cross of edges i and j in the axes of the first box, unnormalised: exact where the edges are
+ * nearly parallel. */
+static pe_vec3 cross_of(const box_pair *p, int i, int j)
+{
+    int i1 = i < 2 ? i + 1 : 0, i2 = i > 0 ? i - 1 : 2;
+    double n[3];
+    n[i] = 0;
+    n[i1] = -p->a.r[i2][j];
+    n[i2] = p->a.r[i1][j];
+    return pe_v3(n[0], n[1], n[2]);
+}
+
+/* The separation along a direction in the axes of the first box, without cancellation. */
+static double separation_along(const box_pair *p, pe_vec3 n)
+{
+    const double *t = p->a.offset, *ea = p->a.extent;
+    double c[3] = {n.x, n.y, n.z}, s = fabs(t[0] * n.x + t[1] * n.y + t[2] * n.z);
+    for (int k = 0; k < 3; ++k) {
+        double along = c[0] * p->a.r[0][k] + c[1] * p->a.r[1][k] + c[2] * p->a.r[2][k];
+        s -= ea[k] * fabs(c[k]) + p->b.extent[k] * fabs(along);
+    }
+    return s;
+}
+
+/* Replaces *best by an axis of nearly parallel edges that is better; `pairs` has bit 3 i + j set
+ * for edges i and j. */
+static void test_parallel(const box_pair *p, unsigned pairs, double tie, axis_choice *best)
+{
+    for (int k = 0; k < 9; ++k) {
+        pe_vec3 n = cross_of(p, k / 3, k % 3);
+        if (pairs >> k & 1) {
+            double s = separation_along(p, pe_scale(1 / pe_length(n), n));
+            if (s > best->separation + tie) {
+                *best = (axis_choice){s, k / 3, k % 3};
+            }
+        }
+    }
+}
+
+/* The best pair of edges, of those better than best->separation by `tie`; false as soon as one
+ * separates by more than the margin. */
+static bool test_edges(const box_pair *p, double margin, double tie, axis_choice *best)
+{
+    const double *ea = p->a.extent, *eb = p->b.extent, *t = p->a.offset;
+    double exceed = best->separation + tie;
+    unsigned parallel = 0;
+    for (int i = 0; i < 3; ++i) {
+        int i1 = i < 2 ? i + 1 : 0, i2 = i > 0 ? i - 1 : 2;
+        const double *r1 = p->a.r[i1], *r2 = p->a.r[i2];
+        const double *q = p->reach[i], *q1 = p->reach[i1], *q2 = p->reach[i2];
+        for (int j = 0; j < 3; ++j) {
+            int j1 = j < 2 ? j + 1 : 0, j2 = j > 0 ? j - 1 : 2;
+            double sine2 = 1 - q[j] * q[j];
+            /* |offset . (a_i x b_j)| less the reach of both boxes along it, unnormalised. */
+            double s = fabs(t[i2] * r1[j] - t[i1] * r2[j]) - (ea[i1] * q2[j] + ea[i2] * q1[j]) -
+                       (eb[j1] * q[j2] + eb[j2] * q[j1]);
+            if (sine2 < SMALL_SINE2) {
+                double lengths = ea[i1] + ea[i2] + eb[j1] + eb[j2] + fabs(t[i1]) + fabs(t[i2]);
+                sine2 = r1[j] * r1[j] + r2[j] * r2[j];
+                bool may_gain =
+                    sine2 > LEAST_SINE2 && quotient_exceeds(s + ROUNDING * lengths, sine2, exceed);
+                parallel |= (unsigned)may_gain << (3 * i + j);
+                continue;
+            }
+            if (!quotient_exceeds(s, sine2, exceed)) {
+                continue;
+            }
+            *best = (axis_choice){s / sqrt(sine2), i, j};
+            exceed = best->separation + tie;
+            if (best->separation > margin) {
+                return false;
+            }
+        }
+    }
+    if (parallel != 0) {
+        test_parallel(p, parallel, tie, best);
+    }
+    return best->separation <= margin;
+}
+
+/* The middle of the box's edge along axis k that lies farthest along the direction. Names the edge
+ * by the signs of the two other axes. */
+static pe_vec3 far_edge(const box_side *box, int k, pe_vec3 direction, uint32_t *name)
+{
+    pe_vec3 x = box->pose->position;
+    *name = (uint32_t)k;
+    for (int m = 1; m < 3; ++m) {
+        int q = (k + m) % 3;
+        bool positive = pe_dot(axis_of(box, q), direction) > 0;
+        x = pe_madd(x, positive ? box->extent[q] : -box->extent[q], axis_of(box, q));
+        *name = *name << 1 | positive;
+    }
+    return x;
+}
+
+/* The normal of a pair of edges, from the first box to the second. */
+static pe_vec3 edge_normal(const box_pair *p, axis_choice edge)
+{
+    pe_vec3 n = pe_rotate(&p->a.pose->rotation, cross_of(p, edge.i, edge.j));
+    bool against = pe_dot(n, pe_sub(p->b.pose->position, p->a.pose->position)) < 0;
+    return pe_scale((against ? -1 : 1) / pe_length(n), n);
+}
+
+/* The nearest points of two edges. False when they do not have the separation of the axis, as they
+ * do where the boxes overlap. */
+static bool edge_contact(const box_pair *p, axis_choice edge, pe_vec3 n, double tolerance,
+                         pe_pair_manifold *hits)
+{
+    pe_vec3 u = axis_of(&p->a, edge.i), v = axis_of(&p->b, edge.j);
+    uint32_t name_a, name_b;
+    pe_vec3 x = far_edge(&p->a, edge.i, n, &name_a);
+    pe_vec3 y = far_edge(&p->b, edge.j, pe_scale(-1, n), &name_b);
+
+    /* They cross at x + s u and y + t v, within what they have beside each other. */
+    pe_vec3 d = pe_sub(y, x), w = pe_cross(u, v);
+    double square = pe_dot(w, w), ea = p->a.extent[edge.i], eb = p->b.extent[edge.j];
+    double middle = pe_dot(d, u), reach = eb * fabs(p->a.r[edge.i][edge.j]);
+    double s = square > 0 ? pe_dot(pe_cross(d, v), w) / square : middle;
+    s = pe_max(pe_max(-ea, middle - reach), pe_min(pe_min(ea, middle + reach), s));
+    x = pe_madd(x, s, u);
+    y = pe_madd(y, pe_max(-eb, pe_min(eb, pe_dot(pe_sub(x, y), v))), v);
+    pe_vec3 rest = pe_madd(pe_sub(y, x), -edge.separation, n);
+    if (edge.separation > 0 && pe_length(rest) > tolerance) {
+        return false;
+    }
+    hits->normal = n;
+    hits->count = 1;
+    hits->item[0] = (pe_pair_point){
+        .position = pe_scale(0.5, pe_add(x, y)),
+        .separation = edge.separation,
+        .feature = 1u << 31 | name_a << 8 | name_b,
+    };
+    return true;
+}
+
+/* A corner of the polygon being clipped: coordinates on the reference face and height over it, with
+ * the name of the edge that leads on from it. */
+typedef struct corner {
+    double x[2], height;
+    uint32_t edge;
+} corner;
+
+enum { MAX_CORNERS = PE_MAX_POINTS + 4 };
+
+/* Keeps the part of `in` where the distances past the clip line are not above the slack. A way out
+ * from a corner that is inside by the slack alone crosses the line there. */
+static int clip(const corner *in, const double *past, double slack, int count, uint32_t clip_edge,
+                corner *out)
+{
+    int kept = 0;
+    /* A convex polygon never fills the room; one that rounding made otherwise must not overrun it.
+     */
+    for (int i = 0; i < count && kept + 2 <= MAX_CORNERS; ++i) {
+        int next = i + 1 < count ? i + 1 : 0;
+        bool here = past[i] <= slack, there = past[next] <= slack;
+        if (here) {
+            out[kept++] = in[i];
+        }
+        if (here != there) {
+            const corner *p = here ? &in[i] : &in[next], *q = here ? &in[next] : &in[i];
+            double inner = pe_min(0, here ? past[i] : past[next]);
+            double t = inner / (inner - (here ? past[next] : past[i]));
+            out[kept++] = (corner){
+                .x = {p->x[0] + t * (q->x[0] - p->x[0]), p->x[1] + t * (q->x[1] - p->x[1])},
+                .height = p->height + t * (q->height - p->height),
+                .edge = here ? clip_edge : in[i].edge,
+            };
+        }
+    }
+    return kept;
+}
+
+/* Clips against the rectangle |x[0]| <= bound[0], |x[1]| <= bound[1], whose edges are named 4 .. 7.
+ * The polygon reaches from middle - reach to middle + reach in x. Returns where it then is:
+ * `polygon` itself, which is overwritten, or `spare`. */
+static corner *clip_to_rectangle(corner *polygon, corner *spare, int *count, const double middle[2],
+                                 const double reach[2], const double bound[2], double slack)
+{
+    for (uint32_t line = 0; line < 4; ++line) {
+        int k = line < 2 ? 0 : 1;
+        double sign = line % 2 == 0 ? 1 : -1, past[MAX_CORNERS];
+        if (!(sign * middle[k] + reach[k] > bound[k] + slack)) {
+            continue;
+        }
+        for (int i = 0; i < *count; ++i) {
+            past[i] = sign * polygon[i].x[k] - bound[k];
+        }
+        *count = clip(polygon, past, slack, *count, 4 + line, spare);
+        corner *clipped = spare;
+        spare = polygon;
+        polygon = clipped;
+    }
+    return polygon;
+}
+
+/* A face as reference: that of axis k towards the other box. */
+typedef struct reference {
+    const box_side *box, *other;
+    int k;
+    bool flipped;   /* the box is the second one */
+    bool tilted;    /* the normal is not the face's own */
+    pe_vec3 normal; /* of the contact, in the world, out of the box */
+} reference;
+
+/* Replaces the height over the face by that along the normal, and the place by the foot along it.
+ */
+static void shear(double x[3], const double tilt[2], double along)
+{
+    x[2] /= along;
+    x[0] -= tilt[0] * x[2];
+    x[1] -= tilt[1] * x[2];
+}
+
+/* The facing face of the other box, clipped along the normal. Returns the least separation of its
+ * points, whether within the margin or not. */
+static double face_contact(const reference *r, double size, double margin, pe_pair_manifold *hits)
+{
+    const box_side *box = r->box, *other = r->other;
+    int k = r->k, ku = k < 2 ? k + 1 : 0, kv = k > 0 ? k - 1 : 2;
+    double side = box->offset[k] < 0 ? -1 : 1; /* the face's own normal is side * axis[k] */
+    pe_vec3 face = pe_scale(side, axis_of(box, k)), tu = axis_of(box, ku), tv = axis_of(box, kv);
+
+    /* The facing face: the axis of the other box most opposed to the reference face. */
+    int m = 0;
+    for (int q = 1; q < 3; ++q) {
+        m = fabs(box->r[k][q]) > fabs(box->r[k][m]) + 1e-9 ? q : m;
+    }
+    double facing = side * box->r[k][m] > 0 ? -1 : 1;
+    int mu = m < 2 ? m + 1 : 0, mv = m > 0 ? m - 1 : 2;
+
+    /* Its middle and half edges, with heights in the last place. */
+    double along = r->tilted ? pe_dot(r->normal, face) : 1;
+    double tilt[2] = {0, 0};
+    if (r->tilted) {
+        tilt[0] = pe_dot(r->normal, tu);
+        tilt[1] = pe_dot(r->normal, tv);
+    }
+    const double *e = other->extent;
+    const double *row[3] = {box->r[ku], box->r[kv], box->r[k]};
+    double origin[3] = {box->offset[ku], box->offset[kv], box->offset[k]}, middle[3], u[3], v[3];
+    for (int q = 0; q < 3; ++q) {
+        double scale = q < 2 ? 1 : side;
+        middle[q] = scale * (origin[q] + facing * e[m] * row[q][m]);
+        u[q] = scale * e[mu] * row[q][mu];
+        v[q] = scale * e[mv] * row[q][mv];
+    }
+    middle[2] -= box->extent[k];
+    if (r->tilted) {
+        shear(middle, tilt, along);
+        shear(u, tilt, along);
+        shear(v, tilt, along);
+    }
+    corner buffer[2][MAX_CORNERS];
+    for (uint32_t c = 0; c < 4; ++c) {
+        double su = c == 0 || c == 3 ? -1 : 1, sv = c < 2 ? -1 : 1;
+        buffer[0][c] = (corner){
+            .x = {middle[0] + su * u[0] + sv * v[0], middle[1] + su * u[1] + sv * v[1]},
+            .height = middle[2] + su * u[2] + sv * v[2],
+            .edge = c,
+        };
+    }
+    int count = 4;
+    const double bound[2] = {box->extent[ku], box->extent[kv]};
+    const double reach[2] = {fabs(u[0]) + fabs(v[0]), fabs(u[1]) + fabs(v[1])};
+    const corner *polygon =
+        clip_to_rectangle(buffer[0], buffer[1], &count, middle, reach, bound, CLIP_SLACK * size);
+
+    uint32_t faces = (uint32_t)r->flipped << 6 | (uint32_t)(2 * k + (side > 0)) << 3 |
+                     (uint32_t)(2 * m + (facing > 0));
+    double least = HUGE_VAL;
+    pe_vec3 centre = pe_madd(box->pose->position, box->extent[k], face);
+    for (int i = 0; i < count && hits->count < PE_MAX_POINTS; ++i) {
+        const corner *c = &polygon[i];
+        least = pe_min(least, c->height);
+        if (c->height > margin) {
+            hits->end_margin = pe_min(hits->end_margin, c->height);
+            continue;
+        }
+        hits->least_margin = pe_max(hits->least_margin, c->height);
+        pe_vec3 x = pe_madd(pe_madd(centre, c->x[0], tu), c->x[1], tv);
+        uint32_t edge_in = polygon[i > 0 ? i - 1 : count - 1].edge;
+        hits->item[hits->count++] = (pe_pair_point){
+            .position = pe_madd(x, 0.5 * c->height, r->normal),
+            .separation = c->height,
+            .feature = faces << 6 | edge_in << 3 | c->edge,
+        };
+    }
+    hits->normal = r->flipped ? pe_scale(-1, r->normal) : r->normal;
+    return least;
+}
+
+/* Whether the face of axis k of a box looks along the normal out of the box. */
+static bool looks_along(const box_side *box, int k, pe_vec3 normal)
+{
+    return (box->offset[k] < 0 ? -1 : 1) * pe_dot(axis_of(box, k), normal) >= FLAT;
+}
+
+/* The reference for the normal n of two edges, if one of the best faces may be. */
+static bool reference_of_edges(const box_pair *p, axis_choice face_a, axis_choice face_b, pe_vec3 n,
+                               double bias, reference *r)
+{
+    pe_vec3 back = pe_scale(-1, n);
+    bool a = looks_along(&p->a, face_a.i, n), b = looks_along(&p->b, face_b.i, back);
+    bool flipped = b && (!a || face_b.separation > face_a.separation + bias);
+    *r = flipped ? (reference){&p->b, &p->a, face_b.i, true, true, back}
+                 : (reference){&p->a, &p->b, face_a.i, false, true, n};
+    return a || b;
+}
+
+/* The reference for the normal n of one of the faces: the first box's unless that is clearly
+ * worse. */
+static reference reference_of_faces(const box_pair *p, axis_choice face_a, axis_choice face_b,
+                                    bool of_b, pe_vec3 n, double bias)
+{
+    double cosine = p->a.r[face_a.i][face_b.i]; /* of the axes; of the normals but for the sides */
+    bool same_side = (p->a.offset[face_a.i] < 0) == (p->b.offset[face_b.i] < 0);
+    bool flat = (same_side ? -cosine : cosine) >= FLAT;
+    if (of_b && (!flat || face_b.separation > face_a.separation + bias)) {
+        return (reference){&p->b, &p->a, face_b.i, true, false, pe_scale(-1, n)};
+    }
+    return (reference){&p->a, &p->b, face_a.i, false, of_b, n};
+}
+
+/* The normal of a face, from the first box to the second. */
+static pe_vec3 face_normal(const box_side *box, int k, bool flipped)
+{
+    return pe_scale((box->offset[k] < 0) != flipped ? -1 : 1, axis_of(box, k));
+}
+
+void pe_collide_box_box(pe_placed a, pe_placed b, double margin, pe_pair_manifold *hits)
+{
+    box_pair p;
+    axis_choice face_a, face_b;
+    describe(a, b, &p);
+    if (!test_faces(&p, margin, &face_a, &face_b)) {
+        return;
+    }
+    double size = pe_min(a.size, b.size), tie = TIE * size, tolerance = SAME_DISTANCE * size;
+    bool of_b = face_b.separation > face_a.separation + tie;
+    axis_choice best = of_b ? face_b : face_a, edge = {.separation = best.separation};
+    if (!test_edges(&p, margin, tie, &edge)) {
+        return;
+    }
+    bool of_edges = edge.separation > best.separation;
+    double separation = edge.separation;
+    pe_vec3 n = of_edges ? edge_normal(&p, edge) : face_normal(of_b ? &p.b : &p.a, best.i, of_b);
+    hits->least_margin = separation;
+    hits->normal_on_b = of_b && !of_edges;
+    double bias = REFERENCE_BIAS * size;
+    reference r;
+    bool has_reference = true;
+    if (of_edges) {
+        has_reference = reference_of_edges(&p, face_a, face_b, n, bias, &r);
+    } else {
+        r = reference_of_faces(&p, face_a, face_b, of_b, n, bias);
+    }
+    if (has_reference ? face_contact(&r, size, margin, hits) <= separation + tolerance
+                      : edge_contact(&p, edge, n, tolerance, hits)) {
+        return;
+    }
+    /* No point has the separation: that of corners. */
+    pe_pair_manifold_clear(hits);
+    pe_collide_polytopes(a, b, margin, hits);
+}

@@ -1,0 +1,92 @@
+#include "problem.h"
+
+#include <math.h>
+#include <string.h>
+
+void pe_problem_rebuild_velocity(const pe_problem *problem)
+{
+    size_t bodies = (size_t)problem->body_count + 1;
+    double(*v)[6] = problem->velocity;
+    memset(v, 0, bodies * sizeof *v);
+    for (int i = 0; i < problem->patch_count; ++i) {
+        const pe_solver_manifold *patch = &problem->patch[i];
+        double wrench[6] = {0};
+        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+            pe_wrench_add(&problem->point[j], problem->impulse[j], wrench);
+        }
+        pe_solver_manifold_push(patch, wrench, v);
+    }
+    for (size_t k = 0; k < bodies; ++k) {
+        double gained[6];
+        pe_inverse_mass_times(&problem->inertia[k], v[k], gained);
+        for (int j = 0; j < 6; ++j) {
+            v[k][j] = problem->free_velocity[k][j] + gained[j];
+        }
+    }
+}
+
+double pe_cone_residual(double friction, double scale, const double p[3], const double u[3])
+{
+    double z[3] = {p[0] - u[0] / scale, p[1] - u[1] / scale, p[2] - u[2] / scale};
+    if (friction == 0) {
+        return scale * fabs(p[0] - (z[0] > 0 ? z[0] : 0));
+    }
+    /* The projection of z on the cone K. */
+    double along = sqrt(z[1] * z[1] + z[2] * z[2]);
+    if (friction * along <= -z[0]) {
+        z[0] = z[1] = z[2] = 0;
+    } else if (!(along <= friction * z[0])) { /* a friction that is no number too */
+        double n = (z[0] + friction * along) / (1 + friction * friction);
+        z[1] *= friction * n / along;
+        z[2] *= friction * n / along;
+        z[0] = n;
+    }
+    double d[3] = {p[0] - z[0], p[1] - z[1], p[2] - z[2]};
+    return scale * sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+double pe_point_residual(double friction, double scale, const double p[3], const double u[3])
+{
+    if (p[0] == 0 && p[1] == 0 && p[2] == 0 && u[0] >= 0) {
+        return 0; /* open: no impulse, no approach */
+    }
+    double lifted[3] = {u[0] + friction * sqrt(u[1] * u[1] + u[2] * u[2]), u[1], u[2]};
+    return pe_cone_residual(friction, scale, p, lifted);
+}
+
+pe_residual pe_problem_residual(const pe_problem *problem)
+{
+    pe_residual residual = {0};
+    for (int i = 0; i < problem->patch_count; ++i) {
+        const pe_solver_manifold *patch = &problem->patch[i];
+        double q[6], u[3];
+        pe_solver_manifold_twist(patch, (const double(*)[6])problem->velocity, q);
+        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+            const pe_solver_point *point = &problem->point[j];
+            pe_point_velocity(point, q, u);
+            double e = pe_point_residual(patch->friction, point->scale, problem->impulse[j], u);
+            residual.rms += e * e;
+            residual.max = e > residual.max || e != e ? e : residual.max;
+        }
+    }
+    if (problem->point_count > 0) {
+        residual.rms = sqrt(residual.rms / problem->point_count);
+    }
+    return residual;
+}
+
+/* The trace of -[r] A [r] for a symmetric A: |r|^2 tr A - r . A r. */
+static double turning_trace(const double a[6], const double r[3])
+{
+    double ar[3];
+    pe_symmetric_times(a, r, ar);
+    return pe_dot3(r, r) * (a[0] + a[3] + a[5]) - pe_dot3(r, ar);
+}
+
+double pe_point_scale(const pe_inertia *a, const pe_inertia *b, const double ra[3],
+                      const double rb[3])
+{
+    return (3 * (a->inverse_mass + b->inverse_mass) + turning_trace(a->inverse_tensor, ra) +
+            turning_trace(b->inverse_tensor, rb)) /
+           3;
+}

@@ -1,4 +1,0 @@
-/* One patch at a time. */
-#define PE_WIDTH 1
-#define PE_KERNEL pe_sweep_kernel_1
-#include "solve/sweep_kernel.h"

@@ -1,0 +1,164 @@
+/* The contact problems of the coming step, copied out of the world. */
+#include "contact/contact.h"
+#include "plumb/contact_problem.h"
+#include "problem/problem_build.h"
+
+#include <math.h>
+#include <string.h>
+
+static void copy_bodies(const pe_world *world, const pe_island_problem *from,
+                        pe_contact_problem *to)
+{
+    for (int i = 0; i < to->body_count; ++i) {
+        const pe_inertia *inertia = &from->problem.inertia[i];
+        pe_problem_body *body = &to->bodies[i];
+        int slot = from->slot[i];
+        body->mass = inertia->mass;
+        body->id = (pe_body_id){(uint32_t)slot, pe_bodies(world)[slot].generation};
+        memcpy(body->inertia, inertia->tensor, sizeof body->inertia);
+        memcpy(body->free_velocity, from->problem.free_velocity[i], sizeof body->free_velocity);
+    }
+}
+
+static void copy_contacts(const pe_problem *from, pe_contact_problem *to)
+{
+    const int fixed = from->body_count;
+    for (int i = 0; i < to->manifold_count; ++i) {
+        const pe_solver_manifold *patch = &from->patch[i];
+        pe_problem_manifold *m = &to->manifolds[i];
+        m->a = patch->a == fixed ? PE_STATIC : patch->a;
+        m->b = patch->b == fixed ? PE_STATIC : patch->b;
+        m->first = patch->first;
+        m->count = patch->count;
+        m->friction = patch->friction;
+        memcpy(m->frame, patch->frame, sizeof m->frame);
+        if (m->a != PE_STATIC) {
+            memcpy(m->arm_a, patch->arm_a, sizeof m->arm_a);
+        }
+        if (m->b != PE_STATIC) {
+            memcpy(m->arm_b, patch->arm_b, sizeof m->arm_b);
+        }
+    }
+    for (int j = 0; j < to->point_count; ++j) {
+        to->points[j].bias = from->point[j].bias;
+        memcpy(to->points[j].slip, from->point[j].slip, sizeof to->points[j].slip);
+        memcpy(to->points[j].offset, from->point[j].s, sizeof to->points[j].offset);
+        memcpy(to->points[j].impulse, from->impulse[j], sizeof to->points[j].impulse);
+    }
+}
+
+static pe_status capture_island(pe_world *world, const pe_islands *islands, int k,
+                                const pe_free_motion *free, double dt,
+                                pe_contact_problem **captured, pe_error *error)
+{
+    pe_island_problem built;
+    pe_status status = pe_problem_build(world, islands, k, free, dt, &built, error);
+    if (status == PE_OK) {
+        status = pe_contact_problem_create(built.problem.body_count, built.problem.patch_count,
+                                           built.problem.point_count, &world->allocator, captured,
+                                           error);
+    }
+    if (status == PE_OK) {
+        copy_bodies(world, &built, *captured);
+        copy_contacts(&built.problem, *captured);
+    }
+    return status;
+}
+
+/* All islands of the contacts as they are. */
+static pe_status capture_all(pe_world *world, double dt, pe_contact_problem ***problems, int *count,
+                             pe_error *error)
+{
+    pe_islands islands;
+    pe_free_motion *free = pe_scratch(world, (size_t)world->slot_count, sizeof *free);
+    if (free == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %d velocities", world->slot_count);
+    }
+    pe_status status = pe_islands_find(world, &islands, error);
+    if (status != PE_OK || islands.count == 0) {
+        return status;
+    }
+    pe_contact_problem **made =
+        world->allocator.allocate(world->allocator.context, (size_t)islands.count * sizeof *made);
+    if (made == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %d problems", islands.count);
+    }
+    pe_predict_motion(world, dt, free);
+    int done = 0;
+    while (done < islands.count && status == PE_OK) {
+        made[done] = NULL;
+        status = capture_island(world, &islands, done, free, dt, &made[done], error);
+        ++done;
+    }
+    if (status != PE_OK) {
+        for (int i = 0; i < done; ++i) {
+            pe_contact_problem_destroy(made[i]);
+        }
+        world->allocator.release(world->allocator.context, made);
+        return status;
+    }
+    *problems = made;
+    *count = done;
+    return PE_OK;
+}
+
+/* As the step does when bodies have been changed since the last one. */
+static pe_status renew_contacts(pe_world *world, double dt, pe_error *error)
+{
+    pe_pair *pairs;
+    int pair_count;
+    pe_status status = pe_broad_phase(world, dt, &pairs, &pair_count, error);
+    if (status == PE_OK) {
+        status = pe_contacts_find(world, pairs, pair_count, dt, error);
+    }
+    if (status == PE_OK) {
+        pe_contacts_match(world, dt);
+    }
+    return status;
+}
+
+pe_status pe_world_capture_problems(pe_world *world, double dt, pe_contact_problem ***problems,
+                                    int *count, pe_error *error)
+{
+    if (!(dt > 0) || !isfinite(dt)) {
+        return pe_fail(error, PE_BAD_ARGUMENT, "dt: expected a finite number above 0, found %g",
+                       dt);
+    }
+    *problems = NULL;
+    *count = 0;
+    pe_arena_reset(&world->arena, &world->allocator);
+    bool renewed = world->contacts_stale || dt != world->previous_dt;
+    if (renewed) {
+        pe_status status = renew_contacts(world, dt, error);
+        if (status != PE_OK) {
+            return status;
+        }
+    }
+    pe_status status = capture_all(world, dt, problems, count, error);
+    if (renewed) {
+        /* The step will renew them for itself, from the same list as here. */
+        pe_contacts captured = world->contacts;
+        world->contacts = world->previous;
+        world->previous = captured;
+    }
+    return status;
+}
+
+pe_contact_problem *pe_contact_problems_keep(pe_contact_problem **problems, int count, int index)
+{
+    if (count == 0) {
+        return NULL;
+    }
+    const pe_allocator allocator = problems[0]->allocator;
+    pe_contact_problem *kept = index < 0 ? NULL : problems[index];
+    for (int i = 0; i < count; ++i) {
+        pe_contact_problem_destroy(i == index ? NULL : problems[i]);
+    }
+    allocator.release(allocator.context, problems);
+    return kept;
+}
+
+void pe_contact_problems_destroy(pe_contact_problem **problems, int count)
+{
+    pe_contact_problems_keep(problems, count, -1);
+}

@@ -1,0 +1,126 @@
+#include "diagnostic.h"
+
+#include <ctype.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+static void push(pl_path *path, pl_path_step step)
+{
+    if (path->depth < PL_PATH_DEPTH) {
+        path->steps[path->depth] = step;
+    }
+    path->depth++;
+}
+
+void pl_path_push_key(pl_path *path, const char *key)
+{
+    push(path, (pl_path_step){.key = key});
+}
+
+void pl_path_push_index(pl_path *path, int index)
+{
+    push(path, (pl_path_step){.index = index});
+}
+
+void pl_path_pop(pl_path *path)
+{
+    path->depth--;
+}
+
+static bool is_plain_word(const char *key)
+{
+    if (!isalpha((unsigned char)key[0])) {
+        return false;
+    }
+    for (const char *c = key; *c != '\0'; c++) {
+        if (!isalnum((unsigned char)*c) && *c != '_') {
+            return false;
+        }
+    }
+    return strlen(key) < PL_NAME_SIZE;
+}
+
+void pl_path_text(const pl_path *path, const char *whole, char *text, size_t size)
+{
+    snprintf(text, size, "%s", path->depth == 0 ? whole : "");
+    for (int i = 0; i < path->depth && i < PL_PATH_DEPTH; i++) {
+        const pl_path_step *step = &path->steps[i];
+        size_t used = strlen(text);
+        char quoted[PL_QUOTED_SIZE];
+        if (step->key == NULL) {
+            snprintf(text + used, size - used, "[%d]", step->index);
+        } else if (is_plain_word(step->key)) {
+            snprintf(text + used, size - used, "%s%s", i == 0 ? "" : ".", step->key);
+        } else {
+            snprintf(text + used, size - used, "[%s]", pl_quoted(step->key, quoted));
+        }
+    }
+}
+
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 0)))
+#endif
+static void
+set_text(pl_diagnostic *diagnostic, const char *format, va_list arguments)
+{
+    diagnostic->status = PL_BAD_INPUT;
+    vsnprintf(diagnostic->text, sizeof diagnostic->text, format, arguments);
+}
+
+bool pl_complain(pl_diagnostic *diagnostic, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    set_text(diagnostic, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+bool pl_complain_of(pl_diagnostic *diagnostic, const char *key, const char *format, ...)
+{
+    pl_path_push_key(&diagnostic->path, key);
+    va_list arguments;
+    va_start(arguments, format);
+    set_text(diagnostic, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+bool pl_complain_of_reference(pl_diagnostic *diagnostic, const char *key, const char *kind,
+                              const char *name, const char *nearest)
+{
+    char quoted[PL_QUOTED_SIZE];
+    if (nearest == NULL) {
+        return pl_complain_of(diagnostic, key, "expected the name of a %s, found %s", kind,
+                              pl_quoted(name, quoted));
+    }
+    return pl_complain_of(diagnostic, key,
+                          "expected the name of a %s, found %s; did you mean \"%s\"?", kind,
+                          pl_quoted(name, quoted), nearest);
+}
+
+bool pl_complain_no_memory(pl_diagnostic *diagnostic)
+{
+    diagnostic->status = PL_NO_MEMORY;
+    snprintf(diagnostic->text, sizeof diagnostic->text, "out of memory");
+    return false;
+}
+
+const char *pl_quoted(const char *bytes, char text[PL_QUOTED_SIZE])
+{
+    enum { LONGEST = 40 };
+    const char *end = memchr(bytes, '\0', LONGEST + 1);
+    size_t length = end != NULL ? (size_t)(end - bytes) : LONGEST;
+    if (end == NULL) {
+        while (length > 0 && ((unsigned char)bytes[length] & 0xC0u) == 0x80u) {
+            length--; /* not in the middle of a UTF-8 character */
+        }
+    }
+    text[0] = '"';
+    for (size_t i = 0; i < length; i++) {
+        text[i + 1] = (char)(iscntrl((unsigned char)bytes[i]) ? '?' : bytes[i]);
+    }
+    snprintf(text + 1 + length, PL_QUOTED_SIZE - 1 - length, "%s\"", end == NULL ? "..." : "");
+    return text;
+}

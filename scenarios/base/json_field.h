@@ -1,0 +1,55 @@
+/* Typed members of JSON objects, with a diagnostic for every other type. Each function returns
+ * false after complaining; on true the path of the diagnostic is as before. An absent member that
+ * is not required leaves the output as it is, so that defaults are set beforehand. */
+#ifndef PLUMB_JSON_FIELD_H
+#define PLUMB_JSON_FIELD_H
+
+#include "diagnostic.h"
+
+#include <jansson.h>
+
+/* What an object of a scene file may have. */
+typedef struct pl_key_set {
+    const char *object; /* its name in the JSON Schema */
+    const char *const *keys;
+    int count;
+} pl_key_set;
+
+typedef enum pl_presence { PL_OPTIONAL, PL_REQUIRED } pl_presence;
+
+/* What was found, for messages: "nothing" (NULL), "null", "-1", "\"text\"", "an array of 2", ... */
+enum { PL_FOUND_SIZE = 80 };
+const char *pl_json_found(const json_t *json, char text[PL_FOUND_SIZE]);
+
+/* That `json`, at the path as it stands, is an object with no key but those of `keys`. */
+bool pl_json_object(const json_t *json, const pl_key_set *keys, pl_diagnostic *diagnostic);
+
+/* The array `key` in *array; NULL when it is absent and optional. */
+bool pl_json_array(const json_t *object, const char *key, pl_presence presence,
+                   const json_t **array, pl_diagnostic *diagnostic);
+
+bool pl_json_bool(const json_t *object, const char *key, bool *value, pl_diagnostic *diagnostic);
+bool pl_json_number(const json_t *object, const char *key, pl_presence presence, double *value,
+                    pl_diagnostic *diagnostic);
+
+/* An array of exactly `count` numbers. */
+bool pl_json_vector(const json_t *object, const char *key, pl_presence presence, double *values,
+                    int count, pl_diagnostic *diagnostic);
+
+/* The same, made of unit length where people wrote too few digits. */
+bool pl_json_unit(const json_t *object, const char *key, pl_presence presence, double *values,
+                  int count, pl_diagnostic *diagnostic);
+
+/* An array of arrays of three numbers, malloc'd: *triples is (*count). */
+bool pl_json_triples(const json_t *object, const char *key, double (**triples)[3], int *count,
+                     pl_diagnostic *diagnostic);
+
+/* Borrowed from `object`. `expected` says in a message what the string should be. */
+bool pl_json_string(const json_t *object, const char *key, pl_presence presence,
+                    const char *expected, const char **value, pl_diagnostic *diagnostic);
+
+/* A name, by the rules of pl_check_name. */
+bool pl_json_name(const json_t *object, const char *key, pl_presence presence,
+                  char name[PL_NAME_SIZE], pl_diagnostic *diagnostic);
+
+#endif

@@ -1,0 +1,36 @@
+#include "median.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static int ascending(const void *left, const void *right)
+{
+    double a = *(const double *)left, b = *(const double *)right;
+    return (a > b) - (a < b);
+}
+
+void pl_sort_numbers(double *values, int count)
+{
+    if (count > 16) {
+        qsort(values, (size_t)count, sizeof *values, ascending);
+        return;
+    }
+    for (int i = 1; i < count; ++i) {
+        double moved = values[i];
+        int place = i;
+        for (; place > 0 && moved < values[place - 1]; --place) {
+            values[place] = values[place - 1];
+        }
+        values[place] = moved;
+    }
+}
+
+double pl_median(double *values, int count)
+{
+    if (count == 0) {
+        return (double)NAN;
+    }
+    pl_sort_numbers(values, count);
+    int half = count / 2;
+    return count % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}

@@ -1,0 +1,161 @@
+/* A growing text. Failure is sticky, so that pages are written without a check a line. */
+#include "text_buffer.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void pl_text_free(pl_text_buffer *out)
+{
+    free(out->data);
+    *out = (pl_text_buffer){0};
+}
+
+/* Room for `extra` bytes and a zero. */
+static bool reserve(pl_text_buffer *out, size_t extra)
+{
+    if (out->failed)
+        return false;
+    size_t needed = out->length + extra + 1;
+    if (needed <= out->capacity)
+        return true;
+    size_t capacity = out->capacity < 1024 ? 1024 : out->capacity;
+    while (capacity < needed)
+        capacity *= 2;
+    char *data = realloc(out->data, capacity);
+    if (data == NULL) {
+        out->failed = true;
+        return false;
+    }
+    out->data = data;
+    out->capacity = capacity;
+    return true;
+}
+
+static void add_bytes(pl_text_buffer *out, const char *bytes, size_t count)
+{
+    if (!reserve(out, count))
+        return;
+    memcpy(out->data + out->length, bytes, count);
+    out->length += count;
+    out->data[out->length] = '\0';
+}
+
+void pl_text_add(pl_text_buffer *out, const char *text)
+{
+    add_bytes(out, text, strlen(text));
+}
+
+void pl_text_format(pl_text_buffer *out, const char *format, ...)
+{
+    va_list arguments, again;
+    va_start(arguments, format);
+    va_copy(again, arguments);
+    int count = vsnprintf(NULL, 0, format, arguments);
+    va_end(arguments);
+    if (count >= 0 && reserve(out, (size_t)count)) {
+        vsnprintf(out->data + out->length, (size_t)count + 1, format, again);
+        out->length += (size_t)count;
+    } else {
+        out->failed = true;
+    }
+    va_end(again);
+}
+
+void pl_text_add_html(pl_text_buffer *out, const char *text)
+{
+    for (const char *c = text; *c != '\0'; c++) {
+        unsigned char byte = (unsigned char)*c;
+        if (byte == '&')
+            pl_text_add(out, "&amp;");
+        else if (byte == '<')
+            pl_text_add(out, "&lt;");
+        else if (byte == '>')
+            pl_text_add(out, "&gt;");
+        else if (byte == '"')
+            pl_text_add(out, "&quot;");
+        else if (byte == '\'')
+            pl_text_add(out, "&#39;");
+        else if ((byte < 0x20 && byte != '\n' && byte != '\t') || byte == 0x7f)
+            pl_text_add(out, "\xef\xbf\xbd");
+        else
+            add_bytes(out, c, 1);
+    }
+}
+
+void pl_text_add_element(pl_text_buffer *out, const char *open, const char *text, const char *close)
+{
+    pl_text_add(out, open);
+    pl_text_add_html(out, text);
+    pl_text_add(out, close);
+}
+
+void pl_text_add_markdown(pl_text_buffer *out, const char *text)
+{
+    for (const char *c = text; *c != '\0'; c++) {
+        unsigned char byte = (unsigned char)*c;
+        if (byte < 0x20 || byte == 0x7f)
+            pl_text_add(out, " ");
+        else if (byte == '&')
+            pl_text_add(out, "&amp;");
+        else if (byte == '<')
+            pl_text_add(out, "&lt;");
+        else if (byte == '>')
+            pl_text_add(out, "&gt;");
+        else if (byte == '@') /* would notify a person of that name */
+            pl_text_add(out, "&#64;");
+        else if (strchr("\\|`*_[]~#$", byte) != NULL)
+            pl_text_format(out, "\\%c", byte);
+        else
+            add_bytes(out, c, 1);
+    }
+}
+
+void pl_text_add_csv(pl_text_buffer *out, const char *text)
+{
+    if (text[strcspn(text, ",\"\r\n")] == '\0') {
+        pl_text_add(out, text);
+        return;
+    }
+    pl_text_add(out, "\"");
+    for (const char *c = text; *c != '\0'; c++)
+        add_bytes(out, *c == '"' ? "\"\"" : c, *c == '"' ? 2 : 1);
+    pl_text_add(out, "\"");
+}
+
+/* Bytes of the code point that starts at `c`, never past the terminating zero. */
+static size_t code_point_length(const char *c)
+{
+    size_t length = 1;
+    while (((unsigned char)c[length] & 0xc0) == 0x80)
+        length++;
+    return length;
+}
+
+int pl_text_add_plain(pl_text_buffer *out, const char *text, int columns)
+{
+    int total = 0;
+    for (const char *c = text; *c != '\0'; c += code_point_length(c))
+        total++;
+    int kept = total <= columns ? total : columns - 1;
+    const char *c = text;
+    for (int i = 0; i < kept; i++) {
+        size_t length = code_point_length(c);
+        unsigned char first = (unsigned char)c[0];
+        bool c1 = first == 0xc2 && length == 2 && (unsigned char)c[1] < 0xa0;
+        if (first == '\n' || first == '\t')
+            pl_text_add(out, " ");
+        else if (first < 0x20 || first == 0x7f || c1)
+            pl_text_add(out, "?");
+        else
+            add_bytes(out, c, length);
+        c += length;
+    }
+    if (kept == total)
+        return total;
+    if (columns < 1)
+        return 0;
+    pl_text_add(out, "…");
+    return columns;
+}

@@ -1,0 +1,55 @@
+/* Making polyhedra: from the hull of points, or from triangles that enclose a solid.
+ *
+ * Both complain at "points"[i], "vertices"[i] or "triangles"[i], as the scene file has them. What
+ * they make is the same, bit for bit, when it is made again from its own vertices and triangles: so
+ * a scene that is written and read stays what it was. */
+#ifndef PLUMB_POLYHEDRON_H
+#define PLUMB_POLYHEDRON_H
+
+#include "base/diagnostic.h"
+#include "plumb/scene.h"
+
+/* Beyond these sizes squares and cubes of lengths leave the range of doubles. */
+#define PL_MAX_COORDINATE 1e50 /* m */
+#define PL_MIN_THICKNESS 1e-50 /* m, volume over surface */
+
+enum {
+    PL_MAX_HULL_POINTS = 1 << 16, /* qhull takes seconds for thousands of corners in one plane */
+    PL_MAX_VERTICES = 1 << 21,
+    PL_MAX_TRIANGLES = 1 << 21,
+};
+
+/* An unnamed polyhedron with room for so many vertices and triangles, all else zero; NULL when out
+ * of memory. */
+pl_polyhedron *pl_polyhedron_create(int vertex_count, int triangle_count);
+
+/* NULL is allowed. */
+void pl_polyhedron_free(pl_polyhedron *polyhedron);
+
+/* Of `count` triples under `key`: that they are finite and at most PL_MAX_COORDINATE. */
+bool pl_polyhedron_check_points(const char *key, const double (*points)[3], int count,
+                                pl_diagnostic *diagnostic);
+
+/* Fills volume, centre, axes, inertia and radius from a closed surface. False, without a
+ * diagnostic, when it encloses no volume beyond rounding, or a negative one, or is a million times
+ * as long as wide. */
+bool pl_polyhedron_measure(pl_polyhedron *polyhedron);
+
+/* Six times the volume between the surface and the point `from`, and twice its area. */
+void pl_surface_volume(const double (*vertices)[3], const int (*triangles)[3], int triangle_count,
+                       const double from[3], double *six_volumes, double *two_areas);
+
+/* Whether volume over surface is more than rounding for coordinates of this size. */
+bool pl_surface_is_thick(double six_volumes, double two_areas, double largest_coordinate);
+
+/* The largest absolute coordinate. */
+double pl_largest_coordinate(const double (*points)[3], int count);
+
+/* Makes *polyhedron, which the caller frees, or complains. */
+bool pl_polyhedron_of_hull(const double (*points)[3], int count, pl_polyhedron **polyhedron,
+                           pl_diagnostic *diagnostic);
+bool pl_polyhedron_of_mesh(const double (*vertices)[3], int vertex_count, const int (*triangles)[3],
+                           int triangle_count, pl_polyhedron **polyhedron,
+                           pl_diagnostic *diagnostic);
+
+#endif

@@ -1,0 +1,271 @@
+#include "scene_read_shape.h"
+
+#include "base/json_field.h"
+#include "mesh_file.h"
+#include "polyhedron.h"
+#include "scene_array.h"
+#include "scene_check.h"
+#include "scene_keys.h"
+#include "shape_check.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool read_kind(const json_t *json, pl_shape_kind *kind, pl_diagnostic *diagnostic)
+{
+    const char *type = NULL;
+    if (!json_is_object(json)) {
+        char found[PL_FOUND_SIZE];
+        return pl_complain(diagnostic, "expected an object, found %s", pl_json_found(json, found));
+    }
+    if (!pl_json_string(json, "type", PL_REQUIRED, "the name of a shape", &type, diagnostic)) {
+        return false;
+    }
+    for (int i = 0; i < PL_SHAPE_KIND_COUNT; i++) {
+        if (strcmp(type, pl_shape_names[i]) == 0) {
+            *kind = (pl_shape_kind)i;
+            return true;
+        }
+    }
+    char quoted[PL_QUOTED_SIZE];
+    return pl_complain_of(diagnostic, "type",
+                          "expected plane, sphere, box, capsule, cylinder, hull or mesh, found %s",
+                          pl_quoted(type, quoted));
+}
+
+/* The scene takes `made`, which becomes the shape's. */
+static bool keep(const pl_shape_reader *r, const char *name, pl_polyhedron *made, pl_shape *shape)
+{
+    snprintf(made->name, sizeof made->name, "%s", name);
+    if (pl_scene_add_polyhedron(r->scene, made, NULL) != PL_OK) {
+        pl_polyhedron_free(made);
+        return pl_complain_no_memory(r->diagnostic);
+    }
+    *shape = pl_shape_of(made);
+    return true;
+}
+
+static bool read_hull(const pl_shape_reader *r, const json_t *json, const char *name,
+                      pl_shape *shape)
+{
+    double(*points)[3] = NULL;
+    int count = 0;
+    pl_polyhedron *made = NULL;
+    const bool right =
+        pl_json_triples(json, "points", &points, &count, r->diagnostic) &&
+        pl_polyhedron_of_hull((const double(*)[3])points, count, &made, r->diagnostic);
+    free(points);
+    return right && keep(r, name, made, shape);
+}
+
+/* Numbers to indices; which of them are vertices is for the mesh to say. */
+static bool to_indices(const double (*numbers)[3], int count, int (*triangles)[3],
+                       pl_diagnostic *diagnostic)
+{
+    for (int i = 0; i < 3 * count; i++) {
+        const double x = numbers[i / 3][i % 3];
+        if (!(x >= INT_MIN && x <= INT_MAX && x == (int)x)) {
+            pl_path_push_key(&diagnostic->path, "triangles");
+            pl_path_push_index(&diagnostic->path, i / 3);
+            pl_path_push_index(&diagnostic->path, i % 3);
+            return pl_complain(diagnostic, "expected the index of a vertex, found %.17g", x);
+        }
+        triangles[i / 3][i % 3] = (int)x;
+    }
+    return true;
+}
+
+static bool read_triangles(const json_t *json, int (**triangles)[3], int *count,
+                           pl_diagnostic *diagnostic)
+{
+    double(*numbers)[3] = NULL;
+    if (!pl_json_triples(json, "triangles", &numbers, count, diagnostic)) {
+        return false;
+    }
+    bool right = true;
+    *triangles = malloc((size_t)*count * sizeof **triangles + 1);
+    if (*triangles == NULL) {
+        right = pl_complain_no_memory(diagnostic);
+    }
+    right = right && to_indices((const double(*)[3])numbers, *count, *triangles, diagnostic);
+    free(numbers);
+    return right;
+}
+
+static bool read_inline_mesh(const json_t *json, pl_polyhedron **made, pl_diagnostic *diagnostic)
+{
+    double(*vertices)[3] = NULL;
+    int(*triangles)[3] = NULL;
+    int vertex_count = 0, triangle_count = 0;
+    const bool right =
+        pl_json_triples(json, "vertices", &vertices, &vertex_count, diagnostic) &&
+        read_triangles(json, &triangles, &triangle_count, diagnostic) &&
+        pl_polyhedron_of_mesh((const double(*)[3])vertices, vertex_count,
+                              (const int(*)[3])triangles, triangle_count, made, diagnostic);
+    free(vertices);
+    free(triangles);
+    return right;
+}
+
+static bool read_mesh_file(const pl_shape_reader *r, const char *file, pl_polyhedron **made)
+{
+    if (r->folder == NULL) {
+        return pl_complain_of(r->diagnostic, "file",
+                              "expected vertices and triangles, since a scene from memory has no "
+                              "folder, found a file");
+    }
+    /* "-" alone would be standard input. */
+    const char *folder = file[0] == '/' ? "" : r->folder[0] == '\0' ? "./" : r->folder;
+    const size_t size = strlen(folder) + strlen(file) + 1;
+    char *path = malloc(size);
+    if (path == NULL) {
+        return pl_complain_no_memory(r->diagnostic);
+    }
+    snprintf(path, size, "%s%s", folder, file);
+    pl_error error = {.status = PL_OK};
+    const pl_status status = pl_polyhedron_of_file(path, made, &error);
+    free(path);
+    if (status == PL_NO_MEMORY) {
+        return pl_complain_no_memory(r->diagnostic);
+    }
+    return status == PL_OK || pl_complain_of(r->diagnostic, "file", "%s", error.message);
+}
+
+static bool read_mesh(const pl_shape_reader *r, const json_t *json, const char *name,
+                      pl_shape *shape)
+{
+    const char *file = NULL;
+    const bool has_vertices =
+        json_object_get(json, "vertices") != NULL || json_object_get(json, "triangles") != NULL;
+    if (!pl_json_string(json, "file", PL_OPTIONAL, "the name of a file", &file, r->diagnostic)) {
+        return false;
+    }
+    if ((file != NULL) == has_vertices) {
+        r->diagnostic->at_key = has_vertices;
+        return pl_complain_of(r->diagnostic, "file",
+                              "expected either file or vertices and triangles of a mesh, found %s",
+                              has_vertices ? "both" : "neither");
+    }
+    pl_polyhedron *made = NULL;
+    const bool right = file != NULL ? read_mesh_file(r, file, &made)
+                                    : read_inline_mesh(json, &made, r->diagnostic);
+    return right && keep(r, name, made, shape);
+}
+
+/* The shape that `json` describes; a polyhedron gets the name. */
+static bool read_shape(const pl_shape_reader *r, const json_t *json, const char *name,
+                       pl_shape *shape)
+{
+    pl_diagnostic *c = r->diagnostic;
+    *shape = (pl_shape){.kind = PL_SHAPE_PLANE};
+    if (!read_kind(json, &shape->kind, c) ||
+        !pl_json_object(json, &pl_scene_keys[PL_OBJECT_PLANE + shape->kind], c)) {
+        return false;
+    }
+    bool right = false;
+    switch (shape->kind) {
+    case PL_SHAPE_PLANE:
+        right = pl_json_unit(json, "normal", PL_REQUIRED, shape->normal, 3, c) &&
+                pl_json_number(json, "offset", PL_REQUIRED, &shape->offset, c);
+        break;
+    case PL_SHAPE_SPHERE:
+        right = pl_json_number(json, "radius", PL_REQUIRED, &shape->radius, c);
+        break;
+    case PL_SHAPE_BOX:
+        right = pl_json_vector(json, "half_extents", PL_REQUIRED, shape->half_extents, 3, c);
+        break;
+    case PL_SHAPE_CAPSULE:
+    case PL_SHAPE_CYLINDER:
+        right = pl_json_number(json, "radius", PL_REQUIRED, &shape->radius, c) &&
+                pl_json_number(json, "half_height", PL_REQUIRED, &shape->half_height, c);
+        break;
+    case PL_SHAPE_HULL:
+        right = read_hull(r, json, name, shape);
+        break;
+    case PL_SHAPE_MESH:
+        right = read_mesh(r, json, name, shape);
+        break;
+    }
+    return right;
+}
+
+/* One of "shapes"; the path stands at it. */
+static bool read_named_shape(const pl_shape_reader *r, const char *name, const json_t *json,
+                             pl_named_shape *named)
+{
+    r->diagnostic->at_key = true;
+    if (!pl_check_name(name, strlen(name), r->diagnostic)) {
+        return false;
+    }
+    r->diagnostic->at_key = false;
+    snprintf(named->name, sizeof named->name, "%s", name);
+    return read_shape(r, json, name, &named->shape) && pl_check_shape(&named->shape, r->diagnostic);
+}
+
+bool pl_read_shapes(pl_shape_reader *r, const json_t *scene)
+{
+    const json_t *shapes = json_object_get(scene, "shapes");
+    if (shapes == NULL) {
+        return true;
+    }
+    pl_path_push_key(&r->diagnostic->path, "shapes");
+    if (!json_is_object(shapes)) {
+        char found[PL_FOUND_SIZE];
+        return pl_complain(r->diagnostic, "expected an object of shapes, found %s",
+                           pl_json_found(shapes, found));
+    }
+    r->shapes = malloc(json_object_size(shapes) * sizeof *r->shapes + 1);
+    if (r->shapes == NULL) {
+        return pl_complain_no_memory(r->diagnostic);
+    }
+    const char *name;
+    json_t *value;
+    int count = 0;
+    json_object_foreach((json_t *)shapes, name, value)
+    {
+        pl_path_push_key(&r->diagnostic->path, name);
+        if (!read_named_shape(r, name, value, &r->shapes[count++])) {
+            return false;
+        }
+        pl_path_pop(&r->diagnostic->path);
+    }
+    if (pl_name_index_create(r->shapes[0].name, sizeof *r->shapes, count, &r->index) != PL_OK) {
+        return pl_complain_no_memory(r->diagnostic);
+    }
+    pl_path_pop(&r->diagnostic->path);
+    return true;
+}
+
+bool pl_read_body_shape(const pl_shape_reader *r, const json_t *body, pl_shape *shape)
+{
+    const json_t *json = json_object_get(body, "shape");
+    if (json_is_string(json)) {
+        const char *name = json_string_value(json);
+        const int i = pl_name_index_find(&r->index, name);
+        if (i < 0) {
+            return pl_complain_of_reference(r->diagnostic, "shape", "shape", name,
+                                            pl_name_index_nearest(&r->index, name));
+        }
+        *shape = r->shapes[i].shape;
+        return true;
+    }
+    pl_path_push_key(&r->diagnostic->path, "shape");
+    if (!json_is_object(json)) {
+        char found[PL_FOUND_SIZE];
+        return pl_complain(r->diagnostic, "expected an object or the name of a shape, found %s",
+                           pl_json_found(json, found));
+    }
+    if (!read_shape(r, json, "", shape)) {
+        return false;
+    }
+    pl_path_pop(&r->diagnostic->path);
+    return true;
+}
+
+void pl_shape_reader_free(pl_shape_reader *r)
+{
+    free(r->shapes);
+    pl_name_index_free(&r->index);
+}
