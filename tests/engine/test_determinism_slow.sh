@@ -8,7 +8,7 @@ trap 'rm -rf "$folder"' EXIT
 cd "$SOURCE"
 sources="engine/src/*/*.c engine/src/*/*/*.c scenarios/base/*.c scenarios/scene/*.c
          scenarios/catalogue/*.c compare/adapters/adapter_plumb.c compare/adapters/force.c
-         tests/determinism/driver.c"
+         tests/engine/determinism_driver.c"
 includes="-Iengine/include -Iengine/src -Iscenarios/include -Iscenarios
           -Icompare -Icompare/include"
 amd=

@@ -247,7 +247,7 @@ static void draw(const pl_scene *scene, const pl_pose *poses, pl_text_buffer *ou
 static void test_tiny_scene_draws_as_in_the_golden_file(void **state)
 {
     (void)state;
-    static const char path[] = PLUMB_SOURCE_DIR "/tests/golden/report_tiny.svg";
+    static const char path[] = PLUMB_SOURCE_DIR "/tests/compare/golden/report_tiny.svg";
     pl_scene scene = tiny_scene();
     pl_pose *poses = start_poses(&scene);
     poses[2].position[0] = 0.7; /* the upper cube has fallen off */

@@ -1,5 +1,5 @@
-/* Wavefront .obj files: the good of tests/obj/good are the solids that they say, in every form; of
- * the bad of tests/obj/bad each is refused with its line, what was expected and what was found. */
+/* Wavefront .obj files: the good of tests/scenarios/obj/good are the solids that they say, in every form; of
+ * the bad of tests/scenarios/obj/bad each is refused with its line, what was expected and what was found. */
 #include "base/number.h"
 #include "check.h"
 #include "plumb/vec.h"
@@ -15,8 +15,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define GOOD PLUMB_SOURCE_DIR "/tests/obj/good/"
-#define BAD PLUMB_SOURCE_DIR "/tests/obj/bad/"
+#define GOOD PLUMB_SOURCE_DIR "/tests/scenarios/obj/good/"
+#define BAD PLUMB_SOURCE_DIR "/tests/scenarios/obj/bad/"
 
 static pl_polyhedron *read_good(const char *name)
 {
