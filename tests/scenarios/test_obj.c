@@ -1,5 +1,6 @@
-/* Wavefront .obj files: the good of tests/scenarios/obj/good are the solids that they say, in every form; of
- * the bad of tests/scenarios/obj/bad each is refused with its line, what was expected and what was found. */
+/* Wavefront .obj files: the good of tests/scenarios/obj/good are the solids that they say, in every
+ * form; of the bad of tests/scenarios/obj/bad each is refused with its line, what was expected and
+ * what was found. */
 #include "base/number.h"
 #include "check.h"
 #include "plumb/vec.h"
