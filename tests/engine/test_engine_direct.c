@@ -10,11 +10,11 @@ static void solved(solving *s, const pe_contact_problem *source, const named_sol
 }
 
 /* Component k of the impulse of a manifold. */
-static double impulse_of(const solving *s, int manifold, int k)
+static double impulse_of(const solving *s, int index, int k)
 {
-    const pe_solver_manifold *patch = &s->problem.patch[manifold];
+    const pe_solver_manifold *manifold = &s->problem.manifold[index];
     double sum = 0;
-    for (int j = patch->first; j < patch->first + patch->count; ++j) {
+    for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
         sum += s->problem.impulse[j][k];
     }
     return sum;

@@ -84,7 +84,7 @@ static void patches_couple_in_their_own_block(factor_setting *s, const char *nam
 {
     (void)name;
     const pe_pattern *pattern = &s->pattern;
-    for (int i = 0; i < s->problem.patch_count; ++i) {
+    for (int i = 0; i < s->problem.manifold_count; ++i) {
         const pe_problem_manifold *m = &s->source->manifolds[i];
         assert_int_equal(pattern->counted[i], s->counted[i]);
         if (!s->counted[i] || m->a == PE_STATIC || m->b == PE_STATIC) {

@@ -22,7 +22,7 @@ static void begin(asked *a, uint64_t seed)
     a->source = problem_at_random(seed, BODIES, MANIFOLDS);
     a->work = test_memory_begin(&a->memory);
     a->problem = solver_problem(a->source, a->work);
-    assert_int_equal(a->problem.patch_count, MANIFOLDS);
+    assert_int_equal(a->problem.manifold_count, MANIFOLDS);
     for (int i = 0; i < MANIFOLDS; ++i) {
         a->counted[i] = (i + (int)seed) % 3 != 0;
     }

@@ -149,11 +149,12 @@ static void test_velocities_of_the_impulses_are_those_of_the_dense_matrices(void
             assert_close(problem.velocity[i / 6][i % 6],
                          source->bodies[i / 6].free_velocity[i % 6] + change[i], 1e-12, 1e-13);
         }
-        for (int i = 0; i < problem.patch_count; ++i) {
-            const pe_solver_manifold *patch = &problem.patch[i];
+        for (int i = 0; i < problem.manifold_count; ++i) {
+            const pe_solver_manifold *manifold = &problem.manifold[i];
             double q[6], u[3];
-            pe_solver_manifold_twist(patch, (const double(*)[6])problem.velocity, q);
-            for (int row = 3 * patch->first; row < 3 * (patch->first + patch->count); ++row) {
+            pe_solver_manifold_twist(manifold, (const double(*)[6])problem.velocity, q);
+            for (int row = 3 * manifold->first; row < 3 * (manifold->first + manifold->count);
+                 ++row) {
                 double expected = row % 3 == 0 ? problem.point[row / 3].bias : 0;
                 for (int k = 0; k < n; ++k) {
                     expected += jacobian[row * n + k] * problem.velocity[k / 6][k % 6];

@@ -150,7 +150,7 @@ static void slide_and_spin(double mu, double half, double inertia, double t, dou
     }
 }
 
-/* A friction that knew the patch as a whole only, by a limit surface, would err by 9 % here. */
+/* A friction that knew the manifold as a whole only, by a limit surface, would err by 9 % here. */
 static void test_a_spinning_slider_loses_speed_and_spin_as_its_four_corners_do(void **state)
 {
     (void)state;

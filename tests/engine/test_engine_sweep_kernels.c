@@ -7,21 +7,21 @@
 #include <math.h>
 #include <string.h>
 
-static void velocity_now(const sweep_bench *b, const pe_solver_manifold *patch,
+static void velocity_now(const sweep_bench *b, const pe_solver_manifold *manifold,
                          const pe_solver_point *point, double u[3])
 {
     double q[6];
-    pe_solver_manifold_twist(patch, (const double(*)[6])b->velocity, q);
+    pe_solver_manifold_twist(manifold, (const double(*)[6])b->velocity, q);
     pe_point_velocity(point, q, u);
 }
 
 /* What an impulse does to the bodies' velocities. */
-static void push(sweep_bench *b, const pe_solver_manifold *patch, const pe_solver_point *point,
+static void push(sweep_bench *b, const pe_solver_manifold *manifold, const pe_solver_point *point,
                  const double p[3])
 {
     double wrench[6] = {0}, momentum[3][6] = {{0}}, gained[6];
     pe_wrench_add(point, p, wrench);
-    pe_solver_manifold_push(patch, wrench, momentum);
+    pe_solver_manifold_push(manifold, wrench, momentum);
     for (int i = 0; i < b->problem.body_count; ++i) {
         pe_inverse_mass_times(&b->inertia[i], momentum[i], gained);
         for (int k = 0; k < 6; ++k) {
@@ -31,16 +31,16 @@ static void push(sweep_bench *b, const pe_solver_manifold *patch, const pe_solve
 }
 
 /* W of a point, by trying unit impulses. */
-static void try_impulses(sweep_bench *b, const pe_solver_manifold *patch,
+static void try_impulses(sweep_bench *b, const pe_solver_manifold *manifold,
                          const pe_solver_point *point, double w[3][3])
 {
     double before[3], after[3];
-    velocity_now(b, patch, point, before);
+    velocity_now(b, manifold, point, before);
     for (int k = 0; k < 3; ++k) {
         double unit[3] = {k == 0, k == 1, k == 2}, back[3] = {-unit[0], -unit[1], -unit[2]};
-        push(b, patch, point, unit);
-        velocity_now(b, patch, point, after);
-        push(b, patch, point, back);
+        push(b, manifold, point, unit);
+        velocity_now(b, manifold, point, after);
+        push(b, manifold, point, back);
         for (int j = 0; j < 3; ++j) {
             w[j][k] = after[j] - before[j];
         }
@@ -48,21 +48,21 @@ static void try_impulses(sweep_bench *b, const pe_solver_manifold *patch,
 }
 
 /* Gauss-Seidel by the book at one point. */
-static void visit_plainly(sweep_bench *b, const pe_solver_manifold *patch, int j)
+static void visit_plainly(sweep_bench *b, const pe_solver_manifold *manifold, int j)
 {
     const pe_solver_point *point = &b->point[j];
     double w[3][3], u[3], *p = b->impulse[j];
-    try_impulses(b, patch, point, w);
-    velocity_now(b, patch, point, u);
+    try_impulses(b, manifold, point, w);
+    velocity_now(b, manifold, point, u);
     double normal[3] = {fmax(p[0] - u[0] / w[0][0], 0) - p[0], 0, 0};
-    push(b, patch, point, normal);
+    push(b, manifold, point, normal);
     p[0] += normal[0];
-    velocity_now(b, patch, point, u);
+    velocity_now(b, manifold, point, u);
     double gain = 2 / (w[1][1] + w[2][2] + hypot(w[1][1] - w[2][2], 2 * w[1][2]));
     double t1 = p[1] - gain * u[1], t2 = p[2] - gain * u[2], length = hypot(t1, t2);
-    double shrink = length > patch->friction * p[0] ? patch->friction * p[0] / length : 1;
+    double shrink = length > manifold->friction * p[0] ? manifold->friction * p[0] / length : 1;
     double tangential[3] = {0, shrink * t1 - p[1], shrink * t2 - p[2]};
-    push(b, patch, point, tangential);
+    push(b, manifold, point, tangential);
     p[1] += tangential[1];
     p[2] += tangential[2];
 }
@@ -73,12 +73,12 @@ static void test_a_sweep_is_gauss_seidel_point_by_point(void **state)
     static double plain[8][3];
     for (uint64_t seed = 1; seed < 60; ++seed) {
         bench_put_heap(b, seed, 2, 1, 8);
-        b->patch[0].a = seed % 2 ? 2 : 1; /* against what is static, or the other body */
-        b->patch[0].b = 0;
+        b->manifold[0].a = seed % 2 ? 2 : 1; /* against what is static, or the other body */
+        b->manifold[0].b = 0;
         pe_problem_rebuild_velocity(&b->problem);
         for (int sweep = 0; sweep < 3; ++sweep) {
             for (int j = 0; j < b->problem.point_count; ++j) {
-                visit_plainly(b, &b->patch[0], j);
+                visit_plainly(b, &b->manifold[0], j);
             }
         }
         memcpy(plain, b->impulse, sizeof plain);
@@ -178,10 +178,10 @@ static void test_a_body_with_more_contacts_than_colours_is_swept_too(void **stat
         const double at[3] = {0.1 * (i % 15 - 7), 0.1 * (i / 15) - 0.45, 0.1};
         bench_set_body(b, i, 0.1, 0.01, 0.01, 0.01);
         b->free_velocity[i][2] = -STEP * GRAVITY;
-        bench_add_patch(b, SMALL, i, up, 0.5, at, below);
+        bench_add_manifold(b, SMALL, i, up, 0.5, at, below);
         bench_add_point(b, 0, 0, 0, 0);
     }
-    bench_add_patch(b, SMALL + 1, SMALL, up, 0.5, none, below);
+    bench_add_manifold(b, SMALL + 1, SMALL, up, 0.5, none, below);
     bench_add_corners(b, 1);
     bench_solve(b, pe_solve_momentum, 1e-10, 100000);
     for (int i = 0; i < SMALL; ++i) {

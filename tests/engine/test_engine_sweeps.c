@@ -19,7 +19,7 @@ static void put_on_slope(sweep_bench *b, double angle, double friction)
     bench_set_body(b, 0, 2, 1.0 / 3, 1.0 / 3, 1.0 / 3);
     b->free_velocity[0][2] = -STEP * GRAVITY;
     double n[3] = {sin(angle), 0, cos(angle)}, arm[3] = {-n[0] / 2, 0, -n[2] / 2};
-    bench_add_patch(b, 1, 0, n, friction, arm, arm);
+    bench_add_manifold(b, 1, 0, n, friction, arm, arm);
     bench_add_corners(b, 0.5);
 }
 
@@ -59,7 +59,7 @@ static void put_tower(sweep_bench *b, int height)
         double mass = i + 1.0;
         bench_set_body(b, i, mass, mass / 6, mass / 6, mass / 6);
         b->free_velocity[i][2] = -STEP * GRAVITY;
-        bench_add_patch(b, i == 0 ? height : i - 1, i, up, 0.5, above, below);
+        bench_add_manifold(b, i == 0 ? height : i - 1, i, up, 0.5, above, below);
         bench_add_corners(b, 0.5);
     }
 }
@@ -88,7 +88,7 @@ static void test_a_bounce_leaves_with_restitution_times_the_approach(void **stat
         bench_begin(b, 1);
         bench_set_body(b, 0, 3, 0.3, 0.3, 0.3);
         b->free_velocity[0][2] = -4.1;
-        bench_add_patch(b, 1, 0, up, 0, none, below);
+        bench_add_manifold(b, 1, 0, up, 0, none, below);
         bench_add_point(b, 0, 0, 0, 0.8 * -4);
         bench_solve(b, solvers[k], 1e-12, 100);
         assert_close(b->velocity[0][2], 3.2, 1e-12, 0);
@@ -103,7 +103,7 @@ static void test_a_gap_may_close_just_as_far_as_it_is_wide(void **state)
     bench_begin(b, 1);
     bench_set_body(b, 0, 3, 0.3, 0.3, 0.3);
     b->free_velocity[0][2] = -4;
-    bench_add_patch(b, 1, 0, up, 0, none, none);
+    bench_add_manifold(b, 1, 0, up, 0, none, none);
     bench_add_point(b, 0, 0, 0, 1.5);
     bench_solve(b, pe_solve_momentum, 1e-12, 100);
     assert_close(b->velocity[0][2], -1.5, 1e-12, 0);
@@ -120,14 +120,14 @@ static void test_both_solvers_meet_the_contact_law(void **state)
         pe_solve_report report = bench_solve(b, solvers[k], 1e-10, 200000);
         assert_int_equal(report.stop, PE_STOP_CONVERGED);
         int sliding = 0, sticking = 0;
-        for (int i = 0; i < b->problem.patch_count; ++i) {
-            const pe_solver_manifold *patch = &b->patch[i];
+        for (int i = 0; i < b->problem.manifold_count; ++i) {
+            const pe_solver_manifold *manifold = &b->manifold[i];
             double q[6], u[3];
-            pe_solver_manifold_twist(patch, (const double(*)[6])b->velocity, q);
-            for (int j = patch->first; j < patch->first + patch->count; ++j) {
+            pe_solver_manifold_twist(manifold, (const double(*)[6])b->velocity, q);
+            for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
                 const double *p = b->impulse[j];
                 pe_point_velocity(&b->point[j], q, u);
-                double friction = hypot(p[1], p[2]), most = patch->friction * p[0];
+                double friction = hypot(p[1], p[2]), most = manifold->friction * p[0];
                 double slip = hypot(u[1], u[2]);
                 assert_true(p[0] >= 0);
                 assert_at_most(friction, most * (1 + 1e-12));

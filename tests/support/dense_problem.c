@@ -81,7 +81,7 @@ pe_problem solver_problem(const pe_contact_problem *from, pe_workspace work)
     pe_inertia *inertia = taken(work, bodies, sizeof *inertia);
     double(*free_velocity)[6] = taken(work, bodies, sizeof *free_velocity);
     double(*velocity)[6] = taken(work, bodies, sizeof *velocity);
-    pe_solver_manifold *patches = taken(work, from->manifold_count, sizeof *patches);
+    pe_solver_manifold *manifolds = taken(work, from->manifold_count, sizeof *manifolds);
     pe_solver_point *point = taken(work, points, sizeof *point);
     double(*impulse)[3] = taken(work, points, sizeof *impulse);
     for (int i = 0; i < bodies; ++i) {
@@ -94,15 +94,15 @@ pe_problem solver_problem(const pe_contact_problem *from, pe_workspace work)
     }
     for (int i = 0; i < from->manifold_count; ++i) {
         const pe_problem_manifold *m = &from->manifolds[i];
-        pe_solver_manifold *patch = &patches[i];
-        *patch = (pe_solver_manifold){.a = m->a == PE_STATIC ? bodies : m->a,
-                                      .b = m->b == PE_STATIC ? bodies : m->b,
-                                      .first = m->first,
-                                      .count = m->count,
-                                      .friction = m->friction};
-        memcpy(patch->frame, m->frame, sizeof m->frame);
-        memcpy(patch->arm_a, m->arm_a, sizeof m->arm_a);
-        memcpy(patch->arm_b, m->arm_b, sizeof m->arm_b);
+        pe_solver_manifold *manifold = &manifolds[i];
+        *manifold = (pe_solver_manifold){.a = m->a == PE_STATIC ? bodies : m->a,
+                                         .b = m->b == PE_STATIC ? bodies : m->b,
+                                         .first = m->first,
+                                         .count = m->count,
+                                         .friction = m->friction};
+        memcpy(manifold->frame, m->frame, sizeof m->frame);
+        memcpy(manifold->arm_a, m->arm_a, sizeof m->arm_a);
+        memcpy(manifold->arm_b, m->arm_b, sizeof m->arm_b);
         for (int j = m->first; j < m->first + m->count; ++j) {
             double ra[3], rb[3];
             arm_to(m, m->arm_a, &from->points[j], ra);
@@ -110,17 +110,17 @@ pe_problem solver_problem(const pe_contact_problem *from, pe_workspace work)
             memcpy(point[j].s, from->points[j].offset, sizeof point[j].s);
             point[j].bias = from->points[j].bias;
             memcpy(point[j].slip, from->points[j].slip, sizeof point[j].slip);
-            point[j].scale = pe_point_scale(&inertia[patch->a], &inertia[patch->b], ra, rb);
+            point[j].scale = pe_point_scale(&inertia[manifold->a], &inertia[manifold->b], ra, rb);
             memcpy(impulse[j], from->points[j].impulse, sizeof impulse[j]);
         }
     }
     pe_problem problem = {.body_count = bodies,
-                          .patch_count = from->manifold_count,
+                          .manifold_count = from->manifold_count,
                           .point_count = points,
                           .inertia = inertia,
                           .free_velocity = (const double(*)[6])free_velocity,
                           .velocity = velocity,
-                          .patch = patches,
+                          .manifold = manifolds,
                           .point = point,
                           .impulse = impulse};
     pe_problem_rebuild_velocity(&problem);

@@ -23,9 +23,9 @@ static int draw_index(check_random *random, int below)
 pe_contact_problem *problem_of_random_pairs(uint64_t seed)
 {
     check_random random = {seed};
-    int bodies = 1 + draw_index(&random, 12), patches = draw_index(&random, 3 * bodies);
+    int bodies = 1 + draw_index(&random, 12), manifolds = draw_index(&random, 3 * bodies);
     pair_list drawn = {.count = 0};
-    for (int i = 0; i < patches; ++i) {
+    for (int i = 0; i < manifolds; ++i) {
         int a = draw_index(&random, bodies), b = draw_index(&random, bodies);
         double kind = check_uniform(&random, 0, 1);
         if (i > 0 && kind < 0.2) {
@@ -64,7 +64,7 @@ pe_contact_problem *problem_of_grid(int rows, int columns)
 }
 
 /* Positive semidefinite gains up to about `size`: of points that stick, that slip, that have no
- * friction (nn alone), that are open (all zero); zero where the patch is not counted. */
+ * friction (nn alone), that are open (all zero); zero where the manifold is not counted. */
 static void draw_gains(check_random *random, const pe_contact_problem *problem, const bool *counted,
                        double size, pe_gain *gain)
 {
@@ -127,10 +127,10 @@ void setting_begin(factor_setting *s, pe_contact_problem *source, const bool *co
     s->source = source;
     s->problem = solver_problem(source, s->work);
     s->n = 6 * source->body_count;
-    size_t patches = (size_t)source->manifold_count;
-    s->counted = pe_take(s->work, patches + 1, sizeof *s->counted);
+    size_t manifolds = (size_t)source->manifold_count;
+    s->counted = pe_take(s->work, manifolds + 1, sizeof *s->counted);
     s->gain = pe_take(s->work, (size_t)source->point_count + 1, sizeof *s->gain);
-    for (size_t i = 0; i < patches; ++i) {
+    for (size_t i = 0; i < manifolds; ++i) {
         s->counted[i] = counted == NULL || counted[i];
     }
     check_random random = {seed + 1};
@@ -148,7 +148,7 @@ void setting_end(factor_setting *s)
     test_memory_end(&s->memory);
 }
 
-/* Draws which patches count; the caller frees it. */
+/* Draws which manifolds count; the caller frees it. */
 static bool *draw_subset(uint64_t seed, int count)
 {
     check_random random = {seed + 100};

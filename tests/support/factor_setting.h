@@ -44,14 +44,15 @@ typedef struct factor_setting {
     int n;
 } factor_setting;
 
-/* `counted` NULL: all patches. Gains up to about `size`. Takes `source`; setting_end frees all. */
+/* `counted` NULL: all manifolds. Gains up to about `size`. Takes `source`; setting_end frees all.
+ */
 void setting_begin(factor_setting *s, pe_contact_problem *source, const bool *counted,
                    pattern_finder find_pattern, uint64_t seed, double size);
 void setting_end(factor_setting *s);
 
 typedef void (*factor_law)(factor_setting *s, const char *name);
 
-/* A law on problems of every kind, in both orders of elimination, on all patches and on some. */
+/* A law on problems of every kind, in both orders of elimination, on all manifolds and on some. */
 void hold_everywhere(factor_law holds, double size);
 
 /* n numbers in [-1, 1), and room for 6 more; the caller frees it. */

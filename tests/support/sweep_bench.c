@@ -34,7 +34,7 @@ void bench_begin(sweep_bench *b, int bodies)
         .inertia = b->inertia,
         .free_velocity = (const double(*)[6])b->free_velocity,
         .velocity = b->velocity,
-        .patch = b->patch,
+        .manifold = b->manifold,
         .point = b->point,
         .impulse = b->impulse,
     };
@@ -48,38 +48,39 @@ void bench_set_body(sweep_bench *b, int i, double mass, double x, double y, doub
                                  .inverse_tensor = {1 / x, 0, 0, 1 / y, 0, 1 / z}};
 }
 
-void bench_add_patch(sweep_bench *b, int body_a, int body_b, const double n[3], double friction,
-                     const double arm_a[3], const double arm_b[3])
+void bench_add_manifold(sweep_bench *b, int body_a, int body_b, const double n[3], double friction,
+                        const double arm_a[3], const double arm_b[3])
 {
-    pe_solver_manifold *patch = &b->patch[b->problem.patch_count++];
-    *patch = (pe_solver_manifold){
+    pe_solver_manifold *manifold = &b->manifold[b->problem.manifold_count++];
+    *manifold = (pe_solver_manifold){
         .a = body_a, .b = body_b, .first = b->problem.point_count, .friction = friction};
     /* Any tangent. */
     double e[3] = {fabs(n[0]) < 0.5, fabs(n[0]) >= 0.5, 0}, t[3];
     pe_cross3(n, e, t);
     double length = sqrt(pe_dot3(t, t));
     for (int k = 0; k < 3; ++k) {
-        patch->frame[0][k] = n[k];
-        patch->frame[1][k] = t[k] / length;
-        patch->arm_a[k] = arm_a[k];
-        patch->arm_b[k] = arm_b[k];
+        manifold->frame[0][k] = n[k];
+        manifold->frame[1][k] = t[k] / length;
+        manifold->arm_a[k] = arm_a[k];
+        manifold->arm_b[k] = arm_b[k];
     }
-    pe_cross3(patch->frame[0], patch->frame[1], patch->frame[2]);
+    pe_cross3(manifold->frame[0], manifold->frame[1], manifold->frame[2]);
 }
 
 void bench_add_point(sweep_bench *b, double s0, double s1, double s2, double bias)
 {
-    pe_solver_manifold *patch = &b->patch[b->problem.patch_count - 1];
+    pe_solver_manifold *manifold = &b->manifold[b->problem.manifold_count - 1];
     pe_solver_point *point = &b->point[b->problem.point_count++];
     *point = (pe_solver_point){.s = {s0, s1, s2}, .bias = bias};
     double ra[3], rb[3];
     for (int k = 0; k < 3; ++k) {
-        double off = patch->frame[0][k] * s0 + patch->frame[1][k] * s1 + patch->frame[2][k] * s2;
-        ra[k] = patch->arm_a[k] + off;
-        rb[k] = patch->arm_b[k] + off;
+        double off =
+            manifold->frame[0][k] * s0 + manifold->frame[1][k] * s1 + manifold->frame[2][k] * s2;
+        ra[k] = manifold->arm_a[k] + off;
+        rb[k] = manifold->arm_b[k] + off;
     }
-    point->scale = pe_point_scale(&b->inertia[patch->a], &b->inertia[patch->b], ra, rb);
-    patch->count += 1;
+    point->scale = pe_point_scale(&b->inertia[manifold->a], &b->inertia[manifold->b], ra, rb);
+    manifold->count += 1;
 }
 
 void bench_add_corners(sweep_bench *b, double half)
@@ -89,7 +90,7 @@ void bench_add_corners(sweep_bench *b, double half)
     }
 }
 
-void bench_put_heap(sweep_bench *b, uint64_t seed, int bodies, int patches, int most)
+void bench_put_heap(sweep_bench *b, uint64_t seed, int bodies, int manifolds, int most)
 {
     check_random random = {seed};
     bench_begin(b, bodies);
@@ -101,7 +102,7 @@ void bench_put_heap(sweep_bench *b, uint64_t seed, int bodies, int patches, int 
             b->free_velocity[i][k] = check_uniform(&random, -1, 1);
         }
     }
-    for (int i = 0; i < patches; ++i) {
+    for (int i = 0; i < manifolds; ++i) {
         int one = (int)check_uniform(&random, 0, bodies);
         int other = i % 5 == 0 ? bodies : (int)check_uniform(&random, 0, bodies);
         if (one == other) {
@@ -117,7 +118,7 @@ void bench_put_heap(sweep_bench *b, uint64_t seed, int bodies, int patches, int 
             arm_b[k] = -0.5 * n[k] + check_uniform(&random, -0.2, 0.2);
             arm_a[k] = 0.5 * n[k] + check_uniform(&random, -0.2, 0.2);
         }
-        bench_add_patch(b, other, one, n, check_uniform(&random, 0, 1), arm_a, arm_b);
+        bench_add_manifold(b, other, one, n, check_uniform(&random, 0, 1), arm_a, arm_b);
         int count = 1 + (int)check_uniform(&random, 0, most);
         for (int j = 0; j < count; ++j) {
             double s1 = check_uniform(&random, -0.3, 0.3), s2 = check_uniform(&random, -0.3, 0.3);

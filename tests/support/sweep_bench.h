@@ -4,13 +4,13 @@
 
 #include "solver/solve.h"
 
-enum { BENCH_BODIES = 300, BENCH_PATCHES = 1200, BENCH_POINTS = 6000 };
+enum { BENCH_BODIES = 300, BENCH_MANIFOLDS = 1200, BENCH_POINTS = 6000 };
 
 typedef struct sweep_bench {
     pe_problem problem;
     pe_inertia inertia[BENCH_BODIES + 1];
     double free_velocity[BENCH_BODIES + 1][6], velocity[BENCH_BODIES + 1][6];
-    pe_solver_manifold patch[BENCH_PATCHES];
+    pe_solver_manifold manifold[BENCH_MANIFOLDS];
     pe_solver_point point[BENCH_POINTS];
     double impulse[BENCH_POINTS][3];
     pe_allocator allocator;
@@ -21,24 +21,24 @@ typedef struct sweep_bench {
 int bench_set_up(void **state);
 int bench_tear_down(void **state);
 
-/* Without patches; bodies are to be set. */
+/* Without manifolds; bodies are to be set. */
 void bench_begin(sweep_bench *b, int bodies);
 
 /* Principal inertia along the world's axes. */
 void bench_set_body(sweep_bench *b, int i, double mass, double x, double y, double z);
 
-/* A patch at arms from the two centres of mass; points follow. */
-void bench_add_patch(sweep_bench *b, int body_a, int body_b, const double n[3], double friction,
-                     const double arm_a[3], const double arm_b[3]);
+/* A manifold at arms from the two centres of mass; points follow. */
+void bench_add_manifold(sweep_bench *b, int body_a, int body_b, const double n[3], double friction,
+                        const double arm_a[3], const double arm_b[3]);
 
-/* A point of the patch added last, at s in its frame. */
+/* A point of the manifold added last, at s in its frame. */
 void bench_add_point(sweep_bench *b, double s0, double s1, double s2, double bias);
 
 /* The corners of a square face of the given half side. */
 void bench_add_corners(sweep_bench *b, double half);
 
-/* Bodies of all shapes and weights in a random net of patches of 1 to `most` points, falling. */
-void bench_put_heap(sweep_bench *b, uint64_t seed, int bodies, int patches, int most);
+/* Bodies of all shapes and weights in a random net of manifolds of 1 to `most` points, falling. */
+void bench_put_heap(sweep_bench *b, uint64_t seed, int bodies, int manifolds, int most);
 
 /* Empty each time. */
 pe_workspace bench_workspace(sweep_bench *b);

@@ -1,10 +1,10 @@
 /* Arithmetic on PE_WIDTH numbers at once: 1, 4 (AVX2) or 8 (AVX-512), set by the file that includes
  * this. Every operation is IEEE's own, lane by lane, so that a lane's value does not depend on the
  * width. Sums, differences, products and quotients are the operators of C. */
-#ifndef PE_SOFT_LANES_H
-#define PE_SOFT_LANES_H
+#ifndef PE_LANES_H
+#define PE_LANES_H
 
-#include "solver/solver_body.h"
+#include <math.h>
 
 #if PE_WIDTH > 1
 #include <immintrin.h>
@@ -154,48 +154,6 @@ static inline void wide_columns(const double *const from[PE_WIDTH], wide column[
         column[i] = _mm512_load_pd(from[i]);
     }
     transpose8(column);
-#endif
-}
-
-/* One line a lane. */
-typedef struct wide_line {
-    wide linear[3], inverse_mass, angular[3];
-} wide_line;
-
-static inline wide_line wide_load(const pe_solver_body *lines, const int index[PE_WIDTH])
-{
-    const double *from[PE_WIDTH];
-    wide c[8];
-    for (int l = 0; l < PE_WIDTH; ++l) {
-        from[l] = lines[index[l]].linear;
-    }
-    wide_columns(from, c);
-    return (wide_line){{c[0], c[1], c[2]}, c[3], {c[4], c[5], c[6]}};
-}
-
-static inline void wide_save(pe_solver_body *lines, const int index[PE_WIDTH], const wide_line *x)
-{
-#if PE_WIDTH == 1
-    for (int k = 0; k < 3; ++k) {
-        lines[index[0]].linear[k] = x->linear[k];
-        lines[index[0]].angular[k] = x->angular[k];
-    }
-#elif PE_WIDTH == 4
-    wide r[4] = {x->linear[0], x->linear[1], x->linear[2], x->inverse_mass};
-    wide s[4] = {x->angular[0], x->angular[1], x->angular[2], _mm256_setzero_pd()};
-    transpose4(r);
-    transpose4(s);
-    for (int i = 0; i < 4; ++i) {
-        _mm256_store_pd(lines[index[i]].linear, r[i]);
-        _mm256_store_pd(lines[index[i]].angular, s[i]);
-    }
-#else
-    wide r[8] = {x->linear[0],  x->linear[1],  x->linear[2],  x->inverse_mass,
-                 x->angular[0], x->angular[1], x->angular[2], _mm512_setzero_pd()};
-    transpose8(r);
-    for (int i = 0; i < 8; ++i) {
-        _mm512_store_pd(lines[index[i]].linear, r[i]);
-    }
 #endif
 }
 

@@ -94,15 +94,16 @@ static pe_vec3 turned(pe_vec3 v, pe_vec3 x)
     return pe_madd(x, 2 / (1 + pe_dot(t, t)), pe_add(c, pe_cross(t, c)));
 }
 
-pe_transported pe_solver_manifold_transported(const pe_solver_manifold *patch,
+pe_transported pe_solver_manifold_transported(const pe_solver_manifold *manifold,
                                               const pe_attachment *fixture,
                                               const pe_displacement *way)
 {
     pe_transported to;
     for (int k = 0; k < 3; ++k) {
-        to.axis[k] = turned(fixture->normal_a ? way->turn_a : way->turn_b, vector(patch->frame[k]));
+        to.axis[k] =
+            turned(fixture->normal_a ? way->turn_a : way->turn_b, vector(manifold->frame[k]));
     }
-    pe_vec3 a = vector(patch->arm_a), b = vector(patch->arm_b);
+    pe_vec3 a = vector(manifold->arm_a), b = vector(manifold->arm_b);
     if (fixture->in_a) {
         to.arm_a = turned(way->turn_a, a);
         to.arm_b = pe_add(pe_add(b, way->shift), pe_sub(to.arm_a, a));
@@ -113,12 +114,12 @@ pe_transported pe_solver_manifold_transported(const pe_solver_manifold *patch,
     return to;
 }
 
-pe_vec3 pe_offset_transported(const pe_solver_manifold *patch, const pe_solver_point *point,
+pe_vec3 pe_offset_transported(const pe_solver_manifold *manifold, const pe_solver_point *point,
                               const pe_attachment *fixture, const pe_displacement *way)
 {
     pe_vec3 off = {0};
     for (int k = 0; k < 3; ++k) {
-        off = pe_madd(off, point->s[k], vector(patch->frame[k]));
+        off = pe_madd(off, point->s[k], vector(manifold->frame[k]));
     }
     return turned(fixture->in_a ? way->turn_a : way->turn_b, off);
 }

@@ -1,4 +1,4 @@
-/* What of a patch turns with which of its bodies. */
+/* What of a manifold turns with which of its bodies. */
 #ifndef PE_PATCH_FIXTURE_H
 #define PE_PATCH_FIXTURE_H
 
@@ -23,15 +23,16 @@ typedef struct pe_displacement {
 
 typedef struct pe_transported {
     pe_vec3 axis[3];      /* n, t1, t2 */
-    pe_vec3 arm_a, arm_b; /* from the centres of mass to the patch's centre */
+    pe_vec3 arm_a, arm_b; /* from the centres of mass to the manifold's centre */
 } pe_transported;
 
-/* Where the patch is after that motion, to second order of the turns, and the offset of one of its
- * points from its centre, all in world axes. Points are fixed in a or b, and so is the normal. */
-pe_transported pe_solver_manifold_transported(const pe_solver_manifold *patch,
+/* Where the manifold is after that motion, to second order of the turns, and the offset of one of
+ * its points from its centre, all in world axes. Points are fixed in a or b, and so is the normal.
+ */
+pe_transported pe_solver_manifold_transported(const pe_solver_manifold *manifold,
                                               const pe_attachment *fixture,
                                               const pe_displacement *way);
-pe_vec3 pe_offset_transported(const pe_solver_manifold *patch, const pe_solver_point *point,
+pe_vec3 pe_offset_transported(const pe_solver_manifold *manifold, const pe_solver_point *point,
                               const pe_attachment *fixture, const pe_displacement *way);
 
 #endif

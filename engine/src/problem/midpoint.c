@@ -39,13 +39,13 @@ typedef struct middle {
     pe_world *world;
     const pe_island_problem *built;
     const pe_problem *problem;
-    const int *manifold;
+    const int *source;
     const pe_free_motion *free;
     double dt;
-    pe_solver_manifold *patch;
+    pe_solver_manifold *manifold;
     pe_solver_point *point;
-    double *swing;
-    bool *fixed; /* (patches): carried, or would be if its bodies turned */
+    double *normal_change;
+    bool *fixed; /* (manifolds): carried, or would be if its bodies turned */
 } middle;
 
 static pe_vec3 vector(const double v[3])
@@ -58,15 +58,16 @@ static void store(double to[3], pe_vec3 v)
     to[0] = v.x, to[1] = v.y, to[2] = v.z;
 }
 
-static const pe_manifold *manifold_of(const middle *s, int i)
+static const pe_manifold *kept_manifold(const middle *s, int i)
 {
-    return &pe_manifolds(&s->world->contacts)[s->manifold[i]];
+    return &pe_manifolds(&s->world->contacts)[s->source[i]];
 }
 
 /* Of a and b, at the step's start. */
-static void began_velocities(const middle *s, const pe_solver_manifold *patch, double began[2][6])
+static void began_velocities(const middle *s, const pe_solver_manifold *manifold,
+                             double began[2][6])
 {
-    const int body[2] = {patch->a, patch->b};
+    const int body[2] = {manifold->a, manifold->b};
     for (int i = 0; i < 2; ++i) {
         pe_twist motion = {0};
         if (body[i] != s->problem->body_count) {
@@ -77,29 +78,29 @@ static void began_velocities(const middle *s, const pe_solver_manifold *patch, d
     }
 }
 
-/* The patch's twist by the velocities of the step's start. */
-static void began_twist(const middle *s, const pe_solver_manifold *patch, double q[6])
+/* The manifold's twist by the velocities of the step's start. */
+static void began_twist(const middle *s, const pe_solver_manifold *manifold, double q[6])
 {
     double began[2][6];
-    pe_solver_manifold pair = *patch;
+    pe_solver_manifold pair = *manifold;
     pair.a = 0, pair.b = 1;
-    began_velocities(s, patch, began);
+    began_velocities(s, manifold, began);
     pe_solver_manifold_twist(&pair, (const double(*)[6])began, q);
 }
 
 /* ---- Smooth islands ----------------------------------------------------------------------------
  */
 
-/* Whether the patch touches, and nothing approaches: so scenes begin. */
+/* Whether the manifold touches, and nothing approaches: so scenes begin. */
 static bool stands(const middle *s, int i)
 {
-    const pe_solver_manifold *patch = &s->patch[i];
+    const pe_solver_manifold *manifold = &s->manifold[i];
     const pe_manifold_point *points =
-        pe_manifold_points(&s->world->contacts) + manifold_of(s, i)->first;
+        pe_manifold_points(&s->world->contacts) + kept_manifold(s, i)->first;
     double q[6], u[3];
-    began_twist(s, patch, q);
-    for (int j = 0; j < patch->count; ++j) {
-        pe_point_motion(&s->point[patch->first + j], q, u);
+    began_twist(s, manifold, q);
+    for (int j = 0; j < manifold->count; ++j) {
+        pe_point_motion(&s->point[manifold->first + j], q, u);
         if (!(fabs(points[j].separation) < TOUCHING && fabs(u[0]) < STANDING)) {
             return false;
         }
@@ -111,10 +112,10 @@ static bool stands(const middle *s, int i)
 static bool is_smooth(const middle *s)
 {
     double off = 0, push = 0, q[6], u[3];
-    for (int i = 0; i < s->problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &s->patch[i];
-        pe_solver_manifold_twist(patch, (const double(*)[6])s->problem->velocity, q);
-        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+    for (int i = 0; i < s->problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &s->manifold[i];
+        pe_solver_manifold_twist(manifold, (const double(*)[6])s->problem->velocity, q);
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             pe_point_velocity(&s->point[j], q, u);
             double p = s->point[j].scale * s->problem->impulse[j][0];
             off = pe_max(off, fabs(p - pe_max(0, p - u[0])));
@@ -122,7 +123,7 @@ static bool is_smooth(const middle *s)
         }
     }
     bool began = push == 0;
-    for (int i = 0; i < s->problem->patch_count && began; ++i) {
+    for (int i = 0; i < s->problem->manifold_count && began; ++i) {
         began = stands(s, i);
     }
     return began || off < SMOOTH * push;
@@ -144,7 +145,7 @@ static void mean_of(const middle *s, int i, pe_vec3 *linear, pe_vec3 *angular)
     }
 }
 
-/* Of b relative to a, of these velocities, at a point of the carried patch, along its axes. */
+/* Of b relative to a, of these velocities, at a point of the carried manifold, along its axes. */
 static void velocity_at(const double a[6], const double b[6], const pe_transported *at, pe_vec3 off,
                         double u[3])
 {
@@ -155,34 +156,34 @@ static void velocity_at(const double a[6], const double b[6], const pe_transport
     }
 }
 
-static void carry_point(const middle *s, const pe_solver_manifold *patch, const pe_attachment *f,
+static void carry_point(const middle *s, const pe_solver_manifold *manifold, const pe_attachment *f,
                         const pe_displacement *to_half, const pe_displacement *to_end, double gap,
                         int j)
 {
     pe_solver_point *point = &s->point[j];
-    pe_transported half = pe_solver_manifold_transported(patch, f, to_half),
-                   end = pe_solver_manifold_transported(patch, f, to_end);
-    pe_vec3 off = pe_offset_transported(patch, point, f, to_half), force = {0};
+    pe_transported half = pe_solver_manifold_transported(manifold, f, to_half),
+                   end = pe_solver_manifold_transported(manifold, f, to_end);
+    pe_vec3 off = pe_offset_transported(manifold, point, f, to_half), force = {0};
     double at_half[3], at_end[3], ra[3], rb[3], *p = s->problem->impulse[j];
-    const double *a = s->problem->velocity[patch->a], *b = s->problem->velocity[patch->b];
+    const double *a = s->problem->velocity[manifold->a], *b = s->problem->velocity[manifold->b];
     velocity_at(a, b, &half, off, at_half);
-    velocity_at(a, b, &end, pe_offset_transported(patch, point, f, to_end), at_end);
-    double swing = fabs(at_end[0] - at_half[0]);
+    velocity_at(a, b, &end, pe_offset_transported(manifold, point, f, to_end), at_end);
+    double normal_change = fabs(at_end[0] - at_half[0]);
     bool bounces = point->bias < -STANDING;
-    if (!bounces && fabs(gap) < s->dt * swing + TOUCHING) {
+    if (!bounces && fabs(gap) < s->dt * normal_change + TOUCHING) {
         point->bias = DRIFT * gap / s->dt;
     }
     point->bias += at_end[0] - at_half[0];
     for (int k = 0; k < 2; ++k) {
         point->slip[k] = at_end[1 + k] - at_half[1 + k];
     }
-    s->swing[j] = swing;
+    s->normal_change[j] = normal_change;
     store(ra, pe_add(half.arm_a, off));
     store(rb, pe_add(half.arm_b, off));
-    point->scale =
-        pe_point_scale(&s->problem->inertia[patch->a], &s->problem->inertia[patch->b], ra, rb);
+    point->scale = pe_point_scale(&s->problem->inertia[manifold->a],
+                                  &s->problem->inertia[manifold->b], ra, rb);
     for (int k = 0; k < 3; ++k) {
-        force = pe_madd(force, p[k], vector(patch->frame[k]));
+        force = pe_madd(force, p[k], vector(manifold->frame[k]));
     }
     for (int k = 0; k < 3; ++k) {
         point->s[k] = pe_dot(half.axis[k], off);
@@ -190,11 +191,11 @@ static void carry_point(const middle *s, const pe_solver_manifold *patch, const 
     }
 }
 
-static bool slides(const middle *s, const pe_solver_manifold *patch)
+static bool slides(const middle *s, const pe_solver_manifold *manifold)
 {
-    for (int j = patch->first; j < patch->first + patch->count; ++j) {
+    for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
         const double *p = s->problem->impulse[j];
-        double held = LIMIT * patch->friction * p[0];
+        double held = LIMIT * manifold->friction * p[0];
         if (held > 0 && p[1] * p[1] + p[2] * p[2] >= held * held) {
             return true;
         }
@@ -202,25 +203,25 @@ static bool slides(const middle *s, const pe_solver_manifold *patch)
     return false;
 }
 
-/* Whether what the patch pushes touches, and had, at the step's start, just the velocity that its
- * turn accounts for, or a step without this leaves. What has been struck has another. */
-static bool goes_on(const middle *s, const pe_solver_manifold *patch,
+/* Whether what the manifold pushes touches, and had, at the step's start, just the velocity that
+ * its turn accounts for, or a step without this leaves. What has been struck has another. */
+static bool goes_on(const middle *s, const pe_solver_manifold *manifold,
                     const pe_manifold_point *points, const pe_attachment *f,
                     const pe_displacement *half)
 {
     pe_displacement none = {0};
-    pe_transported now = pe_solver_manifold_transported(patch, f, &none),
-                   then = pe_solver_manifold_transported(patch, f, half);
+    pe_transported now = pe_solver_manifold_transported(manifold, f, &none),
+                   then = pe_solver_manifold_transported(manifold, f, half);
     double began[2][6], u[3], v[3];
     double least = 10 * TOUCHING / s->dt + FALL * s->dt * pe_length(s->world->def.gravity);
-    began_velocities(s, patch, began);
-    for (int j = patch->first; j < patch->first + patch->count; ++j) {
+    began_velocities(s, manifold, began);
+    for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
         const pe_solver_point *point = &s->point[j];
-        pe_vec3 off = pe_offset_transported(patch, point, f, &none);
+        pe_vec3 off = pe_offset_transported(manifold, point, f, &none);
         velocity_at(began[0], began[1], &now, off, u);
-        velocity_at(began[0], began[1], &then, pe_offset_transported(patch, point, f, half), v);
+        velocity_at(began[0], began[1], &then, pe_offset_transported(manifold, point, f, half), v);
         double most = GOES_ON * fabs(v[0] - u[0]) + least;
-        double gap = points[j - patch->first].separation;
+        double gap = points[j - manifold->first].separation;
         bool parts = !(fabs(u[0]) < most) || !(fabs(gap) < s->dt * most);
         if (s->problem->impulse[j][0] > 0 && parts) {
             return false;
@@ -229,20 +230,20 @@ static bool goes_on(const middle *s, const pe_solver_manifold *patch,
     return true;
 }
 
-/* Carries patch i, if it can be, to the middle; false where nothing changed. */
+/* Carries manifold i, if it can be, to the middle; false where nothing changed. */
 static bool carry(const middle *s, int i)
 {
-    pe_solver_manifold *patch = &s->patch[i];
+    pe_solver_manifold *manifold = &s->manifold[i];
     pe_vec3 va, wa, vb, wb;
-    mean_of(s, patch->a, &va, &wa);
-    mean_of(s, patch->b, &vb, &wb);
+    mean_of(s, manifold->a, &va, &wa);
+    mean_of(s, manifold->b, &vb, &wb);
     double fastest = s->dt * sqrt(pe_max(pe_dot(wa, wa), pe_dot(wb, wb)));
     bool turns = fastest > NO_TURN && 0.5 * fastest < MOST_TURN;
     s->fixed[i] = false;
-    if (!turns && !slides(s, patch)) {
+    if (!turns && !slides(s, manifold)) {
         return false;
     }
-    const pe_manifold *m = manifold_of(s, i);
+    const pe_manifold *m = kept_manifold(s, i);
     pe_attachment f = pe_attachment_of(s->world, m);
     s->fixed[i] = (f.in_a || f.in_b) && (f.normal_a || f.normal_b);
     if (!s->fixed[i] || !turns) {
@@ -250,54 +251,55 @@ static bool carry(const middle *s, int i)
     }
     pe_displacement half = {pe_scale(0.5 * s->dt, wa), pe_scale(0.5 * s->dt, wb),
                             pe_scale(0.5 * s->dt, pe_sub(va, vb))};
-    s->fixed[i] = goes_on(s, patch, pe_manifold_points(&s->world->contacts) + m->first, &f, &half);
+    s->fixed[i] =
+        goes_on(s, manifold, pe_manifold_points(&s->world->contacts) + m->first, &f, &half);
     if (!s->fixed[i]) {
         return false;
     }
     pe_displacement end = {pe_scale(2, half.turn_a), pe_scale(2, half.turn_b),
                            pe_scale(2, half.shift)};
-    pe_transported carried = pe_solver_manifold_transported(patch, &f, &half);
-    for (int j = 0; j < patch->count; ++j) {
+    pe_transported carried = pe_solver_manifold_transported(manifold, &f, &half);
+    for (int j = 0; j < manifold->count; ++j) {
         double gap = pe_manifold_points(&s->world->contacts)[m->first + j].separation;
-        carry_point(s, patch, &f, &half, &end, gap, patch->first + j);
+        carry_point(s, manifold, &f, &half, &end, gap, manifold->first + j);
     }
     for (int k = 0; k < 3; ++k) {
-        store(patch->frame[k], carried.axis[k]);
+        store(manifold->frame[k], carried.axis[k]);
     }
-    store(patch->arm_a, carried.arm_a);
-    store(patch->arm_b, carried.arm_b);
+    store(manifold->arm_a, carried.arm_a);
+    store(manifold->arm_b, carried.arm_b);
     return true;
 }
 
 /* ---- Slip --------------------------------------------------------------------------------------
  */
 
-/* Gives the points of the patch whose slip goes on their b_t, and their friction the direction that
- * it then has; false where there is none. */
-static bool oppose_mean_slip(const middle *s, const pe_solver_manifold *patch)
+/* Gives the points of the manifold whose slip goes on their b_t, and their friction the direction
+ * that it then has; false where there is none. */
+static bool oppose_mean_slip(const middle *s, const pe_solver_manifold *manifold)
 {
     double then[6], now[6], u[3], v[3];
     bool any = false;
-    began_twist(s, patch, then);
-    pe_solver_manifold_twist(patch, (const double(*)[6])s->problem->velocity, now);
-    for (int j = patch->first; j < patch->first + patch->count; ++j) {
+    began_twist(s, manifold, then);
+    pe_solver_manifold_twist(manifold, (const double(*)[6])s->problem->velocity, now);
+    for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
         pe_point_motion(&s->point[j], then, u);
         pe_point_motion(&s->point[j], now, v);
-        double *p = s->problem->impulse[j], held = LIMIT * patch->friction * p[0];
+        double *p = s->problem->impulse[j], held = LIMIT * manifold->friction * p[0];
         if (!(held > 0 && p[1] * p[1] + p[2] * p[2] >= held * held)) {
             continue;
         }
         double sum[2] = {u[1] + v[1], u[2] + v[2]}, loss[2] = {u[1] - v[1], u[2] - v[2]};
         double aside = u[1] * v[2] - u[2] * v[1];
-        double turned = 2 * s->point[j].scale * patch->friction * p[0];
+        double turned = 2 * s->point[j].scale * manifold->friction * p[0];
         double square = sum[0] * sum[0] + sum[1] * sum[1];
-        /* Where it slips the patch has turned by half, and so has the direction. */
+        /* Where it slips the manifold has turned by half, and so has the direction. */
         s->point[j].slip[0] = s->point[j].slip[1] = 0;
         if (square > LEAST_SLIP * LEAST_SLIP && turned * turned < square &&
             fabs(aside) > STRAIGHT * square &&
             fabs(loss[0] * sum[0] + loss[1] * sum[1]) < SLOWING * square &&
             loss[0] * loss[0] + loss[1] * loss[1] < square) {
-            double most = patch->friction * p[0] / sqrt(square);
+            double most = manifold->friction * p[0] / sqrt(square);
             for (int k = 0; k < 2; ++k) {
                 s->point[j].slip[k] = 0.5 * loss[k];
                 p[1 + k] = -most * sum[k];
@@ -308,21 +310,21 @@ static bool oppose_mean_slip(const middle *s, const pe_solver_manifold *patch)
     return any;
 }
 
-pe_status pe_problem_to_midpoint(pe_world *world, const pe_island_problem *built,
-                                 const int *manifold, const pe_free_motion *free, double dt,
-                                 pe_solver_manifold *patch, pe_solver_point *point, double *swing,
-                                 pe_error *error)
+pe_status pe_problem_to_midpoint(pe_world *world, const pe_island_problem *built, const int *source,
+                                 const pe_free_motion *free, double dt,
+                                 pe_solver_manifold *manifold, pe_solver_point *point,
+                                 double *normal_change, pe_error *error)
 {
     middle s = {.world = world,
                 .built = built,
                 .problem = &built->problem,
-                .manifold = manifold,
+                .source = source,
                 .free = free,
                 .dt = dt,
-                .patch = patch,
+                .manifold = manifold,
                 .point = point,
-                .swing = swing};
-    int count = built->problem.patch_count;
+                .normal_change = normal_change};
+    int count = built->problem.manifold_count;
     if (built->problem.body_count > FEW || !is_smooth(&s)) {
         return PE_OK;
     }
@@ -341,7 +343,7 @@ pe_status pe_problem_to_midpoint(pe_world *world, const pe_island_problem *built
     for (int round = 0; round < SLIP_ROUNDS && changed; ++round) {
         changed = false;
         for (int i = 0; i < count; ++i) {
-            changed |= s.fixed[i] && oppose_mean_slip(&s, &patch[i]);
+            changed |= s.fixed[i] && oppose_mean_slip(&s, &manifold[i]);
         }
         if (changed) {
             pe_problem_rebuild_velocity(s.problem);

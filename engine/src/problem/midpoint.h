@@ -5,7 +5,7 @@
 #include "problem_build.h"
 
 /* A contact's force acts, in the mean over the step, where its arms are in the middle of it; with
- * the arms of the start the step is first order. A patch whose points are fixed in one body, and
+ * the arms of the start the step is first order. A manifold whose points are fixed in one body, and
  * whose normal in one, since the contacts of the last step (corners on a face), is carried by both
  * to there, with their mean velocities as the warm start has them, and
  *
@@ -15,15 +15,15 @@
  *
  * Impulses of the warm start are turned with the slip. Islands of more than two bodies are left as
  * they are, and those in which something strikes: an impact's impulse acts at the start of the
- * step. So are patches that wander over both bodies, as those of spheres do, whose arms turn in
+ * step. So are manifolds that wander over both bodies, as those of spheres do, whose arms turn in
  * another way; and those whose v does not fit to begin with, after an impact or a step without
  * this.
  *
- * `built` is in step with its impulses, and is again afterwards; `patch`, `point` and `swing` are
- * its arrays, `manifold` (patch_count) the world's of each patch. */
-pe_status pe_problem_to_midpoint(pe_world *world, const pe_island_problem *built,
-                                 const int *manifold, const pe_free_motion *free, double dt,
-                                 pe_solver_manifold *patch, pe_solver_point *point, double *swing,
-                                 pe_error *error);
+ * `built` is in step with its impulses, and is again afterwards; `manifold`, `point` and
+ * `normal_change` are its arrays, `source` (manifold_count) the world's of each manifold. */
+pe_status pe_problem_to_midpoint(pe_world *world, const pe_island_problem *built, const int *source,
+                                 const pe_free_motion *free, double dt,
+                                 pe_solver_manifold *manifold, pe_solver_point *point,
+                                 double *normal_change, pe_error *error);
 
 #endif

@@ -8,13 +8,13 @@ void pe_problem_rebuild_velocity(const pe_problem *problem)
     size_t bodies = (size_t)problem->body_count + 1;
     double(*v)[6] = problem->velocity;
     memset(v, 0, bodies * sizeof *v);
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
         double wrench[6] = {0};
-        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             pe_wrench_add(&problem->point[j], problem->impulse[j], wrench);
         }
-        pe_solver_manifold_push(patch, wrench, v);
+        pe_solver_manifold_push(manifold, wrench, v);
     }
     for (size_t k = 0; k < bodies; ++k) {
         double gained[6];
@@ -57,14 +57,14 @@ double pe_point_residual(double friction, double scale, const double p[3], const
 pe_residual pe_problem_residual(const pe_problem *problem)
 {
     pe_residual residual = {0};
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
         double q[6], u[3];
-        pe_solver_manifold_twist(patch, (const double(*)[6])problem->velocity, q);
-        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+        pe_solver_manifold_twist(manifold, (const double(*)[6])problem->velocity, q);
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             const pe_solver_point *point = &problem->point[j];
             pe_point_velocity(point, q, u);
-            double e = pe_point_residual(patch->friction, point->scale, problem->impulse[j], u);
+            double e = pe_point_residual(manifold->friction, point->scale, problem->impulse[j], u);
             residual.rms += e * e;
             residual.max = e > residual.max || e != e ? e : residual.max;
         }

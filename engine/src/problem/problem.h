@@ -11,9 +11,9 @@
  * ch. 3.)
  *
  * The points of a manifold lie on the same two bodies, so that all they see of the velocities is
- * one relative twist q = (relative velocity at the patch's centre, relative angular velocity), six
- * numbers in the patch's frame (n, t1, t2): at a point s off the centre J v = q_v + q_w x s. In the
- * same way their impulses act on the bodies as one wrench (sum p, sum s x p). */
+ * one relative twist q = (relative velocity at the manifold's centre, relative angular velocity),
+ * six numbers in the manifold's frame (n, t1, t2): at a point s off the centre J v = q_v + q_w x s.
+ * In the same way their impulses act on the bodies as one wrench (sum p, sum s x p). */
 #ifndef PE_PROBLEM_H
 #define PE_PROBLEM_H
 
@@ -32,11 +32,11 @@ typedef struct pe_solver_manifold {
     int first, count; /* points first .. first + count - 1 */
     double friction;
     double frame[3][3];        /* rows n, t1, t2: orthonormal, right-handed, world */
-    double arm_a[3], arm_b[3]; /* from the centre of mass to the patch's centre, world, m */
+    double arm_a[3], arm_b[3]; /* from the centre of mass to the manifold's centre, world, m */
 } pe_solver_manifold;
 
 typedef struct pe_solver_point {
-    double s[3];    /* from the patch's centre, in the patch's frame, m */
+    double s[3];    /* from the manifold's centre, in the manifold's frame, m */
     double bias;    /* b_n, m/s */
     double slip[2]; /* b_t, m/s */
     double scale;   /* w = tr(J M^-1 J^T) / 3, 1/kg: makes an impulse of this point a velocity */
@@ -45,13 +45,13 @@ typedef struct pe_solver_point {
 /* Borrowed arrays; one body more than body_count stands for everything static, with zero velocity.
  * `velocity` is in step with `impulse` before and after every solver. */
 typedef struct pe_problem {
-    int body_count, patch_count, point_count;
-    const pe_inertia *inertia;        /* (body_count + 1) */
-    const double (*free_velocity)[6]; /* v*: (body_count + 1) x (linear, angular), world */
-    double (*velocity)[6];            /* (body_count + 1) x (linear, angular) */
-    const pe_solver_manifold *patch;  /* (patch_count) */
-    const pe_solver_point *point;     /* (point_count) */
-    double (*impulse)[3];             /* (point_count) x (n, t1, t2) */
+    int body_count, manifold_count, point_count;
+    const pe_inertia *inertia;          /* (body_count + 1) */
+    const double (*free_velocity)[6];   /* v*: (body_count + 1) x (linear, angular), world */
+    double (*velocity)[6];              /* (body_count + 1) x (linear, angular) */
+    const pe_solver_manifold *manifold; /* (manifold_count) */
+    const pe_solver_point *point;       /* (point_count) */
+    double (*impulse)[3];               /* (point_count) x (n, t1, t2) */
 } pe_problem;
 
 /* Makes the velocities those of the impulses: v = v* + M^-1 J^T p. */
@@ -85,25 +85,25 @@ static inline double pe_dot3(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The patch's relative twist q: its linear part at the centre, then its angular part. */
-static inline void pe_solver_manifold_twist(const pe_solver_manifold *patch,
+/* The manifold's relative twist q: its linear part at the centre, then its angular part. */
+static inline void pe_solver_manifold_twist(const pe_solver_manifold *manifold,
                                             const double (*velocity)[6], double q[6])
 {
-    const double *va = velocity[patch->a], *vb = velocity[patch->b];
+    const double *va = velocity[manifold->a], *vb = velocity[manifold->b];
     double wa[3], wb[3], d[3], w[3];
-    pe_cross3(va + 3, patch->arm_a, wa);
-    pe_cross3(vb + 3, patch->arm_b, wb);
+    pe_cross3(va + 3, manifold->arm_a, wa);
+    pe_cross3(vb + 3, manifold->arm_b, wb);
     for (int k = 0; k < 3; ++k) {
         d[k] = (vb[k] + wb[k]) - (va[k] + wa[k]);
         w[k] = vb[3 + k] - va[3 + k];
     }
     for (int k = 0; k < 3; ++k) {
-        q[k] = pe_dot3(patch->frame[k], d);
-        q[3 + k] = pe_dot3(patch->frame[k], w);
+        q[k] = pe_dot3(manifold->frame[k], d);
+        q[3 + k] = pe_dot3(manifold->frame[k], w);
     }
 }
 
-/* J v of a point of the patch. */
+/* J v of a point of the manifold. */
 static inline void pe_point_motion(const pe_solver_point *point, const double q[6], double u[3])
 {
     pe_cross3(q + 3, point->s, u);
@@ -112,7 +112,7 @@ static inline void pe_point_motion(const pe_solver_point *point, const double q[
     u[2] = u[2] + q[2];
 }
 
-/* J v + b of a point of the patch. */
+/* J v + b of a point of the manifold. */
 static inline void pe_point_velocity(const pe_solver_point *point, const double q[6], double u[3])
 {
     pe_point_motion(point, q, u);
@@ -129,7 +129,7 @@ static inline void pe_point_take_bias(const pe_solver_point *point, double u[3])
     u[2] -= point->slip[1];
 }
 
-/* Adds the impulse of one point to the patch's wrench. */
+/* Adds the impulse of one point to the manifold's wrench. */
 static inline void pe_wrench_add(const pe_solver_point *point, const double p[3], double wrench[6])
 {
     double moment[3];
@@ -140,19 +140,19 @@ static inline void pe_wrench_add(const pe_solver_point *point, const double p[3]
     }
 }
 
-/* Adds the patch's wrench, on b, to the bodies' momenta: J^T p. */
-static inline void pe_solver_manifold_push(const pe_solver_manifold *patch, const double wrench[6],
-                                           double (*momentum)[6])
+/* Adds the manifold's wrench, on b, to the bodies' momenta: J^T p. */
+static inline void pe_solver_manifold_push(const pe_solver_manifold *manifold,
+                                           const double wrench[6], double (*momentum)[6])
 {
-    const double(*d)[3] = patch->frame;
-    double *a = momentum[patch->a], *b = momentum[patch->b];
+    const double(*d)[3] = manifold->frame;
+    double *a = momentum[manifold->a], *b = momentum[manifold->b];
     double f[3], t[3], ta[3], tb[3];
     for (int k = 0; k < 3; ++k) {
         f[k] = d[0][k] * wrench[0] + d[1][k] * wrench[1] + d[2][k] * wrench[2];
         t[k] = d[0][k] * wrench[3] + d[1][k] * wrench[4] + d[2][k] * wrench[5];
     }
-    pe_cross3(patch->arm_a, f, ta);
-    pe_cross3(patch->arm_b, f, tb);
+    pe_cross3(manifold->arm_a, f, ta);
+    pe_cross3(manifold->arm_b, f, tb);
     for (int k = 0; k < 3; ++k) {
         a[k] -= f[k];
         b[k] += f[k];

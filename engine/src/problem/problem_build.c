@@ -84,11 +84,11 @@ static pe_vec3 centre_of(const pe_manifold_point *points, int count)
 typedef struct filling {
     pe_inertia *inertia;
     double (*free_velocity)[6], (*velocity)[6];
-    pe_solver_manifold *patch;
+    pe_solver_manifold *manifold;
     pe_solver_point *point;
     double (*impulse)[3];
     int *slot, *point_of;
-    double *swing;
+    double *normal_change;
 } filling;
 
 static void fill_bodies(const pe_world *world, const int *slots, int count,
@@ -108,14 +108,14 @@ static void fill_bodies(const pe_world *world, const int *slots, int count,
     }
 }
 
-static void fill_patch(const pe_world *world, const pe_islands *islands, const pe_manifold *m,
-                       int statics, double dt, int first, pe_solver_manifold *patch,
-                       const filling *f)
+static void fill_manifold(const pe_world *world, const pe_islands *islands, const pe_manifold *m,
+                          int statics, double dt, int first, pe_solver_manifold *manifold,
+                          const filling *f)
 {
     const pe_manifold_point *points = pe_manifold_points(&world->contacts) + m->first;
     pe_vec3 direction[3] = {m->normal}, centre = centre_of(points, m->count);
     pe_tangents(m->normal, &direction[1], &direction[2]);
-    *patch = (pe_solver_manifold){
+    *manifold = (pe_solver_manifold){
         .a = islands->place[m->a] < 0 ? statics : islands->place[m->a],
         .b = islands->place[m->b] < 0 ? statics : islands->place[m->b],
         .first = first,
@@ -123,10 +123,10 @@ static void fill_patch(const pe_world *world, const pe_islands *islands, const p
         .friction = m->friction,
     };
     pe_vec3 xa = pe_poses(world)[m->a].position, xb = pe_poses(world)[m->b].position;
-    store3(patch->arm_a, pe_sub(centre, xa));
-    store3(patch->arm_b, pe_sub(centre, xb));
+    store3(manifold->arm_a, pe_sub(centre, xa));
+    store3(manifold->arm_b, pe_sub(centre, xb));
     for (int k = 0; k < 3; ++k) {
-        store3(patch->frame[k], direction[k]);
+        store3(manifold->frame[k], direction[k]);
     }
     for (int j = 0; j < m->count; ++j) {
         pe_solver_point *point = &f->point[first + j];
@@ -140,69 +140,70 @@ static void fill_patch(const pe_world *world, const pe_islands *islands, const p
         }
         point->bias = bias_of(world, m, &points[j], dt);
         point->slip[0] = point->slip[1] = 0;
-        point->scale = pe_point_scale(&f->inertia[patch->a], &f->inertia[patch->b], ra, rb);
+        point->scale = pe_point_scale(&f->inertia[manifold->a], &f->inertia[manifold->b], ra, rb);
         f->point_of[first + j] = m->first + j;
-        f->swing[first + j] = 0;
+        f->normal_change[first + j] = 0;
     }
 }
 
-static bool take_arrays(pe_workspace work, size_t bodies, size_t patches, size_t points, filling *f)
+static bool take_arrays(pe_workspace work, size_t bodies, size_t manifolds, size_t points,
+                        filling *f)
 {
     *f = (filling){
         .inertia = pe_take(work, bodies + 1, sizeof *f->inertia),
         .free_velocity = pe_take(work, bodies + 1, sizeof *f->free_velocity),
         .velocity = pe_take(work, bodies + 1, sizeof *f->velocity),
-        .patch = pe_take(work, patches, sizeof *f->patch),
+        .manifold = pe_take(work, manifolds, sizeof *f->manifold),
         .point = pe_take(work, points, sizeof *f->point),
         .impulse = pe_take(work, points, sizeof *f->impulse),
         .slot = pe_take(work, bodies, sizeof *f->slot),
         .point_of = pe_take(work, points, sizeof *f->point_of),
-        .swing = pe_take(work, points, sizeof *f->swing),
+        .normal_change = pe_take(work, points, sizeof *f->normal_change),
     };
     return f->inertia != NULL && f->free_velocity != NULL && f->velocity != NULL &&
-           f->patch != NULL && f->point != NULL && f->impulse != NULL && f->slot != NULL &&
-           f->point_of != NULL && f->swing != NULL;
+           f->manifold != NULL && f->point != NULL && f->impulse != NULL && f->slot != NULL &&
+           f->point_of != NULL && f->normal_change != NULL;
 }
 
 pe_status pe_problem_build(pe_world *world, const pe_islands *islands, int k,
                            const pe_free_motion *free, double dt, pe_island_problem *built,
                            pe_error *error)
 {
-    const pe_manifold *manifolds = pe_manifolds(&world->contacts);
+    const pe_manifold *kept = pe_manifolds(&world->contacts);
     const int *listed = islands->manifolds + islands->start[k];
     int bodies = islands->body_start[k + 1] - islands->body_start[k];
-    int patches = islands->start[k + 1] - islands->start[k], points = 0;
-    for (int i = 0; i < patches; ++i) {
-        points += manifolds[listed[i]].count;
+    int count = islands->start[k + 1] - islands->start[k], points = 0;
+    for (int i = 0; i < count; ++i) {
+        points += kept[listed[i]].count;
     }
     filling f;
-    if (!take_arrays(pe_step_memory(world), (size_t)bodies, (size_t)patches, (size_t)points, &f)) {
+    if (!take_arrays(pe_step_memory(world), (size_t)bodies, (size_t)count, (size_t)points, &f)) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for %d contact points", points);
     }
     fill_bodies(world, islands->bodies + islands->body_start[k], bodies, free, &f);
-    for (int i = 0, first = 0; i < patches; ++i) {
-        const pe_manifold *m = &manifolds[listed[i]];
-        fill_patch(world, islands, m, bodies, dt, first, &f.patch[i], &f);
+    for (int i = 0, first = 0; i < count; ++i) {
+        const pe_manifold *m = &kept[listed[i]];
+        fill_manifold(world, islands, m, bodies, dt, first, &f.manifold[i], &f);
         first += m->count;
     }
     *built = (pe_island_problem){
         .problem = {.body_count = bodies,
-                    .patch_count = patches,
+                    .manifold_count = count,
                     .point_count = points,
                     .inertia = f.inertia,
                     .free_velocity = (const double(*)[6])f.free_velocity,
                     .velocity = f.velocity,
-                    .patch = f.patch,
+                    .manifold = f.manifold,
                     .point = f.point,
                     .impulse = f.impulse},
         .slot = f.slot,
         .point_of = f.point_of,
-        .swing = f.swing,
+        .normal_change = f.normal_change,
     };
     pe_problem_rebuild_velocity(&built->problem);
     if (free != NULL && world->def.profile != PE_PROFILE_FAST) {
-        return pe_problem_to_midpoint(world, built, listed, free, dt, f.patch, f.point, f.swing,
-                                      error);
+        return pe_problem_to_midpoint(world, built, listed, free, dt, f.manifold, f.point,
+                                      f.normal_change, error);
     }
     return PE_OK;
 }
@@ -211,10 +212,10 @@ void pe_problem_store_impulses(pe_world *world, const pe_island_problem *built)
 {
     const pe_problem *problem = &built->problem;
     pe_manifold_point *points = pe_manifold_points(&world->contacts);
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
-        const double(*d)[3] = patch->frame;
-        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
+        const double(*d)[3] = manifold->frame;
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             const double *p = problem->impulse[j];
             points[built->point_of[j]].impulse =
                 pe_v3(d[0][0] * p[0] + d[1][0] * p[1] + d[2][0] * p[2],

@@ -8,10 +8,10 @@
 
 typedef struct pe_island_problem {
     pe_problem problem;
-    const int *slot;     /* (body_count): the world's slot of each body */
-    const int *point_of; /* (point_count): the contact point of each point */
-    const double *swing; /* (point_count): m/s, what turning changes of u_n in half a step, or 0
-                            where the point was not carried to the middle */
+    const int *slot;             /* (body_count): the world's slot of each body */
+    const int *point_of;         /* (point_count): the contact point of each point */
+    const double *normal_change; /* (point_count): m/s, what turning changes of u_n in half a step,
+                            or 0 where the point was not carried to the middle */
 } pe_island_problem;
 
 /* Island k's problem in the step's arena, with the impulses that its contact points carry and the

@@ -1,11 +1,11 @@
-/* A problem with some of another's patches. */
+/* A problem with some of another's manifolds. */
 #ifndef PE_PROBLEM_SELECT_H
 #define PE_PROBLEM_SELECT_H
 
 #include "base/memory.h"
 #include "problem.h"
 
-/* The patches with selected[i] (NULL: all), their points packed, impulses copied; bodies and
+/* The manifolds with selected[i] (NULL: all), their points packed, impulses copied; bodies and
  * velocities are shared with `problem`. point_of (part->point_count) has each point's index in it.
  */
 pe_status pe_problem_select(const pe_problem *problem, const bool *selected, pe_workspace work,

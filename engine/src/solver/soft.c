@@ -49,22 +49,22 @@ static pe_soft_spring make_spring(double frequency, double damping, double h)
 static pe_status take_blocks(pe_world *world, const pe_soft_kernel *kernel, pe_soft_task *task,
                              pe_error *error)
 {
-    size_t blocks = 1, rows = 1, patches = 1, patch_rows = 1;
+    size_t blocks = 1, rows = 1, friction_blocks = 1, friction_rows = 1;
     for (int q = 0; q < task->plan->batch_count; ++q) {
         const pe_soft_batch *batch = &task->plan->batches[q];
         size_t lanes = batch->serial ? 1 : (size_t)kernel->lanes;
         size_t count = ((size_t)batch->count + lanes - 1) / lanes, points = (size_t)batch->points;
         blocks += count;
         rows += count * points;
-        patches += batch->rough ? count : 0;
-        patch_rows += batch->rough ? count * points : 0;
+        friction_blocks += batch->rough ? count : 0;
+        friction_rows += batch->rough ? count * points : 0;
     }
     task->blocks = pe_scratch(world, blocks, kernel->block_size);
     task->rows = pe_scratch(world, rows, kernel->row_size);
-    task->patches = pe_scratch(world, patches, kernel->patch_size);
-    task->patch_rows = pe_scratch(world, patch_rows, kernel->patch_row_size);
-    bool whole = task->blocks != NULL && task->rows != NULL && task->patches != NULL &&
-                 task->patch_rows != NULL;
+    task->friction_blocks = pe_scratch(world, friction_blocks, kernel->friction_block_size);
+    task->friction_rows = pe_scratch(world, friction_rows, kernel->friction_row_size);
+    bool whole = task->blocks != NULL && task->rows != NULL && task->friction_blocks != NULL &&
+                 task->friction_rows != NULL;
     if (whole && task->plan->bounces) {
         task->bounces = pe_scratch(world, rows, kernel->bounce_size);
         whole = task->bounces != NULL;

@@ -28,17 +28,17 @@ typedef struct pe_soft_task {
     /* Of `prepare`: */
     double penetration; /* m, of the deepest point; 0 when none is deep */
     int block_count;
-    void *blocks, *rows;        /* normals: one block a group of manifolds, one row a point */
-    void *patches, *patch_rows; /* friction, likewise, of the rough blocks */
-    void *bounces;              /* one a row; NULL when nothing bounces */
+    void *blocks, *rows; /* normals: one block a group of manifolds, one row a point */
+    void *friction_blocks, *friction_rows; /* friction, likewise, of the rough blocks */
+    void *bounces;                         /* one a row; NULL when nothing bounces */
 } pe_soft_task;
 
 typedef struct pe_soft_kernel {
     int lanes;
-    size_t block_size, row_size, patch_size, patch_row_size, bounce_size;
+    size_t block_size, row_size, friction_block_size, friction_row_size, bounce_size;
 
-    /* Fills blocks, rows, patches and bounces from the contacts; impulses are those of the points,
-     * divided by the substeps. */
+    /* Fills blocks, rows, friction blocks and bounces from the contacts; impulses are those of the
+     * points, divided by the substeps. */
     void (*prepare)(pe_soft_task *task);
     /* Applies the impulses of the rows as they stand. */
     void (*warm)(const pe_soft_task *task);

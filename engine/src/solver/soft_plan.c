@@ -43,7 +43,7 @@ typedef struct draft {
 static void add_manifold(const pe_world *world, int index, const draft *d, pe_soft_plan *plan)
 {
     const pe_manifold *m = &pe_manifolds(&world->contacts)[index];
-    int a = d->lines->line_of[m->a], b = d->lines->line_of[m->b], parts = parts_of(m);
+    int a = d->lines->index_of[m->a], b = d->lines->index_of[m->b], parts = parts_of(m);
     for (int part = 0; part < parts; ++part) {
         pe_soft_contact *contact = &d->contacts[plan->count];
         *contact = (pe_soft_contact){.manifold = index, .a = a, .b = b};

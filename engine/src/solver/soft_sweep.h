@@ -18,7 +18,7 @@
  * is opposed exactly; from the weight's four corners follows the torque of friction.
  *
  * Lanes without a manifold have rows of zeros, which act on line 0. */
-#include "base/lanes.h"
+#include "body_lanes.h"
 #include "soft_kernel.h"
 
 #include <string.h>
@@ -31,7 +31,7 @@ typedef struct block {
     int lanes;                    /* that have a contact */
     int count;                    /* points */
     int row;                      /* the first point's */
-    int patch, patch_row;         /* -1 when smooth */
+    int friction, friction_row;   /* -1 when smooth */
     bool hard;                    /* against a static body */
 } block;
 
@@ -43,25 +43,20 @@ typedef struct row {
     wide sum;     /* over the substeps */
 } row;
 
-typedef struct patch {
+typedef struct friction_block {
     wide tangent[2][3];
     wide ja[3][3], jb[3][3]; /* along the two tangents at the centre, and about the normal */
     wide step;               /* 1/lambda */
     wide friction;
-} patch;
+} friction_block;
 
-typedef struct patch_row {
+typedef struct friction_row {
     wide x, y;
     wide impulse[2], sum[2];
-} patch_row;
+} friction_row;
 
 /* Speed at which a point must leave; 0: it does not bounce. */
 typedef wide bounce;
-
-static inline wide dot(const wide a[3], const wide b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* to += s a */
 static inline void add(wide to[3], wide s, const wide a[3])
@@ -69,13 +64,6 @@ static inline void add(wide to[3], wide s, const wide a[3])
     for (int k = 0; k < 3; ++k) {
         to[k] += s * a[k];
     }
-}
-
-static inline void cross(const wide a[3], const wide b[3], wide out[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 /* m a, m row-major */
@@ -86,24 +74,17 @@ static inline void turned(const wide m[9], const wide a[3], wide out[3])
     }
 }
 
-/* 1/a, and 0 for lanes without a manifold */
-static inline wide inverse(wide a)
-{
-    wide zero = wide_of(0);
-    return wide_select(a, zero, wide_of(1) / a, zero);
-}
-
 /* Along `direction`, the velocity of b less that of a. */
-static inline wide relative(const wide direction[3], const wide_line *a, const wide_line *b)
+static inline wide relative(const wide direction[3], const wide_body *a, const wide_body *b)
 {
     wide d[3];
     for (int k = 0; k < 3; ++k) {
         d[k] = b->linear[k] - a->linear[k];
     }
-    return dot(direction, d);
+    return wide_dot(direction, d);
 }
 
-static inline void push(const wide impulse[3], wide_line *a, wide_line *b)
+static inline void push(const wide impulse[3], wide_body *a, wide_body *b)
 {
     for (int k = 0; k < 3; ++k) {
         a->linear[k] -= a->inverse_mass * impulse[k];
@@ -111,7 +92,7 @@ static inline void push(const wide impulse[3], wide_line *a, wide_line *b)
     }
 }
 
-static inline void push_along(const wide direction[3], wide size, wide_line *a, wide_line *b)
+static inline void push_along(const wide direction[3], wide size, wide_body *a, wide_body *b)
 {
     wide impulse[3];
     for (int k = 0; k < 3; ++k) {
@@ -155,9 +136,9 @@ static inline void make_row(const pair *p, const wide direction[3], const wide x
         ra[k] = x[k] - p->a.position[k];
         rb[k] = x[k] - p->b.position[k];
     }
-    cross(direction, ra, arm);
+    wide_cross(direction, ra, arm);
     turned(p->a.turn, arm, ja);
-    cross(rb, direction, arm);
+    wide_cross(rb, direction, arm);
     turned(p->b.turn, arm, jb);
 }
 
@@ -184,13 +165,14 @@ static inline wide larger_eigenvalue(wide a, wide b, wide square)
 }
 
 /* An upper bound of lambda, exact when tangents and spin do not couple: count points at the mean
- * square distance spread/count from the centre, and the 3 x 3 matrix of the patch's three rows. */
-static inline wide lambda_of(const patch *f, wide inverse_mass, wide count, wide spread)
+ * square distance spread/count from the centre, and the 3 x 3 matrix of the friction_block's three
+ * rows. */
+static inline wide lambda_of(const friction_block *f, wide inverse_mass, wide count, wide spread)
 {
     wide k[3][3];
     for (int i = 0; i < 3; ++i) {
         for (int j = i; j < 3; ++j) {
-            k[i][j] = dot(f->ja[i], f->ja[j]) + dot(f->jb[i], f->jb[j]);
+            k[i][j] = wide_dot(f->ja[i], f->ja[j]) + wide_dot(f->jb[i], f->jb[j]);
         }
     }
     wide tangential = count * larger_eigenvalue(inverse_mass + k[0][0], inverse_mass + k[1][1],
@@ -206,9 +188,9 @@ typedef struct point_lanes {
     wide gap[PE_SOFT_POINTS];
 } point_lanes;
 
-static inline void prepare_patch(const pe_soft_task *task, const block *c, const pair *p,
-                                 const point_lanes *points, wide friction, patch *f,
-                                 patch_row *rows)
+static inline void prepare_friction(const pe_soft_task *task, const block *c, const pair *p,
+                                    const point_lanes *points, wide friction, friction_block *f,
+                                    friction_row *rows)
 {
     wide zero = wide_of(0), part = wide_of(1.0 / c->count), spread = zero;
     wide per_substep = wide_of(1.0 / task->substeps);
@@ -222,11 +204,11 @@ static inline void prepare_patch(const pe_soft_task *task, const block *c, const
         for (int k = 0; k < 3; ++k) {
             e[k] = points->position[j][k] - centre[k];
         }
-        rows[j].x = dot(f->tangent[0], e);
-        rows[j].y = dot(f->tangent[1], e);
+        rows[j].x = wide_dot(f->tangent[0], e);
+        rows[j].y = wide_dot(f->tangent[1], e);
         spread += rows[j].x * rows[j].x + rows[j].y * rows[j].y;
         for (int q = 0; q < 2; ++q) {
-            rows[j].impulse[q] = per_substep * dot(f->tangent[q], points->impulse[j]);
+            rows[j].impulse[q] = per_substep * wide_dot(f->tangent[q], points->impulse[j]);
             rows[j].sum[q] = zero;
         }
     }
@@ -236,7 +218,7 @@ static inline void prepare_patch(const pe_soft_task *task, const block *c, const
     wide opposite[3] = {zero - c->normal[0], zero - c->normal[1], zero - c->normal[2]};
     turned(p->a.turn, opposite, f->ja[2]);
     turned(p->b.turn, c->normal, f->jb[2]);
-    f->step = inverse(lambda_of(f, c->inverse_mass, wide_of(c->count), spread));
+    f->step = wide_inverse(lambda_of(f, c->inverse_mass, wide_of(c->count), spread));
     f->friction = friction;
 }
 
@@ -247,9 +229,9 @@ static inline void prepare_normals(const pe_soft_task *task, const block *c, con
     for (int j = 0; j < c->count; ++j) {
         row *r = &rows[j];
         make_row(p, c->normal, points->position[j], r->ja, r->jb);
-        r->mass = inverse(c->inverse_mass + dot(r->ja, r->ja) + dot(r->jb, r->jb));
+        r->mass = wide_inverse(c->inverse_mass + wide_dot(r->ja, r->ja) + wide_dot(r->jb, r->jb));
         r->gap = points->gap[j];
-        r->impulse = wide_max(per_substep * dot(c->normal, points->impulse[j]), zero);
+        r->impulse = wide_max(per_substep * wide_dot(c->normal, points->impulse[j]), zero);
         r->sum = zero;
     }
 }
@@ -258,11 +240,12 @@ static inline void prepare_bounces(const pe_soft_task *task, const block *c, wid
                                    const row *rows, bounce *bounces)
 {
     wide zero = wide_of(0), threshold = wide_of(task->threshold);
-    wide_line a = wide_load(task->lines->velocity, c->a);
-    wide_line b = wide_load(task->lines->velocity, c->b);
+    wide_body a = wide_load(task->lines->velocity, c->a);
+    wide_body b = wide_load(task->lines->velocity, c->b);
     wide q = relative(c->normal, &a, &b);
     for (int j = 0; j < c->count; ++j) {
-        wide approach = zero - (q + (dot(rows[j].ja, a.angular) + dot(rows[j].jb, b.angular)));
+        wide approach =
+            zero - (q + (wide_dot(rows[j].ja, a.angular) + wide_dot(rows[j].jb, b.angular)));
         bounces[j] = wide_select(approach, threshold, restitution * approach, zero);
     }
 }
@@ -308,16 +291,16 @@ static void prepare_block(const pe_soft_task *task, block *c, wide *deepest)
         points.gap[j] = wide_gather(gap[j], 0);
         *deepest = wide_max(*deepest, wide_of(0) - points.gap[j]);
     }
-    wide_line a = wide_load(task->lines->velocity, c->a);
-    wide_line b = wide_load(task->lines->velocity, c->b);
+    wide_body a = wide_load(task->lines->velocity, c->a);
+    wide_body b = wide_load(task->lines->velocity, c->b);
     c->inverse_mass = a.inverse_mass + b.inverse_mass;
 
     row *rows = (row *)task->rows + c->row;
     prepare_normals(task, c, &p, &points, rows);
-    if (c->patch >= 0) {
-        prepare_patch(task, c, &p, &points, wide_gather(friction, 0),
-                      (patch *)task->patches + c->patch,
-                      (patch_row *)task->patch_rows + c->patch_row);
+    if (c->friction >= 0) {
+        prepare_friction(task, c, &p, &points, wide_gather(friction, 0),
+                         (friction_block *)task->friction_blocks + c->friction,
+                         (friction_row *)task->friction_rows + c->friction_row);
     }
     if (task->bounces != NULL) {
         prepare_bounces(task, c, wide_gather(restitution, 0), rows,
@@ -343,7 +326,7 @@ static void prepare(pe_soft_task *task)
 {
     wide deepest = wide_of(0);
     block *blocks = task->blocks;
-    int row_count = 0, patch_count = 0, patch_row_count = 0;
+    int row_count = 0, friction_count = 0, friction_row_count = 0;
     task->block_count = 0;
     for (int q = 0; q < task->plan->batch_count; ++q) {
         const pe_soft_batch *batch = &task->plan->batches[q];
@@ -355,10 +338,10 @@ static void prepare(pe_soft_task *task)
             c->count = batch->points;
             c->hard = batch->hard;
             c->row = row_count;
-            c->patch = batch->rough ? patch_count++ : -1;
-            c->patch_row = patch_row_count;
+            c->friction = batch->rough ? friction_count++ : -1;
+            c->friction_row = friction_row_count;
             row_count += c->count;
-            patch_row_count += batch->rough ? c->count : 0;
+            friction_row_count += batch->rough ? c->count : 0;
             fetch_ahead(task, c->contact + c->lanes);
             prepare_block(task, c, &deepest);
         }
@@ -379,7 +362,7 @@ static void warm(const pe_soft_task *task)
     for (int i = 0; i < task->block_count; ++i) {
         const block *c = (const block *)task->blocks + i;
         const row *rows = (const row *)task->rows + c->row;
-        wide_line a = wide_load(lines, c->a), b = wide_load(lines, c->b);
+        wide_body a = wide_load(lines, c->a), b = wide_load(lines, c->b);
         wide zero = wide_of(0), total = zero;
         for (int j = 0; j < c->count; ++j) {
             total += rows[j].impulse;
@@ -387,9 +370,9 @@ static void warm(const pe_soft_task *task)
             add(b.angular, rows[j].impulse, rows[j].jb);
         }
         push_along(c->normal, total, &a, &b);
-        if (c->patch >= 0) {
-            const patch *f = (const patch *)task->patches + c->patch;
-            const patch_row *g = (const patch_row *)task->patch_rows + c->patch_row;
+        if (c->friction >= 0) {
+            const friction_block *f = (const friction_block *)task->friction_blocks + c->friction;
+            const friction_row *g = (const friction_row *)task->friction_rows + c->friction_row;
             wide sum[3] = {zero, zero, zero};
             for (int j = 0; j < c->count; ++j) {
                 sum[0] += g[j].impulse[0];
@@ -417,16 +400,16 @@ static void bias(const pe_soft_task *task)
     for (int i = 0; i < task->block_count; ++i) {
         const block *c = (const block *)task->blocks + i;
         row *rows = (row *)task->rows + c->row;
-        wide_line a = wide_load(lines, c->a), b = wide_load(lines, c->b);
-        wide_line da = wide_load(moved, c->a), db = wide_load(moved, c->b);
+        wide_body a = wide_load(lines, c->a), b = wide_load(lines, c->b);
+        wide_body da = wide_load(moved, c->a), db = wide_load(moved, c->b);
         wide along = relative(c->normal, &a, &b), apart = relative(c->normal, &da, &db);
         const pe_soft_spring *spring = c->hard ? &task->hard_spring : &task->spring;
         wide rate = wide_of(spring->rate), mass_scale = wide_of(spring->mass_scale);
         wide impulse_scale = wide_of(spring->impulse_scale), total = zero;
         for (int j = 0; j < c->count; ++j) {
             row *r = &rows[j];
-            wide u = along + (dot(r->ja, a.angular) + dot(r->jb, b.angular));
-            wide s = r->gap + (apart + (dot(r->ja, da.angular) + dot(r->jb, db.angular)));
+            wide u = along + (wide_dot(r->ja, a.angular) + wide_dot(r->jb, b.angular));
+            wide s = r->gap + (apart + (wide_dot(r->ja, da.angular) + wide_dot(r->jb, db.angular)));
             /* A gap may close within the substep and no further; a penetration is a spring. */
             wide pushed = mass_scale * wide_max(rate * s, least);
             wide speed = wide_select(s, zero, s * per_substep, pushed);
@@ -447,12 +430,12 @@ static void bias(const pe_soft_task *task)
     }
 }
 
-static inline void relax_friction(const patch *f, patch_row *g, const row *rows, int count,
-                                  wide_line *a, wide_line *b)
+static inline void relax_friction(const friction_block *f, friction_row *g, const row *rows,
+                                  int count, wide_body *a, wide_body *b)
 {
     wide zero = wide_of(0), u[3], sum[3] = {zero, zero, zero};
     for (int q = 0; q < 3; ++q) {
-        u[q] = dot(f->ja[q], a->angular) + dot(f->jb[q], b->angular);
+        u[q] = wide_dot(f->ja[q], a->angular) + wide_dot(f->jb[q], b->angular);
     }
     u[0] += relative(f->tangent[0], a, b);
     u[1] += relative(f->tangent[1], a, b);
@@ -491,11 +474,11 @@ static void relax(const pe_soft_task *task)
     for (int i = 0; i < task->block_count; ++i) {
         const block *c = (const block *)task->blocks + i;
         row *rows = (row *)task->rows + c->row;
-        wide_line a = wide_load(lines, c->a), b = wide_load(lines, c->b);
+        wide_body a = wide_load(lines, c->a), b = wide_load(lines, c->b);
         wide along = relative(c->normal, &a, &b), total = zero;
         for (int j = 0; j < c->count; ++j) {
             row *r = &rows[j];
-            wide u = along + (dot(r->ja, a.angular) + dot(r->jb, b.angular));
+            wide u = along + (wide_dot(r->ja, a.angular) + wide_dot(r->jb, b.angular));
             /* What was apart at the step's start may come near, as far as the step's end. */
             wide least = u + wide_max(r->gap, zero) * per_step;
             wide now = wide_max(r->impulse - r->mass * least, zero);
@@ -508,9 +491,10 @@ static void relax(const pe_soft_task *task)
             add(b.angular, delta, r->jb);
         }
         push_along(c->normal, total, &a, &b);
-        if (c->patch >= 0) {
-            relax_friction((const patch *)task->patches + c->patch,
-                           (patch_row *)task->patch_rows + c->patch_row, rows, c->count, &a, &b);
+        if (c->friction >= 0) {
+            relax_friction((const friction_block *)task->friction_blocks + c->friction,
+                           (friction_row *)task->friction_rows + c->friction_row, rows, c->count,
+                           &a, &b);
         }
         wide_save(lines, c->a, &a);
         wide_save(lines, c->b, &b);
@@ -525,11 +509,11 @@ static void bounce_off(const pe_soft_task *task)
         const block *c = (const block *)task->blocks + i;
         row *rows = (row *)task->rows + c->row;
         const bounce *speeds = (const bounce *)task->bounces + c->row;
-        wide_line a = wide_load(lines, c->a), b = wide_load(lines, c->b);
+        wide_body a = wide_load(lines, c->a), b = wide_load(lines, c->b);
         wide along = relative(c->normal, &a, &b), total = zero;
         for (int j = 0; j < c->count; ++j) {
             row *r = &rows[j];
-            wide u = along + (dot(r->ja, a.angular) + dot(r->jb, b.angular));
+            wide u = along + (wide_dot(r->ja, a.angular) + wide_dot(r->jb, b.angular));
             wide now = wide_max(r->sum + r->mass * (speeds[j] - u), zero);
             /* Only what was to bounce, and was hit. */
             wide delta = wide_select(speeds[j], zero, now - r->sum, zero);
@@ -552,10 +536,11 @@ static void store(const pe_soft_task *task)
 {
     for (int i = 0; i < task->block_count; ++i) {
         const block *c = (const block *)task->blocks + i;
-        const patch *f = c->patch < 0 ? NULL : (const patch *)task->patches + c->patch;
+        const friction_block *f =
+            c->friction < 0 ? NULL : (const friction_block *)task->friction_blocks + c->friction;
         for (int j = 0; j < c->count; ++j) {
             const row *r = (const row *)task->rows + c->row + j;
-            const patch_row *g = (const patch_row *)task->patch_rows + c->patch_row + j;
+            const friction_row *g = (const friction_row *)task->friction_rows + c->friction_row + j;
             double impulse[3][PE_WIDTH];
             for (int k = 0; k < 3; ++k) {
                 wide p = r->sum * c->normal[k];
@@ -597,8 +582,8 @@ const pe_soft_kernel PE_KERNEL = {
     .lanes = PE_WIDTH,
     .block_size = sizeof(block),
     .row_size = sizeof(row),
-    .patch_size = sizeof(patch),
-    .patch_row_size = sizeof(patch_row),
+    .friction_block_size = sizeof(friction_block),
+    .friction_row_size = sizeof(friction_row),
     .bounce_size = sizeof(bounce),
     .prepare = prepare,
     .warm = warm,

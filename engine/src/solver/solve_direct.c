@@ -52,13 +52,13 @@ static void restore(const keeper *best)
 
 void pe_solve_shifts(const pe_problem *problem, double *shift)
 {
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
         double q[6], u[3];
-        pe_solver_manifold_twist(patch, (const double(*)[6])problem->velocity, q);
-        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+        pe_solver_manifold_twist(manifold, (const double(*)[6])problem->velocity, q);
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             pe_point_velocity(&problem->point[j], q, u);
-            shift[j] = patch->friction * sqrt(u[1] * u[1] + u[2] * u[2]);
+            shift[j] = manifold->friction * sqrt(u[1] * u[1] + u[2] * u[2]);
         }
     }
 }

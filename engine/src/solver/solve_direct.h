@@ -13,7 +13,7 @@
  *    each polished by Newton in the Tresca form.
  *
  * Iterations are factorisations. The best iterate of all is what is left. `pattern` counts the
- * patches that are expected to carry. */
+ * manifolds that are expected to carry. */
 pe_status pe_solve_direct(const pe_problem *problem, const pe_pattern *pattern, bool cold,
                           const pe_solve_limits *limits, pe_workspace work, pe_solve_report *report,
                           pe_error *error);

@@ -154,20 +154,20 @@ static void start(interior *ip, double least_speed)
     const pe_problem *problem = ip->problem;
     memcpy(ip->v, problem->free_velocity, ((size_t)problem->body_count + 1) * sizeof *ip->v);
     double speed = least_speed;
-    for (int i = 0; i < problem->patch_count; ++i) {
+    for (int i = 0; i < problem->manifold_count; ++i) {
         double q[6], u[3];
-        pe_solver_manifold_twist(&problem->patch[i], (const vec6 *)ip->v, q);
-        for (int j = problem->patch[i].first; j < problem->patch[i].first + problem->patch[i].count;
-             ++j) {
+        pe_solver_manifold_twist(&problem->manifold[i], (const vec6 *)ip->v, q);
+        for (int j = problem->manifold[i].first;
+             j < problem->manifold[i].first + problem->manifold[i].count; ++j) {
             pe_point_velocity(&problem->point[j], q, u);
             speed = pe_max(speed, pe_max(fabs(u[0]), pe_max(fabs(u[1]), fabs(u[2]))));
         }
     }
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
-        for (int j = patch->first; j < patch->first + patch->count; ++j) {
-            bool rough = patch->friction > 0;
-            double mu = rough ? patch->friction : 1;
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
+            bool rough = manifold->friction > 0;
+            double mu = rough ? manifold->friction : 1;
             ip->cone[j] = (cone_point){
                 .x = {mu * speed / problem->point[j].scale},
                 .z = {speed / mu},
@@ -190,15 +190,15 @@ static double look(interior *ip, double *least)
     }
     pe_problem_rebuild_velocity(problem);
     double worst = 0;
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
         double q[6], u[3];
-        pe_solver_manifold_twist(patch, (const vec6 *)problem->velocity, q);
-        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+        pe_solver_manifold_twist(manifold, (const vec6 *)problem->velocity, q);
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             pe_point_velocity(&problem->point[j], q, u);
             u[0] += ip->shift[j];
-            double e =
-                pe_cone_residual(patch->friction, problem->point[j].scale, problem->impulse[j], u);
+            double e = pe_cone_residual(manifold->friction, problem->point[j].scale,
+                                        problem->impulse[j], u);
             worst = e > worst || e != e ? e : worst;
         }
     }
@@ -214,11 +214,11 @@ static double linearise(interior *ip)
 {
     const pe_problem *problem = ip->problem;
     double sum = 0;
-    for (int i = 0; i < problem->patch_count; ++i) {
+    for (int i = 0; i < problem->manifold_count; ++i) {
         double q[6], u[3], z[3];
-        pe_solver_manifold_twist(&problem->patch[i], (const vec6 *)ip->v, q);
-        for (int j = problem->patch[i].first; j < problem->patch[i].first + problem->patch[i].count;
-             ++j) {
+        pe_solver_manifold_twist(&problem->manifold[i], (const vec6 *)ip->v, q);
+        for (int j = problem->manifold[i].first;
+             j < problem->manifold[i].first + problem->manifold[i].count; ++j) {
             cone_point *c = &ip->cone[j];
             pe_point_velocity(&problem->point[j], q, u);
             u[0] += ip->shift[j];
@@ -267,16 +267,16 @@ static double direction(interior *ip, bool corrects, double target)
 {
     const pe_problem *problem = ip->problem;
     memset(ip->dv, 0, ((size_t)problem->body_count + 1) * sizeof *ip->dv);
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
         double wrench[6] = {0};
-        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             cone_point *c = &ip->cone[j];
             point_right_side(c, corrects, target);
             double p[3] = {(c->x[0] + c->dx[0]) / c->mu, c->x[1] + c->dx[1], c->x[2] + c->dx[2]};
             pe_wrench_add(&problem->point[j], p, wrench);
         }
-        pe_solver_manifold_push(patch, wrench, ip->dv);
+        pe_solver_manifold_push(manifold, wrench, ip->dv);
     }
     for (int i = 0; i < problem->body_count; ++i) {
         double change[6], kept[6];
@@ -291,11 +291,11 @@ static double direction(interior *ip, bool corrects, double target)
     pe_factor_solve(&ip->factor, (const vec6 *)ip->dv, ip->dv);
     memset(ip->dv[problem->body_count], 0, sizeof *ip->dv);
     double longest = 1;
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
         double q[6], u[3], dz[3], back[3];
-        pe_solver_manifold_twist(patch, (const vec6 *)ip->dv, q);
-        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+        pe_solver_manifold_twist(manifold, (const vec6 *)ip->dv, q);
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             cone_point *c = &ip->cone[j];
             pe_point_velocity(&problem->point[j], q, u);
             pe_point_take_bias(&problem->point[j], u);
@@ -348,7 +348,7 @@ static const double BACK_OFF = 0.99;    /* of the way to the boundary */
 static const double LEAST_SPEED = 1e-3; /* m/s, of the starting point */
 enum { MAX_WORSE = 10 };                /* iterations without a new best */
 
-/* The method itself, on a problem of which every patch takes part. */
+/* The method itself, on a problem of which every manifold takes part. */
 static pe_status solve(const pe_problem *problem, const double *shift,
                        const pe_solve_limits *limits, pe_workspace work, pe_solve_report *report,
                        pe_error *error)

@@ -5,7 +5,7 @@
 #include "solve.h"
 #include "sparse/factor.h"
 
-/* Solves min 1/2 |v - v*|_M^2 subject to u + shift n in K*, cold, over the patches with
+/* Solves min 1/2 |v - v*|_M^2 subject to u + shift n in K*, cold, over the manifolds with
  * loaded[i] (NULL: all; the others get no impulse), with Nesterov and Todd's scaling
  * and Mehrotra's predictor and corrector: one factorisation and two solves an iteration. `shift`
  * (point_count), m/s, is held fixed: mu |u_t| of a former answer makes the answer true Coulomb,

@@ -81,12 +81,12 @@ static pe_status make_plan(const pe_problem *problem, const pe_island_limits *li
     if (!to->whole && !to->trial) {
         return PE_OK; /* not even with a factor for nothing */
     }
-    bool *loaded = pe_take(work, (size_t)problem->patch_count + 1, sizeof *loaded);
+    bool *loaded = pe_take(work, (size_t)problem->manifold_count + 1, sizeof *loaded);
     if (loaded == NULL) {
-        return pe_fail(error, PE_NO_MEMORY, "no memory for %d manifolds", problem->patch_count);
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %d manifolds", problem->manifold_count);
     }
     if (to->cold) {
-        memset(loaded, true, (size_t)problem->patch_count * sizeof *loaded);
+        memset(loaded, true, (size_t)problem->manifold_count * sizeof *loaded);
     } else {
         pe_pattern_mark_loaded(problem, limits->tolerance, loaded);
     }

@@ -20,7 +20,7 @@ typedef struct newton {
     vec3 *best;       /* of least residual so far */
     double *bound;    /* (points): De Saxce's shift mu |u_t|, or the radius mu lambda_n */
     pe_gain *gain;
-    bool *loaded;   /* (patches): whether a point has a gain */
+    bool *loaded;   /* (manifolds): whether a point has a gain */
     vec6 *momentum; /* (bodies + 1) M (v - v*) - J^T p, scratch */
     vec6 *step;     /* (bodies + 1) */
 } newton;
@@ -114,11 +114,11 @@ static inline void derivative(const newton *n, double mu, double bound, double l
 static void find_point_velocities(const pe_problem *problem, const vec6 *velocity, bool with_bias,
                                   vec3 *u)
 {
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
         double q[6];
-        pe_solver_manifold_twist(patch, velocity, q);
-        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+        pe_solver_manifold_twist(manifold, velocity, q);
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             pe_point_velocity(&problem->point[j], q, u[j]);
             if (!with_bias) {
                 pe_point_take_bias(&problem->point[j], u[j]);
@@ -133,29 +133,29 @@ static double evaluate(newton *n)
 {
     const pe_problem *problem = n->problem;
     memset(n->momentum, 0, ((size_t)problem->body_count + 1) * sizeof *n->momentum);
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
         double q[6], wrench[6] = {0};
-        pe_solver_manifold_twist(patch, (const vec6 *)problem->velocity, q);
+        pe_solver_manifold_twist(manifold, (const vec6 *)problem->velocity, q);
         n->loaded[i] = false;
-        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             double y[3];
             pe_point_velocity(&problem->point[j], q, n->u[j]);
             argument(n, j, n->u[j], y);
-            project(n, patch->friction, n->bound[j], y, n->p[j]);
+            project(n, manifold->friction, n->bound[j], y, n->p[j]);
             pe_wrench_add(&problem->point[j], n->p[j], wrench);
             double stiffness = 1 / (n->softness * problem->point[j].scale);
             /* From nothing every contact may carry: what starts to fall together has no approach to
              * show for it. */
             double least =
                 n->form == PE_NEWTON_CONE ? 0 : CARRIES_NOTHING / problem->point[j].scale;
-            derivative(n, patch->friction, n->bound[j], least, y, n->gain[j]);
+            derivative(n, manifold->friction, n->bound[j], least, y, n->gain[j]);
             for (int k = 0; k < 6; ++k) {
                 n->gain[j][k] *= stiffness;
             }
             n->loaded[i] |= n->gain[j][0] != 0 || n->gain[j][3] != 0;
         }
-        pe_solver_manifold_push(patch, wrench, n->momentum);
+        pe_solver_manifold_push(manifold, wrench, n->momentum);
     }
     double worst = 0;
     for (int i = 0; i < problem->body_count; ++i) {
@@ -186,15 +186,15 @@ static double slope(const newton *n, ray along, double a)
 {
     const pe_problem *problem = n->problem;
     double sum = along.constant + a * along.curvature;
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
-        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             double u[3], y[3], p[3];
             for (int k = 0; k < 3; ++k) {
                 u[k] = n->u[j][k] + a * n->du[j][k];
             }
             argument(n, j, u, y);
-            project(n, patch->friction, n->bound[j], y, p);
+            project(n, manifold->friction, n->bound[j], y, p);
             sum -= pe_dot3(p, n->du[j]);
         }
     }
@@ -234,11 +234,11 @@ static double search(const newton *n, ray along, double start)
     return a;
 }
 
-/* Makes the pattern one that holds every loaded patch. */
+/* Makes the pattern one that holds every loaded manifold. */
 static pe_status renew_pattern(newton *n, pe_error *error)
 {
     bool fits = true;
-    for (int i = 0; i < n->problem->patch_count; ++i) {
+    for (int i = 0; i < n->problem->manifold_count; ++i) {
         fits &= !n->loaded[i] | n->pattern.counted[i];
         n->loaded[i] |= n->pattern.counted[i];
     }
@@ -295,14 +295,14 @@ static void renew_bounds(newton *n, bool first)
     if (n->form == PE_NEWTON_CONE) {
         find_point_velocities(problem, (const vec6 *)problem->velocity, true, n->u);
     }
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
-        for (int j = patch->first; j < patch->first + patch->count; ++j) {
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             const double *u = n->u[j];
             if (n->form == PE_NEWTON_TRESCA) {
-                n->bound[j] = patch->friction * n->lambda[j][0];
+                n->bound[j] = manifold->friction * n->lambda[j][0];
             } else {
-                n->bound[j] = first ? 0 : patch->friction * sqrt(u[1] * u[1] + u[2] * u[2]);
+                n->bound[j] = first ? 0 : manifold->friction * sqrt(u[1] * u[1] + u[2] * u[2]);
             }
         }
     }
@@ -367,7 +367,7 @@ static pe_status create(const pe_problem *problem, const pe_pattern *pattern, pe
         .problem = problem,
         .pattern = *pattern,
         .work = work,
-        .loaded = pe_take(work, (size_t)problem->patch_count + 1, sizeof *n->loaded),
+        .loaded = pe_take(work, (size_t)problem->manifold_count + 1, sizeof *n->loaded),
         .u = pe_take(work, points, sizeof *n->u),
         .du = pe_take(work, points, sizeof *n->du),
         .lambda = problem->impulse,

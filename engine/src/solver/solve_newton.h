@@ -27,7 +27,7 @@ typedef struct pe_newton_settings {
  *   1/2 |v - v*|_M^2 + sum (R_i/2) |P(y_i)|^2,  y_i = lambda_i - (u_i + s_i n)/R_i,  R_i = r w_i
  *
  * by Newton's method with an exact line search, sets lambda = P(y), and again, until the residual
- * of the true problem is met. `pattern` is what it begins with, and is found again when a patch
+ * of the true problem is met. `pattern` is what it begins with, and is found again when a manifold
  * that was not counted begins to carry. A solve that did not converge never touches the
  * multipliers. The number of iterations is that of factorisations. (Rockafellar 1976; Alart and
  * Curnier 1991; Qi and Sun 1993.)

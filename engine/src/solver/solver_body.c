@@ -12,22 +12,22 @@ pe_status pe_solver_bodies_take(pe_world *world, const pe_islands *islands, cons
         count += chosen[k] ? (size_t)(islands->body_start[k + 1] - islands->body_start[k]) : 0;
     }
     *lines = (pe_solver_bodies){
-        .line_of = pe_scratch(world, slots, sizeof *lines->line_of),
+        .index_of = pe_scratch(world, slots, sizeof *lines->index_of),
         .slot_of = pe_scratch(world, count, sizeof *lines->slot_of),
         .velocity = pe_scratch(world, count, sizeof *lines->velocity),
         .previous = pe_scratch(world, count, sizeof *lines->previous),
         .displacement = pe_scratch(world, count, sizeof *lines->displacement),
         .frame = pe_scratch(world, count, sizeof *lines->frame),
     };
-    if (lines->line_of == NULL || lines->slot_of == NULL || lines->velocity == NULL ||
+    if (lines->index_of == NULL || lines->slot_of == NULL || lines->velocity == NULL ||
         lines->previous == NULL || lines->displacement == NULL || lines->frame == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for the velocities of %zu bodies", count);
     }
-    memset(lines->line_of, 0, slots * sizeof *lines->line_of);
+    memset(lines->index_of, 0, slots * sizeof *lines->index_of);
     lines->slot_of[lines->count++] = 0;
     for (int k = 0; k < islands->count; ++k) {
         for (int i = islands->body_start[k]; chosen[k] && i < islands->body_start[k + 1]; ++i) {
-            lines->line_of[islands->bodies[i]] = lines->count;
+            lines->index_of[islands->bodies[i]] = lines->count;
             lines->slot_of[lines->count++] = islands->bodies[i];
         }
     }

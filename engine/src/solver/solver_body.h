@@ -28,7 +28,7 @@ typedef struct pe_solver_body_frame {
 
 typedef struct pe_solver_bodies {
     int count;                /* line 0 included */
-    int *line_of;             /* (slots): 0 for a static body and for one that does not take part */
+    int *index_of;            /* (slots): 0 for a static body and for one that does not take part */
     int *slot_of;             /* (count) */
     pe_solver_body *velocity; /* (count) */
     pe_solver_body *previous; /* (count): velocities a substep ago */

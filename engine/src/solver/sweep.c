@@ -25,8 +25,8 @@ const pe_sweep_kernel *pe_sweep_kernel_for(int lanes)
 /* ---- Colours -----------------------------------------------------------------------------------
  */
 
-/* Sorting of patches: by colour, then by falling number of points, so that a block has few empty
- * places. A patch that finds no colour free, on a body with more than 64 others, gets its own
+/* Sorting of manifolds: by colour, then by falling number of points, so that a block has few empty
+ * places. A manifold that finds no colour free, on a body with more than 64 others, gets its own
  * block. */
 enum {
     MOST_COLOURS = 64,
@@ -44,34 +44,34 @@ static int first_free(uint64_t used)
     return colour;
 }
 
-static int key_of(const pe_solver_manifold *patch, int colour)
+static int key_of(const pe_solver_manifold *manifold, int colour)
 {
-    int count = patch->count < MOST_COUNT ? patch->count : MOST_COUNT;
+    int count = manifold->count < MOST_COUNT ? manifold->count : MOST_COUNT;
     return colour * MOST_COUNT + (MOST_COUNT - count);
 }
 
-/* Fills key (patch_count) by greedy colouring. `used` (body_count + 1) is scratch. */
-static void colour_patches(const pe_problem *problem, uint64_t *used, int *key)
+/* Fills key (manifold_count) by greedy colouring. `used` (body_count + 1) is scratch. */
+static void colour_manifolds(const pe_problem *problem, uint64_t *used, int *key)
 {
     int n = problem->body_count;
     memset(used, 0, ((size_t)n + 1) * sizeof *used);
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
-        int colour = first_free(used[patch->a] | used[patch->b]);
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
+        int colour = first_free(used[manifold->a] | used[manifold->b]);
         if (colour < MOST_COLOURS) {
             uint64_t bit = (uint64_t)1 << colour;
-            used[patch->a] |= patch->a < n ? bit : 0;
-            used[patch->b] |= patch->b < n ? bit : 0;
+            used[manifold->a] |= manifold->a < n ? bit : 0;
+            used[manifold->b] |= manifold->b < n ? bit : 0;
         }
-        key[i] = key_of(patch, colour);
+        key[i] = key_of(manifold, colour);
     }
 }
 
-/* Fills place (patch_count) and returns the number of blocks. */
-static int place_patches(const pe_problem *problem, const int *key, int *place)
+/* Fills place (manifold_count) and returns the number of blocks. */
+static int place_manifolds(const pe_problem *problem, const int *key, int *place)
 {
     int start[KEYS + 1] = {0}, blocks = 0, lane = 0;
-    for (int i = 0; i < problem->patch_count; ++i) {
+    for (int i = 0; i < problem->manifold_count; ++i) {
         start[key[i] < KEYS ? key[i] : KEYS] += 1;
     }
     for (int k = 0; k < KEYS; ++k) {
@@ -86,7 +86,7 @@ static int place_patches(const pe_problem *problem, const int *key, int *place)
     }
     blocks += lane > 0;
     start[KEYS] = PE_BLOCK_LANES * blocks;
-    for (int i = 0; i < problem->patch_count; ++i) {
+    for (int i = 0; i < problem->manifold_count; ++i) {
         if (key[i] < KEYS) {
             place[i] = start[key[i]]++;
         } else {
@@ -102,21 +102,21 @@ static int place_patches(const pe_problem *problem, const int *key, int *place)
 /* Never reached: the gap of a point that is not there. */
 static const double FAR_AWAY = 1e300;
 
-static void fill_patch(const pe_problem *problem, const pe_solver_manifold *patch,
-                       pe_sweep_block *block, int lane)
+static void fill_manifold(const pe_problem *problem, const pe_solver_manifold *manifold,
+                          pe_sweep_block *block, int lane)
 {
-    block->a[lane] = patch->a;
-    block->b[lane] = patch->b;
-    block->friction[lane] = patch->friction;
+    block->a[lane] = manifold->a;
+    block->b[lane] = manifold->b;
+    block->friction[lane] = manifold->friction;
     for (int k = 0; k < 3; ++k) {
-        block->normal[k][lane] = patch->frame[0][k];
-        block->tangent[k][lane] = patch->frame[1][k];
-        block->arm_a[k][lane] = patch->arm_a[k];
-        block->arm_b[k][lane] = patch->arm_b[k];
+        block->normal[k][lane] = manifold->frame[0][k];
+        block->tangent[k][lane] = manifold->frame[1][k];
+        block->arm_a[k][lane] = manifold->arm_a[k];
+        block->arm_b[k][lane] = manifold->arm_b[k];
     }
     for (int k = 0; k < 6; ++k) {
-        block->inverse_inertia_a[k][lane] = problem->inertia[patch->a].inverse_tensor[k];
-        block->inverse_inertia_b[k][lane] = problem->inertia[patch->b].inverse_tensor[k];
+        block->inverse_inertia_a[k][lane] = problem->inertia[manifold->a].inverse_tensor[k];
+        block->inverse_inertia_b[k][lane] = problem->inertia[manifold->b].inverse_tensor[k];
     }
 }
 
@@ -139,9 +139,9 @@ static void fill_point(const pe_solver_point *from, const double p[3], pe_sweep_
 static int count_points(const pe_sweep *sweep)
 {
     const pe_problem *problem = sweep->problem;
-    for (int i = 0; i < problem->patch_count; ++i) {
+    for (int i = 0; i < problem->manifold_count; ++i) {
         pe_sweep_block *block = &sweep->blocks[sweep->place[i] / PE_BLOCK_LANES];
-        int count = problem->patch[i].count;
+        int count = problem->manifold[i].count;
         block->count = count > block->count ? count : block->count;
     }
     int points = 0;
@@ -161,14 +161,14 @@ static void fill(pe_sweep *sweep, const int *key)
             sweep->points[i].bias[lane] = FAR_AWAY;
         }
     }
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
         int lane = sweep->place[i] % PE_BLOCK_LANES;
         pe_sweep_block *block = &sweep->blocks[sweep->place[i] / PE_BLOCK_LANES];
         block->colour = key[i] < KEYS ? key[i] / MOST_COUNT : MOST_COLOURS + i;
-        fill_patch(problem, patch, block, lane);
-        for (int j = 0; j < patch->count; ++j) {
-            fill_point(&problem->point[patch->first + j], problem->impulse[patch->first + j],
+        fill_manifold(problem, manifold, block, lane);
+        for (int j = 0; j < manifold->count; ++j) {
+            fill_point(&problem->point[manifold->first + j], problem->impulse[manifold->first + j],
                        &sweep->points[block->first + j], lane);
         }
     }
@@ -184,22 +184,23 @@ static void fill(pe_sweep *sweep, const int *key)
 pe_status pe_sweep_create(const pe_problem *problem, const pe_sweep_kernel *kernel,
                           pe_workspace work, pe_sweep *sweep, pe_error *error)
 {
-    size_t patches = (size_t)problem->patch_count + 1, bodies = (size_t)problem->body_count + 1;
+    size_t manifolds = (size_t)problem->manifold_count + 1,
+           bodies = (size_t)problem->body_count + 1;
     *sweep = (pe_sweep){
         .problem = problem,
         .kernel = kernel,
         .velocity = pe_take(work, bodies, sizeof *sweep->velocity),
         .before = pe_take(work, bodies, sizeof *sweep->before),
-        .place = pe_take(work, patches, sizeof *sweep->place),
+        .place = pe_take(work, manifolds, sizeof *sweep->place),
     };
     uint64_t *used = pe_take(work, bodies, sizeof *used);
-    int *key = pe_take(work, patches, sizeof *key);
+    int *key = pe_take(work, manifolds, sizeof *key);
     if (sweep->velocity == NULL || sweep->before == NULL || sweep->place == NULL || used == NULL ||
         key == NULL) {
         goto no_memory;
     }
-    colour_patches(problem, used, key);
-    sweep->block_count = place_patches(problem, key, sweep->place);
+    colour_manifolds(problem, used, key);
+    sweep->block_count = place_manifolds(problem, key, sweep->place);
     sweep->blocks = pe_take(work, (size_t)sweep->block_count + 1, sizeof *sweep->blocks);
     if (sweep->blocks == NULL) {
         goto no_memory;
@@ -227,13 +228,14 @@ no_memory:
 void pe_sweep_store(const pe_sweep *sweep)
 {
     const pe_problem *problem = sweep->problem;
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
         int lane = sweep->place[i] % PE_BLOCK_LANES;
         int first = sweep->blocks[sweep->place[i] / PE_BLOCK_LANES].first;
-        for (int j = 0; j < patch->count; ++j) {
+        for (int j = 0; j < manifold->count; ++j) {
             for (int k = 0; k < 3; ++k) {
-                problem->impulse[patch->first + j][k] = sweep->points[first + j].impulse[k][lane];
+                problem->impulse[manifold->first + j][k] =
+                    sweep->points[first + j].impulse[k][lane];
             }
         }
     }

@@ -1,11 +1,11 @@
-/* Gauss-Seidel sweeps over the patches of a problem, eight at a time.
+/* Gauss-Seidel sweeps over the manifolds of a problem, eight at a time.
  *
- * Patches are coloured so that no two of one colour share a dynamic body, and packed eight to a
- * block; patches of a block can then be visited in any order, or at once, with the same result. The
- * order of a sweep is by colour, then by patch, on every machine, and so are the bits: how many of
- * the eight lanes an instruction works on is chosen when the program runs.
+ * Manifolds are coloured so that no two of one colour share a dynamic body, and packed eight to a
+ * block; manifolds of a block can then be visited in any order, or at once, with the same result.
+ * The order of a sweep is by colour, then by manifold, on every machine, and so are the bits: how
+ * many of the eight lanes an instruction works on is chosen when the program runs.
  *
- * A patch is swept in its relative twist q = T v (problem.h): its points change q through
+ * A manifold is swept in its relative twist q = T v (problem.h): its points change q through
  * E = T M^-1 T^T, six by six, and only their sum goes back to the bodies. For four points that is
  * 216 bytes a point, where rows of the Jacobian take 360.
  *
@@ -22,11 +22,12 @@ enum { PE_BLOCK_LANES = 8 };
 
 typedef double pe_block_lanes[PE_BLOCK_LANES];
 
-/* Eight patches of one colour. Lanes without a patch are between static bodies, all zero. */
+/* Eight manifolds of one colour. Lanes without a manifold are between static bodies, all zero. */
 typedef struct pe_sweep_block {
     int a[PE_BLOCK_LANES], b[PE_BLOCK_LANES];
-    int colour;       /* one of its own for a patch that found none free */
-    int first, count; /* points first .. first + count - 1: the most that any of the patches has */
+    int colour; /* one of its own for a manifold that found none free */
+    int first,
+        count; /* points first .. first + count - 1: the most that any of the manifolds has */
     _Alignas(64) pe_block_lanes normal[3], tangent[3]; /* n and t1, world; t2 = n x t1 */
     pe_block_lanes arm_a[3], arm_b[3];
     pe_block_lanes inverse_inertia_a[6], inverse_inertia_b[6];
@@ -34,7 +35,7 @@ typedef struct pe_sweep_block {
     pe_block_lanes friction;
 } pe_sweep_block;
 
-/* The k-th points of eight patches. Lanes whose patch has fewer never touch. */
+/* The k-th points of eight manifolds. Lanes whose manifold has fewer never touch. */
 typedef struct pe_sweep_point {
     pe_block_lanes s[3], bias, slip[2];
     pe_block_lanes inverse_wnn; /* W = J M^-1 J^T of the point, kg; 0 in a lane without a point */
@@ -53,7 +54,7 @@ typedef struct pe_sweep {
     pe_sweep_point *points;
     pe_solver_body *velocity,
         *before; /* (body_count + 1): of z, and of z a sweep before; world axes */
-    int *place;  /* (patch_count): 8 x block + lane */
+    int *place;  /* (manifold_count): 8 x block + lane */
 } pe_sweep;
 
 /* How far J_n v + b >= 0 is from being met, in the unit of b. */
@@ -64,7 +65,7 @@ typedef struct pe_violation {
 /* The work on blocks for one width of instructions, by those names below. */
 typedef struct pe_sweep_kernel {
     int lanes;
-    void (*prepare)(pe_sweep *sweep); /* E of the patches, W of the points */
+    void (*prepare)(pe_sweep *sweep); /* E of the manifolds, W of the points */
     void (*sweep_cones)(pe_sweep *sweep, double beta);
     double (*residual)(const pe_sweep *sweep);
     void (*sweep_normals)(pe_sweep *sweep, double beta);

@@ -1,82 +1,64 @@
 /* The kernels of sweep.h for PE_WIDTH wide an instruction, which they name PE_KERNEL; included by
  * one file a width. Each lane does the same operations at every width.
  *
- * What a loop runs over is a group: PE_WIDTH patches of a block, from `lane` on. Sweeps take two
- * groups of one colour together: what a patch computes is one long chain of operations that wait
+ * What a loop runs over is a group: PE_WIDTH manifolds of a block, from `lane` on. Sweeps take two
+ * groups of one colour together: what a manifold computes is one long chain of operations that wait
  * for each other, and two such chains take little longer than one. */
 #include "sweep.h"
 
-#include "base/lanes.h"
+#include "body_lanes.h"
 
 #include <string.h>
-
-/* The kernels are one function each, or lanes would travel through memory. */
-#if defined(__GNUC__)
-#define INLINE static inline __attribute__((always_inline))
-#else
-#define INLINE static inline
-#endif
 
 /* ---- Lanes -------------------------------------------------------------------------------------
  */
 
-INLINE wide load(const double *x)
+PE_INLINE wide load(const double *x)
 {
     return *(const wide *)x;
 }
 
-INLINE void store(double *x, wide value)
+PE_INLINE void store(double *x, wide value)
 {
     *(wide *)x = value;
 }
 
 /* `count` wide of pe_block_lanes that follow each other from x on. */
-INLINE void load_some(const double *x, int lane, int count, wide *r)
+PE_INLINE void load_some(const double *x, int lane, int count, wide *r)
 {
     for (int k = 0; k < count; ++k) {
         r[k] = load(x + PE_BLOCK_LANES * k + lane);
     }
 }
 
-INLINE void store_some(double *x, int lane, int count, const wide *r)
+PE_INLINE void store_some(double *x, int lane, int count, const wide *r)
 {
     for (int k = 0; k < count; ++k) {
         store(x + PE_BLOCK_LANES * k + lane, r[k]);
     }
 }
 
-INLINE void cross(const wide a[3], const wide b[3], wide c[3])
-{
-    c[0] = a[1] * b[2] - a[2] * b[1];
-    c[1] = a[2] * b[0] - a[0] * b[2];
-    c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-INLINE wide dot(const wide a[3], const wide b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* Symmetric (xx, xy, xz, yy, yz, zz) times a vector. */
-INLINE void times(const wide m[6], const wide x[3], wide y[3])
+PE_INLINE void times(const wide m[6], const wide x[3], wide y[3])
 {
     y[0] = m[0] * x[0] + m[1] * x[1] + m[2] * x[2];
     y[1] = m[1] * x[0] + m[3] * x[1] + m[4] * x[2];
     y[2] = m[2] * x[0] + m[4] * x[1] + m[5] * x[2];
 }
 
-/* ---- A group of patches -------------------------------------------------------------------------
+/* ---- A group of manifolds
+ * -------------------------------------------------------------------------
  */
 
 typedef struct group {
     pe_sweep_block *block;
     int lane;
-    wide_line a, b; /* of the bodies */
+    wide_body a, b; /* of the bodies */
     wide frame[3][3];
     wide arm_a[3], arm_b[3];
 } group;
 
-INLINE group load_group(const pe_sweep *sweep, int index)
+PE_INLINE group load_group(const pe_sweep *sweep, int index)
 {
     int first = index * PE_WIDTH, lane = first % PE_BLOCK_LANES;
     pe_sweep_block *block = &sweep->blocks[first / PE_BLOCK_LANES];
@@ -85,19 +67,19 @@ INLINE group load_group(const pe_sweep *sweep, int index)
     g.b = wide_load(sweep->velocity, block->b + lane);
     load_some(block->normal[0], lane, 3, g.frame[0]);
     load_some(block->tangent[0], lane, 3, g.frame[1]);
-    cross(g.frame[0], g.frame[1], g.frame[2]);
+    wide_cross(g.frame[0], g.frame[1], g.frame[2]);
     load_some(block->arm_a[0], lane, 3, g.arm_a);
     load_some(block->arm_b[0], lane, 3, g.arm_b);
     return g;
 }
 
-INLINE int group_count(const pe_sweep *sweep)
+PE_INLINE int group_count(const pe_sweep *sweep)
 {
     return sweep->block_count * (PE_BLOCK_LANES / PE_WIDTH);
 }
 
 /* How many groups from the index on, up to two, share no body. */
-INLINE int together(const pe_sweep *sweep, int index)
+PE_INLINE int together(const pe_sweep *sweep, int index)
 {
     int next = (index + 1) * PE_WIDTH / PE_BLOCK_LANES;
     return next < sweep->block_count && sweep->blocks[next].colour ==
@@ -106,37 +88,37 @@ INLINE int together(const pe_sweep *sweep, int index)
                : 1;
 }
 
-INLINE pe_sweep_point *point_of(const pe_sweep *sweep, const group *g, int j)
+PE_INLINE pe_sweep_point *point_of(const pe_sweep *sweep, const group *g, int j)
 {
     return &sweep->points[g->block->first + j];
 }
 
-INLINE int larger(int a, int b)
+PE_INLINE int larger(int a, int b)
 {
     return a > b ? a : b;
 }
 
-/* The relative twist in the patch's frame. */
-INLINE void twist_of(const group *g, wide q[6])
+/* The relative twist in the manifold's frame. */
+PE_INLINE void twist_of(const group *g, wide q[6])
 {
     wide turn_a[3], turn_b[3], d[3], w[3];
-    cross(g->a.angular, g->arm_a, turn_a);
-    cross(g->b.angular, g->arm_b, turn_b);
+    wide_cross(g->a.angular, g->arm_a, turn_a);
+    wide_cross(g->b.angular, g->arm_b, turn_b);
     for (int k = 0; k < 3; ++k) {
         d[k] = (g->b.linear[k] + turn_b[k]) - (g->a.linear[k] + turn_a[k]);
         w[k] = g->b.angular[k] - g->a.angular[k];
     }
     for (int k = 0; k < 3; ++k) {
-        q[k] = dot(g->frame[k], d);
-        q[3 + k] = dot(g->frame[k], w);
+        q[k] = wide_dot(g->frame[k], d);
+        q[3 + k] = wide_dot(g->frame[k], w);
     }
 }
 
-INLINE void push_line(wide_line *line, const wide inverse_inertia[6], const wide arm[3],
-                      const wide force[3], const wide torque[3], double sign)
+PE_INLINE void push_line(wide_body *line, const wide inverse_inertia[6], const wide arm[3],
+                         const wide force[3], const wide torque[3], double sign)
 {
     wide moment[3], turn[3];
-    cross(arm, force, moment);
+    wide_cross(arm, force, moment);
     for (int k = 0; k < 3; ++k) {
         moment[k] = moment[k] + torque[k];
         line->linear[k] = line->linear[k] + wide_of(sign) * (line->inverse_mass * force[k]);
@@ -148,7 +130,7 @@ INLINE void push_line(wide_line *line, const wide inverse_inertia[6], const wide
 }
 
 /* v += M^-1 J^T p for the bodies of the group, of force and torque (N s, N m s) on b, world. */
-INLINE void push(pe_sweep *sweep, group *g, const wide force[3], const wide torque[3])
+PE_INLINE void push(pe_sweep *sweep, group *g, const wide force[3], const wide torque[3])
 {
     wide inverse[6];
     load_some(g->block->inverse_inertia_a[0], g->lane, 6, inverse);
@@ -164,7 +146,7 @@ typedef struct coupling {
     wide linear[6], mixed[9], angular[6];
 } coupling;
 
-INLINE void load_coupling(const pe_sweep_block *block, int lane, coupling *e)
+PE_INLINE void load_coupling(const pe_sweep_block *block, int lane, coupling *e)
 {
     load_some(block->linear[0], lane, 6, e->linear);
     load_some(block->mixed[0], lane, 9, e->mixed);
@@ -172,7 +154,7 @@ INLINE void load_coupling(const pe_sweep_block *block, int lane, coupling *e)
 }
 
 /* The change E x of a twist by a wrench. */
-INLINE void couple(const coupling *e, const wide x[6], wide change[6])
+PE_INLINE void couple(const coupling *e, const wide x[6], wide change[6])
 {
     const wide *m = e->mixed, *f = x, *t = x + 3;
     wide linear[3], angular[3];
@@ -184,16 +166,16 @@ INLINE void couple(const coupling *e, const wide x[6], wide change[6])
     }
 }
 
-/* The velocity at a point of the patch, by its twist. */
-INLINE void velocity_at(const wide q[6], const wide s[3], wide u[3])
+/* The velocity at a point of the manifold, by its twist. */
+PE_INLINE void velocity_at(const wide q[6], const wide s[3], wide u[3])
 {
-    cross(q + 3, s, u);
+    wide_cross(q + 3, s, u);
     for (int k = 0; k < 3; ++k) {
         u[k] = q[k] + u[k];
     }
 }
 
-INLINE void add_bias(const pe_sweep_point *point, int lane, wide u[3])
+PE_INLINE void add_bias(const pe_sweep_point *point, int lane, wide u[3])
 {
     u[0] = u[0] + load(point->bias + lane);
     u[1] = u[1] + load(point->slip[0] + lane);
@@ -201,38 +183,38 @@ INLINE void add_bias(const pe_sweep_point *point, int lane, wide u[3])
 }
 
 /* The wrench of an impulse at a point. */
-INLINE void wrench_of(const wide s[3], const wide p[3], wide x[6])
+PE_INLINE void wrench_of(const wide s[3], const wide p[3], wide x[6])
 {
     for (int k = 0; k < 3; ++k) {
         x[k] = p[k];
     }
-    cross(s, p, x + 3);
+    wide_cross(s, p, x + 3);
 }
 
 /* ---- Preparation -------------------------------------------------------------------------------
  */
 
-/* Adds one body's part of E: with A its inverse inertia and r its arm, in the patch's frame,
+/* Adds one body's part of E: with A its inverse inertia and r its arm, in the manifold's frame,
  * (1/m + [r] A [r]^T, -[r] A; A [r], A). */
-INLINE void add_coupling(const wide frame[3][3], const wide inverse_inertia[6], const wide arm[3],
-                         wide inverse_mass, coupling *e)
+PE_INLINE void add_coupling(const wide frame[3][3], const wide inverse_inertia[6],
+                            const wide arm[3], wide inverse_mass, coupling *e)
 {
     wide a[3][3], ra[3][3], r[3];
     for (int i = 0; i < 3; ++i) {
         wide turned[3];
         times(inverse_inertia, frame[i], turned);
         for (int j = 0; j < 3; ++j) {
-            a[i][j] = dot(frame[j], turned);
+            a[i][j] = wide_dot(frame[j], turned);
         }
-        r[i] = dot(frame[i], arm);
+        r[i] = wide_dot(frame[i], arm);
     }
     for (int j = 0; j < 3; ++j) {
-        cross(r, a[j], ra[j]); /* column j of [r] A, for A is symmetric */
+        wide_cross(r, a[j], ra[j]); /* column j of [r] A, for A is symmetric */
     }
     for (int i = 0, at = 0; i < 3; ++i) {
         /* Row i of [r] A, and of [r] A [r]^T: the cross product of r with that row. */
         wide row[3] = {ra[0][i], ra[1][i], ra[2][i]}, both[3];
-        cross(r, row, both);
+        wide_cross(r, row, both);
         e->linear[at] = e->linear[at] + inverse_mass;
         for (int j = i; j < 3; ++j, ++at) {
             e->linear[at] = e->linear[at] + both[j];
@@ -244,14 +226,8 @@ INLINE void add_coupling(const wide frame[3][3], const wide inverse_inertia[6], 
     }
 }
 
-/* 1/x, and 0 for 0. */
-INLINE wide inverse_or_zero(wide x)
-{
-    return wide_select(x, wide_of(0), wide_of(1) / x, wide_of(0));
-}
-
 /* A row of W, which is symmetric: what a unit impulse along k does at the point. */
-INLINE void unit_response(const coupling *e, const wide s[3], int k, wide w[3])
+PE_INLINE void unit_response(const coupling *e, const wide s[3], int k, wide w[3])
 {
     wide p[3] = {wide_of(k == 0), wide_of(k == 1), wide_of(k == 2)}, x[6], change[6];
     wrench_of(s, p, x);
@@ -259,7 +235,7 @@ INLINE void unit_response(const coupling *e, const wide s[3], int k, wide w[3])
     velocity_at(change, s, w);
 }
 
-INLINE void prepare_point(pe_sweep_point *point, int lane, const coupling *e)
+PE_INLINE void prepare_point(pe_sweep_point *point, int lane, const coupling *e)
 {
     wide s[3], w0[3], w1[3], w2[3];
     load_some(point->s[0], lane, 3, s);
@@ -269,8 +245,8 @@ INLINE void prepare_point(pe_sweep_point *point, int lane, const coupling *e)
     wide half = wide_of(0.5) * (w1[1] - w2[2]);
     wide most = wide_of(0.5) * (w1[1] + w2[2]) + wide_sqrt(half * half + w1[2] * w1[2]);
     wide present = load(point->inverse_wnn + lane); /* 1 or 0, as it was filled */
-    store(point->inverse_wnn + lane, present * inverse_or_zero(w0[0]));
-    store(point->inverse_wtt + lane, present * inverse_or_zero(most));
+    store(point->inverse_wnn + lane, present * wide_inverse(w0[0]));
+    store(point->inverse_wtt + lane, present * wide_inverse(most));
     store(point->wn1 + lane, w0[1]);
     store(point->wn2 + lane, w0[2]);
 }
@@ -303,7 +279,7 @@ static void prepare(pe_sweep *sweep)
 static const double TINY_SQUARE = 1e-300;
 
 /* y of component k of a point's impulse, whose z then is the one before. */
-INLINE wide take_start(pe_sweep_point *point, int k, int lane, wide beta)
+PE_INLINE wide take_start(pe_sweep_point *point, int k, int lane, wide beta)
 {
     wide z = load(point->impulse[k] + lane);
     wide y = z + beta * (z - load(point->before[k] + lane));
@@ -312,8 +288,8 @@ INLINE wide take_start(pe_sweep_point *point, int k, int lane, wide beta)
 }
 
 /* Makes a point's impulse z from y, and gives its change. */
-INLINE void sweep_point(pe_sweep_point *point, int lane, wide friction, wide beta, const wide q[6],
-                        wide s[3], wide d[3])
+PE_INLINE void sweep_point(pe_sweep_point *point, int lane, wide friction, wide beta,
+                           const wide q[6], wide s[3], wide d[3])
 {
     load_some(point->s[0], lane, 3, s);
     wide y[3], u[3];
@@ -347,7 +323,7 @@ typedef struct cone_sweep {
     wide q[6], sum[6];
 } cone_sweep;
 
-INLINE void cones_begin(const pe_sweep *sweep, int index, cone_sweep *c)
+PE_INLINE void cones_begin(const pe_sweep *sweep, int index, cone_sweep *c)
 {
     c->g = load_group(sweep, index);
     twist_of(&c->g, c->q);
@@ -356,7 +332,7 @@ INLINE void cones_begin(const pe_sweep *sweep, int index, cone_sweep *c)
     }
 }
 
-INLINE void cones_visit(const pe_sweep *sweep, int j, wide beta, cone_sweep *c)
+PE_INLINE void cones_visit(const pe_sweep *sweep, int j, wide beta, cone_sweep *c)
 {
     const pe_sweep_block *block = c->g.block;
     int lane = c->g.lane;
@@ -380,7 +356,7 @@ INLINE void cones_visit(const pe_sweep *sweep, int j, wide beta, cone_sweep *c)
     }
 }
 
-INLINE void cones_end(pe_sweep *sweep, cone_sweep *c)
+PE_INLINE void cones_end(pe_sweep *sweep, cone_sweep *c)
 {
     wide force[3], torque[3];
     const wide *sum = c->sum;
@@ -432,7 +408,7 @@ static void sweep_cones(pe_sweep *sweep, double beta)
  */
 
 /* All that normal velocities see of a twist: velocity along n, spin about t1 and t2. */
-INLINE void normal_twist(const group *g, wide q[3])
+PE_INLINE void normal_twist(const group *g, wide q[3])
 {
     wide full[6];
     twist_of(g, full);
@@ -441,14 +417,14 @@ INLINE void normal_twist(const group *g, wide q[3])
     q[2] = full[5];
 }
 
-INLINE wide normal_velocity(const pe_sweep_point *point, int lane, const wide q[3])
+PE_INLINE wide normal_velocity(const pe_sweep_point *point, int lane, const wide q[3])
 {
     wide s1 = load(point->s[1] + lane), s2 = load(point->s[2] + lane);
     return (q[0] + (q[1] * s2 - q[2] * s1)) + load(point->bias + lane);
 }
 
 /* The part of E for them. */
-INLINE void normal_coupling(const pe_sweep_block *block, int lane, wide e[6])
+PE_INLINE void normal_coupling(const pe_sweep_block *block, int lane, wide e[6])
 {
     e[0] = load(block->linear[0] + lane);
     e[1] = load(block->mixed[1] + lane);
@@ -461,7 +437,7 @@ typedef struct normal_sweep {
     wide q[3], e[6], sum[3];
 } normal_sweep;
 
-INLINE void normals_begin(const pe_sweep *sweep, int index, normal_sweep *c)
+PE_INLINE void normals_begin(const pe_sweep *sweep, int index, normal_sweep *c)
 {
     c->g = load_group(sweep, index);
     normal_coupling(c->g.block, c->g.lane, c->e);
@@ -471,7 +447,7 @@ INLINE void normals_begin(const pe_sweep *sweep, int index, normal_sweep *c)
     }
 }
 
-INLINE void normals_visit(const pe_sweep *sweep, int j, wide beta, normal_sweep *c)
+PE_INLINE void normals_visit(const pe_sweep *sweep, int j, wide beta, normal_sweep *c)
 {
     int lane = c->g.lane;
     if (j >= c->g.block->count) {
@@ -490,7 +466,7 @@ INLINE void normals_visit(const pe_sweep *sweep, int j, wide beta, normal_sweep 
     }
 }
 
-INLINE void normals_end(pe_sweep *sweep, normal_sweep *c)
+PE_INLINE void normals_end(pe_sweep *sweep, normal_sweep *c)
 {
     wide force[3], torque[3];
     for (int k = 0; k < 3; ++k) {
@@ -557,7 +533,7 @@ static pe_violation violation(const pe_sweep *sweep)
  */
 
 /* |P - P_K(P - u - mu |u_t| n)| with P = w p: the cone has no size, so that w goes into P. */
-INLINE wide residual_at(const pe_sweep_point *point, int lane, wide friction, const wide q[6])
+PE_INLINE wide residual_at(const pe_sweep_point *point, int lane, wide friction, const wide q[6])
 {
     wide s[3], u[3], p[3], z[3];
     load_some(point->s[0], lane, 3, s);

@@ -3,6 +3,19 @@
 #include <math.h>
 #include <string.h>
 
+/* A function marked so is compiled for several instruction sets, and one is chosen when the program
+ * is loaded. Every lane does the IEEE operation of scalar code, so that all give the same bits.
+ * clang 14 links no such function that another file calls; the sanitizers run before the choice can
+ * be made. */
+#if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) &&       \
+    !defined(__SANITIZE_ADDRESS__)
+#define WIDE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define WIDE_CLONES
+#endif
+
+#define INLINE static inline __attribute__((always_inline))
+
 pe_status pe_factor_create(const pe_pattern *pattern, pe_workspace work, pe_factor *factor,
                            pe_error *error)
 {
@@ -31,7 +44,7 @@ static void cross_columns(const double c[3], const double m[3][3], double r[3][3
     }
 }
 
-/* m := D^T m D with the rows of D the frame: from the patch's axes to the world's. */
+/* m := D^T m D with the rows of D the frame: from the manifold's axes to the world's. */
 static void to_world(const double d[3][3], double m[3][3])
 {
     double t[3][3];
@@ -47,14 +60,14 @@ static void to_world(const double d[3][3], double m[3][3])
     }
 }
 
-/* sum over a patch's points of B^T G B with B = (1, -[s]): K = sum G, A = sum [s] G,
+/* sum over a manifold's points of B^T G B with B = (1, -[s]): K = sum G, A = sum [s] G,
  * C = sum [s] G [s]^T, in the world's axes. False when every gain is 0. */
-static bool sum_points(const pe_problem *problem, const pe_solver_manifold *patch,
+static bool sum_points(const pe_problem *problem, const pe_solver_manifold *manifold,
                        const pe_gain *gain, double k[3][3], double a[3][3], double c[3][3])
 {
     double sum_k[6] = {0}, sum_c[6] = {0};
     memset(a, 0, 9 * sizeof(double));
-    for (int i = patch->first; i < patch->first + patch->count; ++i) {
+    for (int i = manifold->first; i < manifold->first + manifold->count; ++i) {
         const double *g = gain[i], *s = problem->point[i].s;
         if (g[0] == 0 && g[3] == 0 && g[5] == 0) {
             continue;
@@ -88,9 +101,9 @@ static bool sum_points(const pe_problem *problem, const pe_solver_manifold *patc
             c[p][q] = sum_c[at[p][q]];
         }
     }
-    to_world(patch->frame, k);
-    to_world(patch->frame, a);
-    to_world(patch->frame, c);
+    to_world(manifold->frame, k);
+    to_world(manifold->frame, a);
+    to_world(manifold->frame, c);
     return true;
 }
 
@@ -115,7 +128,7 @@ static void add_quarters(pe_block *block, double sign, double k[3][3], double up
     }
 }
 
-/* The patch's sum carried from its centre to one body's centre of mass at -arm:
+/* The manifold's sum carried from its centre to one body's centre of mass at -arm:
  * lower = A + [arm] K, its transpose, and the moment X + [arm] lower^T, X = C - A [arm]. */
 typedef struct carried {
     double lower[3][3], upper[3][3], moment[3][3];
@@ -163,33 +176,33 @@ void pe_factor_assemble(pe_factor *factor, const pe_problem *problem, const pe_g
         add_mass(&factor->block[pattern->start[pattern->place[i]]], &problem->inertia[i]);
     }
     int statics = problem->body_count;
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
         double k[3][3], a[3][3], c[3][3], at_a[3][3], at_b[3][3];
         carried to_a, to_b;
-        if (!sum_points(problem, patch, gain, k, a, c)) {
+        if (!sum_points(problem, manifold, gain, k, a, c)) {
             continue;
         }
-        if (patch->a != statics) {
-            carry(patch->arm_a, k, a, c, &to_a, at_a);
-            add_quarters(&factor->block[pattern->start[pattern->place[patch->a]]], 1, k, to_a.upper,
-                         to_a.lower, to_a.moment, false);
+        if (manifold->a != statics) {
+            carry(manifold->arm_a, k, a, c, &to_a, at_a);
+            add_quarters(&factor->block[pattern->start[pattern->place[manifold->a]]], 1, k,
+                         to_a.upper, to_a.lower, to_a.moment, false);
         }
-        if (patch->b != statics) {
-            carry(patch->arm_b, k, a, c, &to_b, at_b);
-            add_quarters(&factor->block[pattern->start[pattern->place[patch->b]]], 1, k, to_b.upper,
-                         to_b.lower, to_b.moment, false);
+        if (manifold->b != statics) {
+            carry(manifold->arm_b, k, a, c, &to_b, at_b);
+            add_quarters(&factor->block[pattern->start[pattern->place[manifold->b]]], 1, k,
+                         to_b.upper, to_b.lower, to_b.moment, false);
         }
         if (pattern->couple[i] >= 0) {
             /* H_ab = -((K, upper_b), (lower_a, X_b + [arm_a] upper_b)) */
             double corner[3][3];
-            cross_columns(patch->arm_a, (const double(*)[3])to_b.upper, corner);
+            cross_columns(manifold->arm_a, (const double(*)[3])to_b.upper, corner);
             for (int p = 0; p < 3; ++p) {
                 for (int q = 0; q < 3; ++q) {
                     corner[p][q] += at_b[p][q];
                 }
             }
-            bool a_is_column = pattern->place[patch->a] < pattern->place[patch->b];
+            bool a_is_column = pattern->place[manifold->a] < pattern->place[manifold->b];
             add_quarters(&factor->block[pattern->couple[i]], -1, k, to_b.upper, to_a.lower, corner,
                          a_is_column);
         }
@@ -200,7 +213,7 @@ void pe_factor_assemble(pe_factor *factor, const pe_problem *problem, const pe_g
  */
 
 /* The diagonal block's own factor, and the inverses of its diagonal. */
-PE_INLINE bool factor_diagonal(pe_block *d, double inverse[6])
+INLINE bool factor_diagonal(pe_block *d, double inverse[6])
 {
     for (int j = 0; j < 6; ++j) {
         double pivot = d->column[j][j];
@@ -217,7 +230,7 @@ PE_INLINE bool factor_diagonal(pe_block *d, double inverse[6])
 }
 
 /* b := b L^-T with the factor L of the column's diagonal block. */
-PE_INLINE void divide(pe_block *b, const pe_block *l, const double inverse[6])
+INLINE void divide(pe_block *b, const pe_block *l, const double inverse[6])
 {
     for (int j = 0; j < 6; ++j) {
         b->column[j] *= inverse[j];
@@ -228,7 +241,7 @@ PE_INLINE void divide(pe_block *b, const pe_block *l, const double inverse[6])
 }
 
 /* c := c - a b^T */
-PE_INLINE void subtract_product(pe_block *c, const pe_block *a, const pe_block *b)
+INLINE void subtract_product(pe_block *c, const pe_block *a, const pe_block *b)
 {
     for (int j = 0; j < 6; ++j) {
         pe_lanes sum = c->column[j];
@@ -239,7 +252,7 @@ PE_INLINE void subtract_product(pe_block *c, const pe_block *a, const pe_block *
     }
 }
 
-PE_WIDE_CLONES
+WIDE_CLONES
 bool pe_factor_compute(pe_factor *factor)
 {
     const pe_pattern *pattern = factor->pattern;
@@ -270,7 +283,7 @@ bool pe_factor_compute(pe_factor *factor)
 /* ---- Solves ------------------------------------------------------------------------------------
  */
 
-PE_WIDE_CLONES
+WIDE_CLONES
 void pe_factor_solve(const pe_factor *factor, const double (*b)[6], double (*x)[6])
 {
     const pe_pattern *pattern = factor->pattern;

@@ -6,10 +6,11 @@
 #ifndef PE_FACTOR_H
 #define PE_FACTOR_H
 
-#include "base/factor_lanes.h"
 #include "pattern.h"
 
 /* Column-major; the rows of a column fill six of its eight lanes, two are padding. */
+typedef double pe_lanes __attribute__((vector_size(64)));
+
 typedef struct pe_block {
     pe_lanes column[6];
 } pe_block;
@@ -20,7 +21,7 @@ typedef struct pe_factor {
     pe_lanes *right; /* (count): scratch of the solves */
 } pe_factor;
 
-/* Symmetric (nn, n1, n2, 11, 12, 22) gain of each point in its patch's frame, N s per m/s. */
+/* Symmetric (nn, n1, n2, 11, 12, 22) gain of each point in its manifold's frame, N s per m/s. */
 typedef double pe_gain[6];
 
 pe_status pe_factor_create(const pe_pattern *pattern, pe_workspace work, pe_factor *factor,

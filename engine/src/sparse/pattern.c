@@ -4,19 +4,19 @@
 
 #include <string.h>
 
-/* The graph of bodies: an edge for each pair that shares a patch. */
+/* The graph of bodies: an edge for each pair that shares a manifold. */
 typedef struct graph {
     int *start, *adjacent; /* as pe_order_find takes them */
 } graph;
 
-static bool is_static(const pe_problem *problem, const pe_solver_manifold *patch)
+static bool is_static(const pe_problem *problem, const pe_solver_manifold *manifold)
 {
-    return patch->a == problem->body_count || patch->b == problem->body_count;
+    return manifold->a == problem->body_count || manifold->b == problem->body_count;
 }
 
-static bool couples(const pe_problem *problem, const bool *counted, int patch)
+static bool couples(const pe_problem *problem, const bool *counted, int manifold)
 {
-    return counted[patch] && !is_static(problem, &problem->patch[patch]);
+    return counted[manifold] && !is_static(problem, &problem->manifold[manifold]);
 }
 
 static pe_status graph_of(const pe_problem *problem, const bool *counted, pe_workspace work,
@@ -24,31 +24,31 @@ static pe_status graph_of(const pe_problem *problem, const bool *counted, pe_wor
 {
     int n = problem->body_count;
     int *start = pe_take(work, (size_t)n + 2, sizeof *start);
-    int *adjacent = pe_take(work, 2 * (size_t)problem->patch_count + 1, sizeof *adjacent);
+    int *adjacent = pe_take(work, 2 * (size_t)problem->manifold_count + 1, sizeof *adjacent);
     int *seen_by = pe_take(work, (size_t)n + 1, sizeof *seen_by);
     if (start == NULL || adjacent == NULL || seen_by == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for the pairs of %d bodies", n);
     }
     /* Counting sort of both ends; start[i + 2] counts, so that filling leaves start[i] right. */
     memset(start, 0, ((size_t)n + 2) * sizeof *start);
-    for (int k = 0; k < problem->patch_count; ++k) {
-        const pe_solver_manifold *patch = &problem->patch[k];
+    for (int k = 0; k < problem->manifold_count; ++k) {
+        const pe_solver_manifold *manifold = &problem->manifold[k];
         if (couples(problem, counted, k)) {
-            start[patch->a + 2] += 1;
-            start[patch->b + 2] += 1;
+            start[manifold->a + 2] += 1;
+            start[manifold->b + 2] += 1;
         }
     }
     for (int i = 0; i < n; ++i) {
         start[i + 2] += start[i + 1];
     }
-    for (int k = 0; k < problem->patch_count; ++k) {
-        const pe_solver_manifold *patch = &problem->patch[k];
+    for (int k = 0; k < problem->manifold_count; ++k) {
+        const pe_solver_manifold *manifold = &problem->manifold[k];
         if (couples(problem, counted, k)) {
-            adjacent[start[patch->a + 1]++] = patch->b;
-            adjacent[start[patch->b + 1]++] = patch->a;
+            adjacent[start[manifold->a + 1]++] = manifold->b;
+            adjacent[start[manifold->b + 1]++] = manifold->a;
         }
     }
-    /* Two patches may join the same pair: keep one edge. */
+    /* Two manifolds may join the same pair: keep one edge. */
     int kept = 0;
     for (int i = 0; i < n; ++i) {
         seen_by[i] = -1;
@@ -144,10 +144,10 @@ static int find_depth(const pe_problem *problem, const graph *g, int *queue, int
     for (int i = 0; i < n; ++i) {
         level[i] = 0;
     }
-    for (int k = 0; k < problem->patch_count; ++k) {
-        const pe_solver_manifold *patch = &problem->patch[k];
-        int body = patch->a == n ? patch->b : patch->a;
-        if (is_static(problem, patch) && level[body] == 0) {
+    for (int k = 0; k < problem->manifold_count; ++k) {
+        const pe_solver_manifold *manifold = &problem->manifold[k];
+        int body = manifold->a == n ? manifold->b : manifold->a;
+        if (is_static(problem, manifold) && level[body] == 0) {
             level[body] = 1;
             queue[queued++] = body;
         }
@@ -179,16 +179,16 @@ double pe_pattern_mass_ratio(const pe_problem *problem)
 int pe_pattern_mark_loaded(const pe_problem *problem, double speed, bool *loaded)
 {
     int points = 0;
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
         double q[6], u[3];
-        pe_solver_manifold_twist(patch, (const double(*)[6])problem->velocity, q);
+        pe_solver_manifold_twist(manifold, (const double(*)[6])problem->velocity, q);
         loaded[i] = false;
-        for (int j = patch->first; j < patch->first + patch->count && !loaded[i]; ++j) {
+        for (int j = manifold->first; j < manifold->first + manifold->count && !loaded[i]; ++j) {
             pe_point_velocity(&problem->point[j], q, u);
             loaded[i] = problem->impulse[j][0] > 0 || u[0] < -speed;
         }
-        points += loaded[i] ? patch->count : 0;
+        points += loaded[i] ? manifold->count : 0;
     }
     return points;
 }
@@ -198,15 +198,15 @@ pe_status pe_pattern_find(const pe_problem *problem, const bool *counted, pe_wor
 {
     int n = problem->body_count;
     size_t bodies = (size_t)n + 1;
-    size_t patches = (size_t)problem->patch_count;
-    bool *kept = pe_take(work, patches + 1, sizeof *kept);
+    size_t manifolds = (size_t)problem->manifold_count;
+    bool *kept = pe_take(work, manifolds + 1, sizeof *kept);
     if (kept == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for the factor of %d bodies", n);
     }
     if (counted != NULL) {
-        memcpy(kept, counted, patches * sizeof *kept);
+        memcpy(kept, counted, manifolds * sizeof *kept);
     } else {
-        memset(kept, true, patches * sizeof *kept);
+        memset(kept, true, manifolds * sizeof *kept);
     }
     graph g = {0};
     pe_status status = graph_of(problem, kept, work, &g, error);
@@ -215,7 +215,7 @@ pe_status pe_pattern_find(const pe_problem *problem, const bool *counted, pe_wor
     int *start = pe_take(work, bodies, sizeof *start), *next = pe_take(work, bodies, sizeof *next);
     int *parent = pe_take(work, bodies, sizeof *parent),
         *mark = pe_take(work, bodies, sizeof *mark);
-    int *couple = pe_take(work, patches + 1, sizeof *couple);
+    int *couple = pe_take(work, manifolds + 1, sizeof *couple);
     if (status == PE_OK && (order == NULL || place == NULL || start == NULL || next == NULL ||
                             parent == NULL || mark == NULL || couple == NULL)) {
         status = pe_fail(error, PE_NO_MEMORY, "no memory for the factor of %d bodies", n);
@@ -245,11 +245,11 @@ pe_status pe_pattern_find(const pe_problem *problem, const bool *counted, pe_wor
         row[start[k]] = k;
     }
     walk_rows(&g, n, order, place, parent, mark, next, row);
-    for (int k = 0; k < problem->patch_count; ++k) {
-        const pe_solver_manifold *patch = &problem->patch[k];
+    for (int k = 0; k < problem->manifold_count; ++k) {
+        const pe_solver_manifold *manifold = &problem->manifold[k];
         couple[k] = -1;
         if (couples(problem, kept, k)) {
-            int p = place[patch->a], q = place[patch->b];
+            int p = place[manifold->a], q = place[manifold->b];
             couple[k] = find_block(start, row, p < q ? p : q, p < q ? q : p);
         }
     }

@@ -10,25 +10,25 @@
 /* Columns are in the order of elimination; column k holds blocks start[k] .. start[k + 1] - 1, the
  * diagonal first, then rows ascending. All in the workspace. */
 typedef struct pe_pattern {
-    int count;           /* block columns, one a body */
-    const int *order;    /* (count): the body of column k */
-    const int *place;    /* (count): the column of body i */
-    const int *start;    /* (count + 1) */
-    const int *row;      /* (start[count]) */
-    const int *couple;   /* (patch_count): the block in which a patch couples its two bodies, -1 if
-                            one is static or the patch was left out */
-    const bool *counted; /* (patch_count): whether the patch was taken into account */
+    int count;         /* block columns, one a body */
+    const int *order;  /* (count): the body of column k */
+    const int *place;  /* (count): the column of body i */
+    const int *start;  /* (count + 1) */
+    const int *row;    /* (start[count]) */
+    const int *couple; /* (manifold_count): the block in which a manifold couples its two bodies, -1
+                          if one is static or the manifold was left out */
+    const bool *counted; /* (manifold_count): whether the manifold was taken into account */
     int depth;           /* bodies from the static ones to the farthest, 1 where none is static */
     double mass_ratio;   /* the lightest body's mass over the heaviest's */
     double flops;        /* of one factorisation */
 } pe_pattern;
 
-/* For patches with counted[i]; NULL: all of them. Most contacts of a wall carry nothing, between
+/* For manifolds with counted[i]; NULL: all of them. Most contacts of a wall carry nothing, between
  * bricks side by side, and without them its factor is several times cheaper. */
 pe_status pe_pattern_find(const pe_problem *problem, const bool *counted, pe_workspace work,
                           pe_pattern *pattern, pe_error *error);
 
-/* Marks the patches with a normal impulse or an approach faster than `speed`, in m/s, at the
+/* Marks the manifolds with a normal impulse or an approach faster than `speed`, in m/s, at the
  * velocities as they stand: those that will be loaded. Returns how many points they have. */
 int pe_pattern_mark_loaded(const pe_problem *problem, double speed, bool *loaded);
 

@@ -2,12 +2,12 @@
 
 #include <string.h>
 
-/* What a pattern depends on: three numbers a patch. */
+/* What a pattern depends on: three numbers a manifold. */
 static void write_key(const pe_problem *problem, const bool *counted, int *key)
 {
-    for (int i = 0; i < problem->patch_count; ++i) {
-        key[3 * i] = problem->patch[i].a;
-        key[3 * i + 1] = problem->patch[i].b;
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        key[3 * i] = problem->manifold[i].a;
+        key[3 * i + 1] = problem->manifold[i].b;
         key[3 * i + 2] = counted[i];
     }
 }
@@ -22,15 +22,15 @@ static uint64_t hash_of(const int *key, int count)
     return hash;
 }
 
-/* A part of the pool holds, one after the other: key (3 patches), order, place (bodies each), start
- * (bodies
- * + 1), couple (patches), row (blocks). */
+/* A part of the pool holds, one after the other: key (3 manifolds), order, place (bodies each),
+ * start (bodies
+ * + 1), couple (manifolds), row (blocks). */
 static pe_pattern pattern_in(const pe_kept_pattern *kept, const int *part, const bool *counted,
                              double mass_ratio)
 {
-    const int *order = part + 3 * kept->patch_count;
+    const int *order = part + 3 * kept->manifold_count;
     const int *place = order + kept->body_count, *start = place + kept->body_count;
-    const int *couple = start + kept->body_count + 1, *row = couple + kept->patch_count;
+    const int *couple = start + kept->body_count + 1, *row = couple + kept->manifold_count;
     return (pe_pattern){
         .count = kept->body_count,
         .order = order,
@@ -71,9 +71,9 @@ static pe_status keep(pe_pattern_store *store, pe_kept_pattern *kept, const pe_a
                       const int *key, const pe_problem *problem, const pe_pattern *pattern,
                       pe_error *error)
 {
-    size_t bodies = (size_t)problem->body_count, patches = (size_t)problem->patch_count;
+    size_t bodies = (size_t)problem->body_count, manifolds = (size_t)problem->manifold_count;
     size_t blocks = (size_t)pattern->start[bodies];
-    pe_status status = make_room(store, 4 * patches + 3 * bodies + 1 + blocks, allocator, error);
+    pe_status status = make_room(store, 4 * manifolds + 3 * bodies + 1 + blocks, allocator, error);
     if (status != PE_OK) {
         return status;
     }
@@ -82,15 +82,15 @@ static pe_status keep(pe_pattern_store *store, pe_kept_pattern *kept, const pe_a
         const int *from;
         size_t count;
     } parts[] = {
-        {key, 3 * patches},           {pattern->order, bodies},   {pattern->place, bodies},
-        {pattern->start, bodies + 1}, {pattern->couple, patches}, {pattern->row, blocks},
+        {key, 3 * manifolds},         {pattern->order, bodies},     {pattern->place, bodies},
+        {pattern->start, bodies + 1}, {pattern->couple, manifolds}, {pattern->row, blocks},
     };
     for (size_t i = 0; i < sizeof parts / sizeof parts[0]; ++i) {
         memcpy(to, parts[i].from, parts[i].count * sizeof *to);
         to += parts[i].count;
     }
     kept->body_count = problem->body_count;
-    kept->patch_count = problem->patch_count;
+    kept->manifold_count = problem->manifold_count;
     kept->depth = pattern->depth;
     kept->flops = pattern->flops;
     return PE_OK;
@@ -100,10 +100,10 @@ pe_status pe_pattern_store_find(pe_pattern_store *store, const pe_problem *probl
                                 const bool *counted, pe_workspace work, pe_pattern *pattern,
                                 pe_error *error)
 {
-    int numbers = 3 * problem->patch_count;
+    int numbers = 3 * problem->manifold_count;
     int *key = pe_take(work, (size_t)numbers + 1, sizeof *key);
     if (key == NULL) {
-        return pe_fail(error, PE_NO_MEMORY, "no memory for %d manifolds", problem->patch_count);
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %d manifolds", problem->manifold_count);
     }
     write_key(problem, counted, key);
     uint64_t hash = hash_of(key, numbers);
@@ -112,7 +112,7 @@ pe_status pe_pattern_store_find(pe_pattern_store *store, const pe_problem *probl
     for (int i = 0; i < PE_KEPT_PATTERNS; ++i) {
         pe_kept_pattern *kept = &store->kept[i];
         if (kept->used > 0 && kept->hash == hash && kept->body_count == problem->body_count &&
-            kept->patch_count == problem->patch_count &&
+            kept->manifold_count == problem->manifold_count &&
             memcmp(part_of(store, kept), key, (size_t)numbers * sizeof *key) == 0) {
             kept->used = store->lookups;
             *pattern =

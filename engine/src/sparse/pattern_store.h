@@ -10,7 +10,7 @@ enum { PE_KEPT_PATTERNS = 32 };
  * of the pool. */
 typedef struct pe_kept_pattern {
     uint64_t hash, used; /* used: the count of lookups when it was last asked for; 0: empty */
-    int body_count, patch_count, depth;
+    int body_count, manifold_count, depth;
     double flops;
 } pe_kept_pattern;
 

@@ -24,19 +24,19 @@ static void copy_contacts(const pe_problem *from, pe_contact_problem *to)
 {
     const int fixed = from->body_count;
     for (int i = 0; i < to->manifold_count; ++i) {
-        const pe_solver_manifold *patch = &from->patch[i];
+        const pe_solver_manifold *manifold = &from->manifold[i];
         pe_problem_manifold *m = &to->manifolds[i];
-        m->a = patch->a == fixed ? PE_STATIC : patch->a;
-        m->b = patch->b == fixed ? PE_STATIC : patch->b;
-        m->first = patch->first;
-        m->count = patch->count;
-        m->friction = patch->friction;
-        memcpy(m->frame, patch->frame, sizeof m->frame);
+        m->a = manifold->a == fixed ? PE_STATIC : manifold->a;
+        m->b = manifold->b == fixed ? PE_STATIC : manifold->b;
+        m->first = manifold->first;
+        m->count = manifold->count;
+        m->friction = manifold->friction;
+        memcpy(m->frame, manifold->frame, sizeof m->frame);
         if (m->a != PE_STATIC) {
-            memcpy(m->arm_a, patch->arm_a, sizeof m->arm_a);
+            memcpy(m->arm_a, manifold->arm_a, sizeof m->arm_a);
         }
         if (m->b != PE_STATIC) {
-            memcpy(m->arm_b, patch->arm_b, sizeof m->arm_b);
+            memcpy(m->arm_b, manifold->arm_b, sizeof m->arm_b);
         }
     }
     for (int j = 0; j < to->point_count; ++j) {
@@ -54,7 +54,7 @@ static pe_status capture_island(pe_world *world, const pe_islands *islands, int 
     pe_island_problem built;
     pe_status status = pe_problem_build(world, islands, k, free, dt, &built, error);
     if (status == PE_OK) {
-        status = pe_contact_problem_create(built.problem.body_count, built.problem.patch_count,
+        status = pe_contact_problem_create(built.problem.body_count, built.problem.manifold_count,
                                            built.problem.point_count, &world->allocator, captured,
                                            error);
     }

@@ -103,38 +103,38 @@ static void view_bodies(const pe_contact_problem *problem, pe_inertia *inertia,
 }
 
 /* From a body's centre of mass to a point. */
-static void point_arm(const pe_solver_manifold *patch, const double arm[3], const double s[3],
+static void point_arm(const pe_solver_manifold *manifold, const double arm[3], const double s[3],
                       double r[3])
 {
     for (int k = 0; k < 3; ++k) {
-        r[k] = arm[k] +
-               (patch->frame[0][k] * s[0] + patch->frame[1][k] * s[1] + patch->frame[2][k] * s[2]);
+        r[k] = arm[k] + (manifold->frame[0][k] * s[0] + manifold->frame[1][k] * s[1] +
+                         manifold->frame[2][k] * s[2]);
     }
 }
 
 static void view_manifolds(const pe_contact_problem *problem, const pe_inertia *inertia,
-                           pe_solver_manifold *patches, pe_solver_point *points)
+                           pe_solver_manifold *manifolds, pe_solver_point *points)
 {
     const int fixed = problem->body_count;
     for (int i = 0; i < problem->manifold_count; ++i) {
         const pe_problem_manifold *m = &problem->manifolds[i];
-        pe_solver_manifold *patch = &patches[i];
-        *patch = (pe_solver_manifold){.a = m->a == PE_STATIC ? fixed : m->a,
-                                      .b = m->b == PE_STATIC ? fixed : m->b,
-                                      .first = m->first,
-                                      .count = m->count,
-                                      .friction = m->friction};
-        memcpy(patch->frame, m->frame, sizeof patch->frame);
-        memcpy(patch->arm_a, m->arm_a, sizeof patch->arm_a);
-        memcpy(patch->arm_b, m->arm_b, sizeof patch->arm_b);
+        pe_solver_manifold *manifold = &manifolds[i];
+        *manifold = (pe_solver_manifold){.a = m->a == PE_STATIC ? fixed : m->a,
+                                         .b = m->b == PE_STATIC ? fixed : m->b,
+                                         .first = m->first,
+                                         .count = m->count,
+                                         .friction = m->friction};
+        memcpy(manifold->frame, m->frame, sizeof manifold->frame);
+        memcpy(manifold->arm_a, m->arm_a, sizeof manifold->arm_a);
+        memcpy(manifold->arm_b, m->arm_b, sizeof manifold->arm_b);
         for (int j = m->first; j < m->first + m->count; ++j) {
             const pe_problem_manifold_point *from = &problem->points[j];
             double ra[3], rb[3];
-            point_arm(patch, patch->arm_a, from->offset, ra);
-            point_arm(patch, patch->arm_b, from->offset, rb);
+            point_arm(manifold, manifold->arm_a, from->offset, ra);
+            point_arm(manifold, manifold->arm_b, from->offset, rb);
             points[j] = (pe_solver_point){
                 .bias = from->bias,
-                .scale = pe_point_scale(&inertia[patch->a], &inertia[patch->b], ra, rb)};
+                .scale = pe_point_scale(&inertia[manifold->a], &inertia[manifold->b], ra, rb)};
             memcpy(points[j].s, from->offset, sizeof points[j].s);
             memcpy(points[j].slip, from->slip, sizeof points[j].slip);
         }
@@ -149,25 +149,26 @@ static pe_status make_view(const pe_contact_problem *problem, pe_workspace work,
     pe_inertia *inertia = pe_take(work, bodies, sizeof *inertia);
     double(*free_velocity)[6] = pe_take(work, bodies, sizeof *free_velocity);
     double(*velocity)[6] = pe_take(work, bodies, sizeof *velocity);
-    pe_solver_manifold *patch = pe_take(work, (size_t)problem->manifold_count + 1, sizeof *patch);
+    pe_solver_manifold *manifold =
+        pe_take(work, (size_t)problem->manifold_count + 1, sizeof *manifold);
     pe_solver_point *point = pe_take(work, points + 1, sizeof *point);
     double(*impulse)[3] = pe_take(work, points + 1, sizeof *impulse);
-    if (inertia == NULL || free_velocity == NULL || velocity == NULL || patch == NULL ||
+    if (inertia == NULL || free_velocity == NULL || velocity == NULL || manifold == NULL ||
         point == NULL || impulse == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory to solve %zu contact points", points);
     }
     view_bodies(problem, inertia, free_velocity);
-    view_manifolds(problem, inertia, patch, point);
+    view_manifolds(problem, inertia, manifold, point);
     for (size_t j = 0; j < points; ++j) {
         memcpy(impulse[j], problem->points[j].impulse, sizeof impulse[j]);
     }
     *view = (pe_problem){.body_count = problem->body_count,
-                         .patch_count = problem->manifold_count,
+                         .manifold_count = problem->manifold_count,
                          .point_count = problem->point_count,
                          .inertia = inertia,
                          .free_velocity = (const double(*)[6])free_velocity,
                          .velocity = velocity,
-                         .patch = patch,
+                         .manifold = manifold,
                          .point = point,
                          .impulse = impulse};
     pe_problem_rebuild_velocity(view);

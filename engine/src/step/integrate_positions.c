@@ -21,7 +21,7 @@ static bool closes(const pe_world *world, const pe_island_problem *island,
         double gap = points[island->point_of[j]].separation;
         pe_point_velocity(&island->problem.point[j], q, u);
         pe_point_take_bias(&island->problem.point[j], u);
-        if (gap + dt * u[0] < pe_min(0, gap) - CLOSING_SLACK - dt * island->swing[j]) {
+        if (gap + dt * u[0] < pe_min(0, gap) - CLOSING_SLACK - dt * island->normal_change[j]) {
             return true;
         }
     }
@@ -60,7 +60,7 @@ static bool pushes(const pe_island_problem *island, const pe_solver_manifold *pa
             work += p[k] * (q[k] + moment[k]);
         }
         normal += p[0];
-        swings |= island->swing[j] > 0;
+        swings |= island->normal_change[j] > 0;
     }
     double allowed = STANDING * normal;
     if (swings) {
@@ -94,8 +94,8 @@ static void find_late(const pe_world *world, const pe_island_problem *island,
     const pe_problem *problem = &island->problem;
     for (bool changed = true; changed;) {
         changed = false;
-        for (int i = 0; i < problem->patch_count; ++i) {
-            const pe_solver_manifold *patch = &problem->patch[i];
+        for (int i = 0; i < problem->manifold_count; ++i) {
+            const pe_solver_manifold *patch = &problem->manifold[i];
             bool adds;
             if (late[patch->a] && late[patch->b]) {
                 continue;

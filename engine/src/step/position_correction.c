@@ -50,13 +50,13 @@ pe_status pe_project_problem(pe_world *world, const pe_islands *islands, int k, 
         return status;
     }
     pe_problem *problem = &built->problem;
-    size_t patches = (size_t)problem->patch_count, points = (size_t)problem->point_count;
+    size_t patches = (size_t)problem->manifold_count, points = (size_t)problem->point_count;
     pe_solver_manifold *patch = pe_scratch(world, patches, sizeof *patch);
     pe_solver_point *point = pe_scratch(world, points, sizeof *point);
     if (patch == NULL || point == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for %zu contact points", points);
     }
-    memcpy(patch, problem->patch, patches * sizeof *patch);
+    memcpy(patch, problem->manifold, patches * sizeof *patch);
     memcpy(point, problem->point, points * sizeof *point);
     for (size_t i = 0; i < patches; ++i) {
         patch[i].friction = 0;
@@ -64,7 +64,7 @@ pe_status pe_project_problem(pe_world *world, const pe_islands *islands, int k, 
     for (size_t i = 0; i < points; ++i) {
         point[i].bias = pe_manifold_points(&world->contacts)[built->point_of[i]].separation + aim;
     }
-    problem->patch = patch;
+    problem->manifold = patch;
     problem->point = point;
     memset(problem->impulse, 0, points * sizeof *problem->impulse);
     memset(problem->velocity, 0, ((size_t)problem->body_count + 1) * sizeof *problem->velocity);
@@ -75,8 +75,8 @@ pe_status pe_project_problem(pe_world *world, const pe_islands *islands, int k, 
 static pe_violation violation_of(const pe_problem *problem)
 {
     pe_violation v = {0};
-    for (int i = 0; i < problem->patch_count; ++i) {
-        const pe_solver_manifold *patch = &problem->patch[i];
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *patch = &problem->manifold[i];
         double q[6], u[3];
         pe_solver_manifold_twist(patch, (const double(*)[6])problem->velocity, q);
         for (int j = patch->first; j < patch->first + patch->count; ++j) {
