@@ -119,6 +119,7 @@ list=$BUILD/layers_symbols.txt
 find "$BUILD/engine" "$BUILD/scenarios" "$BUILD/compare" -name '*.o' | sort | while read -r object; do
     path=${object#"$BUILD"/}
     path=$(sed -E 's#CMakeFiles/[^/]+\.dir/##; s#\.o$##' <<<"$path")
+    [[ -e $SOURCE/$path ]] || continue # the object of a file that is gone
     nm -g "$object" | awk -v file="$path" '
         $1 == "U" { print "use", $2, file; next }
         NF == 3 && $2 ~ /[TDRB]/ { print "def", $3, file }'

@@ -118,7 +118,7 @@ static void stir(pe_broad *broad, int slot)
 /* Room for the slots that the world has, which are planes, have moved and so on at most. */
 static pe_status reserve_slots(pe_world *world, pe_error *error)
 {
-    pe_broad *broad = &world->broad;
+    pe_broad *broad = world->broad;
     size_t used = (size_t)broad->proxy_count, slots = (size_t)world->slot_count;
     const struct {
         pe_array *array;
@@ -156,7 +156,7 @@ static void drop(pe_broad *broad, int slot)
 
 static pe_status adopt(pe_world *world, int slot, pe_error *error)
 {
-    pe_broad *broad = &world->broad;
+    pe_broad *broad = world->broad;
     const pe_body *body = &pe_bodies(world)[slot];
     pe_proxy made = {
         .room = -1, /* of no use: to be made */
@@ -183,7 +183,7 @@ static pe_status adopt(pe_world *world, int slot, pe_error *error)
 /* Finds the bodies that came and went. */
 static pe_status meet_bodies(pe_world *world, pe_error *error)
 {
-    pe_broad *broad = &world->broad;
+    pe_broad *broad = world->broad;
     const pe_body *bodies = pe_bodies(world);
     pe_status status = PE_OK;
     int planes = 0;
@@ -202,7 +202,7 @@ static pe_status meet_bodies(pe_world *world, pe_error *error)
         }
     }
     broad->plane_count = planes;
-    broad->bodies_changed = status != PE_OK;
+    world->bodies_changed = status != PE_OK;
     return status;
 }
 
@@ -223,7 +223,7 @@ static bool stays(const pe_proxy *proxy, const pe_pose *pose, const pe_twist *mo
 /* Renews the boxes that the body has left. */
 static void follow_body(pe_world *world, int slot, double dt, double slack)
 {
-    pe_broad *broad = &world->broad;
+    pe_broad *broad = world->broad;
     pe_proxy *proxy = &proxies_of(broad)[slot];
     const pe_pose *pose = &pe_poses(world)[slot];
     const pe_twist *motion = &pe_twists(world)[slot];
@@ -253,7 +253,7 @@ static void follow_body(pe_world *world, int slot, double dt, double slack)
 
 static void follow(pe_world *world, double dt)
 {
-    const pe_proxy *proxies = proxies_of(&world->broad);
+    const pe_proxy *proxies = proxies_of(world->broad);
     double slack = pe_margin_slack(world, dt);
     for (int slot = 1; slot < world->slot_count; ++slot) {
         if (proxies[slot].bounded &&
@@ -279,7 +279,7 @@ static void stir_all_dynamics(pe_broad *broad)
 
 static pe_status meet_planes(const pe_world *world, pe_pair_list *pairs, pe_error *error)
 {
-    const pe_broad *broad = &world->broad;
+    const pe_broad *broad = world->broad;
     const int *planes = broad->plane_array.items, *stirred = broad->stirred_list.items;
     pe_status status = PE_OK;
     for (int i = 0; i < broad->stirred_count; ++i) {
@@ -300,7 +300,7 @@ static pe_status meet_planes(const pe_world *world, pe_pair_list *pairs, pe_erro
 /* All pairs of fat boxes with a stirred one, sorted. */
 static pe_status find_stirred(pe_world *world, pe_pair_list *pairs, pe_error *error)
 {
-    pe_broad *broad = &world->broad;
+    pe_broad *broad = world->broad;
     *pairs = (pe_pair_list){.work = pe_step_memory(world)};
     pe_status status = pe_tree_update(&broad->dynamics, pairs->work, error);
     if (status == PE_OK) {
@@ -326,7 +326,7 @@ static bool precedes(pe_pair p, pe_pair q)
 /* Puts the pairs found in the place of those that the stirred bodies had. */
 static pe_status replace_stirred(pe_world *world, const pe_pair_list *found, pe_error *error)
 {
-    pe_broad *broad = &world->broad;
+    pe_broad *broad = world->broad;
     const bool *stirred = broad->stirred_flag.items;
     pe_pair *fat = broad->fat_array.items;
     int kept = 0;
@@ -352,7 +352,7 @@ static pe_status replace_stirred(pe_world *world, const pe_pair_list *found, pe_
 
 static pe_status renew_fat(pe_world *world, pe_error *error)
 {
-    pe_broad *broad = &world->broad;
+    pe_broad *broad = world->broad;
     if (broad->planes_changed) {
         stir_all_dynamics(broad);
     }
@@ -378,7 +378,7 @@ static pe_status renew_fat(pe_world *world, pe_error *error)
 
 static bool are_near(const pe_world *world, pe_pair pair)
 {
-    const pe_proxy *a = &proxies_of(&world->broad)[pair.a], *b = &proxies_of(&world->broad)[pair.b];
+    const pe_proxy *a = &proxies_of(world->broad)[pair.a], *b = &proxies_of(world->broad)[pair.b];
     const pe_body *bodies = pe_bodies(world);
     return is_plane(a)   ? is_below(&b->snug, &bodies[pair.a].shape)
            : is_plane(b) ? is_below(&a->snug, &bodies[pair.b].shape)
@@ -387,7 +387,7 @@ static bool are_near(const pe_world *world, pe_pair pair)
 
 static pe_status renew_near(pe_world *world, pe_error *error)
 {
-    pe_broad *broad = &world->broad;
+    pe_broad *broad = world->broad;
     pe_status status = pe_array_reserve(&broad->near_array, &world->allocator, sizeof(pe_pair),
                                         (size_t)broad->fat_count, 0, error);
     if (status != PE_OK) {
@@ -408,9 +408,9 @@ static pe_status renew_near(pe_world *world, pe_error *error)
 
 static pe_status renew(pe_world *world, double dt, pe_error *error)
 {
-    pe_broad *broad = &world->broad;
+    pe_broad *broad = world->broad;
     pe_status status = reserve_slots(world, error);
-    if (status == PE_OK && broad->bodies_changed) {
+    if (status == PE_OK && world->bodies_changed) {
         status = meet_bodies(world, error);
     }
     if (status != PE_OK) {
@@ -436,8 +436,8 @@ pe_status pe_broad_phase_moved(pe_world *world, double dt, const bool *moved, pe
     if (status != PE_OK) {
         return status;
     }
-    int most = world->broad.near_count;
-    const pe_pair *near = world->broad.near_array.items;
+    int most = world->broad->near_count;
+    const pe_pair *near = world->broad->near_array.items;
     *pairs = pe_scratch(world, (size_t)most + 1, sizeof **pairs);
     if (*pairs == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", most);

@@ -2,6 +2,7 @@
 #ifndef PE_BROAD_PHASE_H
 #define PE_BROAD_PHASE_H
 
+#include "broad_phase_state.h"
 #include "model/world.h"
 
 /* How far, in m, the surfaces of two bodies can come towards each other within a step of dt, and

@@ -27,7 +27,6 @@ typedef struct pe_broad {
     pe_array near_array;       /* (near_count) those of them whose snug boxes meet, sorted */
     int fat_count, near_count;
     bool planes_changed, shifted; /* since pairs were found; a snug box is new since then */
-    bool bodies_changed;          /* set by whoever makes or unmakes one */
 } pe_broad;
 
 #endif

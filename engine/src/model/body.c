@@ -184,7 +184,7 @@ pe_status pe_body_create(pe_world *world, const pe_body_def *def, pe_body_id *bo
         def->is_static ? (pe_twist){0} : (pe_twist){def->velocity, def->angular_velocity};
     pe_masses(world)[slot] = mass_of(def, geometry);
     pe_applied_forces(world)[slot] = (pe_applied_force){0};
-    world->broad.bodies_changed = true;
+    world->bodies_changed = true;
     world->contacts_stale = true;
     *body = (pe_body_id){(uint32_t)slot, made->generation};
     return PE_OK;
@@ -224,7 +224,7 @@ pe_status pe_body_destroy(pe_world *world, pe_body_id body, pe_error *error)
     pe_body *gone = &pe_bodies(world)[slot];
     forget_contacts(&world->contacts, slot);
     forget_contacts(&world->solved, slot);
-    world->broad.bodies_changed = true;
+    world->bodies_changed = true;
     world->contacts_stale = true;
     gone->alive = false;
     gone->next_free = world->first_free;

@@ -1,12 +1,10 @@
-/* The world's inside, seen by the phases of the step. */
+/* A world's data: bodies, materials, geometries and contacts. */
 #ifndef PE_WORLD_H
 #define PE_WORLD_H
 
 #include "base/memory.h"
 #include "base/vec3.h"
-#include "broad_phase/broad_phase_state.h"
 #include "geometry.h"
-#include "sparse/pattern_store.h"
 
 /* Body slots start at 1: slot 0 is a static dummy, so that an id's index is its slot and 0 is null.
  */
@@ -108,7 +106,10 @@ struct pe_world {
     pe_array material_pair_array; /* (material_count x material_count), row-major */
     int material_count;
 
-    pe_broad broad;
+    /* What the phases of the step keep from step to step; pe_world_create makes them. */
+    struct pe_broad *broad;
+    struct pe_pattern_store *patterns;
+    bool bodies_changed; /* a body was created or destroyed since the broad phase last looked */
 
     /* `contacts` are those at the poses now, to be solved next, with the impulses they start from;
      * `solved` those of the last step with the impulses it found; `previous` is the list that was
@@ -118,7 +119,6 @@ struct pe_world {
     double previous_dt;
     bool contacts_stale; /* bodies or materials were changed since `contacts` were found */
 
-    pe_pattern_store patterns;
     pe_arena arena;
 };
 

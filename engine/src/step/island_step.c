@@ -2,6 +2,7 @@
 
 #include "integrate_positions.h"
 #include "solver/solve_island.h"
+#include "sparse/pattern_store.h"
 
 /* How much each profile asks of an island that is not solved directly. */
 typedef struct strictness {
@@ -61,7 +62,7 @@ pe_status pe_island_solve(pe_world *world, const pe_islands *islands, int k,
         .max_updates = strict.updates * world->def.max_contact_updates,
         .max_iterations = world->def.max_iterations,
         .patience = strict.patience,
-        .store = &world->patterns,
+        .store = world->patterns,
     };
     status = pe_solve_island(&island->problem, &limits, pe_step_memory(world), &report, error);
     if (status == PE_OK) {

@@ -1,7 +1,14 @@
-/* Making and unmaking a world, and its materials. */
+/* Creates and destroys worlds. */
 #include "broad_phase/broad_phase.h"
+#include "model/geometry.h"
+#include "sparse/pattern_store.h"
 
-#include <string.h>
+/* A world and what the phases of the step keep in it, in one block of memory. */
+typedef struct full_world {
+    pe_world world; /* first: a pointer to it is one to the block */
+    pe_broad broad;
+    pe_pattern_store patterns;
+} full_world;
 
 pe_world_def pe_world_def_default(void)
 {
@@ -61,11 +68,15 @@ pe_status pe_world_create(const pe_world_def *def, pe_world **world, pe_error *e
     }
     pe_allocator allocator =
         def->allocator.allocate != NULL ? def->allocator : pe_allocator_default();
-    pe_world *made = allocator.allocate(allocator.context, sizeof *made);
-    if (made == NULL) {
+    full_world *block = allocator.allocate(allocator.context, sizeof *block);
+    if (block == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for a world");
     }
-    *made = (pe_world){.def = *def, .allocator = allocator};
+    *block = (full_world){.world = {.def = *def,
+                                    .allocator = allocator,
+                                    .broad = &block->broad,
+                                    .patterns = &block->patterns}};
+    pe_world *made = &block->world;
 
     /* Slot 0 is the static dummy, and material 0 the default one. */
     pe_body_def dummy = pe_body_def_default();
@@ -117,8 +128,8 @@ void pe_world_destroy(pe_world *world)
         pe_geometry_free(geometries[i], &allocator);
     }
     pe_array_free(&world->geometry_array, &allocator);
-    pe_broad_free(&world->broad, &allocator);
-    pe_pattern_store_free(&world->patterns, &allocator);
+    pe_broad_free(world->broad, &allocator);
+    pe_pattern_store_free(world->patterns, &allocator);
     pe_arena_free(&world->arena, &allocator);
     allocator.release(allocator.context, world);
 }
@@ -126,74 +137,4 @@ void pe_world_destroy(pe_world *world)
 void pe_world_get_gravity(const pe_world *world, pe_vec3 *gravity)
 {
     *gravity = world->def.gravity;
-}
-
-static pe_status check_surface(double friction, double restitution, pe_error *error)
-{
-    if (!(friction >= 0) || !isfinite(friction) || !(restitution >= 0) || !(restitution <= 1)) {
-        return pe_fail(error, PE_BAD_ARGUMENT,
-                       "expected friction >= 0 and restitution in 0 .. 1, found %g, %g", friction,
-                       restitution);
-    }
-    return PE_OK;
-}
-
-pe_status pe_material_create(pe_world *world, double friction, double restitution,
-                             pe_material_id *material, pe_error *error)
-{
-    pe_status status = check_surface(friction, restitution, error);
-    if (status != PE_OK) {
-        return status;
-    }
-    /* A table of one row and one column more. */
-    size_t n = (size_t)world->material_count;
-    pe_array grown = {0};
-    status = pe_array_reserve(&grown, &world->allocator, sizeof(pe_material_pair),
-                              (n + 1) * (n + 1), 0, error);
-    if (status != PE_OK) {
-        return status;
-    }
-    pe_material_pair *table = grown.items;
-    for (size_t i = 0; i < n; ++i) {
-        memcpy(table + i * (n + 1), (pe_material_pair *)world->material_pair_array.items + i * n,
-               n * sizeof *table);
-        pe_material_pair own = table[i * (n + 1) + i];
-        pe_material_pair mixed = {sqrt(own.friction * friction),
-                                  pe_max(own.restitution, restitution)};
-        table[i * (n + 1) + n] = mixed;
-        table[n * (n + 1) + i] = mixed;
-    }
-    table[n * (n + 1) + n] = (pe_material_pair){friction, restitution};
-    pe_array_free(&world->material_pair_array, &world->allocator);
-    world->material_pair_array = grown;
-    world->material_count += 1;
-    *material = (pe_material_id){(uint32_t)n};
-    return PE_OK;
-}
-
-static pe_status check_pair(const pe_world *world, pe_material_id a, pe_material_id b,
-                            pe_error *error)
-{
-    uint32_t n = (uint32_t)world->material_count;
-    if (a.index >= n || b.index >= n) {
-        return pe_fail(error, PE_BAD_ARGUMENT, "no material %u in a world of %u",
-                       a.index >= n ? a.index : b.index, n - 1);
-    }
-    return PE_OK;
-}
-
-pe_status pe_world_set_pair(pe_world *world, pe_material_id a, pe_material_id b, double friction,
-                            double restitution, pe_error *error)
-{
-    pe_status status = check_pair(world, a, b, error);
-    if (status == PE_OK) {
-        status = check_surface(friction, restitution, error);
-    }
-    if (status == PE_OK) {
-        pe_material_pair surface = {friction, restitution};
-        *pe_material_pair_of(world, (int)a.index, (int)b.index) = surface;
-        *pe_material_pair_of(world, (int)b.index, (int)a.index) = surface;
-        world->contacts_stale = true;
-    }
-    return status;
 }
