@@ -8,17 +8,9 @@
 
 #include "plumb/engine_abi.h"
 #include "referee/metrics/metrics.h"
+#include "referee/metrics/validity.h"
 
 typedef struct pl_referee pl_referee;
-
-/* What a run's end looks like to the referee. */
-typedef enum pl_verdict {
-    PL_VERDICT_OK,
-    PL_VERDICT_COLLAPSED, /* what should stand does not: final position beyond
-                             scene.collapse_distance */
-    PL_VERDICT_DIVERGED,  /* energy or speed beyond the scene's bound; the run should end */
-    PL_VERDICT_NONFINITE  /* a pose or velocity is NaN or infinite; the run should end */
-} pl_verdict;
 
 /* `scene` must outlive the referee. The caller frees it by pl_referee_destroy (NULL allowed). */
 pl_status pl_referee_create(const pl_scene *scene, pl_referee **referee, pl_error *error);

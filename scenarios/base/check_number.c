@@ -61,3 +61,19 @@ bool pl_check_unit(pl_diagnostic *diagnostic, const char *key, const double *vec
     return pl_complain_of(diagnostic, key, "expected %s, found one of norm %s", expected,
                           pl_number_text(norm, found));
 }
+
+bool pl_check_name(const char *name, size_t length, pl_diagnostic *diagnostic)
+{
+    if (length == 0 || length >= PL_NAME_SIZE) {
+        return pl_complain(diagnostic, "expected a name of 1 to %d bytes, found %zu bytes",
+                           PL_NAME_SIZE - 1, length);
+    }
+    for (size_t i = 0; i < length; i++) {
+        if ((unsigned char)name[i] < 0x20 || name[i] == 0x7F) {
+            return pl_complain(diagnostic,
+                               "expected a name without control characters, found byte 0x%02X",
+                               (unsigned)(unsigned char)name[i]);
+        }
+    }
+    return true;
+}

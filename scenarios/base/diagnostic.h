@@ -60,4 +60,8 @@ bool pl_complain_no_memory(pl_diagnostic *diagnostic);
 enum { PL_QUOTED_SIZE = 64 };
 const char *pl_quoted(const char *bytes, char text[PL_QUOTED_SIZE]);
 
+/* A name of a body, material or scene: 1 to 63 bytes of UTF-8 without control characters. Complains
+ * at the path as it stands. */
+bool pl_check_name(const char *name, size_t length, pl_diagnostic *diagnostic);
+
 #endif

@@ -2,7 +2,6 @@
 
 #include "check_number.h"
 #include "number.h"
-#include "scene/scene_check.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -17,22 +17,6 @@ const char *const pl_primary_errors[] = {
     "momentum_error"};
 const int pl_primary_error_count = sizeof pl_primary_errors / sizeof pl_primary_errors[0];
 
-bool pl_check_name(const char *name, size_t length, pl_diagnostic *diagnostic)
-{
-    if (length == 0 || length >= PL_NAME_SIZE) {
-        return pl_complain(diagnostic, "expected a name of 1 to %d bytes, found %zu bytes",
-                           PL_NAME_SIZE - 1, length);
-    }
-    for (size_t i = 0; i < length; i++) {
-        if ((unsigned char)name[i] < 0x20 || name[i] == 0x7F) {
-            return pl_complain(diagnostic,
-                               "expected a name without control characters, found byte 0x%02X",
-                               (unsigned)(unsigned char)name[i]);
-        }
-    }
-    return true;
-}
-
 /* A name in an array of PL_NAME_SIZE bytes: it could lack its zero, or not be UTF-8. */
 static bool check_stored_name(const char *name, pl_diagnostic *diagnostic)
 {

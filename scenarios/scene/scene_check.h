@@ -15,8 +15,4 @@ extern const int pl_primary_error_count;
  * scene. */
 bool pl_scene_check(const pl_scene *scene, pl_diagnostic *diagnostic);
 
-/* A name of a body, material or scene: 1 to 63 bytes of UTF-8 without control characters. Complains
- * at the path as it stands. */
-bool pl_check_name(const char *name, size_t length, pl_diagnostic *diagnostic);
-
 #endif

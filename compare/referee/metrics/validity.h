@@ -4,8 +4,16 @@
 #define PLUMB_SANITY_H
 
 #include "plumb/engine_abi.h"
-#include "referee/referee.h"
 #include "scale.h"
+
+/* What a run's end looks like to the referee. */
+typedef enum pl_verdict {
+    PL_VERDICT_OK,
+    PL_VERDICT_COLLAPSED, /* what should stand does not: final position beyond
+                             scene.collapse_distance */
+    PL_VERDICT_DIVERGED,  /* energy or speed beyond the scene's bound; the run should end */
+    PL_VERDICT_NONFINITE  /* a pose or velocity is NaN or infinite; the run should end */
+} pl_verdict;
 
 /* NONFINITE, with body and step in `error`, when a number of a dynamic body is NaN or infinite or
  * its orientation has a squared norm outside 1/2 .. 2, so that it is no rotation. */
