@@ -3,7 +3,6 @@
 #include "gate/baseline.h"
 #include "gate/gather.h"
 #include "gate/judge.h"
-#include "gate/output.h"
 #include "gate/ratio.h"
 #include "results/store.h"
 
@@ -18,7 +17,7 @@ typedef struct options {
     int path_count, rule_count;
     const char *baseline, *reference, *out;
     bool update;
-    pl_gate_limits limits;
+    pl_gate_tolerances tolerances;
     pl_gate_format format;
 } options;
 
@@ -100,15 +99,16 @@ static error_t parse(int key, char *text, struct argp_state *state)
         o->update = true;
         return 0;
     case KEY_TOLERANCE:
-        if (pl_gate_limits_parse(text, &o->limits, &error) != PL_OK) {
+        if (pl_gate_tolerances_parse(text, &o->tolerances, &error) != PL_OK) {
             argp_error(state, "%s", error.message);
         }
         return 0;
     case KEY_TIME_LIMIT:
-        o->limits.time = pl_option_number(state, "--time-limit takes per cent", text, 0, 1e6) / 100;
+        o->tolerances.time =
+            pl_option_number(state, "--time-limit takes per cent", text, 0, 1e6) / 100;
         return 0;
     case KEY_INSTRUCTION_LIMIT:
-        o->limits.instructions =
+        o->tolerances.instructions =
             pl_option_number(state, "--instruction-limit takes per cent", text, 0, 1e6) / 100;
         return 0;
     case KEY_REFERENCE:
@@ -153,12 +153,12 @@ typedef struct material {
     int file_count;
     pl_gate_rows before, now;
     pl_gate_rule *rules;
-    pl_gate_report report;
+    pl_gate_verdict verdict;
 } material;
 
 static void free_material(material *m)
 {
-    pl_gate_report_free(&m->report);
+    pl_gate_verdict_free(&m->verdict);
     pl_gate_rows_free(&m->before);
     pl_gate_rows_free(&m->now);
     for (int i = 0; i < m->file_count; ++i) {
@@ -223,7 +223,7 @@ static pl_status read_all(const options *o, material *m, pl_error *error)
         status = pl_gate_file_read(o->paths[i], &m->files[m->file_count++], error);
     }
     if (status == PL_OK) {
-        status = pl_gate_gather(m->files, m->file_count, &o->limits, &m->now, error);
+        status = pl_gate_gather(m->files, m->file_count, &o->tolerances, &m->now, error);
     }
     if (status == PL_OK && m->now.count > 0) {
         status = check_reference(o, &m->now, error);
@@ -232,7 +232,7 @@ static pl_status read_all(const options *o, material *m, pl_error *error)
         status = pl_gate_baseline_read(o->baseline, &m->before, error);
     }
     if (status == PL_OK) {
-        pl_gate_rows_tell_apart(&m->now, &m->before);
+        pl_gate_rows_disambiguate(&m->now, &m->before);
     }
     return status;
 }
@@ -251,10 +251,10 @@ static pl_status update(const options *o, material *m, pl_error *error)
 }
 
 /* The page of a GitHub job: other steps of it write the same file. */
-static pl_status append_page(const pl_gate_report *report, const char *path, pl_error *error)
+static pl_status append_page(const pl_gate_verdict *verdict, const char *path, pl_error *error)
 {
     pl_text_buffer page = {0};
-    pl_gate_write_markdown(report, &page);
+    pl_gate_write_markdown(verdict, &page);
     FILE *file = page.failed ? NULL : fopen(path, "ae");
     bool written = file != NULL && fputs(page.data, file) >= 0;
     written = file != NULL && fclose(file) == 0 && written;
@@ -262,31 +262,31 @@ static pl_status append_page(const pl_gate_report *report, const char *path, pl_
     return written ? PL_OK : pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
 }
 
-static pl_status write_format(pl_gate_format format, const pl_gate_report *report, const char *path,
-                              pl_error *error)
+static pl_status write_format(pl_gate_format format, const pl_gate_verdict *verdict,
+                              const char *path, pl_error *error)
 {
     pl_text_buffer buffer = {0};
-    pl_gate_write(format, report, &buffer);
+    pl_gate_write(format, verdict, &buffer);
     pl_status status = buffer.failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for the report")
                                      : pl_write_text(path, buffer.data, buffer.length, error);
     pl_text_free(&buffer);
     return status;
 }
 
-static pl_status deliver(const options *o, const pl_gate_report *report, pl_error *error)
+static pl_status deliver(const options *o, const pl_gate_verdict *verdict, pl_error *error)
 {
     bool to_file = o->out != NULL && strcmp(o->out, "-") != 0;
     const char *page = getenv("GITHUB_STEP_SUMMARY");
-    pl_status status = write_format(o->format, report, to_file ? o->out : "-", error);
+    pl_status status = write_format(o->format, verdict, to_file ? o->out : "-", error);
     if (status == PL_OK && to_file) {
-        status = write_format(PL_GATE_TEXT, report, "-", error);
+        status = write_format(PL_GATE_TEXT, verdict, "-", error);
     }
     if (status == PL_OK && o->format == PL_GATE_GITHUB && page != NULL && page[0] != '\0') {
-        status = append_page(report, page, error);
+        status = append_page(verdict, page, error);
     }
     if (!to_file && (o->format == PL_GATE_JUNIT || o->format == PL_GATE_JSON)) {
         char summary[256];
-        pl_gate_report_summary(report, summary, sizeof summary);
+        pl_gate_verdict_summary(verdict, summary, sizeof summary);
         fprintf(stderr, "%s\n", summary);
     }
     return status;
@@ -294,17 +294,17 @@ static pl_status deliver(const options *o, const pl_gate_report *report, pl_erro
 
 static pl_status judge(const options *o, material *m, pl_error *error)
 {
-    const pl_gate_case c = {.before = o->baseline == NULL ? NULL : &m->before,
-                            .now = &m->now,
-                            .limits = &o->limits,
-                            .rules = m->rules,
-                            .rule_count = o->rule_count,
-                            .reference = o->reference};
-    pl_status status = pl_gate_judge(&c, &m->report, error);
-    return status == PL_OK ? deliver(o, &m->report, error) : status;
+    const pl_gate_inputs in = {.before = o->baseline == NULL ? NULL : &m->before,
+                               .now = &m->now,
+                               .tolerances = &o->tolerances,
+                               .rules = m->rules,
+                               .rule_count = o->rule_count,
+                               .reference = o->reference};
+    pl_status status = pl_gate_judge(&in, &m->verdict, error);
+    return status == PL_OK ? deliver(o, &m->verdict, error) : status;
 }
 
-static int verdict(const pl_call *call, const options *o, const material *m)
+static int exit_code(const pl_call *call, const options *o, const material *m)
 {
     if (m->now.count == 0) {
         fprintf(stderr, "%s: the results are empty\n", call->argv[0]);
@@ -313,9 +313,9 @@ static int verdict(const pl_call *call, const options *o, const material *m)
     if (o->update) {
         return PL_EXIT_OK;
     }
-    return m->report.failures > 0       ? EXIT_GATE_FAILED
-           : m->report.comparisons == 0 ? PL_EXIT_NOTHING
-                                        : PL_EXIT_OK;
+    return m->verdict.failures > 0       ? EXIT_GATE_FAILED
+           : m->verdict.comparisons == 0 ? PL_EXIT_NOTHING
+                                         : PL_EXIT_OK;
 }
 
 int pl_command_gate(const pl_call *call)
@@ -324,7 +324,7 @@ int pl_command_gate(const pl_call *call)
     pl_error error = {.message = ""};
     options o = {.paths = calloc((size_t)call->argc, sizeof *o.paths),
                  .rule_texts = calloc((size_t)call->argc, sizeof *o.rule_texts),
-                 .limits = pl_gate_limits_default()};
+                 .tolerances = pl_gate_tolerances_default()};
     pl_status status = PL_OK;
     if (o.paths == NULL || o.rule_texts == NULL) {
         status = pl_fail(&error, PL_NO_MEMORY, "out of memory for the command line");
@@ -335,7 +335,7 @@ int pl_command_gate(const pl_call *call)
     if (status == PL_OK && m.now.count > 0) {
         status = o.update ? update(&o, &m, &error) : judge(&o, &m, &error);
     }
-    int code = status == PL_OK ? verdict(call, &o, &m) : pl_call_fail(call, &error);
+    int code = status == PL_OK ? exit_code(call, &o, &m) : pl_call_fail(call, &error);
     free_material(&m);
     free(o.paths);
     free(o.rule_texts);

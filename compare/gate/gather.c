@@ -1,20 +1,37 @@
-/* Gathers the repeats of each run into a row. */
+/* Reads files of results, and gathers the repeats of each run into a row. */
 #include "gather.h"
 
 #include "base/median.h"
 #include "plumb/scenario.h"
 #include "ratio.h"
 #include "results/result.h"
+#include "results/store.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
-/* A row while it is being made. */
-typedef struct making {
-    pl_gate_row *row;
-    const pl_gate_limits *limits;
-    double *numbers; /* room for a number of each sample */
-} making;
+pl_status pl_gate_file_read(const char *path, pl_gate_file *file, pl_error *error)
+{
+    struct stat found;
+    long long whole = 0;
+    char *inside = NULL;
+    *file = (pl_gate_file){.path = path};
+    if (stat(path, &found) == 0 && S_ISDIR(found.st_mode)) {
+        if (asprintf(&inside, "%s/results.jsonl", path) < 0) {
+            return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
+        }
+        path = inside;
+    }
+    pl_status status = pl_results_read(path, &file->results, &whole, error);
+    if (status == PL_OK && stat(path, &found) == 0 && S_ISREG(found.st_mode) &&
+        found.st_size > whole) {
+        fprintf(stderr, "%s: the last line is not whole, and left out\n", path);
+    }
+    free(inside);
+    return status;
+}
 
 static pl_status no_memory(pl_error *error)
 {
@@ -39,7 +56,7 @@ static pl_status check_result(const json_t *result, const char *path, size_t ind
     return PL_OK;
 }
 
-/* Without those at their defaults. */
+/* Returns the parameters of a result that are off their defaults. */
 static json_t *params_of(const json_t *result)
 {
     json_t *params = json_object();
@@ -102,7 +119,7 @@ static pl_status add_sample(pl_gate_row *row, const json_t *result, int file, pl
     return PL_OK;
 }
 
-/* A row of the result's run, with nothing in it yet; false: out of memory. */
+/* Makes an empty row of the result's run. False: out of memory. */
 static bool begin_row(const json_t *result, pl_gate_row *row)
 {
     *row = (pl_gate_row){.json = row_json(result),
@@ -114,7 +131,7 @@ static bool begin_row(const json_t *result, pl_gate_row *row)
            row->measured != NULL && pl_gate_row_identify(row);
 }
 
-/* Adds the result to the row of its key, which it makes where it is missing. */
+/* Adds the result to the row of its key, which is made where it is missing. */
 static pl_status add_result(pl_gate_rows *rows, json_t *indices, const json_t *result, int file,
                             pl_error *error)
 {
@@ -137,56 +154,60 @@ static bool is_deterministic(const json_t *metric, int id)
     return json_is_boolean(said) ? json_is_true(said) : id < 0 || pl_metric_table[id].deterministic;
 }
 
-/* Numbers: their median, with their range where they should be equal and are not. Texts: the first.
- * Null as soon as one repeat has no value. */
-static json_t *summarise(const making *m, const char *name, bool deterministic)
+/* Summarises a metric over the repeats: of numbers the median, with their range where they should
+ * be equal and are not; of texts the first; null as soon as one repeat has no value. */
+static json_t *summarise(const pl_gate_row *row, const char *name, bool deterministic,
+                         double *numbers)
 {
     int count = 0;
-    for (int i = 0; i < m->row->sample_count; ++i) {
-        const json_t *metric = json_object_get(m->row->samples[i].metrics, name);
+    for (int i = 0; i < row->sample_count; ++i) {
+        const json_t *metric = json_object_get(row->samples[i].metrics, name);
         json_t *value = json_object_get(metric, "value");
         if (json_is_string(value)) {
             return json_incref(value);
         }
         if (json_is_null(value)) {
             const char *reason = pl_json_get_text(metric, "reason");
-            json_object_set_new(m->row->reasons, name, json_string(reason));
+            json_object_set_new(row->reasons, name, json_string(reason));
             return json_null();
         }
         if (json_is_number(value)) {
-            m->numbers[count++] = json_number_value(value);
+            numbers[count++] = json_number_value(value);
         }
     }
     if (count == 0) {
         return json_null();
     }
-    const double median = pl_median(m->numbers, count);
-    double least = m->numbers[0], largest = m->numbers[count - 1];
+    const double median = pl_median(numbers, count);
+    double least = numbers[0], largest = numbers[count - 1];
     if (deterministic && least != largest) {
-        json_object_set_new(m->row->spread, name, json_pack("[f, f]", least, largest));
+        json_object_set_new(row->spread, name, json_pack("[f, f]", least, largest));
     }
     return json_real(median);
 }
 
-static bool summarise_all(const making *m)
+/* Summarises every metric of a row; `numbers` has room for a number of each sample. A baseline
+ * keeps metrics that differ from run to run only where a tolerance is given. */
+static bool summarise_all(const pl_gate_row *row, const pl_gate_tolerances *tolerances,
+                          double *numbers)
 {
-    bool is_ok = pl_gate_row_is_ok(m->row);
-    json_t *kept = json_object_get(m->row->json, "metrics");
-    for (int i = 0; i < m->row->sample_count; ++i) {
+    bool is_ok = pl_gate_row_is_ok(row);
+    json_t *kept = json_object_get(row->json, "metrics");
+    for (int i = 0; i < row->sample_count; ++i) {
         const char *name;
         json_t *metric;
-        json_object_foreach((json_t *)m->row->samples[i].metrics, name, metric)
+        json_object_foreach((json_t *)row->samples[i].metrics, name, metric)
         {
             if (json_object_get(kept, name) != NULL ||
-                json_object_get(m->row->measured, name) != NULL) {
+                json_object_get(row->measured, name) != NULL) {
                 continue;
             }
             int id = pl_metric_by_name(name);
             bool deterministic = is_deterministic(metric, id);
-            bool is_kept = is_ok && pl_gate_cost_of(name) < 0 &&
-                           pl_gate_limits_keep(m->limits, id, deterministic);
-            if (json_object_set_new(is_kept ? kept : m->row->measured, name,
-                                    summarise(m, name, deterministic)) != 0) {
+            bool asked = id >= 0 && tolerances->of[id].given && !tolerances->of[id].off;
+            bool is_kept = is_ok && pl_gate_cost_of(name) < 0 && (deterministic || asked);
+            if (json_object_set_new(is_kept ? kept : row->measured, name,
+                                    summarise(row, name, deterministic, numbers)) != 0) {
                 return false;
             }
         }
@@ -194,24 +215,23 @@ static bool summarise_all(const making *m)
     return true;
 }
 
-static pl_status fill_rows(pl_gate_rows *rows, const pl_gate_limits *limits, pl_error *error)
+static pl_status fill_rows(pl_gate_rows *rows, const pl_gate_tolerances *tolerances,
+                           pl_error *error)
 {
     pl_status status = PL_OK;
     for (int i = 0; i < rows->count && status == PL_OK; ++i) {
         pl_gate_row *row = &rows->items[i];
-        making m = {.row = row,
-                    .limits = limits,
-                    .numbers = calloc((size_t)row->sample_count + 1, sizeof(double))};
+        double *numbers = calloc((size_t)row->sample_count + 1, sizeof *numbers);
         row->metrics = json_object_get(row->json, "metrics");
-        if (m.numbers == NULL || !summarise_all(&m)) {
+        if (numbers == NULL || !summarise_all(row, tolerances, numbers)) {
             status = no_memory(error);
         }
-        free(m.numbers);
+        free(numbers);
     }
     return status;
 }
 
-/* An equal result came before in this file or an earlier one. */
+/* Whether an equal result came before, in this file or an earlier one. */
 static bool came_before(const pl_gate_file *files, int file, size_t index)
 {
     const json_t *result = json_array_get(files[file].results, index);
@@ -228,7 +248,7 @@ static bool came_before(const pl_gate_file *files, int file, size_t index)
     return false;
 }
 
-pl_status pl_gate_gather(const pl_gate_file *files, int count, const pl_gate_limits *limits,
+pl_status pl_gate_gather(const pl_gate_file *files, int count, const pl_gate_tolerances *tolerances,
                          pl_gate_rows *rows, pl_error *error)
 {
     size_t most = 0;
@@ -249,7 +269,7 @@ pl_status pl_gate_gather(const pl_gate_file *files, int count, const pl_gate_lim
     }
     json_decref(indices);
     if (status == PL_OK) {
-        status = fill_rows(rows, limits, error);
+        status = fill_rows(rows, tolerances, error);
     }
     pl_gate_rows_sort(rows);
     return status;

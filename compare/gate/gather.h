@@ -1,24 +1,24 @@
-/* Results to rows. */
+/* From results to rows. */
 #ifndef PLUMB_GATE_GATHER_H
 #define PLUMB_GATE_GATHER_H
 
-#include "gate_row.h"
-#include "limits.h"
+#include "gate_rows.h"
+#include "rules.h"
 
-/* A file of results, as read. */
+/* A file of results that was read. */
 typedef struct pl_gate_file {
     const char *path;
     json_t *results;
 } pl_gate_file;
 
-/* Reads FILE, or FILE/results.jsonl where it is a directory, "-" from standard input. A last line
- * that its writer did not finish is told on standard error. The caller decrefs file->results. */
+/* Reads FILE, or FILE/results.jsonl where FILE is a directory; "-" is standard input. An incomplete
+ * last line is left out and reported on standard error. The caller decrefs file->results. */
 pl_status pl_gate_file_read(const char *path, pl_gate_file *file, pl_error *error);
 
-/* One row for each run, sorted; results that are equal in every key count once. `files` must
- * outlive *rows. PL_BAD_INPUT: a result lacks what tells its run. The caller frees, also on
- * failure. */
-pl_status pl_gate_gather(const pl_gate_file *files, int count, const pl_gate_limits *limits,
+/* Makes one row for each run, sorted; results that are equal in every key count once. `files` must
+ * outlive *rows. PL_BAD_INPUT: a result lacks a key that identifies its run. The caller frees
+ * *rows, also on failure. */
+pl_status pl_gate_gather(const pl_gate_file *files, int count, const pl_gate_tolerances *tolerances,
                          pl_gate_rows *rows, pl_error *error);
 
 #endif

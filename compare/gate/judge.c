@@ -1,88 +1,505 @@
-/* Row by row: is it there, did it end well, are its numbers what they were. */
+/* Judges results: metric by metric against the baseline, times and instructions as ratios to the
+ * reference engine of the same results, and by the caller's rules. */
 #include "judge.h"
 
+#include "ratio.h"
+#include "results/result.h"
+
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static void judge_missing(const pl_gate_row *before, pl_gate_report *report)
+/* Fills the texts of an entry. */
+static void describe(pl_gate_entry *entry, const char *before, const char *after,
+                     const char *allowed, const char *what)
 {
-    pl_gate_finding *finding = pl_gate_report_add(report, true, before, "outcome");
-    snprintf(finding->before, sizeof finding->before, "%.90s", before->outcome);
-    snprintf(finding->after, sizeof finding->after, "missing");
-    snprintf(finding->limit, sizeof finding->limit, "every run of the baseline");
-    snprintf(finding->what, sizeof finding->what, "the results have no such run");
+    snprintf(entry->before, sizeof entry->before, "%.90s", before);
+    snprintf(entry->after, sizeof entry->after, "%.90s", after);
+    snprintf(entry->allowed, sizeof entry->allowed, "%.125s", allowed);
+    snprintf(entry->what, sizeof entry->what, "%.250s", what);
 }
 
-/* True when both ended well, so that their numbers can be compared. */
-static bool judge_outcome(const pl_gate_row *before, const pl_gate_row *now, pl_gate_report *report)
+/* ---- Metrics ---- */
+
+/* Returns a metric's unit; "" where it is not known, and of a plain number. */
+static const char *unit_of(const char *metric)
 {
-    report->comparisons++;
+    int id = pl_metric_by_name(metric);
+    bool own = id == PL_METRIC_REFERENCE_ERROR || id == PL_METRIC_RESIDUAL_MAX ||
+               id == PL_METRIC_RESIDUAL_RMS;
+    return id < 0 || own || strcmp(pl_metric_table[id].unit, "1") == 0 ? ""
+                                                                       : pl_metric_table[id].unit;
+}
+
+/* Writes a value, or why there is none. */
+static void value_text(const json_t *value, char text[96])
+{
+    if (json_is_string(value)) {
+        snprintf(text, 96, "%.90s", json_string_value(value));
+    } else if (json_is_number(value)) {
+        snprintf(text, 96, "%.6g", json_number_value(value));
+    } else {
+        snprintf(text, 96, "%s", value == NULL ? "absent" : "no value");
+    }
+}
+
+/* Judges a metric of which at least one value is not a number. */
+static void judge_others(const pl_gate_inputs *in, const pl_gate_row *row, const char *metric,
+                         const json_t *before, const json_t *now, pl_gate_verdict *verdict)
+{
+    int id = pl_metric_by_name(metric);
+    verdict->comparisons++;
+    if (now != NULL && json_equal(before, now)) {
+        return;
+    }
+    if (id == PL_METRIC_STATE_HASH && !in->tolerances->of[id].given) {
+        pl_gate_verdict_note(verdict, "state_hash", "other bits");
+        return;
+    }
+    bool gained = json_is_null(before) && json_is_number(now);
+    pl_gate_entry *entry = pl_gate_verdict_add(verdict, !gained, row, metric);
+    const char *reason = pl_json_get_text(row->reasons, metric);
+    char old_text[96], new_text[96];
+    value_text(before, old_text);
+    value_text(now, new_text);
+    describe(entry, old_text, new_text, gained ? "" : "the same",
+             gained                                ? "has a value now"
+             : now == NULL                         ? "the metric is gone"
+             : json_is_null(now) && reason[0] != 0 ? reason
+                                                   : "changed");
+}
+
+/* Where repeats differ, returns the value that is farthest on the wrong side of `before`. */
+static double worst_of(const pl_gate_row *row, const char *metric, pl_direction direction,
+                       double before, double now)
+{
+    const json_t *range = json_object_get(row->spread, metric);
+    if (range == NULL) {
+        return now;
+    }
+    double least = json_number_value(json_array_get(range, 0));
+    double largest = json_number_value(json_array_get(range, 1));
+    if (direction == PL_NO_DIRECTION) {
+        return fabs(least - before) > fabs(largest - before) ? least : largest;
+    }
+    return direction == PL_LOWER_IS_BETTER ? largest : least;
+}
+
+/* Says how far `now` is from `before`; `word` is "worse", "better" or "changed". */
+static void describe_change(double before, double now, const char *word, pl_gate_entry *entry)
+{
+    double part = fabs(now - before) / fabs(before);
+    if (!isfinite(part)) {
+        snprintf(entry->what, sizeof entry->what, "%s", word);
+    } else if (part < 10) {
+        snprintf(entry->what, sizeof entry->what, "%s by %.3g %%", word, 100 * part);
+    } else {
+        snprintf(entry->what, sizeof entry->what, "%s, %.3g times", word, now / before);
+    }
+}
+
+static void judge_number(const pl_gate_inputs *in, const pl_gate_row *row, const char *metric,
+                         double before, double median, pl_gate_verdict *verdict)
+{
+    static const pl_gate_tolerance unknown = {.relative = 1e-6, .absolute = 1e-9};
+    int id = pl_metric_by_name(metric);
+    pl_direction direction = id < 0 ? PL_NO_DIRECTION : pl_metric_table[id].direction;
+    double dt = json_number_value(json_object_get(row->json, "dt"));
+    double allowed =
+        pl_gate_tolerance_at(id < 0 ? &unknown : &in->tolerances->of[id], id, before, dt);
+    double now = worst_of(row, metric, direction, before, median);
+    verdict->comparisons++;
+    if (json_object_get(row->spread, metric) != NULL) {
+        pl_gate_verdict_note(verdict, metric, "repeats differ, and the worst of them counts");
+    }
+    if (fabs(now - before) <= allowed) {
+        return;
+    }
+    bool grew = now > before;
+    bool is_better = direction != PL_NO_DIRECTION && grew == (direction == PL_HIGHER_IS_BETTER);
+    pl_gate_entry *entry = pl_gate_verdict_add(verdict, !is_better, row, metric);
+    const char *unit = unit_of(metric);
+    pl_gate_entry_numbers(entry, before, now, unit);
+    snprintf(entry->allowed, sizeof entry->allowed, "a difference of %.3g%s%.40s", allowed,
+             unit[0] == '\0' ? "" : " ", unit);
+    const char *word = is_better ? "better" : direction == PL_NO_DIRECTION ? "changed" : "worse";
+    describe_change(before, now, word, entry);
+    if (is_better) {
+        size_t length = strlen(entry->what);
+        snprintf(entry->what + length, sizeof entry->what - length,
+                 ": --update-baseline tightens the baseline");
+    }
+}
+
+static void judge_metrics(const pl_gate_inputs *in, const pl_gate_row *before,
+                          const pl_gate_row *now, pl_gate_verdict *verdict)
+{
+    const char *metric;
+    json_t *value;
+    json_object_foreach((json_t *)before->metrics, metric, value)
+    {
+        int id = pl_metric_by_name(metric);
+        const json_t *found = json_object_get(now->metrics, metric);
+        if (id >= 0 && in->tolerances->of[id].off) {
+            continue;
+        }
+        if (found == NULL && json_object_get(now->measured, metric) != NULL) {
+            pl_gate_verdict_note(verdict, metric, "is compared only with --tolerance");
+        } else if (json_is_number(value) && json_is_number(found)) {
+            judge_number(in, now, metric, json_number_value(value), json_number_value(found),
+                         verdict);
+        } else {
+            judge_others(in, now, metric, value, found, verdict);
+        }
+    }
+    json_object_foreach((json_t *)now->metrics, metric, value)
+    {
+        int id = pl_metric_by_name(metric);
+        bool is_off = id >= 0 && in->tolerances->of[id].off;
+        if (!is_off && json_object_get(before->metrics, metric) == NULL) {
+            pl_gate_verdict_note(verdict, metric, "the baseline has no such metric");
+        }
+    }
+}
+
+/* ---- Times and instructions ---- */
+
+/* Returns the last relative rule on this cost of the row, which replaces the general limit. */
+static const pl_gate_rule *rule_of(const pl_gate_inputs *in, const pl_gate_row *row, int cost)
+{
+    const pl_gate_rule *found = NULL;
+    for (int i = 0; i < in->rule_count; ++i) {
+        const pl_gate_rule *rule = &in->rules[i];
+        if (pl_gate_rule_is_cost(rule) && pl_gate_cost_of(rule->metric) == cost &&
+            pl_gate_rule_selects(rule, row)) {
+            found = rule;
+        }
+    }
+    return found;
+}
+
+static void judge_trend(const pl_gate_row *row, int cost, const char *reference,
+                        const pl_gate_ratio *before, const pl_gate_ratio *now, double limit,
+                        pl_gate_verdict *verdict)
+{
+    static const char *const words[] = {[PL_GATE_STEADY] = "",
+                                        [PL_GATE_SLOWER] = "costlier",
+                                        [PL_GATE_FASTER] = "cheaper",
+                                        [PL_GATE_FEW] = "",
+                                        [PL_GATE_NOISY] = "inconclusive"};
+    const char *metric = pl_gate_costs[cost].metric;
+    double growth, noise;
+    pl_gate_trend trend = pl_gate_ratio_trend(before, now, limit, &growth, &noise);
+    if (trend == PL_GATE_FEW) {
+        pl_gate_verdict_note(verdict, metric,
+                             "inconclusive: noise is known from 5 repeats or more (--repeat 5), "
+                             "here and in the baseline");
+        return;
+    }
+    verdict->comparisons++;
+    if (trend == PL_GATE_STEADY) {
+        return;
+    }
+    pl_gate_entry *entry = pl_gate_verdict_add(verdict, trend == PL_GATE_SLOWER, row, metric);
+    char unit[80];
+    snprintf(unit, sizeof unit, "times %.70s's", reference);
+    pl_gate_entry_numbers(entry, before->value, now->value, unit);
+    snprintf(entry->allowed, sizeof entry->allowed, "+%.3g %% and the noise", 100 * limit);
+    snprintf(entry->what, sizeof entry->what, "%s: %+.3g %%, noise %.2g %%", words[trend],
+             100 * growth, 100 * noise);
+}
+
+static pl_status judge_cost(const pl_gate_inputs *in, const pl_gate_row *before,
+                            const pl_gate_row *now, int cost, pl_gate_verdict *verdict,
+                            pl_error *error)
+{
+    const char *metric = pl_gate_costs[cost].metric;
+    const json_t *kept = json_object_get(before->json, pl_gate_costs[cost].ratio);
+    if (kept == NULL) {
+        return PL_OK;
+    }
+    const char *kept_reference = pl_json_get_text(kept, "reference");
+    if (in->reference != NULL && strcmp(in->reference, kept_reference) != 0) {
+        pl_gate_verdict_note(verdict, metric, "not compared: the baseline has another reference");
+        return PL_OK;
+    }
+    const pl_gate_row *reference = pl_gate_reference_of(in->now, now, kept_reference);
+    pl_gate_ratio ratio = {0};
+    pl_status status =
+        reference == NULL ? PL_OK : pl_gate_ratio_measure(now, reference, metric, &ratio, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    if (ratio.repeats == 0) {
+        pl_gate_verdict_note(verdict, metric,
+                             "not compared: no run of the reference engine on the same case");
+        return PL_OK;
+    }
+    const pl_gate_rule *rule = rule_of(in, now, cost);
+    double limit = rule != NULL           ? rule->value
+                   : cost == PL_GATE_TIME ? in->tolerances->time
+                                          : in->tolerances->instructions;
+    const pl_gate_ratio kept_ratio = pl_gate_ratio_of_json(kept);
+    judge_trend(now, cost, kept_reference, &kept_ratio, &ratio, limit, verdict);
+    return PL_OK;
+}
+
+static pl_status judge_costs(const pl_gate_inputs *in, const pl_gate_row *before,
+                             const pl_gate_row *now, pl_gate_verdict *verdict, pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int cost = 0; cost < PL_GATE_COST_COUNT && status == PL_OK; ++cost) {
+        status = judge_cost(in, before, now, cost, verdict, error);
+    }
+    return status;
+}
+
+/* ---- Rules ---- */
+
+/* A rule that judges nothing fails: otherwise a misspelt name, or a run that is missing, would let
+ * everything pass. */
+
+static const json_t *value_in(const pl_gate_row *row, const char *metric)
+{
+    const json_t *value = json_object_get(row->metrics, metric);
+    return value != NULL ? value : json_object_get(row->measured, metric);
+}
+
+/* Adds the failure of a rule. */
+static pl_gate_entry *add_rule_failure(const pl_gate_rule *rule, const pl_gate_row *row,
+                                       pl_gate_verdict *verdict)
+{
+    pl_gate_entry *entry = pl_gate_verdict_add(verdict, true, row, rule->metric);
+    snprintf(entry->allowed, sizeof entry->allowed, "not %.120s", rule->text);
+    snprintf(entry->what, sizeof entry->what, "the rule fails it");
+    return entry;
+}
+
+static void judge_text(const pl_gate_rule *rule, const pl_gate_row *row, const char *found,
+                       pl_gate_verdict *verdict)
+{
+    verdict->comparisons++;
+    if ((strcmp(found, rule->word) == 0) != (rule->op == PL_GATE_EQUAL)) {
+        return;
+    }
+    pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
+    snprintf(entry->after, sizeof entry->after, "%.90s", found);
+    if (row->reason[0] != '\0') {
+        snprintf(entry->what, sizeof entry->what, "%.250s", row->reason);
+    }
+}
+
+/* Judges a row without a value. A run that is not ok may lack the value that the rule is about, and
+ * fails. Returns false where the metric does not apply. */
+static bool judge_no_value(const pl_gate_rule *rule, const pl_gate_row *row, const json_t *value,
+                           pl_gate_verdict *verdict)
+{
+    bool is_ok = pl_gate_row_is_ok(row);
+    if (value == NULL && is_ok) {
+        return false;
+    }
+    pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
+    const char *reason = pl_json_get_text(row->reasons, rule->metric);
+    snprintf(entry->after, sizeof entry->after, "no value");
+    snprintf(entry->what, sizeof entry->what, "%.120s%s%.120s", is_ok ? reason : row->outcome,
+             row->reason[0] == '\0' ? "" : ": ", row->reason);
+    verdict->comparisons++;
+    return true;
+}
+
+/* The rule fails the row where it holds of any repeat. */
+static void judge_absolute(const pl_gate_rule *rule, const pl_gate_row *row, double now,
+                           pl_gate_verdict *verdict)
+{
+    const json_t *range = json_object_get(row->spread, rule->metric);
+    bool holds = pl_gate_rule_holds(rule, now);
+    for (size_t i = 0; i < json_array_size(range) && !holds; ++i) {
+        now = json_number_value(json_array_get(range, i));
+        holds = pl_gate_rule_holds(rule, now);
+    }
+    verdict->comparisons++;
+    if (holds) {
+        pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
+        pl_gate_entry_numbers(entry, now, now, unit_of(rule->metric));
+        entry->before[0] = '\0';
+    }
+}
+
+/* Returns false where the baseline has no number to compare with. */
+static bool judge_relative(const pl_gate_inputs *in, const pl_gate_rule *rule,
+                           const pl_gate_row *row, double now, pl_gate_verdict *verdict)
+{
+    const pl_gate_row *before = in->before == NULL ? NULL : pl_gate_rows_find(in->before, row->key);
+    const json_t *kept = before == NULL ? NULL : json_object_get(before->metrics, rule->metric);
+    if (!json_is_number(kept)) {
+        return false;
+    }
+    int id = pl_metric_by_name(rule->metric);
+    double least = id < 0 ? 0 : in->tolerances->of[id].absolute;
+    verdict->comparisons++;
+    if (pl_gate_rule_holds_relative(rule, json_number_value(kept), now, least)) {
+        pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
+        pl_gate_entry_numbers(entry, json_number_value(kept), now, unit_of(rule->metric));
+    }
+    return true;
+}
+
+static bool judge_value(const pl_gate_inputs *in, const pl_gate_rule *rule, const pl_gate_row *row,
+                        pl_gate_verdict *verdict)
+{
+    const json_t *value = value_in(row, rule->metric);
+    if (!json_is_number(value)) {
+        return judge_no_value(rule, row, value, verdict);
+    }
+    if (rule->is_relative) {
+        return judge_relative(in, rule, row, json_number_value(value), verdict);
+    }
+    judge_absolute(rule, row, json_number_value(value), verdict);
+    return true;
+}
+
+/* Judges a ratio by an absolute rule. */
+static pl_status judge_ratio(const pl_gate_inputs *in, const pl_gate_rule *rule,
+                             const pl_gate_row *row, bool *judged, pl_gate_verdict *verdict,
+                             pl_error *error)
+{
+    const pl_gate_row *reference = pl_gate_reference_of(in->now, row, in->reference);
+    pl_gate_ratio ratio = {0};
+    if (reference != NULL) {
+        const char *metric = pl_gate_costs[pl_gate_cost_of(rule->metric)].metric;
+        pl_status status = pl_gate_ratio_measure(row, reference, metric, &ratio, error);
+        if (status != PL_OK) {
+            return status;
+        }
+    }
+    *judged = ratio.repeats > 0;
+    verdict->comparisons += *judged;
+    if (*judged && pl_gate_rule_holds(rule, ratio.value)) {
+        pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
+        snprintf(entry->after, sizeof entry->after, "%.4g times %.60s's", ratio.value,
+                 reference->label);
+    }
+    return PL_OK;
+}
+
+static pl_status judge_by_rule(const pl_gate_inputs *in, const pl_gate_rule *rule,
+                               const pl_gate_row *row, bool *judged, pl_gate_verdict *verdict,
+                               pl_error *error)
+{
+    int cost = pl_gate_cost_of(rule->metric);
+    *judged = true;
+    if (pl_gate_rule_is_cost(rule)) {
+        /* judge_costs judged it; this only finds out whether the baseline had a ratio. */
+        const pl_gate_row *before =
+            in->before == NULL ? NULL : pl_gate_rows_find(in->before, row->key);
+        *judged =
+            before != NULL && json_object_get(before->json, pl_gate_costs[cost].ratio) != NULL;
+    } else if (strcmp(rule->metric, "outcome") == 0) {
+        judge_text(rule, row, row->outcome, verdict);
+    } else if (cost >= 0 && strcmp(rule->metric, pl_gate_costs[cost].ratio) == 0) {
+        return judge_ratio(in, rule, row, judged, verdict, error);
+    } else if (rule->is_text) {
+        const json_t *value = value_in(row, rule->metric);
+        *judged = json_is_string(value);
+        if (*judged) {
+            judge_text(rule, row, json_string_value(value), verdict);
+        }
+    } else {
+        *judged = judge_value(in, rule, row, verdict);
+    }
+    return PL_OK;
+}
+
+static pl_status judge_rules(const pl_gate_inputs *in, pl_gate_verdict *verdict, pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int i = 0; i < in->rule_count; ++i) {
+        const pl_gate_rule *rule = &in->rules[i];
+        int selected = 0, judged_rows = 0;
+        for (int k = 0; k < in->now->count && status == PL_OK; ++k) {
+            bool judged = false;
+            if (pl_gate_rule_selects(rule, &in->now->items[k])) {
+                ++selected;
+                status = judge_by_rule(in, rule, &in->now->items[k], &judged, verdict, error);
+            }
+            judged_rows += judged;
+        }
+        if (status == PL_OK && judged_rows == 0) {
+            pl_gate_entry *entry = add_rule_failure(rule, NULL, verdict);
+            snprintf(entry->what, sizeof entry->what, "the rule judges nothing: %s",
+                     selected == 0 ? "no row is of that scenario and engine"
+                                   : "no row that it is of has the value");
+        }
+    }
+    return status;
+}
+
+/* ---- Runs ---- */
+
+/* Returns true when both are ok, so that their numbers can be compared. */
+static bool judge_outcome(const pl_gate_row *before, const pl_gate_row *now,
+                          pl_gate_verdict *verdict)
+{
+    verdict->comparisons++;
     if (strcmp(before->outcome, now->outcome) == 0) {
         return pl_gate_row_is_ok(now);
     }
     bool is_better = pl_gate_row_is_ok(now);
-    pl_gate_finding *finding = pl_gate_report_add(report, !is_better, now, "outcome");
-    snprintf(finding->before, sizeof finding->before, "%.90s", before->outcome);
-    snprintf(finding->after, sizeof finding->after, "%.90s", now->outcome);
-    snprintf(finding->limit, sizeof finding->limit, "the same outcome");
-    snprintf(finding->what, sizeof finding->what, "%.250s",
+    describe(pl_gate_verdict_add(verdict, !is_better, now, "outcome"), before->outcome,
+             now->outcome, "the same outcome",
              is_better             ? "better: --update-baseline tightens the baseline"
              : now->reason[0] != 0 ? now->reason
                                    : "another outcome");
     return false;
 }
 
-static pl_status judge_row(const pl_gate_case *c, const pl_gate_row *before, const pl_gate_row *now,
-                           pl_gate_report *report, pl_error *error)
+static pl_status judge_row(const pl_gate_inputs *in, const pl_gate_row *before,
+                           const pl_gate_row *now, pl_gate_verdict *verdict, pl_error *error)
 {
     const char *hash = json_string_value(json_object_get(before->json, "scene_hash"));
     const char *new_hash = json_string_value(json_object_get(now->json, "scene_hash"));
     if (hash != NULL && new_hash != NULL && strcmp(hash, new_hash) != 0) {
-        pl_gate_finding *finding = pl_gate_report_add(report, false, now, "scene_hash");
-        snprintf(finding->before, sizeof finding->before, "%.90s", hash);
-        snprintf(finding->after, sizeof finding->after, "%.90s", new_hash);
-        snprintf(finding->what, sizeof finding->what, "the scene is another one");
+        describe(pl_gate_verdict_add(verdict, false, now, "scene_hash"), hash, new_hash, "",
+                 "the scene is another one");
     }
-    if (!judge_outcome(before, now, report)) {
+    if (!judge_outcome(before, now, verdict)) {
         return PL_OK;
     }
-    pl_gate_judge_metrics(c, before, now, report);
-    return pl_gate_judge_costs(c, before, now, report, error);
+    judge_metrics(in, before, now, verdict);
+    return judge_costs(in, before, now, verdict, error);
 }
 
-static pl_status judge_baseline(const pl_gate_case *c, pl_gate_report *report, pl_error *error)
+static pl_status judge_baseline(const pl_gate_inputs *in, pl_gate_verdict *verdict, pl_error *error)
 {
     pl_status status = PL_OK;
-    for (int i = 0; i < c->before->count && status == PL_OK; ++i) {
-        const pl_gate_row *before = &c->before->items[i];
-        const pl_gate_row *now = pl_gate_rows_find(c->now, before->key);
+    for (int i = 0; i < in->before->count && status == PL_OK; ++i) {
+        const pl_gate_row *before = &in->before->items[i];
+        const pl_gate_row *now = pl_gate_rows_find(in->now, before->key);
         if (now == NULL) {
-            judge_missing(before, report);
+            describe(pl_gate_verdict_add(verdict, true, before, "outcome"), before->outcome,
+                     "missing", "every run of the baseline", "the results have no such run");
         } else {
-            status = judge_row(c, before, now, report, error);
+            status = judge_row(in, before, now, verdict, error);
         }
     }
-    for (int i = 0; i < c->now->count; ++i) {
-        const pl_gate_row *now = &c->now->items[i];
-        if (pl_gate_rows_find(c->before, now->key) == NULL) {
-            pl_gate_finding *finding = pl_gate_report_add(report, false, now, "outcome");
-            snprintf(finding->before, sizeof finding->before, "none");
-            snprintf(finding->after, sizeof finding->after, "%.90s", now->outcome);
-            snprintf(finding->what, sizeof finding->what,
+    for (int i = 0; i < in->now->count; ++i) {
+        const pl_gate_row *now = &in->now->items[i];
+        if (pl_gate_rows_find(in->before, now->key) == NULL) {
+            describe(pl_gate_verdict_add(verdict, false, now, "outcome"), "none", now->outcome, "",
                      "not in the baseline: --update-baseline takes it in");
         }
     }
     return status;
 }
 
-pl_status pl_gate_judge(const pl_gate_case *c, pl_gate_report *report, pl_error *error)
+pl_status pl_gate_judge(const pl_gate_inputs *in, pl_gate_verdict *verdict, pl_error *error)
 {
-    *report = (pl_gate_report){.before = c->before, .now = c->now};
-    pl_status status = c->before == NULL ? PL_OK : judge_baseline(c, report, error);
+    *verdict = (pl_gate_verdict){.before = in->before, .now = in->now};
+    pl_status status = in->before == NULL ? PL_OK : judge_baseline(in, verdict, error);
     if (status == PL_OK) {
-        status = pl_gate_judge_rules(c, report, error);
+        status = judge_rules(in, verdict, error);
     }
-    pl_gate_report_order(report);
-    return status == PL_OK && report->failed ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                                             : status;
+    pl_gate_verdict_order(verdict);
+    return status == PL_OK && verdict->failed ? pl_fail(error, PL_NO_MEMORY, "out of memory")
+                                              : status;
 }

@@ -3,7 +3,7 @@
  * Engines take turns from repeat to repeat, so that a ratio within one repeat is free of what
  * slowed the machine in it. The bounds of the median are two order statistics, whatever the
  * distribution (W. R. Thompson 1936): with the k-th value from either end they hold the true median
- * but for a probability of 2 P(B < k), B binomial of n and 1/2. At most 1/16 is allowed, which five
+ * except with a probability of 2 P(B < k), B binomial of n and 1/2. At most 1/16 is allowed, which five
  * repeats just reach. */
 #include "ratio.h"
 
@@ -33,14 +33,14 @@ int pl_gate_cost_of(const char *name)
 const pl_gate_row *pl_gate_reference_of(const pl_gate_rows *rows, const pl_gate_row *row,
                                         const char *label)
 {
-    static const char *const usual[] = {"bullet:si", "ode:quick"};
+    static const char *const defaults[] = {"bullet:si", "ode:quick"};
     const pl_gate_row *reference = NULL;
     if (label != NULL) {
-        reference = pl_gate_rows_beside(rows, row, label);
+        reference = pl_gate_rows_same_case(rows, row, label);
     }
-    for (size_t i = 0; label == NULL && reference == NULL && i < sizeof usual / sizeof usual[0];
-         ++i) {
-        reference = pl_gate_rows_beside(rows, row, usual[i]);
+    for (size_t i = 0;
+         label == NULL && reference == NULL && i < sizeof defaults / sizeof defaults[0]; ++i) {
+        reference = pl_gate_rows_same_case(rows, row, defaults[i]);
     }
     return reference == row ? NULL : reference;
 }

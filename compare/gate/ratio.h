@@ -1,10 +1,11 @@
-/* What a run costs, over what it costs the reference engine beside it. */
+/* The cost of a run over that of the reference engine on the same case: a ratio that depends less
+ * on the machine than a time does. */
 #ifndef PLUMB_GATE_RATIO_H
 #define PLUMB_GATE_RATIO_H
 
-#include "gate_row.h"
+#include "gate_rows.h"
 
-/* The fewest repeats from which noise is told. */
+/* The fewest repeats from which noise can be known. */
 enum { PL_GATE_FEWEST_REPEATS = 5 };
 
 typedef struct pl_gate_ratio {
@@ -13,41 +14,42 @@ typedef struct pl_gate_ratio {
     double low, high; /* bounds of the median */
 } pl_gate_ratio;
 
-/* What is held against a baseline as a ratio alone. */
+/* A metric that is compared with a baseline only as a ratio. */
 typedef struct pl_gate_cost {
     const char *metric, *ratio; /* "time_per_step", "time_ratio" */
 } pl_gate_cost;
 enum { PL_GATE_TIME, PL_GATE_INSTRUCTIONS, PL_GATE_COST_COUNT };
 extern const pl_gate_cost pl_gate_costs[PL_GATE_COST_COUNT];
 
-/* The cost whose metric or ratio has that name; -1: none. */
+/* Returns the cost whose metric or ratio has that name; -1: none. */
 int pl_gate_cost_of(const char *name);
 
-/* The row beside `row` that is its reference: of the engine `label`, or where that is NULL, of the
- * first of bullet:si and ode:quick that is there. NULL: none, or it is the row itself. */
+/* Returns the row of the reference engine on the case of `row`: the engine `label`, or where that
+ * is NULL, the first of bullet:si and ode:quick that was run. NULL: none, or it is the row itself.
+ */
 const pl_gate_row *pl_gate_reference_of(const pl_gate_rows *rows, const pl_gate_row *row,
                                         const char *label);
 
-/* Of a metric of two rows of one problem: each repeat of `row` over the same repeat of `reference`
- * in the same file. PL_NO_MEMORY. */
+/* Computes the ratio of a metric of two rows of one case: each repeat of `row` over the same repeat
+ * of `reference` in the same file. PL_NO_MEMORY. */
 pl_status pl_gate_ratio_measure(const pl_gate_row *row, const pl_gate_row *reference,
                                 const char *metric, pl_gate_ratio *ratio, pl_error *error);
 
-/* Puts the ratios of all rows into their objects, as a baseline keeps them. PL_NO_MEMORY. */
+/* Adds the ratios of all rows to their objects, as a baseline keeps them. PL_NO_MEMORY. */
 pl_status pl_gate_ratios_add(pl_gate_rows *rows, const char *label, pl_error *error);
 
-/* From such an object, {reference, value, low, high, repeats}; no repeats where it is none. */
+/* Reads such an object, {reference, value, low, high, repeats}; 0 repeats where it is none. */
 pl_gate_ratio pl_gate_ratio_of_json(const json_t *json);
 
 typedef enum pl_gate_trend {
     PL_GATE_STEADY,
     PL_GATE_SLOWER, /* by more than the limit and the noise together */
     PL_GATE_FASTER,
-    PL_GATE_FEW,  /* too few repeats to tell */
+    PL_GATE_FEW,  /* too few repeats to know the noise */
     PL_GATE_NOISY /* noise hides a change of the size of the limit */
 } pl_gate_trend;
 
-/* *growth: now / before - 1. *noise: half the width of the bounds of the growth. */
+/* Compares two ratios. *growth: now / before - 1. *noise: half the width of its bounds. */
 pl_gate_trend pl_gate_ratio_trend(const pl_gate_ratio *before, const pl_gate_ratio *now,
                                   double limit, double *growth, double *noise);
 

@@ -32,8 +32,8 @@ static void test_rules_judge_what_they_name(void **state)
         trial t = pair("drift", 0.5, 0.5);
         add_rule(&t, rows[i].rule);
         judge(w, &t);
-        if (t.report.failures != rows[i].failures) {
-            fail_msg("%s: %d failures", rows[i].rule, t.report.failures);
+        if (t.verdict.failures != rows[i].failures) {
+            fail_msg("%s: %d failures", rows[i].rule, t.verdict.failures);
         }
         end_trial(&t);
     }
@@ -84,7 +84,7 @@ static void test_mistakes_in_rules_are_said_with_their_column(void **state)
         {"drift>+10", "column 7: expected a sign and % together"},
         {"drift==+10%", "column 8: expected a number without %"},
         {"time_per_step<+10%", "column 15: expected growth of a time"},
-        {"outcome>ok", "column 8: expected == or != beside a text"},
+        {"outcome>ok", "column 8: expected == or != before a text"},
         {"outcome!=fine", "column 10: expected ok, collapsed"},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
@@ -103,9 +103,9 @@ static void test_mistakes_in_rules_are_said_with_their_column(void **state)
                                             {"instructions_per_step=0.1", "have --time-limit"},
                                             {"outcome=0", "an outcome has no tolerance"}};
     for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
-        pl_gate_limits parsed = pl_gate_limits_default();
+        pl_gate_tolerances parsed = pl_gate_tolerances_default();
         pl_error error = {PL_OK, ""};
-        assert_int_equal(pl_gate_limits_parse(limits[i][0], &parsed, &error), PL_BAD_INPUT);
+        assert_int_equal(pl_gate_tolerances_parse(limits[i][0], &parsed, &error), PL_BAD_INPUT);
         assert_contains(error.message, limits[i][1]);
     }
 }

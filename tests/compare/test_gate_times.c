@@ -35,7 +35,7 @@ static void test_an_unchanged_time_passes(void **state)
     for (int i = 0; i < 20; ++i) {
         trial t = begin_trial(timed(&random, 1, 0.2), timed(&random, 1, 0.2));
         judge(w, &t);
-        assert_int_equal(t.report.failures, 0);
+        assert_int_equal(t.verdict.failures, 0);
         end_trial(&t);
     }
 }
@@ -56,7 +56,7 @@ static void test_a_slower_step_fails_where_noise_allows(void **state)
                "time_per_step", "costlier: +");
     }
     trial t = begin_trial(timed(&random, 1, 0.01), timed(&random, 1.2, 0.01));
-    t.limits.time = 0.3;
+    t.tolerances.time = 0.3;
     expect(w, t, 0, 0, "", "");
     t = begin_trial(timed(&random, 1, 0.01), timed(&random, 1.2, 0.01));
     add_rule(&t, "scene/mine: time_per_step>+30%");

@@ -13,7 +13,7 @@ trial begin_trial(json_t *old_results, json_t *new_results)
 {
     return (trial){.old_file = {"old", old_results},
                    .new_file = {"new", new_results},
-                   .limits = pl_gate_limits_default()};
+                   .tolerances = pl_gate_tolerances_default()};
 }
 
 void add_rule(trial *t, const char *text)
@@ -26,25 +26,25 @@ void add_rule(trial *t, const char *text)
 
 void set_limit(trial *t, const char *text)
 {
-    assert_int_equal(pl_gate_limits_parse(text, &t->limits, NULL), PL_OK);
+    assert_int_equal(pl_gate_tolerances_parse(text, &t->tolerances, NULL), PL_OK);
 }
 
 void judge(const workspace *w, trial *t)
 {
     pl_error error = {PL_OK, ""};
     char *path = path_in(w->directory, "baseline.json");
-    pl_status status = pl_gate_gather(&t->old_file, 1, &t->limits, &t->made, &error);
+    pl_status status = pl_gate_gather(&t->old_file, 1, &t->tolerances, &t->made, &error);
     status = status == PL_OK ? pl_gate_ratios_add(&t->made, NULL, &error) : status;
     status = status == PL_OK ? pl_gate_baseline_write(path, &t->made, &error) : status;
     status = status == PL_OK ? pl_gate_baseline_read(path, &t->before, &error) : status;
     status =
-        status == PL_OK ? pl_gate_gather(&t->new_file, 1, &t->limits, &t->now, &error) : status;
-    const pl_gate_case c = {.before = &t->before,
-                            .now = &t->now,
-                            .limits = &t->limits,
-                            .rules = t->rules,
-                            .rule_count = t->rule_count};
-    status = status == PL_OK ? pl_gate_judge(&c, &t->report, &error) : status;
+        status == PL_OK ? pl_gate_gather(&t->new_file, 1, &t->tolerances, &t->now, &error) : status;
+    const pl_gate_inputs in = {.before = &t->before,
+                               .now = &t->now,
+                               .tolerances = &t->tolerances,
+                               .rules = t->rules,
+                               .rule_count = t->rule_count};
+    status = status == PL_OK ? pl_gate_judge(&in, &t->verdict, &error) : status;
     if (status != PL_OK) {
         fail_msg("%s", error.message);
     }
@@ -53,7 +53,7 @@ void judge(const workspace *w, trial *t)
 
 void end_trial(trial *t)
 {
-    pl_gate_report_free(&t->report);
+    pl_gate_verdict_free(&t->verdict);
     pl_gate_rows_free(&t->made);
     pl_gate_rows_free(&t->before);
     pl_gate_rows_free(&t->now);
@@ -65,16 +65,16 @@ void expect(const workspace *w, trial t, int failures, int notices, const char *
             const char *what)
 {
     judge(w, &t);
-    if (t.report.failures != failures || t.report.notices != notices) {
-        for (int i = 0; i < t.report.count; ++i) {
-            print_error("%s: %s\n", t.report.items[i].metric, t.report.items[i].what);
+    if (t.verdict.failures != failures || t.verdict.notices != notices) {
+        for (int i = 0; i < t.verdict.count; ++i) {
+            print_error("%s: %s\n", t.verdict.items[i].metric, t.verdict.items[i].what);
         }
     }
-    assert_int_equal(t.report.failures, failures);
-    assert_int_equal(t.report.notices, notices);
+    assert_int_equal(t.verdict.failures, failures);
+    assert_int_equal(t.verdict.notices, notices);
     if (failures + notices > 0) {
-        assert_string_equal(t.report.items[0].metric, metric);
-        assert_contains(t.report.items[0].what, what);
+        assert_string_equal(t.verdict.items[0].metric, metric);
+        assert_contains(t.verdict.items[0].what, what);
     }
     end_trial(&t);
 }

@@ -10,10 +10,10 @@
 typedef struct trial {
     pl_gate_file old_file, new_file;
     pl_gate_rows made, before, now;
-    pl_gate_limits limits;
+    pl_gate_tolerances tolerances;
     pl_gate_rule rules[2];
     int rule_count;
-    pl_gate_report report;
+    pl_gate_verdict verdict;
 } trial;
 
 /* Takes both lists. */

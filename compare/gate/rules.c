@@ -1,7 +1,10 @@
-/* Rules: their text, which rows they are of, and when they hold. */
-#include "rule.h"
+/* Tolerances, and rules: their text, which rows they select, and when they hold.
+ *
+ * A deterministic engine gives the same numbers at every run, so the default tolerances are those
+ * of rounding: a millionth, or 1e-9 in the metric's own unit. A smaller number is rounding of the
+ * engine or of the referee over some thousands of steps. The time to rest is known to one step. */
+#include "rules.h"
 
-#include "limits.h"
 #include "ratio.h"
 #include "results/result.h"
 
@@ -9,6 +12,110 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+
+/* ---- Tolerances ---- */
+
+/* Names that a rule takes besides those of pl_metric_table. */
+static const char *const own_names[] = {"outcome", "time_ratio", "instructions_ratio",
+                                        "instructions_per_step"};
+enum { OWN_COUNT = sizeof own_names / sizeof own_names[0] };
+
+pl_gate_tolerances pl_gate_tolerances_default(void)
+{
+    pl_gate_tolerances tolerances = {.time = 0.1, .instructions = 0.02};
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
+        tolerances.of[i] = (pl_gate_tolerance){.relative = 1e-6, .absolute = 1e-9};
+    }
+    return tolerances;
+}
+
+static bool name_is_known(const char *name)
+{
+    bool known = pl_metric_by_name(name) >= 0;
+    for (int i = 0; i < OWN_COUNT; ++i) {
+        known |= strcmp(own_names[i], name) == 0;
+    }
+    return known;
+}
+
+/* Returns NULL where no name is near. */
+static const char *nearest_name(const char *name)
+{
+    const char *names[PL_METRIC_COUNT + OWN_COUNT];
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
+        names[i] = pl_metric_table[i].name;
+    }
+    for (int i = 0; i < OWN_COUNT; ++i) {
+        names[PL_METRIC_COUNT + i] = own_names[i];
+    }
+    return pl_nearest_name(name, names, PL_METRIC_COUNT + OWN_COUNT);
+}
+
+static pl_status fail(const char *text, const char *what, pl_error *error)
+{
+    return pl_fail(error, PL_BAD_INPUT, "--tolerance \"%.80s\": %s", text, what);
+}
+
+/* Reads `length` bytes of "RELATIVE,ABSOLUTE" as a number that is not negative. */
+static bool read_bound(const char *text, size_t length, double *value)
+{
+    char number[64];
+    if (length >= sizeof number) {
+        return false;
+    }
+    memcpy(number, text, length);
+    number[length] = '\0';
+    return pl_parse_number(number, value) && *value >= 0;
+}
+
+pl_status pl_gate_tolerances_parse(const char *text, pl_gate_tolerances *tolerances,
+                                   pl_error *error)
+{
+    char name[PL_NAME_SIZE];
+    size_t length = strcspn(text, "=");
+    if (text[length] != '=' || length == 0 || length >= sizeof name) {
+        return fail(text, "expected METRIC=RELATIVE[,ABSOLUTE] or METRIC=off", error);
+    }
+    snprintf(name, sizeof name, "%.*s", (int)length, text);
+    int metric = pl_metric_by_name(name);
+    if (pl_gate_cost_of(name) >= 0 || strcmp(name, "outcome") == 0) {
+        return fail(text,
+                    "times and instructions have --time-limit and --instruction-limit, and "
+                    "an outcome has no tolerance",
+                    error);
+    }
+    if (metric < 0) {
+        const char *nearest = nearest_name(name);
+        return pl_fail(error, PL_BAD_INPUT, "--tolerance: there is no metric %s%s%s%s", name,
+                       nearest == NULL ? "; see plumb list metrics" : "; did you mean ",
+                       nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
+    }
+    pl_gate_tolerance tolerance = tolerances->of[metric];
+    tolerance.given = true;
+    const char *value = text + length + 1;
+    tolerance.off = strcmp(value, "off") == 0;
+    size_t relative = strcspn(value, ",");
+    if (!tolerance.off &&
+        (!read_bound(value, relative, &tolerance.relative) ||
+         (value[relative] == ',' &&
+          !read_bound(value + relative + 1, strlen(value + relative + 1), &tolerance.absolute)))) {
+        return fail(text, "expected numbers that are not negative, RELATIVE[,ABSOLUTE], or off",
+                    error);
+    }
+    tolerances->of[metric] = tolerance;
+    return PL_OK;
+}
+
+double pl_gate_tolerance_at(const pl_gate_tolerance *tolerance, int metric, double value, double dt)
+{
+    double absolute = tolerance->absolute;
+    if (metric == PL_METRIC_SETTLE_TIME && !tolerance->given) {
+        absolute += dt;
+    }
+    return fmax(absolute, tolerance->relative * fabs(value));
+}
+
+/* ---- Rules ---- */
 
 static const struct {
     const char *text;
@@ -33,7 +140,7 @@ static const char *skip_blanks(const char *at)
     return at + strspn(at, " \t");
 }
 
-/* Copies without blanks at either end; nothing is "*". False: too long. */
+/* Copies without blanks at either end; an empty pattern becomes "*". False: too long. */
 static bool copy_pattern(const char *from, const char *end, char pattern[256])
 {
     from = skip_blanks(from);
@@ -50,7 +157,7 @@ static bool copy_pattern(const char *from, const char *end, char pattern[256])
     return true;
 }
 
-/* Reads "SCENARIO/ENGINE:" and returns what follows it; NULL: too long. */
+/* Reads "SCENARIO/ENGINE:" and returns the rest of the text; NULL: too long. */
 static const char *read_filter(const char *text, pl_gate_rule *rule)
 {
     strcpy(rule->scenario, "*");
@@ -78,10 +185,10 @@ static pl_status read_metric(const char *text, const char *at, pl_gate_rule *rul
         return fail_at(text, at, "a metric", error);
     }
     snprintf(rule->metric, sizeof rule->metric, "%.*s", (int)length, at);
-    if (pl_gate_name_is_known(rule->metric)) {
+    if (name_is_known(rule->metric)) {
         return PL_OK;
     }
-    const char *nearest = pl_gate_nearest_name(rule->metric);
+    const char *nearest = nearest_name(rule->metric);
     return pl_fail(error, PL_BAD_INPUT,
                    "--fail-if \"%.120s\": column %d: there is no metric %s%s%s%s", text,
                    (int)(at - text) + 1, rule->metric,
@@ -89,7 +196,7 @@ static pl_status read_metric(const char *text, const char *at, pl_gate_rule *rul
                    nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
 }
 
-/* Without blanks at its end. */
+/* The length without blanks at the end. */
 static size_t trimmed_length(const char *at)
 {
     size_t length = strlen(at);
@@ -118,7 +225,7 @@ static pl_status read_number(const char *text, const char *at, pl_gate_rule *rul
     rule->value *= percent ? 0.01 : 1;
     bool is_bound = rule->op != PL_GATE_EQUAL && rule->op != PL_GATE_OTHER;
     if (percent && !is_bound) {
-        return fail_at(text, at, "a number without % beside == and !=", error);
+        return fail_at(text, at, "a number without % after == and !=", error);
     }
     bool is_growth = plus && (rule->op == PL_GATE_ABOVE || rule->op == PL_GATE_AT_LEAST);
     if (pl_gate_rule_is_cost(rule) && !is_growth) {
@@ -170,7 +277,7 @@ pl_status pl_gate_rule_parse(const char *text, pl_gate_rule *rule, pl_error *err
                     strcmp(rule->metric, "integrator") == 0 ||
                     strcmp(rule->metric, "state_hash") == 0;
     if (rule->is_text && rule->op != PL_GATE_EQUAL && rule->op != PL_GATE_OTHER) {
-        return fail_at(text, at, "== or != beside a text", error);
+        return fail_at(text, at, "== or != before a text", error);
     }
     at = skip_blanks(at + strlen(operators[i].text));
     rule->value_column = (int)(at - text) + 1;

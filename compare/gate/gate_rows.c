@@ -1,8 +1,8 @@
 /* Which run a row is of, and rows in order.
  *
- * Parameters at their defaults are left out of the key: a parameter that a scenario gets later,
- * and that changes nothing unless it is set, does not make strangers of old rows. */
-#include "gate_row.h"
+ * Parameters at their defaults are left out of the key: a parameter that a scenario gets later, and
+ * that changes nothing unless it is set, must not make old rows another run. */
+#include "gate_rows.h"
 
 #include "plumb/scenario.h"
 #include "results/result.h"
@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What separates the parts of a key: in no name, and less than any character of one. */
+/* Separates the parts of a key. No name has this character, and it sorts before those of names. */
 static const char part_end[] = "\x01";
 
 static int compare_texts(const void *left, const void *right)
@@ -61,9 +61,9 @@ static bool make_key(pl_gate_row *row)
         fprintf(out, "%.17g", number_of(row->json, "member"));
     }
     fputs(part_end, out);
-    long problem_length = ftell(out);
+    long case_length = ftell(out);
     fputs(row->label, out);
-    row->problem_length = problem_length < 0 ? 0 : (size_t)problem_length;
+    row->case_length = case_length < 0 ? 0 : (size_t)case_length;
     return fclose(out) == 0 && printed;
 }
 
@@ -114,8 +114,8 @@ static size_t scene_length(const pl_gate_row *row)
     return length + strcspn(row->key + length, part_end);
 }
 
-/* A run of the same name that is another run. */
-static bool has_namesake(const pl_gate_rows *rows, const pl_gate_row *row)
+/* Whether another run has the same name. */
+static bool has_same_name(const pl_gate_rows *rows, const pl_gate_row *row)
 {
     size_t length = scene_length(row);
     for (int i = 0; rows != NULL && i < rows->count; ++i) {
@@ -128,11 +128,11 @@ static bool has_namesake(const pl_gate_rows *rows, const pl_gate_row *row)
     return false;
 }
 
-static void tell_apart(pl_gate_rows *rows, const pl_gate_rows *other)
+static void disambiguate(pl_gate_rows *rows, const pl_gate_rows *other)
 {
     for (int i = 0; i < rows->count; ++i) {
         pl_gate_row *row = &rows->items[i];
-        if (has_namesake(rows, row) || has_namesake(other, row)) {
+        if (has_same_name(rows, row) || has_same_name(other, row)) {
             append_number(row, "dt", number_of(row->json, "dt"));
             append_number(row, "duration", number_of(row->json, "duration"));
             append_number(row, "seed", number_of(row->json, "seed"));
@@ -140,11 +140,11 @@ static void tell_apart(pl_gate_rows *rows, const pl_gate_rows *other)
     }
 }
 
-void pl_gate_rows_tell_apart(pl_gate_rows *rows, pl_gate_rows *other)
+void pl_gate_rows_disambiguate(pl_gate_rows *rows, pl_gate_rows *other)
 {
-    tell_apart(rows, other);
+    disambiguate(rows, other);
     if (other != NULL) {
-        tell_apart(other, rows);
+        disambiguate(other, rows);
     }
 }
 
@@ -156,13 +156,13 @@ const pl_gate_row *pl_gate_rows_find(const pl_gate_rows *rows, const char *key)
                                       sizeof *rows->items, compare_rows);
 }
 
-const pl_gate_row *pl_gate_rows_beside(const pl_gate_rows *rows, const pl_gate_row *row,
-                                       const char *label)
+const pl_gate_row *pl_gate_rows_same_case(const pl_gate_rows *rows, const pl_gate_row *row,
+                                          const char *label)
 {
     for (int i = 0; i < rows->count; ++i) {
         const pl_gate_row *other = &rows->items[i];
-        if (other->problem_length == row->problem_length &&
-            strncmp(other->key, row->key, row->problem_length) == 0 &&
+        if (other->case_length == row->case_length &&
+            strncmp(other->key, row->key, row->case_length) == 0 &&
             strcmp(other->label, label) == 0) {
             return other;
         }

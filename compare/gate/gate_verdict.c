@@ -1,0 +1,373 @@
+/* The list of failures and notices, and its formats: text, GitHub's workflow commands and job page,
+ * JUnit's XML, and plumb.gate/1. */
+#include "gate_verdict.h"
+
+#include "results/result.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PLACE_SIZE = 512, WORDS_SIZE = 1024 };
+
+pl_gate_entry *pl_gate_verdict_add(pl_gate_verdict *verdict, bool is_failure,
+                                   const pl_gate_row *row, const char *metric)
+{
+    static _Thread_local pl_gate_entry lost;
+    pl_gate_entry *entry = &lost;
+    if (verdict->count == verdict->capacity) {
+        int capacity = 2 * verdict->capacity + 16;
+        pl_gate_entry *grown = realloc(verdict->items, (size_t)capacity * sizeof *grown);
+        verdict->failed |= grown == NULL;
+        verdict->items = grown == NULL ? verdict->items : grown;
+        verdict->capacity = grown == NULL ? verdict->capacity : capacity;
+    }
+    if (verdict->count < verdict->capacity) {
+        entry = &verdict->items[verdict->count++];
+        verdict->failures += is_failure;
+        verdict->notices += !is_failure;
+    }
+    *entry = (pl_gate_entry){.is_failure = is_failure, .row = row, .metric = metric};
+    return entry;
+}
+
+void pl_gate_verdict_note(pl_gate_verdict *verdict, const char *metric, const char *what)
+{
+    for (int i = 0; i < verdict->count; ++i) {
+        pl_gate_entry *known = &verdict->items[i];
+        if (known->row_count > 0 && strcmp(known->metric, metric) == 0 &&
+            strcmp(known->what, what) == 0) {
+            known->row_count++;
+            return;
+        }
+    }
+    pl_gate_entry *entry = pl_gate_verdict_add(verdict, false, NULL, metric);
+    snprintf(entry->what, sizeof entry->what, "%s", what);
+    entry->row_count = 1;
+}
+
+void pl_gate_verdict_order(pl_gate_verdict *verdict)
+{
+    pl_gate_entry *ordered = calloc((size_t)verdict->count + 1, sizeof *ordered);
+    if (ordered == NULL) {
+        verdict->failed = true;
+        return;
+    }
+    int filled = 0;
+    for (int part = 0; part < 3; ++part) {
+        for (int i = 0; i < verdict->count; ++i) {
+            const pl_gate_entry *entry = &verdict->items[i];
+            if (!entry->is_failure + (entry->row_count > 0) == part) {
+                ordered[filled++] = *entry;
+            }
+        }
+    }
+    free(verdict->items);
+    verdict->items = ordered;
+    verdict->capacity = verdict->count + 1;
+}
+
+void pl_gate_entry_numbers(pl_gate_entry *entry, double before, double after, const char *unit)
+{
+    static const int digits[] = {4, 6, 17};
+    const char *blank = unit[0] == '\0' ? "" : " ";
+    for (size_t i = 0; i < sizeof digits / sizeof digits[0]; ++i) {
+        snprintf(entry->before, sizeof entry->before, "%.*g%s%.40s", digits[i], before, blank,
+                 unit);
+        snprintf(entry->after, sizeof entry->after, "%.*g%s%.40s", digits[i], after, blank, unit);
+        if (before == after || strcmp(entry->before, entry->after) != 0) {
+            return;
+        }
+    }
+}
+
+static const char *plural(int count)
+{
+    return count == 1 ? "" : "s";
+}
+
+void pl_gate_verdict_summary(const pl_gate_verdict *verdict, char *text, size_t size)
+{
+    char tail[128], result[64] = "passed:";
+    snprintf(tail, sizeof tail, "%d row%s, %d notice%s", verdict->now->count,
+             plural(verdict->now->count), verdict->notices, plural(verdict->notices));
+    if (verdict->failures > 0) {
+        snprintf(result, sizeof result, "failed: %d failure%s in", verdict->failures,
+                 plural(verdict->failures));
+    } else if (verdict->comparisons == 0) {
+        snprintf(text, size, "gate: nothing was compared, %s", tail);
+        return;
+    }
+    snprintf(text, size, "gate %s %d comparison%s of %s", result, verdict->comparisons,
+             plural(verdict->comparisons), tail);
+}
+
+void pl_gate_verdict_free(pl_gate_verdict *verdict)
+{
+    free(verdict->items);
+    *verdict = (pl_gate_verdict){0};
+}
+
+/* ---- Text ---- */
+
+/* "tower n=10 / plumb:accurate", or how many rows it is of. */
+static void place_text(const pl_gate_entry *entry, char text[PLACE_SIZE])
+{
+    if (entry->row != NULL) {
+        snprintf(text, PLACE_SIZE, "%s / %s", entry->row->name, entry->row->label);
+    } else if (entry->row_count > 0) {
+        snprintf(text, PLACE_SIZE, "%d row%s", entry->row_count, plural(entry->row_count));
+    } else {
+        snprintf(text, PLACE_SIZE, "no row");
+    }
+}
+
+/* Everything except the place and the metric: "1.000 m -> 1.010 m, allowed: ... (worse by 1 %)". */
+static void words_text(const pl_gate_entry *entry, char text[WORDS_SIZE])
+{
+    bool has_before = entry->before[0] != '\0', has_after = entry->after[0] != '\0';
+    bool has_values = has_before || has_after, has_limit = entry->allowed[0] != '\0';
+    bool bare = !has_values && !has_limit;
+    snprintf(text, WORDS_SIZE, "%s%s%s%s%s%s%s%s%s", entry->before,
+             has_before && has_after ? " -> " : "", entry->after,
+             has_values && has_limit ? ", " : "", has_limit ? "allowed: " : "", entry->allowed,
+             bare ? "" : " (", entry->what, bare ? "" : ")");
+}
+
+static void add_plain(pl_text_buffer *out, const char *text, bool is_property)
+{
+    (void)is_property;
+    pl_text_add_plain(out, text, INT_MAX);
+}
+
+/* A workflow command ends at a line's end, and its properties at a comma or a colon. */
+static void add_escaped(pl_text_buffer *out, const char *text, bool is_property)
+{
+    for (const char *c = text; *c != '\0'; ++c) {
+        unsigned char byte = (unsigned char)*c;
+        bool escaped = byte == '%' || byte < 0x20 || byte == 0x7f ||
+                       (is_property && (byte == ':' || byte == ','));
+        pl_text_format(out, escaped ? "%%%02X" : "%c", byte);
+    }
+}
+
+/* How a line is written. */
+typedef struct line_style {
+    const char *failure, *note, *after_place;
+    void (*add)(pl_text_buffer *out, const char *text, bool is_property);
+} line_style;
+
+static const line_style text_style = {"FAIL  ", "note  ", ": ", add_plain};
+static const line_style github_style = {"::error title=", "::notice title=", "::", add_escaped};
+
+/* Writes a line for each entry, and the summary. */
+static void write_lines(const pl_gate_verdict *verdict, const line_style *style,
+                        pl_text_buffer *out)
+{
+    char place[PLACE_SIZE], words[WORDS_SIZE];
+    for (int i = 0; i < verdict->count; ++i) {
+        const pl_gate_entry *entry = &verdict->items[i];
+        place_text(entry, place);
+        words_text(entry, words);
+        pl_text_add(out, entry->is_failure ? style->failure : style->note);
+        style->add(out, place, true);
+        pl_text_format(out, "%s%s: ", style->after_place, entry->metric);
+        style->add(out, words, false);
+        pl_text_add(out, "\n");
+    }
+    pl_gate_verdict_summary(verdict, words, sizeof words);
+    pl_text_format(out, "%s\n", words);
+}
+
+void pl_gate_write_markdown(const pl_gate_verdict *verdict, pl_text_buffer *out)
+{
+    char summary[WORDS_SIZE], place[PLACE_SIZE];
+    pl_gate_verdict_summary(verdict, summary, sizeof summary);
+    pl_text_add(out, "### plumb ");
+    pl_text_add_markdown(out, summary);
+    pl_text_add(out, "\n");
+    if (verdict->count > 0) {
+        pl_text_add(out, "\n| | run | metric | before | after | allowed | |\n"
+                         "|---|---|---|---:|---:|---|---|\n");
+    }
+    for (int i = 0; i < verdict->count; ++i) {
+        const pl_gate_entry *entry = &verdict->items[i];
+        const char *cells[] = {place,        entry->metric,  entry->before,
+                               entry->after, entry->allowed, entry->what};
+        place_text(entry, place);
+        pl_text_add(out, entry->is_failure ? "| **failed** |" : "| note |");
+        for (size_t k = 0; k < sizeof cells / sizeof cells[0]; ++k) {
+            pl_text_add(out, " ");
+            pl_text_add_markdown(out, cells[k]);
+            pl_text_add(out, " |");
+        }
+        pl_text_add(out, "\n");
+    }
+    pl_text_add(out, "\n");
+}
+
+/* ---- JUnit ---- */
+
+/* Counts the entries of a row; where `row` is NULL, those of no single row. */
+static int count_of(const pl_gate_verdict *verdict, const pl_gate_row *row, bool is_failure)
+{
+    int count = 0;
+    for (int i = 0; i < verdict->count; ++i) {
+        count += verdict->items[i].row == row && verdict->items[i].is_failure == is_failure;
+    }
+    return count;
+}
+
+static void add_entries(const pl_gate_verdict *verdict, const pl_gate_row *row, bool is_failure,
+                        pl_text_buffer *text)
+{
+    char place[PLACE_SIZE], words[WORDS_SIZE];
+    for (int i = 0; i < verdict->count; ++i) {
+        const pl_gate_entry *entry = &verdict->items[i];
+        if (entry->row == row && entry->is_failure == is_failure) {
+            place_text(entry, place);
+            words_text(entry, words);
+            pl_text_add_html(text, place);
+            pl_text_format(text, ": %s: ", entry->metric);
+            pl_text_add_html(text, words);
+            pl_text_add(text, "\n");
+        }
+    }
+}
+
+/* Where `row` is NULL, the case is that of the entries of no single row. */
+static void add_case(const pl_gate_verdict *verdict, const pl_gate_row *row, pl_text_buffer *text)
+{
+    int failures = count_of(verdict, row, true), notices = count_of(verdict, row, false);
+    pl_text_add_element(text, "  <testcase classname=\"plumb.", row == NULL ? "gate" : row->name,
+                        "\"");
+    pl_text_add_element(text, " name=\"", row == NULL ? "rules and notices" : row->label, "\">");
+    if (failures > 0) {
+        pl_text_format(text, "\n    <failure message=\"%d failure%s\">", failures,
+                       plural(failures));
+        add_entries(verdict, row, true, text);
+        pl_text_add(text, "</failure>");
+    }
+    if (notices > 0) {
+        pl_text_add(text, "\n    <system-out>");
+        add_entries(verdict, row, false, text);
+        pl_text_add(text, "</system-out>");
+    }
+    pl_text_add(text, "</testcase>\n");
+}
+
+static bool is_missing(const pl_gate_verdict *verdict, int index)
+{
+    return pl_gate_rows_find(verdict->now, verdict->before->items[index].key) == NULL;
+}
+
+static void write_junit(const pl_gate_verdict *verdict, pl_text_buffer *text)
+{
+    bool has_others = count_of(verdict, NULL, true) + count_of(verdict, NULL, false) > 0;
+    int cases = verdict->now->count + has_others;
+    int failed = count_of(verdict, NULL, true) > 0;
+    for (int i = 0; i < verdict->now->count; ++i) {
+        failed += count_of(verdict, &verdict->now->items[i], true) > 0;
+    }
+    for (int i = 0; verdict->before != NULL && i < verdict->before->count; ++i) {
+        cases += is_missing(verdict, i);
+        failed += is_missing(verdict, i);
+    }
+    pl_text_format(text,
+                   "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+                   "<testsuites>\n<testsuite name=\"plumb gate\" tests=\"%d\" failures=\"%d\" "
+                   "errors=\"0\" skipped=\"0\">\n",
+                   cases, failed);
+    for (int i = 0; i < verdict->now->count; ++i) {
+        add_case(verdict, &verdict->now->items[i], text);
+    }
+    for (int i = 0; verdict->before != NULL && i < verdict->before->count; ++i) {
+        if (is_missing(verdict, i)) {
+            add_case(verdict, &verdict->before->items[i], text);
+        }
+    }
+    if (has_others) {
+        add_case(verdict, NULL, text);
+    }
+    pl_text_add(text, "</testsuite>\n</testsuites>\n");
+}
+
+/* ---- JSON ---- */
+
+static json_t *text_or_null(const char *text)
+{
+    return text[0] == '\0' ? json_null() : pl_json_text(text, strlen(text));
+}
+
+static json_t *entry_json(const pl_gate_entry *entry)
+{
+    json_t *json =
+        json_pack("{s:s, s:o, s:o, s:o, s:o}", "metric", entry->metric, "before",
+                  text_or_null(entry->before), "after", text_or_null(entry->after), "allowed",
+                  text_or_null(entry->allowed), "what", text_or_null(entry->what));
+    static const char *const keys[] = {"scenario", "params", "engine", "dt",
+                                       "duration", "seed",   "member"};
+    int failed = json == NULL;
+    if (entry->row == NULL) {
+        failed |= json_object_set_new(json, "rows", json_integer(entry->row_count)) != 0;
+    }
+    for (size_t i = 0; entry->row != NULL && i < sizeof keys / sizeof keys[0]; ++i) {
+        json_t *value = json_object_get(entry->row->json, keys[i]);
+        failed |= value != NULL && json_object_set(json, keys[i], value) != 0;
+    }
+    if (failed) {
+        json_decref(json);
+        return NULL;
+    }
+    return json;
+}
+
+/* Returns NULL when out of memory. */
+static json_t *entries_json(const pl_gate_verdict *verdict, bool is_failure)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < verdict->count; ++i) {
+        if (verdict->items[i].is_failure == is_failure &&
+            json_array_append_new(array, entry_json(&verdict->items[i])) != 0) {
+            json_decref(array);
+            return NULL;
+        }
+    }
+    return array;
+}
+
+static void write_json(const pl_gate_verdict *verdict, pl_text_buffer *buffer)
+{
+    const char *word = verdict->failures > 0       ? "failed"
+                       : verdict->comparisons == 0 ? "nothing compared"
+                                                   : "passed";
+    json_t *json =
+        json_pack("{s:s, s:s, s:i, s:i, s:o, s:o}", "schema", "plumb.gate/1", "verdict", word,
+                  "rows", verdict->now->count, "comparisons", verdict->comparisons, "failures",
+                  entries_json(verdict, true), "notices", entries_json(verdict, false));
+    char *text = json_dumps(json, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
+    buffer->failed |= text == NULL;
+    pl_text_format(buffer, "%s\n", text == NULL ? "" : text);
+    free(text);
+    json_decref(json);
+}
+
+const char *const pl_gate_format_names[PL_GATE_FORMAT_COUNT] = {"text", "junit", "github", "json"};
+
+void pl_gate_write(pl_gate_format format, const pl_gate_verdict *verdict, pl_text_buffer *out)
+{
+    switch (format) {
+    case PL_GATE_JUNIT:
+        write_junit(verdict, out);
+        break;
+    case PL_GATE_GITHUB:
+        write_lines(verdict, &github_style, out);
+        break;
+    case PL_GATE_JSON:
+        write_json(verdict, out);
+        break;
+    default:
+        write_lines(verdict, &text_style, out);
+    }
+}
