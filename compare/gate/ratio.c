@@ -3,8 +3,8 @@
  * Engines take turns from repeat to repeat, so that a ratio within one repeat is free of what
  * slowed the machine in it. The bounds of the median are two order statistics, whatever the
  * distribution (W. R. Thompson 1936): with the k-th value from either end they hold the true median
- * except with a probability of 2 P(B < k), B binomial of n and 1/2. At most 1/16 is allowed, which five
- * repeats just reach. */
+ * except with a probability of 2 P(B < k), B binomial of n and 1/2. At most 1/16 is allowed, which
+ * five repeats just reach. */
 #include "ratio.h"
 
 #include "base/median.h"
