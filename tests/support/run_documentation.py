@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""Runs every command that a Markdown page prints, and fails where one does not work as printed.
+
+    run_documentation.py PLUMB SOURCE BUILD PAGE...
+
+Commands are the lines of ```sh blocks, the lines after "$ " of ```console blocks, and code spans that begin
+with "plumb ". All commands of a page run in one empty directory, in their order, with plumb on the PATH. A block
+```LANGUAGE NAME is written to the file NAME there. Commands that take minutes get further arguments that
+reduce them; the few that cannot run inside a test are only checked for existence.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+# The first pattern that matches a command adds these arguments to it.
+REDUCED = (
+    (r"^plumb sweep .*--suite", "--duration 0.1 --timeout 5"),
+    (r"^plumb compare .*--suite", "--duration 0.1 --timeout 20"),
+    (r"^plumb (compare|sweep|metamorphic) ", "--duration 0.1"),
+    (r"^plumb run (pile|blocks) ", "--duration 0.02"),
+    (r"^plumb tune ", "--budget 12 --duration 0.5"),
+    (r"^plumb ensemble ", "--duration 0.2"),
+    (r"^plumb threshold ", "--timeout 20"),
+)
+# What a test cannot run: the file or the preset must exist.
+NOT_RUN = (
+    (r"^\./(compare|tests)/run\b", "this installs packages and builds; .ci/run runs it"),
+    (r"^cmake --workflow", "this builds once more"),
+    (r"^plumb solve --benchmark", "this takes ten minutes"),
+)
+PLACEHOLDER = re.compile(r"\.\.\.|…|\b[A-Z]{2,}\b|mine\.so")
+
+
+def commands(text):
+    """(line number, kind, command or (file name, contents)) of a page, in order."""
+    lines = text.split("\n")
+    i = 0
+    while i < len(lines):
+        fence = re.match(r"^\s*```(\S*)\s*(\S*)", lines[i])
+        if fence and fence.group(1):
+            first = i + 1
+            i += 1
+            while not lines[i].lstrip().startswith("```"):
+                i += 1
+            block = lines[first:i]
+            language, name = fence.groups()
+            if name:
+                yield first + 1, "file", (name, "\n".join(block) + "\n")
+            elif language in ("sh", "console"):
+                yield from commands_of_block(block, first + 1, language)
+        elif fence:
+            i += 1
+            while not lines[i].lstrip().startswith("```"):
+                i += 1
+        else:
+            for span in re.findall(r"`(plumb [a-z-]+ [^`]+)`", lines[i]):
+                if not PLACEHOLDER.search(span):
+                    yield i + 1, "command", span
+        i += 1
+
+
+def commands_of_block(block, number, language):
+    joined = ""
+    for offset, line in enumerate(block):
+        if language == "console":
+            if not line.startswith("$ "):
+                continue
+            line = line[2:]
+        joined += line.rstrip("\\") if line.endswith("\\") else line
+        if line.endswith("\\"):
+            continue
+        command = re.sub(r"\s+#\s.*$", "", joined).strip()
+        joined = ""
+        if command:
+            yield number + offset, "command", command
+
+
+def prepared(command):
+    """The command with its reduction, and how the shell shall call it."""
+    for pattern, arguments in REDUCED:
+        if re.search(pattern, command.replace("mpirun -n 2 ", "").replace("parallel ", "")):
+            head, mark, tail = command.partition(" > ")
+            if ":::" in head:
+                head, mark, tail = command.partition(" :::")
+            return f"{head} {arguments}{mark}{tail}"
+    return command
+
+
+def run_page(page, source, environment):
+    failures = count = 0
+    with open(os.path.join(source, page), encoding="utf-8") as file:
+        text = file.read()
+    folder = tempfile.mkdtemp()
+    for number, kind, what in commands(text):
+        where = f"{page}:{number}"
+        if kind == "file":
+            with open(os.path.join(folder, what[0]), "w", encoding="utf-8") as file:
+                file.write(what[1])
+            continue
+        reason = next((why for pattern, why in NOT_RUN if re.search(pattern, what)), None)
+        program = what.split()[0]
+        if reason is not None:
+            print(f"{where}: not run, {reason}: {what}")
+            if program.startswith("./") and not os.access(os.path.join(source, program), os.X_OK):
+                print(f"{where}: {program} does not exist")
+                failures += 1
+            continue
+        if program in ("parallel", "mpirun") and shutil.which(program) is None:
+            print(f"{where}: not run, {program} is not installed")
+            continue
+        if program.startswith("tests/") or program.startswith("compare/"):
+            what = os.path.join(source, what)
+        command = prepared(what)
+        print(f"{where}: {command}", flush=True)
+        done = subprocess.run(["bash", "-c", command], cwd=folder, env=environment, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, check=False)
+        count += 1
+        # A run whose outcome is not ok has worked: engines with their default settings do collapse.
+        if done.returncode not in ((0, 3) if command.startswith("plumb run") else (0,)):
+            failures += 1
+            tail = done.stdout.decode(errors="replace")[-1500:]
+            print(f"{where}: exit {done.returncode} of: {command}\n{tail}")
+    shutil.rmtree(folder)
+    return count, failures
+
+
+def main():
+    plumb, source, build, *pages = sys.argv[1:]
+    programs = tempfile.mkdtemp()
+    os.symlink(plumb, os.path.join(programs, "plumb"))
+    environment = dict(os.environ, PATH=f"{programs}:{build}:{os.environ['PATH']}", NO_COLOR="1", SOURCE=source,
+                       BUILD=build, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+    total = failures = 0
+    for page in pages:
+        count, failed = run_page(page, source, environment)
+        total += count
+        failures += failed
+    shutil.rmtree(programs)
+    print(f"{total} commands ran, {failures} failed")
+    return 1 if failures or total == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
