@@ -52,7 +52,7 @@ static inline void project(const newton *n, double mu, double bound, const doubl
         radius = bound;
     } else {
         double inside = t <= mu * y[0], outside = mu * t <= -y[0];
-        p[0] = inside ? y[0] : outside ? 0 : (y[0] + mu * t) / (1 + mu * mu);
+        p[0] = inside != 0 ? y[0] : outside != 0 ? 0 : (y[0] + mu * t) / (1 + mu * mu);
         radius = mu * p[0];
     }
     double shrink = t <= radius ? 1 : radius / t;
