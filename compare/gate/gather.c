@@ -1,7 +1,7 @@
 /* Reads files of results, and gathers the repeats of each run into a row. */
 #include "gather.h"
 
-#include "base/median.h"
+#include "base/statistics.h"
 #include "plumb/scenario.h"
 #include "ratio.h"
 #include "results/result.h"

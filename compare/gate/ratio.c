@@ -7,7 +7,7 @@
  * five repeats just reach. */
 #include "ratio.h"
 
-#include "base/median.h"
+#include "base/statistics.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -6,7 +6,7 @@
  * away. */
 #include "report_measure.h"
 
-#include "base/median.h"
+#include "base/statistics.h"
 #include "quantity.h"
 #include "report_row.h"
 #include "results/result.h"

@@ -1,6 +1,6 @@
 #include "parameter_check.h"
 
-#include "base/median.h"
+#include "base/statistics.h"
 #include "plumb/scenario.h"
 
 #include <math.h>

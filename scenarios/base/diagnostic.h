@@ -1,6 +1,6 @@
-/* What is wrong with a scene, and where: the path of a field in the scene file, such as
- * bodies[1].shape.radius, and a sentence. The checks and the reader make it; the reader can then
- * say the line and column, while a scene made by code has the path alone. */
+/* Diagnostics: what is wrong with structured input, and where. The place is the path of a field,
+ * such as bodies[1].shape.radius. Checks and readers fill a diagnostic. A reader of JSON text turns
+ * the path into a line and a column (json_text.h); data that code has made has the path only. */
 #ifndef PLUMB_DIAGNOSTIC_H
 #define PLUMB_DIAGNOSTIC_H
 
@@ -10,23 +10,24 @@
 
 enum { PL_PATH_DEPTH = 8 };
 
-/* One step from the outside in: a key of an object, or an index into an array where key is NULL. */
+/* One step of a path: a key of an object, or an index into an array. */
 typedef struct pl_path_step {
-    const char *key; /* borrowed */
+    const char *key; /* borrowed; NULL for an index */
     int index;
 } pl_path_step;
 
+/* The steps from the outermost object inwards. */
 typedef struct pl_path {
     pl_path_step steps[PL_PATH_DEPTH];
     int depth;
 } pl_path;
 
-/* Steps beyond PL_PATH_DEPTH are counted but not kept. */
+/* Enter a member or an item, and leave it. Steps beyond PL_PATH_DEPTH are counted but not kept. */
 void pl_path_push_key(pl_path *path, const char *key);
 void pl_path_push_index(pl_path *path, int index);
 void pl_path_pop(pl_path *path);
 
-/* The path as people read it, cut to `size`; `whole` when it is empty. */
+/* Writes the path as text, cut to `size` bytes. An empty path is written as `whole`. */
 void pl_path_text(const pl_path *path, const char *whole, char *text, size_t size);
 
 typedef struct pl_diagnostic {
@@ -36,32 +37,60 @@ typedef struct pl_diagnostic {
     char text[360];   /* "expected ..., found ..." */
 } pl_diagnostic;
 
-/* Sets status and text, as printf does, and returns false. */
+/* Sets the status to PL_BAD_INPUT and the text as printf does. Returns false. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
 bool pl_complain(pl_diagnostic *diagnostic, const char *format, ...);
 
-/* The same at the field `key` of the object where the path now stands. */
+/* The same for the field `key` of the object at the current path. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
 bool pl_complain_of(pl_diagnostic *diagnostic, const char *key, const char *format, ...);
 
-/* That `name` at `key` is that of no `kind`; `nearest` is one that may have been meant, or NULL. */
+/* Reports that `name`, found at `key`, is not the name of a `kind`. `nearest` is a name that may
+ * have been meant, or NULL. Returns false. */
 bool pl_complain_of_reference(pl_diagnostic *diagnostic, const char *key, const char *kind,
                               const char *name, const char *nearest);
 
-/* Sets status PL_NO_MEMORY and returns false. */
+/* Sets the status to PL_NO_MEMORY. Returns false. */
 bool pl_complain_no_memory(pl_diagnostic *diagnostic);
 
-/* `bytes` of UTF-8 in quotes, cut to at most 40 with an ellipsis, with a ? for every control
- * character: what was found, fit to stand in a message. Returns `text`. */
+/* Copies UTF-8 text for a message: in quotes, at most 40 bytes with an ellipsis after a cut, and a
+ * question mark for every control character. Returns `text`. */
 enum { PL_QUOTED_SIZE = 64 };
 const char *pl_quoted(const char *bytes, char text[PL_QUOTED_SIZE]);
 
-/* A name of a body, material or scene: 1 to 63 bytes of UTF-8 without control characters. Complains
- * at the path as it stands. */
+/* ---- Checks ----
+ * Each returns true when the value is right. Otherwise it fills the diagnostic for the field `key`
+ * of the object at the current path, or for the path itself where key is NULL, and returns false.
+ */
+
+/* How far the norm of a normal, direction or quaternion may be from 1. */
+#define PL_UNIT_TOLERANCE 1e-9
+
+/* The Euclidean norm of n numbers. */
+double pl_norm(const double *vector, int n);
+
+/* Complains unless `right` is true; `expected` names the expected value. */
+bool pl_check_number(pl_diagnostic *diagnostic, const char *key, double value, bool right,
+                     const char *expected);
+
+/* A finite number. */
+bool pl_check_is_finite(pl_diagnostic *diagnostic, const char *key, double value);
+
+/* A finite number above zero. */
+bool pl_check_positive(pl_diagnostic *diagnostic, const char *key, double value);
+
+/* Three finite numbers. */
+bool pl_check_vector(pl_diagnostic *diagnostic, const char *key, const double vector[3]);
+
+/* A vector of n numbers with a norm within PL_UNIT_TOLERANCE of 1. */
+bool pl_check_unit(pl_diagnostic *diagnostic, const char *key, const double *vector, int n,
+                   const char *expected);
+
+/* A name of `length` bytes, at the current path: 1 to 63 bytes without control characters. */
 bool pl_check_name(const char *name, size_t length, pl_diagnostic *diagnostic);
 
 #endif

@@ -1,6 +1,5 @@
 #include "json_field.h"
 
-#include "check_number.h"
 #include "number.h"
 
 #include <math.h>

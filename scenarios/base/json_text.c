@@ -1,17 +1,196 @@
 #include "json_text.h"
 
 #include "file_text.h"
-#include "json_locate.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- Places in valid JSON text ---- */
+
+typedef struct scanner {
+    const char *text;
+    size_t at, length;
+} scanner;
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
+static bool is_mark(char c)
+{
+    return memchr("{}[]:,", c, 6) != NULL;
+}
+
+static void skip_blanks(scanner *s)
+{
+    while (s->at < s->length && is_blank(s->text[s->at])) {
+        s->at++;
+    }
+}
+
+static char peek(scanner *s)
+{
+    skip_blanks(s);
+    return s->at < s->length ? s->text[s->at] : '\0';
+}
+
+static void skip_string(scanner *s)
+{
+    s->at++;
+    while (s->at < s->length && s->text[s->at] != '"') {
+        s->at += s->text[s->at] == '\\' ? 2 : 1;
+    }
+    s->at++;
+}
+
+/* A string, a bracket, a comma, a colon, or a word such as a number. */
+static void skip_token(scanner *s)
+{
+    char c = peek(s);
+    if (c == '"') {
+        skip_string(s);
+    } else if (is_mark(c)) {
+        s->at++;
+    } else {
+        while (s->at < s->length && !is_blank(s->text[s->at]) && !is_mark(s->text[s->at]) &&
+               s->text[s->at] != '"') {
+            s->at++;
+        }
+    }
+    if (s->at > s->length) {
+        s->at = s->length;
+    }
+}
+
+static void skip_value(scanner *s)
+{
+    long depth = 0;
+    do {
+        char c = peek(s);
+        depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
+        skip_token(s);
+    } while (depth > 0 && s->at < s->length);
+}
+
+/* Whether the string in quotes at text[begin .. end) means `key`. */
+static bool key_equals(const char *text, size_t begin, size_t end, const char *key)
+{
+    const char *inside = text + begin + 1;
+    size_t size = end - begin - 2;
+    if (memchr(inside, '\\', size) == NULL) {
+        return strlen(key) == size && memcmp(inside, key, size) == 0;
+    }
+    json_t *string = json_loadb(text + begin, end - begin, JSON_DECODE_ANY, NULL);
+    bool equal = string != NULL && strcmp(json_string_value(string), key) == 0;
+    json_decref(string);
+    return equal;
+}
+
+/* From a '{' to the value of `key` in it; *key_at is then where the key is. */
+static bool enter_key(scanner *s, const char *key, size_t *key_at)
+{
+    if (peek(s) != '{') {
+        return false;
+    }
+    do {
+        s->at++; /* the opening brace or a comma */
+        if (peek(s) != '"') {
+            return false;
+        }
+        *key_at = s->at;
+        skip_string(s);
+        bool found = key_equals(s->text, *key_at, s->at, key);
+        skip_token(s); /* the colon */
+        if (found) {
+            skip_blanks(s);
+            return true;
+        }
+        skip_value(s);
+    } while (peek(s) == ',');
+    return false;
+}
+
+/* From a '[' to item number `index` in it. */
+static bool enter_index(scanner *s, int index)
+{
+    if (peek(s) != '[') {
+        return false;
+    }
+    s->at++;
+    for (int i = 0; i < index; i++) {
+        if (peek(s) == ']') {
+            return false;
+        }
+        skip_value(s);
+        if (peek(s) != ',') {
+            return false;
+        }
+        s->at++;
+    }
+    return peek(s) != ']';
+}
+
+/* Offset of the value at `path`, or with `at_key` of the last step's key. Where the path goes on
+ * beyond what is there, that of the innermost object or array that is: so a missing key is at its
+ * object. `text` must be valid JSON, no key twice in an object. O(length). */
+static size_t locate_path(const char *text, size_t length, const pl_path *path, bool at_key)
+{
+    scanner s = {.text = text, .length = length};
+    skip_blanks(&s);
+    for (int i = 0; i < path->depth && i < PL_PATH_DEPTH; i++) {
+        const pl_path_step *step = &path->steps[i];
+        const size_t outer = s.at;
+        size_t key_at = outer;
+        bool found =
+            step->key != NULL ? enter_key(&s, step->key, &key_at) : enter_index(&s, step->index);
+        if (!found) {
+            return outer;
+        }
+        if (at_key && i == path->depth - 1) {
+            return key_at;
+        }
+    }
+    return s.at;
+}
+
+/* Offset of the first byte of the token whose last byte is just before `end`, `text` being JSON up
+ * to there: where a fault begins that jansson saw at its end. */
+static size_t locate_token(const char *text, size_t end)
+{
+    scanner s = {.text = text, .length = end};
+    size_t begin = 0;
+    for (skip_blanks(&s); s.at < end; skip_blanks(&s)) {
+        begin = s.at;
+        skip_token(&s);
+    }
+    return begin;
+}
+
+/* Line and column of an offset, from 1. Columns count characters (Unicode code points), not bytes.
+ */
+static void locate_offset(const char *text, size_t offset, int *line, int *column)
+{
+    *line = 1;
+    *column = 1;
+    for (size_t i = 0; i < offset; i++) {
+        if (text[i] == '\n') {
+            *line += 1;
+            *column = 1;
+        } else if (((unsigned char)text[i] & 0xC0u) != 0x80u) {
+            *column += 1;
+        }
+    }
+}
+
+/* ---- Reading ---- */
+
 static pl_status fail_at_offset(const char *text, size_t offset, const char *label,
                                 const char *where, const char *what, pl_error *error)
 {
     int line, column;
-    pl_locate_offset(text, offset, &line, &column);
+    locate_offset(text, offset, &line, &column);
     return pl_fail(error, PL_BAD_INPUT, "%s:%d:%d: %s: %s", label, line, column, where, what);
 }
 
@@ -27,7 +206,7 @@ static pl_status fail_by_syntax(const char *text, size_t length, const char *lab
     /* jansson stops before a byte that it cannot decode, at the end of the text when it is cut
      * short, and otherwise behind the token that it cannot use. */
     bool at_end = code == json_error_invalid_utf8 || code == json_error_premature_end_of_input;
-    size_t offset = at_end ? end : pl_locate_token(text, end);
+    size_t offset = at_end ? end : locate_token(text, end);
     char what[JSON_ERROR_TEXT_LENGTH + 48];
     snprintf(what, sizeof what, "expected valid JSON, found: %s", syntax->text);
     for (char *c = what; *c != '\0'; c++) {
@@ -45,14 +224,14 @@ static pl_status fail_by_diagnostic(const pl_json_kind *kind, const char *text, 
     }
     char path[256];
     pl_path_text(&diagnostic->path, kind->noun, path, sizeof path);
-    size_t offset = pl_locate_path(text, length, &diagnostic->path, diagnostic->at_key);
+    size_t offset = locate_path(text, length, &diagnostic->path, diagnostic->at_key);
     return fail_at_offset(text, offset, label, path, diagnostic->text, error);
 }
 
-static bool is_blank(const char *text, size_t length)
+static bool is_all_blank(const char *text, size_t length)
 {
     size_t i = 0;
-    while (i < length && memchr(" \t\r\n", text[i], 4) != NULL) {
+    while (i < length && is_blank(text[i])) {
         i++;
     }
     return i == length;
@@ -65,7 +244,7 @@ pl_status pl_json_read_text(const pl_json_kind *kind, const char *text, size_t l
         return pl_fail(error, PL_BAD_INPUT, "%s: expected at most %zu bytes, found %zu", label,
                        kind->most_bytes, length);
     }
-    if (is_blank(text, length)) {
+    if (is_all_blank(text, length)) {
         return fail_at_offset(text, 0, label, kind->noun,
                               "expected a JSON object, found an empty file", error);
     }

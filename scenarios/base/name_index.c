@@ -63,6 +63,55 @@ int pl_name_index_duplicate(const pl_name_index *index)
     return lowest;
 }
 
+enum { LONGEST_WORD = 255 };
+
+/* Levenshtein's distance by Wagner and Fischer 1974, one row at a time; both words at most
+ * LONGEST_WORD. */
+static size_t edit_distance(const char *a, size_t a_length, const char *b, size_t b_length)
+{
+    size_t row[LONGEST_WORD + 1];
+    for (size_t j = 0; j <= b_length; j++) {
+        row[j] = j;
+    }
+    for (size_t i = 1; i <= a_length; i++) {
+        size_t diagonal = row[0];
+        row[0] = i;
+        for (size_t j = 1; j <= b_length; j++) {
+            size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+            size_t inserted = (row[j - 1] < row[j] ? row[j - 1] : row[j]) + 1;
+            diagonal = row[j];
+            row[j] = replaced < inserted ? replaced : inserted;
+        }
+    }
+    return row[b_length];
+}
+
+const char *pl_nearest_name(const char *word, const char *const *candidates, int count)
+{
+    size_t length = strlen(word);
+    if (length > LONGEST_WORD) {
+        return NULL;
+    }
+    size_t limit = 1 + length / 3;
+    const char *nearest = NULL;
+    for (int i = 0; i < count; i++) {
+        size_t other = strlen(candidates[i]);
+        size_t at_least = other > length ? other - length : length - other;
+        if (other > LONGEST_WORD || at_least > limit) {
+            continue;
+        }
+        size_t distance = edit_distance(word, length, candidates[i], other);
+        if (distance <= limit && (nearest == NULL || distance < limit)) {
+            nearest = candidates[i];
+            if (distance == 0) {
+                break;
+            }
+            limit = distance;
+        }
+    }
+    return nearest;
+}
+
 const char *pl_name_index_nearest(const pl_name_index *index, const char *word)
 {
     const char **names = malloc((size_t)index->count * sizeof *names + 1);

@@ -1,5 +1,7 @@
 #include "number.h"
 
+#include "plumb/base.h"
+
 #include <locale.h>
 #include <math.h>
 #include <stdio.h>
@@ -50,4 +52,19 @@ bool pl_decimal(const char *text, size_t length, double *value)
     char *stop = NULL;
     *value = strtod(copy, &stop);
     return *stop == '\0' && isfinite(*value);
+}
+
+bool pl_parse_number(const char *text, double *value)
+{
+    const char *slash = strchr(text, '/');
+    if (slash == NULL) {
+        return pl_decimal(text, strlen(text), value);
+    }
+    double numerator, denominator;
+    if (!pl_decimal(text, (size_t)(slash - text), &numerator) ||
+        !pl_decimal(slash + 1, strlen(slash + 1), &denominator)) {
+        return false;
+    }
+    *value = numerator / denominator;
+    return isfinite(*value);
 }

@@ -1,4 +1,3 @@
-/* A growing text. Failure is sticky, so that pages are written without a check a line. */
 #include "text_buffer.h"
 
 #include <stdarg.h>
@@ -12,17 +11,20 @@ void pl_text_free(pl_text_buffer *out)
     *out = (pl_text_buffer){0};
 }
 
-/* Room for `extra` bytes and a zero. */
+/* Makes room for `extra` bytes and a zero. */
 static bool reserve(pl_text_buffer *out, size_t extra)
 {
-    if (out->failed)
+    if (out->failed) {
         return false;
+    }
     size_t needed = out->length + extra + 1;
-    if (needed <= out->capacity)
+    if (needed <= out->capacity) {
         return true;
+    }
     size_t capacity = out->capacity < 1024 ? 1024 : out->capacity;
-    while (capacity < needed)
+    while (capacity < needed) {
         capacity *= 2;
+    }
     char *data = realloc(out->data, capacity);
     if (data == NULL) {
         out->failed = true;
@@ -33,10 +35,11 @@ static bool reserve(pl_text_buffer *out, size_t extra)
     return true;
 }
 
-static void add_bytes(pl_text_buffer *out, const char *bytes, size_t count)
+void pl_text_add_bytes(pl_text_buffer *out, const char *bytes, size_t count)
 {
-    if (!reserve(out, count))
+    if (!reserve(out, count)) {
         return;
+    }
     memcpy(out->data + out->length, bytes, count);
     out->length += count;
     out->data[out->length] = '\0';
@@ -44,7 +47,7 @@ static void add_bytes(pl_text_buffer *out, const char *bytes, size_t count)
 
 void pl_text_add(pl_text_buffer *out, const char *text)
 {
-    add_bytes(out, text, strlen(text));
+    pl_text_add_bytes(out, text, strlen(text));
 }
 
 void pl_text_format(pl_text_buffer *out, const char *format, ...)
@@ -63,24 +66,43 @@ void pl_text_format(pl_text_buffer *out, const char *format, ...)
     va_end(again);
 }
 
+void pl_text_add_spaces(pl_text_buffer *out, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        pl_text_add_bytes(out, " ", 1);
+    }
+}
+
+/* The HTML entity of a character; NULL for one that needs none. */
+static const char *entity(char c)
+{
+    switch (c) {
+    case '&':
+        return "&amp;";
+    case '<':
+        return "&lt;";
+    case '>':
+        return "&gt;";
+    default:
+        return NULL;
+    }
+}
+
 void pl_text_add_html(pl_text_buffer *out, const char *text)
 {
-    for (const char *c = text; *c != '\0'; c++) {
+    for (const char *c = text; *c != '\0'; ++c) {
         unsigned char byte = (unsigned char)*c;
-        if (byte == '&')
-            pl_text_add(out, "&amp;");
-        else if (byte == '<')
-            pl_text_add(out, "&lt;");
-        else if (byte == '>')
-            pl_text_add(out, "&gt;");
-        else if (byte == '"')
+        if (entity(*c) != NULL) {
+            pl_text_add(out, entity(*c));
+        } else if (byte == '"') {
             pl_text_add(out, "&quot;");
-        else if (byte == '\'')
+        } else if (byte == '\'') {
             pl_text_add(out, "&#39;");
-        else if ((byte < 0x20 && byte != '\n' && byte != '\t') || byte == 0x7f)
+        } else if ((byte < 0x20 && byte != '\n' && byte != '\t') || byte == 0x7f) {
             pl_text_add(out, "\xef\xbf\xbd");
-        else
-            add_bytes(out, c, 1);
+        } else {
+            pl_text_add_bytes(out, c, 1);
+        }
     }
 }
 
@@ -93,22 +115,19 @@ void pl_text_add_element(pl_text_buffer *out, const char *open, const char *text
 
 void pl_text_add_markdown(pl_text_buffer *out, const char *text)
 {
-    for (const char *c = text; *c != '\0'; c++) {
+    for (const char *c = text; *c != '\0'; ++c) {
         unsigned char byte = (unsigned char)*c;
-        if (byte < 0x20 || byte == 0x7f)
+        if (byte < 0x20 || byte == 0x7f) {
             pl_text_add(out, " ");
-        else if (byte == '&')
-            pl_text_add(out, "&amp;");
-        else if (byte == '<')
-            pl_text_add(out, "&lt;");
-        else if (byte == '>')
-            pl_text_add(out, "&gt;");
-        else if (byte == '@') /* would notify a person of that name */
+        } else if (entity(*c) != NULL) {
+            pl_text_add(out, entity(*c));
+        } else if (byte == '@') { /* it would notify the person of that name */
             pl_text_add(out, "&#64;");
-        else if (strchr("\\|`*_[]~#$", byte) != NULL)
+        } else if (strchr("\\|`*_[]~#$", byte) != NULL) {
             pl_text_format(out, "\\%c", byte);
-        else
-            add_bytes(out, c, 1);
+        } else {
+            pl_text_add_bytes(out, c, 1);
+        }
     }
 }
 
@@ -119,8 +138,9 @@ void pl_text_add_csv(pl_text_buffer *out, const char *text)
         return;
     }
     pl_text_add(out, "\"");
-    for (const char *c = text; *c != '\0'; c++)
-        add_bytes(out, *c == '"' ? "\"\"" : c, *c == '"' ? 2 : 1);
+    for (const char *c = text; *c != '\0'; ++c) {
+        pl_text_add_bytes(out, *c == '"' ? "\"\"" : c, *c == '"' ? 2 : 1);
+    }
     pl_text_add(out, "\"");
 }
 
@@ -128,34 +148,45 @@ void pl_text_add_csv(pl_text_buffer *out, const char *text)
 static size_t code_point_length(const char *c)
 {
     size_t length = 1;
-    while (((unsigned char)c[length] & 0xc0) == 0x80)
-        length++;
+    while (((unsigned char)c[length] & 0xc0) == 0x80) {
+        ++length;
+    }
     return length;
+}
+
+int pl_text_width(const char *text)
+{
+    int count = 0;
+    for (; *text != '\0'; text += code_point_length(text)) {
+        ++count;
+    }
+    return count;
 }
 
 int pl_text_add_plain(pl_text_buffer *out, const char *text, int columns)
 {
-    int total = 0;
-    for (const char *c = text; *c != '\0'; c += code_point_length(c))
-        total++;
+    const int total = pl_text_width(text);
     int kept = total <= columns ? total : columns - 1;
     const char *c = text;
-    for (int i = 0; i < kept; i++) {
+    for (int i = 0; i < kept; ++i) {
         size_t length = code_point_length(c);
         unsigned char first = (unsigned char)c[0];
-        bool c1 = first == 0xc2 && length == 2 && (unsigned char)c[1] < 0xa0;
-        if (first == '\n' || first == '\t')
+        bool is_c1 = first == 0xc2 && length == 2 && (unsigned char)c[1] < 0xa0;
+        if (first == '\n' || first == '\t') {
             pl_text_add(out, " ");
-        else if (first < 0x20 || first == 0x7f || c1)
+        } else if (first < 0x20 || first == 0x7f || is_c1) {
             pl_text_add(out, "?");
-        else
-            add_bytes(out, c, length);
+        } else {
+            pl_text_add_bytes(out, c, length);
+        }
         c += length;
     }
-    if (kept == total)
+    if (kept == total) {
         return total;
-    if (columns < 1)
+    }
+    if (columns < 1) {
         return 0;
+    }
     pl_text_add(out, "…");
     return columns;
 }

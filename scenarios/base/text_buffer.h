@@ -1,44 +1,56 @@
-/* A growing text, with one escape for each format that the report writes. */
-#ifndef PLUMB_SHEET_H
-#define PLUMB_SHEET_H
+/* A growing text buffer, with one function to escape text for each format that is written. */
+#ifndef PLUMB_TEXT_BUFFER_H
+#define PLUMB_TEXT_BUFFER_H
 
 #include <stdbool.h>
 #include <stddef.h>
 
-/* Starts as {0}. `data` is zero-terminated once anything was added. When memory runs out `failed`
- * is set, and all that follows does nothing: look once, at the end. */
+/* Starts as {0}. `data` ends with a zero once something was added, and is NULL before. When memory
+ * runs out, `failed` is set and every later call does nothing: check it once, at the end. */
 typedef struct pl_text_buffer {
     char *data;
     size_t length, capacity;
     bool failed;
 } pl_text_buffer;
 
+/* Frees the text and makes the buffer empty. */
 void pl_text_free(pl_text_buffer *buffer);
 
-/* As it stands. */
+/* Adds text unchanged. */
 void pl_text_add(pl_text_buffer *buffer, const char *text);
+
+/* Adds `count` bytes unchanged. */
+void pl_text_add_bytes(pl_text_buffer *buffer, const char *bytes, size_t count);
+
+/* Adds text as printf does. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
 void pl_text_format(pl_text_buffer *buffer, const char *format, ...);
 
-/* For HTML text and double-quoted attributes. Control characters but newline and tab become U+FFFD.
- */
+/* Adds `count` spaces; none for a negative count. */
+void pl_text_add_spaces(pl_text_buffer *buffer, int count);
+
+/* Adds text escaped for HTML text and double-quoted attributes. Control characters other than
+ * newline and tab become U+FFFD. */
 void pl_text_add_html(pl_text_buffer *buffer, const char *text);
 
-/* `text` as HTML between two pieces that go in as they stand. */
+/* Adds `text` escaped as HTML between two pieces of markup. */
 void pl_text_add_element(pl_text_buffer *buffer, const char *open, const char *text,
                          const char *close);
 
-/* For a cell of a GitHub table: one line, nothing in it means markup. */
+/* Adds text escaped for a cell of a GitHub table: on one line and without markup. */
 void pl_text_add_markdown(pl_text_buffer *buffer, const char *text);
 
-/* One field of RFC 4180, quoted where it must be. */
+/* Adds one field of CSV (RFC 4180), in quotes where necessary. */
 void pl_text_add_csv(pl_text_buffer *buffer, const char *text);
 
-/* For a terminal: control characters (C0, DEL, C1) become '?', a newline a space; at most `columns`
- * code points, the last of them an ellipsis when something was cut. Returns the code points added.
- */
+/* Adds text for a terminal. Control characters (C0, DEL, C1) become '?'; newline and tab become a
+ * space. At most `columns` code points are added, of which the last is an ellipsis when the text
+ * was cut. Returns the number of code points added. */
 int pl_text_add_plain(pl_text_buffer *buffer, const char *text, int columns);
+
+/* The width of UTF-8 text on a terminal, in code points. */
+int pl_text_width(const char *text);
 
 #endif

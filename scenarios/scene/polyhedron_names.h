@@ -2,7 +2,7 @@
 #ifndef PLUMB_POLYHEDRON_NAMES_H
 #define PLUMB_POLYHEDRON_NAMES_H
 
-#include "base/pointer_map.h"
+#include "pointer_map.h"
 #include "plumb/scene.h"
 
 typedef struct pl_polyhedron_names {

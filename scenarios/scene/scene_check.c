@@ -1,6 +1,6 @@
 #include "scene_check.h"
 
-#include "base/check_number.h"
+#include "base/diagnostic.h"
 #include "base/name_index.h"
 #include "base/number.h"
 #include "shape_check.h"

@@ -1,6 +1,6 @@
 #include "shape_check.h"
 
-#include "base/check_number.h"
+#include "base/diagnostic.h"
 
 static bool check_half_extents(const double half_extents[3], pl_diagnostic *diagnostic)
 {

@@ -3,7 +3,7 @@
 #define PLUMB_SHAPE_CHECK_H
 
 #include "base/diagnostic.h"
-#include "base/pointer_map.h"
+#include "pointer_map.h"
 
 /* The shape's own numbers; complains at the path as it stands. */
 bool pl_check_shape(const pl_shape *shape, pl_diagnostic *diagnostic);

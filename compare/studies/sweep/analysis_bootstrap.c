@@ -1,6 +1,6 @@
 #include "analysis_bootstrap.h"
 
-#include "base/median.h"
+#include "base/statistics.h"
 #include "base/random.h"
 
 #include <math.h>

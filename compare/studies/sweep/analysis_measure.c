@@ -1,6 +1,6 @@
 /* What the repeats of a point say: its samples, and their medians. */
 #include "analysis_rows.h"
-#include "base/median.h"
+#include "base/statistics.h"
 #include "results/result.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 #include "analysis_order.h"
 
-#include "base/median.h"
+#include "base/statistics.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* A scene's polyhedra by their addresses, for look-up by bisection. */
-#ifndef PLUMB_ADDRESS_LIST_H
-#define PLUMB_ADDRESS_LIST_H
+#ifndef PLUMB_POINTER_MAP_H
+#define PLUMB_POINTER_MAP_H
 
 #include "plumb/scene.h"
 
@@ -14,11 +14,11 @@ typedef struct pl_pointer_map {
     int count;
 } pl_pointer_map;
 
-/* PL_NO_MEMORY leaves an empty list. O(n log n). */
-pl_status pl_pointer_map_create(const pl_scene *scene, pl_pointer_map *list);
-void pl_pointer_map_free(pl_pointer_map *list);
+/* PL_NO_MEMORY leaves an empty map. O(n log n). */
+pl_status pl_pointer_map_create(const pl_scene *scene, pl_pointer_map *map);
+void pl_pointer_map_free(pl_pointer_map *map);
 
 /* The polyhedron's index in its scene; -1 for another's, and for NULL. */
-int pl_pointer_map_find(const pl_pointer_map *list, const pl_polyhedron *polyhedron);
+int pl_pointer_map_find(const pl_pointer_map *map, const pl_polyhedron *polyhedron);
 
 #endif

@@ -1,9 +1,9 @@
-#include "median.h"
+#include "statistics.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static int ascending(const void *left, const void *right)
+int pl_compare_numbers(const void *left, const void *right)
 {
     double a = *(const double *)left, b = *(const double *)right;
     return (a > b) - (a < b);
@@ -11,8 +11,9 @@ static int ascending(const void *left, const void *right)
 
 void pl_sort_numbers(double *values, int count)
 {
+    /* Most samples are a few repeats, for which insertion is faster than qsort. */
     if (count > 16) {
-        qsort(values, (size_t)count, sizeof *values, ascending);
+        qsort(values, (size_t)count, sizeof *values, pl_compare_numbers);
         return;
     }
     for (int i = 1; i < count; ++i) {
@@ -33,4 +34,15 @@ double pl_median(double *values, int count)
     pl_sort_numbers(values, count);
     int half = count / 2;
     return count % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
+}
+
+double pl_quantile(const double *sorted, int count, double share)
+{
+    if (count == 0) {
+        return (double)NAN;
+    }
+    double place = share * (count - 1);
+    int below = (int)place;
+    int above = below + 1 < count ? below + 1 : below;
+    return sorted[below] + (place - below) * (sorted[above] - sorted[below]);
 }

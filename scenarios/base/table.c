@@ -1,0 +1,444 @@
+#include "table.h"
+
+#include "array.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char GAP[] = "  ", RESET[] = "\033[0m", FAINT[] = "\033[2m";
+
+void pl_table_free(pl_table *table)
+{
+    free(table->headings);
+    free(table->cells);
+    pl_text_free(&table->texts);
+    *table = (pl_table){0};
+}
+
+/* ---- Filling ---- */
+
+/* Ends the text that was added to table->texts since `offset`. */
+static void end_text(pl_table *table)
+{
+    pl_text_add_bytes(&table->texts, "", 1);
+}
+
+static void push_column(pl_table *table, size_t text, pl_table_align align)
+{
+    const pl_table_heading heading = {.text = text, .align = align};
+    end_text(table);
+    if (pl_array_push(&table->headings, &table->column_count, &heading, sizeof heading, NULL) !=
+        PL_OK) {
+        table->texts.failed = true;
+    }
+}
+
+static void push_cell(pl_table *table, size_t text)
+{
+    const pl_table_cell cell = {.text = text};
+    end_text(table);
+    if (!table->texts.failed &&
+        pl_array_push(&table->cells, &table->cell_count, &cell, sizeof cell, NULL) != PL_OK) {
+        table->texts.failed = true;
+    }
+}
+
+/* Adds formatted text to table->texts. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 0)))
+#endif
+static void
+add_formatted(pl_table *table, const char *format, va_list arguments)
+{
+    va_list again;
+    va_copy(again, arguments);
+    int length = vsnprintf(NULL, 0, format, again);
+    va_end(again);
+    char *text = length < 0 ? NULL : malloc((size_t)length + 1);
+    if (text == NULL) {
+        table->texts.failed = true;
+        return;
+    }
+    vsnprintf(text, (size_t)length + 1, format, arguments);
+    pl_text_add(&table->texts, text);
+    free(text);
+}
+
+void pl_table_column(pl_table *table, pl_table_align align, const char *heading, ...)
+{
+    const size_t text = table->texts.length;
+    va_list arguments;
+    va_start(arguments, heading);
+    add_formatted(table, heading, arguments);
+    va_end(arguments);
+    push_column(table, text, align);
+}
+
+void pl_table_columns(pl_table *table, const char *headings)
+{
+    for (const char *next = headings;; ++next) {
+        const size_t text = table->texts.length;
+        const pl_table_align align = *next == '>' ? PL_RIGHT : PL_LEFT;
+        next += align == PL_RIGHT;
+        const size_t length = strcspn(next, "|");
+        pl_text_add_bytes(&table->texts, next, length);
+        push_column(table, text, align);
+        next += length;
+        if (*next == '\0') {
+            return;
+        }
+    }
+}
+
+void pl_table_set_width(pl_table *table, int column, int least, int most)
+{
+    if (column < table->column_count) {
+        pl_table_heading *heading = &table->headings[column];
+        heading->hidden = most < 0;
+        heading->least = least;
+        heading->most = most > 0 ? most : 0;
+    }
+}
+
+void pl_table_add(pl_table *table, const char *text)
+{
+    const size_t offset = table->texts.length;
+    pl_text_add(&table->texts, text);
+    push_cell(table, offset);
+}
+
+void pl_table_format_cell(pl_table *table, const char *format, ...)
+{
+    const size_t offset = table->texts.length;
+    va_list arguments;
+    va_start(arguments, format);
+    add_formatted(table, format, arguments);
+    va_end(arguments);
+    push_cell(table, offset);
+}
+
+void pl_table_number(pl_table *table, double value, int digits)
+{
+    if (isfinite(value)) {
+        pl_table_format_cell(table, "%.*g", digits, value);
+    } else {
+        pl_table_add(table, table->missing != NULL ? table->missing : "-");
+    }
+}
+
+/* The cell that was added last; NULL when there is none. */
+static pl_table_cell *last_cell(pl_table *table)
+{
+    return table->texts.failed || table->cell_count == 0 ? NULL
+                                                         : &table->cells[table->cell_count - 1];
+}
+
+void pl_table_add_markup(pl_table *table, const char *markup)
+{
+    pl_table_add(table, markup);
+    if (last_cell(table) != NULL) {
+        last_cell(table)->is_markup = true;
+    }
+}
+
+void pl_table_add_span(pl_table *table, const char *text)
+{
+    pl_table_add(table, text);
+    if (last_cell(table) != NULL) {
+        last_cell(table)->is_span = true;
+    }
+    while (!table->texts.failed && table->cell_count % table->column_count != 0) {
+        pl_table_add(table, "");
+    }
+}
+
+void pl_table_style(pl_table *table, const char *style, const char *title)
+{
+    const size_t offset = table->texts.length;
+    const bool has_title = title != NULL && title[0] != '\0';
+    if (has_title) {
+        pl_text_add(&table->texts, title);
+        end_text(table);
+    }
+    pl_table_cell *cell = last_cell(table);
+    if (cell != NULL) {
+        cell->style = style;
+        cell->title = has_title ? offset : 0;
+    }
+}
+
+int pl_table_rows(const pl_table *table)
+{
+    return table->texts.failed || table->column_count == 0
+               ? 0
+               : table->cell_count / table->column_count;
+}
+
+/* ---- Writing ---- */
+
+/* What a call to pl_table_write uses. */
+typedef struct writer {
+    const pl_table *table;
+    pl_table_format format;
+    pl_text_buffer *out;
+    int *width; /* (column_count) in text and padded Markdown */
+} writer;
+
+static const char *text_at(const pl_table *table, size_t offset)
+{
+    return table->texts.data + offset;
+}
+
+/* The text of a heading (row -1) or a cell; NULL inside a span. */
+static const char *text_of(const pl_table *table, int row, int column)
+{
+    if (row < 0) {
+        return text_at(table, table->headings[column].text);
+    }
+    const pl_table_cell *cells = &table->cells[row * table->column_count];
+    for (int k = 0; k < column; ++k) {
+        if (cells[k].is_span) {
+            return NULL;
+        }
+    }
+    return text_at(table, cells[column].text);
+}
+
+static const pl_table_cell *cell_of(const pl_table *table, int row, int column)
+{
+    static const pl_table_cell none = {0};
+    return row < 0 ? &none : &table->cells[row * table->column_count + column];
+}
+
+/* Bars of a padded Markdown table, which are escaped. */
+static int count_bars(const char *text)
+{
+    int count = 0;
+    for (; *text != '\0'; ++text) {
+        count += *text == '|';
+    }
+    return count;
+}
+
+static int column_width(const pl_table *table, int column, bool is_markdown)
+{
+    const pl_table_heading *heading = &table->headings[column];
+    int widest = is_markdown ? 3 : heading->least;
+    for (int row = -1; row < pl_table_rows(table); ++row) {
+        const char *text = text_of(table, row, column);
+        if (text != NULL && !cell_of(table, row, column)->is_span) {
+            int width = pl_text_width(text) + (is_markdown ? count_bars(text) : 0);
+            widest = width > widest ? width : widest;
+        }
+    }
+    return !is_markdown && heading->most > 0 && widest > heading->most ? heading->most : widest;
+}
+
+int pl_table_width(const pl_table *table, int column)
+{
+    return pl_table_rows(table) == 0 || table->headings[column].hidden
+               ? 0
+               : column_width(table, column, false);
+}
+
+static const char *colour_of(const char *style)
+{
+    static const char *const colours[][2] = {
+        {"ok", "\033[32m"}, {"bad", "\033[31m"}, {"none", "\033[2m"}};
+    for (size_t i = 0; style != NULL && i < sizeof colours / sizeof colours[0]; ++i) {
+        if (strcmp(style, colours[i][0]) == 0) {
+            return colours[i][1];
+        }
+    }
+    return "";
+}
+
+static void write_text_row(const writer *w, int row)
+{
+    const pl_table *table = w->table;
+    int last = table->column_count - 1;
+    while (last > 0 && table->headings[last].hidden) {
+        --last;
+    }
+    pl_text_add_spaces(w->out, table->indent);
+    if (table->colour && row < 0) {
+        pl_text_add(w->out, FAINT);
+    }
+    int used = table->indent;
+    for (int k = 0; k <= last; ++k) {
+        const pl_table_cell *cell = cell_of(table, row, k);
+        const char *text = text_of(table, row, k);
+        if (text == NULL) {
+            break;
+        }
+        if (table->headings[k].hidden && !cell->is_span) {
+            continue;
+        }
+        const bool is_end = k == last || cell->is_span;
+        const bool is_right = table->headings[k].align == PL_RIGHT && !cell->is_span;
+        const int limit = !is_end                 ? w->width[k]
+                          : table->line_width > 0 ? table->line_width - used
+                          : cell->is_span         ? INT_MAX
+                                                  : w->width[k];
+        const char *colour = table->colour ? colour_of(cell->style) : "";
+        if (is_right) {
+            pl_text_add_spaces(w->out, w->width[k] - pl_text_width(text));
+        }
+        pl_text_add(w->out, colour);
+        const int added = pl_text_add_plain(w->out, text, limit);
+        pl_text_add(w->out, colour[0] != '\0' ? RESET : "");
+        if (!is_end) {
+            pl_text_add_spaces(w->out, is_right ? 0 : w->width[k] - added);
+            pl_text_add(w->out, GAP);
+        }
+        used += w->width[k] + (int)strlen(GAP);
+    }
+    pl_text_add(w->out, table->colour && row < 0 ? RESET : "");
+    pl_text_add(w->out, "\n");
+}
+
+/* A cell of padded Markdown, in which only a bar would break the table. */
+static void add_padded(pl_text_buffer *out, const char *text, int width, pl_table_align align)
+{
+    const int spaces = width - pl_text_width(text) - count_bars(text);
+    pl_text_add_spaces(out, align == PL_RIGHT ? spaces : 0);
+    for (const char *c = text; *c != '\0'; ++c) {
+        pl_text_add(out, *c == '|' ? "\\" : "");
+        pl_text_add_bytes(out, (unsigned char)*c < 0x20 ? "?" : c, 1);
+    }
+    pl_text_add_spaces(out, align == PL_RIGHT ? 0 : spaces);
+}
+
+static void write_markdown_rule(const writer *w)
+{
+    for (int k = 0; k < w->table->column_count; ++k) {
+        const bool is_right = w->table->headings[k].align == PL_RIGHT;
+        pl_text_add(w->out, "|---");
+        for (int i = 3; w->format == PL_TABLE_MARKDOWN_PADDED && i < w->width[k] + 2 - is_right;
+             ++i) {
+            pl_text_add(w->out, "-");
+        }
+        pl_text_add(w->out, is_right ? ":" : "");
+    }
+    pl_text_add(w->out, "|\n");
+}
+
+static void write_markdown_row(const writer *w, int row)
+{
+    const pl_table *table = w->table;
+    for (int k = 0; k < table->column_count; ++k) {
+        const char *text = text_of(table, row, k);
+        text = text == NULL ? "" : text;
+        pl_text_add(w->out, "| ");
+        if (w->format == PL_TABLE_MARKDOWN_PADDED) {
+            add_padded(w->out, text, w->width[k], table->headings[k].align);
+        } else if (cell_of(table, row, k)->is_markup) {
+            pl_text_add(w->out, text);
+        } else {
+            pl_text_add_markdown(w->out, text);
+        }
+        pl_text_add(w->out, " ");
+    }
+    pl_text_add(w->out, "|\n");
+    if (row < 0) {
+        write_markdown_rule(w);
+    }
+}
+
+static void write_csv_row(const writer *w, int row)
+{
+    const pl_table *table = w->table;
+    for (int k = 0; k < table->column_count; ++k) {
+        const char *text = text_of(table, row, k);
+        pl_text_add(w->out, k == 0 ? "" : ",");
+        pl_text_add_csv(w->out, text == NULL ? "" : text);
+    }
+    pl_text_add(w->out, table->line_end == NULL ? "\r\n" : table->line_end);
+}
+
+static void write_html_row(const writer *w, int row)
+{
+    const pl_table *table = w->table;
+    pl_text_add(w->out, row < 0 ? "<thead><tr>" : "<tr>");
+    for (int k = 0; k < table->column_count; ++k) {
+        const pl_table_cell *cell = cell_of(table, row, k);
+        const char *text = text_of(table, row, k);
+        if (text == NULL) {
+            break;
+        }
+        const char *tag = row < 0 || k == 0 ? "th" : "td";
+        const char *style = cell->style == NULL ? "" : cell->style;
+        const char *number = table->headings[k].align == PL_RIGHT && !cell->is_span ? "n" : "";
+        pl_text_format(w->out, "<%s", tag);
+        if (number[0] != '\0' || style[0] != '\0') {
+            pl_text_format(w->out, " class=\"%s%s%s\"", number,
+                           number[0] != '\0' && style[0] != '\0' ? " " : "", style);
+        }
+        if (cell->title != 0) {
+            pl_text_add_element(w->out, " title=\"", text_at(table, cell->title), "\"");
+        }
+        if (cell->is_span && k + 1 < table->column_count) {
+            pl_text_format(w->out, " colspan=\"%d\"", table->column_count - k);
+        }
+        pl_text_add(w->out, ">");
+        if (cell->is_markup) {
+            pl_text_add(w->out, text);
+        } else {
+            pl_text_add_html(w->out, text);
+        }
+        pl_text_format(w->out, "</%s>", tag);
+    }
+    pl_text_add(w->out, row < 0 ? "</tr></thead>\n<tbody>\n" : "</tr>\n");
+}
+
+static void write_rows(const writer *w, int first, int last)
+{
+    static void (*const write_row[])(const writer *w,
+                                     int row) = {[PL_TABLE_TEXT] = write_text_row,
+                                                 [PL_TABLE_MARKDOWN] = write_markdown_row,
+                                                 [PL_TABLE_MARKDOWN_PADDED] = write_markdown_row,
+                                                 [PL_TABLE_CSV] = write_csv_row,
+                                                 [PL_TABLE_HTML] = write_html_row};
+    write_row[w->format](w, -1);
+    for (int row = first; row < last; ++row) {
+        write_row[w->format](w, row);
+    }
+}
+
+void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffer *out)
+{
+    if (table->texts.failed || table->column_count == 0) {
+        out->failed |= table->texts.failed;
+        return;
+    }
+    const int rows = pl_table_rows(table);
+    const int last = table->last == 0 || table->last > rows ? rows : table->last;
+    if (table->first >= last && format != PL_TABLE_CSV) {
+        return;
+    }
+    int *width = calloc((size_t)table->column_count, sizeof *width);
+    if (width == NULL) {
+        out->failed = true;
+        return;
+    }
+    const bool is_markdown = format == PL_TABLE_MARKDOWN_PADDED;
+    for (int k = 0; k < table->column_count && (is_markdown || format == PL_TABLE_TEXT); ++k) {
+        width[k] = column_width(table, k, is_markdown);
+    }
+    const writer w = {.table = table, .format = format, .out = out, .width = width};
+    pl_text_add(out, format == PL_TABLE_HTML ? "<div class=\"scroll\"><table>\n" : "");
+    write_rows(&w, table->first, last);
+    pl_text_add(out, format == PL_TABLE_HTML ? "</tbody></table></div>\n" : "");
+    free(width);
+}
+
+void pl_table_print(const pl_table *table, pl_table_format format, FILE *out)
+{
+    pl_text_buffer text = {0};
+    pl_table_write(table, format, &text);
+    fputs(text.failed ? "out of memory for a table\n" : text.data == NULL ? "" : text.data, out);
+    pl_text_free(&text);
+}

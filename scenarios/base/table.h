@@ -1,0 +1,114 @@
+/* Tables. A table is filled cell by cell, row by row, and written as plain text with aligned
+ * columns, as Markdown (GitHub Flavored Markdown 0.29, section 4.10), as CSV (RFC 4180) or as HTML.
+ *
+ *     pl_table table = {0};
+ *     pl_table_column(&table, PL_LEFT, "engine");
+ *     pl_table_column(&table, PL_RIGHT, "to %g m/s", tolerance);
+ *     pl_table_add(&table, name);
+ *     pl_table_number(&table, seconds, 3);
+ *     pl_table_write(&table, PL_TABLE_MARKDOWN, &buffer);
+ *     pl_table_free(&table);
+ *
+ * Every text is copied. When memory runs out, `texts.failed` is set, further calls do nothing, and
+ * pl_table_write sets `failed` of the buffer that it writes to. */
+#ifndef PLUMB_TABLE_H
+#define PLUMB_TABLE_H
+
+#include "text_buffer.h"
+
+#include <stdio.h>
+
+typedef enum pl_table_format {
+    PL_TABLE_TEXT,            /* aligned columns for a terminal */
+    PL_TABLE_MARKDOWN,        /* every cell escaped, so that it contains no markup */
+    PL_TABLE_MARKDOWN_PADDED, /* aligned columns, for a terminal too; only '|' is escaped */
+    PL_TABLE_CSV,             /* lines end as `line_end` says; a heading row is always written */
+    PL_TABLE_HTML             /* <table> in <div class="scroll"> */
+} pl_table_format;
+
+/* Where the cells of a column stand. In HTML, cells of PL_RIGHT have the class "n". */
+typedef enum pl_table_align { PL_LEFT, PL_RIGHT } pl_table_align;
+
+typedef struct pl_table_heading {
+    size_t text; /* offset in texts */
+    pl_table_align align;
+    int least, most; /* width in text, in code points; most = 0: no limit */
+    bool hidden;     /* left out of text, where the line is too narrow for it */
+} pl_table_heading;
+
+typedef struct pl_table_cell {
+    size_t text, title; /* offsets in texts; title = 0: none */
+    const char *style;  /* borrowed; NULL: none */
+    bool is_markup;     /* not escaped in Markdown and HTML */
+    bool is_span;       /* stands in all columns up to the end of the row */
+} pl_table_cell;
+
+/* Starts as {0}. The fields of the second group may be set before the table is written. */
+typedef struct pl_table {
+    pl_table_heading *headings;
+    int column_count;
+    pl_table_cell *cells; /* by rows; a row has column_count cells */
+    int cell_count;
+    pl_text_buffer texts; /* of headings and cells, each with its zero */
+
+    int first, last;      /* the rows to write, [first, last); last = 0: all. A table with no row to
+                           * write is left out, except as CSV */
+    int indent;           /* text: spaces before each line */
+    int line_width;       /* text: the last column is cut so that lines fit; 0: no limit */
+    bool colour;          /* text: colours by style, by escape sequences */
+    const char *line_end; /* CSV: "\r\n" where it is NULL */
+    const char *missing;  /* for a number that is not finite; "-" where it is NULL */
+} pl_table;
+
+/* Frees all that the table has; it is then as at the start. */
+void pl_table_free(pl_table *table);
+
+/* Adds a column with a heading, formatted as printf does. All columns are added before any cell. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 3, 4)))
+#endif
+void pl_table_column(pl_table *table, pl_table_align align, const char *heading, ...);
+
+/* Adds the columns of a list of headings, "engine|outcome|>time, s": separated by bars; a '>'
+ * before a heading aligns its column to the right. A unit follows its heading after a comma. */
+void pl_table_columns(pl_table *table, const char *headings);
+
+/* Sets the least and the largest width of a column in text; most = 0 means no limit, and hidden
+ * columns have most < 0. */
+void pl_table_set_width(pl_table *table, int column, int least, int most);
+
+/* Adds the next cell: text, text formatted as printf does, or a number with `digits` significant
+ * digits ("%.*g"). */
+void pl_table_add(pl_table *table, const char *text);
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void pl_table_format_cell(pl_table *table, const char *format, ...);
+void pl_table_number(pl_table *table, double value, int digits);
+
+/* Adds a cell that is already Markdown or HTML, and is not escaped when written as such. */
+void pl_table_add_markup(pl_table *table, const char *markup);
+
+/* Adds a cell that takes the rest of its row. */
+void pl_table_add_span(pl_table *table, const char *text);
+
+/* Gives the cell that was added last a style and a tooltip; either may be NULL or empty. The style
+ * is the cell's class in HTML, and its colour in text: "ok" green, "bad" red, "none" faint. The
+ * tooltip is written in HTML only. */
+void pl_table_style(pl_table *table, const char *style, const char *title);
+
+/* Complete rows; 0 when memory ran out. */
+int pl_table_rows(const pl_table *table);
+
+/* The width of a column in text: of its widest cell over all rows or its heading, within the limits
+ * that were set. 0 for a hidden column. */
+int pl_table_width(const pl_table *table, int column);
+
+/* Appends the table to `out`. Columns of text are as wide as all rows need, so that parts of one
+ * table line up. */
+void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffer *out);
+
+/* Writes the table to a stream, or a message that memory ran out. */
+void pl_table_print(const pl_table *table, pl_table_format format, FILE *out);
+
+#endif
