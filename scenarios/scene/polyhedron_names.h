@@ -2,8 +2,8 @@
 #ifndef PLUMB_POLYHEDRON_NAMES_H
 #define PLUMB_POLYHEDRON_NAMES_H
 
-#include "pointer_map.h"
 #include "plumb/scene.h"
+#include "pointer_map.h"
 
 typedef struct pl_polyhedron_names {
     pl_pointer_map addresses;

@@ -1,7 +1,7 @@
 #include "analysis_bootstrap.h"
 
-#include "base/statistics.h"
 #include "base/random.h"
+#include "base/statistics.h"
 
 #include <math.h>
 #include <stdlib.h>
