@@ -192,8 +192,8 @@ static pl_status prepare_capture(const options *o, const pl_plan *plan, pl_captu
     if (o->capture == NULL) {
         return PL_OK;
     }
-    const pl_engine *engine = plan->contenders[0].choice.engine;
-    long steps = pl_scene_steps(&plan->problems[0].scene);
+    const pl_engine *engine = plan->configurations[0].choice.engine;
+    long steps = pl_scene_steps(&plan->cases[0].scene);
     if (engine->capture == NULL) {
         return pl_fail(error, PL_UNSUPPORTED,
                        "--capture: engine %s does not give its contact "

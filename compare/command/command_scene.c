@@ -51,7 +51,7 @@ int pl_command_scene(const pl_call *call)
         code = pl_call_fail(call, &error);
         goto cleanup;
     }
-    char *text = pl_scene_to_text(&plan.problems[0].scene);
+    char *text = pl_scene_to_text(&plan.cases[0].scene);
     if (text == NULL) {
         pl_fail(&error, PL_NO_MEMORY, "out of memory");
         code = pl_call_fail(call, &error);

@@ -351,7 +351,7 @@ int pl_command_sweep(const pl_call *call)
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
-    } else if (plan.contender_count == 0) {
+    } else if (plan.configuration_count == 0) {
         fprintf(stderr, "plumb sweep: there is nothing to compare\n");
         code = PL_EXIT_NOTHING;
     } else if (o.list == NULL) {

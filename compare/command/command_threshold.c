@@ -83,15 +83,15 @@ static pl_status check_names(const pl_comparison *comparison, pl_error *error)
 static pl_status keep_thresholds(pl_plan *plan, pl_error *error)
 {
     int kept = 0;
-    for (int i = 0; i < plan->problem_count; ++i) {
-        pl_problem problem = plan->problems[i];
+    for (int i = 0; i < plan->case_count; ++i) {
+        pl_case problem = plan->cases[i];
         if (problem.descriptor->threshold != NULL) {
-            plan->problems[i] = plan->problems[kept];
-            plan->problems[kept++] = problem;
+            plan->cases[i] = plan->cases[kept];
+            plan->cases[kept++] = problem;
         }
     }
-    while (plan->problem_count > kept) {
-        pl_problem *last = &plan->problems[--plan->problem_count];
+    while (plan->case_count > kept) {
+        pl_case *last = &plan->cases[--plan->case_count];
         free(last->name);
         pl_scene_free(&last->scene);
     }
@@ -102,14 +102,14 @@ static pl_status keep_thresholds(pl_plan *plan, pl_error *error)
 static pl_status check_settings(const pl_comparison *comparison, const pl_plan *plan,
                                 pl_error *error)
 {
-    for (int i = 0; i < plan->problem_count; ++i) {
-        const char *param = plan->problems[i].descriptor->threshold->param;
+    for (int i = 0; i < plan->case_count; ++i) {
+        const char *param = plan->cases[i].descriptor->threshold->param;
         for (int k = 0; k < comparison->selection.settings.count; ++k) {
             const char *setting = comparison->selection.settings.items[k];
             size_t length = strcspn(setting, "=");
             if (strlen(param) == length && strncmp(setting, param, length) == 0) {
                 return pl_fail(error, PL_BAD_INPUT, "--set %s: %s is what is searched for in %s",
-                               setting, param, plan->problems[i].name);
+                               setting, param, plan->cases[i].name);
             }
         }
     }
@@ -208,7 +208,7 @@ int pl_command_threshold(const pl_call *call)
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
-    } else if (plan.contender_count == 0) {
+    } else if (plan.configuration_count == 0) {
         fprintf(stderr, "plumb threshold: there is no engine to search on\n");
         code = PL_EXIT_NOTHING;
     } else {

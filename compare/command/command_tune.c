@@ -199,14 +199,14 @@ int pl_command_tune(const pl_call *call)
     if (status == PL_OK) {
         status = pl_comparison_add_engines("plumb tune", &o.comparison, &plan, &error);
     }
-    if (status == PL_OK && plan.contender_count > 0) {
-        status = pl_tune_space_make(&plan.contenders[0].choice, o.comparison.selection.dt,
+    if (status == PL_OK && plan.configuration_count > 0) {
+        status = pl_tune_space_make(&plan.configurations[0].choice, o.comparison.selection.dt,
                                     o.varied.items, o.varied.count, o.fixed.items, o.fixed.count,
                                     &space, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
-    } else if (plan.contender_count == 0) {
+    } else if (plan.configuration_count == 0) {
         fprintf(stderr, "plumb tune: there is no engine to tune\n");
         code = PL_EXIT_NOTHING;
     } else {

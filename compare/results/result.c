@@ -232,7 +232,7 @@ static json_t *poses_json(const pl_body_state *bodies, int body_count)
     return poses;
 }
 
-json_t *pl_finding_to_json(const pl_finding *finding)
+json_t *pl_run_result_to_json(const pl_run_result *finding)
 {
     return json_pack("{s:s, s:o, s:{s:I, s:I}, s:o, s:o}", "outcome",
                      pl_outcome_name(finding->outcome), "reason", text_or_null(finding->reason),

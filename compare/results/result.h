@@ -1,8 +1,8 @@
 /* The result of one run in memory, and its form as a JSON object, plumb.result/1 (SCHEMA.md).
  *
  * A result has four parts, made in different places: which run it is (pl_run_view), what was found
- * (pl_finding, made in the run's own process), what it printed, and where it was made (host, build,
- * command). JSON values returned here are new references; NULL means out of memory. */
+ * (pl_run_result, made in the run's own process), what it printed, and where it was made (host,
+ * build, command). JSON values returned here are new references; NULL means out of memory. */
 #ifndef PLUMB_RESULT_H
 #define PLUMB_RESULT_H
 
@@ -48,17 +48,17 @@ typedef struct pl_run_view {
 json_t *pl_run_identity(const pl_run_view *run);
 
 /* What one run showed. */
-typedef struct pl_finding {
+typedef struct pl_run_result {
     pl_outcome outcome;
     char reason[512]; /* empty when the outcome is ok */
     long steps_asked, steps_done;
     pl_metrics metrics;
     int body_count;
     const pl_body_state *bodies; /* (body_count) at the last good frame; NULL when there is none */
-} pl_finding;
+} pl_run_result;
 
 /* The keys outcome, reason, steps, metrics, final_poses. */
-json_t *pl_finding_to_json(const pl_finding *finding);
+json_t *pl_run_result_to_json(const pl_run_result *finding);
 
 /* The keys host, plumb, command: this machine, this build, this call. */
 json_t *pl_provenance(int argc, char *const *argv);

@@ -16,7 +16,7 @@ typedef struct slot {
     bool busy;
     pl_isolated_run run;
     char *positions; /* path, or NULL */
-    pl_scene built;  /* of a deferred problem */
+    pl_scene built;  /* of a deferred case */
 } slot;
 
 typedef struct execution {
@@ -97,17 +97,17 @@ static pl_status place_positions(const execution *e, slot *s, const json_t *iden
     return PL_OK;
 }
 
-/* The scene of a problem, built in the slot where the plan does not keep it. */
-static pl_status place_scene(const execution *e, slot *s, const pl_problem *problem,
+/* The scene of a case, built in the slot where the plan does not keep it. */
+static pl_status place_scene(const execution *e, slot *s, const pl_case *test_case,
                              const pl_scene **scene, pl_error *error)
 {
-    *scene = &problem->scene;
-    if (!problem->deferred) {
+    *scene = &test_case->scene;
+    if (!test_case->deferred) {
         return PL_OK;
     }
     *scene = &s->built;
     pl_scene_free(&s->built);
-    return pl_plan_build_scene(e->def->plan, problem, &s->built, error);
+    return pl_plan_build_scene(e->def->plan, test_case, &s->built, error);
 }
 
 /* Starts the next run that is due in a free slot. */
@@ -131,9 +131,9 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
             const pl_scene *scene = NULL;
             status = place_positions(e, free_slot, identity, error);
             if (status == PL_OK) {
-                status = place_scene(e, free_slot, planned.problem, &scene, error);
+                status = place_scene(e, free_slot, planned.test_case, &scene, error);
             }
-            const pl_engine_choice *choice = &planned.contender->choice;
+            const pl_engine_choice *choice = &planned.configuration->choice;
             pl_run_def run = {.scene = scene,
                               .engine = choice->engine,
                               .profile = choice->profile,

@@ -8,10 +8,10 @@
 #include <sys/wait.h>
 
 /* In the child: the finding as JSON is the answer. */
-static pl_status answer_finding(const pl_finding *finding, void *user, pl_error *error)
+static pl_status answer_finding(const pl_run_result *finding, void *user, pl_error *error)
 {
     FILE *answer = user;
-    json_t *object = pl_finding_to_json(finding);
+    json_t *object = pl_run_result_to_json(finding);
     char *line = object == NULL ? NULL : pl_result_to_line(object);
     json_decref(object);
     if (line == NULL) {
@@ -128,9 +128,9 @@ static void describe_crash(const pl_isolated_run *run, char *text, size_t size)
 /* The finding of a run whose process did not answer. */
 static json_t *missing_finding(const pl_isolated_run *run)
 {
-    pl_finding finding = {.outcome = PL_OUTCOME_CRASHED,
-                          .steps_asked = pl_scene_steps(run->def.scene),
-                          .steps_done = atomic_load(&run->def.watch->steps_done)};
+    pl_run_result finding = {.outcome = PL_OUTCOME_CRASHED,
+                             .steps_asked = pl_scene_steps(run->def.scene),
+                             .steps_done = atomic_load(&run->def.watch->steps_done)};
     if (run->process.timed_out) {
         char where[96];
         describe_place(run, where, sizeof where);
@@ -140,7 +140,7 @@ static json_t *missing_finding(const pl_isolated_run *run)
     } else {
         describe_crash(run, finding.reason, sizeof finding.reason);
     }
-    return pl_finding_to_json(&finding);
+    return pl_run_result_to_json(&finding);
 }
 
 pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_t **result,

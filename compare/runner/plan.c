@@ -12,18 +12,19 @@ static void *grow(void *items, int count, size_t size)
     return realloc(items, ((size_t)count + 1) * size);
 }
 
-/* Notes what tells the problem from others. *known: it is there already. */
-static pl_status note_problem(pl_plan *plan, const pl_problem *problem, const char *name,
-                              bool *known, pl_error *error)
+/* Notes what tells the case from others. *known: it is there already. */
+static pl_status note_case(pl_plan *plan, const pl_case *test_case, const char *name, bool *known,
+                           pl_error *error)
 {
     char *key = NULL;
     size_t length = 0;
     FILE *stream = open_memstream(&key, &length);
     bool failed = stream == NULL;
     if (!failed) {
-        fprintf(stream, "%s\n%s", problem->scene_hash, name);
-        for (int i = 0; problem->descriptor != NULL && i < problem->descriptor->param_count; ++i) {
-            fprintf(stream, "\n%a", problem->params[i]);
+        fprintf(stream, "%s\n%s", test_case->scene_hash, name);
+        for (int i = 0; test_case->descriptor != NULL && i < test_case->descriptor->param_count;
+             ++i) {
+            fprintf(stream, "\n%a", test_case->params[i]);
         }
         failed = fclose(stream) != 0;
     }
@@ -36,63 +37,63 @@ static pl_status note_problem(pl_plan *plan, const pl_problem *problem, const ch
     return failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for %s", name) : PL_OK;
 }
 
-static void vary_scene(const pl_plan *plan, const pl_problem *problem, pl_scene *scene)
+static void vary_scene(const pl_plan *plan, const pl_case *test_case, pl_scene *scene)
 {
-    if (problem->variation.is_member) {
-        pl_scene_jitter(scene, plan->seed, problem->variation.member);
+    if (test_case->variation.is_member) {
+        pl_scene_jitter(scene, plan->seed, test_case->variation.member);
     }
 }
 
 /* Leaves of a scene what tells which run it is. */
-static void defer(pl_problem *problem)
+static void defer(pl_case *test_case)
 {
     pl_scene kept = pl_scene_default();
-    kept.dt = problem->scene.dt;
-    kept.duration = problem->scene.duration;
-    memcpy(kept.primary_error, problem->scene.primary_error, sizeof kept.primary_error);
-    pl_scene_free(&problem->scene);
-    problem->scene = kept;
-    problem->deferred = true;
+    kept.dt = test_case->scene.dt;
+    kept.duration = test_case->scene.duration;
+    memcpy(kept.primary_error, test_case->scene.primary_error, sizeof kept.primary_error);
+    pl_scene_free(&test_case->scene);
+    test_case->scene = kept;
+    test_case->deferred = true;
 }
 
-/* Varies and hashes the problem and moves it into the plan, or frees it. */
-static pl_status add_problem(pl_plan *plan, pl_problem *problem, const char *name, pl_error *error)
+/* Varies and hashes the case and moves it into the plan, or frees it. */
+static pl_status add_case(pl_plan *plan, pl_case *test_case, const char *name, pl_error *error)
 {
     bool known = false;
-    problem->variation = plan->variation;
-    vary_scene(plan, problem, &problem->scene);
-    pl_status status = pl_scene_hash(&problem->scene, problem->scene_hash, error);
+    test_case->variation = plan->variation;
+    vary_scene(plan, test_case, &test_case->scene);
+    pl_status status = pl_scene_hash(&test_case->scene, test_case->scene_hash, error);
     if (status == PL_OK) {
-        status = note_problem(plan, problem, name, &known, error);
+        status = note_case(plan, test_case, name, &known, error);
     }
     if (status != PL_OK || known) {
-        pl_scene_free(&problem->scene);
+        pl_scene_free(&test_case->scene);
         return status;
     }
-    if (plan->defers && problem->descriptor != NULL) {
-        defer(problem);
+    if (plan->defers && test_case->descriptor != NULL) {
+        defer(test_case);
     }
-    problem->name = strdup(name);
-    pl_problem *problems = grow(plan->problems, plan->problem_count, sizeof *problems);
-    if (problems != NULL) {
-        plan->problems = problems;
+    test_case->name = strdup(name);
+    pl_case *cases = grow(plan->cases, plan->case_count, sizeof *cases);
+    if (cases != NULL) {
+        plan->cases = cases;
     }
-    if (problem->name == NULL || problems == NULL) {
-        free(problem->name);
-        pl_scene_free(&problem->scene);
+    if (test_case->name == NULL || cases == NULL) {
+        free(test_case->name);
+        pl_scene_free(&test_case->scene);
         return pl_fail(error, PL_NO_MEMORY, "out of memory for %s", name);
     }
-    plan->problems[plan->problem_count++] = *problem;
+    plan->cases[plan->case_count++] = *test_case;
     return PL_OK;
 }
 
-pl_status pl_plan_build_scene(const pl_plan *plan, const pl_problem *problem, pl_scene *scene,
+pl_status pl_plan_build_scene(const pl_plan *plan, const pl_case *test_case, pl_scene *scene,
                               pl_error *error)
 {
     *scene = pl_scene_default();
-    pl_status status = problem->descriptor->build(problem->params, plan->seed, scene, error);
+    pl_status status = test_case->descriptor->build(test_case->params, plan->seed, scene, error);
     if (status == PL_OK) {
-        vary_scene(plan, problem, scene);
+        vary_scene(plan, test_case, scene);
     }
     return status;
 }
@@ -100,17 +101,17 @@ pl_status pl_plan_build_scene(const pl_plan *plan, const pl_problem *problem, pl
 pl_status pl_plan_add_scenario(pl_plan *plan, const pl_scenario *scenario,
                                const char *const *settings, int count, pl_error *error)
 {
-    pl_problem problem = {.descriptor = scenario, .scene = pl_scene_default()};
-    pl_status status = pl_scenario_values(scenario, settings, count, problem.params, error);
+    pl_case test_case = {.descriptor = scenario, .scene = pl_scene_default()};
+    pl_status status = pl_scenario_values(scenario, settings, count, test_case.params, error);
     for (int i = 0; i < scenario->param_count && plan->variation.refinement > 1; ++i) {
         if (strcmp(scenario->params[i].name, "dt") == 0) {
-            problem.params[i] /= plan->variation.refinement;
+            test_case.params[i] /= plan->variation.refinement;
         }
     }
     if (status == PL_OK) {
-        status = scenario->build(problem.params, plan->seed, &problem.scene, error);
+        status = scenario->build(test_case.params, plan->seed, &test_case.scene, error);
     }
-    return status == PL_OK ? add_problem(plan, &problem, scenario->name, error) : status;
+    return status == PL_OK ? add_case(plan, &test_case, scenario->name, error) : status;
 }
 
 static pl_status override_times(pl_scene *scene, const char *path, double dt, double duration,
@@ -137,31 +138,31 @@ static pl_status override_times(pl_scene *scene, const char *path, double dt, do
 pl_status pl_plan_add_scene_file(pl_plan *plan, const char *path, double dt, double duration,
                                  pl_error *error)
 {
-    pl_problem problem = {.scene = pl_scene_default()};
-    pl_status status = pl_scene_read_file(path, &problem.scene, error);
+    pl_case test_case = {.scene = pl_scene_default()};
+    pl_status status = pl_scene_read_file(path, &test_case.scene, error);
     if (status == PL_OK) {
         const int refinement = plan->variation.refinement > 1 ? plan->variation.refinement : 1;
-        const double step = isnan(dt) ? problem.scene.dt : dt;
-        status = override_times(&problem.scene, path, refinement > 1 ? step / refinement : dt,
+        const double step = isnan(dt) ? test_case.scene.dt : dt;
+        status = override_times(&test_case.scene, path, refinement > 1 ? step / refinement : dt,
                                 duration, error);
     }
     if (status != PL_OK) {
-        pl_scene_free(&problem.scene);
+        pl_scene_free(&test_case.scene);
         return status;
     }
-    return add_problem(plan, &problem, path, error);
+    return add_case(plan, &test_case, path, error);
 }
 
 pl_status pl_plan_add_engine(pl_plan *plan, const char *spec, pl_error *error)
 {
-    pl_contender added = {.label = ""};
+    pl_configuration added = {.label = ""};
     pl_status status = pl_engine_choose(spec, &added.choice, error);
     if (status != PL_OK) {
         return status;
     }
     pl_engine_choice_label(&added.choice, added.label);
-    for (int i = 0; i < plan->contender_count; ++i) {
-        const pl_contender *other = &plan->contenders[i];
+    for (int i = 0; i < plan->configuration_count; ++i) {
+        const pl_configuration *other = &plan->configurations[i];
         if (strcmp(other->label, added.label) == 0) {
             return other->choice.engine == added.choice.engine
                        ? PL_OK
@@ -175,29 +176,30 @@ pl_status pl_plan_add_engine(pl_plan *plan, const char *spec, pl_error *error)
 pl_status pl_plan_add_choice(pl_plan *plan, const pl_engine_choice *choice, const char *label,
                              int *index, pl_error *error)
 {
-    pl_contender added = {.choice = *choice};
+    pl_configuration added = {.choice = *choice};
     snprintf(added.label, sizeof added.label, "%s", label);
-    pl_contender *contenders = grow(plan->contenders, plan->contender_count, sizeof *contenders);
-    if (contenders == NULL) {
+    pl_configuration *configurations =
+        grow(plan->configurations, plan->configuration_count, sizeof *configurations);
+    if (configurations == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for %s", label);
     }
-    plan->contenders = contenders;
-    plan->contenders[plan->contender_count] = added;
+    plan->configurations = configurations;
+    plan->configurations[plan->configuration_count] = added;
     if (index != NULL) {
-        *index = plan->contender_count;
+        *index = plan->configuration_count;
     }
-    plan->contender_count += 1;
+    plan->configuration_count += 1;
     return PL_OK;
 }
 
-pl_status pl_plan_add_pairing(pl_plan *plan, int problem, int contender, pl_error *error)
+pl_status pl_plan_add_pairing(pl_plan *plan, int test_case, int configuration, pl_error *error)
 {
     pl_pairing *pairings = grow(plan->pairings, plan->pairing_count, sizeof *pairings);
     if (pairings == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
     }
     plan->pairings = pairings;
-    plan->pairings[plan->pairing_count++] = (pl_pairing){problem, contender};
+    plan->pairings[plan->pairing_count++] = (pl_pairing){test_case, configuration};
     return PL_OK;
 }
 
@@ -206,18 +208,18 @@ long pl_plan_size(const pl_plan *plan)
     if (plan->pairings != NULL) {
         return (long)plan->repeats * plan->pairing_count;
     }
-    return (long)plan->repeats * plan->problem_count * plan->contender_count;
+    return (long)plan->repeats * plan->case_count * plan->configuration_count;
 }
 
-/* Who stands at `place` in a repeat: the neighbours with its problem take turns. */
+/* Who stands at `place` in a repeat: the neighbours with its case take turns. */
 static const pl_pairing *turn(const pl_plan *plan, long place, long repeat)
 {
-    const int problem = plan->pairings[place].problem;
+    const int test_case = plan->pairings[place].test_case;
     long first = place, end = place + 1;
-    while (first > 0 && plan->pairings[first - 1].problem == problem) {
+    while (first > 0 && plan->pairings[first - 1].test_case == test_case) {
         --first;
     }
-    while (end < plan->pairing_count && plan->pairings[end].problem == problem) {
+    while (end < plan->pairing_count && plan->pairings[end].test_case == test_case) {
         ++end;
     }
     return &plan->pairings[first + (place - first + repeat) % (end - first)];
@@ -228,49 +230,49 @@ pl_planned_run pl_plan_run(const pl_plan *plan, long index)
     if (plan->pairings != NULL) {
         const long repeat = index / plan->pairing_count;
         const pl_pairing *pairing = turn(plan, index % plan->pairing_count, repeat);
-        return (pl_planned_run){.problem = &plan->problems[pairing->problem],
-                                .contender = &plan->contenders[pairing->contender],
+        return (pl_planned_run){.test_case = &plan->cases[pairing->test_case],
+                                .configuration = &plan->configurations[pairing->configuration],
                                 .repeat = (int)repeat};
     }
-    long engines = plan->contender_count;
+    long engines = plan->configuration_count;
     long position = index % engines;
-    long problem = index / engines % plan->problem_count;
-    long repeat = index / engines / plan->problem_count;
-    return (pl_planned_run){.problem = &plan->problems[problem],
-                            .contender = &plan->contenders[(position + repeat) % engines],
+    long test_case = index / engines % plan->case_count;
+    long repeat = index / engines / plan->case_count;
+    return (pl_planned_run){.test_case = &plan->cases[test_case],
+                            .configuration = &plan->configurations[(position + repeat) % engines],
                             .repeat = (int)repeat};
 }
 
 json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run)
 {
-    const pl_problem *problem = run->problem;
-    const pl_engine_choice *choice = &run->contender->choice;
-    pl_run_view view = {.scenario = problem->name,
-                        .descriptor = problem->descriptor,
-                        .params = problem->params,
-                        .scene_hash = problem->scene_hash,
-                        .primary_error = problem->scene.primary_error,
-                        .dt = problem->scene.dt,
-                        .duration = problem->scene.duration,
+    const pl_case *test_case = run->test_case;
+    const pl_engine_choice *choice = &run->configuration->choice;
+    pl_run_view view = {.scenario = test_case->name,
+                        .descriptor = test_case->descriptor,
+                        .params = test_case->params,
+                        .scene_hash = test_case->scene_hash,
+                        .primary_error = test_case->scene.primary_error,
+                        .dt = test_case->scene.dt,
+                        .duration = test_case->scene.duration,
                         .engine = choice->engine,
                         .profile = choice->profile,
                         .options = choice->values,
-                        .label = run->contender->label,
+                        .label = run->configuration->label,
                         .seed = plan->seed,
-                        .is_member = problem->variation.is_member,
-                        .member = problem->variation.member,
+                        .is_member = test_case->variation.is_member,
+                        .member = test_case->variation.member,
                         .repeat = run->repeat};
     return pl_run_identity(&view);
 }
 
 void pl_plan_free(pl_plan *plan)
 {
-    for (int i = 0; i < plan->problem_count; ++i) {
-        free(plan->problems[i].name);
-        pl_scene_free(&plan->problems[i].scene);
+    for (int i = 0; i < plan->case_count; ++i) {
+        free(plan->cases[i].name);
+        pl_scene_free(&plan->cases[i].scene);
     }
-    free(plan->problems);
-    free(plan->contenders);
+    free(plan->cases);
+    free(plan->configurations);
     free(plan->pairings);
     json_decref(plan->known);
     *plan = (pl_plan){.repeats = 0};

@@ -1,4 +1,4 @@
-/* The plan of a comparison: repeats x problems x engines, as a list of independent runs.
+/* The plan of a comparison: repeats x cases x engines, as a list of independent runs.
  *
  * The order of the engines rotates from repeat to repeat, so that a machine that warms up or slows
  * down does not favour one of them. */
@@ -8,7 +8,7 @@
 #include "adapters/registry.h"
 #include "results/result.h"
 
-/* How a problem differs from what was asked for; all zero: not at all. */
+/* How a case differs from what was asked for; all zero: not at all. */
 typedef struct pl_variation {
     bool is_member;
     int member;     /* from 0: pl_scene_jitter with the plan's seed */
@@ -16,7 +16,7 @@ typedef struct pl_variation {
 } pl_variation;
 
 /* A scene to run, and where it comes from. */
-typedef struct pl_problem {
+typedef struct pl_case {
     char *name;                    /* catalogue name, or the path of a scene file as given */
     const pl_scenario *descriptor; /* NULL for a scene file */
     double params[PL_MAX_PARAMS];
@@ -24,32 +24,32 @@ typedef struct pl_problem {
     char scene_hash[17];
     pl_variation variation;
     bool deferred; /* pl_plan_build_scene makes its scene */
-} pl_problem;
+} pl_case;
 
-typedef struct pl_contender {
+typedef struct pl_configuration {
     pl_engine_choice choice;
     char label[128];
-} pl_contender;
+} pl_configuration;
 
-/* One run of a plan that is not all problems on all engines. */
+/* One run of a plan that is not all cases on all engines. */
 typedef struct pl_pairing {
-    int problem, contender;
+    int test_case, configuration;
 } pl_pairing;
 
 typedef struct pl_plan {
-    pl_problem *problems;
-    int problem_count;
-    pl_contender *contenders;
-    int contender_count;
+    pl_case *cases;
+    int case_count;
+    pl_configuration *configurations;
+    int configuration_count;
     /* (pairing_count): the runs, in this order, where from repeat to repeat the engines of
-     * neighbours with the same problem take turns; NULL: all on all */
+     * neighbours with the same case take turns; NULL: all on all */
     pl_pairing *pairings;
     int pairing_count;
     int repeats;
     uint64_t seed;
-    pl_variation variation; /* of the problems that are added next */
+    pl_variation variation; /* of the cases that are added next */
     bool defers;            /* catalogue scenes added next are built again for each run, not kept */
-    json_t *known;          /* a set: what tells the problems apart; the plan's own */
+    json_t *known;          /* a set: what tells the cases apart; the plan's own */
 } pl_plan;
 
 /* A catalogue scenario with `count` settings "NAME=VALUE". One that is already there with the same
@@ -72,10 +72,10 @@ pl_status pl_plan_add_choice(pl_plan *plan, const pl_engine_choice *choice, cons
                              int *index, pl_error *error);
 
 /* One more run; from the first on, those are all that the plan has. */
-pl_status pl_plan_add_pairing(pl_plan *plan, int problem, int contender, pl_error *error);
+pl_status pl_plan_add_pairing(pl_plan *plan, int test_case, int configuration, pl_error *error);
 
-/* Builds the scene of a deferred problem, which the caller frees. PL_NO_MEMORY. */
-pl_status pl_plan_build_scene(const pl_plan *plan, const pl_problem *problem, pl_scene *scene,
+/* Builds the scene of a deferred case, which the caller frees. PL_NO_MEMORY. */
+pl_status pl_plan_build_scene(const pl_plan *plan, const pl_case *test_case, pl_scene *scene,
                               pl_error *error);
 
 /* How many runs. */
@@ -83,8 +83,8 @@ long pl_plan_size(const pl_plan *plan);
 
 /* What run `index` is. The pointers are the plan's. */
 typedef struct pl_planned_run {
-    const pl_problem *problem;
-    const pl_contender *contender;
+    const pl_case *test_case;
+    const pl_configuration *configuration;
     int repeat; /* from 0 */
 } pl_planned_run;
 

@@ -41,14 +41,14 @@ static void swap_frames(run *r)
     r->has_good = true;
 }
 
-static void set_outcome(pl_finding *finding, pl_outcome outcome, const pl_error *error)
+static void set_outcome(pl_run_result *finding, pl_outcome outcome, const pl_error *error)
 {
     finding->outcome = outcome;
     memcpy(finding->reason, error->message, sizeof finding->reason);
 }
 
 /* An engine's own failure. */
-static void set_failure(pl_finding *finding, const pl_error *error)
+static void set_failure(pl_run_result *finding, const pl_error *error)
 {
     bool refused = error->status == PL_UNSUPPORTED || error->status == PL_BAD_INPUT;
     set_outcome(finding, refused ? PL_OUTCOME_UNSUPPORTED : PL_OUTCOME_CRASHED, error);
@@ -161,7 +161,7 @@ static void read_frame(run *r, double time)
 
 /* Creates the engine and looks at the state before the first step. *going is false when that ended
  * it. */
-static pl_status begin(run *r, pl_finding *finding, bool *going, pl_error *error)
+static pl_status begin(run *r, pl_run_result *finding, bool *going, pl_error *error)
 {
     const pl_run_def *def = r->def;
     pl_error fault = {.message = ""};
@@ -214,7 +214,7 @@ static pl_status capture(const run *r, long step, pl_error *error)
 }
 
 /* One step. *going is false when it ended the run. */
-static pl_status advance(run *r, pl_finding *finding, bool *going, pl_error *error)
+static pl_status advance(run *r, pl_run_result *finding, bool *going, pl_error *error)
 {
     const pl_run_def *def = r->def;
     pl_error fault = {.message = ""};
@@ -265,7 +265,7 @@ static pl_status advance(run *r, pl_finding *finding, bool *going, pl_error *err
     return status;
 }
 
-static void judge(run *r, double memory, pl_finding *finding)
+static void judge(run *r, double memory, pl_run_result *finding)
 {
     pl_error fault = {.message = ""};
     pl_verdict verdict =
@@ -285,13 +285,14 @@ static void judge(run *r, double memory, pl_finding *finding)
 }
 
 pl_status pl_run_once(const pl_run_def *def,
-                      pl_status (*report)(const pl_finding *finding, void *user, pl_error *error),
+                      pl_status (*report)(const pl_run_result *finding, void *user,
+                                          pl_error *error),
                       void *user, pl_error *error)
 {
     run r = {.def = def, .meter = {.counter = -1}};
-    pl_finding finding = {.outcome = PL_OUTCOME_OK,
-                          .steps_asked = pl_scene_steps(def->scene),
-                          .body_count = def->scene->body_count};
+    pl_run_result finding = {.outcome = PL_OUTCOME_OK,
+                             .steps_asked = pl_scene_steps(def->scene),
+                             .body_count = def->scene->body_count};
     enter(&r, PL_STAGE_PREPARE);
     pl_status status = prepare(&r, error);
     if (status != PL_OK) {

@@ -48,7 +48,8 @@ typedef struct pl_run_def {
  * until `report` returns; the engine's instance is already destroyed. Any outcome is PL_OK;
  * PL_NO_MEMORY and PL_IO (the trajectory) mean that the run could not be made. */
 pl_status pl_run_once(const pl_run_def *def,
-                      pl_status (*report)(const pl_finding *finding, void *user, pl_error *error),
+                      pl_status (*report)(const pl_run_result *finding, void *user,
+                                          pl_error *error),
                       void *user, pl_error *error);
 
 #endif

@@ -117,14 +117,14 @@ static void test_numbers_survive_the_line_bit_for_bit(void **state)
     }
 }
 
-static pl_finding some_finding(const pl_body_state *bodies)
+static pl_run_result some_finding(const pl_body_state *bodies)
 {
-    pl_finding finding = {.outcome = PL_OUTCOME_COLLAPSED,
-                          .reason = "box fell",
-                          .steps_asked = 300,
-                          .steps_done = 300,
-                          .body_count = 1,
-                          .bodies = bodies};
+    pl_run_result finding = {.outcome = PL_OUTCOME_COLLAPSED,
+                             .reason = "box fell",
+                             .steps_asked = 300,
+                             .steps_done = 300,
+                             .body_count = 1,
+                             .bodies = bodies};
     finding.metrics.item[PL_METRIC_DRIFT] = (pl_metric){.state = PL_METRIC_VALUE, .value = 0.25};
     finding.metrics.item[PL_METRIC_CREEP] = (pl_metric){.state = PL_METRIC_VALUE, .value = NAN};
     finding.metrics.item[PL_METRIC_SETTLE_TIME] =
@@ -145,8 +145,8 @@ static void test_metrics_are_absent_null_with_reason_or_values(void **state)
 {
     (void)state;
     const pl_body_state body = {.position = {1, 2, 3}, .orientation = {1, 0, 0, 0}};
-    pl_finding finding = some_finding(&body);
-    json_t *object = pl_finding_to_json(&finding);
+    pl_run_result finding = some_finding(&body);
+    json_t *object = pl_run_result_to_json(&finding);
     assert_string_equal(result_text(object, "outcome"), "collapsed");
     assert_string_equal(result_text(object, "reason"), "box fell");
     const json_t *metrics = json_object_get(object, "metrics");
@@ -172,9 +172,9 @@ static void test_metrics_are_absent_null_with_reason_or_values(void **state)
 static void test_a_run_without_a_frame_has_null_poses(void **state)
 {
     (void)state;
-    pl_finding finding = some_finding(NULL);
+    pl_run_result finding = some_finding(NULL);
     finding.reason[0] = '\0';
-    json_t *object = pl_finding_to_json(&finding);
+    json_t *object = pl_run_result_to_json(&finding);
     assert_true(json_is_null(json_object_get(object, "final_poses")));
     assert_true(json_is_null(json_object_get(object, "reason")));
     json_decref(object);

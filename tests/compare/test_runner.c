@@ -20,21 +20,21 @@
 static void test_plan_has_every_run_once_and_rotates_engines(void **state)
 {
     (void)state;
-    pl_problem problems[2] = {{.name = NULL}};
-    pl_contender contenders[3] = {{.label = "a"}, {.label = "b"}, {.label = "c"}};
-    const pl_plan plan = {.problems = problems,
-                          .problem_count = 2,
-                          .contenders = contenders,
-                          .contender_count = 3,
+    pl_case problems[2] = {{.name = NULL}};
+    pl_configuration configurations[3] = {{.label = "a"}, {.label = "b"}, {.label = "c"}};
+    const pl_plan plan = {.cases = problems,
+                          .case_count = 2,
+                          .configurations = configurations,
+                          .configuration_count = 3,
                           .repeats = 4};
     int seen[4][2][3] = {{{0}}};
     int first[3] = {0};
     assert_int_equal(pl_plan_size(&plan), 24);
     for (long i = 0; i < 24; ++i) {
         pl_planned_run run = pl_plan_run(&plan, i);
-        seen[run.repeat][run.problem - problems][run.contender - contenders] += 1;
+        seen[run.repeat][run.test_case - problems][run.configuration - configurations] += 1;
         if (i % 3 == 0 && run.repeat < 3) {
-            first[run.contender - contenders] += 1;
+            first[run.configuration - configurations] += 1;
         }
         assert_int_equal(run.repeat, i / 6);
     }
@@ -62,15 +62,15 @@ static void test_overrides_of_a_scene_file_drop_what_no_longer_holds(void **stat
     pl_plan plan = {.repeats = 1};
     assert_int_equal(pl_plan_add_scene_file(&plan, path, NAN, NAN, &error), PL_OK);
     assert_int_equal(pl_plan_add_scene_file(&plan, path, 0.02, NAN, &error), PL_OK);
-    assert_int_equal(plan.problem_count, 2);
-    assert_close(plan.problems[0].scene.travels[0].discrete, 4.95405, 0, 0);
-    assert_true(isnan(plan.problems[1].scene.travels[0].discrete));
-    assert_close(plan.problems[1].scene.dt, 0.02, 0, 0);
+    assert_int_equal(plan.case_count, 2);
+    assert_close(plan.cases[0].scene.travels[0].discrete, 4.95405, 0, 0);
+    assert_true(isnan(plan.cases[1].scene.travels[0].discrete));
+    assert_close(plan.cases[1].scene.dt, 0.02, 0, 0);
     assert_int_equal(pl_plan_add_scene_file(&plan, path, NAN, 2, &error), PL_BAD_INPUT);
     assert_contains(error.message, "travel");
     assert_int_equal(pl_plan_add_scene_file(&plan, path, 2, NAN, &error), PL_BAD_INPUT);
     assert_int_equal(pl_plan_add_scene_file(&plan, path, NAN, NAN, &error), PL_OK);
-    assert_int_equal(plan.problem_count, 2); /* the same problem again is not added */
+    assert_int_equal(plan.case_count, 2); /* the same problem again is not added */
     pl_plan_free(&plan);
     free(path);
     remove_directory(directory);
@@ -269,17 +269,17 @@ static void test_resident_growth_is_the_peak_that_was_touched(void **state)
 
 /* --- one run in this process --- */
 
-static pl_status count_report(const pl_finding *finding, void *user, pl_error *error)
+static pl_status count_report(const pl_run_result *finding, void *user, pl_error *error)
 {
     (void)error;
-    pl_finding *kept = user;
+    pl_run_result *kept = user;
     assert_non_null(finding->bodies);
     *kept = *finding;
     kept->bodies = NULL;
     return PL_OK;
 }
 
-static void run_profile(const char *spec, pl_finding *finding, FILE *trajectory)
+static void run_profile(const char *spec, pl_run_result *finding, FILE *trajectory)
 {
     pl_scene scene = pl_scene_default();
     pl_engine_choice choice;
@@ -302,7 +302,7 @@ static void run_profile(const char *spec, pl_finding *finding, FILE *trajectory)
 static void test_a_run_makes_all_its_steps_and_shows_them(void **state)
 {
     (void)state;
-    pl_finding finding;
+    pl_run_result finding;
     run_profile(FAULTY ":good", &finding, NULL);
     assert_int_equal(finding.outcome, PL_OUTCOME_OK);
     assert_int_equal(finding.steps_done, 20);
@@ -312,8 +312,8 @@ static void test_a_run_makes_all_its_steps_and_shows_them(void **state)
 static void test_the_same_run_has_the_same_state_hash(void **state)
 {
     (void)state;
-    pl_finding first;
-    pl_finding second;
+    pl_run_result first;
+    pl_run_result second;
     run_profile(FAULTY ":good", &first, NULL);
     run_profile(FAULTY ":good", &second, NULL);
     assert_string_equal(first.metrics.item[PL_METRIC_STATE_HASH].text,
@@ -326,7 +326,7 @@ static void test_the_trajectory_has_a_header_and_a_row_a_body_and_frame(void **s
     char *text = NULL;
     size_t size = 0;
     FILE *file = open_memstream(&text, &size);
-    pl_finding finding;
+    pl_run_result finding;
     run_profile(FAULTY ":good", &finding, file);
     fclose(file);
     int lines = 0;

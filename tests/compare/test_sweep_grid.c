@@ -68,7 +68,7 @@ static char *list_runs(const pl_plan *plan)
     FILE *stream = open_memstream(&text, &length);
     for (long i = 0; i < pl_plan_size(plan); ++i) {
         pl_planned_run run = pl_plan_run(plan, i);
-        fprintf(stream, "%.6g %s %d\n", 1 / run.problem->scene.dt, run.contender->label,
+        fprintf(stream, "%.6g %s %d\n", 1 / run.test_case->scene.dt, run.configuration->label,
                 run.repeat);
     }
     fclose(stream);
@@ -108,13 +108,13 @@ static void test_the_last_key_varies_fastest(void **state)
                                  .engines = {"plumb"},
                                  .varied = {"n=3,2", "tolerance=1e-4", "friction=0.5,0.25,1"}});
     const double expected[][2] = {{3, 0.5}, {3, 0.25}, {3, 1}, {2, 0.5}, {2, 0.25}, {2, 1}};
-    assert_int_equal(plan.problem_count, 6);
+    assert_int_equal(plan.case_count, 6);
     for (int i = 0; i < 6; ++i) {
-        assert_true(plan.problems[i].params[0] == expected[i][0]);
-        assert_true(plan.problems[i].params[1] == expected[i][1]);
+        assert_true(plan.cases[i].params[0] == expected[i][0]);
+        assert_true(plan.cases[i].params[1] == expected[i][1]);
     }
-    assert_int_equal(plan.contender_count, 1);
-    assert_string_equal(plan.contenders[0].label, "plumb:default,tolerance=0.0001");
+    assert_int_equal(plan.configuration_count, 1);
+    assert_string_equal(plan.configurations[0].label, "plumb:default,tolerance=0.0001");
     pl_plan_free(&plan);
 }
 
@@ -128,7 +128,7 @@ static void test_what_lacks_a_key_is_not_varied_by_it(void **state)
                "60 plumb:default,iterations=2 0\n60 plumb:default,iterations=3 0\n");
     pl_plan plan = grid(&(asked){
         .scenarios = {"tower", "slope-slide"}, .engines = {"plumb"}, .varied = {"n=1..3"}});
-    assert_int_equal(plan.problem_count, 4);
+    assert_int_equal(plan.case_count, 4);
     pl_plan_free(&plan);
 }
 
@@ -170,8 +170,8 @@ static void test_equal_points_are_one(void **state)
                                  .settings = {"n=4", "n=7"},
                                  .engines = {"plumb", "plumb,iterations=5"},
                                  .varied = {"n=1,2", "iterations=5,6"}});
-    assert_int_equal(plan.problem_count, 2);
-    assert_int_equal(plan.contender_count, 2);
+    assert_int_equal(plan.case_count, 2);
+    assert_int_equal(plan.configuration_count, 2);
     pl_plan_free(&plan);
 }
 
@@ -182,7 +182,7 @@ static void test_a_parameter_without_effect_on_the_scene_is_still_a_point(void *
                                  .settings = {"n=1"},
                                  .engines = {"plumb"},
                                  .varied = {"top_mass=1,2", "rising_mass=1,2"}});
-    assert_int_equal(plan.problem_count, 4);
+    assert_int_equal(plan.case_count, 4);
     pl_plan_free(&plan);
 }
 
@@ -220,17 +220,17 @@ static void test_a_deferred_scene_is_built_as_it_was_hashed(void **state)
                                  .settings = {"n=5"},
                                  .engines = {"plumb"},
                                  .varied = {"dt=1/60,1/240"}});
-    for (int i = 0; i < plan.problem_count; ++i) {
+    for (int i = 0; i < plan.case_count; ++i) {
         pl_scene scene;
         char hash[17];
-        assert_true(plan.problems[i].deferred);
-        assert_int_equal(plan.problems[i].scene.body_count, 0);
-        assert_int_equal(pl_plan_build_scene(&plan, &plan.problems[i], &scene, NULL), PL_OK);
+        assert_true(plan.cases[i].deferred);
+        assert_int_equal(plan.cases[i].scene.body_count, 0);
+        assert_int_equal(pl_plan_build_scene(&plan, &plan.cases[i], &scene, NULL), PL_OK);
         assert_int_equal(pl_scene_hash(&scene, hash, NULL), PL_OK);
-        assert_string_equal(hash, plan.problems[i].scene_hash);
-        assert_true(scene.dt == plan.problems[i].scene.dt);
-        assert_true(scene.duration == plan.problems[i].scene.duration);
-        assert_string_equal(scene.primary_error, plan.problems[i].scene.primary_error);
+        assert_string_equal(hash, plan.cases[i].scene_hash);
+        assert_true(scene.dt == plan.cases[i].scene.dt);
+        assert_true(scene.duration == plan.cases[i].scene.duration);
+        assert_string_equal(scene.primary_error, plan.cases[i].scene.primary_error);
         pl_scene_free(&scene);
     }
     pl_plan_free(&plan);
@@ -253,7 +253,8 @@ static void check_shards(asked a, int count)
             run_hash(&part, k, hash);
             assert_null(json_object_get(owner, hash));
             json_object_set_new(owner, hash, json_integer(i));
-            snprintf(point, sizeof point, "%s %s", run.problem->scene_hash, run.contender->label);
+            snprintf(point, sizeof point, "%s %s", run.test_case->scene_hash,
+                     run.configuration->label);
             const json_t *shard = json_object_get(owner, point);
             assert_true(shard == NULL || json_integer_value(shard) == i);
             json_object_set_new(owner, point, json_integer(i));

@@ -45,8 +45,8 @@ static kept after(const pl_plan *plan, double step, const char *outcome, int fai
     json_t *provenance = json_pack("{s:s}", "command", "test");
     for (long i = 0; i < pl_plan_size(plan); ++i) {
         const pl_planned_run run = pl_plan_run(plan, i);
-        if (run.problem == &plan->problems[0] + (step < 1.0 / 90) + (step < 1.0 / 180) &&
-            run.contender == &plan->contenders[0] && run.repeat == 0) {
+        if (run.test_case == &plan->cases[0] + (step < 1.0 / 90) + (step < 1.0 / 180) &&
+            run.configuration == &plan->configurations[0] && run.repeat == 0) {
             json_t *result = pl_planned_run_identity(plan, &run);
             json_object_set_new(result, "outcome", json_string(outcome));
             json_object_set_new(result, "reason", json_string("no end within 15 s"));

@@ -62,8 +62,8 @@ static void test_long_runs_are_not_repeated_and_short_ones_are(void **state)
         const char *hash = hash_of(&plan, i, &identity);
         bool expected = false;
         for (int k = 0; k < 4; k++) {
-            expected |= is_long[k] && run.repeat > 0 && run.problem == first[k].problem &&
-                        run.contender == first[k].contender;
+            expected |= is_long[k] && run.repeat > 0 && run.test_case == first[k].test_case &&
+                        run.configuration == first[k].configuration;
         }
         assert_int_equal(pl_repeats_spare(&repeats, hash), expected);
         spared += expected;

@@ -117,17 +117,17 @@ static void test_a_shard_is_given_from_one(void **state)
     }
 }
 
-static void check_dealing(int count, int problems, int contenders)
+static void check_dealing(int count, int problems, int configurations)
 {
     long shares[64] = {0};
     int last = 0;
     for (int p = 0; p < problems; ++p) {
-        for (int c = 0; c < contenders; ++c) {
-            const int shard = pl_shard_of_point(count, problems, contenders, p, c);
+        for (int c = 0; c < configurations; ++c) {
+            const int shard = pl_shard_of_point(count, problems, configurations, p, c);
             assert_in_range(shard, 0, count - 1);
             shares[shard] += 1;
             if (problems >= count) {
-                assert_int_equal(shard, pl_shard_of_point(count, problems, contenders, p, 0));
+                assert_int_equal(shard, pl_shard_of_point(count, problems, configurations, p, 0));
             } else {
                 assert_true(shard >= last);
             }
@@ -135,7 +135,7 @@ static void check_dealing(int count, int problems, int contenders)
         }
     }
     /* As even as whole problems, or whole points, allow. */
-    const long unit = problems >= count ? contenders : 1;
+    const long unit = problems >= count ? configurations : 1;
     long least = shares[0], most = shares[0];
     for (int i = 1; i < count; ++i) {
         least = shares[i] < least ? shares[i] : least;
@@ -149,8 +149,8 @@ static void test_points_are_dealt_evenly(void **state)
     (void)state;
     for (int count = 1; count <= 12; ++count) {
         for (int problems = 1; problems <= 15; ++problems) {
-            for (int contenders = 1; contenders <= 7; ++contenders) {
-                check_dealing(count, problems, contenders);
+            for (int configurations = 1; configurations <= 7; ++configurations) {
+                check_dealing(count, problems, configurations);
             }
         }
     }

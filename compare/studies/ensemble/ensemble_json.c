@@ -85,7 +85,7 @@ static json_t *outcomes_json(const pl_findings *findings)
 static json_t *view_json(const pl_plan *plan, const pl_ensemble_view *view, int members)
 {
     const pl_ensemble *ensemble = view->ensemble;
-    const pl_problem *problem = &plan->problems[ensemble->problems[0]];
+    const pl_case *problem = &plan->cases[ensemble->problems[0]];
     const pl_invariants *kept = &view->findings.invariants;
     json_t *observables = json_object();
     for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
@@ -99,7 +99,7 @@ static json_t *view_json(const pl_plan *plan, const pl_ensemble_view *view, int 
     return json_pack(
         "{s:i, s:o, s:s, s:s, s:i, s:b, s:f, s:o, s:i, s:o, s:o, s:o, s:o}", "problem",
         ensemble->problem, "scenario", pl_json_text(problem->name, strlen(problem->name)), "name",
-        ensemble->name, "label", plan->contenders[ensemble->contender].label, "setting",
+        ensemble->name, "label", plan->configurations[ensemble->configuration].label, "setting",
         ensemble->setting, "converged", (int)ensemble->reference, "dt", problem->scene.dt, "runs",
         runs_json(plan, ensemble, members), "results", view->findings.results, "outcomes",
         outcomes_json(&view->findings), "invariants", invariants, "horizon",

@@ -23,17 +23,17 @@ static int *first_of(const firsts *f, int row, int member)
 static pl_status add_member(const pl_members_def *def, int setting, bool reference, int member,
                             pl_plan *plan, int *count, pl_error *error)
 {
-    const int before = plan->problem_count;
+    const int before = plan->case_count;
     plan->variation = (pl_variation){.is_member = true,
                                      .member = setting * def->members + member,
                                      .refinement = reference ? PL_FINER_STEPS : 0};
     pl_status status = def->add(def->user, setting, plan, error);
-    const int added = plan->problem_count - before;
+    const int added = plan->case_count - before;
     plan->variation = (pl_variation){.member = 0};
-    for (int i = before; i < plan->problem_count && status == PL_OK; ++i) {
-        if (!isfinite(pl_scene_least_size(&plan->problems[i].scene))) {
+    for (int i = before; i < plan->case_count && status == PL_OK; ++i) {
+        if (!isfinite(pl_scene_least_size(&plan->cases[i].scene))) {
             status = pl_fail(error, PL_BAD_INPUT, "%s: nothing in the scene can move",
-                             plan->problems[i].name);
+                             plan->cases[i].name);
         }
     }
     if (status == PL_OK && *count >= 0 && added != *count) {
@@ -54,7 +54,7 @@ static pl_status add_problems(const pl_members_def *def, pl_plan *plan, firsts *
     for (int row = 0; row < rows && status == PL_OK; ++row) {
         const bool reference = row > def->setting_count;
         for (int k = 0; k < def->members && status == PL_OK; ++k) {
-            *first_of(f, row, k) = plan->problem_count;
+            *first_of(f, row, k) = plan->case_count;
             status = add_member(def, reference ? 0 : row, reference, k, plan, count, error);
         }
     }
@@ -124,15 +124,15 @@ static pl_status strengthen(const pl_scene *scene, pl_engine_choice *choice, pl_
     return status;
 }
 
-/* A contender NAME@converged for each of the first `count`. */
+/* A configuration NAME@converged for each of the first `count`. */
 static pl_status add_references(pl_plan *plan, int count, int problem, pl_error *error)
 {
     pl_status status = PL_OK;
     for (int i = 0; i < count && status == PL_OK; ++i) {
         char label[2 * PL_NAME_SIZE + 16];
-        pl_engine_choice choice = plan->contenders[i].choice;
-        snprintf(label, sizeof label, "%.100s@converged", plan->contenders[i].label);
-        status = strengthen(&plan->problems[problem].scene, &choice, error);
+        pl_engine_choice choice = plan->configurations[i].choice;
+        snprintf(label, sizeof label, "%.100s@converged", plan->configurations[i].label);
+        status = strengthen(&plan->cases[problem].scene, &choice, error);
         if (status == PL_OK) {
             status = pl_plan_add_choice(plan, &choice, label, NULL, error);
         }
@@ -150,7 +150,7 @@ static pl_status add_ensemble(const pl_members_def *def, const pl_plan *plan, co
     for (int k = 0; k < def->members; ++k) {
         added.problems[k] = *first_of(f, row, k) + added.problem;
     }
-    const char *label = plan->contenders[added.contender].label;
+    const char *label = plan->configurations[added.configuration].label;
     if (added.setting == 0) {
         snprintf(added.name, sizeof added.name, "%s", label);
     } else {
@@ -178,7 +178,7 @@ static pl_status list_ensembles(const pl_members_def *def, const pl_plan *plan, 
                 const pl_ensemble added = {.problem = p,
                                            .setting = reference ? 0 : row,
                                            .reference = reference,
-                                           .contender = reference ? engines + e : e};
+                                           .configuration = reference ? engines + e : e};
                 status = add_ensemble(def, plan, f, added, row, all, error);
             }
         }
@@ -196,7 +196,7 @@ static pl_status pair_up(const pl_ensembles *all, pl_plan *plan, pl_error *error
             for (int i = 0; i < all->count && status == PL_OK; ++i) {
                 const pl_ensemble *e = &all->items[i];
                 if (e->reference == (pass == 1)) {
-                    status = pl_plan_add_pairing(plan, e->problems[k], e->contender, error);
+                    status = pl_plan_add_pairing(plan, e->problems[k], e->configuration, error);
                 }
             }
         }
@@ -207,7 +207,7 @@ static pl_status pair_up(const pl_ensembles *all, pl_plan *plan, pl_error *error
 pl_status pl_members_plan(const pl_members_def *def, pl_plan *plan, pl_ensembles *ensembles,
                           pl_error *error)
 {
-    const int engines = plan->contender_count;
+    const int engines = plan->configuration_count;
     firsts f = {.members = def->members};
     *ensembles = (pl_ensembles){.members = def->members};
     f.index = calloc(((size_t)def->setting_count + 2) * (size_t)def->members, sizeof *f.index);
@@ -239,8 +239,9 @@ void pl_ensembles_free(pl_ensembles *ensembles)
 
 void pl_member_run(const pl_plan *plan, const pl_ensemble *ensemble, int member, char run[17])
 {
-    const pl_planned_run planned = {.problem = &plan->problems[ensemble->problems[member]],
-                                    .contender = &plan->contenders[ensemble->contender]};
+    const pl_planned_run planned = {.test_case = &plan->cases[ensemble->problems[member]],
+                                    .configuration =
+                                        &plan->configurations[ensemble->configuration]};
     json_t *identity = pl_planned_run_identity(plan, &planned);
     snprintf(run, 17, "%s", pl_json_get_text(identity, "run"));
     json_decref(identity);

@@ -11,12 +11,12 @@ enum { PL_FINER_STEPS = 16, PL_MORE_ITERATIONS = 8 };
 
 /* The members of one problem on one engine. */
 typedef struct pl_ensemble {
-    int problem;    /* which of those asked for, from 0 */
-    int setting;    /* 0: as asked; k: with the k-th other setting */
-    bool reference; /* of the finer step */
-    int contender;  /* index into the plan's */
-    int *problems;  /* (members): index into the plan's, by member */
-    char name[256]; /* the engine's label, and the other setting in brackets */
+    int problem;       /* which of those asked for, from 0 */
+    int setting;       /* 0: as asked; k: with the k-th other setting */
+    bool reference;    /* of the finer step */
+    int configuration; /* index into the plan's */
+    int *problems;     /* (members): index into the plan's, by member */
+    char name[256];    /* the engine's label, and the other setting in brackets */
 } pl_ensemble;
 
 typedef struct pl_ensembles {

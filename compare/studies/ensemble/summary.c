@@ -164,7 +164,7 @@ static void add_findings(FILE *out, const pl_ensembles *all, const pl_ensemble_v
 }
 
 /* The asked parameters, which two problems of one scenario differ by. */
-static void add_title(FILE *out, const pl_problem *problem)
+static void add_title(FILE *out, const pl_case *problem)
 {
     const pl_scenario *descriptor = problem->descriptor;
     fprintf(out, "## %s\n\n", problem->name);
@@ -213,7 +213,7 @@ char *pl_ensemble_summary(const pl_plan *plan, const pl_ensembles *ensembles,
         if (first == NULL) {
             continue;
         }
-        add_title(out, &plan->problems[first->problems[0]]);
+        add_title(out, &plan->cases[first->problems[0]]);
         add_findings(out, ensembles, views, verdicts, p);
         add_engines(out, ensembles, views, p);
         add_observables(out, ensembles, views, p);

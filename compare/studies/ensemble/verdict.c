@@ -17,7 +17,7 @@ static const double notable_share = 0.005;
 static bool comparable(const pl_ensemble *a, const pl_ensemble *b)
 {
     return a->problem == b->problem && (a->setting == 0 || b->setting == 0) &&
-           (a->setting == b->setting || a->contender == b->contender);
+           (a->setting == b->setting || a->configuration == b->configuration);
 }
 
 /* An observable of two ensembles, but for the correction. */

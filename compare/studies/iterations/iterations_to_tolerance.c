@@ -12,8 +12,8 @@ static const double error_floor = 1e-9;
 /* One search. */
 typedef struct candidate {
     const pl_tolerance_def *def;
-    const pl_problem *problem;
-    const pl_contender *contender;
+    const pl_case *problem;
+    const pl_configuration *configuration;
     int option; /* index of `iterations` */
     int signal_number;
     char outcome[32]; /* of the last run that did not hold, with `fell` iterations */
@@ -39,12 +39,13 @@ static void budgets_of(const pl_engine *engine, int option, long *least, long *m
 }
 
 /* *due: whether a run of the pair is still to be made. */
-static pl_status is_due(const pl_tolerance_def *def, const pl_problem *problem,
-                        const pl_contender *contender, bool *due, pl_error *error)
+static pl_status is_due(const pl_tolerance_def *def, const pl_case *problem,
+                        const pl_configuration *configuration, bool *due, pl_error *error)
 {
     *due = def->skip == NULL;
     for (int repeat = 0; repeat < def->plan->repeats && !*due; ++repeat) {
-        const pl_planned_run run = {.problem = problem, .contender = contender, .repeat = repeat};
+        const pl_planned_run run = {
+            .test_case = problem, .configuration = configuration, .repeat = repeat};
         json_t *identity = pl_planned_run_identity(def->plan, &run);
         if (identity == NULL) {
             return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
@@ -63,21 +64,21 @@ static pl_status most_runs_of(const candidate *c, long *runs, pl_error *error)
     if (c->option < 0 || c->problem->scene.primary_error[0] == '\0') {
         return PL_OK;
     }
-    pl_status status = is_due(c->def, c->problem, c->contender, &due, error);
+    pl_status status = is_due(c->def, c->problem, c->configuration, &due, error);
     long least, most;
-    budgets_of(c->contender->choice.engine, c->option, &least, &most);
+    budgets_of(c->configuration->choice.engine, c->option, &least, &most);
     if (status == PL_OK && due && least <= most) {
         *runs = pl_budget_most_trials(least, most);
     }
     return status;
 }
 
-static candidate candidate_of(const pl_tolerance_def *def, int problem, int contender)
+static candidate candidate_of(const pl_tolerance_def *def, int problem, int configuration)
 {
-    const pl_contender *of = &def->plan->contenders[contender];
+    const pl_configuration *of = &def->plan->configurations[configuration];
     return (candidate){.def = def,
-                       .problem = &def->plan->problems[problem],
-                       .contender = of,
+                       .problem = &def->plan->cases[problem],
+                       .configuration = of,
                        .option = find_option(of->choice.engine)};
 }
 
@@ -112,14 +113,14 @@ static pl_status try_budget(void *user, long budget, pl_budget_trial *trial, dou
                             pl_error *error)
 {
     candidate *c = user;
-    pl_contender contender = *c->contender;
-    contender.choice.values[c->option] = (double)budget;
-    pl_engine_choice_label(&contender.choice, contender.label);
-    pl_problem problem = *c->problem;
-    const pl_plan plan = {.problems = &problem,
-                          .problem_count = 1,
-                          .contenders = &contender,
-                          .contender_count = 1,
+    pl_configuration configuration = *c->configuration;
+    configuration.choice.values[c->option] = (double)budget;
+    pl_engine_choice_label(&configuration.choice, configuration.label);
+    pl_case problem = *c->problem;
+    const pl_plan plan = {.cases = &problem,
+                          .case_count = 1,
+                          .configurations = &configuration,
+                          .configuration_count = 1,
                           .repeats = 1,
                           .seed = c->def->plan->seed};
     const pl_execution_def execution = {.plan = &plan,
@@ -167,7 +168,7 @@ static pl_status search(candidate *c, pl_metric *metric, int *signal_number, pl_
     if (status != PL_OK || runs == 0) {
         return status;
     }
-    budgets_of(c->contender->choice.engine, c->option, &def.least, &def.most);
+    budgets_of(c->configuration->choice.engine, c->option, &def.least, &def.most);
     status = pl_budget_search(&def, &found, error);
     *signal_number = c->signal_number;
     if (status != PL_OK || *signal_number != 0) {
@@ -185,8 +186,9 @@ pl_status pl_tolerance_most_runs(const pl_tolerance_def *def, long *runs, pl_err
     const pl_plan *plan = def->plan;
     pl_status status = PL_OK;
     *runs = 0;
-    for (int i = 0; i < plan->problem_count * plan->contender_count && status == PL_OK; ++i) {
-        const candidate c = candidate_of(def, i / plan->contender_count, i % plan->contender_count);
+    for (int i = 0; i < plan->case_count * plan->configuration_count && status == PL_OK; ++i) {
+        const candidate c =
+            candidate_of(def, i / plan->configuration_count, i % plan->configuration_count);
         long most = 0;
         status = most_runs_of(&c, &most, error);
         *runs += most;
@@ -198,7 +200,7 @@ pl_status pl_tolerance_search(const pl_tolerance_def *def, pl_metric **metrics, 
                               pl_error *error)
 {
     const pl_plan *plan = def->plan;
-    const int count = plan->problem_count * plan->contender_count;
+    const int count = plan->case_count * plan->configuration_count;
     pl_status status = PL_OK;
     *signal_number = 0;
     *metrics = calloc((size_t)count + 1, sizeof **metrics);
@@ -206,24 +208,25 @@ pl_status pl_tolerance_search(const pl_tolerance_def *def, pl_metric **metrics, 
         return pl_fail(error, PL_NO_MEMORY, "out of memory for %d searches", count);
     }
     for (int i = 0; i < count && status == PL_OK && *signal_number == 0; ++i) {
-        candidate c = candidate_of(def, i / plan->contender_count, i % plan->contender_count);
+        candidate c =
+            candidate_of(def, i / plan->configuration_count, i % plan->configuration_count);
         status = search(&c, &(*metrics)[i], signal_number, error);
     }
     return status;
 }
 
-/* The place of the result's problem and contender; -1 when they are not the plan's. */
+/* The place of the result's problem and configuration; -1 when they are not the plan's. */
 static int place_of(const pl_plan *plan, const json_t *result)
 {
-    for (int p = 0; p < plan->problem_count; ++p) {
-        const pl_problem *problem = &plan->problems[p];
+    for (int p = 0; p < plan->case_count; ++p) {
+        const pl_case *problem = &plan->cases[p];
         if (strcmp(problem->name, pl_json_get_text(result, "scenario")) != 0 ||
             strcmp(problem->scene_hash, pl_json_get_text(result, "scene_hash")) != 0) {
             continue;
         }
-        for (int c = 0; c < plan->contender_count; ++c) {
-            if (strcmp(plan->contenders[c].label, pl_json_get_text(result, "label")) == 0) {
-                return p * plan->contender_count + c;
+        for (int c = 0; c < plan->configuration_count; ++c) {
+            if (strcmp(plan->configurations[c].label, pl_json_get_text(result, "label")) == 0) {
+                return p * plan->configuration_count + c;
             }
         }
     }
@@ -238,9 +241,9 @@ pl_status pl_tolerance_put(const pl_plan *plan, const pl_metric *metrics, json_t
         return PL_OK;
     }
     /* A finding of this metric alone, so that it has the form of all others. */
-    pl_finding finding = {.outcome = PL_OUTCOME_OK};
+    pl_run_result finding = {.outcome = PL_OUTCOME_OK};
     finding.metrics.item[PL_METRIC_ITERATIONS_TO_TOLERANCE] = metrics[place];
-    json_t *object = pl_finding_to_json(&finding);
+    json_t *object = pl_run_result_to_json(&finding);
     json_t *all = json_object_get(result, "metrics");
     int failed = object == NULL || all == NULL ||
                  json_object_update(all, json_object_get(object, "metrics")) != 0;

@@ -23,10 +23,10 @@ typedef struct pl_tolerance_def {
 /* Runs that all searches take, at most. PL_NO_MEMORY. */
 pl_status pl_tolerance_most_runs(const pl_tolerance_def *def, long *runs, pl_error *error);
 
-/* *metrics gets one metric for each problem and contender, at problem x contender_count +
- * contender; the caller frees it, in any case. A metric is absent where the engine has no option
- * `iterations` or its profile refuses it, where the scene has no primary error, and where no search
- * was needed. A signal ends it as in pl_execute. */
+/* *metrics gets one metric for each problem and configuration, at problem x configuration_count +
+ * configuration; the caller frees it, in any case. A metric is absent where the engine has no
+ * option `iterations` or its profile refuses it, where the scene has no primary error, and where no
+ * search was needed. A signal ends it as in pl_execute. */
 pl_status pl_tolerance_search(const pl_tolerance_def *def, pl_metric **metrics, int *signal_number,
                               pl_error *error);
 

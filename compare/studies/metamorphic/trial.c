@@ -34,16 +34,16 @@ static pl_status keep_result(void *user, json_t *result, pl_error *error)
 static void show(trials *t, const run *r, double started)
 {
     char title[256];
-    snprintf(title, sizeof title, "%s, %s", r->planned->problem->name, r->check);
-    pl_progress_run_ended(&t->progress, title, r->planned->contender->label,
+    snprintf(title, sizeof title, "%s, %s", r->planned->test_case->name, r->check);
+    pl_progress_run_ended(&t->progress, title, r->planned->configuration->label,
                           pl_json_get_text(r->result, "outcome"),
                           pl_json_get_text(r->result, "reason"), pl_monotonic_seconds() - started);
 }
 
 static pl_status make_run(trials *t, run *r, pl_error *error)
 {
-    pl_problem problem = *r->planned->problem;
-    pl_contender contender = *r->planned->contender;
+    pl_case problem = *r->planned->test_case;
+    pl_configuration configuration = *r->planned->configuration;
     const double started = pl_monotonic_seconds();
     problem.scene = *r->scene;
     pl_status status = pl_scene_hash(r->scene, problem.scene_hash, error);
@@ -53,10 +53,10 @@ static pl_status make_run(trials *t, run *r, pl_error *error)
     if (status != PL_OK) {
         return status;
     }
-    const pl_plan plan = {.problems = &problem,
-                          .problem_count = 1,
-                          .contenders = &contender,
-                          .contender_count = 1,
+    const pl_plan plan = {.cases = &problem,
+                          .case_count = 1,
+                          .configurations = &configuration,
+                          .configuration_count = 1,
                           .repeats = 1,
                           .seed = t->def->plan->seed};
     const pl_execution_def execution = {.plan = &plan,
@@ -183,7 +183,7 @@ static pl_status make_trial(trials *t, const pl_planned_run *planned, pl_check_f
 {
     int check_count, count = 0;
     const pl_check *checks = pl_checks(&check_count);
-    run plain = {.planned = planned, .scene = &planned->problem->scene, .check = "plain"};
+    run plain = {.planned = planned, .scene = &planned->test_case->scene, .check = "plain"};
     pl_status status = make_run(t, &plain, error);
     for (int i = 0; i < check_count && status == PL_OK && t->signal == 0; ++i) {
         if (t->def->chosen[i]) {

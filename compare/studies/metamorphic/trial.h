@@ -27,7 +27,7 @@ typedef struct pl_trial {
 } pl_trial;
 
 typedef struct pl_trials_def {
-    const pl_plan *plan; /* with one repeat: all its problems on all its contenders */
+    const pl_plan *plan; /* with one repeat: all its problems on all its configurations */
     const bool *chosen;  /* which of pl_checks */
     pl_limits limits;
     json_t *provenance;

@@ -31,9 +31,9 @@ static void print_finding(FILE *out, const pl_check_finding *finding)
 
 void pl_trial_print(FILE *out, const pl_trial *trial)
 {
-    const pl_scene *scene = &trial->run.problem->scene;
-    fprintf(out, "%s on %s: %d bodies, size %.4g m, %ld steps\n", trial->run.problem->name,
-            trial->run.contender->label, scene->body_count, trial->size, pl_scene_steps(scene));
+    const pl_scene *scene = &trial->run.test_case->scene;
+    fprintf(out, "%s on %s: %d bodies, size %.4g m, %ld steps\n", trial->run.test_case->name,
+            trial->run.configuration->label, scene->body_count, trial->size, pl_scene_steps(scene));
     fprintf(out, "  %-14s  %-28s  %-28s  %9s\n", "", "at a tenth of the run", "at its end",
             "1e-6 size");
     fprintf(out, "  %-14s  %8s  %8s  %-8s  %8s  %8s  %-8s  %9s\n", "check", "m/size", "rad",

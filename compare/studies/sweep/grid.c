@@ -27,7 +27,7 @@ typedef struct grid {
 /* The settings of all parameters of a catalogue problem, varied. */
 static void list_settings(const grid *g, const place *at, char (*settings)[SETTING_SIZE])
 {
-    const pl_problem *problem = &g->def->base->problems[at->base];
+    const pl_case *problem = &g->def->base->cases[at->base];
     const pl_scenario *scenario = problem->descriptor;
     const pl_grid_keys *keys = &g->keys[at->base];
     for (int i = 0; i < scenario->param_count; ++i) {
@@ -61,7 +61,7 @@ static void point_at(char (*settings)[SETTING_SIZE], const char **texts)
 /* What tells the problem from others; malloc'd. PL_BAD_INPUT: a value out of its range. */
 static pl_status name_place(const grid *g, const place *at, char **name, pl_error *error)
 {
-    const pl_problem *problem = &g->def->base->problems[at->base];
+    const pl_case *problem = &g->def->base->cases[at->base];
     char settings[PL_MAX_PARAMS][SETTING_SIZE];
     const char *texts[PL_MAX_PARAMS];
     double values[PL_MAX_PARAMS] = {time_step(g, at)};
@@ -98,7 +98,7 @@ static pl_status list_places(grid *g, long most, pl_error *error)
     if (g->places == NULL || seen == NULL) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory for the grid");
     }
-    for (int i = 0; i < g->def->base->problem_count; ++i) {
+    for (int i = 0; i < g->def->base->case_count; ++i) {
         const long size = (long)pl_grid_combinations(&g->keys[i]);
         for (long k = 0; k < size && status == PL_OK; ++k) {
             const place at = {.base = i, .combination = k};
@@ -119,7 +119,7 @@ static pl_status list_places(grid *g, long most, pl_error *error)
 
 static pl_status add_place(const grid *g, const place *at, pl_plan *plan, pl_error *error)
 {
-    const pl_problem *problem = &g->def->base->problems[at->base];
+    const pl_case *problem = &g->def->base->cases[at->base];
     if (problem->descriptor == NULL) {
         return pl_plan_add_scene_file(plan, problem->name, time_step(g, at), g->def->duration,
                                       error);
@@ -136,18 +136,18 @@ static pl_status add_place(const grid *g, const place *at, pl_plan *plan, pl_err
 static pl_status add_share(const grid *g, int number, pl_plan *plan, pl_error *error)
 {
     const pl_shard *shard = &g->def->shard;
-    const int problem = plan->problem_count;
+    const int problem = plan->case_count;
     pl_status status = PL_OK;
-    for (int i = 0; i < plan->contender_count && status == PL_OK; ++i) {
-        if (pl_shard_of_point(shard->count, g->count, plan->contender_count, number, i) !=
+    for (int i = 0; i < plan->configuration_count && status == PL_OK; ++i) {
+        if (pl_shard_of_point(shard->count, g->count, plan->configuration_count, number, i) !=
             shard->index) {
             continue;
         }
-        if (plan->problem_count == problem) {
+        if (plan->case_count == problem) {
             status = add_place(g, &g->places[number], plan, error);
         }
         /* A plan of whole problems needs no list of points. */
-        if (status != PL_OK || plan->problem_count == problem || g->count >= shard->count) {
+        if (status != PL_OK || plan->case_count == problem || g->count >= shard->count) {
             break;
         }
         status = pl_plan_add_pairing(plan, problem, i, error);
@@ -156,16 +156,17 @@ static pl_status add_share(const grid *g, int number, pl_plan *plan, pl_error *e
 }
 
 /* The runs of the whole grid must not be too many. */
-static pl_status check_size(const pl_grid_def *def, double problems, double contenders,
+static pl_status check_size(const pl_grid_def *def, double problems, double configurations,
                             pl_error *error)
 {
-    const double runs = problems * fmax(contenders, 1) * def->base->repeats;
+    const double runs = problems * fmax(configurations, 1) * def->base->repeats;
     return runs <= PL_GRID_MOST_RUNS
                ? PL_OK
                : pl_fail(error, PL_BAD_INPUT,
                          "%.0f problems x %.0f engines x %d repeats are %.0f runs; a sweep has at "
                          "most %d",
-                         problems, contenders, def->base->repeats, runs, (int)PL_GRID_MOST_RUNS);
+                         problems, configurations, def->base->repeats, runs,
+                         (int)PL_GRID_MOST_RUNS);
 }
 
 pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error)
@@ -176,12 +177,12 @@ pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error)
     if (status != PL_OK) {
         return status;
     }
-    g.keys = calloc((size_t)def->base->problem_count + 1, sizeof *g.keys);
+    g.keys = calloc((size_t)def->base->case_count + 1, sizeof *g.keys);
     if (g.keys == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for the grid");
     }
-    for (int i = 0; i < def->base->problem_count; ++i) {
-        g.keys[i] = pl_grid_keys_of_problem(def, &def->base->problems[i]);
+    for (int i = 0; i < def->base->case_count; ++i) {
+        g.keys[i] = pl_grid_keys_of_problem(def, &def->base->cases[i]);
         problems += pl_grid_combinations(&g.keys[i]);
     }
     plan->repeats = def->base->repeats;

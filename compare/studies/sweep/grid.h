@@ -1,7 +1,7 @@
-/* The grid of a sweep: problems (time step and scenario parameters) x contenders (engines with
+/* The grid of a sweep: problems (time step and scenario parameters) x configurations (engines with
  * their options), as a plan.
  *
- * Problems come in the order asked for, the last key varying fastest; the contenders take turns
+ * Problems come in the order asked for, the last key varying fastest; the configurations take turns
  * among the engines asked for, each engine's own in the same order. Equal points are one. */
 #ifndef PLUMB_SWEEP_GRID_H
 #define PLUMB_SWEEP_GRID_H

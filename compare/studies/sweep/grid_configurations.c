@@ -9,8 +9,8 @@
 double pl_grid_contender_count(const pl_grid_def *def)
 {
     double count = 0;
-    for (int i = 0; i < def->base->contender_count; ++i) {
-        pl_grid_keys keys = pl_grid_keys_of_contender(def, &def->base->contenders[i]);
+    for (int i = 0; i < def->base->configuration_count; ++i) {
+        pl_grid_keys keys = pl_grid_keys_of_contender(def, &def->base->configurations[i]);
         count += pl_grid_combinations(&keys);
     }
     return count;
@@ -97,12 +97,12 @@ static bool are_equal(const pl_engine_choice *a, const pl_engine_choice *b)
 /* Adds the engine unless it is there. `labels` maps labels to the plan's indices. */
 static pl_status add(const pl_engine_choice *choice, json_t *labels, pl_plan *plan, pl_error *error)
 {
-    char label[sizeof plan->contenders->label];
+    char label[sizeof plan->configurations->label];
     int index = 0;
     pl_engine_choice_label(choice, label);
     const json_t *known = json_object_get(labels, label);
     if (known != NULL) {
-        const pl_engine_choice *other = &plan->contenders[json_integer_value(known)].choice;
+        const pl_engine_choice *other = &plan->configurations[json_integer_value(known)].choice;
         return are_equal(choice, other)
                    ? PL_OK
                    : pl_fail(error, PL_BAD_INPUT,
@@ -124,8 +124,8 @@ pl_status pl_grid_add_contenders(const pl_grid_def *def, pl_plan *plan, pl_error
     bool more = true;
     for (long number = 0; more && status == PL_OK; ++number) {
         more = false;
-        for (int i = 0; i < def->base->contender_count && status == PL_OK; ++i) {
-            const pl_contender *asked = &def->base->contenders[i];
+        for (int i = 0; i < def->base->configuration_count && status == PL_OK; ++i) {
+            const pl_configuration *asked = &def->base->configurations[i];
             pl_grid_keys keys = pl_grid_keys_of_contender(def, asked);
             if ((double)number < pl_grid_combinations(&keys)) {
                 pl_engine_choice choice = asked->choice;

@@ -56,7 +56,7 @@ static bool is_of(const pl_vary *vary, const char *name)
     return vary->owner[0] == '\0' || strcmp(vary->owner, name) == 0;
 }
 
-static bool problem_has(const pl_problem *problem, const pl_vary *vary)
+static bool problem_has(const pl_case *problem, const pl_vary *vary)
 {
     if (!is_of(vary, problem->name)) {
         return false;
@@ -75,9 +75,9 @@ static int profiles_of(const pl_engine *engine, const pl_vary *vary)
     return count;
 }
 
-static bool contender_has(const pl_contender *contender, const pl_vary *vary)
+static bool contender_has(const pl_configuration *configuration, const pl_vary *vary)
 {
-    const pl_engine *engine = contender->choice.engine;
+    const pl_engine *engine = configuration->choice.engine;
     if (!is_of(vary, engine->name)) {
         return false;
     }
@@ -97,7 +97,7 @@ static bool is_replaced(const pl_grid_def *def, const pl_vary *vary, const char 
     return false;
 }
 
-pl_grid_keys pl_grid_keys_of_problem(const pl_grid_def *def, const pl_problem *problem)
+pl_grid_keys pl_grid_keys_of_problem(const pl_grid_def *def, const pl_case *problem)
 {
     pl_grid_keys keys = {.count = 0};
     for (int i = 0; i < def->varied_count; ++i) {
@@ -110,14 +110,15 @@ pl_grid_keys pl_grid_keys_of_problem(const pl_grid_def *def, const pl_problem *p
     return keys;
 }
 
-pl_grid_keys pl_grid_keys_of_contender(const pl_grid_def *def, const pl_contender *contender)
+pl_grid_keys pl_grid_keys_of_contender(const pl_grid_def *def,
+                                       const pl_configuration *configuration)
 {
     pl_grid_keys keys = {.count = 0};
-    const pl_engine *engine = contender->choice.engine;
+    const pl_engine *engine = configuration->choice.engine;
     const char *name = engine->name;
     for (int i = 0; i < def->varied_count; ++i) {
         const pl_vary *vary = &def->varied[i];
-        if (contender_has(contender, vary) && !is_replaced(def, vary, name)) {
+        if (contender_has(configuration, vary) && !is_replaced(def, vary, name)) {
             const bool is_profile = strcmp(vary->key, PL_VARY_PROFILE) == 0;
             keys.values[keys.count] = is_profile ? profiles_of(engine, vary) : vary->count;
             keys.items[keys.count++] = i;
@@ -147,16 +148,16 @@ static bool add_name(names *n, const char *name)
 static bool list_keys(const pl_grid_def *def, const pl_vary *vary, names *n)
 {
     bool fine = add_name(n, "dt") && add_name(n, PL_VARY_PROFILE) && add_name(n, "solver");
-    for (int i = 0; i < def->base->problem_count; ++i) {
-        const pl_problem *problem = &def->base->problems[i];
+    for (int i = 0; i < def->base->case_count; ++i) {
+        const pl_case *problem = &def->base->cases[i];
         const pl_scenario *scenario = problem->descriptor;
         for (int k = 0; scenario != NULL && is_of(vary, problem->name) && k < scenario->param_count;
              ++k) {
             fine = fine && add_name(n, scenario->params[k].name);
         }
     }
-    for (int i = 0; i < def->base->contender_count; ++i) {
-        const pl_engine *engine = def->base->contenders[i].choice.engine;
+    for (int i = 0; i < def->base->configuration_count; ++i) {
+        const pl_engine *engine = def->base->configurations[i].choice.engine;
         for (int k = 0; is_of(vary, engine->name) && k < engine->option_count; ++k) {
             fine = fine && add_name(n, engine->options[k].name);
         }
@@ -167,11 +168,11 @@ static bool list_keys(const pl_grid_def *def, const pl_vary *vary, names *n)
 static bool list_owners(const pl_grid_def *def, names *n)
 {
     bool fine = true;
-    for (int i = 0; i < def->base->problem_count; ++i) {
-        fine = fine && add_name(n, def->base->problems[i].name);
+    for (int i = 0; i < def->base->case_count; ++i) {
+        fine = fine && add_name(n, def->base->cases[i].name);
     }
-    for (int i = 0; i < def->base->contender_count; ++i) {
-        fine = fine && add_name(n, def->base->contenders[i].choice.engine->name);
+    for (int i = 0; i < def->base->configuration_count; ++i) {
+        fine = fine && add_name(n, def->base->configurations[i].choice.engine->name);
     }
     return fine;
 }
@@ -233,8 +234,8 @@ static pl_status check_profiles(const pl_grid_def *def, const pl_vary *vary, pl_
 {
     names known = {.count = 0};
     pl_status status = PL_OK;
-    for (int i = 0; i < def->base->contender_count && status == PL_OK; ++i) {
-        const pl_engine *engine = def->base->contenders[i].choice.engine;
+    for (int i = 0; i < def->base->configuration_count && status == PL_OK; ++i) {
+        const pl_engine *engine = def->base->configurations[i].choice.engine;
         for (int k = 0; is_of(vary, engine->name) && k < engine->profile_count; ++k) {
             if (!add_name(&known, engine->profiles[k].name)) {
                 status = pl_fail(error, PL_NO_MEMORY, "out of memory for --vary");
@@ -253,8 +254,8 @@ static pl_status check_profiles(const pl_grid_def *def, const pl_vary *vary, pl_
 
 static bool owner_is_chosen(const pl_grid_def *def, const pl_vary *vary)
 {
-    for (int i = 0; i < def->base->contender_count; ++i) {
-        if (is_of(vary, def->base->contenders[i].choice.engine->name)) {
+    for (int i = 0; i < def->base->configuration_count; ++i) {
+        if (is_of(vary, def->base->configurations[i].choice.engine->name)) {
             return true;
         }
     }
@@ -272,11 +273,11 @@ static pl_status check_key(const pl_grid_def *def, int index, pl_error *error)
                            vary->owner[0] == '\0' ? "" : ".", vary->key);
         }
     }
-    for (int i = 0; i < def->base->problem_count; ++i) {
-        of_problem = of_problem || problem_has(&def->base->problems[i], vary);
+    for (int i = 0; i < def->base->case_count; ++i) {
+        of_problem = of_problem || problem_has(&def->base->cases[i], vary);
     }
-    for (int i = 0; i < def->base->contender_count; ++i) {
-        of_contender = of_contender || contender_has(&def->base->contenders[i], vary);
+    for (int i = 0; i < def->base->configuration_count; ++i) {
+        of_contender = of_contender || contender_has(&def->base->configurations[i], vary);
     }
     if (of_problem && of_contender) {
         return pl_fail(error, PL_BAD_INPUT,

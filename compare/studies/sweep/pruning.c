@@ -39,10 +39,10 @@ static json_t *finding_of(const json_t *timed_out, double dt)
 {
     const json_t *asked = json_object_get(json_object_get(timed_out, "steps"), "asked");
     const double duration = json_number_value(asked) * step_of(timed_out);
-    pl_finding finding = {.outcome = PL_OUTCOME_TIMEOUT, .steps_asked = lround(duration / dt)};
+    pl_run_result finding = {.outcome = PL_OUTCOME_TIMEOUT, .steps_asked = lround(duration / dt)};
     snprintf(finding.reason, sizeof finding.reason, "not run: at a time step of 1/%g s, %s",
              1 / step_of(timed_out), pl_json_get_text(timed_out, "reason"));
-    return pl_finding_to_json(&finding);
+    return pl_run_result_to_json(&finding);
 }
 
 static json_t *result_of(json_t *identity, const json_t *timed_out, json_t *provenance)

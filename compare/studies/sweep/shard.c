@@ -134,13 +134,13 @@ pl_status pl_shard_from_environment(pl_shard *shard, bool *found, pl_error *erro
     return PL_OK;
 }
 
-int pl_shard_of_point(int count, int problems, int contenders, int problem, int contender)
+int pl_shard_of_point(int count, int problems, int configurations, int problem, int configuration)
 {
     if (problems >= count) {
         return problem % count;
     }
-    const long points = (long)problems * contenders;
-    const long point = (long)problem * contenders + contender;
+    const long points = (long)problems * configurations;
+    const long point = (long)problem * configurations + configuration;
     return (int)(point * count / points);
 }
 

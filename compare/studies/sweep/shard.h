@@ -27,7 +27,7 @@ pl_status pl_shard_from_environment(pl_shard *shard, bool *found, pl_error *erro
  * all engines of a problem stay in one where there are as many problems as shards. Else each shard
  * gets one stretch of the points in their order, problem by problem, in which engines that are
  * neighbours in a problem stay so. All repeats of a point are in one shard. */
-int pl_shard_of_point(int count, int problems, int contenders, int problem, int contender);
+int pl_shard_of_point(int count, int problems, int configurations, int problem, int configuration);
 
 /* DIRECTORY/shard-I-of-N, with I from 1; malloc'd, NULL when out of memory. */
 char *pl_shard_folder(const char *directory, pl_shard shard);

@@ -20,13 +20,13 @@ static json_t *number(double value)
 static json_t *identity_of(const pl_plan *plan, const pl_search *search)
 {
     static const char *const of_one_run[] = {"run", "repeat", "scene_hash"};
-    const pl_planned_run planned = {.problem = &plan->problems[search->problem],
-                                    .contender = &plan->contenders[search->contender]};
+    const pl_planned_run planned = {.test_case = &plan->cases[search->problem],
+                                    .configuration = &plan->configurations[search->configuration]};
     json_t *identity = pl_planned_run_identity(plan, &planned);
     for (size_t i = 0; identity != NULL && i < sizeof of_one_run / sizeof of_one_run[0]; ++i) {
         json_object_del(identity, of_one_run[i]);
     }
-    const pl_scenario *scenario = planned.problem->descriptor;
+    const pl_scenario *scenario = planned.test_case->descriptor;
     json_object_del(json_object_get(identity, "params"), scenario->threshold->param);
     return identity;
 }
@@ -34,7 +34,7 @@ static json_t *identity_of(const pl_plan *plan, const pl_search *search)
 json_t *pl_threshold_json(const pl_plan *plan, const pl_search *search, json_t *provenance,
                           const char *started)
 {
-    const pl_scenario *scenario = plan->problems[search->problem].descriptor;
+    const pl_scenario *scenario = plan->cases[search->problem].descriptor;
     const pl_threshold *t = scenario->threshold;
     const double value = value_of(search), critical = pl_search_critical(plan, search);
     const double low = isnan(value) ? value : search->bisection.low;
@@ -62,7 +62,7 @@ json_t *pl_threshold_json(const pl_plan *plan, const pl_search *search, json_t *
 
 static void print_head(FILE *out, const pl_plan *plan, const pl_search *search, int width)
 {
-    const pl_scenario *scenario = plan->problems[search->problem].descriptor;
+    const pl_scenario *scenario = plan->cases[search->problem].descriptor;
     const pl_threshold *t = scenario->threshold;
     const pl_param *param = &scenario->params[search->param];
     const bool plain = strcmp(param->unit, "1") == 0;
@@ -82,7 +82,7 @@ static void print_head(FILE *out, const pl_plan *plan, const pl_search *search, 
 static void print_row(FILE *out, const pl_plan *plan, const pl_search *search, int width)
 {
     const double value = value_of(search), critical = pl_search_critical(plan, search);
-    fprintf(out, "  %-*s ", width, plan->contenders[search->contender].label);
+    fprintf(out, "  %-*s ", width, plan->configurations[search->configuration].label);
     if (isnan(value)) {
         fprintf(out, "%s", pl_search_finding(search));
         if (search->reason[0] != '\0') {
@@ -103,8 +103,8 @@ static void print_row(FILE *out, const pl_plan *plan, const pl_search *search, i
 void pl_threshold_print(FILE *out, const pl_plan *plan, const pl_search *searches, int count)
 {
     int width = (int)strlen("engine"), problem = -1;
-    for (int i = 0; i < plan->contender_count; ++i) {
-        int length = (int)strlen(plan->contenders[i].label);
+    for (int i = 0; i < plan->configuration_count; ++i) {
+        int length = (int)strlen(plan->configurations[i].label);
         width = length > width ? length : width;
     }
     for (int i = 0; i < count; ++i) {

@@ -34,7 +34,7 @@ const char *pl_search_finding(const pl_search *search)
 
 double pl_search_critical(const pl_plan *plan, const pl_search *search)
 {
-    const pl_problem *problem = &plan->problems[search->problem];
+    const pl_case *problem = &plan->cases[search->problem];
     const pl_threshold *threshold = problem->descriptor->threshold;
     return threshold->critical == NULL ? (double)NAN : threshold->critical(problem->params);
 }
@@ -67,9 +67,9 @@ static void show_end(searches *s, const pl_search *search)
     if (s->progress.terminal) {
         return;
     }
-    fprintf(s->progress.out, "%s  %s  %s after %d %s\n", plan->problems[search->problem].name,
-            plan->contenders[search->contender].label, pl_search_finding(search), search->runs,
-            search->runs == 1 ? "run" : "runs");
+    fprintf(s->progress.out, "%s  %s  %s after %d %s\n", plan->cases[search->problem].name,
+            plan->configurations[search->configuration].label, pl_search_finding(search),
+            search->runs, search->runs == 1 ? "run" : "runs");
     fflush(s->progress.out);
 }
 
@@ -91,8 +91,8 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
     if (s->def->progress != NULL) {
         const pl_plan *plan = s->def->plan;
         char running[256];
-        snprintf(running, sizeof running, "%s %s", plan->problems[search->problem].name,
-                 plan->contenders[search->contender].label);
+        snprintf(running, sizeof running, "%s %s", plan->cases[search->problem].name,
+                 plan->configurations[search->configuration].label);
         s->progress.done++;
         if (is_over(search)) {
             s->progress.total -= pl_bisection_most_trials(&search->bisection) - search->runs;
@@ -104,7 +104,7 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
 }
 
 /* The problem of a search at a value, added to the round; *index is where it is. */
-static pl_status add_trial(pl_plan *round, const pl_problem *problem, int param, double value,
+static pl_status add_trial(pl_plan *round, const pl_case *problem, int param, double value,
                            int *index, pl_error *error)
 {
     const pl_scenario *scenario = problem->descriptor;
@@ -115,15 +115,15 @@ static pl_status add_trial(pl_plan *round, const pl_problem *problem, int param,
                  i == param ? value : problem->params[i]);
         settings[i] = texts[i];
     }
-    const int before = round->problem_count;
+    const int before = round->case_count;
     pl_status status =
         pl_plan_add_scenario(round, scenario, settings, scenario->param_count, error);
-    if (status != PL_OK || round->problem_count > before) {
+    if (status != PL_OK || round->case_count > before) {
         *index = before;
         return status;
     }
     for (int i = 0; i < before; ++i) {
-        const pl_problem *known = &round->problems[i];
+        const pl_case *known = &round->cases[i];
         if (known->descriptor == scenario && known->params[param] == value) {
             *index = i;
             return PL_OK;
@@ -135,8 +135,8 @@ static pl_status add_trial(pl_plan *round, const pl_problem *problem, int param,
 
 static pl_status name_trial(const pl_plan *round, int problem, pl_search *search, pl_error *error)
 {
-    const pl_planned_run planned = {.problem = &round->problems[problem],
-                                    .contender = &round->contenders[search->contender]};
+    const pl_planned_run planned = {.test_case = &round->cases[problem],
+                                    .configuration = &round->configurations[search->configuration]};
     json_t *identity = pl_planned_run_identity(round, &planned);
     if (identity == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
@@ -150,8 +150,8 @@ static pl_status name_trial(const pl_plan *round, int problem, pl_search *search
 static pl_status run_round(searches *s, bool *any, int *signal_number, pl_error *error)
 {
     const pl_plan *plan = s->def->plan;
-    pl_plan round = {.contenders = plan->contenders,
-                     .contender_count = plan->contender_count,
+    pl_plan round = {.configurations = plan->configurations,
+                     .configuration_count = plan->configuration_count,
                      .repeats = 1,
                      .seed = plan->seed};
     pl_status status = PL_OK;
@@ -164,7 +164,7 @@ static pl_status run_round(searches *s, bool *any, int *signal_number, pl_error 
         }
         *any = true;
         search->value = pl_bisection_next(&search->bisection);
-        status = add_trial(&round, &plan->problems[search->problem], search->param, search->value,
+        status = add_trial(&round, &plan->cases[search->problem], search->param, search->value,
                            &index, error);
         if (status == PL_OK) {
             status = name_trial(&round, index, search, error);
@@ -180,7 +180,7 @@ static pl_status run_round(searches *s, bool *any, int *signal_number, pl_error 
                                             .keep = keep};
         status = pl_execute(&execution, signal_number, error);
     }
-    round.contenders = NULL; /* the plan's */
+    round.configurations = NULL; /* the plan's */
     pl_plan_free(&round);
     return status;
 }
@@ -189,14 +189,14 @@ static void begin(searches *s)
 {
     const pl_plan *plan = s->def->plan;
     long total = 0;
-    for (int p = 0; p < plan->problem_count; ++p) {
-        const pl_scenario *scenario = plan->problems[p].descriptor;
+    for (int p = 0; p < plan->case_count; ++p) {
+        const pl_scenario *scenario = plan->cases[p].descriptor;
         const pl_threshold *t = scenario->threshold;
-        for (int c = 0; c < plan->contender_count; ++c) {
+        for (int c = 0; c < plan->configuration_count; ++c) {
             pl_search *search = &s->items[s->count++];
             *search = (pl_search){
                 .problem = p,
-                .contender = c,
+                .configuration = c,
                 .param = pl_threshold_param(scenario),
                 .bisection = pl_bisection_begin(t->low, t->high, t->holds_below, t->tolerance)};
             total += pl_bisection_most_trials(&search->bisection);
@@ -211,7 +211,7 @@ pl_status pl_search_thresholds(const pl_search_def *def, pl_search **list, int *
                                int *signal_number, pl_error *error)
 {
     searches s = {.def = def};
-    size_t room = (size_t)def->plan->problem_count * (size_t)def->plan->contender_count;
+    size_t room = (size_t)def->plan->case_count * (size_t)def->plan->configuration_count;
     bool any = true;
     pl_status status = PL_OK;
     *signal_number = 0;

@@ -8,8 +8,8 @@
 
 /* One scenario on one engine. */
 typedef struct pl_search {
-    int problem, contender; /* indices in the plan */
-    int param;              /* index of the searched parameter in the scenario's */
+    int problem, configuration; /* indices in the plan */
+    int param;                  /* index of the searched parameter in the scenario's */
     pl_bisection bisection;
     int runs;
     /* The outcome that ended the search, but for ok and collapsed, as in a result, and its reason;

@@ -58,7 +58,7 @@ pl_status pl_answer_validate(pl_tuner *t, pl_error *error)
     pl_status status = PL_OK;
     free(tuning->checks);
     tuning->check_count = tuning->missed = 0;
-    tuning->checks = calloc((size_t)(count * t->def->plan->problem_count), sizeof *tuning->checks);
+    tuning->checks = calloc((size_t)(count * t->def->plan->case_count), sizeof *tuning->checks);
     if (tuning->checks == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for validation");
     }

@@ -92,7 +92,7 @@ static void take(pl_tuner *t, const pl_readings *readings, const finalists *f, i
     tuning->setting = pl_tuner_setting(t, f->trials[index].values);
     tuning->cost = f->costs[index];
     tuning->worst = f->trials[index].excess;
-    for (int p = 0; p < t->def->plan->problem_count; ++p) {
+    for (int p = 0; p < t->def->plan->case_count; ++p) {
         tuning->scores[p] = pl_score_of(&pl_readings_of(readings, index + 1)[p],
                                         &pl_readings_of(readings, 0)[p], PL_TUNE_REPEATS);
     }

@@ -36,8 +36,8 @@ static json_t *targets_json(const pl_tune_def *def)
 static json_t *scenarios_json(const pl_tune_def *def)
 {
     json_t *list = json_array();
-    for (int p = 0; p < def->plan->problem_count; ++p) {
-        json_array_append_new(list, json_string(def->plan->problems[p].name));
+    for (int p = 0; p < def->plan->case_count; ++p) {
+        json_array_append_new(list, json_string(def->plan->cases[p].name));
     }
     return list;
 }
@@ -63,11 +63,11 @@ static json_t *values_json(const pl_tune_def *def, const pl_target_reading *read
 static json_t *scores_json(const pl_tune_def *def, const pl_tuning *tuning)
 {
     json_t *list = json_array();
-    for (int p = 0; p < def->plan->problem_count; ++p) {
+    for (int p = 0; p < def->plan->case_count; ++p) {
         const pl_tune_score *score = &tuning->scores[p];
         json_array_append_new(
             list, json_pack("{s:s, s:s, s:o, s:f, s:o, s:o, s:o, s:s, s:o}", "scenario",
-                            def->plan->problems[p].name, "outcome", score->outcome, "metrics",
+                            def->plan->cases[p].name, "outcome", score->outcome, "metrics",
                             values_json(def, &score->target), "excess", score->target.excess,
                             "cost_ratio", pl_json_number_or_null(score->ratio), "seconds",
                             pl_json_number_or_null(score->seconds), "shipped_seconds",
@@ -99,7 +99,7 @@ static json_t *checks_json(const pl_tune_def *def, const pl_tuning *tuning)
     for (int i = 0; i < tuning->check_count; ++i) {
         const pl_tune_check *check = &tuning->checks[i];
         json_array_append_new(list, json_pack("{s:s, s:s, s:s, s:o, s:f}", "scenario",
-                                              def->plan->problems[check->problem].name, "variant",
+                                              def->plan->cases[check->problem].name, "variant",
                                               check->variant, "outcome", check->outcome, "metrics",
                                               values_json(def, &check->target), "excess",
                                               check->target.excess));

@@ -45,7 +45,7 @@ static void print_settings(FILE *out, const pl_tune_def *def, const pl_tuning *t
     }
     fprintf(out, "\n\nin its own API:\n\n");
     pl_tune_print_api(out, &setting->choice,
-                      isnan(setting->dt) ? def->plan->problems[0].scene.dt : setting->dt);
+                      isnan(setting->dt) ? def->plan->cases[0].scene.dt : setting->dt);
 }
 
 static void print_scores(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
@@ -58,9 +58,9 @@ static void print_scores(FILE *out, const pl_tune_def *def, const pl_tuning *tun
                 "\ncost: %.3g s of CPU time a simulated second; the shipped settings have none\n",
                 tuning->cost);
     }
-    for (int p = 0; p < def->plan->problem_count; ++p) {
+    for (int p = 0; p < def->plan->case_count; ++p) {
         const pl_tune_score *score = &tuning->scores[p];
-        fprintf(out, "  %s: ", def->plan->problems[p].name);
+        fprintf(out, "  %s: ", def->plan->cases[p].name);
         if (isfinite(score->ratio)) {
             fprintf(out, "x %.3g, ", score->ratio);
         }
@@ -112,7 +112,7 @@ static void print_checks(FILE *out, const pl_tune_def *def, const pl_tuning *tun
     }
     for (int i = 0; i < tuning->check_count; ++i) {
         const pl_tune_check *check = &tuning->checks[i];
-        fprintf(out, "  %s, %s: %s, ", def->plan->problems[check->problem].name, check->variant,
+        fprintf(out, "  %s, %s: %s, ", def->plan->cases[check->problem].name, check->variant,
                 check->outcome);
         print_values(out, def->targets, &check->target);
         fprintf(out, ", ");

@@ -10,7 +10,7 @@
 /* What a search of this budget makes of runs, about: for the bar. */
 static long expected_runs(const pl_tune_def *def)
 {
-    return (long)def->plan->problem_count * def->budget * 3;
+    return (long)def->plan->case_count * def->budget * 3;
 }
 
 static pl_status search(pl_tuner *t, pl_error *error)
@@ -40,7 +40,7 @@ pl_status pl_tune(const pl_tune_def *def, pl_tuning *tuning, pl_error *error)
 {
     *tuning = (pl_tuning){.found = {.best = -1}};
     pl_tuner t = {.def = def, .tuning = tuning, .shows = def->progress != NULL};
-    const size_t problems = (size_t)def->plan->problem_count;
+    const size_t problems = (size_t)def->plan->case_count;
     t.shipped.dt = (double)NAN;
     t.shipped_instructions = calloc(problems, sizeof *t.shipped_instructions);
     t.spreads = calloc(problems, sizeof *t.spreads);

@@ -42,7 +42,7 @@ static pl_status make_room(gatherer *g, pl_error *error)
     const pl_measure_def *def = g->def;
     pl_readings *r = g->readings;
     *r = (pl_readings){.setting_count = def->setting_count,
-                       .problem_count = def->plan->problem_count,
+                       .problem_count = def->plan->case_count,
                        .repeats = def->repeats};
     const size_t count = (size_t)r->setting_count * (size_t)r->problem_count;
     const size_t repeats = (size_t)r->repeats;
@@ -65,7 +65,7 @@ static pl_status make_room(gatherer *g, pl_error *error)
 }
 
 /* Adds the catalogue scenario at the step to the plan; *index -1 when it cannot be built so. */
-static pl_status add_scenario(gatherer *g, const pl_problem *problem, double dt, int *index,
+static pl_status add_scenario(gatherer *g, const pl_case *problem, double dt, int *index,
                               pl_error *error)
 {
     const pl_scenario *scenario = problem->descriptor;
@@ -85,22 +85,22 @@ static pl_status add_scenario(gatherer *g, const pl_problem *problem, double dt,
         snprintf(texts[i], sizeof texts[i], "%s=%.17g", scenario->params[i].name, values[i]);
         settings[i] = texts[i];
     }
-    for (int i = 0; i < g->plan.problem_count; ++i) {
-        const pl_problem *known = &g->plan.problems[i];
+    for (int i = 0; i < g->plan.case_count; ++i) {
+        const pl_case *known = &g->plan.cases[i];
         if (known->descriptor == scenario &&
             memcmp(known->params, values, (size_t)scenario->param_count * sizeof *values) == 0) {
             *index = i;
             return PL_OK;
         }
     }
-    const int before = g->plan.problem_count;
+    const int before = g->plan.case_count;
     pl_status status =
         pl_plan_add_scenario(&g->plan, scenario, settings, scenario->param_count, error);
-    *index = g->plan.problem_count > before ? before : -1;
+    *index = g->plan.case_count > before ? before : -1;
     return status == PL_BAD_INPUT && is_changed ? PL_OK : status;
 }
 
-static pl_status add_file(gatherer *g, const pl_problem *problem, double dt, int *index,
+static pl_status add_file(gatherer *g, const pl_case *problem, double dt, int *index,
                           pl_error *error)
 {
     *index = -1;
@@ -108,17 +108,17 @@ static pl_status add_file(gatherer *g, const pl_problem *problem, double dt, int
         return PL_OK;
     }
     const double step = isnan(dt) ? problem->scene.dt : dt;
-    for (int i = 0; i < g->plan.problem_count; ++i) {
-        if (strcmp(g->plan.problems[i].name, problem->name) == 0 &&
-            g->plan.problems[i].scene.dt == step) {
+    for (int i = 0; i < g->plan.case_count; ++i) {
+        if (strcmp(g->plan.cases[i].name, problem->name) == 0 &&
+            g->plan.cases[i].scene.dt == step) {
             *index = i;
             return PL_OK;
         }
     }
-    const int before = g->plan.problem_count;
+    const int before = g->plan.case_count;
     pl_status status = pl_plan_add_scene_file(&g->plan, problem->name, isnan(dt) ? g->def->dt : dt,
                                               g->def->duration, error);
-    *index = g->plan.problem_count > before ? before : -1;
+    *index = g->plan.case_count > before ? before : -1;
     return status;
 }
 
@@ -131,15 +131,15 @@ static pl_status add_runs(gatherer *g, pl_error *error)
         pl_engine_choice_label(&def->settings[s].choice, label);
         status = pl_plan_add_choice(&g->plan, &def->settings[s].choice, label, NULL, error);
     }
-    for (int p = 0; p < def->plan->problem_count && status == PL_OK; ++p) {
-        const pl_problem *problem = &def->plan->problems[p];
+    for (int p = 0; p < def->plan->case_count && status == PL_OK; ++p) {
+        const pl_case *problem = &def->plan->cases[p];
         for (int s = 0; s < def->setting_count && status == PL_OK; ++s) {
             const double dt = def->settings[s].dt;
             int index = -1;
             status = problem->descriptor != NULL ? add_scenario(g, problem, dt, &index, error)
                                                  : add_file(g, problem, dt, &index, error);
             if (status == PL_OK && index >= 0) {
-                pl_reading *reading = &g->readings->items[s * def->plan->problem_count + p];
+                pl_reading *reading = &g->readings->items[s * def->plan->case_count + p];
                 reading->is_there = true;
                 g->of_pairing[g->plan.pairing_count] = reading;
                 status = pl_plan_add_pairing(&g->plan, index, s, error);
@@ -149,12 +149,12 @@ static pl_status add_runs(gatherer *g, pl_error *error)
     return status;
 }
 
-/* Whose run it is: the pairing's of its problem and contender. */
+/* Whose run it is: the pairing's of its problem and configuration. */
 static pl_reading *reading_of(const gatherer *g, const pl_planned_run *run)
 {
     for (int i = 0; i < g->plan.pairing_count; ++i) {
-        if (run->problem == &g->plan.problems[g->plan.pairings[i].problem] &&
-            run->contender == &g->plan.contenders[g->plan.pairings[i].contender]) {
+        if (run->test_case == &g->plan.cases[g->plan.pairings[i].test_case] &&
+            run->configuration == &g->plan.configurations[g->plan.pairings[i].configuration]) {
             return g->of_pairing[i];
         }
     }

@@ -19,7 +19,7 @@ pl_status pl_trial_shipped(pl_tuner *t, pl_error *error)
         const pl_reading *reading = &pl_readings_of(&readings, 0)[p];
         if (reading->is_absent) {
             status = pl_fail(error, PL_UNSUPPORTED, "%s does not do %s",
-                             t->shipped.choice.engine->name, t->def->plan->problems[p].name);
+                             t->shipped.choice.engine->name, t->def->plan->cases[p].name);
         }
         t->shipped_instructions[p] = reading->instructions[0];
         tuning->by_instructions = tuning->by_instructions && isfinite(reading->instructions[0]);
@@ -41,7 +41,7 @@ pl_status pl_trial_judge(pl_tuner *t, const pl_setting *setting, const pl_readin
                          pl_error *error)
 {
     pl_status status = PL_OK;
-    for (int p = 0; p < t->def->plan->problem_count; ++p) {
+    for (int p = 0; p < t->def->plan->case_count; ++p) {
         t->spreads[p] = (pl_spread){.count = 0};
         pl_spread_add(&t->spreads[p], asked[p].target.excess);
     }
@@ -63,7 +63,7 @@ pl_status pl_trial_judge(pl_tuner *t, const pl_setting *setting, const pl_readin
     }
     trial->holds = worst <= 0;
     trial->excess = fmin(worst, PL_SEEK_WORST);
-    for (int p = 0; p < t->def->plan->problem_count && trial->holds; ++p) {
+    for (int p = 0; p < t->def->plan->case_count && trial->holds; ++p) {
         trial->excess = fmax(trial->excess, pl_spread_likely(&t->spreads[p]));
     }
     return status;

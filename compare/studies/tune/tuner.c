@@ -49,7 +49,7 @@ static double cost_or_none(double cost)
 double pl_tuner_cost(const pl_tuner *t, const pl_reading *mine, const pl_reading *shipped,
                      int first, int repeats)
 {
-    const int problems = t->def->plan->problem_count;
+    const int problems = t->def->plan->case_count;
     double sum = 0;
     for (int p = 0; p < problems; ++p) {
         sum += log(pl_score_ratio(&mine[p], t->tuning->shipped_has_cost ? &shipped[p] : NULL, first,
@@ -60,7 +60,7 @@ double pl_tuner_cost(const pl_tuner *t, const pl_reading *mine, const pl_reading
 
 double pl_tuner_instructions(const pl_tuner *t, const pl_reading *mine)
 {
-    const int problems = t->def->plan->problem_count;
+    const int problems = t->def->plan->case_count;
     double sum = 0;
     for (int p = 0; p < problems; ++p) {
         sum += log(mine[p].instructions[0] / t->shipped_instructions[p]);
@@ -71,7 +71,7 @@ double pl_tuner_instructions(const pl_tuner *t, const pl_reading *mine)
 double pl_tuner_excess(const pl_tuner *t, const pl_reading *readings)
 {
     double excess = -PL_SEEK_WORST;
-    for (int p = 0; p < t->def->plan->problem_count; ++p) {
+    for (int p = 0; p < t->def->plan->case_count; ++p) {
         excess = fmax(excess, readings[p].target.excess);
     }
     return excess;
