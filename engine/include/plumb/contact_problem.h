@@ -14,7 +14,7 @@
 #ifndef PLUMB_CONTACT_PROBLEM_H
 #define PLUMB_CONTACT_PROBLEM_H
 
-#include "engine.h"
+#include "plumb/engine.h"
 
 #ifdef __cplusplus
 extern "C" {

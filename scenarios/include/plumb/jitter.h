@@ -2,7 +2,7 @@
 #ifndef PLUMB_JITTER_H
 #define PLUMB_JITTER_H
 
-#include "scene.h"
+#include "plumb/scene.h"
 
 #ifdef __cplusplus
 extern "C" {

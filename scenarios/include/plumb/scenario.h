@@ -2,7 +2,7 @@
 #ifndef PLUMB_SCENARIO_H
 #define PLUMB_SCENARIO_H
 
-#include "scene.h"
+#include "plumb/scene.h"
 
 #ifdef __cplusplus
 extern "C" {

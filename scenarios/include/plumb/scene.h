@@ -11,7 +11,7 @@
 #ifndef PLUMB_SCENE_H
 #define PLUMB_SCENE_H
 
-#include "base.h"
+#include "plumb/base.h"
 
 #include <stdbool.h>
 #include <stddef.h>
