@@ -136,7 +136,8 @@ test_the_convex_problem_lifts_what_slides_and_its_shift_takes_the_lift_away(void
     double slip = fall * (sin(angle) - mu * cos(angle));
     const double shift[4] = {mu * slip, mu * slip, mu * slip, mu * slip};
     const pe_solve_limits limits = {1e-10, SOLVING_ITERATIONS};
-    assert_int_equal(pe_interior_point(&s.problem, NULL, shift, &limits, s.work, &s.report, NULL),
+    assert_int_equal(pe_interior_point(&s.problem, &(pe_convex_form){NULL, shift}, &limits, s.work,
+                                       &s.report, NULL),
                      PE_OK);
     assert_int_equal(s.report.stop, PE_STOP_CONVERGED);
     v = solving_velocity(&s, 0);

@@ -88,9 +88,9 @@ static void test_the_interior_point_answer_is_optimal_to_its_tolerance(void **st
                 shift[j] = seed % 2 == 0 ? 0 : check_uniform(&random, 0, 1);
             }
             const pe_solve_limits limits = {tolerances[t], 60};
-            assert_int_equal(
-                pe_interior_point(&s.problem, NULL, shift, &limits, s.work, &s.report, NULL),
-                PE_OK);
+            assert_int_equal(pe_interior_point(&s.problem, &(pe_convex_form){NULL, shift}, &limits,
+                                               s.work, &s.report, NULL),
+                             PE_OK);
             if (s.report.stop != PE_STOP_CONVERGED) {
                 fail_msg("seed %d: stopped by %d after %d iterations", (int)seed,
                          (int)s.report.stop, s.report.iterations);
@@ -121,9 +121,9 @@ static void test_patches_left_out_of_the_interior_point_method_get_no_impulse(vo
             loaded[i] = i % 3 != 0;
         }
         const pe_solve_limits limits = {1e-4, SOLVING_ITERATIONS};
-        assert_int_equal(
-            pe_interior_point(&part.problem, loaded, shift, &limits, part.work, &part.report, NULL),
-            PE_OK);
+        assert_int_equal(pe_interior_point(&part.problem, &(pe_convex_form){loaded, shift}, &limits,
+                                           part.work, &part.report, NULL),
+                         PE_OK);
         /* The same without them in the problem: the same velocities. */
         pe_contact_problem *rest = feasible_problem(seed, 8, 12);
         rest->manifold_count = 0;
@@ -165,7 +165,7 @@ static void test_shifts_are_mu_times_the_slip(void **state)
         pe_contact_problem *source = problem_at_random(seed, 5, 8);
         double shift[100], u[100][3];
         solving_begin(&s, source);
-        pe_solve_shifts(&s.problem, shift);
+        pe_problem_find_shifts(&s.problem, shift);
         reference_contact_velocities(source, (const double(*)[6])s.problem.velocity, u);
         for (int i = 0; i < source->manifold_count; ++i) {
             const pe_problem_manifold *m = &source->manifolds[i];

@@ -3,7 +3,7 @@
 #include "check.h"
 #include "counting_allocator.h"
 #include "soft_for_tests.h"
-#include "solver/soft_plan.h"
+#include "solver/soft_task.h"
 #include "world_for_tests.h"
 
 #include <stdlib.h>
@@ -118,15 +118,13 @@ static void test_colours_share_no_body_and_every_point_is_planned_once(void **st
             add_laid_table(world, TABLE, ids);
         }
         soft_case now;
-        pe_solver_bodies lines;
+        pe_solver_bodies bodies;
         pe_soft_plan plan;
         assert_int_equal(soft_prepare(world, H, &now), PE_OK);
-        assert_int_equal(pe_solver_bodies_take(world, &now.islands, now.chosen, &lines, NULL),
-                         PE_OK);
-        assert_int_equal(pe_soft_plan_make(world, &now.islands, now.chosen, &lines, &plan, NULL),
-                         PE_OK);
+        assert_int_equal(pe_solver_bodies_take(world, &now.all, &bodies, NULL), PE_OK);
+        assert_int_equal(pe_soft_plan_make(world, &now.all, &bodies, &plan, NULL), PE_OK);
         int *seen = calloc((size_t)world->contacts.point_count, sizeof *seen);
-        int *batch_of = calloc((size_t)lines.count, sizeof *batch_of);
+        int *batch_of = calloc((size_t)bodies.count, sizeof *batch_of);
         int planned = 0, serial = 0;
         for (int q = 0; q < plan.batch_count; ++q) {
             const pe_soft_batch *batch = &plan.batches[q];
@@ -137,10 +135,10 @@ static void test_colours_share_no_body_and_every_point_is_planned_once(void **st
                 for (int j = 0; j < contact->count; ++j, ++planned) {
                     assert_int_equal(seen[contact->point[j]]++, 0);
                 }
-                const int line[2] = {contact->a, contact->b};
+                const int pair[2] = {contact->a, contact->b};
                 for (int side = 0; side < 2 && !batch->serial; ++side) {
-                    assert_true(line[side] == 0 || batch_of[line[side]] != q + 1);
-                    batch_of[line[side]] = q + 1;
+                    assert_true(pair[side] == 0 || batch_of[pair[side]] != q + 1);
+                    batch_of[pair[side]] = q + 1;
                 }
             }
         }
@@ -205,7 +203,7 @@ static void test_an_island_that_is_not_chosen_is_not_touched(void **state)
     now.chosen[1] = false;
     pe_body_state before = state_of(both, other);
     pe_soft_report report;
-    assert_int_equal(pe_soft_step(both, &now.islands, now.chosen, H, &report, NULL), PE_OK);
+    assert_int_equal(pe_soft_step(both, &now.all, H, NULL, &report, NULL), PE_OK);
     pe_body_state after = state_of(both, other);
     assert_memory_equal(&before, &after, sizeof before);
     assert_int_equal(report.bodies, 3);
@@ -234,24 +232,23 @@ static void test_neither_precession_nor_turning_changes_kinetic_energy(void **st
         def.angular_velocity = pe_v3(30, -20, 25);
         pe_body_id body = add_body(world, &def);
         soft_case now;
-        pe_solver_bodies lines;
+        pe_solver_bodies bodies;
         assert_int_equal(soft_prepare(world, H, &now), PE_OK);
-        assert_int_equal(pe_solver_bodies_take(world, &now.islands, now.chosen, &lines, NULL),
-                         PE_OK);
-        assert_int_equal(lines.count, 2);
-        pe_solver_bodies_fill(world, H, H, &lines);
-        const double *spin = lines.velocity[1].angular;
+        assert_int_equal(pe_solver_bodies_take(world, &now.all, &bodies, NULL), PE_OK);
+        assert_int_equal(bodies.count, 2);
+        pe_solver_bodies_fill(world, H, H, &bodies);
+        const double *spin = bodies.velocity[1].angular;
         double twice = spin[0] * spin[0] + spin[1] * spin[1] + spin[2] * spin[2];
         assert_close(twice / 2, energy_of(world, body) - G * 0.5, 0, 1e-13);
         twice = 0;
         for (int k = 0; k < 3; ++k) {
             double w = check_uniform(&random, -3, 3);
-            lines.velocity[1].linear[k] = 0;
-            lines.velocity[1].angular[k] = w;
-            lines.displacement[1].angular[k] = check_uniform(&random, -0.3, 0.3);
+            bodies.velocity[1].linear[k] = 0;
+            bodies.velocity[1].angular[k] = w;
+            bodies.displacement[1].angular[k] = check_uniform(&random, -0.3, 0.3);
             twice += w * w;
         }
-        pe_solver_bodies_apply(world, &lines);
+        pe_solver_bodies_apply(world, &bodies);
         double potential = G * state_of(world, body).position.z;
         assert_close(energy_of(world, body), twice / 2 + potential, 1e-12, 0);
         pe_world_destroy(world);
@@ -309,7 +306,7 @@ static void test_every_failed_allocation_leaves_all_as_it_was(void **state)
         memcpy(before + poses + motions, pe_manifold_points(&world->contacts), points);
         c.fail_at = c.calls + k;
         pe_error error = {0};
-        pe_status status = pe_soft_step(world, &now.islands, now.chosen, H, NULL, &error);
+        pe_status status = pe_soft_step(world, &now.all, H, NULL, NULL, &error);
         if (status != PE_OK) {
             failed += 1;
             assert_int_equal(status, PE_NO_MEMORY);

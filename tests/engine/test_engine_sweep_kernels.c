@@ -1,7 +1,7 @@
 /* The kernels of the sweeps: Gauss-Seidel by the book, and the same bits at every width. */
 #include "check.h"
 #include "contact_problem_for_tests.h"
-#include "solver/sweep.h"
+#include "solver/kernels.h"
 #include "sweep_bench.h"
 
 #include <math.h>
@@ -85,9 +85,9 @@ static void test_a_sweep_is_gauss_seidel_point_by_point(void **state)
         bench_forget_impulses(b);
         pe_problem_rebuild_velocity(&b->problem);
         pe_sweep sweep;
-        assert_int_equal(
-            pe_sweep_create(&b->problem, pe_sweep_kernel_for(0), bench_workspace(b), &sweep, NULL),
-            PE_OK);
+        assert_int_equal(pe_sweep_create(&b->problem, pe_kernels_for(0)->sweep, bench_workspace(b),
+                                         &sweep, NULL),
+                         PE_OK);
         for (int i = 0; i < 3; ++i) {
             pe_sweep_cones(&sweep, 0);
         }
@@ -107,9 +107,9 @@ static void test_sweeps_see_the_residual_that_is_reported(void **state)
         bench_put_heap(b, seed, 60, 100, 8);
         pe_problem_rebuild_velocity(&b->problem);
         pe_sweep sweep;
-        assert_int_equal(
-            pe_sweep_create(&b->problem, pe_sweep_kernel_for(0), bench_workspace(b), &sweep, NULL),
-            PE_OK);
+        assert_int_equal(pe_sweep_create(&b->problem, pe_kernels_for(0)->sweep, bench_workspace(b),
+                                         &sweep, NULL),
+                         PE_OK);
         for (int i = 0; i < 4; ++i) {
             double seen = pe_sweep_residual(&sweep);
             pe_sweep_store(&sweep);
@@ -152,12 +152,12 @@ static void test_every_width_gives_the_same_bits(void **state)
     static const int lanes[] = {4, 8};
     for (uint64_t seed = 1; seed < 12; ++seed) {
         bench_put_heap(b, seed, 17 * (int)seed, 40 * (int)seed, 8);
-        run(b, pe_sweep_kernel_for(1), &one);
+        run(b, pe_kernels_for(1)->sweep, &one);
         assert_true(isfinite(one.residual) && one.residual > 0 && one.violation.deepest > 0);
         for (int k = 0; k < 2; ++k) {
-            const pe_sweep_kernel *kernel = pe_sweep_kernel_for(lanes[k]);
-            run(b, kernel, &wide); /* a narrower one where the processor has no such width */
-            assert_true(kernel->lanes <= lanes[k]);
+            const pe_kernels *kernels = pe_kernels_for(lanes[k]);
+            run(b, kernels->sweep, &wide); /* a narrower one if the processor lacks this width */
+            assert_true(kernels->lanes <= lanes[k]);
             assert_memory_equal(wide.impulse, one.impulse, sizeof one.impulse);
             assert_memory_equal(&wide.residual, &one.residual, sizeof one.residual);
             assert_memory_equal(&wide.violation, &one.violation, sizeof one.violation);

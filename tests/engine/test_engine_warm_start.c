@@ -61,12 +61,12 @@ static void test_there_is_an_impulse_to_start_from_where_one_pushes(void **state
     solving s;
     pe_contact_problem *source = problem_of_uniform_tower(3, 0.5);
     solving_begin(&s, source);
-    assert_false(pe_has_impulse(&s.problem));
+    assert_false(pe_problem_has_impulse(&s.problem));
     s.problem.impulse[5][1] = 1;
     s.problem.impulse[6][0] = -1;
-    assert_false(pe_has_impulse(&s.problem));
+    assert_false(pe_problem_has_impulse(&s.problem));
     s.problem.impulse[11][0] = 1e-300;
-    assert_true(pe_has_impulse(&s.problem));
+    assert_true(pe_problem_has_impulse(&s.problem));
     pe_contact_problem_destroy(source);
     solving_end(&s);
 }

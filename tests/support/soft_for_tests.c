@@ -24,18 +24,17 @@ pe_status soft_prepare(pe_world *world, double dt, soft_case *made)
     for (int k = 0; status == PE_OK && k < made->islands.count; ++k) {
         made->chosen[k] = true;
     }
+    made->all = (pe_chosen_islands){&made->islands, made->chosen};
     return status;
 }
 
 pe_soft_report soft_step(pe_world *world, double dt, const pe_soft_settings *settings)
 {
-    pe_soft_settings standard = pe_soft_settings_default();
     pe_soft_report report;
     pe_error error = {0};
     soft_case now;
     assert_int_equal(soft_prepare(world, dt, &now), PE_OK);
-    pe_status status = pe_soft_step_with(world, &now.islands, now.chosen, dt,
-                                         settings != NULL ? settings : &standard, &report, &error);
+    pe_status status = pe_soft_step(world, &now.all, dt, settings, &report, &error);
     if (status != PE_OK) {
         fail_msg("engine: %s", error.message);
     }

@@ -1,17 +1,18 @@
-/* Steps of a world by substepped soft contact alone, whatever its profile. */
+/* Steps of a world by sub-stepped soft contact alone, whatever its profile. */
 #ifndef PLUMB_TEST_SOFT_H
 #define PLUMB_TEST_SOFT_H
 
 #include "solver/soft.h"
 
-/* One step of all islands, from finding the contacts on; bodies in no island stand still.
- * `settings` NULL: the default. */
+/* One step of all islands, contacts included. Bodies in no island stand still. `settings` NULL: the
+ * defaults. */
 pe_soft_report soft_step(pe_world *world, double dt, const pe_soft_settings *settings);
 
-/* The same in two parts: the contacts and islands at the poses now, and who is chosen: all. */
+/* The first half of that: the contacts and islands at the present poses, and all of them chosen. */
 typedef struct soft_case {
     pe_islands islands;
-    bool *chosen;
+    bool *chosen;          /* (islands.count) */
+    pe_chosen_islands all; /* of these two */
 } soft_case;
 
 pe_status soft_prepare(pe_world *world, double dt, soft_case *made);

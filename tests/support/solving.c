@@ -10,7 +10,7 @@ pe_status solve_by_newton(solving *s, pe_newton_form form, const pe_solve_limits
 {
     pe_newton_settings settings = pe_newton_settings_for(&s->pattern, form, limits->tolerance);
     s->start = pe_problem_residual(&s->problem).max;
-    return pe_newton(&s->problem, &s->pattern, &settings, limits, s->work, &s->report, error);
+    return pe_newton(&s->problem, &settings, limits, s->work, &s->report, error);
 }
 
 static pe_status solve_cone(solving *s, const pe_solve_limits *limits, pe_error *error)
@@ -21,8 +21,10 @@ static pe_status solve_cone(solving *s, const pe_solve_limits *limits, pe_error 
 static pe_status solve_direct(solving *s, const pe_solve_limits *limits, pe_error *error)
 {
     s->start = pe_problem_residual(&s->problem).max;
-    return pe_solve_direct(&s->problem, &s->pattern, !pe_has_impulse(&s->problem), limits, s->work,
-                           &s->report, error);
+    pe_newton_settings settings = pe_newton_settings_for(
+        &s->pattern, pe_problem_has_impulse(&s->problem) ? PE_NEWTON_TRESCA : PE_NEWTON_CONE,
+        limits->tolerance);
+    return pe_solve_direct(&s->problem, &settings, limits, s->work, &s->report, error);
 }
 
 /* The convex problem without a shift. */
@@ -30,8 +32,8 @@ static pe_status solve_convex(solving *s, const pe_solve_limits *limits, pe_erro
 {
     double *shift = calloc((size_t)s->problem.point_count + 1, sizeof *shift);
     assert_non_null(shift);
-    pe_status status =
-        pe_interior_point(&s->problem, NULL, shift, limits, s->work, &s->report, error);
+    pe_status status = pe_interior_point(&s->problem, &(pe_convex_form){NULL, shift}, limits,
+                                         s->work, &s->report, error);
     free(shift);
     return status;
 }
@@ -41,7 +43,7 @@ static pe_status solve_convex(solving *s, const pe_solve_limits *limits, pe_erro
 static pe_status solve_tresca(solving *s, const pe_solve_limits *limits, pe_error *error)
 {
     pe_status status = PE_OK;
-    if (!pe_has_impulse(&s->problem)) {
+    if (!pe_problem_has_impulse(&s->problem)) {
         const pe_solve_limits rough = {1e-4, SOLVING_ITERATIONS};
         status = solve_convex(s, &rough, error);
         s->report.iterations = 0;

@@ -5,7 +5,6 @@
 
 #include "contact_problem_for_tests.h"
 #include "dense_problem.h"
-#include "solver/solve_direct.h"
 #include "solver/solve_interior_point.h"
 #include "solver/solve_island.h"
 

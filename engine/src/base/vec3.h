@@ -16,6 +16,16 @@ static inline pe_vec3 pe_v3(double x, double y, double z)
     return (pe_vec3){x, y, z};
 }
 
+static inline pe_vec3 pe_v3_load(const double v[3])
+{
+    return pe_v3(v[0], v[1], v[2]);
+}
+
+static inline void pe_v3_store(double to[3], pe_vec3 v)
+{
+    to[0] = v.x, to[1] = v.y, to[2] = v.z;
+}
+
 static inline pe_vec3 pe_add(pe_vec3 a, pe_vec3 b)
 {
     return pe_v3(a.x + b.x, a.y + b.y, a.z + b.z);

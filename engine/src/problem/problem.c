@@ -1,3 +1,4 @@
+/* The contact problem: velocities, residuals, scales; see problem.h for the formulas. */
 #include "problem.h"
 
 #include <math.h>
@@ -35,7 +36,7 @@ double pe_cone_residual(double friction, double scale, const double p[3], const 
     double along = sqrt(z[1] * z[1] + z[2] * z[2]);
     if (friction * along <= -z[0]) {
         z[0] = z[1] = z[2] = 0;
-    } else if (!(along <= friction * z[0])) { /* a friction that is no number too */
+    } else if (!(along <= friction * z[0])) { /* true for NaN as well */
         double n = (z[0] + friction * along) / (1 + friction * friction);
         z[1] *= friction * n / along;
         z[2] *= friction * n / along;
@@ -75,8 +76,8 @@ pe_residual pe_problem_residual(const pe_problem *problem)
     return residual;
 }
 
-/* The trace of -[r] A [r] for a symmetric A: |r|^2 tr A - r . A r. */
-static double turning_trace(const double a[6], const double r[3])
+/* Trace of -[r] A [r] for a symmetric A: |r|^2 tr A - r . A r. */
+static double rotational_trace(const double a[6], const double r[3])
 {
     double ar[3];
     pe_symmetric_times(a, r, ar);
@@ -86,7 +87,30 @@ static double turning_trace(const double a[6], const double r[3])
 double pe_point_scale(const pe_inertia *a, const pe_inertia *b, const double ra[3],
                       const double rb[3])
 {
-    return (3 * (a->inverse_mass + b->inverse_mass) + turning_trace(a->inverse_tensor, ra) +
-            turning_trace(b->inverse_tensor, rb)) /
+    return (3 * (a->inverse_mass + b->inverse_mass) + rotational_trace(a->inverse_tensor, ra) +
+            rotational_trace(b->inverse_tensor, rb)) /
            3;
+}
+
+bool pe_problem_has_impulse(const pe_problem *problem)
+{
+    for (int j = 0; j < problem->point_count; ++j) {
+        if (problem->impulse[j][0] > 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void pe_problem_find_shifts(const pe_problem *problem, double *shift)
+{
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
+        double q[6], u[3];
+        pe_solver_manifold_twist(manifold, (const double(*)[6])problem->velocity, q);
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
+            pe_point_velocity(&problem->point[j], q, u);
+            shift[j] = manifold->friction * sqrt(u[1] * u[1] + u[2] * u[2]);
+        }
+    }
 }

@@ -1,26 +1,27 @@
-/* The contact problem of one island in one step, and the one residual by which every solver is
- * judged.
+/* The contact problem of one island in one step, and the residual by which every solver is judged.
  *
  *   v = v* + M^-1 J^T p,   u = J v + b        per contact point: n, t1, t2; p in N s, u in m/s
- *   b_n = e u_n before an impact above the threshold, phi/h for a gap phi > 0, else 0
- *   b_t = (u_t of the step's start - u_t)/2, predicted, where a slip goes on, else 0
- *   and in both what the rest of the step turns of them: problem_middle.h
+ *   b_n = e u_n before an impact faster than the threshold, phi/h for a gap phi > 0, else 0
+ *   b_t = (u_t of the step's start - u_t)/2, predicted, where sliding goes on, else 0
+ *   and in both the change by the rotation in the rest of the step: midpoint.h
  *
- * Signorini-Coulomb in De Saxce's form: K* contains u + mu |u_t| n, K = { |p_t| <= mu p_n }
+ * Signorini and Coulomb in De Saxce's form: K* contains u + mu |u_t| n, K = { |p_t| <= mu p_n }
  * contains p, and the two are orthogonal. (De Saxce and Feng 1998; Acary and Brogliato 2008,
  * ch. 3.)
  *
- * The points of a manifold lie on the same two bodies, so that all they see of the velocities is
+ * The points of a manifold lie on the same two bodies, so that they see the velocities only through
  * one relative twist q = (relative velocity at the manifold's centre, relative angular velocity),
- * six numbers in the manifold's frame (n, t1, t2): at a point s off the centre J v = q_v + q_w x s.
- * In the same way their impulses act on the bodies as one wrench (sum p, sum s x p). */
+ * six numbers in the manifold's frame (n, t1, t2): at a point s from the centre J v = q_v + q_w x
+ * s. In the same way their impulses act on the bodies as one wrench (sum p, sum s x p).
+ *
+ * Names: vA, wA, rA the velocity, angular velocity and arm of body A; vB and so on of body B. */
 #ifndef PE_PROBLEM_H
 #define PE_PROBLEM_H
 
-#include "plumb/contact_problem.h" /* pe_residual */
+#include "plumb/contact_problem.h"
 
-/* Mass and world-frame inertia; symmetric matrices are (xx, xy, xz, yy, yz, zz). All zero: a static
- * body. */
+/* Mass and world-frame inertia of a body, all zero for a static one. Symmetric matrices are (xx,
+ * xy, xz, yy, yz, zz). */
 typedef struct pe_inertia {
     double mass, inverse_mass;           /* kg, 1/kg */
     double tensor[6], inverse_tensor[6]; /* kg m^2, and its inverse */
@@ -36,13 +37,13 @@ typedef struct pe_solver_manifold {
 } pe_solver_manifold;
 
 typedef struct pe_solver_point {
-    double s[3];    /* from the manifold's centre, in the manifold's frame, m */
+    double s[3];    /* from the manifold's centre, in its frame, m */
     double bias;    /* b_n, m/s */
     double slip[2]; /* b_t, m/s */
-    double scale;   /* w = tr(J M^-1 J^T) / 3, 1/kg: makes an impulse of this point a velocity */
+    double scale;   /* w = tr(J M^-1 J^T) / 3, 1/kg: takes an impulse of this point to a velocity */
 } pe_solver_point;
 
-/* Borrowed arrays; one body more than body_count stands for everything static, with zero velocity.
+/* Borrowed arrays. Body number body_count stands for everything static and has velocity zero.
  * `velocity` is in step with `impulse` before and after every solver. */
 typedef struct pe_problem {
     int body_count, manifold_count, point_count;
@@ -54,24 +55,29 @@ typedef struct pe_problem {
     double (*impulse)[3];               /* (point_count) x (n, t1, t2) */
 } pe_problem;
 
-/* Makes the velocities those of the impulses: v = v* + M^-1 J^T p. */
+/* Sets the velocities to those of the impulses: v = v* + M^-1 J^T p. */
 void pe_problem_rebuild_velocity(const pe_problem *problem);
 
 /* The natural map of the convex problem K* contains u, m/s: w | p - P_K(p - u/w) |. */
 double pe_cone_residual(double friction, double scale, const double p[3], const double u[3]);
 
-/* The natural map of one point, m/s: the above of u + mu |u_t| n. */
+/* The natural map of one point, m/s: the function above at u + mu |u_t| n. */
 double pe_point_residual(double friction, double scale, const double p[3], const double u[3]);
 
-/* From the velocities as they stand; NaN in, NaN out. */
+/* The residual of all points at the present velocities and impulses. NaN in them gives NaN. */
 pe_residual pe_problem_residual(const pe_problem *problem);
 
 /* Scale of a point at arms ra, rb from the centres of mass; see pe_solver_point. */
 double pe_point_scale(const pe_inertia *a, const pe_inertia *b, const double ra[3],
                       const double rb[3]);
 
-/* ---- Twists and wrenches -----------------------------------------------------------------------
- */
+/* Whether any point has an impulse to start from. */
+bool pe_problem_has_impulse(const pe_problem *problem);
+
+/* De Saxce's shift mu |u_t| of each point at the present velocities: shift (point_count), m/s. */
+void pe_problem_find_shifts(const pe_problem *problem, double *shift);
+
+/* ---- Twists and wrenches ---- */
 
 static inline void pe_cross3(const double a[3], const double b[3], double c[3])
 {
@@ -85,25 +91,26 @@ static inline double pe_dot3(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The manifold's relative twist q: its linear part at the centre, then its angular part. */
+/* The relative twist q of the manifold at these velocities of all bodies. */
 static inline void pe_solver_manifold_twist(const pe_solver_manifold *manifold,
                                             const double (*velocity)[6], double q[6])
 {
-    const double *va = velocity[manifold->a], *vb = velocity[manifold->b];
-    double wa[3], wb[3], d[3], w[3];
-    pe_cross3(va + 3, manifold->arm_a, wa);
-    pe_cross3(vb + 3, manifold->arm_b, wb);
+    const double *vA = velocity[manifold->a], *wA = vA + 3;
+    const double *vB = velocity[manifold->b], *wB = vB + 3;
+    double wA_rA[3], wB_rB[3], v[3], w[3];
+    pe_cross3(wA, manifold->arm_a, wA_rA);
+    pe_cross3(wB, manifold->arm_b, wB_rB);
     for (int k = 0; k < 3; ++k) {
-        d[k] = (vb[k] + wb[k]) - (va[k] + wa[k]);
-        w[k] = vb[3 + k] - va[3 + k];
+        v[k] = (vB[k] + wB_rB[k]) - (vA[k] + wA_rA[k]);
+        w[k] = wB[k] - wA[k];
     }
     for (int k = 0; k < 3; ++k) {
-        q[k] = pe_dot3(manifold->frame[k], d);
+        q[k] = pe_dot3(manifold->frame[k], v);
         q[3 + k] = pe_dot3(manifold->frame[k], w);
     }
 }
 
-/* J v of a point of the manifold. */
+/* u = J v of a point of the manifold. */
 static inline void pe_point_motion(const pe_solver_point *point, const double q[6], double u[3])
 {
     pe_cross3(q + 3, point->s, u);
@@ -112,7 +119,7 @@ static inline void pe_point_motion(const pe_solver_point *point, const double q[
     u[2] = u[2] + q[2];
 }
 
-/* J v + b of a point of the manifold. */
+/* u = J v + b of a point of the manifold. */
 static inline void pe_point_velocity(const pe_solver_point *point, const double q[6], double u[3])
 {
     pe_point_motion(point, q, u);
@@ -121,7 +128,7 @@ static inline void pe_point_velocity(const pe_solver_point *point, const double 
     u[2] = u[2] + point->slip[1];
 }
 
-/* Takes b from u again. */
+/* u -= b */
 static inline void pe_point_take_bias(const pe_solver_point *point, double u[3])
 {
     u[0] -= point->bias;
@@ -129,7 +136,7 @@ static inline void pe_point_take_bias(const pe_solver_point *point, double u[3])
     u[2] -= point->slip[1];
 }
 
-/* Adds the impulse of one point to the manifold's wrench. */
+/* Adds the impulse p of one point to the manifold's wrench. */
 static inline void pe_wrench_add(const pe_solver_point *point, const double p[3], double wrench[6])
 {
     double moment[3];
@@ -140,27 +147,28 @@ static inline void pe_wrench_add(const pe_solver_point *point, const double p[3]
     }
 }
 
-/* Adds the manifold's wrench, on b, to the bodies' momenta: J^T p. */
+/* Adds J^T p to the momenta of all bodies, from the wrench on body B in the manifold's frame. */
 static inline void pe_solver_manifold_push(const pe_solver_manifold *manifold,
                                            const double wrench[6], double (*momentum)[6])
 {
-    const double(*d)[3] = manifold->frame;
+    const double *n = manifold->frame[0], *t1 = manifold->frame[1], *t2 = manifold->frame[2];
     double *a = momentum[manifold->a], *b = momentum[manifold->b];
-    double f[3], t[3], ta[3], tb[3];
+    double force[3], torque[3], rA_f[3], rB_f[3];
     for (int k = 0; k < 3; ++k) {
-        f[k] = d[0][k] * wrench[0] + d[1][k] * wrench[1] + d[2][k] * wrench[2];
-        t[k] = d[0][k] * wrench[3] + d[1][k] * wrench[4] + d[2][k] * wrench[5];
+        force[k] = n[k] * wrench[0] + t1[k] * wrench[1] + t2[k] * wrench[2];
+        torque[k] = n[k] * wrench[3] + t1[k] * wrench[4] + t2[k] * wrench[5];
     }
-    pe_cross3(manifold->arm_a, f, ta);
-    pe_cross3(manifold->arm_b, f, tb);
+    pe_cross3(manifold->arm_a, force, rA_f);
+    pe_cross3(manifold->arm_b, force, rB_f);
     for (int k = 0; k < 3; ++k) {
-        a[k] -= f[k];
-        b[k] += f[k];
-        a[3 + k] -= ta[k] + t[k];
-        b[3 + k] += tb[k] + t[k];
+        a[k] -= force[k];
+        b[k] += force[k];
+        a[3 + k] -= rA_f[k] + torque[k];
+        b[3 + k] += rB_f[k] + torque[k];
     }
 }
 
+/* y = m x for a symmetric matrix (xx, xy, xz, yy, yz, zz) */
 static inline void pe_symmetric_times(const double m[6], const double x[3], double y[3])
 {
     y[0] = m[0] * x[0] + m[1] * x[1] + m[2] * x[2];
@@ -168,7 +176,7 @@ static inline void pe_symmetric_times(const double m[6], const double x[3], doub
     y[2] = m[2] * x[0] + m[4] * x[1] + m[5] * x[2];
 }
 
-/* y = M x and y = M^-1 x of one body. */
+/* y = M x of one body */
 static inline void pe_mass_times(const pe_inertia *m, const double x[6], double y[6])
 {
     for (int k = 0; k < 3; ++k) {
@@ -177,6 +185,7 @@ static inline void pe_mass_times(const pe_inertia *m, const double x[6], double 
     pe_symmetric_times(m->tensor, x + 3, y + 3);
 }
 
+/* y = M^-1 x of one body */
 static inline void pe_inverse_mass_times(const pe_inertia *m, const double x[6], double y[6])
 {
     for (int k = 0; k < 3; ++k) {

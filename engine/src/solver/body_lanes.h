@@ -1,19 +1,20 @@
 /* Vectors and solver bodies, one a lane: what the kernels of soft contact and of Gauss-Seidel
- * share. */
+ * share.
+ *
+ * Names in both: vA, wA the linear and angular velocity of body A, mA its inverse mass, iA its
+ * inverse inertia, rA the arm from its centre of mass to the contact; vB and so on for body B. */
 #ifndef PE_BODY_LANES_H
 #define PE_BODY_LANES_H
 
 #include "base/lanes.h"
 #include "solver_body.h"
 
-/* Kernels are one function each: otherwise lanes would travel through memory. */
+/* Each kernel is compiled to one function: calls would pass the lanes through memory. */
 #if defined(__GNUC__)
 #define PE_INLINE static inline __attribute__((always_inline))
 #else
 #define PE_INLINE static inline
 #endif
-
-/* ---- Vectors ---- */
 
 PE_INLINE wide wide_dot(const wide a[3], const wide b[3])
 {
@@ -27,54 +28,80 @@ PE_INLINE void wide_cross(const wide a[3], const wide b[3], wide c[3])
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/* x += s a */
+PE_INLINE void wide_add(wide x[3], wide s, const wide a[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        x[k] += s * a[k];
+    }
+}
+
 /* 1/a, and 0 where a is not above 0, as in lanes without a manifold. */
 PE_INLINE wide wide_inverse(wide a)
 {
     return wide_select(a, wide_of(0), wide_of(1) / a, wide_of(0));
 }
 
-/* ---- Solver bodies ---- */
+/* The two bodies of a contact, in each lane. */
+typedef struct wide_pair {
+    wide vA[3], wA[3], mA;
+    wide vB[3], wB[3], mB;
+} wide_pair;
 
-/* One solver body a lane. */
-typedef struct wide_body {
-    wide linear[3], inverse_mass, angular[3];
-} wide_body;
-
-static inline wide_body wide_load(const pe_solver_body *bodies, const int index[PE_WIDTH])
+PE_INLINE void wide_load_body(const pe_solver_body *bodies, const int index[PE_WIDTH], wide v[3],
+                              wide w[3], wide *m)
 {
     const double *from[PE_WIDTH];
-    wide c[8];
+    wide column[8];
     for (int l = 0; l < PE_WIDTH; ++l) {
         from[l] = bodies[index[l]].linear;
     }
-    wide_columns(from, c);
-    return (wide_body){{c[0], c[1], c[2]}, c[3], {c[4], c[5], c[6]}};
+    wide_columns(from, column);
+    for (int k = 0; k < 3; ++k) {
+        v[k] = column[k];
+        w[k] = column[4 + k];
+    }
+    *m = column[3];
 }
 
-static inline void wide_save(pe_solver_body *bodies, const int index[PE_WIDTH], const wide_body *x)
+PE_INLINE void wide_store_body(pe_solver_body *bodies, const int index[PE_WIDTH], const wide v[3],
+                               const wide w[3], wide m)
 {
 #if PE_WIDTH == 1
+    (void)m;
     for (int k = 0; k < 3; ++k) {
-        bodies[index[0]].linear[k] = x->linear[k];
-        bodies[index[0]].angular[k] = x->angular[k];
+        bodies[index[0]].linear[k] = v[k];
+        bodies[index[0]].angular[k] = w[k];
     }
 #elif PE_WIDTH == 4
-    wide r[4] = {x->linear[0], x->linear[1], x->linear[2], x->inverse_mass};
-    wide s[4] = {x->angular[0], x->angular[1], x->angular[2], _mm256_setzero_pd()};
-    transpose4(r);
-    transpose4(s);
+    wide linear[4] = {v[0], v[1], v[2], m}, angular[4] = {w[0], w[1], w[2], wide_of(0)};
+    transpose4(linear);
+    transpose4(angular);
     for (int i = 0; i < 4; ++i) {
-        _mm256_store_pd(bodies[index[i]].linear, r[i]);
-        _mm256_store_pd(bodies[index[i]].angular, s[i]);
+        _mm256_store_pd(bodies[index[i]].linear, linear[i]);
+        _mm256_store_pd(bodies[index[i]].angular, angular[i]);
     }
 #else
-    wide r[8] = {x->linear[0],  x->linear[1],  x->linear[2],  x->inverse_mass,
-                 x->angular[0], x->angular[1], x->angular[2], _mm512_setzero_pd()};
-    transpose8(r);
+    wide row[8] = {v[0], v[1], v[2], m, w[0], w[1], w[2], wide_of(0)};
+    transpose8(row);
     for (int i = 0; i < 8; ++i) {
-        _mm512_store_pd(bodies[index[i]].linear, r[i]);
+        _mm512_store_pd(bodies[index[i]].linear, row[i]);
     }
 #endif
+}
+
+PE_INLINE void wide_load_pair(const pe_solver_body *bodies, const int a[PE_WIDTH],
+                              const int b[PE_WIDTH], wide_pair *p)
+{
+    wide_load_body(bodies, a, p->vA, p->wA, &p->mA);
+    wide_load_body(bodies, b, p->vB, p->wB, &p->mB);
+}
+
+PE_INLINE void wide_store_pair(pe_solver_body *bodies, const int a[PE_WIDTH], const int b[PE_WIDTH],
+                               const wide_pair *p)
+{
+    wide_store_body(bodies, a, p->vA, p->wA, p->mA);
+    wide_store_body(bodies, b, p->vB, p->wB, p->mB);
 }
 
 #endif

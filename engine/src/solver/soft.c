@@ -1,6 +1,133 @@
 #include "soft.h"
 
-#include "soft_kernel.h"
+#include "kernels.h"
+
+#include <string.h>
+
+/* ---- The plan ---- */
+
+enum {
+    COLOURS = 64,               /* bits of a mask; the last one is serial */
+    KINDS = 4 * PE_SOFT_POINTS, /* points x hard x rough */
+    BATCHES = COLOURS * KINDS
+};
+
+/* Position of the lowest bit that is 0, or of the last one if there is none. In walls and piles it
+ * is nearly always below 8. */
+static int lowest_free(uint64_t mask)
+{
+    int colour = 0;
+    while (colour < COLOURS - 1 && (mask >> colour & 1)) {
+        ++colour;
+    }
+    return colour;
+}
+
+/* The batch of a contact: colour by colour, most points first. */
+static int batch_of(int colour, const pe_soft_contact *contact, bool rough)
+{
+    bool hard = contact->a == 0 || contact->b == 0;
+    return colour * KINDS + 4 * (PE_SOFT_POINTS - contact->count) + 2 * hard + rough;
+}
+
+/* The number of contacts that a manifold is solved as. */
+static int parts_of(const pe_manifold *m)
+{
+    return (m->count + PE_SOFT_POINTS - 1) / PE_SOFT_POINTS;
+}
+
+/* The plan while it is made: contacts in the manifolds' order. */
+typedef struct draft {
+    const pe_solver_bodies *bodies;
+    uint64_t *mask; /* (bodies): colours that each body has */
+    pe_soft_contact *contacts;
+    int *batch; /* of each contact */
+} draft;
+
+static void add_manifold(const pe_world *world, int index, const draft *d, pe_soft_plan *plan)
+{
+    const pe_manifold *m = &pe_manifolds(&world->contacts)[index];
+    int a = d->bodies->index_of[m->a], b = d->bodies->index_of[m->b], parts = parts_of(m);
+    for (int part = 0; part < parts; ++part) {
+        pe_soft_contact *contact = &d->contacts[plan->count];
+        *contact = (pe_soft_contact){.manifold = index, .a = a, .b = b};
+        /* Points in turn, so that each part spans the whole. */
+        for (int j = part; j < m->count; j += parts) {
+            contact->point[contact->count++] = m->first + j;
+        }
+        int colour = lowest_free(d->mask[a] | d->mask[b]);
+        d->mask[a] |= (uint64_t)(a != 0) << colour;
+        d->mask[b] |= (uint64_t)(b != 0) << colour;
+        d->batch[plan->count++] = batch_of(colour, contact, m->friction > 0);
+        plan->colours = colour >= plan->colours ? colour + 1 : plan->colours;
+        plan->points += contact->count;
+    }
+    plan->bounces = plan->bounces || m->restitution > 0;
+}
+
+/* A counting sort of the contacts by batch, which keeps their order within a batch. */
+static void sort_into_batches(const draft *d, pe_soft_plan *plan)
+{
+    int size[BATCHES] = {0}, next[BATCHES];
+    for (int i = 0; i < plan->count; ++i) {
+        size[d->batch[i]] += 1;
+    }
+    int first = 0;
+    for (int q = 0; q < plan->colours * KINDS; ++q) {
+        next[q] = first;
+        if (size[q] > 0) {
+            plan->batches[plan->batch_count++] = (pe_soft_batch){
+                .first = first,
+                .count = size[q],
+                .points = PE_SOFT_POINTS - q % KINDS / 4,
+                .hard = q / 2 % 2 == 1,
+                .rough = q % 2 == 1,
+                .serial = q / KINDS == COLOURS - 1,
+            };
+            first += size[q];
+        }
+    }
+    for (int i = 0; i < plan->count; ++i) {
+        plan->contacts[next[d->batch[i]]++] = d->contacts[i];
+    }
+}
+
+pe_status pe_soft_plan_make(pe_world *world, const pe_chosen_islands *chosen,
+                            const pe_solver_bodies *bodies, pe_soft_plan *plan, pe_error *error)
+{
+    const pe_islands *islands = chosen->islands;
+    const pe_manifold *manifolds = pe_manifolds(&world->contacts);
+    size_t count = 0;
+    for (int k = 0; k < islands->count; ++k) {
+        for (int i = islands->start[k]; chosen->chosen[k] && i < islands->start[k + 1]; ++i) {
+            count += (size_t)parts_of(&manifolds[islands->manifolds[i]]);
+        }
+    }
+    *plan = (pe_soft_plan){
+        .contacts = pe_scratch(world, count + 1, sizeof *plan->contacts),
+        .batches = pe_scratch(world, BATCHES, sizeof *plan->batches),
+    };
+    draft d = {
+        .bodies = bodies,
+        .mask = pe_scratch(world, (size_t)bodies->count, sizeof *d.mask),
+        .contacts = pe_scratch(world, count + 1, sizeof *d.contacts),
+        .batch = pe_scratch(world, count + 1, sizeof *d.batch),
+    };
+    if (plan->contacts == NULL || plan->batches == NULL || d.mask == NULL || d.contacts == NULL ||
+        d.batch == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for the order of %zu contacts", count);
+    }
+    memset(d.mask, 0, (size_t)bodies->count * sizeof *d.mask);
+    for (int k = 0; k < islands->count; ++k) {
+        for (int i = islands->start[k]; chosen->chosen[k] && i < islands->start[k + 1]; ++i) {
+            add_manifold(world, islands->manifolds[i], &d, plan);
+        }
+    }
+    sort_into_batches(&d, plan);
+    return PE_OK;
+}
+
+/* ---- The step ---- */
 
 pe_soft_settings pe_soft_settings_default(void)
 {
@@ -13,31 +140,15 @@ pe_soft_settings pe_soft_settings_default(void)
     };
 }
 
-/* The widest kernel that the processor runs, up to `lanes` unless that is 0. */
-static const pe_soft_kernel *choose_kernel(int lanes)
-{
-#ifdef PE_SOFT_X86
-    if ((lanes == 0 || lanes >= 8) && __builtin_cpu_supports("avx512f")) {
-        return &pe_soft_kernel_8;
-    }
-    if ((lanes == 0 || lanes >= 4) && __builtin_cpu_supports("avx2")) {
-        return &pe_soft_kernel_4;
-    }
-#else
-    (void)lanes;
-#endif
-    return &pe_soft_kernel_1;
-}
-
-/* A substep that is longer by rounding alone does not cost another. */
+/* The slack keeps a sub-step that is too long by rounding alone from costing another one. */
 static int count_substeps(double dt, const pe_soft_settings *settings)
 {
     double needed = ceil(dt / settings->longest_substep - 1e-6);
     return needed < 1 ? 1 : needed > settings->max_substeps ? settings->max_substeps : (int)needed;
 }
 
-/* A spring of angular frequency w and damping ratio z, stepped by implicit Euler (Catto 2011):
- * with a = 2 z + h w, its coefficients are w/a, h w a/(1 + h w a) and 1/(1 + h w a). */
+/* A spring of angular frequency w and damping ratio z, stepped by implicit Euler (Catto 2011): with
+ * a = 2 z + h w, its coefficients are w/a, h w a/(1 + h w a) and 1/(1 + h w a). */
 static pe_soft_spring make_spring(double frequency, double damping, double h)
 {
     const double two_pi = 6.283185307179586;
@@ -46,13 +157,14 @@ static pe_soft_spring make_spring(double frequency, double damping, double h)
 }
 
 /* Takes the arrays of the kernel's own items. */
-static pe_status take_blocks(pe_world *world, const pe_soft_kernel *kernel, pe_soft_task *task,
+static pe_status take_blocks(pe_world *world, const pe_kernels *kernels, pe_soft_task *task,
                              pe_error *error)
 {
+    const pe_soft_kernel *kernel = kernels->soft;
     size_t blocks = 1, rows = 1, friction_blocks = 1, friction_rows = 1;
     for (int q = 0; q < task->plan->batch_count; ++q) {
         const pe_soft_batch *batch = &task->plan->batches[q];
-        size_t lanes = batch->serial ? 1 : (size_t)kernel->lanes;
+        size_t lanes = batch->serial ? 1 : (size_t)kernels->lanes;
         size_t count = ((size_t)batch->count + lanes - 1) / lanes, points = (size_t)batch->points;
         blocks += count;
         rows += count * points;
@@ -63,27 +175,27 @@ static pe_status take_blocks(pe_world *world, const pe_soft_kernel *kernel, pe_s
     task->rows = pe_scratch(world, rows, kernel->row_size);
     task->friction_blocks = pe_scratch(world, friction_blocks, kernel->friction_block_size);
     task->friction_rows = pe_scratch(world, friction_rows, kernel->friction_row_size);
-    bool whole = task->blocks != NULL && task->rows != NULL && task->friction_blocks != NULL &&
-                 task->friction_rows != NULL;
-    if (whole && task->plan->bounces) {
+    if (task->plan->bounces) {
         task->bounces = pe_scratch(world, rows, kernel->bounce_size);
-        whole = task->bounces != NULL;
     }
-    return whole ? PE_OK
-                 : pe_fail(error, PE_NO_MEMORY, "no memory for %zu contact points",
-                           rows * (size_t)kernel->lanes);
+    if (task->blocks == NULL || task->rows == NULL || task->friction_blocks == NULL ||
+        task->friction_rows == NULL || (task->plan->bounces && task->bounces == NULL)) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %zu contact points",
+                       rows * (size_t)kernels->lanes);
+    }
+    return PE_OK;
 }
 
 static void run(const pe_soft_kernel *kernel, pe_soft_task *task)
 {
     kernel->prepare(task);
     for (int s = 0; s < task->substeps; ++s) {
-        kernel->advance(task);
+        kernel->integrate_velocities(task);
         if (s == 0) {
-            kernel->warm(task);
+            kernel->warm_start(task);
         }
         kernel->bias(task);
-        kernel->drift(task);
+        kernel->integrate_positions(task);
         kernel->relax(task);
     }
     if (task->bounces != NULL) {
@@ -92,46 +204,46 @@ static void run(const pe_soft_kernel *kernel, pe_soft_task *task)
     kernel->store(task);
 }
 
-pe_status pe_soft_step_with(pe_world *world, const pe_islands *islands, const bool *chosen,
-                            double dt, const pe_soft_settings *settings, pe_soft_report *report,
-                            pe_error *error)
+pe_status pe_soft_step(pe_world *world, const pe_chosen_islands *islands, double dt,
+                       const pe_soft_settings *given, pe_soft_report *report, pe_error *error)
 {
-    const pe_soft_kernel *kernel = choose_kernel(settings->lanes);
-    int substeps = count_substeps(dt, settings);
+    const pe_soft_settings settings = given != NULL ? *given : pe_soft_settings_default();
+    const pe_kernels *kernels = pe_kernels_for(settings.lanes);
+    int substeps = count_substeps(dt, &settings);
     double h = dt / substeps;
-    pe_solver_bodies lines;
+    pe_solver_bodies bodies;
     pe_soft_plan plan;
     pe_soft_task task = {
         .manifolds = pe_manifolds(&world->contacts),
         .points = pe_manifold_points(&world->contacts),
         .plan = &plan,
-        .lines = &lines,
+        .bodies = &bodies,
         .substeps = substeps,
         .substep = h,
-        .push_speed = settings->push_speed,
+        .push_speed = settings.push_speed,
         .threshold = world->def.restitution_threshold,
-        .spring = make_spring(settings->cycles / h, settings->damping, h),
-        /* What stands on the ground carries the most, and has only one body to move. */
-        .hard_spring = make_spring(2 * settings->cycles / h, 0.5 * settings->damping, h),
+        .spring = make_spring(settings.cycles / h, settings.damping, h),
+        /* A contact with the ground carries the most, and moves only one body. */
+        .hard_spring = make_spring(2 * settings.cycles / h, 0.5 * settings.damping, h),
     };
-    pe_status status = pe_solver_bodies_take(world, islands, chosen, &lines, error);
+    pe_status status = pe_solver_bodies_take(world, islands, &bodies, error);
     if (status == PE_OK) {
-        status = pe_soft_plan_make(world, islands, chosen, &lines, &plan, error);
+        status = pe_soft_plan_make(world, islands, &bodies, &plan, error);
     }
     if (status == PE_OK) {
-        status = take_blocks(world, kernel, &task, error);
+        status = take_blocks(world, kernels, &task, error);
     }
     if (status != PE_OK) {
         return status;
     }
-    pe_solver_bodies_fill(world, dt, h, &lines);
-    run(kernel, &task);
-    pe_solver_bodies_apply(world, &lines);
+    pe_solver_bodies_fill(world, dt, h, &bodies);
+    run(kernels->soft, &task);
+    pe_solver_bodies_apply(world, &bodies);
     if (report != NULL) {
         *report = (pe_soft_report){
             .substeps = substeps,
-            .lanes = kernel->lanes,
-            .bodies = lines.count - 1,
+            .lanes = kernels->lanes,
+            .bodies = bodies.count - 1,
             .manifolds = plan.count,
             .points = plan.points,
             .colours = plan.colours,
@@ -139,11 +251,4 @@ pe_status pe_soft_step_with(pe_world *world, const pe_islands *islands, const bo
         };
     }
     return PE_OK;
-}
-
-pe_status pe_soft_step(pe_world *world, const pe_islands *islands, const bool *chosen, double dt,
-                       pe_soft_report *report, pe_error *error)
-{
-    pe_soft_settings settings = pe_soft_settings_default();
-    return pe_soft_step_with(world, islands, chosen, dt, &settings, report, error);
 }

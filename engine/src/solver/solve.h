@@ -1,42 +1,67 @@
-/* The solvers of the contact problem: one interface, a solver a file. Every solver starts from
+/* The solvers of the contact problem, which share one interface. Every solver starts from
  * problem->impulse, leaves the best impulses that it found there and the velocities in step with
- * them, and says what it did. That it did not converge is no error; its status is PE_NO_MEMORY or
- * PE_OK. */
+ * them, and fills a report. Not converging is no error: the status is PE_OK or PE_NO_MEMORY. */
 #ifndef PE_SOLVE_H
 #define PE_SOLVE_H
 
 #include "base/memory.h"
-#include "plumb/contact_problem.h" /* limits, stop, mark */
+#include "plumb/contact_problem.h"
 #include "problem/problem.h"
 
-/* Where a solver notes residuals as it goes; `clock` may be NULL. Not kept beyond capacity. */
+/* Where a solver notes residuals as it runs, up to `capacity` of them. */
 typedef struct pe_solve_history {
     pe_solve_mark *marks;
     int capacity, count;
-    double (*clock)(void);
+    double (*clock)(void); /* s; NULL: no times */
     double began;
 } pe_solve_history;
 
 typedef struct pe_solve_report {
     int iterations;       /* 0: the warm start was good enough */
-    pe_residual residual; /* of the impulses as left, velocities rebuilt from them */
+    pe_residual residual; /* of the impulses as left, with velocities rebuilt from them */
     pe_solve_stop stop;
     double factor_flops;       /* of all factorisations made */
     pe_solve_history *history; /* set by the caller; NULL: none */
 } pe_solve_report;
 
-/* Notes a residual in report->history, if there is one. */
-void pe_solve_note(pe_solve_report *report, int iterations, double residual);
+typedef pe_status (*pe_solve_function)(const pe_problem *problem, const pe_solve_limits *limits,
+                                       pe_workspace work, pe_solve_report *report, pe_error *error);
 
-/* Projected Gauss-Seidel with a round friction cone: each sweep visits the points in order, and at
- * each takes the normal impulse that stops approach, then the tangential one that stops slip, held
- * to the disc of radius mu p_n. (Jourdan, Alart, Jean 1998.) */
+/* Notes a residual in report->history, if there is one. */
+static inline void pe_solve_note(pe_solve_report *report, int iterations, double residual)
+{
+    pe_solve_history *history = report->history;
+    if (history != NULL && history->count < history->capacity) {
+        history->marks[history->count++] = (pe_solve_mark){
+            .iterations = iterations,
+            .residual = residual,
+            .seconds = history->clock != NULL ? history->clock() - history->began : 0,
+        };
+    }
+}
+
+/* Projected Gauss-Seidel with a round friction cone: a sweep visits the points in order; each takes
+ * the normal impulse that stops approach, then the tangential one that stops slip, held to the disc
+ * of radius mu p_n. (Jourdan, Alart, Jean 1998.) */
 pe_status pe_solve_gauss_seidel(const pe_problem *problem, const pe_solve_limits *limits,
                                 pe_workspace work, pe_solve_report *report, pe_error *error);
 
-/* The same sweeps with momentum and restarts: the sweep is made at an extrapolated point. See
- * solve_momentum.c. */
+/* The same sweeps with momentum and restarts (pe_momentum in sweep.h). */
 pe_status pe_solve_momentum(const pe_problem *problem, const pe_solve_limits *limits,
+                            pe_workspace work, pe_solve_report *report, pe_error *error);
+
+/* Newton's method in the Tresca form, or in the cone form when there is no impulse to start from.
+ */
+pe_status pe_solve_newton(const pe_problem *problem, const pe_solve_limits *limits,
+                          pe_workspace work, pe_solve_report *report, pe_error *error);
+
+/* The interior point method from a cold start, with De Saxce's shift renewed until it repeats
+ * itself: a fixed point that is not within reach for every problem. */
+pe_status pe_solve_interior_point(const pe_problem *problem, const pe_solve_limits *limits,
+                                  pe_workspace work, pe_solve_report *report, pe_error *error);
+
+/* The direct solver of solve_island.h, which combines the last two. */
+pe_status pe_solve_combined(const pe_problem *problem, const pe_solve_limits *limits,
                             pe_workspace work, pe_solve_report *report, pe_error *error);
 
 #endif

@@ -1,7 +1,10 @@
+/* The interior point method in the form of Vandenberghe, "The CVXOPT linear and quadratic cone
+ * program solvers" (2010): self-dual cones, Nesterov and Todd's scaling, Mehrotra's predictor and
+ * corrector. */
 #include "solve_interior_point.h"
 
 #include "base/vec3.h"
-#include "problem/problem_select.h"
+#include "sparse/factor.h"
 
 #include <math.h>
 #include <string.h>
@@ -111,8 +114,8 @@ static void multiply(const double a[3], const double b[3], double y[3])
     y[2] = a[0] * b[2] + b[0] * a[2];
 }
 
-/* Largest a <= 1 with x + a dx in the cone: the first root of the quadratic (x + a dx)^T J (...).
- */
+/* Largest a <= 1 with x + a dx in the cone: the first root of the quadratic (x + a dx)^T J (x + a
+ * dx). */
 static double step_to_boundary(const double x[3], const double dx[3])
 {
     double a = j_product(dx, dx), b = j_product(x, dx), c = pe_max(0, j_product(x, x)), best = 1;
@@ -140,7 +143,7 @@ typedef struct interior {
     vec6 *v, *dv; /* (bodies + 1): the iterate's own velocities, and their step */
 } interior;
 
-/* The point's velocity in the cone's terms. */
+/* The velocity of a point in the variables of the cone. */
 static inline void cone_velocity(const cone_point *c, const double u[3], double z[3])
 {
     z[0] = u[0] / c->mu;
@@ -148,7 +151,7 @@ static inline void cone_velocity(const cone_point *c, const double u[3], double 
     z[2] = c->rough ? u[2] : 0;
 }
 
-/* Starts central: every contact with the impulse that would stop the fastest of them. */
+/* A central start: every contact has the impulse that would stop the fastest of them. */
 static void start(interior *ip, double least_speed)
 {
     const pe_problem *problem = ip->problem;
@@ -156,9 +159,9 @@ static void start(interior *ip, double least_speed)
     double speed = least_speed;
     for (int i = 0; i < problem->manifold_count; ++i) {
         double q[6], u[3];
-        pe_solver_manifold_twist(&problem->manifold[i], (const vec6 *)ip->v, q);
-        for (int j = problem->manifold[i].first;
-             j < problem->manifold[i].first + problem->manifold[i].count; ++j) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
+        pe_solver_manifold_twist(manifold, (const vec6 *)ip->v, q);
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             pe_point_velocity(&problem->point[j], q, u);
             speed = pe_max(speed, pe_max(fabs(u[0]), pe_max(fabs(u[1]), fabs(u[2]))));
         }
@@ -178,7 +181,8 @@ static void start(interior *ip, double least_speed)
     }
 }
 
-/* Takes the iterate's impulses, notes their residual in the convex problem, keeps the best. */
+/* Sets the impulses of the iterate, returns their residual in the convex problem, and keeps the
+ * best. */
 static double look(interior *ip, double *least)
 {
     const pe_problem *problem = ip->problem;
@@ -216,9 +220,9 @@ static double linearise(interior *ip)
     double sum = 0;
     for (int i = 0; i < problem->manifold_count; ++i) {
         double q[6], u[3], z[3];
-        pe_solver_manifold_twist(&problem->manifold[i], (const vec6 *)ip->v, q);
-        for (int j = problem->manifold[i].first;
-             j < problem->manifold[i].first + problem->manifold[i].count; ++j) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
+        pe_solver_manifold_twist(manifold, (const vec6 *)ip->v, q);
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             cone_point *c = &ip->cone[j];
             pe_point_velocity(&problem->point[j], q, u);
             u[0] += ip->shift[j];
@@ -234,9 +238,9 @@ static double linearise(interior *ip)
     return sum / problem->point_count;
 }
 
-/* The right side of one point: dx = W^-1 (lambda \ r) - W^-2 dz, here without the step's part of
- * dz. The predictor aims at 0, the corrector at `target` and takes off what the predictor left out.
- */
+/* The right-hand side of one point: dx = W^-1 (lambda \ r) - W^-2 dz, here without the step's part
+ * of dz. The predictor aims at 0. The corrector aims at `target` and subtracts the second-order
+ * term of the predictor. */
 static void point_right_side(cone_point *c, bool corrects, double target)
 {
     double r[3], y[3], dx[3], gap[3];
@@ -262,7 +266,7 @@ static void point_right_side(cone_point *c, bool corrects, double target)
     }
 }
 
-/* Solves for the step; returns how far it may go. */
+/* Solves for the step; returns the longest length at which the iterate stays in the cones. */
 static double direction(interior *ip, bool corrects, double target)
 {
     const pe_problem *problem = ip->problem;
@@ -312,7 +316,7 @@ static double direction(interior *ip, bool corrects, double target)
     return longest;
 }
 
-/* Mehrotra's centring: the cube of what the predictor would leave of the mean. */
+/* Mehrotra's centring: the cube of the part of the mean that the predictor would leave. */
 static double centring(interior *ip, double mean, double longest)
 {
     double sum = 0;
@@ -344,14 +348,18 @@ static void move(interior *ip, double length)
     }
 }
 
-static const double BACK_OFF = 0.99;    /* of the way to the boundary */
+static const double BACK_OFF = 0.99;    /* part of the longest step that is taken */
 static const double LEAST_SPEED = 1e-3; /* m/s, of the starting point */
-enum { MAX_WORSE = 10 };                /* iterations without a new best */
+enum {
+    MAX_WORSE = 10, /* iterations without a new best */
+    MAX_WORSE_ROUNDS =
+        4 /* the same of rounds, before the fixed point of the shift counts as lost */
+};
 
-/* The method itself, on a problem of which every manifold takes part. */
-static pe_status solve(const pe_problem *problem, const double *shift,
-                       const pe_solve_limits *limits, pe_workspace work, pe_solve_report *report,
-                       pe_error *error)
+/* The method, on a problem whose manifolds all take part. */
+static pe_status solve_convex(const pe_problem *problem, const double *shift,
+                              const pe_solve_limits *limits, pe_workspace work,
+                              pe_solve_report *report, pe_error *error)
 {
     size_t points = (size_t)problem->point_count + 1, bodies = (size_t)problem->body_count + 1;
     interior ip = {
@@ -403,25 +411,61 @@ static pe_status solve(const pe_problem *problem, const double *shift,
     return PE_OK;
 }
 
-pe_status pe_interior_point(const pe_problem *problem, const bool *loaded, const double *shift,
+/* The manifolds of a problem with loaded[i] (NULL: all), their points packed, impulses copied.
+ * Bodies and velocities are shared with `problem`. point_of (part->point_count) is each point's
+ * index in `problem`. */
+static pe_status select_loaded(const pe_problem *problem, const bool *loaded, pe_workspace work,
+                               pe_problem *part, int **point_of, pe_error *error)
+{
+    size_t manifolds = (size_t)problem->manifold_count, points = (size_t)problem->point_count;
+    pe_solver_manifold *manifold = pe_take(work, manifolds + 1, sizeof *manifold);
+    pe_solver_point *point = pe_take(work, points + 1, sizeof *point);
+    vec3 *impulse = pe_take(work, points + 1, sizeof *impulse);
+    int *origin = pe_take(work, points + 1, sizeof *origin);
+    if (manifold == NULL || point == NULL || impulse == NULL || origin == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %zu contact points", points);
+    }
+    *part = *problem;
+    part->manifold_count = part->point_count = 0;
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *from = &problem->manifold[i];
+        if (loaded != NULL && !loaded[i]) {
+            continue;
+        }
+        manifold[part->manifold_count] = *from;
+        manifold[part->manifold_count++].first = part->point_count;
+        for (int j = from->first; j < from->first + from->count; ++j) {
+            point[part->point_count] = problem->point[j];
+            memcpy(impulse[part->point_count], problem->impulse[j], sizeof *impulse);
+            origin[part->point_count++] = j;
+        }
+    }
+    part->manifold = manifold;
+    part->point = point;
+    part->impulse = impulse;
+    *point_of = origin;
+    return PE_OK;
+}
+
+pe_status pe_interior_point(const pe_problem *problem, const pe_convex_form *form,
                             const pe_solve_limits *limits, pe_workspace work,
                             pe_solve_report *report, pe_error *error)
 {
     pe_problem part;
-    int *point_of;
-    pe_status status = pe_problem_select(problem, loaded, work, &part, &point_of, error);
-    double *part_shift = pe_take(work, (size_t)problem->point_count + 1, sizeof *part_shift);
-    if (status == PE_OK && part_shift == NULL) {
-        status = pe_fail(error, PE_NO_MEMORY, "no memory to solve %d contact points",
-                         problem->point_count);
+    int *point_of = NULL;
+    double *shift = pe_take(work, (size_t)problem->point_count + 1, sizeof *shift);
+    if (shift == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory to solve %d contact points",
+                       problem->point_count);
     }
+    pe_status status = select_loaded(problem, form->loaded, work, &part, &point_of, error);
     if (status != PE_OK) {
         return status;
     }
     for (int j = 0; j < part.point_count; ++j) {
-        part_shift[j] = shift[point_of[j]];
+        shift[j] = form->shift[point_of[j]];
     }
-    status = solve(&part, part_shift, limits, work, report, error);
+    status = solve_convex(&part, shift, limits, work, report, error);
     if (status != PE_OK) {
         return status;
     }
@@ -431,5 +475,41 @@ pe_status pe_interior_point(const pe_problem *problem, const bool *loaded, const
     }
     pe_problem_rebuild_velocity(problem);
     report->residual = pe_problem_residual(problem);
+    return PE_OK;
+}
+
+pe_status pe_solve_interior_point(const pe_problem *problem, const pe_solve_limits *limits,
+                                  pe_workspace work, pe_solve_report *report, pe_error *error)
+{
+    size_t points = (size_t)problem->point_count;
+    double *shift = pe_take(work, points + 1, sizeof *shift);
+    vec3 *best = pe_take(work, points + 1, sizeof *best);
+    if (shift == NULL || best == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory to solve %zu contact points", points);
+    }
+    pe_residual least = pe_problem_residual(problem);
+    memcpy(best, problem->impulse, points * sizeof *best);
+    memset(shift, 0, points * sizeof *shift);
+    for (int worse = 0; worse < MAX_WORSE_ROUNDS && least.max > limits->tolerance &&
+                        report->iterations < limits->max_iterations;) {
+        pe_status status =
+            pe_interior_point(problem, &(pe_convex_form){NULL, shift}, limits, work, report, error);
+        if (status != PE_OK) {
+            return status;
+        }
+        pe_problem_find_shifts(problem, shift);
+        ++worse;
+        if (report->residual.max < least.max) {
+            worse = 0;
+            least = report->residual;
+            memcpy(best, problem->impulse, points * sizeof *best);
+        }
+    }
+    memcpy(problem->impulse, best, points * sizeof *best);
+    pe_problem_rebuild_velocity(problem);
+    report->residual = least;
+    report->stop = least.max <= limits->tolerance                 ? PE_STOP_CONVERGED
+                   : report->iterations >= limits->max_iterations ? PE_STOP_ITERATIONS
+                                                                  : PE_STOP_STALLED;
     return PE_OK;
 }

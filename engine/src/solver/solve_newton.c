@@ -1,3 +1,5 @@
+/* The proximal augmented Lagrangian method with semismooth Newton steps; the formulas are in
+ * solve_newton.h. */
 #include "solve_newton.h"
 
 #include "base/vec3.h"
@@ -25,10 +27,9 @@ typedef struct newton {
     vec6 *step;     /* (bodies + 1) */
 } newton;
 
-/* ---- One point ---------------------------------------------------------------------------------
- */
+/* ---- One point ---- */
 
-/* y of the augmented Lagrangian for the velocity u. */
+/* y_i of the augmented Lagrangian at the velocity u. */
 static inline void argument(const newton *n, int i, const double u[3], double y[3])
 {
     double stiffness = 1 / (n->softness * n->problem->point[i].scale);
@@ -38,7 +39,7 @@ static inline void argument(const newton *n, int i, const double u[3], double y[
     y[2] = n->lambda[i][2] - u[2] * stiffness;
 }
 
-/* P(y): on the cone of slope mu, or on half-line times disc. */
+/* P(y): the projection on the cone of slope mu, or on the half-line times the disc. */
 static inline void project(const newton *n, double mu, double bound, const double y[3], double p[3])
 {
     if (mu == 0) {
@@ -60,9 +61,9 @@ static inline void project(const newton *n, double mu, double bound, const doubl
     p[2] = shrink * y[2];
 }
 
-/* Impulses that stop less than this, in m/s, have no part in the derivative from a warm start: they
- * are the rounding of contacts that touch and carry nothing, and would make the factor dearer. A
- * contact that is needed passes it at the next iteration. */
+/* From a warm start, impulses that change a velocity by less than this, in m/s, have no part in the
+ * derivative: they are the rounding of contacts that touch and carry nothing, and would make the
+ * factor more expensive. A contact that is needed exceeds it at the next iteration. */
 static const double CARRIES_NOTHING = 1e-10;
 
 /* dP/dy, symmetric: nn, n1, n2, 11, 12, 22; `least` is the smallest y_n that counts. */
@@ -108,8 +109,7 @@ static inline void derivative(const newton *n, double mu, double bound, double l
     g[5] = ratio + (along - ratio) * e2 * e2;
 }
 
-/* ---- The function minimised --------------------------------------------------------------------
- */
+/* ---- The function minimised ---- */
 
 static void find_point_velocities(const pe_problem *problem, const vec6 *velocity, bool with_bias,
                                   vec3 *u)
@@ -145,8 +145,8 @@ static double evaluate(newton *n)
             project(n, manifold->friction, n->bound[j], y, n->p[j]);
             pe_wrench_add(&problem->point[j], n->p[j], wrench);
             double stiffness = 1 / (n->softness * problem->point[j].scale);
-            /* From nothing every contact may carry: what starts to fall together has no approach to
-             * show for it. */
+            /* Without a warm start every contact may carry: bodies that start to fall together do
+             * not approach each other yet. */
             double least =
                 n->form == PE_NEWTON_CONE ? 0 : CARRIES_NOTHING / problem->point[j].scale;
             derivative(n, manifold->friction, n->bound[j], least, y, n->gain[j]);
@@ -176,7 +176,7 @@ static double evaluate(newton *n)
     return worst;
 }
 
-/* The slope of the function along the step, at `a` of it: constant + a curvature - sum P(y) . du.
+/* The slope of the function at the fraction a of the step: constant + a curvature - sum P(y) . du.
  */
 typedef struct ray {
     double constant, curvature;
@@ -201,12 +201,13 @@ static double slope(const newton *n, ray along, double a)
     return sum;
 }
 
-/* Fraction of the step at which the slope, which rises with it, is near 0. `start` is the slope at
- * 0, negative. The whole step if it does not climb. (Illinois variant of regula falsi.) */
-static const double CLIMB = 0.1;
-static const double FLAT = 0.05;
+/* Of the first slope: the whole step is taken if the slope at its end climbs by no more than this
+ * part, and the search ends when the slope is this small. */
+static const double CLIMB = 0.1, FLAT = 0.05;
 enum { MAX_TRIALS = 30 };
 
+/* Fraction of the step at which the slope, which rises along it, is near 0; 1 if it does not climb.
+ * `start` is the slope at 0, negative. (Illinois variant of regula falsi.) */
 static double search(const newton *n, ray along, double start)
 {
     double low = 0, at_low = start, high = 1, at_high = slope(n, along, 1);
@@ -234,7 +235,7 @@ static double search(const newton *n, ray along, double start)
     return a;
 }
 
-/* Makes the pattern one that holds every loaded manifold. */
+/* Finds the pattern again if a loaded manifold is not in it. */
 static pe_status renew_pattern(newton *n, pe_error *error)
 {
     bool fits = true;
@@ -249,8 +250,8 @@ static pe_status renew_pattern(newton *n, pe_error *error)
     return status != PE_OK ? status : pe_factor_create(&n->pattern, n->work, &n->factor, error);
 }
 
-/* One Newton step from the evaluated iterate; false when the factor broke down. */
-static bool advance(newton *n)
+/* One Newton step from the evaluated iterate; false when the factorisation failed. */
+static bool take_step(newton *n)
 {
     const pe_problem *problem = n->problem;
     pe_factor_assemble(&n->factor, problem, (const pe_gain *)n->gain);
@@ -285,10 +286,9 @@ static bool advance(newton *n)
     return true;
 }
 
-/* ---- The two loops -----------------------------------------------------------------------------
- */
+/* ---- The two loops ---- */
 
-/* What the next solve holds fixed: the shift of the cone or the radius of the disc. */
+/* Sets what the next inner solve holds fixed: the shift of the cone, or the radius of the disc. */
 static void renew_bounds(newton *n, bool first)
 {
     const pe_problem *problem = n->problem;
@@ -308,10 +308,12 @@ static void renew_bounds(newton *n, bool first)
     }
 }
 
-/* An inner solve that gains less than half a step below this, in m/s, is at its rounding. */
+/* An inner solve whose error is below this, in m/s, and does not halve in a step is at its
+ * rounding. */
 static const double ROUNDING = 1e-9;
 
-/* What rounding of velocities leaves of a residual at this compliance, m/s: u/R is a part of it. */
+/* The residual that rounding of velocities leaves at this compliance, m/s, since the residual has
+ * u/R in it. */
 static double rounding_floor(const newton *n)
 {
     const pe_problem *problem = n->problem;
@@ -324,12 +326,13 @@ static double rounding_floor(const newton *n)
     return 0x1p-50 * fastest / n->softness;
 }
 
-/* A solve that takes more than this will not end. */
+/* An inner solve that takes more iterations than this does not end. */
 enum { MAX_INNER = 60 };
 
 typedef enum inner_end { INNER_SOLVED, INNER_ITERATIONS, INNER_BROKEN } inner_end;
 
-/* Minimises until M^-1 gradient is below `enough`. */
+/* Minimises until M^-1 times the gradient is below `enough` (m/s), with at most `most` iterations
+ * in all. */
 static pe_status minimise(newton *n, double enough, int most, pe_solve_report *report,
                           inner_end *end, pe_error *error)
 {
@@ -350,7 +353,7 @@ static pe_status minimise(newton *n, double enough, int most, pe_solve_report *r
         if (status != PE_OK) {
             return status;
         }
-        if (!advance(n)) {
+        if (!take_step(n)) {
             *end = INNER_BROKEN;
             return PE_OK;
         }
@@ -386,16 +389,38 @@ static pe_status create(const pe_problem *problem, const pe_pattern *pattern, pe
     return pe_factor_create(&n->pattern, work, &n->factor, error);
 }
 
-/* Outer iterations without halving the residual, at the least softness, before it has stalled. */
+/* Outer iterations at the least softness that do not halve the residual, before the method has
+ * stalled. */
 enum { MAX_STALLS = 3 };
-static const double INNER_ENOUGH = 1e-6; /* m/s: of any inner solve, at most */
+static const double INNER_ENOUGH = 1e-6; /* m/s: the loosest tolerance of an inner solve */
 
-pe_status pe_newton(const pe_problem *problem, const pe_pattern *pattern,
-                    const pe_newton_settings *settings, const pe_solve_limits *limits,
-                    pe_workspace work, pe_solve_report *report, pe_error *error)
+/* A tenth of (pi/2D)^2 for a chain of D bodies on each other, and less where a light body carries a
+ * heavy one. Below the least, rounding shows. */
+static const double MOST_SOFTNESS = 1e-4, LEAST_SOFTNESS = 1e-8, CHAIN_SOFTNESS = 1e-3;
+
+pe_newton_settings pe_newton_settings_for(const pe_pattern *pattern, pe_newton_form form,
+                                          double enough)
+{
+    double depth = pattern->depth;
+    double softness =
+        pe_max(LEAST_SOFTNESS,
+               pe_min(MOST_SOFTNESS, CHAIN_SOFTNESS * pattern->mass_ratio / (depth * depth)));
+    return (pe_newton_settings){
+        .pattern = pattern,
+        .form = form,
+        .softness = softness,
+        .least_softness = pe_max(LEAST_SOFTNESS, 0.1 * softness),
+        .most_updates = PE_NEWTON_UPDATES,
+        .enough = enough,
+    };
+}
+
+pe_status pe_newton(const pe_problem *problem, const pe_newton_settings *settings,
+                    const pe_solve_limits *limits, pe_workspace work, pe_solve_report *report,
+                    pe_error *error)
 {
     newton n;
-    pe_status status = create(problem, pattern, work, &n, error);
+    pe_status status = create(problem, settings->pattern, work, &n, error);
     if (status != PE_OK) {
         return status;
     }
@@ -447,4 +472,18 @@ pe_status pe_newton(const pe_problem *problem, const pe_pattern *pattern,
     pe_problem_rebuild_velocity(problem);
     report->residual = least;
     return PE_OK;
+}
+
+pe_status pe_solve_newton(const pe_problem *problem, const pe_solve_limits *limits,
+                          pe_workspace work, pe_solve_report *report, pe_error *error)
+{
+    pe_pattern pattern;
+    pe_status status = pe_pattern_find(problem, NULL, work, &pattern, error);
+    if (status != PE_OK) {
+        return status;
+    }
+    pe_newton_settings settings = pe_newton_settings_for(
+        &pattern, pe_problem_has_impulse(problem) ? PE_NEWTON_TRESCA : PE_NEWTON_CONE,
+        limits->tolerance);
+    return pe_newton(problem, &settings, limits, work, report, error);
 }

@@ -1,39 +1,14 @@
+/* The layout of sweeps: colours, blocks, and the copy of a problem into them. */
 #include "sweep.h"
 
 #include <string.h>
 
-extern const pe_sweep_kernel pe_sweep_kernel_1;
-#ifdef PE_SWEEP_X86
-extern const pe_sweep_kernel pe_sweep_kernel_4, pe_sweep_kernel_8;
-#endif
+/* ---- Colours ---- */
 
-const pe_sweep_kernel *pe_sweep_kernel_for(int lanes)
-{
-#ifdef PE_SWEEP_X86
-    if ((lanes == 0 || lanes >= 8) && __builtin_cpu_supports("avx512f")) {
-        return &pe_sweep_kernel_8;
-    }
-    if ((lanes == 0 || lanes >= 4) && __builtin_cpu_supports("avx2")) {
-        return &pe_sweep_kernel_4;
-    }
-#else
-    (void)lanes;
-#endif
-    return &pe_sweep_kernel_1;
-}
-
-/* ---- Colours -----------------------------------------------------------------------------------
- */
-
-/* Sorting of manifolds: by colour, then by falling number of points, so that a block has few empty
- * places. A manifold that finds no colour free, on a body with more than 64 others, gets its own
+/* Manifolds are sorted by colour, then by falling number of points, so that a block has few empty
+ * lanes. A manifold that finds no colour free, on a body with more than 64 others, gets its own
  * block. */
-enum {
-    MOST_COLOURS = 64,
-    MOST_COUNT = 8,
-    NO_COLOUR = MOST_COLOURS,
-    KEYS = MOST_COLOURS * MOST_COUNT
-};
+enum { MOST_COLOURS = 64, MOST_COUNT = 8, KEYS = MOST_COLOURS * MOST_COUNT };
 
 static int first_free(uint64_t used)
 {
@@ -96,10 +71,9 @@ static int place_manifolds(const pe_problem *problem, const int *key, int *place
     return blocks;
 }
 
-/* ---- Layout ------------------------------------------------------------------------------------
- */
+/* ---- Layout ---- */
 
-/* Never reached: the gap of a point that is not there. */
+/* The gap of a lane without a point: it never closes. */
 static const double FAR_AWAY = 1e300;
 
 static void fill_manifold(const pe_problem *problem, const pe_solver_manifold *manifold,
@@ -135,7 +109,7 @@ static void fill_point(const pe_solver_point *from, const double p[3], pe_sweep_
     point->inverse_wnn[lane] = 1;
 }
 
-/* Gives every block its points, empty ones, and returns how many there are. */
+/* Sets the number of points of each block, and returns their sum. */
 static int count_points(const pe_sweep *sweep)
 {
     const pe_problem *problem = sweep->problem;

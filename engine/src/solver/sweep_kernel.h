@@ -1,17 +1,14 @@
-/* The kernels of sweep.h for PE_WIDTH wide an instruction, which they name PE_KERNEL; included by
- * one file a width. Each lane does the same operations at every width.
+/* The kernels of sweep.h for PE_WIDTH lanes; one file per width includes this.
  *
- * What a loop runs over is a group: PE_WIDTH manifolds of a block, from `lane` on. Sweeps take two
- * groups of one colour together: what a manifold computes is one long chain of operations that wait
- * for each other, and two such chains take little longer than one. */
-#include "sweep.h"
-
+ * Loops run over groups: PE_WIDTH manifolds of a block, from `lane` on. Sweeps take two groups of
+ * one colour together: each is one long chain of operations that wait for each other, and two such
+ * chains take little longer than one. */
 #include "body_lanes.h"
+#include "kernels.h"
 
 #include <string.h>
 
-/* ---- Lanes -------------------------------------------------------------------------------------
- */
+/* ---- Lanes ---- */
 
 PE_INLINE wide load(const double *x)
 {
@@ -23,15 +20,15 @@ PE_INLINE void store(double *x, wide value)
     *(wide *)x = value;
 }
 
-/* `count` wide of pe_block_lanes that follow each other from x on. */
-PE_INLINE void load_some(const double *x, int lane, int count, wide *r)
+/* `count` rows of pe_block_lanes, from x on. */
+PE_INLINE void load_rows(const double *x, int lane, int count, wide *r)
 {
     for (int k = 0; k < count; ++k) {
         r[k] = load(x + PE_BLOCK_LANES * k + lane);
     }
 }
 
-PE_INLINE void store_some(double *x, int lane, int count, const wide *r)
+PE_INLINE void store_rows(double *x, int lane, int count, const wide *r)
 {
     for (int k = 0; k < count; ++k) {
         store(x + PE_BLOCK_LANES * k + lane, r[k]);
@@ -39,38 +36,84 @@ PE_INLINE void store_some(double *x, int lane, int count, const wide *r)
 }
 
 /* Symmetric (xx, xy, xz, yy, yz, zz) times a vector. */
-PE_INLINE void times(const wide m[6], const wide x[3], wide y[3])
+PE_INLINE void symmetric_times(const wide m[6], const wide x[3], wide y[3])
 {
     y[0] = m[0] * x[0] + m[1] * x[1] + m[2] * x[2];
     y[1] = m[1] * x[0] + m[3] * x[1] + m[4] * x[2];
     y[2] = m[2] * x[0] + m[4] * x[1] + m[5] * x[2];
 }
 
-/* ---- A group of manifolds
- * -------------------------------------------------------------------------
- */
+/* ---- A group of manifolds ---- */
 
 typedef struct group {
     pe_sweep_block *block;
+    pe_sweep_point *points; /* of the block */
     int lane;
-    wide_body a, b; /* of the bodies */
-    wide frame[3][3];
-    wide arm_a[3], arm_b[3];
+    wide_pair p;
+    wide frame[3][3]; /* rows n, t1, t2 */
+    wide rA[3], rB[3];
+    wide q[6];      /* relative twist, in the frame */
+    wide wrench[6]; /* of the changes of impulse so far, in the frame */
+    wide e[6];      /* normals only: their part of E */
 } group;
 
-PE_INLINE group load_group(const pe_sweep *sweep, int index)
+PE_INLINE void load_group(const pe_sweep *sweep, int index, group *g)
 {
-    int first = index * PE_WIDTH, lane = first % PE_BLOCK_LANES;
-    pe_sweep_block *block = &sweep->blocks[first / PE_BLOCK_LANES];
-    group g = {.block = block, .lane = lane};
-    g.a = wide_load(sweep->velocity, block->a + lane);
-    g.b = wide_load(sweep->velocity, block->b + lane);
-    load_some(block->normal[0], lane, 3, g.frame[0]);
-    load_some(block->tangent[0], lane, 3, g.frame[1]);
-    wide_cross(g.frame[0], g.frame[1], g.frame[2]);
-    load_some(block->arm_a[0], lane, 3, g.arm_a);
-    load_some(block->arm_b[0], lane, 3, g.arm_b);
-    return g;
+    int lane = index * PE_WIDTH % PE_BLOCK_LANES;
+    pe_sweep_block *block = &sweep->blocks[index * PE_WIDTH / PE_BLOCK_LANES];
+    g->block = block;
+    g->points = &sweep->points[block->first];
+    g->lane = lane;
+    wide_load_pair(sweep->velocity, block->a + lane, block->b + lane, &g->p);
+    load_rows(block->normal[0], lane, 3, g->frame[0]);
+    load_rows(block->tangent[0], lane, 3, g->frame[1]);
+    wide_cross(g->frame[0], g->frame[1], g->frame[2]);
+    load_rows(block->arm_a[0], lane, 3, g->rA);
+    load_rows(block->arm_b[0], lane, 3, g->rB);
+}
+
+/* The relative twist q, and the part of E for normals. */
+PE_INLINE void begin_group(group *g)
+{
+    const wide_pair *p = &g->p;
+    wide wA_rA[3], wB_rB[3], v[3], w[3];
+    wide_cross(p->wA, g->rA, wA_rA);
+    wide_cross(p->wB, g->rB, wB_rB);
+    for (int k = 0; k < 3; ++k) {
+        v[k] = (p->vB[k] + wB_rB[k]) - (p->vA[k] + wA_rA[k]);
+        w[k] = p->wB[k] - p->wA[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+        g->q[k] = wide_dot(g->frame[k], v);
+        g->q[3 + k] = wide_dot(g->frame[k], w);
+        g->wrench[k] = g->wrench[3 + k] = wide_of(0);
+    }
+}
+
+/* v += M^-1 J^T p for the bodies of the group; force (N s) and torque (N m s) act on B, in world
+ * axes. */
+PE_INLINE void apply_impulse(pe_sweep *sweep, group *g, const wide force[3], const wide torque[3])
+{
+    pe_sweep_block *block = g->block;
+    wide_pair *p = &g->p;
+    wide iA[6], iB[6], moment_a[3], moment_b[3], spin_a[3], spin_b[3];
+    load_rows(block->inverse_inertia_a[0], g->lane, 6, iA);
+    load_rows(block->inverse_inertia_b[0], g->lane, 6, iB);
+    wide_cross(g->rA, force, moment_a);
+    wide_cross(g->rB, force, moment_b);
+    for (int k = 0; k < 3; ++k) {
+        moment_a[k] = moment_a[k] + torque[k];
+        moment_b[k] = moment_b[k] + torque[k];
+        p->vA[k] = p->vA[k] - p->mA * force[k];
+        p->vB[k] = p->vB[k] + p->mB * force[k];
+    }
+    symmetric_times(iA, moment_a, spin_a);
+    symmetric_times(iB, moment_b, spin_b);
+    for (int k = 0; k < 3; ++k) {
+        p->wA[k] = p->wA[k] - spin_a[k];
+        p->wB[k] = p->wB[k] + spin_b[k];
+    }
+    wide_store_pair(sweep->velocity, block->a + g->lane, block->b + g->lane, p);
 }
 
 PE_INLINE int group_count(const pe_sweep *sweep)
@@ -78,95 +121,14 @@ PE_INLINE int group_count(const pe_sweep *sweep)
     return sweep->block_count * (PE_BLOCK_LANES / PE_WIDTH);
 }
 
-/* How many groups from the index on, up to two, share no body. */
-PE_INLINE int together(const pe_sweep *sweep, int index)
+/* Whether groups `index` and `index + 1` share no body. */
+PE_INLINE bool are_independent(const pe_sweep *sweep, int index)
 {
-    int next = (index + 1) * PE_WIDTH / PE_BLOCK_LANES;
-    return next < sweep->block_count && sweep->blocks[next].colour ==
-                                            sweep->blocks[index * PE_WIDTH / PE_BLOCK_LANES].colour
-               ? 2
-               : 1;
+    int block = index * PE_WIDTH / PE_BLOCK_LANES, next = (index + 1) * PE_WIDTH / PE_BLOCK_LANES;
+    return next < sweep->block_count && sweep->blocks[next].colour == sweep->blocks[block].colour;
 }
 
-PE_INLINE pe_sweep_point *point_of(const pe_sweep *sweep, const group *g, int j)
-{
-    return &sweep->points[g->block->first + j];
-}
-
-PE_INLINE int larger(int a, int b)
-{
-    return a > b ? a : b;
-}
-
-/* The relative twist in the manifold's frame. */
-PE_INLINE void twist_of(const group *g, wide q[6])
-{
-    wide turn_a[3], turn_b[3], d[3], w[3];
-    wide_cross(g->a.angular, g->arm_a, turn_a);
-    wide_cross(g->b.angular, g->arm_b, turn_b);
-    for (int k = 0; k < 3; ++k) {
-        d[k] = (g->b.linear[k] + turn_b[k]) - (g->a.linear[k] + turn_a[k]);
-        w[k] = g->b.angular[k] - g->a.angular[k];
-    }
-    for (int k = 0; k < 3; ++k) {
-        q[k] = wide_dot(g->frame[k], d);
-        q[3 + k] = wide_dot(g->frame[k], w);
-    }
-}
-
-PE_INLINE void push_line(wide_body *line, const wide inverse_inertia[6], const wide arm[3],
-                         const wide force[3], const wide torque[3], double sign)
-{
-    wide moment[3], turn[3];
-    wide_cross(arm, force, moment);
-    for (int k = 0; k < 3; ++k) {
-        moment[k] = moment[k] + torque[k];
-        line->linear[k] = line->linear[k] + wide_of(sign) * (line->inverse_mass * force[k]);
-    }
-    times(inverse_inertia, moment, turn);
-    for (int k = 0; k < 3; ++k) {
-        line->angular[k] = line->angular[k] + wide_of(sign) * turn[k];
-    }
-}
-
-/* v += M^-1 J^T p for the bodies of the group, of force and torque (N s, N m s) on b, world. */
-PE_INLINE void push(pe_sweep *sweep, group *g, const wide force[3], const wide torque[3])
-{
-    wide inverse[6];
-    load_some(g->block->inverse_inertia_a[0], g->lane, 6, inverse);
-    push_line(&g->a, inverse, g->arm_a, force, torque, -1);
-    load_some(g->block->inverse_inertia_b[0], g->lane, 6, inverse);
-    push_line(&g->b, inverse, g->arm_b, force, torque, 1);
-    wide_save(sweep->velocity, g->block->a + g->lane, &g->a);
-    wide_save(sweep->velocity, g->block->b + g->lane, &g->b);
-}
-
-/* E, or its part of one body. */
-typedef struct coupling {
-    wide linear[6], mixed[9], angular[6];
-} coupling;
-
-PE_INLINE void load_coupling(const pe_sweep_block *block, int lane, coupling *e)
-{
-    load_some(block->linear[0], lane, 6, e->linear);
-    load_some(block->mixed[0], lane, 9, e->mixed);
-    load_some(block->angular[0], lane, 6, e->angular);
-}
-
-/* The change E x of a twist by a wrench. */
-PE_INLINE void couple(const coupling *e, const wide x[6], wide change[6])
-{
-    const wide *m = e->mixed, *f = x, *t = x + 3;
-    wide linear[3], angular[3];
-    times(e->linear, f, linear);
-    times(e->angular, t, angular);
-    for (int k = 0; k < 3; ++k) {
-        change[k] = linear[k] + (m[3 * k] * t[0] + m[3 * k + 1] * t[1] + m[3 * k + 2] * t[2]);
-        change[3 + k] = angular[k] + (m[k] * f[0] + m[3 + k] * f[1] + m[6 + k] * f[2]);
-    }
-}
-
-/* The velocity at a point of the manifold, by its twist. */
+/* J v of a point at s, by the twist. */
 PE_INLINE void velocity_at(const wide q[6], const wide s[3], wide u[3])
 {
     wide_cross(q + 3, s, u);
@@ -175,44 +137,70 @@ PE_INLINE void velocity_at(const wide q[6], const wide s[3], wide u[3])
     }
 }
 
-PE_INLINE void add_bias(const pe_sweep_point *point, int lane, wide u[3])
+/* J v + b of a point at s. */
+PE_INLINE void contact_velocity(const pe_sweep_point *point, int lane, const wide q[6],
+                                const wide s[3], wide u[3])
 {
+    velocity_at(q, s, u);
     u[0] = u[0] + load(point->bias + lane);
     u[1] = u[1] + load(point->slip[0] + lane);
     u[2] = u[2] + load(point->slip[1] + lane);
 }
 
-/* The wrench of an impulse at a point. */
-PE_INLINE void wrench_of(const wide s[3], const wide p[3], wide x[6])
+/* The wrench of an impulse at s. */
+PE_INLINE void wrench_of(const wide s[3], const wide impulse[3], wide wrench[6])
 {
     for (int k = 0; k < 3; ++k) {
-        x[k] = p[k];
+        wrench[k] = impulse[k];
     }
-    wide_cross(s, p, x + 3);
+    wide_cross(s, impulse, wrench + 3);
 }
 
-/* ---- Preparation -------------------------------------------------------------------------------
- */
+/* E = T M^-1 T^T, which takes a wrench to the change of the twist. */
+typedef struct coupling {
+    wide linear[6], mixed[9], angular[6];
+} coupling;
 
-/* Adds one body's part of E: with A its inverse inertia and r its arm, in the manifold's frame,
- * (1/m + [r] A [r]^T, -[r] A; A [r], A). */
+PE_INLINE void load_coupling(const pe_sweep_block *block, int lane, coupling *e)
+{
+    load_rows(block->linear[0], lane, 6, e->linear);
+    load_rows(block->mixed[0], lane, 9, e->mixed);
+    load_rows(block->angular[0], lane, 6, e->angular);
+}
+
+PE_INLINE void twist_change(const coupling *e, const wide wrench[6], wide change[6])
+{
+    const wide *m = e->mixed, *f = wrench, *t = wrench + 3;
+    wide linear[3], angular[3];
+    symmetric_times(e->linear, f, linear);
+    symmetric_times(e->angular, t, angular);
+    for (int k = 0; k < 3; ++k) {
+        change[k] = linear[k] + (m[3 * k] * t[0] + m[3 * k + 1] * t[1] + m[3 * k + 2] * t[2]);
+        change[3 + k] = angular[k] + (m[k] * f[0] + m[3 + k] * f[1] + m[6 + k] * f[2]);
+    }
+}
+
+/* ---- Preparation ---- */
+
+/* Adds one body's part of E: with m its inverse mass, I its inverse inertia and r its arm, both in
+ * the manifold's frame, (m + [r] I [r]^T, -[r] I; I [r], I). */
 PE_INLINE void add_coupling(const wide frame[3][3], const wide inverse_inertia[6],
                             const wide arm[3], wide inverse_mass, coupling *e)
 {
     wide a[3][3], ra[3][3], r[3];
     for (int i = 0; i < 3; ++i) {
-        wide turned[3];
-        times(inverse_inertia, frame[i], turned);
+        wide column[3];
+        symmetric_times(inverse_inertia, frame[i], column);
         for (int j = 0; j < 3; ++j) {
-            a[i][j] = wide_dot(frame[j], turned);
+            a[i][j] = wide_dot(frame[j], column);
         }
         r[i] = wide_dot(frame[i], arm);
     }
     for (int j = 0; j < 3; ++j) {
-        wide_cross(r, a[j], ra[j]); /* column j of [r] A, for A is symmetric */
+        wide_cross(r, a[j], ra[j]); /* column j of [r] I, for I is symmetric */
     }
     for (int i = 0, at = 0; i < 3; ++i) {
-        /* Row i of [r] A, and of [r] A [r]^T: the cross product of r with that row. */
+        /* Row i of [r] I, and of [r] I [r]^T: the cross product of r with that row. */
         wide row[3] = {ra[0][i], ra[1][i], ra[2][i]}, both[3];
         wide_cross(r, row, both);
         e->linear[at] = e->linear[at] + inverse_mass;
@@ -226,60 +214,55 @@ PE_INLINE void add_coupling(const wide frame[3][3], const wide inverse_inertia[6
     }
 }
 
-/* A row of W, which is symmetric: what a unit impulse along k does at the point. */
-PE_INLINE void unit_response(const coupling *e, const wide s[3], int k, wide w[3])
-{
-    wide p[3] = {wide_of(k == 0), wide_of(k == 1), wide_of(k == 2)}, x[6], change[6];
-    wrench_of(s, p, x);
-    couple(e, x, change);
-    velocity_at(change, s, w);
-}
-
+/* W = J M^-1 J^T of a point, from its columns: the velocities by unit impulses along n, t1 and t2.
+ */
 PE_INLINE void prepare_point(pe_sweep_point *point, int lane, const coupling *e)
 {
-    wide s[3], w0[3], w1[3], w2[3];
-    load_some(point->s[0], lane, 3, s);
-    unit_response(e, s, 0, w0);
-    unit_response(e, s, 1, w1);
-    unit_response(e, s, 2, w2);
-    wide half = wide_of(0.5) * (w1[1] - w2[2]);
-    wide most = wide_of(0.5) * (w1[1] + w2[2]) + wide_sqrt(half * half + w1[2] * w1[2]);
+    wide s[3], w[3][3];
+    load_rows(point->s[0], lane, 3, s);
+    for (int k = 0; k < 3; ++k) {
+        wide unit[3] = {wide_of(k == 0), wide_of(k == 1), wide_of(k == 2)}, wrench[6], change[6];
+        wrench_of(s, unit, wrench);
+        twist_change(e, wrench, change);
+        velocity_at(change, s, w[k]);
+    }
+    wide half = wide_of(0.5) * (w[1][1] - w[2][2]);
+    wide largest = wide_of(0.5) * (w[1][1] + w[2][2]) + wide_sqrt(half * half + w[1][2] * w[1][2]);
     wide present = load(point->inverse_wnn + lane); /* 1 or 0, as it was filled */
-    store(point->inverse_wnn + lane, present * wide_inverse(w0[0]));
-    store(point->inverse_wtt + lane, present * wide_inverse(most));
-    store(point->wn1 + lane, w0[1]);
-    store(point->wn2 + lane, w0[2]);
+    store(point->inverse_wnn + lane, present * wide_inverse(w[0][0]));
+    store(point->inverse_wtt + lane, present * wide_inverse(largest));
+    store(point->wn1 + lane, w[0][1]);
+    store(point->wn2 + lane, w[0][2]);
 }
 
-static void prepare(pe_sweep *sweep)
+static void sweep_prepare(pe_sweep *sweep)
 {
     for (int i = 0; i < group_count(sweep); ++i) {
-        group g = load_group(sweep, i);
-        pe_sweep_block *block = g.block;
+        group g;
         coupling e;
-        wide inverse[6];
-        load_coupling(block, g.lane, &e); /* zero, as it was filled */
-        load_some(block->inverse_inertia_a[0], g.lane, 6, inverse);
-        add_coupling((const wide(*)[3])g.frame, inverse, g.arm_a, g.a.inverse_mass, &e);
-        load_some(block->inverse_inertia_b[0], g.lane, 6, inverse);
-        add_coupling((const wide(*)[3])g.frame, inverse, g.arm_b, g.b.inverse_mass, &e);
-        store_some(block->linear[0], g.lane, 6, e.linear);
-        store_some(block->mixed[0], g.lane, 9, e.mixed);
-        store_some(block->angular[0], g.lane, 6, e.angular);
-        for (int j = 0; j < block->count; ++j) {
-            prepare_point(point_of(sweep, &g, j), g.lane, &e);
+        wide iA[6], iB[6];
+        load_group(sweep, i, &g);
+        load_coupling(g.block, g.lane, &e); /* zero, as it was filled */
+        load_rows(g.block->inverse_inertia_a[0], g.lane, 6, iA);
+        load_rows(g.block->inverse_inertia_b[0], g.lane, 6, iB);
+        add_coupling((const wide(*)[3])g.frame, iA, g.rA, g.p.mA, &e);
+        add_coupling((const wide(*)[3])g.frame, iB, g.rB, g.p.mB, &e);
+        store_rows(g.block->linear[0], g.lane, 6, e.linear);
+        store_rows(g.block->mixed[0], g.lane, 9, e.mixed);
+        store_rows(g.block->angular[0], g.lane, 6, e.angular);
+        for (int j = 0; j < g.block->count; ++j) {
+            prepare_point(&g.points[j], g.lane, &e);
         }
     }
 }
 
-/* ---- Sweeps ------------------------------------------------------------------------------------
- */
+/* ---- Sweeps ---- */
 
-/* Squares below this are of impulses that are none. */
+/* Squares below this are taken to be this, so that no impulse is divided by zero. */
 static const double TINY_SQUARE = 1e-300;
 
-/* y of component k of a point's impulse, whose z then is the one before. */
-PE_INLINE wide take_start(pe_sweep_point *point, int k, int lane, wide beta)
+/* y = z + beta (z - z_before) of component k of a point's impulse. */
+PE_INLINE wide extrapolated_impulse(pe_sweep_point *point, int k, int lane, wide beta)
 {
     wide z = load(point->impulse[k] + lane);
     wide y = z + beta * (z - load(point->before[k] + lane));
@@ -287,89 +270,117 @@ PE_INLINE wide take_start(pe_sweep_point *point, int k, int lane, wide beta)
     return y;
 }
 
-/* Makes a point's impulse z from y, and gives its change. */
-PE_INLINE void sweep_point(pe_sweep_point *point, int lane, wide friction, wide beta,
-                           const wide q[6], wide s[3], wide d[3])
+/* Point j: the normal impulse that stops approach, then the tangential one that stops slip, held to
+ * the disc of radius mu pn. */
+PE_INLINE void solve_cone(int j, wide beta, group *g)
 {
-    load_some(point->s[0], lane, 3, s);
-    wide y[3], u[3];
-    for (int k = 0; k < 3; ++k) {
-        y[k] = take_start(point, k, lane, beta);
-    }
-    velocity_at(q, s, u);
-    add_bias(point, lane, u);
-    wide n = wide_max(y[0] - u[0] * load(point->inverse_wnn + lane), wide_of(0));
-    d[0] = n - y[0];
-    /* The slip as the new normal impulse leaves it. */
-    wide u1 = u[1] + load(point->wn1 + lane) * d[0];
-    wide u2 = u[2] + load(point->wn2 + lane) * d[0];
-    wide gain = load(point->inverse_wtt + lane);
-    wide t1 = y[1] - u1 * gain, t2 = y[2] - u2 * gain;
-    wide square = wide_max(t1 * t1 + t2 * t2, wide_of(TINY_SQUARE));
-    wide shrink = friction * n / wide_sqrt(square);
-    shrink = wide_select(shrink, wide_of(1), wide_of(1), shrink);
-    t1 = t1 * shrink;
-    t2 = t2 * shrink;
-    d[1] = t1 - y[1];
-    d[2] = t2 - y[2];
-    store(point->impulse[0] + lane, n);
-    store(point->impulse[1] + lane, t1);
-    store(point->impulse[2] + lane, t2);
-}
-
-/* A group on its way through its points: twist, and the wrench so far. */
-typedef struct cone_sweep {
-    group g;
-    wide q[6], sum[6];
-} cone_sweep;
-
-PE_INLINE void cones_begin(const pe_sweep *sweep, int index, cone_sweep *c)
-{
-    c->g = load_group(sweep, index);
-    twist_of(&c->g, c->q);
-    for (int k = 0; k < 6; ++k) {
-        c->sum[k] = wide_of(0);
-    }
-}
-
-PE_INLINE void cones_visit(const pe_sweep *sweep, int j, wide beta, cone_sweep *c)
-{
-    const pe_sweep_block *block = c->g.block;
-    int lane = c->g.lane;
+    const pe_sweep_block *block = g->block;
+    const int lane = g->lane;
     if (j >= block->count) {
         return;
     }
-    wide s[3], d[3], x[6], friction = load(block->friction + lane);
-    sweep_point(point_of(sweep, &c->g, j), lane, friction, beta, c->q, s, d);
-    wrench_of(s, d, x);
-    for (int k = 0; k < 6; ++k) {
-        c->sum[k] = c->sum[k] + x[k];
+    pe_sweep_point *point = &g->points[j];
+    wide s[3], y[3], u[3];
+    load_rows(point->s[0], lane, 3, s);
+    for (int k = 0; k < 3; ++k) {
+        y[k] = extrapolated_impulse(point, k, lane, beta);
     }
-    if (j + 1 < block->count) { /* a point is left that sees the twist */
+    contact_velocity(point, lane, g->q, s, u);
+    wide pn = wide_max(y[0] - u[0] * load(point->inverse_wnn + lane), wide_of(0));
+    wide dn = pn - y[0];
+    /* The slip with the new normal impulse. */
+    wide u1 = u[1] + load(point->wn1 + lane) * dn;
+    wide u2 = u[2] + load(point->wn2 + lane) * dn;
+    wide mass = load(point->inverse_wtt + lane);
+    wide p1 = y[1] - u1 * mass, p2 = y[2] - u2 * mass;
+    wide square = wide_max(p1 * p1 + p2 * p2, wide_of(TINY_SQUARE));
+    wide shrink = load(block->friction + lane) * pn / wide_sqrt(square);
+    shrink = wide_select(shrink, wide_of(1), wide_of(1), shrink);
+    p1 = p1 * shrink;
+    p2 = p2 * shrink;
+    store(point->impulse[0] + lane, pn);
+    store(point->impulse[1] + lane, p1);
+    store(point->impulse[2] + lane, p2);
+
+    wide change[3] = {dn, p1 - y[1], p2 - y[2]}, wrench[6];
+    wrench_of(s, change, wrench);
+    for (int k = 0; k < 6; ++k) {
+        g->wrench[k] = g->wrench[k] + wrench[k];
+    }
+    if (j + 1 < block->count) { /* the next point sees the new twist */
         coupling e;
-        wide change[6];
+        wide dq[6];
         load_coupling(block, lane, &e);
-        couple(&e, x, change);
+        twist_change(&e, wrench, dq);
         for (int k = 0; k < 6; ++k) {
-            c->q[k] = c->q[k] + change[k];
+            g->q[k] = g->q[k] + dq[k];
         }
     }
 }
 
-PE_INLINE void cones_end(pe_sweep *sweep, cone_sweep *c)
+PE_INLINE void apply_cones(pe_sweep *sweep, group *g)
 {
     wide force[3], torque[3];
-    const wide *sum = c->sum;
+    const wide *x = g->wrench;
     for (int k = 0; k < 3; ++k) {
-        wide n = c->g.frame[0][k], t1 = c->g.frame[1][k], t2 = c->g.frame[2][k];
-        force[k] = n * sum[0] + t1 * sum[1] + t2 * sum[2];
-        torque[k] = n * sum[3] + t1 * sum[4] + t2 * sum[5];
+        wide n = g->frame[0][k], t1 = g->frame[1][k], t2 = g->frame[2][k];
+        force[k] = n * x[0] + t1 * x[1] + t2 * x[2];
+        torque[k] = n * x[3] + t1 * x[4] + t2 * x[5];
     }
-    push(sweep, &c->g, force, torque);
+    apply_impulse(sweep, g, force, torque);
 }
 
-/* y = z + beta (z - z_before) of the velocities; those of the impulses are made in the sweep. */
-static void extrapolate(pe_sweep *sweep, double beta)
+/* Of the twist, normal velocities see only the velocity along n and the spins about t1 and t2. E
+ * for these three: */
+PE_INLINE void load_normal_coupling(group *g)
+{
+    g->e[0] = load(g->block->linear[0] + g->lane);
+    g->e[1] = load(g->block->mixed[1] + g->lane);
+    g->e[2] = load(g->block->mixed[2] + g->lane);
+    load_rows(g->block->angular[3], g->lane, 3, g->e + 3);
+}
+
+PE_INLINE wide normal_velocity_at(const pe_sweep_point *point, int lane, const wide q[6])
+{
+    wide s1 = load(point->s[1] + lane), s2 = load(point->s[2] + lane);
+    return (q[0] + (q[4] * s2 - q[5] * s1)) + load(point->bias + lane);
+}
+
+PE_INLINE void solve_normal(int j, wide beta, group *g)
+{
+    const int lane = g->lane;
+    if (j >= g->block->count) {
+        return;
+    }
+    pe_sweep_point *point = &g->points[j];
+    wide y = extrapolated_impulse(point, 0, lane, beta);
+    wide un = normal_velocity_at(point, lane, g->q);
+    wide pn = wide_max(y - un * load(point->inverse_wnn + lane), wide_of(0)), dn = pn - y;
+    store(point->impulse[0] + lane, pn);
+    wide wrench[3] = {dn, load(point->s[2] + lane) * dn,
+                      wide_of(0) - load(point->s[1] + lane) * dn};
+    wide change[3];
+    symmetric_times(g->e, wrench, change);
+    for (int k = 0; k < 3; ++k) {
+        g->wrench[k] = g->wrench[k] + wrench[k];
+    }
+    g->q[0] = g->q[0] + change[0];
+    g->q[4] = g->q[4] + change[1];
+    g->q[5] = g->q[5] + change[2];
+}
+
+PE_INLINE void apply_normals(pe_sweep *sweep, group *g)
+{
+    wide force[3], torque[3];
+    for (int k = 0; k < 3; ++k) {
+        force[k] = g->frame[0][k] * g->wrench[0];
+        torque[k] = g->frame[1][k] * g->wrench[1] + g->frame[2][k] * g->wrench[2];
+    }
+    apply_impulse(sweep, g, force, torque);
+}
+
+/* y = z + beta (z - z_before) of the velocities; the impulses follow in the sweep. */
+static void extrapolate_velocities(pe_sweep *sweep, double beta)
 {
     double *now = sweep->velocity->linear, *before = sweep->before->linear;
     for (int i = 0; i < 8 * (sweep->problem->body_count + 1); i += PE_WIDTH) {
@@ -379,141 +390,86 @@ static void extrapolate(pe_sweep *sweep, double beta)
     }
 }
 
-static void sweep_cones(pe_sweep *sweep, double beta)
+/* `cones`: the whole contact law; otherwise normal impulses alone. */
+PE_INLINE void solve_point(int j, bool cones, wide beta, group *g)
 {
-    extrapolate(sweep, beta);
+    if (cones) {
+        solve_cone(j, beta, g);
+    } else {
+        solve_normal(j, beta, g);
+    }
+}
+
+PE_INLINE void start_group(const pe_sweep *sweep, int index, bool cones, group *g)
+{
+    load_group(sweep, index, g);
+    begin_group(g);
+    if (!cones) {
+        load_normal_coupling(g);
+    }
+}
+
+PE_INLINE void end_group(pe_sweep *sweep, bool cones, group *g)
+{
+    if (cones) {
+        apply_cones(sweep, g);
+    } else {
+        apply_normals(sweep, g);
+    }
+}
+
+PE_INLINE void sweep_groups(pe_sweep *sweep, double beta_of_sweep, bool cones)
+{
+    wide beta = wide_of(beta_of_sweep);
+    extrapolate_velocities(sweep, beta_of_sweep);
     for (int i = 0; i < group_count(sweep);) {
-        cone_sweep c, d;
-        cones_begin(sweep, i, &c);
-        if (together(sweep, i) == 2) {
-            cones_begin(sweep, i + 1, &d);
-            for (int j = 0; j < larger(c.g.block->count, d.g.block->count); ++j) {
-                cones_visit(sweep, j, wide_of(beta), &c);
-                cones_visit(sweep, j, wide_of(beta), &d);
+        group g, h;
+        start_group(sweep, i, cones, &g);
+        if (are_independent(sweep, i)) {
+            start_group(sweep, i + 1, cones, &h);
+            for (int j = 0; j < g.block->count || j < h.block->count; ++j) {
+                solve_point(j, cones, beta, &g);
+                solve_point(j, cones, beta, &h);
             }
-            cones_end(sweep, &c);
-            cones_end(sweep, &d);
+            end_group(sweep, cones, &g);
+            end_group(sweep, cones, &h);
             i += 2;
         } else {
-            for (int j = 0; j < c.g.block->count; ++j) {
-                cones_visit(sweep, j, wide_of(beta), &c);
+            for (int j = 0; j < g.block->count; ++j) {
+                solve_point(j, cones, beta, &g);
             }
-            cones_end(sweep, &c);
+            end_group(sweep, cones, &g);
             i += 1;
         }
     }
 }
 
-/* ---- Normals alone -----------------------------------------------------------------------------
- */
-
-/* All that normal velocities see of a twist: velocity along n, spin about t1 and t2. */
-PE_INLINE void normal_twist(const group *g, wide q[3])
+static void sweep_cones(pe_sweep *sweep, double beta)
 {
-    wide full[6];
-    twist_of(g, full);
-    q[0] = full[0];
-    q[1] = full[4];
-    q[2] = full[5];
-}
-
-PE_INLINE wide normal_velocity(const pe_sweep_point *point, int lane, const wide q[3])
-{
-    wide s1 = load(point->s[1] + lane), s2 = load(point->s[2] + lane);
-    return (q[0] + (q[1] * s2 - q[2] * s1)) + load(point->bias + lane);
-}
-
-/* The part of E for them. */
-PE_INLINE void normal_coupling(const pe_sweep_block *block, int lane, wide e[6])
-{
-    e[0] = load(block->linear[0] + lane);
-    e[1] = load(block->mixed[1] + lane);
-    e[2] = load(block->mixed[2] + lane);
-    load_some(block->angular[3], lane, 3, e + 3);
-}
-
-typedef struct normal_sweep {
-    group g;
-    wide q[3], e[6], sum[3];
-} normal_sweep;
-
-PE_INLINE void normals_begin(const pe_sweep *sweep, int index, normal_sweep *c)
-{
-    c->g = load_group(sweep, index);
-    normal_coupling(c->g.block, c->g.lane, c->e);
-    normal_twist(&c->g, c->q);
-    for (int k = 0; k < 3; ++k) {
-        c->sum[k] = wide_of(0);
-    }
-}
-
-PE_INLINE void normals_visit(const pe_sweep *sweep, int j, wide beta, normal_sweep *c)
-{
-    int lane = c->g.lane;
-    if (j >= c->g.block->count) {
-        return;
-    }
-    pe_sweep_point *point = point_of(sweep, &c->g, j);
-    wide y = take_start(point, 0, lane, beta), u = normal_velocity(point, lane, c->q);
-    wide n = wide_max(y - u * load(point->inverse_wnn + lane), wide_of(0));
-    wide d = n - y, change[3];
-    store(point->impulse[0] + lane, n);
-    wide x[3] = {d, load(point->s[2] + lane) * d, wide_of(0) - load(point->s[1] + lane) * d};
-    times(c->e, x, change);
-    for (int k = 0; k < 3; ++k) {
-        c->sum[k] = c->sum[k] + x[k];
-        c->q[k] = c->q[k] + change[k];
-    }
-}
-
-PE_INLINE void normals_end(pe_sweep *sweep, normal_sweep *c)
-{
-    wide force[3], torque[3];
-    for (int k = 0; k < 3; ++k) {
-        force[k] = c->g.frame[0][k] * c->sum[0];
-        torque[k] = c->g.frame[1][k] * c->sum[1] + c->g.frame[2][k] * c->sum[2];
-    }
-    push(sweep, &c->g, force, torque);
+    sweep_groups(sweep, beta, true);
 }
 
 static void sweep_normals(pe_sweep *sweep, double beta)
 {
-    extrapolate(sweep, beta);
-    for (int i = 0; i < group_count(sweep);) {
-        normal_sweep c, d;
-        normals_begin(sweep, i, &c);
-        if (together(sweep, i) == 2) {
-            normals_begin(sweep, i + 1, &d);
-            for (int j = 0; j < larger(c.g.block->count, d.g.block->count); ++j) {
-                normals_visit(sweep, j, wide_of(beta), &c);
-                normals_visit(sweep, j, wide_of(beta), &d);
-            }
-            normals_end(sweep, &c);
-            normals_end(sweep, &d);
-            i += 2;
-        } else {
-            for (int j = 0; j < c.g.block->count; ++j) {
-                normals_visit(sweep, j, wide_of(beta), &c);
-            }
-            normals_end(sweep, &c);
-            i += 1;
-        }
-    }
+    sweep_groups(sweep, beta, false);
 }
 
-/* Sums go by lane of the block and only then over the lanes, so that they too are the same bits at
- * every width. */
-static pe_violation violation(const pe_sweep *sweep)
+/* ---- Residuals ---- */
+
+/* Sums go by lane of the block first and then over the lanes, so that all widths give the same
+ * bits. */
+static pe_violation sweep_violation(const pe_sweep *sweep)
 {
     pe_block_lanes deepest = {0}, squares = {0};
     for (int i = 0; i < group_count(sweep); ++i) {
-        group g = load_group(sweep, i);
-        wide q[3], most, sum;
+        group g;
+        wide most, sum;
+        load_group(sweep, i, &g);
+        begin_group(&g);
         memcpy(&most, deepest + g.lane, sizeof most);
         memcpy(&sum, squares + g.lane, sizeof sum);
-        normal_twist(&g, q);
         for (int j = 0; j < g.block->count; ++j) {
-            wide depth = wide_of(0) - normal_velocity(point_of(sweep, &g, j), g.lane, q);
+            wide depth = wide_of(0) - normal_velocity_at(&g.points[j], g.lane, g.q);
             depth = wide_max(depth, wide_of(0));
             most = wide_max(depth, most);
             sum = sum + depth * depth;
@@ -529,45 +485,42 @@ static pe_violation violation(const pe_sweep *sweep)
     return v;
 }
 
-/* ---- The residual ------------------------------------------------------------------------------
- */
-
-/* |P - P_K(P - u - mu |u_t| n)| with P = w p: the cone has no size, so that w goes into P. */
-PE_INLINE wide residual_at(const pe_sweep_point *point, int lane, wide friction, const wide q[6])
+/* |P - P_K(P - u - mu |ut| n)| with P = w p: the scale w may go into P because K is a cone. */
+PE_INLINE wide point_residual(const pe_sweep_point *point, int lane, wide friction, const wide q[6])
 {
     wide s[3], u[3], p[3], z[3];
-    load_some(point->s[0], lane, 3, s);
+    load_rows(point->s[0], lane, 3, s);
     wide scale = load(point->scale + lane);
     for (int k = 0; k < 3; ++k) {
         p[k] = scale * load(point->impulse[k] + lane);
     }
-    velocity_at(q, s, u);
-    add_bias(point, lane, u);
+    contact_velocity(point, lane, q, s, u);
     z[0] = p[0] - (u[0] + friction * wide_sqrt(u[1] * u[1] + u[2] * u[2]));
     z[1] = p[1] - u[1];
     z[2] = p[2] - u[2];
-    wide along = wide_sqrt(z[1] * z[1] + z[2] * z[2]);
-    wide n = (z[0] + friction * along) / (wide_of(1) + friction * friction);
-    wide shrink = friction * n / wide_max(along, wide_of(TINY_SQUARE));
+    wide zt = wide_sqrt(z[1] * z[1] + z[2] * z[2]);
+    wide n = (z[0] + friction * zt) / (wide_of(1) + friction * friction);
+    wide shrink = friction * n / wide_max(zt, wide_of(TINY_SQUARE));
     wide inside = friction * z[0];
-    shrink = wide_select(along, inside, shrink, wide_of(1));
-    n = wide_select(along, inside, n, z[0]);
-    wide polar = friction * along + z[0];
+    shrink = wide_select(zt, inside, shrink, wide_of(1));
+    n = wide_select(zt, inside, n, z[0]);
+    wide polar = friction * zt + z[0];
     shrink = wide_select(polar, wide_of(0), shrink, wide_of(0));
     n = wide_select(polar, wide_of(0), n, wide_of(0));
     wide d0 = p[0] - n, d1 = p[1] - shrink * z[1], d2 = p[2] - shrink * z[2];
     return wide_sqrt(d0 * d0 + d1 * d1 + d2 * d2);
 }
 
-static double residual(const pe_sweep *sweep)
+static double sweep_residual(const pe_sweep *sweep)
 {
     wide most = wide_of(0);
     for (int i = 0; i < group_count(sweep); ++i) {
-        group g = load_group(sweep, i);
-        wide q[6], friction = load(g.block->friction + g.lane);
-        twist_of(&g, q);
+        group g;
+        load_group(sweep, i, &g);
+        begin_group(&g);
+        wide friction = load(g.block->friction + g.lane);
         for (int j = 0; j < g.block->count; ++j) {
-            most = wide_max(residual_at(point_of(sweep, &g, j), g.lane, friction, q), most);
+            most = wide_max(point_residual(&g.points[j], g.lane, friction, g.q), most);
         }
     }
     double lane[PE_WIDTH], worst = 0;
@@ -578,11 +531,10 @@ static double residual(const pe_sweep *sweep)
     return worst;
 }
 
-const pe_sweep_kernel PE_KERNEL = {
-    .lanes = PE_WIDTH,
-    .prepare = prepare,
+static const pe_sweep_kernel SWEEP_KERNEL = {
+    .prepare = sweep_prepare,
     .sweep_cones = sweep_cones,
-    .residual = residual,
     .sweep_normals = sweep_normals,
-    .violation = violation,
+    .residual = sweep_residual,
+    .violation = sweep_violation,
 };

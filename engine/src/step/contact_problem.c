@@ -2,7 +2,6 @@
 #include "plumb/contact_problem.h"
 
 #include "solver/solve.h"
-#include "solver/solve_standalone.h"
 
 #include <limits.h>
 #include <math.h>

@@ -1,7 +1,6 @@
 #include "position_correction.h"
 
-#include "solver/momentum.h"
-#include "solver/sweep.h"
+#include "solver/kernels.h"
 
 #include <string.h>
 
@@ -252,7 +251,7 @@ static pe_status sweep_island(projecting *p, const int *manifolds, int count,
         collect(p, manifolds, count);
         pe_status status = build_swept(p, built);
         if (status == PE_OK) {
-            status = pe_sweep_create(&built->problem, pe_sweep_kernel_for(0),
+            status = pe_sweep_create(&built->problem, pe_kernels_for(0)->sweep,
                                      pe_step_memory(p->world), &sweep, p->error);
         }
         if (status != PE_OK) {

@@ -7,7 +7,7 @@
 #include "integrate_positions.h"
 #include "position_correction.h"
 #include "solver/soft.h"
-#include "solver/solve_standalone.h"
+#include "solver/solve.h"
 
 #include <string.h>
 #include <time.h>
@@ -219,7 +219,8 @@ static pe_status solve_and_move(stepping *step)
         }
     }
     if (status == PE_OK && step->stats.islands_by_path[PE_PATH_SOFT] > 0) {
-        status = pe_soft_step(world, &step->islands, step->soft, step->dt, NULL, step->error);
+        status = pe_soft_step(world, &(pe_chosen_islands){&step->islands, step->soft}, step->dt,
+                              NULL, NULL, step->error);
     }
     if (status != PE_OK) {
         return status;

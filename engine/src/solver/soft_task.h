@@ -1,0 +1,102 @@
+/* What soft contact (soft.h) gives its kernels: the order in which contacts are solved, the
+ * coefficients of a sub-step, and the arrays that a kernel fills. */
+#ifndef PE_SOFT_TASK_H
+#define PE_SOFT_TASK_H
+
+#include "solver_body.h"
+
+/* ---- The plan ----
+ *
+ * Contacts get colours greedily, so that no two of one colour share a dynamic body. Within a colour
+ * they are sorted by their number of points, so that all lanes have the same work. The order does
+ * not depend on the number of lanes. */
+
+enum { PE_SOFT_POINTS = 4 };
+
+/* Up to four points of a manifold. A manifold of more points is solved as two contacts. */
+typedef struct pe_soft_contact {
+    int manifold;
+    int a, b; /* solver bodies */
+    int count;
+    int point[PE_SOFT_POINTS]; /* indices into the world's manifold points */
+} pe_soft_contact;
+
+/* Contacts with the same number of points. They share no body; those of a serial batch may, and are
+ * solved one after the other. */
+typedef struct pe_soft_batch {
+    int first, count; /* contacts */
+    int points;       /* of each */
+    bool hard;        /* against a static body */
+    bool rough;       /* with friction */
+    bool serial;
+} pe_soft_batch;
+
+typedef struct pe_soft_plan {
+    int count;
+    pe_soft_contact *contacts; /* (count), batch after batch */
+    int batch_count;
+    pe_soft_batch *batches;
+    int colours;
+    int points;
+    bool bounces; /* some restitution is above 0 */
+} pe_soft_plan;
+
+/* Plans the manifolds of the chosen islands, in the step's arena. Each contact gets the lowest
+ * colour that neither of its bodies has yet; when all are taken, the last one, whose batches are
+ * serial. */
+pe_status pe_soft_plan_make(pe_world *world, const pe_chosen_islands *islands,
+                            const pe_solver_bodies *bodies, pe_soft_plan *plan, pe_error *error);
+
+/* ---- The kernels ---- */
+
+/* Coefficients of the implicit spring, for one sub-step. */
+typedef struct pe_soft_spring {
+    double rate;          /* a_b, 1/s: speed by which a penetration is pushed out, per its depth */
+    double mass_scale;    /* a_m */
+    double impulse_scale; /* a_p */
+} pe_soft_spring;
+
+/* All that the kernels read and write. The arrays hold items of the kernel's own sizes. */
+typedef struct pe_soft_task {
+    const pe_manifold *manifolds;
+    pe_manifold_point *points; /* impulses are written by `store` */
+    const pe_soft_plan *plan;
+    const pe_solver_bodies *bodies;
+
+    int substeps;
+    double substep;                     /* h, s */
+    double push_speed;                  /* m/s */
+    double threshold;                   /* m/s: slower approach does not bounce */
+    pe_soft_spring spring, hard_spring; /* between two bodies; against a static one */
+
+    /* Filled by `prepare`: */
+    double penetration; /* m, of the deepest point; 0 where nothing overlaps */
+    int block_count;
+    void *blocks, *rows; /* normals: a block per group of contacts, a row per point */
+    void *friction_blocks, *friction_rows; /* the same of the friction of rough blocks */
+    void *bounces;                         /* one per row; NULL when nothing bounces */
+} pe_soft_task;
+
+typedef struct pe_soft_kernel {
+    size_t block_size, row_size, friction_block_size, friction_row_size, bounce_size; /* bytes */
+
+    /* Fills the arrays of the task from the contacts. Starting impulses are those of the points,
+     * divided by the number of sub-steps. */
+    void (*prepare)(pe_soft_task *task);
+    /* Applies the starting impulses. */
+    void (*warm_start)(const pe_soft_task *task);
+    /* The two sweeps. `relax` adds each impulse to the sum over the step. */
+    void (*bias)(const pe_soft_task *task);
+    void (*relax)(const pe_soft_task *task);
+    /* Newton's law of impact at points that approached at the step's start and have touched since.
+     */
+    void (*bounce)(const pe_soft_task *task);
+    /* Writes the impulses of the step into the manifold points. */
+    void (*store)(const pe_soft_task *task);
+    /* Changes the velocities by as much as they changed in the last sub-step. */
+    void (*integrate_velocities)(const pe_soft_task *task);
+    /* Changes the displacements by the velocities. */
+    void (*integrate_positions)(const pe_soft_task *task);
+} pe_soft_kernel;
+
+#endif
