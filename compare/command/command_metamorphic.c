@@ -76,15 +76,15 @@ static bool json_on_stdout(const options *o)
     return o->comparison.json != NULL && strcmp(o->comparison.json, "-") == 0;
 }
 
-static pl_status keep(void *user, const pl_trial *trial, pl_error *error)
+static pl_status keep(void *user, const pl_checks_of_run *trial, pl_error *error)
 {
     delivery *d = user;
     d->compared = d->compared || strcmp(trial->outcome, "unsupported") != 0;
     if (!json_on_stdout(d->options)) {
-        pl_trial_print(stdout, trial);
+        pl_checks_print(stdout, trial);
         fflush(stdout);
     }
-    if (json_array_append_new(d->trials, pl_trial_to_json(trial)) != 0) {
+    if (json_array_append_new(d->trials, pl_checks_to_json(trial)) != 0) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for what was found");
     }
     return PL_OK;
@@ -120,14 +120,14 @@ static int run(const pl_call *call, const options *o, const pl_plan *plan, const
                            ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
                            : PL_OK;
     if (status == PL_OK) {
-        const pl_trials_def def = {.plan = plan,
+        const pl_metamorphic_def def = {.plan = plan,
                                    .chosen = chosen,
                                    .limits = o->comparison.limits,
                                    .provenance = provenance,
                                    .progress = stderr,
                                    .user = &d,
                                    .keep = keep};
-        status = pl_trials(&def, &signal_number, &error);
+        status = pl_run_checks(&def, &signal_number, &error);
     }
     if (status == PL_OK && signal_number == 0) {
         code = d.compared ? PL_EXIT_OK : PL_EXIT_NOTHING;

@@ -82,9 +82,9 @@ static pl_status check_kept(const pl_merge *merge, const char *out, pl_store *st
 /* Whether an engine has several points on a problem: other settings, or time steps. */
 static bool is_sweep(const pl_sweep_analysis *analysis)
 {
-    for (int i = 0; i < analysis->problem_count; ++i) {
+    for (int i = 0; i < analysis->scene_count; ++i) {
         for (int k = 0; k < analysis->engine_count; ++k) {
-            const pl_sweep_curve *curve = &analysis->problems[i].curves[k];
+            const pl_sweep_curve *curve = &analysis->scenes[i].curves[k];
             if (!analysis->engines[k].whole && curve->ok + curve->failed + curve->unmeasured > 1) {
                 return true;
             }

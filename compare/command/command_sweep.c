@@ -160,7 +160,7 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
 {
     keeper *k = user;
     pl_status status = keep_one(k, result, error);
-    return status == PL_OK ? pl_hopeless(k->plan, result, k->provenance, k, keep_one, error)
+    return status == PL_OK ? pl_prune_timeouts(k->plan, result, k->provenance, k, keep_one, error)
                            : status;
 }
 
@@ -296,17 +296,17 @@ static pl_status choose_shard(const options *o, pl_shard *shard, bool *is_shard,
 static pl_status make_plan(options *o, pl_shard shard, pl_plan *plan, pl_error *error)
 {
     const bool is_usual = o->varied_count == 0;
-    const int repeats = is_usual ? PL_USUAL_REPEATS : 1;
+    const int repeats = is_usual ? PL_SWEEP_DEFAULT_REPEATS : 1;
     pl_plan base = {.repeats = o->repeats > 0 ? o->repeats : repeats};
     if (o->comparison.limits.timeout <= 0) {
-        o->comparison.limits.timeout = is_usual ? PL_USUAL_TIMEOUT : pl_limits_default().timeout;
+        o->comparison.limits.timeout = is_usual ? PL_SWEEP_DEFAULT_TIMEOUT : pl_limits_default().timeout;
     }
     pl_status status = pl_comparison_add_problems(&o->comparison, &base, error);
     if (status == PL_OK) {
         status = pl_comparison_add_engines("plumb sweep", &o->comparison, &base, error);
     }
     if (status == PL_OK) {
-        status = is_usual ? pl_usual_vary(&base, &o->varied, &o->varied_count, error) : PL_OK;
+        status = is_usual ? pl_default_vary(&base, &o->varied, &o->varied_count, error) : PL_OK;
     }
     if (status == PL_OK) {
         const pl_grid_def def = {.base = &base,

@@ -128,7 +128,7 @@ static pl_status add_problems(const pl_comparison *comparison, pl_plan *plan, pl
     return status == PL_OK ? check_settings(comparison, plan, error) : status;
 }
 
-static pl_status write_lines(const char *path, const pl_plan *plan, const pl_search *searches,
+static pl_status write_lines(const char *path, const pl_plan *plan, const pl_threshold_search *searches,
                              int count, json_t *provenance, const char *started, pl_error *error)
 {
     char *text = NULL;
@@ -149,7 +149,7 @@ static pl_status write_lines(const char *path, const pl_plan *plan, const pl_sea
     return status;
 }
 
-static bool all_unsupported(const pl_search *searches, int count)
+static bool all_unsupported(const pl_threshold_search *searches, int count)
 {
     for (int i = 0; i < count; ++i) {
         if (strcmp(searches[i].outcome, "unsupported") != 0) {
@@ -162,19 +162,19 @@ static bool all_unsupported(const pl_search *searches, int count)
 static int search(const pl_call *call, const pl_comparison *comparison, const pl_plan *plan)
 {
     pl_error error = {.message = ""};
-    pl_search *searches = NULL;
+    pl_threshold_search *searches = NULL;
     int count = 0, signal_number = 0, code = PL_EXIT_OK;
     char started[32];
     pl_timestamp(started);
     json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
-    const pl_search_def def = {.plan = plan,
+    const pl_threshold_search_def def = {.plan = plan,
                                .jobs = comparison->jobs,
                                .limits = comparison->limits,
                                .provenance = provenance,
                                .progress = stderr};
     pl_status status = provenance == NULL
                            ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
-                           : pl_search_thresholds(&def, &searches, &count, &signal_number, &error);
+                           : pl_find_thresholds(&def, &searches, &count, &signal_number, &error);
     if (status == PL_OK && signal_number == 0) {
         code = all_unsupported(searches, count) ? PL_EXIT_NOTHING : PL_EXIT_OK;
         if (comparison->json != NULL) {

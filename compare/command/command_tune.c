@@ -189,7 +189,7 @@ int pl_command_tune(const pl_call *call)
     pl_tune_space space;
     int code = PL_EXIT_OK;
     pl_status status = PL_OK;
-    if (!pl_seek_has_nlopt()) {
+    if (!pl_search_has_nlopt()) {
         status = pl_fail(&error, PL_UNSUPPORTED,
                          "this build lacks NLopt: install libnlopt-dev and build again");
     }

@@ -77,12 +77,12 @@ static void add_shares(const pl_sweep_analysis *analysis, int index, pl_text_buf
 {
     const pl_sweep_profile *profile = &analysis->profiles[index];
     pl_sweep_table table;
-    if (profile->problems == 0)
+    if (profile->scenes == 0)
         return;
     char error[PL_SWEEP_TEXT_SIZE];
     pl_sweep_power_text(pl_sweep_levels[profile->level], error);
     pl_text_format(text, "<h4>%s, at most %s: %d problems</h4>\n",
-                   profile->whole ? "Engines" : "Profiles", error, profile->problems);
+                   profile->whole ? "Engines" : "Profiles", error, profile->scenes);
     pl_sweep_plot_profile(analysis, profile, text);
     pl_sweep_shares_table(analysis, profile, &table);
     finish_table(&table, text);
@@ -117,28 +117,28 @@ static void add_orders(const pl_sweep_analysis *analysis, pl_text_buffer *text)
 
 static void add_problem(const pl_sweep_analysis *analysis, int index, pl_text_buffer *text)
 {
-    const pl_sweep_problem *problem = &analysis->problems[index];
+    const pl_sweep_scene *scene = &analysis->scenes[index];
     pl_sweep_table table;
     pl_text_format(text, "<h3 id=\"sweep-problem-%d\">", index + 1);
-    pl_text_add_element(text, "", problem->name, "</h3>\n");
-    pl_sweep_plot_problem(analysis, problem, text);
+    pl_text_add_element(text, "", scene->name, "</h3>\n");
+    pl_sweep_plot_problem(analysis, scene, text);
     pl_text_add(text, "<h4>Least CPU time for a simulated second, by error</h4>\n");
-    pl_sweep_reach_table(analysis, problem, true, &table);
+    pl_sweep_costs_table(analysis, scene, true, &table);
     finish_table(&table, text);
     pl_text_add(text, "<h4>Speed of plumb, by error</h4>\n");
-    pl_sweep_speeds_table(analysis, problem, true, false, &table);
+    pl_sweep_speeds_table(analysis, scene, true, false, &table);
     finish_table(&table, text);
     open_details("Between points of the fronts, error at matched time, profiles", text);
     pl_text_add(text, "<h4>Speed between points of the fronts</h4>\n");
-    pl_sweep_speeds_table(analysis, problem, true, true, &table);
+    pl_sweep_speeds_table(analysis, scene, true, true, &table);
     finish_table(&table, text);
     pl_text_add(text, "<h4>Error at matched CPU time for a simulated second</h4>\n");
-    pl_sweep_errors_table(analysis, problem, true, &table);
+    pl_sweep_errors_table(analysis, scene, true, &table);
     finish_table(&table, text);
     pl_text_add(text, "<h4>Profiles: least CPU time, and speed</h4>\n");
-    pl_sweep_reach_table(analysis, problem, false, &table);
+    pl_sweep_costs_table(analysis, scene, false, &table);
     finish_table(&table, text);
-    pl_sweep_speeds_table(analysis, problem, false, false, &table);
+    pl_sweep_speeds_table(analysis, scene, false, false, &table);
     finish_table(&table, text);
     pl_text_add(text, "</details>\n");
     open_details("All points, and those that failed", text);
@@ -171,7 +171,7 @@ static void add_method(pl_text_buffer *text)
         "and one none: of fewer than ten each that is drawn is moved by the noise of the problem, "
         "which the repeats of all its points tell. There are no ranges where nothing was "
         "repeated.</p>\n",
-        floor, floor, PL_SWEEP_DRAWS);
+        floor, floor, PL_BOOTSTRAP_REPLICATES);
 }
 
 void pl_sweep_html(const pl_sweep_analysis *analysis, pl_text_buffer *text)
@@ -185,7 +185,7 @@ void pl_sweep_html(const pl_sweep_analysis *analysis, pl_text_buffer *text)
     add_profiles(analysis, text);
     add_orders(analysis, text);
     pl_text_add(text, "<h2 id=\"sweep-problems\">Error against cost, problem by problem</h2>\n");
-    for (int i = 0; i < analysis->problem_count; i++)
+    for (int i = 0; i < analysis->scene_count; i++)
         add_problem(analysis, i, text);
     add_method(text);
 }
@@ -202,8 +202,8 @@ void pl_sweep_page(const pl_sweep_analysis *analysis, pl_text_buffer *text)
     pl_text_format(text,
                    "</style>\n</head>\n<body>\n<main>\n<h1>Speed against error</h1>\n"
                    "<p class=\"lead\">%d runs, %d points on %d %s.</p>\n",
-                   analysis->run_count, analysis->point_count, analysis->problem_count,
-                   analysis->problem_count == 1 ? "problem" : "problems");
+                   analysis->run_count, analysis->point_count, analysis->scene_count,
+                   analysis->scene_count == 1 ? "problem" : "problems");
     pl_sweep_html(analysis, text);
     pl_text_add(text, "</main>\n</body>\n</html>\n");
 }

@@ -47,7 +47,7 @@ static int colour_of(const pl_sweep_analysis *analysis, int engine)
     return 1 + (all - (ours > 0)) % (PL_SWEEP_COLOURS - 1);
 }
 
-/* --- A problem --- */
+/* --- A scene --- */
 
 static void widen(double value, double *low, double *high)
 {
@@ -57,7 +57,7 @@ static void widen(double value, double *low, double *high)
 }
 
 /* False where there is nothing to plot. */
-static bool lay_out(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
+static bool lay_out(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
                     pl_sweep_axes *axes)
 {
     int ok = 0, strips = 0;
@@ -66,7 +66,7 @@ static bool lay_out(const pl_sweep_analysis *analysis, const pl_sweep_problem *p
                             .x_low = (double)INFINITY,
                             .y_low = (double)INFINITY,
                             .log_y = true};
-    for (int i = problem->first; i < problem->first + problem->count; i++) {
+    for (int i = scene->first; i < scene->first + scene->count; i++) {
         const pl_sweep_point *point = &analysis->points[i];
         if (point->state != PL_SWEEP_OK)
             continue;
@@ -75,7 +75,7 @@ static bool lay_out(const pl_sweep_analysis *analysis, const pl_sweep_problem *p
         widen(point->error, &axes->y_low, &axes->y_high);
     }
     for (int e = 0; e < analysis->engine_count; e++)
-        strips += analysis->engines[e].whole && problem->curves[e].failed > 0;
+        strips += analysis->engines[e].whole && scene->curves[e].failed > 0;
     if (ok == 0)
         return false;
     if (axes->x_high <= axes->x_low)
@@ -88,14 +88,14 @@ static bool lay_out(const pl_sweep_analysis *analysis, const pl_sweep_problem *p
 }
 
 /* The same marker, with a tooltip. */
-static void add_point(const pl_sweep_problem *problem, const pl_sweep_point *point,
+static void add_point(const pl_sweep_scene *scene, const pl_sweep_point *point,
                       const pl_sweep_axes *axes, const char *classes, int colour, double r,
                       pl_text_buffer *out)
 {
     char step[PL_SWEEP_TEXT_SIZE], cost[PL_SWEEP_TEXT_SIZE], error[PL_SWEEP_TEXT_SIZE];
     pl_sweep_step_text(point->dt, step);
     pl_sweep_cost_text(point->cost, cost);
-    pl_sweep_error_text(point->error, problem->unit, error);
+    pl_sweep_error_text(point->error, scene->unit, error);
     pl_text_add_element(out, "<g><title>", point->label, "");
     pl_text_format(out, ", dt %s: ", step);
     pl_text_add_element(out, "", error, " at ");
@@ -105,21 +105,21 @@ static void add_point(const pl_sweep_problem *problem, const pl_sweep_point *poi
     pl_text_add(out, "</g>");
 }
 
-static void add_curve(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
+static void add_curve(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
                       const pl_sweep_axes *axes, int engine, pl_text_buffer *out)
 {
-    const pl_sweep_curve *curve = &problem->curves[engine];
+    const pl_sweep_curve *curve = &scene->curves[engine];
     const int colour = colour_of(analysis, engine);
     const double r = colour == 0 ? 5 : 4;
     char classes[16];
     snprintf(classes, sizeof classes, "m%d off", colour);
-    for (int i = problem->first, next = 0; i < problem->first + problem->count; i++) {
+    for (int i = scene->first, next = 0; i < scene->first + scene->count; i++) {
         const pl_sweep_point *point = &analysis->points[i];
         bool on_front = false;
         for (next = 0; next < curve->front_count && !on_front; next++)
             on_front = curve->front[next] == i;
         if (point->state == PL_SWEEP_OK && pl_sweep_point_is_of(point, engine) && !on_front)
-            add_point(problem, point, axes, classes, colour, 0.6 * r, out);
+            add_point(scene, point, axes, classes, colour, 0.6 * r, out);
     }
     if (curve->front_count > 1)
         pl_text_format(out, "\n<path class=\"e%d\" d=\"", colour);
@@ -132,18 +132,18 @@ static void add_curve(const pl_sweep_analysis *analysis, const pl_sweep_problem 
         pl_text_add(out, "\"/>\n");
     snprintf(classes, sizeof classes, "m%d", colour);
     for (int i = 0; i < curve->front_count; i++)
-        add_point(problem, &analysis->points[curve->front[i]], axes, classes, colour, r, out);
+        add_point(scene, &analysis->points[curve->front[i]], axes, classes, colour, r, out);
 }
 
 /* Failed points have no place: they stand in a row above the field, an engine a row, all of them
  * or as many as fit. */
-static void add_crosses(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
+static void add_crosses(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
                         const pl_sweep_axes *axes, int engine, double y, pl_text_buffer *out)
 {
-    const int failed = problem->curves[engine].failed, colour = colour_of(analysis, engine);
+    const int failed = scene->curves[engine].failed, colour = colour_of(analysis, engine);
     const int shown = failed < CROSSES_MOST ? failed : CROSSES_MOST;
     int met = 0, drawn = 0;
-    for (int i = problem->first; i < problem->first + problem->count; i++) {
+    for (int i = scene->first; i < scene->first + scene->count; i++) {
         const pl_sweep_point *point = &analysis->points[i];
         if (point->state != PL_SWEEP_FAILED || !pl_sweep_point_is_of(point, engine))
             continue;
@@ -161,30 +161,30 @@ static void add_crosses(const pl_sweep_analysis *analysis, const pl_sweep_proble
     pl_text_add(out, "\n");
 }
 
-void pl_sweep_plot_problem(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
+void pl_sweep_plot_problem(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
                            pl_text_buffer *out)
 {
     pl_sweep_axes axes;
     char y_name[PL_SWEEP_TEXT_SIZE], title[2 * PL_SWEEP_TEXT_SIZE];
     int line = 0, strip = 0;
-    bool bare = problem->unit[0] == '\0' || strcmp(problem->unit, "1") == 0;
-    if (!lay_out(analysis, problem, &axes))
+    bool bare = scene->unit[0] == '\0' || strcmp(scene->unit, "1") == 0;
+    if (!lay_out(analysis, scene, &axes))
         return;
-    snprintf(y_name, sizeof y_name, "%.80s%s%.40s", problem->primary_error, bare ? "" : ", ",
-             bare ? "" : problem->unit);
-    snprintf(title, sizeof title, "%.250s: error over cost", problem->name);
+    snprintf(y_name, sizeof y_name, "%.80s%s%.40s", scene->primary_error, bare ? "" : ", ",
+             bare ? "" : scene->unit);
+    snprintf(title, sizeof title, "%.250s: error over cost", scene->name);
     pl_text_add(out, "<figure>");
     pl_sweep_axes_open(&axes, title, "CPU time for a simulated second, s", y_name, out);
     for (int e = analysis->engine_count - 1; e >= 0; e--)
         if (analysis->engines[e].whole)
-            add_curve(analysis, problem, &axes, e, out);
+            add_curve(analysis, scene, &axes, e, out);
     for (int e = 0; e < analysis->engine_count; e++) {
-        const pl_sweep_curve *curve = &problem->curves[e];
+        const pl_sweep_curve *curve = &scene->curves[e];
         char note[PL_SWEEP_TEXT_SIZE];
         if (!analysis->engines[e].whole || !pl_sweep_curve_was_run(curve))
             continue;
         if (curve->failed > 0)
-            add_crosses(analysis, problem, &axes, e, 14 + 16 * strip++, out);
+            add_crosses(analysis, scene, &axes, e, 14 + 16 * strip++, out);
         snprintf(note, sizeof note, "%d %s, %d failed", curve->ok,
                  curve->ok == 1 ? "point" : "points", curve->failed);
         pl_sweep_legend(&axes, line++, colour_of(analysis, e), analysis->engines[e].name, note,
@@ -215,7 +215,7 @@ void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_pro
     pl_sweep_axes_open(&axes, title, "factor within which of the fastest engine's cost",
                        "problems solved", out);
     for (int e = analysis->engine_count - 1; e >= 0; e--) {
-        const double *ratios = profile->ratios + (size_t)e * (size_t)analysis->problem_count;
+        const double *ratios = profile->ratios + (size_t)e * (size_t)analysis->scene_count;
         if (analysis->engines[e].whole != profile->whole)
             continue;
         double share = pl_sweep_share(analysis, profile, e, 1);
@@ -224,7 +224,7 @@ void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_pro
         for (int i = 0; i < profile->counts[e] && ratios[i] <= axes.x_high; i++) {
             if (ratios[i] <= 1)
                 continue;
-            share = (double)(i + 1) / profile->problems;
+            share = (double)(i + 1) / profile->scenes;
             pl_text_format(out, "H%.1fV%.1f", pl_sweep_x(&axes, ratios[i]),
                            pl_sweep_y(&axes, share));
         }
@@ -234,7 +234,7 @@ void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_pro
         char note[PL_SWEEP_TEXT_SIZE];
         if (analysis->engines[e].whole != profile->whole)
             continue;
-        snprintf(note, sizeof note, "solves %d of %d", profile->counts[e], profile->problems);
+        snprintf(note, sizeof note, "solves %d of %d", profile->counts[e], profile->scenes);
         pl_sweep_legend(&axes, line++, colour_of(analysis, e), analysis->engines[e].name, note,
                         out);
     }

@@ -8,13 +8,13 @@
 /* CSS rules, NULL-terminated. */
 extern const char *const pl_sweep_style[];
 
-/* Error over cost of a problem, both logarithmic: a front a whole engine, ours drawn last and
+/* Error over cost of a scene, both logarithmic: a front a whole engine, ours drawn last and
  * thicker; points off the front faint; failed points as crosses along the upper edge. Nothing where
- * the problem has no points. */
-void pl_sweep_plot_problem(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
+ * the scene has no points. */
+void pl_sweep_plot_problem(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
                            pl_text_buffer *out);
 
-/* Shares of problems over the factor tau, logarithmic to 100: a line an engine. Nothing where no
+/* Shares of scenes over the factor tau, logarithmic to 100: a line an engine. Nothing where no
  * engine solved any. */
 void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
                            pl_text_buffer *out);

@@ -63,16 +63,16 @@ static void print_table(const char *heading, pl_sweep_table *table, int most,
     pl_sweep_table_free(table);
 }
 
-static void print_problem(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
+static void print_problem(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
                           pl_text_buffer *buffer)
 {
     pl_sweep_table table;
     pl_text_buffer heading = {0};
-    pl_text_format(&heading, "%s: least CPU time for a simulated second, by %s%s%s", problem->name,
-                   problem->primary_error, problem->unit[0] == '\0' ? "" : ", ", problem->unit);
-    pl_sweep_reach_table(analysis, problem, true, &table);
+    pl_text_format(&heading, "%s: least CPU time for a simulated second, by %s%s%s", scene->name,
+                   scene->primary_error, scene->unit[0] == '\0' ? "" : ", ", scene->unit);
+    pl_sweep_costs_table(analysis, scene, true, &table);
     buffer->failed |= heading.failed;
-    if (problem->primary_error[0] != '\0' && !heading.failed)
+    if (scene->primary_error[0] != '\0' && !heading.failed)
         print_table(heading.data, &table, table.cells, buffer);
     else
         pl_sweep_table_free(&table);
@@ -91,8 +91,8 @@ void pl_sweep_report_print(FILE *out, const pl_sweep_analysis *analysis)
     pl_sweep_means_table(analysis, true, PL_SWEEP_MATCHED_LEVEL, &table);
     print_table("Speed of plumb at errors of at most 1e-3, over all problems", &table, table.cells,
                 &buffer);
-    for (int i = 0; i < analysis->problem_count; i++)
-        print_problem(analysis, &analysis->problems[i], &buffer);
+    for (int i = 0; i < analysis->scene_count; i++)
+        print_problem(analysis, &analysis->scenes[i], &buffer);
     if (analysis->profile_count > PL_SWEEP_MATCHED_LEVEL) {
         pl_sweep_shares_table(analysis, &analysis->profiles[PL_SWEEP_MATCHED_LEVEL], &table);
         print_table("Problems solved to 1e-3, within a factor of the fastest", &table, table.cells,

@@ -1,4 +1,4 @@
-/* The tables of all problems together. */
+/* The tables of all scenes together. */
 #include "sweep_tables.h"
 
 #include "quantity.h"
@@ -26,25 +26,25 @@ void pl_sweep_statement(const pl_sweep_analysis *analysis, pl_text_buffer *out)
     if (!ours || !others) {
         pl_text_add(out, ours ? "Nothing was compared: these results hold no other engine."
                               : "Nothing was compared: plumb itself was not run.");
-    } else if (analysis->duels_fought == 0) {
+    } else if (analysis->compared == 0) {
         pl_text_add(out, "Nothing was compared: on no problem did plumb or another engine that "
                          "was run on it reach any error asked for.");
     } else if (analysis->loss_count == 0) {
         pl_text_format(out,
                        "No losses: in none of %d comparisons (problem, engine, error) is another "
                        "engine's front ahead of plumb's.",
-                       analysis->duels_fought);
+                       analysis->compared);
     } else {
         pl_text_format(out,
                        "Another engine's front is ahead of plumb's in %d of %d comparisons "
                        "(problem, engine, error): in %d at errors up to 1e-3, in %d at larger "
                        "ones; %d of all are within noise.",
-                       analysis->loss_count, analysis->duels_fought, analysis->fine_losses,
+                       analysis->loss_count, analysis->compared, analysis->fine_losses,
                        analysis->loss_count - analysis->fine_losses, within);
     }
     if (analysis->unjudged > 0)
         pl_text_format(out, " %d of %d problems have no primary error and are not judged.",
-                       analysis->unjudged, analysis->problem_count);
+                       analysis->unjudged, analysis->scene_count);
 }
 
 void pl_sweep_warning(const pl_sweep_analysis *analysis, pl_text_buffer *out)
@@ -67,7 +67,7 @@ void pl_sweep_losses_table(const pl_sweep_analysis *analysis, pl_sweep_table *ta
         const pl_sweep_loss *loss = &analysis->losses[i];
         const pl_sweep_pair *pair = &analysis->pairs[loss->pair];
         char cost[PL_SWEEP_TEXT_SIZE], speed[PL_SWEEP_TEXT_SIZE];
-        pl_sweep_table_add(table, "%s", analysis->problems[loss->problem].name);
+        pl_sweep_table_add(table, "%s", analysis->scenes[loss->scene].name);
         pl_sweep_power_text(pl_sweep_levels[loss->level], cost);
         pl_sweep_table_add(table, "%s", cost);
         pl_sweep_table_add(table, "%s", engine_name(analysis, pair->other));
@@ -82,12 +82,12 @@ void pl_sweep_losses_table(const pl_sweep_analysis *analysis, pl_sweep_table *ta
     }
 }
 
-static void add_count(pl_sweep_table *table, int count, int problems)
+static void add_count(pl_sweep_table *table, int count, int scenes)
 {
     if (count == 0)
         pl_sweep_table_add(table, "none");
     else
-        pl_sweep_table_add(table, "%d of %d problems: never reached", count, problems);
+        pl_sweep_table_add(table, "%d of %d problems: never reached", count, scenes);
 }
 
 void pl_sweep_means_table(const pl_sweep_analysis *analysis, bool whole, int level,
@@ -100,19 +100,19 @@ void pl_sweep_means_table(const pl_sweep_analysis *analysis, bool whole, int lev
     for (int i = 0; i < analysis->pair_count; i++) {
         const pl_sweep_pair *pair = &analysis->pairs[i];
         char speed[PL_SWEEP_TEXT_SIZE];
-        if (analysis->engines[pair->ours].whole != whole || pair->problems == 0)
+        if (analysis->engines[pair->ours].whole != whole || pair->scenes == 0)
             continue;
         pl_sweep_ratio_text(&pair->mean[level], speed);
         pl_sweep_table_add(table, "%s", engine_name(analysis, pair->ours));
         pl_sweep_table_add(table, "%s", engine_name(analysis, pair->other));
         pl_sweep_table_add(table, "%s", speed);
-        pl_sweep_table_add(table, "%d of %d", pair->both[level], pair->problems);
-        add_count(table, pair->ours_only[level], pair->problems);
-        add_count(table, pair->other_only[level], pair->problems);
+        pl_sweep_table_add(table, "%d of %d", pair->both[level], pair->scenes);
+        add_count(table, pair->ours_only[level], pair->scenes);
+        add_count(table, pair->other_only[level], pair->scenes);
     }
 }
 
-void pl_sweep_orders_table(const pl_sweep_analysis *analysis, int problem, pl_sweep_table *table)
+void pl_sweep_orders_table(const pl_sweep_analysis *analysis, int scene, pl_sweep_table *table)
 {
     static const char *const findings[] = {"", "too few time steps", "exact at every step",
                                            "does not converge"};
@@ -122,9 +122,9 @@ void pl_sweep_orders_table(const pl_sweep_analysis *analysis, int problem, pl_sw
     for (int i = 0; i < analysis->order_count; i++) {
         const pl_sweep_order *order = &analysis->orders[i];
         char low[PL_SWEEP_TEXT_SIZE], high[PL_SWEEP_TEXT_SIZE];
-        if (problem >= 0 && order->problem != problem)
+        if (scene >= 0 && order->scene != scene)
             continue;
-        pl_sweep_table_add(table, "%s", analysis->problems[order->problem].name);
+        pl_sweep_table_add(table, "%s", analysis->scenes[order->scene].name);
         pl_sweep_table_add(table, "%s", analysis->points[order->first].label);
         if (order->kind != PL_SWEEP_ORDER_FOUND) {
             pl_sweep_table_add(table, "%s", pl_quantity_missing);
@@ -152,7 +152,7 @@ void pl_sweep_shares_table(const pl_sweep_analysis *analysis, const pl_sweep_pro
         table->heads[k] = heads[k];
         table->numeric[k] = k > 0;
     }
-    for (int e = 0; e < analysis->engine_count && profile->problems > 0; e++) {
+    for (int e = 0; e < analysis->engine_count && profile->scenes > 0; e++) {
         if (analysis->engines[e].whole != profile->whole)
             continue;
         pl_sweep_table_add(table, "%s", engine_name(analysis, e));
@@ -168,13 +168,13 @@ static const char *state_of(const pl_sweep_point *point)
     return point->state == PL_SWEEP_UNMEASURED ? "not measured" : point->outcome;
 }
 
-/* How many points from the first on are of one engine and problem and came to the same end. */
+/* How many points from the first on are of one engine and scene and came to the same end. */
 static int alike(const pl_sweep_analysis *analysis, int first)
 {
     const pl_sweep_point *points = analysis->points, *point = &points[first];
     int count = 1;
     while (first + count < analysis->point_count &&
-           points[first + count].problem == point->problem &&
+           points[first + count].scene == point->scene &&
            points[first + count].state == point->state &&
            strcmp(points[first + count].label, point->label) == 0 &&
            strcmp(points[first + count].outcome, point->outcome) == 0)
@@ -182,7 +182,7 @@ static int alike(const pl_sweep_analysis *analysis, int first)
     return count;
 }
 
-void pl_sweep_failed_table(const pl_sweep_analysis *analysis, int problem, pl_sweep_table *table)
+void pl_sweep_failed_table(const pl_sweep_analysis *analysis, int scene, pl_sweep_table *table)
 {
     *table = (pl_sweep_table){.columns = 5,
                               .heads = {"Problem", "Engine", "Time step", "Outcome", "Reason"}};
@@ -190,11 +190,11 @@ void pl_sweep_failed_table(const pl_sweep_analysis *analysis, int problem, pl_sw
         const pl_sweep_point *point = &analysis->points[i];
         char first[PL_SWEEP_TEXT_SIZE], last[PL_SWEEP_TEXT_SIZE];
         count = alike(analysis, i);
-        if (point->state == PL_SWEEP_OK || (problem >= 0 && point->problem != problem))
+        if (point->state == PL_SWEEP_OK || (scene >= 0 && point->scene != scene))
             continue;
         pl_sweep_step_text(point->dt, first);
         pl_sweep_step_text(point[count - 1].dt, last);
-        pl_sweep_table_add(table, "%s", analysis->problems[point->problem].name);
+        pl_sweep_table_add(table, "%s", analysis->scenes[point->scene].name);
         pl_sweep_table_add(table, "%s", point->label);
         if (count > 1)
             pl_sweep_table_add(table, "%s to %s: %d", first, last, count);

@@ -32,7 +32,7 @@ static pl_status try_budget(void *user, long budget, pl_budget_trial *trial, dou
     double found = f->error(budget, f->user);
     bool ended = (f->ends_at > 0 && budget >= f->ends_at) ||
                  (budget < f->ends_between && (budget & (budget - 1)) != 0);
-    *trial = ended ? PL_BUDGET_ENDED : isinf(found) ? PL_BUDGET_FELL : PL_BUDGET_HELD;
+    *trial = ended ? PL_BUDGET_END_SEARCH : isinf(found) ? PL_BUDGET_FAILED : PL_BUDGET_SUCCEEDED;
     *error = isinf(found) ? 0 : found; /* tempting, and not to be looked at */
     return PL_OK;
 }
@@ -183,7 +183,7 @@ static void test_of_noisy_errors_the_budget_and_the_doubling_above_it_are_near(v
     for (uint64_t seed = 1; seed <= 500; ++seed) {
         const pl_budget_found found = search(noisy, &seed);
         if (found.state != PL_BUDGET_FOUND) {
-            assert_int_equal(found.state, PL_BUDGET_LARGEST_FELL);
+            assert_int_equal(found.state, PL_BUDGET_LARGEST_FAILED);
             assert_true(isinf(noisy(1024, &seed)));
             assert_int_equal(found.budget, 0);
             continue;
@@ -225,7 +225,7 @@ static void test_what_never_holds_has_no_budget(void **state)
     (void)state;
     const long from = MOST + 1;
     const pl_budget_found found = search(stands_from, &from);
-    assert_int_equal(found.state, PL_BUDGET_NONE_HELD);
+    assert_int_equal(found.state, PL_BUDGET_ALL_FAILED);
     assert_int_equal(found.budget, 0);
     assert_int_equal(found.largest, 1024);
     assert_int_equal(found.trials, 11);
@@ -242,7 +242,7 @@ static void test_a_largest_budget_that_falls_leaves_nothing_converged(void **sta
 {
     (void)state;
     const pl_budget_found found = search(holds_below_the_end, NULL);
-    assert_int_equal(found.state, PL_BUDGET_LARGEST_FELL);
+    assert_int_equal(found.state, PL_BUDGET_LARGEST_FAILED);
     assert_int_equal(found.budget, 0);
     assert_true(isnan(found.converged));
 }

@@ -75,32 +75,32 @@ static void test_front_is_read_at_and_between_its_points(void **state)
 {
     (void)state;
     const pl_sweep_sample front[] = {{1, 1e-1}, {100, 1e-3}, {1000, 1e-6}};
-    assert_int_equal(pl_front_reach(front, 3, 0.5), 0);
-    assert_int_equal(pl_front_reach(front, 3, 1e-1), 0);
-    assert_int_equal(pl_front_reach(front, 3, 1e-2), 1);
-    assert_int_equal(pl_front_reach(front, 3, 1e-7), -1);
-    assert_int_equal(pl_front_best(front, 3, 0.5), -1);
-    assert_int_equal(pl_front_best(front, 3, 100), 1);
-    assert_int_equal(pl_front_best(front, 3, 5000), 2);
-    assert_close(pl_front_cost_between(front, 3, 1e-2), 10, 0, 1e-13);
-    assert_close(pl_front_error_between(front, 3, 10), 1e-2, 0, 1e-13);
-    assert_close(pl_front_error_between(front, 3, 100 * sqrt(10)), pow(10, -4.5), 0, 1e-13);
-    assert_close(pl_front_cost_between(front, 3, 1e-6), 1000, 0, 0);
-    assert_close(pl_front_error_between(front, 3, 1), 1e-1, 0, 0);
+    assert_int_equal(pl_front_cheapest(front, 3, 0.5), 0);
+    assert_int_equal(pl_front_cheapest(front, 3, 1e-1), 0);
+    assert_int_equal(pl_front_cheapest(front, 3, 1e-2), 1);
+    assert_int_equal(pl_front_cheapest(front, 3, 1e-7), -1);
+    assert_int_equal(pl_front_most_exact(front, 3, 0.5), -1);
+    assert_int_equal(pl_front_most_exact(front, 3, 100), 1);
+    assert_int_equal(pl_front_most_exact(front, 3, 5000), 2);
+    assert_close(pl_front_cost_at_error(front, 3, 1e-2), 10, 0, 1e-13);
+    assert_close(pl_front_error_at_cost(front, 3, 10), 1e-2, 0, 1e-13);
+    assert_close(pl_front_error_at_cost(front, 3, 100 * sqrt(10)), pow(10, -4.5), 0, 1e-13);
+    assert_close(pl_front_cost_at_error(front, 3, 1e-6), 1000, 0, 0);
+    assert_close(pl_front_error_at_cost(front, 3, 1), 1e-1, 0, 0);
 }
 
 static void test_nothing_is_extrapolated(void **state)
 {
     (void)state;
     const pl_sweep_sample front[] = {{1, 1e-1}, {100, 1e-3}};
-    assert_true(isnan(pl_front_cost_between(front, 2, 0.2)));
-    assert_true(isnan(pl_front_cost_between(front, 2, 9e-4)));
-    assert_true(isnan(pl_front_error_between(front, 2, 0.9)));
-    assert_true(isnan(pl_front_error_between(front, 2, 101)));
-    assert_true(isnan(pl_front_cost_between(front, 1, 1e-2)));
-    assert_close(pl_front_cost_between(front, 1, 1e-1), 1, 0, 0);
-    assert_true(isnan(pl_front_cost_between(front, 0, 1e-1)));
-    assert_int_equal(pl_front_reach(front, 0, 1), -1);
+    assert_true(isnan(pl_front_cost_at_error(front, 2, 0.2)));
+    assert_true(isnan(pl_front_cost_at_error(front, 2, 9e-4)));
+    assert_true(isnan(pl_front_error_at_cost(front, 2, 0.9)));
+    assert_true(isnan(pl_front_error_at_cost(front, 2, 101)));
+    assert_true(isnan(pl_front_cost_at_error(front, 1, 1e-2)));
+    assert_close(pl_front_cost_at_error(front, 1, 1e-1), 1, 0, 0);
+    assert_true(isnan(pl_front_cost_at_error(front, 0, 1e-1)));
+    assert_int_equal(pl_front_cheapest(front, 0, 1), -1);
 }
 
 /* --- Order --- */
@@ -193,17 +193,17 @@ static void test_interval_holds_the_middle(void **state)
     double values[1000], low = 0, high = 0;
     for (int i = 0; i < 1000; i++)
         values[i] = (i * 37) % 1000;
-    pl_sweep_interval(values, 1000, &low, &high);
+    pl_bootstrap_interval(values, 1000, &low, &high);
     assert_close(low, 25, 0, 0);
     assert_close(high, 974, 0, 0);
     for (int i = 0; i < 1000; i++)
         values[i] = i < 40 ? (double)NAN : 7;
-    pl_sweep_interval(values, 1000, &low, &high);
+    pl_bootstrap_interval(values, 1000, &low, &high);
     assert_close(low, 7, 0, 0);
     assert_close(high, 7, 0, 0);
     for (int i = 0; i < 1000; i++)
         values[i] = i < 60 ? (double)NAN : 7;
-    pl_sweep_interval(values, 1000, &low, &high);
+    pl_bootstrap_interval(values, 1000, &low, &high);
     assert_true(isnan(low));
     assert_true(isnan(high));
 }

@@ -10,19 +10,19 @@ static void test_speed_is_their_cost_over_ours_at_each_error(void **state)
     (void)state;
     json_t *results = crossing_sweep();
     pl_sweep_analysis analysis = analysis_of(results);
-    const pl_sweep_duel *duel = duel_with(&analysis, "ode");
+    const pl_pairwise_comparison *comparison = comparison_with(&analysis, "ode");
     static const double speeds[] = {0.5, 0.5, 4, 4};
     for (int k = 0; k < PL_SWEEP_LEVELS; k++) {
-        assert_int_equal(duel->reach[k], k < 4 ? PL_SWEEP_BOTH : PL_SWEEP_NEITHER);
+        assert_int_equal(comparison->at_error[k], k < 4 ? PL_ATTAINED_BY_BOTH : PL_ATTAINED_BY_NEITHER);
         if (k < 4)
-            assert_close(duel->speed[k].value, speeds[k], 0, 0);
+            assert_close(comparison->speed[k].value, speeds[k], 0, 0);
         else
-            assert_true(isnan(duel->speed[k].value));
-        assert_true(isnan(duel->speed[k].low)); /* one repeat says nothing of spread */
+            assert_true(isnan(comparison->speed[k].value));
+        assert_true(isnan(comparison->speed[k].low)); /* one repeat says nothing of spread */
     }
     /* Ours is one point, so between points there is 1e-4 alone. */
-    assert_true(isnan(duel->speed_between[2].value));
-    assert_close(duel->speed_between[3].value, 4, 0, 0);
+    assert_true(isnan(comparison->speed_between[2].value));
+    assert_close(comparison->speed_between[3].value, 4, 0, 0);
     finish_sweep(&analysis, results);
 }
 
@@ -32,19 +32,19 @@ static void test_exactness_is_their_error_over_ours_at_each_cost(void **state)
     json_t *results = crossing_sweep();
     add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 32, 1e-6, .iterations = 5});
     pl_sweep_analysis analysis = analysis_of(results);
-    const pl_sweep_duel *duel = duel_with(&analysis, "ode");
+    const pl_pairwise_comparison *comparison = comparison_with(&analysis, "ode");
     enum { AT_1 = 18, AT_2, AT_5, AT_10, AT_20 };
     assert_close(pl_sweep_times[AT_5], 5, 0, 0);
-    assert_int_equal(duel->afford[AT_1 - 1], PL_SWEEP_NEITHER);
-    assert_int_equal(duel->afford[AT_1], PL_SWEEP_OTHER_ONLY);
-    assert_close(duel->exactness[AT_2].value, 100, 0, 1e-15);
-    assert_close(duel->exactness[AT_5].value, 100, 0, 1e-15);
-    assert_close(duel->exactness[AT_10].value, 1, 0, 0);
+    assert_int_equal(comparison->at_cost[AT_1 - 1], PL_ATTAINED_BY_NEITHER);
+    assert_int_equal(comparison->at_cost[AT_1], PL_ATTAINED_BY_OTHER_ONLY);
+    assert_close(comparison->exactness[AT_2].value, 100, 0, 1e-15);
+    assert_close(comparison->exactness[AT_5].value, 100, 0, 1e-15);
+    assert_close(comparison->exactness[AT_10].value, 1, 0, 0);
     /* At 5: ode (5 -> 8 of 1e-2 -> 1e-4), ours 2 -> 32 of 1e-4 -> 1e-6. */
     double theirs = pow(10, -2 - 2 * log(5) / log(8));
     double ours = pow(10, -4 - 2 * log(2.5) / log(16));
-    assert_close(duel->exactness_between[AT_5].value, theirs / ours, 0, 1e-12);
-    assert_true(isnan(duel->exactness_between[AT_20].value)); /* beyond ode's front */
+    assert_close(comparison->exactness_between[AT_5].value, theirs / ours, 0, 1e-12);
+    assert_true(isnan(comparison->exactness_between[AT_20].value)); /* beyond ode's front */
     finish_sweep(&analysis, results);
 }
 
@@ -60,24 +60,24 @@ static void test_losses_are_where_another_front_is_ahead(void **state)
     /* a: 1e-1, 1e-2. b: 1e-1, 1e-2, 1e-3. */
     assert_int_equal(analysis.loss_count, 5);
     assert_int_equal(analysis.fine_losses, 1);
-    assert_int_equal(analysis.duels_fought, 4 + 3);
+    assert_int_equal(analysis.compared, 4 + 3);
     static const struct {
-        const char *problem;
+        const char *scene;
         int level;
-        pl_sweep_reach reach;
+        pl_attained_by attained;
         bool within_noise;
-    } expected[] = {{"b", 2, PL_SWEEP_OTHER_ONLY, false},
-                    {"b", 1, PL_SWEEP_OTHER_ONLY, false},
-                    {"a", 0, PL_SWEEP_BOTH, false},
-                    {"a", 1, PL_SWEEP_BOTH, false},
-                    {"b", 0, PL_SWEEP_BOTH, true}};
+    } expected[] = {{"b", 2, PL_ATTAINED_BY_OTHER_ONLY, false},
+                    {"b", 1, PL_ATTAINED_BY_OTHER_ONLY, false},
+                    {"a", 0, PL_ATTAINED_BY_BOTH, false},
+                    {"a", 1, PL_ATTAINED_BY_BOTH, false},
+                    {"b", 0, PL_ATTAINED_BY_BOTH, true}};
     for (int i = 0; i < 5; i++) {
         const pl_sweep_loss *loss = &analysis.losses[i];
-        assert_string_equal(analysis.problems[loss->problem].name, expected[i].problem);
+        assert_string_equal(analysis.scenes[loss->scene].name, expected[i].scene);
         assert_int_equal(loss->level, expected[i].level);
-        assert_int_equal(loss->reach, expected[i].reach);
+        assert_int_equal(loss->attained, expected[i].attained);
         assert_int_equal(loss->within_noise, expected[i].within_noise);
-        assert_int_equal(loss->ours < 0, loss->reach == PL_SWEEP_OTHER_ONLY);
+        assert_int_equal(loss->ours < 0, loss->attained == PL_ATTAINED_BY_OTHER_ONLY);
         assert_true(loss->other >= 0);
     }
     assert_close(analysis.losses[0].other, 5, 0, 0);
@@ -92,8 +92,8 @@ static void test_equal_engines_have_no_losses(void **state)
     add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 2, 1e-4});
     pl_sweep_analysis analysis = analysis_of(results);
     assert_int_equal(analysis.loss_count, 0);
-    assert_int_equal(analysis.duels_fought, 4);
-    assert_close(duel_with(&analysis, "ode")->speed[0].value, 1, 0, 0);
+    assert_int_equal(analysis.compared, 4);
+    assert_close(comparison_with(&analysis, "ode")->speed[0].value, 1, 0, 0);
     finish_sweep(&analysis, results);
 }
 
@@ -110,10 +110,10 @@ static void test_constant_repeats_have_an_interval_without_width(void **state)
     add_repeats(results, (sweep_run){.scenario = "a", "ode:q", .error = 1e-5, .dt = 0.125},
                 (const double[]){11, 11}, 2);
     pl_sweep_analysis analysis = analysis_of(results);
-    const pl_sweep_duel *duel = duel_with(&analysis, "ode");
+    const pl_pairwise_comparison *comparison = comparison_with(&analysis, "ode");
     const pl_sweep_pair *pair = &analysis.pairs[pair_named(&analysis, "plumb", "ode")];
-    const pl_sweep_ratio *ratios[] = {&duel->speed[2], &duel->speed_between[2],
-                                      &duel->exactness[20], &duel->exactness_between[20]};
+    const pl_sweep_ratio *ratios[] = {&comparison->speed[2], &comparison->speed_between[2],
+                                      &comparison->exactness[20], &comparison->exactness_between[20]};
     for (int i = 0; i < 4; i++) {
         assert_true(isfinite(ratios[i]->value));
         assert_true(ratios[i]->low == ratios[i]->value && ratios[i]->high == ratios[i]->value);
@@ -137,8 +137,8 @@ static void test_interval_is_that_of_resampled_medians(void **state)
     add_repeats(results, (sweep_run){.scenario = "a", "bullet:s", .error = 1e-2},
                 (const double[]){2, 2, 2, 2, 2, 90, 2, 2, 2, 2, 2}, 11);
     pl_sweep_analysis analysis = analysis_of(results);
-    const pl_sweep_ratio *ode = &duel_with(&analysis, "ode")->speed[1];
-    const pl_sweep_ratio *bullet = &duel_with(&analysis, "bullet")->speed[1];
+    const pl_sweep_ratio *ode = &comparison_with(&analysis, "ode")->speed[1];
+    const pl_sweep_ratio *bullet = &comparison_with(&analysis, "bullet")->speed[1];
     assert_close(ode->value, 2, 0, 0);
     assert_close(ode->low, 1, 0, 0);
     assert_close(ode->high, 3, 0, 0);
@@ -174,7 +174,7 @@ static void test_intervals_of_few_repeats_hold_the_true_ratio(void **state)
         pl_sweep_analysis analysis = analysis_of(results);
         for (int i = 0; i < 2; i++) {
             const pl_sweep_ratio *ratio =
-                &duel_with(&analysis, i == 0 ? "ode" : "bullet")->speed[1];
+                &comparison_with(&analysis, i == 0 ? "ode" : "bullet")->speed[1];
             held[i] += ratio->low <= 1 && 1 <= ratio->high;
         }
         finish_sweep(&analysis, results);
@@ -217,13 +217,13 @@ static void test_intervals_of_two_engines_do_not_depend_on_a_third(void **state)
     add_repeats(results, (sweep_run){.scenario = "a", "plumb:p", .error = 1e-2}, ours, REPEATS);
     add_repeats(results, (sweep_run){.scenario = "a", "ode:q", .error = 1e-2}, theirs, REPEATS);
     pl_sweep_analysis without = analysis_of(results);
-    pl_sweep_ratio before = duel_with(&without, "ode")->speed[1];
+    pl_sweep_ratio before = comparison_with(&without, "ode")->speed[1];
     pl_sweep_analysis_free(&without);
     add_repeats(results, (sweep_run){.scenario = "a", "bullet:s", .error = 1e-2}, ours, REPEATS);
     add_repeats(results, (sweep_run){.scenario = "a", "ode:r", .error = 1e-2, .dt = 0.125},
                 (const double[]){9, 9.5, 10}, 3);
     pl_sweep_analysis with = analysis_of(results);
-    const pl_sweep_ratio *after = &duel_with(&with, "ode")->speed[1];
+    const pl_sweep_ratio *after = &comparison_with(&with, "ode")->speed[1];
     assert_true(before.low < before.value && before.value < before.high);
     assert_memory_equal(after, &before, sizeof before);
     finish_sweep(&with, results);
@@ -243,7 +243,7 @@ static void test_mean_is_geometric_and_counts_what_is_never_reached(void **state
     add_sweep_run(results, (sweep_run){.scenario = "d", "plumb:p", 1, 1e-3}); /* not run on ode */
     pl_sweep_analysis analysis = analysis_of(results);
     const pl_sweep_pair *pair = &analysis.pairs[pair_named(&analysis, "plumb", "ode")];
-    assert_int_equal(pair->problems, 3);
+    assert_int_equal(pair->scenes, 3);
     assert_close(pair->mean[PL_SWEEP_MATCHED_LEVEL].value, 6, 0, 1e-14);
     assert_int_equal(pair->both[PL_SWEEP_MATCHED_LEVEL], 2);
     assert_int_equal(pair->ours_only[PL_SWEEP_MATCHED_LEVEL], 1);
@@ -257,16 +257,16 @@ static void test_profile_by_hand(void **state)
 {
     (void)state;
     static const struct {
-        const char *problem;
+        const char *scene;
         double ours, theirs; /* costs to 1e-3; 0: not reached */
     } cases[] = {{"a", 1, 2}, {"b", 3, 1}, {"c", 5, 0}, {"d", 0, 0}};
     json_t *results = json_array();
     for (int i = 0; i < 4; i++) {
-        add_sweep_run(results, (sweep_run){.scenario = cases[i].problem,
+        add_sweep_run(results, (sweep_run){.scenario = cases[i].scene,
                                            "plumb:p",
                                            fmax(cases[i].ours, 1),
                                            cases[i].ours > 0 ? 1e-3 : 1});
-        add_sweep_run(results, (sweep_run){.scenario = cases[i].problem,
+        add_sweep_run(results, (sweep_run){.scenario = cases[i].scene,
                                            "ode:q",
                                            fmax(cases[i].theirs, 1),
                                            cases[i].theirs > 0 ? 1e-3 : 1});
@@ -276,7 +276,7 @@ static void test_profile_by_hand(void **state)
     const pl_sweep_profile *profile = &analysis.profiles[PL_SWEEP_MATCHED_LEVEL];
     int ours = engine_named(&analysis, "plumb"), ode = engine_named(&analysis, "ode");
     assert_true(profile->whole);
-    assert_int_equal(profile->problems, 4);
+    assert_int_equal(profile->scenes, 4);
     static const struct {
         double tau, ours, theirs;
     } shares[] = {

@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Two problems: on a ours loses at 1e-1 and 1e-2; on b ode's two points fail. */
+/* Two scenes: on a ours loses at 1e-1 and 1e-2; on b ode's two points fail. */
 static json_t *mixed(void)
 {
     json_t *results = json_array();
@@ -109,8 +109,8 @@ static void test_plot_has_every_point_and_a_cross_for_each_that_failed(void **st
     json_t *results = mixed();
     pl_sweep_analysis analysis = analysis_of(results);
     pl_text_buffer a = {0}, b = {0};
-    pl_sweep_plot_problem(&analysis, &analysis.problems[0], &a);
-    pl_sweep_plot_problem(&analysis, &analysis.problems[1], &b);
+    pl_sweep_plot_problem(&analysis, &analysis.scenes[0], &a);
+    pl_sweep_plot_problem(&analysis, &analysis.scenes[1], &b);
     assert_int_equal(count_of(a.data, "class=\"m0\""), 2 + 1); /* the front, and the legend */
     assert_int_equal(count_of(a.data, "class=\"m0 off\""), 1);
     assert_int_equal(count_of(a.data, "class=\"m1\""), 2 + 1);
@@ -147,7 +147,7 @@ static void test_plot_is_logarithmic_with_exactness_downwards(void **state)
     pl_sweep_analysis analysis = analysis_of(results);
     pl_text_buffer plot = {0};
     double place[4];
-    pl_sweep_plot_problem(&analysis, &analysis.problems[0], &plot);
+    pl_sweep_plot_problem(&analysis, &analysis.scenes[0], &plot);
     read_front(plot.data, place);
     assert_close(place[0], 72, 0.05, 0);
     assert_close(place[2], 710, 0.05, 0);

@@ -19,7 +19,7 @@ static void test_point_is_the_median_of_its_repeats(void **state)
     pl_sweep_analysis analysis = analysis_of(results);
     assert_int_equal(analysis.point_count, 2);
     assert_int_equal(analysis.run_count, 7);
-    assert_int_equal(analysis.problem_count, 1); /* dt is none of the problem's */
+    assert_int_equal(analysis.scene_count, 1); /* dt is none of the scene's */
     const pl_sweep_point *point = &analysis.points[0];
     assert_close(point->dt, 1.0 / 64, 0, 0); /* by falling dt */
     assert_close(point->cost, 2, 0, 0);
@@ -45,18 +45,18 @@ static void test_what_makes_a_problem_an_engine_and_a_point(void **state)
     add_sweep_run(results, (sweep_run){.scenario = "tower", "plumb:p", 1, 1e-3, .n = 5});
     pl_sweep_analysis analysis = analysis_of(results);
     assert_int_equal(analysis.point_count, 6);
-    assert_int_equal(analysis.problem_count, 2);
-    assert_string_equal(analysis.problems[0].name, "tower n=5");
-    assert_string_equal(analysis.problems[0].unit, "1");
-    assert_int_equal(analysis.problems[0].count, 5);
-    assert_int_equal(analysis.problems[1].first, 5);
+    assert_int_equal(analysis.scene_count, 2);
+    assert_string_equal(analysis.scenes[0].name, "tower n=5");
+    assert_string_equal(analysis.scenes[0].unit, "1");
+    assert_int_equal(analysis.scenes[0].count, 5);
+    assert_int_equal(analysis.scenes[1].first, 5);
     static const char *const names[] = {"plumb", "ode", "plumb:p", "ode:q", "ode:r"};
     assert_int_equal(analysis.engine_count, 5);
     for (int i = 0; i < 5; i++)
         assert_string_equal(analysis.engines[i].name, names[i]);
     assert_int_equal(analysis.pair_count, 3); /* plumb-ode, p-q, p-r */
-    assert_int_equal(analysis.problems[0].curves[1].ok, 4);
-    assert_int_equal(analysis.problems[0].curves[3].ok, 3);
+    assert_int_equal(analysis.scenes[0].curves[1].ok, 4);
+    assert_int_equal(analysis.scenes[0].curves[3].ok, 3);
     assert_int_equal(analysis.order_count, 1); /* of one series there are two time steps */
     finish_sweep(&analysis, results);
 }
@@ -74,19 +74,19 @@ static void test_failed_point_is_never_a_number(void **state)
         (sweep_run){
             .scenario = "a", "ode:q", 1, 1e-9, .dt = 0.125, .repeat = 1, .outcome = "collapsed"});
     pl_sweep_analysis analysis = analysis_of(results);
-    const pl_sweep_problem *problem = &analysis.problems[0];
+    const pl_sweep_scene *scene = &analysis.scenes[0];
     int ours = engine_named(&analysis, "plumb"), ode = engine_named(&analysis, "ode");
-    assert_int_equal(problem->curves[ours].failed, 1);
-    assert_int_equal(problem->curves[ours].front_count, 0);
-    assert_int_equal(problem->curves[ode].failed, 1);
-    assert_int_equal(problem->curves[ode].ok, 1);
-    assert_int_equal(problem->curves[ode].reach[2], 2);
-    assert_int_equal(problem->curves[ode].reach[3], -1);
+    assert_int_equal(scene->curves[ours].failed, 1);
+    assert_int_equal(scene->curves[ours].front_count, 0);
+    assert_int_equal(scene->curves[ode].failed, 1);
+    assert_int_equal(scene->curves[ode].ok, 1);
+    assert_int_equal(scene->curves[ode].cheapest[2], 2);
+    assert_int_equal(scene->curves[ode].cheapest[3], -1);
     assert_string_equal(analysis.points[1].outcome, "collapsed");
     assert_true(isnan(analysis.points[1].cost));
     assert_true(isnan(analysis.points[0].error));
     assert_int_equal(analysis.loss_count, 3);
-    assert_int_equal(analysis.losses[0].reach, PL_SWEEP_OTHER_ONLY);
+    assert_int_equal(analysis.losses[0].attained, PL_ATTAINED_BY_OTHER_ONLY);
     finish_sweep(&analysis, results);
 }
 
@@ -98,9 +98,9 @@ static void test_all_failed_is_no_comparison(void **state)
     add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 1, 1, .outcome = "nonfinite"});
     pl_sweep_analysis analysis = analysis_of(results);
     const pl_sweep_pair *pair = &analysis.pairs[pair_named(&analysis, "plumb", "ode")];
-    assert_int_equal(analysis.duels_fought, 0);
+    assert_int_equal(analysis.compared, 0);
     assert_int_equal(analysis.loss_count, 0);
-    assert_int_equal(pair->problems, 1);
+    assert_int_equal(pair->scenes, 1);
     assert_int_equal(pair->both[0] + pair->ours_only[0] + pair->other_only[0], 0);
     assert_true(isnan(pair->mean[0].value));
     finish_sweep(&analysis, results);
@@ -116,11 +116,11 @@ static void test_what_is_not_supported_has_not_failed(void **state)
                   (sweep_run){.scenario = "a", "ode:q", .iterations = 9, .outcome = "unsupported"});
     add_sweep_run(results, (sweep_run){.scenario = "a", "bullet:s", .outcome = "unsupported"});
     pl_sweep_analysis analysis = analysis_of(results);
-    const pl_sweep_curve *ode = &analysis.problems[0].curves[engine_named(&analysis, "ode")];
+    const pl_sweep_curve *ode = &analysis.scenes[0].curves[engine_named(&analysis, "ode")];
     assert_int_equal(ode->ok, 1);
     assert_int_equal(ode->failed + ode->unmeasured, 0);
-    assert_int_equal(analysis.pairs[pair_named(&analysis, "plumb", "ode")].problems, 1);
-    assert_int_equal(analysis.pairs[pair_named(&analysis, "plumb", "bullet")].problems, 0);
+    assert_int_equal(analysis.pairs[pair_named(&analysis, "plumb", "ode")].scenes, 1);
+    assert_int_equal(analysis.pairs[pair_named(&analysis, "plumb", "bullet")].scenes, 0);
     finish_sweep(&analysis, results);
 }
 
@@ -157,11 +157,11 @@ static void test_error_below_the_floor_counts_as_the_floor(void **state)
     assert_close(analysis.points[0].error, 1e-9, 0, 0);
     assert_close(analysis.points[0].raw_error, 0, 0, 0);
     assert_close(analysis.points[1].raw_error, 1e-16, 0, 0);
-    assert_int_equal(analysis.problems[0].curves[0].front_count, 1); /* the cheaper of the two */
-    const pl_sweep_duel *duel = duel_with(&analysis, "ode");
+    assert_int_equal(analysis.scenes[0].curves[0].front_count, 1); /* the cheaper of the two */
+    const pl_pairwise_comparison *comparison = comparison_with(&analysis, "ode");
     for (int k = 0; k < PL_SWEEP_LEVELS; k++)
-        assert_close(duel->speed[k].value, 5, 0, 0);
-    assert_close(duel->exactness[PL_SWEEP_TIMES - 1].value, 1, 0, 0);
+        assert_close(comparison->speed[k].value, 5, 0, 0);
+    assert_close(comparison->exactness[PL_SWEEP_TIMES - 1].value, 1, 0, 0);
     finish_sweep(&analysis, results);
 }
 
@@ -199,8 +199,8 @@ static void test_instructions_are_for_a_simulated_second(void **state)
                             json_pack("{s:f}", "value", 1e6 * (double)(i + 1)));
     pl_sweep_analysis analysis = analysis_of(results);
     assert_close(analysis.points[0].instructions, 64e6, 0, 0);
-    assert_close(duel_with(&analysis, "ode")->instructions[0], 2, 0, 0);
-    assert_close(duel_with(&analysis, "ode")->instructions[3], 3, 0, 0);
+    assert_close(comparison_with(&analysis, "ode")->instructions[0], 2, 0, 0);
+    assert_close(comparison_with(&analysis, "ode")->instructions[3], 3, 0, 0);
     finish_sweep(&analysis, results);
 }
 
@@ -292,7 +292,7 @@ static void test_nothing_is_an_empty_analysis(void **state)
     (void)state;
     json_t *results = json_array();
     pl_sweep_analysis analysis = analysis_of(results);
-    assert_int_equal(analysis.point_count + analysis.problem_count + analysis.loss_count, 0);
+    assert_int_equal(analysis.point_count + analysis.scene_count + analysis.loss_count, 0);
     finish_sweep(&analysis, results);
 }
 

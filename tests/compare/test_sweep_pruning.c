@@ -51,7 +51,7 @@ static kept after(const pl_plan *plan, double step, const char *outcome, int fai
             json_object_set_new(result, "outcome", json_string(outcome));
             json_object_set_new(result, "reason", json_string("no end within 15 s"));
             json_object_set_new(result, "steps", json_pack("{s:i, s:i}", "asked", 60, "done", 3));
-            assert_int_equal(pl_hopeless(plan, result, provenance, &k, keep, NULL), expected);
+            assert_int_equal(pl_prune_timeouts(plan, result, provenance, &k, keep, NULL), expected);
             json_decref(result);
         }
     }

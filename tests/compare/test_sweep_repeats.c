@@ -101,7 +101,7 @@ static void test_steps_are_halved_and_budgets_that_are_shipped_are_varied(void *
     pl_vary *varied;
     int count;
     make_plan(&plan);
-    assert_int_equal(pl_usual_vary(&plan, &varied, &count, NULL), PL_OK);
+    assert_int_equal(pl_default_vary(&plan, &varied, &count, NULL), PL_OK);
     assert_int_equal(count, 1); /* plumb's budget bounds nothing */
     assert_string_equal(varied[0].key, "dt");
     assert_int_equal(varied[0].count, 5);
@@ -117,7 +117,7 @@ static void test_steps_are_halved_and_budgets_that_are_shipped_are_varied(void *
     pl_error error;
     if (pl_plan_add_engine(&plan, "ode:quick", &error) == PL_OK &&
         pl_plan_add_engine(&plan, "ode:dantzig", &error) == PL_OK) {
-        assert_int_equal(pl_usual_vary(&plan, &varied, &count, NULL), PL_OK);
+        assert_int_equal(pl_default_vary(&plan, &varied, &count, NULL), PL_OK);
         assert_int_equal(count, 2);
         assert_string_equal(varied[1].owner, "ode");
         assert_string_equal(varied[1].key, "iterations");

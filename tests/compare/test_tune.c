@@ -1,4 +1,4 @@
-/* What plumb tune takes and says: axes, spaces, targets, changed scenarios, an engine's own API. */
+/* What plumb tune takes and says: parameters, spaces, targets, changed scenarios, an engine's own API. */
 #include "check.h"
 #include "studies/tune/score.h"
 #include "studies/tune/search_driver.h"
@@ -13,7 +13,7 @@
 #include <string.h>
 #include <unistd.h>
 
-static const pl_tune_axis scales[] = {
+static const pl_tune_parameter scales[] = {
     {.name = "a", .low = 1, .high = 300, .logarithmic = true, .integer = true},
     {.name = "b", .low = 1e-10, .high = 1e-3, .logarithmic = true},
     {.name = "c", .low = 0, .high = 0.002},
@@ -26,17 +26,17 @@ static void test_an_axis_maps_its_range_to_0_and_1_and_back(void **state)
 {
     (void)state;
     for (int i = 0; i < SCALE_COUNT; ++i) {
-        const pl_tune_axis *axis = &scales[i];
+        const pl_tune_parameter *parameter = &scales[i];
         double before = -(double)INFINITY;
-        assert_close(pl_tune_value(axis, 0), axis->low, 0, 1e-15);
-        assert_close(pl_tune_value(axis, 1), axis->high, 0, 1e-15);
-        assert_close(pl_tune_value(axis, -5), axis->low, 0, 1e-15);
-        assert_close(pl_tune_value(axis, 7), axis->high, 0, 1e-15);
+        assert_close(pl_tune_value(parameter, 0), parameter->low, 0, 1e-15);
+        assert_close(pl_tune_value(parameter, 1), parameter->high, 0, 1e-15);
+        assert_close(pl_tune_value(parameter, -5), parameter->low, 0, 1e-15);
+        assert_close(pl_tune_value(parameter, 7), parameter->high, 0, 1e-15);
         for (double u = 0; u <= 1; u += 1.0 / 64) {
-            const double value = pl_tune_value(axis, u);
-            assert_true(value >= before && value >= axis->low && value <= axis->high);
+            const double value = pl_tune_value(parameter, u);
+            assert_true(value >= before && value >= parameter->low && value <= parameter->high);
             /* What is rounded once stays. */
-            assert_true(pl_tune_value(axis, pl_tune_unit(axis, value)) == value);
+            assert_true(pl_tune_value(parameter, pl_tune_unit(parameter, value)) == value);
             before = value;
         }
     }
@@ -106,7 +106,7 @@ static void test_a_target_is_met_up_to_its_bound_and_only_by_runs_that_are_ok(vo
     assert_true(reading_of(&at_most, "ok", 0).excess <= 0);
     assert_true(reading_of(&at_most, "collapsed", 1e-9).excess > 0);
     assert_true(reading_of(&at_most, "collapsed", 1).excess > reading_of(&at_most, "ok", 1).excess);
-    assert_true(reading_of(&at_most, "ok", (double)NAN).excess == PL_SEEK_WORST);
+    assert_true(reading_of(&at_most, "ok", (double)NAN).excess == PL_SEARCH_WORST);
     /* Of several the one that is missed by most. */
     assert_int_equal(pl_target_add(&at_most, "drift<=1e-4", NULL), PL_OK);
     assert_close(reading_of(&at_most, "ok", 1e-2).excess, log(100), 1e-12, 0);
@@ -157,11 +157,11 @@ static pl_engine_choice choose(const char *spec)
     return choice;
 }
 
-static const pl_tune_axis *axis_of(const pl_tune_space *space, const char *name)
+static const pl_tune_parameter *axis_of(const pl_tune_space *space, const char *name)
 {
-    for (int i = 0; i < space->axis_count; ++i) {
-        if (strcmp(space->axes[i].name, name) == 0) {
-            return &space->axes[i];
+    for (int i = 0; i < space->parameter_count; ++i) {
+        if (strcmp(space->parameters[i].name, name) == 0) {
+            return &space->parameters[i];
         }
     }
     return NULL;
@@ -182,15 +182,15 @@ static void test_every_axis_of_the_tables_lies_in_the_engines_ranges(void **stat
             assert_int_equal(
                 pl_tune_space_make(&choice, (double)NAN, NULL, 0, NULL, 0, &space, NULL), PL_OK);
             assert_non_null(axis_of(&space, "dt"));
-            assert_true(space.axis_count >= 3);
-            for (int k = 0; k < space.axis_count; ++k) {
-                const pl_tune_axis *axis = &space.axes[k];
-                assert_true(axis->low < axis->high);
-                assert_true(!axis->logarithmic || axis->low > 0);
-                if (axis->option != PL_TUNE_RATE) {
-                    const pl_engine_option *option = &engine->options[axis->option];
-                    assert_true(axis->low >= option->min && axis->high <= option->max);
-                    assert_int_equal(axis->integer, option->integer);
+            assert_true(space.parameter_count >= 3);
+            for (int k = 0; k < space.parameter_count; ++k) {
+                const pl_tune_parameter *parameter = &space.parameters[k];
+                assert_true(parameter->low < parameter->high);
+                assert_true(!parameter->logarithmic || parameter->low > 0);
+                if (parameter->option != PL_TUNE_RATE) {
+                    const pl_engine_option *option = &engine->options[parameter->option];
+                    assert_true(parameter->low >= option->min && parameter->high <= option->max);
+                    assert_int_equal(parameter->integer, option->integer);
                 }
             }
         }
@@ -208,13 +208,13 @@ static void test_what_is_varied_fixed_or_in_the_spec_is_so(void **state)
                      PL_OK);
     assert_null(axis_of(&space, "tolerance"));
     assert_null(axis_of(&space, "slop"));
-    const pl_tune_axis *dt = axis_of(&space, "dt"), *iterations = axis_of(&space, "iterations");
+    const pl_tune_parameter *dt = axis_of(&space, "dt"), *iterations = axis_of(&space, "iterations");
     assert_true(dt->low == 60 && dt->high == 240 && dt->integer);
     assert_true(iterations->low == 10 && iterations->high == 20 && !iterations->logarithmic);
     assert_true(axis_of(&space, "updates")->logarithmic);
-    double values[PL_TUNE_MOST_AXES], step = 0;
-    for (int i = 0; i < space.axis_count; ++i) {
-        values[i] = space.axes[i].low;
+    double values[PL_TUNE_MAX_PARAMETERS], step = 0;
+    for (int i = 0; i < space.parameter_count; ++i) {
+        values[i] = space.parameters[i].low;
     }
     const pl_engine_choice lowest = pl_tune_choice(&space, values, &step);
     assert_true(step == 1.0 / 60);

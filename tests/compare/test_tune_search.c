@@ -15,12 +15,12 @@ typedef struct made_up {
     double (*excess)(const double *values);
     double noise; /* part of the cost, at most */
     check_random random;
-    int axis_count;
+    int parameter_count;
     int asked, stop_at, fail_at; /* 0: never */
-    double seen[BUDGET][PL_TUNE_MOST_AXES];
+    double seen[BUDGET][PL_TUNE_MAX_PARAMETERS];
 } made_up;
 
-static const pl_tune_axis axes[] = {
+static const pl_tune_parameter parameters[] = {
     {.name = "iterations",
      .low = 1,
      .high = 100,
@@ -37,48 +37,48 @@ static const pl_tune_axis axes[] = {
 /* Each point once, in range, whole where it should be. */
 static void check_point(made_up *m, const double *values)
 {
-    for (int k = 0; k < m->axis_count; ++k) {
-        assert_true(values[k] >= axes[k].low && values[k] <= axes[k].high);
-        assert_true(!axes[k].integer || values[k] == floor(values[k]));
+    for (int k = 0; k < m->parameter_count; ++k) {
+        assert_true(values[k] >= parameters[k].low && values[k] <= parameters[k].high);
+        assert_true(!parameters[k].integer || values[k] == floor(values[k]));
     }
     for (int i = 0; i < m->asked; ++i) {
-        assert_true(m->axis_count == 0 ||
-                    memcmp(m->seen[i], values, (size_t)m->axis_count * sizeof *values) != 0);
+        assert_true(m->parameter_count == 0 ||
+                    memcmp(m->seen[i], values, (size_t)m->parameter_count * sizeof *values) != 0);
     }
     memcpy(m->seen[m->asked], values, sizeof m->seen[0]);
 }
 
-static pl_status measure(void *user, pl_seek_trial *trial, bool *stop, pl_error *error)
+static pl_status measure(void *user, pl_evaluation *evaluation, bool *stop, pl_error *error)
 {
     made_up *m = user;
     assert_true(m->asked < BUDGET);
-    check_point(m, trial->values);
+    check_point(m, evaluation->values);
     m->asked += 1;
-    trial->cost = m->cost(trial->values) * (1 + check_uniform(&m->random, -m->noise, m->noise));
-    trial->excess = m->excess(trial->values);
+    evaluation->cost = m->cost(evaluation->values) * (1 + check_uniform(&m->random, -m->noise, m->noise));
+    evaluation->excess = m->excess(evaluation->values);
     *stop = m->asked == m->stop_at;
     return m->asked == m->fail_at ? pl_fail(error, PL_IO, "it failed") : PL_OK;
 }
 
 static made_up make(double (*cost)(const double *), double (*excess)(const double *), int count)
 {
-    return (made_up){.cost = cost, .excess = excess, .random = {.state = 7}, .axis_count = count};
+    return (made_up){.cost = cost, .excess = excess, .random = {.state = 7}, .parameter_count = count};
 }
 
-static pl_seek_found search(made_up *m, int budget, uint64_t seed)
+static pl_search_result search(made_up *m, int budget, uint64_t seed)
 {
-    const pl_seek_def def = {.axes = axes,
-                             .axis_count = m->axis_count,
+    const pl_search_def def = {.parameters = parameters,
+                             .parameter_count = m->parameter_count,
                              .budget = budget,
                              .seed = seed,
                              .user = m,
                              .measure = measure};
-    pl_seek_found found;
-    assert_int_equal(pl_seek(&def, &found, NULL), PL_OK);
+    pl_search_result found;
+    assert_int_equal(pl_search(&def, &found, NULL), PL_OK);
     assert_true(found.count <= budget);
-    assert_int_equal(found.count, found.swept + found.modelled + found.polished);
+    assert_int_equal(found.count, found.sampled + found.optimised + found.refined);
     for (int i = 0; i < found.count; ++i) {
-        assert_false(pl_seek_better(&found.trials[i], &found.trials[found.best]));
+        assert_false(pl_evaluation_is_better(&found.evaluations[i], &found.evaluations[found.best]));
     }
     return found;
 }
@@ -86,7 +86,7 @@ static pl_seek_found search(made_up *m, int budget, uint64_t seed)
 /* Without its middle stage the search is not held to how near it comes. */
 static void need_nlopt(void)
 {
-    if (!pl_seek_has_nlopt()) {
+    if (!pl_search_has_nlopt()) {
         skip();
     }
 }
@@ -124,13 +124,13 @@ test_the_optimum_of_whole_and_continuous_axes_is_found_from_where_it_is_missed(v
     const double least = least_cost();
     for (uint64_t seed = 0; seed < 10; ++seed) {
         made_up m = make(valley_cost, valley_excess, 2);
-        pl_seek_found found = search(&m, BUDGET, seed);
-        assert_true(found.trials[0].excess > 0);
-        assert_true(found.trials[0].values[0] == 1 && found.trials[0].values[1] == 0);
+        pl_search_result found = search(&m, BUDGET, seed);
+        assert_true(found.evaluations[0].excess > 0);
+        assert_true(found.evaluations[0].values[0] == 1 && found.evaluations[0].values[1] == 0);
         assert_true(found.met);
-        assert_true(found.trials[found.best].excess <= 0);
-        assert_at_most(found.trials[found.best].cost, 1.03 * least);
-        free(found.trials);
+        assert_true(found.evaluations[found.best].excess <= 0);
+        assert_at_most(found.evaluations[found.best].cost, 1.03 * least);
+        free(found.evaluations);
     }
 }
 
@@ -142,10 +142,10 @@ static void test_noise_in_the_cost_leads_no_further_astray_than_it_is_large(void
     for (uint64_t seed = 0; seed < 10; ++seed) {
         made_up m = make(valley_cost, valley_excess, 2);
         m.noise = 0.1;
-        pl_seek_found found = search(&m, BUDGET, seed);
+        pl_search_result found = search(&m, BUDGET, seed);
         assert_true(found.met);
-        assert_at_most(valley_cost(found.trials[found.best].values), 1.1 / 0.9 * 1.03 * least);
-        free(found.trials);
+        assert_at_most(valley_cost(found.evaluations[found.best].values), 1.1 / 0.9 * 1.03 * least);
+        free(found.evaluations);
     }
 }
 
@@ -156,7 +156,7 @@ static double shipped_excess(const double *v)
 {
     double off = v[1];
     for (int k = 2; k < 5; ++k) {
-        off += fabs(v[k] - axes[k].start);
+        off += fabs(v[k] - parameters[k].start);
     }
     return log(40 / v[0]) + 10 * log(20) * off;
 }
@@ -172,10 +172,10 @@ static void test_options_that_are_right_as_shipped_stay_so(void **state)
     need_nlopt();
     for (uint64_t seed = 0; seed < 10; ++seed) {
         made_up m = make(iterations_cost, shipped_excess, 5);
-        pl_seek_found found = search(&m, BUDGET, seed);
+        pl_search_result found = search(&m, BUDGET, seed);
         assert_true(found.met);
-        assert_at_most(found.trials[found.best].cost, 1.3 * 40);
-        free(found.trials);
+        assert_at_most(found.evaluations[found.best].cost, 1.3 * 40);
+        free(found.evaluations);
     }
 }
 
@@ -189,11 +189,11 @@ static void test_where_nothing_meets_the_target_the_nearest_is_said(void **state
     (void)state;
     need_nlopt();
     made_up m = make(valley_cost, bowl_excess, 2);
-    pl_seek_found found = search(&m, BUDGET, 3);
+    pl_search_result found = search(&m, BUDGET, 3);
     assert_false(found.met);
     assert_int_equal(found.count, BUDGET);
-    assert_at_most(found.trials[found.best].excess, 1.01);
-    free(found.trials);
+    assert_at_most(found.evaluations[found.best].excess, 1.01);
+    free(found.evaluations);
 }
 
 static double flat(const double *v)
@@ -217,7 +217,7 @@ static double met(const double *v)
 static double worst(const double *v)
 {
     (void)v;
-    return PL_SEEK_WORST;
+    return PL_SEARCH_WORST;
 }
 
 static void test_plateaus_and_points_without_a_cost_end_the_search_in_time(void **state)
@@ -227,10 +227,10 @@ static void test_plateaus_and_points_without_a_cost_end_the_search_in_time(void 
     double (*const excesses[])(const double *) = {met, worst, worst};
     for (int i = 0; i < 3; ++i) {
         made_up m = make(costs[i], excesses[i], 2);
-        pl_seek_found found = search(&m, 50, 1);
+        pl_search_result found = search(&m, 50, 1);
         assert_int_equal(found.met, excesses[i] == met);
         assert_true(found.best >= 0);
-        free(found.trials);
+        free(found.evaluations);
     }
 }
 
@@ -238,30 +238,30 @@ static void test_a_space_smaller_than_the_budget_is_tried_out(void **state)
 {
     (void)state;
     made_up m = make(flat, met, 1); /* 100 whole numbers */
-    pl_seek_found found = search(&m, BUDGET, 1);
+    pl_search_result found = search(&m, BUDGET, 1);
     assert_true(found.count > 50 && found.count <= 100);
-    free(found.trials);
+    free(found.evaluations);
     made_up point = make(flat, met, 0);
     found = search(&point, BUDGET, 1);
     assert_int_equal(found.count, 1);
     assert_true(found.met);
-    free(found.trials);
+    free(found.evaluations);
 }
 
 static void test_a_seed_gives_the_same_points_and_another_others(void **state)
 {
     (void)state;
-    pl_seek_found found[3];
+    pl_search_result found[3];
     for (int i = 0; i < 3; ++i) {
         made_up m = make(valley_cost, valley_excess, 2);
         found[i] = search(&m, BUDGET, i < 2 ? 5 : 6);
     }
     assert_int_equal(found[0].count, found[1].count);
-    const size_t size = (size_t)found[0].count * sizeof *found[0].trials;
-    assert_memory_equal(found[0].trials, found[1].trials, size);
-    assert_memory_not_equal(found[0].trials, found[2].trials, size);
+    const size_t size = (size_t)found[0].count * sizeof *found[0].evaluations;
+    assert_memory_equal(found[0].evaluations, found[1].evaluations, size);
+    assert_memory_not_equal(found[0].evaluations, found[2].evaluations, size);
     for (int i = 0; i < 3; ++i) {
-        free(found[i].trials);
+        free(found[i].evaluations);
     }
 }
 
@@ -270,10 +270,10 @@ static void test_the_budget_is_kept_however_small(void **state)
     (void)state;
     for (int budget = 1; budget <= 12; ++budget) {
         made_up m = make(valley_cost, valley_excess, 2);
-        pl_seek_found found = search(&m, budget, 1);
+        pl_search_result found = search(&m, budget, 1);
         assert_int_equal(found.count, budget);
         assert_int_equal(m.asked, budget);
-        free(found.trials);
+        free(found.evaluations);
     }
 }
 
@@ -283,24 +283,24 @@ static void test_a_stop_or_failure_ends_it_with_what_there_is(void **state)
     (void)state;
     for (int at = 1; at <= BUDGET; at += 13) {
         made_up m = make(valley_cost, valley_excess, 2);
-        pl_seek_def def = {.axes = axes,
-                           .axis_count = 2,
+        pl_search_def def = {.parameters = parameters,
+                           .parameter_count = 2,
                            .budget = BUDGET,
                            .seed = 1,
                            .user = &m,
                            .measure = measure};
-        pl_seek_found found;
+        pl_search_result found;
         pl_error error = {.message = ""};
         m.stop_at = at;
-        assert_int_equal(pl_seek(&def, &found, &error), PL_OK);
+        assert_int_equal(pl_search(&def, &found, &error), PL_OK);
         assert_true(found.stopped && found.count == at - 1 && m.asked == at);
-        free(found.trials);
+        free(found.evaluations);
         m = make(valley_cost, valley_excess, 2);
         m.fail_at = at;
-        assert_int_equal(pl_seek(&def, &found, &error), PL_IO);
+        assert_int_equal(pl_search(&def, &found, &error), PL_IO);
         assert_true(found.count == at - 1 && m.asked == at);
         assert_string_equal(error.message, "it failed");
-        free(found.trials);
+        free(found.evaluations);
     }
 }
 

@@ -70,9 +70,9 @@ int pair_named(const pl_sweep_analysis *analysis, const char *ours, const char *
     return -1;
 }
 
-const pl_sweep_duel *duel_with(const pl_sweep_analysis *analysis, const char *other)
+const pl_pairwise_comparison *comparison_with(const pl_sweep_analysis *analysis, const char *other)
 {
-    return &analysis->problems[0].duels[pair_named(analysis, "plumb", other)];
+    return &analysis->scenes[0].comparisons[pair_named(analysis, "plumb", other)];
 }
 
 json_t *crossing_sweep(void)

@@ -32,7 +32,7 @@ void finish_sweep(pl_sweep_analysis *analysis, json_t *results);
 int engine_named(const pl_sweep_analysis *analysis, const char *name);
 int pair_named(const pl_sweep_analysis *analysis, const char *ours, const char *other);
 
-/* The duel of plumb against another engine, with all profiles, on the first problem. */
-const pl_sweep_duel *duel_with(const pl_sweep_analysis *analysis, const char *other);
+/* The comparison of plumb against another engine, with all profiles, on the first scene. */
+const pl_pairwise_comparison *comparison_with(const pl_sweep_analysis *analysis, const char *other);
 
 #endif

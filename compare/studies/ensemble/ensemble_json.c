@@ -70,13 +70,13 @@ static json_t *sample_json(const pl_sample *sample, const pl_metric_info *info)
                      pl_json_number_or_null(sample->deviation), "unsettled", sample->unsettled);
 }
 
-static json_t *outcomes_json(const pl_findings *findings)
+static json_t *outcomes_json(const pl_observations *observed)
 {
     json_t *outcomes = json_object();
     for (int i = 0; i < PL_OUTCOME_COUNT; ++i) {
-        if (findings->outcomes[i] > 0) {
+        if (observed->outcomes[i] > 0) {
             json_object_set_new(outcomes, pl_outcome_name((pl_outcome)i),
-                                json_integer(findings->outcomes[i]));
+                                json_integer(observed->outcomes[i]));
         }
     }
     return outcomes;
@@ -85,12 +85,12 @@ static json_t *outcomes_json(const pl_findings *findings)
 static json_t *view_json(const pl_plan *plan, const pl_ensemble_view *view, int members)
 {
     const pl_ensemble *ensemble = view->ensemble;
-    const pl_case *problem = &plan->cases[ensemble->problems[0]];
-    const pl_invariants *kept = &view->findings.invariants;
+    const pl_problem *problem = &plan->problems[ensemble->problems[0]];
+    const pl_invariants *kept = &view->observed.invariants;
     json_t *observables = json_object();
     for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
         const pl_metric_info *info = &pl_metric_table[pl_observables[i]];
-        json_object_set_new(observables, info->name, sample_json(&view->findings.samples[i], info));
+        json_object_set_new(observables, info->name, sample_json(&view->observed.samples[i], info));
     }
     json_t *invariants =
         json_pack("{s:i, s:o, s:i, s:i}", "energy_grew", kept->energy_grew, "energy_growth",
@@ -101,8 +101,8 @@ static json_t *view_json(const pl_plan *plan, const pl_ensemble_view *view, int 
         ensemble->problem, "scenario", pl_json_text(problem->name, strlen(problem->name)), "name",
         ensemble->name, "label", plan->configurations[ensemble->configuration].label, "setting",
         ensemble->setting, "converged", (int)ensemble->reference, "dt", problem->scene.dt, "runs",
-        runs_json(plan, ensemble, members), "results", view->findings.results, "outcomes",
-        outcomes_json(&view->findings), "invariants", invariants, "horizon",
+        runs_json(plan, ensemble, members), "results", view->observed.results, "outcomes",
+        outcomes_json(&view->observed), "invariants", invariants, "horizon",
         horizon_json(&view->horizon), "observables", observables);
 }
 

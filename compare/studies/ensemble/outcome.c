@@ -12,7 +12,7 @@ static pl_status look(const pl_plan *plan, const pl_ensemble *ensemble, int memb
                       pl_ensemble_view *view, pl_error *error)
 {
     view->ensemble = ensemble;
-    pl_status status = pl_findings_gather(plan, ensemble, members, by_run, &view->findings, error);
+    pl_status status = pl_observations_gather(plan, ensemble, members, by_run, &view->observed, error);
     if (status == PL_OK) {
         status = pl_horizon_find(plan, ensemble, members, folder, &view->horizon, error);
     }
@@ -49,7 +49,7 @@ pl_status pl_ensemble_conclude(const pl_plan *plan, const pl_ensembles *ensemble
         }
     }
     for (int i = 0; i < ensembles->count && views != NULL; ++i) {
-        pl_findings_free(&views[i].findings);
+        pl_observations_free(&views[i].observed);
     }
     pl_verdicts_free(&verdicts);
     free(views);

@@ -67,10 +67,10 @@ static bool has_metric(const json_t *result, pl_metric_id id)
 }
 
 /* Of a run that went to its end. */
-static void add_values(pl_findings *findings, const json_t *result, double duration)
+static void add_values(pl_observations *observed, const json_t *result, double duration)
 {
     for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
-        pl_sample *sample = &findings->samples[i];
+        pl_sample *sample = &observed->samples[i];
         double value = value_of(result, pl_observables[i]);
         if (isnan(value) && pl_observables[i] == PL_METRIC_SETTLE_TIME &&
             has_metric(result, PL_METRIC_SETTLE_TIME)) {
@@ -114,13 +114,13 @@ static void check_invariants(pl_invariants *kept, const pl_scene *scene, const j
     kept->not_finite += outcome_of(result) == PL_OUTCOME_NONFINITE;
 }
 
-pl_status pl_findings_gather(const pl_plan *plan, const pl_ensemble *ensemble, int members,
-                             const json_t *results_by_run, pl_findings *findings, pl_error *error)
+pl_status pl_observations_gather(const pl_plan *plan, const pl_ensemble *ensemble, int members,
+                             const json_t *results_by_run, pl_observations *observed, pl_error *error)
 {
-    *findings = (pl_findings){.invariants = {.energy_growth = NAN}};
+    *observed = (pl_observations){.invariants = {.energy_growth = NAN}};
     for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
-        findings->samples[i].values = calloc((size_t)members, sizeof(double));
-        if (findings->samples[i].values == NULL) {
+        observed->samples[i].values = calloc((size_t)members, sizeof(double));
+        if (observed->samples[i].values == NULL) {
             return pl_fail(error, PL_NO_MEMORY, "out of memory for %d members", members);
         }
     }
@@ -133,23 +133,23 @@ pl_status pl_findings_gather(const pl_plan *plan, const pl_ensemble *ensemble, i
             continue;
         }
         const pl_outcome outcome = outcome_of(result);
-        findings->results += 1;
-        findings->outcomes[outcome] += 1;
-        check_invariants(&findings->invariants, scene, result);
+        observed->results += 1;
+        observed->outcomes[outcome] += 1;
+        check_invariants(&observed->invariants, scene, result);
         if (outcome == PL_OUTCOME_OK || outcome == PL_OUTCOME_COLLAPSED) {
-            add_values(findings, result, scene->duration);
+            add_values(observed, result, scene->duration);
         }
     }
     for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
-        pl_sample_summarise(&findings->samples[i]);
+        pl_sample_summarise(&observed->samples[i]);
     }
     return PL_OK;
 }
 
-void pl_findings_free(pl_findings *findings)
+void pl_observations_free(pl_observations *observed)
 {
     for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
-        free(findings->samples[i].values);
+        free(observed->samples[i].values);
     }
-    *findings = (pl_findings){.results = 0};
+    *observed = (pl_observations){.results = 0};
 }

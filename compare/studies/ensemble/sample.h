@@ -31,18 +31,18 @@ typedef struct pl_invariants {
 /* Relative to the energy of the scene: what is let pass as rounding of the engine's own. */
 extern const double pl_energy_growth;
 
-typedef struct pl_findings {
+typedef struct pl_observations {
     int results;                    /* members whose result is there */
     int outcomes[PL_OUTCOME_COUNT]; /* of those */
     pl_invariants invariants;
     pl_sample samples[PL_OBSERVABLE_COUNT];
-} pl_findings;
+} pl_observations;
 
-/* Gathers an ensemble's part of `results`. The caller frees *findings by pl_findings_free, in any
+/* Gathers an ensemble's part of `results`. The caller frees *observed by pl_observations_free, in any
  * case. */
-pl_status pl_findings_gather(const pl_plan *plan, const pl_ensemble *ensemble, int members,
-                             const json_t *results_by_run, pl_findings *findings, pl_error *error);
-void pl_findings_free(pl_findings *findings);
+pl_status pl_observations_gather(const pl_plan *plan, const pl_ensemble *ensemble, int members,
+                             const json_t *results_by_run, pl_observations *observed, pl_error *error);
+void pl_observations_free(pl_observations *observed);
 
 /* An object run -> result of an array of results; NULL when out of memory. */
 json_t *pl_results_by_run(const json_t *results);

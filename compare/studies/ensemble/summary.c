@@ -19,19 +19,19 @@ static void number(double value, char text[32])
 }
 
 /* "16 ok" or "14 ok, 2 crashed", and what is missing. */
-static void outcomes_text(const pl_findings *findings, int members, char *text, size_t size)
+static void outcomes_text(const pl_observations *observed, int members, char *text, size_t size)
 {
     size_t used = 0;
     text[0] = '\0';
     for (int i = 0; i < PL_OUTCOME_COUNT && used < size; ++i) {
-        if (findings->outcomes[i] > 0) {
+        if (observed->outcomes[i] > 0) {
             used += (size_t)snprintf(text + used, size - used, "%s%d %s", used == 0 ? "" : ", ",
-                                     findings->outcomes[i], pl_outcome_name((pl_outcome)i));
+                                     observed->outcomes[i], pl_outcome_name((pl_outcome)i));
         }
     }
-    if (findings->results < members && used < size) {
+    if (observed->results < members && used < size) {
         snprintf(text + used, size - used, "%s%d missing", used == 0 ? "" : ", ",
-                 members - findings->results);
+                 members - observed->results);
     }
 }
 
@@ -53,21 +53,21 @@ static void add_engines(FILE *out, const pl_ensembles *all, const pl_ensemble_vi
                                         "by at most", "Fell through", "Not finite"};
     pl_text_table *table = pl_text_table_begin(heads, 7);
     for (int i = 0; i < all->count; ++i) {
-        const pl_findings *findings = &views[i].findings;
+        const pl_observations *observed = &views[i].observed;
         char outcomes[160], horizon[48], growth[32];
         if (all->items[i].problem != problem) {
             continue;
         }
-        outcomes_text(findings, all->members, outcomes, sizeof outcomes);
+        outcomes_text(observed, all->members, outcomes, sizeof outcomes);
         horizon_text(&views[i].horizon, horizon);
-        number(findings->invariants.energy_growth, growth);
+        number(observed->invariants.energy_growth, growth);
         pl_text_table_add(table, all->items[i].name);
         pl_text_table_add(table, outcomes);
         pl_text_table_add(table, horizon);
-        pl_text_table_format(table, "%d", findings->invariants.energy_grew);
+        pl_text_table_format(table, "%d", observed->invariants.energy_grew);
         pl_text_table_add(table, growth);
-        pl_text_table_format(table, "%d", findings->invariants.fell_through);
-        pl_text_table_format(table, "%d", findings->invariants.not_finite);
+        pl_text_table_format(table, "%d", observed->invariants.fell_through);
+        pl_text_table_format(table, "%d", observed->invariants.not_finite);
     }
     pl_text_table_end(table, out);
 }
@@ -90,7 +90,7 @@ static void add_observables(FILE *out, const pl_ensembles *all, const pl_ensembl
         }
         pl_text_table_add(table, all->items[k].name);
         for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
-            const pl_sample *sample = &views[k].findings.samples[i];
+            const pl_sample *sample = &views[k].observed.samples[i];
             char mean[32], deviation[32];
             number(sample->mean, mean);
             number(sample->deviation, deviation);
@@ -128,8 +128,8 @@ static void add_comparisons(FILE *out, const pl_ensembles *all, const pl_ensembl
             pl_text_table_add(table, pl_metric_table[pl_observables[k]].name);
             pl_text_table_add(table, all->items[c->a].name);
             pl_text_table_add(table, all->items[c->b].name);
-            pl_text_table_format(table, "%.4g", views[c->a].findings.samples[k].mean);
-            pl_text_table_format(table, "%.4g", views[c->b].findings.samples[k].mean);
+            pl_text_table_format(table, "%.4g", views[c->a].observed.samples[k].mean);
+            pl_text_table_format(table, "%.4g", views[c->b].observed.samples[k].mean);
             add_ratio(table, c->energy, c->energy_floor);
             pl_text_table_format(table, "%.3g", c->ks);
             add_ratio(table, c->ks, c->ks_floor);
@@ -140,7 +140,7 @@ static void add_comparisons(FILE *out, const pl_ensembles *all, const pl_ensembl
     pl_text_table_end(table, out);
 }
 
-static void add_findings(FILE *out, const pl_ensembles *all, const pl_ensemble_view *views,
+static void add_differences(FILE *out, const pl_ensembles *all, const pl_ensemble_view *views,
                          const pl_verdicts *verdicts, int problem)
 {
     int apart = 0, tests = 0;
@@ -213,8 +213,8 @@ char *pl_ensemble_summary(const pl_plan *plan, const pl_ensembles *ensembles,
         if (first == NULL) {
             continue;
         }
-        add_title(out, &plan->cases[first->problems[0]]);
-        add_findings(out, ensembles, views, verdicts, p);
+        add_title(out, &plan->problems[first->problems[0]]);
+        add_differences(out, ensembles, views, verdicts, p);
         add_engines(out, ensembles, views, p);
         add_observables(out, ensembles, views, p);
         add_comparisons(out, ensembles, views, verdicts, p);

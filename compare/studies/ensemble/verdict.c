@@ -89,8 +89,8 @@ static pl_status add_pair(const pl_ensemble_view *views, int a, int b, pl_verdic
 {
     pl_status status = PL_OK;
     for (int i = 0; i < PL_OBSERVABLE_COUNT && status == PL_OK; ++i) {
-        const pl_sample *of_a = &views[a].findings.samples[i];
-        const pl_sample *of_b = &views[b].findings.samples[i];
+        const pl_sample *of_a = &views[a].observed.samples[i];
+        const pl_sample *of_b = &views[b].observed.samples[i];
         if (of_a->count > 1 && of_b->count > 1 && !all_equal(of_a, of_b)) {
             pl_sample_test *comparison = &verdicts->items[verdicts->count];
             *comparison = (pl_sample_test){.a = a, .b = b, .observable = i};
@@ -143,13 +143,13 @@ void pl_sample_test_sentence(const pl_ensemble_view *views, const pl_sample_test
     const pl_metric_info *info = &pl_metric_table[pl_observables[comparison->observable]];
     const struct wording *wording = &wordings[comparison->observable];
     const pl_ensemble_view *more = &views[comparison->a], *less = &views[comparison->b];
-    if (more->findings.samples[comparison->observable].mean <
-        less->findings.samples[comparison->observable].mean) {
+    if (more->observed.samples[comparison->observable].mean <
+        less->observed.samples[comparison->observable].mean) {
         more = &views[comparison->b];
         less = &views[comparison->a];
     }
-    const pl_sample *high = &more->findings.samples[comparison->observable];
-    const pl_sample *low = &less->findings.samples[comparison->observable];
+    const pl_sample *high = &more->observed.samples[comparison->observable];
+    const pl_sample *low = &less->observed.samples[comparison->observable];
     const double excess = high->mean - low->mean;
     char amount[64];
     if (!(excess > notable_share * fabs(low->mean))) {

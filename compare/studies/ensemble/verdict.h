@@ -17,7 +17,7 @@ extern const double pl_significance;
 /* Everything known of one ensemble. */
 typedef struct pl_ensemble_view {
     const pl_ensemble *ensemble;
-    pl_findings findings;
+    pl_observations observed;
     pl_horizon horizon;
 } pl_ensemble_view;
 

@@ -19,7 +19,7 @@ static pl_status try_budget(search *s, long budget, pl_budget_trial *trial, doub
     double given = (double)INFINITY;
     s->found->trials += 1;
     pl_status status = s->def->try_budget(s->def->user, budget, trial, &given, fault);
-    *error = *trial == PL_BUDGET_HELD ? given : (double)INFINITY;
+    *error = *trial == PL_BUDGET_SUCCEEDED ? given : (double)INFINITY;
     return status;
 }
 
@@ -41,26 +41,26 @@ static pl_status double_up(search *s, pl_error *fault)
     pl_budget_found *found = s->found;
     bool any = false;
     for (long budget = s->def->least; !is_settled(s); budget *= 2) {
-        pl_budget_trial trial = PL_BUDGET_FELL;
+        pl_budget_trial trial = PL_BUDGET_FAILED;
         double *error = &s->errors[s->count];
         pl_status status = try_budget(s, budget, &trial, error, fault);
         if (status != PL_OK) {
             return status;
         }
         found->largest = budget;
-        if (trial == PL_BUDGET_ENDED) {
+        if (trial == PL_BUDGET_END_SEARCH) {
             found->state = PL_BUDGET_STOPPED;
             return PL_OK;
         }
         s->count += 1;
-        any = any || trial == PL_BUDGET_HELD;
+        any = any || trial == PL_BUDGET_SUCCEEDED;
         if (budget > s->def->most / 2) {
             break;
         }
     }
     found->state = PL_BUDGET_FOUND;
     if (isinf(s->errors[s->count - 1])) {
-        found->state = any ? PL_BUDGET_LARGEST_FELL : PL_BUDGET_NONE_HELD;
+        found->state = any ? PL_BUDGET_LARGEST_FAILED : PL_BUDGET_ALL_FAILED;
     }
     return PL_OK;
 }
@@ -76,13 +76,13 @@ static pl_status bisect(search *s, long far, long near, pl_error *fault)
 {
     while (near - far > 1) {
         const long middle = far + (near - far) / 2;
-        pl_budget_trial trial = PL_BUDGET_FELL;
+        pl_budget_trial trial = PL_BUDGET_FAILED;
         double error = (double)INFINITY;
         pl_status status = try_budget(s, middle, &trial, &error, fault);
         if (status != PL_OK) {
             return status;
         }
-        if (trial == PL_BUDGET_ENDED) {
+        if (trial == PL_BUDGET_END_SEARCH) {
             s->found->state = PL_BUDGET_STOPPED;
             return PL_OK;
         }

@@ -7,9 +7,9 @@
 
 /* What came of a budget. */
 typedef enum pl_budget_trial {
-    PL_BUDGET_HELD, /* it has an error */
-    PL_BUDGET_FELL, /* it has none that counts; a larger budget may */
-    PL_BUDGET_ENDED /* and the search is over */
+    PL_BUDGET_SUCCEEDED, /* it has an error */
+    PL_BUDGET_FAILED, /* it has none that counts; a larger budget may */
+    PL_BUDGET_END_SEARCH /* and the search is over */
 } pl_budget_trial;
 
 typedef struct pl_budget_search_def {
@@ -24,9 +24,9 @@ typedef struct pl_budget_search_def {
 
 typedef enum pl_budget_state {
     PL_BUDGET_FOUND,
-    PL_BUDGET_NONE_HELD,    /* of those tried */
-    PL_BUDGET_LARGEST_FELL, /* so that there is no converged error, though smaller ones held */
-    PL_BUDGET_STOPPED       /* by PL_BUDGET_ENDED */
+    PL_BUDGET_ALL_FAILED,    /* of those tried */
+    PL_BUDGET_LARGEST_FAILED, /* so that there is no converged error, though smaller ones held */
+    PL_BUDGET_STOPPED       /* by PL_BUDGET_END_SEARCH */
 } pl_budget_state;
 
 typedef struct pl_budget_found {

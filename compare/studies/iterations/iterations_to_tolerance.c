@@ -97,13 +97,13 @@ static void judge(candidate *c, long budget, pl_budget_trial *trial, double *fou
                                            pl_metric_table[PL_METRIC_REFERENCE_ERROR].name);
     const json_t *value = json_object_get(metric, "value");
     const bool ok = strcmp(outcome, "ok") == 0;
-    const bool hopeless = strcmp(outcome, "timeout") == 0 || strcmp(outcome, "unsupported") == 0;
+    const bool ends_search = strcmp(outcome, "timeout") == 0 || strcmp(outcome, "unsupported") == 0;
     if (ok && json_is_number(value)) {
-        *trial = PL_BUDGET_HELD;
+        *trial = PL_BUDGET_SUCCEEDED;
         *found = json_number_value(value);
         return;
     }
-    *trial = hopeless ? PL_BUDGET_ENDED : PL_BUDGET_FELL;
+    *trial = ends_search ? PL_BUDGET_END_SEARCH : PL_BUDGET_FAILED;
     snprintf(c->outcome, sizeof c->outcome, "%s", ok ? "no error" : outcome);
     c->fell = budget;
 }
@@ -131,7 +131,7 @@ static pl_status try_budget(void *user, long budget, pl_budget_trial *trial, dou
                                         .user = c,
                                         .keep = keep};
     pl_status status = pl_execute(&execution, &c->signal_number, error);
-    *trial = PL_BUDGET_ENDED;
+    *trial = PL_BUDGET_END_SEARCH;
     if (status == PL_OK && c->signal_number == 0) {
         judge(c, budget, trial, found);
     }
@@ -150,7 +150,7 @@ static void conclude(const candidate *c, const pl_budget_found *found, pl_metric
         return;
     }
     metric->state = PL_METRIC_FAILED;
-    if (found->state == PL_BUDGET_NONE_HELD) {
+    if (found->state == PL_BUDGET_ALL_FAILED) {
         snprintf(metric->reason, sizeof metric->reason,
                  "the run is not ok with up to %ld iterations: %s", found->largest, c->outcome);
     } else {

@@ -107,7 +107,7 @@ int pl_transform_index(const pl_transform *transform, int body, int body_count)
  */
 
 /* factor M v, in place. */
-static void carry(const pl_transform *t, double factor, double v[3])
+static void apply(const pl_transform *t, double factor, double v[3])
 {
     const double was[3] = {v[0], v[1], v[2]};
     for (int i = 0; i < 3; ++i) {
@@ -117,7 +117,7 @@ static void carry(const pl_transform *t, double factor, double v[3])
 }
 
 /* M^T v / divisor */
-static void carry_back(const pl_transform *t, double divisor, const double v[3], double out[3])
+static void apply_inverse(const pl_transform *t, double divisor, const double v[3], double out[3])
 {
     for (int i = 0; i < 3; ++i) {
         out[i] =
@@ -125,9 +125,9 @@ static void carry_back(const pl_transform *t, double divisor, const double v[3],
     }
 }
 
-static void carry_place(const pl_transform *t, double x[3])
+static void transform_position(const pl_transform *t, double x[3])
 {
-    carry(t, t->scale, x);
+    apply(t, t->scale, x);
     for (int i = 0; i < 3; ++i) {
         x[i] += t->shift[i];
     }
@@ -149,7 +149,7 @@ static void mirror_orientation(double q[4])
     q[3] = -q[3];
 }
 
-static void carry_orientation(const pl_transform *t, double q[4])
+static void transform_orientation(const pl_transform *t, double q[4])
 {
     const double was[4] = {q[0], q[1], q[2], q[3]};
     if (t->mirrored) {
@@ -166,9 +166,9 @@ void pl_transform_state_back(const pl_transform *transform, const pl_body_state 
     const double time = sqrt(t->scale);
     const double place[3] = {from->position[0] - t->shift[0], from->position[1] - t->shift[1],
                              from->position[2] - t->shift[2]};
-    carry_back(t, t->scale, place, to->position);
-    carry_back(t, time, from->velocity, to->velocity);
-    carry_back(t, (t->mirrored ? -1 : 1) / time, from->angular_velocity, to->angular_velocity);
+    apply_inverse(t, t->scale, place, to->position);
+    apply_inverse(t, time, from->velocity, to->velocity);
+    apply_inverse(t, (t->mirrored ? -1 : 1) / time, from->angular_velocity, to->angular_velocity);
     if (t->mirrored) {
         memcpy(to->orientation, from->orientation, sizeof to->orientation);
         mirror_orientation(to->orientation);
@@ -199,7 +199,7 @@ pl_status pl_scene_copy_problem(const pl_scene *from, pl_scene *to, pl_error *er
     return status;
 }
 
-static void carry_shape(const pl_transform *t, pl_shape *shape)
+static void transform_shape(const pl_transform *t, pl_shape *shape)
 {
     shape->radius *= t->scale;
     shape->half_height *= t->scale;
@@ -207,7 +207,7 @@ static void carry_shape(const pl_transform *t, pl_shape *shape)
         shape->half_extents[i] *= t->scale;
     }
     if (shape->kind == PL_SHAPE_PLANE) {
-        carry(t, 1, shape->normal);
+        apply(t, 1, shape->normal);
         shape->offset *= t->scale;
         for (int i = 0; i < 3; ++i) {
             shape->offset += shape->normal[i] * t->shift[i];
@@ -217,7 +217,7 @@ static void carry_shape(const pl_transform *t, pl_shape *shape)
 
 /* A solid's own frame is mirrored with the world, but does not turn with it. The other shapes are
  * their own mirror images in their own frames. */
-static void carry_polyhedron(const pl_transform *t, pl_polyhedron *p)
+static void transform_polyhedron(const pl_transform *t, pl_polyhedron *p)
 {
     const double s = t->scale, y = t->mirrored ? -s : s;
     for (int i = 0; i < p->vertex_count; ++i) {
@@ -243,10 +243,10 @@ static void carry_polyhedron(const pl_transform *t, pl_polyhedron *p)
     }
 }
 
-static void carry_body(const pl_transform *t, pl_body *body)
+static void transform_body(const pl_transform *t, pl_body *body)
 {
     const double s = t->scale, time = sqrt(s);
-    carry_shape(t, &body->shape);
+    transform_shape(t, &body->shape);
     if (body->shape.kind == PL_SHAPE_PLANE) {
         return;
     }
@@ -254,18 +254,18 @@ static void carry_body(const pl_transform *t, pl_body *body)
     for (int i = 0; i < 3; ++i) {
         body->inertia[i] *= s * s * s * s * s;
     }
-    carry_place(t, body->position);
-    carry_orientation(t, body->orientation);
-    carry(t, time, body->velocity);
-    carry(t, (t->mirrored ? -1 : 1) / time, body->angular_velocity);
+    transform_position(t, body->position);
+    transform_orientation(t, body->orientation);
+    apply(t, time, body->velocity);
+    apply(t, (t->mirrored ? -1 : 1) / time, body->angular_velocity);
 }
 
-static void carry_force(const pl_transform *t, pl_force *force)
+static void transform_force(const pl_transform *t, pl_force *force)
 {
     const double s = t->scale, time = sqrt(s);
     if (force->frame == PL_FRAME_WORLD) {
-        carry(t, s * s * s, force->force);
-        carry(t, s, force->at);
+        apply(t, s * s * s, force->force);
+        apply(t, s, force->at);
     } else {
         for (int i = 0; i < 3; ++i) {
             double sign = t->mirrored && i == 1 ? -1 : 1;
@@ -277,20 +277,20 @@ static void carry_force(const pl_transform *t, pl_force *force)
     force->until *= time;
 }
 
-static void carry_scene(const pl_transform *t, pl_scene *scene)
+static void transform_scene(const pl_transform *t, pl_scene *scene)
 {
     const double time = sqrt(t->scale);
-    carry(t, 1, scene->gravity);
+    apply(t, 1, scene->gravity);
     scene->dt *= time;
     scene->duration *= time;
     for (int i = 0; i < scene->polyhedron_count; ++i) {
-        carry_polyhedron(t, scene->polyhedra[i]);
+        transform_polyhedron(t, scene->polyhedra[i]);
     }
     for (int i = 0; i < scene->body_count; ++i) {
-        carry_body(t, &scene->bodies[i]);
+        transform_body(t, &scene->bodies[i]);
     }
     for (int i = 0; i < scene->force_count; ++i) {
-        carry_force(t, &scene->forces[i]);
+        transform_force(t, &scene->forces[i]);
     }
 }
 
@@ -349,7 +349,7 @@ pl_status pl_transform_scene(const pl_transform *transform, const pl_scene *from
         status = reorder(transform, to, error);
     }
     if (status == PL_OK) {
-        carry_scene(transform, to);
+        transform_scene(transform, to);
     } else {
         pl_scene_free(to);
     }

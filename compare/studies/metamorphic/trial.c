@@ -9,7 +9,7 @@
 #include <string.h>
 
 typedef struct trials {
-    const pl_trials_def *def;
+    const pl_metamorphic_def *def;
     pl_progress progress;
     int signal; /* that ended a run; 0: none */
 } trials;
@@ -89,19 +89,19 @@ static bool went_through(const run *r)
     return strcmp(outcome, "ok") == 0 || strcmp(outcome, "collapsed") == 0;
 }
 
-static void set_grade(pl_check_finding *finding, pl_grade grade, const char *what,
+static void set_grade(pl_check_result *result, pl_grade grade, const char *what,
                       const char *reason)
 {
-    finding->early = grade;
-    finding->end = grade;
-    snprintf(finding->reason, sizeof finding->reason, "%s%s", what, reason);
+    result->early = grade;
+    result->end = grade;
+    snprintf(result->reason, sizeof result->reason, "%s%s", what, reason);
 }
 
-static void set_failed(pl_check_finding *finding, const char *which, const run *r)
+static void set_failed(pl_check_result *result, const char *which, const run *r)
 {
     char what[96];
     snprintf(what, sizeof what, "%s run %s: ", which, pl_json_get_text(r->result, "outcome"));
-    set_grade(finding, PL_GRADE_FAILED, what, pl_json_get_text(r->result, "reason"));
+    set_grade(result, PL_GRADE_FAILED, what, pl_json_get_text(r->result, "reason"));
 }
 
 /* The check's scene. `first` is the plain run's frame that it begins at. */
@@ -124,7 +124,7 @@ static pl_status make_scene(const pl_check *check, const pl_transform *transform
 }
 
 static pl_status compare(const pl_transform *transform, run *plain, run *other, long first,
-                         pl_check_finding *finding, pl_error *error)
+                         pl_check_result *result, pl_error *error)
 {
     pl_error fault = {.message = ""};
     const pl_trajectory_pair comparison = {.scene = plain->scene,
@@ -134,19 +134,19 @@ static pl_status compare(const pl_transform *transform, run *plain, run *other, 
                                            .other = &other->trajectory,
                                            .other_body_count = other->scene->body_count,
                                            .first = first};
-    pl_status status = pl_compare_trajectories(&comparison, &finding->agreement, &fault);
+    pl_status status = pl_compare_trajectories(&comparison, &result->agreement, &fault);
     if (status == PL_FAILED) {
-        set_grade(finding, PL_GRADE_FAILED, "too few frames: ", fault.message);
+        set_grade(result, PL_GRADE_FAILED, "too few frames: ", fault.message);
         return PL_OK;
     }
-    finding->early = pl_difference_grade(&finding->agreement.early);
-    finding->end = pl_difference_grade(&finding->agreement.end);
+    result->early = pl_difference_grade(&result->agreement.early);
+    result->end = pl_difference_grade(&result->agreement.end);
     return status == PL_OK ? PL_OK : pl_fail(error, status, "%s", fault.message);
 }
 
-static pl_status make_check(trials *t, run *plain, pl_check_finding *finding, pl_error *error)
+static pl_status make_check(trials *t, run *plain, pl_check_result *result, pl_error *error)
 {
-    const pl_check *check = finding->check;
+    const pl_check *check = result->check;
     pl_transform transform;
     pl_scene scene = pl_scene_default();
     const char *reason = NULL;
@@ -154,11 +154,11 @@ static pl_status make_check(trials *t, run *plain, pl_check_finding *finding, pl
     const long first = restart ? pl_scene_steps(plain->scene) / 2 : 0;
     run other = {.planned = plain->planned, .scene = &scene, .check = check->name};
     if (!pl_check_transform(check, plain->scene, &transform, &reason)) {
-        set_grade(finding, PL_GRADE_INAPPLICABLE, "", reason);
+        set_grade(result, PL_GRADE_INAPPLICABLE, "", reason);
         return PL_OK;
     }
     if (!went_through(plain)) {
-        set_failed(finding, "plain", plain);
+        set_failed(result, "plain", plain);
         return PL_OK;
     }
     pl_status status = make_scene(check, &transform, plain, first, &scene, error);
@@ -167,9 +167,9 @@ static pl_status make_check(trials *t, run *plain, pl_check_finding *finding, pl
     }
     if (status == PL_OK && t->signal == 0) {
         if (went_through(&other)) {
-            status = compare(&transform, plain, &other, first, finding, error);
+            status = compare(&transform, plain, &other, first, result, error);
         } else {
-            set_failed(finding, "transformed", &other);
+            set_failed(result, "transformed", &other);
         }
     }
     free_run(&other);
@@ -178,7 +178,7 @@ static pl_status make_check(trials *t, run *plain, pl_check_finding *finding, pl
 }
 
 /* One scene on one engine. */
-static pl_status make_trial(trials *t, const pl_planned_run *planned, pl_check_finding *findings,
+static pl_status make_trial(trials *t, const pl_planned_run *planned, pl_check_result *results,
                             pl_error *error)
 {
     int check_count, count = 0;
@@ -187,24 +187,24 @@ static pl_status make_trial(trials *t, const pl_planned_run *planned, pl_check_f
     pl_status status = make_run(t, &plain, error);
     for (int i = 0; i < check_count && status == PL_OK && t->signal == 0; ++i) {
         if (t->def->chosen[i]) {
-            findings[count] = (pl_check_finding){.check = &checks[i]};
-            status = make_check(t, &plain, &findings[count++], error);
+            results[count] = (pl_check_result){.check = &checks[i]};
+            status = make_check(t, &plain, &results[count++], error);
         }
     }
     if (status == PL_OK && t->signal == 0) {
-        const pl_trial trial = {.plan = t->def->plan,
+        const pl_checks_of_run trial = {.plan = t->def->plan,
                                 .run = *planned,
                                 .outcome = pl_json_get_text(plain.result, "outcome"),
                                 .size = pl_scene_size(plain.scene),
-                                .findings = findings,
-                                .finding_count = count};
+                                .results = results,
+                                .result_count = count};
         status = t->def->keep(t->def->user, &trial, error);
     }
     free_run(&plain);
     return status;
 }
 
-pl_status pl_trials(const pl_trials_def *def, int *signal_number, pl_error *error)
+pl_status pl_run_checks(const pl_metamorphic_def *def, int *signal_number, pl_error *error)
 {
     trials t = {.def = def};
     pl_status status = PL_OK;
@@ -213,8 +213,8 @@ pl_status pl_trials(const pl_trials_def *def, int *signal_number, pl_error *erro
     for (int i = 0; i < check_count; ++i) {
         chosen += def->chosen[i];
     }
-    pl_check_finding *findings = calloc((size_t)check_count, sizeof *findings);
-    if (findings == NULL) {
+    pl_check_result *results = calloc((size_t)check_count, sizeof *results);
+    if (results == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for the checks");
     }
     if (def->progress != NULL) {
@@ -223,12 +223,12 @@ pl_status pl_trials(const pl_trials_def *def, int *signal_number, pl_error *erro
     }
     for (long i = 0; i < pl_plan_size(def->plan) && status == PL_OK && t.signal == 0; ++i) {
         const pl_planned_run planned = pl_plan_run(def->plan, i);
-        status = make_trial(&t, &planned, findings, error);
+        status = make_trial(&t, &planned, results, error);
     }
     if (def->progress != NULL) {
         pl_progress_end(&t.progress);
     }
-    free(findings);
+    free(results);
     *signal_number = t.signal;
     return status;
 }

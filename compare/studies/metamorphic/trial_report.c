@@ -3,9 +3,9 @@
 #include <math.h>
 #include <string.h>
 
-static bool has_numbers(const pl_check_finding *finding)
+static bool has_numbers(const pl_check_result *result)
 {
-    return finding->end != PL_GRADE_FAILED && finding->end != PL_GRADE_INAPPLICABLE;
+    return result->end != PL_GRADE_FAILED && result->end != PL_GRADE_INAPPLICABLE;
 }
 
 static void print_difference(FILE *out, const pl_difference *d, pl_grade grade)
@@ -13,23 +13,23 @@ static void print_difference(FILE *out, const pl_difference *d, pl_grade grade)
     fprintf(out, "  %8.1e  %8.1e  %-8s", d->position, d->rotation, pl_grade_name(grade));
 }
 
-static void print_finding(FILE *out, const pl_check_finding *finding)
+static void print_result(FILE *out, const pl_check_result *result)
 {
-    fprintf(out, "  %-14s", finding->check->name);
-    if (!has_numbers(finding)) {
-        fprintf(out, "  %s: %s\n", pl_grade_name(finding->end), finding->reason);
+    fprintf(out, "  %-14s", result->check->name);
+    if (!has_numbers(result)) {
+        fprintf(out, "  %s: %s\n", pl_grade_name(result->end), result->reason);
         return;
     }
-    print_difference(out, &finding->agreement.early, finding->early);
-    print_difference(out, &finding->agreement.end, finding->end);
-    if (isnan(finding->agreement.passes_at)) {
+    print_difference(out, &result->agreement.early, result->early);
+    print_difference(out, &result->agreement.end, result->end);
+    if (isnan(result->agreement.passes_at)) {
         fprintf(out, "  %9s\n", "never");
     } else {
-        fprintf(out, "  %7.3g s\n", finding->agreement.passes_at);
+        fprintf(out, "  %7.3g s\n", result->agreement.passes_at);
     }
 }
 
-void pl_trial_print(FILE *out, const pl_trial *trial)
+void pl_checks_print(FILE *out, const pl_checks_of_run *trial)
 {
     const pl_scene *scene = &trial->run.test_case->scene;
     fprintf(out, "%s on %s: %d bodies, size %.4g m, %ld steps\n", trial->run.test_case->name,
@@ -38,8 +38,8 @@ void pl_trial_print(FILE *out, const pl_trial *trial)
             "1e-6 size");
     fprintf(out, "  %-14s  %8s  %8s  %-8s  %8s  %8s  %-8s  %9s\n", "check", "m/size", "rad",
             "verdict", "m/size", "rad", "verdict", "passed at");
-    for (int i = 0; i < trial->finding_count; ++i) {
-        print_finding(out, &trial->findings[i]);
+    for (int i = 0; i < trial->result_count; ++i) {
+        print_result(out, &trial->results[i]);
     }
     fputc('\n', out);
 }
@@ -52,27 +52,27 @@ static json_t *difference_to_json(const pl_difference *d, pl_grade grade, bool h
                      pl_grade_name(grade));
 }
 
-static json_t *finding_to_json(const pl_check_finding *finding)
+static json_t *result_to_json(const pl_check_result *result)
 {
-    const pl_agreement *a = &finding->agreement;
-    bool has = has_numbers(finding);
-    return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "check", finding->check->name, "verdict",
-                     pl_grade_name(finding->end), "reason",
-                     finding->reason[0] == '\0'
+    const pl_agreement *a = &result->agreement;
+    bool has = has_numbers(result);
+    return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "check", result->check->name, "verdict",
+                     pl_grade_name(result->end), "reason",
+                     result->reason[0] == '\0'
                          ? json_null()
-                         : pl_json_text(finding->reason, strlen(finding->reason)),
+                         : pl_json_text(result->reason, strlen(result->reason)),
                      "passes_at", pl_json_number_or_null(has ? a->passes_at : (double)NAN), "early",
-                     difference_to_json(&a->early, finding->early, has), "end",
-                     difference_to_json(&a->end, finding->end, has));
+                     difference_to_json(&a->early, result->early, has), "end",
+                     difference_to_json(&a->end, result->end, has));
 }
 
-json_t *pl_trial_to_json(const pl_trial *trial)
+json_t *pl_checks_to_json(const pl_checks_of_run *trial)
 {
     json_t *object = pl_planned_run_identity(trial->plan, &trial->run);
     json_t *checks = json_array();
     int failed = object == NULL || checks == NULL;
-    for (int i = 0; i < trial->finding_count && !failed; ++i) {
-        failed |= json_array_append_new(checks, finding_to_json(&trial->findings[i])) != 0;
+    for (int i = 0; i < trial->result_count && !failed; ++i) {
+        failed |= json_array_append_new(checks, result_to_json(&trial->results[i])) != 0;
     }
     failed = failed || json_object_set_new(object, "schema", json_string("plumb.metamorphic/1"));
     failed = failed || json_object_set_new(object, "outcome", json_string(trial->outcome));

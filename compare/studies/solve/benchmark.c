@@ -22,7 +22,7 @@ static pl_status run_problem(const pl_benchmark_problem *row, json_t *problems, 
     pl_status status = PL_OK;
     fprintf(stderr, "%s: capturing\n", row->name);
     if (pl_benchmark_capture(row, &problem, &failure) == PL_OK) {
-        status = pl_benchmark_race(row, problem, stderr, &result, error);
+        status = pl_benchmark_solve(row, problem, stderr, &result, error);
         pe_contact_problem_destroy(problem);
     } else {
         result = failed_problem(row, failure.message);

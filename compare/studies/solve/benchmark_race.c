@@ -19,12 +19,12 @@ enum { MOST_FACTORISATIONS = 300, LEAST_SWEEPS = 300, MOST_SWEEPS = 100000 };
 static const double MOST_UPDATES = 5e7;
 static const pl_limits LIMITS = {.timeout = 60};
 
-typedef struct lap {
+typedef struct solver_run_def {
     const pe_contact_problem *problem; /* with the start that it shall have */
     pe_solver_info solver;
-} lap;
+} solver_run_def;
 
-static int iteration_limit(const lap *l)
+static int iteration_limit(const solver_run_def *l)
 {
     if (l->solver.factorises) {
         return MOST_FACTORISATIONS;
@@ -45,9 +45,9 @@ static json_t *level_json(double level, const pl_solver_run *run)
 
 /* In the child: writes one level a line, as they come, and stops at the first that is not reached.
  */
-static void race(void *user, FILE *answer)
+static void solve_levels(void *user, FILE *answer)
 {
-    const lap *l = user;
+    const solver_run_def *l = user;
     bool reached = true;
     for (int i = 0; i < PL_BENCHMARK_LEVELS && reached; ++i) {
         pe_solve_limits limits = {pl_benchmark_levels[i], iteration_limit(l)};
@@ -101,11 +101,11 @@ static json_t *collect_levels(const pl_process *process)
 }
 
 /* One solver from one start, in its own process. */
-static pl_status run_lap(lap *l, const char *start, json_t *cells, pl_error *error)
+static pl_status run_solver(solver_run_def *l, const char *start, json_t *cells, pl_error *error)
 {
     pl_process process;
     struct pollfd polls[PL_PROCESS_POLLS];
-    pl_status status = pl_process_start(&process, &LIMITS, race, l, error);
+    pl_status status = pl_process_start(&process, &LIMITS, solve_levels, l, error);
     if (status != PL_OK) {
         return status;
     }
@@ -170,7 +170,7 @@ static json_t *describe(const pl_benchmark_problem *row, const pe_contact_proble
                      start_residual(cold), "cells", cells);
 }
 
-pl_status pl_benchmark_race(const pl_benchmark_problem *row, const pe_contact_problem *problem,
+pl_status pl_benchmark_solve(const pl_benchmark_problem *row, const pe_contact_problem *problem,
                             FILE *progress, json_t **result, pl_error *error)
 {
     pe_contact_problem *cold = NULL;
@@ -178,11 +178,11 @@ pl_status pl_benchmark_race(const pl_benchmark_problem *row, const pe_contact_pr
     pl_status status = copy_cold(problem, &cold, error);
     for (int i = 0; i < 2 * pe_solver_count() && status == PL_OK; ++i) {
         bool is_warm = i < pe_solver_count();
-        lap l = {is_warm ? problem : cold, pe_solver(i % pe_solver_count())};
+        solver_run_def l = {is_warm ? problem : cold, pe_solver(i % pe_solver_count())};
         if (progress != NULL) {
             fprintf(progress, "%s, %s, %s\n", row->name, is_warm ? "warm" : "cold", l.solver.name);
         }
-        status = run_lap(&l, is_warm ? "warm" : "cold", cells, error);
+        status = run_solver(&l, is_warm ? "warm" : "cold", cells, error);
     }
     if (status == PL_OK) {
         *result = describe(row, problem, cold, cells);

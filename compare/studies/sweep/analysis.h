@@ -1,7 +1,7 @@
 /* Speed against error: what runs of many settings and time steps say together, as plain data.
  *
- * A problem is a scenario with its parameters but for the time step; a point is an engine with its
- * options at a time step on a problem, over all repeats. Its cost is the CPU time of the engine's
+ * A scene is a scenario with its parameters but for the time step; a point is an engine with its
+ * options at a time step on a scene, over all repeats. Its cost is the CPU time of the engine's
  * steps alone for a second of simulated time (s/s): time_per_step / dt. Its error is the scenario's
  * primary error. An engine stands here twice: with all its profiles, and each profile by itself.
  * Ratios are above 1 where plumb is ahead. */
@@ -18,7 +18,7 @@ enum {
     PL_SWEEP_LEVELS = 8,
     PL_SWEEP_TIMES = 25,
     PL_SWEEP_MATCHED_LEVEL = 2, /* the level of 1e-3 */
-    PL_SWEEP_DRAWS = 1000
+    PL_BOOTSTRAP_REPLICATES = 1000
 };
 
 /* Errors that are asked for, in the unit of the primary error: 1e-1 ... 1e-8. */
@@ -43,7 +43,7 @@ typedef struct pl_sweep_sample {
 /* All texts and rows are borrowed from the results. */
 typedef struct pl_sweep_point {
     const json_t *row; /* the first repeat that is not ok, or the first */
-    int problem;
+    int scene;
     int engines[2]; /* indices: all profiles, and the profile */
     int series;     /* points of one series differ in dt alone */
     double dt;      /* s */
@@ -66,43 +66,43 @@ typedef struct pl_sweep_engine {
     bool whole; /* all profiles of the engine */
 } pl_sweep_engine;
 
-/* One engine on one problem. */
+/* One engine on one scene. */
 typedef struct pl_sweep_curve {
     int ok, failed, unmeasured; /* points; all 0: it was not run, or nothing of it is supported */
     int *front;                 /* (front_count): points no other of which is both cheaper and as
                                    exact; by rising cost and falling error; owned */
     int front_count;
-    int reach[PL_SWEEP_LEVELS]; /* the cheapest point at or below the level; -1: not reached */
-    int best[PL_SWEEP_TIMES];   /* the most exact point that costs no more; -1: none does */
+    int cheapest[PL_SWEEP_LEVELS]; /* the cheapest point at or below the level; -1: not reached */
+    int most_exact[PL_SWEEP_TIMES];   /* the most exact point that costs no more; -1: none does */
 } pl_sweep_curve;
 
-typedef enum pl_sweep_reach {
-    PL_SWEEP_NEITHER,
-    PL_SWEEP_OURS_ONLY,
-    PL_SWEEP_OTHER_ONLY,
-    PL_SWEEP_BOTH
-} pl_sweep_reach;
+typedef enum pl_attained_by {
+    PL_ATTAINED_BY_NEITHER,
+    PL_ATTAINED_BY_OURS_ONLY,
+    PL_ATTAINED_BY_OTHER_ONLY,
+    PL_ATTAINED_BY_BOTH
+} pl_attained_by;
 
 /* NAN: none. low .. high holds 95 % of what resampled repeats give; it is absent where nothing was
- * repeated, or where over 5 % of the draws give no ratio. */
+ * repeated, or where over 5 % of the replicates give no ratio. */
 typedef struct pl_sweep_ratio {
     double value, low, high;
 } pl_sweep_ratio;
 
-/* Our engine against another on one problem. */
-typedef struct pl_sweep_duel {
+/* Our engine against another on one scene. */
+typedef struct pl_pairwise_comparison {
     bool run; /* both were run on it, and it has a primary error; else nothing below holds */
-    pl_sweep_reach reach[PL_SWEEP_LEVELS];
-    pl_sweep_reach afford[PL_SWEEP_TIMES]; /* who has a point that costs no more */
+    pl_attained_by at_error[PL_SWEEP_LEVELS];
+    pl_attained_by at_cost[PL_SWEEP_TIMES]; /* who has a point that costs no more */
     /* Their cost over ours at an error: of the cheapest points at or below it, and where the error
      * lies within both fronts, between points, straight in the logarithms. */
     pl_sweep_ratio speed[PL_SWEEP_LEVELS], speed_between[PL_SWEEP_LEVELS];
     double instructions[PL_SWEEP_LEVELS]; /* the like of `speed`; NAN: not counted */
     /* Their error over ours at a cost, likewise. */
     pl_sweep_ratio exactness[PL_SWEEP_TIMES], exactness_between[PL_SWEEP_TIMES];
-} pl_sweep_duel;
+} pl_pairwise_comparison;
 
-typedef struct pl_sweep_problem {
+typedef struct pl_sweep_scene {
     char name[256]; /* the scenario, with the parameters that are off their defaults */
     const pl_scenario *catalogue; /* NULL: a scene file, or unknown here */
     const json_t *row;            /* any of its results */
@@ -110,22 +110,22 @@ typedef struct pl_sweep_problem {
     int first, count; /* its points */
     double noise;     /* standard deviation of ln(cost) over repeats; NAN: nothing was repeated */
     pl_sweep_curve *curves; /* (engine_count) */
-    pl_sweep_duel *duels;   /* (pair_count) */
-} pl_sweep_problem;
+    pl_pairwise_comparison *comparisons;   /* (pair_count) */
+} pl_sweep_scene;
 
 /* Two engines that are compared: both with all profiles, or a profile of each. */
 typedef struct pl_sweep_pair {
     int ours, other;
-    /* Over all problems on which both were run, by level. */
-    pl_sweep_ratio mean[PL_SWEEP_LEVELS]; /* geometric mean of `speed`, of problems both reached */
+    /* Over all scenes on which both were run, by level. */
+    pl_sweep_ratio mean[PL_SWEEP_LEVELS]; /* geometric mean of `speed`, of scenes both reached */
     int both[PL_SWEEP_LEVELS], ours_only[PL_SWEEP_LEVELS], other_only[PL_SWEEP_LEVELS];
-    int problems;
+    int scenes;
 } pl_sweep_pair;
 
 /* Where another engine's front is ahead of ours at a level: it is cheaper, or alone there. */
 typedef struct pl_sweep_loss {
-    int problem, pair, level;
-    pl_sweep_reach reach; /* BOTH or OTHER_ONLY */
+    int scene, pair, level;
+    pl_attained_by attained; /* BOTH or OTHER_ONLY */
     int ours, other;      /* points; ours -1: not reached */
     pl_sweep_ratio speed; /* < 1; NAN where ours is not there */
     bool within_noise;    /* the interval holds 1, or without one the ratio is above 0.9 */
@@ -141,7 +141,7 @@ typedef enum pl_sweep_order_kind {
 /* How fast the error falls with the time step: the slope of log error over log dt, by least squares
  * over the converging part. */
 typedef struct pl_sweep_order {
-    int problem, engine; /* of a profile */
+    int scene, engine; /* of a profile */
     int first;           /* a point of the series */
     pl_sweep_order_kind kind;
     double order;
@@ -151,37 +151,37 @@ typedef struct pl_sweep_order {
 } pl_sweep_order;
 
 /* Dolan and More 2002: for each engine the costs that reach the level over the least cost of all
- * engines that do. The share of problems solved within a factor tau of the best is the number of
- * ratios up to tau over `problems`. */
+ * engines that do. The share of scenes solved within a factor tau of the best is the number of
+ * ratios up to tau over `scenes`. */
 typedef struct pl_sweep_profile {
     int level;
     bool whole;
-    int problems;   /* on which all these engines were run */
+    int scenes;   /* on which all these engines were run */
     int *counts;    /* (engine_count): ratios of each; 0 for those of the other kind */
-    double *ratios; /* (engine_count x problem_count): engine by engine, ascending, >= 1 */
+    double *ratios; /* (engine_count x scene_count): engine by engine, ascending, >= 1 */
 } pl_sweep_profile;
 
 typedef struct pl_sweep_analysis {
     const json_t *results;
-    pl_sweep_point *points; /* by problem, engine, series, falling dt */
+    pl_sweep_point *points; /* by scene, engine, series, falling dt */
     int point_count;
     pl_sweep_engine *engines; /* whole engines, then profiles; ours first, then by name */
     int engine_count;
-    pl_sweep_problem *problems; /* in the catalogue's order, then by name */
-    int problem_count;
+    pl_sweep_scene *scenes; /* in the catalogue's order, then by name */
+    int scene_count;
     pl_sweep_pair *pairs;
     int pair_count;
     pl_sweep_loss *losses; /* of whole engines: errors up to 1e-3, then larger ones; in each those
                               beyond noise first, not reached first, then by rising ratio */
     int loss_count;
     int fine_losses;  /* of those up to 1e-3 */
-    int duels_fought; /* problem, pair of whole engines and level, where one or both are there */
+    int compared; /* scene, pair of whole engines and level, where one or both are there */
     pl_sweep_order *orders;
     int order_count;
     pl_sweep_profile *profiles; /* whole engines by level, then profiles by level */
     int profile_count;
     int run_count;       /* rows, doubles left out */
-    int unjudged;        /* problems without a primary error: their points are unmeasured */
+    int unjudged;        /* scenes without a primary error: their points are unmeasured */
     bool several_hosts;  /* rows come from different processors */
     bool several_builds; /* rows come from different builds or versions of one engine */
 } pl_sweep_analysis;
@@ -195,11 +195,11 @@ void pl_sweep_analysis_free(pl_sweep_analysis *analysis);
 /* Whether a point is one of the engine's. */
 bool pl_sweep_point_is_of(const pl_sweep_point *point, int engine);
 
-/* The engine was run on the problem, whatever came of it. */
+/* The engine was run on the scene, whatever came of it. */
 bool pl_sweep_curve_was_run(const pl_sweep_curve *curve);
 
-/* The share of a profile's problems that an engine solves within a factor tau of the best, 0 .. 1;
- * NAN where there is no problem. */
+/* The share of a profile's scenes that an engine solves within a factor tau of the best, 0 .. 1;
+ * NAN where there is no scene. */
 double pl_sweep_share(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
                       int engine, double tau);
 

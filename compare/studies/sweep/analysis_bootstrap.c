@@ -9,18 +9,18 @@
 /* So many repeats tell their own scatter. */
 enum { ENOUGH = 10 };
 
-/* A problem's draws. */
-typedef struct drawing {
+/* A scene's replicates. */
+typedef struct resampling {
     const pl_sweep_point *points; /* (count) */
     int count;
-    double noise;             /* of the problem; 0: none is known */
-    bool *needed;             /* (count): can be on a front in some draw */
+    double noise;             /* of the scene; 0: none is known */
+    bool *needed;             /* (count): can be on a front in some replicate */
     pl_random *random;        /* (count) */
-    pl_sweep_sample *medians; /* (count): of this draw */
+    pl_sweep_sample *medians; /* (count): of this replicate */
     int *order;               /* (count) */
     pl_sweep_sample *front;   /* (count) */
     double *scratch;          /* two numbers for each repeat of the point with most */
-} drawing;
+} resampling;
 
 static double largest_error(const pl_sweep_point *point)
 {
@@ -41,22 +41,22 @@ static double smallest_error(const pl_sweep_point *point)
 }
 
 /* What a repeat of the point that is drawn is moved by, as a standard deviation of ln(cost). */
-static double moved_by(const drawing *d, const pl_sweep_point *point)
+static double noise_of(const resampling *d, const pl_sweep_point *point)
 {
     return point->sample_count < ENOUGH ? d->noise : 0;
 }
 
-/* Whether q is ahead of p in every draw, so that p is on no front. */
-static bool always_ahead(const drawing *d, const pl_sweep_point *q, const pl_sweep_point *p)
+/* Whether q is ahead of p in every replicate, so that p is on no front. */
+static bool always_ahead(const resampling *d, const pl_sweep_point *q, const pl_sweep_point *p)
 {
-    const double most = PL_RANDOM_MOST_NORMAL * (moved_by(d, q) + moved_by(d, p));
+    const double most = PL_RANDOM_MOST_NORMAL * (noise_of(d, q) + noise_of(d, p));
     return q->state == PL_SWEEP_OK &&
            q->samples[q->sample_count - 1].cost * exp(most) < p->samples[0].cost &&
            largest_error(q) <= smallest_error(p);
 }
 
 /* Marks the points that the fronts of profiles need; those of whole engines need no others. */
-static void mark_needed(drawing *d)
+static void mark_needed(resampling *d)
 {
     for (int i = 0; i < d->count; ++i) {
         const pl_sweep_point *point = &d->points[i];
@@ -68,7 +68,7 @@ static void mark_needed(drawing *d)
     }
 }
 
-static void resample(drawing *d)
+static void resample(resampling *d)
 {
     for (int i = 0; i < d->count; ++i) {
         const pl_sweep_point *point = &d->points[i];
@@ -77,7 +77,7 @@ static void resample(drawing *d)
         if (!d->needed[i]) {
             continue;
         }
-        const double by = moved_by(d, point);
+        const double by = noise_of(d, point);
         for (int k = 0; k < repeats; ++k) {
             int chosen = (int)(pl_random_unit(&d->random[i]) * repeats);
             costs[k] = point->samples[chosen].cost;
@@ -89,7 +89,7 @@ static void resample(drawing *d)
     }
 }
 
-static void read_front(drawing *d, int engine, pl_front_reading *reading)
+static void read_front(resampling *d, int engine, pl_front_reading *reading)
 {
     int count = 0;
     for (int i = 0; i < d->count; ++i) {
@@ -104,7 +104,7 @@ static void read_front(drawing *d, int engine, pl_front_reading *reading)
     pl_front_read(d->front, count, reading);
 }
 
-static bool prepare(drawing *d)
+static bool prepare(resampling *d)
 {
     int most = 1;
     for (int i = 0; i < d->count; ++i) {
@@ -121,13 +121,13 @@ static bool prepare(drawing *d)
            d->front != NULL && d->scratch != NULL;
 }
 
-pl_status pl_sweep_draw(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
+pl_status pl_bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
                         pl_front_reading *readings, pl_error *error)
 {
     pl_status status = PL_OK;
-    drawing d = {.points = analysis->points + problem->first,
-                 .count = problem->count,
-                 .noise = isnan(problem->noise) ? 0 : problem->noise};
+    resampling d = {.points = analysis->points + scene->first,
+                 .count = scene->count,
+                 .noise = isnan(scene->noise) ? 0 : scene->noise};
     if (!prepare(&d)) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory to resample %d points", d.count);
         goto cleanup;
@@ -136,11 +136,11 @@ pl_status pl_sweep_draw(const pl_sweep_analysis *analysis, const pl_sweep_proble
     for (int i = 0; i < d.count; ++i) {
         d.random[i].state = d.points[i].hash;
     }
-    for (int draw = 0; draw < PL_SWEEP_DRAWS; ++draw) {
+    for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
         resample(&d);
         for (int e = 0; e < analysis->engine_count; ++e) {
-            if (problem->curves[e].ok > 0) {
-                read_front(&d, e, &readings[(size_t)e * PL_SWEEP_DRAWS + (size_t)draw]);
+            if (scene->curves[e].ok > 0) {
+                read_front(&d, e, &readings[(size_t)e * PL_BOOTSTRAP_REPLICATES + (size_t)replicate]);
             }
         }
     }
@@ -155,7 +155,7 @@ cleanup:
     return status;
 }
 
-void pl_sweep_interval(double *values, int count, double *low, double *high)
+void pl_bootstrap_interval(double *values, int count, double *low, double *high)
 {
     int known = 0;
     for (int i = 0; i < count; ++i) {

@@ -4,17 +4,17 @@
 
 #include "analysis_front.h"
 
-/* In every draw each point gets as many repeats as it has, drawn from its own with replacement, and
+/* In every replicate each point gets as many repeats as it has, drawn from its own with replacement, and
  * their medians make the fronts. Two or three repeats do not tell their own scatter: of fewer than
- * ten, each that is drawn is moved by the problem's noise (the smoothed bootstrap, Silverman and
+ * ten, each that is drawn is moved by the scene's noise (the smoothed bootstrap, Silverman and
  * Young 1987). Each point has a stream of random numbers of its own, so that what
- * a draw says of one engine does not depend on which others were run. Fills readings
- * (engine_count x PL_SWEEP_DRAWS, engine by engine) for the engines that have points there. */
-pl_status pl_sweep_draw(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem,
+ * a replicate says of one engine does not depend on which others were run. Fills readings
+ * (engine_count x PL_BOOTSTRAP_REPLICATES, engine by engine) for the engines that have points there. */
+pl_status pl_bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
                         pl_front_reading *readings, pl_error *error);
 
 /* The middle 95 % of `values`, which it sorts, those that are NAN left out; NAN where over 5 % are.
  * Percentile interval, Efron 1981. */
-void pl_sweep_interval(double *values, int count, double *low, double *high);
+void pl_bootstrap_interval(double *values, int count, double *low, double *high);
 
 #endif

@@ -43,7 +43,7 @@ int pl_front_find(const pl_sweep_sample *samples, int *order, int count)
     return kept;
 }
 
-int pl_front_reach(const pl_sweep_sample *front, int count, double error)
+int pl_front_cheapest(const pl_sweep_sample *front, int count, double error)
 {
     for (int i = 0; i < count; ++i) {
         if (front[i].error <= error) {
@@ -53,7 +53,7 @@ int pl_front_reach(const pl_sweep_sample *front, int count, double error)
     return -1;
 }
 
-int pl_front_best(const pl_sweep_sample *front, int count, double cost)
+int pl_front_most_exact(const pl_sweep_sample *front, int count, double cost)
 {
     int best = -1;
     while (best + 1 < count && front[best + 1].cost <= cost) {
@@ -69,9 +69,9 @@ static double between(double x, double x0, double y0, double x1, double y1)
     return exp((1 - share) * log(y0) + share * log(y1));
 }
 
-double pl_front_cost_between(const pl_sweep_sample *front, int count, double error)
+double pl_front_cost_at_error(const pl_sweep_sample *front, int count, double error)
 {
-    int i = pl_front_reach(front, count, error);
+    int i = pl_front_cheapest(front, count, error);
     if (i >= 0 && front[i].error == error) {
         return front[i].cost;
     }
@@ -81,9 +81,9 @@ double pl_front_cost_between(const pl_sweep_sample *front, int count, double err
     return between(error, front[i - 1].error, front[i - 1].cost, front[i].error, front[i].cost);
 }
 
-double pl_front_error_between(const pl_sweep_sample *front, int count, double cost)
+double pl_front_error_at_cost(const pl_sweep_sample *front, int count, double cost)
 {
-    int i = pl_front_best(front, count, cost);
+    int i = pl_front_most_exact(front, count, cost);
     if (i >= 0 && front[i].cost == cost) {
         return front[i].error;
     }
@@ -96,13 +96,13 @@ double pl_front_error_between(const pl_sweep_sample *front, int count, double co
 void pl_front_read(const pl_sweep_sample *front, int count, pl_front_reading *reading)
 {
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
-        int i = pl_front_reach(front, count, pl_sweep_levels[k]);
+        int i = pl_front_cheapest(front, count, pl_sweep_levels[k]);
         reading->cost[k] = i < 0 ? (double)NAN : front[i].cost;
-        reading->cost_between[k] = pl_front_cost_between(front, count, pl_sweep_levels[k]);
+        reading->cost_between[k] = pl_front_cost_at_error(front, count, pl_sweep_levels[k]);
     }
     for (int k = 0; k < PL_SWEEP_TIMES; ++k) {
-        int i = pl_front_best(front, count, pl_sweep_times[k]);
+        int i = pl_front_most_exact(front, count, pl_sweep_times[k]);
         reading->error[k] = i < 0 ? (double)NAN : front[i].error;
-        reading->error_between[k] = pl_front_error_between(front, count, pl_sweep_times[k]);
+        reading->error_between[k] = pl_front_error_at_cost(front, count, pl_sweep_times[k]);
     }
 }

@@ -10,14 +10,14 @@
 int pl_front_find(const pl_sweep_sample *samples, int *order, int count);
 
 /* The cheapest of a front's samples at or below an error; -1: none. */
-int pl_front_reach(const pl_sweep_sample *front, int count, double error);
+int pl_front_cheapest(const pl_sweep_sample *front, int count, double error);
 
 /* The most exact of a front's samples that costs no more; -1: none. */
-int pl_front_best(const pl_sweep_sample *front, int count, double cost);
+int pl_front_most_exact(const pl_sweep_sample *front, int count, double cost);
 
 /* Between neighbours of a front, straight in the logarithms; NAN outside of the front. */
-double pl_front_cost_between(const pl_sweep_sample *front, int count, double error);
-double pl_front_error_between(const pl_sweep_sample *front, int count, double cost);
+double pl_front_cost_at_error(const pl_sweep_sample *front, int count, double error);
+double pl_front_error_at_cost(const pl_sweep_sample *front, int count, double cost);
 
 /* What a front says at all levels and times; NAN where it says nothing. */
 typedef struct pl_front_reading {

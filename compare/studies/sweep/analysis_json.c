@@ -48,10 +48,10 @@ static json_t *ratio_json(const pl_sweep_ratio *ratio)
                      "high", number(ratio->high));
 }
 
-static const char *reach_name(pl_sweep_reach reach)
+static const char *attained_name(pl_attained_by attained)
 {
     static const char *const names[] = {"neither", "ours only", "other only", "both"};
-    return names[reach];
+    return names[attained];
 }
 
 static json_t *engines_json(const pl_sweep_analysis *analysis)
@@ -74,7 +74,7 @@ static json_t *point_json(const pl_sweep_point *point)
         json_array_append_new(costs, json_real(point->samples[i].cost));
     }
     json_t *object = json_pack(
-        "{s:i, s:i, s:i, s:o, s:O?, s:f, s:s, s:o, s:o, s:i}", "problem", point->problem, "engine",
+        "{s:i, s:i, s:i, s:o, s:O?, s:f, s:s, s:o, s:o, s:i}", "problem", point->scene, "engine",
         point->engines[0], "profile", point->engines[1], "label", text(point->label), "settings",
         json_object_get(point->row, "settings"), "dt", point->dt, "state", states[point->state],
         "outcome", text(point->outcome), "reason",
@@ -105,67 +105,67 @@ static json_t *curve_json(const pl_sweep_analysis *analysis, const pl_sweep_curv
 {
     json_t *costs = json_array();
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
-        int reached = curve->reach[k];
+        int reached = curve->cheapest[k];
         json_array_append_new(costs,
                               reached < 0 ? json_null() : number(analysis->points[reached].cost));
     }
     return json_pack("{s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:o}", "engine", engine, "ok", curve->ok,
                      "failed", curve->failed, "unmeasured", curve->unmeasured, "front",
                      places(curve->front, curve->front_count), "cheapest_at_level",
-                     places(curve->reach, PL_SWEEP_LEVELS), "cost_at_level", costs,
-                     "most_exact_at_time", places(curve->best, PL_SWEEP_TIMES));
+                     places(curve->cheapest, PL_SWEEP_LEVELS), "cost_at_level", costs,
+                     "most_exact_at_time", places(curve->most_exact, PL_SWEEP_TIMES));
 }
 
-static json_t *duel_json(const pl_sweep_pair *pair, const pl_sweep_duel *duel)
+static json_t *comparison_json(const pl_sweep_pair *pair, const pl_pairwise_comparison *comparison)
 {
     json_t *levels = json_array(), *times = json_array();
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
         json_array_append_new(
             levels, json_pack("{s:f, s:s, s:o, s:o, s:o}", "level", pl_sweep_levels[k], "reached",
-                              reach_name(duel->reach[k]), "speed", ratio_json(&duel->speed[k]),
-                              "speed_between", ratio_json(&duel->speed_between[k]), "instructions",
-                              number(duel->instructions[k])));
+                              attained_name(comparison->at_error[k]), "speed", ratio_json(&comparison->speed[k]),
+                              "speed_between", ratio_json(&comparison->speed_between[k]), "instructions",
+                              number(comparison->instructions[k])));
     }
     for (int k = 0; k < PL_SWEEP_TIMES; ++k) {
-        if (duel->afford[k] == PL_SWEEP_NEITHER) {
+        if (comparison->at_cost[k] == PL_ATTAINED_BY_NEITHER) {
             continue;
         }
         json_array_append_new(times, json_pack("{s:f, s:s, s:o, s:o}", "time", pl_sweep_times[k],
-                                               "reached", reach_name(duel->afford[k]), "exactness",
-                                               ratio_json(&duel->exactness[k]), "exactness_between",
-                                               ratio_json(&duel->exactness_between[k])));
+                                               "reached", attained_name(comparison->at_cost[k]), "exactness",
+                                               ratio_json(&comparison->exactness[k]), "exactness_between",
+                                               ratio_json(&comparison->exactness_between[k])));
     }
     return json_pack("{s:i, s:i, s:o, s:o}", "ours", pair->ours, "other", pair->other, "levels",
                      levels, "times", times);
 }
 
-static json_t *problem_json(const pl_sweep_analysis *analysis, const pl_sweep_problem *problem)
+static json_t *scene_json(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene)
 {
-    json_t *curves = json_array(), *duels = json_array();
-    json_t *params = json_copy(json_object_get(problem->row, "params"));
+    json_t *curves = json_array(), *comparisons = json_array();
+    json_t *params = json_copy(json_object_get(scene->row, "params"));
     json_object_del(params, "dt");
     for (int e = 0; e < analysis->engine_count; ++e) {
-        if (pl_sweep_curve_was_run(&problem->curves[e])) {
-            json_array_append_new(curves, curve_json(analysis, &problem->curves[e], e));
+        if (pl_sweep_curve_was_run(&scene->curves[e])) {
+            json_array_append_new(curves, curve_json(analysis, &scene->curves[e], e));
         }
     }
     for (int i = 0; i < analysis->pair_count; ++i) {
-        if (problem->duels[i].run) {
-            json_array_append_new(duels, duel_json(&analysis->pairs[i], &problem->duels[i]));
+        if (scene->comparisons[i].run) {
+            json_array_append_new(comparisons, comparison_json(&analysis->pairs[i], &scene->comparisons[i]));
         }
     }
-    return json_pack("{s:o, s:o, s:o, s:O?, s:o, s:o, s:o, s:o, s:o}", "name", text(problem->name),
-                     "scenario", text(problem->scenario), "params", params, "seed",
-                     json_object_get(problem->row, "seed"), "primary_error",
-                     text(problem->primary_error), "unit", text(problem->unit), "noise",
-                     number(problem->noise), "curves", curves, "duels", duels);
+    return json_pack("{s:o, s:o, s:o, s:O?, s:o, s:o, s:o, s:o, s:o}", "name", text(scene->name),
+                     "scenario", text(scene->scenario), "params", params, "seed",
+                     json_object_get(scene->row, "seed"), "primary_error",
+                     text(scene->primary_error), "unit", text(scene->unit), "noise",
+                     number(scene->noise), "curves", curves, "duels", comparisons);
 }
 
-static json_t *problems_json(const pl_sweep_analysis *analysis)
+static json_t *scenes_json(const pl_sweep_analysis *analysis)
 {
     json_t *array = json_array();
-    for (int i = 0; i < analysis->problem_count; ++i) {
-        json_array_append_new(array, problem_json(analysis, &analysis->problems[i]));
+    for (int i = 0; i < analysis->scene_count; ++i) {
+        json_array_append_new(array, scene_json(analysis, &analysis->scenes[i]));
     }
     return array;
 }
@@ -182,12 +182,12 @@ static json_t *pairs_json(const pl_sweep_analysis *analysis)
                                                     ratio_json(&pair->mean[k]), "both",
                                                     pair->both[k], "ours_only", pair->ours_only[k],
                                                     "other_only", pair->other_only[k], "neither",
-                                                    pair->problems - pair->both[k] -
+                                                    pair->scenes - pair->both[k] -
                                                         pair->ours_only[k] - pair->other_only[k]));
         }
         json_array_append_new(array,
                               json_pack("{s:i, s:i, s:i, s:o}", "ours", pair->ours, "other",
-                                        pair->other, "problems", pair->problems, "levels", levels));
+                                        pair->other, "problems", pair->scenes, "levels", levels));
     }
     return array;
 }
@@ -200,9 +200,9 @@ static json_t *losses_json(const pl_sweep_analysis *analysis)
         const pl_sweep_pair *pair = &analysis->pairs[loss->pair];
         json_array_append_new(
             array,
-            json_pack("{s:i, s:i, s:i, s:f, s:s, s:o, s:o, s:o, s:b}", "problem", loss->problem,
+            json_pack("{s:i, s:i, s:i, s:f, s:s, s:o, s:o, s:o, s:b}", "problem", loss->scene,
                       "ours", pair->ours, "other", pair->other, "level",
-                      pl_sweep_levels[loss->level], "reached", reach_name(loss->reach), "our_point",
+                      pl_sweep_levels[loss->level], "reached", attained_name(loss->attained), "our_point",
                       place(loss->ours), "other_point", place(loss->other), "speed",
                       ratio_json(&loss->speed), "within_noise", (int)loss->within_noise));
     }
@@ -218,7 +218,7 @@ static json_t *orders_json(const pl_sweep_analysis *analysis)
         json_array_append_new(
             array,
             json_pack("{s:i, s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:i, s:i}", "problem",
-                      order->problem, "engine", order->engine, "point", order->first, "finding",
+                      order->scene, "engine", order->engine, "point", order->first, "finding",
                       kinds[order->kind], "order", number(order->order), "deviation",
                       number(order->deviation), "dt_low", number(order->dt_low), "dt_high",
                       number(order->dt_high), "used", order->used, "total", order->total));
@@ -233,7 +233,7 @@ static json_t *profiles_json(const pl_sweep_analysis *analysis)
         const pl_sweep_profile *profile = &analysis->profiles[i];
         json_t *engines = json_array();
         for (int e = 0; e < analysis->engine_count; ++e) {
-            const double *ratios = profile->ratios + (size_t)e * (size_t)analysis->problem_count;
+            const double *ratios = profile->ratios + (size_t)e * (size_t)analysis->scene_count;
             if (analysis->engines[e].whole == profile->whole) {
                 json_array_append_new(engines, json_pack("{s:i, s:o}", "engine", e, "ratios",
                                                          numbers(ratios, profile->counts[e])));
@@ -241,7 +241,7 @@ static json_t *profiles_json(const pl_sweep_analysis *analysis)
         }
         json_array_append_new(array, json_pack("{s:f, s:b, s:i, s:o}", "level",
                                                pl_sweep_levels[profile->level], "all_profiles",
-                                               (int)profile->whole, "problems", profile->problems,
+                                               (int)profile->whole, "problems", profile->scenes,
                                                "engines", engines));
     }
     return array;
@@ -252,10 +252,10 @@ json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis)
     return json_pack(
         "{s:s, s:i, s:f, s:i, s:o, s:o, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "schema",
         "plumb.sweep/1", "runs", analysis->run_count, "error_floor", pl_sweep_error_floor, "draws",
-        PL_SWEEP_DRAWS, "levels", numbers(pl_sweep_levels, PL_SWEEP_LEVELS), "times",
+        PL_BOOTSTRAP_REPLICATES, "levels", numbers(pl_sweep_levels, PL_SWEEP_LEVELS), "times",
         numbers(pl_sweep_times, PL_SWEEP_TIMES), "several_hosts", (int)analysis->several_hosts,
         "several_builds", (int)analysis->several_builds, "engines", engines_json(analysis),
         "losses", losses_json(analysis), "pairs", pairs_json(analysis), "profiles",
         profiles_json(analysis), "orders", orders_json(analysis), "problems",
-        problems_json(analysis), "points", points_json(analysis));
+        scenes_json(analysis), "points", points_json(analysis));
 }

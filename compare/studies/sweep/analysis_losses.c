@@ -26,54 +26,54 @@ static int compare_losses(const void *left, const void *right)
     if (a->within_noise != b->within_noise) {
         return a->within_noise ? 1 : -1;
     }
-    if (a->reach != b->reach) {
-        return a->reach == PL_SWEEP_OTHER_ONLY ? -1 : 1;
+    if (a->attained != b->attained) {
+        return a->attained == PL_ATTAINED_BY_OTHER_ONLY ? -1 : 1;
     }
-    if (a->reach == PL_SWEEP_BOTH && a->speed.value != b->speed.value) {
+    if (a->attained == PL_ATTAINED_BY_BOTH && a->speed.value != b->speed.value) {
         return a->speed.value < b->speed.value ? -1 : 1;
     }
-    int order = a->problem - b->problem;
+    int order = a->scene - b->scene;
     order = order != 0 ? order : a->pair - b->pair;
     return order != 0 ? order : a->level - b->level;
 }
 
-static void look_at(pl_sweep_analysis *analysis, int p, int pair, int level)
+static void note_loss(pl_sweep_analysis *analysis, int p, int pair, int level)
 {
-    const pl_sweep_problem *problem = &analysis->problems[p];
-    const pl_sweep_duel *duel = &problem->duels[pair];
-    const pl_sweep_reach reach = duel->reach[level];
-    const pl_sweep_ratio *speed = &duel->speed[level];
-    analysis->duels_fought += reach != PL_SWEEP_NEITHER;
-    if (reach != PL_SWEEP_OTHER_ONLY && !(reach == PL_SWEEP_BOTH && speed->value < 1)) {
+    const pl_sweep_scene *scene = &analysis->scenes[p];
+    const pl_pairwise_comparison *comparison = &scene->comparisons[pair];
+    const pl_attained_by attained = comparison->at_error[level];
+    const pl_sweep_ratio *speed = &comparison->speed[level];
+    analysis->compared += attained != PL_ATTAINED_BY_NEITHER;
+    if (attained != PL_ATTAINED_BY_OTHER_ONLY && !(attained == PL_ATTAINED_BY_BOTH && speed->value < 1)) {
         return;
     }
     pl_sweep_loss loss = {
-        .problem = p,
+        .scene = p,
         .pair = pair,
         .level = level,
-        .reach = reach,
-        .ours = problem->curves[analysis->pairs[pair].ours].reach[level],
-        .other = problem->curves[analysis->pairs[pair].other].reach[level],
+        .attained = attained,
+        .ours = scene->curves[analysis->pairs[pair].ours].cheapest[level],
+        .other = scene->curves[analysis->pairs[pair].other].cheapest[level],
         .speed = *speed,
-        .within_noise = reach == PL_SWEEP_BOTH && is_within_noise(speed),
+        .within_noise = attained == PL_ATTAINED_BY_BOTH && is_within_noise(speed),
     };
     analysis->fine_losses += is_fine(&loss);
     analysis->losses[analysis->loss_count++] = loss;
 }
 
-pl_status pl_duels_list_losses(pl_sweep_analysis *analysis, pl_error *error)
+pl_status pl_list_losses(pl_sweep_analysis *analysis, pl_error *error)
 {
-    size_t most = (size_t)analysis->problem_count * (size_t)analysis->pair_count * PL_SWEEP_LEVELS;
+    size_t most = (size_t)analysis->scene_count * (size_t)analysis->pair_count * PL_SWEEP_LEVELS;
     analysis->losses = calloc(most + 1, sizeof *analysis->losses);
     if (analysis->losses == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu comparisons", most);
     }
-    for (int p = 0; p < analysis->problem_count; ++p) {
+    for (int p = 0; p < analysis->scene_count; ++p) {
         for (int i = 0; i < analysis->pair_count; ++i) {
             bool whole = analysis->engines[analysis->pairs[i].ours].whole;
-            for (int k = 0; k < PL_SWEEP_LEVELS && whole && analysis->problems[p].duels[i].run;
+            for (int k = 0; k < PL_SWEEP_LEVELS && whole && analysis->scenes[p].comparisons[i].run;
                  ++k) {
-                look_at(analysis, p, i, k);
+                note_loss(analysis, p, i, k);
             }
         }
     }

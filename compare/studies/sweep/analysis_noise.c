@@ -30,10 +30,10 @@ void pl_sweep_take_noise(pl_sweep_analysis *analysis)
 {
     const int enough = 10;
     const spread everywhere = spread_of(analysis->points, analysis->point_count);
-    for (int p = 0; p < analysis->problem_count; ++p) {
-        pl_sweep_problem *problem = &analysis->problems[p];
-        const spread own = spread_of(analysis->points + problem->first, problem->count);
+    for (int p = 0; p < analysis->scene_count; ++p) {
+        pl_sweep_scene *scene = &analysis->scenes[p];
+        const spread own = spread_of(analysis->points + scene->first, scene->count);
         const spread *known = own.freedom >= enough ? &own : &everywhere;
-        problem->noise = known->freedom > 0 ? sqrt(known->squares / known->freedom) : (double)NAN;
+        scene->noise = known->freedom > 0 ? sqrt(known->squares / known->freedom) : (double)NAN;
     }
 }

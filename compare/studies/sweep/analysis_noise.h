@@ -4,8 +4,8 @@
 
 #include "analysis.h"
 
-/* Sets the noise of every problem from its points that were repeated, or, where these are few, from
- * those of all problems: the machine makes the noise, not the engine. */
+/* Sets the noise of every scene from its points that were repeated, or, where these are few, from
+ * those of all scenes: the machine makes the noise, not the engine. */
 void pl_sweep_take_noise(pl_sweep_analysis *analysis);
 
 #endif

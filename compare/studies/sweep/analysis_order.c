@@ -8,9 +8,9 @@
 static const double least_slope = 0.25;
 
 /* Neighbouring time steps [first, last]. */
-typedef struct stretch {
+typedef struct segment {
     int first, last;
-} stretch;
+} segment;
 
 static double slope_after(const double *dt, const double *error, int i)
 {
@@ -23,9 +23,9 @@ static bool converges_after(const double *dt, const double *error, int i)
            slope_after(dt, error, i) >= least_slope;
 }
 
-static stretch longest_stretch(const double *dt, const double *error, int count)
+static segment longest_segment(const double *dt, const double *error, int count)
 {
-    stretch best = {0, 0}, now = {0, 0};
+    segment best = {0, 0}, now = {0, 0};
     for (int i = 0; i + 1 < count; ++i) {
         if (!converges_after(dt, error, i)) {
             now.first = i + 1;
@@ -39,7 +39,7 @@ static stretch longest_stretch(const double *dt, const double *error, int count)
 }
 
 /* Cuts ends that fall less than half as fast as the middle; three time steps stay. */
-static stretch without_slow_ends(const double *dt, const double *error, stretch part,
+static segment without_slow_ends(const double *dt, const double *error, segment part,
                                  double *scratch)
 {
     for (int i = part.first; i < part.last; ++i) {
@@ -55,7 +55,7 @@ static stretch without_slow_ends(const double *dt, const double *error, stretch 
     return part;
 }
 
-static void fit(const double *dt, const double *error, stretch part, pl_sweep_order *order)
+static void fit(const double *dt, const double *error, segment part, pl_sweep_order *order)
 {
     const int count = part.last - part.first + 1;
     double mean_x = 0, mean_y = 0, xx = 0, xy = 0, squares = 0;
@@ -96,7 +96,7 @@ void pl_order_fit(const double *dt, const double *error, int count, pl_sweep_ord
         order->kind = PL_SWEEP_ORDER_TOO_FEW;
         return;
     }
-    stretch part = longest_stretch(dt, error, count);
+    segment part = longest_segment(dt, error, count);
     double *scratch = calloc((size_t)count, sizeof *scratch);
     order->kind = part.last - part.first < 2 || scratch == NULL ? PL_SWEEP_ORDER_NOT_CONVERGING
                                                                 : PL_SWEEP_ORDER_FOUND;
@@ -126,7 +126,7 @@ pl_status pl_orders_find(pl_sweep_analysis *analysis, pl_error *error)
         if (next - first > 1 && is_known) {
             pl_sweep_order *order = &analysis->orders[analysis->order_count++];
             *order = (pl_sweep_order){
-                .problem = point->problem, .engine = point->engines[1], .first = first};
+                .scene = point->scene, .engine = point->engines[1], .first = first};
             pl_order_fit(dt, errors, next - first, order);
         }
     }

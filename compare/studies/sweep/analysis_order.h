@@ -7,7 +7,7 @@
 /* Fills kind, order, deviation, range and counts of *order from time steps dt (s, falling) and
  * their errors (NAN: none; not below the floor).
  *
- * The converging part is the longest stretch of neighbouring time steps, of equal ones that of the
+ * The converging part is the longest segment of neighbouring time steps, of equal ones that of the
  * smaller steps, in which the error is above the floor and falls at least as fast as dt^(1/4). From
  * its ends go those that fall less than half as fast as its median pair of neighbours does: there
  * the steps are still too large, or something other than the step limits the error. */

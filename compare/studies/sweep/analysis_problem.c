@@ -11,13 +11,13 @@ static void append(char *text, size_t size, const char *part)
     snprintf(text + length, size - length, "%s", part);
 }
 
-static void name_problem(pl_sweep_problem *problem)
+static void name_scene(pl_sweep_scene *scene)
 {
     char part[160];
-    const json_t *params = json_object_get(problem->row, "params");
-    snprintf(problem->name, sizeof problem->name, "%.120s", problem->scenario);
-    for (int i = 0; problem->catalogue != NULL && i < problem->catalogue->param_count; ++i) {
-        const pl_param *param = &problem->catalogue->params[i];
+    const json_t *params = json_object_get(scene->row, "params");
+    snprintf(scene->name, sizeof scene->name, "%.120s", scene->scenario);
+    for (int i = 0; scene->catalogue != NULL && i < scene->catalogue->param_count; ++i) {
+        const pl_param *param = &scene->catalogue->params[i];
         const json_t *value = json_object_get(params, param->name);
         bool bare = strcmp(param->unit, "1") == 0 || param->unit[0] == '\0';
         if (strcmp(param->name, "dt") == 0 || !json_is_number(value) ||
@@ -26,36 +26,36 @@ static void name_problem(pl_sweep_problem *problem)
         }
         snprintf(part, sizeof part, " %s=%.6g%s%s", param->name, json_number_value(value),
                  bare ? "" : " ", bare ? "" : param->unit);
-        append(problem->name, sizeof problem->name, part);
+        append(scene->name, sizeof scene->name, part);
     }
-    const json_t *seed = json_object_get(problem->row, "seed");
-    const json_t *member = json_object_get(problem->row, "member");
+    const json_t *seed = json_object_get(scene->row, "seed");
+    const json_t *member = json_object_get(scene->row, "member");
     if (json_integer_value(seed) != 0) {
         snprintf(part, sizeof part, " seed=%" JSON_INTEGER_FORMAT, json_integer_value(seed));
-        append(problem->name, sizeof problem->name, part);
+        append(scene->name, sizeof scene->name, part);
     }
     if (json_is_integer(member)) {
         snprintf(part, sizeof part, " member=%" JSON_INTEGER_FORMAT, json_integer_value(member));
-        append(problem->name, sizeof problem->name, part);
+        append(scene->name, sizeof scene->name, part);
     }
 }
 
-pl_sweep_problem pl_sweep_problem_of(const json_t *row, int first)
+pl_sweep_scene make_scene_of(const json_t *row, int first)
 {
-    pl_sweep_problem problem = {.row = row,
+    pl_sweep_scene scene = {.row = row,
                                 .scenario = pl_json_get_text(row, "scenario"),
                                 .primary_error = pl_json_get_text(row, "primary_error"),
                                 .unit = "",
                                 .first = first};
-    problem.catalogue = pl_scenario_find(problem.scenario, NULL);
-    name_problem(&problem);
-    return problem;
+    scene.catalogue = pl_scenario_find(scene.scenario, NULL);
+    name_scene(&scene);
+    return scene;
 }
 
-void pl_sweep_take_unit(pl_sweep_problem *problem, const json_t *row)
+void pl_sweep_take_unit(pl_sweep_scene *scene, const json_t *row)
 {
-    const json_t *metric = json_object_get(json_object_get(row, "metrics"), problem->primary_error);
-    if (problem->unit[0] == '\0') {
-        problem->unit = pl_json_get_text(metric, "unit");
+    const json_t *metric = json_object_get(json_object_get(row, "metrics"), scene->primary_error);
+    if (scene->unit[0] == '\0') {
+        scene->unit = pl_json_get_text(metric, "unit");
     }
 }

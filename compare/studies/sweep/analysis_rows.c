@@ -1,4 +1,4 @@
-/* Rows are brought together by keys: canonical JSON of what makes a problem, a series (all but the
+/* Rows are brought together by keys: canonical JSON of what makes a scene, a series (all but the
  * time step), and a point. */
 #include "analysis_rows.h"
 
@@ -14,7 +14,7 @@
 /* A row with its keys. */
 typedef struct keyed_row {
     const json_t *row;
-    char *problem, *series; /* owned */
+    char *scene, *series; /* owned */
     double dt;
     size_t index;
 } keyed_row;
@@ -86,14 +86,14 @@ static pl_status make_keys(const json_t *row, size_t index, keyed_row *keyed, pl
     keyed->row = row;
     keyed->index = index;
     keyed->dt = json_number_value(json_object_get(settings, "dt"));
-    keyed->problem =
+    keyed->scene =
         to_text(json_pack("[o, o, o, o, o, o]", same(row, "scenario"), without_dt(row, "params"),
                           same(row, "seed"), same(row, "member"),
                           same(is_file ? settings : NULL, "duration"), same(row, "primary_error")));
     keyed->series = to_text(json_pack(
         "[o, o, o, o, o, o]", same(row, "engine"), same(row, "profile"), same(row, "label"),
         without_dt(row, "settings"), same(row, "engine_version"), same(plumb, "git")));
-    if (keyed->problem == NULL || keyed->series == NULL) {
+    if (keyed->scene == NULL || keyed->series == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory at result %zu", index);
     }
     return PL_OK;
@@ -116,9 +116,9 @@ static bool is_ours(const char *engine)
     return strcmp(engine, "plumb") == 0;
 }
 
-static int compare_problems(const keyed_row *a, const keyed_row *b)
+static int compare_scenes(const keyed_row *a, const keyed_row *b)
 {
-    if (strcmp(a->problem, b->problem) == 0) {
+    if (strcmp(a->scene, b->scene) == 0) {
         return 0;
     }
     const char *scenario_a = pl_json_get_text(a->row, "scenario");
@@ -132,7 +132,7 @@ static int compare_problems(const keyed_row *a, const keyed_row *b)
         double y = json_number_value(json_object_get(json_object_get(b->row, "params"), name));
         order = strcmp(name, "dt") == 0 ? 0 : (x > y) - (x < y);
     }
-    return order != 0 ? order : strcmp(a->problem, b->problem);
+    return order != 0 ? order : strcmp(a->scene, b->scene);
 }
 
 static int compare_engines(const json_t *a, const json_t *b)
@@ -146,11 +146,11 @@ static int compare_engines(const json_t *a, const json_t *b)
                       : strcmp(pl_json_get_text(a, "profile"), pl_json_get_text(b, "profile"));
 }
 
-/* By problem, engine, series, falling dt: 0 for repeats of one point. */
+/* By scene, engine, series, falling dt: 0 for repeats of one point. */
 static int compare_rows(const void *left, const void *right)
 {
     const keyed_row *a = left, *b = right;
-    int order = compare_problems(a, b);
+    int order = compare_scenes(a, b);
     order = order != 0 ? order : compare_engines(a->row, b->row);
     order = order != 0 ? order : strcmp(a->series, b->series);
     return order != 0 ? order : (a->dt < b->dt) - (a->dt > b->dt);
@@ -238,7 +238,7 @@ static uint64_t hash_of(const keyed_row *row)
 {
     char dt[40];
     snprintf(dt, sizeof dt, "%.17g", row->dt);
-    uint64_t hash = hash_text(UINT64_C(0xcbf29ce484222325), row->problem);
+    uint64_t hash = hash_text(UINT64_C(0xcbf29ce484222325), row->scene);
     return hash_text(hash_text(hash, row->series), dt);
 }
 
@@ -267,12 +267,12 @@ static pl_status add_point(const keyed_row *rows, size_t first, size_t next, con
                            pl_sweep_analysis *analysis, pl_error *error)
 {
     const keyed_row *row = &rows[first];
-    bool new_problem = first == 0 || strcmp(rows[first - 1].problem, row->problem) != 0;
-    bool new_series = new_problem || strcmp(rows[first - 1].series, row->series) != 0;
+    bool new_scene = first == 0 || strcmp(rows[first - 1].scene, row->scene) != 0;
+    bool new_series = new_scene || strcmp(rows[first - 1].series, row->series) != 0;
     int place = analysis->point_count, count = 0;
     char name[128];
-    if (new_problem) {
-        analysis->problems[analysis->problem_count++] = pl_sweep_problem_of(row->row, place);
+    if (new_scene) {
+        analysis->scenes[analysis->scene_count++] = make_scene_of(row->row, place);
     }
     for (size_t i = first; i < next; ++i) {
         bool again = false;
@@ -282,11 +282,11 @@ static pl_status add_point(const keyed_row *rows, size_t first, size_t next, con
         if (!again) {
             repeats[count++] = rows[i].row;
         }
-        pl_sweep_take_unit(&analysis->problems[analysis->problem_count - 1], rows[i].row);
+        pl_sweep_take_unit(&analysis->scenes[analysis->scene_count - 1], rows[i].row);
         note_origins(rows, i, analysis);
     }
     pl_sweep_point *point = &analysis->points[analysis->point_count++];
-    point->problem = analysis->problem_count - 1;
+    point->scene = analysis->scene_count - 1;
     point->series = place == 0 ? 0 : analysis->points[place - 1].series + new_series;
     point->dt = row->dt;
     point->hash = hash_of(row);
@@ -294,7 +294,7 @@ static pl_status add_point(const keyed_row *rows, size_t first, size_t next, con
         name_engine(row->row, i == 0, name);
         point->engines[i] = find_engine(analysis, name, i == 0);
     }
-    analysis->problems[point->problem].count++;
+    analysis->scenes[point->scene].count++;
     analysis->run_count += count;
     return pl_sweep_measure(repeats, count, point, error);
 }
@@ -327,9 +327,9 @@ pl_status pl_sweep_gather(const json_t *results, pl_sweep_analysis *analysis, pl
     pl_status status = PL_OK;
     keyed_row *rows = calloc(count + 1, sizeof *rows);
     analysis->points = calloc(count + 1, sizeof *analysis->points);
-    analysis->problems = calloc(count + 1, sizeof *analysis->problems);
+    analysis->scenes = calloc(count + 1, sizeof *analysis->scenes);
     analysis->engines = calloc(2 * count + 1, sizeof *analysis->engines);
-    if (rows == NULL || analysis->points == NULL || analysis->problems == NULL ||
+    if (rows == NULL || analysis->points == NULL || analysis->scenes == NULL ||
         analysis->engines == NULL) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory for %zu results", count);
     }
@@ -345,7 +345,7 @@ pl_status pl_sweep_gather(const json_t *results, pl_sweep_analysis *analysis, pl
         status = add_points(rows, count, analysis, error);
     }
     for (size_t i = 0; i < count && rows != NULL; ++i) {
-        free(rows[i].problem);
+        free(rows[i].scene);
         free(rows[i].series);
     }
     free(rows);

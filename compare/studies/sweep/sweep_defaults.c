@@ -30,7 +30,7 @@ static bool is_varied(const pl_vary *varied, int count, const char *owner)
     return false;
 }
 
-pl_status pl_usual_vary(const pl_plan *plan, pl_vary **varied, int *count, pl_error *error)
+pl_status pl_default_vary(const pl_plan *plan, pl_vary **varied, int *count, pl_error *error)
 {
     *count = 0;
     *varied = calloc((size_t)plan->configuration_count + 1, sizeof **varied);

@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* The middle of the bracket; NAN unless the value was found. */
-static double value_of(const pl_search *search)
+static double value_of(const pl_threshold_search *search)
 {
     const pl_bisection *b = &search->bisection;
     bool found = search->outcome[0] == '\0' && b->state == PL_BISECTION_FOUND;
@@ -17,7 +17,7 @@ static json_t *number(double value)
 }
 
 /* The keys of a run's identity that also hold for a search. */
-static json_t *identity_of(const pl_plan *plan, const pl_search *search)
+static json_t *identity_of(const pl_plan *plan, const pl_threshold_search *search)
 {
     static const char *const of_one_run[] = {"run", "repeat", "scene_hash"};
     const pl_planned_run planned = {.test_case = &plan->cases[search->problem],
@@ -31,12 +31,12 @@ static json_t *identity_of(const pl_plan *plan, const pl_search *search)
     return identity;
 }
 
-json_t *pl_threshold_json(const pl_plan *plan, const pl_search *search, json_t *provenance,
+json_t *pl_threshold_json(const pl_plan *plan, const pl_threshold_search *search, json_t *provenance,
                           const char *started)
 {
     const pl_scenario *scenario = plan->cases[search->problem].descriptor;
     const pl_threshold *t = scenario->threshold;
-    const double value = value_of(search), critical = pl_search_critical(plan, search);
+    const double value = value_of(search), critical = pl_threshold_critical(plan, search);
     const double low = isnan(value) ? value : search->bisection.low;
     const double high = isnan(value) ? value : search->bisection.high;
     const char *reason = search->reason[0] != '\0' ? search->reason : NULL;
@@ -45,7 +45,7 @@ json_t *pl_threshold_json(const pl_plan *plan, const pl_search *search, json_t *
         "{s:s, s:s, s:s, s:s, s:s?, s:o, s:[o,o], s:[f,f], s:b, s:f, s:o, s:s?, s:o, s:o, s:i, "
         "s:s}",
         "schema", "plumb.threshold/1", "param", t->param, "unit",
-        scenario->params[search->param].unit, "finding", pl_search_finding(search), "reason",
+        scenario->params[search->param].unit, "finding", pl_threshold_outcome(search), "reason",
         reason, "value", number(value), "bracket", number(low), number(high), "searched", t->low,
         t->high, "holds_below", (int)t->holds_below, "tolerance", t->tolerance, "closed_form",
         number(critical), "formula", t->formula, "error", number(value - critical),
@@ -60,13 +60,13 @@ json_t *pl_threshold_json(const pl_plan *plan, const pl_search *search, json_t *
     return row;
 }
 
-static void print_head(FILE *out, const pl_plan *plan, const pl_search *search, int width)
+static void print_head(FILE *out, const pl_plan *plan, const pl_threshold_search *search, int width)
 {
     const pl_scenario *scenario = plan->cases[search->problem].descriptor;
     const pl_threshold *t = scenario->threshold;
     const pl_param *param = &scenario->params[search->param];
     const bool plain = strcmp(param->unit, "1") == 0;
-    const double critical = pl_search_critical(plan, search);
+    const double critical = pl_threshold_critical(plan, search);
     fprintf(out, "%s: critical %s%s%s, searched from %g to %g, holds %s it\n", scenario->name,
             t->param, plain ? "" : ", ", plain ? "" : param->unit, t->low, t->high,
             t->holds_below ? "below" : "above");
@@ -79,12 +79,12 @@ static void print_head(FILE *out, const pl_plan *plan, const pl_search *search, 
             "relative", "runs");
 }
 
-static void print_row(FILE *out, const pl_plan *plan, const pl_search *search, int width)
+static void print_row(FILE *out, const pl_plan *plan, const pl_threshold_search *search, int width)
 {
-    const double value = value_of(search), critical = pl_search_critical(plan, search);
-    fprintf(out, "  %-*s ", width, plan->configurations[search->configuration].label);
+    const double value = value_of(search), critical = pl_threshold_critical(plan, search);
+    fprintf(out, "  %-*s ", width, plan->contenders[search->contender].label);
     if (isnan(value)) {
-        fprintf(out, "%s", pl_search_finding(search));
+        fprintf(out, "%s", pl_threshold_outcome(search));
         if (search->reason[0] != '\0') {
             fprintf(out, ": %s", search->reason);
         }
@@ -100,7 +100,7 @@ static void print_row(FILE *out, const pl_plan *plan, const pl_search *search, i
     fprintf(out, " %5d\n", search->runs);
 }
 
-void pl_threshold_print(FILE *out, const pl_plan *plan, const pl_search *searches, int count)
+void pl_threshold_print(FILE *out, const pl_plan *plan, const pl_threshold_search *searches, int count)
 {
     int width = (int)strlen("engine"), problem = -1;
     for (int i = 0; i < plan->configuration_count; ++i) {

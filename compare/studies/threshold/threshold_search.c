@@ -7,8 +7,8 @@
 #include <string.h>
 
 typedef struct searches {
-    const pl_search_def *def;
-    pl_search *items;
+    const pl_threshold_search_def *def;
+    pl_threshold_search *items;
     int count;
     pl_progress progress;
 } searches;
@@ -22,7 +22,7 @@ int pl_threshold_param(const pl_scenario *scenario)
     return index;
 }
 
-const char *pl_search_finding(const pl_search *search)
+const char *pl_threshold_outcome(const pl_threshold_search *search)
 {
     static const char *const names[] = {[PL_BISECTION_SEARCHING] = "searching",
                                         [PL_BISECTION_FOUND] = "found",
@@ -32,19 +32,19 @@ const char *pl_search_finding(const pl_search *search)
     return search->outcome[0] != '\0' ? search->outcome : names[search->bisection.state];
 }
 
-double pl_search_critical(const pl_plan *plan, const pl_search *search)
+double pl_threshold_critical(const pl_plan *plan, const pl_threshold_search *search)
 {
     const pl_case *problem = &plan->cases[search->problem];
     const pl_threshold *threshold = problem->descriptor->threshold;
     return threshold->critical == NULL ? (double)NAN : threshold->critical(problem->params);
 }
 
-static bool is_over(const pl_search *search)
+static bool is_over(const pl_threshold_search *search)
 {
     return search->outcome[0] != '\0' || search->bisection.state != PL_BISECTION_SEARCHING;
 }
 
-static pl_search *find_trial(const searches *s, const char *run)
+static pl_threshold_search *find_trial(const searches *s, const char *run)
 {
     for (int i = 0; i < s->count; ++i) {
         if (s->items[i].run[0] != '\0' && strcmp(s->items[i].run, run) == 0) {
@@ -61,15 +61,15 @@ static bool skip(void *user, const char *run)
     return find_trial(user, run) == NULL;
 }
 
-static void show_end(searches *s, const pl_search *search)
+static void show_end(searches *s, const pl_threshold_search *search)
 {
     const pl_plan *plan = s->def->plan;
     if (s->progress.terminal) {
         return;
     }
-    fprintf(s->progress.out, "%s  %s  %s after %d %s\n", plan->cases[search->problem].name,
-            plan->configurations[search->configuration].label, pl_search_finding(search),
-            search->runs, search->runs == 1 ? "run" : "runs");
+    fprintf(s->progress.out, "%s  %s  %s after %d %s\n", plan->problems[search->problem].name,
+            plan->contenders[search->contender].label, pl_threshold_outcome(search), search->runs,
+            search->runs == 1 ? "run" : "runs");
     fflush(s->progress.out);
 }
 
@@ -77,7 +77,7 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
 {
     (void)error;
     searches *s = user;
-    pl_search *search = find_trial(s, pl_json_get_text(result, "run"));
+    pl_threshold_search *search = find_trial(s, pl_json_get_text(result, "run"));
     const char *outcome = pl_json_get_text(result, "outcome");
     bool holds = strcmp(outcome, "ok") == 0;
     search->runs++;
@@ -133,7 +133,7 @@ static pl_status add_trial(pl_plan *round, const pl_case *problem, int param, do
                    scenario->name, scenario->params[param].name, value);
 }
 
-static pl_status name_trial(const pl_plan *round, int problem, pl_search *search, pl_error *error)
+static pl_status name_trial(const pl_plan *round, int problem, pl_threshold_search *search, pl_error *error)
 {
     const pl_planned_run planned = {.test_case = &round->cases[problem],
                                     .configuration = &round->configurations[search->configuration]};
@@ -157,7 +157,7 @@ static pl_status run_round(searches *s, bool *any, int *signal_number, pl_error 
     pl_status status = PL_OK;
     *any = false;
     for (int i = 0; i < s->count && status == PL_OK; ++i) {
-        pl_search *search = &s->items[i];
+        pl_threshold_search *search = &s->items[i];
         int index = 0;
         if (is_over(search)) {
             continue;
@@ -192,9 +192,9 @@ static void begin(searches *s)
     for (int p = 0; p < plan->case_count; ++p) {
         const pl_scenario *scenario = plan->cases[p].descriptor;
         const pl_threshold *t = scenario->threshold;
-        for (int c = 0; c < plan->configuration_count; ++c) {
-            pl_search *search = &s->items[s->count++];
-            *search = (pl_search){
+        for (int c = 0; c < plan->contender_count; ++c) {
+            pl_threshold_search *search = &s->items[s->count++];
+            *search = (pl_threshold_search){
                 .problem = p,
                 .configuration = c,
                 .param = pl_threshold_param(scenario),
@@ -207,7 +207,7 @@ static void begin(searches *s)
     }
 }
 
-pl_status pl_search_thresholds(const pl_search_def *def, pl_search **list, int *count,
+pl_status pl_find_thresholds(const pl_threshold_search_def *def, pl_threshold_search **list, int *count,
                                int *signal_number, pl_error *error)
 {
     searches s = {.def = def};

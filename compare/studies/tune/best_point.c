@@ -3,29 +3,29 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The answer, and each axis moved either way. */
-enum { MOST_SETTINGS = 2 * PL_TUNE_MOST_AXES + 1 };
+/* The answer, and each parameter moved either way. */
+enum { MOST_SETTINGS = 2 * PL_TUNE_MAX_PARAMETERS + 1 };
 
-pl_status pl_answer_slope(pl_tuner *t, pl_error *error)
+pl_status find_sensitivities(pl_tuner *t, pl_error *error)
 {
     pl_tuning *tuning = t->tuning;
     const pl_tune_space *space = t->def->space;
     pl_setting settings[MOST_SETTINGS];
     pl_readings readings;
     int count = 0;
-    tuning->slopes = calloc(MOST_SETTINGS, sizeof *tuning->slopes);
-    if (tuning->slopes == NULL) {
+    tuning->sensitivities = calloc(MOST_SETTINGS, sizeof *tuning->sensitivities);
+    if (tuning->sensitivities == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for sensitivities");
     }
     settings[0] = tuning->setting;
-    for (int i = 0; i < 2 * space->axis_count; ++i) {
-        double values[PL_TUNE_MOST_AXES];
-        const int axis = i / 2;
-        memcpy(values, tuning->answer.values, sizeof values);
-        values[axis] = pl_tune_neighbour(&space->axes[axis], values[axis], i % 2 == 0 ? -1 : 1);
-        if (values[axis] != tuning->answer.values[axis]) {
+    for (int i = 0; i < 2 * space->parameter_count; ++i) {
+        double values[PL_TUNE_MAX_PARAMETERS];
+        const int parameter = i / 2;
+        memcpy(values, tuning->best.values, sizeof values);
+        values[parameter] = pl_tune_neighbour(&space->parameters[parameter], values[parameter], i % 2 == 0 ? -1 : 1);
+        if (values[parameter] != tuning->best.values[parameter]) {
             settings[count + 1] = pl_tuner_setting(t, values);
-            tuning->slopes[count++] = (pl_tune_slope){.axis = axis, .value = values[axis]};
+            tuning->sensitivities[count++] = (pl_tune_sensitivity){.parameter = parameter, .value = values[parameter]};
         }
     }
     pl_status status = count == 0 ? PL_OK
@@ -35,11 +35,11 @@ pl_status pl_answer_slope(pl_tuner *t, pl_error *error)
     if (count == 0 || status != PL_OK || tuning->signal_number != 0) {
         goto done;
     }
-    tuning->slope_count = count;
+    tuning->sensitivity_count = count;
     for (int i = 0; i < count; ++i) {
         const pl_reading *mine = pl_readings_of(&readings, i + 1);
-        tuning->slopes[i].excess = pl_tuner_excess(t, mine);
-        tuning->slopes[i].cost =
+        tuning->sensitivities[i].excess = pl_tuner_excess(t, mine);
+        tuning->sensitivities[i].cost =
             pl_score_mean_ratio(mine, pl_readings_of(&readings, 0), readings.problem_count,
                                 readings.repeats, tuning->by_instructions);
     }
@@ -50,7 +50,7 @@ done:
     return status;
 }
 
-pl_status pl_answer_validate(pl_tuner *t, pl_error *error)
+pl_status validate(pl_tuner *t, pl_error *error)
 {
     pl_tuning *tuning = t->tuning;
     int count = 0;

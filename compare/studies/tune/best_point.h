@@ -6,12 +6,12 @@
 
 /* Measures the best trials again, in turns with what is shipped, and takes the cheapest that misses
  * nothing in validation, or else the cheapest. */
-pl_status pl_answer_choose(pl_tuner *t, pl_error *error);
+pl_status choose_best(pl_tuner *t, pl_error *error);
 
-/* Its sensitivities: each axis moved either way. */
-pl_status pl_answer_slope(pl_tuner *t, pl_error *error);
+/* Its sensitivities: each parameter moved either way. */
+pl_status find_sensitivities(pl_tuner *t, pl_error *error);
 
 /* The answer on what it was not tuned on: sets the checks anew. */
-pl_status pl_answer_validate(pl_tuner *t, pl_error *error);
+pl_status validate(pl_tuner *t, pl_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* From the search's trials to the answer. */
+/* From the search's evaluations to the answer. */
 #include "best_point.h"
 #include "tune_trial.h"
 
@@ -10,7 +10,7 @@
 enum { MOST_CANDIDATES = 24 };
 
 typedef struct finalists {
-    pl_seek_trial trials[PL_TUNE_FINALISTS]; /* (count) */
+    pl_evaluation evaluations[PL_TUNE_FINALISTS]; /* (count) */
     double costs[PL_TUNE_FINALISTS];         /* (count): measured side by side */
     int order[PL_TUNE_FINALISTS];            /* (count): in which they are validated */
     int count;
@@ -19,52 +19,52 @@ typedef struct finalists {
 
 static int by_merit(const void *left, const void *right)
 {
-    const pl_seek_trial *a = left, *b = right;
-    return pl_seek_better(a, b) ? -1 : pl_seek_better(b, a);
+    const pl_evaluation *a = left, *b = right;
+    return pl_evaluation_is_better(a, b) ? -1 : pl_evaluation_is_better(b, a);
 }
 
-/* Whether a trial meets the targets with the same margin on changed scenarios that the search did
- * not see: of many trials the cheapest is often one that was lucky on those that it did. */
-static pl_status look_again(pl_tuner *t, pl_seek_trial *trial, bool *stands, pl_error *error)
+/* Whether a evaluation meets the targets with the same margin on changed scenarios that the search did
+ * not see: of many evaluations the cheapest is often one that was lucky on those that it did. */
+static pl_status check_candidate(pl_tuner *t, pl_evaluation *evaluation, bool *stands, pl_error *error)
 {
-    const pl_setting setting = pl_tuner_setting(t, trial->values);
+    const pl_setting setting = pl_tuner_setting(t, evaluation->values);
     int count = 0;
     const pl_variant *variants = pl_variants_chosen_by(&count);
-    pl_seek_trial again = *trial;
+    pl_evaluation again = *evaluation;
     pl_readings readings;
     pl_status status = pl_tuner_measure(t, &pl_variant_none, &setting, 1, 0, 1, &readings, error);
     if (status == PL_OK && t->tuning->signal_number == 0) {
-        status = pl_trial_judge(t, &setting, pl_readings_of(&readings, 0), variants, count, &again,
+        status = pl_evaluation_judge(t, &setting, pl_readings_of(&readings, 0), variants, count, &again,
                                 error);
     }
     pl_readings_free(&readings);
-    trial->excess = fmax(trial->excess, again.excess);
-    trial->holds = again.holds;
-    *stands = trial->excess <= 0;
+    evaluation->excess = fmax(evaluation->excess, again.excess);
+    evaluation->holds = again.holds;
+    *stands = evaluation->excess <= 0;
     return status;
 }
 
 /* The cheapest that stand a second look; where none does, those nearest to it that hold, or the
  * nearest of all. `sorted` is by merit, and may be changed. */
-static pl_status find(pl_tuner *t, pl_seek_trial *sorted, finalists *f, pl_error *error)
+static pl_status find(pl_tuner *t, pl_evaluation *sorted, finalists *f, pl_error *error)
 {
     const pl_tuning *tuning = t->tuning;
-    const int trials = tuning->found.count;
+    const int evaluations = tuning->found.count;
     pl_status status = PL_OK;
-    for (int i = 0; i < trials && i < MOST_CANDIDATES && f->count < PL_TUNE_FINALISTS &&
+    for (int i = 0; i < evaluations && i < MOST_CANDIDATES && f->count < PL_TUNE_FINALISTS &&
                     sorted[i].excess <= 0 && status == PL_OK && tuning->signal_number == 0;
          ++i) {
         bool stands = false;
-        status = look_again(t, &sorted[i], &stands, error);
+        status = check_candidate(t, &sorted[i], &stands, error);
         if (stands) {
-            f->trials[f->count++] = sorted[i];
+            f->evaluations[f->count++] = sorted[i];
         }
     }
     f->stand = f->count > 0;
-    qsort(sorted, (size_t)trials, sizeof *sorted, by_merit);
-    for (int i = 0; !f->stand && i < trials && i < PL_TUNE_FINALISTS; ++i) {
+    qsort(sorted, (size_t)evaluations, sizeof *sorted, by_merit);
+    for (int i = 0; !f->stand && i < evaluations && i < PL_TUNE_FINALISTS; ++i) {
         if (i == 0 || sorted[i].holds) {
-            f->trials[f->count++] = sorted[i];
+            f->evaluations[f->count++] = sorted[i];
         }
     }
     return status;
@@ -88,11 +88,11 @@ static void put_in_order(const pl_tuner *t, const pl_readings *readings, finalis
 static void take(pl_tuner *t, const pl_readings *readings, const finalists *f, int index)
 {
     pl_tuning *tuning = t->tuning;
-    tuning->answer = f->trials[index];
-    tuning->setting = pl_tuner_setting(t, f->trials[index].values);
+    tuning->best = f->evaluations[index];
+    tuning->setting = pl_tuner_setting(t, f->evaluations[index].values);
     tuning->cost = f->costs[index];
-    tuning->worst = f->trials[index].excess;
-    for (int p = 0; p < t->def->plan->case_count; ++p) {
+    tuning->worst = f->evaluations[index].excess;
+    for (int p = 0; p < t->def->plan->problem_count; ++p) {
         tuning->scores[p] = pl_score_of(&pl_readings_of(readings, index + 1)[p],
                                         &pl_readings_of(readings, 0)[p], PL_TUNE_REPEATS);
     }
@@ -107,35 +107,35 @@ static pl_status take_valid(pl_tuner *t, const pl_readings *readings, const fina
     bool done = false;
     for (int k = 0; k <= f->count && status == PL_OK && tuning->signal_number == 0 && !done; ++k) {
         take(t, readings, f, f->order[k % f->count]);
-        status = tuning->met ? pl_answer_validate(t, error) : PL_OK;
+        status = tuning->met ? validate(t, error) : PL_OK;
         done = !tuning->met || tuning->missed == 0;
         tuning->passed_over = done ? k : 0;
     }
     return status;
 }
 
-pl_status pl_answer_choose(pl_tuner *t, pl_error *error)
+pl_status choose_best(pl_tuner *t, pl_error *error)
 {
     pl_tuning *tuning = t->tuning;
-    const size_t trials = (size_t)tuning->found.count;
-    pl_seek_trial *sorted = calloc(trials + 1, sizeof *sorted);
+    const size_t evaluations = (size_t)tuning->found.count;
+    pl_evaluation *sorted = calloc(evaluations + 1, sizeof *sorted);
     pl_setting settings[PL_TUNE_FINALISTS + 1] = {t->shipped};
     pl_readings readings;
     finalists f = {.count = 0};
     if (sorted == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu trials", trials);
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu trials", evaluations);
     }
-    memcpy(sorted, tuning->found.trials, trials * sizeof *sorted);
-    qsort(sorted, trials, sizeof *sorted, by_merit);
+    memcpy(sorted, tuning->found.evaluations, evaluations * sizeof *sorted);
+    qsort(sorted, evaluations, sizeof *sorted, by_merit);
     pl_status status = find(t, sorted, &f, error);
     free(sorted);
     if (status != PL_OK || tuning->signal_number != 0 || f.count == 0) {
         return status;
     }
-    tuning->met = f.trials[0].holds;
+    tuning->met = f.evaluations[0].holds;
     tuning->has_margin = f.stand;
     for (int i = 0; i < f.count; ++i) {
-        settings[i + 1] = pl_tuner_setting(t, f.trials[i].values);
+        settings[i + 1] = pl_tuner_setting(t, f.evaluations[i].values);
     }
     status = pl_tuner_measure(t, &pl_variant_none, settings, f.count + 1, 0, PL_TUNE_REPEATS,
                               &readings, error);

@@ -3,28 +3,28 @@
 #include <math.h>
 #include <string.h>
 
-bool pl_ledger_is_over(const pl_ledger *ledger)
+bool is_over(const pl_evaluation_cache *cache)
 {
-    return ledger->status != PL_OK || ledger->found->stopped ||
-           ledger->found->count >= ledger->limit;
+    return cache->status != PL_OK || cache->found->stopped ||
+           cache->found->count >= cache->limit;
 }
 
-pl_seek_units pl_ledger_units(const pl_ledger *ledger, const pl_seek_trial *trial)
+pl_unit_point units_of(const pl_evaluation_cache *cache, const pl_evaluation *evaluation)
 {
-    pl_seek_units at = {.u = {0}};
-    for (int i = 0; i < ledger->def->axis_count; ++i) {
-        at.u[i] = pl_tune_unit(&ledger->def->axes[i], trial->values[i]);
+    pl_unit_point at = {.u = {0}};
+    for (int i = 0; i < cache->def->parameter_count; ++i) {
+        at.u[i] = pl_tune_unit(&cache->def->parameters[i], evaluation->values[i]);
     }
     return at;
 }
 
-/* The place of a point among the trials; -1: it is new. */
-static int place_of(const pl_seek_found *found, const pl_seek_trial *trial, int axes)
+/* The place of a point among the evaluations; -1: it is new. */
+static int place_of(const pl_search_result *found, const pl_evaluation *evaluation, int parameters)
 {
     for (int i = 0; i < found->count; ++i) {
         bool same = true;
-        for (int k = 0; k < axes && same; ++k) {
-            same = found->trials[i].values[k] == trial->values[k];
+        for (int k = 0; k < parameters && same; ++k) {
+            same = found->evaluations[i].values[k] == evaluation->values[k];
         }
         if (same) {
             return i;
@@ -33,7 +33,7 @@ static int place_of(const pl_seek_found *found, const pl_seek_trial *trial, int 
     return -1;
 }
 
-bool pl_seek_better(const pl_seek_trial *a, const pl_seek_trial *b)
+bool pl_evaluation_is_better(const pl_evaluation *a, const pl_evaluation *b)
 {
     const bool a_meets = a->excess <= 0, b_meets = b->excess <= 0;
     if (a_meets != b_meets) {
@@ -48,26 +48,26 @@ bool pl_seek_better(const pl_seek_trial *a, const pl_seek_trial *b)
     return a->cost < b->cost;
 }
 
-int pl_ledger_try(pl_ledger *ledger, const pl_seek_units *point)
+int evaluate(pl_evaluation_cache *cache, const pl_unit_point *point)
 {
-    const pl_seek_def *def = ledger->def;
-    pl_seek_found *found = ledger->found;
-    pl_seek_trial trial = {.cost = (double)INFINITY, .excess = PL_SEEK_WORST};
-    for (int k = 0; k < def->axis_count; ++k) {
-        trial.values[k] = pl_tune_value(&def->axes[k], point->u[k]);
+    const pl_search_def *def = cache->def;
+    pl_search_result *found = cache->found;
+    pl_evaluation evaluation = {.cost = (double)INFINITY, .excess = PL_SEARCH_WORST};
+    for (int k = 0; k < def->parameter_count; ++k) {
+        evaluation.values[k] = pl_tune_value(&def->parameters[k], point->u[k]);
     }
-    const int place = place_of(found, &trial, def->axis_count);
-    if (place >= 0 || pl_ledger_is_over(ledger)) {
+    const int place = place_of(found, &evaluation, def->parameter_count);
+    if (place >= 0 || is_over(cache)) {
         return place;
     }
-    ledger->status = def->measure(def->user, &trial, &found->stopped, ledger->error);
-    if (ledger->status != PL_OK || found->stopped) {
+    cache->status = def->measure(def->user, &evaluation, &found->stopped, cache->error);
+    if (cache->status != PL_OK || found->stopped) {
         return -1;
     }
-    found->trials[found->count] = trial;
-    if (found->best < 0 || pl_seek_better(&trial, &found->trials[found->best])) {
+    found->evaluations[found->count] = evaluation;
+    if (found->best < 0 || pl_evaluation_is_better(&evaluation, &found->evaluations[found->best])) {
         found->best = found->count;
-        found->met = trial.excess <= 0;
+        found->met = evaluation.excess <= 0;
     }
     return found->count++;
 }

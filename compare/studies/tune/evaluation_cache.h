@@ -1,33 +1,33 @@
-/* The points of a search that were tried, each once, and the budget; for the stages of pl_seek. */
+/* The points of a search that were tried, each once, and the budget; for the stages of pl_search. */
 #ifndef PLUMB_TUNE_LEDGER_H
 #define PLUMB_TUNE_LEDGER_H
 
 #include "search_driver.h"
 
-typedef struct pl_ledger {
-    const pl_seek_def *def;
-    pl_seek_found *found;
+typedef struct pl_evaluation_cache {
+    const pl_search_def *def;
+    pl_search_result *found;
     int limit;        /* points up to which the stage may go */
     pl_status status; /* of the first call that failed */
     pl_error *error;
-} pl_ledger;
+} pl_evaluation_cache;
 
-typedef struct pl_seek_units {
-    double u[PL_TUNE_MOST_AXES]; /* 0 .. 1 */
-} pl_seek_units;
+typedef struct pl_unit_point {
+    double u[PL_TUNE_MAX_PARAMETERS]; /* 0 .. 1 */
+} pl_unit_point;
 
 /* No further point may be tried: the limit is reached, or the search stopped or failed. */
-bool pl_ledger_is_over(const pl_ledger *ledger);
+bool is_over(const pl_evaluation_cache *cache);
 
 /* Where a trial's values are. */
-pl_seek_units pl_ledger_units(const pl_ledger *ledger, const pl_seek_trial *trial);
+pl_unit_point units_of(const pl_evaluation_cache *cache, const pl_evaluation *evaluation);
 
-/* Tries a point unless it was tried; its place in found->trials, or -1 where it could not be. */
-int pl_ledger_try(pl_ledger *ledger, const pl_seek_units *point);
+/* Tries a point unless it was tried; its place in found->evaluations, or -1 where it could not be. */
+int evaluate(pl_evaluation_cache *cache, const pl_unit_point *point);
 
 /* The stages. */
-void pl_seek_sweep(pl_ledger *ledger);
-void pl_seek_model(pl_ledger *ledger);
-void pl_seek_polish(pl_ledger *ledger);
+void sample_space(pl_evaluation_cache *cache);
+void run_nlopt(pl_evaluation_cache *cache);
+void refine_locally(pl_evaluation_cache *cache);
 
 #endif

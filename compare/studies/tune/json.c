@@ -16,10 +16,10 @@ static json_t *options_json(const pl_engine_choice *choice)
     return options;
 }
 
-/* Of the step in seconds, of which the axis has the reciprocal. */
-static json_t *value_json(const pl_tune_axis *axis, double value)
+/* Of the step in seconds, of which the parameter has the reciprocal. */
+static json_t *value_json(const pl_tune_parameter *parameter, double value)
 {
-    return json_real(axis->option == PL_TUNE_RATE ? 1 / value : value);
+    return json_real(parameter->option == PL_TUNE_RATE ? 1 / value : value);
 }
 
 static json_t *targets_json(const pl_tune_def *def)
@@ -78,17 +78,17 @@ static json_t *scores_json(const pl_tune_def *def, const pl_tuning *tuning)
     return list;
 }
 
-static json_t *slopes_json(const pl_tune_def *def, const pl_tuning *tuning)
+static json_t *sensitivities_json(const pl_tune_def *def, const pl_tuning *tuning)
 {
     json_t *list = json_array();
-    for (int i = 0; i < tuning->slope_count; ++i) {
-        const pl_tune_slope *slope = &tuning->slopes[i];
-        const pl_tune_axis *axis = &def->space->axes[slope->axis];
+    for (int i = 0; i < tuning->sensitivity_count; ++i) {
+        const pl_tune_sensitivity *sensitivity = &tuning->sensitivities[i];
+        const pl_tune_parameter *parameter = &def->space->parameters[sensitivity->parameter];
         json_array_append_new(
-            list, json_pack("{s:s, s:o, s:o, s:o, s:f}", "key", axis->name, "from",
-                            value_json(axis, tuning->answer.values[slope->axis]), "to",
-                            value_json(axis, slope->value), "cost_ratio",
-                            pl_json_number_or_null(slope->cost), "excess", slope->excess));
+            list, json_pack("{s:s, s:o, s:o, s:o, s:f}", "key", parameter->name, "from",
+                            value_json(parameter, tuning->best.values[sensitivity->parameter]), "to",
+                            value_json(parameter, sensitivity->value), "cost_ratio",
+                            pl_json_number_or_null(sensitivity->cost), "excess", sensitivity->excess));
     }
     return list;
 }
@@ -107,19 +107,19 @@ static json_t *checks_json(const pl_tune_def *def, const pl_tuning *tuning)
     return list;
 }
 
-static json_t *trials_json(const pl_tune_def *def, const pl_tuning *tuning)
+static json_t *evaluations_json(const pl_tune_def *def, const pl_tuning *tuning)
 {
     json_t *list = json_array();
     for (int i = 0; i < tuning->found.count; ++i) {
-        const pl_seek_trial *trial = &tuning->found.trials[i];
+        const pl_evaluation *evaluation = &tuning->found.evaluations[i];
         json_t *values = json_object();
-        for (int k = 0; k < def->space->axis_count; ++k) {
-            json_object_set_new(values, def->space->axes[k].name,
-                                value_json(&def->space->axes[k], trial->values[k]));
+        for (int k = 0; k < def->space->parameter_count; ++k) {
+            json_object_set_new(values, def->space->parameters[k].name,
+                                value_json(&def->space->parameters[k], evaluation->values[k]));
         }
         json_array_append_new(list, json_pack("{s:o, s:o, s:f, s:b}", "values", values, "cost",
-                                              pl_json_number_or_null(trial->cost), "excess",
-                                              trial->excess, "holds", trial->holds));
+                                              pl_json_number_or_null(evaluation->cost), "excess",
+                                              evaluation->excess, "holds", evaluation->holds));
     }
     return list;
 }
@@ -141,10 +141,10 @@ json_t *pl_tune_json(const pl_tune_def *def, const pl_tuning *tuning)
         is_validated(tuning), "cost", pl_json_number_or_null(tuning->cost), "cost_is_ratio",
         tuning->shipped_has_cost, "excess", tuning->worst, "setting",
         setting_json(&tuning->setting), "on", scores_json(def, tuning), "sensitivity",
-        slopes_json(def, tuning), "validation", checks_json(def, tuning), "passed_over",
+        sensitivities_json(def, tuning), "validation", checks_json(def, tuning), "passed_over",
         tuning->passed_over, "search_cost", tuning->by_instructions ? "instructions" : "cpu_time",
         "seed", (json_int_t)def->plan->seed, "runs", (json_int_t)tuning->runs, "trials",
-        trials_json(def, tuning));
+        evaluations_json(def, tuning));
     if (json != NULL && json_object_update(json, def->provenance) != 0) {
         json_decref(json);
         return NULL;

@@ -8,7 +8,7 @@
 static void print_margin(FILE *out, double excess)
 {
     const double clear = 1e6, ratio = exp(fabs(excess));
-    if (excess >= PL_SEEK_WORST) {
+    if (excess >= PL_SEARCH_WORST) {
         fprintf(out, "no value");
     } else if (ratio >= clear) {
         fprintf(out, excess <= 0 ? "clear of the target" : "far from the target");
@@ -74,20 +74,20 @@ static void print_scores(FILE *out, const pl_tune_def *def, const pl_tuning *tun
     }
 }
 
-static void print_slopes(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
+static void print_sensitivities(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
 {
-    if (tuning->slope_count > 0) {
+    if (tuning->sensitivity_count > 0) {
         fprintf(out, "\nsensitivity, each moved by 10 %% or one step, on the scenarios as asked "
                      "for:\n");
     }
-    for (int i = 0; i < tuning->slope_count; ++i) {
-        const pl_tune_slope *slope = &tuning->slopes[i];
-        const pl_tune_axis *axis = &def->space->axes[slope->axis];
+    for (int i = 0; i < tuning->sensitivity_count; ++i) {
+        const pl_tune_sensitivity *sensitivity = &tuning->sensitivities[i];
+        const pl_tune_parameter *parameter = &def->space->parameters[sensitivity->parameter];
         char from[32], to[32];
-        pl_tune_value_text(axis, tuning->answer.values[slope->axis], from);
-        pl_tune_value_text(axis, slope->value, to);
-        fprintf(out, "  %-16s %10s -> %-10s cost x %.3g, ", axis->name, from, to, slope->cost);
-        print_margin(out, slope->excess);
+        pl_tune_value_text(parameter, tuning->best.values[sensitivity->parameter], from);
+        pl_tune_value_text(parameter, sensitivity->value, to);
+        fprintf(out, "  %-16s %10s -> %-10s cost x %.3g, ", parameter->name, from, to, sensitivity->cost);
+        print_margin(out, sensitivity->excess);
         fprintf(out, "\n");
     }
 }
@@ -130,7 +130,7 @@ void pl_tune_print(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
     fprintf(out, tuning->met ? ":\n\n" : "; the nearest:\n\n");
     print_settings(out, def, tuning);
     print_scores(out, def, tuning);
-    print_slopes(out, def, tuning);
+    print_sensitivities(out, def, tuning);
     if (tuning->met && !tuning->has_margin) {
         fprintf(out, "\nthe errors of the runs tuned on scatter so much that another may miss the "
                      "target: no settings found have two standard deviations to spare\n");
@@ -141,8 +141,8 @@ void pl_tune_print(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
     fprintf(out,
             "\n%d settings tried (%d of a sweep, %d by NLopt, %d around the best) in %ld runs; the "
             "search took %s as cost\n",
-            tuning->found.count, tuning->found.swept, tuning->found.modelled,
-            tuning->found.polished, tuning->runs,
+            tuning->found.count, tuning->found.sampled, tuning->found.optimised,
+            tuning->found.refined, tuning->runs,
             tuning->by_instructions
                 ? "instructions a step"
                 : "CPU time beside the shipped settings' in turns (instructions "

@@ -9,12 +9,12 @@
 /* Of the budget: up to where the sweep and then NLopt may go. */
 static const double sweep_part = 0.4, model_part = 0.75;
 
-/* The root above 1 of x^(axes + 1) = x + 1, by the fixed point of x = (1 + x)^(1 / (axes + 1)). */
-static double golden_ratio(int axes)
+/* The root above 1 of x^(parameters + 1) = x + 1, by the fixed point of x = (1 + x)^(1 / (parameters + 1)). */
+static double golden_ratio(int parameters)
 {
     double x = 2;
     for (int i = 0; i < 60; ++i) {
-        x = pow(1 + x, 1.0 / (axes + 1));
+        x = pow(1 + x, 1.0 / (parameters + 1));
     }
     return x;
 }
@@ -22,46 +22,46 @@ static double golden_ratio(int axes)
 /* The starts, then the additive recurrence of the generalised golden ratio (Roberts 2018), shifted
  * by the seed. Axes that spend no time stay at their starts in half of the points, each by itself:
  * what is shipped is often right, and of several options at once most combinations are wrong. */
-void pl_seek_sweep(pl_ledger *ledger)
+void sample_space(pl_evaluation_cache *cache)
 {
-    const pl_seek_def *def = ledger->def;
-    const int axes = def->axis_count, most_misses = 1000;
-    const double ratio = golden_ratio(axes);
+    const pl_search_def *def = cache->def;
+    const int parameters = def->parameter_count, most_misses = 1000;
+    const double ratio = golden_ratio(parameters);
     pl_random random = {.state = def->seed};
-    pl_seek_units point = {.u = {0}}, shift = point;
-    for (int k = 0; k < axes; ++k) {
+    pl_unit_point point = {.u = {0}}, shift = point;
+    for (int k = 0; k < parameters; ++k) {
         shift.u[k] = pl_random_unit(&random);
-        point.u[k] = pl_tune_unit(&def->axes[k], def->axes[k].start);
+        point.u[k] = pl_tune_unit(&def->parameters[k], def->parameters[k].start);
     }
-    pl_ledger_try(ledger, &point);
-    for (int next = 1, misses = 0; misses < most_misses && !pl_ledger_is_over(ledger); ++next) {
-        const int before = ledger->found->count;
-        for (int k = 0; k < axes; ++k) {
-            const bool stays = pl_random_unit(&random) < 0.5 && !def->axes[k].spends;
-            point.u[k] = stays ? pl_tune_unit(&def->axes[k], def->axes[k].start)
+    evaluate(cache, &point);
+    for (int next = 1, misses = 0; misses < most_misses && !is_over(cache); ++next) {
+        const int before = cache->found->count;
+        for (int k = 0; k < parameters; ++k) {
+            const bool stays = pl_random_unit(&random) < 0.5 && !def->parameters[k].spends;
+            point.u[k] = stays ? pl_tune_unit(&def->parameters[k], def->parameters[k].start)
                                : fmod(shift.u[k] + fmod(next * pow(ratio, -(k + 1)), 1), 1);
         }
-        pl_ledger_try(ledger, &point);
-        misses += ledger->found->count == before;
+        evaluate(cache, &point);
+        misses += cache->found->count == before;
     }
 }
 
-pl_status pl_seek(const pl_seek_def *def, pl_seek_found *found, pl_error *error)
+pl_status pl_search(const pl_search_def *def, pl_search_result *found, pl_error *error)
 {
-    *found = (pl_seek_found){.best = -1};
-    found->trials = calloc((size_t)def->budget, sizeof *found->trials);
-    if (found->trials == NULL) {
+    *found = (pl_search_result){.best = -1};
+    found->evaluations = calloc((size_t)def->budget, sizeof *found->evaluations);
+    if (found->evaluations == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for %d points", def->budget);
     }
-    pl_ledger ledger = {.def = def, .found = found, .error = error};
-    ledger.limit = (int)ceil(sweep_part * def->budget);
-    pl_seek_sweep(&ledger);
-    found->swept = found->count;
-    ledger.limit = (int)ceil(model_part * def->budget);
-    pl_seek_model(&ledger);
-    found->modelled = found->count - found->swept;
-    ledger.limit = def->budget;
-    pl_seek_polish(&ledger);
-    found->polished = found->count - found->swept - found->modelled;
-    return ledger.status;
+    pl_evaluation_cache cache = {.def = def, .found = found, .error = error};
+    cache.limit = (int)ceil(sweep_part * def->budget);
+    sample_space(&cache);
+    found->sampled = found->count;
+    cache.limit = (int)ceil(model_part * def->budget);
+    run_nlopt(&cache);
+    found->optimised = found->count - found->sampled;
+    cache.limit = def->budget;
+    refine_locally(&cache);
+    found->refined = found->count - found->sampled - found->optimised;
+    return cache.status;
 }

@@ -10,21 +10,21 @@
 /* Steps a second. */
 static const double lowest_rate = 30, highest_rate = 1920;
 
-static int find_axis(const pl_tune_space *space, const char *name)
+static int find_parameter(const pl_tune_space *space, const char *name)
 {
-    for (int i = 0; i < space->axis_count; ++i) {
-        if (strcmp(space->axes[i].name, name) == 0) {
+    for (int i = 0; i < space->parameter_count; ++i) {
+        if (strcmp(space->parameters[i].name, name) == 0) {
             return i;
         }
     }
     return -1;
 }
 
-static void remove_axis(pl_tune_space *space, int index)
+static void remove_parameter(pl_tune_space *space, int index)
 {
-    space->axis_count -= 1;
-    for (int i = index; i < space->axis_count; ++i) {
-        space->axes[i] = space->axes[i + 1];
+    space->parameter_count -= 1;
+    for (int i = index; i < space->parameter_count; ++i) {
+        space->parameters[i] = space->parameters[i + 1];
     }
 }
 
@@ -41,7 +41,7 @@ static int find_option(const pl_engine *engine, const char *name)
 static pl_status unknown_key(const pl_engine *engine, const char *option, const char *key,
                              pl_error *error)
 {
-    const char *names[PL_TUNE_MOST_AXES] = {"dt"};
+    const char *names[PL_TUNE_MAX_PARAMETERS] = {"dt"};
     for (int i = 0; i < engine->option_count; ++i) {
         names[i + 1] = engine->options[i].name;
     }
@@ -130,30 +130,30 @@ static pl_status vary(pl_tune_space *space, const char *text, bool *given, pl_er
     if (status != PL_OK) {
         return status;
     }
-    int at = find_axis(space, key);
+    int at = find_parameter(space, key);
     const bool is_known = at >= 0;
     if (!is_known) {
-        at = space->axis_count++;
-        space->axes[at] = (pl_tune_axis){.option = index};
-        memcpy(space->axes[at].name, key, sizeof key);
+        at = space->parameter_count++;
+        space->parameters[at] = (pl_tune_parameter){.option = index};
+        memcpy(space->parameters[at].name, key, sizeof key);
     }
-    pl_tune_axis *axis = &space->axes[at];
+    pl_tune_parameter *parameter = &space->parameters[at];
     if (index == PL_TUNE_RATE) {
-        axis->low = floor(1 / range[1] + 0.5);
-        axis->high = floor(1 / range[0] + 0.5);
-        axis->logarithmic = axis->integer = true;
-        axis->start = isnan(space->dt) ? 60 : 1 / space->dt;
+        parameter->low = floor(1 / range[1] + 0.5);
+        parameter->high = floor(1 / range[0] + 0.5);
+        parameter->logarithmic = parameter->integer = true;
+        parameter->start = isnan(space->dt) ? 60 : 1 / space->dt;
         space->keeps_dt = false;
-        if (axis->low < 1 || axis->low >= axis->high) {
+        if (parameter->low < 1 || parameter->low >= parameter->high) {
             return pl_fail(error, PL_BAD_INPUT, "%s: no two whole rates lie in it", what);
         }
         return PL_OK;
     }
-    axis->low = range[0];
-    axis->high = range[1];
-    axis->integer = space->base.engine->options[index].integer;
-    axis->logarithmic = range[0] > 0 && (is_known ? axis->logarithmic : range[1] > wide * range[0]);
-    axis->start = space->base.values[index];
+    parameter->low = range[0];
+    parameter->high = range[1];
+    parameter->integer = space->base.engine->options[index].integer;
+    parameter->logarithmic = range[0] > 0 && (is_known ? parameter->logarithmic : range[1] > wide * range[0]);
+    parameter->start = space->base.values[index];
     return PL_OK;
 }
 
@@ -171,9 +171,9 @@ static pl_status fix(pl_tune_space *space, const char *text, bool *given, pl_err
     if (status != PL_OK) {
         return status;
     }
-    const int at = find_axis(space, key);
+    const int at = find_parameter(space, key);
     if (at >= 0) {
-        remove_axis(space, at);
+        remove_parameter(space, at);
     }
     if (index == PL_TUNE_RATE) {
         space->dt = value;
@@ -186,9 +186,9 @@ static pl_status fix(pl_tune_space *space, const char *text, bool *given, pl_err
 
 static void add_rate(pl_tune_space *space, double dt)
 {
-    pl_tune_axis *axis = &space->axes[space->axis_count++];
+    pl_tune_parameter *parameter = &space->parameters[space->parameter_count++];
     const double rate = isnan(dt) ? 60 : 1 / dt;
-    *axis = (pl_tune_axis){.name = "dt",
+    *parameter = (pl_tune_parameter){.name = "dt",
                            .option = PL_TUNE_RATE,
                            .low = lowest_rate,
                            .high = highest_rate,
@@ -197,7 +197,7 @@ static void add_rate(pl_tune_space *space, double dt)
                            .start = rate};
 }
 
-/* The table's axes but those of options that the user set. */
+/* The table's parameters but those of options that the user set. */
 static pl_status add_table(pl_tune_space *space, pl_error *error)
 {
     const pl_engine *engine = space->base.engine;
@@ -209,14 +209,14 @@ static pl_status add_table(pl_tune_space *space, pl_error *error)
         if (tunable == NULL || space->base.values[i] != shipped.values[i]) {
             continue;
         }
-        pl_tune_axis *axis = &space->axes[space->axis_count++];
-        *axis = (pl_tune_axis){.option = i,
+        pl_tune_parameter *parameter = &space->parameters[space->parameter_count++];
+        *parameter = (pl_tune_parameter){.option = i,
                                .low = fmax(tunable->low, option->min),
                                .high = fmin(tunable->high, option->max),
                                .logarithmic = tunable->logarithmic,
                                .integer = option->integer,
                                .start = space->base.values[i]};
-        snprintf(axis->name, sizeof axis->name, "%s", option->name);
+        snprintf(parameter->name, sizeof parameter->name, "%s", option->name);
     }
     return status;
 }
@@ -225,7 +225,7 @@ pl_status pl_tune_space_make(const pl_engine_choice *engine, double dt, const ch
                              int varied_count, const char *const *fixed, int fixed_count,
                              pl_tune_space *space, pl_error *error)
 {
-    bool given[PL_TUNE_MOST_AXES] = {false};
+    bool given[PL_TUNE_MAX_PARAMETERS] = {false};
     *space = (pl_tune_space){.base = *engine, .dt = dt};
     add_rate(space, dt);
     pl_status status = add_table(space, error);
@@ -235,11 +235,11 @@ pl_status pl_tune_space_make(const pl_engine_choice *engine, double dt, const ch
     for (int i = 0; i < fixed_count && status == PL_OK; ++i) {
         status = fix(space, fixed[i], given, error);
     }
-    for (int i = 0; i < space->axis_count; ++i) {
-        pl_tune_axis *axis = &space->axes[i];
-        axis->spends = axis->option == PL_TUNE_RATE || strcmp(axis->name, "iterations") == 0;
+    for (int i = 0; i < space->parameter_count; ++i) {
+        pl_tune_parameter *parameter = &space->parameters[i];
+        parameter->spends = parameter->option == PL_TUNE_RATE || strcmp(parameter->name, "iterations") == 0;
     }
-    if (find_axis(space, "dt") >= 0) {
+    if (find_parameter(space, "dt") >= 0) {
         space->dt = (double)NAN;
     }
     return status;
@@ -249,19 +249,19 @@ pl_engine_choice pl_tune_choice(const pl_tune_space *space, const double *values
 {
     pl_engine_choice choice = space->base;
     *dt = space->dt;
-    for (int i = 0; i < space->axis_count; ++i) {
-        const pl_tune_axis *axis = &space->axes[i];
-        if (axis->option == PL_TUNE_RATE) {
+    for (int i = 0; i < space->parameter_count; ++i) {
+        const pl_tune_parameter *parameter = &space->parameters[i];
+        if (parameter->option == PL_TUNE_RATE) {
             *dt = 1 / values[i];
         } else {
-            choice.values[axis->option] = values[i];
+            choice.values[parameter->option] = values[i];
         }
     }
     pl_tune_spec(&choice, choice.spec);
     return choice;
 }
 
-void pl_tune_value_text(const pl_tune_axis *axis, double value, char text[32])
+void pl_tune_value_text(const pl_tune_parameter *parameter, double value, char text[32])
 {
-    snprintf(text, 32, "%s%.6g", axis->option == PL_TUNE_RATE ? "1/" : "", value);
+    snprintf(text, 32, "%s%.6g", parameter->option == PL_TUNE_RATE ? "1/" : "", value);
 }

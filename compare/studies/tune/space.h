@@ -11,8 +11,8 @@ typedef struct pl_tune_space {
     double dt;             /* s: of every run where "dt" is not tuned; NAN: it is tuned, or, with
                               keeps_dt, each scenario's own */
     bool keeps_dt;
-    pl_tune_axis axes[PL_TUNE_MOST_AXES];
-    int axis_count;
+    pl_tune_parameter parameters[PL_TUNE_MAX_PARAMETERS];
+    int parameter_count;
 } pl_tune_space;
 
 /* The space for an engine as chosen: options that its SPEC sets to other than the profile ships are
@@ -27,7 +27,7 @@ pl_status pl_tune_space_make(const pl_engine_choice *engine, double dt, const ch
 /* The engine with a point's values; and its time step, s: NAN each scenario's own. */
 pl_engine_choice pl_tune_choice(const pl_tune_space *space, const double *values, double *dt);
 
-/* An axis's value as a user writes it: "37", or of "dt" "1/240". */
-void pl_tune_value_text(const pl_tune_axis *axis, double value, char text[32]);
+/* A parameter's value as a user writes it: "37", or of "dt" "1/240". */
+void pl_tune_value_text(const pl_tune_parameter *parameter, double value, char text[32]);
 
 #endif

@@ -63,22 +63,22 @@ void pl_target_text(const pl_target *target, char text[96])
 static double excess_of(const pl_target *target, double value)
 {
     if (!isfinite(value)) {
-        return PL_SEEK_WORST;
+        return PL_SEARCH_WORST;
     }
     if (value <= 0) {
-        return -PL_SEEK_WORST;
+        return -PL_SEARCH_WORST;
     }
     const double excess = log(value / target->bound);
-    /* Rounding of the quotient must not tell a miss from a hit. */
+    /* Rounding of the quotient must not log_evaluation a miss from a hit. */
     if (value > target->bound || (target->strict && value >= target->bound)) {
-        return fmin(fmax(excess, DBL_EPSILON), PL_SEEK_WORST);
+        return fmin(fmax(excess, DBL_EPSILON), PL_SEARCH_WORST);
     }
-    return fmax(fmin(excess, 0), -PL_SEEK_WORST);
+    return fmax(fmin(excess, 0), -PL_SEARCH_WORST);
 }
 
 pl_target_reading pl_target_read(const pl_targets *targets, const json_t *result)
 {
-    pl_target_reading reading = {.excess = -PL_SEEK_WORST};
+    pl_target_reading reading = {.excess = -PL_SEARCH_WORST};
     const json_t *metrics = json_object_get(result, "metrics");
     for (int i = 0; i < targets->count; ++i) {
         const pl_target *target = &targets->items[i];
@@ -88,7 +88,7 @@ pl_target_reading pl_target_read(const pl_targets *targets, const json_t *result
         reading.excess = fmax(reading.excess, excess_of(target, reading.values[i]));
     }
     if (strcmp(pl_json_get_text(result, "outcome"), "ok") != 0) {
-        reading.excess = fmin(fmax(reading.excess, 0) + fallen, PL_SEEK_WORST);
+        reading.excess = fmin(fmax(reading.excess, 0) + fallen, PL_SEARCH_WORST);
     }
     return reading;
 }

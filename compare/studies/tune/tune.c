@@ -16,22 +16,22 @@ static long expected_runs(const pl_tune_def *def)
 static pl_status search(pl_tuner *t, pl_error *error)
 {
     const pl_tune_def *def = t->def;
-    const pl_seek_def seek = {.axes = def->space->axes,
-                              .axis_count = def->space->axis_count,
+    const pl_search_def seek = {.parameters = def->space->parameters,
+                              .parameter_count = def->space->parameter_count,
                               .budget = def->budget,
                               .seed = def->plan->seed,
                               .user = t,
-                              .measure = pl_trial_make};
+                              .measure = pl_evaluation_make};
     pl_tuning *tuning = t->tuning;
-    pl_status status = pl_trial_shipped(t, error);
+    pl_status status = measure_shipped(t, error);
     if (status == PL_OK && tuning->signal_number == 0) {
-        status = pl_seek(&seek, &tuning->found, error);
+        status = pl_search(&seek, &tuning->found, error);
     }
     if (status == PL_OK && tuning->signal_number == 0) {
-        status = pl_answer_choose(t, error);
+        status = choose_best(t, error);
     }
     if (status == PL_OK && tuning->signal_number == 0) {
-        status = pl_answer_slope(t, error);
+        status = find_sensitivities(t, error);
     }
     return status;
 }
@@ -64,9 +64,9 @@ pl_status pl_tune(const pl_tune_def *def, pl_tuning *tuning, pl_error *error)
 
 void pl_tuning_free(pl_tuning *tuning)
 {
-    free(tuning->found.trials);
+    free(tuning->found.evaluations);
     free(tuning->scores);
-    free(tuning->slopes);
+    free(tuning->sensitivities);
     free(tuning->checks);
     *tuning = (pl_tuning){.runs = 0};
 }

@@ -29,13 +29,13 @@ typedef struct pl_tune_score {
     char outcome[32], shipped_outcome[32];
 } pl_tune_score;
 
-/* An axis moved from the answer, the others where they are. */
-typedef struct pl_tune_slope {
-    int axis;
+/* A parameter moved from the answer, the others where they are. */
+typedef struct pl_tune_sensitivity {
+    int parameter;
     double value;
     double cost; /* ratio to the answer's; NAN: none */
     double excess;
-} pl_tune_slope;
+} pl_tune_sensitivity;
 
 /* The answer on a scenario that it was not tuned on. */
 typedef struct pl_tune_check {
@@ -48,17 +48,17 @@ typedef struct pl_tune_check {
 typedef struct pl_tuning {
     /* Of a trial: it holds where the targets are met on all runs tuned on, and its excess is at
      * most 0 where they are with two standard deviations of ln(value / bound) to spare. */
-    pl_seek_found found;
+    pl_search_result found;
     bool met;              /* `answer` meets the targets; else it is the nearest to them */
     bool has_margin;       /* with two standard deviations to spare */
     bool by_instructions;  /* what the search took as cost; else CPU time */
     bool shipped_has_cost; /* else costs are not ratios but seconds a simulated second */
-    pl_seek_trial answer;
+    pl_evaluation best;
     pl_setting setting;    /* the answer's */
     double cost, worst;    /* ratio of CPU time to what is shipped, geometric mean; excess */
     pl_tune_score *scores; /* (problem_count of the plan) */
-    pl_tune_slope *slopes; /* (slope_count) */
-    int slope_count;
+    pl_tune_sensitivity *sensitivities; /* (sensitivity_count) */
+    int sensitivity_count;
     pl_tune_check *checks; /* (check_count): empty where nothing could be changed, or not met */
     int check_count, missed;
     int passed_over; /* finalists before the answer that missed a target in validation */

@@ -56,7 +56,7 @@ static pl_status make_room(gatherer *g, pl_error *error)
     for (size_t i = 0; i < count; ++i) {
         r->items[i].seconds = &r->numbers[2 * i * repeats];
         r->items[i].instructions = r->items[i].seconds + repeats;
-        r->items[i].target.excess = PL_SEEK_WORST;
+        r->items[i].target.excess = PL_SEARCH_WORST;
         for (size_t k = 0; k < 2 * repeats; ++k) {
             r->items[i].seconds[k] = (double)NAN;
         }

@@ -5,26 +5,26 @@
 #include "plumb/engine_abi.h"
 
 /* Every option of an engine, and the time step. */
-enum { PL_TUNE_MOST_AXES = PL_ENGINE_MAX_OPTIONS + 1, PL_TUNE_RATE = -1 };
+enum { PL_TUNE_MAX_PARAMETERS = PL_ENGINE_MAX_OPTIONS + 1, PL_TUNE_RATE = -1 };
 
-typedef struct pl_tune_axis {
+typedef struct pl_tune_parameter {
     char name[PL_NAME_SIZE];
     int option;       /* index in the engine's table; PL_TUNE_RATE: steps a second, of "dt" */
-    double low, high; /* low < high; of a logarithmic axis low > 0 */
+    double low, high; /* low < high; of a logarithmic parameter low > 0 */
     bool logarithmic, integer;
     bool spends;  /* more of it takes more time: steps a second, iterations */
     double start; /* where the search begins: what the engine ships, moved into the range */
-} pl_tune_axis;
+} pl_tune_parameter;
 
 /* The value at `unit`, 0 .. 1 (cut to that), of three significant digits, so that settings are
- * short to write; of a whole axis a whole number. */
-double pl_tune_value(const pl_tune_axis *axis, double unit);
+ * short to write; of a whole parameter a whole number. */
+double pl_tune_value(const pl_tune_parameter *parameter, double unit);
 
-/* Where on the axis a value is, 0 .. 1. */
-double pl_tune_unit(const pl_tune_axis *axis, double value);
+/* Where on the parameter a value is, 0 .. 1. */
+double pl_tune_unit(const pl_tune_parameter *parameter, double value);
 
 /* The value moved by 10 %, at least by one where whole, down (direction < 0) or up; of 0 by 1 % of
  * the range. Not beyond the range: there it is the value itself. */
-double pl_tune_neighbour(const pl_tune_axis *axis, double value, int direction);
+double pl_tune_neighbour(const pl_tune_parameter *parameter, double value, int direction);
 
 #endif

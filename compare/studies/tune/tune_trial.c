@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* What is shipped, once: whether the engine does the scenarios, and what is counted there. */
-pl_status pl_trial_shipped(pl_tuner *t, pl_error *error)
+pl_status measure_shipped(pl_tuner *t, pl_error *error)
 {
     pl_readings readings;
     pl_tuning *tuning = t->tuning;
@@ -30,14 +30,14 @@ pl_status pl_trial_shipped(pl_tuner *t, pl_error *error)
 }
 
 /* What costs much more than the best so far needs no second look, and is no finalist. */
-static bool may_be_best(const pl_tuner *t, const pl_seek_trial *trial)
+static bool may_be_best(const pl_tuner *t, const pl_evaluation *evaluation)
 {
-    const pl_seek_found *found = &t->tuning->found;
-    return !found->met || pl_tuner_is_near(trial->cost, found->trials[found->best].cost);
+    const pl_search_result *found = &t->tuning->found;
+    return !found->met || pl_tuner_is_near(evaluation->cost, found->evaluations[found->best].cost);
 }
 
-pl_status pl_trial_judge(pl_tuner *t, const pl_setting *setting, const pl_reading *asked,
-                         const pl_variant *variants, int count, pl_seek_trial *trial,
+pl_status pl_evaluation_judge(pl_tuner *t, const pl_setting *setting, const pl_reading *asked,
+                         const pl_variant *variants, int count, pl_evaluation *evaluation,
                          pl_error *error)
 {
     pl_status status = PL_OK;
@@ -61,16 +61,16 @@ pl_status pl_trial_judge(pl_tuner *t, const pl_setting *setting, const pl_readin
             return status;
         }
     }
-    trial->holds = worst <= 0;
-    trial->excess = fmin(worst, PL_SEEK_WORST);
-    for (int p = 0; p < t->def->plan->case_count && trial->holds; ++p) {
-        trial->excess = fmax(trial->excess, pl_spread_likely(&t->spreads[p]));
+    evaluation->holds = worst <= 0;
+    evaluation->excess = fmin(worst, PL_SEARCH_WORST);
+    for (int p = 0; p < t->def->plan->problem_count && evaluation->holds; ++p) {
+        evaluation->excess = fmax(evaluation->excess, pl_spread_likely(&t->spreads[p]));
     }
     return status;
 }
 
-/* A line a trial, where there is no terminal whose line could be drawn again. */
-static void tell(const pl_tuner *t, const pl_setting *setting, const pl_seek_trial *trial)
+/* A line a evaluation, where there is no terminal whose line could be drawn again. */
+static void log_evaluation(const pl_tuner *t, const pl_setting *setting, const pl_evaluation *evaluation)
 {
     char spec[256], step[32] = "";
     if (!t->shows || t->bar.terminal) {
@@ -81,24 +81,24 @@ static void tell(const pl_tuner *t, const pl_setting *setting, const pl_seek_tri
         snprintf(step, sizeof step, " at 1/%.4g s", 1 / setting->dt);
     }
     fprintf(t->def->progress, "[%d/%d] %s%s: cost x %.3g, ", t->tuning->found.count + 1,
-            t->def->budget, spec, step, trial->cost);
-    if (trial->excess >= PL_SEEK_WORST) {
+            t->def->budget, spec, step, evaluation->cost);
+    if (evaluation->excess >= PL_SEARCH_WORST) {
         fprintf(t->def->progress, "no value\n");
     } else {
         fprintf(t->def->progress, "%s by a factor of %.3g%s\n",
-                trial->holds && trial->excess <= 0 ? "meets the target" : "misses the target",
-                exp(fabs(trial->excess)), trial->holds && trial->excess > 0 ? ", likely" : "");
+                evaluation->holds && evaluation->excess <= 0 ? "meets the target" : "misses the target",
+                exp(fabs(evaluation->excess)), evaluation->holds && evaluation->excess > 0 ? ", likely" : "");
     }
 }
 
 /* One repeat; a setting that meets the targets also on the changed scenarios is timed by more.
  * What is shipped runs beside it, so that a machine that drifts does so for both. */
-pl_status pl_trial_make(void *user, pl_seek_trial *trial, bool *stop, pl_error *error)
+pl_status pl_evaluation_make(void *user, pl_evaluation *evaluation, bool *stop, pl_error *error)
 {
     pl_tuner *t = user;
     pl_tuning *tuning = t->tuning;
     const bool counted = tuning->by_instructions;
-    const pl_setting settings[2] = {pl_tuner_setting(t, trial->values), t->shipped};
+    const pl_setting settings[2] = {pl_tuner_setting(t, evaluation->values), t->shipped};
     const double began = pl_monotonic_seconds();
     pl_readings readings;
     pl_status status =
@@ -106,33 +106,33 @@ pl_status pl_trial_make(void *user, pl_seek_trial *trial, bool *stop, pl_error *
     const double seconds = pl_monotonic_seconds() - began;
     if (status == PL_OK) {
         const pl_reading *mine = pl_readings_of(&readings, 0);
-        trial->cost = counted ? pl_tuner_instructions(t, mine)
+        evaluation->cost = counted ? pl_tuner_instructions(t, mine)
                               : pl_tuner_cost(t, mine, pl_readings_of(&readings, 1), 0, 1);
     }
-    const bool is_near = may_be_best(t, trial);
+    const bool is_near = may_be_best(t, evaluation);
     if (status == PL_OK && tuning->signal_number == 0) {
         int count = 0;
         const pl_variant *variants = pl_variants_tuned_on(&count);
-        status = pl_trial_judge(t, &settings[0], pl_readings_of(&readings, 0), variants,
-                                is_near ? count : 0, trial, error);
+        status = pl_evaluation_judge(t, &settings[0], pl_readings_of(&readings, 0), variants,
+                                is_near ? count : 0, evaluation, error);
     }
     pl_readings_free(&readings);
-    if (status == PL_OK && tuning->signal_number == 0 && trial->holds && is_near && !counted) {
+    if (status == PL_OK && tuning->signal_number == 0 && evaluation->holds && is_near && !counted) {
         status = pl_tuner_measure(t, &pl_variant_none, settings, 2, 1, PL_TUNER_REPEATS, &readings,
                                   error);
         if (status == PL_OK) {
-            trial->cost = pl_tuner_cost(t, pl_readings_of(&readings, 0),
+            evaluation->cost = pl_tuner_cost(t, pl_readings_of(&readings, 0),
                                         pl_readings_of(&readings, 1), 1, PL_TUNER_REPEATS);
         }
         pl_readings_free(&readings);
     }
     *stop = tuning->signal_number != 0;
-    const pl_seek_found *found = &tuning->found;
-    if (trial->excess <= 0 && (!found->met || trial->cost < found->trials[found->best].cost)) {
+    const pl_search_result *found = &tuning->found;
+    if (evaluation->excess <= 0 && (!found->met || evaluation->cost < found->evaluations[found->best].cost)) {
         t->best_seconds = seconds;
     }
     if (status == PL_OK && !*stop) {
-        tell(t, &settings[0], trial);
+        log_evaluation(t, &settings[0], evaluation);
     }
     return status;
 }

@@ -70,8 +70,8 @@ double pl_tuner_instructions(const pl_tuner *t, const pl_reading *mine)
 
 double pl_tuner_excess(const pl_tuner *t, const pl_reading *readings)
 {
-    double excess = -PL_SEEK_WORST;
-    for (int p = 0; p < t->def->plan->case_count; ++p) {
+    double excess = -PL_SEARCH_WORST;
+    for (int p = 0; p < t->def->plan->problem_count; ++p) {
         excess = fmax(excess, readings[p].target.excess);
     }
     return excess;
