@@ -121,12 +121,12 @@ static int run(const pl_call *call, const options *o, const pl_plan *plan, const
                            : PL_OK;
     if (status == PL_OK) {
         const pl_metamorphic_def def = {.plan = plan,
-                                   .chosen = chosen,
-                                   .limits = o->comparison.limits,
-                                   .provenance = provenance,
-                                   .progress = stderr,
-                                   .user = &d,
-                                   .keep = keep};
+                                        .chosen = chosen,
+                                        .limits = o->comparison.limits,
+                                        .provenance = provenance,
+                                        .progress = stderr,
+                                        .user = &d,
+                                        .keep = keep};
         status = pl_run_checks(&def, &signal_number, &error);
     }
     if (status == PL_OK && signal_number == 0) {

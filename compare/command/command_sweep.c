@@ -299,7 +299,8 @@ static pl_status make_plan(options *o, pl_shard shard, pl_plan *plan, pl_error *
     const int repeats = is_usual ? PL_SWEEP_DEFAULT_REPEATS : 1;
     pl_plan base = {.repeats = o->repeats > 0 ? o->repeats : repeats};
     if (o->comparison.limits.timeout <= 0) {
-        o->comparison.limits.timeout = is_usual ? PL_SWEEP_DEFAULT_TIMEOUT : pl_limits_default().timeout;
+        o->comparison.limits.timeout =
+            is_usual ? PL_SWEEP_DEFAULT_TIMEOUT : pl_limits_default().timeout;
     }
     pl_status status = pl_comparison_add_problems(&o->comparison, &base, error);
     if (status == PL_OK) {

@@ -128,8 +128,9 @@ static pl_status add_problems(const pl_comparison *comparison, pl_plan *plan, pl
     return status == PL_OK ? check_settings(comparison, plan, error) : status;
 }
 
-static pl_status write_lines(const char *path, const pl_plan *plan, const pl_threshold_search *searches,
-                             int count, json_t *provenance, const char *started, pl_error *error)
+static pl_status write_lines(const char *path, const pl_plan *plan,
+                             const pl_threshold_search *searches, int count, json_t *provenance,
+                             const char *started, pl_error *error)
 {
     char *text = NULL;
     size_t length = 0;
@@ -168,10 +169,10 @@ static int search(const pl_call *call, const pl_comparison *comparison, const pl
     pl_timestamp(started);
     json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
     const pl_threshold_search_def def = {.plan = plan,
-                               .jobs = comparison->jobs,
-                               .limits = comparison->limits,
-                               .provenance = provenance,
-                               .progress = stderr};
+                                         .jobs = comparison->jobs,
+                                         .limits = comparison->limits,
+                                         .provenance = provenance,
+                                         .progress = stderr};
     pl_status status = provenance == NULL
                            ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
                            : pl_find_thresholds(&def, &searches, &count, &signal_number, &error);

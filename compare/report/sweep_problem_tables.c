@@ -52,7 +52,7 @@ static const char *alone(pl_attained_by attained)
 {
     return attained == PL_ATTAINED_BY_OURS_ONLY    ? "ours alone"
            : attained == PL_ATTAINED_BY_OTHER_ONLY ? "other alone"
-                                          : pl_quantity_missing;
+                                                   : pl_quantity_missing;
 }
 
 static void add_ratio(const pl_sweep_ratio *ratio, const char *otherwise, pl_sweep_table *table)
@@ -97,10 +97,11 @@ void pl_sweep_errors_table(const pl_sweep_analysis *analysis, const pl_sweep_sce
         for (int k = 0; k < PL_SWEEP_TIMES; k++) {
             char cost[PL_SWEEP_TEXT_SIZE];
             /* Costs at which neither front has anything new are left out. */
-            bool same =
-                k > 0 &&
-                scene->curves[pair->ours].most_exact[k] == scene->curves[pair->ours].most_exact[k - 1] &&
-                scene->curves[pair->other].most_exact[k] == scene->curves[pair->other].most_exact[k - 1];
+            bool same = k > 0 &&
+                        scene->curves[pair->ours].most_exact[k] ==
+                            scene->curves[pair->ours].most_exact[k - 1] &&
+                        scene->curves[pair->other].most_exact[k] ==
+                            scene->curves[pair->other].most_exact[k - 1];
             if (comparison->at_cost[k] == PL_ATTAINED_BY_NEITHER ||
                 (same && isnan(comparison->exactness_between[k].value)))
                 continue;

@@ -173,8 +173,7 @@ static int alike(const pl_sweep_analysis *analysis, int first)
 {
     const pl_sweep_point *points = analysis->points, *point = &points[first];
     int count = 1;
-    while (first + count < analysis->point_count &&
-           points[first + count].scene == point->scene &&
+    while (first + count < analysis->point_count && points[first + count].scene == point->scene &&
            points[first + count].state == point->state &&
            strcmp(points[first + count].label, point->label) == 0 &&
            strcmp(points[first + count].outcome, point->outcome) == 0)

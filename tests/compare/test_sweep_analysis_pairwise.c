@@ -13,7 +13,8 @@ static void test_speed_is_their_cost_over_ours_at_each_error(void **state)
     const pl_pairwise_comparison *comparison = comparison_with(&analysis, "ode");
     static const double speeds[] = {0.5, 0.5, 4, 4};
     for (int k = 0; k < PL_SWEEP_LEVELS; k++) {
-        assert_int_equal(comparison->at_error[k], k < 4 ? PL_ATTAINED_BY_BOTH : PL_ATTAINED_BY_NEITHER);
+        assert_int_equal(comparison->at_error[k],
+                         k < 4 ? PL_ATTAINED_BY_BOTH : PL_ATTAINED_BY_NEITHER);
         if (k < 4)
             assert_close(comparison->speed[k].value, speeds[k], 0, 0);
         else
@@ -113,7 +114,8 @@ static void test_constant_repeats_have_an_interval_without_width(void **state)
     const pl_pairwise_comparison *comparison = comparison_with(&analysis, "ode");
     const pl_sweep_pair *pair = &analysis.pairs[pair_named(&analysis, "plumb", "ode")];
     const pl_sweep_ratio *ratios[] = {&comparison->speed[2], &comparison->speed_between[2],
-                                      &comparison->exactness[20], &comparison->exactness_between[20]};
+                                      &comparison->exactness[20],
+                                      &comparison->exactness_between[20]};
     for (int i = 0; i < 4; i++) {
         assert_true(isfinite(ratios[i]->value));
         assert_true(ratios[i]->low == ratios[i]->value && ratios[i]->high == ratios[i]->value);

@@ -1,4 +1,5 @@
-/* What plumb tune takes and says: parameters, spaces, targets, changed scenarios, an engine's own API. */
+/* What plumb tune takes and says: parameters, spaces, targets, changed scenarios, an engine's own
+ * API. */
 #include "check.h"
 #include "studies/tune/score.h"
 #include "studies/tune/search_driver.h"
@@ -208,7 +209,8 @@ static void test_what_is_varied_fixed_or_in_the_spec_is_so(void **state)
                      PL_OK);
     assert_null(axis_of(&space, "tolerance"));
     assert_null(axis_of(&space, "slop"));
-    const pl_tune_parameter *dt = axis_of(&space, "dt"), *iterations = axis_of(&space, "iterations");
+    const pl_tune_parameter *dt = axis_of(&space, "dt"),
+                            *iterations = axis_of(&space, "iterations");
     assert_true(dt->low == 60 && dt->high == 240 && dt->integer);
     assert_true(iterations->low == 10 && iterations->high == 20 && !iterations->logarithmic);
     assert_true(axis_of(&space, "updates")->logarithmic);

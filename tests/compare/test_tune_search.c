@@ -54,7 +54,8 @@ static pl_status measure(void *user, pl_evaluation *evaluation, bool *stop, pl_e
     assert_true(m->asked < BUDGET);
     check_point(m, evaluation->values);
     m->asked += 1;
-    evaluation->cost = m->cost(evaluation->values) * (1 + check_uniform(&m->random, -m->noise, m->noise));
+    evaluation->cost =
+        m->cost(evaluation->values) * (1 + check_uniform(&m->random, -m->noise, m->noise));
     evaluation->excess = m->excess(evaluation->values);
     *stop = m->asked == m->stop_at;
     return m->asked == m->fail_at ? pl_fail(error, PL_IO, "it failed") : PL_OK;
@@ -62,23 +63,25 @@ static pl_status measure(void *user, pl_evaluation *evaluation, bool *stop, pl_e
 
 static made_up make(double (*cost)(const double *), double (*excess)(const double *), int count)
 {
-    return (made_up){.cost = cost, .excess = excess, .random = {.state = 7}, .parameter_count = count};
+    return (made_up){
+        .cost = cost, .excess = excess, .random = {.state = 7}, .parameter_count = count};
 }
 
 static pl_search_result search(made_up *m, int budget, uint64_t seed)
 {
     const pl_search_def def = {.parameters = parameters,
-                             .parameter_count = m->parameter_count,
-                             .budget = budget,
-                             .seed = seed,
-                             .user = m,
-                             .measure = measure};
+                               .parameter_count = m->parameter_count,
+                               .budget = budget,
+                               .seed = seed,
+                               .user = m,
+                               .measure = measure};
     pl_search_result found;
     assert_int_equal(pl_search(&def, &found, NULL), PL_OK);
     assert_true(found.count <= budget);
     assert_int_equal(found.count, found.sampled + found.optimised + found.refined);
     for (int i = 0; i < found.count; ++i) {
-        assert_false(pl_evaluation_is_better(&found.evaluations[i], &found.evaluations[found.best]));
+        assert_false(
+            pl_evaluation_is_better(&found.evaluations[i], &found.evaluations[found.best]));
     }
     return found;
 }
@@ -284,11 +287,11 @@ static void test_a_stop_or_failure_ends_it_with_what_there_is(void **state)
     for (int at = 1; at <= BUDGET; at += 13) {
         made_up m = make(valley_cost, valley_excess, 2);
         pl_search_def def = {.parameters = parameters,
-                           .parameter_count = 2,
-                           .budget = BUDGET,
-                           .seed = 1,
-                           .user = &m,
-                           .measure = measure};
+                             .parameter_count = 2,
+                             .budget = BUDGET,
+                             .seed = 1,
+                             .user = &m,
+                             .measure = measure};
         pl_search_result found;
         pl_error error = {.message = ""};
         m.stop_at = at;

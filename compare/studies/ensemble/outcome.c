@@ -12,7 +12,8 @@ static pl_status look(const pl_plan *plan, const pl_ensemble *ensemble, int memb
                       pl_ensemble_view *view, pl_error *error)
 {
     view->ensemble = ensemble;
-    pl_status status = pl_observations_gather(plan, ensemble, members, by_run, &view->observed, error);
+    pl_status status =
+        pl_observations_gather(plan, ensemble, members, by_run, &view->observed, error);
     if (status == PL_OK) {
         status = pl_horizon_find(plan, ensemble, members, folder, &view->horizon, error);
     }

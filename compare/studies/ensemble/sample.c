@@ -115,7 +115,8 @@ static void check_invariants(pl_invariants *kept, const pl_scene *scene, const j
 }
 
 pl_status pl_observations_gather(const pl_plan *plan, const pl_ensemble *ensemble, int members,
-                             const json_t *results_by_run, pl_observations *observed, pl_error *error)
+                                 const json_t *results_by_run, pl_observations *observed,
+                                 pl_error *error)
 {
     *observed = (pl_observations){.invariants = {.energy_growth = NAN}};
     for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {

@@ -38,10 +38,11 @@ typedef struct pl_observations {
     pl_sample samples[PL_OBSERVABLE_COUNT];
 } pl_observations;
 
-/* Gathers an ensemble's part of `results`. The caller frees *observed by pl_observations_free, in any
- * case. */
+/* Gathers an ensemble's part of `results`. The caller frees *observed by pl_observations_free, in
+ * any case. */
 pl_status pl_observations_gather(const pl_plan *plan, const pl_ensemble *ensemble, int members,
-                             const json_t *results_by_run, pl_observations *observed, pl_error *error);
+                                 const json_t *results_by_run, pl_observations *observed,
+                                 pl_error *error);
 void pl_observations_free(pl_observations *observed);
 
 /* An object run -> result of an array of results; NULL when out of memory. */

@@ -141,7 +141,7 @@ static void add_comparisons(FILE *out, const pl_ensembles *all, const pl_ensembl
 }
 
 static void add_differences(FILE *out, const pl_ensembles *all, const pl_ensemble_view *views,
-                         const pl_verdicts *verdicts, int problem)
+                            const pl_verdicts *verdicts, int problem)
 {
     int apart = 0, tests = 0;
     for (int i = 0; i < verdicts->count; ++i) {

@@ -8,7 +8,7 @@
 /* What came of a budget. */
 typedef enum pl_budget_trial {
     PL_BUDGET_SUCCEEDED, /* it has an error */
-    PL_BUDGET_FAILED, /* it has none that counts; a larger budget may */
+    PL_BUDGET_FAILED,    /* it has none that counts; a larger budget may */
     PL_BUDGET_END_SEARCH /* and the search is over */
 } pl_budget_trial;
 
@@ -24,9 +24,9 @@ typedef struct pl_budget_search_def {
 
 typedef enum pl_budget_state {
     PL_BUDGET_FOUND,
-    PL_BUDGET_ALL_FAILED,    /* of those tried */
+    PL_BUDGET_ALL_FAILED,     /* of those tried */
     PL_BUDGET_LARGEST_FAILED, /* so that there is no converged error, though smaller ones held */
-    PL_BUDGET_STOPPED       /* by PL_BUDGET_END_SEARCH */
+    PL_BUDGET_STOPPED         /* by PL_BUDGET_END_SEARCH */
 } pl_budget_state;
 
 typedef struct pl_budget_found {

@@ -89,8 +89,7 @@ static bool went_through(const run *r)
     return strcmp(outcome, "ok") == 0 || strcmp(outcome, "collapsed") == 0;
 }
 
-static void set_grade(pl_check_result *result, pl_grade grade, const char *what,
-                      const char *reason)
+static void set_grade(pl_check_result *result, pl_grade grade, const char *what, const char *reason)
 {
     result->early = grade;
     result->end = grade;
@@ -193,11 +192,11 @@ static pl_status make_trial(trials *t, const pl_planned_run *planned, pl_check_r
     }
     if (status == PL_OK && t->signal == 0) {
         const pl_checks_of_run trial = {.plan = t->def->plan,
-                                .run = *planned,
-                                .outcome = pl_json_get_text(plain.result, "outcome"),
-                                .size = pl_scene_size(plain.scene),
-                                .results = results,
-                                .result_count = count};
+                                        .run = *planned,
+                                        .outcome = pl_json_get_text(plain.result, "outcome"),
+                                        .size = pl_scene_size(plain.scene),
+                                        .results = results,
+                                        .result_count = count};
         status = t->def->keep(t->def->user, &trial, error);
     }
     free_run(&plain);

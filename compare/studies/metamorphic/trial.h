@@ -20,8 +20,8 @@ typedef struct pl_check_result {
 typedef struct pl_checks_of_run {
     const pl_plan *plan;
     pl_planned_run run;
-    const char *outcome;              /* of the plain run, as in a result */
-    double size;                      /* m, of the scene */
+    const char *outcome;            /* of the plain run, as in a result */
+    double size;                    /* m, of the scene */
     const pl_check_result *results; /* (result_count) */
     int result_count;
 } pl_checks_of_run;

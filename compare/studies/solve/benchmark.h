@@ -36,7 +36,7 @@ extern const double pl_benchmark_levels[PL_BENCHMARK_LEVELS];
  * reference: what the problem is, and its `cells`, one for each solver and start, with the `levels`
  * in order up to the first that was not reached. `progress` may be NULL. */
 pl_status pl_benchmark_solve(const pl_benchmark_problem *row, const pe_contact_problem *problem,
-                            FILE *progress, json_t **result, pl_error *error);
+                             FILE *progress, json_t **result, pl_error *error);
 
 /* The whole benchmark over `rows`: prints the summary on standard output, progress on standard
  * error, and writes solver-benchmark.json, .csv and .md into `directory`, which is made. The

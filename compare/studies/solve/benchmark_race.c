@@ -171,7 +171,7 @@ static json_t *describe(const pl_benchmark_problem *row, const pe_contact_proble
 }
 
 pl_status pl_benchmark_solve(const pl_benchmark_problem *row, const pe_contact_problem *problem,
-                            FILE *progress, json_t **result, pl_error *error)
+                             FILE *progress, json_t **result, pl_error *error)
 {
     pe_contact_problem *cold = NULL;
     json_t *cells = json_array();

@@ -10,8 +10,8 @@
 #include <stdlib.h>
 
 /* Counts an engine's points on a scene. */
-static void count_points(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                         int engine, pl_sweep_curve *curve)
+static void count_points(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, int engine,
+                         pl_sweep_curve *curve)
 {
     for (int i = scene->first; i < scene->first + scene->count; ++i) {
         const pl_sweep_point *point = &analysis->points[i];

@@ -72,8 +72,8 @@ typedef struct pl_sweep_curve {
     int *front;                 /* (front_count): points no other of which is both cheaper and as
                                    exact; by rising cost and falling error; owned */
     int front_count;
-    int cheapest[PL_SWEEP_LEVELS]; /* the cheapest point at or below the level; -1: not reached */
-    int most_exact[PL_SWEEP_TIMES];   /* the most exact point that costs no more; -1: none does */
+    int cheapest[PL_SWEEP_LEVELS];  /* the cheapest point at or below the level; -1: not reached */
+    int most_exact[PL_SWEEP_TIMES]; /* the most exact point that costs no more; -1: none does */
 } pl_sweep_curve;
 
 typedef enum pl_attained_by {
@@ -109,8 +109,8 @@ typedef struct pl_sweep_scene {
     const char *scenario, *primary_error, *unit;
     int first, count; /* its points */
     double noise;     /* standard deviation of ln(cost) over repeats; NAN: nothing was repeated */
-    pl_sweep_curve *curves; /* (engine_count) */
-    pl_pairwise_comparison *comparisons;   /* (pair_count) */
+    pl_sweep_curve *curves;              /* (engine_count) */
+    pl_pairwise_comparison *comparisons; /* (pair_count) */
 } pl_sweep_scene;
 
 /* Two engines that are compared: both with all profiles, or a profile of each. */
@@ -126,9 +126,9 @@ typedef struct pl_sweep_pair {
 typedef struct pl_sweep_loss {
     int scene, pair, level;
     pl_attained_by attained; /* BOTH or OTHER_ONLY */
-    int ours, other;      /* points; ours -1: not reached */
-    pl_sweep_ratio speed; /* < 1; NAN where ours is not there */
-    bool within_noise;    /* the interval holds 1, or without one the ratio is above 0.9 */
+    int ours, other;         /* points; ours -1: not reached */
+    pl_sweep_ratio speed;    /* < 1; NAN where ours is not there */
+    bool within_noise;       /* the interval holds 1, or without one the ratio is above 0.9 */
 } pl_sweep_loss;
 
 typedef enum pl_sweep_order_kind {
@@ -142,7 +142,7 @@ typedef enum pl_sweep_order_kind {
  * over the converging part. */
 typedef struct pl_sweep_order {
     int scene, engine; /* of a profile */
-    int first;           /* a point of the series */
+    int first;         /* a point of the series */
     pl_sweep_order_kind kind;
     double order;
     double deviation;       /* root mean square of the fit, decades of error */
@@ -156,7 +156,7 @@ typedef struct pl_sweep_order {
 typedef struct pl_sweep_profile {
     int level;
     bool whole;
-    int scenes;   /* on which all these engines were run */
+    int scenes;     /* on which all these engines were run */
     int *counts;    /* (engine_count): ratios of each; 0 for those of the other kind */
     double *ratios; /* (engine_count x scene_count): engine by engine, ascending, >= 1 */
 } pl_sweep_profile;
@@ -174,8 +174,8 @@ typedef struct pl_sweep_analysis {
     pl_sweep_loss *losses; /* of whole engines: errors up to 1e-3, then larger ones; in each those
                               beyond noise first, not reached first, then by rising ratio */
     int loss_count;
-    int fine_losses;  /* of those up to 1e-3 */
-    int compared; /* scene, pair of whole engines and level, where one or both are there */
+    int fine_losses; /* of those up to 1e-3 */
+    int compared;    /* scene, pair of whole engines and level, where one or both are there */
     pl_sweep_order *orders;
     int order_count;
     pl_sweep_profile *profiles; /* whole engines by level, then profiles by level */

@@ -122,12 +122,12 @@ static bool prepare(resampling *d)
 }
 
 pl_status pl_bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                        pl_front_reading *readings, pl_error *error)
+                       pl_front_reading *readings, pl_error *error)
 {
     pl_status status = PL_OK;
     resampling d = {.points = analysis->points + scene->first,
-                 .count = scene->count,
-                 .noise = isnan(scene->noise) ? 0 : scene->noise};
+                    .count = scene->count,
+                    .noise = isnan(scene->noise) ? 0 : scene->noise};
     if (!prepare(&d)) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory to resample %d points", d.count);
         goto cleanup;
@@ -140,7 +140,8 @@ pl_status pl_bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *
         resample(&d);
         for (int e = 0; e < analysis->engine_count; ++e) {
             if (scene->curves[e].ok > 0) {
-                read_front(&d, e, &readings[(size_t)e * PL_BOOTSTRAP_REPLICATES + (size_t)replicate]);
+                read_front(&d, e,
+                           &readings[(size_t)e * PL_BOOTSTRAP_REPLICATES + (size_t)replicate]);
             }
         }
     }

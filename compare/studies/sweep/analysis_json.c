@@ -120,19 +120,21 @@ static json_t *comparison_json(const pl_sweep_pair *pair, const pl_pairwise_comp
 {
     json_t *levels = json_array(), *times = json_array();
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
-        json_array_append_new(
-            levels, json_pack("{s:f, s:s, s:o, s:o, s:o}", "level", pl_sweep_levels[k], "reached",
-                              attained_name(comparison->at_error[k]), "speed", ratio_json(&comparison->speed[k]),
-                              "speed_between", ratio_json(&comparison->speed_between[k]), "instructions",
-                              number(comparison->instructions[k])));
+        json_array_append_new(levels,
+                              json_pack("{s:f, s:s, s:o, s:o, s:o}", "level", pl_sweep_levels[k],
+                                        "reached", attained_name(comparison->at_error[k]), "speed",
+                                        ratio_json(&comparison->speed[k]), "speed_between",
+                                        ratio_json(&comparison->speed_between[k]), "instructions",
+                                        number(comparison->instructions[k])));
     }
     for (int k = 0; k < PL_SWEEP_TIMES; ++k) {
         if (comparison->at_cost[k] == PL_ATTAINED_BY_NEITHER) {
             continue;
         }
         json_array_append_new(times, json_pack("{s:f, s:s, s:o, s:o}", "time", pl_sweep_times[k],
-                                               "reached", attained_name(comparison->at_cost[k]), "exactness",
-                                               ratio_json(&comparison->exactness[k]), "exactness_between",
+                                               "reached", attained_name(comparison->at_cost[k]),
+                                               "exactness", ratio_json(&comparison->exactness[k]),
+                                               "exactness_between",
                                                ratio_json(&comparison->exactness_between[k])));
     }
     return json_pack("{s:i, s:i, s:o, s:o}", "ours", pair->ours, "other", pair->other, "levels",
@@ -151,7 +153,8 @@ static json_t *scene_json(const pl_sweep_analysis *analysis, const pl_sweep_scen
     }
     for (int i = 0; i < analysis->pair_count; ++i) {
         if (scene->comparisons[i].run) {
-            json_array_append_new(comparisons, comparison_json(&analysis->pairs[i], &scene->comparisons[i]));
+            json_array_append_new(comparisons,
+                                  comparison_json(&analysis->pairs[i], &scene->comparisons[i]));
         }
     }
     return json_pack("{s:o, s:o, s:o, s:O?, s:o, s:o, s:o, s:o, s:o}", "name", text(scene->name),
@@ -177,13 +180,13 @@ static json_t *pairs_json(const pl_sweep_analysis *analysis)
         const pl_sweep_pair *pair = &analysis->pairs[i];
         json_t *levels = json_array();
         for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
-            json_array_append_new(levels, json_pack("{s:f, s:o, s:i, s:i, s:i, s:i}", "level",
-                                                    pl_sweep_levels[k], "mean_speed",
-                                                    ratio_json(&pair->mean[k]), "both",
-                                                    pair->both[k], "ours_only", pair->ours_only[k],
-                                                    "other_only", pair->other_only[k], "neither",
-                                                    pair->scenes - pair->both[k] -
-                                                        pair->ours_only[k] - pair->other_only[k]));
+            json_array_append_new(
+                levels,
+                json_pack("{s:f, s:o, s:i, s:i, s:i, s:i}", "level", pl_sweep_levels[k],
+                          "mean_speed", ratio_json(&pair->mean[k]), "both", pair->both[k],
+                          "ours_only", pair->ours_only[k], "other_only", pair->other_only[k],
+                          "neither",
+                          pair->scenes - pair->both[k] - pair->ours_only[k] - pair->other_only[k]));
         }
         json_array_append_new(array,
                               json_pack("{s:i, s:i, s:i, s:o}", "ours", pair->ours, "other",
@@ -202,8 +205,8 @@ static json_t *losses_json(const pl_sweep_analysis *analysis)
             array,
             json_pack("{s:i, s:i, s:i, s:f, s:s, s:o, s:o, s:o, s:b}", "problem", loss->scene,
                       "ours", pair->ours, "other", pair->other, "level",
-                      pl_sweep_levels[loss->level], "reached", attained_name(loss->attained), "our_point",
-                      place(loss->ours), "other_point", place(loss->other), "speed",
+                      pl_sweep_levels[loss->level], "reached", attained_name(loss->attained),
+                      "our_point", place(loss->ours), "other_point", place(loss->other), "speed",
                       ratio_json(&loss->speed), "within_noise", (int)loss->within_noise));
     }
     return array;
@@ -217,11 +220,11 @@ static json_t *orders_json(const pl_sweep_analysis *analysis)
         const pl_sweep_order *order = &analysis->orders[i];
         json_array_append_new(
             array,
-            json_pack("{s:i, s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:i, s:i}", "problem",
-                      order->scene, "engine", order->engine, "point", order->first, "finding",
-                      kinds[order->kind], "order", number(order->order), "deviation",
-                      number(order->deviation), "dt_low", number(order->dt_low), "dt_high",
-                      number(order->dt_high), "used", order->used, "total", order->total));
+            json_pack("{s:i, s:i, s:i, s:s, s:o, s:o, s:o, s:o, s:i, s:i}", "problem", order->scene,
+                      "engine", order->engine, "point", order->first, "finding", kinds[order->kind],
+                      "order", number(order->order), "deviation", number(order->deviation),
+                      "dt_low", number(order->dt_low), "dt_high", number(order->dt_high), "used",
+                      order->used, "total", order->total));
     }
     return array;
 }
@@ -256,6 +259,6 @@ json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis)
         numbers(pl_sweep_times, PL_SWEEP_TIMES), "several_hosts", (int)analysis->several_hosts,
         "several_builds", (int)analysis->several_builds, "engines", engines_json(analysis),
         "losses", losses_json(analysis), "pairs", pairs_json(analysis), "profiles",
-        profiles_json(analysis), "orders", orders_json(analysis), "problems",
-        scenes_json(analysis), "points", points_json(analysis));
+        profiles_json(analysis), "orders", orders_json(analysis), "problems", scenes_json(analysis),
+        "points", points_json(analysis));
 }

@@ -44,7 +44,8 @@ static void note_loss(pl_sweep_analysis *analysis, int p, int pair, int level)
     const pl_attained_by attained = comparison->at_error[level];
     const pl_sweep_ratio *speed = &comparison->speed[level];
     analysis->compared += attained != PL_ATTAINED_BY_NEITHER;
-    if (attained != PL_ATTAINED_BY_OTHER_ONLY && !(attained == PL_ATTAINED_BY_BOTH && speed->value < 1)) {
+    if (attained != PL_ATTAINED_BY_OTHER_ONLY &&
+        !(attained == PL_ATTAINED_BY_BOTH && speed->value < 1)) {
         return;
     }
     pl_sweep_loss loss = {

@@ -7,9 +7,9 @@
 
 /* What is at hand while comparisons are fought. */
 typedef struct workspace {
-    pl_front_reading *readings; /* (engine_count): of the scene as measured */
-    pl_front_reading *replicates;    /* (engine_count x PL_BOOTSTRAP_REPLICATES): resampled */
-    double *values;             /* (PL_BOOTSTRAP_REPLICATES) */
+    pl_front_reading *readings;   /* (engine_count): of the scene as measured */
+    pl_front_reading *replicates; /* (engine_count x PL_BOOTSTRAP_REPLICATES): resampled */
+    double *values;               /* (PL_BOOTSTRAP_REPLICATES) */
     double *logs; /* (pair_count x PL_SWEEP_LEVELS x PL_BOOTSTRAP_REPLICATES): sums over scenes */
 } workspace;
 
@@ -18,7 +18,9 @@ static pl_attained_by attained_by(bool ours, bool other)
     if (ours && other) {
         return PL_ATTAINED_BY_BOTH;
     }
-    return ours ? PL_ATTAINED_BY_OURS_ONLY : other ? PL_ATTAINED_BY_OTHER_ONLY : PL_ATTAINED_BY_NEITHER;
+    return ours    ? PL_ATTAINED_BY_OURS_ONLY
+           : other ? PL_ATTAINED_BY_OTHER_ONLY
+                   : PL_ATTAINED_BY_NEITHER;
 }
 
 /* Their number over ours, where `offset` says which of a reading's numbers. */
@@ -69,24 +71,26 @@ static void add_to_means(const workspace *a, pl_sweep_analysis *analysis, int in
             continue;
         }
         bool known = !isnan(comparison->speed[k].low);
-        double *logs = a->logs + ((size_t)index * PL_SWEEP_LEVELS + (size_t)k) * PL_BOOTSTRAP_REPLICATES;
+        double *logs =
+            a->logs + ((size_t)index * PL_SWEEP_LEVELS + (size_t)k) * PL_BOOTSTRAP_REPLICATES;
         pair->mean[k].value += log(comparison->speed[k].value);
         for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
             logs[replicate] +=
-                known ? log(ratio_of(&ours[replicate], &other[replicate], COST + (size_t)k)) : (double)NAN;
+                known ? log(ratio_of(&ours[replicate], &other[replicate], COST + (size_t)k))
+                      : (double)NAN;
         }
     }
 }
 
-static void compare_pair(const workspace *a, pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                  int index)
+static void compare_pair(const workspace *a, pl_sweep_analysis *analysis,
+                         const pl_sweep_scene *scene, int index)
 {
     const pl_sweep_pair *pair = &analysis->pairs[index];
     const pl_sweep_curve *ours = &scene->curves[pair->ours];
     const pl_sweep_curve *other = &scene->curves[pair->other];
     pl_pairwise_comparison *comparison = &scene->comparisons[index];
     comparison->run = scene->primary_error[0] != '\0' && pl_sweep_curve_was_run(ours) &&
-                pl_sweep_curve_was_run(other);
+                      pl_sweep_curve_was_run(other);
     if (!comparison->run) {
         return;
     }
@@ -96,9 +100,9 @@ static void compare_pair(const workspace *a, pl_sweep_analysis *analysis, const 
         comparison->speed[k] = with_interval(a, pair, COST + k, resampled);
         comparison->speed_between[k] = with_interval(a, pair, COST_BETWEEN + k, resampled);
         comparison->instructions[k] = comparison->at_error[k] == PL_ATTAINED_BY_BOTH
-                                    ? analysis->points[other->cheapest[k]].instructions /
-                                          analysis->points[ours->cheapest[k]].instructions
-                                    : (double)NAN;
+                                          ? analysis->points[other->cheapest[k]].instructions /
+                                                analysis->points[ours->cheapest[k]].instructions
+                                          : (double)NAN;
     }
     for (size_t k = 0; k < PL_SWEEP_TIMES; ++k) {
         comparison->at_cost[k] = attained_by(ours->most_exact[k] >= 0, other->most_exact[k] >= 0);
@@ -127,7 +131,8 @@ static void finish_means(const workspace *a, pl_sweep_analysis *analysis)
         for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
             pl_sweep_ratio *mean = &analysis->pairs[i].mean[k];
             const int count = analysis->pairs[i].both[k];
-            double *logs = a->logs + ((size_t)i * PL_SWEEP_LEVELS + (size_t)k) * PL_BOOTSTRAP_REPLICATES;
+            double *logs =
+                a->logs + ((size_t)i * PL_SWEEP_LEVELS + (size_t)k) * PL_BOOTSTRAP_REPLICATES;
             mean->value = count == 0 ? (double)NAN : exp(mean->value / count);
             mean->low = mean->high = (double)NAN;
             if (count == 0) {
@@ -169,9 +174,10 @@ pl_status pl_compare_pairwise(pl_sweep_analysis *analysis, pl_error *error)
     const size_t pairs = (size_t)analysis->pair_count + 1;
     pl_sweep_sample *front = calloc((size_t)analysis->point_count + 1, sizeof *front);
     workspace a = {.readings = calloc(engines, sizeof *a.readings),
-               .replicates = calloc(engines * PL_BOOTSTRAP_REPLICATES, sizeof *a.replicates),
-               .values = calloc(PL_BOOTSTRAP_REPLICATES, sizeof *a.values),
-               .logs = calloc(pairs * PL_SWEEP_LEVELS * PL_BOOTSTRAP_REPLICATES, sizeof *a.logs)};
+                   .replicates = calloc(engines * PL_BOOTSTRAP_REPLICATES, sizeof *a.replicates),
+                   .values = calloc(PL_BOOTSTRAP_REPLICATES, sizeof *a.values),
+                   .logs =
+                       calloc(pairs * PL_SWEEP_LEVELS * PL_BOOTSTRAP_REPLICATES, sizeof *a.logs)};
     if (front == NULL || a.readings == NULL || a.replicates == NULL || a.values == NULL ||
         a.logs == NULL) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory for %zu pairs of engines", pairs);

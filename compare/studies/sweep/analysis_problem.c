@@ -43,10 +43,10 @@ static void name_scene(pl_sweep_scene *scene)
 pl_sweep_scene make_scene_of(const json_t *row, int first)
 {
     pl_sweep_scene scene = {.row = row,
-                                .scenario = pl_json_get_text(row, "scenario"),
-                                .primary_error = pl_json_get_text(row, "primary_error"),
-                                .unit = "",
-                                .first = first};
+                            .scenario = pl_json_get_text(row, "scenario"),
+                            .primary_error = pl_json_get_text(row, "primary_error"),
+                            .unit = "",
+                            .first = first};
     scene.catalogue = pl_scenario_find(scene.scenario, NULL);
     name_scene(&scene);
     return scene;

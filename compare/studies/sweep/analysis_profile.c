@@ -17,15 +17,15 @@ static bool belongs(const pl_sweep_analysis *analysis, const pl_sweep_scene *sce
 }
 
 /* What the engine pays for the level; INFINITY where it does not reach it. */
-static double cost_of(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                      int engine, int level)
+static double cost_of(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, int engine,
+                      int level)
 {
     int reached = scene->curves[engine].cheapest[level];
     return reached < 0 ? (double)INFINITY : analysis->points[reached].cost;
 }
 
 static void add_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                        pl_sweep_profile *profile)
+                      pl_sweep_profile *profile)
 {
     double least = (double)INFINITY;
     for (int e = 0; e < analysis->engine_count; ++e) {

@@ -56,9 +56,10 @@ static json_t *result_of(json_t *identity, const json_t *timed_out, json_t *prov
     return result;
 }
 
-pl_status pl_prune_timeouts(const pl_plan *plan, const json_t *result, json_t *provenance, void *user,
-                      pl_status (*keep)(void *user, json_t *result, pl_error *error),
-                      pl_error *error)
+pl_status pl_prune_timeouts(const pl_plan *plan, const json_t *result, json_t *provenance,
+                            void *user,
+                            pl_status (*keep)(void *user, json_t *result, pl_error *error),
+                            pl_error *error)
 {
     pl_status status = PL_OK;
     if (strcmp(pl_json_get_text(result, "outcome"), "timeout") != 0) {

@@ -10,8 +10,9 @@
 /* Where `result` timed out, gives `keep` a result of the outcome `timeout` for the first run of
  * each point of the plan that has a shorter step and is else the same, whose reason says that it
  * was not run. `keep` borrows it; anything but PL_OK ends it with that. PL_NO_MEMORY. */
-pl_status pl_prune_timeouts(const pl_plan *plan, const json_t *result, json_t *provenance, void *user,
-                      pl_status (*keep)(void *user, json_t *result, pl_error *error),
-                      pl_error *error);
+pl_status pl_prune_timeouts(const pl_plan *plan, const json_t *result, json_t *provenance,
+                            void *user,
+                            pl_status (*keep)(void *user, json_t *result, pl_error *error),
+                            pl_error *error);
 
 #endif

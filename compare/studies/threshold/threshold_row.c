@@ -31,8 +31,8 @@ static json_t *identity_of(const pl_plan *plan, const pl_threshold_search *searc
     return identity;
 }
 
-json_t *pl_threshold_json(const pl_plan *plan, const pl_threshold_search *search, json_t *provenance,
-                          const char *started)
+json_t *pl_threshold_json(const pl_plan *plan, const pl_threshold_search *search,
+                          json_t *provenance, const char *started)
 {
     const pl_scenario *scenario = plan->cases[search->problem].descriptor;
     const pl_threshold *t = scenario->threshold;
@@ -100,7 +100,8 @@ static void print_row(FILE *out, const pl_plan *plan, const pl_threshold_search 
     fprintf(out, " %5d\n", search->runs);
 }
 
-void pl_threshold_print(FILE *out, const pl_plan *plan, const pl_threshold_search *searches, int count)
+void pl_threshold_print(FILE *out, const pl_plan *plan, const pl_threshold_search *searches,
+                        int count)
 {
     int width = (int)strlen("engine"), problem = -1;
     for (int i = 0; i < plan->configuration_count; ++i) {

@@ -133,7 +133,8 @@ static pl_status add_trial(pl_plan *round, const pl_case *problem, int param, do
                    scenario->name, scenario->params[param].name, value);
 }
 
-static pl_status name_trial(const pl_plan *round, int problem, pl_threshold_search *search, pl_error *error)
+static pl_status name_trial(const pl_plan *round, int problem, pl_threshold_search *search,
+                            pl_error *error)
 {
     const pl_planned_run planned = {.test_case = &round->cases[problem],
                                     .configuration = &round->configurations[search->configuration]};
@@ -207,8 +208,8 @@ static void begin(searches *s)
     }
 }
 
-pl_status pl_find_thresholds(const pl_threshold_search_def *def, pl_threshold_search **list, int *count,
-                               int *signal_number, pl_error *error)
+pl_status pl_find_thresholds(const pl_threshold_search_def *def, pl_threshold_search **list,
+                             int *count, int *signal_number, pl_error *error)
 {
     searches s = {.def = def};
     size_t room = (size_t)def->plan->case_count * (size_t)def->plan->configuration_count;

@@ -33,8 +33,8 @@ int pl_threshold_param(const pl_scenario *scenario);
 
 /* Fills *searches, problem by problem and in each engine by engine, as far as the search came; the
  * caller frees it. A signal ends it as in pl_execute. */
-pl_status pl_find_thresholds(const pl_threshold_search_def *def, pl_threshold_search **searches, int *count,
-                               int *signal_number, pl_error *error);
+pl_status pl_find_thresholds(const pl_threshold_search_def *def, pl_threshold_search **searches,
+                             int *count, int *signal_number, pl_error *error);
 
 /* "found", "never holds", "always holds", "reversed", the outcome that ended it, or "searching". */
 const char *pl_threshold_outcome(const pl_threshold_search *search);

@@ -22,10 +22,12 @@ pl_status find_sensitivities(pl_tuner *t, pl_error *error)
         double values[PL_TUNE_MAX_PARAMETERS];
         const int parameter = i / 2;
         memcpy(values, tuning->best.values, sizeof values);
-        values[parameter] = pl_tune_neighbour(&space->parameters[parameter], values[parameter], i % 2 == 0 ? -1 : 1);
+        values[parameter] = pl_tune_neighbour(&space->parameters[parameter], values[parameter],
+                                              i % 2 == 0 ? -1 : 1);
         if (values[parameter] != tuning->best.values[parameter]) {
             settings[count + 1] = pl_tuner_setting(t, values);
-            tuning->sensitivities[count++] = (pl_tune_sensitivity){.parameter = parameter, .value = values[parameter]};
+            tuning->sensitivities[count++] =
+                (pl_tune_sensitivity){.parameter = parameter, .value = values[parameter]};
         }
     }
     pl_status status = count == 0 ? PL_OK

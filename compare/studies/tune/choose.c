@@ -11,8 +11,8 @@ enum { MOST_CANDIDATES = 24 };
 
 typedef struct finalists {
     pl_evaluation evaluations[PL_TUNE_FINALISTS]; /* (count) */
-    double costs[PL_TUNE_FINALISTS];         /* (count): measured side by side */
-    int order[PL_TUNE_FINALISTS];            /* (count): in which they are validated */
+    double costs[PL_TUNE_FINALISTS];              /* (count): measured side by side */
+    int order[PL_TUNE_FINALISTS];                 /* (count): in which they are validated */
     int count;
     bool stand; /* with a margin */
 } finalists;
@@ -23,9 +23,11 @@ static int by_merit(const void *left, const void *right)
     return pl_evaluation_is_better(a, b) ? -1 : pl_evaluation_is_better(b, a);
 }
 
-/* Whether a evaluation meets the targets with the same margin on changed scenarios that the search did
- * not see: of many evaluations the cheapest is often one that was lucky on those that it did. */
-static pl_status check_candidate(pl_tuner *t, pl_evaluation *evaluation, bool *stands, pl_error *error)
+/* Whether a evaluation meets the targets with the same margin on changed scenarios that the search
+ * did not see: of many evaluations the cheapest is often one that was lucky on those that it did.
+ */
+static pl_status check_candidate(pl_tuner *t, pl_evaluation *evaluation, bool *stands,
+                                 pl_error *error)
 {
     const pl_setting setting = pl_tuner_setting(t, evaluation->values);
     int count = 0;
@@ -34,8 +36,8 @@ static pl_status check_candidate(pl_tuner *t, pl_evaluation *evaluation, bool *s
     pl_readings readings;
     pl_status status = pl_tuner_measure(t, &pl_variant_none, &setting, 1, 0, 1, &readings, error);
     if (status == PL_OK && t->tuning->signal_number == 0) {
-        status = pl_evaluation_judge(t, &setting, pl_readings_of(&readings, 0), variants, count, &again,
-                                error);
+        status = pl_evaluation_judge(t, &setting, pl_readings_of(&readings, 0), variants, count,
+                                     &again, error);
     }
     pl_readings_free(&readings);
     evaluation->excess = fmax(evaluation->excess, again.excess);

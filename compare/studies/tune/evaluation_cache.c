@@ -5,8 +5,7 @@
 
 bool is_over(const pl_evaluation_cache *cache)
 {
-    return cache->status != PL_OK || cache->found->stopped ||
-           cache->found->count >= cache->limit;
+    return cache->status != PL_OK || cache->found->stopped || cache->found->count >= cache->limit;
 }
 
 pl_unit_point units_of(const pl_evaluation_cache *cache, const pl_evaluation *evaluation)

@@ -1,4 +1,5 @@
-/* The points of a search that were tried, each once, and the budget; for the stages of pl_search. */
+/* The points of a search that were tried, each once, and the budget; for the stages of pl_search.
+ */
 #ifndef PLUMB_TUNE_LEDGER_H
 #define PLUMB_TUNE_LEDGER_H
 
@@ -22,7 +23,8 @@ bool is_over(const pl_evaluation_cache *cache);
 /* Where a trial's values are. */
 pl_unit_point units_of(const pl_evaluation_cache *cache, const pl_evaluation *evaluation);
 
-/* Tries a point unless it was tried; its place in found->evaluations, or -1 where it could not be. */
+/* Tries a point unless it was tried; its place in found->evaluations, or -1 where it could not be.
+ */
 int evaluate(pl_evaluation_cache *cache, const pl_unit_point *point);
 
 /* The stages. */

@@ -85,10 +85,11 @@ static json_t *sensitivities_json(const pl_tune_def *def, const pl_tuning *tunin
         const pl_tune_sensitivity *sensitivity = &tuning->sensitivities[i];
         const pl_tune_parameter *parameter = &def->space->parameters[sensitivity->parameter];
         json_array_append_new(
-            list, json_pack("{s:s, s:o, s:o, s:o, s:f}", "key", parameter->name, "from",
-                            value_json(parameter, tuning->best.values[sensitivity->parameter]), "to",
-                            value_json(parameter, sensitivity->value), "cost_ratio",
-                            pl_json_number_or_null(sensitivity->cost), "excess", sensitivity->excess));
+            list,
+            json_pack("{s:s, s:o, s:o, s:o, s:f}", "key", parameter->name, "from",
+                      value_json(parameter, tuning->best.values[sensitivity->parameter]), "to",
+                      value_json(parameter, sensitivity->value), "cost_ratio",
+                      pl_json_number_or_null(sensitivity->cost), "excess", sensitivity->excess));
     }
     return list;
 }

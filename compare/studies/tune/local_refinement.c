@@ -1,5 +1,5 @@
-/* Steps from the best point along each parameter, then in seeded directions that shrink where they do
- * not help. */
+/* Steps from the best point along each parameter, then in seeded directions that shrink where they
+ * do not help. */
 #include "base/random.h"
 #include "evaluation_cache.h"
 
@@ -16,8 +16,8 @@ static bool try_one(pl_evaluation_cache *cache, const pl_unit_point *point)
 }
 
 /* The point moved along one parameter, by `step` or to the next value that there is. */
-static pl_unit_point moved(const pl_evaluation_cache *cache, const pl_unit_point *from, int parameter,
-                           double step)
+static pl_unit_point moved(const pl_evaluation_cache *cache, const pl_unit_point *from,
+                           int parameter, double step)
 {
     const pl_tune_parameter *a = &cache->def->parameters[parameter];
     const double here = pl_tune_value(a, from->u[parameter]);
@@ -34,8 +34,7 @@ static bool step_along(pl_evaluation_cache *cache, int parameter, double step)
 {
     bool helped = false, helps = true;
     for (double h = step; helps && fabs(h) <= 1 && !is_over(cache); h *= 2) {
-        const pl_unit_point from =
-            units_of(cache, &cache->found->evaluations[cache->found->best]);
+        const pl_unit_point from = units_of(cache, &cache->found->evaluations[cache->found->best]);
         const pl_unit_point to = moved(cache, &from, parameter, h);
         helps = try_one(cache, &to);
         helped = helped || helps;
@@ -46,7 +45,8 @@ static bool step_along(pl_evaluation_cache *cache, int parameter, double step)
 /* Once along every parameter. */
 static void step_along_all(pl_evaluation_cache *cache, double step)
 {
-    for (int parameter = 0; parameter < cache->def->parameter_count && !is_over(cache); ++parameter) {
+    for (int parameter = 0; parameter < cache->def->parameter_count && !is_over(cache);
+         ++parameter) {
         if (!step_along(cache, parameter, -step)) {
             step_along(cache, parameter, step);
         }
@@ -65,8 +65,7 @@ void refine_locally(pl_evaluation_cache *cache)
     step_along_all(cache, first_step);
     double radius = first_step;
     for (int misses = 0; misses < most_misses && !is_over(cache);) {
-        const pl_unit_point from =
-            units_of(cache, &cache->found->evaluations[cache->found->best]);
+        const pl_unit_point from = units_of(cache, &cache->found->evaluations[cache->found->best]);
         pl_unit_point to = from;
         const int before = cache->found->count;
         /* Whole parameters move by one at least, and must be able to stay. */

@@ -48,7 +48,8 @@ static double objective(unsigned count, const double *x, double *gradient, void 
                      : merit(&cache->found->evaluations[index], to_miss);
 }
 
-/* The evaluation of the sweep of the best merit that is none of those begun from; -1: there is none. */
+/* The evaluation of the sweep of the best merit that is none of those begun from; -1: there is
+ * none. */
 static int next_start(const pl_evaluation_cache *cache, const int *begun, int count)
 {
     int best = -1;

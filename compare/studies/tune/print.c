@@ -86,7 +86,8 @@ static void print_sensitivities(FILE *out, const pl_tune_def *def, const pl_tuni
         char from[32], to[32];
         pl_tune_value_text(parameter, tuning->best.values[sensitivity->parameter], from);
         pl_tune_value_text(parameter, sensitivity->value, to);
-        fprintf(out, "  %-16s %10s -> %-10s cost x %.3g, ", parameter->name, from, to, sensitivity->cost);
+        fprintf(out, "  %-16s %10s -> %-10s cost x %.3g, ", parameter->name, from, to,
+                sensitivity->cost);
         print_margin(out, sensitivity->excess);
         fprintf(out, "\n");
     }

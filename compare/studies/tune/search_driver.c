@@ -9,7 +9,8 @@
 /* Of the budget: up to where the sweep and then NLopt may go. */
 static const double sweep_part = 0.4, model_part = 0.75;
 
-/* The root above 1 of x^(parameters + 1) = x + 1, by the fixed point of x = (1 + x)^(1 / (parameters + 1)). */
+/* The root above 1 of x^(parameters + 1) = x + 1, by the fixed point of x = (1 + x)^(1 /
+ * (parameters + 1)). */
 static double golden_ratio(int parameters)
 {
     double x = 2;

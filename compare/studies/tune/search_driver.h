@@ -10,15 +10,15 @@
 
 typedef struct pl_evaluation {
     double values[PL_TUNE_MAX_PARAMETERS]; /* (parameter_count) */
-    double cost;                      /* > 0; INFINITY: it has none */
-    double excess;                    /* <= 0: the target is met; at most PL_SEARCH_WORST */
-    bool holds;                       /* met where it was tried, if with too little to spare */
+    double cost;                           /* > 0; INFINITY: it has none */
+    double excess;                         /* <= 0: the target is met; at most PL_SEARCH_WORST */
+    bool holds;                            /* met where it was tried, if with too little to spare */
 } pl_evaluation;
 
 typedef struct pl_search_def {
     const pl_tune_parameter *parameters; /* (parameter_count) */
-    int parameter_count;           /* 0 .. PL_TUNE_MAX_PARAMETERS */
-    int budget;               /* >= 1: points tried, at most */
+    int parameter_count;                 /* 0 .. PL_TUNE_MAX_PARAMETERS */
+    int budget;                          /* >= 1: points tried, at most */
     uint64_t seed;
     void *user;
     /* Fills the trial's cost and excess; no point is given twice. *stop ends the search with what
@@ -27,7 +27,8 @@ typedef struct pl_search_def {
 } pl_search_def;
 
 typedef struct pl_search_result {
-    pl_evaluation *evaluations; /* (count) in the order tried, the first at the parameters' starts; owned */
+    pl_evaluation
+        *evaluations; /* (count) in the order tried, the first at the parameters' starts; owned */
     int count;
     int best; /* the cheapest that meets the target, or else that of the least excess; -1: none */
     bool met;
@@ -39,10 +40,10 @@ typedef struct pl_search_result {
  * is left out. */
 bool pl_search_has_nlopt(void);
 
-/* Low-discrepancy points over the space, in half of which a parameter that spends no time stays at its
- * start, then NLopt from the best of them, then steps along each
- * parameter and in seeded directions around the best. The same seed and answers give the same points.
- * The caller frees found->evaluations in any case. PL_NO_MEMORY, and what `measure` returned. */
+/* Low-discrepancy points over the space, in half of which a parameter that spends no time stays at
+ * its start, then NLopt from the best of them, then steps along each parameter and in seeded
+ * directions around the best. The same seed and answers give the same points. The caller frees
+ * found->evaluations in any case. PL_NO_MEMORY, and what `measure` returned. */
 pl_status pl_search(const pl_search_def *def, pl_search_result *found, pl_error *error);
 
 /* Whether a is better than b: it meets the target and b does not, or both do and it is cheaper, or

@@ -152,7 +152,8 @@ static pl_status vary(pl_tune_space *space, const char *text, bool *given, pl_er
     parameter->low = range[0];
     parameter->high = range[1];
     parameter->integer = space->base.engine->options[index].integer;
-    parameter->logarithmic = range[0] > 0 && (is_known ? parameter->logarithmic : range[1] > wide * range[0]);
+    parameter->logarithmic =
+        range[0] > 0 && (is_known ? parameter->logarithmic : range[1] > wide * range[0]);
     parameter->start = space->base.values[index];
     return PL_OK;
 }
@@ -189,12 +190,12 @@ static void add_rate(pl_tune_space *space, double dt)
     pl_tune_parameter *parameter = &space->parameters[space->parameter_count++];
     const double rate = isnan(dt) ? 60 : 1 / dt;
     *parameter = (pl_tune_parameter){.name = "dt",
-                           .option = PL_TUNE_RATE,
-                           .low = lowest_rate,
-                           .high = highest_rate,
-                           .logarithmic = true,
-                           .integer = true,
-                           .start = rate};
+                                     .option = PL_TUNE_RATE,
+                                     .low = lowest_rate,
+                                     .high = highest_rate,
+                                     .logarithmic = true,
+                                     .integer = true,
+                                     .start = rate};
 }
 
 /* The table's parameters but those of options that the user set. */
@@ -211,11 +212,11 @@ static pl_status add_table(pl_tune_space *space, pl_error *error)
         }
         pl_tune_parameter *parameter = &space->parameters[space->parameter_count++];
         *parameter = (pl_tune_parameter){.option = i,
-                               .low = fmax(tunable->low, option->min),
-                               .high = fmin(tunable->high, option->max),
-                               .logarithmic = tunable->logarithmic,
-                               .integer = option->integer,
-                               .start = space->base.values[i]};
+                                         .low = fmax(tunable->low, option->min),
+                                         .high = fmin(tunable->high, option->max),
+                                         .logarithmic = tunable->logarithmic,
+                                         .integer = option->integer,
+                                         .start = space->base.values[i]};
         snprintf(parameter->name, sizeof parameter->name, "%s", option->name);
     }
     return status;
@@ -237,7 +238,8 @@ pl_status pl_tune_space_make(const pl_engine_choice *engine, double dt, const ch
     }
     for (int i = 0; i < space->parameter_count; ++i) {
         pl_tune_parameter *parameter = &space->parameters[i];
-        parameter->spends = parameter->option == PL_TUNE_RATE || strcmp(parameter->name, "iterations") == 0;
+        parameter->spends =
+            parameter->option == PL_TUNE_RATE || strcmp(parameter->name, "iterations") == 0;
     }
     if (find_parameter(space, "dt") >= 0) {
         space->dt = (double)NAN;

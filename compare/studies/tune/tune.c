@@ -17,11 +17,11 @@ static pl_status search(pl_tuner *t, pl_error *error)
 {
     const pl_tune_def *def = t->def;
     const pl_search_def seek = {.parameters = def->space->parameters,
-                              .parameter_count = def->space->parameter_count,
-                              .budget = def->budget,
-                              .seed = def->plan->seed,
-                              .user = t,
-                              .measure = pl_evaluation_make};
+                                .parameter_count = def->space->parameter_count,
+                                .budget = def->budget,
+                                .seed = def->plan->seed,
+                                .user = t,
+                                .measure = pl_evaluation_make};
     pl_tuning *tuning = t->tuning;
     pl_status status = measure_shipped(t, error);
     if (status == PL_OK && tuning->signal_number == 0) {

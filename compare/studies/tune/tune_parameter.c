@@ -24,15 +24,16 @@ static double rounded(const pl_tune_parameter *parameter, double value)
 double pl_tune_value(const pl_tune_parameter *parameter, double unit)
 {
     const double u = cut(unit, 0, 1);
-    return rounded(parameter, parameter->logarithmic ? parameter->low * pow(parameter->high / parameter->low, u)
-                                           : parameter->low + u * (parameter->high - parameter->low));
+    return rounded(parameter, parameter->logarithmic
+                                  ? parameter->low * pow(parameter->high / parameter->low, u)
+                                  : parameter->low + u * (parameter->high - parameter->low));
 }
 
 double pl_tune_unit(const pl_tune_parameter *parameter, double value)
 {
     const double v = cut(value, parameter->low, parameter->high);
     return parameter->logarithmic ? log(v / parameter->low) / log(parameter->high / parameter->low)
-                             : (v - parameter->low) / (parameter->high - parameter->low);
+                                  : (v - parameter->low) / (parameter->high - parameter->low);
 }
 
 double pl_tune_neighbour(const pl_tune_parameter *parameter, double value, int direction)

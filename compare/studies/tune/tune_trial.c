@@ -37,8 +37,8 @@ static bool may_be_best(const pl_tuner *t, const pl_evaluation *evaluation)
 }
 
 pl_status pl_evaluation_judge(pl_tuner *t, const pl_setting *setting, const pl_reading *asked,
-                         const pl_variant *variants, int count, pl_evaluation *evaluation,
-                         pl_error *error)
+                              const pl_variant *variants, int count, pl_evaluation *evaluation,
+                              pl_error *error)
 {
     pl_status status = PL_OK;
     for (int p = 0; p < t->def->plan->case_count; ++p) {
@@ -70,7 +70,8 @@ pl_status pl_evaluation_judge(pl_tuner *t, const pl_setting *setting, const pl_r
 }
 
 /* A line a evaluation, where there is no terminal whose line could be drawn again. */
-static void log_evaluation(const pl_tuner *t, const pl_setting *setting, const pl_evaluation *evaluation)
+static void log_evaluation(const pl_tuner *t, const pl_setting *setting,
+                           const pl_evaluation *evaluation)
 {
     char spec[256], step[32] = "";
     if (!t->shows || t->bar.terminal) {
@@ -86,8 +87,10 @@ static void log_evaluation(const pl_tuner *t, const pl_setting *setting, const p
         fprintf(t->def->progress, "no value\n");
     } else {
         fprintf(t->def->progress, "%s by a factor of %.3g%s\n",
-                evaluation->holds && evaluation->excess <= 0 ? "meets the target" : "misses the target",
-                exp(fabs(evaluation->excess)), evaluation->holds && evaluation->excess > 0 ? ", likely" : "");
+                evaluation->holds && evaluation->excess <= 0 ? "meets the target"
+                                                             : "misses the target",
+                exp(fabs(evaluation->excess)),
+                evaluation->holds && evaluation->excess > 0 ? ", likely" : "");
     }
 }
 
@@ -107,14 +110,14 @@ pl_status pl_evaluation_make(void *user, pl_evaluation *evaluation, bool *stop, 
     if (status == PL_OK) {
         const pl_reading *mine = pl_readings_of(&readings, 0);
         evaluation->cost = counted ? pl_tuner_instructions(t, mine)
-                              : pl_tuner_cost(t, mine, pl_readings_of(&readings, 1), 0, 1);
+                                   : pl_tuner_cost(t, mine, pl_readings_of(&readings, 1), 0, 1);
     }
     const bool is_near = may_be_best(t, evaluation);
     if (status == PL_OK && tuning->signal_number == 0) {
         int count = 0;
         const pl_variant *variants = pl_variants_tuned_on(&count);
         status = pl_evaluation_judge(t, &settings[0], pl_readings_of(&readings, 0), variants,
-                                is_near ? count : 0, evaluation, error);
+                                     is_near ? count : 0, evaluation, error);
     }
     pl_readings_free(&readings);
     if (status == PL_OK && tuning->signal_number == 0 && evaluation->holds && is_near && !counted) {
@@ -122,13 +125,14 @@ pl_status pl_evaluation_make(void *user, pl_evaluation *evaluation, bool *stop, 
                                   error);
         if (status == PL_OK) {
             evaluation->cost = pl_tuner_cost(t, pl_readings_of(&readings, 0),
-                                        pl_readings_of(&readings, 1), 1, PL_TUNER_REPEATS);
+                                             pl_readings_of(&readings, 1), 1, PL_TUNER_REPEATS);
         }
         pl_readings_free(&readings);
     }
     *stop = tuning->signal_number != 0;
     const pl_search_result *found = &tuning->found;
-    if (evaluation->excess <= 0 && (!found->met || evaluation->cost < found->evaluations[found->best].cost)) {
+    if (evaluation->excess <= 0 &&
+        (!found->met || evaluation->cost < found->evaluations[found->best].cost)) {
         t->best_seconds = seconds;
     }
     if (status == PL_OK && !*stop) {

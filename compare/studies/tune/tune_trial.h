@@ -11,8 +11,8 @@ pl_status measure_shipped(pl_tuner *t, pl_error *error);
 /* Sets the trial's `excess` and `holds` by the scenarios as asked for, whose readings are given,
  * and as the variants change them, up to the first that is missed. */
 pl_status pl_evaluation_judge(pl_tuner *t, const pl_setting *setting, const pl_reading *asked,
-                         const pl_variant *variants, int count, pl_evaluation *evaluation,
-                         pl_error *error);
+                              const pl_variant *variants, int count, pl_evaluation *evaluation,
+                              pl_error *error);
 
 /* pl_search_def.measure, of a pl_tuner. */
 pl_status pl_evaluation_make(void *user, pl_evaluation *evaluation, bool *stop, pl_error *error);
