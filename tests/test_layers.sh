@@ -113,7 +113,7 @@ only() {
 only 'ode/' compare/adapters/ode
 only 'bt[A-Z]|Bullet' compare/adapters/bullet_c.cpp
 only 'ccd/' compare/referee/geometry/gap_convex.c
-only 'nlopt' compare/studies/tune/model.c
+only 'nlopt' compare/studies/tune/tune_search.c
 only 'argp' compare/command
 
 # Calls: from each object to the object that defines what it takes. They obey the table, and no files call

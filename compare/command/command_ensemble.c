@@ -4,7 +4,7 @@
 #include "comparison.h"
 #include "results/store.h"
 #include "runner/execute.h"
-#include "studies/ensemble/outcome.h"
+#include "studies/ensemble/ensemble_report.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
 #include "commands.h"
 #include "comparison.h"
 #include "results/store.h"
-#include "studies/metamorphic/trial_report.h"
+#include "studies/metamorphic/metamorphic.h"
 
 #include <stdlib.h>
 #include <string.h>

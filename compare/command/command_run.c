@@ -5,7 +5,7 @@
 #include "results/store.h"
 #include "runner/execute.h"
 #include "selection.h"
-#include "studies/solve/capture_file.h"
+#include "studies/solve/problem_file.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -6,7 +6,6 @@
 #include "selection.h"
 #include "studies/solve/benchmark.h"
 #include "studies/solve/problem_file.h"
-#include "studies/solve/solve_measure.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -7,9 +7,8 @@
 #include "runner/execute.h"
 #include "studies/sweep/grid.h"
 #include "studies/sweep/pruning.h"
-#include "studies/sweep/repeats.h"
 #include "studies/sweep/shard_merge.h"
-#include "studies/sweep/sweep_defaults.h"
+#include "studies/sweep/vary.h"
 
 #include <math.h>
 #include <stdlib.h>

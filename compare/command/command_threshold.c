@@ -3,7 +3,7 @@
 
 #include "comparison.h"
 #include "results/store.h"
-#include "studies/threshold/threshold_row.h"
+#include "studies/threshold/threshold.h"
 
 #include <stdlib.h>
 #include <string.h>

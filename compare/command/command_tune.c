@@ -2,7 +2,7 @@
 #include "commands.h"
 #include "comparison.h"
 #include "results/store.h"
-#include "studies/tune/print.h"
+#include "studies/tune/tune.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 #include "sweep_report.h"
 
 #include "results/store.h"
-#include "studies/sweep/analysis_json.h"
+#include "studies/sweep/analysis.h"
 #include "sweep_html.h"
 #include "sweep_tables.h"
 

@@ -4,7 +4,6 @@
 #include "plumb/scenario.h"
 #include "plumb_process.h"
 #include "studies/solve/benchmark.h"
-#include "studies/solve/benchmark_report.h"
 #include "studies/solve/problem_file.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 /* The search for the least iteration budget, on errors that are made up. */
 #include "check.h"
-#include "studies/iterations/budget_search.h"
+#include "studies/iterations/iterations_to_tolerance.h"
 
 #include <math.h>
 #include <string.h>

@@ -74,7 +74,7 @@ static int clean(void **state)
 static void write_member(const fixture *f, int member, double speed, long steps)
 {
     const pl_ensemble *ensemble = &f->ensembles.items[0];
-    const pl_scene *scene = &f->plan.cases[ensemble->problems[member]].scene;
+    const pl_scene *scene = &f->plan.cases[ensemble->cases[member]].scene;
     char run[17];
     pl_body_state states[8];
     pl_positions_writer writer;

@@ -1,8 +1,7 @@
 /* What ensembles are compared by, against closed forms and against sums over all pairs and all
  * arrangements. */
 #include "check.h"
-#include "studies/ensemble/holm.h"
-#include "studies/ensemble/permutation.h"
+#include "studies/ensemble/two_sample.h"
 
 #include <math.h>
 

@@ -4,8 +4,7 @@
 #include "plumb/vec.h"
 #include "polyhedra.h"
 #include "referee/geometry/solid.h"
-#include "studies/metamorphic/far_copy.h"
-#include "studies/metamorphic/restart.h"
+#include "studies/metamorphic/transform.h"
 #include "transformed.h"
 
 #include <float.h>

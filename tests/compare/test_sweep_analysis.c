@@ -1,7 +1,6 @@
 /* Fronts, orders and intervals of numbers made up, whose answers are known by hand. */
 #include "check.h"
-#include "studies/sweep/analysis_bootstrap.h"
-#include "studies/sweep/analysis_order.h"
+#include "studies/sweep/analysis_parts.h"
 
 #include <math.h>
 

@@ -1,6 +1,6 @@
 /* From rows of results to points: what makes one, what has no numbers, what is broken. */
 #include "check.h"
-#include "studies/sweep/analysis_json.h"
+#include "studies/sweep/analysis.h"
 #include "sweep_analysis_rows.h"
 
 #include <math.h>

@@ -1,7 +1,7 @@
 /* What a sweep repeats, and what it varies when nothing is said. */
 #include "check.h"
-#include "studies/sweep/repeats.h"
-#include "studies/sweep/sweep_defaults.h"
+#include "studies/sweep/pruning.h"
+#include "studies/sweep/vary.h"
 
 #include <stdlib.h>
 

@@ -1,7 +1,6 @@
 /* --vary KEY=VALUES: what is understood, and what is refused in which words. */
 #include "check.h"
 #include "studies/sweep/vary.h"
-#include "studies/sweep/vary_range.h"
 
 #include <math.h>
 #include <string.h>

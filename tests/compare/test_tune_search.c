@@ -1,7 +1,7 @@
 /* The search for the cheapest point that meets a target, on costs and errors whose optimum is
  * known. */
 #include "check.h"
-#include "studies/tune/search_driver.h"
+#include "studies/tune/tune_search.h"
 
 #include <math.h>
 #include <stdlib.h>

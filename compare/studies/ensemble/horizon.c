@@ -129,11 +129,11 @@ pl_status pl_horizon_find(const pl_plan *plan, const pl_ensemble *ensemble, int 
         char run[17];
         pl_member_run(plan, ensemble, k, run);
         status =
-            open_track(folder, run, &plan->cases[ensemble->problems[k]].scene, &tracks[k], error);
+            open_track(folder, run, &plan->cases[ensemble->cases[k]].scene, &tracks[k], error);
         open += tracks[k].file != NULL;
     }
     if (status == PL_OK && open == members) {
-        follow(tracks, places, members, &plan->cases[ensemble->problems[0]].scene, horizon);
+        follow(tracks, places, members, &plan->cases[ensemble->cases[0]].scene, horizon);
     }
     if (!horizon->known) {
         snprintf(horizon->reason, sizeof horizon->reason,

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The plan's index of the first problem of each setting and member. */
+/* The plan's index of the first case of each setting and member. */
 typedef struct firsts {
     int *index; /* ((settings + 2) x members): the last row is that of the references */
     int members;
@@ -19,7 +19,7 @@ static int *first_of(const firsts *f, int row, int member)
     return &f->index[row * f->members + member];
 }
 
-/* Adds the problems of one member in one setting. */
+/* Adds the cases of one member in one setting. */
 static pl_status add_member(const pl_members_def *def, int setting, bool reference, int member,
                             pl_plan *plan, int *count, pl_error *error)
 {
@@ -45,7 +45,7 @@ static pl_status add_member(const pl_members_def *def, int setting, bool referen
     return status;
 }
 
-static pl_status add_problems(const pl_members_def *def, pl_plan *plan, firsts *f, int *count,
+static pl_status add_cases(const pl_members_def *def, pl_plan *plan, firsts *f, int *count,
                               pl_error *error)
 {
     pl_status status = PL_OK;
@@ -125,14 +125,14 @@ static pl_status strengthen(const pl_scene *scene, pl_engine_choice *choice, pl_
 }
 
 /* A configuration NAME@converged for each of the first `count`. */
-static pl_status add_references(pl_plan *plan, int count, int problem, pl_error *error)
+static pl_status add_references(pl_plan *plan, int count, int test_case, pl_error *error)
 {
     pl_status status = PL_OK;
     for (int i = 0; i < count && status == PL_OK; ++i) {
         char label[2 * PL_NAME_SIZE + 16];
         pl_engine_choice choice = plan->configurations[i].choice;
         snprintf(label, sizeof label, "%.100s@converged", plan->configurations[i].label);
-        status = strengthen(&plan->cases[problem].scene, &choice, error);
+        status = strengthen(&plan->cases[test_case].scene, &choice, error);
         if (status == PL_OK) {
             status = pl_plan_add_choice(plan, &choice, label, NULL, error);
         }
@@ -143,12 +143,12 @@ static pl_status add_references(pl_plan *plan, int count, int problem, pl_error 
 static pl_status add_ensemble(const pl_members_def *def, const pl_plan *plan, const firsts *f,
                               pl_ensemble added, int row, pl_ensembles *all, pl_error *error)
 {
-    added.problems = calloc((size_t)def->members, sizeof *added.problems);
-    if (added.problems == NULL) {
+    added.cases = calloc((size_t)def->members, sizeof *added.cases);
+    if (added.cases == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for %d members", def->members);
     }
     for (int k = 0; k < def->members; ++k) {
-        added.problems[k] = *first_of(f, row, k) + added.problem;
+        added.cases[k] = *first_of(f, row, k) + added.test_case;
     }
     const char *label = plan->configurations[added.configuration].label;
     if (added.setting == 0) {
@@ -167,15 +167,15 @@ static pl_status list_ensembles(const pl_members_def *def, const pl_plan *plan, 
     const int rows = def->setting_count + 1 + (def->references ? 1 : 0);
     pl_status status = PL_OK;
     all->items =
-        calloc((size_t)all->problem_count * (size_t)rows * (size_t)engines + 1, sizeof *all->items);
+        calloc((size_t)all->case_count * (size_t)rows * (size_t)engines + 1, sizeof *all->items);
     if (all->items == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for the ensembles");
     }
-    for (int p = 0; p < all->problem_count; ++p) {
+    for (int p = 0; p < all->case_count; ++p) {
         for (int row = 0; row < rows; ++row) {
             const bool reference = row > def->setting_count;
             for (int e = 0; e < engines && status == PL_OK; ++e) {
-                const pl_ensemble added = {.problem = p,
+                const pl_ensemble added = {.test_case = p,
                                            .setting = reference ? 0 : row,
                                            .reference = reference,
                                            .configuration = reference ? engines + e : e};
@@ -196,7 +196,7 @@ static pl_status pair_up(const pl_ensembles *all, pl_plan *plan, pl_error *error
             for (int i = 0; i < all->count && status == PL_OK; ++i) {
                 const pl_ensemble *e = &all->items[i];
                 if (e->reference == (pass == 1)) {
-                    status = pl_plan_add_pairing(plan, e->problems[k], e->configuration, error);
+                    status = pl_plan_add_pairing(plan, e->cases[k], e->configuration, error);
                 }
             }
         }
@@ -214,8 +214,8 @@ pl_status pl_members_plan(const pl_members_def *def, pl_plan *plan, pl_ensembles
     if (f.index == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for %d members", def->members);
     }
-    pl_status status = add_problems(def, plan, &f, &ensembles->problem_count, error);
-    if (status == PL_OK && def->references && ensembles->problem_count > 0) {
+    pl_status status = add_cases(def, plan, &f, &ensembles->case_count, error);
+    if (status == PL_OK && def->references && ensembles->case_count > 0) {
         status = add_references(plan, engines, 0, error);
     }
     if (status == PL_OK) {
@@ -231,7 +231,7 @@ pl_status pl_members_plan(const pl_members_def *def, pl_plan *plan, pl_ensembles
 void pl_ensembles_free(pl_ensembles *ensembles)
 {
     for (int i = 0; i < ensembles->count; ++i) {
-        free(ensembles->items[i].problems);
+        free(ensembles->items[i].cases);
     }
     free(ensembles->items);
     *ensembles = (pl_ensembles){.count = 0};
@@ -239,7 +239,7 @@ void pl_ensembles_free(pl_ensembles *ensembles)
 
 void pl_member_run(const pl_plan *plan, const pl_ensemble *ensemble, int member, char run[17])
 {
-    const pl_planned_run planned = {.test_case = &plan->cases[ensemble->problems[member]],
+    const pl_planned_run planned = {.test_case = &plan->cases[ensemble->cases[member]],
                                     .configuration =
                                         &plan->configurations[ensemble->configuration]};
     json_t *identity = pl_planned_run_identity(plan, &planned);

@@ -1,4 +1,4 @@
-/* Which runs an ensemble is made of: members x problems x engines, where the members of one number
+/* Which runs an ensemble is made of: members x cases x engines, where the members of one number
  * have the same jitter on every engine. */
 #ifndef PLUMB_MEMBERS_H
 #define PLUMB_MEMBERS_H
@@ -9,13 +9,13 @@
  * engine's iterations, where it has such an option. */
 enum { PL_FINER_STEPS = 16, PL_MORE_ITERATIONS = 8 };
 
-/* The members of one problem on one engine. */
+/* The members of one case on one engine. */
 typedef struct pl_ensemble {
-    int problem;       /* which of those asked for, from 0 */
+    int test_case;       /* which of those asked for, from 0 */
     int setting;       /* 0: as asked; k: with the k-th other setting */
     bool reference;    /* of the finer step */
     int configuration; /* index into the plan's */
-    int *problems;     /* (members): index into the plan's, by member */
+    int *cases;     /* (members): index into the plan's, by member */
     char name[256];    /* the engine's label, and the other setting in brackets */
 } pl_ensemble;
 
@@ -23,7 +23,7 @@ typedef struct pl_ensembles {
     pl_ensemble *items; /* (count) */
     int count;
     int members;
-    int problem_count;
+    int case_count;
 } pl_ensembles;
 
 typedef struct pl_members_def {
@@ -32,11 +32,11 @@ typedef struct pl_members_def {
     const char *const *settings; /* (setting_count): how they are called */
     bool references;
     void *user;
-    /* Adds the problems to the plan: setting 0 as asked, k with the k-th other setting. */
+    /* Adds the cases to the plan: setting 0 as asked, k with the k-th other setting. */
     pl_status (*add)(void *user, int setting, pl_plan *plan, pl_error *error);
 } pl_members_def;
 
-/* `plan` has its engines, and gets the problems and the runs; members of other settings have
+/* `plan` has its engines, and gets the cases and the runs; members of other settings have
  * numbers of their own, so that no jitter is used twice on an engine. PL_BAD_INPUT: a scene in
  * which nothing can move. The caller frees *ensembles by pl_ensembles_free, in any case. */
 pl_status pl_members_plan(const pl_members_def *def, pl_plan *plan, pl_ensembles *ensembles,

@@ -126,7 +126,7 @@ pl_status pl_observations_gather(const pl_plan *plan, const pl_ensemble *ensembl
         }
     }
     for (int k = 0; k < members; ++k) {
-        const pl_scene *scene = &plan->cases[ensemble->problems[k]].scene;
+        const pl_scene *scene = &plan->cases[ensemble->cases[k]].scene;
         char run[17];
         pl_member_run(plan, ensemble, k, run);
         const json_t *result = json_object_get(results_by_run, run);

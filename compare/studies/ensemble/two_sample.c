@@ -1,14 +1,17 @@
 #include "two_sample.h"
 
+#include "base/random.h"
+
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct tagged {
     double value;
     bool of_a;
 } tagged;
 
-static int ascending(const void *a, const void *b)
+static int by_value(const void *a, const void *b)
 {
     const tagged *x = a, *y = b;
     return (x->value > y->value) - (x->value < y->value);
@@ -30,7 +33,7 @@ pl_status pl_pool_make(const double *a, int count_a, const double *b, int count_
     for (int i = 0; i < pool->count; ++i) {
         all[i] = i < count_a ? (tagged){a[i], true} : (tagged){b[i - count_a], false};
     }
-    qsort(all, count, sizeof *all, ascending);
+    qsort(all, count, sizeof *all, by_value);
     for (int i = 0; i < pool->count; ++i) {
         pool->values[i] = all[i].value;
         pool->of_a[i] = all[i].of_a;
@@ -72,4 +75,179 @@ double pl_kolmogorov_smirnov(const pl_pool *pool)
         }
     }
     return largest;
+}
+
+static const double most_exact = 100000; /* ways to deal */
+static const uint64_t permutation_seed = UINT64_C(20040401), split_seed = UINT64_C(19790601);
+
+static double ways_to_deal(int count, int chosen)
+{
+    double ways = 1;
+    for (int i = 1; i <= chosen && ways < 1e15; ++i) {
+        ways = ways * (count - chosen + i) / i;
+    }
+    return ways;
+}
+
+/* The next arrangement of the flags in lexicographic order; false after the last. */
+static bool next_arrangement(bool *flags, int count)
+{
+    int i = count - 2;
+    while (i >= 0 && !(!flags[i] && flags[i + 1])) {
+        --i;
+    }
+    if (i < 0) {
+        return false;
+    }
+    flags[i] = true;
+    flags[i + 1] = false;
+    /* What follows has all its true flags first, and gets them last. */
+    for (int low = i + 2, high = count - 1; low < high; ++low, --high) {
+        bool flag = flags[low];
+        flags[low] = flags[high];
+        flags[high] = flag;
+    }
+    return true;
+}
+
+/* Fisher and Yates, as far as it matters: the first `chosen` of `order` are a random choice. */
+static void choose(pl_random *random, int *order, int count, int chosen)
+{
+    for (int i = 0; i < chosen; ++i) {
+        int other = i + (int)(pl_random_unit(random) * (count - i));
+        int kept = order[i];
+        order[i] = order[other];
+        order[other] = kept;
+    }
+}
+
+static long count_all(pl_pool *dealt, double bound, long *ways)
+{
+    long hits = 0;
+    *ways = 0;
+    for (int i = 0; i < dealt->count; ++i) {
+        dealt->of_a[i] = i >= dealt->count - dealt->count_a;
+    }
+    do {
+        hits += pl_energy_distance(dealt) >= bound;
+        *ways += 1;
+    } while (next_arrangement(dealt->of_a, dealt->count));
+    return hits;
+}
+
+static long count_draws(pl_pool *dealt, int *order, double bound)
+{
+    pl_random random = {.state = permutation_seed};
+    long hits = 0;
+    for (int draw = 0; draw < PL_PERMUTATION_DRAWS; ++draw) {
+        choose(&random, order, dealt->count, dealt->count_a);
+        memset(dealt->of_a, 0, (size_t)dealt->count * sizeof *dealt->of_a);
+        for (int i = 0; i < dealt->count_a; ++i) {
+            dealt->of_a[order[i]] = true;
+        }
+        hits += pl_energy_distance(dealt) >= bound;
+    }
+    return hits;
+}
+
+static int *ascending_order(int count)
+{
+    int *order = calloc((size_t)count + 1, sizeof *order);
+    for (int i = 0; i < count && order != NULL; ++i) {
+        order[i] = i;
+    }
+    return order;
+}
+
+pl_status pl_permutation_p(const pl_pool *pool, double *p, pl_error *error)
+{
+    pl_pool dealt = *pool;
+    int *order = ascending_order(pool->count);
+    dealt.of_a = calloc((size_t)pool->count + 1, sizeof *dealt.of_a);
+    if (order == NULL || dealt.of_a == NULL) {
+        free(order);
+        free(dealt.of_a);
+        return pl_fail(error, PL_NO_MEMORY, "out of memory to permute %d values", pool->count);
+    }
+    /* Ways that differ only in rounding count as equal. */
+    const double bound = pl_energy_distance(pool) * (1 - 1e-12);
+    if (ways_to_deal(pool->count, pool->count_a) <= most_exact) {
+        long ways = 0;
+        long hits = count_all(&dealt, bound, &ways);
+        *p = (double)hits / (double)ways;
+    } else {
+        long hits = count_draws(&dealt, order, bound);
+        *p = (1 + (double)hits) / (1.0 + PL_PERMUTATION_DRAWS);
+    }
+    free(order);
+    free(dealt.of_a);
+    return PL_OK;
+}
+
+pl_status pl_split_half_noise(const double *values, int count, int n, int m, pl_noise *noise,
+                              pl_error *error)
+{
+    *noise = (pl_noise){.energy = NAN, .ks = NAN};
+    if (count < PL_NOISE_LEAST) {
+        return PL_OK;
+    }
+    const int half = count / 2;
+    pl_pool pool;
+    int *order = ascending_order(count);
+    pl_status status = pl_pool_make(values, half, values + half, count - half, &pool, error);
+    if (status != PL_OK || order == NULL) {
+        free(order);
+        if (status == PL_OK) {
+            pl_pool_free(&pool);
+            status = pl_fail(error, PL_NO_MEMORY, "out of memory to split %d values", count);
+        }
+        return status;
+    }
+    pl_random random = {.state = split_seed};
+    *noise = (pl_noise){.energy = 0};
+    for (int split = 0; split < PL_NOISE_SPLITS; ++split) {
+        choose(&random, order, count, half);
+        memset(pool.of_a, 0, (size_t)count * sizeof *pool.of_a);
+        for (int i = 0; i < half; ++i) {
+            pool.of_a[order[i]] = true;
+        }
+        noise->energy += pl_energy_distance(&pool) / PL_NOISE_SPLITS;
+        noise->ks += pl_kolmogorov_smirnov(&pool) / PL_NOISE_SPLITS;
+    }
+    const double scale = (1.0 / n + 1.0 / m) / (1.0 / half + 1.0 / (count - half));
+    noise->energy *= scale;
+    noise->ks *= sqrt(scale);
+    free(order);
+    pl_pool_free(&pool);
+    return PL_OK;
+}
+
+typedef struct ranked {
+    double p;
+    int index;
+} ranked;
+
+static int by_p(const void *a, const void *b)
+{
+    const ranked *x = a, *y = b;
+    return (x->p > y->p) - (x->p < y->p);
+}
+
+pl_status pl_holm(const double *p, int count, double *corrected, pl_error *error)
+{
+    ranked *order = calloc((size_t)count + 1, sizeof *order);
+    if (order == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d tests", count);
+    }
+    for (int i = 0; i < count; ++i) {
+        order[i] = (ranked){p[i], i};
+    }
+    qsort(order, (size_t)count, sizeof *order, by_p);
+    double largest = 0;
+    for (int k = 0; k < count; ++k) {
+        largest = fmax(largest, fmin(1, (count - k) * order[k].p));
+        corrected[order[k].index] = largest;
+    }
+    free(order);
+    return PL_OK;
 }

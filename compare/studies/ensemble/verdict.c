@@ -1,7 +1,6 @@
 #include "verdict.h"
 
-#include "holm.h"
-#include "permutation.h"
+#include "two_sample.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -16,7 +15,7 @@ static const double notable_share = 0.005;
  * more could be compared would only blunt the correction. */
 static bool comparable(const pl_ensemble *a, const pl_ensemble *b)
 {
-    return a->problem == b->problem && (a->setting == 0 || b->setting == 0) &&
+    return a->test_case == b->test_case && (a->setting == 0 || b->setting == 0) &&
            (a->setting == b->setting || a->configuration == b->configuration);
 }
 

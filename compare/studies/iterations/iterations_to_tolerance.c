@@ -1,10 +1,131 @@
 #include "iterations_to_tolerance.h"
 
-#include "budget_search.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+enum { PL_MOST_ITERATIONS = 1024 };
+
+static const double small_change = 0.01, near_enough = 1.1;
+
+enum { MOST_DOUBLINGS = 64 };
+
+typedef struct doubling_search {
+    const pl_budget_search_def *def;
+    pl_budget_found *found;
+    double errors[MOST_DOUBLINGS]; /* of least 2^k; INFINITY where it fell */
+    int count;
+} doubling_search;
+
+static pl_status evaluate_budget(doubling_search *s, long budget, pl_budget_trial *trial, double *error,
+                            pl_error *fault)
+{
+    double given = (double)INFINITY;
+    s->found->trials += 1;
+    pl_status status = s->def->try_budget(s->def->user, budget, trial, &given, fault);
+    *error = *trial == PL_BUDGET_SUCCEEDED ? given : (double)INFINITY;
+    return status;
+}
+
+static bool changed_little(const doubling_search *s, int k)
+{
+    double before = s->errors[k - 1], after = s->errors[k];
+    return isfinite(before) && isfinite(after) &&
+           fabs(after - before) <= small_change * before + s->def->floor;
+}
+
+static bool is_settled(const doubling_search *s)
+{
+    const int last = s->count - 1;
+    return last >= 2 && changed_little(s, last) && changed_little(s, last - 1);
+}
+
+static pl_status double_up(doubling_search *s, pl_error *fault)
+{
+    pl_budget_found *found = s->found;
+    bool any = false;
+    for (long budget = s->def->least; !is_settled(s); budget *= 2) {
+        pl_budget_trial trial = PL_BUDGET_FAILED;
+        double *error = &s->errors[s->count];
+        pl_status status = evaluate_budget(s, budget, &trial, error, fault);
+        if (status != PL_OK) {
+            return status;
+        }
+        found->largest = budget;
+        if (trial == PL_BUDGET_END_SEARCH) {
+            found->state = PL_BUDGET_STOPPED;
+            return PL_OK;
+        }
+        s->count += 1;
+        any = any || trial == PL_BUDGET_SUCCEEDED;
+        if (budget > s->def->most / 2) {
+            break;
+        }
+    }
+    found->state = PL_BUDGET_FOUND;
+    if (isinf(s->errors[s->count - 1])) {
+        found->state = any ? PL_BUDGET_LARGEST_FAILED : PL_BUDGET_ALL_FAILED;
+    }
+    return PL_OK;
+}
+
+static bool is_near(const doubling_search *s, double error)
+{
+    return error <= near_enough * s->found->converged + s->def->floor;
+}
+
+/* Between a doubling that is not near and the next, which is: that next one is the doubling above
+ * all of them. */
+static pl_status bisect(doubling_search *s, long far, long near, pl_error *fault)
+{
+    while (near - far > 1) {
+        const long middle = far + (near - far) / 2;
+        pl_budget_trial trial = PL_BUDGET_FAILED;
+        double error = (double)INFINITY;
+        pl_status status = evaluate_budget(s, middle, &trial, &error, fault);
+        if (status != PL_OK) {
+            return status;
+        }
+        if (trial == PL_BUDGET_END_SEARCH) {
+            s->found->state = PL_BUDGET_STOPPED;
+            return PL_OK;
+        }
+        *(is_near(s, error) ? &near : &far) = middle;
+    }
+    s->found->budget = near;
+    return PL_OK;
+}
+
+pl_status pl_budget_search(const pl_budget_search_def *def, pl_budget_found *found, pl_error *fault)
+{
+    *found = (pl_budget_found){.converged = (double)NAN};
+    doubling_search s = {.def = def, .found = found};
+    pl_status status = double_up(&s, fault);
+    if (status != PL_OK || found->state != PL_BUDGET_FOUND) {
+        return status;
+    }
+    found->converged = s.errors[s.count - 1];
+    int k = 0;
+    while (k < s.count - 1 && !(is_near(&s, s.errors[k]) && is_near(&s, s.errors[k + 1]))) {
+        ++k;
+    }
+    const long near = def->least << k;
+    return bisect(&s, k == 0 ? near - 1 : near / 2, near, fault);
+}
+
+int pl_budget_most_trials(long least, long most)
+{
+    long last = least;
+    int trials = 1;
+    while (last <= most / 2) {
+        last *= 2;
+        trials += 1;
+    }
+    for (long gap = last == least ? 1 : last / 2; gap > 1; gap -= gap / 2) {
+        trials += 1;
+    }
+    return trials;
+}
 
 /* As in the report: below a nanometre, or 1e-9 of what is relative, errors are equal. */
 static const double error_floor = 1e-9;
@@ -12,7 +133,7 @@ static const double error_floor = 1e-9;
 /* One search. */
 typedef struct candidate {
     const pl_tolerance_def *def;
-    const pl_case *problem;
+    const pl_case *test_case;
     const pl_configuration *configuration;
     int option; /* index of `iterations` */
     int signal_number;
@@ -39,13 +160,13 @@ static void budgets_of(const pl_engine *engine, int option, long *least, long *m
 }
 
 /* *due: whether a run of the pair is still to be made. */
-static pl_status is_due(const pl_tolerance_def *def, const pl_case *problem,
+static pl_status is_due(const pl_tolerance_def *def, const pl_case *test_case,
                         const pl_configuration *configuration, bool *due, pl_error *error)
 {
     *due = def->skip == NULL;
     for (int repeat = 0; repeat < def->plan->repeats && !*due; ++repeat) {
         const pl_planned_run run = {
-            .test_case = problem, .configuration = configuration, .repeat = repeat};
+            .test_case = test_case, .configuration = configuration, .repeat = repeat};
         json_t *identity = pl_planned_run_identity(def->plan, &run);
         if (identity == NULL) {
             return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
@@ -61,10 +182,10 @@ static pl_status most_runs_of(const candidate *c, long *runs, pl_error *error)
 {
     bool due = false;
     *runs = 0;
-    if (c->option < 0 || c->problem->scene.primary_error[0] == '\0') {
+    if (c->option < 0 || c->test_case->scene.primary_error[0] == '\0') {
         return PL_OK;
     }
-    pl_status status = is_due(c->def, c->problem, c->configuration, &due, error);
+    pl_status status = is_due(c->def, c->test_case, c->configuration, &due, error);
     long least, most;
     budgets_of(c->configuration->choice.engine, c->option, &least, &most);
     if (status == PL_OK && due && least <= most) {
@@ -73,11 +194,11 @@ static pl_status most_runs_of(const candidate *c, long *runs, pl_error *error)
     return status;
 }
 
-static candidate candidate_of(const pl_tolerance_def *def, int problem, int configuration)
+static candidate candidate_of(const pl_tolerance_def *def, int test_case, int configuration)
 {
     const pl_configuration *of = &def->plan->configurations[configuration];
     return (candidate){.def = def,
-                       .problem = &def->plan->cases[problem],
+                       .test_case = &def->plan->cases[test_case],
                        .configuration = of,
                        .option = find_option(of->choice.engine)};
 }
@@ -116,8 +237,8 @@ static pl_status try_budget(void *user, long budget, pl_budget_trial *trial, dou
     pl_configuration configuration = *c->configuration;
     configuration.choice.values[c->option] = (double)budget;
     pl_engine_choice_label(&configuration.choice, configuration.label);
-    pl_case problem = *c->problem;
-    const pl_plan plan = {.cases = &problem,
+    pl_case test_case = *c->test_case;
+    const pl_plan plan = {.cases = &test_case,
                           .case_count = 1,
                           .configurations = &configuration,
                           .configuration_count = 1,
@@ -215,13 +336,13 @@ pl_status pl_tolerance_search(const pl_tolerance_def *def, pl_metric **metrics, 
     return status;
 }
 
-/* The place of the result's problem and configuration; -1 when they are not the plan's. */
+/* The place of the result's case and configuration; -1 when they are not the plan's. */
 static int place_of(const pl_plan *plan, const json_t *result)
 {
     for (int p = 0; p < plan->case_count; ++p) {
-        const pl_case *problem = &plan->cases[p];
-        if (strcmp(problem->name, pl_json_get_text(result, "scenario")) != 0 ||
-            strcmp(problem->scene_hash, pl_json_get_text(result, "scene_hash")) != 0) {
+        const pl_case *test_case = &plan->cases[p];
+        if (strcmp(test_case->name, pl_json_get_text(result, "scenario")) != 0 ||
+            strcmp(test_case->scene_hash, pl_json_get_text(result, "scene_hash")) != 0) {
             continue;
         }
         for (int c = 0; c < plan->configuration_count; ++c) {

@@ -1,24 +1,48 @@
-/* How far a run of a transformed scene, mapped back, is from the plain run. */
+/* Compares the run of a transformed scene, mapped back, with the plain run. */
 #ifndef PLUMB_AGREEMENT_H
 #define PLUMB_AGREEMENT_H
 
-#include "trajectory.h"
 #include "transform.h"
 
+#include <stdio.h>
+
+/* ---- Trajectories ---- */
+
+/* The frames of a run in its trajectory file (CSV with every digit), read one at a time, because
+ * long runs of many bodies may not fit into memory. */
+typedef struct pl_trajectory {
+    FILE *file;
+    pl_frame frame; /* the frame that was read last */
+    char *line;
+    size_t capacity;
+} pl_trajectory;
+
+/* Opens an empty temporary file for a run's frames; it is deleted when closed. */
+pl_status pl_trajectory_open(pl_trajectory *trajectory, pl_error *error);
+void pl_trajectory_close(pl_trajectory *trajectory); /* all zeros allowed */
+
+/* Goes to the first frame of a scene with `body_count` bodies. */
+pl_status pl_trajectory_rewind(pl_trajectory *trajectory, int body_count, pl_error *error);
+
+/* Reads the next frame into trajectory->frame. False at the end, and where a run broke off. */
+bool pl_trajectory_next(pl_trajectory *trajectory);
+
+/* ---- Agreement ---- */
+
 typedef enum pl_grade {
-    PL_GRADE_BITWISE, /* every pose of every frame is the same number; +0 and -0 are one, as are
-                         the two quaternions of a rotation */
-    PL_GRADE_EXACT,   /* both differences at most 1e-9 */
-    PL_GRADE_CLOSE,   /* at most 1e-3 */
+    PL_GRADE_BITWISE, /* every pose of every frame is the same number; +0 equals -0, and the two
+                         quaternions of a rotation are equal */
+    PL_GRADE_EXACT,   /* both differences are at most 1e-9 */
+    PL_GRADE_CLOSE,   /* both are at most 1e-3 */
     PL_GRADE_DIFFERS,
-    PL_GRADE_FAILED,      /* one of the two runs came to no end */
-    PL_GRADE_INAPPLICABLE /* the check cannot be made of this scene */
+    PL_GRADE_FAILED,      /* one of the two runs did not finish */
+    PL_GRADE_INAPPLICABLE /* the check does not apply to this scene */
 } pl_grade;
 
 /* "bitwise" ... */
 const char *pl_grade_name(pl_grade grade);
 
-/* At one time: the largest over the dynamic bodies. */
+/* The largest difference over the dynamic bodies at one time. */
 typedef struct pl_difference {
     double position; /* over the size of the scene; 1 */
     double rotation; /* rad */
@@ -26,27 +50,27 @@ typedef struct pl_difference {
 } pl_difference;
 
 typedef struct pl_agreement {
-    pl_difference early; /* at a tenth of the run, before chaos has had its time */
+    pl_difference early; /* at a tenth of the run, before chaos sets in */
     pl_difference end;
-    double
-        passes_at; /* s: the first frame where a position is off by 1e-6 of the size; NAN: none */
+    double passes_at; /* s: the first frame with a position off by over 1e-6 of the size; NAN: none */
 } pl_agreement;
 
-/* What is compared. */
+/* The two runs that are compared. */
 typedef struct pl_trajectory_pair {
-    const pl_scene *scene; /* the plain one */
+    const pl_scene *scene; /* the plain scene */
     const pl_transform *transform;
     double size;          /* m, of the plain scene */
     pl_trajectory *plain; /* a whole run of `scene` */
-    pl_trajectory *other; /* of the transformed one, or of the rest of it */
+    pl_trajectory *other; /* of the transformed scene, or of the rest of it */
     int other_body_count;
-    long first; /* the frame of the plain run that the other's first frame is the same as */
+    long first; /* the frame of the plain run that corresponds to the other's first frame */
 } pl_trajectory_pair;
 
-/* PL_FAILED: one of them has fewer frames than there are steps. */
+/* PL_FAILED: one of the runs has fewer frames than steps. */
 pl_status pl_compare_trajectories(const pl_trajectory_pair *comparison, pl_agreement *agreement,
                                   pl_error *error);
 
+/* The grade of a difference between two runs that finished. */
 pl_grade pl_difference_grade(const pl_difference *difference);
 
 #endif

@@ -1,6 +1,6 @@
 #include "check_list.h"
 
-#include "far_copy.h"
+#include "transform.h"
 
 #include <string.h>
 

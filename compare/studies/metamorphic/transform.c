@@ -1,7 +1,9 @@
 #include "transform.h"
 
 #include "plumb/vec.h"
+#include "referee/geometry/solid.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -181,16 +183,19 @@ void pl_transform_state_back(const pl_transform *transform, const pl_body_state 
 /* ---- Scenes ------------------------------------------------------------------------------------
  */
 
-pl_status pl_scene_copy_problem(const pl_scene *from, pl_scene *to, pl_error *error)
+/* A copy of a valid scene that shares nothing with it, without what is expected of it. Forces come
+ * in the order of their bodies; polyhedra that have neither a name nor a body are left out. The
+ * caller frees *to, which is left empty on failure. */
+static pl_status pl_scene_copy_problem(const pl_scene *from, pl_scene *to, pl_error *error)
 {
-    pl_scene problem = *from;
-    problem.rest_count = 0;
-    problem.travel_count = 0;
-    problem.value_count = 0;
-    problem.primary_error[0] = '\0';
-    problem.collapse_distance = (double)INFINITY;
+    pl_scene test_case = *from;
+    test_case.rest_count = 0;
+    test_case.travel_count = 0;
+    test_case.value_count = 0;
+    test_case.primary_error[0] = '\0';
+    test_case.collapse_distance = (double)INFINITY;
     *to = pl_scene_default();
-    char *text = pl_scene_to_text(&problem);
+    char *text = pl_scene_to_text(&test_case);
     if (text == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for a copy of a scene");
     }
@@ -354,4 +359,109 @@ pl_status pl_transform_scene(const pl_transform *transform, const pl_scene *from
         pl_scene_free(to);
     }
     return status;
+}
+
+/* A force counts as ended by the same millionth of a step that decides whether it acts. */
+static void move_forces(pl_scene *scene, double time)
+{
+    int kept = 0;
+    for (int i = 0; i < scene->force_count; ++i) {
+        pl_force force = scene->forces[i];
+        force.from = fmax(force.from - time, 0);
+        force.until -= time;
+        if (force.until > 1e-6 * scene->dt) {
+            scene->forces[kept++] = force;
+        }
+    }
+    scene->force_count = kept;
+}
+
+pl_status pl_restart_scene(const pl_scene *from, const pl_body_state *states, long step,
+                           pl_scene *to, pl_error *error)
+{
+    pl_status status = pl_scene_copy_problem(from, to, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    for (int i = 0; i < to->body_count; ++i) {
+        pl_body *body = &to->bodies[i];
+        if (!body->is_static) {
+            memcpy(body->position, states[i].position, sizeof body->position);
+            memcpy(body->orientation, states[i].orientation, sizeof body->orientation);
+            memcpy(body->velocity, states[i].velocity, sizeof body->velocity);
+            memcpy(body->angular_velocity, states[i].angular_velocity,
+                   sizeof body->angular_velocity);
+        }
+    }
+    move_forces(to, (double)step * to->dt);
+    to->duration = (double)(pl_scene_steps(from) - step) * to->dt;
+    return PL_OK;
+}
+
+/* A normal that is square to the direction but for rounding. */
+static const double SQUARE = 1e-12;
+
+double pl_scene_size(const pl_scene *scene)
+{
+    pl_vec low = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+    for (int i = 0; i < scene->body_count; ++i) {
+        const pl_body *body = &scene->bodies[i];
+        if (!body->is_static) {
+            double r = pl_bounding_radius(&body->shape);
+            pl_vec c = pl_centre_of_mass(&body->shape, body->position, body->orientation);
+            low = (pl_vec){fmin(low.x, c.x - r), fmin(low.y, c.y - r), fmin(low.z, c.z - r)};
+            high = (pl_vec){fmax(high.x, c.x + r), fmax(high.y, c.y + r), fmax(high.z, c.z + r)};
+        }
+    }
+    return high.x > low.x ? pl_vec_length(pl_vec_sub(high, low)) : 1;
+}
+
+static bool fits(const pl_scene *scene, pl_vec direction)
+{
+    for (int i = 0; i < scene->body_count; ++i) {
+        const pl_shape *shape = &scene->bodies[i].shape;
+        if (shape->kind == PL_SHAPE_PLANE &&
+            fabs(pl_vec_dot(pl_vec_of(shape->normal), direction)) > SQUARE) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* The axes are tried first: along them the copy's places are rounded least. Planes that all map to
+ * themselves along no axis leave one direction at most that is square to two of them, or, of one
+ * plane alone, the level line in it. */
+static bool find_direction(const pl_scene *scene, pl_vec *direction)
+{
+    static const pl_vec axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    pl_vec first = {0, 0, 0};
+    for (int i = 0; i < 3; ++i) {
+        *direction = axes[i];
+        if (fits(scene, *direction)) {
+            return true;
+        }
+    }
+    for (int i = 0; i < scene->body_count; ++i) {
+        const pl_shape *shape = &scene->bodies[i].shape;
+        if (shape->kind == PL_SHAPE_PLANE) {
+            pl_vec n = pl_vec_of(shape->normal);
+            pl_vec other = pl_vec_length(first) > 0 ? first : axes[2];
+            pl_vec across = pl_vec_cross(n, other);
+            double length = pl_vec_length(across);
+            *direction = pl_vec_scale(across, length > 0 ? 1 / length : 0);
+            if (length > SQUARE && fits(scene, *direction)) {
+                return true;
+            }
+            first = pl_vec_length(first) > 0 ? first : n;
+        }
+    }
+    return false;
+}
+
+bool pl_far_offset(const pl_scene *scene, double sizes, double offset[3])
+{
+    pl_vec direction = {0, 0, 0};
+    bool found = find_direction(scene, &direction);
+    pl_vec_store(pl_vec_scale(direction, sizes * pl_scene_size(scene)), offset);
+    return found;
 }

@@ -1,10 +1,10 @@
-/* Transforms of a scene under which the laws of mechanics do not change, and the way back for the
- * states of its bodies. Pure functions: a scene in, a new scene out.
+/* Transforms of a scene that leave the laws of mechanics unchanged, and the inverse for the states of
+ * its bodies. Pure functions: a scene in, a new scene out.
  *
- * A place x becomes s M x + d, with M orthogonal. Length s goes with mass s^3 and time sqrt(s), so
- * that gravity and the coefficients of friction and restitution stay as they are: velocities become
- * sqrt(s) M v, angular velocities det(M) M w / sqrt(s) (they are pseudovectors), forces s^3 M f,
- * inertias s^5. */
+ * A position x becomes s M x + d, with M orthogonal. Length scales with s, mass with s^3 and time
+ * with sqrt(s), so that gravity and the coefficients of friction and restitution do not change:
+ * velocities become sqrt(s) M v, angular velocities det(M) M w / sqrt(s) (they are pseudovectors),
+ * forces s^3 M f, inertias s^5. */
 #ifndef PLUMB_TRANSFORM_H
 #define PLUMB_TRANSFORM_H
 
@@ -19,13 +19,13 @@ typedef struct pl_transform {
     double scale;        /* s > 0 */
     double shift[3];     /* d, m */
     pl_body_order order;
-    bool has_copy;         /* all bodies but planes a second time, and their forces */
-    double copy_offset[3]; /* m, in the scene as it was; planes must map to themselves under it */
+    bool has_copy;         /* all bodies except planes exist twice, and their forces */
+    double copy_offset[3]; /* m, in the original scene; planes must map to themselves under it */
 } pl_transform;
 
 pl_transform pl_transform_identity(void);
 
-/* About axis 0, 1 or 2 (x, y, z) by so many eighths of a turn, -7 .. 7. */
+/* A rotation about axis 0, 1 or 2 (x, y, z) by `eighths` of a turn, -7 .. 7. */
 pl_transform pl_transform_rotation(int axis, int eighths);
 pl_transform pl_transform_mirror(void); /* y -> -y */
 pl_transform pl_transform_scaling(double scale);
@@ -33,22 +33,32 @@ pl_transform pl_transform_shift(double x, double y, double z);
 pl_transform pl_transform_order(pl_body_order order);
 pl_transform pl_transform_copy(const double offset[3]);
 
-/* The transformed scene, without what was expected of the scene before. The caller frees *to, which
- * is left empty on failure. PL_NO_MEMORY; PL_BAD_INPUT when the copies are too many bodies, or
+/* The transformed scene, without the original's expectations. The caller frees *to, which is left
+ * empty on failure. PL_NO_MEMORY; PL_BAD_INPUT when there are too many bodies with the copies, or
  * their names are taken. */
 pl_status pl_transform_scene(const pl_transform *transform, const pl_scene *from, pl_scene *to,
                              pl_error *error);
 
-/* Where body `body` of a scene of body_count bodies stands in the transformed scene. */
+/* The index in the transformed scene of body `body` of a scene of body_count bodies. */
 int pl_transform_index(const pl_transform *transform, int body, int body_count);
 
-/* The state of a body of the transformed scene as one of the scene before. Not in place. */
+/* Maps the state of a body of the transformed scene back to the original scene. Not in place. */
 void pl_transform_state_back(const pl_transform *transform, const pl_body_state *from,
                              pl_body_state *to);
 
-/* A copy of a valid scene that shares nothing with it, without what is expected of it. Forces come
- * in the order of their bodies; polyhedra that have neither a name nor a body are left out. The
+/* The rest of the scene's run after `step` steps, 0 < step < pl_scene_steps, from these states of
+ * its bodies. Times count from there. Forces that have ended are gone, and so are expectations. The
  * caller frees *to, which is left empty on failure. */
-pl_status pl_scene_copy_problem(const pl_scene *from, pl_scene *to, pl_error *error);
+pl_status pl_restart_scene(const pl_scene *from, const pl_body_state *states, long step,
+                           pl_scene *to, pl_error *error);
+
+/* The diagonal of the axis-aligned box around the bounding spheres of the dynamic bodies at the
+ * start, m; 1 m where there are none. */
+double pl_scene_size(const pl_scene *scene);
+
+/* An offset of `sizes` times pl_scene_size for a copy that does not touch the original: every plane
+ * of the scene maps to itself along it. It is horizontal where possible. False when there is none,
+ * because planes face all directions. */
+bool pl_far_offset(const pl_scene *scene, double sizes, double offset[3]);
 
 #endif

@@ -1,47 +1,68 @@
-/* The solver benchmark: problems captured from scenarios, every solver on each of them, from the
- * warm start and cold, to ever smaller residuals. */
+/* The solver benchmark: contact problems captured from scenarios, solved by every solver from a warm
+ * and from a cold start, to smaller and smaller residuals. */
 #ifndef PLUMB_SOLVER_BENCHMARK_H
 #define PLUMB_SOLVER_BENCHMARK_H
 
+#include "plumb/base.h"
 #include "plumb/contact_problem.h"
-#include "plumb/scene.h"
 
 #include <jansson.h>
-#include <stdio.h>
+
+/* ---- One solver on one problem ---- */
+
+typedef struct pl_solver_run {
+    const char *solver;
+    pe_contact_solution solution; /* of the first repeat; the others differ in their times only */
+    double seconds;               /* CPU time of the solver, s: the median of the repeats */
+    int repeats;
+} pl_solver_run;
+
+/* Solves the problem an odd number of times, up to 9, until half a second is used. The caller frees
+ * run->solution. PL_BAD_INPUT: an unknown solver (the message suggests the nearest), or limits out
+ * of range. */
+pl_status pl_measure_solver(const pe_contact_problem *problem, const char *solver,
+                            const pe_solve_limits *limits, pl_solver_run *run, pl_error *error);
+
+/* "converged", "iteration limit", "stalled". */
+const char *pl_solve_stop_name(pe_solve_stop stop);
+
+/* ---- The benchmark ---- */
 
 enum { PL_BENCHMARK_SETTINGS = 4, PL_BENCHMARK_LEVELS = 4 };
 
-/* A row of the table of problems. */
+/* An entry of the table of problems. */
 typedef struct pl_benchmark_problem {
     const char *name;
     const char *scenario;
-    const char *settings[PL_BENCHMARK_SETTINGS]; /* "NAME=VALUE", ends with NULL */
+    const char *settings[PL_BENCHMARK_SETTINGS]; /* "NAME=VALUE"; NULL after the last */
     uint64_t seed;
-    int step;      /* from 1: the step whose largest island it is */
-    bool held_out; /* not looked at while solvers are tuned */
+    int step;      /* from 1: the step whose largest island is the problem */
+    bool held_out; /* not used while solvers are tuned */
 } pl_benchmark_problem;
 
 /* The table, in the order of reports. Static storage. */
 const pl_benchmark_problem *pl_benchmark_problems(int *count);
 
-/* Runs the scenario on our engine up to that step, and gives the largest island's problem, which
- * the caller destroys. PL_FAILED: it has no contact then. */
-pl_status pl_benchmark_capture(const pl_benchmark_problem *row, pe_contact_problem **problem,
+/* Runs the scenario on our engine up to the step and returns the problem of the largest island,
+ * which the caller destroys. PL_FAILED: there is no contact. */
+pl_status pl_benchmark_capture(const pl_benchmark_problem *entry, pe_contact_problem **problem,
                                pl_error *error);
 
 /* Residuals to reach, m/s, from the largest to the smallest. */
 extern const double pl_benchmark_levels[PL_BENCHMARK_LEVELS];
 
-/* Solves one problem by every solver, each in a process of its own, warm and cold. *result is a new
- * reference: what the problem is, and its `cells`, one for each solver and start, with the `levels`
- * in order up to the first that was not reached. `progress` may be NULL. */
-pl_status pl_benchmark_solve(const pl_benchmark_problem *row, const pe_contact_problem *problem,
-                             FILE *progress, json_t **result, pl_error *error);
-
-/* The whole benchmark over `rows`: prints the summary on standard output, progress on standard
- * error, and writes solver-benchmark.json, .csv and .md into `directory`, which is made. The
- * command line is noted as where it comes from. */
-pl_status pl_benchmark_run(const pl_benchmark_problem *rows, int count, const char *directory,
+/* Runs the benchmark over `entries`. Prints the summary on standard output and progress on standard
+ * error, and writes solver-benchmark.json, .csv and .md into `directory`, which is made. The command
+ * line is recorded. */
+pl_status pl_benchmark_run(const pl_benchmark_problem *entries, int count, const char *directory,
                            int argc, char *const *argv, pl_error *error);
+
+/* ---- Reports ---- */
+
+/* Both take the whole result ("plumb.solver_benchmark/1") and return malloc'd text, NULL when out of
+ * memory. The Markdown begins with the levels that were not reached and with the solvers slower than
+ * the first; the CSV has a row per level of every solver and start. */
+char *pl_benchmark_markdown(const json_t *result);
+char *pl_benchmark_csv(const json_t *result);
 
 #endif

@@ -1,6 +1,5 @@
-#include "benchmark_report.h"
-
 #include "benchmark.h"
+
 #include "plumb/contact_problem.h"
 #include "results/result.h"
 

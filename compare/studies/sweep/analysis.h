@@ -1,10 +1,10 @@
-/* Speed against error: what runs of many settings and time steps say together, as plain data.
+/* Speed against error: the analysis of runs with many settings and time steps, as plain data.
  *
- * A scene is a scenario with its parameters but for the time step; a point is an engine with its
+ * A scene is a scenario with its parameters except the time step. A point is an engine with its
  * options at a time step on a scene, over all repeats. Its cost is the CPU time of the engine's
- * steps alone for a second of simulated time (s/s): time_per_step / dt. Its error is the scenario's
- * primary error. An engine stands here twice: with all its profiles, and each profile by itself.
- * Ratios are above 1 where plumb is ahead. */
+ * steps per second of simulated time (s/s): time_per_step / dt. Its error is the scenario's primary
+ * error. Each engine is listed with all its profiles together, and each profile by itself. Ratios
+ * are above 1 where plumb is ahead. */
 #ifndef PLUMB_SWEEP_ANALYSIS_H
 #define PLUMB_SWEEP_ANALYSIS_H
 
@@ -202,5 +202,9 @@ bool pl_sweep_curve_was_run(const pl_sweep_curve *curve);
  * NAN where there is no scene. */
 double pl_sweep_share(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
                       int engine, double tau);
+
+/* The analysis as one JSON object, plumb.sweep/1 (SCHEMA.md): a new reference; NULL when out of
+ * memory. */
+json_t *pl_sweep_to_json(const pl_sweep_analysis *analysis);
 
 #endif

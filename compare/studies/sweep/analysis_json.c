@@ -1,4 +1,4 @@
-#include "analysis_json.h"
+#include "analysis.h"
 
 #include "results/result.h"
 

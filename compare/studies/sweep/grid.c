@@ -1,16 +1,154 @@
 #include "grid.h"
 
-#include "grid_configurations.h"
 #include "grid_keys.h"
+#include "results/store.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* How many, equal ones not yet taken as one. */
+static double count_configurations(const pl_grid_def *def)
+{
+    double count = 0;
+    for (int i = 0; i < def->base->configuration_count; ++i) {
+        pl_grid_keys keys = pl_grid_keys_of_configuration(def, &def->base->configurations[i]);
+        count += pl_grid_combinations(&keys);
+    }
+    return count;
+}
+
+/* Changes the profile: options that were not asked for by name become those it ships. */
+static void set_profile(pl_engine_choice *choice, int profile)
+{
+    const pl_engine *engine = choice->engine;
+    double shipped[PL_ENGINE_MAX_OPTIONS];
+    for (int i = 0; i < engine->option_count; ++i) {
+        shipped[i] = engine->options[i].value;
+    }
+    if (engine->profile_defaults != NULL) {
+        engine->profile_defaults(profile, shipped);
+    }
+    for (int i = 0; i < engine->option_count; ++i) {
+        char asked[PL_NAME_SIZE + 3];
+        snprintf(asked, sizeof asked, ",%s=", engine->options[i].name);
+        if (strstr(choice->spec, asked) == NULL) {
+            choice->values[i] = shipped[i];
+        }
+    }
+    choice->profile = profile;
+}
+
+/* The profile that is number `place` among those named that the engine has. */
+static int named_profile(const pl_engine *engine, const pl_vary *vary, int place)
+{
+    for (int i = 0; i < vary->count; ++i) {
+        const int profile = pl_grid_profile(engine, vary->names[i]);
+        if (profile >= 0 && place-- == 0) {
+            return profile;
+        }
+    }
+    return 0;
+}
+
+static pl_status set_option(pl_engine_choice *choice, const char *name, double value,
+                            pl_error *error)
+{
+    const pl_engine *engine = choice->engine;
+    const int index = pl_grid_option(engine, name);
+    const pl_engine_option *option = &engine->options[index];
+    if (!(value >= option->min && value <= option->max)) {
+        return pl_fail(error, PL_BAD_INPUT, "--vary %s: %s takes %g to %g, found %.17g", name,
+                       engine->name, option->min, option->max, value);
+    }
+    if (option->integer && value != floor(value)) {
+        return pl_fail(error, PL_BAD_INPUT, "--vary %s: %s takes an integer, found %.17g", name,
+                       engine->name, value);
+    }
+    choice->values[index] = value;
+    return PL_OK;
+}
+
+static pl_status vary_choice(const pl_grid_def *def, const pl_grid_keys *keys, long combination,
+                             pl_engine_choice *choice, pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int k = 0; k < keys->count; ++k) {
+        const pl_vary *vary = &def->varied[keys->items[k]];
+        if (vary->names != NULL) {
+            const int place = pl_grid_digit(keys, combination, k);
+            set_profile(choice, named_profile(choice->engine, vary, place));
+        }
+    }
+    for (int k = 0; k < keys->count && status == PL_OK; ++k) {
+        const pl_vary *vary = &def->varied[keys->items[k]];
+        if (vary->names == NULL) {
+            status = set_option(choice, vary->key,
+                                vary->numbers[pl_grid_digit(keys, combination, k)], error);
+        }
+    }
+    return status;
+}
+
+static bool are_equal(const pl_engine_choice *a, const pl_engine_choice *b)
+{
+    return a->engine == b->engine && a->profile == b->profile &&
+           memcmp(a->values, b->values, (size_t)a->engine->option_count * sizeof *a->values) == 0;
+}
+
+/* Adds the engine unless it is there. `labels` maps labels to the plan's indices. */
+static pl_status add_configuration(const pl_engine_choice *choice, json_t *labels, pl_plan *plan, pl_error *error)
+{
+    char label[sizeof plan->configurations->label];
+    int index = 0;
+    pl_engine_choice_label(choice, label);
+    const json_t *known = json_object_get(labels, label);
+    if (known != NULL) {
+        const pl_engine_choice *other = &plan->configurations[json_integer_value(known)].choice;
+        return are_equal(choice, other)
+                   ? PL_OK
+                   : pl_fail(error, PL_BAD_INPUT,
+                             "two engines would both be called %s: vary fewer options, or give "
+                             "shared objects names of their own",
+                             label);
+    }
+    pl_status status = pl_plan_add_choice(plan, choice, label, &index, error);
+    if (status == PL_OK && json_object_set_new_nocheck(labels, label, json_integer(index)) != 0) {
+        status = pl_fail(error, PL_NO_MEMORY, "out of memory for %s", label);
+    }
+    return status;
+}
+
+/* Adds all of them to the plan. PL_BAD_INPUT: a value out of its option's range, or two that would
+ * have the same label. */
+static pl_status add_configurations(const pl_grid_def *def, pl_plan *plan, pl_error *error)
+{
+    json_t *labels = json_object();
+    pl_status status = labels == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
+    bool more = true;
+    for (long number = 0; more && status == PL_OK; ++number) {
+        more = false;
+        for (int i = 0; i < def->base->configuration_count && status == PL_OK; ++i) {
+            const pl_configuration *asked = &def->base->configurations[i];
+            pl_grid_keys keys = pl_grid_keys_of_configuration(def, asked);
+            if ((double)number < pl_grid_combinations(&keys)) {
+                pl_engine_choice choice = asked->choice;
+                more = true;
+                status = vary_choice(def, &keys, number, &choice, error);
+                if (status == PL_OK) {
+                    status = add_configuration(&choice, labels, plan, error);
+                }
+            }
+        }
+    }
+    json_decref(labels);
+    return status;
+}
+
 enum { SETTING_SIZE = PL_NAME_SIZE + 32 };
 
-/* A problem of the whole grid: which combination of the values of the keys of which of the base's.
+/* A case of the whole grid: which combination of the values of the keys of which of the base's.
  */
 typedef struct place {
     int base;
@@ -19,19 +157,19 @@ typedef struct place {
 
 typedef struct grid {
     const pl_grid_def *def;
-    pl_grid_keys *keys; /* (of the base's problems) */
-    place *places;      /* (count): each problem once */
+    pl_grid_keys *keys; /* (of the base's cases) */
+    place *places;      /* (count): each case once */
     int count;
 } grid;
 
-/* The settings of all parameters of a catalogue problem, varied. */
+/* The settings of all parameters of a catalogue case, varied. */
 static void list_settings(const grid *g, const place *at, char (*settings)[SETTING_SIZE])
 {
-    const pl_case *problem = &g->def->base->cases[at->base];
-    const pl_scenario *scenario = problem->descriptor;
+    const pl_case *test_case = &g->def->base->cases[at->base];
+    const pl_scenario *scenario = test_case->descriptor;
     const pl_grid_keys *keys = &g->keys[at->base];
     for (int i = 0; i < scenario->param_count; ++i) {
-        double value = problem->params[i];
+        double value = test_case->params[i];
         for (int k = 0; k < keys->count; ++k) {
             const pl_vary *vary = &g->def->varied[keys->items[k]];
             if (strcmp(vary->key, scenario->params[i].name) == 0) {
@@ -58,21 +196,21 @@ static void point_at(char (*settings)[SETTING_SIZE], const char **texts)
     }
 }
 
-/* What tells the problem from others; malloc'd. PL_BAD_INPUT: a value out of its range. */
+/* What tells the case from others; malloc'd. PL_BAD_INPUT: a value out of its range. */
 static pl_status name_place(const grid *g, const place *at, char **name, pl_error *error)
 {
-    const pl_case *problem = &g->def->base->cases[at->base];
+    const pl_case *test_case = &g->def->base->cases[at->base];
     char settings[PL_MAX_PARAMS][SETTING_SIZE];
     const char *texts[PL_MAX_PARAMS];
     double values[PL_MAX_PARAMS] = {time_step(g, at)};
     int count = 1;
     pl_status status = PL_OK;
-    if (problem->descriptor != NULL) {
+    if (test_case->descriptor != NULL) {
         pl_error why = {.message = ""};
-        count = problem->descriptor->param_count;
+        count = test_case->descriptor->param_count;
         list_settings(g, at, settings);
         point_at(settings, texts);
-        status = pl_scenario_values(problem->descriptor, texts, count, values, &why);
+        status = pl_scenario_values(test_case->descriptor, texts, count, values, &why);
         if (status != PL_OK) {
             return pl_fail(error, status, "--vary: %s", why.message);
         }
@@ -82,14 +220,14 @@ static pl_status name_place(const grid *g, const place *at, char **name, pl_erro
     if (stream == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for the grid");
     }
-    fputs(problem->name, stream);
+    fputs(test_case->name, stream);
     for (int i = 0; i < count; ++i) {
         fprintf(stream, "\n%a", values[i]);
     }
     return fclose(stream) == 0 ? PL_OK : pl_fail(error, PL_NO_MEMORY, "out of memory for the grid");
 }
 
-/* All problems of the grid, equal ones once. */
+/* All cases of the grid, equal ones once. */
 static pl_status list_places(grid *g, long most, pl_error *error)
 {
     json_t *seen = json_object();
@@ -119,60 +257,60 @@ static pl_status list_places(grid *g, long most, pl_error *error)
 
 static pl_status add_place(const grid *g, const place *at, pl_plan *plan, pl_error *error)
 {
-    const pl_case *problem = &g->def->base->cases[at->base];
-    if (problem->descriptor == NULL) {
-        return pl_plan_add_scene_file(plan, problem->name, time_step(g, at), g->def->duration,
+    const pl_case *test_case = &g->def->base->cases[at->base];
+    if (test_case->descriptor == NULL) {
+        return pl_plan_add_scene_file(plan, test_case->name, time_step(g, at), g->def->duration,
                                       error);
     }
     char settings[PL_MAX_PARAMS][SETTING_SIZE];
     const char *texts[PL_MAX_PARAMS];
     list_settings(g, at, settings);
     point_at(settings, texts);
-    return pl_plan_add_scenario(plan, problem->descriptor, texts, problem->descriptor->param_count,
+    return pl_plan_add_scenario(plan, test_case->descriptor, texts, test_case->descriptor->param_count,
                                 error);
 }
 
-/* The problem and its points, as far as they are the shard's. */
+/* The case and its points, as far as they are the shard's. */
 static pl_status add_share(const grid *g, int number, pl_plan *plan, pl_error *error)
 {
     const pl_shard *shard = &g->def->shard;
-    const int problem = plan->case_count;
+    const int test_case = plan->case_count;
     pl_status status = PL_OK;
     for (int i = 0; i < plan->configuration_count && status == PL_OK; ++i) {
         if (pl_shard_of_point(shard->count, g->count, plan->configuration_count, number, i) !=
             shard->index) {
             continue;
         }
-        if (plan->case_count == problem) {
+        if (plan->case_count == test_case) {
             status = add_place(g, &g->places[number], plan, error);
         }
-        /* A plan of whole problems needs no list of points. */
-        if (status != PL_OK || plan->case_count == problem || g->count >= shard->count) {
+        /* A plan of whole cases needs no list of points. */
+        if (status != PL_OK || plan->case_count == test_case || g->count >= shard->count) {
             break;
         }
-        status = pl_plan_add_pairing(plan, problem, i, error);
+        status = pl_plan_add_pairing(plan, test_case, i, error);
     }
     return status;
 }
 
 /* The runs of the whole grid must not be too many. */
-static pl_status check_size(const pl_grid_def *def, double problems, double configurations,
+static pl_status check_size(const pl_grid_def *def, double cases, double configurations,
                             pl_error *error)
 {
-    const double runs = problems * fmax(configurations, 1) * def->base->repeats;
+    const double runs = cases * fmax(configurations, 1) * def->base->repeats;
     return runs <= PL_GRID_MOST_RUNS
                ? PL_OK
                : pl_fail(error, PL_BAD_INPUT,
                          "%.0f problems x %.0f engines x %d repeats are %.0f runs; a sweep has at "
                          "most %d",
-                         problems, configurations, def->base->repeats, runs,
+                         cases, configurations, def->base->repeats, runs,
                          (int)PL_GRID_MOST_RUNS);
 }
 
 pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error)
 {
     grid g = {.def = def};
-    double problems = 0;
+    double cases = 0;
     pl_status status = pl_grid_keys_check(def, error);
     if (status != PL_OK) {
         return status;
@@ -182,23 +320,61 @@ pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error)
         return pl_fail(error, PL_NO_MEMORY, "out of memory for the grid");
     }
     for (int i = 0; i < def->base->case_count; ++i) {
-        g.keys[i] = pl_grid_keys_of_problem(def, &def->base->cases[i]);
-        problems += pl_grid_combinations(&g.keys[i]);
+        g.keys[i] = pl_grid_keys_of_case(def, &def->base->cases[i]);
+        cases += pl_grid_combinations(&g.keys[i]);
     }
     plan->repeats = def->base->repeats;
     plan->seed = def->base->seed;
     plan->defers = true;
-    status = check_size(def, problems, pl_grid_contender_count(def), error);
+    status = check_size(def, cases, count_configurations(def), error);
     if (status == PL_OK) {
-        status = pl_grid_add_contenders(def, plan, error);
+        status = add_configurations(def, plan, error);
     }
     if (status == PL_OK) {
-        status = list_places(&g, (long)problems, error);
+        status = list_places(&g, (long)cases, error);
     }
     for (int i = 0; i < g.count && status == PL_OK; ++i) {
         status = add_share(&g, i, plan, error);
     }
     free(g.keys);
     free(g.places);
+    return status;
+}
+
+static pl_status write_line(const pl_plan *plan, long index, FILE *stream, pl_error *error)
+{
+    const pl_planned_run run = pl_plan_run(plan, index);
+    json_t *identity = pl_planned_run_identity(plan, &run);
+    int failed = json_object_set_new(identity, "schema", json_string("plumb.plan/1"));
+    failed |= json_object_set_new(identity, "index", json_integer(index));
+    char *line = failed != 0 ? NULL : pl_result_to_line(identity);
+    json_decref(identity);
+    if (line == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
+    }
+    fprintf(stream, "%s\n", line);
+    free(line);
+    return PL_OK;
+}
+
+pl_status pl_grid_list(const pl_plan *plan, const char *path, pl_error *error)
+{
+    char *text = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&text, &length);
+    if (stream == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
+    }
+    pl_status status = PL_OK;
+    for (long i = 0; i < pl_plan_size(plan) && status == PL_OK; ++i) {
+        status = write_line(plan, i, stream, error);
+    }
+    if (fclose(stream) != 0 && status == PL_OK) {
+        status = pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
+    }
+    if (status == PL_OK) {
+        status = pl_write_text(path, text, length, error);
+    }
+    free(text);
     return status;
 }

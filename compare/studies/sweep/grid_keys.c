@@ -56,13 +56,13 @@ static bool is_of(const pl_vary *vary, const char *name)
     return vary->owner[0] == '\0' || strcmp(vary->owner, name) == 0;
 }
 
-static bool problem_has(const pl_case *problem, const pl_vary *vary)
+static bool case_has(const pl_case *test_case, const pl_vary *vary)
 {
-    if (!is_of(vary, problem->name)) {
+    if (!is_of(vary, test_case->name)) {
         return false;
     }
-    return problem->descriptor == NULL ? strcmp(vary->key, "dt") == 0
-                                       : pl_grid_param(problem->descriptor, vary->key) >= 0;
+    return test_case->descriptor == NULL ? strcmp(vary->key, "dt") == 0
+                                       : pl_grid_param(test_case->descriptor, vary->key) >= 0;
 }
 
 /* How many of the profiles named the engine has. */
@@ -75,7 +75,7 @@ static int profiles_of(const pl_engine *engine, const pl_vary *vary)
     return count;
 }
 
-static bool contender_has(const pl_configuration *configuration, const pl_vary *vary)
+static bool configuration_has(const pl_configuration *configuration, const pl_vary *vary)
 {
     const pl_engine *engine = configuration->choice.engine;
     if (!is_of(vary, engine->name)) {
@@ -97,12 +97,12 @@ static bool is_replaced(const pl_grid_def *def, const pl_vary *vary, const char 
     return false;
 }
 
-pl_grid_keys pl_grid_keys_of_problem(const pl_grid_def *def, const pl_case *problem)
+pl_grid_keys pl_grid_keys_of_case(const pl_grid_def *def, const pl_case *test_case)
 {
     pl_grid_keys keys = {.count = 0};
     for (int i = 0; i < def->varied_count; ++i) {
         const pl_vary *vary = &def->varied[i];
-        if (problem_has(problem, vary) && !is_replaced(def, vary, problem->name)) {
+        if (case_has(test_case, vary) && !is_replaced(def, vary, test_case->name)) {
             keys.values[keys.count] = vary->count;
             keys.items[keys.count++] = i;
         }
@@ -110,7 +110,7 @@ pl_grid_keys pl_grid_keys_of_problem(const pl_grid_def *def, const pl_case *prob
     return keys;
 }
 
-pl_grid_keys pl_grid_keys_of_contender(const pl_grid_def *def,
+pl_grid_keys pl_grid_keys_of_configuration(const pl_grid_def *def,
                                        const pl_configuration *configuration)
 {
     pl_grid_keys keys = {.count = 0};
@@ -118,7 +118,7 @@ pl_grid_keys pl_grid_keys_of_contender(const pl_grid_def *def,
     const char *name = engine->name;
     for (int i = 0; i < def->varied_count; ++i) {
         const pl_vary *vary = &def->varied[i];
-        if (contender_has(configuration, vary) && !is_replaced(def, vary, name)) {
+        if (configuration_has(configuration, vary) && !is_replaced(def, vary, name)) {
             const bool is_profile = strcmp(vary->key, PL_VARY_PROFILE) == 0;
             keys.values[keys.count] = is_profile ? profiles_of(engine, vary) : vary->count;
             keys.items[keys.count++] = i;
@@ -149,9 +149,9 @@ static bool list_keys(const pl_grid_def *def, const pl_vary *vary, names *n)
 {
     bool fine = add_name(n, "dt") && add_name(n, PL_VARY_PROFILE) && add_name(n, "solver");
     for (int i = 0; i < def->base->case_count; ++i) {
-        const pl_case *problem = &def->base->cases[i];
-        const pl_scenario *scenario = problem->descriptor;
-        for (int k = 0; scenario != NULL && is_of(vary, problem->name) && k < scenario->param_count;
+        const pl_case *test_case = &def->base->cases[i];
+        const pl_scenario *scenario = test_case->descriptor;
+        for (int k = 0; scenario != NULL && is_of(vary, test_case->name) && k < scenario->param_count;
              ++k) {
             fine = fine && add_name(n, scenario->params[k].name);
         }
@@ -265,7 +265,7 @@ static bool owner_is_chosen(const pl_grid_def *def, const pl_vary *vary)
 static pl_status check_key(const pl_grid_def *def, int index, pl_error *error)
 {
     const pl_vary *vary = &def->varied[index];
-    bool of_problem = false, of_contender = false;
+    bool of_case = false, of_configuration = false;
     for (int i = 0; i < index; ++i) {
         if (strcmp(def->varied[i].owner, vary->owner) == 0 &&
             strcmp(def->varied[i].key, vary->key) == 0) {
@@ -274,12 +274,12 @@ static pl_status check_key(const pl_grid_def *def, int index, pl_error *error)
         }
     }
     for (int i = 0; i < def->base->case_count; ++i) {
-        of_problem = of_problem || problem_has(&def->base->cases[i], vary);
+        of_case = of_case || case_has(&def->base->cases[i], vary);
     }
     for (int i = 0; i < def->base->configuration_count; ++i) {
-        of_contender = of_contender || contender_has(&def->base->configurations[i], vary);
+        of_configuration = of_configuration || configuration_has(&def->base->configurations[i], vary);
     }
-    if (of_problem && of_contender) {
+    if (of_case && of_configuration) {
         return pl_fail(error, PL_BAD_INPUT,
                        "--vary %s: a scenario's parameter and an engine's option have that name; "
                        "write SCENARIO.%s or ENGINE.%s",
@@ -289,7 +289,7 @@ static pl_status check_key(const pl_grid_def *def, int index, pl_error *error)
         return PL_OK;
     }
     const bool is_profile = strcmp(vary->key, PL_VARY_PROFILE) == 0;
-    if (!of_problem && !of_contender && (!is_profile || !owner_is_chosen(def, vary))) {
+    if (!of_case && !of_configuration && (!is_profile || !owner_is_chosen(def, vary))) {
         return reject(def, vary, error);
     }
     return is_profile ? check_profiles(def, vary, error) : PL_OK;

@@ -1,4 +1,4 @@
-/* Which keys of a sweep go to which problem and which engine. */
+/* Which keys of a sweep go to which case and which engine. */
 #ifndef PLUMB_SWEEP_GRID_KEYS_H
 #define PLUMB_SWEEP_GRID_KEYS_H
 
@@ -17,9 +17,9 @@ typedef struct pl_grid_keys {
  * things. A key of an engine that this build lacks is passed over. */
 pl_status pl_grid_keys_check(const pl_grid_def *def, pl_error *error);
 
-/* After the check: the keys of one problem, or of one configuration, of the base. */
-pl_grid_keys pl_grid_keys_of_problem(const pl_grid_def *def, const pl_case *problem);
-pl_grid_keys pl_grid_keys_of_contender(const pl_grid_def *def,
+/* After the check: the keys of one case, or of one configuration, of the base. */
+pl_grid_keys pl_grid_keys_of_case(const pl_grid_def *def, const pl_case *test_case);
+pl_grid_keys pl_grid_keys_of_configuration(const pl_grid_def *def,
                                        const pl_configuration *configuration);
 
 /* How many combinations of their values there are; a double, because it may be huge before it is

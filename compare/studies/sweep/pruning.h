@@ -1,15 +1,32 @@
-/* Runs that need not be made to be known to end at the time limit: what ran into it at one time
- * step takes longer at a shorter one. */
-#ifndef PLUMB_SWEEP_HOPELESS_H
-#define PLUMB_SWEEP_HOPELESS_H
+/* Runs that a sweep does not make: repeats of long runs, and runs that would end at the time limit. */
+#ifndef PLUMB_SWEEP_PRUNING_H
+#define PLUMB_SWEEP_PRUNING_H
 
 #include "runner/plan.h"
 
-#include <jansson.h>
+/* Decides which runs are repeated. Repeats measure the noise of short runs; the median over the
+ * steps of a long run varies little. */
+typedef struct pl_repeats {
+    double limit;   /* s of the engine's CPU time: longer runs are not repeated */
+    json_t *points; /* run hash -> point, of all runs */
+    json_t *first;  /* hashes of the first run of each point, as keys */
+    json_t *spared; /* points that are not repeated, as keys */
+} pl_repeats;
 
-/* Where `result` timed out, gives `keep` a result of the outcome `timeout` for the first run of
- * each point of the plan that has a shorter step and is else the same, whose reason says that it
- * was not run. `keep` borrows it; anything but PL_OK ends it with that. PL_NO_MEMORY. */
+/* Numbers the points of a plan. PL_NO_MEMORY. The caller frees *repeats in any case. */
+pl_status pl_repeats_begin(pl_repeats *repeats, const pl_plan *plan, double limit, pl_error *error);
+void pl_repeats_free(pl_repeats *repeats);
+
+/* Records a result. */
+void pl_repeats_see(pl_repeats *repeats, const json_t *result);
+
+/* Whether the run is a repeat of a run that took too long to be repeated. */
+bool pl_repeats_spare(const pl_repeats *repeats, const char *run);
+
+/* Prunes runs after a timeout: a run that timed out at one time step takes longer at a shorter one.
+ * Where `result` timed out, passes to `keep` a result with the outcome `timeout` for the first run
+ * of each point of the plan that differs only in a shorter time step; its reason says that it was
+ * not run. `keep` borrows the result; a status other than PL_OK ends the call. PL_NO_MEMORY. */
 pl_status pl_prune_timeouts(const pl_plan *plan, const json_t *result, json_t *provenance,
                             void *user,
                             pl_status (*keep)(void *user, json_t *result, pl_error *error),

@@ -134,13 +134,13 @@ pl_status pl_shard_from_environment(pl_shard *shard, bool *found, pl_error *erro
     return PL_OK;
 }
 
-int pl_shard_of_point(int count, int problems, int configurations, int problem, int configuration)
+int pl_shard_of_point(int count, int cases, int configurations, int test_case, int configuration)
 {
-    if (problems >= count) {
-        return problem % count;
+    if (cases >= count) {
+        return test_case % count;
     }
-    const long points = (long)problems * configurations;
-    const long point = (long)problem * configurations + configuration;
+    const long points = (long)cases * configurations;
+    const long point = (long)test_case * configurations + configuration;
     return (int)(point * count / points);
 }
 

@@ -24,10 +24,10 @@ pl_status pl_shard_parse(const char *text, pl_shard *shard, pl_error *error);
 pl_status pl_shard_from_environment(pl_shard *shard, bool *found, pl_error *error);
 
 /* Which of `count` shards makes a point, from 0. Times are to be compared within one shard, so that
- * all engines of a problem stay in one where there are as many problems as shards. Else each shard
- * gets one stretch of the points in their order, problem by problem, in which engines that are
- * neighbours in a problem stay so. All repeats of a point are in one shard. */
-int pl_shard_of_point(int count, int problems, int configurations, int problem, int configuration);
+ * all engines of a case stay in one where there are as many cases as shards. Else each shard
+ * gets one stretch of the points in their order, case by case, in which engines that are
+ * neighbours in a case stay so. All repeats of a point are in one shard. */
+int pl_shard_of_point(int count, int cases, int configurations, int test_case, int configuration);
 
 /* DIRECTORY/shard-I-of-N, with I from 1; malloc'd, NULL when out of memory. */
 char *pl_shard_folder(const char *directory, pl_shard shard);

@@ -4,7 +4,7 @@
 #define PLUMB_TUNE_SPACE_H
 
 #include "adapters/registry.h"
-#include "tune_parameter.h"
+#include "tune_search.h"
 
 typedef struct pl_tune_space {
     pl_engine_choice base; /* the values of all options that are not tuned */

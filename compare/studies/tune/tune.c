@@ -1,11 +1,265 @@
 #include "tune.h"
 
-#include "best_point.h"
 #include "tunable.h"
-#include "tune_trial.h"
+#include "tuner.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+enum { PL_TUNE_REPEATS = 5, PL_TUNE_FINALISTS = 6 };
+
+/* The answer, and each parameter moved either way. */
+enum { MOST_SETTINGS = 2 * PL_TUNE_MAX_PARAMETERS + 1 };
+
+/* The geometric mean over the scenarios of the ratio of costs. */
+static double mean_cost_ratio(const pl_reading *readings, const pl_reading *others, int case_count,
+                           int repeats, bool by_instructions)
+{
+    double sum = 0;
+    for (int p = 0; p < case_count; ++p) {
+        sum += log(by_instructions ? readings[p].instructions[0] / others[p].instructions[0]
+                                   : pl_score_ratio(&readings[p], &others[p], 0, repeats));
+    }
+    return exp(sum / case_count);
+}
+
+/* Its sensitivities: each parameter moved either way. */
+static pl_status find_sensitivities(pl_tuner *t, pl_error *error)
+{
+    pl_tuning *tuning = t->tuning;
+    const pl_tune_space *space = t->def->space;
+    pl_setting settings[MOST_SETTINGS];
+    pl_readings readings;
+    int count = 0;
+    tuning->sensitivities = calloc(MOST_SETTINGS, sizeof *tuning->sensitivities);
+    if (tuning->sensitivities == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for sensitivities");
+    }
+    settings[0] = tuning->setting;
+    for (int i = 0; i < 2 * space->parameter_count; ++i) {
+        double values[PL_TUNE_MAX_PARAMETERS];
+        const int parameter = i / 2;
+        memcpy(values, tuning->best.values, sizeof values);
+        values[parameter] = pl_tune_neighbour(&space->parameters[parameter], values[parameter],
+                                              i % 2 == 0 ? -1 : 1);
+        if (values[parameter] != tuning->best.values[parameter]) {
+            settings[count + 1] = pl_tuner_setting(t, values);
+            tuning->sensitivities[count++] =
+                (pl_tune_sensitivity){.parameter = parameter, .value = values[parameter]};
+        }
+    }
+    pl_status status = count == 0 ? PL_OK
+                                  : pl_tuner_measure(t, &pl_variant_none, settings, count + 1, 0,
+                                                     tuning->by_instructions ? 1 : PL_TUNER_REPEATS,
+                                                     &readings, error);
+    if (count == 0 || status != PL_OK || tuning->signal_number != 0) {
+        goto done;
+    }
+    tuning->sensitivity_count = count;
+    for (int i = 0; i < count; ++i) {
+        const pl_reading *mine = pl_readings_of(&readings, i + 1);
+        tuning->sensitivities[i].excess = pl_tuner_excess(t, mine);
+        tuning->sensitivities[i].cost =
+            mean_cost_ratio(mine, pl_readings_of(&readings, 0), readings.case_count,
+                                readings.repeats, tuning->by_instructions);
+    }
+done:
+    if (count > 0) {
+        pl_readings_free(&readings);
+    }
+    return status;
+}
+
+/* The answer on what it was not tuned on: sets the checks anew. */
+static pl_status validate(pl_tuner *t, pl_error *error)
+{
+    pl_tuning *tuning = t->tuning;
+    int count = 0;
+    const pl_variant *variants = pl_variants_held_out(&count);
+    pl_status status = PL_OK;
+    free(tuning->checks);
+    tuning->check_count = tuning->missed = 0;
+    tuning->checks = calloc((size_t)(count * t->def->plan->case_count), sizeof *tuning->checks);
+    if (tuning->checks == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for validation");
+    }
+    for (int i = 0; i < count && status == PL_OK && tuning->signal_number == 0; ++i) {
+        pl_readings readings;
+        status = pl_tuner_measure(t, &variants[i], &tuning->setting, 1, 0, 1, &readings, error);
+        for (int p = 0; p < readings.case_count && status == PL_OK; ++p) {
+            const pl_reading *reading = &pl_readings_of(&readings, 0)[p];
+            if (reading->is_there) {
+                pl_tune_check *check = &tuning->checks[tuning->check_count++];
+                *check = (pl_tune_check){
+                    .variant = variants[i].name, .test_case = p, .target = reading->target};
+                memcpy(check->outcome, reading->outcome, sizeof check->outcome);
+                tuning->missed += reading->target.excess > 0;
+            }
+        }
+        pl_readings_free(&readings);
+    }
+    return status;
+}
+
+/* ---- The choice among the search's evaluations ---- */
+
+/* The most evaluations that are checked before the search reports that none has a margin. */
+enum { MOST_CANDIDATES = 24 };
+
+typedef struct finalists {
+    pl_evaluation evaluations[PL_TUNE_FINALISTS]; /* (count) */
+    double costs[PL_TUNE_FINALISTS];              /* (count): measured side by side */
+    int order[PL_TUNE_FINALISTS];                 /* (count): in which they are validated */
+    int count;
+    bool stand; /* with a margin */
+} finalists;
+
+static int by_merit(const void *left, const void *right)
+{
+    const pl_evaluation *a = left, *b = right;
+    return pl_evaluation_is_better(a, b) ? -1 : pl_evaluation_is_better(b, a);
+}
+
+/* Whether a evaluation meets the targets with the same margin on changed scenarios that the search
+ * did not see: of many evaluations the cheapest is often one that was lucky on those that it did.
+ */
+static pl_status check_candidate(pl_tuner *t, pl_evaluation *evaluation, bool *stands,
+                                 pl_error *error)
+{
+    const pl_setting setting = pl_tuner_setting(t, evaluation->values);
+    int count = 0;
+    const pl_variant *variants = pl_variants_chosen_by(&count);
+    pl_evaluation again = *evaluation;
+    pl_readings readings;
+    pl_status status = pl_tuner_measure(t, &pl_variant_none, &setting, 1, 0, 1, &readings, error);
+    if (status == PL_OK && t->tuning->signal_number == 0) {
+        status = pl_evaluation_judge(t, &setting, pl_readings_of(&readings, 0), variants, count,
+                                     &again, error);
+    }
+    pl_readings_free(&readings);
+    evaluation->excess = fmax(evaluation->excess, again.excess);
+    evaluation->holds = again.holds;
+    *stands = evaluation->excess <= 0;
+    return status;
+}
+
+/* The cheapest that stand a second look; where none does, those nearest to it that hold, or the
+ * nearest of all. `sorted` is by merit, and may be changed. */
+static pl_status find_finalists(pl_tuner *t, pl_evaluation *sorted, finalists *f, pl_error *error)
+{
+    const pl_tuning *tuning = t->tuning;
+    const int evaluations = tuning->found.count;
+    pl_status status = PL_OK;
+    for (int i = 0; i < evaluations && i < MOST_CANDIDATES && f->count < PL_TUNE_FINALISTS &&
+                    sorted[i].excess <= 0 && status == PL_OK && tuning->signal_number == 0;
+         ++i) {
+        bool stands = false;
+        status = check_candidate(t, &sorted[i], &stands, error);
+        if (stands) {
+            f->evaluations[f->count++] = sorted[i];
+        }
+    }
+    f->stand = f->count > 0;
+    qsort(sorted, (size_t)evaluations, sizeof *sorted, by_merit);
+    for (int i = 0; !f->stand && i < evaluations && i < PL_TUNE_FINALISTS; ++i) {
+        if (i == 0 || sorted[i].holds) {
+            f->evaluations[f->count++] = sorted[i];
+        }
+    }
+    return status;
+}
+
+/* Those with a margin by their costs; the others as they are. */
+static void put_in_order(const pl_tuner *t, const pl_readings *readings, finalists *f)
+{
+    for (int i = 0; i < f->count; ++i) {
+        int place = i;
+        f->costs[i] = pl_tuner_cost(t, pl_readings_of(readings, i + 1), pl_readings_of(readings, 0),
+                                    0, PL_TUNE_REPEATS);
+        while (f->stand && place > 0 && f->costs[i] < f->costs[f->order[place - 1]]) {
+            f->order[place] = f->order[place - 1];
+            --place;
+        }
+        f->order[place] = i;
+    }
+}
+
+static pl_tune_score score_of(const pl_reading *reading, const pl_reading *shipped, int repeats)
+{
+    pl_tune_score score = {.seconds = pl_score_ratio(reading, NULL, 0, repeats),
+                           .shipped_seconds = pl_score_ratio(shipped, NULL, 0, repeats),
+                           .ratio = pl_score_ratio(reading, shipped, 0, repeats),
+                           .target = reading->target,
+                           .shipped_target = shipped->target};
+    memcpy(score.outcome, reading->outcome, sizeof score.outcome);
+    memcpy(score.shipped_outcome, shipped->outcome, sizeof score.shipped_outcome);
+    return score;
+}
+
+static void take_finalist(pl_tuner *t, const pl_readings *readings, const finalists *f, int index)
+{
+    pl_tuning *tuning = t->tuning;
+    tuning->best = f->evaluations[index];
+    tuning->setting = pl_tuner_setting(t, f->evaluations[index].values);
+    tuning->cost = f->costs[index];
+    tuning->worst = f->evaluations[index].excess;
+    for (int p = 0; p < t->def->plan->case_count; ++p) {
+        tuning->scores[p] = score_of(&pl_readings_of(readings, index + 1)[p],
+                                        &pl_readings_of(readings, 0)[p], PL_TUNE_REPEATS);
+    }
+}
+
+/* The first that misses nothing in validation; the first of all where there is none. */
+static pl_status take_valid(pl_tuner *t, const pl_readings *readings, const finalists *f,
+                            pl_error *error)
+{
+    pl_tuning *tuning = t->tuning;
+    pl_status status = PL_OK;
+    bool done = false;
+    for (int k = 0; k <= f->count && status == PL_OK && tuning->signal_number == 0 && !done; ++k) {
+        take_finalist(t, readings, f, f->order[k % f->count]);
+        status = tuning->met ? validate(t, error) : PL_OK;
+        done = !tuning->met || tuning->missed == 0;
+        tuning->passed_over = done ? k : 0;
+    }
+    return status;
+}
+
+/* Measures the best trials again, in turns with what is shipped, and takes the cheapest that misses
+ * nothing in validation, or else the cheapest. */
+static pl_status choose_best(pl_tuner *t, pl_error *error)
+{
+    pl_tuning *tuning = t->tuning;
+    const size_t evaluations = (size_t)tuning->found.count;
+    pl_evaluation *sorted = calloc(evaluations + 1, sizeof *sorted);
+    pl_setting settings[PL_TUNE_FINALISTS + 1] = {t->shipped};
+    pl_readings readings;
+    finalists f = {.count = 0};
+    if (sorted == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu trials", evaluations);
+    }
+    memcpy(sorted, tuning->found.evaluations, evaluations * sizeof *sorted);
+    qsort(sorted, evaluations, sizeof *sorted, by_merit);
+    pl_status status = find_finalists(t, sorted, &f, error);
+    free(sorted);
+    if (status != PL_OK || tuning->signal_number != 0 || f.count == 0) {
+        return status;
+    }
+    tuning->met = f.evaluations[0].holds;
+    tuning->has_margin = f.stand;
+    for (int i = 0; i < f.count; ++i) {
+        settings[i + 1] = pl_tuner_setting(t, f.evaluations[i].values);
+    }
+    status = pl_tuner_measure(t, &pl_variant_none, settings, f.count + 1, 0, PL_TUNE_REPEATS,
+                              &readings, error);
+    if (status == PL_OK && tuning->signal_number == 0) {
+        put_in_order(t, &readings, &f);
+        status = take_valid(t, &readings, &f, error);
+    }
+    pl_readings_free(&readings);
+    return status;
+}
 
 /* What a search of this budget makes of runs, about: for the bar. */
 static long expected_runs(const pl_tune_def *def)
@@ -23,7 +277,7 @@ static pl_status search(pl_tuner *t, pl_error *error)
                                 .user = t,
                                 .measure = pl_evaluation_make};
     pl_tuning *tuning = t->tuning;
-    pl_status status = measure_shipped(t, error);
+    pl_status status = pl_evaluate_shipped(t, error);
     if (status == PL_OK && tuning->signal_number == 0) {
         status = pl_search(&seek, &tuning->found, error);
     }
@@ -40,11 +294,11 @@ pl_status pl_tune(const pl_tune_def *def, pl_tuning *tuning, pl_error *error)
 {
     *tuning = (pl_tuning){.found = {.best = -1}};
     pl_tuner t = {.def = def, .tuning = tuning, .shows = def->progress != NULL};
-    const size_t problems = (size_t)def->plan->case_count;
+    const size_t cases = (size_t)def->plan->case_count;
     t.shipped.dt = (double)NAN;
-    t.shipped_instructions = calloc(problems, sizeof *t.shipped_instructions);
-    t.spreads = calloc(problems, sizeof *t.spreads);
-    tuning->scores = calloc(problems, sizeof *tuning->scores);
+    t.shipped_instructions = calloc(cases, sizeof *t.shipped_instructions);
+    t.spreads = calloc(cases, sizeof *t.spreads);
+    tuning->scores = calloc(cases, sizeof *tuning->scores);
     pl_status status = t.shipped_instructions == NULL || t.spreads == NULL || tuning->scores == NULL
                            ? pl_fail(error, PL_NO_MEMORY, "out of memory")
                            : pl_tune_shipped(&def->space->base, &t.shipped.choice, error);

@@ -1,11 +1,98 @@
 #include "tune_measure.h"
 
 #include "results/result.h"
-#include "search_driver.h"
+#include "tune_search.h"
 
+#include <float.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* What a run that did not end well exceeds its targets by, beside what its numbers say. */
+static const double fallen = 2;
+
+static pl_status fail_metric(const char *name, pl_error *error)
+{
+    const char *names[PL_METRIC_COUNT];
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
+        names[i] = pl_metric_table[i].name;
+    }
+    const char *nearest = pl_nearest_name(name, names, PL_METRIC_COUNT);
+    return pl_fail(error, PL_BAD_INPUT, "--target: there is no metric %s%s%s%s", name,
+                   nearest == NULL ? "; see plumb list metrics" : "; did you mean ",
+                   nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
+}
+
+pl_status pl_target_add(pl_targets *targets, const char *text, pl_error *error)
+{
+    char name[PL_NAME_SIZE];
+    const size_t length = strcspn(text, "<>=!");
+    const char *sign = text + length;
+    const bool strict = sign[0] == '<' && sign[1] != '=';
+    pl_target target = {.strict = strict};
+    if (sign[0] != '<' || length == 0 || length >= sizeof name) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       "--target takes METRIC<=VALUE or METRIC<VALUE; found \"%.200s\"", text);
+    }
+    memcpy(name, text, length);
+    name[length] = '\0';
+    target.metric = pl_metric_by_name(name);
+    if (target.metric < 0) {
+        return fail_metric(name, error);
+    }
+    if (pl_metric_table[target.metric].direction != PL_LOWER_IS_BETTER) {
+        return pl_fail(error, PL_BAD_INPUT, "--target: of %s lower is not better", name);
+    }
+    if (!pl_parse_number(sign + (strict ? 1 : 2), &target.bound) || !(target.bound > 0)) {
+        return pl_fail(error, PL_BAD_INPUT, "--target %s: expected a positive number, found \"%s\"",
+                       name, sign + (strict ? 1 : 2));
+    }
+    if (targets->count == PL_TUNE_MOST_TARGETS) {
+        return pl_fail(error, PL_BAD_INPUT, "--target: more than %d", (int)PL_TUNE_MOST_TARGETS);
+    }
+    targets->items[targets->count++] = target;
+    return PL_OK;
+}
+
+void pl_target_text(const pl_target *target, char text[96])
+{
+    snprintf(text, 96, "%s%s%.6g", pl_metric_table[target->metric].name,
+             target->strict ? "<" : "<=", target->bound);
+}
+
+static double excess_of(const pl_target *target, double value)
+{
+    if (!isfinite(value)) {
+        return PL_SEARCH_WORST;
+    }
+    if (value <= 0) {
+        return -PL_SEARCH_WORST;
+    }
+    const double excess = log(value / target->bound);
+    /* Rounding of the quotient must not log_evaluation a miss from a hit. */
+    if (value > target->bound || (target->strict && value >= target->bound)) {
+        return fmin(fmax(excess, DBL_EPSILON), PL_SEARCH_WORST);
+    }
+    return fmax(fmin(excess, 0), -PL_SEARCH_WORST);
+}
+
+pl_target_reading pl_target_read(const pl_targets *targets, const json_t *result)
+{
+    pl_target_reading reading = {.excess = -PL_SEARCH_WORST};
+    const json_t *metrics = json_object_get(result, "metrics");
+    for (int i = 0; i < targets->count; ++i) {
+        const pl_target *target = &targets->items[i];
+        const json_t *metric = json_object_get(metrics, pl_metric_table[target->metric].name);
+        const json_t *value = json_object_get(metric, "value");
+        reading.values[i] = json_is_number(value) ? json_number_value(value) : (double)NAN;
+        reading.excess = fmax(reading.excess, excess_of(target, reading.values[i]));
+    }
+    if (strcmp(pl_json_get_text(result, "outcome"), "ok") != 0) {
+        reading.excess = fmin(fmax(reading.excess, 0) + fallen, PL_SEARCH_WORST);
+    }
+    return reading;
+}
 
 /* A run of the plan, and where its reading goes. */
 typedef struct place {
@@ -27,7 +114,7 @@ typedef struct gatherer {
 
 const pl_reading *pl_readings_of(const pl_readings *readings, int setting)
 {
-    return &readings->items[setting * readings->problem_count];
+    return &readings->items[setting * readings->case_count];
 }
 
 void pl_readings_free(pl_readings *readings)
@@ -42,9 +129,9 @@ static pl_status make_room(gatherer *g, pl_error *error)
     const pl_measure_def *def = g->def;
     pl_readings *r = g->readings;
     *r = (pl_readings){.setting_count = def->setting_count,
-                       .problem_count = def->plan->case_count,
+                       .case_count = def->plan->case_count,
                        .repeats = def->repeats};
-    const size_t count = (size_t)r->setting_count * (size_t)r->problem_count;
+    const size_t count = (size_t)r->setting_count * (size_t)r->case_count;
     const size_t repeats = (size_t)r->repeats;
     r->items = calloc(count, sizeof *r->items);
     r->numbers = calloc(2 * count * repeats, sizeof *r->numbers);
@@ -65,16 +152,16 @@ static pl_status make_room(gatherer *g, pl_error *error)
 }
 
 /* Adds the catalogue scenario at the step to the plan; *index -1 when it cannot be built so. */
-static pl_status add_scenario(gatherer *g, const pl_case *problem, double dt, int *index,
+static pl_status add_scenario(gatherer *g, const pl_case *test_case, double dt, int *index,
                               pl_error *error)
 {
-    const pl_scenario *scenario = problem->descriptor;
+    const pl_scenario *scenario = test_case->descriptor;
     const bool is_changed = g->def->variant->kind != PL_VARIANT_NONE || !isnan(dt);
     double values[PL_MAX_PARAMS];
     char texts[PL_MAX_PARAMS][PL_NAME_SIZE + 32];
     const char *settings[PL_MAX_PARAMS];
     *index = -1;
-    memcpy(values, problem->params, sizeof values);
+    memcpy(values, test_case->params, sizeof values);
     if (!pl_variant_apply(g->def->variant, scenario, g->def->plan->seed, values)) {
         return PL_OK;
     }
@@ -100,23 +187,23 @@ static pl_status add_scenario(gatherer *g, const pl_case *problem, double dt, in
     return status == PL_BAD_INPUT && is_changed ? PL_OK : status;
 }
 
-static pl_status add_file(gatherer *g, const pl_case *problem, double dt, int *index,
+static pl_status add_file(gatherer *g, const pl_case *test_case, double dt, int *index,
                           pl_error *error)
 {
     *index = -1;
     if (g->def->variant->kind != PL_VARIANT_NONE) {
         return PL_OK;
     }
-    const double step = isnan(dt) ? problem->scene.dt : dt;
+    const double step = isnan(dt) ? test_case->scene.dt : dt;
     for (int i = 0; i < g->plan.case_count; ++i) {
-        if (strcmp(g->plan.cases[i].name, problem->name) == 0 &&
+        if (strcmp(g->plan.cases[i].name, test_case->name) == 0 &&
             g->plan.cases[i].scene.dt == step) {
             *index = i;
             return PL_OK;
         }
     }
     const int before = g->plan.case_count;
-    pl_status status = pl_plan_add_scene_file(&g->plan, problem->name, isnan(dt) ? g->def->dt : dt,
+    pl_status status = pl_plan_add_scene_file(&g->plan, test_case->name, isnan(dt) ? g->def->dt : dt,
                                               g->def->duration, error);
     *index = g->plan.case_count > before ? before : -1;
     return status;
@@ -132,12 +219,12 @@ static pl_status add_runs(gatherer *g, pl_error *error)
         status = pl_plan_add_choice(&g->plan, &def->settings[s].choice, label, NULL, error);
     }
     for (int p = 0; p < def->plan->case_count && status == PL_OK; ++p) {
-        const pl_case *problem = &def->plan->cases[p];
+        const pl_case *test_case = &def->plan->cases[p];
         for (int s = 0; s < def->setting_count && status == PL_OK; ++s) {
             const double dt = def->settings[s].dt;
             int index = -1;
-            status = problem->descriptor != NULL ? add_scenario(g, problem, dt, &index, error)
-                                                 : add_file(g, problem, dt, &index, error);
+            status = test_case->descriptor != NULL ? add_scenario(g, test_case, dt, &index, error)
+                                                 : add_file(g, test_case, dt, &index, error);
             if (status == PL_OK && index >= 0) {
                 pl_reading *reading = &g->readings->items[s * def->plan->case_count + p];
                 reading->is_there = true;
@@ -149,7 +236,7 @@ static pl_status add_runs(gatherer *g, pl_error *error)
     return status;
 }
 
-/* Whose run it is: the pairing's of its problem and configuration. */
+/* Whose run it is: the pairing's of its case and configuration. */
 static pl_reading *reading_of(const gatherer *g, const pl_planned_run *run)
 {
     for (int i = 0; i < g->plan.pairing_count; ++i) {

@@ -1,26 +1,48 @@
-/* What the parts of tuning share: the scenarios as asked for, how settings are measured on them,
- * and what a measurement says. */
-#ifndef PLUMB_TUNE_TUNER_H
-#define PLUMB_TUNE_TUNER_H
+/* Evaluates one setting of an engine: measures it on the scenarios, next to the default settings, and
+ * derives its cost and its excess. */
+#ifndef PLUMB_TUNER_H
+#define PLUMB_TUNER_H
 
-#include "score.h"
+#include "tune.h"
 
 /* Repeats of a setting that meets the targets, of which the first does not count. */
 enum { PL_TUNER_REPEATS = 4 };
+
+/* ---- Costs and excesses from readings ---- */
+
+/* The median over the repeats from `first` to below `repeats` of the CPU time over that of `other`
+ * in the same repeat; with `other` NULL, of the CPU time itself, s per simulated second. NAN: none. */
+double pl_score_ratio(const pl_reading *reading, const pl_reading *other, int first, int repeats);
+
+/* The excesses of one scenario, as asked for and changed. */
+typedef struct pl_spread {
+    int count;
+    double sum, squares;
+} pl_spread;
+
+void pl_spread_add(pl_spread *spread, double excess);
+
+/* A bound that one more run is unlikely to exceed: the mean and two standard deviations. Runs that
+ * meet the target by more than a factor of 20 count as 20, so that chance among them has no
+ * effect. */
+double pl_spread_likely(const pl_spread *spread);
+
+/* ---- Measuring ---- */
 
 typedef struct pl_tuner {
     const pl_tune_def *def;
     pl_tuning *tuning;
     pl_progress bar;
     bool shows;
-    pl_setting shipped;
-    pl_spread *spreads;           /* (problem_count): of the trial in progress */
-    double *shipped_instructions; /* (problem_count): per simulated second; NAN: not counted */
-    double best_seconds;          /* wall time of the first runs of the best trial */
+    pl_setting shipped;           /* the default settings */
+    pl_spread *spreads;           /* (case_count): of the evaluation in progress */
+    double *shipped_instructions; /* (case_count): per simulated second; NAN: not counted */
+    double best_seconds;          /* wall time of the first runs of the best evaluation */
 } pl_tuner;
 
-/* Settings on the scenarios as `variant` changes them, as pl_measure does it; the repeats below
- * first_repeat have been made. What takes many times as long as the best trial is cut short. */
+/* Measures `count` settings on the scenarios as `variant` changes them, as pl_measure does. Repeats
+ * below first_repeat are skipped. Runs that take much longer than those of the best evaluation are
+ * cut short. */
 pl_status pl_tuner_measure(pl_tuner *t, const pl_variant *variant, const pl_setting *settings,
                            int count, int first_repeat, int repeats, pl_readings *readings,
                            pl_error *error);
@@ -28,17 +50,26 @@ pl_status pl_tuner_measure(pl_tuner *t, const pl_variant *variant, const pl_sett
 /* The setting at a point of the space. */
 pl_setting pl_tuner_setting(const pl_tuner *t, const double *values);
 
-/* By the CPU time beside that of what is shipped, repeat by repeat, from `first` to below
- * `repeats`, or by instructions: geometric means over the scenarios; INFINITY where there is none.
- */
+/* The geometric mean over the scenarios of the CPU time over that of the default settings, repeat by
+ * repeat from `first` to below `repeats`; INFINITY where there is none. */
 double pl_tuner_cost(const pl_tuner *t, const pl_reading *mine, const pl_reading *shipped,
                      int first, int repeats);
-double pl_tuner_instructions(const pl_tuner *t, const pl_reading *mine);
 
-/* The largest over the scenarios. */
+/* The largest excess over the scenarios. */
 double pl_tuner_excess(const pl_tuner *t, const pl_reading *readings);
 
-/* Whether a cost may turn out to be the lower one when both are measured again. */
-bool pl_tuner_is_near(double cost, double best);
+/* ---- Evaluations ---- */
+
+/* Measures the default settings once. PL_UNSUPPORTED: the engine does not support a scenario. */
+pl_status pl_evaluate_shipped(pl_tuner *t, pl_error *error);
+
+/* Sets `excess` and `holds` from the readings `asked` of the scenarios as asked for, and from runs
+ * of the scenarios as the variants change them, up to the first that misses a target. */
+pl_status pl_evaluation_judge(pl_tuner *t, const pl_setting *setting, const pl_reading *asked,
+                              const pl_variant *variants, int count, pl_evaluation *evaluation,
+                              pl_error *error);
+
+/* pl_search_def.measure, with a pl_tuner as `user`. */
+pl_status pl_evaluation_make(void *user, pl_evaluation *evaluation, bool *stop, pl_error *error);
 
 #endif

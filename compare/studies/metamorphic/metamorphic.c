@@ -1,0 +1,316 @@
+#include "metamorphic.h"
+
+#include "runner/execute.h"
+#include "runner/progress.h"
+#include "transform.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct trials {
+    const pl_metamorphic_def *def;
+    pl_progress progress;
+    int signal; /* that ended a run; 0: none */
+} trials;
+
+/* One run of the scene in place of the planned one's. */
+typedef struct run {
+    const pl_planned_run *planned;
+    const pl_scene *scene;
+    const char *check; /* "plain" or a check's name */
+    pl_trajectory trajectory;
+    json_t *result; /* NULL: interrupted */
+} run;
+
+static pl_status keep_result(void *user, json_t *result, pl_error *error)
+{
+    (void)error;
+    run *r = user;
+    r->result = json_incref(result);
+    return PL_OK;
+}
+
+static void show(trials *t, const run *r, double started)
+{
+    char title[256];
+    snprintf(title, sizeof title, "%s, %s", r->planned->test_case->name, r->check);
+    pl_progress_run_ended(&t->progress, title, r->planned->configuration->label,
+                          pl_json_get_text(r->result, "outcome"),
+                          pl_json_get_text(r->result, "reason"), pl_monotonic_seconds() - started);
+}
+
+static pl_status make_run(trials *t, run *r, pl_error *error)
+{
+    pl_case test_case = *r->planned->test_case;
+    pl_configuration configuration = *r->planned->configuration;
+    const double started = pl_monotonic_seconds();
+    test_case.scene = *r->scene;
+    pl_status status = pl_scene_hash(r->scene, test_case.scene_hash, error);
+    if (status == PL_OK) {
+        status = pl_trajectory_open(&r->trajectory, error);
+    }
+    if (status != PL_OK) {
+        return status;
+    }
+    const pl_plan plan = {.cases = &test_case,
+                          .case_count = 1,
+                          .configurations = &configuration,
+                          .configuration_count = 1,
+                          .repeats = 1,
+                          .seed = t->def->plan->seed};
+    const pl_execution_def execution = {.plan = &plan,
+                                        .jobs = 1,
+                                        .limits = t->def->limits,
+                                        .trajectory = r->trajectory.file,
+                                        .provenance = t->def->provenance,
+                                        .user = r,
+                                        .keep = keep_result};
+    if (t->def->progress != NULL) {
+        pl_progress_draw(&t->progress, r->check, 0, started);
+    }
+    status = pl_execute(&execution, &t->signal, error);
+    if (status == PL_OK && t->signal == 0 && t->def->progress != NULL) {
+        show(t, r, started);
+    }
+    return status;
+}
+
+static void free_run(run *r)
+{
+    pl_trajectory_close(&r->trajectory);
+    json_decref(r->result);
+}
+
+/* A run that came to its end, whether or not it stood as it was expected to. */
+static bool went_through(const run *r)
+{
+    const char *outcome = pl_json_get_text(r->result, "outcome");
+    return strcmp(outcome, "ok") == 0 || strcmp(outcome, "collapsed") == 0;
+}
+
+static void set_grade(pl_check_result *result, pl_grade grade, const char *what, const char *reason)
+{
+    result->early = grade;
+    result->end = grade;
+    snprintf(result->reason, sizeof result->reason, "%s%s", what, reason);
+}
+
+static void set_failed(pl_check_result *result, const char *which, const run *r)
+{
+    char what[96];
+    snprintf(what, sizeof what, "%s run %s: ", which, pl_json_get_text(r->result, "outcome"));
+    set_grade(result, PL_GRADE_FAILED, what, pl_json_get_text(r->result, "reason"));
+}
+
+/* The check's scene. `first` is the plain run's frame that it begins at. */
+static pl_status make_scene(const pl_check *check, const pl_transform *transform, run *plain,
+                            long first, pl_scene *scene, pl_error *error)
+{
+    if (check->kind != PL_CHECK_RESTART) {
+        return pl_transform_scene(transform, plain->scene, scene, error);
+    }
+    pl_status status = pl_trajectory_rewind(&plain->trajectory, plain->scene->body_count, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    for (long i = 0; i <= first; ++i) {
+        if (!pl_trajectory_next(&plain->trajectory)) {
+            return pl_fail(error, PL_IO, "the plain run's frames could not be read back");
+        }
+    }
+    return pl_restart_scene(plain->scene, plain->trajectory.frame.bodies, first, scene, error);
+}
+
+static pl_status compare(const pl_transform *transform, run *plain, run *other, long first,
+                         pl_check_result *result, pl_error *error)
+{
+    pl_error fault = {.message = ""};
+    const pl_trajectory_pair comparison = {.scene = plain->scene,
+                                           .transform = transform,
+                                           .size = pl_scene_size(plain->scene),
+                                           .plain = &plain->trajectory,
+                                           .other = &other->trajectory,
+                                           .other_body_count = other->scene->body_count,
+                                           .first = first};
+    pl_status status = pl_compare_trajectories(&comparison, &result->agreement, &fault);
+    if (status == PL_FAILED) {
+        set_grade(result, PL_GRADE_FAILED, "too few frames: ", fault.message);
+        return PL_OK;
+    }
+    result->early = pl_difference_grade(&result->agreement.early);
+    result->end = pl_difference_grade(&result->agreement.end);
+    return status == PL_OK ? PL_OK : pl_fail(error, status, "%s", fault.message);
+}
+
+static pl_status make_check(trials *t, run *plain, pl_check_result *result, pl_error *error)
+{
+    const pl_check *check = result->check;
+    pl_transform transform;
+    pl_scene scene = pl_scene_default();
+    const char *reason = NULL;
+    const bool restart = check->kind == PL_CHECK_RESTART;
+    const long first = restart ? pl_scene_steps(plain->scene) / 2 : 0;
+    run other = {.planned = plain->planned, .scene = &scene, .check = check->name};
+    if (!pl_check_transform(check, plain->scene, &transform, &reason)) {
+        set_grade(result, PL_GRADE_INAPPLICABLE, "", reason);
+        return PL_OK;
+    }
+    if (!went_through(plain)) {
+        set_failed(result, "plain", plain);
+        return PL_OK;
+    }
+    pl_status status = make_scene(check, &transform, plain, first, &scene, error);
+    if (status == PL_OK) {
+        status = make_run(t, &other, error);
+    }
+    if (status == PL_OK && t->signal == 0) {
+        if (went_through(&other)) {
+            status = compare(&transform, plain, &other, first, result, error);
+        } else {
+            set_failed(result, "transformed", &other);
+        }
+    }
+    free_run(&other);
+    pl_scene_free(&scene);
+    return status;
+}
+
+/* One scene on one engine. */
+static pl_status make_trial(trials *t, const pl_planned_run *planned, pl_check_result *results,
+                            pl_error *error)
+{
+    int check_count, count = 0;
+    const pl_check *checks = pl_checks(&check_count);
+    run plain = {.planned = planned, .scene = &planned->test_case->scene, .check = "plain"};
+    pl_status status = make_run(t, &plain, error);
+    for (int i = 0; i < check_count && status == PL_OK && t->signal == 0; ++i) {
+        if (t->def->chosen[i]) {
+            results[count] = (pl_check_result){.check = &checks[i]};
+            status = make_check(t, &plain, &results[count++], error);
+        }
+    }
+    if (status == PL_OK && t->signal == 0) {
+        const pl_checks_of_run trial = {.plan = t->def->plan,
+                                        .run = *planned,
+                                        .outcome = pl_json_get_text(plain.result, "outcome"),
+                                        .size = pl_scene_size(plain.scene),
+                                        .results = results,
+                                        .result_count = count};
+        status = t->def->keep(t->def->user, &trial, error);
+    }
+    free_run(&plain);
+    return status;
+}
+
+pl_status pl_run_checks(const pl_metamorphic_def *def, int *signal_number, pl_error *error)
+{
+    trials t = {.def = def};
+    pl_status status = PL_OK;
+    int check_count, chosen = 0;
+    (void)pl_checks(&check_count);
+    for (int i = 0; i < check_count; ++i) {
+        chosen += def->chosen[i];
+    }
+    pl_check_result *results = calloc((size_t)check_count, sizeof *results);
+    if (results == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for the checks");
+    }
+    if (def->progress != NULL) {
+        t.progress = pl_progress_begin(def->progress, (1 + chosen) * pl_plan_size(def->plan),
+                                       pl_monotonic_seconds());
+    }
+    for (long i = 0; i < pl_plan_size(def->plan) && status == PL_OK && t.signal == 0; ++i) {
+        const pl_planned_run planned = pl_plan_run(def->plan, i);
+        status = make_trial(&t, &planned, results, error);
+    }
+    if (def->progress != NULL) {
+        pl_progress_end(&t.progress);
+    }
+    free(results);
+    *signal_number = t.signal;
+    return status;
+}
+
+static bool has_numbers(const pl_check_result *result)
+{
+    return result->end != PL_GRADE_FAILED && result->end != PL_GRADE_INAPPLICABLE;
+}
+
+static void print_difference(FILE *out, const pl_difference *d, pl_grade grade)
+{
+    fprintf(out, "  %8.1e  %8.1e  %-8s", d->position, d->rotation, pl_grade_name(grade));
+}
+
+static void print_result(FILE *out, const pl_check_result *result)
+{
+    fprintf(out, "  %-14s", result->check->name);
+    if (!has_numbers(result)) {
+        fprintf(out, "  %s: %s\n", pl_grade_name(result->end), result->reason);
+        return;
+    }
+    print_difference(out, &result->agreement.early, result->early);
+    print_difference(out, &result->agreement.end, result->end);
+    if (isnan(result->agreement.passes_at)) {
+        fprintf(out, "  %9s\n", "never");
+    } else {
+        fprintf(out, "  %7.3g s\n", result->agreement.passes_at);
+    }
+}
+
+void pl_checks_print(FILE *out, const pl_checks_of_run *trial)
+{
+    const pl_scene *scene = &trial->run.test_case->scene;
+    fprintf(out, "%s on %s: %d bodies, size %.4g m, %ld steps\n", trial->run.test_case->name,
+            trial->run.configuration->label, scene->body_count, trial->size, pl_scene_steps(scene));
+    fprintf(out, "  %-14s  %-28s  %-28s  %9s\n", "", "at a tenth of the run", "at its end",
+            "1e-6 size");
+    fprintf(out, "  %-14s  %8s  %8s  %-8s  %8s  %8s  %-8s  %9s\n", "check", "m/size", "rad",
+            "verdict", "m/size", "rad", "verdict", "passed at");
+    for (int i = 0; i < trial->result_count; ++i) {
+        print_result(out, &trial->results[i]);
+    }
+    fputc('\n', out);
+}
+
+static json_t *difference_to_json(const pl_difference *d, pl_grade grade, bool has)
+{
+    return json_pack("{s:o, s:o, s:s}", "position",
+                     pl_json_number_or_null(has ? d->position : (double)NAN), "rotation",
+                     pl_json_number_or_null(has ? d->rotation : (double)NAN), "verdict",
+                     pl_grade_name(grade));
+}
+
+static json_t *result_to_json(const pl_check_result *result)
+{
+    const pl_agreement *a = &result->agreement;
+    bool has = has_numbers(result);
+    return json_pack("{s:s, s:s, s:o, s:o, s:o, s:o}", "check", result->check->name, "verdict",
+                     pl_grade_name(result->end), "reason",
+                     result->reason[0] == '\0'
+                         ? json_null()
+                         : pl_json_text(result->reason, strlen(result->reason)),
+                     "passes_at", pl_json_number_or_null(has ? a->passes_at : (double)NAN), "early",
+                     difference_to_json(&a->early, result->early, has), "end",
+                     difference_to_json(&a->end, result->end, has));
+}
+
+json_t *pl_checks_to_json(const pl_checks_of_run *trial)
+{
+    json_t *object = pl_planned_run_identity(trial->plan, &trial->run);
+    json_t *checks = json_array();
+    int failed = object == NULL || checks == NULL;
+    for (int i = 0; i < trial->result_count && !failed; ++i) {
+        failed |= json_array_append_new(checks, result_to_json(&trial->results[i])) != 0;
+    }
+    failed = failed || json_object_set_new(object, "schema", json_string("plumb.metamorphic/1"));
+    failed = failed || json_object_set_new(object, "outcome", json_string(trial->outcome));
+    failed = failed || json_object_set_new(object, "size", json_real(trial->size));
+    failed = failed || json_object_set(object, "checks", checks);
+    json_decref(checks);
+    if (failed) {
+        json_decref(object);
+        return NULL;
+    }
+    return object;
+}

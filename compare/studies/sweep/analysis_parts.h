@@ -1,0 +1,64 @@
+/* The parts of the analysis of a sweep, in the order in which pl_sweep_analyse calls them. */
+#ifndef PLUMB_SWEEP_ANALYSIS_PARTS_H
+#define PLUMB_SWEEP_ANALYSIS_PARTS_H
+
+#include "analysis.h"
+
+/* Fills scenes, engines and points from the rows of results, each in its order, and the flags of
+ * hosts and builds. Errors as of pl_sweep_analyse. */
+pl_status pl_sweep_gather(const json_t *results, pl_sweep_analysis *analysis, pl_error *error);
+
+/* ---- Pareto fronts of cost and error ---- */
+
+/* `order` holds the indices of `count` of the samples. Sorts it by cost, then error, then index, and
+ * moves the indices of the front to its beginning, by rising cost and falling error; of equal
+ * samples the first is kept. Returns the size of the front. */
+int pl_front_find(const pl_sweep_sample *samples, int *order, int count);
+
+/* The index of a front's cheapest sample at or below an error; -1: none. */
+int pl_front_cheapest(const pl_sweep_sample *front, int count, double error);
+
+/* The index of a front's most exact sample that costs no more; -1: none. */
+int pl_front_most_exact(const pl_sweep_sample *front, int count, double cost);
+
+/* The cost at an error and the error at a cost, interpolated between neighbours of a front linearly
+ * in the logarithms; NAN outside of the front. */
+double pl_front_cost_at_error(const pl_sweep_sample *front, int count, double error);
+double pl_front_error_at_cost(const pl_sweep_sample *front, int count, double cost);
+
+/* A front read at all levels and times; NAN where it has no value. `cost` and `error` are of its
+ * samples, the others are interpolated. */
+typedef struct pl_front_reading {
+    double cost[PL_SWEEP_LEVELS], cost_between[PL_SWEEP_LEVELS];
+    double error[PL_SWEEP_TIMES], error_between[PL_SWEEP_TIMES];
+} pl_front_reading;
+
+void pl_front_read(const pl_sweep_sample *front, int count, pl_front_reading *reading);
+
+/* ---- Our engine against each other one ---- */
+
+/* Fills the pairs with their means, and the comparisons of each scene, from the curves. */
+pl_status pl_compare_pairwise(pl_sweep_analysis *analysis, pl_error *error);
+
+/* The middle 95 % of `values`, which are sorted, without those that are NAN; NAN where over 5 % are.
+ * Percentile interval, Efron 1981. */
+void pl_bootstrap_interval(double *values, int count, double *low, double *high);
+
+/* Lists the losses from the comparisons. */
+pl_status pl_list_losses(pl_sweep_analysis *analysis, pl_error *error);
+
+/* ---- Observed orders of convergence ---- */
+
+/* Fills kind, order, deviation, range and counts of *order from time steps dt (s, falling) and their
+ * errors (NAN: none; not below the floor).
+ *
+ * The converging part is the longest segment of neighbouring time steps in which the error is above
+ * the floor and falls at least as fast as dt^(1/4); of equally long ones, the one of smaller steps.
+ * Ends that fall less than half as fast as the segment's median pair of neighbours are cut off:
+ * there the steps are still too large, or something other than the step limits the error. */
+void pl_order_fit(const double *dt, const double *error, int count, pl_sweep_order *order);
+
+/* Finds the orders of all series of two time steps or more. */
+pl_status pl_orders_find(pl_sweep_analysis *analysis, pl_error *error);
+
+#endif

@@ -1,0 +1,135 @@
+#include "analysis_parts.h"
+
+#include "base/statistics.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double least_slope = 0.25;
+
+/* Neighbouring time steps [first, last]. */
+typedef struct segment {
+    int first, last;
+} segment;
+
+static double slope_after(const double *dt, const double *error, int i)
+{
+    return log(error[i] / error[i + 1]) / log(dt[i] / dt[i + 1]);
+}
+
+static bool converges_after(const double *dt, const double *error, int i)
+{
+    return error[i] > pl_sweep_error_floor && error[i + 1] > pl_sweep_error_floor &&
+           slope_after(dt, error, i) >= least_slope;
+}
+
+static segment longest_segment(const double *dt, const double *error, int count)
+{
+    segment best = {0, 0}, now = {0, 0};
+    for (int i = 0; i + 1 < count; ++i) {
+        if (!converges_after(dt, error, i)) {
+            now.first = i + 1;
+        }
+        now.last = i + 1;
+        if (now.last > now.first && now.last - now.first >= best.last - best.first) {
+            best = now;
+        }
+    }
+    return best;
+}
+
+/* Cuts ends that fall less than half as fast as the middle; three time steps stay. */
+static segment without_slow_ends(const double *dt, const double *error, segment part,
+                                 double *scratch)
+{
+    for (int i = part.first; i < part.last; ++i) {
+        scratch[i - part.first] = slope_after(dt, error, i);
+    }
+    double bound = 0.5 * pl_median(scratch, part.last - part.first);
+    while (part.last - part.first > 2 && slope_after(dt, error, part.last - 1) < bound) {
+        --part.last;
+    }
+    while (part.last - part.first > 2 && slope_after(dt, error, part.first) < bound) {
+        ++part.first;
+    }
+    return part;
+}
+
+static void fit(const double *dt, const double *error, segment part, pl_sweep_order *order)
+{
+    const int count = part.last - part.first + 1;
+    double mean_x = 0, mean_y = 0, xx = 0, xy = 0, squares = 0;
+    for (int i = part.first; i <= part.last; ++i) {
+        mean_x += log10(dt[i]) / count;
+        mean_y += log10(error[i]) / count;
+    }
+    for (int i = part.first; i <= part.last; ++i) {
+        xx += (log10(dt[i]) - mean_x) * (log10(dt[i]) - mean_x);
+        xy += (log10(dt[i]) - mean_x) * (log10(error[i]) - mean_y);
+    }
+    order->order = xy / xx;
+    for (int i = part.first; i <= part.last; ++i) {
+        double off = log10(error[i]) - mean_y - order->order * (log10(dt[i]) - mean_x);
+        squares += off * off;
+    }
+    order->deviation = sqrt(squares / count);
+    order->dt_high = dt[part.first];
+    order->dt_low = dt[part.last];
+    order->used = count;
+}
+
+void pl_order_fit(const double *dt, const double *error, int count, pl_sweep_order *order)
+{
+    int known = 0, at_floor = 0;
+    order->order = order->deviation = order->dt_low = order->dt_high = (double)NAN;
+    order->used = 0;
+    order->total = count;
+    for (int i = 0; i < count; ++i) {
+        known += !isnan(error[i]);
+        at_floor += error[i] <= pl_sweep_error_floor;
+    }
+    if (known > 0 && at_floor == known) {
+        order->kind = PL_SWEEP_ORDER_EXACT;
+        return;
+    }
+    if (known - at_floor < 3) {
+        order->kind = PL_SWEEP_ORDER_TOO_FEW;
+        return;
+    }
+    segment part = longest_segment(dt, error, count);
+    double *scratch = calloc((size_t)count, sizeof *scratch);
+    order->kind = part.last - part.first < 2 || scratch == NULL ? PL_SWEEP_ORDER_NOT_CONVERGING
+                                                                : PL_SWEEP_ORDER_FOUND;
+    if (order->kind == PL_SWEEP_ORDER_FOUND) {
+        fit(dt, error, without_slow_ends(dt, error, part, scratch), order);
+    }
+    free(scratch);
+}
+
+pl_status pl_orders_find(pl_sweep_analysis *analysis, pl_error *error)
+{
+    const int count = analysis->point_count;
+    double *dt = calloc(2 * (size_t)count + 1, sizeof *dt), *errors = dt + count;
+    analysis->orders = calloc((size_t)count + 1, sizeof *analysis->orders);
+    if (dt == NULL || analysis->orders == NULL) {
+        free(dt);
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d points", count);
+    }
+    for (int first = 0, next; first < count; first = next) {
+        const pl_sweep_point *point = &analysis->points[first];
+        bool is_known = false;
+        for (next = first; next < count && analysis->points[next].series == point->series; ++next) {
+            dt[next - first] = analysis->points[next].dt;
+            errors[next - first] = analysis->points[next].error;
+            is_known = is_known || !isnan(errors[next - first]);
+        }
+        if (next - first > 1 && is_known) {
+            pl_sweep_order *order = &analysis->orders[analysis->order_count++];
+            *order = (pl_sweep_order){
+                .scene = point->scene, .engine = point->engines[1], .first = first};
+            pl_order_fit(dt, errors, next - first, order);
+        }
+    }
+    free(dt);
+    return PL_OK;
+}

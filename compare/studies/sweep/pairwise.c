@@ -1,0 +1,471 @@
+/* Compares our engine with each other one, scene by scene and over all scenes.
+ *
+ * Intervals of the ratios come from the bootstrap (Efron 1979). In every replicate each point gets
+ * as many repeats as it has, drawn from its own with replacement, and their medians make the fronts.
+ * Two or three repeats do not show their own scatter: with fewer than ten, each repeat that is drawn
+ * is moved by the scene's noise (the smoothed bootstrap, Silverman and Young 1987). Each point has a
+ * random stream of its own, so that the replicates of one engine do not depend on which others were
+ * run. */
+#include "analysis_parts.h"
+
+#include "base/statistics.h"
+#include "base/random.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* So many repeats tell their own scatter. */
+enum { ENOUGH = 10 };
+
+/* A scene's replicates. */
+typedef struct resampling {
+    const pl_sweep_point *points; /* (count) */
+    int count;
+    double noise;             /* of the scene; 0: none is known */
+    bool *needed;             /* (count): can be on a front in some replicate */
+    pl_random *random;        /* (count) */
+    pl_sweep_sample *medians; /* (count): of this replicate */
+    int *order;               /* (count) */
+    pl_sweep_sample *front;   /* (count) */
+    double *scratch;          /* two numbers for each repeat of the point with most */
+} resampling;
+
+static double largest_error(const pl_sweep_point *point)
+{
+    double largest = 0;
+    for (int i = 0; i < point->sample_count; ++i) {
+        largest = fmax(largest, point->samples[i].error);
+    }
+    return largest;
+}
+
+static double smallest_error(const pl_sweep_point *point)
+{
+    double smallest = (double)INFINITY;
+    for (int i = 0; i < point->sample_count; ++i) {
+        smallest = fmin(smallest, point->samples[i].error);
+    }
+    return smallest;
+}
+
+/* What a repeat of the point that is drawn is moved by, as a standard deviation of ln(cost). */
+static double noise_of(const resampling *d, const pl_sweep_point *point)
+{
+    return point->sample_count < ENOUGH ? d->noise : 0;
+}
+
+/* Whether q is ahead of p in every replicate, so that p is on no front. */
+static bool always_ahead(const resampling *d, const pl_sweep_point *q, const pl_sweep_point *p)
+{
+    const double most = PL_RANDOM_MOST_NORMAL * (noise_of(d, q) + noise_of(d, p));
+    return q->state == PL_SWEEP_OK &&
+           q->samples[q->sample_count - 1].cost * exp(most) < p->samples[0].cost &&
+           largest_error(q) <= smallest_error(p);
+}
+
+/* Marks the points that the fronts of profiles need; those of whole engines need no others. */
+static void mark_needed(resampling *d)
+{
+    for (int i = 0; i < d->count; ++i) {
+        const pl_sweep_point *point = &d->points[i];
+        d->needed[i] = point->state == PL_SWEEP_OK;
+        for (int k = 0; k < d->count && d->needed[i]; ++k) {
+            d->needed[i] = d->points[k].engines[1] != point->engines[1] ||
+                           !always_ahead(d, &d->points[k], point);
+        }
+    }
+}
+
+static void resample(resampling *d)
+{
+    for (int i = 0; i < d->count; ++i) {
+        const pl_sweep_point *point = &d->points[i];
+        const int repeats = point->sample_count;
+        double *costs = d->scratch, *errors = d->scratch + repeats;
+        if (!d->needed[i]) {
+            continue;
+        }
+        const double by = noise_of(d, point);
+        for (int k = 0; k < repeats; ++k) {
+            int chosen = (int)(pl_random_unit(&d->random[i]) * repeats);
+            costs[k] = point->samples[chosen].cost;
+            costs[k] *= by > 0 ? exp(by * pl_random_normal(&d->random[i])) : 1;
+            errors[k] = point->samples[chosen].error;
+        }
+        d->medians[i].cost = pl_median(costs, repeats);
+        d->medians[i].error = pl_median(errors, repeats);
+    }
+}
+
+static void read_front(resampling *d, int engine, pl_front_reading *reading)
+{
+    int count = 0;
+    for (int i = 0; i < d->count; ++i) {
+        if (d->needed[i] && pl_sweep_point_is_of(&d->points[i], engine)) {
+            d->order[count++] = i;
+        }
+    }
+    count = pl_front_find(d->medians, d->order, count);
+    for (int i = 0; i < count; ++i) {
+        d->front[i] = d->medians[d->order[i]];
+    }
+    pl_front_read(d->front, count, reading);
+}
+
+static bool prepare(resampling *d)
+{
+    int most = 1;
+    for (int i = 0; i < d->count; ++i) {
+        most = d->points[i].sample_count > most ? d->points[i].sample_count : most;
+    }
+    size_t count = (size_t)d->count + 1;
+    d->needed = calloc(count, sizeof *d->needed);
+    d->random = calloc(count, sizeof *d->random);
+    d->medians = calloc(count, sizeof *d->medians);
+    d->order = calloc(count, sizeof *d->order);
+    d->front = calloc(count, sizeof *d->front);
+    d->scratch = calloc(2 * (size_t)most, sizeof *d->scratch);
+    return d->needed != NULL && d->random != NULL && d->medians != NULL && d->order != NULL &&
+           d->front != NULL && d->scratch != NULL;
+}
+
+/* In every replicate each point gets as many repeats as it has, drawn from its own with
+ * replacement, and their medians make the fronts. Two or three repeats do not tell their own
+ * scatter: of fewer than ten, each that is drawn is moved by the scene's noise (the smoothed
+ * bootstrap, Silverman and Young 1987). Each point has a stream of random numbers of its own, so
+ * that what a replicate says of one engine does not depend on which others were run. Fills readings
+ * (engine_count x PL_BOOTSTRAP_REPLICATES, engine by engine) for the engines that have points
+ * there. */
+static pl_status pl_bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+                       pl_front_reading *readings, pl_error *error)
+{
+    pl_status status = PL_OK;
+    resampling d = {.points = analysis->points + scene->first,
+                    .count = scene->count,
+                    .noise = isnan(scene->noise) ? 0 : scene->noise};
+    if (!prepare(&d)) {
+        status = pl_fail(error, PL_NO_MEMORY, "out of memory to resample %d points", d.count);
+        goto cleanup;
+    }
+    mark_needed(&d);
+    for (int i = 0; i < d.count; ++i) {
+        d.random[i].state = d.points[i].hash;
+    }
+    for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
+        resample(&d);
+        for (int e = 0; e < analysis->engine_count; ++e) {
+            if (scene->curves[e].ok > 0) {
+                read_front(&d, e,
+                           &readings[(size_t)e * PL_BOOTSTRAP_REPLICATES + (size_t)replicate]);
+            }
+        }
+    }
+
+cleanup:
+    free(d.needed);
+    free(d.random);
+    free(d.medians);
+    free(d.order);
+    free(d.front);
+    free(d.scratch);
+    return status;
+}
+
+void pl_bootstrap_interval(double *values, int count, double *low, double *high)
+{
+    int known = 0;
+    for (int i = 0; i < count; ++i) {
+        if (!isnan(values[i])) {
+            values[known++] = values[i];
+        }
+    }
+    *low = *high = (double)NAN;
+    if (known == 0 || known < 0.95 * count) {
+        return;
+    }
+    pl_sort_numbers(values, known);
+    int cut = (int)(0.025 * known);
+    *low = values[cut];
+    *high = values[known - 1 - cut];
+}
+
+/* What is at hand while comparisons are fought. */
+typedef struct workspace {
+    pl_front_reading *readings;   /* (engine_count): of the scene as measured */
+    pl_front_reading *replicates; /* (engine_count x PL_BOOTSTRAP_REPLICATES): resampled */
+    double *values;               /* (PL_BOOTSTRAP_REPLICATES) */
+    double *logs; /* (pair_count x PL_SWEEP_LEVELS x PL_BOOTSTRAP_REPLICATES): sums over scenes */
+} workspace;
+
+static pl_attained_by attained_by(bool ours, bool other)
+{
+    if (ours && other) {
+        return PL_ATTAINED_BY_BOTH;
+    }
+    return ours    ? PL_ATTAINED_BY_OURS_ONLY
+           : other ? PL_ATTAINED_BY_OTHER_ONLY
+                   : PL_ATTAINED_BY_NEITHER;
+}
+
+/* Their number over ours, where `offset` says which of a reading's numbers. */
+static double ratio_of(const pl_front_reading *ours, const pl_front_reading *other, size_t offset)
+{
+    return ((const double *)other)[offset] / ((const double *)ours)[offset];
+}
+
+static pl_sweep_ratio with_interval(const workspace *a, const pl_sweep_pair *pair, size_t offset,
+                                    bool resampled)
+{
+    pl_sweep_ratio ratio = {ratio_of(&a->readings[pair->ours], &a->readings[pair->other], offset),
+                            (double)NAN, (double)NAN};
+    if (!resampled || isnan(ratio.value)) {
+        return ratio;
+    }
+    const pl_front_reading *ours = a->replicates + (size_t)pair->ours * PL_BOOTSTRAP_REPLICATES;
+    const pl_front_reading *other = a->replicates + (size_t)pair->other * PL_BOOTSTRAP_REPLICATES;
+    for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
+        a->values[replicate] = ratio_of(&ours[replicate], &other[replicate], offset);
+    }
+    pl_bootstrap_interval(a->values, PL_BOOTSTRAP_REPLICATES, &ratio.low, &ratio.high);
+    return ratio;
+}
+
+enum {
+    COST = 0,
+    COST_BETWEEN = COST + PL_SWEEP_LEVELS,
+    ERROR = COST_BETWEEN + PL_SWEEP_LEVELS,
+    ERROR_BETWEEN = ERROR + PL_SWEEP_TIMES
+};
+_Static_assert(sizeof(pl_front_reading) == (ERROR_BETWEEN + PL_SWEEP_TIMES) * sizeof(double),
+               "a reading is a row of numbers, which the places above index");
+
+/* Adds this scene's part of the geometric means. */
+static void add_to_means(const workspace *a, pl_sweep_analysis *analysis, int index,
+                         const pl_pairwise_comparison *comparison)
+{
+    pl_sweep_pair *pair = &analysis->pairs[index];
+    const pl_front_reading *ours = a->replicates + (size_t)pair->ours * PL_BOOTSTRAP_REPLICATES;
+    const pl_front_reading *other = a->replicates + (size_t)pair->other * PL_BOOTSTRAP_REPLICATES;
+    pair->scenes++;
+    for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
+        pair->both[k] += comparison->at_error[k] == PL_ATTAINED_BY_BOTH;
+        pair->ours_only[k] += comparison->at_error[k] == PL_ATTAINED_BY_OURS_ONLY;
+        pair->other_only[k] += comparison->at_error[k] == PL_ATTAINED_BY_OTHER_ONLY;
+        if (comparison->at_error[k] != PL_ATTAINED_BY_BOTH) {
+            continue;
+        }
+        bool known = !isnan(comparison->speed[k].low);
+        double *logs =
+            a->logs + ((size_t)index * PL_SWEEP_LEVELS + (size_t)k) * PL_BOOTSTRAP_REPLICATES;
+        pair->mean[k].value += log(comparison->speed[k].value);
+        for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
+            logs[replicate] +=
+                known ? log(ratio_of(&ours[replicate], &other[replicate], COST + (size_t)k))
+                      : (double)NAN;
+        }
+    }
+}
+
+static void compare_pair(const workspace *a, pl_sweep_analysis *analysis,
+                         const pl_sweep_scene *scene, int index)
+{
+    const pl_sweep_pair *pair = &analysis->pairs[index];
+    const pl_sweep_curve *ours = &scene->curves[pair->ours];
+    const pl_sweep_curve *other = &scene->curves[pair->other];
+    pl_pairwise_comparison *comparison = &scene->comparisons[index];
+    comparison->run = scene->primary_error[0] != '\0' && pl_sweep_curve_was_run(ours) &&
+                      pl_sweep_curve_was_run(other);
+    if (!comparison->run) {
+        return;
+    }
+    bool resampled = !isnan(scene->noise);
+    for (size_t k = 0; k < PL_SWEEP_LEVELS; ++k) {
+        comparison->at_error[k] = attained_by(ours->cheapest[k] >= 0, other->cheapest[k] >= 0);
+        comparison->speed[k] = with_interval(a, pair, COST + k, resampled);
+        comparison->speed_between[k] = with_interval(a, pair, COST_BETWEEN + k, resampled);
+        comparison->instructions[k] = comparison->at_error[k] == PL_ATTAINED_BY_BOTH
+                                          ? analysis->points[other->cheapest[k]].instructions /
+                                                analysis->points[ours->cheapest[k]].instructions
+                                          : (double)NAN;
+    }
+    for (size_t k = 0; k < PL_SWEEP_TIMES; ++k) {
+        comparison->at_cost[k] = attained_by(ours->most_exact[k] >= 0, other->most_exact[k] >= 0);
+        comparison->exactness[k] = with_interval(a, pair, ERROR + k, resampled);
+        comparison->exactness_between[k] = with_interval(a, pair, ERROR_BETWEEN + k, resampled);
+    }
+    add_to_means(a, analysis, index, comparison);
+}
+
+static void read_as_measured(const workspace *a, const pl_sweep_analysis *analysis,
+                             const pl_sweep_scene *scene, pl_sweep_sample *front)
+{
+    for (int e = 0; e < analysis->engine_count; ++e) {
+        const pl_sweep_curve *curve = &scene->curves[e];
+        for (int i = 0; i < curve->front_count; ++i) {
+            const pl_sweep_point *point = &analysis->points[curve->front[i]];
+            front[i] = (pl_sweep_sample){point->cost, point->error};
+        }
+        pl_front_read(front, curve->front_count, &a->readings[e]);
+    }
+}
+
+static void finish_means(const workspace *a, pl_sweep_analysis *analysis)
+{
+    for (int i = 0; i < analysis->pair_count; ++i) {
+        for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
+            pl_sweep_ratio *mean = &analysis->pairs[i].mean[k];
+            const int count = analysis->pairs[i].both[k];
+            double *logs =
+                a->logs + ((size_t)i * PL_SWEEP_LEVELS + (size_t)k) * PL_BOOTSTRAP_REPLICATES;
+            mean->value = count == 0 ? (double)NAN : exp(mean->value / count);
+            mean->low = mean->high = (double)NAN;
+            if (count == 0) {
+                continue;
+            }
+            for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
+                logs[replicate] = exp(logs[replicate] / count);
+            }
+            pl_bootstrap_interval(logs, PL_BOOTSTRAP_REPLICATES, &mean->low, &mean->high);
+        }
+    }
+}
+
+static pl_status make_pairs(pl_sweep_analysis *analysis, pl_error *error)
+{
+    const size_t count = (size_t)analysis->engine_count;
+    analysis->pairs = calloc(count * count + 1, sizeof *analysis->pairs);
+    if (analysis->pairs == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu engines", count);
+    }
+    for (int i = 0; i < analysis->engine_count; ++i) {
+        for (int k = 0; k < analysis->engine_count; ++k) {
+            const pl_sweep_engine *a = &analysis->engines[i], *b = &analysis->engines[k];
+            if (a->ours && !b->ours && a->whole == b->whole) {
+                analysis->pairs[analysis->pair_count++] = (pl_sweep_pair){.ours = i, .other = k};
+            }
+        }
+    }
+    return PL_OK;
+}
+
+pl_status pl_compare_pairwise(pl_sweep_analysis *analysis, pl_error *error)
+{
+    pl_status status = make_pairs(analysis, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    const size_t engines = (size_t)analysis->engine_count + 1;
+    const size_t pairs = (size_t)analysis->pair_count + 1;
+    pl_sweep_sample *front = calloc((size_t)analysis->point_count + 1, sizeof *front);
+    workspace a = {.readings = calloc(engines, sizeof *a.readings),
+                   .replicates = calloc(engines * PL_BOOTSTRAP_REPLICATES, sizeof *a.replicates),
+                   .values = calloc(PL_BOOTSTRAP_REPLICATES, sizeof *a.values),
+                   .logs =
+                       calloc(pairs * PL_SWEEP_LEVELS * PL_BOOTSTRAP_REPLICATES, sizeof *a.logs)};
+    if (front == NULL || a.readings == NULL || a.replicates == NULL || a.values == NULL ||
+        a.logs == NULL) {
+        status = pl_fail(error, PL_NO_MEMORY, "out of memory for %zu pairs of engines", pairs);
+    }
+    for (int p = 0; p < analysis->scene_count && status == PL_OK; ++p) {
+        pl_sweep_scene *scene = &analysis->scenes[p];
+        scene->comparisons = calloc(pairs, sizeof *scene->comparisons);
+        if (scene->comparisons == NULL) {
+            status = pl_fail(error, PL_NO_MEMORY, "out of memory for %zu pairs of engines", pairs);
+            break;
+        }
+        read_as_measured(&a, analysis, scene, front);
+        status = pl_bootstrap(analysis, scene, a.replicates, error);
+        for (int i = 0; i < analysis->pair_count && status == PL_OK; ++i) {
+            compare_pair(&a, analysis, scene, i);
+        }
+    }
+    if (status == PL_OK) {
+        finish_means(&a, analysis);
+    }
+    free(front);
+    free(a.readings);
+    free(a.replicates);
+    free(a.values);
+    free(a.logs);
+    return status;
+}
+
+/* ---- Losses ---- */
+
+/* Without an interval, times within 10 % are equal. */
+static const double equal_within = 0.1;
+
+static bool is_within_noise(const pl_sweep_ratio *speed)
+{
+    return isnan(speed->low) ? speed->value * (1 + equal_within) > 1 : speed->high >= 1;
+}
+
+static bool is_fine(const pl_sweep_loss *loss)
+{
+    return loss->level >= PL_SWEEP_MATCHED_LEVEL;
+}
+
+static int compare_losses(const void *left, const void *right)
+{
+    const pl_sweep_loss *a = left, *b = right;
+    if (is_fine(a) != is_fine(b)) {
+        return is_fine(a) ? -1 : 1;
+    }
+    if (a->within_noise != b->within_noise) {
+        return a->within_noise ? 1 : -1;
+    }
+    if (a->attained != b->attained) {
+        return a->attained == PL_ATTAINED_BY_OTHER_ONLY ? -1 : 1;
+    }
+    if (a->attained == PL_ATTAINED_BY_BOTH && a->speed.value != b->speed.value) {
+        return a->speed.value < b->speed.value ? -1 : 1;
+    }
+    int order = a->scene - b->scene;
+    order = order != 0 ? order : a->pair - b->pair;
+    return order != 0 ? order : a->level - b->level;
+}
+
+static void note_loss(pl_sweep_analysis *analysis, int p, int pair, int level)
+{
+    const pl_sweep_scene *scene = &analysis->scenes[p];
+    const pl_pairwise_comparison *comparison = &scene->comparisons[pair];
+    const pl_attained_by attained = comparison->at_error[level];
+    const pl_sweep_ratio *speed = &comparison->speed[level];
+    analysis->compared += attained != PL_ATTAINED_BY_NEITHER;
+    if (attained != PL_ATTAINED_BY_OTHER_ONLY &&
+        !(attained == PL_ATTAINED_BY_BOTH && speed->value < 1)) {
+        return;
+    }
+    pl_sweep_loss loss = {
+        .scene = p,
+        .pair = pair,
+        .level = level,
+        .attained = attained,
+        .ours = scene->curves[analysis->pairs[pair].ours].cheapest[level],
+        .other = scene->curves[analysis->pairs[pair].other].cheapest[level],
+        .speed = *speed,
+        .within_noise = attained == PL_ATTAINED_BY_BOTH && is_within_noise(speed),
+    };
+    analysis->fine_losses += is_fine(&loss);
+    analysis->losses[analysis->loss_count++] = loss;
+}
+
+pl_status pl_list_losses(pl_sweep_analysis *analysis, pl_error *error)
+{
+    size_t most = (size_t)analysis->scene_count * (size_t)analysis->pair_count * PL_SWEEP_LEVELS;
+    analysis->losses = calloc(most + 1, sizeof *analysis->losses);
+    if (analysis->losses == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu comparisons", most);
+    }
+    for (int p = 0; p < analysis->scene_count; ++p) {
+        for (int i = 0; i < analysis->pair_count; ++i) {
+            bool whole = analysis->engines[analysis->pairs[i].ours].whole;
+            for (int k = 0; k < PL_SWEEP_LEVELS && whole && analysis->scenes[p].comparisons[i].run;
+                 ++k) {
+                note_loss(analysis, p, i, k);
+            }
+        }
+    }
+    qsort(analysis->losses, (size_t)analysis->loss_count, sizeof *analysis->losses, compare_losses);
+    return PL_OK;
+}

@@ -1,0 +1,80 @@
+/* The search for the cheapest point that meets a target, in a mixed space of integer and continuous
+ * parameters. The caller defines what the cost and the excess of a point are. */
+#ifndef PLUMB_TUNE_SEARCH_H
+#define PLUMB_TUNE_SEARCH_H
+
+#include "plumb/engine_abi.h"
+
+/* ---- Parameters ---- */
+
+/* Every option of an engine, and the time step. */
+enum { PL_TUNE_MAX_PARAMETERS = PL_ENGINE_MAX_OPTIONS + 1, PL_TUNE_RATE = -1 };
+
+/* A setting that is tuned: its range and its scale. */
+typedef struct pl_tune_parameter {
+    char name[PL_NAME_SIZE];
+    int option;       /* index in the engine's table; PL_TUNE_RATE: steps per second, of "dt" */
+    double low, high; /* low < high; low > 0 where logarithmic */
+    bool logarithmic, integer;
+    bool spends;  /* a larger value takes more time: steps per second, iterations */
+    double start; /* where the search begins: the default, moved into the range */
+} pl_tune_parameter;
+
+/* The value at `unit`, which is clamped to 0 .. 1, rounded to three significant digits so that
+ * settings are short to write; for an integer parameter, to an integer. */
+double pl_tune_value(const pl_tune_parameter *parameter, double unit);
+
+/* The position of a value on the parameter's scale, 0 .. 1. */
+double pl_tune_unit(const pl_tune_parameter *parameter, double value);
+
+/* The value moved down (direction < 0) or up by 10 %, by at least 1 for an integer, and by 1 % of
+ * the range from 0. The result stays in the range, so that at its end it is the value itself. */
+double pl_tune_neighbour(const pl_tune_parameter *parameter, double value, int direction);
+
+/* ---- Search ---- */
+
+/* The largest excess. */
+#define PL_SEARCH_WORST 30.0
+
+/* A point of the space, its cost and its excess. */
+typedef struct pl_evaluation {
+    double values[PL_TUNE_MAX_PARAMETERS]; /* (parameter_count) */
+    double cost;                           /* > 0; INFINITY: unknown */
+    double excess; /* <= 0: the target is met with the required margin; at most PL_SEARCH_WORST */
+    bool holds;    /* the target was met, but possibly by less than the required margin */
+} pl_evaluation;
+
+typedef struct pl_search_def {
+    const pl_tune_parameter *parameters; /* (parameter_count) */
+    int parameter_count;                 /* 0 .. PL_TUNE_MAX_PARAMETERS */
+    int budget;                          /* >= 1: the most points evaluated */
+    uint64_t seed;
+    void *user;
+    /* Fills cost, excess and holds. No point is evaluated twice. *stop ends the search with the
+     * points before this one. A status other than PL_OK ends it with that status. */
+    pl_status (*measure)(void *user, pl_evaluation *evaluation, bool *stop, pl_error *error);
+} pl_search_def;
+
+typedef struct pl_search_result {
+    pl_evaluation *evaluations; /* (count), in order, the first at the parameters' starts; owned */
+    int count;
+    int best; /* the cheapest that meets the target, else the one of least excess; -1: none */
+    bool met;
+    bool stopped;
+    int sampled, optimised, refined; /* evaluations of each stage */
+} pl_search_result;
+
+/* Whether this build has NLopt, the library of the second stage. Without it the stage is skipped. */
+bool pl_search_has_nlopt(void);
+
+/* Evaluates low-discrepancy points over the space, in half of which a parameter that spends no time
+ * stays at its start; then runs NLopt from the best of them; then steps along each parameter and in
+ * seeded directions around the best point. Equal seeds and equal answers give equal points. The
+ * caller frees result->evaluations in any case. PL_NO_MEMORY, and what `measure` returned. */
+pl_status pl_search(const pl_search_def *def, pl_search_result *result, pl_error *error);
+
+/* Whether a is better than b: only a meets the target; or both do and a is cheaper; or neither does,
+ * and only a holds, or a has the lower excess. */
+bool pl_evaluation_is_better(const pl_evaluation *a, const pl_evaluation *b);
+
+#endif
