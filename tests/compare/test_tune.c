@@ -1,11 +1,11 @@
 /* What plumb tune takes and says: parameters, spaces, targets, changed scenarios, an engine's own
  * API. */
 #include "check.h"
-#include "studies/tune/tuner.h"
-#include "studies/tune/tune_search.h"
 #include "studies/tune/space.h"
-#include "studies/tune/tune_measure.h"
 #include "studies/tune/tunable.h"
+#include "studies/tune/tune_measure.h"
+#include "studies/tune/tune_search.h"
+#include "studies/tune/tuner.h"
 #include "studies/tune/variant.h"
 
 #include <math.h>

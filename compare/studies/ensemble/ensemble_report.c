@@ -59,7 +59,8 @@ static pl_text_table *pl_text_table_begin(const char *const *heads, int columns)
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-static void pl_text_table_format(pl_text_table *table, const char *format, ...)
+static void
+pl_text_table_format(pl_text_table *table, const char *format, ...)
 {
     char text[256];
     va_list arguments;
@@ -316,7 +317,7 @@ static void add_introduction(FILE *out, const pl_plan *plan, const pl_ensembles 
 
 /* malloc'd; NULL when out of memory. */
 static char *pl_ensemble_summary(const pl_plan *plan, const pl_ensembles *ensembles,
-                          const pl_ensemble_view *views, const pl_verdicts *verdicts)
+                                 const pl_ensemble_view *views, const pl_verdicts *verdicts)
 {
     char *text = NULL;
     size_t size = 0;
@@ -375,8 +376,8 @@ static json_t *horizon_json(const pl_horizon *horizon)
 
 /* The horizon that such an object holds of the ensemble with exactly these members' runs; false
  * where it has none. `before` may be NULL. */
-static bool pl_horizon_recall(const json_t *before, const pl_plan *plan, const pl_ensemble *ensemble,
-                       int members, pl_horizon *horizon)
+static bool pl_horizon_recall(const json_t *before, const pl_plan *plan,
+                              const pl_ensemble *ensemble, int members, pl_horizon *horizon)
 {
     bool found = false;
     size_t index;
@@ -471,7 +472,7 @@ static json_t *comparison_json(const pl_ensemble_view *views, const pl_sample_te
 
 /* A new reference; NULL when out of memory. */
 static json_t *pl_ensemble_to_json(const pl_plan *plan, const pl_ensembles *ensembles,
-                            const pl_ensemble_view *views, const pl_verdicts *verdicts)
+                                   const pl_ensemble_view *views, const pl_verdicts *verdicts)
 {
     json_t *all = json_array(), *comparisons = json_array();
     for (int i = 0; i < ensembles->count; ++i) {

@@ -10,9 +10,9 @@ typedef struct pl_ensemble_outcome {
     int comparisons; /* how many were possible */
 } pl_ensemble_outcome;
 
-/* `results` is an array of plumb.result/1 that includes those of the plan's runs. `folder` has their
- * trajectories; where they are missing, the horizon is taken from `before`, an earlier outcome (NULL
- * allowed). The caller frees *outcome in any case. */
+/* `results` is an array of plumb.result/1 that includes those of the plan's runs. `folder` has
+ * their trajectories; where they are missing, the horizon is taken from `before`, an earlier
+ * outcome (NULL allowed). The caller frees *outcome in any case. */
 pl_status pl_ensemble_conclude(const pl_plan *plan, const pl_ensembles *ensembles,
                                const json_t *results, const char *folder, const json_t *before,
                                pl_ensemble_outcome *outcome, pl_error *error);

@@ -52,16 +52,16 @@ typedef struct pl_noise {
     double ks;     /* 1 */
 } pl_noise;
 
-/* The mean distance of two samples of sizes n and m of one engine, estimated from the halves of this
- * sample: the mean over PL_NOISE_SPLITS random splits into halves of sizes h and h', scaled by
+/* The mean distance of two samples of sizes n and m of one engine, estimated from the halves of
+ * this sample: the mean over PL_NOISE_SPLITS random splits into halves of sizes h and h', scaled by
  * (1/n + 1/m) / (1/h + 1/h') for the energy distance and by the square root of that for the
  * Kolmogorov-Smirnov distance. NAN for fewer values than PL_NOISE_LEAST. */
 pl_status pl_split_half_noise(const double *values, int count, int n, int m, pl_noise *noise,
                               pl_error *error);
 
 /* Holm's step-down correction for many tests (1979): where corrected[i] <= a, test i rejects while
- * the chance of any false rejection among all `count` stays at a. With p ascending, the k-th (from 0)
- * is the largest of min(1, (count - j) p_j) over j <= k. */
+ * the chance of any false rejection among all `count` stays at a. With p ascending, the k-th (from
+ * 0) is the largest of min(1, (count - j) p_j) over j <= k. */
 pl_status pl_holm(const double *p, int count, double *corrected, pl_error *error);
 
 #endif

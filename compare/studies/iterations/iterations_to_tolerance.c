@@ -17,8 +17,8 @@ typedef struct doubling_search {
     int count;
 } doubling_search;
 
-static pl_status evaluate_budget(doubling_search *s, long budget, pl_budget_trial *trial, double *error,
-                            pl_error *fault)
+static pl_status evaluate_budget(doubling_search *s, long budget, pl_budget_trial *trial,
+                                 double *error, pl_error *fault)
 {
     double given = (double)INFINITY;
     s->found->trials += 1;

@@ -1,5 +1,5 @@
-/* The metric iterations_to_tolerance of every scenario on every engine of a plan: the least budget of
- * solver iterations whose error is as good as the converged one. It is searched by isolated runs
+/* The metric iterations_to_tolerance of every scenario on every engine of a plan: the least budget
+ * of solver iterations whose error is as good as the converged one. It is searched by isolated runs
  * with other values of the engine's option `iterations`. */
 #ifndef PLUMB_ITERATIONS_TO_TOLERANCE_H
 #define PLUMB_ITERATIONS_TO_TOLERANCE_H
@@ -41,9 +41,9 @@ typedef struct pl_budget_found {
     int trials;
 } pl_budget_found;
 
-/* Doubles the budget until two doublings in a row changed the error by at most 1 %, or up to `most`;
- * the last error counts as converged. Then bisects for the least budget with an error of at most 1.1
- * times that, where the next doubling above it, if tried, also has such an error. */
+/* Doubles the budget until two doublings in a row changed the error by at most 1 %, or up to
+ * `most`; the last error counts as converged. Then bisects for the least budget with an error of at
+ * most 1.1 times that, where the next doubling above it, if tried, also has such an error. */
 pl_status pl_budget_search(const pl_budget_search_def *def, pl_budget_found *found,
                            pl_error *fault);
 
@@ -66,10 +66,10 @@ typedef struct pl_tolerance_def {
 /* The most runs that all searches take. PL_NO_MEMORY. */
 pl_status pl_tolerance_most_runs(const pl_tolerance_def *def, long *runs, pl_error *error);
 
-/* Fills *metrics with one metric per case and engine, at test_case x configuration_count + configuration;
- * the caller frees it in any case. A metric is absent where the engine has no option `iterations` or
- * its profile refuses it, where the scene has no primary error, and where no search was needed. A
- * signal ends the search as in pl_execute. */
+/* Fills *metrics with one metric per problem and engine, at problem x contender_count + contender;
+ * the caller frees it in any case. A metric is absent where the engine has no option `iterations`
+ * or its profile refuses it, where the scene has no primary error, and where no search was needed.
+ * A signal ends the search as in pl_execute. */
 pl_status pl_tolerance_search(const pl_tolerance_def *def, pl_metric **metrics, int *signal_number,
                               pl_error *error);
 

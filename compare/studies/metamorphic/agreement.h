@@ -52,7 +52,8 @@ typedef struct pl_difference {
 typedef struct pl_agreement {
     pl_difference early; /* at a tenth of the run, before chaos sets in */
     pl_difference end;
-    double passes_at; /* s: the first frame with a position off by over 1e-6 of the size; NAN: none */
+    double
+        passes_at; /* s: the first frame with a position off by over 1e-6 of the size; NAN: none */
 } pl_agreement;
 
 /* The two runs that are compared. */

@@ -1,5 +1,5 @@
-/* Transforms of a scene that leave the laws of mechanics unchanged, and the inverse for the states of
- * its bodies. Pure functions: a scene in, a new scene out.
+/* Transforms of a scene that leave the laws of mechanics unchanged, and the inverse for the states
+ * of its bodies. Pure functions: a scene in, a new scene out.
  *
  * A position x becomes s M x + d, with M orthogonal. Length scales with s, mass with s^3 and time
  * with sqrt(s), so that gravity and the coefficients of friction and restitution do not change:

@@ -14,8 +14,8 @@
 
 /* ---- Problems, captured by running scenarios on our engine in this process ---- */
 
-/* Stacks at rest are captured after they have settled, with the warm start of the step before; piles
- * and collapses while they move. Seeds above 100 are held out. */
+/* Stacks at rest are captured after they have settled, with the warm start of the step before;
+ * piles and collapses while they move. Seeds above 100 are held out. */
 static const pl_benchmark_problem PROBLEMS[] = {
     {"tower-10", "tower", {"n=10"}, .step = 2},
     {"tower-100", "tower", {"n=100"}, .step = 2},
@@ -365,8 +365,9 @@ static json_t *describe(const pl_benchmark_problem *row, const pe_contact_proble
 /* Solves one problem by every solver, each in a process of its own, warm and cold. *result is a new
  * reference: what the problem is, and its `cells`, one for each solver and start, with the `levels`
  * in order up to the first that was not reached. `progress` may be NULL. */
-static pl_status pl_benchmark_solve(const pl_benchmark_problem *row, const pe_contact_problem *problem,
-                             FILE *progress, json_t **result, pl_error *error)
+static pl_status pl_benchmark_solve(const pl_benchmark_problem *row,
+                                    const pe_contact_problem *problem, FILE *progress,
+                                    json_t **result, pl_error *error)
 {
     pe_contact_problem *cold = NULL;
     json_t *cells = json_array();

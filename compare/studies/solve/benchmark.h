@@ -1,5 +1,5 @@
-/* The solver benchmark: contact problems captured from scenarios, solved by every solver from a warm
- * and from a cold start, to smaller and smaller residuals. */
+/* The solver benchmark: contact problems captured from scenarios, solved by every solver from a
+ * warm and from a cold start, to smaller and smaller residuals. */
 #ifndef PLUMB_SOLVER_BENCHMARK_H
 #define PLUMB_SOLVER_BENCHMARK_H
 
@@ -52,16 +52,16 @@ pl_status pl_benchmark_capture(const pl_benchmark_problem *entry, pe_contact_pro
 extern const double pl_benchmark_levels[PL_BENCHMARK_LEVELS];
 
 /* Runs the benchmark over `entries`. Prints the summary on standard output and progress on standard
- * error, and writes solver-benchmark.json, .csv and .md into `directory`, which is made. The command
- * line is recorded. */
+ * error, and writes solver-benchmark.json, .csv and .md into `directory`, which is made. The
+ * command line is recorded. */
 pl_status pl_benchmark_run(const pl_benchmark_problem *entries, int count, const char *directory,
                            int argc, char *const *argv, pl_error *error);
 
 /* ---- Reports ---- */
 
-/* Both take the whole result ("plumb.solver_benchmark/1") and return malloc'd text, NULL when out of
- * memory. The Markdown begins with the levels that were not reached and with the solvers slower than
- * the first; the CSV has a row per level of every solver and start. */
+/* Both take the whole result ("plumb.solver_benchmark/1") and return malloc'd text, NULL when out
+ * of memory. The Markdown begins with the levels that were not reached and with the solvers slower
+ * than the first; the CSV has a row per level of every solver and start. */
 char *pl_benchmark_markdown(const json_t *result);
 char *pl_benchmark_csv(const json_t *result);
 

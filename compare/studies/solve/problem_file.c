@@ -231,7 +231,7 @@ static const pl_json_kind problem_kind = {
     .noun = "contact problem", .most_bytes = PL_MAX_PROBLEM_BYTES, .read = read_problem};
 
 static pl_status hand_over(pl_status status, const reading *r, pe_contact_problem **problem,
-                      json_t **source)
+                           json_t **source)
 {
     if (status == PL_OK) {
         *problem = r->problem;
@@ -248,7 +248,7 @@ pl_status pl_problem_read_text(const char *text, size_t length, const char *labe
 {
     reading r = {.problem = NULL};
     return hand_over(pl_json_read_text(&problem_kind, text, length, label, &r, error), &r, problem,
-                source);
+                     source);
 }
 
 pl_status pl_problem_read_file(const char *path, pe_contact_problem **problem, json_t **source,

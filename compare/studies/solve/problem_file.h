@@ -9,8 +9,8 @@
  *                      "points": [ { "offset": [n, t1, t2], "bias": 0, "slip": [t1, t2],
  *                                    "impulse": [n, t1, t2] } ] } ] }
  *
- * plumb/contact_problem.h says what the numbers mean, their units and their constraints. "source" is
- * optional information for people. -1 stands for a static body. The arm of a static body may be
+ * plumb/contact_problem.h says what the numbers mean, their units and their constraints. "source"
+ * is optional information for people. -1 stands for a static body. The arm of a static body may be
  * left out, and so may a slip or an impulse of zero. Numbers are written so that every bit
  * survives. */
 #ifndef PLUMB_PROBLEM_FILE_H
@@ -34,7 +34,8 @@ pl_status pl_problem_read_text(const char *text, size_t length, const char *labe
 /* A valid problem as malloc'd text; `source` is an object or NULL. NULL when out of memory. */
 char *pl_problem_to_text(const pe_contact_problem *problem, const json_t *source);
 
-/* Writes the whole file or nothing ("-" is standard output). PL_FAILED: the problem is not valid. */
+/* Writes the whole file or nothing ("-" is standard output). PL_FAILED: the problem is not valid.
+ */
 pl_status pl_problem_write_file(const char *path, const pe_contact_problem *problem,
                                 const json_t *source, pl_error *error);
 
@@ -51,9 +52,9 @@ typedef struct pl_capture_target {
 bool pl_capture_parse(const char *text, long *step, const char **path);
 
 /* Writes the island with the most contact points to the target's path; or, where the path has a
- * "{}", every island to its own file, numbered from 1 in the engine's order. PL_FAILED: there are no
- * contacts. It serves as a pl_capture's `take`, with a pl_capture_target as `user`, and destroys the
- * problems. */
+ * "{}", every island to its own file, numbered from 1 in the engine's order. PL_FAILED: there are
+ * no contacts. It serves as a pl_capture's `take`, with a pl_capture_target as `user`, and destroys
+ * the problems. */
 pl_status pl_capture_write(void *user, pe_contact_problem **problems, int count, pl_error *error);
 
 /* The index of the problem with the most points, the first of several; -1 when there is none. */

@@ -10,8 +10,8 @@ pl_status pl_sweep_gather(const json_t *results, pl_sweep_analysis *analysis, pl
 
 /* ---- Pareto fronts of cost and error ---- */
 
-/* `order` holds the indices of `count` of the samples. Sorts it by cost, then error, then index, and
- * moves the indices of the front to its beginning, by rising cost and falling error; of equal
+/* `order` holds the indices of `count` of the samples. Sorts it by cost, then error, then index,
+ * and moves the indices of the front to its beginning, by rising cost and falling error; of equal
  * samples the first is kept. Returns the size of the front. */
 int pl_front_find(const pl_sweep_sample *samples, int *order, int count);
 
@@ -40,8 +40,8 @@ void pl_front_read(const pl_sweep_sample *front, int count, pl_front_reading *re
 /* Fills the pairs with their means, and the comparisons of each scene, from the curves. */
 pl_status pl_compare_pairwise(pl_sweep_analysis *analysis, pl_error *error);
 
-/* The middle 95 % of `values`, which are sorted, without those that are NAN; NAN where over 5 % are.
- * Percentile interval, Efron 1981. */
+/* The middle 95 % of `values`, which are sorted, without those that are NAN; NAN where over 5 %
+ * are. Percentile interval, Efron 1981. */
 void pl_bootstrap_interval(double *values, int count, double *low, double *high);
 
 /* Lists the losses from the comparisons. */
@@ -49,8 +49,8 @@ pl_status pl_list_losses(pl_sweep_analysis *analysis, pl_error *error);
 
 /* ---- Observed orders of convergence ---- */
 
-/* Fills kind, order, deviation, range and counts of *order from time steps dt (s, falling) and their
- * errors (NAN: none; not below the floor).
+/* Fills kind, order, deviation, range and counts of *order from time steps dt (s, falling) and
+ * their errors (NAN: none; not below the floor).
  *
  * The converging part is the longest segment of neighbouring time steps in which the error is above
  * the floor and falls at least as fast as dt^(1/4); of equally long ones, the one of smaller steps.

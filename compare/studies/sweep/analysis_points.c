@@ -123,7 +123,7 @@ static void take_medians(pl_sweep_point *point, double *scratch)
 
 /* Fills the numbers of a point from its repeats. */
 static pl_status pl_sweep_measure(const json_t *const *rows, int count, pl_sweep_point *point,
-                           pl_error *error)
+                                  pl_error *error)
 {
     point->row = rows[0];
     point->repeats = count;

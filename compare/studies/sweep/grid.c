@@ -98,7 +98,8 @@ static bool are_equal(const pl_engine_choice *a, const pl_engine_choice *b)
 }
 
 /* Adds the engine unless it is there. `labels` maps labels to the plan's indices. */
-static pl_status add_configuration(const pl_engine_choice *choice, json_t *labels, pl_plan *plan, pl_error *error)
+static pl_status add_configuration(const pl_engine_choice *choice, json_t *labels, pl_plan *plan,
+                                   pl_error *error)
 {
     char label[sizeof plan->configurations->label];
     int index = 0;

@@ -26,9 +26,9 @@ typedef struct pl_grid_def {
  * there. The scenes are deferred.
  *
  * PL_BAD_INPUT: a key that nothing has (the message suggests the nearest), that is given twice, or
- * that both a scenario and an engine have; a value out of its range, anywhere in the grid; more than
- * PL_GRID_MOST_RUNS runs in the whole grid; two configurations with the same label. The caller frees
- * the plan in any case. */
+ * that both a scenario and an engine have; a value out of its range, anywhere in the grid; more
+ * than PL_GRID_MOST_RUNS runs in the whole grid; two configurations with the same label. The caller
+ * frees the plan in any case. */
 pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error);
 
 /* Writes the plan's runs to `path` ("-" is standard output), one line of JSON each, plumb.plan/1

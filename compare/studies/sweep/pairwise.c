@@ -1,15 +1,15 @@
 /* Compares our engine with each other one, scene by scene and over all scenes.
  *
  * Intervals of the ratios come from the bootstrap (Efron 1979). In every replicate each point gets
- * as many repeats as it has, drawn from its own with replacement, and their medians make the fronts.
- * Two or three repeats do not show their own scatter: with fewer than ten, each repeat that is drawn
- * is moved by the scene's noise (the smoothed bootstrap, Silverman and Young 1987). Each point has a
- * random stream of its own, so that the replicates of one engine do not depend on which others were
- * run. */
+ * as many repeats as it has, drawn from its own with replacement, and their medians make the
+ * fronts. Two or three repeats do not show their own scatter: with fewer than ten, each repeat that
+ * is drawn is moved by the scene's noise (the smoothed bootstrap, Silverman and Young 1987). Each
+ * point has a random stream of its own, so that the replicates of one engine do not depend on which
+ * others were run. */
 #include "analysis_parts.h"
 
-#include "base/statistics.h"
 #include "base/random.h"
+#include "base/statistics.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -137,7 +137,7 @@ static bool prepare(resampling *d)
  * (engine_count x PL_BOOTSTRAP_REPLICATES, engine by engine) for the engines that have points
  * there. */
 static pl_status pl_bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                       pl_front_reading *readings, pl_error *error)
+                              pl_front_reading *readings, pl_error *error)
 {
     pl_status status = PL_OK;
     resampling d = {.points = analysis->points + scene->first,

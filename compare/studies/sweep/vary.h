@@ -24,11 +24,11 @@ typedef struct pl_vary {
 /* Parses "[OWNER.]KEY=VALUES". VALUES are names, or numbers and ranges, separated by commas;
  * repeated values are left out. Ranges are A..B, in steps of 1; A..B:+S, in steps of S > 0; and
  * A..B:xF, each F > 1 times the last, with A > 0. B belongs to the range when a step ends on it. A,
- * B, S and F are decimals or fractions. Values of ranges without fractions are rounded to 15 digits,
- * so that 0..1:+0.1 has 0.3 and not 0.30000000000000004.
+ * B, S and F are decimals or fractions. Values of ranges without fractions are rounded to 15
+ * digits, so that 0..1:+0.1 has 0.3 and not 0.30000000000000004.
  *
- * PL_BAD_INPUT: anything else, a range that is empty or endless, or more than PL_VARY_MOST_VALUES; *vary
- * is then empty. */
+ * PL_BAD_INPUT: anything else, a range that is empty or endless, or more than PL_VARY_MOST_VALUES;
+ * *vary is then empty. */
 pl_status pl_vary_parse(const char *text, pl_vary *vary, pl_error *error);
 
 /* Frees what parsing allocated. */

@@ -1,5 +1,5 @@
-/* The critical value of a scenario's parameter: the value at which the scene stops holding, found by
- * bisection on every engine. Every trial is an isolated run. All searches advance together, one
+/* The critical value of a scenario's parameter: the value at which the scene stops holding, found
+ * by bisection on every engine. Every trial is an isolated run. All searches advance together, one
  * trial of each in a round. */
 #ifndef PLUMB_THRESHOLD_H
 #define PLUMB_THRESHOLD_H
@@ -46,10 +46,10 @@ typedef struct pl_threshold_search {
     int param;              /* index of the searched parameter in the scenario's */
     pl_bisection bisection;
     int runs;
-    char outcome[32];  /* the run's outcome that ended the search, not ok and not collapsed, as in a
-                          result; empty: no such outcome */
-    char reason[512];  /* the reason of that outcome */
-    char run[17];      /* hash of the trial in progress; empty: none */
+    char outcome[32]; /* the run's outcome that ended the search, not ok and not collapsed, as in a
+                         result; empty: no such outcome */
+    char reason[512]; /* the reason of that outcome */
+    char run[17];     /* hash of the trial in progress; empty: none */
 } pl_threshold_search;
 
 typedef struct pl_threshold_search_def {
@@ -60,8 +60,8 @@ typedef struct pl_threshold_search_def {
     FILE *progress;     /* NULL: no progress is shown */
 } pl_threshold_search_def;
 
-/* Fills *searches, ordered by case and then by engine, as far as the search got. The caller frees
- * it in any case. A signal ends the search as in pl_execute. */
+/* Fills *searches, ordered by problem and then by engine, as far as the search got. The caller
+ * frees it in any case. A signal ends the search as in pl_execute. */
 pl_status pl_find_thresholds(const pl_threshold_search_def *def, pl_threshold_search **searches,
                              int *count, int *signal_number, pl_error *error);
 

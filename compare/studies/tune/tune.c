@@ -13,8 +13,8 @@ enum { PL_TUNE_REPEATS = 5, PL_TUNE_FINALISTS = 6 };
 enum { MOST_SETTINGS = 2 * PL_TUNE_MAX_PARAMETERS + 1 };
 
 /* The geometric mean over the scenarios of the ratio of costs. */
-static double mean_cost_ratio(const pl_reading *readings, const pl_reading *others, int case_count,
-                           int repeats, bool by_instructions)
+static double mean_cost_ratio(const pl_reading *readings, const pl_reading *others,
+                              int problem_count, int repeats, bool by_instructions)
 {
     double sum = 0;
     for (int p = 0; p < case_count; ++p) {
@@ -61,8 +61,8 @@ static pl_status find_sensitivities(pl_tuner *t, pl_error *error)
         const pl_reading *mine = pl_readings_of(&readings, i + 1);
         tuning->sensitivities[i].excess = pl_tuner_excess(t, mine);
         tuning->sensitivities[i].cost =
-            mean_cost_ratio(mine, pl_readings_of(&readings, 0), readings.case_count,
-                                readings.repeats, tuning->by_instructions);
+            mean_cost_ratio(mine, pl_readings_of(&readings, 0), readings.problem_count,
+                            readings.repeats, tuning->by_instructions);
     }
 done:
     if (count > 0) {
@@ -206,7 +206,7 @@ static void take_finalist(pl_tuner *t, const pl_readings *readings, const finali
     tuning->worst = f->evaluations[index].excess;
     for (int p = 0; p < t->def->plan->case_count; ++p) {
         tuning->scores[p] = score_of(&pl_readings_of(readings, index + 1)[p],
-                                        &pl_readings_of(readings, 0)[p], PL_TUNE_REPEATS);
+                                     &pl_readings_of(readings, 0)[p], PL_TUNE_REPEATS);
     }
 }
 

@@ -1,5 +1,5 @@
-/* Finds the cheapest settings of an engine that meet targets on scenarios: it searches, measures the
- * best points again, varies each parameter of the best, and validates it on scenarios that the
+/* Finds the cheapest settings of an engine that meet targets on scenarios: it searches, measures
+ * the best points again, varies each parameter of the best, and validates it on scenarios that the
  * search did not use. */
 #ifndef PLUMB_TUNE_H
 #define PLUMB_TUNE_H
@@ -46,7 +46,8 @@ typedef struct pl_tune_check {
 
 typedef struct pl_tuning {
     /* An evaluation holds where the targets are met on all runs that it was judged by. Its excess
-     * is at most 0 where they are met with two standard deviations of ln(value / bound) to spare. */
+     * is at most 0 where they are met with two standard deviations of ln(value / bound) to spare.
+     */
     pl_search_result found;
     bool met;              /* `best` meets the targets; else it is the point nearest to them */
     bool has_margin;       /* with two standard deviations to spare */
@@ -70,7 +71,8 @@ typedef struct pl_tuning {
 pl_status pl_tune(const pl_tune_def *def, pl_tuning *tuning, pl_error *error);
 void pl_tuning_free(pl_tuning *tuning);
 
-/* Prints the settings as a SPEC and in the engine's own API, their costs, and how they were judged. */
+/* Prints the settings as a SPEC and in the engine's own API, their costs, and how they were judged.
+ */
 void pl_tune_print(FILE *out, const pl_tune_def *def, const pl_tuning *tuning);
 
 /* plumb.tuning/1 (SCHEMA.md), with all evaluations; NULL when out of memory. */

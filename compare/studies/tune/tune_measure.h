@@ -25,8 +25,8 @@ typedef struct pl_targets {
 } pl_targets;
 
 /* Parses a target and adds it. PL_BAD_INPUT: an unknown metric (the message suggests the nearest),
- * a metric that is better when higher, another comparison, a bound that is not positive, or too many
- * targets. */
+ * a metric that is better when higher, another comparison, a bound that is not positive, or too
+ * many targets. */
 pl_status pl_target_add(pl_targets *targets, const char *text, pl_error *error);
 
 /* The target as it was written. */

@@ -40,8 +40,8 @@ double pl_tune_value(const pl_tune_parameter *parameter, double unit)
 {
     const double u = cut(unit, 0, 1);
     return rounded_value(parameter, parameter->logarithmic
-                                  ? parameter->low * pow(parameter->high / parameter->low, u)
-                                  : parameter->low + u * (parameter->high - parameter->low));
+                                        ? parameter->low * pow(parameter->high / parameter->low, u)
+                                        : parameter->low + u * (parameter->high - parameter->low));
 }
 
 double pl_tune_unit(const pl_tune_parameter *parameter, double value)
@@ -137,8 +137,8 @@ static int evaluate(pl_evaluation_cache *cache, const pl_unit_point *point)
 
 /* ---- Second stage: NLopt ---- */
 
-/* NLopt (Johnson, The NLopt nonlinear-optimization package) minimises the logarithm of the cost with
- * a penalty for a missed target. */
+/* NLopt (Johnson, The NLopt nonlinear-optimization package) minimises the logarithm of the cost
+ * with a penalty for a missed target. */
 #ifdef PLUMB_HAVE_NLOPT
 
 #include <nlopt.h>

@@ -64,7 +64,8 @@ typedef struct pl_search_result {
     int sampled, optimised, refined; /* evaluations of each stage */
 } pl_search_result;
 
-/* Whether this build has NLopt, the library of the second stage. Without it the stage is skipped. */
+/* Whether this build has NLopt, the library of the second stage. Without it the stage is skipped.
+ */
 bool pl_search_has_nlopt(void);
 
 /* Evaluates low-discrepancy points over the space, in half of which a parameter that spends no time
@@ -73,8 +74,8 @@ bool pl_search_has_nlopt(void);
  * caller frees result->evaluations in any case. PL_NO_MEMORY, and what `measure` returned. */
 pl_status pl_search(const pl_search_def *def, pl_search_result *result, pl_error *error);
 
-/* Whether a is better than b: only a meets the target; or both do and a is cheaper; or neither does,
- * and only a holds, or a has the lower excess. */
+/* Whether a is better than b: only a meets the target; or both do and a is cheaper; or neither
+ * does, and only a holds, or a has the lower excess. */
 bool pl_evaluation_is_better(const pl_evaluation *a, const pl_evaluation *b);
 
 #endif

@@ -1,5 +1,5 @@
-/* Evaluates one setting of an engine: measures it on the scenarios, next to the default settings, and
- * derives its cost and its excess. */
+/* Evaluates one setting of an engine: measures it on the scenarios, next to the default settings,
+ * and derives its cost and its excess. */
 #ifndef PLUMB_TUNER_H
 #define PLUMB_TUNER_H
 
@@ -11,7 +11,8 @@ enum { PL_TUNER_REPEATS = 4 };
 /* ---- Costs and excesses from readings ---- */
 
 /* The median over the repeats from `first` to below `repeats` of the CPU time over that of `other`
- * in the same repeat; with `other` NULL, of the CPU time itself, s per simulated second. NAN: none. */
+ * in the same repeat; with `other` NULL, of the CPU time itself, s per simulated second. NAN: none.
+ */
 double pl_score_ratio(const pl_reading *reading, const pl_reading *other, int first, int repeats);
 
 /* The excesses of one scenario, as asked for and changed. */
@@ -50,8 +51,8 @@ pl_status pl_tuner_measure(pl_tuner *t, const pl_variant *variant, const pl_sett
 /* The setting at a point of the space. */
 pl_setting pl_tuner_setting(const pl_tuner *t, const double *values);
 
-/* The geometric mean over the scenarios of the CPU time over that of the default settings, repeat by
- * repeat from `first` to below `repeats`; INFINITY where there is none. */
+/* The geometric mean over the scenarios of the CPU time over that of the default settings, repeat
+ * by repeat from `first` to below `repeats`; INFINITY where there is none. */
 double pl_tuner_cost(const pl_tuner *t, const pl_reading *mine, const pl_reading *shipped,
                      int first, int repeats);
 
