@@ -202,8 +202,6 @@ const char *pl_solve_stop_name(pe_solve_stop stop)
  * Each solver runs in a process of its own, so that a crash or a hang becomes a result. Every level
  * is a solve of its own that stops there, so that its cost is what a user who asks for it pays. */
 
-const double pl_benchmark_levels[PL_BENCHMARK_LEVELS] = {1e-3, 1e-4, 1e-6, 1e-8};
-
 /* Bounds of one solve: factorisations, or sweeps, of which there are so many that points times
  * sweeps is bounded too. A sweep costs about 10 ns a point, so that this is half a second of
  * sweeps. */
