@@ -60,7 +60,7 @@ typedef struct pl_threshold_search_def {
     FILE *progress;     /* NULL: no progress is shown */
 } pl_threshold_search_def;
 
-/* Fills *searches, ordered by problem and then by engine, as far as the search got. The caller
+/* Fills *searches, ordered by case and then by engine, as far as the search got. The caller
  * frees it in any case. A signal ends the search as in pl_execute. */
 pl_status pl_find_thresholds(const pl_threshold_search_def *def, pl_threshold_search **searches,
                              int *count, int *signal_number, pl_error *error);

@@ -14,7 +14,7 @@ enum { MOST_SETTINGS = 2 * PL_TUNE_MAX_PARAMETERS + 1 };
 
 /* The geometric mean over the scenarios of the ratio of costs. */
 static double mean_cost_ratio(const pl_reading *readings, const pl_reading *others,
-                              int problem_count, int repeats, bool by_instructions)
+                              int case_count, int repeats, bool by_instructions)
 {
     double sum = 0;
     for (int p = 0; p < case_count; ++p) {
@@ -61,7 +61,7 @@ static pl_status find_sensitivities(pl_tuner *t, pl_error *error)
         const pl_reading *mine = pl_readings_of(&readings, i + 1);
         tuning->sensitivities[i].excess = pl_tuner_excess(t, mine);
         tuning->sensitivities[i].cost =
-            mean_cost_ratio(mine, pl_readings_of(&readings, 0), readings.problem_count,
+            mean_cost_ratio(mine, pl_readings_of(&readings, 0), readings.case_count,
                             readings.repeats, tuning->by_instructions);
     }
 done:
