@@ -441,12 +441,12 @@ static json_t *view_json(const pl_plan *plan, const pl_ensemble_view *view, int 
                   "not_finite", kept->not_finite);
     return json_pack(
         "{s:i, s:o, s:s, s:s, s:i, s:b, s:f, s:o, s:i, s:o, s:o, s:o, s:o}", "problem",
-        ensemble->test_case, "scenario", pl_json_text(test_case->name, strlen(test_case->name)), "name",
-        ensemble->name, "label", plan->configurations[ensemble->configuration].label, "setting",
-        ensemble->setting, "converged", (int)ensemble->reference, "dt", test_case->scene.dt, "runs",
-        runs_json(plan, ensemble, members), "results", view->observed.results, "outcomes",
-        outcomes_json(&view->observed), "invariants", invariants, "horizon",
-        horizon_json(&view->horizon), "observables", observables);
+        ensemble->test_case, "scenario", pl_json_text(test_case->name, strlen(test_case->name)),
+        "name", ensemble->name, "label", plan->configurations[ensemble->configuration].label,
+        "setting", ensemble->setting, "converged", (int)ensemble->reference, "dt",
+        test_case->scene.dt, "runs", runs_json(plan, ensemble, members), "results",
+        view->observed.results, "outcomes", outcomes_json(&view->observed), "invariants",
+        invariants, "horizon", horizon_json(&view->horizon), "observables", observables);
 }
 
 static json_t *ratio_json(double value, double floor)

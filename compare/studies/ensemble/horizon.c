@@ -128,8 +128,7 @@ pl_status pl_horizon_find(const pl_plan *plan, const pl_ensemble *ensemble, int 
     for (int k = 0; k < members && status == PL_OK; ++k) {
         char run[17];
         pl_member_run(plan, ensemble, k, run);
-        status =
-            open_track(folder, run, &plan->cases[ensemble->cases[k]].scene, &tracks[k], error);
+        status = open_track(folder, run, &plan->cases[ensemble->cases[k]].scene, &tracks[k], error);
         open += tracks[k].file != NULL;
     }
     if (status == PL_OK && open == members) {

@@ -46,7 +46,7 @@ static pl_status add_member(const pl_members_def *def, int setting, bool referen
 }
 
 static pl_status add_cases(const pl_members_def *def, pl_plan *plan, firsts *f, int *count,
-                              pl_error *error)
+                           pl_error *error)
 {
     pl_status status = PL_OK;
     const int rows = def->setting_count + 1 + (def->references ? 1 : 0);

@@ -11,11 +11,11 @@ enum { PL_FINER_STEPS = 16, PL_MORE_ITERATIONS = 8 };
 
 /* The members of one case on one engine. */
 typedef struct pl_ensemble {
-    int test_case;       /* which of those asked for, from 0 */
+    int test_case;     /* which of those asked for, from 0 */
     int setting;       /* 0: as asked; k: with the k-th other setting */
     bool reference;    /* of the finer step */
     int configuration; /* index into the plan's */
-    int *cases;     /* (members): index into the plan's, by member */
+    int *cases;        /* (members): index into the plan's, by member */
     char name[256];    /* the engine's label, and the other setting in brackets */
 } pl_ensemble;
 

@@ -66,10 +66,10 @@ typedef struct pl_tolerance_def {
 /* The most runs that all searches take. PL_NO_MEMORY. */
 pl_status pl_tolerance_most_runs(const pl_tolerance_def *def, long *runs, pl_error *error);
 
-/* Fills *metrics with one metric per case and engine, at test_case x configuration_count + configuration;
- * the caller frees it in any case. A metric is absent where the engine has no option `iterations`
- * or its profile refuses it, where the scene has no primary error, and where no search was needed.
- * A signal ends the search as in pl_execute. */
+/* Fills *metrics with one metric per case and engine, at test_case x configuration_count +
+ * configuration; the caller frees it in any case. A metric is absent where the engine has no option
+ * `iterations` or its profile refuses it, where the scene has no primary error, and where no search
+ * was needed. A signal ends the search as in pl_execute. */
 pl_status pl_tolerance_search(const pl_tolerance_def *def, pl_metric **metrics, int *signal_number,
                               pl_error *error);
 

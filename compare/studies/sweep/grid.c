@@ -267,8 +267,8 @@ static pl_status add_place(const grid *g, const place *at, pl_plan *plan, pl_err
     const char *texts[PL_MAX_PARAMS];
     list_settings(g, at, settings);
     point_at(settings, texts);
-    return pl_plan_add_scenario(plan, test_case->descriptor, texts, test_case->descriptor->param_count,
-                                error);
+    return pl_plan_add_scenario(plan, test_case->descriptor, texts,
+                                test_case->descriptor->param_count, error);
 }
 
 /* The case and its points, as far as they are the shard's. */
@@ -304,8 +304,7 @@ static pl_status check_size(const pl_grid_def *def, double cases, double configu
                : pl_fail(error, PL_BAD_INPUT,
                          "%.0f problems x %.0f engines x %d repeats are %.0f runs; a sweep has at "
                          "most %d",
-                         cases, configurations, def->base->repeats, runs,
-                         (int)PL_GRID_MOST_RUNS);
+                         cases, configurations, def->base->repeats, runs, (int)PL_GRID_MOST_RUNS);
 }
 
 pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error)

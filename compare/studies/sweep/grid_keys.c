@@ -62,7 +62,7 @@ static bool case_has(const pl_case *test_case, const pl_vary *vary)
         return false;
     }
     return test_case->descriptor == NULL ? strcmp(vary->key, "dt") == 0
-                                       : pl_grid_param(test_case->descriptor, vary->key) >= 0;
+                                         : pl_grid_param(test_case->descriptor, vary->key) >= 0;
 }
 
 /* How many of the profiles named the engine has. */
@@ -111,7 +111,7 @@ pl_grid_keys pl_grid_keys_of_case(const pl_grid_def *def, const pl_case *test_ca
 }
 
 pl_grid_keys pl_grid_keys_of_configuration(const pl_grid_def *def,
-                                       const pl_configuration *configuration)
+                                           const pl_configuration *configuration)
 {
     pl_grid_keys keys = {.count = 0};
     const pl_engine *engine = configuration->choice.engine;
@@ -151,8 +151,8 @@ static bool list_keys(const pl_grid_def *def, const pl_vary *vary, names *n)
     for (int i = 0; i < def->base->case_count; ++i) {
         const pl_case *test_case = &def->base->cases[i];
         const pl_scenario *scenario = test_case->descriptor;
-        for (int k = 0; scenario != NULL && is_of(vary, test_case->name) && k < scenario->param_count;
-             ++k) {
+        for (int k = 0;
+             scenario != NULL && is_of(vary, test_case->name) && k < scenario->param_count; ++k) {
             fine = fine && add_name(n, scenario->params[k].name);
         }
     }
@@ -277,7 +277,8 @@ static pl_status check_key(const pl_grid_def *def, int index, pl_error *error)
         of_case = of_case || case_has(&def->base->cases[i], vary);
     }
     for (int i = 0; i < def->base->configuration_count; ++i) {
-        of_configuration = of_configuration || configuration_has(&def->base->configurations[i], vary);
+        of_configuration =
+            of_configuration || configuration_has(&def->base->configurations[i], vary);
     }
     if (of_case && of_configuration) {
         return pl_fail(error, PL_BAD_INPUT,

@@ -20,7 +20,7 @@ pl_status pl_grid_keys_check(const pl_grid_def *def, pl_error *error);
 /* After the check: the keys of one case, or of one configuration, of the base. */
 pl_grid_keys pl_grid_keys_of_case(const pl_grid_def *def, const pl_case *test_case);
 pl_grid_keys pl_grid_keys_of_configuration(const pl_grid_def *def,
-                                       const pl_configuration *configuration);
+                                           const pl_configuration *configuration);
 
 /* How many combinations of their values there are; a double, because it may be huge before it is
  * refused. */

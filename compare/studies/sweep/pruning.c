@@ -9,7 +9,8 @@
 
 static void name_point(const pl_plan *plan, const pl_planned_run *run, char name[48])
 {
-    snprintf(name, 48, "%td.%td", run->test_case - plan->cases, run->configuration - plan->configurations);
+    snprintf(name, 48, "%td.%td", run->test_case - plan->cases,
+             run->configuration - plan->configurations);
 }
 
 pl_status pl_repeats_begin(pl_repeats *repeats, const pl_plan *plan, double limit, pl_error *error)

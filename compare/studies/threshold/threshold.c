@@ -128,8 +128,8 @@ static void show_end(study *s, const pl_threshold_search *search)
         return;
     }
     fprintf(s->progress.out, "%s  %s  %s after %d %s\n", plan->cases[search->test_case].name,
-            plan->configurations[search->configuration].label, pl_threshold_outcome(search), search->runs,
-            search->runs == 1 ? "run" : "runs");
+            plan->configurations[search->configuration].label, pl_threshold_outcome(search),
+            search->runs, search->runs == 1 ? "run" : "runs");
     fflush(s->progress.out);
 }
 

@@ -43,7 +43,7 @@ int pl_bisection_most_trials(const pl_bisection *bisection);
 /* The search of one scenario on one engine. */
 typedef struct pl_threshold_search {
     int test_case, configuration; /* indices in the plan */
-    int param;              /* index of the searched parameter in the scenario's */
+    int param;                    /* index of the searched parameter in the scenario's */
     pl_bisection bisection;
     int runs;
     char outcome[32]; /* the run's outcome that ended the search, not ok and not collapsed, as in a

@@ -13,8 +13,8 @@ enum { PL_TUNE_REPEATS = 5, PL_TUNE_FINALISTS = 6 };
 enum { MOST_SETTINGS = 2 * PL_TUNE_MAX_PARAMETERS + 1 };
 
 /* The geometric mean over the scenarios of the ratio of costs. */
-static double mean_cost_ratio(const pl_reading *readings, const pl_reading *others,
-                              int case_count, int repeats, bool by_instructions)
+static double mean_cost_ratio(const pl_reading *readings, const pl_reading *others, int case_count,
+                              int repeats, bool by_instructions)
 {
     double sum = 0;
     for (int p = 0; p < case_count; ++p) {

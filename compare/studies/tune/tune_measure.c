@@ -203,8 +203,8 @@ static pl_status add_file(gatherer *g, const pl_case *test_case, double dt, int 
         }
     }
     const int before = g->plan.case_count;
-    pl_status status = pl_plan_add_scene_file(&g->plan, test_case->name, isnan(dt) ? g->def->dt : dt,
-                                              g->def->duration, error);
+    pl_status status = pl_plan_add_scene_file(&g->plan, test_case->name,
+                                              isnan(dt) ? g->def->dt : dt, g->def->duration, error);
     *index = g->plan.case_count > before ? before : -1;
     return status;
 }
@@ -224,7 +224,7 @@ static pl_status add_runs(gatherer *g, pl_error *error)
             const double dt = def->settings[s].dt;
             int index = -1;
             status = test_case->descriptor != NULL ? add_scenario(g, test_case, dt, &index, error)
-                                                 : add_file(g, test_case, dt, &index, error);
+                                                   : add_file(g, test_case, dt, &index, error);
             if (status == PL_OK && index >= 0) {
                 pl_reading *reading = &g->readings->items[s * def->plan->case_count + p];
                 reading->is_there = true;

@@ -132,8 +132,7 @@ pl_status pl_evaluate_shipped(pl_tuner *t, pl_error *error)
     pl_status status =
         pl_tuner_measure(t, &pl_variant_none, &t->shipped, 1, 0, 1, &readings, error);
     tuning->by_instructions = tuning->shipped_has_cost = true;
-    for (int p = 0; p < readings.case_count && status == PL_OK && tuning->signal_number == 0;
-         ++p) {
+    for (int p = 0; p < readings.case_count && status == PL_OK && tuning->signal_number == 0; ++p) {
         const pl_reading *reading = &pl_readings_of(&readings, 0)[p];
         if (reading->is_absent) {
             status = pl_fail(error, PL_UNSUPPORTED, "%s does not do %s",
