@@ -1,85 +1,92 @@
-/* Hands each frame to those who measure one thing.
+/* Hands each frame to the modules that measure, and collects their metrics at the end.
  *
- * Drift and creep need the pose at settle_time, which is known only half a second later. So two
- * measurements run: one begins anew with every quiet, and holds once the quiet has lasted; the
- * other begins at 1 s (or half the duration) and counts only when the scene never settles.
- *
- * Which integrator an engine has is known only when something has accelerated. So what depends on
- * it is measured for each, and the one that fits is chosen at the end. */
+ * The engine's integrator is detected only when something has accelerated. So all that depends on it
+ * is measured for each integrator, and the detected one is chosen at the end. */
 #include "referee.h"
 
-#include "referee/metrics/validity.h"
-#include "referee_state.h"
+#include "referee/geometry/candidate_pairs.h"
+#include "referee/metrics/contact_force.h"
+#include "referee/metrics/motion.h"
+#include "referee/metrics/reference_error.h"
+#include "referee/metrics/series.h"
+#include "referee/metrics/touching.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+/* The first three have one series for each integrator. */
+typedef enum series_id {
+    OF_ENERGY,
+    OF_STEP_GAIN = OF_ENERGY + PL_INTEGRATOR_COUNT,
+    OF_MOMENTUM = OF_STEP_GAIN + PL_INTEGRATOR_COUNT,
+    OF_ITERATIONS = OF_MOMENTUM + PL_INTEGRATOR_COUNT,
+    OF_RESIDUAL,
+    OF_CONTACTS,
+    OF_TIME,
+    SERIES_COUNT
+} series_id;
+
+struct pl_referee {
+    pl_arena arena; /* all memory of the modules below */
+    const pl_scene *scene;
+    pl_scale scale;
+    long asked, done; /* steps */
+    pl_verdict ended; /* what ended the run early, with its reason */
+    pl_error reason;
+    pl_candidate_pairs *pairs;
+    pl_penetration *penetration;
+    pl_islands *islands;
+    pl_mechanics *mechanics;
+    pl_contact_force *force;
+    pl_motion *motion;
+    pl_values *values;
+    pl_series series[SERIES_COUNT];
+    long no_contacts_step;     /* first step whose contacts the engine did not report; 0: none */
+    long foreign_contact_step; /* first step with a contact of no body of the scene; 0: none */
+    pl_body_state *last;       /* (body_count): the last valid frame */
+};
+
 pl_status pl_referee_create(const pl_scene *scene, pl_referee **referee, pl_error *error)
 {
-    *referee = NULL;
-    pl_referee *r = calloc(1, sizeof *r);
-    if (r == NULL) {
-        goto out_of_memory;
-    }
-    r->scene = scene;
-    r->scale = pl_scale_of(scene);
-    r->asked = pl_scene_steps(scene);
-    r->fixed_step = lround(fmin(1, scene->duration / 2) / scene->dt);
-    r->settle = pl_settle_start(scene);
-    r->nearby = pl_candidate_pairs_create(scene);
-    r->penetration = pl_penetration_create(scene);
-    r->mechanics = pl_mechanics_create(scene);
-    r->force = pl_contact_force_create(scene);
-    r->islands = pl_islands_create(scene);
-    r->path = pl_path_create(scene);
-    r->values = pl_values_create(scene);
-    r->spread = pl_spread_create(scene);
-    r->since_quiet = pl_drift_create(scene);
-    r->since_fixed = pl_drift_create(scene);
-    r->last = calloc((size_t)scene->body_count + 1, sizeof *r->last);
-    if (r->nearby == NULL || r->penetration == NULL || r->mechanics == NULL || r->force == NULL ||
-        r->islands == NULL || r->path == NULL || r->values == NULL || r->spread == NULL ||
-        r->since_quiet == NULL || r->since_fixed == NULL || r->last == NULL) {
-        goto out_of_memory;
-    }
-    for (int i = 0; i < SERIES_COUNT; ++i) {
-        if (!pl_series_init(&r->series[i])) {
-            goto out_of_memory;
+    pl_referee *r = *referee = calloc(1, sizeof *r);
+    if (r != NULL) {
+        pl_arena *arena = &r->arena;
+        r->scene = scene;
+        r->scale = pl_scale_of(scene);
+        r->asked = pl_scene_steps(scene);
+        r->pairs = pl_candidate_pairs_create(scene, arena);
+        r->penetration = pl_penetration_create(scene, arena);
+        r->islands = pl_islands_create(scene, arena);
+        r->mechanics = pl_mechanics_create(scene, arena);
+        r->force = pl_contact_force_create(scene, arena);
+        r->motion = pl_motion_create(scene, arena);
+        r->values = pl_values_create(scene, arena);
+        r->last = pl_arena_take(arena, (size_t)scene->body_count, sizeof *r->last);
+        for (int i = 0; i < SERIES_COUNT; ++i) {
+            (void)pl_series_init(&r->series[i], arena);
+        }
+        if (!arena->failed) {
+            return PL_OK;
         }
     }
-    *referee = r;
-    return PL_OK;
-
-out_of_memory:
     pl_referee_destroy(r);
+    *referee = NULL;
     return pl_fail(error, PL_NO_MEMORY, "no memory to referee a scene of %d bodies",
                    scene->body_count);
 }
 
 void pl_referee_destroy(pl_referee *r)
 {
-    if (r == NULL) {
-        return;
+    if (r != NULL) {
+        pl_arena_free(&r->arena);
+        free(r);
     }
-    for (int i = 0; i < SERIES_COUNT; ++i) {
-        pl_series_free(&r->series[i]);
-    }
-    pl_candidate_pairs_destroy(r->nearby);
-    pl_penetration_destroy(r->penetration);
-    pl_mechanics_destroy(r->mechanics);
-    pl_contact_force_destroy(r->force);
-    pl_islands_destroy(r->islands);
-    pl_path_destroy(r->path);
-    pl_values_destroy(r->values);
-    pl_spread_destroy(r->spread);
-    pl_drift_destroy(r->since_quiet);
-    pl_drift_destroy(r->since_fixed);
-    free(r->last);
-    free(r);
 }
 
-/* Ends the run when `verdict` is not OK; `*error` (NULL allowed) gets the reason. */
+/* ---- Frames ---- */
+
+/* Ends the run when `verdict` is not PL_VERDICT_OK; `*error` (NULL allowed) gets the reason. */
 static pl_verdict conclude(pl_referee *r, pl_verdict verdict, pl_error *error)
 {
     r->ended = verdict;
@@ -98,31 +105,19 @@ static void see_pair(void *context, const pl_near_pair *pair)
     }
 }
 
-/* Who touches whom. */
 static void see_pairs(pl_referee *r, const pl_body_state *bodies)
 {
     pl_penetration_begin(r->penetration, r->done);
     pl_islands_begin(r->islands);
-    pl_candidate_pairs_each(r->nearby, bodies, see_pair, r);
+    pl_candidate_pairs_each(r->pairs, bodies, see_pair, r);
     pl_penetration_end(r->penetration);
 }
 
-/* What is measured of the poses alone, at the start and after each step. */
+/* Measures poses and velocities alone, at the start and after each step. */
 static void see_poses(pl_referee *r, const pl_body_state *bodies)
 {
-    long step = r->done;
-    double time = (double)step * r->scene->dt;
-    if (pl_settle_see(&r->settle, step, bodies)) {
-        pl_drift_begin(r->since_quiet, time, bodies);
-    } else if (r->settle.quiet_since >= 0) {
-        pl_drift_add(r->since_quiet, time, bodies);
-    }
-    if (step == r->fixed_step) {
-        pl_drift_begin(r->since_fixed, time, bodies);
-    } else if (step > r->fixed_step) {
-        pl_drift_add(r->since_fixed, time, bodies);
-    }
-    pl_values_see(r->values, step, bodies);
+    pl_motion_see(r->motion, r->done, bodies);
+    pl_values_see(r->values, r->done, bodies);
     memcpy(r->last, bodies, (size_t)r->scene->body_count * sizeof *bodies);
 }
 
@@ -131,8 +126,6 @@ pl_verdict pl_referee_start(pl_referee *r, const pl_frame *frame)
     pl_verdict verdict = pl_check_finite(r->scene, frame->bodies, 0, &r->reason);
     if (verdict == PL_VERDICT_OK) {
         pl_mechanics_start(r->mechanics, frame->bodies);
-        pl_contact_force_start(r->force, frame->bodies);
-        pl_spread_start(r->spread, frame->bodies);
         see_pairs(r, frame->bodies);
         see_poses(r, frame->bodies);
     }
@@ -150,13 +143,15 @@ static bool contacts_belong(const pl_scene *scene, const pl_contact *contacts, i
     return true;
 }
 
-/* A NaN must not pass for "not reported" in what the referee works out itself. */
+/* A NaN that the referee itself computed counts as infinite; a series would take it for "not
+ * reported". */
 static double or_infinity(double value)
 {
     return isnan(value) ? HUGE_VAL : value;
 }
 
-static void see_mechanics(pl_referee *r, const pl_body_state *bodies, const pl_contact *contacts,
+/* Energy, momentum and contact impulses of a step, from r->last to `after`. */
+static void see_mechanics(pl_referee *r, const pl_body_state *after, const pl_contact *contacts,
                           int contact_count)
 {
     if (contact_count < 0 && r->no_contacts_step == 0) {
@@ -166,8 +161,8 @@ static void see_mechanics(pl_referee *r, const pl_body_state *bodies, const pl_c
         r->foreign_contact_step = r->foreign_contact_step == 0 ? r->done : r->foreign_contact_step;
         contact_count = 0;
     }
-    pl_mechanics_step(r->mechanics, r->done, bodies, contacts, contact_count);
-    pl_contact_force_step(r->force, r->done, bodies, contacts, contact_count);
+    pl_mechanics_step(r->mechanics, r->done, r->last, after, contacts, contact_count);
+    pl_contact_force_step(r->force, r->done, r->last, after, contacts, contact_count);
     for (pl_integrator k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
         double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale, k);
         double error = pl_mechanics_momentum_error(r->mechanics, &r->scale, k);
@@ -178,13 +173,7 @@ static void see_mechanics(pl_referee *r, const pl_body_state *bodies, const pl_c
     }
 }
 
-static void see_path(pl_referee *r, const pl_body_state *bodies)
-{
-    pl_series_add(&r->series[OF_LIFT], pl_path_lift(r->path, bodies), r->done);
-    pl_series_add(&r->series[OF_DEVIATION], pl_path_deviation(r->path, bodies), r->done);
-}
-
-/* The smaller of the integrators', since a divergence shows in both. */
+/* The smallest over the integrators, because a divergence shows in each. */
 static double energy_gain(const pl_referee *r)
 {
     double least = HUGE_VAL;
@@ -218,10 +207,181 @@ pl_verdict pl_referee_step(pl_referee *r, const pl_frame *frame, const pl_step_s
         see_stats(r, stats, cpu_time);
         see_pairs(r, frame->bodies);
         see_mechanics(r, frame->bodies, contacts, contact_count);
-        see_path(r, frame->bodies);
         see_poses(r, frame->bodies);
         verdict =
             pl_check_bounds(r->scene, &r->scale, frame->bodies, energy_gain(r), step, &r->reason);
     }
     return conclude(r, verdict, error);
+}
+
+/* ---- Metrics ---- */
+
+static pl_metric foreign_contact(const pl_referee *r)
+{
+    return pl_metric_failed("a contact reported at step %ld is between no bodies of the scene",
+                            r->foreign_contact_step);
+}
+
+/* Metrics of reported contacts are void once a contact was invalid. */
+static void contact_force_metrics(const pl_referee *r, pl_integrator integrator, pl_metric *item)
+{
+    static const pl_metric_id of_contacts[] = {PL_METRIC_FORCE_BALANCE, PL_METRIC_CONE_VIOLATION,
+                                               PL_METRIC_FRICTION_EFFECTIVE, PL_METRIC_SIGNORINI,
+                                               PL_METRIC_NATURAL_MAP};
+    pl_contact_force_metrics(r->force, integrator, item);
+    for (size_t i = 0; i < sizeof of_contacts / sizeof *of_contacts; ++i) {
+        pl_metric *metric = &item[of_contacts[i]];
+        if (r->foreign_contact_step > 0 && metric->state != PL_METRIC_ABSENT) {
+            *metric = foreign_contact(r);
+        }
+    }
+}
+
+/* The maximum over the steps of one series. */
+static pl_metric maximum(const pl_referee *r, int series)
+{
+    return pl_series_metric(&r->series[series], r->series[series].max);
+}
+
+static pl_metric momentum_metric(const pl_referee *r, pl_integrator integrator)
+{
+    if (r->foreign_contact_step > 0) {
+        return foreign_contact(r);
+    }
+    if (r->no_contacts_step > 0 && pl_penetration_touched_static(r->penetration)) {
+        return pl_metric_failed(
+            "static bodies are touched, and the engine reports no contacts (step %ld)",
+            r->no_contacts_step);
+    }
+    return maximum(r, OF_MOMENTUM + (int)integrator);
+}
+
+/* Metrics of a scene with a dynamic body. */
+static void dynamic_metrics(const pl_referee *r, pl_metric *item)
+{
+    const pl_integrator integrator = pl_integrator_of(pl_mechanics_votes(r->mechanics));
+    item[PL_METRIC_ENERGY_GAIN] = maximum(r, OF_ENERGY + (int)integrator);
+    item[PL_METRIC_ENERGY_STEP_GAIN] = maximum(r, OF_STEP_GAIN + (int)integrator);
+    item[PL_METRIC_MOMENTUM_ERROR] = momentum_metric(r, integrator);
+    contact_force_metrics(r, integrator, item);
+    if (r->scene->body_count > 1) {
+        pl_penetration_metrics(r->penetration, item);
+    }
+    pl_motion_metrics(r->motion, r->done, r->last, item);
+    if (r->scale.dynamic_count > 1) {
+        double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale, integrator);
+        item[PL_METRIC_ENERGY_LOST] = pl_metric_value(-gain * r->scale.energy);
+    }
+}
+
+/* A statistic of what the engine reports of its steps. */
+static pl_metric reported(const pl_referee *r, series_id id, double value)
+{
+    return r->series[id].count > 0 ? pl_series_metric(&r->series[id], value)
+                                   : pl_metric_failed("the engine reports none");
+}
+
+static void step_metrics(const pl_referee *r, const char *residual_unit, pl_metric *item)
+{
+    const pl_series *s = r->series;
+    item[PL_METRIC_ITERATIONS_MEAN] = reported(r, OF_ITERATIONS, pl_series_mean(&s[OF_ITERATIONS]));
+    item[PL_METRIC_ITERATIONS_MAX] = reported(r, OF_ITERATIONS, s[OF_ITERATIONS].max);
+    item[PL_METRIC_CONTACTS_MEAN] = reported(r, OF_CONTACTS, pl_series_mean(&s[OF_CONTACTS]));
+    item[PL_METRIC_TIME_PER_STEP] = reported(r, OF_TIME, pl_series_mean(&s[OF_TIME]));
+    if (residual_unit != NULL) {
+        item[PL_METRIC_RESIDUAL_MAX] = reported(r, OF_RESIDUAL, s[OF_RESIDUAL].max);
+        item[PL_METRIC_RESIDUAL_RMS] = reported(r, OF_RESIDUAL, pl_series_rms(&s[OF_RESIDUAL]));
+        item[PL_METRIC_RESIDUAL_MAX].unit = item[PL_METRIC_RESIDUAL_RMS].unit = residual_unit;
+    }
+}
+
+static bool ended_early(const pl_referee *r)
+{
+    return r->ended != PL_VERDICT_OK || r->done < r->asked;
+}
+
+/* After an early end, a metric of the final state has no value. A maximum or a mean over the steps
+ * has one if there was a step. */
+static void withdraw_after_early_end(const pl_referee *r, pl_metric *item)
+{
+    enum { OF_THE_END = 12 };
+    static const pl_metric_id ids[] = {
+        PL_METRIC_REST_POSITION_ERROR, PL_METRIC_REST_ROTATION_ERROR, PL_METRIC_TRAVEL_ERROR,
+        PL_METRIC_VALUE_ERROR, PL_METRIC_DISCRETE_ERROR, PL_METRIC_STATE_HASH, PL_METRIC_SPREAD_X,
+        PL_METRIC_SPREAD_Y, PL_METRIC_MASS_HEIGHT, PL_METRIC_RUN_OUT_P95, PL_METRIC_ENERGY_LOST,
+        PL_METRIC_PENETRATION_REST,
+        /* over the steps */
+        PL_METRIC_ENERGY_GAIN, PL_METRIC_ENERGY_STEP_GAIN, PL_METRIC_MOMENTUM_ERROR,
+        PL_METRIC_PENETRATION_MAX, PL_METRIC_LIFT, PL_METRIC_PATH_DEVIATION,
+        PL_METRIC_ITERATIONS_MEAN, PL_METRIC_ITERATIONS_MAX, PL_METRIC_CONTACTS_MEAN,
+        PL_METRIC_TIME_PER_STEP, PL_METRIC_RESIDUAL_MAX, PL_METRIC_RESIDUAL_RMS};
+    const pl_metric ended = pl_metric_failed("the run ended at step %ld of %ld", r->done, r->asked);
+    const size_t count = r->done > 0 ? OF_THE_END : sizeof ids / sizeof *ids;
+    if (!ended_early(r)) {
+        return;
+    }
+    for (size_t i = 0; i < count; ++i) {
+        pl_metric *metric = &item[ids[i]];
+        const char *unit = metric->unit;
+        if (metric->state != PL_METRIC_ABSENT) {
+            *metric = ended;
+            metric->unit = unit;
+        }
+    }
+    /* A settle time that was reached is valid, and so is the reason why there is no creep. */
+    if (item[PL_METRIC_SETTLE_TIME].state == PL_METRIC_FAILED) {
+        item[PL_METRIC_SETTLE_TIME] = ended;
+    }
+    if (item[PL_METRIC_CREEP].state == PL_METRIC_VALUE) {
+        item[PL_METRIC_CREEP] = ended;
+    }
+}
+
+static pl_metric reference_metric(const pl_referee *r, const pl_metric *item)
+{
+    const char *name = r->scene->primary_error;
+    if (name[0] == '\0') {
+        return (pl_metric){0};
+    }
+    int id = pl_metric_by_name(name);
+    if (id < 0 || item[id].state == PL_METRIC_ABSENT) {
+        return pl_metric_failed("the scene has no %s", name);
+    }
+    pl_metric metric = item[id];
+    metric.unit = metric.unit != NULL ? metric.unit : pl_metric_table[id].unit;
+    return metric;
+}
+
+static pl_verdict final_verdict(const pl_referee *r, pl_error *error)
+{
+    if (r->ended != PL_VERDICT_OK && error != NULL) {
+        *error = r->reason;
+    }
+    if (ended_early(r)) {
+        return r->ended;
+    }
+    double distance = 0;
+    int farthest = pl_farthest_from_rest(r->scene, r->last, &distance);
+    if (farthest < 0 || !(distance > r->scene->collapse_distance)) {
+        return PL_VERDICT_OK;
+    }
+    (void)pl_fail(error, PL_FAILED, "body \"%s\" ended %.3g m from its reference, beyond %.3g m",
+                  r->scene->bodies[r->scene->rests[farthest].body].name, distance,
+                  r->scene->collapse_distance);
+    return PL_VERDICT_COLLAPSED;
+}
+
+pl_verdict pl_referee_finish(pl_referee *r, const char *residual_unit, pl_metrics *metrics,
+                             pl_error *error)
+{
+    *metrics = (pl_metrics){0};
+    pl_metric *item = metrics->item;
+    pl_reference_metrics(r->values, r->last, pl_mechanics_votes(r->mechanics), item);
+    step_metrics(r, residual_unit, item);
+    if (r->scale.dynamic_count > 0) {
+        dynamic_metrics(r, item);
+    }
+    withdraw_after_early_end(r, item);
+    item[PL_METRIC_REFERENCE_ERROR] = reference_metric(r, item);
+    return final_verdict(r, error);
 }

@@ -16,8 +16,10 @@ typedef struct stand {
     const pl_engine *engine;
     pl_engine_instance *instance;
     pl_frame frame;
+    pl_body_state *before; /* of the last step */
     pl_contact *contacts;
     int count, capacity;
+    pl_arena arena;
     pl_contact_force *force;
     long steps;
 } stand;
@@ -43,25 +45,26 @@ static void stand_begin(stand *s, const char *scenario, const char *const *setti
     s->engine = choice.engine;
     s->frame.body_count = s->scene.body_count;
     s->frame.bodies = calloc((size_t)s->scene.body_count, sizeof *s->frame.bodies);
+    s->before = calloc((size_t)s->scene.body_count, sizeof *s->before);
     s->capacity = 64 * s->scene.body_count;
     s->contacts = calloc((size_t)s->capacity, sizeof *s->contacts);
-    s->force = pl_contact_force_create(&s->scene);
-    assert_true(s->frame.bodies != NULL && s->contacts != NULL && s->force != NULL);
+    s->force = pl_contact_force_create(&s->scene, &s->arena);
+    assert_true(s->frame.bodies != NULL && s->before != NULL && s->contacts != NULL && s->force != NULL);
     assert_int_equal(
         s->engine->create(&s->scene, choice.profile, choice.values, &s->instance, NULL), PL_OK);
     s->engine->read_frame(s->instance, &s->frame);
-    pl_contact_force_start(s->force, s->frame.bodies);
 }
 
 static void stand_step(stand *s)
 {
     pl_step_stats stats = {.struct_size = sizeof stats};
+    memcpy(s->before, s->frame.bodies, (size_t)s->scene.body_count * sizeof *s->before);
     assert_int_equal(s->engine->step(s->instance, s->scene.dt, &stats, NULL), PL_OK);
     s->engine->read_frame(s->instance, &s->frame);
     s->count = s->engine->read_contacts(s->instance, s->contacts, s->capacity);
     assert_true(s->count <= s->capacity);
     s->steps += 1;
-    pl_contact_force_step(s->force, s->steps, s->frame.bodies, s->contacts, s->count);
+    pl_contact_force_step(s->force, s->steps, s->before, s->frame.bodies, s->contacts, s->count);
 }
 
 /* Of all steps; second order or not is the same where no force turns. */
@@ -76,9 +79,10 @@ static double stand_balance(const stand *s)
 static void stand_end(stand *s)
 {
     s->engine->destroy(s->instance);
-    pl_contact_force_destroy(s->force);
+    pl_arena_free(&s->arena);
     pl_scene_free(&s->scene);
     free(s->frame.bodies);
+    free(s->before);
     free(s->contacts);
 }
 

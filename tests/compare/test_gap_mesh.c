@@ -30,7 +30,8 @@ typedef struct pool {
     pl_scene scene;
     check_random random;
     pl_shape hulls[HULLS], meshes[HULLS];
-    pl_surface *surfaces[HULLS];
+    pl_arena arena; /* of the surfaces */
+    const pl_surface *surfaces[HULLS];
 } pool;
 
 static void fill_pool(pool *p, uint64_t seed)
@@ -41,15 +42,13 @@ static void fill_pool(pool *p, uint64_t seed)
         const pl_polyhedron *hull = random_hull(&p->scene, &p->random, 4 + 3 * i);
         p->hulls[i] = pl_shape_of(hull);
         p->meshes[i] = pl_shape_of(mesh_of(&p->scene, hull));
-        assert_int_equal(pl_surface_create(&p->meshes[i], &p->surfaces[i]), PL_OK);
+        assert_int_equal(pl_surface_create(&p->meshes[i], &p->arena, &p->surfaces[i]), PL_OK);
     }
 }
 
 static void empty_pool(pool *p)
 {
-    for (int i = 0; i < HULLS; ++i) {
-        pl_surface_destroy(p->surfaces[i]);
-    }
+    pl_arena_free(&p->arena);
     pl_scene_free(&p->scene);
 }
 

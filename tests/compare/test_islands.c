@@ -1,6 +1,6 @@
 /* Islands against a flood fill, and the energy that an island gains in a step against motions made
  * up here. */
-#include "referee/metrics/contact_groups.h"
+#include "referee/metrics/touching.h"
 
 #include "check.h"
 #include "synthetic_run.h"
@@ -42,7 +42,8 @@ static void test_islands_are_what_two_frames_join(void **state)
         body.name[0] = (char)('0' + i);
         assert_int_equal(pl_scene_add_body(&scene, &body, NULL, NULL), PL_OK);
     }
-    pl_islands *islands = pl_islands_create(&scene);
+    pl_arena arena = {0};
+    pl_islands *islands = pl_islands_create(&scene, &arena);
     static bool frames[2][COUNT][COUNT];
     static bool joined[COUNT][COUNT];
     for (int frame = 0; frame < 200; ++frame) {
@@ -68,7 +69,7 @@ static void test_islands_are_what_two_frames_join(void **state)
         }
         assert_close(pl_islands_largest(islands, growth), largest, 0, 0);
     }
-    pl_islands_destroy(islands);
+    pl_arena_free(&arena);
     pl_scene_free(&scene);
 }
 

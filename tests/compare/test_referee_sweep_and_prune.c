@@ -1,6 +1,6 @@
 /* The referee's broad phase against all pairs by their gaps. */
+#include "referee/geometry/candidate_pairs.h"
 #include "referee/geometry/gap.h"
-#include "referee/geometry/sweep_and_prune.h"
 
 #include "check.h"
 #include "polyhedra.h"
@@ -77,7 +77,8 @@ static void test_the_broad_phase_finds_every_touching_pair_once(void **state)
         memcpy(bodies[i].position, body.position, sizeof body.position);
         memcpy(bodies[i].orientation, body.orientation, sizeof body.orientation);
     }
-    pl_broad_phase *broad_phase = pl_broad_phase_create(&scene);
+    pl_arena arena = {0};
+    pl_broad_phase *broad_phase = pl_broad_phase_create(&scene, &arena);
     assert_non_null(broad_phase);
     long found = 0;
     for (int frame = 0; frame < 8; ++frame) {
@@ -118,7 +119,7 @@ static void test_the_broad_phase_finds_every_touching_pair_once(void **state)
         }
     }
     assert_true(found > 500);
-    pl_broad_phase_destroy(broad_phase);
+    pl_arena_free(&arena);
     pl_scene_free(&scene);
 }
 
@@ -134,7 +135,8 @@ static void test_the_broad_phase_keeps_pairs_that_just_touch(void **state)
         run_add_body(&r, name, pl_shape_box(0.05, 0.05, 0.05), false, 0, 0.1 * i);
     }
     run_begin(&r);
-    pl_broad_phase *broad_phase = pl_broad_phase_create(&r.scene);
+    pl_arena arena = {0};
+    pl_broad_phase *broad_phase = pl_broad_phase_create(&r.scene, &arena);
     assert_non_null(broad_phase);
     static tally t;
     pl_broad_phase_each_pair(broad_phase, r.state, NULL, count_pair, &t);
@@ -142,7 +144,7 @@ static void test_the_broad_phase_keeps_pairs_that_just_touch(void **state)
         assert_int_equal(t.seen[i][i + 1], 1);
     }
     assert_int_equal(t.pairs, MOST_BODIES - 1);
-    pl_broad_phase_destroy(broad_phase);
+    pl_arena_free(&arena);
     run_end(&r);
 }
 

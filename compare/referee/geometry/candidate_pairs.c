@@ -1,145 +1,319 @@
-/* Two bodies meet when their gap is at most
+/* Candidate pairs of a frame.
+ *
+ * The broad phase is sort and sweep: boxes are in ascending order of their lower ends along one axis,
+ * and each is tested against those that follow until one begins beyond its upper end. The order is
+ * kept from frame to frame and restored by insertion sort, which costs O(n + inversions). Source:
+ * Baraff 1992; Cohen et al. 1995 (I-COLLIDE).
+ *
+ * Two bodies meet when their gap is at most
  *
  *   1e-3 r + h (|v_a - v_b| + r_a |w_a| + r_b |w_b|)
  *
- * r the bounding radii, and the smaller of them in the first term. The second is as far as any two
- * of their points can approach, or have parted, in a step of h at these velocities: an engine may
- * stop a body at another before they touch, or throw it off within the step. The first is for
- * bodies at rest, which engines keep a little apart. */
+ * with the bounding radii r, the smaller of them in the first term. The second term bounds how far any
+ * two of their points can approach each other, or have moved apart, in a step of h at these
+ * velocities: an engine may stop a body before it touches, or let it bounce off within the step. The
+ * first term is for bodies at rest, which engines keep a little apart. */
 #include "candidate_pairs.h"
 
 #include "gap.h"
 #include "solid.h"
-#include "surface_set.h"
-#include "sweep_and_prune.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+/* ---- Broad phase ---- */
+
+/* Coordinate 0 is along the sort axis, 1 and 2 are across. */
+typedef struct box {
+    double low[3], high[3]; /* m */
+    int body;
+    bool is_static;
+} box;
+
+struct pl_broad_phase {
+    const pl_scene *scene;
+    box *boxes; /* (box_count), ascending along the sort axis */
+    int box_count;
+    int *planes; /* (plane_count), scene indices */
+    int plane_count;
+    int axis; /* sort axis: 0, 1, 2 for x, y, z */
+};
+
+/* Sets the box of a shape, enlarged by `reach` and by a little more than the rounding of poses and
+ * gaps, so that no touching pair is lost. */
+static void place_box(box *b, int axis, const pl_shape *shape, const double position[3],
+                      const double orientation[4], double reach)
+{
+    double radius = pl_core_radius(shape);
+    pl_axes axes = pl_axes_of(orientation);
+    for (int k = 0; k < 3; ++k) {
+        int from = (axis + k) % 3;
+        const pl_vec unit = {from == 0, from == 1, from == 2};
+        pl_vec up = pl_to_local(&axes, unit), down = pl_vec_scale(up, -1);
+        double above = pl_vec_dot(up, pl_core_support(shape, up)) + radius;
+        double below = pl_vec_dot(down, pl_core_support(shape, down)) + radius;
+        double slack = reach + 1e-12 * (fabs(position[from]) + fmax(fabs(above), fabs(below)));
+        b->low[k] = position[from] - below - slack;
+        b->high[k] = position[from] + above + slack;
+    }
+}
+
+/* The axis along which the bodies' centres vary most. */
+static int widest_axis(const pl_scene *scene)
+{
+    int widest = 0;
+    double most = -1;
+    for (int k = 0; k < 3; ++k) {
+        const pl_vec unit = {k == 0, k == 1, k == 2};
+        double mean = 0, square = 0;
+        int count = 0;
+        for (int i = 0; i < scene->body_count; ++i) {
+            const pl_body *body = &scene->bodies[i];
+            if (body->shape.kind != PL_SHAPE_PLANE) {
+                pl_vec centre = pl_centre_of_mass(&body->shape, body->position, body->orientation);
+                double delta = pl_vec_dot(unit, centre) - mean;
+                mean += delta / (count + 1);
+                square += delta * delta * count / (count + 1);
+                count += 1;
+            }
+        }
+        if (square > most) {
+            most = square;
+            widest = k;
+        }
+    }
+    return widest;
+}
+
+static bool comes_before(const box *a, const box *b)
+{
+    return a->low[0] < b->low[0] || (a->low[0] == b->low[0] && a->body < b->body);
+}
+
+static int compare_boxes(const void *a, const void *b)
+{
+    return comes_before(a, b) ? -1 : comes_before(b, a);
+}
+
+pl_broad_phase *pl_broad_phase_create(const pl_scene *scene, pl_arena *arena)
+{
+    size_t count = (size_t)scene->body_count;
+    pl_broad_phase *bp = pl_arena_take(arena, 1, sizeof *bp);
+    box *boxes = pl_arena_take(arena, count, sizeof *boxes);
+    int *planes = pl_arena_take(arena, count, sizeof *planes);
+    if (arena->failed) {
+        return NULL;
+    }
+    *bp = (pl_broad_phase){
+        .scene = scene, .boxes = boxes, .planes = planes, .axis = widest_axis(scene)};
+    for (int i = 0; i < scene->body_count; ++i) {
+        const pl_body *body = &scene->bodies[i];
+        if (body->shape.kind == PL_SHAPE_PLANE) {
+            planes[bp->plane_count++] = i;
+        } else {
+            box *b = &boxes[bp->box_count++];
+            *b = (box){.body = i, .is_static = body->is_static};
+            place_box(b, bp->axis, &body->shape, body->position, body->orientation, 0);
+        }
+    }
+    qsort(boxes, (size_t)bp->box_count, sizeof *boxes, compare_boxes);
+    return bp;
+}
+
+/* Moves the boxes to their bodies and restores their order. */
+static void follow(pl_broad_phase *bp, const pl_body_state *bodies, const double *reach)
+{
+    for (int i = 0; i < bp->box_count; ++i) {
+        box moved = bp->boxes[i];
+        if (!moved.is_static) {
+            const pl_body_state *state = &bodies[moved.body];
+            place_box(&moved, bp->axis, &bp->scene->bodies[moved.body].shape, state->position,
+                      state->orientation, reach == NULL ? 0 : reach[moved.body]);
+        }
+        int k = i;
+        for (; k > 0 && comes_before(&moved, &bp->boxes[k - 1]); --k) {
+            bp->boxes[k] = bp->boxes[k - 1];
+        }
+        bp->boxes[k] = moved;
+    }
+}
+
+static bool overlap_across(const box *a, const box *b)
+{
+    return a->low[1] <= b->high[1] && b->low[1] <= a->high[1] && a->low[2] <= b->high[2] &&
+           b->low[2] <= a->high[2];
+}
+
+void pl_broad_phase_each_pair(pl_broad_phase *bp, const pl_body_state *bodies, const double *reach,
+                              void (*see)(void *context, int body_a, int body_b), void *context)
+{
+    follow(bp, bodies, reach);
+    const box *end = bp->boxes + bp->box_count;
+    for (const box *a = bp->boxes; a < end; ++a) {
+        for (const box *b = a + 1; b < end && b->low[0] <= a->high[0]; ++b) {
+            if (!(a->is_static && b->is_static) && overlap_across(a, b)) {
+                see(context, a->body, b->body);
+            }
+        }
+    }
+    for (int i = 0; i < bp->plane_count; ++i) {
+        for (const box *b = bp->boxes; b < end; ++b) {
+            if (!b->is_static) {
+                see(context, bp->planes[i], b->body);
+            }
+        }
+    }
+}
+
+/* ---- Surfaces ---- */
+
+static bool has_surface(const pl_shape *shape)
+{
+    return shape->kind == PL_SHAPE_BOX || shape->kind == PL_SHAPE_CAPSULE ||
+           shape->kind == PL_SHAPE_HULL || shape->kind == PL_SHAPE_MESH;
+}
+
+static bool same_surface(const pl_shape *a, const pl_shape *b)
+{
+    return a->kind == b->kind && a->polyhedron == b->polyhedron &&
+           a->half_height == b->half_height && a->half_extents[0] == b->half_extents[0] &&
+           a->half_extents[1] == b->half_extents[1] && a->half_extents[2] == b->half_extents[2];
+}
+
+/* Makes the surfaces, (body_count), that bodies need to be measured against meshes. Equal shapes share
+ * a surface. A scene without a mesh has none. */
+static bool make_surfaces(const pl_scene *scene, pl_arena *arena, const pl_surface **surfaces)
+{
+    int *firsts = pl_arena_take(arena, (size_t)scene->body_count, sizeof *firsts);
+    int count = 0; /* of firsts: the first bodies with their shapes */
+    bool any_mesh = false;
+    for (int i = 0; i < scene->body_count; ++i) {
+        any_mesh = any_mesh || scene->bodies[i].shape.kind == PL_SHAPE_MESH;
+    }
+    for (int i = 0; i < scene->body_count && any_mesh && !arena->failed; ++i) {
+        const pl_shape *shape = &scene->bodies[i].shape;
+        if (!has_surface(shape)) {
+            continue;
+        }
+        int k = count - 1;
+        while (k >= 0 && !same_surface(&scene->bodies[firsts[k]].shape, shape)) {
+            --k;
+        }
+        if (k >= 0) {
+            surfaces[i] = surfaces[firsts[k]];
+        } else {
+            (void)pl_surface_create(shape, arena, &surfaces[i]);
+            firsts[count++] = i;
+        }
+    }
+    return !arena->failed;
+}
+
+/* ---- Candidate pairs ---- */
 
 static const double RESTING_GAP = 1e-3; /* of the smaller bounding radius */
 
 struct pl_candidate_pairs {
     const pl_scene *scene;
     pl_broad_phase *broad_phase;
-    pl_surface_set *surfaces;
-    double *radius; /* (body_count): bounding radii */
-    double *reach;  /* (body_count): a pair that meets has a gap of at most the sum of its two */
+    const pl_surface **surfaces; /* (body_count): NULL where none is needed */
+    double *radius;              /* (body_count): bounding radii, m */
+    double *reach; /* (body_count), m: a pair that meets has at most the sum of both as its gap */
 };
-
-pl_candidate_pairs *pl_candidate_pairs_create(const pl_scene *scene)
-{
-    size_t count = (size_t)scene->body_count + 1;
-    pl_candidate_pairs *n = calloc(1, sizeof *n);
-    if (n == NULL) {
-        return NULL;
-    }
-    n->scene = scene;
-    n->broad_phase = pl_broad_phase_create(scene);
-    n->surfaces = pl_surface_set_create(scene);
-    n->radius = calloc(count, sizeof *n->radius);
-    n->reach = calloc(count, sizeof *n->reach);
-    if (n->broad_phase == NULL || n->surfaces == NULL || n->radius == NULL || n->reach == NULL) {
-        pl_candidate_pairs_destroy(n);
-        return NULL;
-    }
-    for (int i = 0; i < scene->body_count; ++i) {
-        n->radius[i] = pl_bounding_radius(&scene->bodies[i].shape);
-    }
-    return n;
-}
-
-void pl_candidate_pairs_destroy(pl_candidate_pairs *n)
-{
-    if (n != NULL) {
-        pl_broad_phase_destroy(n->broad_phase);
-        pl_surface_set_destroy(n->surfaces);
-        free(n->radius);
-        free(n->reach);
-        free(n);
-    }
-}
-
-/* Static bodies are where the scene has them, whatever an engine says. */
-static pl_placed_shape place(const pl_candidate_pairs *n, const pl_body_state *bodies, int body)
-{
-    const pl_body *b = &n->scene->bodies[body];
-    pl_placed_shape placed = {.shape = &b->shape, .surface = pl_surface_set_of(n->surfaces, body)};
-    memcpy(placed.position, b->is_static ? b->position : bodies[body].position,
-           sizeof placed.position);
-    memcpy(placed.orientation, b->is_static ? b->orientation : bodies[body].orientation,
-           sizeof placed.orientation);
-    return placed;
-}
-
-static double turning_speed(const pl_candidate_pairs *n, const pl_body_state *bodies, int body)
-{
-    return n->radius[body] * pl_vec_length(pl_vec_of(bodies[body].angular_velocity));
-}
 
 /* One frame. */
 typedef struct frame {
-    const pl_candidate_pairs *nearby;
+    const pl_candidate_pairs *pairs;
     const pl_body_state *bodies;
     void (*see)(void *context, const pl_near_pair *pair);
     void *context;
 } frame;
 
-static bool both_dynamic(const frame *f, int a, int b)
+pl_candidate_pairs *pl_candidate_pairs_create(const pl_scene *scene, pl_arena *arena)
 {
-    const pl_body *bodies = f->nearby->scene->bodies;
-    return !bodies[a].is_static && !bodies[b].is_static;
+    size_t count = (size_t)scene->body_count;
+    pl_candidate_pairs *p = pl_arena_take(arena, 1, sizeof *p);
+    if (p == NULL) {
+        return NULL;
+    }
+    *p = (pl_candidate_pairs){.scene = scene,
+                              .broad_phase = pl_broad_phase_create(scene, arena),
+                              .surfaces = pl_arena_take(arena, count, sizeof *p->surfaces),
+                              .radius = pl_arena_take(arena, count, sizeof *p->radius),
+                              .reach = pl_arena_take(arena, count, sizeof *p->reach)};
+    if (arena->failed || !make_surfaces(scene, arena, p->surfaces)) {
+        return NULL;
+    }
+    for (int i = 0; i < scene->body_count; ++i) {
+        p->radius[i] = pl_bounding_radius(&scene->bodies[i].shape);
+    }
+    return p;
+}
+
+/* Static bodies are where the scene has them, whatever the engine reports. */
+static pl_placed_shape place(const frame *f, int body)
+{
+    const pl_body *b = &f->pairs->scene->bodies[body];
+    const pl_body_state *state = &f->bodies[body];
+    pl_placed_shape placed = {.shape = &b->shape, .surface = f->pairs->surfaces[body]};
+    memcpy(placed.position, b->is_static ? b->position : state->position, sizeof placed.position);
+    memcpy(placed.orientation, b->is_static ? b->orientation : state->orientation,
+           sizeof placed.orientation);
+    return placed;
+}
+
+static double turning_speed(const frame *f, int body)
+{
+    return f->pairs->radius[body] * pl_vec_length(pl_vec_of(f->bodies[body].angular_velocity));
 }
 
 static pl_vec centre_of(const frame *f, int body)
 {
-    return pl_centre_of_mass(&f->nearby->scene->bodies[body].shape, f->bodies[body].position,
-                             f->bodies[body].orientation);
+    return pl_state_centre(&f->pairs->scene->bodies[body], &f->bodies[body]);
 }
 
 static bool is_far(const frame *f, int a, int b)
 {
-    const pl_candidate_pairs *n = f->nearby;
+    const pl_candidate_pairs *p = f->pairs;
     pl_vec c = pl_vec_sub(centre_of(f, a), centre_of(f, b));
-    return pl_vec_length(c) > n->radius[a] + n->radius[b] + n->reach[a] + n->reach[b];
+    return pl_vec_length(c) > p->radius[a] + p->radius[b] + p->reach[a] + p->reach[b];
 }
 
-/* The gap of two dynamic bodies at which they still meet. */
+/* The largest gap at which two dynamic bodies meet, m. */
 static double meeting_gap(const frame *f, int a, int b)
 {
-    const pl_candidate_pairs *n = f->nearby;
+    const pl_candidate_pairs *p = f->pairs;
     pl_vec between = pl_vec_sub(pl_vec_of(f->bodies[a].velocity), pl_vec_of(f->bodies[b].velocity));
-    double speed =
-        pl_vec_length(between) + turning_speed(n, f->bodies, a) + turning_speed(n, f->bodies, b);
-    double rest = RESTING_GAP * fmin(n->radius[a], n->radius[b]);
-    return rest + n->scene->dt * speed;
+    double speed = pl_vec_length(between) + turning_speed(f, a) + turning_speed(f, b);
+    double rest = RESTING_GAP * fmin(p->radius[a], p->radius[b]);
+    return rest + p->scene->dt * speed;
 }
 
 static void see_pair(void *context, int a, int b)
 {
     const frame *f = context;
-    bool may_meet = both_dynamic(f, a, b);
+    const pl_body *bodies = f->pairs->scene->bodies;
+    bool may_meet = !bodies[a].is_static && !bodies[b].is_static;
     if (may_meet && is_far(f, a, b)) {
         return;
     }
     double within = may_meet ? meeting_gap(f, a, b) : 0;
-    pl_placed_shape placed_a = place(f->nearby, f->bodies, a);
-    pl_placed_shape placed_b = place(f->nearby, f->bodies, b);
+    pl_placed_shape placed_a = place(f, a), placed_b = place(f, b);
     pl_near_pair pair = {.a = a, .b = b};
     pair.status = pl_gap(&placed_a, &placed_b, within, &pair.gap);
     pair.meets = may_meet && !(pair.status == PL_OK && pair.gap > within);
     f->see(f->context, &pair);
 }
 
-void pl_candidate_pairs_each(pl_candidate_pairs *n, const pl_body_state *bodies,
+void pl_candidate_pairs_each(pl_candidate_pairs *p, const pl_body_state *bodies,
                              void (*see)(void *context, const pl_near_pair *pair), void *context)
 {
-    frame f = {.nearby = n, .bodies = bodies, .see = see, .context = context};
-    for (int i = 0; i < n->scene->body_count; ++i) {
-        if (!n->scene->bodies[i].is_static) {
-            double speed =
-                pl_vec_length(pl_vec_of(bodies[i].velocity)) + turning_speed(n, bodies, i);
-            n->reach[i] = RESTING_GAP * n->radius[i] + n->scene->dt * speed;
+    frame f = {.pairs = p, .bodies = bodies, .see = see, .context = context};
+    for (int i = 0; i < p->scene->body_count; ++i) {
+        if (!p->scene->bodies[i].is_static) {
+            double speed = pl_vec_length(pl_vec_of(bodies[i].velocity)) + turning_speed(&f, i);
+            p->reach[i] = RESTING_GAP * p->radius[i] + p->scene->dt * speed;
         }
     }
-    pl_broad_phase_each_pair(n->broad_phase, bodies, n->reach, see_pair, &f);
+    pl_broad_phase_each_pair(p->broad_phase, bodies, p->reach, see_pair, &f);
 }

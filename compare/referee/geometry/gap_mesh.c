@@ -1,24 +1,97 @@
-/* The gap of a mesh and anything bounded; the definition is in gap.h.
+/* The gap of a mesh and any bounded shape; the definition is in gap.h.
  *
- * Two surfaces that are apart have the distance of their triangles, unless one solid holds the
- * other. Where they cross, every edge that pierces the other surface is cut into stretches, and the
- * middle of each tells whether it is inside. The ends that are vertices are then inside, too, and
- * so are all vertices that are reached from them by edges that pierce nothing. */
-#include "edge_segment.h"
+ * Two surfaces that do not cross have the distance of their triangles, unless one solid contains the
+ * other. Where they cross, every edge that pierces the other surface is cut into segments, and the
+ * midpoint of each shows whether it is inside. The ends of such a segment that are vertices are then
+ * inside too, and so are all vertices that are reached from them by edges that pierce nothing.
+ *
+ * An edge segment inside a solid, along e, moves out of it over the ridge, the line in which the
+ * tangent planes at its two ends meet. With n1, n2 their normals, the ridge is along L = n1 x n2, and
+ * the translation is the distance of the two lines, along e x L. */
+#include "base/arena.h"
 #include "gap.h"
-#include "gap_mesh_cylinder.h"
 #include "solid.h"
-#include "surface_pair.h"
 
 #include <stdlib.h>
 
-/* One solid's vertices and edges inside another. */
+/* ---- Edge segments ---- */
+
+/* Sines of angles below this are taken for those of parallel lines or planes. */
+static const double PARALLEL = 1e-9;
+/* The ridge counts as an edge of the surface if the surface is nearer than this part of its height. */
+static const double NEAR = 1e-3;
+
+/* A plane that touches the solid's surface: {x : normal.x = offset}, with the unit outward normal. */
+typedef struct tangent_plane {
+    pl_vec normal;
+    double offset; /* m */
+} tangent_plane;
+
+typedef struct edge_segment {
+    pl_vec p, q; /* its ends, m */
+    /* Of the surface at that point, or if the point is inside, at the nearest point of the surface. */
+    tangent_plane at_p, at_q, at_middle;
+    double middle_depth; /* m: the distance of the midpoint from the surface */
+} edge_segment;
+
+static tangent_plane tangent_through(pl_vec normal, pl_vec point)
+{
+    return (tangent_plane){normal, pl_vec_dot(normal, point)};
+}
+
+/* The point of the ridge nearest to the segment, m. False if the tangents do not meet, or if they meet
+ * in a line parallel to the segment. */
+static bool find_ridge(const edge_segment *s, pl_vec *ridge)
+{
+    const tangent_plane *a = &s->at_p, *b = &s->at_q;
+    pl_vec e = pl_vec_sub(s->q, s->p), along = pl_vec_cross(a->normal, b->normal);
+    double square = pl_vec_dot(along, along);
+    pl_vec n = pl_vec_cross(e, along);
+    double across = pl_vec_dot(n, n);
+    if (square < PARALLEL * PARALLEL || across <= PARALLEL * PARALLEL * square * pl_vec_dot(e, e)) {
+        return false;
+    }
+    pl_vec sum = pl_vec_add(pl_vec_scale(pl_vec_cross(b->normal, along), a->offset),
+                            pl_vec_scale(pl_vec_cross(along, a->normal), b->offset));
+    pl_vec on_line = pl_vec_scale(sum, 1 / square);
+    double t = pl_vec_dot(pl_vec_cross(pl_vec_sub(s->p, on_line), e), n) / -across;
+    *ridge = pl_vec_mad(on_line, t, along);
+    return true;
+}
+
+/* How far the segment reaches below a tangent, m. */
+static double below(const tangent_plane *tangent, const edge_segment *s)
+{
+    double least = fmin(pl_vec_dot(tangent->normal, s->p), pl_vec_dot(tangent->normal, s->q));
+    return fmax(tangent->offset - least, 0);
+}
+
+/* The least translation, m >= 0, that moves the segment out through one of the tangents or over the
+ * ridge, if the ridge is an edge of the surface; otherwise the depth of the midpoint. `on_surface` is
+ * the point of the surface nearest to `ridge`. */
+static double segment_depth(const edge_segment *s, pl_vec ridge, pl_vec on_surface)
+{
+    pl_vec e = pl_vec_sub(s->q, s->p);
+    pl_vec n = pl_vec_cross(e, pl_vec_cross(s->at_p.normal, s->at_q.normal));
+    double length = pl_vec_length(n);
+    double height = fabs(pl_vec_dot(pl_vec_sub(ridge, s->p), n)) / length;
+    double over_ridge = fabs(pl_vec_dot(pl_vec_sub(on_surface, s->p), n)) / length;
+    if (!(pl_vec_length(pl_vec_sub(ridge, on_surface)) <= NEAR * height)) {
+        return s->middle_depth;
+    }
+    double least = fmin(below(&s->at_p, s), fmin(below(&s->at_q, s), below(&s->at_middle, s)));
+    return fmax(s->middle_depth, fmin(over_ridge, least));
+}
+
+/* ---- Flat faces ---- */
+
+/* The vertices and edges of one solid inside another. */
 typedef struct probe {
     const pl_surface_pair *pair;
     int of; /* 0: a's in b; 1: b's in a */
     const pl_surface *source, *target;
     double depth;  /* m, the largest so far */
-    bool *reached; /* (source->vertex_count) seen to be inside */
+    bool *reached; /* (source->vertex_count) known to be inside */
     bool *pierces; /* (source->edge_count) */
     int *stack;    /* (source->vertex_count) reached, not yet measured */
     int height;
@@ -40,35 +113,36 @@ static void reach(probe *p, int vertex)
     }
 }
 
-static pl_tangent tangent_of(const probe *p, const pl_surface_point *nearest)
+static tangent_plane tangent_of(const probe *p, const pl_surface_point *nearest)
 {
-    return pl_tangent_at(p->target->normals[nearest->triangle], nearest->point);
+    return tangent_through(p->target->normals[nearest->triangle], nearest->point);
 }
 
-/* At an end of a stretch: a piercing, or where there is none the vertex there, which is inside. */
-static pl_tangent tangent_at_end(probe *p, pl_vec point, const pl_piercing *piercing, int vertex)
+/* The tangent at an end of a segment: at a piercing, or if it is NULL, near the vertex there, which is
+ * inside. */
+static tangent_plane tangent_at_end(probe *p, pl_vec point, const pl_piercing *piercing, int vertex)
 {
     if (piercing != NULL) {
-        return pl_tangent_at(p->target->normals[piercing->triangle], point);
+        return tangent_through(p->target->normals[piercing->triangle], point);
     }
     pl_surface_point nearest = pl_surface_nearest(p->target, point);
     reach(p, vertex);
     return tangent_of(p, &nearest);
 }
 
-static void see_stretch(probe *p, const pl_edge_segment *stretch)
+static void see_segment(probe *p, const edge_segment *segment)
 {
     pl_vec ridge;
-    double depth = stretch->middle_depth;
-    if (pl_edge_segment_ridge(stretch, &ridge)) {
+    double depth = segment->middle_depth;
+    if (find_ridge(segment, &ridge)) {
         pl_vec nearest = pl_surface_nearest(p->target, ridge).point;
-        depth = pl_edge_segment_depth(stretch, ridge, nearest);
+        depth = segment_depth(segment, ridge, nearest);
     }
     p->depth = fmax(p->depth, depth);
 }
 
-/* All stretches of one edge, with its piercings in their order. */
-static void see_edge(probe *p, const pl_piercing *piercings, int count)
+/* Measures the segments of one edge, whose piercings are in their order along it. */
+static void see_pierced_edge(probe *p, const pl_piercing *piercings, int count)
 {
     const pl_surface_edge *edge = &p->source->edges[piercings[0].edge];
     pl_vec start = vertex_of(p, edge->start), end = vertex_of(p, edge->end);
@@ -81,19 +155,19 @@ static void see_edge(probe *p, const pl_piercing *piercings, int count)
         pl_vec middle = pl_vec_scale(pl_vec_add(from, to), 0.5);
         pl_surface_point nearest = pl_surface_nearest(p->target, middle);
         if (nearest.distance < 0) {
-            pl_edge_segment stretch = {.p = from,
+            edge_segment segment = {.p = from,
                                        .q = to,
                                        .at_p = tangent_at_end(p, from, before, edge->start),
                                        .at_q = tangent_at_end(p, to, after, edge->end),
                                        .at_middle = tangent_of(p, &nearest),
                                        .middle_depth = -nearest.distance};
-            see_stretch(p, &stretch);
+            see_segment(p, &segment);
         }
         from = to;
     }
 }
 
-/* Measures all vertices reached, and those reached from them. */
+/* Measures all reached vertices, and those that are reached from them. */
 static void see_vertices(probe *p)
 {
     while (p->height > 0) {
@@ -116,7 +190,7 @@ static bool is_inside(const probe *p, int vertex)
            pl_surface_nearest(p->target, point).distance < 0;
 }
 
-/* All of the source is in the target's box: told soon where it is not. */
+/* Whether the whole source is in the target's box: a quick test that mostly fails. */
 static bool box_holds_all(const probe *p)
 {
     for (int i = 0; i < p->source->vertex_count; ++i) {
@@ -127,7 +201,7 @@ static bool box_holds_all(const probe *p)
     return true;
 }
 
-/* Whether any connected part of the source, which pierces nothing, is inside. */
+/* Whether any connected part of the source is inside, if the source pierces nothing. */
 static bool any_part_inside(const probe *p)
 {
     if (p->source->part_count == 1 && !box_holds_all(p)) {
@@ -141,8 +215,7 @@ static bool any_part_inside(const probe *p)
     return false;
 }
 
-/* The largest depth of the source's features, into *depth. The piercings are those of the source.
- */
+/* Raises *depth to the largest depth of the source's features. The piercings are those of the source. */
 static pl_status probe_depth(const pl_surface_pair *pair, int of, const pl_piercing *piercings,
                              int count, double *depth)
 {
@@ -150,24 +223,25 @@ static pl_status probe_depth(const pl_surface_pair *pair, int of, const pl_pierc
                .of = of,
                .source = of == 0 ? pair->a : pair->b,
                .target = of == 0 ? pair->b : pair->a};
-    pl_status status = PL_NO_MEMORY;
     if (!p.target->closed || (count == 0 && !any_part_inside(&p))) {
         return PL_OK;
     }
-    p.reached = calloc((size_t)p.source->vertex_count, sizeof *p.reached);
-    p.pierces = calloc((size_t)p.source->edge_count, sizeof *p.pierces);
-    p.stack = calloc((size_t)p.source->vertex_count, sizeof *p.stack);
-    if (p.reached == NULL || p.pierces == NULL || p.stack == NULL) {
-        goto cleanup;
+    pl_arena arena = {0};
+    p.reached = pl_arena_take(&arena, (size_t)p.source->vertex_count, sizeof *p.reached);
+    p.pierces = pl_arena_take(&arena, (size_t)p.source->edge_count, sizeof *p.pierces);
+    p.stack = pl_arena_take(&arena, (size_t)p.source->vertex_count, sizeof *p.stack);
+    if (arena.failed) {
+        pl_arena_free(&arena);
+        return PL_NO_MEMORY;
     }
     for (int first = 0, next; first < count; first = next) {
         for (next = first + 1; next < count && piercings[next].edge == piercings[first].edge;) {
             next += 1;
         }
-        see_edge(&p, &piercings[first], next - first);
+        see_pierced_edge(&p, &piercings[first], next - first);
     }
     see_vertices(&p);
-    /* What pierces is known; other parts may lie inside whole. */
+    /* A part that pierces is done; another part may be inside as a whole. */
     for (int i = 0; i < p.source->part_count && (p.source->part_count > 1 || count == 0); ++i) {
         if (!p.reached[p.source->parts[i]] && is_inside(&p, p.source->parts[i])) {
             reach(&p, p.source->parts[i]);
@@ -175,16 +249,11 @@ static pl_status probe_depth(const pl_surface_pair *pair, int of, const pl_pierc
         }
     }
     *depth = fmax(*depth, p.depth);
-    status = PL_OK;
-
-cleanup:
-    free(p.reached);
-    free(p.pierces);
-    free(p.stack);
-    return status;
+    pl_arena_free(&arena);
+    return PL_OK;
 }
 
-/* The gap of the solids within two surfaces. */
+/* The gap of the solids of two surfaces. */
 static pl_status surface_gap(const pl_surface_pair *pair, double within, double *gap)
 {
     pl_piercing *piercings = NULL;
@@ -208,6 +277,152 @@ static pl_status surface_gap(const pl_surface_pair *pair, double within, double 
     return status;
 }
 
+/* ---- Cylinders, which have neither a flat surface nor a core with one ---- */
+
+/* A mesh and a cylinder, in the mesh's frame. */
+typedef struct meeting {
+    const pl_surface *mesh;
+    const pl_shape *cylinder;
+    pl_axes axes;    /* of the cylinder */
+    pl_vec offset;   /* centre of the cylinder */
+    double distance; /* m, the least so far; 0 once a triangle crosses the cylinder */
+    double depth;    /* m, the largest so far */
+    pl_status status;
+} meeting;
+
+static pl_vec in_cylinder(const meeting *m, pl_vec point)
+{
+    return pl_to_local(&m->axes, pl_vec_sub(point, m->offset));
+}
+
+/* The hull of two or three vertices of the mesh as a shape, in the cylinder's frame. It contains
+ * pointers into itself. */
+typedef struct flat_hull {
+    double vertices[3][3];
+    pl_polyhedron polyhedron;
+    pl_shape shape;
+    pl_placed_shape placed, cylinder;
+} flat_hull;
+
+static void set_hull(flat_hull *hull, const meeting *m, const int *corners, int count)
+{
+    pl_vec corner[3], middle = {0, 0, 0};
+    *hull = (flat_hull){.polyhedron = {.convex = true, .vertex_count = count},
+                        .shape = {.kind = PL_SHAPE_HULL}};
+    for (int k = 0; k < count; ++k) {
+        corner[k] = in_cylinder(m, m->mesh->vertices[corners[k]]);
+        middle = pl_vec_mad(middle, 1.0 / count, corner[k]);
+        pl_vec_store(corner[k], hull->vertices[k]);
+    }
+    for (int k = 0; k < count; ++k) {
+        double arm = pl_vec_length(pl_vec_sub(corner[k], middle));
+        hull->polyhedron.radius = fmax(hull->polyhedron.radius, arm);
+    }
+    pl_vec_store(middle, hull->polyhedron.centre);
+    hull->polyhedron.vertices = hull->vertices;
+    hull->shape.polyhedron = &hull->polyhedron;
+    hull->placed = (pl_placed_shape){.shape = &hull->shape, .orientation = {1, 0, 0, 0}};
+    hull->cylinder = (pl_placed_shape){.shape = m->cylinder, .orientation = {1, 0, 0, 0}};
+}
+
+static double triangle_distance(const meeting *m, int triangle)
+{
+    flat_hull hull;
+    set_hull(&hull, m, m->mesh->triangles[triangle], 3);
+    return pl_distance_convex(&hull.cylinder, &hull.placed, m->distance);
+}
+
+static void see_distance(void *context, int triangle)
+{
+    meeting *m = context;
+    if (m->distance > 0) {
+        m->distance = fmin(m->distance, triangle_distance(m, triangle));
+    }
+}
+
+/* The depth of the cylinder's point that is farthest against a face, if it is inside the mesh. */
+static void see_face(meeting *m, int triangle)
+{
+    pl_vec into = pl_to_local(&m->axes, pl_vec_scale(m->mesh->normals[triangle], -1));
+    pl_vec point = pl_to_world(&m->axes, pl_core_support(m->cylinder, into));
+    double distance = pl_surface_nearest(m->mesh, pl_vec_add(m->offset, point)).distance;
+    m->depth = fmax(m->depth, -distance);
+}
+
+/* The depth of an edge in the cylinder, as that of two convex shapes. */
+static pl_status see_crossing_edge(meeting *m, const pl_surface_edge *edge)
+{
+    flat_hull hull;
+    const int corners[2] = {edge->start, edge->end};
+    double gap = 0;
+    set_hull(&hull, m, corners, 2);
+    pl_status status = pl_gap_convex(&hull.cylinder, &hull.placed, 0, &gap);
+    m->depth = fmax(m->depth, -gap);
+    return status;
+}
+
+static void see_crossing(void *context, int triangle)
+{
+    meeting *m = context;
+    if (triangle_distance(m, triangle) > 0) {
+        return;
+    }
+    see_face(m, triangle);
+    for (int k = 0; k < 3; ++k) {
+        const pl_surface_edge *edge = &m->mesh->edges[m->mesh->sides[triangle][k]];
+        pl_status status = edge->triangle == triangle ? see_crossing_edge(m, edge) : PL_OK;
+        m->status = status != PL_OK ? status : m->status;
+    }
+}
+
+/* Half the size of the box around the cylinder. */
+static pl_vec half_size(const meeting *m)
+{
+    double half[3];
+    for (int k = 0; k < 3; ++k) {
+        const pl_vec unit = {k == 0, k == 1, k == 2};
+        pl_vec d = pl_to_local(&m->axes, unit);
+        half[k] = pl_vec_dot(d, pl_core_support(m->cylinder, d));
+    }
+    return pl_vec_of(half);
+}
+
+static pl_status cylinder_gap(const pl_surface_pair *pair, const pl_shape *cylinder, double within,
+                              double *gap)
+{
+    const pl_surface *mesh = pair->a;
+    const pl_vec offset = pair->offset;
+    meeting m = {.mesh = mesh, .cylinder = cylinder, .axes = pair->axes, .offset = offset};
+    pl_vec half = half_size(&m);
+    double reach = pl_bounding_radius(cylinder);
+    if (within < HUGE_VAL && !pl_surface_box_holds(mesh, offset, within + reach)) {
+        *gap = HUGE_VAL;
+        return PL_OK;
+    }
+    double centre = pl_surface_nearest(mesh, offset).distance;
+    double most = fmin(fmax(within, 0), fabs(centre));
+    m.distance = nextafter(most, HUGE_VAL);
+    pl_surface_each_near(mesh, offset, pl_vec_add(half, (pl_vec){most, most, most}), see_distance,
+                         &m);
+    bool crosses = m.distance <= 0;
+    if (crosses) {
+        pl_surface_each_near(mesh, offset, half, see_crossing, &m);
+    } else if (centre < 0) {
+        for (int t = 0; t < mesh->triangle_count; ++t) {
+            see_face(&m, t);
+        }
+    }
+    for (int i = 0; i < mesh->vertex_count && centre - reach < 0; ++i) {
+        double distance = pl_cylinder_distance(cylinder, in_cylinder(&m, mesh->vertices[i]));
+        m.depth = fmax(m.depth, -distance);
+    }
+    double apart = m.distance <= within ? m.distance : HUGE_VAL;
+    *gap = m.depth > 0 || crosses ? -m.depth : apart;
+    return m.status;
+}
+
+/* ---- All shapes ---- */
+
 /* The pose of b in a's frame. */
 static pl_surface_pair pair_of(const pl_placed_shape *a, const pl_placed_shape *b)
 {
@@ -229,11 +444,10 @@ static double sphere_gap(const pl_surface *mesh, pl_vec centre, double radius, d
     return pl_surface_nearest(mesh, centre).distance - radius;
 }
 
-/* `mesh` has its surface. */
+/* `mesh` has its surface. A surface that `other` needs and lacks is made in the arena. */
 static pl_status mesh_gap(const pl_placed_shape *mesh, const pl_placed_shape *other, double within,
-                          double *gap)
+                          pl_arena *arena, double *gap)
 {
-    pl_surface *made = NULL;
     pl_surface_pair pair = pair_of(mesh, other);
     double radius = pl_core_radius(other->shape);
     if (other->shape->kind == PL_SHAPE_SPHERE) {
@@ -241,19 +455,16 @@ static pl_status mesh_gap(const pl_placed_shape *mesh, const pl_placed_shape *ot
         return PL_OK;
     }
     if (other->shape->kind == PL_SHAPE_CYLINDER) {
-        return pl_gap_mesh_cylinder(mesh->surface, other->shape, &pair.axes, pair.offset, within,
-                                    gap);
+        return cylinder_gap(&pair, other->shape, within, gap);
     }
     pl_status status = PL_OK;
-    if (other->surface == NULL) {
-        status = pl_surface_create(other->shape, &made);
-        pair.b = made;
+    if (pair.b == NULL) {
+        status = pl_surface_create(other->shape, arena, &pair.b);
     }
     if (status == PL_OK) {
         status = surface_gap(&pair, within + radius, gap);
         *gap -= radius;
     }
-    pl_surface_destroy(made);
     return status;
 }
 
@@ -263,18 +474,17 @@ pl_status pl_gap_mesh(const pl_placed_shape *a, const pl_placed_shape *b, double
     bool a_is_mesh = a->shape->kind == PL_SHAPE_MESH;
     pl_placed_shape mesh = a_is_mesh ? *a : *b;
     const pl_placed_shape *other = a_is_mesh ? b : a;
-    pl_surface *made = NULL;
+    pl_arena arena = {0};
+    pl_status status = PL_OK;
     if (mesh.shape->kind != PL_SHAPE_MESH || other->shape->kind == PL_SHAPE_PLANE) {
         return PL_UNSUPPORTED;
     }
-    pl_status status = PL_OK;
     if (mesh.surface == NULL) {
-        status = pl_surface_create(mesh.shape, &made);
-        mesh.surface = made;
+        status = pl_surface_create(mesh.shape, &arena, &mesh.surface);
     }
     if (status == PL_OK) {
-        status = mesh_gap(&mesh, other, within, gap);
+        status = mesh_gap(&mesh, other, within, &arena, gap);
     }
-    pl_surface_destroy(made);
+    pl_arena_free(&arena);
     return status;
 }

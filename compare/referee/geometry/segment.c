@@ -7,7 +7,7 @@ static double clamp(double value)
     return fmin(fmax(value, 0), 1);
 }
 
-pl_vec pl_segment_nearest(const pl_segment *segment, pl_vec point)
+static pl_vec nearest_on_segment(const pl_segment *segment, pl_vec point)
 {
     pl_vec along = pl_vec_sub(segment->end, segment->start);
     double square = pl_vec_dot(along, along);
@@ -15,14 +15,14 @@ pl_vec pl_segment_nearest(const pl_segment *segment, pl_vec point)
     return pl_vec_mad(segment->start, square > 0 ? clamp(t / square) : 0, along);
 }
 
-/* The pair of nearest points has its foot in the inside of both segments or an end of one of them.
- * Each end against the other segment, and the inside pair where there is one: no case is lost by
- * rounding when the segments are nearly parallel. */
-double pl_segment_distance(const pl_segment *a, const pl_segment *b, pl_vec *on_a, pl_vec *on_b)
+/* The nearest points lie in the interiors of both segments, or one of them is an end. So the candidates
+ * are each end against the other segment, and the pair of interior points if there is one. No case is
+ * lost by rounding when the segments are nearly parallel. */
+double pl_segment_distance(const pl_segment *a, const pl_segment *b)
 {
-    pl_vec of_a[5] = {a->start, a->end, pl_segment_nearest(a, b->start),
-                      pl_segment_nearest(a, b->end)};
-    pl_vec of_b[5] = {pl_segment_nearest(b, a->start), pl_segment_nearest(b, a->end), b->start,
+    pl_vec of_a[5] = {a->start, a->end, nearest_on_segment(a, b->start),
+                      nearest_on_segment(a, b->end)};
+    pl_vec of_b[5] = {nearest_on_segment(b, a->start), nearest_on_segment(b, a->end), b->start,
                       b->end};
     int count = 4;
     pl_vec u = pl_vec_sub(a->end, a->start), v = pl_vec_sub(b->end, b->start);
@@ -36,21 +36,10 @@ double pl_segment_distance(const pl_segment *a, const pl_segment *b, pl_vec *on_
             of_b[count++] = pl_vec_mad(b->start, t, v);
         }
     }
-    int best = 0;
     double least = HUGE_VAL;
     for (int i = 0; i < count; ++i) {
         pl_vec d = pl_vec_sub(of_a[i], of_b[i]);
-        double distance = pl_vec_dot(d, d);
-        if (distance < least) {
-            least = distance;
-            best = i;
-        }
-    }
-    if (on_a != NULL) {
-        *on_a = of_a[best];
-    }
-    if (on_b != NULL) {
-        *on_b = of_b[best];
+        least = fmin(least, pl_vec_dot(d, d));
     }
     return sqrt(least);
 }
@@ -100,8 +89,8 @@ pl_vec pl_triangle_nearest(const pl_triangle *triangle, pl_vec point, pl_feature
     return nearest;
 }
 
-/* Signed volumes: the segment's ends on both sides of the plane, and its line on one side of all
- * three edges. */
+/* By signed volumes: the segment's ends are on different sides of the plane, and its line is on the
+ * same side of all three edges. */
 bool pl_triangle_pierced(const pl_triangle *triangle, const pl_segment *segment, double *fraction)
 {
     const pl_vec *corner = triangle->corner;
@@ -114,8 +103,8 @@ bool pl_triangle_pierced(const pl_triangle *triangle, const pl_segment *segment,
     pl_vec along = pl_vec_sub(segment->end, segment->start);
     bool left = false, right = false;
     for (int k = 0; k < 3; ++k) {
-        /* Of two triangles with this edge one gets exactly minus what the other gets, so that no
-         * segment slips through between them. */
+        /* Two triangles that share this edge get exactly opposite numbers, so that no segment passes
+         * between them. */
         pl_vec from = pl_vec_sub(corner[k], segment->start);
         pl_vec to = pl_vec_sub(corner[(k + 1) % 3], segment->start);
         double side = pl_vec_dot(pl_vec_cross(from, to), along);
@@ -131,7 +120,8 @@ static pl_segment edge_of(const pl_triangle *triangle, int k)
     return (pl_segment){triangle->corner[k], triangle->corner[(k + 1) % 3]};
 }
 
-double pl_triangle_segment_distance(const pl_triangle *triangle, const pl_segment *segment)
+/* The distance of a triangle and a segment, m; 0 if they meet. */
+static double triangle_segment_distance(const pl_triangle *triangle, const pl_segment *segment)
 {
     double fraction;
     if (pl_triangle_pierced(triangle, segment, &fraction)) {
@@ -140,7 +130,7 @@ double pl_triangle_segment_distance(const pl_triangle *triangle, const pl_segmen
     double least = HUGE_VAL;
     for (int k = 0; k < 3; ++k) {
         pl_segment edge = edge_of(triangle, k);
-        least = fmin(least, pl_segment_distance(&edge, segment, NULL, NULL));
+        least = fmin(least, pl_segment_distance(&edge, segment));
     }
     const pl_vec ends[2] = {segment->start, segment->end};
     for (int k = 0; k < 2; ++k) {
@@ -155,7 +145,7 @@ double pl_triangle_distance(const pl_triangle *a, const pl_triangle *b)
     double least = HUGE_VAL;
     for (int k = 0; k < 3; ++k) {
         pl_segment of_a = edge_of(a, k), of_b = edge_of(b, k);
-        least = fmin(least, pl_triangle_segment_distance(b, &of_a));
+        least = fmin(least, triangle_segment_distance(b, &of_a));
         double fraction;
         if (pl_triangle_pierced(a, &of_b, &fraction)) {
             return 0;

@@ -36,6 +36,11 @@ pl_vec pl_centre_of_mass(const pl_shape *shape, const double position[3],
     return centre;
 }
 
+pl_vec pl_state_centre(const pl_body *body, const pl_body_state *state)
+{
+    return pl_centre_of_mass(&body->shape, state->position, state->orientation);
+}
+
 pl_axes pl_principal_axes(const pl_shape *shape, const double orientation[4])
 {
     pl_axes axes = pl_axes_of(orientation);
@@ -93,26 +98,12 @@ pl_vec pl_core_support(const pl_shape *shape, pl_vec d)
 
 /* In the half plane through the axis and the point it is the distance of (across, |z|) from a
  * rectangle. */
-double pl_cylinder_distance(const pl_shape *cylinder, pl_vec point, pl_vec *nearest, pl_vec *normal)
+double pl_cylinder_distance(const pl_shape *cylinder, pl_vec point)
 {
-    double r = cylinder->radius, h = cylinder->half_height;
     double across = sqrt(point.x * point.x + point.y * point.y);
-    pl_vec out = across > 0 ? (pl_vec){point.x / across, point.y / across, 0} : (pl_vec){1, 0, 0};
-    pl_vec end = {0, 0, copysign(1, point.z)};
-    double beyond_side = across - r, beyond_end = fabs(point.z) - h;
-    double distance = fmax(beyond_side, beyond_end);
-    pl_vec way = beyond_side >= beyond_end ? out : end; /* from the nearest point, if inside */
-    pl_vec foot = pl_vec_mad(point, -distance, way);
-    if (beyond_side > 0 && beyond_end > 0) {
-        distance = sqrt(beyond_side * beyond_side + beyond_end * beyond_end);
-        foot = pl_vec_add(pl_vec_scale(out, r), pl_vec_scale(end, h));
-        way = pl_vec_scale(pl_vec_sub(point, foot), 1 / distance);
-    }
-    if (nearest != NULL) {
-        *nearest = foot;
-    }
-    if (normal != NULL) {
-        *normal = way;
-    }
-    return distance;
+    double beyond_side = across - cylinder->radius;
+    double beyond_end = fabs(point.z) - cylinder->half_height;
+    return beyond_side > 0 && beyond_end > 0
+               ? sqrt(beyond_side * beyond_side + beyond_end * beyond_end)
+               : fmax(beyond_side, beyond_end);
 }

@@ -9,32 +9,30 @@ static const int box_triangles[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7,
                                          {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
                                          {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
 
-/* --- Vertices and triangles --- */
+/* ---- Vertices and triangles ---- */
 
-static bool allocate(pl_surface *s, int vertex_count, int triangle_count)
+static bool allocate(pl_surface *s, pl_arena *arena, int vertex_count, int triangle_count)
 {
     size_t v = (size_t)vertex_count, t = (size_t)triangle_count;
     s->vertex_count = vertex_count;
     s->triangle_count = triangle_count;
-    s->vertices = calloc(v, sizeof *s->vertices);
-    s->triangles = calloc(t, sizeof *s->triangles);
-    s->normals = calloc(t, sizeof *s->normals);
-    s->sides = calloc(t, sizeof *s->sides);
-    s->edges = calloc(3 * t, sizeof *s->edges);
-    s->vertex_normals = calloc(v, sizeof *s->vertex_normals);
-    s->ring_start = calloc(v + 1, sizeof *s->ring_start);
-    s->ring = calloc(6 * t, sizeof *s->ring);
-    s->parts = calloc(v, sizeof *s->parts);
-    s->nodes = calloc(2 * t, sizeof *s->nodes);
-    s->order = calloc(t, sizeof *s->order);
-    return s->vertices != NULL && s->triangles != NULL && s->normals != NULL && s->sides != NULL &&
-           s->edges != NULL && s->vertex_normals != NULL && s->ring_start != NULL &&
-           s->ring != NULL && s->parts != NULL && s->nodes != NULL && s->order != NULL;
+    s->vertices = pl_arena_take(arena, v, sizeof *s->vertices);
+    s->triangles = pl_arena_take(arena, t, sizeof *s->triangles);
+    s->normals = pl_arena_take(arena, t, sizeof *s->normals);
+    s->sides = pl_arena_take(arena, t, sizeof *s->sides);
+    s->edges = pl_arena_take(arena, 3 * t, sizeof *s->edges);
+    s->vertex_normals = pl_arena_take(arena, v, sizeof *s->vertex_normals);
+    s->ring_start = pl_arena_take(arena, v + 1, sizeof *s->ring_start);
+    s->ring = pl_arena_take(arena, 6 * t, sizeof *s->ring);
+    s->parts = pl_arena_take(arena, v, sizeof *s->parts);
+    s->nodes = pl_arena_take(arena, 2 * t, sizeof *s->nodes);
+    s->order = pl_arena_take(arena, t, sizeof *s->order);
+    return !arena->failed;
 }
 
-static bool fill_polyhedron(pl_surface *s, const pl_polyhedron *polyhedron)
+static bool fill_polyhedron(pl_surface *s, pl_arena *arena, const pl_polyhedron *polyhedron)
 {
-    if (!allocate(s, polyhedron->vertex_count, polyhedron->triangle_count)) {
+    if (!allocate(s, arena, polyhedron->vertex_count, polyhedron->triangle_count)) {
         return false;
     }
     for (int i = 0; i < s->vertex_count; ++i) {
@@ -44,9 +42,9 @@ static bool fill_polyhedron(pl_surface *s, const pl_polyhedron *polyhedron)
     return true;
 }
 
-static bool fill_box(pl_surface *s, const double half[3])
+static bool fill_box(pl_surface *s, pl_arena *arena, const double half[3])
 {
-    if (!allocate(s, 8, 12)) {
+    if (!allocate(s, arena, 8, 12)) {
         return false;
     }
     for (int i = 0; i < 8; ++i) {
@@ -58,9 +56,9 @@ static bool fill_box(pl_surface *s, const double half[3])
     return true;
 }
 
-static bool fill_segment(pl_surface *s, double half_height)
+static bool fill_segment(pl_surface *s, pl_arena *arena, double half_height)
 {
-    if (!allocate(s, 2, 1)) {
+    if (!allocate(s, arena, 2, 1)) {
         return false;
     }
     s->vertices[0].z = -half_height;
@@ -75,7 +73,7 @@ pl_triangle pl_surface_triangle(const pl_surface *s, int triangle)
     return (pl_triangle){{s->vertices[t[0]], s->vertices[t[1]], s->vertices[t[2]]}};
 }
 
-/* --- Normals and edges --- */
+/* ---- Normals and edges ---- */
 
 static pl_vec unit(pl_vec v)
 {
@@ -83,7 +81,24 @@ static pl_vec unit(pl_vec v)
     return length > 0 ? pl_vec_scale(v, 1 / length) : v;
 }
 
-/* A side of a triangle, its lesser vertex first. */
+static void find_normals(pl_surface *s)
+{
+    for (int t = 0; t < s->triangle_count; ++t) {
+        pl_triangle tri = pl_surface_triangle(s, t);
+        pl_vec u = pl_vec_sub(tri.corner[1], tri.corner[0]);
+        pl_vec v = pl_vec_sub(tri.corner[2], tri.corner[0]);
+        s->normals[t] = unit(pl_vec_cross(u, v));
+        for (int k = 0; k < 3; ++k) {
+            u = pl_vec_sub(tri.corner[(k + 1) % 3], tri.corner[k]);
+            v = pl_vec_sub(tri.corner[(k + 2) % 3], tri.corner[k]);
+            double angle = atan2(pl_vec_length(pl_vec_cross(u, v)), pl_vec_dot(u, v));
+            pl_vec *sum = &s->vertex_normals[s->triangles[t][k]];
+            *sum = pl_vec_mad(*sum, angle, s->normals[t]);
+        }
+    }
+}
+
+/* A side of a triangle, with its lower vertex first. */
 typedef struct side {
     int low, high, triangle, corner;
 } side;
@@ -101,11 +116,12 @@ static int compare_sides(const void *left, const void *right)
                                       : a->corner - b->corner;
 }
 
-/* Equal sides of several triangles become one edge. Sides without length, as a capsule's core has
- * one, are left out. */
-static bool join_sides(pl_surface *s)
+/* Makes one edge of the equal sides of several triangles. Sides without length, as in a capsule's
+ * core, are left out. */
+static bool find_edges(pl_surface *s)
 {
     int count = 0;
+    find_normals(s);
     side *sides = calloc(3 * (size_t)s->triangle_count, sizeof *sides);
     if (sides == NULL) {
         return false;
@@ -132,24 +148,7 @@ static bool join_sides(pl_surface *s)
     return true;
 }
 
-static void find_normals(pl_surface *s)
-{
-    for (int t = 0; t < s->triangle_count; ++t) {
-        pl_triangle tri = pl_surface_triangle(s, t);
-        pl_vec u = pl_vec_sub(tri.corner[1], tri.corner[0]);
-        pl_vec v = pl_vec_sub(tri.corner[2], tri.corner[0]);
-        s->normals[t] = unit(pl_vec_cross(u, v));
-        for (int k = 0; k < 3; ++k) {
-            u = pl_vec_sub(tri.corner[(k + 1) % 3], tri.corner[k]);
-            v = pl_vec_sub(tri.corner[(k + 2) % 3], tri.corner[k]);
-            double angle = atan2(pl_vec_length(pl_vec_cross(u, v)), pl_vec_dot(u, v));
-            pl_vec *sum = &s->vertex_normals[s->triangles[t][k]];
-            *sum = pl_vec_mad(*sum, angle, s->normals[t]);
-        }
-    }
-}
-
-/* --- Neighbours and connected parts --- */
+/* ---- Neighbours and connected parts ---- */
 
 static void find_rings(pl_surface *s)
 {
@@ -160,7 +159,7 @@ static void find_rings(pl_surface *s)
     int sum = 0;
     for (int i = 0; i <= s->vertex_count; ++i) {
         sum += s->ring_start[i];
-        s->ring_start[i] = sum; /* the end; filling moves it to the start */
+        s->ring_start[i] = sum; /* the end; the next loop moves it to the start */
     }
     for (int e = 0; e < s->edge_count; ++e) {
         s->ring[--s->ring_start[s->edges[e].start]] = e;
@@ -170,6 +169,7 @@ static void find_rings(pl_surface *s)
 
 static bool find_parts(pl_surface *s)
 {
+    find_rings(s);
     bool *seen = calloc((size_t)s->vertex_count, sizeof *seen);
     int *stack = calloc((size_t)s->vertex_count, sizeof *stack);
     bool complete = seen != NULL && stack != NULL;
@@ -197,11 +197,11 @@ static bool find_parts(pl_surface *s)
     return complete;
 }
 
-/* --- Tree: halves by the median along the widest axis of the triangles' middles --- */
+/* ---- Tree: halves by the median along the widest axis of the triangles' centroids ---- */
 
-/* A triangle's place in the tree's order. */
+/* A triangle to be sorted into the tree. */
 typedef struct item {
-    double middle[3];
+    double centroid[3];
     int triangle;
     int axis; /* to sort by */
 } item;
@@ -209,7 +209,7 @@ typedef struct item {
 static int compare_items(const void *left, const void *right)
 {
     const item *a = left, *b = right;
-    double difference = a->middle[a->axis] - b->middle[b->axis];
+    double difference = a->centroid[a->axis] - b->centroid[b->axis];
     return difference < 0 ? -1 : difference > 0 ? 1 : a->triangle - b->triangle;
 }
 
@@ -220,8 +220,8 @@ static int widest_axis(const item *items, int count)
     for (int k = 0; k < 3; ++k) {
         double low = HUGE_VAL, high = -HUGE_VAL;
         for (int i = 0; i < count; ++i) {
-            low = fmin(low, items[i].middle[k]);
-            high = fmax(high, items[i].middle[k]);
+            low = fmin(low, items[i].centroid[k]);
+            high = fmax(high, items[i].centroid[k]);
         }
         if (high - low > most) {
             most = high - low;
@@ -249,8 +249,8 @@ static void enclose(const pl_surface *s, const item *items, int count, pl_surfac
     node->half = pl_vec_scale(pl_vec_sub(pl_vec_of(high), pl_vec_of(low)), 0.5);
 }
 
-/* The items are those of order[first .. first + count). The depth is at most 1 + log2(triangles).
- */
+/* Makes the node of `count` items, which become order[first .. first + count). The depth of the tree
+ * is at most 1 + log2(triangles). */
 static void build_node(pl_surface *s, item *items, int first, int count)
 {
     int index = s->node_count++;
@@ -284,16 +284,16 @@ static bool build_tree(pl_surface *s)
         pl_triangle tri = pl_surface_triangle(s, t);
         pl_vec sum = pl_vec_add(tri.corner[0], pl_vec_add(tri.corner[1], tri.corner[2]));
         items[t].triangle = t;
-        pl_vec_store(pl_vec_scale(sum, 1.0 / 3), items[t].middle);
+        pl_vec_store(pl_vec_scale(sum, 1.0 / 3), items[t].centroid);
     }
     build_node(s, items, 0, s->triangle_count);
     free(items);
     return true;
 }
 
-pl_status pl_surface_create(const pl_shape *shape, pl_surface **surface)
+pl_status pl_surface_create(const pl_shape *shape, pl_arena *arena, const pl_surface **surface)
 {
-    pl_surface *s = calloc(1, sizeof *s);
+    pl_surface *s = pl_arena_take(arena, 1, sizeof *s);
     bool filled = false;
     *surface = NULL;
     if (s == NULL) {
@@ -301,59 +301,31 @@ pl_status pl_surface_create(const pl_shape *shape, pl_surface **surface)
     }
     switch (shape->kind) {
     case PL_SHAPE_BOX:
-        filled = fill_box(s, shape->half_extents);
+        filled = fill_box(s, arena, shape->half_extents);
         break;
     case PL_SHAPE_HULL:
     case PL_SHAPE_MESH:
-        filled = fill_polyhedron(s, shape->polyhedron);
+        filled = fill_polyhedron(s, arena, shape->polyhedron);
         break;
     case PL_SHAPE_CAPSULE:
-        filled = fill_segment(s, shape->half_height);
+        filled = fill_segment(s, arena, shape->half_height);
         break;
     case PL_SHAPE_PLANE:
     case PL_SHAPE_SPHERE:
     case PL_SHAPE_CYLINDER:
-        free(s);
         return PL_UNSUPPORTED;
     }
     s->closed = shape->kind != PL_SHAPE_CAPSULE;
-    if (filled) {
-        find_normals(s);
-        filled = join_sides(s);
-    }
-    if (filled) {
-        find_rings(s);
-        filled = find_parts(s) && build_tree(s);
-    }
-    if (!filled) {
-        pl_surface_destroy(s);
+    if (!filled || !find_edges(s) || !find_parts(s) || !build_tree(s)) {
         return PL_NO_MEMORY;
     }
     *surface = s;
     return PL_OK;
 }
 
-void pl_surface_destroy(pl_surface *s)
-{
-    if (s != NULL) {
-        free(s->vertices);
-        free(s->triangles);
-        free(s->normals);
-        free(s->sides);
-        free(s->edges);
-        free(s->vertex_normals);
-        free(s->ring_start);
-        free(s->ring);
-        free(s->parts);
-        free(s->nodes);
-        free(s->order);
-        free(s);
-    }
-}
+/* ---- Queries ---- */
 
-/* --- Questions --- */
-
-/* Square of the distance of a point from a node's box, m^2. */
+/* The squared distance of a point from a node's box, m^2. */
 static double box_square(const pl_surface_node *node, pl_vec point)
 {
     pl_vec d = {fmax(fabs(point.x - node->centre.x) - node->half.x, 0),

@@ -1,21 +1,22 @@
-/* The surface of a solid with flat faces, ready to be asked: where it is nearest to a point or to
- * another surface, which side of it a point is on, and where the edges of another pierce it.
+/* The surface of a solid with flat faces: the distance of a point or of another surface, which side
+ * of it a point is on, and where the edges of another surface pierce it.
  *
- * Its triangles are in a tree of boxes, so that a question costs about the logarithm of their
- * number and what is near. All points are in the shape's own frame, m. */
+ * The triangles are in a tree of boxes, so that the cost of a query is about the logarithm of their
+ * number plus the number of triangles nearby. All points are in the shape's own frame, m. */
 #ifndef PLUMB_SURFACE_H
 #define PLUMB_SURFACE_H
 
+#include "base/arena.h"
 #include "plumb/scene.h"
 #include "segment.h"
 
 typedef struct pl_surface_edge {
     int start, end; /* vertices */
-    int triangle;   /* the first that has it */
-    pl_vec normal;  /* sum of the unit normals of the triangles that have it */
+    int triangle;   /* the first triangle with this edge */
+    pl_vec normal;  /* sum of the unit normals of the triangles with this edge */
 } pl_surface_edge;
 
-/* A box around some triangles. A branch's first child is the next node, its second is `second`. */
+/* A box around some triangles. The first child of a branch is the next node, the second is `second`. */
 typedef struct pl_surface_node {
     pl_vec centre, half;
     int first, count; /* of a leaf, in `order`; a branch has count 0 */
@@ -23,15 +24,15 @@ typedef struct pl_surface_node {
 } pl_surface_node;
 
 typedef struct pl_surface {
-    bool closed; /* it bounds a solid */
+    bool closed; /* bounds a solid */
     int vertex_count, triangle_count, edge_count, node_count;
     pl_vec *vertices;
     int (*triangles)[3]; /* counter-clockwise seen from outside */
     pl_vec *normals;     /* (triangle_count) unit */
     int (*sides)[3];     /* (triangle_count) edges; side k runs from corner k to the next */
     pl_surface_edge *edges;
-    pl_vec *vertex_normals; /* (vertex_count) of the faces around, weighted by their angles */
-    int *ring_start;        /* (vertex_count + 1) where each vertex's edges begin in `ring` */
+    pl_vec *vertex_normals; /* (vertex_count) sums over the faces, weighted by their angles */
+    int *ring_start;        /* (vertex_count + 1) start of each vertex's edges in `ring` */
     int *ring;              /* (2 edge_count) edges */
     int *parts;             /* (part_count) one vertex of each connected part */
     int part_count;
@@ -39,29 +40,55 @@ typedef struct pl_surface {
     int *order; /* (triangle_count) */
 } pl_surface;
 
-/* Of a box, a hull or a mesh; of a capsule its core, a triangle without area that bounds no solid.
- * A copy: the shape may go. *surface is NULL on failure. PL_UNSUPPORTED for another shape,
- * PL_NO_MEMORY. The caller frees it by pl_surface_destroy (NULL allowed). */
-pl_status pl_surface_create(const pl_shape *shape, pl_surface **surface);
-void pl_surface_destroy(pl_surface *surface);
+/* The surface of a box, a hull or a mesh, or of the core of a capsule, which is a triangle without
+ * area that bounds no solid. It copies the shape's data into memory of the arena. *surface is NULL on
+ * failure: PL_UNSUPPORTED for another shape, PL_NO_MEMORY. */
+pl_status pl_surface_create(const pl_shape *shape, pl_arena *arena, const pl_surface **surface);
 
 typedef struct pl_surface_point {
-    double distance; /* m; minus that if the point asked about is inside */
+    double distance; /* m; negative if the query point is inside */
     pl_vec point;    /* on the surface */
     int triangle;
 } pl_surface_point;
 
-/* The point of the surface nearest to `point`. The side is told by the normal of the feature it
- * lies on, the sum of those around weighted by their angles. Source: Baerentzen and Aanaes 2005. */
+/* The point of the surface nearest to `point`. The sign of the distance follows from the normal of
+ * the feature that it lies on, the angle-weighted sum of the normals around it. Source: Baerentzen
+ * and Aanaes 2005. */
 pl_surface_point pl_surface_nearest(const pl_surface *surface, pl_vec point);
 
-/* Whether a point is in the box around all triangles, widened by `margin`. */
+/* Whether a point is in the box around all triangles, enlarged by `margin` (m) on all sides. */
 bool pl_surface_box_holds(const pl_surface *surface, pl_vec point, double margin);
 
+/* The corners of a triangle. */
 pl_triangle pl_surface_triangle(const pl_surface *surface, int triangle);
 
-/* Calls `see` with each triangle whose box meets that of `centre` and `half`. */
+/* Calls `see` with each triangle whose box overlaps the box of `centre` and half size `half`. */
 void pl_surface_each_near(const pl_surface *surface, pl_vec centre, pl_vec half,
                           void (*see)(void *context, int triangle), void *context);
+
+/* ---- Pairs of surfaces ---- */
+
+typedef struct pl_surface_pair {
+    const pl_surface *a, *b;
+    pl_axes axes;  /* b's axes in a's frame */
+    pl_vec offset; /* b's origin in a's frame, m */
+} pl_surface_pair;
+
+/* The distance of the surfaces (not of their solids), m; 0 if they cross; HUGE_VAL if it is above
+ * `within`. */
+double pl_surface_pair_distance(const pl_surface_pair *pair, double within);
+
+/* A point where an edge of one surface pierces a triangle of the other. */
+typedef struct pl_piercing {
+    int of;          /* 0: an edge of a pierces b; 1: an edge of b pierces a */
+    int edge;        /* of the one surface */
+    int triangle;    /* of the other */
+    double fraction; /* of the edge's length from its start, 0 .. 1 */
+} pl_piercing;
+
+/* All piercings, ordered by `of`, edge and fraction. *piercings is NULL if there are none; the caller
+ * frees it. PL_NO_MEMORY. */
+pl_status pl_surface_pair_piercings(const pl_surface_pair *pair, pl_piercing **piercings,
+                                    int *count);
 
 #endif

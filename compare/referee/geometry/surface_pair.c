@@ -1,21 +1,22 @@
-/* Descends both trees together: a pair of boxes that are too far apart is left out with all it
- * holds; of others the larger box is opened. */
-#include "surface_pair.h"
+/* Pairs of surfaces. Both trees are descended together: a pair of boxes that are too far apart is left
+ * out with all its triangles; of any other pair the larger box is split. */
+#include "base/array.h"
+#include "surface.h"
 
 #include <stdlib.h>
 
-/* A descent for distances, or for piercings where `distance` is 0. */
+/* A descent for the distance, or for piercings with a distance of 0. */
 typedef struct descent {
     const pl_surface_pair *pair;
     double distance; /* the least so far, m: farther boxes are left out */
     bool piercings;
     pl_piercing *list;
-    int count, capacity;
+    int count;
     bool failed;
 } descent;
 
-/* Of node b of the one tree and node a of the other, a lower bound of the square of the distance:
- * that of their boxes, b's turned into a's axes and enclosed by a box again. m^2. */
+/* A lower bound of the squared distance of two nodes, m^2: that of their boxes, where b's box is
+ * rotated into a's frame and enclosed by a box there. */
 static double boxes_square(const descent *d, const pl_surface_node *a, const pl_surface_node *b)
 {
     const pl_vec *axis = d->pair->axes.axis;
@@ -35,23 +36,9 @@ static double size_of(const pl_surface_node *node)
     return fmax(node->half.x, fmax(node->half.y, node->half.z));
 }
 
-static void add_piercing(descent *d, pl_piercing piercing)
-{
-    if (d->count == d->capacity) {
-        int capacity = d->capacity == 0 ? 64 : 2 * d->capacity;
-        pl_piercing *list = realloc(d->list, (size_t)capacity * sizeof *list);
-        if (list == NULL) {
-            d->failed = true;
-            return;
-        }
-        d->list = list;
-        d->capacity = capacity;
-    }
-    d->list[d->count++] = piercing;
-}
-
-/* The edges that triangle `t` of `of` is the first to have, against a triangle of the other. An
- * edge that pierces is in the boxes of all triangles that have it, so that none is missed. */
+/* Adds the piercings of a triangle `target` of the other surface by those edges of triangle `t` that
+ * have `t` as their first triangle. An edge lies in the boxes of all triangles that share it, so that
+ * none is missed. */
 static void pierce(descent *d, int of, int t, const pl_triangle *tri, int other,
                    const pl_triangle *target)
 {
@@ -67,13 +54,13 @@ static void pierce(descent *d, int of, int t, const pl_triangle *tri, int other,
                             tri->corner[forward ? (k + 1) % 3 : k]};
         pl_piercing piercing = {.of = of, .edge = edge, .triangle = other};
         if (pl_triangle_pierced(target, &along, &piercing.fraction)) {
-            add_piercing(d, piercing);
+            d->failed |= pl_array_push(&d->list, &d->count, &piercing, sizeof piercing, NULL) != PL_OK;
         }
     }
 }
 
-/* How far all of a triangle is to one side of a plane, which is no more than its distance from
- * anything in the plane; <= 0 where the plane cuts it. */
+/* How far a triangle is on one side of a plane: a lower bound of its distance from any point of the
+ * plane; <= 0 if the plane cuts it. */
 static double beyond_plane(pl_vec normal, pl_vec on_plane, const pl_triangle *triangle)
 {
     double low = HUGE_VAL, high = -HUGE_VAL;
@@ -113,7 +100,7 @@ static void see_leaves(descent *d, const pl_surface_node *a, const pl_surface_no
     }
 }
 
-/* The depth of the calls is at most the sum of the trees'. */
+/* The depth of the recursion is at most the sum of the depths of both trees. */
 static void descend(descent *d, int index_a, int index_b)
 {
     const pl_surface_node *a = &d->pair->a->nodes[index_a], *b = &d->pair->b->nodes[index_b];

@@ -1,104 +1,218 @@
 /* Energy and momentum, as the engine's integrator conserves them.
  *
- * With x the centres of mass, E = sum of m v.v/2 + w.Iw/2 - m g.(x - x0) and arms r from x at the
- * start of the step, substitution gives, exactly and for any h, I held over the step:
+ * Let x be the centres of mass, E = sum of m v.v/2 + w.Iw/2 - m g.(x - x0), and r arms from x at the
+ * start of the step. Substitution gives, exactly and for any h, with I constant over the step:
  *
  *   semi-implicit Euler, v' = v + h (g + F/m), x' = x + h v'
  *     energy    E + (h/2) m g.v grows by h F.(u + u')/2, u = v + w x r of the force's point
  *     momentum  p' - p = h (m g + F) + contact impulses
  *     angular   about the origin: x' x m v' = x x m v', so gravity, forces and contact impulses all
  *               count with their arms at the start: L' - L = h (x x m g + (x + r) x F) + q x J
- *   a second-order rule, x' = x + h (v + v')/2
+ *   a second-order integrator, x' = x + h (v + v')/2
  *     energy    E grows by h F.(u + u')/2
- *     angular   x' x m v' - x x m v = (x + x')/2 x m (v' - v): the arms, too, move by (x' - x)/2
+ *     angular   x' x m v' - x x m v = (x + x')/2 x m (v' - v): the arms move by (x' - x)/2 too
  *     A force in the body's frame turns within the step: its impulse, moment and work are integrals
  *     over the turn, here by Simpson's rule.
  *
- * Judged by the other rule's energy a falling body would seem to gain or lose m g^2 h t / 2.
- * By substitution, as in every proof that symplectic Euler keeps a modified energy (Hairer, Lubich
- * and Wanner 2006). */
+ * By the energy of the other integrator a falling body would seem to gain or lose m g^2 h t / 2.
+ * Source: the substitution of every proof that symplectic Euler conserves a modified energy
+ * (Hairer, Lubich and Wanner 2006).
+ *
+ * Detection of the integrator. A body whose centre of mass moves by d while its velocity goes from v
+ * to v' has made a step of
+ *
+ *   semi-implicit Euler         d = h v'
+ *   a second-order integrator   d = h (v + v') / 2, or d = h v' - h^2 g / 2, where impulses come
+ *                               before the flight; under gravity alone the two are equal
+ *
+ * The two integrators differ by h |v' - v| / 2. A step votes where that is far above rounding and
+ * the step fits exactly one of them, to a thousandth of the difference. A step in which the engine
+ * pushes a body out of another fits neither, and without gravity an impulse before the flight fits
+ * both. */
 #include "mechanics.h"
 
-#include "loads.h"
 #include "referee/geometry/solid.h"
 
-#include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
-/* What the bodies have. Both of energy and of `outside.angular` as one integrator or the other
- * keeps them. */
+/* ---- The integrator ---- */
+
+static const double RESOLUTION = 1e-10; /* of the distance from the origin */
+static const double FIT = 1e-3;
+static const double FREE = 1e-9; /* of the velocity that gravity gives in a step */
+
+static void count_body(pl_integrator_votes *votes, const pl_body *body, pl_vec g, double h,
+                       const pl_body_state *before, const pl_body_state *after)
+{
+    pl_vec x = pl_state_centre(body, before), v = pl_vec_of(before->velocity);
+    pl_vec end = pl_vec_of(after->velocity);
+    double apart = h * pl_vec_length(pl_vec_sub(end, v));
+    if (!(apart > RESOLUTION * (pl_vec_length(x) + pl_bounding_radius(&body->shape)))) {
+        return;
+    }
+    pl_vec late = pl_vec_mad(pl_vec_sub(pl_state_centre(body, after), x), -h, end); /* d - h v' */
+    double semi_implicit = pl_vec_length(late);
+    double mean = pl_vec_length(pl_vec_mad(late, h / 2, pl_vec_sub(end, v)));
+    double flight = pl_vec_length(pl_vec_mad(late, h * h / 2, g));
+    double second_order = fmin(mean, flight);
+    bool is_first = semi_implicit <= FIT * apart, is_second = second_order <= FIT * apart;
+    if (is_first && is_second) {
+        return;
+    }
+    pl_vec falling = pl_vec_mad(pl_vec_sub(end, v), -h, g);
+    bool flies = pl_vec_length(falling) <= FREE * h * pl_vec_length(g);
+    long *count = flies ? votes->flying : votes->pushed;
+    count[is_first ? PL_SEMI_IMPLICIT : is_second ? PL_SECOND_ORDER : PL_INTEGRATOR_COUNT] += 1;
+}
+
+void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
+                       const pl_body_state *before, const pl_body_state *after)
+{
+    pl_vec g = pl_vec_of(scene->gravity);
+    for (int i = 0; i < scene->body_count; ++i) {
+        if (!scene->bodies[i].is_static) {
+            count_body(votes, &scene->bodies[i], g, scene->dt, &before[i], &after[i]);
+        }
+    }
+}
+
+/* The votes that count: those in free flight, if there are any. */
+static const long *deciding_votes(const pl_integrator_votes *votes)
+{
+    bool flew = votes->flying[PL_SECOND_ORDER] > 0 || votes->flying[PL_SEMI_IMPLICIT] > 0;
+    return flew ? votes->flying : votes->pushed;
+}
+
+pl_integrator pl_integrator_of(const pl_integrator_votes *votes)
+{
+    const long *count = deciding_votes(votes);
+    return count[PL_SECOND_ORDER] > count[PL_SEMI_IMPLICIT] ? PL_SECOND_ORDER : PL_SEMI_IMPLICIT;
+}
+
+pl_integrator_certainty pl_integrator_certain(const pl_integrator_votes *votes)
+{
+    const long *count = deciding_votes(votes);
+    long either = count[PL_SEMI_IMPLICIT] + count[PL_SECOND_ORDER];
+    if (either == 0 || either < count[PL_INTEGRATOR_COUNT]) {
+        return PL_INTEGRATOR_UNDETECTED;
+    }
+    long more = count[pl_integrator_of(votes)];
+    return 10 * more >= 9 * either ? PL_INTEGRATOR_DETECTED : PL_INTEGRATOR_MIXED;
+}
+
+/* ---- Applied forces ---- */
+
+/* Simpson's rule over a step: the start, the midpoint and the end. */
+enum { NODES = 3 };
+static const double NODE_TIMES[NODES] = {0, 0.5, 1}; /* of the step */
+static const double NODE_WEIGHTS[NODES] = {1.0 / 6, 4.0 / 6, 1.0 / 6};
+
+bool pl_applied_force_acts(const pl_force *force, long step, double dt)
+{
+    /* A tolerance of a millionth of a step allows for rounding of the force's times. */
+    double time = (double)(step - 1) * dt + 1e-6 * dt;
+    return time >= force->from && time < force->until;
+}
+
+/* The body's axes at a node of a step of dt seconds. The orientation at the midpoint is the mean of
+ * both ends, turned ahead by h (w - w')/8, as in Hermite's cubic. */
+static pl_axes axes_at(const pl_body_state *before, const pl_body_state *after, double dt, int node)
+{
+    const double *p = before->orientation, *q = after->orientation;
+    if (node != 1) {
+        return pl_axes_of(node == 0 ? p : q);
+    }
+    double same = p[0] * q[0] + p[1] * q[1] + p[2] * q[2] + p[3] * q[3] < 0 ? -1 : 1;
+    double w = p[0] + same * q[0], x = p[1] + same * q[1], y = p[2] + same * q[2],
+           z = p[3] + same * q[3];
+    pl_vec d = pl_vec_scale(
+        pl_vec_sub(pl_vec_of(before->angular_velocity), pl_vec_of(after->angular_velocity)),
+        dt / 16);
+    double mixed[4] = {w - d.x * x - d.y * y - d.z * z, x + d.x * w + d.y * z - d.z * y,
+                       y + d.y * w + d.z * x - d.x * z, z + d.z * w + d.x * y - d.y * x};
+    double length =
+        sqrt(mixed[0] * mixed[0] + mixed[1] * mixed[1] + mixed[2] * mixed[2] + mixed[3] * mixed[3]);
+    for (int k = 0; k < 4; ++k) {
+        mixed[k] /= length;
+    }
+    return pl_axes_of(mixed);
+}
+
+pl_vec pl_applied_force_impulse(const pl_force *force, pl_integrator integrator,
+                        const pl_body_state *before, const pl_body_state *after, double dt)
+{
+    pl_vec impulse = pl_vec_scale(pl_vec_of(force->force), dt);
+    if (force->frame != PL_FRAME_BODY) {
+        return impulse;
+    }
+    if (integrator == PL_SEMI_IMPLICIT) {
+        pl_axes axes = axes_at(before, after, dt, 0);
+        return pl_to_world(&axes, impulse);
+    }
+    pl_vec sum = {0, 0, 0};
+    for (int i = 0; i < NODES; ++i) {
+        pl_axes axes = axes_at(before, after, dt, i);
+        sum = pl_vec_mad(sum, NODE_WEIGHTS[i], pl_to_world(&axes, impulse));
+    }
+    return sum;
+}
+
+/* ---- Energy and momentum ---- */
+
+/* Of all dynamic bodies. */
 typedef struct totals {
     double energy[PL_INTEGRATOR_COUNT];
     pl_vec momentum, angular;
 } totals;
 
-/* Work and impulses from outside so far. */
-typedef struct outside {
+/* Work and impulses of the scene so far. */
+typedef struct external {
     double work[PL_INTEGRATOR_COUNT];
     pl_vec momentum[PL_INTEGRATOR_COUNT], angular[PL_INTEGRATOR_COUNT];
-} outside;
+} external;
 
 struct pl_mechanics {
     const pl_scene *scene;
-    pl_body_state *before;               /* (body_count): the state before the step */
     pl_vec *origin;                      /* (body_count): centres of mass at the start */
     double *energy[PL_INTEGRATOR_COUNT]; /* each (body_count): of the last state */
-    double *growth[PL_INTEGRATOR_COUNT]; /* each (body_count): by the last step, without work */
+    double *growth[PL_INTEGRATOR_COUNT]; /* each (body_count): in the last step, without work */
     totals first, last;
-    outside given;
+    external given;
     pl_integrator_votes votes;
 };
 
-pl_mechanics *pl_mechanics_create(const pl_scene *scene)
+/* One step. */
+typedef struct frames {
+    const pl_body_state *before, *after;
+} frames;
+
+pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
 {
-    size_t count = (size_t)scene->body_count + 1;
-    pl_mechanics *m = calloc(1, sizeof *m);
+    size_t count = (size_t)scene->body_count;
+    pl_mechanics *m = pl_arena_take(arena, 1, sizeof *m);
     if (m == NULL) {
         return NULL;
     }
     m->scene = scene;
-    m->before = calloc(count, sizeof *m->before);
-    m->origin = calloc(count, sizeof *m->origin);
-    bool complete = m->before != NULL && m->origin != NULL;
+    m->origin = pl_arena_take(arena, count, sizeof *m->origin);
     for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
-        m->energy[k] = calloc(count, sizeof *m->energy[k]);
-        m->growth[k] = calloc(count, sizeof *m->growth[k]);
-        complete = complete && m->energy[k] != NULL && m->growth[k] != NULL;
+        m->energy[k] = pl_arena_take(arena, count, sizeof *m->energy[k]);
+        m->growth[k] = pl_arena_take(arena, count, sizeof *m->growth[k]);
     }
-    if (!complete) {
-        pl_mechanics_destroy(m);
-        return NULL;
-    }
-    return m;
+    return arena->failed ? NULL : m;
 }
 
-void pl_mechanics_destroy(pl_mechanics *m)
+static pl_vec centre_of(const pl_mechanics *m, const pl_body_state *bodies, int body)
 {
-    if (m == NULL) {
-        return;
-    }
-    for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
-        free(m->energy[k]);
-        free(m->growth[k]);
-    }
-    free(m->before);
-    free(m->origin);
-    free(m);
+    return pl_state_centre(&m->scene->bodies[body], &bodies[body]);
 }
 
-/* Adds to the body's growth what its energy has grown by. */
+/* Sets a body's energy and adds the difference to its growth. */
 static void set_energy(pl_mechanics *m, pl_integrator integrator, int body, double energy)
 {
     m->growth[integrator][body] += energy - m->energy[integrator][body];
     m->energy[integrator][body] = energy;
     m->last.energy[integrator] += energy;
-}
-
-static pl_vec centre_of(const pl_mechanics *m, const pl_body_state *bodies, int body)
-{
-    return pl_centre_of_mass(&m->scene->bodies[body].shape, bodies[body].position,
-                             bodies[body].orientation);
 }
 
 /* Measures `last` and every body's energy and growth. */
@@ -115,63 +229,63 @@ static void measure(pl_mechanics *m, const pl_body_state *bodies)
         pl_vec w = pl_vec_of(bodies[i].angular_velocity);
         pl_axes axes = pl_principal_axes(&body->shape, bodies[i].orientation);
         pl_vec spin = pl_to_local(&axes, w);
-        pl_vec turning =
+        pl_vec angular =
             pl_to_world(&axes, (pl_vec){body->inertia[0] * spin.x, body->inertia[1] * spin.y,
                                         body->inertia[2] * spin.z});
         pl_vec momentum = pl_vec_scale(v, body->mass);
         double energy =
             body->mass * (pl_vec_dot(v, v) / 2 - pl_vec_dot(g, pl_vec_sub(x, m->origin[i]))) +
-            pl_vec_dot(w, turning) / 2;
+            pl_vec_dot(w, angular) / 2;
         set_energy(m, PL_SECOND_ORDER, i, energy);
         set_energy(m, PL_SEMI_IMPLICIT, i, energy + m->scene->dt / 2 * pl_vec_dot(g, momentum));
         m->last.momentum = pl_vec_add(m->last.momentum, momentum);
         m->last.angular =
-            pl_vec_add(m->last.angular, pl_vec_add(pl_vec_cross(x, momentum), turning));
+            pl_vec_add(m->last.angular, pl_vec_add(pl_vec_cross(x, momentum), angular));
     }
 }
 
-static void give(pl_mechanics *m, pl_integrator k, pl_vec point, pl_vec impulse)
+static void add_impulse(pl_mechanics *m, pl_integrator k, pl_vec point, pl_vec impulse)
 {
-    outside *given = &m->given;
+    external *given = &m->given;
     given->momentum[k] = pl_vec_add(given->momentum[k], impulse);
     given->angular[k] = pl_vec_add(given->angular[k], pl_vec_cross(point, impulse));
 }
 
-/* How far the body's centre has moved in the step. */
-static pl_vec way_of(const pl_mechanics *m, int body, const pl_body_state *after)
+/* The displacement of the body's centre in the step, m. */
+static pl_vec displacement(const pl_mechanics *m, int body, const frames *step)
 {
-    return pl_vec_sub(centre_of(m, after, body), centre_of(m, m->before, body));
+    return pl_vec_sub(centre_of(m, step->after, body), centre_of(m, step->before, body));
 }
 
-/* An impulse from outside on a body, at a world point of the start of the step. */
-static void give_both(pl_mechanics *m, int body, const pl_body_state *after, pl_vec point,
-                      pl_vec impulse)
+/* Adds an external impulse on a body at a world point of the start of the step. */
+static void add_body_impulse(pl_mechanics *m, int body, const frames *step, pl_vec point,
+                             pl_vec impulse)
 {
-    give(m, PL_SEMI_IMPLICIT, point, impulse);
-    give(m, PL_SECOND_ORDER, pl_vec_mad(point, 0.5, way_of(m, body, after)), impulse);
+    add_impulse(m, PL_SEMI_IMPLICIT, point, impulse);
+    add_impulse(m, PL_SECOND_ORDER, pl_vec_mad(point, 0.5, displacement(m, body, step)), impulse);
 }
 
-static void give_gravity(pl_mechanics *m, const pl_body_state *after)
+static void add_gravity(pl_mechanics *m, const frames *step)
 {
     pl_vec g = pl_vec_of(m->scene->gravity);
     for (int i = 0; i < m->scene->body_count; ++i) {
         const pl_body *body = &m->scene->bodies[i];
         if (!body->is_static) {
-            give_both(m, i, after, centre_of(m, m->before, i),
-                      pl_vec_scale(g, body->mass * m->scene->dt));
+            add_body_impulse(m, i, step, centre_of(m, step->before, i),
+                             pl_vec_scale(g, body->mass * m->scene->dt));
         }
     }
 }
 
-/* Velocity of the point at the arm, at the start, the middle and the end of the step. In the middle
- * it is what makes Simpson's rule give the way that the centre made. */
-static pl_vec point_velocity(const pl_body_state *before, const pl_body_state *after, pl_vec way,
+/* Velocity of the point at `arm` at a node of the step. At the midpoint it is chosen so that
+ * Simpson's rule gives the displacement of the centre. */
+static pl_vec point_velocity(const pl_body_state *before, const pl_body_state *after, pl_vec moved,
                              double dt, int node, pl_vec arm)
 {
     pl_vec v = pl_vec_of(before->velocity), w = pl_vec_of(before->angular_velocity);
     pl_vec end_v = pl_vec_of(after->velocity), end_w = pl_vec_of(after->angular_velocity);
     if (node == 1) {
-        v = pl_vec_mad(pl_vec_scale(way, 1.5 / dt), -0.25, pl_vec_add(v, end_v));
+        v = pl_vec_mad(pl_vec_scale(moved, 1.5 / dt), -0.25, pl_vec_add(v, end_v));
         w = pl_vec_scale(pl_vec_add(w, end_w), 0.5);
     } else if (node == 2) {
         v = end_v;
@@ -186,47 +300,44 @@ static void add_work(pl_mechanics *m, pl_integrator k, int body, double work)
     m->growth[k][body] -= work;
 }
 
-static void give_force(pl_mechanics *m, const pl_force *force, const pl_body_state *after)
+static void add_force(pl_mechanics *m, const pl_force *force, const frames *step)
 {
-    static const double times[PL_LOAD_NODES] = {0, 0.5, 1}; /* of the step */
-    const pl_body_state *before = &m->before[force->body], *end = &after[force->body];
+    const pl_body_state *before = &step->before[force->body], *after = &step->after[force->body];
     double dt = m->scene->dt;
-    pl_vec centre = centre_of(m, m->before, force->body), way = way_of(m, force->body, after);
-    for (int i = 0; i < PL_LOAD_NODES; ++i) {
+    pl_vec centre = centre_of(m, step->before, force->body);
+    pl_vec moved = displacement(m, force->body, step);
+    for (int i = 0; i < NODES; ++i) {
         pl_vec impulse = pl_vec_scale(pl_vec_of(force->force), dt);
         pl_vec arm = pl_vec_of(force->at);
         if (force->frame == PL_FRAME_BODY) {
-            pl_axes axes = pl_load_axes(before, end, dt, i);
+            pl_axes axes = axes_at(before, after, dt, i);
             impulse = pl_to_world(&axes, impulse);
             arm = pl_to_world(&axes, arm);
         }
         if (i == 0) {
-            pl_vec twice = pl_vec_add(point_velocity(before, end, way, dt, 0, arm),
-                                      point_velocity(before, end, way, dt, 2, arm));
+            pl_vec twice = pl_vec_add(point_velocity(before, after, moved, dt, 0, arm),
+                                      point_velocity(before, after, moved, dt, 2, arm));
             add_work(m, PL_SEMI_IMPLICIT, force->body, pl_vec_dot(impulse, twice) / 2);
-            give(m, PL_SEMI_IMPLICIT, pl_vec_add(centre, arm), impulse);
+            add_impulse(m, PL_SEMI_IMPLICIT, pl_vec_add(centre, arm), impulse);
         }
-        impulse = pl_vec_scale(impulse, pl_load_weights[i]);
-        pl_vec velocity = point_velocity(before, end, way, dt, i, arm);
+        impulse = pl_vec_scale(impulse, NODE_WEIGHTS[i]);
+        pl_vec velocity = point_velocity(before, after, moved, dt, i, arm);
         add_work(m, PL_SECOND_ORDER, force->body, pl_vec_dot(impulse, velocity));
-        give(m, PL_SECOND_ORDER, pl_vec_add(pl_vec_mad(centre, times[i], way), arm), impulse);
+        pl_vec point = pl_vec_add(pl_vec_mad(centre, NODE_TIMES[i], moved), arm);
+        add_impulse(m, PL_SECOND_ORDER, point, impulse);
     }
 }
 
-/* Contacts among dynamic bodies cancel; those with static bodies come from outside. */
-static void give_contact(pl_mechanics *m, const pl_contact *contact, const pl_body_state *after)
+/* Impulses between dynamic bodies cancel; those of static bodies are external. */
+static void add_contact(pl_mechanics *m, const pl_contact *contact, const frames *step)
 {
     bool a_static = m->scene->bodies[contact->body_a].is_static;
     bool b_static = m->scene->bodies[contact->body_b].is_static;
     if (a_static != b_static) {
-        give_both(m, a_static ? contact->body_b : contact->body_a, after, pl_vec_of(contact->point),
-                  pl_vec_scale(pl_vec_of(contact->impulse), a_static ? 1 : -1));
+        add_body_impulse(m, a_static ? contact->body_b : contact->body_a, step,
+                         pl_vec_of(contact->point),
+                         pl_vec_scale(pl_vec_of(contact->impulse), a_static ? 1 : -1));
     }
-}
-
-static void remember(pl_mechanics *m, const pl_body_state *bodies)
-{
-    memcpy(m->before, bodies, (size_t)m->scene->body_count * sizeof *bodies);
 }
 
 void pl_mechanics_start(pl_mechanics *m, const pl_body_state *bodies)
@@ -236,33 +347,27 @@ void pl_mechanics_start(pl_mechanics *m, const pl_body_state *bodies)
     }
     measure(m, bodies);
     m->first = m->last;
-    remember(m, bodies);
 }
 
-void pl_mechanics_step(pl_mechanics *m, long step, const pl_body_state *bodies,
-                       const pl_contact *contacts, int contact_count)
+void pl_mechanics_step(pl_mechanics *m, long step, const pl_body_state *before,
+                       const pl_body_state *after, const pl_contact *contacts, int contact_count)
 {
+    const frames both = {before, after};
     for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
         memset(m->growth[k], 0, (size_t)m->scene->body_count * sizeof *m->growth[k]);
     }
-    pl_integrator_see(&m->votes, m->scene, m->before, bodies);
-    give_gravity(m, bodies);
+    pl_integrator_see(&m->votes, m->scene, before, after);
+    add_gravity(m, &both);
     for (int i = 0; i < m->scene->force_count; ++i) {
         const pl_force *force = &m->scene->forces[i];
-        if (!m->scene->bodies[force->body].is_static && pl_load_acts(force, step, m->scene->dt)) {
-            give_force(m, force, bodies);
+        if (!m->scene->bodies[force->body].is_static && pl_applied_force_acts(force, step, m->scene->dt)) {
+            add_force(m, force, &both);
         }
     }
     for (int i = 0; i < contact_count; ++i) {
-        give_contact(m, &contacts[i], bodies);
+        add_contact(m, &contacts[i], &both);
     }
-    measure(m, bodies);
-    remember(m, bodies);
-}
-
-pl_integrator pl_mechanics_integrator(const pl_mechanics *m)
-{
-    return pl_integrator_of(&m->votes);
+    measure(m, after);
 }
 
 const pl_integrator_votes *pl_mechanics_votes(const pl_mechanics *m)

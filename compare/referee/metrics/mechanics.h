@@ -1,43 +1,89 @@
-/* Energy and momentum of a run: what an engine made or lost of them beside what the scene put in.
- */
+/* Energy and momentum of a run: what the engine gained or lost of them, apart from the work and the
+ * impulses of the scene. Both depend on the engine's integrator, which is detected from the frames.
+ *
+ * Arrays of states have scene->body_count items. */
 #ifndef PLUMB_MECHANICS_H
 #define PLUMB_MECHANICS_H
 
-#include "integrator.h"
+#include "base/arena.h"
+#include "plumb/vec.h"
 #include "scale.h"
+
+/* ---- The integrator ---- */
+
+typedef enum pl_integrator {
+    PL_SEMI_IMPLICIT, /* x' = x + h v', with v' = v + h g + J/m: conserves E + (h/2) m g.v */
+    PL_SECOND_ORDER,  /* exact under constant gravity: conserves E */
+    PL_INTEGRATOR_COUNT
+} pl_integrator;
+
+/* Steps of bodies in which the two integrators differ, counted by the integrator that they fit; the
+ * last item counts those that fit neither. Starts as {0}. */
+typedef struct pl_integrator_votes {
+    long flying[PL_INTEGRATOR_COUNT + 1]; /* in steps in which gravity alone acted */
+    long pushed[PL_INTEGRATOR_COUNT + 1]; /* in other steps */
+} pl_integrator_votes;
+
+/* Counts one step of the dynamic bodies. */
+void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
+                       const pl_body_state *before, const pl_body_state *after);
+
+/* The integrator that most steps in free flight fit, or if there are none, most of the other steps:
+ * an engine may move bodies differently where they collide. PL_SEMI_IMPLICIT where no step
+ * distinguishes the two, as when nothing accelerates: both energies then grow alike. */
+pl_integrator pl_integrator_of(const pl_integrator_votes *votes);
+
+typedef enum pl_integrator_certainty {
+    PL_INTEGRATOR_UNDETECTED, /* no step distinguishes the two, or more steps fit neither */
+    PL_INTEGRATOR_MIXED,      /* some steps fit the one, some the other */
+    PL_INTEGRATOR_DETECTED    /* nine in ten of the steps that fit either integrator fit it */
+} pl_integrator_certainty;
+
+/* How certain pl_integrator_of is. */
+pl_integrator_certainty pl_integrator_certain(const pl_integrator_votes *votes);
+
+/* ---- Applied forces ---- */
+
+/* Whether the force acts in step number `step` (from 1) of length dt, s. */
+bool pl_applied_force_acts(const pl_force *force, long step, double dt);
+
+/* The force's impulse on its body over a step of dt seconds, N s, world frame. A force in the body's
+ * frame turns within the step of a second-order integrator, and keeps the direction of the start in
+ * a step of semi-implicit Euler. */
+pl_vec pl_applied_force_impulse(const pl_force *force, pl_integrator integrator,
+                        const pl_body_state *before, const pl_body_state *after, double dt);
+
+/* ---- Energy and momentum ---- */
 
 typedef struct pl_mechanics pl_mechanics;
 
-/* `scene` must outlive it. NULL when out of memory. Freed by pl_mechanics_destroy (NULL allowed).
- */
-pl_mechanics *pl_mechanics_create(const pl_scene *scene);
-void pl_mechanics_destroy(pl_mechanics *mechanics);
+/* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
+pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena);
 
-/* The state before the first step. */
+/* Takes the state before the first step. */
 void pl_mechanics_start(pl_mechanics *mechanics, const pl_body_state *bodies);
 
-/* The state after step number `step` (from 1), with the contacts of that step (contact_count <= 0:
- * none). */
-void pl_mechanics_step(pl_mechanics *mechanics, long step, const pl_body_state *bodies,
-                       const pl_contact *contacts, int contact_count);
+/* Takes step number `step` (from 1): the states before and after it and the contacts that the engine
+ * reports of it (contact_count <= 0: none). */
+void pl_mechanics_step(pl_mechanics *mechanics, long step, const pl_body_state *before,
+                       const pl_body_state *after, const pl_contact *contacts, int contact_count);
 
-/* The integrator that the steps so far show. */
-pl_integrator pl_mechanics_integrator(const pl_mechanics *mechanics);
-/* What it is told by. Borrowed. */
+/* The steps so far by the integrator that they fit. Borrowed. */
 const pl_integrator_votes *pl_mechanics_votes(const pl_mechanics *mechanics);
 
-/* Of the last state: (E - E0 - work) / scale.energy, E as the integrator keeps it. */
+/* Of the last state: (E - E0 - work) / scale.energy, where E is the energy that the integrator
+ * conserves. */
 double pl_mechanics_energy_gain(const pl_mechanics *mechanics, const pl_scale *scale,
                                 pl_integrator integrator);
 
-/* By how much each body's E grew in the last step, without the work of the scene's forces on it:
- * (body_count), J. Borrowed until the next step. */
+/* By how much each body's E grew in the last step, without the work of the scene's forces on it: J,
+ * (body_count). Borrowed until the next step. */
 const double *pl_mechanics_growth(const pl_mechanics *mechanics, pl_integrator integrator);
 
 /* Of the last state: the larger of |p - p0 - J| / scale.momentum and |L - L0 - K| /
- * scale.angular_momentum, with J and K the impulses of gravity, of the scene's forces and of the
- * reported contacts with static bodies. Without reported contacts it has meaning only while nothing
- * has touched a static body. */
+ * scale.angular_momentum, where J and K are the impulses of gravity, of the scene's forces and of
+ * the reported contacts with static bodies. If the engine reports no contacts, the result is valid
+ * only while nothing has touched a static body. */
 double pl_mechanics_momentum_error(const pl_mechanics *mechanics, const pl_scale *scale,
                                    pl_integrator integrator);
 

@@ -1,5 +1,5 @@
-/* The metrics: names, units and directions (stable: gates and other people's scripts use them), and
- * the values of one run. The table itself, with each definition in a line, is in metrics.c. */
+/* The metrics of a run and its verdict. Names, units and directions of metrics are stable, because
+ * gates and scripts depend on them. The definitions are in the table in metrics.c. */
 #ifndef PLUMB_METRICS_H
 #define PLUMB_METRICS_H
 
@@ -8,12 +8,12 @@
 #include <stdbool.h>
 
 typedef enum pl_metric_id {
-    PL_METRIC_REFERENCE_ERROR, /* the scene's primary error, copied */
+    PL_METRIC_REFERENCE_ERROR,
     PL_METRIC_REST_POSITION_ERROR,
     PL_METRIC_REST_ROTATION_ERROR,
-    PL_METRIC_TRAVEL_ERROR, /* 1: |travelled - distance| / |distance|, largest over expect.travel */
-    PL_METRIC_VALUE_ERROR,  /* 1: |found - expected| / scale, largest over expect.values */
-    PL_METRIC_DISCRETE_ERROR, /* 1: the same against the exact answer of its integrator */
+    PL_METRIC_TRAVEL_ERROR,
+    PL_METRIC_VALUE_ERROR,
+    PL_METRIC_DISCRETE_ERROR,
     PL_METRIC_PATH_DEVIATION,
     PL_METRIC_LIFT,
     PL_METRIC_PENETRATION_MAX,
@@ -23,25 +23,25 @@ typedef enum pl_metric_id {
     PL_METRIC_ENERGY_GAIN,
     PL_METRIC_ENERGY_STEP_GAIN,
     PL_METRIC_MOMENTUM_ERROR,
-    PL_METRIC_FORCE_BALANCE,      /* 1: these five from the contacts that the engine reports */
-    PL_METRIC_CONE_VIOLATION,     /* 1 */
-    PL_METRIC_FRICTION_EFFECTIVE, /* 1 */
-    PL_METRIC_SIGNORINI,          /* W */
-    PL_METRIC_NATURAL_MAP,        /* m/s */
+    PL_METRIC_FORCE_BALANCE, /* these five: from the contacts that the engine reports */
+    PL_METRIC_CONE_VIOLATION,
+    PL_METRIC_FRICTION_EFFECTIVE,
+    PL_METRIC_SIGNORINI,
+    PL_METRIC_NATURAL_MAP,
     PL_METRIC_SETTLE_TIME,
-    PL_METRIC_SPREAD_X, /* these five: of scenes in which two bodies or more can move */
+    PL_METRIC_SPREAD_X, /* these five: only with two dynamic bodies or more */
     PL_METRIC_SPREAD_Y,
     PL_METRIC_MASS_HEIGHT,
     PL_METRIC_RUN_OUT_P95,
     PL_METRIC_ENERGY_LOST,
     PL_METRIC_ITERATIONS_MEAN,
     PL_METRIC_ITERATIONS_MAX,
-    PL_METRIC_ITERATIONS_TO_TOLERANCE, /* of several runs: plumb compare puts it in */
-    PL_METRIC_RESIDUAL_MAX,            /* as the engine reports it, in the engine's own unit */
-    PL_METRIC_RESIDUAL_RMS,            /* the same unit */
+    PL_METRIC_ITERATIONS_TO_TOLERANCE, /* of several runs: set by plumb compare */
+    PL_METRIC_RESIDUAL_MAX,
+    PL_METRIC_RESIDUAL_RMS,
     PL_METRIC_CONTACTS_MEAN,
     PL_METRIC_TIME_PER_STEP,
-    PL_METRIC_INSTRUCTIONS_PER_STEP, /* 1: put in by who makes the run, as memory_peak is */
+    PL_METRIC_INSTRUCTIONS_PER_STEP, /* set by the runner, like memory_peak */
     PL_METRIC_MEMORY_PEAK,
     PL_METRIC_INTEGRATOR,
     PL_METRIC_STATE_HASH,
@@ -53,21 +53,21 @@ typedef enum pl_direction { PL_LOWER_IS_BETTER, PL_HIGHER_IS_BETTER, PL_NO_DIREC
 typedef struct pl_metric_info {
     const char *name, *unit;
     pl_direction direction;
-    bool deterministic; /* the same at every run on every machine, for a deterministic engine */
+    bool deterministic; /* equal in every run on every machine, if the engine is deterministic */
     const char *definition;
 } pl_metric_info;
 
-/* (PL_METRIC_COUNT), indexed by pl_metric_id. */
+/* Indexed by pl_metric_id. */
 extern const pl_metric_info pl_metric_table[PL_METRIC_COUNT];
 
-/* -1 when there is none. */
+/* The pl_metric_id of a metric; -1 when no metric has this name. */
 int pl_metric_by_name(const char *name);
 
 typedef enum pl_metric_state {
-    PL_METRIC_ABSENT, /* does not apply to this scene or engine: not in the results at all */
+    PL_METRIC_ABSENT, /* does not apply to this scene or engine; left out of the results */
     PL_METRIC_VALUE,
     PL_METRIC_TEXT,  /* integrator, state_hash */
-    PL_METRIC_FAILED /* applies, but has no value: null with `reason` */
+    PL_METRIC_FAILED /* applies, but has no value; null in the results, with `reason` */
 } pl_metric_state;
 
 typedef struct pl_metric {
@@ -76,14 +76,31 @@ typedef struct pl_metric {
     char text[48];
     char reason[128];
     const char *unit; /* NULL: the table's */
-    /* Of metrics taken over steps: percentiles and the step (from 1) of the worst. */
     bool has_percentiles;
-    double p50, p95, p99;
-    long worst_step;
+    double p50, p95, p99; /* over steps */
+    long worst_step;      /* step number, from 1, of the largest value */
 } pl_metric;
 
+/* A metric with a value. */
+pl_metric pl_metric_value(double value);
+
+/* A failed metric; the reason is formatted as by printf and cut to size. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 1, 2)))
+#endif
+pl_metric
+pl_metric_failed(const char *format, ...);
+
 typedef struct pl_metrics {
-    pl_metric item[PL_METRIC_COUNT];
+    pl_metric item[PL_METRIC_COUNT]; /* indexed by pl_metric_id */
 } pl_metrics;
+
+/* How a run ended, as far as its frames show. */
+typedef enum pl_verdict {
+    PL_VERDICT_OK,
+    PL_VERDICT_COLLAPSED, /* a body ended farther from its rest than scene.collapse_distance */
+    PL_VERDICT_DIVERGED,  /* energy or speed beyond the scene's bound; the run should end */
+    PL_VERDICT_NONFINITE  /* a pose or velocity is NaN or infinite; the run should end */
+} pl_verdict;
 
 #endif

@@ -1,20 +1,22 @@
-/* Scales of a scene, from what is there at the start.
+/* Scales of a scene from its initial state, and the validity checks of a frame.
  *
- * The bound of speed: a body that loses all the height there is falls to v = sqrt(v0^2 + 2 |g| (H +
- * D)), D the diameter of the scene; in free fall over the whole run it gains |g| T, by the scene's
- * forces F T / m; and an elastic collision with far heavier bodies at most doubles a speed each
- * time. A bound of 100 v + 100 m/s + |g| T + F T / m lies beyond all of that, and an engine that
- * blows up, which it does exponentially, passes it within steps. */
+ * The speed bound: a body that falls through the whole scene reaches v = sqrt(v0^2 + 2 |g| (H +
+ * D)), where H is the height of the scene and D its diameter. In free fall over the whole run it
+ * gains |g| T, by the scene's forces F T / m, and an elastic collision with far heavier bodies at
+ * most doubles its speed. The bound 100 v + 100 m/s + |g| T + F T / m is beyond all of these. The
+ * speed of an unstable engine grows exponentially and passes the bound within a few steps. */
 #include "scale.h"
 
 #include "referee/geometry/solid.h"
+
+static const double MAX_ENERGY_GAIN = 10;
 
 static pl_vec centre_of(const pl_body *body)
 {
     return pl_centre_of_mass(&body->shape, body->position, body->orientation);
 }
 
-/* The span of the dynamic bodies' bounding spheres along a unit vector. */
+/* The extent of the dynamic bodies' bounding spheres along a unit vector, m. */
 static double span(const pl_scene *scene, pl_vec along)
 {
     double low = HUGE_VAL, high = -HUGE_VAL;
@@ -30,7 +32,7 @@ static double span(const pl_scene *scene, pl_vec along)
     return high > low ? high - low : 0;
 }
 
-/* `spin` in the principal axes. */
+/* `spin` is the angular velocity in the principal axes, rad/s. Result in J. */
 static double kinetic_energy(const pl_body *body, pl_vec spin)
 {
     pl_vec v = pl_vec_of(body->velocity);
@@ -39,7 +41,8 @@ static double kinetic_energy(const pl_body *body, pl_vec spin)
            2;
 }
 
-/* Largest impulse of the scene's forces on any one kilogram, m/s; their sum into *total, N s. */
+/* An upper bound of the speed that the scene's forces give to any point, m/s. The sum of their
+ * impulses goes into *total, N s. */
 static double force_speed(const pl_scene *scene, double *total)
 {
     double speed = 0;
@@ -49,7 +52,7 @@ static double force_speed(const pl_scene *scene, double *total)
         double time = fmin(force->until, scene->duration) - fmax(force->from, 0);
         double impulse = pl_vec_length(pl_vec_of(force->force)) * fmax(time, 0);
         *total += impulse;
-        /* Off the centre of mass it turns the body too: count its lever arm in radii. */
+        /* A force off the centre of mass also turns the body, whose surface gains speed. */
         const pl_body *body = &scene->bodies[force->body];
         double r = pl_bounding_radius(&body->shape);
         double arm = pl_vec_length(pl_vec_of(force->at));
@@ -99,4 +102,69 @@ pl_scale pl_scale_of(const pl_scene *scene)
     scale.speed_bound =
         100 * sqrt(fastest * fastest + fall) + 100 + scale.gravity * scene->duration + pushed;
     return scale;
+}
+
+/* ---- Validity checks ---- */
+
+static bool is_finite(const double v[3])
+{
+    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
+}
+
+/* The name of the first invalid part of a state, or NULL. */
+static const char *invalid_part(const pl_body_state *s)
+{
+    double norm = 0;
+    for (int i = 0; i < 4; ++i) {
+        norm += s->orientation[i] * s->orientation[i];
+    }
+    if (!is_finite(s->position)) {
+        return "position";
+    }
+    if (!(norm >= 0.5 && norm <= 2)) {
+        return "orientation";
+    }
+    if (!is_finite(s->velocity)) {
+        return "velocity";
+    }
+    return is_finite(s->angular_velocity) ? NULL : "angular velocity";
+}
+
+pl_verdict pl_check_finite(const pl_scene *scene, const pl_body_state *bodies, long step,
+                           pl_error *error)
+{
+    for (int i = 0; i < scene->body_count; ++i) {
+        const char *invalid = scene->bodies[i].is_static ? NULL : invalid_part(&bodies[i]);
+        if (invalid != NULL) {
+            (void)pl_fail(error, PL_FAILED, "the %s of body \"%s\" is %s at step %ld", invalid,
+                          scene->bodies[i].name,
+                          invalid[0] == 'o' ? "no rotation" : "not a finite number", step);
+            return PL_VERDICT_NONFINITE;
+        }
+    }
+    return PL_VERDICT_OK;
+}
+
+pl_verdict pl_check_bounds(const pl_scene *scene, const pl_scale *scale,
+                           const pl_body_state *bodies, double energy_gain, long step,
+                           pl_error *error)
+{
+    for (int i = 0; i < scene->body_count; ++i) {
+        double speed = pl_vec_length(pl_vec_of(bodies[i].velocity)) +
+                       pl_bounding_radius(&scene->bodies[i].shape) *
+                           pl_vec_length(pl_vec_of(bodies[i].angular_velocity));
+        if (!scene->bodies[i].is_static && !(speed <= scale->speed_bound)) {
+            (void)pl_fail(error, PL_FAILED,
+                          "body \"%s\" moves at %.3g m/s at step %ld, beyond the scene's %.3g m/s",
+                          scene->bodies[i].name, speed, step, scale->speed_bound);
+            return PL_VERDICT_DIVERGED;
+        }
+    }
+    if (!(energy_gain <= MAX_ENERGY_GAIN)) {
+        (void)pl_fail(error, PL_FAILED,
+                      "energy has grown by %.3g times the scene's %.3g J at step %ld", energy_gain,
+                      scale->energy, step);
+        return PL_VERDICT_DIVERGED;
+    }
+    return PL_VERDICT_OK;
 }

@@ -1,26 +1,40 @@
-/* The scene's own scales, against which the referee's dimensionless metrics and bounds are
- * measured. */
+/* The scales of a scene: what dimensionless metrics are divided by, and the bounds beyond which a
+ * frame cannot be valid. The validity checks of a frame are here too. */
 #ifndef PLUMB_SCALE_H
 #define PLUMB_SCALE_H
 
-#include "plumb/scene.h"
+#include "metrics.h"
+#include "plumb/engine_abi.h"
 
 typedef struct pl_scale {
     int dynamic_count;
     double gravity; /* |g|, m/s^2 */
     /* J: initial kinetic energy + M |g| H, where H is the extent along gravity of the bounding
-     * spheres of the dynamic bodies at the start; 1 J where that vanishes. */
+     * spheres of the dynamic bodies at the start; 1 J where that is 0. */
     double energy;
-    /* N s: sum of m |v0| + |I w0| / r + M |g| T + |F| T_F over bodies (bounding radius r), the
-     * duration T and each force's own duration T_F; at least 1e-300. */
+    /* N s: sum over dynamic bodies of m |v0| + |I w0| / r + m |g| T, with the bounding radius r and
+     * the duration T, + sum over forces of |F| T_F with each force's own duration T_F; at least
+     * 1e-300. */
     double momentum;
-    /* N m s: momentum x the largest distance of a dynamic body's centre from the origin at the
-     * start + its r. */
+    /* N m s: momentum x (the largest distance of a dynamic body's centre from the origin at the
+     * start, plus its r). */
     double angular_momentum;
-    /* m/s: no point of a body can rightly be faster: see scale.c. */
-    double speed_bound;
+    double speed_bound; /* m/s: no point of a body is faster in a valid run; see scale.c */
 } pl_scale;
 
+/* The scales of the scene's initial state. */
 pl_scale pl_scale_of(const pl_scene *scene);
+
+/* PL_VERDICT_NONFINITE, with body and step in `error`, when a number of a dynamic body is NaN or
+ * infinite or its orientation has a squared norm outside 1/2 .. 2. */
+pl_verdict pl_check_finite(const pl_scene *scene, const pl_body_state *bodies, long step,
+                           pl_error *error);
+
+/* PL_VERDICT_DIVERGED, with the reason in `error`, when a point of a dynamic body is faster than
+ * scale->speed_bound, or when the current `energy_gain` (the metric) exceeds 10. A free fall,
+ * however long, gains no energy. */
+pl_verdict pl_check_bounds(const pl_scene *scene, const pl_scale *scale,
+                           const pl_body_state *bodies, double energy_gain, long step,
+                           pl_error *error);
 
 #endif

@@ -1,11 +1,9 @@
-/* A logarithmic histogram whose bin is read off the bits of the number: the exponent and the
- * leading seven bits of the mantissa of an IEEE 754 double, with no logarithm and no rounding.
- * Source: the idea is that of HdrHistogram (Tene 2012). */
+/* A logarithmic histogram. The bin of a number follows from the exponent and the leading seven bits
+ * of the mantissa of its IEEE 754 double, without a logarithm and without rounding. Source: the idea
+ * of HdrHistogram (Tene 2012). */
 #include "series.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double LEAST = 0x1p-80; /* lower end of the first octave */
@@ -29,22 +27,16 @@ static int bin_of(double value)
     return index < PL_SERIES_BINS - 1 ? (int)index : PL_SERIES_BINS - 1;
 }
 
-bool pl_series_init(pl_series *series)
+bool pl_series_init(pl_series *series, pl_arena *arena)
 {
-    *series = (pl_series){.bins = malloc(PL_SERIES_BINS * sizeof *series->bins)};
+    *series = (pl_series){.bins = pl_arena_take(arena, PL_SERIES_BINS, sizeof *series->bins)};
     if (series->bins != NULL) {
-        /* Writes every page now, which calloc would leave to first use: the referee's memory must
-         * not look like growth of the engine's. Unlike memset after malloc, it is never made a
-         * calloc. */
+        /* Writes every page now, which calloc leaves to the first use: memory of the referee must not
+         * look like growth of the engine's. The compiler may not drop this call, as it may a
+         * memset. */
         explicit_bzero(series->bins, PL_SERIES_BINS * sizeof *series->bins);
     }
     return series->bins != NULL;
-}
-
-void pl_series_free(pl_series *series)
-{
-    free(series->bins);
-    series->bins = NULL;
 }
 
 void pl_series_add(pl_series *series, double value, long step)
@@ -66,7 +58,7 @@ void pl_series_add(pl_series *series, double value, long step)
 
 double pl_series_percentile(const pl_series *series, double q)
 {
-    /* 0.07 x 20000 rounds to more than 1400, and would ask for number 1401. */
+    /* 0.07 x 20000 rounds to more than 1400, which would give rank 1401. */
     uint64_t rank = (uint64_t)ceil(q * (double)series->count * (1 - 1e-12)), seen = 0;
     for (int i = 0; i < PL_SERIES_BINS; ++i) {
         const pl_bin *bin = &series->bins[i];
@@ -90,17 +82,14 @@ double pl_series_rms(const pl_series *series)
 
 pl_metric pl_series_metric(const pl_series *series, double value)
 {
-    pl_metric metric = {.state = PL_METRIC_VALUE,
-                        .value = value,
-                        .has_percentiles = true,
-                        .p50 = pl_series_percentile(series, 0.50),
-                        .p95 = pl_series_percentile(series, 0.95),
-                        .p99 = pl_series_percentile(series, 0.99),
-                        .worst_step = series->worst_step};
     if (!isfinite(value)) {
-        metric = (pl_metric){.state = PL_METRIC_FAILED};
-        (void)snprintf(metric.reason, sizeof metric.reason, "not finite at step %ld",
-                       series->worst_step);
+        return pl_metric_failed("not finite at step %ld", series->worst_step);
     }
-    return metric;
+    return (pl_metric){.state = PL_METRIC_VALUE,
+                       .value = value,
+                       .has_percentiles = true,
+                       .p50 = pl_series_percentile(series, 0.50),
+                       .p95 = pl_series_percentile(series, 0.95),
+                       .p99 = pl_series_percentile(series, 0.99),
+                       .worst_step = series->worst_step};
 }

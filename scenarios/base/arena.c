@@ -1,0 +1,34 @@
+#include "arena.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+
+struct pl_arena_block {
+    struct pl_arena_block *next;
+    max_align_t data[];
+};
+
+void *pl_arena_take(pl_arena *arena, size_t count, size_t size)
+{
+    struct pl_arena_block *block = NULL;
+    if (size == 0 || count <= (SIZE_MAX - sizeof *block) / size) {
+        block = calloc(1, sizeof *block + count * size);
+    }
+    if (block == NULL) {
+        arena->failed = true;
+        return NULL;
+    }
+    block->next = arena->blocks;
+    arena->blocks = block;
+    return block->data;
+}
+
+void pl_arena_free(pl_arena *arena)
+{
+    while (arena->blocks != NULL) {
+        struct pl_arena_block *next = arena->blocks->next;
+        free(arena->blocks);
+        arena->blocks = next;
+    }
+    arena->failed = false;
+}

@@ -1,0 +1,27 @@
+/* An arena: memory that is allocated piece by piece and freed together. An arena starts as {0}.
+ *
+ *     pl_arena arena = {0};
+ *     double *mass = pl_arena_take(&arena, body_count, sizeof *mass);
+ *     ...
+ *     pl_arena_free(&arena);
+ *
+ * Several pieces may be taken before one check: `failed` stays true once any of them is NULL. */
+#ifndef PLUMB_ARENA_H
+#define PLUMB_ARENA_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct pl_arena {
+    struct pl_arena_block *blocks; /* the pieces, last first */
+    bool failed;                   /* a piece could not be allocated */
+} pl_arena;
+
+/* `count` zeroed items of `size` bytes, aligned for any type; NULL when out of memory. A count of 0
+ * gives a pointer that must not be read. */
+void *pl_arena_take(pl_arena *arena, size_t count, size_t size);
+
+/* Frees all pieces. The arena is then empty and may be used again. */
+void pl_arena_free(pl_arena *arena);
+
+#endif
