@@ -1,7 +1,7 @@
 /* Hands each frame to the modules that measure, and collects their metrics at the end.
  *
- * The engine's integrator is detected only when something has accelerated. So all that depends on it
- * is measured for each integrator, and the detected one is chosen at the end. */
+ * The engine's integrator is detected only when something has accelerated. So all that depends on
+ * it is measured for each integrator, and the detected one is chosen at the end. */
 #include "referee.h"
 
 #include "referee/geometry/candidate_pairs.h"

@@ -1,5 +1,5 @@
-/* The referee turns the frames of one run into metrics. It uses the poses, the velocities, the scene
- * and the contacts that the engine reports; an engine never rates itself.
+/* The referee turns the frames of one run into metrics. It uses the poses, the velocities, the
+ * scene and the contacts that the engine reports; an engine never rates itself.
  *
  * The referee takes one frame at a time, so its memory does not grow with the duration of the run.
  * All of its memory is allocated by pl_referee_create. */
@@ -19,19 +19,20 @@ void pl_referee_destroy(pl_referee *referee);
 /* Takes the state before the first step. */
 pl_verdict pl_referee_start(pl_referee *referee, const pl_frame *frame);
 
-/* Takes the state after a step. `contacts` are those of this step (NULL with contact_count < 0 if the
- * engine does not report them); `stats` may be NULL; cpu_time is the process's CPU time of the step
- * call alone, s. Returns PL_VERDICT_NONFINITE or PL_VERDICT_DIVERGED from the frame on that shows it,
- * with the reason in `error` (NULL allowed). */
+/* Takes the state after a step. `contacts` are those of this step (NULL with contact_count < 0 if
+ * the engine does not report them); `stats` may be NULL; cpu_time is the process's CPU time of the
+ * step call alone, s. Returns PL_VERDICT_NONFINITE or PL_VERDICT_DIVERGED from the frame on that
+ * shows it, with the reason in `error` (NULL allowed). */
 pl_verdict pl_referee_step(pl_referee *referee, const pl_frame *frame, const pl_step_stats *stats,
                            const pl_contact *contacts, int contact_count, double cpu_time,
                            pl_error *error);
 
-/* Writes all metrics, except those that the runner measures, into *metrics. Returns PL_VERDICT_OK, or
- * PL_VERDICT_COLLAPSED with the reason in `error`. After an early end, metrics of the final state are
- * PL_METRIC_FAILED with the reason "the run ended at step N of M", maxima and means are over the
- * steps so far, and the verdict is the one that ended the run, with its reason (PL_VERDICT_OK if the
- * referee did not end it). residual_unit is as in pl_engine, and *metrics points to it. */
+/* Writes all metrics, except those that the runner measures, into *metrics. Returns PL_VERDICT_OK,
+ * or PL_VERDICT_COLLAPSED with the reason in `error`. After an early end, metrics of the final
+ * state are PL_METRIC_FAILED with the reason "the run ended at step N of M", maxima and means are
+ * over the steps so far, and the verdict is the one that ended the run, with its reason
+ * (PL_VERDICT_OK if the referee did not end it). residual_unit is as in pl_engine, and *metrics
+ * points to it. */
 pl_verdict pl_referee_finish(pl_referee *referee, const char *residual_unit, pl_metrics *metrics,
                              pl_error *error);
 

@@ -49,7 +49,8 @@ static void stand_begin(stand *s, const char *scenario, const char *const *setti
     s->capacity = 64 * s->scene.body_count;
     s->contacts = calloc((size_t)s->capacity, sizeof *s->contacts);
     s->force = pl_contact_force_create(&s->scene, &s->arena);
-    assert_true(s->frame.bodies != NULL && s->before != NULL && s->contacts != NULL && s->force != NULL);
+    assert_true(s->frame.bodies != NULL && s->before != NULL && s->contacts != NULL &&
+                s->force != NULL);
     assert_int_equal(
         s->engine->create(&s->scene, choice.profile, choice.values, &s->instance, NULL), PL_OK);
     s->engine->read_frame(s->instance, &s->frame);

@@ -1,18 +1,18 @@
 /* Candidate pairs of a frame.
  *
- * The broad phase is sort and sweep: boxes are in ascending order of their lower ends along one axis,
- * and each is tested against those that follow until one begins beyond its upper end. The order is
- * kept from frame to frame and restored by insertion sort, which costs O(n + inversions). Source:
- * Baraff 1992; Cohen et al. 1995 (I-COLLIDE).
+ * The broad phase is sort and sweep: boxes are in ascending order of their lower ends along one
+ * axis, and each is tested against those that follow until one begins beyond its upper end. The
+ * order is kept from frame to frame and restored by insertion sort, which costs O(n + inversions).
+ * Source: Baraff 1992; Cohen et al. 1995 (I-COLLIDE).
  *
  * Two bodies meet when their gap is at most
  *
  *   1e-3 r + h (|v_a - v_b| + r_a |w_a| + r_b |w_b|)
  *
- * with the bounding radii r, the smaller of them in the first term. The second term bounds how far any
- * two of their points can approach each other, or have moved apart, in a step of h at these
- * velocities: an engine may stop a body before it touches, or let it bounce off within the step. The
- * first term is for bodies at rest, which engines keep a little apart. */
+ * with the bounding radii r, the smaller of them in the first term. The second term bounds how far
+ * any two of their points can approach each other, or have moved apart, in a step of h at these
+ * velocities: an engine may stop a body before it touches, or let it bounce off within the step.
+ * The first term is for bodies at rest, which engines keep a little apart. */
 #include "candidate_pairs.h"
 
 #include "gap.h"
@@ -180,8 +180,8 @@ static bool same_surface(const pl_shape *a, const pl_shape *b)
            a->half_extents[1] == b->half_extents[1] && a->half_extents[2] == b->half_extents[2];
 }
 
-/* Makes the surfaces, (body_count), that bodies need to be measured against meshes. Equal shapes share
- * a surface. A scene without a mesh has none. */
+/* Makes the surfaces, (body_count), that bodies need to be measured against meshes. Equal shapes
+ * share a surface. A scene without a mesh has none. */
 static bool make_surfaces(const pl_scene *scene, pl_arena *arena, const pl_surface **surfaces)
 {
     int *firsts = pl_arena_take(arena, (size_t)scene->body_count, sizeof *firsts);

@@ -1,13 +1,13 @@
 /* The gap of a mesh and any bounded shape; the definition is in gap.h.
  *
- * Two surfaces that do not cross have the distance of their triangles, unless one solid contains the
- * other. Where they cross, every edge that pierces the other surface is cut into segments, and the
- * midpoint of each shows whether it is inside. The ends of such a segment that are vertices are then
- * inside too, and so are all vertices that are reached from them by edges that pierce nothing.
+ * Two surfaces that do not cross have the distance of their triangles, unless one solid contains
+ * the other. Where they cross, every edge that pierces the other surface is cut into segments, and
+ * the midpoint of each shows whether it is inside. The ends of such a segment that are vertices are
+ * then inside too, and so are all vertices that are reached from them by edges that pierce nothing.
  *
  * An edge segment inside a solid, along e, moves out of it over the ridge, the line in which the
- * tangent planes at its two ends meet. With n1, n2 their normals, the ridge is along L = n1 x n2, and
- * the translation is the distance of the two lines, along e x L. */
+ * tangent planes at its two ends meet. With n1, n2 their normals, the ridge is along L = n1 x n2,
+ * and the translation is the distance of the two lines, along e x L. */
 #include "base/arena.h"
 #include "gap.h"
 #include "solid.h"
@@ -18,10 +18,12 @@
 
 /* Sines of angles below this are taken for those of parallel lines or planes. */
 static const double PARALLEL = 1e-9;
-/* The ridge counts as an edge of the surface if the surface is nearer than this part of its height. */
+/* The ridge counts as an edge of the surface if the surface is nearer than this part of its height.
+ */
 static const double NEAR = 1e-3;
 
-/* A plane that touches the solid's surface: {x : normal.x = offset}, with the unit outward normal. */
+/* A plane that touches the solid's surface: {x : normal.x = offset}, with the unit outward normal.
+ */
 typedef struct tangent_plane {
     pl_vec normal;
     double offset; /* m */
@@ -29,7 +31,8 @@ typedef struct tangent_plane {
 
 typedef struct edge_segment {
     pl_vec p, q; /* its ends, m */
-    /* Of the surface at that point, or if the point is inside, at the nearest point of the surface. */
+    /* Of the surface at that point, or if the point is inside, at the nearest point of the surface.
+     */
     tangent_plane at_p, at_q, at_middle;
     double middle_depth; /* m: the distance of the midpoint from the surface */
 } edge_segment;
@@ -39,8 +42,8 @@ static tangent_plane tangent_through(pl_vec normal, pl_vec point)
     return (tangent_plane){normal, pl_vec_dot(normal, point)};
 }
 
-/* The point of the ridge nearest to the segment, m. False if the tangents do not meet, or if they meet
- * in a line parallel to the segment. */
+/* The point of the ridge nearest to the segment, m. False if the tangents do not meet, or if they
+ * meet in a line parallel to the segment. */
 static bool find_ridge(const edge_segment *s, pl_vec *ridge)
 {
     const tangent_plane *a = &s->at_p, *b = &s->at_q;
@@ -67,8 +70,8 @@ static double below(const tangent_plane *tangent, const edge_segment *s)
 }
 
 /* The least translation, m >= 0, that moves the segment out through one of the tangents or over the
- * ridge, if the ridge is an edge of the surface; otherwise the depth of the midpoint. `on_surface` is
- * the point of the surface nearest to `ridge`. */
+ * ridge, if the ridge is an edge of the surface; otherwise the depth of the midpoint. `on_surface`
+ * is the point of the surface nearest to `ridge`. */
 static double segment_depth(const edge_segment *s, pl_vec ridge, pl_vec on_surface)
 {
     pl_vec e = pl_vec_sub(s->q, s->p);
@@ -118,8 +121,8 @@ static tangent_plane tangent_of(const probe *p, const pl_surface_point *nearest)
     return tangent_through(p->target->normals[nearest->triangle], nearest->point);
 }
 
-/* The tangent at an end of a segment: at a piercing, or if it is NULL, near the vertex there, which is
- * inside. */
+/* The tangent at an end of a segment: at a piercing, or if it is NULL, near the vertex there, which
+ * is inside. */
 static tangent_plane tangent_at_end(probe *p, pl_vec point, const pl_piercing *piercing, int vertex)
 {
     if (piercing != NULL) {
@@ -156,11 +159,11 @@ static void see_pierced_edge(probe *p, const pl_piercing *piercings, int count)
         pl_surface_point nearest = pl_surface_nearest(p->target, middle);
         if (nearest.distance < 0) {
             edge_segment segment = {.p = from,
-                                       .q = to,
-                                       .at_p = tangent_at_end(p, from, before, edge->start),
-                                       .at_q = tangent_at_end(p, to, after, edge->end),
-                                       .at_middle = tangent_of(p, &nearest),
-                                       .middle_depth = -nearest.distance};
+                                    .q = to,
+                                    .at_p = tangent_at_end(p, from, before, edge->start),
+                                    .at_q = tangent_at_end(p, to, after, edge->end),
+                                    .at_middle = tangent_of(p, &nearest),
+                                    .middle_depth = -nearest.distance};
             see_segment(p, &segment);
         }
         from = to;
@@ -215,7 +218,8 @@ static bool any_part_inside(const probe *p)
     return false;
 }
 
-/* Raises *depth to the largest depth of the source's features. The piercings are those of the source. */
+/* Raises *depth to the largest depth of the source's features. The piercings are those of the
+ * source. */
 static pl_status probe_depth(const pl_surface_pair *pair, int of, const pl_piercing *piercings,
                              int count, double *depth)
 {

@@ -15,9 +15,9 @@ static pl_vec nearest_on_segment(const pl_segment *segment, pl_vec point)
     return pl_vec_mad(segment->start, square > 0 ? clamp(t / square) : 0, along);
 }
 
-/* The nearest points lie in the interiors of both segments, or one of them is an end. So the candidates
- * are each end against the other segment, and the pair of interior points if there is one. No case is
- * lost by rounding when the segments are nearly parallel. */
+/* The nearest points lie in the interiors of both segments, or one of them is an end. So the
+ * candidates are each end against the other segment, and the pair of interior points if there is
+ * one. No case is lost by rounding when the segments are nearly parallel. */
 double pl_segment_distance(const pl_segment *a, const pl_segment *b)
 {
     pl_vec of_a[5] = {a->start, a->end, nearest_on_segment(a, b->start),
@@ -103,8 +103,8 @@ bool pl_triangle_pierced(const pl_triangle *triangle, const pl_segment *segment,
     pl_vec along = pl_vec_sub(segment->end, segment->start);
     bool left = false, right = false;
     for (int k = 0; k < 3; ++k) {
-        /* Two triangles that share this edge get exactly opposite numbers, so that no segment passes
-         * between them. */
+        /* Two triangles that share this edge get exactly opposite numbers, so that no segment
+         * passes between them. */
         pl_vec from = pl_vec_sub(corner[k], segment->start);
         pl_vec to = pl_vec_sub(corner[(k + 1) % 3], segment->start);
         double side = pl_vec_dot(pl_vec_cross(from, to), along);

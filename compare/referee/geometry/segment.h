@@ -1,5 +1,5 @@
-/* Distances of points, segments and triangles, on which the referee's geometry of surfaces is built.
- * A segment may have no length, and a triangle no area. Source: Ericson 2005, ch. 5. */
+/* Distances of points, segments and triangles, on which the referee's geometry of surfaces is
+ * built. A segment may have no length, and a triangle no area. Source: Ericson 2005, ch. 5. */
 #ifndef PLUMB_SEGMENT_H
 #define PLUMB_SEGMENT_H
 
@@ -28,8 +28,8 @@ double pl_segment_distance(const pl_segment *a, const pl_segment *b);
 /* The point of a triangle nearest to `point`, and the feature that it lies on (NULL allowed). */
 pl_vec pl_triangle_nearest(const pl_triangle *triangle, pl_vec point, pl_feature *feature);
 
-/* Whether a segment crosses a triangle in one point, and where: the fraction of the segment's length
- * from its start, 0 .. 1. False for a segment in the triangle's plane. */
+/* Whether a segment crosses a triangle in one point, and where: the fraction of the segment's
+ * length from its start, 0 .. 1. False for a segment in the triangle's plane. */
 bool pl_triangle_pierced(const pl_triangle *triangle, const pl_segment *segment, double *fraction);
 
 /* The distance of two triangles, m; 0 if they meet. */

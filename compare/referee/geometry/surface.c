@@ -249,8 +249,8 @@ static void enclose(const pl_surface *s, const item *items, int count, pl_surfac
     node->half = pl_vec_scale(pl_vec_sub(pl_vec_of(high), pl_vec_of(low)), 0.5);
 }
 
-/* Makes the node of `count` items, which become order[first .. first + count). The depth of the tree
- * is at most 1 + log2(triangles). */
+/* Makes the node of `count` items, which become order[first .. first + count). The depth of the
+ * tree is at most 1 + log2(triangles). */
 static void build_node(pl_surface *s, item *items, int first, int count)
 {
     int index = s->node_count++;

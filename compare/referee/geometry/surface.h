@@ -16,7 +16,8 @@ typedef struct pl_surface_edge {
     pl_vec normal;  /* sum of the unit normals of the triangles with this edge */
 } pl_surface_edge;
 
-/* A box around some triangles. The first child of a branch is the next node, the second is `second`. */
+/* A box around some triangles. The first child of a branch is the next node, the second is
+ * `second`. */
 typedef struct pl_surface_node {
     pl_vec centre, half;
     int first, count; /* of a leaf, in `order`; a branch has count 0 */
@@ -41,8 +42,8 @@ typedef struct pl_surface {
 } pl_surface;
 
 /* The surface of a box, a hull or a mesh, or of the core of a capsule, which is a triangle without
- * area that bounds no solid. It copies the shape's data into memory of the arena. *surface is NULL on
- * failure: PL_UNSUPPORTED for another shape, PL_NO_MEMORY. */
+ * area that bounds no solid. It copies the shape's data into memory of the arena. *surface is NULL
+ * on failure: PL_UNSUPPORTED for another shape, PL_NO_MEMORY. */
 pl_status pl_surface_create(const pl_shape *shape, pl_arena *arena, const pl_surface **surface);
 
 typedef struct pl_surface_point {
@@ -86,8 +87,8 @@ typedef struct pl_piercing {
     double fraction; /* of the edge's length from its start, 0 .. 1 */
 } pl_piercing;
 
-/* All piercings, ordered by `of`, edge and fraction. *piercings is NULL if there are none; the caller
- * frees it. PL_NO_MEMORY. */
+/* All piercings, ordered by `of`, edge and fraction. *piercings is NULL if there are none; the
+ * caller frees it. PL_NO_MEMORY. */
 pl_status pl_surface_pair_piercings(const pl_surface_pair *pair, pl_piercing **piercings,
                                     int *count);
 

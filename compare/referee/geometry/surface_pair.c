@@ -1,5 +1,5 @@
-/* Pairs of surfaces. Both trees are descended together: a pair of boxes that are too far apart is left
- * out with all its triangles; of any other pair the larger box is split. */
+/* Pairs of surfaces. Both trees are descended together: a pair of boxes that are too far apart is
+ * left out with all its triangles; of any other pair the larger box is split. */
 #include "base/array.h"
 #include "surface.h"
 
@@ -36,9 +36,9 @@ static double size_of(const pl_surface_node *node)
     return fmax(node->half.x, fmax(node->half.y, node->half.z));
 }
 
-/* Adds the piercings of a triangle `target` of the other surface by those edges of triangle `t` that
- * have `t` as their first triangle. An edge lies in the boxes of all triangles that share it, so that
- * none is missed. */
+/* Adds the piercings of a triangle `target` of the other surface by those edges of triangle `t`
+ * that have `t` as their first triangle. An edge lies in the boxes of all triangles that share it,
+ * so that none is missed. */
 static void pierce(descent *d, int of, int t, const pl_triangle *tri, int other,
                    const pl_triangle *target)
 {
@@ -54,7 +54,8 @@ static void pierce(descent *d, int of, int t, const pl_triangle *tri, int other,
                             tri->corner[forward ? (k + 1) % 3 : k]};
         pl_piercing piercing = {.of = of, .edge = edge, .triangle = other};
         if (pl_triangle_pierced(target, &along, &piercing.fraction)) {
-            d->failed |= pl_array_push(&d->list, &d->count, &piercing, sizeof piercing, NULL) != PL_OK;
+            d->failed |=
+                pl_array_push(&d->list, &d->count, &piercing, sizeof piercing, NULL) != PL_OK;
         }
     }
 }

@@ -98,8 +98,8 @@ static void add_applied_forces(pl_contact_force *f, long step, const frames *bot
     for (int i = 0; i < f->scene->force_count; ++i) {
         const pl_force *force = &f->scene->forces[i];
         for (int k = 0; k < PL_INTEGRATOR_COUNT && pl_applied_force_acts(force, step, dt); ++k) {
-            pl_vec impulse = pl_applied_force_impulse(force, (pl_integrator)k, &both->before[force->body],
-                                              &both->after[force->body], dt);
+            pl_vec impulse = pl_applied_force_impulse(
+                force, (pl_integrator)k, &both->before[force->body], &both->after[force->body], dt);
             f->excess[k][force->body] = pl_vec_add(f->excess[k][force->body], impulse);
         }
     }
@@ -114,8 +114,8 @@ static void see_balance(pl_contact_force *f, long step, const frames *both,
         return;
     }
     for (int i = 0; i < scene->body_count; ++i) {
-        pl_vec change = pl_vec_sub(pl_vec_of(both->after[i].velocity),
-                                   pl_vec_of(both->before[i].velocity));
+        pl_vec change =
+            pl_vec_sub(pl_vec_of(both->after[i].velocity), pl_vec_of(both->before[i].velocity));
         pl_vec due = pl_vec_mad(change, -scene->dt, pl_vec_of(scene->gravity));
         for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
             f->excess[k][i] = pl_vec_scale(due, -scene->bodies[i].mass);

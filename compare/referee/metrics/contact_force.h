@@ -1,6 +1,6 @@
-/* Metrics of the contact impulses that an engine reports: whether they account for the motion of the
- * bodies, whether they lie in Coulomb's cone, and how far they and the velocities after the step are
- * from the law of contact.
+/* Metrics of the contact impulses that an engine reports: whether they account for the motion of
+ * the bodies, whether they lie in Coulomb's cone, and how far they and the velocities after the
+ * step are from the law of contact.
  *
  * The metrics are force_balance, cone_violation, friction_effective, signorini and natural_map;
  * their formulas are at the head of contact_force.c. */

@@ -1,7 +1,7 @@
 /* Energy and momentum, as the engine's integrator conserves them.
  *
- * Let x be the centres of mass, E = sum of m v.v/2 + w.Iw/2 - m g.(x - x0), and r arms from x at the
- * start of the step. Substitution gives, exactly and for any h, with I constant over the step:
+ * Let x be the centres of mass, E = sum of m v.v/2 + w.Iw/2 - m g.(x - x0), and r arms from x at
+ * the start of the step. Substitution gives, exactly and for any h, with I constant over the step:
  *
  *   semi-implicit Euler, v' = v + h (g + F/m), x' = x + h v'
  *     energy    E + (h/2) m g.v grows by h F.(u + u')/2, u = v + w x r of the force's point
@@ -18,8 +18,8 @@
  * Source: the substitution of every proof that symplectic Euler conserves a modified energy
  * (Hairer, Lubich and Wanner 2006).
  *
- * Detection of the integrator. A body whose centre of mass moves by d while its velocity goes from v
- * to v' has made a step of
+ * Detection of the integrator. A body whose centre of mass moves by d while its velocity goes from
+ * v to v' has made a step of
  *
  *   semi-implicit Euler         d = h v'
  *   a second-order integrator   d = h (v + v') / 2, or d = h v' - h^2 g / 2, where impulses come
@@ -139,7 +139,7 @@ static pl_axes axes_at(const pl_body_state *before, const pl_body_state *after, 
 }
 
 pl_vec pl_applied_force_impulse(const pl_force *force, pl_integrator integrator,
-                        const pl_body_state *before, const pl_body_state *after, double dt)
+                                const pl_body_state *before, const pl_body_state *after, double dt)
 {
     pl_vec impulse = pl_vec_scale(pl_vec_of(force->force), dt);
     if (force->frame != PL_FRAME_BODY) {
@@ -360,7 +360,8 @@ void pl_mechanics_step(pl_mechanics *m, long step, const pl_body_state *before,
     add_gravity(m, &both);
     for (int i = 0; i < m->scene->force_count; ++i) {
         const pl_force *force = &m->scene->forces[i];
-        if (!m->scene->bodies[force->body].is_static && pl_applied_force_acts(force, step, m->scene->dt)) {
+        if (!m->scene->bodies[force->body].is_static &&
+            pl_applied_force_acts(force, step, m->scene->dt)) {
             add_force(m, force, &both);
         }
     }

@@ -47,11 +47,11 @@ pl_integrator_certainty pl_integrator_certain(const pl_integrator_votes *votes);
 /* Whether the force acts in step number `step` (from 1) of length dt, s. */
 bool pl_applied_force_acts(const pl_force *force, long step, double dt);
 
-/* The force's impulse on its body over a step of dt seconds, N s, world frame. A force in the body's
- * frame turns within the step of a second-order integrator, and keeps the direction of the start in
- * a step of semi-implicit Euler. */
+/* The force's impulse on its body over a step of dt seconds, N s, world frame. A force in the
+ * body's frame turns within the step of a second-order integrator, and keeps the direction of the
+ * start in a step of semi-implicit Euler. */
 pl_vec pl_applied_force_impulse(const pl_force *force, pl_integrator integrator,
-                        const pl_body_state *before, const pl_body_state *after, double dt);
+                                const pl_body_state *before, const pl_body_state *after, double dt);
 
 /* ---- Energy and momentum ---- */
 
@@ -63,8 +63,8 @@ pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena);
 /* Takes the state before the first step. */
 void pl_mechanics_start(pl_mechanics *mechanics, const pl_body_state *bodies);
 
-/* Takes step number `step` (from 1): the states before and after it and the contacts that the engine
- * reports of it (contact_count <= 0: none). */
+/* Takes step number `step` (from 1): the states before and after it and the contacts that the
+ * engine reports of it (contact_count <= 0: none). */
 void pl_mechanics_step(pl_mechanics *mechanics, long step, const pl_body_state *before,
                        const pl_body_state *after, const pl_contact *contacts, int contact_count);
 

@@ -6,14 +6,14 @@
  * the travel, and is 0 for a body below that. The path deviation is measured from the line of the
  * travel through its start, without the part along the normal.
  *
- * settle_time: the first time from which all velocities stay below a threshold for 0.5 s, so that the
- * top of a bounce or the turning point of a swing does not count.
+ * settle_time: the first time from which all velocities stay below a threshold for 0.5 s, so that
+ * the top of a bounce or the turning point of a swing does not count.
  *
  * drift, creep: of the same bodies, the largest displacement d from a baseline pose and its
  * least-squares slope over time t, both without the part along the travel. The baseline is the pose
- * at settle_time, which is known only 0.5 s later. So two measurements run: one restarts whenever the
- * scene becomes quiet, and is final once the scene has settled; the other starts at 1 s (or half the
- * duration), and is used if the scene never settles. The slope is
+ * at settle_time, which is known only 0.5 s later. So two measurements run: one restarts whenever
+ * the scene becomes quiet, and is final once the scene has settled; the other starts at 1 s (or
+ * half the duration), and is used if the scene never settles. The slope is
  *
  *   sum (t - mean t)(d - mean d) / sum (t - mean t)^2
  *
@@ -21,8 +21,8 @@
  * Source: Welford 1962, with the cross sum updated like the sum of squares.
  *
  * spread_x, spread_y, mass_height, run_out_p95: of the final centres of mass of the dynamic bodies.
- * Ensembles of chaotic scenes are compared by them. The percentile is interpolated between two order
- * statistics (Hyndman and Fan 1996, definition 7). */
+ * Ensembles of chaotic scenes are compared by them. The percentile is interpolated between two
+ * order statistics (Hyndman and Fan 1996, definition 7). */
 #include "motion.h"
 
 #include "base/statistics.h"

@@ -1,14 +1,14 @@
 /* Errors against the references of a scene.
  *
- * The scene has the discrete reference x_s of semi-implicit Euler. A second-order integrator has the
- * same velocities v_k at the frames, and moves by their means, so that after N steps
+ * The scene has the discrete reference x_s of semi-implicit Euler. A second-order integrator has
+ * the same velocities v_k at the frames, and moves by their means, so that after N steps
  *
  *   x_2 = x_s - h (v_N - v_0) / 2
  *
  * v_0 is given by the scene. v_N is expected too, or follows from the reference x of the continuous
  * problem if the whole motion is one of two kinds: for uniform acceleration it is 2 x / T - v_0
- * (then x_2 = x), for uniform braking to rest it is 0. Each kind gives x_s from x, which tells which
- * of the two it is. */
+ * (then x_2 = x), for uniform braking to rest it is 0. Each kind gives x_s from x, which tells
+ * which of the two it is. */
 #include "reference_error.h"
 
 #include "base/hash.h"
@@ -138,13 +138,13 @@ static double discrete_value(const pl_scene *scene, const pl_expect_value *value
 typedef struct reading {
     const pl_expect_value *expected;
     pl_vec direction, origin;
-    bool done;             /* the frame at `until` has been seen */
-    double found;          /* the value so far */
-    double sample[3];      /* of an apex: positions in the last three frames */
-    int samples;           /* of an apex or a period: frames seen in the window */
-    double orientation[4]; /* of a turn: in the last frame */
-    double last_spin;      /* of a period */
-    long crossings;        /* of a period: changes of the spin from - to + */
+    bool done;                            /* the frame at `until` has been seen */
+    double found;                         /* the value so far */
+    double sample[3];                     /* of an apex: positions in the last three frames */
+    int samples;                          /* of an apex or a period: frames seen in the window */
+    double orientation[4];                /* of a turn: in the last frame */
+    double last_spin;                     /* of a period */
+    long crossings;                       /* of a period: changes of the spin from - to + */
     double first_crossing, last_crossing; /* s */
 } reading;
 
@@ -323,8 +323,7 @@ static pl_metric rest_rotation_error(const pl_scene *scene, const pl_body_state 
     for (int i = 0; i < scene->rest_count; ++i) {
         const pl_expect_rest *rest = &scene->rests[i];
         if (rest->has_orientation && scene->bodies[rest->body].shape.kind != PL_SHAPE_SPHERE) {
-            raise_to(&metric,
-                     pl_angle_between(rest->orientation, bodies[rest->body].orientation));
+            raise_to(&metric, pl_angle_between(rest->orientation, bodies[rest->body].orientation));
         }
     }
     return metric;

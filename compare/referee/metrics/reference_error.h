@@ -1,7 +1,8 @@
 /* Errors against what the scene expects: rests, travels and values. Each is measured against the
  * reference of the continuous problem, and travels and values also against the discrete reference,
- * which is the exact result of the engine's own integrator at the scene's step. An error against the
- * discrete reference is free of the time-stepping error, and shows that of contacts and friction. */
+ * which is the exact result of the engine's own integrator at the scene's step. An error against
+ * the discrete reference is free of the time-stepping error, and shows that of contacts and
+ * friction. */
 #ifndef PLUMB_REFERENCE_ERROR_H
 #define PLUMB_REFERENCE_ERROR_H
 
@@ -17,9 +18,9 @@ pl_values *pl_values_create(const pl_scene *scene, pl_arena *arena);
 void pl_values_see(pl_values *values, long step, const pl_body_state *bodies);
 
 /* Sets rest_position_error, rest_rotation_error, travel_error, value_error, discrete_error,
- * integrator and state_hash in item (PL_METRIC_COUNT) from the last state, (body_count). A metric is
- * PL_METRIC_ABSENT if the scene expects nothing of its kind, and value_error is PL_METRIC_FAILED if
- * no whole period was seen. */
+ * integrator and state_hash in item (PL_METRIC_COUNT) from the last state, (body_count). A metric
+ * is PL_METRIC_ABSENT if the scene expects nothing of its kind, and value_error is PL_METRIC_FAILED
+ * if no whole period was seen. */
 void pl_reference_metrics(const pl_values *values, const pl_body_state *last,
                           const pl_integrator_votes *votes, pl_metric *item);
 

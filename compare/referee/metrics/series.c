@@ -1,6 +1,6 @@
 /* A logarithmic histogram. The bin of a number follows from the exponent and the leading seven bits
- * of the mantissa of its IEEE 754 double, without a logarithm and without rounding. Source: the idea
- * of HdrHistogram (Tene 2012). */
+ * of the mantissa of its IEEE 754 double, without a logarithm and without rounding. Source: the
+ * idea of HdrHistogram (Tene 2012). */
 #include "series.h"
 
 #include <math.h>
@@ -31,8 +31,8 @@ bool pl_series_init(pl_series *series, pl_arena *arena)
 {
     *series = (pl_series){.bins = pl_arena_take(arena, PL_SERIES_BINS, sizeof *series->bins)};
     if (series->bins != NULL) {
-        /* Writes every page now, which calloc leaves to the first use: memory of the referee must not
-         * look like growth of the engine's. The compiler may not drop this call, as it may a
+        /* Writes every page now, which calloc leaves to the first use: memory of the referee must
+         * not look like growth of the engine's. The compiler may not drop this call, as it may a
          * memset. */
         explicit_bzero(series->bins, PL_SERIES_BINS * sizeof *series->bins);
     }

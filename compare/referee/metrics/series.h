@@ -43,8 +43,8 @@ double pl_series_mean(const pl_series *series);
 /* The root of the mean square; 0 of an empty series. */
 double pl_series_rms(const pl_series *series);
 
-/* A metric with `value` and the series' percentiles and worst step. PL_METRIC_FAILED when `value` is
- * not finite. */
+/* A metric with `value` and the series' percentiles and worst step. PL_METRIC_FAILED when `value`
+ * is not finite. */
 pl_metric pl_series_metric(const pl_series *series, double value);
 
 #endif

@@ -80,10 +80,10 @@ void pl_penetration_metrics(const pl_penetration *p, pl_metric *item)
     item[PL_METRIC_PENETRATION_MAX] = pl_series_metric(&p->depth, p->depth.max);
     item[PL_METRIC_PENETRATION_REST] = pl_metric_value(mean);
     if (p->unknown_step >= 0) {
-        item[PL_METRIC_PENETRATION_MAX] = item[PL_METRIC_PENETRATION_REST] = pl_metric_failed(
-            "no gap found for \"%.30s\" and \"%.30s\" at step %ld",
-            p->scene->bodies[p->unknown_a].name, p->scene->bodies[p->unknown_b].name,
-            p->unknown_step);
+        item[PL_METRIC_PENETRATION_MAX] = item[PL_METRIC_PENETRATION_REST] =
+            pl_metric_failed("no gap found for \"%.30s\" and \"%.30s\" at step %ld",
+                             p->scene->bodies[p->unknown_a].name,
+                             p->scene->bodies[p->unknown_b].name, p->unknown_step);
     }
 }
 

@@ -1,9 +1,9 @@
 /* Metrics of the pairs of bodies that touch: how deep they penetrate each other, and the islands
  * that they form.
  *
- * An island of a step consists of bodies that touch, directly or through others, in the frame before
- * or in the frame after the step. Energy that passes from body to body in a step stays within one
- * island. Static bodies join nothing, because no energy passes through them. */
+ * An island of a step consists of bodies that touch, directly or through others, in the frame
+ * before or in the frame after the step. Energy that passes from body to body in a step stays
+ * within one island. Static bodies join nothing, because no energy passes through them. */
 #ifndef PLUMB_TOUCHING_H
 #define PLUMB_TOUCHING_H
 
@@ -17,8 +17,8 @@ typedef struct pl_penetration pl_penetration;
 /* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
 pl_penetration *pl_penetration_create(const pl_scene *scene, pl_arena *arena);
 
-/* Begins the frame after step number `step`, then takes the pairs of the frame one by one, then ends
- * the frame. Step 0, before the first step, counts for pl_penetration_touched_static alone. */
+/* Begins the frame after step number `step`, then takes the pairs of the frame one by one, then
+ * ends the frame. Step 0, before the first step, counts for pl_penetration_touched_static alone. */
 void pl_penetration_begin(pl_penetration *penetration, long step);
 void pl_penetration_see(pl_penetration *penetration, const pl_near_pair *pair);
 void pl_penetration_end(pl_penetration *penetration);
