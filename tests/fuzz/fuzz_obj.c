@@ -1,13 +1,12 @@
-/* Any bytes as an .obj file: they are read or refused with their place. What is read becomes a mesh
- * or is refused, and so does the hull of its vertices; both stay what they are when they are made
- * again from what they have. */
+/* Reads any bytes as an .obj file. They are accepted, or refused with the line of the fault.
+ * Accepted data becomes a mesh or is refused with a reason, and so does the hull of its vertices. A
+ * mesh or hull made again from its own vertices and triangles is the same. */
 #include "fuzz.h"
 #include "plumb/vec.h"
 #include "scene/obj.h"
 #include "scene/polyhedron.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 static void check_same(const pl_polyhedron *a, const pl_polyhedron *b)
@@ -47,7 +46,7 @@ static void check_diagnostic(const pl_diagnostic *diagnostic)
 {
     fuzz_check(diagnostic->status == PL_BAD_INPUT && strstr(diagnostic->text, "expected") != NULL &&
                    strstr(diagnostic->text, "found") != NULL,
-               "what is refused says what was expected and what was found");
+               "a refusal names what was expected and what was found");
 }
 
 static void try_mesh(const pl_obj *obj)
@@ -64,7 +63,7 @@ static void try_mesh(const pl_obj *obj)
     fuzz_check(pl_polyhedron_of_mesh((const double(*)[3])mesh->vertices, mesh->vertex_count,
                                      (const int(*)[3])mesh->triangles, mesh->triangle_count, &again,
                                      &diagnostic),
-               "a mesh is a mesh");
+               "a mesh can be made again");
     check_same(mesh, again);
     pl_polyhedron_free(mesh);
     pl_polyhedron_free(again);
@@ -80,10 +79,11 @@ static void try_hull(const pl_obj *obj)
         return;
     }
     check_solid(hull);
-    fuzz_check(hull->triangle_count == 2 * hull->vertex_count - 4, "a hull is a sphere: Euler");
+    fuzz_check(hull->triangle_count == 2 * hull->vertex_count - 4,
+               "the triangles of a hull obey Euler's formula");
     fuzz_check(pl_polyhedron_of_hull((const double(*)[3])hull->vertices, hull->vertex_count, &again,
                                      &diagnostic),
-               "a hull is a hull");
+               "a hull can be made again");
     check_same(hull, again);
     pl_polyhedron_free(hull);
     pl_polyhedron_free(again);
@@ -96,8 +96,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (pl_obj_read_text((const char *)data, size, "input", &obj, &error) != PL_OK) {
         int line = 0;
         fuzz_check(sscanf(error.message, "input:%d: expected", &line) == 1 && line >= 1,
-                   "what is refused has a line");
-        fuzz_check(strstr(error.message, "found") != NULL, "what is refused says what was found");
+                   "a refusal has a line");
+        fuzz_check(strstr(error.message, "found") != NULL, "a refusal names what was found");
         return 0;
     }
     try_mesh(&obj);

@@ -1,10 +1,8 @@
-/* Any bytes as a scene file: they are read or refused with their place. What is read is written,
- * read and written again to the same text. */
+/* Reads any bytes as a scene file. They are accepted, or refused with the line and column of the
+ * fault. An accepted scene that is written, read and written again gives the same text. */
 #include "fuzz.h"
 #include "plumb/scenario.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -15,17 +13,17 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
         int line = 0, column = 0;
         fuzz_check(sscanf(error.message, "input:%d:%d: ", &line, &column) == 2 && line >= 1 &&
                        column >= 1,
-                   "what is refused has a line and a column");
+                   "a refusal has a line and a column");
         return 0;
     }
-    fuzz_check(pl_scene_validate(&scene, NULL) == PL_OK, "what is read is valid");
+    fuzz_check(pl_scene_validate(&scene, NULL) == PL_OK, "an accepted scene is valid");
     fuzz_check(pl_scene_needs(&scene) >= PL_NEEDS_PLANE, "every scene needs a shape");
     char *text = pl_scene_to_text(&scene);
-    fuzz_check(text != NULL, "what is read can be written");
+    fuzz_check(text != NULL, "an accepted scene can be written");
     fuzz_check(pl_scene_read_text(text, strlen(text), "again", &again, &error) == PL_OK,
-               "what is written can be read");
+               "a written scene can be read");
     char *second = pl_scene_to_text(&again);
-    fuzz_check(second != NULL && strcmp(text, second) == 0, "it reads back to the same");
+    fuzz_check(second != NULL && strcmp(text, second) == 0, "the second text equals the first");
     free(text);
     free(second);
     pl_scene_free(&scene);

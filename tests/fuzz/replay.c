@@ -1,14 +1,12 @@
-/* Runs a fuzz target, without libFuzzer, on every file of the folders that are its arguments. Says
- * how many there were; fails when there were none. */
+/* Runs a fuzz target, without libFuzzer, on every file of the folders given as arguments. Prints
+ * the number of files; fails when a folder has none. */
 #define _POSIX_C_SOURCE 200809L
 
 #include "fuzz.h"
 
 #include <dirent.h>
-#include <stdio.h>
-#include <stdlib.h>
 
-/* Each input in memory of its own size, so that a sanitizer sees a read beyond it. */
+/* Each input gets memory of exactly its size, so that a sanitizer detects reads past the end. */
 static bool replay_file(const char *path)
 {
     FILE *file = fopen(path, "rb");
@@ -36,7 +34,7 @@ cleanup:
     return done;
 }
 
-/* How many files were replayed; -1 after a failure. */
+/* Returns the number of files replayed, -1 after a failure. */
 static int replay_folder(const char *folder)
 {
     DIR *listing = opendir(folder);
