@@ -92,7 +92,7 @@ static void test_box_in_every_form_is_the_box(void **state)
                           "f 2 3 4 1\nf 5 6 7 8\nf 5 6 2 1\nf 2 3 7 6\nf 7 8 4 3\nf 4 1 5 8\n"},
         {"negative",
          "# The box, counted back.\n" BOX "f -8 -5 -6 -7\nf -4 -3 -2 -1\nf -8 -7 -3 -4\nf -7 -6 -2 "
-                                          "-3\nf -6 -5 -1 -2\nf -5 -8 -4 -1\n"},
+         "-3\nf -6 -5 -1 -2\nf -5 -8 -4 -1\n"},
         {"numbers",
          "# The box, numbers of all forms.\nv 0 .0 0.\nv +2 0 0\nv 2.0e0 30E-1 0\nv -0 3 0\nv 0 0 "
          ".4e+1\nv 2 0 400e-2\nv 2 3 4\nv 0 3 4.000000000000000000000000000000000000000\n" FACES},
@@ -112,7 +112,7 @@ static void test_box_in_every_form_is_the_box(void **state)
          "3/-1 4/-2 8/-3 7/-4\nf 4//-1 1//-1 5//-1 8//-1\n"},
         {"triangles",
          "# The box, triangles.\n" BOX "f 1 4 3\nf 1 3 2\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 "
-                                       "3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n"},
+         "3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n"},
         {"weights_colours",
          "# The box, with weights, colours, points, lines and a vertex that nothing has.\nv 9 9 9 "
          "1\nv 0 0 0 0.5 0.25 1\nv 2 0 0 1\nv 2 3 0 0.5 0.25 1\nv 0 3 0 1\nv 0 0 4 0.5 0.25 1\nv 2 "
