@@ -30,6 +30,7 @@ scenarios/base:              base.h vec.h
 scenarios/include:           base.h vec.h
 scenarios/scene:             SCENE
 scenarios/catalogue:         SCENE scenarios/scene
+scenarios:                   SCENE scenarios/scene
 compare/include:             base.h scenarios/include
 compare/adapters:            SCENE compare/include engine/include
 compare/referee/geometry:    SCENE compare/include

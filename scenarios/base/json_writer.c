@@ -32,7 +32,7 @@ void pl_put(pl_json_writer *w, const char *text)
     put_bytes(w, text, strlen(text));
 }
 
-static void put_string(pl_json_writer *w, const char *string)
+void pl_put_string(pl_json_writer *w, const char *string)
 {
     pl_put(w, "\"");
     for (const char *c = string; *c != '\0'; c++) {
@@ -67,14 +67,14 @@ void pl_put_vector(pl_json_writer *w, const double *values, int count)
 void pl_put_key(pl_json_writer *w, const char *before, const char *key)
 {
     pl_put(w, before);
-    put_string(w, key);
+    pl_put_string(w, key);
     pl_put(w, ": ");
 }
 
 void pl_put_string_member(pl_json_writer *w, const char *before, const char *key, const char *value)
 {
     pl_put_key(w, before, key);
-    put_string(w, value);
+    pl_put_string(w, value);
 }
 
 void pl_put_number_member(pl_json_writer *w, const char *before, const char *key, double value)

@@ -15,6 +15,9 @@ typedef struct pl_json_writer {
 /* Text as it is. */
 void pl_put(pl_json_writer *w, const char *text);
 
+/* A string in quotes, escaped. */
+void pl_put_string(pl_json_writer *w, const char *string);
+
 /* JSON has no word for what is not finite: null, which the reader takes where it has a meaning. */
 void pl_put_number(pl_json_writer *w, double value);
 void pl_put_vector(pl_json_writer *w, const double *values, int count);

@@ -2,7 +2,7 @@
 
 #include "base/random.h"
 #include "plumb/vec.h"
-#include "shape_width.h"
+#include "scene_internal.h"
 
 #include <math.h>
 

@@ -1,36 +1,29 @@
-/* The scene: defaults, growth, and what follows from its numbers.
- *
- * Arrays double whenever they are full, and carry no capacity of their own: an array of `count`
- * items has room for the next power of two, and for FIRST_CAPACITY at least, so it is full when
- * `count` is such a number. Appending is amortised constant time. */
+/* The scene: defaults, growth, what follows from its numbers, and what it needs of an engine. */
+#include "base/array.h"
+#include "plumb/scenario.h"
 #include "polyhedron.h"
-#include "scene_array.h"
+#include "scene_fields.h"
+#include "scene_internal.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { FIRST_CAPACITY = 8 };
-
 pl_scene pl_scene_default(void)
 {
-    return (pl_scene){.gravity = {0, 0, -9.81},
-                      .dt = 1.0 / 60,
-                      .duration = 5,
-                      .collapse_distance = (double)INFINITY};
+    return *(const pl_scene *)pl_objects[PL_OBJECT_SCENE].defaults;
 }
 
 pl_body pl_body_default(void)
 {
-    return (pl_body){.mass = 1, .orientation = {1, 0, 0, 0}};
+    return *(const pl_body *)pl_objects[PL_OBJECT_BODY].defaults;
 }
 
 pl_expect_value pl_expect_value_default(const pl_scene *scene)
 {
-    return (pl_expect_value){.direction = {0, 0, 1},
-                             .until = (double)pl_scene_steps(scene) * scene->dt,
-                             .discrete = (double)NAN,
-                             .scale = 1};
+    pl_expect_value value = *(const pl_expect_value *)pl_objects[PL_OBJECT_VALUE].defaults;
+    value.until = (double)pl_scene_steps(scene) * scene->dt;
+    return value;
 }
 
 void pl_scene_free(pl_scene *scene)
@@ -52,27 +45,6 @@ void pl_scene_free(pl_scene *scene)
     *scene = pl_scene_default();
 }
 
-/* Appends a copy of `item` to an array of `*count` items; returns the array, which may have moved,
- * or NULL when out of memory, the old one then being as it was. */
-static void *append(void *items, int *count, const void *item, size_t size, pl_error *error)
-{
-    size_t used = (size_t)*count;
-    bool full = used == 0 || (used >= FIRST_CAPACITY && (used & (used - 1)) == 0);
-    if (full) {
-        size_t capacity = used == 0 ? FIRST_CAPACITY : 2 * used;
-        void *grown = used > INT32_MAX / 4 ? NULL : realloc(items, capacity * size);
-        if (grown == NULL) {
-            pl_fail(error, PL_NO_MEMORY, "out of memory for %zu scene items of %zu bytes", capacity,
-                    size);
-            return NULL;
-        }
-        items = grown;
-    }
-    memcpy((char *)items + used * size, item, size);
-    *count += 1;
-    return items;
-}
-
 pl_status pl_scene_add_material(pl_scene *scene, const pl_material *item, int *index,
                                 pl_error *error)
 {
@@ -80,37 +52,23 @@ pl_status pl_scene_add_material(pl_scene *scene, const pl_material *item, int *i
         return pl_fail(error, PL_BAD_INPUT, "material %.*s: expected at most %d materials",
                        PL_NAME_SIZE - 1, item->name, PL_MAX_MATERIALS);
     }
-    pl_material *grown =
-        append(scene->materials, &scene->material_count, item, sizeof *item, error);
-    if (grown == NULL) {
-        return PL_NO_MEMORY;
-    }
-    scene->materials = grown;
-    if (index != NULL) {
+    const pl_status status =
+        pl_array_push(&scene->materials, &scene->material_count, item, sizeof *item, error);
+    if (status == PL_OK && index != NULL) {
         *index = scene->material_count - 1;
     }
-    return PL_OK;
+    return status;
 }
 
 pl_status pl_scene_add_pair(pl_scene *scene, const pl_material_pair *item, pl_error *error)
 {
-    pl_material_pair *grown = append(scene->pairs, &scene->pair_count, item, sizeof *item, error);
-    if (grown == NULL) {
-        return PL_NO_MEMORY;
-    }
-    scene->pairs = grown;
-    return PL_OK;
+    return pl_array_push(&scene->pairs, &scene->pair_count, item, sizeof *item, error);
 }
 
 pl_status pl_scene_add_polyhedron(pl_scene *scene, pl_polyhedron *polyhedron, pl_error *error)
 {
-    pl_polyhedron **grown = append(scene->polyhedra, &scene->polyhedron_count, &polyhedron,
-                                   sizeof(pl_polyhedron *), error);
-    if (grown == NULL) {
-        return PL_NO_MEMORY;
-    }
-    scene->polyhedra = grown;
-    return PL_OK;
+    return pl_array_push(&scene->polyhedra, &scene->polyhedron_count, &polyhedron,
+                         sizeof(pl_polyhedron *), error);
 }
 
 /* The body with every field that has no meaning for it zeroed, and its inertia filled in. */
@@ -134,56 +92,32 @@ static pl_body normal_form(const pl_body *item)
 pl_status pl_scene_add_body(pl_scene *scene, const pl_body *item, int *index, pl_error *error)
 {
     const pl_body body = normal_form(item);
-    pl_body *grown = append(scene->bodies, &scene->body_count, &body, sizeof body, error);
-    if (grown == NULL) {
-        return PL_NO_MEMORY;
-    }
-    scene->bodies = grown;
-    if (index != NULL) {
+    const pl_status status =
+        pl_array_push(&scene->bodies, &scene->body_count, &body, sizeof body, error);
+    if (status == PL_OK && index != NULL) {
         *index = scene->body_count - 1;
     }
-    return PL_OK;
+    return status;
 }
 
 pl_status pl_scene_add_force(pl_scene *scene, const pl_force *item, pl_error *error)
 {
-    pl_force *grown = append(scene->forces, &scene->force_count, item, sizeof *item, error);
-    if (grown == NULL) {
-        return PL_NO_MEMORY;
-    }
-    scene->forces = grown;
-    return PL_OK;
+    return pl_array_push(&scene->forces, &scene->force_count, item, sizeof *item, error);
 }
 
 pl_status pl_scene_add_rest(pl_scene *scene, const pl_expect_rest *item, pl_error *error)
 {
-    pl_expect_rest *grown = append(scene->rests, &scene->rest_count, item, sizeof *item, error);
-    if (grown == NULL) {
-        return PL_NO_MEMORY;
-    }
-    scene->rests = grown;
-    return PL_OK;
+    return pl_array_push(&scene->rests, &scene->rest_count, item, sizeof *item, error);
 }
 
 pl_status pl_scene_add_travel(pl_scene *scene, const pl_expect_travel *item, pl_error *error)
 {
-    pl_expect_travel *grown =
-        append(scene->travels, &scene->travel_count, item, sizeof *item, error);
-    if (grown == NULL) {
-        return PL_NO_MEMORY;
-    }
-    scene->travels = grown;
-    return PL_OK;
+    return pl_array_push(&scene->travels, &scene->travel_count, item, sizeof *item, error);
 }
 
 pl_status pl_scene_add_value(pl_scene *scene, const pl_expect_value *item, pl_error *error)
 {
-    pl_expect_value *grown = append(scene->values, &scene->value_count, item, sizeof *item, error);
-    if (grown == NULL) {
-        return PL_NO_MEMORY;
-    }
-    scene->values = grown;
-    return PL_OK;
+    return pl_array_push(&scene->values, &scene->value_count, item, sizeof *item, error);
 }
 
 void pl_scene_pair(const pl_scene *scene, int material_a, int material_b, double *friction,
@@ -208,4 +142,101 @@ void pl_scene_pair(const pl_scene *scene, int material_a, int material_b, double
 long pl_scene_steps(const pl_scene *scene)
 {
     return lround(scene->duration / scene->dt);
+}
+
+/* ---- What a scene needs of an engine ---- */
+
+static bool is_zero(const double vector[3])
+{
+    return vector[0] == 0 && vector[1] == 0 && vector[2] == 0;
+}
+
+/* How many moving and how many static bodies each material has, counted to 2: more make no
+ * difference. */
+typedef struct material_use {
+    unsigned char moving[PL_MAX_MATERIALS], fixed[PL_MAX_MATERIALS];
+} material_use;
+
+static void count_use(const pl_scene *scene, material_use *use)
+{
+    memset(use, 0, sizeof *use);
+    for (int i = 0; i < scene->body_count; i++) {
+        const pl_body *body = &scene->bodies[i];
+        unsigned char *count = body->is_static ? use->fixed : use->moving;
+        if (count[body->material] < 2) {
+            count[body->material]++;
+        }
+    }
+}
+
+/* Whether two bodies of these materials can touch, one of them moving. */
+static bool can_touch(const material_use *use, int a, int b)
+{
+    if (a == b) {
+        return use->moving[a] > 0 && use->moving[a] + use->fixed[a] > 1;
+    }
+    return (use->moving[a] > 0 && use->moving[b] + use->fixed[b] > 0) ||
+           (use->fixed[a] > 0 && use->moving[b] > 0);
+}
+
+static uint32_t needs_of_pairs(const pl_scene *scene)
+{
+    material_use use;
+    count_use(scene, &use);
+    uint32_t needs = 0;
+    for (int a = 0; a < scene->material_count; a++) {
+        for (int b = 0; b <= a; b++) {
+            double friction, restitution;
+            if (!can_touch(&use, a, b)) {
+                continue;
+            }
+            pl_scene_pair(scene, a, b, &friction, &restitution);
+            needs |= friction > 0 ? PL_NEEDS_FRICTION : 0u;
+            needs |= restitution > 0 ? PL_NEEDS_RESTITUTION : 0u;
+        }
+    }
+    return needs;
+}
+
+/* A moving body turns when anything touches it, a sphere only by friction, since its contact forces
+ * else pass through its centre; any when it spins already or a force acts off the centre. */
+static bool may_turn(const pl_body *body, bool has_friction, bool has_others)
+{
+    if (body->is_static) {
+        return false;
+    }
+    bool by_contact = body->shape.kind == PL_SHAPE_SPHERE ? has_friction : has_others;
+    return by_contact || !is_zero(body->angular_velocity);
+}
+
+uint32_t pl_scene_needs(const pl_scene *scene)
+{
+    uint32_t needs = needs_of_pairs(scene);
+    bool has_friction = (needs & PL_NEEDS_FRICTION) != 0;
+    for (int i = 0; i < scene->body_count; i++) {
+        const pl_body *body = &scene->bodies[i];
+        needs |= (uint32_t)PL_NEEDS_PLANE << body->shape.kind;
+        needs |= may_turn(body, has_friction, scene->body_count > 1) ? PL_NEEDS_ROTATION : 0u;
+    }
+    for (int i = 0; i < scene->force_count; i++) {
+        needs |= PL_NEEDS_FORCES;
+        needs |= is_zero(scene->forces[i].at) ? 0u : PL_NEEDS_ROTATION;
+    }
+    return needs;
+}
+
+const char *pl_needs_name(uint32_t bit)
+{
+    static const char *const names[] = {"friction", "restitution", "rotation", "forces"};
+    for (int i = 0; i < 4; ++i) {
+        if (bit == 1u << i) {
+            return names[i];
+        }
+    }
+    for (int i = 0; i < PL_SHAPE_KIND_COUNT; ++i) {
+        if (bit == (uint32_t)PL_NEEDS_PLANE << i) {
+            return pl_shape_names[i];
+        }
+    }
+    return NULL;
 }

@@ -6,13 +6,12 @@
 #include "base/diagnostic.h"
 #include "plumb/scene.h"
 
-/* The metrics that a scene may name as its primary error. */
-extern const char *const pl_primary_errors[];
-extern const int pl_primary_error_count;
-
 /* False with a diagnostic about the first rule that is broken; its path follows the scene file,
  * where forces stand inside their body. `diagnostic` must be zeroed; its path borrows from the
  * scene. */
 bool pl_scene_check(const pl_scene *scene, pl_diagnostic *diagnostic);
+
+/* Checks the numbers of one shape. Complains at the path as it stands. */
+bool pl_check_shape(const pl_shape *shape, pl_diagnostic *diagnostic);
 
 #endif

@@ -1,15 +1,15 @@
-/* Object by object. Here stands what only the text can show: keys, types, names that refer to
- * others, defaults. What must hold of the numbers is in scene_check.c. */
-#include "scene_read.h"
-
-#include "base/json_field.h"
+/* Scene files: their text to a scene, object by object, by the table of fields. Here stands what
+ * only the text can show: keys, types, names that refer to others, and defaults that depend on
+ * other fields. What must hold of the numbers is in scene_check.c. */
+#include "base/json_text.h"
 #include "base/name_index.h"
 #include "scene_check.h"
-#include "scene_keys.h"
+#include "scene_internal.h"
+#include "scene_read_fields.h"
 #include "scene_read_shape.h"
-#include "shape_width.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct reader {
@@ -19,30 +19,18 @@ typedef struct reader {
     pl_diagnostic diagnostic;
 } reader;
 
-/* Reads one item of an array; the path stands at it. */
-typedef bool (*item_reader)(reader *r, const json_t *json);
+/* The struct of any object that is an item of a list. */
+typedef union any_item {
+    pl_material material;
+    pl_material_pair pair;
+    pl_body body;
+    pl_force force;
+    pl_expect_rest rest;
+    pl_expect_travel travel;
+    pl_expect_value value;
+} any_item;
 
-static bool read_items(reader *r, const json_t *object, const char *key, pl_presence presence,
-                       item_reader read_item)
-{
-    const json_t *array;
-    if (!pl_json_array(object, key, presence, &array, &r->diagnostic)) {
-        return false;
-    }
-    pl_path_push_key(&r->diagnostic.path, key);
-    size_t i;
-    json_t *item;
-    json_array_foreach(array, i, item)
-    {
-        pl_path_push_index(&r->diagnostic.path, (int)i);
-        if (!read_item(r, item)) {
-            return false;
-        }
-        pl_path_pop(&r->diagnostic.path);
-    }
-    pl_path_pop(&r->diagnostic.path);
-    return true;
-}
+static bool read_object(reader *r, const json_t *json, pl_object_kind kind, void *item);
 
 static bool added(reader *r, pl_status status)
 {
@@ -51,12 +39,31 @@ static bool added(reader *r, pl_status status)
 
 static int find_material(const pl_scene *scene, const char *name)
 {
-    for (int i = 0; i < scene->material_count; i++) {
+    for (int i = 0; i < scene->material_count; ++i) {
         if (strcmp(scene->materials[i].name, name) == 0) {
             return i;
         }
     }
     return -1;
+}
+
+/* ---- References ---- */
+
+/* The material of a body that names none. */
+static bool use_default_material(reader *r, int *index)
+{
+    static const pl_material material = {.name = "default", .friction = 0.5, .restitution = 0};
+    *index = find_material(r->scene, material.name);
+    if (*index >= 0) {
+        return true;
+    }
+    if (r->scene->material_count == PL_MAX_MATERIALS) {
+        return pl_complain_of(&r->diagnostic, "material",
+                              "expected a name, since there is no room for a default material next "
+                              "to %d others, found nothing",
+                              PL_MAX_MATERIALS);
+    }
+    return added(r, pl_scene_add_material(r->scene, &material, index, NULL));
 }
 
 static bool read_material_reference(reader *r, const json_t *object, const char *key, int *index)
@@ -72,72 +79,31 @@ static bool read_material_reference(reader *r, const json_t *object, const char 
         return true;
     }
     const char *names[PL_MAX_MATERIALS];
-    for (int i = 0; i < scene->material_count; i++) {
+    for (int i = 0; i < scene->material_count; ++i) {
         names[i] = scene->materials[i].name;
     }
-    const char *nearest = pl_nearest_name(name, names, scene->material_count);
-    return pl_complain_of_reference(&r->diagnostic, key, "material", name, nearest);
+    return pl_complain_of_reference(&r->diagnostic, key, "material", name,
+                                    pl_nearest_name(name, names, scene->material_count));
 }
 
-static bool read_material(reader *r, const char *name, const json_t *json)
+static bool read_body_reference(reader *r, const json_t *object, const char *key, int *index)
 {
-    pl_material material = {.friction = 0};
-    r->diagnostic.at_key = true;
-    if (!pl_check_name(name, strlen(name), &r->diagnostic)) {
+    const char *name = NULL;
+    if (!pl_json_string(object, key, PL_REQUIRED, "the name of a body", &name, &r->diagnostic)) {
         return false;
     }
-    r->diagnostic.at_key = false;
-    memcpy(material.name, name, strlen(name) + 1);
-    return pl_json_object(json, &pl_scene_keys[PL_OBJECT_MATERIAL], &r->diagnostic) &&
-           pl_json_number(json, "friction", PL_REQUIRED, &material.friction, &r->diagnostic) &&
-           pl_json_number(json, "restitution", PL_REQUIRED, &material.restitution,
-                          &r->diagnostic) &&
-           added(r, pl_scene_add_material(r->scene, &material, NULL, NULL));
+    *index = pl_name_index_find(&r->body_names, name);
+    return *index >= 0 || pl_complain_of_reference(&r->diagnostic, key, "body", name,
+                                                   pl_name_index_nearest(&r->body_names, name));
 }
 
-static bool read_materials(reader *r, const json_t *object)
-{
-    const json_t *materials = json_object_get(object, "materials");
-    if (materials == NULL) {
-        return true;
-    }
-    pl_path_push_key(&r->diagnostic.path, "materials");
-    if (!json_is_object(materials) || json_object_size(materials) > PL_MAX_MATERIALS) {
-        char found[PL_FOUND_SIZE];
-        return pl_complain(&r->diagnostic, "expected an object of at most %d materials, found %s",
-                           PL_MAX_MATERIALS,
-                           json_is_object(materials) ? "more" : pl_json_found(materials, found));
-    }
-    const char *name;
-    json_t *value;
-    json_object_foreach((json_t *)materials, name, value)
-    {
-        pl_path_push_key(&r->diagnostic.path, name);
-        if (!read_material(r, name, value)) {
-            return false;
-        }
-        pl_path_pop(&r->diagnostic.path);
-    }
-    pl_path_pop(&r->diagnostic.path);
-    return true;
-}
-
-static bool read_pair(reader *r, const json_t *json)
-{
-    pl_material_pair pair = {.friction = 0};
-    return pl_json_object(json, &pl_scene_keys[PL_OBJECT_PAIR], &r->diagnostic) &&
-           read_material_reference(r, json, "a", &pair.material_a) &&
-           read_material_reference(r, json, "b", &pair.material_b) &&
-           pl_json_number(json, "friction", PL_REQUIRED, &pair.friction, &r->diagnostic) &&
-           pl_json_number(json, "restitution", PL_REQUIRED, &pair.restitution, &r->diagnostic) &&
-           added(r, pl_scene_add_pair(r->scene, &pair, NULL));
-}
+/* ---- Bodies ---- */
 
 /* Complains when the body has one of `keys`, a list that ends with NULL. */
 static bool has_none_of(reader *r, const json_t *body, const char *const *keys,
                         const char *expected)
 {
-    for (; *keys != NULL; keys++) {
+    for (; *keys != NULL; ++keys) {
         const json_t *json = json_object_get(body, *keys);
         if (json != NULL) {
             char found[PL_FOUND_SIZE];
@@ -149,16 +115,17 @@ static bool has_none_of(reader *r, const json_t *body, const char *const *keys,
     return true;
 }
 
-/* Mass, or density times volume, and inertia where it is given. */
-static bool read_mass(reader *r, const json_t *json, pl_body *body)
+/* The mass may be given as density times volume. Inertia, where it is given, is not all zeros,
+ * which stand for that of the shape. */
+static bool finish_mass(reader *r, const json_t *json, pl_body *body)
 {
     pl_diagnostic *diagnostic = &r->diagnostic;
-    static const char *const of_moving[] = {"mass", "density", "inertia", NULL};
+    static const char *const of_dynamic[] = {"mass", "density", "inertia", NULL};
     if (body->is_static || body->shape.kind == PL_SHAPE_PLANE) {
-        return has_none_of(r, json, of_moving, "neither mass nor inertia of a static body");
+        return has_none_of(r, json, of_dynamic, "neither mass nor inertia of a static body");
     }
-    bool has_mass = json_object_get(json, "mass") != NULL;
-    bool has_density = json_object_get(json, "density") != NULL;
+    const bool has_mass = json_object_get(json, "mass") != NULL;
+    const bool has_density = json_object_get(json, "density") != NULL;
     if (has_mass == has_density) {
         diagnostic->at_key = has_density;
         return pl_complain_of(diagnostic, has_mass ? "density" : "mass",
@@ -166,198 +133,187 @@ static bool read_mass(reader *r, const json_t *json, pl_body *body)
                               "found %s",
                               has_mass ? "both" : "neither");
     }
-    double density = 0;
-    if (!pl_json_number(json, "mass", PL_OPTIONAL, &body->mass, diagnostic) ||
-        !pl_json_number(json, "density", PL_OPTIONAL, &density, diagnostic) ||
-        !pl_json_vector(json, "inertia", PL_OPTIONAL, body->inertia, 3, diagnostic)) {
-        return false;
-    }
     if (has_density) {
+        double density = 0;
+        if (!pl_json_number(json, "density", PL_REQUIRED, &density, diagnostic)) {
+            return false;
+        }
         if (!(density > 0)) {
             return pl_complain_of(diagnostic, "density", "expected a number above 0, found %g",
                                   density);
         }
         body->mass = density * pl_shape_volume(&body->shape);
     }
-    bool all_zero = body->inertia[0] == 0 && body->inertia[1] == 0 && body->inertia[2] == 0;
+    const bool all_zero = body->inertia[0] == 0 && body->inertia[1] == 0 && body->inertia[2] == 0;
     if (all_zero && json_object_get(json, "inertia") != NULL) {
         return pl_complain_of(diagnostic, "inertia", "expected numbers above 0, found zeros");
     }
     return true;
 }
 
-/* The material of a body that names none. */
-static bool use_default_material(reader *r, int *index)
-{
-    static const pl_material material = {.name = "default", .friction = 0.5, .restitution = 0};
-    *index = find_material(r->scene, material.name);
-    if (*index >= 0) {
-        return true;
-    }
-    if (r->scene->material_count == PL_MAX_MATERIALS) {
-        return pl_complain_of(&r->diagnostic, "material",
-                              "expected a name, there being no room for a default material beside "
-                              "%d others, found nothing",
-                              PL_MAX_MATERIALS);
-    }
-    return added(r, pl_scene_add_material(r->scene, &material, index, NULL));
-}
-
-static bool read_force(reader *r, const json_t *json)
-{
-    pl_force force = {.body = r->scene->body_count - 1, .until = (double)INFINITY};
-    const char *frame = "world";
-    pl_diagnostic *diagnostic = &r->diagnostic;
-    if (!pl_json_object(json, &pl_scene_keys[PL_OBJECT_FORCE], diagnostic) ||
-        !pl_json_vector(json, "force", PL_REQUIRED, force.force, 3, diagnostic) ||
-        !pl_json_vector(json, "at", PL_OPTIONAL, force.at, 3, diagnostic) ||
-        !pl_json_string(json, "frame", PL_OPTIONAL, "\"world\" or \"body\"", &frame, diagnostic) ||
-        !pl_json_number(json, "from", PL_OPTIONAL, &force.from, diagnostic) ||
-        !pl_json_number(json, "until", PL_OPTIONAL, &force.until, diagnostic)) {
-        return false;
-    }
-    bool in_body = strcmp(frame, "body") == 0;
-    if (!in_body && strcmp(frame, "world") != 0) {
-        char quoted[PL_QUOTED_SIZE];
-        return pl_complain_of(diagnostic, "frame", "expected \"world\" or \"body\", found %s",
-                              pl_quoted(frame, quoted));
-    }
-    force.frame = in_body ? PL_FRAME_BODY : PL_FRAME_WORLD;
-    return added(r, pl_scene_add_force(r->scene, &force, NULL));
-}
-
-static bool read_body(reader *r, const json_t *json)
+static bool finish_body(reader *r, const json_t *json, pl_body *body)
 {
     static const char *const of_placed[] = {"position", "orientation", NULL};
-    pl_body body = pl_body_default();
-    pl_diagnostic *diagnostic = &r->diagnostic;
-    if (!pl_json_object(json, &pl_scene_keys[PL_OBJECT_BODY], diagnostic) ||
-        !pl_json_name(json, "name", PL_REQUIRED, body.name, diagnostic) ||
-        !pl_read_body_shape(&r->shapes, json, &body.shape)) {
-        return false;
-    }
-    bool is_plane = body.shape.kind == PL_SHAPE_PLANE;
-    body.is_static = is_plane;
-    if (!pl_json_bool(json, "static", &body.is_static, diagnostic) ||
-        (is_plane && !has_none_of(r, json, of_placed,
-                                  "a plane to be placed by its shape's normal and offset")) ||
-        !pl_json_vector(json, "position", PL_OPTIONAL, body.position, 3, diagnostic) ||
-        !pl_json_unit(json, "orientation", PL_OPTIONAL, body.orientation, 4, &r->diagnostic) ||
-        !pl_json_vector(json, "velocity", PL_OPTIONAL, body.velocity, 3, diagnostic) ||
-        !pl_json_vector(json, "angular_velocity", PL_OPTIONAL, body.angular_velocity, 3,
-                        diagnostic)) {
-        return false;
-    }
-    bool has_material = json_object_get(json, "material") != NULL;
-    return read_mass(r, json, &body) &&
-           (has_material ? read_material_reference(r, json, "material", &body.material)
-                         : use_default_material(r, &body.material)) &&
-           added(r, pl_scene_add_body(r->scene, &body, NULL, NULL)) &&
-           read_items(r, json, "forces", PL_OPTIONAL, read_force);
-}
-
-static bool read_body_reference(reader *r, const json_t *object, int *index)
-{
-    const char *name = NULL;
-    if (!pl_json_string(object, "body", PL_REQUIRED, "the name of a body", &name, &r->diagnostic)) {
-        return false;
-    }
-    *index = pl_name_index_find(&r->body_names, name);
-    return *index >= 0 || pl_complain_of_reference(&r->diagnostic, "body", "body", name,
-                                                   pl_name_index_nearest(&r->body_names, name));
-}
-
-static bool read_rest(reader *r, const json_t *json)
-{
-    pl_expect_rest rest = {.orientation = {1, 0, 0, 0}};
-    rest.has_orientation = json_object_get(json, "orientation") != NULL;
-    return pl_json_object(json, &pl_scene_keys[PL_OBJECT_REST], &r->diagnostic) &&
-           read_body_reference(r, json, &rest.body) &&
-           pl_json_vector(json, "position", PL_REQUIRED, rest.position, 3, &r->diagnostic) &&
-           pl_json_unit(json, "orientation", PL_OPTIONAL, rest.orientation, 4, &r->diagnostic) &&
-           added(r, pl_scene_add_rest(r->scene, &rest, NULL));
-}
-
-static bool read_travel(reader *r, const json_t *json)
-{
-    pl_expect_travel travel = {.discrete = (double)NAN};
-    return pl_json_object(json, &pl_scene_keys[PL_OBJECT_TRAVEL], &r->diagnostic) &&
-           read_body_reference(r, json, &travel.body) &&
-           pl_json_unit(json, "direction", PL_REQUIRED, travel.direction, 3, &r->diagnostic) &&
-           pl_json_number(json, "distance", PL_REQUIRED, &travel.distance, &r->diagnostic) &&
-           pl_json_number(json, "discrete", PL_OPTIONAL, &travel.discrete, &r->diagnostic) &&
-           added(r, pl_scene_add_travel(r->scene, &travel, NULL));
-}
-
-static bool read_quantity(reader *r, const json_t *json, pl_quantity *quantity)
-{
-    const char *name = NULL;
-    if (!pl_json_string(json, "quantity", PL_REQUIRED, "the name of a quantity", &name,
-                        &r->diagnostic)) {
-        return false;
-    }
-    for (int i = 0; i < PL_QUANTITY_COUNT; i++) {
-        if (strcmp(name, pl_quantity_names[i]) == 0) {
-            *quantity = (pl_quantity)i;
-            return true;
+    if (body->shape.kind == PL_SHAPE_PLANE) {
+        if (json_object_get(json, "static") == NULL) {
+            body->is_static = true;
+        }
+        if (!has_none_of(r, json, of_placed,
+                         "a plane to be placed by its shape's normal and offset")) {
+            return false;
         }
     }
-    const char *nearest = pl_nearest_name(name, pl_quantity_names, PL_QUANTITY_COUNT);
-    char quoted[PL_QUOTED_SIZE];
-    return pl_complain_of(
-        &r->diagnostic, "quantity", "expected a quantity such as \"%s\", found %s",
-        nearest != NULL ? nearest : pl_quantity_names[0], pl_quoted(name, quoted));
+    return finish_mass(r, json, body) &&
+           (json_object_get(json, "material") != NULL || use_default_material(r, &body->material));
 }
 
-static bool read_value(reader *r, const json_t *json)
+/* ---- Lists ---- */
+
+/* Completes an item that is read and gives it to the scene. */
+static bool add_item(reader *r, const json_t *json, pl_object_kind kind, any_item *item)
 {
-    pl_expect_value value = pl_expect_value_default(r->scene);
-    return pl_json_object(json, &pl_scene_keys[PL_OBJECT_VALUE], &r->diagnostic) &&
-           read_body_reference(r, json, &value.body) && read_quantity(r, json, &value.quantity) &&
-           pl_json_unit(json, "direction", PL_REQUIRED, value.direction, 3, &r->diagnostic) &&
-           pl_json_number(json, "from", PL_OPTIONAL, &value.from, &r->diagnostic) &&
-           pl_json_number(json, "until", PL_OPTIONAL, &value.until, &r->diagnostic) &&
-           pl_json_number(json, "value", PL_REQUIRED, &value.value, &r->diagnostic) &&
-           pl_json_number(json, "discrete", PL_OPTIONAL, &value.discrete, &r->diagnostic) &&
-           pl_json_number(json, "scale", PL_OPTIONAL, &value.scale, &r->diagnostic) &&
-           added(r, pl_scene_add_value(r->scene, &value, NULL));
+    pl_scene *scene = r->scene;
+    switch (kind) {
+    case PL_OBJECT_MATERIAL:
+        return added(r, pl_scene_add_material(scene, &item->material, NULL, NULL));
+    case PL_OBJECT_PAIR:
+        return added(r, pl_scene_add_pair(scene, &item->pair, NULL));
+    case PL_OBJECT_BODY:
+        return finish_body(r, json, &item->body) &&
+               added(r, pl_scene_add_body(scene, &item->body, NULL, NULL));
+    case PL_OBJECT_FORCE:
+        item->force.body = scene->body_count - 1;
+        return added(r, pl_scene_add_force(scene, &item->force, NULL));
+    case PL_OBJECT_REST:
+        item->rest.has_orientation = json_object_get(json, "orientation") != NULL;
+        return added(r, pl_scene_add_rest(scene, &item->rest, NULL));
+    case PL_OBJECT_TRAVEL:
+        return added(r, pl_scene_add_travel(scene, &item->travel, NULL));
+    default:
+        return added(r, pl_scene_add_value(scene, &item->value, NULL));
+    }
 }
 
-/* Half of the smallest dimension of the bodies that should rest: what has moved farther has fallen.
- */
+static bool read_items(reader *r, const json_t *object, const pl_field *field);
+
+/* Reads one item. `name` is its key in an object of items, NULL in an array. The path stands at
+ * it. */
+static bool read_item(reader *r, const json_t *json, pl_object_kind kind, const char *name)
+{
+    any_item item;
+    memcpy(&item, pl_objects[kind].defaults, pl_objects[kind].size);
+    if (kind == PL_OBJECT_VALUE) {
+        item.value = pl_expect_value_default(r->scene);
+    }
+    if (name != NULL) {
+        r->diagnostic.at_key = true;
+        if (!pl_check_name(name, strlen(name), &r->diagnostic)) {
+            return false;
+        }
+        r->diagnostic.at_key = false;
+        memcpy(item.material.name, name, strlen(name) + 1);
+    }
+    if (!read_object(r, json, kind, &item) || !add_item(r, json, kind, &item)) {
+        return false;
+    }
+    /* Forces refer to their body, which is now there. */
+    for (int i = 0; i < pl_objects[kind].field_count; ++i) {
+        const pl_field *field = &pl_objects[kind].fields[i];
+        if (field->type == PL_FIELD_FORCES && !read_items(r, json, field)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static bool read_items(reader *r, const json_t *object, const pl_field *field)
+{
+    const pl_presence presence = field->need == PL_NEED_ALWAYS ? PL_REQUIRED : PL_OPTIONAL;
+    const json_t *array;
+    if (!pl_json_array(object, field->key, presence, &array, &r->diagnostic)) {
+        return false;
+    }
+    pl_path_push_key(&r->diagnostic.path, field->key);
+    size_t i;
+    json_t *item;
+    json_array_foreach(array, i, item)
+    {
+        pl_path_push_index(&r->diagnostic.path, (int)i);
+        if (!read_item(r, item, field->items, NULL)) {
+            return false;
+        }
+        pl_path_pop(&r->diagnostic.path);
+    }
+    pl_path_pop(&r->diagnostic.path);
+    return true;
+}
+
+static bool read_named_items(reader *r, const json_t *object, const pl_field *field)
+{
+    const json_t *items = json_object_get(object, field->key);
+    if (items == NULL) {
+        return true;
+    }
+    pl_path_push_key(&r->diagnostic.path, field->key);
+    if (!json_is_object(items) || json_object_size(items) > (size_t)field->most) {
+        char found[PL_FOUND_SIZE];
+        return pl_complain(&r->diagnostic, "expected an object of at most %d %s, found %s",
+                           field->most, field->key,
+                           json_is_object(items) ? "more" : pl_json_found(items, found));
+    }
+    const char *name;
+    json_t *value;
+    json_object_foreach((json_t *)items, name, value)
+    {
+        pl_path_push_key(&r->diagnostic.path, name);
+        if (!read_item(r, value, field->items, name)) {
+            return false;
+        }
+        pl_path_pop(&r->diagnostic.path);
+    }
+    pl_path_pop(&r->diagnostic.path);
+    return true;
+}
+
+/* ---- Expectations ---- */
+
+/* Half of the smallest dimension of the bodies that should rest: a body that has moved farther has
+ * collapsed. */
 static double default_collapse_distance(const pl_scene *scene)
 {
     double half = (double)INFINITY;
-    for (int i = 0; i < scene->rest_count; i++) {
+    for (int i = 0; i < scene->rest_count; ++i) {
         half = fmin(half, pl_shape_half_width(&scene->bodies[scene->rests[i].body].shape));
     }
     return half;
 }
 
-static bool read_primary_error(reader *r, const json_t *expect)
+/* The default follows from the lists of expectations, which come first. */
+static bool read_metric(reader *r, const json_t *expect, const pl_field *field)
 {
     pl_scene *scene = r->scene;
-    const char *primary = scene->travel_count > 0  ? "travel_error"
-                          : scene->value_count > 0 ? "value_error"
-                          : scene->rest_count > 0  ? "rest_position_error"
-                                                   : "";
-    if (!pl_json_string(expect, "primary", PL_OPTIONAL, "the name of a metric", &primary,
+    const char *metric = scene->travel_count > 0  ? "travel_error"
+                         : scene->value_count > 0 ? "value_error"
+                         : scene->rest_count > 0  ? "rest_position_error"
+                                                  : "";
+    scene->collapse_distance = default_collapse_distance(scene);
+    if (!pl_json_string(expect, field->key, PL_OPTIONAL, "the name of a metric", &metric,
                         &r->diagnostic)) {
         return false;
     }
-    if (strlen(primary) >= sizeof scene->primary_error) {
+    if (strlen(metric) >= sizeof scene->primary_error) {
         char quoted[PL_QUOTED_SIZE];
-        return pl_complain_of(&r->diagnostic, "primary", "expected the name of a metric, found %s",
-                              pl_quoted(primary, quoted));
+        return pl_complain_of(&r->diagnostic, field->key, "expected the name of a metric, found %s",
+                              pl_quoted(metric, quoted));
     }
-    memcpy(scene->primary_error, primary, strlen(primary) + 1);
+    memcpy(scene->primary_error, metric, strlen(metric) + 1);
     return true;
 }
 
-static bool read_expectations(reader *r, const json_t *object)
+static bool read_expectations(reader *r, const json_t *object, const pl_field *field)
 {
     pl_scene *scene = r->scene;
-    const json_t *expect = json_object_get(object, "expect");
+    const json_t *expect = json_object_get(object, field->key);
     if (expect == NULL) {
         return true;
     }
@@ -365,60 +321,119 @@ static bool read_expectations(reader *r, const json_t *object)
                              sizeof *scene->bodies, scene->body_count, &r->body_names) != PL_OK) {
         return pl_complain_no_memory(&r->diagnostic);
     }
-    pl_path_push_key(&r->diagnostic.path, "expect");
-    if (!pl_json_object(expect, &pl_scene_keys[PL_OBJECT_EXPECT], &r->diagnostic) ||
-        !read_items(r, expect, "rest", PL_OPTIONAL, read_rest) ||
-        !read_items(r, expect, "travel", PL_OPTIONAL, read_travel) ||
-        !read_items(r, expect, "values", PL_OPTIONAL, read_value) ||
-        !read_primary_error(r, expect)) {
-        return false;
-    }
-    scene->collapse_distance = default_collapse_distance(scene);
-    if (json_is_null(json_object_get(expect, "collapse_distance"))) {
-        scene->collapse_distance = (double)INFINITY;
-    } else if (!pl_json_number(expect, "collapse_distance", PL_OPTIONAL, &scene->collapse_distance,
-                               &r->diagnostic)) {
+    pl_path_push_key(&r->diagnostic.path, field->key);
+    if (!read_object(r, expect, field->items, scene)) {
         return false;
     }
     pl_path_pop(&r->diagnostic.path);
     return true;
 }
 
-static bool read_version(reader *r, const json_t *json)
+/* ---- Objects ---- */
+
+static bool read_version(reader *r, const json_t *json, const pl_field *field)
 {
-    const json_t *version = json_object_get(json, "plumb_scene");
+    const json_t *version = json_object_get(json, field->key);
     if (json_is_number(version) && json_number_value(version) == 1) {
         return true;
     }
     char found[PL_FOUND_SIZE];
-    return pl_complain_of(&r->diagnostic, "plumb_scene", "expected 1, found %s",
+    return pl_complain_of(&r->diagnostic, field->key, "expected 1, found %s",
                           pl_json_found(version, found));
 }
 
-static bool read_scene(reader *r, const json_t *json)
+static bool read_field(reader *r, const json_t *json, const pl_field *field, void *item)
 {
-    pl_scene *scene = r->scene;
-    pl_diagnostic *diagnostic = &r->diagnostic;
-    return pl_json_object(json, &pl_scene_keys[PL_OBJECT_SCENE], diagnostic) &&
-           read_version(r, json) &&
-           pl_json_name(json, "name", PL_OPTIONAL, scene->name, diagnostic) &&
-           pl_json_vector(json, "gravity", PL_OPTIONAL, scene->gravity, 3, diagnostic) &&
-           pl_json_number(json, "dt", PL_OPTIONAL, &scene->dt, diagnostic) &&
-           pl_json_number(json, "duration", PL_OPTIONAL, &scene->duration, diagnostic) &&
-           read_materials(r, json) && read_items(r, json, "pairs", PL_OPTIONAL, read_pair) &&
-           pl_read_shapes(&r->shapes, json) &&
-           read_items(r, json, "bodies", PL_REQUIRED, read_body) && read_expectations(r, json) &&
-           pl_scene_check(scene, diagnostic);
+    void *value = (char *)item + field->offset;
+    switch (field->type) {
+    case PL_FIELD_VERSION:
+        return read_version(r, json, field);
+    case PL_FIELD_MATERIAL:
+        return (field->need != PL_NEED_ALWAYS && json_object_get(json, field->key) == NULL) ||
+               read_material_reference(r, json, field->key, value);
+    case PL_FIELD_BODY:
+        return read_body_reference(r, json, field->key, value);
+    case PL_FIELD_ITEMS:
+        return read_items(r, json, field);
+    case PL_FIELD_NAMED_ITEMS:
+        return read_named_items(r, json, field);
+    case PL_FIELD_OBJECT:
+        return read_expectations(r, json, field);
+    case PL_FIELD_METRIC:
+        return read_metric(r, json, field);
+    case PL_FIELD_SHAPES:
+        return pl_read_shapes(&r->shapes, json);
+    case PL_FIELD_SHAPE:
+        return pl_read_body_shape(&r->shapes, json, value);
+    default:
+        return pl_read_field(json, field, item, &r->diagnostic);
+    }
 }
 
-bool pl_scene_from_json(const json_t *json, const char *folder, pl_scene *scene,
-                        pl_diagnostic *diagnostic)
+static bool read_object(reader *r, const json_t *json, pl_object_kind kind, void *item)
 {
-    reader r = {.scene = scene};
-    r.shapes = (pl_shape_reader){.scene = scene, .folder = folder, .diagnostic = &r.diagnostic};
-    bool right = read_scene(&r, json);
+    const pl_object *object = &pl_objects[kind];
+    bool right = pl_read_keys(json, kind, &r->diagnostic);
+    for (int i = 0; i < object->field_count && right; ++i) {
+        right = read_field(r, json, &object->fields[i], item);
+    }
+    return right;
+}
+
+/* ---- Files ---- */
+
+/* A scene to fill, and the folder of files that it names. */
+typedef struct request {
+    pl_scene *scene;
+    const char *folder; /* with a / at its end, or "" for the working directory; NULL: it may name
+                         * none */
+} request;
+
+static bool read_scene(const json_t *json, void *user, pl_diagnostic *diagnostic)
+{
+    const request *wanted = user;
+    reader r = {.scene = wanted->scene};
+    r.shapes = (pl_shape_reader){
+        .scene = wanted->scene, .folder = wanted->folder, .diagnostic = &r.diagnostic};
+    const bool right =
+        read_object(&r, json, PL_OBJECT_SCENE, r.scene) && pl_scene_check(r.scene, &r.diagnostic);
     pl_shape_reader_free(&r.shapes);
     pl_name_index_free(&r.body_names);
     *diagnostic = r.diagnostic;
     return right;
+}
+
+static const pl_json_kind scene_kind = {
+    .noun = "scene", .most_bytes = PL_MAX_SCENE_BYTES, .read = read_scene};
+
+pl_status pl_scene_read_text(const char *text, size_t length, const char *label, pl_scene *scene,
+                             pl_error *error)
+{
+    *scene = pl_scene_default();
+    request wanted = {.scene = scene};
+    const pl_status status = pl_json_read_text(&scene_kind, text, length, label, &wanted, error);
+    if (status != PL_OK) {
+        pl_scene_free(scene);
+    }
+    return status;
+}
+
+pl_status pl_scene_read_file(const char *path, pl_scene *scene, pl_error *error)
+{
+    *scene = pl_scene_default();
+    /* The path up to its last slash. */
+    const char *slash = strrchr(path, '/');
+    const size_t length = slash == NULL ? 0 : (size_t)(slash + 1 - path);
+    char *folder = calloc(length + 1, 1);
+    if (folder == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
+    }
+    memcpy(folder, path, length);
+    request wanted = {.scene = scene, .folder = folder};
+    const pl_status status = pl_json_read_file(&scene_kind, path, &wanted, error);
+    free(folder);
+    if (status != PL_OK) {
+        pl_scene_free(scene);
+    }
+    return status;
 }

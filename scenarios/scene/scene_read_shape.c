@@ -1,39 +1,15 @@
 #include "scene_read_shape.h"
 
-#include "base/json_field.h"
 #include "mesh_file.h"
 #include "polyhedron.h"
-#include "scene_array.h"
 #include "scene_check.h"
-#include "scene_keys.h"
-#include "shape_check.h"
+#include "scene_internal.h"
+#include "scene_read_fields.h"
 
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-static bool read_kind(const json_t *json, pl_shape_kind *kind, pl_diagnostic *diagnostic)
-{
-    const char *type = NULL;
-    if (!json_is_object(json)) {
-        char found[PL_FOUND_SIZE];
-        return pl_complain(diagnostic, "expected an object, found %s", pl_json_found(json, found));
-    }
-    if (!pl_json_string(json, "type", PL_REQUIRED, "the name of a shape", &type, diagnostic)) {
-        return false;
-    }
-    for (int i = 0; i < PL_SHAPE_KIND_COUNT; i++) {
-        if (strcmp(type, pl_shape_names[i]) == 0) {
-            *kind = (pl_shape_kind)i;
-            return true;
-        }
-    }
-    char quoted[PL_QUOTED_SIZE];
-    return pl_complain_of(diagnostic, "type",
-                          "expected plane, sphere, box, capsule, cylinder, hull or mesh, found %s",
-                          pl_quoted(type, quoted));
-}
 
 /* The scene takes `made`, which becomes the shape's. */
 static bool keep(const pl_shape_reader *r, const char *name, pl_polyhedron *made, pl_shape *shape)
@@ -154,41 +130,35 @@ static bool read_mesh(const pl_shape_reader *r, const json_t *json, const char *
     return right && keep(r, name, made, shape);
 }
 
-/* The shape that `json` describes; a polyhedron gets the name. */
+/* Reads the shape that `json` describes. A polyhedron gets the name. */
 static bool read_shape(const pl_shape_reader *r, const json_t *json, const char *name,
                        pl_shape *shape)
 {
-    pl_diagnostic *c = r->diagnostic;
-    *shape = (pl_shape){.kind = PL_SHAPE_PLANE};
-    if (!read_kind(json, &shape->kind, c) ||
-        !pl_json_object(json, &pl_scene_keys[PL_OBJECT_PLANE + shape->kind], c)) {
+    pl_diagnostic *diagnostic = r->diagnostic;
+    int kind = 0;
+    if (!json_is_object(json)) {
+        char found[PL_FOUND_SIZE];
+        return pl_complain(diagnostic, "expected an object, found %s", pl_json_found(json, found));
+    }
+    if (!pl_read_word(json, "type", PL_REQUIRED, pl_shape_names, PL_SHAPE_KIND_COUNT, &kind,
+                      diagnostic) ||
+        !pl_read_keys(json, PL_OBJECT_PLANE + (pl_object_kind)kind, diagnostic)) {
         return false;
     }
-    bool right = false;
-    switch (shape->kind) {
-    case PL_SHAPE_PLANE:
-        right = pl_json_unit(json, "normal", PL_REQUIRED, shape->normal, 3, c) &&
-                pl_json_number(json, "offset", PL_REQUIRED, &shape->offset, c);
-        break;
-    case PL_SHAPE_SPHERE:
-        right = pl_json_number(json, "radius", PL_REQUIRED, &shape->radius, c);
-        break;
-    case PL_SHAPE_BOX:
-        right = pl_json_vector(json, "half_extents", PL_REQUIRED, shape->half_extents, 3, c);
-        break;
-    case PL_SHAPE_CAPSULE:
-    case PL_SHAPE_CYLINDER:
-        right = pl_json_number(json, "radius", PL_REQUIRED, &shape->radius, c) &&
-                pl_json_number(json, "half_height", PL_REQUIRED, &shape->half_height, c);
-        break;
-    case PL_SHAPE_HULL:
-        right = read_hull(r, json, name, shape);
-        break;
-    case PL_SHAPE_MESH:
-        right = read_mesh(r, json, name, shape);
-        break;
+    *shape = (pl_shape){.kind = (pl_shape_kind)kind};
+    if (shape->kind == PL_SHAPE_HULL) {
+        return read_hull(r, json, name, shape);
     }
-    return right;
+    if (shape->kind == PL_SHAPE_MESH) {
+        return read_mesh(r, json, name, shape);
+    }
+    const pl_object *object = &pl_objects[PL_OBJECT_PLANE + kind];
+    for (int i = 0; i < object->field_count; ++i) {
+        if (!pl_read_field(json, &object->fields[i], shape, diagnostic)) {
+            return false;
+        }
+    }
+    return true;
 }
 
 /* One of "shapes"; the path stands at it. */

@@ -1,11 +1,14 @@
-/* Shapes: volume and inertia of the solid of uniform density, from the mean squares of its
- * coordinates: I_x = m (<y^2> + <z^2>) and its permutations.
+/* Shapes: making them, their width, and volume and inertia of the solid of uniform density, from
+ * the mean squares of its coordinates: I_x = m (<y^2> + <z^2>) and its permutations.
  *
  * Sphere: V = 4/3 pi r^3, <x^2> = r^2 / 5. Box with half extents (a, b, c): V = 8 a b c,
  * <x^2> = a^2 / 3. Cylinder: V = 2 pi r^2 h, <x^2> = <y^2> = r^2 / 4, <z^2> = h^2 / 3. Any
  * textbook, such as Goldstein, Classical Mechanics. A capsule is a cylinder and two half balls,
  * whose <z> from their flat side is 3 r / 8. A polyhedron has its own integrals. */
-#include "plumb/scene.h"
+#include "plumb/vec.h"
+#include "scene_internal.h"
+
+#include <math.h>
 
 static const double pi = 3.14159265358979323846;
 
@@ -100,4 +103,40 @@ void pl_shape_inertia(const pl_shape *shape, double mass, double inertia[3])
     for (int k = 0; k < 3; k++) {
         inertia[k] = mass * (squares[(k + 1) % 3] + squares[(k + 2) % 3]);
     }
+}
+
+static double half_width_of_polyhedron(const pl_polyhedron *p)
+{
+    const pl_axes axes = pl_axes_of(p->axes);
+    double half = (double)INFINITY;
+    for (int k = 0; k < 3; k++) {
+        double low = (double)INFINITY, high = -low;
+        for (int i = 0; i < p->vertex_count; i++) {
+            const pl_vec arm = pl_vec_sub(pl_vec_of(p->vertices[i]), pl_vec_of(p->centre));
+            const double x = pl_vec_dot(arm, axes.axis[k]);
+            low = fmin(low, x);
+            high = fmax(high, x);
+        }
+        half = fmin(half, (high - low) / 2);
+    }
+    return half;
+}
+
+double pl_shape_half_width(const pl_shape *shape)
+{
+    switch (shape->kind) {
+    case PL_SHAPE_SPHERE:
+    case PL_SHAPE_CAPSULE:
+        return shape->radius;
+    case PL_SHAPE_BOX:
+        return fmin(shape->half_extents[0], fmin(shape->half_extents[1], shape->half_extents[2]));
+    case PL_SHAPE_CYLINDER:
+        return fmin(shape->radius, shape->half_height);
+    case PL_SHAPE_HULL:
+    case PL_SHAPE_MESH:
+        return half_width_of_polyhedron(shape->polyhedron);
+    case PL_SHAPE_PLANE:
+        break;
+    }
+    return (double)INFINITY;
 }

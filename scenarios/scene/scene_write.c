@@ -1,60 +1,134 @@
 /* Scene to JSON, for people to edit: one object a line or two, in the order of the format, every
- * number in as few digits as read back to it. What a reader would fill in by itself is left out
- * where it is the same to the bit: zero velocities, the shape's own inertia, a force's defaults.
+ * number in as few digits as read back to it. Where the table of fields says so, a value that a
+ * reader would fill in by itself is left out when it is the same to the bit.
  *
- * Polyhedra that have a name, or that several bodies share, stand in "shapes"; of the others each
- * in its body. All have their vertices: the text needs no other file. */
+ * Polyhedra that have a name, or that several bodies share, are written in "shapes", the others in
+ * their body. All are written with their vertices: the text needs no other file. */
+#include "base/hash.h"
 #include "base/json_writer.h"
-#include "plumb/scene.h"
-#include "polyhedron_names.h"
-#include "scene_keys.h"
+#include "base/name_index.h"
+#include "scene_fields.h"
+#include "scene_internal.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Equal as bits: 0 and -0 differ. */
-static bool same_numbers(const double *a, const double *b, int count)
+/* ---- Names of polyhedra ---- */
+
+typedef struct polyhedron_names {
+    pl_pointer_map addresses;
+    char (*names)[PL_NAME_SIZE]; /* (polyhedron_count); empty: it is written in its body, or, when
+                                  * it has none, nowhere */
+} polyhedron_names;
+
+static void polyhedron_names_free(polyhedron_names *names)
 {
-    return memcmp(a, b, (size_t)count * sizeof *a) == 0;
+    free(names->names);
+    pl_pointer_map_free(&names->addresses);
+    *names = (polyhedron_names){.names = NULL};
 }
 
-static const double zeros[3] = {0, 0, 0};
-
-static void put_materials(pl_json_writer *w, const pl_scene *scene)
+/* The number of bodies of each polyhedron, (polyhedron_count); NULL when out of memory. */
+static int *count_uses(const pl_scene *scene, const pl_pointer_map *addresses)
 {
-    pl_put(w, ",\n  \"materials\": {");
-    for (int i = 0; i < scene->material_count; i++) {
-        const pl_material *material = &scene->materials[i];
-        pl_put_key(w, i == 0 ? "\n    " : ",\n    ", material->name);
-        pl_put_number_member(w, "{ ", "friction", material->friction);
-        pl_put_number_member(w, ", ", "restitution", material->restitution);
-        pl_put(w, " }");
+    int *uses = calloc((size_t)scene->polyhedron_count + 1, sizeof *uses);
+    for (int i = 0; i < scene->body_count && uses != NULL; i++) {
+        const int index = pl_pointer_map_find(addresses, scene->bodies[i].shape.polyhedron);
+        if (index >= 0) {
+            uses[index]++;
+        }
     }
-    pl_put(w, "\n  }");
+    return uses;
 }
 
-static void put_pairs(pl_json_writer *w, const pl_scene *scene)
+/* Names the shared polyhedra that have no name yet. `taken` has the names of the others. */
+static void name_shared(const int *uses, int count, const pl_name_index *taken,
+                        char (*names)[PL_NAME_SIZE])
 {
-    pl_put(w, ",\n  \"pairs\": [");
-    for (int i = 0; i < scene->pair_count; i++) {
-        const pl_material_pair *pair = &scene->pairs[i];
-        pl_put_string_member(w, i == 0 ? "\n    { " : ",\n    { ", "a",
-                             scene->materials[pair->material_a].name);
-        pl_put_string_member(w, ", ", "b", scene->materials[pair->material_b].name);
-        pl_put_number_member(w, ", ", "friction", pair->friction);
-        pl_put_number_member(w, ", ", "restitution", pair->restitution);
-        pl_put(w, " }");
+    int number = 0;
+    for (int i = 0; i < count; i++) {
+        if (names[i][0] != '\0' || uses[i] < 2) {
+            continue;
+        }
+        char name[PL_NAME_SIZE];
+        do {
+            number++;
+            snprintf(name, sizeof name, "polyhedron %d", number);
+        } while (pl_name_index_find(taken, name) >= 0);
+        memcpy(names[i], name, sizeof name);
     }
-    pl_put(w, "\n  ]");
+}
+
+/* Fills `names`, and `taken` in order, with the names that the polyhedra have themselves. */
+static pl_status collect(const pl_scene *scene, char (*names)[PL_NAME_SIZE],
+                         char (*own)[PL_NAME_SIZE], pl_name_index *taken)
+{
+    int count = 0;
+    for (int i = 0; i < scene->polyhedron_count; i++) {
+        memcpy(names[i], scene->polyhedra[i]->name, PL_NAME_SIZE);
+        if (names[i][0] != '\0') {
+            memcpy(own[count++], names[i], PL_NAME_SIZE);
+        }
+    }
+    return pl_name_index_create(own[0], sizeof *own, count, taken);
+}
+
+/* Each polyhedron's own name; or, where several bodies share one that has none, "polyhedron" and a
+ * number that no other has. */
+static pl_status polyhedron_names_create(const pl_scene *scene, polyhedron_names *names)
+{
+    const size_t count = (size_t)scene->polyhedron_count;
+    pl_name_index taken = {.items = NULL};
+    pl_status status = PL_NO_MEMORY;
+    int *uses = NULL;
+    char(*own)[PL_NAME_SIZE] = calloc(count + 1, sizeof *own);
+    *names = (polyhedron_names){.names = calloc(count + 1, sizeof *names->names)};
+    if (own == NULL || names->names == NULL ||
+        pl_pointer_map_create(scene, &names->addresses) != PL_OK) {
+        goto cleanup;
+    }
+    uses = count_uses(scene, &names->addresses);
+    if (uses == NULL || collect(scene, names->names, own, &taken) != PL_OK) {
+        goto cleanup;
+    }
+    name_shared(uses, scene->polyhedron_count, &taken, names->names);
+    status = PL_OK;
+cleanup:
+    if (status != PL_OK) {
+        polyhedron_names_free(names);
+    }
+    pl_name_index_free(&taken);
+    free(uses);
+    free(own);
+    return status;
+}
+
+/* ---- Fields ---- */
+
+typedef struct writer {
+    pl_json_writer json;
+    const pl_scene *scene;
+    polyhedron_names names;
+    int *order; /* (force_count): the numbers of the forces, by body and then as they come */
+    int *first; /* (body_count + 1): order[first[b] .. first[b + 1]) are those of body b */
+} writer;
+
+static void put_object(writer *w, pl_object_kind kind, const void *object, int indent);
+
+/* A comma and a line break with an indent. */
+static void put_line(writer *w, const char *before, int indent)
+{
+    char text[32];
+    snprintf(text, sizeof text, "%s\n%*s", before, indent, "");
+    pl_put(&w->json, text);
 }
 
 /* Triples of numbers, some on a line. */
-static void put_triples(pl_json_writer *w, const char *key, const double (*triples)[3], int count)
+static void put_triples(pl_json_writer *w, const double (*triples)[3], int count)
 {
     enum { ON_A_LINE = 4 };
-    pl_put_key(w, ", ", key);
     for (int i = 0; i < count; i++) {
         pl_put(w, i == 0 ? "[" : i % ON_A_LINE == 0 ? ",\n      " : ", ");
         pl_put_vector(w, triples[i], 3);
@@ -65,7 +139,6 @@ static void put_triples(pl_json_writer *w, const char *key, const double (*tripl
 static void put_triangles(pl_json_writer *w, const int (*triangles)[3], int count)
 {
     enum { ON_A_LINE = 8 };
-    pl_put(w, ", \"triangles\": ");
     for (int i = 0; i < count; i++) {
         char text[48];
         snprintf(text, sizeof text, "[%d, %d, %d]", triangles[i][0], triangles[i][1],
@@ -76,286 +149,282 @@ static void put_triangles(pl_json_writer *w, const int (*triangles)[3], int coun
     pl_put(w, "]");
 }
 
-static void put_polyhedron(pl_json_writer *w, const pl_polyhedron *p)
+/* The name of one of the scene's shapes, or the shape itself. */
+static void put_body_shape(writer *w, const pl_shape *shape, int indent)
 {
-    const double(*vertices)[3] = (const double(*)[3])p->vertices;
-    put_triples(w, p->convex ? "points" : "vertices", vertices, p->vertex_count);
-    if (!p->convex) {
-        put_triangles(w, (const int(*)[3])p->triangles, p->triangle_count);
+    const int index = pl_pointer_map_find(&w->names.addresses, shape->polyhedron);
+    if (index >= 0 && w->names.names[index][0] != '\0') {
+        pl_put_string(&w->json, w->names.names[index]);
+    } else {
+        put_object(w, PL_OBJECT_PLANE + (pl_object_kind)shape->kind, shape, indent);
     }
 }
 
-static void put_shape(pl_json_writer *w, const pl_shape *shape)
+static void put_shapes(writer *w, int indent)
 {
-    pl_put_string_member(w, "{ ", "type", pl_shape_names[shape->kind]);
-    switch (shape->kind) {
-    case PL_SHAPE_PLANE:
-        pl_put_vector_member(w, ", ", "normal", shape->normal, 3);
-        pl_put_number_member(w, ", ", "offset", shape->offset);
-        break;
-    case PL_SHAPE_SPHERE:
-        pl_put_number_member(w, ", ", "radius", shape->radius);
-        break;
-    case PL_SHAPE_BOX:
-        pl_put_vector_member(w, ", ", "half_extents", shape->half_extents, 3);
-        break;
-    case PL_SHAPE_CAPSULE:
-    case PL_SHAPE_CYLINDER:
-        pl_put_number_member(w, ", ", "radius", shape->radius);
-        pl_put_number_member(w, ", ", "half_height", shape->half_height);
-        break;
-    case PL_SHAPE_HULL:
-    case PL_SHAPE_MESH:
-        put_polyhedron(w, shape->polyhedron);
-        break;
-    }
-    pl_put(w, " }");
-}
-
-static void put_shapes(pl_json_writer *w, const pl_scene *scene, const pl_polyhedron_names *names)
-{
-    const char *before = ",\n  \"shapes\": {\n    ";
-    bool any = false;
-    for (int i = 0; i < scene->polyhedron_count; i++) {
-        if (names->names[i][0] != '\0') {
-            const pl_shape shape = pl_shape_of(scene->polyhedra[i]);
-            pl_put_key(w, any ? ",\n    " : before, names->names[i]);
-            put_shape(w, &shape);
-            any = true;
+    const char *before = "{";
+    for (int i = 0; i < w->scene->polyhedron_count; ++i) {
+        if (w->names.names[i][0] != '\0') {
+            const pl_shape shape = pl_shape_of(w->scene->polyhedra[i]);
+            put_line(w, before, indent + 2);
+            pl_put_key(&w->json, "", w->names.names[i]);
+            put_object(w, PL_OBJECT_PLANE + (pl_object_kind)shape.kind, &shape, indent + 2);
+            before = ",";
         }
     }
-    pl_put(w, any ? "\n  }" : "");
+    put_line(w, "", indent);
+    pl_put(&w->json, "}");
 }
 
-/* The name of a shape of "shapes", or the shape itself. */
-static void put_body_shape(pl_json_writer *w, const pl_shape *shape,
-                           const pl_polyhedron_names *names)
+static void put_items(writer *w, const pl_field *field, const void *object, int indent)
 {
-    const int index = pl_pointer_map_find(&names->addresses, shape->polyhedron);
-    if (index >= 0 && names->names[index][0] != '\0') {
-        pl_put_string_member(w, ", ", "shape", names->names[index]);
-    } else {
-        pl_put_key(w, ", ", "shape");
-        put_shape(w, shape);
+    const bool named = field->type == PL_FIELD_NAMED_ITEMS;
+    const char *items;
+    int count;
+    memcpy(&items, pl_field_of(field, object), sizeof items);
+    memcpy(&count, (const char *)object + field->count, sizeof count);
+    pl_put(&w->json, named ? "{" : "[");
+    for (int i = 0; i < count; ++i) {
+        const char *item = items + (size_t)i * pl_objects[field->items].size;
+        put_line(w, i == 0 ? "" : ",", indent + 2);
+        if (named) {
+            pl_put_key(&w->json, "", item); /* the struct begins with its name */
+        }
+        put_object(w, field->items, item, indent + 2);
+    }
+    put_line(w, "", indent);
+    pl_put(&w->json, named ? "}" : "]");
+}
+
+static void put_forces(writer *w, const pl_body *body, int indent)
+{
+    const int b = (int)(body - w->scene->bodies);
+    pl_put(&w->json, "[");
+    for (int i = w->first[b]; i < w->first[b + 1]; ++i) {
+        put_line(w, i == w->first[b] ? "" : ",", indent + 2);
+        put_object(w, PL_OBJECT_FORCE, &w->scene->forces[w->order[i]], indent + 2);
+    }
+    put_line(w, "", indent);
+    pl_put(&w->json, "]");
+}
+
+/* Equal as bits: 0 and -0 differ. */
+static bool same_bits(const void *a, const void *b, size_t size)
+{
+    return memcmp(a, b, size) == 0;
+}
+
+static size_t size_of(const pl_field *field)
+{
+    switch (field->type) {
+    case PL_FIELD_NUMBER:
+        return sizeof(double);
+    case PL_FIELD_BOOL:
+        return sizeof(bool);
+    case PL_FIELD_WORD:
+        return sizeof(int);
+    case PL_FIELD_NAME:
+        return 1; /* empty or not */
+    default:
+        return 3 * sizeof(double);
     }
 }
 
-static void put_force(pl_json_writer *w, const char *before, const pl_force *force)
+static bool has_default(const pl_object *table, const pl_field *field, const void *value)
 {
-    pl_put(w, before);
-    pl_put_vector_member(w, "{ ", "force", force->force, 3);
-    if (!same_numbers(force->at, zeros, 3)) {
-        pl_put_vector_member(w, ", ", "at", force->at, 3);
+    const void *expected = pl_field_of(field, table->defaults);
+    if (field->type == PL_FIELD_NUMBER && isnan(*(const double *)expected)) {
+        return isnan(*(const double *)value);
     }
-    if (force->frame == PL_FRAME_BODY) {
-        pl_put_string_member(w, ", ", "frame", "body");
-    }
-    if (!same_numbers(&force->from, zeros, 1)) {
-        pl_put_number_member(w, ", ", "from", force->from);
-    }
-    if (isfinite(force->until)) {
-        pl_put_number_member(w, ", ", "until", force->until);
-    }
-    pl_put(w, " }");
+    return same_bits(value, expected, size_of(field));
 }
 
-/* The forces of one body; order[0 .. count) are their numbers. */
-static void put_forces(pl_json_writer *w, const pl_scene *scene, const int *order, int count)
+/* Whether the field of `object` is written. */
+static bool is_written(const writer *w, const pl_object *table, const pl_field *field,
+                       const void *object)
 {
-    pl_put(w, ",\n      \"forces\": [");
-    for (int i = 0; i < count; i++) {
-        put_force(w, i == 0 ? "\n        " : ",\n        ", &scene->forces[order[i]]);
+    const void *value = pl_field_of(field, object);
+    const pl_scene *scene = w->scene;
+    int count = 0;
+    if (field->applies != NULL && !field->applies(object)) {
+        return false;
     }
-    pl_put(w, "\n      ]");
-}
-
-static void put_body(pl_json_writer *w, const pl_scene *scene, const pl_body *body,
-                     const pl_polyhedron_names *names)
-{
-    const char *next_line = ",\n      ";
-    pl_put_string_member(w, "{ ", "name", body->name);
-    if (body->is_static) {
-        pl_put(w, ", \"static\": true");
-    } else {
+    switch (field->type) {
+    case PL_FIELD_DENSITY:
+    case PL_FIELD_FILE:
+        return false;
+    case PL_FIELD_INERTIA: {
+        const pl_body *body = object;
         double inertia[3];
         pl_shape_inertia(&body->shape, body->mass, inertia);
-        pl_put_number_member(w, ", ", "mass", body->mass);
-        if (!same_numbers(body->inertia, inertia, 3)) {
-            pl_put_vector_member(w, ", ", "inertia", body->inertia, 3);
+        return !same_bits(value, inertia, sizeof inertia);
+    }
+    case PL_FIELD_ITEMS:
+    case PL_FIELD_NAMED_ITEMS:
+        memcpy(&count, (const char *)object + field->count, sizeof count);
+        return count > 0 || field->need == PL_NEED_ALWAYS;
+    case PL_FIELD_FORCES:
+        count = (int)((const pl_body *)object - scene->bodies);
+        return w->first[count + 1] > w->first[count];
+    case PL_FIELD_SHAPES:
+        for (int i = 0; i < scene->polyhedron_count && count == 0; ++i) {
+            count += w->names.names[i][0] != '\0' ? 1 : 0;
         }
-    }
-    pl_put_string_member(w, ", ", "material", scene->materials[body->material].name);
-    put_body_shape(w, &body->shape, names);
-    if (body->shape.kind != PL_SHAPE_PLANE) {
-        pl_put_vector_member(w, next_line, "position", body->position, 3);
-        pl_put_vector_member(w, ", ", "orientation", body->orientation, 4);
-    }
-    if (!same_numbers(body->velocity, zeros, 3)) {
-        pl_put_vector_member(w, next_line, "velocity", body->velocity, 3);
-        next_line = ", ";
-    }
-    if (!same_numbers(body->angular_velocity, zeros, 3)) {
-        pl_put_vector_member(w, next_line, "angular_velocity", body->angular_velocity, 3);
+        return count > 0;
+    default:
+        return !field->omit_default || !has_default(table, field, value);
     }
 }
 
-/* The numbers of all forces, by body and then as they stand: order[first[b] .. first[b + 1]) are
- * those of body b. A counting sort; malloc'd, NULL when out of memory. */
-static int *sort_forces(const pl_scene *scene, int **first)
+static void put_value(writer *w, const pl_field *field, const void *object, int indent)
 {
-    size_t bodies = (size_t)scene->body_count, forces = (size_t)scene->force_count;
-    int *memory = calloc(bodies + 2 + forces, sizeof *memory);
-    if (memory == NULL) {
-        return NULL;
+    pl_json_writer *json = &w->json;
+    const void *value = pl_field_of(field, object);
+    int index = 0;
+    switch (field->type) {
+    case PL_FIELD_VERSION:
+        pl_put(json, "1");
+        break;
+    case PL_FIELD_NUMBER:
+        pl_put_number(json, *(const double *)value);
+        break;
+    case PL_FIELD_VECTOR:
+    case PL_FIELD_UNIT:
+    case PL_FIELD_INERTIA:
+        pl_put_vector(json, value, 3);
+        break;
+    case PL_FIELD_QUATERNION:
+        pl_put_vector(json, value, 4);
+        break;
+    case PL_FIELD_BOOL:
+        pl_put(json, *(const bool *)value ? "true" : "false");
+        break;
+    case PL_FIELD_NAME:
+    case PL_FIELD_METRIC:
+        pl_put_string(json, value);
+        break;
+    case PL_FIELD_WORD:
+        memcpy(&index, value, sizeof index);
+        pl_put_string(json, field->words[index]);
+        break;
+    case PL_FIELD_MATERIAL:
+        memcpy(&index, value, sizeof index);
+        pl_put_string(json, w->scene->materials[index].name);
+        break;
+    case PL_FIELD_BODY:
+        memcpy(&index, value, sizeof index);
+        pl_put_string(json, w->scene->bodies[index].name);
+        break;
+    case PL_FIELD_OBJECT:
+        put_object(w, field->items, object, indent);
+        break;
+    case PL_FIELD_ITEMS:
+    case PL_FIELD_NAMED_ITEMS:
+        put_items(w, field, object, indent);
+        break;
+    case PL_FIELD_FORCES:
+        put_forces(w, object, indent);
+        break;
+    case PL_FIELD_SHAPES:
+        put_shapes(w, indent);
+        break;
+    case PL_FIELD_SHAPE:
+        put_body_shape(w, value, indent);
+        break;
+    case PL_FIELD_TYPE:
+        pl_put_string(json, pl_shape_names[((const pl_shape *)object)->kind]);
+        break;
+    case PL_FIELD_POINTS: {
+        const pl_polyhedron *p = ((const pl_shape *)object)->polyhedron;
+        put_triples(json, (const double(*)[3])p->vertices, p->vertex_count);
+        break;
     }
-    int *next = memory + 1; /* next[b] counts up from first[b] to first[b + 1] */
-    int *order = memory + bodies + 2;
-    for (int i = 0; i < scene->force_count; i++) {
+    case PL_FIELD_TRIANGLES: {
+        const pl_polyhedron *p = ((const pl_shape *)object)->polyhedron;
+        put_triangles(json, (const int(*)[3])p->triangles, p->triangle_count);
+        break;
+    }
+    case PL_FIELD_DENSITY:
+    case PL_FIELD_FILE:
+        break;
+    }
+}
+
+/* Writes an object. Its lines after the first begin at `indent` + 2. */
+static void put_object(writer *w, pl_object_kind kind, const void *object, int indent)
+{
+    const pl_object *table = &pl_objects[kind];
+    const bool tall = table->fields[0].line > 0; /* each field on a line of its own */
+    const char *before = "{";
+    int line = 0;
+    for (int i = 0; i < table->field_count; ++i) {
+        const pl_field *field = &table->fields[i];
+        if (!is_written(w, table, field, object)) {
+            continue;
+        }
+        if (field->line != line) {
+            put_line(w, before, indent + 2);
+        } else {
+            pl_put(&w->json, before);
+            pl_put(&w->json, " ");
+        }
+        line = field->line;
+        before = ",";
+        pl_put_key(&w->json, "", field->key);
+        put_value(w, field, object, indent + 2);
+    }
+    if (tall) {
+        put_line(w, "", indent);
+    }
+    pl_put(&w->json, tall ? "}" : " }");
+}
+
+/* ---- Scenes ---- */
+
+/* Sorts the forces by body: a counting sort. False when out of memory. */
+static bool sort_forces(writer *w)
+{
+    const pl_scene *scene = w->scene;
+    w->first = calloc((size_t)scene->body_count + 2, sizeof *w->first);
+    w->order = calloc((size_t)scene->force_count + 1, sizeof *w->order);
+    if (w->first == NULL || w->order == NULL) {
+        return false;
+    }
+    int *next = w->first + 1; /* next[b] counts up from first[b] to first[b + 1] */
+    for (int i = 0; i < scene->force_count; ++i) {
         next[scene->forces[i].body + 1]++;
     }
-    for (int b = 0; b < scene->body_count; b++) {
+    for (int b = 0; b < scene->body_count; ++b) {
         next[b + 1] += next[b];
     }
-    for (int i = 0; i < scene->force_count; i++) {
-        order[next[scene->forces[i].body]++] = i;
+    for (int i = 0; i < scene->force_count; ++i) {
+        w->order[next[scene->forces[i].body]++] = i;
     }
-    *first = memory;
-    return memory;
-}
-
-static void put_bodies(pl_json_writer *w, const pl_scene *scene, const pl_polyhedron_names *names)
-{
-    int *first = NULL;
-    int *memory = sort_forces(scene, &first);
-    if (memory == NULL) {
-        w->out_of_memory = true;
-        return;
-    }
-    const int *order = memory + scene->body_count + 2;
-    pl_put(w, ",\n  \"bodies\": [");
-    for (int b = 0; b < scene->body_count; b++) {
-        pl_put(w, b == 0 ? "\n    " : ",\n    ");
-        put_body(w, scene, &scene->bodies[b], names);
-        if (first[b + 1] > first[b]) {
-            put_forces(w, scene, order + first[b], first[b + 1] - first[b]);
-        }
-        pl_put(w, " }");
-    }
-    pl_put(w, "\n  ]");
-    free(memory);
-}
-
-static void put_rests(pl_json_writer *w, const pl_scene *scene)
-{
-    pl_put(w, "\n    \"rest\": [");
-    for (int i = 0; i < scene->rest_count; i++) {
-        const pl_expect_rest *rest = &scene->rests[i];
-        pl_put_string_member(w, i == 0 ? "\n      { " : ",\n      { ", "body",
-                             scene->bodies[rest->body].name);
-        pl_put_vector_member(w, ", ", "position", rest->position, 3);
-        if (rest->has_orientation) {
-            pl_put_vector_member(w, ", ", "orientation", rest->orientation, 4);
-        }
-        pl_put(w, " }");
-    }
-    pl_put(w, "\n    ],");
-}
-
-static void put_travels(pl_json_writer *w, const pl_scene *scene)
-{
-    pl_put(w, "\n    \"travel\": [");
-    for (int i = 0; i < scene->travel_count; i++) {
-        const pl_expect_travel *travel = &scene->travels[i];
-        pl_put_string_member(w, i == 0 ? "\n      { " : ",\n      { ", "body",
-                             scene->bodies[travel->body].name);
-        pl_put_vector_member(w, ", ", "direction", travel->direction, 3);
-        pl_put_number_member(w, ", ", "distance", travel->distance);
-        if (!isnan(travel->discrete)) {
-            pl_put_number_member(w, ", ", "discrete", travel->discrete);
-        }
-        pl_put(w, " }");
-    }
-    pl_put(w, "\n    ],");
-}
-
-static void put_values(pl_json_writer *w, const pl_scene *scene)
-{
-    pl_put(w, "\n    \"values\": [");
-    for (int i = 0; i < scene->value_count; i++) {
-        const pl_expect_value *value = &scene->values[i];
-        pl_put_string_member(w, i == 0 ? "\n      { " : ",\n      { ", "body",
-                             scene->bodies[value->body].name);
-        pl_put_string_member(w, ", ", "quantity", pl_quantity_names[value->quantity]);
-        pl_put_vector_member(w, ", ", "direction", value->direction, 3);
-        pl_put_number_member(w, ", ", "from", value->from);
-        pl_put_number_member(w, ", ", "until", value->until);
-        pl_put_number_member(w, ", ", "value", value->value);
-        if (!isnan(value->discrete)) {
-            pl_put_number_member(w, ", ", "discrete", value->discrete);
-        }
-        pl_put_number_member(w, ", ", "scale", value->scale);
-        pl_put(w, " }");
-    }
-    pl_put(w, "\n    ],");
-}
-
-static void put_expectations(pl_json_writer *w, const pl_scene *scene)
-{
-    bool nothing = scene->rest_count == 0 && scene->travel_count == 0 && scene->value_count == 0 &&
-                   scene->primary_error[0] == '\0' && isinf(scene->collapse_distance);
-    if (nothing) {
-        return;
-    }
-    pl_put(w, ",\n  \"expect\": {");
-    if (scene->rest_count > 0) {
-        put_rests(w, scene);
-    }
-    if (scene->travel_count > 0) {
-        put_travels(w, scene);
-    }
-    if (scene->value_count > 0) {
-        put_values(w, scene);
-    }
-    pl_put_string_member(w, "\n    ", "primary", scene->primary_error);
-    if (scene->rest_count > 0 || isfinite(scene->collapse_distance)) {
-        pl_put_number_member(w, ",\n    ", "collapse_distance", scene->collapse_distance);
-    }
-    pl_put(w, "\n  }");
+    return true;
 }
 
 char *pl_scene_to_text(const pl_scene *scene)
 {
-    pl_json_writer w = {.text = NULL};
-    pl_polyhedron_names names;
-    if (pl_polyhedron_names_create(scene, &names) != PL_OK) {
+    writer w = {.scene = scene};
+    if (polyhedron_names_create(scene, &w.names) != PL_OK) {
         return NULL;
     }
-    pl_put(&w, "{\n  \"plumb_scene\": 1");
-    if (scene->name[0] != '\0') {
-        pl_put_string_member(&w, ",\n  ", "name", scene->name);
+    if (sort_forces(&w)) {
+        put_object(&w, PL_OBJECT_SCENE, scene, 0);
+        pl_put(&w.json, "\n");
+    } else {
+        w.json.out_of_memory = true;
     }
-    pl_put_vector_member(&w, ",\n  ", "gravity", scene->gravity, 3);
-    pl_put_number_member(&w, ",\n  ", "dt", scene->dt);
-    pl_put_number_member(&w, ",\n  ", "duration", scene->duration);
-    if (scene->material_count > 0) {
-        put_materials(&w, scene);
-    }
-    if (scene->pair_count > 0) {
-        put_pairs(&w, scene);
-    }
-    put_shapes(&w, scene, &names);
-    put_bodies(&w, scene, &names);
-    pl_polyhedron_names_free(&names);
-    put_expectations(&w, scene);
-    pl_put(&w, "\n}\n");
-    if (w.out_of_memory) {
-        free(w.text);
+    polyhedron_names_free(&w.names);
+    free(w.order);
+    free(w.first);
+    if (w.json.out_of_memory) {
+        free(w.json.text);
         return NULL;
     }
-    return w.text;
+    return w.json.text;
 }
 
-/* Fowler, Noll and Vo: FNV-1a with its 64-bit offset and prime. */
 pl_status pl_scene_hash(const pl_scene *scene, char hash[17], pl_error *error)
 {
     hash[0] = '\0';
@@ -364,11 +433,7 @@ pl_status pl_scene_hash(const pl_scene *scene, char hash[17], pl_error *error)
         return pl_fail(error, PL_NO_MEMORY, "out of memory for the text of a scene of %d bodies",
                        scene->body_count);
     }
-    uint64_t sum = UINT64_C(0xcbf29ce484222325);
-    for (const char *c = text; *c != '\0'; c++) {
-        sum = (sum ^ (unsigned char)*c) * UINT64_C(0x100000001b3);
-    }
+    pl_hash_hex(pl_hash_text(PL_HASH_START, text), hash);
     free(text);
-    snprintf(hash, 17, "%016llx", (unsigned long long)sum);
     return PL_OK;
 }

@@ -453,7 +453,7 @@ static void test_validation_names_the_broken_field(void **state)
     } cases[] = {
         {break_gravity, "gravity[1]: expected a finite number, found inf"},
         {break_dt, "dt: expected a finite number above 0, found nan"},
-        {break_duration, "duration: expected a finite number, found nan"},
+        {break_duration, "duration: expected a finite number above 0, found nan"},
         {break_collapse, "expect.collapse_distance: expected a number above 0, found nan"},
         {break_friction,
          "materials.oak.friction: expected a finite number of at least 0, found inf"},
@@ -473,7 +473,7 @@ static void test_validation_names_the_broken_field(void **state)
         {break_force_body, "forces[0].body: expected the index of a body from 0 to 2, found 3"},
         {break_force_of_static, "bodies[0].forces: expected no forces on a static body"},
         {break_force_frame, "bodies[1].forces[0].frame: expected a known frame"},
-        {break_force_until, "bodies[1].forces[0].until: expected a time after `from`"},
+        {break_force_until, "bodies[1].forces[0].until: expected a number above 0, found nan"},
         {break_rest_body, "expect.rest[0].body: expected the index of a body"},
         {break_rest_position, "expect.rest[0].position[2]: expected a finite number, found nan"},
         {break_travel_direction, "expect.travel[0].direction: expected a unit vector"},

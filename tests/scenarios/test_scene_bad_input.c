@@ -172,7 +172,7 @@ static void test_types_and_lengths_are_located(void **state)
         {"{ \"type\": \"sphere\", \"radius\": 0.2 }", "@\"sphere\"", "bodies[2].shape",
          "expected the name of a shape, found \"sphere\""},
         {"\"body\", \"from\"", "@\"local\", \"from\"", "bodies[1].forces[0].frame",
-         "\"world\" or \"body\", found \"local\""},
+         "world or body, found \"local\""},
         {"[ { \"body\": \"kåse\", \"position\": [1, 2, 0], \"orientation\": [1, 0, 0, 0] } ]",
          "@\"kåse\"", "expect.rest", "an array, found \"kåse\""},
         {"\"drift\"", "@\"drft\"", "expect.primary", "such as \"drift\", found \"drft\""},
@@ -261,7 +261,7 @@ static void test_names_and_references_are_located(void **state)
          "0.125 }, @{ \"a\": \"stål\", \"b\": \"wood\", \"friction\": 1, \"restitution\": 0 }",
          "pairs[1]", "each pair of materials once, found wood and stål again"},
         {"\"quantity\": \"apex\"", "\"quantity\": @\"appex\"", "expect.values[0].quantity",
-         "such as \"apex\""},
+         "turn, apex or period, found \"appex\""},
         {"\"from\": 0.5, \"until\": 1.25", "\"from\": @1.5, \"until\": 1.25",
          "expect.values[0].from", "0 to `until`"},
         {"\"until\": 1.25", "\"until\": @1e9", "expect.values[0].until", "within the run"},
@@ -284,7 +284,7 @@ static void test_primary_error_needs_its_expectation(void **state)
     char *changed = text_with(text, "\"drift\"", "@\"rest_rotation_error\"");
     int line, column;
     take_mark(changed, &line, &column);
-    check_message(changed, line, column, "expect.primary", "expected `rest` beside");
+    check_message(changed, line, column, "expect.primary", "expected `rest` next to");
     free(changed);
     free(text);
 }

@@ -5,8 +5,7 @@
 #include "plumb/scene.h"
 #include "referee/metrics/metrics.h"
 #include "sample_scene.h"
-#include "scene/scene_check.h"
-#include "scene/scene_keys.h"
+#include "scene/scene_fields.h"
 #include "scene_equal.h"
 
 #include <jansson.h>
@@ -323,7 +322,7 @@ static const json_t *object_schema(const json_t *schema, int kind)
     const json_t *definition =
         kind == PL_OBJECT_SCENE
             ? schema
-            : json_object_get(json_object_get(schema, "$defs"), pl_scene_keys[kind].object);
+            : json_object_get(json_object_get(schema, "$defs"), pl_objects[kind].name);
     assert_non_null(definition);
     return definition;
 }
@@ -333,14 +332,14 @@ static void test_schema_has_the_reader_s_keys_and_no_other(void **state)
     (void)state;
     json_t *schema = load_schema();
     for (int kind = 0; kind < PL_OBJECT_COUNT; kind++) {
-        const pl_key_set *keys = &pl_scene_keys[kind];
+        const pl_object *object = &pl_objects[kind];
         const json_t *definition = object_schema(schema, kind);
         const json_t *properties = json_object_get(definition, "properties");
         assert_true(json_is_false(json_object_get(definition, "additionalProperties")));
-        assert_int_equal(json_object_size(properties), keys->count);
-        for (int i = 0; i < keys->count; i++) {
-            if (json_object_get(properties, keys->keys[i]) == NULL) {
-                fail_msg("the schema's %s has no %s", keys->object, keys->keys[i]);
+        assert_int_equal(json_object_size(properties), object->field_count);
+        for (int i = 0; i < object->field_count; i++) {
+            if (json_object_get(properties, object->fields[i].key) == NULL) {
+                fail_msg("the schema's %s has no %s", object->name, object->fields[i].key);
             }
         }
     }
@@ -354,9 +353,9 @@ static void test_schema_has_the_reader_s_metrics_and_limits(void **state)
     const json_t *properties =
         json_object_get(object_schema(schema, PL_OBJECT_EXPECT), "properties");
     const json_t *metrics = json_object_get(json_object_get(properties, "primary"), "enum");
-    assert_int_equal(json_array_size(metrics), pl_primary_error_count + 1);
+    assert_int_equal(json_array_size(metrics), PL_PRIMARY_ERROR_COUNT + 1);
     assert_string_equal(json_string_value(json_array_get(metrics, 0)), "");
-    for (int i = 0; i < pl_primary_error_count; i++) {
+    for (int i = 0; i < PL_PRIMARY_ERROR_COUNT; i++) {
         assert_string_equal(json_string_value(json_array_get(metrics, (size_t)i + 1)),
                             pl_primary_errors[i]);
     }
@@ -372,7 +371,7 @@ static void test_schema_has_the_reader_s_metrics_and_limits(void **state)
 static void test_every_primary_error_is_a_metric(void **state)
 {
     (void)state;
-    for (int i = 0; i < pl_primary_error_count; i++) {
+    for (int i = 0; i < PL_PRIMARY_ERROR_COUNT; i++) {
         assert_true(pl_metric_by_name(pl_primary_errors[i]) >= 0);
     }
 }
@@ -458,13 +457,13 @@ static void test_reader_requires_what_the_schema_requires(void **state)
     json_t *schema = load_schema();
     for (int kind = 0; kind < PL_OBJECT_COUNT; kind++) {
         const json_t *definition = object_schema(schema, kind);
-        for (int i = 0; i < pl_scene_keys[kind].count; i++) {
-            const char *key = pl_scene_keys[kind].keys[i];
+        for (int i = 0; i < pl_objects[kind].field_count; i++) {
+            const char *key = pl_objects[kind].fields[i].key;
             json_t *sample = json_loads(sample_scene, 0, NULL);
             json_object_del(sample_object(sample, kind), key);
             bool needed = is_required(definition, key) || is_needed_here(kind, key);
             if (read_status(sample) != (needed ? PL_BAD_INPUT : PL_OK)) {
-                fail_msg("%s without %s is %s", pl_scene_keys[kind].object, key,
+                fail_msg("%s without %s is %s", pl_objects[kind].name, key,
                          needed ? "accepted" : "refused");
             }
             json_decref(sample);
@@ -478,15 +477,15 @@ static void test_reader_refuses_the_wrong_type_of_every_field(void **state)
 {
     (void)state;
     for (int kind = 0; kind < PL_OBJECT_COUNT; kind++) {
-        for (int i = 0; i < pl_scene_keys[kind].count; i++) {
-            const char *key = pl_scene_keys[kind].keys[i];
+        for (int i = 0; i < pl_objects[kind].field_count; i++) {
+            const char *key = pl_objects[kind].fields[i].key;
             const bool may_be_empty =
                 kind == PL_OBJECT_SCENE &&
                 (strcmp(key, "expect") == 0 || strcmp(key, "shapes") == 0); /* all optional */
             json_t *sample = json_loads(sample_scene, 0, NULL);
             json_object_set_new(sample_object(sample, kind), key, json_object());
             if (!may_be_empty && read_status(sample) != PL_BAD_INPUT) {
-                fail_msg("%s: {} is accepted as %s", pl_scene_keys[kind].object, key);
+                fail_msg("%s: {} is accepted as %s", pl_objects[kind].name, key);
             }
             json_decref(sample);
         }

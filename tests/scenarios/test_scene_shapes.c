@@ -4,7 +4,7 @@
 #include "plumb/scenario.h"
 #include "plumb/vec.h"
 #include "scene/polyhedron.h"
-#include "scene/shape_width.h"
+#include "scene/scene_internal.h"
 #include "scene_equal.h"
 #include "solid_for_tests.h"
 
