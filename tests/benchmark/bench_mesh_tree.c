@@ -11,7 +11,7 @@
 #define _POSIX_C_SOURCE 199309L
 
 #include "model/geometry_mass.h"
-#include "narrow_phase/mesh/collide_mesh.h"
+#include "narrow_phase/mesh/near_features.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -172,18 +172,6 @@ typedef struct relative {
     double margin;
 } relative;
 
-static pe_vec3 absolute(pe_vec3 v)
-{
-    return pe_v3(fabs(v.x), fabs(v.y), fabs(v.z));
-}
-
-static double square_out(pe_vec3 c, pe_vec3 half)
-{
-    double x = pe_max(0, fabs(c.x) - half.x), y = pe_max(0, fabs(c.y) - half.y);
-    double z = pe_max(0, fabs(c.z) - half.z);
-    return x * x + y * y + z * z;
-}
-
 static pe_vec3 between(const relative *r, const node *a, const node *b)
 {
     return pe_sub(pe_add(pe_rotate(&r->turn, a->centre), r->offset), b->centre);
@@ -193,11 +181,11 @@ static bool body_boxes_near(const relative *r, const node *a, const node *b)
 {
     double limit2 = r->margin * r->margin;
     pe_vec3 c = between(r, a, b);
-    if (square_out(c, pe_add(pe_rotate(&r->reach, a->half), b->half)) > limit2) {
+    if (pe_square_to_box(c, pe_add(pe_rotate(&r->reach, a->half), b->half)) > limit2) {
         return false;
     }
     pe_vec3 half = pe_add(pe_unrotate(&r->reach, b->half), a->half);
-    return square_out(pe_unrotate(&r->turn, c), half) <= limit2;
+    return pe_square_to_box(pe_unrotate(&r->turn, c), half) <= limit2;
 }
 
 static bool oriented_boxes_near(const relative *r, const node *a, const node *b)
@@ -210,13 +198,14 @@ static bool oriented_boxes_near(const relative *r, const node *a, const node *b)
     pe_vec3 x = pe_rotate(&b->axes, pe_rotate(&r->turn, a->axes.r0));
     pe_vec3 y = pe_rotate(&b->axes, pe_rotate(&r->turn, a->axes.r1));
     pe_vec3 z = pe_rotate(&b->axes, pe_rotate(&r->turn, a->axes.r2));
-    pe_vec3 ax = absolute(x), ay = absolute(y), az = absolute(z), ha = a->half, hb = b->half;
+    pe_vec3 ax = pe_absolute(x), ay = pe_absolute(y), az = pe_absolute(z), ha = a->half,
+            hb = b->half;
     c = pe_rotate(&b->axes, c);
-    if (square_out(c, pe_madd(pe_madd(pe_madd(hb, ha.x, ax), ha.y, ay), ha.z, az)) > limit2) {
+    if (pe_square_to_box(c, pe_madd(pe_madd(pe_madd(hb, ha.x, ax), ha.y, ay), ha.z, az)) > limit2) {
         return false;
     }
     pe_vec3 half = pe_add(ha, pe_v3(pe_dot(ax, hb), pe_dot(ay, hb), pe_dot(az, hb)));
-    return square_out(pe_v3(pe_dot(x, c), pe_dot(y, c), pe_dot(z, c)), half) <= limit2;
+    return pe_square_to_box(pe_v3(pe_dot(x, c), pe_dot(y, c), pe_dot(z, c)), half) <= limit2;
 }
 
 static bool discs_near(const relative *r, const node *a, const node *b)
@@ -362,9 +351,11 @@ static relative random_pair(const pe_geometry *g, double gap, double margin)
     b.position = pe_scale(high, d);
     pe_solid_pair_make((pe_placed){&shape, g, &a, g->size}, (pe_placed){&shape, g, &b, g->size},
                        &pair);
-    pe_mat3 turn = pair.trees.turn;
-    return (relative){
-        turn, {absolute(turn.r0), absolute(turn.r1), absolute(turn.r2)}, pair.trees.offset, margin};
+    pe_mat3 turn = pair.trees.a_in_b.turn;
+    return (relative){turn,
+                      {pe_absolute(turn.r0), pe_absolute(turn.r1), pe_absolute(turn.r2)},
+                      pair.trees.a_in_b.offset,
+                      margin};
 }
 
 /* ---- Measuring ---------------------------------------------------------------------------------

@@ -3,7 +3,7 @@
 #include "check.h"
 #include "counting_allocator.h"
 #include "mesh_for_tests.h"
-#include "narrow_phase/mesh/collide_mesh.h"
+#include "narrow_phase/mesh/near_features.h"
 
 static placed_shape shape_at(pe_shape shape, pe_vec3 position, pe_quat q)
 {

@@ -1,7 +1,8 @@
 /* The trees of meshes: pairs of triangles and insides by brute force. */
 #include "check.h"
 #include "mesh_for_tests.h"
-#include "narrow_phase/mesh/collide_mesh.h"
+#include "narrow_phase/mesh/solid_pair.h"
+#include "narrow_phase/mesh/solid_query.h"
 
 static double distance_of_facets(const pe_facet *a, const pe_facet *b)
 {
@@ -19,7 +20,7 @@ static double distance_of_facets(const pe_facet *a, const pe_facet *b)
         const pe_facet *over = side == 0 ? a : b, *of = side == 0 ? b : a;
         for (int k = 0; k < 3; ++k) {
             double height = pe_dot(over->normal, of->x[k]) - over->offset;
-            least = pe_facet_holds(over, of->x[k], 0) ? pe_min(least, fabs(height)) : least;
+            least = pe_facet_contains(over, of->x[k], 0) ? pe_min(least, fabs(height)) : least;
         }
     }
     return least;
@@ -57,26 +58,26 @@ static void test_every_two_triangles_within_the_bound_are_handed_over(void **sta
         tally want = {.pair = &pair, .bound = bound};
         for (int m = 0; m < g->triangle_count; ++m) {
             pe_facet fa, fb;
-            pe_facet_of_a(&pair, m, &fa);
+            pe_solid_facet_placed(&pair.a, &pair.trees.a_in_b, m, &fa);
             for (int n = 0; n < g->triangle_count; ++n) {
                 pe_solid_facet(&pair.b, n, &fb);
                 count_near(&want, &fa, &fb);
             }
         }
         tally plain = {.pair = &pair, .bound = bound};
-        pe_near_facets(&pair, &bound, count_near, &plain);
+        pe_each_near_facets(&pair, &bound, count_near, &plain);
         assert_int_equal(plain.near, want.near);
         if (!pe_solid_pair_part(&pair, bound)) {
             assert_int_equal(want.near, 0);
             continue;
         }
         tally parted = {.pair = &pair, .bound = bound};
-        pe_near_facets(&pair, &bound, count_near, &parted);
+        pe_each_near_facets(&pair, &bound, count_near, &parted);
         assert_int_equal(parted.near, want.near);
         assert_true(pe_solid_pair_gather(&pair, bound, (pe_workspace){&arena, &allocator}));
-        gathered += pair.near_a != NULL;
+        gathered += pair.near_a.facets != NULL;
         tally each = {.pair = &pair, .bound = bound};
-        pe_near_facets(&pair, &bound, count_near, &each);
+        pe_each_near_facets(&pair, &bound, count_near, &each);
         assert_int_equal(each.near, want.near);
         total += want.near;
     }
@@ -115,7 +116,7 @@ static void test_a_point_is_inside_exactly_when_the_surface_winds_around_it(void
         pe_solid solid = pe_solid_of_geometry(g);
         pe_vec3 x = random_vector(&random, 0.7 * g->bounding_radius);
         bool truth = winds_around(g, x);
-        assert_int_equal(pe_solid_holds(&solid, x), truth);
+        assert_int_equal(pe_solid_contains(&solid, x), truth);
         inside += truth;
     }
     assert_true(inside > 300);

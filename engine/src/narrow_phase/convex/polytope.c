@@ -1,14 +1,13 @@
+/* Cores of the convex shapes, their support vertices and their faces. */
 #include "polytope.h"
 
-/* Hulls with more vertices than this are climbed; below, looking at each is quicker. */
-enum { SCAN_MOST = 24 };
-/* Faces that look along a direction equally. */
-static const double SAME_COSINE = 1e-9;
-/* Sine of an edge over the plane across a direction, where both its ends are last along it. */
-static const double LEVEL = 1e-6;
+#include "narrow_phase/tolerances.h"
 
-/* A box's vertex has bit k set where it is on the positive side of axis k; its face 2 k + 1 is the
- * positive one of axis k. Corners and edges as in geometry.h. */
+/* Hulls with more vertices than this use hill climbing. A scan is quicker for fewer. */
+enum { SCAN_MOST = 24 };
+
+/* A box: vertices as in pe_box_corner; face 2 k + 1 is the positive one of axis k, face 2 k the
+ * negative one. Corners and edges as in geometry.h. */
 static const int box_corners[24] = {4, 6, 2, 0, 1, 3, 7, 5, 1, 5, 4, 0,
                                     2, 6, 7, 3, 2, 3, 1, 0, 4, 5, 7, 6};
 static const pe_edge box_edges[12] = {
@@ -21,7 +20,7 @@ static const int box_vertex_edges[24] = {2, 3, 9, 4, 7, 9, 1, 2, 11, 4, 5, 11,
                                          0, 3, 8, 6, 7, 8, 0, 1, 10, 5, 6, 10};
 
 static const pe_edge segment_edge[1] = {{{0, 1}, {-1, -1}, true}};
-static const int segment_first[3] = {0, 1, 2};
+static const int segment_first[3] = {0, 1, 2}, point_first[3] = {0, 0, 0};
 static const int segment_vertex_edges[2] = {0, 0};
 
 static void make_box(pe_vec3 e, pe_polytope *p)
@@ -30,7 +29,7 @@ static void make_box(pe_vec3 e, pe_polytope *p)
     p->edge_count = 12;
     p->face_count = 6;
     for (int i = 0; i < 8; ++i) {
-        p->own_vertices[i] = pe_v3(i & 1 ? e.x : -e.x, i & 2 ? e.y : -e.y, i & 4 ? e.z : -e.z);
+        p->own_vertices[i] = pe_box_corner(e, i);
     }
     for (int i = 0; i < 6; ++i) {
         double side = i & 1 ? 1 : -1;
@@ -85,7 +84,7 @@ void pe_polytope_make(pe_placed placed, pe_polytope *p)
         p->own_vertices[1] = pe_v3(0, 0, half);
         p->edges = segment_edge;
         p->corners = NULL;
-        p->vertex_first = segment_first;
+        p->vertex_first = segment ? segment_first : point_first;
         p->vertex_edges = segment_vertex_edges;
         p->radius = shape->radius;
     }
@@ -102,33 +101,28 @@ void pe_polytope_pair_make(pe_placed a, pe_placed b, pe_polytope_pair *pair)
     pe_vec3 offset = pe_sub(b.pose->position, a.pose->position);
     pe_vec3 x = pe_unrotate(ra, pe_axis(rb, 0)), y = pe_unrotate(ra, pe_axis(rb, 1)),
             z = pe_unrotate(ra, pe_axis(rb, 2));
-    pair->a_from_b.turn = (pe_mat3){x, y, z};
-    pair->b_from_a.turn = (pe_mat3){{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}};
-    pair->b_from_a.offset = pe_unrotate(ra, offset);
-    pair->a_from_b.offset = pe_unrotate(rb, pe_scale(-1, offset));
-}
-
-static int scan(const pe_polytope *p, pe_vec3 d)
-{
-    int best = -1;
-    double most = -HUGE_VAL;
-    for (int i = 0; i < p->vertex_count; ++i) {
-        double x = pe_dot(d, p->vertices[i]);
-        if (x > most) {
-            most = x;
-            best = i;
-        }
-    }
-    return best;
+    pair->a_in_b.turn = (pe_mat3){x, y, z};
+    pair->b_in_a.turn = (pe_mat3){{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}};
+    pair->b_in_a.offset = pe_unrotate(ra, offset);
+    pair->a_in_b.offset = pe_unrotate(rb, pe_scale(-1, offset));
 }
 
 int pe_polytope_support(const pe_polytope *p, pe_vec3 d, int from)
 {
+    int best = -1;
+    double most = -HUGE_VAL;
     if (p->vertex_count <= SCAN_MOST) {
-        return scan(p, d);
+        for (int i = 0; i < p->vertex_count; ++i) {
+            double x = pe_dot(d, p->vertices[i]);
+            if (x > most) {
+                most = x;
+                best = i;
+            }
+        }
+        return best;
     }
-    int best = from >= 0 ? from : p->edges[0].vertex[0];
-    double most = pe_dot(d, p->vertices[best]);
+    best = from >= 0 ? from : p->edges[0].vertex[0];
+    most = pe_dot(d, p->vertices[best]);
     for (int at = -1; at != best;) {
         at = best;
         for (int k = p->vertex_first[at]; k < p->vertex_first[at + 1]; ++k) {
@@ -146,10 +140,10 @@ int pe_polytope_support(const pe_polytope *p, pe_vec3 d, int from)
 
 double pe_polytope_separation_along(const pe_polytope_pair *pair, pe_vec3 n)
 {
-    pe_vec3 back = pe_scale(-1, pe_unrotate(&pair->b_from_a.turn, n));
+    pe_vec3 back = pe_scale(-1, pe_unrotate(&pair->b_in_a.turn, n));
     pe_vec3 last = pair->a.vertices[pe_polytope_support(&pair->a, n, -1)];
     pe_vec3 first = pair->b.vertices[pe_polytope_support(&pair->b, back, -1)];
-    return pe_dot(n, pair->b_from_a.offset) - pe_dot(back, first) - pe_dot(n, last);
+    return pe_dot(n, pair->b_in_a.offset) - pe_dot(back, first) - pe_dot(n, last);
 }
 
 int pe_polytope_facing(const pe_polytope *p, pe_vec3 d, double *cosine)
@@ -161,7 +155,7 @@ int pe_polytope_facing(const pe_polytope *p, pe_vec3 d, double *cosine)
         const pe_edge *edge = &p->edges[p->vertex_edges[k]];
         pe_vec3 along = pe_sub(p->vertices[edge->vertex[1]], p->vertices[edge->vertex[0]]);
         double rise = pe_dot(d, along);
-        bool level = rise * rise < LEVEL * LEVEL * pe_dot(along, along);
+        bool level = rise * rise < PE_LEVEL_EDGE * PE_LEVEL_EDGE * pe_dot(along, along);
         if (found_level && !level) {
             continue;
         }
@@ -173,7 +167,7 @@ int pe_polytope_facing(const pe_polytope *p, pe_vec3 d, double *cosine)
         for (int side = 0; side < 2; ++side) {
             int face = edge->face[side];
             double c = pe_dot(d, p->faces[face].normal);
-            if (c > *cosine + SAME_COSINE || (c > *cosine - SAME_COSINE && face < best)) {
+            if (c > *cosine + PE_FACING_TIE || (c > *cosine - PE_FACING_TIE && face < best)) {
                 *cosine = pe_max(c, *cosine);
                 best = face;
             }

@@ -1,25 +1,25 @@
-/* The peak of a line against a rim. With d = x u + y t, x > 0 on the side that is asked for, the
- * separation is
+/* A cylinder's support, nearest points, and the peak of a line against its rim.
+ *
+ * With d = x u + y t, x > 0 on the side that is asked for, the separation of line and rim is
  *
  *     s = A x + B y - R sqrt(c^2 x^2 + y^2),    A = w.u - H q,  B = w.t,
  *
- * q and c the sine and cosine between the axis and the line. In the slope k = y/x its derivative
- * along the circle is x times
+ * where q and c are the sine and cosine of the angle between the axis and the line. In the slope
+ * k = y/x its derivative along the circle of directions is x times
  *
- *     G(k) = B - A k - R q^2 k / sqrt(c^2 + k^2):
+ *     G(k) = B - A k - R q^2 k / sqrt(c^2 + k^2),
  *
- * a straight line less a sigmoid, whose curvature changes at k = 0 only. A maximum is a root where
- * G falls; it lies on the side of k = 0 that the sign of B tells, and from k = 0 on G is convex
- * there: Newton's iterates grow towards the root without ever passing it, and where there is none G
- * stops falling. */
+ * a straight line minus a sigmoid, whose curvature changes at k = 0 only. A maximum is a root where
+ * G falls. It lies on the side of k = 0 that the sign of B shows, and from k = 0 on G is convex
+ * there: Newton's iterates grow towards the root and never pass it. If there is no root, G stops
+ * falling. */
 #include "cylinder.h"
 
-pe_cylinder pe_cylinder_seen(pe_placed cylinder, const pe_pose *pose)
+pe_cylinder pe_cylinder_in_axes(pe_placed cylinder, const pe_pose *pose)
 {
-    const pe_mat3 *turn = &pose->rotation;
     return (pe_cylinder){
-        .centre = pe_unrotate(turn, pe_sub(cylinder.pose->position, pose->position)),
-        .axis = pe_unrotate(turn, pe_axis(&cylinder.pose->rotation, 2)),
+        .centre = pe_pose_to_body(pose, cylinder.pose->position),
+        .axis = pe_unrotate(&pose->rotation, pe_axis(&cylinder.pose->rotation, 2)),
         .radius = cylinder.shape->radius,
         .half_height = cylinder.shape->half_height,
     };
@@ -33,9 +33,18 @@ pe_vec3 pe_outward(pe_vec3 axis, pe_vec3 v, double *length)
         *length = 0; /* only rounding is left */
         return pe_v3(0, 0, 0);
     }
-    /* What rounding left along the axis has grown as much as the vector. */
+    /* The part along the axis that rounding left has grown as much as the vector. */
     out = pe_across(axis, pe_scale(1 / *length, out));
     return pe_scale(1 / pe_length(out), out);
+}
+
+void pe_cylinder_rim(const pe_cylinder *c, pe_vec3 reference, pe_vec3 arm[4])
+{
+    double length;
+    arm[0] = pe_scale(c->radius, pe_outward(c->axis, reference, &length));
+    arm[1] = pe_cross(c->axis, arm[0]);
+    arm[2] = pe_scale(-1, arm[0]);
+    arm[3] = pe_scale(-1, arm[1]);
 }
 
 pe_vec3 pe_cylinder_support(const pe_cylinder *c, pe_vec3 d)
@@ -81,42 +90,49 @@ bool pe_cylinder_pierce(const pe_cylinder *c, pe_vec3 x, pe_vec3 d, double *entr
     return true;
 }
 
-bool pe_circle_make(const pe_cylinder *c, pe_vec3 e, pe_circle *circle)
+bool pe_rim_query_make(const pe_cylinder *c, pe_vec3 e, pe_vec3 to_centre, pe_rim_query *query)
 {
     double cosine = pe_dot(c->axis, e);
-    circle->cosine2 = cosine * cosine;
-    circle->u = pe_outward(e, c->axis, &circle->sine);
-    circle->t = pe_cross(e, circle->u);
-    return circle->sine >= 1e-15;
+    query->cylinder = c;
+    query->to_centre = to_centre;
+    query->cosine2 = cosine * cosine;
+    query->u = pe_outward(e, c->axis, &query->sine);
+    query->t = pe_cross(e, query->u);
+    query->bounded = false;
+    return query->sine >= 1e-15;
 }
 
-/* A root of G with B >= 0, between the slopes low and high, where G falls. */
-static bool find_root(double a, double b, double rq2, double c2, double low, double high,
-                      double *slope)
+/* The function G: b - a k - rq2 k / sqrt(c2 + k^2), with b >= 0. */
+typedef struct slope_function {
+    double a, b, rq2, c2;
+} slope_function;
+
+/* The root of G where it falls, between the slopes low and high. */
+static bool find_root(slope_function f, double low, double high, double *slope)
 {
     enum { MOST = 64 };
     double k = pe_max(low, 0);
     if (high < k) {
         return false;
     }
-    if (c2 < 1e-200) {
-        /* The sigmoid is a step; at the step itself d is along the axis, which is the cap's. */
-        *slope = (b - rq2) / a;
-        return a > 0 && b > rq2 && *slope >= low && *slope <= high;
+    if (f.c2 < 1e-200) {
+        /* The sigmoid is a step. At the step itself d is along the axis, which is the cap's. */
+        *slope = (f.b - f.rq2) / f.a;
+        return f.a > 0 && f.b > f.rq2 && *slope >= low && *slope <= high;
     }
-    if (a >= 0 && high < HUGE_VAL && b > high * (a + rq2 / sqrt(c2 + high * high))) {
+    if (f.a >= 0 && high < HUGE_VAL && f.b > high * (f.a + f.rq2 / sqrt(f.c2 + high * high))) {
         return false;
     }
     for (int i = 0; i < MOST; ++i) {
-        double g = 1 / sqrt(c2 + k * k);
-        double value = b - k * (a + rq2 * g);
+        double g = 1 / sqrt(f.c2 + k * k);
+        double value = f.b - k * (f.a + f.rq2 * g);
         if (value <= 0) {
             if (i == 0 && value < 0) {
                 return false; /* G has fallen below 0 already */
             }
             break;
         }
-        double fall = a + rq2 * c2 * g * g * g;
+        double fall = f.a + f.rq2 * f.c2 * g * g * g;
         double next = k + value / fall;
         if (!(fall > 0) || next > high || next > 1e100) {
             return false;
@@ -130,32 +146,33 @@ static bool find_root(double a, double b, double rq2, double c2, double low, dou
     return true;
 }
 
-bool pe_circle_peak(const pe_circle *circle, const pe_cylinder *c, pe_vec3 w, double side,
-                    const pe_turn *from, const pe_turn *to, double least, pe_vec3 *d, double *value)
+bool pe_rim_peak(const pe_rim_query *query, double side, double least, pe_vec3 *d, double *value)
 {
     double low = -HUGE_VAL, high = HUGE_VAL;
-    if (from != NULL) {
-        double x0 = side * from->x, x1 = side * to->x;
+    if (query->bounded) {
+        double x0 = side * query->bound[0].x, x1 = side * query->bound[1].x;
         if (!(x0 > 0) && !(x1 > 0)) {
             return false;
         }
-        low = x0 > 0 ? side * from->y / x0 : low;
-        high = x1 > 0 ? side * to->y / x1 : high;
+        low = x0 > 0 ? side * query->bound[0].y / x0 : low;
+        high = x1 > 0 ? side * query->bound[1].y / x1 : high;
     }
-    double q = circle->sine, c2 = circle->cosine2, r = c->radius;
-    double a = side * pe_dot(w, circle->u) - c->half_height * q, b = side * pe_dot(w, circle->t);
+    const pe_cylinder *c = query->cylinder;
+    double q = query->sine, c2 = query->cosine2, r = c->radius;
+    double a = side * pe_dot(query->to_centre, query->u) - c->half_height * q;
+    double b = side * pe_dot(query->to_centre, query->t);
     double bound = least + r * sqrt(c2);
     if (bound > 0 && a * a + b * b <= bound * bound) {
         return false; /* s <= |(A, B)| - R c */
     }
     double k;
-    if (!(b < 0 ? find_root(a, -b, r * q * q, c2, -high, -low, &k)
-                : find_root(a, b, r * q * q, c2, low, high, &k))) {
+    slope_function f = {a, b < 0 ? -b : b, r * q * q, c2};
+    if (!find_root(f, b < 0 ? -high : low, b < 0 ? -low : high, &k)) {
         return false;
     }
     k = b < 0 ? -k : k;
     double x = 1 / sqrt(1 + k * k), y = k * x;
     *value = a * x + b * y - r * sqrt(c2 * x * x + y * y);
-    *d = pe_madd(pe_scale(side * x, circle->u), side * y, circle->t);
+    *d = pe_madd(pe_scale(side * x, query->u), side * y, query->t);
     return *value > least;
 }

@@ -1,267 +1,460 @@
-/* All local maxima of the separation, as named in cylinder.h. Each is either in closed form or the
- * peak of one circle (pe_circle_peak); where the maximum over a family cannot lie outside certain
- * directions (an edge's are between the normals of its faces) these alone are looked at, so that
- * every value that is found is the true separation along its direction. */
-#include "cylinder_polytope.h"
+/* A cylinder against a box, a hull and a capsule.
+ *
+ * The direction comes from pe_cylinder_polytope_gap. The points bound the overlap of the cylinder's
+ * cap, or of the lowest line of its side, whichever faces the other shape, and the face, edge or
+ * vertex there, as seen along the direction. On a cap these are the ends of the straight bounds of
+ * the overlap, the lowest point of the cap, and four points of the rim in directions that stay with
+ * the other shape, for the cap may spin. A capsule is its segment, with its radius taken off the
+ * gap. */
+#include "cylinder_gap.h"
+#include "narrow_phase/feature_id.h"
+#include "narrow_phase/points.h"
+#include "narrow_phase/tolerances.h"
 
-/* In units of the smaller shape: a meeting is better than another by more than rounding; vertices
- * that are farther out than others by less than a tie are as far. */
-static const double ROUNDING = 1e-14, TIE = 1e-10;
+/* Kinds of points, for their feature ids. */
+enum { RIM = 1, LOWEST, CORNER, CROSSING_IN, CROSSING_OUT, LINE_END, NEAREST };
 
-typedef struct search {
+/* The feature of the polytope that faces the cylinder: the corners of a face, or the ends of an
+ * edge. */
+typedef struct facing {
     const pe_polytope *p;
-    const pe_cylinder *c;
-    double bias, rounding, tie; /* m */
-    pe_meeting_gap best;
-    double high, low; /* m: of the vertices along the axis, from the cylinder's centre */
-    int high_vertex, low_vertex;
-    int nearest; /* vertex nearest to the cylinder; -1: one is inside */
-    double nearest_distance;
-    pe_vec3 nearest_normal; /* from the vertex */
-    int radial;             /* vertex nearest to the axis */
-    double radial_distance;
-} search;
+    const pe_face *face; /* NULL: an edge, or nothing */
+    const int *corners;
+    int count, index;
+} facing;
 
-/* What another meeting must exceed to be the best. */
-static double to_beat(const search *s)
+static pe_vec3 corner(const facing *f, int i)
 {
-    bool flat = s->best.kind == PE_FACE_CYLINDER || s->best.kind == PE_CORNER_CAP;
-    return s->best.distance + (flat ? s->bias : s->rounding);
+    return f->p->vertices[f->corners[i]];
 }
 
-static void offer(search *s, double distance, pe_vec3 normal, pe_meeting kind, int index)
+static facing facing_face(const pe_polytope *p, int index)
 {
-    if (distance > to_beat(s)) {
-        s->best = (pe_meeting_gap){distance, normal, kind, index};
+    const pe_face *face = &p->faces[index];
+    return (facing){p, face, p->corners + face->first_corner, face->corner_count, index};
+}
+
+static facing facing_edge(const pe_polytope *p, int index, pe_vec3 d)
+{
+    const pe_edge *edge = &p->edges[index];
+    pe_vec3 e = pe_sub(p->vertices[edge->vertex[1]], p->vertices[edge->vertex[0]]);
+    bool across = fabs(pe_dot(e, d)) <= PE_EDGE_CROSSWISE * pe_length(e);
+    return (facing){p, NULL, edge->vertex, across ? 2 : 0, p->face_count + index};
+}
+
+/* The edge at the vertex that lies most nearly across d, and of those most nearly along the axis.
+ */
+static int edge_at(const pe_polytope *p, int vertex, pe_vec3 d, pe_vec3 axis)
+{
+    int best = -1;
+    double least = HUGE_VAL;
+    for (int k = p->vertex_first[vertex]; k < p->vertex_first[vertex + 1]; ++k) {
+        const pe_edge *edge = &p->edges[p->vertex_edges[k]];
+        pe_vec3 e = pe_sub(p->vertices[edge->vertex[1]], p->vertices[edge->vertex[0]]);
+        double score = (fabs(pe_dot(e, d)) - 1e-3 * fabs(pe_dot(e, axis))) / pe_length(e);
+        if (score < least) {
+            least = score;
+            best = p->vertex_edges[k];
+        }
     }
+    return best;
 }
 
-static void test_faces(search *s)
+static facing find_facing(const pe_polytope *p, const pe_cylinder *c, const pe_meeting_gap *gap,
+                          bool cap)
 {
-    for (int i = 0; i < s->p->face_count; ++i) {
-        const pe_face *face = &s->p->faces[i];
-        double to_centre = pe_dot(face->normal, s->c->centre) - face->offset;
-        if (to_centre > s->best.distance) {
-            offer(s, to_centre - pe_cylinder_reach(s->c, face->normal), face->normal,
-                  PE_FACE_CYLINDER, i);
+    if (gap->kind == PE_FACE_CYLINDER) {
+        return facing_face(p, gap->index);
+    }
+    int best = -1;
+    double most = cap ? PE_FACE_ALONG_CAP : PE_FACE_ALONG_SIDE;
+    for (int i = 0; i < p->face_count; ++i) {
+        double cosine = pe_dot(p->faces[i].normal, gap->normal);
+        if (cosine >= most) {
+            most = cosine;
+            best = i;
+        }
+    }
+    if (best >= 0) {
+        return facing_face(p, best);
+    }
+    bool at_edge = gap->kind == PE_EDGE_SIDE || gap->kind == PE_EDGE_RIM;
+    int edge = at_edge ? gap->index : edge_at(p, gap->index, gap->normal, c->axis);
+    return edge >= 0 ? facing_edge(p, edge, gap->normal) : (facing){.p = p};
+}
+
+/* The two shapes, with d from the polytope to the cylinder. */
+typedef struct contact {
+    const pe_cylinder *c;
+    facing facing;
+    pe_vec3 d;
+    double radius; /* m, of the ball that sweeps the polytope */
+    double rise;   /* axis . d */
+    bool cap;      /* a cap faces the polytope, not the side */
+    double slack;  /* m */
+    double gap;    /* m, of the polytope's core */
+    pe_point_list list;
+} contact;
+
+/* Height of a point of the cylinder over the face, along d. */
+static double over_face(const contact *s, pe_vec3 x)
+{
+    const pe_face *face = s->facing.face;
+    return (pe_dot(face->normal, x) - face->offset) / pe_dot(face->normal, s->d);
+}
+
+/* Adds a point of the cylinder, `gap` along d from the polytope's core. */
+static void add(contact *s, pe_vec3 x, double gap, uint64_t feature)
+{
+    pe_point_list_add(&s->list, x, gap - s->radius, feature);
+}
+
+/* The distance (m) of the point, seen along d, inside the face's bound that ends at corner i. */
+static double depth_at(const contact *s, int i, pe_vec3 x, pe_vec3 *inward)
+{
+    const facing *f = &s->facing;
+    pe_vec3 from = corner(f, i > 0 ? i - 1 : f->count - 1);
+    *inward = pe_cross(s->d, pe_sub(corner(f, i), from));
+    *inward = pe_scale(1 / pe_length(*inward), *inward);
+    return pe_dot(pe_sub(x, from), *inward);
+}
+
+/* Whether the point, seen along d, lies in the face. */
+static bool is_in_face(const contact *s, pe_vec3 x)
+{
+    pe_vec3 unused;
+    for (int i = 0; i < s->facing.count; ++i) {
+        if (depth_at(s, i, x, &unused) < -PE_CYLINDER_TIE * s->list.size) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Whether the point, seen along d, lies in the face. A point just outside is moved in. */
+static bool move_into_face(const contact *s, pe_vec3 *x)
+{
+    bool moved = false;
+    pe_vec3 inward;
+    for (int i = 0; i < s->facing.count; ++i) {
+        double depth = depth_at(s, i, *x, &inward);
+        if (depth < -s->slack) {
+            return false;
+        }
+        if (depth < 0) {
+            *x = pe_madd(*x, -depth, inward);
+            moved = true;
+        }
+    }
+    return !moved || is_in_face(s, *x); /* near a corner one move may undo another */
+}
+
+/* Adds the point of the rim at `arm` from its centre if it lies over the face. */
+static void add_rim_point(contact *s, pe_vec3 middle, pe_vec3 arm, uint64_t feature)
+{
+    pe_vec3 x = pe_add(middle, arm), moved = x;
+    if (move_into_face(s, &moved)) {
+        /* Back into the cap's plane. */
+        double rise = pe_dot(pe_sub(moved, x), s->c->axis) / s->rise;
+        moved = pe_madd(moved, -rise, s->d);
+        if (pe_length(pe_sub(moved, middle)) <= s->c->radius + PE_CYLINDER_TIE * s->list.size) {
+            add(s, moved, over_face(s, moved), feature);
         }
     }
 }
 
-static void test_caps(search *s)
-{
-    double half = s->c->half_height;
-    offer(s, -s->high - half, s->c->axis, PE_CORNER_CAP, s->high_vertex);
-    offer(s, s->low - half, pe_scale(-1, s->c->axis), PE_CORNER_CAP, s->low_vertex);
-}
-
-static void look_at_vertices(search *s)
+/* Adds points of the rim about `middle` over the face: four in directions of the polytope's axes,
+ * and the lowest one. */
+static void add_rim(contact *s, pe_vec3 middle)
 {
     const pe_cylinder *c = s->c;
-    double least2 = HUGE_VAL, radial2 = HUGE_VAL;
-    s->high = -HUGE_VAL;
-    s->low = HUGE_VAL;
-    for (int i = 0; i < s->p->vertex_count; ++i) {
-        pe_vec3 x = pe_sub(s->p->vertices[i], c->centre);
-        double z = pe_dot(x, c->axis);
-        pe_vec3 across = pe_madd(x, -z, c->axis);
-        double r2 = pe_dot(across, across);
-        if (z > s->high) {
-            s->high = z;
-            s->high_vertex = i;
-        }
-        if (z < s->low) {
-            s->low = z;
-            s->low_vertex = i;
-        }
-        if (r2 < radial2) {
-            radial2 = r2;
-            s->radial = i;
-        }
-        double over = fabs(z) - c->half_height;
-        pe_vec3 out = over > 0 ? pe_scale(z > 0 ? over : -over, c->axis) : pe_v3(0, 0, 0);
-        if (r2 > c->radius * c->radius) {
-            out = pe_madd(out, 1 - c->radius / sqrt(r2), across);
-        }
-        double distance2 = pe_dot(out, out);
-        if (distance2 < least2) {
-            least2 = distance2;
-            s->nearest = i;
-            s->nearest_normal = pe_scale(-1, out);
-        }
+    pe_vec3 normal = s->facing.face->normal, t1, t2, arm[4];
+    double sine;
+    pe_tangents(normal, &t1, &t2);
+    pe_cylinder_rim(c, t1, arm);
+    for (int k = 0; k < 4; ++k) {
+        add_rim_point(s, middle, arm[k], pe_cylinder_feature(RIM, s->facing.index, k));
     }
-    s->radial_distance = sqrt(radial2);
-    s->nearest_distance = sqrt(least2);
-}
-
-static double separation_along(const search *s, pe_vec3 d, int last)
-{
-    return pe_dot(d, pe_sub(s->c->centre, s->p->vertices[last])) - pe_cylinder_reach(s->c, d);
-}
-
-/* The separation along d, which the vertex suggested, unless another vertex is farther out. */
-static void offer_from_vertex(search *s, pe_vec3 d, int vertex)
-{
-    const pe_vec3 *v = s->p->vertices;
-    int last = pe_polytope_support(s->p, d, vertex);
-    if (pe_dot(d, pe_sub(v[last], v[vertex])) <= s->tie) {
-        offer(s, separation_along(s, d, last), d, PE_CORNER_CYLINDER, vertex);
+    pe_vec3 up = pe_outward(c->axis, normal, &sine);
+    if (2 * c->radius * sine > PE_LEVEL_CAP * s->list.size) {
+        add_rim_point(s, middle, pe_scale(-c->radius, up),
+                      pe_cylinder_feature(LOWEST, s->facing.index, 0));
     }
 }
 
-/* The corner nearest to the cylinder from outside, and that nearest to the axis, whether in or out:
- * if a corner meets the cap, side or rim at all, it is one of these. */
-static void test_vertices(search *s)
-{
-    if (s->nearest_distance > 0 && s->nearest_distance > to_beat(s)) {
-        offer_from_vertex(s, pe_scale(1 / s->nearest_distance, s->nearest_normal), s->nearest);
-    }
-    if (s->radial_distance - s->c->radius > to_beat(s)) {
-        double distance;
-        pe_vec3 x = pe_sub(s->c->centre, s->p->vertices[s->radial]), other;
-        pe_vec3 d = pe_outward(s->c->axis, x, &distance);
-        if (!(distance > 0)) {
-            pe_tangents(s->c->axis, &d, &other);
-        }
-        offer_from_vertex(s, d, s->radial);
-    }
-}
+/* A corner as seen in the cap's plane. */
+typedef struct mark {
+    pe_vec3 at; /* from the cap's centre */
+    double gap; /* from the corner there, along d: linear between corners */
+    int corner;
+} mark;
 
-/* Across edge and axis, along the circle's t or against it: where the edge is outermost. */
-static void test_edge_side(search *s, int index, const pe_circle *circle, pe_vec3 w,
-                           const pe_turn *from, const pe_turn *to)
+/* Adds the point at t of the straight line from p to q, if between them. Next to a corner it has
+ * the corner's feature id, for it replaces the corner when that slips off the cap. */
+static void add_on_bound(contact *s, pe_vec3 middle, const mark *p, const mark *q, double t,
+                         uint64_t kind)
 {
-    for (double side = -1; side < 2; side += 2) {
-        bool outermost = from == NULL || (side * from->x >= 0 && side * to->x <= 0);
-        double distance = side * pe_dot(w, circle->t) - s->c->radius;
-        if (outermost && distance > to_beat(s)) {
-            double length;
-            pe_vec3 d = pe_scale(side, pe_outward(s->c->axis, circle->t, &length));
-            offer(s, pe_dot(w, d) - s->c->radius, d, PE_EDGE_SIDE, index);
-        }
-    }
-}
-
-/* Whether no direction between the edge's two face normals can be better than the best. With x the
- * cylinder's nearest point over one of the faces and v on the edge, (x - v).d bounds the separation
- * along every d; it has its largest value at one of the normals unless it grows from both. */
-static bool is_edge_out(const search *s, const pe_face *f, const pe_face *g)
-{
-    double cosine = pe_dot(f->normal, g->normal);
-    pe_vec3 x = pe_cylinder_support(s->c, pe_scale(-1, f->normal));
-    double over_f = pe_dot(f->normal, x) - f->offset, over_g = pe_dot(g->normal, x) - g->offset;
-    bool grows = over_g > over_f * cosine && over_f > over_g * cosine;
-    return (over_f < 0 && over_g < 0) || !grows ? pe_max(over_f, over_g) <= to_beat(s) : false;
-}
-
-static void test_edge(search *s, int index)
-{
-    const pe_polytope *p = s->p;
-    const pe_edge *edge = &p->edges[index];
-    if (edge->face[0] >= 0) {
-        const pe_face *f = &p->faces[edge->face[0]], *g = &p->faces[edge->face[1]];
-        if (is_edge_out(s, f, g) || is_edge_out(s, g, f)) {
-            return;
-        }
-    }
-    pe_vec3 v = p->vertices[edge->vertex[0]];
-    pe_vec3 e = pe_sub(p->vertices[edge->vertex[1]], v);
-    e = pe_scale(1 / pe_length(e), e);
-    pe_circle circle;
-    if (!pe_circle_make(s->c, e, &circle)) {
-        return; /* its corners are as near to the side */
-    }
-    pe_vec3 w = pe_sub(s->c->centre, v);
-    pe_turn turn[2];
-    const pe_turn *from = NULL, *to = NULL;
-    if (edge->face[0] >= 0) {
-        for (int k = 0; k < 2; ++k) {
-            pe_vec3 n = p->faces[edge->face[k]].normal;
-            turn[k] = (pe_turn){pe_dot(n, circle.u), pe_dot(n, circle.t)};
-        }
-        from = &turn[0];
-        to = &turn[1];
-    }
-    test_edge_side(s, index, &circle, w, from, to);
-    for (double side = -1; side < 2; side += 2) {
-        pe_vec3 d;
-        double value;
-        if (pe_circle_peak(&circle, s->c, w, side, from, to, to_beat(s), &d, &value)) {
-            offer(s, value, d, PE_EDGE_RIM, index);
-        }
-    }
-}
-
-double pe_cylinder_edge_place(const pe_polytope *p, const pe_cylinder *c, const pe_meeting_gap *gap)
-{
-    const pe_edge *edge = &p->edges[gap->index];
-    pe_vec3 v = p->vertices[edge->vertex[0]];
-    pe_vec3 step = pe_sub(p->vertices[edge->vertex[1]], v), to, along = step;
-    if (gap->kind == PE_EDGE_SIDE) {
-        to = c->centre; /* the axis */
-        along = pe_across(c->axis, step);
-    } else {
-        pe_vec3 rim = pe_cylinder_support(c, pe_scale(-1, gap->normal));
-        to = pe_madd(rim, -gap->distance, gap->normal);
-    }
-    double square = pe_dot(along, along);
-    double place = square > 0 ? pe_dot(pe_sub(to, v), along) / square : 0.5;
-    return pe_max(0, pe_min(1, place));
-}
-
-/* Near where one meeting turns into another both are as good to rounding, with directions that are
- * only as exact as the root of that. Of shapes that are apart the nearest point of the cylinder to
- * the place on the edge, or to the corner, gives all digits. */
-static void settle(search *s, double size)
-{
-    pe_meeting_gap *best = &s->best;
-    bool at_edge = best->kind == PE_EDGE_SIDE || best->kind == PE_EDGE_RIM;
-    if (best->distance < 1e-4 * size || !(at_edge || best->kind == PE_CORNER_CYLINDER)) {
+    if (!(t > 0 && t < 1)) {
         return;
     }
-    const pe_vec3 *v = s->p->vertices;
-    pe_vec3 x;
-    if (at_edge) {
-        const int *vertex = s->p->edges[best->index].vertex;
-        x = pe_madd(v[vertex[0]], pe_cylinder_edge_place(s->p, s->c, best),
-                    pe_sub(v[vertex[1]], v[vertex[0]]));
-    } else {
-        x = v[best->index];
+    pe_vec3 step = pe_sub(q->at, p->at);
+    double length = pe_length(step), near = 1e-3 * s->list.size;
+    bool is_p = t * length < near, is_q = (1 - t) * length < near;
+    add(s, pe_add(middle, pe_madd(p->at, t, step)), p->gap + t * (q->gap - p->gap),
+        pe_cylinder_feature(is_p || is_q ? CORNER : kind, s->facing.index,
+                            is_p ? p->corner : q->corner));
+}
+
+/* Adds the points where the straight line from p to q crosses the rim; near a tangent only the
+ * midpoint. */
+static void add_crossings(contact *s, pe_vec3 middle, const mark *p, const mark *q)
+{
+    double r = s->c->radius;
+    pe_vec3 step = pe_sub(q->at, p->at);
+    double length2 = pe_dot(step, step), along = -pe_dot(p->at, step);
+    if (!(length2 > 0)) {
+        return;
     }
-    pe_vec3 between = pe_sub(pe_cylinder_nearest(s->c, x), x);
-    pe_vec3 d = pe_scale(1 / pe_length(between), between);
-    int last = pe_polytope_support(s->p, d, -1);
-    if (separation_along(s, d, last) > best->distance - 0.1 * s->tie) {
-        best->normal = d;
+    pe_vec3 foot = pe_madd(p->at, along / length2, step);
+    double inside = r - pe_length(foot);
+    if (inside > s->slack) {
+        double reach = sqrt((2 * r - inside) * inside * length2);
+        add_on_bound(s, middle, p, q, (along - reach) / length2, CROSSING_IN);
+        add_on_bound(s, middle, p, q, (along + reach) / length2, CROSSING_OUT);
+    } else if (inside > -PE_CYLINDER_TIE * s->list.size) {
+        add_on_bound(s, middle, p, q, along / length2, CROSSING_IN);
     }
 }
 
-bool pe_cylinder_polytope_gap(const pe_polytope *p, const pe_cylinder *c, double size, double bias,
-                              bool face_first, double limit, pe_meeting_gap *gap)
+/* Adds corners inside the cap about `middle`, and points where the lines between them cross its
+ * rim. */
+static void add_bounds(contact *s, pe_vec3 middle)
 {
-    search s = {.p = p,
-                .c = c,
-                .bias = bias,
-                .rounding = ROUNDING * size,
-                .tie = TIE * size,
-                .best = {.distance = -HUGE_VAL}};
-    look_at_vertices(&s);
-    if (face_first) {
-        test_faces(&s);
-        test_caps(&s);
+    const pe_cylinder *c = s->c;
+    const facing *f = &s->facing;
+    mark last = {.gap = 0};
+    for (int i = -1; i < f->count; ++i) {
+        int k = i < 0 ? f->count - 1 : i;
+        pe_vec3 v = pe_sub(corner(f, k), middle);
+        mark m = {.gap = -pe_dot(v, c->axis) / s->rise, .corner = k};
+        m.at = pe_madd(v, m.gap, s->d);
+        double beyond = pe_length(m.at) - c->radius;
+        if (i >= 0 && beyond <= (f->face == NULL ? PE_CYLINDER_TIE * s->list.size : 0)) {
+            add(s, pe_add(middle, m.at), m.gap, pe_cylinder_feature(CORNER, f->index, k));
+        } else if (i >= 0 && beyond <= s->slack && f->face != NULL) {
+            pe_vec3 x = pe_madd(middle, c->radius / (c->radius + beyond), m.at);
+            if (is_in_face(s, x)) {
+                add(s, x, over_face(s, x), pe_cylinder_feature(CORNER, f->index, k));
+            }
+        }
+        if (i > 0 || (i == 0 && f->count > 2)) {
+            add_crossings(s, middle, &last, &m);
+        }
+        last = m;
+    }
+}
+
+/* The part of the line x + z axis that lies over the face, from end[0] to end[1]. Returns its
+ * length; it is empty if that is negative. */
+static double clip_to_face(const contact *s, pe_vec3 x, double end[2])
+{
+    const pe_cylinder *c = s->c;
+    end[0] = -c->half_height;
+    end[1] = c->half_height;
+    for (int i = 0; i < s->facing.count; ++i) {
+        pe_vec3 inward;
+        double depth = depth_at(s, i, x, &inward), rise = pe_dot(c->axis, inward);
+        if (rise > 0) {
+            end[0] = pe_max(end[0], -depth / rise);
+        } else if (rise < 0) {
+            end[1] = pe_min(end[1], -depth / rise);
+        } else if (depth < 0) {
+            return -1;
+        }
+    }
+    return end[1] - end[0];
+}
+
+/* Adds the ends of the part of the side's lowest line that lies over the face. The side is flat
+ * enough to move the line by the slack, so that a line right on a bound of a face stays over the
+ * face. */
+static void add_line(contact *s)
+{
+    const pe_cylinder *c = s->c;
+    double unused, end[2], other[2];
+    pe_vec3 x = pe_madd(c->centre, -c->radius, pe_outward(c->axis, s->d, &unused));
+    double length = clip_to_face(s, x, end);
+    double size = s->list.size;
+    if (length < 2 * c->half_height) {
+        pe_vec3 lateral = pe_cross(c->axis, s->d), middle = x;
+        for (double side = -1; side < 2; side += 2) {
+            pe_vec3 moved = pe_madd(middle, side * PE_SIDE_SLACK * size, lateral);
+            double there = clip_to_face(s, moved, other);
+            if (there > length + 1e-3 * size) {
+                length = there;
+                x = moved;
+                end[0] = other[0];
+                end[1] = other[1];
+            }
+        }
+    }
+    if (length < 0 && length > -PE_CYLINDER_TIE * size) {
+        end[0] = end[1] = 0.5 * (end[0] + end[1]);
+        length = 0;
+    }
+    for (int k = 0; k < 2 && length >= 0; ++k) {
+        pe_vec3 y = pe_madd(x, end[k], c->axis);
+        add(s, y, over_face(s, y), pe_cylinder_feature(LINE_END, 0, k));
+    }
+}
+
+/* Whether a point, on the infinite cylinder, is between the planes of the caps. */
+static bool is_between_caps(const contact *s, pe_vec3 x)
+{
+    double z = pe_dot(pe_sub(x, s->c->centre), s->c->axis);
+    return fabs(z) <= s->c->half_height + PE_CYLINDER_TIE * s->list.size;
+}
+
+/* The part of an edge, x = v + t step, along the cylinder: from end[0] to end[1] if not empty. */
+static void along_cylinder(const contact *s, pe_vec3 v, pe_vec3 step, double end[2])
+{
+    const pe_cylinder *c = s->c;
+    pe_vec3 on_side = pe_sub(pe_madd(v, s->gap, s->d), c->centre);
+    double z = pe_dot(on_side, c->axis), rise = pe_dot(step, c->axis);
+    double t0 = (-c->half_height - z) / rise, t1 = (c->half_height - z) / rise;
+    end[0] = rise == 0 ? 0 : pe_max(0, pe_min(t0, t1));
+    end[1] = rise == 0 ? 1 : pe_min(1, pe_max(t0, t1));
+}
+
+/* Adds the ends of the part of an edge that lies along the side. */
+static void add_edge_along_side(contact *s)
+{
+    pe_vec3 v = corner(&s->facing, 0), step = pe_sub(corner(&s->facing, 1), v);
+    double end[2];
+    along_cylinder(s, v, step, end);
+    for (int k = 0; k < 2 && end[0] <= end[1]; ++k) {
+        pe_vec3 x = pe_madd(v, end[k], step);
+        double gap, unused;
+        if (pe_cylinder_pierce(s->c, x, s->d, &gap, &unused)) {
+            x = pe_madd(x, gap, s->d);
+            if (is_between_caps(s, x)) {
+                add(s, x, gap, pe_cylinder_feature(LINE_END, 0, k));
+            }
+        }
+    }
+}
+
+/* Of the vertices that are as near as the given one, that whose opposite point is in the cylinder,
+ * or least outside. */
+static pe_vec3 corner_below(const contact *s, const pe_polytope *p, int vertex)
+{
+    pe_vec3 best = p->vertices[vertex];
+    double height = pe_dot(s->d, best) - PE_CYLINDER_TIE * s->list.size, least = HUGE_VAL;
+    for (int i = 0; i < p->vertex_count && least > 0; ++i) {
+        pe_vec3 v = p->vertices[i], x = pe_madd(v, s->gap, s->d);
+        double outside = pe_length(pe_sub(pe_cylinder_nearest(s->c, x), x));
+        if (pe_dot(s->d, v) >= height && outside < least) {
+            least = outside;
+            best = v;
+        }
+    }
+    return best;
+}
+
+/* The point of the cylinder that realises the gap. False if it is not in both shapes, because of
+ * the bias towards caps and faces, or because many vertices are equally near. */
+static bool nearest_point(const contact *s, const pe_meeting_gap *gap, pe_vec3 *x)
+{
+    const pe_polytope *p = s->facing.p;
+    const pe_cylinder *c = s->c;
+    if (gap->kind == PE_FACE_CYLINDER || gap->kind == PE_EDGE_RIM) {
+        *x = pe_cylinder_support(c, pe_scale(-1, s->d));
+        return gap->kind == PE_EDGE_RIM || is_in_face(s, *x);
+    }
+    pe_vec3 v;
+    if (gap->kind == PE_EDGE_SIDE) {
+        const pe_edge *edge = &p->edges[gap->index];
+        v = p->vertices[edge->vertex[0]];
+        pe_vec3 step = pe_sub(p->vertices[edge->vertex[1]], v);
+        double end[2], place = pe_cylinder_edge_place(p, c, gap);
+        along_cylinder(s, v, step, end);
+        v = pe_madd(v, pe_max(end[0], pe_min(end[1], place)), step);
     } else {
-        test_caps(&s);
-        test_faces(&s);
+        v = corner_below(s, p, gap->index);
     }
-    if (s.best.distance <= limit) {
-        test_vertices(&s);
+    *x = pe_madd(v, gap->distance, s->d);
+    pe_vec3 out = pe_across(c->axis, pe_sub(*x, c->centre));
+    return is_between_caps(s, *x) && pe_length(out) <= c->radius + PE_CYLINDER_TIE * s->list.size;
+}
+
+/* False if the point that realises the gap is not in both shapes. Then it is added only
+ * `at_any_rate`. */
+static bool add_points(contact *s, const pe_meeting_gap *gap, bool at_any_rate)
+{
+    const pe_cylinder *c = s->c;
+    if (s->cap) {
+        double height = s->rise > 0 ? -c->half_height : c->half_height;
+        pe_vec3 middle = pe_madd(c->centre, height, c->axis);
+        /* Corners come first: a point of the rim that coincides with one would flicker. */
+        if (s->facing.count > 0) {
+            add_bounds(s, middle);
+        }
+        if (s->facing.face != NULL) {
+            add_rim(s, middle);
+        }
+    } else if (s->facing.face != NULL) {
+        add_line(s);
+    } else if (s->facing.count == 2) {
+        add_edge_along_side(s);
     }
-    for (int i = 0; i < p->edge_count && s.best.distance <= limit; ++i) {
-        test_edge(&s, i);
+    pe_vec3 nearest;
+    if (pe_point_list_has_nearest(&s->list)) {
+        return true;
     }
-    if (s.best.distance <= limit) {
-        settle(&s, size);
+    bool sound = nearest_point(s, gap, &nearest);
+    if (sound || at_any_rate) {
+        pe_point_list_add(&s->list, nearest, gap->distance - s->radius,
+                          pe_cylinder_feature(NEAREST, 0, 0));
     }
-    *gap = s.best;
-    return s.best.distance <= limit;
+    return sound;
+}
+
+/* `polytope_first`: the order of the shapes in the manifold. */
+static void collide(pe_placed polytope, pe_placed cylinder, bool polytope_first, double margin,
+                    pe_pair_manifold *manifold)
+{
+    pe_polytope p;
+    pe_polytope_make(polytope, &p);
+    pe_cylinder c = pe_cylinder_in_axes(cylinder, polytope.pose);
+    double size = pe_min(polytope.size, cylinder.size);
+    pe_gap_query query = {size, PE_FLAT_BIAS * size, margin + p.radius, polytope_first};
+    contact s = {.c = &c, .radius = p.radius, .slack = PE_CAP_SLACK * size};
+    pe_meeting_gap gap;
+    bool done = false;
+    for (int pass = 0; pass < 2 && !done; ++pass) {
+        if (!pe_cylinder_polytope_gap(&p, &c, &query, &gap)) {
+            return;
+        }
+        s.d = gap.normal;
+        s.gap = gap.distance;
+        s.rise = pe_dot(gap.normal, c.axis);
+        s.cap = fabs(s.rise) >= PE_CAP_FACING;
+        s.facing = find_facing(&p, &c, &gap, s.cap);
+        s.list = pe_point_list_begin(gap.normal, gap.distance - p.radius, margin, size);
+        done = add_points(&s, &gap, pass == 1);
+        query.bias = 0; /* the bias kept a face or cap that the other shape does not meet */
+    }
+    pe_point_list_finish(&s.list, polytope.pose, !polytope_first, manifold);
+    manifold->normal_on_b = (gap.kind != PE_CORNER_CAP) != polytope_first;
+}
+
+void pe_collide_polytope_cylinder(pe_placed a, pe_placed b, double margin,
+                                  pe_pair_manifold *manifold)
+{
+    collide(a, b, true, margin, manifold);
+}
+
+void pe_collide_cylinder_hull(pe_placed a, pe_placed b, double margin, pe_pair_manifold *manifold)
+{
+    collide(b, a, false, margin, manifold);
 }

@@ -1,8 +1,26 @@
+/* The paired descent: bounds of two boxes, and a stack of pairs. */
 #include "bvh.h"
 
-pe_bvh_pair pe_bvh_pair_of(const pe_node *a, const pe_node *b, const pe_mat3 *turn, pe_vec3 offset)
+pe_transform pe_transform_between(const pe_pose *a, const pe_pose *b)
 {
-    return (pe_bvh_pair){.a = a, .b = b, .turn = *turn, .offset = offset};
+    const pe_mat3 *ra = &a->rotation, *rb = &b->rotation;
+    return (pe_transform){
+        .turn = {pe_unrotate(ra, pe_axis(rb, 0)), pe_unrotate(ra, pe_axis(rb, 1)),
+                 pe_unrotate(ra, pe_axis(rb, 2))},
+        .offset = pe_pose_to_body(b, a->position),
+    };
+}
+
+pe_node pe_box_node(pe_vec3 centre, pe_vec3 half)
+{
+    return (pe_node){
+        .axes = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+        .centre = centre,
+        .half = half,
+        .radius = pe_length(half),
+        .right = -1,
+        .count = 1,
+    };
 }
 
 double pe_node_reach(const pe_node *node, pe_vec3 d)
@@ -12,10 +30,10 @@ double pe_node_reach(const pe_node *node, pe_vec3 d)
            fabs(along.z) * node->half.z;
 }
 
-/* Whether the node ends below all that is within `limit` of b. */
+/* Whether all of the node lies farther from b than `limit`, along the parting direction. */
 static bool a_is_far(const pe_bvh_pair *p, const pe_node *a, double limit)
 {
-    double middle = pe_dot(p->parting_a, a->centre) + pe_dot(p->parting, p->offset);
+    double middle = pe_dot(p->parting_a, a->centre) + pe_dot(p->parting, p->a_in_b.offset);
     return middle + pe_node_reach(a, p->parting_a) < p->least_b - limit;
 }
 
@@ -24,40 +42,30 @@ static bool b_is_far(const pe_bvh_pair *p, const pe_node *b, double limit)
     return pe_dot(p->parting, b->centre) - pe_node_reach(b, p->parting) > p->most_a + limit;
 }
 
-static pe_vec3 absolute(pe_vec3 v)
-{
-    return pe_v3(fabs(v.x), fabs(v.y), fabs(v.z));
-}
-
-/* Square of the distance from the origin to the box of half extents `half` about c. */
-static double square_out(pe_vec3 c, pe_vec3 half)
-{
-    double x = pe_max(0, fabs(c.x) - half.x), y = pe_max(0, fabs(c.y) - half.y);
-    double z = pe_max(0, fabs(c.z) - half.z);
-    return x * x + y * y + z * z;
-}
-
-/* Stops at the first bound above the limit. */
+/* A lower bound of the squared gap of two nodes. Stops at the first bound above the limit. */
 static double gap2(const pe_bvh_pair *p, const pe_node *a, const pe_node *b, double limit)
 {
-    pe_vec3 c = pe_sub(pe_add(pe_rotate(&p->turn, a->centre), p->offset), b->centre);
+    const pe_mat3 *turn = &p->a_in_b.turn;
+    pe_vec3 c = pe_sub(pe_transform_point(&p->a_in_b, a->centre), b->centre);
     double near = a->radius + b->radius + limit;
     if (pe_dot(c, c) > near * near) {
         return HUGE_VAL;
     }
     /* Axes of a as columns in the axes of b. */
-    pe_vec3 x = pe_rotate(&b->axes, pe_rotate(&p->turn, a->axes.r0));
-    pe_vec3 y = pe_rotate(&b->axes, pe_rotate(&p->turn, a->axes.r1));
-    pe_vec3 z = pe_rotate(&b->axes, pe_rotate(&p->turn, a->axes.r2));
-    pe_vec3 ax = absolute(x), ay = absolute(y), az = absolute(z), ha = a->half, hb = b->half;
+    pe_vec3 x = pe_rotate(&b->axes, pe_rotate(turn, a->axes.r0));
+    pe_vec3 y = pe_rotate(&b->axes, pe_rotate(turn, a->axes.r1));
+    pe_vec3 z = pe_rotate(&b->axes, pe_rotate(turn, a->axes.r2));
+    pe_vec3 ax = pe_absolute(x), ay = pe_absolute(y), az = pe_absolute(z), ha = a->half,
+            hb = b->half;
     c = pe_rotate(&b->axes, c);
     pe_vec3 reach = pe_madd(pe_madd(pe_madd(hb, ha.x, ax), ha.y, ay), ha.z, az);
-    double along_b = square_out(c, reach);
+    double along_b = pe_square_to_box(c, reach);
     if (along_b > limit * limit) {
         return along_b;
     }
     reach = pe_add(ha, pe_v3(pe_dot(ax, hb), pe_dot(ay, hb), pe_dot(az, hb)));
-    return pe_max(along_b, square_out(pe_v3(pe_dot(x, c), pe_dot(y, c), pe_dot(z, c)), reach));
+    return pe_max(along_b,
+                  pe_square_to_box(pe_v3(pe_dot(x, c), pe_dot(y, c), pe_dot(z, c)), reach));
 }
 
 static void push(const pe_bvh_pair *pair, pe_bvh_walk *walk, int a, int b, double limit)
@@ -65,20 +73,6 @@ static void push(const pe_bvh_pair *pair, pe_bvh_walk *walk, int a, int b, doubl
     double g = gap2(pair, &pair->a[a], &pair->b[b], limit);
     if (g <= limit * limit) {
         walk->stack[walk->depth++] = (struct pe_bvh_entry){a, b, g};
-    }
-}
-
-static void push_a(const pe_bvh_pair *pair, pe_bvh_walk *walk, int a, int b, double limit)
-{
-    if (!a_is_far(pair, &pair->a[a], limit)) {
-        push(pair, walk, a, b, limit);
-    }
-}
-
-static void push_b(const pe_bvh_pair *pair, pe_bvh_walk *walk, int a, int b, double limit)
-{
-    if (!b_is_far(pair, &pair->b[b], limit)) {
-        push(pair, walk, a, b, limit);
     }
 }
 
@@ -105,11 +99,19 @@ bool pe_bvh_next(const pe_bvh_pair *pair, pe_bvh_walk *walk, double bound, const
         }
         int first = walk->depth;
         if (nb->right < 0 || (na->right >= 0 && na->radius >= nb->radius)) {
-            push_a(pair, walk, e.a + 1, e.b, bound);
-            push_a(pair, walk, na->right, e.b, bound);
+            for (int k = 0; k < 2; ++k) {
+                int child = k == 0 ? e.a + 1 : na->right;
+                if (!a_is_far(pair, &pair->a[child], bound)) {
+                    push(pair, walk, child, e.b, bound);
+                }
+            }
         } else {
-            push_b(pair, walk, e.a, e.b + 1, bound);
-            push_b(pair, walk, e.a, nb->right, bound);
+            for (int k = 0; k < 2; ++k) {
+                int child = k == 0 ? e.b + 1 : nb->right;
+                if (!b_is_far(pair, &pair->b[child], bound)) {
+                    push(pair, walk, e.a, child, bound);
+                }
+            }
         }
         struct pe_bvh_entry *pushed = &walk->stack[first];
         if (walk->depth == first + 2 && pushed[0].gap2 < pushed[1].gap2) {

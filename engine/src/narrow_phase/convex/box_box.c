@@ -1,38 +1,25 @@
 /* Box against box: separating axes, then face clipping or the nearest points of two edges.
  *
  * Of the 15 axes (Gottschalk, Lin, Manocha 1996) the one of largest separation is the normal. A
- * face that looks along it, or nearly, is the reference: the facing face of the other box is
- * clipped along the normal against its sides (Sutherland and Hodgman 1974), at most 8 points, each
- * named by the two edges that bound it. So nearly flat bricks keep all their points, and the names
- * of these, when a pair of edges or the other box's face separates a trifle more than the face.
+ * face that looks along it, or nearly, is the reference. The facing face of the other box is
+ * clipped along the normal against the sides of the reference (Sutherland and Hodgman 1974), which
+ * leaves at most 8 points. Nearly flat boxes so keep all their points, with the same feature ids,
+ * when a pair of edges or the other box's face separates slightly more than the reference.
  *
- * An axis that separates gives a lower bound of the distance. When no point has it, the nearest
- * features are a corner and a corner or edge, or edges off the axis: polytope_distance.c.
+ * An axis that separates gives a lower bound of the distance. If no point realises it, the nearest
+ * features are a corner and a corner or edge, or edges away from the axis. The general collider of
+ * polytopes then finds them.
  *
- * Everything is worked out in the axes of the boxes; the world is met again at the points. */
+ * The work is done in the axes of the boxes. Points are moved to the world at the end. */
+#include "narrow_phase/tolerances.h"
 #include "polytope.h"
-
-/* Tolerances, in units of the smaller box. */
-static const double TIE = 1e-10; /* axes that tie: a face of the first box, of the second, edges */
-/* The second box's face must separate more by this to be the reference: a resting stack must choose
- * the same one at every step. */
-static const double REFERENCE_BIAS = 1e-5;
-static const double CLIP_SLACK = 1e-8;     /* points this far outside still lie on the face */
-static const double SAME_DISTANCE = 5e-10; /* a point that has the separation of the axis */
-
-/* Cosine of the angle between a face and the normal up to which it is the reference. */
-static const double FLAT = 0.995;
-/* Square of the sine of the angle of two edges below which the quick test of their axis loses
- * digits, and below which the axis is rounding alone. */
-static const double SMALL_SINE2 = 1e-6, LEAST_SINE2 = 1e-24;
-static const double ROUNDING = 1e-15; /* of the quick test, in units of the lengths in it */
 
 typedef struct axis_choice {
     double separation;
-    int i, j; /* face: axis i; edges: axis i of the first box, j of the second */
+    int i, j; /* of a face: axis i; of edges: axis i of the first box, j of the second */
 } axis_choice;
 
-/* One box as the other sees it. */
+/* One box of the pair. */
 typedef struct box_side {
     const pe_pose *pose;
     double extent[3];
@@ -103,12 +90,6 @@ static bool test_faces(const box_pair *p, double margin, axis_choice *a, axis_ch
     return true;
 }
 
-/* Whether s / sqrt(square) > t, for square > 0, without the root. */
-static bool quotient_exceeds(double s, double square, double t)
-{
-    return t < 0 ? s >= 0 || s * s < t * t * square : s > 0 && s * s > t * t * square;
-}
-
 /* The cross of edges i and j in the axes of the first box, unnormalised: exact where the edges are
  * nearly parallel. */
 static pe_vec3 cross_of(const box_pair *p, int i, int j)
@@ -165,15 +146,16 @@ static bool test_edges(const box_pair *p, double margin, double tie, axis_choice
             /* |offset . (a_i x b_j)| less the reach of both boxes along it, unnormalised. */
             double s = fabs(t[i2] * r1[j] - t[i1] * r2[j]) - (ea[i1] * q2[j] + ea[i2] * q1[j]) -
                        (eb[j1] * q[j2] + eb[j2] * q[j1]);
-            if (sine2 < SMALL_SINE2) {
+            if (sine2 < PE_BOX_EDGES_NEAR_PARALLEL2) {
                 double lengths = ea[i1] + ea[i2] + eb[j1] + eb[j2] + fabs(t[i1]) + fabs(t[i2]);
                 sine2 = r1[j] * r1[j] + r2[j] * r2[j];
                 bool may_gain =
-                    sine2 > LEAST_SINE2 && quotient_exceeds(s + ROUNDING * lengths, sine2, exceed);
+                    sine2 > PE_BOX_EDGES_PARALLEL2 &&
+                    pe_quotient_exceeds(s + PE_BOX_AXIS_ROUNDING * lengths, sine2, exceed);
                 parallel |= (unsigned)may_gain << (3 * i + j);
                 continue;
             }
-            if (!quotient_exceeds(s, sine2, exceed)) {
+            if (!pe_quotient_exceeds(s, sine2, exceed)) {
                 continue;
             }
             *best = (axis_choice){s / sqrt(sine2), i, j};
@@ -189,17 +171,17 @@ static bool test_edges(const box_pair *p, double margin, double tie, axis_choice
     return best->separation <= margin;
 }
 
-/* The middle of the box's edge along axis k that lies farthest along the direction. Names the edge
- * by the signs of the two other axes. */
-static pe_vec3 far_edge(const box_side *box, int k, pe_vec3 direction, uint32_t *name)
+/* The midpoint of the box's edge along axis k that lies farthest along the direction. *id is the
+ * axis with the signs of the two other axes. */
+static pe_vec3 far_edge(const box_side *box, int k, pe_vec3 direction, uint32_t *id)
 {
     pe_vec3 x = box->pose->position;
-    *name = (uint32_t)k;
+    *id = (uint32_t)k;
     for (int m = 1; m < 3; ++m) {
         int q = (k + m) % 3;
         bool positive = pe_dot(axis_of(box, q), direction) > 0;
         x = pe_madd(x, positive ? box->extent[q] : -box->extent[q], axis_of(box, q));
-        *name = *name << 1 | positive;
+        *id = *id << 1 | positive;
     }
     return x;
 }
@@ -212,17 +194,17 @@ static pe_vec3 edge_normal(const box_pair *p, axis_choice edge)
     return pe_scale((against ? -1 : 1) / pe_length(n), n);
 }
 
-/* The nearest points of two edges. False when they do not have the separation of the axis, as they
- * do where the boxes overlap. */
+/* Adds the midpoint of the nearest points of two edges. False if they do not realise the separation
+ * of the axis; those of overlapping boxes do. */
 static bool edge_contact(const box_pair *p, axis_choice edge, pe_vec3 n, double tolerance,
-                         pe_pair_manifold *hits)
+                         pe_pair_manifold *manifold)
 {
     pe_vec3 u = axis_of(&p->a, edge.i), v = axis_of(&p->b, edge.j);
-    uint32_t name_a, name_b;
-    pe_vec3 x = far_edge(&p->a, edge.i, n, &name_a);
-    pe_vec3 y = far_edge(&p->b, edge.j, pe_scale(-1, n), &name_b);
+    uint32_t id_a, id_b;
+    pe_vec3 x = far_edge(&p->a, edge.i, n, &id_a);
+    pe_vec3 y = far_edge(&p->b, edge.j, pe_scale(-1, n), &id_b);
 
-    /* They cross at x + s u and y + t v, within what they have beside each other. */
+    /* They cross at x + s u and y + t v, within the part where they lie next to each other. */
     pe_vec3 d = pe_sub(y, x), w = pe_cross(u, v);
     double square = pe_dot(w, w), ea = p->a.extent[edge.i], eb = p->b.extent[edge.j];
     double middle = pe_dot(d, u), reach = eb * fabs(p->a.r[edge.i][edge.j]);
@@ -234,18 +216,18 @@ static bool edge_contact(const box_pair *p, axis_choice edge, pe_vec3 n, double 
     if (edge.separation > 0 && pe_length(rest) > tolerance) {
         return false;
     }
-    hits->normal = n;
-    hits->count = 1;
-    hits->item[0] = (pe_pair_point){
+    manifold->normal = n;
+    manifold->count = 1;
+    manifold->item[0] = (pe_pair_point){
         .position = pe_scale(0.5, pe_add(x, y)),
         .separation = edge.separation,
-        .feature = 1u << 31 | name_a << 8 | name_b,
+        .feature = 1u << 31 | id_a << 8 | id_b,
     };
     return true;
 }
 
-/* A corner of the polygon being clipped: coordinates on the reference face and height over it, with
- * the name of the edge that leads on from it. */
+/* A corner of the polygon being clipped: coordinates on the reference face, height over it, and the
+ * edge that leaves the corner: see feature_id.h. */
 typedef struct corner {
     double x[2], height;
     uint32_t edge;
@@ -253,14 +235,18 @@ typedef struct corner {
 
 enum { MAX_CORNERS = PE_MAX_POINTS + 4 };
 
-/* Keeps the part of `in` where the distances past the clip line are not above the slack. A way out
- * from a corner that is inside by the slack alone crosses the line there. */
+typedef struct polygon {
+    corner buffer[2][MAX_CORNERS], *corners; /* in one of the buffers */
+    int count;
+} polygon;
+
+/* Keeps the part of `in` whose distances past the clip line do not exceed the slack. A side that
+ * leaves from a corner beyond the line, but within the slack, is cut at that corner. */
 static int clip(const corner *in, const double *past, double slack, int count, uint32_t clip_edge,
                 corner *out)
 {
     int kept = 0;
-    /* A convex polygon never fills the room; one that rounding made otherwise must not overrun it.
-     */
+    /* A convex polygon always fits. One that is not convex, by rounding, must not overrun. */
     for (int i = 0; i < count && kept + 2 <= MAX_CORNERS; ++i) {
         int next = i + 1 < count ? i + 1 : 0;
         bool here = past[i] <= slack, there = past[next] <= slack;
@@ -281,11 +267,10 @@ static int clip(const corner *in, const double *past, double slack, int count, u
     return kept;
 }
 
-/* Clips against the rectangle |x[0]| <= bound[0], |x[1]| <= bound[1], whose edges are named 4 .. 7.
- * The polygon reaches from middle - reach to middle + reach in x. Returns where it then is:
- * `polygon` itself, which is overwritten, or `spare`. */
-static corner *clip_to_rectangle(corner *polygon, corner *spare, int *count, const double middle[2],
-                                 const double reach[2], const double bound[2], double slack)
+/* Clips against the rectangle |x[0]| <= bound[0], |x[1]| <= bound[1], whose edges have numbers 4
+ * .. 7. The polygon reaches from middle - reach to middle + reach in x. */
+static void clip_to_rectangle(polygon *p, const double middle[2], const double reach[2],
+                              const double bound[2], double slack)
 {
     for (uint32_t line = 0; line < 4; ++line) {
         int k = line < 2 ? 0 : 1;
@@ -293,18 +278,16 @@ static corner *clip_to_rectangle(corner *polygon, corner *spare, int *count, con
         if (!(sign * middle[k] + reach[k] > bound[k] + slack)) {
             continue;
         }
-        for (int i = 0; i < *count; ++i) {
-            past[i] = sign * polygon[i].x[k] - bound[k];
+        for (int i = 0; i < p->count; ++i) {
+            past[i] = sign * p->corners[i].x[k] - bound[k];
         }
-        *count = clip(polygon, past, slack, *count, 4 + line, spare);
-        corner *clipped = spare;
-        spare = polygon;
-        polygon = clipped;
+        corner *clipped = p->buffer[p->corners == p->buffer[0]];
+        p->count = clip(p->corners, past, slack, p->count, 4 + line, clipped);
+        p->corners = clipped;
     }
-    return polygon;
 }
 
-/* A face as reference: that of axis k towards the other box. */
+/* The reference face: that of axis k towards the other box. */
 typedef struct reference {
     const box_side *box, *other;
     int k;
@@ -313,8 +296,8 @@ typedef struct reference {
     pe_vec3 normal; /* of the contact, in the world, out of the box */
 } reference;
 
-/* Replaces the height over the face by that along the normal, and the place by the foot along it.
- */
+/* Replaces the height over the face by that along the normal, and the position by the foot along
+ * the normal. */
 static void shear(double x[3], const double tilt[2], double along)
 {
     x[2] /= along;
@@ -322,9 +305,10 @@ static void shear(double x[3], const double tilt[2], double along)
     x[1] -= tilt[1] * x[2];
 }
 
-/* The facing face of the other box, clipped along the normal. Returns the least separation of its
- * points, whether within the margin or not. */
-static double face_contact(const reference *r, double size, double margin, pe_pair_manifold *hits)
+/* Adds the points of the other box's facing face, clipped along the normal. Returns the least
+ * separation of all, within the margin or not. */
+static double face_contact(const reference *r, double size, double margin,
+                           pe_pair_manifold *manifold)
 {
     const box_side *box = r->box, *other = r->other;
     int k = r->k, ku = k < 2 ? k + 1 : 0, kv = k > 0 ? k - 1 : 2;
@@ -339,7 +323,7 @@ static double face_contact(const reference *r, double size, double margin, pe_pa
     double facing = side * box->r[k][m] > 0 ? -1 : 1;
     int mu = m < 2 ? m + 1 : 0, mv = m > 0 ? m - 1 : 2;
 
-    /* Its middle and half edges, with heights in the last place. */
+    /* Its midpoint and half edges; the last component is the height. */
     double along = r->tilted ? pe_dot(r->normal, face) : 1;
     double tilt[2] = {0, 0};
     if (r->tilted) {
@@ -361,52 +345,50 @@ static double face_contact(const reference *r, double size, double margin, pe_pa
         shear(u, tilt, along);
         shear(v, tilt, along);
     }
-    corner buffer[2][MAX_CORNERS];
+    polygon p;
+    p.corners = p.buffer[0];
+    p.count = 4;
     for (uint32_t c = 0; c < 4; ++c) {
         double su = c == 0 || c == 3 ? -1 : 1, sv = c < 2 ? -1 : 1;
-        buffer[0][c] = (corner){
+        p.corners[c] = (corner){
             .x = {middle[0] + su * u[0] + sv * v[0], middle[1] + su * u[1] + sv * v[1]},
             .height = middle[2] + su * u[2] + sv * v[2],
             .edge = c,
         };
     }
-    int count = 4;
     const double bound[2] = {box->extent[ku], box->extent[kv]};
     const double reach[2] = {fabs(u[0]) + fabs(v[0]), fabs(u[1]) + fabs(v[1])};
-    const corner *polygon =
-        clip_to_rectangle(buffer[0], buffer[1], &count, middle, reach, bound, CLIP_SLACK * size);
+    clip_to_rectangle(&p, middle, reach, bound, PE_CLIP_SLACK * size);
 
     uint32_t faces = (uint32_t)r->flipped << 6 | (uint32_t)(2 * k + (side > 0)) << 3 |
                      (uint32_t)(2 * m + (facing > 0));
     double least = HUGE_VAL;
     pe_vec3 centre = pe_madd(box->pose->position, box->extent[k], face);
-    for (int i = 0; i < count && hits->count < PE_MAX_POINTS; ++i) {
-        const corner *c = &polygon[i];
+    for (int i = 0; i < p.count && manifold->count < PE_MAX_POINTS; ++i) {
+        const corner *c = &p.corners[i];
         least = pe_min(least, c->height);
-        if (c->height > margin) {
-            hits->end_margin = pe_min(hits->end_margin, c->height);
+        if (!pe_pair_manifold_within(manifold, c->height, margin)) {
             continue;
         }
-        hits->least_margin = pe_max(hits->least_margin, c->height);
         pe_vec3 x = pe_madd(pe_madd(centre, c->x[0], tu), c->x[1], tv);
-        uint32_t edge_in = polygon[i > 0 ? i - 1 : count - 1].edge;
-        hits->item[hits->count++] = (pe_pair_point){
+        uint32_t edge_in = p.corners[i > 0 ? i - 1 : p.count - 1].edge;
+        manifold->item[manifold->count++] = (pe_pair_point){
             .position = pe_madd(x, 0.5 * c->height, r->normal),
             .separation = c->height,
             .feature = faces << 6 | edge_in << 3 | c->edge,
         };
     }
-    hits->normal = r->flipped ? pe_scale(-1, r->normal) : r->normal;
+    manifold->normal = r->flipped ? pe_scale(-1, r->normal) : r->normal;
     return least;
 }
 
 /* Whether the face of axis k of a box looks along the normal out of the box. */
 static bool looks_along(const box_side *box, int k, pe_vec3 normal)
 {
-    return (box->offset[k] < 0 ? -1 : 1) * pe_dot(axis_of(box, k), normal) >= FLAT;
+    return (box->offset[k] < 0 ? -1 : 1) * pe_dot(axis_of(box, k), normal) >= PE_REFERENCE_COSINE;
 }
 
-/* The reference for the normal n of two edges, if one of the best faces may be. */
+/* The reference for the normal n of two edges. False: neither of the best faces looks along it. */
 static bool reference_of_edges(const box_pair *p, axis_choice face_a, axis_choice face_b, pe_vec3 n,
                                double bias, reference *r)
 {
@@ -418,14 +400,14 @@ static bool reference_of_edges(const box_pair *p, axis_choice face_a, axis_choic
     return a || b;
 }
 
-/* The reference for the normal n of one of the faces: the first box's unless that is clearly
- * worse. */
+/* The reference for the normal n of one of the faces: the first box's face unless it separates
+ * clearly less. */
 static reference reference_of_faces(const box_pair *p, axis_choice face_a, axis_choice face_b,
                                     bool of_b, pe_vec3 n, double bias)
 {
     double cosine = p->a.r[face_a.i][face_b.i]; /* of the axes; of the normals but for the sides */
     bool same_side = (p->a.offset[face_a.i] < 0) == (p->b.offset[face_b.i] < 0);
-    bool flat = (same_side ? -cosine : cosine) >= FLAT;
+    bool flat = (same_side ? -cosine : cosine) >= PE_REFERENCE_COSINE;
     if (of_b && (!flat || face_b.separation > face_a.separation + bias)) {
         return (reference){&p->b, &p->a, face_b.i, true, false, pe_scale(-1, n)};
     }
@@ -438,7 +420,7 @@ static pe_vec3 face_normal(const box_side *box, int k, bool flipped)
     return pe_scale((box->offset[k] < 0) != flipped ? -1 : 1, axis_of(box, k));
 }
 
-void pe_collide_box_box(pe_placed a, pe_placed b, double margin, pe_pair_manifold *hits)
+void pe_collide_box_box(pe_placed a, pe_placed b, double margin, pe_pair_manifold *manifold)
 {
     box_pair p;
     axis_choice face_a, face_b;
@@ -446,7 +428,8 @@ void pe_collide_box_box(pe_placed a, pe_placed b, double margin, pe_pair_manifol
     if (!test_faces(&p, margin, &face_a, &face_b)) {
         return;
     }
-    double size = pe_min(a.size, b.size), tie = TIE * size, tolerance = SAME_DISTANCE * size;
+    double size = pe_min(a.size, b.size), tie = PE_AXIS_TIE * size,
+           tolerance = PE_SAME_DISTANCE * size;
     bool of_b = face_b.separation > face_a.separation + tie;
     axis_choice best = of_b ? face_b : face_a, edge = {.separation = best.separation};
     if (!test_edges(&p, margin, tie, &edge)) {
@@ -455,9 +438,9 @@ void pe_collide_box_box(pe_placed a, pe_placed b, double margin, pe_pair_manifol
     bool of_edges = edge.separation > best.separation;
     double separation = edge.separation;
     pe_vec3 n = of_edges ? edge_normal(&p, edge) : face_normal(of_b ? &p.b : &p.a, best.i, of_b);
-    hits->least_margin = separation;
-    hits->normal_on_b = of_b && !of_edges;
-    double bias = REFERENCE_BIAS * size;
+    manifold->least_margin = separation;
+    manifold->normal_on_b = of_b && !of_edges;
+    double bias = PE_REFERENCE_BIAS * size;
     reference r;
     bool has_reference = true;
     if (of_edges) {
@@ -465,11 +448,11 @@ void pe_collide_box_box(pe_placed a, pe_placed b, double margin, pe_pair_manifol
     } else {
         r = reference_of_faces(&p, face_a, face_b, of_b, n, bias);
     }
-    if (has_reference ? face_contact(&r, size, margin, hits) <= separation + tolerance
-                      : edge_contact(&p, edge, n, tolerance, hits)) {
+    if (has_reference ? face_contact(&r, size, margin, manifold) <= separation + tolerance
+                      : edge_contact(&p, edge, n, tolerance, manifold)) {
         return;
     }
-    /* No point has the separation: that of corners. */
-    pe_pair_manifold_clear(hits);
-    pe_collide_polytopes(a, b, margin, hits);
+    /* No point realises the separation: the nearest features are others. */
+    pe_pair_manifold_clear(manifold);
+    pe_collide_polytopes(a, b, margin, manifold);
 }

@@ -1,22 +1,22 @@
-/* All local maxima of the separation
+/* The signed distance of two cylinders: all local maxima of the separation
  *
  *     s(d) = D.d - H_A |a.d| - R_A |a x d| - H_B |b.d| - R_B |b x d|,    D from centre to centre,
  *
- * as named in cylinder.h. All but that of two rims are in closed form or peaks of a circle. Two
- * rims meet where s is smooth: Newton's method on the sphere finds such a maximum, from starts that
- * branch and bound leaves over. Its cells are squares on the faces of a cube around the sphere.
- * With g(d) = ds/dd, s being concave, s(d') <= g(d).d' everywhere, which bounds s over a cell; and
- * over a cell of radius r the tangential part of g changes by at most r (R_A/|a x d| + R_B/|b x d|
- * + |s|), so that one which is larger at the middle leaves no maximum inside. */
-#include "cylinder_pair.h"
-
-/* In units of the smaller cylinder: a meeting is better than another by more than rounding. */
-static const double ROUNDING = 1e-14;
+ * as listed in cylinder.h. All but that of two rims are in closed form or peaks of a circle of
+ * directions (pe_rim_peak). Two rims meet where s is smooth. Newton's method on the sphere finds
+ * such a maximum, from starts that a branch and bound search leaves. Its cells are squares on the
+ * faces of a cube around the sphere. With g(d) = ds/dd, s being concave, s(d') <= g(d).d'
+ * everywhere, which bounds s over a cell. Over a cell of radius r the tangential part of g changes
+ * by at most r (R_A/|a x d| + R_B/|b x d| + |s|). If it is larger than that at the centre of the
+ * cell, no maximum lies in the cell. */
+#include "cylinder_gap.h"
+#include "narrow_phase/tolerances.h"
 
 typedef struct search {
     const pe_cylinder *a, *b;
-    pe_vec3 offset;        /* D */
-    double bias, rounding; /* m */
+    pe_vec3 offset; /* D */
+    const pe_gap_query *query;
+    double rounding; /* m */
     pe_cylinder_gap best;
 } search;
 
@@ -25,10 +25,10 @@ static bool is_flat(const search *s)
     return s->best.kind == PE_CAP_A || s->best.kind == PE_CAP_B;
 }
 
-/* What another meeting must exceed to be the best. */
+/* The separation that another meeting must exceed to become the best. */
 static double to_beat(const search *s)
 {
-    return s->best.distance + (is_flat(s) ? s->bias : s->rounding);
+    return s->best.distance + (is_flat(s) ? s->query->bias : s->rounding);
 }
 
 static void offer(search *s, double distance, pe_vec3 d, pe_cylinder_meeting kind)
@@ -43,7 +43,7 @@ static double separation_along(const search *s, pe_vec3 d)
     return pe_dot(s->offset, d) - pe_cylinder_reach(s->a, d) - pe_cylinder_reach(s->b, d);
 }
 
-/* The cylinders being symmetric, of d and -d that along the offset is better. */
+/* The better of d and -d, that along the offset: cylinders are symmetric. */
 static pe_vec3 along_offset(const search *s, pe_vec3 d)
 {
     return pe_dot(s->offset, d) < 0 ? pe_scale(-1, d) : d;
@@ -55,7 +55,7 @@ static void offer_direction(search *s, pe_vec3 d, pe_cylinder_meeting kind)
     offer(s, separation_along(s, d), d, kind);
 }
 
-/* Across both axes; of parallel ones, along the offset. */
+/* Across both axes; if they are parallel, along the offset. */
 static void test_sides(search *s)
 {
     double length;
@@ -73,26 +73,26 @@ static void test_sides(search *s)
 static void test_side_and_rim(search *s, const pe_cylinder *side, const pe_cylinder *rim,
                               pe_cylinder_meeting kind)
 {
-    pe_circle circle;
-    if (!pe_circle_make(rim, side->axis, &circle)) {
+    pe_rim_query query;
+    if (!pe_rim_query_make(rim, side->axis, s->offset, &query)) {
         return;
     }
     for (double half = -1; half < 2; half += 2) {
         pe_vec3 d;
-        double value, least = to_beat(s) + side->radius;
-        if (pe_circle_peak(&circle, rim, s->offset, half, NULL, NULL, least, &d, &value)) {
+        double value;
+        if (pe_rim_peak(&query, half, to_beat(s) + side->radius, &d, &value)) {
             offer(s, value - side->radius, d, kind);
         }
     }
 }
 
-/* A direction's place between the axes. */
+/* A direction, in relation to the axes. */
 typedef struct view {
     pe_vec3 d;
     double rise_a, rise_b; /* a.d, b.d */
     double sine_a, sine_b; /* |a x d|, |b x d| */
     pe_vec3 out_a, out_b;  /* unit, from each axis towards the nearest point of its rim */
-    pe_vec3 rims;          /* D less both rims' radii: g but for the half heights */
+    pe_vec3 rims;          /* D minus both rims' radii: g without the half heights */
 } view;
 
 static view look(const search *s, pe_vec3 d)
@@ -109,7 +109,7 @@ static view look(const search *s, pe_vec3 d)
     return v;
 }
 
-/* g on the side of a.d = 0 and of b.d = 0 that the signs tell. */
+/* g on the sides of a.d = 0 and b.d = 0 that the signs give. */
 static pe_vec3 gradient(const search *s, const view *v, double sign_a, double sign_b)
 {
     pe_vec3 g = pe_madd(v->rims, -sign_a * s->a->half_height, s->a->axis);
@@ -119,7 +119,8 @@ static pe_vec3 gradient(const search *s, const view *v, double sign_a, double si
 /* Newton's step on the sphere: solves (R_A/s_A p p^T + R_B/s_B q q^T + s I) x = g across d, where p
  * and q are the rims' tangents. Either of its principal parts is at most `trust`, and as much
  * uphill where the matrix is not positive. Near an axis, or where the rims are nearly tangent, the
- * two curvatures differ by many powers of ten: the lesser comes from the product of both. */
+ * two curvatures differ by many powers of ten: the lesser one is computed from the product of both.
+ */
 static pe_vec3 newton_step(const search *s, const view *v, pe_vec3 g, double trust, bool *is_cut)
 {
     pe_vec3 t1, t2;
@@ -147,26 +148,28 @@ static pe_vec3 newton_step(const search *s, const view *v, pe_vec3 g, double tru
     return step;
 }
 
-/* The side of a.d = 0 where d is; on it, that on which s may grow. */
+/* The side of a.d = 0 where d lies. On the boundary, the side on which s may grow. */
 static double side_of(const view *v, double rise, pe_vec3 axis)
 {
     double place = fabs(rise) > 1e-13 ? rise : pe_dot(v->rims, axis);
     return place < 0 ? -1 : 1;
 }
 
-static pe_vec3 gradient_there(const search *s, const view *v)
+/* g at the direction itself. */
+static pe_vec3 gradient_at(const search *s, const view *v)
 {
     return gradient(s, v, side_of(v, v->rise_a, s->a->axis), side_of(v, v->rise_b, s->b->axis));
 }
 
+/* The unit direction after a step. */
 static pe_vec3 moved(pe_vec3 d, double scale, pe_vec3 step)
 {
     pe_vec3 next = pe_madd(d, scale, step);
     return pe_scale(1 / pe_length(next), next);
 }
 
-/* From an axis, where s has the shape of a cone's tip, the way in which it grows: some direction
- * there that is better. d itself if it is not along an axis, or none is. */
+/* From an axis, where s has the shape of a cone's tip: a better direction, on the line along which
+ * s grows. Returns d itself if it is not along an axis or no direction is better. */
 static pe_vec3 leave_axis(const search *s, pe_vec3 d)
 {
     const double tip = 1e-12;
@@ -175,7 +178,7 @@ static pe_vec3 leave_axis(const search *s, pe_vec3 d)
     if (!at_a && !at_b) {
         return d;
     }
-    pe_vec3 g = gradient_there(s, &v);
+    pe_vec3 g = gradient_at(s, &v);
     g = at_a ? pe_madd(g, s->a->radius, v.out_a) : g;
     g = at_b ? pe_madd(g, s->b->radius, v.out_b) : g;
     double length, fall = (at_a ? s->a->radius : 0) + (at_b ? s->b->radius : 0);
@@ -193,12 +196,12 @@ static pe_vec3 leave_axis(const search *s, pe_vec3 d)
     return d;
 }
 
-/* How often a climb may have to step back. */
+/* How often a climb may step back. */
 enum { FEW = 10, MANY = 60 };
 
-/* Climbs from d to a maximum of two rims: while the value grows, then, where that is a matter of
- * rounding, as long as steps shrink. Gives up farther than `reach` (rad) from the start, and
- * where steps must be cut short again and again: on a ridge, which is no maximum of two rims. */
+/* Climbs from d to a maximum of two rims: while the value grows, then, where growth is within
+ * rounding, as long as the steps shrink. Gives up farther than `reach` (rad) from the start, and
+ * where steps must be cut short repeatedly: on a ridge, which is not a maximum of two rims. */
 static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach, int most_failures)
 {
     enum { MOST = 200 };
@@ -207,7 +210,7 @@ static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach, int most_
     double value = separation_along(s, d), last = HUGE_VAL, trust = 0.5;
     double rounding = 1e-16 * (pe_length(s->offset) + s->a->radius + s->b->radius);
     view v = look(s, d);
-    pe_vec3 g = gradient_there(s, &v);
+    pe_vec3 g = gradient_at(s, &v);
     for (int i = 0; i < MOST; ++i) {
         pe_vec3 away = pe_sub(d, start);
         double sine = pe_min(v.sine_a, v.sine_b);
@@ -233,18 +236,18 @@ static pe_cylinder_gap climb(const search *s, pe_vec3 d, double reach, int most_
         d = next;
         value = there;
         v = look(s, d);
-        g = gradient_there(s, &v);
+        g = gradient_at(s, &v);
     }
     return (pe_cylinder_gap){.distance = value, .normal = d, .kind = PE_RIMS};
 }
 
-/* Climbs from the best direction, which separates the cylinders. True where g is along the
- * direction that this leads to: then it is the one maximum. */
+/* Climbs from the best direction, which separates the cylinders. True if g is along the direction
+ * that was reached: then that is the only maximum. */
 static bool climb_apart(search *s)
 {
     pe_cylinder_gap found = climb(s, leave_axis(s, s->best.normal), HUGE_VAL, MANY);
     view v = look(s, found.normal);
-    pe_vec3 g = gradient_there(s, &v);
+    pe_vec3 g = gradient_at(s, &v);
     double along = pe_dot(g, v.d);
     if (!(pe_length(pe_madd(g, -along, v.d)) <= 1e-12 * along)) {
         return false;
@@ -253,7 +256,7 @@ static bool climb_apart(search *s)
     return true;
 }
 
-/* A square on a face of the cube: its middle. */
+/* A square on a face of the cube: its centre. */
 typedef struct cell {
     int face;
     double x, y;
@@ -266,12 +269,12 @@ static pe_vec3 direction(const cell *c)
     return c->face < 2 ? pe_v3(scale, x, y) : c->face < 4 ? pe_v3(y, scale, x) : pe_v3(x, y, scale);
 }
 
-/* Whether some maximum of two rims, better than the best known, may lie within the angle whose
+/* Whether a maximum of two rims, better than the best known, may lie within the angle from d whose
  * cosine and sine are given. */
 static bool may_hold(const search *s, pe_vec3 d, double cosine, double sine)
 {
     view v = look(s, d);
-    pe_vec3 g = gradient_there(s, &v);
+    pe_vec3 g = gradient_at(s, &v);
     double along = pe_dot(g, d), length2 = pe_dot(g, g);
     double tangential = sqrt(pe_max(0, length2 - along * along));
     double bound =
@@ -302,15 +305,15 @@ static bool may_hold(const search *s, pe_vec3 d, double cosine, double sine)
     return false;
 }
 
-/* Beside an axis cells are too coarse for maxima that nearly parallel axes may have there. */
+/* Next to an axis, cells are too coarse for the maxima that nearly parallel axes may have there. */
 static void climb_from_axis(search *s, pe_vec3 axis)
 {
     pe_cylinder_gap found = climb(s, leave_axis(s, along_offset(s, axis)), HUGE_VAL, MANY);
     offer(s, found.distance, found.normal, PE_RIMS);
 }
 
-/* Looks for maxima of two rims over the half of the sphere along the offset. */
-static void test_rims(search *s, double limit)
+/* Searches maxima of two rims over the half of the sphere along the offset. */
+static void test_rims(search *s)
 {
     enum { ROOM = 256, LEVELS = 6 };
     cell cells[2][ROOM];
@@ -322,7 +325,7 @@ static void test_rims(search *s, double limit)
     climb_from_axis(s, s->b->axis);
     double reach = pe_length(s->offset), half = 0.5;
     for (int level = 0; level < LEVELS && count > 0; ++level, half *= 0.5) {
-        /* A square of half width h is seen from the middle of the sphere within atan(sqrt(2) h). */
+        /* From the centre of the sphere, a square of half width h lies within atan(sqrt(2) h). */
         double cosine = 1 / sqrt(1 + 2 * half * half), sine = sqrt(1 - cosine * cosine);
         const cell *from = cells[level & 1];
         cell *to = cells[~level & 1];
@@ -335,7 +338,7 @@ static void test_rims(search *s, double limit)
             if (level + 1 == LEVELS) {
                 pe_cylinder_gap found = climb(s, d, 16 * sine, FEW);
                 offer(s, found.distance, found.normal, PE_RIMS);
-                if (s->best.distance > limit) {
+                if (s->best.distance > s->query->limit) {
                     return;
                 }
             }
@@ -349,6 +352,7 @@ static void test_rims(search *s, double limit)
     }
 }
 
+/* A point of a that may realise the gap. */
 static pe_vec3 point_on_a(const pe_cylinder *a, const pe_cylinder *b, const pe_cylinder_gap *gap)
 {
     pe_vec3 d = gap->normal, to_a = pe_scale(-1, d);
@@ -358,7 +362,7 @@ static pe_vec3 point_on_a(const pe_cylinder *a, const pe_cylinder *b, const pe_c
     if (gap->kind != PE_SIDES) {
         return pe_madd(pe_cylinder_support(b, to_a), -gap->distance, d);
     }
-    /* Where a's axis is nearest to b's; of parallel ones the middle of what they share. */
+    /* Where a's axis is nearest to b's; of parallel ones the midpoint of the part they share. */
     pe_vec3 offset = pe_sub(b->centre, a->centre), across = pe_across(b->axis, a->axis);
     double square = pe_dot(across, across), middle = pe_dot(offset, a->axis);
     double low = pe_max(-a->half_height, middle - b->half_height);
@@ -368,24 +372,24 @@ static pe_vec3 point_on_a(const pe_cylinder *a, const pe_cylinder *b, const pe_c
     return pe_madd(pe_madd(a->centre, z, a->axis), a->radius, d);
 }
 
-/* How far the point x is from a, or the one that it meets from b, in m. */
-static double off_both(const search *s, pe_vec3 x)
+/* The distance (m) of the point x from a, or of the opposite point from b if that is larger. */
+static double distance_outside(const search *s, pe_vec3 x)
 {
     pe_vec3 y = pe_madd(x, s->best.distance, s->best.normal);
     double off_a = pe_length(pe_sub(pe_cylinder_nearest(s->a, x), x));
     return pe_max(off_a, pe_length(pe_sub(pe_cylinder_nearest(s->b, y), y)));
 }
 
-/* Whether the best direction is proven to be the best of all. Its nearest points being in both
- * cylinders, it is if they are apart. Overlapping by f, either cylinder holds a ball that touches
- * its surface there; if their radii add up to f at least, the difference of the cylinders holds a
- * ball with the origin inside whose surface is nowhere nearer to it than at that point. */
-static bool is_proven(const search *s, double size)
+/* Whether the best direction is proven to be the best of all. If its nearest points lie in both
+ * cylinders, it is when they are apart. If they overlap by f, either cylinder holds a ball that
+ * touches its surface there. If the radii of the balls add up to at least f, the difference of the
+ * cylinders holds a ball around the origin whose surface is nearest to the origin at that point. */
+static bool is_proven(const search *s)
 {
     const pe_cylinder_gap *best = &s->best;
-    double tie = 1e-12 * size;
+    double tie = 1e-12 * s->query->size;
     pe_vec3 x = point_on_a(s->a, s->b, best), y = pe_madd(x, best->distance, best->normal);
-    if (off_both(s, x) > tie) {
+    if (distance_outside(s, x) > tie) {
         return false;
     }
     return best->distance >= 0 ||
@@ -394,31 +398,32 @@ static bool is_proven(const search *s, double size)
                -best->distance;
 }
 
-/* Moves x towards the points where a meets b once that is moved back by the gap: each cylinder's
- * nearest point to the other's in turn. Returns how far it still is outside b, in m. */
+/* Moves x towards the intersection of a with b moved back by the gap, by alternate projection: the
+ * nearest point in each cylinder in turn. Returns how far x is still outside b, in m. */
 static double meet(const search *s, double enough, pe_vec3 *x)
 {
     enum { MOST = 40 };
     pe_vec3 gap = pe_scale(s->best.distance, s->best.normal), on_b = *x;
-    double aside = HUGE_VAL;
-    for (int i = 0; i < MOST && aside > enough; ++i) {
+    double outside = HUGE_VAL;
+    for (int i = 0; i < MOST && outside > enough; ++i) {
         *x = pe_cylinder_nearest(s->a, on_b);
         on_b = pe_sub(pe_cylinder_nearest(s->b, pe_add(*x, gap)), gap);
-        aside = pe_length(pe_sub(on_b, *x));
+        outside = pe_length(pe_sub(on_b, *x));
     }
-    return aside;
+    return outside;
 }
 
-/* The middle of the cap that is farther along d. */
+/* The centre of the cap that is farther along d. */
 static pe_vec3 cap_along(const pe_cylinder *c, pe_vec3 d)
 {
     double height = pe_dot(d, c->axis) < 0 ? -c->half_height : c->half_height;
     return pe_madd(c->centre, height, c->axis);
 }
 
-/* Where the direction is along an axis, but for rounding, a whole cap is nearest, and what it
- * suggests may be anywhere on it: then the way from the middle of either cap is shorter. */
-static void find_point(search *s, double size)
+/* Finds on_a and `outside`. If the direction is along an axis, except for rounding, a whole cap is
+ * nearest, and the suggested point may lie anywhere on it. Then the projection from the centre of
+ * either cap converges faster. */
+static void find_point(search *s)
 {
     pe_cylinder_gap *best = &s->best;
     pe_vec3 d = best->normal;
@@ -427,32 +432,34 @@ static void find_point(search *s, double size)
         pe_madd(cap_along(s->b, pe_scale(-1, d)), -best->distance, d),
         cap_along(s->a, d),
     };
-    double enough = 1e-12 * size;
-    if (is_flat(s) && s->bias > 0) {
-        /* The cap is kept for its bias only where it is what is suggested that it meets. */
+    double enough = 1e-12 * s->query->size;
+    if (is_flat(s) && s->query->bias > 0) {
+        /* The bias keeps the cap only if the suggested points meet. */
         best->on_a = starts[0];
-        best->aside = off_both(s, starts[0]);
+        best->outside = distance_outside(s, starts[0]);
         return;
     }
-    best->aside = HUGE_VAL;
-    for (int i = 0; i < 3 && best->aside > enough; ++i) {
+    best->outside = HUGE_VAL;
+    for (int i = 0; i < 3 && best->outside > enough; ++i) {
         pe_vec3 x = starts[i];
-        double aside = meet(s, enough, &x);
-        if (aside < best->aside) {
-            best->aside = aside;
+        double outside = meet(s, enough, &x);
+        if (outside < best->outside) {
+            best->outside = outside;
             best->on_a = x;
         }
     }
 }
 
-/* Near where one meeting turns into another both are as good to rounding, with directions that are
- * only as exact as the root of that. Of cylinders that are apart nearest points give all digits. */
-static void settle(search *s, double size)
+/* Makes the direction exact. Near the transition from one meeting to another both are equally good
+ * to rounding, with directions that are only as exact as the root of that. For cylinders that are
+ * apart, the nearest points give all digits. */
+static void refine(search *s)
 {
     enum { MOST = 100 };
+    double size = s->query->size;
     pe_cylinder_gap *best = &s->best;
-    find_point(s, size);
-    if (best->distance < 1e-4 * size || is_flat(s)) {
+    find_point(s);
+    if (best->distance < PE_NEAREST_POINT_GAP * size || is_flat(s)) {
         return;
     }
     pe_vec3 on_a = best->on_a;
@@ -469,32 +476,36 @@ static void settle(search *s, double size)
     }
 }
 
-bool pe_cylinder_pair_gap(const pe_cylinder *a, const pe_cylinder *b, double size, double bias,
-                          double limit, pe_cylinder_gap *gap)
+bool pe_cylinder_pair_gap(const pe_cylinder *a, const pe_cylinder *b, const pe_gap_query *query,
+                          pe_cylinder_gap *gap)
 {
-    search s = {
-        .a = a, .b = b, .bias = bias, .rounding = ROUNDING * size, .best = {.distance = -HUGE_VAL}};
+    double limit = query->limit;
+    search s = {.a = a,
+                .b = b,
+                .query = query,
+                .rounding = PE_MAXIMUM_ROUNDING * query->size,
+                .best = {.distance = -HUGE_VAL}};
     s.offset = pe_sub(b->centre, a->centre);
     offer_direction(&s, a->axis, PE_CAP_A);
     offer_direction(&s, b->axis, PE_CAP_B);
-    bool sure = s.best.distance <= limit && is_proven(&s, size);
+    bool sure = s.best.distance <= limit && is_proven(&s);
     if (!sure && s.best.distance <= limit) {
         test_sides(&s);
         test_side_and_rim(&s, a, b, PE_SIDE_A);
         test_side_and_rim(&s, b, a, PE_SIDE_B);
-        sure = s.best.distance <= limit &&
-               (is_proven(&s, size) || (s.best.distance > 0 && climb_apart(&s)));
+        sure =
+            s.best.distance <= limit && (is_proven(&s) || (s.best.distance > 0 && climb_apart(&s)));
         if (!sure && s.best.distance <= limit) {
-            test_rims(&s, limit);
+            test_rims(&s);
             if (s.best.kind == PE_RIMS) {
-                /* Rims nearly tangent to each other take long. */
+                /* Rims that are nearly tangent to each other need many steps. */
                 pe_cylinder_gap found = climb(&s, s.best.normal, HUGE_VAL, MANY);
                 s.best = found.distance >= s.best.distance ? found : s.best;
             }
         }
     }
     if (s.best.distance <= limit) {
-        settle(&s, size);
+        refine(&s);
     }
     *gap = s.best;
     return s.best.distance <= limit;
