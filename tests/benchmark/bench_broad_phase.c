@@ -168,13 +168,13 @@ static pe_status brute_spheres(bench *b, pe_pair **pairs, int *count, pe_error *
     return status;
 }
 
-static pe_box box_of(const pe_world *world, int slot, double margin)
+static pe_aabb box_of(const pe_world *world, int slot, double margin)
 {
     const pe_body *body = &pe_bodies(world)[slot];
     const pe_pose *pose = &pe_poses(world)[slot];
     pe_vec3 x = pose->position, m = pe_v3(margin, margin, margin);
     pe_vec3 half = pe_add(m, pe_shape_extent(&body->shape, NULL, &pose->rotation).half);
-    return (pe_box){{x.x - half.x, x.y - half.y, x.z - half.z},
+    return (pe_aabb){{x.x - half.x, x.y - half.y, x.z - half.z},
                     {x.x + half.x, x.y + half.y, x.z + half.z}};
 }
 
@@ -183,7 +183,7 @@ static pe_status brute_boxes(bench *b, pe_pair **pairs, int *count, pe_error *er
 {
     pe_world *world = b->world;
     pe_pair_list list = {.work = pe_step_memory(world)};
-    pe_box *box = pe_scratch(world, (size_t)world->slot_count, sizeof *box);
+    pe_aabb *box = pe_scratch(world, (size_t)world->slot_count, sizeof *box);
     if (box == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for boxes");
     }
@@ -198,7 +198,7 @@ static pe_status brute_boxes(bench *b, pe_pair **pairs, int *count, pe_error *er
     }
     for (int i = 2; i < world->slot_count; ++i) {
         for (int j = i + 1; j < world->slot_count && status == PE_OK; ++j) {
-            if (pe_box_overlaps(&box[i], &box[j])) {
+            if (pe_aabb_overlaps(&box[i], &box[j])) {
                 status = pe_pair_list_add(&list, i, j, error);
             }
         }
@@ -215,7 +215,11 @@ static pe_status sweep_rows(bench *b, pe_pair **pairs, int *count, pe_error *err
 
 static pe_status tree(bench *b, pe_pair **pairs, int *count, pe_error *error)
 {
-    return pe_broad_phase(b->world, DT, pairs, count, error);
+    pe_pair_list list;
+    pe_status status = pe_broad_phase(b->world, DT, NULL, &list, error);
+    *pairs = list.items;
+    *count = list.count;
+    return status;
 }
 
 enum { TREE, ROWS, BOXES, SPHERES, WAYS };
@@ -279,8 +283,8 @@ static int count_contacts(pe_world *world, const pe_pair *pairs, int count)
         bool meet = a == 1; /* the floor has no box */
         if (!meet) {
             double margin = 0.5 * pe_pair_margin(world, a, b, DT);
-            pe_box p = box_of(world, a, margin), q = box_of(world, b, margin);
-            meet = pe_box_overlaps(&p, &q) && spheres_meet(world, a, b, slack);
+            pe_aabb p = box_of(world, a, margin), q = box_of(world, b, margin);
+            meet = pe_aabb_overlaps(&p, &q) && spheres_meet(world, a, b, slack);
         }
         touching += meet && collide(world, pairs[i]);
     }

@@ -11,15 +11,15 @@ enum { ITEMS = 200 };
 /* Boxes by item, and which of them changed since pairs were found. */
 typedef struct forest {
     pe_tree tree;
-    pe_box box[ITEMS];
+    pe_aabb box[ITEMS];
     bool there[ITEMS], changed[ITEMS];
     pe_arena arena;
     pe_allocator allocator;
 } forest;
 
-static pe_box random_box(check_random *random)
+static pe_aabb random_box(check_random *random)
 {
-    pe_box box;
+    pe_aabb box;
     double size = check_uniform(random, 0, 1) < 0.02 ? 1e6 : 1;
     for (int k = 0; k < 3; ++k) {
         box.low[k] = check_uniform(random, -3, 3) * size;
@@ -81,7 +81,7 @@ static void test_pairs_are_all_overlaps_of_changed_boxes_each_once(void **state)
         for (int a = 1; a < ITEMS; ++a) {
             for (int b = a + 1; b < ITEMS; ++b) {
                 bool meet = f.there[a] && f.there[b] && (f.changed[a] || f.changed[b]) &&
-                            pe_box_overlaps(&f.box[a], &f.box[b]);
+                            pe_aabb_overlaps(&f.box[a], &f.box[b]);
                 assert_int_equal(told[a][b], meet);
                 found += meet;
             }
@@ -122,7 +122,7 @@ static void test_height_stays_low_for_boxes_that_are_hard_to_part(void **state)
         forest f = {.allocator = pe_allocator_default()};
         for (int i = 1; i < ITEMS; ++i) {
             double x = kind == 0 ? pow(0.5, i) : 1;
-            f.box[i] = (pe_box){{x, x, x}, {x, x, x}};
+            f.box[i] = (pe_aabb){{x, x, x}, {x, x, x}};
             assert_int_equal(pe_tree_add(&f.tree, &f.allocator, i, &f.box[i], NULL), PE_OK);
         }
         find(&f, told);
@@ -185,7 +185,7 @@ static void test_an_update_without_memory_can_be_made_up_for(void **state)
     find(&f, told);
     for (int a = 1; a < ITEMS; ++a) {
         for (int b = a + 1; b < ITEMS; ++b) {
-            expected[a][b] = pe_box_overlaps(&f.box[a], &f.box[b]);
+            expected[a][b] = pe_aabb_overlaps(&f.box[a], &f.box[b]);
         }
     }
     assert_memory_equal(told, expected, sizeof told);

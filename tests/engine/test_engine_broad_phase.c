@@ -64,10 +64,10 @@ static void move_at_random(pe_world *world, const pe_body_id *ids, check_random 
     }
 }
 
-static bool is_there(const pe_pair *pairs, int count, int a, int b)
+static bool is_there(const pe_pair_list *pairs, int a, int b)
 {
-    for (int i = 0; i < count; ++i) {
-        if (pairs[i].a == a && pairs[i].b == b) {
+    for (int i = 0; i < pairs->count; ++i) {
+        if (pairs->items[i].a == a && pairs->items[i].b == b) {
             return true;
         }
     }
@@ -95,11 +95,10 @@ typedef struct tally {
 static void check_pairs(pe_world *world, tally *t)
 {
     pe_arena_reset(&world->arena, &world->allocator);
-    pe_pair *pairs;
-    int count;
-    assert_int_equal(pe_broad_phase(world, H, &pairs, &count, NULL), PE_OK);
-    assert_sorted(world, pairs, count);
-    t->listed += count;
+    pe_pair_list pairs;
+    assert_int_equal(pe_broad_phase(world, H, NULL, &pairs, NULL), PE_OK);
+    assert_sorted(world, pairs.items, pairs.count);
+    t->listed += pairs.count;
     const pe_body *bodies = pe_bodies(world);
     const pe_pose *poses = pe_poses(world);
     for (int a = 1; a < world->slot_count; ++a) {
@@ -117,7 +116,7 @@ static void check_pairs(pe_world *world, tally *t)
                 (pe_placed){&bodies[b].shape, bodies[b].geometry, &poses[b], bodies[b].size},
                 margin, &hits);
             if (hits.count > 0) {
-                assert_true(is_there(pairs, count, a, b));
+                assert_true(is_there(&pairs, a, b));
                 t->near += 1;
             }
         }
@@ -256,11 +255,11 @@ static void test_a_body_at_no_place_has_no_pairs_and_spoils_none(void **state)
         pe_twists(world)[ids[2].index].velocity.y = INFINITY; /* which could be everywhere */
         tally t = {0};
         check_pairs(world, &t);
-        pe_pair *pairs;
-        int count, wide = 0;
-        assert_int_equal(pe_broad_phase(world, H, &pairs, &count, NULL), PE_OK);
-        for (int i = 0; i < count; ++i) {
-            int a = pairs[i].a, b = pairs[i].b, lost = (int)ids[1].index, fast = (int)ids[2].index;
+        pe_pair_list pairs;
+        int wide = 0, lost = (int)ids[1].index, fast = (int)ids[2].index;
+        assert_int_equal(pe_broad_phase(world, H, NULL, &pairs, NULL), PE_OK);
+        for (int i = 0; i < pairs.count; ++i) {
+            int a = pairs.items[i].a, b = pairs.items[i].b;
             assert_true(a != lost && b != lost);
             wide += a == fast || b == fast;
         }
@@ -286,9 +285,8 @@ static void test_after_a_failed_allocation_no_pair_is_lost(void **state)
         for (int n = 0; n < 3; ++n) {
             move_at_random(world, ids, &random);
             pe_arena_reset(&world->arena, &world->allocator);
-            pe_pair *pairs;
-            int count;
-            pe_status status = pe_broad_phase(world, H, &pairs, &count, NULL);
+            pe_pair_list pairs;
+            pe_status status = pe_broad_phase(world, H, NULL, &pairs, NULL);
             assert_true(status == PE_OK || status == PE_NO_MEMORY);
             failures += status != PE_OK;
             tally t = {0};
@@ -319,9 +317,8 @@ static void test_motion_to_and_fro_allocates_nothing_after_warm_up(void **state)
             pe_pose_move(&pe_poses(world)[ids[i].index], pe_scale(H, m->velocity), pe_v3(0, 0, 0));
         }
         pe_arena_reset(&world->arena, &world->allocator);
-        pe_pair *pairs;
-        int count;
-        assert_int_equal(pe_broad_phase(world, H, &pairs, &count, NULL), PE_OK);
+        pe_pair_list pairs;
+        assert_int_equal(pe_broad_phase(world, H, NULL, &pairs, NULL), PE_OK);
         calls = n == 4 * STEPS ? c.calls : calls;
     }
     assert_int_equal(c.calls, calls);
@@ -342,18 +339,18 @@ static void test_pairs_of_moved_bodies_are_those_of_all_pairs(void **state)
             moved[slot] = check_uniform(&random, 0, 1) < 0.1;
         }
         pe_arena_reset(&world->arena, &world->allocator);
-        pe_pair *all, *some;
-        int all_count, some_count, next = 0;
-        assert_int_equal(pe_broad_phase(world, H, &all, &all_count, NULL), PE_OK);
-        assert_int_equal(pe_broad_phase_moved(world, H, moved, &some, &some_count, NULL), PE_OK);
-        for (int i = 0; i < all_count; ++i) {
-            if (moved[all[i].a] || moved[all[i].b]) {
-                assert_true(next < some_count);
-                assert_memory_equal(&all[i], &some[next], sizeof all[i]);
+        pe_pair_list all, some;
+        int next = 0;
+        assert_int_equal(pe_broad_phase(world, H, NULL, &all, NULL), PE_OK);
+        assert_int_equal(pe_broad_phase(world, H, moved, &some, NULL), PE_OK);
+        for (int i = 0; i < all.count; ++i) {
+            if (moved[all.items[i].a] || moved[all.items[i].b]) {
+                assert_true(next < some.count);
+                assert_memory_equal(&all.items[i], &some.items[next], sizeof all.items[i]);
                 next += 1;
             }
         }
-        assert_int_equal(next, some_count);
+        assert_int_equal(next, some.count);
         kept += next;
     }
     assert_true(kept > 500);
@@ -373,11 +370,11 @@ static void test_resting_neighbours_are_the_only_pairs_of_a_wall(void **state)
             add_body(world, &def);
         }
     }
-    pe_pair *pairs;
-    int count;
-    assert_int_equal(pe_broad_phase(world, H, &pairs, &count, NULL), PE_OK);
-    /* On the floor; beside; over, by halves, where the last brick of a row sticks out. */
-    assert_int_equal(count, COLUMNS + ROWS * (COLUMNS - 1) + (ROWS - 1) * (2 * COLUMNS - 1));
+    pe_pair_list pairs;
+    assert_int_equal(pe_broad_phase(world, H, NULL, &pairs, NULL), PE_OK);
+    /* On the floor; next to each other; above each other, by halves, where the last brick of a row
+     * sticks out. */
+    assert_int_equal(pairs.count, COLUMNS + ROWS * (COLUMNS - 1) + (ROWS - 1) * (2 * COLUMNS - 1));
     pe_world_destroy(world);
 }
 

@@ -116,11 +116,9 @@ static void test_new_patches_take_over_the_impulses_of_the_same_features(void **
     pe_body_state s = state_of(c.world, c.block);
     s.position.x += 1e-6;
     assert_int_equal(pe_body_set_state(c.world, c.block, &s, NULL), PE_OK);
-    pe_pair *pairs;
-    int count;
+    pe_contact_rules rules = pe_contact_rules_exact();
     pe_arena_reset(&c.world->arena, &c.world->allocator);
-    assert_int_equal(pe_broad_phase(c.world, H, &pairs, &count, NULL), PE_OK);
-    assert_int_equal(pe_contacts_find(c.world, pairs, count, H, NULL), PE_OK);
+    assert_int_equal(pe_contacts_update(c.world, &rules, NULL, H, NULL), PE_OK);
     assert_int_equal(contacts->manifold_count, 2);
     for (int i = 0; i < 2; ++i) {
         assert_false(pe_manifolds(contacts)[i].kept);

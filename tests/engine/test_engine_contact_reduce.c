@@ -1,7 +1,7 @@
 /* Which points of many are kept. */
 #include "check.h"
 #include "collide_convex.h"
-#include "contact/contact_reduce.h"
+#include "contact/contact_points.h"
 #include "placed_shape.h"
 
 /* Twice the area of the projection of a quadrilateral of points, the largest over its three orders.

@@ -71,12 +71,10 @@ static void test_the_steps_own_pairs_serve_after_moves_of_half_the_contact_margi
         def.contact_margin = 0.04;
         pe_world *world = make_brick_wall(&def, ids);
         shake_wall(world, ids, &random, NULL, 0.05);
-        pe_pair *pairs, *now;
-        int count, now_count;
-        assert_int_equal(pe_broad_phase(world, CONTACT_STEP, &pairs, &count, NULL), PE_OK);
+        pe_pair_list pairs;
+        assert_int_equal(pe_broad_phase(world, CONTACT_STEP, NULL, &pairs, NULL), PE_OK);
         pe_contact_rules rules = pe_contact_rules_exact();
-        assert_int_equal(pe_contacts_find_by(world, &rules, pairs, count, CONTACT_STEP, NULL),
-                         PE_OK);
+        assert_int_equal(pe_contacts_find(world, &rules, &pairs, NULL, CONTACT_STEP, NULL), PE_OK);
         bool moved[BRICK_BODIES + 2];
         for (int i = 0; i < BRICK_BODIES + 2; ++i) {
             moved[i] = true;
@@ -87,12 +85,11 @@ static void test_the_steps_own_pairs_serve_after_moves_of_half_the_contact_margi
             place_body(world, ids[i], pe_add(s.position, random_vector(&random, 0.005)),
                        turned_by(s.orientation, random_vector(&random, 0.005)));
         }
-        assert_int_equal(pe_contacts_refind(world, &rules, pairs, count, moved, CONTACT_STEP, NULL),
-                         PE_OK);
+        assert_int_equal(pe_contacts_find(world, &rules, &pairs, moved, CONTACT_STEP, NULL), PE_OK);
         int found = world->contacts.manifold_count;
-        assert_int_equal(pe_broad_phase(world, CONTACT_STEP, &now, &now_count, NULL), PE_OK);
-        assert_int_equal(
-            pe_contacts_refind(world, &rules, now, now_count, moved, CONTACT_STEP, NULL), PE_OK);
+        pe_pair_list now;
+        assert_int_equal(pe_broad_phase(world, CONTACT_STEP, NULL, &now, NULL), PE_OK);
+        assert_int_equal(pe_contacts_find(world, &rules, &now, moved, CONTACT_STEP, NULL), PE_OK);
         assert_int_equal(found, world->contacts.manifold_count);
         touching += found;
         pe_world_destroy(world);
@@ -144,15 +141,10 @@ static void test_without_memory_the_contacts_are_as_they_were(void **state)
         assert_non_null(points);
         memcpy(points, before.point_array.items, size);
         bool moved[BRICK_BODIES + 2] = {[5] = true, [17] = true};
-        pe_pair *pairs;
-        int count;
         c.fail_at = c.calls + k;
         pe_error error = {0};
         pe_contact_rules rules = pe_contact_rules_exact();
-        pe_status status = pe_broad_phase_moved(world, CONTACT_STEP, moved, &pairs, &count, &error);
-        if (status == PE_OK) {
-            status = pe_contacts_refind(world, &rules, pairs, count, moved, CONTACT_STEP, &error);
-        }
+        pe_status status = pe_contacts_update(world, &rules, moved, CONTACT_STEP, &error);
         if (status != PE_OK) {
             assert_int_equal(status, PE_NO_MEMORY);
             assert_contains(error.message, "no memory");

@@ -1,9 +1,6 @@
 /* The guard over energy. */
-#include "step/energy_guard.h"
-
-#include "broad_phase/broad_phase.h"
 #include "check.h"
-#include "contact/contact.h"
+#include "step/step.h"
 #include "world_for_tests.h"
 
 #include <string.h>
@@ -35,21 +32,19 @@ static pe_vec3 random_vector(check_random *random, double reach)
 /* A step under way: what the guard compares with. */
 typedef struct under_way {
     pe_pose poses[8];
-    pe_twist motions[8];
+    pe_twist twists[8];
     pe_free_motion free[8];
     pe_islands islands;
 } under_way;
 
 static void remember(pe_world *world, under_way *u)
 {
-    pe_pair *pairs;
-    int count;
+    pe_contact_rules rules = pe_contact_rules_exact();
     pe_arena_reset(&world->arena, &world->allocator);
-    assert_int_equal(pe_broad_phase(world, H, &pairs, &count, NULL), PE_OK);
-    assert_int_equal(pe_contacts_find(world, pairs, count, H, NULL), PE_OK);
+    assert_int_equal(pe_contacts_update(world, &rules, NULL, H, NULL), PE_OK);
     size_t slots = (size_t)world->slot_count;
     memcpy(u->poses, pe_poses(world), slots * sizeof *u->poses);
-    memcpy(u->motions, pe_twists(world), slots * sizeof *u->motions);
+    memcpy(u->twists, pe_twists(world), slots * sizeof *u->twists);
     pe_predict_motion(world, H, u->free);
     assert_int_equal(pe_islands_find(world, &u->islands, NULL), PE_OK);
 }
@@ -62,19 +57,27 @@ static void move_freely(pe_world *world, const under_way *u, int slot)
                  pe_scale(H, u->free[slot].mean.angular_velocity));
 }
 
-/* What no solver vouches for, and projection did not move. */
-static pe_energy_report guard(pe_world *world, const under_way *u)
+/* The step that the guard ends. */
+static pe_step ending(pe_world *world, under_way *u, bool *solved)
 {
-    static const bool solved[8];
-    bool put_back[8] = {false};
-    pe_energy_step s = {.dt = H,
-                        .free = u->free,
-                        .poses = u->poses,
-                        .motions = u->motions,
-                        .solved = solved,
-                        .shallow = 1e-3};
+    static int in_an_island[8];
+    return (pe_step){.world = world,
+                     .dt = H,
+                     .islands.place = in_an_island,
+                     .free = u->free,
+                     .poses = u->poses,
+                     .twists = u->twists,
+                     .solved_directly = solved};
+}
+
+/* Guards bodies that were neither solved directly nor corrected. */
+static pe_energy_report guard(pe_world *world, under_way *u)
+{
+    bool put_back[8] = {false}, solved[8] = {false};
+    pe_step s = ending(world, u, solved);
+    s.shallow = 1e-3;
     pe_energy_report report;
-    pe_energy_guard(world, &u->islands, &s, put_back, &report);
+    pe_energy_guard(&s, &u->islands, put_back, &report);
     return report;
 }
 
@@ -220,7 +223,7 @@ typedef struct lifted {
     int slot;
     under_way begun;
     pe_pose pose[8]; /* (slots): before the lift */
-    pe_twist motion[8];
+    pe_twist twist[8];
     pe_energy_report report;
     bool put_back[8];
 } lifted;
@@ -237,21 +240,17 @@ static lifted lift(double height, double kept, bool solved)
     pe_twist *motion = &pe_twists(l.world)[l.slot];
     motion->velocity = pe_scale(kept, motion->velocity);
     l.pose[l.slot] = pe_poses(l.world)[l.slot];
-    l.motion[l.slot] = *motion;
+    l.twist[l.slot] = *motion;
     pe_pose_move(&pe_poses(l.world)[l.slot], pe_v3(0, 0, height), pe_v3(0, 1e-3, 0));
     bool flags[8] = {false}, exact[8] = {false};
     flags[l.slot] = true;
     exact[l.slot] = solved;
-    const pe_energy_step s = {.dt = H,
-                              .free = l.begun.free,
-                              .poses = l.begun.poses,
-                              .motions = l.begun.motions,
-                              .moved = flags,
-                              .unprojected_poses = l.pose,
-                              .unprojected_motions = l.motion,
-                              .solved = exact,
-                              .shallow = 3e-3};
-    pe_energy_guard(l.world, &l.begun.islands, &s, l.put_back, &l.report);
+    pe_step s = ending(l.world, &l.begun, exact);
+    s.corrected = flags;
+    s.uncorrected_poses = l.pose;
+    s.uncorrected_twists = l.twist;
+    s.shallow = 3e-3;
+    pe_energy_guard(&s, &l.begun.islands, l.put_back, &l.report);
     return l;
 }
 
@@ -262,7 +261,7 @@ static void test_a_lift_that_motion_pays_for_stays(void **state)
     lifted l = lift(4e-4, 1, true);
     assert_int_equal(l.report.put_back, 0);
     assert_close(pe_poses(l.world)[l.slot].position.z, l.pose[l.slot].position.z + 4e-4, 1e-15, 0);
-    double v = pe_twists(l.world)[l.slot].velocity.z, fall = l.motion[l.slot].velocity.z;
+    double v = pe_twists(l.world)[l.slot].velocity.z, fall = l.twist[l.slot].velocity.z;
     assert_true(fall < 0);
     assert_close(v * v, fall * fall - 2 * 9.81 * 4e-4, 1e-9, 0);
     pe_world_destroy(l.world);
@@ -277,7 +276,7 @@ static void test_a_dearer_lift_is_taken_back_and_the_motion_goes_on(void **state
         assert_int_equal(l.report.put_back, 1);
         assert_true(l.put_back[l.slot]);
         assert_memory_equal(&pe_poses(l.world)[l.slot], &l.pose[l.slot], sizeof(pe_pose));
-        assert_memory_equal(&pe_twists(l.world)[l.slot], &l.motion[l.slot], sizeof(pe_twist));
+        assert_memory_equal(&pe_twists(l.world)[l.slot], &l.twist[l.slot], sizeof(pe_twist));
         pe_world_destroy(l.world);
     }
 }

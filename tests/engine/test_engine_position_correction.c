@@ -1,6 +1,6 @@
 /* Projection of positions. */
 #include "check.h"
-#include "step/position_correction.h"
+#include "step/step.h"
 #include "world_for_tests.h"
 
 #include <stdlib.h>
@@ -21,30 +21,28 @@ static pe_world *make_weightless_world(void)
 /* The contacts at the poses now. */
 static void find(pe_world *world)
 {
-    pe_pair *pairs;
-    int count;
+    pe_contact_rules rules = pe_contact_rules_exact();
     pe_arena_reset(&world->arena, &world->allocator);
-    assert_int_equal(pe_broad_phase(world, H, &pairs, &count, NULL), PE_OK);
-    assert_int_equal(pe_contacts_find(world, pairs, count, H, NULL), PE_OK);
+    assert_int_equal(pe_contacts_update(world, &rules, NULL, H, NULL), PE_OK);
 }
 
-static pe_project_report project_found(pe_world *world, const pe_project_rules *rules)
+static pe_correction_report project_found(pe_world *world, const pe_correction_rules *rules)
 {
-    pe_project_report report;
-    pe_contact_rules contacts = pe_contact_rules_exact();
-    assert_int_equal(pe_project_positions(world, rules, &contacts, H, &report, NULL), PE_OK);
+    pe_correction_report report;
+    pe_step step = {.world = world, .dt = H, .rules = pe_contact_rules_exact()};
+    assert_int_equal(pe_correct_positions(&step, rules, &report), PE_OK);
     return report;
 }
 
-static pe_project_report project_by(pe_world *world, const pe_project_rules *rules)
+static pe_correction_report project_by(pe_world *world, const pe_correction_rules *rules)
 {
     find(world);
     return project_found(world, rules);
 }
 
-static pe_project_report project(pe_world *world)
+static pe_correction_report project(pe_world *world)
 {
-    pe_project_rules rules = pe_project_rules_default();
+    pe_correction_rules rules = pe_correction_rules_default();
     return project_by(world, &rules);
 }
 
@@ -127,8 +125,8 @@ static void test_overlapping_boxes_part_by_the_overlap_in_ratio_of_their_masses(
     pe_body_def b = box_def(0.5, 0.5, 0.5, pe_v3(0.99, 0, 0));
     b.mass = 3;
     pe_body_id one = add_body(world, &a), other = add_body(world, &b);
-    pe_project_rules rules = pe_project_rules_default();
-    pe_project_report report = project_by(world, &rules);
+    pe_correction_rules rules = pe_correction_rules_default();
+    pe_correction_report report = project_by(world, &rules);
     assert_close(report.penetration, 0.01, 1e-12, 0);
     double parted = 0.01 - rules.aim, within = rules.enough;
     double x = state_of(world, one).position.x, y = state_of(world, other).position.x;
@@ -142,13 +140,13 @@ static void test_what_is_shallow_stays_to_the_bit(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
-    pe_project_rules rules = pe_project_rules_default();
+    pe_correction_rules rules = pe_correction_rules_default();
     pe_material_id rough = add_material(world, 0.5, 0);
     add_plane(world, pe_v3(0, 0, 1), rough);
     pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(0, 0, 0.5 - 0.99 * rules.begin));
     pe_body_id box = add_body(world, &def);
     pe_body_state before = state_of(world, box);
-    pe_project_report report = project_by(world, &rules);
+    pe_correction_report report = project_by(world, &rules);
     pe_body_state after = state_of(world, box);
     assert_memory_equal(&before, &after, sizeof before);
     assert_int_equal(report.rounds, 0);
@@ -161,7 +159,7 @@ static void test_a_sunk_box_is_lifted_out_of_the_ground(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
-    pe_project_rules rules = pe_project_rules_default();
+    pe_correction_rules rules = pe_correction_rules_default();
     add_plane(world, pe_v3(0, 0, 1), add_material(world, 0.5, 0));
     pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(0, 0, 0.48));
     pe_body_id box = add_body(world, &def);
@@ -180,7 +178,7 @@ static void test_a_push_reaches_the_end_of_a_row(void **state)
     (void)state;
     enum { ROW = 8 };
     pe_world *world = make_weightless_world();
-    pe_project_rules rules = pe_project_rules_default();
+    pe_correction_rules rules = pe_correction_rules_default();
     pe_body_id ids[ROW];
     add_plane(world, pe_v3(1, 0, 0), add_material(world, 0.5, 0));
     for (int i = 0; i < ROW; ++i) {
@@ -207,7 +205,7 @@ static void test_what_the_push_does_not_touch_stays_to_the_bit(void **state)
     def.position.x = 2; /* 6e-4 from its neighbour, which moves by less */
     pe_body_id c = add_body(world, &def);
     pe_body_state far = state_of(world, c), pushed = state_of(world, a);
-    pe_project_report report = project(world);
+    pe_correction_report report = project(world);
     pe_body_state now = state_of(world, c);
     assert_memory_equal(&far, &now, sizeof far);
     assert_false(report.moved[c.index]);
@@ -224,7 +222,7 @@ static void test_a_heap_never_gets_worse_and_keeps_centre_of_mass_and_momenta(vo
     for (uint64_t seed = 1; seed <= 30; ++seed) {
         check_random random = {seed};
         pe_world *world = make_weightless_world();
-        pe_project_rules rules = pe_project_rules_default();
+        pe_correction_rules rules = pe_correction_rules_default();
         rules.max_rounds = 1 + (int)(seed % 8);
         add_heap(world, &random, 24, seed % 2 ? 1.2 : 0.5);
         find(world);
@@ -232,7 +230,7 @@ static void test_a_heap_never_gets_worse_and_keeps_centre_of_mass_and_momenta(vo
         pe_vec3 spin = spin_of(world);
         double depth = depth_of(world);
         pe_vec3 centre = centre_of_mass(world);
-        pe_project_report report = project_found(world, &rules);
+        pe_correction_report report = project_found(world, &rules);
         double after = squares_of(world, rules.aim);
         assert_at_most(after, before);
         assert_close(report.penetration, depth, 0, 0);
@@ -280,10 +278,10 @@ static void test_any_solver_may_take_the_place_of_sweeps(void **state)
         pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(0, 0, 0.5 + i - 0.003 * (i + 1)));
         add_body(world, &def);
     }
-    pe_project_rules rules = pe_project_rules_default();
+    pe_correction_rules rules = pe_correction_rules_default();
     rules.solver = pe_solve_gauss_seidel;
     rules.solver_limits = (pe_solve_limits){1e-9, 20000};
-    pe_project_report report = project_by(world, &rules);
+    pe_correction_report report = project_by(world, &rules);
     assert_int_equal(report.rounds, 1);
     for (int i = 0; i < 4; ++i) {
         double z = pe_poses(world)[2 + i].position.z;
@@ -303,9 +301,9 @@ static void test_only_what_is_among_the_flagged_is_projected(void **state)
     }
     bool flags[8] = {0};
     flags[ids[2].index] = flags[ids[3].index] = true;
-    pe_project_rules rules = pe_project_rules_default();
+    pe_correction_rules rules = pe_correction_rules_default();
     rules.among = flags;
-    pe_project_report report = project_by(world, &rules);
+    pe_correction_report report = project_by(world, &rules);
     assert_false(report.moved[ids[0].index] || report.moved[ids[1].index]);
     assert_true(report.moved[ids[2].index] && report.moved[ids[3].index]);
     assert_at_most(report.penetration_left, rules.aim + rules.enough);
@@ -328,9 +326,9 @@ static void test_what_does_not_count_stays_whatever_else_is_projected(void **sta
         }
         bool flags[8] = {0};
         flags[ids[0].index] = flags[ids[3].index] = flags[ids[4].index] = true;
-        pe_project_rules rules = pe_project_rules_default();
+        pe_correction_rules rules = pe_correction_rules_default();
         rules.among = flags;
-        pe_project_report report = project_by(world, &rules);
+        pe_correction_report report = project_by(world, &rules);
         assert_int_equal(report.rounds > 0, elsewhere);
         for (int i = 0; i < 3; ++i) {
             assert_close(pe_poses(world)[ids[i].index].position.x, x[i], 0, 0);

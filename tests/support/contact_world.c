@@ -5,11 +5,8 @@
 void find_contacts_by(pe_world *world, double reuse_tolerance, int most_points)
 {
     pe_contact_rules rules = {reuse_tolerance, most_points};
-    pe_pair *pairs;
-    int count;
     pe_arena_reset(&world->arena, &world->allocator);
-    assert_int_equal(pe_broad_phase(world, CONTACT_STEP, &pairs, &count, NULL), PE_OK);
-    assert_int_equal(pe_contacts_find_by(world, &rules, pairs, count, CONTACT_STEP, NULL), PE_OK);
+    assert_int_equal(pe_contacts_update(world, &rules, NULL, CONTACT_STEP, NULL), PE_OK);
 }
 
 void find_contacts(pe_world *world, double reuse_tolerance)
@@ -20,11 +17,7 @@ void find_contacts(pe_world *world, double reuse_tolerance)
 void find_contacts_again(pe_world *world, const bool *moved, double tolerance)
 {
     pe_contact_rules rules = {tolerance, PE_MAX_POINTS};
-    pe_pair *pairs;
-    int count;
-    assert_int_equal(pe_broad_phase_moved(world, CONTACT_STEP, moved, &pairs, &count, NULL), PE_OK);
-    assert_int_equal(pe_contacts_refind(world, &rules, pairs, count, moved, CONTACT_STEP, NULL),
-                     PE_OK);
+    assert_int_equal(pe_contacts_update(world, &rules, moved, CONTACT_STEP, NULL), PE_OK);
 }
 
 const pe_manifold *manifold_of(const pe_contacts *contacts, int a, int b)

@@ -6,15 +6,11 @@
 
 pe_status soft_prepare(pe_world *world, double dt, soft_case *made)
 {
-    pe_pair *pairs;
-    int count;
+    pe_contact_rules rules = pe_contact_rules_exact();
     pe_arena_reset(&world->arena, &world->allocator);
-    pe_status status = pe_broad_phase(world, dt, &pairs, &count, NULL);
+    pe_status status = pe_contacts_update(world, &rules, NULL, dt, NULL);
     if (status == PE_OK) {
-        status = pe_contacts_find(world, pairs, count, dt, NULL);
-    }
-    if (status == PE_OK) {
-        pe_contacts_match(world, dt);
+        pe_contacts_scale_impulses(world, dt);
         status = pe_islands_find(world, &made->islands, NULL);
     }
     if (status == PE_OK) {

@@ -86,6 +86,7 @@ void pe_array_free(pe_array *array, const pe_allocator *allocator)
 void *pe_arena_take(pe_arena *arena, const pe_allocator *allocator, size_t count, size_t stride)
 {
     if (count > SIZE_MAX / 2 / stride) {
+        arena->failed = true;
         return NULL;
     }
     size_t size = round_up(count * stride);
@@ -98,6 +99,7 @@ void *pe_arena_take(pe_arena *arena, const pe_allocator *allocator, size_t count
     }
     struct pe_arena_extra *extra = allocator->allocate(allocator->context, ALIGNMENT + size);
     if (extra == NULL) {
+        arena->failed = true;
         return NULL;
     }
     extra->next = arena->extras;
@@ -145,6 +147,7 @@ void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator)
     arena->used = 0;
     arena->wanted = 0;
     arena->most = 0;
+    arena->failed = false;
 }
 
 void pe_arena_free(pe_arena *arena, const pe_allocator *allocator)

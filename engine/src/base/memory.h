@@ -36,6 +36,7 @@ typedef struct pe_arena {
     size_t wanted, most;   /* bytes: in use now, extra blocks included, and at most since the last
                               reset */
     struct pe_arena_extra *extras;
+    bool failed; /* a request since the last reset was refused */
 } pe_arena;
 
 /* 64-byte aligned, not initialised; NULL when out of memory. */

@@ -2,13 +2,15 @@
 
 #include "base/vec3.h"
 
+#include <string.h>
+
 enum {
     NONE = 0,
-    MOST_HEIGHT = 96, /* over this everything is built anew */
+    MAX_HEIGHT = 96, /* a tree that is higher is rebuilt as a whole */
     /* A tree that was built at once is lower than log 2^31 to the base 4/3, 75. */
-    MOST_RANGES = 96,
-    /* Every step down leaves one pair of nodes behind, inside of one node two. */
-    MOST_MEETINGS = 4 * (MOST_HEIGHT + 1)
+    MAX_RANGES = 96,
+    /* Every step down leaves one pair of nodes on the stack, or two inside of one node. */
+    MAX_NODE_PAIRS = 4 * (MAX_HEIGHT + 1)
 };
 
 static pe_tree_node *nodes_of(const pe_tree *tree)
@@ -26,8 +28,8 @@ static bool is_leaf(const pe_tree_node *node)
     return node->child[0] == NONE;
 }
 
-/* Whether to look at all nodes costs no more than to follow the marks. */
-static bool is_stirred(const pe_tree *tree)
+/* Whether a pass over all nodes costs no more than to follow the marks. */
+static bool is_mostly_marked(const pe_tree *tree)
 {
     return 8 * tree->marked_count > tree->leaf_count;
 }
@@ -39,8 +41,7 @@ void pe_tree_free(pe_tree *tree, const pe_allocator *allocator)
     *tree = (pe_tree){0};
 }
 
-/* ---- Changes -----------------------------------------------------------------------------------
- */
+/* ---- Changes ---- */
 
 static int take_node(pe_tree *tree)
 {
@@ -52,7 +53,7 @@ static int take_node(pe_tree *tree)
     return node;
 }
 
-static void give_back(pe_tree *tree, int node)
+static void release_node(pe_tree *tree, int node)
 {
     nodes_of(tree)[node] = (pe_tree_node){.parent = tree->first_free};
     tree->first_free = node;
@@ -68,7 +69,7 @@ static void mark(pe_tree *tree, int leaf)
     }
 }
 
-/* Room for two nodes more, and for the item. */
+/* Makes room for two nodes more, and for the item. */
 static pe_status reserve(pe_tree *tree, const pe_allocator *allocator, int item, pe_error *error)
 {
     size_t nodes = tree->node_count > 0 ? (size_t)tree->node_count + 1 : 0;
@@ -79,7 +80,7 @@ static pe_status reserve(pe_tree *tree, const pe_allocator *allocator, int item,
                            : status;
 }
 
-pe_status pe_tree_add(pe_tree *tree, const pe_allocator *allocator, int item, const pe_box *box,
+pe_status pe_tree_add(pe_tree *tree, const pe_allocator *allocator, int item, const pe_aabb *box,
                       pe_error *error)
 {
     pe_status status = reserve(tree, allocator, item, error);
@@ -104,7 +105,7 @@ pe_status pe_tree_add(pe_tree *tree, const pe_allocator *allocator, int item, co
     return PE_OK;
 }
 
-void pe_tree_move(pe_tree *tree, int item, const pe_box *box)
+void pe_tree_move(pe_tree *tree, int item, const pe_aabb *box)
 {
     int leaf = leaves_of(tree)[item];
     nodes_of(tree)[leaf].box = *box;
@@ -145,7 +146,7 @@ void pe_tree_invalidate(pe_tree *tree)
 void pe_tree_unmark(pe_tree *tree)
 {
     pe_tree_node *nodes = nodes_of(tree);
-    if (is_stirred(tree)) {
+    if (is_mostly_marked(tree)) {
         for (int i = 1; i <= tree->node_count; ++i) {
             nodes[i].marked = false;
         }
@@ -159,68 +160,67 @@ void pe_tree_unmark(pe_tree *tree)
     tree->marked_count = 0;
 }
 
-/* ---- Rebuilding --------------------------------------------------------------------------------
- */
+/* ---- Rebuilding ---- */
 
-/* A subtree, to be put under new nodes. */
-typedef struct part {
+/* A subtree that is to be put under new nodes. */
+typedef struct subtree {
     double centre[3];
     int node;
-} part;
+} subtree;
 
-/* The subtrees. Where all nodes are made anew these are the leaves, copied; else `leaf` is NULL. */
+/* All of them. Where the whole tree is rebuilt they are copies of its leaves; else `leaf` is NULL. */
 typedef struct forest {
-    part *item;
+    subtree *item;
     int count;
     pe_tree_node *leaf;
-    int *pile; /* room for as many nodes and one more */
+    int *stack; /* (count + 1) nodes */
 } forest;
 
-/* The middle; 0 for a box without one, because it has no end. */
-static double middle_of(double low, double high)
+/* 0 for an interval without a midpoint, because it has no end. */
+static double midpoint_of(double low, double high)
 {
     double middle = 0.5 * low + 0.5 * high;
     return isfinite(middle) ? middle : 0;
 }
 
-static void add_part(forest *p, int node, const pe_box *box)
+static void add_subtree(forest *p, int node, const pe_aabb *box)
 {
-    part *added = &p->item[p->count++];
+    subtree *added = &p->item[p->count++];
     added->node = node;
     for (int k = 0; k < 3; ++k) {
-        added->centre[k] = middle_of(box->low[k], box->high[k]);
+        added->centre[k] = midpoint_of(box->low[k], box->high[k]);
     }
 }
 
-/* Takes the marked inner nodes away and lists what is left. */
+/* Removes the marked inner nodes and lists the subtrees that are left. */
 static void take_apart(pe_tree *tree, forest *p)
 {
     const pe_tree_node *nodes = nodes_of(tree);
-    int piled = 0;
-    p->pile[piled++] = tree->root;
-    while (piled > 0) {
-        int i = p->pile[--piled];
+    int stacked = 0;
+    p->stack[stacked++] = tree->root;
+    while (stacked > 0) {
+        int i = p->stack[--stacked];
         if (nodes[i].marked && !is_leaf(&nodes[i])) {
-            p->pile[piled++] = nodes[i].child[1];
-            p->pile[piled++] = nodes[i].child[0];
-            give_back(tree, i);
+            p->stack[stacked++] = nodes[i].child[1];
+            p->stack[stacked++] = nodes[i].child[0];
+            release_node(tree, i);
         } else if (is_leaf(&nodes[i]) && nodes[i].child[1] == NONE) {
             tree->leaf_count -= 1;
-            give_back(tree, i);
+            release_node(tree, i);
         } else {
-            add_part(p, i, &nodes[i].box);
+            add_subtree(p, i, &nodes[i].box);
         }
     }
 }
 
-/* Takes all nodes away. */
+/* Removes all nodes, and lists copies of the leaves. */
 static void take_all(pe_tree *tree, forest *p)
 {
     const pe_tree_node *nodes = nodes_of(tree);
     for (int i = 1; i <= tree->node_count; ++i) {
         if (is_leaf(&nodes[i]) && nodes[i].child[1] != NONE) {
             p->leaf[p->count] = nodes[i];
-            add_part(p, p->count, &nodes[i].box);
+            add_subtree(p, p->count, &nodes[i].box);
         }
     }
     tree->leaf_count = p->count;
@@ -228,60 +228,61 @@ static void take_all(pe_tree *tree, forest *p)
     tree->first_free = NONE;
 }
 
-static void swap(part *a, part *b)
+static void swap(subtree *a, subtree *b)
 {
-    part c = *a;
+    subtree c = *a;
     *a = *b;
     *b = c;
 }
 
-/* The axis along which the centres are spread widest, and their middle on it. */
-static int widest_axis(const part *parts, int count, double *middle)
+/* The axis along which the centres are spread widest, and the middle of their range on it. */
+static int widest_axis(const subtree *subtrees, int count, double *middle)
 {
     double low[3], high[3];
     for (int k = 0; k < 3; ++k) {
-        low[k] = high[k] = parts[0].centre[k];
+        low[k] = high[k] = subtrees[0].centre[k];
     }
     for (int i = 1; i < count; ++i) {
         for (int k = 0; k < 3; ++k) {
-            low[k] = pe_min(low[k], parts[i].centre[k]);
-            high[k] = pe_max(high[k], parts[i].centre[k]);
+            low[k] = pe_min(low[k], subtrees[i].centre[k]);
+            high[k] = pe_max(high[k], subtrees[i].centre[k]);
         }
     }
     double x = high[0] - low[0], y = high[1] - low[1], z = high[2] - low[2];
     int axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-    *middle = middle_of(low[axis], high[axis]);
+    *middle = midpoint_of(low[axis], high[axis]);
     return axis;
 }
 
-/* Puts those below the value before the others; returns how many they are. */
-static int cut_at(part *parts, int count, int axis, double value)
+/* Puts the subtrees with centres below the value first; returns how many they are. */
+static int cut_at(subtree *subtrees, int count, int axis, double value)
 {
     int below = 0;
     for (int i = 0; i < count; ++i) {
-        if (parts[i].centre[axis] < value) {
-            swap(&parts[i], &parts[below++]);
+        if (subtrees[i].centre[axis] < value) {
+            swap(&subtrees[i], &subtrees[below++]);
         }
     }
     return below;
 }
 
-/* Puts the lower half before the upper one (Hoare 1961). Equal ones may go to either. */
-static int cut_in_halves(part *parts, int count, int axis)
+/* Puts the lower half before the upper one (quickselect, Hoare 1961). Equal ones may go to either
+ * half. */
+static int cut_in_halves(subtree *subtrees, int count, int axis)
 {
     int half = count / 2;
     for (int begin = 0, end = count - 1; begin < end;) {
-        double pivot = parts[begin + (end - begin) / 2].centre[axis];
+        double pivot = subtrees[begin + (end - begin) / 2].centre[axis];
         int i = begin, j = end;
         while (i <= j) {
-            while (parts[i].centre[axis] < pivot) {
+            while (subtrees[i].centre[axis] < pivot) {
                 ++i;
             }
-            while (parts[j].centre[axis] > pivot) {
+            while (subtrees[j].centre[axis] > pivot) {
                 --j;
             }
             if (i <= j) {
-                swap(&parts[i++], &parts[j--]);
+                swap(&subtrees[i++], &subtrees[j--]);
             }
         }
         if (half <= j) {
@@ -295,16 +296,16 @@ static int cut_in_halves(part *parts, int count, int axis)
     return half;
 }
 
-/* Orders the parts, 2 or more, into those of either child; returns how many the first gets. */
-static int cut(part *parts, int count)
+/* Partitions 2 or more subtrees between two children; returns how many the first one gets. */
+static int cut(subtree *subtrees, int count)
 {
     double middle;
-    int axis = widest_axis(parts, count, &middle);
-    int below = cut_at(parts, count, axis, middle), above = count - below;
-    return 4 * (below < above ? below : above) < count ? cut_in_halves(parts, count, axis) : below;
+    int axis = widest_axis(subtrees, count, &middle);
+    int below = cut_at(subtrees, count, axis, middle), above = count - below;
+    return 4 * (below < above ? below : above) < count ? cut_in_halves(subtrees, count, axis) : below;
 }
 
-/* Sets an inner node by its children. */
+/* Computes box, height and mark of an inner node from its children. */
 static void fit(pe_tree_node *nodes, int node)
 {
     pe_tree_node *n = &nodes[node];
@@ -317,12 +318,12 @@ static void fit(pe_tree_node *nodes, int node)
     n->marked = p->marked || q->marked;
 }
 
-/* Parts that are still to be put under a node. */
+/* Subtrees begin .. end - 1, which are still to be put under a node. */
 typedef struct range {
     int begin, end, parent, side;
 } range;
 
-/* The node of a part, which is made if there is none. */
+/* The root of a subtree; a new node if it is a copy of a leaf. */
 static int node_of(pe_tree *tree, const forest *p, int i)
 {
     int node = p->item[i].node;
@@ -335,11 +336,11 @@ static int node_of(pe_tree *tree, const forest *p, int i)
     return node;
 }
 
-/* Builds nodes over all parts. */
+/* Builds nodes over all subtrees, from above. */
 static void build(pe_tree *tree, const forest *p)
 {
     pe_tree_node *nodes = nodes_of(tree);
-    range open[MOST_RANGES];
+    range open[MAX_RANGES];
     int open_count = 0, made_count = 0;
     tree->root = NONE;
     if (p->count > 0) {
@@ -359,11 +360,11 @@ static void build(pe_tree *tree, const forest *p)
             int middle = r.begin + cut(p->item + r.begin, r.end - r.begin);
             open[open_count++] = (range){middle, r.end, node, 1};
             open[open_count++] = (range){r.begin, middle, node, 0};
-            p->pile[made_count++] = node;
+            p->stack[made_count++] = node;
         }
     }
     while (made_count > 0) { /* children were made after their parents */
-        fit(nodes, p->pile[--made_count]);
+        fit(nodes, p->stack[--made_count]);
     }
 }
 
@@ -374,10 +375,10 @@ static pe_status rebuild(pe_tree *tree, bool all, pe_workspace work, pe_error *e
     forest p = {
         .item = pe_take(work, leaves, sizeof *p.item),
         .leaf = all ? pe_take(work, leaves, sizeof *p.leaf) : NULL,
-        .pile = pe_take(work, leaves + 1, sizeof *p.pile),
+        .stack = pe_take(work, leaves + 1, sizeof *p.stack),
     };
     pe_status status = PE_OK;
-    if (p.item == NULL || p.pile == NULL || (all && p.leaf == NULL)) {
+    if (p.item == NULL || p.stack == NULL || (all && p.leaf == NULL)) {
         status = pe_fail(error, PE_NO_MEMORY, "no memory for a tree of %zu boxes", leaves);
     } else {
         if (all) {
@@ -395,41 +396,40 @@ pe_status pe_tree_update(pe_tree *tree, pe_workspace work, pe_error *error)
 {
     pe_status status = PE_OK;
     if (tree->marked_count > 0) {
-        status = rebuild(tree, is_stirred(tree), work, error);
+        status = rebuild(tree, is_mostly_marked(tree), work, error);
     }
-    if (status == PE_OK && tree->root != NONE && nodes_of(tree)[tree->root].height > MOST_HEIGHT) {
+    if (status == PE_OK && tree->root != NONE && nodes_of(tree)[tree->root].height > MAX_HEIGHT) {
         status = rebuild(tree, true, work, error);
     }
     return status;
 }
 
-/* ---- Pairs -------------------------------------------------------------------------------------
- */
+/* ---- Pairs ---- */
 
-/* Nodes whose leaves are still to be met with each other. */
-typedef struct meeting {
+/* Nodes whose leaves are still to be tested against each other. */
+typedef struct node_pair {
     const pe_tree_node *p, *q;
-} meeting;
+} node_pair;
 
-typedef struct meetings {
-    meeting open[MOST_MEETINGS];
+typedef struct node_pairs {
+    node_pair open[MAX_NODE_PAIRS];
     int count;
-} meetings;
+} node_pairs;
 
-static void open_meeting(meetings *m, const pe_tree_node *p, const pe_tree_node *q)
+static void push_overlapping(node_pairs *m, const pe_tree_node *p, const pe_tree_node *q)
 {
-    if ((p->marked || q->marked) && pe_box_overlaps(&p->box, &q->box)) {
-        m->open[m->count++] = (meeting){p, q};
+    if ((p->marked || q->marked) && pe_aabb_overlaps(&p->box, &q->box)) {
+        m->open[m->count++] = (node_pair){p, q};
     }
 }
 
-static void open_inside(meetings *m, const pe_tree_node *nodes, const pe_tree_node *node)
+static void push_children(node_pairs *m, const pe_tree_node *nodes, const pe_tree_node *node)
 {
     if (node->marked && !is_leaf(node)) {
         const pe_tree_node *p = &nodes[node->child[0]], *q = &nodes[node->child[1]];
-        m->open[m->count++] = (meeting){q, q};
-        m->open[m->count++] = (meeting){p, p};
-        open_meeting(m, p, q);
+        m->open[m->count++] = (node_pair){q, q};
+        m->open[m->count++] = (node_pair){p, p};
+        push_overlapping(m, p, q);
     }
 }
 
@@ -441,26 +441,81 @@ pe_status pe_tree_query_pairs(const pe_tree *a, const pe_tree *b, pe_pair_list *
         return status;
     }
     const pe_tree_node *in_a = nodes_of(a), *in_b = nodes_of(b);
-    meetings m = {.count = 0};
+    node_pairs m = {.count = 0};
     if (a == b) {
-        m.open[m.count++] = (meeting){&in_a[a->root], &in_a[a->root]};
+        m.open[m.count++] = (node_pair){&in_a[a->root], &in_a[a->root]};
     } else {
-        open_meeting(&m, &in_a[a->root], &in_b[b->root]);
+        push_overlapping(&m, &in_a[a->root], &in_b[b->root]);
     }
     while (m.count > 0 && status == PE_OK) {
-        meeting now = m.open[--m.count];
+        node_pair now = m.open[--m.count];
         const pe_tree_node *p = now.p, *q = now.q;
         if (p == q) {
-            open_inside(&m, in_a, p);
+            push_children(&m, in_a, p);
         } else if (is_leaf(p) && is_leaf(q)) {
             status = pe_pair_list_add(pairs, p->child[1], q->child[1], error);
         } else if (p->height >= q->height) { /* a leaf has the height 0 */
-            open_meeting(&m, &in_a[p->child[1]], q);
-            open_meeting(&m, &in_a[p->child[0]], q);
+            push_overlapping(&m, &in_a[p->child[1]], q);
+            push_overlapping(&m, &in_a[p->child[0]], q);
         } else {
-            open_meeting(&m, p, &in_b[q->child[1]]);
-            open_meeting(&m, p, &in_b[q->child[0]]);
+            push_overlapping(&m, p, &in_b[q->child[1]]);
+            push_overlapping(&m, p, &in_b[q->child[0]]);
         }
     }
     return status;
+}
+
+/* ---- Lists of pairs ---- */
+
+pe_status pe_pair_list_add(pe_pair_list *list, int a, int b, pe_error *error)
+{
+    if (list->count == list->capacity) {
+        int capacity = list->capacity < 64 ? 64 : list->capacity * 2;
+        pe_pair *items = pe_take(list->work, (size_t)capacity, sizeof *items);
+        if (items == NULL) {
+            return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", capacity);
+        }
+        if (list->count > 0) {
+            memcpy(items, list->items, (size_t)list->count * sizeof *items);
+        }
+        list->items = items;
+        list->capacity = capacity;
+    }
+    list->items[list->count++] = a < b ? (pe_pair){a, b} : (pe_pair){b, a};
+    return PE_OK;
+}
+
+static int slot_of(pe_pair pair, bool b)
+{
+    return b ? pair.b : pair.a;
+}
+
+/* A stable counting sort by slot b, or by slot a. */
+static void sort_by(bool b, const pe_pair *from, int count, int *start, int slots, pe_pair *to)
+{
+    memset(start, 0, ((size_t)slots + 1) * sizeof *start);
+    for (int i = 0; i < count; ++i) {
+        start[slot_of(from[i], b) + 1] += 1;
+    }
+    for (int s = 0; s < slots; ++s) {
+        start[s + 1] += start[s];
+    }
+    for (int i = 0; i < count; ++i) {
+        to[start[slot_of(from[i], b)]++] = from[i];
+    }
+}
+
+pe_status pe_pair_list_sort(pe_pair_list *list, int slots, pe_error *error)
+{
+    if (list->count < 2) {
+        return PE_OK;
+    }
+    int *start = pe_take(list->work, (size_t)slots + 1, sizeof *start);
+    pe_pair *sorted = pe_take(list->work, (size_t)list->count, sizeof *sorted);
+    if (start == NULL || sorted == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory to sort %d pairs", list->count);
+    }
+    sort_by(true, list->items, list->count, start, slots, sorted);
+    sort_by(false, sorted, list->count, start, slots, list->items);
+    return PE_OK;
 }

@@ -1,26 +1,27 @@
-/* Pairs by dynamic trees of fat boxes, kept from step to step.
+/* Pairs by dynamic trees of fat AABBs, kept from step to step.
  *
- * Every bounded body has two boxes. The snug one holds the body with its margin and a little more,
- * and stays while the body, at its speed, stays within it. The fat one, a leaf of the tree of
- * dynamic or of static bodies, holds the snug one and some way ahead. Pairs of fat boxes are kept:
- * when a fat box is left its body's pairs are found anew. Of these the pairs of snug boxes are the
- * answer, kept likewise while no snug box is new. A body at rest costs one comparison a step.
+ * Every bounded body has two AABBs. The tight one holds the body with its margin and a little more.
+ * It is kept while the body, at its speed, stays within it. The fat one, a leaf of the tree of
+ * dynamic or of static bodies, holds the tight one and some of the path ahead. Pairs of fat AABBs
+ * are kept: when a body leaves its fat AABB its pairs are found again. The pairs of these whose
+ * tight AABBs overlap are the result, also kept while no tight AABB is new. A body at rest costs
+ * one comparison a step.
  *
  * A body that was at x0 with orientation q0, and now is at x with q, has no point that moved by
- * more than |x - x0| + 2 r |q - q0| (see contact_reuse.c); with its margin it is within the box
- * that had `room` around it as long as
+ * more than |x - x0| + 2 r |q - q0| (see contact.c). With its margin it is within the AABB that was
+ * computed with `margin` around it as long as
  *
- *     |x - x0| + 2 r |q - q0| + h |v| + h r |w| + slack <= room. */
+ *     |x - x0| + 2 r |q - q0| + h |v| + h r |w| + slack <= margin. */
 #include "broad_phase.h"
 
 #include "model/shape.h"
 
 #include <string.h>
 
-/* In bounding radii: by how much a snug box is wider than its body and margin need, and a fat one
- * than the snug one. */
-static const double SNUG = 0.01, FAT = 0.1;
-/* Steps at its velocity that a fat box holds. */
+/* In bounding radii: how much wider a tight AABB is than its body and margin need, and a fat one
+ * than the tight one. */
+static const double TIGHT = 0.01, FAT = 0.1;
+/* Steps at the body's velocity that a fat AABB holds. */
 static const double AHEAD = 4;
 
 double pe_spin_speed(const pe_world *world, int slot)
@@ -43,8 +44,8 @@ double pe_pair_margin(const pe_world *world, int a, int b, double dt)
 
 void pe_broad_free(pe_broad *broad, const pe_allocator *allocator)
 {
-    pe_array *arrays[] = {&broad->proxy_array, &broad->stirred_flag, &broad->stirred_list,
-                          &broad->plane_array, &broad->fat_array,    &broad->near_array};
+    pe_array *arrays[] = {&broad->proxy_array, &broad->moved_flag, &broad->moved_list,
+                          &broad->plane_array, &broad->fat_array,    &broad->tight_array};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         pe_array_free(arrays[i], allocator);
     }
@@ -67,33 +68,33 @@ static bool is_plane(const pe_proxy *proxy)
     return proxy->alive && !proxy->bounded;
 }
 
-/* ---- Boxes -------------------------------------------------------------------------------------
- */
+/* ---- AABBs ---- */
 
-/* Bounds of the body, wider by `room` on every side. */
-static pe_box box_of(const pe_world *world, int slot, double room)
+/* Bounds of the body, enlarged by `margin` on every side. */
+static pe_aabb body_aabb(const pe_world *world, int slot, double margin)
 {
     const pe_body *body = &pe_bodies(world)[slot];
     const pe_pose *pose = &pe_poses(world)[slot];
     pe_extent bounds = pe_shape_extent(&body->shape, body->geometry, &pose->rotation);
     pe_vec3 centre = pe_add(pose->position, bounds.centre);
-    pe_vec3 half = pe_add(bounds.half, pe_v3(room, room, room));
+    pe_vec3 half = pe_add(bounds.half, pe_v3(margin, margin, margin));
     pe_vec3 low = pe_sub(centre, half), high = pe_add(centre, half);
-    return (pe_box){{low.x, low.y, low.z}, {high.x, high.y, high.z}};
+    return (pe_aabb){{low.x, low.y, low.z}, {high.x, high.y, high.z}};
 }
 
-/* The box wider by `room` on every side, and by `way` besides on that to which it leads. */
-static pe_box wider(const pe_box *box, double room, pe_vec3 way)
+/* The box enlarged by `margin` on every side, and to hold itself after the displacement. */
+static pe_aabb enlarged(const pe_aabb *box, double margin, pe_vec3 displacement)
 {
-    pe_box wide = *box;
+    pe_aabb wide = *box;
     for (int k = 0; k < 3; ++k) {
-        wide.low[k] += pe_min(pe_component(way, k), 0) - room;
-        wide.high[k] += pe_max(pe_component(way, k), 0) + room;
+        wide.low[k] += pe_min(pe_component(displacement, k), 0) - margin;
+        wide.high[k] += pe_max(pe_component(displacement, k), 0) + margin;
     }
     return wide;
 }
 
-static bool is_below(const pe_box *box, const pe_shape *plane)
+/* Whether a part of the box is in the solid half-space. */
+static bool is_below(const pe_aabb *box, const pe_shape *plane)
 {
     double deepest = 0;
     for (int k = 0; k < 3; ++k) {
@@ -103,19 +104,18 @@ static bool is_below(const pe_box *box, const pe_shape *plane)
     return deepest <= plane->offset;
 }
 
-static void stir(pe_broad *broad, int slot)
+static void mark_moved(pe_broad *broad, int slot)
 {
-    bool *stirred = broad->stirred_flag.items;
-    if (!stirred[slot]) {
-        stirred[slot] = true;
-        ((int *)broad->stirred_list.items)[broad->stirred_count++] = slot;
+    bool *moved = broad->moved_flag.items;
+    if (!moved[slot]) {
+        moved[slot] = true;
+        ((int *)broad->moved_list.items)[broad->moved_count++] = slot;
     }
 }
 
-/* ---- Following the bodies ----------------------------------------------------------------------
- */
+/* ---- Proxies ---- */
 
-/* Room for the slots that the world has, which are planes, have moved and so on at most. */
+/* Makes room for a proxy of every slot; all of them may move, or be planes. */
 static pe_status reserve_slots(pe_world *world, pe_error *error)
 {
     pe_broad *broad = world->broad;
@@ -125,8 +125,8 @@ static pe_status reserve_slots(pe_world *world, pe_error *error)
         size_t stride, used;
     } rows[] = {
         {&broad->proxy_array, sizeof(pe_proxy), used},
-        {&broad->stirred_flag, sizeof(bool), used},
-        {&broad->stirred_list, sizeof(int), (size_t)broad->stirred_count},
+        {&broad->moved_flag, sizeof(bool), used},
+        {&broad->moved_list, sizeof(int), (size_t)broad->moved_count},
         {&broad->plane_array, sizeof(int), (size_t)broad->plane_count},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
@@ -137,13 +137,13 @@ static pe_status reserve_slots(pe_world *world, pe_error *error)
         }
     }
     memset(proxies_of(broad) + used, 0, (slots - used) * sizeof(pe_proxy));
-    memset((bool *)broad->stirred_flag.items + used, 0, (slots - used) * sizeof(bool));
+    memset((bool *)broad->moved_flag.items + used, 0, (slots - used) * sizeof(bool));
     broad->proxy_count = world->slot_count;
     return PE_OK;
 }
 
 /* Forgets the body that had the slot. */
-static void drop(pe_broad *broad, int slot)
+static void remove_proxy(pe_broad *broad, int slot)
 {
     pe_proxy *proxy = &proxies_of(broad)[slot];
     if (proxy->bounded) {
@@ -151,15 +151,15 @@ static void drop(pe_broad *broad, int slot)
     }
     broad->planes_changed |= is_plane(proxy);
     *proxy = (pe_proxy){0};
-    stir(broad, slot);
+    mark_moved(broad, slot);
 }
 
-static pe_status adopt(pe_world *world, int slot, pe_error *error)
+static pe_status add_proxy(pe_world *world, int slot, pe_error *error)
 {
     pe_broad *broad = world->broad;
     const pe_body *body = &pe_bodies(world)[slot];
     pe_proxy made = {
-        .room = -1, /* of no use: to be made */
+        .margin = -1, /* the tight AABB is not computed yet */
         .radius = body->bounding_radius,
         .generation = body->generation,
         .alive = true,
@@ -167,7 +167,7 @@ static pe_status adopt(pe_world *world, int slot, pe_error *error)
         .bounded = body->shape.kind != PE_SHAPE_PLANE,
     };
     if (made.bounded) {
-        pe_box none = {{0}, {0}};
+        pe_aabb none = {{0}, {0}};
         pe_status status =
             pe_tree_add(tree_of(broad, &made), &world->allocator, slot, &none, error);
         if (status != PE_OK) {
@@ -176,12 +176,12 @@ static pe_status adopt(pe_world *world, int slot, pe_error *error)
     }
     broad->planes_changed |= is_plane(&made);
     proxies_of(broad)[slot] = made;
-    stir(broad, slot);
+    mark_moved(broad, slot);
     return PE_OK;
 }
 
-/* Finds the bodies that came and went. */
-static pe_status meet_bodies(pe_world *world, pe_error *error)
+/* Finds the bodies that were created or destroyed. */
+static pe_status update_proxies(pe_world *world, pe_error *error)
 {
     pe_broad *broad = world->broad;
     const pe_body *bodies = pe_bodies(world);
@@ -192,10 +192,10 @@ static pe_status meet_bodies(pe_world *world, pe_error *error)
         bool same =
             proxy->alive && bodies[slot].alive && proxy->generation == bodies[slot].generation;
         if (proxy->alive && !same) {
-            drop(broad, slot);
+            remove_proxy(broad, slot);
         }
         if (bodies[slot].alive && !same) {
-            status = adopt(world, slot, error);
+            status = add_proxy(world, slot, error);
         }
         if (is_plane(proxy)) {
             ((int *)broad->plane_array.items)[planes++] = slot;
@@ -206,116 +206,108 @@ static pe_status meet_bodies(pe_world *world, pe_error *error)
     return status;
 }
 
-/* Whether the body is for certain within its snug box, as at the head of this file;
+/* Whether the body is certainly within its tight AABB, by the bound at the head of this file;
  * (a + b + c + d)^2 <= 4 (a^2 + b^2 + c^2 + d^2) spares the roots. */
-static bool stays(const pe_proxy *proxy, const pe_pose *pose, const pe_twist *motion, double dt,
-                  double slack)
+static bool is_within_tight(const pe_proxy *proxy, const pe_pose *pose, const pe_twist *twist,
+                            double dt, double slack)
 {
-    pe_vec3 x = pe_sub(pose->position, proxy->position), v = motion->velocity;
+    pe_vec3 x = pe_sub(pose->position, proxy->position), v = twist->velocity;
     pe_quat q = pose->orientation, p = proxy->orientation;
-    double dw = q.w - p.w, r = proxy->radius, room = proxy->room - slack;
-    pe_vec3 dv = pe_v3(q.x - p.x, q.y - p.y, q.z - p.z), w = motion->angular_velocity;
+    double dw = q.w - p.w, r = proxy->radius, margin = proxy->margin - slack;
+    pe_vec3 dv = pe_v3(q.x - p.x, q.y - p.y, q.z - p.z), w = twist->angular_velocity;
     double turned = 4 * (dw * dw + pe_dot(dv, dv)) + dt * dt * pe_dot(w, w);
-    double way2 = pe_dot(x, x) + dt * dt * pe_dot(v, v) + r * r * turned;
-    return room > 0 && 4 * way2 <= room * room;
+    double moved2 = pe_dot(x, x) + dt * dt * pe_dot(v, v) + r * r * turned;
+    return margin > 0 && 4 * moved2 <= margin * margin;
 }
 
-/* Renews the boxes that the body has left. */
-static void follow_body(pe_world *world, int slot, double dt, double slack)
+/* Recomputes the AABBs that the body has left. */
+static void update_boxes(pe_world *world, int slot, double dt, double slack)
 {
     pe_broad *broad = world->broad;
     pe_proxy *proxy = &proxies_of(broad)[slot];
     const pe_pose *pose = &pe_poses(world)[slot];
-    const pe_twist *motion = &pe_twists(world)[slot];
-    double spin = pe_length(motion->angular_velocity) * proxy->radius;
-    /* The whole slack for each, because a plane has no bounds to hold a half of it. */
-    double margin = dt * (pe_length(motion->velocity) + spin) + slack;
-    double more = SNUG * proxy->radius;
-    pe_box needed = box_of(world, slot, margin);
-    if (proxy->room >= 0 && pe_aabb_contains(&proxy->snug, &needed)) {
+    const pe_twist *twist = &pe_twists(world)[slot];
+    double spin = pe_length(twist->angular_velocity) * proxy->radius;
+    /* Each body has the whole slack, because a plane has no AABB to hold a half of it. */
+    double margin = dt * (pe_length(twist->velocity) + spin) + slack;
+    double more = TIGHT * proxy->radius;
+    pe_aabb needed = body_aabb(world, slot, margin);
+    if (proxy->margin >= 0 && pe_aabb_contains(&proxy->tight, &needed)) {
         return;
     }
-    proxy->room = margin + more;
-    proxy->snug = wider(&needed, more, pe_v3(0, 0, 0));
+    proxy->margin = margin + more;
+    proxy->tight = enlarged(&needed, more, pe_v3(0, 0, 0));
     proxy->position = pose->position;
     proxy->orientation = pose->orientation;
-    broad->shifted = true;
+    broad->tight_changed = true;
     pe_tree *tree = tree_of(broad, proxy);
-    if (!pe_aabb_contains(pe_tree_box(tree, slot), &proxy->snug)) {
-        pe_vec3 way = pe_scale(AHEAD * dt, motion->velocity);
-        pe_box fat = wider(&proxy->snug, FAT * proxy->radius, way);
-        bool is_box =
-            pe_aabb_contains(&fat, &fat); /* no NaN: that meets nothing, and has no place */
-        pe_tree_move(tree, slot, is_box ? &fat : &(pe_box){{0}, {0}});
-        stir(broad, slot);
+    if (!pe_aabb_contains(pe_tree_box(tree, slot), &proxy->tight)) {
+        pe_vec3 ahead = pe_scale(AHEAD * dt, twist->velocity);
+        pe_aabb fat = enlarged(&proxy->tight, FAT * proxy->radius, ahead);
+        bool has_nan = !pe_aabb_contains(&fat, &fat); /* such a box overlaps none */
+        pe_tree_move(tree, slot, has_nan ? &(pe_aabb){{0}, {0}} : &fat);
+        mark_moved(broad, slot);
     }
 }
 
-static void follow(pe_world *world, double dt)
+static void update_all_boxes(pe_world *world, double dt)
 {
     const pe_proxy *proxies = proxies_of(world->broad);
     double slack = pe_margin_slack(world, dt);
     for (int slot = 1; slot < world->slot_count; ++slot) {
         if (proxies[slot].bounded &&
-            !stays(&proxies[slot], &pe_poses(world)[slot], &pe_twists(world)[slot], dt, slack)) {
-            follow_body(world, slot, dt, slack);
+            !is_within_tight(&proxies[slot], &pe_poses(world)[slot], &pe_twists(world)[slot], dt, slack)) {
+            update_boxes(world, slot, dt, slack);
         }
     }
 }
 
-/* ---- Pairs -------------------------------------------------------------------------------------
- */
+/* ---- Pairs ---- */
 
-static void stir_all_dynamics(pe_broad *broad)
+static void mark_all_dynamics(pe_broad *broad)
 {
     for (int slot = 1; slot < broad->proxy_count; ++slot) {
         const pe_proxy *proxy = &proxies_of(broad)[slot];
         if (proxy->bounded && !proxy->is_static) {
-            stir(broad, slot);
+            mark_moved(broad, slot);
         }
     }
     pe_tree_invalidate(&broad->dynamics);
 }
 
-static pe_status meet_planes(const pe_world *world, pe_pair_list *pairs, pe_error *error)
+static pe_status pair_with_planes(const pe_world *world, pe_pair_list *pairs, pe_error *error)
 {
     const pe_broad *broad = world->broad;
-    const int *planes = broad->plane_array.items, *stirred = broad->stirred_list.items;
+    const int *planes = broad->plane_array.items, *moved = broad->moved_list.items;
     pe_status status = PE_OK;
-    for (int i = 0; i < broad->stirred_count; ++i) {
-        const pe_proxy *proxy = &proxies_of(broad)[stirred[i]];
+    for (int i = 0; i < broad->moved_count; ++i) {
+        const pe_proxy *proxy = &proxies_of(broad)[moved[i]];
         if (!proxy->bounded || proxy->is_static) {
             continue;
         }
-        const pe_box *box = pe_tree_box(&broad->dynamics, stirred[i]);
+        const pe_aabb *box = pe_tree_box(&broad->dynamics, moved[i]);
         for (int k = 0; k < broad->plane_count && status == PE_OK; ++k) {
             if (is_below(box, &pe_bodies(world)[planes[k]].shape)) {
-                status = pe_pair_list_add(pairs, planes[k], stirred[i], error);
+                status = pe_pair_list_add(pairs, planes[k], moved[i], error);
             }
         }
     }
     return status;
 }
 
-/* All pairs of fat boxes with a stirred one, sorted. */
-static pe_status find_stirred(pe_world *world, pe_pair_list *pairs, pe_error *error)
+/* All pairs of fat AABBs with a moved one, sorted. */
+static pe_status find_moved_pairs(pe_world *world, pe_pair_list *pairs, pe_error *error)
 {
     pe_broad *broad = world->broad;
     *pairs = (pe_pair_list){.work = pe_step_memory(world)};
     pe_status status = pe_tree_update(&broad->dynamics, pairs->work, error);
-    if (status == PE_OK) {
-        status = pe_tree_update(&broad->statics, pairs->work, error);
-    }
-    if (status == PE_OK) {
-        status = pe_tree_query_pairs(&broad->dynamics, &broad->dynamics, pairs, error);
-    }
-    if (status == PE_OK) {
-        status = pe_tree_query_pairs(&broad->dynamics, &broad->statics, pairs, error);
-    }
-    if (status == PE_OK) {
-        status = meet_planes(world, pairs, error);
-    }
-    return status == PE_OK ? pe_pair_list_sort(pairs, world->slot_count, error) : status;
+    status = status ? status : pe_tree_update(&broad->statics, pairs->work, error);
+    status = status ? status
+                    : pe_tree_query_pairs(&broad->dynamics, &broad->dynamics, pairs, error);
+    status = status ? status
+                    : pe_tree_query_pairs(&broad->dynamics, &broad->statics, pairs, error);
+    status = status ? status : pair_with_planes(world, pairs, error);
+    return status ? status : pe_pair_list_sort(pairs, world->slot_count, error);
 }
 
 static bool precedes(pe_pair p, pe_pair q)
@@ -323,15 +315,15 @@ static bool precedes(pe_pair p, pe_pair q)
     return p.a < q.a || (p.a == q.a && p.b < q.b);
 }
 
-/* Puts the pairs found in the place of those that the stirred bodies had. */
-static pe_status replace_stirred(pe_world *world, const pe_pair_list *found, pe_error *error)
+/* Replaces the pairs of moved proxies by those found. */
+static pe_status replace_moved_pairs(pe_world *world, const pe_pair_list *found, pe_error *error)
 {
     pe_broad *broad = world->broad;
-    const bool *stirred = broad->stirred_flag.items;
+    const bool *moved = broad->moved_flag.items;
     pe_pair *fat = broad->fat_array.items;
     int kept = 0;
     for (int i = 0; i < broad->fat_count; ++i) {
-        if (!stirred[fat[i].a] && !stirred[fat[i].b]) {
+        if (!moved[fat[i].a] && !moved[fat[i].b]) {
             fat[kept++] = fat[i];
         }
     }
@@ -350,101 +342,97 @@ static pe_status replace_stirred(pe_world *world, const pe_pair_list *found, pe_
     return PE_OK;
 }
 
-static pe_status renew_fat(pe_world *world, pe_error *error)
+static pe_status update_fat_pairs(pe_world *world, pe_error *error)
 {
     pe_broad *broad = world->broad;
     if (broad->planes_changed) {
-        stir_all_dynamics(broad);
+        mark_all_dynamics(broad);
     }
     pe_pair_list found;
-    pe_status status = find_stirred(world, &found, error);
+    pe_status status = find_moved_pairs(world, &found, error);
     if (status == PE_OK) {
-        status = replace_stirred(world, &found, error);
+        status = replace_moved_pairs(world, &found, error);
     }
     if (status == PE_OK) {
         pe_tree_unmark(&broad->dynamics);
         pe_tree_unmark(&broad->statics);
-        bool *stirred = broad->stirred_flag.items;
-        const int *list = broad->stirred_list.items;
-        for (int i = 0; i < broad->stirred_count; ++i) {
-            stirred[list[i]] = false;
+        bool *moved = broad->moved_flag.items;
+        const int *list = broad->moved_list.items;
+        for (int i = 0; i < broad->moved_count; ++i) {
+            moved[list[i]] = false;
         }
-        broad->stirred_count = 0;
+        broad->moved_count = 0;
         broad->planes_changed = false;
-        broad->shifted = true;
+        broad->tight_changed = true;
     }
     return status;
 }
 
-static bool are_near(const pe_world *world, pe_pair pair)
+static bool overlap_tightly(const pe_world *world, pe_pair pair)
 {
     const pe_proxy *a = &proxies_of(world->broad)[pair.a], *b = &proxies_of(world->broad)[pair.b];
     const pe_body *bodies = pe_bodies(world);
-    return is_plane(a)   ? is_below(&b->snug, &bodies[pair.a].shape)
-           : is_plane(b) ? is_below(&a->snug, &bodies[pair.b].shape)
-                         : pe_box_overlaps(&a->snug, &b->snug);
+    return is_plane(a)   ? is_below(&b->tight, &bodies[pair.a].shape)
+           : is_plane(b) ? is_below(&a->tight, &bodies[pair.b].shape)
+                         : pe_aabb_overlaps(&a->tight, &b->tight);
 }
 
-static pe_status renew_near(pe_world *world, pe_error *error)
+static pe_status update_tight_pairs(pe_world *world, pe_error *error)
 {
     pe_broad *broad = world->broad;
-    pe_status status = pe_array_reserve(&broad->near_array, &world->allocator, sizeof(pe_pair),
+    pe_status status = pe_array_reserve(&broad->tight_array, &world->allocator, sizeof(pe_pair),
                                         (size_t)broad->fat_count, 0, error);
     if (status != PE_OK) {
         return status;
     }
     const pe_pair *fat = broad->fat_array.items;
-    pe_pair *near = broad->near_array.items;
+    pe_pair *tight = broad->tight_array.items;
     int count = 0;
     for (int i = 0; i < broad->fat_count; ++i) {
-        if (are_near(world, fat[i])) {
-            near[count++] = fat[i];
+        if (overlap_tightly(world, fat[i])) {
+            tight[count++] = fat[i];
         }
     }
-    broad->near_count = count;
-    broad->shifted = false;
+    broad->tight_count = count;
+    broad->tight_changed = false;
     return PE_OK;
 }
 
-static pe_status renew(pe_world *world, double dt, pe_error *error)
+static pe_status update_pairs(pe_world *world, double dt, pe_error *error)
 {
     pe_broad *broad = world->broad;
     pe_status status = reserve_slots(world, error);
     if (status == PE_OK && world->bodies_changed) {
-        status = meet_bodies(world, error);
+        status = update_proxies(world, error);
     }
     if (status != PE_OK) {
         return status;
     }
-    follow(world, dt);
-    if (broad->stirred_count > 0) {
-        status = renew_fat(world, error);
+    update_all_boxes(world, dt);
+    if (broad->moved_count > 0) {
+        status = update_fat_pairs(world, error);
     }
-    return status == PE_OK && broad->shifted ? renew_near(world, error) : status;
+    return status == PE_OK && broad->tight_changed ? update_tight_pairs(world, error) : status;
 }
 
-pe_status pe_broad_phase(pe_world *world, double dt, pe_pair **pairs, int *count, pe_error *error)
+pe_status pe_broad_phase(pe_world *world, double dt, const bool *moved, pe_pair_list *pairs,
+                         pe_error *error)
 {
-    return pe_broad_phase_moved(world, dt, NULL, pairs, count, error);
-}
-
-pe_status pe_broad_phase_moved(pe_world *world, double dt, const bool *moved, pe_pair **pairs,
-                               int *count, pe_error *error)
-{
-    *count = 0;
-    pe_status status = renew(world, dt, error);
+    *pairs = (pe_pair_list){.work = pe_step_memory(world)};
+    pe_status status = update_pairs(world, dt, error);
     if (status != PE_OK) {
         return status;
     }
-    int most = world->broad->near_count;
-    const pe_pair *near = world->broad->near_array.items;
-    *pairs = pe_scratch(world, (size_t)most + 1, sizeof **pairs);
-    if (*pairs == NULL) {
-        return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", most);
+    int count = world->broad->tight_count;
+    const pe_pair *tight = world->broad->tight_array.items;
+    pairs->items = pe_scratch(world, (size_t)count + 1, sizeof *pairs->items);
+    pairs->capacity = count + 1;
+    if (pairs->items == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %d pairs", count);
     }
-    for (int i = 0; i < most; ++i) {
-        if (moved == NULL || moved[near[i].a] || moved[near[i].b]) {
-            (*pairs)[(*count)++] = near[i];
+    for (int i = 0; i < count; ++i) {
+        if (moved == NULL || moved[tight[i].a] || moved[tight[i].b]) {
+            pairs->items[pairs->count++] = tight[i];
         }
     }
     return PE_OK;

@@ -1,34 +1,59 @@
+/* A pass over the pairs builds the new list of contacts next to the old one.
+ *
+ * Manifolds are reused by relative pose. With x the position and q the orientation of the smaller
+ * body in the axes of the larger one, and x0, q0 those at which the manifold was built, no point at
+ * a distance of at most r from the smaller body's centre has moved by more than
+ *
+ *     |x - x0| + 2 r |q - q0|,
+ *
+ * because a rotation by the angle t has |q - q0| = 2 sin(t/4) and moves it by 2 r sin(t/2). The
+ * pose at building counts, not the last one: slow motion must not transport a manifold for ever. */
 #include "contact.h"
 
-#include "contact_centre.h"
-#include "contact_match.h"
-#include "contact_reduce.h"
-#include "contact_reuse.h"
+#include "contact_points.h"
 
 #include <string.h>
+
+/* Two points of a pair nearer than this, in m per metre of the smaller body, may be the same point
+ * whose features were renamed. */
+static const double MATCH_DISTANCE = 0.02;
+/* Cosine of the angle up to which two manifolds face the same way. */
+static const double SAME_DIRECTION = 0.9;
 
 pe_contact_rules pe_contact_rules_exact(void)
 {
     return (pe_contact_rules){.reuse_tolerance = 1e-9, .most_points = PE_MAX_POINTS};
 }
 
-/* The size of the smaller of two bodies; a plane has none. */
-static double pair_size(const pe_body *a, const pe_body *b)
-{
-    return a->size > 0 && b->size > 0 ? pe_min(a->size, b->size) : pe_max(a->size, b->size);
-}
-
-/* One pass over the pairs: the new list grows beside the one that it will replace. */
-typedef struct finder {
+/* One pass over the pairs. */
+typedef struct search {
     pe_world *world;
     const pe_contact_rules *rules;
-    const double *spin;      /* (slot_count), as pe_spin_speed, of the pairs' bodies */
-    double dt, slack;        /* s; m, pe_margin_slack */
-    const pe_contacts *then; /* both sorted by (a, b) */
-    int next;                /* the first manifold of `then` that no pair has passed yet */
-    pe_contacts *now;
+    const double *spin;     /* (slot_count), as pe_spin_speed, of the pairs' bodies */
+    double dt, slack;       /* s; m, pe_margin_slack */
+    const pe_contacts *old; /* both lists are sorted by (a, b) */
+    int next;               /* the first manifold of `old` that no pair has passed yet */
+    pe_contacts *found;
     pe_error *error;
-} finder;
+} search;
+
+/* A pair of bodies under examination. */
+typedef struct examined {
+    pe_pair pair;
+    const pe_body *a, *b;
+    const pe_pose *pose_a, *pose_b;
+    double size;             /* m, of the smaller body; a plane has none */
+    double margin;           /* m */
+    const pe_manifold *old;  /* (old_count): its old manifolds */
+    int old_count, old_point_count;
+    const pe_manifold_point *old_points; /* (old_point_count): of all of them */
+
+    /* Of the smaller body in the axes of the larger. A plane is larger than anything; of two equal
+     * bodies b counts as the smaller. */
+    pe_vec3 position;
+    pe_quat orientation;
+    double radius; /* bounding, of the smaller one */
+} examined;
 
 /* Whether the manifold comes before the pair. */
 static bool precedes(const pe_manifold *m, pe_pair pair)
@@ -36,179 +61,310 @@ static bool precedes(const pe_manifold *m, pe_pair pair)
     return m->a < pair.a || (m->a == pair.a && m->b < pair.b);
 }
 
-static pe_status begin(finder *f, const pe_pair *pairs, int count)
+static bool looks_at(const bool *moved, int a, int b)
 {
-    double *spin = pe_scratch(f->world, (size_t)f->world->slot_count, sizeof *spin);
-    if (spin == NULL) {
-        return pe_fail(f->error, PE_NO_MEMORY, "no memory for %d bodies", f->world->slot_count);
-    }
-    bool few = 2 * count < f->world->slot_count;
-    for (int i = 0; i < count && few; ++i) {
-        spin[pairs[i].a] = pe_spin_speed(f->world, pairs[i].a);
-        spin[pairs[i].b] = pe_spin_speed(f->world, pairs[i].b);
-    }
-    for (int slot = 0; slot < f->world->slot_count && !few; ++slot) {
-        spin[slot] = pe_spin_speed(f->world, slot);
-    }
-    f->spin = spin;
-    f->slack = pe_margin_slack(f->world, f->dt);
-    f->then = &f->world->contacts;
-    f->now = &f->world->previous; /* its contents are of no more use: free to fill */
-    f->now->manifold_count = f->now->point_count = 0;
-    return PE_OK;
+    return moved == NULL || moved[a] || moved[b];
 }
 
-/* Makes the new list the world's. */
-static void finish(const finder *f)
-{
-    pe_contacts swapped = f->world->contacts;
-    f->world->contacts = f->world->previous;
-    f->world->previous = swapped;
-}
+/* ---- The new list ---- */
 
-/* Room for one manifold more with `count` points. */
-static pe_status reserve(finder *f, int count)
+/* Makes room for one manifold more with `count` points. */
+static pe_status reserve(search *s, int count)
 {
-    pe_contacts *now = f->now;
-    size_t manifolds = (size_t)now->manifold_count, points = (size_t)now->point_count;
-    pe_status status = pe_array_reserve(&now->manifold_array, &f->world->allocator,
-                                        sizeof(pe_manifold), manifolds + 1, manifolds, f->error);
+    pe_contacts *found = s->found;
+    size_t manifolds = (size_t)found->manifold_count, points = (size_t)found->point_count;
+    pe_status status = pe_array_reserve(&found->manifold_array, &s->world->allocator,
+                                        sizeof(pe_manifold), manifolds + 1, manifolds, s->error);
     if (status == PE_OK) {
         status =
-            pe_array_reserve(&now->point_array, &f->world->allocator, sizeof(pe_manifold_point),
-                             points + (size_t)count, points, f->error);
+            pe_array_reserve(&found->point_array, &s->world->allocator, sizeof(pe_manifold_point),
+                             points + (size_t)count, points, s->error);
     }
     return status;
 }
 
-/* Appends manifold `index` of the old list with its points as they are. */
-static pe_status copy_manifold(finder *f, int index)
-{
-    const pe_manifold *old = &pe_manifolds(f->then)[index];
-    pe_status status = reserve(f, old->count);
-    if (status != PE_OK) {
-        return status;
-    }
-    pe_contacts *now = f->now;
-    pe_manifold *m = &pe_manifolds(now)[now->manifold_count++];
-    *m = *old;
-    m->first = now->point_count;
-    memcpy(pe_manifold_points(now) + m->first, pe_manifold_points(f->then) + old->first,
-           (size_t)old->count * sizeof(pe_manifold_point));
-    now->point_count += old->count;
-    return PE_OK;
-}
-
-static void place_point(pe_manifold_point *point, const pe_pair_point *hit, pe_vec3 normal,
-                        const pe_pose *a, const pe_pose *b)
-{
-    pe_vec3 half_gap = pe_scale(0.5 * hit->separation, normal);
-    pe_vec3 on_a = pe_sub(hit->position, half_gap), on_b = pe_add(hit->position, half_gap);
-    point->position = hit->position;
-    point->anchor_a = pe_unrotate(&a->rotation, pe_sub(on_a, a->position));
-    point->anchor_b = pe_unrotate(&b->rotation, pe_sub(on_b, b->position));
-    point->separation = hit->separation;
-    point->feature = hit->feature;
-    point->impulse = pe_v3(0, 0, 0);
-}
-
-/* The old manifolds of a pair. */
-typedef struct old_patches {
-    const pe_manifold *items;
-    int count, point_count;
-    const pe_manifold_point *points; /* of all of them */
-} old_patches;
-
-/* Pairs come in order, so that one walk finds them all. */
-static old_patches old_of(finder *f, pe_pair pair)
-{
-    const pe_manifold *old = pe_manifolds(f->then);
-    int end = f->then->manifold_count;
-    while (f->next < end && precedes(&old[f->next], pair)) {
-        ++f->next;
-    }
-    old_patches found = {.items = &old[f->next]};
-    for (; f->next < end && old[f->next].a == pair.a && old[f->next].b == pair.b; ++f->next) {
-        found.count += 1;
-        found.point_count += old[f->next].count;
-    }
-    if (found.count > 0) {
-        found.points = pe_manifold_points(f->then) + found.items[0].first;
-    }
-    return found;
-}
-
 /* Appends a manifold of the pair with `count` points, which are to be filled. */
-static pe_status append(finder *f, pe_pair pair, int count, pe_manifold **manifold)
+static pe_status append(search *s, const examined *e, int count, pe_manifold **manifold)
 {
-    pe_status status = reserve(f, count);
+    pe_status status = reserve(s, count);
     if (status == PE_OK) {
-        const pe_body *bodies = pe_bodies(f->world);
-        const pe_material_pair *surface =
-            pe_material_pair_of(f->world, bodies[pair.a].material, bodies[pair.b].material);
-        pe_manifold *m = &pe_manifolds(f->now)[f->now->manifold_count++];
-        m->a = pair.a;
-        m->b = pair.b;
-        m->first = f->now->point_count;
+        const pe_material_pair *material =
+            pe_material_pair_of(s->world, e->a->material, e->b->material);
+        pe_manifold *m = &pe_manifolds(s->found)[s->found->manifold_count++];
+        m->a = e->pair.a;
+        m->b = e->pair.b;
+        m->first = s->found->point_count;
         m->count = count;
-        m->friction = surface->friction;
-        m->restitution = surface->restitution;
-        f->now->point_count += count;
+        m->friction = material->friction;
+        m->restitution = material->restitution;
+        s->found->point_count += count;
         *manifold = m;
     }
     return status;
 }
 
-/* Appends the pair's old manifolds, carried along by the bodies. */
-static pe_status carry_pair(finder *f, pe_pair pair, const old_patches *old)
+/* Copies the old manifolds of bodies that have not moved, up to the pair. */
+static pe_status copy_unmoved(search *s, const bool *moved, pe_pair until)
 {
-    const pe_pose *a = &pe_poses(f->world)[pair.a], *b = &pe_poses(f->world)[pair.b];
+    const pe_manifold *old = pe_manifolds(s->old);
+    for (; s->next < s->old->manifold_count && precedes(&old[s->next], until); ++s->next) {
+        const pe_manifold *from = &old[s->next];
+        if (looks_at(moved, from->a, from->b)) {
+            continue;
+        }
+        pe_status status = reserve(s, from->count);
+        if (status != PE_OK) {
+            return status;
+        }
+        pe_manifold *m = &pe_manifolds(s->found)[s->found->manifold_count++];
+        *m = *from;
+        m->first = s->found->point_count;
+        memcpy(pe_manifold_points(s->found) + m->first, pe_manifold_points(s->old) + from->first,
+               (size_t)from->count * sizeof(pe_manifold_point));
+        s->found->point_count += from->count;
+    }
+    return PE_OK;
+}
+
+/* ---- Manifolds that are kept ---- */
+
+/* Notes how the pair lies, for a manifold made just now. */
+static pe_built built_now(const examined *e, const pe_pair_manifold *manifold)
+{
+    const pe_pose *owner = manifold->normal_on_b ? e->pose_b : e->pose_a;
+    return (pe_built){
+        .position = e->position,
+        .orientation = e->orientation,
+        .normal = pe_unrotate(&owner->rotation, manifold->normal),
+        .least_margin = manifold->least_margin,
+        .end_margin = manifold->end_margin,
+        .normal_on_b = manifold->normal_on_b,
+    };
+}
+
+/* Whether no point of either body has moved relative to the other by `distance` or more since then,
+ * and the margin asks for the same points. */
+static bool still_holds(const pe_built *built, const examined *e, double distance)
+{
+    pe_vec3 dx = pe_sub(e->position, built->position);
+    pe_quat q = e->orientation, p = built->orientation;
+    double dw = q.w - p.w;
+    pe_vec3 dv = pe_v3(q.x - p.x, q.y - p.y, q.z - p.z);
+    double r = e->radius, shift2 = pe_dot(dx, dx), turn2 = dw * dw + pe_dot(dv, dv);
+    /* (s + t)^2 <= 2 (s^2 + t^2) spares the roots. */
+    return 2 * shift2 + 8 * r * r * turn2 < distance * distance &&
+           built->least_margin <= e->margin && e->margin < built->end_margin;
+}
+
+static bool can_reuse(const search *s, const examined *e)
+{
+    for (int i = 0; i < e->old_count; ++i) {
+        if (e->old[i].count > s->rules->most_points ||
+            !still_holds(&e->old[i].built, e, s->rules->reuse_tolerance * e->size)) {
+            return false;
+        }
+    }
+    return e->old_count > 0;
+}
+
+/* Fills the manifold's normal and its points from the old ones, moved along with the bodies: the
+ * normal rotates with the body that it belongs to, position and separation are those of the two
+ * surface points, and the rest stays. `built` and `count` are set already. */
+static void transport(const examined *e, pe_manifold *manifold, const pe_manifold_point *old_points,
+                      pe_manifold_point *points)
+{
+    const pe_pose *a = e->pose_a, *b = e->pose_b;
+    const pe_built *built = &manifold->built;
+    pe_vec3 n = pe_rotate(built->normal_on_b ? &b->rotation : &a->rotation, built->normal);
+    manifold->normal = n;
+    manifold->least_separation = HUGE_VAL;
+    for (int i = 0; i < manifold->count; ++i) {
+        const pe_manifold_point *old = &old_points[i];
+        pe_manifold_point *point = &points[i];
+        pe_vec3 on_a = pe_add(a->position, pe_rotate(&a->rotation, old->anchor_a));
+        pe_vec3 on_b = pe_add(b->position, pe_rotate(&b->rotation, old->anchor_b));
+        point->position = pe_scale(0.5, pe_add(on_a, on_b));
+        point->anchor_a = old->anchor_a;
+        point->anchor_b = old->anchor_b;
+        point->separation = pe_dot(n, pe_sub(on_b, on_a));
+        manifold->least_separation = pe_min(manifold->least_separation, point->separation);
+        point->feature = old->feature;
+        point->impulse = old->impulse;
+    }
+}
+
+/* Appends the pair's old manifolds, transported by the bodies. */
+static pe_status reuse_pair(search *s, const examined *e)
+{
     pe_status status = PE_OK;
-    for (int i = 0; i < old->count && status == PE_OK; ++i) {
-        const pe_manifold *then = &old->items[i];
+    for (int i = 0; i < e->old_count && status == PE_OK; ++i) {
+        const pe_manifold *old = &e->old[i];
         pe_manifold *m;
-        status = append(f, pair, then->count, &m);
+        status = append(s, e, old->count, &m);
         if (status == PE_OK) {
             m->kept = true;
-            m->built = then->built;
-            pe_manifold_carry(m, a, b, pe_manifold_points(f->then) + then->first,
-                              pe_manifold_points(f->now) + m->first);
+            m->built = old->built;
+            transport(e, m, pe_manifold_points(s->old) + old->first,
+                      pe_manifold_points(s->found) + m->first);
         }
     }
     return status;
 }
 
-/* Appends new manifolds of the patches, with the impulses of the old ones. */
-static pe_status build_pair(finder *f, pe_pair pair, const old_patches *old,
-                            const pe_pair_manifold *patches, int count, const pe_relative *relative,
-                            double size)
+/* ---- New manifolds ---- */
+
+/* Which old points of a pair have given their impulse away. */
+typedef struct taken_points {
+    bool is_taken[PE_MAX_MANIFOLDS * PE_MAX_POINTS];
+} taken_points;
+
+static void inherit(const examined *e, int old, pe_vec3 normal, pe_manifold_point *point,
+                    taken_points *taken)
 {
-    const pe_pose *a = &pe_poses(f->world)[pair.a], *b = &pe_poses(f->world)[pair.b];
-    pe_matched matched;
-    memset(matched.point, 0, (size_t)old->point_count * sizeof *matched.point);
-    pe_status status = PE_OK;
-    for (int i = 0; i < count && status == PE_OK; ++i) {
-        const pe_pair_manifold *hits = &patches[i];
-        pe_manifold *m;
-        status = append(f, pair, hits->count, &m);
-        if (status != PE_OK) {
-            break;
+    pe_vec3 impulse = e->old_points[old].impulse;
+    point->impulse = pe_dot(impulse, normal) > 0 ? impulse : pe_v3(0, 0, 0);
+    taken->is_taken[old] = true;
+}
+
+/* The impulse of the nearest old point that is left in a manifold that faces the same way. */
+static void match_nearest(const examined *e, pe_vec3 normal, pe_manifold_point *point,
+                          taken_points *taken)
+{
+    int nearest = -1;
+    double reach = MATCH_DISTANCE * e->size, least = reach * reach;
+    for (int i = 0; i < e->old_count; ++i) {
+        int first = e->old[i].first - e->old[0].first;
+        if (pe_dot(e->old[i].normal, normal) < SAME_DIRECTION) {
+            continue;
         }
-        pe_manifold_point *points = pe_manifold_points(f->now) + m->first;
-        m->kept = false;
-        m->normal = hits->normal;
-        m->built = pe_manifold_built(hits, relative, &a->rotation, &b->rotation);
-        m->least_separation = HUGE_VAL;
-        for (int k = 0; k < hits->count; ++k) {
-            place_point(&points[k], &hits->item[k], hits->normal, a, b);
-            m->least_separation = pe_min(m->least_separation, hits->item[k].separation);
-        }
-        if (old->count > 0) {
-            pe_points_match(points, m->count, m->normal, old->items, old->count, old->points, size,
-                            &matched);
+        for (int j = first; j < first + e->old[i].count; ++j) {
+            pe_vec3 d = pe_sub(point->anchor_a, e->old_points[j].anchor_a);
+            if (!taken->is_taken[j] && pe_dot(d, d) < least) {
+                least = pe_dot(d, d);
+                nearest = j;
+            }
         }
     }
-    return status;
+    if (nearest >= 0) {
+        inherit(e, nearest, normal, point, taken);
+    }
+}
+
+/* Gives each point of a new manifold the impulse of the old point of the pair on the same features,
+ * or else of the nearest one; none: 0. */
+static void match_points(const examined *e, const pe_manifold *m, pe_manifold_point *points,
+                         taken_points *taken)
+{
+    unsigned unmatched = 0; /* bit set of new points */
+    for (int i = 0; i < m->count; ++i) {
+        int j = i; /* mostly the same index */
+        if (i >= e->old_point_count || e->old_points[i].feature != points[i].feature) {
+            for (j = 0;
+                 j < e->old_point_count && e->old_points[j].feature != points[i].feature;) {
+                ++j;
+            }
+        }
+        if (j < e->old_point_count && !taken->is_taken[j]) {
+            inherit(e, j, m->normal, &points[i], taken);
+        } else {
+            unmatched |= 1u << i;
+        }
+    }
+    for (int i = 0; unmatched >> i != 0; ++i) {
+        if (unmatched >> i & 1) {
+            match_nearest(e, m->normal, &points[i], taken);
+        }
+    }
+}
+
+static void place_point(const examined *e, const pe_pair_point *from, pe_vec3 normal,
+                        pe_manifold_point *point)
+{
+    const pe_pose *a = e->pose_a, *b = e->pose_b;
+    pe_vec3 half_gap = pe_scale(0.5 * from->separation, normal);
+    pe_vec3 on_a = pe_sub(from->position, half_gap), on_b = pe_add(from->position, half_gap);
+    point->position = from->position;
+    point->anchor_a = pe_unrotate(&a->rotation, pe_sub(on_a, a->position));
+    point->anchor_b = pe_unrotate(&b->rotation, pe_sub(on_b, b->position));
+    point->separation = from->separation;
+    point->feature = from->feature;
+    point->impulse = pe_v3(0, 0, 0);
+}
+
+/* Appends the manifolds that the narrow phase has found, with the impulses of the old ones. */
+static pe_status build_pair(search *s, const examined *e, const pe_pair_manifold *manifolds,
+                            int count)
+{
+    taken_points taken;
+    memset(taken.is_taken, 0, (size_t)e->old_point_count * sizeof *taken.is_taken);
+    for (int i = 0; i < count; ++i) {
+        const pe_pair_manifold *from = &manifolds[i];
+        pe_manifold *m;
+        pe_status status = append(s, e, from->count, &m);
+        if (status != PE_OK) {
+            return status;
+        }
+        pe_manifold_point *points = pe_manifold_points(s->found) + m->first;
+        m->kept = false;
+        m->normal = from->normal;
+        m->built = built_now(e, from);
+        m->least_separation = HUGE_VAL;
+        for (int k = 0; k < from->count; ++k) {
+            place_point(e, &from->item[k], from->normal, &points[k]);
+            m->least_separation = pe_min(m->least_separation, from->item[k].separation);
+        }
+        if (e->old_count > 0) {
+            match_points(e, m, points, &taken);
+        }
+    }
+    return PE_OK;
+}
+
+/* ---- Pairs ---- */
+
+/* Looks up the pair's old manifolds. Pairs come in order, so that one walk finds them all. */
+static void find_old(search *s, examined *e)
+{
+    const pe_manifold *old = pe_manifolds(s->old);
+    int end = s->old->manifold_count;
+    while (s->next < end && precedes(&old[s->next], e->pair)) {
+        ++s->next;
+    }
+    e->old = &old[s->next];
+    for (; s->next < end && old[s->next].a == e->pair.a && old[s->next].b == e->pair.b;
+         ++s->next) {
+        e->old_count += 1;
+        e->old_point_count += old[s->next].count;
+    }
+    if (e->old_count > 0) {
+        e->old_points = pe_manifold_points(s->old) + e->old[0].first;
+    }
+}
+
+static examined examine(search *s, pe_pair pair)
+{
+    const pe_world *world = s->world;
+    const pe_body *a = &pe_bodies(world)[pair.a], *b = &pe_bodies(world)[pair.b];
+    const pe_pose *pose_a = &pe_poses(world)[pair.a], *pose_b = &pe_poses(world)[pair.b];
+    pe_vec3 closing = pe_sub(pe_twists(world)[pair.a].velocity, pe_twists(world)[pair.b].velocity);
+    double spin = s->spin[pair.a] + s->spin[pair.b];
+    double ra = a->bounding_radius, rb = b->bounding_radius;
+    bool b_is_larger = rb == 0 || (ra > 0 && ra < rb), both = a->size > 0 && b->size > 0;
+    const pe_pose *large = b_is_larger ? pose_b : pose_a, *small = b_is_larger ? pose_a : pose_b;
+    examined e = {
+        .pair = pair,
+        .a = a,
+        .b = b,
+        .pose_a = pose_a,
+        .pose_b = pose_b,
+        .size = both ? pe_min(a->size, b->size) : pe_max(a->size, b->size),
+        .margin = s->dt * (pe_length(closing) + spin) + s->slack,
+        .position = pe_unrotate(&large->rotation, pe_sub(small->position, large->position)),
+        .orientation = pe_quat_product(pe_quat_conjugate(large->orientation), small->orientation),
+        .radius = b_is_larger ? ra : rb,
+    };
+    find_old(s, &e);
+    return e;
 }
 
 static bool is_convex(const pe_body *b)
@@ -216,70 +372,100 @@ static bool is_convex(const pe_body *b)
     return b->shape.kind != PE_SHAPE_MESH || b->geometry->convex;
 }
 
-/* Finds the pair's manifolds: the old ones carried along, or new ones, or none. */
-static pe_status find_pair(finder *f, pe_pair pair)
+/* Finds the pair's manifolds: the old ones transported, or new ones, or none. */
+static pe_status find_pair(search *s, pe_pair pair)
 {
-    pe_world *world = f->world;
-    const pe_body *a = &pe_bodies(world)[pair.a], *b = &pe_bodies(world)[pair.b];
-    const pe_pose *pose_a = &pe_poses(world)[pair.a], *pose_b = &pe_poses(world)[pair.b];
-    pe_vec3 closing = pe_sub(pe_twists(world)[pair.a].velocity, pe_twists(world)[pair.b].velocity);
-    double spin = f->spin[pair.a] + f->spin[pair.b];
-    double margin = f->dt * (pe_length(closing) + spin) + f->slack;
-    pe_relative relative = pe_relative_pose(a, pose_a, b, pose_b);
-    double size = pair_size(a, b);
-    old_patches old = old_of(f, pair);
-    bool few = true; /* points in each manifold */
-    for (int i = 0; i < old.count; ++i) {
-        few = few && old.items[i].count <= f->rules->most_points;
+    examined e = examine(s, pair);
+    if (can_reuse(s, &e)) {
+        return reuse_pair(s, &e);
     }
-    if (old.count > 0 && few &&
-        pe_manifolds_hold(old.items, old.count, &relative, f->rules->reuse_tolerance * size,
-                          margin)) {
-        return carry_pair(f, pair, &old);
-    }
-    pe_workspace work = pe_step_memory(world);
+    pe_workspace work = pe_step_memory(s->world);
     pe_arena_mark mark = pe_arena_fill(work.arena);
-    pe_pair_manifold patches[PE_MAX_MANIFOLDS];
-    int count =
-        pe_collide((pe_placed){&a->shape, a->geometry, pose_a, a->size},
-                   (pe_placed){&b->shape, b->geometry, pose_b, b->size}, margin, work, patches);
+    pe_pair_manifold manifolds[PE_MAX_MANIFOLDS];
+    int count = pe_collide((pe_placed){&e.a->shape, e.a->geometry, e.pose_a, e.a->size},
+                           (pe_placed){&e.b->shape, e.b->geometry, e.pose_b, e.b->size}, e.margin,
+                           work, manifolds);
     pe_arena_rewind(work.arena, work.allocator, mark);
     if (count < 0) {
-        return pe_fail(f->error, PE_NO_MEMORY, "no memory for the contacts of two meshes");
+        return pe_fail(s->error, PE_NO_MEMORY, "no memory for the contacts of two meshes");
     }
     for (int i = 0; i < count; ++i) {
-        if (patches[i].count > f->rules->most_points) {
-            pe_pair_manifold_reduce(&patches[i], size);
+        if (manifolds[i].count > s->rules->most_points) {
+            pe_pair_manifold_reduce(&manifolds[i], e.size);
         }
     }
-    if (count > 0 && is_convex(a) && is_convex(b)) {
-        pe_pair_manifold_hold_centre(&patches[0], a, pose_a, b, pose_b, margin);
+    if (count > 0 && is_convex(e.a) && is_convex(e.b)) {
+        pe_pair_manifold_hold_centre(&manifolds[0], e.a, e.pose_a, e.b, e.pose_b, e.margin);
     }
-    return build_pair(f, pair, &old, patches, count, &relative, size);
+    return build_pair(s, &e, manifolds, count);
 }
 
-pe_status pe_contacts_find_by(pe_world *world, const pe_contact_rules *rules, const pe_pair *pairs,
-                              int count, double dt, pe_error *error)
+/* Computes pe_spin_speed of the pairs' bodies, or of all where there are few. */
+static pe_status compute_spin(search *s, const pe_pair_list *pairs)
 {
-    finder f = {.world = world, .rules = rules, .dt = dt, .error = error};
-    pe_status status = begin(&f, pairs, count);
-    for (int i = 0; i < count && status == PE_OK; ++i) {
-        status = find_pair(&f, pairs[i]);
+    const pe_world *world = s->world;
+    double *spin = pe_scratch(s->world, (size_t)world->slot_count, sizeof *spin);
+    if (spin == NULL) {
+        return pe_fail(s->error, PE_NO_MEMORY, "no memory for %d bodies", world->slot_count);
+    }
+    bool few = 2 * pairs->count < world->slot_count;
+    for (int i = 0; i < pairs->count && few; ++i) {
+        pe_pair pair = pairs->items[i];
+        spin[pair.a] = pe_spin_speed(world, pair.a);
+        spin[pair.b] = pe_spin_speed(world, pair.b);
+    }
+    for (int slot = 0; slot < world->slot_count && !few; ++slot) {
+        spin[slot] = pe_spin_speed(world, slot);
+    }
+    s->spin = spin;
+    return PE_OK;
+}
+
+pe_status pe_contacts_find(pe_world *world, const pe_contact_rules *rules,
+                           const pe_pair_list *pairs, const bool *moved, double dt,
+                           pe_error *error)
+{
+    search s = {
+        .world = world,
+        .rules = rules,
+        .dt = dt,
+        .slack = pe_margin_slack(world, dt),
+        .old = &world->contacts,
+        .found = &world->previous, /* its contents are of no more use: free to fill */
+        .error = error,
+    };
+    s.found->manifold_count = s.found->point_count = 0;
+    pe_status status = compute_spin(&s, pairs);
+    for (int i = 0; i < pairs->count && status == PE_OK; ++i) {
+        pe_pair pair = pairs->items[i];
+        if (!looks_at(moved, pair.a, pair.b)) {
+            continue;
+        }
+        if (moved != NULL) {
+            status = copy_unmoved(&s, moved, pair);
+        }
+        if (status == PE_OK) {
+            status = find_pair(&s, pair);
+        }
+    }
+    if (status == PE_OK && moved != NULL) {
+        status = copy_unmoved(&s, moved, (pe_pair){world->slot_count, 0});
     }
     if (status == PE_OK) {
-        finish(&f);
+        pe_contacts_swap(&world->contacts, &world->previous);
     }
     return status;
 }
 
-pe_status pe_contacts_find(pe_world *world, const pe_pair *pairs, int count, double dt,
-                           pe_error *error)
+pe_status pe_contacts_update(pe_world *world, const pe_contact_rules *rules, const bool *moved,
+                             double dt, pe_error *error)
 {
-    pe_contact_rules rules = pe_contact_rules_exact();
-    return pe_contacts_find_by(world, &rules, pairs, count, dt, error);
+    pe_pair_list pairs;
+    pe_status status = pe_broad_phase(world, dt, moved, &pairs, error);
+    return status == PE_OK ? pe_contacts_find(world, rules, &pairs, moved, dt, error) : status;
 }
 
-void pe_contacts_match(pe_world *world, double dt)
+void pe_contacts_scale_impulses(pe_world *world, double dt)
 {
     if (world->previous_dt > 0 && dt != world->previous_dt) {
         pe_manifold_point *points = pe_manifold_points(&world->contacts);
@@ -287,42 +473,4 @@ void pe_contacts_match(pe_world *world, double dt)
             points[i].impulse = pe_scale(dt / world->previous_dt, points[i].impulse);
         }
     }
-}
-
-/* Copies the old manifolds of bodies that have not moved, up to the pair. */
-static pe_status copy_unmoved(finder *f, const bool *moved, pe_pair until)
-{
-    const pe_manifold *old = pe_manifolds(f->then);
-    for (; f->next < f->then->manifold_count && precedes(&old[f->next], until); ++f->next) {
-        const pe_manifold *m = &old[f->next];
-        bool stays = !moved[m->a] && !moved[m->b];
-        pe_status status = stays ? copy_manifold(f, f->next) : PE_OK;
-        if (status != PE_OK) {
-            return status;
-        }
-    }
-    return PE_OK;
-}
-
-pe_status pe_contacts_refind(pe_world *world, const pe_contact_rules *rules, const pe_pair *pairs,
-                             int count, const bool *moved, double dt, pe_error *error)
-{
-    finder f = {.world = world, .rules = rules, .dt = dt, .error = error};
-    pe_status status = begin(&f, pairs, count);
-    for (int i = 0; i < count && status == PE_OK; ++i) {
-        if (!moved[pairs[i].a] && !moved[pairs[i].b]) {
-            continue;
-        }
-        status = copy_unmoved(&f, moved, pairs[i]);
-        if (status == PE_OK) {
-            status = find_pair(&f, pairs[i]);
-        }
-    }
-    if (status == PE_OK) {
-        status = copy_unmoved(&f, moved, (pe_pair){world->slot_count, 0});
-    }
-    if (status == PE_OK) {
-        finish(&f);
-    }
-    return status;
 }

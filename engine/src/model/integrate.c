@@ -102,8 +102,8 @@ static void mean_load(const pe_applied_force *load, const pe_twist *motion, cons
 /* A body that turns by less than this in a step, in rad, keeps its inertia in the world's axes. */
 static const double NO_TURN = 1e-9;
 
-void pe_turn(const pe_world *world, int slot, double dt, pe_vec3 early, pe_vec3 late, pe_vec3 *end,
-             pe_vec3 *mean)
+pe_rotation_step pe_rotate_freely(const pe_world *world, int slot, double dt, pe_vec3 early,
+                                  pe_vec3 late)
 {
     const pe_mass *mass = &pe_masses(world)[slot];
     const pe_mat3 *rotation = &pe_poses(world)[slot].rotation;
@@ -111,15 +111,18 @@ void pe_turn(const pe_world *world, int slot, double dt, pe_vec3 early, pe_vec3 
     pe_vec3 w = pe_twists(world)[slot].angular_velocity;
     pe_vec3 begun = pe_add(w, pe_rotate(rotation, pe_mul(inverse, pe_unrotate(rotation, early))));
     if (mass->spherical || dt * dt * pe_dot(begun, begun) < NO_TURN * NO_TURN) {
-        *mean = begun;
-        *end = pe_add(begun, pe_rotate(rotation, pe_mul(inverse, pe_unrotate(rotation, late))));
-        return;
+        return (pe_rotation_step){
+            .end = pe_add(begun, pe_rotate(rotation, pe_mul(inverse, pe_unrotate(rotation, late)))),
+            .mean = begun,
+        };
     }
     spin s = spin_freely(mass->inertia, pe_unrotate(rotation, begun), dt);
     /* The late impulse in the axes that the body then has. */
     pe_vec3 kick = pe_mul(inverse, pe_unrotate(&s.turning, pe_unrotate(rotation, late)));
-    *end = pe_rotate(rotation, pe_rotate(&s.turning, pe_add(s.end, kick)));
-    *mean = pe_rotate(rotation, s.mean);
+    return (pe_rotation_step){
+        .end = pe_rotate(rotation, pe_rotate(&s.turning, pe_add(s.end, kick))),
+        .mean = pe_rotate(rotation, s.mean),
+    };
 }
 
 pe_free_motion pe_predict_body(const pe_world *world, int slot, double dt)
@@ -133,7 +136,9 @@ pe_free_motion pe_predict_body(const pe_world *world, int slot, double dt)
     free.end.velocity = pe_madd(motion->velocity, dt, acceleration);
     free.mean.velocity = pe_madd(motion->velocity, 0.5 * dt, acceleration);
     pe_vec3 half = pe_scale(0.5 * dt, free.torque);
-    pe_turn(world, slot, dt, half, half, &free.end.angular_velocity, &free.mean.angular_velocity);
+    pe_rotation_step rotation = pe_rotate_freely(world, slot, dt, half, half);
+    free.end.angular_velocity = rotation.end;
+    free.mean.angular_velocity = rotation.mean;
     return free;
 }
 

@@ -21,11 +21,17 @@ void pe_predict_motion(const pe_world *world, double dt, pe_free_motion *motions
 /* Of one dynamic body. */
 pe_free_motion pe_predict_body(const pe_world *world, int slot, double dt);
 
-/* Angular velocity at the end of a step, and the mean one by which the body turns in it, when it
- * gets the angular impulses `early`, in N m s, world, at the step's start and `late` at its end,
- * and turns freely between. The order is the second when they are the same. */
-void pe_turn(const pe_world *world, int slot, double dt, pe_vec3 early, pe_vec3 late, pe_vec3 *end,
-             pe_vec3 *mean);
+/* Angular velocities of a body, in the world frame. */
+typedef struct pe_rotation_step {
+    pe_vec3 end;  /* at the end of a step */
+    pe_vec3 mean; /* by which the body rotates in it */
+} pe_rotation_step;
+
+/* The rotation of a body over dt, in s, which gets the angular impulses `early`, in N m s, world, at
+ * the step's start and `late` at its end, and rotates freely between. The order is the second when
+ * they are the same. */
+pe_rotation_step pe_rotate_freely(const pe_world *world, int slot, double dt, pe_vec3 early,
+                                  pe_vec3 late);
 
 /* Moves one body by a displacement and a rotation vector, world axes. */
 void pe_pose_move(pe_pose *pose, pe_vec3 displacement, pe_vec3 rotation);

@@ -26,4 +26,13 @@ pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
  * `place` are filled. */
 pe_status pe_islands_find_touching(pe_world *world, pe_islands *groups, pe_error *error);
 
+/* A walk over the points of island k in world->contacts or a list with the same manifolds. */
+static inline pe_point_walk pe_walk_island(const pe_contacts *contacts, const pe_islands *islands,
+                                           int k)
+{
+    return (pe_point_walk){.contacts = contacts,
+                           .listed = islands->manifolds + islands->start[k],
+                           .count = islands->start[k + 1] - islands->start[k]};
+}
+
 #endif

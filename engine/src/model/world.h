@@ -115,7 +115,8 @@ struct pe_world {
      * `solved` those of the last step with the impulses it found; `previous` is the list that was
      * replaced last. */
     pe_contacts contacts, previous, solved;
-    pe_contacts part, part_previous; /* the same of an island that moves in parts (impact.h) */
+    /* `contacts` and `previous` of the island that takes sub-steps (impact.c). */
+    pe_contacts substep_contacts, substep_previous;
     double previous_dt;
     bool contacts_stale; /* bodies or materials were changed since `contacts` were found */
 
@@ -157,6 +158,50 @@ static inline pe_manifold_point *pe_manifold_points(const pe_contacts *contacts)
     return contacts->point_array.items;
 }
 
+static inline void pe_contacts_swap(pe_contacts *a, pe_contacts *b)
+{
+    pe_contacts c = *a;
+    *a = *b;
+    *b = c;
+}
+
+/* A walk over the points of a list of contacts, manifold by manifold. */
+typedef struct pe_point_walk {
+    const pe_contacts *contacts;
+    const int *listed; /* (count): the manifolds to visit; NULL: the first `count` */
+    int count;
+    int next_manifold, next_point;
+    pe_manifold *manifold; /* where the walk is */
+    pe_manifold_point *point;
+} pe_point_walk;
+
+static inline pe_point_walk pe_walk_points(const pe_contacts *contacts)
+{
+    return (pe_point_walk){.contacts = contacts, .count = contacts->manifold_count};
+}
+
+/* Moves on to the next point; false at the end. */
+static inline bool pe_next_point(pe_point_walk *walk)
+{
+    for (; walk->next_manifold < walk->count; ++walk->next_manifold) {
+        int i = walk->listed != NULL ? walk->listed[walk->next_manifold] : walk->next_manifold;
+        walk->manifold = &pe_manifolds(walk->contacts)[i];
+        if (walk->next_point < walk->manifold->count) {
+            int j = walk->manifold->first + walk->next_point++;
+            walk->point = &pe_manifold_points(walk->contacts)[j];
+            return true;
+        }
+        walk->next_point = 0;
+    }
+    return false;
+}
+
+static inline bool pe_has_torque(const pe_applied_force *applied)
+{
+    return pe_dot(applied->torque, applied->torque) > 0 ||
+           pe_dot(applied->body_torque, applied->body_torque) > 0;
+}
+
 /* Friction and restitution of two materials, by index. */
 static inline pe_material_pair *pe_material_pair_of(const pe_world *world, int a, int b)
 {
@@ -173,6 +218,12 @@ static inline pe_workspace pe_step_memory(pe_world *world)
 static inline void *pe_scratch(pe_world *world, size_t count, size_t stride)
 {
     return pe_arena_take(&world->arena, &world->allocator, count, stride);
+}
+
+/* Whether the step's arena has refused a request in this step. */
+static inline bool pe_scratch_failed(const pe_world *world)
+{
+    return world->arena.failed;
 }
 
 #endif

@@ -1,9 +1,7 @@
 /* The contact problems of the coming step, copied out of the world. */
-#include "contact/contact.h"
 #include "plumb/contact_problem.h"
-#include "problem/problem_build.h"
+#include "step.h"
 
-#include <math.h>
 #include <string.h>
 
 static void copy_bodies(const pe_world *world, const pe_island_problem *from,
@@ -102,17 +100,13 @@ static pe_status capture_all(pe_world *world, double dt, pe_contact_problem ***p
     return PE_OK;
 }
 
-/* As the step does when bodies have been changed since the last one. */
+/* Finds the contacts as the step does when bodies have been changed since the last one. */
 static pe_status renew_contacts(pe_world *world, double dt, pe_error *error)
 {
-    pe_pair *pairs;
-    int pair_count;
-    pe_status status = pe_broad_phase(world, dt, &pairs, &pair_count, error);
+    pe_contact_rules rules = pe_contact_rules_exact();
+    pe_status status = pe_contacts_update(world, &rules, NULL, dt, error);
     if (status == PE_OK) {
-        status = pe_contacts_find(world, pairs, pair_count, dt, error);
-    }
-    if (status == PE_OK) {
-        pe_contacts_match(world, dt);
+        pe_contacts_scale_impulses(world, dt);
     }
     return status;
 }
@@ -120,26 +114,21 @@ static pe_status renew_contacts(pe_world *world, double dt, pe_error *error)
 pe_status pe_world_capture_problems(pe_world *world, double dt, pe_contact_problem ***problems,
                                     int *count, pe_error *error)
 {
-    if (!(dt > 0) || !isfinite(dt)) {
-        return pe_fail(error, PE_BAD_ARGUMENT, "dt: expected a finite number above 0, found %g",
-                       dt);
-    }
     *problems = NULL;
     *count = 0;
+    pe_status status = pe_check_dt(dt, error);
+    if (status != PE_OK) {
+        return status;
+    }
     pe_arena_reset(&world->arena, &world->allocator);
     bool renewed = world->contacts_stale || dt != world->previous_dt;
-    if (renewed) {
-        pe_status status = renew_contacts(world, dt, error);
-        if (status != PE_OK) {
-            return status;
-        }
+    if (renewed && (status = renew_contacts(world, dt, error)) != PE_OK) {
+        return status;
     }
-    pe_status status = capture_all(world, dt, problems, count, error);
+    status = capture_all(world, dt, problems, count, error);
     if (renewed) {
-        /* The step will renew them for itself, from the same list as here. */
-        pe_contacts captured = world->contacts;
-        world->contacts = world->previous;
-        world->previous = captured;
+        /* The step will find them again for itself, from the same list as here. */
+        pe_contacts_swap(&world->contacts, &world->previous);
     }
     return status;
 }

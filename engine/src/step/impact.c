@@ -1,287 +1,500 @@
-#include "impact.h"
-
-#include "integrate_positions.h"
-#include "toi_substep.h"
+/* Time-of-impact sub-steps of one island, with contacts of their own. */
+#include "step.h"
 
 enum {
-    MOST_PARTS = 8, /* of a step */
-    MOST_TRIES = 8  /* to hit the time of an impact */
+    MAX_SUBSTEPS = 8, /* of a step */
+    MAX_TRIES = 8     /* to hit the time of an impact */
 };
 
-/* In units of the first impact's speed: what follows it at less is none. */
+/* In units of the first impact's speed: contacts that close more slowly after it are no impacts. */
 static const double MINOR = 1e-3;
 
-bool pe_impact_is_due(const pe_world *world, const pe_islands *islands, int k, double dt)
+/* m: a gap up to this is closed, and penetration up to this is no overshoot. */
+static const double CLOSED = 1e-8;
+
+/* s per s: impacts within this part of the step are simultaneous. */
+static const double TOGETHER = 1e-3;
+
+/* An island on its way through a step that it takes in sub-steps. While it does, world->contacts
+ * and world->previous are the lists of the sub-steps, and world->substep_contacts is the list of
+ * the step. */
+typedef struct substeps {
+    pe_step *step;
+    pe_world *world;
+    int k;                /* the island in step->islands */
+    pe_islands island;    /* the same bodies with the manifolds of the sub-step, all in one */
+    pe_interval interval; /* of the sub-step; only the bodies' free motions are filled */
+    pe_pair_list pairs;   /* of the island */
+    int *counts;          /* of all points of each manifold of the sub-step */
+    pe_free_motion *free; /* that of `interval` */
+    pe_pose *poses;       /* (bodies) at the sub-step's start */
+    pe_twist *twists;     /* (bodies) at the sub-step's start */
+    pe_twist *ends;       /* (bodies) at the end of `left`, without the impact */
+    double left;          /* s, of the step */
+    double slow;          /* m/s: a contact that closes more slowly is no impact */
+} substeps;
+
+static int body_count(const substeps *s)
 {
-    if (islands->body_start[k + 1] - islands->body_start[k] > world->def.impact_bodies) {
-        return false;
-    }
-    double slow = pe_slow_closing(world, dt);
-    bool due = false;
-    for (int i = islands->start[k]; i < islands->start[k + 1] && !due; ++i) {
-        const pe_manifold *m = &pe_manifolds(&world->contacts)[islands->manifolds[i]];
-        for (int j = m->first; j < m->first + m->count && !due; ++j) {
-            const pe_manifold_point *point = &pe_manifold_points(&world->contacts)[j];
-            double speed = pe_opening_now(world, m, point);
-            due = speed < -slow && point->separation + dt * (speed - slow) < 0;
+    return s->island.body_start[1];
+}
+
+/* ---- Points ---- */
+
+/* m/s: gravity's change of velocity in a step is no impact, nor is less than 1e-9. */
+static double slow_closing(const pe_world *world, double dt)
+{
+    return pe_max(dt * pe_length(world->def.gravity), 1e-9);
+}
+
+static pe_vec3 point_velocity(const pe_world *world, int slot, const pe_twist *twist, pe_vec3 x)
+{
+    pe_vec3 arm = pe_sub(x, pe_poses(world)[slot].position);
+    return pe_add(twist->velocity, pe_cross(twist->angular_velocity, arm));
+}
+
+/* Speed, in m/s, at which the gap of a point opens, at these velocities of its bodies. */
+static double opening_at(const pe_world *world, const pe_point_walk *at, const pe_twist *of_a,
+                         const pe_twist *of_b)
+{
+    const pe_manifold *m = at->manifold;
+    return pe_dot(m->normal, pe_sub(point_velocity(world, m->b, of_b, at->point->position),
+                                    point_velocity(world, m->a, of_a, at->point->position)));
+}
+
+static double opening(const pe_world *world, const pe_point_walk *at)
+{
+    const pe_twist *twists = pe_twists(world);
+    return opening_at(world, at, &twists[at->manifold->a], &twists[at->manifold->b]);
+}
+
+/* Whether a point that opens at `speed` is an impact now. */
+static bool impacts_now(const substeps *s, const pe_manifold_point *point, double speed)
+{
+    return speed < -s->slow &&
+           point->separation <= pe_max(CLOSED, -speed * TOGETHER * s->step->dt);
+}
+
+/* Moves on to the next point of the sub-step's contacts that closes fast enough for an impact. */
+static bool next_closing(const substeps *s, pe_point_walk *at, double *speed)
+{
+    while (pe_next_point(at)) {
+        *speed = opening(s->world, at);
+        if (*speed < -s->slow) {
+            return true;
         }
     }
-    for (int i = islands->body_start[k]; i < islands->body_start[k + 1] && due; ++i) {
-        const pe_applied_force *load = &pe_applied_forces(world)[islands->bodies[i]];
-        due = pe_dot(load->torque, load->torque) == 0 &&
-              pe_dot(load->body_torque, load->body_torque) == 0;
+    return false;
+}
+
+bool pe_impact_is_due(const pe_step *step, int k)
+{
+    const pe_islands *islands = &step->islands;
+    const pe_world *world = step->world;
+    int begin = islands->body_start[k], end = islands->body_start[k + 1];
+    if (end - begin > world->def.impact_bodies) {
+        return false;
+    }
+    double slow = slow_closing(world, step->dt);
+    bool due = false;
+    pe_point_walk at = pe_walk_island(&world->contacts, islands, k);
+    while (!due && pe_next_point(&at)) {
+        double speed = opening(world, &at);
+        due = speed < -slow && at.point->separation + step->dt * (speed - slow) < 0;
+    }
+    for (int i = begin; i < end && due; ++i) {
+        due = !pe_has_torque(&pe_applied_forces(world)[islands->bodies[i]]);
     }
     return due;
 }
 
-/* ---- Flights -----------------------------------------------------------------------------------
- */
+/* ---- The points that take part in a solve ---- */
 
-static void predict(pe_substep *part, double dt)
+typedef enum choice {
+    ALL,
+    SEPARATING, /* all except those that are about to impact */
+    IMPACTING   /* those that impact now, and those that touch */
+} choice;
+
+static bool is_chosen(const substeps *s, choice which, const pe_point_walk *at)
 {
-    for (int i = 0; i < pe_substep_bodies(part); ++i) {
-        int slot = part->island.bodies[i];
-        part->free[slot] = pe_predict_body(part->world, slot, dt);
+    double speed = opening(s->world, at);
+    switch (which) {
+    case SEPARATING:
+        return speed >= -s->slow;
+    case IMPACTING:
+        return impacts_now(s, at->point, speed) ||
+               (speed >= -s->slow &&
+                at->point->separation <= pe_max(CLOSED, 0.5 * s->step->dt * s->slow));
+    default:
+        return true;
     }
 }
 
-static pe_twist solved_motion(const pe_island_problem *built, int i)
+/* Moves the chosen points of the manifold to its front; how many they are. The impulses of the
+ * others become 0. */
+static int bring_forward(const substeps *s, choice which, pe_manifold *m, int count)
+{
+    pe_manifold_point *points = pe_manifold_points(&s->world->contacts) + m->first;
+    int chosen = 0;
+    for (int j = 0; j < count; ++j) {
+        if (is_chosen(s, which, &(pe_point_walk){.manifold = m, .point = &points[j]})) {
+            pe_manifold_point moved = points[j];
+            points[j] = points[chosen];
+            points[chosen++] = moved;
+        } else {
+            points[j].impulse = pe_v3(0, 0, 0);
+        }
+    }
+    return chosen;
+}
+
+/* Makes s->island that of the chosen points; how many they are. */
+static int choose(substeps *s, choice which)
+{
+    pe_contacts *contacts = &s->world->contacts;
+    int *listed = &s->island.start[1], total = 0;
+    *listed = 0;
+    for (int i = 0; i < contacts->manifold_count; ++i) {
+        pe_manifold *m = &pe_manifolds(contacts)[i];
+        m->count = bring_forward(s, which, m, s->counts[i]);
+        if (m->count > 0) {
+            s->island.manifolds[(*listed)++] = i;
+        }
+        total += m->count;
+    }
+    return total;
+}
+
+/* ---- Lists of contacts ---- */
+
+/* Exchanges the world's lists for those of sub-steps, or back. */
+static void exchange_lists(pe_world *world)
+{
+    pe_contacts_swap(&world->contacts, &world->substep_contacts);
+    pe_contacts_swap(&world->previous, &world->substep_previous);
+}
+
+static void count_points(substeps *s)
+{
+    const pe_contacts *contacts = &s->world->contacts;
+    for (int i = 0; i < contacts->manifold_count; ++i) {
+        s->counts[i] = pe_manifolds(contacts)[i].count;
+    }
+}
+
+/* Finds the contacts at the poses now. The list before is in world->previous. */
+static pe_status find_contacts(substeps *s)
+{
+    choose(s, ALL);
+    pe_status status = pe_contacts_find(s->world, &s->step->rules, &s->pairs, NULL, s->step->dt,
+                                        s->step->error);
+    count_points(s);
+    return status;
+}
+
+/* The point of the step's contacts that stands for a point of a sub-step: of the same pair, that on
+ * the same features, or else the nearest. */
+static pe_point_walk step_point_of(const substeps *s, const pe_point_walk *of)
+{
+    pe_point_walk best = {0};
+    double least = HUGE_VAL;
+    pe_point_walk at = pe_walk_island(&s->world->substep_contacts, &s->step->islands, s->k);
+    while (pe_next_point(&at)) {
+        if (at.manifold->a == of->manifold->a && at.manifold->b == of->manifold->b) {
+            pe_vec3 off = pe_sub(at.point->position, of->point->position);
+            double distance = at.point->feature == of->point->feature ? -1 : pe_dot(off, off);
+            if (distance < least) {
+                least = distance;
+                best = at;
+            }
+        }
+    }
+    return best;
+}
+
+static bool is_larger(pe_vec3 a, pe_vec3 b)
+{
+    return pe_dot(a, a) > pe_dot(b, b);
+}
+
+/* Adds the impulses of a sub-step's list to those of the step, whose points get the position and
+ * the normal at which most of their impulses acted; their gap stays that of the step's start. */
+static void add_impulses(const substeps *s, const pe_contacts *list)
+{
+    for (pe_point_walk at = pe_walk_points(list); pe_next_point(&at);) {
+        if (pe_dot(at.point->impulse, at.point->impulse) > 0) {
+            pe_point_walk to = step_point_of(s, &at);
+            if (is_larger(at.point->impulse, to.point->impulse)) {
+                to.manifold->normal = at.manifold->normal;
+                to.point->position = at.point->position;
+            }
+            to.point->impulse = pe_add(to.point->impulse, at.point->impulse);
+        }
+    }
+}
+
+/* ---- Motion up to an impact ---- */
+
+static void predict(substeps *s, double dt)
+{
+    for (int i = 0; i < body_count(s); ++i) {
+        int slot = s->island.bodies[i];
+        s->free[slot] = pe_predict_body(s->world, slot, dt);
+    }
+    s->interval.dt = dt;
+}
+
+static pe_twist solved_twist(const pe_island_problem *built, int i)
 {
     const double *v = built->problem.velocity[i];
     return (pe_twist){pe_v3(v[0], v[1], v[2]), pe_v3(v[3], v[4], v[5])};
 }
 
-/* Where the bodies would be heading at the end of what is left, but for the impacts. */
-static pe_status look_ahead(pe_substep *part)
+/* The velocities at the end of the rest of the step, if there were no impacts. */
+static pe_status look_ahead(substeps *s)
 {
     pe_island_problem built;
-    predict(part, part->left);
-    bool touching = pe_substep_choose(part, PE_SEPARATING) > 0;
-    pe_status status = !touching
-                           ? PE_OK
-                           : pe_island_solve(part->world, &part->island, 0, part->free, part->left,
-                                             part->tally, &built, &part->path, part->error);
-    for (int i = 0; i < pe_substep_bodies(part) && status == PE_OK; ++i) {
-        part->ends[i] = part->free[part->island.bodies[i]].end;
-        if (touching) {
-            part->ends[i] = solved_motion(&built, i);
-        }
+    predict(s, s->left);
+    bool touching = choose(s, SEPARATING) > 0;
+    pe_status status = touching ? pe_island_solve(s->step, &s->interval, &built) : PE_OK;
+    for (int i = 0; i < body_count(s) && status == PE_OK; ++i) {
+        s->ends[i] = touching ? solved_twist(&built, i) : s->free[s->island.bodies[i]].end;
     }
-    pe_substep_choose(part, PE_ALL);
+    choose(s, ALL);
     return status;
 }
 
-/* When a gap that opens by u0 now and by u1 at the end closes, s: a root of
+/* When a gap that opens by u0 now and by u1 at the end closes, in s: a root of
  * gap + u0 t + (u1 - u0) t^2 / (2 left). HUGE_VAL: never. */
 static double closing_time(double gap, double u0, double u1, double left)
 {
-    if (gap <= PE_CLOSED) {
+    if (gap <= CLOSED) {
         return 0;
     }
     double square = u0 * u0 - 2 * gap * (u1 - u0) / left;
     return square >= 0 ? 2 * gap / (sqrt(square) - u0) : HUGE_VAL;
 }
 
-static const pe_twist *end_of(const pe_substep *part, int slot)
+static const pe_twist *end_of(const substeps *s, int slot)
 {
-    int place = part->island.place[slot];
-    return place < 0 ? &pe_twists(part->world)[slot] : &part->ends[place];
+    int place = s->island.place[slot];
+    return place < 0 ? &pe_twists(s->world)[slot] : &s->ends[place];
 }
 
-/* When the first impact of what is left will be, s from now; `left` when there is none. *fast:
- * whether any contact closes fast enough to be one some time. */
-static pe_status first_impact(pe_substep *part, double *time, bool *fast)
+/* The time of the first impact in the rest of the step, in s from now; `left` when there is none.
+ * *fast: whether any contact closes fast enough to be one at some time. */
+static pe_status first_impact(substeps *s, double *time, bool *fast)
 {
-    pe_status status = look_ahead(part);
-    const pe_contacts *contacts = &part->world->contacts;
-    *time = part->left;
+    pe_status status = look_ahead(s);
+    double u0;
+    *time = s->left;
     *fast = false;
-    for (int i = 0; i < contacts->manifold_count && status == PE_OK; ++i) {
-        const pe_manifold *m = &pe_manifolds(contacts)[i];
-        for (int j = m->first; j < m->first + m->count; ++j) {
-            const pe_manifold_point *point = &pe_manifold_points(contacts)[j];
-            double u0 = pe_opening_now(part->world, m, point);
-            if (u0 < -part->slow) {
-                double u1 =
-                    pe_opening(part->world, m, point, end_of(part, m->a), end_of(part, m->b));
-                *time = pe_min(*time, closing_time(point->separation, u0, u1, part->left));
-                *fast = true;
-            }
-        }
+    pe_point_walk at = pe_walk_points(&s->world->contacts);
+    while (status == PE_OK && next_closing(s, &at, &u0)) {
+        double u1 =
+            opening_at(s->world, &at, end_of(s, at.manifold->a), end_of(s, at.manifold->b));
+        *time = pe_min(*time, closing_time(at.point->separation, u0, u1, s->left));
+        *fast = true;
     }
     return status;
 }
 
-/* How far it is, at the speeds now, from the nearest impact, s; below 0 when that is past. */
-static double time_to_go(const pe_substep *part)
+/* The time to the nearest impact at the speeds now, in s; below 0 when that is past. */
+static double time_to_impact(const substeps *s)
 {
-    const pe_contacts *contacts = &part->world->contacts;
-    double least = HUGE_VAL;
-    for (int i = 0; i < contacts->manifold_count; ++i) {
-        const pe_manifold *m = &pe_manifolds(contacts)[i];
-        for (int j = m->first; j < m->first + m->count; ++j) {
-            const pe_manifold_point *point = &pe_manifold_points(contacts)[j];
-            double speed = pe_opening_now(part->world, m, point);
-            if (speed < -part->slow) {
-                bool closed = fabs(point->separation) <= PE_CLOSED;
-                least = pe_min(least, closed ? 0 : point->separation / -speed);
-            }
-        }
+    double least = HUGE_VAL, speed;
+    for (pe_point_walk at = pe_walk_points(&s->world->contacts); next_closing(s, &at, &speed);) {
+        bool closed = fabs(at.point->separation) <= CLOSED;
+        least = pe_min(least, closed ? 0 : at.point->separation / -speed);
     }
     return least;
 }
 
-static void remember(pe_substep *part)
+/* Moves the island over dt with all contacts except those about to impact. */
+static pe_status move(substeps *s, double dt)
 {
-    for (int i = 0; i < pe_substep_bodies(part); ++i) {
-        part->poses[i] = pe_poses(part->world)[part->island.bodies[i]];
-        part->motions[i] = pe_twists(part->world)[part->island.bodies[i]];
+    predict(s, dt);
+    if (choose(s, SEPARATING) > 0) {
+        return pe_island_step(s->step, &s->interval);
     }
-}
-
-/* The bodies and the contacts as they were before the flight. */
-static void go_back(pe_substep *part)
-{
-    for (int i = 0; i < pe_substep_bodies(part); ++i) {
-        pe_poses(part->world)[part->island.bodies[i]] = part->poses[i];
-        pe_twists(part->world)[part->island.bodies[i]] = part->motions[i];
-    }
-    pe_substep_unfind(part);
-}
-
-/* Moves the island over dt with all contacts but those about to strike. */
-static pe_status fly(pe_substep *part, double dt)
-{
-    predict(part, dt);
-    if (pe_substep_choose(part, PE_SEPARATING) > 0) {
-        return pe_island_step(part->world, &part->island, 0, part->free, dt, part->tally,
-                              &part->path, part->error);
-    }
-    for (int i = 0; i < pe_substep_bodies(part); ++i) {
-        pe_integrate_free(part->world, part->island.bodies[i], part->free, dt);
+    for (int i = 0; i < body_count(s); ++i) {
+        pe_integrate_free(s->world, s->island.bodies[i], s->free, dt);
     }
     return PE_OK;
 }
 
-/* Flies for about `time`, to where the impact is, or to the end of what is left. */
-static pe_status fly_to_impact(pe_substep *part, double time)
+/* Copies the bodies' state to s->poses and s->twists, or back. */
+static void save(substeps *s)
 {
-    remember(part);
-    for (int n = 0; n < MOST_TRIES; ++n) {
-        pe_status status = fly(part, time);
+    for (int i = 0; i < body_count(s); ++i) {
+        s->poses[i] = pe_poses(s->world)[s->island.bodies[i]];
+        s->twists[i] = pe_twists(s->world)[s->island.bodies[i]];
+    }
+}
+
+static void restore(substeps *s)
+{
+    for (int i = 0; i < body_count(s); ++i) {
+        pe_poses(s->world)[s->island.bodies[i]] = s->poses[i];
+        pe_twists(s->world)[s->island.bodies[i]] = s->twists[i];
+    }
+}
+
+/* Moves for about `time`, to the impact, or to the end of the step. */
+static pe_status move_to_impact(substeps *s, double time)
+{
+    save(s);
+    for (int n = 0; n < MAX_TRIES; ++n) {
+        pe_status status = move(s, time);
         if (status == PE_OK) {
-            status = pe_substep_find(part);
+            status = find_contacts(s);
         }
         if (status != PE_OK) {
             return status;
         }
-        double more = time_to_go(part);
-        double next = more < HUGE_VAL ? pe_max(0.1 * time, pe_min(time + more, part->left)) : time;
-        if (more == 0 || next == time || n + 1 == MOST_TRIES) {
+        double more = time_to_impact(s);
+        double next = more < HUGE_VAL ? pe_max(0.1 * time, pe_min(time + more, s->left)) : time;
+        if (more == 0 || next == time || n + 1 == MAX_TRIES) {
             break;
         }
-        go_back(part);
+        restore(s);
+        pe_contacts_swap(&s->world->contacts, &s->world->previous);
+        count_points(s);
         time = next;
     }
-    pe_substep_add_impulses(part, &part->world->previous);
-    part->left -= time;
+    add_impulses(s, &s->world->previous);
+    s->left -= time;
     return PE_OK;
 }
 
-/* ---- Impacts -----------------------------------------------------------------------------------
- */
+/* ---- Impacts ---- */
 
-/* Of the fastest that strikes now, m/s; 0: nothing does. */
-static double striking_speed(const pe_substep *part)
+/* Of the fastest impact now, in m/s; 0: there is none. */
+static double impact_speed(const substeps *s)
 {
-    const pe_contacts *contacts = &part->world->contacts;
-    double most = 0;
-    for (int i = 0; i < contacts->manifold_count; ++i) {
-        const pe_manifold *m = &pe_manifolds(contacts)[i];
-        for (int j = m->first; j < m->first + m->count; ++j) {
-            const pe_manifold_point *point = &pe_manifold_points(contacts)[j];
-            double speed = pe_opening_now(part->world, m, point);
-            most = pe_strikes_now(part, point, speed) ? pe_max(most, -speed) : most;
-        }
+    double most = 0, speed;
+    for (pe_point_walk at = pe_walk_points(&s->world->contacts); next_closing(s, &at, &speed);) {
+        most = impacts_now(s, at.point, speed) ? pe_max(most, -speed) : most;
     }
     return most;
 }
 
-/* What strikes now gets its new velocities. */
-static pe_status strike(pe_substep *part)
+/* Gives the bodies of impacting contacts their new velocities. */
+static pe_status solve_impact(substeps *s)
 {
-    double speed = striking_speed(part);
+    double speed = impact_speed(s);
     if (speed == 0) {
         return PE_OK;
     }
-    for (int i = 0; i < pe_substep_bodies(part); ++i) {
-        int slot = part->island.bodies[i];
-        part->free[slot] = (pe_free_motion){.end = pe_twists(part->world)[slot]};
+    for (int i = 0; i < body_count(s); ++i) {
+        int slot = s->island.bodies[i];
+        s->free[slot] = (pe_free_motion){.end = pe_twists(s->world)[slot]};
     }
-    pe_substep_choose(part, PE_IMPACTING);
+    choose(s, IMPACTING);
     pe_island_problem built;
-    /* Gaps do not matter in an instant: over a second they close by nothing. */
-    pe_status status = pe_island_solve(part->world, &part->island, 0, part->free, 1, part->tally,
-                                       &built, &part->path, part->error);
+    s->interval.dt = 1; /* gaps do not matter in an instant: over a second they close by nothing */
+    pe_status status = pe_island_solve(s->step, &s->interval, &built);
     if (status == PE_OK) {
-        for (int i = 0; i < pe_substep_bodies(part); ++i) {
-            pe_twists(part->world)[part->island.bodies[i]] = solved_motion(&built, i);
+        for (int i = 0; i < body_count(s); ++i) {
+            pe_twists(s->world)[s->island.bodies[i]] = solved_twist(&built, i);
         }
-        pe_problem_store_impulses(part->world, &built);
-        pe_substep_add_impulses(part, &part->world->contacts);
+        pe_problem_store_impulses(s->world, &built);
+        add_impulses(s, &s->world->contacts);
     }
-    pe_substep_choose(part, PE_ALL);
-    part->slow = pe_max(part->slow, MINOR * speed);
+    choose(s, ALL);
+    s->slow = pe_max(s->slow, MINOR * speed);
     return status;
 }
 
 /* From impact to impact, and on to the end of the step. */
-static pe_status go(pe_substep *part)
+static pe_status run_substeps(substeps *s)
 {
-    pe_status status = pe_substep_find(part);
+    pe_status status = find_contacts(s);
     bool fast = true;
-    for (int n = 0; n < MOST_PARTS && fast && part->left > 0 && status == PE_OK; ++n) {
+    for (int n = 0; n < MAX_SUBSTEPS && fast && s->left > 0 && status == PE_OK; ++n) {
         double time;
-        status = first_impact(part, &time, &fast);
+        status = first_impact(s, &time, &fast);
         if (status == PE_OK && fast && time > 0) {
-            status = fly_to_impact(part, time);
+            status = move_to_impact(s, time);
         }
-        if (status == PE_OK && fast && part->left > 0) {
-            status = strike(part);
+        if (status == PE_OK && fast && s->left > 0) {
+            status = solve_impact(s);
         }
     }
-    if (status == PE_OK && part->left > 0) {
-        predict(part, part->left);
-        status = pe_island_step(part->world, &part->island, 0, part->free, part->left, part->tally,
-                                &part->path, part->error);
-        pe_substep_add_impulses(part, &part->world->contacts);
+    if (status == PE_OK && s->left > 0) {
+        predict(s, s->left);
+        status = pe_island_step(s->step, &s->interval);
+        add_impulses(s, &s->world->contacts);
     }
     return status;
 }
 
-pe_status pe_impact_step(pe_world *world, const pe_islands *islands, int k,
-                         const pe_contact_rules *rules, double dt, pe_solve_tally *tally,
-                         pe_path *path, pe_error *error)
+/* Lists the pairs of the island's manifolds, and sets the impulses of the step's contacts to 0. */
+static void take_over_contacts(substeps *s)
 {
-    pe_substep part = {.world = world,
-                       .rules = rules,
-                       .whole = islands,
-                       .k = k,
-                       .dt = dt,
-                       .left = dt,
-                       .slow = pe_slow_closing(world, dt),
-                       .tally = tally,
-                       .path = PE_PATH_NONE,
-                       .error = error};
-    pe_status status = pe_substep_begin(&part);
+    pe_point_walk at = pe_walk_island(&s->world->contacts, &s->step->islands, s->k);
+    while (pe_next_point(&at)) {
+        int a = at.manifold->a, b = at.manifold->b;
+        const pe_pair *last = s->pairs.count > 0 ? &s->pairs.items[s->pairs.count - 1] : NULL;
+        if (last == NULL || last->a != a || last->b != b) {
+            s->pairs.items[s->pairs.count++] = (pe_pair){a, b};
+        }
+        at.point->impulse = pe_v3(0, 0, 0);
+    }
+}
+
+static pe_status begin_substeps(substeps *s)
+{
+    pe_world *world = s->world;
+    const pe_islands *islands = &s->step->islands;
+    int *bodies = islands->bodies + islands->body_start[s->k];
+    int count = islands->body_start[s->k + 1] - islands->body_start[s->k];
+    size_t pairs = (size_t)(islands->start[s->k + 1] - islands->start[s->k]);
+    s->pairs.items = pe_scratch(world, pairs, sizeof *s->pairs.items);
+    s->counts = pe_scratch(world, pairs * PE_MAX_MANIFOLDS, sizeof *s->counts);
+    s->free = pe_scratch(world, (size_t)world->slot_count, sizeof *s->free);
+    s->poses = pe_scratch(world, (size_t)count, sizeof *s->poses);
+    s->twists = pe_scratch(world, (size_t)count, sizeof *s->twists);
+    s->ends = pe_scratch(world, (size_t)count, sizeof *s->ends);
+    s->island = (pe_islands){
+        .count = 1,
+        .start = pe_scratch(world, 2, sizeof(int)),
+        .manifolds = pe_scratch(world, pairs * PE_MAX_MANIFOLDS, sizeof(int)),
+        .body_start = pe_scratch(world, 2, sizeof(int)),
+        .bodies = bodies,
+        .place = islands->place,
+    };
+    if (pe_scratch_failed(world)) {
+        return pe_fail(s->step->error, PE_NO_MEMORY, "no memory for the impacts of %d bodies",
+                       count);
+    }
+    s->island.start[0] = s->island.start[1] = 0;
+    s->island.body_start[0] = 0;
+    s->island.body_start[1] = count;
+    s->interval = (pe_interval){.islands = &s->island, .free = s->free, .path = PE_PATH_NONE};
+    take_over_contacts(s);
+    return PE_OK;
+}
+
+pe_status pe_impact_step(pe_step *step, int k, pe_path *path)
+{
+    pe_world *world = step->world;
+    substeps s = {
+        .step = step,
+        .world = world,
+        .k = k,
+        .left = step->dt,
+        .slow = slow_closing(world, step->dt),
+    };
+    pe_status status = begin_substeps(&s);
     if (status != PE_OK) {
         return status;
     }
-    pe_substep_clear_impulses(&part);
-    world->part.manifold_count = world->part.point_count = 0;
-    pe_substep_exchange(world);
-    status = go(&part);
-    pe_substep_exchange(world);
-    *path = part.path;
+    world->substep_contacts.manifold_count = world->substep_contacts.point_count = 0;
+    exchange_lists(world);
+    status = run_substeps(&s);
+    exchange_lists(world);
+    *path = s.interval.path;
     return status;
 }

@@ -1,17 +1,18 @@
-#include "island_step.h"
-
-#include "integrate_positions.h"
+/* One island over an interval of time: its contact problem, the solver that it gets, and the poses
+ * by the velocities. */
 #include "solver/solve_island.h"
-#include "sparse/pattern_store.h"
+#include "step.h"
+
+#include <string.h>
 
 /* How much each profile asks of an island that is not solved directly. */
 typedef struct strictness {
-    /* What sweeps aim at, in m/s, in an island of SWEPT_POINTS contact points or fewer: in what
-     * collapses the next step's problem is another one. In a larger one they aim at less, as the
+    /* What sweeps aim at, in m/s, in an island of SWEPT_POINTS contact points or fewer: in a
+     * collapse the next step's problem is another one. In a larger one they aim at less, as the
      * square: sweeps converge the more slowly there, and each costs more. */
     double tolerance;
     double updates;  /* part of max_contact_updates */
-    double patience; /* how much dearer than the sweeps allowed a direct solve may be */
+    double patience; /* a direct solve may cost this many times what the allowed sweeps do */
 } strictness;
 
 static const strictness STRICTNESS[] = {
@@ -21,15 +22,34 @@ static const strictness STRICTNESS[] = {
 };
 static const double SWEPT_POINTS = 1250;
 
-static void count_solve(const pe_world *world, const pe_island_report *report,
-                        const pe_solve_history *history, int points, pe_solve_tally *tally)
+/* A gap may shrink below 0 by this, in m, before its bodies move by the new velocity; and by the
+ * displacement of a transported point. */
+static const double CLOSING_SLACK = 1e-9;
+
+/* Speed, in m/s, against which an impulse may act without mattering. */
+static const double STANDING = 1e-6;
+
+/* Part of the kinetic energy of its bodies that a manifold with transported points may add: less
+ * than the energy guard lets pass. */
+static const double MOVING_ERROR = 2e-6;
+
+/* Three steps of a symmetric rule of second order, the second one backwards, make one of fourth
+ * (Yoshida 1990, Construction of higher order symplectic integrators, eq. 2.12). */
+static const double YOSHIDA[3] = {1.3512071919596576, -1.7024143839193153, 1.3512071919596576};
+/* rad: a body that rotates by more in a step takes one step, because three would not converge. */
+static const double MAX_ROTATION = 0.5;
+
+/* ---- Solving ---- */
+
+static void count_solve(pe_step *step, const pe_island_report *report,
+                        const pe_solve_history *history, int points)
 {
-    pe_step_stats *stats = tally->stats;
+    pe_step_stats *stats = &step->stats;
     const pe_solve_report *solve = &report->solve;
     stats->factor_flops += solve->factor_flops;
     stats->iterations =
         solve->iterations > stats->iterations ? solve->iterations : stats->iterations;
-    stats->unconverged_islands += !(solve->residual.max <= world->def.tolerance);
+    stats->unconverged_islands += !(solve->residual.max <= step->world->def.tolerance);
     if (stats->path == PE_PATH_NONE || !(solve->residual.max <= stats->residual)) {
         stats->residual = solve->residual.max;
         stats->path = report->path;
@@ -39,15 +59,15 @@ static void count_solve(const pe_world *world, const pe_island_report *report,
             stats->history[i] = history->marks[i].residual;
         }
     }
-    tally->squares += solve->residual.rms * solve->residual.rms * points;
-    tally->points += points;
+    step->residual_squares += solve->residual.rms * solve->residual.rms * points;
+    step->residual_points += points;
 }
 
-pe_status pe_island_solve(pe_world *world, const pe_islands *islands, int k,
-                          const pe_free_motion *free, double dt, pe_solve_tally *tally,
-                          pe_island_problem *island, pe_path *path, pe_error *error)
+pe_status pe_island_solve(pe_step *step, pe_interval *interval, pe_island_problem *island)
 {
-    pe_status status = pe_problem_build(world, islands, k, free, dt, island, error);
+    pe_world *world = step->world;
+    pe_status status = pe_problem_build(world, interval->islands, interval->k, interval->free,
+                                        interval->dt, island, step->error);
     if (status != PE_OK) {
         return status;
     }
@@ -64,25 +84,226 @@ pe_status pe_island_solve(pe_world *world, const pe_islands *islands, int k,
         .patience = strict.patience,
         .store = world->patterns,
     };
-    status = pe_solve_island(&island->problem, &limits, pe_step_memory(world), &report, error);
+    status =
+        pe_solve_island(&island->problem, &limits, pe_step_memory(world), &report, step->error);
     if (status == PE_OK) {
-        count_solve(world, &report, &history, island->problem.point_count, tally);
-        *path = report.path;
+        count_solve(step, &report, &history, island->problem.point_count);
+        interval->path = report.path;
     }
     return status;
 }
 
-pe_status pe_island_step(pe_world *world, const pe_islands *islands, int k,
-                         const pe_free_motion *free, double dt, pe_solve_tally *tally,
-                         pe_path *path, pe_error *error)
+/* ---- Positions ---- */
+
+static pe_vec3 vector(const double v[3])
+{
+    return pe_v3(v[0], v[1], v[2]);
+}
+
+/* The k-th of the six numbers. */
+static double component(const pe_twist *twist, int k)
+{
+    return pe_component(k < 3 ? twist->velocity : twist->angular_velocity, k % 3);
+}
+
+/* Whether a gap of the manifold closes within dt at these velocities. */
+static bool closes(const pe_world *world, const pe_island_problem *island,
+                   const pe_solver_manifold *manifold, const double (*velocity)[6], double dt)
+{
+    const pe_manifold_point *points = pe_manifold_points(&world->contacts);
+    double q[6], u[3];
+    pe_solver_manifold_twist(manifold, velocity, q);
+    for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
+        double gap = points[island->point_of[j]].separation;
+        pe_point_velocity(&island->problem.point[j], q, u);
+        pe_point_take_bias(&island->problem.point[j], u);
+        if (gap + dt * u[0] < pe_min(0, gap) - CLOSING_SLACK - dt * island->normal_change[j]) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* J, of body i. */
+static double kinetic_energy(const pe_problem *problem, int i)
+{
+    double momentum[6];
+    pe_mass_times(&problem->inertia[i], problem->velocity[i], momentum);
+    return 0.5 * (pe_dot3(momentum, problem->velocity[i]) +
+                  pe_dot3(momentum + 3, problem->velocity[i] + 3));
+}
+
+/* Whether the manifold pushes, and whether it would add energy at these sums of old and new
+ * velocity. */
+static bool pushes(const pe_island_problem *island, const pe_solver_manifold *manifold,
+                   const double (*sum)[6], bool *adds)
+{
+    const pe_problem *problem = &island->problem;
+    double q[6], moment[3], normal = 0, work = 0;
+    bool transported = false;
+    pe_solver_manifold_twist(manifold, sum, q);
+    for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
+        const double *p = problem->impulse[j];
+        pe_cross3(q + 3, problem->point[j].s, moment);
+        for (int k = 0; k < 3; ++k) {
+            work += p[k] * (q[k] + moment[k]);
+        }
+        normal += p[0];
+        transported |= island->normal_change[j] > 0;
+    }
+    double allowed = STANDING * normal;
+    if (transported) {
+        allowed += MOVING_ERROR *
+                   (kinetic_energy(problem, manifold->a) + kinetic_energy(problem, manifold->b));
+    }
+    *adds = work > allowed;
+    return normal > 0;
+}
+
+/* Mean velocities of the bodies over the interval, and sums of old and new velocity. The item
+ * behind the last body is that of static bodies. */
+typedef struct motion {
+    double (*mean)[6];
+    double (*sum)[6];
+    bool *late; /* moves by its new velocity */
+} motion;
+
+static pe_status begin_motion(pe_step *step, const pe_island_problem *island,
+                              const pe_free_motion *free, motion *m)
+{
+    pe_world *world = step->world;
+    const pe_problem *problem = &island->problem;
+    size_t bodies = (size_t)problem->body_count + 1;
+    m->mean = pe_scratch(world, bodies, sizeof *m->mean);
+    m->sum = pe_scratch(world, bodies, sizeof *m->sum);
+    m->late = pe_scratch(world, bodies, sizeof *m->late);
+    if (pe_scratch_failed(world)) {
+        return pe_fail(step->error, PE_NO_MEMORY, "no memory to move %d bodies",
+                       problem->body_count);
+    }
+    memset(m->mean[problem->body_count], 0, sizeof *m->mean);
+    memset(m->sum[problem->body_count], 0, sizeof *m->sum);
+    memset(m->late, 0, bodies * sizeof *m->late);
+    m->late[problem->body_count] = true; /* static bodies need no flag */
+    for (int i = 0; i < problem->body_count; ++i) {
+        const pe_twist *drift = &free[island->slot[i]].mean;
+        const pe_twist *old = &pe_twists(world)[island->slot[i]];
+        const double *v = problem->velocity[i], *predicted = problem->free_velocity[i];
+        for (int k = 0; k < 6; ++k) {
+            m->mean[i][k] = component(drift, k) + 0.5 * (v[k] - predicted[k]);
+            m->sum[i][k] = component(old, k) + v[k];
+        }
+    }
+    return PE_OK;
+}
+
+/* Flags the bodies that move by their new velocities, which become their mean ones. */
+static void find_late(const pe_world *world, const pe_island_problem *island, double dt, motion *m)
+{
+    const pe_problem *problem = &island->problem;
+    const double(*sum)[6] = (const double(*)[6])m->sum, (*mean)[6] = (const double(*)[6])m->mean;
+    bool *late = m->late;
+    for (bool changed = true; changed;) {
+        changed = false;
+        for (int i = 0; i < problem->manifold_count; ++i) {
+            const pe_solver_manifold *manifold = &problem->manifold[i];
+            int a = manifold->a, b = manifold->b;
+            bool adds;
+            if (late[a] && late[b]) {
+                continue;
+            }
+            bool dynamic_late = (late[a] && a != problem->body_count) ||
+                                (late[b] && b != problem->body_count);
+            bool loaded = pushes(island, manifold, sum, &adds);
+            if ((loaded && (adds || dynamic_late)) || closes(world, island, manifold, mean, dt)) {
+                late[a] = late[b] = changed = true;
+                memcpy(m->mean[a], problem->velocity[a], sizeof *m->mean);
+                memcpy(m->mean[b], problem->velocity[b], sizeof *m->mean);
+            }
+        }
+    }
+}
+
+/* The angular impulse of body i's contacts acts in two halves about its rotation, or at an impact
+ * before it, so that the rotation is about the new angular velocity and does not change the energy.
+ */
+static pe_rotation_step rotate_body(const pe_world *world, const pe_island_problem *island,
+                                    const pe_interval *interval, int i, bool late)
+{
+    const pe_problem *problem = &island->problem;
+    int slot = island->slot[i];
+    double change[3], impulse[3];
+    for (int k = 0; k < 3; ++k) {
+        change[k] = problem->velocity[i][3 + k] - problem->free_velocity[i][3 + k];
+    }
+    pe_symmetric_times(problem->inertia[i].tensor, change, impulse);
+    pe_vec3 applied = pe_scale(0.5 * interval->dt, interval->free[slot].torque);
+    return pe_rotate_freely(world, slot, interval->dt,
+                            pe_madd(applied, late ? 1 : 0.5, vector(impulse)),
+                            pe_madd(applied, late ? 0 : 0.5, vector(impulse)));
+}
+
+static pe_status integrate_island(pe_step *step, const pe_interval *interval,
+                                  const pe_island_problem *island)
+{
+    pe_world *world = step->world;
+    motion m;
+    pe_status status = begin_motion(step, island, interval->free, &m);
+    if (status != PE_OK) {
+        return status;
+    }
+    find_late(world, island, interval->dt, &m);
+    for (int i = 0; i < island->problem.body_count; ++i) {
+        int slot = island->slot[i];
+        pe_rotation_step rotation = rotate_body(world, island, interval, i, m.late[i]);
+        pe_twists(world)[slot] = (pe_twist){vector(island->problem.velocity[i]), rotation.end};
+        pe_pose_move(&pe_poses(world)[slot], pe_scale(interval->dt, vector(m.mean[i])),
+                     pe_scale(interval->dt, rotation.mean));
+    }
+    return PE_OK;
+}
+
+pe_status pe_island_step(pe_step *step, pe_interval *interval)
 {
     pe_island_problem island;
-    pe_status status = pe_island_solve(world, islands, k, free, dt, tally, &island, path, error);
+    pe_status status = pe_island_solve(step, interval, &island);
     if (status == PE_OK) {
-        status = pe_integrate_island(world, &island, free, dt, error);
+        status = integrate_island(step, interval, &island);
     }
     if (status == PE_OK) {
-        pe_problem_store_impulses(world, &island);
+        pe_problem_store_impulses(step->world, &island);
     }
     return status;
+}
+
+/* ---- Bodies without contacts ---- */
+
+/* Whether no torque acts on the body, and its rotation is not that of a sphere. */
+static bool spins_freely(const pe_world *world, int slot, const pe_free_motion *free, double dt)
+{
+    pe_vec3 torque = free->torque, w = pe_twists(world)[slot].angular_velocity;
+    double angle2 = dt * dt * pe_dot(w, w);
+    return world->def.profile != PE_PROFILE_FAST && !pe_masses(world)[slot].spherical &&
+           pe_dot(torque, torque) == 0 && angle2 > 0 && angle2 < MAX_ROTATION * MAX_ROTATION;
+}
+
+void pe_integrate_free(pe_world *world, int slot, const pe_free_motion *free, double dt)
+{
+    const pe_vec3 none = {0, 0, 0};
+    pe_pose *pose = &pe_poses(world)[slot];
+    pe_twist *twist = &pe_twists(world)[slot];
+    pe_vec3 displacement = pe_scale(dt, free[slot].mean.velocity);
+    if (!spins_freely(world, slot, &free[slot], dt)) {
+        *twist = free[slot].end;
+        pe_pose_move(pose, displacement, pe_scale(dt, free[slot].mean.angular_velocity));
+        return;
+    }
+    for (int k = 0; k < 3; ++k) {
+        double h = YOSHIDA[k] * dt;
+        pe_rotation_step rotation = pe_rotate_freely(world, slot, h, none, none);
+        pe_pose_move(pose, none, pe_scale(h, rotation.mean));
+        twist->angular_velocity = rotation.end;
+    }
+    twist->velocity = free[slot].end.velocity;
+    pe_pose_move(pose, displacement, none);
 }

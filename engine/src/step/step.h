@@ -1,0 +1,179 @@
+/* One step on its way, and the phases that it passes through.
+ *
+ * All phases take the step's context, which holds what they share. Arrays have one item for every
+ * slot of the world, unless noted, and live in the step's arena. */
+#ifndef PE_STEP_H
+#define PE_STEP_H
+
+#include "contact/contact.h"
+#include "problem/problem_build.h"
+#include "solver/solve.h"
+
+typedef struct pe_step {
+    pe_world *world;
+    double dt; /* s */
+    pe_contact_rules rules;
+    pe_error *error; /* NULL allowed */
+    pe_step_stats stats;
+    double residual_squares; /* (m/s)^2, summed over the points that were solved */
+    int residual_points;
+
+    /* At the step's start. */
+    pe_islands islands;
+    pe_pose *poses;
+    pe_twist *twists;
+    pe_free_motion *free; /* the step without contacts */
+
+    bool *soft;            /* (islands): solved by soft contact */
+    bool *solved_directly; /* bodies whose island was not swept */
+    bool *fast_moving;     /* bodies that soft contact would not stop */
+    bool any_fast_moving;
+
+    bool *corrected;                 /* bodies that position correction moved */
+    const pe_pose *uncorrected_poses; /* before it did; read only of bodies in `corrected` */
+    const pe_twist *uncorrected_twists;
+    double shallow; /* m: the energy guard does not put back bodies that were moved farther */
+} pe_step;
+
+/* PE_BAD_ARGUMENT unless dt is a finite number above 0. */
+pe_status pe_check_dt(double dt, pe_error *error);
+
+/* ---- Islands (island_step.c) ---- */
+
+/* One island over an interval of time, which is the whole step or a sub-step. */
+typedef struct pe_interval {
+    const pe_islands *islands;
+    int k;                      /* the island */
+    const pe_free_motion *free; /* (slots): the motion without contacts */
+    double dt;                  /* s */
+    pe_path path;               /* set to what has solved the island */
+} pe_interval;
+
+/* Builds and solves the island's contact problem, and counts it in step->stats. */
+pe_status pe_island_solve(pe_step *step, pe_interval *interval, pe_island_problem *island);
+
+/* The same, and moves the bodies by it and stores the impulses in the contacts.
+ *
+ * A body moves by the mean of old and new velocity, which is exact for constant forces and of
+ * second order otherwise. Where a contact closes within the step this would move its bodies into
+ * each other, and where its impulse acts along the velocities it would add energy,
+ * p.(u_old + u_new)/2. So where
+ *
+ *   phi + h u_n < min(0, phi) at the mean velocities, or p.(u_old + u_new) > 0 over a manifold
+ *
+ * both bodies move by the new velocities, with all bodies that they push, and so on until there is
+ * no such contact. These bodies get their impulses at the step's start and move freely from there:
+ * they lose at least |v_new - v_old|_M^2/2 of energy. */
+pe_status pe_island_step(pe_step *step, pe_interval *interval);
+
+/* Moves a body that touches nothing over dt, in s. Without a torque its rotation is integrated by a
+ * rule of fourth order, except in the fast profile. `free` (slots) is the motion without contacts.
+ */
+void pe_integrate_free(pe_world *world, int slot, const pe_free_motion *free, double dt);
+
+/* ---- Impacts at their own time (impact.c) ---- */
+
+/* Whether an island small enough (pe_world_def.impact_bodies) has a contact that closes within the
+ * step faster than gravity alone would make it. Bodies with torques on them are left to the
+ * ordinary step, because the energy guard computes the torques' work over a whole one. */
+bool pe_impact_is_due(const pe_step *step, int k);
+
+/* Does the work of pe_island_step in sub-steps: the island moves up to its first impact, with the
+ * contacts that are not about to impact. That impact is solved in an instant, at the poses at which
+ * it happens, and so on over the rest of dt. After a few impacts the rest is an ordinary step. An
+ * ordinary step alone would spread an impact over two steps, or let it act at the step's start and
+ * over the gap. (Event detection in the manner of Pfeiffer and Glocker 1996, Multibody Dynamics
+ * with Unilateral Contacts, within a time-stepping scheme.)
+ *
+ * The island's points in world->contacts get the impulses of all sub-steps. The impulse of a point
+ * that is no longer in that list goes to the nearest point of the pair. step->free stays that of
+ * the whole step. */
+pe_status pe_impact_step(pe_step *step, int k, pe_path *path);
+
+/* ---- Position correction (position_correction.c) ---- */
+
+/* One of the solvers of solve.h; the tolerance is in m. */
+typedef pe_status pe_correction_solver(const pe_problem *problem, const pe_solve_limits *limits,
+                                       pe_workspace work, pe_solve_report *report,
+                                       pe_error *error);
+
+typedef struct pe_correction_rules {
+    double begin;   /* m, > aim + enough: islands with a deeper contact that counts are corrected */
+    double aim;     /* m: the depth that is left alone */
+    double enough;  /* m: solved when no contact is deeper than aim + enough */
+    int max_sweeps; /* of an island and round */
+    int max_rounds;
+
+    /* Only islands whose first body is flagged in `among` (slots; NULL: all) are corrected, and
+     * only contacts of flagged bodies count. */
+    const bool *among;
+
+    /* Solves islands whole, within these limits. Where it finds nothing better than the poses as
+     * they are, the island is swept. NULL: islands are swept at once. */
+    pe_correction_solver *solver;
+    pe_solve_limits solver_limits;
+} pe_correction_rules;
+
+/* Begins at 3e-4 m, aims at 1e-4, has enough within 5e-5; 200 sweeps, 8 rounds; all islands, no
+ * solver. */
+pe_correction_rules pe_correction_rules_default(void);
+
+typedef struct pe_correction_report {
+    int rounds;
+    int iterations;          /* of sweeps or solver, largest over islands and rounds */
+    double penetration;      /* m, deepest before */
+    double penetration_left; /* m, deepest after */
+    const bool *moved;       /* (slots), in the step's arena: bodies that were moved; NULL: none */
+    const pe_pose *poses;    /* (slots), before any was moved; NULL where `moved` is */
+    const pe_twist *twists;
+} pe_correction_report;
+
+/* Removes penetration by moving bodies; momenta stay. Corrects each island that has a contact
+ * deeper than rules->begin, finds the contacts of the moved bodies again, and repeats this while
+ * there is such an island, at most rules->max_rounds times. The round with the least sum of squared
+ * violations of phi >= -aim wins: if the last one is not it, bodies go back to there.
+ *
+ * world->contacts must be those at the poses now, and are so afterwards, with their impulses. On
+ * PE_NO_MEMORY some bodies may have been moved, and world->contacts be those of other poses. */
+pe_status pe_correct_positions(pe_step *step, const pe_correction_rules *rules,
+                               pe_correction_report *report);
+
+/* ---- Energy (energy_guard.c) ---- */
+
+typedef struct pe_energy_report {
+    int islands;    /* that had gained energy */
+    double removed; /* J */
+    int put_back;   /* islands in which bodies were put back */
+} pe_energy_report;
+
+/* Takes back the energy that islands have gained in the step except by the forces on them; called
+ * when bodies have moved and positions are corrected.
+ *
+ * Contacts, with friction and restitution up to 1, can only take energy from an island. Unconverged
+ * solves, bounces before the surface is reached and position correction give it some. An island
+ * whose kinetic energy grew by more than the work of gravity and applied forces, which follow from
+ * step->free, along the displacements of its bodies,
+ *
+ *   dE = sum T(end) - T(begin) - F . dx - h tau . w     (w the mean of both angular velocities),
+ *
+ * gets its velocities scaled by sqrt(1 - dE/T(end)). If there is not that much motion, the energy
+ * came from position correction. Then the island comes to rest, and goes back to where it was, to
+ * lie as deep as before, unless a body was moved by more than step->shallow: deeper penetration is
+ * removed at any cost. Growth within rounding is left alone.
+ *
+ * Contacts that were solved directly do not sink, so that motion under them is no error, and may be
+ * the begin of a fall. There position correction alone is taken back, already if it would cost half
+ * of the speed, and waits until motion can pay for it. The tiny lift by which contacts remove
+ * rounding is left alone.
+ *
+ * To scale velocities costs momentum. So an island whose bodies were all solved directly, or have
+ * no contact, and none of them corrected, may gain a millionth: the error of finite steps.
+ *
+ * `groups` are bodies that touch (pe_islands_find_touching; only their lists of bodies are read).
+ * Bodies in no group are left alone except those in step->corrected, of which each is a group by
+ * itself. Flags in `put_back` (slots, all false before) the bodies whose poses were changed: their
+ * contacts in world->contacts are those of other poses then. */
+void pe_energy_guard(const pe_step *step, const pe_islands *groups, bool *put_back,
+                     pe_energy_report *report);
+
+#endif
