@@ -141,6 +141,14 @@ static inline pe_quat pe_quat_unit(pe_quat q)
     return (pe_quat){q.w * s, q.x * s, q.y * s, q.z * s};
 }
 
+/* Solves the 3 x 3 system with these rows by Cramer's rule. */
+static inline pe_vec3 pe_solve3(pe_vec3 r0, pe_vec3 r1, pe_vec3 r2, pe_vec3 right)
+{
+    pe_vec3 c12 = pe_cross(r1, r2), c20 = pe_cross(r2, r0), c01 = pe_cross(r0, r1);
+    pe_vec3 sum = pe_madd(pe_madd(pe_scale(right.x, c12), right.y, c20), right.z, c01);
+    return pe_scale(1 / pe_dot(r0, c12), sum);
+}
+
 /* Two unit tangents that make a right-handed frame (n, t1, t2) with the unit vector n. */
 static inline void pe_tangents(pe_vec3 n, pe_vec3 *t1, pe_vec3 *t2)
 {

@@ -2,14 +2,6 @@
 
 #include "base/rotation.h"
 
-/* Solves the 3 x 3 system with these rows by Cramer's rule. */
-static pe_vec3 solve3(pe_vec3 r0, pe_vec3 r1, pe_vec3 r2, pe_vec3 right)
-{
-    pe_vec3 c12 = pe_cross(r1, r2), c20 = pe_cross(r2, r0), c01 = pe_cross(r0, r1);
-    pe_vec3 sum = pe_madd(pe_madd(pe_scale(right.x, c12), right.y, c20), right.z, c01);
-    return pe_scale(1 / pe_dot(r0, c12), sum);
-}
-
 static pe_mat3 rotation_by(pe_vec3 v)
 {
     return pe_matrix_of(pe_quat_turned((pe_quat){.w = 1}, v));
@@ -73,7 +65,7 @@ static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
             c[k] = pe_madd(pe_mul(inertia, d), 0.5 * dt, change);
         }
         pe_vec3 change =
-            solve3(pe_v3(c[0].x, c[1].x, c[2].x), pe_v3(c[0].y, c[1].y, c[2].y),
+            pe_solve3(pe_v3(c[0].x, c[1].x, c[2].x), pe_v3(c[0].y, c[1].y, c[2].y),
                    pe_v3(c[0].z, c[1].z, c[2].z), pe_sub(pe_mul(inertia, s.end), turned));
         s.end = pe_sub(s.end, change);
         if (pe_length(change) <= least) {

@@ -37,14 +37,6 @@ pe_status pe_solver_bodies_take(pe_world *world, const pe_chosen_islands *chosen
     return PE_OK;
 }
 
-/* Solves the 3 x 3 system with these rows by Cramer's rule. */
-static pe_vec3 solve3(pe_vec3 r0, pe_vec3 r1, pe_vec3 r2, pe_vec3 right)
-{
-    pe_vec3 c12 = pe_cross(r1, r2), c20 = pe_cross(r2, r0), c01 = pe_cross(r0, r1);
-    pe_vec3 sum = pe_madd(pe_madd(pe_scale(right.x, c12), right.y, c20), right.z, c01);
-    return pe_scale(1 / pe_dot(r0, c12), sum);
-}
-
 /* The angular velocity v with the kinetic energy of w, both in the body's axes. */
 static pe_vec3 with_energy_of(pe_vec3 inertia, pe_vec3 w, pe_vec3 v)
 {
@@ -65,7 +57,7 @@ static pe_vec3 precess(pe_vec3 inertia, pe_vec3 w, double dt)
         pe_vec3 r0 = pe_v3(ix, k * m.z * (iz - iy), k * m.y * (iz - iy));
         pe_vec3 r1 = pe_v3(k * m.z * (ix - iz), iy, k * m.x * (ix - iz));
         pe_vec3 r2 = pe_v3(k * m.y * (iy - ix), k * m.x * (iy - ix), iz);
-        next = pe_sub(next, solve3(r0, r1, r2, f));
+        next = pe_sub(next, pe_solve3(r0, r1, r2, f));
     }
     return with_energy_of(inertia, w, next);
 }

@@ -248,7 +248,7 @@ static void predict(substeps *s, double dt)
 static pe_twist solved_twist(const pe_island_problem *built, int i)
 {
     const double *v = built->problem.velocity[i];
-    return (pe_twist){pe_v3(v[0], v[1], v[2]), pe_v3(v[3], v[4], v[5])};
+    return (pe_twist){pe_v3_load(v), pe_v3_load(v + 3)};
 }
 
 /* The velocities at the end of the rest of the step, if there were no impacts. */

@@ -95,11 +95,6 @@ pe_status pe_island_solve(pe_step *step, pe_interval *interval, pe_island_proble
 
 /* ---- Positions ---- */
 
-static pe_vec3 vector(const double v[3])
-{
-    return pe_v3(v[0], v[1], v[2]);
-}
-
 /* The k-th of the six numbers. */
 static double component(const pe_twist *twist, int k)
 {
@@ -239,8 +234,8 @@ static pe_rotation_step rotate_body(const pe_world *world, const pe_island_probl
     pe_symmetric_times(problem->inertia[i].tensor, change, impulse);
     pe_vec3 applied = pe_scale(0.5 * interval->dt, interval->free[slot].torque);
     return pe_rotate_freely(world, slot, interval->dt,
-                            pe_madd(applied, late ? 1 : 0.5, vector(impulse)),
-                            pe_madd(applied, late ? 0 : 0.5, vector(impulse)));
+                            pe_madd(applied, late ? 1 : 0.5, pe_v3_load(impulse)),
+                            pe_madd(applied, late ? 0 : 0.5, pe_v3_load(impulse)));
 }
 
 static pe_status integrate_island(pe_step *step, const pe_interval *interval,
@@ -256,8 +251,8 @@ static pe_status integrate_island(pe_step *step, const pe_interval *interval,
     for (int i = 0; i < island->problem.body_count; ++i) {
         int slot = island->slot[i];
         pe_rotation_step rotation = rotate_body(world, island, interval, i, m.late[i]);
-        pe_twists(world)[slot] = (pe_twist){vector(island->problem.velocity[i]), rotation.end};
-        pe_pose_move(&pe_poses(world)[slot], pe_scale(interval->dt, vector(m.mean[i])),
+        pe_twists(world)[slot] = (pe_twist){pe_v3_load(island->problem.velocity[i]), rotation.end};
+        pe_pose_move(&pe_poses(world)[slot], pe_scale(interval->dt, pe_v3_load(m.mean[i])),
                      pe_scale(interval->dt, rotation.mean));
     }
     return PE_OK;

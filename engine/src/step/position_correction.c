@@ -307,7 +307,7 @@ static void displace(correction *c, const pe_island_problem *built)
         const double *d = built->problem.velocity[i];
         int slot = built->slot[i];
         pe_pose *pose = &pe_poses(c->world)[slot];
-        pe_vec3 linear = pe_v3(d[0], d[1], d[2]), rotation = pe_v3(d[3], d[4], d[5]);
+        pe_vec3 linear = pe_v3_load(d), rotation = pe_v3_load(d + 3);
         if (pe_dot(linear, linear) > 0 || pe_dot(rotation, rotation) > 0) {
             const pe_mass *mass = &pe_masses(c->world)[slot];
             pe_vec3 inertia = mass->inertia;
