@@ -175,7 +175,7 @@ static pe_aabb box_of(const pe_world *world, int slot, double margin)
     pe_vec3 x = pose->position, m = pe_v3(margin, margin, margin);
     pe_vec3 half = pe_add(m, pe_shape_extent(&body->shape, NULL, &pose->rotation).half);
     return (pe_aabb){{x.x - half.x, x.y - half.y, x.z - half.z},
-                    {x.x + half.x, x.y + half.y, x.z + half.z}};
+                     {x.x + half.x, x.y + half.y, x.z + half.z}};
 }
 
 /* All pairs, by their boxes with the margin; the floor, slot 1, by the boxes' low sides. */

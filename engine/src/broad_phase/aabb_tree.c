@@ -168,7 +168,8 @@ typedef struct subtree {
     int node;
 } subtree;
 
-/* All of them. Where the whole tree is rebuilt they are copies of its leaves; else `leaf` is NULL. */
+/* All of them. Where the whole tree is rebuilt they are copies of its leaves; else `leaf` is NULL.
+ */
 typedef struct forest {
     subtree *item;
     int count;
@@ -302,7 +303,8 @@ static int cut(subtree *subtrees, int count)
     double middle;
     int axis = widest_axis(subtrees, count, &middle);
     int below = cut_at(subtrees, count, axis, middle), above = count - below;
-    return 4 * (below < above ? below : above) < count ? cut_in_halves(subtrees, count, axis) : below;
+    return 4 * (below < above ? below : above) < count ? cut_in_halves(subtrees, count, axis)
+                                                       : below;
 }
 
 /* Computes box, height and mark of an inner node from its children. */

@@ -45,7 +45,7 @@ double pe_pair_margin(const pe_world *world, int a, int b, double dt)
 void pe_broad_free(pe_broad *broad, const pe_allocator *allocator)
 {
     pe_array *arrays[] = {&broad->proxy_array, &broad->moved_flag, &broad->moved_list,
-                          &broad->plane_array, &broad->fat_array,    &broad->tight_array};
+                          &broad->plane_array, &broad->fat_array,  &broad->tight_array};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         pe_array_free(arrays[i], allocator);
     }
@@ -255,8 +255,8 @@ static void update_all_boxes(pe_world *world, double dt)
     const pe_proxy *proxies = proxies_of(world->broad);
     double slack = pe_margin_slack(world, dt);
     for (int slot = 1; slot < world->slot_count; ++slot) {
-        if (proxies[slot].bounded &&
-            !is_within_tight(&proxies[slot], &pe_poses(world)[slot], &pe_twists(world)[slot], dt, slack)) {
+        if (proxies[slot].bounded && !is_within_tight(&proxies[slot], &pe_poses(world)[slot],
+                                                      &pe_twists(world)[slot], dt, slack)) {
             update_boxes(world, slot, dt, slack);
         }
     }
@@ -302,10 +302,9 @@ static pe_status find_moved_pairs(pe_world *world, pe_pair_list *pairs, pe_error
     *pairs = (pe_pair_list){.work = pe_step_memory(world)};
     pe_status status = pe_tree_update(&broad->dynamics, pairs->work, error);
     status = status ? status : pe_tree_update(&broad->statics, pairs->work, error);
-    status = status ? status
-                    : pe_tree_query_pairs(&broad->dynamics, &broad->dynamics, pairs, error);
-    status = status ? status
-                    : pe_tree_query_pairs(&broad->dynamics, &broad->statics, pairs, error);
+    status =
+        status ? status : pe_tree_query_pairs(&broad->dynamics, &broad->dynamics, pairs, error);
+    status = status ? status : pe_tree_query_pairs(&broad->dynamics, &broad->statics, pairs, error);
     status = status ? status : pair_with_planes(world, pairs, error);
     return status ? status : pe_pair_list_sort(pairs, world->slot_count, error);
 }

@@ -20,13 +20,14 @@ typedef struct pe_proxy {
 /* The state that is kept from step to step: see broad_phase.c. All zero to begin with. */
 typedef struct pe_broad {
     pe_array proxy_array; /* (proxy_count) one a slot */
-    pe_array moved_flag;  /* (proxy_count) bool: the fat AABB is new or gone since pairs were found */
+    pe_array
+        moved_flag; /* (proxy_count) bool: the fat AABB is new or gone since pairs were found */
     pe_array moved_list;  /* (moved_count) slots of the moved proxies */
     pe_array plane_array; /* (plane_count) slots */
     int proxy_count, moved_count, plane_count;
-    pe_tree dynamics, statics;   /* of bounded bodies, by fat AABBs */
-    pe_array fat_array;          /* (fat_count) pairs of fat AABBs that overlap, sorted */
-    pe_array tight_array;        /* (tight_count) those whose tight AABBs overlap, sorted */
+    pe_tree dynamics, statics; /* of bounded bodies, by fat AABBs */
+    pe_array fat_array;        /* (fat_count) pairs of fat AABBs that overlap, sorted */
+    pe_array tight_array;      /* (tight_count) those whose tight AABBs overlap, sorted */
     int fat_count, tight_count;
     bool planes_changed; /* since pairs were found */
     bool tight_changed;  /* a tight AABB is new since then */

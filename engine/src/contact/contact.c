@@ -42,9 +42,9 @@ typedef struct examined {
     pe_pair pair;
     const pe_body *a, *b;
     const pe_pose *pose_a, *pose_b;
-    double size;             /* m, of the smaller body; a plane has none */
-    double margin;           /* m */
-    const pe_manifold *old;  /* (old_count): its old manifolds */
+    double size;            /* m, of the smaller body; a plane has none */
+    double margin;          /* m */
+    const pe_manifold *old; /* (old_count): its old manifolds */
     int old_count, old_point_count;
     const pe_manifold_point *old_points; /* (old_point_count): of all of them */
 
@@ -259,8 +259,7 @@ static void match_points(const examined *e, const pe_manifold *m, pe_manifold_po
     for (int i = 0; i < m->count; ++i) {
         int j = i; /* mostly the same index */
         if (i >= e->old_point_count || e->old_points[i].feature != points[i].feature) {
-            for (j = 0;
-                 j < e->old_point_count && e->old_points[j].feature != points[i].feature;) {
+            for (j = 0; j < e->old_point_count && e->old_points[j].feature != points[i].feature;) {
                 ++j;
             }
         }
@@ -331,8 +330,7 @@ static void find_old(search *s, examined *e)
         ++s->next;
     }
     e->old = &old[s->next];
-    for (; s->next < end && old[s->next].a == e->pair.a && old[s->next].b == e->pair.b;
-         ++s->next) {
+    for (; s->next < end && old[s->next].a == e->pair.a && old[s->next].b == e->pair.b; ++s->next) {
         e->old_count += 1;
         e->old_point_count += old[s->next].count;
     }
@@ -422,8 +420,7 @@ static pe_status compute_spin(search *s, const pe_pair_list *pairs)
 }
 
 pe_status pe_contacts_find(pe_world *world, const pe_contact_rules *rules,
-                           const pe_pair_list *pairs, const bool *moved, double dt,
-                           pe_error *error)
+                           const pe_pair_list *pairs, const bool *moved, double dt, pe_error *error)
 {
     search s = {
         .world = world,

@@ -66,7 +66,7 @@ static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
         }
         pe_vec3 change =
             pe_solve3(pe_v3(c[0].x, c[1].x, c[2].x), pe_v3(c[0].y, c[1].y, c[2].y),
-                   pe_v3(c[0].z, c[1].z, c[2].z), pe_sub(pe_mul(inertia, s.end), turned));
+                      pe_v3(c[0].z, c[1].z, c[2].z), pe_sub(pe_mul(inertia, s.end), turned));
         s.end = pe_sub(s.end, change);
         if (pe_length(change) <= least) {
             break;

@@ -27,9 +27,9 @@ typedef struct pe_rotation_step {
     pe_vec3 mean; /* by which the body rotates in it */
 } pe_rotation_step;
 
-/* The rotation of a body over dt, in s, which gets the angular impulses `early`, in N m s, world, at
- * the step's start and `late` at its end, and rotates freely between. The order is the second when
- * they are the same. */
+/* The rotation of a body over dt, in s, which gets the angular impulses `early`, in N m s, world,
+ * at the step's start and `late` at its end, and rotates freely between. The order is the second
+ * when they are the same. */
 pe_rotation_step pe_rotate_freely(const pe_world *world, int slot, double dt, pe_vec3 early,
                                   pe_vec3 late);
 

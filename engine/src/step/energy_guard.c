@@ -132,7 +132,8 @@ static bool all_exact(const group *g)
     return true;
 }
 
-/* Whether no body is farther than step->shallow from `poses`; `corrected`: of the corrected ones. */
+/* Whether no body is farther than step->shallow from `poses`; `corrected`: of the corrected ones.
+ */
 static bool is_shallow(const group *g, const pe_pose *poses, bool corrected)
 {
     const pe_step *step = g->step;

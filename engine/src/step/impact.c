@@ -71,8 +71,7 @@ static double opening(const pe_world *world, const pe_point_walk *at)
 /* Whether a point that opens at `speed` is an impact now. */
 static bool impacts_now(const substeps *s, const pe_manifold_point *point, double speed)
 {
-    return speed < -s->slow &&
-           point->separation <= pe_max(CLOSED, -speed * TOGETHER * s->step->dt);
+    return speed < -s->slow && point->separation <= pe_max(CLOSED, -speed * TOGETHER * s->step->dt);
 }
 
 /* Moves on to the next point of the sub-step's contacts that closes fast enough for an impact. */
@@ -187,8 +186,8 @@ static void count_points(substeps *s)
 static pe_status find_contacts(substeps *s)
 {
     choose(s, ALL);
-    pe_status status = pe_contacts_find(s->world, &s->step->rules, &s->pairs, NULL, s->step->dt,
-                                        s->step->error);
+    pe_status status =
+        pe_contacts_find(s->world, &s->step->rules, &s->pairs, NULL, s->step->dt, s->step->error);
     count_points(s);
     return status;
 }
@@ -292,8 +291,7 @@ static pe_status first_impact(substeps *s, double *time, bool *fast)
     *fast = false;
     pe_point_walk at = pe_walk_points(&s->world->contacts);
     while (status == PE_OK && next_closing(s, &at, &u0)) {
-        double u1 =
-            opening_at(s->world, &at, end_of(s, at.manifold->a), end_of(s, at.manifold->b));
+        double u1 = opening_at(s->world, &at, end_of(s, at.manifold->a), end_of(s, at.manifold->b));
         *time = pe_min(*time, closing_time(at.point->separation, u0, u1, s->left));
         *fast = true;
     }

@@ -207,8 +207,8 @@ static void find_late(const pe_world *world, const pe_island_problem *island, do
             if (late[a] && late[b]) {
                 continue;
             }
-            bool dynamic_late = (late[a] && a != problem->body_count) ||
-                                (late[b] && b != problem->body_count);
+            bool dynamic_late =
+                (late[a] && a != problem->body_count) || (late[b] && b != problem->body_count);
             bool loaded = pushes(island, manifold, sum, &adds);
             if ((loaded && (adds || dynamic_late)) || closes(world, island, manifold, mean, dt)) {
                 late[a] = late[b] = changed = true;

@@ -29,7 +29,7 @@ typedef struct pe_step {
     bool *fast_moving;     /* bodies that soft contact would not stop */
     bool any_fast_moving;
 
-    bool *corrected;                 /* bodies that position correction moved */
+    bool *corrected;                  /* bodies that position correction moved */
     const pe_pose *uncorrected_poses; /* before it did; read only of bodies in `corrected` */
     const pe_twist *uncorrected_twists;
     double shallow; /* m: the energy guard does not put back bodies that were moved farther */
@@ -94,8 +94,7 @@ pe_status pe_impact_step(pe_step *step, int k, pe_path *path);
 
 /* One of the solvers of solve.h; the tolerance is in m. */
 typedef pe_status pe_correction_solver(const pe_problem *problem, const pe_solve_limits *limits,
-                                       pe_workspace work, pe_solve_report *report,
-                                       pe_error *error);
+                                       pe_workspace work, pe_solve_report *report, pe_error *error);
 
 typedef struct pe_correction_rules {
     double begin;   /* m, > aim + enough: islands with a deeper contact that counts are corrected */

@@ -131,8 +131,7 @@ static pe_status solve_island(pe_step *step, int k)
         .path = PE_PATH_NONE,
     };
     bool impact = step->world->def.profile != PE_PROFILE_FAST && pe_impact_is_due(step, k);
-    pe_status status =
-        impact ? pe_impact_step(step, k, &whole.path) : pe_island_step(step, &whole);
+    pe_status status = impact ? pe_impact_step(step, k, &whole.path) : pe_island_step(step, &whole);
     if (status != PE_OK) {
         return status;
     }
@@ -348,8 +347,7 @@ static pe_status run_phases(pe_step *step)
     bool stale = world->contacts_stale || step->dt != world->previous_dt;
     pe_status status = stale ? find_contacts(step) : PE_OK;
     if (status != PE_OK || (status = find_islands(step)) != PE_OK ||
-        (status = solve_and_move(step)) != PE_OK ||
-        (status = find_next_contacts(step)) != PE_OK) {
+        (status = solve_and_move(step)) != PE_OK || (status = find_next_contacts(step)) != PE_OK) {
         return status;
     }
     double mark = seconds_now();
