@@ -1,8 +1,8 @@
 #include "catalogue_page.h"
 
+#include "page.h"
 #include "plumb/scenario.h"
 #include "referee/metrics/metrics.h"
-#include "style.h"
 #include "svg.h"
 
 #include <stdio.h>
@@ -18,22 +18,6 @@ static void add_fact(pl_text_buffer *out, const char *name, const char *text)
         pl_text_add_element(out, "<dt>", name, "</dt>");
         pl_text_add_element(out, "<dd>", text, "</dd>\n");
     }
-}
-
-static void add_head(pl_text_buffer *out, int count)
-{
-    pl_text_add(out, "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-                     "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
-                     "<title>Plumb: the catalogue</title>\n<style>\n");
-    for (int i = 0; pl_style[i] != NULL; ++i) {
-        pl_text_add(out, pl_style[i]);
-        pl_text_add(out, "\n");
-    }
-    pl_text_format(out,
-                   "</style>\n</head>\n<body>\n<main>\n<h1>The catalogue</h1>\n"
-                   "<p class=\"lead\">%d scenarios: what is built, what the right answer is, and "
-                   "where that is from.</p>\n<p>",
-                   count);
 }
 
 static void add_index(pl_text_buffer *out, const pl_scenario *const *scenarios, int count)
@@ -137,18 +121,18 @@ static void add_threshold(pl_text_buffer *out, const pl_threshold *t)
 
 static void add_params(pl_text_buffer *out, const pl_scenario *s)
 {
-    pl_text_add(out, "<div class=\"scroll\"><table><thead><tr><th>Parameter</th><th class=\"n\">"
-                     "Default</th><th>Range</th><th>Unit</th><th>Meaning</th></tr></thead>"
-                     "<tbody>\n");
+    const pl_page page = {.out = out, .html = true};
+    pl_table table = {0};
+    pl_table_columns(&table, "Parameter|>Default|Range|Unit|Meaning");
     for (int i = 0; i < s->param_count; ++i) {
         const pl_param *p = &s->params[i];
-        pl_text_add_element(out, "<tr><th>", p->name, "</th>");
-        pl_text_format(out, "<td class=\"n\">%g</td><td>%g to %g%s</td>", p->value, p->min, p->max,
-                       p->integer ? ", whole" : "");
-        pl_text_add_element(out, "<td>", p->unit, "</td>");
-        pl_text_add_element(out, "<td>", p->help, "</td></tr>\n");
+        pl_table_add(&table, p->name);
+        pl_table_format_cell(&table, "%g", p->value);
+        pl_table_format_cell(&table, "%g to %g%s", p->min, p->max, p->integer ? ", whole" : "");
+        pl_table_add(&table, p->unit);
+        pl_table_add(&table, p->help);
     }
-    pl_text_add(out, "</tbody></table></div>\n");
+    pl_page_table(&page, table, 0);
 }
 
 static pl_status add_scenario(pl_text_buffer *out, const pl_scenario *s, int index, pl_error *error)
@@ -176,13 +160,18 @@ pl_status pl_catalogue_page(pl_text_buffer *out, pl_error *error)
 {
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);
-    add_head(out, count);
+    pl_page_open(out, "Plumb: the catalogue", NULL);
+    pl_text_format(
+        out,
+        "<h1>The catalogue</h1>\n<p class=\"lead\">%d scenarios: what is built, what the "
+        "right answer is, and where that is from.</p>\n<p>",
+        count);
     add_index(out, scenarios, count);
     pl_status status = PL_OK;
     for (int i = 0; i < count && status == PL_OK; ++i) {
         status = add_scenario(out, scenarios[i], i, error);
     }
-    pl_text_add(out, "</main>\n</body>\n</html>\n");
+    pl_page_close(out);
     return status == PL_OK && out->failed
                ? pl_fail(error, PL_NO_MEMORY, "no memory for the catalogue's page")
                : status;

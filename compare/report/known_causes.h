@@ -1,24 +1,42 @@
-/* What in another engine makes it err in a scenario, and how that was found. */
-#ifndef PLUMB_CAUSES_H
-#define PLUMB_CAUSES_H
+/* What in another engine causes its error in a scenario, and the experiment that showed it: the
+ * statements of known_causes.json. */
+#ifndef PLUMB_KNOWN_CAUSES_H
+#define PLUMB_KNOWN_CAUSES_H
 
-typedef struct pl_cause {
-    const char *engine;
-    const char *profile;   /* NULL: any */
-    const char *scenarios; /* names with a blank between two */
-    const char *outcome;   /* NULL: any but crashed and timeout */
-    const char *text;      /* what does it, in a line; NULL: not known */
-    const char *evidence;  /* what was varied, and what changed */
-} pl_cause;
+#include "plumb/base.h"
 
-/* The versions that the causes were found with, in words. */
-extern const char pl_causes_versions[];
+#include <jansson.h>
 
-/* The first that fits a run; NULL where none does. */
-const pl_cause *pl_cause_find(const char *engine, const char *profile, const char *scenario,
-                              const char *outcome);
+typedef struct pl_known_cause {
+    const char *engine, *profile; /* profile NULL: any */
+    const char *outcome;          /* NULL: any except crashed and timeout */
+    const char *oldest, *newest;  /* versions of the engine, both included */
+    const json_t *scenarios;      /* name -> parameter -> [least, largest] */
+    const char *cause;            /* in a line; NULL: not known */
+    const char *evidence;         /* what was varied, and what changed */
+} pl_known_cause;
 
-/* The table, for tests. */
-const pl_cause *pl_causes(int *count);
+/* All texts are borrowed from `json`. */
+typedef struct pl_known_causes {
+    json_t *json;
+    pl_known_cause *items; /* (count) */
+    int count;
+    const char *found_with; /* the engines of the experiments, in words */
+} pl_known_causes;
+
+/* Reads the text of such a file (NULL: that of known_causes.json, which is part of the program).
+ * PL_BAD_INPUT: LABEL:LINE:COLUMN: field: what was expected, what was found. The caller frees, also
+ * on failure. */
+pl_status pl_known_causes_read(const char *text, const char *label, pl_known_causes *causes,
+                               pl_error *error);
+
+/* Frees the statements. */
+void pl_known_causes_free(pl_known_causes *causes);
+
+/* Returns the first statement that is about a plumb.result/1; NULL where there is none. Engine,
+ * version, profile, outcome and scenario must be those of the statement; each parameter must lie in
+ * its range, and a parameter without a range must have its default. No statement is about a run
+ * with options other than its profile's. */
+const pl_known_cause *pl_known_cause_find(const pl_known_causes *causes, const json_t *result);
 
 #endif

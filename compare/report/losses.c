@@ -1,33 +1,33 @@
 /* Finds where our engine is worse than the best other one.
  *
- * Each of our runs is held against the other engines' runs of the same problem whose outcome is ok,
- * metric by metric; the best of them may be a different one for each metric, which is the hardest
+ * Each of our runs is compared with the other engines' runs of the same case whose outcome is ok,
+ * metric by metric. The best of them may be a different one for each metric, which is the hardest
  * test. */
 #include "losses.h"
 
-#include "quantity.h"
+#include "number_format.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Values below its floor are equal.
+/* Values below the floor of a metric are equal.
  *
  * Lengths, speeds, angles and relative numbers: 1e-9 (SI). Double precision resolves 1.4e-14 m at
- * 100 m; over 10^4 steps such errors pile up to about 1e-10. So a smaller value is rounding, of the
- * engine or of the referee, and a nanometre is far below what a simulation can be asked for.
+ * 100 m; over 10^4 steps such errors add up to about 1e-10. So a smaller value is rounding, of the
+ * engine or of the referee, and a nanometre is far below what a simulation needs.
  *
- * Memory counts whole pages, and what the allocator takes from the system ahead of need: 256 KiB.
- * A time to rest is known to a step. */
+ * Memory is counted in whole pages, and the allocator takes some ahead of need: 256 KiB. The time
+ * to rest is known to one step. */
 static const double value_floor = 1e-9, memory_noise = 256 * 1024, relative_noise = 0.1;
 
-static double floor_of(const pl_block *block, int metric)
+static double floor_of(const pl_case *test_case, int metric)
 {
     if (metric == PL_METRIC_MEMORY_PEAK)
         return memory_noise;
     if (metric == PL_METRIC_SETTLE_TIME) {
-        const json_t *settings = json_object_get(block->row, "settings");
+        const json_t *settings = json_object_get(test_case->result, "settings");
         return fmax(value_floor, json_number_value(json_object_get(settings, "dt")));
     }
     return value_floor;
@@ -38,17 +38,17 @@ static bool is_measured(int metric)
     return !pl_metric_table[metric].deterministic;
 }
 
-/* Times and memory of different machines are not held against each other. */
+/* Times and memory of different machines are not compared. */
 static bool comparable(const pl_cell *a, const pl_cell *b, int metric)
 {
     return !is_measured(metric) || (!a->mixed_hosts && !b->mixed_hosts &&
-                                    strcmp(pl_row_text_in(a->row, "host", "cpu"),
-                                           pl_row_text_in(b->row, "host", "cpu")) == 0);
+                                    strcmp(pl_result_text(a->result, "host", "cpu"),
+                                           pl_result_text(b->result, "host", "cpu")) == 0);
 }
 
-bool pl_loss_is_worse(const pl_block *block, int metric, double value, double best)
+bool pl_loss_is_worse(const pl_case *test_case, int metric, double value, double best)
 {
-    double level = fmax(best, floor_of(block, metric));
+    double level = fmax(best, floor_of(test_case, metric));
     if (metric == PL_METRIC_MEMORY_PEAK && value - best <= memory_noise)
         return false;
     return value > (is_measured(metric) ? level * (1 + relative_noise) : level);
@@ -62,76 +62,77 @@ bool pl_loss_is_compared(int metric)
            metric != PL_METRIC_INSTRUCTIONS_PER_STEP; /* time_per_step once more */
 }
 
-/* The other engine's ok run with the least value of the metric; -1 when there is none. */
-static int best_other(const pl_result_matrix *cells, const pl_block *block, const pl_cell *ours,
+/* Returns the column of the other engine's ok run with the least value of the metric; -1: none. */
+static int best_other(const pl_result_matrix *matrix, const pl_case *test_case, const pl_cell *ours,
                       int metric)
 {
     int best = -1;
-    for (int i = 0; i < cells->column_count; i++) {
-        const pl_cell *cell = &block->cells[i];
-        if (cells->columns[i].ours || cell->row == NULL || !cell->ok ||
-            cell->measure[metric].state != PL_METRIC_VALUE || !comparable(ours, cell, metric))
+    for (int i = 0; i < matrix->column_count; i++) {
+        const pl_cell *cell = &test_case->cells[i];
+        if (matrix->columns[i].ours || cell->result == NULL || !cell->ok ||
+            cell->metrics[metric].state != PL_METRIC_VALUE || !comparable(ours, cell, metric))
             continue;
-        if (best < 0 || cell->measure[metric].value < block->cells[best].measure[metric].value)
+        if (best < 0 || cell->metrics[metric].value < test_case->cells[best].metrics[metric].value)
             best = i;
     }
     return best;
 }
 
-static int first_good_other(const pl_result_matrix *cells, const pl_block *block)
+static int first_good_other(const pl_result_matrix *matrix, const pl_case *test_case)
 {
-    for (int i = 0; i < cells->column_count; i++)
-        if (!cells->columns[i].ours && block->cells[i].row != NULL && block->cells[i].ok)
+    for (int i = 0; i < matrix->column_count; i++)
+        if (!matrix->columns[i].ours && test_case->cells[i].result != NULL &&
+            test_case->cells[i].ok)
             return i;
     return -1;
 }
 
-static void compare_metric(const pl_result_matrix *cells, pl_loss loss, int metric,
+static void compare_metric(const pl_result_matrix *matrix, pl_loss loss, int metric,
                            pl_losses *losses)
 {
-    const pl_measure *ours = &loss.our_cell->measure[metric];
+    const pl_metric_summary *ours = &loss.our_cell->metrics[metric];
     /* reference_error says the same already. */
-    if (ours->state == PL_METRIC_ABSENT || pl_block_primary_is(loss.block, metric))
+    if (ours->state == PL_METRIC_ABSENT || pl_case_primary_is(loss.test_case, metric))
         return;
-    int best = best_other(cells, loss.block, loss.our_cell, metric);
+    int best = best_other(matrix, loss.test_case, loss.our_cell, metric);
     if (best < 0)
         return;
     losses->comparisons++;
     loss.metric = metric;
-    loss.best = &cells->columns[best];
-    loss.best_cell = &loss.block->cells[best];
+    loss.best = &matrix->columns[best];
+    loss.best_cell = &loss.test_case->cells[best];
     if (ours->state != PL_METRIC_VALUE) {
         loss.kind = PL_LOSS_NO_VALUE;
         losses->items[losses->count++] = loss;
         return;
     }
     double our_value = ours->value;
-    double best_value = loss.best_cell->measure[metric].value;
-    if (!pl_loss_is_worse(loss.block, metric, our_value, best_value))
+    double best_value = loss.best_cell->metrics[metric].value;
+    if (!pl_loss_is_worse(loss.test_case, metric, our_value, best_value))
         return;
     loss.kind = PL_LOSS_VALUE;
-    loss.ratio = our_value / fmax(best_value, floor_of(loss.block, metric));
+    loss.ratio = our_value / fmax(best_value, floor_of(loss.test_case, metric));
     losses->items[losses->count++] = loss;
 }
 
-/* A run of ours against the others: a failed run is one loss, not one a metric. */
-static void compare_run(const pl_result_matrix *cells, pl_loss loss, pl_losses *losses)
+/* Compares a run of ours with the others. A failed run is one loss, not one for each metric. */
+static void compare_run(const pl_result_matrix *matrix, pl_loss loss, pl_losses *losses)
 {
-    int other = first_good_other(cells, loss.block);
+    int other = first_good_other(matrix, loss.test_case);
     if (other < 0)
         return;
     if (loss.our_cell->ok) {
         for (int id = 0; id < PL_METRIC_COUNT; id++)
             if (pl_loss_is_compared(id))
-                compare_metric(cells, loss, id, losses);
+                compare_metric(matrix, loss, id, losses);
         return;
     }
-    int best = best_other(cells, loss.block, loss.our_cell, PL_METRIC_REFERENCE_ERROR);
+    int best = best_other(matrix, loss.test_case, loss.our_cell, PL_METRIC_REFERENCE_ERROR);
     if (best < 0)
         best = other;
     loss.kind = PL_LOSS_OUTCOME;
-    loss.best = &cells->columns[best];
-    loss.best_cell = &loss.block->cells[best];
+    loss.best = &matrix->columns[best];
+    loss.best_cell = &loss.test_case->cells[best];
     losses->comparisons++;
     losses->items[losses->count++] = loss;
 }
@@ -143,25 +144,14 @@ static int compare_losses(const void *left, const void *right)
         return a->kind < b->kind ? -1 : 1;
     if (a->ratio != b->ratio)
         return a->ratio > b->ratio ? -1 : 1;
-    if (a->block != b->block)
-        return a->block < b->block ? -1 : 1;
+    if (a->test_case != b->test_case)
+        return a->test_case < b->test_case ? -1 : 1;
     if (a->metric != b->metric)
         return a->metric < b->metric ? -1 : 1;
     return (a->ours > b->ours) - (a->ours < b->ours);
 }
 
-static void list_columns(const pl_result_matrix *cells, bool ours, pl_text_buffer *text)
-{
-    const char *separator = "";
-    for (int i = 0; i < cells->column_count; i++) {
-        if (cells->columns[i].ours != ours)
-            continue;
-        pl_text_format(text, "%s%s", separator, cells->columns[i].name);
-        separator = ", ";
-    }
-}
-
-static void write_statement(const pl_losses *losses, const pl_result_matrix *cells,
+static void write_statement(const pl_losses *losses, const pl_result_matrix *matrix,
                             pl_text_buffer *text)
 {
     if (!losses->ours_present || !losses->others_present) {
@@ -171,23 +161,23 @@ static void write_statement(const pl_losses *losses, const pl_result_matrix *cel
         return;
     }
     if (losses->comparisons == 0) {
-        pl_text_add(text,
-                    "Nothing was compared: there is no problem that plumb was run on and that "
-                    "another engine ended with outcome ok.");
+        pl_text_add(text, "Nothing was compared: there is no case that plumb was run on and that "
+                          "another engine ended with outcome ok.");
         return;
     }
-    if (losses->count == 0)
-        pl_text_format(text, "No losses: in none of %d comparisons", losses->comparisons);
-    else
+    if (losses->count == 0) {
+        pl_text_format(text,
+                       "No losses: in none of %d comparisons is plumb worse than the best other "
+                       "engine",
+                       losses->comparisons);
+    } else {
         pl_text_format(text, "plumb is worse than the best other engine in %d of %d comparisons",
                        losses->count, losses->comparisons);
-    if (losses->count == 0)
-        pl_text_add(text, " is plumb worse than the best other engine");
-    pl_text_format(text, ", over %d %s: ", losses->problems,
-                   losses->problems == 1 ? "problem" : "problems");
-    list_columns(cells, true, text);
+    }
+    pl_text_format(text, ", over %d %s: ", losses->cases, losses->cases == 1 ? "case" : "cases");
+    pl_result_matrix_engines(matrix, true, text);
     pl_text_add(text, " against the best of ");
-    list_columns(cells, false, text);
+    pl_result_matrix_engines(matrix, false, text);
     pl_text_add(text, ".");
 }
 
@@ -206,7 +196,7 @@ static void write_rule(pl_text_buffer *text)
     pl_text_add(
         text,
         ". Iterations and residuals are left out: they mean different things to different solvers. "
-        "No loss is a difference below noise. A value below its floor counts as the "
+        "A difference below noise is no loss. A value below its floor counts as the "
         "floor, also in the ratio: 1e-9 for lengths (m), speeds (m/s), angles (rad) and relative "
         "numbers, since rounding in double precision over a run of thousands of steps reaches "
         "about 1e-10; one time step for settle_time, which is not known more closely; 256 KiB for "
@@ -215,32 +205,32 @@ static void write_rule(pl_text_buffer *text)
         "A failed run of ours counts once.");
 }
 
-pl_status pl_losses_find(const pl_result_matrix *cells, pl_losses *losses, pl_error *error)
+pl_status pl_losses_find(const pl_result_matrix *matrix, pl_losses *losses, pl_error *error)
 {
     *losses = (pl_losses){0};
-    size_t most = (size_t)cells->block_count * (size_t)cells->column_count * PL_METRIC_COUNT;
+    size_t most = (size_t)matrix->case_count * (size_t)matrix->column_count * PL_METRIC_COUNT;
     losses->items = calloc(most + 1, sizeof *losses->items);
     if (losses->items == NULL)
         return pl_fail(error, PL_NO_MEMORY, "no memory for %zu comparisons", most);
-    for (int i = 0; i < cells->column_count; i++) {
-        losses->ours_present |= cells->columns[i].ours;
-        losses->others_present |= !cells->columns[i].ours;
+    for (int i = 0; i < matrix->column_count; i++) {
+        losses->ours_present |= matrix->columns[i].ours;
+        losses->others_present |= !matrix->columns[i].ours;
     }
-    for (int b = 0; b < cells->block_count; b++) {
-        const pl_block *block = &cells->blocks[b];
+    for (int b = 0; b < matrix->case_count; b++) {
+        const pl_case *test_case = &matrix->cases[b];
         int before = losses->comparisons;
-        for (int i = 0; i < cells->column_count; i++) {
-            pl_loss loss = {.block = block,
-                            .ours = &cells->columns[i],
-                            .our_cell = &block->cells[i],
+        for (int i = 0; i < matrix->column_count; i++) {
+            pl_loss loss = {.test_case = test_case,
+                            .ours = &matrix->columns[i],
+                            .our_cell = &test_case->cells[i],
                             .ratio = (double)INFINITY};
-            if (cells->columns[i].ours && block->cells[i].row != NULL)
-                compare_run(cells, loss, losses);
+            if (matrix->columns[i].ours && test_case->cells[i].result != NULL)
+                compare_run(matrix, loss, losses);
         }
-        losses->problems += losses->comparisons > before;
+        losses->cases += losses->comparisons > before;
     }
     qsort(losses->items, (size_t)losses->count, sizeof *losses->items, compare_losses);
-    write_statement(losses, cells, &losses->statement);
+    write_statement(losses, matrix, &losses->statement);
     write_rule(&losses->rule);
     if (losses->statement.failed || losses->rule.failed)
         return pl_fail(error, PL_NO_MEMORY, "no memory for the statement of losses");
@@ -263,17 +253,18 @@ void pl_loss_texts(const pl_loss *loss, char metric[PL_LOSS_TEXT_SIZE],
         snprintf(metric, PL_LOSS_TEXT_SIZE, "outcome");
         snprintf(ours, PL_LOSS_TEXT_SIZE, "%.150s", loss->our_cell->outcome);
         snprintf(best, PL_LOSS_TEXT_SIZE, "%.150s", loss->best_cell->outcome);
-        snprintf(ratio, PL_LOSS_TEXT_SIZE, "%s", pl_quantity_missing);
+        snprintf(ratio, PL_LOSS_TEXT_SIZE, "%s", pl_no_number);
         return;
     }
     bool primary =
-        loss->metric == PL_METRIC_REFERENCE_ERROR && loss->block->primary_error[0] != '\0';
+        loss->metric == PL_METRIC_REFERENCE_ERROR && loss->test_case->primary_error[0] != '\0';
     snprintf(metric, PL_LOSS_TEXT_SIZE, "%s%s%.100s%s", pl_metric_table[loss->metric].name,
-             primary ? " (" : "", primary ? loss->block->primary_error : "", primary ? ")" : "");
-    pl_measure_text(&loss->our_cell->measure[loss->metric], ours, PL_LOSS_TEXT_SIZE);
-    pl_measure_text(&loss->best_cell->measure[loss->metric], best, PL_LOSS_TEXT_SIZE);
+             primary ? " (" : "", primary ? loss->test_case->primary_error : "",
+             primary ? ")" : "");
+    pl_metric_text(&loss->our_cell->metrics[loss->metric], ours);
+    pl_metric_text(&loss->best_cell->metrics[loss->metric], best);
     if (loss->kind == PL_LOSS_VALUE)
-        pl_quantity_ratio(loss->ratio, ratio);
+        pl_format_ratio(loss->ratio, ratio);
     else
-        snprintf(ratio, PL_LOSS_TEXT_SIZE, "%s", pl_quantity_missing);
+        snprintf(ratio, PL_LOSS_TEXT_SIZE, "%s", pl_no_number);
 }

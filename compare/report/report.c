@@ -1,18 +1,124 @@
-/* Writes the report's files: all texts first, then all under temporary names, then the renames. */
+/* The report's files. All texts are made first; then all files are written under temporary names;
+ * then all are renamed. CSV is that of RFC 4180 (Shafranovich 2005). */
 #include "report.h"
 
-#include "csv.h"
-#include "findings.h"
-#include "html.h"
-#include "losses.h"
-#include "markdown.h"
+#include "report_page.h"
 
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+/* ---- CSV ---- */
+
+/* Keys of a result; "a.b" is the key b of the object a. */
+static const char *const run_columns[] = {
+    "run",        "scenario",      "params",         "scene_hash", "seed",     "repeat",
+    "engine",     "profile",       "engine_version", "label",      "settings", "outcome",
+    "reason",     "steps.asked",   "steps.done",     "host.cpu",   "host.os",  "host.compiler",
+    "host.flags", "plumb.version", "plumb.git",      "started"};
+static const char *const metric_columns[] = {"value", "unit", "direction",  "deterministic", "p50",
+                                             "p95",   "p99",  "worst_step", "reason"};
+enum {
+    RUN_COLUMNS = sizeof run_columns / sizeof run_columns[0],
+    METRIC_COLUMNS = sizeof metric_columns / sizeof metric_columns[0]
+};
+
+static void add_value(const json_t *value, pl_text_buffer *out)
+{
+    char *text = NULL;
+    switch (value == NULL ? JSON_NULL : json_typeof(value)) {
+    case JSON_NULL:
+        return;
+    case JSON_STRING:
+        pl_text_add_csv(out, json_string_value(value));
+        return;
+    case JSON_REAL:
+        pl_text_format(out, "%.17g", json_real_value(value));
+        return;
+    case JSON_INTEGER:
+        pl_text_format(out, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
+        return;
+    case JSON_TRUE:
+    case JSON_FALSE:
+        pl_text_add(out, json_is_true(value) ? "true" : "false");
+        return;
+    case JSON_OBJECT:
+    case JSON_ARRAY:
+        text = json_dumps(value, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
+        if (text == NULL)
+            out->failed = true;
+        else
+            pl_text_add_csv(out, text);
+        free(text);
+        return;
+    }
+}
+
+static const json_t *value_at(const json_t *result, const char *column)
+{
+    const char *dot = strchr(column, '.');
+    if (dot == NULL)
+        return json_object_get(result, column);
+    char object[32];
+    snprintf(object, sizeof object, "%.*s", (int)(dot - column), column);
+    return json_object_get(json_object_get(result, object), dot + 1);
+}
+
+/* `name` and `metric` are NULL for a run without metrics. */
+static void add_line(const json_t *result, const char *name, const json_t *metric,
+                     pl_text_buffer *out)
+{
+    for (int i = 0; i < RUN_COLUMNS; i++) {
+        add_value(value_at(result, run_columns[i]), out);
+        pl_text_add(out, ",");
+    }
+    if (name != NULL)
+        pl_text_add_csv(out, name);
+    for (int i = 0; i < METRIC_COLUMNS; i++) {
+        pl_text_add(out, ",");
+        add_value(json_object_get(metric, metric_columns[i]), out);
+    }
+    pl_text_add(out, "\r\n");
+}
+
+static void add_header(pl_text_buffer *out)
+{
+    for (int i = 0; i < RUN_COLUMNS; i++) {
+        for (const char *c = run_columns[i]; *c != '\0'; c++)
+            pl_text_format(out, "%c", *c == '.' ? '_' : *c);
+        pl_text_add(out, ",");
+    }
+    pl_text_add(out, "metric");
+    for (int i = 0; i < METRIC_COLUMNS; i++) /* "reason" is the run's */
+        pl_text_format(out, ",%s%s", strcmp(metric_columns[i], "reason") == 0 ? "metric_" : "",
+                       metric_columns[i]);
+    pl_text_add(out, "\r\n");
+}
+
+void pl_report_csv(json_t *results, pl_text_buffer *out)
+{
+    add_header(out);
+    size_t index;
+    json_t *result;
+    json_array_foreach(results, index, result)
+    {
+        json_t *metrics = json_object_get(result, "metrics");
+        if (json_object_size(metrics) == 0)
+            add_line(result, NULL, NULL, out);
+        const char *name;
+        json_t *metric;
+        json_object_foreach(metrics, name, metric)
+        {
+            add_line(result, name, metric, out);
+        }
+    }
+}
+
+/* ---- Files ---- */
 
 /* A file of the report: its text, and where it is written before it gets its name. */
 typedef struct report_file {
@@ -84,32 +190,24 @@ pl_status pl_report_write(const char *directory, json_t *results, pl_error *erro
 {
     report_file files[] = {{.name = "results.csv"}, {.name = "summary.md"}, {.name = "index.html"}};
     enum { FILE_COUNT = sizeof files / sizeof files[0] };
-    pl_result_matrix cells = {0};
-    pl_losses losses = {0};
-    pl_faults findings = {0};
-    pl_status status = pl_result_matrix_build(results, &cells, error);
-    if (status == PL_OK)
-        status = pl_losses_find(&cells, &losses, error);
-    if (status == PL_OK)
-        status = pl_faults_find(&cells, &findings, error);
-    if (status != PL_OK)
-        goto cleanup;
-    pl_csv_write(results, &files[0].text);
-    pl_markdown_write(&cells, &losses, &findings, &files[1].text);
-    pl_html_write(&cells, &losses, &findings, &files[2].text);
-    for (int i = 0; i < FILE_COUNT; i++) {
+    pl_report report;
+    pl_status status = pl_report_build(results, &report, error);
+    if (status == PL_OK) {
+        pl_report_csv(results, &files[0].text);
+        pl_report_page(&report, false, &files[1].text);
+        pl_report_page(&report, true, &files[2].text);
+    }
+    for (int i = 0; i < FILE_COUNT && status == PL_OK; ++i) {
         if (files[i].text.failed) {
             status = pl_fail(error, PL_NO_MEMORY, "no memory to write %s", files[i].name);
-            goto cleanup;
         }
     }
-    status = write_files(files, FILE_COUNT, directory, error);
-
-cleanup:
-    for (int i = 0; i < FILE_COUNT; i++)
+    if (status == PL_OK) {
+        status = write_files(files, FILE_COUNT, directory, error);
+    }
+    for (int i = 0; i < FILE_COUNT; ++i) {
         pl_text_free(&files[i].text);
-    pl_faults_free(&findings);
-    pl_losses_free(&losses);
-    pl_result_matrix_free(&cells);
+    }
+    pl_report_free(&report);
     return status;
 }

@@ -1,7 +1,6 @@
-/* Gathers results into blocks, columns and cells. */
 #include "result_matrix.h"
 
-#include "quantity.h"
+#include "number_format.h"
 #include "results/result.h"
 
 #include <math.h>
@@ -9,33 +8,38 @@
 #include <stdlib.h>
 #include <string.h>
 
-static pl_status check_row(const json_t *row, size_t index, pl_error *error)
+const char *pl_result_text(const json_t *result, const char *object, const char *key)
+{
+    return pl_json_get_text(json_object_get(result, object), key);
+}
+
+static pl_status check_result(const json_t *result, size_t index, pl_error *error)
 {
     static const char *const texts[] = {"scenario", "engine", "label", "outcome"};
-    if (!json_is_object(row))
+    if (!json_is_object(result))
         return pl_fail(error, PL_BAD_INPUT, "results[%zu]: expected an object", index);
-    if (strcmp(pl_json_get_text(row, "schema"), "plumb.result/1") != 0)
+    if (strcmp(pl_json_get_text(result, "schema"), "plumb.result/1") != 0)
         return pl_fail(error, PL_BAD_INPUT,
                        "results[%zu].schema: expected \"plumb.result/1\", found \"%.40s\"", index,
-                       pl_json_get_text(row, "schema"));
+                       pl_json_get_text(result, "schema"));
     for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
-        if (!json_is_string(json_object_get(row, texts[i])))
+        if (!json_is_string(json_object_get(result, texts[i])))
             return pl_fail(error, PL_BAD_INPUT, "results[%zu].%s: expected a string", index,
                            texts[i]);
-    if (!json_is_object(json_object_get(row, "metrics")))
+    if (!json_is_object(json_object_get(result, "metrics")))
         return pl_fail(error, PL_BAD_INPUT, "results[%zu].metrics: expected an object", index);
     return PL_OK;
 }
 
-/* --- Columns --- */
+/* ---- Columns ---- */
 
-static pl_column column_of(const json_t *row)
+static pl_column column_of(const json_t *result)
 {
-    return (pl_column){.label = pl_json_get_text(row, "label"),
-                       .engine = pl_json_get_text(row, "engine"),
-                       .version = pl_json_get_text(row, "engine_version"),
-                       .git = pl_row_text_in(row, "plumb", "git"),
-                       .ours = strcmp(pl_json_get_text(row, "engine"), "plumb") == 0};
+    return (pl_column){.label = pl_json_get_text(result, "label"),
+                       .engine = pl_json_get_text(result, "engine"),
+                       .version = pl_json_get_text(result, "engine_version"),
+                       .git = pl_result_text(result, "plumb", "git"),
+                       .ours = strcmp(pl_json_get_text(result, "engine"), "plumb") == 0};
 }
 
 static int compare_columns(const void *left, const void *right)
@@ -49,22 +53,22 @@ static int compare_columns(const void *left, const void *right)
     return order != 0 ? order : strcmp(a->git, b->git);
 }
 
-static int find_column(const pl_result_matrix *cells, const json_t *row)
+static int find_column(const pl_result_matrix *matrix, const json_t *result)
 {
-    pl_column wanted = column_of(row);
-    for (int i = 0; i < cells->column_count; i++)
-        if (compare_columns(&cells->columns[i], &wanted) == 0)
+    pl_column wanted = column_of(result);
+    for (int i = 0; i < matrix->column_count; i++)
+        if (compare_columns(&matrix->columns[i], &wanted) == 0)
             return i;
     return -1;
 }
 
-static void name_columns(pl_result_matrix *cells)
+static void name_columns(pl_result_matrix *matrix)
 {
-    for (int i = 0; i < cells->column_count; i++) {
-        pl_column *column = &cells->columns[i];
+    for (int i = 0; i < matrix->column_count; i++) {
+        pl_column *column = &matrix->columns[i];
         bool other_version = false, other_git = false;
-        for (int k = 0; k < cells->column_count; k++) {
-            const pl_column *other = &cells->columns[k];
+        for (int k = 0; k < matrix->column_count; k++) {
+            const pl_column *other = &matrix->columns[k];
             if (k == i || strcmp(other->label, column->label) != 0)
                 continue;
             other_version |= strcmp(other->version, column->version) != 0;
@@ -76,32 +80,32 @@ static void name_columns(pl_result_matrix *cells)
     }
 }
 
-/* --- Blocks --- */
+/* ---- Cases ---- */
 
-static pl_block block_of(const json_t *row)
+static pl_case case_of(const json_t *result)
 {
-    const char *scenario = pl_json_get_text(row, "scenario");
-    return (pl_block){.row = row,
-                      .catalogue = pl_scenario_find(scenario, NULL),
-                      .scenario = scenario,
-                      .scene_hash = pl_json_get_text(row, "scene_hash"),
-                      .primary_error = pl_json_get_text(row, "primary_error"),
-                      .params = json_object_get(row, "params"),
-                      .seed = json_integer_value(json_object_get(row, "seed"))};
+    const char *scenario = pl_json_get_text(result, "scenario");
+    return (pl_case){.result = result,
+                     .catalogue = pl_scenario_find(scenario, NULL),
+                     .scenario = scenario,
+                     .scene_hash = pl_json_get_text(result, "scene_hash"),
+                     .primary_error = pl_json_get_text(result, "primary_error"),
+                     .params = json_object_get(result, "params"),
+                     .seed = json_integer_value(json_object_get(result, "seed"))};
 }
 
-static bool same_problem(const pl_block *a, const pl_block *b)
+static bool is_same_case(const pl_case *a, const pl_case *b)
 {
     bool same_params = a->params == NULL ? b->params == NULL : json_equal(a->params, b->params);
     return a->seed == b->seed && strcmp(a->scenario, b->scenario) == 0 &&
            strcmp(a->scene_hash, b->scene_hash) == 0 && same_params;
 }
 
-static int find_block(const pl_result_matrix *cells, const json_t *row)
+static int find_case(const pl_result_matrix *matrix, const json_t *result)
 {
-    pl_block wanted = block_of(row);
-    for (int i = 0; i < cells->block_count; i++)
-        if (same_problem(&cells->blocks[i], &wanted))
+    pl_case wanted = case_of(result);
+    for (int i = 0; i < matrix->case_count; i++)
+        if (is_same_case(&matrix->cases[i], &wanted))
             return i;
     return -1;
 }
@@ -116,14 +120,14 @@ static int catalogue_index(const pl_scenario *scenario)
     return i;
 }
 
-static double param_value(const pl_block *block, const char *name)
+static double param_value(const pl_case *test_case, const char *name)
 {
-    return json_number_value(json_object_get(block->params, name));
+    return json_number_value(json_object_get(test_case->params, name));
 }
 
-static int compare_blocks(const void *left, const void *right)
+static int compare_cases(const void *left, const void *right)
 {
-    const pl_block *a = left, *b = right;
+    const pl_case *a = left, *b = right;
     int order = catalogue_index(a->catalogue) - catalogue_index(b->catalogue);
     if (order == 0)
         order = strcmp(a->scenario, b->scenario);
@@ -143,73 +147,73 @@ static void append(char *text, size_t size, const char *part)
     snprintf(text + length, size - length, "%s", part);
 }
 
-static void name_block(pl_block *block)
+static void name_case(pl_case *test_case)
 {
     char part[128];
-    snprintf(block->name, sizeof block->name, "%.120s", block->scenario);
-    for (int i = 0; block->catalogue != NULL && i < block->catalogue->param_count; i++) {
-        const pl_param *param = &block->catalogue->params[i];
-        const json_t *value = json_object_get(block->params, param->name);
+    snprintf(test_case->name, sizeof test_case->name, "%.120s", test_case->scenario);
+    for (int i = 0; test_case->catalogue != NULL && i < test_case->catalogue->param_count; i++) {
+        const pl_param *param = &test_case->catalogue->params[i];
+        const json_t *value = json_object_get(test_case->params, param->name);
         if (!json_is_number(value) || json_number_value(value) == param->value)
             continue;
-        char number[PL_QUANTITY_SIZE];
-        pl_quantity_given(json_number_value(value), param->unit, number);
+        char number[PL_NUMBER_SIZE];
+        pl_format_given(json_number_value(value), param->unit, number);
         snprintf(part, sizeof part, " %s=%.60s", param->name, number);
-        append(block->name, sizeof block->name, part);
+        append(test_case->name, sizeof test_case->name, part);
     }
-    if (block->seed != 0) {
-        snprintf(part, sizeof part, " seed=%" JSON_INTEGER_FORMAT, block->seed);
-        append(block->name, sizeof block->name, part);
+    if (test_case->seed != 0) {
+        snprintf(part, sizeof part, " seed=%" JSON_INTEGER_FORMAT, test_case->seed);
+        append(test_case->name, sizeof test_case->name, part);
     }
 }
 
-/* Two problems of one name are told apart by the scene's hash. */
-static void name_blocks(pl_result_matrix *cells)
+/* Cases that have the same name get the hash of their scene. */
+static void name_cases(pl_result_matrix *matrix)
 {
-    for (int i = 0; i < cells->block_count; i++)
-        name_block(&cells->blocks[i]);
-    for (int i = 0; i < cells->block_count; i++) {
+    for (int i = 0; i < matrix->case_count; i++)
+        name_case(&matrix->cases[i]);
+    for (int i = 0; i < matrix->case_count; i++) {
         int first = i, last = i;
-        while (first > 0 && strcmp(cells->blocks[first - 1].name, cells->blocks[i].name) == 0)
+        while (first > 0 && strcmp(matrix->cases[first - 1].name, matrix->cases[i].name) == 0)
             first--;
-        while (last + 1 < cells->block_count &&
-               strcmp(cells->blocks[last + 1].name, cells->blocks[i].name) == 0)
+        while (last + 1 < matrix->case_count &&
+               strcmp(matrix->cases[last + 1].name, matrix->cases[i].name) == 0)
             last++;
         for (int k = first; k <= last && first < last; k++) {
             char part[32];
-            snprintf(part, sizeof part, " #%.16s", cells->blocks[k].scene_hash);
-            append(cells->blocks[k].name, sizeof cells->blocks[k].name, part);
+            snprintf(part, sizeof part, " #%.16s", matrix->cases[k].scene_hash);
+            append(matrix->cases[k].name, sizeof matrix->cases[k].name, part);
         }
     }
 }
 
-/* --- Cells --- */
+/* ---- Cells ---- */
 
-/* `rows` are the repeats of one run, at least one. */
-static void fill_cell(pl_cell *cell, const json_t *const *rows, int count, const json_t **metrics,
+/* Summarises the repeats of one run, of which there is at least one. */
+static void fill_cell(pl_cell *cell, const json_t *const *runs, int count, const json_t **metrics,
                       double *scratch)
 {
     const json_t *shown = NULL;
-    const char *cpu = pl_row_text_in(rows[0], "host", "cpu");
+    const char *cpu = pl_result_text(runs[0], "host", "cpu");
     *cell = (pl_cell){.repeats = count};
     for (int i = 0; i < count; i++) {
-        const char *outcome = pl_json_get_text(rows[i], "outcome");
+        const char *outcome = pl_json_get_text(runs[i], "outcome");
         if (strcmp(outcome, "ok") == 0)
             cell->ok_repeats++;
         else if (shown == NULL)
-            shown = rows[i];
-        cell->outcomes_differ |= strcmp(outcome, pl_json_get_text(rows[0], "outcome")) != 0;
-        cell->mixed_hosts |= strcmp(cpu, pl_row_text_in(rows[i], "host", "cpu")) != 0;
+            shown = runs[i];
+        cell->outcomes_differ |= strcmp(outcome, pl_json_get_text(runs[0], "outcome")) != 0;
+        cell->mixed_hosts |= strcmp(cpu, pl_result_text(runs[i], "host", "cpu")) != 0;
     }
-    cell->row = shown == NULL ? rows[0] : shown;
+    cell->result = shown == NULL ? runs[0] : shown;
     cell->ok = cell->ok_repeats == count;
-    cell->outcome = pl_json_get_text(cell->row, "outcome");
-    cell->reason = pl_json_get_text(cell->row, "reason");
+    cell->outcome = pl_json_get_text(cell->result, "outcome");
+    cell->reason = pl_json_get_text(cell->result, "reason");
     for (int id = 0; id < PL_METRIC_COUNT; id++) {
         for (int i = 0; i < count; i++)
             metrics[i] =
-                json_object_get(json_object_get(rows[i], "metrics"), pl_metric_table[id].name);
-        cell->measure[id] = pl_measure_of(metrics, count, id, scratch);
+                json_object_get(json_object_get(runs[i], "metrics"), pl_metric_table[id].name);
+        cell->metrics[id] = pl_metric_summarise(metrics, count, id, scratch);
     }
 }
 
@@ -217,194 +221,217 @@ bool pl_cell_disagrees(const pl_cell *cell)
 {
     bool disagrees = cell->outcomes_differ;
     for (int id = 0; id < PL_METRIC_COUNT; id++)
-        disagrees |= cell->measure[id].disagrees;
+        disagrees |= cell->metrics[id].disagrees;
     return disagrees;
 }
 
-/* A row with its place, so that sorting brings the repeats of a run together. */
-typedef struct placed_row {
-    const json_t *row;
-    int block, column;
+/* A result with its place in the matrix: sorting by place brings the repeats of a run together. */
+typedef struct placed_result {
+    const json_t *result;
+    int test_case, column;
     size_t index;
-} placed_row;
+} placed_result;
 
 static int compare_places(const void *left, const void *right)
 {
-    const placed_row *a = left, *b = right;
-    if (a->block != b->block)
-        return a->block < b->block ? -1 : 1;
+    const placed_result *a = left, *b = right;
+    if (a->test_case != b->test_case)
+        return a->test_case < b->test_case ? -1 : 1;
     if (a->column != b->column)
         return a->column < b->column ? -1 : 1;
-    json_int_t a_repeat = json_integer_value(json_object_get(a->row, "repeat"));
-    json_int_t b_repeat = json_integer_value(json_object_get(b->row, "repeat"));
+    json_int_t a_repeat = json_integer_value(json_object_get(a->result, "repeat"));
+    json_int_t b_repeat = json_integer_value(json_object_get(b->result, "repeat"));
     if (a_repeat != b_repeat)
         return a_repeat < b_repeat ? -1 : 1;
-    int order = strcmp(pl_json_get_text(a->row, "started"), pl_json_get_text(b->row, "started"));
+    int order =
+        strcmp(pl_json_get_text(a->result, "started"), pl_json_get_text(b->result, "started"));
     if (order != 0)
         return order;
     return a->index < b->index ? -1 : 1;
 }
 
-/* Fills every cell from rows sorted by place. */
-static pl_status fill_cells(pl_result_matrix *cells, const placed_row *placed, size_t count,
+/* Fills every cell from runs sorted by place. */
+static pl_status fill_cells(pl_result_matrix *matrix, const placed_result *placed, size_t count,
                             pl_error *error)
 {
     pl_status status = PL_OK;
-    const json_t **rows = calloc(count + 1, sizeof(const json_t *));
+    const json_t **runs = calloc(count + 1, sizeof(const json_t *));
     const json_t **metrics = calloc(count + 1, sizeof(const json_t *));
     double *scratch = calloc(count + 1, sizeof *scratch);
-    if (rows == NULL || metrics == NULL || scratch == NULL) {
+    if (runs == NULL || metrics == NULL || scratch == NULL) {
         status = pl_fail(error, PL_NO_MEMORY, "no memory for %zu results", count);
         goto cleanup;
     }
     for (size_t first = 0, next; first < count; first = next) {
         int repeats = 0;
-        for (next = first; next < count && placed[next].block == placed[first].block &&
+        for (next = first; next < count && placed[next].test_case == placed[first].test_case &&
                            placed[next].column == placed[first].column;
              next++) {
             bool again = false;
             for (int i = 0; i < repeats && !again; i++)
-                again = json_equal(rows[i], placed[next].row);
+                again = json_equal(runs[i], placed[next].result);
             if (!again)
-                rows[repeats++] = placed[next].row;
+                runs[repeats++] = placed[next].result;
         }
-        pl_cell *cell = &cells->blocks[placed[first].block].cells[placed[first].column];
-        fill_cell(cell, rows, repeats, metrics, scratch);
-        cells->run_count += repeats;
-        cells->disagrees |= pl_cell_disagrees(cell);
-        if (first == 0 || placed[first].block != placed[first - 1].block)
-            cells->blocks[placed[first].block].row = cell->row;
+        pl_cell *cell = &matrix->cases[placed[first].test_case].cells[placed[first].column];
+        fill_cell(cell, runs, repeats, metrics, scratch);
+        matrix->run_count += repeats;
+        matrix->disagrees |= pl_cell_disagrees(cell);
+        if (first == 0 || placed[first].test_case != placed[first - 1].test_case)
+            matrix->cases[placed[first].test_case].result = cell->result;
         if (first > 0)
-            cells->several_hosts |= strcmp(pl_row_text_in(cell->row, "host", "cpu"),
-                                           pl_row_text_in(placed[0].row, "host", "cpu")) != 0;
-        cells->several_hosts |= cell->mixed_hosts;
+            matrix->several_hosts |= strcmp(pl_result_text(cell->result, "host", "cpu"),
+                                            pl_result_text(placed[0].result, "host", "cpu")) != 0;
+        matrix->several_hosts |= cell->mixed_hosts;
     }
 
 cleanup:
-    free(rows);
+    free(runs);
     free(metrics);
     free(scratch);
     return status;
 }
 
-/* Makes the columns and the empty blocks, sorted and named. */
-static pl_status lay_out(const json_t *results, pl_result_matrix *cells, pl_error *error)
+/* Makes the columns and the empty cases, sorted and named. */
+static pl_status lay_out(const json_t *results, pl_result_matrix *matrix, pl_error *error)
 {
     size_t count = json_array_size(results);
-    cells->blocks = calloc(count + 1, sizeof *cells->blocks);
-    cells->columns = calloc(count + 1, sizeof *cells->columns);
-    if (cells->blocks == NULL || cells->columns == NULL)
+    matrix->cases = calloc(count + 1, sizeof *matrix->cases);
+    matrix->columns = calloc(count + 1, sizeof *matrix->columns);
+    if (matrix->cases == NULL || matrix->columns == NULL)
         return pl_fail(error, PL_NO_MEMORY, "no memory for %zu results", count);
     for (size_t i = 0; i < count; i++) {
-        const json_t *row = json_array_get(results, i);
-        pl_status status = check_row(row, i, error);
+        const json_t *result = json_array_get(results, i);
+        pl_status status = check_result(result, i, error);
         if (status != PL_OK)
             return status;
-        if (find_column(cells, row) < 0)
-            cells->columns[cells->column_count++] = column_of(row);
-        if (find_block(cells, row) < 0)
-            cells->blocks[cells->block_count++] = block_of(row);
+        if (find_column(matrix, result) < 0)
+            matrix->columns[matrix->column_count++] = column_of(result);
+        if (find_case(matrix, result) < 0)
+            matrix->cases[matrix->case_count++] = case_of(result);
     }
-    qsort(cells->columns, (size_t)cells->column_count, sizeof *cells->columns, compare_columns);
-    qsort(cells->blocks, (size_t)cells->block_count, sizeof *cells->blocks, compare_blocks);
-    name_columns(cells);
-    name_blocks(cells);
-    for (int i = 0; i < cells->block_count; i++) {
-        cells->blocks[i].cells = calloc((size_t)cells->column_count, sizeof(pl_cell));
-        if (cells->blocks[i].cells == NULL)
+    qsort(matrix->columns, (size_t)matrix->column_count, sizeof *matrix->columns, compare_columns);
+    qsort(matrix->cases, (size_t)matrix->case_count, sizeof *matrix->cases, compare_cases);
+    name_columns(matrix);
+    name_cases(matrix);
+    for (int i = 0; i < matrix->case_count; i++) {
+        matrix->cases[i].cells = calloc((size_t)matrix->column_count, sizeof(pl_cell));
+        if (matrix->cases[i].cells == NULL)
             return pl_fail(error, PL_NO_MEMORY, "no memory for %zu results", count);
-        for (int k = 0; k < cells->column_count; k++)
-            cells->blocks[i].cells[k] = (pl_cell){.outcome = "", .reason = ""};
+        for (int k = 0; k < matrix->column_count; k++)
+            matrix->cases[i].cells[k] = (pl_cell){.outcome = "", .reason = ""};
     }
     return PL_OK;
 }
 
-pl_status pl_result_matrix_build(const json_t *results, pl_result_matrix *cells, pl_error *error)
+pl_status pl_result_matrix_build(const json_t *results, pl_result_matrix *matrix, pl_error *error)
 {
-    *cells = (pl_result_matrix){.results = results};
+    *matrix = (pl_result_matrix){.results = results};
     if (!json_is_array(results))
         return pl_fail(error, PL_BAD_INPUT, "results: expected an array");
-    pl_status status = lay_out(results, cells, error);
+    pl_status status = lay_out(results, matrix, error);
     if (status != PL_OK)
         return status;
     size_t count = json_array_size(results);
-    placed_row *placed = calloc(count + 1, sizeof *placed);
+    placed_result *placed = calloc(count + 1, sizeof *placed);
     if (placed == NULL)
         return pl_fail(error, PL_NO_MEMORY, "no memory for %zu results", count);
     for (size_t i = 0; i < count; i++) {
-        const json_t *row = json_array_get(results, i);
-        placed[i] = (placed_row){.row = row,
-                                 .block = find_block(cells, row),
-                                 .column = find_column(cells, row),
-                                 .index = i};
+        const json_t *result = json_array_get(results, i);
+        placed[i] = (placed_result){.result = result,
+                                    .test_case = find_case(matrix, result),
+                                    .column = find_column(matrix, result),
+                                    .index = i};
     }
     qsort(placed, count, sizeof *placed, compare_places);
-    status = fill_cells(cells, placed, count, error);
+    status = fill_cells(matrix, placed, count, error);
     free(placed);
     return status;
 }
 
-void pl_result_matrix_free(pl_result_matrix *cells)
+void pl_result_matrix_free(pl_result_matrix *matrix)
 {
-    for (int i = 0; cells->blocks != NULL && i < cells->block_count; i++)
-        free(cells->blocks[i].cells);
-    free(cells->blocks);
-    free(cells->columns);
-    *cells = (pl_result_matrix){0};
+    for (int i = 0; matrix->cases != NULL && i < matrix->case_count; i++)
+        free(matrix->cases[i].cells);
+    free(matrix->cases);
+    free(matrix->columns);
+    *matrix = (pl_result_matrix){0};
 }
 
-/* --- Questions --- */
+/* ---- Queries ---- */
 
-bool pl_block_primary_is(const pl_block *block, int metric)
+bool pl_case_primary_is(const pl_case *test_case, int metric)
 {
-    return strcmp(block->primary_error, pl_metric_table[metric].name) == 0;
+    return strcmp(test_case->primary_error, pl_metric_table[metric].name) == 0;
 }
 
-double pl_block_least(const pl_block *block, int column_count, int metric)
+bool pl_case_is_entry(const pl_case *test_case, const pl_suite_entry *entry)
+{
+    const pl_scenario *scenario = test_case->catalogue;
+    double values[PL_MAX_PARAMS];
+    if (scenario == NULL || strcmp(test_case->scenario, entry->scenario) != 0 ||
+        pl_scenario_values(scenario, &entry->setting, entry->setting == NULL ? 0 : 1, values,
+                           NULL) != PL_OK) {
+        return false;
+    }
+    for (int i = 0; i < scenario->param_count; ++i) {
+        const char *name = scenario->params[i].name;
+        const json_t *value = json_object_get(test_case->params, name);
+        if (strcmp(name, "dt") != 0 && strcmp(name, "duration") != 0 &&
+            (!json_is_number(value) || json_number_value(value) != values[i])) {
+            return false;
+        }
+    }
+    return true;
+}
+
+double pl_case_least(const pl_case *test_case, int column_count, int metric)
 {
     double least = INFINITY;
     for (int i = 0; i < column_count; i++) {
-        const pl_cell *cell = &block->cells[i];
-        const pl_measure *measure = &cell->measure[metric];
-        if (cell->row != NULL && cell->ok && measure->state == PL_METRIC_VALUE)
-            least = fmin(least, measure->value);
+        const pl_cell *cell = &test_case->cells[i];
+        const pl_metric_summary *summary = &cell->metrics[metric];
+        if (cell->result != NULL && cell->ok && summary->state == PL_METRIC_VALUE)
+            least = fmin(least, summary->value);
     }
     return least;
 }
 
-bool pl_result_matrix_next_failure(const pl_result_matrix *cells, int *block, int *column)
+bool pl_result_matrix_next(const pl_result_matrix *matrix,
+                           bool (*holds)(const pl_case *test_case, const pl_cell *cell), int *row,
+                           int *column)
 {
-    for (; *block < cells->block_count; ++*block, *column = 0) {
-        for (; *column < cells->column_count; ++*column) {
-            const pl_cell *cell = &cells->blocks[*block].cells[*column];
-            if (cell->row != NULL && !cell->ok)
+    for (; *row < matrix->case_count; ++*row, *column = 0) {
+        for (; *column < matrix->column_count; ++*column) {
+            const pl_case *test_case = &matrix->cases[*row];
+            const pl_cell *cell = &test_case->cells[*column];
+            if (cell->result != NULL && holds(test_case, cell)) {
                 return true;
+            }
         }
     }
     return false;
 }
 
-int pl_result_matrix_warnings(const pl_result_matrix *cells, pl_warning warnings[PL_WARNINGS_MOST])
+void pl_result_matrix_engines(const pl_result_matrix *matrix, bool ours, pl_text_buffer *out)
 {
-    int count = 0;
-    if (cells->several_hosts)
-        warnings[count++] = (pl_warning){"These runs come from several machines:",
-                                         "their times cannot be compared with each other."};
-    if (cells->disagrees)
-        warnings[count++] = (pl_warning){"Not deterministic:",
-                                         "some repeats of the same run differ where they should "
-                                         "agree. The cells are marked."};
-    return count;
+    const char *separator = "";
+    for (int i = 0; i < matrix->column_count; ++i) {
+        if (matrix->columns[i].ours == ours) {
+            pl_text_format(out, "%s%s", separator, matrix->columns[i].name);
+            separator = ", ";
+        }
+    }
 }
 
-void pl_result_matrix_settings(const pl_result_matrix *cells, int column, pl_text_buffer *out)
+void pl_result_matrix_settings(const pl_result_matrix *matrix, int column, pl_text_buffer *out)
 {
     int b = 0;
-    while (b < cells->block_count && cells->blocks[b].cells[column].row == NULL)
+    while (b < matrix->case_count && matrix->cases[b].cells[column].result == NULL)
         b++;
-    if (b == cells->block_count)
+    if (b == matrix->case_count)
         return;
-    json_t *settings = json_object_get(cells->blocks[b].cells[column].row, "settings");
+    json_t *settings = json_object_get(matrix->cases[b].cells[column].result, "settings");
     const char *name, *separator = "";
     json_t *value;
     json_object_foreach(settings, name, value)
@@ -417,8 +444,7 @@ void pl_result_matrix_settings(const pl_result_matrix *cells, int column, pl_tex
         else if (json_is_real(value))
             pl_text_format(out, "%.6g", json_real_value(value));
         else
-            pl_text_add(out,
-                        json_is_string(value) ? json_string_value(value) : pl_quantity_missing);
+            pl_text_add(out, json_is_string(value) ? json_string_value(value) : pl_no_number);
         separator = ", ";
     }
     if (separator[0] == '\0')

@@ -1,21 +1,18 @@
-/* Plots of a sweep as inline SVG. Colours are the page's: pl_sweep_style beside pl_style. */
+/* Plots of a sweep as inline SVG. Their colours are rules of page/sweep.css. */
 #ifndef PLUMB_REPORT_SWEEP_PLOT_H
 #define PLUMB_REPORT_SWEEP_PLOT_H
 
 #include "base/text_buffer.h"
 #include "studies/sweep/analysis.h"
 
-/* CSS rules, NULL-terminated. */
-extern const char *const pl_sweep_style[];
+/* Adds error over cost of a scene, both logarithmic: a front for each whole engine, ours drawn last
+ * and thicker; points off the front faint; failed points as crosses along the upper edge. Nothing
+ * where the scene has no points. */
+void pl_sweep_plot_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+                         pl_text_buffer *out);
 
-/* Error over cost of a scene, both logarithmic: a front a whole engine, ours drawn last and
- * thicker; points off the front faint; failed points as crosses along the upper edge. Nothing where
- * the scene has no points. */
-void pl_sweep_plot_problem(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                           pl_text_buffer *out);
-
-/* Shares of scenes over the factor tau, logarithmic to 100: a line an engine. Nothing where no
- * engine solved any. */
+/* Adds shares of scenes over the factor tau, logarithmic to 100, a line for each engine. Nothing
+ * where no engine solved any. */
 void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
                            pl_text_buffer *out);
 

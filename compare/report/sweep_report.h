@@ -1,18 +1,21 @@
-/* The report of a sweep: from results to files for people and programs. */
+/* The report of a sweep: pages for people and data for programs. */
 #ifndef PLUMB_REPORT_SWEEP_REPORT_H
 #define PLUMB_REPORT_SWEEP_REPORT_H
 
+#include "base/text_buffer.h"
 #include "studies/sweep/analysis.h"
 
 #include <stdio.h>
 
-/* Writes sweep.html (one self-contained page) and sweep.json (plumb.sweep/1) into `directory`,
- * which must exist; each is renamed into its place when whole. PL_IO: one cannot be written.
- * PL_NO_MEMORY. */
+/* Adds one self-contained HTML page, which begins with the comparisons that plumb loses. */
+void pl_sweep_page(const pl_sweep_analysis *analysis, pl_text_buffer *out);
+
+/* Writes sweep.html and sweep.json (plumb.sweep/1) into `directory`, which must exist; each file is
+ * renamed to its place when it is complete. PL_IO: one cannot be written. PL_NO_MEMORY. */
 pl_status pl_sweep_report_write(const char *directory, const pl_sweep_analysis *analysis,
                                 pl_error *error);
 
-/* Prints tables as UTF-8 text: where plumb loses first. Control characters are shown as '?'. */
-void pl_sweep_report_print(FILE *out, const pl_sweep_analysis *analysis);
+/* Prints tables as UTF-8 text, first where plumb loses. Control characters are shown as '?'. */
+void pl_sweep_report_print(FILE *stream, const pl_sweep_analysis *analysis);
 
 #endif

@@ -1,205 +1,377 @@
-/* The tables of all scenes together. */
 #include "sweep_tables.h"
 
-#include "quantity.h"
-#include "sweep_words.h"
+#include "number_format.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static const char *engine_name(const pl_sweep_analysis *analysis, int engine)
+static const char level_headings[] = "|>1e-1|>1e-2|>1e-3|>1e-4|>1e-5|>1e-6|>1e-7|>1e-8";
+
+/* ---- Texts ---- */
+
+void pl_sweep_ratio_text(const pl_sweep_ratio *ratio, char text[PL_SWEEP_TEXT_SIZE])
 {
-    return analysis->engines[engine].name;
+    char value[PL_NUMBER_SIZE], low[PL_NUMBER_SIZE], high[PL_NUMBER_SIZE];
+    pl_format_ratio(ratio->value, value);
+    pl_format_number(ratio->low, "1", low);
+    pl_format_number(ratio->high, "1", high);
+    if (isnan(ratio->value) || isnan(ratio->low)) {
+        snprintf(text, PL_SWEEP_TEXT_SIZE, "%s", value);
+    } else {
+        snprintf(text, PL_SWEEP_TEXT_SIZE, "%.60s (%.60s to %.60s)", value, low, high);
+    }
+}
+
+void pl_sweep_error_text(double error, const char *unit, char text[PL_SWEEP_TEXT_SIZE])
+{
+    char number[PL_NUMBER_SIZE];
+    const bool bare = unit[0] == '\0' || strcmp(unit, "1") == 0;
+    if (error <= pl_sweep_error_floor) {
+        pl_format_power(pl_sweep_error_floor, number);
+        snprintf(text, PL_SWEEP_TEXT_SIZE, "≤ %.20s%s%.40s", number, bare ? "" : " ",
+                 bare ? "" : unit);
+    } else {
+        pl_format_number(error, bare ? "1" : unit, number);
+        snprintf(text, PL_SWEEP_TEXT_SIZE, "%s", number);
+    }
 }
 
 void pl_sweep_statement(const pl_sweep_analysis *analysis, pl_text_buffer *out)
 {
     bool ours = false, others = false;
     int within = 0;
-    for (int i = 0; i < analysis->engine_count; i++) {
+    for (int i = 0; i < analysis->engine_count; ++i) {
         ours |= analysis->engines[i].ours;
         others |= !analysis->engines[i].ours;
     }
-    for (int i = 0; i < analysis->loss_count; i++)
+    for (int i = 0; i < analysis->loss_count; ++i) {
         within += analysis->losses[i].within_noise;
+    }
     if (!ours || !others) {
         pl_text_add(out, ours ? "Nothing was compared: these results hold no other engine."
                               : "Nothing was compared: plumb itself was not run.");
     } else if (analysis->compared == 0) {
-        pl_text_add(out, "Nothing was compared: on no problem did plumb or another engine that "
-                         "was run on it reach any error asked for.");
+        pl_text_add(out, "Nothing was compared: on no scene did plumb or another engine that was "
+                         "run on it reach any of the errors.");
     } else if (analysis->loss_count == 0) {
         pl_text_format(out,
-                       "No losses: in none of %d comparisons (problem, engine, error) is another "
+                       "No losses: in none of %d comparisons (scene, engine, error) is another "
                        "engine's front ahead of plumb's.",
                        analysis->compared);
     } else {
         pl_text_format(out,
                        "Another engine's front is ahead of plumb's in %d of %d comparisons "
-                       "(problem, engine, error): in %d at errors up to 1e-3, in %d at larger "
+                       "(scene, engine, error): in %d at errors up to 1e-3, in %d at larger "
                        "ones; %d of all are within noise.",
                        analysis->loss_count, analysis->compared, analysis->fine_losses,
                        analysis->loss_count - analysis->fine_losses, within);
     }
-    if (analysis->unjudged > 0)
-        pl_text_format(out, " %d of %d problems have no primary error and are not judged.",
+    if (analysis->unjudged > 0) {
+        pl_text_format(out, " %d of %d scenes have no primary error and are not judged.",
                        analysis->unjudged, analysis->scene_count);
+    }
 }
 
 void pl_sweep_warning(const pl_sweep_analysis *analysis, pl_text_buffer *out)
 {
-    if (analysis->several_hosts)
+    if (analysis->several_hosts) {
         pl_text_add(out, "These runs come from several processors: ratios of time between them "
                          "mean little. ");
-    if (analysis->several_builds)
+    }
+    if (analysis->several_builds) {
         pl_text_add(out, "These runs come from several builds of plumb or versions of an "
                          "engine, which share a front here. ");
+    }
 }
 
-void pl_sweep_losses_table(const pl_sweep_analysis *analysis, pl_sweep_table *table)
+/* ---- Cells ---- */
+
+static void add_ratio(const pl_sweep_ratio *ratio, const char *otherwise, pl_table *table)
 {
-    *table = (pl_sweep_table){
-        .columns = 7,
-        .heads = {"Problem", "Error", "Ahead", "its cost", "plumb's cost", "Speed", ""},
-        .numeric = {false, true, false, true, true, true, false}};
-    for (int i = 0; i < analysis->loss_count; i++) {
+    char text[PL_SWEEP_TEXT_SIZE];
+    pl_sweep_ratio_text(ratio, text);
+    pl_table_add(table, isnan(ratio->value) ? otherwise : text);
+}
+
+/* Adds the cost of a point, CPU time for a simulated second; "not reached" for the index -1. */
+static void add_cost_of(const pl_sweep_analysis *analysis, int point, pl_table *table)
+{
+    char text[PL_NUMBER_SIZE] = "not reached";
+    if (point >= 0) {
+        pl_format_number(analysis->points[point].cost, "s", text);
+    }
+    pl_table_add(table, text);
+}
+
+static void add_number(double value, const char *unit, pl_table *table)
+{
+    char text[PL_NUMBER_SIZE];
+    pl_format_number(value, unit, text);
+    pl_table_add(table, text);
+}
+
+static void add_pair(const pl_sweep_analysis *analysis, const pl_sweep_pair *pair, pl_table *table)
+{
+    pl_table_add(table, analysis->engines[pair->ours].name);
+    pl_table_add(table, analysis->engines[pair->other].name);
+}
+
+/* ---- Tables of all scenes ---- */
+
+pl_table pl_sweep_losses_table(const pl_sweep_analysis *analysis)
+{
+    pl_table table = {0};
+    pl_table_columns(&table, "Scene|>Error|Ahead|>its cost|>plumb's cost|>Speed|");
+    for (int i = 0; i < analysis->loss_count; ++i) {
         const pl_sweep_loss *loss = &analysis->losses[i];
-        const pl_sweep_pair *pair = &analysis->pairs[loss->pair];
-        char cost[PL_SWEEP_TEXT_SIZE], speed[PL_SWEEP_TEXT_SIZE];
-        pl_sweep_table_add(table, "%s", analysis->scenes[loss->scene].name);
-        pl_sweep_power_text(pl_sweep_levels[loss->level], cost);
-        pl_sweep_table_add(table, "%s", cost);
-        pl_sweep_table_add(table, "%s", engine_name(analysis, pair->other));
-        pl_sweep_cost_text(analysis->points[loss->other].cost, cost);
-        pl_sweep_table_add(table, "%s", cost);
-        if (loss->ours >= 0)
-            pl_sweep_cost_text(analysis->points[loss->ours].cost, cost);
-        pl_sweep_table_add(table, "%s", loss->ours >= 0 ? cost : "not reached");
-        pl_sweep_ratio_text(&loss->speed, speed);
-        pl_sweep_table_add(table, "%s", loss->ours >= 0 ? speed : pl_quantity_missing);
-        pl_sweep_table_add(table, "%s", loss->within_noise ? "within noise" : "");
+        char error[PL_NUMBER_SIZE];
+        pl_format_power(pl_sweep_levels[loss->level], error);
+        pl_table_add(&table, analysis->scenes[loss->scene].name);
+        pl_table_add(&table, error);
+        pl_table_add(&table, analysis->engines[analysis->pairs[loss->pair].other].name);
+        add_cost_of(analysis, loss->other, &table);
+        add_cost_of(analysis, loss->ours, &table);
+        add_ratio(&loss->speed, pl_no_number, &table);
+        pl_table_add(&table, loss->within_noise ? "within noise" : "");
+    }
+    return table;
+}
+
+static void add_count(pl_table *table, int count, int scenes)
+{
+    if (count == 0) {
+        pl_table_add(table, "none");
+    } else {
+        pl_table_format_cell(table, "%d of %d scenes: never reached", count, scenes);
     }
 }
 
-static void add_count(pl_sweep_table *table, int count, int scenes)
+pl_table pl_sweep_means_table(const pl_sweep_analysis *analysis, bool whole, int level)
 {
-    if (count == 0)
-        pl_sweep_table_add(table, "none");
-    else
-        pl_sweep_table_add(table, "%d of %d problems: never reached", count, scenes);
-}
-
-void pl_sweep_means_table(const pl_sweep_analysis *analysis, bool whole, int level,
-                          pl_sweep_table *table)
-{
-    *table = (pl_sweep_table){.columns = 6,
-                              .heads = {"Ours", "Other", "Mean speed", "Problems both reach",
-                                        "The other alone fails", "Ours alone fails"},
-                              .numeric = {false, false, true, true, false, false}};
-    for (int i = 0; i < analysis->pair_count; i++) {
+    pl_table table = {0};
+    pl_table_columns(&table, "Ours|Other|>Mean speed|>Scenes both reach|The other alone fails|"
+                             "Ours alone fails");
+    for (int i = 0; i < analysis->pair_count; ++i) {
         const pl_sweep_pair *pair = &analysis->pairs[i];
-        char speed[PL_SWEEP_TEXT_SIZE];
-        if (analysis->engines[pair->ours].whole != whole || pair->scenes == 0)
+        if (analysis->engines[pair->ours].whole != whole || pair->scenes == 0) {
             continue;
-        pl_sweep_ratio_text(&pair->mean[level], speed);
-        pl_sweep_table_add(table, "%s", engine_name(analysis, pair->ours));
-        pl_sweep_table_add(table, "%s", engine_name(analysis, pair->other));
-        pl_sweep_table_add(table, "%s", speed);
-        pl_sweep_table_add(table, "%d of %d", pair->both[level], pair->scenes);
-        add_count(table, pair->ours_only[level], pair->scenes);
-        add_count(table, pair->other_only[level], pair->scenes);
+        }
+        add_pair(analysis, pair, &table);
+        add_ratio(&pair->mean[level], pl_no_number, &table);
+        pl_table_format_cell(&table, "%d of %d", pair->both[level], pair->scenes);
+        add_count(&table, pair->ours_only[level], pair->scenes);
+        add_count(&table, pair->other_only[level], pair->scenes);
     }
+    return table;
 }
 
-void pl_sweep_orders_table(const pl_sweep_analysis *analysis, int scene, pl_sweep_table *table)
+pl_table pl_sweep_orders_table(const pl_sweep_analysis *analysis, int scene)
 {
-    static const char *const findings[] = {"", "too few time steps", "exact at every step",
-                                           "does not converge"};
-    *table = (pl_sweep_table){.columns = 5,
-                              .heads = {"Problem", "Engine", "Order", "Time steps used", "Off fit"},
-                              .numeric = {false, false, true, false, true}};
-    for (int i = 0; i < analysis->order_count; i++) {
+    static const char *const kinds[] = {"", "too few time steps", "exact at every step",
+                                        "does not converge"};
+    pl_table table = {0};
+    pl_table_columns(&table, "Scene|Engine|>Order|Time steps used|>Off fit");
+    for (int i = 0; i < analysis->order_count; ++i) {
         const pl_sweep_order *order = &analysis->orders[i];
-        char low[PL_SWEEP_TEXT_SIZE], high[PL_SWEEP_TEXT_SIZE];
-        if (scene >= 0 && order->scene != scene)
+        char low[PL_NUMBER_SIZE], high[PL_NUMBER_SIZE];
+        if (scene >= 0 && order->scene != scene) {
             continue;
-        pl_sweep_table_add(table, "%s", analysis->scenes[order->scene].name);
-        pl_sweep_table_add(table, "%s", analysis->points[order->first].label);
+        }
+        pl_table_add(&table, analysis->scenes[order->scene].name);
+        pl_table_add(&table, analysis->points[order->first].label);
         if (order->kind != PL_SWEEP_ORDER_FOUND) {
-            pl_sweep_table_add(table, "%s", pl_quantity_missing);
-            pl_sweep_table_add(table, "%s (%d were run)", findings[order->kind], order->total);
-            pl_sweep_table_add(table, "%s", pl_quantity_missing);
+            pl_table_add(&table, pl_no_number);
+            pl_table_format_cell(&table, "%s (%d were run)", kinds[order->kind], order->total);
+            pl_table_add(&table, pl_no_number);
             continue;
         }
-        pl_sweep_step_text(order->dt_low, low);
-        pl_sweep_step_text(order->dt_high, high);
-        pl_sweep_table_add(table, "%.2f", order->order);
-        pl_sweep_table_add(table, "%s to %s: %d of %d", high, low, order->used, order->total);
-        pl_sweep_table_add(table, "%.2f decades", order->deviation);
+        pl_format_step(order->dt_low, low);
+        pl_format_step(order->dt_high, high);
+        pl_table_format_cell(&table, "%.2f", order->order);
+        pl_table_format_cell(&table, "%s to %s: %d of %d", high, low, order->used, order->total);
+        pl_table_format_cell(&table, "%.2f decades", order->deviation);
     }
+    return table;
 }
 
-void pl_sweep_shares_table(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
-                           pl_sweep_table *table)
+pl_table pl_sweep_shares_table(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile)
 {
-    static const double taus[] = {1, 1.5, 2, 3, 5, 10, 100};
-    static const char *const heads[] = {"Engine", "the fastest", "within 1.5 of it", "2", "3", "5",
-                                        "10",     "100",         "at any cost"};
-    enum { TAUS = sizeof taus / sizeof taus[0] };
-    *table = (pl_sweep_table){.columns = TAUS + 2};
-    for (int k = 0; k < table->columns; k++) {
-        table->heads[k] = heads[k];
-        table->numeric[k] = k > 0;
-    }
-    for (int e = 0; e < analysis->engine_count && profile->scenes > 0; e++) {
-        if (analysis->engines[e].whole != profile->whole)
+    static const double factors[] = {1, 1.5, 2, 3, 5, 10, 100, (double)INFINITY};
+    pl_table table = {0};
+    pl_table_columns(&table,
+                     "Engine|>the fastest|>within 1.5 of it|>2|>3|>5|>10|>100|>at any cost");
+    for (int e = 0; e < analysis->engine_count && profile->scenes > 0; ++e) {
+        if (analysis->engines[e].whole != profile->whole) {
             continue;
-        pl_sweep_table_add(table, "%s", engine_name(analysis, e));
-        for (int k = 0; k <= TAUS; k++) {
-            double tau = k < TAUS ? taus[k] : (double)INFINITY;
-            pl_sweep_table_add(table, "%.0f %%", 100 * pl_sweep_share(analysis, profile, e, tau));
+        }
+        pl_table_add(&table, analysis->engines[e].name);
+        for (size_t k = 0; k < sizeof factors / sizeof factors[0]; ++k) {
+            pl_table_format_cell(&table, "%.0f %%",
+                                 100 * pl_sweep_share(analysis, profile, e, factors[k]));
         }
     }
+    return table;
 }
 
-static const char *state_of(const pl_sweep_point *point)
-{
-    return point->state == PL_SWEEP_UNMEASURED ? "not measured" : point->outcome;
-}
-
-/* How many points from the first on are of one engine and scene and came to the same end. */
-static int alike(const pl_sweep_analysis *analysis, int first)
+/* Counts the points from the first on that are of one engine and scene and have one outcome. */
+static int count_alike(const pl_sweep_analysis *analysis, int first)
 {
     const pl_sweep_point *points = analysis->points, *point = &points[first];
     int count = 1;
-    while (first + count < analysis->point_count && points[first + count].scene == point->scene &&
+    while (first + count < analysis->point_count &&
+           points[first + count].scene == point->scene &&
            points[first + count].state == point->state &&
            strcmp(points[first + count].label, point->label) == 0 &&
-           strcmp(points[first + count].outcome, point->outcome) == 0)
-        count++;
+           strcmp(points[first + count].outcome, point->outcome) == 0) {
+        ++count;
+    }
     return count;
 }
 
-void pl_sweep_failed_table(const pl_sweep_analysis *analysis, int scene, pl_sweep_table *table)
+pl_table pl_sweep_failed_table(const pl_sweep_analysis *analysis, int scene)
 {
-    *table = (pl_sweep_table){.columns = 5,
-                              .heads = {"Problem", "Engine", "Time step", "Outcome", "Reason"}};
+    pl_table table = {0};
+    pl_table_columns(&table, "Scene|Engine|Time step|Outcome|Reason");
     for (int i = 0, count; i < analysis->point_count; i += count) {
         const pl_sweep_point *point = &analysis->points[i];
-        char first[PL_SWEEP_TEXT_SIZE], last[PL_SWEEP_TEXT_SIZE];
-        count = alike(analysis, i);
-        if (point->state == PL_SWEEP_OK || (scene >= 0 && point->scene != scene))
+        char first[PL_NUMBER_SIZE], last[PL_NUMBER_SIZE];
+        count = count_alike(analysis, i);
+        if (point->state == PL_SWEEP_OK || (scene >= 0 && point->scene != scene)) {
             continue;
-        pl_sweep_step_text(point->dt, first);
-        pl_sweep_step_text(point[count - 1].dt, last);
-        pl_sweep_table_add(table, "%s", analysis->scenes[point->scene].name);
-        pl_sweep_table_add(table, "%s", point->label);
-        if (count > 1)
-            pl_sweep_table_add(table, "%s to %s: %d", first, last, count);
-        else
-            pl_sweep_table_add(table, "%s", first);
-        pl_sweep_table_add(table, "%s", state_of(point));
-        pl_sweep_table_add(table, "%s", point->reason);
+        }
+        pl_format_step(point->dt, first);
+        pl_format_step(point[count - 1].dt, last);
+        pl_table_add(&table, analysis->scenes[point->scene].name);
+        pl_table_add(&table, point->label);
+        if (count > 1) {
+            pl_table_format_cell(&table, "%s to %s: %d", first, last, count);
+        } else {
+            pl_table_add(&table, first);
+        }
+        pl_table_add(&table, point->state == PL_SWEEP_UNMEASURED ? "not measured" : point->outcome);
+        pl_table_add(&table, point->reason);
     }
+    return table;
+}
+
+/* ---- Tables of one scene ---- */
+
+pl_table pl_sweep_costs_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+                              bool whole)
+{
+    pl_table table = {0};
+    char headings[PL_SWEEP_TEXT_SIZE], text[PL_SWEEP_TEXT_SIZE];
+    snprintf(headings, sizeof headings, "Engine%s|>least error|>failed points", level_headings);
+    pl_table_columns(&table, headings);
+    for (int e = 0; e < analysis->engine_count; ++e) {
+        const pl_sweep_curve *curve = &scene->curves[e];
+        if (analysis->engines[e].whole != whole || !pl_sweep_curve_was_run(curve)) {
+            continue;
+        }
+        pl_table_add(&table, analysis->engines[e].name);
+        for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
+            add_cost_of(analysis, curve->cheapest[k], &table);
+        }
+        snprintf(text, sizeof text, "%s", pl_no_number);
+        if (curve->front_count > 0) {
+            pl_sweep_error_text(analysis->points[curve->front[curve->front_count - 1]].error,
+                                scene->unit, text);
+        }
+        pl_table_add(&table, text);
+        pl_table_format_cell(&table, "%d of %d", curve->failed + curve->unmeasured,
+                             curve->ok + curve->failed + curve->unmeasured);
+    }
+    return table;
+}
+
+/* The text where there is no ratio: which of the two reached the error or cost alone. */
+static const char *alone(pl_attained_by attained)
+{
+    return attained == PL_ATTAINED_BY_OURS_ONLY    ? "ours alone"
+           : attained == PL_ATTAINED_BY_OTHER_ONLY ? "other alone"
+                                          : pl_no_number;
+}
+
+pl_table pl_sweep_speeds_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+                               bool whole, bool between)
+{
+    pl_table table = {0};
+    char headings[PL_SWEEP_TEXT_SIZE];
+    snprintf(headings, sizeof headings, "Ours|Other%s", level_headings);
+    pl_table_columns(&table, headings);
+    for (int i = 0; i < analysis->pair_count; ++i) {
+        const pl_sweep_pair *pair = &analysis->pairs[i];
+        const pl_pairwise_comparison *comparison = &scene->comparisons[i];
+        if (analysis->engines[pair->ours].whole != whole || !comparison->run) {
+            continue;
+        }
+        add_pair(analysis, pair, &table);
+        for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
+            add_ratio(between ? &comparison->speed_between[k] : &comparison->speed[k],
+                      between ? pl_no_number : alone(comparison->at_error[k]), &table);
+        }
+    }
+    return table;
+}
+
+/* Whether neither front of a pair has a new point at cost k, compared with the next lower cost. */
+static bool is_same_as_before(const pl_sweep_scene *scene, const pl_sweep_pair *pair, int k)
+{
+    const int *ours = scene->curves[pair->ours].most_exact, *others = scene->curves[pair->other].most_exact;
+    return k > 0 && ours[k] == ours[k - 1] && others[k] == others[k - 1];
+}
+
+pl_table pl_sweep_errors_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+                               bool whole)
+{
+    pl_table table = {0};
+    pl_table_columns(&table, "Ours|Other|>Cost|>Their error over ours|>Between points");
+    for (int i = 0; i < analysis->pair_count; ++i) {
+        const pl_sweep_pair *pair = &analysis->pairs[i];
+        const pl_pairwise_comparison *comparison = &scene->comparisons[i];
+        bool compared = analysis->engines[pair->ours].whole == whole && comparison->run;
+        for (int k = 0; compared && k < PL_SWEEP_TIMES; ++k) {
+            if (comparison->at_cost[k] == PL_ATTAINED_BY_NEITHER ||
+                (is_same_as_before(scene, pair, k) && isnan(comparison->exactness_between[k].value))) {
+                continue;
+            }
+            add_pair(analysis, pair, &table);
+            add_number(pl_sweep_times[k], "s", &table);
+            add_ratio(&comparison->exactness[k], alone(comparison->at_cost[k]), &table);
+            add_ratio(&comparison->exactness_between[k], pl_no_number, &table);
+        }
+    }
+    return table;
+}
+
+pl_table pl_sweep_points_table(const pl_sweep_analysis *analysis, int scene)
+{
+    pl_table table = {0};
+    pl_table_columns(&table,
+                     "Engine|>Time step|>Cost|>MAD|>Repeats|>Error|>Instructions|On the front");
+    for (int i = 0; i < analysis->point_count; ++i) {
+        const pl_sweep_point *point = &analysis->points[i];
+        const pl_sweep_scene *of = &analysis->scenes[point->scene];
+        char step[PL_NUMBER_SIZE], error[PL_SWEEP_TEXT_SIZE];
+        if (point->scene != scene || point->state != PL_SWEEP_OK) {
+            continue;
+        }
+        const pl_sweep_curve *curve = &of->curves[point->engines[0]];
+        bool on_front = false;
+        for (int k = 0; k < curve->front_count; ++k) {
+            on_front |= curve->front[k] == i;
+        }
+        pl_format_step(point->dt, step);
+        pl_sweep_error_text(point->error, of->unit, error);
+        pl_table_add(&table, point->label);
+        pl_table_add(&table, step);
+        add_number(point->cost, "s", &table);
+        add_number(point->cost_mad, "s", &table);
+        pl_table_format_cell(&table, "%d", point->sample_count);
+        pl_table_add(&table, error);
+        add_number(point->instructions, "1", &table);
+        pl_table_add(&table, on_front ? "yes" : "");
+    }
+    return table;
 }

@@ -1,47 +1,54 @@
-/* The tables of a sweep, and what is said above them: the same on a terminal and on a page. */
+/* The tables of a sweep, the same on a terminal and on a page, and the sentences above them. The
+ * caller frees every table with pl_table_free. */
 #ifndef PLUMB_REPORT_SWEEP_TABLES_H
 #define PLUMB_REPORT_SWEEP_TABLES_H
 
+#include "base/table.h"
 #include "studies/sweep/analysis.h"
-#include "sweep_table.h"
 
-/* How the losses stand, in words, in plain text. */
+enum { PL_SWEEP_TEXT_SIZE = 256 };
+
+/* Writes "×2.50 (2.31 to 2.74)"; "–" where there is no ratio. */
+void pl_sweep_ratio_text(const pl_sweep_ratio *ratio, char text[PL_SWEEP_TEXT_SIZE]);
+
+/* Writes an error with its unit; at the floor "≤ 1e-9 m". */
+void pl_sweep_error_text(double error, const char *unit, char text[PL_SWEEP_TEXT_SIZE]);
+
+/* Adds how many comparisons plumb loses, in plain text. */
 void pl_sweep_statement(const pl_sweep_analysis *analysis, pl_text_buffer *out);
 
-/* What a reader must be warned of; nothing where there is nothing. Plain text. */
+/* Adds what a reader must be warned of, in plain text; nothing where there is nothing. */
 void pl_sweep_warning(const pl_sweep_analysis *analysis, pl_text_buffer *out);
 
-/* A row a loss, in their order. */
-void pl_sweep_losses_table(const pl_sweep_analysis *analysis, pl_sweep_table *table);
+/* A row a loss, in the order of the analysis. */
+pl_table pl_sweep_losses_table(const pl_sweep_analysis *analysis);
 
-/* A row a pair: the mean ratio of speeds at an error, and who reached it. */
-void pl_sweep_means_table(const pl_sweep_analysis *analysis, bool whole, int level,
-                          pl_sweep_table *table);
+/* A row a pair of engines: the mean ratio of speeds at a level of error, and who reached it. */
+pl_table pl_sweep_means_table(const pl_sweep_analysis *analysis, bool whole, int level);
 
-/* A row an engine that was run on the scene: what each level costs, and what failed. */
-void pl_sweep_costs_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                          bool whole, pl_sweep_table *table);
+/* A row an engine that was run on the scene: the cost of each level, and failed points. */
+pl_table pl_sweep_costs_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+                              bool whole);
 
-/* A row a pair: the ratio of speeds at each error. */
-void pl_sweep_speeds_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                           bool whole, bool between, pl_sweep_table *table);
+/* A row a pair: the ratio of speeds at each level; `between` points of the fronts, or at points. */
+pl_table pl_sweep_speeds_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+                               bool whole, bool between);
 
-/* A row a pair and cost at which either has a point: the ratio of errors. */
-void pl_sweep_errors_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                           bool whole, pl_sweep_table *table);
+/* A row a pair and cost at which either has a new point: the ratio of errors. */
+pl_table pl_sweep_errors_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+                               bool whole);
 
-/* A row a series of time steps: all, or of one scene (an index; -1: all). */
-void pl_sweep_orders_table(const pl_sweep_analysis *analysis, int scene, pl_sweep_table *table);
+/* A row a series of time steps: of all scenes, or of one (an index; -1: all). */
+pl_table pl_sweep_orders_table(const pl_sweep_analysis *analysis, int scene);
 
-/* A row an engine: the share of scenes solved within factors of the best. */
-void pl_sweep_shares_table(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
-                           pl_sweep_table *table);
+/* A row an engine: the share of scenes solved within factors of the fastest. */
+pl_table pl_sweep_shares_table(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile);
 
-/* A row a series of points without numbers that came to the same end: all, or of one scene (an
+/* A row a series of points without numbers that have one outcome: of all scenes, or of one (an
  * index; -1: all). */
-void pl_sweep_failed_table(const pl_sweep_analysis *analysis, int scene, pl_sweep_table *table);
+pl_table pl_sweep_failed_table(const pl_sweep_analysis *analysis, int scene);
 
-/* A row a point with numbers of a scene. */
-void pl_sweep_points_table(const pl_sweep_analysis *analysis, int scene, pl_sweep_table *table);
+/* A row a point of a scene that has numbers. */
+pl_table pl_sweep_points_table(const pl_sweep_analysis *analysis, int scene);
 
 #endif

@@ -1,5 +1,5 @@
 /* The report as CSV, read back. */
-#include "report/csv.h"
+#include "report/report.h"
 
 #include "check.h"
 #include "report_rows.h"
@@ -70,7 +70,7 @@ static void test_csv_parses_back_field_for_field(void **state)
                          "lower", "deterministic", 1, "p95", 1.0 / 3, "worst_step", 7));
     set_metric(row, "settle_time", json_pack("{s:n, s:s}", "value", "reason", hostile_text));
     pl_text_buffer out = {0};
-    pl_csv_write(results, &out);
+    pl_report_csv(results, &out);
     const char *at = out.data;
     int columns = read_line(&at, head);
     assert_int_equal(read_line(&at, line), columns);
@@ -101,7 +101,7 @@ static void test_csv_has_a_row_for_every_metric_and_for_a_run_without_any(void *
     static char head[CSV_COLUMNS][CSV_FIELD], line[CSV_COLUMNS][CSV_FIELD];
     json_t *results = runs_of_every_kind();
     pl_text_buffer out = {0};
-    pl_csv_write(results, &out);
+    pl_report_csv(results, &out);
     size_t expected = 0;
     json_t *row;
     size_t index;

@@ -1,10 +1,12 @@
 /* Where the report says that other engines err, and why; and how it parts stepping from contact. */
 #include "check.h"
 #include "report_rows.h"
+#include "text_fault.h"
 
 #include "plumb/scenario.h"
 #include "referee/metrics/metrics.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,6 +17,7 @@ static json_t *add_error(json_t *results, const char *scenario, const char *labe
     json_t *row = add_run(results, scenario, label, outcome);
     json_object_set_new(row, "primary_error", json_string(primary));
     json_object_set_new(row, "profile", json_string(strchr(label, ':') + 1));
+    json_object_set_new(row, "engine_version", json_string(label[0] == 'o' ? "0.16.2" : "3.24"));
     set_metric(row, "reference_error",
                json_pack("{s:f, s:s}", "value", error, "unit",
                          strcmp(primary, "rest_position_error") == 0 ? "m" : "1"));
@@ -30,10 +33,10 @@ static void test_a_relative_error_above_one_percent_is_a_finding(void **state)
     add_error(results, "c", "ode:quick", "ok", "travel_error", 0.5);
     add_error(results, "d", "ode:quick", "ok", "rest_position_error", 0.5);
     made_report made = make_report(results);
-    assert_int_equal(made.findings.runs, 4);
-    assert_int_equal(made.findings.count, 2);
-    assert_string_equal(made.findings.items[0].block->scenario, "a");
-    assert_string_equal(made.findings.items[1].block->scenario, "c");
+    assert_int_equal(made.report.findings.runs, 4);
+    assert_int_equal(made.report.findings.count, 2);
+    assert_string_equal(made.report.findings.items[0].test_case->scenario, "a");
+    assert_string_equal(made.report.findings.items[1].test_case->scenario, "c");
     assert_contains(made.html.data, "1.01 % (value_error)");
     assert_contains(made.html.data, "50 % (travel_error)");
     free_report(&made);
@@ -46,7 +49,7 @@ static void test_our_own_runs_are_no_findings(void **state)
     add_error(results, "a", "plumb:fast", "ok", "value_error", 0.5);
     add_error(results, "b", "plumb:fast", "collapsed", "rest_position_error", 0.5);
     made_report made = make_report(results);
-    assert_int_equal(made.findings.count, 0);
+    assert_int_equal(made.report.findings.count, 0);
     assert_absent(made.html.data, "id=\"findings\"");
     assert_absent(made.markdown.data, "## Findings");
     free_report(&made);
@@ -61,7 +64,7 @@ static void test_a_failure_is_a_finding_where_there_is_a_reference(void **state)
         json_t *results = json_array();
         add_error(results, "a", "ode:quick", failures[i], "rest_position_error", 0.25);
         made_report made = make_report(results);
-        assert_int_equal(made.findings.count, 1);
+        assert_int_equal(made.report.findings.count, 1);
         assert_contains(made.markdown.data, failures[i]);
         assert_contains(made.markdown.data, "0.250 m");
         free_report(&made);
@@ -71,14 +74,14 @@ static void test_a_failure_is_a_finding_where_there_is_a_reference(void **state)
         json_t *results = json_array();
         add_error(results, "a", "ode:quick", others[i], "rest_position_error", 0.25);
         made_report made = make_report(results);
-        assert_int_equal(made.findings.count, 0);
+        assert_int_equal(made.report.findings.count, 0);
         free_report(&made);
     }
     json_t *results = json_array();
     json_t *row = add_run(results, "a", "ode:quick", "collapsed");
     json_object_set_new(row, "primary_error", json_string(""));
     made_report made = make_report(results);
-    assert_int_equal(made.findings.count, 0);
+    assert_int_equal(made.report.findings.count, 0);
     free_report(&made);
 }
 
@@ -90,7 +93,7 @@ static void test_an_error_without_a_value_is_a_finding(void **state)
     set_metric(row, "reference_error",
                json_pack("{s:n, s:s}", "value", "reason", "no whole period"));
     made_report made = make_report(results);
-    assert_int_equal(made.findings.count, 1);
+    assert_int_equal(made.report.findings.count, 1);
     assert_contains(made.html.data, "no value (value_error)");
     free_report(&made);
 }
@@ -111,12 +114,12 @@ static void test_a_known_cause_is_told_with_what_was_varied(void **state)
     add_error(results, "arch", "ode:dantzig", "crashed", "rest_position_error", 1);
     made_report made = make_report(results);
     char *table = printed_table(made.results, false, 4000);
-    for (int i = 0; i < made.findings.count; i++) {
-        const pl_cause *cause = made.findings.items[i].cause;
+    for (int i = 0; i < made.report.findings.count; i++) {
+        const pl_known_cause *cause = made.report.findings.items[i].cause;
         assert_non_null(cause);
-        assert_contains_html(made.html.data, cause->text);
+        assert_contains_html(made.html.data, cause->cause);
         assert_contains_html(made.html.data, cause->evidence);
-        assert_contains(table, cause->text);
+        assert_contains(table, cause->cause);
     }
     assert_contains(made.html.data, "of 2 the cause is known");
     assert_contains(made.markdown.data, "gyroscopic");
@@ -132,7 +135,7 @@ static void test_an_unknown_cause_is_said_to_be_unknown(void **state)
     add_error(results, "overhang", "ode:quick", "collapsed", "rest_position_error", 1);
     made_report made = make_report(results);
     char *table = printed_table(made.results, false, 4000);
-    assert_int_equal(made.findings.count, 2);
+    assert_int_equal(made.report.findings.count, 2);
     assert_contains(made.html.data, "of 0 the cause is known");
     assert_contains(made.html.data, "<td class=\"why\">cause not known</td>");
     assert_contains(made.markdown.data, "| cause not known ");
@@ -141,44 +144,197 @@ static void test_an_unknown_cause_is_said_to_be_unknown(void **state)
     free_report(&made);
 }
 
-/* A run that was cut off or crashed says nothing of the cause of an error. */
-static void test_a_cause_is_that_of_its_profile_and_outcome(void **state)
+/* ---- Known causes ---- */
+
+typedef struct run {
+    const char *engine, *version, *label, *scenario, *outcome;
+    const char *param; /* NULL: all at their defaults */
+    double value;
+} run;
+
+/* The statement about a run; NULL when there is none. */
+static const pl_known_cause *cause_of(const pl_known_causes *causes, run r)
 {
-    (void)state;
-    assert_non_null(pl_cause_find("ode", "quick", "tower", "collapsed"));
-    assert_null(pl_cause_find("ode", "quick", "tower", "timeout"));
-    assert_null(pl_cause_find("ode", "quick", "tower", "crashed"));
-    assert_non_null(pl_cause_find("ode", "dantzig", "multi-tower", "timeout"));
-    assert_non_null(pl_cause_find("bullet", "nncg", "pile", "diverged"));
-    assert_null(pl_cause_find("bullet", "si", "pile", "diverged"));
-    assert_null(pl_cause_find("bullet", "nncg", "pile", "collapsed"));
-    assert_null(pl_cause_find("bullet", "nncg", "pil", "diverged"));
-    assert_null(pl_cause_find("bullet", "nncg", "", "diverged"));
+    const char *profile = strchr(r.label, ':') + 1;
+    json_t *row =
+        json_pack("{s:s, s:s, s:s%, s:s, s:s, s:s, s:{}}", "engine", r.engine, "engine_version",
+                  r.version, "profile", profile, strcspn(profile, ","), "label", r.label,
+                  "scenario", r.scenario, "outcome", r.outcome, "params");
+    if (r.param != NULL) {
+        json_object_set_new(json_object_get(row, "params"), r.param, json_real(r.value));
+    }
+    const pl_known_cause *cause = pl_known_cause_find(causes, row);
+    json_decref(row);
+    return cause;
 }
 
-static void test_every_cause_can_be_reached_and_is_of_a_scenario_that_exists(void **state)
+static void read_causes(pl_known_causes *causes)
 {
-    (void)state;
-    int count = 0;
-    const pl_cause *causes = pl_causes(&count);
-    assert_true(count > 0);
-    for (int i = 0; i < count; i++) {
-        const pl_cause *cause = &causes[i];
-        char names[256];
-        assert_true(strlen(cause->scenarios) < sizeof names);
-        strcpy(names, cause->scenarios);
-        assert_true(cause->evidence[0] != '\0');
-        bool reached = false;
-        for (char *name = strtok(names, " "); name != NULL; name = strtok(NULL, " ")) {
-            if (pl_scenario_find(name, NULL) == NULL)
-                fail_msg("cause %d: no scenario %s", i, name);
-            reached |= pl_cause_find(cause->engine, cause->profile == NULL ? "" : cause->profile,
-                                     name, cause->outcome == NULL ? "ok" : cause->outcome) == cause;
-        }
-        if (!reached)
-            fail_msg("cause %d of %s, %s: others come first", i, cause->engine, cause->scenarios);
+    pl_error error = {PL_OK, ""};
+    if (pl_known_causes_read(NULL, NULL, causes, &error) != PL_OK) {
+        fail_msg("%s", error.message);
     }
 }
+
+/* A run that was cut off or crashed says nothing of the cause of an error. */
+static void test_cause_is_that_of_engine_profile_and_outcome(void **state)
+{
+    (void)state;
+    static const struct {
+        run run;
+        bool known;
+    } rows[] = {
+        {{"ode", "0.16.2", "ode:quick", "tower", "collapsed", NULL, 0}, true},
+        {{"ode", "0.16.2", "ode:quick", "tower", "timeout", NULL, 0}, false},
+        {{"ode", "0.16.2", "ode:quick", "tower", "crashed", NULL, 0}, false},
+        {{"ode", "0.16.2", "ode:dantzig", "multi-tower", "timeout", NULL, 0}, true},
+        {{"bullet", "3.24", "bullet:nncg", "pile", "diverged", NULL, 0}, true},
+        {{"bullet", "3.24", "bullet:si", "pile", "diverged", NULL, 0}, false},
+        {{"bullet", "3.24", "bullet:nncg", "pile", "collapsed", NULL, 0}, false},
+        {{"bullet", "3.24", "bullet:nncg", "pil", "diverged", NULL, 0}, false},
+        {{"bullet", "3.24", "bullet:nncg", "", "diverged", NULL, 0}, false},
+        {{"plumb", "3.24", "plumb:nncg", "pile", "diverged", NULL, 0}, false},
+    };
+    pl_known_causes causes;
+    read_causes(&causes);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        if ((cause_of(&causes, rows[i].run) != NULL) != rows[i].known) {
+            fail_msg("row %zu: expected %s", i, rows[i].known ? "a cause" : "none");
+        }
+    }
+    pl_known_causes_free(&causes);
+}
+
+static void test_other_versions_parameters_and_options_have_no_cause(void **state)
+{
+    (void)state;
+    static const struct {
+        run run;
+        bool known;
+    } rows[] = {
+        {{"ode", "0.16.1", "ode:quick", "tower", "collapsed", NULL, 0}, false},
+        {{"ode", "0.16.3", "ode:quick", "tower", "collapsed", NULL, 0}, false},
+        {{"ode", "0.17", "ode:quick", "tower", "collapsed", NULL, 0}, false},
+        {{"ode", "", "ode:quick", "tower", "collapsed", NULL, 0}, false},
+        {{"ode", "0.16.2", "ode:quick,iterations=50", "tower", "collapsed", NULL, 0}, false},
+        {{"ode", "0.16.2", "ode:quick", "tower", "collapsed", "n", 10}, true},
+        {{"ode", "0.16.2", "ode:quick", "tower", "collapsed", "n", 100}, true},
+        {{"ode", "0.16.2", "ode:quick", "tower", "collapsed", "n", 300}, false},
+        {{"ode", "0.16.2", "ode:quick", "tower", "collapsed", "n", 5}, false},
+        {{"ode", "0.16.2", "ode:quick", "tower", "collapsed", "friction", 0.4}, false},
+        {{"ode", "0.16.2", "ode:quick", "tower", "collapsed", "dt", 1.0 / 60}, true},
+        {{"ode", "0.16.2", "ode:quick", "tower", "collapsed", "dt", 1.0 / 120}, false},
+        {{"ode", "0.16.2", "ode:quick", "projectile", "ok", "dt", 1.0 / 960}, true},
+        {{"ode", "0.16.2", "ode:quick", "projectile", "ok", "dt", 1.0 / 1920}, false},
+        {{"ode", "0.16.2", "ode:dantzig", "ladder", "collapsed", "angle", 52.9}, true},
+        {{"ode", "0.16.2", "ode:dantzig", "ladder", "collapsed", "angle", 53.2}, false},
+    };
+    pl_known_causes causes;
+    read_causes(&causes);
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        if ((cause_of(&causes, rows[i].run) != NULL) != rows[i].known) {
+            fail_msg("row %zu: expected %s", i, rows[i].known ? "a cause" : "none");
+        }
+    }
+    pl_known_causes_free(&causes);
+}
+
+static void test_pages_show_a_cause_only_where_it_applies(void **state)
+{
+    (void)state;
+    for (int n = 100; n <= 300; n += 200) {
+        json_t *results = json_array();
+        json_t *row =
+            add_error(results, "tower", "ode:quick", "collapsed", "rest_position_error", 1);
+        json_object_set_new(row, "params", json_pack("{s:i}", "n", n));
+        made_report made = make_report(results);
+        assert_int_equal(count_of(made.html.data, "of 100 cubes 1000 sweeps"), n == 100);
+        assert_int_equal(count_of(made.markdown.data, "of 100 cubes 1000 sweeps"), n == 100);
+        assert_int_equal(count_of(made.html.data, "cause not known"), n == 300);
+        free_report(&made);
+    }
+}
+
+static void test_every_known_cause_can_be_reached(void **state)
+{
+    (void)state;
+    pl_known_causes causes;
+    read_causes(&causes);
+    assert_true(causes.count >= 45);
+    for (int i = 0; i < causes.count; ++i) {
+        const pl_known_cause *cause = &causes.items[i];
+        const char *name;
+        json_t *ranges;
+        bool reached = false;
+        char label[64];
+        snprintf(label, sizeof label, "%s:%s", cause->engine,
+                 cause->profile == NULL ? "" : cause->profile);
+        json_object_foreach((json_t *)cause->scenarios, name, ranges)
+        {
+            const run r = {cause->engine,
+                           cause->newest,
+                           label,
+                           name,
+                           cause->outcome == NULL ? "ok" : cause->outcome,
+                           NULL,
+                           0};
+            reached |= cause_of(&causes, r) == cause;
+        }
+        if (!reached) {
+            fail_msg("causes[%d] of %s: others come first", i, cause->engine);
+        }
+        assert_true(cause->evidence[0] != '\0');
+    }
+    pl_known_causes_free(&causes);
+}
+
+static const char sample_causes[] =
+    "{\"schema\": \"plumb.known-causes/1\",\n"
+    " \"found_with\": \"two engines\",\n"
+    " \"versions\": {\"ode\": [\"1.0\", \"1.2\"]},\n"
+    " \"causes\": [\n"
+    "  {\"engine\": \"ode\", \"scenarios\": {\"tower\": {\"n\": [5, 20]}},\n"
+    "   \"cause\": null, \"evidence\": \"nothing changed it\"}]}\n";
+
+static void test_malformed_causes_are_named_with_their_place(void **state)
+{
+    (void)state;
+    static const text_fault faults[] = {
+        {"plumb.known-causes/1", "plumb.known-causes/2", "schema", "expected"},
+        {"\"found_with\": \"two engines\"", "\"found_with\": 2", "found_with", "found 2"},
+        {"\"ode\", \"scenarios\"", "\"bullet\", \"scenarios\"", "causes[0].engine", "versions"},
+        {"[\"1.0\", \"1.2\"]", "[\"1.2\", \"1.0\"]", "causes[0].engine", "oldest"},
+        {"\"tower\"", "\"towr\"", "causes[0].scenarios.towr", "expected a scenario"},
+        {"{\"n\": [5, 20]}", "[]", "causes[0].scenarios.tower", "an object of ranges"},
+        {"\"n\"", "\"m\"", "causes[0].scenarios.tower.m", "expected a parameter of tower"},
+        {"[5, 20]", "[20, 5]", "causes[0].scenarios.tower.n", "the least and the largest"},
+        {"[5, 20]", "[5]", "causes[0].scenarios.tower.n", "the least and the largest"},
+        {"[5, 20]", "[5, \"1/x\"]", "causes[0].scenarios.tower.n", "the least and the largest"},
+        {"[5, 20]", "[5, 1e9]", "causes[0].scenarios.tower.n", "the least and the largest"},
+        {"null", "7", "causes[0].cause", "found 7"},
+        {"\"evidence\"", "\"evidenc\"", "causes[0]", "evidenc"},
+    };
+    pl_known_causes causes;
+    assert_int_equal(pl_known_causes_read(sample_causes, "x", &causes, NULL), PL_OK);
+    assert_int_equal(causes.count, 1);
+    assert_null(causes.items[0].cause);
+    pl_known_causes_free(&causes);
+    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i) {
+        char *text = text_with(sample_causes, faults[i].from, faults[i].to);
+        pl_error error = {PL_OK, ""};
+        assert_int_equal(pl_known_causes_read(text, "causes.json", &causes, &error), PL_BAD_INPUT);
+        int line = 0, column = 0;
+        if (sscanf(error.message, "causes.json:%d:%d: ", &line, &column) != 2 || line < 1) {
+            fail_msg("no place: %s", error.message);
+        }
+        assert_contains(error.message, faults[i].path);
+        assert_contains(error.message, faults[i].part);
+        pl_known_causes_free(&causes);
+        free(text);
+    }
+}
+
+/* ---- Adapters, escapes and order ---- */
 
 /* Only what is true of the engines that were run. */
 static void test_innocence_of_the_adapter_is_told_for_the_engines_there(void **state)
@@ -189,8 +345,8 @@ static void test_innocence_of_the_adapter_is_told_for_the_engines_there(void **s
     made_report made = make_report(results);
     static const char *const facts[] = {"masses", "inertias", "gravity", "1e-12", "callbacks"};
     for (size_t i = 0; i < sizeof facts / sizeof facts[0]; i++)
-        assert_contains(made.findings.innocence.data, facts[i]);
-    assert_absent(made.findings.innocence.data, "ODE keeps no friction");
+        assert_contains(made.report.findings.adapters.data, facts[i]);
+    assert_absent(made.report.findings.adapters.data, "ODE keeps no friction");
     assert_contains(made.html.data, "It is not the adapter");
     assert_contains(made.markdown.data, "It is not the adapter");
     free_report(&made);
@@ -202,7 +358,7 @@ static void test_texts_of_results_are_escaped(void **state)
     json_t *results = json_array();
     add_error(results, hostile_text, "ode:quick", "ok", "value_error", 0.5);
     made_report made = make_report(results);
-    assert_int_equal(made.findings.count, 1);
+    assert_int_equal(made.report.findings.count, 1);
     assert_absent(made.html.data, "<script>");
     free_report(&made);
 }
@@ -231,7 +387,7 @@ static void test_stepping_and_contact_are_told_apart_with_the_rule(void **state)
                                     "<td class=\"n\">2.00e-15</td><td class=\"n\">1.00e-15</td>");
     assert_contains(made.html.data, "<td>semi-implicit Euler</td>"
                                     "<td class=\"n\">0.00550</td><td class=\"n\">3.00e-14</td>");
-    assert_contains(made.html.data, "<td>not told</td>");
+    assert_contains(made.html.data, "<td>not detected</td>");
     assert_contains(made.markdown.data, "| semi-implicit Euler | 0.00550 | 3.00e-14 |");
     assert_absent(made.html.data, "<tr><th>c</th>");
     free_report(&made);
@@ -291,8 +447,11 @@ int main(void)
         cmocka_unit_test(test_an_error_without_a_value_is_a_finding),
         cmocka_unit_test(test_a_known_cause_is_told_with_what_was_varied),
         cmocka_unit_test(test_an_unknown_cause_is_said_to_be_unknown),
-        cmocka_unit_test(test_a_cause_is_that_of_its_profile_and_outcome),
-        cmocka_unit_test(test_every_cause_can_be_reached_and_is_of_a_scenario_that_exists),
+        cmocka_unit_test(test_cause_is_that_of_engine_profile_and_outcome),
+        cmocka_unit_test(test_other_versions_parameters_and_options_have_no_cause),
+        cmocka_unit_test(test_pages_show_a_cause_only_where_it_applies),
+        cmocka_unit_test(test_every_known_cause_can_be_reached),
+        cmocka_unit_test(test_malformed_causes_are_named_with_their_place),
         cmocka_unit_test(test_innocence_of_the_adapter_is_told_for_the_engines_there),
         cmocka_unit_test(test_texts_of_results_are_escaped),
         cmocka_unit_test(test_stepping_and_contact_are_told_apart_with_the_rule),

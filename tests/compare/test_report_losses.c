@@ -18,9 +18,9 @@ static void test_loss_is_the_ratio_to_the_best_good_run_of_another_engine(void *
     json_array_foreach(results, index, row)
         json_object_set_new(row, "primary_error", json_string(""));
     made_report made = make_report(results);
-    assert_int_equal(made.losses.count, 1);
-    assert_int_equal(made.losses.comparisons, 2);
-    const pl_loss *loss = &made.losses.items[0];
+    assert_int_equal(made.report.losses.count, 1);
+    assert_int_equal(made.report.losses.comparisons, 2);
+    const pl_loss *loss = &made.report.losses.items[0];
     assert_int_equal(loss->kind, PL_LOSS_VALUE);
     assert_int_equal(loss->metric, PL_METRIC_DRIFT);
     assert_string_equal(loss->ours->label, "plumb:fast");
@@ -70,9 +70,9 @@ static void test_difference_below_noise_is_no_loss(void **state)
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         made_report made = make_report(duel(cases[i].metric, cases[i].ours, cases[i].theirs));
-        if (made.losses.count != cases[i].losses)
+        if (made.report.losses.count != cases[i].losses)
             fail_msg("%s %g against %g: %d losses", cases[i].metric, cases[i].ours, cases[i].theirs,
-                     made.losses.count);
+                     made.report.losses.count);
         free_report(&made);
     }
 }
@@ -90,8 +90,8 @@ static void test_ratio_is_taken_to_the_floor_where_the_best_lies_below_it(void *
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         made_report made = make_report(duel(cases[i].metric, cases[i].ours, cases[i].theirs));
-        assert_int_equal(made.losses.count, 1);
-        assert_close(made.losses.items[0].ratio, cases[i].ratio, 0, 1e-12);
+        assert_int_equal(made.report.losses.count, 1);
+        assert_close(made.report.losses.items[0].ratio, cases[i].ratio, 0, 1e-12);
         assert_absent(made.html.data, "×∞");
         free_report(&made);
     }
@@ -117,8 +117,8 @@ static void test_primary_error_is_not_counted_under_two_names(void **state)
     set_metric(json_array_get(results, 0), "reference_error", metric_value(2e-3));
     set_metric(json_array_get(results, 1), "reference_error", metric_value(1e-3));
     made_report made = make_report(results);
-    assert_int_equal(made.losses.count, 1);
-    assert_int_equal(made.losses.items[0].metric, PL_METRIC_REFERENCE_ERROR);
+    assert_int_equal(made.report.losses.count, 1);
+    assert_int_equal(made.report.losses.items[0].metric, PL_METRIC_REFERENCE_ERROR);
     assert_contains(made.html.data, "reference_error (drift)");
     free_report(&made);
 }
@@ -137,16 +137,16 @@ static void test_losses_go_from_failure_over_missing_value_to_falling_ratio(void
     add_run(results, "other", "plumb:fast", "timeout");
     add_run(results, "other", "ode:quick", "ok");
     made_report made = make_report(results);
-    assert_int_equal(made.losses.count, 5);
-    assert_int_equal(made.losses.items[0].kind, PL_LOSS_OUTCOME);
-    assert_string_equal(made.losses.items[0].block->scenario, "other");
-    assert_int_equal(made.losses.items[1].kind, PL_LOSS_NO_VALUE);
-    assert_int_equal(made.losses.items[1].metric, PL_METRIC_SETTLE_TIME);
-    assert_int_equal(made.losses.items[2].metric, PL_METRIC_PENETRATION_MAX);
-    assert_close(made.losses.items[2].ratio, 1e6, 0, 1e-15); /* to the floor */
-    assert_int_equal(made.losses.items[3].metric, PL_METRIC_ENERGY_GAIN);
-    assert_close(made.losses.items[3].ratio, 5, 0, 1e-15);
-    assert_int_equal(made.losses.items[4].metric, PL_METRIC_CREEP);
+    assert_int_equal(made.report.losses.count, 5);
+    assert_int_equal(made.report.losses.items[0].kind, PL_LOSS_OUTCOME);
+    assert_string_equal(made.report.losses.items[0].test_case->scenario, "other");
+    assert_int_equal(made.report.losses.items[1].kind, PL_LOSS_NO_VALUE);
+    assert_int_equal(made.report.losses.items[1].metric, PL_METRIC_SETTLE_TIME);
+    assert_int_equal(made.report.losses.items[2].metric, PL_METRIC_PENETRATION_MAX);
+    assert_close(made.report.losses.items[2].ratio, 1e6, 0, 1e-15); /* to the floor */
+    assert_int_equal(made.report.losses.items[3].metric, PL_METRIC_ENERGY_GAIN);
+    assert_close(made.report.losses.items[3].ratio, 5, 0, 1e-15);
+    assert_int_equal(made.report.losses.items[4].metric, PL_METRIC_CREEP);
     assert_contains(made.html.data, "it never rests");
     free_report(&made);
 }
@@ -158,7 +158,7 @@ static void test_times_of_different_machines_are_not_compared(void **state)
     json_object_set_new(json_object_get(json_array_get(results, 1), "host"), "cpu",
                         json_string("two"));
     made_report made = make_report(results);
-    assert_int_equal(made.losses.count, 0);
+    assert_int_equal(made.report.losses.count, 0);
     assert_contains(made.html.data, "come from several machines");
     free_report(&made);
 }
@@ -169,7 +169,7 @@ static void test_no_losses_is_said_with_what_was_compared(void **state)
     made_report made = make_report(duel("creep", 1e-3, 2e-3));
     static const char words[] =
         "No losses: in none of 1 comparisons is plumb worse than the best other "
-        "engine, over 1 problem: plumb:fast against the best of ode:quick.";
+        "engine, over 1 case: plumb:fast against the best of ode:quick.";
     assert_contains(made.html.data, words);
     assert_contains(made.markdown.data, words);
     char *table = printed_table(made.results, false, 1000);

@@ -1,5 +1,5 @@
 /* The report's tables: HTML, Markdown and the terminal. */
-#include "report/quantity.h"
+#include "report/number_format.h"
 
 #include "check.h"
 #include "report_rows.h"
@@ -29,8 +29,8 @@ static void test_every_problem_and_engine_is_in_every_table(void **state)
             assert_contains(texts[t], labels[i]);
         }
         for (int i = 0; i < 9; i++) {
-            char value[PL_QUANTITY_SIZE];
-            pl_quantity_text(1.11e-3 * (1 + i), "", value);
+            char value[PL_NUMBER_SIZE];
+            pl_format_number(1.11e-3 * (1 + i), "", value);
             assert_contains(texts[t], value);
         }
     }
@@ -59,7 +59,7 @@ static void test_settings_of_every_engine_are_listed(void **state)
     assert_contains(made.html.data, "<th>ode:quick</th><td>1.0</td>"
                                     "<td class=\"why\">iterations = 2000000, erp = 0.2</td>");
     assert_contains(made.html.data, "dt = 0.01 s · duration = 0.1 s");
-    assert_contains(made.markdown.data, "- ode:quick: iterations = 2000000, erp = 0.2\n");
+    assert_contains(made.markdown.data, "| ode:quick | 1.0 | iterations = 2000000, erp = 0.2 |\n");
     free_report(&made);
 }
 
@@ -252,7 +252,7 @@ static void test_markdown_tables_are_rectangular_whatever_the_texts_hold(void **
         }
         line += length + (line[length] == '\n');
     }
-    assert_int_equal(tables, 4);
+    assert_int_equal(tables, 5);
     assert_absent(made.markdown.data, "<script");
     free_report(&made);
 }

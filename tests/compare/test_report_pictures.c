@@ -1,6 +1,6 @@
 /* The report's pictures: the view, what hides what, and the drawing. */
+#include "report/case_page.h"
 #include "report/hidden_surface.h"
-#include "report/picture.h"
 #include "report/svg.h"
 
 #include "check.h"
@@ -406,13 +406,13 @@ static json_t *result_of(const pl_scene *scene, const char *scenario, json_t *pa
 /* The pictures of the one problem in `results`, which it takes. The caller frees the text. */
 static char *pictures_of(json_t *results)
 {
-    pl_result_matrix cells;
+    pl_result_matrix matrix;
     pl_text_buffer out = {0};
-    assert_int_equal(pl_result_matrix_build(results, &cells, NULL), PL_OK);
-    assert_int_equal(cells.block_count, 1);
-    pl_picture_row(&cells, 0, &out);
+    assert_int_equal(pl_result_matrix_build(results, &matrix, NULL), PL_OK);
+    assert_int_equal(matrix.case_count, 1);
+    pl_case_pictures(&matrix, 0, &out);
     assert_false(out.failed);
-    pl_result_matrix_free(&cells);
+    pl_result_matrix_free(&matrix);
     json_decref(results);
     return out.data;
 }

@@ -1,5 +1,5 @@
 /* Published numbers beside results made by hand. */
-#include "report/published.h"
+#include "report/result_matrix.h"
 
 #include "check.h"
 #include "plumb_process.h"
@@ -55,7 +55,7 @@ static void test_summary_shows_the_papers_numbers_beside_ours(void **state)
     (void)state;
     made_report made = make_report(three_towers());
     const char *text = made.markdown.data;
-    assert_contains(text, "| Problem | Published | plumb:fast | ode:dantzig | ode:quick |\n");
+    assert_contains(text, "| Case | Published | plumb:fast | ode:dantzig | ode:quick |\n");
     assert_contains(text, "| 1.65 | 2.50<br>ok | –<br>ok | 20.0<br>ok |\n");
     assert_contains(text, "| 36 | 3.50<br>ok | –<br>ok | 20.0<br>ok |\n");
     assert_contains(text, "| 47 | 4.50<br>ok | –<br>ok | 20.0<br>**collapsed** |\n");
@@ -87,8 +87,8 @@ static void test_other_parameters_are_another_problem(void **state)
         json_t *results = json_array();
         add_tower(results, 5, others[i], 0.125, "plumb:fast", "ok");
         made_report made = make_report(results);
-        assert_int_equal(made.cells.block_count, 1);
-        assert_int_equal(pl_published_is(&made.cells.blocks[0], entry), same[i]);
+        assert_int_equal(made.report.matrix.case_count, 1);
+        assert_int_equal(pl_case_is_entry(&made.report.matrix.cases[0], entry), same[i]);
         free_report(&made);
     }
 }
@@ -98,9 +98,9 @@ static void test_unknown_scenarios_and_files_are_no_published_problem(void **sta
     (void)state;
     made_report made = make_report(runs_of_every_kind());
     const pl_suite *paper = pl_suite_find("paper", NULL);
-    for (int b = 0; b < made.cells.block_count; b++)
+    for (int b = 0; b < made.report.matrix.case_count; b++)
         for (int i = 0; i < paper->entry_count; i++)
-            assert_false(pl_published_is(&made.cells.blocks[b], &paper->entries[i]));
+            assert_false(pl_case_is_entry(&made.report.matrix.cases[b], &paper->entries[i]));
     free_report(&made);
 }
 

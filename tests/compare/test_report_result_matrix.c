@@ -1,5 +1,5 @@
 /* How results are gathered: numbers as text, repeats, problems and engines. */
-#include "report/quantity.h"
+#include "report/number_format.h"
 #include "report/report.h"
 
 #include "check.h"
@@ -37,8 +37,8 @@ static void test_quantity_has_three_digits_and_an_engineers_unit(void **state)
         {1, "as it says", "1.00 as it says"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        char text[PL_QUANTITY_SIZE];
-        pl_quantity_text(cases[i].value, cases[i].unit, text);
+        char text[PL_NUMBER_SIZE];
+        pl_format_number(cases[i].value, cases[i].unit, text);
         assert_string_equal(text, cases[i].text);
     }
 }
@@ -46,10 +46,10 @@ static void test_quantity_has_three_digits_and_an_engineers_unit(void **state)
 static void test_no_number_is_a_dash_and_never_zero(void **state)
 {
     (void)state;
-    char text[PL_QUANTITY_SIZE];
-    pl_quantity_text((double)NAN, "m", text);
+    char text[PL_NUMBER_SIZE];
+    pl_format_number((double)NAN, "m", text);
     assert_string_equal(text, "–");
-    pl_quantity_text((double)INFINITY, "s", text);
+    pl_format_number((double)INFINITY, "s", text);
     assert_string_equal(text, "–");
 }
 
@@ -66,9 +66,10 @@ static void test_repeats_give_the_median_and_its_absolute_deviation(void **state
         set_metric(row, "time_per_step", metric_value(times[i]));
     }
     made_report made = make_report(results);
-    assert_int_equal(made.cells.block_count, 1);
-    assert_int_equal(made.cells.column_count, 1);
-    const pl_measure *time = &made.cells.blocks[0].cells[0].measure[PL_METRIC_TIME_PER_STEP];
+    assert_int_equal(made.report.matrix.case_count, 1);
+    assert_int_equal(made.report.matrix.column_count, 1);
+    const pl_metric_summary *time =
+        &made.report.matrix.cases[0].cells[0].metrics[PL_METRIC_TIME_PER_STEP];
     assert_int_equal(time->count, 5);
     assert_close(time->value, 3e-3, 0, 1e-15);
     assert_close(time->min, 1e-3, 0, 1e-15);
@@ -90,8 +91,8 @@ static void test_median_of_an_even_number_is_the_mean_of_the_middle_two(void **s
         set_metric(row, "time_per_step", metric_value(times[i]));
     }
     made_report made = make_report(results);
-    assert_close(made.cells.blocks[0].cells[0].measure[PL_METRIC_TIME_PER_STEP].value, 3e-3, 0,
-                 1e-15);
+    assert_close(made.report.matrix.cases[0].cells[0].metrics[PL_METRIC_TIME_PER_STEP].value, 3e-3,
+                 0, 1e-15);
     free_report(&made);
 }
 
@@ -105,7 +106,7 @@ static void test_deterministic_metric_that_differs_between_repeats_is_called_so(
         set_metric(row, "drift", metric_value(i == 0 ? 1.0 : nextafter(1.0, 2.0)));
     }
     made_report made = make_report(results);
-    assert_true(made.cells.disagrees);
+    assert_true(made.report.matrix.disagrees);
     assert_contains(made.html.data, "not deterministic");
     assert_contains(made.html.data, "<b>Not deterministic:</b>");
     assert_contains(made.markdown.data, "**Not deterministic:**");
@@ -127,7 +128,7 @@ static void test_repeats_that_agree_are_not_called_nondeterministic(void **state
         set_metric(row, "time_per_step", metric_value(1e-3 * (i + 1)));
     }
     made_report made = make_report(results);
-    assert_false(made.cells.disagrees);
+    assert_false(made.report.matrix.disagrees);
     assert_absent(made.html.data, "<b>Not deterministic:</b>");
     assert_absent(made.html.data, "not deterministic</span>");
     free_report(&made);
@@ -142,7 +143,7 @@ static void test_one_failed_repeat_makes_the_run_failed_and_says_in_how_many(voi
         json_object_set_new(row, "repeat", json_integer(i));
     }
     made_report made = make_report(results);
-    const pl_cell *cell = &made.cells.blocks[0].cells[0];
+    const pl_cell *cell = &made.report.matrix.cases[0].cells[0];
     assert_false(cell->ok);
     assert_int_equal(cell->ok_repeats, 2);
     assert_true(pl_cell_disagrees(cell));
@@ -170,7 +171,7 @@ static void test_row_that_was_merged_twice_counts_once(void **state)
     json_t *row = add_run(results, "s", "ode:quick", "ok");
     json_array_append_new(results, json_deep_copy(row));
     made_report made = make_report(results);
-    assert_int_equal(made.cells.run_count, 1);
+    assert_int_equal(made.report.matrix.run_count, 1);
     free_report(&made);
 }
 
@@ -185,9 +186,9 @@ static void test_parameters_seed_and_scene_make_problems_of_their_own(void **sta
     json_object_set_new(add_run(results, "s", "ode:quick", "ok"), "scene_hash",
                         json_string("beef"));
     made_report made = make_report(results);
-    assert_int_equal(made.cells.block_count, 4);
+    assert_int_equal(made.report.matrix.case_count, 4);
     for (int i = 0; i < 4; i++)
-        assert_int_equal(made.cells.blocks[i].cells[0].repeats, 1);
+        assert_int_equal(made.report.matrix.cases[i].cells[0].repeats, 1);
     assert_contains(made.html.data, "s seed=7");
     free_report(&made);
 }
@@ -200,9 +201,9 @@ static void test_two_versions_of_an_engine_are_two_columns(void **state)
     json_object_set_new(add_run(results, "s", "ode:quick", "ok"), "engine_version",
                         json_string("2.0"));
     made_report made = make_report(results);
-    assert_int_equal(made.cells.column_count, 2);
-    assert_string_equal(made.cells.columns[0].name, "ode:quick 1.0");
-    assert_string_equal(made.cells.columns[1].name, "ode:quick 2.0");
+    assert_int_equal(made.report.matrix.column_count, 2);
+    assert_string_equal(made.report.matrix.columns[0].name, "ode:quick 1.0");
+    assert_string_equal(made.report.matrix.columns[1].name, "ode:quick 2.0");
     free_report(&made);
 }
 

@@ -1,11 +1,10 @@
 /* What the report of a sweep says, and that it says it safely. */
 #include "check.h"
 #include "plumb_process.h"
-#include "report/sweep_html.h"
+#include "report/number_format.h"
 #include "report/sweep_plot.h"
 #include "report/sweep_report.h"
 #include "report/sweep_tables.h"
-#include "report/sweep_words.h"
 #include "report_rows.h"
 #include "results/store.h"
 #include "sweep_analysis_rows.h"
@@ -59,16 +58,16 @@ static void test_losses_come_before_everything_else(void **state)
     pl_text_buffer page = page_of(results);
     char *text = print_of(results);
     static const char *const later[] = {"id=\"sweep-speed\"", "id=\"sweep-profiles\"",
-                                        "id=\"sweep-problems\"", "id=\"sweep-method\""};
+                                        "id=\"sweep-scenes\"", "id=\"sweep-method\""};
     for (int i = 0; i < 4; i++)
         assert_before(page.data, "id=\"sweep-losses\"", later[i]);
     static const char *const said =
-        "ahead of plumb&#39;s in 2 of 10 comparisons (problem, engine, error): in 0 at errors up "
+        "ahead of plumb&#39;s in 2 of 10 comparisons (scene, engine, error): in 0 at errors up "
         "to 1e-3, in 2 at larger ones; 0 of all are within noise.";
     assert_contains(page.data, said);
     assert_before(text, "in 2 of 10 comparisons", "Where plumb loses");
-    assert_before(text, "Where plumb loses", "over all problems");
-    assert_contains(text, "1 of 2 problems: never reached");
+    assert_before(text, "Where plumb loses", "over all scenes");
+    assert_contains(text, "1 of 2 scenes: never reached");
     pl_text_free(&page);
     free(text);
     json_decref(results);
@@ -83,7 +82,7 @@ static void test_statement_when_nothing_is_lost_or_compared(void **state)
         {"plumb:p", "ode:q", NULL, "No losses: in none of 4 comparisons"},
         {"plumb:p", "plumb:q", NULL, "these results hold no other engine"},
         {"bullet:p", "ode:q", NULL, "plumb itself was not run"},
-        {"plumb:p", "ode:q", "crashed", "reach any error asked for"},
+        {"plumb:p", "ode:q", "crashed", "reach any of the errors"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         json_t *results = json_array();
@@ -109,8 +108,8 @@ static void test_plot_has_every_point_and_a_cross_for_each_that_failed(void **st
     json_t *results = mixed();
     pl_sweep_analysis analysis = analysis_of(results);
     pl_text_buffer a = {0}, b = {0};
-    pl_sweep_plot_problem(&analysis, &analysis.scenes[0], &a);
-    pl_sweep_plot_problem(&analysis, &analysis.scenes[1], &b);
+    pl_sweep_plot_scene(&analysis, &analysis.scenes[0], &a);
+    pl_sweep_plot_scene(&analysis, &analysis.scenes[1], &b);
     assert_int_equal(count_of(a.data, "class=\"m0\""), 2 + 1); /* the front, and the legend */
     assert_int_equal(count_of(a.data, "class=\"m0 off\""), 1);
     assert_int_equal(count_of(a.data, "class=\"m1\""), 2 + 1);
@@ -147,7 +146,7 @@ static void test_plot_is_logarithmic_with_exactness_downwards(void **state)
     pl_sweep_analysis analysis = analysis_of(results);
     pl_text_buffer plot = {0};
     double place[4];
-    pl_sweep_plot_problem(&analysis, &analysis.scenes[0], &plot);
+    pl_sweep_plot_scene(&analysis, &analysis.scenes[0], &plot);
     read_front(plot.data, place);
     assert_close(place[0], 72, 0.05, 0);
     assert_close(place[2], 710, 0.05, 0);
@@ -228,11 +227,11 @@ static void test_numbers_are_written_as_people_read_them(void **state)
     assert_string_equal(text, "≤ 1e-9 m");
     pl_sweep_error_text(0.0125, "1", text);
     assert_string_equal(text, "0.0125");
-    pl_sweep_step_text(1.0 / 240, text);
+    pl_format_step(1.0 / 240, text);
     assert_string_equal(text, "1/240 s");
-    pl_sweep_step_text(0.03, text);
+    pl_format_step(0.03, text);
     assert_string_equal(text, "0.03 s");
-    pl_sweep_cost_text(0.0125, text);
+    pl_format_number(0.0125, "s", text);
     assert_string_equal(text, "12.5 ms");
 }
 

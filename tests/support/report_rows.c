@@ -1,8 +1,6 @@
 /* Results made by hand, and what the report says of them. */
 #include "report_rows.h"
 
-#include "report/html.h"
-#include "report/markdown.h"
 #include "report/report.h"
 
 #include "check.h"
@@ -92,12 +90,11 @@ made_report make_report(json_t *results)
 {
     made_report made = {.results = results};
     pl_error error = {PL_OK, ""};
-    if (pl_result_matrix_build(results, &made.cells, &error) != PL_OK)
+    if (pl_report_build(results, &made.report, &error) != PL_OK) {
         fail_msg("%s", error.message);
-    assert_int_equal(pl_losses_find(&made.cells, &made.losses, &error), PL_OK);
-    assert_int_equal(pl_faults_find(&made.cells, &made.findings, &error), PL_OK);
-    pl_html_write(&made.cells, &made.losses, &made.findings, &made.html);
-    pl_markdown_write(&made.cells, &made.losses, &made.findings, &made.markdown);
+    }
+    pl_report_page(&made.report, true, &made.html);
+    pl_report_page(&made.report, false, &made.markdown);
     assert_false(made.html.failed);
     assert_false(made.markdown.failed);
     return made;
@@ -105,9 +102,7 @@ made_report make_report(json_t *results)
 
 void free_report(made_report *made)
 {
-    pl_faults_free(&made->findings);
-    pl_losses_free(&made->losses);
-    pl_result_matrix_free(&made->cells);
+    pl_report_free(&made->report);
     pl_text_free(&made->html);
     pl_text_free(&made->markdown);
     json_decref(made->results);

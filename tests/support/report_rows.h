@@ -2,8 +2,7 @@
 #ifndef PLUMB_TEST_REPORT_ROWS_H
 #define PLUMB_TEST_REPORT_ROWS_H
 
-#include "report/findings.h"
-#include "report/losses.h"
+#include "report/report_page.h"
 
 /* Markup, quotes, separators and letters that are not ASCII. */
 extern const char hostile_text[];
@@ -26,9 +25,7 @@ json_t *runs_of_every_kind(void);
 
 typedef struct made_report {
     json_t *results;
-    pl_result_matrix cells;
-    pl_losses losses;
-    pl_faults findings;
+    pl_report report;
     pl_text_buffer html, markdown;
 } made_report;
 

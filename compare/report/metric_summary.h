@@ -1,0 +1,37 @@
+/* A metric summarised over the repeats of one run. */
+#ifndef PLUMB_METRIC_SUMMARY_H
+#define PLUMB_METRIC_SUMMARY_H
+
+#include "referee/metrics/metrics.h"
+
+#include <jansson.h>
+
+/* Texts are borrowed from the results. */
+typedef struct pl_metric_summary {
+    pl_metric_state state; /* VALUE when any repeat has a number */
+    double value;          /* the median of the repeats that have a number */
+    double min, max, mad;  /* mad: median of |x - median| */
+    int count;             /* repeats that have a number */
+    const char *text;      /* state TEXT */
+    const char *reason;    /* state FAILED */
+    const char *unit;      /* the result's own, or the table's */
+    bool disagrees;        /* a deterministic metric whose repeats differ */
+    bool has_percentiles;
+    double p50, p95, p99, worst_step; /* medians over repeats */
+} pl_metric_summary;
+
+enum { PL_METRIC_TEXT_SIZE = 160, PL_METRIC_NOTE_SIZE = 640 };
+
+/* Summarises the metric `id` over `repeats` objects of it (NULL where absent), which must outlive
+ * the summary; `scratch` has room for `repeats` numbers. */
+pl_metric_summary pl_metric_summarise(const json_t *const *metrics, int repeats, int id,
+                                      double *scratch);
+
+/* Writes the value as in a table; "–" when there is none. */
+void pl_metric_text(const pl_metric_summary *summary, char text[PL_METRIC_TEXT_SIZE]);
+
+/* Writes the text of a tooltip: why there is no value, or spread and percentiles; "" where there is
+ * nothing to say. */
+void pl_metric_note(const pl_metric_summary *summary, char text[PL_METRIC_NOTE_SIZE]);
+
+#endif

@@ -1,0 +1,107 @@
+#include "number_format.h"
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char pl_no_number[] = "–";
+
+typedef struct scale {
+    double factor;
+    const char *unit;
+} scale;
+
+/* The largest unit first; the last one serves everything smaller. */
+static const scale time_scales[] = {{1, "s"}, {1e-3, "ms"}, {1e-6, "µs"}, {1e-9, "ns"}};
+static const scale byte_scales[] = {{1e9, "GB"}, {1e6, "MB"}, {1e3, "kB"}, {1, "B"}};
+
+/* Writes three significant digits; numbers of four or five digits stay whole, which reads better
+ * than a power. */
+static void digits(double value, char text[32])
+{
+    double size = fabs(value);
+    if (size == 0) {
+        snprintf(text, 32, "0");
+    } else if (size < 0.9995e-3 || size >= 99999.5) {
+        char power[32]; /* "1.20e-07" */
+        snprintf(power, sizeof power, "%.2e", value);
+        char *e = strchr(power, 'e');
+        *e = '\0';
+        snprintf(text, 32, "%.20se%d", power, (int)strtol(e + 1, NULL, 10));
+    } else {
+        int places = 2 - (int)floor(log10(size * 1.0005));
+        snprintf(text, 32, "%.*f", places > 0 ? places : 0, value);
+    }
+}
+
+static void scaled(double value, const scale *scales, int count, char text[PL_NUMBER_SIZE])
+{
+    int i = 0;
+    while (i < count - 1 && fabs(value) < 0.9995 * scales[i].factor)
+        i++;
+    char number[32];
+    digits(value / scales[i].factor, number);
+    snprintf(text, PL_NUMBER_SIZE, "%s %s", number, scales[i].unit);
+}
+
+void pl_format_number(double value, const char *unit, char text[PL_NUMBER_SIZE])
+{
+    if (!isfinite(value)) {
+        snprintf(text, PL_NUMBER_SIZE, "%s", pl_no_number);
+    } else if (strcmp(unit, "s") == 0 && value != 0) {
+        scaled(value, time_scales, 4, text);
+    } else if (strcmp(unit, "bytes") == 0 || strcmp(unit, "B") == 0) {
+        scaled(value, byte_scales, 4, text);
+    } else {
+        char number[32];
+        digits(value, number);
+        if (strcmp(unit, "1") == 0 || unit[0] == '\0')
+            snprintf(text, PL_NUMBER_SIZE, "%s", number);
+        else
+            snprintf(text, PL_NUMBER_SIZE, "%s %.40s", number, unit);
+    }
+}
+
+void pl_format_given(double value, const char *unit, char text[PL_NUMBER_SIZE])
+{
+    bool bare = strcmp(unit, "1") == 0 || unit[0] == '\0';
+    if (!isfinite(value))
+        snprintf(text, PL_NUMBER_SIZE, "%s", pl_no_number);
+    else
+        snprintf(text, PL_NUMBER_SIZE, "%.6g%s%.40s", value, bare ? "" : " ", bare ? "" : unit);
+}
+
+void pl_format_ratio(double ratio, char text[PL_NUMBER_SIZE])
+{
+    if (isinf(ratio)) {
+        snprintf(text, PL_NUMBER_SIZE, "×∞");
+        return;
+    }
+    if (isnan(ratio)) {
+        snprintf(text, PL_NUMBER_SIZE, "%s", pl_no_number);
+        return;
+    }
+    char number[32];
+    digits(ratio, number);
+    snprintf(text, PL_NUMBER_SIZE, "×%s", number);
+}
+
+void pl_format_power(double value, char text[PL_NUMBER_SIZE])
+{
+    char power[32]; /* "1e-03" */
+    snprintf(power, sizeof power, "%.0e", value);
+    char *e = strchr(power, 'e');
+    int exponent = e == NULL ? 0 : (int)strtol(e + 1, NULL, 10);
+    snprintf(text, PL_NUMBER_SIZE, "%.*se%d", e == NULL ? 8 : (int)(e - power), power, exponent);
+}
+
+void pl_format_step(double dt, char text[PL_NUMBER_SIZE])
+{
+    double whole = round(1 / dt);
+    if (whole > 1 && whole < 1e6 && fabs(whole * dt - 1) < 1e-12)
+        snprintf(text, PL_NUMBER_SIZE, "1/%.0f s", whole);
+    else
+        snprintf(text, PL_NUMBER_SIZE, "%.6g s", dt);
+}

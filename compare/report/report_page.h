@@ -1,0 +1,26 @@
+/* The report of results as one page, in HTML or as Markdown. */
+#ifndef PLUMB_REPORT_PAGE_OF_RESULTS_H
+#define PLUMB_REPORT_PAGE_OF_RESULTS_H
+
+#include "findings.h"
+#include "losses.h"
+
+/* Everything that a report says of results. */
+typedef struct pl_report {
+    pl_result_matrix matrix;
+    pl_losses losses;
+    pl_engine_findings findings;
+} pl_report;
+
+/* Gathers results, which must outlive *report. PL_BAD_INPUT, PL_NO_MEMORY. The caller frees
+ * *report, also on failure. */
+pl_status pl_report_build(const json_t *results, pl_report *report, pl_error *error);
+
+/* Frees the report. */
+void pl_report_free(pl_report *report);
+
+/* Adds a self-contained HTML page without scripts and requests, or GitHub tables for the summary of
+ * a CI job. Both begin with where plumb loses. */
+void pl_report_page(const pl_report *report, bool html, pl_text_buffer *out);
+
+#endif

@@ -1,0 +1,170 @@
+/* The report for a terminal: it fits the width by shortening names and reasons, never numbers. */
+#include "base/table.h"
+#include "number_format.h"
+#include "report.h"
+#include "report_page.h"
+
+#include <string.h>
+
+enum { NUMBER_COLUMNS = 4, SHOWN_LOSSES = 5, OUTCOME_WIDTH = 11, LEAST_NAME = 6, GAP = 2 };
+
+static const pl_metric_id shown[NUMBER_COLUMNS] = {
+    PL_METRIC_REFERENCE_ERROR, PL_METRIC_PENETRATION_MAX, PL_METRIC_ITERATIONS_MEAN,
+    PL_METRIC_TIME_PER_STEP};
+
+static const char *const plain = "\033[0m", *const bold = "\033[1m", *const red = "\033[31m";
+
+typedef struct terminal {
+    pl_text_buffer *out;
+    bool colour;
+    int width;
+} terminal;
+
+/* Adds a line that is cut to the width. */
+static void add_line(const terminal *to, const char *colour, const char *line)
+{
+    pl_text_add(to->out, to->colour ? colour : "");
+    pl_text_add_plain(to->out, line, to->width);
+    pl_text_add(to->out, to->colour ? plain : "");
+    pl_text_add(to->out, "\n");
+}
+
+/* Adds a paragraph, wrapped at blanks; from its second line on it is indented. */
+static void add_wrapped(const terminal *to, const char *paragraph, int indent)
+{
+    int column = 0, start = 0;
+    for (const char *word = paragraph; *word != '\0';) {
+        size_t bytes = strcspn(word, " ");
+        char text[300];
+        snprintf(text, sizeof text, "%.*s", (int)bytes, word);
+        if (column > start && column + 1 + pl_text_width(text) > to->width) {
+            pl_text_add(to->out, "\n");
+            pl_text_add_spaces(to->out, indent);
+            column = start = indent;
+        }
+        pl_text_add(to->out, column > start ? " " : "");
+        column += (column > start) + pl_text_add_plain(to->out, text, to->width - start);
+        word += bytes + strspn(word + bytes, " ");
+    }
+    pl_text_add(to->out, "\n");
+}
+
+static void add_losses(const pl_losses *losses, const terminal *to)
+{
+    add_line(to, bold, "Where plumb loses");
+    add_wrapped(to, losses->statement.data, 0);
+    for (int i = 0; i < losses->count && i < SHOWN_LOSSES; ++i) {
+        const pl_loss *loss = &losses->items[i];
+        char metric[PL_LOSS_TEXT_SIZE], ours[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
+        char ratio[PL_LOSS_TEXT_SIZE], line[1600];
+        pl_loss_texts(loss, metric, ours, best, ratio);
+        snprintf(line, sizeof line, "  %s  %s: %s  %s %s, %s %s", ratio, loss->test_case->name,
+                 metric, loss->ours->name, ours, loss->best->name, best);
+        add_line(to, red, line);
+    }
+    if (losses->count > SHOWN_LOSSES) {
+        pl_text_format(to->out, "  and %d more\n", losses->count - SHOWN_LOSSES);
+    }
+}
+
+/* The evidence of the causes is on the pages only. */
+static void add_findings(const pl_engine_findings *findings, const terminal *to)
+{
+    if (findings->runs == 0) {
+        return;
+    }
+    pl_text_add(to->out, "\n");
+    add_line(to, bold, "Findings");
+    add_wrapped(to, findings->statement.data, 0);
+    add_wrapped(to, findings->adapters.data, 0);
+    for (int i = 0; i < findings->count; ++i) {
+        const pl_engine_finding *finding = &findings->items[i];
+        char error[PL_FINDING_TEXT_SIZE], line[1600];
+        const char *cause = NULL, *evidence = NULL;
+        pl_engine_finding_texts(finding, error, &cause, &evidence);
+        snprintf(line, sizeof line, "%.250s, %.250s: %s: %s", finding->test_case->name,
+                 finding->column->name, error, cause);
+        add_wrapped(to, line, 4);
+    }
+}
+
+static void add_run(const pl_column *column, const pl_cell *cell, pl_table *table)
+{
+    const bool run = cell->result != NULL;
+    pl_table_add(table, column->name);
+    for (int k = 0; k < NUMBER_COLUMNS; ++k) {
+        char text[PL_METRIC_TEXT_SIZE];
+        pl_metric_text(&cell->metrics[shown[k]], text);
+        pl_table_add(table, run ? text : pl_no_number);
+    }
+    pl_table_format_cell(table, "%.60s%s%s%.600s", run ? cell->outcome : "not run",
+                         run && pl_cell_disagrees(cell) ? " (not deterministic)" : "",
+                         cell->reason[0] != '\0' ? ": " : "", cell->reason);
+    pl_table_style(table, !run ? "none" : cell->ok ? "ok" : "bad", NULL);
+}
+
+/* Where the line is too narrow, iterations are left out first, then penetration; then names are
+ * cut. */
+static void fit_width(const terminal *to, pl_table *table)
+{
+    static const int dropped_first[] = {3, 2};
+    const int longest = pl_table_width(table, 0);
+    int left = to->width - 2 * GAP - OUTCOME_WIDTH;
+    for (int k = 1; k <= NUMBER_COLUMNS; ++k) {
+        left -= GAP + pl_table_width(table, k);
+    }
+    for (int i = 0; i < 2 && left < longest && left < 14; ++i) {
+        left += GAP + pl_table_width(table, dropped_first[i]);
+        pl_table_set_width(table, dropped_first[i], 0, -1);
+    }
+    left = longest < left ? longest : left;
+    left = left < LEAST_NAME ? LEAST_NAME : left;
+    pl_table_set_width(table, 0, left, left);
+    table->line_width = to->width;
+}
+
+/* Adds a heading for each case, and a line for each engine below it. */
+static void add_cases(const pl_result_matrix *matrix, const terminal *to)
+{
+    pl_table table = {.indent = GAP, .colour = to->colour};
+    pl_table_columns(&table, "engine|>error|>penetration|>iterations|>time/step|outcome");
+    for (int i = 0; i < matrix->case_count; ++i) {
+        for (int k = 0; k < matrix->column_count; ++k) {
+            add_run(&matrix->columns[k], &matrix->cases[i].cells[k], &table);
+        }
+    }
+    fit_width(to, &table);
+    for (int i = 0; i < matrix->case_count; ++i) {
+        const pl_case *test_case = &matrix->cases[i];
+        const char *title = test_case->catalogue == NULL ? NULL : test_case->catalogue->title;
+        char line[640];
+        snprintf(line, sizeof line, "%s%s%s%s%s", test_case->name, title != NULL ? ": " : "",
+                 title != NULL ? title : "",
+                 test_case->primary_error[0] != '\0' ? "; error = " : "; no reference",
+                 test_case->primary_error);
+        pl_text_add(to->out, "\n");
+        add_line(to, bold, line);
+        table.first = i * matrix->column_count;
+        table.last = table.first + matrix->column_count;
+        pl_table_write(&table, PL_TABLE_TEXT, to->out);
+    }
+    pl_table_free(&table);
+}
+
+void pl_report_print_table(FILE *out, const json_t *results, bool colour, int width)
+{
+    pl_report report;
+    pl_text_buffer text = {0};
+    pl_error error = {PL_OK, ""};
+    const terminal to = {.out = &text, .colour = colour, .width = width < 40 ? 40 : width};
+    if (pl_report_build(results, &report, &error) == PL_OK) {
+        add_losses(&report.losses, &to);
+        add_cases(&report.matrix, &to);
+        add_findings(&report.findings, &to);
+    } else {
+        pl_text_format(&text, "no table: %s\n", error.message);
+    }
+    fputs(text.failed || text.data == NULL ? "no table: no memory\n" : text.data, out);
+    pl_text_free(&text);
+    pl_report_free(&report);
+}
