@@ -5,7 +5,6 @@
 #include "number_format.h"
 #include "page.h"
 #include "results/store.h"
-#include "studies/sweep/analysis.h"
 #include "sweep_plot.h"
 #include "sweep_tables.h"
 

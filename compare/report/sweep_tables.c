@@ -219,8 +219,7 @@ static int count_alike(const pl_sweep_analysis *analysis, int first)
 {
     const pl_sweep_point *points = analysis->points, *point = &points[first];
     int count = 1;
-    while (first + count < analysis->point_count &&
-           points[first + count].scene == point->scene &&
+    while (first + count < analysis->point_count && points[first + count].scene == point->scene &&
            points[first + count].state == point->state &&
            strcmp(points[first + count].label, point->label) == 0 &&
            strcmp(points[first + count].outcome, point->outcome) == 0) {
@@ -290,7 +289,7 @@ static const char *alone(pl_attained_by attained)
 {
     return attained == PL_ATTAINED_BY_OURS_ONLY    ? "ours alone"
            : attained == PL_ATTAINED_BY_OTHER_ONLY ? "other alone"
-                                          : pl_no_number;
+                                                   : pl_no_number;
 }
 
 pl_table pl_sweep_speeds_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
@@ -318,7 +317,8 @@ pl_table pl_sweep_speeds_table(const pl_sweep_analysis *analysis, const pl_sweep
 /* Whether neither front of a pair has a new point at cost k, compared with the next lower cost. */
 static bool is_same_as_before(const pl_sweep_scene *scene, const pl_sweep_pair *pair, int k)
 {
-    const int *ours = scene->curves[pair->ours].most_exact, *others = scene->curves[pair->other].most_exact;
+    const int *ours = scene->curves[pair->ours].most_exact,
+              *others = scene->curves[pair->other].most_exact;
     return k > 0 && ours[k] == ours[k - 1] && others[k] == others[k - 1];
 }
 
@@ -333,7 +333,8 @@ pl_table pl_sweep_errors_table(const pl_sweep_analysis *analysis, const pl_sweep
         bool compared = analysis->engines[pair->ours].whole == whole && comparison->run;
         for (int k = 0; compared && k < PL_SWEEP_TIMES; ++k) {
             if (comparison->at_cost[k] == PL_ATTAINED_BY_NEITHER ||
-                (is_same_as_before(scene, pair, k) && isnan(comparison->exactness_between[k].value))) {
+                (is_same_as_before(scene, pair, k) &&
+                 isnan(comparison->exactness_between[k].value))) {
                 continue;
             }
             add_pair(analysis, pair, &table);
