@@ -161,8 +161,9 @@ static void see_mechanics(pl_referee *r, const pl_body_state *after, const pl_co
         r->foreign_contact_step = r->foreign_contact_step == 0 ? r->done : r->foreign_contact_step;
         contact_count = 0;
     }
-    pl_mechanics_step(r->mechanics, r->done, r->last, after, contacts, contact_count);
-    pl_contact_force_step(r->force, r->done, r->last, after, contacts, contact_count);
+    const pl_step step = {r->done, r->last, after, contacts, contact_count};
+    pl_mechanics_step(r->mechanics, &step);
+    pl_contact_force_step(r->force, &step);
     for (pl_integrator k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
         double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale, k);
         double error = pl_mechanics_momentum_error(r->mechanics, &r->scale, k);

@@ -1,4 +1,4 @@
-/* Statics through the contact forces that engines report: what a stack must carry at each joint. */
+/* Statics by the contact forces that engines report: the load at each joint of a stack. */
 #include "referee/metrics/contact_force.h"
 
 #include "adapters/registry.h"
@@ -65,7 +65,8 @@ static void stand_step(stand *s)
     s->count = s->engine->read_contacts(s->instance, s->contacts, s->capacity);
     assert_true(s->count <= s->capacity);
     s->steps += 1;
-    pl_contact_force_step(s->force, s->steps, s->before, s->frame.bodies, s->contacts, s->count);
+    pl_contact_force_step(
+        s->force, &(pl_step){s->steps, s->before, s->frame.bodies, s->contacts, s->count});
 }
 
 /* Of all steps; second order or not is the same where no force turns. */
@@ -98,9 +99,8 @@ static double weight_of(const stand *s, int from)
     return mass * -s->scene.gravity[2];
 }
 
-/* Bodies 1 .. n stand on each other from the floor up: the joint under body i carries it and all
- * above. The largest error of a joint in units of what it carries; *sideways that of the
- * horizontal part. */
+/* Bodies 1 .. n form a stack from the floor up: the joint under body i bears its weight and all weight
+ * above. The largest error of a joint in units of its load; *sideways is that of the horizontal part. */
 static double ladder_error(const stand *s, double *sideways)
 {
     double worst = 0;
@@ -114,7 +114,7 @@ static double ladder_error(const stand *s, double *sideways)
     return worst;
 }
 
-/* The sum of what the floor carries, in units of the weight, less 1. */
+/* The total load of the floor in units of the weight, less 1. */
 static double floor_error(const stand *s)
 {
     double sum = 0;
@@ -124,10 +124,11 @@ static double floor_error(const stand *s)
     return sum / weight_of(s, 1) - 1;
 }
 
-/* What every engine must keep: Newton's second law, by its own forces and velocities. */
+/* The bound on the force balance of every engine: Newton's second law, by its own forces and
+ * velocities. */
 static const double balance = 1e-9;
 
-static void test_each_joint_of_a_tower_carries_what_is_above_it(void **state)
+static void test_tower_joint_force_is_the_weight_above(void **state)
 {
     (void)state;
     const char *const towers[] = {"n=10", "top_mass=50"};
@@ -147,7 +148,7 @@ static void test_each_joint_of_a_tower_carries_what_is_above_it(void **state)
     }
 }
 
-static void test_the_floor_under_a_wall_carries_the_wall(void **state)
+static void test_floor_force_under_a_wall_is_its_weight(void **state)
 {
     (void)state;
     const char *const small[] = {"rows=6", "columns=8"};
@@ -163,8 +164,9 @@ static void test_the_floor_under_a_wall_carries_the_wall(void **state)
     stand_end(&s);
 }
 
-/* How far the others are is told; that their forces are those that moved the bodies is due. */
-static void test_forces_of_other_engines_are_those_that_moved_the_bodies(void **state)
+/* The errors of the loads of other engines are only printed, but their forces must account for the
+ * motion. */
+static void test_forces_of_all_engines_balance_the_motion(void **state)
 {
     (void)state;
     const char *const engines[] = {"ode:quick", "bullet:si", "bullet:nncg"};
@@ -194,11 +196,11 @@ static void test_forces_of_other_engines_are_those_that_moved_the_bodies(void **
     }
 }
 
-/* Spheres have the same inertia in every frame, so that the velocities that were solved for are
- * those that are seen: the referee's natural map, worked out from frames and reported impulses, is
- * the engine's own residual but for what the energy guard takes. Where an impact has its own time
- * the velocities at the step's end are not those that its impulse answers to. */
-static void test_natural_map_of_spheres_is_the_residual_that_the_engine_reports(void **state)
+/* Spheres have the same inertia in every frame, so that the velocities of the frames are those that the
+ * engine solved for. So the referee's natural map, computed from frames and reported impulses, equals
+ * the engine's own residual, except for the effect of the energy guard. Time-of-impact sub-steps are
+ * off: with them the velocities at the end of the step do not belong to the impulse of the impact. */
+static void test_natural_map_of_spheres_equals_the_reported_residual(void **state)
 {
     (void)state;
     const char *const arguments[] = {
@@ -218,10 +220,10 @@ static void test_natural_map_of_spheres_is_the_residual_that_the_engine_reports(
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_joint_of_a_tower_carries_what_is_above_it),
-        cmocka_unit_test(test_the_floor_under_a_wall_carries_the_wall),
-        cmocka_unit_test(test_forces_of_other_engines_are_those_that_moved_the_bodies),
-        cmocka_unit_test(test_natural_map_of_spheres_is_the_residual_that_the_engine_reports),
+        cmocka_unit_test(test_tower_joint_force_is_the_weight_above),
+        cmocka_unit_test(test_floor_force_under_a_wall_is_its_weight),
+        cmocka_unit_test(test_forces_of_all_engines_balance_the_motion),
+        cmocka_unit_test(test_natural_map_of_spheres_equals_the_reported_residual),
     };
     return cmocka_run_group_tests_name("contact force statics", tests, NULL, NULL);
 }

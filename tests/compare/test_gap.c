@@ -1,5 +1,4 @@
-/* The referee's geometry: closed forms against libccd, and both against truths that know neither.
- */
+/* The referee's geometry: closed forms against libccd, and both against independent computations. */
 #include "referee/geometry/gap.h"
 
 #include "check.h"
@@ -159,8 +158,7 @@ static void test_sphere_sphere_closed_form_equals_libccd(void **state)
     compare_closed_form_and_libccd(PL_SHAPE_SPHERE, PL_SHAPE_SPHERE);
 }
 
-/* Rotation of v by a unit quaternion, written out once more so that the tests do not lean on vec.h.
- */
+/* Rotation of v by a unit quaternion, written out here so that the test does not depend on vec.h. */
 static void rotate(const double q[4], const double v[3], double out[3])
 {
     double w = q[0], x = q[1], y = q[2], z = q[3];
@@ -225,7 +223,7 @@ static double parting(const difference *d, const double unit[3])
     return most + d->radius;
 }
 
-/* The best direction near `unit` by ever smaller random turns, into `unit`. */
+/* Improves `unit` by smaller and smaller random rotations. Returns its depth. */
 static double refined(const difference *d, check_random *random, double unit[3])
 {
     double best = parting(d, unit), turn = 0.05;
@@ -257,14 +255,11 @@ static double refined(const difference *d, check_random *random, double unit[3])
 static double swept_depth(const pose_pair *p, check_random *random)
 {
     enum { SWEEP = 2000 };
-    const double golden = 2.399963229728653, spacing = sqrt(12.566370614359172 / SWEEP);
+    const double spacing = sqrt(12.566370614359172 / SWEEP);
     difference d = difference_of(p);
     double unit[SWEEP][3], depth[SWEEP], best = HUGE_VAL;
     for (int i = 0; i < SWEEP; ++i) {
-        double z = 1 - (2 * i + 1.0) / SWEEP, r = sqrt(1 - z * z);
-        unit[i][0] = r * cos(golden * i);
-        unit[i][1] = r * sin(golden * i);
-        unit[i][2] = z;
+        check_spiral_direction(i, SWEEP, unit[i]);
         depth[i] = parting(&d, unit[i]);
         best = fmin(best, depth[i]);
     }
@@ -309,7 +304,7 @@ static void test_sphere_box_depth_equals_dense_direction_sweep(void **state)
 }
 
 /* The depth from the convex hull of the 64 vertex differences by brute force: the nearest plane
- * through three of them that has all the others on one side. Knows vertices alone, no axes. */
+ * through three of them that has all the others on one side. Uses vertices only, no axes. */
 static double hull_depth(const pose_pair *p)
 {
     double best = HUGE_VAL;
@@ -408,7 +403,7 @@ static void test_box_box_depth_is_continuous_at_parallel_edges(void **state)
 /* Two unit cubes edge to edge, one leaning by a tiny angle about the diagonal between them, so that
  * the two edges cross. Only the cross product of the edges shows by how much they miss or overlap;
  * the face axes see an overlap of 0.35 angle more. */
-static void test_nearly_parallel_edges_are_told_apart_by_their_own_axis(void **state)
+static void test_nearly_parallel_edges_are_distinguished_by_their_axis(void **state)
 {
     (void)state;
     const double diagonal[3] = {sqrt(0.5), sqrt(0.5), 0};
@@ -428,7 +423,7 @@ static void test_nearly_parallel_edges_are_told_apart_by_their_own_axis(void **s
  * between two nearly parallel edges. libccd finds the foot of the origin on such a triangle by a
  * quotient of tiny numbers and loses up to 1e-9, so the comparison is one-sided: both depths are
  * widths along some direction, never less than the truth, and ours is the smaller. */
-static void test_box_box_depth_of_leaning_prisms_is_no_more_than_by_libccd(void **state)
+static void test_box_box_depth_never_exceeds_that_of_libccd(void **state)
 {
     (void)state;
     check_random random = {UINT64_C(987654321)};
@@ -455,7 +450,7 @@ static void test_box_box_depth_of_leaning_prisms_is_no_more_than_by_libccd(void 
     }
 }
 
-static void test_the_gap_is_the_same_in_either_order(void **state)
+static void test_gap_is_the_same_in_either_order(void **state)
 {
     (void)state;
     check_random random = {UINT64_C(777)};
@@ -471,7 +466,7 @@ static void test_the_gap_is_the_same_in_either_order(void **state)
     }
 }
 
-static void test_parting_by_the_depth_makes_the_gap_zero(void **state)
+static void test_growing_a_sphere_by_the_gap_touches(void **state)
 {
     (void)state;
     check_random random = {UINT64_C(4242)};
@@ -486,7 +481,7 @@ static void test_parting_by_the_depth_makes_the_gap_zero(void **state)
     }
 }
 
-static void test_plane_gap_is_the_lowest_point_above_the_plane(void **state)
+static void test_plane_gap_is_the_lowest_points_height(void **state)
 {
     (void)state;
     check_random random = {UINT64_C(99)};
@@ -520,7 +515,7 @@ static void test_two_planes_have_no_gap(void **state)
     assert_int_equal(pl_gap_convex(&placed, &placed, HUGE_VAL, &gap), PL_UNSUPPORTED);
 }
 
-static void test_coincident_bodies_have_the_depth_of_their_half_widths(void **state)
+static void test_coincident_bodies_overlap_by_their_half_widths(void **state)
 {
     (void)state;
     pose_pair p = {.shape_a = {.kind = PL_SHAPE_BOX, .half_extents = {1, 2, 3}},
@@ -539,7 +534,7 @@ static void test_coincident_bodies_have_the_depth_of_their_half_widths(void **st
 
 /* 1 part in 1e9 off unit is what a validated scene allows; ten times that must not scale the boxes.
  */
-static void test_a_quaternion_off_unit_length_does_not_scale_the_shape(void **state)
+static void test_quaternion_length_does_not_scale_the_shape(void **state)
 {
     (void)state;
     check_random random = {UINT64_C(5150)};
@@ -564,14 +559,14 @@ int main(void)
         cmocka_unit_test(test_sphere_box_depth_equals_dense_direction_sweep),
         cmocka_unit_test(test_box_box_depth_equals_hull_of_vertex_differences),
         cmocka_unit_test(test_box_box_depth_is_continuous_at_parallel_edges),
-        cmocka_unit_test(test_nearly_parallel_edges_are_told_apart_by_their_own_axis),
-        cmocka_unit_test(test_box_box_depth_of_leaning_prisms_is_no_more_than_by_libccd),
-        cmocka_unit_test(test_the_gap_is_the_same_in_either_order),
-        cmocka_unit_test(test_parting_by_the_depth_makes_the_gap_zero),
-        cmocka_unit_test(test_plane_gap_is_the_lowest_point_above_the_plane),
+        cmocka_unit_test(test_nearly_parallel_edges_are_distinguished_by_their_axis),
+        cmocka_unit_test(test_box_box_depth_never_exceeds_that_of_libccd),
+        cmocka_unit_test(test_gap_is_the_same_in_either_order),
+        cmocka_unit_test(test_growing_a_sphere_by_the_gap_touches),
+        cmocka_unit_test(test_plane_gap_is_the_lowest_points_height),
         cmocka_unit_test(test_two_planes_have_no_gap),
-        cmocka_unit_test(test_coincident_bodies_have_the_depth_of_their_half_widths),
-        cmocka_unit_test(test_a_quaternion_off_unit_length_does_not_scale_the_shape),
+        cmocka_unit_test(test_coincident_bodies_overlap_by_their_half_widths),
+        cmocka_unit_test(test_quaternion_length_does_not_scale_the_shape),
     };
     return cmocka_run_group_tests_name("gap", tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
-/* The gaps of convex shapes of all kinds, against sweeps of directions that know of a shape no more
- * than its farthest point, and against nearest points found by brute force. */
+/* The gaps of convex shapes of all kinds, against sweeps of directions that use only the farthest
+ * point of a shape, and against each other. */
 #include "referee/geometry/gap.h"
 
 #include "check.h"
@@ -19,7 +19,7 @@ typedef struct pose_pair {
     pl_placed_shape a, b;
 } pose_pair;
 
-/* What the tests draw their shapes from. */
+/* Random shapes of the tests. */
 typedef struct pool {
     pl_scene scene;
     check_random random;
@@ -70,7 +70,7 @@ static double gap_of(const pl_placed_shape *a, const pl_placed_shape *b)
     return gap;
 }
 
-/* --- What the sweeps know --- */
+/* ---- Sweeps of directions ---- */
 
 static double dot(const double a[3], const double b[3])
 {
@@ -193,13 +193,9 @@ static double swept(const pose_pair *pair)
 {
     enum { SWEEP = 3000, REFINED = 8 };
     static double unit[SWEEP][3], found[SWEEP];
-    const double golden = 2.399963229728653;
     prepared p = prepare(pair);
     for (int i = 0; i < SWEEP; ++i) {
-        double z = 1 - (2 * i + 1.0) / SWEEP, r = sqrt(1 - z * z);
-        unit[i][0] = r * cos(golden * i);
-        unit[i][1] = r * sin(golden * i);
-        unit[i][2] = z;
+        check_spiral_direction(i, SWEEP, unit[i]);
         found[i] = separation(&p, unit[i]);
     }
     double best = -HUGE_VAL;
@@ -217,7 +213,7 @@ static double swept(const pose_pair *pair)
     return best;
 }
 
-/* The gap is the best direction's: no direction shows more, and one shows as much. */
+/* The gap is the largest separation over all directions. */
 static void test_gap_of_every_pair_equals_dense_direction_sweep(void **state)
 {
     (void)state;
@@ -258,7 +254,7 @@ static void move_all(pl_placed_shape *placed, const double q[4], const double by
 
 /* Every third pair is aligned with the other on a grid of quarter steps, where everything is
  * degenerate. */
-static void test_gap_knows_no_order_and_no_place(void **state)
+static void test_gap_is_independent_of_order_and_place(void **state)
 {
     (void)state;
     static pool p;
@@ -310,8 +306,8 @@ static void test_closed_forms_equal_gjk_and_epa(void **state)
     pl_scene_free(&p.scene);
 }
 
-/* All directions around are as good as one another: EPA's polytope never closes on the circle. */
-static void test_coaxial_round_shapes_have_the_lesser_of_both_depths(void **state)
+/* All directions around the axis are equally good, and EPA's polytope never closes on the circle. */
+static void test_coaxial_round_shapes_have_the_smaller_depth(void **state)
 {
     (void)state;
     pose_pair p = {.shape_a = pl_shape_cylinder(0.5, 0.5), .shape_b = pl_shape_cylinder(0.25, 1)};
@@ -327,7 +323,7 @@ static void test_coaxial_round_shapes_have_the_lesser_of_both_depths(void **stat
     }
 }
 
-static void test_gap_above_the_bound_is_only_said_to_be(void **state)
+static void test_gap_above_the_bound_is_a_lower_bound(void **state)
 {
     (void)state;
     static pool p;
@@ -371,10 +367,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_gap_of_every_pair_equals_dense_direction_sweep),
-        cmocka_unit_test(test_gap_knows_no_order_and_no_place),
+        cmocka_unit_test(test_gap_is_independent_of_order_and_place),
         cmocka_unit_test(test_closed_forms_equal_gjk_and_epa),
-        cmocka_unit_test(test_coaxial_round_shapes_have_the_lesser_of_both_depths),
-        cmocka_unit_test(test_gap_above_the_bound_is_only_said_to_be),
+        cmocka_unit_test(test_coaxial_round_shapes_have_the_smaller_depth),
+        cmocka_unit_test(test_gap_above_the_bound_is_a_lower_bound),
         cmocka_unit_test(test_plane_gap_is_the_reach_against_its_normal),
     };
     return cmocka_run_group_tests_name("gap convex", tests, NULL, NULL);

@@ -22,7 +22,7 @@ static double gap_of(const pl_placed_shape *a, const pl_placed_shape *b)
     return gap;
 }
 
-/* --- Meshes that are convex, against hulls --- */
+/* ---- Convex meshes against hulls ---- */
 
 enum { HULLS = 10 };
 
@@ -148,10 +148,9 @@ static void test_mesh_apart_has_the_distance_of_its_hull(void **state)
     empty_pool(&p);
 }
 
-/* All features: vertex in face, edge across edge, face on face, rim on edge. Where an overlap is
- * near a sharp corner it is no longer shallow, and the mesh may say less than the least
- * translation. */
-static void test_mesh_sunk_in_a_little_has_the_depth_of_its_hull(void **state)
+/* All pairs of features: vertex in face, edge across edge, face on face, rim on edge. An overlap near a
+ * sharp corner is not shallow, and the depth of the mesh may be less than the minimum translation. */
+static void test_shallow_mesh_has_the_depth_of_its_hull(void **state)
 {
     (void)state;
     static pool p;
@@ -164,7 +163,7 @@ static void test_mesh_sunk_in_a_little_has_the_depth_of_its_hull(void **state)
         set_measured(&pair);
         double hull = -gap_of(&pair.hull, &pair.convex);
         if (fabs(hull - 1e-6) > 1e-8) {
-            continue; /* the ray has missed, or libccd tells touching from shallow no further */
+            continue; /* the ray has missed, or the depth is below the resolution of libccd */
         }
         double depth = -gap_of(&pair.mesh, &pair.measured);
         assert_true(depth >= 0.5 * hull);
@@ -177,7 +176,7 @@ static void test_mesh_sunk_in_a_little_has_the_depth_of_its_hull(void **state)
     empty_pool(&p);
 }
 
-static void test_gap_of_meshes_knows_no_order_and_no_bound_below_it(void **state)
+static void test_mesh_gap_is_independent_of_order_and_bound(void **state)
 {
     (void)state;
     static pool p;
@@ -200,10 +199,10 @@ static void test_gap_of_meshes_knows_no_order_and_no_bound_below_it(void **state
     empty_pool(&p);
 }
 
-/* --- Boxes --- */
+/* ---- Boxes ---- */
 
-/* Face on face, whatever the cells and however turned about the upright. */
-static void test_box_mesh_on_box_has_the_depth_by_which_it_sinks_in(void **state)
+/* Face on face, for all sizes of cells and rotations about the vertical. */
+static void test_box_mesh_on_box_has_the_face_depth(void **state)
 {
     (void)state;
     check_random random = {UINT64_C(99)};
@@ -227,7 +226,7 @@ static void test_box_mesh_on_box_has_the_depth_by_which_it_sinks_in(void **state
 }
 
 /* Two bars that cross, edge over edge: no vertex of either is in the other. */
-static void test_bars_that_cross_have_the_depth_between_their_edges(void **state)
+static void test_crossing_bars_have_the_depth_between_edges(void **state)
 {
     (void)state;
     pl_scene scene = pl_scene_default();
@@ -236,7 +235,7 @@ static void test_bars_that_cross_have_the_depth_between_their_edges(void **state
     pl_shape bar = pl_shape_of(box_mesh(&scene, half, middle, 1));
     pl_placed_shape a = placed_at(&bar, 0, 0, 0), b = placed_at(&bar, 0, 0, 0);
     memcpy(a.orientation, eighth, sizeof eighth);
-    /* The same turned by a quarter about the upright. */
+    /* The same, rotated by a quarter turn about the vertical. */
     const double r = sqrt(0.5);
     const double turned[4] = {r * eighth[0], r * eighth[1], r * eighth[1], r * eighth[0]};
     memcpy(b.orientation, turned, sizeof turned);
@@ -250,8 +249,8 @@ static void test_bars_that_cross_have_the_depth_between_their_edges(void **state
     pl_scene_free(&scene);
 }
 
-/* What is wholly inside touches no surface, and yet it overlaps by how deep it lies. */
-static void test_solid_wholly_inside_another_is_as_deep_as_its_deepest_point(void **state)
+/* A contained solid touches no surface; its depth is that of its deepest point. */
+static void test_contained_solid_has_its_deepest_points_depth(void **state)
 {
     (void)state;
     pl_scene scene = pl_scene_default();
@@ -271,10 +270,10 @@ static void test_solid_wholly_inside_another_is_as_deep_as_its_deepest_point(voi
     pl_scene_free(&scene);
 }
 
-/* --- Rings --- */
+/* ---- Rings ---- */
 
 /* Coaxial, with their corners in line: the sides of the polygons are nearer than their corners. */
-static void test_ring_in_the_hole_of_a_ring_is_apart_by_the_sides_between(void **state)
+static void test_ring_inside_a_ring_has_the_side_distance(void **state)
 {
     (void)state;
     enum { AROUND = 24 };
@@ -298,9 +297,9 @@ static void test_ring_in_the_hole_of_a_ring_is_apart_by_the_sides_between(void *
     pl_scene_free(&scene);
 }
 
-/* In the middle of a piece of the tube, whose sides all stand upright on the plane there: the
- * distance to the polygon in which they cut it. */
-static void test_sphere_in_a_tube_is_as_deep_as_its_centre_and_its_radius(void **state)
+/* At the middle of a segment of the tube all its sides are normal to the plane of the cross section,
+ * so the distance is that from the polygon in the plane. */
+static void test_sphere_in_a_tube_has_its_centre_depth(void **state)
 {
     (void)state;
     enum { AROUND = 20, SIDES = 10 };
@@ -347,7 +346,7 @@ static void test_linked_rings_are_apart_until_their_tubes_meet(void **state)
     pl_scene_free(&scene);
 }
 
-static void test_mesh_lies_on_a_plane_by_its_lowest_vertex(void **state)
+static void test_mesh_plane_gap_is_the_lowest_vertex(void **state)
 {
     (void)state;
     pl_scene scene = pl_scene_default();
@@ -362,15 +361,15 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_mesh_apart_has_the_distance_of_its_hull),
-        cmocka_unit_test(test_mesh_sunk_in_a_little_has_the_depth_of_its_hull),
-        cmocka_unit_test(test_gap_of_meshes_knows_no_order_and_no_bound_below_it),
-        cmocka_unit_test(test_box_mesh_on_box_has_the_depth_by_which_it_sinks_in),
-        cmocka_unit_test(test_bars_that_cross_have_the_depth_between_their_edges),
-        cmocka_unit_test(test_solid_wholly_inside_another_is_as_deep_as_its_deepest_point),
-        cmocka_unit_test(test_ring_in_the_hole_of_a_ring_is_apart_by_the_sides_between),
-        cmocka_unit_test(test_sphere_in_a_tube_is_as_deep_as_its_centre_and_its_radius),
+        cmocka_unit_test(test_shallow_mesh_has_the_depth_of_its_hull),
+        cmocka_unit_test(test_mesh_gap_is_independent_of_order_and_bound),
+        cmocka_unit_test(test_box_mesh_on_box_has_the_face_depth),
+        cmocka_unit_test(test_crossing_bars_have_the_depth_between_edges),
+        cmocka_unit_test(test_contained_solid_has_its_deepest_points_depth),
+        cmocka_unit_test(test_ring_inside_a_ring_has_the_side_distance),
+        cmocka_unit_test(test_sphere_in_a_tube_has_its_centre_depth),
         cmocka_unit_test(test_linked_rings_are_apart_until_their_tubes_meet),
-        cmocka_unit_test(test_mesh_lies_on_a_plane_by_its_lowest_vertex),
+        cmocka_unit_test(test_mesh_plane_gap_is_the_lowest_vertex),
     };
     return cmocka_run_group_tests_name("gap mesh", tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
-/* Islands against a flood fill, and the energy that an island gains in a step against motions made
- * up here. */
+/* Islands against a flood fill, and the energy that an island gains in a step, of motions that are
+ * defined here. */
 #include "referee/metrics/touching.h"
 
 #include "check.h"
@@ -31,7 +31,7 @@ static void join_at_random(check_random *random, bool joined[COUNT][COUNT], pl_i
     }
 }
 
-static void test_islands_are_what_two_frames_join(void **state)
+static void test_islands_are_joined_over_two_frames(void **state)
 {
     (void)state;
     check_random random = {UINT64_C(88172645463325252)};
@@ -107,7 +107,7 @@ static double gain_of_a_handed_over_speed(const double *places, int count)
     return step_gain(&r);
 }
 
-static void test_what_flows_between_bodies_that_touch_is_no_gain(void **state)
+static void test_energy_between_touching_bodies_is_no_gain(void **state)
 {
     (void)state;
     const double touching[] = {0, 1}, chain[] = {0, 1, 2}, closing[] = {0, 1 + 0.9 * H};
@@ -117,9 +117,8 @@ static void test_what_flows_between_bodies_that_touch_is_no_gain(void **state)
     assert_close(gain_of_a_handed_over_speed(closing, 2), 0, 0, 0);
 }
 
-/* Both go on at half the speed, and nothing in the frame after shows that they have met but their
- * gap. */
-static void test_an_inelastic_impact_within_a_step_is_no_gain(void **state)
+/* Both continue at half the speed. Only their gap shows in the frame after that they have met. */
+static void test_inelastic_impact_within_a_step_is_no_gain(void **state)
 {
     (void)state;
     const double places[] = {0, 1 + 0.9 * H};
@@ -132,7 +131,7 @@ static void test_an_inelastic_impact_within_a_step_is_no_gain(void **state)
     assert_close(step_gain(&r), 0, 0, 0);
 }
 
-static void test_what_flows_between_bodies_apart_is_gain(void **state)
+static void test_energy_between_separate_bodies_is_a_gain(void **state)
 {
     (void)state;
     const double apart[] = {0, 1.1}, broken[] = {0, 1, 2.1};
@@ -140,9 +139,9 @@ static void test_what_flows_between_bodies_apart_is_gain(void **state)
     assert_close(gain_of_a_handed_over_speed(broken, 3), 1, 1e-15, 0);
 }
 
-/* They touch in the frame before the exchange, and in the one after they are far apart; and the
- * other way round. */
-static void test_bodies_that_part_or_join_are_one_island_in_that_step(void **state)
+/* They touch in the frame before the exchange and are far apart in the frame after it, or the
+ * reverse. */
+static void test_parting_or_joining_bodies_are_one_island(void **state)
 {
     (void)state;
     for (int order = 0; order < 2; ++order) {
@@ -159,8 +158,8 @@ static void test_bodies_that_part_or_join_are_one_island_in_that_step(void **sta
     }
 }
 
-/* Two boxes 5 m apart on one floor: what one loses the other does not get through the floor. */
-static void test_a_static_body_joins_nothing(void **state)
+/* Two boxes 5 m apart on one floor: no energy passes between them through the floor. */
+static void test_static_body_joins_nothing(void **state)
 {
     (void)state;
     run r;
@@ -176,9 +175,9 @@ static void test_a_static_body_joins_nothing(void **state)
     assert_close(step_gain(&r), 1 / (1 + 4 * 9.81 * sqrt(3)), 1e-15, 0);
 }
 
-/* A gain counts even where the scene as a whole loses at the same time, and where it is lost again:
- * energy_gain sees neither. */
-static void test_a_gain_hides_behind_no_loss(void **state)
+/* A gain counts even if the scene as a whole loses energy at the same time, and even if it is lost
+ * again; energy_gain shows neither. */
+static void test_gain_is_not_hidden_by_a_loss(void **state)
 {
     (void)state;
     run r;
@@ -199,8 +198,8 @@ static void test_a_gain_hides_behind_no_loss(void **state)
     run_end(&r);
 }
 
-/* A box pushed up out of the floor by 1 mm, without a velocity: potential energy from nowhere. */
-static void test_a_push_without_velocity_is_a_gain(void **state)
+/* A box is moved up out of the floor by 1 mm without a velocity: potential energy without a cause. */
+static void test_displacement_without_velocity_is_a_gain(void **state)
 {
     (void)state;
     run r;
@@ -233,14 +232,14 @@ static void test_work_of_scene_forces_is_no_step_gain(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_islands_are_what_two_frames_join),
-        cmocka_unit_test(test_what_flows_between_bodies_that_touch_is_no_gain),
-        cmocka_unit_test(test_an_inelastic_impact_within_a_step_is_no_gain),
-        cmocka_unit_test(test_what_flows_between_bodies_apart_is_gain),
-        cmocka_unit_test(test_bodies_that_part_or_join_are_one_island_in_that_step),
-        cmocka_unit_test(test_a_static_body_joins_nothing),
-        cmocka_unit_test(test_a_gain_hides_behind_no_loss),
-        cmocka_unit_test(test_a_push_without_velocity_is_a_gain),
+        cmocka_unit_test(test_islands_are_joined_over_two_frames),
+        cmocka_unit_test(test_energy_between_touching_bodies_is_no_gain),
+        cmocka_unit_test(test_inelastic_impact_within_a_step_is_no_gain),
+        cmocka_unit_test(test_energy_between_separate_bodies_is_a_gain),
+        cmocka_unit_test(test_parting_or_joining_bodies_are_one_island),
+        cmocka_unit_test(test_static_body_joins_nothing),
+        cmocka_unit_test(test_gain_is_not_hidden_by_a_loss),
+        cmocka_unit_test(test_displacement_without_velocity_is_a_gain),
         cmocka_unit_test(test_work_of_scene_forces_is_no_step_gain),
     };
     return cmocka_run_group_tests_name("islands", tests, NULL, NULL);

@@ -43,8 +43,8 @@ static void prepare_projectile(run *r)
     memcpy(ball->angular_velocity, spin, sizeof spin);
 }
 
-/* Flies the only body for 256 steps under a force over part of the time. The metric hides what is
- * lost, so the signed energy is checked at each step too. */
+/* Moves the only body for 256 steps under a force over part of the time. The metric does not show
+ * losses, so the signed energy is checked at each step too. */
 static void fly_by(run *r, pl_integrator integrator, const double force[3], const double arm[3],
                    double from, double until)
 {
@@ -59,7 +59,7 @@ static void fly_by(run *r, pl_integrator integrator, const double force[3], cons
         const pl_body_state before = r->state[0];
         integrate(r, integrator, 0, k * H >= from && k * H < until ? force : none, arm);
         run_step_many(r, 1);
-        pl_mechanics_step(mechanics, k + 1, &before, r->state, NULL, 0);
+        pl_mechanics_step(mechanics, &(pl_step){k + 1, &before, r->state, NULL, 0});
         assert_int_equal(pl_integrator_of(pl_mechanics_votes(mechanics)), integrator);
         assert_close(pl_mechanics_energy_gain(mechanics, &scale, integrator), 0, 1e-13, 0);
     }
@@ -106,29 +106,29 @@ static void prepare_turned(run *r)
     assert_int_equal(pl_scene_add_force(&r->scene, &push, NULL), PL_OK);
 }
 
-static void test_a_projectile_keeps_energy_and_momentum_to_rounding(void **state)
+static void test_projectile_conserves_energy_and_momentum_to_rounding(void **state)
 {
     (void)state;
     const double none[3] = {0, 0, 0};
     fly(prepare_projectile, none, none, 0, 0);
 }
 
-static void test_work_and_impulse_of_scene_forces_are_accounted_to_rounding(void **state)
+static void test_scene_forces_are_accounted_to_rounding(void **state)
 {
     (void)state;
     fly(prepare_pushed, world_push.force, world_push.at, world_push.from, world_push.until);
 }
 
-static void test_a_body_frame_force_turns_with_the_body(void **state)
+static void test_body_frame_force_turns_with_the_body(void **state)
 {
     (void)state;
     const double force[3] = {0, 6, 0}, arm[3] = {0, 0.25, 0};
     fly(prepare_turned, force, arm, 0, 4);
 }
 
-/* A box whose vertices lie off its frame's origin, thrown up and spinning about a principal axis:
- * its centre flies as a point does and the frame goes round it, which must pass for neither energy,
- * nor momentum, nor another integrator. */
+/* A box whose vertices lie off its frame's origin flies up and spins about a principal axis. Its centre
+ * moves like a point and the frame rotates around it, which must not change energy, momentum or the
+ * detected integrator. */
 static void fly_off_frame(pl_integrator rule)
 {
     const double half[3] = {0.5, 0.3, 0.1}, middle[3] = {2, -1, 0.5}, none[3] = {0, 0, 0};
@@ -158,7 +158,7 @@ static void fly_off_frame(pl_integrator rule)
         s->position[1] -= middle[0] * sin(angle) + middle[1] * cos(angle);
         s->position[2] -= middle[2];
         run_step_many(&r, 1);
-        pl_mechanics_step(mechanics, k + 1, &before, r.state, NULL, 0);
+        pl_mechanics_step(mechanics, &(pl_step){k + 1, &before, r.state, NULL, 0});
         assert_int_equal(pl_integrator_of(pl_mechanics_votes(mechanics)), rule);
         assert_close(pl_mechanics_energy_gain(mechanics, &scale, rule), 0, 1e-13, 0);
     }
@@ -169,7 +169,7 @@ static void fly_off_frame(pl_integrator rule)
     run_end(&r);
 }
 
-static void test_a_body_off_its_frame_keeps_energy_and_momentum_to_rounding(void **state)
+static void test_body_off_its_frame_conserves_energy_and_momentum(void **state)
 {
     (void)state;
     for (pl_integrator rule = 0; rule < PL_INTEGRATOR_COUNT; ++rule) {
@@ -177,8 +177,8 @@ static void test_a_body_off_its_frame_keeps_energy_and_momentum_to_rounding(void
     }
 }
 
-/* The second-order rule that applies an impulse before the flight: v + J/m goes into x, too. */
-static void test_an_impulse_before_the_flight_tells_the_second_order(void **state)
+/* The second-order rule that applies an impulse before the flight: v + J/m moves x too. */
+static void test_impulse_before_the_flight_shows_second_order(void **state)
 {
     (void)state;
     pl_integrator_votes votes = {.flying = {0}};
@@ -197,8 +197,8 @@ static void test_an_impulse_before_the_flight_tells_the_second_order(void **stat
     run_end(&r);
 }
 
-/* A step that fits neither rule, as of a body that is pushed out of another, tells nothing. */
-static void test_a_pushed_body_does_not_tell_the_integrator(void **state)
+/* A step that fits neither rule, like that of a body that is pushed out of another, does not count. */
+static void test_pushed_body_does_not_show_the_integrator(void **state)
 {
     (void)state;
     const double none[3] = {0, 0, 0};
@@ -215,7 +215,7 @@ static void test_a_pushed_body_does_not_tell_the_integrator(void **state)
     for (pl_integrator k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
         assert_true(votes.flying[k] == 0 && votes.pushed[k] == 0);
     }
-    /* One step in free flight tells more than many that are not. */
+    /* One step in free flight outweighs many other steps. */
     votes.pushed[PL_SEMI_IMPLICIT] = 100;
     pl_body_state before = r.state[0];
     integrate(&r, PL_SECOND_ORDER, 0, none, none);
@@ -224,8 +224,8 @@ static void test_a_pushed_body_does_not_tell_the_integrator(void **state)
     run_end(&r);
 }
 
-/* A ball of 2 kg in no gravity is given 1 m/s out of nowhere at step 10 and loses it at step 20. */
-static void test_a_kick_out_of_nowhere_shows_in_energy_and_momentum(void **state)
+/* A ball of 2 kg without gravity gains 1 m/s without a cause at step 10 and loses it at step 20. */
+static void test_spontaneous_velocity_shows_in_energy_and_momentum(void **state)
 {
     (void)state;
     run r;
@@ -260,8 +260,7 @@ static void test_lost_energy_is_no_gain(void **state)
     run_end(&r);
 }
 
-/* A box held up by the floor with exactly m g h a step, whichever body comes first in the contact.
- */
+/* The floor supports a box with exactly m g h a step. Either body may come first in the contact. */
 static void test_contact_impulses_of_static_bodies_balance_the_weight(void **state)
 {
     (void)state;
@@ -285,7 +284,7 @@ static void test_contact_impulses_of_static_bodies_balance_the_weight(void **sta
     }
 }
 
-static void test_a_contact_of_no_body_fails_the_momentum_alone(void **state)
+static void test_contact_of_unknown_body_fails_momentum_only(void **state)
 {
     (void)state;
     run r;
@@ -301,7 +300,7 @@ static void test_a_contact_of_no_body_fails_the_momentum_alone(void **state)
     run_end(&r);
 }
 
-static void test_an_impulse_that_is_nan_is_not_taken_for_zero(void **state)
+static void test_nan_impulse_fails_the_momentum_error(void **state)
 {
     (void)state;
     run r;
@@ -317,7 +316,7 @@ static void test_an_impulse_that_is_nan_is_not_taken_for_zero(void **state)
     run_end(&r);
 }
 
-static void test_a_long_fall_is_no_divergence(void **state)
+static void test_long_fall_is_no_divergence(void **state)
 {
     (void)state;
     const double none[3] = {0, 0, 0};
@@ -357,7 +356,7 @@ static void turn_and_push(run *r, double thrust, double arm)
     s->orientation[2] = sin(angle / 2);
 }
 
-static void test_a_force_that_turns_within_the_step_is_integrated_over_the_turn(void **state)
+static void test_turning_force_is_integrated_over_the_step(void **state)
 {
     (void)state;
     static const double thrust = 50, arm = 0.1; /* N, m */
@@ -377,7 +376,7 @@ static void test_a_force_that_turns_within_the_step_is_integrated_over_the_turn(
     for (int k = 0; k < 60; ++k) {
         const pl_body_state before = r.state[0];
         turn_and_push(&r, thrust, arm);
-        pl_mechanics_step(mechanics, k + 1, &before, r.state, NULL, 0);
+        pl_mechanics_step(mechanics, &(pl_step){k + 1, &before, r.state, NULL, 0});
     }
     /* It turns by up to a third of a radian a step. Simpson's rule is of fourth order; with the
      * force as it began each step a tenth would be missing. */
@@ -391,19 +390,19 @@ static void test_a_force_that_turns_within_the_step_is_integrated_over_the_turn(
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_projectile_keeps_energy_and_momentum_to_rounding),
-        cmocka_unit_test(test_work_and_impulse_of_scene_forces_are_accounted_to_rounding),
-        cmocka_unit_test(test_a_body_frame_force_turns_with_the_body),
-        cmocka_unit_test(test_a_force_that_turns_within_the_step_is_integrated_over_the_turn),
-        cmocka_unit_test(test_a_body_off_its_frame_keeps_energy_and_momentum_to_rounding),
-        cmocka_unit_test(test_an_impulse_before_the_flight_tells_the_second_order),
-        cmocka_unit_test(test_a_pushed_body_does_not_tell_the_integrator),
-        cmocka_unit_test(test_a_kick_out_of_nowhere_shows_in_energy_and_momentum),
+        cmocka_unit_test(test_projectile_conserves_energy_and_momentum_to_rounding),
+        cmocka_unit_test(test_scene_forces_are_accounted_to_rounding),
+        cmocka_unit_test(test_body_frame_force_turns_with_the_body),
+        cmocka_unit_test(test_turning_force_is_integrated_over_the_step),
+        cmocka_unit_test(test_body_off_its_frame_conserves_energy_and_momentum),
+        cmocka_unit_test(test_impulse_before_the_flight_shows_second_order),
+        cmocka_unit_test(test_pushed_body_does_not_show_the_integrator),
+        cmocka_unit_test(test_spontaneous_velocity_shows_in_energy_and_momentum),
         cmocka_unit_test(test_lost_energy_is_no_gain),
         cmocka_unit_test(test_contact_impulses_of_static_bodies_balance_the_weight),
-        cmocka_unit_test(test_a_contact_of_no_body_fails_the_momentum_alone),
-        cmocka_unit_test(test_an_impulse_that_is_nan_is_not_taken_for_zero),
-        cmocka_unit_test(test_a_long_fall_is_no_divergence),
+        cmocka_unit_test(test_contact_of_unknown_body_fails_momentum_only),
+        cmocka_unit_test(test_nan_impulse_fails_the_momentum_error),
+        cmocka_unit_test(test_long_fall_is_no_divergence),
     };
     return cmocka_run_group_tests_name("mechanics", tests, NULL, NULL);
 }

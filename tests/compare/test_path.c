@@ -1,4 +1,4 @@
-/* Lift and path deviation, of motions known in closed form. */
+/* Lift-off height and path deviation of motions that are known in closed form. */
 #include "referee/referee.h"
 
 #include "check.h"
@@ -29,7 +29,7 @@ static void move(run *r, double along, double across, double above)
     }
 }
 
-static void test_lift_and_deviation_are_apart(void **state)
+static void test_lift_and_deviation_are_separate(void **state)
 {
     (void)state;
     run r;
@@ -47,7 +47,7 @@ static void test_lift_and_deviation_are_apart(void **state)
     run_end(&r);
 }
 
-static void test_a_body_that_sinks_has_no_lift(void **state)
+static void test_sinking_body_has_no_lift(void **state)
 {
     (void)state;
     run r;
@@ -61,8 +61,8 @@ static void test_a_body_that_sinks_has_no_lift(void **state)
     run_end(&r);
 }
 
-/* Not over where it starts, but over where it should rest; and only upwards, not to the side. */
-static void test_lift_of_a_resting_body_counts_from_its_rest(void **state)
+/* The height is above the expected rest, not above the start, and it is vertical. */
+static void test_lift_of_a_resting_body_starts_at_rest(void **state)
 {
     (void)state;
     run r;
@@ -78,9 +78,9 @@ static void test_lift_of_a_resting_body_counts_from_its_rest(void **state)
     run_end(&r);
 }
 
-/* A projectile over a floor is borne by nothing along its way: no lift, and all that is off its
+/* A projectile over a floor has no supporting plane: it has no lift, and its whole distance from the
  * line counts. */
-static void test_a_travel_off_the_plane_has_no_lift(void **state)
+static void test_travel_off_the_plane_has_no_lift(void **state)
 {
     (void)state;
     run r;
@@ -99,7 +99,7 @@ static void test_a_travel_off_the_plane_has_no_lift(void **state)
     run_end(&r);
 }
 
-static void test_without_a_reference_there_is_neither(void **state)
+static void test_without_a_reference_there_is_no_lift(void **state)
 {
     (void)state;
     run r;
@@ -117,11 +117,11 @@ static void test_without_a_reference_there_is_neither(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_lift_and_deviation_are_apart),
-        cmocka_unit_test(test_a_body_that_sinks_has_no_lift),
-        cmocka_unit_test(test_lift_of_a_resting_body_counts_from_its_rest),
-        cmocka_unit_test(test_a_travel_off_the_plane_has_no_lift),
-        cmocka_unit_test(test_without_a_reference_there_is_neither),
+        cmocka_unit_test(test_lift_and_deviation_are_separate),
+        cmocka_unit_test(test_sinking_body_has_no_lift),
+        cmocka_unit_test(test_lift_of_a_resting_body_starts_at_rest),
+        cmocka_unit_test(test_travel_off_the_plane_has_no_lift),
+        cmocka_unit_test(test_without_a_reference_there_is_no_lift),
     };
     return cmocka_run_group_tests_name("path", tests, NULL, NULL);
 }

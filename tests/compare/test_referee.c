@@ -1,4 +1,4 @@
-/* The referee as a whole: verdicts, early ends, and what it makes of an engine's own report. */
+/* The referee as a whole: verdicts, early ends, and statistics of what an engine reports. */
 #include "referee/referee.h"
 
 #include "check.h"
@@ -7,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-static void test_every_metric_has_a_name_a_unit_and_a_definition(void **state)
+static void test_every_metric_has_name_unit_and_definition(void **state)
 {
     (void)state;
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
@@ -23,7 +23,7 @@ static void test_every_metric_has_a_name_a_unit_and_a_definition(void **state)
     assert_int_equal(pl_metric_by_name(""), -1);
 }
 
-static void test_a_body_at_rest_in_its_reference_has_no_error(void **state)
+static void test_body_at_rest_at_its_reference_is_exact(void **state)
 {
     (void)state;
     run r;
@@ -42,13 +42,13 @@ static void test_a_body_at_rest_in_its_reference_has_no_error(void **state)
     assert_int_equal(run_metric(&r, PL_METRIC_TRAVEL_ERROR)->state, PL_METRIC_ABSENT);
     assert_int_equal(run_metric(&r, PL_METRIC_DISCRETE_ERROR)->state, PL_METRIC_ABSENT);
     assert_int_equal(run_metric(&r, PL_METRIC_MEMORY_PEAK)->state, PL_METRIC_ABSENT);
-    /* It stands on a static body, and nothing is known of the force. */
+    /* It rests on a static body, and the force is not known. */
     assert_int_equal(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->state, PL_METRIC_FAILED);
     assert_contains(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->reason, "no contacts");
     run_end(&r);
 }
 
-static void test_the_first_number_that_is_not_finite_ends_the_run(void **state)
+static void test_first_nonfinite_number_ends_the_run(void **state)
 {
     (void)state;
     const double bad[3] = {nan(""), HUGE_VAL, -HUGE_VAL};
@@ -71,7 +71,7 @@ static void test_the_first_number_that_is_not_finite_ends_the_run(void **state)
     }
 }
 
-static void test_a_null_quaternion_is_no_rotation(void **state)
+static void test_null_quaternion_is_no_rotation(void **state)
 {
     (void)state;
     run r;
@@ -83,7 +83,7 @@ static void test_a_null_quaternion_is_no_rotation(void **state)
     run_end(&r);
 }
 
-static void test_a_run_that_starts_with_nan_has_no_metrics(void **state)
+static void test_run_that_starts_with_nan_has_no_metrics(void **state)
 {
     (void)state;
     run r;
@@ -101,7 +101,7 @@ static void test_a_run_that_starts_with_nan_has_no_metrics(void **state)
     run_end(&r);
 }
 
-static void test_an_exploding_body_has_diverged_and_maxima_are_kept(void **state)
+static void test_diverged_run_keeps_its_maxima(void **state)
 {
     (void)state;
     run r;
@@ -121,7 +121,7 @@ static void test_an_exploding_body_has_diverged_and_maxima_are_kept(void **state
     run_end(&r);
 }
 
-static void test_energy_from_nowhere_diverges_below_the_bound_of_speed(void **state)
+static void test_energy_gain_below_the_speed_bound_diverges(void **state)
 {
     (void)state;
     run r;
@@ -134,7 +134,7 @@ static void test_energy_from_nowhere_diverges_below_the_bound_of_speed(void **st
     run_end(&r);
 }
 
-static void test_an_engine_that_stops_early_leaves_its_maxima(void **state)
+static void test_early_end_leaves_the_maxima(void **state)
 {
     (void)state;
     run r;
@@ -186,7 +186,7 @@ static void test_statistics_of_steps(void **state)
     run_end(&r);
 }
 
-static void test_what_no_step_reports_has_no_value(void **state)
+static void test_metrics_that_no_step_reports_have_no_value(void **state)
 {
     (void)state;
     const pl_metric_id of_residual[] = {PL_METRIC_RESIDUAL_MAX, PL_METRIC_RESIDUAL_RMS};
@@ -221,7 +221,7 @@ static void hash_with(double x, char text[24])
     run_end(&r);
 }
 
-static void test_the_hash_changes_with_one_bit_and_only_then(void **state)
+static void test_state_hash_changes_with_one_bit(void **state)
 {
     (void)state;
     char first[24], again[24], next[24], zero[24], minus_zero[24];
@@ -239,17 +239,17 @@ static void test_the_hash_changes_with_one_bit_and_only_then(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_metric_has_a_name_a_unit_and_a_definition),
-        cmocka_unit_test(test_a_body_at_rest_in_its_reference_has_no_error),
-        cmocka_unit_test(test_the_first_number_that_is_not_finite_ends_the_run),
-        cmocka_unit_test(test_a_null_quaternion_is_no_rotation),
-        cmocka_unit_test(test_a_run_that_starts_with_nan_has_no_metrics),
-        cmocka_unit_test(test_an_exploding_body_has_diverged_and_maxima_are_kept),
-        cmocka_unit_test(test_energy_from_nowhere_diverges_below_the_bound_of_speed),
-        cmocka_unit_test(test_an_engine_that_stops_early_leaves_its_maxima),
+        cmocka_unit_test(test_every_metric_has_name_unit_and_definition),
+        cmocka_unit_test(test_body_at_rest_at_its_reference_is_exact),
+        cmocka_unit_test(test_first_nonfinite_number_ends_the_run),
+        cmocka_unit_test(test_null_quaternion_is_no_rotation),
+        cmocka_unit_test(test_run_that_starts_with_nan_has_no_metrics),
+        cmocka_unit_test(test_diverged_run_keeps_its_maxima),
+        cmocka_unit_test(test_energy_gain_below_the_speed_bound_diverges),
+        cmocka_unit_test(test_early_end_leaves_the_maxima),
         cmocka_unit_test(test_statistics_of_steps),
-        cmocka_unit_test(test_what_no_step_reports_has_no_value),
-        cmocka_unit_test(test_the_hash_changes_with_one_bit_and_only_then),
+        cmocka_unit_test(test_metrics_that_no_step_reports_have_no_value),
+        cmocka_unit_test(test_state_hash_changes_with_one_bit),
     };
     return cmocka_run_group_tests_name("referee", tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* What the referee makes of contact forces that the test makes up: closed forms. */
+/* Metrics of contact impulses that the test chooses, against closed forms. */
 #include "referee/metrics/contact_force.h"
 
 #include "check.h"
@@ -56,6 +56,29 @@ static void corners(pl_contact out[CORNERS], double x, double y, double rx, doub
     }
 }
 
+/* One step with these contacts, which is the last. */
+static void finish_with(run *r, const pl_contact *contacts, int count)
+{
+    (void)run_step_with(r, contacts, count);
+    (void)run_finish(r);
+}
+
+/* One step with impulses at the corners of a box at the origin, which is the last. */
+static void finish_on_corners(run *r, double rx, double ry, double rz)
+{
+    pl_contact c[CORNERS];
+    corners(c, 0, 0, rx, ry, rz);
+    finish_with(r, c, CORNERS);
+}
+
+/* A floor and a ball of radius 1/2 over it by `height`. */
+static void prepare_ball(run *r, double height)
+{
+    run_prepare(r, 1);
+    run_add_body(r, "floor", pl_shape_plane(0, 0, 1, 0), true, 0, 0);
+    run_add_body(r, "ball", pl_shape_sphere(0.5), false, 0, 0.5 + height);
+}
+
 static void assert_absent_metric(const run *r, pl_metric_id id)
 {
     if (run_metric(r, id)->state != PL_METRIC_ABSENT) {
@@ -82,7 +105,7 @@ static void slide(run *r, bool swap, double rx, double ry)
     (void)run_finish(r);
 }
 
-static void test_a_box_that_slides_by_coulombs_law_has_that_friction_and_no_error(void **state)
+static void test_sliding_box_by_coulombs_law_has_no_error(void **state)
 {
     (void)state;
     for (int swap = 0; swap < 2; ++swap) {
@@ -97,7 +120,7 @@ static void test_a_box_that_slides_by_coulombs_law_has_that_friction_and_no_erro
     }
 }
 
-static void test_a_pyramids_corner_leaves_the_cone_by_root_two_less_one(void **state)
+static void test_friction_pyramid_violates_the_cone_at_its_corners(void **state)
 {
     (void)state;
     run r;
@@ -118,23 +141,19 @@ static void test_friction_effective_is_the_mean_over_contacts(void **state)
     c[0].impulse[0] = -0.1 * c[0].impulse[2];
     c[1].impulse[1] = 0.2 * c[1].impulse[2];
     c[2].impulse[0] = -0.3 * c[2].impulse[2];
-    (void)run_step_with(&r, c, CORNERS);
-    (void)run_finish(&r);
+    finish_with(&r, c, CORNERS);
     assert_close(run_value(&r, PL_METRIC_FRICTION_EFFECTIVE), 0.15, 1e-15, 0);
     run_end(&r);
 }
 
-static void test_a_contact_that_holds_or_creeps_has_no_effective_friction(void **state)
+static void test_sticking_or_creeping_contact_has_no_effective_friction(void **state)
 {
     (void)state;
     const double speeds[] = {0, 0.99 * H * 9.81, 1.01 * H * 9.81};
     for (int i = 0; i < 3; ++i) {
         run r;
         begin_box(&r, speeds[i], 0, 0);
-        pl_contact c[CORNERS];
-        corners(c, 0, 0, -0.3, 0, 1);
-        (void)run_step_with(&r, c, CORNERS);
-        (void)run_finish(&r);
+        finish_on_corners(&r, -0.3, 0, 1);
         assert_close(run_value(&r, PL_METRIC_CONE_VIOLATION), 0, 0, 0);
         if (i < 2) {
             assert_absent_metric(&r, PL_METRIC_FRICTION_EFFECTIVE);
@@ -145,23 +164,22 @@ static void test_a_contact_that_holds_or_creeps_has_no_effective_friction(void *
     }
 }
 
-static void test_what_bears_next_to_nothing_says_nothing_of_friction(void **state)
+static void test_friction_of_unloaded_contacts_is_not_measured(void **state)
 {
     (void)state;
     run r;
     begin_box(&r, 3, 0, 0);
     pl_contact c[2] = {on_floor(BOX, 0.5, 0, -mu * mass * g * H, 0, mass * g * H),
                        on_floor(BOX, -0.5, 0, -1e-2 * mass * g * H, 0, 0.9e-3 * mass * g * H)};
-    (void)run_step_with(&r, c, 2);
-    (void)run_finish(&r);
+    finish_with(&r, c, 2);
     assert_close(run_value(&r, PL_METRIC_CONE_VIOLATION), 0, 1e-15, 0);
     assert_close(run_value(&r, PL_METRIC_FRICTION_EFFECTIVE), mu, 1e-15, 0);
-    /* The law of contact is for all: it sees that the cone was left. */
+    /* The law of contact applies to all contacts: it shows that the cone was violated. */
     assert_true(run_value(&r, PL_METRIC_NATURAL_MAP) > 1e-3);
     run_end(&r);
 }
 
-static void test_force_balance_is_what_is_missing_in_units_of_the_weight(void **state)
+static void test_force_balance_is_in_units_of_weight(void **state)
 {
     (void)state;
     run r;
@@ -178,28 +196,23 @@ static void test_force_balance_is_what_is_missing_in_units_of_the_weight(void **
     run_end(&r);
 }
 
-static void test_a_motion_that_no_force_made_is_unbalanced(void **state)
+static void test_motion_without_a_force_is_unbalanced(void **state)
 {
     (void)state;
     run r;
     begin_box(&r, 0, 0, 0);
-    pl_contact c[CORNERS];
-    corners(c, 0, 0, 0, 0, 1);
     r.state[BOX].velocity[1] = 0.25 * g * H;
-    (void)run_step_with(&r, c, CORNERS);
-    (void)run_finish(&r);
+    finish_on_corners(&r, 0, 0, 1);
     assert_close(run_value(&r, PL_METRIC_FORCE_BALANCE), 0.25, 1e-15, 0);
     run_end(&r);
 }
 
-/* Two balls on each other: what presses the lower one down bears the upper one. */
+/* Two balls on each other: the force that supports the upper one presses the lower one down. */
 static void test_a_contact_acts_on_both_bodies(void **state)
 {
     (void)state;
     run r;
-    run_prepare(&r, 1);
-    run_add_body(&r, "floor", pl_shape_plane(0, 0, 1, 0), true, 0, 0);
-    run_add_body(&r, "low", pl_shape_sphere(0.5), false, 0, 0.5);
+    prepare_ball(&r, 0);
     run_add_body(&r, "high", pl_shape_sphere(0.5), false, 0, 1.5);
     run_begin(&r);
     double weight = mass * g * H;
@@ -208,8 +221,7 @@ static void test_a_contact_acts_on_both_bodies(void **state)
     c[1].point[2] = 1;
     (void)run_step_with(&r, c, 2);
     c[1] = swapped(c[1]);
-    (void)run_step_with(&r, c, 2);
-    (void)run_finish(&r);
+    finish_with(&r, c, 2);
     assert_close(run_value(&r, PL_METRIC_FORCE_BALANCE), 0, 1e-15, 0);
     assert_close(run_value(&r, PL_METRIC_NATURAL_MAP), 0, 1e-15, 0);
     pl_vec up = pl_contact_force_between(c, 2, 1, 2, H);
@@ -266,7 +278,7 @@ static void turning_force(pl_integrator integrator, bool rule_is_kept)
     run_end(&r);
 }
 
-static void test_forces_count_as_the_engines_own_rule_has_them(void **state)
+static void test_turning_forces_are_integrated_by_the_engines_rule(void **state)
 {
     (void)state;
     for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
@@ -275,7 +287,7 @@ static void test_forces_count_as_the_engines_own_rule_has_them(void **state)
     }
 }
 
-static void test_nothing_that_touches_leaves_a_balance_and_no_nan(void **state)
+static void test_free_fall_has_only_the_force_balance(void **state)
 {
     (void)state;
     run r;
@@ -295,7 +307,7 @@ static void test_nothing_that_touches_leaves_a_balance_and_no_nan(void **state)
     run_end(&r);
 }
 
-static void test_an_engine_that_reports_no_contacts_has_none_of_it(void **state)
+static void test_engine_without_contact_reports_has_no_force_metrics(void **state)
 {
     (void)state;
     run r;
@@ -312,7 +324,7 @@ static void test_an_engine_that_reports_no_contacts_has_none_of_it(void **state)
     run_end(&r);
 }
 
-static void test_without_gravity_only_the_law_of_contact_is_measured(void **state)
+static void test_without_gravity_only_the_contact_law_is_measured(void **state)
 {
     (void)state;
     run r;
@@ -321,10 +333,7 @@ static void test_without_gravity_only_the_law_of_contact_is_measured(void **stat
     r.scene.bodies[BOX].velocity[2] = -1;
     run_begin(&r);
     r.state[BOX].velocity[2] = 0.25;
-    pl_contact c[CORNERS];
-    corners(c, 0, 0, 0, 0, 1.25 / (g * H));
-    (void)run_step_with(&r, c, CORNERS);
-    (void)run_finish(&r);
+    finish_on_corners(&r, 0, 0, 1.25 / (g * H));
     assert_absent_metric(&r, PL_METRIC_FORCE_BALANCE);
     assert_absent_metric(&r, PL_METRIC_CONE_VIOLATION);
     assert_absent_metric(&r, PL_METRIC_FRICTION_EFFECTIVE);
@@ -333,7 +342,7 @@ static void test_without_gravity_only_the_law_of_contact_is_measured(void **stat
     run_end(&r);
 }
 
-static void test_without_friction_there_is_no_cone_to_leave(void **state)
+static void test_without_friction_there_are_no_cone_metrics(void **state)
 {
     (void)state;
     run r;
@@ -341,10 +350,7 @@ static void test_without_friction_there_is_no_cone_to_leave(void **state)
     r.scene.materials[0].friction = 0;
     r.scene.bodies[BOX].velocity[0] = 3;
     run_begin(&r);
-    pl_contact c[CORNERS];
-    corners(c, 0, 0, 0, 0, 1);
-    (void)run_step_with(&r, c, CORNERS);
-    (void)run_finish(&r);
+    finish_on_corners(&r, 0, 0, 1);
     assert_absent_metric(&r, PL_METRIC_CONE_VIOLATION);
     assert_absent_metric(&r, PL_METRIC_FRICTION_EFFECTIVE);
     assert_close(run_value(&r, PL_METRIC_NATURAL_MAP), 0, 0, 0);
@@ -361,9 +367,7 @@ typedef struct ball_case {
 static void judge_ball(const ball_case *b, run *r)
 {
     const double rho = 3 * mass / 8;
-    run_prepare(r, 1);
-    run_add_body(r, "floor", pl_shape_plane(0, 0, 1, 0), true, 0, 0);
-    run_add_body(r, "ball", pl_shape_sphere(0.5), false, 0, 0.5 + b->separation);
+    prepare_ball(r, b->separation);
     r->scene.materials[0].friction = b->friction;
     r->scene.materials[0].restitution = b->restitution;
     run_begin(r);
@@ -372,8 +376,7 @@ static void judge_ball(const ball_case *b, run *r)
     /* At the ball's own end of the gap, where the arm is its radius. */
     pl_contact c = on_floor(1, 0, 0, rho * b->rx, 0, rho * b->rz);
     c.point[2] = c.separation = b->separation;
-    (void)run_step_with(r, &c, 1);
-    (void)run_finish(r);
+    finish_with(r, &c, 1);
 }
 
 static void test_natural_map_and_signorini_of_one_contact(void **state)
@@ -420,7 +423,7 @@ static void test_natural_map_and_signorini_of_one_contact(void **state)
     }
 }
 
-static void test_a_bounce_is_no_fault(void **state)
+static void test_bounce_has_no_contact_law_error(void **state)
 {
     (void)state;
     run r;
@@ -430,59 +433,63 @@ static void test_a_bounce_is_no_fault(void **state)
     run_end(&r);
 }
 
-/* The velocity of the point is meant: a ball that rolls does not slide. */
-static void test_a_rolling_ball_does_not_slide(void **state)
+/* The velocity that counts is that of the contact point. */
+static void test_rolling_ball_does_not_slide(void **state)
 {
     (void)state;
     run r;
-    run_prepare(&r, 1);
-    run_add_body(&r, "floor", pl_shape_plane(0, 0, 1, 0), true, 0, 0);
-    run_add_body(&r, "ball", pl_shape_sphere(0.5), false, 0, 0.5);
+    prepare_ball(&r, 0);
     r.scene.bodies[1].velocity[0] = 3;
     r.scene.bodies[1].angular_velocity[1] = 6;
     run_begin(&r);
     pl_contact c = on_floor(1, 0, 0, 0, 0, mass * g * H);
-    (void)run_step_with(&r, &c, 1);
-    (void)run_finish(&r);
+    finish_with(&r, &c, 1);
     assert_absent_metric(&r, PL_METRIC_FRICTION_EFFECTIVE);
     assert_close(run_value(&r, PL_METRIC_NATURAL_MAP), 0, 0, 0);
     run_end(&r);
 }
 
-static void test_numbers_that_are_none_are_told(void **state)
+/* A box slides for two steps. In the second, the contact `index` is replaced. */
+static void slide_into(run *r, int index, const pl_contact *replacement)
+{
+    begin_box(r, 3, 0, 0);
+    pl_contact c[CORNERS];
+    corners(c, 0, 0, -mu, 0, 1);
+    (void)run_step_with(r, c, CORNERS);
+    c[index] = *replacement;
+    finish_with(r, c, CORNERS);
+}
+
+static void assert_failed_at_step_2(const run *r, pl_metric_id id)
+{
+    assert_int_equal(run_metric(r, id)->state, PL_METRIC_FAILED);
+    assert_contains(run_metric(r, id)->reason, "step 2");
+}
+
+static void test_nan_impulses_fail_the_force_metrics(void **state)
 {
     (void)state;
     run r;
-    begin_box(&r, 3, 0, 0);
     pl_contact c[CORNERS];
     corners(c, 0, 0, -mu, 0, 1);
-    (void)run_step_with(&r, c, CORNERS);
     c[2].impulse[0] = nan("");
-    (void)run_step_with(&r, c, CORNERS);
-    (void)run_finish(&r);
-    const pl_metric_id told[] = {PL_METRIC_FORCE_BALANCE, PL_METRIC_SIGNORINI,
-                                 PL_METRIC_NATURAL_MAP};
-    for (size_t i = 0; i < sizeof told / sizeof told[0]; ++i) {
-        assert_int_equal(run_metric(&r, told[i])->state, PL_METRIC_FAILED);
-        assert_contains(run_metric(&r, told[i])->reason, "step 2");
-    }
+    slide_into(&r, 2, &c[2]);
+    assert_failed_at_step_2(&r, PL_METRIC_FORCE_BALANCE);
+    assert_failed_at_step_2(&r, PL_METRIC_SIGNORINI);
+    assert_failed_at_step_2(&r, PL_METRIC_NATURAL_MAP);
     run_end(&r);
 }
 
-static void test_contacts_of_no_body_void_all(void **state)
+static void test_contacts_of_unknown_bodies_fail_all_force_metrics(void **state)
 {
     (void)state;
     run r;
-    begin_box(&r, 3, 0, 0);
     pl_contact c[CORNERS];
     corners(c, 0, 0, -mu, 0, 1);
-    (void)run_step_with(&r, c, CORNERS);
     c[1].body_a = 7;
-    (void)run_step_with(&r, c, CORNERS);
-    (void)run_finish(&r);
+    slide_into(&r, 1, &c[1]);
     for (int i = 0; i < COUNT; ++i) {
-        assert_int_equal(run_metric(&r, of_force[i])->state, PL_METRIC_FAILED);
-        assert_contains(run_metric(&r, of_force[i])->reason, "step 2");
+        assert_failed_at_step_2(&r, of_force[i]);
     }
     run_end(&r);
 }
@@ -490,24 +497,24 @@ static void test_contacts_of_no_body_void_all(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_box_that_slides_by_coulombs_law_has_that_friction_and_no_error),
-        cmocka_unit_test(test_a_pyramids_corner_leaves_the_cone_by_root_two_less_one),
+        cmocka_unit_test(test_sliding_box_by_coulombs_law_has_no_error),
+        cmocka_unit_test(test_friction_pyramid_violates_the_cone_at_its_corners),
         cmocka_unit_test(test_friction_effective_is_the_mean_over_contacts),
-        cmocka_unit_test(test_a_contact_that_holds_or_creeps_has_no_effective_friction),
-        cmocka_unit_test(test_what_bears_next_to_nothing_says_nothing_of_friction),
-        cmocka_unit_test(test_force_balance_is_what_is_missing_in_units_of_the_weight),
-        cmocka_unit_test(test_a_motion_that_no_force_made_is_unbalanced),
+        cmocka_unit_test(test_sticking_or_creeping_contact_has_no_effective_friction),
+        cmocka_unit_test(test_friction_of_unloaded_contacts_is_not_measured),
+        cmocka_unit_test(test_force_balance_is_in_units_of_weight),
+        cmocka_unit_test(test_motion_without_a_force_is_unbalanced),
         cmocka_unit_test(test_a_contact_acts_on_both_bodies),
-        cmocka_unit_test(test_forces_count_as_the_engines_own_rule_has_them),
-        cmocka_unit_test(test_nothing_that_touches_leaves_a_balance_and_no_nan),
-        cmocka_unit_test(test_an_engine_that_reports_no_contacts_has_none_of_it),
-        cmocka_unit_test(test_without_gravity_only_the_law_of_contact_is_measured),
-        cmocka_unit_test(test_without_friction_there_is_no_cone_to_leave),
+        cmocka_unit_test(test_turning_forces_are_integrated_by_the_engines_rule),
+        cmocka_unit_test(test_free_fall_has_only_the_force_balance),
+        cmocka_unit_test(test_engine_without_contact_reports_has_no_force_metrics),
+        cmocka_unit_test(test_without_gravity_only_the_contact_law_is_measured),
+        cmocka_unit_test(test_without_friction_there_are_no_cone_metrics),
         cmocka_unit_test(test_natural_map_and_signorini_of_one_contact),
-        cmocka_unit_test(test_a_bounce_is_no_fault),
-        cmocka_unit_test(test_a_rolling_ball_does_not_slide),
-        cmocka_unit_test(test_numbers_that_are_none_are_told),
-        cmocka_unit_test(test_contacts_of_no_body_void_all),
+        cmocka_unit_test(test_bounce_has_no_contact_law_error),
+        cmocka_unit_test(test_rolling_ball_does_not_slide),
+        cmocka_unit_test(test_nan_impulses_fail_the_force_metrics),
+        cmocka_unit_test(test_contacts_of_unknown_bodies_fail_all_force_metrics),
     };
     return cmocka_run_group_tests_name("contact force", tests, NULL, NULL);
 }

@@ -1,5 +1,5 @@
-/* The integrator that the referee finds out, and the errors against the exact answer of each rule,
- * on motions made here by either rule. */
+/* The detected integrator, and the errors against the discrete reference of each integrator, on
+ * motions that are computed here by either rule. */
 #include "check.h"
 #include "synthetic_run.h"
 
@@ -44,19 +44,26 @@ static void prepare_fall(run *r, double speed)
     assert_int_equal(pl_scene_add_value(&r->scene, &height, NULL), PL_OK);
 }
 
-static void test_each_rule_is_named_and_has_no_error_against_its_own_answer(void **state)
+/* The ball falls by one rule under gravity `g`, to the end of the run. */
+static void fall(run *r, motion_rule rule, double g)
+{
+    const double speed = r->scene.bodies[0].velocity[2];
+    run_begin(r);
+    for (int i = 1; i <= STEPS; ++i) {
+        const double velocity[3] = {0, 0, speed - g * i * H};
+        move(r, 0, rule, velocity);
+        run_step_many(r, 1);
+    }
+    run_finish(r);
+}
+
+static void test_each_integrator_is_detected_without_discrete_error(void **state)
 {
     (void)state;
     for (motion_rule rule = NEW_VELOCITY; rule <= MEAN_VELOCITY; ++rule) {
         run r;
         prepare_fall(&r, 3);
-        run_begin(&r);
-        for (int i = 1; i <= STEPS; ++i) {
-            const double velocity[3] = {0, 0, 3 - 9.81 * i * H};
-            move(&r, 0, rule, velocity);
-            run_step_many(&r, 1);
-        }
-        run_finish(&r);
+        fall(&r, rule, 9.81);
         assert_string_equal(integrator_of(&r), names[rule]);
         double stepping = rule == NEW_VELOCITY ? 9.81 * STEPS * H * H / 2 : 0;
         assert_close(run_value(&r, PL_METRIC_VALUE_ERROR), stepping, 1e-12, 0);
@@ -65,20 +72,14 @@ static void test_each_rule_is_named_and_has_no_error_against_its_own_answer(void
     }
 }
 
-/* Too weak a gravity, by 1 %, is no error of the step. */
-static void test_a_wrong_force_shows_in_both_errors(void **state)
+/* Gravity that is too weak by 1 % is no time-stepping error. */
+static void test_wrong_force_shows_in_both_errors(void **state)
 {
     (void)state;
     for (motion_rule rule = NEW_VELOCITY; rule <= MEAN_VELOCITY; ++rule) {
         run r;
         prepare_fall(&r, 3);
-        run_begin(&r);
-        for (int i = 1; i <= STEPS; ++i) {
-            const double velocity[3] = {0, 0, 3 - 0.99 * 9.81 * i * H};
-            move(&r, 0, rule, velocity);
-            run_step_many(&r, 1);
-        }
-        run_finish(&r);
+        fall(&r, rule, 0.99 * 9.81);
         double n = STEPS + (rule == NEW_VELOCITY ? 1 : 0);
         assert_string_equal(integrator_of(&r), names[rule]);
         assert_close(run_value(&r, PL_METRIC_DISCRETE_ERROR), 0.0981 * H * H * STEPS * n / 2, 1e-12,
@@ -87,20 +88,20 @@ static void test_a_wrong_force_shows_in_both_errors(void **state)
     }
 }
 
-/* A block that friction stops within a step: there the second-order rule is off as well. */
-static void test_a_stop_within_a_step_is_stepping_and_not_contact(void **state)
+/* A block that friction stops within a step. The second-order rule has a time-stepping error too. */
+static void test_stop_within_a_step_is_a_stepping_error(void **state)
 {
     (void)state;
     const double braking = 4.905, speed = 2;
     const double moving = floor(speed / (braking * H));
-    const double way = speed * speed / (2 * braking);
+    const double distance = speed * speed / (2 * braking);
     const double sum = moving * H * speed - braking * H * H * moving * (moving + 1) / 2;
     for (motion_rule rule = NEW_VELOCITY; rule <= MEAN_VELOCITY; ++rule) {
         run r;
         run_prepare(&r, STEPS * H);
         run_add_body(&r, "block", pl_shape_box(1, 1, 1), false, 0, 0);
         r.scene.bodies[0].velocity[0] = speed;
-        run_expect_travel(&r, 0, way, sum);
+        run_expect_travel(&r, 0, distance, sum);
         run_begin(&r);
         for (int i = 1; i <= STEPS; ++i) {
             const double velocity[3] = {fmax(0, speed - braking * i * H), 0, 0};
@@ -115,7 +116,7 @@ static void test_a_stop_within_a_step_is_stepping_and_not_contact(void **state)
 }
 
 /* A ball that skids and then rolls: the velocity at the end is expected too. */
-static void test_an_expected_velocity_gives_the_second_order_answer(void **state)
+static void test_expected_velocity_gives_the_second_order_reference(void **state)
 {
     (void)state;
     const double braking = 2, speed = 1, skid = 10;
@@ -132,14 +133,14 @@ static void test_an_expected_velocity_gives_the_second_order_answer(void **state
         sums[1] += H * (before + after) / 2;
         before = after;
     }
-    pl_expect_value way = pl_expect_value_default(&r.scene), velocity = way;
-    way.direction[0] = velocity.direction[0] = 1;
-    way.direction[2] = velocity.direction[2] = 0;
-    way.value = 0.9 * sums[1];
-    way.discrete = sums[0];
+    pl_expect_value moved = pl_expect_value_default(&r.scene), velocity = moved;
+    moved.direction[0] = velocity.direction[0] = 1;
+    moved.direction[2] = velocity.direction[2] = 0;
+    moved.value = 0.9 * sums[1];
+    moved.discrete = sums[0];
     velocity.quantity = PL_QUANTITY_VELOCITY;
     velocity.value = velocity.discrete = end;
-    assert_int_equal(pl_scene_add_value(&r.scene, &way, NULL), PL_OK);
+    assert_int_equal(pl_scene_add_value(&r.scene, &moved, NULL), PL_OK);
     assert_int_equal(pl_scene_add_value(&r.scene, &velocity, NULL), PL_OK);
     run_begin(&r);
     for (int i = 1; i <= STEPS; ++i) {
@@ -152,46 +153,34 @@ static void test_an_expected_velocity_gives_the_second_order_answer(void **state
     run_end(&r);
 }
 
-/* Without the velocity, and by neither of the motions that determine it, there is no answer. */
-static void test_an_answer_that_is_not_known_is_absent(void **state)
+/* The final velocity is neither expected nor determined by the kind of motion. */
+static void test_unknown_discrete_reference_is_absent(void **state)
 {
     (void)state;
     run r;
     prepare_fall(&r, 3);
     r.scene.values[0].discrete += 0.1;
-    run_begin(&r);
-    for (int i = 1; i <= STEPS; ++i) {
-        const double velocity[3] = {0, 0, 3 - 9.81 * i * H};
-        move(&r, 0, MEAN_VELOCITY, velocity);
-        run_step_many(&r, 1);
-    }
-    run_finish(&r);
+    fall(&r, MEAN_VELOCITY, 9.81);
     assert_int_equal(run_metric(&r, PL_METRIC_DISCRETE_ERROR)->state, PL_METRIC_ABSENT);
     run_end(&r);
 }
 
-static void test_one_expectation_without_answer_leaves_no_discrete_error(void **state)
+static void test_one_unknown_reference_leaves_no_discrete_error(void **state)
 {
     (void)state;
     run r;
     prepare_fall(&r, 0);
     pl_expect_value other = pl_expect_value_default(&r.scene);
     assert_int_equal(pl_scene_add_value(&r.scene, &other, NULL), PL_OK);
-    run_begin(&r);
-    for (int i = 1; i <= STEPS; ++i) {
-        const double velocity[3] = {0, 0, -9.81 * i * H};
-        move(&r, 0, NEW_VELOCITY, velocity);
-        run_step_many(&r, 1);
-    }
-    run_finish(&r);
+    fall(&r, NEW_VELOCITY, 9.81);
     assert_string_equal(integrator_of(&r), names[NEW_VELOCITY]);
     assert_int_equal(run_metric(&r, PL_METRIC_DISCRETE_ERROR)->state, PL_METRIC_ABSENT);
     run_end(&r);
 }
 
-/* Both rules keep a body that nothing accelerates, and an impulse before the flight, without
- * gravity, is the same by both. What is expected of it by either has its discrete error still. */
-static void test_where_nothing_tells_no_rule_is_named(void **state)
+/* Both rules move a body without acceleration equally, and also one with an impulse before the flight
+ * if there is no gravity. A value that has the same reference by both still has a discrete error. */
+static void test_without_acceleration_no_integrator_is_detected(void **state)
 {
     (void)state;
     run r;
@@ -215,7 +204,7 @@ static void test_where_nothing_tells_no_rule_is_named(void **state)
     run_end(&r);
 }
 
-static void test_one_rule_now_and_the_other_then_is_mixed(void **state)
+static void test_alternating_integrators_are_mixed(void **state)
 {
     (void)state;
     run r;
@@ -232,8 +221,8 @@ static void test_one_rule_now_and_the_other_then_is_mixed(void **state)
     run_end(&r);
 }
 
-/* x' = x + h v: neither of the two, also where a few steps fit one by chance. */
-static void test_another_rule_is_not_named(void **state)
+/* x' = x + h v: neither of the two integrators, even if a few steps fit one by chance. */
+static void test_another_integrator_is_not_detected(void **state)
 {
     (void)state;
     for (int by_chance = 0; by_chance <= STEPS / 4; by_chance += STEPS / 4) {
@@ -257,15 +246,15 @@ static void test_another_rule_is_not_named(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_each_rule_is_named_and_has_no_error_against_its_own_answer),
-        cmocka_unit_test(test_a_wrong_force_shows_in_both_errors),
-        cmocka_unit_test(test_a_stop_within_a_step_is_stepping_and_not_contact),
-        cmocka_unit_test(test_an_expected_velocity_gives_the_second_order_answer),
-        cmocka_unit_test(test_an_answer_that_is_not_known_is_absent),
-        cmocka_unit_test(test_one_expectation_without_answer_leaves_no_discrete_error),
-        cmocka_unit_test(test_where_nothing_tells_no_rule_is_named),
-        cmocka_unit_test(test_one_rule_now_and_the_other_then_is_mixed),
-        cmocka_unit_test(test_another_rule_is_not_named),
+        cmocka_unit_test(test_each_integrator_is_detected_without_discrete_error),
+        cmocka_unit_test(test_wrong_force_shows_in_both_errors),
+        cmocka_unit_test(test_stop_within_a_step_is_a_stepping_error),
+        cmocka_unit_test(test_expected_velocity_gives_the_second_order_reference),
+        cmocka_unit_test(test_unknown_discrete_reference_is_absent),
+        cmocka_unit_test(test_one_unknown_reference_leaves_no_discrete_error),
+        cmocka_unit_test(test_without_acceleration_no_integrator_is_detected),
+        cmocka_unit_test(test_alternating_integrators_are_mixed),
+        cmocka_unit_test(test_another_integrator_is_not_detected),
     };
     return cmocka_run_group_tests_name("referee_integrator", tests, NULL, NULL);
 }

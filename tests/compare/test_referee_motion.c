@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-static void test_final_pose_errors_are_the_distance_and_the_angle(void **state)
+static void test_final_pose_errors_are_distance_and_angle(void **state)
 {
     (void)state;
     run r;
@@ -31,7 +31,7 @@ static void test_final_pose_errors_are_the_distance_and_the_angle(void **state)
     }
 }
 
-static void test_a_sphere_has_no_rotation_error(void **state)
+static void test_sphere_has_no_rotation_error(void **state)
 {
     (void)state;
     run r;
@@ -46,7 +46,7 @@ static void test_a_sphere_has_no_rotation_error(void **state)
     run_end(&r);
 }
 
-static void test_a_body_beyond_collapse_distance_has_collapsed_and_is_named(void **state)
+static void test_body_beyond_collapse_distance_is_named(void **state)
 {
     (void)state;
     run r;
@@ -119,7 +119,7 @@ static void test_penetration_statistics_of_a_known_ramp(void **state)
     run_end(&r);
 }
 
-static void test_overlap_of_the_first_frame_is_not_the_engines(void **state)
+static void test_overlap_of_the_first_frame_is_ignored(void **state)
 {
     (void)state;
     run r;
@@ -148,7 +148,7 @@ static void test_overlapping_static_bodies_do_not_count(void **state)
     run_end(&r);
 }
 
-static void test_a_static_body_is_where_the_scene_has_it(void **state)
+static void test_static_body_stays_where_the_scene_has_it(void **state)
 {
     (void)state;
     run r;
@@ -174,13 +174,13 @@ static void test_settle_time_of_a_decaying_motion(void **state)
         r.state[1].velocity[0] = 0.1 * exp(-k * H);
         run_step_many(&r, 1);
     }
-    /* The scene starts at rest, but not for half a second. */
+    /* The scene starts at rest, but moves within half a second. */
     assert_int_equal(run_finish(&r), PL_VERDICT_OK);
     assert_close(run_value(&r, PL_METRIC_SETTLE_TIME), ceil(log(100) / H) * H, 0, 0);
     run_end(&r);
 }
 
-static void test_a_quiet_shorter_than_half_a_second_does_not_settle(void **state)
+static void test_quiet_below_half_a_second_does_not_settle(void **state)
 {
     (void)state;
     const int lengths[2] = {32, 33};
@@ -281,16 +281,16 @@ static void test_without_a_reference_there_is_no_drift(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_final_pose_errors_are_the_distance_and_the_angle),
-        cmocka_unit_test(test_a_sphere_has_no_rotation_error),
-        cmocka_unit_test(test_a_body_beyond_collapse_distance_has_collapsed_and_is_named),
+        cmocka_unit_test(test_final_pose_errors_are_distance_and_angle),
+        cmocka_unit_test(test_sphere_has_no_rotation_error),
+        cmocka_unit_test(test_body_beyond_collapse_distance_is_named),
         cmocka_unit_test(test_travel_errors_are_relative_to_their_own_references),
         cmocka_unit_test(test_penetration_statistics_of_a_known_ramp),
-        cmocka_unit_test(test_overlap_of_the_first_frame_is_not_the_engines),
+        cmocka_unit_test(test_overlap_of_the_first_frame_is_ignored),
         cmocka_unit_test(test_overlapping_static_bodies_do_not_count),
-        cmocka_unit_test(test_a_static_body_is_where_the_scene_has_it),
+        cmocka_unit_test(test_static_body_stays_where_the_scene_has_it),
         cmocka_unit_test(test_settle_time_of_a_decaying_motion),
-        cmocka_unit_test(test_a_quiet_shorter_than_half_a_second_does_not_settle),
+        cmocka_unit_test(test_quiet_below_half_a_second_does_not_settle),
         cmocka_unit_test(test_drift_and_creep_of_a_steady_motion),
         cmocka_unit_test(test_drift_counts_from_the_settled_pose),
         cmocka_unit_test(test_drift_leaves_out_the_direction_of_travel),

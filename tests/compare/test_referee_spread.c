@@ -1,4 +1,4 @@
-/* Where a collapse leaves its bodies, on frames whose answer is known. */
+/* Spread metrics of frames for which they are known. */
 #include "check.h"
 #include "synthetic_run.h"
 
@@ -21,7 +21,7 @@ static void put(run *r, int body, double x, double y, double z)
     r->state[body].position[2] = z;
 }
 
-static void test_spread_height_and_run_out_are_those_of_the_last_frame(void **state)
+static void test_spread_metrics_are_of_the_last_frame(void **state)
 {
     (void)state;
     run r;
@@ -37,10 +37,10 @@ static void test_spread_height_and_run_out_are_those_of_the_last_frame(void **st
     assert_close(run_value(&r, PL_METRIC_SPREAD_X), sqrt(24), 1e-14, 0);
     assert_close(run_value(&r, PL_METRIC_SPREAD_Y), sqrt(14.0 / 3), 1e-14, 0);
     assert_close(run_value(&r, PL_METRIC_MASS_HEIGHT), (6 * 2 + 2 * 1 + 2 * 0.5) / 10, 1e-14, 0);
-    /* Ways 0, sqrt(10) and 5: at 0.95 of 2 places. */
+    /* Displacements 0, sqrt(10) and 5: position 0.95 x 2 of the order. */
     double second = sqrt(10);
     assert_close(run_value(&r, PL_METRIC_RUN_OUT_P95), second + 0.9 * (5 - second), 1e-14, 0);
-    /* Nothing moves in the last frame: all that the fall set free is lost. */
+    /* Nothing moves in the last frame: all potential energy of the fall is lost. */
     double fallen = 6 * 3 + 2 * 4 + 2 * 4.5;
     assert_close(run_value(&r, PL_METRIC_ENERGY_LOST), fallen * 9.81, 1e-12, 1e-12);
     run_end(&r);
@@ -64,7 +64,7 @@ static void test_up_is_against_gravity(void **state)
     run_end(&r);
 }
 
-static void test_without_gravity_there_is_no_height_and_every_way_counts(void **state)
+static void test_without_gravity_there_is_no_mass_height(void **state)
 {
     (void)state;
     run r;
@@ -99,7 +99,7 @@ static void test_one_body_cannot_spread(void **state)
     run_end(&r);
 }
 
-static void test_a_run_that_ends_early_has_none(void **state)
+static void test_early_end_leaves_no_spread_metrics(void **state)
 {
     (void)state;
     run r;
@@ -117,11 +117,11 @@ static void test_a_run_that_ends_early_has_none(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spread_height_and_run_out_are_those_of_the_last_frame),
+        cmocka_unit_test(test_spread_metrics_are_of_the_last_frame),
         cmocka_unit_test(test_up_is_against_gravity),
-        cmocka_unit_test(test_without_gravity_there_is_no_height_and_every_way_counts),
+        cmocka_unit_test(test_without_gravity_there_is_no_mass_height),
         cmocka_unit_test(test_one_body_cannot_spread),
-        cmocka_unit_test(test_a_run_that_ends_early_has_none),
+        cmocka_unit_test(test_early_end_leaves_no_spread_metrics),
     };
     return cmocka_run_group_tests_name("referee spread", tests, NULL, NULL);
 }

@@ -56,7 +56,7 @@ static pl_shape random_shape(pl_scene *scene, check_random *random, int which)
 /* Random shapes of all kinds, a fifth of them static, and two planes; the dynamic ones jump about
  * at random from frame to frame. Against all pairs by their gaps, and in every other frame by their
  * exact distances within random reaches. */
-static void test_the_broad_phase_finds_every_touching_pair_once(void **state)
+static void test_broad_phase_finds_every_touching_pair_once(void **state)
 {
     (void)state;
     check_random random = {UINT64_C(1442695040888963407)};
@@ -124,7 +124,7 @@ static void test_the_broad_phase_finds_every_touching_pair_once(void **state)
 }
 
 /* Faces that touch exactly, as in every tower: rounding must not lose them. */
-static void test_the_broad_phase_keeps_pairs_that_just_touch(void **state)
+static void test_broad_phase_keeps_pairs_that_just_touch(void **state)
 {
     (void)state;
     run r;
@@ -151,8 +151,8 @@ static void test_the_broad_phase_keeps_pairs_that_just_touch(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_broad_phase_finds_every_touching_pair_once),
-        cmocka_unit_test(test_the_broad_phase_keeps_pairs_that_just_touch),
+        cmocka_unit_test(test_broad_phase_finds_every_touching_pair_once),
+        cmocka_unit_test(test_broad_phase_keeps_pairs_that_just_touch),
     };
     return cmocka_run_group_tests_name("broad phase", tests, NULL, NULL);
 }

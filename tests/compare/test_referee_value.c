@@ -1,4 +1,4 @@
-/* The referee's readings of values against paths of known form. */
+/* Expected values, read from paths of known form. */
 #include "check.h"
 #include "synthetic_run.h"
 
@@ -35,7 +35,7 @@ static void turn_about_z(pl_body_state *s, double angle)
     s->orientation[3] = sin(angle / 2);
 }
 
-static void test_position_is_read_from_the_start_and_divided_by_the_scale(void **state)
+static void test_position_error_is_relative_to_the_scale(void **state)
 {
     (void)state;
     run r;
@@ -46,7 +46,7 @@ static void test_position_is_read_from_the_start_and_divided_by_the_scale(void *
     assert_close(error_of(&r), 0.25, 1e-15, 0);
 }
 
-static void test_a_time_between_frames_is_interpolated(void **state)
+static void test_time_between_frames_is_interpolated(void **state)
 {
     (void)state;
     run r;
@@ -92,7 +92,7 @@ static void test_whole_turns_count(void **state)
     assert_close(error_of(&r), 0, 1e-12, 0);
 }
 
-static void test_an_apex_between_frames_is_that_of_the_parabola(void **state)
+static void test_apex_between_frames_is_that_of_the_parabola(void **state)
 {
     (void)state;
     run r;
@@ -107,7 +107,7 @@ static void test_an_apex_between_frames_is_that_of_the_parabola(void **state)
     assert_close(error_of(&r), 0, 1e-14, 0);
 }
 
-static void test_an_apex_is_looked_for_in_its_window_alone(void **state)
+static void test_apex_is_searched_in_its_window_only(void **state)
 {
     (void)state;
     run r;
@@ -122,17 +122,17 @@ static void test_an_apex_is_looked_for_in_its_window_alone(void **state)
                                            : 1 - 1e-3 * fabs(i - 45.0);
         run_step_many(&r, 1);
     }
-    /* A kink has no parabola: at most a quarter of the difference beside it. */
+    /* The parabola through a kink exceeds it by at most a quarter of the difference next to it. */
     assert_at_most(error_of(&r), 0.5 * 1e-3);
 }
 
-static void test_a_period_is_that_of_the_spin_in_the_body_s_own_axes(void **state)
+static void test_period_is_that_of_the_body_frame_spin(void **state)
 {
     (void)state;
     run r;
     const double period = 0.4;
     prepare(&r, PL_QUANTITY_PERIOD, period);
-    r.scene.values[0].direction[0] = 1; /* the body's x, which the body carries around z */
+    r.scene.values[0].direction[0] = 1; /* the body's x, which rotates about z with it */
     r.scene.values[0].direction[2] = 0;
     run_begin(&r);
     for (int i = 1; i <= STEPS; ++i) {
@@ -145,7 +145,7 @@ static void test_a_period_is_that_of_the_spin_in_the_body_s_own_axes(void **stat
     assert_close(error_of(&r), 0, 1e-4, 0);
 }
 
-static void test_a_period_that_was_not_seen_has_no_error(void **state)
+static void test_unseen_period_fails_the_value_error(void **state)
 {
     (void)state;
     run r;
@@ -162,14 +162,14 @@ static void test_a_period_that_was_not_seen_has_no_error(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_position_is_read_from_the_start_and_divided_by_the_scale),
-        cmocka_unit_test(test_a_time_between_frames_is_interpolated),
+        cmocka_unit_test(test_position_error_is_relative_to_the_scale),
+        cmocka_unit_test(test_time_between_frames_is_interpolated),
         cmocka_unit_test(test_spin_is_read_at_its_time),
         cmocka_unit_test(test_whole_turns_count),
-        cmocka_unit_test(test_an_apex_between_frames_is_that_of_the_parabola),
-        cmocka_unit_test(test_an_apex_is_looked_for_in_its_window_alone),
-        cmocka_unit_test(test_a_period_is_that_of_the_spin_in_the_body_s_own_axes),
-        cmocka_unit_test(test_a_period_that_was_not_seen_has_no_error),
+        cmocka_unit_test(test_apex_between_frames_is_that_of_the_parabola),
+        cmocka_unit_test(test_apex_is_searched_in_its_window_only),
+        cmocka_unit_test(test_period_is_that_of_the_body_frame_spin),
+        cmocka_unit_test(test_unseen_period_fails_the_value_error),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,16 +1,11 @@
-/* Streaming statistics against the sorted numbers themselves. */
+/* Streaming statistics against the sorted numbers. */
 #include "referee/metrics/series.h"
 
+#include "base/statistics.h"
 #include "check.h"
 
 #include <math.h>
 #include <stdlib.h>
-
-static int ascending(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return x < y ? -1 : x > y;
-}
 
 static void test_percentiles_are_within_the_histograms_resolution(void **state)
 {
@@ -27,7 +22,7 @@ static void test_percentiles_are_within_the_histograms_resolution(void **state)
         pl_series_add(&series, sorted[i], i + 1);
         pl_series_add(&series, nan(""), i + 1);
     }
-    qsort(sorted, COUNT, sizeof *sorted, ascending);
+    pl_sort_numbers(sorted, COUNT);
     for (int percent = 1; percent <= 100; ++percent) {
         double exact = sorted[COUNT / 100 * percent - 1];
         assert_close(pl_series_percentile(&series, percent / 100.0), exact, 0, 1.0 / 128);

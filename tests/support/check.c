@@ -79,3 +79,12 @@ void check_quaternion(check_random *random, double quaternion[4])
     quaternion[2] = sqrt(1 - u) * cos(a);
     quaternion[3] = sqrt(u) * sin(b);
 }
+
+void check_spiral_direction(int i, int count, double unit[3])
+{
+    const double golden = 2.399963229728653;
+    double z = 1 - (2 * i + 1.0) / count, r = sqrt(1 - z * z);
+    unit[0] = r * cos(golden * i);
+    unit[1] = r * sin(golden * i);
+    unit[2] = z;
+}

@@ -51,4 +51,7 @@ double check_uniform(check_random *random, double low, double high);
 /* A uniformly distributed unit quaternion (w, x, y, z). Shoemake 1992. */
 void check_quaternion(check_random *random, double quaternion[4]);
 
+/* Direction number `i` of `count` nearly evenly distributed ones: a Fibonacci spiral. */
+void check_spiral_direction(int i, int count, double unit[3]);
+
 #endif

@@ -1,26 +1,25 @@
-/* The gap of two bounded convex shapes by GJK and libccd's EPA, checked.
+/* The gap of two bounded convex shapes by GJK and by the EPA of libccd, with a check of the result.
  *
- * Signed distance of two convex sets: gap = -min over unit d of h(d), where h is the support
- * function of the Minkowski difference A - B. So every direction that is asked about gives a lower
- * bound of the gap, -h(d), whatever libccd makes of it; and libccd's answer (the radius of a ball
- * inside A - B, or the distance of a point of it) is an upper bound, if libccd is right. An answer
- * is returned only when the two bounds meet; otherwise libccd is asked again, and at last PL_FAILED
- * is returned. That is needed: libccd 2.1 calls some deep pairs touching (see NUDGE).
+ * Signed distance of two convex sets: gap = -min over unit d of h(d), where h is the support function
+ * of the Minkowski difference A - B. So every queried direction gives a lower bound of the gap, -h(d),
+ * even if libccd fails; and the result of libccd (the radius of a ball inside A - B, or the distance of
+ * a point of A - B) is an upper bound, if libccd is right. A gap is returned only if the two bounds
+ * meet. Otherwise libccd is called again, and after the last attempt PL_FAILED is returned. This check
+ * is needed: libccd 2.1 takes some deep pairs for touching ones (see NUDGE).
  *
- * Pairs that are apart, and most are, are settled by the distance query of GJK, which libccd 2.1
- * does not have; it ends early once the lower bound has passed what the caller wants to know of.
+ * Most pairs are apart. They are settled by the distance query of GJK, which libccd 2.1 lacks. It ends
+ * early once the lower bound exceeds the gap of interest.
  *
- * Shapes are handed over as their cores, a sphere as its centre and a capsule as its segment,
- * because EPA needs ever more facets on a curved surface; their radii are taken off afterwards,
- * which is exact: the signed distance of K + rB is that of K less r. A cylinder stays curved. Of
- * it, libccd's polytope is a rough upper bound only, and the lower bound is polished: from a point
- * a little outside of A - B beyond the best plane so far, GJK finds the nearest point of A - B,
- * whose plane is nearer to the origin still or the same; so it falls to a minimum of h, exactly,
- * and the upper bound says that no other is much lower. Source: Cameron 1997 for the distance from
- * a shifted origin.
+ * libccd gets the cores of the shapes, the centre of a sphere and the segment of a capsule, because EPA
+ * needs ever more facets on a curved surface. The radii are subtracted afterwards, which is exact: the
+ * signed distance of K + rB is that of K minus r. A cylinder stays curved. For a cylinder the polytope
+ * of libccd is only a rough upper bound, and the lower bound is improved: from a point a little outside
+ * of A - B, beyond the best plane so far, GJK finds the nearest point of A - B. Its plane is at least
+ * as near to the origin, so this descends exactly to a minimum of h, and the upper bound shows that no
+ * other minimum is much lower. Source: Cameron 1997 for the distance from a translated origin.
  *
- * libccd compares squared lengths with absolute numbers, so shapes are scaled to unit size
- * first. Source: van den Bergen 2003, ch. 4. */
+ * libccd compares squared lengths with absolute numbers, so the shapes are scaled to unit size first.
+ * Source: van den Bergen 2003, ch. 4. */
 #include "gap.h"
 #include "solid.h"
 
@@ -29,49 +28,48 @@
 #include <stdbool.h>
 
 enum {
-    MAX_SUPPORTS = 300, /* of one attempt; EPA itself has no limit */
+    MAX_SUPPORTS = 300, /* support queries of one attempt; EPA itself has no limit */
     MAX_SUPPORTS_CURVED = 600,
     MAX_GJK_ITERATIONS = 1000,
     MAX_ATTEMPTS = 8,
-    MAX_POLISHES = 60
+    MAX_DESCENTS = 60
 };
 
-/* Of EPA's first attempt, for shapes of unit size: on the product of the depth and its error, and
- * on the square of a new vertex's distance from its facet, so that facets off by less than 1e-7 are
- * taken for one. Each further attempt has a hundredth of it. It cannot begin at 1e-18: there the
- * rounding of the product can pass for progress, and EPA splits facets until its questions run out.
- */
+/* Tolerance of EPA in the first attempt, for shapes of unit size: on the product of the depth and its
+ * error, and on the squared distance of a new vertex from its facet, so that facets that differ by
+ * less than 1e-7 are merged. Each further attempt has a hundredth of it. It cannot start at 1e-18:
+ * there rounding of the product can look like progress, and EPA splits facets until it reaches the
+ * limit of queries. */
 static const double EPA_TOLERANCE = 1e-14;
 /* All in units of the shapes' size. libccd takes a depth below sqrt(DBL_EPSILON) = 1.5e-8 for
- * touching, and calls a deep pair touching when the origin falls on an edge of its first simplices,
- * as with aligned boxes. Further attempts are made of shapes nudged by a little more, in a
- * direction in general position; the lower bound is of the shapes as they are, so that the nudge
- * costs the answer no accuracy. */
+ * touching, and so it takes a deep pair when the origin is on an edge of its first simplices, as with
+ * aligned boxes. Further attempts move one shape by a little more than that, in a direction in general
+ * position. The lower bound is always that of the unmoved shapes, so the result loses no accuracy. */
 static const double NUDGE = 4e-8;
-/* How far apart the bounds may seem (the touching depth and the nudge), and when to stop trying for
- * better. */
+/* The largest accepted difference of the bounds (the touching depth and the nudge), and the difference
+ * below which no further attempt is made. */
 static const double CERTIFIED = 6e-8;
 static const double EXACT = 1e-13;
 static const double ROUNDING = 1e-15;
 static const double PULL_APART = 1e-6;
-/* The same for cylinders: EPA's tolerance, how far apart the bounds may be, and how far outside of
- * A - B a polish starts. */
+/* For cylinders: EPA's tolerance, the largest accepted difference of the bounds, and the distance
+ * outside of A - B at which a descent starts. */
 static const double EPA_TOLERANCE_CURVED = 1e-12;
 static const double CERTIFIED_CURVED = 3e-4;
 static const double OUTSIDE = 1e-3;
 
-/* The pair as libccd sees it, and what its questions have shown. */
+/* The pair as libccd gets it, and the results of its support queries. */
 typedef struct query {
     double scale;
-    pl_vec centre; /* subtracted, so that a place far from the origin costs no digits */
-    pl_vec apart;  /* added to b, but not to what the lower bound sees */
+    pl_vec centre; /* subtracted, so that a position far from the origin loses no digits */
+    pl_vec apart;  /* added to b, except in the lower bound */
     bool curved;
     int supports;
-    double within; /* no more need be known of a gap above it */
+    double within; /* a gap above it need not be computed */
     double lower;  /* largest -h(d)/|d| so far */
     pl_vec best;   /* the unit d that gave it */
     pl_vec first;
-    pl_vec support_a; /* answer to the last question about a */
+    pl_vec support_a; /* result of the last query of a */
 } query;
 
 typedef struct convex {
@@ -88,7 +86,7 @@ static pl_vec core_support(const convex *object, pl_vec d)
     return pl_vec_scale(p, object->shared->scale);
 }
 
-/* Past the limit every answer is the null vector, which ends GJK and EPA alike. */
+/* Beyond the limit every query returns the null vector, which ends GJK and EPA. */
 static bool exhausted(const query *shared)
 {
     return shared->supports > (shared->curved ? MAX_SUPPORTS_CURVED : MAX_SUPPORTS);
@@ -103,7 +101,7 @@ static void support_first(const void *object, const ccd_vec3_t *dir, ccd_vec3_t 
     ccdVec3Set(out, p.x, p.y, p.z);
 }
 
-/* Comes right after support_first, with the opposite direction. */
+/* libccd calls it right after support_first, with the opposite direction. */
 static void support_second(const void *object, const ccd_vec3_t *dir, ccd_vec3_t *out)
 {
     const convex *b = object;
@@ -133,7 +131,7 @@ static void first_direction(const void *a, const void *b, ccd_vec3_t *dir)
     ccdVec3Set(dir, d.x, d.y, d.z);
 }
 
-/* Directions in general position to every axis: powers of the plastic number, mod 1. */
+/* A direction in general position to every axis: powers of the plastic number, modulo 1. */
 static pl_vec attempt_direction(int attempt)
 {
     double k = attempt + 1;
@@ -141,7 +139,7 @@ static pl_vec attempt_direction(int attempt)
                     fmod(0.5497004779019703 * k, 1) - 0.5};
 }
 
-/* A point of A - B far along d. */
+/* The point of A - B farthest along d. */
 static pl_vec difference_support(const convex *a, const convex *b, pl_vec d)
 {
     ccd_vec3_t along = {{d.x, d.y, d.z}}, against = {{-d.x, -d.y, -d.z}}, of_a, of_b;
@@ -150,7 +148,7 @@ static pl_vec difference_support(const convex *a, const convex *b, pl_vec d)
     return pl_vec_sub(pl_vec_of(of_a.v), pl_vec_of(of_b.v));
 }
 
-/* The nearer to the origin of `best` and the nearest point of segment ab. */
+/* Of `best` and the point of segment ab nearest to the origin, the one that is nearer to it. */
 static pl_vec nearer_on_segment(pl_vec best, pl_vec a, pl_vec b)
 {
     pl_vec ab = pl_vec_sub(b, a);
@@ -179,9 +177,9 @@ static pl_vec nearest_on_triangle(const pl_vec t[3])
                              t[2], t[0]);
 }
 
-/* GJK's distance query: the nearest triangle of A - B found so far, improved by one support point
- * at a time. An upper bound of the distance wherever it stops. It stops when the bounds have met,
- * when the shapes prove farther apart than need be known, or when nothing comes nearer. */
+/* The distance query of GJK. It keeps the nearest triangle of A - B so far and improves it by one support
+ * point at a time. The result is an upper bound of the distance at any stop. It stops when the bounds
+ * meet, when the gap is above `within`, or when no support point is nearer. */
 static double core_distance(const convex *a, const convex *b)
 {
     const query *shared = a->shared;
@@ -213,8 +211,8 @@ static double core_distance(const convex *a, const convex *b)
     return pl_vec_length(v);
 }
 
-/* The distance query with b moved by `apart`. */
-static void ask_apart(const convex *a, const convex *b, pl_vec apart)
+/* The distance query with b moved by `apart`. It raises the lower bound. */
+static void query_apart(const convex *a, const convex *b, pl_vec apart)
 {
     query *shared = a->shared;
     shared->supports = 0;
@@ -222,31 +220,31 @@ static void ask_apart(const convex *a, const convex *b, pl_vec apart)
     (void)core_distance(a, b);
 }
 
-/* When libccd calls a pair touching it stops at the first element of A - B through the origin, and
- * may never have asked about the direction that proves it. That direction is asked about by the
- * distance query once the shapes are pulled apart a little, centre from centre. */
+/* When libccd finds a pair touching, it stops at the first simplex of A - B through the origin, and may
+ * not have queried the direction that proves it. The distance query does so once the shapes are moved
+ * apart a little, centre from centre. */
 static void probe_touching(const convex *a, const convex *b)
 {
     pl_vec c = pl_vec_sub(b->origin, a->origin);
     double length = pl_vec_length(c);
     if (length > 0) {
-        ask_apart(a, b, pl_vec_scale(c, PULL_APART / length));
+        query_apart(a, b, pl_vec_scale(c, PULL_APART / length));
     }
 }
 
-/* Lets the lower bound fall to a minimum of h. */
-static void polish(const convex *a, const convex *b)
+/* Raises the lower bound to that of a local minimum of h. */
+static void descend(const convex *a, const convex *b)
 {
     query *shared = a->shared;
     double before = -HUGE_VAL;
-    for (int i = 0; i < MAX_POLISHES && shared->lower > before + ROUNDING; ++i) {
+    for (int i = 0; i < MAX_DESCENTS && shared->lower > before + ROUNDING; ++i) {
         before = shared->lower;
         shared->first = shared->best;
-        ask_apart(a, b, pl_vec_scale(shared->best, OUTSIDE - shared->lower));
+        query_apart(a, b, pl_vec_scale(shared->best, OUTSIDE - shared->lower));
     }
 }
 
-/* An upper bound of the gap of overlapping cores, which may be false where libccd fails. */
+/* An upper bound of the gap of overlapping cores, which may be wrong if libccd fails. */
 static pl_status upper_bound(const convex *a, const convex *b, const ccd_t *ccd, double *upper)
 {
     double depth = 0;
@@ -256,8 +254,7 @@ static pl_status upper_bound(const convex *a, const convex *b, const ccd_t *ccd,
         return PL_NO_MEMORY;
     }
     *upper = answer == 0 ? -depth : core_distance(a, b);
-    /* EPA's facets are inside A - B wherever it stops, but facets of a curved surface have no end.
-     */
+    /* EPA's facets are inside A - B at any stop. On a curved surface EPA always reaches the limit. */
     if (exhausted(a->shared) && !(a->shared->curved && depth > 0)) {
         *upper = HUGE_VAL;
     }
@@ -265,7 +262,7 @@ static pl_status upper_bound(const convex *a, const convex *b, const ccd_t *ccd,
         probe_touching(a, b);
     }
     if (a->shared->curved) {
-        polish(a, b);
+        descend(a, b);
     }
     return PL_OK;
 }
@@ -326,7 +323,7 @@ static bool is_bounded_and_convex(const pl_shape *shape)
     return shape->kind != PL_SHAPE_PLANE && shape->kind != PL_SHAPE_MESH;
 }
 
-/* Of two bounded shapes: `within` and the result are of their cores. */
+/* A query of two bounded shapes. Its bounds are of their cores, in scaled units. */
 static query begin(const pl_placed_shape *a, const pl_placed_shape *b, double within)
 {
     double radii = pl_core_radius(a->shape) + pl_core_radius(b->shape);
@@ -362,7 +359,7 @@ pl_status pl_gap_convex(const pl_placed_shape *a, const pl_placed_shape *b, doub
     if (status == PL_OK) {
         *gap = core / shared.scale - pl_core_radius(a->shape) - pl_core_radius(b->shape);
         if (shared.lower > shared.within) {
-            *gap = fmax(*gap, nextafter(within, HUGE_VAL)); /* whatever rounding made of it */
+            *gap = fmax(*gap, nextafter(within, HUGE_VAL)); /* also after rounding */
         }
     }
     return status;

@@ -118,11 +118,11 @@ static int compare_sides(const void *left, const void *right)
 
 /* Makes one edge of the equal sides of several triangles. Sides without length, as in a capsule's
  * core, are left out. */
-static bool find_edges(pl_surface *s)
+static bool find_edges(pl_surface *s, pl_arena *scratch)
 {
     int count = 0;
     find_normals(s);
-    side *sides = calloc(3 * (size_t)s->triangle_count, sizeof *sides);
+    side *sides = pl_arena_take(scratch, 3 * (size_t)s->triangle_count, sizeof *sides);
     if (sides == NULL) {
         return false;
     }
@@ -144,7 +144,6 @@ static bool find_edges(pl_surface *s)
         edge->normal = pl_vec_add(edge->normal, s->normals[sides[i].triangle]);
         s->sides[sides[i].triangle][sides[i].corner] = s->edge_count - 1;
     }
-    free(sides);
     return true;
 }
 
@@ -167,13 +166,12 @@ static void find_rings(pl_surface *s)
     }
 }
 
-static bool find_parts(pl_surface *s)
+static bool find_parts(pl_surface *s, pl_arena *scratch)
 {
     find_rings(s);
-    bool *seen = calloc((size_t)s->vertex_count, sizeof *seen);
-    int *stack = calloc((size_t)s->vertex_count, sizeof *stack);
-    bool complete = seen != NULL && stack != NULL;
-    for (int i = 0; complete && i < s->vertex_count; ++i) {
+    bool *seen = pl_arena_take(scratch, (size_t)s->vertex_count, sizeof *seen);
+    int *stack = pl_arena_take(scratch, (size_t)s->vertex_count, sizeof *stack);
+    for (int i = 0; !scratch->failed && i < s->vertex_count; ++i) {
         if (seen[i]) {
             continue;
         }
@@ -192,9 +190,7 @@ static bool find_parts(pl_surface *s)
             }
         }
     }
-    free(seen);
-    free(stack);
-    return complete;
+    return !scratch->failed;
 }
 
 /* ---- Tree: halves by the median along the widest axis of the triangles' centroids ---- */
@@ -274,9 +270,9 @@ static void build_node(pl_surface *s, item *items, int first, int count)
     build_node(s, items + half, first + half, count - half);
 }
 
-static bool build_tree(pl_surface *s)
+static bool build_tree(pl_surface *s, pl_arena *scratch)
 {
-    item *items = calloc((size_t)s->triangle_count, sizeof *items);
+    item *items = pl_arena_take(scratch, (size_t)s->triangle_count, sizeof *items);
     if (items == NULL) {
         return false;
     }
@@ -287,7 +283,6 @@ static bool build_tree(pl_surface *s)
         pl_vec_store(pl_vec_scale(sum, 1.0 / 3), items[t].centroid);
     }
     build_node(s, items, 0, s->triangle_count);
-    free(items);
     return true;
 }
 
@@ -316,7 +311,11 @@ pl_status pl_surface_create(const pl_shape *shape, pl_arena *arena, const pl_sur
         return PL_UNSUPPORTED;
     }
     s->closed = shape->kind != PL_SHAPE_CAPSULE;
-    if (!filled || !find_edges(s) || !find_parts(s) || !build_tree(s)) {
+    pl_arena scratch = {0};
+    filled =
+        filled && find_edges(s, &scratch) && find_parts(s, &scratch) && build_tree(s, &scratch);
+    pl_arena_free(&scratch);
+    if (!filled) {
         return PL_NO_MEMORY;
     }
     *surface = s;

@@ -51,11 +51,6 @@ typedef struct worst {
     double cone, signorini, natural_map;
 } worst;
 
-/* The states before and after a step, (body_count). */
-typedef struct frames {
-    const pl_body_state *before, *after;
-} frames;
-
 pl_contact_force *pl_contact_force_create(const pl_scene *scene, pl_arena *arena)
 {
     pl_contact_force *f = pl_arena_take(arena, 1, sizeof *f);
@@ -92,21 +87,20 @@ static void add_impulse(pl_contact_force *f, int body, double sign, pl_vec impul
     }
 }
 
-static void add_applied_forces(pl_contact_force *f, long step, const frames *both)
+static void add_applied_forces(pl_contact_force *f, const pl_step *step)
 {
     double dt = f->scene->dt;
     for (int i = 0; i < f->scene->force_count; ++i) {
         const pl_force *force = &f->scene->forces[i];
-        for (int k = 0; k < PL_INTEGRATOR_COUNT && pl_applied_force_acts(force, step, dt); ++k) {
+        for (int k = 0; k < PL_INTEGRATOR_COUNT && pl_applied_force_acts(force, step->number, dt); ++k) {
             pl_vec impulse = pl_applied_force_impulse(
-                force, (pl_integrator)k, &both->before[force->body], &both->after[force->body], dt);
+                force, (pl_integrator)k, &step->before[force->body], &step->after[force->body], dt);
             f->excess[k][force->body] = pl_vec_add(f->excess[k][force->body], impulse);
         }
     }
 }
 
-static void see_balance(pl_contact_force *f, long step, const frames *both,
-                        const pl_contact *contacts, int contact_count)
+static void see_balance(pl_contact_force *f, const pl_step *step)
 {
     const pl_scene *scene = f->scene;
     double fall = scene->dt * gravity_of(scene);
@@ -115,18 +109,18 @@ static void see_balance(pl_contact_force *f, long step, const frames *both,
     }
     for (int i = 0; i < scene->body_count; ++i) {
         pl_vec change =
-            pl_vec_sub(pl_vec_of(both->after[i].velocity), pl_vec_of(both->before[i].velocity));
+            pl_vec_sub(pl_vec_of(step->after[i].velocity), pl_vec_of(step->before[i].velocity));
         pl_vec due = pl_vec_mad(change, -scene->dt, pl_vec_of(scene->gravity));
         for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
             f->excess[k][i] = pl_vec_scale(due, -scene->bodies[i].mass);
         }
     }
-    for (int i = 0; i < contact_count; ++i) {
-        pl_vec impulse = pl_vec_of(contacts[i].impulse);
-        add_impulse(f, contacts[i].body_a, -1, impulse);
-        add_impulse(f, contacts[i].body_b, 1, impulse);
+    for (int i = 0; i < step->contact_count; ++i) {
+        const pl_contact *contact = &step->contacts[i];
+        add_impulse(f, contact->body_a, -1, pl_vec_of(contact->impulse));
+        add_impulse(f, contact->body_b, 1, pl_vec_of(contact->impulse));
     }
-    add_applied_forces(f, step, both);
+    add_applied_forces(f, step);
     for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
         double largest = -1;
         for (int i = 0; i < scene->body_count; ++i) {
@@ -136,7 +130,7 @@ static void see_balance(pl_contact_force *f, long step, const frames *both,
             }
         }
         if (largest >= 0) {
-            pl_series_add(&f->series[OF_BALANCE + k], largest, step);
+            pl_series_add(&f->series[OF_BALANCE + k], largest, step->number);
         }
     }
 }
@@ -145,13 +139,13 @@ static void see_balance(pl_contact_force *f, long step, const frames *both,
 
 /* Adds one body's part in a contact to `t`, and returns the velocity of its point, m/s. */
 static pl_vec add_side(const pl_scene *scene, int index, const pl_contact *contact,
-                       const frames *both, touch *t)
+                       const pl_step *step, touch *t)
 {
     const pl_body *body = &scene->bodies[index];
     if (body->is_static) {
         return (pl_vec){0, 0, 0};
     }
-    const pl_body_state *before = &both->before[index], *after = &both->after[index];
+    const pl_body_state *before = &step->before[index], *after = &step->after[index];
     pl_vec arm = pl_vec_sub(pl_vec_of(contact->point), pl_state_centre(body, before));
     pl_vec turning = pl_vec_cross(pl_vec_of(after->angular_velocity), arm);
     pl_axes axes = pl_principal_axes(&body->shape, before->orientation);
@@ -164,13 +158,13 @@ static pl_vec add_side(const pl_scene *scene, int index, const pl_contact *conta
     return pl_vec_add(pl_vec_of(after->velocity), turning);
 }
 
-static touch touch_of(const pl_scene *scene, const pl_contact *contact, const frames *both)
+static touch touch_of(const pl_scene *scene, const pl_contact *contact, const pl_step *step)
 {
     touch t = {.weight = HUGE_VAL};
     pl_scene_pair(scene, scene->bodies[contact->body_a].material,
                   scene->bodies[contact->body_b].material, &t.friction, &t.restitution);
-    pl_vec of_a = add_side(scene, contact->body_a, contact, both, &t);
-    pl_vec of_b = add_side(scene, contact->body_b, contact, both, &t);
+    pl_vec of_a = add_side(scene, contact->body_a, contact, step, &t);
+    pl_vec of_b = add_side(scene, contact->body_b, contact, step, &t);
     pl_vec velocity = pl_vec_sub(of_b, of_a);
     pl_vec n = pl_vec_of(contact->normal), r = pl_vec_of(contact->impulse);
     t.normal_impulse = pl_vec_dot(r, n);
@@ -216,14 +210,14 @@ static void see_friction(pl_contact_force *f, long step, const touch *t, worst *
     }
 }
 
-static void see_contact(pl_contact_force *f, long step, const pl_contact *contact,
-                        const frames *both, worst *most)
+static void see_contact(pl_contact_force *f, const pl_step *step, const pl_contact *contact,
+                        worst *most)
 {
-    const touch t = touch_of(f->scene, contact, both);
+    const touch t = touch_of(f->scene, contact, step);
     if (!(t.inverse_mass > 0)) {
         return; /* both are static */
     }
-    see_friction(f, step, &t, most);
+    see_friction(f, step->number, &t, most);
     if (t.restitution == 0) {
         double power = fabs(t.normal_impulse * t.normal_velocity) / f->scene->dt;
         most->signorini = larger(most->signorini, power);
@@ -238,23 +232,20 @@ static void add_worst(pl_contact_force *f, series_id id, double value, long step
     }
 }
 
-void pl_contact_force_step(pl_contact_force *f, long step, const pl_body_state *before,
-                           const pl_body_state *after, const pl_contact *contacts,
-                           int contact_count)
+void pl_contact_force_step(pl_contact_force *f, const pl_step *step)
 {
-    const frames both = {before, after};
-    f->unreported = f->unreported || contact_count < 0;
+    f->unreported = f->unreported || step->contact_count < 0;
     if (f->unreported) {
         return;
     }
     worst most = {-1, -1, -1};
-    see_balance(f, step, &both, contacts, contact_count);
-    for (int i = 0; i < contact_count; ++i) {
-        see_contact(f, step, &contacts[i], &both, &most);
+    see_balance(f, step);
+    for (int i = 0; i < step->contact_count; ++i) {
+        see_contact(f, step, &step->contacts[i], &most);
     }
-    add_worst(f, OF_CONE, most.cone, step);
-    add_worst(f, OF_SIGNORINI, most.signorini, step);
-    add_worst(f, OF_NATURAL_MAP, most.natural_map, step);
+    add_worst(f, OF_CONE, most.cone, step->number);
+    add_worst(f, OF_SIGNORINI, most.signorini, step->number);
+    add_worst(f, OF_NATURAL_MAP, most.natural_map, step->number);
 }
 
 /* ---- The metrics ---- */

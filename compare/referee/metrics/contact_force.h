@@ -14,12 +14,8 @@ typedef struct pl_contact_force pl_contact_force;
 /* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
 pl_contact_force *pl_contact_force_create(const pl_scene *scene, pl_arena *arena);
 
-/* Takes step number `step` (from 1): the states before and after it, (scene->body_count), and the
- * contacts of that step, which are between bodies of the scene. contact_count < 0: the engine
- * reports none, and none of the metrics applies to the run. */
-void pl_contact_force_step(pl_contact_force *force, long step, const pl_body_state *before,
-                           const pl_body_state *after, const pl_contact *contacts,
-                           int contact_count);
+/* Takes a step. After a step whose contacts are not reported, none of the metrics applies. */
+void pl_contact_force_step(pl_contact_force *force, const pl_step *step);
 
 /* Sets the five metrics in item (PL_METRIC_COUNT). A metric is PL_METRIC_ABSENT when it does not
  * apply: no contacts reported, nothing touched, no friction, nothing slid, or no gravity as the

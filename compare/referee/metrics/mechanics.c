@@ -181,11 +181,6 @@ struct pl_mechanics {
     pl_integrator_votes votes;
 };
 
-/* One step. */
-typedef struct frames {
-    const pl_body_state *before, *after;
-} frames;
-
 pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
 {
     size_t count = (size_t)scene->body_count;
@@ -252,20 +247,20 @@ static void add_impulse(pl_mechanics *m, pl_integrator k, pl_vec point, pl_vec i
 }
 
 /* The displacement of the body's centre in the step, m. */
-static pl_vec displacement(const pl_mechanics *m, int body, const frames *step)
+static pl_vec displacement(const pl_mechanics *m, int body, const pl_step *step)
 {
     return pl_vec_sub(centre_of(m, step->after, body), centre_of(m, step->before, body));
 }
 
 /* Adds an external impulse on a body at a world point of the start of the step. */
-static void add_body_impulse(pl_mechanics *m, int body, const frames *step, pl_vec point,
+static void add_body_impulse(pl_mechanics *m, int body, const pl_step *step, pl_vec point,
                              pl_vec impulse)
 {
     add_impulse(m, PL_SEMI_IMPLICIT, point, impulse);
     add_impulse(m, PL_SECOND_ORDER, pl_vec_mad(point, 0.5, displacement(m, body, step)), impulse);
 }
 
-static void add_gravity(pl_mechanics *m, const frames *step)
+static void add_gravity(pl_mechanics *m, const pl_step *step)
 {
     pl_vec g = pl_vec_of(m->scene->gravity);
     for (int i = 0; i < m->scene->body_count; ++i) {
@@ -300,7 +295,7 @@ static void add_work(pl_mechanics *m, pl_integrator k, int body, double work)
     m->growth[k][body] -= work;
 }
 
-static void add_force(pl_mechanics *m, const pl_force *force, const frames *step)
+static void add_force(pl_mechanics *m, const pl_force *force, const pl_step *step)
 {
     const pl_body_state *before = &step->before[force->body], *after = &step->after[force->body];
     double dt = m->scene->dt;
@@ -329,7 +324,7 @@ static void add_force(pl_mechanics *m, const pl_force *force, const frames *step
 }
 
 /* Impulses between dynamic bodies cancel; those of static bodies are external. */
-static void add_contact(pl_mechanics *m, const pl_contact *contact, const frames *step)
+static void add_contact(pl_mechanics *m, const pl_contact *contact, const pl_step *step)
 {
     bool a_static = m->scene->bodies[contact->body_a].is_static;
     bool b_static = m->scene->bodies[contact->body_b].is_static;
@@ -349,26 +344,24 @@ void pl_mechanics_start(pl_mechanics *m, const pl_body_state *bodies)
     m->first = m->last;
 }
 
-void pl_mechanics_step(pl_mechanics *m, long step, const pl_body_state *before,
-                       const pl_body_state *after, const pl_contact *contacts, int contact_count)
+void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
 {
-    const frames both = {before, after};
     for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
         memset(m->growth[k], 0, (size_t)m->scene->body_count * sizeof *m->growth[k]);
     }
-    pl_integrator_see(&m->votes, m->scene, before, after);
-    add_gravity(m, &both);
+    pl_integrator_see(&m->votes, m->scene, step->before, step->after);
+    add_gravity(m, step);
     for (int i = 0; i < m->scene->force_count; ++i) {
         const pl_force *force = &m->scene->forces[i];
         if (!m->scene->bodies[force->body].is_static &&
-            pl_applied_force_acts(force, step, m->scene->dt)) {
-            add_force(m, force, &both);
+            pl_applied_force_acts(force, step->number, m->scene->dt)) {
+            add_force(m, force, step);
         }
     }
-    for (int i = 0; i < contact_count; ++i) {
-        add_contact(m, &contacts[i], &both);
+    for (int i = 0; i < step->contact_count; ++i) {
+        add_contact(m, &step->contacts[i], step);
     }
-    measure(m, after);
+    measure(m, step->after);
 }
 
 const pl_integrator_votes *pl_mechanics_votes(const pl_mechanics *m)

@@ -63,10 +63,16 @@ pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena);
 /* Takes the state before the first step. */
 void pl_mechanics_start(pl_mechanics *mechanics, const pl_body_state *bodies);
 
-/* Takes step number `step` (from 1): the states before and after it and the contacts that the
- * engine reports of it (contact_count <= 0: none). */
-void pl_mechanics_step(pl_mechanics *mechanics, long step, const pl_body_state *before,
-                       const pl_body_state *after, const pl_contact *contacts, int contact_count);
+/* A step as the referee sees it. */
+typedef struct pl_step {
+    long number;                         /* from 1 */
+    const pl_body_state *before, *after; /* (scene->body_count) */
+    const pl_contact *contacts;          /* between bodies of the scene */
+    int contact_count;                   /* < 0: the engine reports no contacts */
+} pl_step;
+
+/* Takes a step, whose contacts may be unreported. */
+void pl_mechanics_step(pl_mechanics *mechanics, const pl_step *step);
 
 /* The steps so far by the integrator that they fit. Borrowed. */
 const pl_integrator_votes *pl_mechanics_votes(const pl_mechanics *mechanics);
