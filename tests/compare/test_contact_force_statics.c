@@ -65,8 +65,8 @@ static void stand_step(stand *s)
     s->count = s->engine->read_contacts(s->instance, s->contacts, s->capacity);
     assert_true(s->count <= s->capacity);
     s->steps += 1;
-    pl_contact_force_step(
-        s->force, &(pl_step){s->steps, s->before, s->frame.bodies, s->contacts, s->count});
+    pl_contact_force_step(s->force,
+                          &(pl_step){s->steps, s->before, s->frame.bodies, s->contacts, s->count});
 }
 
 /* Of all steps; second order or not is the same where no force turns. */
@@ -99,8 +99,9 @@ static double weight_of(const stand *s, int from)
     return mass * -s->scene.gravity[2];
 }
 
-/* Bodies 1 .. n form a stack from the floor up: the joint under body i bears its weight and all weight
- * above. The largest error of a joint in units of its load; *sideways is that of the horizontal part. */
+/* Bodies 1 .. n form a stack from the floor up: the joint under body i bears its weight and all
+ * weight above. The largest error of a joint in units of its load; *sideways is that of the
+ * horizontal part. */
 static double ladder_error(const stand *s, double *sideways)
 {
     double worst = 0;
@@ -196,10 +197,11 @@ static void test_forces_of_all_engines_balance_the_motion(void **state)
     }
 }
 
-/* Spheres have the same inertia in every frame, so that the velocities of the frames are those that the
- * engine solved for. So the referee's natural map, computed from frames and reported impulses, equals
- * the engine's own residual, except for the effect of the energy guard. Time-of-impact sub-steps are
- * off: with them the velocities at the end of the step do not belong to the impulse of the impact. */
+/* Spheres have the same inertia in every frame, so that the velocities of the frames are those that
+ * the engine solved for. So the referee's natural map, computed from frames and reported impulses,
+ * equals the engine's own residual, except for the effect of the energy guard. Time-of-impact
+ * sub-steps are off: with them the velocities at the end of the step do not belong to the impulse
+ * of the impact. */
 static void test_natural_map_of_spheres_equals_the_reported_residual(void **state)
 {
     (void)state;

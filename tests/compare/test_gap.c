@@ -1,4 +1,5 @@
-/* The referee's geometry: closed forms against libccd, and both against independent computations. */
+/* The referee's geometry: closed forms against libccd, and both against independent computations.
+ */
 #include "referee/geometry/gap.h"
 
 #include "check.h"
@@ -158,7 +159,8 @@ static void test_sphere_sphere_closed_form_equals_libccd(void **state)
     compare_closed_form_and_libccd(PL_SHAPE_SPHERE, PL_SHAPE_SPHERE);
 }
 
-/* Rotation of v by a unit quaternion, written out here so that the test does not depend on vec.h. */
+/* Rotation of v by a unit quaternion, written out here so that the test does not depend on vec.h.
+ */
 static void rotate(const double q[4], const double v[3], double out[3])
 {
     double w = q[0], x = q[1], y = q[2], z = q[3];

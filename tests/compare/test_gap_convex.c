@@ -306,7 +306,8 @@ static void test_closed_forms_equal_gjk_and_epa(void **state)
     pl_scene_free(&p.scene);
 }
 
-/* All directions around the axis are equally good, and EPA's polytope never closes on the circle. */
+/* All directions around the axis are equally good, and EPA's polytope never closes on the circle.
+ */
 static void test_coaxial_round_shapes_have_the_smaller_depth(void **state)
 {
     (void)state;

@@ -148,8 +148,9 @@ static void test_mesh_apart_has_the_distance_of_its_hull(void **state)
     empty_pool(&p);
 }
 
-/* All pairs of features: vertex in face, edge across edge, face on face, rim on edge. An overlap near a
- * sharp corner is not shallow, and the depth of the mesh may be less than the minimum translation. */
+/* All pairs of features: vertex in face, edge across edge, face on face, rim on edge. An overlap
+ * near a sharp corner is not shallow, and the depth of the mesh may be less than the minimum
+ * translation. */
 static void test_shallow_mesh_has_the_depth_of_its_hull(void **state)
 {
     (void)state;
@@ -297,8 +298,8 @@ static void test_ring_inside_a_ring_has_the_side_distance(void **state)
     pl_scene_free(&scene);
 }
 
-/* At the middle of a segment of the tube all its sides are normal to the plane of the cross section,
- * so the distance is that from the polygon in the plane. */
+/* At the middle of a segment of the tube all its sides are normal to the plane of the cross
+ * section, so the distance is that from the polygon in the plane. */
 static void test_sphere_in_a_tube_has_its_centre_depth(void **state)
 {
     (void)state;

@@ -198,7 +198,8 @@ static void test_gain_is_not_hidden_by_a_loss(void **state)
     run_end(&r);
 }
 
-/* A box is moved up out of the floor by 1 mm without a velocity: potential energy without a cause. */
+/* A box is moved up out of the floor by 1 mm without a velocity: potential energy without a cause.
+ */
 static void test_displacement_without_velocity_is_a_gain(void **state)
 {
     (void)state;

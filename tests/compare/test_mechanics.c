@@ -126,9 +126,9 @@ static void test_body_frame_force_turns_with_the_body(void **state)
     fly(prepare_turned, force, arm, 0, 4);
 }
 
-/* A box whose vertices lie off its frame's origin flies up and spins about a principal axis. Its centre
- * moves like a point and the frame rotates around it, which must not change energy, momentum or the
- * detected integrator. */
+/* A box whose vertices lie off its frame's origin flies up and spins about a principal axis. Its
+ * centre moves like a point and the frame rotates around it, which must not change energy, momentum
+ * or the detected integrator. */
 static void fly_off_frame(pl_integrator rule)
 {
     const double half[3] = {0.5, 0.3, 0.1}, middle[3] = {2, -1, 0.5}, none[3] = {0, 0, 0};
@@ -197,7 +197,8 @@ static void test_impulse_before_the_flight_shows_second_order(void **state)
     run_end(&r);
 }
 
-/* A step that fits neither rule, like that of a body that is pushed out of another, does not count. */
+/* A step that fits neither rule, like that of a body that is pushed out of another, does not count.
+ */
 static void test_pushed_body_does_not_show_the_integrator(void **state)
 {
     (void)state;

@@ -78,8 +78,8 @@ static void test_lift_of_a_resting_body_starts_at_rest(void **state)
     run_end(&r);
 }
 
-/* A projectile over a floor has no supporting plane: it has no lift, and its whole distance from the
- * line counts. */
+/* A projectile over a floor has no supporting plane: it has no lift, and its whole distance from
+ * the line counts. */
 static void test_travel_off_the_plane_has_no_lift(void **state)
 {
     (void)state;

@@ -88,7 +88,8 @@ static void test_wrong_force_shows_in_both_errors(void **state)
     }
 }
 
-/* A block that friction stops within a step. The second-order rule has a time-stepping error too. */
+/* A block that friction stops within a step. The second-order rule has a time-stepping error too.
+ */
 static void test_stop_within_a_step_is_a_stepping_error(void **state)
 {
     (void)state;
@@ -178,8 +179,9 @@ static void test_one_unknown_reference_leaves_no_discrete_error(void **state)
     run_end(&r);
 }
 
-/* Both rules move a body without acceleration equally, and also one with an impulse before the flight
- * if there is no gravity. A value that has the same reference by both still has a discrete error. */
+/* Both rules move a body without acceleration equally, and also one with an impulse before the
+ * flight if there is no gravity. A value that has the same reference by both still has a discrete
+ * error. */
 static void test_without_acceleration_no_integrator_is_detected(void **state)
 {
     (void)state;

@@ -1,25 +1,26 @@
 /* The gap of two bounded convex shapes by GJK and by the EPA of libccd, with a check of the result.
  *
- * Signed distance of two convex sets: gap = -min over unit d of h(d), where h is the support function
- * of the Minkowski difference A - B. So every queried direction gives a lower bound of the gap, -h(d),
- * even if libccd fails; and the result of libccd (the radius of a ball inside A - B, or the distance of
- * a point of A - B) is an upper bound, if libccd is right. A gap is returned only if the two bounds
- * meet. Otherwise libccd is called again, and after the last attempt PL_FAILED is returned. This check
- * is needed: libccd 2.1 takes some deep pairs for touching ones (see NUDGE).
+ * Signed distance of two convex sets: gap = -min over unit d of h(d), where h is the support
+ * function of the Minkowski difference A - B. So every queried direction gives a lower bound of the
+ * gap, -h(d), even if libccd fails; and the result of libccd (the radius of a ball inside A - B, or
+ * the distance of a point of A - B) is an upper bound, if libccd is right. A gap is returned only
+ * if the two bounds meet. Otherwise libccd is called again, and after the last attempt PL_FAILED is
+ * returned. This check is needed: libccd 2.1 takes some deep pairs for touching ones (see NUDGE).
  *
- * Most pairs are apart. They are settled by the distance query of GJK, which libccd 2.1 lacks. It ends
- * early once the lower bound exceeds the gap of interest.
+ * Most pairs are apart. They are settled by the distance query of GJK, which libccd 2.1 lacks. It
+ * ends early once the lower bound exceeds the gap of interest.
  *
- * libccd gets the cores of the shapes, the centre of a sphere and the segment of a capsule, because EPA
- * needs ever more facets on a curved surface. The radii are subtracted afterwards, which is exact: the
- * signed distance of K + rB is that of K minus r. A cylinder stays curved. For a cylinder the polytope
- * of libccd is only a rough upper bound, and the lower bound is improved: from a point a little outside
- * of A - B, beyond the best plane so far, GJK finds the nearest point of A - B. Its plane is at least
- * as near to the origin, so this descends exactly to a minimum of h, and the upper bound shows that no
- * other minimum is much lower. Source: Cameron 1997 for the distance from a translated origin.
+ * libccd gets the cores of the shapes, the centre of a sphere and the segment of a capsule, because
+ * EPA needs ever more facets on a curved surface. The radii are subtracted afterwards, which is
+ * exact: the signed distance of K + rB is that of K minus r. A cylinder stays curved. For a
+ * cylinder the polytope of libccd is only a rough upper bound, and the lower bound is improved:
+ * from a point a little outside of A - B, beyond the best plane so far, GJK finds the nearest point
+ * of A - B. Its plane is at least as near to the origin, so this descends exactly to a minimum of
+ * h, and the upper bound shows that no other minimum is much lower. Source: Cameron 1997 for the
+ * distance from a translated origin.
  *
- * libccd compares squared lengths with absolute numbers, so the shapes are scaled to unit size first.
- * Source: van den Bergen 2003, ch. 4. */
+ * libccd compares squared lengths with absolute numbers, so the shapes are scaled to unit size
+ * first. Source: van den Bergen 2003, ch. 4. */
 #include "gap.h"
 #include "solid.h"
 
@@ -35,19 +36,20 @@ enum {
     MAX_DESCENTS = 60
 };
 
-/* Tolerance of EPA in the first attempt, for shapes of unit size: on the product of the depth and its
- * error, and on the squared distance of a new vertex from its facet, so that facets that differ by
- * less than 1e-7 are merged. Each further attempt has a hundredth of it. It cannot start at 1e-18:
- * there rounding of the product can look like progress, and EPA splits facets until it reaches the
- * limit of queries. */
+/* Tolerance of EPA in the first attempt, for shapes of unit size: on the product of the depth and
+ * its error, and on the squared distance of a new vertex from its facet, so that facets that differ
+ * by less than 1e-7 are merged. Each further attempt has a hundredth of it. It cannot start at
+ * 1e-18: there rounding of the product can look like progress, and EPA splits facets until it
+ * reaches the limit of queries. */
 static const double EPA_TOLERANCE = 1e-14;
 /* All in units of the shapes' size. libccd takes a depth below sqrt(DBL_EPSILON) = 1.5e-8 for
- * touching, and so it takes a deep pair when the origin is on an edge of its first simplices, as with
- * aligned boxes. Further attempts move one shape by a little more than that, in a direction in general
- * position. The lower bound is always that of the unmoved shapes, so the result loses no accuracy. */
+ * touching, and so it takes a deep pair when the origin is on an edge of its first simplices, as
+ * with aligned boxes. Further attempts move one shape by a little more than that, in a direction in
+ * general position. The lower bound is always that of the unmoved shapes, so the result loses no
+ * accuracy. */
 static const double NUDGE = 4e-8;
-/* The largest accepted difference of the bounds (the touching depth and the nudge), and the difference
- * below which no further attempt is made. */
+/* The largest accepted difference of the bounds (the touching depth and the nudge), and the
+ * difference below which no further attempt is made. */
 static const double CERTIFIED = 6e-8;
 static const double EXACT = 1e-13;
 static const double ROUNDING = 1e-15;
@@ -177,9 +179,9 @@ static pl_vec nearest_on_triangle(const pl_vec t[3])
                              t[2], t[0]);
 }
 
-/* The distance query of GJK. It keeps the nearest triangle of A - B so far and improves it by one support
- * point at a time. The result is an upper bound of the distance at any stop. It stops when the bounds
- * meet, when the gap is above `within`, or when no support point is nearer. */
+/* The distance query of GJK. It keeps the nearest triangle of A - B so far and improves it by one
+ * support point at a time. The result is an upper bound of the distance at any stop. It stops when
+ * the bounds meet, when the gap is above `within`, or when no support point is nearer. */
 static double core_distance(const convex *a, const convex *b)
 {
     const query *shared = a->shared;
@@ -220,9 +222,9 @@ static void query_apart(const convex *a, const convex *b, pl_vec apart)
     (void)core_distance(a, b);
 }
 
-/* When libccd finds a pair touching, it stops at the first simplex of A - B through the origin, and may
- * not have queried the direction that proves it. The distance query does so once the shapes are moved
- * apart a little, centre from centre. */
+/* When libccd finds a pair touching, it stops at the first simplex of A - B through the origin, and
+ * may not have queried the direction that proves it. The distance query does so once the shapes are
+ * moved apart a little, centre from centre. */
 static void probe_touching(const convex *a, const convex *b)
 {
     pl_vec c = pl_vec_sub(b->origin, a->origin);
@@ -254,7 +256,8 @@ static pl_status upper_bound(const convex *a, const convex *b, const ccd_t *ccd,
         return PL_NO_MEMORY;
     }
     *upper = answer == 0 ? -depth : core_distance(a, b);
-    /* EPA's facets are inside A - B at any stop. On a curved surface EPA always reaches the limit. */
+    /* EPA's facets are inside A - B at any stop. On a curved surface EPA always reaches the limit.
+     */
     if (exhausted(a->shared) && !(a->shared->curved && depth > 0)) {
         *upper = HUGE_VAL;
     }

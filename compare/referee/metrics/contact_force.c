@@ -92,7 +92,8 @@ static void add_applied_forces(pl_contact_force *f, const pl_step *step)
     double dt = f->scene->dt;
     for (int i = 0; i < f->scene->force_count; ++i) {
         const pl_force *force = &f->scene->forces[i];
-        for (int k = 0; k < PL_INTEGRATOR_COUNT && pl_applied_force_acts(force, step->number, dt); ++k) {
+        for (int k = 0; k < PL_INTEGRATOR_COUNT && pl_applied_force_acts(force, step->number, dt);
+             ++k) {
             pl_vec impulse = pl_applied_force_impulse(
                 force, (pl_integrator)k, &step->before[force->body], &step->after[force->body], dt);
             f->excess[k][force->body] = pl_vec_add(f->excess[k][force->body], impulse);
