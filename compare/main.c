@@ -1,4 +1,4 @@
-#include "command/commands.h"
+#include "command/command.h"
 
 int main(int argc, char **argv)
 {

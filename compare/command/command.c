@@ -1,128 +1,272 @@
+/* The command line: options by their tables, with argp(3) underneath; and the ends of commands. */
 #include "command.h"
 
+#include "base/array.h"
+#include "request.h"
+#include "results/result.h"
+
+#include <argp.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_OPTIONS = 64 };
+enum { MAX_OPTIONS = 64, FIRST_KEY = 0x100 };
 
-/* What argp itself understands. */
-static const struct argp_option common_options[] = {{.name = "help", .key = '?'},
-                                                    {.name = "usage", .key = 1},
-                                                    {.name = "version", .key = 'V'},
-                                                    {0}};
+/* Options that argp itself understands, for suggestions. */
+static const char *const COMMON_OPTIONS[] = {"help", "usage", "version"};
+enum { COMMON_COUNT = sizeof COMMON_OPTIONS / sizeof COMMON_OPTIONS[0] };
 
-static int collect(const struct argp_option *from, const struct argp_option **options, int count)
+/* A command line that is being parsed. */
+typedef struct parsing {
+    const pl_call *call;
+    void *options;
+    const pl_option *table[MAX_OPTIONS]; /* (count) all options of the command */
+    int count;
+    struct argp_option argp[MAX_OPTIONS + 1]; /* (count) the same for argp, and a zero */
+} parsing;
+
+void pl_texts_add(pl_texts *texts, const char *item)
 {
-    for (; from != NULL && (from->name != NULL || from->key != 0 || from->doc != NULL); ++from) {
-        if (from->name != NULL && count < MAX_OPTIONS) {
-            options[count++] = from;
+    if (pl_array_push(&texts->items, &texts->count, &item, sizeof item, NULL) != PL_OK) {
+        fprintf(stderr, "plumb: out of memory\n");
+        exit(PL_EXIT_FAILED);
+    }
+}
+
+/* ---- Tables of options ---- */
+
+static void collect(parsing *p, const pl_option *options)
+{
+    const pl_option *own = p->call->command->options;
+    for (const pl_option *option = options; option != NULL && option->name != NULL; ++option) {
+        if (option->kind == PL_OPTION_HELP || p->count == MAX_OPTIONS) {
+            continue;
         }
-    }
-    return count;
-}
-
-/* Those of an argp and of its children, and of theirs. */
-static int collect_all(const struct argp *argp, const struct argp_option **options, int count)
-{
-    count = collect(argp->options, options, count);
-    for (const struct argp_child *child = argp->children; child != NULL && child->argp != NULL;
-         ++child) {
-        count = collect_all(child->argp, options, count);
-    }
-    return count;
-}
-
-/* The only option that begins with the first `length` characters of `name`, or is `name`; as getopt
- * has it. *ambiguous when there are several. */
-static const struct argp_option *find(const struct argp_option *const *options, int count,
-                                      const char *name, size_t length, bool *ambiguous)
-{
-    const struct argp_option *found = NULL;
-    *ambiguous = false;
-    for (int i = 0; i < count; ++i) {
-        if (strncmp(options[i]->name, name, length) == 0) {
-            if (strlen(options[i]->name) == length) {
-                *ambiguous = false;
-                return options[i];
+        const char *help = option->help;
+        for (const pl_option *other = own; other != NULL && other->name != NULL; ++other) {
+            if (other->kind == PL_OPTION_HELP && strcmp(other->name, option->name) == 0) {
+                help = other->help;
             }
-            *ambiguous = found != NULL;
-            found = options[i];
+        }
+        p->argp[p->count] =
+            (struct argp_option){.name = option->name,
+                                 .key = option->letter != 0 ? option->letter : FIRST_KEY + p->count,
+                                 .arg = option->argument,
+                                 .doc = help};
+        p->table[p->count++] = option;
+    }
+}
+
+/* The only option that begins with the first `length` characters of `name`, or is `name`, as getopt
+ * finds it; COMMON_OPTIONS have indices from p->count on. -1: there is none, -2: there are several.
+ */
+static int find(const parsing *p, const char *name, size_t length)
+{
+    int found = -1;
+    for (int i = 0; i < p->count + COMMON_COUNT; ++i) {
+        const char *other = i < p->count ? p->table[i]->name : COMMON_OPTIONS[i - p->count];
+        if (strncmp(other, name, length) == 0) {
+            if (strlen(other) == length) {
+                return i;
+            }
+            found = found == -1 ? i : -2;
         }
     }
     return found;
 }
 
-static void reject_unknown(const pl_call *call, const char *option, size_t length,
-                           const struct argp_option *const *options, int count)
+static void reject_unknown(const parsing *p, const char *option, size_t length)
 {
     char word[PL_NAME_SIZE];
-    const char *names[MAX_OPTIONS];
-    for (int i = 0; i < count; ++i) {
-        names[i] = options[i]->name;
+    const char *names[MAX_OPTIONS + COMMON_COUNT];
+    for (int i = 0; i < p->count + COMMON_COUNT; ++i) {
+        names[i] = i < p->count ? p->table[i]->name : COMMON_OPTIONS[i - p->count];
     }
     snprintf(word, sizeof word, "%.*s", (int)length, option);
-    const char *nearest = pl_nearest_name(word, names, count);
-    fprintf(stderr, "%s: there is no option --%s", call->argv[0], word);
+    const char *nearest = pl_nearest_name(word, names, p->count + COMMON_COUNT);
+    const char *self = p->call->argv[0];
+    fprintf(stderr, "%s: there is no option --%s", self, word);
     fprintf(stderr, nearest == NULL ? "; see %s --help\n" : "; did you mean --%s?\n",
-            nearest == NULL ? call->argv[0] : nearest);
+            nearest == NULL ? self : nearest);
     exit(PL_EXIT_USAGE);
 }
 
-static void check_options(const pl_call *call, const struct argp *argp)
+/* Ends the program at the first unknown option, with a suggestion, which argp does not make. */
+static void check_options(const parsing *p)
 {
-    const struct argp_option *options[MAX_OPTIONS];
-    int count = collect(common_options, options, 0);
-    count = collect_all(argp, options, count);
+    const pl_call *call = p->call;
     for (int i = 1; i < call->argc && strcmp(call->argv[i], "--") != 0; ++i) {
         const char *argument = call->argv[i];
         if (strncmp(argument, "--", 2) == 0) {
             size_t length = strcspn(argument + 2, "=");
-            bool ambiguous;
-            const struct argp_option *option =
-                find(options, count, argument + 2, length, &ambiguous);
-            if (option == NULL) {
-                reject_unknown(call, argument + 2, length, options, count);
+            int found = find(p, argument + 2, length);
+            if (found == -1) {
+                reject_unknown(p, argument + 2, length);
             }
-            bool value_follows = !ambiguous && option->arg != NULL && argument[2 + length] != '=';
-            i += value_follows;
+            bool takes_argument = found >= 0 && found < p->count && p->table[found]->argument;
+            i += takes_argument && argument[2 + length] != '=';
         }
     }
 }
 
-void pl_call_parse(const pl_call *call, const struct argp *argp, void *input)
+/* ---- Parsing ---- */
+
+static double parse_number(const pl_option *option, const char *text, struct argp_state *state)
 {
-    check_options(call, argp);
-    error_t failed = argp_parse(argp, call->argc, call->argv, 0, NULL, input);
+    double value = 0;
+    if (!pl_parse_number(text, &value) || !(value >= option->min && value <= option->max)) {
+        argp_error(state, "--%s takes %s, %.4g to %.4g; found \"%s\"", option->name, option->takes,
+                   option->min, option->max, text);
+    }
+    return option->scale != 0 ? value * option->scale : value;
+}
+
+static long parse_integer(const pl_option *option, const char *text, struct argp_state *state)
+{
+    char *end;
+    long value = strtol(text, &end, 10), min = (long)option->min, max = (long)option->max;
+    if (end == text || *end != '\0' || value < min || value > max) {
+        argp_error(state, "--%s takes an integer, %ld to %ld; found \"%s\"", option->name, min, max,
+                   text);
+    }
+    return value;
+}
+
+static void set_option(const pl_option *option, void *options, const char *text,
+                       struct argp_state *state)
+{
+    void *field = (char *)options + option->field;
+    pl_error error = {.message = ""};
+    switch (option->kind) {
+    case PL_OPTION_FLAG:
+        *(bool *)field = true;
+        break;
+    case PL_OPTION_TEXT:
+        *(const char **)field = text;
+        break;
+    case PL_OPTION_TEXTS:
+        pl_texts_add(field, text);
+        break;
+    case PL_OPTION_NUMBER:
+        *(double *)field = parse_number(option, text, state);
+        break;
+    case PL_OPTION_INTEGER:
+        *(int *)field = (int)parse_integer(option, text, state);
+        break;
+    case PL_OPTION_LARGE:
+        *(uint64_t *)field = (uint64_t)parse_integer(option, text, state);
+        break;
+    case PL_OPTION_PARSED:
+        if (option->parse(options, text, &error) != PL_OK) {
+            argp_error(state, "%s", error.message);
+        }
+        break;
+    case PL_OPTION_HELP:
+        break;
+    }
+}
+
+static error_t parse(int key, char *text, struct argp_state *state)
+{
+    const parsing *p = state->input;
+    pl_request *request = p->options;
+    pl_error error = {.message = ""};
+    for (int i = 0; i < p->count; ++i) {
+        if (p->argp[i].key == key) {
+            set_option(p->table[i], p->options, text, state);
+            return 0;
+        }
+    }
+    if (key == ARGP_KEY_ARG) {
+        pl_texts_add(&request->names, text);
+        return 0;
+    }
+    if (key == ARGP_KEY_END && p->call->command->check != NULL &&
+        p->call->command->check(p->options, &error) != PL_OK) {
+        argp_error(state, "%s", error.message);
+    }
+    return key == ARGP_KEY_END ? 0 : ARGP_ERR_UNKNOWN;
+}
+
+/* Writes the command's own list before its notes. argp frees what is not the text itself. */
+static char *filter_help(int key, const char *text, void *input)
+{
+    const parsing *p = input;
+    char *made = NULL;
+    size_t length = 0;
+    bool is_notes = key == ARGP_KEY_HELP_POST_DOC && p->call->command->list != NULL;
+    FILE *stream = is_notes ? open_memstream(&made, &length) : NULL;
+    if (stream == NULL) {
+        return (char *)text;
+    }
+    p->call->command->list(stream);
+    fprintf(stream, "\n%s", text);
+    return fclose(stream) == 0 ? made : (char *)text;
+}
+
+void pl_call_parse(const pl_call *call, void *options)
+{
+    const pl_command *command = call->command;
+    parsing p = {.call = call, .options = options};
+    collect(&p, command->options);
+    for (int i = 0; i < PL_SHARED_OPTIONS && command->shared[i] != NULL; ++i) {
+        collect(&p, command->shared[i]);
+    }
+    check_options(&p);
+    char *doc = NULL;
+    if (asprintf(&doc, "%s\v%s", command->description, command->notes) < 0) {
+        fprintf(stderr, "%s: out of memory\n", call->argv[0]);
+        exit(PL_EXIT_FAILED);
+    }
+    const struct argp argp = {.options = p.argp,
+                              .parser = parse,
+                              .args_doc = command->arguments,
+                              .doc = doc,
+                              .help_filter = filter_help};
+    error_t failed = argp_parse(&argp, call->argc, call->argv, 0, NULL, &p);
+    free(doc);
     if (failed != 0) {
         fprintf(stderr, "%s: %s\n", call->argv[0], strerror(failed));
         exit(PL_EXIT_FAILED);
     }
 }
 
-double pl_option_number(struct argp_state *state, const char *what, const char *text, double min,
-                        double max)
-{
-    double value = 0;
-    if (!pl_parse_number(text, &value) || !(value >= min && value <= max)) {
-        argp_error(state, "%s, %.4g to %.4g; found \"%s\"", what, min, max, text);
-    }
-    return value;
-}
-
-long pl_option_integer(struct argp_state *state, const char *what, const char *text, long min,
-                       long max)
-{
-    char *end;
-    long value = strtol(text, &end, 10);
-    if (end == text || *end != '\0' || value < min || value > max) {
-        argp_error(state, "%s, %ld to %ld; found \"%s\"", what, min, max, text);
-    }
-    return value;
-}
+/* ---- Ends of commands ---- */
 
 int pl_call_fail(const pl_call *call, const pl_error *error)
 {
     fflush(stdout);
     fprintf(stderr, "%s: %s\n", call->argv[0], error->message);
     return error->status == PL_BAD_INPUT ? PL_EXIT_USAGE : PL_EXIT_FAILED;
+}
+
+int pl_call_nothing(const pl_call *call, const char *why)
+{
+    fprintf(stderr, "%s: %s\n", call->argv[0], why);
+    return PL_EXIT_NOTHING;
+}
+
+int pl_call_end(const pl_call *call, pl_status status, const pl_error *error, int signal_number,
+                int code)
+{
+    if (status != PL_OK) {
+        return pl_call_fail(call, error);
+    }
+    return signal_number != 0 ? 128 + signal_number : code;
+}
+
+void pl_call_interrupted(const pl_call *call, size_t count, const char *folder)
+{
+    fprintf(stderr,
+            "%s: interrupted; %zu results are in %s/results.jsonl: the same command with --resume "
+            "goes on from there\n",
+            call->argv[0], count, folder);
+}
+
+json_t *pl_call_provenance(const pl_call *call, pl_error *error)
+{
+    json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
+    if (provenance == NULL) {
+        pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    return provenance;
 }

@@ -1,52 +1,116 @@
-/* What a command of `plumb` is, and what commands share. Data goes to standard output, messages and
- * progress to standard error. */
+/* Commands of `plumb`. A command is a table entry: its name, its texts and its options, from which
+ * the command line is parsed and --help is written, and a function that runs it. Data goes to
+ * standard output; messages and progress go to standard error. */
 #ifndef PLUMB_COMMAND_H
 #define PLUMB_COMMAND_H
 
 #include "plumb/base.h"
 
-#include <argp.h>
+#include <jansson.h>
+#include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 /* Exit codes: scripts rely on them. */
 enum {
     PL_EXIT_OK = 0,
-    PL_EXIT_USAGE = 2, /* usage or bad input */
-    PL_EXIT_FAILED =
-        3, /* run: the outcome is not ok; any: a run could not be made, or I/O failed */
+    PL_EXIT_GATE = 1,   /* gate: a result is worse than allowed */
+    PL_EXIT_USAGE = 2,  /* usage or bad input */
+    PL_EXIT_FAILED = 3, /* run: the outcome is not ok; any command: a run or I/O failed */
     PL_EXIT_NOTHING = 4 /* nothing was compared */
 };
 
+/* Texts in the order given, borrowed from the command line. Owner: free(items). */
+typedef struct pl_texts {
+    const char **items;
+    int count;
+} pl_texts;
+
+/* Appends a text. Ends the program when memory runs out. */
+void pl_texts_add(pl_texts *texts, const char *item);
+
+/* What an option does with the field of the command's options that it stands for. */
+typedef enum pl_option_kind {
+    PL_OPTION_FLAG,    /* sets a bool to true; takes no argument */
+    PL_OPTION_TEXT,    /* sets a const char * */
+    PL_OPTION_TEXTS,   /* repeatable: appends to a pl_texts */
+    PL_OPTION_NUMBER,  /* sets a double, also given as a fraction */
+    PL_OPTION_INTEGER, /* sets an int */
+    PL_OPTION_LARGE,   /* sets a uint64_t from an integer */
+    PL_OPTION_PARSED,  /* calls `parse` */
+    PL_OPTION_HELP     /* no option: the command's own help of a shared option of this name */
+} pl_option_kind;
+
+/* An option "--name=argument". A table of options ends with {0}. */
+typedef struct pl_option {
+    const char *name;
+    char letter;          /* short form "-letter"; 0: none */
+    const char *argument; /* what stands for the argument in help; NULL: it takes none */
+    const char *help;
+    pl_option_kind kind;
+    size_t field;      /* offset of the field in the command's options */
+    const char *takes; /* NUMBER: the unit in messages, such as "seconds" */
+    double min, max;   /* NUMBER, INTEGER, LARGE: the range allowed */
+    double scale;      /* NUMBER: the field is the number times this; 0 means 1 */
+    /* PARSED: takes the text. A failure ends the program as a usage error with its message. */
+    pl_status (*parse)(void *options, const char *text, pl_error *error);
+} pl_option;
+
+enum { PL_SHARED_OPTIONS = 5 };
+
 /* How a command was called. */
 typedef struct pl_call {
+    const struct pl_command *command;
     int argc; /* of the command: argv[0] is its full name, such as "plumb compare" */
     char **argv;
     int program_argc; /* of the program */
     char **program_argv;
-    const struct pl_command *commands; /* (command_count): all that there are */
-    int command_count;
 } pl_call;
 
+/* A command. The struct that its options are parsed into begins with a pl_request (request.h),
+ * which the shared options and the arguments go to. */
 typedef struct pl_command {
     const char *name;
-    const char *summary;
+    const char *summary;      /* for the list of commands */
+    const char *arguments;    /* for the usage line; a line each way to call it */
+    const char *description;  /* for --help, before the options */
+    const char *notes;        /* for --help, after the options: exit codes, examples */
+    const pl_option *options; /* its own; NULL: none */
+    const pl_option *shared[PL_SHARED_OPTIONS]; /* tables of request.h, up to the first NULL */
+    void (*list)(FILE *out);                    /* writes more help before `notes`; NULL: nothing */
+    /* Checks options that were parsed; PL_OK, or a usage error with its message. NULL: no check. */
+    pl_status (*check)(void *options, pl_error *error);
     int (*run)(const pl_call *call); /* returns the exit code */
 } pl_command;
 
-/* Parses the call's options as argp does, but suggests the nearest one for an option that there is
- * not. Ends the program on bad usage (exit 2), --help and --version. */
-void pl_call_parse(const pl_call *call, const struct argp *argp, void *input);
+/* Parses the command line into the command's options, which hold their defaults before. Ends the
+ * program on bad usage (exit 2, with a suggestion for an unknown option), --help and --version. */
+void pl_call_parse(const pl_call *call, void *options);
 
-/* A number with min <= value <= max, also as a ratio (pl_parse_number). Anything else is an
- * argp_error, in which `what` names the option and what it takes. */
-double pl_option_number(struct argp_state *state, const char *what, const char *text, double min,
-                        double max);
-
-/* The same for a whole number. */
-long pl_option_integer(struct argp_state *state, const char *what, const char *text, long min,
-                       long max);
-
-/* Says what went wrong, and returns the exit code of it. */
+/* Reports an error, and returns its exit code. */
 int pl_call_fail(const pl_call *call, const pl_error *error);
+
+/* Reports that there is nothing to do, and why. Returns PL_EXIT_NOTHING. */
+int pl_call_nothing(const pl_call *call, const char *why);
+
+/* The exit code of a command at its end: that of a failed status, whose error is reported; or 128
+ * plus the number of the signal that ended it, or `code`. */
+int pl_call_end(const pl_call *call, pl_status status, const pl_error *error, int signal_number,
+                int code);
+
+/* Reports how to go on after a signal: `count` results are kept in `folder`. */
+void pl_call_interrupted(const pl_call *call, size_t count, const char *folder);
+
+/* The provenance of results of this call (pl_provenance), a new reference; NULL with an error when
+ * memory runs out. */
+json_t *pl_call_provenance(const pl_call *call, pl_error *error);
+
+/* The commands, one file each: command_<name>.c. */
+extern const pl_command pl_command_compare, pl_command_run, pl_command_threshold, pl_command_list,
+    pl_command_scene, pl_command_solve, pl_command_ensemble, pl_command_sweep, pl_command_tune,
+    pl_command_report, pl_command_metamorphic, pl_command_gate;
+
+/* The program: finds the command, runs it, and returns the exit code. */
+int pl_program(int argc, char **argv);
 
 #endif

@@ -1,7 +1,8 @@
-/* plumb ensemble: engines compared where no trajectory is right, by the distributions of what many
- * runs from almost the same start end in. Results are appended to DIR/results.jsonl as runs end. */
-#include "commands.h"
-#include "comparison.h"
+/* plumb ensemble: engines compared where motion is chaotic, so that no single trajectory is right,
+ * by the distributions of the end states of many runs from almost the same start. Results are
+ * appended to DIR/results.jsonl as runs end. */
+#include "base/array.h"
+#include "request.h"
 #include "results/store.h"
 #include "runner/execute.h"
 #include "studies/ensemble/ensemble_report.h"
@@ -12,127 +13,62 @@
 
 /* A --against: other settings of the scenarios. */
 typedef struct other_setting {
-    const char *text; /* as given */
-    char *parts;      /* the same, cut at its commas */
+    char *parts; /* the text, cut at its commas */
     pl_texts settings;
 } other_setting;
 
 typedef struct options {
-    pl_comparison comparison;
+    pl_request request;
     pl_texts against;
-    other_setting *others; /* (against.count) */
+    other_setting *others; /* (other_count), of each text in `against` */
+    int other_count;
     int members;
     bool converged, keep;
 } options;
 
-enum { KEY_MEMBERS = 0x200, KEY_AGAINST, KEY_CONVERGED, KEY_KEEP };
+static const char ITSELF[] = "itself";
 
-static const char itself[] = "itself";
-
-static const pl_comparison_help option_help = {
-    .suite = "All scenarios of a suite (repeatable; default chaotic when no scenario is named)",
-    .json = "Write the outcome as a JSON object there too (- is standard output)",
-    .jobs = "Runs at a time (default the number of cores)",
-    .out = "Where results and summary go (default ensemble)",
-    .reader = "every member"};
-
-static const struct argp_option argp_options[] = {
-    {"members", KEY_MEMBERS, "N", 0, "Members of each ensemble (default 16)", 0},
-    {"against", KEY_AGAINST, "NAME=VALUE[,...]|itself", 0,
-     "Also a second ensemble of each engine, of members of its own, with these scenario settings, "
-     "or with the same ones, and compare the two (repeatable)",
-     0},
-    {"converged", KEY_CONVERGED, NULL, 0,
-     "Also each engine's own reference, NAME@converged: a 16th of the step, and 8 times its "
-     "iterations where it has that option",
-     0},
-    {"keep-trajectories", KEY_KEEP, NULL, 0,
-     "Leave the members' positions over time in DIR/trajectories", 0},
-    {0}};
-
-static void add_against(options *o, struct argp_state *state, const char *text)
+/* Cuts a text at its commas into settings. False for one that has none, or a part without '='. */
+static bool cut_settings(char *parts, pl_texts *settings)
 {
-    char *parts = strdup(text);
-    other_setting *grown = realloc(o->others, ((size_t)o->against.count + 1) * sizeof *grown);
-    if (parts == NULL || grown == NULL) {
-        argp_failure(state, PL_EXIT_FAILED, 0, "out of memory");
-        abort();
-    }
-    o->others = grown;
-    other_setting *added = &o->others[o->against.count];
-    *added = (other_setting){.text = text, .parts = parts};
-    pl_texts_add(&o->against, text);
     char *rest = NULL;
-    if (strcmp(text, itself) == 0) {
-        return;
-    }
-    int parts_found = 0;
     for (char *part = strtok_r(parts, ",", &rest); part != NULL;
          part = strtok_r(NULL, ",", &rest)) {
         if (strchr(part, '=') == NULL || part[0] == '=') {
-            argp_error(state, "--against takes NAME=VALUE[,NAME=VALUE]... or %s; found \"%s\"",
-                       itself, text);
+            return false;
         }
-        pl_texts_add(&added->settings, part);
-        ++parts_found;
+        pl_texts_add(settings, part);
     }
-    if (parts_found == 0) {
-        argp_error(state, "--against takes NAME=VALUE[,NAME=VALUE]... or %s; found \"%s\"", itself,
-                   text);
-    }
+    return settings->count > 0;
 }
 
-static error_t parse(int key, char *text, struct argp_state *state)
+static pl_status add_against(void *user, const char *text, pl_error *error)
 {
-    options *o = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        pl_comparison_init(&o->comparison, state);
-        return 0;
-    case KEY_MEMBERS:
-        o->members = (int)pl_option_integer(state, "--members takes an integer", text, 2, 1000);
-        return 0;
-    case KEY_AGAINST:
-        add_against(o, state, text);
-        return 0;
-    case KEY_CONVERGED:
-        o->converged = true;
-        return 0;
-    case KEY_KEEP:
-        o->keep = true;
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
+    options *o = user;
+    other_setting added = {.parts = strdup(text)};
+    if (added.parts == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory");
     }
+    bool right = strcmp(text, ITSELF) == 0 || cut_settings(added.parts, &added.settings);
+    pl_texts_add(&o->against, text);
+    pl_status status = pl_array_push(&o->others, &o->other_count, &added, sizeof added, error);
+    return status == PL_OK && !right
+               ? pl_fail(error, PL_BAD_INPUT,
+                         "--against takes NAME=VALUE[,NAME=VALUE]... or %s; found \"%s\"", ITSELF,
+                         text)
+               : status;
 }
 
-static const struct argp argp = {
-    .options = argp_options,
-    .parser = parse,
-    .args_doc = "[SCENARIO|SCENE.json...]",
-    .doc =
-        "Compares engines where the motion is chaotic: each runs many members of the same scene, "
-        "displaced by a ten-thousandth of a body's size, and the distributions of what they end "
-        "in are compared. Says how long the members of an engine stay together, which engines are "
-        "told apart and by what, and which laws members broke. Each run is in a process of its "
-        "own; an engine that falls, crashes or hangs is a row, not a failure.\v"
-        "Examples:\n"
-        "  plumb ensemble --engine plumb --engine ode:quick --engine bullet:si\n"
-        "  plumb ensemble pile --set n=60 --members 64 --converged --out pile-60\n"
-        "  plumb ensemble wall-collapse --engine plumb --against friction=0.4 --against itself\n"
-        "  plumb ensemble ./mine.json --engine ./mine.so:fast --json - | jq .comparisons",
-    .children = pl_comparison_children};
-
-/* The problems of a setting: those asked for, where the other setting's values come last. */
-static pl_status add_problems(void *user, int setting, pl_plan *plan, pl_error *error)
+/* The cases of a setting: those asked for, with the other setting's values last. */
+static pl_status add_cases(void *user, int setting, pl_plan *plan, pl_error *error)
 {
     const options *o = user;
-    pl_comparison comparison = o->comparison;
+    pl_request request = o->request;
     if (setting > 0) {
-        comparison.selection.others = o->others[setting - 1].settings;
-        comparison.selection.others_option = "--against";
+        request.others = o->others[setting - 1].settings;
+        request.others_option = "--against";
     }
-    return pl_comparison_add_problems(&comparison, plan, error);
+    return pl_request_add_cases(&request, plan, error);
 }
 
 static bool skip(void *user, const char *run)
@@ -158,8 +94,8 @@ static char *path_in(const char *folder, const char *name, pl_error *error)
 /* Files, then the summary on standard output, unless the JSON is there. */
 static pl_status deliver(const options *o, const pl_ensemble_outcome *outcome, pl_error *error)
 {
-    char *json = path_in(o->comparison.out, "ensemble.json", error);
-    char *summary = path_in(o->comparison.out, "summary.md", error);
+    char *json = path_in(o->request.out, "ensemble.json", error);
+    char *summary = path_in(o->request.out, "summary.md", error);
     pl_status status = json == NULL || summary == NULL ? error->status : PL_OK;
     if (status == PL_OK) {
         status = pl_results_write_json(json, outcome->json, error);
@@ -167,10 +103,10 @@ static pl_status deliver(const options *o, const pl_ensemble_outcome *outcome, p
     if (status == PL_OK) {
         status = pl_write_text(summary, outcome->summary, strlen(outcome->summary), error);
     }
-    if (status == PL_OK && o->comparison.json != NULL) {
-        status = pl_results_write_json(o->comparison.json, outcome->json, error);
+    if (status == PL_OK) {
+        status = pl_results_write_json(o->request.json, outcome->json, error);
     }
-    if (o->comparison.json == NULL || strcmp(o->comparison.json, "-") != 0) {
+    if (!pl_is_stdout(o->request.json)) {
         fputs(outcome->summary, stdout);
     }
     free(json);
@@ -178,29 +114,16 @@ static pl_status deliver(const options *o, const pl_ensemble_outcome *outcome, p
     return status;
 }
 
-static bool all_unsupported(const json_t *results)
-{
-    size_t index;
-    const json_t *result;
-    json_array_foreach(results, index, result)
-    {
-        if (strcmp(pl_json_get_text(result, "outcome"), "unsupported") != 0) {
-            return false;
-        }
-    }
-    return true;
-}
-
 /* What the runs that are there say. */
 static pl_status conclude(const options *o, const pl_plan *plan, const pl_ensembles *ensembles,
                           const json_t *results, const char *folder, pl_error *error)
 {
     pl_ensemble_outcome outcome;
-    char *path = path_in(o->comparison.out, "ensemble.json", error);
+    char *path = path_in(o->request.out, "ensemble.json", error);
     if (path == NULL) {
         return PL_NO_MEMORY;
     }
-    json_t *before = o->comparison.resume ? json_load_file(path, 0, NULL) : NULL;
+    json_t *before = o->request.resume ? json_load_file(path, 0, NULL) : NULL;
     free(path);
     pl_status status =
         pl_ensemble_conclude(plan, ensembles, results, folder, before, &outcome, error);
@@ -223,18 +146,18 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan,
     pl_store *store = NULL;
     int signal_number = 0;
     int code = PL_EXIT_OK;
-    char *folder = path_in(o->comparison.out, "trajectories", &error);
-    json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
+    char *folder = path_in(o->request.out, "trajectories", &error);
+    json_t *provenance = pl_call_provenance(call, &error);
     pl_status status = provenance == NULL || folder == NULL
                            ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
-                           : pl_store_open(o->comparison.out, o->comparison.resume, &store, &error);
+                           : pl_store_open(o->request.out, o->request.resume, &store, &error);
     if (status == PL_OK) {
         status = pl_make_directories(folder, &error);
     }
     if (status == PL_OK) {
         const pl_execution_def execution = {.plan = plan,
-                                            .jobs = o->comparison.jobs,
-                                            .limits = o->comparison.limits,
+                                            .jobs = o->request.jobs,
+                                            .limits = o->request.limits,
                                             .positions = folder,
                                             .provenance = provenance,
                                             .progress = stderr,
@@ -243,37 +166,31 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan,
                                             .keep = keep_result};
         status = pl_execute(&execution, &signal_number, &error);
     }
-    if (status == PL_OK && signal_number == 0) {
+    if (status == PL_OK && signal_number != 0) {
+        pl_call_interrupted(call, json_array_size(pl_store_results(store)), o->request.out);
+    } else if (status == PL_OK) {
         status = conclude(o, plan, ensembles, pl_store_results(store), folder, &error);
-        code = all_unsupported(pl_store_results(store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
-    }
-    if (status != PL_OK) {
-        code = pl_call_fail(call, &error);
-    } else if (signal_number != 0) {
-        fprintf(stderr,
-                "plumb ensemble: interrupted; %zu results are in %s/results.jsonl: the same "
-                "command with --resume goes on from there\n",
-                json_array_size(pl_store_results(store)), o->comparison.out);
-        code = 128 + signal_number;
+        code = pl_results_all_unsupported(pl_store_results(store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
     }
     pl_store_close(store);
     json_decref(provenance);
     free(folder);
-    return code;
+    return pl_call_end(call, status, &error, signal_number, code);
 }
 
-static pl_status make_plan(options *o, pl_plan *plan, pl_ensembles *ensembles, pl_error *error)
+static pl_status make_plan(const pl_call *call, options *o, pl_plan *plan, pl_ensembles *ensembles,
+                           pl_error *error)
 {
     const pl_members_def def = {.members = o->members,
                                 .setting_count = o->against.count,
                                 .settings = o->against.items,
                                 .references = o->converged,
                                 .user = o,
-                                .add = add_problems};
-    if (o->comparison.names.count == 0 && o->comparison.suites.count == 0) {
-        pl_texts_add(&o->comparison.suites, "chaotic");
+                                .add = add_cases};
+    if (o->request.names.count == 0 && o->request.suites.count == 0) {
+        pl_texts_add(&o->request.suites, "chaotic");
     }
-    pl_status status = pl_comparison_add_engines("plumb ensemble", &o->comparison, plan, error);
+    pl_status status = pl_request_add_engines(call, &o->request, plan, error);
     return status == PL_OK ? pl_members_plan(&def, plan, ensembles, error) : status;
 }
 
@@ -285,31 +202,35 @@ static int core_count(void)
 
 static void free_options(options *o)
 {
-    for (int i = 0; i < o->against.count; ++i) {
+    for (int i = 0; i < o->other_count; ++i) {
         free(o->others[i].parts);
         free(o->others[i].settings.items);
     }
     free(o->others);
-    pl_comparison_free(&o->comparison);
     free(o->against.items);
+    pl_request_free(&o->request);
 }
 
-int pl_command_ensemble(const pl_call *call)
+static pl_status check(void *user, pl_error *error)
 {
-    options o = {.comparison = pl_comparison_default(&option_help), .members = 16};
-    o.comparison.out = "ensemble";
-    o.comparison.jobs = core_count();
-    pl_call_parse(call, &argp, &o);
+    return pl_request_check(user, NULL, "every member", error);
+}
+
+static int run(const pl_call *call)
+{
+    options o = {.request = pl_request_default(), .members = 16};
+    o.request.out = "ensemble";
+    o.request.jobs = core_count();
+    pl_call_parse(call, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
     pl_ensembles ensembles = {.count = 0};
     int code = PL_EXIT_OK;
-    pl_status status = make_plan(&o, &plan, &ensembles, &error);
+    pl_status status = make_plan(call, &o, &plan, &ensembles, &error);
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
     } else if (ensembles.count == 0) {
-        fprintf(stderr, "plumb ensemble: there is nothing to compare\n");
-        code = PL_EXIT_NOTHING;
+        code = pl_call_nothing(call, "there is nothing to compare");
     } else {
         code = execute(call, &o, &plan, &ensembles);
     }
@@ -318,3 +239,60 @@ int pl_command_ensemble(const pl_call *call)
     free_options(&o);
     return code;
 }
+
+static const pl_option OPTIONS[] = {
+    {.name = "members",
+     .argument = "N",
+     .help = "Members of each ensemble (default 16)",
+     .kind = PL_OPTION_INTEGER,
+     .field = offsetof(options, members),
+     .min = 2,
+     .max = 1000},
+    {.name = "against",
+     .argument = "NAME=VALUE[,...]|itself",
+     .help = "Also run a second ensemble of each engine, with members of its own and with these "
+             "scenario settings, or the same ones, and compare the two (repeatable)",
+     .kind = PL_OPTION_PARSED,
+     .parse = add_against},
+    {.name = "converged",
+     .help = "Also run each engine's own reference, NAME@converged: a 16th of the time step, and 8 "
+             "times the iterations where the engine has that option",
+     .kind = PL_OPTION_FLAG,
+     .field = offsetof(options, converged)},
+    {.name = "keep-trajectories",
+     .help = "Keep the members' positions over time in DIR/trajectories",
+     .kind = PL_OPTION_FLAG,
+     .field = offsetof(options, keep)},
+    {.name = "suite",
+     .kind = PL_OPTION_HELP,
+     .help = "All scenarios of a suite (repeatable; default chaotic when no scenario is named)"},
+    {.name = "jobs",
+     .kind = PL_OPTION_HELP,
+     .help = "Runs at a time (default: the number of cores)"},
+    {.name = "out",
+     .kind = PL_OPTION_HELP,
+     .help = "Where results and summary go (default ensemble)"},
+    {0}};
+
+const pl_command pl_command_ensemble = {
+    .name = "ensemble",
+    .summary = "compare engines where motion is chaotic",
+    .arguments = "[SCENARIO|SCENE.json...]",
+    .description =
+        "Compares engines where the motion is chaotic: each engine runs many members of the same "
+        "scene, displaced by a ten-thousandth of a body's size, and the distributions of their end "
+        "states are compared. Reports how long the members of an engine stay together, which "
+        "engines differ and in which metrics, and which laws members broke. Each run is in a "
+        "process of its own; an engine that crashes, hangs or fails is a row of the table, and the "
+        "command still succeeds.",
+    .notes =
+        "Examples:\n"
+        "  plumb ensemble --engine plumb --engine ode:quick --engine bullet:si\n"
+        "  plumb ensemble pile --set n=60 --members 64 --converged --out pile-60\n"
+        "  plumb ensemble wall-collapse --engine plumb --against friction=0.4 --against itself\n"
+        "  plumb ensemble ./mine.json --engine ./mine.so:fast --json - | jq .comparisons",
+    .options = OPTIONS,
+    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options, pl_jobs_options,
+               pl_out_options},
+    .check = check,
+    .run = run};

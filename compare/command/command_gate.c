@@ -1,151 +1,56 @@
 /* plumb gate: results against a baseline and against rules; the exit code is the verdict. */
-#include "commands.h"
 #include "gate/baseline.h"
 #include "gate/gather.h"
 #include "gate/judge.h"
 #include "gate/ratio.h"
+#include "request.h"
 #include "results/store.h"
 
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { EXIT_GATE_FAILED = 1 };
-
 typedef struct options {
-    const char **paths, **rule_texts; /* room for an argument each */
-    int path_count, rule_count;
-    const char *baseline, *reference, *out;
+    pl_request request; /* names: the results; out */
+    pl_texts rules;
+    const char *baseline, *reference;
     bool update;
     pl_gate_tolerances tolerances;
     pl_gate_format format;
 } options;
 
-enum {
-    KEY_BASELINE = 0x200,
-    KEY_FAIL_IF,
-    KEY_UPDATE,
-    KEY_TOLERANCE,
-    KEY_TIME_LIMIT,
-    KEY_INSTRUCTION_LIMIT,
-    KEY_REFERENCE,
-    KEY_FORMAT,
-    KEY_OUT
-};
-
-static const struct argp_option argp_options[] = {
-    {"baseline", KEY_BASELINE, "FILE", 0, "What the results are held against", 0},
-    {"update-baseline", KEY_UPDATE, NULL, 0, "Write FILE from the results instead", 0},
-    {"fail-if", KEY_FAIL_IF, "EXPR", 0,
-     "Fail where [SCENARIO[/ENGINE]:] METRIC OP VALUE holds (repeatable); with a sign and %, "
-     "against the baseline",
-     0},
-    {"tolerance", KEY_TOLERANCE, "METRIC=REL[,ABS]", 0,
-     "Allowed difference: the larger of REL times the baseline's value and ABS (default 1e-6,1e-9; "
-     "settle_time a step more), or METRIC=off. state_hash=0 makes other bits a failure, and "
-     "memory_peak is compared only where this is given",
-     0},
-    {"time-limit", KEY_TIME_LIMIT, "PERCENT", 0,
-     "Growth allowed to time_per_step over the reference engine's (default 10)", 0},
-    {"instruction-limit", KEY_INSTRUCTION_LIMIT, "PERCENT", 0,
-     "The same of instructions_per_step (default 2)", 0},
-    {"reference", KEY_REFERENCE, "ENGINE", 0,
-     "Label of the reference engine (default: the baseline's; with --update-baseline bullet:si, or "
-     "else ode:quick)",
-     0},
-    {"format", KEY_FORMAT, "FORMAT", 0, "text (default), junit, github or json", 0},
-    {"out", KEY_OUT, "FILE", 0, "Write that there, and the text to standard output", 0},
-    {0}};
-
-static void set_format(options *o, const char *text, struct argp_state *state)
+static pl_status parse_tolerance(void *user, const char *text, pl_error *error)
 {
+    options *o = user;
+    return pl_gate_tolerances_parse(text, &o->tolerances, error);
+}
+
+static pl_status parse_format(void *user, const char *text, pl_error *error)
+{
+    options *o = user;
     for (int i = 0; i < PL_GATE_FORMAT_COUNT; ++i) {
         if (strcmp(text, pl_gate_format_names[i]) == 0) {
             o->format = (pl_gate_format)i;
-            return;
+            return PL_OK;
         }
     }
-    argp_error(state, "--format takes text, junit, github or json; found \"%s\"", text);
+    return pl_fail(error, PL_BAD_INPUT, "--format takes text, junit, github or json; found \"%s\"",
+                   text);
 }
 
-static void check(const options *o, struct argp_state *state)
+static pl_status check(void *user, pl_error *error)
 {
-    if (o->path_count == 0) {
-        argp_error(state, "which results? plumb gate report/results.jsonl --baseline FILE");
-    } else if (o->update && o->baseline == NULL) {
-        argp_error(state, "--update-baseline needs --baseline FILE");
-    } else if (o->update && o->rule_count > 0) {
-        argp_error(state, "--update-baseline judges nothing: leave --fail-if out");
-    } else if (o->baseline == NULL && o->rule_count == 0) {
-        argp_error(state, "against what? --baseline FILE or --fail-if EXPR");
-    }
+    const options *o = user;
+    const char *wrong =
+        o->request.names.count == 0
+            ? "which results? plumb gate report/results.jsonl --baseline FILE"
+        : o->update && o->baseline == NULL ? "--update-baseline needs --baseline FILE"
+        : o->update && o->rules.count > 0  ? "--update-baseline judges nothing: leave --fail-if out"
+        : o->baseline == NULL && o->rules.count == 0
+            ? "against what? --baseline FILE or --fail-if EXPR"
+            : NULL;
+    return wrong == NULL ? PL_OK : pl_fail(error, PL_BAD_INPUT, "%s", wrong);
 }
-
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    options *o = state->input;
-    pl_error error;
-    switch (key) {
-    case ARGP_KEY_ARG:
-        o->paths[o->path_count++] = text;
-        return 0;
-    case KEY_FAIL_IF:
-        o->rule_texts[o->rule_count++] = text;
-        return 0;
-    case KEY_BASELINE:
-        o->baseline = text;
-        return 0;
-    case KEY_UPDATE:
-        o->update = true;
-        return 0;
-    case KEY_TOLERANCE:
-        if (pl_gate_tolerances_parse(text, &o->tolerances, &error) != PL_OK) {
-            argp_error(state, "%s", error.message);
-        }
-        return 0;
-    case KEY_TIME_LIMIT:
-        o->tolerances.time =
-            pl_option_number(state, "--time-limit takes per cent", text, 0, 1e6) / 100;
-        return 0;
-    case KEY_INSTRUCTION_LIMIT:
-        o->tolerances.instructions =
-            pl_option_number(state, "--instruction-limit takes per cent", text, 0, 1e6) / 100;
-        return 0;
-    case KEY_REFERENCE:
-        o->reference = text;
-        return 0;
-    case KEY_FORMAT:
-        set_format(o, text, state);
-        return 0;
-    case KEY_OUT:
-        o->out = text;
-        return 0;
-    case ARGP_KEY_END:
-        check(o, state);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp argp = {
-    .options = argp_options,
-    .parser = parse,
-    .args_doc = "RESULTS...",
-    .doc =
-        "Holds results of plumb compare or run (results.jsonl, or a directory with one) against a "
-        "baseline and against rules. What a deterministic engine repeats may not get worse; times "
-        "are compared as a ratio to a reference engine of the same results, and only where noise "
-        "allows; a run that is missing, or no longer ok, fails. What got better, and what is new, "
-        "is a notice.\v"
-        "Exit codes: 0 passed, 1 failed, 2 usage or bad input, 3 a file could not be read or "
-        "written, 4 nothing was compared.\n\n"
-        "Examples:\n"
-        "  plumb gate report --baseline baseline.json --update-baseline\n"
-        "  plumb gate report --baseline baseline.json --format github\n"
-        "  plumb gate report --fail-if 'tower/mine: rest_position_error>1e-3'\n"
-        "  plumb gate report --baseline baseline.json --fail-if 'pile: time_per_step>+25%'\n"
-        "  plumb gate report --fail-if '*/mine: outcome!=ok' --format junit --out gate.xml"};
 
 /* What was read and made; all is freed at the end. */
 typedef struct material {
@@ -171,16 +76,16 @@ static void free_material(material *m)
 static pl_status read_rules(const options *o, material *m, pl_error *error)
 {
     pl_status status = PL_OK;
-    m->rules = calloc((size_t)o->rule_count + 1, sizeof *m->rules);
+    m->rules = calloc((size_t)o->rules.count + 1, sizeof *m->rules);
     if (m->rules == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for rules");
     }
-    for (int i = 0; i < o->rule_count && status == PL_OK; ++i) {
+    for (int i = 0; i < o->rules.count && status == PL_OK; ++i) {
         pl_gate_rule *rule = &m->rules[i];
-        status = pl_gate_rule_parse(o->rule_texts[i], rule, error);
+        status = pl_gate_rule_parse(o->rules.items[i], rule, error);
         if (status == PL_OK && rule->is_relative && o->baseline == NULL) {
             status = pl_fail(error, PL_BAD_INPUT,
-                             "--fail-if \"%.120s\": column %d: what is relative needs --baseline",
+                             "--fail-if \"%.120s\": column %d: a relative rule needs --baseline",
                              rule->text, rule->value_column);
         }
     }
@@ -215,12 +120,12 @@ static pl_status check_reference(const options *o, const pl_gate_rows *rows, pl_
 static pl_status read_all(const options *o, material *m, pl_error *error)
 {
     pl_status status = read_rules(o, m, error);
-    m->files = calloc((size_t)o->path_count + 1, sizeof *m->files);
+    m->files = calloc((size_t)o->request.names.count + 1, sizeof *m->files);
     if (status == PL_OK && m->files == NULL) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory for results");
     }
-    for (int i = 0; i < o->path_count && status == PL_OK; ++i) {
-        status = pl_gate_file_read(o->paths[i], &m->files[m->file_count++], error);
+    for (int i = 0; i < o->request.names.count && status == PL_OK; ++i) {
+        status = pl_gate_file_read(o->request.names.items[i], &m->files[m->file_count++], error);
     }
     if (status == PL_OK) {
         status = pl_gate_gather(m->files, m->file_count, &o->tolerances, &m->now, error);
@@ -275,9 +180,10 @@ static pl_status write_format(pl_gate_format format, const pl_gate_verdict *verd
 
 static pl_status deliver(const options *o, const pl_gate_verdict *verdict, pl_error *error)
 {
-    bool to_file = o->out != NULL && strcmp(o->out, "-") != 0;
+    const char *out = o->request.out;
+    bool to_file = out != NULL && !pl_is_stdout(out);
     const char *page = getenv("GITHUB_STEP_SUMMARY");
-    pl_status status = write_format(o->format, verdict, to_file ? o->out : "-", error);
+    pl_status status = write_format(o->format, verdict, to_file ? out : "-", error);
     if (status == PL_OK && to_file) {
         status = write_format(PL_GATE_TEXT, verdict, "-", error);
     }
@@ -298,7 +204,7 @@ static pl_status judge(const options *o, material *m, pl_error *error)
                                .now = &m->now,
                                .tolerances = &o->tolerances,
                                .rules = m->rules,
-                               .rule_count = o->rule_count,
+                               .rule_count = o->rules.count,
                                .reference = o->reference};
     pl_status status = pl_gate_judge(&in, &m->verdict, error);
     return status == PL_OK ? deliver(o, &m->verdict, error) : status;
@@ -307,37 +213,108 @@ static pl_status judge(const options *o, material *m, pl_error *error)
 static int exit_code(const pl_call *call, const options *o, const material *m)
 {
     if (m->now.count == 0) {
-        fprintf(stderr, "%s: the results are empty\n", call->argv[0]);
-        return PL_EXIT_NOTHING;
+        return pl_call_nothing(call, "the results are empty");
     }
     if (o->update) {
         return PL_EXIT_OK;
     }
-    return m->verdict.failures > 0       ? EXIT_GATE_FAILED
+    return m->verdict.failures > 0       ? PL_EXIT_GATE
            : m->verdict.comparisons == 0 ? PL_EXIT_NOTHING
                                          : PL_EXIT_OK;
 }
 
-int pl_command_gate(const pl_call *call)
+static int run(const pl_call *call)
 {
     material m = {.files = NULL};
     pl_error error = {.message = ""};
-    options o = {.paths = calloc((size_t)call->argc, sizeof *o.paths),
-                 .rule_texts = calloc((size_t)call->argc, sizeof *o.rule_texts),
-                 .tolerances = pl_gate_tolerances_default()};
-    pl_status status = PL_OK;
-    if (o.paths == NULL || o.rule_texts == NULL) {
-        status = pl_fail(&error, PL_NO_MEMORY, "out of memory for the command line");
-    } else {
-        pl_call_parse(call, &argp, &o);
-        status = read_all(&o, &m, &error);
-    }
+    options o = {.request = pl_request_default(), .tolerances = pl_gate_tolerances_default()};
+    pl_call_parse(call, &o);
+    pl_status status = read_all(&o, &m, &error);
     if (status == PL_OK && m.now.count > 0) {
         status = o.update ? update(&o, &m, &error) : judge(&o, &m, &error);
     }
     int code = status == PL_OK ? exit_code(call, &o, &m) : pl_call_fail(call, &error);
     free_material(&m);
-    free(o.paths);
-    free(o.rule_texts);
+    free(o.rules.items);
+    pl_request_free(&o.request);
     return code;
 }
+
+static const pl_option OPTIONS[] = {
+    {.name = "baseline",
+     .argument = "FILE",
+     .help = "The baseline that results are compared with",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(options, baseline)},
+    {.name = "update-baseline",
+     .help = "Write the baseline FILE from the results instead",
+     .kind = PL_OPTION_FLAG,
+     .field = offsetof(options, update)},
+    {.name = "fail-if",
+     .argument = "EXPR",
+     .help = "Fail where [SCENARIO[/ENGINE]:] METRIC OP VALUE holds (repeatable); with a sign and "
+             "%, against the baseline",
+     .kind = PL_OPTION_TEXTS,
+     .field = offsetof(options, rules)},
+    {.name = "tolerance",
+     .argument = "METRIC=REL[,ABS]",
+     .help = "Allowed difference: the larger of REL times the baseline's value and ABS (default "
+             "1e-6,1e-9; settle_time a step more), or METRIC=off. With state_hash=0 other bits are "
+             "a failure; memory_peak is compared only if this option names it",
+     .kind = PL_OPTION_PARSED,
+     .parse = parse_tolerance},
+    {.name = "time-limit",
+     .argument = "PERCENT",
+     .help = "Allowed growth of time_per_step relative to the reference engine's (default 10)",
+     .kind = PL_OPTION_NUMBER,
+     .field = offsetof(options, tolerances.time),
+     .takes = "per cent",
+     .max = 1e6,
+     .scale = 0.01},
+    {.name = "instruction-limit",
+     .argument = "PERCENT",
+     .help = "The same for instructions_per_step (default 2)",
+     .kind = PL_OPTION_NUMBER,
+     .field = offsetof(options, tolerances.instructions),
+     .takes = "per cent",
+     .max = 1e6,
+     .scale = 0.01},
+    {.name = "reference",
+     .argument = "ENGINE",
+     .help = "Label of the reference engine (default: the baseline's; with --update-baseline "
+             "bullet:si, or else ode:quick)",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(options, reference)},
+    {.name = "format",
+     .argument = "FORMAT",
+     .help = "text (default), junit, github or json",
+     .kind = PL_OPTION_PARSED,
+     .parse = parse_format},
+    {.name = "out",
+     .argument = "FILE",
+     .help = "Write the output in that format to FILE, and text to standard output",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(options, request.out)},
+    {0}};
+
+const pl_command pl_command_gate = {
+    .name = "gate",
+    .summary = "fail where results are worse than a baseline",
+    .arguments = "RESULTS...",
+    .description =
+        "Compares results of plumb compare or run (results.jsonl, or a directory with one) with a "
+        "baseline and with rules. Metrics that a deterministic engine repeats may not get worse; "
+        "times are compared as a ratio to a reference engine of the same results, and only where "
+        "noise allows; a run that is missing, or no longer ok, is a failure. Improvements and new "
+        "runs are notices.",
+    .notes = "Exit codes: 0 passed, 1 failed, 2 usage or bad input, 3 a file could not be read or "
+             "written, 4 nothing was compared.\n\n"
+             "Examples:\n"
+             "  plumb gate report --baseline baseline.json --update-baseline\n"
+             "  plumb gate report --baseline baseline.json --format github\n"
+             "  plumb gate report --fail-if 'tower/mine: rest_position_error>1e-3'\n"
+             "  plumb gate report --baseline baseline.json --fail-if 'pile: time_per_step>+25%'\n"
+             "  plumb gate report --fail-if '*/mine: outcome!=ok' --format junit --out gate.xml",
+    .options = OPTIONS,
+    .check = check,
+    .run = run};

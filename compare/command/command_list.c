@@ -1,27 +1,31 @@
 /* plumb list scenarios|engines|metrics|suites. Each kind is built as one JSON array, which is
  * printed as it is or as text. */
-#include "commands.h"
-
 #include "adapters/registry.h"
 #include "plumb/scenario.h"
 #include "report/catalogue_page.h"
+#include "request.h"
 #include "results/result.h"
-
-#include <errno.h>
-#include <stdio.h>
+#include "results/store.h"
 
 #include <stdlib.h>
 #include <string.h>
+
+/* A parameter of a scenario or an option of an engine, which have the same keys. */
+static json_t *setting(const pl_engine_option *option)
+{
+    return json_pack("{s:s, s:f, s:f, s:f, s:b, s:s, s:s}", "name", option->name, "default",
+                     option->value, "min", option->min, "max", option->max, "integer",
+                     (int)option->integer, "unit", option->unit, "help", option->help);
+}
 
 static json_t *list_params(const pl_scenario *scenario)
 {
     json_t *list = json_array();
     for (int i = 0; i < scenario->param_count; ++i) {
         const pl_param *p = &scenario->params[i];
-        json_array_append_new(list, json_pack("{s:s, s:f, s:f, s:f, s:b, s:s, s:s}", "name",
-                                              p->name, "default", p->value, "min", p->min, "max",
-                                              p->max, "integer", (int)p->integer, "unit", p->unit,
-                                              "help", p->help));
+        const pl_engine_option option = {p->name,    p->value, p->min, p->max,
+                                         p->integer, p->unit,  p->help};
+        json_array_append_new(list, setting(&option));
     }
     return list;
 }
@@ -78,11 +82,7 @@ static json_t *list_options(const pl_engine *engine)
 {
     json_t *list = json_array();
     for (int i = 0; i < engine->option_count; ++i) {
-        const pl_engine_option *o = &engine->options[i];
-        json_array_append_new(list, json_pack("{s:s, s:f, s:f, s:f, s:b, s:s, s:s}", "name",
-                                              o->name, "default", o->value, "min", o->min, "max",
-                                              o->max, "integer", (int)o->integer, "unit", o->unit,
-                                              "help", o->help));
+        json_array_append_new(list, setting(&engine->options[i]));
     }
     return list;
 }
@@ -218,98 +218,59 @@ static const kind kinds[] = {{"scenarios", list_scenarios, print_scenario},
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
 
 typedef struct options {
+    pl_request request; /* names: the kind */
     const kind *kind;
     bool json;
     const char *page; /* NULL: none */
 } options;
 
-static const kind *find_kind(struct argp_state *state, const char *name)
+static pl_status check(void *user, pl_error *error)
 {
+    options *o = user;
+    const pl_texts *asked = &o->request.names;
+    if (asked->count == 0) {
+        return pl_fail(error, PL_BAD_INPUT, "list what? scenarios, engines, metrics or suites");
+    }
+    if (asked->count > 1) {
+        return pl_fail(error, PL_BAD_INPUT, "one list at a time; found also \"%s\"",
+                       asked->items[1]);
+    }
     const char *names[KIND_COUNT];
     for (int i = 0; i < KIND_COUNT; ++i) {
         names[i] = kinds[i].name;
-        if (strcmp(names[i], name) == 0) {
-            return &kinds[i];
-        }
+        o->kind = strcmp(names[i], asked->items[0]) == 0 ? &kinds[i] : o->kind;
     }
-    const char *nearest = pl_nearest_name(name, names, KIND_COUNT);
-    argp_error(state, "expected scenarios, engines, metrics or suites, found \"%s\"%s%s%s", name,
-               nearest == NULL ? "" : "; did you mean ", nearest == NULL ? "" : nearest,
-               nearest == NULL ? "" : "?");
-    return NULL;
+    if (o->kind == NULL) {
+        const char *nearest = pl_nearest_name(asked->items[0], names, KIND_COUNT);
+        return pl_fail(error, PL_BAD_INPUT,
+                       "expected scenarios, engines, metrics or suites, found \"%s\"%s%s%s",
+                       asked->items[0], nearest == NULL ? "" : "; did you mean ",
+                       nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
+    }
+    return o->page != NULL && o->kind->list != list_scenarios
+               ? pl_fail(error, PL_BAD_INPUT, "--page is for scenarios")
+               : PL_OK;
 }
 
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    options *o = state->input;
-    switch (key) {
-    case 'j':
-        o->json = true;
-        return 0;
-    case 'p':
-        o->page = text;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (o->kind != NULL) {
-            argp_error(state, "one list at a time; found also \"%s\"", text);
-        }
-        o->kind = find_kind(state, text);
-        return 0;
-    case ARGP_KEY_END:
-        if (o->page != NULL && o->kind != NULL && o->kind->list != list_scenarios) {
-            argp_error(state, "--page is of scenarios");
-        }
-        return 0;
-    case ARGP_KEY_NO_ARGS:
-        argp_error(state, "list what? scenarios, engines, metrics or suites");
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp_option argp_options[] = {
-    {"json", 'j', NULL, 0, "Print a JSON array with everything there is to know", 0},
-    {"page", 'p', "FILE", 0,
-     "Of scenarios: write them as one HTML page with pictures, formulas and sources; - is stdout",
-     0},
-    {0}};
-static const struct argp argp = {.options = argp_options,
-                                 .parser = parse,
-                                 .args_doc = "scenarios|engines|metrics|suites",
-                                 .doc = "Lists what this build knows.\v"
-                                        "Examples:\n"
-                                        "  plumb list engines\n"
-                                        "  plumb list scenarios --json\n"
-                                        "  plumb list scenarios --page catalogue.html"};
-
-static int write_page(const char *path)
+static pl_status write_page(const char *path, pl_error *error)
 {
     pl_text_buffer out = {0};
-    pl_error error = {PL_OK, ""};
-    bool written = false;
-    if (pl_catalogue_page(&out, &error) == PL_OK) {
-        bool to_stdout = strcmp(path, "-") == 0;
-        FILE *file = to_stdout ? stdout : fopen(path, "we");
-        written = file != NULL && fputs(out.data, file) >= 0 && fflush(file) == 0;
-        written = (file == NULL || to_stdout || fclose(file) == 0) && written;
-        if (!written) {
-            pl_fail(&error, PL_IO, "%s: %s", path, strerror(errno));
-        }
+    pl_status status = pl_catalogue_page(&out, error);
+    if (status == PL_OK) {
+        status = pl_write_text(path, out.data, out.length, error);
     }
     pl_text_free(&out);
-    if (!written) {
-        fprintf(stderr, "plumb list: %s\n", error.message);
-    }
-    return written ? PL_EXIT_OK : PL_EXIT_FAILED;
+    return status;
 }
 
-int pl_command_list(const pl_call *call)
+static int run(const pl_call *call)
 {
-    options o = {.json = false};
-    pl_call_parse(call, &argp, &o);
+    options o = {.request = pl_request_default()};
+    pl_call_parse(call, &o);
+    pl_request_free(&o.request);
     if (o.page != NULL) {
-        return write_page(o.page);
+        pl_error error = {.message = ""};
+        return pl_call_end(call, write_page(o.page, &error), &error, 0, PL_EXIT_OK);
     }
     json_t *list = o.kind->list();
     if (o.json) {
@@ -326,3 +287,31 @@ int pl_command_list(const pl_call *call)
     json_decref(list);
     return PL_EXIT_OK;
 }
+
+static const pl_option OPTIONS[] = {
+    {.name = "json",
+     .letter = 'j',
+     .help = "Print a JSON array with all that is known",
+     .kind = PL_OPTION_FLAG,
+     .field = offsetof(options, json)},
+    {.name = "page",
+     .letter = 'p',
+     .argument = "FILE",
+     .help = "For scenarios: write an HTML page with pictures, formulas and sources (- is standard "
+             "output)",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(options, page)},
+    {0}};
+
+const pl_command pl_command_list = {
+    .name = "list",
+    .summary = "list scenarios, engines, metrics or suites",
+    .arguments = "scenarios|engines|metrics|suites",
+    .description = "Lists the scenarios, engines, metrics or suites of this build.",
+    .notes = "Examples:\n"
+             "  plumb list engines\n"
+             "  plumb list scenarios --json\n"
+             "  plumb list scenarios --page catalogue.html",
+    .options = OPTIONS,
+    .check = check,
+    .run = run};

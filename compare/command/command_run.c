@@ -1,108 +1,43 @@
 /* plumb run SCENARIO --engine SPEC: one run, one result. */
-#include "commands.h"
-
-#include "results/result.h"
+#include "request.h"
 #include "results/store.h"
 #include "runner/execute.h"
-#include "selection.h"
 #include "studies/solve/problem_file.h"
 
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
 typedef struct options {
-    pl_selection selection;
-    pl_limits limits;
-    pl_texts names;
-    const char *engine, *json, *trajectory;
+    pl_request request;
+    const char *trajectory;
     long capture_step; /* from 1; 0: nothing is captured */
     const char *capture;
 } options;
 
-enum { KEY_ENGINE = 0x200, KEY_JSON, KEY_TRAJECTORY, KEY_CAPTURE };
-
-static const struct argp_option argp_options[] = {
-    {"engine", KEY_ENGINE, "SPEC", 0,
-     "The engine: NAME[:PROFILE][,OPTION=VALUE...], or the path of a shared object in place of "
-     "NAME",
-     0},
-    {"json", KEY_JSON, "FILE", 0, "Write the result as a JSON object (- is standard output)", 0},
-    {"trajectory", KEY_TRAJECTORY, "FILE", 0, "Write every frame as CSV (- is standard output)", 0},
-    {"capture", KEY_CAPTURE, "STEP:FILE", 0,
-     "Write the contact problem of that step (from 1), as plumb solve reads it: the largest "
-     "island's; with {} in FILE every island's, numbered",
-     0},
-    {0}};
-
-static void check(const options *o, struct argp_state *state)
+static pl_status parse_capture(void *user, const char *text, pl_error *error)
 {
-    bool json_out = o->json != NULL && strcmp(o->json, "-") == 0;
-    bool trajectory_out = o->trajectory != NULL && strcmp(o->trajectory, "-") == 0;
-    if (o->names.count == 0) {
-        argp_error(state, "which scenario? See plumb list scenarios");
-    }
-    if (o->engine == NULL) {
-        argp_error(state, "which engine? --engine SPEC; see plumb list engines");
-    }
-    if (json_out && trajectory_out) {
-        argp_error(state, "--json - and --trajectory - would mix on standard output");
-    }
+    options *o = user;
+    return pl_capture_parse(text, &o->capture_step, &o->capture)
+               ? PL_OK
+               : pl_fail(error, PL_BAD_INPUT,
+                         "--capture takes STEP:FILE, with STEP from 1; found \"%s\"", text);
 }
 
-static error_t parse(int key, char *text, struct argp_state *state)
+static pl_status check(void *user, pl_error *error)
 {
-    options *o = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        state->child_inputs[0] = &o->selection;
-        state->child_inputs[1] = &o->limits;
-        return 0;
-    case KEY_ENGINE:
-        if (o->engine != NULL) {
-            argp_error(state, "one engine at a time: plumb compare runs several");
-        }
-        o->engine = text;
-        return 0;
-    case KEY_JSON:
-        o->json = text;
-        return 0;
-    case KEY_TRAJECTORY:
-        o->trajectory = text;
-        return 0;
-    case KEY_CAPTURE:
-        if (!pl_capture_parse(text, &o->capture_step, &o->capture)) {
-            argp_error(state, "--capture takes STEP:FILE, with STEP from 1; found \"%s\"", text);
-        }
-        return 0;
-    case ARGP_KEY_ARG:
-        if (o->names.count > 0) {
-            argp_error(state, "one scenario at a time: plumb compare runs several");
-        }
-        pl_texts_add(&o->names, text);
-        return 0;
-    case ARGP_KEY_END:
-        check(o, state);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    const options *o = user;
+    const pl_request *request = &o->request;
+    const char *wrong =
+        request->names.count == 0     ? "which scenario? See plumb list scenarios"
+        : request->names.count > 1    ? "one scenario at a time: plumb compare runs several"
+        : request->engines.count == 0 ? "which engine? --engine SPEC; see plumb list engines"
+        : request->engines.count > 1  ? "one engine at a time: plumb compare runs several"
+        : pl_is_stdout(request->json) && pl_is_stdout(o->trajectory)
+            ? "--json - and --trajectory - would mix on standard output"
+            : NULL;
+    return wrong == NULL ? PL_OK : pl_fail(error, PL_BAD_INPUT, "%s", wrong);
 }
-
-static const struct argp argp = {
-    .options = argp_options,
-    .parser = parse,
-    .args_doc = "SCENARIO|SCENE.json --engine SPEC",
-    .doc = "Runs one scenario on one engine and prints its metrics. Exits with 3 when the outcome "
-           "is not "
-           "ok.\v"
-           "Examples:\n"
-           "  plumb run tower --set n=25 --engine ode:quick,iterations=50\n"
-           "  plumb run tower --engine plumb,tolerance=1e-10 --json -\n"
-           "  plumb run ./mine.json --engine bullet --trajectory frames.csv\n"
-           "  plumb run wall --engine plumb --capture 60:wall.json",
-    .children = pl_run_children};
 
 static pl_status keep(void *user, json_t *result, pl_error *error)
 {
@@ -146,7 +81,7 @@ static void print_result(const json_t *result)
 
 static FILE *open_trajectory(const char *path, pl_error *error)
 {
-    FILE *file = strcmp(path, "-") == 0 ? fdopen(dup(STDOUT_FILENO), "w") : fopen(path, "we");
+    FILE *file = pl_is_stdout(path) ? fdopen(dup(STDOUT_FILENO), "w") : fopen(path, "we");
     if (file == NULL) {
         pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
     }
@@ -156,16 +91,13 @@ static FILE *open_trajectory(const char *path, pl_error *error)
 /* Writes the result where it was asked for. */
 static pl_status deliver(const options *o, const json_t *result, pl_error *error)
 {
-    bool data_on_stdout = (o->json != NULL && strcmp(o->json, "-") == 0) ||
-                          (o->trajectory != NULL && strcmp(o->trajectory, "-") == 0);
-    if (!data_on_stdout) {
+    if (!pl_is_stdout(o->request.json) && !pl_is_stdout(o->trajectory)) {
         print_result(result);
     }
-    return o->json == NULL ? PL_OK : pl_results_write_json(o->json, result, error);
+    return pl_results_write_json(o->request.json, result, error);
 }
 
-/* What a captured problem says of where it comes from: the keys of the run's identity that people
- * ask for. */
+/* Where a captured contact problem comes from: these keys of the run's identity. */
 static json_t *capture_source(const pl_plan *plan)
 {
     static const char *const keys[] = {"scenario", "params",  "seed",     "scene_hash",
@@ -185,7 +117,7 @@ static json_t *capture_source(const pl_plan *plan)
     return source;
 }
 
-/* Makes ready to capture, where that is asked for and can be done. */
+/* Prepares the capture, where one is asked for and can be made. */
 static pl_status prepare_capture(const options *o, const pl_plan *plan, pl_capture_target *target,
                                  pl_error *error)
 {
@@ -209,69 +141,102 @@ static pl_status prepare_capture(const options *o, const pl_plan *plan, pl_captu
     return target->source == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
 }
 
-static int run(const pl_call *call, const options *o)
+static pl_status execute(const pl_call *call, const options *o, pl_plan *plan, json_t **result,
+                         int *signal_number, pl_error *error)
 {
     pl_capture_target target = {.path = NULL};
     const pl_capture capture = {.step = o->capture_step, .take = pl_capture_write, .user = &target};
-    pl_error error = {.message = ""};
-    pl_plan plan = {.repeats = 1};
-    json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
-    json_t *result = NULL;
     FILE *trajectory = NULL;
-    int code = PL_EXIT_OK;
-    int signal_number = 0;
-    pl_status status = provenance == NULL ? pl_fail(&error, PL_NO_MEMORY, "out of memory") : PL_OK;
-    if (status == PL_OK) {
-        const pl_asked asked = {.name = o->names.items[0]};
-        status = pl_selection_add(&o->selection, &asked, 1, &plan, &error);
-    }
-    if (status == PL_OK) {
-        status = pl_plan_add_engine(&plan, o->engine, &error);
-    }
-    if (status == PL_OK) {
-        status = prepare_capture(o, &plan, &target, &error);
-    }
+    json_t *provenance = pl_call_provenance(call, error);
+    pl_status status = provenance == NULL ? PL_NO_MEMORY : prepare_capture(o, plan, &target, error);
     if (status == PL_OK && o->trajectory != NULL) {
-        trajectory = open_trajectory(o->trajectory, &error);
-        status = error.status;
+        trajectory = open_trajectory(o->trajectory, error);
+        status = trajectory == NULL ? PL_IO : PL_OK;
     }
     if (status == PL_OK) {
-        const pl_execution_def execution = {.plan = &plan,
+        const pl_execution_def execution = {.plan = plan,
                                             .jobs = 1,
-                                            .limits = o->limits,
+                                            .limits = o->request.limits,
                                             .trajectory = trajectory,
                                             .capture = o->capture == NULL ? NULL : &capture,
                                             .provenance = provenance,
                                             .progress = isatty(STDERR_FILENO) == 1 ? stderr : NULL,
-                                            .user = &result,
+                                            .user = result,
                                             .keep = keep};
-        status = pl_execute(&execution, &signal_number, &error);
-    }
-    if (status == PL_OK && signal_number == 0) {
-        status = deliver(o, result, &error);
-        code = strcmp(pl_json_get_text(result, "outcome"), "ok") == 0 ? PL_EXIT_OK : PL_EXIT_FAILED;
-    }
-    if (status != PL_OK) {
-        code = pl_call_fail(call, &error);
-    } else if (signal_number != 0) {
-        code = 128 + signal_number;
+        status = pl_execute(&execution, signal_number, error);
     }
     if (trajectory != NULL) {
         fclose(trajectory);
     }
     json_decref(target.source);
-    json_decref(result);
     json_decref(provenance);
-    pl_plan_free(&plan);
-    return code;
+    return status;
 }
 
-int pl_command_run(const pl_call *call)
+static int run(const pl_call *call)
 {
-    options o = {.selection = pl_selection_default(), .limits = pl_limits_default()};
-    pl_call_parse(call, &argp, &o);
-    int code = run(call, &o);
-    pl_selection_free(&o.selection);
-    free(o.names.items);
-    return code;
+    options o = {.request = pl_request_default()};
+    pl_call_parse(call, &o);
+    pl_error error = {.message = ""};
+    pl_plan plan = {.repeats = 1};
+    json_t *result = NULL;
+    int code = PL_EXIT_OK, signal_number = 0;
+    pl_status status = pl_request_add_cases(&o.request, &plan, &error);
+    if (status == PL_OK) {
+        status = pl_plan_add_engine(&plan, o.request.engines.items[0], &error);
+    }
+    if (status == PL_OK) {
+        status = execute(call, &o, &plan, &result, &signal_number, &error);
+    }
+    if (status == PL_OK && signal_number == 0) {
+        status = deliver(&o, result, &error);
+        code = strcmp(pl_json_get_text(result, "outcome"), "ok") == 0 ? PL_EXIT_OK : PL_EXIT_FAILED;
+    }
+    json_decref(result);
+    pl_plan_free(&plan);
+    pl_request_free(&o.request);
+    return pl_call_end(call, status, &error, signal_number, code);
 }
+
+static const pl_option OPTIONS[] = {
+    {.name = "engine",
+     .argument = "SPEC",
+     .help =
+         "The engine: NAME[:PROFILE][,OPTION=VALUE...], or the path of a shared object in place "
+         "of NAME",
+     .kind = PL_OPTION_TEXTS,
+     .field = offsetof(options, request.engines)},
+    {.name = "json",
+     .argument = "FILE",
+     .help = "Write the result as a JSON object (- is standard output)",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(options, request.json)},
+    {.name = "trajectory",
+     .argument = "FILE",
+     .help = "Write every frame as CSV (- is standard output)",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(options, trajectory)},
+    {.name = "capture",
+     .argument = "STEP:FILE",
+     .help =
+         "Write the contact problem of that step (from 1), for plumb solve: that of the largest "
+         "island, or, with {} in FILE, those of all islands, numbered",
+     .kind = PL_OPTION_PARSED,
+     .parse = parse_capture},
+    {0}};
+
+const pl_command pl_command_run = {
+    .name = "run",
+    .summary = "run one scenario on one engine",
+    .arguments = "SCENARIO|SCENE.json --engine SPEC",
+    .description = "Runs one scenario on one engine and prints its metrics. Exits with 3 when the "
+                   "outcome is not ok.",
+    .notes = "Examples:\n"
+             "  plumb run tower --set n=25 --engine ode:quick,iterations=50\n"
+             "  plumb run tower --engine plumb,tolerance=1e-10 --json -\n"
+             "  plumb run ./mine.json --engine bullet --trajectory frames.csv\n"
+             "  plumb run wall --engine plumb --capture 60:wall.json",
+    .options = OPTIONS,
+    .shared = {pl_scene_options, pl_limit_options},
+    .check = check,
+    .run = run};

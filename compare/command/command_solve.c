@@ -1,9 +1,8 @@
 /* plumb solve PROBLEM.json --solver NAME: one contact problem, solved again. */
-#include "commands.h"
-
+#include "base/table.h"
+#include "request.h"
 #include "results/result.h"
 #include "results/store.h"
-#include "selection.h"
 #include "studies/solve/benchmark.h"
 #include "studies/solve/problem_file.h"
 
@@ -12,128 +11,44 @@
 #include <string.h>
 
 typedef struct options {
+    pl_request request; /* names: the file; json, out */
     pe_solve_limits limits;
     pl_texts solvers;
-    const char *file, *json, *out;
+    const char *file;
     bool cold, benchmark;
 } options;
 
-enum {
-    KEY_SOLVER = 0x200,
-    KEY_TOLERANCE,
-    KEY_ITERATIONS,
-    KEY_COLD,
-    KEY_JSON,
-    KEY_BENCHMARK,
-    KEY_OUT
-};
-
-static const struct argp_option argp_options[] = {
-    {"solver", KEY_SOLVER, "NAME", 0, "The solver, or \"all\" (repeatable; listed below)", 0},
-    {"tolerance", KEY_TOLERANCE, "M/S", 0,
-     "Solved when the residual is at most this (default 1e-8)", 0},
-    {"max-iterations", KEY_ITERATIONS, "N", 0, "Sweeps or Newton iterations (default 10000)", 0},
-    {"cold", KEY_COLD, NULL, 0, "Start from zero impulses, not from those of the file", 0},
-    {"json", KEY_JSON, "FILE", 0, "Write everything as a JSON object (- is standard output)", 0},
-    {"benchmark", KEY_BENCHMARK, NULL, 0,
-     "Capture the benchmark's own problems and race all solvers on them", 1},
-    {"out", KEY_OUT, "DIR", 0,
-     "Write solver-benchmark.md, .csv and .json of --benchmark there (default report)", 1},
-    {0}};
-
-static void check(const options *o, struct argp_state *state)
+static pl_status check(void *user, pl_error *error)
 {
+    options *o = user;
+    const pl_request *request = &o->request;
+    const char *wrong = NULL;
+    o->file = request->names.count > 0 ? request->names.items[0] : NULL;
     if (o->benchmark) {
-        if (o->file != NULL || o->solvers.count > 0 || o->json != NULL || o->cold) {
-            argp_error(state, "--benchmark has its own problems, and runs all solvers on them");
+        if (o->file != NULL || o->solvers.count > 0 || request->json != NULL || o->cold) {
+            wrong = "--benchmark has its own problems, and runs all solvers on them";
         }
-        return;
+    } else if (request->out != NULL) {
+        wrong = "--out goes with --benchmark";
+    } else if (o->file == NULL) {
+        wrong = "which problem? plumb run SCENARIO --engine plumb --capture STEP:FILE makes one";
+    } else if (request->names.count > 1) {
+        wrong = "one problem at a time";
+    } else if (o->solvers.count == 0) {
+        wrong = "which solver? --solver NAME, or --solver all";
     }
-    if (o->out != NULL) {
-        argp_error(state, "--out goes with --benchmark");
-    }
-    if (o->file == NULL) {
-        argp_error(state, "which problem? plumb run SCENARIO --engine plumb --capture STEP:FILE "
-                          "makes one");
-    }
-    if (o->solvers.count == 0) {
-        argp_error(state, "which solver? --solver NAME, or --solver all");
-    }
+    return wrong == NULL ? PL_OK : pl_fail(error, PL_BAD_INPUT, "%s", wrong);
 }
 
-static error_t parse(int key, char *text, struct argp_state *state)
+static void list_solvers(FILE *out)
 {
-    options *o = state->input;
-    switch (key) {
-    case KEY_SOLVER:
-        pl_texts_add(&o->solvers, text);
-        return 0;
-    case KEY_TOLERANCE:
-        o->limits.tolerance = pl_option_number(state, "--tolerance takes m/s", text, 1e-300, 1e300);
-        return 0;
-    case KEY_ITERATIONS:
-        o->limits.max_iterations =
-            (int)pl_option_integer(state, "--max-iterations takes an integer", text, 0, 1000000000);
-        return 0;
-    case KEY_COLD:
-        o->cold = true;
-        return 0;
-    case KEY_JSON:
-        o->json = text;
-        return 0;
-    case KEY_BENCHMARK:
-        o->benchmark = true;
-        return 0;
-    case KEY_OUT:
-        o->out = text;
-        return 0;
-    case ARGP_KEY_ARG:
-        if (o->file != NULL) {
-            argp_error(state, "one problem at a time");
-        }
-        o->file = text;
-        return 0;
-    case ARGP_KEY_END:
-        check(o, state);
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-/* The list of solvers goes before the examples. */
-static char *filter_help(int key, const char *text, void *input)
-{
-    (void)input;
-    char *made = NULL;
-    size_t length = 0;
-    FILE *stream = key == ARGP_KEY_HELP_POST_DOC ? open_memstream(&made, &length) : NULL;
-    if (stream == NULL) {
-        return (char *)text;
-    }
-    fputs("Solvers:\n", stream);
+    fputs("Solvers:\n", out);
     for (int i = 0; i < pe_solver_count(); ++i) {
-        fprintf(stream, "  %-16s %s\n", pe_solver(i).name, pe_solver(i).description);
+        fprintf(out, "  %-16s %s\n", pe_solver(i).name, pe_solver(i).description);
     }
-    fprintf(stream, "\n%s", text);
-    return fclose(stream) == 0 ? made : (char *)text;
 }
 
-static const struct argp argp = {
-    .options = argp_options,
-    .parser = parse,
-    .args_doc = "PROBLEM.json --solver NAME\n--benchmark",
-    .doc = "Solves a captured contact problem again, and prints the residual against iterations "
-           "and CPU time. Exits with 3 when no solver reached the tolerance.\v"
-           "Examples:\n"
-           "  plumb run tower --engine plumb --capture 60:tower.json\n"
-           "  plumb solve tower.json --solver newton --tolerance 1e-10\n"
-           "  plumb solve tower.json --solver all --cold\n"
-           "  plumb solve --benchmark --out report",
-    .help_filter = filter_help};
-
-/* ---- One solver or several ---------------------------------------------------------------------
- */
+/* ---- One solver or several ---- */
 
 typedef struct session {
     pe_contact_problem *problem;
@@ -192,14 +107,20 @@ static void print_problem(const options *o, const session *s)
 
 static void print_table(const session *s)
 {
-    printf("\n%-16s %-16s %10s %12s %14s %12s\n", "solver", "outcome", "iterations", "time, ms",
-           "residual, m/s", "rms, m/s");
+    pl_table table = {0};
+    pl_table_columns(&table, "solver|outcome|>iterations|>time, ms|>residual, m/s|>rms, m/s");
     for (int i = 0; i < s->done; ++i) {
         const pl_solver_run *run = &s->runs[i];
-        printf("%-16s %-16s %10d %12.4g %14.3g %12.3g\n", run->solver,
-               pl_solve_stop_name(run->solution.stop), run->solution.iterations, 1e3 * run->seconds,
-               run->solution.residual.max, run->solution.residual.rms);
+        pl_table_add(&table, run->solver);
+        pl_table_add(&table, pl_solve_stop_name(run->solution.stop));
+        pl_table_format_cell(&table, "%d", run->solution.iterations);
+        pl_table_number(&table, 1e3 * run->seconds, 4);
+        pl_table_number(&table, run->solution.residual.max, 3);
+        pl_table_number(&table, run->solution.residual.rms, 3);
     }
+    putchar('\n');
+    pl_table_print(&table, PL_TABLE_TEXT, stdout);
+    pl_table_free(&table);
 }
 
 /* One row of the history, with a bar as long as the residual has decades above the least one. */
@@ -235,8 +156,7 @@ static void print_history(const pe_contact_solution *solution)
     }
 }
 
-/* ---- JSON --------------------------------------------------------------------------------------
- */
+/* ---- JSON ---- */
 
 static json_t *numbers(const double *values, int rows, int columns)
 {
@@ -292,13 +212,12 @@ static pl_status write_json(const options *o, const session *s, pl_error *error)
                   pl_json_number_or_null(s->runs[0].solution.start.max), "start_residual_rms",
                   pl_json_number_or_null(s->runs[0].solution.start.rms), "solvers", runs);
     pl_status status = whole == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                                     : pl_results_write_json(o->json, whole, error);
+                                     : pl_results_write_json(o->request.json, whole, error);
     json_decref(whole);
     return status;
 }
 
-/* ---- The command -------------------------------------------------------------------------------
- */
+/* ---- The command ---- */
 
 static pl_status solve_all(const options *o, session *s, pl_error *error)
 {
@@ -323,14 +242,14 @@ static int solve(const pl_call *call, const options *o)
     pl_error error = {.message = ""};
     int code = PL_EXIT_FAILED;
     pl_status status = solve_all(o, &s, &error);
-    if (status == PL_OK && (o->json == NULL || strcmp(o->json, "-") != 0)) {
+    if (status == PL_OK && !pl_is_stdout(o->request.json)) {
         print_problem(o, &s);
         print_table(&s);
         if (s.done == 1) {
             print_history(&s.runs[0].solution);
         }
     }
-    if (status == PL_OK && o->json != NULL) {
+    if (status == PL_OK && o->request.json != NULL) {
         status = write_json(o, &s, &error);
     }
     for (int i = 0; i < s.done; ++i) {
@@ -347,21 +266,81 @@ static int solve(const pl_call *call, const options *o)
     return code;
 }
 
-int pl_command_solve(const pl_call *call)
+static int run(const pl_call *call)
 {
-    options o = {.limits = {.tolerance = 1e-8, .max_iterations = 10000}};
-    pl_call_parse(call, &argp, &o);
+    options o = {.request = pl_request_default(),
+                 .limits = {.tolerance = 1e-8, .max_iterations = 10000}};
+    pl_call_parse(call, &o);
     int code = PL_EXIT_OK;
     if (o.benchmark) {
         pl_error error = {.message = ""};
         int count;
         const pl_benchmark_problem *rows = pl_benchmark_problems(&count);
-        pl_status status = pl_benchmark_run(rows, count, o.out == NULL ? "report" : o.out,
-                                            call->program_argc, call->program_argv, &error);
-        code = status == PL_OK ? PL_EXIT_OK : pl_call_fail(call, &error);
+        pl_status status =
+            pl_benchmark_run(rows, count, o.request.out == NULL ? "report" : o.request.out,
+                             call->program_argc, call->program_argv, &error);
+        code = pl_call_end(call, status, &error, 0, PL_EXIT_OK);
     } else {
         code = solve(call, &o);
     }
     free(o.solvers.items);
+    pl_request_free(&o.request);
     return code;
 }
+
+static const pl_option OPTIONS[] = {
+    {.name = "solver",
+     .argument = "NAME",
+     .help = "The solver, or \"all\" (repeatable; listed below)",
+     .kind = PL_OPTION_TEXTS,
+     .field = offsetof(options, solvers)},
+    {.name = "tolerance",
+     .argument = "M/S",
+     .help = "The residual at which a problem counts as solved (default 1e-8)",
+     .kind = PL_OPTION_NUMBER,
+     .field = offsetof(options, limits.tolerance),
+     .takes = "m/s",
+     .min = 1e-300,
+     .max = 1e300},
+    {.name = "max-iterations",
+     .argument = "N",
+     .help = "Largest number of sweeps or Newton iterations (default 10000)",
+     .kind = PL_OPTION_INTEGER,
+     .field = offsetof(options, limits.max_iterations),
+     .max = 1000000000},
+    {.name = "cold",
+     .help = "Start from zero impulses, not from those of the file",
+     .kind = PL_OPTION_FLAG,
+     .field = offsetof(options, cold)},
+    {.name = "json",
+     .argument = "FILE",
+     .help = "Write all results as a JSON object (- is standard output)",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(options, request.json)},
+    {.name = "benchmark",
+     .help = "Capture the problems of the benchmark and run all solvers on them",
+     .kind = PL_OPTION_FLAG,
+     .field = offsetof(options, benchmark)},
+    {.name = "out",
+     .argument = "DIR",
+     .help = "Where --benchmark writes solver-benchmark.md, .csv and .json (default report)",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(options, request.out)},
+    {0}};
+
+const pl_command pl_command_solve = {
+    .name = "solve",
+    .summary = "solve one captured contact problem again",
+    .arguments = "PROBLEM.json --solver NAME\n--benchmark",
+    .description =
+        "Solves a captured contact problem again, and prints the residual against iterations and "
+        "CPU time. Exits with 3 when no solver reached the tolerance.",
+    .notes = "Examples:\n"
+             "  plumb run tower --engine plumb --capture 60:tower.json\n"
+             "  plumb solve tower.json --solver newton --tolerance 1e-10\n"
+             "  plumb solve tower.json --solver all --cold\n"
+             "  plumb solve --benchmark --out report",
+    .options = OPTIONS,
+    .list = list_solvers,
+    .check = check,
+    .run = run};

@@ -1,8 +1,8 @@
 /* plumb sweep: engines over many settings and time steps. Results are appended to results.jsonl as
  * runs end; several processes may make a shard each, in folders of their own. */
-#include "commands.h"
-#include "comparison.h"
+#include "base/array.h"
 #include "report/sweep_report.h"
+#include "request.h"
 #include "results/store.h"
 #include "runner/execute.h"
 #include "studies/sweep/grid.h"
@@ -15,117 +15,29 @@
 #include <string.h>
 
 typedef struct options {
-    pl_comparison comparison;
+    pl_request request;
     pl_vary *varied;
     int varied_count;
-    int repeats;         /* 0: not said */
+    int repeats;         /* 0: not given */
     double repeat_below; /* s of CPU time */
     const char *list;    /* --plan; NULL: none */
     const char *shard;   /* --shard; NULL: from the environment */
 } options;
 
-static const pl_comparison_help option_help = {
-    .json = "Write all results of this process as a JSON array too (- is standard output)",
-    .jobs = "Runs at a time (default 1: runs side by side disturb each other's times)",
-    .out = "Where results go (default sweep); of a shard in DIR/shard-I-of-N",
-    .reader = "every point"};
-
-enum { KEY_VARY = 0x200, KEY_REPEAT, KEY_REPEAT_BELOW, KEY_PLAN, KEY_SHARD };
-
-static const double REPEAT_BELOW = 2;
-
-static const struct argp_option argp_options[] = {
-    {"vary", KEY_VARY, "KEY=VALUES", 0,
-     "Varies dt, profile (or solver), an option of the engines or a parameter of the scenarios, "
-     "over all that have it; ENGINE.KEY and SCENARIO.KEY over that one alone, where it counts "
-     "instead. VALUES: a,b,c; 1..9; 0..1:+0.25; 1..256:x2, also mixed; numbers may be fractions, "
-     "1/240..1/60:x2. What --set or --dt say of it does not count (repeatable; without any: "
-     "dt=1/60 to 1/960 s, halved each time, of engines shipped with so many iterations these and "
-     "five times as many, and a --timeout of 20 s)",
-     0},
-    {"repeat", KEY_REPEAT, "N", 0,
-     "Runs of each point, interleaved (default 1; 3 where nothing is varied by --vary)", 0},
-    {"repeat-below", KEY_REPEAT_BELOW, "S", 0,
-     "Repeat only what took its engine less than S seconds of CPU time (default 2): the median "
-     "over "
-     "the steps of a long run hardly moves",
-     0},
-    {"plan", KEY_PLAN, "FILE", 0,
-     "Write the runs as JSON lines in their order, and make none (- is standard output)", 0},
-    {"shard", KEY_SHARD, "I/N", 0,
-     "Make only part I of N, from 1/N to N/N: whole problems, with all engines and repeats, if "
-     "there are N, else stretches of points. Default: that of the Slurm array task and the MPI "
-     "rank, if any",
-     0},
-    {0}};
-
-static void add_vary(options *o, struct argp_state *state, const char *text)
+static pl_status add_vary(void *user, const char *text, pl_error *error)
 {
-    pl_error error = {.message = ""};
-    pl_vary *grown = realloc(o->varied, ((size_t)o->varied_count + 1) * sizeof *grown);
-    if (grown == NULL) {
-        argp_failure(state, PL_EXIT_FAILED, 0, "out of memory");
-        abort();
-    }
-    o->varied = grown;
-    if (pl_vary_parse(text, &o->varied[o->varied_count], &error) != PL_OK) {
-        argp_error(state, "%s", error.message);
-    }
-    o->varied_count += 1;
+    options *o = user;
+    pl_vary vary;
+    pl_status status = pl_vary_parse(text, &vary, error);
+    return status == PL_OK ? pl_array_push(&o->varied, &o->varied_count, &vary, sizeof vary, error)
+                           : status;
 }
 
-static error_t parse(int key, char *text, struct argp_state *state)
+static pl_status check(void *user, pl_error *error)
 {
-    options *o = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        pl_comparison_init(&o->comparison, state);
-        return 0;
-    case KEY_VARY:
-        add_vary(o, state, text);
-        return 0;
-    case KEY_REPEAT:
-        o->repeats =
-            (int)pl_option_integer(state, "--repeat takes an integer", text, 1, PL_GRID_MOST_RUNS);
-        return 0;
-    case KEY_REPEAT_BELOW:
-        o->repeat_below =
-            pl_option_number(state, "--repeat-below takes seconds", text, 0, (double)INFINITY);
-        return 0;
-    case KEY_PLAN:
-        o->list = text;
-        return 0;
-    case KEY_SHARD:
-        o->shard = text;
-        return 0;
-    case ARGP_KEY_END:
-        if (o->comparison.names.count == 0 && o->comparison.suites.count == 0) {
-            argp_error(state, "name a scenario, a scene file or a --suite");
-        }
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
+    return pl_request_check(user, "name a scenario, a scene file or a --suite", "every point",
+                            error);
 }
-
-static const struct argp argp = {
-    .options = argp_options,
-    .parser = parse,
-    .args_doc = "SCENARIO|SCENE.json...",
-    .doc =
-        "Runs engines over a grid: all combinations of time steps and scenario parameters, each "
-        "on all combinations of engines and their options. Engines take turns, and repeats are "
-        "outermost, so that a machine that slows down is fair to all. Prints who is faster at the "
-        "same error, and writes sweep.html and sweep.json; after several shards plumb report does."
-        "\v"
-        "Examples:\n"
-        "  plumb sweep slope-slide --vary dt=1/480..1/30:x2 --vary iterations=1..256:x2 --repeat "
-        "5\n"
-        "  plumb sweep tower --vary n=5..25:+5 --engine ode --vary ode.solver=quick,dantzig\n"
-        "  parallel plumb sweep --suite canonical --vary dt=1/60,1/240 --shard {}/4 ::: 1 2 3 4\n"
-        "  mpirun -n 4 plumb sweep --suite canonical --vary dt=1/60,1/240\n"
-        "  plumb report sweep --out report",
-    .children = pl_comparison_children};
 
 /* What the callbacks of runs need. */
 typedef struct keeper {
@@ -163,31 +75,18 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
                            : status;
 }
 
-static bool all_unsupported(const json_t *results)
-{
-    size_t index;
-    const json_t *result;
-    json_array_foreach(results, index, result)
-    {
-        if (strcmp(pl_json_get_text(result, "outcome"), "unsupported") != 0) {
-            return false;
-        }
-    }
-    return json_array_size(results) > 0;
-}
-
 /* What earlier runs left is read before the store is open: a lock of fcntl(2) ends when any
  * descriptor of the file is closed. */
 static pl_status open_store(const options *o, const char *folder, keeper *k, pl_error *error)
 {
     pl_status status = pl_merge_begin(&k->before, error);
-    if (status == PL_OK && o->comparison.resume) {
-        status = pl_merge_add_any(&k->before, o->comparison.out, error);
+    if (status == PL_OK && o->request.resume) {
+        status = pl_merge_add_any(&k->before, o->request.out, error);
     }
     for (size_t i = 0; status == PL_OK && i < json_array_size(k->before.results); ++i) {
         pl_repeats_see(&k->repeats, json_array_get(k->before.results, i));
     }
-    return status == PL_OK ? pl_store_open(folder, o->comparison.resume, &k->store, error) : status;
+    return status == PL_OK ? pl_store_open(folder, o->request.resume, &k->store, error) : status;
 }
 
 /* The analysis of all that is there: files, then tables on standard output, unless the JSON is
@@ -197,9 +96,9 @@ static pl_status analyse(const options *o, const json_t *results, pl_error *erro
     pl_sweep_analysis analysis;
     pl_status status = pl_sweep_analyse(results, &analysis, error);
     if (status == PL_OK) {
-        status = pl_sweep_report_write(o->comparison.out, &analysis, error);
+        status = pl_sweep_report_write(o->request.out, &analysis, error);
     }
-    if (status == PL_OK && (o->comparison.json == NULL || strcmp(o->comparison.json, "-") != 0)) {
+    if (status == PL_OK && !pl_is_stdout(o->request.json)) {
         pl_sweep_report_print(stdout, &analysis);
     }
     pl_sweep_analysis_free(&analysis);
@@ -211,10 +110,7 @@ static pl_status deliver(const options *o, keeper *k, bool is_shard, const char 
                          pl_error *error)
 {
     json_t *made = pl_store_results(k->store);
-    pl_status status = PL_OK;
-    if (o->comparison.json != NULL) {
-        status = pl_results_write_json(o->comparison.json, made, error);
-    }
+    pl_status status = pl_results_write_json(o->request.json, made, error);
     if (status == PL_OK && !is_shard) {
         status = pl_merge_add_results(&k->before, made, NULL, error);
     }
@@ -225,10 +121,10 @@ static pl_status deliver(const options *o, keeper *k, bool is_shard, const char 
         const size_t count = json_array_size(made);
         fflush(stdout);
         if (!is_shard) {
-            fprintf(stderr, "speed against error is in %s/sweep.html\n", o->comparison.out);
+            fprintf(stderr, "speed against error is in %s/sweep.html\n", o->request.out);
         }
         fprintf(stderr, "%zu %s in %s/results.jsonl; plumb report %s --out DIR makes a report\n",
-                count, count == 1 ? "result is" : "results are", folder, o->comparison.out);
+                count, count == 1 ? "result is" : "results are", folder, o->request.out);
     }
     return status;
 }
@@ -238,19 +134,19 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
                    const char *folder)
 {
     pl_error error = {.message = ""};
-    keeper k = {.plan = plan, .provenance = pl_provenance(call->program_argc, call->program_argv)};
+    keeper k = {.plan = plan, .provenance = pl_call_provenance(call, &error)};
     int signal_number = 0;
     int code = PL_EXIT_OK;
     pl_status status = k.provenance == NULL
-                           ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
+                           ? PL_NO_MEMORY
                            : pl_repeats_begin(&k.repeats, plan, o->repeat_below, &error);
     if (status == PL_OK) {
         status = open_store(o, folder, &k, &error);
     }
     if (status == PL_OK) {
         const pl_execution_def execution = {.plan = plan,
-                                            .jobs = o->comparison.jobs,
-                                            .limits = o->comparison.limits,
+                                            .jobs = o->request.jobs,
+                                            .limits = o->request.limits,
                                             .provenance = k.provenance,
                                             .progress = stderr,
                                             .user = &k,
@@ -258,24 +154,17 @@ static int execute(const pl_call *call, const options *o, const pl_plan *plan, b
                                             .keep = keep};
         status = pl_execute(&execution, &signal_number, &error);
     }
-    if (status == PL_OK && signal_number == 0) {
+    if (status == PL_OK && signal_number != 0) {
+        pl_call_interrupted(call, json_array_size(pl_store_results(k.store)), folder);
+    } else if (status == PL_OK) {
         status = deliver(o, &k, is_shard, folder, &error);
-        code = all_unsupported(pl_store_results(k.store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
-    }
-    if (status != PL_OK) {
-        code = pl_call_fail(call, &error);
-    } else if (signal_number != 0) {
-        fprintf(stderr,
-                "plumb sweep: interrupted; %zu results are in %s/results.jsonl: the same command "
-                "with --resume goes on from there\n",
-                json_array_size(pl_store_results(k.store)), folder);
-        code = 128 + signal_number;
+        code = pl_results_all_unsupported(pl_store_results(k.store)) ? PL_EXIT_NOTHING : PL_EXIT_OK;
     }
     pl_store_close(k.store);
     pl_merge_free(&k.before);
     pl_repeats_free(&k.repeats);
     json_decref(k.provenance);
-    return code;
+    return pl_call_end(call, status, &error, signal_number, code);
 }
 
 /* Which shard, and where its results go; *folder is malloc'd. */
@@ -288,32 +177,30 @@ static pl_status choose_shard(const options *o, pl_shard *shard, bool *is_shard,
     if (status != PL_OK) {
         return status;
     }
-    *folder = *is_shard ? pl_shard_folder(o->comparison.out, *shard) : strdup(o->comparison.out);
+    *folder = *is_shard ? pl_shard_folder(o->request.out, *shard) : strdup(o->request.out);
     return *folder == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
 }
 
-static pl_status make_plan(options *o, pl_shard shard, pl_plan *plan, pl_error *error)
+static pl_status make_plan(const pl_call *call, options *o, pl_shard shard, pl_plan *plan,
+                           pl_error *error)
 {
-    const bool is_usual = o->varied_count == 0;
-    const int repeats = is_usual ? PL_SWEEP_DEFAULT_REPEATS : 1;
+    const bool is_default = o->varied_count == 0;
+    const int repeats = is_default ? PL_SWEEP_DEFAULT_REPEATS : 1;
     pl_plan base = {.repeats = o->repeats > 0 ? o->repeats : repeats};
-    if (o->comparison.limits.timeout <= 0) {
-        o->comparison.limits.timeout =
-            is_usual ? PL_SWEEP_DEFAULT_TIMEOUT : pl_limits_default().timeout;
+    if (o->request.limits.timeout <= 0) {
+        o->request.limits.timeout =
+            is_default ? PL_SWEEP_DEFAULT_TIMEOUT : pl_request_default().limits.timeout;
     }
-    pl_status status = pl_comparison_add_problems(&o->comparison, &base, error);
+    pl_status status = pl_request_plan(call, &o->request, &base, error);
     if (status == PL_OK) {
-        status = pl_comparison_add_engines("plumb sweep", &o->comparison, &base, error);
-    }
-    if (status == PL_OK) {
-        status = is_usual ? pl_default_vary(&base, &o->varied, &o->varied_count, error) : PL_OK;
+        status = is_default ? pl_default_vary(&base, &o->varied, &o->varied_count, error) : PL_OK;
     }
     if (status == PL_OK) {
         const pl_grid_def def = {.base = &base,
                                  .varied = o->varied,
                                  .varied_count = o->varied_count,
-                                 .dt = o->comparison.selection.dt,
-                                 .duration = o->comparison.selection.duration,
+                                 .dt = o->request.dt,
+                                 .duration = o->request.duration,
                                  .shard = shard};
         status = pl_grid_plan(&def, plan, error);
     }
@@ -327,15 +214,15 @@ static void free_options(options *o)
         pl_vary_free(&o->varied[i]);
     }
     free(o->varied);
-    pl_comparison_free(&o->comparison);
+    pl_request_free(&o->request);
 }
 
-int pl_command_sweep(const pl_call *call)
+static int run(const pl_call *call)
 {
-    options o = {.comparison = pl_comparison_default(&option_help), .repeat_below = REPEAT_BELOW};
-    o.comparison.out = "sweep";
-    o.comparison.limits.timeout = 0; /* not said */
-    pl_call_parse(call, &argp, &o);
+    options o = {.request = pl_request_default(), .repeat_below = 2};
+    o.request.out = "sweep";
+    o.request.limits.timeout = 0; /* not given */
+    pl_call_parse(call, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
     pl_shard shard;
@@ -344,7 +231,7 @@ int pl_command_sweep(const pl_call *call)
     int code = PL_EXIT_OK;
     pl_status status = choose_shard(&o, &shard, &is_shard, &folder, &error);
     if (status == PL_OK) {
-        status = make_plan(&o, shard, &plan, &error);
+        status = make_plan(call, &o, shard, &plan, &error);
     }
     if (status == PL_OK && o.list != NULL) {
         status = pl_grid_list(&plan, o.list, &error);
@@ -352,8 +239,7 @@ int pl_command_sweep(const pl_call *call)
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
     } else if (plan.configuration_count == 0) {
-        fprintf(stderr, "plumb sweep: there is nothing to compare\n");
-        code = PL_EXIT_NOTHING;
+        code = pl_call_nothing(call, "there is nothing to compare");
     } else if (o.list == NULL) {
         code = execute(call, &o, &plan, is_shard, folder);
     }
@@ -362,3 +248,72 @@ int pl_command_sweep(const pl_call *call)
     free_options(&o);
     return code;
 }
+
+static const pl_option OPTIONS[] = {
+    {.name = "vary",
+     .argument = "KEY=VALUES",
+     .help = "Vary dt, profile (or solver), an option of the engines or a parameter of the "
+             "scenarios, for all that have it; ENGINE.KEY and SCENARIO.KEY vary it for that one "
+             "alone and take precedence. VALUES: a,b,c; 1..9; 0..1:+0.25; 1..256:x2, also mixed; "
+             "numbers may be fractions, 1/240..1/60:x2. Overrides --set and --dt (repeatable; "
+             "default: dt=1/60 to 1/960 s, halved each time; for engines with iterations their "
+             "default number and five times as many; and a --timeout of 20 s)",
+     .kind = PL_OPTION_PARSED,
+     .parse = add_vary},
+    {.name = "repeat",
+     .argument = "N",
+     .help = "Runs of each point, interleaved (default 1; 3 without --vary)",
+     .kind = PL_OPTION_INTEGER,
+     .field = offsetof(options, repeats),
+     .min = 1,
+     .max = PL_GRID_MOST_RUNS},
+    {.name = "repeat-below",
+     .argument = "S",
+     .help = "Repeat only runs that took the engine less than S seconds of CPU time (default 2): "
+             "the median over the steps of a long run hardly changes",
+     .kind = PL_OPTION_NUMBER,
+     .field = offsetof(options, repeat_below),
+     .takes = "seconds",
+     .max = (double)INFINITY},
+    {.name = "plan",
+     .argument = "FILE",
+     .help = "Write the runs as JSON lines in their order, and make none (- is standard output)",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(options, list)},
+    {.name = "shard",
+     .argument = "I/N",
+     .help =
+         "Make only part I of N, from 1/N to N/N: whole cases, with all engines and repeats, if "
+         "there are N, otherwise ranges of points. Default: the number of the Slurm array task "
+         "and the MPI rank, if any",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(options, shard)},
+    {.name = "out",
+     .kind = PL_OPTION_HELP,
+     .help = "Where results go (default sweep); those of a shard go to DIR/shard-I-of-N"},
+    {0}};
+
+const pl_command pl_command_sweep = {
+    .name = "sweep",
+    .summary = "vary steps, options and parameters over many runs",
+    .arguments = "SCENARIO|SCENE.json...",
+    .description =
+        "Runs engines over a grid: all combinations of time steps and scenario parameters, each "
+        "on all combinations of engines and their options. Engines take turns, and repeats are "
+        "outermost, so that a machine that slows down is fair to all. Prints which engine is "
+        "faster "
+        "at the same error, and writes sweep.html and sweep.json; after several shards plumb "
+        "report does.",
+    .notes =
+        "Examples:\n"
+        "  plumb sweep slope-slide --vary dt=1/480..1/30:x2 --vary iterations=1..256:x2 --repeat "
+        "5\n"
+        "  plumb sweep tower --vary n=5..25:+5 --engine ode --vary ode.solver=quick,dantzig\n"
+        "  parallel plumb sweep --suite canonical --vary dt=1/60,1/240 --shard {}/4 ::: 1 2 3 4\n"
+        "  mpirun -n 4 plumb sweep --suite canonical --vary dt=1/60,1/240\n"
+        "  plumb report sweep --out report",
+    .options = OPTIONS,
+    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options, pl_jobs_options,
+               pl_out_options},
+    .check = check,
+    .run = run};

@@ -1,52 +1,10 @@
 /* plumb threshold: the critical value of a scenario's parameter, bisected on every engine. */
-#include "commands.h"
-
-#include "comparison.h"
+#include "request.h"
 #include "results/store.h"
 #include "studies/threshold/threshold.h"
 
 #include <stdlib.h>
 #include <string.h>
-
-static const pl_comparison_help option_help = {
-    .suite = "All scenarios of a suite that have a threshold (repeatable)",
-    .json = "Write a JSON object a line for each scenario and engine (- is standard output)",
-    .jobs = "Runs at a time, of different searches (default 1)"};
-
-static error_t parse(int key, char *text, struct argp_state *state)
-{
-    (void)text;
-    pl_comparison *comparison = state->input;
-    switch (key) {
-    case ARGP_KEY_INIT:
-        pl_comparison_init(comparison, state);
-        return 0;
-    case ARGP_KEY_END:
-        if (comparison->names.count == 0 && comparison->suites.count == 0) {
-            argp_error(state, "which scenario? plumb threshold SCENARIO, or --suite NAME");
-        }
-        return 0;
-    default:
-        return ARGP_ERR_UNKNOWN;
-    }
-}
-
-static const struct argp_child children[] = {
-    {&pl_comparison_argp, 0, NULL, 0}, {&pl_comparison_jobs_argp, 0, NULL, 0}, {0}};
-
-static const struct argp argp = {
-    .parser = parse,
-    .args_doc = "SCENARIO...",
-    .doc =
-        "Bisects the critical value of a scenario's parameter on every engine: on one side of it "
-        "the scene holds (outcome ok), on the other it does not (collapsed). Each trial is a "
-        "run in a process of its own. An engine that holds at both ends of the search, or at "
-        "neither, or that fails, is a row, not a failure.\v"
-        "Examples:\n"
-        "  plumb threshold slope-threshold --set friction=0.5\n"
-        "  plumb threshold slope-threshold slope-tip --engine plumb --engine ode:quick\n"
-        "  plumb threshold --suite hard --jobs 2 --json thresholds.jsonl",
-    .children = children};
 
 /* An error with the names of those that have one. */
 static pl_status fail_without(const char *what, pl_error *error)
@@ -64,11 +22,11 @@ static pl_status fail_without(const char *what, pl_error *error)
     return pl_fail(error, PL_BAD_INPUT, "%s has no threshold; these have one: %s", what, list);
 }
 
-/* A scenario that is named must have a threshold; those of suites may. */
-static pl_status check_names(const pl_comparison *comparison, pl_error *error)
+/* A scenario that is named must have a threshold; those of suites need not. */
+static pl_status check_names(const pl_request *request, pl_error *error)
 {
-    for (int i = 0; i < comparison->names.count; ++i) {
-        const pl_scenario *scenario = pl_scenario_find(comparison->names.items[i], error);
+    for (int i = 0; i < request->names.count; ++i) {
+        const pl_scenario *scenario = pl_scenario_find(request->names.items[i], error);
         if (scenario == NULL) {
             return PL_BAD_INPUT;
         }
@@ -79,15 +37,15 @@ static pl_status check_names(const pl_comparison *comparison, pl_error *error)
     return PL_OK;
 }
 
-/* Leaves out the problems of suites that have no threshold. */
+/* Leaves out the cases of suites that have no threshold. */
 static pl_status keep_thresholds(pl_plan *plan, pl_error *error)
 {
     int kept = 0;
     for (int i = 0; i < plan->case_count; ++i) {
-        pl_case problem = plan->cases[i];
-        if (problem.descriptor->threshold != NULL) {
+        pl_case kept_case = plan->cases[i];
+        if (kept_case.descriptor->threshold != NULL) {
             plan->cases[i] = plan->cases[kept];
-            plan->cases[kept++] = problem;
+            plan->cases[kept++] = kept_case;
         }
     }
     while (plan->case_count > kept) {
@@ -98,14 +56,13 @@ static pl_status keep_thresholds(pl_plan *plan, pl_error *error)
     return kept > 0 ? PL_OK : fail_without("the suite", error);
 }
 
-/* What is searched for cannot be set. */
-static pl_status check_settings(const pl_comparison *comparison, const pl_plan *plan,
-                                pl_error *error)
+/* The parameter that is searched for cannot be set. */
+static pl_status check_settings(const pl_request *request, const pl_plan *plan, pl_error *error)
 {
     for (int i = 0; i < plan->case_count; ++i) {
         const char *param = plan->cases[i].descriptor->threshold->param;
-        for (int k = 0; k < comparison->selection.settings.count; ++k) {
-            const char *setting = comparison->selection.settings.items[k];
+        for (int k = 0; k < request->settings.count; ++k) {
+            const char *setting = request->settings.items[k];
             size_t length = strcspn(setting, "=");
             if (strlen(param) == length && strncmp(setting, param, length) == 0) {
                 return pl_fail(error, PL_BAD_INPUT, "--set %s: %s is what is searched for in %s",
@@ -116,16 +73,16 @@ static pl_status check_settings(const pl_comparison *comparison, const pl_plan *
     return PL_OK;
 }
 
-static pl_status add_problems(const pl_comparison *comparison, pl_plan *plan, pl_error *error)
+static pl_status add_cases(const pl_request *request, pl_plan *plan, pl_error *error)
 {
-    pl_status status = check_names(comparison, error);
+    pl_status status = check_names(request, error);
     if (status == PL_OK) {
-        status = pl_comparison_add_problems(comparison, plan, error);
+        status = pl_request_add_cases(request, plan, error);
     }
     if (status == PL_OK) {
         status = keep_thresholds(plan, error);
     }
-    return status == PL_OK ? check_settings(comparison, plan, error) : status;
+    return status == PL_OK ? check_settings(request, plan, error) : status;
 }
 
 static pl_status write_lines(const char *path, const pl_plan *plan,
@@ -160,62 +117,92 @@ static bool all_unsupported(const pl_threshold_search *searches, int count)
     return true;
 }
 
-static int search(const pl_call *call, const pl_comparison *comparison, const pl_plan *plan)
+static int search(const pl_call *call, const pl_request *request, const pl_plan *plan)
 {
     pl_error error = {.message = ""};
     pl_threshold_search *searches = NULL;
     int count = 0, signal_number = 0, code = PL_EXIT_OK;
     char started[32];
     pl_timestamp(started);
-    json_t *provenance = pl_provenance(call->program_argc, call->program_argv);
+    json_t *provenance = pl_call_provenance(call, &error);
     const pl_threshold_search_def def = {.plan = plan,
-                                         .jobs = comparison->jobs,
-                                         .limits = comparison->limits,
+                                         .jobs = request->jobs,
+                                         .limits = request->limits,
                                          .provenance = provenance,
                                          .progress = stderr};
     pl_status status = provenance == NULL
-                           ? pl_fail(&error, PL_NO_MEMORY, "out of memory")
+                           ? PL_NO_MEMORY
                            : pl_find_thresholds(&def, &searches, &count, &signal_number, &error);
     if (status == PL_OK && signal_number == 0) {
         code = all_unsupported(searches, count) ? PL_EXIT_NOTHING : PL_EXIT_OK;
-        if (comparison->json != NULL) {
-            status =
-                write_lines(comparison->json, plan, searches, count, provenance, started, &error);
+        if (request->json != NULL) {
+            status = write_lines(request->json, plan, searches, count, provenance, started, &error);
         }
-        if (comparison->json == NULL || strcmp(comparison->json, "-") != 0) {
+        if (!pl_is_stdout(request->json)) {
             pl_threshold_print(stdout, plan, searches, count);
         }
     }
-    if (status != PL_OK) {
-        code = pl_call_fail(call, &error);
-    } else if (signal_number != 0) {
-        code = 128 + signal_number;
-    }
     free(searches);
     json_decref(provenance);
-    return code;
+    return pl_call_end(call, status, &error, signal_number, code);
 }
 
-int pl_command_threshold(const pl_call *call)
+static pl_status check(void *user, pl_error *error)
 {
-    pl_comparison comparison = pl_comparison_default(&option_help);
-    pl_call_parse(call, &argp, &comparison);
+    return pl_request_check(user, "which scenario? plumb threshold SCENARIO, or --suite NAME", NULL,
+                            error);
+}
+
+static int run(const pl_call *call)
+{
+    pl_request request = pl_request_default();
+    pl_call_parse(call, &request);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
     int code = PL_EXIT_OK;
-    pl_status status = add_problems(&comparison, &plan, &error);
+    pl_status status = add_cases(&request, &plan, &error);
     if (status == PL_OK) {
-        status = pl_comparison_add_engines("plumb threshold", &comparison, &plan, &error);
+        status = pl_request_add_engines(call, &request, &plan, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);
     } else if (plan.configuration_count == 0) {
-        fprintf(stderr, "plumb threshold: there is no engine to search on\n");
-        code = PL_EXIT_NOTHING;
+        code = pl_call_nothing(call, "there is no engine to search on");
     } else {
-        code = search(call, &comparison, &plan);
+        code = search(call, &request, &plan);
     }
     pl_plan_free(&plan);
-    pl_comparison_free(&comparison);
+    pl_request_free(&request);
     return code;
 }
+
+static const pl_option OPTIONS[] = {
+    {.name = "suite",
+     .kind = PL_OPTION_HELP,
+     .help = "All scenarios of a suite that have a threshold (repeatable)"},
+    {.name = "json",
+     .kind = PL_OPTION_HELP,
+     .help = "Write a JSON object a line for each scenario and engine (- is standard output)"},
+    {.name = "jobs",
+     .kind = PL_OPTION_HELP,
+     .help = "Runs at a time, of different searches (default 1)"},
+    {0}};
+
+const pl_command pl_command_threshold = {
+    .name = "threshold",
+    .summary = "bisect a scenario's critical value on engines",
+    .arguments = "SCENARIO...",
+    .description =
+        "Bisects the critical value of a scenario's parameter on every engine: on one side of it "
+        "the scene holds (outcome ok), on the other it does not (collapsed). Each trial is a run "
+        "in "
+        "a process of its own. An engine that holds at both ends of the search, or at neither, or "
+        "that fails, is a row of the table; the command still succeeds.",
+    .notes = "Examples:\n"
+             "  plumb threshold slope-threshold --set friction=0.5\n"
+             "  plumb threshold slope-threshold slope-tip --engine plumb --engine ode:quick\n"
+             "  plumb threshold --suite hard --jobs 2 --json thresholds.jsonl",
+    .options = OPTIONS,
+    .shared = {pl_scene_options, pl_limit_options, pl_comparison_options, pl_jobs_options},
+    .check = check,
+    .run = run};

@@ -1,56 +1,107 @@
-/* `plumb COMMAND ...`: the table of commands, and the way to them. */
-#include "commands.h"
+/* `plumb COMMAND ...`: the table of commands, help and version. */
+#include "command.h"
 
+#include <argp.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-static const pl_command commands[] = {
-    {"compare", "run scenarios on engines side by side and report", pl_command_compare},
-    {"run", "run one scenario on one engine", pl_command_run},
-    {"threshold", "bisect a scenario's critical value on engines", pl_command_threshold},
-    {"list", "list scenarios, engines, metrics or suites", pl_command_list},
-    {"scene", "print a scenario as a scene file, to edit and run", pl_command_scene},
-    {"solve", "solve one captured contact problem again", pl_command_solve},
-    {"ensemble", "compare engines where motion is chaotic", pl_command_ensemble},
-    {"sweep", "vary steps, options and parameters over many runs", pl_command_sweep},
-    {"tune", "find the cheapest settings that meet a target", pl_command_tune},
-    {"report", "report on results that are there", pl_command_report},
-    {"metamorphic", "check engines without a reference", pl_command_metamorphic},
-    {"gate", "fail where results are worse than a baseline", pl_command_gate},
-    {"help", "explain a command", pl_command_help},
-    {"version", "print the version", pl_command_version},
-};
-enum { COMMAND_COUNT = sizeof commands / sizeof commands[0] };
+static int help(const pl_call *call);
+static int version(const pl_call *call);
 
-static const pl_command *find_command(const char *name)
-{
-    if (strcmp(name, "--help") == 0) {
-        name = "help";
-    } else if (strcmp(name, "--version") == 0) {
-        name = "version";
-    }
-    for (int i = 0; i < COMMAND_COUNT; ++i) {
-        if (strcmp(commands[i].name, name) == 0) {
-            return &commands[i];
-        }
-    }
-    return NULL;
-}
+static const pl_command HELP = {.name = "help", .summary = "explain a command", .run = help};
+static const pl_command VERSION = {
+    .name = "version", .summary = "print the version", .run = version};
 
-static void reject_command(const char *name)
+static const pl_command *const COMMANDS[] = {&pl_command_compare,
+                                             &pl_command_run,
+                                             &pl_command_threshold,
+                                             &pl_command_list,
+                                             &pl_command_scene,
+                                             &pl_command_solve,
+                                             &pl_command_ensemble,
+                                             &pl_command_sweep,
+                                             &pl_command_tune,
+                                             &pl_command_report,
+                                             &pl_command_metamorphic,
+                                             &pl_command_gate,
+                                             &HELP,
+                                             &VERSION};
+enum { COMMAND_COUNT = sizeof COMMANDS / sizeof COMMANDS[0] };
+
+static const char INTRODUCTION[] = "plumb runs canonical scenarios on rigid-body physics engines, "
+                                   "and reports how far each engine\n"
+                                   "is from the right answer and at what cost.\n"
+                                   "\n"
+                                   "Usage: plumb COMMAND [OPTION...]\n"
+                                   "\n";
+
+static const char CLOSING[] =
+    "\n"
+    "  plumb help COMMAND     options and examples of a command\n"
+    "  plumb --version        version\n"
+    "\n"
+    "Exit codes: 0 success; 1 the gate failed (gate); 2 usage or bad input; 3 the outcome of a "
+    "run\n"
+    "is not ok (run), no solver reached the tolerance (solve), a run could not be made, or I/O\n"
+    "failed; 4 nothing was compared; 128+N ended by signal N.\n";
+
+/* The command of that name; NULL, after a message on behalf of `asker`, when there is none. */
+static const pl_command *find_command(const char *name, const char *asker, const char *otherwise)
 {
     const char *names[COMMAND_COUNT];
     for (int i = 0; i < COMMAND_COUNT; ++i) {
-        names[i] = commands[i].name;
+        names[i] = COMMANDS[i]->name;
+        if (strcmp(names[i], name) == 0) {
+            return COMMANDS[i];
+        }
     }
     const char *nearest = pl_nearest_name(name, names, COMMAND_COUNT);
-    if (nearest != NULL) {
-        fprintf(stderr, "plumb: there is no command %s; did you mean %s?\n", name, nearest);
-    } else {
-        fprintf(stderr, "plumb: there is no command %s; see plumb help\n", name);
+    fprintf(stderr, "%s: there is no command %s%s%s%s\n", asker, name,
+            nearest == NULL ? otherwise : "; did you mean ", nearest == NULL ? "" : nearest,
+            nearest == NULL ? "" : "?");
+    return NULL;
+}
+
+static int run_command(const pl_command *command, pl_call call)
+{
+    char name[64];
+    snprintf(name, sizeof name, "plumb %s", command->name);
+    call.command = command;
+    call.argv[0] = name;
+    return command->run(&call);
+}
+
+static int help(const pl_call *call)
+{
+    const char *name = call->argc > 1 ? call->argv[1] : "help";
+    if (strncmp(name, "--", 2) == 0 || strcmp(name, "help") == 0) {
+        fputs(INTRODUCTION, stdout);
+        for (int i = 0; i < COMMAND_COUNT; ++i) {
+            printf("  plumb %-16s %s\n", COMMANDS[i]->name, COMMANDS[i]->summary);
+        }
+        fputs(CLOSING, stdout);
+        return PL_EXIT_OK;
     }
+    const pl_command *command = find_command(name, "plumb help", "");
+    char option[] = "--help";
+    char *argv[] = {NULL, option, NULL};
+    return command == NULL ? PL_EXIT_USAGE
+                           : run_command(command, (pl_call){.argc = 2, .argv = argv});
+}
+
+static void print_version(FILE *stream, struct argp_state *state)
+{
+    (void)state;
+    fprintf(stream, "plumb %s (%s)\n", PLUMB_VERSION, PLUMB_GIT);
+}
+
+static int version(const pl_call *call)
+{
+    (void)call;
+    print_version(stdout, NULL);
+    return PL_EXIT_OK;
 }
 
 /* A standard stream that the caller closed would be the number of the first file opened, and what
@@ -76,43 +127,32 @@ static void check_output(void)
     }
 }
 
-static void print_version_for_argp(FILE *stream, struct argp_state *state)
-{
-    (void)state;
-    fprintf(stream, "plumb %s (%s)\n", PLUMB_VERSION, PLUMB_GIT);
-}
-
 int pl_program(int argc, char **argv)
 {
     fill_closed_streams();
     atexit(check_output);
     argp_err_exit_status = PL_EXIT_USAGE;
-    argp_program_version_hook = print_version_for_argp;
+    argp_program_version_hook = print_version;
     if (argc < 2) {
         fprintf(stderr, "plumb: no command was given; see plumb help\n");
         return PL_EXIT_USAGE;
     }
-    const pl_command *command = find_command(argv[1]);
+    const bool is_option = strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "--version") == 0;
+    const pl_command *command =
+        find_command(is_option ? argv[1] + 2 : argv[1], "plumb", "; see plumb help");
     if (command == NULL) {
-        reject_command(argv[1]);
         return PL_EXIT_USAGE;
     }
-    char name[64];
-    snprintf(name, sizeof name, "plumb %s", command->name);
     char **command_argv = malloc((size_t)argc * sizeof *command_argv);
     if (command_argv == NULL) {
         fprintf(stderr, "plumb: out of memory\n");
         return PL_EXIT_FAILED;
     }
     memcpy(command_argv, argv + 1, (size_t)argc * sizeof *command_argv);
-    command_argv[0] = name;
-    const pl_call call = {.argc = argc - 1,
-                          .argv = command_argv,
-                          .program_argc = argc,
-                          .program_argv = argv,
-                          .commands = commands,
-                          .command_count = COMMAND_COUNT};
-    int code = command->run(&call);
+    int code = run_command(command, (pl_call){.argc = argc - 1,
+                                              .argv = command_argv,
+                                              .program_argc = argc,
+                                              .program_argv = argv});
     free(command_argv);
     return code;
 }

@@ -254,3 +254,16 @@ json_t *pl_result_compose(json_t *identity, json_t *finding, json_t *provenance,
     }
     return result;
 }
+
+bool pl_results_all_unsupported(const json_t *results)
+{
+    size_t index;
+    const json_t *result;
+    json_array_foreach(results, index, result)
+    {
+        if (strcmp(pl_json_get_text(result, "outcome"), "unsupported") != 0) {
+            return false;
+        }
+    }
+    return json_array_size(results) > 0;
+}

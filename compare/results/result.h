@@ -78,6 +78,9 @@ json_t *pl_json_number_or_null(double value);
  * Control characters but tab and newline become '?' too. */
 json_t *pl_json_text(const char *bytes, size_t length);
 
+/* Whether there are results, an array, and all have the outcome "unsupported". */
+bool pl_results_all_unsupported(const json_t *results);
+
 /* Now, UTC, ISO 8601 to the millisecond. */
 void pl_timestamp(char text[32]);
 

@@ -150,10 +150,15 @@ cleanup:
     return status;
 }
 
+bool pl_is_stdout(const char *path)
+{
+    return path != NULL && strcmp(path, "-") == 0;
+}
+
 pl_status pl_write_text(const char *path, const char *text, size_t length, pl_error *error)
 {
     struct stat found;
-    if (strcmp(path, "-") == 0) {
+    if (pl_is_stdout(path)) {
         fflush(stdout);
         return write_all(STDOUT_FILENO, text, length, "standard output", error);
     }
@@ -168,6 +173,9 @@ pl_status pl_write_text(const char *path, const char *text, size_t length, pl_er
 
 pl_status pl_results_write_json(const char *path, const json_t *value, pl_error *error)
 {
+    if (path == NULL) {
+        return PL_OK;
+    }
     char *text = json_dumps(value, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
     char *line = text == NULL ? NULL : realloc(text, strlen(text) + 2);
     if (line == NULL) {

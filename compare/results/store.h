@@ -18,7 +18,10 @@ pl_status pl_results_read(const char *path, json_t **results, long long *whole, 
  * whole. A path that is there and is no regular file (a pipe, a device) is written directly. */
 pl_status pl_write_text(const char *path, const char *text, size_t length, pl_error *error);
 
-/* The same for JSON as text. */
+/* Whether `path`, which may be NULL, is "-". */
+bool pl_is_stdout(const char *path);
+
+/* Writes JSON as text in the same way; nothing where `path` is NULL. */
 pl_status pl_results_write_json(const char *path, const json_t *value, pl_error *error);
 
 /* Makes a directory and those it is in, where they are missing. */

@@ -39,7 +39,7 @@ static void test_usage_errors_exit_2_and_suggest_the_nearest_name(void **state)
         {"list", "scenarios, engines, metrics or suites"},
         {"list metric", "did you mean metrics?"},
         {"list engines scenarios", "one list at a time"},
-        {"list engines --page -", "--page is of scenarios"},
+        {"list engines --page -", "--page is for scenarios"},
         {"compare --sute canonical", "did you mean --suite?"},
         {"compare --frobnicate", "there is no option --frobnicate"},
         {"compare --suite canonicle", "did you mean"},

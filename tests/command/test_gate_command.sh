@@ -67,7 +67,7 @@ expect 2 'did you mean --baseline' base.jsonl --basline b.json
 expect 2 'text, junit, github or json' base.jsonl --fail-if 'drift>1' --format xml
 expect 2 'did you mean lift' base.jsonl --baseline b.json --tolerance lfit=1
 expect 2 '--time-limit takes per cent' base.jsonl --baseline b.json --time-limit -1
-expect 2 'column 7: what is relative needs --baseline' base.jsonl --fail-if 'drift>+10%'
+expect 2 'column 7: a relative rule needs --baseline' base.jsonl --fail-if 'drift>+10%'
 expect 2 'column 8: there is no metric dritf; did you mean' base.jsonl --fail-if 'tower: dritf>1'
 expect 2 'did you mean bullet:si' base.jsonl --fail-if 'drift>1' --reference bulet:si
 expect 2 'b.json: expected a baseline file, found none to read' base.jsonl --baseline b.json

@@ -96,7 +96,7 @@ for file in index.html summary.md results.csv results.jsonl; do
 done
 [[ $(runs merged/results.jsonl | sort) == "$(runs plan.jsonl | sort)" ]] ||
     complain "the report's results are not those of the shards"
-expect 0 '32 doubles were dropped' report whole/results.jsonl shards --out merged
+expect 0 '32 duplicates were dropped' report whole/results.jsonl shards --out merged
 expect 0 '32 results of 1 file' report merged --out merged
 cat err | grep -q 'double' && complain "doubles in: $(cat err)"
 sed 's/"outcome":"ok"/"outcome":"timeout"/' whole/results.jsonl >other.jsonl

@@ -1,0 +1,398 @@
+#include "request.h"
+
+#include "adapters/tuned_profile.h"
+#include "base/array.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* An entry of a suite, or a name that was asked for. */
+typedef struct asked {
+    const char *name, *setting; /* "NAME=VALUE" or NULL; it has no meaning for a scene file */
+} asked;
+
+pl_request pl_request_default(void)
+{
+    return (pl_request){.dt = NAN,
+                        .duration = NAN,
+                        .limits = {.timeout = 120, .memory = UINT64_C(8) << 30},
+                        .jobs = 1};
+}
+
+void pl_request_free(pl_request *request)
+{
+    free(request->names.items);
+    free(request->suites.items);
+    free(request->engines.items);
+    free(request->settings.items);
+    *request = pl_request_default();
+}
+
+/* ---- Options ---- */
+
+static pl_status parse_setting(void *options, const char *text, pl_error *error)
+{
+    pl_request *request = options;
+    if (strchr(text, '=') == NULL || text[0] == '=') {
+        return pl_fail(error, PL_BAD_INPUT, "--set takes NAME=VALUE; found \"%s\"", text);
+    }
+    pl_texts_add(&request->settings, text);
+    return PL_OK;
+}
+
+const pl_option pl_scene_options[] = {
+    {.name = "set",
+     .argument = "NAME=VALUE",
+     .help = "Set a parameter of every named scenario that has it (repeatable; see plumb list "
+             "scenarios)",
+     .kind = PL_OPTION_PARSED,
+     .parse = parse_setting},
+    {.name = "dt",
+     .argument = "S",
+     .help = "Time step in seconds, also as a fraction: 1/240",
+     .kind = PL_OPTION_NUMBER,
+     .field = offsetof(pl_request, dt),
+     .takes = "seconds",
+     .min = 1e-9,
+     .max = 1e3},
+    {.name = "duration",
+     .argument = "S",
+     .help = "Simulated time in seconds",
+     .kind = PL_OPTION_NUMBER,
+     .field = offsetof(pl_request, duration),
+     .takes = "seconds",
+     .min = 1e-9,
+     .max = 1e9},
+    {.name = "seed",
+     .argument = "N",
+     .help = "Seed of scenarios that draw random numbers (default 0)",
+     .kind = PL_OPTION_LARGE,
+     .field = offsetof(pl_request, seed),
+     .max = 0x1p53 - 1},
+    {0}};
+
+/* Puts a file before those of the environment, where engines are looked up. */
+static pl_status add_profiles(void *options, const char *path, pl_error *error)
+{
+    (void)options;
+    const char *before = getenv(PL_PROFILES_VARIABLE);
+    char *paths = NULL;
+    pl_status status = PL_OK;
+    if (asprintf(&paths, "%s%s%s", path, before == NULL ? "" : ":", before == NULL ? "" : before) <
+            0 ||
+        setenv(PL_PROFILES_VARIABLE, paths, 1) != 0) {
+        status = pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    free(paths);
+    return status;
+}
+
+static pl_status parse_memory(void *options, const char *text, pl_error *error)
+{
+    pl_request *request = options;
+    double gib = 0;
+    if (!pl_parse_number(text, &gib) || !(gib >= 0 && gib <= 1048576)) {
+        return pl_fail(error, PL_BAD_INPUT, "--memory takes GiB, 0 to 1048576; found \"%s\"", text);
+    }
+    request->limits.memory = (uint64_t)(0x1p30 * gib);
+    return PL_OK;
+}
+
+const pl_option pl_limit_options[] = {
+    {.name = "timeout",
+     .argument = "S",
+     .help = "Longest wall time of a run in seconds (default 120)",
+     .kind = PL_OPTION_NUMBER,
+     .field = offsetof(pl_request, limits.timeout),
+     .takes = "seconds",
+     .min = 1e-3,
+     .max = 1e6},
+    {.name = "memory",
+     .argument = "GIB",
+     .help = "Largest address space of a run in GiB (default 8; 0: no limit)",
+     .kind = PL_OPTION_PARSED,
+     .parse = parse_memory},
+    {.name = "profiles",
+     .argument = "FILE",
+     .help =
+         "Profiles that plumb tune saved, for --engine NAME:tuned (repeatable; they come before "
+         "those of the environment variable PLUMB_PROFILES)",
+     .kind = PL_OPTION_PARSED,
+     .parse = add_profiles},
+    {0}};
+
+const pl_option pl_comparison_options[] = {
+    {.name = "suite",
+     .argument = "NAME",
+     .help = "All scenarios of a suite (repeatable)",
+     .kind = PL_OPTION_TEXTS,
+     .field = offsetof(pl_request, suites)},
+    {.name = "engine",
+     .argument = "SPEC",
+     .help = "An engine: NAME[:PROFILE][,OPTION=VALUE...], or the path of a shared object in place "
+             "of NAME (repeatable; default: all that are present)",
+     .kind = PL_OPTION_TEXTS,
+     .field = offsetof(pl_request, engines)},
+    {.name = "json",
+     .argument = "FILE",
+     .help = "Also write all results as JSON (- is standard output, in place of tables)",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(pl_request, json)},
+    {0}};
+
+const pl_option pl_jobs_options[] = {
+    {.name = "jobs",
+     .argument = "N",
+     .help = "Runs at a time (default 1: runs at the same time disturb each other's times)",
+     .kind = PL_OPTION_INTEGER,
+     .field = offsetof(pl_request, jobs),
+     .min = 1,
+     .max = 1024},
+    {0}};
+
+const pl_option pl_out_options[] = {
+    {.name = "out",
+     .argument = "DIR",
+     .help = "Where results go",
+     .kind = PL_OPTION_TEXT,
+     .field = offsetof(pl_request, out)},
+    {.name = "resume",
+     .help =
+         "Keep the results in DIR and make only the runs that are missing, whatever the outcome "
+         "of the others",
+     .kind = PL_OPTION_FLAG,
+     .field = offsetof(pl_request, resume)},
+    {0}};
+
+pl_status pl_request_check(const pl_request *request, const char *which, const char *reader,
+                           pl_error *error)
+{
+    for (int i = 0; i < request->names.count && reader != NULL; ++i) {
+        if (strcmp(request->names.items[i], "-") == 0) {
+            return pl_fail(error, PL_BAD_INPUT,
+                           "standard input can be read once, and %s reads its scene: give a file",
+                           reader);
+        }
+    }
+    return which == NULL || request->names.count > 0 || request->suites.count > 0
+               ? PL_OK
+               : pl_fail(error, PL_BAD_INPUT, "%s", which);
+}
+
+/* ---- Cases ---- */
+
+static bool is_scene_file(const char *name)
+{
+    size_t length = strlen(name);
+    return strcmp(name, "-") == 0 || strchr(name, '/') != NULL ||
+           (length > 5 && strcmp(name + length - 5, ".json") == 0);
+}
+
+static bool has_param(const pl_scenario *scenario, const char *setting)
+{
+    size_t length = strcspn(setting, "=");
+    for (int i = 0; i < scenario->param_count; ++i) {
+        const char *name = scenario->params[i].name;
+        if (strlen(name) == length && strncmp(name, setting, length) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* An error that names the option, the parameter and the nearest one of all `scenarios`. */
+static pl_status unknown_param(const char *option, const char *setting,
+                               const pl_scenario *const *scenarios, int count, pl_error *error)
+{
+    char word[PL_NAME_SIZE];
+    const char *nearest = NULL;
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(setting, "="), setting);
+    for (int i = 0; i < count && nearest == NULL; ++i) {
+        const char *names[PL_MAX_PARAMS];
+        for (int k = 0; k < scenarios[i]->param_count; ++k) {
+            names[k] = scenarios[i]->params[k].name;
+        }
+        nearest = pl_nearest_name(word, names, scenarios[i]->param_count);
+    }
+    if (count == 0) {
+        return pl_fail(error, PL_BAD_INPUT, "%s %s: a scene file has no parameters; edit the file",
+                       option, setting);
+    }
+    return pl_fail(error, PL_BAD_INPUT, "%s %s: no chosen scenario has the parameter %s%s%s%s",
+                   option, setting, word, nearest == NULL ? "" : "; did you mean ",
+                   nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
+}
+
+static pl_status check_settings(const char *option, const pl_texts *settings,
+                                const pl_scenario *const *scenarios, int count, pl_error *error)
+{
+    for (int i = 0; i < settings->count; ++i) {
+        const char *setting = settings->items[i];
+        bool known = false;
+        for (int k = 0; k < count; ++k) {
+            known = known || has_param(scenarios[k], setting);
+        }
+        if (!known) {
+            return unknown_param(option, setting, scenarios, count, error);
+        }
+    }
+    return PL_OK;
+}
+
+static void add_known(const pl_scenario *scenario, const pl_texts *settings, pl_texts *chosen)
+{
+    for (int i = 0; i < settings->count; ++i) {
+        if (has_param(scenario, settings->items[i])) {
+            pl_texts_add(chosen, settings->items[i]);
+        }
+    }
+}
+
+static pl_status add_scenario(const pl_request *request, const pl_scenario *scenario,
+                              const char *own_setting, pl_plan *plan, pl_error *error)
+{
+    char dt[48];
+    char duration[48];
+    pl_texts chosen = {.count = 0};
+    if (own_setting != NULL) {
+        pl_texts_add(&chosen, own_setting);
+    }
+    if (!isnan(request->dt)) {
+        snprintf(dt, sizeof dt, "dt=%.17g", request->dt);
+        pl_texts_add(&chosen, dt);
+    }
+    if (!isnan(request->duration)) {
+        snprintf(duration, sizeof duration, "duration=%.17g", request->duration);
+        pl_texts_add(&chosen, duration);
+    }
+    add_known(scenario, &request->settings, &chosen);
+    add_known(scenario, &request->others, &chosen);
+    pl_status status = pl_plan_add_scenario(plan, scenario, chosen.items, chosen.count, error);
+    free(chosen.items);
+    return status;
+}
+
+/* The entries of all suites asked for, then the names. The caller frees *list. */
+static pl_status list_asked(const pl_request *request, asked **list, int *count, pl_error *error)
+{
+    *list = NULL;
+    *count = 0;
+    pl_status status = PL_OK;
+    for (int i = 0; i < request->suites.count && status == PL_OK; ++i) {
+        const pl_suite *suite = pl_suite_find(request->suites.items[i], error);
+        if (suite == NULL) {
+            return PL_BAD_INPUT;
+        }
+        for (int k = 0; k < suite->entry_count && status == PL_OK; ++k) {
+            const pl_suite_entry *entry = &suite->entries[k];
+            const asked item = {.name = entry->scenario, .setting = entry->setting};
+            status = pl_array_push(list, count, &item, sizeof item, error);
+        }
+    }
+    for (int i = 0; i < request->names.count && status == PL_OK; ++i) {
+        const asked item = {.name = request->names.items[i]};
+        status = pl_array_push(list, count, &item, sizeof item, error);
+    }
+    return status;
+}
+
+/* Finds the scenarios of the items that are no scene files: (*known) in their order. */
+static pl_status find_scenarios(const asked *list, int count, const pl_scenario **scenarios,
+                                int *known, pl_error *error)
+{
+    for (int i = 0; i < count; ++i) {
+        if (!is_scene_file(list[i].name)) {
+            scenarios[*known] = pl_scenario_find(list[i].name, error);
+            if (scenarios[*known] == NULL) {
+                return PL_BAD_INPUT;
+            }
+            ++*known;
+        }
+    }
+    return PL_OK;
+}
+
+pl_status pl_request_add_cases(const pl_request *request, pl_plan *plan, pl_error *error)
+{
+    asked *list = NULL;
+    const pl_scenario **scenarios = NULL;
+    int count = 0, known = 0, next = 0;
+    pl_status status = list_asked(request, &list, &count, error);
+    if (status != PL_OK) {
+        goto cleanup;
+    }
+    scenarios = calloc((size_t)count + 1, sizeof *scenarios);
+    status = scenarios == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
+                               : find_scenarios(list, count, scenarios, &known, error);
+    if (status == PL_OK) {
+        status = check_settings("--set", &request->settings, scenarios, known, error);
+    }
+    if (status == PL_OK) {
+        status = check_settings(request->others_option, &request->others, scenarios, known, error);
+    }
+    plan->seed = request->seed;
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        status =
+            is_scene_file(list[i].name)
+                ? pl_plan_add_scene_file(plan, list[i].name, request->dt, request->duration, error)
+                : add_scenario(request, scenarios[next++], list[i].setting, plan, error);
+    }
+
+cleanup:
+    free(scenarios);
+    free(list);
+    return status;
+}
+
+/* ---- Engines ---- */
+
+static pl_status add_asked_engines(const pl_call *call, const pl_texts *specs, pl_plan *plan,
+                                   pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int i = 0; i < specs->count && status == PL_OK; ++i) {
+        status = pl_plan_add_engine(plan, specs->items[i], error);
+        if (status == PL_UNSUPPORTED) {
+            fprintf(stderr, "%s: %s\n", call->argv[0], error->message);
+            status = PL_OK;
+        }
+    }
+    return status;
+}
+
+static pl_status add_all_engines(const pl_call *call, pl_plan *plan, pl_error *error)
+{
+    int count;
+    const pl_known_engine *known = pl_known_engines(&count);
+    pl_status status = PL_OK;
+    for (int i = 0; i < count; ++i) {
+        const pl_engine *engine = known[i].engine;
+        if (engine == NULL) {
+            fprintf(stderr, "%s: engine %s is absent from this build; Debian: %s\n", call->argv[0],
+                    known[i].name, known[i].package);
+        }
+        for (int k = 0; engine != NULL && k < engine->profile_count && status == PL_OK; ++k) {
+            char spec[2 * PL_NAME_SIZE];
+            snprintf(spec, sizeof spec, "%s:%s", known[i].name, engine->profiles[k].name);
+            if (engine->profiles[k].in_default_comparison) {
+                status = pl_plan_add_engine(plan, spec, error);
+            }
+        }
+    }
+    return status;
+}
+
+pl_status pl_request_add_engines(const pl_call *call, const pl_request *request, pl_plan *plan,
+                                 pl_error *error)
+{
+    return request->engines.count > 0 ? add_asked_engines(call, &request->engines, plan, error)
+                                      : add_all_engines(call, plan, error);
+}
+
+pl_status pl_request_plan(const pl_call *call, const pl_request *request, pl_plan *plan,
+                          pl_error *error)
+{
+    pl_status status = pl_request_add_cases(request, plan, error);
+    return status == PL_OK ? pl_request_add_engines(call, request, plan, error) : status;
+}

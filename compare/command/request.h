@@ -1,0 +1,65 @@
+/* What a command was asked for: scenes, engines, limits, and where results go. Several commands
+ * share these options, of which each includes the tables that it needs. */
+#ifndef PLUMB_REQUEST_H
+#define PLUMB_REQUEST_H
+
+#include "command.h"
+#include "runner/plan.h"
+#include "runner/process.h"
+
+/* The first member of the options of every command. The texts are those of the command line. */
+typedef struct pl_request {
+    pl_texts names;    /* arguments: scenarios and scene files, or what the command takes */
+    pl_texts suites;   /* --suite */
+    pl_texts engines;  /* --engine */
+    pl_texts settings; /* --set NAME=VALUE */
+    pl_texts others;   /* settings of the option `others_option`, which come after them; borrowed */
+    const char *others_option;
+    double dt, duration; /* s; NAN: the scenario's own */
+    uint64_t seed;
+    pl_limits limits; /* --timeout, --memory */
+    const char *json; /* --json; NULL: none */
+    const char *out;  /* --out */
+    int jobs;         /* --jobs */
+    bool resume;      /* --resume */
+} pl_request;
+
+/* Nothing asked for, the default limits, and one job. */
+pl_request pl_request_default(void);
+
+/* Frees what parsing allocated. */
+void pl_request_free(pl_request *request);
+
+/* --set, --dt, --duration, --seed */
+extern const pl_option pl_scene_options[];
+/* --timeout, --memory, --profiles */
+extern const pl_option pl_limit_options[];
+/* --suite, --engine, --json */
+extern const pl_option pl_comparison_options[];
+/* --jobs */
+extern const pl_option pl_jobs_options[];
+/* --out, --resume */
+extern const pl_option pl_out_options[];
+
+/* A usage error with the message `which` when neither scenarios nor suites are named (NULL: they
+ * need not be), and, unless `reader` is NULL, when a scene is to come from standard input: each
+ * `reader` reads its scene, which standard input allows once. */
+pl_status pl_request_check(const pl_request *request, const char *which, const char *reader,
+                           pl_error *error);
+
+/* Adds the cases of all suites, then those of the names. A name with a '/', one that ends in
+ * ".json", and "-" are scene files; others are scenarios. Each setting goes to every scenario that
+ * has the parameter, after a suite's own. PL_BAD_INPUT: there is no such suite, scenario or
+ * parameter. */
+pl_status pl_request_add_cases(const pl_request *request, pl_plan *plan, pl_error *error);
+
+/* Adds the engines asked for, or all profiles that engines propose for comparison. An engine that
+ * this build lacks is reported on standard error and left out. */
+pl_status pl_request_add_engines(const pl_call *call, const pl_request *request, pl_plan *plan,
+                                 pl_error *error);
+
+/* Both: the cases, then the engines. */
+pl_status pl_request_plan(const pl_call *call, const pl_request *request, pl_plan *plan,
+                          pl_error *error);
+
+#endif
