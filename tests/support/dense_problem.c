@@ -38,14 +38,6 @@ void test_memory_end(test_memory *memory)
     pe_arena_free(&memory->arena, &memory->allocator);
 }
 
-static void *taken(pe_workspace work, int count, size_t stride)
-{
-    void *block = pe_take(work, (size_t)count + 1, stride);
-    assert_non_null(block);
-    memset(block, 0, ((size_t)count + 1) * stride);
-    return block;
-}
-
 /* The inverse of a symmetric matrix by its adjugate. */
 static void invert(const double m[6], double inverse[6])
 {
@@ -77,53 +69,8 @@ static void arm_to(const pe_problem_manifold *m, const double arm[3],
 
 pe_problem solver_problem(const pe_contact_problem *from, pe_workspace work)
 {
-    int bodies = from->body_count, points = from->point_count;
-    pe_inertia *inertia = taken(work, bodies, sizeof *inertia);
-    double(*free_velocity)[6] = taken(work, bodies, sizeof *free_velocity);
-    double(*velocity)[6] = taken(work, bodies, sizeof *velocity);
-    pe_solver_manifold *manifolds = taken(work, from->manifold_count, sizeof *manifolds);
-    pe_solver_point *point = taken(work, points, sizeof *point);
-    double(*impulse)[3] = taken(work, points, sizeof *impulse);
-    for (int i = 0; i < bodies; ++i) {
-        const pe_problem_body *body = &from->bodies[i];
-        inertia[i].mass = body->mass;
-        inertia[i].inverse_mass = 1 / body->mass;
-        memcpy(inertia[i].tensor, body->inertia, sizeof body->inertia);
-        invert(body->inertia, inertia[i].inverse_tensor);
-        memcpy(free_velocity[i], body->free_velocity, sizeof *free_velocity);
-    }
-    for (int i = 0; i < from->manifold_count; ++i) {
-        const pe_problem_manifold *m = &from->manifolds[i];
-        pe_solver_manifold *manifold = &manifolds[i];
-        *manifold = (pe_solver_manifold){.a = m->a == PE_STATIC ? bodies : m->a,
-                                         .b = m->b == PE_STATIC ? bodies : m->b,
-                                         .first = m->first,
-                                         .count = m->count,
-                                         .friction = m->friction};
-        memcpy(manifold->frame, m->frame, sizeof m->frame);
-        memcpy(manifold->arm_a, m->arm_a, sizeof m->arm_a);
-        memcpy(manifold->arm_b, m->arm_b, sizeof m->arm_b);
-        for (int j = m->first; j < m->first + m->count; ++j) {
-            double ra[3], rb[3];
-            arm_to(m, m->arm_a, &from->points[j], ra);
-            arm_to(m, m->arm_b, &from->points[j], rb);
-            memcpy(point[j].s, from->points[j].offset, sizeof point[j].s);
-            point[j].bias = from->points[j].bias;
-            memcpy(point[j].slip, from->points[j].slip, sizeof point[j].slip);
-            point[j].scale = pe_point_scale(&inertia[manifold->a], &inertia[manifold->b], ra, rb);
-            memcpy(impulse[j], from->points[j].impulse, sizeof impulse[j]);
-        }
-    }
-    pe_problem problem = {.body_count = bodies,
-                          .manifold_count = from->manifold_count,
-                          .point_count = points,
-                          .inertia = inertia,
-                          .free_velocity = (const double(*)[6])free_velocity,
-                          .velocity = velocity,
-                          .manifold = manifolds,
-                          .point = point,
-                          .impulse = impulse};
-    pe_problem_rebuild_velocity(&problem);
+    pe_problem problem;
+    assert_int_equal(pe_problem_of_data(from, work, &problem, NULL), PE_OK);
     return problem;
 }
 

@@ -32,7 +32,7 @@ void bench_begin(sweep_bench *b, int bodies)
     b->problem = (pe_problem){
         .body_count = bodies,
         .inertia = b->inertia,
-        .free_velocity = (const double(*)[6])b->free_velocity,
+        .free_velocity = b->free_velocity,
         .velocity = b->velocity,
         .manifold = b->manifold,
         .point = b->point,

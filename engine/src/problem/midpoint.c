@@ -1,307 +1,445 @@
+/* Transport of manifolds to the midpoint of the step; the method is in midpoint.h. */
 #include "midpoint.h"
 
-#include "attachment.h"
-
-/* Bodies of an island: in larger ones something strikes at most steps, and the residual matters
+/* Most bodies of an island. Larger ones have an impact in most steps, and the residual matters
  * more. */
-enum { FEW = 2 };
+enum { MOST_BODIES = 2 };
 
-/* Part of the largest push by which no point of a smooth island is off. */
+/* In a smooth island no point is off by more than this part of the largest impulse. */
 static const double SMOOTH = 0.25;
 
-/* rad: what turns by less in a step does not, and by more in half of it is past being carried. */
-static const double NO_TURN = 1e-9, MOST_TURN = 0.5;
+/* rad: less rotation than this in a step is none; more than this in half a step is too much to
+ * transport. */
+static const double NO_ROTATION = 1e-9, MOST_ROTATION = 0.5;
 
-/* Part of a gap that is taken back in a step. With all of it, mean velocities overshoot. */
+/* Part of a gap that is corrected in a step. With all of it, mean velocities overshoot. */
 static const double DRIFT = 0.5;
 
-/* m and m/s: touches, and does not approach. */
-static const double TOUCHING = 1e-9, STANDING = 1e-6;
+/* m and m/s: a contact that touches, and one that does not approach. */
+static const double TOUCHING = 1e-9, RESTING = 1e-6;
 
-/* In units of the change that its turn makes in half a step: by how much the normal velocity of a
- * carried point may be off, and its gap in a step. A step that is not of this kind leaves two. */
-static const double GOES_ON = 3;
+/* The bound on the normal velocity of a transported point and on its gap in a step, in units of the
+ * change that rotation makes in half a step. A step without transport leaves two. */
+static const double SMOOTH_CHANGES = 3;
 
-/* So much of the speed that is gained in a step of falling does not matter to it. */
+/* Part of the speed gained in a step of free fall that does not count as normal velocity. */
 static const double FALL = 2e-3;
 
-/* Friction that is less, in parts of its limit, holds. */
+/* Friction below this part of its bound sticks. */
 static const double LIMIT = 0.99;
-/* Part of its mean by which a slip that goes on may slow down in half a step, and its least. */
+
+/* Part of its mean by which a slip that goes on may slow down in half a step; m/s: the least such
+ * slip. */
 static const double SLOWING = 0.5, LEAST_SLIP = 1e-6;
-/* rad: a slip that turns by less in a quarter of a step is straight, and has its friction already.
- */
+
+/* rad: a slip that turns by less in a quarter of a step is straight, and its friction needs no
+ * rotation. */
 static const double STRAIGHT = 1e-7;
-/* The impulses' direction and b_t depend on each other. */
+
+/* Rounds of finding b_t and the direction of the impulses, which depend on each other. */
 enum { SLIP_ROUNDS = 3 };
 
-typedef struct middle {
+/* m, and of a unit normal: a point or normal that moves by less than this in a body's axes is fixed
+ * there. */
+static const double FIXED = 1e-9;
+
+typedef struct midpoint {
     pe_world *world;
     const pe_island_problem *built;
     const pe_problem *problem;
-    const int *source;
     const pe_free_motion *free;
     double dt;
-    pe_solver_manifold *manifold;
-    pe_solver_point *point;
-    double *normal_change;
-    bool *fixed; /* (manifolds): carried, or would be if its bodies turned */
-} middle;
+    bool *fixed; /* (manifolds): transported, or would be if its bodies rotated */
+} midpoint;
 
-static pe_vec3 vector(const double v[3])
-{
-    return pe_v3(v[0], v[1], v[2]);
-}
+/* ---- Attachment to features ---- */
 
-static void store(double to[3], pe_vec3 v)
-{
-    to[0] = v.x, to[1] = v.y, to[2] = v.z;
-}
+/* The bodies in which all points of a manifold are fixed, and in which its normal is. */
+typedef struct attachment {
+    bool in_a, in_b;
+    bool normal_a, normal_b;
+} attachment;
 
-static const pe_manifold *kept_manifold(const middle *s, int i)
+/* The first manifold of the list that is not before the pair of m. */
+static int find_pair(const pe_contacts *list, const pe_manifold *m)
 {
-    return &pe_manifolds(&s->world->contacts)[s->source[i]];
-}
-
-/* Of a and b, at the step's start. */
-static void began_velocities(const middle *s, const pe_solver_manifold *manifold,
-                             double began[2][6])
-{
-    const int body[2] = {manifold->a, manifold->b};
-    for (int i = 0; i < 2; ++i) {
-        pe_twist motion = {0};
-        if (body[i] != s->problem->body_count) {
-            motion = pe_twists(s->world)[s->built->slot[body[i]]];
+    int low = 0, high = list->manifold_count;
+    while (low < high) {
+        int at = low + (high - low) / 2;
+        const pe_manifold *other = &pe_manifolds(list)[at];
+        if (other->a < m->a || (other->a == m->a && other->b < m->b)) {
+            low = at + 1;
+        } else {
+            high = at;
         }
-        store(began[i], motion.velocity);
-        store(began[i] + 3, motion.angular_velocity);
+    }
+    return low;
+}
+
+static bool is_fixed(pe_vec3 a, pe_vec3 b)
+{
+    pe_vec3 d = pe_sub(a, b);
+    return pe_dot(d, d) < FIXED * FIXED;
+}
+
+static const pe_manifold_point *find_point(const pe_contacts *list, const pe_manifold *m,
+                                           uint64_t feature)
+{
+    const pe_manifold_point *points = pe_manifold_points(list) + m->first;
+    for (int i = 0; i < m->count; ++i) {
+        if (points[i].feature == feature) {
+            return &points[i];
+        }
+    }
+    return NULL;
+}
+
+/* Compares a manifold with that of the same features in the last step. */
+static attachment compare(const pe_world *world, const pe_manifold *m, const pe_manifold *last)
+{
+    const pe_manifold_point *points = pe_manifold_points(&world->contacts) + m->first;
+    bool on_b = m->built.normal_on_b;
+    bool normal = last->built.normal_on_b == on_b && is_fixed(last->built.normal, m->built.normal);
+    attachment f = {true, true, normal && !on_b, normal && on_b};
+    for (int j = 0; j < m->count; ++j) {
+        const pe_manifold_point *old = find_point(&world->solved, last, points[j].feature);
+        f.in_a = f.in_a && old != NULL && is_fixed(old->anchor_a, points[j].anchor_a);
+        f.in_b = f.in_b && old != NULL && is_fixed(old->anchor_b, points[j].anchor_b);
+    }
+    return f;
+}
+
+static bool is_polyhedron(const pe_world *world, int slot)
+{
+    pe_shape_kind kind = pe_bodies(world)[slot].shape.kind;
+    return kind == PE_SHAPE_BOX || kind == PE_SHAPE_HULL || kind == PE_SHAPE_MESH;
+}
+
+static bool is_plane(const pe_world *world, int slot)
+{
+    return pe_bodies(world)[slot].shape.kind == PE_SHAPE_PLANE;
+}
+
+/* Of a pair that is new, only the corners of polyhedra on a plane are known to be fixed. */
+static attachment find_attachment(const pe_world *world, const pe_manifold *m)
+{
+    const pe_contacts *list = &world->solved;
+    uint64_t feature = pe_manifold_points(&world->contacts)[m->first].feature;
+    bool known = false;
+    for (int i = find_pair(list, m); i < list->manifold_count; ++i) {
+        const pe_manifold *last = &pe_manifolds(list)[i];
+        if (last->a != m->a || last->b != m->b) {
+            break;
+        }
+        known = true;
+        if (find_point(list, last, feature) != NULL) {
+            return compare(world, m, last);
+        }
+    }
+    bool a = !known && is_polyhedron(world, m->a) && is_plane(world, m->b);
+    bool b = !known && is_polyhedron(world, m->b) && is_plane(world, m->a);
+    return (attachment){.in_a = a, .in_b = b, .normal_a = b, .normal_b = a};
+}
+
+/* ---- Transport of the geometry ---- */
+
+/* A motion of both bodies. */
+typedef struct displacement {
+    pe_vec3 rotation_a, rotation_b; /* rotation vectors, world, up to about a radian */
+    pe_vec3 shift;                  /* of a's centre of mass relative to b's, world, m */
+} displacement;
+
+/* A manifold after such a motion, to second order of the rotations, in world axes. */
+typedef struct transported {
+    pe_vec3 axis[3]; /* n, t1, t2 */
+    pe_vec3 rA, rB;  /* from the centres of mass to the manifold's centre */
+} transported;
+
+/* x rotated about v by 2 atan |v|/2, which is |v| to second order (Rodrigues). */
+static pe_vec3 rotated(pe_vec3 v, pe_vec3 x)
+{
+    pe_vec3 t = pe_scale(0.5, v), c = pe_cross(t, x);
+    return pe_madd(x, 2 / (1 + pe_dot(t, t)), pe_add(c, pe_cross(t, c)));
+}
+
+static transported transport_manifold(const pe_solver_manifold *manifold, const attachment *f,
+                                      const displacement *d)
+{
+    transported to;
+    for (int k = 0; k < 3; ++k) {
+        to.axis[k] =
+            rotated(f->normal_a ? d->rotation_a : d->rotation_b, pe_v3_load(manifold->frame[k]));
+    }
+    pe_vec3 rA = pe_v3_load(manifold->arm_a), rB = pe_v3_load(manifold->arm_b);
+    if (f->in_a) {
+        to.rA = rotated(d->rotation_a, rA);
+        to.rB = pe_add(pe_add(rB, d->shift), pe_sub(to.rA, rA));
+    } else {
+        to.rB = rotated(d->rotation_b, rB);
+        to.rA = pe_add(pe_sub(rA, d->shift), pe_sub(to.rB, rB));
+    }
+    return to;
+}
+
+/* The offset of a point from the manifold's centre after the motion, in world axes. */
+static pe_vec3 transport_point(const pe_solver_manifold *manifold, const pe_solver_point *point,
+                               const attachment *f, const displacement *d)
+{
+    pe_vec3 offset = {0};
+    for (int k = 0; k < 3; ++k) {
+        offset = pe_madd(offset, point->s[k], pe_v3_load(manifold->frame[k]));
+    }
+    return rotated(f->in_a ? d->rotation_a : d->rotation_b, offset);
+}
+
+/* The velocity of B relative to A at a point of the transported manifold, along its axes. */
+static void velocity_at(const double a[6], const double b[6], const transported *at, pe_vec3 offset,
+                        double u[3])
+{
+    pe_vec3 vA = pe_v3_load(a), wA = pe_v3_load(a + 3), vB = pe_v3_load(b), wB = pe_v3_load(b + 3);
+    pe_vec3 uA = pe_add(vA, pe_cross(wA, pe_add(at->rA, offset)));
+    pe_vec3 uB = pe_add(vB, pe_cross(wB, pe_add(at->rB, offset)));
+    for (int k = 0; k < 3; ++k) {
+        u[k] = pe_dot(at->axis[k], pe_sub(uB, uA));
     }
 }
 
-/* The manifold's twist by the velocities of the step's start. */
-static void began_twist(const middle *s, const pe_solver_manifold *manifold, double q[6])
+/* ---- Smooth islands ---- */
+
+static const pe_manifold *kept_manifold(const midpoint *s, int i)
 {
-    double began[2][6];
-    pe_solver_manifold pair = *manifold;
-    pair.a = 0, pair.b = 1;
-    began_velocities(s, manifold, began);
-    pe_solver_manifold_twist(&pair, (const double(*)[6])began, q);
+    return &pe_manifolds(&s->world->contacts)[s->built->source[i]];
 }
 
-/* ---- Smooth islands ----------------------------------------------------------------------------
- */
-
-/* Whether the manifold touches, and nothing approaches: so scenes begin. */
-static bool stands(const middle *s, int i)
+static const pe_manifold_point *kept_points(const midpoint *s, int i)
 {
-    const pe_solver_manifold *manifold = &s->manifold[i];
-    const pe_manifold_point *points =
-        pe_manifold_points(&s->world->contacts) + kept_manifold(s, i)->first;
-    double q[6], u[3];
-    began_twist(s, manifold, q);
-    for (int j = 0; j < manifold->count; ++j) {
-        pe_point_motion(&s->point[manifold->first + j], q, u);
-        if (!(fabs(points[j].separation) < TOUCHING && fabs(u[0]) < STANDING)) {
-            return false;
+    return pe_manifold_points(&s->world->contacts) + kept_manifold(s, i)->first;
+}
+
+/* Velocities of bodies a and b at the step's start. */
+static void start_velocities(const midpoint *s, const pe_solver_manifold *manifold,
+                             double start[2][6])
+{
+    const int body[2] = {manifold->a, manifold->b};
+    for (int i = 0; i < 2; ++i) {
+        pe_twist twist = {0};
+        if (body[i] != s->problem->body_count) {
+            twist = pe_twists(s->world)[s->built->slot[body[i]]];
+        }
+        pe_v3_store(start[i], twist.velocity);
+        pe_v3_store(start[i] + 3, twist.angular_velocity);
+    }
+}
+
+/* The manifold's relative twist at the velocities of the step's start. */
+static void start_twist(const midpoint *s, const pe_solver_manifold *manifold, double q[6])
+{
+    double start[2][6];
+    pe_solver_manifold pair = *manifold;
+    pair.a = 0, pair.b = 1;
+    start_velocities(s, manifold, start);
+    pe_solver_manifold_twist(&pair, (const double(*)[6])start, q);
+}
+
+/* Whether all manifolds touch and nothing approaches, as scenes begin. */
+static bool is_at_rest(const midpoint *s)
+{
+    for (int i = 0; i < s->problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &s->problem->manifold[i];
+        const pe_manifold_point *points = kept_points(s, i);
+        double q[6], u[3];
+        start_twist(s, manifold, q);
+        for (int j = 0; j < manifold->count; ++j) {
+            pe_point_motion(&s->problem->point[manifold->first + j], q, u);
+            if (!(fabs(points[j].separation) < TOUCHING && fabs(u[0]) < RESTING)) {
+                return false;
+            }
         }
     }
     return true;
 }
 
-/* Whether the impulses of the last step nearly fit, or nothing moved yet. */
-static bool is_smooth(const middle *s)
+/* Whether the impulses of the last step nearly fit, or nothing has moved yet. */
+static bool is_smooth(const midpoint *s)
 {
-    double off = 0, push = 0, q[6], u[3];
+    double off = 0, largest = 0, q[6], u[3];
     for (int i = 0; i < s->problem->manifold_count; ++i) {
-        const pe_solver_manifold *manifold = &s->manifold[i];
+        const pe_solver_manifold *manifold = &s->problem->manifold[i];
         pe_solver_manifold_twist(manifold, (const double(*)[6])s->problem->velocity, q);
         for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
-            pe_point_velocity(&s->point[j], q, u);
-            double p = s->point[j].scale * s->problem->impulse[j][0];
+            pe_point_velocity(&s->problem->point[j], q, u);
+            double p = s->problem->point[j].scale * s->problem->impulse[j][0];
             off = pe_max(off, fabs(p - pe_max(0, p - u[0])));
-            push = pe_max(push, p);
+            largest = pe_max(largest, p);
         }
     }
-    bool began = push == 0;
-    for (int i = 0; i < s->problem->manifold_count && began; ++i) {
-        began = stands(s, i);
-    }
-    return began || off < SMOOTH * push;
+    return off < SMOOTH * largest || (largest == 0 && is_at_rest(s));
 }
 
-/* ---- Carrying ----------------------------------------------------------------------------------
- */
+/* ---- Transport ---- */
 
 /* Mean velocity over the step of body i of the problem. */
-static void mean_of(const middle *s, int i, pe_vec3 *linear, pe_vec3 *angular)
+static void mean_velocity(const midpoint *s, int i, pe_vec3 *linear, pe_vec3 *angular)
 {
     *linear = *angular = pe_v3(0, 0, 0);
     if (i != s->problem->body_count) {
         int slot = s->built->slot[i];
         const double *v = s->problem->velocity[i];
         const pe_free_motion *free = &s->free[slot];
-        *linear = pe_madd(free->mean.velocity, 0.5, pe_sub(vector(v), free->end.velocity));
-        *angular = pe_scale(0.5, pe_add(pe_twists(s->world)[slot].angular_velocity, vector(v + 3)));
+        *linear = pe_madd(free->mean.velocity, 0.5, pe_sub(pe_v3_load(v), free->end.velocity));
+        *angular =
+            pe_scale(0.5, pe_add(pe_twists(s->world)[slot].angular_velocity, pe_v3_load(v + 3)));
     }
 }
 
-/* Of b relative to a, of these velocities, at a point of the carried manifold, along its axes. */
-static void velocity_at(const double a[6], const double b[6], const pe_transported *at, pe_vec3 off,
-                        double u[3])
+/* Whether friction is at its bound. */
+static bool slides(double friction, const double p[3])
 {
-    pe_vec3 ua = pe_add(vector(a), pe_cross(vector(a + 3), pe_add(at->arm_a, off)));
-    pe_vec3 ub = pe_add(vector(b), pe_cross(vector(b + 3), pe_add(at->arm_b, off)));
-    for (int k = 0; k < 3; ++k) {
-        u[k] = pe_dot(at->axis[k], pe_sub(ub, ua));
-    }
+    double bound = LIMIT * friction * p[0];
+    return bound > 0 && p[1] * p[1] + p[2] * p[2] >= bound * bound;
 }
 
-static void carry_point(const middle *s, const pe_solver_manifold *manifold, const pe_attachment *f,
-                        const pe_displacement *to_half, const pe_displacement *to_end, double gap,
-                        int j)
-{
-    pe_solver_point *point = &s->point[j];
-    pe_transported half = pe_solver_manifold_transported(manifold, f, to_half),
-                   end = pe_solver_manifold_transported(manifold, f, to_end);
-    pe_vec3 off = pe_offset_transported(manifold, point, f, to_half), force = {0};
-    double at_half[3], at_end[3], ra[3], rb[3], *p = s->problem->impulse[j];
-    const double *a = s->problem->velocity[manifold->a], *b = s->problem->velocity[manifold->b];
-    velocity_at(a, b, &half, off, at_half);
-    velocity_at(a, b, &end, pe_offset_transported(manifold, point, f, to_end), at_end);
-    double normal_change = fabs(at_end[0] - at_half[0]);
-    bool bounces = point->bias < -STANDING;
-    if (!bounces && fabs(gap) < s->dt * normal_change + TOUCHING) {
-        point->bias = DRIFT * gap / s->dt;
-    }
-    point->bias += at_end[0] - at_half[0];
-    for (int k = 0; k < 2; ++k) {
-        point->slip[k] = at_end[1 + k] - at_half[1 + k];
-    }
-    s->normal_change[j] = normal_change;
-    store(ra, pe_add(half.arm_a, off));
-    store(rb, pe_add(half.arm_b, off));
-    point->scale = pe_point_scale(&s->problem->inertia[manifold->a],
-                                  &s->problem->inertia[manifold->b], ra, rb);
-    for (int k = 0; k < 3; ++k) {
-        force = pe_madd(force, p[k], vector(manifold->frame[k]));
-    }
-    for (int k = 0; k < 3; ++k) {
-        point->s[k] = pe_dot(half.axis[k], off);
-        p[k] = pe_dot(half.axis[k], force);
-    }
-}
-
-static bool slides(const middle *s, const pe_solver_manifold *manifold)
+static bool any_slides(const midpoint *s, const pe_solver_manifold *manifold)
 {
     for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
-        const double *p = s->problem->impulse[j];
-        double held = LIMIT * manifold->friction * p[0];
-        if (held > 0 && p[1] * p[1] + p[2] * p[2] >= held * held) {
+        if (slides(manifold->friction, s->problem->impulse[j])) {
             return true;
         }
     }
     return false;
 }
 
-/* Whether what the manifold pushes touches, and had, at the step's start, just the velocity that
- * its turn accounts for, or a step without this leaves. What has been struck has another. */
-static bool goes_on(const middle *s, const pe_solver_manifold *manifold,
-                    const pe_manifold_point *points, const pe_attachment *f,
-                    const pe_displacement *half)
+/* Whether every loaded point touches, and had at the step's start the velocity that its rotation
+ * accounts for, or that a step without transport leaves. After an impact it has another one. */
+static bool is_continued(const midpoint *s, const pe_solver_manifold *manifold,
+                         const pe_manifold_point *points, const attachment *f,
+                         const displacement *half)
 {
-    pe_displacement none = {0};
-    pe_transported now = pe_solver_manifold_transported(manifold, f, &none),
-                   then = pe_solver_manifold_transported(manifold, f, half);
-    double began[2][6], u[3], v[3];
+    displacement none = {0};
+    transported now = transport_manifold(manifold, f, &none);
+    transported then = transport_manifold(manifold, f, half);
+    double start[2][6], u[3], v[3];
     double least = 10 * TOUCHING / s->dt + FALL * s->dt * pe_length(s->world->def.gravity);
-    began_velocities(s, manifold, began);
-    for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
-        const pe_solver_point *point = &s->point[j];
-        pe_vec3 off = pe_offset_transported(manifold, point, f, &none);
-        velocity_at(began[0], began[1], &now, off, u);
-        velocity_at(began[0], began[1], &then, pe_offset_transported(manifold, point, f, half), v);
-        double most = GOES_ON * fabs(v[0] - u[0]) + least;
-        double gap = points[j - manifold->first].separation;
-        bool parts = !(fabs(u[0]) < most) || !(fabs(gap) < s->dt * most);
-        if (s->problem->impulse[j][0] > 0 && parts) {
+    start_velocities(s, manifold, start);
+    for (int j = 0; j < manifold->count; ++j) {
+        const pe_solver_point *point = &s->problem->point[manifold->first + j];
+        velocity_at(start[0], start[1], &now, transport_point(manifold, point, f, &none), u);
+        velocity_at(start[0], start[1], &then, transport_point(manifold, point, f, half), v);
+        double most = SMOOTH_CHANGES * fabs(v[0] - u[0]) + least;
+        bool parts = !(fabs(u[0]) < most) || !(fabs(points[j].separation) < s->dt * most);
+        if (s->problem->impulse[manifold->first + j][0] > 0 && parts) {
             return false;
         }
     }
     return true;
 }
 
-/* Carries manifold i, if it can be, to the middle; false where nothing changed. */
-static bool carry(const middle *s, int i)
+/* Sets biases, scales, offsets and impulses of the points to those at the midpoint. */
+static void transport_points(const midpoint *s, const pe_solver_manifold *manifold,
+                             const pe_manifold_point *points, const attachment *f,
+                             const displacement *to_half)
 {
-    pe_solver_manifold *manifold = &s->manifold[i];
-    pe_vec3 va, wa, vb, wb;
-    mean_of(s, manifold->a, &va, &wa);
-    mean_of(s, manifold->b, &vb, &wb);
-    double fastest = s->dt * sqrt(pe_max(pe_dot(wa, wa), pe_dot(wb, wb)));
-    bool turns = fastest > NO_TURN && 0.5 * fastest < MOST_TURN;
+    displacement to_end = {pe_scale(2, to_half->rotation_a), pe_scale(2, to_half->rotation_b),
+                           pe_scale(2, to_half->shift)};
+    transported half = transport_manifold(manifold, f, to_half);
+    transported end = transport_manifold(manifold, f, &to_end);
+    const double *a = s->problem->velocity[manifold->a], *b = s->problem->velocity[manifold->b];
+    const pe_inertia *inertia = s->problem->inertia;
+    for (int i = 0; i < manifold->count; ++i) {
+        int j = manifold->first + i;
+        pe_solver_point *point = &s->problem->point[j];
+        double at_half[3], at_end[3], ra[3], rb[3], *p = s->problem->impulse[j];
+        double gap = points[i].separation;
+        pe_vec3 offset = transport_point(manifold, point, f, to_half), force = {0};
+        velocity_at(a, b, &half, offset, at_half);
+        velocity_at(a, b, &end, transport_point(manifold, point, f, &to_end), at_end);
+        double change = fabs(at_end[0] - at_half[0]);
+        bool bounces = point->bias < -RESTING;
+        if (!bounces && fabs(gap) < s->dt * change + TOUCHING) {
+            point->bias = DRIFT * gap / s->dt;
+        }
+        point->bias += at_end[0] - at_half[0];
+        point->slip[0] = at_end[1] - at_half[1];
+        point->slip[1] = at_end[2] - at_half[2];
+        s->built->normal_change[j] = change;
+        pe_v3_store(ra, pe_add(half.rA, offset));
+        pe_v3_store(rb, pe_add(half.rB, offset));
+        point->scale = pe_point_scale(&inertia[manifold->a], &inertia[manifold->b], ra, rb);
+        for (int k = 0; k < 3; ++k) {
+            force = pe_madd(force, p[k], pe_v3_load(manifold->frame[k]));
+        }
+        for (int k = 0; k < 3; ++k) {
+            point->s[k] = pe_dot(half.axis[k], offset);
+            p[k] = pe_dot(half.axis[k], force);
+        }
+    }
+}
+
+/* Transports manifold i to the midpoint, if it can be; false where nothing changed. */
+static bool transport(const midpoint *s, int i)
+{
+    pe_solver_manifold *manifold = &s->problem->manifold[i];
+    pe_vec3 vA, wA, vB, wB;
+    mean_velocity(s, manifold->a, &vA, &wA);
+    mean_velocity(s, manifold->b, &vB, &wB);
+    double angle = s->dt * sqrt(pe_max(pe_dot(wA, wA), pe_dot(wB, wB)));
+    bool rotates = angle > NO_ROTATION && 0.5 * angle < MOST_ROTATION;
     s->fixed[i] = false;
-    if (!turns && !slides(s, manifold)) {
+    if (!rotates && !any_slides(s, manifold)) {
         return false;
     }
-    const pe_manifold *m = kept_manifold(s, i);
-    pe_attachment f = pe_attachment_of(s->world, m);
+    attachment f = find_attachment(s->world, kept_manifold(s, i));
     s->fixed[i] = (f.in_a || f.in_b) && (f.normal_a || f.normal_b);
-    if (!s->fixed[i] || !turns) {
+    if (!s->fixed[i] || !rotates) {
         return false;
     }
-    pe_displacement half = {pe_scale(0.5 * s->dt, wa), pe_scale(0.5 * s->dt, wb),
-                            pe_scale(0.5 * s->dt, pe_sub(va, vb))};
-    s->fixed[i] =
-        goes_on(s, manifold, pe_manifold_points(&s->world->contacts) + m->first, &f, &half);
+    displacement half = {pe_scale(0.5 * s->dt, wA), pe_scale(0.5 * s->dt, wB),
+                         pe_scale(0.5 * s->dt, pe_sub(vA, vB))};
+    s->fixed[i] = is_continued(s, manifold, kept_points(s, i), &f, &half);
     if (!s->fixed[i]) {
         return false;
     }
-    pe_displacement end = {pe_scale(2, half.turn_a), pe_scale(2, half.turn_b),
-                           pe_scale(2, half.shift)};
-    pe_transported carried = pe_solver_manifold_transported(manifold, &f, &half);
-    for (int j = 0; j < manifold->count; ++j) {
-        double gap = pe_manifold_points(&s->world->contacts)[m->first + j].separation;
-        carry_point(s, manifold, &f, &half, &end, gap, manifold->first + j);
-    }
+    transported to = transport_manifold(manifold, &f, &half);
+    transport_points(s, manifold, kept_points(s, i), &f, &half);
     for (int k = 0; k < 3; ++k) {
-        store(manifold->frame[k], carried.axis[k]);
+        pe_v3_store(manifold->frame[k], to.axis[k]);
     }
-    store(manifold->arm_a, carried.arm_a);
-    store(manifold->arm_b, carried.arm_b);
+    pe_v3_store(manifold->arm_a, to.rA);
+    pe_v3_store(manifold->arm_b, to.rB);
     return true;
 }
 
-/* ---- Slip --------------------------------------------------------------------------------------
- */
+/* ---- Slip ---- */
 
-/* Gives the points of the manifold whose slip goes on their b_t, and their friction the direction
- * that it then has; false where there is none. */
-static bool oppose_mean_slip(const middle *s, const pe_solver_manifold *manifold)
+/* Gives the sliding points of the manifold their b_t, and their friction the direction that opposes
+ * the mean slip; false where no point slides on. */
+static bool oppose_mean_slip(const midpoint *s, const pe_solver_manifold *manifold)
 {
     double then[6], now[6], u[3], v[3];
     bool any = false;
-    began_twist(s, manifold, then);
+    start_twist(s, manifold, then);
     pe_solver_manifold_twist(manifold, (const double(*)[6])s->problem->velocity, now);
     for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
-        pe_point_motion(&s->point[j], then, u);
-        pe_point_motion(&s->point[j], now, v);
-        double *p = s->problem->impulse[j], held = LIMIT * manifold->friction * p[0];
-        if (!(held > 0 && p[1] * p[1] + p[2] * p[2] >= held * held)) {
+        pe_solver_point *point = &s->problem->point[j];
+        double *p = s->problem->impulse[j];
+        if (!slides(manifold->friction, p)) {
             continue;
         }
+        pe_point_motion(point, then, u);
+        pe_point_motion(point, now, v);
         double sum[2] = {u[1] + v[1], u[2] + v[2]}, loss[2] = {u[1] - v[1], u[2] - v[2]};
-        double aside = u[1] * v[2] - u[2] * v[1];
-        double turned = 2 * s->point[j].scale * manifold->friction * p[0];
+        double cross = u[1] * v[2] - u[2] * v[1];
+        double turned = 2 * point->scale * manifold->friction * p[0];
         double square = sum[0] * sum[0] + sum[1] * sum[1];
-        /* Where it slips the manifold has turned by half, and so has the direction. */
-        s->point[j].slip[0] = s->point[j].slip[1] = 0;
+        /* At the midpoint the manifold has rotated by half, and so has the slip. */
+        point->slip[0] = point->slip[1] = 0;
         if (square > LEAST_SLIP * LEAST_SLIP && turned * turned < square &&
-            fabs(aside) > STRAIGHT * square &&
+            fabs(cross) > STRAIGHT * square &&
             fabs(loss[0] * sum[0] + loss[1] * sum[1]) < SLOWING * square &&
             loss[0] * loss[0] + loss[1] * loss[1] < square) {
             double most = manifold->friction * p[0] / sqrt(square);
             for (int k = 0; k < 2; ++k) {
-                s->point[j].slip[k] = 0.5 * loss[k];
+                point->slip[k] = 0.5 * loss[k];
                 p[1 + k] = -most * sum[k];
             }
             any = true;
@@ -310,22 +448,13 @@ static bool oppose_mean_slip(const middle *s, const pe_solver_manifold *manifold
     return any;
 }
 
-pe_status pe_problem_to_midpoint(pe_world *world, const pe_island_problem *built, const int *source,
-                                 const pe_free_motion *free, double dt,
-                                 pe_solver_manifold *manifold, pe_solver_point *point,
-                                 double *normal_change, pe_error *error)
+pe_status pe_problem_to_midpoint(pe_world *world, const pe_island_problem *built,
+                                 const pe_free_motion *free, double dt, pe_error *error)
 {
-    middle s = {.world = world,
-                .built = built,
-                .problem = &built->problem,
-                .source = source,
-                .free = free,
-                .dt = dt,
-                .manifold = manifold,
-                .point = point,
-                .normal_change = normal_change};
+    midpoint s = {
+        .world = world, .built = built, .problem = &built->problem, .free = free, .dt = dt};
     int count = built->problem.manifold_count;
-    if (built->problem.body_count > FEW || !is_smooth(&s)) {
+    if (built->problem.body_count > MOST_BODIES || !is_smooth(&s)) {
         return PE_OK;
     }
     s.fixed = pe_scratch(world, (size_t)count + 1, sizeof *s.fixed);
@@ -334,7 +463,7 @@ pe_status pe_problem_to_midpoint(pe_world *world, const pe_island_problem *built
     }
     bool changed = false;
     for (int i = 0; i < count; ++i) {
-        changed |= carry(&s, i);
+        changed |= transport(&s, i);
     }
     if (changed) {
         pe_problem_rebuild_velocity(s.problem);
@@ -343,7 +472,7 @@ pe_status pe_problem_to_midpoint(pe_world *world, const pe_island_problem *built
     for (int round = 0; round < SLIP_ROUNDS && changed; ++round) {
         changed = false;
         for (int i = 0; i < count; ++i) {
-            changed |= s.fixed[i] && oppose_mean_slip(&s, &manifold[i]);
+            changed |= s.fixed[i] && oppose_mean_slip(&s, &s.problem->manifold[i]);
         }
         if (changed) {
             pe_problem_rebuild_velocity(s.problem);

@@ -4,6 +4,26 @@
 #include <math.h>
 #include <string.h>
 
+pe_status pe_problem_take(pe_problem *problem, pe_workspace work, pe_error *error)
+{
+    size_t n = (size_t)problem->body_count, points = (size_t)problem->point_count + 1;
+    problem->inertia = pe_take(work, n + 1, sizeof *problem->inertia);
+    problem->free_velocity = pe_take(work, n + 1, sizeof *problem->free_velocity);
+    problem->velocity = pe_take(work, n + 1, sizeof *problem->velocity);
+    problem->manifold =
+        pe_take(work, (size_t)problem->manifold_count + 1, sizeof *problem->manifold);
+    problem->point = pe_take(work, points, sizeof *problem->point);
+    problem->impulse = pe_take(work, points, sizeof *problem->impulse);
+    if (problem->inertia == NULL || problem->free_velocity == NULL || problem->velocity == NULL ||
+        problem->manifold == NULL || problem->point == NULL || problem->impulse == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %d contact points",
+                       problem->point_count);
+    }
+    problem->inertia[n] = (pe_inertia){0};
+    memset(problem->free_velocity[n], 0, sizeof *problem->free_velocity);
+    return PE_OK;
+}
+
 void pe_problem_rebuild_velocity(const pe_problem *problem)
 {
     size_t bodies = (size_t)problem->body_count + 1;
@@ -74,6 +94,22 @@ pe_residual pe_problem_residual(const pe_problem *problem)
         residual.rms = sqrt(residual.rms / problem->point_count);
     }
     return residual;
+}
+
+void pe_problem_point_velocities(const pe_problem *problem, const double (*velocity)[6],
+                                 bool with_bias, double (*u)[3])
+{
+    for (int i = 0; i < problem->manifold_count; ++i) {
+        const pe_solver_manifold *manifold = &problem->manifold[i];
+        double q[6];
+        pe_solver_manifold_twist(manifold, velocity, q);
+        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
+            pe_point_velocity(&problem->point[j], q, u[j]);
+            if (!with_bias) {
+                pe_point_take_bias(&problem->point[j], u[j]);
+            }
+        }
+    }
 }
 
 /* Trace of -[r] A [r] for a symmetric A: |r|^2 tr A - r . A r. */

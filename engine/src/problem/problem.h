@@ -18,6 +18,7 @@
 #ifndef PE_PROBLEM_H
 #define PE_PROBLEM_H
 
+#include "base/memory.h"
 #include "plumb/contact_problem.h"
 
 /* Mass and world-frame inertia of a body, all zero for a static one. Symmetric matrices are (xx,
@@ -27,14 +28,8 @@ typedef struct pe_inertia {
     double tensor[6], inverse_tensor[6]; /* kg m^2, and its inverse */
 } pe_inertia;
 
-/* A manifold as the solvers see it. */
-typedef struct pe_solver_manifold {
-    int a, b;         /* bodies of the problem; the normal points from a to b */
-    int first, count; /* points first .. first + count - 1 */
-    double friction;
-    double frame[3][3];        /* rows n, t1, t2: orthonormal, right-handed, world */
-    double arm_a[3], arm_b[3]; /* from the centre of mass to the manifold's centre, world, m */
-} pe_solver_manifold;
+/* A manifold as the solvers see it. A static body is number body_count. */
+typedef pe_problem_manifold pe_solver_manifold;
 
 typedef struct pe_solver_point {
     double s[3];    /* from the manifold's centre, in its frame, m */
@@ -43,17 +38,32 @@ typedef struct pe_solver_point {
     double scale;   /* w = tr(J M^-1 J^T) / 3, 1/kg: takes an impulse of this point to a velocity */
 } pe_solver_point;
 
-/* Borrowed arrays. Body number body_count stands for everything static and has velocity zero.
- * `velocity` is in step with `impulse` before and after every solver. */
+/* Borrowed arrays, of which solvers change `velocity` and `impulse` only. Body number body_count
+ * stands for everything static and has velocity zero. The velocities are in step with the impulses
+ * before and after every solver. */
 typedef struct pe_problem {
     int body_count, manifold_count, point_count;
-    const pe_inertia *inertia;          /* (body_count + 1) */
-    const double (*free_velocity)[6];   /* v*: (body_count + 1) x (linear, angular), world */
-    double (*velocity)[6];              /* (body_count + 1) x (linear, angular) */
-    const pe_solver_manifold *manifold; /* (manifold_count) */
-    const pe_solver_point *point;       /* (point_count) */
-    double (*impulse)[3];               /* (point_count) x (n, t1, t2) */
+    pe_inertia *inertia;          /* (body_count + 1) */
+    double (*free_velocity)[6];   /* v*: (body_count + 1) x (linear, angular), world */
+    double (*velocity)[6];        /* (body_count + 1) x (linear, angular) */
+    pe_solver_manifold *manifold; /* (manifold_count) */
+    pe_solver_point *point;       /* (point_count) */
+    double (*impulse)[3];         /* (point_count) x (n, t1, t2) */
 } pe_problem;
+
+/* Takes the arrays of a problem whose counts are set from the workspace. The numbers of the static
+ * body are set; the others are the caller's to fill. */
+pe_status pe_problem_take(pe_problem *problem, pe_workspace work, pe_error *error);
+
+/* The arrays of a solution of `problem`, all zero, with room for so many marks; freed by
+ * pe_contact_solution_free. */
+pe_status pe_contact_solution_take(const pe_contact_problem *problem, int mark_capacity,
+                                   pe_contact_solution *made, pe_error *error);
+
+/* A contact problem given as data as solvers take it, in the workspace; velocities in step with its
+ * impulses. */
+pe_status pe_problem_of_data(const pe_contact_problem *data, pe_workspace work, pe_problem *problem,
+                             pe_error *error);
 
 /* Sets the velocities to those of the impulses: v = v* + M^-1 J^T p. */
 void pe_problem_rebuild_velocity(const pe_problem *problem);
@@ -66,6 +76,10 @@ double pe_point_residual(double friction, double scale, const double p[3], const
 
 /* The residual of all points at the present velocities and impulses. NaN in them gives NaN. */
 pe_residual pe_problem_residual(const pe_problem *problem);
+
+/* u (point_count): J v of every point at these velocities of all bodies, or J v + b. */
+void pe_problem_point_velocities(const pe_problem *problem, const double (*velocity)[6],
+                                 bool with_bias, double (*u)[3]);
 
 /* Scale of a point at arms ra, rb from the centres of mass; see pe_solver_point. */
 double pe_point_scale(const pe_inertia *a, const pe_inertia *b, const double ra[3],

@@ -139,6 +139,7 @@ typedef struct interior {
     pe_factor factor;
     cone_point *cone; /* (points) */
     pe_gain *gain;
+    vec3 *u;      /* (points): velocities, scratch */
     vec3 *best;   /* impulses */
     vec6 *v, *dv; /* (bodies + 1): the iterate's own velocities, and their step */
 } interior;
@@ -156,21 +157,17 @@ static void start(interior *ip, double least_speed)
 {
     const pe_problem *problem = ip->problem;
     memcpy(ip->v, problem->free_velocity, ((size_t)problem->body_count + 1) * sizeof *ip->v);
+    pe_problem_point_velocities(problem, (const vec6 *)ip->v, true, ip->u);
     double speed = least_speed;
-    for (int i = 0; i < problem->manifold_count; ++i) {
-        double q[6], u[3];
-        const pe_solver_manifold *manifold = &problem->manifold[i];
-        pe_solver_manifold_twist(manifold, (const vec6 *)ip->v, q);
-        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
-            pe_point_velocity(&problem->point[j], q, u);
-            speed = pe_max(speed, pe_max(fabs(u[0]), pe_max(fabs(u[1]), fabs(u[2]))));
-        }
+    for (int j = 0; j < problem->point_count; ++j) {
+        const double *u = ip->u[j];
+        speed = pe_max(speed, pe_max(fabs(u[0]), pe_max(fabs(u[1]), fabs(u[2]))));
     }
     for (int i = 0; i < problem->manifold_count; ++i) {
         const pe_solver_manifold *manifold = &problem->manifold[i];
+        bool rough = manifold->friction != 0; /* true for NaN */
+        double mu = rough ? manifold->friction : 1;
         for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
-            bool rough = manifold->friction > 0;
-            double mu = rough ? manifold->friction : 1;
             ip->cone[j] = (cone_point){
                 .x = {mu * speed / problem->point[j].scale},
                 .z = {speed / mu},
@@ -193,18 +190,14 @@ static double look(interior *ip, double *least)
         problem->impulse[j][2] = c->x[2];
     }
     pe_problem_rebuild_velocity(problem);
+    pe_problem_point_velocities(problem, (const vec6 *)problem->velocity, true, ip->u);
     double worst = 0;
-    for (int i = 0; i < problem->manifold_count; ++i) {
-        const pe_solver_manifold *manifold = &problem->manifold[i];
-        double q[6], u[3];
-        pe_solver_manifold_twist(manifold, (const vec6 *)problem->velocity, q);
-        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
-            pe_point_velocity(&problem->point[j], q, u);
-            u[0] += ip->shift[j];
-            double e = pe_cone_residual(manifold->friction, problem->point[j].scale,
-                                        problem->impulse[j], u);
-            worst = e > worst || e != e ? e : worst;
-        }
+    for (int j = 0; j < problem->point_count; ++j) {
+        const cone_point *c = &ip->cone[j];
+        ip->u[j][0] += ip->shift[j];
+        double e = pe_cone_residual(c->rough ? c->mu : 0, problem->point[j].scale,
+                                    problem->impulse[j], ip->u[j]);
+        worst = e > worst || e != e ? e : worst;
     }
     if (worst < *least) {
         *least = worst;
@@ -218,22 +211,18 @@ static double linearise(interior *ip)
 {
     const pe_problem *problem = ip->problem;
     double sum = 0;
-    for (int i = 0; i < problem->manifold_count; ++i) {
-        double q[6], u[3], z[3];
-        const pe_solver_manifold *manifold = &problem->manifold[i];
-        pe_solver_manifold_twist(manifold, (const vec6 *)ip->v, q);
-        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
-            cone_point *c = &ip->cone[j];
-            pe_point_velocity(&problem->point[j], q, u);
-            u[0] += ip->shift[j];
-            cone_velocity(c, u, z);
-            for (int k = 0; k < 3; ++k) {
-                c->gap[k] = z[k] - c->z[k];
-            }
-            sum += pe_dot3(c->x, c->z);
-            find_scaling(c);
-            gain_of(c, ip->gain[j]);
+    pe_problem_point_velocities(problem, (const vec6 *)ip->v, true, ip->u);
+    for (int j = 0; j < problem->point_count; ++j) {
+        cone_point *c = &ip->cone[j];
+        double z[3];
+        ip->u[j][0] += ip->shift[j];
+        cone_velocity(c, ip->u[j], z);
+        for (int k = 0; k < 3; ++k) {
+            c->gap[k] = z[k] - c->z[k];
         }
+        sum += pe_dot3(c->x, c->z);
+        find_scaling(c);
+        gain_of(c, ip->gain[j]);
     }
     return sum / problem->point_count;
 }
@@ -294,24 +283,19 @@ static double direction(interior *ip, bool corrects, double target)
     }
     pe_factor_solve(&ip->factor, (const vec6 *)ip->dv, ip->dv);
     memset(ip->dv[problem->body_count], 0, sizeof *ip->dv);
+    pe_problem_point_velocities(problem, (const vec6 *)ip->dv, false, ip->u);
     double longest = 1;
-    for (int i = 0; i < problem->manifold_count; ++i) {
-        const pe_solver_manifold *manifold = &problem->manifold[i];
-        double q[6], u[3], dz[3], back[3];
-        pe_solver_manifold_twist(manifold, (const vec6 *)ip->dv, q);
-        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
-            cone_point *c = &ip->cone[j];
-            pe_point_velocity(&problem->point[j], q, u);
-            pe_point_take_bias(&problem->point[j], u);
-            cone_velocity(c, u, dz);
-            unscale_twice(c, dz, back);
-            for (int k = 0; k < 3; ++k) {
-                c->dz[k] = dz[k] + c->gap[k];
-                c->dx[k] -= back[k];
-            }
-            longest = pe_min(longest,
-                             pe_min(step_to_boundary(c->x, c->dx), step_to_boundary(c->z, c->dz)));
+    for (int j = 0; j < problem->point_count; ++j) {
+        cone_point *c = &ip->cone[j];
+        double dz[3], back[3];
+        cone_velocity(c, ip->u[j], dz);
+        unscale_twice(c, dz, back);
+        for (int k = 0; k < 3; ++k) {
+            c->dz[k] = dz[k] + c->gap[k];
+            c->dx[k] -= back[k];
         }
+        longest =
+            pe_min(longest, pe_min(step_to_boundary(c->x, c->dx), step_to_boundary(c->z, c->dz)));
     }
     return longest;
 }
@@ -367,11 +351,13 @@ static pe_status solve_convex(const pe_problem *problem, const double *shift,
         .shift = shift,
         .cone = pe_take(work, points, sizeof *ip.cone),
         .gain = pe_take(work, points, sizeof *ip.gain),
+        .u = pe_take(work, points, sizeof *ip.u),
         .best = pe_take(work, points, sizeof *ip.best),
         .v = pe_take(work, bodies, sizeof *ip.v),
         .dv = pe_take(work, bodies, sizeof *ip.dv),
     };
-    if (ip.cone == NULL || ip.gain == NULL || ip.best == NULL || ip.v == NULL || ip.dv == NULL) {
+    if (ip.cone == NULL || ip.gain == NULL || ip.u == NULL || ip.best == NULL || ip.v == NULL ||
+        ip.dv == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory to solve %d contact points",
                        problem->point_count);
     }

@@ -111,22 +111,6 @@ static inline void derivative(const newton *n, double mu, double bound, double l
 
 /* ---- The function minimised ---- */
 
-static void find_point_velocities(const pe_problem *problem, const vec6 *velocity, bool with_bias,
-                                  vec3 *u)
-{
-    for (int i = 0; i < problem->manifold_count; ++i) {
-        const pe_solver_manifold *manifold = &problem->manifold[i];
-        double q[6];
-        pe_solver_manifold_twist(manifold, velocity, q);
-        for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
-            pe_point_velocity(&problem->point[j], q, u[j]);
-            if (!with_bias) {
-                pe_point_take_bias(&problem->point[j], u[j]);
-            }
-        }
-    }
-}
-
 /* At the iterate: impulses p, the gradient into n->momentum; returns the largest component of
  * M^-1 times it, a velocity in m/s (or rad/s). */
 static double evaluate(newton *n)
@@ -276,7 +260,7 @@ static bool take_step(newton *n)
         }
     }
     memset(n->step[problem->body_count], 0, sizeof *n->step);
-    find_point_velocities(problem, (const vec6 *)n->step, false, n->du);
+    pe_problem_point_velocities(problem, (const vec6 *)n->step, false, n->du);
     double a = search(n, along, start);
     for (int i = 0; i < problem->body_count; ++i) {
         for (int k = 0; k < 6; ++k) {
@@ -293,7 +277,7 @@ static void renew_bounds(newton *n, bool first)
 {
     const pe_problem *problem = n->problem;
     if (n->form == PE_NEWTON_CONE) {
-        find_point_velocities(problem, (const vec6 *)problem->velocity, true, n->u);
+        pe_problem_point_velocities(problem, (const vec6 *)problem->velocity, true, n->u);
     }
     for (int i = 0; i < problem->manifold_count; ++i) {
         const pe_solver_manifold *manifold = &problem->manifold[i];

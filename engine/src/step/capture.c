@@ -20,28 +20,24 @@ static void copy_bodies(const pe_world *world, const pe_island_problem *from,
 
 static void copy_contacts(const pe_problem *from, pe_contact_problem *to)
 {
-    const int fixed = from->body_count;
     for (int i = 0; i < to->manifold_count; ++i) {
-        const pe_solver_manifold *manifold = &from->manifold[i];
         pe_problem_manifold *m = &to->manifolds[i];
-        m->a = manifold->a == fixed ? PE_STATIC : manifold->a;
-        m->b = manifold->b == fixed ? PE_STATIC : manifold->b;
-        m->first = manifold->first;
-        m->count = manifold->count;
-        m->friction = manifold->friction;
-        memcpy(m->frame, manifold->frame, sizeof m->frame);
-        if (m->a != PE_STATIC) {
-            memcpy(m->arm_a, manifold->arm_a, sizeof m->arm_a);
+        *m = from->manifold[i];
+        if (m->a == from->body_count) {
+            m->a = PE_STATIC;
+            memset(m->arm_a, 0, sizeof m->arm_a);
         }
-        if (m->b != PE_STATIC) {
-            memcpy(m->arm_b, manifold->arm_b, sizeof m->arm_b);
+        if (m->b == from->body_count) {
+            m->b = PE_STATIC;
+            memset(m->arm_b, 0, sizeof m->arm_b);
         }
     }
     for (int j = 0; j < to->point_count; ++j) {
-        to->points[j].bias = from->point[j].bias;
-        memcpy(to->points[j].slip, from->point[j].slip, sizeof to->points[j].slip);
-        memcpy(to->points[j].offset, from->point[j].s, sizeof to->points[j].offset);
-        memcpy(to->points[j].impulse, from->impulse[j], sizeof to->points[j].impulse);
+        const pe_solver_point *point = &from->point[j];
+        to->points[j].bias = point->bias;
+        memcpy(to->points[j].slip, point->slip, sizeof point->slip);
+        memcpy(to->points[j].offset, point->s, sizeof point->s);
+        memcpy(to->points[j].impulse, from->impulse[j], sizeof *from->impulse);
     }
 }
 
@@ -51,19 +47,20 @@ static pe_status capture_island(pe_world *world, const pe_islands *islands, int 
 {
     pe_island_problem built;
     pe_status status = pe_problem_build(world, islands, k, free, dt, &built, error);
-    if (status == PE_OK) {
-        status = pe_contact_problem_create(built.problem.body_count, built.problem.manifold_count,
-                                           built.problem.point_count, &world->allocator, captured,
-                                           error);
+    if (status != PE_OK) {
+        return status;
     }
+    const pe_problem *problem = &built.problem;
+    status = pe_contact_problem_create(problem->body_count, problem->manifold_count,
+                                       problem->point_count, &world->allocator, captured, error);
     if (status == PE_OK) {
         copy_bodies(world, &built, *captured);
-        copy_contacts(&built.problem, *captured);
+        copy_contacts(problem, *captured);
     }
     return status;
 }
 
-/* All islands of the contacts as they are. */
+/* The problems of all islands, with the contacts as they are. */
 static pe_status capture_all(pe_world *world, double dt, pe_contact_problem ***problems, int *count,
                              pe_error *error)
 {
@@ -79,24 +76,22 @@ static pe_status capture_all(pe_world *world, double dt, pe_contact_problem ***p
     pe_contact_problem **made =
         world->allocator.allocate(world->allocator.context, (size_t)islands.count * sizeof *made);
     if (made == NULL) {
-        return pe_fail(error, PE_NO_MEMORY, "no memory for %d problems", islands.count);
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %d contact problems", islands.count);
     }
+    memset(made, 0, (size_t)islands.count * sizeof *made);
     pe_predict_motion(world, dt, free);
-    int done = 0;
-    while (done < islands.count && status == PE_OK) {
-        made[done] = NULL;
-        status = capture_island(world, &islands, done, free, dt, &made[done], error);
-        ++done;
+    for (int k = 0; k < islands.count && status == PE_OK; ++k) {
+        status = capture_island(world, &islands, k, free, dt, &made[k], error);
     }
     if (status != PE_OK) {
-        for (int i = 0; i < done; ++i) {
-            pe_contact_problem_destroy(made[i]);
+        for (int k = 0; k < islands.count; ++k) {
+            pe_contact_problem_destroy(made[k]);
         }
         world->allocator.release(world->allocator.context, made);
         return status;
     }
     *problems = made;
-    *count = done;
+    *count = islands.count;
     return PE_OK;
 }
 
