@@ -184,7 +184,7 @@ static void profile_values(const pl_engine *engine, int profile, double *values)
     }
 }
 
-static int find_option(const pl_engine *engine, const char *name)
+int pl_engine_option_index(const pl_engine *engine, const char *name)
 {
     for (int i = 0; i < engine->option_count; i++) {
         if (strcmp(engine->options[i].name, name) == 0) {
@@ -224,7 +224,7 @@ static pl_status set_option(const pl_engine *engine, char *text, double *values,
     }
     *equals = '\0';
     const char *value_text = equals + 1;
-    int index = find_option(engine, text);
+    int index = pl_engine_option_index(engine, text);
     if (index < 0) {
         const char *names[PL_ENGINE_MAX_OPTIONS];
         for (int i = 0; i < engine->option_count; i++) {

@@ -30,6 +30,9 @@ typedef struct pl_engine_choice {
  * package. */
 pl_status pl_engine_choose(const char *spec, pl_engine_choice *choice, pl_error *error);
 
+/* The index of the engine's option of that name; -1 when it has none. */
+int pl_engine_option_index(const pl_engine *engine, const char *name);
+
 /* "name:profile": how rows of a report name this choice. Options that differ from the profile's
  * default follow as ",option=value". */
 void pl_engine_choice_label(const pl_engine_choice *choice, char label[128]);

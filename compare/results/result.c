@@ -57,6 +57,13 @@ static json_t *text_or_null(const char *text)
     return text[0] == '\0' ? json_null() : pl_json_text(text, strlen(text));
 }
 
+double pl_result_metric(const json_t *result, const char *name)
+{
+    const json_t *metric = json_object_get(json_object_get(result, "metrics"), name);
+    const json_t *value = json_object_get(metric, "value");
+    return json_is_number(value) ? json_number_value(value) : (double)NAN;
+}
+
 json_t *pl_json_number_or_null(double value)
 {
     return isfinite(value) ? json_real(value) : json_null();

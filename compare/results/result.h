@@ -71,6 +71,9 @@ json_t *pl_result_compose(json_t *identity, json_t *finding, json_t *provenance,
 /* The text of a key of an object, borrowed; "" where there is none or it is no text. */
 const char *pl_json_get_text(const json_t *object, const char *key);
 
+/* The value of a metric of a result; NAN where it has none. */
+double pl_result_metric(const json_t *result, const char *name);
+
 /* A JSON number, or null for one that is not finite. */
 json_t *pl_json_number_or_null(double value);
 

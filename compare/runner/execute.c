@@ -302,3 +302,34 @@ pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *
     free(e.due);
     return status;
 }
+
+static pl_status keep_result(void *user, json_t *result, pl_error *error)
+{
+    (void)error;
+    *(json_t **)user = json_incref(result);
+    return PL_OK;
+}
+
+pl_status pl_execute_one(const pl_execution_def *def, const pl_case *test_case,
+                         const pl_configuration *configuration, json_t **result,
+                         int *signal_number, pl_error *error)
+{
+    pl_case only_case = *test_case;
+    pl_configuration only_configuration = *configuration;
+    const pl_plan plan = {.cases = &only_case,
+                          .case_count = 1,
+                          .configurations = &only_configuration,
+                          .configuration_count = 1,
+                          .repeats = 1,
+                          .seed = def->plan->seed};
+    const pl_execution_def one = {.plan = &plan,
+                                  .jobs = 1,
+                                  .limits = def->limits,
+                                  .trajectory = def->trajectory,
+                                  .provenance = def->provenance,
+                                  .bar = def->bar,
+                                  .user = result,
+                                  .keep = keep_result};
+    *result = NULL;
+    return pl_execute(&one, signal_number, error);
+}

@@ -39,4 +39,11 @@ pl_status pl_execution_due(const pl_execution_def *def, long *due, pl_error *err
  * PL_IO, PL_NO_MEMORY: a run could not be made. */
 pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *error);
 
+/* Makes the first run of a case on a configuration, with the seed of def->plan and the limits,
+ * trajectory, provenance and bar of `def`; its other fields are not used. *result is a new
+ * reference; NULL at a signal. */
+pl_status pl_execute_one(const pl_execution_def *def, const pl_case *test_case,
+                         const pl_configuration *configuration, json_t **result,
+                         int *signal_number, pl_error *error);
+
 #endif

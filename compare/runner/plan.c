@@ -114,6 +114,36 @@ pl_status pl_plan_add_scenario(pl_plan *plan, const pl_scenario *scenario,
     return status == PL_OK ? add_case(plan, &test_case, scenario->name, error) : status;
 }
 
+void pl_settings_make(const pl_scenario *scenario, const double *values, pl_settings *settings)
+{
+    for (int i = 0; i < scenario->param_count; ++i) {
+        snprintf(settings->texts[i], sizeof settings->texts[i], "%s=%.17g",
+                 scenario->params[i].name, values[i]);
+        settings->items[i] = settings->texts[i];
+    }
+}
+
+pl_status pl_plan_add_values(pl_plan *plan, const pl_scenario *scenario, const double *values,
+                             int *index, pl_error *error)
+{
+    pl_settings settings;
+    pl_settings_make(scenario, values, &settings);
+    const int before = plan->case_count;
+    pl_status status =
+        pl_plan_add_scenario(plan, scenario, settings.items, scenario->param_count, error);
+    if (index != NULL) {
+        *index = plan->case_count > before ? before : -1;
+        for (int i = 0; i < before && status == PL_OK && *index < 0; ++i) {
+            const pl_case *known = &plan->cases[i];
+            if (known->descriptor == scenario &&
+                memcmp(known->params, values, (size_t)scenario->param_count * sizeof *values) == 0) {
+                *index = i;
+            }
+        }
+    }
+    return status;
+}
+
 static pl_status override_times(pl_scene *scene, const char *path, double dt, double duration,
                                 pl_error *error)
 {

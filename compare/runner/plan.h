@@ -57,6 +57,18 @@ typedef struct pl_plan {
 pl_status pl_plan_add_scenario(pl_plan *plan, const pl_scenario *scenario,
                                const char *const *settings, int count, pl_error *error);
 
+/* A catalogue scenario with a value for each of its parameters. *index is the place of the case with
+ * these values in the plan, -1 when another case has the same scene; NULL allowed. */
+pl_status pl_plan_add_values(pl_plan *plan, const pl_scenario *scenario, const double *values,
+                             int *index, pl_error *error);
+
+/* Settings "NAME=VALUE" of all parameters, exact. */
+typedef struct pl_settings {
+    char texts[PL_MAX_PARAMS][PL_NAME_SIZE + 32];
+    const char *items[PL_MAX_PARAMS]; /* (param_count): the texts */
+} pl_settings;
+void pl_settings_make(const pl_scenario *scenario, const double *values, pl_settings *settings);
+
 /* A scene file ("-" is standard input). A `dt` or `duration` that is not NAN replaces the scene's:
  * expected travels then lose their discrete answer, and a new duration for a scene with travels,
  * whose distances hold for its own, is PL_BAD_INPUT. */

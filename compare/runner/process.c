@@ -228,6 +228,20 @@ bool pl_process_advance(pl_process *process, const struct pollfd *polls)
     return true;
 }
 
+pl_status pl_process_wait(pl_process *process, pl_error *error)
+{
+    struct pollfd polls[PL_PROCESS_POLLS];
+    do {
+        pl_process_polls(process, polls);
+        if (poll(polls, PL_PROCESS_POLLS, 100) < 0 && errno != EINTR) {
+            pl_process_kill(process);
+            pl_process_free(process);
+            return pl_fail(error, PL_IO, "poll: %s", strerror(errno));
+        }
+    } while (!pl_process_advance(process, polls));
+    return PL_OK;
+}
+
 void pl_process_kill(pl_process *process)
 {
     kill_all(process);

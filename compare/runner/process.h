@@ -52,6 +52,10 @@ void pl_process_polls(const pl_process *process, struct pollfd *polls);
  * everything is collected and closed, and pl_process_free is due. */
 bool pl_process_advance(pl_process *process, const struct pollfd *polls);
 
+/* Waits until the child has ended, when pl_process_free is due. PL_IO: it could not be waited for;
+ * it was killed and freed. */
+pl_status pl_process_wait(pl_process *process, pl_error *error);
+
 /* Kills the child with its offspring and waits for its end. */
 void pl_process_kill(pl_process *process);
 

@@ -1,5 +1,6 @@
 #include "name_index.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -110,6 +111,17 @@ const char *pl_nearest_name(const char *word, const char *const *candidates, int
         }
     }
     return nearest;
+}
+
+const char *pl_did_you_mean(const char *word, const char *const *candidates, int count,
+                            char text[PL_SUGGESTION_SIZE])
+{
+    const char *nearest = pl_nearest_name(word, candidates, count);
+    text[0] = '\0';
+    if (nearest != NULL) {
+        snprintf(text, PL_SUGGESTION_SIZE, "; did you mean %.120s?", nearest);
+    }
+    return text;
 }
 
 const char *pl_name_index_nearest(const pl_name_index *index, const char *word)

@@ -3,7 +3,6 @@
 #include "plumb/jitter.h"
 #include "runner/process.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -88,15 +87,10 @@ static pl_status refuses(const attempt *a, bool *refused, pl_error *error)
     if (status != PL_OK) {
         return status;
     }
-    struct pollfd polls[PL_PROCESS_POLLS];
-    do {
-        pl_process_polls(&process, polls);
-        if (poll(polls, PL_PROCESS_POLLS, 1000) < 0 && errno != EINTR) {
-            pl_process_kill(&process);
-            pl_process_free(&process);
-            return pl_fail(error, PL_IO, "poll: %s", strerror(errno));
-        }
-    } while (!pl_process_advance(&process, polls));
+    status = pl_process_wait(&process, error);
+    if (status != PL_OK) {
+        return status;
+    }
     *refused = process.text_length == strlen("unsupported") &&
                memcmp(process.text, "unsupported", process.text_length) == 0;
     pl_process_free(&process);

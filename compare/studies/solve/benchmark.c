@@ -294,16 +294,12 @@ static json_t *collect_levels(const pl_process *process)
 static pl_status run_solver(solver_run_def *l, const char *start, json_t *cells, pl_error *error)
 {
     pl_process process;
-    struct pollfd polls[PL_PROCESS_POLLS];
     pl_status status = pl_process_start(&process, &LIMITS, solve_levels, l, error);
+    if (status == PL_OK) {
+        status = pl_process_wait(&process, error);
+    }
     if (status != PL_OK) {
         return status;
-    }
-    bool ended = false;
-    while (!ended) {
-        pl_process_polls(&process, polls);
-        poll(polls, PL_PROCESS_POLLS, 100);
-        ended = pl_process_advance(&process, polls);
     }
     json_t *cell = json_pack("{s:s, s:s, s:o}", "solver", l->solver.name, "start", start, "levels",
                              collect_levels(&process));
