@@ -295,6 +295,15 @@ json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run)
     return pl_run_identity(&view);
 }
 
+pl_status pl_planned_run_hash(const pl_plan *plan, const pl_planned_run *run, char hash[17],
+                              pl_error *error)
+{
+    json_t *identity = pl_planned_run_identity(plan, run);
+    snprintf(hash, 17, "%s", pl_json_get_text(identity, "run"));
+    json_decref(identity);
+    return hash[0] != '\0' ? PL_OK : pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
+}
+
 void pl_plan_free(pl_plan *plan)
 {
     for (int i = 0; i < plan->case_count; ++i) {

@@ -105,6 +105,10 @@ pl_planned_run pl_plan_run(const pl_plan *plan, long index);
 /* Its identity as in a result; NULL when out of memory. */
 json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run);
 
+/* The hash by which results know the run: `run` of its identity. PL_NO_MEMORY sets it to "". */
+pl_status pl_planned_run_hash(const pl_plan *plan, const pl_planned_run *run, char hash[17],
+                              pl_error *error);
+
 /* Frees what the plan owns. */
 void pl_plan_free(pl_plan *plan);
 

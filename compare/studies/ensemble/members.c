@@ -97,22 +97,19 @@ static pl_status refuses(const attempt *a, bool *refused, pl_error *error)
     return PL_OK;
 }
 
-/* The engine with more iterations, where it has that option and its profile takes it. */
+/* Raises the engine's iterations, where it has that option and its profile takes the value. */
 static pl_status strengthen(const pl_scene *scene, pl_engine_choice *choice, pl_error *error)
 {
-    const pl_engine *engine = choice->engine;
-    pl_engine_choice stronger = *choice;
-    bool found = false;
-    for (int i = 0; i < engine->option_count; ++i) {
-        const pl_engine_option *option = &engine->options[i];
-        if (strcmp(option->name, "iterations") == 0) {
-            stronger.values[i] = fmin(PL_MORE_ITERATIONS * choice->values[i], option->max);
-            found = true;
-        }
+    const int option = pl_engine_option_index(choice->engine, "iterations");
+    if (option < 0) {
+        return PL_OK;
     }
+    pl_engine_choice stronger = *choice;
+    stronger.values[option] = fmin(PL_MORE_ITERATIONS * choice->values[option],
+                                   choice->engine->options[option].max);
     bool refused = false;
-    pl_status status = found ? refuses(&(attempt){scene, &stronger}, &refused, error) : PL_OK;
-    if (status == PL_OK && found && !refused) {
+    pl_status status = refuses(&(attempt){scene, &stronger}, &refused, error);
+    if (status == PL_OK && !refused) {
         *choice = stronger;
     }
     return status;
@@ -236,7 +233,5 @@ void pl_member_run(const pl_plan *plan, const pl_ensemble *ensemble, int member,
     const pl_planned_run planned = {.test_case = &plan->cases[ensemble->cases[member]],
                                     .configuration =
                                         &plan->configurations[ensemble->configuration]};
-    json_t *identity = pl_planned_run_identity(plan, &planned);
-    snprintf(run, 17, "%s", pl_json_get_text(identity, "run"));
-    json_decref(identity);
+    (void)pl_planned_run_hash(plan, &planned, run, NULL);
 }

@@ -55,10 +55,7 @@ static pl_outcome outcome_of(const json_t *result)
 /* NAN where the result has no such number. */
 static double value_of(const json_t *result, pl_metric_id id)
 {
-    const json_t *metric =
-        json_object_get(json_object_get(result, "metrics"), pl_metric_table[id].name);
-    const json_t *value = json_object_get(metric, "value");
-    return json_is_number(value) ? json_number_value(value) : (double)NAN;
+    return pl_result_metric(result, pl_metric_table[id].name);
 }
 
 static bool has_metric(const json_t *result, pl_metric_id id)

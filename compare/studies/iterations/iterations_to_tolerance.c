@@ -1,3 +1,4 @@
+/* Searches for the least iteration budget, first by doubling and then by bisection. */
 #include "iterations_to_tolerance.h"
 
 #include <math.h>
@@ -127,7 +128,7 @@ int pl_budget_most_trials(long least, long most)
     return trials;
 }
 
-/* As in the report: below a nanometre, or 1e-9 of what is relative, errors are equal. */
+/* As in the report: errors that differ by less than 1e-9, in m or relative, are equal. */
 static const double error_floor = 1e-9;
 
 /* One search. */
@@ -137,21 +138,9 @@ typedef struct candidate {
     const pl_configuration *configuration;
     int option; /* index of `iterations` */
     int signal_number;
-    char outcome[32]; /* of the last run that did not hold, with `fell` iterations */
-    long fell;
-    json_t *result; /* of the run in progress */
+    char outcome[32]; /* of the last run that failed, with `failed` iterations */
+    long failed;
 } candidate;
-
-/* The engine's option `iterations`; -1 when there is none. */
-static int find_option(const pl_engine *engine)
-{
-    for (int i = 0; i < engine->option_count; ++i) {
-        if (strcmp(engine->options[i].name, "iterations") == 0) {
-            return i;
-        }
-    }
-    return -1;
-}
 
 static void budgets_of(const pl_engine *engine, int option, long *least, long *most)
 {
@@ -167,12 +156,12 @@ static pl_status is_due(const pl_tolerance_def *def, const pl_case *test_case,
     for (int repeat = 0; repeat < def->plan->repeats && !*due; ++repeat) {
         const pl_planned_run run = {
             .test_case = test_case, .configuration = configuration, .repeat = repeat};
-        json_t *identity = pl_planned_run_identity(def->plan, &run);
-        if (identity == NULL) {
-            return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
+        char hash[17];
+        pl_status status = pl_planned_run_hash(def->plan, &run, hash, error);
+        if (status != PL_OK) {
+            return status;
         }
-        *due = !def->skip(def->user, pl_json_get_text(identity, "run"));
-        json_decref(identity);
+        *due = !def->skip(def->user, hash);
     }
     return PL_OK;
 }
@@ -200,33 +189,25 @@ static candidate candidate_of(const pl_tolerance_def *def, int test_case, int co
     return (candidate){.def = def,
                        .test_case = &def->plan->cases[test_case],
                        .configuration = of,
-                       .option = find_option(of->choice.engine)};
+                       .option = pl_engine_option_index(of->choice.engine, "iterations")};
 }
 
-static pl_status keep(void *user, json_t *result, pl_error *error)
+static void judge(candidate *c, const json_t *result, long budget, pl_budget_trial *trial,
+                  double *found)
 {
-    (void)error;
-    candidate *c = user;
-    c->result = json_incref(result);
-    return PL_OK;
-}
-
-static void judge(candidate *c, long budget, pl_budget_trial *trial, double *found)
-{
-    const char *outcome = pl_json_get_text(c->result, "outcome");
-    const json_t *metric = json_object_get(json_object_get(c->result, "metrics"),
-                                           pl_metric_table[PL_METRIC_REFERENCE_ERROR].name);
-    const json_t *value = json_object_get(metric, "value");
+    const char *outcome = pl_json_get_text(result, "outcome");
+    const double value =
+        pl_result_metric(result, pl_metric_table[PL_METRIC_REFERENCE_ERROR].name);
     const bool ok = strcmp(outcome, "ok") == 0;
     const bool ends_search = strcmp(outcome, "timeout") == 0 || strcmp(outcome, "unsupported") == 0;
-    if (ok && json_is_number(value)) {
+    if (ok && !isnan(value)) {
         *trial = PL_BUDGET_SUCCEEDED;
-        *found = json_number_value(value);
+        *found = value;
         return;
     }
     *trial = ends_search ? PL_BUDGET_END_SEARCH : PL_BUDGET_FAILED;
     snprintf(c->outcome, sizeof c->outcome, "%s", ok ? "no error" : outcome);
-    c->fell = budget;
+    c->failed = budget;
 }
 
 /* One run of the scene with that many iterations. */
@@ -237,27 +218,18 @@ static pl_status try_budget(void *user, long budget, pl_budget_trial *trial, dou
     pl_configuration configuration = *c->configuration;
     configuration.choice.values[c->option] = (double)budget;
     pl_engine_choice_label(&configuration.choice, configuration.label);
-    pl_case test_case = *c->test_case;
-    const pl_plan plan = {.cases = &test_case,
-                          .case_count = 1,
-                          .configurations = &configuration,
-                          .configuration_count = 1,
-                          .repeats = 1,
-                          .seed = c->def->plan->seed};
-    const pl_execution_def execution = {.plan = &plan,
-                                        .jobs = 1,
+    const pl_execution_def execution = {.plan = c->def->plan,
                                         .limits = c->def->limits,
                                         .provenance = c->def->provenance,
-                                        .bar = c->def->bar,
-                                        .user = c,
-                                        .keep = keep};
-    pl_status status = pl_execute(&execution, &c->signal_number, error);
+                                        .bar = c->def->bar};
+    json_t *result = NULL;
+    pl_status status = pl_execute_one(&execution, c->test_case, &configuration, &result,
+                                      &c->signal_number, error);
     *trial = PL_BUDGET_END_SEARCH;
     if (status == PL_OK && c->signal_number == 0) {
-        judge(c, budget, trial, found);
+        judge(c, result, budget, trial, found);
     }
-    json_decref(c->result);
-    c->result = NULL;
+    json_decref(result);
     return status;
 }
 
@@ -276,7 +248,7 @@ static void conclude(const candidate *c, const pl_budget_found *found, pl_metric
                  "the run is not ok with up to %ld iterations: %s", found->largest, c->outcome);
     } else {
         snprintf(metric->reason, sizeof metric->reason,
-                 "no converged error: %s with %ld iterations", c->outcome, c->fell);
+                 "no converged error: %s with %ld iterations", c->outcome, c->failed);
     }
 }
 

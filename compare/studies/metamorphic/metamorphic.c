@@ -1,3 +1,4 @@
+/* Makes the plain and the transformed runs and grades their agreement; text and JSON output. */
 #include "metamorphic.h"
 
 #include "runner/execute.h"
@@ -8,11 +9,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct trials {
+typedef struct study {
     const pl_metamorphic_def *def;
     pl_progress progress;
     int signal; /* that ended a run; 0: none */
-} trials;
+} study;
 
 /* One run of the scene in place of the planned one's. */
 typedef struct run {
@@ -23,27 +24,9 @@ typedef struct run {
     json_t *result; /* NULL: interrupted */
 } run;
 
-static pl_status keep_result(void *user, json_t *result, pl_error *error)
-{
-    (void)error;
-    run *r = user;
-    r->result = json_incref(result);
-    return PL_OK;
-}
-
-static void show(trials *t, const run *r, double started)
-{
-    char title[256];
-    snprintf(title, sizeof title, "%s, %s", r->planned->test_case->name, r->check);
-    pl_progress_run_ended(&t->progress, title, r->planned->configuration->label,
-                          pl_json_get_text(r->result, "outcome"),
-                          pl_json_get_text(r->result, "reason"), pl_monotonic_seconds() - started);
-}
-
-static pl_status make_run(trials *t, run *r, pl_error *error)
+static pl_status make_run(study *t, run *r, pl_error *error)
 {
     pl_case test_case = *r->planned->test_case;
-    pl_configuration configuration = *r->planned->configuration;
     const double started = pl_monotonic_seconds();
     test_case.scene = *r->scene;
     pl_status status = pl_scene_hash(r->scene, test_case.scene_hash, error);
@@ -53,25 +36,22 @@ static pl_status make_run(trials *t, run *r, pl_error *error)
     if (status != PL_OK) {
         return status;
     }
-    const pl_plan plan = {.cases = &test_case,
-                          .case_count = 1,
-                          .configurations = &configuration,
-                          .configuration_count = 1,
-                          .repeats = 1,
-                          .seed = t->def->plan->seed};
-    const pl_execution_def execution = {.plan = &plan,
-                                        .jobs = 1,
+    const pl_execution_def execution = {.plan = t->def->plan,
                                         .limits = t->def->limits,
                                         .trajectory = r->trajectory.file,
-                                        .provenance = t->def->provenance,
-                                        .user = r,
-                                        .keep = keep_result};
+                                        .provenance = t->def->provenance};
     if (t->def->progress != NULL) {
         pl_progress_draw(&t->progress, r->check, 0, started);
     }
-    status = pl_execute(&execution, &t->signal, error);
+    status = pl_execute_one(&execution, &test_case, r->planned->configuration, &r->result,
+                            &t->signal, error);
     if (status == PL_OK && t->signal == 0 && t->def->progress != NULL) {
-        show(t, r, started);
+        char title[256];
+        snprintf(title, sizeof title, "%s, %s", r->planned->test_case->name, r->check);
+        pl_progress_run_ended(&t->progress, title, r->planned->configuration->label,
+                              pl_json_get_text(r->result, "outcome"),
+                              pl_json_get_text(r->result, "reason"),
+                              pl_monotonic_seconds() - started);
     }
     return status;
 }
@@ -82,8 +62,8 @@ static void free_run(run *r)
     json_decref(r->result);
 }
 
-/* A run that came to its end, whether or not it stood as it was expected to. */
-static bool went_through(const run *r)
+/* Whether the run finished, as expected or collapsed. */
+static bool finished(const run *r)
 {
     const char *outcome = pl_json_get_text(r->result, "outcome");
     return strcmp(outcome, "ok") == 0 || strcmp(outcome, "collapsed") == 0;
@@ -103,7 +83,7 @@ static void set_failed(pl_check_result *result, const char *which, const run *r)
     set_grade(result, PL_GRADE_FAILED, what, pl_json_get_text(r->result, "reason"));
 }
 
-/* The check's scene. `first` is the plain run's frame that it begins at. */
+/* Makes the check's scene, which begins at the plain run's frame `first`. */
 static pl_status make_scene(const pl_check *check, const pl_transform *transform, run *plain,
                             long first, pl_scene *scene, pl_error *error)
 {
@@ -143,7 +123,7 @@ static pl_status compare(const pl_transform *transform, run *plain, run *other, 
     return status == PL_OK ? PL_OK : pl_fail(error, status, "%s", fault.message);
 }
 
-static pl_status make_check(trials *t, run *plain, pl_check_result *result, pl_error *error)
+static pl_status make_check(study *t, run *plain, pl_check_result *result, pl_error *error)
 {
     const pl_check *check = result->check;
     pl_transform transform;
@@ -156,7 +136,7 @@ static pl_status make_check(trials *t, run *plain, pl_check_result *result, pl_e
         set_grade(result, PL_GRADE_INAPPLICABLE, "", reason);
         return PL_OK;
     }
-    if (!went_through(plain)) {
+    if (!finished(plain)) {
         set_failed(result, "plain", plain);
         return PL_OK;
     }
@@ -165,7 +145,7 @@ static pl_status make_check(trials *t, run *plain, pl_check_result *result, pl_e
         status = make_run(t, &other, error);
     }
     if (status == PL_OK && t->signal == 0) {
-        if (went_through(&other)) {
+        if (finished(&other)) {
             status = compare(&transform, plain, &other, first, result, error);
         } else {
             set_failed(result, "transformed", &other);
@@ -176,8 +156,8 @@ static pl_status make_check(trials *t, run *plain, pl_check_result *result, pl_e
     return status;
 }
 
-/* One scene on one engine. */
-static pl_status make_trial(trials *t, const pl_planned_run *planned, pl_check_result *results,
+/* Runs all chosen checks of one scene on one engine. */
+static pl_status check_run(study *t, const pl_planned_run *planned, pl_check_result *results,
                             pl_error *error)
 {
     int check_count, count = 0;
@@ -191,13 +171,13 @@ static pl_status make_trial(trials *t, const pl_planned_run *planned, pl_check_r
         }
     }
     if (status == PL_OK && t->signal == 0) {
-        const pl_checks_of_run trial = {.plan = t->def->plan,
+        const pl_checks_of_run checks_of_run = {.plan = t->def->plan,
                                         .run = *planned,
                                         .outcome = pl_json_get_text(plain.result, "outcome"),
                                         .size = pl_scene_size(plain.scene),
                                         .results = results,
                                         .result_count = count};
-        status = t->def->keep(t->def->user, &trial, error);
+        status = t->def->keep(t->def->user, &checks_of_run, error);
     }
     free_run(&plain);
     return status;
@@ -205,7 +185,7 @@ static pl_status make_trial(trials *t, const pl_planned_run *planned, pl_check_r
 
 pl_status pl_run_checks(const pl_metamorphic_def *def, int *signal_number, pl_error *error)
 {
-    trials t = {.def = def};
+    study t = {.def = def};
     pl_status status = PL_OK;
     int check_count, chosen = 0;
     (void)pl_checks(&check_count);
@@ -222,7 +202,7 @@ pl_status pl_run_checks(const pl_metamorphic_def *def, int *signal_number, pl_er
     }
     for (long i = 0; i < pl_plan_size(def->plan) && status == PL_OK && t.signal == 0; ++i) {
         const pl_planned_run planned = pl_plan_run(def->plan, i);
-        status = make_trial(&t, &planned, results, error);
+        status = check_run(&t, &planned, results, error);
     }
     if (def->progress != NULL) {
         pl_progress_end(&t.progress);
@@ -258,17 +238,17 @@ static void print_result(FILE *out, const pl_check_result *result)
     }
 }
 
-void pl_checks_print(FILE *out, const pl_checks_of_run *trial)
+void pl_checks_print(FILE *out, const pl_checks_of_run *checks)
 {
-    const pl_scene *scene = &trial->run.test_case->scene;
-    fprintf(out, "%s on %s: %d bodies, size %.4g m, %ld steps\n", trial->run.test_case->name,
-            trial->run.configuration->label, scene->body_count, trial->size, pl_scene_steps(scene));
+    const pl_scene *scene = &checks->run.test_case->scene;
+    fprintf(out, "%s on %s: %d bodies, size %.4g m, %ld steps\n", checks->run.test_case->name,
+            checks->run.configuration->label, scene->body_count, checks->size, pl_scene_steps(scene));
     fprintf(out, "  %-14s  %-28s  %-28s  %9s\n", "", "at a tenth of the run", "at its end",
             "1e-6 size");
     fprintf(out, "  %-14s  %8s  %8s  %-8s  %8s  %8s  %-8s  %9s\n", "check", "m/size", "rad",
             "verdict", "m/size", "rad", "verdict", "passed at");
-    for (int i = 0; i < trial->result_count; ++i) {
-        print_result(out, &trial->results[i]);
+    for (int i = 0; i < checks->result_count; ++i) {
+        print_result(out, &checks->results[i]);
     }
     fputc('\n', out);
 }
@@ -295,19 +275,19 @@ static json_t *result_to_json(const pl_check_result *result)
                      difference_to_json(&a->end, result->end, has));
 }
 
-json_t *pl_checks_to_json(const pl_checks_of_run *trial)
+json_t *pl_checks_to_json(const pl_checks_of_run *checks)
 {
-    json_t *object = pl_planned_run_identity(trial->plan, &trial->run);
-    json_t *checks = json_array();
-    int failed = object == NULL || checks == NULL;
-    for (int i = 0; i < trial->result_count && !failed; ++i) {
-        failed |= json_array_append_new(checks, result_to_json(&trial->results[i])) != 0;
+    json_t *object = pl_planned_run_identity(checks->plan, &checks->run);
+    json_t *list = json_array();
+    int failed = object == NULL || list == NULL;
+    for (int i = 0; i < checks->result_count && !failed; ++i) {
+        failed |= json_array_append_new(list, result_to_json(&checks->results[i])) != 0;
     }
     failed = failed || json_object_set_new(object, "schema", json_string("plumb.metamorphic/1"));
-    failed = failed || json_object_set_new(object, "outcome", json_string(trial->outcome));
-    failed = failed || json_object_set_new(object, "size", json_real(trial->size));
-    failed = failed || json_object_set(object, "checks", checks);
-    json_decref(checks);
+    failed = failed || json_object_set_new(object, "outcome", json_string(checks->outcome));
+    failed = failed || json_object_set_new(object, "size", json_real(checks->size));
+    failed = failed || json_object_set(object, "checks", list);
+    json_decref(list);
     if (failed) {
         json_decref(object);
         return NULL;

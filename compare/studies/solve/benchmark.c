@@ -1,6 +1,8 @@
+/* Captures contact problems from scenarios and solves them by every solver. */
 #include "benchmark.h"
 
 #include "adapters/registry.h"
+#include "base/statistics.h"
 #include "plumb/scenario.h"
 #include "problem_file.h"
 #include "results/result.h"
@@ -119,8 +121,8 @@ pl_status pl_benchmark_capture(const pl_benchmark_problem *row, pe_contact_probl
 enum { MOST_REPEATS = 9, MOST_SOLVERS = 32 };
 static const double ENOUGH_SECONDS = 0.5;
 
-/* The process's CPU time in s (CLOCK_PROCESS_CPUTIME_ID). */
-static double pl_cpu_seconds(void)
+/* The process's CPU time, s. */
+static double cpu_seconds(void)
 {
     struct timespec now;
     clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
@@ -137,16 +139,10 @@ static pl_status check_name(const char *solver, pl_error *error)
             return PL_OK;
         }
     }
-    const char *nearest = pl_nearest_name(solver, names, count);
-    return pl_fail(error, PL_BAD_INPUT, "there is no solver %s; %s%s%s", solver,
-                   nearest == NULL ? "see plumb solve --help" : "did you mean ",
-                   nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
-}
-
-static int compare_numbers(const void *a, const void *b)
-{
-    const double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
+    char suggestion[PL_SUGGESTION_SIZE];
+    pl_did_you_mean(solver, names, count, suggestion);
+    return pl_fail(error, PL_BAD_INPUT, "there is no solver %s%s", solver,
+                   suggestion[0] == '\0' ? "; see plumb solve --help" : suggestion);
 }
 
 pl_status pl_measure_solver(const pe_contact_problem *problem, const char *solver,
@@ -162,7 +158,7 @@ pl_status pl_measure_solver(const pe_contact_problem *problem, const char *solve
         pe_contact_solution solution;
         pe_error failure;
         pe_status solved =
-            pe_contact_problem_solve(problem, solver, limits, pl_cpu_seconds, &solution, &failure);
+            pe_contact_problem_solve(problem, solver, limits, cpu_seconds, &solution, &failure);
         if (solved != PE_OK) {
             pe_contact_solution_free(&run->solution);
             return pl_fail(error,
@@ -179,22 +175,15 @@ pl_status pl_measure_solver(const pe_contact_problem *problem, const char *solve
             pe_contact_solution_free(&solution);
         }
     }
-    qsort(seconds, (size_t)run->repeats, sizeof seconds[0], compare_numbers);
-    run->seconds = seconds[run->repeats / 2];
+    run->seconds = pl_median(seconds, run->repeats);
     return PL_OK;
 }
 
 const char *pl_solve_stop_name(pe_solve_stop stop)
 {
-    switch (stop) {
-    case PE_STOP_CONVERGED:
-        return "converged";
-    case PE_STOP_ITERATIONS:
-        return "iteration limit";
-    case PE_STOP_STALLED:
-        break;
-    }
-    return "stalled";
+    return stop == PE_STOP_CONVERGED    ? "converged"
+           : stop == PE_STOP_ITERATIONS ? "iteration limit"
+                                        : "stalled";
 }
 
 /* ---- All solvers on one problem ----

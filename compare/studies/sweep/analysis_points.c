@@ -2,6 +2,7 @@
  * identify a scene, and those that identify a series, which are all except the time step. */
 #include "analysis_parts.h"
 
+#include "base/hash.h"
 #include "base/statistics.h"
 #include "results/result.h"
 
@@ -69,14 +70,6 @@ static void pl_sweep_take_unit(pl_sweep_scene *scene, const json_t *row)
 }
 
 /* ---- Samples of a point ---- */
-
-/* A metric's number; NAN where there is none. */
-static double metric_value(const json_t *row, const char *name)
-{
-    const json_t *metric = json_object_get(json_object_get(row, "metrics"), name);
-    const json_t *value = json_object_get(metric, "value");
-    return json_is_number(value) ? json_number_value(value) : (double)NAN;
-}
 
 static int by_cost(const void *left, const void *right)
 {
@@ -153,9 +146,9 @@ static pl_status pl_sweep_measure(const json_t *const *rows, int count, pl_sweep
     double *raw = scratch + count, *instructions = raw + count;
     int errors = 0, costs = 0, counted = 0;
     for (int i = 0; i < count; ++i) {
-        double found = fabs(metric_value(rows[i], pl_json_get_text(rows[i], "primary_error")));
-        double cost = metric_value(rows[i], "time_per_step") / point->dt;
-        double counts = metric_value(rows[i], "instructions_per_step") / point->dt;
+        double found = fabs(pl_result_metric(rows[i], pl_json_get_text(rows[i], "primary_error")));
+        double cost = pl_result_metric(rows[i], "time_per_step") / point->dt;
+        double counts = pl_result_metric(rows[i], "instructions_per_step") / point->dt;
         errors += isfinite(found);
         costs += is_cost(cost);
         if (!isfinite(found) || !is_cost(cost)) {
@@ -397,21 +390,11 @@ static void list_engines(const keyed_row *rows, size_t count, pl_sweep_analysis 
 
 /* --- Points --- */
 
-/* FNV-1a, Fowler, Noll and Vo, 64 bits. */
-static uint64_t hash_text(uint64_t hash, const char *text)
-{
-    for (; *text != '\0'; ++text) {
-        hash = (hash ^ (unsigned char)*text) * UINT64_C(0x100000001b3);
-    }
-    return hash;
-}
-
 static uint64_t hash_of(const keyed_row *row)
 {
     char dt[40];
     snprintf(dt, sizeof dt, "%.17g", row->dt);
-    uint64_t hash = hash_text(UINT64_C(0xcbf29ce484222325), row->scene);
-    return hash_text(hash_text(hash, row->series), dt);
+    return pl_hash_text(pl_hash_text(pl_hash_text(PL_HASH_START, row->scene), row->series), dt);
 }
 
 static bool differ_in(const keyed_row *a, const keyed_row *b, const char *object, const char *key)

@@ -56,7 +56,7 @@ static pl_status set_option(pl_engine_choice *choice, const char *name, double v
                             pl_error *error)
 {
     const pl_engine *engine = choice->engine;
-    const int index = pl_grid_option(engine, name);
+    const int index = pl_engine_option_index(engine, name);
     const pl_engine_option *option = &engine->options[index];
     if (!(value >= option->min && value <= option->max)) {
         return pl_fail(error, PL_BAD_INPUT, "--vary %s: %s takes %g to %g, found %.17g", name,

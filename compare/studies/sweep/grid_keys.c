@@ -31,16 +31,6 @@ int pl_grid_param(const pl_scenario *scenario, const char *name)
     return -1;
 }
 
-int pl_grid_option(const pl_engine *engine, const char *name)
-{
-    for (int i = 0; i < engine->option_count; ++i) {
-        if (strcmp(engine->options[i].name, name) == 0) {
-            return i;
-        }
-    }
-    return -1;
-}
-
 int pl_grid_profile(const pl_engine *engine, const char *name)
 {
     for (int i = 0; i < engine->profile_count; ++i) {
@@ -82,7 +72,7 @@ static bool configuration_has(const pl_configuration *configuration, const pl_va
         return false;
     }
     return strcmp(vary->key, PL_VARY_PROFILE) == 0 ? profiles_of(engine, vary) > 0
-                                                   : pl_grid_option(engine, vary->key) >= 0;
+                                                   : pl_engine_option_index(engine, vary->key) >= 0;
 }
 
 /* Whether another key, restricted to `name`, takes the place of this one there. */
@@ -189,10 +179,9 @@ static bool is_there(const names *n, const char *name)
 
 static pl_status fail_unknown(const char *what, const char *word, const names *n, pl_error *error)
 {
-    const char *nearest = pl_nearest_name(word, n->items, n->count);
-    return pl_fail(error, PL_BAD_INPUT, "--vary: %s %s%s%s%s", what, word,
-                   nearest == NULL ? "" : "; did you mean ", nearest == NULL ? "" : nearest,
-                   nearest == NULL ? "" : "?");
+    char suggestion[PL_SUGGESTION_SIZE];
+    return pl_fail(error, PL_BAD_INPUT, "--vary: %s %s%s", what, word,
+                   pl_did_you_mean(word, n->items, n->count, suggestion));
 }
 
 static bool is_absent_engine(const char *name)

@@ -31,7 +31,6 @@ int pl_grid_digit(const pl_grid_keys *keys, long combination, int key);
 
 /* -1 when there is none of that name. */
 int pl_grid_param(const pl_scenario *scenario, const char *name);
-int pl_grid_option(const pl_engine *engine, const char *name);
 int pl_grid_profile(const pl_engine *engine, const char *name);
 
 #endif

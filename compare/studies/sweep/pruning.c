@@ -50,9 +50,8 @@ static const char *point_of(const pl_repeats *repeats, const char *run)
 /* Of the engine's steps, s. */
 static double cost_of(const json_t *result)
 {
-    const json_t *metric = json_object_get(json_object_get(result, "metrics"), "time_per_step");
     const json_t *done = json_object_get(json_object_get(result, "steps"), "done");
-    return json_number_value(json_object_get(metric, "value")) * json_number_value(done);
+    return pl_result_metric(result, "time_per_step") * json_number_value(done);
 }
 
 void pl_repeats_see(pl_repeats *repeats, const json_t *result)

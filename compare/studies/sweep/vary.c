@@ -274,13 +274,6 @@ static pl_status read_values(char *values, pl_vary *vary, pl_error *error)
     return status;
 }
 
-/* A key of names that this one, which takes numbers, is nearly; NULL when there is none. */
-static const char *meant_key(const char *key)
-{
-    static const char *const keys[] = {"solver", PL_VARY_PROFILE};
-    return strcmp(key, PL_VARY_PROFILE) == 0 ? NULL : pl_nearest_name(key, keys, 2);
-}
-
 pl_status pl_vary_parse(const char *text, pl_vary *vary, pl_error *error)
 {
     *vary = (pl_vary){.count = 0};
@@ -297,10 +290,13 @@ pl_status pl_vary_parse(const char *text, pl_vary *vary, pl_error *error)
     if (status == PL_OK) {
         status = read_values(values, vary, &why);
         if (status != PL_OK) {
-            const char *meant = meant_key(vary->key);
-            pl_fail(error, status, "--vary %.*s: %s%s%s%s", (int)(equals - text), text, why.message,
-                    meant == NULL ? "" : "; did you mean ", meant == NULL ? "" : meant,
-                    meant == NULL ? "" : "?");
+            /* Another key takes numbers; it may be a misspelt key of names. */
+            static const char *const of_names[] = {"solver", PL_VARY_PROFILE};
+            const bool is_profile = strcmp(vary->key, PL_VARY_PROFILE) == 0;
+            char suggestion[PL_SUGGESTION_SIZE];
+            pl_did_you_mean(vary->key, of_names, is_profile ? 0 : 2, suggestion);
+            pl_fail(error, status, "--vary %.*s: %s%s", (int)(equals - text), text, why.message,
+                    suggestion);
         }
     }
     free(values);
@@ -323,17 +319,12 @@ void pl_vary_free(pl_vary *vary)
 /* A budget that is larger is none. */
 static const double MOST_ITERATIONS = 1000;
 
-/* The iterations that the configuration begins with; 0 when it has no such option, or no budget. */
+/* The default iterations of the configuration; 0 when it has no such option, or no budget. */
 static double iterations_of(const pl_configuration *configuration)
 {
-    const pl_engine *engine = configuration->choice.engine;
-    for (int i = 0; i < engine->option_count; ++i) {
-        if (strcmp(engine->options[i].name, "iterations") == 0) {
-            const double value = configuration->choice.values[i];
-            return value <= MOST_ITERATIONS ? value : 0;
-        }
-    }
-    return 0;
+    const int option = pl_engine_option_index(configuration->choice.engine, "iterations");
+    const double value = option < 0 ? 0 : configuration->choice.values[option];
+    return value <= MOST_ITERATIONS ? value : 0;
 }
 
 static bool is_varied(const pl_vary *varied, int count, const char *owner)

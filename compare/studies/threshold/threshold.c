@@ -1,3 +1,4 @@
+/* Bisection of critical values by rounds of isolated runs; text and JSON output. */
 #include "threshold.h"
 
 #include "runner/progress.h"
@@ -12,21 +13,21 @@ pl_bisection pl_bisection_begin(double low, double high, bool holds_below, doubl
         .low = low, .high = high, .tolerance = tolerance, .holds_below = holds_below};
 }
 
-static double middle_of(const pl_bisection *b)
+static double midpoint_of(const pl_bisection *b)
 {
     return b->low + (b->high - b->low) / 2;
 }
 
 double pl_bisection_next(const pl_bisection *b)
 {
-    return b->trials == 0 ? b->low : b->trials == 1 ? b->high : middle_of(b);
+    return b->trials == 0 ? b->low : b->trials == 1 ? b->high : midpoint_of(b);
 }
 
-/* A bracket of two neighbouring numbers has no middle. */
+/* A bracket of two neighbouring numbers has no midpoint. */
 static bool is_narrow(const pl_bisection *b)
 {
-    double middle = middle_of(b);
-    return b->high - b->low <= b->tolerance || middle <= b->low || middle >= b->high;
+    double midpoint = midpoint_of(b);
+    return b->high - b->low <= b->tolerance || midpoint <= b->low || midpoint >= b->high;
 }
 
 static void judge_ends(pl_bisection *b, bool high_holds)
@@ -45,7 +46,7 @@ void pl_bisection_take(pl_bisection *b, bool holds)
     } else if (b->trials == 1) {
         judge_ends(b, holds);
     } else {
-        *(holds == b->holds_below ? &b->low : &b->high) = middle_of(b);
+        *(holds == b->holds_below ? &b->low : &b->high) = midpoint_of(b);
     }
     b->trials++;
     if (b->trials >= 2 && b->state == PL_BISECTION_SEARCHING && is_narrow(b)) {
@@ -71,7 +72,7 @@ typedef struct study {
 } study;
 
 /* The scenario's index of its threshold's parameter. */
-static int pl_threshold_param(const pl_scenario *scenario)
+static int threshold_param(const pl_scenario *scenario)
 {
     int index = 0;
     while (strcmp(scenario->params[index].name, scenario->threshold->param) != 0) {
@@ -81,7 +82,7 @@ static int pl_threshold_param(const pl_scenario *scenario)
 }
 
 /* "found", "never holds", "always holds", "reversed", the outcome that ended it, or "searching". */
-static const char *pl_threshold_outcome(const pl_threshold_search *search)
+static const char *outcome_of(const pl_threshold_search *search)
 {
     static const char *const names[] = {[PL_BISECTION_SEARCHING] = "searching",
                                         [PL_BISECTION_FOUND] = "found",
@@ -92,7 +93,7 @@ static const char *pl_threshold_outcome(const pl_threshold_search *search)
 }
 
 /* The closed form for the case's parameters; NAN: there is none. */
-static double pl_threshold_critical(const pl_plan *plan, const pl_threshold_search *search)
+static double critical_value(const pl_plan *plan, const pl_threshold_search *search)
 {
     const pl_case *test_case = &plan->cases[search->test_case];
     const pl_threshold *threshold = test_case->descriptor->threshold;
@@ -114,23 +115,10 @@ static pl_threshold_search *find_trial(const study *s, const char *run)
     return NULL;
 }
 
-/* The plan of a round has every value on every engine: those that no search asks for are skipped.
- */
+/* Skips the runs of a round that no search needs: its plan has every value on every engine. */
 static bool skip(void *user, const char *run)
 {
     return find_trial(user, run) == NULL;
-}
-
-static void show_end(study *s, const pl_threshold_search *search)
-{
-    const pl_plan *plan = s->def->plan;
-    if (s->progress.terminal) {
-        return;
-    }
-    fprintf(s->progress.out, "%s  %s  %s after %d %s\n", plan->cases[search->test_case].name,
-            plan->configurations[search->configuration].label, pl_threshold_outcome(search),
-            search->runs, search->runs == 1 ? "run" : "runs");
-    fflush(s->progress.out);
 }
 
 static pl_status keep(void *user, json_t *result, pl_error *error)
@@ -149,62 +137,46 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
         snprintf(search->reason, sizeof search->reason, "%s", pl_json_get_text(result, "reason"));
     }
     if (s->def->progress != NULL) {
-        const pl_plan *plan = s->def->plan;
+        const char *name = s->def->plan->cases[search->test_case].name;
+        const char *label = s->def->plan->configurations[search->configuration].label;
         char running[256];
-        snprintf(running, sizeof running, "%s %s", plan->cases[search->test_case].name,
-                 plan->configurations[search->configuration].label);
+        snprintf(running, sizeof running, "%s %s", name, label);
         s->progress.done++;
         if (is_over(search)) {
             s->progress.total -= pl_bisection_most_trials(&search->bisection) - search->runs;
-            show_end(s, search);
+            if (!s->progress.terminal) {
+                fprintf(s->progress.out, "%s  %s  %s after %d %s\n", name, label,
+                        outcome_of(search), search->runs,
+                        search->runs == 1 ? "run" : "runs");
+                fflush(s->progress.out);
+            }
         }
         pl_progress_draw(&s->progress, running, 0, pl_monotonic_seconds());
     }
     return PL_OK;
 }
 
-/* The case of a search at a value, added to the round; *index is where it is. */
-static pl_status add_trial(pl_plan *round, const pl_case *test_case, int param, double value,
-                           int *index, pl_error *error)
+/* Adds the case of a search at its next value to the round, and names the run of its trial. */
+static pl_status add_trial(pl_plan *round, const pl_case *test_case, pl_threshold_search *search,
+                           pl_error *error)
 {
     const pl_scenario *scenario = test_case->descriptor;
-    char texts[PL_MAX_PARAMS][PL_NAME_SIZE + 32];
-    const char *settings[PL_MAX_PARAMS];
-    for (int i = 0; i < scenario->param_count; ++i) {
-        snprintf(texts[i], sizeof texts[i], "%s=%.17g", scenario->params[i].name,
-                 i == param ? value : test_case->params[i]);
-        settings[i] = texts[i];
-    }
-    const int before = round->case_count;
-    pl_status status =
-        pl_plan_add_scenario(round, scenario, settings, scenario->param_count, error);
-    if (status != PL_OK || round->case_count > before) {
-        *index = before;
+    double values[PL_MAX_PARAMS];
+    int index = -1;
+    memcpy(values, test_case->params, sizeof values);
+    values[search->param] = pl_bisection_next(&search->bisection);
+    pl_status status = pl_plan_add_values(round, scenario, values, &index, error);
+    if (status != PL_OK) {
         return status;
     }
-    for (int i = 0; i < before; ++i) {
-        const pl_case *known = &round->cases[i];
-        if (known->descriptor == scenario && known->params[param] == value) {
-            *index = i;
-            return PL_OK;
-        }
+    if (index < 0) {
+        return pl_fail(error, PL_FAILED, "%s: %s=%.17g gives the scene of another value",
+                       scenario->name, scenario->params[search->param].name,
+                       values[search->param]);
     }
-    return pl_fail(error, PL_FAILED, "%s: %s=%.17g gives the scene of another value",
-                   scenario->name, scenario->params[param].name, value);
-}
-
-static pl_status name_trial(const pl_plan *round, int test_case, pl_threshold_search *search,
-                            pl_error *error)
-{
-    const pl_planned_run planned = {.test_case = &round->cases[test_case],
+    const pl_planned_run planned = {.test_case = &round->cases[index],
                                     .configuration = &round->configurations[search->configuration]};
-    json_t *identity = pl_planned_run_identity(round, &planned);
-    if (identity == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
-    }
-    snprintf(search->run, sizeof search->run, "%s", pl_json_get_text(identity, "run"));
-    json_decref(identity);
-    return PL_OK;
+    return pl_planned_run_hash(round, &planned, search->run, error);
 }
 
 /* One trial of every search that is not over; *any is false when there was none. */
@@ -219,15 +191,9 @@ static pl_status run_round(study *s, bool *any, int *signal_number, pl_error *er
     *any = false;
     for (int i = 0; i < s->count && status == PL_OK; ++i) {
         pl_threshold_search *search = &s->items[i];
-        int index = 0;
-        if (is_over(search)) {
-            continue;
-        }
-        *any = true;
-        status = add_trial(&round, &plan->cases[search->test_case], search->param,
-                           pl_bisection_next(&search->bisection), &index, error);
-        if (status == PL_OK) {
-            status = name_trial(&round, index, search, error);
+        if (!is_over(search)) {
+            *any = true;
+            status = add_trial(&round, &plan->cases[search->test_case], search, error);
         }
     }
     if (status == PL_OK && *any) {
@@ -257,7 +223,7 @@ static void begin(study *s)
             *search = (pl_threshold_search){
                 .test_case = p,
                 .configuration = c,
-                .param = pl_threshold_param(scenario),
+                .param = threshold_param(scenario),
                 .bisection = pl_bisection_begin(t->low, t->high, t->holds_below, t->tolerance)};
             total += pl_bisection_most_trials(&search->bisection);
         }
@@ -291,12 +257,12 @@ pl_status pl_find_thresholds(const pl_threshold_search_def *def, pl_threshold_se
     return status;
 }
 
-/* The middle of the bracket; NAN unless the value was found. */
+/* The midpoint of the bracket; NAN unless the value was found. */
 static double value_of(const pl_threshold_search *search)
 {
     const pl_bisection *b = &search->bisection;
     bool found = search->outcome[0] == '\0' && b->state == PL_BISECTION_FOUND;
-    return found ? b->low + (b->high - b->low) / 2 : (double)NAN;
+    return found ? midpoint_of(b) : (double)NAN;
 }
 
 static json_t *number(double value)
@@ -324,7 +290,7 @@ json_t *pl_threshold_json(const pl_plan *plan, const pl_threshold_search *search
 {
     const pl_scenario *scenario = plan->cases[search->test_case].descriptor;
     const pl_threshold *t = scenario->threshold;
-    const double value = value_of(search), critical = pl_threshold_critical(plan, search);
+    const double value = value_of(search), critical = critical_value(plan, search);
     const double low = isnan(value) ? value : search->bisection.low;
     const double high = isnan(value) ? value : search->bisection.high;
     const char *reason = search->reason[0] != '\0' ? search->reason : NULL;
@@ -333,7 +299,7 @@ json_t *pl_threshold_json(const pl_plan *plan, const pl_threshold_search *search
         "{s:s, s:s, s:s, s:s, s:s?, s:o, s:[o,o], s:[f,f], s:b, s:f, s:o, s:s?, s:o, s:o, s:i, "
         "s:s}",
         "schema", "plumb.threshold/1", "param", t->param, "unit",
-        scenario->params[search->param].unit, "finding", pl_threshold_outcome(search), "reason",
+        scenario->params[search->param].unit, "finding", outcome_of(search), "reason",
         reason, "value", number(value), "bracket", number(low), number(high), "searched", t->low,
         t->high, "holds_below", (int)t->holds_below, "tolerance", t->tolerance, "closed_form",
         number(critical), "formula", t->formula, "error", number(value - critical),
@@ -354,7 +320,7 @@ static void print_head(FILE *out, const pl_plan *plan, const pl_threshold_search
     const pl_threshold *t = scenario->threshold;
     const pl_param *param = &scenario->params[search->param];
     const bool plain = strcmp(param->unit, "1") == 0;
-    const double critical = pl_threshold_critical(plan, search);
+    const double critical = critical_value(plan, search);
     fprintf(out, "%s: critical %s%s%s, searched from %g to %g, holds %s it\n", scenario->name,
             t->param, plain ? "" : ", ", plain ? "" : param->unit, t->low, t->high,
             t->holds_below ? "below" : "above");
@@ -369,10 +335,10 @@ static void print_head(FILE *out, const pl_plan *plan, const pl_threshold_search
 
 static void print_row(FILE *out, const pl_plan *plan, const pl_threshold_search *search, int width)
 {
-    const double value = value_of(search), critical = pl_threshold_critical(plan, search);
+    const double value = value_of(search), critical = critical_value(plan, search);
     fprintf(out, "  %-*s ", width, plan->configurations[search->configuration].label);
     if (isnan(value)) {
-        fprintf(out, "%s", pl_threshold_outcome(search));
+        fprintf(out, "%s", outcome_of(search));
         if (search->reason[0] != '\0') {
             fprintf(out, ": %s", search->reason);
         }

@@ -28,16 +28,6 @@ static void remove_parameter(pl_tune_space *space, int index)
     }
 }
 
-static int find_option(const pl_engine *engine, const char *name)
-{
-    for (int i = 0; i < engine->option_count; ++i) {
-        if (strcmp(engine->options[i].name, name) == 0) {
-            return i;
-        }
-    }
-    return -1;
-}
-
 static pl_status unknown_key(const pl_engine *engine, const char *option, const char *key,
                              pl_error *error)
 {
@@ -45,10 +35,9 @@ static pl_status unknown_key(const pl_engine *engine, const char *option, const 
     for (int i = 0; i < engine->option_count; ++i) {
         names[i + 1] = engine->options[i].name;
     }
-    const char *nearest = pl_nearest_name(key, names, engine->option_count + 1);
-    return pl_fail(error, PL_BAD_INPUT, "%s: %s has no option %s%s%s%s", option, engine->name, key,
-                   nearest == NULL ? "" : "; did you mean ", nearest == NULL ? "" : nearest,
-                   nearest == NULL ? "" : "?");
+    char suggestion[PL_SUGGESTION_SIZE];
+    return pl_fail(error, PL_BAD_INPUT, "%s: %s has no option %s%s", option, engine->name, key,
+                   pl_did_you_mean(key, names, engine->option_count + 1, suggestion));
 }
 
 /* Splits KEY=REST, finds the option, and sees that it has not come before. */
@@ -64,7 +53,7 @@ static pl_status read_key(const pl_tune_space *space, const char *option, const 
     memcpy(key, text, length);
     key[length] = '\0';
     *rest = text + length + 1;
-    *index = strcmp(key, "dt") == 0 ? PL_TUNE_RATE : find_option(space->base.engine, key);
+    *index = strcmp(key, "dt") == 0 ? PL_TUNE_RATE : pl_engine_option_index(space->base.engine, key);
     if (*index < 0 && strcmp(key, "dt") != 0) {
         return unknown_key(space->base.engine, option, key, error);
     }

@@ -1,3 +1,4 @@
+/* Targets, and the plan and the results of the runs that measure settings. */
 #include "tune_measure.h"
 
 #include "results/result.h"
@@ -9,8 +10,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What a run that did not end well exceeds its targets by, beside what its numbers say. */
-static const double fallen = 2;
+/* The excess that a run whose outcome is not ok adds to that of its numbers. */
+static const double failed_run = 2;
 
 static pl_status fail_metric(const char *name, pl_error *error)
 {
@@ -18,10 +19,10 @@ static pl_status fail_metric(const char *name, pl_error *error)
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         names[i] = pl_metric_table[i].name;
     }
-    const char *nearest = pl_nearest_name(name, names, PL_METRIC_COUNT);
-    return pl_fail(error, PL_BAD_INPUT, "--target: there is no metric %s%s%s%s", name,
-                   nearest == NULL ? "; see plumb list metrics" : "; did you mean ",
-                   nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
+    char suggestion[PL_SUGGESTION_SIZE];
+    pl_did_you_mean(name, names, PL_METRIC_COUNT, suggestion);
+    return pl_fail(error, PL_BAD_INPUT, "--target: there is no metric %s%s", name,
+                   suggestion[0] == '\0' ? "; see plumb list metrics" : suggestion);
 }
 
 pl_status pl_target_add(pl_targets *targets, const char *text, pl_error *error)
@@ -70,7 +71,7 @@ static double excess_of(const pl_target *target, double value)
         return -PL_SEARCH_WORST;
     }
     const double excess = log(value / target->bound);
-    /* Rounding of the quotient must not log_evaluation a miss from a hit. */
+    /* Rounding of the quotient must not decide whether the target is met. */
     if (value > target->bound || (target->strict && value >= target->bound)) {
         return fmin(fmax(excess, DBL_EPSILON), PL_SEARCH_WORST);
     }
@@ -80,16 +81,13 @@ static double excess_of(const pl_target *target, double value)
 pl_target_reading pl_target_read(const pl_targets *targets, const json_t *result)
 {
     pl_target_reading reading = {.excess = -PL_SEARCH_WORST};
-    const json_t *metrics = json_object_get(result, "metrics");
     for (int i = 0; i < targets->count; ++i) {
         const pl_target *target = &targets->items[i];
-        const json_t *metric = json_object_get(metrics, pl_metric_table[target->metric].name);
-        const json_t *value = json_object_get(metric, "value");
-        reading.values[i] = json_is_number(value) ? json_number_value(value) : (double)NAN;
+        reading.values[i] = pl_result_metric(result, pl_metric_table[target->metric].name);
         reading.excess = fmax(reading.excess, excess_of(target, reading.values[i]));
     }
     if (strcmp(pl_json_get_text(result, "outcome"), "ok") != 0) {
-        reading.excess = fmin(fmax(reading.excess, 0) + fallen, PL_SEARCH_WORST);
+        reading.excess = fmin(fmax(reading.excess, 0) + failed_run, PL_SEARCH_WORST);
     }
     return reading;
 }
@@ -158,32 +156,17 @@ static pl_status add_scenario(gatherer *g, const pl_case *test_case, double dt, 
     const pl_scenario *scenario = test_case->descriptor;
     const bool is_changed = g->def->variant->kind != PL_VARIANT_NONE || !isnan(dt);
     double values[PL_MAX_PARAMS];
-    char texts[PL_MAX_PARAMS][PL_NAME_SIZE + 32];
-    const char *settings[PL_MAX_PARAMS];
     *index = -1;
     memcpy(values, test_case->params, sizeof values);
     if (!pl_variant_apply(g->def->variant, scenario, g->def->plan->seed, values)) {
         return PL_OK;
     }
-    for (int i = 0; i < scenario->param_count; ++i) {
-        if (strcmp(scenario->params[i].name, "dt") == 0 && !isnan(dt)) {
+    for (int i = 0; i < scenario->param_count && !isnan(dt); ++i) {
+        if (strcmp(scenario->params[i].name, "dt") == 0) {
             values[i] = dt;
         }
-        snprintf(texts[i], sizeof texts[i], "%s=%.17g", scenario->params[i].name, values[i]);
-        settings[i] = texts[i];
     }
-    for (int i = 0; i < g->plan.case_count; ++i) {
-        const pl_case *known = &g->plan.cases[i];
-        if (known->descriptor == scenario &&
-            memcmp(known->params, values, (size_t)scenario->param_count * sizeof *values) == 0) {
-            *index = i;
-            return PL_OK;
-        }
-    }
-    const int before = g->plan.case_count;
-    pl_status status =
-        pl_plan_add_scenario(&g->plan, scenario, settings, scenario->param_count, error);
-    *index = g->plan.case_count > before ? before : -1;
+    pl_status status = pl_plan_add_values(&g->plan, scenario, values, index, error);
     return status == PL_BAD_INPUT && is_changed ? PL_OK : status;
 }
 
@@ -236,53 +219,41 @@ static pl_status add_runs(gatherer *g, pl_error *error)
     return status;
 }
 
-/* Whose run it is: the pairing's of its case and configuration. */
-static pl_reading *reading_of(const gatherer *g, const pl_planned_run *run)
-{
-    for (int i = 0; i < g->plan.pairing_count; ++i) {
-        if (run->test_case == &g->plan.cases[g->plan.pairings[i].test_case] &&
-            run->configuration == &g->plan.configurations[g->plan.pairings[i].configuration]) {
-            return g->of_pairing[i];
-        }
-    }
-    return NULL;
-}
-
+/* Lists the runs of the plan with their hashes and readings. */
 static pl_status name_runs(gatherer *g, pl_error *error)
 {
     g->place_count = g->plan.pairing_count > 0 ? pl_plan_size(&g->plan) : 0;
-    for (long i = 0; i < g->place_count; ++i) {
+    pl_status status = PL_OK;
+    for (long i = 0; i < g->place_count && status == PL_OK; ++i) {
         const pl_planned_run run = pl_plan_run(&g->plan, i);
-        json_t *identity = pl_planned_run_identity(&g->plan, &run);
-        if (identity == NULL) {
-            return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
+        const pl_pairing *pairing = g->plan.pairings;
+        while (run.test_case != &g->plan.cases[pairing->test_case] ||
+               run.configuration != &g->plan.configurations[pairing->configuration]) {
+            ++pairing;
         }
-        place *to = &g->places[i];
-        *to = (place){.reading = reading_of(g, &run), .repeat = run.repeat};
-        snprintf(to->run, sizeof to->run, "%s", pl_json_get_text(identity, "run"));
-        json_decref(identity);
+        g->places[i] = (place){.reading = g->of_pairing[pairing - g->plan.pairings],
+                               .repeat = run.repeat};
+        status = pl_planned_run_hash(&g->plan, &run, g->places[i].run, error);
     }
-    return PL_OK;
+    return status;
 }
 
-static double metric_of(const json_t *result, int id)
+/* A number per simulated second; NAN where it is not positive. */
+static double rate_of(const json_t *result, pl_metric_id id)
 {
-    const json_t *metric =
-        json_object_get(json_object_get(result, "metrics"), pl_metric_table[id].name);
-    const json_t *value = json_object_get(metric, "value");
-    return json_is_number(value) && json_number_value(value) > 0 ? json_number_value(value)
-                                                                 : (double)NAN;
+    const double dt = json_number_value(json_object_get(json_object_get(result, "settings"), "dt"));
+    const double value = pl_result_metric(result, pl_metric_table[id].name);
+    return value > 0 ? value / dt : (double)NAN;
 }
 
 static pl_status keep(void *user, json_t *result, pl_error *error)
 {
     gatherer *g = user;
     const char *run = pl_json_get_text(result, "run");
-    const double dt = json_number_value(json_object_get(json_object_get(result, "settings"), "dt"));
     (void)error;
     for (long i = 0; i < g->place_count; ++i) {
         place *to = &g->places[i];
-        /* Two settings may be the same run, each made. */
+        /* Two settings may give the same run, which is then made twice. */
         if (to->filled || strcmp(to->run, run) != 0) {
             continue;
         }
@@ -292,8 +263,8 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
         snprintf(reading->outcome, sizeof reading->outcome, "%s",
                  pl_json_get_text(result, "outcome"));
         reading->is_absent = strcmp(reading->outcome, "unsupported") == 0;
-        reading->seconds[to->repeat] = metric_of(result, PL_METRIC_TIME_PER_STEP) / dt;
-        reading->instructions[to->repeat] = metric_of(result, PL_METRIC_INSTRUCTIONS_PER_STEP) / dt;
+        reading->seconds[to->repeat] = rate_of(result, PL_METRIC_TIME_PER_STEP);
+        reading->instructions[to->repeat] = rate_of(result, PL_METRIC_INSTRUCTIONS_PER_STEP);
         break;
     }
     g->done += 1;
