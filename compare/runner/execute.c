@@ -311,8 +311,8 @@ static pl_status keep_result(void *user, json_t *result, pl_error *error)
 }
 
 pl_status pl_execute_one(const pl_execution_def *def, const pl_case *test_case,
-                         const pl_configuration *configuration, json_t **result,
-                         int *signal_number, pl_error *error)
+                         const pl_configuration *configuration, json_t **result, int *signal_number,
+                         pl_error *error)
 {
     pl_case only_case = *test_case;
     pl_configuration only_configuration = *configuration;

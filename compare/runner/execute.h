@@ -43,7 +43,7 @@ pl_status pl_execute(const pl_execution_def *def, int *signal_number, pl_error *
  * trajectory, provenance and bar of `def`; its other fields are not used. *result is a new
  * reference; NULL at a signal. */
 pl_status pl_execute_one(const pl_execution_def *def, const pl_case *test_case,
-                         const pl_configuration *configuration, json_t **result,
-                         int *signal_number, pl_error *error);
+                         const pl_configuration *configuration, json_t **result, int *signal_number,
+                         pl_error *error);
 
 #endif

@@ -136,7 +136,8 @@ pl_status pl_plan_add_values(pl_plan *plan, const pl_scenario *scenario, const d
         for (int i = 0; i < before && status == PL_OK && *index < 0; ++i) {
             const pl_case *known = &plan->cases[i];
             if (known->descriptor == scenario &&
-                memcmp(known->params, values, (size_t)scenario->param_count * sizeof *values) == 0) {
+                memcmp(known->params, values, (size_t)scenario->param_count * sizeof *values) ==
+                    0) {
                 *index = i;
             }
         }

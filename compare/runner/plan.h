@@ -57,8 +57,8 @@ typedef struct pl_plan {
 pl_status pl_plan_add_scenario(pl_plan *plan, const pl_scenario *scenario,
                                const char *const *settings, int count, pl_error *error);
 
-/* A catalogue scenario with a value for each of its parameters. *index is the place of the case with
- * these values in the plan, -1 when another case has the same scene; NULL allowed. */
+/* A catalogue scenario with a value for each of its parameters. *index is the place of the case
+ * with these values in the plan, -1 when another case has the same scene; NULL allowed. */
 pl_status pl_plan_add_values(pl_plan *plan, const pl_scenario *scenario, const double *values,
                              int *index, pl_error *error);
 

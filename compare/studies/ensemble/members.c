@@ -105,8 +105,8 @@ static pl_status strengthen(const pl_scene *scene, pl_engine_choice *choice, pl_
         return PL_OK;
     }
     pl_engine_choice stronger = *choice;
-    stronger.values[option] = fmin(PL_MORE_ITERATIONS * choice->values[option],
-                                   choice->engine->options[option].max);
+    stronger.values[option] =
+        fmin(PL_MORE_ITERATIONS * choice->values[option], choice->engine->options[option].max);
     bool refused = false;
     pl_status status = refuses(&(attempt){scene, &stronger}, &refused, error);
     if (status == PL_OK && !refused) {

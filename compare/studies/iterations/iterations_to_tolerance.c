@@ -196,8 +196,7 @@ static void judge(candidate *c, const json_t *result, long budget, pl_budget_tri
                   double *found)
 {
     const char *outcome = pl_json_get_text(result, "outcome");
-    const double value =
-        pl_result_metric(result, pl_metric_table[PL_METRIC_REFERENCE_ERROR].name);
+    const double value = pl_result_metric(result, pl_metric_table[PL_METRIC_REFERENCE_ERROR].name);
     const bool ok = strcmp(outcome, "ok") == 0;
     const bool ends_search = strcmp(outcome, "timeout") == 0 || strcmp(outcome, "unsupported") == 0;
     if (ok && !isnan(value)) {
@@ -223,8 +222,8 @@ static pl_status try_budget(void *user, long budget, pl_budget_trial *trial, dou
                                         .provenance = c->def->provenance,
                                         .bar = c->def->bar};
     json_t *result = NULL;
-    pl_status status = pl_execute_one(&execution, c->test_case, &configuration, &result,
-                                      &c->signal_number, error);
+    pl_status status =
+        pl_execute_one(&execution, c->test_case, &configuration, &result, &c->signal_number, error);
     *trial = PL_BUDGET_END_SEARCH;
     if (status == PL_OK && c->signal_number == 0) {
         judge(c, result, budget, trial, found);

@@ -158,7 +158,7 @@ static pl_status make_check(study *t, run *plain, pl_check_result *result, pl_er
 
 /* Runs all chosen checks of one scene on one engine. */
 static pl_status check_run(study *t, const pl_planned_run *planned, pl_check_result *results,
-                            pl_error *error)
+                           pl_error *error)
 {
     int check_count, count = 0;
     const pl_check *checks = pl_checks(&check_count);
@@ -172,11 +172,12 @@ static pl_status check_run(study *t, const pl_planned_run *planned, pl_check_res
     }
     if (status == PL_OK && t->signal == 0) {
         const pl_checks_of_run checks_of_run = {.plan = t->def->plan,
-                                        .run = *planned,
-                                        .outcome = pl_json_get_text(plain.result, "outcome"),
-                                        .size = pl_scene_size(plain.scene),
-                                        .results = results,
-                                        .result_count = count};
+                                                .run = *planned,
+                                                .outcome =
+                                                    pl_json_get_text(plain.result, "outcome"),
+                                                .size = pl_scene_size(plain.scene),
+                                                .results = results,
+                                                .result_count = count};
         status = t->def->keep(t->def->user, &checks_of_run, error);
     }
     free_run(&plain);
@@ -242,7 +243,8 @@ void pl_checks_print(FILE *out, const pl_checks_of_run *checks)
 {
     const pl_scene *scene = &checks->run.test_case->scene;
     fprintf(out, "%s on %s: %d bodies, size %.4g m, %ld steps\n", checks->run.test_case->name,
-            checks->run.configuration->label, scene->body_count, checks->size, pl_scene_steps(scene));
+            checks->run.configuration->label, scene->body_count, checks->size,
+            pl_scene_steps(scene));
     fprintf(out, "  %-14s  %-28s  %-28s  %9s\n", "", "at a tenth of the run", "at its end",
             "1e-6 size");
     fprintf(out, "  %-14s  %8s  %8s  %-8s  %8s  %8s  %-8s  %9s\n", "check", "m/size", "rad",

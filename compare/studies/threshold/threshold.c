@@ -146,8 +146,7 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
             s->progress.total -= pl_bisection_most_trials(&search->bisection) - search->runs;
             if (!s->progress.terminal) {
                 fprintf(s->progress.out, "%s  %s  %s after %d %s\n", name, label,
-                        outcome_of(search), search->runs,
-                        search->runs == 1 ? "run" : "runs");
+                        outcome_of(search), search->runs, search->runs == 1 ? "run" : "runs");
                 fflush(s->progress.out);
             }
         }
@@ -171,8 +170,7 @@ static pl_status add_trial(pl_plan *round, const pl_case *test_case, pl_threshol
     }
     if (index < 0) {
         return pl_fail(error, PL_FAILED, "%s: %s=%.17g gives the scene of another value",
-                       scenario->name, scenario->params[search->param].name,
-                       values[search->param]);
+                       scenario->name, scenario->params[search->param].name, values[search->param]);
     }
     const pl_planned_run planned = {.test_case = &round->cases[index],
                                     .configuration = &round->configurations[search->configuration]};
@@ -299,9 +297,9 @@ json_t *pl_threshold_json(const pl_plan *plan, const pl_threshold_search *search
         "{s:s, s:s, s:s, s:s, s:s?, s:o, s:[o,o], s:[f,f], s:b, s:f, s:o, s:s?, s:o, s:o, s:i, "
         "s:s}",
         "schema", "plumb.threshold/1", "param", t->param, "unit",
-        scenario->params[search->param].unit, "finding", outcome_of(search), "reason",
-        reason, "value", number(value), "bracket", number(low), number(high), "searched", t->low,
-        t->high, "holds_below", (int)t->holds_below, "tolerance", t->tolerance, "closed_form",
+        scenario->params[search->param].unit, "finding", outcome_of(search), "reason", reason,
+        "value", number(value), "bracket", number(low), number(high), "searched", t->low, t->high,
+        "holds_below", (int)t->holds_below, "tolerance", t->tolerance, "closed_form",
         number(critical), "formula", t->formula, "error", number(value - critical),
         "relative_error", number((value - critical) / critical), "runs", search->runs, "started",
         started);

@@ -53,7 +53,8 @@ static pl_status read_key(const pl_tune_space *space, const char *option, const 
     memcpy(key, text, length);
     key[length] = '\0';
     *rest = text + length + 1;
-    *index = strcmp(key, "dt") == 0 ? PL_TUNE_RATE : pl_engine_option_index(space->base.engine, key);
+    *index =
+        strcmp(key, "dt") == 0 ? PL_TUNE_RATE : pl_engine_option_index(space->base.engine, key);
     if (*index < 0 && strcmp(key, "dt") != 0) {
         return unknown_key(space->base.engine, option, key, error);
     }

@@ -231,8 +231,8 @@ static pl_status name_runs(gatherer *g, pl_error *error)
                run.configuration != &g->plan.configurations[pairing->configuration]) {
             ++pairing;
         }
-        g->places[i] = (place){.reading = g->of_pairing[pairing - g->plan.pairings],
-                               .repeat = run.repeat};
+        g->places[i] =
+            (place){.reading = g->of_pairing[pairing - g->plan.pairings], .repeat = run.repeat};
         status = pl_planned_run_hash(&g->plan, &run, g->places[i].run, error);
     }
     return status;
