@@ -41,7 +41,7 @@ compare/runner:              SCENE compare/include adapters geometry metrics ref
 compare/studies/sweep:       SCENE compare/include adapters metrics results runner
 compare/studies/tune:        SCENE compare/include adapters metrics results runner
 compare/studies/threshold:   SCENE compare/include results runner
-compare/studies/ensemble:    SCENE compare/include geometry metrics results runner
+compare/studies/ensemble:    SCENE compare/include adapters geometry metrics results runner
 compare/studies/metamorphic: SCENE compare/include geometry results runner
 compare/studies/iterations:  SCENE compare/include adapters metrics results runner
 compare/studies/solve:       SCENE compare/include engine/include adapters results runner
