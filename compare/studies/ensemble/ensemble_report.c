@@ -1,144 +1,36 @@
+/* Evaluates an ensemble's runs, and writes the outcome as Markdown and as plumb.ensemble/1. */
 #include "ensemble_report.h"
 
+#include "base/table.h"
 #include "plumb/jitter.h"
 #include "runner/execute.h"
 #include "two_sample.h"
 #include "verdict.h"
 
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-typedef struct pl_text_table {
-    char **cells; /* (count), the heads first */
-    int count, columns;
-} pl_text_table;
+typedef struct report {
+    const pl_plan *plan;
+    const pl_ensembles *all;
+    pl_ensemble_view *views; /* (all->count) */
+    pl_verdicts verdicts;
+    pl_text_buffer text; /* the Markdown */
+} report;
 
-/* The next cell, row by row. A '|' in it is escaped, control characters become '?'. */
-static void pl_text_table_add(pl_text_table *table, const char *text)
+/* ---- Markdown ---- */
+
+/* Writes a table with an empty line after it, and frees it. */
+static void end_table(report *r, pl_table *table)
 {
-    if (table == NULL) {
-        return;
-    }
-    char **grown = realloc(table->cells, ((size_t)table->count + 1) * sizeof *grown);
-    char *cell = malloc(2 * strlen(text) + 1);
-    if (grown != NULL) {
-        table->cells = grown;
-    }
-    if (grown == NULL || cell == NULL) {
-        free(cell);
-        return;
-    }
-    char *to = cell;
-    for (const char *from = text; *from != '\0'; ++from) {
-        if (*from == '|') {
-            *to++ = '\\';
-        }
-        *to++ = (unsigned char)*from < 0x20 ? '?' : *from;
-    }
-    *to = '\0';
-    table->cells[table->count++] = cell;
+    pl_table_write(table, PL_TABLE_MARKDOWN_PADDED, &r->text);
+    pl_text_add(&r->text, pl_table_rows(table) > 0 ? "\n" : "");
+    pl_table_free(table);
 }
 
-/* NULL when out of memory, which the others allow: they then do nothing. */
-static pl_text_table *pl_text_table_begin(const char *const *heads, int columns)
-{
-    pl_text_table *table = calloc(1, sizeof *table);
-    if (table != NULL) {
-        table->columns = columns;
-        for (int i = 0; i < columns; ++i) {
-            pl_text_table_add(table, heads[i]);
-        }
-    }
-    return table;
-}
-
-#if defined(__GNUC__)
-__attribute__((format(printf, 2, 3)))
-#endif
-static void
-pl_text_table_format(pl_text_table *table, const char *format, ...)
-{
-    char text[256];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    pl_text_table_add(table, text);
-}
-
-/* Code points of UTF-8. */
-static int width_of(const char *text)
-{
-    int width = 0;
-    for (; *text != '\0'; ++text) {
-        width += ((unsigned char)*text & 0xc0) != 0x80;
-    }
-    return width;
-}
-
-static int column_width(const pl_text_table *table, int column)
-{
-    int widest = 3;
-    for (int i = column; i < table->count; i += table->columns) {
-        int width = width_of(table->cells[i]);
-        widest = width > widest ? width : widest;
-    }
-    return widest;
-}
-
-static void write_rule(const pl_text_table *table, FILE *out)
-{
-    for (int k = 0; k < table->columns; ++k) {
-        fputs("|-", out);
-        for (int i = column_width(table, k); i > 0; --i) {
-            fputc('-', out);
-        }
-        fputc('-', out);
-    }
-    fputs("|\n", out);
-}
-
-/* Writes a table that has rows, with an empty line after it, and frees it. */
-static void pl_text_table_end(pl_text_table *table, FILE *out)
-{
-    if (table == NULL) {
-        return;
-    }
-    for (int i = 0; i < table->count && table->count > table->columns; ++i) {
-        const int column = i % table->columns;
-        const char *cell = table->cells[i];
-        fprintf(out, "| %s%*s ", cell, column_width(table, column) - width_of(cell), "");
-        if (column == table->columns - 1) {
-            fputs("|\n", out);
-        }
-        if (i == table->columns - 1) {
-            write_rule(table, out);
-        }
-    }
-    if (table->count > table->columns) {
-        fputc('\n', out);
-    }
-    for (int i = 0; i < table->count; ++i) {
-        free(table->cells[i]);
-    }
-    free(table->cells);
-    free(table);
-}
-
-static void number(double value, char text[32])
-{
-    if (isnan(value)) {
-        snprintf(text, 32, "-");
-    } else {
-        snprintf(text, 32, "%.3g", value);
-    }
-}
-
-/* "16 ok" or "14 ok, 2 crashed", and what is missing. */
+/* "16 ok" or "14 ok, 2 crashed", and how many are missing. */
 static void outcomes_text(const pl_observations *observed, int members, char *text, size_t size)
 {
     size_t used = 0;
@@ -155,197 +47,165 @@ static void outcomes_text(const pl_observations *observed, int members, char *te
     }
 }
 
-static void horizon_text(const pl_horizon *horizon, char text[48])
+static void add_engines(report *r, int test_case)
 {
-    if (!horizon->known) {
-        snprintf(text, 48, "unknown");
-    } else if (isinf(horizon->time)) {
-        snprintf(text, 48, "> %.3g s", horizon->last_time);
-    } else {
-        snprintf(text, 48, "%.3g s", horizon->time);
-    }
-}
-
-static void add_engines(FILE *out, const pl_ensembles *all, const pl_ensemble_view *views,
-                        int test_case)
-{
-    static const char *const heads[] = {"Engine",     "Members",      "Horizon",   "Energy grew in",
-                                        "by at most", "Fell through", "Not finite"};
-    pl_text_table *table = pl_text_table_begin(heads, 7);
-    for (int i = 0; i < all->count; ++i) {
-        const pl_observations *observed = &views[i].observed;
-        char outcomes[160], horizon[48], growth[32];
-        if (all->items[i].test_case != test_case) {
+    pl_table table = {0};
+    pl_table_columns(&table, "Engine|Members|Horizon|Energy grew in|by at most|Fell through|"
+                             "Not finite");
+    for (int i = 0; i < r->all->count; ++i) {
+        const pl_observations *observed = &r->views[i].observed;
+        const pl_horizon *horizon = &r->views[i].horizon;
+        char outcomes[160];
+        if (r->all->items[i].test_case != test_case) {
             continue;
         }
-        outcomes_text(observed, all->members, outcomes, sizeof outcomes);
-        horizon_text(&views[i].horizon, horizon);
-        number(observed->invariants.energy_growth, growth);
-        pl_text_table_add(table, all->items[i].name);
-        pl_text_table_add(table, outcomes);
-        pl_text_table_add(table, horizon);
-        pl_text_table_format(table, "%d", observed->invariants.energy_grew);
-        pl_text_table_add(table, growth);
-        pl_text_table_format(table, "%d", observed->invariants.fell_through);
-        pl_text_table_format(table, "%d", observed->invariants.not_finite);
+        outcomes_text(observed, r->all->members, outcomes, sizeof outcomes);
+        pl_table_add(&table, r->all->items[i].name);
+        pl_table_add(&table, outcomes);
+        if (!horizon->known) {
+            pl_table_add(&table, "unknown");
+        } else {
+            pl_table_format_cell(&table, isinf(horizon->time) ? "> %.3g s" : "%.3g s",
+                                 fmin(horizon->time, horizon->last_time));
+        }
+        pl_table_format_cell(&table, "%d", observed->invariants.energy_grew);
+        pl_table_number(&table, observed->invariants.energy_growth, 3);
+        pl_table_format_cell(&table, "%d", observed->invariants.fell_through);
+        pl_table_format_cell(&table, "%d", observed->invariants.not_finite);
     }
-    pl_text_table_end(table, out);
+    end_table(r, &table);
 }
 
-/* "value +- deviation" of every observable and ensemble. */
-static void add_observables(FILE *out, const pl_ensembles *all, const pl_ensemble_view *views,
-                            int test_case)
+/* The mean and the standard deviation of every observable and ensemble. */
+static void add_observables(report *r, int test_case)
 {
-    const char *heads[PL_OBSERVABLE_COUNT + 1] = {"Engine"};
-    char head[PL_OBSERVABLE_COUNT][64];
+    pl_table table = {0};
+    pl_table_column(&table, PL_LEFT, "Engine");
     for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
         const pl_metric_info *info = &pl_metric_table[pl_observables[i]];
-        snprintf(head[i], sizeof head[i], "%s (%s)", info->name, info->unit);
-        heads[i + 1] = head[i];
+        pl_table_column(&table, PL_LEFT, "%s (%s)", info->name, info->unit);
     }
-    pl_text_table *table = pl_text_table_begin(heads, PL_OBSERVABLE_COUNT + 1);
-    for (int k = 0; k < all->count; ++k) {
-        if (all->items[k].test_case != test_case) {
+    for (int k = 0; k < r->all->count; ++k) {
+        if (r->all->items[k].test_case != test_case) {
             continue;
         }
-        pl_text_table_add(table, all->items[k].name);
+        pl_table_add(&table, r->all->items[k].name);
         for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
-            const pl_sample *sample = &views[k].observed.samples[i];
-            char mean[32], deviation[32];
-            number(sample->mean, mean);
-            number(sample->deviation, deviation);
-            if (sample->unsettled > 0) {
-                pl_text_table_format(table, "%s ± %s (%d of %d never)", mean, deviation,
-                                     sample->unsettled, sample->count);
-            } else {
-                pl_text_table_format(table, "%s ± %s", mean, deviation);
+            const pl_sample *sample = &r->views[k].observed.samples[i];
+            char mean[32] = "-", deviation[32] = "-", never[48] = "";
+            if (!isnan(sample->mean)) {
+                snprintf(mean, sizeof mean, "%.3g", sample->mean);
             }
+            if (!isnan(sample->deviation)) {
+                snprintf(deviation, sizeof deviation, "%.3g", sample->deviation);
+            }
+            if (sample->unsettled > 0) {
+                snprintf(never, sizeof never, " (%d of %d never)", sample->unsettled,
+                         sample->count);
+            }
+            pl_table_format_cell(&table, "%s ± %s%s", mean, deviation, never);
         }
     }
-    pl_text_table_end(table, out);
+    end_table(r, &table);
 }
 
-static void add_ratio(pl_text_table *table, double value, double floor)
+/* A distance over its floor; NAN where there is no floor. */
+static double floor_ratio(double value, double floor)
 {
-    char text[32];
-    number(floor > 0 ? value / floor : (double)NAN, text);
-    pl_text_table_add(table, text);
+    return floor > 0 ? value / floor : (double)NAN;
 }
 
-static void add_comparisons(FILE *out, const pl_ensembles *all, const pl_ensemble_view *views,
-                            const pl_verdicts *verdicts, int test_case)
+static void add_comparisons(report *r, int test_case)
 {
-    static const char *const heads[] = {
-        "Observable", "Engine A",   "Engine B",    "Mean A", "Mean B", "Energy distance / floor",
-        "KS",         "KS / floor", "Corrected p", "Verdict"};
-    pl_text_table *table = pl_text_table_begin(heads, 10);
+    pl_table table = {0};
+    pl_table_columns(&table, "Observable|Engine A|Engine B|Mean A|Mean B|Energy distance / floor|"
+                             "KS|KS / floor|Corrected p|Verdict");
     for (int k = 0; k < PL_OBSERVABLE_COUNT; ++k) {
-        for (int i = 0; i < verdicts->count; ++i) {
-            const pl_sample_test *c = &verdicts->items[i];
-            if (c->observable != k || all->items[c->a].test_case != test_case) {
+        for (int i = 0; i < r->verdicts.count; ++i) {
+            const pl_sample_test *c = &r->verdicts.items[i];
+            if (c->observable != k || r->all->items[c->a].test_case != test_case) {
                 continue;
             }
-            pl_text_table_add(table, pl_metric_table[pl_observables[k]].name);
-            pl_text_table_add(table, all->items[c->a].name);
-            pl_text_table_add(table, all->items[c->b].name);
-            pl_text_table_format(table, "%.4g", views[c->a].observed.samples[k].mean);
-            pl_text_table_format(table, "%.4g", views[c->b].observed.samples[k].mean);
-            add_ratio(table, c->energy, c->energy_floor);
-            pl_text_table_format(table, "%.3g", c->ks);
-            add_ratio(table, c->ks, c->ks_floor);
-            pl_text_table_format(table, "%.2g", c->corrected);
-            pl_text_table_add(table, c->apart ? "told apart" : "not told apart");
+            pl_table_add(&table, pl_metric_table[pl_observables[k]].name);
+            pl_table_add(&table, r->all->items[c->a].name);
+            pl_table_add(&table, r->all->items[c->b].name);
+            pl_table_format_cell(&table, "%.4g", r->views[c->a].observed.samples[k].mean);
+            pl_table_format_cell(&table, "%.4g", r->views[c->b].observed.samples[k].mean);
+            pl_table_number(&table, floor_ratio(c->energy, c->energy_floor), 3);
+            pl_table_format_cell(&table, "%.3g", c->ks);
+            pl_table_number(&table, floor_ratio(c->ks, c->ks_floor), 3);
+            pl_table_format_cell(&table, "%.2g", c->corrected);
+            pl_table_add(&table, c->apart ? "told apart" : "not told apart");
         }
     }
-    pl_text_table_end(table, out);
+    end_table(r, &table);
 }
 
-static void add_differences(FILE *out, const pl_ensembles *all, const pl_ensemble_view *views,
-                            const pl_verdicts *verdicts, int test_case)
+static void add_differences(report *r, int test_case)
 {
     int apart = 0, tests = 0;
-    for (int i = 0; i < verdicts->count; ++i) {
-        const pl_sample_test *c = &verdicts->items[i];
-        if (all->items[c->a].test_case != test_case) {
+    for (int i = 0; i < r->verdicts.count; ++i) {
+        const pl_sample_test *c = &r->verdicts.items[i];
+        if (r->all->items[c->a].test_case != test_case) {
             continue;
         }
         tests += 1;
         if (c->apart) {
             char sentence[512];
-            pl_sample_test_sentence(views, c, sentence, sizeof sentence);
-            fprintf(out, "- %s.\n", sentence);
+            pl_sample_test_sentence(r->views, c, sentence, sizeof sentence);
+            pl_text_format(&r->text, "- %s.\n", sentence);
             apart += 1;
         }
     }
     if (tests > 0) {
-        fprintf(out, "%s%d of %d comparisons tell the two apart.\n\n", apart > 0 ? "\n" : "", apart,
-                tests);
+        pl_text_format(&r->text, "%s%d of %d comparisons tell the two apart.\n\n",
+                       apart > 0 ? "\n" : "", apart, tests);
     }
 }
 
-/* The asked parameters, which two cases of one scenario differ by. */
-static void add_title(FILE *out, const pl_case *test_case)
+/* The name with the parameters, by which two cases of one scenario differ. */
+static void add_title(report *r, const pl_case *test_case)
 {
     const pl_scenario *descriptor = test_case->descriptor;
-    fprintf(out, "## %s\n\n", test_case->name);
-    if (descriptor != NULL) {
-        for (int i = 0; i < descriptor->param_count; ++i) {
-            fprintf(out, "%s%s = %.6g", i == 0 ? "" : ", ", descriptor->params[i].name,
-                    test_case->params[i]);
-        }
-        fprintf(out, "\n\n");
+    pl_text_format(&r->text, "## %s\n\n", test_case->name);
+    for (int i = 0; descriptor != NULL && i < descriptor->param_count; ++i) {
+        pl_text_format(&r->text, "%s%s = %.6g%s", i == 0 ? "" : ", ", descriptor->params[i].name,
+                       test_case->params[i], i + 1 == descriptor->param_count ? "\n\n" : "");
     }
 }
 
-static void add_introduction(FILE *out, const pl_plan *plan, const pl_ensembles *all,
-                             const pl_verdicts *verdicts)
+static void write_summary(report *r)
 {
-    fprintf(out,
-            "# Ensembles of %d members\n\n"
-            "Every member starts with each body displaced by up to %g of its size along each axis\n"
-            "and turned by up to %g rad, the same for every engine (seed %llu). Horizon: when the\n"
-            "members of one engine lie farther apart than 1 %% of the smallest body. Energy grew:\n"
-            "members in which it rose, in a step or above the start, by more than %g of the\n"
-            "scene's. Fell through: members with a body beyond a plane. Means are followed by the\n"
-            "standard deviation over members.\n\n"
-            "Told apart: p below %g, by permutation of the energy distance, corrected (Holm) over\n"
-            "all %d comparisons. The floor is what two ensembles of the same engine differ by on\n"
-            "the mean, from its split halves: the larger of the two engines'.\n\n",
-            all->members, pl_jitter_amplitude, pl_jitter_amplitude, (unsigned long long)plan->seed,
-            pl_energy_growth, pl_significance, verdicts->count);
+    pl_text_format(
+        &r->text,
+        "# Ensembles of %d members\n\n"
+        "Every member starts with each body displaced by up to %g of its size along each axis\n"
+        "and turned by up to %g rad, the same for every engine (seed %llu). Horizon: when the\n"
+        "members of one engine lie farther apart than 1 %% of the smallest body. Energy grew:\n"
+        "members in which it rose, in a step or above the start, by more than %g of the\n"
+        "scene's. Fell through: members with a body beyond a plane. Means are followed by the\n"
+        "standard deviation over members.\n\n"
+        "Told apart: p below %g, by permutation of the energy distance, corrected (Holm) over\n"
+        "all %d comparisons. The floor is what two ensembles of the same engine differ by on\n"
+        "the mean, from its split halves: the larger of the two engines'.\n\n",
+        r->all->members, pl_jitter_amplitude, pl_jitter_amplitude,
+        (unsigned long long)r->plan->seed, pl_energy_growth, pl_significance, r->verdicts.count);
+    for (int p = 0; p < r->all->case_count; ++p) {
+        int first = 0;
+        while (first < r->all->count && r->all->items[first].test_case != p) {
+            ++first;
+        }
+        if (first < r->all->count) {
+            add_title(r, &r->plan->cases[r->all->items[first].cases[0]]);
+            add_differences(r, p);
+            add_engines(r, p);
+            add_observables(r, p);
+            add_comparisons(r, p);
+        }
+    }
 }
 
-/* malloc'd; NULL when out of memory. */
-static char *pl_ensemble_summary(const pl_plan *plan, const pl_ensembles *ensembles,
-                                 const pl_ensemble_view *views, const pl_verdicts *verdicts)
-{
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    if (out == NULL) {
-        return NULL;
-    }
-    add_introduction(out, plan, ensembles, verdicts);
-    for (int p = 0; p < ensembles->case_count; ++p) {
-        const pl_ensemble *first = NULL;
-        for (int i = 0; i < ensembles->count && first == NULL; ++i) {
-            first = ensembles->items[i].test_case == p ? &ensembles->items[i] : NULL;
-        }
-        if (first == NULL) {
-            continue;
-        }
-        add_title(out, &plan->cases[first->cases[0]]);
-        add_differences(out, ensembles, views, verdicts, p);
-        add_engines(out, ensembles, views, p);
-        add_observables(out, ensembles, views, p);
-        add_comparisons(out, ensembles, views, verdicts, p);
-    }
-    if (fclose(out) != 0) {
-        free(text);
-        return NULL;
-    }
-    return text;
-}
+/* ---- plumb.ensemble/1 ---- */
 
 static json_t *runs_json(const pl_plan *plan, const pl_ensemble *ensemble, int members)
 {
@@ -374,12 +234,11 @@ static json_t *horizon_json(const pl_horizon *horizon)
     return object;
 }
 
-/* The horizon that such an object holds of the ensemble with exactly these members' runs; false
- * where it has none. `before` may be NULL. */
-static bool pl_horizon_recall(const json_t *before, const pl_plan *plan,
-                              const pl_ensemble *ensemble, int members, pl_horizon *horizon)
+/* Takes the horizon from `before` (NULL allowed), an earlier outcome, where that has the ensemble with
+ * exactly these members' runs. */
+static void recall_horizon(const json_t *before, const pl_plan *plan, const pl_ensemble *ensemble,
+                           int members, pl_horizon *horizon)
 {
-    bool found = false;
     size_t index;
     const json_t *item;
     json_t *runs = runs_json(plan, ensemble, members);
@@ -388,18 +247,17 @@ static bool pl_horizon_recall(const json_t *before, const pl_plan *plan,
         const json_t *old = json_object_get(item, "horizon");
         const json_t *time = json_object_get(old, "time");
         const json_t *threshold = json_object_get(old, "threshold");
-        if (!found && threshold != NULL && json_equal(json_object_get(item, "runs"), runs)) {
-            found = true;
+        if (threshold != NULL && json_equal(json_object_get(item, "runs"), runs)) {
             *horizon = (pl_horizon){
                 .known = true,
                 .time = json_is_number(time) ? json_number_value(time) : (double)INFINITY,
                 .threshold = json_number_value(threshold),
                 .last_spread = json_number_value(json_object_get(old, "last_spread")),
                 .last_time = json_number_value(json_object_get(old, "last_time"))};
+            break;
         }
     }
     json_decref(runs);
-    return found;
 }
 
 static json_t *sample_json(const pl_sample *sample, const pl_metric_info *info)
@@ -425,10 +283,10 @@ static json_t *outcomes_json(const pl_observations *observed)
     return outcomes;
 }
 
-static json_t *view_json(const pl_plan *plan, const pl_ensemble_view *view, int members)
+static json_t *view_json(const report *r, const pl_ensemble_view *view)
 {
     const pl_ensemble *ensemble = view->ensemble;
-    const pl_case *test_case = &plan->cases[ensemble->cases[0]];
+    const pl_case *test_case = &r->plan->cases[ensemble->cases[0]];
     const pl_invariants *kept = &view->observed.invariants;
     json_t *observables = json_object();
     for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
@@ -442,16 +300,11 @@ static json_t *view_json(const pl_plan *plan, const pl_ensemble_view *view, int 
     return json_pack(
         "{s:i, s:o, s:s, s:s, s:i, s:b, s:f, s:o, s:i, s:o, s:o, s:o, s:o}", "problem",
         ensemble->test_case, "scenario", pl_json_text(test_case->name, strlen(test_case->name)),
-        "name", ensemble->name, "label", plan->configurations[ensemble->configuration].label,
+        "name", ensemble->name, "label", r->plan->configurations[ensemble->configuration].label,
         "setting", ensemble->setting, "converged", (int)ensemble->reference, "dt",
-        test_case->scene.dt, "runs", runs_json(plan, ensemble, members), "results",
+        test_case->scene.dt, "runs", runs_json(r->plan, ensemble, r->all->members), "results",
         view->observed.results, "outcomes", outcomes_json(&view->observed), "invariants",
         invariants, "horizon", horizon_json(&view->horizon), "observables", observables);
-}
-
-static json_t *ratio_json(double value, double floor)
-{
-    return pl_json_number_or_null(floor > 0 ? value / floor : (double)NAN);
 }
 
 static json_t *comparison_json(const pl_ensemble_view *views, const pl_sample_test *c)
@@ -464,77 +317,73 @@ static json_t *comparison_json(const pl_ensemble_view *views, const pl_sample_te
         "{s:i, s:i, s:s, s:f, s:o, s:o, s:f, s:o, s:o, s:f, s:f, s:s, s:o}", "a", c->a, "b", c->b,
         "observable", pl_metric_table[pl_observables[c->observable]].name, "energy_distance",
         c->energy, "energy_distance_floor", pl_json_number_or_null(c->energy_floor),
-        "energy_distance_ratio", ratio_json(c->energy, c->energy_floor), "ks", c->ks, "ks_floor",
-        pl_json_number_or_null(c->ks_floor), "ks_ratio", ratio_json(c->ks, c->ks_floor), "p", c->p,
-        "p_corrected", c->corrected, "verdict", c->apart ? "told apart" : "not told apart",
-        "finding", c->apart ? json_string(sentence) : json_null());
+        "energy_distance_ratio", pl_json_number_or_null(floor_ratio(c->energy, c->energy_floor)),
+        "ks", c->ks, "ks_floor", pl_json_number_or_null(c->ks_floor), "ks_ratio",
+        pl_json_number_or_null(floor_ratio(c->ks, c->ks_floor)), "p", c->p, "p_corrected",
+        c->corrected, "verdict", c->apart ? "told apart" : "not told apart", "finding",
+        c->apart ? json_string(sentence) : json_null());
 }
 
-/* A new reference; NULL when out of memory. */
-static json_t *pl_ensemble_to_json(const pl_plan *plan, const pl_ensembles *ensembles,
-                                   const pl_ensemble_view *views, const pl_verdicts *verdicts)
+static json_t *report_json(const report *r)
 {
     json_t *all = json_array(), *comparisons = json_array();
-    for (int i = 0; i < ensembles->count; ++i) {
-        json_array_append_new(all, view_json(plan, &views[i], ensembles->members));
+    for (int i = 0; i < r->all->count; ++i) {
+        json_array_append_new(all, view_json(r, &r->views[i]));
     }
-    for (int i = 0; i < verdicts->count; ++i) {
-        json_array_append_new(comparisons, comparison_json(views, &verdicts->items[i]));
+    for (int i = 0; i < r->verdicts.count; ++i) {
+        json_array_append_new(comparisons, comparison_json(r->views, &r->verdicts.items[i]));
     }
     return json_pack("{s:s, s:i, s:I, s:f, s:f, s:i, s:f, s:o, s:o}", "schema", "plumb.ensemble/1",
-                     "members", ensembles->members, "seed", (json_int_t)plan->seed, "jitter",
+                     "members", r->all->members, "seed", (json_int_t)r->plan->seed, "jitter",
                      pl_jitter_amplitude, "significance", pl_significance, "permutations",
                      PL_PERMUTATION_DRAWS, "energy_growth_allowed", pl_energy_growth, "ensembles",
                      all, "comparisons", comparisons);
 }
 
-static pl_status look(const pl_plan *plan, const pl_ensemble *ensemble, int members,
-                      const json_t *by_run, const char *folder, const json_t *before,
-                      pl_ensemble_view *view, pl_error *error)
-{
-    view->ensemble = ensemble;
-    pl_status status =
-        pl_observations_gather(plan, ensemble, members, by_run, &view->observed, error);
-    if (status == PL_OK) {
-        status = pl_horizon_find(plan, ensemble, members, folder, &view->horizon, error);
-    }
-    if (status == PL_OK && !view->horizon.known) {
-        pl_horizon_recall(before, plan, ensemble, members, &view->horizon);
-    }
-    return status;
-}
+/* ---- Outcome ---- */
 
 pl_status pl_ensemble_conclude(const pl_plan *plan, const pl_ensembles *ensembles,
                                const json_t *results, const char *folder, const json_t *before,
                                pl_ensemble_outcome *outcome, pl_error *error)
 {
-    pl_verdicts verdicts = {.count = 0};
+    const int members = ensembles->members;
     json_t *by_run = pl_results_by_run(results);
-    pl_ensemble_view *views = calloc((size_t)ensembles->count + 1, sizeof *views);
-    pl_status status = by_run == NULL || views == NULL
+    report r = {.plan = plan,
+                .all = ensembles,
+                .views = calloc((size_t)ensembles->count + 1, sizeof *r.views)};
+    pl_status status = by_run == NULL || r.views == NULL
                            ? pl_fail(error, PL_NO_MEMORY, "out of memory for the outcome")
                            : PL_OK;
     *outcome = (pl_ensemble_outcome){.json = NULL};
     for (int i = 0; i < ensembles->count && status == PL_OK; ++i) {
-        status = look(plan, &ensembles->items[i], ensembles->members, by_run, folder, before,
-                      &views[i], error);
+        const pl_ensemble *ensemble = &ensembles->items[i];
+        pl_ensemble_view *view = &r.views[i];
+        view->ensemble = ensemble;
+        status = pl_observations_gather(plan, ensemble, members, by_run, &view->observed, error);
+        if (status == PL_OK) {
+            status = pl_horizon_find(plan, ensemble, members, folder, &view->horizon, error);
+        }
+        if (status == PL_OK && !view->horizon.known) {
+            recall_horizon(before, plan, ensemble, members, &view->horizon);
+        }
     }
     if (status == PL_OK) {
-        status = pl_verdicts_reach(views, ensembles->count, &verdicts, error);
+        status = pl_verdicts_reach(r.views, ensembles->count, &r.verdicts, error);
     }
     if (status == PL_OK) {
-        outcome->comparisons = verdicts.count;
-        outcome->json = pl_ensemble_to_json(plan, ensembles, views, &verdicts);
-        outcome->summary = pl_ensemble_summary(plan, ensembles, views, &verdicts);
-        if (outcome->json == NULL || outcome->summary == NULL) {
+        write_summary(&r);
+        *outcome = (pl_ensemble_outcome){.comparisons = r.verdicts.count,
+                                         .json = report_json(&r),
+                                         .summary = r.text.data};
+        if (outcome->json == NULL || r.text.failed) {
             status = pl_fail(error, PL_NO_MEMORY, "out of memory for the outcome");
         }
     }
-    for (int i = 0; i < ensembles->count && views != NULL; ++i) {
-        pl_observations_free(&views[i].observed);
+    for (int i = 0; i < ensembles->count && r.views != NULL; ++i) {
+        pl_observations_free(&r.views[i].observed);
     }
-    pl_verdicts_free(&verdicts);
-    free(views);
+    pl_verdicts_free(&r.verdicts);
+    free(r.views);
     json_decref(by_run);
     return status;
 }
