@@ -234,8 +234,8 @@ static json_t *horizon_json(const pl_horizon *horizon)
     return object;
 }
 
-/* Takes the horizon from `before` (NULL allowed), an earlier outcome, where that has the ensemble with
- * exactly these members' runs. */
+/* Takes the horizon from `before` (NULL allowed), an earlier outcome, where that has the ensemble
+ * with exactly these members' runs. */
 static void recall_horizon(const json_t *before, const pl_plan *plan, const pl_ensemble *ensemble,
                            int members, pl_horizon *horizon)
 {
@@ -372,9 +372,8 @@ pl_status pl_ensemble_conclude(const pl_plan *plan, const pl_ensembles *ensemble
     }
     if (status == PL_OK) {
         write_summary(&r);
-        *outcome = (pl_ensemble_outcome){.comparisons = r.verdicts.count,
-                                         .json = report_json(&r),
-                                         .summary = r.text.data};
+        *outcome = (pl_ensemble_outcome){
+            .comparisons = r.verdicts.count, .json = report_json(&r), .summary = r.text.data};
         if (outcome->json == NULL || r.text.failed) {
             status = pl_fail(error, PL_NO_MEMORY, "out of memory for the outcome");
         }
