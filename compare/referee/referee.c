@@ -35,8 +35,7 @@ struct pl_referee {
     pl_verdict ended; /* what ended the run early, with its reason */
     pl_error reason;
     pl_candidate_pairs *pairs;
-    pl_penetration *penetration;
-    pl_islands *islands;
+    pl_touching *touching;
     pl_mechanics *mechanics;
     pl_contact_force *force;
     pl_motion *motion;
@@ -56,8 +55,7 @@ pl_status pl_referee_create(const pl_scene *scene, pl_referee **referee, pl_erro
         r->scale = pl_scale_of(scene);
         r->asked = pl_scene_steps(scene);
         r->pairs = pl_candidate_pairs_create(scene, arena);
-        r->penetration = pl_penetration_create(scene, arena);
-        r->islands = pl_islands_create(scene, arena);
+        r->touching = pl_touching_create(scene, arena);
         r->mechanics = pl_mechanics_create(scene, arena);
         r->force = pl_contact_force_create(scene, arena);
         r->motion = pl_motion_create(scene, arena);
@@ -96,21 +94,11 @@ static pl_verdict conclude(pl_referee *r, pl_verdict verdict, pl_error *error)
     return verdict;
 }
 
-static void see_pair(void *context, const pl_near_pair *pair)
-{
-    pl_referee *r = context;
-    pl_penetration_see(r->penetration, pair);
-    if (pair->meets) {
-        pl_islands_join(r->islands, pair->a, pair->b);
-    }
-}
-
 static void see_pairs(pl_referee *r, const pl_body_state *bodies)
 {
-    pl_penetration_begin(r->penetration, r->done);
-    pl_islands_begin(r->islands);
-    pl_candidate_pairs_each(r->pairs, bodies, see_pair, r);
-    pl_penetration_end(r->penetration);
+    pl_touching_begin(r->touching, r->done);
+    pl_candidate_pairs_each(r->pairs, bodies, pl_touching_see, r->touching);
+    pl_touching_end(r->touching);
 }
 
 /* Measures poses and velocities alone, at the start and after each step. */
@@ -167,7 +155,7 @@ static void see_mechanics(pl_referee *r, const pl_body_state *after, const pl_co
     for (pl_integrator k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
         double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale, k);
         double error = pl_mechanics_momentum_error(r->mechanics, &r->scale, k);
-        double growth = pl_islands_largest(r->islands, pl_mechanics_growth(r->mechanics, k));
+        double growth = pl_touching_island_max(r->touching, pl_mechanics_growth(r->mechanics, k));
         pl_series_add(&r->series[OF_ENERGY + k], fmax(or_infinity(gain), 0), r->done);
         pl_series_add(&r->series[OF_MOMENTUM + k], or_infinity(error), r->done);
         pl_series_add(&r->series[OF_STEP_GAIN + k], fmax(growth / r->scale.energy, 0), r->done);
@@ -249,7 +237,7 @@ static pl_metric momentum_metric(const pl_referee *r, pl_integrator integrator)
     if (r->foreign_contact_step > 0) {
         return foreign_contact(r);
     }
-    if (r->no_contacts_step > 0 && pl_penetration_touched_static(r->penetration)) {
+    if (r->no_contacts_step > 0 && pl_touching_static(r->touching)) {
         return pl_metric_failed(
             "static bodies are touched, and the engine reports no contacts (step %ld)",
             r->no_contacts_step);
@@ -266,7 +254,7 @@ static void dynamic_metrics(const pl_referee *r, pl_metric *item)
     item[PL_METRIC_MOMENTUM_ERROR] = momentum_metric(r, integrator);
     contact_force_metrics(r, integrator, item);
     if (r->scene->body_count > 1) {
-        pl_penetration_metrics(r->penetration, item);
+        pl_touching_metrics(r->touching, item);
     }
     pl_motion_metrics(r->motion, r->done, r->last, item);
     if (r->scale.dynamic_count > 1) {

@@ -1,5 +1,4 @@
-/* The referee's geometry: closed forms against libccd, and both against independent computations.
- */
+/* Gaps by closed forms against libccd, and both against independent computations. */
 #include "referee/geometry/gap.h"
 
 #include "check.h"
@@ -159,8 +158,7 @@ static void test_sphere_sphere_closed_form_equals_libccd(void **state)
     compare_closed_form_and_libccd(PL_SHAPE_SPHERE, PL_SHAPE_SPHERE);
 }
 
-/* Rotation of v by a unit quaternion, written out here so that the test does not depend on vec.h.
- */
+/* Rotation of v by a unit quaternion, written out so that the test does not depend on vec.h. */
 static void rotate(const double q[4], const double v[3], double out[3])
 {
     double w = q[0], x = q[1], y = q[2], z = q[3];
@@ -191,8 +189,7 @@ static double dot(const double a[3], const double b[3])
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* The Minkowski difference of two shapes as points and a radius: its support function, brute force.
- */
+/* The Minkowski difference of two shapes as points and a radius, for support by brute force. */
 typedef struct difference {
     double point[64][3];
     int count;
@@ -534,8 +531,7 @@ static void test_coincident_bodies_overlap_by_their_half_widths(void **state)
     assert_close(by_libccd(&p), -0.75, 1e-12, 0);
 }
 
-/* 1 part in 1e9 off unit is what a validated scene allows; ten times that must not scale the boxes.
- */
+/* A validated scene allows a deviation from unit length of 1e-9; here it is 1e-3. */
 static void test_quaternion_length_does_not_scale_the_shape(void **state)
 {
     (void)state;

@@ -140,8 +140,7 @@ static double separation(const prepared *p, const double unit[3])
            reach_along(&p->pair->a, (const double(*)[3])p->axis_a, unit);
 }
 
-/* The best of the directions unit + x u + y v, normalised, over a square grid of half width `wide`.
- */
+/* The best of the directions unit + x u + y v over a square grid of half width `wide`. */
 static double best_on_grid(const prepared *p, double unit[3], double wide)
 {
     enum { STEPS = 10 };
@@ -306,8 +305,7 @@ static void test_closed_forms_equal_gjk_and_epa(void **state)
     pl_scene_free(&p.scene);
 }
 
-/* All directions around the axis are equally good, and EPA's polytope never closes on the circle.
- */
+/* All directions around the axis are equivalent, and EPA's polytope never closes on the circle. */
 static void test_coaxial_round_shapes_have_the_smaller_depth(void **state)
 {
     (void)state;

@@ -1,5 +1,4 @@
-/* Gaps of meshes, against convex shapes whose surface they have, and against rings by closed form.
- */
+/* Gaps of meshes, against convex shapes with the same surface and against rings by closed form. */
 #include "referee/geometry/gap.h"
 
 #include "check.h"

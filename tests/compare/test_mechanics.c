@@ -16,8 +16,7 @@ static void cross(const double a[3], const double b[3], double out[3])
     }
 }
 
-/* One step of a sphere, whose inertia no rotation changes: x' = x + h v' or x' = x + h (v + v')/2.
- */
+/* One step of a sphere, whose inertia is isotropic: x' = x + h v' or x' = x + h (v + v')/2. */
 static void integrate(run *r, pl_integrator integrator, int body, const double force[3],
                       const double arm[3])
 {
@@ -197,8 +196,7 @@ static void test_impulse_before_the_flight_shows_second_order(void **state)
     run_end(&r);
 }
 
-/* A step that fits neither rule, like that of a body that is pushed out of another, does not count.
- */
+/* A step that fits neither rule, as when a body is pushed out of another, does not count. */
 static void test_pushed_body_does_not_show_the_integrator(void **state)
 {
     (void)state;

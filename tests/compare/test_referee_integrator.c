@@ -88,8 +88,7 @@ static void test_wrong_force_shows_in_both_errors(void **state)
     }
 }
 
-/* A block that friction stops within a step. The second-order rule has a time-stepping error too.
- */
+/* Friction stops a block within a step. The second-order rule has a time-stepping error too. */
 static void test_stop_within_a_step_is_a_stepping_error(void **state)
 {
     (void)state;

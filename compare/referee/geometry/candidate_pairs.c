@@ -39,10 +39,10 @@ struct pl_broad_phase {
     int axis; /* sort axis: 0, 1, 2 for x, y, z */
 };
 
-/* Sets the box of a shape, enlarged by `reach` and by a little more than the rounding of poses and
+/* Sets the box of a shape, enlarged by `margin` and by a little more than the rounding of poses and
  * gaps, so that no touching pair is lost. */
 static void place_box(box *b, int axis, const pl_shape *shape, const double position[3],
-                      const double orientation[4], double reach)
+                      const double orientation[4], double margin)
 {
     double radius = pl_core_radius(shape);
     pl_axes axes = pl_axes_of(orientation);
@@ -52,7 +52,7 @@ static void place_box(box *b, int axis, const pl_shape *shape, const double posi
         pl_vec up = pl_to_local(&axes, unit), down = pl_vec_scale(up, -1);
         double above = pl_vec_dot(up, pl_core_support(shape, up)) + radius;
         double below = pl_vec_dot(down, pl_core_support(shape, down)) + radius;
-        double slack = reach + 1e-12 * (fabs(position[from]) + fmax(fabs(above), fabs(below)));
+        double slack = margin + 1e-12 * (fabs(position[from]) + fmax(fabs(above), fabs(below)));
         b->low[k] = position[from] - below - slack;
         b->high[k] = position[from] + above + slack;
     }
@@ -121,14 +121,14 @@ pl_broad_phase *pl_broad_phase_create(const pl_scene *scene, pl_arena *arena)
 }
 
 /* Moves the boxes to their bodies and restores their order. */
-static void follow(pl_broad_phase *bp, const pl_body_state *bodies, const double *reach)
+static void follow(pl_broad_phase *bp, const pl_body_state *bodies, const double *margin)
 {
     for (int i = 0; i < bp->box_count; ++i) {
         box moved = bp->boxes[i];
         if (!moved.is_static) {
             const pl_body_state *state = &bodies[moved.body];
             place_box(&moved, bp->axis, &bp->scene->bodies[moved.body].shape, state->position,
-                      state->orientation, reach == NULL ? 0 : reach[moved.body]);
+                      state->orientation, margin == NULL ? 0 : margin[moved.body]);
         }
         int k = i;
         for (; k > 0 && comes_before(&moved, &bp->boxes[k - 1]); --k) {
@@ -144,10 +144,10 @@ static bool overlap_across(const box *a, const box *b)
            b->low[2] <= a->high[2];
 }
 
-void pl_broad_phase_each_pair(pl_broad_phase *bp, const pl_body_state *bodies, const double *reach,
+void pl_broad_phase_each_pair(pl_broad_phase *bp, const pl_body_state *bodies, const double *margin,
                               void (*see)(void *context, int body_a, int body_b), void *context)
 {
-    follow(bp, bodies, reach);
+    follow(bp, bodies, margin);
     const box *end = bp->boxes + bp->box_count;
     for (const box *a = bp->boxes; a < end; ++a) {
         for (const box *b = a + 1; b < end && b->low[0] <= a->high[0]; ++b) {
@@ -218,7 +218,7 @@ struct pl_candidate_pairs {
     pl_broad_phase *broad_phase;
     const pl_surface **surfaces; /* (body_count): NULL where none is needed */
     double *radius;              /* (body_count): bounding radii, m */
-    double *reach; /* (body_count), m: a pair that meets has at most the sum of both as its gap */
+    double *margin; /* (body_count), m: a pair that meets has at most the sum of both as its gap */
 };
 
 /* One frame. */
@@ -240,7 +240,7 @@ pl_candidate_pairs *pl_candidate_pairs_create(const pl_scene *scene, pl_arena *a
                               .broad_phase = pl_broad_phase_create(scene, arena),
                               .surfaces = pl_arena_take(arena, count, sizeof *p->surfaces),
                               .radius = pl_arena_take(arena, count, sizeof *p->radius),
-                              .reach = pl_arena_take(arena, count, sizeof *p->reach)};
+                              .margin = pl_arena_take(arena, count, sizeof *p->margin)};
     if (arena->failed || !make_surfaces(scene, arena, p->surfaces)) {
         return NULL;
     }
@@ -276,7 +276,7 @@ static bool is_far(const frame *f, int a, int b)
 {
     const pl_candidate_pairs *p = f->pairs;
     pl_vec c = pl_vec_sub(centre_of(f, a), centre_of(f, b));
-    return pl_vec_length(c) > p->radius[a] + p->radius[b] + p->reach[a] + p->reach[b];
+    return pl_vec_length(c) > p->radius[a] + p->radius[b] + p->margin[a] + p->margin[b];
 }
 
 /* The largest gap at which two dynamic bodies meet, m. */
@@ -312,8 +312,8 @@ void pl_candidate_pairs_each(pl_candidate_pairs *p, const pl_body_state *bodies,
     for (int i = 0; i < p->scene->body_count; ++i) {
         if (!p->scene->bodies[i].is_static) {
             double speed = pl_vec_length(pl_vec_of(bodies[i].velocity)) + turning_speed(&f, i);
-            p->reach[i] = RESTING_GAP * p->radius[i] + p->scene->dt * speed;
+            p->margin[i] = RESTING_GAP * p->radius[i] + p->scene->dt * speed;
         }
     }
-    pl_broad_phase_each_pair(p->broad_phase, bodies, p->reach, see_pair, &f);
+    pl_broad_phase_each_pair(p->broad_phase, bodies, p->margin, see_pair, &f);
 }

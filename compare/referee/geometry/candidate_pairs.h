@@ -16,13 +16,13 @@ pl_broad_phase *pl_broad_phase_create(const pl_scene *scene, pl_arena *arena);
 
 /* Takes new poses, (scene->body_count), and calls `see` once with the scene indices of each pair. A
  * pair of two static bodies is left out. A plane is unbounded and pairs with every dynamic body.
- * `reach`, (scene->body_count) or NULL for zeros, is the margin of each dynamic body's box, m: all
+ * `margin`, (scene->body_count) or NULL for zeros, enlarges each dynamic body's box, m: all
  * pairs with a gap of at most the sum of their two margins are seen. Poses of dynamic bodies must
  * be finite; static bodies stay where the scene has them. The order of the pairs depends only on
  * the poses so far. The cost is that of sorting a nearly sorted list, and of the pairs that overlap
  * along the axis. */
 void pl_broad_phase_each_pair(pl_broad_phase *broad_phase, const pl_body_state *bodies,
-                              const double *reach,
+                              const double *margin,
                               void (*see)(void *context, int body_a, int body_b), void *context);
 
 /* ---- Candidate pairs ---- */

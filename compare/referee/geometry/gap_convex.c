@@ -160,8 +160,7 @@ static pl_vec nearer_on_segment(pl_vec best, pl_vec a, pl_vec b)
     return pl_vec_dot(p, p) < pl_vec_dot(best, best) ? p : best;
 }
 
-/* The point of a triangle (or of the segment or point it has collapsed to) nearest to the origin.
- */
+/* The point of a triangle, which may be a segment or a point, nearest to the origin. */
 static pl_vec nearest_on_triangle(const pl_vec t[3])
 {
     pl_vec n = pl_vec_cross(pl_vec_sub(t[1], t[0]), pl_vec_sub(t[2], t[0]));
@@ -251,17 +250,16 @@ static pl_status upper_bound(const convex *a, const convex *b, const ccd_t *ccd,
 {
     double depth = 0;
     ccd_vec3_t dir, position;
-    int answer = ccdGJKPenetration(a, b, ccd, &depth, &dir, &position);
-    if (answer == -2) {
+    int code = ccdGJKPenetration(a, b, ccd, &depth, &dir, &position);
+    if (code == -2) {
         return PL_NO_MEMORY;
     }
-    *upper = answer == 0 ? -depth : core_distance(a, b);
-    /* EPA's facets are inside A - B at any stop. On a curved surface EPA always reaches the limit.
-     */
+    *upper = code == 0 ? -depth : core_distance(a, b);
+    /* EPA's facets are always inside A - B. On a curved surface EPA always reaches the limit. */
     if (exhausted(a->shared) && !(a->shared->curved && depth > 0)) {
         *upper = HUGE_VAL;
     }
-    if (answer == 0 && depth <= CERTIFIED) {
+    if (code == 0 && depth <= CERTIFIED) {
         probe_touching(a, b);
     }
     if (a->shared->curved) {

@@ -18,12 +18,10 @@
 
 /* Sines of angles below this are taken for those of parallel lines or planes. */
 static const double PARALLEL = 1e-9;
-/* The ridge counts as an edge of the surface if the surface is nearer than this part of its height.
- */
+/* The ridge is an edge of the surface if the surface is nearer to it than this x its height. */
 static const double NEAR = 1e-3;
 
-/* A plane that touches the solid's surface: {x : normal.x = offset}, with the unit outward normal.
- */
+/* A plane that touches the solid's surface, {x : normal.x = offset}; the normal points outward. */
 typedef struct tangent_plane {
     pl_vec normal;
     double offset; /* m */
@@ -31,8 +29,7 @@ typedef struct tangent_plane {
 
 typedef struct edge_segment {
     pl_vec p, q; /* its ends, m */
-    /* Of the surface at that point, or if the point is inside, at the nearest point of the surface.
-     */
+    /* Tangents of the surface at that point, or at the surface point nearest to it. */
     tangent_plane at_p, at_q, at_middle;
     double middle_depth; /* m: the distance of the midpoint from the surface */
 } edge_segment;

@@ -5,8 +5,7 @@
 #include "plumb/engine_abi.h"
 #include "plumb/vec.h"
 
-/* Radius of the smallest sphere about the centre of mass that contains the shape, m; 0 for a plane.
- */
+/* Radius of the smallest sphere about the centre of mass around the shape, m; 0 for a plane. */
 double pl_bounding_radius(const pl_shape *shape);
 
 /* The centre of mass of a shape whose own frame has this pose: m, world frame. */

@@ -12,8 +12,7 @@ typedef struct pl_motion pl_motion;
 /* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
 pl_motion *pl_motion_create(const pl_scene *scene, pl_arena *arena);
 
-/* Takes the state after step number `step`, (scene->body_count), from 0 (before the first step) on.
- */
+/* Takes the state after step number `step`, (scene->body_count), from 0, before the first, on. */
 void pl_motion_see(pl_motion *motion, long step, const pl_body_state *bodies);
 
 /* Sets lift, path_deviation, settle_time, drift, creep, spread_x, spread_y, mass_height and
