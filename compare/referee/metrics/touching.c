@@ -137,9 +137,9 @@ void pl_touching_metrics(const pl_touching *t, pl_metric *item)
     item[PL_METRIC_PENETRATION_MAX] = pl_series_metric(&t->depth, t->depth.max);
     item[PL_METRIC_PENETRATION_REST] = pl_metric_value(mean);
     if (t->unknown_step >= 0) {
-        item[PL_METRIC_PENETRATION_MAX] = item[PL_METRIC_PENETRATION_REST] = pl_metric_failed(
-            "no gap found for \"%.30s\" and \"%.30s\" at step %ld",
-            t->scene->bodies[t->unknown_a].name, t->scene->bodies[t->unknown_b].name,
-            t->unknown_step);
+        item[PL_METRIC_PENETRATION_MAX] = item[PL_METRIC_PENETRATION_REST] =
+            pl_metric_failed("no gap found for \"%.30s\" and \"%.30s\" at step %ld",
+                             t->scene->bodies[t->unknown_a].name,
+                             t->scene->bodies[t->unknown_b].name, t->unknown_step);
     }
 }
