@@ -1,5 +1,5 @@
 /* Motion without contact: the integrator against closed forms. */
-#include "base/rotation.h"
+#include "base/vec3.h"
 #include "check.h"
 #include "world_for_tests.h"
 
@@ -133,14 +133,14 @@ static void test_rotation_is_the_exponential_map(void **state)
         pe_vec3 v = pe_v3(check_uniform(&random, -2, 2), check_uniform(&random, -2, 2),
                           check_uniform(&random, -2, 2));
         /* One turn equals many small ones about the same axis, and the axis stays. */
-        pe_quat one = pe_quat_turned(start, v), many = start;
+        pe_quat one = pe_quat_rotated(start, v), many = start;
         for (int k = 0; k < 64; ++k) {
-            many = pe_quat_turned(many, pe_scale(1.0 / 64, v));
+            many = pe_quat_rotated(many, pe_scale(1.0 / 64, v));
         }
         assert_close(fabs(one.w * many.w + one.x * many.x + one.y * many.y + one.z * many.z), 1,
                      1e-13, 0);
         pe_quat identity = {.w = 1};
-        pe_mat3 turn = pe_matrix_of(pe_quat_turned(identity, v));
+        pe_mat3 turn = pe_matrix_of(pe_quat_rotated(identity, v));
         assert_at_most(pe_length(pe_sub(pe_rotate(&turn, v), v)), 1e-13);
         assert_close(turn.r0.x + turn.r1.y + turn.r2.z, 1 + 2 * cos(pe_length(v)), 1e-13, 0);
     }

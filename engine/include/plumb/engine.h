@@ -7,8 +7,8 @@
  * One world holds everything; there is no other state. Worlds are independent of each other, and
  * one world is used by one thread at a time. The same calls give the same bits, over runs,
  * compilers and optimisation levels. Nothing here prints or exits: a function that can fail returns
- * a status and fills the optional pe_error. How well the solver did is no error: it is in
- * pe_step_stats. */
+ * a status and fills the optional pe_error. On failure it has changed nothing, unless noted. How
+ * well the solver converged is no error: it is in pe_step_stats. */
 #ifndef PLUMB_ENGINE_H
 #define PLUMB_ENGINE_H
 
@@ -20,81 +20,93 @@
 extern "C" {
 #endif
 
+/* A vector; the unit and the frame are those of its use. */
 typedef struct pe_vec3 {
-    double x, y, z;
+    double x;
+    double y;
+    double z;
 } pe_vec3;
 
+/* A unit quaternion: the rotation from the body's to the world frame. */
 typedef struct pe_quat {
-    double w, x, y, z;
+    double w; /* the real part */
+    double x;
+    double y;
+    double z;
 } pe_quat;
 
+/* The result of a function that can fail. */
 typedef enum pe_status {
     PE_OK = 0,
     PE_BAD_ARGUMENT, /* a number is out of range, or an id is not of a living object */
-    PE_NO_MEMORY
+    PE_NO_MEMORY     /* the allocator returned NULL */
 } pe_status;
 
+/* What went wrong. Every function that takes one accepts NULL, and fills it only on failure. */
 typedef struct pe_error {
-    pe_status status;
-    char message[256]; /* what, the number found, what was expected */
+    pe_status status;  /* the status that the function returned */
+    char message[256]; /* the argument, the number found, and what was expected */
 } pe_error;
 
-/* Where a world gets its memory. `allocate` returns `size` bytes aligned to 64, or NULL. */
+/* Where a world gets its memory. */
 typedef struct pe_allocator {
-    void *(*allocate)(void *context, size_t size);
-    void (*release)(void *context, void *memory); /* NULL is not passed */
-    void *context;
+    void *(*allocate)(void *context, size_t size); /* `size` bytes aligned to 64, or NULL */
+    void (*release)(void *context, void *memory);  /* NULL is not passed */
+    void *context;                                 /* passed to both */
 } pe_allocator;
 
-/* ---- World
- * ---------------------------------------------------------------------------------------- */
+/* ---- World ---- */
 
+/* Bodies, materials and geometries, with their contacts. */
 typedef struct pe_world pe_world;
 
+/* How contacts are solved. */
 typedef enum pe_profile {
-    /* Chooses for each contact island by predicted cost: what stands or slides is solved directly,
-     * to the tolerance; what moves so much that this would cost more is swept with momentum.
-     * Positions are mended after the step, in two rounds at most. */
+    /* A solver for each contact island by predicted cost: islands that stand or slide are solved
+     * directly, to the tolerance. Islands that move so much that this would cost more are swept
+     * with momentum. Positions are corrected after the step, in two rounds at most. */
     PE_PROFILE_DEFAULT,
     /* The same choice, with twice the sweeps to a quarter of the residual, and up to eight rounds
-     * of pushing out penetration. */
+     * of position correction. */
     PE_PROFILE_ACCURATE,
-    /* Substepped soft contact for what moves; what hardly moves and is cheap to solve directly is.
-     */
+    /* Moving islands use sub-stepped soft contact. Islands at rest that are cheap to factor are
+     * solved directly. */
     PE_PROFILE_FAST
 } pe_profile;
 
+/* The settings of a world, which stay as they are. */
 typedef struct pe_world_def {
-    pe_vec3 gravity; /* m/s^2 */
-    pe_profile profile;
+    pe_vec3 gravity;    /* m/s^2 */
+    pe_profile profile; /* how contacts are solved */
 
     /* A contact problem counts as solved when the largest natural-map residual over its contacts is
      * below this, in m/s. One step of gravity at 60 Hz is 0.16 m/s. */
     double tolerance;
 
     /* Bound on the work of sweeping one island in one step, in contact points visited (sweeps x
-     * points); every island gets 50 sweeps if it needs them. */
+     * points). Every island gets 50 sweeps if it needs them. */
     double max_contact_updates;
 
-    /* Bound on the iterations of one island in one step, of whatever solver: Newton steps and
-     * sweeps together. A smaller one saves time where it leaves an error. */
+    /* Bound on the iterations of one island in one step: Newton steps and sweeps together. A
+     * smaller bound saves time where it leaves an error. */
     int max_iterations;
 
     /* Approach slower than this, in m/s, does not bounce. 0: restitution holds at every speed. */
     double restitution_threshold;
 
     /* An island of this many bodies or fewer takes its impacts at their own time within the step,
-     * one after the other, but in the fast profile. In a larger one, and everywhere at 0, an impact
-     * acts at the step's start, over the gap. */
+     * one after the other, except in the fast profile. In a larger one, and everywhere at 0, an
+     * impact acts at the step's start, over the gap. A step with an impact costs such an island up
+     * to 8 sub-steps, each with up to 8 passes of solver and narrow phase over its pairs. */
     int impact_bodies;
 
     /* Gap, in m, below which two bodies at rest relative to each other get a contact. Motion within
-     * the step is added to it, so that fast bodies meet what they would pass. */
+     * the step is added to it, so that fast bodies do not pass through others. */
     double contact_margin;
 
-    /* Penetration, in m, that is left alone in an island that is swept. Deeper ones are pushed out
-     * after the step by moving bodies, without touching velocities. What is solved directly keeps
-     * none. */
+    /* Penetration, in m, that is left alone in an island that is swept. Deeper penetration is
+     * removed after the step by moving bodies, without a change of momentum. Islands that are
+     * solved directly keep none. */
     double penetration_slop;
 
     pe_allocator allocator; /* all NULL: aligned_alloc and free */
@@ -103,69 +115,82 @@ typedef struct pe_world_def {
 /* Gravity (0, 0, -9.81), tolerance 1e-8 m/s, and bounds fit for metre-sized bodies. */
 pe_world_def pe_world_def_default(void);
 
-/* The caller destroys *world. */
+/* Creates an empty world by a copy of *def. The caller owns *world, which is NULL on failure.
+ * PE_BAD_ARGUMENT for a setting out of range, PE_NO_MEMORY. */
 pe_status pe_world_create(const pe_world_def *def, pe_world **world, pe_error *error);
-void pe_world_destroy(pe_world *world); /* NULL allowed */
 
-/* ---- Materials
- * ------------------------------------------------------------------------------------ */
+/* Destroys a world with all that is in it. NULL is allowed. */
+void pe_world_destroy(pe_world *world);
 
+/* Reads the gravity that the world was created with, in m/s^2. */
+void pe_world_get_gravity(const pe_world *world, pe_vec3 *gravity);
+
+/* ---- Materials ---- */
+
+/* Names a material of one world. */
 typedef struct pe_material_id {
     uint32_t index; /* from 1; 0 is null */
 } pe_material_id;
 
-/* Friction (Coulomb, >= 0) and restitution (Newton, 0 .. 1) of the material against itself. Against
- * another: the geometric mean of the frictions, the larger restitution, until pe_world_set_pair. */
+/* Creates a material, which lives as long as the world, from its coefficients of friction (Coulomb,
+ * >= 0) and restitution (Newton, 0 .. 1) against itself. Against another material they are the
+ * geometric mean of the frictions and the larger restitution, until pe_world_set_pair.
+ * PE_BAD_ARGUMENT for a coefficient out of range, PE_NO_MEMORY. */
 pe_status pe_material_create(pe_world *world, double friction, double restitution,
                              pe_material_id *material, pe_error *error);
 
-/* Sets both for one unordered pair of materials (which may be equal). */
+/* Sets both coefficients for one unordered pair of materials, which may be equal; also for bodies
+ * in contact now. PE_BAD_ARGUMENT for an unknown material or a coefficient out of range. */
 pe_status pe_world_set_pair(pe_world *world, pe_material_id a, pe_material_id b, double friction,
                             double restitution, pe_error *error);
 
-/* ---- Bodies
- * --------------------------------------------------------------------------------------- */
+/* ---- Bodies ---- */
 
+/* The kinds of shapes. */
 typedef enum pe_shape_kind {
-    PE_SHAPE_PLANE,
-    PE_SHAPE_SPHERE,
-    PE_SHAPE_BOX,
+    PE_SHAPE_PLANE,    /* the boundary of a solid half-space; static bodies only */
+    PE_SHAPE_SPHERE,   /* about its origin */
+    PE_SHAPE_BOX,      /* about its origin, along its axes */
     PE_SHAPE_CAPSULE,  /* around the segment from -half_height to half_height on its z axis */
     PE_SHAPE_CYLINDER, /* about its z axis, capped at -half_height and half_height */
     PE_SHAPE_HULL,     /* a convex polyhedron */
     PE_SHAPE_MESH,     /* a solid bounded by triangles, of any form; it may move */
-    PE_SHAPE_COUNT
+    PE_SHAPE_COUNT     /* how many kinds there are */
 } pe_shape_kind;
 
+/* Names a geometry of one world. */
 typedef struct pe_geometry_id {
     uint32_t index; /* from 1; 0 is null */
 } pe_geometry_id;
 
+/* A shape; only the fields of its kind are read. */
 typedef struct pe_shape {
-    pe_shape_kind kind;
+    pe_shape_kind kind;      /* says which of the other fields count */
     pe_vec3 normal;          /* plane: unit, out of the solid half-space {x : n.x <= offset} */
     double offset;           /* plane: m */
     double radius;           /* sphere, capsule, cylinder: m */
     double half_height;      /* capsule, cylinder: m */
     pe_vec3 half_extents;    /* box: m */
-    pe_geometry_id geometry; /* hull, mesh */
+    pe_geometry_id geometry; /* hull, mesh: of the same world */
 } pe_shape;
 
 /* The solid of a hull or a mesh, as closed surfaces of triangles in a frame of the caller's. */
 typedef struct pe_geometry_def {
     const pe_vec3 *vertices;        /* (vertex_count), m */
     const uint32_t (*triangles)[3]; /* (triangle_count): counter-clockwise seen from outside */
-    int vertex_count, triangle_count;
+    int vertex_count;
+    int triangle_count;
     bool convex; /* for hulls: the solid must be convex */
 } pe_geometry_def;
 
-/* Copies the geometry into the world, where it stays until the world is destroyed; any number of
+/* Copies a geometry into the world, where it stays until the world is destroyed; any number of
  * bodies may have it. PE_BAD_ARGUMENT says where a surface is open, inside out, without area or,
- * if it is to be, not convex. That surfaces do not cross is not checked. Mass properties are the
- * exact integrals over the polyhedron. */
+ * with `convex`, not convex. Whether surfaces cross each other is not checked. Mass properties are
+ * the exact integrals over the polyhedron. */
 pe_status pe_geometry_create(pe_world *world, const pe_geometry_def *def, pe_geometry_id *geometry,
                              pe_error *error);
 
+/* The mass properties of a geometry of uniform density. */
 typedef struct pe_geometry_frame {
     double volume;       /* m^3 */
     pe_vec3 centre;      /* of mass, in the frame of the vertices */
@@ -173,67 +198,87 @@ typedef struct pe_geometry_frame {
     pe_vec3 inertia;     /* principal, of 1 kg, about the centre, m^2 */
 } pe_geometry_frame;
 
+/* Reads the mass properties of a geometry. PE_BAD_ARGUMENT for an unknown one. */
 pe_status pe_geometry_get_frame(const pe_world *world, pe_geometry_id geometry,
                                 pe_geometry_frame *frame, pe_error *error);
 
+/* Names a body of one world. */
 typedef struct pe_body_id {
-    uint32_t index;      /* from 1; 0 is null */
-    uint32_t generation; /* tells a reused index from the body that had it before */
+    uint32_t index;      /* from 1; 0 is null; that of a destroyed body is used again */
+    uint32_t generation; /* differs between bodies that had the same index one after the other */
 } pe_body_id;
 
+/* A body to be created. */
 typedef struct pe_body_def {
     pe_shape shape;
     bool is_static;          /* never moves; a plane must be static */
     pe_material_id material; /* null: friction 0.5, restitution 0 */
     double mass;             /* kg, > 0 unless static */
     pe_vec3 inertia;         /* kg m^2, principal, in the principal axes; zero: from the shape */
-    /* Of the shape's frame: that of a hull's or mesh's vertices; else its centre of mass and its
-     * principal axes. Not used by a plane. */
-    pe_vec3 position; /* m */
-    pe_quat orientation;
-    pe_vec3 velocity;
-    pe_vec3 angular_velocity;
+
+    /* Position and orientation are those of the shape's frame: the frame of the vertices for a hull
+     * or mesh, else the centre of mass and the principal axes. They are not used by a plane. */
+    pe_vec3 position;         /* m, world */
+    pe_quat orientation;      /* shape's frame to world */
+    pe_vec3 velocity;         /* m/s, world, of the centre of mass; not of a static body */
+    pe_vec3 angular_velocity; /* rad/s, world; not of a static body */
 } pe_body_def;
 
 /* A dynamic sphere of radius 0.5 m and 1 kg at the origin, at rest. */
 pe_body_def pe_body_def_default(void);
 
+/* Creates a body; *body is null on failure. Bodies that are created in the same order get the same
+ * ids and the same results. PE_BAD_ARGUMENT for a number out of range, a quaternion that is not unit
+ * within 1e-6, or an unknown material or geometry; PE_NO_MEMORY. */
 pe_status pe_body_create(pe_world *world, const pe_body_def *def, pe_body_id *body,
                          pe_error *error);
+
+/* Destroys a body, and its contacts. PE_BAD_ARGUMENT if it is not alive. */
 pe_status pe_body_destroy(pe_world *world, pe_body_id body, pe_error *error);
 
+/* Where a body is and how it moves. */
 typedef struct pe_body_state {
-    pe_vec3 position; /* of the shape's frame, as in pe_body_def */
-    pe_quat orientation;
-    pe_vec3 velocity; /* of the centre of mass */
-    pe_vec3 angular_velocity;
+    pe_vec3 position;         /* m, world, of the shape's frame, as in pe_body_def */
+    pe_quat orientation;      /* shape's frame to world */
+    pe_vec3 velocity;         /* m/s, world, of the centre of mass */
+    pe_vec3 angular_velocity; /* rad/s, world */
 } pe_body_state;
 
+/* Reads the state of a body. PE_BAD_ARGUMENT if it is not alive. */
 pe_status pe_body_get_state(const pe_world *world, pe_body_id body, pe_body_state *state,
                             pe_error *error);
+
+/* Sets the state of a body; of a static one only position and orientation. The next step finds all
+ * contacts again. Where the same features still touch they keep their impulses, from which the
+ * solver starts. Forces applied for the next step stay. PE_BAD_ARGUMENT if the body is not alive,
+ * a number is not finite or the quaternion is not unit within 1e-6. */
 pe_status pe_body_set_state(pe_world *world, pe_body_id body, const pe_body_state *state,
                             pe_error *error);
 
-/* Mass in kg and principal inertia in kg m^2, as the engine uses them; zero for a static body. */
+/* Reads the mass, in kg, and the principal inertia about the centre of mass, in kg m^2, in the
+ * body's principal axes. Both are zero for a static body. PE_BAD_ARGUMENT if it is not alive. */
 pe_status pe_body_get_mass(const pe_world *world, pe_body_id body, double *mass, pe_vec3 *inertia,
                            pe_error *error);
 
-/* Friction and restitution of a contact between these two. */
+/* Reads the friction and restitution of a contact between two bodies. PE_BAD_ARGUMENT if one of
+ * them is not alive. */
 pe_status pe_body_get_pair(const pe_world *world, pe_body_id a, pe_body_id b, double *friction,
                            double *restitution, pe_error *error);
 
-typedef enum pe_frame { PE_FRAME_WORLD, PE_FRAME_BODY } pe_frame;
+/* The axes that a force is given in. */
+typedef enum pe_frame {
+    PE_FRAME_WORLD, /* those of the world */
+    PE_FRAME_BODY   /* those of the shape's frame, which rotate with the body */
+} pe_frame;
 
-/* Adds a force, in N, for the next step only, at an offset from the centre of mass, in m. In the
- * body's frame both are in the axes of the shape's frame and turn with the body during the step; in
- * the world's they stay. No effect on a static body. */
+/* Adds a force, in N, that acts during the next step only, at an offset from the centre of mass, in
+ * m. In the body's frame both rotate with the body during the step; in the world's they stay. It
+ * has no effect on a static body. PE_BAD_ARGUMENT if the body is not alive or a number is not
+ * finite. */
 pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, pe_vec3 offset,
                               pe_frame frame, pe_error *error);
 
-void pe_world_get_gravity(const pe_world *world, pe_vec3 *gravity);
-
-/* ---- Step
- * ----------------------------------------------------------------------------------------- */
+/* ---- Step ---- */
 
 /* How an island's contact problem was solved. */
 typedef enum pe_path {
@@ -241,61 +286,71 @@ typedef enum pe_path {
     PE_PATH_WARM,   /* the last step's impulses were good enough */
     PE_PATH_DIRECT, /* Newton and interior point iterations on a factor in body space */
     PE_PATH_SWEEPS, /* sweeps with momentum */
-    PE_PATH_SOFT,   /* substeps of soft contact: it has no residual */
-    PE_PATH_COUNT
+    PE_PATH_SOFT,   /* sub-steps of soft contact, which have no residual */
+    PE_PATH_COUNT   /* how many paths there are */
 } pe_path;
 
 /* Why a solver stopped. */
 typedef enum pe_solve_stop {
-    PE_STOP_CONVERGED,
-    PE_STOP_ITERATIONS, /* the bound was met */
-    PE_STOP_STALLED     /* no further decrease */
+    PE_STOP_CONVERGED,  /* the residual is within the tolerance */
+    PE_STOP_ITERATIONS, /* the bound on iterations was reached */
+    PE_STOP_STALLED     /* the residual did not decrease further */
 } pe_solve_stop;
 
-enum { PE_HISTORY = 32 };
+enum { PE_HISTORY = 32 }; /* residuals in pe_step_stats */
 
-/* What one step did. Times are wall-clock seconds by phase. */
+/* What one step did. Times are wall-clock seconds; impacts within the step count as solving. */
 typedef struct pe_step_stats {
-    int iterations;  /* factorisations or sweeps, largest over islands; 0 when every warm start was
-                        good enough */
-    double residual; /* m/s, natural map, largest over all contacts that have one */
-    double residual_rms;     /* m/s, over the same */
-    double factor_flops;     /* of all factorisations */
-    int unconverged_islands; /* whose residual is above the tolerance */
-    int islands;             /* with at least one contact */
-    int islands_by_path[PE_PATH_COUNT];
-    int manifolds, contacts; /* touching or nearly touching pairs, and their points */
+    int iterations; /* factorisations or sweeps, largest over islands; 0 when every warm start was
+                       good enough */
+    double residual;                    /* m/s, natural map, largest over the solved contacts */
+    double residual_rms;                /* m/s, over the same */
+    double factor_flops;                /* of all factorisations */
+    int unconverged_islands;            /* whose residual is above the tolerance */
+    int islands;                        /* groups of dynamic bodies with contacts */
+    int islands_by_path[PE_PATH_COUNT]; /* how many were solved in each way */
+    int manifolds;                      /* groups of contact points with one normal */
+    int contacts;                       /* points of touching or nearly touching pairs */
 
     /* Of the island with the largest residual: */
-    pe_path path;
-    pe_solve_stop stop;
-    int history_count; /* residuals as the solver went, the first PE_HISTORY at most */
-    double history[PE_HISTORY];
+    pe_path path;               /* how it was solved */
+    pe_solve_stop stop;         /* why the solver stopped */
+    int history_count;          /* of history, PE_HISTORY at most */
+    double history[PE_HISTORY]; /* (history_count): m/s, residuals as the solver went */
 
-    int projection_rounds, projection_iterations; /* iterations: largest over islands and rounds */
-    double penetration;                           /* m, deepest after the bodies have moved */
-    double penetration_left;                      /* m, deepest after the projection */
-    int guarded_islands; /* whose energy would have grown: see the head of energy_guard.h */
-    double time_broad_phase, time_narrow_phase, time_contacts, time_islands, time_solve,
-        time_integrate, time_project;
+    int projection_rounds;     /* rounds of position correction */
+    int projection_iterations; /* of position correction, largest over islands and rounds */
+    double penetration;        /* m, deepest after the bodies have moved */
+    double penetration_left;   /* m, deepest after position correction */
+    int guarded_islands;       /* groups of touching bodies from which energy was taken that they had
+                                  gained from numerical errors */
+    double time_broad_phase;   /* s: pairs of bodies that are near each other */
+    double time_narrow_phase;  /* s: contact points of these pairs */
+    double time_contacts;      /* s: impulses taken over from the last step */
+    double time_islands;       /* s: islands of the contacts */
+    double time_solve;         /* s: contact problems, and the motion of bodies with contacts */
+    double time_integrate;     /* s: the motion of bodies without contacts */
+    double time_project;       /* s: position correction and energy */
 } pe_step_stats;
 
-/* Advances by dt seconds: islands, solve, move; then the contacts at the new poses and the
- * projection, so that the frame that is seen is the one that was mended.
- * On failure no body has moved. `stats` may be NULL. After some steps of a scene that does not
- * grow, no memory is allocated. */
+/* Advances the world by dt, in s: islands, contact problems, motion; then the contacts at the new
+ * poses and position correction, so that the state that is read afterwards is the corrected one.
+ * `stats` may be NULL. PE_BAD_ARGUMENT for a dt that is not a finite number above 0, PE_NO_MEMORY;
+ * then no body has moved. After some steps of a scene that does not grow no memory is allocated. */
 pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_error *error);
 
 /* One contact point of the last step. */
 typedef struct pe_contact {
-    pe_body_id body_a, body_b;
-    pe_vec3 point;     /* world, m, at the start of the step */
-    pe_vec3 normal;    /* unit, from A to B */
-    double separation; /* m, at the start of the step */
-    pe_vec3 impulse;   /* on B over the step, world, N s */
+    pe_body_id body_a; /* A */
+    pe_body_id body_b; /* B */
+    pe_vec3 point;     /* m, world, at the start of the step */
+    pe_vec3 normal;    /* unit, world, from A to B */
+    double separation; /* m, at the start of the step; negative in penetration */
+    pe_vec3 impulse;   /* N s, world, on B, summed over the step */
 } pe_contact;
 
-/* Copies up to `capacity` contacts, in a fixed order, and returns how many there are. */
+/* Copies up to `capacity` contact points of the last step, in a fixed order, and returns how many
+ * there are. `contacts` may be NULL when the capacity is 0. */
 int pe_world_get_contacts(const pe_world *world, pe_contact *contacts, int capacity);
 
 #ifdef __cplusplus

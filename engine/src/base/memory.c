@@ -45,7 +45,7 @@ pe_allocator pe_allocator_default(void)
     return (pe_allocator){.allocate = default_allocate, .release = default_release};
 }
 
-static void release(const pe_allocator *allocator, void *memory)
+void pe_release(const pe_allocator *allocator, void *memory)
 {
     if (memory != NULL) {
         allocator->release(allocator->context, memory);
@@ -71,7 +71,7 @@ pe_status pe_array_reserve(pe_array *array, const pe_allocator *allocator, size_
     if (used > 0) {
         memcpy(items, array->items, used * stride);
     }
-    release(allocator, array->items);
+    pe_release(allocator, array->items);
     array->items = items;
     array->capacity = capacity;
     return PE_OK;
@@ -79,7 +79,7 @@ pe_status pe_array_reserve(pe_array *array, const pe_allocator *allocator, size_
 
 void pe_array_free(pe_array *array, const pe_allocator *allocator)
 {
-    release(allocator, array->items);
+    pe_release(allocator, array->items);
     *array = (pe_array){0};
 }
 
@@ -113,7 +113,7 @@ static void release_extras(pe_arena *arena, const pe_allocator *allocator,
 {
     while (arena->extras != kept) {
         struct pe_arena_extra *next = arena->extras->next;
-        release(allocator, arena->extras);
+        pe_release(allocator, arena->extras);
         arena->extras = next;
     }
 }
@@ -139,7 +139,7 @@ void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator)
         size_t capacity = round_up(arena->most + arena->most / 4);
         void *block = allocator->allocate(allocator->context, capacity);
         if (block != NULL) {
-            release(allocator, arena->block);
+            pe_release(allocator, arena->block);
             arena->block = block;
             arena->capacity = capacity;
         }
@@ -153,6 +153,6 @@ void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator)
 void pe_arena_free(pe_arena *arena, const pe_allocator *allocator)
 {
     release_extras(arena, allocator, NULL);
-    release(allocator, arena->block);
+    pe_release(allocator, arena->block);
     *arena = (pe_arena){0};
 }

@@ -14,6 +14,9 @@ pe_fail(pe_error *error, pe_status status, const char *format, ...);
 /* An allocator of aligned_alloc and free. */
 pe_allocator pe_allocator_default(void);
 
+/* Gives memory back to the allocator. NULL is allowed. */
+void pe_release(const pe_allocator *allocator, void *memory);
+
 /* A growing array of plain data. All zero is the empty array. */
 typedef struct pe_array {
     void *items;

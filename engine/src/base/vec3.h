@@ -73,7 +73,7 @@ static inline pe_vec3 pe_mul(pe_vec3 a, pe_vec3 b)
     return pe_v3(a.x * b.x, a.y * b.y, a.z * b.z);
 }
 
-/* Smaller and larger of two numbers, as one instruction and with one meaning everywhere. */
+/* Smaller and larger of two numbers: one instruction each, and the same for NaN on every machine. */
 static inline double pe_min(double a, double b)
 {
     return a < b ? a : b;
@@ -84,7 +84,7 @@ static inline double pe_max(double a, double b)
     return a > b ? a : b;
 }
 
-/* m a */
+/* m a: body to world. */
 static inline pe_vec3 pe_rotate(const pe_mat3 *m, pe_vec3 a)
 {
     return pe_v3(pe_dot(m->r0, a), pe_dot(m->r1, a), pe_dot(m->r2, a));
@@ -96,7 +96,7 @@ static inline pe_vec3 pe_unrotate(const pe_mat3 *m, pe_vec3 a)
     return pe_madd(pe_madd(pe_scale(a.x, m->r0), a.y, m->r1), a.z, m->r2);
 }
 
-/* The body's k-th axis in the world. */
+/* The body's k-th axis, in world coordinates. */
 static inline pe_vec3 pe_axis(const pe_mat3 *m, int k)
 {
     return k == 0   ? pe_v3(m->r0.x, m->r1.x, m->r2.x)
@@ -109,10 +109,11 @@ static inline double pe_component(pe_vec3 a, int k)
     return k == 0 ? a.x : k == 1 ? a.y : a.z;
 }
 
+/* The rotation matrix of a quaternion, which need not be exactly unit. */
 static inline pe_mat3 pe_matrix_of(pe_quat q)
 {
     double w = q.w, x = q.x, y = q.y, z = q.z;
-    double f = 2 / (w * w + x * x + y * y + z * z); /* 2 but for rounding, which would add up */
+    double f = 2 / (w * w + x * x + y * y + z * z); /* 2 except for rounding, which would add up */
     return (pe_mat3){
         .r0 = {1 - f * (y * y + z * z), f * (x * y - w * z), f * (x * z + w * y)},
         .r1 = {f * (x * y + w * z), 1 - f * (x * x + z * z), f * (y * z - w * x)},
@@ -120,6 +121,7 @@ static inline pe_mat3 pe_matrix_of(pe_quat q)
     };
 }
 
+/* The rotation b, followed by a. */
 static inline pe_quat pe_quat_product(pe_quat a, pe_quat b)
 {
     return (pe_quat){
@@ -148,6 +150,13 @@ static inline pe_vec3 pe_solve3(pe_vec3 r0, pe_vec3 r1, pe_vec3 r2, pe_vec3 righ
     pe_vec3 sum = pe_madd(pe_madd(pe_scale(right.x, c12), right.y, c20), right.z, c01);
     return pe_scale(1 / pe_dot(r0, c12), sum);
 }
+
+/* exp(v) q, renormalised: the orientation q rotated by the world-frame rotation vector v, in rad.
+ * Exponential map, Rodrigues 1840. */
+pe_quat pe_quat_rotated(pe_quat q, pe_vec3 v);
+
+/* Sine and cosine of x, in rad, to 1e-15 for |x| < 1e5. */
+void pe_sincos(double x, double *sine, double *cosine);
 
 /* Two unit tangents that make a right-handed frame (n, t1, t2) with the unit vector n. */
 static inline void pe_tangents(pe_vec3 n, pe_vec3 *t1, pe_vec3 *t2)

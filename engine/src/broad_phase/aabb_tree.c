@@ -146,16 +146,9 @@ void pe_tree_invalidate(pe_tree *tree)
 void pe_tree_unmark(pe_tree *tree)
 {
     pe_tree_node *nodes = nodes_of(tree);
-    if (is_mostly_marked(tree)) {
-        for (int i = 1; i <= tree->node_count; ++i) {
-            nodes[i].marked = false;
-        }
-    } else {
-        for (int i = tree->root, next; i != NONE; i = next) {
-            bool over = !nodes[i].marked;
-            nodes[i].marked = false;
-            next = next_node(nodes, i, over);
-        }
+    for (int i = tree->root, next; i != NONE; i = next) {
+        next = next_node(nodes, i, !nodes[i].marked);
+        nodes[i].marked = false;
     }
     tree->marked_count = 0;
 }

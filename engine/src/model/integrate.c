@@ -1,10 +1,8 @@
 #include "integrate.h"
 
-#include "base/rotation.h"
-
 static pe_mat3 rotation_by(pe_vec3 v)
 {
-    return pe_matrix_of(pe_quat_turned((pe_quat){.w = 1}, v));
+    return pe_matrix_of(pe_quat_rotated((pe_quat){.w = 1}, v));
 }
 
 typedef struct spin {
@@ -150,7 +148,7 @@ void pe_pose_move(pe_pose *pose, pe_vec3 displacement, pe_vec3 rotation)
 {
     pose->position = pe_add(pose->position, displacement);
     if (rotation.x != 0 || rotation.y != 0 || rotation.z != 0) {
-        pose->orientation = pe_quat_turned(pose->orientation, rotation);
+        pose->orientation = pe_quat_rotated(pose->orientation, rotation);
         pose->rotation = pe_matrix_of(pose->orientation);
     }
 }

@@ -1,6 +1,7 @@
 #include "island.h"
 
-#include <string.h>
+/* Gaps up to this, in m, are closed. */
+static const double TOUCHING = 1e-6;
 
 /* The root of a slot's tree, with every visited link cut in half (Tarjan and van Leeuwen 1984). */
 static int find_root(int *parent, int slot)
@@ -12,9 +13,9 @@ static int find_root(int *parent, int slot)
     return slot;
 }
 
-/* Takes the arrays of *islands for a world of so many slots and manifolds. */
-static bool take_islands(pe_world *world, size_t slots, size_t manifolds, pe_islands *islands)
+void pe_islands_take(pe_world *world, size_t manifolds, pe_islands *islands)
 {
+    size_t slots = (size_t)world->slot_count;
     *islands = (pe_islands){
         .start = pe_scratch(world, slots + 1, sizeof(int)),
         .manifolds = pe_scratch(world, manifolds + 1, sizeof(int)),
@@ -22,8 +23,6 @@ static bool take_islands(pe_world *world, size_t slots, size_t manifolds, pe_isl
         .bodies = pe_scratch(world, slots, sizeof(int)),
         .place = pe_scratch(world, slots, sizeof(int)),
     };
-    return islands->start != NULL && islands->manifolds != NULL && islands->body_start != NULL &&
-           islands->bodies != NULL && islands->place != NULL;
 }
 
 /* Lists items 0 .. count - 1 by their group, ascending in each, with group -1 left out. Fills start
@@ -88,8 +87,8 @@ pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
     int *parent = pe_scratch(world, slots, sizeof *parent);
     int *number = pe_scratch(world, slots, sizeof *number);
     int *island_of = pe_scratch(world, (size_t)count + 1, sizeof *island_of);
-    if (!take_islands(world, slots, (size_t)count, islands) || parent == NULL || number == NULL ||
-        island_of == NULL) {
+    pe_islands_take(world, (size_t)count, islands);
+    if (pe_scratch_failed(world)) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for the islands of %zu bodies", slots);
     }
     const pe_body *bodies = pe_bodies(world);
@@ -118,9 +117,6 @@ pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
     list_bodies(world, parent, number, islands);
     return PE_OK;
 }
-
-/* Gaps up to this, in m, are none. */
-static const double TOUCHING = 1e-6;
 
 static bool touches(const pe_contacts *contacts, const pe_manifold *m)
 {
@@ -157,15 +153,14 @@ pe_status pe_islands_find_touching(pe_world *world, pe_islands *groups, pe_error
     size_t slots = (size_t)world->slot_count;
     int *parent = pe_scratch(world, slots, sizeof *parent);
     int *number = pe_scratch(world, slots, sizeof *number);
-    bool *joined = pe_scratch(world, slots, sizeof *joined);
-    if (!take_islands(world, slots, 0, groups) || parent == NULL || number == NULL ||
-        joined == NULL) {
+    bool *joined = pe_scratch_zero(world, slots, sizeof *joined);
+    pe_islands_take(world, 0, groups);
+    if (pe_scratch_failed(world)) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for the groups of %zu bodies", slots);
     }
     for (int slot = 0; slot < world->slot_count; ++slot) {
         parent[slot] = slot;
         number[slot] = -1;
-        joined[slot] = false;
     }
     join_all(world, &world->solved, pushed, parent, joined);
     join_all(world, &world->contacts, touches, parent, joined);

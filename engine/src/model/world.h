@@ -6,6 +6,8 @@
 #include "base/vec3.h"
 #include "geometry.h"
 
+#include <string.h>
+
 /* Body slots start at 1: slot 0 is a static dummy, so that an id's index is its slot and 0 is null.
  */
 
@@ -218,6 +220,13 @@ static inline pe_workspace pe_step_memory(pe_world *world)
 static inline void *pe_scratch(pe_world *world, size_t count, size_t stride)
 {
     return pe_arena_take(&world->arena, &world->allocator, count, stride);
+}
+
+/* The same, filled with zeros. */
+static inline void *pe_scratch_zero(pe_world *world, size_t count, size_t stride)
+{
+    void *memory = pe_scratch(world, count, stride);
+    return memory != NULL ? memset(memory, 0, count * stride) : NULL;
 }
 
 /* Whether the step's arena has refused a request in this step. */

@@ -87,7 +87,7 @@ static pe_status capture_all(pe_world *world, double dt, pe_contact_problem ***p
         for (int k = 0; k < islands.count; ++k) {
             pe_contact_problem_destroy(made[k]);
         }
-        world->allocator.release(world->allocator.context, made);
+        pe_release(&world->allocator, made);
         return status;
     }
     *problems = made;
@@ -138,7 +138,7 @@ pe_contact_problem *pe_contact_problems_keep(pe_contact_problem **problems, int 
     for (int i = 0; i < count; ++i) {
         pe_contact_problem_destroy(i == index ? NULL : problems[i]);
     }
-    allocator.release(allocator.context, problems);
+    pe_release(&allocator, problems);
     return kept;
 }
 

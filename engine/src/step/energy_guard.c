@@ -32,6 +32,8 @@ typedef struct energy {
     double terms;  /* that growth is the difference of, in size */
     double mass;   /* kg */
     double force;  /* N, in size */
+    bool exact;     /* all bodies were solved directly or have no contact to solve */
+    bool corrected; /* position correction moved one */
 } energy;
 
 static pe_vec3 angular_momentum(const pe_mass *mass, const pe_mat3 *rotation, pe_vec3 w)
@@ -63,6 +65,11 @@ static double torque_work(const pe_step *step, int slot)
     return 0.5 * pe_dot(impulse, pe_add(begin, end));
 }
 
+static bool is_corrected(const pe_step *step, int slot)
+{
+    return step->corrected != NULL && step->corrected[slot];
+}
+
 static void add_body(const pe_step *step, int slot, energy *e)
 {
     const pe_mass *mass = &pe_masses(step->world)[slot];
@@ -74,6 +81,8 @@ static void add_body(const pe_step *step, int slot, energy *e)
         pe_scale(mass->mass / step->dt, pe_sub(step->free[slot].end.velocity, velocity));
     pe_vec3 displacement = pe_sub(end->position, begin->position);
     double work = pe_dot(force, displacement), rotating = torque_work(step, slot);
+    e->exact &= step->solved_directly[slot] || step->islands.place[slot] < 0;
+    e->corrected |= is_corrected(step, slot);
     e->kinetic += after;
     e->motion += before + after;
     e->mass += mass->mass;
@@ -87,7 +96,7 @@ static void add_body(const pe_step *step, int slot, energy *e)
 
 static energy energy_of(const group *g)
 {
-    energy e = {0};
+    energy e = {.exact = true};
     for (int i = 0; i < g->count; ++i) {
         add_body(g->step, g->slots[i], &e);
     }
@@ -102,34 +111,6 @@ static double factor_of(const energy *e, bool exact)
         return 1;
     }
     return e->growth < e->kinetic ? sqrt(1 - e->growth / e->kinetic) : 0;
-}
-
-static bool is_corrected(const pe_step *step, int slot)
-{
-    return step->corrected != NULL && step->corrected[slot];
-}
-
-static bool any_corrected(const group *g)
-{
-    for (int i = 0; i < g->count; ++i) {
-        if (is_corrected(g->step, g->slots[i])) {
-            return true;
-        }
-    }
-    return false;
-}
-
-/* Bodies without a contact to solve have moved as exactly as those that were solved directly. */
-static bool all_exact(const group *g)
-{
-    const pe_step *step = g->step;
-    for (int i = 0; i < g->count; ++i) {
-        int slot = g->slots[i];
-        if (!step->solved_directly[slot] && step->islands.place[slot] >= 0) {
-            return false;
-        }
-    }
-    return true;
 }
 
 /* Whether no body is farther than step->shallow from `poses`; `corrected`: of the corrected ones.
@@ -168,16 +149,15 @@ static double take_back_correction(const group *g, bool *put_back)
 static void guard_group(const group *g, bool *put_back, pe_energy_report *report)
 {
     const pe_step *step = g->step;
-    bool corrected = any_corrected(g), exact = all_exact(g);
     energy e = energy_of(g);
-    double factor = factor_of(&e, exact && !corrected);
+    double factor = factor_of(&e, e.exact && !e.corrected);
     if (factor == 1) {
         return;
     }
     report->islands += 1;
     report->removed += e.growth;
     bool waits =
-        corrected && exact && factor < LEFT && is_shallow(g, step->uncorrected_poses, true);
+        e.corrected && e.exact && factor < LEFT && is_shallow(g, step->uncorrected_poses, true);
     if (waits) {
         factor = take_back_correction(g, put_back);
     }

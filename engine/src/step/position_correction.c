@@ -348,24 +348,15 @@ static pe_status take_sweep_memory(correction *c)
     size_t slots = (size_t)world->slot_count;
     size_t points = (size_t)world->contacts.point_count;
     size_t manifolds = (size_t)world->contacts.manifold_count;
-    c->active = pe_scratch(world, slots, sizeof *c->active);
-    c->push = pe_scratch(world, points + 1, sizeof *c->push);
-    c->swept = (pe_islands){
-        .count = 1,
-        .start = pe_scratch(world, 2, sizeof(int)),
-        .manifolds = pe_scratch(world, manifolds + 1, sizeof(int)),
-        .body_start = pe_scratch(world, 2, sizeof(int)),
-        .bodies = pe_scratch(world, slots, sizeof(int)),
-        .place = pe_scratch(world, slots, sizeof(int)),
-    };
+    c->active = pe_scratch_zero(world, slots, sizeof *c->active);
+    c->push = pe_scratch_zero(world, points + 1, sizeof *c->push);
+    pe_islands_take(world, manifolds, &c->swept);
+    c->swept.count = 1;
     if (pe_scratch_failed(world)) {
         return pe_fail(c->error, PE_NO_MEMORY, "no memory to move %zu contact points apart",
                        points);
     }
-    memset(c->active, 0, slots * sizeof *c->active);
-    memset(c->push, 0, points * sizeof *c->push);
-    memset(c->swept.start, 0, 2 * sizeof(int));
-    memset(c->swept.body_start, 0, 2 * sizeof(int));
+    c->swept.start[0] = c->swept.start[1] = c->swept.body_start[0] = c->swept.body_start[1] = 0;
     for (size_t i = 0; i < slots; ++i) {
         c->swept.place[i] = -1;
     }
@@ -456,12 +447,11 @@ pe_status pe_correct_positions(pe_step *step, const pe_correction_rules *rules,
         return PE_OK;
     }
     c.moved = pe_scratch(world, slots, sizeof *c.moved);
-    bool *ever = pe_scratch(world, slots, sizeof *ever);
+    bool *ever = pe_scratch_zero(world, slots, sizeof *ever);
     snapshot begun = take_snapshot_memory(world), later = take_snapshot_memory(world);
     if (pe_scratch_failed(world)) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to correct %zu positions", slots);
     }
-    memset(ever, 0, slots * sizeof *ever);
     save(world, violation_of_world(&c), &begun);
     snapshot best = begun;
     pe_status status = PE_OK;

@@ -103,25 +103,17 @@ void pe_world_destroy(pe_world *world)
     }
     pe_allocator allocator = world->allocator;
     pe_array *arrays[] = {
-        &world->body_array,
-        &world->pose_array,
-        &world->twist_array,
-        &world->mass_array,
-        &world->applied_force_array,
-        &world->material_pair_array,
-        &world->contacts.manifold_array,
-        &world->contacts.point_array,
-        &world->previous.manifold_array,
-        &world->previous.point_array,
-        &world->substep_contacts.manifold_array,
-        &world->substep_contacts.point_array,
-        &world->substep_previous.manifold_array,
-        &world->substep_previous.point_array,
-        &world->solved.manifold_array,
-        &world->solved.point_array,
+        &world->body_array, &world->pose_array,          &world->twist_array,
+        &world->mass_array, &world->applied_force_array, &world->material_pair_array,
     };
+    pe_contacts *lists[] = {&world->contacts, &world->previous, &world->solved,
+                            &world->substep_contacts, &world->substep_previous};
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; ++i) {
         pe_array_free(arrays[i], &allocator);
+    }
+    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; ++i) {
+        pe_array_free(&lists[i]->manifold_array, &allocator);
+        pe_array_free(&lists[i]->point_array, &allocator);
     }
     pe_geometry **geometries = world->geometry_array.items;
     for (int i = 0; i < world->geometry_count; ++i) {
@@ -131,7 +123,7 @@ void pe_world_destroy(pe_world *world)
     pe_broad_free(world->broad, &allocator);
     pe_pattern_store_free(world->patterns, &allocator);
     pe_arena_free(&world->arena, &allocator);
-    allocator.release(allocator.context, world);
+    pe_release(&allocator, world);
 }
 
 void pe_world_get_gravity(const pe_world *world, pe_vec3 *gravity)

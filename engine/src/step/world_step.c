@@ -64,17 +64,14 @@ static pe_status begin_step(pe_step *step)
     step->poses = pe_scratch(world, slots, sizeof *step->poses);
     step->twists = pe_scratch(world, slots, sizeof *step->twists);
     step->free = pe_scratch(world, slots, sizeof *step->free);
-    step->solved_directly = pe_scratch(world, slots, sizeof(bool));
-    step->fast_moving = pe_scratch(world, slots, sizeof(bool));
-    step->corrected = pe_scratch(world, slots, sizeof(bool));
+    step->solved_directly = pe_scratch_zero(world, slots, sizeof(bool));
+    step->fast_moving = pe_scratch_zero(world, slots, sizeof(bool));
+    step->corrected = pe_scratch_zero(world, slots, sizeof(bool));
     if (pe_scratch_failed(world)) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to step %zu bodies", slots);
     }
     memcpy(step->poses, pe_poses(world), slots * sizeof *step->poses);
     memcpy(step->twists, pe_twists(world), slots * sizeof *step->twists);
-    memset(step->solved_directly, 0, slots * sizeof(bool));
-    memset(step->fast_moving, 0, slots * sizeof(bool));
-    memset(step->corrected, 0, slots * sizeof(bool));
     return PE_OK;
 }
 
@@ -316,11 +313,10 @@ static pe_status guard_energy(pe_step *step)
     size_t slots = (size_t)world->slot_count;
     pe_energy_report report;
     pe_islands groups;
-    bool *put_back = pe_scratch(world, slots, sizeof *put_back);
+    bool *put_back = pe_scratch_zero(world, slots, sizeof *put_back);
     if (put_back == NULL) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to step %zu bodies", slots);
     }
-    memset(put_back, 0, slots * sizeof *put_back);
     pe_status status = pe_islands_find_touching(world, &groups, step->error);
     if (status != PE_OK) {
         return status;

@@ -1,13 +1,14 @@
-/* The exponential map, with our own sine and cosine.
+/* The exponential map, with a sine and cosine of its own: libm's may differ from one version to the
+ * next in the last bit, which would make results differ between machines.
  *
  * x = k pi/2 + r with |r| <= pi/4; pi/2 in three parts of which the first two have zeros at their
  * ends, so that k times them is exact (Cody and Waite 1980); then the Taylor series of sin r and
  * cos r, whose first omitted terms are below 1e-17 at pi/4. */
-#include "rotation.h"
+#include "vec3.h"
 
 void pe_sincos(double x, double *sine, double *cosine)
 {
-    if (!(fabs(x) < 1e9)) { /* no digit of the angle is left: no turn, and NaN stays NaN */
+    if (!(fabs(x) < 1e9)) { /* no digit of the angle is left: 0, and NaN stays NaN */
         *sine = 0 * x;
         *cosine = 1 + 0 * x;
         return;
@@ -54,13 +55,13 @@ void pe_sincos(double x, double *sine, double *cosine)
     }
 }
 
-pe_quat pe_quat_turned(pe_quat q, pe_vec3 v)
+pe_quat pe_quat_rotated(pe_quat q, pe_vec3 v)
 {
     double angle = pe_length(v);
     double s, c;
     pe_sincos(0.5 * angle, &s, &c);
     /* sin(a/2)/a tends to 1/2; below 1e-8 the next term is lost in rounding. */
     double f = angle > 1e-8 ? s / angle : 0.5;
-    pe_quat turn = {c, f * v.x, f * v.y, f * v.z};
-    return pe_quat_unit(pe_quat_product(turn, q));
+    pe_quat rotation = {c, f * v.x, f * v.y, f * v.z};
+    return pe_quat_unit(pe_quat_product(rotation, q));
 }
