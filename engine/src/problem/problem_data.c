@@ -16,13 +16,6 @@ static void *allocate_zero(const pe_allocator *allocator, size_t count, size_t s
     return memory;
 }
 
-static void release(const pe_allocator *allocator, void *memory)
-{
-    if (memory != NULL) {
-        allocator->release(allocator->context, memory);
-    }
-}
-
 pe_status pe_contact_problem_create(int body_count, int manifold_count, int point_count,
                                     const pe_allocator *allocator, pe_contact_problem **problem,
                                     pe_error *error)
@@ -58,10 +51,10 @@ void pe_contact_problem_destroy(pe_contact_problem *problem)
 {
     if (problem != NULL) {
         pe_allocator allocator = problem->allocator;
-        release(&allocator, problem->bodies);
-        release(&allocator, problem->manifolds);
-        release(&allocator, problem->points);
-        release(&allocator, problem);
+        pe_release(&allocator, problem->bodies);
+        pe_release(&allocator, problem->manifolds);
+        pe_release(&allocator, problem->points);
+        pe_release(&allocator, problem);
     }
 }
 
@@ -85,9 +78,9 @@ pe_status pe_contact_solution_take(const pe_contact_problem *problem, int mark_c
 void pe_contact_solution_free(pe_contact_solution *solution)
 {
     const pe_allocator allocator = solution->allocator;
-    release(&allocator, solution->impulses);
-    release(&allocator, solution->velocities);
-    release(&allocator, solution->history);
+    pe_release(&allocator, solution->impulses);
+    pe_release(&allocator, solution->velocities);
+    pe_release(&allocator, solution->history);
     *solution = (pe_contact_solution){0};
 }
 
