@@ -228,8 +228,8 @@ typedef struct pe_body_def {
 pe_body_def pe_body_def_default(void);
 
 /* Creates a body; *body is null on failure. Bodies that are created in the same order get the same
- * ids and the same results. PE_BAD_ARGUMENT for a number out of range, a quaternion that is not unit
- * within 1e-6, or an unknown material or geometry; PE_NO_MEMORY. */
+ * ids and the same results. PE_BAD_ARGUMENT for a number out of range, a quaternion that is not
+ * unit within 1e-6, or an unknown material or geometry; PE_NO_MEMORY. */
 pe_status pe_body_create(pe_world *world, const pe_body_def *def, pe_body_id *body,
                          pe_error *error);
 
@@ -301,9 +301,9 @@ enum { PE_HISTORY = 32 }; /* residuals in pe_step_stats */
 
 /* What one step did. Times are wall-clock seconds; impacts within the step count as solving. */
 typedef struct pe_step_stats {
-    int iterations; /* factorisations or sweeps, largest over islands; 0 when every warm start was
-                       good enough */
-    double residual;                    /* m/s, natural map, largest over the solved contacts */
+    int iterations;  /* factorisations or sweeps, largest over islands; 0 when every warm start was
+                        good enough */
+    double residual; /* m/s, natural map, largest over the solved contacts */
     double residual_rms;                /* m/s, over the same */
     double factor_flops;                /* of all factorisations */
     int unconverged_islands;            /* whose residual is above the tolerance */
@@ -322,15 +322,15 @@ typedef struct pe_step_stats {
     int projection_iterations; /* of position correction, largest over islands and rounds */
     double penetration;        /* m, deepest after the bodies have moved */
     double penetration_left;   /* m, deepest after position correction */
-    int guarded_islands;       /* groups of touching bodies from which energy was taken that they had
-                                  gained from numerical errors */
-    double time_broad_phase;   /* s: pairs of bodies that are near each other */
-    double time_narrow_phase;  /* s: contact points of these pairs */
-    double time_contacts;      /* s: impulses taken over from the last step */
-    double time_islands;       /* s: islands of the contacts */
-    double time_solve;         /* s: contact problems, and the motion of bodies with contacts */
-    double time_integrate;     /* s: the motion of bodies without contacts */
-    double time_project;       /* s: position correction and energy */
+    int guarded_islands;      /* groups of touching bodies from which energy was taken that they had
+                                 gained from numerical errors */
+    double time_broad_phase;  /* s: pairs of bodies that are near each other */
+    double time_narrow_phase; /* s: contact points of these pairs */
+    double time_contacts;     /* s: impulses taken over from the last step */
+    double time_islands;      /* s: islands of the contacts */
+    double time_solve;        /* s: contact problems, and the motion of bodies with contacts */
+    double time_integrate;    /* s: the motion of bodies without contacts */
+    double time_project;      /* s: position correction and energy */
 } pe_step_stats;
 
 /* Advances the world by dt, in s: islands, contact problems, motion; then the contacts at the new

@@ -17,8 +17,8 @@ typedef struct pe_islands {
     int *place;      /* (slots): a body's index in its island's list; -1 when it is in none */
 } pe_islands;
 
-/* Takes the arrays of *islands from the step's arena, for up to `manifolds` manifolds. Callers check
- * pe_scratch_failed. */
+/* Takes the arrays of *islands from the step's arena, for up to `manifolds` manifolds. Callers
+ * check pe_scratch_failed. */
 void pe_islands_take(pe_world *world, size_t manifolds, pe_islands *islands);
 
 /* Union-find over the manifolds between dynamic bodies; static bodies do not join what rests on

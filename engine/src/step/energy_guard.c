@@ -28,10 +28,10 @@ typedef struct group {
 typedef struct energy {
     double kinetic; /* at the end */
     double growth;
-    double motion; /* kinetic, before and after */
-    double terms;  /* that growth is the difference of, in size */
-    double mass;   /* kg */
-    double force;  /* N, in size */
+    double motion;  /* kinetic, before and after */
+    double terms;   /* that growth is the difference of, in size */
+    double mass;    /* kg */
+    double force;   /* N, in size */
     bool exact;     /* all bodies were solved directly or have no contact to solve */
     bool corrected; /* position correction moved one */
 } energy;
