@@ -10,7 +10,7 @@
  * in turn (A B C A B C), medians. A triangle pair is one that the volumes did not part. */
 #define _POSIX_C_SOURCE 199309L
 
-#include "model/geometry_mass.h"
+#include "model/geometry_build.h"
 #include "narrow_phase/mesh/near_features.h"
 
 #include <stdio.h>

@@ -1,9 +1,7 @@
-/* Geometries: made from the caller's triangles, and kept by the world. */
+/* Geometries: made from the caller's triangles, and owned by the world. */
 #include "geometry.h"
 
-#include "geometry_mass.h"
-#include "geometry_surface.h"
-#include "geometry_tree.h"
+#include "geometry_build.h"
 #include "world.h"
 
 /* Room for indices of corners: three a triangle. */
@@ -32,7 +30,7 @@ static pe_status check_def(const pe_geometry_def *def, pe_error *error)
     return PE_OK;
 }
 
-/* Copies the triangles, and the vertices into the body's axes. */
+/* Copies the triangles, and the vertices in the body's axes. */
 static pe_status copy_def(pe_geometry *g, const pe_geometry_def *def, const pe_allocator *allocator,
                           pe_error *error)
 {
@@ -64,6 +62,7 @@ static pe_status copy_def(pe_geometry *g, const pe_geometry_def *def, const pe_a
     return PE_OK;
 }
 
+/* Fills *g, which is zero; on an error its arena may hold memory. */
 static pe_status make(pe_geometry *g, const pe_geometry_def *def, const pe_allocator *allocator,
                       pe_workspace work, pe_error *error)
 {

@@ -1,20 +1,22 @@
-/* Every triangle spans a tetrahedron with a point near the solid; the integrals of 1, x and x x^T
- * over a tetrahedron (0, a, b, c) of volume V are V, V (a + b + c) / 4 and
- * V / 20 (s s^T + a a^T + b b^T + c c^T) with s = a + b + c. Signed, they add up to those of the
- * solid (Tonon 2004 gives the same integrals).
+/* Mass properties of a polyhedron, and principal axes.
+ *
+ * Every triangle spans a tetrahedron with a point near the solid. The integrals of 1, x and x x^T
+ * over a tetrahedron (0, a, b, c) of volume V are V, V (a + b + c) / 4 and V / 20 (s s^T + a a^T +
+ * b b^T + c c^T) with s = a + b + c. Signed, they add up to those of the solid (Tonon 2004 gives
+ * the same integrals).
  *
  * The inertia tensor is turned to principal axes by cyclic Jacobi rotations (Golub and Van Loan
  * 2013, 8.5). */
-#include "geometry_mass.h"
+#include "geometry_build.h"
 
 /* Products of inertia below this part of the trace are rounding. */
 static const double ROUNDING = 1e-12;
 
-/* A symmetric matrix: xx, yy, zz, yz, zx, xy. */
+/* The integrals over the solid. */
 typedef struct moments {
     double volume;
     pe_vec3 first;
-    double second[6];
+    double second[6]; /* xx, yy, zz, yz, zx, xy */
 } moments;
 
 static void add_square(double to[6], double w, pe_vec3 v)
@@ -27,7 +29,7 @@ static void add_square(double to[6], double w, pe_vec3 v)
     to[5] += w * v.x * v.y;
 }
 
-/* About `origin`. */
+/* The integrals about `origin`. */
 static moments integrate(const pe_geometry_def *def, pe_vec3 origin)
 {
     moments m = {0};
@@ -48,7 +50,7 @@ static moments integrate(const pe_geometry_def *def, pe_vec3 origin)
     return m;
 }
 
-static pe_vec3 middle_of_bounds(const pe_geometry_def *def)
+static pe_vec3 centre_of_bounds(const pe_geometry_def *def)
 {
     pe_vec3 low = def->vertices[0], high = low;
     for (int i = 1; i < def->vertex_count; ++i) {
@@ -59,7 +61,7 @@ static pe_vec3 middle_of_bounds(const pe_geometry_def *def)
     return pe_madd(low, 0.5, pe_sub(high, low));
 }
 
-/* Turns axes p and q of the frame so that a[p][q] vanishes; the columns of `axes` are the frame. */
+/* Turns the axes p and q so that a[p][q] vanishes. The axes are the columns of `axes`. */
 static void rotate(double a[3][3], double axes[3][3], int p, int q)
 {
     double tau = (a[q][q] - a[p][p]) / (2 * a[p][q]);
@@ -82,7 +84,7 @@ static void rotate(double a[3][3], double axes[3][3], int p, int q)
     }
 }
 
-/* Of a rotation matrix by rows. Shepperd 1978. */
+/* The quaternion of a rotation matrix, by Shepperd 1978. */
 static pe_quat quaternion_of(double r[3][3])
 {
     double trace = r[0][0] + r[1][1] + r[2][2];
@@ -109,7 +111,7 @@ static pe_quat quaternion_of(double r[3][3])
 
 void pe_principal_axes(double a[3][3], double axes[3][3])
 {
-    enum { SWEEPS = 16 }; /* it converges quadratically: five are enough */
+    enum { SWEEPS = 16 }; /* convergence is quadratic: five are enough */
     for (int k = 0; k < 9; ++k) {
         axes[k / 3][k % 3] = k % 4 == 0;
     }
@@ -117,7 +119,7 @@ void pe_principal_axes(double a[3][3], double axes[3][3])
     for (int sweep = 0; sweep < SWEEPS; ++sweep) {
         for (int p = 0; p < 2; ++p) {
             for (int q = p + 1; q < 3; ++q) {
-                /* Later sweeps take what the first have stirred up, to the last digit. */
+                /* Later sweeps remove what the first ones have disturbed, to the last digit. */
                 if (fabs(a[p][q]) > (sweep == 0 ? least : 1e-6 * least)) {
                     rotate(a, axes, p, q);
                 }
@@ -132,13 +134,13 @@ void pe_principal_axes(double a[3][3], double axes[3][3])
 
 pe_geometry_frame pe_geometry_mass(const pe_geometry_def *def)
 {
-    pe_vec3 origin = middle_of_bounds(def);
+    pe_vec3 origin = centre_of_bounds(def);
     moments m = integrate(def, origin);
     pe_geometry_frame frame = {.volume = m.volume, .orientation = {.w = 1}};
     if (!(m.volume > 0)) {
         return frame;
     }
-    /* Once more about the centre itself, so that nothing cancels. */
+    /* Again about the centre itself, so that nothing cancels. */
     pe_vec3 centre = pe_madd(origin, 1 / m.volume, m.first);
     m = integrate(def, centre);
     frame.volume = m.volume;

@@ -1,19 +1,21 @@
-/* Half-edges, sorted by the vertices that they join, show which triangles meet. A closed surface
- * has each half-edge once, with its opposite. Triangles of one plane that hang together make a
- * face: found by spreading from a triangle, in order, over neighbours that lie in its plane. */
-#include "geometry_surface.h"
+/* The faces and edges of a surface of triangles.
+ *
+ * Half-edges, sorted by the vertices that they join, show which triangles meet. A closed surface
+ * has each half-edge once, with its opposite. Connected triangles of one plane make a face: it
+ * spreads from a triangle, in order, over neighbours that lie in its plane. */
+#include "geometry_build.h"
 
 #include <stdlib.h>
 
-/* In units of the geometry's half extent: triangles with all corners this near to a plane are of
- * it, and a corner this far over a face is a dent. */
+/* In units of the geometry's half extent: a triangle with all corners this near to a plane lies in
+ * the plane, and a corner this far over a face makes a dent. */
 static const double FLAT = 1e-9;
 /* Twice the area of a triangle, in units of the square of its longest edge. */
 static const double LEAST_AREA = 1e-12;
 
-/* Corner k of a triangle to the next: the half-edge 3 t + k. */
+/* The half-edge 3 t + k leads from corner k of triangle t to the next corner. */
 typedef struct half_edge {
-    int low, high; /* the vertices by number */
+    int low, high; /* the vertices in rising order */
     int index;
 } half_edge;
 
@@ -37,7 +39,7 @@ static int end_of(const pe_geometry *g, int half)
     return g->triangles[half / 3][(half % 3 + 1) % 3];
 }
 
-/* The half-edge after it in its triangle. */
+/* The next half-edge of the triangle. */
 static int next_of(int half)
 {
     return half % 3 == 2 ? half - 2 : half + 1;
@@ -55,6 +57,7 @@ static int by_vertices(const void *a, const void *b)
     return p->index < q->index ? -1 : p->index > q->index;
 }
 
+/* PE_BAD_ARGUMENT: the surface is not closed, or not oriented. */
 static pe_status find_opposites(surface *s, half_edge *halves)
 {
     const pe_geometry *g = s->g;
@@ -195,7 +198,7 @@ static void find_edges(surface *s)
     }
 }
 
-/* The edges at each vertex. */
+/* Lists the edges at each vertex. */
 static void find_fans(pe_geometry *g)
 {
     for (int v = 0; v <= g->vertex_count; ++v) {
@@ -227,7 +230,7 @@ static int next_around(const surface *s, int half)
     return next;
 }
 
-/* The corners of every face in order. False when a face has more than one rim. */
+/* Lists the corners of every face in order. False: a face has more than one rim. */
 static bool find_corners(surface *s)
 {
     pe_geometry *g = s->g;
@@ -247,37 +250,30 @@ static bool find_corners(surface *s)
     return g->corner_count == 2 * g->edge_count;
 }
 
-/* Finds out whether the solid is convex, and then its faces' corners. PE_BAD_ARGUMENT: it is not
- * though it must be. A closed surface of one piece without a dent is convex (van Heijenoort 1952).
+/* Decides whether the solid is convex, and finds its faces' corners if so. PE_BAD_ARGUMENT: it is
+ * not, but must be. A closed surface of one piece without a dent is convex (van Heijenoort 1952).
  */
 static pe_status find_convex(surface *s, bool must)
 {
     pe_geometry *g = s->g;
     g->corner_count = 0;
-    g->convex = false;
+    bool one_rim = s->dent < 0 && find_corners(s);
+    g->convex = one_rim && g->vertex_count - g->edge_count + g->face_count <= 2;
+    if (g->convex || !must) {
+        return PE_OK;
+    }
     if (s->dent >= 0) {
-        return !must ? PE_OK
-                     : pe_fail(s->error, PE_BAD_ARGUMENT,
-                               "geometry: expected a convex solid, but it is dented at the edge "
-                               "between vertices %d and %d, at triangle %d",
-                               start_of(g, s->dent), end_of(g, s->dent), s->dent / 3);
+        return pe_fail(s->error, PE_BAD_ARGUMENT,
+                       "geometry: expected a convex solid, but it is dented at the edge between "
+                       "vertices %d and %d, at triangle %d",
+                       start_of(g, s->dent), end_of(g, s->dent), s->dent / 3);
     }
-    if (!find_corners(s)) {
-        return !must ? PE_OK
-                     : pe_fail(s->error, PE_BAD_ARGUMENT,
-                               "geometry: expected a convex solid, found a face with more than one "
-                               "rim");
-    }
-    if (g->vertex_count - g->edge_count + g->face_count > 2) {
-        return !must ? PE_OK
-                     : pe_fail(s->error, PE_BAD_ARGUMENT,
-                               "geometry: expected a convex solid, found several pieces, or "
-                               "vertices that no edge has");
-    }
-    g->convex = true;
-    return PE_OK;
+    return pe_fail(s->error, PE_BAD_ARGUMENT, "geometry: expected a convex solid, found %s",
+                   !one_rim ? "a face with more than one rim"
+                            : "several pieces, or vertices that no edge has");
 }
 
+/* Takes all memory. False: there is not enough. */
 static bool take(surface *s, half_edge **halves, const pe_allocator *allocator, pe_workspace work)
 {
     pe_geometry *g = s->g;

@@ -1,10 +1,9 @@
-/* A tree of oriented boxes (Gottschalk, Lin, Manocha 1996): each lies along the principal axes of
- * its corners, or along the body's where that box is smaller, and its triangles are halved by
- * number along its longest axis. Halving by number bounds the depth, and the node's place in the
- * array says where its children are. */
-#include "geometry_tree.h"
-
-#include "geometry_mass.h"
+/* A tree of oriented boxes (Gottschalk, Lin, Manocha 1996).
+ *
+ * Each box lies along the principal axes of its corners, or along the body's axes if that box is
+ * smaller. Its triangles are halved by number along its longest axis. Halving by number bounds the
+ * depth, and the node's place in the array gives those of its children. */
+#include "geometry_build.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -30,7 +29,7 @@ static pe_vec3 corner_of(const pe_geometry *g, const item *items, int i)
     return g->vertices[g->triangles[items[i / 3].triangle][i % 3]];
 }
 
-/* The box along the axes that holds the triangles. */
+/* Fits the node's box, along the axes, to the triangles. */
 static void fit(const pe_geometry *g, const item *items, int count, const pe_mat3 *axes,
                 pe_node *node)
 {
@@ -74,7 +73,7 @@ static double area(pe_vec3 half)
     return half.x * half.y + half.y * half.z + half.z * half.x;
 }
 
-/* Makes the node of the items and all below it; its index is the one after the last so far. */
+/* Makes the node of the items and all nodes below it. Nodes are numbered as they are made. */
 static void make_node(pe_geometry *g, item *items, int first, int count)
 {
     const pe_mat3 own = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -114,7 +113,7 @@ static void reorder(void *rows, void *copy, size_t stride, const item *items, in
     }
 }
 
-/* Deals out the features: see triangle_owns. */
+/* Assigns each feature to a triangle: see triangle_owns. */
 static void find_owners(pe_geometry *g, bool *taken)
 {
     memset(taken, 0, (size_t)g->vertex_count * sizeof *taken);

@@ -1,16 +1,15 @@
+/* Inertia, bounds and checks of the shapes, by kind. */
 #include "shape.h"
 
-#include "base/memory.h"
-
-/* A cylinder of unit mass: about its axis and across it. */
+/* The principal inertia of a cylinder of unit mass. */
 static pe_vec3 cylinder_inertia(double r, double half)
 {
     double across = r * r / 4 + half * half / 3;
     return pe_v3(across, across, r * r / 2);
 }
 
-/* A capsule of unit mass: a cylinder and two half balls, whose centres of mass lie 3/8 r beyond its
- * ends. */
+/* That of a capsule of unit mass: a cylinder and two half balls, whose centres of mass lie 3/8 r
+ * beyond its ends. */
 static pe_vec3 capsule_inertia(double r, double half)
 {
     double tube = 2 * half / (2 * half + 4 * r / 3), balls = 1 - tube; /* shares of the mass */
@@ -85,7 +84,7 @@ double pe_shape_size(const pe_shape *shape, const pe_geometry *geometry)
     return 0;
 }
 
-/* Half the extent of a box of half extents e, turned. */
+/* The half extents of the AABB of a turned box of half extents e. */
 static pe_vec3 turned_box(pe_vec3 e, const pe_mat3 *r)
 {
     return pe_v3(fabs(r->r0.x) * e.x + fabs(r->r0.y) * e.y + fabs(r->r0.z) * e.z,
@@ -93,7 +92,8 @@ static pe_vec3 turned_box(pe_vec3 e, const pe_mat3 *r)
                  fabs(r->r2.x) * e.x + fabs(r->r2.y) * e.y + fabs(r->r2.z) * e.z);
 }
 
-/* Half the extent of a disc's rim along a world axis whose part along the disc's axis is c. */
+/* The half extent of a disc along a world axis, where c is the cosine of the angle to the disc's
+ * axis. */
 static double rim(double radius, double c)
 {
     return radius * sqrt(pe_max(0, 1 - c * c));

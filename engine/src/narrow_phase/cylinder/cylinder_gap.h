@@ -65,4 +65,10 @@ double pe_cylinder_edge_place(const pe_polytope *p, const pe_cylinder *c,
 bool pe_cylinder_polytope_gap(const pe_polytope *p, const pe_cylinder *c, const pe_gap_query *query,
                               pe_meeting_gap *gap);
 
+/* Fills the empty manifold of a polytope with the pose given and a cylinder: pe_collide for a core
+ * that is not a shape. query.limit is the margin, query.face_first that the polytope is the first
+ * shape; the bias is not used. */
+void pe_cylinder_polytope_contact(const pe_polytope *p, const pe_pose *pose, pe_placed cylinder,
+                                  pe_gap_query query, pe_pair_manifold *manifold);
+
 #endif

@@ -419,42 +419,46 @@ static bool add_points(contact *s, const pe_meeting_gap *gap, bool at_any_rate)
     return sound;
 }
 
-/* `polytope_first`: the order of the shapes in the manifold. */
-static void collide(pe_placed polytope, pe_placed cylinder, bool polytope_first, double margin,
-                    pe_pair_manifold *manifold)
+void pe_cylinder_polytope_contact(const pe_polytope *p, const pe_pose *pose, pe_placed cylinder,
+                                  pe_gap_query query, pe_pair_manifold *manifold)
 {
-    pe_polytope p;
-    pe_polytope_make(polytope, &p);
-    pe_cylinder c = pe_cylinder_in_axes(cylinder, polytope.pose);
-    double size = pe_min(polytope.size, cylinder.size);
-    pe_gap_query query = {size, PE_FLAT_BIAS * size, margin + p.radius, polytope_first};
-    contact s = {.c = &c, .radius = p.radius, .slack = PE_CAP_SLACK * size};
+    double margin = query.limit, size = query.size;
+    pe_cylinder c = pe_cylinder_in_axes(cylinder, pose);
+    query.bias = PE_FLAT_BIAS * size;
+    query.limit = margin + p->radius;
+    contact s = {.c = &c, .radius = p->radius, .slack = PE_CAP_SLACK * size};
     pe_meeting_gap gap;
     bool done = false;
     for (int pass = 0; pass < 2 && !done; ++pass) {
-        if (!pe_cylinder_polytope_gap(&p, &c, &query, &gap)) {
+        if (!pe_cylinder_polytope_gap(p, &c, &query, &gap)) {
             return;
         }
         s.d = gap.normal;
         s.gap = gap.distance;
         s.rise = pe_dot(gap.normal, c.axis);
         s.cap = fabs(s.rise) >= PE_CAP_FACING;
-        s.facing = find_facing(&p, &c, &gap, s.cap);
-        s.list = pe_point_list_begin(gap.normal, gap.distance - p.radius, margin, size);
+        s.facing = find_facing(p, &c, &gap, s.cap);
+        s.list = pe_point_list_begin(gap.normal, gap.distance - p->radius, margin, size);
         done = add_points(&s, &gap, pass == 1);
         query.bias = 0; /* the bias kept a face or cap that the other shape does not meet */
     }
-    pe_point_list_finish(&s.list, polytope.pose, !polytope_first, manifold);
-    manifold->normal_on_b = (gap.kind != PE_CORNER_CAP) != polytope_first;
+    pe_point_list_finish(&s.list, pose, !query.face_first, manifold);
+    manifold->normal_on_b = (gap.kind != PE_CORNER_CAP) != query.face_first;
 }
 
 void pe_collide_polytope_cylinder(pe_placed a, pe_placed b, double margin,
                                   pe_pair_manifold *manifold)
 {
-    collide(a, b, true, margin, manifold);
+    pe_polytope p;
+    pe_polytope_make(a, &p);
+    pe_gap_query query = {.size = pe_min(a.size, b.size), .limit = margin, .face_first = true};
+    pe_cylinder_polytope_contact(&p, a.pose, b, query, manifold);
 }
 
 void pe_collide_cylinder_hull(pe_placed a, pe_placed b, double margin, pe_pair_manifold *manifold)
 {
-    collide(b, a, false, margin, manifold);
+    pe_polytope p;
+    pe_polytope_make(b, &p);
+    pe_gap_query query = {.size = pe_min(b.size, a.size), .limit = margin};
+    pe_cylinder_polytope_contact(&p, b.pose, a, query, manifold);
 }

@@ -7,6 +7,7 @@
  * line over the face. Otherwise the cylinder's lowest point is the only one. */
 #include "mesh_cylinder_facet.h"
 
+#include "narrow_phase/cylinder/cylinder_gap.h"
 #include "narrow_phase/tolerances.h"
 
 /* ---- Touches along the face's normal ---- */
@@ -252,76 +253,55 @@ double pe_cylinder_exit(const pe_cylinder *c, pe_vec3 x, pe_vec3 n)
 
 /* ---- The triangle as a convex shape ---- */
 
-/* A triangle as a hull without thickness, in axes about its centre. */
-typedef struct thin_hull {
-    pe_vec3 vertices[3];
-    pe_face faces[5];
-    pe_edge edges[6];
-    int corners[12], vertex_first[4], vertex_edges[12];
-    pe_geometry geometry;
-    pe_shape shape;
-    pe_pose pose;
-} thin_hull;
+/* The triangle as a hull without thickness: two faces back to back, and three without width between
+ * them, so that every edge has the normals between which it is outermost. */
+static const int CORNERS[12] = {0, 1, 2, 0, 2, 1, 0, 1, 1, 2, 2, 0},
+                 VERTEX_FIRST[4] = {0, 4, 8, 12};
+static const int VERTEX_EDGES[12] = {0, 1, 4, 5, 0, 1, 2, 3, 2, 3, 4, 5};
+static const pe_edge EDGES[6] = {
+    {{0, 1}, {0, 2}, true}, {{0, 1}, {2, 1}, true}, {{1, 2}, {0, 3}, true},
+    {{1, 2}, {3, 1}, true}, {{2, 0}, {0, 4}, true}, {{2, 0}, {4, 1}, true},
+};
 
-/* Two faces back to back, and three faces without width between them, so that every edge has the
- * normals between which it is outermost. */
-static void make_hull(const pe_facet *f, const pe_pose *mesh, double size, thin_hull *h)
+/* The hull, in axes about its centre. */
+static void make_hull(const pe_facet *f, pe_vec3 centre, pe_polytope *p)
 {
-    static const int corners[12] = {0, 1, 2, 0, 2, 1, 0, 1, 1, 2, 2, 0}, first[4] = {0, 4, 8, 12};
-    static const int edges_at[12] = {0, 1, 4, 5, 0, 1, 2, 3, 2, 3, 4, 5};
-    pe_vec3 middle = pe_scale(1.0 / 3, pe_add(f->x[0], pe_add(f->x[1], f->x[2])));
-    double radius = 0;
-    h->faces[0] = (pe_face){.normal = f->normal, .corner_count = 3};
-    h->faces[1] =
-        (pe_face){.normal = pe_scale(-1, f->normal), .first_corner = 3, .corner_count = 3};
-    for (int k = 0; k < 3; ++k) {
-        int next = k < 2 ? k + 1 : 0;
-        h->vertices[k] = pe_sub(f->x[k], middle);
-        h->edges[2 * k] = (pe_edge){{k, next}, {0, 2 + k}, true};
-        h->edges[2 * k + 1] = (pe_edge){{k, next}, {2 + k, 1}, true};
-        h->vertex_first[k] = first[k];
-        radius = pe_max(radius, pe_length(h->vertices[k]));
-        pe_vec3 out = pe_cross(pe_sub(f->x[next], f->x[k]), f->normal);
-        out = pe_scale(1 / pe_length(out), out);
-        h->faces[2 + k] = (pe_face){.normal = out,
-                                    .offset = pe_dot(out, h->vertices[k]),
-                                    .first_corner = 6 + 2 * k,
-                                    .corner_count = 2};
-    }
-    h->vertex_first[3] = first[3];
-    for (int i = 0; i < 12; ++i) {
-        h->corners[i] = corners[i];
-        h->vertex_edges[i] = edges_at[i];
-    }
-    h->geometry = (pe_geometry){
-        .convex = true,
+    *p = (pe_polytope){
         .vertex_count = 3,
-        .face_count = 5,
         .edge_count = 6,
-        .corner_count = 12,
-        .vertices = h->vertices,
-        .faces = h->faces,
-        .edges = h->edges,
-        .corners = h->corners,
-        .vertex_first = h->vertex_first,
-        .vertex_edges = h->vertex_edges,
-        .bounding_radius = radius,
-        .size = size,
-        .box_half = {radius, radius, radius},
+        .face_count = 5,
+        .vertices = p->own_vertices,
+        .edges = EDGES,
+        .faces = p->own_faces,
+        .corners = CORNERS,
+        .vertex_first = VERTEX_FIRST,
+        .vertex_edges = VERTEX_EDGES,
     };
-    h->shape = (pe_shape){.kind = PE_SHAPE_HULL};
-    h->pose = *mesh;
-    h->pose.position = pe_pose_to_world(mesh, middle);
+    pe_face *faces = p->own_faces;
+    faces[0] = (pe_face){.normal = f->normal, .corner_count = 3};
+    faces[1] = (pe_face){.normal = pe_scale(-1, f->normal), .first_corner = 3, .corner_count = 3};
+    for (int k = 0; k < 3; ++k) {
+        p->own_vertices[k] = pe_sub(f->x[k], centre);
+        pe_vec3 out = pe_cross(pe_sub(f->x[k < 2 ? k + 1 : 0], f->x[k]), f->normal);
+        out = pe_scale(1 / pe_length(out), out);
+        faces[2 + k] = (pe_face){.normal = out,
+                                 .offset = pe_dot(out, p->own_vertices[k]),
+                                 .first_corner = 6 + 2 * k,
+                                 .corner_count = 2};
+    }
 }
 
 void pe_collide_cylinder_facet(const pe_cylinder_mesh *pair, const pe_facet *f, double margin,
                                pe_pair_manifold *manifold)
 {
-    thin_hull hull;
-    make_hull(f, pair->mesh.pose, pair->size, &hull);
-    pe_placed b = {&hull.shape, &hull.geometry, &hull.pose, pair->size};
+    pe_vec3 centre = pe_scale(1.0 / 3, pe_add(f->x[0], pe_add(f->x[1], f->x[2])));
+    pe_pose pose = *pair->mesh.pose;
+    pose.position = pe_pose_to_world(pair->mesh.pose, centre);
+    pe_polytope hull;
+    make_hull(f, centre, &hull);
     pe_pair_manifold_clear(manifold);
-    pe_collide_cylinder_hull(pair->cylinder, b, margin, manifold);
+    pe_cylinder_polytope_contact(&hull, &pose, pair->cylinder,
+                                 (pe_gap_query){.size = pair->size, .limit = margin}, manifold);
 }
 
 /* ---- Places on the mesh ---- */
