@@ -1,13 +1,14 @@
-/* What finding the near triangles of two meshes costs with trees of different volumes.
+/* The cost of finding the near triangles of two meshes, with trees of different bounding volumes.
  *
  *   bench_mesh_tree [PAIRS]        default 200 for each row; prints Markdown
  *
  * Boxes along the body's axes (one rotation serves all pairs of boxes), oriented boxes fitted by
  * principal components (Gottschalk, Lin, Manocha 1996), and flat discs: a middle, the mean normal,
- * a thickness along it and a radius. Trees are split alike, by number along the longest extent. All
- * are asked the same: every pair of leaves that may come within a margin of each other. The
- * distances of the pairs are exact, bumpy balls and tori at random turns; the times are of one run
- * in turn (A B C A B C), medians. A triangle pair is one that the volumes did not part. */
+ * a thickness along it and a radius. All trees are split in the same way, by number along the
+ * longest extent, and get the same query: every pair of leaves that may come within a margin of
+ * each other. The meshes are bumpy balls and tori at random orientations, at given distances. Times
+ * are medians of interleaved runs (A B C A B C). A triangle pair is one that the volumes did not
+ * separate. */
 #define _POSIX_C_SOURCE 199309L
 
 #include "model/geometry_build.h"
@@ -37,8 +38,7 @@ typedef struct counts {
     double volume_tests, triangle_pairs;
 } counts;
 
-/* ---- Building ----------------------------------------------------------------------------------
- */
+/* ---- Building ---- */
 
 static pe_vec3 corner(const pe_geometry *g, const int *order, int i)
 {
@@ -163,8 +163,7 @@ static tree make_tree(const pe_geometry *g, volume v, int leaf)
     return t;
 }
 
-/* ---- Tests: whether two volumes may be within the margin ---------------------------------------
- */
+/* ---- Tests: whether two volumes may be within the margin ---- */
 
 typedef struct relative {
     pe_mat3 turn, reach;
@@ -251,8 +250,7 @@ static void count_pairs(volume v, const relative *r, const tree *ta, const tree 
     }
 }
 
-/* ---- Meshes and poses --------------------------------------------------------------------------
- */
+/* ---- Meshes and poses ---- */
 
 static pe_geometry *finish(pe_vec3 *vertices, int vertex_count, uint32_t (*triangles)[3], int count)
 {
@@ -358,8 +356,7 @@ static relative random_pair(const pe_geometry *g, double gap, double margin)
                       margin};
 }
 
-/* ---- Measuring ---------------------------------------------------------------------------------
- */
+/* ---- Measuring ---- */
 
 static double cpu_seconds(void)
 {

@@ -1,73 +1,7 @@
-/* Narrow phase: contact points against truths that know no separating axes. */
+/* Narrow phase of boxes and spheres, against references that use no separating axes. */
 #include "check.h"
 #include "collide_convex.h"
-#include "placed_shape.h"
-
-/* Overlap of two boxes along the unit direction d, from a to b: negative when d separates them. */
-static double overlap(const placed_shape *a, const placed_shape *b, pe_vec3 d)
-{
-    double sum = -pe_dot(d, pe_sub(b->pose.position, a->pose.position));
-    for (int k = 0; k < 3; ++k) {
-        sum +=
-            fabs(pe_dot(d, pe_axis(&a->pose.rotation, k))) * pe_component(a->shape.half_extents, k);
-        sum +=
-            fabs(pe_dot(d, pe_axis(&b->pose.rotation, k))) * pe_component(b->shape.half_extents, k);
-    }
-    return sum;
-}
-
-/* The least overlap over all directions: a dense sweep, then a pattern search around its best. */
-static double least_overlap(const placed_shape *a, const placed_shape *b)
-{
-    enum { SWEEP = 4000, STARTS = 6 };
-    pe_vec3 start[STARTS];
-    double value[STARTS];
-    for (int i = 0; i < STARTS; ++i) {
-        value[i] = HUGE_VAL;
-    }
-    for (int i = 0; i < SWEEP; ++i) {
-        /* Fibonacci lattice on the sphere. */
-        double z = 1 - (2 * i + 1.0) / SWEEP, angle = i * 2.399963229728653;
-        double r = sqrt(1 - z * z);
-        pe_vec3 d = pe_v3(r * cos(angle), r * sin(angle), z);
-        double f = overlap(a, b, d);
-        int j = STARTS - 1;
-        if (f < value[j]) {
-            for (; j > 0 && value[j - 1] > f; --j) {
-                value[j] = value[j - 1];
-                start[j] = start[j - 1];
-            }
-            value[j] = f;
-            start[j] = d;
-        }
-    }
-    double least = HUGE_VAL;
-    for (int i = 0; i < STARTS; ++i) {
-        pe_vec3 d = start[i];
-        double f = value[i];
-        for (double h = 0.05; h > 1e-10; h *= 0.5) {
-            bool better = true;
-            while (better) {
-                better = false;
-                pe_vec3 t1, t2;
-                pe_tangents(d, &t1, &t2);
-                for (int k = 0; k < 16; ++k) {
-                    double c = cos(k * 0.39269908169872414), s = sin(k * 0.39269908169872414);
-                    pe_vec3 e = pe_madd(pe_madd(d, h * c, t1), h * s, t2);
-                    e = pe_scale(1 / pe_length(e), e);
-                    if (overlap(a, b, e) < f - 1e-15) {
-                        f = overlap(a, b, e);
-                        d = e;
-                        better = true;
-                        break;
-                    }
-                }
-            }
-        }
-        least = f < least ? f : least;
-    }
-    return least;
-}
+#include "direction_sweep.h"
 
 static void test_box_box_depth_equals_dense_direction_sweep(void **state)
 {
@@ -76,11 +10,11 @@ static void test_box_box_depth_equals_dense_direction_sweep(void **state)
     int touching = 0;
     for (int i = 0; i < 400; ++i) {
         placed_shape a = random_box(&random, 0.8), b = random_box(&random, 0.8);
-        pe_pair_manifold hits = {0};
-        collide_convex(of(&a), of(&b), 0, &hits);
+        pe_pair_manifold manifold = {0};
+        collide_convex(of(&a), of(&b), 0, &manifold);
         /* The sweep is an upper bound of the least overlap, and near it. */
-        double least = least_overlap(&a, &b);
-        if (hits.count == 0) {
+        double least = -swept_distance(&a, &b);
+        if (manifold.count == 0) {
             assert_at_most(least, 1e-3);
             continue;
         }
@@ -88,12 +22,12 @@ static void test_box_box_depth_equals_dense_direction_sweep(void **state)
         touching += 1;
         /* The normal is the direction of least overlap. */
         double tie = 1e-9 * pe_min(pe_shape_size(&a.shape, NULL), pe_shape_size(&b.shape, NULL));
-        double depth = overlap(&a, &b, hits.normal);
+        double depth = -separation_along(&a, &b, manifold.normal);
         assert_at_most(depth, least + tie);
         assert_at_most(least, depth + 1e-2); /* the resolution of the sweep */
         double deepest = 0;
-        for (int j = 0; j < hits.count; ++j) {
-            deepest = pe_max(deepest, -hits.item[j].separation);
+        for (int j = 0; j < manifold.count; ++j) {
+            deepest = pe_max(deepest, -manifold.item[j].separation);
         }
         assert_close(deepest, depth, tie, 0);
     }
@@ -112,32 +46,32 @@ static double outside(const placed_shape *box, pe_vec3 x)
     return worst;
 }
 
-static void test_box_box_points_are_finite_unit_named_once_and_inside_within_depth(void **state)
+static void test_box_box_points_are_finite_unique_and_inside(void **state)
 {
     (void)state;
     check_random random = {7};
     for (int i = 0; i < 100000; ++i) {
         placed_shape a = random_box(&random, 0.8), b = random_box(&random, 0.8);
-        pe_pair_manifold hits = {0};
-        collide_convex(of(&a), of(&b), 0.01, &hits);
-        for (int j = 0; j < hits.count; ++j) {
-            const pe_pair_point *hit = &hits.item[j];
-            assert_true(pe_is_finite(hit->position) && isfinite(hit->separation));
-            double reach = 0.5 * fabs(hit->separation) + 1e-8;
-            assert_at_most(outside(&a, hit->position), reach);
-            assert_at_most(outside(&b, hit->position), reach);
+        pe_pair_manifold manifold = {0};
+        collide_convex(of(&a), of(&b), 0.01, &manifold);
+        for (int j = 0; j < manifold.count; ++j) {
+            const pe_pair_point *point = &manifold.item[j];
+            assert_true(pe_is_finite(point->position) && isfinite(point->separation));
+            double reach = 0.5 * fabs(point->separation) + 1e-8;
+            assert_at_most(outside(&a, point->position), reach);
+            assert_at_most(outside(&b, point->position), reach);
             for (int k = 0; k < j; ++k) {
-                assert_true(hit->feature != hits.item[k].feature);
+                assert_true(point->feature != manifold.item[k].feature);
             }
         }
-        if (hits.count > 0) {
-            assert_close(pe_length(hits.normal), 1, 1e-12, 0);
+        if (manifold.count > 0) {
+            assert_close(pe_length(manifold.normal), 1, 1e-12, 0);
         }
-        assert_true(hits.count <= PE_MAX_POINTS);
+        assert_true(manifold.count <= PE_MAX_POINTS);
     }
 }
 
-static void test_box_box_is_symmetric_and_turns_with_the_world(void **state)
+static void test_box_box_is_symmetric_and_rotates_with_world(void **state)
 {
     (void)state;
     check_random random = {11};
@@ -171,36 +105,36 @@ static void test_stacked_cubes_touch_at_four_corners(void **state)
     placed_shape a = {.shape = {.kind = PE_SHAPE_BOX, .half_extents = {0.5, 0.5, 0.5}}}, b = a;
     place(&a, pe_v3(0, 0, 0.5), (pe_quat){.w = 1});
     place(&b, pe_v3(0, 0, 1.5), (pe_quat){.w = 1});
-    pe_pair_manifold hits = {0};
-    collide_convex(of(&a), of(&b), 1e-3, &hits);
-    assert_int_equal(hits.count, 4);
-    assert_close(hits.normal.z, 1, 0, 0);
+    pe_pair_manifold manifold = {0};
+    collide_convex(of(&a), of(&b), 1e-3, &manifold);
+    assert_int_equal(manifold.count, 4);
+    assert_close(manifold.normal.z, 1, 0, 0);
     for (int i = 0; i < 4; ++i) {
-        assert_close(hits.item[i].separation, 0, 0, 0);
-        assert_close(fabs(hits.item[i].position.x), 0.5, 1e-6, 0);
-        assert_close(fabs(hits.item[i].position.y), 0.5, 1e-6, 0);
-        assert_close(hits.item[i].position.z, 1, 1e-15, 0);
+        assert_close(manifold.item[i].separation, 0, 0, 0);
+        assert_close(fabs(manifold.item[i].position.x), 0.5, 1e-6, 0);
+        assert_close(fabs(manifold.item[i].position.y), 0.5, 1e-6, 0);
+        assert_close(manifold.item[i].position.z, 1, 1e-15, 0);
     }
 }
 
-static void test_faces_turned_by_an_eighth_touch_at_eight_points(void **state)
+static void test_faces_turned_by_45_degrees_have_eight_points(void **state)
 {
     (void)state;
     placed_shape a = {.shape = {.kind = PE_SHAPE_BOX, .half_extents = {0.5, 0.5, 0.5}}}, b = a;
     place(&a, pe_v3(0, 0, 0.5), (pe_quat){.w = 1});
     place(&b, pe_v3(0, 0, 1.5),
           (pe_quat){.w = cos(0.39269908169872414), .z = sin(0.39269908169872414)});
-    pe_pair_manifold hits = {0};
-    collide_convex(of(&a), of(&b), 1e-3, &hits);
-    assert_int_equal(hits.count, 8);
+    pe_pair_manifold manifold = {0};
+    collide_convex(of(&a), of(&b), 1e-3, &manifold);
+    assert_int_equal(manifold.count, 8);
     /* The octagon common to a square and the same turned by 45 degrees has inradius 1/2. */
     for (int i = 0; i < 8; ++i) {
-        pe_vec3 x = hits.item[i].position;
+        pe_vec3 x = manifold.item[i].position;
         assert_close(sqrt(x.x * x.x + x.y * x.y), 0.5 / cos(0.39269908169872414), 1e-5, 0);
     }
 }
 
-static void test_features_keep_their_names_under_small_motion(void **state)
+static void test_feature_ids_stay_under_small_motion(void **state)
 {
     (void)state;
     check_random random = {5};
@@ -210,19 +144,19 @@ static void test_features_keep_their_names_under_small_motion(void **state)
         place(&b, pe_v3(0.1 + check_uniform(&random, -1e-4, 1e-4), 0.2, 1.5),
               (pe_quat){1, 1e-6 * check_uniform(&random, -1, 1),
                         1e-6 * check_uniform(&random, -1, 1), 0.01});
-        pe_pair_manifold hits = {0};
-        collide_convex(of(&a), of(&b), 1e-2, &hits);
+        pe_pair_manifold manifold = {0};
+        collide_convex(of(&a), of(&b), 1e-2, &manifold);
         static uint64_t first[PE_MAX_POINTS];
         if (i == 0) {
-            for (int j = 0; j < hits.count; ++j) {
-                first[j] = hits.item[j].feature;
+            for (int j = 0; j < manifold.count; ++j) {
+                first[j] = manifold.item[j].feature;
             }
         }
-        assert_int_equal(hits.count, 4);
-        for (int j = 0; j < hits.count; ++j) {
+        assert_int_equal(manifold.count, 4);
+        for (int j = 0; j < manifold.count; ++j) {
             bool known = false;
             for (int k = 0; k < 4; ++k) {
-                known = known || first[k] == hits.item[j].feature;
+                known = known || first[k] == manifold.item[j].feature;
             }
             assert_true(known);
         }
@@ -238,9 +172,9 @@ static void test_sphere_against_box_equals_nearest_surface_point(void **state)
         placed_shape box = random_box(&random, 0.5);
         placed_shape ball = {.shape = {.kind = PE_SHAPE_SPHERE, .radius = 0.3}};
         place(&ball, random_vector_in(&random, -1.5, 1.5), random_turn(&random));
-        pe_pair_manifold hits = {0};
-        collide_convex(of(&ball), of(&box), 100, &hits);
-        assert_int_equal(hits.count, 1);
+        pe_pair_manifold manifold = {0};
+        collide_convex(of(&ball), of(&box), 100, &manifold);
+        assert_int_equal(manifold.count, 1);
 
         /* The signed distance of the centre, face by face. */
         pe_vec3 local =
@@ -254,12 +188,13 @@ static void test_sphere_against_box_equals_nearest_surface_point(void **state)
         }
         double distance = out > 0 ? sqrt(out) : in;
         inside += out == 0;
-        assert_close(hits.item[0].separation, distance - 0.3, 1e-12, 0);
+        assert_close(manifold.item[0].separation, distance - 0.3, 1e-12, 0);
         /* Moving the ball along the normal, from ball to box, by the separation makes it touch. */
         placed_shape moved = ball;
-        moved.pose.position = pe_madd(ball.pose.position, hits.item[0].separation, hits.normal);
-        collide_convex(of(&moved), of(&box), 100, &hits);
-        assert_close(hits.item[0].separation, 0, 1e-9, 0);
+        moved.pose.position =
+            pe_madd(ball.pose.position, manifold.item[0].separation, manifold.normal);
+        collide_convex(of(&moved), of(&box), 100, &manifold);
+        assert_close(manifold.item[0].separation, 0, 1e-9, 0);
     }
     assert_true(inside > 50);
 }
@@ -274,17 +209,17 @@ static void test_plane_contacts_are_heights_over_it(void **state)
                                         .normal = pe_scale(1 / pe_length(n), n),
                                         .offset = check_uniform(&random, -1, 1)}};
         placed_shape box = random_box(&random, 1);
-        pe_pair_manifold hits = {0}, swapped = {0};
-        collide_convex(of(&plane), of(&box), 100, &hits);
+        pe_pair_manifold manifold = {0}, swapped = {0};
+        collide_convex(of(&plane), of(&box), 100, &manifold);
         collide_convex(of(&box), of(&plane), 100, &swapped);
-        assert_int_equal(hits.count, 8);
+        assert_int_equal(manifold.count, 8);
         double least = pe_dot(plane.shape.normal, box.pose.position) - plane.shape.offset;
         for (int k = 0; k < 3; ++k) {
             least -= fabs(pe_dot(plane.shape.normal, pe_axis(&box.pose.rotation, k))) *
                      pe_component(box.shape.half_extents, k);
         }
-        assert_close(least_separation(&hits), least, 1e-12, 0);
-        assert_close(pe_dot(hits.normal, swapped.normal), -1, 1e-12, 0);
+        assert_close(least_separation(&manifold), least, 1e-12, 0);
+        assert_close(pe_dot(manifold.normal, swapped.normal), -1, 1e-12, 0);
     }
 }
 
@@ -292,11 +227,11 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_box_box_depth_equals_dense_direction_sweep),
-        cmocka_unit_test(test_box_box_points_are_finite_unit_named_once_and_inside_within_depth),
-        cmocka_unit_test(test_box_box_is_symmetric_and_turns_with_the_world),
+        cmocka_unit_test(test_box_box_points_are_finite_unique_and_inside),
+        cmocka_unit_test(test_box_box_is_symmetric_and_rotates_with_world),
         cmocka_unit_test(test_stacked_cubes_touch_at_four_corners),
-        cmocka_unit_test(test_faces_turned_by_an_eighth_touch_at_eight_points),
-        cmocka_unit_test(test_features_keep_their_names_under_small_motion),
+        cmocka_unit_test(test_faces_turned_by_45_degrees_have_eight_points),
+        cmocka_unit_test(test_feature_ids_stay_under_small_motion),
         cmocka_unit_test(test_sphere_against_box_equals_nearest_surface_point),
         cmocka_unit_test(test_plane_contacts_are_heights_over_it),
     };

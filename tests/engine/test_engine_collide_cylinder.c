@@ -1,9 +1,9 @@
-/* Narrow phase of cylinders: signed distances against directions swept densely, closed forms and an
- * interval that is proven. */
+/* Narrow phase of cylinders: signed distances against a dense sweep over directions, closed forms
+ * and a proven interval. */
 #include "check.h"
 #include "collide_convex.h"
 #include "convex_truth.h"
-#include "placed_shape.h"
+#include "direction_sweep.h"
 
 static placed_shape random_shape(check_random *random, pe_shape_kind kind, double spread)
 {
@@ -14,77 +14,6 @@ static placed_shape random_shape(check_random *random, pe_shape_kind kind, doubl
     return b;
 }
 
-/* How far the body reaches from its centre along the unit direction d. */
-static double reach(const placed_shape *b, pe_vec3 d)
-{
-    pe_vec3 local = pe_unrotate(&b->pose.rotation, d), e = b->shape.half_extents;
-    double across = sqrt(local.x * local.x + local.y * local.y);
-    switch (b->shape.kind) {
-    case PE_SHAPE_SPHERE:
-        return b->shape.radius;
-    case PE_SHAPE_BOX:
-        return fabs(local.x) * e.x + fabs(local.y) * e.y + fabs(local.z) * e.z;
-    case PE_SHAPE_CAPSULE:
-        return fabs(local.z) * b->shape.half_height + b->shape.radius;
-    default:
-        return fabs(local.z) * b->shape.half_height + across * b->shape.radius;
-    }
-}
-
-static double separation_along(const placed_shape *a, const placed_shape *b, pe_vec3 d)
-{
-    return pe_dot(d, pe_sub(b->pose.position, a->pose.position)) - reach(a, d) - reach(b, d);
-}
-
-/* Climbs from d by a pattern of steps that shrink. */
-static double refined(const placed_shape *a, const placed_shape *b, pe_vec3 d, double value)
-{
-    for (double h = 0.05; h > 1e-9; h *= 0.6) {
-        for (bool better = true; better;) {
-            better = false;
-            pe_vec3 t1, t2;
-            pe_tangents(d, &t1, &t2);
-            for (int k = 0; k < 12 && !better; ++k) {
-                double angle = k * 0.5235987755982988;
-                pe_vec3 e = pe_madd(pe_madd(d, h * cos(angle), t1), h * sin(angle), t2);
-                e = pe_scale(1 / pe_length(e), e);
-                double there = separation_along(a, b, e);
-                better = there > value + 1e-15;
-                d = better ? e : d;
-                value = better ? there : value;
-            }
-        }
-    }
-    return value;
-}
-
-/* The largest separation over all directions: a dense sweep, then refinement of its best ones. */
-static double signed_distance(const placed_shape *a, const placed_shape *b)
-{
-    enum { SWEEP = 2000, STARTS = 4 };
-    pe_vec3 start[STARTS + 1];
-    double value[STARTS + 1];
-    int count = 0;
-    for (int i = 0; i < SWEEP; ++i) {
-        double z = 1 - (2 * i + 1.0) / SWEEP, angle = i * 2.399963229728653, r = sqrt(1 - z * z);
-        pe_vec3 d = pe_v3(r * cos(angle), r * sin(angle), z);
-        double there = separation_along(a, b, d);
-        int j = count;
-        for (; j > 0 && value[j - 1] < there; --j) {
-            value[j] = value[j - 1];
-            start[j] = start[j - 1];
-        }
-        value[j] = there;
-        start[j] = d;
-        count = count < STARTS ? count + 1 : STARTS;
-    }
-    double best = -HUGE_VAL;
-    for (int i = 0; i < STARTS; ++i) {
-        best = pe_max(best, refined(a, b, start[i], value[i]));
-    }
-    return best;
-}
-
 static void check_against_sweep(pe_shape_kind kind, uint64_t seed)
 {
     check_random random = {seed};
@@ -92,12 +21,12 @@ static void check_against_sweep(pe_shape_kind kind, uint64_t seed)
     for (int i = 0; i < 120; ++i) {
         placed_shape a = random_shape(&random, kind, i % 3 == 0 ? 0.2 : 1);
         placed_shape b = random_shape(&random, PE_SHAPE_CYLINDER, i % 3 == 0 ? 0.2 : 1);
-        pe_pair_manifold hits;
-        collide_convex(of(&a), of(&b), 100, &hits);
-        double found = least_separation(&hits), swept = signed_distance(&a, &b);
-        /* The answer's own direction proves that it is not too deep; the sweep, which may only fall
-         * short, that it is deep enough. */
-        assert_close(separation_along(&a, &b, hits.normal), found, 1e-10, 0);
+        pe_pair_manifold manifold;
+        collide_convex(of(&a), of(&b), 100, &manifold);
+        double found = least_separation(&manifold), swept = swept_distance(&a, &b);
+        /* The reported direction proves that the distance is not too small; the sweep, which is a
+         * lower bound, that it is not too large. */
+        assert_close(separation_along(&a, &b, manifold.normal), found, 1e-10, 0);
         assert_at_most(swept, found + 1e-10);
         deep += found < 0;
         apart += found > 0;
@@ -129,7 +58,7 @@ static void test_cylinder_cylinder_separation_equals_dense_direction_sweep(void 
     check_against_sweep(PE_SHAPE_CYLINDER, 4);
 }
 
-static void test_plane_cylinder_separation_is_the_height_of_the_lowest_point(void **state)
+static void test_plane_cylinder_separation_is_lowest_height(void **state)
 {
     (void)state;
     check_random random = {5};
@@ -137,15 +66,15 @@ static void test_plane_cylinder_separation_is_the_height_of_the_lowest_point(voi
         placed_shape plane = {
             .shape = {.kind = PE_SHAPE_PLANE, .normal = {0.6, 0, 0.8}, .offset = 0.3}};
         placed_shape b = random_shape(&random, PE_SHAPE_CYLINDER, 1);
-        pe_pair_manifold hits;
-        collide_convex(of(&plane), of(&b), 100, &hits);
+        pe_pair_manifold manifold;
+        collide_convex(of(&plane), of(&b), 100, &manifold);
         pe_vec3 n = plane.shape.normal;
-        double lowest = pe_dot(n, b.pose.position) - 0.3 - reach(&b, n);
-        assert_close(least_separation(&hits), lowest, 1e-14, 0);
+        double lowest = pe_dot(n, b.pose.position) - 0.3 - reach_along(&b, n);
+        assert_close(least_separation(&manifold), lowest, 1e-14, 0);
     }
 }
 
-/* A hull with the vertices of a box is no more than the box. */
+/* A hull with the vertices of a box is the box. */
 static void test_cube_as_hull_gives_the_same_as_box(void **state)
 {
     (void)state;
@@ -222,23 +151,23 @@ static void test_degenerate_poses_have_their_closed_form(void **state)
         {"capsule along the axis", capsule, unit, -1.5},
         {"capsule across the axis", at(capsule, 0, 0, 0, lying), unit, -1.5},
         {"capsule on a cap", at(capsule, 0, 0, 1.5, lying), unit, 0},
-        {"capsule beside", at(capsule, 1.5, 0, 0, up), unit, 0},
+        {"capsule next to", at(capsule, 1.5, 0, 0, up), unit, 0},
     };
     for (size_t i = 0; i < sizeof poses / sizeof *poses; ++i) {
-        pe_pair_manifold hits;
-        collide_convex(of(&poses[i].a), of(&poses[i].b), 10, &hits);
-        if (!(fabs(least_separation(&hits) - poses[i].separation) < 1e-12)) {
+        pe_pair_manifold manifold;
+        collide_convex(of(&poses[i].a), of(&poses[i].b), 10, &manifold);
+        if (!(fabs(least_separation(&manifold) - poses[i].separation) < 1e-12)) {
             print_error("%s\n", poses[i].what);
         }
-        assert_close(least_separation(&hits), poses[i].separation, 1e-12, 0);
-        assert_close(pe_length(hits.normal), 1, 1e-14, 0);
-        for (int k = 0; k < hits.count; ++k) {
-            assert_true(pe_is_finite(hits.item[k].position));
+        assert_close(least_separation(&manifold), poses[i].separation, 1e-12, 0);
+        assert_close(pe_length(manifold.normal), 1, 1e-14, 0);
+        for (int k = 0; k < manifold.count; ++k) {
+            assert_true(pe_is_finite(manifold.item[k].position));
         }
     }
 }
 
-/* How far a point is outside a cylinder or a box. */
+/* The distance of a point outside a cylinder or a box. */
 static double outside(const placed_shape *b, pe_vec3 x)
 {
     pe_vec3 p = pe_unrotate(&b->pose.rotation, pe_sub(x, b->pose.position));
@@ -251,17 +180,17 @@ static double outside(const placed_shape *b, pe_vec3 x)
     return pe_max(0, pe_max(past, over));
 }
 
-/* Each point, half a separation along the normal, is in either shape. */
+/* Each point, moved by half the separation along the normal, lies in either shape. */
 static void check_points_are_in_both(const placed_shape *a, const placed_shape *b,
-                                     const pe_pair_manifold *hits)
+                                     const pe_pair_manifold *manifold)
 {
     double size = pe_min(of(a).size, of(b).size);
-    assert_true(hits->count > 0);
-    for (int i = 0; i < hits->count; ++i) {
-        double half = 0.5 * hits->item[i].separation;
-        assert_at_most(outside(a, pe_madd(hits->item[i].position, -half, hits->normal)),
+    assert_true(manifold->count > 0);
+    for (int i = 0; i < manifold->count; ++i) {
+        double half = 0.5 * manifold->item[i].separation;
+        assert_at_most(outside(a, pe_madd(manifold->item[i].position, -half, manifold->normal)),
                        1e-8 * size);
-        assert_at_most(outside(b, pe_madd(hits->item[i].position, half, hits->normal)),
+        assert_at_most(outside(b, pe_madd(manifold->item[i].position, half, manifold->normal)),
                        1e-8 * size);
     }
 }
@@ -280,16 +209,16 @@ static void turn_both(placed_shape *a, placed_shape *b, check_random *random)
     }
 }
 
-/* A number from 1e-10 to 1, whose logarithm is even. */
+/* A number from 1e-10 to 1 with a uniform logarithm. */
 static double of_any_order(check_random *random)
 {
     return pow(10, check_uniform(random, -10, 0));
 }
 
-/* Cylinders end to end, with axes that are parallel but for a tilt of 1e-1 down to 1e-10, whose
+/* Cylinders end to end, with axes that are parallel except for a tilt of 1e-1 down to 1e-10, whose
  * rims, seen along them, touch or nearly do: there are the maxima of two rims within the tilt of an
  * axis, and ridges along which the separation hardly changes. */
-static void test_nearly_tangent_rims_of_nearly_parallel_cylinders_equal_the_truth(void **state)
+static void test_nearly_tangent_rims_equal_proven_distance(void **state)
 {
     (void)state;
     enum { POSES = 600 };
@@ -299,32 +228,32 @@ static void test_nearly_tangent_rims_of_nearly_parallel_cylinders_equal_the_trut
         placed_shape a = cylinder(check_uniform(&random, 0.1, 1), check_uniform(&random, 0.1, 1));
         placed_shape b = cylinder(check_uniform(&random, 0.01, 1), check_uniform(&random, 0.1, 1));
         double size = pe_min(of(&a).size, of(&b).size), ra = a.shape.radius, rb = b.shape.radius;
-        double aside = i % 2 == 0 ? ra + rb : fabs(ra - rb);
-        aside += of_any_order(&random) * size * (i % 3 - 1);
+        double sideways = i % 2 == 0 ? ra + rb : fabs(ra - rb);
+        sideways += of_any_order(&random) * size * (i % 3 - 1);
         double gap = of_any_order(&random) * size * (i % 5 - 2);
         double tilt = of_any_order(&random), way = check_uniform(&random, 0, 6.28);
-        place(&b, pe_v3(aside, 0, a.shape.half_height + b.shape.half_height + gap),
+        place(&b, pe_v3(sideways, 0, a.shape.half_height + b.shape.half_height + gap),
               about(pe_v3(cos(way), sin(way), 0), tilt));
         turn_both(&a, &b, &random);
-        pe_pair_manifold hits;
-        collide_convex(of(&a), of(&b), 10, &hits);
+        pe_pair_manifold manifold;
+        collide_convex(of(&a), of(&b), 10, &manifold);
         truth_difference difference =
             truth_subtract((truth_solid){.shape = &a.shape, .pose = &a.pose},
                            (truth_solid){.shape = &b.shape, .pose = &b.pose});
         truth_distance truth = truth_signed_distance(&difference, 1e-10 * size);
-        assert_at_most(truth.low - 1e-9 * size, least_separation(&hits));
-        assert_at_most(least_separation(&hits), truth.high + 1e-9 * size);
-        assert_close(separation_along(&a, &b, hits.normal), least_separation(&hits), 1e-9 * size,
-                     0);
-        check_points_are_in_both(&a, &b, &hits);
+        assert_at_most(truth.low - 1e-9 * size, least_separation(&manifold));
+        assert_at_most(least_separation(&manifold), truth.high + 1e-9 * size);
+        assert_close(separation_along(&a, &b, manifold.normal), least_separation(&manifold),
+                     1e-9 * size, 0);
+        check_points_are_in_both(&a, &b, &manifold);
         proven += truth.high - truth.low < 1e-9 * size;
     }
     assert_true(proven > POSES / 2);
 }
 
-/* A cap whose rim comes down on the edge of another cylinder, so that all of the cap is as far
- * along the normal as the one point where they meet. */
-static void test_side_that_touches_a_cap_at_one_point_of_its_rim_has_that_point(void **state)
+/* A cap whose rim meets the edge of another cylinder at one point, so that all of the cap is
+ * equally far along the normal. */
+static void test_side_touching_cap_at_rim_has_that_point(void **state)
 {
     (void)state;
     check_random random = {12};
@@ -336,10 +265,10 @@ static void test_side_that_touches_a_cap_at_one_point_of_its_rim_has_that_point(
               pe_v3(0, a.shape.radius + b.shape.half_height, a.shape.half_height + b.shape.radius),
               lying);
         turn_both(&a, &b, &random);
-        pe_pair_manifold hits;
-        collide_convex(of(&a), of(&b), 1e-2, &hits);
-        assert_close(least_separation(&hits), 0, 1e-14, 0);
-        check_points_are_in_both(&a, &b, &hits);
+        pe_pair_manifold manifold;
+        collide_convex(of(&a), of(&b), 1e-2, &manifold);
+        assert_close(least_separation(&manifold), 0, 1e-14, 0);
+        check_points_are_in_both(&a, &b, &manifold);
     }
 }
 
@@ -350,11 +279,11 @@ int main(void)
         cmocka_unit_test(test_box_cylinder_separation_equals_dense_direction_sweep),
         cmocka_unit_test(test_capsule_cylinder_separation_equals_dense_direction_sweep),
         cmocka_unit_test(test_cylinder_cylinder_separation_equals_dense_direction_sweep),
-        cmocka_unit_test(test_plane_cylinder_separation_is_the_height_of_the_lowest_point),
+        cmocka_unit_test(test_plane_cylinder_separation_is_lowest_height),
         cmocka_unit_test(test_cube_as_hull_gives_the_same_as_box),
         cmocka_unit_test(test_degenerate_poses_have_their_closed_form),
-        cmocka_unit_test(test_nearly_tangent_rims_of_nearly_parallel_cylinders_equal_the_truth),
-        cmocka_unit_test(test_side_that_touches_a_cap_at_one_point_of_its_rim_has_that_point),
+        cmocka_unit_test(test_nearly_tangent_rims_equal_proven_distance),
+        cmocka_unit_test(test_side_touching_cap_at_rim_has_that_point),
     };
     return cmocka_run_group_tests_name("engine_collide_cylinder", tests, NULL, NULL);
 }

@@ -1,11 +1,11 @@
-/* Narrow phase of boxes: who is rejected at which margin, in either order and over a range of
- * margins. */
+/* Narrow phase of boxes: rejection by the margin, both orders of the shapes, and ranges of margins.
+ */
 #include "check.h"
 #include "collide_convex.h"
 #include "placed_shape.h"
 
-/* The largest separation of two boxes over the 15 axes, from their corners, and which axis it is
- * on; *second is that on the others, but those within a hundredth of the same direction. */
+/* The largest separation of two boxes over the 15 axes, from their corners. *second is the largest
+ * over the axes that are not nearly parallel to the best one. */
 static double separation_by_corners(const placed_shape *a, const placed_shape *b, double *second)
 {
     pe_vec3 axis[15];
@@ -57,7 +57,7 @@ static void random_pair(check_random *random, bool aligned, placed_shape *a, pla
     }
 }
 
-static void test_a_pair_is_rejected_exactly_when_an_axis_separates_it_by_the_margin(void **state)
+static void test_pair_is_rejected_exactly_beyond_the_margin(void **state)
 {
     (void)state;
     check_random random = {17};
@@ -67,14 +67,15 @@ static void test_a_pair_is_rejected_exactly_when_an_axis_separates_it_by_the_mar
         random_pair(&random, i % 2 == 0, &a, &b);
         double second, margin = i % 3 == 0 ? 0 : check_uniform(&random, 0, 0.3);
         double truth = separation_by_corners(&a, &b, &second);
-        pe_pair_manifold hits = {0};
-        collide_convex(of(&a), of(&b), margin, &hits);
+        pe_pair_manifold manifold = {0};
+        collide_convex(of(&a), of(&b), margin, &manifold);
         if (truth > margin + 1e-12) {
-            assert_int_equal(hits.count, 0);
+            assert_int_equal(manifold.count, 0);
             apart += 1;
         } else if (truth < margin - 1e-12 && truth < 0) {
-            /* A gap may be between a face and the side of another: no point faces the face. */
-            assert_true(hits.count > 0);
+            /* The gap may be between a face and the side of the other box: no point faces the face.
+             */
+            assert_true(manifold.count > 0);
             near += 1;
         }
     }
@@ -101,8 +102,8 @@ static void test_swapping_the_shapes_mirrors_the_points(void **state)
         collide_convex(of(&b), of(&a), 0.05, &two);
         assert_int_equal(one.count > 0, two.count > 0);
         double same = pe_dot(one.normal, two.normal);
-        /* Axes that nearly tie are settled by the bias, and nearly parallel faces by who is first.
-         */
+        /* The bias decides between axes that nearly tie, and the order between nearly parallel
+         * faces. */
         if (one.count == 0 || best - second < 2e-5 * size || same > -1 + 1e-12) {
             assert_true(one.count == 0 || best - second < 2e-5 * size || same < -0.98);
             continue;
@@ -120,7 +121,7 @@ static void test_swapping_the_shapes_mirrors_the_points(void **state)
     assert_true(compared > 3000);
 }
 
-static void test_points_are_the_same_at_every_margin_of_their_range_and_at_no_other(void **state)
+static void test_points_are_same_exactly_over_margin_range(void **state)
 {
     (void)state;
     check_random random = {29};
@@ -134,31 +135,31 @@ static void test_points_are_the_same_at_every_margin_of_their_range_and_at_no_ot
         } else if (i % 4 == 1) {
             a.shape = (pe_shape){.kind = PE_SHAPE_SPHERE, .radius = 0.4};
         }
-        pe_pair_manifold hits, other;
-        collide_convex(of(&a), of(&b), check_uniform(&random, 0, 0.3), &hits);
-        if (hits.count == 0) {
+        pe_pair_manifold manifold, other;
+        collide_convex(of(&a), of(&b), check_uniform(&random, 0, 0.3), &manifold);
+        if (manifold.count == 0) {
             continue;
         }
-        assert_true(hits.least_margin < hits.end_margin);
-        double low = hits.least_margin, end = pe_min(hits.end_margin, 10);
+        assert_true(manifold.least_margin < manifold.end_margin);
+        double low = manifold.least_margin, end = pe_min(manifold.end_margin, 10);
         for (int k = 0; k < 4; ++k) {
             double margin = k == 0 ? low : low + check_uniform(&random, 0, 1) * (end - low);
             if (margin < end) {
                 collide_convex(of(&a), of(&b), margin, &other);
-                assert_int_equal(other.count, hits.count);
-                for (int j = 0; j < hits.count; ++j) {
-                    assert_memory_equal(&other.item[j].position, &hits.item[j].position,
-                                        sizeof hits.item[j].position);
-                    assert_int_equal(other.item[j].feature, hits.item[j].feature);
+                assert_int_equal(other.count, manifold.count);
+                for (int j = 0; j < manifold.count; ++j) {
+                    assert_memory_equal(&other.item[j].position, &manifold.item[j].position,
+                                        sizeof manifold.item[j].position);
+                    assert_int_equal(other.item[j].feature, manifold.item[j].feature);
                 }
             }
         }
         collide_convex(of(&a), of(&b), nextafter(low, -HUGE_VAL), &other);
-        assert_true(other.count < hits.count);
+        assert_true(other.count < manifold.count);
         begun += 1;
-        if (hits.end_margin < HUGE_VAL) {
-            collide_convex(of(&a), of(&b), hits.end_margin, &other);
-            assert_true(other.count > hits.count);
+        if (manifold.end_margin < HUGE_VAL) {
+            collide_convex(of(&a), of(&b), manifold.end_margin, &other);
+            assert_true(other.count > manifold.count);
             ended += 1;
         }
     }
@@ -169,9 +170,9 @@ static void test_points_are_the_same_at_every_margin_of_their_range_and_at_no_ot
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_pair_is_rejected_exactly_when_an_axis_separates_it_by_the_margin),
+        cmocka_unit_test(test_pair_is_rejected_exactly_beyond_the_margin),
         cmocka_unit_test(test_swapping_the_shapes_mirrors_the_points),
-        cmocka_unit_test(test_points_are_the_same_at_every_margin_of_their_range_and_at_no_other),
+        cmocka_unit_test(test_points_are_same_exactly_over_margin_range),
     };
     return cmocka_run_group_tests_name("engine_collide_margin", tests, NULL, NULL);
 }

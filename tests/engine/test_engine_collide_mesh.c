@@ -1,5 +1,5 @@
-/* Narrow phase of meshes: what must not be felt (edges inside a face), and what must be (both walls
- * of a corner). */
+/* Narrow phase of meshes: edges inside a face must not be felt, and both walls of a corner must be.
+ */
 #include "check.h"
 #include "counting_allocator.h"
 #include "mesh_for_tests.h"
@@ -22,7 +22,7 @@ static placed_shape sphere_at(double radius, pe_vec3 position)
 
 typedef struct found {
     int count;
-    pe_pair_manifold patch[PE_MAX_MANIFOLDS];
+    pe_pair_manifold manifold[PE_MAX_MANIFOLDS];
 } found;
 
 static found collide(const placed_shape *a, const placed_shape *b, double margin)
@@ -30,7 +30,7 @@ static found collide(const placed_shape *a, const placed_shape *b, double margin
     found f;
     pe_arena arena = {0};
     pe_allocator allocator = pe_allocator_default();
-    f.count = pe_collide(of(a), of(b), margin, (pe_workspace){&arena, &allocator}, f.patch);
+    f.count = pe_collide(of(a), of(b), margin, (pe_workspace){&arena, &allocator}, f.manifold);
     pe_arena_free(&arena, &allocator);
     assert_true(f.count >= 0 && f.count <= PE_MAX_MANIFOLDS);
     return f;
@@ -40,15 +40,15 @@ static double least_of(const found *f)
 {
     double least = HUGE_VAL;
     for (int i = 0; i < f->count; ++i) {
-        for (int k = 0; k < f->patch[i].count; ++k) {
-            least = pe_min(least, f->patch[i].item[k].separation);
+        for (int k = 0; k < f->manifold[i].count; ++k) {
+            least = pe_min(least, f->manifold[i].item[k].separation);
         }
     }
     return least;
 }
 
-/* A cube upon a cube, moved sideways: the corners of the rectangle where they overlap. */
-static void test_cubes_face_to_face_touch_at_the_corners_of_their_overlap(void **state)
+/* A cube on a cube, moved sideways, touches at the corners of the rectangle where they overlap. */
+static void test_stacked_cubes_touch_at_corners_of_their_overlap(void **state)
 {
     (void)state;
     pe_geometry *g = mesh_geometry(mesh_cube(1));
@@ -64,11 +64,11 @@ static void test_cubes_face_to_face_touch_at_the_corners_of_their_overlap(void *
                                  : box_at(pe_v3(0.5, 0.5, 0.5), pe_v3(dx, dy, 1 + gap), unturned);
         found f = collide(&lower, &other, 0.01);
         assert_int_equal(f.count, 1);
-        assert_int_equal(f.patch[0].count, 4);
-        assert_close(f.patch[0].normal.z, 1, 1e-12, 0);
+        assert_int_equal(f.manifold[0].count, 4);
+        assert_close(f.manifold[0].normal.z, 1, 1e-12, 0);
         double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
         for (int k = 0; k < 4; ++k) {
-            const pe_pair_point *h = &f.patch[0].item[k];
+            const pe_pair_point *h = &f.manifold[0].item[k];
             assert_close(h->separation, gap, 1e-12, 0);
             assert_close(h->position.z, 0.5 + 0.5 * gap, 1e-12, 0);
             low[0] = pe_min(low[0], h->position.x), high[0] = pe_max(high[0], h->position.x);
@@ -81,21 +81,21 @@ static void test_cubes_face_to_face_touch_at_the_corners_of_their_overlap(void *
 }
 
 /* Bars laid crosswise have no vertex in each other's face. */
-static void test_crossed_bars_touch_at_the_corners_of_their_overlap(void **state)
+static void test_crossed_bars_touch_at_corners_of_their_overlap(void **state)
 {
     (void)state;
     static const double corners[4][2] = {{-2, -0.25}, {2, -0.25}, {2, 0.25}, {-2, 0.25}};
-    static const uint32_t cut[2][3] = {{0, 1, 2}, {0, 2, 3}};
-    pe_geometry *g = mesh_geometry(mesh_prism(corners, 4, cut, 2, 0.5));
+    form bar = form_prism(corners, 4, 0, 0.5);
+    pe_geometry *g = mesh_geometry(mesh_of_form(&bar));
     for (int i = -1; i < 2; ++i) {
         double gap = 1e-3 * i;
         placed_shape lower = mesh_at(g, pe_v3(0, 0, 0), unturned);
         placed_shape upper = mesh_at(g, pe_v3(0, 0, 0.5 + gap), (pe_quat){1, 0, 0, 1});
         found f = collide(&lower, &upper, 0.01);
         assert_int_equal(f.count, 1);
-        assert_int_equal(f.patch[0].count, 4);
+        assert_int_equal(f.manifold[0].count, 4);
         for (int k = 0; k < 4; ++k) {
-            const pe_pair_point *h = &f.patch[0].item[k];
+            const pe_pair_point *h = &f.manifold[0].item[k];
             assert_close(h->separation, gap, 1e-12, 0);
             assert_close(fabs(h->position.x), 0.25, 1e-8, 0);
             assert_close(fabs(h->position.y), 0.25, 1e-8, 0);
@@ -107,9 +107,9 @@ static void test_crossed_bars_touch_at_the_corners_of_their_overlap(void **state
 static bool pushes_along(const found *f, pe_vec3 n, double depth)
 {
     for (int i = 0; i < f->count; ++i) {
-        for (int k = 0; k < f->patch[i].count; ++k) {
-            if (pe_dot(f->patch[i].normal, n) > 1 - 1e-9 &&
-                fabs(f->patch[i].item[k].separation + depth) < 1e-9) {
+        for (int k = 0; k < f->manifold[i].count; ++k) {
+            if (pe_dot(f->manifold[i].normal, n) > 1 - 1e-9 &&
+                fabs(f->manifold[i].item[k].separation + depth) < 1e-9) {
                 return true;
             }
         }
@@ -134,8 +134,8 @@ static void test_a_cube_in_a_corner_feels_both_walls(void **state)
         assert_true(pushes_along(&g, pe_v3(-1, 0, 0), x) && pushes_along(&g, pe_v3(0, -1, 0), y));
         int against_x = 0, against_y = 0;
         for (int p = 0; p < f.count; ++p) {
-            against_x += f.patch[p].normal.x > 0.5 ? f.patch[p].count : 0;
-            against_y += f.patch[p].normal.y > 0.5 ? f.patch[p].count : 0;
+            against_x += f.manifold[p].normal.x > 0.5 ? f.manifold[p].count : 0;
+            against_y += f.manifold[p].normal.y > 0.5 ? f.manifold[p].count : 0;
         }
         assert_int_equal(against_x, 4);
         assert_int_equal(against_y, 4);
@@ -152,11 +152,11 @@ static void slide(pe_geometry *floor, placed_shape *slider, double height, check
         pe_v3(check_uniform(random, -2, 2), check_uniform(random, -2, 2), height + gap);
     found f = collide(&ground, slider, 1e-3);
     assert_int_equal(f.count, 1);
-    assert_close(f.patch[0].normal.z, 1, 1e-9, 0);
+    assert_close(f.manifold[0].normal.z, 1, 1e-9, 0);
     assert_close(least_of(&f), gap, 1e-12, 0);
 }
 
-static void test_what_slides_over_a_flat_floor_feels_none_of_its_inner_edges(void **state)
+static void test_sliding_over_flat_floor_ignores_inner_edges(void **state)
 {
     (void)state;
     pe_geometry *floor = mesh_geometry(mesh_floor(6)), *small = mesh_geometry(mesh_cube(0.8));
@@ -183,8 +183,8 @@ static void test_what_slides_over_a_flat_floor_feels_none_of_its_inner_edges(voi
     free_geometry(small);
 }
 
-/* The smooth torus about z that the mesh of ring 0.35 and tube 0.15 stands for: to x from the
- * nearest point of its ring. */
+/* Of the smooth torus that the mesh of ring 0.35 and tube 0.15 approximates: the vector to x from
+ * the nearest point of its ring. */
 static pe_vec3 from_ring(const placed_shape *b, pe_vec3 x)
 {
     pe_mat3 frame = pe_matrix_of(
@@ -216,8 +216,8 @@ static double gap_of_tori(const placed_shape *a, const placed_shape *b)
     return least - 2 * 0.15;
 }
 
-/* Rings through each other, touching or overlapping by up to a fifth of the tube: no normal leads
- * out of the one against the way out of the other. */
+/* Rings through each other, touching or overlapping by up to a fifth of the tube: each normal leads
+ * out of both rings. */
 static void test_linked_rings_are_never_pulled_through_each_other(void **state)
 {
     (void)state;
@@ -237,8 +237,8 @@ static void test_linked_rings_are_never_pulled_through_each_other(void **state)
         }
         found f = collide(&a, &b, 0.01);
         for (int p = 0; p < f.count; ++p) {
-            for (int k = 0; k < f.patch[p].count; ++k) {
-                pe_vec3 x = f.patch[p].item[k].position, n = f.patch[p].normal;
+            for (int k = 0; k < f.manifold[p].count; ++k) {
+                pe_vec3 x = f.manifold[p].item[k].position, n = f.manifold[p].normal;
                 assert_true(pe_dot(n, out_of_torus(&a, x)) > 0.5);
                 assert_true(pe_dot(n, out_of_torus(&b, x)) < -0.5);
                 contacts += 1;
@@ -249,8 +249,9 @@ static void test_linked_rings_are_never_pulled_through_each_other(void **state)
     free_geometry(g);
 }
 
-/* A vertex of a torus in the face of a cube: its depth below the face, by no tree. */
-static void test_a_torus_on_a_cube_is_as_deep_as_its_lowest_vertices(void **state)
+/* A vertex of a torus in the face of a cube: its depth below the face is computed without a tree.
+ */
+static void test_torus_on_cube_is_deep_as_lowest_vertex(void **state)
 {
     (void)state;
     pe_geometry *ring = mesh_geometry(mesh_torus(0.35, 0.15, 25, 10)),
@@ -269,14 +270,14 @@ static void test_a_torus_on_a_cube_is_as_deep_as_its_lowest_vertices(void **stat
         found f = collide(&b, &a, 0.03);
         assert_true(f.count >= 1);
         assert_close(least_of(&f), gap, 1e-12, 0);
-        assert_close(f.patch[0].normal.z, 1, 1e-9, 0);
+        assert_close(f.manifold[0].normal.z, 1, 1e-9, 0);
         assert_int_equal(f.count, 1);
     }
     free_geometry(ring);
     free_geometry(block);
 }
 
-static void test_a_wide_margin_finds_the_nearest_features_and_no_crowd(void **state)
+static void test_wide_margin_finds_nearest_features_only(void **state)
 {
     (void)state;
     pe_geometry *g = mesh_geometry(mesh_torus(0.35, 0.15, 100, 25));
@@ -306,7 +307,7 @@ static void test_a_solid_wholly_inside_another_is_pushed_out(void **state)
         assert_true(f.count >= 1);
         assert_true(least_of(&f) < -0.5);
         /* The nearest face is the top one. */
-        assert_close(f.patch[0].normal.z, 1, 1e-9, 0);
+        assert_close(f.manifold[0].normal.z, 1, 1e-9, 0);
     }
     free_geometry(block);
     free_geometry(ring);
@@ -337,10 +338,10 @@ static void test_features_stay_while_a_stack_sways(void **state)
             first[k] = i == 0 ? now[k] : first[k];
             assert_int_equal(now[k].count, first[k].count);
             for (int p = 0; p < now[k].count; ++p) {
-                assert_int_equal(now[k].patch[p].count, first[k].patch[p].count);
-                for (int m = 0; m < now[k].patch[p].count; ++m) {
-                    assert_true(now[k].patch[p].item[m].feature ==
-                                first[k].patch[p].item[m].feature);
+                assert_int_equal(now[k].manifold[p].count, first[k].manifold[p].count);
+                for (int m = 0; m < now[k].manifold[p].count; ++m) {
+                    assert_true(now[k].manifold[p].item[m].feature ==
+                                first[k].manifold[p].item[m].feature);
                 }
             }
         }
@@ -361,8 +362,8 @@ static void test_any_allocation_may_fail(void **state)
     for (int k = -1; k < all; ++k) {
         c = (counter){.fail_at = k};
         pe_arena arena = {0};
-        pe_pair_manifold patches[PE_MAX_MANIFOLDS];
-        int count = pe_collide(of(&a), of(&b), 0.01, (pe_workspace){&arena, &allocator}, patches);
+        pe_pair_manifold manifolds[PE_MAX_MANIFOLDS];
+        int count = pe_collide(of(&a), of(&b), 0.01, (pe_workspace){&arena, &allocator}, manifolds);
         all = k < 0 ? c.calls : all;
         assert_true(k < 0 ? count > 0 : count == -1);
         pe_arena_free(&arena, &allocator);
@@ -375,13 +376,13 @@ static void test_any_allocation_may_fail(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cubes_face_to_face_touch_at_the_corners_of_their_overlap),
-        cmocka_unit_test(test_crossed_bars_touch_at_the_corners_of_their_overlap),
+        cmocka_unit_test(test_stacked_cubes_touch_at_corners_of_their_overlap),
+        cmocka_unit_test(test_crossed_bars_touch_at_corners_of_their_overlap),
         cmocka_unit_test(test_a_cube_in_a_corner_feels_both_walls),
-        cmocka_unit_test(test_what_slides_over_a_flat_floor_feels_none_of_its_inner_edges),
+        cmocka_unit_test(test_sliding_over_flat_floor_ignores_inner_edges),
         cmocka_unit_test(test_linked_rings_are_never_pulled_through_each_other),
-        cmocka_unit_test(test_a_torus_on_a_cube_is_as_deep_as_its_lowest_vertices),
-        cmocka_unit_test(test_a_wide_margin_finds_the_nearest_features_and_no_crowd),
+        cmocka_unit_test(test_torus_on_cube_is_deep_as_lowest_vertex),
+        cmocka_unit_test(test_wide_margin_finds_nearest_features_only),
         cmocka_unit_test(test_a_solid_wholly_inside_another_is_pushed_out),
         cmocka_unit_test(test_features_stay_while_a_stack_sways),
         cmocka_unit_test(test_any_allocation_may_fail),

@@ -11,26 +11,27 @@ static double size_of(const placed_shape *a, const placed_shape *b)
 }
 
 static void check_points(const polytope_core *a, const polytope_core *b,
-                         const pe_pair_manifold *hits, double size)
+                         const pe_pair_manifold *manifold, double size)
 {
-    assert_in_range(hits->count, 1, PE_MAX_POINTS);
-    assert_close(pe_length(hits->normal), 1, 1e-12, 0);
-    for (int i = 0; i < hits->count; ++i) {
-        const pe_pair_point *hit = &hits->item[i];
-        assert_true(pe_is_finite(hit->position) && isfinite(hit->separation));
-        pe_vec3 on_a = pe_madd(hit->position, -0.5 * hit->separation, hits->normal);
-        pe_vec3 on_b = pe_madd(hit->position, 0.5 * hit->separation, hits->normal);
-        /* Nearest points far from each other are known sideways to the root of rounding only. */
-        double sideways = 2e-8 * size + 2e-8 * pe_max(0, hit->separation);
+    assert_in_range(manifold->count, 1, PE_MAX_POINTS);
+    assert_close(pe_length(manifold->normal), 1, 1e-12, 0);
+    for (int i = 0; i < manifold->count; ++i) {
+        const pe_pair_point *point = &manifold->item[i];
+        assert_true(pe_is_finite(point->position) && isfinite(point->separation));
+        pe_vec3 on_a = pe_madd(point->position, -0.5 * point->separation, manifold->normal);
+        pe_vec3 on_b = pe_madd(point->position, 0.5 * point->separation, manifold->normal);
+        /* The sideways position of nearest points far apart is only known to the root of rounding.
+         */
+        double sideways = 2e-8 * size + 2e-8 * pe_max(0, point->separation);
         assert_at_most(core_outside(a, on_a), sideways);
         assert_at_most(core_outside(b, on_b), sideways);
         for (int k = 0; k < i; ++k) {
-            assert_true(hit->feature != hits->item[k].feature);
+            assert_true(point->feature != manifold->item[k].feature);
         }
     }
 }
 
-/* Everything that must hold of a pair at every pose. Returns the separation. */
+/* Checks all that must hold of a pair at every pose. Returns the separation. */
 static double check_pair(const placed_shape *x, const placed_shape *y)
 {
     static polytope_core a, b; /* large */
@@ -41,15 +42,15 @@ static double check_pair(const placed_shape *x, const placed_shape *y)
      * root: many sizes apart, the distance sets the scale. */
     double within = 1e-9 * size + 2e-12 * pe_max(1, truth);
     double turned = within + 1e-8 * pe_max(0, truth);
-    pe_pair_manifold hits, swapped, none;
-    collide_convex(of(x), of(y), 100, &hits);
-    check_points(&a, &b, &hits, size);
-    assert_close(least_separation(&hits), truth, within, 0);
-    assert_close(core_gap_along(&a, &b, hits.normal), truth, turned, 0);
+    pe_pair_manifold manifold, swapped, none;
+    collide_convex(of(x), of(y), 100, &manifold);
+    check_points(&a, &b, &manifold, size);
+    assert_close(least_separation(&manifold), truth, within, 0);
+    assert_close(core_gap_along(&a, &b, manifold.normal), truth, turned, 0);
     collide_convex(of(y), of(x), 100, &swapped);
     check_points(&b, &a, &swapped, size);
     assert_close(least_separation(&swapped), truth, within, 0);
-    /* Nothing comes beyond the margin, and something within it. */
+    /* No point lies beyond the margin, and some within it. */
     collide_convex(of(x), of(y), truth - 2 * turned, &none);
     assert_int_equal(none.count, 0);
     collide_convex(of(x), of(y), truth + 2 * within, &none);
@@ -70,13 +71,13 @@ test_separation_is_the_brute_force_one_along_the_normal_of_every_pair_of_kinds(v
                 place_at_random(&a, &random);
                 place_at_random(&b, &random);
                 double gap = check_pair(&a, &b);
-                /* Then where they just touch, and overlap and clear by little. */
-                pe_pair_manifold hits;
-                collide_convex(of(&a), of(&b), 100, &hits);
+                /* Also where they just touch, overlap a little, and are a little apart. */
+                pe_pair_manifold manifold;
+                collide_convex(of(&a), of(&b), 100, &manifold);
                 for (int k = 0; k < 3; ++k) {
                     double shift = gap + (k == 0 ? 0 : k == 1 ? 1e-3 : -1e-3) * size_of(&a, &b);
                     placed_shape moved = b;
-                    moved.pose.position = pe_madd(b.pose.position, -shift, hits.normal);
+                    moved.pose.position = pe_madd(b.pose.position, -shift, manifold.normal);
                     check_pair(&a, &moved);
                 }
                 apart += gap > 0;
@@ -90,7 +91,7 @@ test_separation_is_the_brute_force_one_along_the_normal_of_every_pair_of_kinds(v
     }
 }
 
-static void test_a_hull_that_is_a_box_separates_as_the_box_does(void **state)
+static void test_hull_of_a_box_separates_like_the_box(void **state)
 {
     (void)state;
     check_random random = {103};
@@ -142,7 +143,7 @@ static void test_degenerate_poses_keep_every_law(void **state)
     }
 }
 
-static void test_nothing_depends_on_the_size_of_things_or_where_they_are(void **state)
+static void test_results_do_not_depend_on_size_or_position(void **state)
 {
     (void)state;
     check_random random = {109};
@@ -204,7 +205,7 @@ static void test_stacked_hulls_keep_their_points_while_they_sway(void **state)
                     known += now.item[j].feature == first.item[k].feature;
                 }
             }
-            /* Among many corners of equal depth the deepest one may take the last place. */
+            /* Of many corners of equal depth, the deepest one may replace the last. */
             assert_true(known >= (sides[n] > 8 ? first.count - 1 : first.count));
         }
         release_hull(&a);
@@ -217,24 +218,24 @@ static void test_capsules_lie_on_two_points(void **state)
     (void)state;
     placed_shape long_one = capsule_of(0.1, 1), short_one = capsule_of(0.2, 0.5),
                  box = box_of(2, 2, 0.5);
-    pe_pair_manifold hits;
+    pe_pair_manifold manifold;
     place(&long_one, pe_v3(0, 0, 0), unturned);
     place(&short_one, pe_v3(0.3, 0, 0.8), unturned);
-    collide_convex(of(&long_one), of(&short_one), 1e-3, &hits);
-    assert_int_equal(hits.count, 2);
-    for (int i = 0; i < 2; ++i) { /* what they have beside each other: z from 0.3 to 1 */
-        assert_close(hits.item[i].separation, 0, 1e-15, 0);
-        assert_close(hits.item[i].position.x, 0.1, 1e-15, 0);
-        assert_close(hits.item[i].position.z, i == 0 ? 0.3 : 1, 1e-15, 0);
+    collide_convex(of(&long_one), of(&short_one), 1e-3, &manifold);
+    assert_int_equal(manifold.count, 2);
+    for (int i = 0; i < 2; ++i) { /* the common part: z from 0.3 to 1 */
+        assert_close(manifold.item[i].separation, 0, 1e-15, 0);
+        assert_close(manifold.item[i].position.x, 0.1, 1e-15, 0);
+        assert_close(manifold.item[i].position.z, i == 0 ? 0.3 : 1, 1e-15, 0);
     }
-    /* Over the edge of a box, which carries what is on it. */
+    /* Over the edge of a box, which supports the part on it. */
     place(&box, pe_v3(0, 0, -0.5), unturned);
     place(&long_one, pe_v3(1.5, 0, 0.1), (pe_quat){.w = 1, .y = 1});
-    collide_convex(of(&box), of(&long_one), 1e-3, &hits);
-    assert_int_equal(hits.count, 2);
-    assert_close(hits.normal.z, 1, 1e-15, 0);
-    assert_close(pe_min(hits.item[0].position.x, hits.item[1].position.x), 0.5, 1e-12, 0);
-    assert_close(pe_max(hits.item[0].position.x, hits.item[1].position.x), 2, 1e-12, 0);
+    collide_convex(of(&box), of(&long_one), 1e-3, &manifold);
+    assert_int_equal(manifold.count, 2);
+    assert_close(manifold.normal.z, 1, 1e-15, 0);
+    assert_close(pe_min(manifold.item[0].position.x, manifold.item[1].position.x), 0.5, 1e-12, 0);
+    assert_close(pe_max(manifold.item[0].position.x, manifold.item[1].position.x), 2, 1e-12, 0);
 }
 
 static void test_cores_that_meet_are_parted_across(void **state)
@@ -248,17 +249,17 @@ static void test_cores_that_meet_are_parted_across(void **state)
         place(&a, pe_v3(0, 0, 0), unturned);
         place(&b, pe_v3(0, 0, 0.1 * t), turns[t]);
         place(&ball, pe_v3(0, 0, 0.1 * t), unturned);
-        pe_pair_manifold hits;
-        collide_convex(of(&a), of(&b), 0, &hits);
-        assert_close(least_separation(&hits), -0.3, 1e-12, 0);
-        assert_close(hits.normal.z, 0, 1e-12, 0);
-        collide_convex(of(&ball), of(&a), 0, &hits);
-        assert_close(least_separation(&hits), -0.3, 1e-12, 0);
-        assert_close(hits.normal.z, 0, 1e-12, 0);
+        pe_pair_manifold manifold;
+        collide_convex(of(&a), of(&b), 0, &manifold);
+        assert_close(least_separation(&manifold), -0.3, 1e-12, 0);
+        assert_close(manifold.normal.z, 0, 1e-12, 0);
+        collide_convex(of(&ball), of(&a), 0, &manifold);
+        assert_close(least_separation(&manifold), -0.3, 1e-12, 0);
+        assert_close(manifold.normal.z, 0, 1e-12, 0);
     }
 }
 
-static void test_heights_over_a_plane_are_those_of_the_vertices(void **state)
+static void test_plane_separations_are_heights_of_the_vertices(void **state)
 {
     (void)state;
     check_random random = {127};
@@ -270,7 +271,7 @@ static void test_heights_over_a_plane_are_those_of_the_vertices(void **state)
         placed_shape b =
             i % 5 == 0 ? hull_prism(75, 1, 0.1, 0.2) : random_solid(&random, i % SOLID_KINDS);
         place_at_random(&b, &random);
-        if (i % 4 == 1) { /* standing, with many corners deep by nearly the same */
+        if (i % 4 == 1) { /* standing, with many corners at nearly the same depth */
             release_hull(&b);
             b = hull_prism(64, 1, 0.1, 0);
             plane.shape.normal = pe_v3(0, 0, 1);
@@ -282,19 +283,19 @@ static void test_heights_over_a_plane_are_those_of_the_vertices(void **state)
         polytope_core_of(&b, &c);
         double truth =
             -core_farthest(&c, pe_scale(-1, plane.shape.normal)) - plane.shape.offset - c.radius;
-        pe_pair_manifold hits;
-        collide_convex(of(&plane), of(&b), 100, &hits);
-        assert_in_range(hits.count, 1, PE_MAX_POINTS);
-        assert_close(least_separation(&hits), truth, 1e-9 * of(&b).size, 0);
-        for (int j = 0; j < hits.count; ++j) {
-            const pe_pair_point *hit = &hits.item[j];
-            pe_vec3 on_b = pe_madd(hit->position, 0.5 * hit->separation, hits.normal);
+        pe_pair_manifold manifold;
+        collide_convex(of(&plane), of(&b), 100, &manifold);
+        assert_in_range(manifold.count, 1, PE_MAX_POINTS);
+        assert_close(least_separation(&manifold), truth, 1e-9 * of(&b).size, 0);
+        for (int j = 0; j < manifold.count; ++j) {
+            const pe_pair_point *point = &manifold.item[j];
+            pe_vec3 on_b = pe_madd(point->position, 0.5 * point->separation, manifold.normal);
             assert_at_most(core_outside(&c, on_b), 1e-12);
-            assert_close(pe_dot(plane.shape.normal, on_b) - plane.shape.offset, hit->separation,
+            assert_close(pe_dot(plane.shape.normal, on_b) - plane.shape.offset, point->separation,
                          1e-12, 0);
         }
-        collide_convex(of(&plane), of(&b), truth - 1e-8, &hits);
-        assert_int_equal(hits.count, 0);
+        collide_convex(of(&plane), of(&b), truth - 1e-8, &manifold);
+        assert_int_equal(manifold.count, 0);
         release_hull(&b);
     }
 }
@@ -304,13 +305,13 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(
             test_separation_is_the_brute_force_one_along_the_normal_of_every_pair_of_kinds),
-        cmocka_unit_test(test_a_hull_that_is_a_box_separates_as_the_box_does),
+        cmocka_unit_test(test_hull_of_a_box_separates_like_the_box),
         cmocka_unit_test(test_degenerate_poses_keep_every_law),
-        cmocka_unit_test(test_nothing_depends_on_the_size_of_things_or_where_they_are),
+        cmocka_unit_test(test_results_do_not_depend_on_size_or_position),
         cmocka_unit_test(test_stacked_hulls_keep_their_points_while_they_sway),
         cmocka_unit_test(test_capsules_lie_on_two_points),
         cmocka_unit_test(test_cores_that_meet_are_parted_across),
-        cmocka_unit_test(test_heights_over_a_plane_are_those_of_the_vertices),
+        cmocka_unit_test(test_plane_separations_are_heights_of_the_vertices),
     };
     return cmocka_run_group_tests_name("engine_collide_polytopes", tests, NULL, NULL);
 }

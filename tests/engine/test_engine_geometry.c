@@ -1,66 +1,19 @@
-/* Geometries of hulls and meshes: mass by closed forms, faces and edges by Euler, and what is
- * refused. */
-#include "catalogue/solids.h"
+/* Geometries of hulls and meshes: mass by closed forms, faces and edges by Euler's formula, the
+ * tree, and invalid solids. */
 #include "check.h"
 #include "counting_allocator.h"
-#include "model/geometry.h"
+#include "mesh_for_tests.h"
 
-#include <stdlib.h>
-#include <string.h>
-
-/* A solid as the engine takes it, moved by `shift`. */
-typedef struct input {
-    pe_vec3 *vertices;
-    uint32_t (*triangles)[3];
-    pe_geometry_def def;
-} input;
-
-static input input_of(pl_solid solid, pe_vec3 shift, bool convex)
+static pe_geometry *make(const test_mesh *m, bool convex)
 {
-    input in = {
-        .vertices = calloc((size_t)solid.vertex_count, sizeof *in.vertices),
-        .triangles = calloc((size_t)solid.triangle_count, sizeof *in.triangles),
-    };
-    for (int i = 0; i < solid.vertex_count; ++i) {
-        const double *v = solid.vertices[i];
-        in.vertices[i] = pe_add(shift, pe_v3(v[0], v[1], v[2]));
-    }
-    for (int i = 0; i < 3 * solid.triangle_count; ++i) {
-        in.triangles[i / 3][i % 3] = (uint32_t)solid.triangles[i / 3][i % 3];
-    }
-    in.def = (pe_geometry_def){
-        .vertices = in.vertices,
-        .triangles = (const uint32_t(*)[3])in.triangles,
-        .vertex_count = solid.vertex_count,
-        .triangle_count = solid.triangle_count,
-        .convex = convex,
-    };
-    pl_solid_free(&solid);
-    return in;
-}
-
-static void free_input(input *in)
-{
-    free(in->vertices);
-    free(in->triangles);
-}
-
-static pe_geometry *make(const input *in)
-{
+    pe_geometry_def def = mesh_def(m, convex);
     pe_allocator allocator = pe_allocator_default();
     pe_geometry *g = NULL;
     pe_error error = {0};
-    pe_status status = pe_geometry_make(&in->def, &allocator, &g, &error);
-    if (status != PE_OK) {
+    if (pe_geometry_make(&def, &allocator, &g, &error) != PE_OK) {
         fail_msg("%s", error.message);
     }
     return g;
-}
-
-static void release(pe_geometry *g)
-{
-    pe_allocator allocator = pe_allocator_default();
-    pe_geometry_free(g, &allocator);
 }
 
 static double least(pe_vec3 v)
@@ -73,16 +26,16 @@ static double most(pe_vec3 v)
     return pe_max(v.x, pe_max(v.y, v.z));
 }
 
-static void test_mass_equals_the_closed_forms_wherever_the_solid_lies(void **state)
+static void test_mass_equals_closed_forms_at_any_offset(void **state)
 {
     (void)state;
     const pe_vec3 shifts[] = {{0, 0, 0}, {3, -2, 5}, {1e5, 2e5, -3e5}};
     for (int i = 0; i < 3; ++i) {
         double far = 1e-15 * (1 + pe_length(shifts[i]));
         double height;
-        input box = input_of(pl_solid_box(1, 2, 3), shifts[i], true);
-        input tetrahedron = input_of(pl_solid_tetrahedron(2, &height), shifts[i], false);
-        pe_geometry *b = make(&box), *t = make(&tetrahedron);
+        test_mesh box = mesh_of_solid(pl_solid_box(1, 2, 3), shifts[i]);
+        test_mesh tetrahedron = mesh_of_solid(pl_solid_tetrahedron(2, &height), shifts[i]);
+        pe_geometry *b = make(&box, true), *t = make(&tetrahedron, false);
         assert_close(b->frame.volume, 48, 100 * far, 1e-14);
         assert_at_most(pe_length(pe_sub(b->frame.centre, shifts[i])), 10 * far);
         assert_close(b->frame.inertia.x, (4 + 9) / 3.0, 100 * far, 1e-14);
@@ -94,20 +47,20 @@ static void test_mass_equals_the_closed_forms_wherever_the_solid_lies(void **sta
         assert_close(t->frame.volume, 8 / (6 * sqrt(2)), 100 * far, 1e-14);
         assert_close(least(t->frame.inertia), 0.2, 100 * far, 1e-13);
         assert_close(most(t->frame.inertia), 0.2, 100 * far, 1e-13);
-        release(b);
-        release(t);
-        free_input(&box);
-        free_input(&tetrahedron);
+        free_geometry(b);
+        free_geometry(t);
+        mesh_free(&box);
+        mesh_free(&tetrahedron);
     }
 }
 
 /* An L is two boxes. */
-static void test_principal_axes_of_an_angle_diagonalise_the_sum_of_two_boxes(void **state)
+static void test_principal_axes_of_l_equal_two_boxes(void **state)
 {
     (void)state;
     const double l = 1, t = 0.3, w = 0.5;
-    input in = input_of(pl_solid_angle(l, t, w), pe_v3(0, 0, 0), false);
-    pe_geometry *g = make(&in);
+    test_mesh in = mesh_of_solid(pl_solid_angle(l, t, w), pe_v3(0, 0, 0));
+    pe_geometry *g = make(&in, false);
     double foot = l * t, stem = (l - t) * t, area = foot + stem;
     double cx = (foot * l / 2 + stem * t / 2) / area,
            cz = (foot * t / 2 + stem * (l + t) / 2) / area;
@@ -134,19 +87,19 @@ static void test_principal_axes_of_an_angle_diagonalise_the_sum_of_two_boxes(voi
         pe_vec3 back = pe_add(g->frame.centre, pe_rotate(&g->rotation, g->vertices[k]));
         assert_at_most(pe_length(pe_sub(back, in.vertices[k])), 1e-15);
     }
-    release(g);
-    free_input(&in);
+    free_geometry(g);
+    mesh_free(&in);
 }
 
 static void check_counts(pl_solid solid, bool convex, int faces, int edges, int euler)
 {
-    input in = input_of(solid, pe_v3(0, 0, 0), convex);
-    pe_geometry *g = make(&in);
+    test_mesh in = mesh_of_solid(solid, pe_v3(0, 0, 0));
+    pe_geometry *g = make(&in, convex);
     assert_int_equal(g->face_count, faces);
     assert_int_equal(g->edge_count, edges);
     assert_int_equal(g->vertex_count - g->edge_count + g->face_count, euler);
-    release(g);
-    free_input(&in);
+    free_geometry(g);
+    mesh_free(&in);
 }
 
 static void test_flat_triangles_make_one_face(void **state)
@@ -162,11 +115,11 @@ static void test_flat_triangles_make_one_face(void **state)
     check_counts(pl_solid_torus(1, 0.25, 24, 12), false, 24 * 10 + 2, 24 * 22, 2);
 }
 
-static void test_every_corner_of_a_convex_face_lies_on_it_and_all_else_below(void **state)
+static void test_convex_faces_hold_corners_above_all_vertices(void **state)
 {
     (void)state;
-    input in = input_of(pl_solid_prism(64, 1, 0.2), pe_v3(3, 4, 5), true);
-    pe_geometry *g = make(&in);
+    test_mesh in = mesh_of_solid(pl_solid_prism(64, 1, 0.2), pe_v3(3, 4, 5));
+    pe_geometry *g = make(&in, true);
     assert_int_equal(g->corner_count, 2 * g->edge_count);
     for (int f = 0; f < g->face_count; ++f) {
         const pe_face *face = &g->faces[f];
@@ -184,15 +137,15 @@ static void test_every_corner_of_a_convex_face_lies_on_it_and_all_else_below(voi
             assert_at_most(pe_dot(face->normal, g->vertices[v]), face->offset + 1e-15);
         }
     }
-    release(g);
-    free_input(&in);
+    free_geometry(g);
+    mesh_free(&in);
 }
 
-static void test_every_triangle_lies_in_its_leaf_and_every_leaf_in_its_parents(void **state)
+static void test_tree_boxes_hold_triangles_and_child_boxes(void **state)
 {
     (void)state;
-    input in = input_of(pl_solid_torus(1, 0.25, 25, 10), pe_v3(0, 0, 0), false);
-    pe_geometry *g = make(&in);
+    test_mesh in = mesh_of_solid(pl_solid_torus(1, 0.25, 25, 10), pe_v3(0, 0, 0));
+    pe_geometry *g = make(&in, false);
     int triangles = 0;
     for (int i = 0; i < g->node_count; ++i) {
         const pe_node *node = &g->nodes[i];
@@ -218,8 +171,8 @@ static void test_every_triangle_lies_in_its_leaf_and_every_leaf_in_its_parents(v
         }
     }
     assert_int_equal(triangles, g->triangle_count);
-    release(g);
-    free_input(&in);
+    free_geometry(g);
+    mesh_free(&in);
 }
 
 static void check_refused(const pe_geometry_def *def, const char *part)
@@ -232,14 +185,14 @@ static void check_refused(const pe_geometry_def *def, const char *part)
     assert_contains(error.message, part);
 }
 
-static void test_what_is_no_solid_is_refused_and_said_where(void **state)
+static void test_invalid_solids_are_refused_with_the_place(void **state)
 {
     (void)state;
-    input in = input_of(pl_solid_box(1, 1, 1), pe_v3(0, 0, 0), false);
-    pe_geometry_def def = in.def;
+    test_mesh in = mesh_of_solid(pl_solid_box(1, 1, 1), pe_v3(0, 0, 0));
+    pe_geometry_def def = mesh_def(&in, false);
     def.triangle_count = 11;
     check_refused(&def, "is open");
-    def = in.def;
+    def = mesh_def(&in, false);
     for (int i = 0; i < 12; ++i) {
         uint32_t first = in.triangles[i][0];
         in.triangles[i][0] = in.triangles[i][1];
@@ -258,41 +211,43 @@ static void test_what_is_no_solid_is_refused_and_said_where(void **state)
     check_refused(&def, "vertex 3 is not finite");
     def.vertex_count = 3;
     check_refused(&def, "4 vertices");
-    free_input(&in);
+    mesh_free(&in);
 
-    in = input_of(pl_solid_angle(1, 0.3, 0.5), pe_v3(0, 0, 0), true);
-    check_refused(&in.def, "dented at the edge between vertices");
-    free_input(&in);
+    in = mesh_of_solid(pl_solid_angle(1, 0.3, 0.5), pe_v3(0, 0, 0));
+    def = mesh_def(&in, true);
+    check_refused(&def, "dented at the edge between vertices");
+    mesh_free(&in);
 }
 
-static void test_any_failing_allocation_leaves_nothing_behind(void **state)
+static void test_failing_allocations_leave_no_memory(void **state)
 {
     (void)state;
-    input in = input_of(pl_solid_prism(8, 1, 1), pe_v3(0, 0, 0), true);
+    test_mesh in = mesh_of_solid(pl_solid_prism(8, 1, 1), pe_v3(0, 0, 0));
+    pe_geometry_def def = mesh_def(&in, true);
     bool made = false;
     for (int k = 0; !made; ++k) {
         counter counting = {.fail_at = k};
         pe_allocator allocator = {count_allocate, count_release, &counting};
         pe_geometry *g;
-        pe_status status = pe_geometry_make(&in.def, &allocator, &g, NULL);
+        pe_status status = pe_geometry_make(&def, &allocator, &g, NULL);
         made = status == PE_OK;
         assert_true(made || status == PE_NO_MEMORY);
         pe_geometry_free(g, &allocator);
         assert_int_equal(counting.living, 0);
     }
-    free_input(&in);
+    mesh_free(&in);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_mass_equals_the_closed_forms_wherever_the_solid_lies),
-        cmocka_unit_test(test_principal_axes_of_an_angle_diagonalise_the_sum_of_two_boxes),
+        cmocka_unit_test(test_mass_equals_closed_forms_at_any_offset),
+        cmocka_unit_test(test_principal_axes_of_l_equal_two_boxes),
         cmocka_unit_test(test_flat_triangles_make_one_face),
-        cmocka_unit_test(test_every_corner_of_a_convex_face_lies_on_it_and_all_else_below),
-        cmocka_unit_test(test_every_triangle_lies_in_its_leaf_and_every_leaf_in_its_parents),
-        cmocka_unit_test(test_what_is_no_solid_is_refused_and_said_where),
-        cmocka_unit_test(test_any_failing_allocation_leaves_nothing_behind),
+        cmocka_unit_test(test_convex_faces_hold_corners_above_all_vertices),
+        cmocka_unit_test(test_tree_boxes_hold_triangles_and_child_boxes),
+        cmocka_unit_test(test_invalid_solids_are_refused_with_the_place),
+        cmocka_unit_test(test_failing_allocations_leave_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

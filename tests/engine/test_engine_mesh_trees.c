@@ -1,4 +1,4 @@
-/* The trees of meshes: pairs of triangles and insides by brute force. */
+/* The trees of meshes: pairs of near triangles and containment, against brute force. */
 #include "check.h"
 #include "mesh_for_tests.h"
 #include "narrow_phase/mesh/solid_pair.h"
@@ -39,8 +39,8 @@ static bool count_near(void *context, pe_facet *a, pe_facet *b)
     return true;
 }
 
-/* However they are found, and whatever direction parts the hulls. */
-static void test_every_two_triangles_within_the_bound_are_handed_over(void **state)
+/* By the trees, with a parting direction, and gathered. */
+static void test_all_triangle_pairs_within_bound_are_reported(void **state)
 {
     (void)state;
     pe_geometry *g = mesh_geometry(mesh_torus(0.35, 0.15, 10, 6));
@@ -104,7 +104,7 @@ static bool winds_around(const pe_geometry *g, pe_vec3 x)
     return sum > 6.28;
 }
 
-static void test_a_point_is_inside_exactly_when_the_surface_winds_around_it(void **state)
+static void test_containment_equals_winding_number(void **state)
 {
     (void)state;
     pe_geometry *both[2] = {mesh_geometry(mesh_torus(0.35, 0.15, 14, 8)),
@@ -127,8 +127,8 @@ static void test_a_point_is_inside_exactly_when_the_surface_winds_around_it(void
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_two_triangles_within_the_bound_are_handed_over),
-        cmocka_unit_test(test_a_point_is_inside_exactly_when_the_surface_winds_around_it),
+        cmocka_unit_test(test_all_triangle_pairs_within_bound_are_reported),
+        cmocka_unit_test(test_containment_equals_winding_number),
     };
     return cmocka_run_group_tests_name("engine_mesh_trees", tests, NULL, NULL);
 }

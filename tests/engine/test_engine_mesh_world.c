@@ -1,12 +1,11 @@
 /* Meshes at rest in a world. */
-#include "catalogue/solids.h"
 #include "check.h"
 #include "mesh_for_tests.h"
 #include "world_for_tests.h"
 
 static pe_geometry_id add_geometry(pe_world *world, test_mesh m)
 {
-    pe_geometry_def def = mesh_def(&m);
+    pe_geometry_def def = mesh_def(&m, false);
     pe_geometry_id id;
     pe_error error = {0};
     if (pe_geometry_create(world, &def, &id, &error) != PE_OK) {
@@ -25,7 +24,7 @@ static pe_body_id add_mesh(pe_world *world, pe_geometry_id g, pe_vec3 position, 
     return add_body(world, &def);
 }
 
-static void test_meshes_rest_on_a_plane_and_on_each_other(void **state)
+static void test_meshes_rest_on_plane_and_each_other(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -70,7 +69,7 @@ static void test_a_ring_hangs_in_a_ring(void **state)
         assert_at_most(stats.penetration_left, 0.02);
     }
     pe_body_state s = state_of(world, lower);
-    /* The inner sides of both tubes touch: the middles are 2 (1 - 0.2) apart, about. */
+    /* The inner sides of both tubes touch: the centres are about 2 (1 - 0.2) apart. */
     assert_close(s.position.z, -1.6, 0.1, 0);
     pe_world_destroy(world);
 }
@@ -78,7 +77,7 @@ static void test_a_ring_hangs_in_a_ring(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_meshes_rest_on_a_plane_and_on_each_other),
+        cmocka_unit_test(test_meshes_rest_on_plane_and_each_other),
         cmocka_unit_test(test_a_ring_hangs_in_a_ring),
     };
     return cmocka_run_group_tests_name("engine_mesh_world", tests, NULL, NULL);

@@ -1,4 +1,5 @@
-/* The truths of the narrow phase's tests against closed forms, sweeps, each other and libccd. */
+/* The references of the narrow phase's tests, against closed forms, sweeps, each other and libccd.
+ */
 #include "mesh_truth.h"
 
 #include <ccd/ccd.h>
@@ -63,7 +64,7 @@ static pe_vec3 core_of(const placed *p)
                     pe_axis(&p->pose.rotation, 2));
 }
 
-static void test_truth_of_spheres_and_capsules_equals_the_closed_form(void **state)
+static void test_truth_of_spheres_and_capsules_is_closed_form(void **state)
 {
     (void)state;
     check_random random = {1};
@@ -103,7 +104,7 @@ static double point_to_solid(const placed *p, pe_vec3 x)
     return out > 0 ? sqrt(out) : most;
 }
 
-static void test_truth_of_a_sphere_at_a_box_or_cylinder_equals_the_closed_form(void **state)
+static void test_truth_of_sphere_at_solid_is_closed_form(void **state)
 {
     (void)state;
     check_random random = {2};
@@ -148,7 +149,7 @@ static double largest_of_15_axes(const pair *p)
     return most;
 }
 
-static void test_truth_of_boxes_equals_15_axes_and_all_triangles(void **state)
+static void test_truth_of_boxes_equals_axes_and_triangles(void **state)
 {
     (void)state;
     check_random random = {3};
@@ -169,7 +170,7 @@ static void test_truth_of_boxes_equals_15_axes_and_all_triangles(void **state)
     assert_true(overlapping > 500 && apart > 500);
 }
 
-static void test_no_direction_of_a_dense_sweep_is_beyond_the_truth(void **state)
+static void test_no_swept_direction_is_beyond_the_truth(void **state)
 {
     (void)state;
     check_random random = {4};
@@ -183,7 +184,7 @@ static void test_no_direction_of_a_dense_sweep_is_beyond_the_truth(void **state)
             double along = pair_separation_along(&p, random_direction(&random));
             assert_at_most(along, truth.high + rounding(&p));
         }
-        /* And none beside the one that it gives. */
+        /* Nor next to the direction that it gives. */
         for (int j = 0; j < 200; ++j) {
             double tilt = exp(check_uniform(&random, -20, 0));
             pe_vec3 n = pe_madd(truth.normal, tilt, random_direction(&random));
@@ -193,7 +194,7 @@ static void test_no_direction_of_a_dense_sweep_is_beyond_the_truth(void **state)
     }
 }
 
-static void test_parting_along_the_normal_parts_the_surfaces_by_as_much(void **state)
+static void test_parting_along_normal_parts_surfaces_as_much(void **state)
 {
     (void)state;
     check_random random = {5};
@@ -210,7 +211,7 @@ static void test_parting_along_the_normal_parts_the_surfaces_by_as_much(void **s
     }
 }
 
-/* ---- libccd */
+/* ---- libccd ---- */
 
 typedef struct ccd_solid {
     const placed *p;
@@ -235,8 +236,8 @@ static void ccd_support(const void *object, const ccd_vec3_t *dir, ccd_vec3_t *o
     ccdVec3Set(out, v.x, v.y, v.z);
 }
 
-/* What libccd says is only compared where its depth is that along its direction. */
-static void test_truth_is_as_deep_as_libccd_where_that_proves_itself(void **state)
+/* The result of libccd is only compared if its depth is that along its direction. */
+static void test_truth_equals_libccd_where_its_depth_is_proven(void **state)
 {
     (void)state;
     check_random random = {6};
@@ -274,9 +275,9 @@ static void test_truth_is_as_deep_as_libccd_where_that_proves_itself(void **stat
     assert_true(compared > trials / 2);
 }
 
-/* ---- Meshes */
+/* ---- Meshes ---- */
 
-static void test_distance_of_convex_meshes_equals_that_of_their_hulls(void **state)
+static void test_distance_of_convex_meshes_equals_their_hulls(void **state)
 {
     (void)state;
     check_random random = {7};
@@ -296,7 +297,7 @@ static void test_distance_of_convex_meshes_equals_that_of_their_hulls(void **sta
     assert_true(apart > 200);
 }
 
-static void test_a_point_is_in_the_l_shape_where_its_outline_says(void **state)
+static void test_containment_in_l_shape_follows_its_outline(void **state)
 {
     (void)state;
     check_random random = {8};
@@ -338,14 +339,14 @@ static int tear_down(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_truth_of_spheres_and_capsules_equals_the_closed_form),
-        cmocka_unit_test(test_truth_of_a_sphere_at_a_box_or_cylinder_equals_the_closed_form),
-        cmocka_unit_test(test_truth_of_boxes_equals_15_axes_and_all_triangles),
-        cmocka_unit_test(test_no_direction_of_a_dense_sweep_is_beyond_the_truth),
-        cmocka_unit_test(test_parting_along_the_normal_parts_the_surfaces_by_as_much),
-        cmocka_unit_test(test_truth_is_as_deep_as_libccd_where_that_proves_itself),
-        cmocka_unit_test(test_distance_of_convex_meshes_equals_that_of_their_hulls),
-        cmocka_unit_test(test_a_point_is_in_the_l_shape_where_its_outline_says),
+        cmocka_unit_test(test_truth_of_spheres_and_capsules_is_closed_form),
+        cmocka_unit_test(test_truth_of_sphere_at_solid_is_closed_form),
+        cmocka_unit_test(test_truth_of_boxes_equals_axes_and_triangles),
+        cmocka_unit_test(test_no_swept_direction_is_beyond_the_truth),
+        cmocka_unit_test(test_parting_along_normal_parts_surfaces_as_much),
+        cmocka_unit_test(test_truth_equals_libccd_where_its_depth_is_proven),
+        cmocka_unit_test(test_distance_of_convex_meshes_equals_their_hulls),
+        cmocka_unit_test(test_containment_in_l_shape_follows_its_outline),
     };
     return cmocka_run_group_tests_name("engine_pairs_truth", tests, set_up, tear_down);
 }

@@ -1,4 +1,4 @@
-/* The signed distance of two convex shapes, as an interval that is proven.
+/* The signed distance of two convex shapes, as a proven interval.
  *
  * With h the support functions and M = A - B the Minkowski difference,
  *
@@ -18,7 +18,7 @@
  * Apart, every point p of M proves another upper bound of the distance: |p|.
  *
  * Nothing here relies on features, simplices that hold the origin, or how well a triangle is
- * shaped: whatever p is chosen, the bound holds but for the rounding of sums of lengths. */
+ * shaped: whatever p is chosen, the bound holds except for the rounding of sums of lengths. */
 #ifndef PLUMB_TEST_CONVEX_TRUTH_H
 #define PLUMB_TEST_CONVEX_TRUTH_H
 

@@ -1,126 +1,112 @@
+/* Meshes of forms, of the catalogue's solids, and a floor. */
 #include "mesh_for_tests.h"
 
-#include "catalogue/solids.h"
-
 #include <stdlib.h>
+#include <string.h>
 
-static test_mesh mesh_of(pl_solid solid)
+static test_mesh make_mesh(int vertex_count, int triangle_count)
 {
     test_mesh m = {
-        .vertices = calloc((size_t)solid.vertex_count, sizeof *m.vertices),
-        .triangles = calloc((size_t)solid.triangle_count, sizeof *m.triangles),
-        .vertex_count = solid.vertex_count,
-        .triangle_count = solid.triangle_count,
+        .vertices = calloc((size_t)vertex_count, sizeof *m.vertices),
+        .triangles = calloc((size_t)triangle_count, sizeof *m.triangles),
+        .vertex_count = vertex_count,
     };
+    assert_true(m.vertices != NULL && m.triangles != NULL);
+    return m;
+}
+
+static void add_triangle(test_mesh *m, int a, int b, int c)
+{
+    uint32_t *t = m->triangles[m->triangle_count++];
+    t[0] = (uint32_t)a;
+    t[1] = (uint32_t)b;
+    t[2] = (uint32_t)c;
+}
+
+static void add_quad(test_mesh *m, int a, int b, int c, int d)
+{
+    add_triangle(m, a, b, c);
+    add_triangle(m, a, c, d);
+}
+
+test_mesh mesh_of_solid(pl_solid solid, pe_vec3 shift)
+{
+    test_mesh m = make_mesh(solid.vertex_count, solid.triangle_count);
     for (int i = 0; i < solid.vertex_count; ++i) {
         const double *v = solid.vertices[i];
-        m.vertices[i] = pe_v3(v[0], v[1], v[2]);
+        m.vertices[i] = pe_add(shift, pe_v3(v[0], v[1], v[2]));
     }
-    for (int i = 0; i < 3 * solid.triangle_count; ++i) {
-        m.triangles[i / 3][i % 3] = (uint32_t)solid.triangles[i / 3][i % 3];
+    for (int i = 0; i < solid.triangle_count; ++i) {
+        const int *t = solid.triangles[i];
+        add_triangle(&m, t[0], t[1], t[2]);
     }
     pl_solid_free(&solid);
     return m;
 }
 
-test_mesh mesh_torus(double ring, double tube, int around, int sides)
+test_mesh mesh_of_form(const form *f)
 {
-    return mesh_of(pl_solid_torus(ring, tube, around, sides));
+    test_mesh m = make_mesh(f->vertex_count, f->triangle_count);
+    m.triangle_count = f->triangle_count;
+    memcpy(m.vertices, f->vertices, (size_t)f->vertex_count * sizeof *m.vertices);
+    memcpy(m.triangles, f->triangles, (size_t)f->triangle_count * sizeof *m.triangles);
+    return m;
 }
 
-test_mesh mesh_prism(const double (*corners)[2], int count, const uint32_t (*cut)[3], int cut_count,
-                     double height)
+test_mesh mesh_torus(double ring, double tube, int around, int sides)
 {
-    test_mesh m = {
-        .vertices = calloc((size_t)(2 * count), sizeof *m.vertices),
-        .triangles = calloc((size_t)(2 * (cut_count + count)), sizeof *m.triangles),
-        .vertex_count = 2 * count,
-    };
-    uint32_t n = (uint32_t)count;
-    for (uint32_t i = 0; i < n; ++i) {
-        m.vertices[i] = pe_v3(corners[i][0], corners[i][1], 0);
-        m.vertices[n + i] = pe_v3(corners[i][0], corners[i][1], height);
-        uint32_t j = (i + 1) % n;
-        uint32_t side[2][3] = {{i, j, n + j}, {i, n + j, n + i}};
-        for (int k = 0; k < 6; ++k) {
-            m.triangles[m.triangle_count + k / 3][k % 3] = side[k / 3][k % 3];
-        }
-        m.triangle_count += 2;
-    }
-    for (int i = 0; i < cut_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            m.triangles[m.triangle_count][k] = cut[i][2 - k];
-            m.triangles[m.triangle_count + 1][k] = n + cut[i][k];
-        }
-        m.triangle_count += 2;
-    }
-    return m;
+    return mesh_of_solid(pl_solid_torus(ring, tube, around, sides), pe_v3(0, 0, 0));
 }
 
 test_mesh mesh_cube(double side)
 {
-    double h = 0.5 * side;
-    const double corners[4][2] = {{-h, -h}, {h, -h}, {h, h}, {-h, h}};
-    static const uint32_t cut[2][3] = {{0, 1, 2}, {0, 2, 3}};
-    test_mesh m = mesh_prism(corners, 4, cut, 2, side);
-    for (int i = 0; i < m.vertex_count; ++i) {
-        m.vertices[i].z -= h;
-    }
-    return m;
+    form f = form_cube();
+    form_scale(&f, pe_v3(0.5 * side, 0.5 * side, 0.5 * side));
+    return mesh_of_form(&f);
 }
 
 test_mesh mesh_angle_bar(void)
 {
-    static const double corners[6][2] = {{-1, -1}, {2, -1}, {2, 0}, {0, 0}, {0, 2}, {-1, 2}};
-    static const uint32_t cut[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}};
-    return mesh_prism(corners, 6, cut, 4, 2);
+    static const double outline[6][2] = {{-1, -1}, {2, -1}, {2, 0}, {0, 0}, {0, 2}, {-1, 2}};
+    form f = form_prism(outline, 6, 0, 2);
+    return mesh_of_form(&f);
 }
 
 test_mesh mesh_floor(int n)
 {
-    int grid = (n + 1) * (n + 1);
-    test_mesh m = {
-        .vertices = calloc((size_t)(2 * grid), sizeof *m.vertices),
-        .triangles = calloc((size_t)(4 * n * n + 8 * n), sizeof *m.triangles),
-        .vertex_count = 2 * grid,
-    };
+    int w = n + 1, grid = w * w;
+    test_mesh m = make_mesh(2 * grid, 4 * n * n + 8 * n);
     for (int i = 0; i < grid; ++i) {
-        double x = i % (n + 1) - 0.5 * n, y = i / (n + 1) - 0.5 * n;
+        double x = i % w - 0.5 * n, y = i / w - 0.5 * n;
         m.vertices[i] = pe_v3(x, y, 0);
         m.vertices[grid + i] = pe_v3(x, y, -1);
     }
     for (int i = 0; i < n * n; ++i) {
-        uint32_t a = (uint32_t)(i / n * (n + 1) + i % n), b = a + 1, d = a + (uint32_t)n + 1;
-        uint32_t g = (uint32_t)grid, c = d + 1;
-        uint32_t quad[4][3] = {{a, b, c}, {a, c, d}, {g + a, g + c, g + b}, {g + a, g + d, g + c}};
-        for (int k = 0; k < 12; ++k) {
-            m.triangles[m.triangle_count + k / 3][k % 3] = quad[k / 3][k % 3];
-        }
-        m.triangle_count += 4;
+        int a = i / n * w + i % n, b = a + 1, d = a + w, c = d + 1, g = grid;
+        add_quad(&m, a, b, c, d);
+        add_triangle(&m, g + a, g + c, g + b);
+        add_triangle(&m, g + a, g + d, g + c);
     }
     for (int side = 0; side < 4; ++side) {
         for (int i = 0; i < n; ++i) {
-            int w = n + 1, p, q;
-            p = side == 0 ? i : side == 1 ? i * w + n : side == 2 ? n * w + n - i : (n - i) * w;
-            q = side == 0   ? i + 1
-                : side == 1 ? (i + 1) * w + n
-                : side == 2 ? n * w + n - i - 1
-                            : (n - i - 1) * w;
-            uint32_t a = (uint32_t)p, b = (uint32_t)q, g = (uint32_t)grid;
-            uint32_t pair[2][3] = {{g + a, g + b, b}, {g + a, b, a}};
-            for (int k = 0; k < 6; ++k) {
-                m.triangles[m.triangle_count + k / 3][k % 3] = pair[k / 3][k % 3];
+            int at[2];
+            for (int k = 0; k < 2; ++k) {
+                int j = i + k;
+                at[k] = side == 0   ? j
+                        : side == 1 ? j * w + n
+                        : side == 2 ? n * w + n - j
+                                    : (n - j) * w;
             }
-            m.triangle_count += 2;
+            add_quad(&m, grid + at[0], grid + at[1], at[1], at[0]);
         }
     }
     return m;
 }
 
-pe_geometry_def mesh_def(const test_mesh *m)
+pe_geometry_def mesh_def(const test_mesh *m, bool convex)
 {
     return (pe_geometry_def){m->vertices, (const uint32_t(*)[3])m->triangles, m->vertex_count,
-                             m->triangle_count, false};
+                             m->triangle_count, convex};
 }
 
 void mesh_free(test_mesh *m)
@@ -131,7 +117,7 @@ void mesh_free(test_mesh *m)
 
 pe_geometry *mesh_geometry(test_mesh m)
 {
-    pe_geometry_def def = mesh_def(&m);
+    pe_geometry_def def = mesh_def(&m, false);
     pe_allocator allocator = pe_allocator_default();
     pe_geometry *g = NULL;
     pe_error error = {0};

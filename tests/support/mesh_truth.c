@@ -1,7 +1,7 @@
 #include "mesh_truth.h"
 
 #include "segment_distance.h"
-#include "shape_pairs_forms.h"
+#include "solid_forms.h"
 
 typedef struct triangle {
     pe_vec3 v[3], normal, centre;
@@ -116,7 +116,8 @@ static double triangle_triangle(const triangle *t, const triangle *o)
 
 static double to_surfaces(const soup *a, const soup *b)
 {
-    /* The centres are of the surfaces too: what is farther by both radii need not be looked at. */
+    /* The centres lie on the surfaces, so that triangles farther by both radii need not be tested.
+     */
     double least = HUGE_VAL;
     for (int i = 0; i < a->count * b->count; ++i) {
         pe_vec3 d = pe_sub(b->item[i % b->count].centre, a->item[i / b->count].centre);
@@ -137,7 +138,7 @@ static double to_surfaces(const soup *a, const soup *b)
     return least;
 }
 
-/* A cylinder lies within the capsule of its axis and radius: what is farther from the axis than the
+/* A cylinder lies within the capsule of its axis and radius: a triangle farther from that than the
  * nearest so far needs no search. */
 static double cylinder_triangle(const placed *a, pe_vec3 p, pe_vec3 q, const triangle *t,
                                 double least)

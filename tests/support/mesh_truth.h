@@ -4,7 +4,7 @@
 
 #include "shape_pairs.h"
 
-/* The distance of the two solids, b being a mesh, to 1e-12 of the size; 0 when they overlap. */
+/* The distance of the two solids, b being a mesh, to 1e-12 of the size; 0 if they overlap. */
 double mesh_distance(const pair *p);
 
 /* The distance of a point of the world from the surface of a polyhedron. */

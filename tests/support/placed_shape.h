@@ -1,4 +1,4 @@
-/* Shapes at a pose, as the narrow phase is handed them. */
+/* Shapes at a pose, as input of the narrow phase. */
 #ifndef PLUMB_TEST_PLACED_SHAPE_H
 #define PLUMB_TEST_PLACED_SHAPE_H
 
@@ -26,8 +26,8 @@ static inline pe_placed of(const placed_shape *b)
     return (pe_placed){&b->shape, b->geometry, &b->pose, pe_shape_size(&b->shape, b->geometry)};
 }
 
-/* A sphere, box, capsule or cylinder at the origin; lengths, in m, that the kind has no use for do
- * not count. */
+/* A sphere, box, capsule or cylinder at the origin. Lengths (m) that the kind does not have are
+ * ignored. */
 static inline placed_shape shape_of(pe_shape_kind kind, double radius, double half_height,
                                     pe_vec3 half_extents)
 {
@@ -59,21 +59,21 @@ static inline pe_quat about(pe_vec3 axis, double angle)
     return (pe_quat){cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
 }
 
-static inline double least_separation(const pe_pair_manifold *hits)
+static inline double least_separation(const pe_pair_manifold *manifold)
 {
     double least = HUGE_VAL;
-    for (int i = 0; i < hits->count; ++i) {
-        least = pe_min(least, hits->item[i].separation);
+    for (int i = 0; i < manifold->count; ++i) {
+        least = pe_min(least, manifold->item[i].separation);
     }
     return least;
 }
 
-static inline bool has_point_at(const pe_pair_manifold *hits, const pe_pair_point *at,
+static inline bool has_point_at(const pe_pair_manifold *manifold, const pe_pair_point *at,
                                 double within)
 {
-    for (int i = 0; i < hits->count; ++i) {
-        if (pe_length(pe_sub(hits->item[i].position, at->position)) <= within &&
-            fabs(hits->item[i].separation - at->separation) <= within) {
+    for (int i = 0; i < manifold->count; ++i) {
+        if (pe_length(pe_sub(manifold->item[i].position, at->position)) <= within &&
+            fabs(manifold->item[i].separation - at->separation) <= within) {
             return true;
         }
     }

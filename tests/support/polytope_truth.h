@@ -1,7 +1,7 @@
-/* The signed distance of spheres, capsules, boxes and hulls by brute force, which knows no simplex,
- * no arc and no bound. Apart, the distance is the least over all vertices and faces and all pairs
- * of edges; overlapping, the depth is the least overlap over all normals of faces and crosses of
- * edges, each over all vertices. */
+/* The signed distance of spheres, capsules, boxes and hulls by brute force, without simplices, arcs
+ * or bounds. Apart, the distance is the least over all vertices and faces and all pairs of edges;
+ * overlapping, the depth is the least overlap over all normals of faces and crosses of edges, each
+ * over all vertices. */
 #ifndef PLUMB_TEST_POLYTOPE_TRUTH_H
 #define PLUMB_TEST_POLYTOPE_TRUTH_H
 
@@ -24,16 +24,16 @@ typedef struct polytope_core {
 /* In the world. */
 void polytope_core_of(const placed_shape *b, polytope_core *c);
 
-/* How far it reaches along a unit direction, without its ball. */
+/* The extent along a unit direction, without its ball. */
 double core_farthest(const polytope_core *c, pe_vec3 d);
 
 /* The gap of the shapes along a unit direction from a to b. */
 double core_gap_along(const polytope_core *a, const polytope_core *b, pe_vec3 d);
 
-/* Signed: the distance, or less the depth. */
+/* The signed distance. */
 double core_gap(const polytope_core *a, const polytope_core *b);
 
-/* How far x lies outside the shape, m; inside it is negative. */
+/* The distance (m) of x outside the shape; negative inside. */
 double core_outside(const polytope_core *c, pe_vec3 x);
 
 #endif

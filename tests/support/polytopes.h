@@ -1,15 +1,17 @@
-/* Spheres, capsules, boxes and hulls, made at random or by hand. */
+/* Spheres, capsules, boxes and hulls, random or given. */
 #ifndef PLUMB_TEST_POLYTOPES_H
 #define PLUMB_TEST_POLYTOPES_H
 
 #include "placed_shape.h"
+#include "solid_forms.h"
 
-/* A hull that release_hull frees: a prism about z with n sides, up to 80, or, with the top moved,
- * something skew. */
+/* Hulls, to be freed by release_hull. That of a form lies where the form does. */
+placed_shape hull_of_form(const form *f);
+
+/* A prism about z with n sides, up to 80, whose top is moved by `shear` along x. */
 placed_shape hull_prism(int n, double radius, double half, double shear);
 
-/* The box of these half extents as a hull, whose principal axes are those of the box in some order.
- */
+/* A box by its half extents. Its principal axes are those of the box in some order. */
 placed_shape hull_box(double x, double y, double z);
 void release_hull(placed_shape *b);
 
@@ -19,10 +21,10 @@ placed_shape capsule_of(double radius, double half);
 
 enum { SOLID_SPHERE, SOLID_CAPSULE, SOLID_BOX, SOLID_HULL, SOLID_PRISM, SOLID_KINDS };
 
-/* Of sizes from 0.1 to 1.5 m or so; release_hull frees it, whatever its kind. */
+/* A shape of about 0.1 to 1.5 m. release_hull frees it, whatever its kind. */
 placed_shape random_solid(check_random *random, int kind);
 
-/* Up to 1 m from the origin along each axis. */
+/* At most 1 m from the origin along each axis, turned at random. */
 void place_at_random(placed_shape *b, check_random *random);
 
 #endif

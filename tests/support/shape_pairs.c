@@ -1,7 +1,7 @@
 #include "shape_pairs.h"
 
 #include "model/shape.h"
-#include "shape_pairs_forms.h"
+#include "solid_forms.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -22,7 +22,7 @@ pe_vec3 random_direction(check_random *random)
     return pe_v3(sqrt(1 - z * z) * cos(angle), sqrt(1 - z * z) * sin(angle), z);
 }
 
-/* ---- Solids */
+/* ---- Solids ---- */
 
 /* Three half lengths: the largest of 0.1 to 10 m, the others shorter by the aspect. */
 static pe_vec3 random_lengths(check_random *random, double most_aspect)
@@ -196,7 +196,7 @@ void shape_pool_destroy(shape_pool *pool)
     free(pool);
 }
 
-/* ---- Places */
+/* ---- Places ---- */
 
 void place(placed *p, pe_vec3 position, pe_quat orientation)
 {
@@ -271,7 +271,7 @@ double outside(const placed *p, pe_vec3 x)
     return most;
 }
 
-/* ---- Pairs */
+/* ---- Pairs ---- */
 
 void pair_part(pair *p, double distance, pe_vec3 n)
 {
@@ -525,7 +525,7 @@ truth_distance pair_truth(const pair *p, double tolerance)
     return truth_signed_distance(&m, tolerance);
 }
 
-/* ---- Reports */
+/* ---- Reports ---- */
 
 static void print_one(const char *name, const placed *p)
 {

@@ -1,5 +1,5 @@
-/* Random solids of every kind and pairs of them in poses of every kind, with what is known of them
- * from support functions and brute force. */
+/* Random solids of every kind, pairs of them in poses of every kind, and references from support
+ * functions and brute force. */
 #ifndef PLUMB_TEST_SHAPE_PAIRS_H
 #define PLUMB_TEST_SHAPE_PAIRS_H
 
@@ -27,8 +27,9 @@ typedef struct shape_pool {
     solid item[PE_SHAPE_COUNT][POOL];
 } shape_pool;
 
-/* Lengths of 0.1 to 10 m, aspects up to 20, in a tenth of the solids up to 1000; the same for the
- * same seed. NULL: out of memory, or the engine did not take a surface, which is printed. */
+/* Lengths of 0.1 to 10 m, aspect ratios up to 20, in a tenth of the solids up to 1000. The same
+ * seed gives the same pool. NULL: out of memory, or the engine refused a surface, which is printed.
+ */
 shape_pool *shape_pool_create(uint64_t seed);
 void shape_pool_destroy(shape_pool *pool);
 
@@ -43,14 +44,14 @@ typedef struct placed {
 
 void place(placed *p, pe_vec3 position, pe_quat orientation);
 
-/* The same, `factor` times as large, in a space scaled so. *larger is the solid, which the caller
- * gives back by solid_clear. */
+/* The same in a space scaled by `factor`. *larger is the solid, which the caller frees by
+ * solid_clear. */
 placed placed_scaled(const placed *from, double factor, solid *larger);
 
 pe_placed as_placed(const placed *p);
 
-/* m: how far a point is outside the solid; of convex polyhedra how far over the farthest face
- * plane; 0 inside. */
+/* The distance (m) of a point outside the solid; of convex polyhedra its height over the farthest
+ * face plane; 0 inside. */
 double outside(const placed *p, pe_vec3 x);
 
 /* Kinds of a <= kind of b. */
@@ -74,12 +75,12 @@ typedef enum pair_pose {
 /* The signed distance of a pair and its direction, from a to b. */
 typedef double pair_gap(const pair *p, pe_vec3 *normal);
 
-/* A pair of the kinds in a pose that `gap` places where it must touch. */
+/* A pair of the kinds. `gap` is used for poses at a given separation. */
 pair random_pair(const shape_pool *pool, pe_shape_kind a, pe_shape_kind b, pair_pose pose,
                  check_random *random, pair_gap *gap);
 
-/* Puts b to rest against a: face to face as far as they have faces, edges in line from a common
- * corner on or turned and moved, touching. */
+/* Puts b to rest against a, touching: face to face if they have faces, with edges in line from a
+ * common corner, or turned and moved. */
 void pair_rest(pair *p, check_random *random, pair_gap *gap);
 
 /* Moves b by `distance` along the unit vector n. */

@@ -9,9 +9,9 @@ typedef struct known {
 } known;
 
 /* Of 10,000 poses (equals_brute_force), 100,000 (has_sound_points), 2,500 (keeps_its_features) or
- * 25,000. With a mesh: a cylinder to whose distance the truth has no more than an interval; two
- * equal tori one upon the other, and what overlaps by more than the tube. The names of features: a
- * corner or a core's end exactly over an edge. */
+ * 25,000. The causes with a mesh: a cylinder for whose distance the reference has only an interval;
+ * two equal tori one on the other; and overlaps by more than the tube. Feature ids change for a
+ * corner or the end of a core exactly over an edge. */
 static const known table[] = {
     {"equals_brute_force", PE_SHAPE_CYLINDER, PE_SHAPE_MESH, 1},
     {"has_sound_points", PE_SHAPE_MESH, PE_SHAPE_MESH, 1},

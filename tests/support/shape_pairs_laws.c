@@ -18,37 +18,37 @@ static law_count of_truth(const law_budget *budget, int parts)
 }
 
 /* The deepest point; fails without. */
-static bool ask(trial *t, patches *found, const pe_pair_point **hit, pe_vec3 *normal)
+static bool query(trial *t, manifolds *found, const pe_pair_point **point, pe_vec3 *normal)
 {
     *found = collide(&t->pair.a, &t->pair.b, t->margin);
-    *hit = deepest_of(found, normal);
-    if (*hit == NULL) {
+    *point = deepest_of(found, normal);
+    if (*point == NULL) {
         return fails(t, "points within the margin", 0, 1);
     }
-    return isfinite((*hit)->separation) || fails(t, "finite", (*hit)->separation, 0);
+    return isfinite((*point)->separation) || fails(t, "finite", (*point)->separation, 0);
 }
 
-/* ---- Truth */
+/* ---- Truth ---- */
 
 static bool equals_the_truth(trial *t)
 {
-    patches found;
-    const pe_pair_point *hit;
+    manifolds found;
+    const pe_pair_point *point;
     pe_vec3 normal;
-    if (!ask(t, &found, &hit, &normal)) {
+    if (!query(t, &found, &point, &normal)) {
         return false;
     }
-    /* The answer's normal proves a lower bound of the signed distance, whatever the truth finds. */
+    /* The reported normal proves a lower bound of the signed distance. */
     double along = pair_separation_along(&t->pair, normal);
-    if (!is_near(t, "separation along the normal", along, hit->separation, t->tolerance)) {
+    if (!is_near(t, "separation along the normal", along, point->separation, t->tolerance)) {
         return false;
     }
     truth_distance truth = pair_truth(&t->pair, 0.1 * t->tolerance);
-    if (hit->separation < truth.low - t->tolerance) {
-        return fails(t, "least separation, too deep", hit->separation, truth.low);
+    if (point->separation < truth.low - t->tolerance) {
+        return fails(t, "least separation, too deep", point->separation, truth.low);
     }
-    if (hit->separation > truth.high + t->tolerance) {
-        return fails(t, "least separation, too shallow", hit->separation, truth.high);
+    if (point->separation > truth.high + t->tolerance) {
+        return fails(t, "least separation, too shallow", point->separation, truth.high);
     }
     return truth.high - truth.low <= t->tolerance || skips(t);
 }
@@ -65,22 +65,22 @@ static void test_depth_and_normal_equal_the_truth(void **state)
 
 static bool equals_brute_force(trial *t)
 {
-    patches found;
-    const pe_pair_point *hit;
+    manifolds found;
+    const pe_pair_point *point;
     pe_vec3 normal;
     double distance = mesh_distance(&t->pair);
-    if (!ask(t, &found, &hit, &normal)) {
+    if (!query(t, &found, &point, &normal)) {
         return false;
     }
     if (distance == 0) {
-        return hit->separation <= t->tolerance ||
-               fails(t, "separation where solids overlap", hit->separation, 0);
+        return point->separation <= t->tolerance ||
+               fails(t, "separation where solids overlap", point->separation, 0);
     }
-    /* That near, which is which is a matter of rounding. */
+    /* This near, rounding decides whether they overlap. */
     return distance <= t->tolerance
-               ? hit->separation <= 2 * t->tolerance ||
-                     fails(t, "touching", hit->separation, distance)
-               : is_near(t, "least separation", hit->separation, distance, t->tolerance);
+               ? point->separation <= 2 * t->tolerance ||
+                     fails(t, "touching", point->separation, distance)
+               : is_near(t, "least separation", point->separation, distance, t->tolerance);
 }
 
 /* Of meshes: apart, the least separation is the distance; overlapping, it is not above 0. */
@@ -101,15 +101,15 @@ static bool is_as_deep_as_the_hull(trial *t)
 }
 
 /* A convex mesh that overlaps by up to 1e-3 of the size is as deep as the hull. */
-static void test_shallow_depth_of_a_convex_mesh_equals_that_of_the_hull(void **state)
+static void test_shallow_depth_of_convex_mesh_equals_hull(void **state)
 {
     run_law("is_as_deep_as_the_hull", is_as_deep_as_the_hull, LAW_MESH, of_truth(*state, 1),
             true_gap);
 }
 
-/* ---- Points */
+/* ---- Points ---- */
 
-static bool has_features_named_once(trial *t, const patches *found)
+static bool has_unique_features(trial *t, const manifolds *found)
 {
     uint64_t seen[PE_MAX_MANIFOLDS * PE_MAX_POINTS];
     int count = 0;
@@ -118,7 +118,7 @@ static bool has_features_named_once(trial *t, const patches *found)
             seen[count] = found->item[i].item[j].feature;
             for (int k = 0; k < count; ++k) {
                 if (seen[k] == seen[count]) {
-                    return fails(t, "feature named twice, point", count, k);
+                    return fails(t, "feature id used twice, point", count, k);
                 }
             }
             count += 1;
@@ -135,23 +135,23 @@ static double off_the_solid(const placed *p, pe_vec3 x)
     return is_in_polyhedron(p, x) ? 0 : surface_distance(p, x);
 }
 
-static bool is_point_sound(trial *t, const pe_pair_manifold *patch, const pe_pair_point *hit,
+static bool is_point_sound(trial *t, const pe_pair_manifold *manifold, const pe_pair_point *point,
                            double margin)
 {
-    if (!pe_is_finite(hit->position) || !isfinite(hit->separation)) {
-        return fails(t, "finite point", hit->separation, 0);
+    if (!pe_is_finite(point->position) || !isfinite(point->separation)) {
+        return fails(t, "finite point", point->separation, 0);
     }
-    if (hit->separation > margin) {
-        return fails(t, "separation beyond the margin", hit->separation, margin);
+    if (point->separation > margin) {
+        return fails(t, "separation beyond the margin", point->separation, margin);
     }
-    pe_vec3 on_a = pe_madd(hit->position, -0.5 * hit->separation, patch->normal);
-    pe_vec3 on_b = pe_madd(hit->position, 0.5 * hit->separation, patch->normal);
-    /* Corners a hundred-millionth beside a face count as on it, so that flush sides do not make
-     * them come and go. */
+    pe_vec3 on_a = pe_madd(point->position, -0.5 * point->separation, manifold->normal);
+    pe_vec3 on_b = pe_madd(point->position, 0.5 * point->separation, manifold->normal);
+    /* Corners 1e-8 outside a face count as on the face, so that points on flush sides do not
+     * flicker. */
     double within = t->tolerance + 1e-8 * t->pair.size;
-    /* Across the normal the nearest points are known to so much only, for they then are no farther
-     * apart but for rounding. */
-    within += sqrt(2 * pe_max(0, hit->separation) * DBL_EPSILON * (wide(&t->pair) + 5));
+    /* Across the normal, the nearest points are only known to this accuracy: a shift by it changes
+     * their distance by rounding. */
+    within += sqrt(2 * pe_max(0, point->separation) * DBL_EPSILON * (wide(&t->pair) + 5));
     return is_near(t, "point of a outside it by", off_the_solid(&t->pair.a, on_a), 0, within) &&
            is_near(t, "point of b outside it by", off_the_solid(&t->pair.b, on_b), 0, within);
 }
@@ -159,35 +159,36 @@ static bool is_point_sound(trial *t, const pe_pair_manifold *patch, const pe_pai
 static bool has_sound_points(trial *t)
 {
     double margin = t->margin * check_uniform(&t->random, 0.5, 1);
-    patches found = collide(&t->pair.a, &t->pair.b, margin);
+    manifolds found = collide(&t->pair.a, &t->pair.b, margin);
     if (found.count < 0 || found.count > PE_MAX_MANIFOLDS) {
-        return fails(t, "patches", found.count, 1);
+        return fails(t, "manifolds", found.count, 1);
     }
     for (int i = 0; i < found.count; ++i) {
-        const pe_pair_manifold *patch = &found.item[i];
-        if (patch->count < 1 || patch->count > PE_MAX_POINTS) {
-            return fails(t, "points of a patch", patch->count, 1);
+        const pe_pair_manifold *manifold = &found.item[i];
+        if (manifold->count < 1 || manifold->count > PE_MAX_POINTS) {
+            return fails(t, "points of a manifold", manifold->count, 1);
         }
-        if (!is_near(t, "length of the normal", pe_length(patch->normal), 1, 1e-12)) {
+        if (!is_near(t, "length of the normal", pe_length(manifold->normal), 1, 1e-12)) {
             return false;
         }
-        for (int j = 0; j < patch->count; ++j) {
-            if (!is_point_sound(t, patch, &patch->item[j], margin)) {
+        for (int j = 0; j < manifold->count; ++j) {
+            if (!is_point_sound(t, manifold, &manifold->item[j], margin)) {
                 return false;
             }
         }
     }
-    return has_features_named_once(t, &found);
+    return has_unique_features(t, &found);
 }
 
-/* Finite, unit normal, no more points than there may be, features named once, and the point on
- * either surface, half a separation along the normal, is in that shape. */
-static void test_points_lie_in_both_shapes_a_separation_apart(void **state)
+/* Numbers are finite, the normal is a unit vector, the points are not too many, feature ids are
+ * unique, and the point on either surface, half the separation along the normal, lies in that
+ * shape. */
+static void test_points_lie_in_both_shapes(void **state)
 {
     run_law("has_sound_points", has_sound_points, LAW_ALL, share(*state, 1), engine_gap);
 }
 
-/* ---- Symmetry */
+/* ---- Symmetry ---- */
 
 /* b moved by `step` and turned so that no point of it moves farther. */
 static placed moved_a_little(trial *t, double step)
@@ -211,9 +212,9 @@ static bool jumps_to(trial *t, double separation, double within)
         double step = 1e-8 * t->pair.size * pow(10, check_uniform(&t->random, -5, 0));
         placed b = moved_a_little(t, step);
         pe_vec3 n;
-        patches near = collide(&t->pair.a, &b, t->margin);
-        const pe_pair_point *hit = deepest_of(&near, &n);
-        found = hit != NULL && fabs(hit->separation - separation) <= within + 2 * step;
+        manifolds near = collide(&t->pair.a, &b, t->margin);
+        const pe_pair_point *point = deepest_of(&near, &n);
+        found = point != NULL && fabs(point->separation - separation) <= within + 2 * step;
     }
     return found;
 }
@@ -223,21 +224,21 @@ static bool is_hollow(const pair *p)
     return !(p->a.solid->convex && p->b.solid->convex);
 }
 
-/* The deepest point of another call is as deep, and its normal is as good where it is not the same:
- * directions that tie may be chosen either way. */
-static bool is_the_same(trial *t, const patches *other, double separation, pe_vec3 normal,
+/* The deepest point of another call is as deep, and its normal separates as much: of directions
+ * that tie either may be chosen. */
+static bool is_the_same(trial *t, const manifolds *other, double separation, pe_vec3 normal,
                         pe_vec3 other_normal, double within)
 {
     pe_vec3 unused;
-    const pe_pair_point *hit = deepest_of(other, &unused);
-    if (hit == NULL) {
+    const pe_pair_point *point = deepest_of(other, &unused);
+    if (point == NULL) {
         return fails(t, "points", 0, 1);
     }
-    if (!is_near(t, "least separation", hit->separation, separation, within)) {
-        return is_hollow(&t->pair) && jumps_to(t, hit->separation, within);
+    if (!is_near(t, "least separation", point->separation, separation, within)) {
+        return is_hollow(&t->pair) && jumps_to(t, point->separation, within);
     }
-    /* Of meshes that overlap more than a little, depth is not the shortest way out: see
-     * collide_mesh.c. */
+    /* Of meshes that overlap more than a little, depth is not the minimum translation: see
+     * mesh_contact.c. */
     bool deep = t->pair.b.shape.kind == PE_SHAPE_MESH && separation < -1e-3 * t->pair.size;
     double turned = pe_length(pe_sub(normal, other_normal));
     return turned <= 1e-9 || is_hollow(&t->pair) || deep ||
@@ -247,15 +248,15 @@ static bool is_the_same(trial *t, const patches *other, double separation, pe_ve
 
 static bool is_symmetric(trial *t)
 {
-    patches one;
-    const pe_pair_point *hit;
+    manifolds one;
+    const pe_pair_point *point;
     pe_vec3 n, m = {0, 0, 1};
-    if (!ask(t, &one, &hit, &n)) {
+    if (!query(t, &one, &point, &n)) {
         return false;
     }
-    patches two = collide(&t->pair.b, &t->pair.a, t->margin);
+    manifolds two = collide(&t->pair.b, &t->pair.a, t->margin);
     deepest_of(&two, &m);
-    return is_the_same(t, &two, hit->separation, n, pe_scale(-1, m), 2 * t->tolerance);
+    return is_the_same(t, &two, point->separation, n, pe_scale(-1, m), 2 * t->tolerance);
 }
 
 static void test_swapping_the_shapes_turns_the_normal(void **state)
@@ -265,25 +266,25 @@ static void test_swapping_the_shapes_turns_the_normal(void **state)
 
 static bool moves_with_the_world(trial *t)
 {
-    patches one;
-    const pe_pair_point *hit;
+    manifolds one;
+    const pe_pair_point *point;
     pe_vec3 n, m = {0, 0, 1};
-    if (!ask(t, &one, &hit, &n)) {
+    if (!query(t, &one, &point, &n)) {
         return false;
     }
     pe_quat turn = random_turn(&t->random);
     double away = check_uniform(&t->random, 0, 1) < 0.5 ? 1 : 1e4;
     pair moved = pair_moved(&t->pair, turn, pe_scale(away, random_direction(&t->random)));
-    patches two = collide(&moved.a, &moved.b, t->margin);
+    manifolds two = collide(&moved.a, &moved.b, t->margin);
     deepest_of(&two, &m);
     pe_mat3 rotation = pe_matrix_of(turn);
-    /* A position so far away is rounded to so much. */
+    /* The rounding of positions this far away. */
     double within = 2 * t->tolerance + 32 * DBL_EPSILON * away;
     pe_vec3 back = pe_unrotate(&rotation, m);
     if (t->pair.a.shape.kind == PE_SHAPE_PLANE && pe_length(pe_sub(back, n)) <= 1e-12) {
         back = n;
     }
-    return is_the_same(t, &two, hit->separation, n, back, within);
+    return is_the_same(t, &two, point->separation, n, back, within);
 }
 
 static void test_contacts_move_with_the_world(void **state)
@@ -293,10 +294,10 @@ static void test_contacts_move_with_the_world(void **state)
 
 static bool scales(trial *t)
 {
-    patches one;
-    const pe_pair_point *hit;
+    manifolds one;
+    const pe_pair_point *point;
     pe_vec3 n, m = {0, 0, 1};
-    if (!ask(t, &one, &hit, &n)) {
+    if (!query(t, &one, &point, &n)) {
         return false;
     }
     double factor = check_uniform(&t->random, 0, 1) < 0.5 ? 0x1p-10 : 0x1p10;
@@ -304,11 +305,11 @@ static bool scales(trial *t)
     pair scaled = {.a = placed_scaled(&t->pair.a, factor, &a),
                    .b = placed_scaled(&t->pair.b, factor, &b),
                    .size = factor * t->pair.size};
-    patches two = collide(&scaled.a, &scaled.b, factor * t->margin);
+    manifolds two = collide(&scaled.a, &scaled.b, factor * t->margin);
     const pe_pair_point *other = deepest_of(&two, &m);
     double within = 2 * t->tolerance;
     bool same = other != NULL ? is_near(t, "scaled separation", other->separation / factor,
-                                        hit->separation, within)
+                                        point->separation, within)
                               : fails(t, "scaled points", 0, 1);
     same = same || (other != NULL && is_hollow(&t->pair) &&
                     jumps_to(t, other->separation / factor, within));
@@ -322,25 +323,25 @@ static void test_contacts_scale_with_the_shapes(void **state)
     run_law("scales", scales, LAW_ALL, of_truth(*state, 4), engine_gap);
 }
 
-/* ---- Continuity */
+/* ---- Continuity ---- */
 
 static bool is_continuous(trial *t)
 {
-    patches one;
-    const pe_pair_point *hit;
+    manifolds one;
+    const pe_pair_point *point;
     pe_vec3 n, m = {0, 0, 1};
-    if (!ask(t, &one, &hit, &n)) {
+    if (!query(t, &one, &point, &n)) {
         return false;
     }
-    if (t->pair.b.shape.kind == PE_SHAPE_MESH && hit->separation < -1e-2 * t->pair.size) {
+    if (t->pair.b.shape.kind == PE_SHAPE_MESH && point->separation < -1e-2 * t->pair.size) {
         return skips(t); /* deep in a mesh another surface may be the nearest */
     }
     double step = 1e-6 * t->pair.size;
     placed b = moved_a_little(t, step);
-    patches two = collide(&t->pair.a, &b, t->margin);
+    manifolds two = collide(&t->pair.a, &b, t->margin);
     const pe_pair_point *other = deepest_of(&two, &m);
     return other != NULL ? is_near(t, "separation after a motion of 1e-6", other->separation,
-                                   hit->separation, 2.001 * step + 2 * t->tolerance)
+                                   point->separation, 2.001 * step + 2 * t->tolerance)
                          : fails(t, "points after a motion of 1e-6", 0, 1);
 }
 
@@ -350,33 +351,33 @@ static void test_separation_is_continuous(void **state)
     run_law("is_continuous", is_continuous, LAW_ALL, share(*state, 4), engine_gap);
 }
 
-/* ---- Margins */
+/* ---- Margins ---- */
 
 static bool is_found_within_the_margin_alone(trial *t)
 {
-    patches found;
-    const pe_pair_point *hit;
+    manifolds found;
+    const pe_pair_point *point;
     pe_vec3 n;
-    if (!ask(t, &found, &hit, &n)) {
+    if (!query(t, &found, &point, &n)) {
         return false;
     }
-    double gap = hit->separation;
+    double gap = point->separation;
     if (collide(&t->pair.a, &t->pair.b, pe_max(0, gap + 2 * t->tolerance)).count < 1) {
         return fails(t, "points within the margin", 0, 1);
     }
     return gap < 4 * t->tolerance ||
-           is_near(t, "patches beyond the margin",
+           is_near(t, "manifolds beyond the margin",
                    collide(&t->pair.a, &t->pair.b, gap - 2 * t->tolerance).count, 0, 0);
 }
 
 /* Points within the margin, none beyond it. */
-static void test_a_pair_has_points_exactly_when_its_gap_is_within_the_margin(void **state)
+static void test_pair_has_points_exactly_within_the_margin(void **state)
 {
     run_law("is_found_within_the_margin_alone", is_found_within_the_margin_alone, LAW_ALL,
             share(*state, 4), engine_gap);
 }
 
-static bool are_same_points(const patches *one, const patches *two)
+static bool are_same_points(const manifolds *one, const manifolds *two)
 {
     bool same = one->count == two->count;
     for (int i = 0; same && i < one->count; ++i) {
@@ -396,23 +397,24 @@ static bool keeps_points_over_the_range(trial *t)
     pe_vec3 n;
     double gap = engine_gap(&t->pair, &n);
     double margin = pe_max(0, gap + t->pair.size * check_uniform(&t->random, 0, 0.2));
-    patches found = collide(&t->pair.a, &t->pair.b, margin);
+    manifolds found = collide(&t->pair.a, &t->pair.b, margin);
     if (found.count < 1) {
-        return fails(t, "patches", found.count, 1);
+        return fails(t, "manifolds", found.count, 1);
     }
     double least = 0, end = 2 * margin + t->pair.size;
     for (int i = 0; i < found.count; ++i) {
-        const pe_pair_manifold *patch = &found.item[i];
-        if (!(patch->least_margin <= margin && margin < patch->end_margin)) {
-            return fails(t, "margin within its own range", margin, patch->least_margin);
+        const pe_pair_manifold *manifold = &found.item[i];
+        if (!(manifold->least_margin <= margin && margin < manifold->end_margin)) {
+            return fails(t, "margin within its own range", margin, manifold->least_margin);
         }
-        least = pe_max(least, patch->least_margin);
-        end = pe_min(end, patch->end_margin);
+        least = pe_max(least, manifold->least_margin);
+        end = pe_min(end, manifold->end_margin);
     }
     for (int k = 0; k < 2; ++k) {
-        /* To rounding: the gap may be reckoned in another way than the points' separations. */
+        /* Up to rounding: the gap may be computed in another way than the separations of the
+         * points. */
         double at = k == 0 ? least + t->tolerance : check_uniform(&t->random, least, end);
-        patches other = collide(&t->pair.a, &t->pair.b, at);
+        manifolds other = collide(&t->pair.a, &t->pair.b, at);
         if (at >= least && at < end && !are_same_points(&found, &other)) {
             return fails(t, "the same points at another margin of the range", at, margin);
         }
@@ -421,15 +423,15 @@ static bool keeps_points_over_the_range(trial *t)
 }
 
 /* The same points at every margin from least_margin to end_margin. */
-static void test_points_are_the_same_at_every_margin_of_their_range(void **state)
+static void test_points_are_the_same_over_margin_range(void **state)
 {
     run_law("keeps_points_over_the_range", keeps_points_over_the_range, LAW_ALL, share(*state, 4),
             engine_gap);
 }
 
-/* ---- Rest */
+/* ---- Rest ---- */
 
-static bool has_feature(const patches *found, uint64_t feature)
+static bool has_feature(const manifolds *found, uint64_t feature)
 {
     for (int i = 0; i < found->count; ++i) {
         for (int j = 0; j < found->item[i].count; ++j) {
@@ -441,10 +443,10 @@ static bool has_feature(const patches *found, uint64_t feature)
     return false;
 }
 
-static bool is_the_same_contact(trial *t, const patches *first, const patches *now)
+static bool is_the_same_contact(trial *t, const manifolds *first, const manifolds *now)
 {
     if (now->count != first->count) {
-        return fails(t, "patches after a sway", now->count, first->count);
+        return fails(t, "manifolds after a sway", now->count, first->count);
     }
     for (int i = 0; i < now->count; ++i) {
         const pe_pair_manifold *p = &first->item[i], *q = &now->item[i];
@@ -468,17 +470,17 @@ static bool keeps_its_features(trial *t)
 {
     const solid *a = t->pair.a.solid, *other = t->pair.b.solid;
     if (!(a->convex && other->convex) && a->size > 0) {
-        return skips(t); /* what has hollows may not come to lie face to face */
+        return skips(t); /* solids with hollows may not come to rest face to face */
     }
     pair_rest(&t->pair, &t->random, engine_gap);
     double margin = 1e-2 * t->pair.size;
-    patches first = collide(&t->pair.a, &t->pair.b, margin);
+    manifolds first = collide(&t->pair.a, &t->pair.b, margin);
     if (first.count < 1) {
-        return fails(t, "patches", first.count, 1);
+        return fails(t, "manifolds", first.count, 1);
     }
     for (int k = 0; k < 4; ++k) {
         placed b = moved_a_little(t, 1e-9 * t->pair.size);
-        patches now = collide(&t->pair.a, &b, margin);
+        manifolds now = collide(&t->pair.a, &b, margin);
         if (!is_the_same_contact(t, &first, &now)) {
             return false;
         }
@@ -487,7 +489,7 @@ static bool keeps_its_features(trial *t)
 }
 
 /* Normal and features of a pair at rest stay while it sways by 1e-9. */
-static void test_features_stay_while_a_pair_at_rest_sways(void **state)
+static void test_features_stay_while_resting_pair_sways(void **state)
 {
     run_law("keeps_its_features", keeps_its_features, LAW_ALL, of_truth(*state, 4), engine_gap);
 }
@@ -497,17 +499,15 @@ int run_pair_laws(const char *group, law_budget budget)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_prestate(test_depth_and_normal_equal_the_truth, &budget),
         cmocka_unit_test_prestate(test_distance_to_a_mesh_equals_brute_force, &budget),
-        cmocka_unit_test_prestate(test_shallow_depth_of_a_convex_mesh_equals_that_of_the_hull,
-                                  &budget),
-        cmocka_unit_test_prestate(test_points_lie_in_both_shapes_a_separation_apart, &budget),
+        cmocka_unit_test_prestate(test_shallow_depth_of_convex_mesh_equals_hull, &budget),
+        cmocka_unit_test_prestate(test_points_lie_in_both_shapes, &budget),
         cmocka_unit_test_prestate(test_swapping_the_shapes_turns_the_normal, &budget),
         cmocka_unit_test_prestate(test_contacts_move_with_the_world, &budget),
         cmocka_unit_test_prestate(test_contacts_scale_with_the_shapes, &budget),
         cmocka_unit_test_prestate(test_separation_is_continuous, &budget),
-        cmocka_unit_test_prestate(test_a_pair_has_points_exactly_when_its_gap_is_within_the_margin,
-                                  &budget),
-        cmocka_unit_test_prestate(test_points_are_the_same_at_every_margin_of_their_range, &budget),
-        cmocka_unit_test_prestate(test_features_stay_while_a_pair_at_rest_sways, &budget),
+        cmocka_unit_test_prestate(test_pair_has_points_exactly_within_the_margin, &budget),
+        cmocka_unit_test_prestate(test_points_are_the_same_over_margin_range, &budget),
+        cmocka_unit_test_prestate(test_features_stay_while_resting_pair_sways, &budget),
     };
     return cmocka_run_group_tests_name(group, tests, NULL, NULL);
 }

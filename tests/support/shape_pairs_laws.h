@@ -1,11 +1,11 @@
-/* What holds of the contacts of every pair of shapes. */
+/* The laws that the contacts of every pair of shapes obey. */
 #ifndef PLUMB_TEST_SHAPE_PAIRS_LAWS_H
 #define PLUMB_TEST_SHAPE_PAIRS_LAWS_H
 
-/* Poses of each pair of kinds; 0: none is tried. */
+/* Number of poses of each pair of kinds; 0: none. */
 typedef struct law_budget {
-    int truth_poses, mesh_truth_poses; /* where the truth is searched for */
-    int poses, mesh_poses;             /* where the answer proves itself */
+    int truth_poses, mesh_truth_poses; /* of laws that search for the reference distance */
+    int poses, mesh_poses;             /* of laws that the result proves by itself */
 } law_budget;
 
 /* The laws as tests of one group, each over all pairs of kinds; returns what cmocka does. */

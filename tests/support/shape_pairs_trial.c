@@ -26,13 +26,13 @@ bool skips(trial *t)
     return true;
 }
 
-/* ---- Asking the engine */
+/* ---- Asking the engine ---- */
 
-patches collide(const placed *a, const placed *b, double margin)
+manifolds collide(const placed *a, const placed *b, double margin)
 {
     pe_allocator allocator = pe_allocator_default();
     pe_arena arena = {0};
-    patches found;
+    manifolds found;
     found.count = pe_collide(as_placed(a), as_placed(b), margin, (pe_workspace){&arena, &allocator},
                              found.item);
     pe_arena_free(&arena, &allocator);
@@ -40,14 +40,14 @@ patches collide(const placed *a, const placed *b, double margin)
     return found;
 }
 
-const pe_pair_point *deepest_of(const patches *found, pe_vec3 *normal)
+const pe_pair_point *deepest_of(const manifolds *found, pe_vec3 *normal)
 {
     const pe_pair_point *least = NULL;
     for (int i = 0; i < found->count && i < PE_MAX_MANIFOLDS; ++i) {
         for (int j = 0; j < found->item[i].count && j < PE_MAX_POINTS; ++j) {
-            const pe_pair_point *hit = &found->item[i].item[j];
-            if (least == NULL || !(hit->separation >= least->separation)) {
-                least = hit;
+            const pe_pair_point *point = &found->item[i].item[j];
+            if (least == NULL || !(point->separation >= least->separation)) {
+                least = point;
                 *normal = found->item[i].normal;
             }
         }
@@ -66,9 +66,9 @@ double wide(const pair *p)
 double engine_gap(const pair *p, pe_vec3 *normal)
 {
     *normal = pe_v3(0, 0, 1);
-    patches found = collide(&p->a, &p->b, wide(p));
-    const pe_pair_point *hit = deepest_of(&found, normal);
-    return hit != NULL ? hit->separation : 0;
+    manifolds found = collide(&p->a, &p->b, wide(p));
+    const pe_pair_point *point = deepest_of(&found, normal);
+    return point != NULL ? point->separation : 0;
 }
 
 double true_gap(const pair *p, pe_vec3 *normal)
@@ -78,14 +78,14 @@ double true_gap(const pair *p, pe_vec3 *normal)
     return d.low;
 }
 
-/* ---- Running laws */
+/* ---- Running laws ---- */
 
 static const char *const kind_names[] = {"plane",    "sphere", "box", "capsule",
                                          "cylinder", "hull",   "mesh"};
 static const char *const pose_names[] = {"any",   "deep", "shallow", "touching",
                                          "close", "far",  "aligned", "concentric"};
 
-/* Each pose can be made again by itself. */
+/* Each pose can be reproduced alone. */
 static uint64_t seed_of(pe_shape_kind a, pe_shape_kind b, int index)
 {
     uint64_t s = 1 + (uint64_t)index + ((uint64_t)a << 40) + ((uint64_t)b << 48);
@@ -104,7 +104,7 @@ static void report(const trial *t, int index)
     pair_print(p);
 }
 
-/* What is placed to touch, or overlaps for sure, is asked for at the margins of a simulation. */
+/* Pairs that touch or surely overlap are tested at the margins of a simulation. */
 static double margin_of(const trial *t)
 {
     bool convex = t->pair.a.solid->convex && t->pair.b.solid->convex;
@@ -144,8 +144,8 @@ static int run_pair(trial *t, const char *name, law *holds, pe_shape_kind a, pe_
     return failures > known ? failures - known : 0;
 }
 
-/* Whether the environment asks for this pair of kinds, as in PLUMB_TEST_PAIR="box x hull", or for
- * none. */
+/* Whether the environment selects this pair of kinds, as in PLUMB_TEST_PAIR="box x hull", or none.
+ */
 static bool is_asked_for(int a, int b)
 {
     const char *wanted = getenv("PLUMB_TEST_PAIR");

@@ -1,10 +1,10 @@
-/* Running a law over poses of all pairs of kinds, and saying where it fails. */
+/* Runs a law over poses of all pairs of kinds, and reports where it fails. */
 #ifndef PLUMB_TEST_SHAPE_PAIRS_TRIAL_H
 #define PLUMB_TEST_SHAPE_PAIRS_TRIAL_H
 
 #include "shape_pairs.h"
 
-/* One pose, and what was wrong with it. */
+/* One pose, and its failure. */
 typedef struct trial {
     const shape_pool *pool;
     pair pair;
@@ -14,13 +14,14 @@ typedef struct trial {
     double tolerance; /* m: 1e-9 of the size, and rounding of the lengths that were added */
     const char *what;
     double found, expected;
-    int skipped; /* of the trials of the pair of kinds: where the law says nothing */
+    int skipped; /* of the trials of the pair of kinds: where the law does not apply */
 } trial;
 
 /* Returns whether it holds. */
 typedef bool law(trial *t);
 
-/* For a law to return: false, and what was found; true when near; true, counted as skipped. */
+/* The results of a law: false, with the value found; whether it is near; true, counted as skipped.
+ */
 bool fails(trial *t, const char *what, double found, double expected);
 bool is_near(trial *t, const char *what, double found, double expected, double within);
 bool skips(trial *t);
@@ -38,21 +39,21 @@ typedef struct law_count {
  * fails. Returns the largest share of the poses of a pair that the law skips. */
 double run_law(const char *name, law *holds, law_kinds kinds, law_count poses, pair_gap *gap);
 
-/* What the engine finds. */
-typedef struct patches {
+/* The manifolds that the engine finds. */
+typedef struct manifolds {
     int count;
     pe_pair_manifold item[PE_MAX_MANIFOLDS];
-} patches;
+} manifolds;
 
-patches collide(const placed *a, const placed *b, double margin);
+manifolds collide(const placed *a, const placed *b, double margin);
 
-/* The deepest point, NULL when there is none; *normal is that of its patch. */
-const pe_pair_point *deepest_of(const patches *found, pe_vec3 *normal);
+/* The deepest point, NULL when there is none; *normal is that of its manifold. */
+const pe_pair_point *deepest_of(const manifolds *found, pe_vec3 *normal);
 
-/* A margin that the pair is within, wherever it is. */
+/* A margin that the pair is always within. */
 double wide(const pair *p);
 
-/* The signed distance as the engine has it, and as it is; the latter of convex shapes. */
+/* The signed distance by the engine, and the true one, of convex shapes. */
 double engine_gap(const pair *p, pe_vec3 *normal);
 double true_gap(const pair *p, pe_vec3 *normal);
 

@@ -30,8 +30,8 @@
  *
  * Touches whose gap exceeds the least one by more than PE_BAND are not searched, however wide the
  * margin. */
-#include "mesh_overlap.h"
 #include "narrow_phase/tolerances.h"
+#include "near_features.h"
 #include "solid_query.h"
 
 /* ---- Solids ---- */

@@ -14,7 +14,7 @@
  * vector areas of the curves of a rod through a plate cancel. Then, and for convex solids, the
  * normal is that of the crossing triangles along which the solids as a whole overlap least, so that
  * it never leads further in. The depth is the largest along it where they cross. */
-#include "mesh_overlap.h"
+#include "near_features.h"
 
 #include "narrow_phase/tolerances.h"
 #include "solid_query.h"

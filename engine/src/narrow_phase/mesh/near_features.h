@@ -1,4 +1,5 @@
-/* The features of two solids that touch or are near, and their nearest points. */
+/* The touches of two solids: features within reach, nearest points (near_features.c), and deep
+ * overlaps (mesh_overlap.c). */
 #ifndef PE_NEAR_FEATURES_H
 #define PE_NEAR_FEATURES_H
 
@@ -18,6 +19,19 @@ typedef struct pe_nearest {
     pe_touch touch; /* without its separation; apart: the normal is along the line */
 } pe_nearest;
 
+/* Searches nearest points within `bound` (m). */
 pe_nearest pe_solids_nearest(const pe_solid_pair *pair, double bound);
+
+/* Whether another part of the surface lies between a face and the vertex under it that touches it.
+ */
+bool pe_touch_is_blocked(const pe_solid_pair *pair, const pe_touch *touch);
+
+/* Adds the vertices of either solid that lie deeper in the other one than `depth`, as far as they
+ * are reached over the surfaces from where these cross; with `all`, all. */
+void pe_touches_find_deep(const pe_solid_pair *pair, double depth, bool all, pe_touches *list);
+
+/* Adds a translation that parts the solids, for an overlap in which no features show one. */
+void pe_touches_find_translation(const pe_solid_pair *pair, const pe_nearest *nearest,
+                                 pe_touches *list);
 
 #endif

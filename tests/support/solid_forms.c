@@ -1,4 +1,5 @@
-#include "shape_pairs_forms.h"
+/* Vertices and triangles of the forms, in an order that the laws of contact depend on. */
+#include "solid_forms.h"
 
 static const double two_pi = 6.283185307179586;
 
@@ -16,26 +17,38 @@ static void add_quad(form *f, int a, int b, int c, int d)
     add_triangle(f, a, c, d);
 }
 
-form form_frustum(int sides, double top, double shift)
+form form_prism(const double (*outline)[2], int count, double low, double high)
 {
-    form f = {.vertex_count = 2 * sides};
-    for (int i = 0; i < sides; ++i) {
-        double x = cos(two_pi * i / sides), y = sin(two_pi * i / sides);
-        f.vertices[i] = pe_v3(x, y, -1);
-        f.vertices[sides + i] = pe_v3(top * x + shift, top * y, 1);
+    form f = {.vertex_count = 2 * count};
+    for (int i = 0; i < count; ++i) {
+        f.vertices[i] = pe_v3(outline[i][0], outline[i][1], low);
+        f.vertices[count + i] = pe_v3(outline[i][0], outline[i][1], high);
+        int j = (i + 1) % count;
+        add_quad(&f, i, j, count + j, count + i);
     }
-    for (int i = 0; i < sides; ++i) {
-        int j = (i + 1) % sides;
-        add_quad(&f, i, j, sides + j, sides + i);
-    }
-    for (int i = 1; i + 1 < sides; ++i) {
+    for (int i = 1; i + 1 < count; ++i) {
         add_triangle(&f, 0, i + 1, i);
-        add_triangle(&f, sides, sides + i, sides + i + 1);
+        add_triangle(&f, count, count + i, count + i + 1);
     }
     return f;
 }
 
-/* Whether all points are on the inner side of the plane of three, as they turn. */
+form form_frustum(int sides, double top, double shift)
+{
+    double outline[FORM_VERTICES / 2][2];
+    for (int i = 0; i < sides; ++i) {
+        outline[i][0] = cos(two_pi * i / sides);
+        outline[i][1] = sin(two_pi * i / sides);
+    }
+    form f = form_prism((const double(*)[2])outline, sides, -1, 1);
+    for (int i = sides; i < 2 * sides; ++i) {
+        f.vertices[i].x = top * f.vertices[i].x + shift;
+        f.vertices[i].y *= top;
+    }
+    return f;
+}
+
+/* Whether all points lie behind the plane of three, which are counter-clockwise from outside. */
 static bool is_face(const pe_vec3 *p, int count, int i, int j, int k)
 {
     pe_vec3 n = pe_cross(pe_sub(p[j], p[i]), pe_sub(p[k], p[i]));
@@ -162,22 +175,8 @@ form form_random_hull(check_random *random, int count)
 
 form form_l_shape(void)
 {
-    /* Outline, counter-clockwise; (1, 1) is the inner corner. */
     static const double outline[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
-    static const int parts[4][3] = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 5}};
-    form f = {.vertex_count = 12};
-    for (int i = 0; i < 6; ++i) {
-        f.vertices[i] = pe_v3(outline[i][0], outline[i][1], 0);
-        f.vertices[6 + i] = pe_v3(outline[i][0], outline[i][1], 0.5);
-        int j = (i + 1) % 6;
-        add_quad(&f, i, j, 6 + j, 6 + i);
-    }
-    for (int i = 0; i < 4; ++i) {
-        const int *p = parts[i];
-        add_triangle(&f, p[0], p[2], p[1]);
-        add_triangle(&f, 6 + p[0], 6 + p[1], 6 + p[2]);
-    }
-    return f;
+    return form_prism(outline, 6, 0, 0.5);
 }
 
 form form_torus(double major, double minor, int around, int across)
