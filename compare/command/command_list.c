@@ -2,7 +2,7 @@
  * printed as it is or as text. */
 #include "adapters/registry.h"
 #include "plumb/scenario.h"
-#include "report/catalogue_page.h"
+#include "report/report.h"
 #include "request.h"
 #include "results/result.h"
 #include "results/store.h"

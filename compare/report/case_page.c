@@ -4,7 +4,7 @@
 
 #include "losses.h"
 #include "number_format.h"
-#include "svg.h"
+#include "picture.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -53,11 +53,14 @@ static bool find_best(const pl_case *test_case, int column_count, int metric, do
 {
     double most = -INFINITY;
     *best = pl_case_least(test_case, column_count, metric);
-    if (!pl_loss_is_compared(metric))
+    if (!pl_loss_is_compared(metric)) {
         return false;
-    for (int i = 0; i < column_count; i++)
-        if (counts_for_best(&test_case->cells[i], metric))
+    }
+    for (int i = 0; i < column_count; ++i) {
+        if (counts_for_best(&test_case->cells[i], metric)) {
             most = fmax(most, test_case->cells[i].metrics[metric].value);
+        }
+    }
     return pl_loss_is_worse(test_case, metric, most, *best);
 }
 
@@ -146,36 +149,42 @@ static pl_status build_from_catalogue(const pl_case *test_case, pl_scene *scene,
     char texts[PL_MAX_PARAMS][128];
     const char *settings[PL_MAX_PARAMS];
     int count = 0;
-    for (int i = 0; i < scenario->param_count; i++) {
+    for (int i = 0; i < scenario->param_count; ++i) {
         const json_t *value = json_object_get(test_case->params, scenario->params[i].name);
-        if (!json_is_number(value))
+        if (!json_is_number(value)) {
             continue; /* it has its default; the hash shows if that has changed */
+        }
         snprintf(texts[count], sizeof texts[count], "%.80s=%.17g", scenario->params[i].name,
                  json_number_value(value));
         settings[count] = texts[count];
-        count++;
+        ++count;
     }
     pl_status status = pl_scenario_values(scenario, settings, count, values, error);
-    if (status != PL_OK)
+    if (status != PL_OK) {
         return status;
+    }
     return scenario->build(values, (uint64_t)test_case->seed, scene, error);
 }
 
 static pl_status build_from_file(const pl_case *test_case, pl_scene *scene, pl_error *error)
 {
     struct stat information;
-    if (stat(test_case->scenario, &information) != 0 || !S_ISREG(information.st_mode))
+    if (stat(test_case->scenario, &information) != 0 || !S_ISREG(information.st_mode)) {
         return pl_fail(error, PL_IO, "there is no scene file %.200s here", test_case->scenario);
+    }
     pl_status status = pl_scene_read_file(test_case->scenario, scene, error);
-    if (status != PL_OK)
+    if (status != PL_OK) {
         return status;
+    }
     const json_t *settings = json_object_get(test_case->result, "settings");
     const json_t *dt = json_object_get(settings, "dt");
     const json_t *duration = json_object_get(settings, "duration");
-    if (json_is_number(dt))
+    if (json_is_number(dt)) {
         scene->dt = json_number_value(dt);
-    if (json_is_number(duration))
+    }
+    if (json_is_number(duration)) {
         scene->duration = json_number_value(duration);
+    }
     return PL_OK;
 }
 
@@ -188,14 +197,17 @@ static pl_status rebuild_scene(const pl_case *test_case, pl_scene *scene, pl_err
     pl_status status = test_case->catalogue != NULL ? build_from_catalogue(test_case, scene, error)
                                                     : build_from_file(test_case, scene, error);
     char hash[17] = "";
-    if (status == PL_OK)
+    if (status == PL_OK) {
         status = pl_scene_hash(scene, hash, error);
-    if (status == PL_OK && strcmp(hash, test_case->scene_hash) != 0)
+    }
+    if (status == PL_OK && strcmp(hash, test_case->scene_hash) != 0) {
         status = pl_fail(error, PL_FAILED,
                          "the scene as it is built today (%s) is not the one that was run (%.40s)",
                          hash, test_case->scene_hash);
-    if (status != PL_OK)
+    }
+    if (status != PL_OK) {
         pl_scene_free(scene);
+    }
     return status;
 }
 
@@ -217,8 +229,8 @@ static pl_pose *read_poses(const json_t *result, int body_count, char why[160])
         snprintf(why, 160, "no memory for the poses");
         return NULL;
     }
-    for (int i = 0; i < body_count; i++) {
-        for (int k = 0; k < 7; k++) {
+    for (int i = 0; i < body_count; ++i) {
+        for (int k = 0; k < 7; ++k) {
             const json_t *item = json_array_get(json_array_get(listed, (size_t)i), (size_t)k);
             double value = json_is_number(item) ? json_number_value(item) : (double)NAN;
             *(k < 3 ? &poses[i].position[k] : &poses[i].orientation[k - 3]) = value;
@@ -242,9 +254,10 @@ static void add_caption(const pl_column *column, const pl_cell *cell, int outsid
         pl_text_add_html(out, cell->outcome);
         pl_text_add(out, "</span>");
     }
-    if (outside > 0)
+    if (outside > 0) {
         pl_text_format(out, "<br>%d %s outside the picture", outside,
                        outside == 1 ? "body is" : "bodies are");
+    }
     pl_text_add(out, "</figcaption></figure>\n");
 }
 
@@ -286,29 +299,34 @@ void pl_case_pictures(const pl_result_matrix *matrix, int index, pl_text_buffer 
         pl_text_add(out, ".</p>\n");
         goto cleanup;
     }
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         const pl_cell *cell = &test_case->cells[i];
-        if (cell->result == NULL)
+        if (cell->result == NULL) {
             continue;
+        }
         poses[i] = read_poses(cell->result, scene.body_count, why[i]);
         /* A run that diverged must not make the pictures of the others smaller. */
-        if (cell->ok || strcmp(cell->outcome, "collapsed") == 0)
+        if (cell->ok || strcmp(cell->outcome, "collapsed") == 0) {
             framed[i] = poses[i];
+        }
     }
     pl_view view = pl_view_choose(&scene, framed, count);
     char id[32];
     snprintf(id, sizeof id, "expected-%d", index);
     pl_svg_expected(&scene, &view, id, out);
     pl_text_add(out, "<div class=\"pictures\">\n");
-    for (int i = 0; i < count; i++)
-        if (test_case->cells[i].result != NULL)
+    for (int i = 0; i < count; ++i) {
+        if (test_case->cells[i].result != NULL) {
             add_figure(&scene, &view, &matrix->columns[i], &test_case->cells[i], poses[i], why[i],
                        id, out);
+        }
+    }
     pl_text_add(out, "</div>\n");
 
 cleanup:
-    for (int i = 0; poses != NULL && i < count; i++)
+    for (int i = 0; poses != NULL && i < count; ++i) {
         free(poses[i]);
+    }
     free(poses);
     free(framed);
     free(why);

@@ -1,9 +1,9 @@
-#include "catalogue_page.h"
+#include "report.h"
 
 #include "page.h"
+#include "picture.h"
 #include "plumb/scenario.h"
 #include "referee/metrics/metrics.h"
-#include "svg.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -17,7 +17,6 @@
 
 #include "base/json_field.h"
 #include "base/json_text.h"
-#include "embedded.h"
 #include "plumb/scenario.h"
 #include "results/result.h"
 
@@ -31,6 +30,9 @@
     }
 
 enum { MOST_BYTES = 1 << 20 };
+
+/* The file, which compare/CMakeLists.txt builds into the program. */
+extern const char pl_known_causes_json[];
 
 static const char *const file_keys[] = {"schema", "found_with", "versions", "causes"};
 static const char *const cause_keys[] = {"engine",    "profile", "outcome", "versions",

@@ -24,8 +24,9 @@ static const double value_floor = 1e-9, memory_noise = 256 * 1024, relative_nois
 
 static double floor_of(const pl_case *test_case, int metric)
 {
-    if (metric == PL_METRIC_MEMORY_PEAK)
+    if (metric == PL_METRIC_MEMORY_PEAK) {
         return memory_noise;
+    }
     if (metric == PL_METRIC_SETTLE_TIME) {
         const json_t *settings = json_object_get(test_case->result, "settings");
         return fmax(value_floor, json_number_value(json_object_get(settings, "dt")));
@@ -49,8 +50,9 @@ static bool comparable(const pl_cell *a, const pl_cell *b, int metric)
 bool pl_loss_is_worse(const pl_case *test_case, int metric, double value, double best)
 {
     double level = fmax(best, floor_of(test_case, metric));
-    if (metric == PL_METRIC_MEMORY_PEAK && value - best <= memory_noise)
+    if (metric == PL_METRIC_MEMORY_PEAK && value - best <= memory_noise) {
         return false;
+    }
     return value > (is_measured(metric) ? level * (1 + relative_noise) : level);
 }
 
@@ -67,23 +69,28 @@ static int best_other(const pl_result_matrix *matrix, const pl_case *test_case, 
                       int metric)
 {
     int best = -1;
-    for (int i = 0; i < matrix->column_count; i++) {
+    for (int i = 0; i < matrix->column_count; ++i) {
         const pl_cell *cell = &test_case->cells[i];
         if (matrix->columns[i].ours || cell->result == NULL || !cell->ok ||
-            cell->metrics[metric].state != PL_METRIC_VALUE || !comparable(ours, cell, metric))
+            cell->metrics[metric].state != PL_METRIC_VALUE || !comparable(ours, cell, metric)) {
             continue;
-        if (best < 0 || cell->metrics[metric].value < test_case->cells[best].metrics[metric].value)
+        }
+        if (best < 0 ||
+            cell->metrics[metric].value < test_case->cells[best].metrics[metric].value) {
             best = i;
+        }
     }
     return best;
 }
 
 static int first_good_other(const pl_result_matrix *matrix, const pl_case *test_case)
 {
-    for (int i = 0; i < matrix->column_count; i++)
+    for (int i = 0; i < matrix->column_count; ++i) {
         if (!matrix->columns[i].ours && test_case->cells[i].result != NULL &&
-            test_case->cells[i].ok)
+            test_case->cells[i].ok) {
             return i;
+        }
+    }
     return -1;
 }
 
@@ -92,12 +99,14 @@ static void compare_metric(const pl_result_matrix *matrix, pl_loss loss, int met
 {
     const pl_metric_summary *ours = &loss.our_cell->metrics[metric];
     /* reference_error says the same already. */
-    if (ours->state == PL_METRIC_ABSENT || pl_case_primary_is(loss.test_case, metric))
+    if (ours->state == PL_METRIC_ABSENT || pl_case_primary_is(loss.test_case, metric)) {
         return;
+    }
     int best = best_other(matrix, loss.test_case, loss.our_cell, metric);
-    if (best < 0)
+    if (best < 0) {
         return;
-    losses->comparisons++;
+    }
+    ++losses->comparisons;
     loss.metric = metric;
     loss.best = &matrix->columns[best];
     loss.best_cell = &loss.test_case->cells[best];
@@ -108,8 +117,9 @@ static void compare_metric(const pl_result_matrix *matrix, pl_loss loss, int met
     }
     double our_value = ours->value;
     double best_value = loss.best_cell->metrics[metric].value;
-    if (!pl_loss_is_worse(loss.test_case, metric, our_value, best_value))
+    if (!pl_loss_is_worse(loss.test_case, metric, our_value, best_value)) {
         return;
+    }
     loss.kind = PL_LOSS_VALUE;
     loss.ratio = our_value / fmax(best_value, floor_of(loss.test_case, metric));
     losses->items[losses->count++] = loss;
@@ -119,35 +129,43 @@ static void compare_metric(const pl_result_matrix *matrix, pl_loss loss, int met
 static void compare_run(const pl_result_matrix *matrix, pl_loss loss, pl_losses *losses)
 {
     int other = first_good_other(matrix, loss.test_case);
-    if (other < 0)
+    if (other < 0) {
         return;
+    }
     if (loss.our_cell->ok) {
-        for (int id = 0; id < PL_METRIC_COUNT; id++)
-            if (pl_loss_is_compared(id))
+        for (int id = 0; id < PL_METRIC_COUNT; ++id) {
+            if (pl_loss_is_compared(id)) {
                 compare_metric(matrix, loss, id, losses);
+            }
+        }
         return;
     }
     int best = best_other(matrix, loss.test_case, loss.our_cell, PL_METRIC_REFERENCE_ERROR);
-    if (best < 0)
+    if (best < 0) {
         best = other;
+    }
     loss.kind = PL_LOSS_OUTCOME;
     loss.best = &matrix->columns[best];
     loss.best_cell = &loss.test_case->cells[best];
-    losses->comparisons++;
+    ++losses->comparisons;
     losses->items[losses->count++] = loss;
 }
 
 static int compare_losses(const void *left, const void *right)
 {
     const pl_loss *a = left, *b = right;
-    if (a->kind != b->kind)
+    if (a->kind != b->kind) {
         return a->kind < b->kind ? -1 : 1;
-    if (a->ratio != b->ratio)
+    }
+    if (a->ratio != b->ratio) {
         return a->ratio > b->ratio ? -1 : 1;
-    if (a->test_case != b->test_case)
+    }
+    if (a->test_case != b->test_case) {
         return a->test_case < b->test_case ? -1 : 1;
-    if (a->metric != b->metric)
+    }
+    if (a->metric != b->metric) {
         return a->metric < b->metric ? -1 : 1;
+    }
     return (a->ours > b->ours) - (a->ours < b->ours);
 }
 
@@ -187,9 +205,10 @@ static void write_rule(pl_text_buffer *text)
                 "Compared, metric by metric and lower is better, with the best run of another "
                 "engine whose outcome is ok: ");
     const char *separator = "";
-    for (int id = 0; id < PL_METRIC_COUNT; id++) {
-        if (!pl_loss_is_compared(id))
+    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
+        if (!pl_loss_is_compared(id)) {
             continue;
+        }
         pl_text_format(text, "%s%s", separator, pl_metric_table[id].name);
         separator = ", ";
     }
@@ -210,30 +229,33 @@ pl_status pl_losses_find(const pl_result_matrix *matrix, pl_losses *losses, pl_e
     *losses = (pl_losses){0};
     size_t most = (size_t)matrix->case_count * (size_t)matrix->column_count * PL_METRIC_COUNT;
     losses->items = calloc(most + 1, sizeof *losses->items);
-    if (losses->items == NULL)
+    if (losses->items == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "no memory for %zu comparisons", most);
-    for (int i = 0; i < matrix->column_count; i++) {
+    }
+    for (int i = 0; i < matrix->column_count; ++i) {
         losses->ours_present |= matrix->columns[i].ours;
         losses->others_present |= !matrix->columns[i].ours;
     }
-    for (int b = 0; b < matrix->case_count; b++) {
+    for (int b = 0; b < matrix->case_count; ++b) {
         const pl_case *test_case = &matrix->cases[b];
         int before = losses->comparisons;
-        for (int i = 0; i < matrix->column_count; i++) {
+        for (int i = 0; i < matrix->column_count; ++i) {
             pl_loss loss = {.test_case = test_case,
                             .ours = &matrix->columns[i],
                             .our_cell = &test_case->cells[i],
                             .ratio = (double)INFINITY};
-            if (matrix->columns[i].ours && test_case->cells[i].result != NULL)
+            if (matrix->columns[i].ours && test_case->cells[i].result != NULL) {
                 compare_run(matrix, loss, losses);
+            }
         }
         losses->cases += losses->comparisons > before;
     }
     qsort(losses->items, (size_t)losses->count, sizeof *losses->items, compare_losses);
     write_statement(losses, matrix, &losses->statement);
     write_rule(&losses->rule);
-    if (losses->statement.failed || losses->rule.failed)
+    if (losses->statement.failed || losses->rule.failed) {
         return pl_fail(error, PL_NO_MEMORY, "no memory for the statement of losses");
+    }
     return PL_OK;
 }
 
@@ -263,8 +285,9 @@ void pl_loss_texts(const pl_loss *loss, char metric[PL_LOSS_TEXT_SIZE],
              primary ? ")" : "");
     pl_metric_text(&loss->our_cell->metrics[loss->metric], ours);
     pl_metric_text(&loss->best_cell->metrics[loss->metric], best);
-    if (loss->kind == PL_LOSS_VALUE)
+    if (loss->kind == PL_LOSS_VALUE) {
         pl_format_ratio(loss->ratio, ratio);
-    else
+    } else {
         snprintf(ratio, PL_LOSS_TEXT_SIZE, "%s", pl_no_number);
+    }
 }

@@ -17,10 +17,11 @@ static double median_of(const json_t *const *metrics, int repeats, const char *k
                         int *count)
 {
     *count = 0;
-    for (int i = 0; i < repeats; i++) {
+    for (int i = 0; i < repeats; ++i) {
         const json_t *value = json_object_get(metrics[i], key);
-        if (json_is_number(value))
+        if (json_is_number(value)) {
             scratch[(*count)++] = json_number_value(value);
+        }
     }
     return pl_median(scratch, *count);
 }
@@ -40,12 +41,14 @@ pl_metric_summary pl_metric_summarise(const json_t *const *metrics, int repeats,
     pl_metric_summary summary = {.state = PL_METRIC_ABSENT,
                                  .unit = own_unit ? "" : pl_metric_table[id].unit};
     const json_t *first = NULL;
-    for (int i = 0; i < repeats; i++) {
+    for (int i = 0; i < repeats; ++i) {
         const json_t *value = json_object_get(metrics[i], "value");
-        if (metrics[i] == NULL || value == NULL)
+        if (metrics[i] == NULL || value == NULL) {
             continue;
-        if (first == NULL)
+        }
+        if (first == NULL) {
             first = metrics[i];
+        }
         if (json_is_string(value) && summary.state != PL_METRIC_TEXT) {
             summary.state = PL_METRIC_TEXT;
             summary.text = json_string_value(value);
@@ -54,25 +57,30 @@ pl_metric_summary pl_metric_summarise(const json_t *const *metrics, int repeats,
             summary.reason = pl_json_get_text(metrics[i], "reason");
         }
     }
-    if (first == NULL)
+    if (first == NULL) {
         return summary;
-    if (json_is_string(json_object_get(first, "unit")))
+    }
+    if (json_is_string(json_object_get(first, "unit"))) {
         summary.unit = pl_json_get_text(first, "unit");
-    for (int i = 0; is_deterministic(first, id) && i < repeats; i++) {
+    }
+    for (int i = 0; is_deterministic(first, id) && i < repeats; ++i) {
         const json_t *value = json_object_get(metrics[i], "value");
-        if (value == NULL || !json_equal(value, json_object_get(first, "value")))
+        if (value == NULL || !json_equal(value, json_object_get(first, "value"))) {
             summary.disagrees = true;
+        }
     }
 
     double value = median_of(metrics, repeats, "value", scratch, &summary.count);
-    if (summary.count == 0)
+    if (summary.count == 0) {
         return summary;
+    }
     summary.state = PL_METRIC_VALUE;
     summary.value = value;
     summary.min = scratch[0];
     summary.max = scratch[summary.count - 1];
-    for (int i = 0; i < summary.count; i++)
+    for (int i = 0; i < summary.count; ++i) {
         scratch[i] = fabs(scratch[i] - value);
+    }
     summary.mad = pl_median(scratch, summary.count);
     int count = 0;
     summary.p50 = median_of(metrics, repeats, "p50", scratch, &count);
@@ -98,10 +106,12 @@ void pl_metric_text(const pl_metric_summary *summary, char text[PL_METRIC_TEXT_S
 /* The reason why there is no number; "" when there is one. */
 static const char *reason_of(const pl_metric_summary *summary)
 {
-    if (summary->state == PL_METRIC_ABSENT)
+    if (summary->state == PL_METRIC_ABSENT) {
         return "does not apply, or the engine does not report it";
-    if (summary->state != PL_METRIC_FAILED)
+    }
+    if (summary->state != PL_METRIC_FAILED) {
         return "";
+    }
     return summary->reason[0] != '\0' ? summary->reason : "no value and no reason given";
 }
 
@@ -123,8 +133,9 @@ void pl_metric_note(const pl_metric_summary *summary, char text[PL_METRIC_NOTE_S
         pl_format_number(summary->p95, summary->unit, b);
         pl_format_number(summary->p99, summary->unit, c);
         snprintf(steps, sizeof steps, "over steps: p50 %s, p95 %s, p99 %s", a, b, c);
-        if (isfinite(summary->worst_step))
+        if (isfinite(summary->worst_step)) {
             snprintf(worst, sizeof worst, ", worst at step %.0f", summary->worst_step);
+        }
     }
     snprintf(text, PL_METRIC_NOTE_SIZE, "%s%s%s%s%s", reason_of(summary),
              summary->disagrees ? "not deterministic: repeats differ. " : "", spread, steps, worst);

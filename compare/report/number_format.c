@@ -39,8 +39,9 @@ static void digits(double value, char text[32])
 static void scaled(double value, const scale *scales, int count, char text[PL_NUMBER_SIZE])
 {
     int i = 0;
-    while (i < count - 1 && fabs(value) < 0.9995 * scales[i].factor)
-        i++;
+    while (i < count - 1 && fabs(value) < 0.9995 * scales[i].factor) {
+        ++i;
+    }
     char number[32];
     digits(value / scales[i].factor, number);
     snprintf(text, PL_NUMBER_SIZE, "%s %s", number, scales[i].unit);
@@ -57,20 +58,22 @@ void pl_format_number(double value, const char *unit, char text[PL_NUMBER_SIZE])
     } else {
         char number[32];
         digits(value, number);
-        if (strcmp(unit, "1") == 0 || unit[0] == '\0')
+        if (strcmp(unit, "1") == 0 || unit[0] == '\0') {
             snprintf(text, PL_NUMBER_SIZE, "%s", number);
-        else
+        } else {
             snprintf(text, PL_NUMBER_SIZE, "%s %.40s", number, unit);
+        }
     }
 }
 
 void pl_format_given(double value, const char *unit, char text[PL_NUMBER_SIZE])
 {
     bool bare = strcmp(unit, "1") == 0 || unit[0] == '\0';
-    if (!isfinite(value))
+    if (!isfinite(value)) {
         snprintf(text, PL_NUMBER_SIZE, "%s", pl_no_number);
-    else
+    } else {
         snprintf(text, PL_NUMBER_SIZE, "%.6g%s%.40s", value, bare ? "" : " ", bare ? "" : unit);
+    }
 }
 
 void pl_format_ratio(double ratio, char text[PL_NUMBER_SIZE])
@@ -100,8 +103,9 @@ void pl_format_power(double value, char text[PL_NUMBER_SIZE])
 void pl_format_step(double dt, char text[PL_NUMBER_SIZE])
 {
     double whole = round(1 / dt);
-    if (whole > 1 && whole < 1e6 && fabs(whole * dt - 1) < 1e-12)
+    if (whole > 1 && whole < 1e6 && fabs(whole * dt - 1) < 1e-12) {
         snprintf(text, PL_NUMBER_SIZE, "1/%.0f s", whole);
-    else
+    } else {
         snprintf(text, PL_NUMBER_SIZE, "%.6g s", dt);
+    }
 }

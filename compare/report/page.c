@@ -1,7 +1,5 @@
 #include "page.h"
 
-#include "embedded.h"
-
 void pl_page_open(pl_text_buffer *out, const char *title, const char *style)
 {
     pl_text_add(out, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"

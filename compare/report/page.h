@@ -5,6 +5,11 @@
 
 #include "base/table.h"
 
+/* Files that compare/CMakeLists.txt builds into the program. */
+extern const char pl_method_html[]; /* page/method.html */
+extern const char pl_page_css[];    /* page/page.css */
+extern const char pl_sweep_css[];   /* page/sweep.css */
+
 typedef struct pl_page {
     pl_text_buffer *out;
     bool html; /* else Markdown */

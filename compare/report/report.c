@@ -49,10 +49,11 @@ static void add_value(const json_t *value, pl_text_buffer *out)
     case JSON_OBJECT:
     case JSON_ARRAY:
         text = json_dumps(value, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
-        if (text == NULL)
+        if (text == NULL) {
             out->failed = true;
-        else
+        } else {
             pl_text_add_csv(out, text);
+        }
         free(text);
         return;
     }
@@ -61,8 +62,9 @@ static void add_value(const json_t *value, pl_text_buffer *out)
 static const json_t *value_at(const json_t *result, const char *column)
 {
     const char *dot = strchr(column, '.');
-    if (dot == NULL)
+    if (dot == NULL) {
         return json_object_get(result, column);
+    }
     char object[32];
     snprintf(object, sizeof object, "%.*s", (int)(dot - column), column);
     return json_object_get(json_object_get(result, object), dot + 1);
@@ -72,13 +74,14 @@ static const json_t *value_at(const json_t *result, const char *column)
 static void add_line(const json_t *result, const char *name, const json_t *metric,
                      pl_text_buffer *out)
 {
-    for (int i = 0; i < RUN_COLUMNS; i++) {
+    for (int i = 0; i < RUN_COLUMNS; ++i) {
         add_value(value_at(result, run_columns[i]), out);
         pl_text_add(out, ",");
     }
-    if (name != NULL)
+    if (name != NULL) {
         pl_text_add_csv(out, name);
-    for (int i = 0; i < METRIC_COLUMNS; i++) {
+    }
+    for (int i = 0; i < METRIC_COLUMNS; ++i) {
         pl_text_add(out, ",");
         add_value(json_object_get(metric, metric_columns[i]), out);
     }
@@ -87,15 +90,17 @@ static void add_line(const json_t *result, const char *name, const json_t *metri
 
 static void add_header(pl_text_buffer *out)
 {
-    for (int i = 0; i < RUN_COLUMNS; i++) {
-        for (const char *c = run_columns[i]; *c != '\0'; c++)
+    for (int i = 0; i < RUN_COLUMNS; ++i) {
+        for (const char *c = run_columns[i]; *c != '\0'; ++c) {
             pl_text_format(out, "%c", *c == '.' ? '_' : *c);
+        }
         pl_text_add(out, ",");
     }
     pl_text_add(out, "metric");
-    for (int i = 0; i < METRIC_COLUMNS; i++) /* "reason" is the run's */
+    for (int i = 0; i < METRIC_COLUMNS; ++i) { /* "reason" is the run's */
         pl_text_format(out, ",%s%s", strcmp(metric_columns[i], "reason") == 0 ? "metric_" : "",
                        metric_columns[i]);
+    }
     pl_text_add(out, "\r\n");
 }
 
@@ -107,8 +112,9 @@ void pl_report_csv(json_t *results, pl_text_buffer *out)
     json_array_foreach(results, index, result)
     {
         json_t *metrics = json_object_get(result, "metrics");
-        if (json_object_size(metrics) == 0)
+        if (json_object_size(metrics) == 0) {
             add_line(result, NULL, NULL, out);
+        }
         const char *name;
         json_t *metric;
         json_object_foreach(metrics, name, metric)
@@ -132,10 +138,12 @@ static pl_status write_all(int descriptor, const char *data, size_t length)
 {
     while (length > 0) {
         ssize_t count = write(descriptor, data, length);
-        if (count < 0 && errno == EINTR)
+        if (count < 0 && errno == EINTR) {
             continue;
-        if (count < 0)
+        }
+        if (count < 0) {
             return PL_IO;
+        }
         data += count;
         length -= (size_t)count;
     }
@@ -146,43 +154,51 @@ static pl_status write_temporary(report_file *file, const char *directory, pl_er
 {
     int length = snprintf(file->temporary, sizeof file->temporary, "%s/.%s.%ld.tmp", directory,
                           file->name, (long)getpid());
-    if (length < 0 || (size_t)length >= sizeof file->temporary)
+    if (length < 0 || (size_t)length >= sizeof file->temporary) {
         return pl_fail(error, PL_IO, "%.200s: the path is too long", directory);
+    }
     snprintf(file->final, sizeof file->final, "%.*s/%s", (int)strlen(directory), directory,
              file->name);
     int descriptor =
         open(file->temporary, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (descriptor < 0)
+    if (descriptor < 0) {
         return pl_fail(error, PL_IO, "%.300s cannot be written: %s", file->final, strerror(errno));
+    }
     file->written = true;
     pl_status status = write_all(descriptor, file->text.data, file->text.length);
-    if (status == PL_OK && fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS)
+    if (status == PL_OK && fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS) {
         status = PL_IO;
+    }
     int cause = errno;
     if (close(descriptor) != 0 && status == PL_OK) {
         status = PL_IO;
         cause = errno;
     }
-    if (status != PL_OK)
+    if (status != PL_OK) {
         return pl_fail(error, status, "%.300s cannot be written: %s", file->final, strerror(cause));
+    }
     return PL_OK;
 }
 
 static pl_status write_files(report_file *files, int count, const char *directory, pl_error *error)
 {
     pl_status status = PL_OK;
-    for (int i = 0; i < count && status == PL_OK; i++)
+    for (int i = 0; i < count && status == PL_OK; ++i) {
         status = write_temporary(&files[i], directory, error);
-    for (int i = 0; i < count && status == PL_OK; i++) {
-        if (rename(files[i].temporary, files[i].final) != 0)
+    }
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        if (rename(files[i].temporary, files[i].final) != 0) {
             status = pl_fail(error, PL_IO, "%.300s cannot be replaced: %s", files[i].final,
                              strerror(errno));
-        else
+        } else {
             files[i].written = false;
+        }
     }
-    for (int i = 0; i < count; i++)
-        if (files[i].written)
+    for (int i = 0; i < count; ++i) {
+        if (files[i].written) {
             unlink(files[i].temporary);
+        }
+    }
     return status;
 }
 

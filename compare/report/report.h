@@ -32,4 +32,8 @@ void pl_report_csv(json_t *results, pl_text_buffer *out);
  * can control the terminal. */
 void pl_report_print_table(FILE *out, const json_t *results, bool colour, int width);
 
+/* Adds the catalogue as one HTML page: each scenario with its picture, right answer, source and
+ * parameters. PL_NO_MEMORY, or the error of a scenario that cannot be built. */
+pl_status pl_catalogue_page(pl_text_buffer *out, pl_error *error);
+
 #endif

@@ -1,7 +1,6 @@
 #include "report_page.h"
 
 #include "case_page.h"
-#include "embedded.h"
 #include "number_format.h"
 #include "page.h"
 #include "results/result.h"

@@ -16,18 +16,23 @@ const char *pl_result_text(const json_t *result, const char *object, const char 
 static pl_status check_result(const json_t *result, size_t index, pl_error *error)
 {
     static const char *const texts[] = {"scenario", "engine", "label", "outcome"};
-    if (!json_is_object(result))
+    if (!json_is_object(result)) {
         return pl_fail(error, PL_BAD_INPUT, "results[%zu]: expected an object", index);
-    if (strcmp(pl_json_get_text(result, "schema"), "plumb.result/1") != 0)
+    }
+    if (strcmp(pl_json_get_text(result, "schema"), "plumb.result/1") != 0) {
         return pl_fail(error, PL_BAD_INPUT,
                        "results[%zu].schema: expected \"plumb.result/1\", found \"%.40s\"", index,
                        pl_json_get_text(result, "schema"));
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
-        if (!json_is_string(json_object_get(result, texts[i])))
+    }
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
+        if (!json_is_string(json_object_get(result, texts[i]))) {
             return pl_fail(error, PL_BAD_INPUT, "results[%zu].%s: expected a string", index,
                            texts[i]);
-    if (!json_is_object(json_object_get(result, "metrics")))
+        }
+    }
+    if (!json_is_object(json_object_get(result, "metrics"))) {
         return pl_fail(error, PL_BAD_INPUT, "results[%zu].metrics: expected an object", index);
+    }
     return PL_OK;
 }
 
@@ -45,32 +50,37 @@ static pl_column column_of(const json_t *result)
 static int compare_columns(const void *left, const void *right)
 {
     const pl_column *a = left, *b = right;
-    if (a->ours != b->ours)
+    if (a->ours != b->ours) {
         return a->ours ? -1 : 1;
+    }
     int order = strcmp(a->label, b->label);
-    if (order == 0)
+    if (order == 0) {
         order = strcmp(a->version, b->version);
+    }
     return order != 0 ? order : strcmp(a->git, b->git);
 }
 
 static int find_column(const pl_result_matrix *matrix, const json_t *result)
 {
     pl_column wanted = column_of(result);
-    for (int i = 0; i < matrix->column_count; i++)
-        if (compare_columns(&matrix->columns[i], &wanted) == 0)
+    for (int i = 0; i < matrix->column_count; ++i) {
+        if (compare_columns(&matrix->columns[i], &wanted) == 0) {
             return i;
+        }
+    }
     return -1;
 }
 
 static void name_columns(pl_result_matrix *matrix)
 {
-    for (int i = 0; i < matrix->column_count; i++) {
+    for (int i = 0; i < matrix->column_count; ++i) {
         pl_column *column = &matrix->columns[i];
         bool other_version = false, other_git = false;
-        for (int k = 0; k < matrix->column_count; k++) {
+        for (int k = 0; k < matrix->column_count; ++k) {
             const pl_column *other = &matrix->columns[k];
-            if (k == i || strcmp(other->label, column->label) != 0)
+            if (k == i || strcmp(other->label, column->label) != 0) {
                 continue;
+            }
             other_version |= strcmp(other->version, column->version) != 0;
             other_git |= strcmp(other->git, column->git) != 0;
         }
@@ -104,9 +114,11 @@ static bool is_same_case(const pl_case *a, const pl_case *b)
 static int find_case(const pl_result_matrix *matrix, const json_t *result)
 {
     pl_case wanted = case_of(result);
-    for (int i = 0; i < matrix->case_count; i++)
-        if (is_same_case(&matrix->cases[i], &wanted))
+    for (int i = 0; i < matrix->case_count; ++i) {
+        if (is_same_case(&matrix->cases[i], &wanted)) {
             return i;
+        }
+    }
     return -1;
 }
 
@@ -115,8 +127,9 @@ static int catalogue_index(const pl_scenario *scenario)
     int count = 0;
     const pl_scenario *const *all = pl_scenarios(&count);
     int i = 0;
-    while (i < count && all[i] != scenario)
-        i++;
+    while (i < count && all[i] != scenario) {
+        ++i;
+    }
     return i;
 }
 
@@ -129,15 +142,17 @@ static int compare_cases(const void *left, const void *right)
 {
     const pl_case *a = left, *b = right;
     int order = catalogue_index(a->catalogue) - catalogue_index(b->catalogue);
-    if (order == 0)
+    if (order == 0) {
         order = strcmp(a->scenario, b->scenario);
-    for (int i = 0; order == 0 && a->catalogue != NULL && i < a->catalogue->param_count; i++) {
+    }
+    for (int i = 0; order == 0 && a->catalogue != NULL && i < a->catalogue->param_count; ++i) {
         double x = param_value(a, a->catalogue->params[i].name);
         double y = param_value(b, a->catalogue->params[i].name);
         order = (x > y) - (x < y);
     }
-    if (order == 0)
+    if (order == 0) {
         order = (a->seed > b->seed) - (a->seed < b->seed);
+    }
     return order != 0 ? order : strcmp(a->scene_hash, b->scene_hash);
 }
 
@@ -151,11 +166,12 @@ static void name_case(pl_case *test_case)
 {
     char part[128];
     snprintf(test_case->name, sizeof test_case->name, "%.120s", test_case->scenario);
-    for (int i = 0; test_case->catalogue != NULL && i < test_case->catalogue->param_count; i++) {
+    for (int i = 0; test_case->catalogue != NULL && i < test_case->catalogue->param_count; ++i) {
         const pl_param *param = &test_case->catalogue->params[i];
         const json_t *value = json_object_get(test_case->params, param->name);
-        if (!json_is_number(value) || json_number_value(value) == param->value)
+        if (!json_is_number(value) || json_number_value(value) == param->value) {
             continue;
+        }
         char number[PL_NUMBER_SIZE];
         pl_format_given(json_number_value(value), param->unit, number);
         snprintf(part, sizeof part, " %s=%.60s", param->name, number);
@@ -170,16 +186,19 @@ static void name_case(pl_case *test_case)
 /* Cases that have the same name get the hash of their scene. */
 static void name_cases(pl_result_matrix *matrix)
 {
-    for (int i = 0; i < matrix->case_count; i++)
+    for (int i = 0; i < matrix->case_count; ++i) {
         name_case(&matrix->cases[i]);
-    for (int i = 0; i < matrix->case_count; i++) {
+    }
+    for (int i = 0; i < matrix->case_count; ++i) {
         int first = i, last = i;
-        while (first > 0 && strcmp(matrix->cases[first - 1].name, matrix->cases[i].name) == 0)
+        while (first > 0 && strcmp(matrix->cases[first - 1].name, matrix->cases[i].name) == 0) {
             first--;
+        }
         while (last + 1 < matrix->case_count &&
-               strcmp(matrix->cases[last + 1].name, matrix->cases[i].name) == 0)
-            last++;
-        for (int k = first; k <= last && first < last; k++) {
+               strcmp(matrix->cases[last + 1].name, matrix->cases[i].name) == 0) {
+            ++last;
+        }
+        for (int k = first; k <= last && first < last; ++k) {
             char part[32];
             snprintf(part, sizeof part, " #%.16s", matrix->cases[k].scene_hash);
             append(matrix->cases[k].name, sizeof matrix->cases[k].name, part);
@@ -196,12 +215,13 @@ static void fill_cell(pl_cell *cell, const json_t *const *runs, int count, const
     const json_t *shown = NULL;
     const char *cpu = pl_result_text(runs[0], "host", "cpu");
     *cell = (pl_cell){.repeats = count};
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         const char *outcome = pl_json_get_text(runs[i], "outcome");
-        if (strcmp(outcome, "ok") == 0)
-            cell->ok_repeats++;
-        else if (shown == NULL)
+        if (strcmp(outcome, "ok") == 0) {
+            ++cell->ok_repeats;
+        } else if (shown == NULL) {
             shown = runs[i];
+        }
         cell->outcomes_differ |= strcmp(outcome, pl_json_get_text(runs[0], "outcome")) != 0;
         cell->mixed_hosts |= strcmp(cpu, pl_result_text(runs[i], "host", "cpu")) != 0;
     }
@@ -209,10 +229,11 @@ static void fill_cell(pl_cell *cell, const json_t *const *runs, int count, const
     cell->ok = cell->ok_repeats == count;
     cell->outcome = pl_json_get_text(cell->result, "outcome");
     cell->reason = pl_json_get_text(cell->result, "reason");
-    for (int id = 0; id < PL_METRIC_COUNT; id++) {
-        for (int i = 0; i < count; i++)
+    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
+        for (int i = 0; i < count; ++i) {
             metrics[i] =
                 json_object_get(json_object_get(runs[i], "metrics"), pl_metric_table[id].name);
+        }
         cell->metrics[id] = pl_metric_summarise(metrics, count, id, scratch);
     }
 }
@@ -220,8 +241,9 @@ static void fill_cell(pl_cell *cell, const json_t *const *runs, int count, const
 bool pl_cell_disagrees(const pl_cell *cell)
 {
     bool disagrees = cell->outcomes_differ;
-    for (int id = 0; id < PL_METRIC_COUNT; id++)
+    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
         disagrees |= cell->metrics[id].disagrees;
+    }
     return disagrees;
 }
 
@@ -235,18 +257,22 @@ typedef struct placed_result {
 static int compare_places(const void *left, const void *right)
 {
     const placed_result *a = left, *b = right;
-    if (a->test_case != b->test_case)
+    if (a->test_case != b->test_case) {
         return a->test_case < b->test_case ? -1 : 1;
-    if (a->column != b->column)
+    }
+    if (a->column != b->column) {
         return a->column < b->column ? -1 : 1;
+    }
     json_int_t a_repeat = json_integer_value(json_object_get(a->result, "repeat"));
     json_int_t b_repeat = json_integer_value(json_object_get(b->result, "repeat"));
-    if (a_repeat != b_repeat)
+    if (a_repeat != b_repeat) {
         return a_repeat < b_repeat ? -1 : 1;
+    }
     int order =
         strcmp(pl_json_get_text(a->result, "started"), pl_json_get_text(b->result, "started"));
-    if (order != 0)
+    if (order != 0) {
         return order;
+    }
     return a->index < b->index ? -1 : 1;
 }
 
@@ -268,20 +294,24 @@ static pl_status fill_cells(pl_result_matrix *matrix, const placed_result *place
                            placed[next].column == placed[first].column;
              next++) {
             bool again = false;
-            for (int i = 0; i < repeats && !again; i++)
+            for (int i = 0; i < repeats && !again; ++i) {
                 again = json_equal(runs[i], placed[next].result);
-            if (!again)
+            }
+            if (!again) {
                 runs[repeats++] = placed[next].result;
+            }
         }
         pl_cell *cell = &matrix->cases[placed[first].test_case].cells[placed[first].column];
         fill_cell(cell, runs, repeats, metrics, scratch);
         matrix->run_count += repeats;
         matrix->disagrees |= pl_cell_disagrees(cell);
-        if (first == 0 || placed[first].test_case != placed[first - 1].test_case)
+        if (first == 0 || placed[first].test_case != placed[first - 1].test_case) {
             matrix->cases[placed[first].test_case].result = cell->result;
-        if (first > 0)
+        }
+        if (first > 0) {
             matrix->several_hosts |= strcmp(pl_result_text(cell->result, "host", "cpu"),
                                             pl_result_text(placed[0].result, "host", "cpu")) != 0;
+        }
         matrix->several_hosts |= cell->mixed_hosts;
     }
 
@@ -298,28 +328,34 @@ static pl_status lay_out(const json_t *results, pl_result_matrix *matrix, pl_err
     size_t count = json_array_size(results);
     matrix->cases = calloc(count + 1, sizeof *matrix->cases);
     matrix->columns = calloc(count + 1, sizeof *matrix->columns);
-    if (matrix->cases == NULL || matrix->columns == NULL)
+    if (matrix->cases == NULL || matrix->columns == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "no memory for %zu results", count);
-    for (size_t i = 0; i < count; i++) {
+    }
+    for (size_t i = 0; i < count; ++i) {
         const json_t *result = json_array_get(results, i);
         pl_status status = check_result(result, i, error);
-        if (status != PL_OK)
+        if (status != PL_OK) {
             return status;
-        if (find_column(matrix, result) < 0)
+        }
+        if (find_column(matrix, result) < 0) {
             matrix->columns[matrix->column_count++] = column_of(result);
-        if (find_case(matrix, result) < 0)
+        }
+        if (find_case(matrix, result) < 0) {
             matrix->cases[matrix->case_count++] = case_of(result);
+        }
     }
     qsort(matrix->columns, (size_t)matrix->column_count, sizeof *matrix->columns, compare_columns);
     qsort(matrix->cases, (size_t)matrix->case_count, sizeof *matrix->cases, compare_cases);
     name_columns(matrix);
     name_cases(matrix);
-    for (int i = 0; i < matrix->case_count; i++) {
+    for (int i = 0; i < matrix->case_count; ++i) {
         matrix->cases[i].cells = calloc((size_t)matrix->column_count, sizeof(pl_cell));
-        if (matrix->cases[i].cells == NULL)
+        if (matrix->cases[i].cells == NULL) {
             return pl_fail(error, PL_NO_MEMORY, "no memory for %zu results", count);
-        for (int k = 0; k < matrix->column_count; k++)
+        }
+        for (int k = 0; k < matrix->column_count; ++k) {
             matrix->cases[i].cells[k] = (pl_cell){.outcome = "", .reason = ""};
+        }
     }
     return PL_OK;
 }
@@ -327,16 +363,19 @@ static pl_status lay_out(const json_t *results, pl_result_matrix *matrix, pl_err
 pl_status pl_result_matrix_build(const json_t *results, pl_result_matrix *matrix, pl_error *error)
 {
     *matrix = (pl_result_matrix){.results = results};
-    if (!json_is_array(results))
+    if (!json_is_array(results)) {
         return pl_fail(error, PL_BAD_INPUT, "results: expected an array");
+    }
     pl_status status = lay_out(results, matrix, error);
-    if (status != PL_OK)
+    if (status != PL_OK) {
         return status;
+    }
     size_t count = json_array_size(results);
     placed_result *placed = calloc(count + 1, sizeof *placed);
-    if (placed == NULL)
+    if (placed == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "no memory for %zu results", count);
-    for (size_t i = 0; i < count; i++) {
+    }
+    for (size_t i = 0; i < count; ++i) {
         const json_t *result = json_array_get(results, i);
         placed[i] = (placed_result){.result = result,
                                     .test_case = find_case(matrix, result),
@@ -351,8 +390,9 @@ pl_status pl_result_matrix_build(const json_t *results, pl_result_matrix *matrix
 
 void pl_result_matrix_free(pl_result_matrix *matrix)
 {
-    for (int i = 0; matrix->cases != NULL && i < matrix->case_count; i++)
+    for (int i = 0; matrix->cases != NULL && i < matrix->case_count; ++i) {
         free(matrix->cases[i].cells);
+    }
     free(matrix->cases);
     free(matrix->columns);
     *matrix = (pl_result_matrix){0};
@@ -388,11 +428,12 @@ bool pl_case_is_entry(const pl_case *test_case, const pl_suite_entry *entry)
 double pl_case_least(const pl_case *test_case, int column_count, int metric)
 {
     double least = INFINITY;
-    for (int i = 0; i < column_count; i++) {
+    for (int i = 0; i < column_count; ++i) {
         const pl_cell *cell = &test_case->cells[i];
         const pl_metric_summary *summary = &cell->metrics[metric];
-        if (cell->result != NULL && cell->ok && summary->state == PL_METRIC_VALUE)
+        if (cell->result != NULL && cell->ok && summary->state == PL_METRIC_VALUE) {
             least = fmin(least, summary->value);
+        }
     }
     return least;
 }
@@ -427,26 +468,31 @@ void pl_result_matrix_engines(const pl_result_matrix *matrix, bool ours, pl_text
 void pl_result_matrix_settings(const pl_result_matrix *matrix, int column, pl_text_buffer *out)
 {
     int b = 0;
-    while (b < matrix->case_count && matrix->cases[b].cells[column].result == NULL)
-        b++;
-    if (b == matrix->case_count)
+    while (b < matrix->case_count && matrix->cases[b].cells[column].result == NULL) {
+        ++b;
+    }
+    if (b == matrix->case_count) {
         return;
+    }
     json_t *settings = json_object_get(matrix->cases[b].cells[column].result, "settings");
     const char *name, *separator = "";
     json_t *value;
     json_object_foreach(settings, name, value)
     {
-        if (strcmp(name, "dt") == 0 || strcmp(name, "duration") == 0)
+        if (strcmp(name, "dt") == 0 || strcmp(name, "duration") == 0) {
             continue;
+        }
         pl_text_format(out, "%s%s = ", separator, name);
-        if (json_is_integer(value))
+        if (json_is_integer(value)) {
             pl_text_format(out, "%" JSON_INTEGER_FORMAT, json_integer_value(value));
-        else if (json_is_real(value))
+        } else if (json_is_real(value)) {
             pl_text_format(out, "%.6g", json_real_value(value));
-        else
+        } else {
             pl_text_add(out, json_is_string(value) ? json_string_value(value) : pl_no_number);
+        }
         separator = ", ";
     }
-    if (separator[0] == '\0')
+    if (separator[0] == '\0') {
         pl_text_add(out, "none are recorded");
+    }
 }

@@ -1,23 +1,22 @@
-/* Draws a scene: the ground, what is expected, and of each body the faces that look at the eye. */
-#include "svg.h"
+/* Draws a scene: the ground, the expected poses, and of each body the faces that look at the eye.
+ */
+#include "picture.h"
 
-#include "facets.h"
-#include "hidden_surface.h"
+#include "base/array.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 enum { SHADES = 6 };
 
-/* Details of hulls and meshes below this are not drawn, so that a page of many stays small. px. */
-static const double RESOLUTION = 5;
+/* Smaller details of hulls and meshes are not drawn, so that a page with many stays small. px. */
+static const double resolution = 5;
 
 /* "M x y l dx dy ... z", counted in tenths of a pixel so that rounding never accumulates. */
 static void add_polygon(const pl_pixel *corner, int count, pl_text_buffer *text)
 {
     long x = 0, y = 0;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         long next_x = lround(corner[i].x * 10), next_y = lround(corner[i].y * 10);
         pl_text_format(text, "%c%.9g%s%.9g", i == 0 ? 'M' : 'l', (double)(next_x - x) / 10,
                        next_y < y ? "" : " ", (double)(next_y - y) / 10);
@@ -30,8 +29,9 @@ static void add_polygon(const pl_pixel *corner, int count, pl_text_buffer *text)
 static int compare_pixels(const void *left, const void *right)
 {
     const pl_pixel *a = left, *b = right;
-    if (a->x != b->x)
+    if (a->x != b->x) {
         return a->x < b->x ? -1 : 1;
+    }
     return (a->y > b->y) - (a->y < b->y);
 }
 
@@ -41,12 +41,13 @@ static int hull(pl_pixel *points, int n, pl_pixel *out)
 {
     int count = 0;
     qsort(points, (size_t)n, sizeof points[0], compare_pixels);
-    for (int pass = 0; pass < 2; pass++) {
+    for (int pass = 0; pass < 2; ++pass) {
         int start = count;
-        for (int i = 0; i < n; i++) {
+        for (int i = 0; i < n; ++i) {
             pl_pixel p = points[pass == 0 ? i : n - 1 - i];
-            while (count - start >= 2 && pl_pixel_turn(out[count - 2], out[count - 1], p) <= 1e-9)
+            while (count - start >= 2 && pl_pixel_turn(out[count - 2], out[count - 1], p) <= 1e-9) {
                 count--;
+            }
             out[count++] = p;
         }
         count--; /* it is the first of the other chain */
@@ -59,25 +60,25 @@ static pl_vec placed(const pl_pose *pose, const pl_axes *axes, pl_vec local)
     return pl_vec_add(pl_vec_of(pose->position), pl_to_world(axes, local));
 }
 
-/* The convex outline of all facets. */
+/* Adds the convex outline of all facets. */
 static void add_hull_outline(const pl_shape *shape, const pl_pose *pose, const pl_view *view,
                              pl_text_buffer *text)
 {
-    pl_facets facets;
     const pl_axes axes = pl_axes_of(pose->orientation);
-    bool complete = pl_facets_of(shape, RESOLUTION / view->scale, &facets);
-    int count = 4 * facets.count;
+    pl_facets facets = pl_facets_of(shape, resolution / view->scale);
+    const int count = 4 * facets.count;
     pl_pixel *points = calloc(3 * (size_t)count + 1, sizeof *points);
-    if (!complete || points == NULL) {
+    if (facets.failed || points == NULL) {
         text->failed = true;
     } else if (count > 0) {
-        for (int i = 0; i < count; i++)
+        for (int i = 0; i < count; ++i) {
             points[i] =
                 pl_view_project(view, placed(pose, &axes, facets.items[i / 4].corner[i % 4]));
+        }
         add_polygon(points + count, hull(points, count, points + count), text);
     }
     free(points);
-    pl_facets_free(&facets);
+    free(facets.items);
 }
 
 static void add_outline(const pl_shape *shape, const pl_pose *pose, const pl_view *view,
@@ -107,7 +108,7 @@ void pl_svg_expected(const pl_scene *scene, const pl_view *view, const char *id,
     pl_text_format(text, "<svg class=\"defs\" width=\"0\" height=\"0\"><defs><g id=\"%s\">", id);
     if (scene->travel_count > 0) {
         pl_text_add(text, "<path class=\"start\" d=\"");
-        for (int i = 0; i < scene->travel_count; i++) {
+        for (int i = 0; i < scene->travel_count; ++i) {
             const pl_body *body = &scene->bodies[scene->travels[i].body];
             pl_pose pose = pl_pose_of(body);
             add_outline(&body->shape, &pose, view, text);
@@ -116,8 +117,9 @@ void pl_svg_expected(const pl_scene *scene, const pl_view *view, const char *id,
     }
     if (count > 0) {
         pl_text_add(text, "<path class=\"expected\" d=\"");
-        for (int i = 0; i < count; i++)
+        for (int i = 0; i < count; ++i) {
             add_outline(&scene->bodies[bodies[i]].shape, &poses[i], view, text);
+        }
         pl_text_add(text, "\"/>");
     }
     pl_text_add(text, "</g></defs></svg>\n");
@@ -127,7 +129,7 @@ cleanup:
     free(bodies);
 }
 
-/* --- Ground --- */
+/* ---- Ground ---- */
 
 /* A floor reaches from a level line behind all bodies of the picture to beyond its lower edge; seen
  * edge-on it is the half-space below its line. Any other plane is a square around the start. */
@@ -136,8 +138,9 @@ static void add_plane(const pl_shape *plane, const pl_view *view, pl_text_buffer
     pl_vec n = pl_vec_of(plane->normal), centre = view->centre;
     centre = pl_vec_mad(centre, plane->offset - pl_vec_dot(n, centre), n);
     pl_vec u = pl_vec_reject(view->right, n);
-    if (pl_vec_length(u) < 1e-6)
+    if (pl_vec_length(u) < 1e-6) {
         return;
+    }
     u = pl_vec_scale(u, 1 / pl_vec_length(u));
     pl_vec v = pl_vec_cross(n, u);
     const double beyond = 4 * (view->width + view->height) / view->scale;
@@ -155,22 +158,16 @@ static void add_plane(const pl_shape *plane, const pl_view *view, pl_text_buffer
     const double corner[4][2] = {
         {-across, back}, {across, back}, {across, front}, {-across, front}};
     pl_pixel pixels[4];
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; ++i) {
         pixels[i] =
             pl_view_project(view, pl_vec_mad(pl_vec_mad(centre, corner[i][0], u), corner[i][1], v));
+    }
     pl_text_add(text, "<path class=\"ground\" d=\"");
     add_polygon(pixels, 4, text);
     pl_text_add(text, "\"/>");
 }
 
-/* --- Bodies --- */
-
-/* A picture in the making. */
-typedef struct picture {
-    const pl_view *view;
-    pl_painting painting;
-    size_t capacity; /* faces */
-} picture;
+/* ---- Bodies ---- */
 
 /* 0 (dark) .. SHADES - 1 by the angle between a normal and light from the upper left, behind the
  * eye. */
@@ -182,65 +179,53 @@ static int shade_of(const pl_view *view, pl_vec normal)
     return shade < SHADES ? shade : SHADES - 1;
 }
 
-/* Room for `more` faces. */
-static bool reserve(picture *p, size_t more)
+/* Appends a face; false when out of memory. */
+static bool push(pl_painting *painting, const pl_face *face)
 {
-    if (p->painting.count + more > p->capacity) {
-        size_t capacity = 2 * (p->painting.count + more);
-        pl_face *faces = realloc(p->painting.faces, capacity * sizeof *faces);
-        if (faces == NULL)
-            return false;
-        p->painting.faces = faces;
-        p->capacity = capacity;
-    }
-    return true;
+    return pl_array_push(&painting->faces, &painting->count, face, sizeof *face, NULL) == PL_OK;
 }
 
-static bool add_sphere(picture *p, const pl_shape *shape, const pl_pose *pose, char kind)
+static bool add_sphere(pl_painting *painting, const pl_view *view, const pl_shape *shape,
+                       const pl_pose *pose, char kind)
 {
-    pl_vec centre = pl_vec_of(pose->position);
-    pl_face face = {.kind = kind, .shade = SHADES - 2, .radius = shape->radius * p->view->scale};
-    if (!reserve(p, 1))
-        return false;
-    face.corner[0] = pl_view_project(p->view, centre);
-    face.depth[0] = p->view->scale * pl_vec_dot(centre, p->view->toward);
-    p->painting.faces[p->painting.count++] = face;
-    return true;
+    const pl_vec centre = pl_vec_of(pose->position);
+    const pl_face face = {.corner = {pl_view_project(view, centre)},
+                          .depth = {view->scale * pl_vec_dot(centre, view->toward)},
+                          .kind = kind,
+                          .shade = SHADES - 2,
+                          .radius = shape->radius * view->scale};
+    return push(painting, &face);
 }
 
-/* Appends a facet if it looks at the eye. */
-static void add_facet(picture *p, const pl_facet *facet, const pl_pose *pose, const pl_axes *axes,
-                      pl_face face)
+/* Appends the faces of a body that look at the eye; false when out of memory. */
+static bool add_faces(pl_painting *painting, const pl_view *view, const pl_shape *shape,
+                      const pl_pose *pose, char kind)
 {
-    pl_vec corner[4];
-    for (int i = 0; i < 4; i++) {
-        corner[i] = placed(pose, axes, facet->corner[i]);
-        face.corner[i] = pl_view_project(p->view, corner[i]);
-        face.depth[i] = p->view->scale * pl_vec_dot(corner[i], p->view->toward);
-    }
-    pl_vec normal =
-        pl_vec_cross(pl_vec_sub(corner[1], corner[0]), pl_vec_sub(corner[2], corner[0]));
-    double length = pl_vec_length(normal);
-    if (!(pl_vec_dot(normal, p->view->toward) > 1e-6 * length))
-        return;
-    face.triangle = facet->triangle;
-    face.shade = shade_of(p->view, pl_vec_scale(normal, 1 / length));
-    p->painting.faces[p->painting.count++] = face;
-}
-
-/* Appends the faces that look at the eye. */
-static bool add_faces(picture *p, const pl_shape *shape, const pl_pose *pose, char kind)
-{
-    pl_facets facets;
     const pl_axes axes = pl_axes_of(pose->orientation);
-    if (shape->kind == PL_SHAPE_SPHERE)
-        return add_sphere(p, shape, pose, kind);
-    bool complete = pl_facets_of(shape, RESOLUTION / p->view->scale, &facets) &&
-                    reserve(p, (size_t)facets.count);
-    pl_face face = {.kind = kind, .fine = shape->kind != PL_SHAPE_BOX};
-    for (int i = 0; complete && i < facets.count; i++)
-        add_facet(p, &facets.items[i], pose, &axes, face);
-    pl_facets_free(&facets);
+    if (shape->kind == PL_SHAPE_SPHERE) {
+        return add_sphere(painting, view, shape, pose, kind);
+    }
+    pl_facets facets = pl_facets_of(shape, resolution / view->scale);
+    bool complete = !facets.failed;
+    for (int i = 0; complete && i < facets.count; ++i) {
+        const pl_facet *facet = &facets.items[i];
+        pl_face face = {
+            .kind = kind, .fine = shape->kind != PL_SHAPE_BOX, .triangle = facet->triangle};
+        pl_vec corner[4];
+        for (int k = 0; k < 4; ++k) {
+            corner[k] = placed(pose, &axes, facet->corner[k]);
+            face.corner[k] = pl_view_project(view, corner[k]);
+            face.depth[k] = view->scale * pl_vec_dot(corner[k], view->toward);
+        }
+        pl_vec normal =
+            pl_vec_cross(pl_vec_sub(corner[1], corner[0]), pl_vec_sub(corner[2], corner[0]));
+        double length = pl_vec_length(normal);
+        if (pl_vec_dot(normal, view->toward) > 1e-6 * length) {
+            face.shade = shade_of(view, pl_vec_scale(normal, 1 / length));
+            complete = push(painting, &face);
+        }
+    }
+    free(facets.items);
     return complete;
 }
 
@@ -263,18 +248,20 @@ static void add_face(const pl_face *item, pl_text_buffer *text)
 static bool is_finite(const pl_pose *pose)
 {
     bool finite = true;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; ++i) {
         finite &= isfinite(pose->position[i]) && fabs(pose->position[i]) < 1e9;
+    }
     double norm = 0;
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; ++i) {
         norm += pose->orientation[i] * pose->orientation[i];
+    }
     return finite && norm > 0.5 && norm < 2;
 }
 
 /* Marks in fallen[body_count] the bodies farther from their rest than the collapse distance. */
 static void mark_fallen(const pl_scene *scene, const pl_pose *poses, bool *fallen)
 {
-    for (int i = 0; i < scene->rest_count; i++) {
+    for (int i = 0; i < scene->rest_count; ++i) {
         const pl_expect_rest *rest = &scene->rests[i];
         pl_vec from =
             pl_vec_mad(pl_vec_of(poses[rest->body].position), -1, pl_vec_of(rest->position));
@@ -284,22 +271,27 @@ static void mark_fallen(const pl_scene *scene, const pl_pose *poses, bool *falle
 
 /* Fills the painting. Returns how many moving bodies are wholly outside, or -1 when out of memory.
  */
-static int collect(const pl_scene *scene, const pl_pose *poses, const bool *fallen, picture *p)
+static int collect(const pl_scene *scene, const pl_view *view, const pl_pose *poses,
+                   const bool *fallen, pl_painting *painting)
 {
     int outside = 0;
-    for (int i = 0; i < scene->body_count; i++) {
+    for (int i = 0; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
-        if (body->shape.kind == PL_SHAPE_PLANE)
+        if (body->shape.kind == PL_SHAPE_PLANE) {
             continue;
-        size_t before = p->painting.count;
+        }
+        const int before = painting->count;
         char kind = (char)(body->is_static ? 's' : fallen[i] ? 'f' : 'd');
-        if (is_finite(&poses[i]) && !add_faces(p, &body->shape, &poses[i], kind))
+        if (is_finite(&poses[i]) && !add_faces(painting, view, &body->shape, &poses[i], kind)) {
             return -1;
+        }
         bool inside = false;
-        for (size_t f = before; f < p->painting.count; f++)
-            inside |= pl_face_inside(&p->painting.faces[f], p->view->width, p->view->height);
-        if (!inside)
-            p->painting.count = before;
+        for (int f = before; f < painting->count; ++f) {
+            inside |= pl_face_inside(&painting->faces[f], view->width, view->height);
+        }
+        if (!inside) {
+            painting->count = before;
+        }
         outside += !inside && !body->is_static;
     }
     return outside;
@@ -308,36 +300,34 @@ static int collect(const pl_scene *scene, const pl_pose *poses, const bool *fall
 int pl_svg_picture(const pl_scene *scene, const pl_view *view, const pl_pose *poses,
                    const char *expected_id, const char *title, pl_text_buffer *text)
 {
-    int outside = 0;
-    picture p = {.view = view};
-    pl_painting *painting = &p.painting;
+    int outside = -1;
+    pl_painting painting = {0};
     bool *fallen = calloc((size_t)scene->body_count + 1, sizeof *fallen);
-    if (fallen == NULL) {
-        text->failed = true;
-        goto cleanup;
+    if (fallen != NULL) {
+        mark_fallen(scene, poses, fallen);
+        outside = collect(scene, view, poses, fallen, &painting);
     }
-    mark_fallen(scene, poses, fallen);
-    outside = collect(scene, poses, fallen, &p);
-    if (outside < 0 || !pl_painting_arrange(painting, view->width, view->height)) {
+    if (outside < 0 || !pl_painting_arrange(&painting, view->width, view->height)) {
         text->failed = true;
         goto cleanup;
     }
     pl_text_format(text,
                    "<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" role=\"img\">",
                    view->width, view->height, view->width, view->height);
-    pl_text_add(text, "<title>");
-    pl_text_add_html(text, title);
-    pl_text_add(text, "</title>");
-    for (int i = 0; i < scene->body_count; i++)
-        if (scene->bodies[i].shape.kind == PL_SHAPE_PLANE)
+    pl_text_add_element(text, "<title>", title, "</title>");
+    for (int i = 0; i < scene->body_count; ++i) {
+        if (scene->bodies[i].shape.kind == PL_SHAPE_PLANE) {
             add_plane(&scene->bodies[i].shape, view, text);
+        }
+    }
     pl_text_format(text, "<use href=\"#%s\"/>", expected_id);
-    for (size_t i = 0; i < painting->count; i++)
-        add_face(&painting->faces[i], text);
+    for (int i = 0; i < painting.count; ++i) {
+        add_face(&painting.faces[i], text);
+    }
     pl_text_add(text, "</svg>");
 
 cleanup:
-    free(painting->faces);
+    free(painting.faces);
     free(fallen);
     return outside < 0 ? 0 : outside;
 }

@@ -1,8 +1,7 @@
 /* Plots of a sweep as inline SVG: error over cost, and performance profiles. */
-#include "sweep_plot.h"
+#include "sweep_tables.h"
 
 #include "number_format.h"
-#include "sweep_tables.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -52,16 +51,18 @@ static void add_decades_of_x(const axes *field, pl_text_buffer *out)
 {
     int first = (int)lround(log10(field->x_low)), last = (int)lround(log10(field->x_high));
     int every = (last - first) / 12 + 1;
-    for (int i = first; i <= last; i++) {
+    for (int i = first; i <= last; ++i) {
         char text[PL_NUMBER_SIZE];
         double x = x_of(field, pow(10, i));
         add_line(x, field->top, x, field->bottom, out);
-        if (i >= 0 && i < 4)
+        if (i >= 0 && i < 4) {
             snprintf(text, sizeof text, "%.0f", pow(10, i));
-        else
+        } else {
             pl_format_power(pow(10, i), text);
-        if ((i - first) % every == 0)
+        }
+        if ((i - first) % every == 0) {
             add_label(x, field->bottom + 17, "middle", text, out);
+        }
     }
 }
 
@@ -70,16 +71,18 @@ static void add_steps_of_y(const axes *field, pl_text_buffer *out)
     int first = field->log_y ? (int)lround(log10(field->y_low)) : 0;
     int last = field->log_y ? (int)lround(log10(field->y_high)) : 4;
     int every = (last - first) / 15 + 1;
-    for (int i = first; i <= last; i++) {
+    for (int i = first; i <= last; ++i) {
         char text[PL_NUMBER_SIZE];
         double value = field->log_y ? pow(10, i) : 0.25 * i, y = y_of(field, value);
         add_line(field->left, y, field->right, y, out);
-        if (field->log_y)
+        if (field->log_y) {
             pl_format_power(value, text);
-        else
+        } else {
             snprintf(text, sizeof text, "%.0f %%", 100 * value);
-        if ((i - first) % every == 0)
+        }
+        if ((i - first) % every == 0) {
             add_label(field->left - 6, y + 4, "end", text, out);
+        }
     }
 }
 
@@ -117,9 +120,10 @@ static void add_marker(const char *classes, int colour, double x, double y, doub
         {{0, -1.2}, {1.2, 0}, {0, 1.2}, {-1.2, 0}},
         {{0, 1.1}, {1, -0.8}, {-1, -0.8}, {-1, -0.8}},
         {{-0.5, -1.1}, {0.5, -1.1}, {0.5, 1.1}, {-0.5, 1.1}}};
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; ++i) {
         pl_text_format(out, "%s%.1f %.1f", i == 0 ? "" : "L", x + r * shapes[colour][i][0],
                        y + r * shapes[colour][i][1]);
+    }
     pl_text_add(out, "z\"></path>");
 }
 
@@ -144,12 +148,13 @@ static int colour_of(const pl_sweep_analysis *analysis, int engine)
 {
     const pl_sweep_engine *engines = analysis->engines;
     int ours = 0, all = 0;
-    for (int i = 0; i < engine; i++) {
+    for (int i = 0; i < engine; ++i) {
         ours += engines[i].whole == engines[engine].whole && engines[i].ours;
         all += engines[i].whole == engines[engine].whole;
     }
-    if (ours == 0 && engines[engine].ours)
+    if (ours == 0 && engines[engine].ours) {
         return 0;
+    }
     return 1 + (all - (ours > 0)) % (COLOURS - 1);
 }
 
@@ -169,22 +174,27 @@ static bool lay_out(const pl_sweep_analysis *analysis, const pl_sweep_scene *sce
                     .x_low = (double)INFINITY,
                     .y_low = (double)INFINITY,
                     .log_y = true};
-    for (int i = scene->first; i < scene->first + scene->count; i++) {
+    for (int i = scene->first; i < scene->first + scene->count; ++i) {
         const pl_sweep_point *point = &analysis->points[i];
-        if (point->state != PL_SWEEP_OK)
+        if (point->state != PL_SWEEP_OK) {
             continue;
-        ok++;
+        }
+        ++ok;
         widen(point->cost, &field->x_low, &field->x_high);
         widen(point->error, &field->y_low, &field->y_high);
     }
-    for (int e = 0; e < analysis->engine_count; e++)
+    for (int e = 0; e < analysis->engine_count; ++e) {
         strips += analysis->engines[e].whole && scene->curves[e].failed > 0;
-    if (ok == 0)
+    }
+    if (ok == 0) {
         return false;
-    if (field->x_high <= field->x_low)
+    }
+    if (field->x_high <= field->x_low) {
         field->x_high = 10 * field->x_low;
-    if (field->y_high <= field->y_low)
+    }
+    if (field->y_high <= field->y_low) {
         field->y_high = 10 * field->y_low;
+    }
     field->top = 16 + 16 * strips;
     field->bottom = field->top + 400;
     return true;
@@ -214,26 +224,31 @@ static void add_curve(const pl_sweep_analysis *analysis, const pl_sweep_scene *s
     const double r = colour == 0 ? 5 : 4;
     char classes[16];
     snprintf(classes, sizeof classes, "m%d off", colour);
-    for (int i = scene->first, next = 0; i < scene->first + scene->count; i++) {
+    for (int i = scene->first, next = 0; i < scene->first + scene->count; ++i) {
         const pl_sweep_point *point = &analysis->points[i];
         bool on_front = false;
-        for (next = 0; next < curve->front_count && !on_front; next++)
+        for (next = 0; next < curve->front_count && !on_front; ++next) {
             on_front = curve->front[next] == i;
-        if (point->state == PL_SWEEP_OK && pl_sweep_point_is_of(point, engine) && !on_front)
+        }
+        if (point->state == PL_SWEEP_OK && pl_sweep_point_is_of(point, engine) && !on_front) {
             add_point(scene, point, field, classes, colour, 0.6 * r, out);
+        }
     }
-    if (curve->front_count > 1)
+    if (curve->front_count > 1) {
         pl_text_format(out, "\n<path class=\"e%d\" d=\"", colour);
-    for (int i = 0; i < curve->front_count && curve->front_count > 1; i++) {
+    }
+    for (int i = 0; i < curve->front_count && curve->front_count > 1; ++i) {
         const pl_sweep_point *point = &analysis->points[curve->front[i]];
         pl_text_format(out, "%c%.1f %.1f", i == 0 ? 'M' : 'L', x_of(field, point->cost),
                        y_of(field, point->error));
     }
-    if (curve->front_count > 1)
+    if (curve->front_count > 1) {
         pl_text_add(out, "\"/>\n");
+    }
     snprintf(classes, sizeof classes, "m%d", colour);
-    for (int i = 0; i < curve->front_count; i++)
+    for (int i = 0; i < curve->front_count; ++i) {
         add_point(scene, &analysis->points[curve->front[i]], field, classes, colour, r, out);
+    }
 }
 
 /* Failed points have no numbers, so they are drawn above the field, a row for each engine, as many
@@ -244,12 +259,14 @@ static void add_crosses(const pl_sweep_analysis *analysis, const pl_sweep_scene 
     const int failed = scene->curves[engine].failed, colour = colour_of(analysis, engine);
     const int shown = failed < MOST_CROSSES ? failed : MOST_CROSSES;
     int met = 0, drawn = 0;
-    for (int i = scene->first; i < scene->first + scene->count; i++) {
+    for (int i = scene->first; i < scene->first + scene->count; ++i) {
         const pl_sweep_point *point = &analysis->points[i];
-        if (point->state != PL_SWEEP_FAILED || !pl_sweep_point_is_of(point, engine))
+        if (point->state != PL_SWEEP_FAILED || !pl_sweep_point_is_of(point, engine)) {
             continue;
-        if (met++ * shown < drawn * failed)
+        }
+        if (met++ * shown < drawn * failed) {
             continue;
+        }
         char step[PL_NUMBER_SIZE];
         double x = field->left + 8 + 15.5 * drawn++;
         pl_format_step(point->dt, step);
@@ -269,23 +286,28 @@ void pl_sweep_plot_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene
     char y_name[PL_SWEEP_TEXT_SIZE], title[2 * PL_SWEEP_TEXT_SIZE];
     int line = 0, strip = 0;
     bool bare = scene->unit[0] == '\0' || strcmp(scene->unit, "1") == 0;
-    if (!lay_out(analysis, scene, &field))
+    if (!lay_out(analysis, scene, &field)) {
         return;
+    }
     snprintf(y_name, sizeof y_name, "%.80s%s%.40s", scene->primary_error, bare ? "" : ", ",
              bare ? "" : scene->unit);
     snprintf(title, sizeof title, "%.250s: error over cost", scene->name);
     pl_text_add(out, "<figure>");
     open_plot(&field, title, "CPU time for a simulated second, s", y_name, out);
-    for (int e = analysis->engine_count - 1; e >= 0; e--)
-        if (analysis->engines[e].whole)
+    for (int e = analysis->engine_count - 1; e >= 0; e--) {
+        if (analysis->engines[e].whole) {
             add_curve(analysis, scene, &field, e, out);
-    for (int e = 0; e < analysis->engine_count; e++) {
+        }
+    }
+    for (int e = 0; e < analysis->engine_count; ++e) {
         const pl_sweep_curve *curve = &scene->curves[e];
         char note[PL_SWEEP_TEXT_SIZE];
-        if (!analysis->engines[e].whole || !pl_sweep_curve_was_run(curve))
+        if (!analysis->engines[e].whole || !pl_sweep_curve_was_run(curve)) {
             continue;
-        if (curve->failed > 0)
+        }
+        if (curve->failed > 0) {
             add_crosses(analysis, scene, &field, e, 14 + 16 * strip++, out);
+        }
         snprintf(note, sizeof note, "%d %s, %d failed", curve->ok,
                  curve->ok == 1 ? "point" : "points", curve->failed);
         add_legend(&field, line++, colour_of(analysis, e), analysis->engines[e].name, note, out);
@@ -305,10 +327,12 @@ void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_pro
         .left = 72, .right = 710, .top = 16, .bottom = 266, .x_low = 1, .x_high = 100, .y_high = 1};
     int solved = 0, line = 0;
     char title[PL_SWEEP_TEXT_SIZE], error[PL_NUMBER_SIZE];
-    for (int e = 0; e < analysis->engine_count; e++)
+    for (int e = 0; e < analysis->engine_count; ++e) {
         solved += profile->counts[e];
-    if (solved == 0)
+    }
+    if (solved == 0) {
         return;
+    }
     pl_format_power(pl_sweep_levels[profile->level], error);
     snprintf(title, sizeof title, "Performance profile at an error of %.20s", error);
     pl_text_add(out, "<figure>");
@@ -316,23 +340,26 @@ void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_pro
               out);
     for (int e = analysis->engine_count - 1; e >= 0; e--) {
         const double *ratios = profile->ratios + (size_t)e * (size_t)analysis->scene_count;
-        if (analysis->engines[e].whole != profile->whole)
+        if (analysis->engines[e].whole != profile->whole) {
             continue;
+        }
         double share = pl_sweep_share(analysis, profile, e, 1);
         pl_text_format(out, "<path class=\"e%d\" d=\"M%.1f %.1f", colour_of(analysis, e),
                        field.left, y_of(&field, share));
-        for (int i = 0; i < profile->counts[e] && ratios[i] <= field.x_high; i++) {
-            if (ratios[i] <= 1)
+        for (int i = 0; i < profile->counts[e] && ratios[i] <= field.x_high; ++i) {
+            if (ratios[i] <= 1) {
                 continue;
+            }
             share = (double)(i + 1) / profile->scenes;
             pl_text_format(out, "H%.1fV%.1f", x_of(&field, ratios[i]), y_of(&field, share));
         }
         pl_text_format(out, "H%.1f\"/>\n", field.right);
     }
-    for (int e = 0; e < analysis->engine_count; e++) {
+    for (int e = 0; e < analysis->engine_count; ++e) {
         char note[PL_SWEEP_TEXT_SIZE];
-        if (analysis->engines[e].whole != profile->whole)
+        if (analysis->engines[e].whole != profile->whole) {
             continue;
+        }
         snprintf(note, sizeof note, "solves %d of %d", profile->counts[e], profile->scenes);
         add_legend(&field, line++, colour_of(analysis, e), analysis->engines[e].name, note, out);
     }

@@ -1,11 +1,9 @@
 /* The page of a sweep, its tables on a terminal, and the files that hold both. */
 #include "sweep_report.h"
 
-#include "embedded.h"
 #include "number_format.h"
 #include "page.h"
 #include "results/store.h"
-#include "sweep_plot.h"
 #include "sweep_tables.h"
 
 #include <stdlib.h>
@@ -204,13 +202,16 @@ pl_status pl_sweep_report_write(const char *directory, const pl_sweep_analysis *
     pl_sweep_page(analysis, &page);
     pl_text_format(&lines, "%s\n", text == NULL ? "" : text);
     pl_status status = PL_OK;
-    if (text == NULL || page.failed || lines.failed)
+    if (text == NULL || page.failed || lines.failed) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory to report %d points",
                          analysis->point_count);
-    if (status == PL_OK)
+    }
+    if (status == PL_OK) {
         status = write_in(directory, "sweep.json", lines.data, lines.length, error);
-    if (status == PL_OK)
+    }
+    if (status == PL_OK) {
         status = write_in(directory, "sweep.html", page.data, page.length, error);
+    }
     free(text);
     json_decref(json);
     pl_text_free(&lines);

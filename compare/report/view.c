@@ -1,8 +1,7 @@
-/* Chooses the view of a scene. Directions come from the scene alone: gravity gives up, a slope or
- * the principal axis of the bodies' horizontal spread gives right. */
-#include "view.h"
+/* Chooses the view of a scene. The directions come from the scene alone: `up` is against gravity;
+ * `right` follows a slope or the principal axis of the bodies' horizontal spread. */
+#include "picture.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -39,79 +38,90 @@ int pl_expected_poses(const pl_scene *scene, pl_pose *poses, int *bodies)
         poses[count] = pl_pose_of(&scene->bodies[rest->body]);
         bodies[count] = rest->body;
         memcpy(poses[count].position, rest->position, sizeof rest->position);
-        if (rest->has_orientation)
+        if (rest->has_orientation) {
             memcpy(poses[count].orientation, rest->orientation, sizeof rest->orientation);
+        }
     }
     for (int i = 0; i < scene->travel_count; i++, count++) {
         const pl_expect_travel *travel = &scene->travels[i];
         poses[count] = pl_pose_of(&scene->bodies[travel->body]);
         bodies[count] = travel->body;
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; ++k) {
             poses[count].position[k] += travel->distance * travel->direction[k];
+        }
     }
     return count;
 }
 
-/* --- Directions --- */
+/* ---- Directions ---- */
 
 /* The outward normal of a static plane or box that is tilted against `up` by 0.5 to 80 degrees;
  * zero when there is none. */
 static pl_vec find_slope(const pl_scene *scene, pl_vec up)
 {
-    for (int i = 0; i < scene->body_count; i++) {
+    for (int i = 0; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
-        if (!body->is_static || body->shape.kind == PL_SHAPE_SPHERE)
+        if (!body->is_static || body->shape.kind == PL_SHAPE_SPHERE) {
             continue;
+        }
         pl_vec normal = zero;
-        if (body->shape.kind == PL_SHAPE_PLANE)
+        if (body->shape.kind == PL_SHAPE_PLANE) {
             normal = pl_vec_of(body->shape.normal);
+        }
         const pl_axes axes = pl_axes_of(body->orientation);
-        for (int k = 0; k < 3 && body->shape.kind == PL_SHAPE_BOX; k++) {
+        for (int k = 0; k < 3 && body->shape.kind == PL_SHAPE_BOX; ++k) {
             double rise = pl_vec_dot(axes.axis[k], up);
-            if (fabs(rise) > pl_vec_dot(normal, up))
+            if (fabs(rise) > pl_vec_dot(normal, up)) {
                 normal = pl_vec_scale(axes.axis[k], rise < 0 ? -1 : 1);
+            }
         }
         double cosine = pl_vec_dot(normal, up);
-        if (cosine > cos(80 * radian) && cosine < cos(0.5 * radian))
+        if (cosine > cos(80 * radian) && cosine < cos(0.5 * radian)) {
             return normal;
+        }
     }
     return zero;
 }
 
-/* The bounds of a shape along its own axes, m. */
+/* Computes the bounds of a shape along its own axes, m. */
 static void shape_bounds(const pl_shape *shape, double low[3], double high[3])
 {
     double half[3] = {shape->radius, shape->radius, shape->radius};
-    if (shape->kind == PL_SHAPE_BOX)
+    if (shape->kind == PL_SHAPE_BOX) {
         memcpy(half, shape->half_extents, sizeof half);
-    else if (shape->kind == PL_SHAPE_CAPSULE)
+    } else if (shape->kind == PL_SHAPE_CAPSULE) {
         half[2] += shape->half_height;
-    else if (shape->kind == PL_SHAPE_CYLINDER)
+    } else if (shape->kind == PL_SHAPE_CYLINDER) {
         half[2] = shape->half_height;
-    for (int k = 0; k < 3; k++) {
+    }
+    for (int k = 0; k < 3; ++k) {
         low[k] = -half[k];
         high[k] = half[k];
     }
-    if (shape->kind != PL_SHAPE_HULL && shape->kind != PL_SHAPE_MESH)
+    if (shape->kind != PL_SHAPE_HULL && shape->kind != PL_SHAPE_MESH) {
         return;
-    for (int k = 0; k < 3; k++) {
+    }
+    for (int k = 0; k < 3; ++k) {
         low[k] = high[k] = shape->polyhedron->vertices[0][k];
-        for (int i = 1; i < shape->polyhedron->vertex_count; i++) {
+        for (int i = 1; i < shape->polyhedron->vertex_count; ++i) {
             low[k] = fmin(low[k], shape->polyhedron->vertices[i][k]);
             high[k] = fmax(high[k], shape->polyhedron->vertices[i][k]);
         }
     }
 }
 
-void pl_shape_corners(const pl_shape *shape, const pl_pose *pose, pl_vec corners[8])
+/* Computes the corners, in the world, of the smallest box along a shape's own axes that holds it.
+ * Bit k of the index says which side of axis k. */
+static void find_corners(const pl_shape *shape, const pl_pose *pose, pl_vec corners[8])
 {
     const pl_axes axes = pl_axes_of(pose->orientation);
     double low[3], high[3];
     shape_bounds(shape, low, high);
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 8; ++i) {
         corners[i] = pl_vec_of(pose->position);
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; ++k) {
             corners[i] = pl_vec_mad(corners[i], (i >> k & 1) != 0 ? high[k] : low[k], axes.axis[k]);
+        }
     }
 }
 
@@ -120,23 +130,24 @@ void pl_shape_corners(const pl_shape *shape, const pl_pose *pose, pl_vec corners
 static pl_vec longest_axis(const pl_scene *scene, pl_vec a, pl_vec b)
 {
     double sum_x = 0, sum_y = 0, sum_xx = 0, sum_xy = 0, sum_yy = 0, count = 0;
-    for (int i = 0; i < scene->body_count; i++) {
+    for (int i = 0; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
         pl_pose pose = pl_pose_of(body);
         pl_vec corners[8];
-        pl_shape_corners(&body->shape, &pose, corners);
-        for (int k = 0; k < 8 && !body->is_static; k++) {
+        find_corners(&body->shape, &pose, corners);
+        for (int k = 0; k < 8 && !body->is_static; ++k) {
             double x = pl_vec_dot(corners[k], a), y = pl_vec_dot(corners[k], b);
             sum_x += x;
             sum_y += y;
             sum_xx += x * x;
             sum_xy += x * y;
             sum_yy += y * y;
-            count++;
+            ++count;
         }
     }
-    if (count == 0)
+    if (count == 0) {
         return a;
+    }
     double xx = sum_xx / count - sum_x / count * (sum_x / count);
     double xy = sum_xy / count - sum_x / count * (sum_y / count);
     double yy = sum_yy / count - sum_y / count * (sum_y / count);
@@ -144,17 +155,9 @@ static pl_vec longest_axis(const pl_scene *scene, pl_vec a, pl_vec b)
     return round ? a : turned(a, b, 0.5 * atan2(2 * xy, xx - yy));
 }
 
-/* Against gravity; z where there is none. */
-static pl_vec up_of(const pl_scene *scene)
-{
-    const pl_vec z = {0, 0, 1};
-    return unit(pl_vec_scale(pl_vec_of(scene->gravity), -1), z);
-}
-
-static void choose_directions(const pl_scene *scene, pl_view *view)
+static void choose_directions(const pl_scene *scene, pl_vec up, pl_view *view)
 {
     const pl_vec x = {1, 0, 0}, y = {0, 1, 0};
-    pl_vec up = up_of(scene);
     pl_vec slope = find_slope(scene, up);
     if (pl_vec_length(slope) > 0) {
         view->right = unit(pl_vec_reject(slope, up), x);
@@ -171,7 +174,7 @@ static void choose_directions(const pl_scene *scene, pl_view *view)
     view->up = turned(up, turned_front, -12 * radian);
 }
 
-/* --- Frame --- */
+/* ---- Frame ---- */
 
 /* Bounds of right and up coordinates, m. */
 typedef struct bounds {
@@ -182,17 +185,36 @@ static void include_body(const pl_view *view, const pl_shape *shape, const pl_po
                          const bounds *limit, bounds *box)
 {
     pl_vec corners[8];
-    if (shape->kind == PL_SHAPE_PLANE)
+    if (shape->kind == PL_SHAPE_PLANE) {
         return;
-    pl_shape_corners(shape, pose, corners);
-    for (int i = 0; i < 8; i++) {
+    }
+    find_corners(shape, pose, corners);
+    for (int i = 0; i < 8; ++i) {
         double at[2] = {pl_vec_dot(corners[i], view->right), pl_vec_dot(corners[i], view->up)};
-        if (!isfinite(at[0]) || !isfinite(at[1]))
+        if (!isfinite(at[0]) || !isfinite(at[1])) {
             return;
-        for (int k = 0; k < 2; k++) {
+        }
+        for (int k = 0; k < 2; ++k) {
             double value = limit == NULL ? at[k] : fmin(fmax(at[k], limit->low[k]), limit->high[k]);
             box->low[k] = fmin(box->low[k], value);
             box->high[k] = fmax(box->high[k], value);
+        }
+    }
+}
+
+/* The pose of a body in `poses`; where that is NULL, at the start. */
+static pl_pose pose_in(const pl_scene *scene, const pl_pose *poses, int body)
+{
+    return poses == NULL ? pl_pose_of(&scene->bodies[body]) : poses[body];
+}
+
+static void include_moving(const pl_view *view, const pl_scene *scene, const pl_pose *poses,
+                           const bounds *limit, bounds *box)
+{
+    for (int i = 0; i < scene->body_count; ++i) {
+        const pl_pose pose = pose_in(scene, poses, i);
+        if (!scene->bodies[i].is_static) {
+            include_body(view, &scene->bodies[i].shape, &pose, limit, box);
         }
     }
 }
@@ -204,8 +226,9 @@ static void include_expected(const pl_view *view, const pl_scene *scene, bounds 
     int *bodies = calloc((size_t)count + 1, sizeof *bodies);
     if (poses != NULL && bodies != NULL) {
         pl_expected_poses(scene, poses, bodies);
-        for (int i = 0; i < count; i++)
+        for (int i = 0; i < count; ++i) {
             include_body(view, &scene->bodies[bodies[i]].shape, &poses[i], NULL, box);
+        }
     }
     free(poses);
     free(bodies);
@@ -232,85 +255,81 @@ static bounds widened(const bounds *box, double by)
 static double largest_body(const pl_scene *scene)
 {
     double largest = 0;
-    for (int i = 0; i < scene->body_count; i++) {
+    for (int i = 0; i < scene->body_count; ++i) {
         const pl_shape *shape = &scene->bodies[i].shape;
-        if (scene->bodies[i].is_static)
+        if (scene->bodies[i].is_static) {
             continue;
+        }
         double low[3], high[3];
         shape_bounds(shape, low, high);
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 3; ++k) {
             largest = fmax(largest, (high[k] - low[k]) / 2);
+        }
     }
     return largest;
 }
 
-/* The middle of a body's box. */
-static pl_vec middle_of(const pl_shape *shape, const pl_pose *pose)
-{
-    pl_vec corners[8];
-    pl_shape_corners(shape, pose, corners);
-    return pl_vec_scale(pl_vec_add(corners[0], corners[7]), 0.5);
-}
-
-/* The mean of the moving bodies' middles at the start. */
+/* The mean, at the start, of the centres of the moving bodies' boxes. */
 static pl_vec start_centre(const pl_scene *scene)
 {
     pl_vec sum = zero;
     int count = 0;
-    for (int i = 0; i < scene->body_count; i++) {
-        if (scene->bodies[i].is_static)
-            continue;
-        pl_pose pose = pl_pose_of(&scene->bodies[i]);
-        sum = pl_vec_add(sum, middle_of(&scene->bodies[i].shape, &pose));
-        count++;
+    for (int i = 0; i < scene->body_count; ++i) {
+        const pl_pose pose = pl_pose_of(&scene->bodies[i]);
+        pl_vec corners[8];
+        if (!scene->bodies[i].is_static) {
+            find_corners(&scene->bodies[i].shape, &pose, corners);
+            sum = pl_vec_add(sum, pl_vec_scale(pl_vec_add(corners[0], corners[7]), 0.5));
+            ++count;
+        }
     }
     return pl_vec_scale(sum, 1.0 / (count > 0 ? count : 1));
 }
 
-/* Extends the reach to the corners of a body that lie in the frame. */
-static void include_reach(const pl_shape *shape, const pl_pose *pose, pl_vec up, pl_view *view)
+/* Extends the reach to the corners of moving bodies that lie in the frame. */
+static void include_reach(const pl_scene *scene, const pl_pose *poses, pl_vec up, pl_view *view)
 {
-    pl_vec corners[8];
-    pl_shape_corners(shape, pose, corners);
-    for (int i = 0; i < 8; i++) {
-        pl_pixel at = pl_view_project(view, corners[i]);
-        pl_vec from = pl_vec_mad(corners[i], -1, view->centre);
-        if (at.x >= 0 && at.y >= 0 && at.x <= view->width && at.y <= view->height)
-            view->reach = fmax(view->reach, pl_vec_length(pl_vec_reject(from, up)));
+    for (int i = 0; i < scene->body_count; ++i) {
+        const pl_pose pose = pose_in(scene, poses, i);
+        pl_vec corners[8];
+        find_corners(&scene->bodies[i].shape, &pose, corners);
+        for (int k = 0; k < 8 && !scene->bodies[i].is_static; ++k) {
+            pl_pixel at = pl_view_project(view, corners[k]);
+            pl_vec from = pl_vec_mad(corners[k], -1, view->centre);
+            if (at.x >= 0 && at.y >= 0 && at.x <= view->width && at.y <= view->height) {
+                view->reach = fmax(view->reach, pl_vec_length(pl_vec_reject(from, up)));
+            }
+        }
     }
 }
 
 pl_view pl_view_choose(const pl_scene *scene, const pl_pose *const *runs, int run_count)
 {
+    const pl_vec z = {0, 0, 1}; /* up where there is no gravity */
+    const pl_vec up = unit(pl_vec_scale(pl_vec_of(scene->gravity), -1), z);
     pl_view view = {0};
-    choose_directions(scene, &view);
+    choose_directions(scene, up, &view);
     bounds box = {{INFINITY, INFINITY}, {-INFINITY, -INFINITY}};
-    for (int i = 0; i < scene->body_count; i++) {
-        pl_pose pose = pl_pose_of(&scene->bodies[i]);
-        if (!scene->bodies[i].is_static)
-            include_body(&view, &scene->bodies[i].shape, &pose, NULL, &box);
-    }
+    include_moving(&view, scene, NULL, NULL, &box);
     include_expected(&view, scene, &box);
-    if (!isfinite(box.low[0]))
+    if (!isfinite(box.low[0])) {
         box = (bounds){{-1, -1}, {1, 1}};
-    /* Room around, so that a single body has surroundings. */
+    }
+    /* A margin, so that a single body has surroundings. */
     bounds limit = widened(&box, fmax(box.high[0] - box.low[0], box.high[1] - box.low[1]));
     box = widened(&box, 0.5 * largest_body(scene));
-    for (int r = 0; r < run_count; r++)
-        for (int i = 0; runs[r] != NULL && i < scene->body_count; i++)
-            if (!scene->bodies[i].is_static)
-                include_body(&view, &scene->bodies[i].shape, &runs[r][i], &limit, &box);
+    for (int r = 0; r < run_count; ++r) {
+        if (runs[r] != NULL) {
+            include_moving(&view, scene, runs[r], &limit, &box);
+        }
+    }
     choose_frame(&box, &view);
     view.centre = start_centre(scene);
-    for (int i = 0; i < scene->body_count; i++) {
-        const pl_body *body = &scene->bodies[i];
-        pl_pose start = pl_pose_of(body);
-        if (body->is_static)
-            continue;
-        include_reach(&body->shape, &start, up_of(scene), &view);
-        for (int r = 0; r < run_count; r++)
-            if (runs[r] != NULL)
-                include_reach(&body->shape, &runs[r][i], up_of(scene), &view);
+    include_reach(scene, NULL, up, &view);
+    for (int r = 0; r < run_count; ++r) {
+        if (runs[r] != NULL) {
+            include_reach(scene, runs[r], up, &view);
+        }
     }
     return view;
 }

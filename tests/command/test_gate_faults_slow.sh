@@ -22,11 +22,11 @@ judge() {
     done
 }
 
-friction='s/\.friction = m->friction,/.friction = FACTOR * m->friction,/'
+friction='s/manifold->friction = m->friction;/manifold->friction = FACTOR * m->friction;/'
 faulty wider engine/src/problem/problem_build.c "${friction/FACTOR/1.01}"
 faulty narrower engine/src/problem/problem_build.c "${friction/FACTOR/0.99}"
-faulty cold engine/src/contact/contact_match.c \
-    's/point->impulse = pushes ? old->impulse/point->impulse = pushes \&\& 0 ? old->impulse/'
+faulty cold engine/src/contact/contact.c \
+    's/point->impulse = pe_dot(impulse, normal) > 0 ? impulse/point->impulse = pe_dot(impulse, normal) > 0 \&\& 0 ? impulse/'
 for fault in wider narrower cold; do
     mkdir "$directory/$fault-results"
     baseline_runs "$directory/$fault" "$directory/$fault-results"

@@ -13,13 +13,13 @@ static char read_field(const char **at, char *field, size_t size)
     size_t length = 0;
     const char *c = *at;
     bool quoted = *c == '"';
-    for (c += quoted; *c != '\0'; c++) {
+    for (c += quoted; *c != '\0'; ++c) {
         if (quoted && *c == '"') {
             if (c[1] != '"') {
-                c++;
+                ++c;
                 break;
             }
-            c++;
+            ++c;
         } else if (!quoted && (*c == ',' || *c == '\r')) {
             break;
         }
@@ -50,9 +50,11 @@ static int read_line(const char **at, char fields[CSV_COLUMNS][CSV_FIELD])
 static const char *field_of(char head[CSV_COLUMNS][CSV_FIELD], char line[CSV_COLUMNS][CSV_FIELD],
                             const char *name)
 {
-    for (int i = 0; i < CSV_COLUMNS; i++)
-        if (strcmp(head[i], name) == 0)
+    for (int i = 0; i < CSV_COLUMNS; ++i) {
+        if (strcmp(head[i], name) == 0) {
             return line[i];
+        }
+    }
     fail_msg("no column %s", name);
     return NULL;
 }
@@ -113,8 +115,9 @@ static void test_csv_has_a_row_for_every_metric_and_for_a_run_without_any(void *
     const char *at = out.data;
     int columns = read_line(&at, head);
     size_t lines = 0;
-    for (; *at != '\0'; lines++)
+    for (; *at != '\0'; ++lines) {
         assert_int_equal(read_line(&at, line), columns);
+    }
     assert_int_equal(lines, expected);
     pl_text_free(&out);
     json_decref(results);

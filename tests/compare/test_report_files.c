@@ -24,8 +24,9 @@ static char *read_file(const char *directory, const char *name)
     char path[256];
     snprintf(path, sizeof path, "%s/%s", directory, name);
     FILE *file = fopen(path, "rb");
-    if (file == NULL)
+    if (file == NULL) {
         return NULL;
+    }
     char *text = calloc(1, 1 << 22);
     assert_true(fread(text, 1, (1 << 22) - 1, file) < (1 << 22) - 1);
     fclose(file);
@@ -47,7 +48,7 @@ static const char *const file_names[] = {"results.csv", "summary.md", "index.htm
 /* Removes the directory, which fails when any other file is left in it. */
 static void remove_directory(char *directory)
 {
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         char path[256];
         snprintf(path, sizeof path, "%s/%s", directory, file_names[i]);
         unlink(path);
@@ -62,8 +63,9 @@ static void test_write_makes_the_three_files_and_nothing_else(void **state)
     char *directory = make_directory();
     json_t *results = runs_of_every_kind();
     pl_error error = {PL_OK, ""};
-    if (pl_report_write(directory, results, &error) != PL_OK)
+    if (pl_report_write(directory, results, &error) != PL_OK) {
         fail_msg("%s", error.message);
+    }
     made_report made = make_report(results);
     char *html = read_file(directory, "index.html"), *markdown = read_file(directory, "summary.md");
     char *csv = read_file(directory, "results.csv");
@@ -81,8 +83,9 @@ static void test_full_disk_leaves_what_stood_there(void **state)
 {
     (void)state;
     char *directory = make_directory();
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; ++i) {
         write_file(directory, file_names[i], "old");
+    }
     json_t *results = runs_of_every_kind();
     struct rlimit before, small;
     assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
@@ -95,7 +98,7 @@ static void test_full_disk_leaves_what_stood_there(void **state)
     signal(SIGXFSZ, handler);
     assert_int_equal(status, PL_IO);
     assert_contains(error.message, "cannot be written");
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         char *text = read_file(directory, file_names[i]);
         assert_string_equal(text, "old");
         free(text);

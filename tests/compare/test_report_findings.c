@@ -60,7 +60,7 @@ static void test_a_failure_is_a_finding_where_there_is_a_reference(void **state)
     (void)state;
     static const char *const failures[] = {"collapsed", "diverged", "nonfinite", "crashed",
                                            "timeout"};
-    for (size_t i = 0; i < sizeof failures / sizeof failures[0]; i++) {
+    for (size_t i = 0; i < sizeof failures / sizeof failures[0]; ++i) {
         json_t *results = json_array();
         add_error(results, "a", "ode:quick", failures[i], "rest_position_error", 0.25);
         made_report made = make_report(results);
@@ -70,7 +70,7 @@ static void test_a_failure_is_a_finding_where_there_is_a_reference(void **state)
         free_report(&made);
     }
     static const char *const others[] = {"ok", "unsupported"};
-    for (size_t i = 0; i < sizeof others / sizeof others[0]; i++) {
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) {
         json_t *results = json_array();
         add_error(results, "a", "ode:quick", others[i], "rest_position_error", 0.25);
         made_report made = make_report(results);
@@ -114,7 +114,7 @@ static void test_a_known_cause_is_told_with_what_was_varied(void **state)
     add_error(results, "arch", "ode:dantzig", "crashed", "rest_position_error", 1);
     made_report made = make_report(results);
     char *table = printed_table(made.results, false, 4000);
-    for (int i = 0; i < made.report.findings.count; i++) {
+    for (int i = 0; i < made.report.findings.count; ++i) {
         const pl_known_cause *cause = made.report.findings.items[i].cause;
         assert_non_null(cause);
         assert_contains_html(made.html.data, cause->cause);
@@ -344,8 +344,9 @@ static void test_innocence_of_the_adapter_is_told_for_the_engines_there(void **s
     add_error(results, "a", "bullet:si", "ok", "value_error", 0.5);
     made_report made = make_report(results);
     static const char *const facts[] = {"masses", "inertias", "gravity", "1e-12", "callbacks"};
-    for (size_t i = 0; i < sizeof facts / sizeof facts[0]; i++)
+    for (size_t i = 0; i < sizeof facts / sizeof facts[0]; ++i) {
         assert_contains(made.report.findings.adapters.data, facts[i]);
+    }
     assert_absent(made.report.findings.adapters.data, "ODE keeps no friction");
     assert_contains(made.html.data, "It is not the adapter");
     assert_contains(made.markdown.data, "It is not the adapter");
@@ -427,10 +428,12 @@ static void test_table_keeps_to_the_width(void **state)
         for (const char *line = table; *line != '\0';) {
             size_t length = strcspn(line, "\n");
             int points = 0;
-            for (size_t i = 0; i < length; i++)
+            for (size_t i = 0; i < length; ++i) {
                 points += ((unsigned char)line[i] & 0xc0) != 0x80;
-            if (points > width)
+            }
+            if (points > width) {
                 fail_msg("%d of %d columns: %.*s", points, width, (int)length, line);
+            }
             line += length + (line[length] == '\n');
         }
         free(table);

@@ -68,11 +68,12 @@ static void test_difference_below_noise_is_no_loss(void **state)
         {"energy_step_gain", 5e-9, 0, 1},
         {"lift", 5e-10, 0, 0},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         made_report made = make_report(duel(cases[i].metric, cases[i].ours, cases[i].theirs));
-        if (made.report.losses.count != cases[i].losses)
+        if (made.report.losses.count != cases[i].losses) {
             fail_msg("%s %g against %g: %d losses", cases[i].metric, cases[i].ours, cases[i].theirs,
                      made.report.losses.count);
+        }
         free_report(&made);
     }
 }
@@ -88,7 +89,7 @@ static void test_ratio_is_taken_to_the_floor_where_the_best_lies_below_it(void *
         {"energy_gain", 5e-9, 2e-9, 2.5},     {"settle_time", 0.05, 0, 5},
         {"memory_peak", 1024 * 1024, 100, 4}, {"time_per_step", 3e-3, 1e-3, 3},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         made_report made = make_report(duel(cases[i].metric, cases[i].ours, cases[i].theirs));
         assert_int_equal(made.report.losses.count, 1);
         assert_close(made.report.losses.items[0].ratio, cases[i].ratio, 0, 1e-12);
@@ -103,7 +104,7 @@ static void test_floors_are_stated_beside_the_losses(void **state)
     made_report made = make_report(duel("creep", 2e-3, 1e-3));
     static const char *const facts[] = {"1e-9 for lengths", "256 KiB", "within 10 %",
                                         "one time step"};
-    for (size_t i = 0; i < sizeof facts / sizeof facts[0]; i++) {
+    for (size_t i = 0; i < sizeof facts / sizeof facts[0]; ++i) {
         assert_before(made.html.data, facts[i], "id=\"results\"");
         assert_before(made.markdown.data, facts[i], "## Results");
     }
@@ -188,7 +189,7 @@ static void test_nothing_compared_is_not_called_no_losses(void **state)
     add_run(apart, "s", "ode:quick", "timeout");
     made_report reports[] = {make_report(ours), make_report(theirs), make_report(apart),
                              make_report(json_array())};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         assert_contains(reports[i].html.data, "Nothing was compared");
         assert_absent(reports[i].html.data, "No losses");
         free_report(&reports[i]);

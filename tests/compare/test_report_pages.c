@@ -16,19 +16,21 @@ static void test_every_problem_and_engine_is_in_every_table(void **state)
     static const char *const scenarios[] = {"alpha", "beta", "gamma"};
     static const char *const labels[] = {"plumb:fast", "ode:quick", "bullet:si"};
     json_t *results = json_array();
-    for (int s = 0; s < 3; s++)
-        for (int l = 0; l < 3; l++)
+    for (int s = 0; s < 3; ++s) {
+        for (int l = 0; l < 3; ++l) {
             set_metric(add_run(results, scenarios[s], labels[l], "ok"), "reference_error",
                        metric_value(1.11e-3 * (1 + s * 3 + l)));
+        }
+    }
     made_report made = make_report(results);
     char *table = printed_table(made.results, false, 100);
     const char *texts[] = {made.html.data, made.markdown.data, table};
-    for (int t = 0; t < 3; t++) {
-        for (int i = 0; i < 3; i++) {
+    for (int t = 0; t < 3; ++t) {
+        for (int i = 0; i < 3; ++i) {
             assert_contains(texts[t], scenarios[i]);
             assert_contains(texts[t], labels[i]);
         }
-        for (int i = 0; i < 9; i++) {
+        for (int i = 0; i < 9; ++i) {
             char value[PL_NUMBER_SIZE];
             pl_format_number(1.11e-3 * (1 + i), "", value);
             assert_contains(texts[t], value);
@@ -79,8 +81,9 @@ static void test_failed_run_shows_reason_and_output(void **state)
                                            "crashed",   "timeout",  "unsupported"};
     const char *failures = strstr(made.html.data, "id=\"failures\"");
     assert_non_null(failures);
-    for (int i = 0; i < 6; i++)
+    for (int i = 0; i < 6; ++i) {
         assert_contains(failures, outcomes[i]);
+    }
     assert_contains(failures, "<pre>&lt;script&gt;alert");
     free_report(&made);
 }
@@ -114,10 +117,10 @@ static void test_terminal_lines_fit_the_width_and_hold_no_control_characters(voi
         json_array_get(results, 1), "reason",
         json_string("\033[2J\007 \302\233 Grüße, Grüße, Grüße, Grüße, Grüße, Grüße"));
     static const int widths[] = {40, 60, 80, 120, 300};
-    for (int w = 0; w < 5; w++) {
+    for (int w = 0; w < 5; ++w) {
         char *table = printed_table(results, false, widths[w]);
         int column = 0;
-        for (const char *c = table; *c != '\0'; c++) {
+        for (const char *c = table; *c != '\0'; ++c) {
             unsigned char byte = (unsigned char)*c;
             bool c1 = byte == 0xc2 && (unsigned char)c[1] < 0xa0;
             assert_false((byte < 0x20 && byte != '\n') || byte == 0x7f || c1);
@@ -143,11 +146,13 @@ static void check_balance(const char *html)
     enum { DEEPEST = 64 };
     char open[DEEPEST][32];
     int depth = 0;
-    for (const char *c = html; *c != '\0'; c++) {
-        if (*c == '&' && (c[1] == ' ' || strcspn(c, ";") > 8))
+    for (const char *c = html; *c != '\0'; ++c) {
+        if (*c == '&' && (c[1] == ' ' || strcspn(c, ";") > 8)) {
             fail_msg("bare & at %.60s", c);
-        if (*c != '<')
+        }
+        if (*c != '<') {
             continue;
+        }
         bool closing = c[1] == '/';
         const char *name = c + 1 + closing;
         size_t length = strcspn(name, " />\n");
@@ -155,24 +160,28 @@ static void check_balance(const char *html)
         assert_true(length > 0 && length < sizeof tag);
         snprintf(tag, sizeof tag, "%.*s", (int)length, name);
         char quote = '\0';
-        for (c = name + length; *c != '\0' && (*c != '>' || quote != '\0'); c++) {
-            if (*c == '"')
+        for (c = name + length; *c != '\0' && (*c != '>' || quote != '\0'); ++c) {
+            if (*c == '"') {
                 quote = quote == '\0' ? '"' : '\0';
+            }
             assert_true(*c != '<');
         }
         assert_int_equal(*c, '>');
         bool leaf = c[-1] == '/';
-        for (size_t i = 0; i < sizeof empty / sizeof empty[0]; i++)
+        for (size_t i = 0; i < sizeof empty / sizeof empty[0]; ++i) {
             leaf |= strcmp(tag, empty[i]) == 0;
+        }
         if (closing) {
-            if (depth == 0 || strcmp(open[depth - 1], tag) != 0)
+            if (depth == 0 || strcmp(open[depth - 1], tag) != 0) {
                 fail_msg("</%s> closes <%s>", tag, depth == 0 ? "" : open[depth - 1]);
+            }
             depth--;
         } else if (!leaf) {
             assert_true(depth < DEEPEST);
             snprintf(open[depth++], sizeof open[0], "%s", tag);
-            if (strcmp(tag, "style") == 0)
+            if (strcmp(tag, "style") == 0) {
                 c = strstr(c, "</style>") - 1;
+            }
         }
     }
     assert_int_equal(depth, 0);
@@ -201,10 +210,13 @@ static void test_html_makes_no_request(void **state)
     assert_true(count > 0);
     add_run(results, scenario->name, "plumb:fast", "ok");
     made_report made = make_report(results);
-    for (size_t i = 0; i < sizeof requests / sizeof requests[0]; i++)
+    for (size_t i = 0; i < sizeof requests / sizeof requests[0]; ++i) {
         assert_absent(made.html.data, requests[i]);
-    for (const char *at = strstr(made.html.data, "href="); at != NULL; at = strstr(at + 1, "href="))
+    }
+    for (const char *at = strstr(made.html.data, "href="); at != NULL;
+         at = strstr(at + 1, "href=")) {
         assert_int_equal(at[6], '#');
+    }
     free_report(&made);
 }
 
@@ -215,8 +227,9 @@ static void test_html_defines_every_metric(void **state)
     check_balance(made.html.data);
     const char *definitions = strstr(made.html.data, "id=\"metrics\"");
     assert_non_null(definitions);
-    for (int i = 0; i < PL_METRIC_COUNT; i++)
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         assert_contains(definitions, pl_metric_table[i].name);
+    }
     free_report(&made);
 }
 
@@ -224,11 +237,12 @@ static void test_html_defines_every_metric(void **state)
 static int markdown_cells(const char *line, size_t length)
 {
     int bars = 0;
-    for (size_t i = 0; i < length; i++) {
-        if (line[i] == '\\')
-            i++;
-        else
+    for (size_t i = 0; i < length; ++i) {
+        if (line[i] == '\\') {
+            ++i;
+        } else {
             bars += line[i] == '|';
+        }
     }
     return bars - 1;
 }
@@ -244,8 +258,9 @@ static void test_markdown_tables_are_rectangular_whatever_the_texts_hold(void **
         if (line[0] == '|') {
             int cells = markdown_cells(line, length);
             tables += columns < 0;
-            if (columns >= 0)
+            if (columns >= 0) {
                 assert_int_equal(cells, columns);
+            }
             columns = cells;
         } else {
             columns = -1;

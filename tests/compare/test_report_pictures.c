@@ -1,7 +1,6 @@
 /* The report's pictures: the view, what hides what, and the drawing. */
 #include "report/case_page.h"
-#include "report/hidden_surface.h"
-#include "report/svg.h"
+#include "report/picture.h"
 
 #include "check.h"
 #include "polyhedra.h"
@@ -63,8 +62,9 @@ static pl_scene tiny_scene(void)
 static pl_pose *start_poses(const pl_scene *scene)
 {
     pl_pose *poses = calloc((size_t)scene->body_count, sizeof *poses);
-    for (int i = 0; i < scene->body_count; i++)
+    for (int i = 0; i < scene->body_count; ++i) {
         poses[i] = pl_pose_of(&scene->bodies[i]);
+    }
     return poses;
 }
 
@@ -75,7 +75,7 @@ static void test_view_is_a_right_handed_orthonormal_frame(void **state)
     (void)state;
     static const double gravities[][3] = {{0, 0, -9.81}, {0, 0, 0}, {3, 1, -9}, {9.81, 0, 0}};
     static const double tilts[] = {0, 0.3};
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 8; ++i) {
         pl_scene scene = empty_scene(sin(tilts[i % 2]), cos(tilts[i % 2]));
         add_body(&scene, pl_shape_box(3, 0.5, 1), 1, 2, 3);
         memcpy(scene.gravity, gravities[i / 2], sizeof scene.gravity);
@@ -106,8 +106,9 @@ static void test_level_scene_is_seen_from_the_front_and_a_little_above(void **st
 {
     (void)state;
     pl_scene scene = empty_scene(0, 1);
-    for (int i = 0; i < 8; i++)
+    for (int i = 0; i < 8; ++i) {
         add_body(&scene, pl_shape_box(0.5, 0.5, 0.5), 0, i, 0.5); /* a row along y */
+    }
     pl_view view = pl_view_choose(&scene, NULL, 0);
     assert_true(fabs(view.right.y) > fabs(view.right.x));
     assert_true(view.toward.z > 0.1 && view.toward.z < 0.4);
@@ -121,7 +122,7 @@ static void test_frame_holds_start_expectation_and_end_but_not_a_body_far_away(v
     pl_scene scene = tiny_scene();
     pl_pose *poses = start_poses(&scene);
     pl_view still = pl_view_choose(&scene, NULL, 0);
-    for (int i = 1; i < scene.body_count; i++) {
+    for (int i = 1; i < scene.body_count; ++i) {
         pl_pixel at = pl_view_project(&still, pl_vec_of(scene.bodies[i].position));
         assert_true(at.x > 0 && at.x < still.width && at.y > 0 && at.y < still.height);
     }
@@ -168,11 +169,11 @@ static void test_cycle_of_faces_is_painted_each_once(void **state)
     (void)state;
     /* Three bars, each over the next at one end and under the previous at the other. */
     pl_face faces[3];
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         double angle = i * 2.0943951023931953;
         double c = cos(angle), s = sin(angle);
         static const double bar[4][2] = {{-30, -14}, {30, -14}, {30, -6}, {-30, -6}};
-        for (int k = 0; k < 4; k++) {
+        for (int k = 0; k < 4; ++k) {
             faces[i].corner[k] =
                 (pl_pixel){40 + c * bar[k][0] - s * bar[k][1], 40 + s * bar[k][0] + c * bar[k][1]};
             faces[i].depth[k] = bar[k][0];
@@ -190,16 +191,17 @@ static void test_cycle_of_faces_is_painted_each_once(void **state)
 static int painted_last(const pl_painting *painting, double x, double y)
 {
     int top = -1;
-    for (size_t f = 0; f < painting->count; f++) {
+    for (int f = 0; f < painting->count; ++f) {
         bool left = false, right = false;
-        for (int i = 0; i < 4; i++) {
+        for (int i = 0; i < 4; ++i) {
             double area = pl_pixel_turn(painting->faces[f].corner[i],
                                         painting->faces[f].corner[(i + 1) % 4], (pl_pixel){x, y});
             left |= area > 0;
             right |= area < 0;
         }
-        if (!(left && right))
+        if (!(left && right)) {
             top = painting->faces[f].shade;
+        }
     }
     return top;
 }
@@ -209,23 +211,25 @@ static void test_painting_shows_the_nearest_face_at_every_sample(void **state)
     (void)state;
     check_random random = {20250101};
     enum { COUNT = 120 };
-    for (int trial = 0; trial < 20; trial++) {
+    for (int trial = 0; trial < 20; ++trial) {
         pl_face faces[COUNT], original[COUNT];
-        for (int i = 0; i < COUNT; i++)
+        for (int i = 0; i < COUNT; ++i) {
             faces[i] = square(check_uniform(&random, -10, 90), check_uniform(&random, -10, 90),
                               check_uniform(&random, 3, 40), i * 7 % COUNT, i);
+        }
         memcpy(original, faces, sizeof faces);
         pl_painting painting = {faces, COUNT};
         assert_true(pl_painting_arrange(&painting, 100, 100));
-        for (int s = 0; s < 40000; s++) {
+        for (int s = 0; s < 40000; ++s) {
             double x = s % 200 * 0.5 + 0.25, y = (double)(s / 200) * 0.5 + 0.25;
             int nearest = -1;
-            for (int i = 0; i < COUNT; i++) {
+            for (int i = 0; i < COUNT; ++i) {
                 const pl_face *face = &original[i];
                 if (x >= face->corner[0].x && x <= face->corner[2].x && y >= face->corner[0].y &&
                     y <= face->corner[2].y &&
-                    (nearest < 0 || face->depth[0] > original[nearest].depth[0]))
+                    (nearest < 0 || face->depth[0] > original[nearest].depth[0])) {
                     nearest = i;
+                }
             }
             assert_int_equal(painted_last(&painting, x, y), nearest);
         }
@@ -304,7 +308,7 @@ static void test_body_that_left_the_picture_is_counted_and_not_drawn(void **stat
     pl_pose *poses = start_poses(&scene);
     pl_view view = pl_view_choose(&scene, NULL, 0);
     static const double far[] = {1e6, 1e300, (double)INFINITY, (double)NAN};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         poses[3].position[0] = far[i];
         pl_text_buffer out = {0};
         assert_int_equal(pl_svg_picture(&scene, &view, poses, "e", "t", &out), 1);
@@ -319,8 +323,9 @@ static void test_thousand_bricks_draw_in_less_than_a_tenth_of_a_megabyte(void **
 {
     (void)state;
     pl_scene scene = empty_scene(0, 1);
-    for (int i = 0; i < 1000; i++)
+    for (int i = 0; i < 1000; ++i) {
         add_body(&scene, pl_shape_box(0.5, 0.25, 0.25), i % 40, 0, 0.25 + 0.5 * (double)(i / 40));
+    }
     pl_pose *poses = start_poses(&scene);
     pl_text_buffer out = {0};
     draw(&scene, poses, &out);
@@ -346,7 +351,7 @@ static void test_every_shape_is_drawn_by_facets_that_look_at_the_eye(void **stat
                                pl_shape_cylinder(0.3, 0.5),
                                pl_shape_of(torus_mesh(&scene, 1, 0.25, 24, 12))};
     static const int least[] = {6, 6, 60, 15, 150}, most[] = {6, 6, 130, 30, 350};
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; ++i) {
         expect_rest(&scene, add_body(&scene, shapes[i], -4, -4, -3));
         pl_pose *poses = start_poses(&scene);
         pl_text_buffer out = {0};
@@ -369,7 +374,7 @@ static void test_thousand_meshes_of_500_triangles_draw_in_less_than_two_megabyte
     check_random random = {UINT64_C(20250101)};
     pl_scene scene = empty_scene(0, 1);
     pl_shape ring = pl_shape_of(torus_mesh(&scene, 0.3, 0.12, 25, 10));
-    for (int i = 0; i < 1000; i++) {
+    for (int i = 0; i < 1000; ++i) {
         int body = add_body(&scene, ring, check_uniform(&random, -3, 3),
                             check_uniform(&random, -3, 3), check_uniform(&random, 0.4, 5));
         check_quaternion(&random, scene.bodies[body].orientation);
@@ -391,7 +396,7 @@ static json_t *result_of(const pl_scene *scene, const char *scenario, json_t *pa
     char hash[17];
     assert_int_equal(pl_scene_hash(scene, hash, NULL), PL_OK);
     json_t *poses = json_array();
-    for (int i = 0; i < scene->body_count; i++) {
+    for (int i = 0; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
         const double *p = body->position, *q = body->orientation;
         json_array_append_new(
@@ -423,17 +428,19 @@ static void test_every_scenario_of_the_catalogue_gets_its_picture(void **state)
     int count = 0;
     const pl_scenario *const *all = pl_scenarios(&count);
     assert_true(count > 0);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         double values[PL_MAX_PARAMS];
         assert_int_equal(pl_scenario_values(all[i], NULL, 0, values, NULL), PL_OK);
         pl_scene scene;
         assert_int_equal(all[i]->build(values, 0, &scene, NULL), PL_OK);
         json_t *params = json_object();
-        for (int k = 0; k < all[i]->param_count; k++)
+        for (int k = 0; k < all[i]->param_count; ++k) {
             json_object_set_new(params, all[i]->params[k].name, json_real(values[k]));
+        }
         char *text = pictures_of(result_of(&scene, all[i]->name, params));
-        if (strstr(text, "<svg viewBox") == NULL || strstr(text, "outside") != NULL)
+        if (strstr(text, "<svg viewBox") == NULL || strstr(text, "outside") != NULL) {
             fail_msg("%s: %.200s", all[i]->name, text);
+        }
         free(text);
         pl_scene_free(&scene);
     }
@@ -488,7 +495,7 @@ static void test_scene_that_cannot_be_read_gets_no_picture_but_the_reason(void *
     static const char *const names[] = {
         "/nonexistent.json", "-", "/dev/zero", "/tmp", "", "no such"};
     pl_scene scene = tiny_scene();
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         char *text = pictures_of(result_of(&scene, names[i], json_object()));
         assert_contains(text, "No pictures: there is no scene file");
         free(text);
@@ -507,7 +514,7 @@ static void test_run_without_good_poses_gets_an_empty_panel_that_says_why(void *
         {"7", "no final poses were recorded"},
         {"[[0,0,0,1,0,0,0]]", "1 poses for 4 bodies"},
     };
-    for (size_t i = 0; i < sizeof poses / sizeof poses[0]; i++) {
+    for (size_t i = 0; i < sizeof poses / sizeof poses[0]; ++i) {
         json_t *results = result_of(&scene, path, json_object());
         json_object_set_new(json_array_get(results, 0), "final_poses",
                             json_loads(poses[i][0], JSON_DECODE_ANY, NULL));

@@ -14,7 +14,7 @@ static json_t *add_tower(json_t *results, int n, const char *other, double value
 {
     const pl_scenario *tower = pl_scenario_find("tower", NULL);
     json_t *row = add_run(results, "tower", label, outcome), *params = json_object();
-    for (int i = 0; i < tower->param_count; i++) {
+    for (int i = 0; i < tower->param_count; ++i) {
         const pl_param *param = &tower->params[i];
         bool is_other = other != NULL && strcmp(param->name, other) == 0;
         json_object_set_new(params, param->name, json_real(is_other ? value : param->value));
@@ -39,7 +39,7 @@ static json_t *three_towers(void)
 {
     static const int sizes[] = {5, 10, 25};
     json_t *results = json_array();
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         json_t *row = add_tower(results, sizes[i], "duration", 3, "plumb:fast", "ok");
         set_metric(row, "iterations_mean", iterations_reported(2.5 + i));
         row = add_tower(results, sizes[i], "duration", 3, "ode:dantzig", "ok");
@@ -83,7 +83,7 @@ static void test_other_parameters_are_another_problem(void **state)
     static const char *const others[] = {"offset", "top_mass", "friction", "dt", "duration"};
     static const bool same[] = {false, false, false, true, true};
     const pl_suite_entry *entry = &pl_suite_find("paper", NULL)->entries[0];
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; ++i) {
         json_t *results = json_array();
         add_tower(results, 5, others[i], 0.125, "plumb:fast", "ok");
         made_report made = make_report(results);
@@ -98,9 +98,11 @@ static void test_unknown_scenarios_and_files_are_no_published_problem(void **sta
     (void)state;
     made_report made = make_report(runs_of_every_kind());
     const pl_suite *paper = pl_suite_find("paper", NULL);
-    for (int b = 0; b < made.report.matrix.case_count; b++)
-        for (int i = 0; i < paper->entry_count; i++)
+    for (int b = 0; b < made.report.matrix.case_count; ++b) {
+        for (int i = 0; i < paper->entry_count; ++i) {
             assert_false(pl_case_is_entry(&made.report.matrix.cases[b], &paper->entries[i]));
+        }
+    }
     free_report(&made);
 }
 

@@ -36,7 +36,7 @@ static void test_quantity_has_three_digits_and_an_engineers_unit(void **state)
         {5e-324, "m", "4.94e-324 m"},
         {1, "as it says", "1.00 as it says"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         char text[PL_NUMBER_SIZE];
         pl_format_number(cases[i].value, cases[i].unit, text);
         assert_string_equal(text, cases[i].text);
@@ -60,7 +60,7 @@ static void test_repeats_give_the_median_and_its_absolute_deviation(void **state
     (void)state;
     static const double times[] = {5e-3, 1e-3, 2e-3, 90e-3, 3e-3};
     json_t *results = json_array();
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; ++i) {
         json_t *row = add_run(results, "s", "ode:quick", "ok");
         json_object_set_new(row, "repeat", json_integer(i));
         set_metric(row, "time_per_step", metric_value(times[i]));
@@ -85,7 +85,7 @@ static void test_median_of_an_even_number_is_the_mean_of_the_middle_two(void **s
     (void)state;
     static const double times[] = {4e-3, 1e-3, 2e-3, 90e-3};
     json_t *results = json_array();
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         json_t *row = add_run(results, "s", "ode:quick", "ok");
         json_object_set_new(row, "repeat", json_integer(i));
         set_metric(row, "time_per_step", metric_value(times[i]));
@@ -100,7 +100,7 @@ static void test_deterministic_metric_that_differs_between_repeats_is_called_so(
 {
     (void)state;
     json_t *results = json_array();
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         json_t *row = add_run(results, "s", "ode:quick", "ok");
         json_object_set_new(row, "repeat", json_integer(i));
         set_metric(row, "drift", metric_value(i == 0 ? 1.0 : nextafter(1.0, 2.0)));
@@ -120,7 +120,7 @@ static void test_repeats_that_agree_are_not_called_nondeterministic(void **state
 {
     (void)state;
     json_t *results = json_array();
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         json_t *row = add_run(results, "s", "ode:quick", "ok");
         json_object_set_new(row, "repeat", json_integer(i));
         set_metric(row, "drift", metric_value(0.1));
@@ -138,7 +138,7 @@ static void test_one_failed_repeat_makes_the_run_failed_and_says_in_how_many(voi
 {
     (void)state;
     json_t *results = json_array();
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         json_t *row = add_run(results, "s", "ode:quick", i == 1 ? "crashed" : "ok");
         json_object_set_new(row, "repeat", json_integer(i));
     }
@@ -155,8 +155,9 @@ static void test_order_of_rows_does_not_change_the_pages(void **state)
 {
     (void)state;
     json_t *forward = runs_of_every_kind(), *backward = json_array();
-    for (size_t i = json_array_size(forward); i-- > 0;)
+    for (size_t i = json_array_size(forward); i-- > 0;) {
         json_array_append(backward, json_array_get(forward, i));
+    }
     made_report a = make_report(forward), b = make_report(backward);
     assert_string_equal(a.html.data, b.html.data);
     assert_string_equal(a.markdown.data, b.markdown.data);
@@ -187,8 +188,9 @@ static void test_parameters_seed_and_scene_make_problems_of_their_own(void **sta
                         json_string("beef"));
     made_report made = make_report(results);
     assert_int_equal(made.report.matrix.case_count, 4);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; ++i) {
         assert_int_equal(made.report.matrix.cases[i].cells[0].repeats, 1);
+    }
     assert_contains(made.html.data, "s seed=7");
     free_report(&made);
 }
@@ -221,7 +223,7 @@ static void test_bad_row_is_named_with_what_was_expected(void **state)
          "\"outcome\":\"ok\",\"metrics\":[]}]",
          "results[0].metrics: expected an object"},
     };
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++) {
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; ++i) {
         json_t *results = json_loads(texts[i][0], 0, NULL);
         pl_error error = {PL_OK, ""};
         assert_int_equal(pl_report_write("/nonexistent", results, &error), PL_BAD_INPUT);

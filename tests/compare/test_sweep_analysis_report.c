@@ -2,7 +2,6 @@
 #include "check.h"
 #include "plumb_process.h"
 #include "report/number_format.h"
-#include "report/sweep_plot.h"
 #include "report/sweep_report.h"
 #include "report/sweep_tables.h"
 #include "report_rows.h"
@@ -59,8 +58,9 @@ static void test_losses_come_before_everything_else(void **state)
     char *text = print_of(results);
     static const char *const later[] = {"id=\"sweep-speed\"", "id=\"sweep-profiles\"",
                                         "id=\"sweep-scenes\"", "id=\"sweep-method\""};
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < 4; ++i) {
         assert_before(page.data, "id=\"sweep-losses\"", later[i]);
+    }
     static const char *const said =
         "ahead of plumb&#39;s in 2 of 10 comparisons (scene, engine, error): in 0 at errors up "
         "to 1e-3, in 2 at larger ones; 0 of all are within noise.";
@@ -84,7 +84,7 @@ static void test_statement_when_nothing_is_lost_or_compared(void **state)
         {"bullet:p", "ode:q", NULL, "plumb itself was not run"},
         {"plumb:p", "ode:q", "crashed", "reach any of the errors"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         json_t *results = json_array();
         add_sweep_run(
             results,
@@ -169,8 +169,9 @@ static json_t *hostile(void)
         json_object_set_new(row, "reason", json_string(hostile_text));
         json_object_set_new(row, "scenario", json_string(hostile_text));
         json_object_set_new(row, "profile", json_string(hostile_text));
-        if (index % 2 == 0)
+        if (index % 2 == 0) {
             json_object_set_new(row, "engine", json_string(hostile_text));
+        }
     }
     return results;
 }
@@ -182,8 +183,9 @@ static void test_page_asks_nothing_and_escapes_everything(void **state)
     pl_text_buffer page = page_of(results);
     static const char *const never[] = {"<script",     " src=", "@import", "url(",
                                         "href=\"http", "nan",   "inf"};
-    for (size_t i = 0; i < sizeof never / sizeof never[0]; i++)
+    for (size_t i = 0; i < sizeof never / sizeof never[0]; ++i) {
         assert_absent(page.data, never[i]);
+    }
     assert_contains(page.data, "&lt;script&gt;alert(&quot;x&quot;)");
     char *text = print_of(results);
     assert_absent(text, "\r");
@@ -200,7 +202,7 @@ static void test_tags_of_the_page_are_balanced(void **state)
                                        "g",     "p",  "text",   "h2",  "h4",      "div"};
     json_t *results = mixed();
     pl_text_buffer page = page_of(results);
-    for (size_t i = 0; i < sizeof tags / sizeof tags[0]; i++) {
+    for (size_t i = 0; i < sizeof tags / sizeof tags[0]; ++i) {
         char open[16], open_with[16], close[16];
         snprintf(open, sizeof open, "<%s>", tags[i]);
         snprintf(open_with, sizeof open_with, "<%s ", tags[i]);

@@ -60,20 +60,25 @@ json_t *runs_of_every_kind(void)
     static const char *const outcomes[] = {"ok",      "collapsed", "diverged",   "nonfinite",
                                            "crashed", "timeout",   "unsupported"};
     json_t *results = json_array();
-    for (int i = 0; i < 7; i++) {
+    for (int i = 0; i < 7; ++i) {
         char label[32];
         snprintf(label, sizeof label, "%s", i == 0 ? "plumb:fast" : "");
-        if (i > 0)
+        if (i > 0) {
             snprintf(label, sizeof label, "engine%d:p", i);
+        }
         json_t *row = add_run(results, "kinds", label, outcomes[i]);
-        if (i > 0)
+        if (i > 0) {
             json_object_set_new(row, "reason", json_string(hostile_text));
-        if (i == 4)
+        }
+        if (i == 4) {
             json_object_set_new(row, "output", json_string(hostile_text));
-        if (i < 4)
+        }
+        if (i < 4) {
             set_metric(row, "drift", metric_value(1e-3 * (i + 1)));
-        if (i < 4)
+        }
+        if (i < 4) {
             set_metric(row, "reference_error", metric_value(1e-3 * (i + 1)));
+        }
     }
     json_t *row = add_run(results, hostile_text, "plumb:fast", "ok");
     json_object_set_new(row, "engine_version", json_string(hostile_text));

@@ -46,26 +46,31 @@ pl_sweep_analysis analysis_of(const json_t *results)
 {
     pl_sweep_analysis analysis;
     pl_error error = {PL_OK, ""};
-    if (pl_sweep_analyse(results, &analysis, &error) != PL_OK)
+    if (pl_sweep_analyse(results, &analysis, &error) != PL_OK) {
         fail_msg("%s", error.message);
+    }
     return analysis;
 }
 
 int engine_named(const pl_sweep_analysis *analysis, const char *name)
 {
-    for (int i = 0; i < analysis->engine_count; i++)
-        if (strcmp(analysis->engines[i].name, name) == 0)
+    for (int i = 0; i < analysis->engine_count; i++) {
+        if (strcmp(analysis->engines[i].name, name) == 0) {
             return i;
+        }
+    }
     fail_msg("no engine %s", name);
     return -1;
 }
 
 int pair_named(const pl_sweep_analysis *analysis, const char *ours, const char *other)
 {
-    for (int i = 0; i < analysis->pair_count; i++)
+    for (int i = 0; i < analysis->pair_count; i++) {
         if (analysis->pairs[i].ours == engine_named(analysis, ours) &&
-            analysis->pairs[i].other == engine_named(analysis, other))
+            analysis->pairs[i].other == engine_named(analysis, other)) {
             return i;
+        }
+    }
     fail_msg("no pair %s, %s", ours, other);
     return -1;
 }
