@@ -2,11 +2,7 @@
 #ifndef PLUMB_TEST_BREADTH_FIRST_H
 #define PLUMB_TEST_BREADTH_FIRST_H
 
-#include "sparse/order.h"
 #include "sparse/pattern.h"
-
-pe_status breadth_first_order(int count, const int *start, const int *adjacent, pe_workspace work,
-                              int *order, pe_error *error);
 
 pe_status breadth_first_pattern(const pe_problem *problem, const bool *counted, pe_workspace work,
                                 pe_pattern *pattern, pe_error *error);

@@ -1,6 +1,9 @@
-/* Symbolic block Cholesky on the graph of bodies: which 6 x 6 blocks the factor of
- * M + sum J^T G J has, eliminated in an order of approximate minimum degree. It depends on the
- * pairs alone, not on the numbers. */
+/* Symbolic block Cholesky on the graph of bodies: which 6 x 6 blocks the factor of M + sum J^T G J
+ * has. It depends on the pairs only, not on the numbers.
+ *
+ * The elimination order is approximate minimum degree (Amestoy, Davis, Duff 1996) where the engine
+ * was built with SuiteSparse's AMD, otherwise breadth first from a vertex of least degree, reversed
+ * (Cuthill and McKee 1969; George 1971). */
 #ifndef PE_PATTERN_H
 #define PE_PATTERN_H
 
@@ -23,13 +26,14 @@ typedef struct pe_pattern {
     double flops;        /* of one factorisation */
 } pe_pattern;
 
-/* For manifolds with counted[i]; NULL: all of them. Most contacts of a wall carry nothing, between
- * bricks side by side, and without them its factor is several times cheaper. */
+/* Finds the pattern for manifolds with counted[i]; NULL: all. In a wall most contacts carry
+ * nothing, those between neighbours in a row, and without them its factor is several times cheaper.
+ */
 pe_status pe_pattern_find(const pe_problem *problem, const bool *counted, pe_workspace work,
                           pe_pattern *pattern, pe_error *error);
 
-/* Marks the manifolds with a normal impulse or an approach faster than `speed`, in m/s, at the
- * velocities as they stand: those that will be loaded. Returns how many points they have. */
+/* Marks the manifolds that are expected to carry: those with a normal impulse, or an approach
+ * faster than `speed`, in m/s, at the present velocities. Returns the number of their points. */
 int pe_pattern_mark_loaded(const pe_problem *problem, double speed, bool *loaded);
 
 /* The lightest body's mass over the heaviest's. */

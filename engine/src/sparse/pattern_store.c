@@ -1,8 +1,9 @@
+/* Kept patterns: a pool of equal parts, one per pattern, found by a hash of the pairs. */
 #include "pattern_store.h"
 
 #include <string.h>
 
-/* What a pattern depends on: three numbers a manifold. */
+/* All that a pattern depends on: three numbers per manifold. */
 static void write_key(const pe_problem *problem, const bool *counted, int *key)
 {
     for (int i = 0; i < problem->manifold_count; ++i) {
@@ -22,9 +23,8 @@ static uint64_t hash_of(const int *key, int count)
     return hash;
 }
 
-/* A part of the pool holds, one after the other: key (3 manifolds), order, place (bodies each),
- * start (bodies
- * + 1), couple (manifolds), row (blocks). */
+/* A part of the pool holds, one after the other: key (3 per manifold), order, place (bodies each),
+ * start (bodies + 1), couple (manifolds), row (blocks). */
 static pe_pattern pattern_in(const pe_kept_pattern *kept, const int *part, const bool *counted,
                              double mass_ratio)
 {
@@ -50,7 +50,7 @@ static int *part_of(const pe_pattern_store *store, const pe_kept_pattern *kept)
     return (int *)store->pool.items + (size_t)(kept - store->kept) * store->room;
 }
 
-/* Room for patterns of so many ints, and a half more; what was kept in less is forgotten. */
+/* Makes room for patterns of `count` ints, and a half more. Growing forgets all patterns. */
 static pe_status make_room(pe_pattern_store *store, size_t count, const pe_allocator *allocator,
                            pe_error *error)
 {
