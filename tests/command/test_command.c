@@ -29,7 +29,7 @@ static void check_call(void **state, const char *text, int code, const char *out
     free_output(&output);
 }
 
-static void test_usage_errors_exit_2_and_suggest_the_nearest_name(void **state)
+static void test_usage_errors_exit_2_and_suggest_a_name(void **state)
 {
     static const char *const cases[][2] = {
         {"", "see plumb help"},
@@ -126,7 +126,7 @@ static void test_lists_are_text_or_json_with_everything(void **state)
     }
 }
 
-static void test_the_catalogue_s_page_has_every_scenario_and_asks_for_nothing(void **state)
+static void test_catalogue_page_has_every_scenario_without_network_requests(void **state)
 {
     plumb_output page = call(*state, "list scenarios --page -");
     assert_int_equal(page.code, 0);
@@ -145,7 +145,7 @@ static void test_the_catalogue_s_page_has_every_scenario_and_asks_for_nothing(vo
     check_call(state, "list scenarios --page /dev/full", 3, "", "No space left");
 }
 
-static void test_a_printed_scene_is_the_same_problem_as_the_scenario(void **state)
+static void test_printed_scene_equals_the_scenario(void **state)
 {
     const workspace *f = *state;
     plumb_output output = call(f, "scene tower --set n=3 --dt 1/100");
@@ -204,7 +204,7 @@ static void test_results_hold_every_key_of_the_schema(void **state)
     free_output(&output);
 }
 
-static void test_trajectory_goes_to_a_file_or_to_standard_output(void **state)
+static void test_trajectory_goes_to_file_or_standard_output(void **state)
 {
     const workspace *f = *state;
     check_call(state, "run @ --engine % --trajectory #.csv", 0, "20 of 20 steps", "");
@@ -226,7 +226,7 @@ static void test_trajectory_goes_to_a_file_or_to_standard_output(void **state)
     check_call(state, "run @ --engine % --trajectory #/none/t.csv", 3, "", "t.csv");
 }
 
-static void test_compare_writes_all_forms_and_keeps_data_and_messages_apart(void **state)
+static void test_compare_separates_data_from_messages_in_all_forms(void **state)
 {
     const workspace *f = *state;
     plumb_output output =
@@ -284,7 +284,7 @@ static void test_nothing_compared_exits_4(void **state)
     check_call(state, "compare @ --engine %:mass --out #", 4, "", "");
 }
 
-static void test_output_that_cannot_be_written_exits_3_with_its_name(void **state)
+static void test_unwritable_output_exits_3_with_its_name(void **state)
 {
     const workspace *f = *state;
     check_call(state, "compare @ --engine % --out @/x", 3, "", "scene.json");
@@ -357,7 +357,7 @@ static void test_a_closed_standard_stream_never_becomes_a_file(void **state)
     assert_int_equal(shell(f, "run - --engine plumb", "<&- >/dev/null"), 3);
 }
 
-static void test_json_file_is_whole_when_the_reader_of_the_table_leaves(void **state)
+static void test_json_file_is_complete_after_a_broken_pipe(void **state)
 {
     const workspace *f = *state;
     enum { SCENE_COUNT = 40 }; /* a table longer than any buffer of standard output */
@@ -426,22 +426,22 @@ static void test_dt_and_duration_reach_the_scene(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_usage_errors_exit_2_and_suggest_the_nearest_name),
+        cmocka_unit_test(test_usage_errors_exit_2_and_suggest_a_name),
         cmocka_unit_test(test_every_command_explains_itself),
         cmocka_unit_test(test_lists_are_text_or_json_with_everything),
-        cmocka_unit_test(test_the_catalogue_s_page_has_every_scenario_and_asks_for_nothing),
-        cmocka_unit_test(test_a_printed_scene_is_the_same_problem_as_the_scenario),
+        cmocka_unit_test(test_catalogue_page_has_every_scenario_without_network_requests),
+        cmocka_unit_test(test_printed_scene_equals_the_scenario),
         cmocka_unit_test(test_run_prints_metrics_or_one_object),
         cmocka_unit_test(test_results_hold_every_key_of_the_schema),
-        cmocka_unit_test(test_trajectory_goes_to_a_file_or_to_standard_output),
-        cmocka_unit_test(test_compare_writes_all_forms_and_keeps_data_and_messages_apart),
+        cmocka_unit_test(test_trajectory_goes_to_file_or_standard_output),
+        cmocka_unit_test(test_compare_separates_data_from_messages_in_all_forms),
         cmocka_unit_test(test_jobs_side_by_side_make_the_same_runs),
         cmocka_unit_test(test_nothing_compared_exits_4),
-        cmocka_unit_test(test_output_that_cannot_be_written_exits_3_with_its_name),
+        cmocka_unit_test(test_unwritable_output_exits_3_with_its_name),
         cmocka_unit_test(test_a_full_standard_output_exits_3),
         cmocka_unit_test(test_help_to_a_full_disk_exits_3_too),
         cmocka_unit_test(test_a_closed_standard_stream_never_becomes_a_file),
-        cmocka_unit_test(test_json_file_is_whole_when_the_reader_of_the_table_leaves),
+        cmocka_unit_test(test_json_file_is_complete_after_a_broken_pipe),
         cmocka_unit_test(test_a_time_limit_is_told_by_help),
         cmocka_unit_test(test_engines_in_the_examples_of_help_exist),
         cmocka_unit_test(test_dt_and_duration_reach_the_scene),

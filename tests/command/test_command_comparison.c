@@ -84,7 +84,7 @@ static void test_mistakes_are_said_alike_by_all(void **state)
     }
 }
 
-static void test_a_misspelt_parameter_names_the_option_that_gave_it(void **state)
+static void test_misspelt_parameter_names_its_option(void **state)
 {
     const workspace *f = *state;
     check_refused(state,
@@ -136,7 +136,7 @@ int main(void)
         cmocka_unit_test(test_all_of_them_have_the_options_they_share),
         cmocka_unit_test(test_an_option_that_a_command_lacks_is_refused),
         cmocka_unit_test(test_mistakes_are_said_alike_by_all),
-        cmocka_unit_test(test_a_misspelt_parameter_names_the_option_that_gave_it),
+        cmocka_unit_test(test_misspelt_parameter_names_its_option),
         cmocka_unit_test(test_members_that_hang_are_rows_of_the_ensemble),
     };
     return cmocka_run_group_tests_name("comparison", tests, setup_workspace, teardown_workspace);

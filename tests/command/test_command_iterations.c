@@ -102,7 +102,7 @@ static void check_budget(const json_t *results, const char *progress, const char
     }
 }
 
-static void test_the_budget_is_near_the_converged_error_and_one_less_is_not(void **state)
+static void test_budget_is_the_least_near_the_converged_error(void **state)
 {
     const workspace *f = *state;
     skip_without_others();
@@ -202,7 +202,7 @@ static void test_runs_out_of_time_leave_a_reason(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_budget_is_near_the_converged_error_and_one_less_is_not),
+        cmocka_unit_test(test_budget_is_the_least_near_the_converged_error),
         cmocka_unit_test(test_it_is_in_every_form_of_the_report),
         cmocka_unit_test(test_what_is_there_is_not_searched_again),
         cmocka_unit_test(test_without_the_option_there_is_no_such_metric),

@@ -81,7 +81,7 @@ static void test_every_engine_has_its_row(void **state)
     assert_int_equal(json_array_size(f->results), 15);
 }
 
-static void test_a_good_engine_among_them_is_ok_with_exact_free_fall(void **state)
+static void test_correct_test_engine_has_exact_free_fall(void **state)
 {
     const json_t *good = check_outcome(state, "faulty:good", "ok");
     assert_true(json_is_null(json_object_get(good, "reason")));
@@ -103,7 +103,7 @@ static void test_a_good_engine_among_them_is_ok_with_exact_free_fall(void **stat
     assert_true(result_text(iterations, "reason")[0] != '\0');
 }
 
-static void test_abort_is_crashed_with_signal_step_and_last_line(void **state)
+static void test_abort_is_crashed_with_signal_and_step(void **state)
 {
     const json_t *row = check_outcome(state, "faulty:abort", "crashed");
     assert_contains(result_text(row, "reason"), "SIGABRT in step 3 of 20");
@@ -151,7 +151,7 @@ static void test_all_memory_taken_is_crashed(void **state)
 #endif
 }
 
-static void test_exit_in_a_step_is_crashed_whatever_its_code(void **state)
+static void test_exit_in_a_step_is_always_crashed(void **state)
 {
     const json_t *row = check_outcome(state, "faulty:exit", "crashed");
     assert_contains(result_text(row, "reason"), "exit(0) in step 3 of 20");
@@ -165,7 +165,7 @@ static void test_megabytes_of_output_leave_their_last_2000_bytes(void **state)
     assert_string_equal(output + 2000 - 7, "262143\n");
 }
 
-static void test_another_mass_or_friction_is_unsupported_with_both_numbers(void **state)
+static void test_changed_mass_or_friction_is_unsupported_with_numbers(void **state)
 {
     const json_t *row = check_outcome(state, "faulty:mass", "unsupported");
     assert_contains(result_text(row, "reason"), "mass of a");
@@ -189,7 +189,7 @@ static void test_a_crash_outside_of_steps_says_where(void **state)
     assert_contains(result_text(row, "reason"), "SIGABRT in destroy, 20 of 20 steps done");
 }
 
-static void test_a_process_left_behind_is_killed_and_delays_nothing(void **state)
+static void test_leftover_process_is_killed_without_delay(void **state)
 {
     check_outcome(state, "faulty:orphan", "ok");
     /* As subreaper this process inherits it: it was killed, not left to end by itself. */
@@ -228,19 +228,19 @@ int main(void)
     prctl(PR_SET_CHILD_SUBREAPER, 1);
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_engine_has_its_row),
-        cmocka_unit_test(test_a_good_engine_among_them_is_ok_with_exact_free_fall),
-        cmocka_unit_test(test_abort_is_crashed_with_signal_step_and_last_line),
+        cmocka_unit_test(test_correct_test_engine_has_exact_free_fall),
+        cmocka_unit_test(test_abort_is_crashed_with_signal_and_step),
         cmocka_unit_test(test_segfault_is_crashed),
         cmocka_unit_test(test_hang_is_timeout_with_the_steps_done),
         cmocka_unit_test(test_a_stopped_process_is_timeout),
         cmocka_unit_test(test_nan_is_nonfinite_with_the_last_good_frame),
         cmocka_unit_test(test_all_memory_taken_is_crashed),
-        cmocka_unit_test(test_exit_in_a_step_is_crashed_whatever_its_code),
+        cmocka_unit_test(test_exit_in_a_step_is_always_crashed),
         cmocka_unit_test(test_megabytes_of_output_leave_their_last_2000_bytes),
-        cmocka_unit_test(test_another_mass_or_friction_is_unsupported_with_both_numbers),
+        cmocka_unit_test(test_changed_mass_or_friction_is_unsupported_with_numbers),
         cmocka_unit_test(test_a_step_that_refuses_is_unsupported),
         cmocka_unit_test(test_a_crash_outside_of_steps_says_where),
-        cmocka_unit_test(test_a_process_left_behind_is_killed_and_delays_nothing),
+        cmocka_unit_test(test_leftover_process_is_killed_without_delay),
         cmocka_unit_test(test_a_need_that_the_engine_lacks_is_named),
     };
     return cmocka_run_group_tests_name("faults", tests, compare_all, clean);
