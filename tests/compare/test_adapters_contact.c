@@ -175,7 +175,7 @@ static void law_corner_drop(const pl_engine_choice *choice)
     }
 }
 
-static void test_corner_impact_balances_momentum_and_torque_with_reported_contacts(void **state)
+static void test_corner_impact_balances_momentum_and_torque(void **state)
 {
     (void)state;
     for_each_profile(law_corner_drop);
@@ -271,7 +271,7 @@ static void law_rest(const pl_engine_choice *choice)
     pl_scene_free(&scene);
 }
 
-static void test_contact_impulses_of_a_resting_box_carry_its_weight(void **state)
+static void test_contact_impulses_of_resting_box_balance_its_weight(void **state)
 {
     (void)state;
     for_each_profile(law_rest);
@@ -332,7 +332,7 @@ static void law_slope_rest(const pl_engine_choice *choice)
     }
 }
 
-static void test_contact_impulses_on_a_slope_are_the_weights_two_parts(void **state)
+static void test_contact_impulses_on_a_slope_balance_the_weight(void **state)
 {
     (void)state;
     for_each_profile(law_slope_rest);
@@ -411,10 +411,10 @@ static void test_ball_bounces_with_the_pairs_restitution(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_corner_impact_balances_momentum_and_torque_with_reported_contacts),
+        cmocka_unit_test(test_corner_impact_balances_momentum_and_torque),
         cmocka_unit_test(test_pair_impact_reports_equal_and_opposite_impulses),
-        cmocka_unit_test(test_contact_impulses_of_a_resting_box_carry_its_weight),
-        cmocka_unit_test(test_contact_impulses_on_a_slope_are_the_weights_two_parts),
+        cmocka_unit_test(test_contact_impulses_of_resting_box_balance_its_weight),
+        cmocka_unit_test(test_contact_impulses_on_a_slope_balance_the_weight),
         cmocka_unit_test(test_sliding_block_slows_by_the_pairs_friction),
         cmocka_unit_test(test_ball_bounces_with_the_pairs_restitution),
     };

@@ -75,7 +75,7 @@ static unsigned int check_faces(const pl_polyhedron *hull, const double origin[3
     return longest;
 }
 
-static void test_a_turned_prism_has_its_two_ends_and_its_sides_as_faces(void **state)
+static void test_rotated_prism_has_ends_and_sides_as_faces(void **state)
 {
     (void)state;
     enum { SIDES = 17 };
@@ -103,7 +103,7 @@ static void test_a_turned_prism_has_its_two_ends_and_its_sides_as_faces(void **s
     pl_scene_free(&scene);
 }
 
-static void test_random_hulls_have_faces_by_the_laws_of_convex_polyhedra(void **state)
+static void test_random_hull_faces_obey_convex_polyhedron_laws(void **state)
 {
     (void)state;
     check_random random = {12};
@@ -118,7 +118,7 @@ static void test_random_hulls_have_faces_by_the_laws_of_convex_polyhedra(void **
     }
 }
 
-static void test_a_surface_that_is_no_hull_is_named_and_declined(void **state)
+static void test_nonconvex_surface_is_declined_by_name(void **state)
 {
     (void)state;
     pl_scene scene = pl_scene_default();
@@ -159,9 +159,9 @@ static void test_a_surface_that_is_no_hull_is_named_and_declined(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_turned_prism_has_its_two_ends_and_its_sides_as_faces),
-        cmocka_unit_test(test_random_hulls_have_faces_by_the_laws_of_convex_polyhedra),
-        cmocka_unit_test(test_a_surface_that_is_no_hull_is_named_and_declined),
+        cmocka_unit_test(test_rotated_prism_has_ends_and_sides_as_faces),
+        cmocka_unit_test(test_random_hull_faces_obey_convex_polyhedron_laws),
+        cmocka_unit_test(test_nonconvex_surface_is_declined_by_name),
     };
     return cmocka_run_group_tests_name("adapters faces", tests, NULL, NULL);
 }

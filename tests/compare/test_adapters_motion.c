@@ -138,7 +138,7 @@ static void law_tumble(const pl_engine_choice *choice)
     }
 }
 
-static void test_free_tumbling_body_converges_to_euler_and_falls_by_the_discrete_sum(void **state)
+static void test_free_tumbling_body_converges_to_eulers_equations(void **state)
 {
     (void)state;
     for_each_profile(law_tumble);
@@ -185,7 +185,7 @@ static void law_order(const pl_engine_choice *choice)
     pl_scene_free(&scene);
 }
 
-static void test_bodies_keep_the_scenes_order_and_static_ones_their_place(void **state)
+static void test_bodies_keep_scene_order_and_static_poses(void **state)
 {
     (void)state;
     for_each_profile(law_order);
@@ -238,7 +238,7 @@ static void law_forces(const pl_engine_choice *choice)
     pl_scene_free(&scene);
 }
 
-static void test_forces_accelerate_by_newton_and_euler_over_their_own_steps(void **state)
+static void test_forces_accelerate_by_newton_and_euler_when_active(void **state)
 {
     (void)state;
     for_each_profile(law_forces);
@@ -376,7 +376,7 @@ static void law_world_force(const pl_engine_choice *choice)
     pl_scene_free(&scene);
 }
 
-static void test_world_force_on_a_mesh_acts_about_its_centre_of_mass(void **state)
+static void test_mesh_force_acts_about_its_centre_of_mass(void **state)
 {
     (void)state;
     for_each_profile(law_world_force);
@@ -404,7 +404,7 @@ static void law_no_sleep(const pl_engine_choice *choice)
     pl_scene_free(&scene);
 }
 
-static void test_body_at_rest_for_ten_seconds_still_answers_a_push(void **state)
+static void test_body_at_rest_still_responds_to_a_force(void **state)
 {
     (void)state;
     for_each_profile(law_no_sleep);
@@ -443,12 +443,12 @@ static void test_the_same_scene_twice_gives_the_same_bits(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_tumbling_body_converges_to_euler_and_falls_by_the_discrete_sum),
-        cmocka_unit_test(test_bodies_keep_the_scenes_order_and_static_ones_their_place),
-        cmocka_unit_test(test_forces_accelerate_by_newton_and_euler_over_their_own_steps),
+        cmocka_unit_test(test_free_tumbling_body_converges_to_eulers_equations),
+        cmocka_unit_test(test_bodies_keep_scene_order_and_static_poses),
+        cmocka_unit_test(test_forces_accelerate_by_newton_and_euler_when_active),
         cmocka_unit_test(test_rocket_off_its_axis_flies_fresnels_path),
-        cmocka_unit_test(test_world_force_on_a_mesh_acts_about_its_centre_of_mass),
-        cmocka_unit_test(test_body_at_rest_for_ten_seconds_still_answers_a_push),
+        cmocka_unit_test(test_mesh_force_acts_about_its_centre_of_mass),
+        cmocka_unit_test(test_body_at_rest_still_responds_to_a_force),
         cmocka_unit_test(test_the_same_scene_twice_gives_the_same_bits),
     };
     return cmocka_run_group_tests_name("adapters motion", tests, NULL, NULL);

@@ -90,7 +90,7 @@ static bool is_built_in(const char *name)
 
 /* The table of options, which `list engines` shows, states the values that the library itself
  * ships. */
-static void test_option_tables_of_reference_engines_state_what_their_libraries_ship(void **state)
+static void test_option_tables_of_reference_engines_match_library_defaults(void **state)
 {
     (void)state;
     static const char *const specs[] = {"ode:quick", "ode:dantzig", "bullet:si", "bullet:nncg"};
@@ -129,7 +129,7 @@ static pl_step_stats stack_stats(const char *spec)
     return stats;
 }
 
-static void test_reported_iterations_are_those_asked_and_none_where_there_are_none(void **state)
+static void test_reported_iterations_are_the_requested_ones_or_none(void **state)
 {
     (void)state;
     if (is_built_in("ode")) {
@@ -217,7 +217,7 @@ static double rest_height(const char *spec)
     return height;
 }
 
-static void test_penetration_within_odes_surface_layer_is_not_pushed_out(void **state)
+static void test_penetration_within_odes_surface_layer_stays(void **state)
 {
     (void)state;
     if (!is_built_in("ode")) {
@@ -251,11 +251,11 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_descriptors_are_whole_and_defaults_in_range),
         cmocka_unit_test(test_settings_read_back_equal_the_scene),
-        cmocka_unit_test(test_option_tables_of_reference_engines_state_what_their_libraries_ship),
-        cmocka_unit_test(test_reported_iterations_are_those_asked_and_none_where_there_are_none),
+        cmocka_unit_test(test_option_tables_of_reference_engines_match_library_defaults),
+        cmocka_unit_test(test_reported_iterations_are_the_requested_ones_or_none),
         cmocka_unit_test(
             test_dense_solvers_decline_one_island_beyond_their_memory_but_not_many_small),
-        cmocka_unit_test(test_penetration_within_odes_surface_layer_is_not_pushed_out),
+        cmocka_unit_test(test_penetration_within_odes_surface_layer_stays),
         cmocka_unit_test(test_iterations_that_dantzig_cannot_have_are_declined),
     };
     return cmocka_run_group_tests_name("adapters settings", tests, NULL, NULL);

@@ -82,7 +82,7 @@ static void law_read_back(const pl_engine_choice *choice)
     pl_scene_free(&scene);
 }
 
-static void test_poses_masses_and_inertias_of_every_shape_read_back_equal_the_scene(void **state)
+static void test_every_shape_reads_back_pose_mass_and_inertia(void **state)
 {
     (void)state;
     for_each_profile(law_read_back);
@@ -151,7 +151,7 @@ static void law_faces(const pl_engine_choice *choice)
     }
 }
 
-static void test_any_two_shapes_face_on_face_have_true_depth_and_normals_from_a_to_b(void **state)
+static void test_face_contacts_have_true_depth_and_normal_direction(void **state)
 {
     (void)state;
     for_each_profile(law_faces);
@@ -188,7 +188,7 @@ static void law_tilted(const pl_engine_choice *choice)
     }
 }
 
-static void test_tilted_shapes_touch_a_plane_at_their_lowest_point(void **state)
+static void test_tilted_shapes_touch_planes_at_the_lowest_point(void **state)
 {
     (void)state;
     for_each_profile(law_tilted);
@@ -236,13 +236,13 @@ static void law_rest_heights(const pl_engine_choice *choice)
     rest(choice, PL_SHAPE_MESH, pi / 2, 0.4, 0);
 }
 
-static void test_every_shape_rests_on_a_plane_at_its_own_height(void **state)
+static void test_every_shape_rests_on_a_plane_correctly(void **state)
 {
     (void)state;
     for_each_profile(law_rest_heights);
 }
 
-static void test_bullets_margin_lifts_a_hull_and_a_mesh_by_itself(void **state)
+static void test_bullets_margin_raises_hulls_and_meshes(void **state)
 {
     (void)state;
     pl_engine_choice choice;
@@ -264,7 +264,7 @@ static int no_collider(void *first, void *second, int flags, void *contacts, int
 
 /* The ODE of this build has a collider for every pair; one is taken out of it, as other builds lack
  * it. ODE forgets that when its last world goes. */
-static void test_pair_without_a_collider_in_ode_is_declined_by_name(void **state)
+static void test_pair_without_an_ode_collider_is_declined(void **state)
 {
     (void)state;
     enum { CYLINDER_CLASS = 3 }; /* dCylinderClass */
@@ -308,12 +308,12 @@ static void test_pair_without_a_collider_in_ode_is_declined_by_name(void **state
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_poses_masses_and_inertias_of_every_shape_read_back_equal_the_scene),
-        cmocka_unit_test(test_any_two_shapes_face_on_face_have_true_depth_and_normals_from_a_to_b),
-        cmocka_unit_test(test_tilted_shapes_touch_a_plane_at_their_lowest_point),
-        cmocka_unit_test(test_every_shape_rests_on_a_plane_at_its_own_height),
-        cmocka_unit_test(test_bullets_margin_lifts_a_hull_and_a_mesh_by_itself),
-        cmocka_unit_test(test_pair_without_a_collider_in_ode_is_declined_by_name),
+        cmocka_unit_test(test_every_shape_reads_back_pose_mass_and_inertia),
+        cmocka_unit_test(test_face_contacts_have_true_depth_and_normal_direction),
+        cmocka_unit_test(test_tilted_shapes_touch_planes_at_the_lowest_point),
+        cmocka_unit_test(test_every_shape_rests_on_a_plane_correctly),
+        cmocka_unit_test(test_bullets_margin_raises_hulls_and_meshes),
+        cmocka_unit_test(test_pair_without_an_ode_collider_is_declined),
     };
     return cmocka_run_group_tests_name("adapters shapes", tests, NULL, NULL);
 }

@@ -29,7 +29,7 @@ static pl_bisection search(const fake *f, double low, double high, bool holds_be
     return b;
 }
 
-static void test_the_bracket_holds_the_value_and_is_as_narrow_as_asked(void **state)
+static void test_bracket_contains_the_value_at_requested_width(void **state)
 {
     (void)state;
     for (int i = 0; i < 200; i++) {
@@ -48,7 +48,7 @@ static void test_the_bracket_holds_the_value_and_is_as_narrow_as_asked(void **st
     }
 }
 
-static void test_an_engine_that_never_or_always_holds_ends_after_both_ends(void **state)
+static void test_one_sided_engine_ends_after_both_ends(void **state)
 {
     (void)state;
     const fake never = {.never = true}, always = {.always = true};
@@ -83,8 +83,8 @@ static void test_a_tolerance_too_small_ends_at_neighbouring_numbers(void **state
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_bracket_holds_the_value_and_is_as_narrow_as_asked),
-        cmocka_unit_test(test_an_engine_that_never_or_always_holds_ends_after_both_ends),
+        cmocka_unit_test(test_bracket_contains_the_value_at_requested_width),
+        cmocka_unit_test(test_one_sided_engine_ends_after_both_ends),
         cmocka_unit_test(test_holding_at_the_wrong_end_is_said_so),
         cmocka_unit_test(test_a_tolerance_too_small_ends_at_neighbouring_numbers),
     };

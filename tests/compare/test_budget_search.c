@@ -75,7 +75,7 @@ static double declining(long budget, const void *user)
     return d->a + d->b / pow((double)budget, d->p);
 }
 
-static void test_of_falling_errors_it_is_the_least_of_all_budgets(void **state)
+static void test_falling_errors_give_the_least_sufficient_budget(void **state)
 {
     (void)state;
     check_random random = {.state = 7};
@@ -95,7 +95,7 @@ static void test_of_falling_errors_it_is_the_least_of_all_budgets(void **state)
 }
 
 /* Halved by every doubling to the end: the last one counts as converged. */
-static void test_an_error_that_never_settles_is_held_against_the_largest_budget(void **state)
+static void test_unsettled_error_is_compared_to_the_largest_budget(void **state)
 {
     (void)state;
     const pl_budget_found found = search(declining, &(decline){.a = 0, .b = 1, .p = 1});
@@ -119,7 +119,7 @@ static double rounding(long budget, const void *user)
     return 1e-13 * (double)(budget * 7919 % 101);
 }
 
-static void test_an_error_that_iterations_do_not_change_needs_one_and_three_trials(void **state)
+static void test_constant_error_needs_one_iteration_and_three_trials(void **state)
 {
     (void)state;
     const double values[] = {0, 1e-12, 0.3, 1e6};
@@ -176,7 +176,7 @@ static double noisy(long budget, const void *user)
     return check_uniform(&random, 0, 1) < 0.125 ? (double)INFINITY : error;
 }
 
-static void test_of_noisy_errors_the_budget_and_the_doubling_above_it_are_near(void **state)
+static void test_noisy_errors_are_near_at_budget_and_double(void **state)
 {
     (void)state;
     int found_count = 0;
@@ -247,7 +247,7 @@ static void test_a_largest_budget_that_falls_leaves_nothing_converged(void **sta
     assert_true(isnan(found.converged));
 }
 
-static void test_a_trial_that_ends_the_search_is_the_last(void **state)
+static void test_trial_that_ends_the_search_is_last(void **state)
 {
     (void)state;
     fake f = {.error = declining, .user = &(decline){.a = 0, .b = 1, .p = 1}, .ends_at = 64};
@@ -263,7 +263,7 @@ static void test_a_trial_that_ends_the_search_is_the_last(void **state)
     assert_int_equal(between.budget, 0);
 }
 
-static void test_a_run_that_could_not_be_made_is_an_error(void **state)
+static void test_failed_run_is_an_error(void **state)
 {
     (void)state;
     fake f = {.error = declining, .user = &(decline){.a = 0, .b = 1, .p = 1}};
@@ -296,17 +296,17 @@ static void test_other_ranges_are_doubled_from_their_least(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_of_falling_errors_it_is_the_least_of_all_budgets),
-        cmocka_unit_test(test_an_error_that_never_settles_is_held_against_the_largest_budget),
-        cmocka_unit_test(test_an_error_that_iterations_do_not_change_needs_one_and_three_trials),
+        cmocka_unit_test(test_falling_errors_give_the_least_sufficient_budget),
+        cmocka_unit_test(test_unsettled_error_is_compared_to_the_largest_budget),
+        cmocka_unit_test(test_constant_error_needs_one_iteration_and_three_trials),
         cmocka_unit_test(test_one_flat_doubling_is_not_converged),
         cmocka_unit_test(test_luck_at_one_budget_does_not_count),
-        cmocka_unit_test(test_of_noisy_errors_the_budget_and_the_doubling_above_it_are_near),
+        cmocka_unit_test(test_noisy_errors_are_near_at_budget_and_double),
         cmocka_unit_test(test_budgets_that_fall_are_neither_converged_nor_near),
         cmocka_unit_test(test_what_never_holds_has_no_budget),
         cmocka_unit_test(test_a_largest_budget_that_falls_leaves_nothing_converged),
-        cmocka_unit_test(test_a_trial_that_ends_the_search_is_the_last),
-        cmocka_unit_test(test_a_run_that_could_not_be_made_is_an_error),
+        cmocka_unit_test(test_trial_that_ends_the_search_is_last),
+        cmocka_unit_test(test_failed_run_is_an_error),
         cmocka_unit_test(test_other_ranges_are_doubled_from_their_least),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

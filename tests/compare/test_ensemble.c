@@ -135,7 +135,7 @@ static void test_a_scene_in_which_nothing_moves_is_refused(void **state)
     write_text(f->scene, falling_scene);
 }
 
-static void test_every_member_is_a_row_with_a_jitter_that_engines_share(void **state)
+static void test_every_member_row_has_a_shared_jitter(void **state)
 {
     const workspace *f = *state;
     plumb_output output = well(
@@ -250,7 +250,7 @@ static void test_all_unsupported_exits_4(void **state)
 }
 
 /* Other settings have members of their own; a reference has the members of what it refers to. */
-static void test_other_settings_and_references_are_ensembles_of_their_own(void **state)
+static void test_other_settings_and_references_are_separate_ensembles(void **state)
 {
     const workspace *f = *state;
     plumb_output output =
@@ -290,7 +290,7 @@ static void test_other_settings_and_references_are_ensembles_of_their_own(void *
     free_output(&output);
 }
 
-static void test_references_have_more_iterations_where_there_is_the_option(void **state)
+static void test_references_have_more_iterations_if_supported(void **state)
 {
     const workspace *f = *state;
     static const struct {
@@ -360,7 +360,7 @@ static void await_orphans(void)
     while (waitpid(-1, NULL, 0) > 0) {}
 }
 
-static void test_killed_and_resumed_has_the_same_rows_and_outcome(void **state)
+static void test_killed_and_resumed_study_has_equal_rows(void **state)
 {
     const workspace *f = *state;
     static const char whole[] = "wall-collapse --set rows=3 --set columns=4 --duration 1 "
@@ -435,7 +435,7 @@ int main(void)
                                         teardown_workspace),
         cmocka_unit_test_setup_teardown(test_a_scene_in_which_nothing_moves_is_refused,
                                         setup_workspace, teardown_workspace),
-        cmocka_unit_test_setup_teardown(test_every_member_is_a_row_with_a_jitter_that_engines_share,
+        cmocka_unit_test_setup_teardown(test_every_member_row_has_a_shared_jitter,
                                         setup_workspace, teardown_workspace),
         cmocka_unit_test_setup_teardown(test_trajectories_go_and_the_horizon_stays, setup_workspace,
                                         teardown_workspace),
@@ -448,12 +448,12 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_all_unsupported_exits_4, setup_workspace,
                                         teardown_workspace),
         cmocka_unit_test_setup_teardown(
-            test_other_settings_and_references_are_ensembles_of_their_own, setup_workspace,
+            test_other_settings_and_references_are_separate_ensembles, setup_workspace,
             teardown_workspace),
         cmocka_unit_test_setup_teardown(
-            test_references_have_more_iterations_where_there_is_the_option, setup_workspace,
+            test_references_have_more_iterations_if_supported, setup_workspace,
             teardown_workspace),
-        cmocka_unit_test_setup_teardown(test_killed_and_resumed_has_the_same_rows_and_outcome,
+        cmocka_unit_test_setup_teardown(test_killed_and_resumed_study_has_equal_rows,
                                         setup_workspace, teardown_workspace),
         cmocka_unit_test_setup_teardown(test_more_members_are_added_to_those_there, setup_workspace,
                                         teardown_workspace),

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-static void test_spread_is_the_deviation_of_the_most_spread_body(void **state)
+static void test_spread_is_that_of_the_most_spread_body(void **state)
 {
     (void)state;
     /* Two bodies, four members: the second body lies on the corners of a tetrahedron. */
@@ -105,7 +105,7 @@ static pl_horizon find(const fixture *f)
     return horizon;
 }
 
-static void test_horizon_is_when_members_are_a_hundredth_of_a_body_apart(void **state)
+static void test_horizon_is_at_a_hundredth_body_size(void **state)
 {
     const fixture *f = *state;
     write_member(f, 0, 0, 240);
@@ -154,10 +154,10 @@ static void test_without_every_trajectory_nothing_is_known(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_spread_is_the_deviation_of_the_most_spread_body),
+        cmocka_unit_test(test_spread_is_that_of_the_most_spread_body),
         cmocka_unit_test(test_samples_are_at_most_60_a_second),
         cmocka_unit_test_setup_teardown(
-            test_horizon_is_when_members_are_a_hundredth_of_a_body_apart, prepare, clean),
+            test_horizon_is_at_a_hundredth_body_size, prepare, clean),
         cmocka_unit_test_setup_teardown(test_members_that_stay_together_have_no_horizon, prepare,
                                         clean),
         cmocka_unit_test_setup_teardown(test_a_member_that_ended_early_ends_the_search, prepare,

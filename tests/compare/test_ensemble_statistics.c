@@ -157,7 +157,7 @@ static void test_few_values_have_an_exact_p(void **state)
     }
 }
 
-static void test_many_values_have_a_p_within_its_sampling_error(void **state)
+static void test_p_value_is_within_its_sampling_error(void **state)
 {
     (void)state;
     /* 184,756 arrangements: more than are counted, few enough to count here. */
@@ -217,7 +217,7 @@ static void test_noise_is_the_mean_over_all_splits(void **state)
     assert_true(isnan(noise.energy) && isnan(noise.ks));
 }
 
-static void test_two_samples_of_one_distribution_are_as_far_apart_as_the_noise(void **state)
+static void test_equal_distributions_differ_by_the_noise_only(void **state)
 {
     (void)state;
     enum { TRIALS = 200, EACH = 16 };
@@ -262,10 +262,10 @@ int main(void)
         cmocka_unit_test(test_distances_have_their_closed_forms),
         cmocka_unit_test(test_distances_are_those_of_their_definitions),
         cmocka_unit_test(test_few_values_have_an_exact_p),
-        cmocka_unit_test(test_many_values_have_a_p_within_its_sampling_error),
+        cmocka_unit_test(test_p_value_is_within_its_sampling_error),
         cmocka_unit_test(test_p_of_equal_distributions_is_uniform),
         cmocka_unit_test(test_noise_is_the_mean_over_all_splits),
-        cmocka_unit_test(test_two_samples_of_one_distribution_are_as_far_apart_as_the_noise),
+        cmocka_unit_test(test_equal_distributions_differ_by_the_noise_only),
         cmocka_unit_test(test_holm_steps_down),
     };
     return cmocka_run_group_tests_name("ensemble statistics", tests, NULL, NULL);

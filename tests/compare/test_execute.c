@@ -56,7 +56,7 @@ static pl_progress execute(seen *s, FILE *out)
     return bar;
 }
 
-static void test_the_bar_counts_what_is_made_and_not_what_became_needless(void **state)
+static void test_progress_bar_leaves_out_skipped_runs(void **state)
 {
     (void)state;
     for (int is_enough = 0; is_enough < 2; ++is_enough) {
@@ -73,7 +73,7 @@ static void test_the_bar_counts_what_is_made_and_not_what_became_needless(void *
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_bar_counts_what_is_made_and_not_what_became_needless),
+        cmocka_unit_test(test_progress_bar_leaves_out_skipped_runs),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -97,7 +97,7 @@ static json_t *with_outcome(const char *outcome, double drift)
     return results;
 }
 
-static void test_a_run_that_is_no_longer_ok_fails_once(void **state)
+static void test_run_no_longer_ok_fails_once(void **state)
 {
     const workspace *w = *state;
     expect(w, begin_trial(with_outcome("ok", 1), with_outcome("collapsed", 50)), 1, 0, "outcome",
@@ -110,7 +110,7 @@ static void test_a_run_that_is_no_longer_ok_fails_once(void **state)
            "outcome", "it fell");
 }
 
-static void test_a_missing_run_fails_and_a_new_one_is_told(void **state)
+static void test_missing_run_fails_and_new_run_is_reported(void **state)
 {
     const workspace *w = *state;
     for (int missing = 0; missing < 2; ++missing) {
@@ -121,7 +121,7 @@ static void test_a_missing_run_fails_and_a_new_one_is_told(void **state)
     }
 }
 
-static void test_a_step_or_seed_of_its_own_is_another_run(void **state)
+static void test_different_step_or_seed_is_another_run(void **state)
 {
     const workspace *w = *state;
     static const char *const keys[] = {"seed", "dt", "duration", "params"};
@@ -139,7 +139,7 @@ static void test_a_step_or_seed_of_its_own_is_another_run(void **state)
 }
 
 /* A parameter that the catalogue got after the baseline was made. */
-static void test_a_parameter_at_its_default_is_no_other_run(void **state)
+static void test_parameter_at_its_default_is_the_same_run(void **state)
 {
     const workspace *w = *state;
     for (int n = 10; n < 12; ++n) {
@@ -172,10 +172,10 @@ int main(void)
         cmocka_unit_test(test_tolerances_are_what_was_asked_for),
         cmocka_unit_test(test_texts_are_exact),
         cmocka_unit_test(test_a_value_that_is_lost_fails),
-        cmocka_unit_test(test_a_run_that_is_no_longer_ok_fails_once),
-        cmocka_unit_test(test_a_missing_run_fails_and_a_new_one_is_told),
-        cmocka_unit_test(test_a_step_or_seed_of_its_own_is_another_run),
-        cmocka_unit_test(test_a_parameter_at_its_default_is_no_other_run),
+        cmocka_unit_test(test_run_no_longer_ok_fails_once),
+        cmocka_unit_test(test_missing_run_fails_and_new_run_is_reported),
+        cmocka_unit_test(test_different_step_or_seed_is_another_run),
+        cmocka_unit_test(test_parameter_at_its_default_is_the_same_run),
         cmocka_unit_test(test_the_worst_of_repeats_that_differ_counts),
     };
     return cmocka_run_group_tests_name("gate", tests, setup_workspace, teardown_workspace);

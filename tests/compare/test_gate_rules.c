@@ -49,7 +49,7 @@ static void test_rules_judge_what_they_name(void **state)
     expect(w, t, 1, 0, "drift", "the rule fails it");
 }
 
-static void test_a_run_without_the_value_does_not_slip_past_a_rule(void **state)
+static void test_run_without_a_value_fails_its_rule(void **state)
 {
     const workspace *w = *state;
     json_t *crashed = json_array();
@@ -114,7 +114,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rules_judge_what_they_name),
-        cmocka_unit_test(test_a_run_without_the_value_does_not_slip_past_a_rule),
+        cmocka_unit_test(test_run_without_a_value_fails_its_rule),
         cmocka_unit_test(test_mistakes_in_rules_are_said_with_their_column),
     };
     return cmocka_run_group_tests_name("gate rules", tests, setup_workspace, teardown_workspace);

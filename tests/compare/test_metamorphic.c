@@ -19,7 +19,7 @@ static plumb_output call(const workspace *f, const char *const *arguments)
 /* ---- Names and exit codes ----------------------------------------------------------------------
  */
 
-static void test_usage_errors_exit_2_and_suggest_the_nearest_name(void **state)
+static void test_usage_errors_exit_2_and_suggest_a_name(void **state)
 {
     static const char *const cases[][5] = {
         {NULL, NULL, NULL, NULL, "which scenario?"},
@@ -119,7 +119,7 @@ static void check_verdict(const workspace *f, const char *engine, const char *ch
     json_decref(trial);
 }
 
-static void test_what_breaks_off_is_a_failed_row_and_what_refuses_is_nothing_compared(void **state)
+static void test_broken_run_fails_and_unsupported_run_is_skipped(void **state)
 {
     check_verdict(*state, FAULTY ":good", "again", "bitwise", "", 0);
     check_verdict(*state, FAULTY ":good", "mirror", "bitwise", "", 0);
@@ -128,7 +128,7 @@ static void test_what_breaks_off_is_a_failed_row_and_what_refuses_is_nothing_com
     check_verdict(*state, FAULTY ":mass", "again", "failed", "plain run unsupported", 4);
 }
 
-static void test_progress_goes_to_standard_error_and_tables_to_standard_output(void **state)
+static void test_progress_and_tables_use_separate_streams(void **state)
 {
     const workspace *f = *state;
     const char *const arguments[] = {"metamorphic", f->scene, "--engine", FAULTY ":good",
@@ -186,7 +186,7 @@ static pl_status compare(int frames, int from, double off, double turn, pl_agree
     return status;
 }
 
-static void test_differences_are_graded_at_a_tenth_and_at_the_end(void **state)
+static void test_differences_are_graded_at_two_times(void **state)
 {
     (void)state;
     static const struct {
@@ -236,12 +236,12 @@ static void test_too_few_frames_are_no_agreement(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_usage_errors_exit_2_and_suggest_the_nearest_name),
+        cmocka_unit_test(test_usage_errors_exit_2_and_suggest_a_name),
         cmocka_unit_test(test_it_explains_itself),
         cmocka_unit_test(test_json_says_what_was_run_and_found),
-        cmocka_unit_test(test_what_breaks_off_is_a_failed_row_and_what_refuses_is_nothing_compared),
-        cmocka_unit_test(test_progress_goes_to_standard_error_and_tables_to_standard_output),
-        cmocka_unit_test(test_differences_are_graded_at_a_tenth_and_at_the_end),
+        cmocka_unit_test(test_broken_run_fails_and_unsupported_run_is_skipped),
+        cmocka_unit_test(test_progress_and_tables_use_separate_streams),
+        cmocka_unit_test(test_differences_are_graded_at_two_times),
         cmocka_unit_test(test_a_detour_that_comes_back_is_not_bitwise),
         cmocka_unit_test(test_too_few_frames_are_no_agreement),
     };

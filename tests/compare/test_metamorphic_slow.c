@@ -122,7 +122,7 @@ static void test_what_is_far_away_changes_no_bit(void **state)
     expect(&collapse, ALL, CHECKS("far"), END, 0);
 }
 
-static void test_what_is_solved_knows_no_direction_and_no_order(void **state)
+static void test_direct_solution_is_independent_of_direction_and_order(void **state)
 {
     (void)state;
     for (int i = 0; i < RESTING; ++i) {
@@ -134,7 +134,7 @@ static void test_what_is_solved_knows_no_direction_and_no_order(void **state)
 }
 
 /* A place at 1e6 m is known to 1.2e-10 m, at 1e7 m to 1.9e-9 m. */
-static void test_what_is_solved_stays_as_exact_as_doubles_are_far_from_the_origin(void **state)
+static void test_direct_solution_far_away_is_exact_to_rounding(void **state)
 {
     (void)state;
     const char *const near[] = {"shift-1e3", "shift-1e4", "shift-1e5", "shift-1e6", NULL};
@@ -150,7 +150,7 @@ static void test_what_is_solved_stays_as_exact_as_doubles_are_far_from_the_origi
 
 /* The fast profile does not iterate soft contacts to convergence: what it leaves depends on the
  * order in which they come, within what it sags. */
-static void test_soft_contacts_depend_on_directions_and_order_by_little(void **state)
+static void test_soft_contacts_depend_little_on_direction_and_order(void **state)
 {
     (void)state;
     for (int i = 0; i < RESTING; ++i) {
@@ -163,7 +163,7 @@ static void test_soft_contacts_depend_on_directions_and_order_by_little(void **s
 }
 
 /* The ball strikes at 0.1 s; until then all is at rest. */
-static void test_a_wall_before_it_is_struck_knows_no_direction_and_no_order(void **state)
+static void test_resting_wall_is_independent_of_direction_and_order(void **state)
 {
     (void)state;
     expect(&collapse, SOLVED, CHECKS("rotate", "mirror", "order"), EARLY, 1e-9);
@@ -174,10 +174,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_run_repeats_bit_for_bit),
         cmocka_unit_test(test_what_is_far_away_changes_no_bit),
-        cmocka_unit_test(test_what_is_solved_knows_no_direction_and_no_order),
-        cmocka_unit_test(test_what_is_solved_stays_as_exact_as_doubles_are_far_from_the_origin),
-        cmocka_unit_test(test_soft_contacts_depend_on_directions_and_order_by_little),
-        cmocka_unit_test(test_a_wall_before_it_is_struck_knows_no_direction_and_no_order),
+        cmocka_unit_test(test_direct_solution_is_independent_of_direction_and_order),
+        cmocka_unit_test(test_direct_solution_far_away_is_exact_to_rounding),
+        cmocka_unit_test(test_soft_contacts_depend_little_on_direction_and_order),
+        cmocka_unit_test(test_resting_wall_is_independent_of_direction_and_order),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -200,7 +200,7 @@ static void test_quarter_turns_are_exact(void **state)
     pl_scene_free(&tipped);
 }
 
-static void test_a_shifted_plane_keeps_its_distance_from_the_bodies(void **state)
+static void test_translated_plane_keeps_its_distance_from_bodies(void **state)
 {
     (void)state;
     pl_scene was = crooked_scene();
@@ -238,7 +238,7 @@ static void test_every_order_is_a_permutation(void **state)
 /* ---- Copies and restarts -----------------------------------------------------------------------
  */
 
-static void test_a_far_copy_is_far_and_on_the_same_planes(void **state)
+static void test_far_copy_is_on_the_same_planes(void **state)
 {
     (void)state;
     double offset[3];
@@ -261,7 +261,7 @@ static void test_a_far_copy_is_far_and_on_the_same_planes(void **state)
     pl_scene_free(&is);
 }
 
-static void test_planes_in_all_directions_leave_no_room_for_a_copy(void **state)
+static void test_planes_in_all_directions_prevent_a_copy(void **state)
 {
     (void)state;
     double offset[3];
@@ -317,10 +317,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_points_vectors_and_tensors_are_carried_as_such),
         cmocka_unit_test(test_quarter_turns_are_exact),
-        cmocka_unit_test(test_a_shifted_plane_keeps_its_distance_from_the_bodies),
+        cmocka_unit_test(test_translated_plane_keeps_its_distance_from_bodies),
         cmocka_unit_test(test_every_order_is_a_permutation),
-        cmocka_unit_test(test_a_far_copy_is_far_and_on_the_same_planes),
-        cmocka_unit_test(test_planes_in_all_directions_leave_no_room_for_a_copy),
+        cmocka_unit_test(test_far_copy_is_on_the_same_planes),
+        cmocka_unit_test(test_planes_in_all_directions_prevent_a_copy),
         cmocka_unit_test(test_a_restart_goes_on_with_states_and_forces),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

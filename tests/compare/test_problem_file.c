@@ -43,7 +43,7 @@ static pe_contact_problem *read_problem(const char *text, json_t **source)
 /* ---- Good files --------------------------------------------------------------------------------
  */
 
-static void test_a_file_by_hand_is_the_problem_it_says(void **state)
+static void test_handwritten_file_is_read_correctly(void **state)
 {
     (void)state;
     json_t *source = NULL;
@@ -126,7 +126,7 @@ static void test_extreme_numbers_survive_the_file(void **state)
     check_round_trip(problem);
 }
 
-static void test_a_written_file_reads_back_and_an_invalid_problem_is_not_written(void **state)
+static void test_valid_problems_round_trip_and_invalid_are_refused(void **state)
 {
     (void)state;
     char *directory = make_directory();
@@ -244,7 +244,7 @@ static void test_bad_numbers_are_found_where_they_are(void **state)
     CHECK(faults);
 }
 
-static void test_what_json_cannot_say_is_a_fault_of_syntax(void **state)
+static void test_invalid_json_is_a_syntax_error(void **state)
 {
     (void)state;
     const text_fault faults[] = {
@@ -281,7 +281,7 @@ static void check_refused_file(const char *path, pl_status status, const char *p
     assert_null(problem);
 }
 
-static void test_what_is_no_file_of_a_problem_is_refused(void **state)
+static void test_invalid_problem_files_are_refused(void **state)
 {
     (void)state;
     char *directory = make_directory();
@@ -302,15 +302,15 @@ static void test_what_is_no_file_of_a_problem_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_file_by_hand_is_the_problem_it_says),
+        cmocka_unit_test(test_handwritten_file_is_read_correctly),
         cmocka_unit_test(test_every_bit_of_a_problem_survives_the_file),
         cmocka_unit_test(test_extreme_numbers_survive_the_file),
-        cmocka_unit_test(test_a_written_file_reads_back_and_an_invalid_problem_is_not_written),
+        cmocka_unit_test(test_valid_problems_round_trip_and_invalid_are_refused),
         cmocka_unit_test(test_wrong_kinds_are_found_where_they_are),
         cmocka_unit_test(test_bad_numbers_are_found_where_they_are),
-        cmocka_unit_test(test_what_json_cannot_say_is_a_fault_of_syntax),
+        cmocka_unit_test(test_invalid_json_is_a_syntax_error),
         cmocka_unit_test(test_a_file_cut_short_anywhere_is_refused),
-        cmocka_unit_test(test_what_is_no_file_of_a_problem_is_refused),
+        cmocka_unit_test(test_invalid_problem_files_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

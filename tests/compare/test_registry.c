@@ -116,7 +116,7 @@ static void in_folder(const char *rest, char spec[256])
     snprintf(spec, 256, "%s/%s", folder, rest);
 }
 
-static void test_known_engines_are_ours_then_the_references_in_order(void **state)
+static void test_engines_are_listed_with_plumb_first(void **state)
 {
     (void)state;
     static const char *const names[] = {"plumb", "ode", "bullet"};
@@ -134,7 +134,7 @@ static void test_known_engines_are_ours_then_the_references_in_order(void **stat
     }
 }
 
-static void test_a_name_alone_is_its_first_profile_with_that_profiles_defaults(void **state)
+static void test_bare_engine_name_is_its_first_profile(void **state)
 {
     (void)state;
     int count = 0;
@@ -185,7 +185,7 @@ static void test_profile_defaults_come_before_the_users_options(void **state)
     assert_close(choice.values[0], 100, 0, 0);
 }
 
-static void test_labels_tell_numbers_apart_that_differ_in_the_last_bit(void **state)
+static void test_labels_distinguish_numbers_by_the_last_bit(void **state)
 {
     (void)state;
     char spec[256], label[128];
@@ -198,7 +198,7 @@ static void test_labels_tell_numbers_apart_that_differ_in_the_last_bit(void **st
     assert_string_equal(label, "mine:fast,stiffness=0.10000000000000002");
 }
 
-static void test_a_path_may_hold_colon_and_comma_and_may_lack_a_slash(void **state)
+static void test_path_may_contain_colon_and_comma(void **state)
 {
     (void)state;
     char spec[256], before[1024];
@@ -294,7 +294,7 @@ static void test_shared_objects_of_another_abi_are_refused(void **state)
     }
 }
 
-static void test_a_file_that_is_no_shared_object_is_refused_with_the_loaders_reason(void **state)
+static void test_invalid_shared_object_is_refused_with_loader_reason(void **state)
 {
     (void)state;
     char spec[256];
@@ -308,16 +308,16 @@ static void test_a_file_that_is_no_shared_object_is_refused_with_the_loaders_rea
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_known_engines_are_ours_then_the_references_in_order),
-        cmocka_unit_test(test_a_name_alone_is_its_first_profile_with_that_profiles_defaults),
+        cmocka_unit_test(test_engines_are_listed_with_plumb_first),
+        cmocka_unit_test(test_bare_engine_name_is_its_first_profile),
         cmocka_unit_test(test_profile_defaults_come_before_the_users_options),
-        cmocka_unit_test(test_labels_tell_numbers_apart_that_differ_in_the_last_bit),
-        cmocka_unit_test(test_a_path_may_hold_colon_and_comma_and_may_lack_a_slash),
+        cmocka_unit_test(test_labels_distinguish_numbers_by_the_last_bit),
+        cmocka_unit_test(test_path_may_contain_colon_and_comma),
         cmocka_unit_test(test_misspelt_names_get_the_nearest_suggested),
         cmocka_unit_test(test_bad_options_are_refused_with_what_was_found),
         cmocka_unit_test(test_a_spec_longer_than_its_field_is_refused),
         cmocka_unit_test(test_shared_objects_of_another_abi_are_refused),
-        cmocka_unit_test(test_a_file_that_is_no_shared_object_is_refused_with_the_loaders_reason),
+        cmocka_unit_test(test_invalid_shared_object_is_refused_with_loader_reason),
     };
     return cmocka_run_group_tests_name("registry", tests, make_objects, remove_objects);
 }

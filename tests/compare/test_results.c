@@ -58,7 +58,7 @@ static void hash_of(const pl_run_view *run, char hash[17])
     json_decref(identity);
 }
 
-static void test_runs_that_differ_in_one_thing_have_different_hashes(void **state)
+static void test_runs_that_differ_have_different_hashes(void **state)
 {
     (void)state;
     pl_run_view runs[9];
@@ -216,7 +216,7 @@ static char *directory_with_two(void)
     return directory;
 }
 
-static void test_resume_keeps_complete_lines_and_cuts_an_unfinished_one(void **state)
+static void test_resume_keeps_complete_lines_only(void **state)
 {
     (void)state;
     char *directory = directory_with_two();
@@ -283,7 +283,7 @@ static void check_bad_line(const char *text, const char *where)
     remove_directory(directory);
 }
 
-static void test_a_complete_line_that_is_no_result_is_an_error_and_changes_nothing(void **state)
+static void test_invalid_complete_line_is_an_error_without_changes(void **state)
 {
     (void)state;
     const char good[] = "{\"schema\":\"plumb.result/1\",\"run\":\"a\"}\n";
@@ -354,7 +354,7 @@ static void test_a_full_disk_is_an_error(void **state)
 }
 
 /* A limit of the file's size lets a write begin and not end, as a disk does that fills up. */
-static void test_a_write_that_fails_halfway_leaves_the_lines_before(void **state)
+static void test_failed_write_leaves_the_earlier_lines(void **state)
 {
     (void)state;
     char *directory = directory_with_two();
@@ -390,7 +390,7 @@ static void test_a_write_that_fails_halfway_leaves_the_lines_before(void **state
     remove_directory(directory);
 }
 
-static void test_directories_are_made_and_a_file_in_the_way_is_named(void **state)
+static void test_directories_are_created_unless_a_file_blocks(void **state)
 {
     (void)state;
     char *directory = make_directory();
@@ -445,19 +445,19 @@ static void test_provenance_names_machine_build_and_call(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_runs_that_differ_in_one_thing_have_different_hashes),
+        cmocka_unit_test(test_runs_that_differ_have_different_hashes),
         cmocka_unit_test(test_identity_holds_every_parameter_and_option),
         cmocka_unit_test(test_numbers_survive_the_line_bit_for_bit),
         cmocka_unit_test(test_metrics_are_absent_null_with_reason_or_values),
         cmocka_unit_test(test_a_run_without_a_frame_has_null_poses),
         cmocka_unit_test(test_any_bytes_become_valid_text),
-        cmocka_unit_test(test_resume_keeps_complete_lines_and_cuts_an_unfinished_one),
+        cmocka_unit_test(test_resume_keeps_complete_lines_only),
         cmocka_unit_test(test_without_resume_the_file_begins_anew),
-        cmocka_unit_test(test_a_complete_line_that_is_no_result_is_an_error_and_changes_nothing),
+        cmocka_unit_test(test_invalid_complete_line_is_an_error_without_changes),
         cmocka_unit_test(test_one_process_at_a_time_writes_a_file),
         cmocka_unit_test(test_a_full_disk_is_an_error),
-        cmocka_unit_test(test_a_write_that_fails_halfway_leaves_the_lines_before),
-        cmocka_unit_test(test_directories_are_made_and_a_file_in_the_way_is_named),
+        cmocka_unit_test(test_failed_write_leaves_the_earlier_lines),
+        cmocka_unit_test(test_directories_are_created_unless_a_file_blocks),
         cmocka_unit_test(test_json_is_written_whole_or_not_at_all),
         cmocka_unit_test(test_provenance_names_machine_build_and_call),
     };

@@ -143,7 +143,7 @@ static void check_interrupted(const workspace *f, int number)
     json_decref(read_results(f));
 }
 
-static void test_interrupt_and_terminate_kill_the_run_and_say_how_to_go_on(void **state)
+static void test_signals_kill_the_run_and_explain_resume(void **state)
 {
     check_interrupted(*state, SIGINT);
     check_interrupted(*state, SIGTERM);
@@ -202,7 +202,7 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_resume_of_a_complete_comparison_runs_nothing, prepare,
                                         teardown_workspace),
         cmocka_unit_test_setup_teardown(
-            test_interrupt_and_terminate_kill_the_run_and_say_how_to_go_on, prepare,
+            test_signals_kill_the_run_and_explain_resume, prepare,
             teardown_workspace),
         cmocka_unit_test_setup_teardown(test_a_killed_comparison_takes_its_run_with_it, prepare,
                                         teardown_workspace),

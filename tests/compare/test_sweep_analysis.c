@@ -6,7 +6,7 @@
 
 enum { MOST = 60 };
 
-static void test_front_is_what_nothing_is_cheaper_than_and_as_exact(void **state)
+static void test_pareto_front_has_only_undominated_points(void **state)
 {
     (void)state;
     const pl_sweep_sample samples[] = {{1, 1e-1}, {2, 1e-2},   {3, 1e-2},
@@ -210,7 +210,7 @@ static void test_interval_holds_the_middle(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_front_is_what_nothing_is_cheaper_than_and_as_exact),
+        cmocka_unit_test(test_pareto_front_has_only_undominated_points),
         cmocka_unit_test(test_ties_leave_one_of_each),
         cmocka_unit_test(test_front_is_that_of_its_definition),
         cmocka_unit_test(test_front_is_read_at_and_between_its_points),

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-static void test_speed_is_their_cost_over_ours_at_each_error(void **state)
+static void test_speed_ratio_is_cost_at_each_error(void **state)
 {
     (void)state;
     json_t *results = crossing_sweep();
@@ -27,7 +27,7 @@ static void test_speed_is_their_cost_over_ours_at_each_error(void **state)
     finish_sweep(&analysis, results);
 }
 
-static void test_exactness_is_their_error_over_ours_at_each_cost(void **state)
+static void test_error_ratio_is_taken_at_each_cost(void **state)
 {
     (void)state;
     json_t *results = crossing_sweep();
@@ -205,7 +205,7 @@ static void test_loss_within_its_interval_is_noise(void **state)
     finish_sweep(&analysis, results);
 }
 
-static void test_intervals_of_two_engines_do_not_depend_on_a_third(void **state)
+static void test_intervals_do_not_depend_on_a_third_engine(void **state)
 {
     (void)state;
     json_t *results = json_array();
@@ -231,7 +231,7 @@ static void test_intervals_of_two_engines_do_not_depend_on_a_third(void **state)
     finish_sweep(&with, results);
 }
 
-static void test_mean_is_geometric_and_counts_what_is_never_reached(void **state)
+static void test_geometric_mean_counts_unreached_targets(void **state)
 {
     (void)state;
     json_t *results = json_array();
@@ -294,16 +294,16 @@ static void test_profile_by_hand(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_speed_is_their_cost_over_ours_at_each_error),
-        cmocka_unit_test(test_exactness_is_their_error_over_ours_at_each_cost),
+        cmocka_unit_test(test_speed_ratio_is_cost_at_each_error),
+        cmocka_unit_test(test_error_ratio_is_taken_at_each_cost),
         cmocka_unit_test(test_losses_are_where_another_front_is_ahead),
         cmocka_unit_test(test_equal_engines_have_no_losses),
         cmocka_unit_test(test_constant_repeats_have_an_interval_without_width),
         cmocka_unit_test(test_interval_is_that_of_resampled_medians),
         cmocka_unit_test(test_intervals_of_few_repeats_hold_the_true_ratio),
         cmocka_unit_test(test_loss_within_its_interval_is_noise),
-        cmocka_unit_test(test_intervals_of_two_engines_do_not_depend_on_a_third),
-        cmocka_unit_test(test_mean_is_geometric_and_counts_what_is_never_reached),
+        cmocka_unit_test(test_intervals_do_not_depend_on_a_third_engine),
+        cmocka_unit_test(test_geometric_mean_counts_unreached_targets),
         cmocka_unit_test(test_profile_by_hand),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -32,7 +32,7 @@ static void test_point_is_the_median_of_its_repeats(void **state)
     finish_sweep(&analysis, results);
 }
 
-static void test_what_makes_a_problem_an_engine_and_a_point(void **state)
+static void test_rows_are_grouped_by_case_and_configuration(void **state)
 {
     (void)state;
     json_t *results = json_array();
@@ -165,7 +165,7 @@ static void test_error_below_the_floor_counts_as_the_floor(void **state)
     finish_sweep(&analysis, results);
 }
 
-static void test_order_is_found_along_runs_that_differ_in_dt_alone(void **state)
+static void test_order_is_found_over_dt_only(void **state)
 {
     (void)state;
     json_t *results = json_array();
@@ -315,13 +315,13 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_point_is_the_median_of_its_repeats),
-        cmocka_unit_test(test_what_makes_a_problem_an_engine_and_a_point),
+        cmocka_unit_test(test_rows_are_grouped_by_case_and_configuration),
         cmocka_unit_test(test_failed_point_is_never_a_number),
         cmocka_unit_test(test_all_failed_is_no_comparison),
         cmocka_unit_test(test_what_is_not_supported_has_not_failed),
         cmocka_unit_test(test_missing_number_makes_a_point_unmeasured),
         cmocka_unit_test(test_error_below_the_floor_counts_as_the_floor),
-        cmocka_unit_test(test_order_is_found_along_runs_that_differ_in_dt_alone),
+        cmocka_unit_test(test_order_is_found_over_dt_only),
         cmocka_unit_test(test_instructions_are_for_a_simulated_second),
         cmocka_unit_test(test_order_and_doubles_of_rows_do_not_matter),
         cmocka_unit_test(test_broken_input_is_named),

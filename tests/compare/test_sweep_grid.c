@@ -118,7 +118,7 @@ static void test_the_last_key_varies_fastest(void **state)
     pl_plan_free(&plan);
 }
 
-static void test_what_lacks_a_key_is_not_varied_by_it(void **state)
+static void test_missing_key_is_not_varied(void **state)
 {
     (void)state;
     check_runs(&(asked){.scenarios = {"free-fall"},
@@ -141,7 +141,7 @@ static void test_profiles_are_those_that_the_engine_has(void **state)
                "60 plumb:fast 0\n60 faulty:nan 0\n60 plumb:default 0\n");
 }
 
-static void test_an_option_asked_for_stays_when_the_profile_changes(void **state)
+static void test_requested_option_stays_when_the_profile_changes(void **state)
 {
     (void)state;
     check_runs(&(asked){.scenarios = {"free-fall"},
@@ -175,7 +175,7 @@ static void test_equal_points_are_one(void **state)
     pl_plan_free(&plan);
 }
 
-static void test_a_parameter_without_effect_on_the_scene_is_still_a_point(void **state)
+static void test_parameter_without_effect_is_still_a_point(void **state)
 {
     (void)state;
     pl_plan plan = grid(&(asked){.scenarios = {"tower"},
@@ -213,7 +213,7 @@ static void test_a_point_is_the_run_that_compare_makes(void **state)
     pl_plan_free(&plan);
 }
 
-static void test_a_deferred_scene_is_built_as_it_was_hashed(void **state)
+static void test_deferred_scene_is_built_as_hashed(void **state)
 {
     (void)state;
     pl_plan plan = grid(&(asked){.scenarios = {"pile", "tower"},
@@ -358,14 +358,14 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_repeats_are_outermost_and_engines_take_turns),
         cmocka_unit_test(test_the_last_key_varies_fastest),
-        cmocka_unit_test(test_what_lacks_a_key_is_not_varied_by_it),
+        cmocka_unit_test(test_missing_key_is_not_varied),
         cmocka_unit_test(test_profiles_are_those_that_the_engine_has),
-        cmocka_unit_test(test_an_option_asked_for_stays_when_the_profile_changes),
+        cmocka_unit_test(test_requested_option_stays_when_the_profile_changes),
         cmocka_unit_test(test_a_key_of_one_owner_counts_there_instead),
         cmocka_unit_test(test_equal_points_are_one),
-        cmocka_unit_test(test_a_parameter_without_effect_on_the_scene_is_still_a_point),
+        cmocka_unit_test(test_parameter_without_effect_is_still_a_point),
         cmocka_unit_test(test_a_point_is_the_run_that_compare_makes),
-        cmocka_unit_test(test_a_deferred_scene_is_built_as_it_was_hashed),
+        cmocka_unit_test(test_deferred_scene_is_built_as_hashed),
         cmocka_unit_test(test_shards_partition_the_runs),
         cmocka_unit_test(test_engines_take_turns_in_a_shard_too),
         cmocka_unit_test(test_what_is_wrong_is_said),

@@ -59,7 +59,7 @@ static kept after(const pl_plan *plan, double step, const char *outcome, int fai
     return k;
 }
 
-static void test_shorter_steps_of_what_timed_out_are_results_unmade(void **state)
+static void test_shorter_steps_after_a_timeout_are_pruned(void **state)
 {
     pl_plan plan;
     (void)state;
@@ -117,7 +117,7 @@ static void test_a_result_that_cannot_be_kept_ends_it(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shorter_steps_of_what_timed_out_are_results_unmade),
+        cmocka_unit_test(test_shorter_steps_after_a_timeout_are_pruned),
         cmocka_unit_test(test_longer_steps_and_other_ends_say_nothing),
         cmocka_unit_test(test_a_result_that_cannot_be_kept_ends_it),
     };

@@ -40,7 +40,7 @@ static void see(pl_repeats *repeats, const pl_plan *plan, long index, const char
     json_decref(identity);
 }
 
-static void test_long_runs_are_not_repeated_and_short_ones_are(void **state)
+static void test_only_short_runs_are_repeated(void **state)
 {
     (void)state;
     pl_plan plan;
@@ -94,7 +94,7 @@ static void test_results_of_other_sweeps_say_nothing(void **state)
     pl_plan_free(&plan);
 }
 
-static void test_steps_are_halved_and_budgets_that_are_shipped_are_varied(void **state)
+static void test_steps_are_halved_and_default_budgets_varied(void **state)
 {
     (void)state;
     pl_plan plan;
@@ -135,9 +135,9 @@ static void test_steps_are_halved_and_budgets_that_are_shipped_are_varied(void *
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_long_runs_are_not_repeated_and_short_ones_are),
+        cmocka_unit_test(test_only_short_runs_are_repeated),
         cmocka_unit_test(test_results_of_other_sweeps_say_nothing),
-        cmocka_unit_test(test_steps_are_halved_and_budgets_that_are_shipped_are_varied),
+        cmocka_unit_test(test_steps_are_halved_and_default_budgets_varied),
     };
     return cmocka_run_group_tests_name("sweep_repeats", tests, NULL, NULL);
 }

@@ -237,7 +237,7 @@ static void test_doubles_that_differ_are_said(void **state)
     pl_merge_free(&merge);
 }
 
-static void test_a_folder_is_its_results_and_those_of_its_shards(void **state)
+static void test_folder_results_include_its_shards(void **state)
 {
     const workspace *f = *state;
     pl_merge merge;
@@ -297,7 +297,7 @@ int main(void)
                                         teardown_workspace),
         cmocka_unit_test_setup_teardown(test_doubles_that_differ_are_said, setup_workspace,
                                         teardown_workspace),
-        cmocka_unit_test_setup_teardown(test_a_folder_is_its_results_and_those_of_its_shards,
+        cmocka_unit_test_setup_teardown(test_folder_results_include_its_shards,
                                         setup_workspace, teardown_workspace),
         cmocka_unit_test_setup_teardown(test_what_is_no_result_is_refused, setup_workspace,
                                         teardown_workspace),

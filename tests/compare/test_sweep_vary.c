@@ -94,7 +94,7 @@ static void check_key(const char *text, const char *owner, const char *key)
     pl_vary_free(&vary);
 }
 
-static void test_a_key_may_be_of_one_engine_or_scenario(void **state)
+static void test_key_may_name_one_engine_or_scenario(void **state)
 {
     (void)state;
     check_key("iterations=1", "", "iterations");
@@ -178,7 +178,7 @@ int main(void)
         cmocka_unit_test(test_a_range_ends_where_its_last_step_does),
         cmocka_unit_test(test_a_value_that_comes_again_is_left_out),
         cmocka_unit_test(test_long_ranges_are_whole),
-        cmocka_unit_test(test_a_key_may_be_of_one_engine_or_scenario),
+        cmocka_unit_test(test_key_may_name_one_engine_or_scenario),
         cmocka_unit_test(test_solver_and_profile_take_names),
         cmocka_unit_test(test_what_is_wrong_is_said),
     };

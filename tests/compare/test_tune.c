@@ -23,7 +23,7 @@ static const pl_tune_parameter scales[] = {
 };
 enum { SCALE_COUNT = sizeof scales / sizeof scales[0] };
 
-static void test_an_axis_maps_its_range_to_0_and_1_and_back(void **state)
+static void test_parameter_range_maps_to_unit_interval_and_back(void **state)
 {
     (void)state;
     for (int i = 0; i < SCALE_COUNT; ++i) {
@@ -43,7 +43,7 @@ static void test_an_axis_maps_its_range_to_0_and_1_and_back(void **state)
     }
 }
 
-static void test_neighbours_are_a_tenth_or_a_step_away_and_stay_in_the_range(void **state)
+static void test_neighbours_are_one_step_away_within_range(void **state)
 {
     (void)state;
     assert_true(pl_tune_neighbour(&scales[0], 100, 1) == 110);
@@ -89,7 +89,7 @@ static pl_target_reading reading_of(const pl_targets *targets, const char *outco
     return reading;
 }
 
-static void test_a_target_is_met_up_to_its_bound_and_only_by_runs_that_are_ok(void **state)
+static void test_target_is_met_only_by_ok_runs(void **state)
 {
     (void)state;
     pl_targets at_most = {.count = 0}, below = {.count = 0};
@@ -122,7 +122,7 @@ static double likely(const double *excesses, int count)
     return pl_spread_likely(&spread);
 }
 
-static void test_errors_that_scatter_need_two_standard_deviations_to_spare(void **state)
+static void test_scattered_errors_need_two_standard_deviations(void **state)
 {
     (void)state;
     const double same[] = {-0.5, -0.5, -0.5}, scattered[] = {-2, -1, 0};
@@ -139,7 +139,7 @@ static pl_reading timed(double *seconds)
     return (pl_reading){.is_there = true, .seconds = seconds};
 }
 
-static void test_a_ratio_of_costs_is_the_median_of_repeats_side_by_side(void **state)
+static void test_cost_ratio_is_the_median_of_paired_repeats(void **state)
 {
     (void)state;
     /* The machine becomes ten times slower, for both; one repeat of one has no time. */
@@ -168,7 +168,7 @@ static const pl_tune_parameter *axis_of(const pl_tune_space *space, const char *
     return NULL;
 }
 
-static void test_every_axis_of_the_tables_lies_in_the_engines_ranges(void **state)
+static void test_parameter_tables_lie_within_engine_ranges(void **state)
 {
     (void)state;
     int count = 0;
@@ -198,7 +198,7 @@ static void test_every_axis_of_the_tables_lies_in_the_engines_ranges(void **stat
     }
 }
 
-static void test_what_is_varied_fixed_or_in_the_spec_is_so(void **state)
+static void test_varied_fixed_and_given_parameters_are_kept(void **state)
 {
     (void)state;
     const pl_engine_choice choice = choose("plumb:fast,tolerance=1e-5");
@@ -258,7 +258,7 @@ static void test_bad_axes_are_refused(void **state)
     check_bad_space(NULL, "slop=x", "no number");
 }
 
-static void test_the_engines_own_api_is_written_with_what_differs(void **state)
+static void test_engine_api_code_lists_changed_values_only(void **state)
 {
     (void)state;
     char *text = NULL;
@@ -273,7 +273,7 @@ static void test_the_engines_own_api_is_written_with_what_differs(void **state)
 }
 
 /* What is held out is never what was tuned on, for any scenario of the catalogue. */
-static void test_scenarios_held_out_are_none_of_those_tuned_on(void **state)
+static void test_held_out_scenarios_are_not_tuned_on(void **state)
 {
     (void)state;
     int scenario_count, tuned_count, chosen_count, held_count;
@@ -322,7 +322,7 @@ static void check_bad_profile(const char *path, const char *text, const char *pa
     assert_contains(error.message, part);
 }
 
-static void test_a_profile_of_a_file_is_its_base_with_its_values(void **state)
+static void test_file_profile_is_its_base_with_changes(void **state)
 {
     (void)state;
     char path[] = "/tmp/plumb_profile_XXXXXX";
@@ -367,18 +367,18 @@ static void test_a_profile_of_a_file_is_its_base_with_its_values(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_an_axis_maps_its_range_to_0_and_1_and_back),
-        cmocka_unit_test(test_neighbours_are_a_tenth_or_a_step_away_and_stay_in_the_range),
+        cmocka_unit_test(test_parameter_range_maps_to_unit_interval_and_back),
+        cmocka_unit_test(test_neighbours_are_one_step_away_within_range),
         cmocka_unit_test(test_bad_targets_are_refused),
-        cmocka_unit_test(test_a_target_is_met_up_to_its_bound_and_only_by_runs_that_are_ok),
-        cmocka_unit_test(test_errors_that_scatter_need_two_standard_deviations_to_spare),
-        cmocka_unit_test(test_a_ratio_of_costs_is_the_median_of_repeats_side_by_side),
-        cmocka_unit_test(test_every_axis_of_the_tables_lies_in_the_engines_ranges),
-        cmocka_unit_test(test_what_is_varied_fixed_or_in_the_spec_is_so),
+        cmocka_unit_test(test_target_is_met_only_by_ok_runs),
+        cmocka_unit_test(test_scattered_errors_need_two_standard_deviations),
+        cmocka_unit_test(test_cost_ratio_is_the_median_of_paired_repeats),
+        cmocka_unit_test(test_parameter_tables_lie_within_engine_ranges),
+        cmocka_unit_test(test_varied_fixed_and_given_parameters_are_kept),
         cmocka_unit_test(test_bad_axes_are_refused),
-        cmocka_unit_test(test_the_engines_own_api_is_written_with_what_differs),
-        cmocka_unit_test(test_scenarios_held_out_are_none_of_those_tuned_on),
-        cmocka_unit_test(test_a_profile_of_a_file_is_its_base_with_its_values),
+        cmocka_unit_test(test_engine_api_code_lists_changed_values_only),
+        cmocka_unit_test(test_held_out_scenarios_are_not_tuned_on),
+        cmocka_unit_test(test_file_profile_is_its_base_with_changes),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

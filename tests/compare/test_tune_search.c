@@ -137,7 +137,7 @@ test_the_optimum_of_whole_and_continuous_axes_is_found_from_where_it_is_missed(v
     }
 }
 
-static void test_noise_in_the_cost_leads_no_further_astray_than_it_is_large(void **state)
+static void test_cost_noise_bounds_the_loss_of_search(void **state)
 {
     (void)state;
     need_nlopt();
@@ -187,7 +187,7 @@ static double bowl_excess(const double *v)
     return 1 + pow(log(v[0] / 20), 2) + pow(v[1] - 0.7, 2);
 }
 
-static void test_where_nothing_meets_the_target_the_nearest_is_said(void **state)
+static void test_unmet_target_reports_the_nearest_point(void **state)
 {
     (void)state;
     need_nlopt();
@@ -223,7 +223,7 @@ static double worst(const double *v)
     return PL_SEARCH_WORST;
 }
 
-static void test_plateaus_and_points_without_a_cost_end_the_search_in_time(void **state)
+static void test_plateaus_and_failed_points_end_the_search(void **state)
 {
     (void)state;
     double (*const costs[])(const double *) = {flat, none, flat};
@@ -237,7 +237,7 @@ static void test_plateaus_and_points_without_a_cost_end_the_search_in_time(void 
     }
 }
 
-static void test_a_space_smaller_than_the_budget_is_tried_out(void **state)
+static void test_small_parameter_space_is_searched_completely(void **state)
 {
     (void)state;
     made_up m = make(flat, met, 1); /* 100 whole numbers */
@@ -251,7 +251,7 @@ static void test_a_space_smaller_than_the_budget_is_tried_out(void **state)
     free(found.evaluations);
 }
 
-static void test_a_seed_gives_the_same_points_and_another_others(void **state)
+static void test_equal_seeds_give_equal_points(void **state)
 {
     (void)state;
     pl_search_result found[3];
@@ -281,7 +281,7 @@ static void test_the_budget_is_kept_however_small(void **state)
 }
 
 /* In every stage. */
-static void test_a_stop_or_failure_ends_it_with_what_there_is(void **state)
+static void test_stop_or_failure_keeps_the_best_point(void **state)
 {
     (void)state;
     for (int at = 1; at <= BUDGET; at += 13) {
@@ -312,14 +312,14 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(
             test_the_optimum_of_whole_and_continuous_axes_is_found_from_where_it_is_missed),
-        cmocka_unit_test(test_noise_in_the_cost_leads_no_further_astray_than_it_is_large),
+        cmocka_unit_test(test_cost_noise_bounds_the_loss_of_search),
         cmocka_unit_test(test_options_that_are_right_as_shipped_stay_so),
-        cmocka_unit_test(test_where_nothing_meets_the_target_the_nearest_is_said),
-        cmocka_unit_test(test_plateaus_and_points_without_a_cost_end_the_search_in_time),
-        cmocka_unit_test(test_a_space_smaller_than_the_budget_is_tried_out),
-        cmocka_unit_test(test_a_seed_gives_the_same_points_and_another_others),
+        cmocka_unit_test(test_unmet_target_reports_the_nearest_point),
+        cmocka_unit_test(test_plateaus_and_failed_points_end_the_search),
+        cmocka_unit_test(test_small_parameter_space_is_searched_completely),
+        cmocka_unit_test(test_equal_seeds_give_equal_points),
         cmocka_unit_test(test_the_budget_is_kept_however_small),
-        cmocka_unit_test(test_a_stop_or_failure_ends_it_with_what_there_is),
+        cmocka_unit_test(test_stop_or_failure_keeps_the_best_point),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
