@@ -172,7 +172,7 @@ static bool sticks(const char *path, double friction, double angle)
     return creep < 3 * gravity * beyond / cos(atan(friction));
 }
 
-static void test_friction_holds_up_to_its_angle_and_no_further(void **state)
+static void test_friction_holds_up_to_its_angle(void **state)
 {
     (void)state;
     char *directory = make_directory();
@@ -206,7 +206,7 @@ static json_t *run_slope(const char *scenario, double friction, double part, con
     return run_accurate(scenario, options);
 }
 
-static void test_a_block_just_below_the_angle_does_not_creep(void **state)
+static void test_block_just_below_the_angle_stays(void **state)
 {
     (void)state;
     int violations = 0;
@@ -220,7 +220,7 @@ static void test_a_block_just_below_the_angle_does_not_creep(void **state)
     assert_int_equal(violations, 0);
 }
 
-static void test_a_block_just_above_the_angle_slides_without_lift(void **state)
+static void test_block_just_above_the_angle_slides(void **state)
 {
     (void)state;
     int violations = 0;
@@ -244,7 +244,7 @@ static double distance_slid(const json_t *result, double azimuth)
            json_number_value(json_array_get(pose, 1)) * sin(angle);
 }
 
-static void test_a_pushed_block_stops_at_one_distance_in_all_directions(void **state)
+static void test_pushed_block_stops_equally_in_all_directions(void **state)
 {
     (void)state;
     double least = HUGE_VAL, most = 0;
@@ -282,7 +282,7 @@ static void test_a_small_wall_collapses_with_its_steps_solved(void **state)
     assert_int_equal(judge_end(&j), 0);
 }
 
-static void test_a_wall_of_a_thousand_collapses_without_overlap_or_energy_from_nowhere(void **state)
+static void test_thousand_brick_wall_collapses_without_energy_gain(void **state)
 {
     (void)state;
     static const char *const options[] = {"--set", "rows=25", "--set", "columns=40", NULL};
@@ -299,14 +299,14 @@ int main(void)
         cmocka_unit_test(test_towers_stand_exactly_with_two_iterations_a_step),
         cmocka_unit_test(test_heavy_loads_on_light_cubes_stand_exactly),
         cmocka_unit_test(test_displaced_towers_of_a_hundred_stand),
-        cmocka_unit_test(test_friction_holds_up_to_its_angle_and_no_further),
-        cmocka_unit_test(test_a_block_just_below_the_angle_does_not_creep),
-        cmocka_unit_test(test_a_block_just_above_the_angle_slides_without_lift),
-        cmocka_unit_test(test_a_pushed_block_stops_at_one_distance_in_all_directions),
+        cmocka_unit_test(test_friction_holds_up_to_its_angle),
+        cmocka_unit_test(test_block_just_below_the_angle_stays),
+        cmocka_unit_test(test_block_just_above_the_angle_slides),
+        cmocka_unit_test(test_pushed_block_stops_equally_in_all_directions),
         cmocka_unit_test(test_a_wall_of_a_thousand_rests_exactly),
         cmocka_unit_test(test_a_small_wall_collapses_with_its_steps_solved),
         cmocka_unit_test(
-            test_a_wall_of_a_thousand_collapses_without_overlap_or_energy_from_nowhere),
+            test_thousand_brick_wall_collapses_without_energy_gain),
     };
     return cmocka_run_group_tests_name("accurate", tests, NULL, NULL);
 }

@@ -80,7 +80,7 @@ static int count_equal(const pe_world *world, pe_contact_problem *const *problem
     return equal;
 }
 
-static void test_solving_the_captured_problem_gives_the_velocities_of_the_step(void **state)
+static void test_captured_problem_gives_the_step_velocities(void **state)
 {
     (void)state;
     enum { STEPS = 30, ALL = 7 };
@@ -114,7 +114,7 @@ static void test_solving_the_captured_problem_gives_the_velocities_of_the_step(v
     pe_world_destroy(world);
 }
 
-static void test_the_captured_problems_hold_every_contact_and_island_of_the_step(void **state)
+static void test_captured_problems_contain_all_contacts_and_islands(void **state)
 {
     (void)state;
     pe_body_id ids[BODIES];
@@ -139,7 +139,7 @@ static void test_the_captured_problems_hold_every_contact_and_island_of_the_step
     pe_world_destroy(world);
 }
 
-static void test_a_captured_problem_starts_from_the_impulses_of_the_last_step(void **state)
+static void test_captured_problem_has_the_warm_start_impulses(void **state)
 {
     (void)state;
     pe_body_id ids[6];
@@ -222,7 +222,7 @@ static void test_one_problem_can_be_kept_of_many(void **state)
 /* ---- Memory ------------------------------------------------------------------------------------
  */
 
-static void test_a_capture_that_runs_out_of_memory_leaves_the_steps_as_they_were(void **state)
+static void test_failed_capture_does_not_change_the_steps(void **state)
 {
     (void)state;
     bool done = false;
@@ -260,13 +260,13 @@ static void test_a_capture_that_runs_out_of_memory_leaves_the_steps_as_they_were
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_solving_the_captured_problem_gives_the_velocities_of_the_step),
-        cmocka_unit_test(test_the_captured_problems_hold_every_contact_and_island_of_the_step),
-        cmocka_unit_test(test_a_captured_problem_starts_from_the_impulses_of_the_last_step),
+        cmocka_unit_test(test_captured_problem_gives_the_step_velocities),
+        cmocka_unit_test(test_captured_problems_contain_all_contacts_and_islands),
+        cmocka_unit_test(test_captured_problem_has_the_warm_start_impulses),
         cmocka_unit_test(test_capturing_leaves_the_steps_as_they_were),
         cmocka_unit_test(test_without_contact_there_is_no_problem),
         cmocka_unit_test(test_one_problem_can_be_kept_of_many),
-        cmocka_unit_test(test_a_capture_that_runs_out_of_memory_leaves_the_steps_as_they_were),
+        cmocka_unit_test(test_failed_capture_does_not_change_the_steps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -69,14 +69,14 @@ static void carries_its_weight(const pe_contact_problem *problem,
     assert_close(carried, weight, 1e-8 * weight, 0);
 }
 
-static void test_a_resting_box_gets_the_impulse_of_its_weight_from_every_solver(void **state)
+static void test_resting_box_gets_its_weight_by_every_solver(void **state)
 {
     (void)state;
     for_every_solver(problem_of_box_on_floor(3, 0.5), carries_its_weight);
     for_every_solver(problem_of_box_on_floor(3, 0), carries_its_weight);
 }
 
-static void test_the_floor_carries_the_whole_tower_by_every_solver(void **state)
+static void test_floor_supports_the_tower_by_every_solver(void **state)
 {
     (void)state;
     const double masses[] = {1, 2, 5};
@@ -92,7 +92,7 @@ static void slows_by_mu_g(const pe_contact_problem *problem, const pe_contact_so
     }
 }
 
-static void test_a_sliding_box_slows_by_mu_g_and_does_not_lift_by_every_solver(void **state)
+static void test_sliding_box_decelerates_correctly_by_every_solver(void **state)
 {
     (void)state;
     pe_contact_problem *problem = problem_of_box_on_floor(3, 0.5);
@@ -107,7 +107,7 @@ static void leaves_at_the_bias(const pe_contact_problem *problem,
     assert_close(solution->velocities[0][2], 0.25, 1e-9, 0);
 }
 
-static void test_a_bias_below_zero_is_the_speed_of_parting(void **state)
+static void test_negative_bias_is_the_separation_speed(void **state)
 {
     (void)state;
     pe_contact_problem *problem = problem_of_box_on_floor(3, 0);
@@ -132,7 +132,7 @@ static void test_without_contacts_velocities_stay_free(void **state)
     pe_contact_problem_destroy(problem);
 }
 
-static void test_velocities_are_those_of_the_impulses_by_other_formulas(void **state)
+static void test_velocities_follow_from_impulses_by_other_formulas(void **state)
 {
     (void)state;
     for (uint64_t seed = 1; seed <= 10; ++seed) {
@@ -150,7 +150,7 @@ static void test_velocities_are_those_of_the_impulses_by_other_formulas(void **s
     }
 }
 
-static void test_the_history_begins_at_the_start_and_ends_at_the_solution(void **state)
+static void test_history_runs_from_start_to_solution(void **state)
 {
     (void)state;
     const double masses[] = {1, 1, 1, 1, 1, 1};
@@ -171,7 +171,7 @@ static void test_the_history_begins_at_the_start_and_ends_at_the_solution(void *
     }
 }
 
-static void test_a_solution_is_a_warm_start_that_needs_no_iteration(void **state)
+static void test_solution_as_warm_start_needs_no_iteration(void **state)
 {
     (void)state;
     const double masses[] = {1, 3, 2};
@@ -191,7 +191,7 @@ static void test_a_solution_is_a_warm_start_that_needs_no_iteration(void **state
     pe_contact_problem_destroy(problem);
 }
 
-static void test_no_iteration_allowed_leaves_nothing_worse_than_the_warm_start(void **state)
+static void test_zero_iterations_keep_the_warm_start(void **state)
 {
     (void)state;
     pe_contact_problem *problem = problem_of_box_on_floor(3, 0.5);
@@ -421,7 +421,7 @@ static void test_every_bad_number_is_found_and_named(void **state)
     }
 }
 
-static void test_an_arm_of_what_is_static_may_hold_anything(void **state)
+static void test_static_body_arms_are_ignored(void **state)
 {
     (void)state;
     pe_contact_problem *problem = problem_of_box_on_floor(1, 0.5);
@@ -484,19 +484,19 @@ static void test_every_failed_allocation_is_reported_and_leaks_nothing(void **st
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_resting_box_gets_the_impulse_of_its_weight_from_every_solver),
-        cmocka_unit_test(test_the_floor_carries_the_whole_tower_by_every_solver),
-        cmocka_unit_test(test_a_sliding_box_slows_by_mu_g_and_does_not_lift_by_every_solver),
-        cmocka_unit_test(test_a_bias_below_zero_is_the_speed_of_parting),
+        cmocka_unit_test(test_resting_box_gets_its_weight_by_every_solver),
+        cmocka_unit_test(test_floor_supports_the_tower_by_every_solver),
+        cmocka_unit_test(test_sliding_box_decelerates_correctly_by_every_solver),
+        cmocka_unit_test(test_negative_bias_is_the_separation_speed),
         cmocka_unit_test(test_without_contacts_velocities_stay_free),
-        cmocka_unit_test(test_velocities_are_those_of_the_impulses_by_other_formulas),
-        cmocka_unit_test(test_the_history_begins_at_the_start_and_ends_at_the_solution),
-        cmocka_unit_test(test_a_solution_is_a_warm_start_that_needs_no_iteration),
-        cmocka_unit_test(test_no_iteration_allowed_leaves_nothing_worse_than_the_warm_start),
+        cmocka_unit_test(test_velocities_follow_from_impulses_by_other_formulas),
+        cmocka_unit_test(test_history_runs_from_start_to_solution),
+        cmocka_unit_test(test_solution_as_warm_start_needs_no_iteration),
+        cmocka_unit_test(test_zero_iterations_keep_the_warm_start),
         cmocka_unit_test(test_the_problem_is_not_changed_by_solving),
         cmocka_unit_test(test_bad_calls_are_refused_with_what_was_expected),
         cmocka_unit_test(test_every_bad_number_is_found_and_named),
-        cmocka_unit_test(test_an_arm_of_what_is_static_may_hold_anything),
+        cmocka_unit_test(test_static_body_arms_are_ignored),
         cmocka_unit_test(test_counts_that_cannot_be_are_refused),
         cmocka_unit_test(test_every_failed_allocation_is_reported_and_leaks_nothing),
     };

@@ -63,7 +63,7 @@ static void find(forest *f, char (*told)[ITEMS])
     pe_tree_unmark(&f->tree);
 }
 
-static void test_pairs_are_all_overlaps_of_changed_boxes_each_once(void **state)
+static void test_pairs_are_overlaps_of_changed_boxes_once(void **state)
 {
     (void)state;
     static char told[ITEMS][ITEMS];
@@ -114,7 +114,7 @@ static void test_without_changes_no_pair_is_found(void **state)
 }
 
 /* Boxes at 2^-i need the most cuts, and equal ones cannot be cut at all. */
-static void test_height_stays_low_for_boxes_that_are_hard_to_part(void **state)
+static void test_tree_height_stays_low_for_hard_boxes(void **state)
 {
     (void)state;
     static char told[ITEMS][ITEMS];
@@ -166,7 +166,7 @@ static void test_height_and_nodes_stay_bounded_under_single_moves(void **state)
     pe_arena_free(&f.arena, &f.allocator);
 }
 
-static void test_an_update_without_memory_can_be_made_up_for(void **state)
+static void test_failed_update_can_be_repeated(void **state)
 {
     (void)state;
     static char told[ITEMS][ITEMS], expected[ITEMS][ITEMS];
@@ -218,11 +218,11 @@ static void test_pairs_are_sorted_by_both_slots(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pairs_are_all_overlaps_of_changed_boxes_each_once),
+        cmocka_unit_test(test_pairs_are_overlaps_of_changed_boxes_once),
         cmocka_unit_test(test_without_changes_no_pair_is_found),
-        cmocka_unit_test(test_height_stays_low_for_boxes_that_are_hard_to_part),
+        cmocka_unit_test(test_tree_height_stays_low_for_hard_boxes),
         cmocka_unit_test(test_height_and_nodes_stay_bounded_under_single_moves),
-        cmocka_unit_test(test_an_update_without_memory_can_be_made_up_for),
+        cmocka_unit_test(test_failed_update_can_be_repeated),
         cmocka_unit_test(test_pairs_are_sorted_by_both_slots),
     };
     return cmocka_run_group_tests_name("engine_aabb_tree", tests, NULL, NULL);

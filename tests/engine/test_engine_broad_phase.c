@@ -123,7 +123,7 @@ static void check_pairs(pe_world *world, tally *t)
     }
 }
 
-static void test_every_pair_within_its_margin_is_found_once_and_in_order(void **state)
+static void test_pairs_within_margin_are_found_once_in_order(void **state)
 {
     (void)state;
     check_random random = {4711};
@@ -168,7 +168,7 @@ static void stir(pe_world *world, pe_body_id *ids, int step, check_random *rando
     }
 }
 
-static void test_pairs_kept_from_step_to_step_are_all_there_are(void **state)
+static void test_kept_pairs_are_complete(void **state)
 {
     (void)state;
     check_random random = {4712};
@@ -185,7 +185,7 @@ static void test_pairs_kept_from_step_to_step_are_all_there_are(void **state)
 }
 
 /* So slowly that it takes tens of steps to leave a box. */
-static void test_bodies_that_creep_together_become_a_pair_in_time(void **state)
+static void test_slowly_approaching_bodies_become_a_pair(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -206,7 +206,7 @@ static void test_bodies_that_creep_together_become_a_pair_in_time(void **state)
 }
 
 /* A long body turns on the spot, by poses alone, until its end meets another body. */
-static void test_bodies_that_turn_together_become_a_pair_in_time(void **state)
+static void test_rotating_bodies_become_a_pair_in_time(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -223,7 +223,7 @@ static void test_bodies_that_turn_together_become_a_pair_in_time(void **state)
     pe_world_destroy(world);
 }
 
-static void test_a_floor_laid_under_bodies_at_rest_has_all_of_them(void **state)
+static void test_new_floor_pairs_with_all_resting_bodies(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -243,7 +243,7 @@ static void test_a_floor_laid_under_bodies_at_rest_has_all_of_them(void **state)
     pe_world_destroy(world);
 }
 
-static void test_a_body_at_no_place_has_no_pairs_and_spoils_none(void **state)
+static void test_nan_position_has_no_pairs(void **state)
 {
     (void)state;
     check_random random = {4713};
@@ -299,7 +299,7 @@ static void test_after_a_failed_allocation_no_pair_is_lost(void **state)
     assert_true(failures > 10);
 }
 
-static void test_motion_to_and_fro_allocates_nothing_after_warm_up(void **state)
+static void test_oscillation_allocates_nothing_after_warm_up(void **state)
 {
     (void)state;
     counter c = {.fail_at = -1};
@@ -325,7 +325,7 @@ static void test_motion_to_and_fro_allocates_nothing_after_warm_up(void **state)
     pe_world_destroy(world);
 }
 
-static void test_pairs_of_moved_bodies_are_those_of_all_pairs(void **state)
+static void test_moved_body_pairs_equal_all_pairs(void **state)
 {
     (void)state;
     check_random random = {99};
@@ -357,7 +357,7 @@ static void test_pairs_of_moved_bodies_are_those_of_all_pairs(void **state)
     pe_world_destroy(world);
 }
 
-static void test_resting_neighbours_are_the_only_pairs_of_a_wall(void **state)
+static void test_wall_pairs_are_resting_neighbours_only(void **state)
 {
     (void)state;
     enum { ROWS = 8, COLUMNS = 12 };
@@ -381,16 +381,16 @@ static void test_resting_neighbours_are_the_only_pairs_of_a_wall(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_pair_within_its_margin_is_found_once_and_in_order),
-        cmocka_unit_test(test_pairs_kept_from_step_to_step_are_all_there_are),
-        cmocka_unit_test(test_bodies_that_creep_together_become_a_pair_in_time),
-        cmocka_unit_test(test_bodies_that_turn_together_become_a_pair_in_time),
-        cmocka_unit_test(test_a_floor_laid_under_bodies_at_rest_has_all_of_them),
-        cmocka_unit_test(test_a_body_at_no_place_has_no_pairs_and_spoils_none),
+        cmocka_unit_test(test_pairs_within_margin_are_found_once_in_order),
+        cmocka_unit_test(test_kept_pairs_are_complete),
+        cmocka_unit_test(test_slowly_approaching_bodies_become_a_pair),
+        cmocka_unit_test(test_rotating_bodies_become_a_pair_in_time),
+        cmocka_unit_test(test_new_floor_pairs_with_all_resting_bodies),
+        cmocka_unit_test(test_nan_position_has_no_pairs),
         cmocka_unit_test(test_after_a_failed_allocation_no_pair_is_lost),
-        cmocka_unit_test(test_motion_to_and_fro_allocates_nothing_after_warm_up),
-        cmocka_unit_test(test_pairs_of_moved_bodies_are_those_of_all_pairs),
-        cmocka_unit_test(test_resting_neighbours_are_the_only_pairs_of_a_wall),
+        cmocka_unit_test(test_oscillation_allocates_nothing_after_warm_up),
+        cmocka_unit_test(test_moved_body_pairs_equal_all_pairs),
+        cmocka_unit_test(test_wall_pairs_are_resting_neighbours_only),
     };
     return cmocka_run_group_tests_name("engine_broad_phase", tests, NULL, NULL);
 }

@@ -50,7 +50,7 @@ static pe_world *slope_world(double angle, double friction, pe_body_id *block)
     return world;
 }
 
-static void test_block_on_a_slope_below_the_threshold_does_not_move(void **state)
+static void test_block_below_the_friction_threshold_stays(void **state)
 {
     (void)state;
     pe_body_id block;
@@ -63,7 +63,7 @@ static void test_block_on_a_slope_below_the_threshold_does_not_move(void **state
     pe_world_destroy(world);
 }
 
-static void test_block_on_a_slope_above_the_threshold_slides_as_coulomb_says(void **state)
+static void test_block_above_the_friction_threshold_slides_by_coulomb(void **state)
 {
     (void)state;
     const double angle = 0.6, mu = 0.5;
@@ -82,7 +82,7 @@ static void test_block_on_a_slope_above_the_threshold_slides_as_coulomb_says(voi
     pe_world_destroy(world);
 }
 
-static void test_friction_does_not_depend_on_the_azimuth_of_sliding(void **state)
+static void test_friction_does_not_depend_on_azimuth(void **state)
 {
     (void)state;
     for (int k = 0; k <= 18; ++k) {
@@ -130,7 +130,7 @@ static void test_ball_bounces_with_newtons_restitution(void **state)
     }
 }
 
-static void test_spheres_in_line_collide_as_newton_says_at_any_mass_ratio(void **state)
+static void test_collinear_spheres_collide_by_newtons_law(void **state)
 {
     (void)state;
     for (double ratio = 1e-6; ratio < 2e6; ratio *= 100) {
@@ -174,7 +174,7 @@ static void test_pair_overrides_the_mixing_rule(void **state)
     pe_world_destroy(world);
 }
 
-static void test_momentum_is_kept_in_a_free_collision_of_boxes(void **state)
+static void test_free_box_collision_conserves_momentum(void **state)
 {
     (void)state;
     check_random random = {21};
@@ -223,7 +223,7 @@ static void test_momentum_is_kept_in_a_free_collision_of_boxes(void **state)
     assert_true(collided > 50);
 }
 
-static void test_bodies_in_one_place_part_without_energy_from_nowhere(void **state)
+static void test_coincident_bodies_separate_without_energy_gain(void **state)
 {
     (void)state;
     for (int profile = PE_PROFILE_DEFAULT; profile <= PE_PROFILE_FAST; ++profile) {
@@ -251,7 +251,7 @@ static void test_bodies_in_one_place_part_without_energy_from_nowhere(void **sta
     }
 }
 
-static void test_islands_are_separate_stacks_and_do_not_feel_each_other(void **state)
+static void test_separate_stacks_are_independent_islands(void **state)
 {
     (void)state;
     pe_world *one = make_world(NULL), *two = make_world(NULL);
@@ -275,7 +275,7 @@ static void test_islands_are_separate_stacks_and_do_not_feel_each_other(void **s
     pe_world_destroy(two);
 }
 
-static void test_a_resting_tower_needs_few_iterations_at_first_and_hardly_any_then(void **state)
+static void test_resting_tower_needs_few_iterations(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -296,7 +296,7 @@ static void test_a_resting_tower_needs_few_iterations_at_first_and_hardly_any_th
     pe_world_destroy(world);
 }
 
-static void test_a_resting_box_takes_few_sweeps_at_every_step(void **state)
+static void test_resting_box_takes_few_sweeps_per_step(void **state)
 {
     (void)state;
     /* Rounding of the four gaps must not ask for a motion that a rigid box does not have. */
@@ -309,7 +309,7 @@ static void test_a_resting_box_takes_few_sweeps_at_every_step(void **state)
     pe_world_destroy(world);
 }
 
-static void test_a_falling_ball_lands_on_the_surface_and_not_above_it(void **state)
+static void test_falling_ball_lands_on_the_surface(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -368,7 +368,7 @@ static void test_overlap_is_pushed_out_without_velocity(void **state)
     pe_world_destroy(world);
 }
 
-static void test_fast_ball_does_not_pass_a_floor_or_a_wall_of_boxes(void **state)
+static void test_fast_ball_does_not_tunnel(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -396,7 +396,7 @@ static double trace_of(pe_vec3 r)
     return 3 + 2 * pe_dot(r, r) * 6;
 }
 
-static void test_reported_residual_is_the_natural_map_worked_out_from_contacts(void **state)
+static void test_reported_residual_is_the_contacts_natural_map(void **state)
 {
     (void)state;
     enum { N = 4 };
@@ -497,22 +497,22 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tower_contact_forces_carry_the_weight_above_them),
-        cmocka_unit_test(test_block_on_a_slope_below_the_threshold_does_not_move),
-        cmocka_unit_test(test_block_on_a_slope_above_the_threshold_slides_as_coulomb_says),
-        cmocka_unit_test(test_friction_does_not_depend_on_the_azimuth_of_sliding),
+        cmocka_unit_test(test_block_below_the_friction_threshold_stays),
+        cmocka_unit_test(test_block_above_the_friction_threshold_slides_by_coulomb),
+        cmocka_unit_test(test_friction_does_not_depend_on_azimuth),
         cmocka_unit_test(test_ball_bounces_with_newtons_restitution),
-        cmocka_unit_test(test_spheres_in_line_collide_as_newton_says_at_any_mass_ratio),
+        cmocka_unit_test(test_collinear_spheres_collide_by_newtons_law),
         cmocka_unit_test(test_pair_overrides_the_mixing_rule),
-        cmocka_unit_test(test_momentum_is_kept_in_a_free_collision_of_boxes),
-        cmocka_unit_test(test_bodies_in_one_place_part_without_energy_from_nowhere),
-        cmocka_unit_test(test_islands_are_separate_stacks_and_do_not_feel_each_other),
-        cmocka_unit_test(test_reported_residual_is_the_natural_map_worked_out_from_contacts),
-        cmocka_unit_test(test_a_resting_tower_needs_few_iterations_at_first_and_hardly_any_then),
-        cmocka_unit_test(test_a_resting_box_takes_few_sweeps_at_every_step),
-        cmocka_unit_test(test_a_falling_ball_lands_on_the_surface_and_not_above_it),
+        cmocka_unit_test(test_free_box_collision_conserves_momentum),
+        cmocka_unit_test(test_coincident_bodies_separate_without_energy_gain),
+        cmocka_unit_test(test_separate_stacks_are_independent_islands),
+        cmocka_unit_test(test_reported_residual_is_the_contacts_natural_map),
+        cmocka_unit_test(test_resting_tower_needs_few_iterations),
+        cmocka_unit_test(test_resting_box_takes_few_sweeps_per_step),
+        cmocka_unit_test(test_falling_ball_lands_on_the_surface),
         cmocka_unit_test(test_contacts_come_sorted_by_pair),
         cmocka_unit_test(test_overlap_is_pushed_out_without_velocity),
-        cmocka_unit_test(test_fast_ball_does_not_pass_a_floor_or_a_wall_of_boxes),
+        cmocka_unit_test(test_fast_ball_does_not_tunnel),
         cmocka_unit_test(test_no_island_takes_more_iterations_than_allowed),
     };
     return cmocka_run_group_tests_name("engine_contact", tests, NULL, NULL);

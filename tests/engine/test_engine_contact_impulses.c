@@ -11,7 +11,7 @@ static pe_world *marked_tower(pe_body_id ids[2])
     return world;
 }
 
-static void test_impulses_go_with_the_features_and_what_would_pull_is_dropped(void **state)
+static void test_impulses_follow_features_and_pulls_are_dropped(void **state)
 {
     (void)state;
     pe_body_id ids[2];
@@ -30,7 +30,7 @@ static void test_impulses_go_with_the_features_and_what_would_pull_is_dropped(vo
     pe_world_destroy(world);
 }
 
-static void test_impulses_go_to_the_nearest_point_when_features_are_renamed(void **state)
+static void test_impulses_go_to_nearest_points_without_features(void **state)
 {
     (void)state;
     pe_body_id ids[2];
@@ -59,7 +59,7 @@ static void test_impulses_go_to_the_nearest_point_when_features_are_renamed(void
     pe_world_destroy(world);
 }
 
-static void test_a_kept_manifold_has_its_impulses_and_the_surface_of_now(void **state)
+static void test_kept_manifold_has_impulses_and_current_material(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -86,9 +86,9 @@ static void test_a_kept_manifold_has_its_impulses_and_the_surface_of_now(void **
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_impulses_go_with_the_features_and_what_would_pull_is_dropped),
-        cmocka_unit_test(test_impulses_go_to_the_nearest_point_when_features_are_renamed),
-        cmocka_unit_test(test_a_kept_manifold_has_its_impulses_and_the_surface_of_now),
+        cmocka_unit_test(test_impulses_follow_features_and_pulls_are_dropped),
+        cmocka_unit_test(test_impulses_go_to_nearest_points_without_features),
+        cmocka_unit_test(test_kept_manifold_has_impulses_and_current_material),
     };
     return cmocka_run_group_tests_name("engine_contact_impulses", tests, NULL, NULL);
 }

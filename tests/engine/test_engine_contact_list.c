@@ -64,7 +64,7 @@ static double amplification(const pe_world *world)
     return boxes ? most : 1;
 }
 
-static void test_a_kept_manifold_is_a_fresh_one_within_its_tolerance(void **state)
+static void test_kept_manifold_equals_a_new_one_within_tolerance(void **state)
 {
     (void)state;
     int points = 0, within = 0;
@@ -109,7 +109,7 @@ static void test_a_kept_manifold_is_a_fresh_one_within_its_tolerance(void **stat
     assert_true(within > 0.98 * points);
 }
 
-static void test_a_pair_that_moved_beyond_the_tolerance_is_found_anew_to_the_bit(void **state)
+static void test_moved_pair_is_collided_again_exactly(void **state)
 {
     (void)state;
     check_random random = {5};
@@ -151,7 +151,7 @@ static void test_a_pair_that_moved_beyond_the_tolerance_is_found_anew_to_the_bit
     assert_true(found > 1000);
 }
 
-static void test_slow_motion_does_not_carry_a_manifold_for_ever(void **state)
+static void test_slow_motion_does_not_keep_manifolds_forever(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -180,7 +180,7 @@ static void test_slow_motion_does_not_carry_a_manifold_for_ever(void **state)
     pe_world_destroy(world);
 }
 
-static void test_a_manifold_is_kept_only_if_the_margin_asks_for_the_same_points(void **state)
+static void test_manifold_is_kept_only_at_equal_margin(void **state)
 {
     (void)state;
     /* A brick with one edge on the floor and the other 5 cm over it. */
@@ -206,7 +206,7 @@ static void test_a_manifold_is_kept_only_if_the_margin_asks_for_the_same_points(
     pe_world_destroy(world);
 }
 
-static void test_a_new_body_in_an_old_slot_inherits_no_manifold(void **state)
+static void test_new_body_in_old_slot_has_no_manifold(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -224,7 +224,7 @@ static void test_a_new_body_in_an_old_slot_inherits_no_manifold(void **state)
     pe_world_destroy(world);
 }
 
-static void test_no_manifold_has_more_points_than_the_rules_allow(void **state)
+static void test_manifold_point_counts_are_bounded(void **state)
 {
     (void)state;
     check_random random = {64};
@@ -245,7 +245,7 @@ static void test_no_manifold_has_more_points_than_the_rules_allow(void **state)
     pe_world_destroy(world);
 }
 
-static void test_two_worlds_with_the_same_history_have_the_same_contacts_to_the_bit(void **state)
+static void test_equal_histories_give_equal_contacts_exactly(void **state)
 {
     (void)state;
     pe_body_id ids[BRICK_BODIES];
@@ -272,13 +272,13 @@ static void test_two_worlds_with_the_same_history_have_the_same_contacts_to_the_
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_kept_manifold_is_a_fresh_one_within_its_tolerance),
-        cmocka_unit_test(test_a_pair_that_moved_beyond_the_tolerance_is_found_anew_to_the_bit),
-        cmocka_unit_test(test_slow_motion_does_not_carry_a_manifold_for_ever),
-        cmocka_unit_test(test_a_manifold_is_kept_only_if_the_margin_asks_for_the_same_points),
-        cmocka_unit_test(test_a_new_body_in_an_old_slot_inherits_no_manifold),
-        cmocka_unit_test(test_no_manifold_has_more_points_than_the_rules_allow),
-        cmocka_unit_test(test_two_worlds_with_the_same_history_have_the_same_contacts_to_the_bit),
+        cmocka_unit_test(test_kept_manifold_equals_a_new_one_within_tolerance),
+        cmocka_unit_test(test_moved_pair_is_collided_again_exactly),
+        cmocka_unit_test(test_slow_motion_does_not_keep_manifolds_forever),
+        cmocka_unit_test(test_manifold_is_kept_only_at_equal_margin),
+        cmocka_unit_test(test_new_body_in_old_slot_has_no_manifold),
+        cmocka_unit_test(test_manifold_point_counts_are_bounded),
+        cmocka_unit_test(test_equal_histories_give_equal_contacts_exactly),
     };
     return cmocka_run_group_tests_name("engine_contact_list", tests, NULL, NULL);
 }

@@ -44,7 +44,7 @@ static corner corner_with_block(void)
     return c;
 }
 
-static void test_a_block_in_a_corner_has_a_patch_on_either_arm(void **state)
+static void test_block_in_a_corner_has_two_manifolds(void **state)
 {
     (void)state;
     corner c = corner_with_block();
@@ -103,7 +103,7 @@ static void test_it_rests_there_on_both_and_is_kept(void **state)
     pe_world_destroy(c.world);
 }
 
-static void test_new_patches_take_over_the_impulses_of_the_same_features(void **state)
+static void test_new_manifolds_inherit_impulses_by_feature(void **state)
 {
     (void)state;
     corner c = corner_with_block();
@@ -130,9 +130,9 @@ static void test_new_patches_take_over_the_impulses_of_the_same_features(void **
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_block_in_a_corner_has_a_patch_on_either_arm),
+        cmocka_unit_test(test_block_in_a_corner_has_two_manifolds),
         cmocka_unit_test(test_it_rests_there_on_both_and_is_kept),
-        cmocka_unit_test(test_new_patches_take_over_the_impulses_of_the_same_features),
+        cmocka_unit_test(test_new_manifolds_inherit_impulses_by_feature),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -37,7 +37,7 @@ static void many_points(check_random *random, pe_pair_manifold *hits)
     } while (hits->count < 5);
 }
 
-static void test_reducing_keeps_a_deepest_point_and_most_of_the_area(void **state)
+static void test_reduction_keeps_the_deepest_point_and_area(void **state)
 {
     (void)state;
     check_random random = {37};
@@ -66,7 +66,7 @@ static void test_reducing_keeps_a_deepest_point_and_most_of_the_area(void **stat
     }
 }
 
-static void test_reducing_chooses_the_same_features_under_the_motion_of_rest(void **state)
+static void test_reduction_is_stable_under_resting_motion(void **state)
 {
     (void)state;
     /* Regular polygons: depths tie, and in those of odd number the farthest points too. */
@@ -114,8 +114,8 @@ static void test_reducing_points_on_one_line_keeps_the_ends(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reducing_keeps_a_deepest_point_and_most_of_the_area),
-        cmocka_unit_test(test_reducing_chooses_the_same_features_under_the_motion_of_rest),
+        cmocka_unit_test(test_reduction_keeps_the_deepest_point_and_area),
+        cmocka_unit_test(test_reduction_is_stable_under_resting_motion),
         cmocka_unit_test(test_reducing_points_on_one_line_keeps_the_ends),
     };
     return cmocka_run_group_tests_name("engine_contact_reduce", tests, NULL, NULL);

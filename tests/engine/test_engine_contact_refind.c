@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void test_finding_again_equals_finding_all_for_moved_bodies_and_keeps_the_rest(void **state)
+static void test_partial_update_equals_a_full_update(void **state)
 {
     (void)state;
     check_random random = {77};
@@ -60,7 +60,7 @@ static void test_finding_again_equals_finding_all_for_moved_bodies_and_keeps_the
     assert_true(stayed > 2000);
 }
 
-static void test_the_steps_own_pairs_serve_after_moves_of_half_the_contact_margin(void **state)
+static void test_step_pairs_remain_valid_within_half_margin(void **state)
 {
     (void)state;
     check_random random = {123};
@@ -162,8 +162,8 @@ static void test_without_memory_the_contacts_are_as_they_were(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_finding_again_equals_finding_all_for_moved_bodies_and_keeps_the_rest),
-        cmocka_unit_test(test_the_steps_own_pairs_serve_after_moves_of_half_the_contact_margin),
+        cmocka_unit_test(test_partial_update_equals_a_full_update),
+        cmocka_unit_test(test_step_pairs_remain_valid_within_half_margin),
         cmocka_unit_test(test_finding_again_allocates_nothing_after_warm_up),
         cmocka_unit_test(test_without_memory_the_contacts_are_as_they_were),
     };

@@ -40,7 +40,7 @@ static void test_a_resting_box_is_carried_by_its_weight(void **state)
     }
 }
 
-static void test_contact_k_of_a_tower_carries_all_that_stands_on_it(void **state)
+static void test_tower_contact_force_is_the_weight_above(void **state)
 {
     (void)state;
     static const int heights[] = {2, 5, 10, 25};
@@ -62,7 +62,7 @@ static void test_contact_k_of_a_tower_carries_all_that_stands_on_it(void **state
     }
 }
 
-static void test_a_box_stays_on_a_slope_below_the_angle_of_friction(void **state)
+static void test_box_below_the_friction_angle_stays(void **state)
 {
     (void)state;
     static const double below[] = {0.3, 1e-2, 1e-4, 1e-6};
@@ -85,7 +85,7 @@ static void test_a_box_stays_on_a_slope_below_the_angle_of_friction(void **state
     }
 }
 
-static void test_a_box_slides_down_a_steeper_slope_without_lift_on_the_cone(void **state)
+static void test_box_above_the_friction_angle_slides_without_lift(void **state)
 {
     (void)state;
     static const double above[] = {0.5, 0.1, 1e-2, 1e-4, 1e-6};
@@ -173,7 +173,7 @@ test_without_friction_a_tower_slides_off_whole_and_no_impulse_is_tangential(void
     }
 }
 
-static void test_a_mass_ratio_of_a_million_is_carried_like_any_other(void **state)
+static void test_mass_ratio_of_a_million_is_exact(void **state)
 {
     (void)state;
     static const double towers[][3] = {{1, 1e6, 1}, {1e6, 1, 1e6}, {1, 1, 1e6}, {1e6, 1e3, 1}};
@@ -200,7 +200,7 @@ static void test_a_mass_ratio_of_a_million_is_carried_like_any_other(void **stat
 /* A box whose corners at +x have a gap that closes at the speed `b`: it turns about its corners at
  * -x. With a cube's inertia m/6 the turning alone closes it at 1.2 g h; up to there both sides
  * touch and share the impulse as the velocities -b/2 and -b of the two sides ask for. */
-static void test_a_gap_on_one_side_closes_as_far_as_the_box_can_turn(void **state)
+static void test_one_sided_gap_closes_by_rotation(void **state)
 {
     (void)state;
     const double fall = GRAVITY * STEP, mass = 2;
@@ -230,7 +230,7 @@ static void test_a_gap_on_one_side_closes_as_far_as_the_box_can_turn(void **stat
     }
 }
 
-static void test_a_gap_that_stays_open_carries_nothing_and_one_that_closes_stops_at_it(void **state)
+static void test_open_gap_has_no_force_until_closed(void **state)
 {
     (void)state;
     const double fall = GRAVITY * STEP;
@@ -256,17 +256,17 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_resting_box_is_carried_by_its_weight),
-        cmocka_unit_test(test_contact_k_of_a_tower_carries_all_that_stands_on_it),
-        cmocka_unit_test(test_a_box_stays_on_a_slope_below_the_angle_of_friction),
-        cmocka_unit_test(test_a_box_slides_down_a_steeper_slope_without_lift_on_the_cone),
+        cmocka_unit_test(test_tower_contact_force_is_the_weight_above),
+        cmocka_unit_test(test_box_below_the_friction_angle_stays),
+        cmocka_unit_test(test_box_above_the_friction_angle_slides_without_lift),
         cmocka_unit_test(
             test_the_convex_problem_lifts_what_slides_and_its_shift_takes_the_lift_away),
         cmocka_unit_test(
             test_without_friction_a_tower_slides_off_whole_and_no_impulse_is_tangential),
-        cmocka_unit_test(test_a_mass_ratio_of_a_million_is_carried_like_any_other),
-        cmocka_unit_test(test_a_gap_on_one_side_closes_as_far_as_the_box_can_turn),
+        cmocka_unit_test(test_mass_ratio_of_a_million_is_exact),
+        cmocka_unit_test(test_one_sided_gap_closes_by_rotation),
         cmocka_unit_test(
-            test_a_gap_that_stays_open_carries_nothing_and_one_that_closes_stops_at_it),
+            test_open_gap_has_no_force_until_closed),
     };
     return cmocka_run_group_tests_name("engine_direct", tests, NULL, NULL);
 }

@@ -71,7 +71,7 @@ static double convex_fault(const pe_contact_problem *source, const pe_problem *p
     return worst;
 }
 
-static void test_the_interior_point_answer_is_optimal_to_its_tolerance(void **state)
+static void test_interior_point_solution_is_optimal_to_tolerance(void **state)
 {
     (void)state;
     static const double tolerances[] = {1e-3,
@@ -107,7 +107,7 @@ static void test_the_interior_point_answer_is_optimal_to_its_tolerance(void **st
     }
 }
 
-static void test_patches_left_out_of_the_interior_point_method_get_no_impulse(void **state)
+static void test_manifolds_left_out_get_no_impulse(void **state)
 {
     (void)state;
     for (uint64_t seed = 1; seed <= 10; ++seed) {
@@ -183,8 +183,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(
             test_what_is_called_solved_obeys_coulomb_and_the_residual_is_that_of_the_impulses),
-        cmocka_unit_test(test_the_interior_point_answer_is_optimal_to_its_tolerance),
-        cmocka_unit_test(test_patches_left_out_of_the_interior_point_method_get_no_impulse),
+        cmocka_unit_test(test_interior_point_solution_is_optimal_to_tolerance),
+        cmocka_unit_test(test_manifolds_left_out_get_no_impulse),
         cmocka_unit_test(test_shifts_are_mu_times_the_slip),
     };
     return cmocka_run_group_tests_name("engine_direct_laws", tests, NULL, NULL);

@@ -18,7 +18,7 @@ static pe_contact_problem *hard_problem(void)
     return problem;
 }
 
-static void test_one_iteration_is_reported_as_too_few_and_leaves_the_best(void **state)
+static void test_one_iteration_fails_and_keeps_the_best(void **state)
 {
     (void)state;
     for (int k = 0; k < ALL_SOLVERS; ++k) {
@@ -45,7 +45,7 @@ static void test_one_iteration_is_reported_as_too_few_and_leaves_the_best(void *
     }
 }
 
-static void test_no_limit_is_passed_and_none_leaves_worse_than_the_start(void **state)
+static void test_iteration_limits_hold_and_never_worsen(void **state)
 {
     (void)state;
     for (int k = 0; k < COULOMB_SOLVERS; ++k) {
@@ -87,7 +87,7 @@ static void poison(pe_contact_problem *problem, int place)
     }
 }
 
-static void test_a_problem_with_nan_ends_and_is_not_called_solved(void **state)
+static void test_nan_problem_ends_unsolved(void **state)
 {
     (void)state;
     static const named_solver island = {.name = "island", .solve = solve_by_island};
@@ -120,7 +120,7 @@ static void test_a_problem_with_nan_ends_and_is_not_called_solved(void **state)
 }
 
 /* No iterate was better than the start, so that the start is what is left. */
-static void test_a_problem_with_nan_leaves_the_impulses_that_it_began_with(void **state)
+static void test_nan_problem_keeps_the_initial_impulses(void **state)
 {
     (void)state;
     for (int k = 0; k < COULOMB_SOLVERS; ++k) {
@@ -185,10 +185,10 @@ static void test_every_failed_allocation_is_reported(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_iteration_is_reported_as_too_few_and_leaves_the_best),
-        cmocka_unit_test(test_no_limit_is_passed_and_none_leaves_worse_than_the_start),
-        cmocka_unit_test(test_a_problem_with_nan_ends_and_is_not_called_solved),
-        cmocka_unit_test(test_a_problem_with_nan_leaves_the_impulses_that_it_began_with),
+        cmocka_unit_test(test_one_iteration_fails_and_keeps_the_best),
+        cmocka_unit_test(test_iteration_limits_hold_and_never_worsen),
+        cmocka_unit_test(test_nan_problem_ends_unsolved),
+        cmocka_unit_test(test_nan_problem_keeps_the_initial_impulses),
         cmocka_unit_test(test_every_failed_allocation_is_reported),
     };
     return cmocka_run_group_tests_name("engine_direct_limits", tests, NULL, NULL);

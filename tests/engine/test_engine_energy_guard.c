@@ -97,7 +97,7 @@ static pe_world *make_world_with(pe_shape shape, pe_vec3 velocity, pe_vec3 spin,
 
 static const pe_shape CUBE = {.kind = PE_SHAPE_BOX, .half_extents = {0.5, 0.5, 0.5}};
 
-static void test_free_fall_and_throws_are_left_to_the_bit(void **state)
+static void test_energy_guard_leaves_free_flight_unchanged(void **state)
 {
     (void)state;
     static const pe_vec3 velocities[] = {{0, 0, 0}, {3, -2, 6}, {10, 0, 0}, {0, 0, -1}};
@@ -116,7 +116,7 @@ static void test_free_fall_and_throws_are_left_to_the_bit(void **state)
     }
 }
 
-static void test_what_forces_and_torques_do_is_left_to_the_bit(void **state)
+static void test_energy_guard_leaves_work_of_forces_unchanged(void **state)
 {
     (void)state;
     static const pe_frame frames[] = {PE_FRAME_WORLD, PE_FRAME_BODY};
@@ -164,7 +164,7 @@ static void test_a_bounce_keeps_the_energy(void **state)
     pe_world_destroy(world);
 }
 
-static void test_the_guard_never_adds_and_leaves_no_growth_that_motion_could_pay(void **state)
+static void test_energy_guard_removes_growth_that_motion_covers(void **state)
 {
     (void)state;
     check_random random = {77};
@@ -267,7 +267,7 @@ static void test_a_lift_that_motion_pays_for_stays(void **state)
     pe_world_destroy(l.world);
 }
 
-static void test_a_dearer_lift_is_taken_back_and_the_motion_goes_on(void **state)
+static void test_excess_lift_is_undone_and_motion_continues(void **state)
 {
     (void)state;
     static const double kept[] = {1, 0.3, 0};
@@ -282,7 +282,7 @@ static void test_a_dearer_lift_is_taken_back_and_the_motion_goes_on(void **state
 }
 
 /* Contacts that sweeps left give way: what lies on them would sink step by step. */
-static void test_what_was_not_solved_comes_to_rest_where_it_was(void **state)
+static void test_unsolved_bodies_come_to_rest_in_place(void **state)
 {
     (void)state;
     lifted l = lift(2e-3, 0.3, false);
@@ -385,7 +385,7 @@ static void add_falling_boxes(pe_world *world, pe_body_id *ids)
 }
 
 /* The stack, 1 km away, has its projection taken back in many steps. */
-static void test_what_is_put_back_changes_no_bit_of_what_is_far(void **state)
+static void test_restoring_bodies_leaves_far_bodies_unchanged(void **state)
 {
     (void)state;
     pe_world *worlds[2];
@@ -415,17 +415,17 @@ static void test_what_is_put_back_changes_no_bit_of_what_is_far(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_fall_and_throws_are_left_to_the_bit),
-        cmocka_unit_test(test_what_forces_and_torques_do_is_left_to_the_bit),
+        cmocka_unit_test(test_energy_guard_leaves_free_flight_unchanged),
+        cmocka_unit_test(test_energy_guard_leaves_work_of_forces_unchanged),
         cmocka_unit_test(test_a_bounce_keeps_the_energy),
-        cmocka_unit_test(test_the_guard_never_adds_and_leaves_no_growth_that_motion_could_pay),
+        cmocka_unit_test(test_energy_guard_removes_growth_that_motion_covers),
         cmocka_unit_test(test_a_rise_without_motion_is_taken_back),
         cmocka_unit_test(test_a_lift_that_motion_pays_for_stays),
-        cmocka_unit_test(test_a_dearer_lift_is_taken_back_and_the_motion_goes_on),
-        cmocka_unit_test(test_what_was_not_solved_comes_to_rest_where_it_was),
+        cmocka_unit_test(test_excess_lift_is_undone_and_motion_continues),
+        cmocka_unit_test(test_unsolved_bodies_come_to_rest_in_place),
         cmocka_unit_test(test_what_is_deep_is_lifted_at_any_price),
         cmocka_unit_test(test_what_has_begun_to_fall_falls_on),
-        cmocka_unit_test(test_what_is_put_back_changes_no_bit_of_what_is_far),
+        cmocka_unit_test(test_restoring_bodies_leaves_far_bodies_unchanged),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -98,7 +98,7 @@ static void solve_is_backward_stable(factor_setting *s, const char *name)
     free(x);
 }
 
-static void test_hard_and_soft_contacts_factor_with_a_small_backward_error(void **state)
+static void test_contact_factorisation_has_small_backward_error(void **state)
 {
     (void)state;
     hold_everywhere(solve_is_backward_stable, 1e-6);
@@ -116,14 +116,14 @@ static void chain_of_200(pattern_finder find_pattern)
     setting_end(&s);
 }
 
-static void test_a_chain_of_200_is_solved_without_fill_in_in_either_order(void **state)
+static void test_chain_of_200_has_no_fill_in(void **state)
 {
     (void)state;
     chain_of_200(pe_pattern_find);
     chain_of_200(breadth_first_pattern);
 }
 
-static void test_a_matrix_with_a_pivot_that_is_no_positive_number_is_refused(void **state)
+static void test_nonpositive_pivot_is_refused(void **state)
 {
     (void)state;
     for (int k = 0; k < 6; ++k) {
@@ -140,9 +140,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_assembled_blocks_equal_the_dense_matrix),
         cmocka_unit_test(test_factor_and_solve_equal_a_dense_solve),
-        cmocka_unit_test(test_hard_and_soft_contacts_factor_with_a_small_backward_error),
-        cmocka_unit_test(test_a_chain_of_200_is_solved_without_fill_in_in_either_order),
-        cmocka_unit_test(test_a_matrix_with_a_pivot_that_is_no_positive_number_is_refused),
+        cmocka_unit_test(test_contact_factorisation_has_small_backward_error),
+        cmocka_unit_test(test_chain_of_200_has_no_fill_in),
+        cmocka_unit_test(test_nonpositive_pivot_is_refused),
     };
     return cmocka_run_group_tests_name("engine_factor", tests, NULL, NULL);
 }

@@ -41,7 +41,7 @@ static void bounced(double height, double e, double time, double *z, double *v)
     }
 }
 
-static void test_ball_follows_its_parabolas_to_rounding_at_any_step(void **state)
+static void test_ball_follows_parabolas_at_any_step(void **state)
 {
     (void)state;
     const double steps[] = {1.0 / 60, 1.0 / 97, 1.0 / 240};
@@ -69,7 +69,7 @@ static void test_ball_follows_its_parabolas_to_rounding_at_any_step(void **state
 }
 
 /* Newton's restitution with friction may gain energy near 1, of which the guard takes momentum. */
-static void test_impulse_of_the_step_is_the_change_of_momentum(void **state)
+static void test_step_impulse_is_the_momentum_change(void **state)
 {
     (void)state;
     check_random random = {5};
@@ -191,7 +191,7 @@ static double kinetic_of(pe_world *world, const pe_body_id ids[2])
     return sum;
 }
 
-static void test_boxes_that_collide_in_flight_keep_their_angular_momentum(void **state)
+static void test_flying_box_collision_conserves_angular_momentum(void **state)
 {
     (void)state;
     check_random random = {21};
@@ -232,11 +232,11 @@ static void test_boxes_that_collide_in_flight_keep_their_angular_momentum(void *
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_ball_follows_its_parabolas_to_rounding_at_any_step),
-        cmocka_unit_test(test_impulse_of_the_step_is_the_change_of_momentum),
+        cmocka_unit_test(test_ball_follows_parabolas_at_any_step),
+        cmocka_unit_test(test_step_impulse_is_the_momentum_change),
         cmocka_unit_test(test_spinning_ball_strikes_at_its_own_surface),
         cmocka_unit_test(test_two_balls_meet_within_the_step),
-        cmocka_unit_test(test_boxes_that_collide_in_flight_keep_their_angular_momentum),
+        cmocka_unit_test(test_flying_box_collision_conserves_angular_momentum),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -85,14 +85,14 @@ static void check_order(build_scene *build, double speed, double spin, double mo
     assert_at_most(3 * second, first); /* of the first order it would be a half, not a quarter */
 }
 
-static void test_a_top_on_a_smooth_floor_is_second_order(void **state)
+static void test_top_on_a_smooth_floor_is_second_order(void **state)
 {
     (void)state;
     check_order(build_top, 0, 40, 1e-3);
     check_order(build_top, 0.7, 50, 1e-3);
 }
 
-static void test_a_plate_that_slides_and_spins_is_second_order(void **state)
+static void test_sliding_and_spinning_plate_is_second_order(void **state)
 {
     (void)state;
     check_order(build_plate, 2, 4, 1e-3);
@@ -124,7 +124,7 @@ static double largest_slip_bias(pe_profile profile, double speed, double spin)
     return most;
 }
 
-static void test_friction_opposes_the_mean_slip_only_where_slip_goes_on(void **state)
+static void test_friction_opposes_mean_slip_while_slipping(void **state)
 {
     (void)state;
     /* Half of what a step takes, or turns, of a slip of 2 m/s. */
@@ -138,9 +138,9 @@ static void test_friction_opposes_the_mean_slip_only_where_slip_goes_on(void **s
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_top_on_a_smooth_floor_is_second_order),
-        cmocka_unit_test(test_a_plate_that_slides_and_spins_is_second_order),
-        cmocka_unit_test(test_friction_opposes_the_mean_slip_only_where_slip_goes_on),
+        cmocka_unit_test(test_top_on_a_smooth_floor_is_second_order),
+        cmocka_unit_test(test_sliding_and_spinning_plate_is_second_order),
+        cmocka_unit_test(test_friction_opposes_mean_slip_while_slipping),
     };
     return cmocka_run_group_tests_name("engine_middle", tests, NULL, NULL);
 }

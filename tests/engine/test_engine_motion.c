@@ -41,7 +41,7 @@ static pe_vec3 body_spin(const pe_body_state *s)
     return pe_unrotate(&r, s->angular_velocity);
 }
 
-static void test_free_spin_keeps_energy_and_length_of_angular_momentum(void **state)
+static void test_free_spin_conserves_energy_and_angular_momentum(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -64,7 +64,7 @@ static void test_free_spin_keeps_energy_and_length_of_angular_momentum(void **st
     pe_world_destroy(world);
 }
 
-static void test_period_of_the_flip_is_that_of_the_elliptic_integral(void **state)
+static void test_flip_period_equals_the_elliptic_integral(void **state)
 {
     (void)state;
     /* I = (0.80833, 0.68333, 0.141667), w0 = (0.1, 5, 0.1): w_y has the period 6.056844 s. */
@@ -90,7 +90,7 @@ static void test_period_of_the_flip_is_that_of_the_elliptic_integral(void **stat
     pe_world_destroy(world);
 }
 
-static void test_force_at_a_point_gives_its_acceleration_and_torque_in_either_frame(void **state)
+static void test_point_force_gives_acceleration_and_torque(void **state)
 {
     (void)state;
     for (int frame = 0; frame < 2; ++frame) {
@@ -151,9 +151,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_sine_and_cosine_equal_those_of_libm),
         cmocka_unit_test(test_projectile_follows_the_parabola),
-        cmocka_unit_test(test_free_spin_keeps_energy_and_length_of_angular_momentum),
-        cmocka_unit_test(test_period_of_the_flip_is_that_of_the_elliptic_integral),
-        cmocka_unit_test(test_force_at_a_point_gives_its_acceleration_and_torque_in_either_frame),
+        cmocka_unit_test(test_free_spin_conserves_energy_and_angular_momentum),
+        cmocka_unit_test(test_flip_period_equals_the_elliptic_integral),
+        cmocka_unit_test(test_point_force_gives_acceleration_and_torque),
         cmocka_unit_test(test_rotation_is_the_exponential_map),
     };
     return cmocka_run_group_tests_name("engine_motion", tests, NULL, NULL);

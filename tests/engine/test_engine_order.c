@@ -155,7 +155,7 @@ static pe_vec3 rocket_position(double acceleration, double angular, double secon
     return (pe_vec3){acceleration * x * h / 3, 0, acceleration * z * h / 3};
 }
 
-static void test_rocket_off_its_centre_follows_the_fresnel_integrals_in_second_order(void **state)
+static void test_off_centre_rocket_converges_to_fresnel_integrals(void **state)
 {
     (void)state;
     flight f = {.mass = 2,
@@ -343,7 +343,7 @@ int main(void)
         cmocka_unit_test(test_projectile_is_exact),
         cmocka_unit_test(test_projectile_with_spin_is_second_order),
         cmocka_unit_test(test_steady_spin_is_exact),
-        cmocka_unit_test(test_rocket_off_its_centre_follows_the_fresnel_integrals_in_second_order),
+        cmocka_unit_test(test_off_centre_rocket_converges_to_fresnel_integrals),
         cmocka_unit_test(test_rocket_in_space_is_second_order),
         cmocka_unit_test(test_period_of_the_tumbling_box_is_fourth_order),
         cmocka_unit_test(test_tumbling_box_is_fourth_order),

@@ -53,7 +53,7 @@ static void assert_within_the_last_step(const char *name, const double error[STE
     }
 }
 
-static void test_a_sliding_block_stops_where_it_should_but_for_h_squared(void **state)
+static void test_sliding_block_stop_is_second_order(void **state)
 {
     (void)state;
     static const double speeds[] = {2, 3, 3.7};
@@ -75,7 +75,7 @@ static void test_a_sliding_block_stops_where_it_should_but_for_h_squared(void **
     }
 }
 
-static void test_a_sphere_rolls_down_a_slope_at_five_sevenths_of_its_pull(void **state)
+static void test_rolling_sphere_accelerates_by_five_sevenths(void **state)
 {
     (void)state;
     double error[STEP_SIZES], spin_error[STEP_SIZES], angle = 0.3, radius = 0.25;
@@ -97,7 +97,7 @@ static void test_a_sphere_rolls_down_a_slope_at_five_sevenths_of_its_pull(void *
     }
 }
 
-static void test_a_bowling_ball_skids_then_rolls_at_five_sevenths_of_its_speed(void **state)
+static void test_bowling_ball_rolls_at_five_sevenths_speed(void **state)
 {
     (void)state;
     static const double speeds[] = {2, 3, 4.3};
@@ -127,9 +127,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_sliding_block_is_exact_until_it_stops),
-        cmocka_unit_test(test_a_sliding_block_stops_where_it_should_but_for_h_squared),
-        cmocka_unit_test(test_a_sphere_rolls_down_a_slope_at_five_sevenths_of_its_pull),
-        cmocka_unit_test(test_a_bowling_ball_skids_then_rolls_at_five_sevenths_of_its_speed),
+        cmocka_unit_test(test_sliding_block_stop_is_second_order),
+        cmocka_unit_test(test_rolling_sphere_accelerates_by_five_sevenths),
+        cmocka_unit_test(test_bowling_ball_rolls_at_five_sevenths_speed),
     };
     return cmocka_run_group_tests_name("engine_order_contact", tests, NULL, NULL);
 }

@@ -74,7 +74,7 @@ static void pattern_is_that_of_the_dense_factor(factor_setting *s, const char *n
     free(listed);
 }
 
-static void test_pattern_has_the_blocks_of_the_dense_factor_and_counts_their_flops(void **state)
+static void test_pattern_equals_the_dense_factor(void **state)
 {
     (void)state;
     hold_everywhere(pattern_is_that_of_the_dense_factor, 30);
@@ -98,7 +98,7 @@ static void patches_couple_in_their_own_block(factor_setting *s, const char *nam
     }
 }
 
-static void test_counted_patches_couple_their_two_bodies_and_no_others_do(void **state)
+static void test_manifolds_couple_exactly_their_two_bodies(void **state)
 {
     (void)state;
     hold_everywhere(patches_couple_in_their_own_block, 30);
@@ -135,7 +135,7 @@ static int depth_of(pe_contact_problem *source, const bool *counted)
     return depth;
 }
 
-static void test_depth_is_the_longest_way_down_to_what_is_static(void **state)
+static void test_depth_is_the_longest_path_to_static(void **state)
 {
     (void)state;
     assert_int_equal(depth_of(problem_of_chain(17), NULL), 17);
@@ -150,7 +150,7 @@ static void test_depth_is_the_longest_way_down_to_what_is_static(void **state)
 }
 
 /* A star: whoever begins in the middle couples all the others. */
-static void test_either_order_leaves_the_hub_of_a_star_for_last_but_one(void **state)
+static void test_orders_leave_a_star_hub_second_last(void **state)
 {
     (void)state;
     enum { BODIES = 30 };
@@ -206,7 +206,7 @@ static void test_loaded_patches_are_those_that_carry_or_close(void **state)
     assert_true(seen[0] > 20 && seen[1] > 20);
 }
 
-static void test_without_memory_the_pattern_and_the_factor_say_so(void **state)
+static void test_pattern_and_factor_report_out_of_memory(void **state)
 {
     (void)state;
     for (int f = 0; f < PATTERN_FINDER_COUNT; ++f) {
@@ -237,13 +237,13 @@ static void test_without_memory_the_pattern_and_the_factor_say_so(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pattern_has_the_blocks_of_the_dense_factor_and_counts_their_flops),
-        cmocka_unit_test(test_counted_patches_couple_their_two_bodies_and_no_others_do),
+        cmocka_unit_test(test_pattern_equals_the_dense_factor),
+        cmocka_unit_test(test_manifolds_couple_exactly_their_two_bodies),
         cmocka_unit_test(test_counting_every_patch_is_counting_none_out),
-        cmocka_unit_test(test_depth_is_the_longest_way_down_to_what_is_static),
-        cmocka_unit_test(test_either_order_leaves_the_hub_of_a_star_for_last_but_one),
+        cmocka_unit_test(test_depth_is_the_longest_path_to_static),
+        cmocka_unit_test(test_orders_leave_a_star_hub_second_last),
         cmocka_unit_test(test_loaded_patches_are_those_that_carry_or_close),
-        cmocka_unit_test(test_without_memory_the_pattern_and_the_factor_say_so),
+        cmocka_unit_test(test_pattern_and_factor_report_out_of_memory),
     };
     return cmocka_run_group_tests_name("engine_pattern", tests, NULL, NULL);
 }

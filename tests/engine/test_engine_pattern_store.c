@@ -114,7 +114,7 @@ static void test_what_was_asked_for_longest_ago_makes_room(void **state)
     }
 }
 
-static void test_without_memory_the_store_says_so_and_keeps_nothing_wrong(void **state)
+static void test_pattern_store_survives_out_of_memory(void **state)
 {
     (void)state;
     bool failed = true;
@@ -143,7 +143,7 @@ int main(void)
         cmocka_unit_test(test_a_kept_pattern_is_the_one_found_anew),
         cmocka_unit_test(test_other_pairs_have_their_own_pattern),
         cmocka_unit_test(test_what_was_asked_for_longest_ago_makes_room),
-        cmocka_unit_test(test_without_memory_the_store_says_so_and_keeps_nothing_wrong),
+        cmocka_unit_test(test_pattern_store_survives_out_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -117,7 +117,7 @@ static void add_heap(pe_world *world, check_random *random, int count, double re
 /* ---- Projection --------------------------------------------------------------------------------
  */
 
-static void test_overlapping_boxes_part_by_the_overlap_in_ratio_of_their_masses(void **state)
+static void test_overlapping_boxes_separate_in_mass_ratio(void **state)
 {
     (void)state;
     pe_world *world = make_weightless_world();
@@ -155,7 +155,7 @@ static void test_what_is_shallow_stays_to_the_bit(void **state)
     pe_world_destroy(world);
 }
 
-static void test_a_sunk_box_is_lifted_out_of_the_ground(void **state)
+static void test_sunk_box_is_moved_out_of_ground(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -194,7 +194,7 @@ static void test_a_push_reaches_the_end_of_a_row(void **state)
     pe_world_destroy(world);
 }
 
-static void test_what_the_push_does_not_touch_stays_to_the_bit(void **state)
+static void test_untouched_bodies_stay_unchanged_exactly(void **state)
 {
     (void)state;
     pe_world *world = make_weightless_world();
@@ -215,7 +215,7 @@ static void test_what_the_push_does_not_touch_stays_to_the_bit(void **state)
     pe_world_destroy(world);
 }
 
-static void test_a_heap_never_gets_worse_and_keeps_centre_of_mass_and_momenta(void **state)
+static void test_heap_correction_keeps_mass_centre_and_momenta(void **state)
 {
     (void)state;
     int mended = 0;
@@ -312,7 +312,7 @@ static void test_only_what_is_among_the_flagged_is_projected(void **state)
 
 /* A row whose first body is flagged, and whose other two overlap: with or without an overlap
  * elsewhere. */
-static void test_what_does_not_count_stays_whatever_else_is_projected(void **state)
+static void test_excluded_bodies_stay_during_projection(void **state)
 {
     (void)state;
     for (int elsewhere = 0; elsewhere < 2; ++elsewhere) {
@@ -340,16 +340,16 @@ static void test_what_does_not_count_stays_whatever_else_is_projected(void **sta
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_overlapping_boxes_part_by_the_overlap_in_ratio_of_their_masses),
+        cmocka_unit_test(test_overlapping_boxes_separate_in_mass_ratio),
         cmocka_unit_test(test_what_is_shallow_stays_to_the_bit),
-        cmocka_unit_test(test_a_sunk_box_is_lifted_out_of_the_ground),
+        cmocka_unit_test(test_sunk_box_is_moved_out_of_ground),
         cmocka_unit_test(test_a_push_reaches_the_end_of_a_row),
-        cmocka_unit_test(test_what_the_push_does_not_touch_stays_to_the_bit),
-        cmocka_unit_test(test_a_heap_never_gets_worse_and_keeps_centre_of_mass_and_momenta),
+        cmocka_unit_test(test_untouched_bodies_stay_unchanged_exactly),
+        cmocka_unit_test(test_heap_correction_keeps_mass_centre_and_momenta),
         cmocka_unit_test(test_contacts_afterwards_are_those_of_the_final_poses),
         cmocka_unit_test(test_any_solver_may_take_the_place_of_sweeps),
         cmocka_unit_test(test_only_what_is_among_the_flagged_is_projected),
-        cmocka_unit_test(test_what_does_not_count_stays_whatever_else_is_projected),
+        cmocka_unit_test(test_excluded_bodies_stay_during_projection),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static void test_residual_of_the_closed_form_of_a_resting_box_is_zero(void **state)
+static void test_resting_box_closed_form_has_zero_residual(void **state)
 {
     (void)state;
     for (int i = 0; i < 4; ++i) {
@@ -65,7 +65,7 @@ static void nearest_in_cone(double mu, const double z[3], double nearest[3])
     }
 }
 
-static void test_residual_equals_the_distance_to_a_projection_found_by_search(void **state)
+static void test_residual_equals_searched_projection_distance(void **state)
 {
     (void)state;
     check_random random = {11};
@@ -106,7 +106,7 @@ static double dense_trace(const double *jacobian, const double *inverse_mass, in
     return trace;
 }
 
-static void test_scale_of_a_point_is_a_third_of_the_dense_trace(void **state)
+static void test_point_scale_is_a_third_of_trace(void **state)
 {
     (void)state;
     for (uint64_t seed = 1; seed <= 30; ++seed) {
@@ -126,7 +126,7 @@ static void test_scale_of_a_point_is_a_third_of_the_dense_trace(void **state)
 }
 
 /* v - v* = M^-1 J^T p, and u = J v + b, by matrices. */
-static void test_velocities_of_the_impulses_are_those_of_the_dense_matrices(void **state)
+static void test_impulse_velocities_equal_dense_matrices(void **state)
 {
     (void)state;
     for (uint64_t seed = 1; seed <= 30; ++seed) {
@@ -175,10 +175,10 @@ static void test_velocities_of_the_impulses_are_those_of_the_dense_matrices(void
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_residual_of_the_closed_form_of_a_resting_box_is_zero),
-        cmocka_unit_test(test_residual_equals_the_distance_to_a_projection_found_by_search),
-        cmocka_unit_test(test_scale_of_a_point_is_a_third_of_the_dense_trace),
-        cmocka_unit_test(test_velocities_of_the_impulses_are_those_of_the_dense_matrices),
+        cmocka_unit_test(test_resting_box_closed_form_has_zero_residual),
+        cmocka_unit_test(test_residual_equals_searched_projection_distance),
+        cmocka_unit_test(test_point_scale_is_a_third_of_trace),
+        cmocka_unit_test(test_impulse_velocities_equal_dense_matrices),
     };
     return cmocka_run_group_tests_name("engine_residual", tests, NULL, NULL);
 }

@@ -20,7 +20,7 @@ static pe_vec3 impulse_on(const pe_world *world, pe_body_id body)
     return sum;
 }
 
-static void test_a_resting_box_is_carried_by_m_g_h(void **state)
+static void test_resting_box_impulse_is_m_g_h(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -39,7 +39,7 @@ static void test_a_resting_box_is_carried_by_m_g_h(void **state)
     pe_world_destroy(world);
 }
 
-static void test_each_joint_of_a_tower_carries_the_weight_above_it(void **state)
+static void test_tower_joint_impulse_is_the_weight_above(void **state)
 {
     (void)state;
     enum { N = 10 };
@@ -67,7 +67,7 @@ static void test_each_joint_of_a_tower_carries_the_weight_above_it(void **state)
 /* Four springs of angular frequency w under a cube, each with its share m/4 of the cube's mass,
  * give way by g/w^2; between two cubes the share is a half of that. Against the ground w is twice
  * as high. */
-static void test_a_contact_sinks_until_its_spring_carries_the_load(void **state)
+static void test_contact_sinks_to_its_spring_equilibrium(void **state)
 {
     (void)state;
     const double w = 2 * 3.141592653589793 * 60;
@@ -98,7 +98,7 @@ static pe_body_id add_slider(pe_world *world, pe_material_id material, double ha
 /* Along its way the block errs by less than what friction changes in a substep, the order of the
  * method. Across it, by a turn that the first step gives it: the sweeps share the weight among four
  * corners in some way, for statics does not say how, and only later evenly. */
-static void test_a_sliding_block_slows_by_mu_g_at_every_azimuth(void **state)
+static void test_sliding_block_decelerates_by_mu_g(void **state)
 {
     (void)state;
     const double mu = 0.3, v0 = 3, part = H / 8;
@@ -151,7 +151,7 @@ static void slide_and_spin(double mu, double half, double inertia, double t, dou
 }
 
 /* A friction that knew the manifold as a whole only, by a limit surface, would err by 9 % here. */
-static void test_a_spinning_slider_loses_speed_and_spin_as_its_four_corners_do(void **state)
+static void test_spinning_slider_decelerates_as_four_corners(void **state)
 {
     (void)state;
     const double mu = 0.4, half_height = 1e-3, inertia = (0.25 + 0.25) / 3;
@@ -171,7 +171,7 @@ static void test_a_spinning_slider_loses_speed_and_spin_as_its_four_corners_do(v
     }
 }
 
-static void test_a_block_on_a_slope_below_the_threshold_stays_and_above_it_slides(void **state)
+static void test_slope_block_moves_only_above_the_threshold(void **state)
 {
     (void)state;
     for (int k = 0; k < 2; ++k) {
@@ -224,7 +224,7 @@ static void test_a_ball_bounces_with_newtons_restitution(void **state)
     }
 }
 
-static void test_a_body_that_does_not_reach_another_in_the_step_does_not_feel_it(void **state)
+static void test_unreached_body_is_not_affected(void **state)
 {
     (void)state;
     pe_world_def world_def = pe_world_def_default();
@@ -362,14 +362,14 @@ static void test_an_unsupported_spinning_body_keeps_its_energy(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_resting_box_is_carried_by_m_g_h),
-        cmocka_unit_test(test_a_contact_sinks_until_its_spring_carries_the_load),
-        cmocka_unit_test(test_each_joint_of_a_tower_carries_the_weight_above_it),
-        cmocka_unit_test(test_a_sliding_block_slows_by_mu_g_at_every_azimuth),
-        cmocka_unit_test(test_a_spinning_slider_loses_speed_and_spin_as_its_four_corners_do),
-        cmocka_unit_test(test_a_block_on_a_slope_below_the_threshold_stays_and_above_it_slides),
+        cmocka_unit_test(test_resting_box_impulse_is_m_g_h),
+        cmocka_unit_test(test_contact_sinks_to_its_spring_equilibrium),
+        cmocka_unit_test(test_tower_joint_impulse_is_the_weight_above),
+        cmocka_unit_test(test_sliding_block_decelerates_by_mu_g),
+        cmocka_unit_test(test_spinning_slider_decelerates_as_four_corners),
+        cmocka_unit_test(test_slope_block_moves_only_above_the_threshold),
         cmocka_unit_test(test_a_ball_bounces_with_newtons_restitution),
-        cmocka_unit_test(test_a_body_that_does_not_reach_another_in_the_step_does_not_feel_it),
+        cmocka_unit_test(test_unreached_body_is_not_affected),
         cmocka_unit_test(test_a_load_accelerates_what_slides_without_friction),
         cmocka_unit_test(test_momentum_is_kept_by_contacts_between_bodies),
         cmocka_unit_test(test_the_energy_of_a_collapse_does_not_grow),

@@ -47,7 +47,7 @@ static pe_body_id add_laid_table(pe_world *world, int n, pe_body_id *last)
 
 enum { TABLE = 9 };
 
-static void test_one_four_and_eight_lanes_give_the_same_bits(void **state)
+static void test_all_lane_counts_give_equal_bits(void **state)
 {
     (void)state;
     const int lanes[2] = {4, 8};
@@ -85,7 +85,7 @@ static void test_one_four_and_eight_lanes_give_the_same_bits(void **state)
     }
 }
 
-static void test_a_body_with_more_contacts_than_colours_is_carried_like_any_other(void **state)
+static void test_body_with_excess_contacts_is_supported(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -106,7 +106,7 @@ static void test_a_body_with_more_contacts_than_colours_is_carried_like_any_othe
     pe_world_destroy(world);
 }
 
-static void test_colours_share_no_body_and_every_point_is_planned_once(void **state)
+static void test_colours_partition_points_without_shared_bodies(void **state)
 {
     (void)state;
     for (int scene = 0; scene < 2; ++scene) {
@@ -150,7 +150,7 @@ static void test_colours_share_no_body_and_every_point_is_planned_once(void **st
     }
 }
 
-static void test_a_manifold_of_eight_points_carries_as_one_of_four(void **state)
+static void test_eight_points_support_like_four(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -187,7 +187,7 @@ static void test_substeps_follow_the_step_and_stop_at_twelve(void **state)
     pe_world_destroy(world);
 }
 
-static void test_an_island_that_is_not_chosen_is_not_touched(void **state)
+static void test_unchosen_island_is_not_changed(void **state)
 {
     (void)state;
     pe_world *both = make_world(NULL), *alone = make_world(NULL);
@@ -329,12 +329,12 @@ static void test_every_failed_allocation_leaves_all_as_it_was(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_four_and_eight_lanes_give_the_same_bits),
-        cmocka_unit_test(test_a_body_with_more_contacts_than_colours_is_carried_like_any_other),
-        cmocka_unit_test(test_colours_share_no_body_and_every_point_is_planned_once),
-        cmocka_unit_test(test_a_manifold_of_eight_points_carries_as_one_of_four),
+        cmocka_unit_test(test_all_lane_counts_give_equal_bits),
+        cmocka_unit_test(test_body_with_excess_contacts_is_supported),
+        cmocka_unit_test(test_colours_partition_points_without_shared_bodies),
+        cmocka_unit_test(test_eight_points_support_like_four),
         cmocka_unit_test(test_substeps_follow_the_step_and_stop_at_twelve),
-        cmocka_unit_test(test_an_island_that_is_not_chosen_is_not_touched),
+        cmocka_unit_test(test_unchosen_island_is_not_changed),
         cmocka_unit_test(test_neither_precession_nor_turning_changes_kinetic_energy),
         cmocka_unit_test(test_nothing_is_allocated_after_warm_up),
         cmocka_unit_test(test_every_failed_allocation_leaves_all_as_it_was),

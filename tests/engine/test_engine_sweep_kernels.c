@@ -166,7 +166,7 @@ static void test_every_width_gives_the_same_bits(void **state)
 }
 
 /* One heavy plate with more small bodies on it than there are colours. */
-static void test_a_body_with_more_contacts_than_colours_is_swept_too(void **state)
+static void test_body_with_excess_contacts_is_swept(void **state)
 {
     sweep_bench *b = *state;
     enum { SMALL = 150 };
@@ -201,7 +201,7 @@ int main(void)
         UNIT(test_a_sweep_is_gauss_seidel_point_by_point),
         UNIT(test_sweeps_see_the_residual_that_is_reported),
         UNIT(test_every_width_gives_the_same_bits),
-        UNIT(test_a_body_with_more_contacts_than_colours_is_swept_too),
+        UNIT(test_body_with_excess_contacts_is_swept),
     };
     return cmocka_run_group_tests_name("engine_sweep_kernels", tests, NULL, NULL);
 }

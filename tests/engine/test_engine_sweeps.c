@@ -36,7 +36,7 @@ static void test_box_on_slope_below_the_friction_angle_stays(void **state)
     }
 }
 
-static void test_box_on_slope_above_the_friction_angle_slides_as_newton_says(void **state)
+static void test_box_above_friction_angle_slides_by_newton(void **state)
 {
     sweep_bench *b = *state;
     double angle = 0.7, gain = STEP * GRAVITY * (sin(angle) - 0.5 * cos(angle));
@@ -64,7 +64,7 @@ static void put_tower(sweep_bench *b, int height)
     }
 }
 
-static void test_each_contact_of_a_tower_carries_what_stands_on_it(void **state)
+static void test_tower_contact_impulse_is_the_weight_above(void **state)
 {
     sweep_bench *b = *state;
     for (int k = 0; k < 2; ++k) {
@@ -96,7 +96,7 @@ static void test_a_bounce_leaves_with_restitution_times_the_approach(void **stat
     }
 }
 
-static void test_a_gap_may_close_just_as_far_as_it_is_wide(void **state)
+static void test_gap_closes_exactly_by_its_width(void **state)
 {
     sweep_bench *b = *state;
     const double up[3] = {0, 0, 1}, none[3] = {0};
@@ -162,7 +162,7 @@ static void test_both_solvers_find_the_same_velocities(void **state)
     }
 }
 
-static void test_momentum_needs_at_most_half_the_sweeps_on_a_tower(void **state)
+static void test_momentum_halves_the_sweeps_on_a_tower(void **state)
 {
     sweep_bench *b = *state;
     put_tower(b, 12);
@@ -188,7 +188,7 @@ static void test_no_sweep_leaves_worse_than_it_found(void **state)
     }
 }
 
-static void test_the_best_iterate_that_was_looked_at_is_left(void **state)
+static void test_best_checked_iterate_is_kept(void **state)
 {
     sweep_bench *b = *state;
     int rose = 0;
@@ -276,15 +276,15 @@ int main(void)
 #define UNIT(test) cmocka_unit_test_setup_teardown(test, bench_set_up, bench_tear_down)
     const struct CMUnitTest tests[] = {
         UNIT(test_box_on_slope_below_the_friction_angle_stays),
-        UNIT(test_box_on_slope_above_the_friction_angle_slides_as_newton_says),
-        UNIT(test_each_contact_of_a_tower_carries_what_stands_on_it),
+        UNIT(test_box_above_friction_angle_slides_by_newton),
+        UNIT(test_tower_contact_impulse_is_the_weight_above),
         UNIT(test_a_bounce_leaves_with_restitution_times_the_approach),
-        UNIT(test_a_gap_may_close_just_as_far_as_it_is_wide),
+        UNIT(test_gap_closes_exactly_by_its_width),
         UNIT(test_both_solvers_meet_the_contact_law),
         UNIT(test_both_solvers_find_the_same_velocities),
-        UNIT(test_momentum_needs_at_most_half_the_sweeps_on_a_tower),
+        UNIT(test_momentum_halves_the_sweeps_on_a_tower),
         UNIT(test_no_sweep_leaves_worse_than_it_found),
-        UNIT(test_the_best_iterate_that_was_looked_at_is_left),
+        UNIT(test_best_checked_iterate_is_kept),
         UNIT(test_velocities_are_left_in_step_with_impulses),
         UNIT(test_without_memory_the_status_says_so),
         UNIT(test_history_notes_the_looks),

@@ -45,7 +45,7 @@ static void started_at_its_answer(pe_contact_problem *source, const char *name)
     solving_end(&s);
 }
 
-static void test_an_island_that_starts_at_its_answer_takes_no_iteration(void **state)
+static void test_island_started_at_its_solution_needs_no_iteration(void **state)
 {
     (void)state;
     started_at_its_answer(problem_of_box_on_floor(5, 0.5), "box");
@@ -55,7 +55,7 @@ static void test_an_island_that_starts_at_its_answer_takes_no_iteration(void **s
     started_at_its_answer(problem_of_uniform_tower(100, 0.5), "tower of 100");
 }
 
-static void test_there_is_an_impulse_to_start_from_where_one_pushes(void **state)
+static void test_warm_start_exists_where_an_impulse_pushes(void **state)
 {
     (void)state;
     solving s;
@@ -74,8 +74,8 @@ static void test_there_is_an_impulse_to_start_from_where_one_pushes(void **state
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_an_island_that_starts_at_its_answer_takes_no_iteration),
-        cmocka_unit_test(test_there_is_an_impulse_to_start_from_where_one_pushes),
+        cmocka_unit_test(test_island_started_at_its_solution_needs_no_iteration),
+        cmocka_unit_test(test_warm_start_exists_where_an_impulse_pushes),
     };
     return cmocka_run_group_tests_name("engine_warm_start", tests, NULL, NULL);
 }

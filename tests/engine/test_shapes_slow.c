@@ -34,7 +34,7 @@ static int violated(const json_t *result, const char *what, const char *name, do
     return 1;
 }
 
-static void test_every_shape_rests_at_its_height_for_10_s(void **state)
+static void test_every_shape_rests_for_10_s(void **state)
 {
     (void)state;
     int violations = 0;
@@ -76,7 +76,7 @@ static void test_a_ring_hangs_in_a_ring(void **state)
     assert_int_equal(violations, 0);
 }
 
-static void test_a_sphere_and_a_cylinder_roll_as_fast_as_their_inertia_lets_them(void **state)
+static void test_sphere_and_cylinder_roll_by_their_inertia(void **state)
 {
     (void)state;
     int violations = 0;
@@ -153,9 +153,9 @@ static void test_a_pile_of_every_shape_holds(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_shape_rests_at_its_height_for_10_s),
+        cmocka_unit_test(test_every_shape_rests_for_10_s),
         cmocka_unit_test(test_a_ring_hangs_in_a_ring),
-        cmocka_unit_test(test_a_sphere_and_a_cylinder_roll_as_fast_as_their_inertia_lets_them),
+        cmocka_unit_test(test_sphere_and_cylinder_roll_by_their_inertia),
         cmocka_unit_test(test_what_flies_at_a_thin_wall_stops_there),
         cmocka_unit_test(test_a_rocket_flies_as_its_thrust_says),
         cmocka_unit_test(test_a_pile_of_every_shape_holds),
