@@ -11,7 +11,7 @@ static const double g = 9.81; /* m/s^2 */
 
 /* Kinetic energy of the first domino against the height to which its centre must rise, and its
  * leading edge at rest. */
-static void test_the_first_domino_has_push_squared_times_the_energy_that_tips_it(void **state)
+static void test_first_domino_has_its_multiple_of_tipping_energy(void **state)
 {
     (void)state;
     static const char *const settings[][4] = {{"push=1", NULL}, {"push=2", "size=0.05", NULL}};
@@ -32,7 +32,7 @@ static void test_the_first_domino_has_push_squared_times_the_energy_that_tips_it
     }
 }
 
-static void test_falling_cubes_start_apart_in_orientations_of_the_seed(void **state)
+static void test_falling_cubes_start_apart_by_the_seed(void **state)
 {
     (void)state;
     pl_scene scene = scenario_scene("falling-cubes", NULL);
@@ -89,7 +89,7 @@ static void test_the_pile_before_the_dominoes_stands_by_itself(void **state)
     pl_scene_free(&scene);
 }
 
-static void test_accurate_hands_the_wave_on_to_the_last_domino_without_overlap(void **state)
+static void test_accurate_profile_topples_all_dominoes_without_overlap(void **state)
 {
     (void)state;
     static const char *const arguments[] = {
@@ -118,10 +118,10 @@ static void test_accurate_lets_no_cube_overlap(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_first_domino_has_push_squared_times_the_energy_that_tips_it),
-        cmocka_unit_test(test_falling_cubes_start_apart_in_orientations_of_the_seed),
+        cmocka_unit_test(test_first_domino_has_its_multiple_of_tipping_energy),
+        cmocka_unit_test(test_falling_cubes_start_apart_by_the_seed),
         cmocka_unit_test(test_the_pile_before_the_dominoes_stands_by_itself),
-        cmocka_unit_test(test_accurate_hands_the_wave_on_to_the_last_domino_without_overlap),
+        cmocka_unit_test(test_accurate_profile_topples_all_dominoes_without_overlap),
         cmocka_unit_test(test_accurate_lets_no_cube_overlap),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -28,7 +28,7 @@ static void fall_to(double level, double *y)
     }
 }
 
-static void test_bounces_rise_as_high_as_flights_by_the_reversed_speed(void **state)
+static void test_bounce_heights_follow_the_reversed_speed(void **state)
 {
     (void)state;
     static const char *const settings[][4] = {{"restitution=0.8", "height=1", "bounces=3", NULL},
@@ -58,7 +58,7 @@ static void test_bounces_rise_as_high_as_flights_by_the_reversed_speed(void **st
     }
 }
 
-static void test_a_run_without_a_whole_flight_expects_the_height_at_its_end(void **state)
+static void test_unfinished_flight_expects_the_final_height(void **state)
 {
     (void)state;
     static const char *const settings[][4] = {{"restitution=0.8", "duration=0.4", NULL},
@@ -98,7 +98,7 @@ static void strike(double friction, double e, double *v, double *rim, double *up
     }
 }
 
-static void test_oblique_impacts_are_those_of_an_impulse_that_grows_bit_by_bit(void **state)
+static void test_oblique_impacts_equal_incremental_impulses(void **state)
 {
     (void)state;
     static const char *const frictions[] = {"friction=0", "friction=0.05", "friction=0.1",
@@ -155,7 +155,7 @@ static void march(const pl_scene *scene, double e, double *speed)
     }
 }
 
-static void test_collision_trains_end_as_they_do_in_small_steps_of_time(void **state)
+static void test_collision_trains_equal_small_time_steps(void **state)
 {
     (void)state;
     static const char *const settings[][5] = {
@@ -183,7 +183,7 @@ static void test_collision_trains_end_as_they_do_in_small_steps_of_time(void **s
     }
 }
 
-static void test_a_train_of_equals_hands_all_on_and_one_of_two_keeps_the_formula(void **state)
+static void test_equal_train_passes_all_momentum(void **state)
 {
     (void)state;
     static const char *const equal[] = {"n=6", "ratio=1", "restitution=1", NULL};
@@ -225,7 +225,7 @@ static double spin_left(const pl_body *block, double spin)
     return momentum / (about_centre + block->mass * (a * a + b * b));
 }
 
-static void test_rocking_is_the_solved_pendulum_and_its_loss_that_of_angular_momentum(void **state)
+static void test_rocking_follows_the_pendulum_and_impact_loss(void **state)
 {
     (void)state;
     static const char *const settings[][4] = {{"slenderness=4", "tilt=0.6", "duration=5", NULL},
@@ -272,7 +272,7 @@ static void test_slender_blocks_fall_in_housners_time(void **state)
     pl_scene_free(&scene);
 }
 
-static void test_cradle_spheres_touch_and_the_moving_ones_hit_them_in_the_run(void **state)
+static void test_cradle_spheres_touch_and_are_hit(void **state)
 {
     (void)state;
     static const char *const settings[] = {"n=5", "moving=3", NULL};
@@ -314,14 +314,14 @@ static void test_accurate_keeps_momentum_and_energy_through_a_cradle(void **stat
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bounces_rise_as_high_as_flights_by_the_reversed_speed),
-        cmocka_unit_test(test_a_run_without_a_whole_flight_expects_the_height_at_its_end),
-        cmocka_unit_test(test_oblique_impacts_are_those_of_an_impulse_that_grows_bit_by_bit),
-        cmocka_unit_test(test_collision_trains_end_as_they_do_in_small_steps_of_time),
-        cmocka_unit_test(test_a_train_of_equals_hands_all_on_and_one_of_two_keeps_the_formula),
-        cmocka_unit_test(test_rocking_is_the_solved_pendulum_and_its_loss_that_of_angular_momentum),
+        cmocka_unit_test(test_bounce_heights_follow_the_reversed_speed),
+        cmocka_unit_test(test_unfinished_flight_expects_the_final_height),
+        cmocka_unit_test(test_oblique_impacts_equal_incremental_impulses),
+        cmocka_unit_test(test_collision_trains_equal_small_time_steps),
+        cmocka_unit_test(test_equal_train_passes_all_momentum),
+        cmocka_unit_test(test_rocking_follows_the_pendulum_and_impact_loss),
         cmocka_unit_test(test_slender_blocks_fall_in_housners_time),
-        cmocka_unit_test(test_cradle_spheres_touch_and_the_moving_ones_hit_them_in_the_run),
+        cmocka_unit_test(test_cradle_spheres_touch_and_are_hit),
         cmocka_unit_test(test_accurate_meets_collision_trains_of_any_masses),
         cmocka_unit_test(test_accurate_keeps_momentum_and_energy_through_a_cradle),
     };

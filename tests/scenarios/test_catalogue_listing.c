@@ -49,7 +49,7 @@ static char *section_of(const char *page, const char *name)
     return end != NULL ? strndup(start, (size_t)(end - start)) : strdup(start);
 }
 
-static void test_the_page_has_every_scenario_with_picture_and_outcome(void **state)
+static void test_page_has_every_scenario_with_picture(void **state)
 {
     (void)state;
     char *directory = make_directory(), *page = list(directory, "--page", "-");
@@ -65,7 +65,7 @@ static void test_the_page_has_every_scenario_with_picture_and_outcome(void **sta
     remove_directory(directory);
 }
 
-static void test_the_page_says_which_scene_is_which_figure_of_the_paper(void **state)
+static void test_page_names_the_published_figures(void **state)
 {
     (void)state;
     static const char *const names[] = {"rocket", "falling-cubes", "slope-tip", "multi-tower"};
@@ -85,8 +85,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_the_list_has_what_a_right_engine_does),
-        cmocka_unit_test(test_the_page_has_every_scenario_with_picture_and_outcome),
-        cmocka_unit_test(test_the_page_says_which_scene_is_which_figure_of_the_paper),
+        cmocka_unit_test(test_page_has_every_scenario_with_picture),
+        cmocka_unit_test(test_page_names_the_published_figures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -27,7 +27,7 @@ static double stepped_height(double speed, double h, long steps)
     return height;
 }
 
-static void test_free_fall_is_the_integral_and_the_sum_of_its_speeds(void **state)
+static void test_free_fall_is_the_integral_of_speed(void **state)
 {
     (void)state;
     static const char *const settings[][4] = {{"speed=0", "dt=1/60", "duration=2", NULL},
@@ -50,7 +50,7 @@ static void test_free_fall_is_the_integral_and_the_sum_of_its_speeds(void **stat
     }
 }
 
-static void test_projectile_is_the_integral_and_its_apex_the_highest_of_dense_points(void **state)
+static void test_projectile_apex_is_the_highest_dense_point(void **state)
 {
     (void)state;
     static const char *const settings[] = {"speed=12", "angle=1.1", "dt=1/50", "duration=3", NULL};
@@ -96,7 +96,7 @@ static double skid(double friction, double h, double steps, double *speed, doubl
     return way;
 }
 
-static void test_bowling_is_the_limit_of_small_steps_and_the_sum_of_its_own(void **state)
+static void test_bowling_is_the_limit_of_small_steps(void **state)
 {
     (void)state;
     static const char *const settings[][5] = {
@@ -120,7 +120,7 @@ static void test_bowling_is_the_limit_of_small_steps_and_the_sum_of_its_own(void
     }
 }
 
-static void test_bowling_skids_as_long_and_as_far_as_the_books_say(void **state)
+static void test_bowling_skids_by_the_textbook_formula(void **state)
 {
     (void)state;
     /* At the default, friction 0.2 and 5 m/s: t_s = 2 v / (7 mu g), d_s = 12 v^2 / (49 mu g). */
@@ -142,7 +142,7 @@ static void euler_rate(const void *context, double t, const double *w, double *r
     rate[2] = (i[0] - i[1]) * w[0] * w[1] / i[2];
 }
 
-static void test_the_free_box_comes_back_after_the_period_and_no_sooner(void **state)
+static void test_free_box_returns_after_its_period(void **state)
 {
     (void)state;
     static const char *const settings[][4] = {{"wobble_x=0.1", "wobble_z=0.1", "spin=5", NULL},
@@ -169,7 +169,7 @@ static void test_the_free_box_comes_back_after_the_period_and_no_sooner(void **s
     assert_scenario_refuses("torque-free", still, "expected a wobble");
 }
 
-static void test_isotropic_blocks_all_go_as_far_as_slide_to_stop_and_never_meet(void **state)
+static void test_isotropic_blocks_travel_as_slide_to_stop(void **state)
 {
     (void)state;
     static const char *const settings[] = {"speed=30", "friction=0.1", "duration=40", NULL};
@@ -293,7 +293,7 @@ static double disc_moment(const pl_body *disc, double friction)
     return moment;
 }
 
-static void test_spin_stops_by_the_moment_of_friction_over_the_contact(void **state)
+static void test_spin_stops_by_the_friction_moment(void **state)
 {
     (void)state;
     static const char *const settings[][4] = {{"shape=0", "friction=0.3", "duration=5", NULL},
@@ -328,7 +328,7 @@ static void test_accurate_meets_smooth_motion_to_a_ten_thousandth(void **state)
     assert_at_most(accurate_metric("isotropy", NULL, "1/240", "travel_error"), 1e-4);
 }
 
-static void test_accurate_keeps_the_momentum_of_the_free_box_and_its_period(void **state)
+static void test_accurate_profile_conserves_free_box_momentum(void **state)
 {
     (void)state;
     assert_at_most(accurate_metric("torque-free", NULL, "1/240", "momentum_error"), 1e-9);
@@ -338,17 +338,17 @@ static void test_accurate_keeps_the_momentum_of_the_free_box_and_its_period(void
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_free_fall_is_the_integral_and_the_sum_of_its_speeds),
-        cmocka_unit_test(test_projectile_is_the_integral_and_its_apex_the_highest_of_dense_points),
-        cmocka_unit_test(test_bowling_is_the_limit_of_small_steps_and_the_sum_of_its_own),
-        cmocka_unit_test(test_bowling_skids_as_long_and_as_far_as_the_books_say),
-        cmocka_unit_test(test_the_free_box_comes_back_after_the_period_and_no_sooner),
-        cmocka_unit_test(test_isotropic_blocks_all_go_as_far_as_slide_to_stop_and_never_meet),
+        cmocka_unit_test(test_free_fall_is_the_integral_of_speed),
+        cmocka_unit_test(test_projectile_apex_is_the_highest_dense_point),
+        cmocka_unit_test(test_bowling_is_the_limit_of_small_steps),
+        cmocka_unit_test(test_bowling_skids_by_the_textbook_formula),
+        cmocka_unit_test(test_free_box_returns_after_its_period),
+        cmocka_unit_test(test_isotropic_blocks_travel_as_slide_to_stop),
         cmocka_unit_test(test_carried_balls_solve_the_equations_of_motion),
         cmocka_unit_test(test_tall_blocks_slide_until_they_would_tip),
-        cmocka_unit_test(test_spin_stops_by_the_moment_of_friction_over_the_contact),
+        cmocka_unit_test(test_spin_stops_by_the_friction_moment),
         cmocka_unit_test(test_accurate_meets_smooth_motion_to_a_ten_thousandth),
-        cmocka_unit_test(test_accurate_keeps_the_momentum_of_the_free_box_and_its_period),
+        cmocka_unit_test(test_accurate_profile_conserves_free_box_momentum),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -158,7 +158,7 @@ static void test_stopping_distances_equal_the_summed_recurrence(void **state)
     }
 }
 
-static void test_push_goes_along_the_azimuth_and_is_its_own_mirror_image(void **state)
+static void test_push_follows_the_azimuth_and_mirrors(void **state)
 {
     (void)state;
     static const char *const settings[] = {"azimuth=0", "azimuth=90", "azimuth=25", "azimuth=65",
@@ -193,7 +193,7 @@ int main(void)
         cmocka_unit_test(test_slide_direction_is_downhill_along_the_plane),
         cmocka_unit_test(test_slide_distances_equal_the_summed_recurrence),
         cmocka_unit_test(test_stopping_distances_equal_the_summed_recurrence),
-        cmocka_unit_test(test_push_goes_along_the_azimuth_and_is_its_own_mirror_image),
+        cmocka_unit_test(test_push_follows_the_azimuth_and_mirrors),
     };
     return cmocka_run_group_tests_name("catalogue_slopes", tests, NULL, NULL);
 }

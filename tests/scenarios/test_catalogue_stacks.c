@@ -97,7 +97,7 @@ static void test_displaced_tower_stands_for_every_seed(void **state)
 
 /* Masses as their definition says, by the C library's pow, and the scene otherwise that of the
  * plain tower. */
-static void test_tower_masses_rise_in_equal_ratios_to_a_heavier_top(void **state)
+static void test_tower_masses_rise_in_equal_ratios(void **state)
 {
     (void)state;
     static const char *const settings[][3] = {{"n=100", "top_mass=1000", "rising_mass=1"},
@@ -189,7 +189,7 @@ static void test_wall_bricks_touch_and_stand(void **state)
     }
 }
 
-static void test_wall_collapse_is_the_wall_and_a_ball_that_misses_nothing(void **state)
+static void test_wall_collapse_is_the_wall_with_ball(void **state)
 {
     (void)state;
     pl_scene scene, wall;
@@ -223,7 +223,7 @@ static void test_wall_collapse_is_the_wall_and_a_ball_that_misses_nothing(void *
     pl_scene_free(&wall);
 }
 
-static void test_ball_never_starts_in_the_floor_or_the_wall(void **state)
+static void test_ball_never_starts_overlapping(void **state)
 {
     (void)state;
     static const char *const settings[] = {"rows=1", "columns=1"};
@@ -240,12 +240,12 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tower_cubes_touch_and_stand),
         cmocka_unit_test(test_displaced_tower_stands_for_every_seed),
-        cmocka_unit_test(test_tower_masses_rise_in_equal_ratios_to_a_heavier_top),
+        cmocka_unit_test(test_tower_masses_rise_in_equal_ratios),
         cmocka_unit_test(test_displaced_tower_of_any_masses_stands_by_statics),
         cmocka_unit_test(test_mass_ratio_is_ten_to_the_k),
         cmocka_unit_test(test_wall_bricks_touch_and_stand),
-        cmocka_unit_test(test_wall_collapse_is_the_wall_and_a_ball_that_misses_nothing),
-        cmocka_unit_test(test_ball_never_starts_in_the_floor_or_the_wall),
+        cmocka_unit_test(test_wall_collapse_is_the_wall_with_ball),
+        cmocka_unit_test(test_ball_never_starts_overlapping),
     };
     return cmocka_run_group_tests_name("catalogue_stacks", tests, NULL, NULL);
 }

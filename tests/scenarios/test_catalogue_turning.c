@@ -70,7 +70,7 @@ static double inertia_along(const pl_body *body, int axis)
     return inertia;
 }
 
-static void test_the_top_precesses_as_its_equations_of_motion_do(void **state)
+static void test_top_precesses_by_its_equations_of_motion(void **state)
 {
     (void)state;
     static const char *const settings[][4] = {{"spin=25", "tilt=0.3", "duration=3", NULL},
@@ -175,7 +175,7 @@ static plate slide(const pl_scene *scene, double h)
     return p;
 }
 
-static void test_the_plate_slides_and_turns_as_in_small_steps_of_time(void **state)
+static void test_plate_motion_equals_small_time_steps(void **state)
 {
     (void)state;
     static const char *const settings[][4] = {{"speed=2", "spin=6", NULL},
@@ -203,7 +203,7 @@ static void test_the_plate_slides_and_turns_as_in_small_steps_of_time(void **sta
     }
 }
 
-static void test_plates_without_one_of_the_motions_are_those_of_one_point(void **state)
+static void test_plates_with_one_motion_equal_one_point(void **state)
 {
     (void)state;
     /* Nearly no spin: mu m g brakes it. Nearly no way: mu m g R / I brakes the turn. */
@@ -223,9 +223,9 @@ static void test_plates_without_one_of_the_motions_are_those_of_one_point(void *
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_top_precesses_as_its_equations_of_motion_do),
-        cmocka_unit_test(test_the_plate_slides_and_turns_as_in_small_steps_of_time),
-        cmocka_unit_test(test_plates_without_one_of_the_motions_are_those_of_one_point),
+        cmocka_unit_test(test_top_precesses_by_its_equations_of_motion),
+        cmocka_unit_test(test_plate_motion_equals_small_time_steps),
+        cmocka_unit_test(test_plates_with_one_motion_equal_one_point),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -30,7 +30,7 @@ static double distance_between(const pl_body *a, const pl_body *b)
     return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 }
 
-static void test_all_bodies_start_apart_and_inside_of_the_box(void **state)
+static void test_bodies_start_apart_inside_the_box(void **state)
 {
     (void)state;
     const char *const shapes[] = {"shape=0", "shape=1", "shape=2"};
@@ -90,7 +90,7 @@ static void test_mass_is_volume_and_every_body_its_own(void **state)
     pl_scene_free(&scene);
 }
 
-static void test_the_same_seed_is_the_same_pile_and_another_is_another(void **state)
+static void test_pile_depends_only_on_the_seed(void **state)
 {
     (void)state;
     pl_scene first, again, other;
@@ -107,7 +107,7 @@ static void test_the_same_seed_is_the_same_pile_and_another_is_another(void **st
     pl_scene_free(&other);
 }
 
-static void test_no_final_state_is_expected_but_that_nothing_overlaps(void **state)
+static void test_pile_expects_no_overlap_only(void **state)
 {
     (void)state;
     pl_scene scene;
@@ -122,11 +122,11 @@ static void test_no_final_state_is_expected_but_that_nothing_overlaps(void **sta
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all_bodies_start_apart_and_inside_of_the_box),
+        cmocka_unit_test(test_bodies_start_apart_inside_the_box),
         cmocka_unit_test(test_the_shape_decides_what_falls),
         cmocka_unit_test(test_mass_is_volume_and_every_body_its_own),
-        cmocka_unit_test(test_the_same_seed_is_the_same_pile_and_another_is_another),
-        cmocka_unit_test(test_no_final_state_is_expected_but_that_nothing_overlaps),
+        cmocka_unit_test(test_pile_depends_only_on_the_seed),
+        cmocka_unit_test(test_pile_expects_no_overlap_only),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -34,7 +34,7 @@ static void check_mesh(const solid_surface *s, const solid_moments *expected,
 
 static solid_surface surface; /* too large for the stack */
 
-static void test_box_off_centre_has_the_closed_form_and_its_own_axes(void **state)
+static void test_off_centre_box_equals_the_closed_form(void **state)
 {
     (void)state;
     const double centre[3] = {5, -7, 11}, half[3] = {0.5, 1.5, 0.25};
@@ -153,7 +153,7 @@ static void test_turned_and_moved_solids_keep_their_moments(void **state)
 }
 
 /* Coordinates that a million does not round: the very same bits. */
-static void test_far_solid_has_the_inertia_of_the_near_one(void **state)
+static void test_far_solid_has_the_same_inertia(void **state)
 {
     (void)state;
     const double centre[3] = {0.5, -0.75, 0.25}, half[3] = {0.5, 1.5, 0.25};
@@ -183,7 +183,7 @@ static void test_far_solid_has_the_inertia_of_the_near_one(void **state)
     check_mesh(&surface, &torus, NULL, far, 1e-9);
 }
 
-static void test_solid_cut_in_two_has_the_moments_of_the_whole(void **state)
+static void test_halves_have_the_moments_of_the_whole(void **state)
 {
     (void)state;
     const double whole[3] = {0, 0, 0}, whole_half[3] = {2, 1, 1};
@@ -205,7 +205,7 @@ static void test_solid_cut_in_two_has_the_moments_of_the_whole(void **state)
     pl_scene_free(&two);
 }
 
-static void test_cavity_is_taken_away_and_what_is_in_it_added(void **state)
+static void test_cavities_are_subtracted_and_their_contents_added(void **state)
 {
     (void)state;
     const double centres[3][3] = {{0, 0, 0}, {0.5, 0.25, 0}, {0.5, 0, 0.25}};
@@ -244,7 +244,7 @@ static void test_turned_rod_keeps_the_inertia_about_its_length(void **state)
     }
 }
 
-static void test_axes_are_right_handed_and_make_the_moments_diagonal(void **state)
+static void test_axes_are_right_handed_and_diagonalise(void **state)
 {
     (void)state;
     check_random random = {.state = 21};
@@ -282,16 +282,16 @@ static void test_axes_are_right_handed_and_make_the_moments_diagonal(void **stat
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_box_off_centre_has_the_closed_form_and_its_own_axes),
+        cmocka_unit_test(test_off_centre_box_equals_the_closed_form),
         cmocka_unit_test(test_tetrahedron_has_the_closed_form),
         cmocka_unit_test(test_prism_has_the_closed_form_of_its_polygon),
         cmocka_unit_test(test_torus_equals_its_slices),
         cmocka_unit_test(test_turned_and_moved_solids_keep_their_moments),
-        cmocka_unit_test(test_far_solid_has_the_inertia_of_the_near_one),
-        cmocka_unit_test(test_solid_cut_in_two_has_the_moments_of_the_whole),
-        cmocka_unit_test(test_cavity_is_taken_away_and_what_is_in_it_added),
+        cmocka_unit_test(test_far_solid_has_the_same_inertia),
+        cmocka_unit_test(test_halves_have_the_moments_of_the_whole),
+        cmocka_unit_test(test_cavities_are_subtracted_and_their_contents_added),
         cmocka_unit_test(test_turned_rod_keeps_the_inertia_about_its_length),
-        cmocka_unit_test(test_axes_are_right_handed_and_make_the_moments_diagonal),
+        cmocka_unit_test(test_axes_are_right_handed_and_diagonalise),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -101,7 +101,7 @@ static void check_made_again(const pl_polyhedron *p)
 }
 
 /* A cube's corners among points inside, on its edges and on its faces, each given twice. */
-static void test_hull_of_a_grid_is_the_cube_s_eight_corners_in_order(void **state)
+static void test_grid_hull_is_the_ordered_cube_corners(void **state)
 {
     (void)state;
     enum { SIDE = 5 };
@@ -169,7 +169,7 @@ static void test_hulls_of_lattice_points_have_true_corners_only(void **state)
     }
 }
 
-static void test_random_hulls_hold_all_points_and_have_none_inside(void **state)
+static void test_random_hulls_contain_all_points(void **state)
 {
     (void)state;
     check_random random = {.state = 31};
@@ -229,7 +229,7 @@ static void test_turned_prisms_have_flat_caps_of_clear_triangles(void **state)
     }
 }
 
-static void test_hull_does_not_depend_on_the_size_of_the_world(void **state)
+static void test_hull_does_not_depend_on_scale(void **state)
 {
     (void)state;
     for (int exponent = -40; exponent <= 40; exponent += 8) {
@@ -299,11 +299,11 @@ static void test_points_without_a_hull_are_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_hull_of_a_grid_is_the_cube_s_eight_corners_in_order),
+        cmocka_unit_test(test_grid_hull_is_the_ordered_cube_corners),
         cmocka_unit_test(test_hulls_of_lattice_points_have_true_corners_only),
-        cmocka_unit_test(test_random_hulls_hold_all_points_and_have_none_inside),
+        cmocka_unit_test(test_random_hulls_contain_all_points),
         cmocka_unit_test(test_turned_prisms_have_flat_caps_of_clear_triangles),
-        cmocka_unit_test(test_hull_does_not_depend_on_the_size_of_the_world),
+        cmocka_unit_test(test_hull_does_not_depend_on_scale),
         cmocka_unit_test(test_points_without_a_hull_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -255,7 +255,7 @@ static void test_touching_within_rounding_is_not_crossing(void **state)
     }
 }
 
-static void test_surface_that_crosses_itself_is_found_wherever_it_is(void **state)
+static void test_self_crossing_surface_is_found_anywhere(void **state)
 {
     (void)state;
     double radius[32], height[32];
@@ -330,7 +330,7 @@ int main(void)
         cmocka_unit_test(test_star_of_two_tetrahedra_crosses),
         cmocka_unit_test(test_triangles_with_a_common_vertex_can_cross),
         cmocka_unit_test(test_touching_within_rounding_is_not_crossing),
-        cmocka_unit_test(test_surface_that_crosses_itself_is_found_wherever_it_is),
+        cmocka_unit_test(test_self_crossing_surface_is_found_anywhere),
         cmocka_unit_test(test_surface_that_encloses_nothing_is_refused),
         cmocka_unit_test(test_mesh_made_again_from_itself_is_the_same),
     };

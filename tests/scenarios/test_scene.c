@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void test_error_holds_status_and_message_and_may_be_null(void **state)
+static void test_error_has_status_and_may_be_null(void **state)
 {
     (void)state;
     pl_error error = {.status = PL_OK};
@@ -42,7 +42,7 @@ static void test_long_message_is_cut_between_characters(void **state)
     }
 }
 
-static void test_nearest_name_is_within_a_third_of_the_word(void **state)
+static void test_nearest_name_is_within_a_third(void **state)
 {
     (void)state;
     static const char *const names[] = {"tower", "wall", "wall-collapse", "slope-slide"};
@@ -239,7 +239,7 @@ static void test_arrays_keep_what_was_added(void **state)
     pl_scene_free(NULL);
 }
 
-static void test_body_added_gets_inertia_and_loses_what_has_no_meaning(void **state)
+static void test_added_body_gets_inertia_and_drops_extras(void **state)
 {
     (void)state;
     pl_scene scene = pl_scene_default();
@@ -311,7 +311,7 @@ static void test_steps_are_rounded(void **state)
     assert_int_equal(pl_scene_steps(&scene), 3);
 }
 
-static void test_default_scene_of_code_is_valid_once_it_has_a_body(void **state)
+static void test_default_scene_with_a_body_is_valid(void **state)
 {
     (void)state;
     pl_scene scene = pl_scene_default();
@@ -494,7 +494,7 @@ static void test_validation_names_the_broken_field(void **state)
     }
 }
 
-static void test_force_is_named_by_its_place_in_its_body(void **state)
+static void test_force_is_named_by_its_index(void **state)
 {
     (void)state;
     pl_scene scene = make_scene();
@@ -557,7 +557,7 @@ static void test_needs_follow_the_pairs_that_can_touch(void **state)
     pl_scene_free(&scene);
 }
 
-static void test_every_need_has_a_name_and_no_other_bit(void **state)
+static void test_every_capability_bit_has_a_name(void **state)
 {
     (void)state;
     int names = 0;
@@ -573,25 +573,25 @@ static void test_every_need_has_a_name_and_no_other_bit(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_error_holds_status_and_message_and_may_be_null),
+        cmocka_unit_test(test_error_has_status_and_may_be_null),
         cmocka_unit_test(test_long_message_is_cut_between_characters),
-        cmocka_unit_test(test_nearest_name_is_within_a_third_of_the_word),
+        cmocka_unit_test(test_nearest_name_is_within_a_third),
         cmocka_unit_test(test_numbers_are_decimals_or_ratios),
         cmocka_unit_test(test_number_text_is_short_and_reads_back),
         cmocka_unit_test(test_random_bits_are_splitmix64),
         cmocka_unit_test(test_name_index_finds_names_and_the_first_duplicate),
         cmocka_unit_test(test_volume_and_inertia_equal_quadrature),
         cmocka_unit_test(test_arrays_keep_what_was_added),
-        cmocka_unit_test(test_body_added_gets_inertia_and_loses_what_has_no_meaning),
+        cmocka_unit_test(test_added_body_gets_inertia_and_drops_extras),
         cmocka_unit_test(test_materials_beyond_the_limit_are_refused),
         cmocka_unit_test(test_pair_mixes_or_is_overridden_in_either_order),
         cmocka_unit_test(test_steps_are_rounded),
-        cmocka_unit_test(test_default_scene_of_code_is_valid_once_it_has_a_body),
+        cmocka_unit_test(test_default_scene_with_a_body_is_valid),
         cmocka_unit_test(test_validation_names_the_broken_field),
-        cmocka_unit_test(test_force_is_named_by_its_place_in_its_body),
+        cmocka_unit_test(test_force_is_named_by_its_index),
         cmocka_unit_test(test_lone_ball_needs_nothing_but_its_shape),
         cmocka_unit_test(test_needs_follow_the_pairs_that_can_touch),
-        cmocka_unit_test(test_every_need_has_a_name_and_no_other_bit),
+        cmocka_unit_test(test_every_capability_bit_has_a_name),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

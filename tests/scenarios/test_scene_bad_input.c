@@ -416,7 +416,7 @@ static size_t mutate(char *text, size_t length, check_random *random)
     return length;
 }
 
-static void test_mutated_scene_reads_to_a_valid_scene_or_a_message(void **state)
+static void test_mutated_scene_is_valid_or_reported(void **state)
 {
     (void)state;
     enum { ROUNDS = 20000, MOST_MUTATIONS = 4 };
@@ -472,7 +472,7 @@ int main(void)
         cmocka_unit_test(test_stream_beyond_the_limit_is_refused),
         cmocka_unit_test(test_file_reads_as_its_text_does),
         cmocka_unit_test(test_more_bodies_than_allowed_are_refused),
-        cmocka_unit_test(test_mutated_scene_reads_to_a_valid_scene_or_a_message),
+        cmocka_unit_test(test_mutated_scene_is_valid_or_reported),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -156,7 +156,7 @@ static void test_expectations_that_differ_from_their_defaults_read_back(void **s
     pl_scene_free(&scene);
 }
 
-static void test_default_material_is_made_once_or_taken_from_the_file(void **state)
+static void test_default_material_is_created_at_most_once(void **state)
 {
     (void)state;
     pl_scene scene = read_scene(
@@ -233,7 +233,7 @@ static pl_scene read_turned(double w, double x)
     return read_scene(text);
 }
 
-static void test_almost_unit_quaternion_is_normalised_and_a_unit_one_kept(void **state)
+static void test_only_almost_unit_quaternions_are_normalised(void **state)
 {
     (void)state;
     pl_scene scene = read_turned(0.7071068, 0.7071068); /* as people write it: 1 + 2.6e-8 */
@@ -327,7 +327,7 @@ static const json_t *object_schema(const json_t *schema, int kind)
     return definition;
 }
 
-static void test_schema_has_the_reader_s_keys_and_no_other(void **state)
+static void test_schema_has_exactly_the_reader_keys(void **state)
 {
     (void)state;
     json_t *schema = load_schema();
@@ -499,14 +499,14 @@ int main(void)
         cmocka_unit_test(test_sample_reads_back_from_what_is_written),
         cmocka_unit_test(test_random_scenes_read_back_number_for_number),
         cmocka_unit_test(test_expectations_that_differ_from_their_defaults_read_back),
-        cmocka_unit_test(test_default_material_is_made_once_or_taken_from_the_file),
+        cmocka_unit_test(test_default_material_is_created_at_most_once),
         cmocka_unit_test(test_what_is_left_out_has_the_defaults),
         cmocka_unit_test(test_default_primary_error_is_travel_before_rest),
-        cmocka_unit_test(test_almost_unit_quaternion_is_normalised_and_a_unit_one_kept),
+        cmocka_unit_test(test_only_almost_unit_quaternions_are_normalised),
         cmocka_unit_test(test_whole_numbers_of_any_size_are_numbers),
         cmocka_unit_test(test_forces_of_code_are_written_with_their_bodies),
         cmocka_unit_test(test_hash_tells_scenes_apart_by_one_bit),
-        cmocka_unit_test(test_schema_has_the_reader_s_keys_and_no_other),
+        cmocka_unit_test(test_schema_has_exactly_the_reader_keys),
         cmocka_unit_test(test_schema_has_the_reader_s_metrics_and_limits),
         cmocka_unit_test(test_every_primary_error_is_a_metric),
         cmocka_unit_test(test_reader_requires_what_the_schema_requires),

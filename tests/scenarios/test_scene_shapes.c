@@ -225,7 +225,7 @@ static void test_half_width_is_the_least_half_dimension(void **state)
 }
 
 /* A prism of very many sides is a cylinder; with very many latitudes at its ends, a capsule. */
-static void test_capsule_and_cylinder_have_the_moments_of_their_fine_polyhedra(void **state)
+static void test_round_shapes_have_fine_polyhedron_moments(void **state)
 {
     (void)state;
     enum { ARC = 400 };
@@ -459,7 +459,7 @@ int main(void)
         cmocka_unit_test(test_shared_and_named_polyhedra_are_written_once),
         cmocka_unit_test(test_bodies_take_shapes_by_name),
         cmocka_unit_test(test_half_width_is_the_least_half_dimension),
-        cmocka_unit_test(test_capsule_and_cylinder_have_the_moments_of_their_fine_polyhedra),
+        cmocka_unit_test(test_round_shapes_have_fine_polyhedron_moments),
         cmocka_unit_test(test_mesh_files_are_found_beside_the_scene),
         cmocka_unit_test(test_bad_shapes_are_refused_with_their_place),
         cmocka_unit_test(test_bad_named_shapes_are_refused_even_unused),
