@@ -156,8 +156,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_spread_is_that_of_the_most_spread_body),
         cmocka_unit_test(test_samples_are_at_most_60_a_second),
-        cmocka_unit_test_setup_teardown(
-            test_horizon_is_at_a_hundredth_body_size, prepare, clean),
+        cmocka_unit_test_setup_teardown(test_horizon_is_at_a_hundredth_body_size, prepare, clean),
         cmocka_unit_test_setup_teardown(test_members_that_stay_together_have_no_horizon, prepare,
                                         clean),
         cmocka_unit_test_setup_teardown(test_a_member_that_ended_early_ends_the_search, prepare,

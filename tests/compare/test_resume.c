@@ -201,9 +201,8 @@ int main(void)
                                         teardown_workspace),
         cmocka_unit_test_setup_teardown(test_resume_of_a_complete_comparison_runs_nothing, prepare,
                                         teardown_workspace),
-        cmocka_unit_test_setup_teardown(
-            test_signals_kill_the_run_and_explain_resume, prepare,
-            teardown_workspace),
+        cmocka_unit_test_setup_teardown(test_signals_kill_the_run_and_explain_resume, prepare,
+                                        teardown_workspace),
         cmocka_unit_test_setup_teardown(test_a_killed_comparison_takes_its_run_with_it, prepare,
                                         teardown_workspace),
         cmocka_unit_test_setup_teardown(test_without_resume_results_are_replaced, prepare,

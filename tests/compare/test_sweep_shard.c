@@ -297,8 +297,8 @@ int main(void)
                                         teardown_workspace),
         cmocka_unit_test_setup_teardown(test_doubles_that_differ_are_said, setup_workspace,
                                         teardown_workspace),
-        cmocka_unit_test_setup_teardown(test_folder_results_include_its_shards,
-                                        setup_workspace, teardown_workspace),
+        cmocka_unit_test_setup_teardown(test_folder_results_include_its_shards, setup_workspace,
+                                        teardown_workspace),
         cmocka_unit_test_setup_teardown(test_what_is_no_result_is_refused, setup_workspace,
                                         teardown_workspace),
     };

@@ -305,8 +305,7 @@ int main(void)
         cmocka_unit_test(test_pushed_block_stops_equally_in_all_directions),
         cmocka_unit_test(test_a_wall_of_a_thousand_rests_exactly),
         cmocka_unit_test(test_a_small_wall_collapses_with_its_steps_solved),
-        cmocka_unit_test(
-            test_thousand_brick_wall_collapses_without_energy_gain),
+        cmocka_unit_test(test_thousand_brick_wall_collapses_without_energy_gain),
     };
     return cmocka_run_group_tests_name("accurate", tests, NULL, NULL);
 }

@@ -265,8 +265,7 @@ int main(void)
             test_without_friction_a_tower_slides_off_whole_and_no_impulse_is_tangential),
         cmocka_unit_test(test_mass_ratio_of_a_million_is_exact),
         cmocka_unit_test(test_one_sided_gap_closes_by_rotation),
-        cmocka_unit_test(
-            test_open_gap_has_no_force_until_closed),
+        cmocka_unit_test(test_open_gap_has_no_force_until_closed),
     };
     return cmocka_run_group_tests_name("engine_direct", tests, NULL, NULL);
 }
