@@ -10,11 +10,10 @@
  *
  * nncg ends every sweep by a step along its search direction that is not bounded again (3.24,
  * btNNCGConstraintSolver.cpp), so that of several contact points one may be left pulling. */
-#include "adapters.h"
 #include "bullet_c.h"
-#include "force.h"
 #include "plumb/scenario.h"
-#include "principal.h"
+#include "registry.h"
+#include "scene_frames.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,60 +48,23 @@ static const pl_engine_profile profiles[] = {
 };
 
 static const pl_engine_option options[OPTION_COUNT] = {
-    [OPTION_ITERATIONS] = {.name = "iterations",
-                           .value = 10,
-                           .min = 1,
-                           .max = 1e6,
-                           .integer = true,
-                           .unit = "1",
-                           .help = "sweeps of si and nncg; of the fallback of dantzig and lemke"},
-    [OPTION_SPLIT_IMPULSE] = {.name = "split_impulse",
-                              .value = 1,
-                              .min = 0,
-                              .max = 1,
-                              .integer = true,
-                              .unit = "1",
-                              .help = "undo deep penetration apart from the velocity"},
-    [OPTION_ERP] = {.name = "erp",
-                    .value = 0.2,
-                    .min = 0,
-                    .max = 1,
-                    .unit = "1",
-                    .help = "share of a joint's error undone in a step"},
-    [OPTION_ERP2] = {.name = "erp2",
-                     .value = 0.2,
-                     .min = 0,
-                     .max = 1,
-                     .unit = "1",
-                     .help = "share of a contact's penetration undone in a step"},
-    [OPTION_RESTITUTION_THRESHOLD] = {.name = "restitution_threshold",
-                                      .value = 0.2,
-                                      .min = 0,
-                                      .max = 1e6,
-                                      .unit = "m/s",
-                                      .help = "slower impacts do not bounce"},
-    [OPTION_MARGIN] = {.name = "margin",
-                       .value = 0.04,
-                       .min = 0,
-                       .max = 1e3,
-                       .unit = "m",
-                       .help = "of a box or cylinder, inside its half extents; at most a tenth of "
-                               "the least"},
-    [OPTION_SOLID_MARGIN] = {.name = "solid_margin",
-                             .value = 0,
-                             .min = 0,
-                             .max = 1e3,
-                             .unit = "m",
-                             .help = "of a hull (Bullet ships 0.04) or a moving mesh (0.01), which "
-                                     "grow by it"},
-    [OPTION_PLANE_MULTIPOINT] = {.name = "plane_multipoint",
-                                 .value = 0,
-                                 .min = 0,
-                                 .max = 16,
-                                 .integer = true,
-                                 .unit = "1",
-                                 .help =
-                                     "points sought each step against a plane; Bullet suggests 3"},
+    [OPTION_ITERATIONS] = {"iterations", 10, 1, 1e6, true, "1",
+                           "sweeps of si and nncg; of the fallback of dantzig and lemke"},
+    [OPTION_SPLIT_IMPULSE] = {"split_impulse", 1, 0, 1, true, "1",
+                              "undo deep penetration apart from the velocity"},
+    [OPTION_ERP] = {"erp", 0.2, 0, 1, false, "1", "share of a joint's error undone in a step"},
+    [OPTION_ERP2] = {"erp2", 0.2, 0, 1, false, "1",
+                     "share of a contact's penetration undone in a step"},
+    [OPTION_RESTITUTION_THRESHOLD] = {"restitution_threshold", 0.2, 0, 1e6, false, "m/s",
+                                      "slower impacts do not bounce"},
+    [OPTION_MARGIN] =
+        {"margin", 0.04, 0, 1e3, false, "m",
+         "of a box or cylinder, inside its half extents; at most a tenth of the least"},
+    [OPTION_SOLID_MARGIN] =
+        {"solid_margin", 0, 0, 1e3, false, "m",
+         "of a hull (Bullet ships 0.04) or a moving mesh (0.01), which grow by it"},
+    [OPTION_PLANE_MULTIPOINT] = {"plane_multipoint", 0, 0, 16, true, "1",
+                                 "points sought each step against a plane; Bullet suggests 3"},
 };
 
 struct pl_engine_instance {

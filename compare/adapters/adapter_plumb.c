@@ -1,12 +1,15 @@
 /* Our own engine behind the engine ABI, through its public interface alone. */
-#include "adapters.h"
-#include "force.h"
+#include "base/array.h"
+#include "contact_problems.h"
 #include "plumb/contact_problem.h"
 #include "plumb/engine.h"
 #include "plumb/scenario.h"
+#include "registry.h"
+#include "scene_frames.h"
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 struct pl_engine_instance {
     const pl_scene *scene;
@@ -340,12 +343,10 @@ static int read_contacts(const pl_engine_instance *instance, pl_contact *contact
     pl_engine_instance *own = (pl_engine_instance *)instance;
     int count = pe_world_get_contacts(instance->world, own->contacts, own->contact_capacity);
     if (count > own->contact_capacity) {
-        pe_contact *grown = realloc(own->contacts, (size_t)count * sizeof *grown);
-        if (grown == NULL) {
+        if (pl_array_reserve(&own->contacts, &own->contact_capacity, count, sizeof *own->contacts,
+                             NULL) != PL_OK) {
             return 0;
         }
-        own->contacts = grown;
-        own->contact_capacity = count;
         pe_world_get_contacts(instance->world, own->contacts, count);
     }
     for (int i = 0; i < count && i < capacity; ++i) {
@@ -358,6 +359,12 @@ static int read_contacts(const pl_engine_instance *instance, pl_contact *contact
         store(contacts[i].impulse, c->impulse);
     }
     return count;
+}
+
+static const void *extension(const char *name)
+{
+    static const pl_contact_problems contact_problems = {.capture = capture};
+    return strcmp(name, PL_CONTACT_PROBLEMS) == 0 ? &contact_problems : NULL;
 }
 
 const pl_engine *pl_engine_plumb(void)
@@ -383,7 +390,7 @@ const pl_engine *pl_engine_plumb(void)
         .read_settings = read_settings,
         .read_pair = read_pair,
         .read_contacts = read_contacts,
-        .capture = capture,
+        .extension = extension,
     };
     return &engine;
 }

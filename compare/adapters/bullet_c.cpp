@@ -34,7 +34,7 @@
  * Rolling and spinning friction are 0, as Bullet ships them. */
 #include "bullet_c.h"
 
-#include "principal.h"
+#include "scene_frames.h"
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>

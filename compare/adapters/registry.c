@@ -3,10 +3,9 @@
  * SPEC = name[:profile][,option=value]...  A loaded object stays loaded until the process ends,
  * because its descriptor is its own memory. */
 #include "registry.h"
-#include "adapters.h"
-#include "tuned_profile.h"
 
 #include <dlfcn.h>
+#include <jansson.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,8 +15,7 @@ enum { MOST_KNOWN = 8, MOST_PROFILES = 64 };
 
 const pl_known_engine *pl_known_engines(int *count)
 {
-    /* Addresses of descriptors come from calls, so that the table is filled at each of them, always
-     * alike. */
+    /* The addresses of engines come from calls, so the table is filled, each time with the same. */
     static pl_known_engine known[] = {
         {.name = "plumb", .package = ""},
         {.name = "ode", .package = "libode-dev"},
@@ -194,14 +192,107 @@ int pl_engine_option_index(const pl_engine *engine, const char *name)
     return -1;
 }
 
-/* Chooses a profile of the engine's own, or one of a file, which changes some of its values. */
+/* Whether a value is in the range of its option. */
+static bool is_allowed(const pl_engine_option *option, double value)
+{
+    return value >= option->min && value <= option->max &&
+           (!option->integer || value == floor(value));
+}
+
+/* ---- Tuned profiles ---- */
+
+/* A profile of a file. */
+typedef struct tuned_profile {
+    char base[PL_NAME_SIZE];              /* the engine's own profile */
+    double values[PL_ENGINE_MAX_OPTIONS]; /* (option_count) of the options in `given` */
+    bool given[PL_ENGINE_MAX_OPTIONS];
+} tuned_profile;
+
+static const char *json_text_of(const json_t *object, const char *key)
+{
+    const char *text = json_string_value(json_object_get(object, key));
+    return text == NULL ? "" : text;
+}
+
+static pl_status read_options(const pl_engine *engine, const char *path, json_t *file,
+                              tuned_profile *profile, pl_error *error)
+{
+    const char *key;
+    json_t *value;
+    *profile = (tuned_profile){.base = ""};
+    snprintf(profile->base, sizeof profile->base, "%s", json_text_of(file, "profile"));
+    json_object_foreach(json_object_get(file, "options"), key, value)
+    {
+        const int index = pl_engine_option_index(engine, key);
+        if (index < 0) {
+            return pl_fail(error, PL_BAD_INPUT, "%s: engine %s has no option %s", path,
+                           engine->name, key);
+        }
+        const pl_engine_option *option = &engine->options[index];
+        if (!json_is_number(value) || !is_allowed(option, json_number_value(value))) {
+            return pl_fail(error, PL_BAD_INPUT, "%s: option %s: expected %s of %g to %g", path, key,
+                           option->integer ? "a whole number" : "a number", option->min,
+                           option->max);
+        }
+        profile->values[index] = json_number_value(value);
+        profile->given[index] = true;
+    }
+    return PL_OK;
+}
+
+static pl_status read_profile(const pl_engine *engine, const char *name, const char *path,
+                              tuned_profile *profile, bool *found, pl_error *error)
+{
+    json_error_t why;
+    pl_status status = PL_OK;
+    json_t *file = json_load_file(path, JSON_REJECT_DUPLICATES, &why);
+    if (file == NULL) {
+        return json_error_code(&why) == json_error_cannot_open_file
+                   ? pl_fail(error, PL_IO, "%s: %s", path, why.text)
+                   : pl_fail(error, PL_BAD_INPUT, "%s:%d:%d: %s", path, why.line, why.column,
+                             why.text);
+    }
+    if (strcmp(json_text_of(file, "schema"), "plumb.profile/1") != 0 ||
+        !json_is_object(json_object_get(file, "options"))) {
+        status =
+            pl_fail(error, PL_BAD_INPUT, "%s: is no plumb.profile/1, as plumb tune saves it", path);
+    } else if (strcmp(json_text_of(file, "engine"), engine->name) == 0 &&
+               strcmp(json_text_of(file, "name"), name) == 0) {
+        *found = true;
+        status = read_options(engine, path, file, profile, error);
+    }
+    json_decref(file);
+    return status;
+}
+
+static pl_status find_tuned_profile(const pl_engine *engine, const char *name,
+                                    tuned_profile *profile, bool *found, pl_error *error)
+{
+    const char *paths = getenv(PL_PROFILES_VARIABLE);
+    char *copy = paths == NULL ? NULL : strdup(paths);
+    pl_status status = PL_OK;
+    *found = false;
+    if (paths != NULL && copy == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for " PL_PROFILES_VARIABLE);
+    }
+    for (char *rest = copy; rest != NULL && !*found && status == PL_OK;) {
+        const char *path = strsep(&rest, ":");
+        if (path[0] != '\0') {
+            status = read_profile(engine, name, path, profile, found, error);
+        }
+    }
+    free(copy);
+    return status;
+}
+
+/* Chooses one of the engine's own profiles, or one of a file, which changes some of its values. */
 static pl_status choose_profile(pl_engine_choice *choice, const char *name, pl_error *error)
 {
     const pl_engine *engine = choice->engine;
-    pl_tuned_profile tuned;
+    tuned_profile tuned;
     bool found = false;
     if (find_profile(engine, name, &choice->profile, NULL) != PL_OK) {
-        pl_status status = pl_tuned_profile_find(engine, name, &tuned, &found, error);
+        pl_status status = find_tuned_profile(engine, name, &tuned, &found, error);
         if (status != PL_OK) {
             return status;
         }
@@ -213,6 +304,8 @@ static pl_status choose_profile(pl_engine_choice *choice, const char *name, pl_e
     }
     return status;
 }
+
+/* ---- SPEC ---- */
 
 /* Applies one "option=value"; `given` marks the options that were set already. */
 static pl_status set_option(const pl_engine *engine, char *text, double *values, bool *given,

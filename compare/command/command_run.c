@@ -1,4 +1,5 @@
 /* plumb run SCENARIO --engine SPEC: one run, one result. */
+#include "adapters/contact_problems.h"
 #include "request.h"
 #include "results/store.h"
 #include "runner/execute.h"
@@ -126,7 +127,7 @@ static pl_status prepare_capture(const options *o, const pl_plan *plan, pl_captu
     }
     const pl_engine *engine = plan->configurations[0].choice.engine;
     long steps = pl_scene_steps(&plan->cases[0].scene);
-    if (engine->capture == NULL) {
+    if (pl_contact_problems_of(engine) == NULL) {
         return pl_fail(error, PL_UNSUPPORTED,
                        "--capture: engine %s does not give its contact "
                        "problems; plumb does",

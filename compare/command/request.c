@@ -1,6 +1,6 @@
 #include "request.h"
 
-#include "adapters/tuned_profile.h"
+#include "adapters/registry.h"
 #include "base/array.h"
 
 #include <math.h>

@@ -1,12 +1,14 @@
-/* A run's result as JSON. The hash of a run is FNV-1a (Fowler, Noll, Vo; 64 bits) over the
- * canonical JSON of the keys that make it that run. */
+/* A run's result as JSON. The hash of a run is FNV-1a over the canonical JSON of the keys that
+ * identify the run. */
 #include "result.h"
 
-#include <inttypes.h>
+#include "base/hash.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/utsname.h>
 #include <time.h>
 
 static const char *const outcome_names[PL_OUTCOME_COUNT] = {
@@ -122,15 +124,6 @@ static json_t *settings_json(const pl_run_view *run)
     return settings;
 }
 
-static uint64_t fnv1a(const char *text)
-{
-    uint64_t hash = UINT64_C(0xcbf29ce484222325);
-    for (; *text != '\0'; ++text) {
-        hash = (hash ^ (unsigned char)*text) * UINT64_C(0x100000001b3);
-    }
-    return hash;
-}
-
 json_t *pl_run_identity(const pl_run_view *run)
 {
     json_t *identity = json_pack(
@@ -148,8 +141,8 @@ json_t *pl_run_identity(const pl_run_view *run)
         json_decref(identity);
         return NULL;
     }
-    char hash[17];
-    snprintf(hash, sizeof hash, "%016" PRIx64, fnv1a(text));
+    char hash[PL_HASH_TEXT_SIZE];
+    pl_hash_hex(pl_hash_text(PL_HASH_START, text), hash);
     free(text);
     int failed = json_object_set_new(identity, "run", json_string(hash));
     failed |= json_object_set_new(identity, "label", pl_json_text(run->label, strlen(run->label)));
@@ -239,23 +232,23 @@ static json_t *poses_json(const pl_body_state *bodies, int body_count)
     return poses;
 }
 
-json_t *pl_run_result_to_json(const pl_run_result *finding)
+json_t *pl_run_result_to_json(const pl_run_result *result)
 {
     return json_pack("{s:s, s:o, s:{s:I, s:I}, s:o, s:o}", "outcome",
-                     pl_outcome_name(finding->outcome), "reason", text_or_null(finding->reason),
-                     "steps", "asked", (json_int_t)finding->steps_asked, "done",
-                     (json_int_t)finding->steps_done, "metrics", metrics_json(&finding->metrics),
-                     "final_poses", poses_json(finding->bodies, finding->body_count));
+                     pl_outcome_name(result->outcome), "reason", text_or_null(result->reason),
+                     "steps", "asked", (json_int_t)result->steps_asked, "done",
+                     (json_int_t)result->steps_done, "metrics", metrics_json(&result->metrics),
+                     "final_poses", poses_json(result->bodies, result->body_count));
 }
 
-json_t *pl_result_compose(json_t *identity, json_t *finding, json_t *provenance, const char *output,
+json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance, const char *output,
                           size_t output_length, const char *started)
 {
     json_t *result = json_pack(
         "{s:s, s:o, s:s}", "schema", "plumb.result/1", "output",
         output_length == 0 ? json_null() : pl_json_text(output, output_length), "started", started);
     if (result == NULL || json_object_update(result, identity) != 0 ||
-        json_object_update(result, finding) != 0 || json_object_update(result, provenance) != 0) {
+        json_object_update(result, outcome) != 0 || json_object_update(result, provenance) != 0) {
         json_decref(result);
         return NULL;
     }
@@ -273,4 +266,58 @@ bool pl_results_all_unsupported(const json_t *results)
         }
     }
     return json_array_size(results) > 0;
+}
+
+/* ---- Provenance ---- */
+
+/* The text after `key` and any of " \t:=\"" in the first line of `path` that begins with `key`,
+ * without the closing quote; empty when there is none. */
+static void read_field(const char *path, const char *key, char *text, size_t size)
+{
+    char line[512];
+    text[0] = '\0';
+    FILE *file = fopen(path, "r");
+    if (file == NULL) {
+        return;
+    }
+    while (text[0] == '\0' && fgets(line, sizeof line, file) != NULL) {
+        if (strncmp(line, key, strlen(key)) == 0) {
+            const char *value = line + strlen(key);
+            value += strspn(value, " \t:=\"");
+            snprintf(text, size, "%.*s", (int)strcspn(value, "\"\n"), value);
+        }
+    }
+    fclose(file);
+}
+
+static json_t *host_json(void)
+{
+    char cpu[256];
+    char os[256];
+    char kernel_and_os[768];
+    struct utsname kernel;
+    if (uname(&kernel) != 0) {
+        kernel = (struct utsname){.sysname = "unknown", .release = "", .machine = "unknown"};
+    }
+    read_field("/proc/cpuinfo", "model name", cpu, sizeof cpu);
+    read_field("/etc/os-release", "PRETTY_NAME", os, sizeof os);
+    snprintf(kernel_and_os, sizeof kernel_and_os, "%s%s%s %s", os, os[0] == '\0' ? "" : ", ",
+             kernel.sysname, kernel.release);
+    const char *processor = cpu[0] != '\0' ? cpu : kernel.machine;
+    return json_pack("{s:o, s:o, s:s, s:s}", "cpu", pl_json_text(processor, strlen(processor)),
+                     "os", pl_json_text(kernel_and_os, strlen(kernel_and_os)), "compiler",
+                     PLUMB_COMPILER, "flags", PLUMB_FLAGS);
+}
+
+json_t *pl_provenance(int argc, char *const *argv)
+{
+    json_t *command = json_array();
+    for (int i = 0; i < argc; ++i) {
+        if (json_array_append_new(command, pl_json_text(argv[i], strlen(argv[i]))) != 0) {
+            json_decref(command);
+            return NULL;
+        }
+    }
+    return json_pack("{s:o, s:{s:s, s:s}, s:o}", "host", host_json(), "plumb", "version",
+                     PLUMB_VERSION, "git", PLUMB_GIT, "command", command);
 }

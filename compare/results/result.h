@@ -1,6 +1,6 @@
 /* The result of one run in memory, and its form as a JSON object, plumb.result/1 (SCHEMA.md).
  *
- * A result has four parts, made in different places: which run it is (pl_run_view), what was found
+ * A result has four parts, made in different places: which run it is (pl_run_view), its outcome
  * (pl_run_result, made in the run's own process), what it printed, and where it was made (host,
  * build, command). JSON values returned here are new references; NULL means out of memory. */
 #ifndef PLUMB_RESULT_H
@@ -47,7 +47,7 @@ typedef struct pl_run_view {
 /* The keys from `scenario` to `repeat`, and `run`: the hash over those that make it that run. */
 json_t *pl_run_identity(const pl_run_view *run);
 
-/* What one run showed. */
+/* What one run gave. */
 typedef struct pl_run_result {
     pl_outcome outcome;
     char reason[512]; /* empty when the outcome is ok */
@@ -58,14 +58,14 @@ typedef struct pl_run_result {
 } pl_run_result;
 
 /* The keys outcome, reason, steps, metrics, final_poses. */
-json_t *pl_run_result_to_json(const pl_run_result *finding);
+json_t *pl_run_result_to_json(const pl_run_result *result);
 
 /* The keys host, plumb, command: this machine, this build, this call. */
 json_t *pl_provenance(int argc, char *const *argv);
 
-/* The whole result: the union of identity, finding and provenance (each borrowed), with `schema`,
+/* The whole result: the union of identity, outcome and provenance (each borrowed), with `schema`,
  * `output` (null when `output` is empty) and `started`. */
-json_t *pl_result_compose(json_t *identity, json_t *finding, json_t *provenance, const char *output,
+json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance, const char *output,
                           size_t output_length, const char *started);
 
 /* The text of a key of an object, borrowed; "" where there is none or it is no text. */

@@ -7,11 +7,11 @@
 #include <sys/mman.h>
 #include <sys/wait.h>
 
-/* In the child: the finding as JSON is the answer. */
-static pl_status answer_finding(const pl_run_result *finding, void *user, pl_error *error)
+/* In the child: the result as JSON is the answer. */
+static pl_status answer_result(const pl_run_result *result, void *user, pl_error *error)
 {
     FILE *answer = user;
-    json_t *object = pl_run_result_to_json(finding);
+    json_t *object = pl_run_result_to_json(result);
     char *line = object == NULL ? NULL : pl_result_to_line(object);
     json_decref(object);
     if (line == NULL) {
@@ -27,7 +27,7 @@ static void run_and_answer(void *user, FILE *answer)
 {
     const pl_run_def *def = user;
     pl_error error = {.message = ""};
-    if (pl_run_once(def, answer_finding, answer, &error) != PL_OK) {
+    if (pl_run_once(def, answer_result, answer, &error) != PL_OK) {
         json_t *object =
             json_pack("{s:o}", "error", pl_json_text(error.message, strlen(error.message)));
         json_dumpf(object, answer, JSON_COMPACT);
@@ -73,7 +73,7 @@ static void describe_place(const pl_isolated_run *run, char *text, size_t size)
     case PL_STAGE_CREATE:
         snprintf(text, size, "in create");
         break;
-    case PL_STAGE_READ_BACK:
+    case PL_STAGE_CHECK:
         snprintf(text, size, "while its settings were read back");
         break;
     case PL_STAGE_CAPTURE:
@@ -125,22 +125,22 @@ static void describe_crash(const pl_isolated_run *run, char *text, size_t size)
     snprintf(text, size, "%s %s%s%s", how, where, line[0] == '\0' ? "" : "; last line: ", line);
 }
 
-/* The finding of a run whose process did not answer. */
-static json_t *missing_finding(const pl_isolated_run *run)
+/* The outcome of a run whose process did not answer. */
+static json_t *missing_outcome(const pl_isolated_run *run)
 {
-    pl_run_result finding = {.outcome = PL_OUTCOME_CRASHED,
+    pl_run_result outcome = {.outcome = PL_OUTCOME_CRASHED,
                              .steps_asked = pl_scene_steps(run->def.scene),
                              .steps_done = atomic_load(&run->def.watch->steps_done)};
     if (run->process.timed_out) {
         char where[96];
         describe_place(run, where, sizeof where);
-        finding.outcome = PL_OUTCOME_TIMEOUT;
-        snprintf(finding.reason, sizeof finding.reason, "no end within %g s: killed %s",
+        outcome.outcome = PL_OUTCOME_TIMEOUT;
+        snprintf(outcome.reason, sizeof outcome.reason, "no end within %g s: killed %s",
                  run->limits.timeout, where);
     } else {
-        describe_crash(run, finding.reason, sizeof finding.reason);
+        describe_crash(run, outcome.reason, sizeof outcome.reason);
     }
-    return pl_run_result_to_json(&finding);
+    return pl_run_result_to_json(&outcome);
 }
 
 pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_t **result,
@@ -149,25 +149,25 @@ pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_
     const pl_process *process = &run->process;
     pl_status status = PL_OK;
     /* A whole answer is a whole run; one cut short does not parse. */
-    json_t *finding = json_loadb(process->text, process->text_length, 0, NULL);
-    if (finding == NULL) {
-        finding = missing_finding(run);
+    json_t *outcome = json_loadb(process->text, process->text_length, 0, NULL);
+    if (outcome == NULL) {
+        outcome = missing_outcome(run);
     }
-    const char *failed = json_string_value(json_object_get(finding, "error"));
+    const char *failed = json_string_value(json_object_get(outcome, "error"));
     if (failed != NULL) {
         status = pl_fail(error, PL_IO, "%s on %s: the run could not be made: %s",
                          json_string_value(json_object_get(run->identity, "label")),
                          json_string_value(json_object_get(run->identity, "scenario")), failed);
         goto cleanup;
     }
-    *result = pl_result_compose(run->identity, finding, provenance, process->tail,
+    *result = pl_result_compose(run->identity, outcome, provenance, process->tail,
                                 process->tail_length, run->started);
     if (*result == NULL) {
         status = pl_fail(error, PL_NO_MEMORY, "out of memory for a result");
     }
 
 cleanup:
-    json_decref(finding);
+    json_decref(outcome);
     free_run(run);
     return status;
 }

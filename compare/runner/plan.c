@@ -1,16 +1,11 @@
 #include "plan.h"
 
+#include "base/array.h"
 #include "plumb/jitter.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Room for one more item; NULL when out of memory. */
-static void *grow(void *items, int count, size_t size)
-{
-    return realloc(items, ((size_t)count + 1) * size);
-}
 
 /* Notes what tells the case from others. *known: it is there already. */
 static pl_status note_case(pl_plan *plan, const pl_case *test_case, const char *name, bool *known,
@@ -74,17 +69,14 @@ static pl_status add_case(pl_plan *plan, pl_case *test_case, const char *name, p
         defer(test_case);
     }
     test_case->name = strdup(name);
-    pl_case *cases = grow(plan->cases, plan->case_count, sizeof *cases);
-    if (cases != NULL) {
-        plan->cases = cases;
-    }
-    if (test_case->name == NULL || cases == NULL) {
+    status = test_case->name == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for %s", name)
+                                     : pl_array_push(&plan->cases, &plan->case_count, test_case,
+                                                     sizeof *test_case, error);
+    if (status != PL_OK) {
         free(test_case->name);
         pl_scene_free(&test_case->scene);
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %s", name);
     }
-    plan->cases[plan->case_count++] = *test_case;
-    return PL_OK;
+    return status;
 }
 
 pl_status pl_plan_build_scene(const pl_plan *plan, const pl_case *test_case, pl_scene *scene,
@@ -209,29 +201,17 @@ pl_status pl_plan_add_choice(pl_plan *plan, const pl_engine_choice *choice, cons
 {
     pl_configuration added = {.choice = *choice};
     snprintf(added.label, sizeof added.label, "%s", label);
-    pl_configuration *configurations =
-        grow(plan->configurations, plan->configuration_count, sizeof *configurations);
-    if (configurations == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %s", label);
-    }
-    plan->configurations = configurations;
-    plan->configurations[plan->configuration_count] = added;
     if (index != NULL) {
         *index = plan->configuration_count;
     }
-    plan->configuration_count += 1;
-    return PL_OK;
+    return pl_array_push(&plan->configurations, &plan->configuration_count, &added, sizeof added,
+                         error);
 }
 
 pl_status pl_plan_add_pairing(pl_plan *plan, int test_case, int configuration, pl_error *error)
 {
-    pl_pairing *pairings = grow(plan->pairings, plan->pairing_count, sizeof *pairings);
-    if (pairings == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
-    }
-    plan->pairings = pairings;
-    plan->pairings[plan->pairing_count++] = (pl_pairing){test_case, configuration};
-    return PL_OK;
+    const pl_pairing added = {test_case, configuration};
+    return pl_array_push(&plan->pairings, &plan->pairing_count, &added, sizeof added, error);
 }
 
 long pl_plan_size(const pl_plan *plan)

@@ -1,13 +1,14 @@
-/* Time and instructions are those of the engine's step alone (step_meter.h). Memory is the growth
- * of the resident peak from just before `create`, when everything of the harness is already there,
- * to just before `destroy`. */
+/* Time and instructions are those of the engine's step alone (resource_usage.h). Memory is the
+ * growth of the resident peak from just before `create`, when everything of the harness is already
+ * there, to just before `destroy`. */
 #include "run_once.h"
 
+#include "adapters/contact_problems.h"
+#include "base/array.h"
 #include "parameter_check.h"
 #include "positions.h"
 #include "referee/referee.h"
-#include "resident_set.h"
-#include "step_timer.h"
+#include "resource_usage.h"
 
 #include <errno.h>
 #include <math.h>
@@ -24,7 +25,7 @@ typedef struct run {
     pl_contact *contacts;
     int contact_capacity;
     pl_positions_writer positions;
-    pl_step_timer meter;
+    pl_step_timer timer;
     double instructions; /* of all steps; NAN: not counted */
 } run;
 
@@ -41,17 +42,17 @@ static void swap_frames(run *r)
     r->has_good = true;
 }
 
-static void set_outcome(pl_run_result *finding, pl_outcome outcome, const pl_error *error)
+static void set_outcome(pl_run_result *result, pl_outcome outcome, const pl_error *error)
 {
-    finding->outcome = outcome;
-    memcpy(finding->reason, error->message, sizeof finding->reason);
+    result->outcome = outcome;
+    memcpy(result->reason, error->message, sizeof result->reason);
 }
 
 /* An engine's own failure. */
-static void set_failure(pl_run_result *finding, const pl_error *error)
+static void set_failure(pl_run_result *result, const pl_error *error)
 {
     bool refused = error->status == PL_UNSUPPORTED || error->status == PL_BAD_INPUT;
-    set_outcome(finding, refused ? PL_OUTCOME_UNSUPPORTED : PL_OUTCOME_CRASHED, error);
+    set_outcome(result, refused ? PL_OUTCOME_UNSUPPORTED : PL_OUTCOME_CRASHED, error);
 }
 
 static pl_status write_header(FILE *file, pl_error *error)
@@ -129,13 +130,11 @@ static pl_status read_contacts(run *r, int *count, pl_error *error)
     if (*count <= r->contact_capacity) {
         return PL_OK;
     }
-    int capacity = 2 * *count;
-    pl_contact *grown = realloc(r->contacts, (size_t)capacity * sizeof *grown);
-    if (grown == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d contacts", capacity);
+    pl_status status = pl_array_reserve(&r->contacts, &r->contact_capacity, 2 * *count,
+                                        sizeof *r->contacts, error);
+    if (status != PL_OK) {
+        return status;
     }
-    r->contacts = grown;
-    r->contact_capacity = capacity;
     *count = engine->read_contacts(r->instance, r->contacts, r->contact_capacity);
     return PL_OK;
 }
@@ -161,26 +160,26 @@ static void read_frame(run *r, double time)
 
 /* Creates the engine and looks at the state before the first step. *going is false when that ended
  * it. */
-static pl_status begin(run *r, pl_run_result *finding, bool *going, pl_error *error)
+static pl_status begin(run *r, pl_run_result *result, bool *going, pl_error *error)
 {
     const pl_run_def *def = r->def;
     pl_error fault = {.message = ""};
     *going = false;
     if (pl_needs_check(def->scene, def->engine, &fault) != PL_OK) {
-        set_outcome(finding, PL_OUTCOME_UNSUPPORTED, &fault);
+        set_outcome(result, PL_OUTCOME_UNSUPPORTED, &fault);
         return PL_OK;
     }
     enter(r, PL_STAGE_CREATE);
     fault.status =
         def->engine->create(def->scene, def->profile, def->options, &r->instance, &fault);
     if (fault.status != PL_OK) {
-        set_failure(finding, &fault);
+        set_failure(result, &fault);
         return PL_OK;
     }
-    enter(r, PL_STAGE_READ_BACK);
+    enter(r, PL_STAGE_CHECK);
     pl_status status = pl_parameter_check(def->scene, def->engine, r->instance, &fault);
     if (status == PL_UNSUPPORTED) {
-        set_outcome(finding, PL_OUTCOME_UNSUPPORTED, &fault);
+        set_outcome(result, PL_OUTCOME_UNSUPPORTED, &fault);
         return PL_OK;
     }
     if (status != PL_OK) {
@@ -189,7 +188,7 @@ static pl_status begin(run *r, pl_run_result *finding, bool *going, pl_error *er
     read_frame(r, 0);
     if (pl_referee_start(r->referee, &r->frame) == PL_VERDICT_NONFINITE) {
         pl_fail(&fault, PL_FAILED, "not finite before the first step");
-        set_outcome(finding, PL_OUTCOME_NONFINITE, &fault);
+        set_outcome(result, PL_OUTCOME_NONFINITE, &fault);
         return PL_OK;
     }
     *going = true;
@@ -208,13 +207,13 @@ static pl_status capture(const run *r, long step, pl_error *error)
     struct pe_contact_problem **problems = NULL;
     int count = 0;
     enter(r, PL_STAGE_CAPTURE);
-    pl_status status =
-        r->def->engine->capture(r->instance, r->def->scene->dt, &problems, &count, error);
+    pl_status status = pl_contact_problems_of(r->def->engine)
+                           ->capture(r->instance, r->def->scene->dt, &problems, &count, error);
     return status == PL_OK ? asked->take(asked->user, problems, count, error) : status;
 }
 
 /* One step. *going is false when it ended the run. */
-static pl_status advance(run *r, pl_run_result *finding, bool *going, pl_error *error)
+static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error *error)
 {
     const pl_run_def *def = r->def;
     pl_error fault = {.message = ""};
@@ -226,23 +225,23 @@ static pl_status advance(run *r, pl_run_result *finding, bool *going, pl_error *
                            .time_collide = NAN,
                            .time_solve = NAN,
                            .time_other = NAN};
-    pl_status status = capture(r, finding->steps_done + 1, error);
+    pl_status status = capture(r, result->steps_done + 1, error);
     if (status != PL_OK) {
         return status;
     }
     enter(r, PL_STAGE_STEP);
-    pl_step_timer_begin(&r->meter);
+    pl_step_timer_begin(&r->timer);
     fault.status = def->engine->step(r->instance, def->scene->dt, &stats, &fault);
-    pl_step_cost cost = pl_step_timer_end(&r->meter);
+    pl_step_cost cost = pl_step_timer_end(&r->timer);
     enter(r, PL_STAGE_JUDGE);
     if (fault.status != PL_OK) {
         *going = false;
-        set_failure(finding, &fault);
+        set_failure(result, &fault);
         return PL_OK;
     }
-    finding->steps_done += 1;
+    result->steps_done += 1;
     r->instructions += cost.instructions;
-    read_frame(r, (double)finding->steps_done * def->scene->dt);
+    read_frame(r, (double)result->steps_done * def->scene->dt);
     int count = -1;
     status = read_contacts(r, &count, error);
     if (status != PL_OK) {
@@ -251,74 +250,73 @@ static pl_status advance(run *r, pl_run_result *finding, bool *going, pl_error *
     pl_verdict verdict =
         pl_referee_step(r->referee, &r->frame, &stats, count < 0 ? NULL : r->contacts, count,
                         cost.cpu_time, &fault);
-    status = record_frame(r, finding->steps_done, error);
+    status = record_frame(r, result->steps_done, error);
     if (verdict == PL_VERDICT_NONFINITE || verdict == PL_VERDICT_DIVERGED) {
         *going = false;
-        set_outcome(finding,
+        set_outcome(result,
                     verdict == PL_VERDICT_NONFINITE ? PL_OUTCOME_NONFINITE : PL_OUTCOME_DIVERGED,
                     &fault);
     }
     if (verdict != PL_VERDICT_NONFINITE) {
         swap_frames(r);
     }
-    atomic_store_explicit(&def->watch->steps_done, finding->steps_done, memory_order_relaxed);
+    atomic_store_explicit(&def->watch->steps_done, result->steps_done, memory_order_relaxed);
     return status;
 }
 
-static void judge(run *r, double memory, pl_run_result *finding)
+static void judge(run *r, double memory, pl_run_result *result)
 {
     pl_error fault = {.message = ""};
     pl_verdict verdict =
-        pl_referee_finish(r->referee, r->def->engine->residual_unit, &finding->metrics, &fault);
-    if (verdict == PL_VERDICT_COLLAPSED && finding->outcome == PL_OUTCOME_OK) {
-        set_outcome(finding, PL_OUTCOME_COLLAPSED, &fault);
+        pl_referee_finish(r->referee, r->def->engine->residual_unit, &result->metrics, &fault);
+    if (verdict == PL_VERDICT_COLLAPSED && result->outcome == PL_OUTCOME_OK) {
+        set_outcome(result, PL_OUTCOME_COLLAPSED, &fault);
     }
-    pl_metric *peak = &finding->metrics.item[PL_METRIC_MEMORY_PEAK];
+    pl_metric *peak = &result->metrics.item[PL_METRIC_MEMORY_PEAK];
     *peak = (pl_metric){.state = PL_METRIC_VALUE, .value = memory};
     if (!isfinite(memory)) {
         *peak = (pl_metric){.state = PL_METRIC_FAILED, .reason = "/proc/self does not tell it"};
     }
-    if (isfinite(r->instructions) && finding->steps_done > 0) {
-        finding->metrics.item[PL_METRIC_INSTRUCTIONS_PER_STEP] = (pl_metric){
-            .state = PL_METRIC_VALUE, .value = r->instructions / (double)finding->steps_done};
+    if (isfinite(r->instructions) && result->steps_done > 0) {
+        result->metrics.item[PL_METRIC_INSTRUCTIONS_PER_STEP] = (pl_metric){
+            .state = PL_METRIC_VALUE, .value = r->instructions / (double)result->steps_done};
     }
 }
 
 pl_status pl_run_once(const pl_run_def *def,
-                      pl_status (*report)(const pl_run_result *finding, void *user,
-                                          pl_error *error),
+                      pl_status (*report)(const pl_run_result *result, void *user, pl_error *error),
                       void *user, pl_error *error)
 {
-    run r = {.def = def, .meter = {.counter = -1}};
-    pl_run_result finding = {.outcome = PL_OUTCOME_OK,
-                             .steps_asked = pl_scene_steps(def->scene),
-                             .body_count = def->scene->body_count};
+    run r = {.def = def, .timer = {.counter = -1}};
+    pl_run_result result = {.outcome = PL_OUTCOME_OK,
+                            .steps_asked = pl_scene_steps(def->scene),
+                            .body_count = def->scene->body_count};
     enter(&r, PL_STAGE_PREPARE);
     pl_status status = prepare(&r, error);
     if (status != PL_OK) {
         goto cleanup;
     }
-    r.meter = pl_step_timer_open();
+    r.timer = pl_step_timer_open();
     double baseline = pl_resident_set_baseline();
     bool going = false;
-    status = begin(&r, &finding, &going, error);
+    status = begin(&r, &result, &going, error);
     bool started = going;
-    while (status == PL_OK && going && finding.steps_done < finding.steps_asked) {
-        status = advance(&r, &finding, &going, error);
+    while (status == PL_OK && going && result.steps_done < result.steps_asked) {
+        status = make_step(&r, &result, &going, error);
     }
     if (status == PL_OK && started) {
-        judge(&r, pl_resident_set_growth(baseline), &finding);
+        judge(&r, pl_resident_set_growth(baseline), &result);
     }
     enter(&r, PL_STAGE_DESTROY);
     def->engine->destroy(r.instance);
     if (status == PL_OK) {
-        finding.bodies = r.has_good ? r.good.bodies : NULL;
+        result.bodies = r.has_good ? r.good.bodies : NULL;
         enter(&r, PL_STAGE_JUDGE);
-        status = report(&finding, user, error);
+        status = report(&result, user, error);
     }
 
 cleanup:
-    pl_step_timer_close(&r.meter);
+    pl_step_timer_close(&r.timer);
     pl_positions_end(&r.positions);
     pl_referee_destroy(r.referee);
     free(r.frame.bodies);

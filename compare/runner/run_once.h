@@ -3,6 +3,7 @@
 #ifndef PLUMB_RUN_ONCE_H
 #define PLUMB_RUN_ONCE_H
 
+#include "adapters/contact_problems.h"
 #include "results/result.h"
 
 #include <stdatomic.h>
@@ -12,7 +13,7 @@
 typedef enum pl_stage {
     PL_STAGE_PREPARE,
     PL_STAGE_CREATE,
-    PL_STAGE_READ_BACK,
+    PL_STAGE_CHECK,
     PL_STAGE_CAPTURE,
     PL_STAGE_STEP,
     PL_STAGE_JUDGE, /* reading the frame and contacts of a step, and the referee's work on them */
@@ -27,8 +28,8 @@ typedef struct pl_run_watch {
 /* The contact problems of one step, taken on the way. */
 typedef struct pl_capture {
     long step; /* from 1 */
-    /* Gets what the engine's `capture` gave, to destroy. Called in the run's process; anything but
-     * PL_OK means that the run could not be made. */
+    /* Takes over the contact problems (contact_problems.h), to destroy them. Called in the run's
+     * process; anything but PL_OK means that the run could not be made. */
     pl_status (*take)(void *user, struct pe_contact_problem **problems, int count, pl_error *error);
     void *user;
 } pl_capture;
@@ -40,16 +41,15 @@ typedef struct pl_run_def {
     const double *options;     /* (engine->option_count) */
     FILE *trajectory;          /* gets every frame as CSV; NULL: none */
     const char *positions;     /* file that gets a compact trajectory (positions.h); NULL: none */
-    const pl_capture *capture; /* NULL: none; otherwise the engine has a `capture` */
+    const pl_capture *capture; /* NULL: none; otherwise the engine exports contact problems */
     pl_run_watch *watch;
 } pl_run_def;
 
-/* Runs, and hands the finding to `report`, whose result is returned. The finding's arrays live
+/* Runs, and hands the result to `report`, whose result is returned. The result's arrays live
  * until `report` returns; the engine's instance is already destroyed. Any outcome is PL_OK;
  * PL_NO_MEMORY and PL_IO (the trajectory) mean that the run could not be made. */
 pl_status pl_run_once(const pl_run_def *def,
-                      pl_status (*report)(const pl_run_result *finding, void *user,
-                                          pl_error *error),
+                      pl_status (*report)(const pl_run_result *result, void *user, pl_error *error),
                       void *user, pl_error *error);
 
 #endif

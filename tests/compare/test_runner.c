@@ -5,7 +5,7 @@
 #include "runner/plan.h"
 #include "runner/process.h"
 #include "runner/progress.h"
-#include "runner/resident_set.h"
+#include "runner/resource_usage.h"
 #include "runner/run_once.h"
 
 #include <math.h>

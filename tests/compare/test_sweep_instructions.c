@@ -1,6 +1,6 @@
 /* The meter of a step: instructions where they are counted, and nothing where they are not. */
 #include "check.h"
-#include "runner/step_timer.h"
+#include "runner/resource_usage.h"
 
 #include <math.h>
 #include <pthread.h>

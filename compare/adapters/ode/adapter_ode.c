@@ -13,9 +13,8 @@
  * The space is dHashSpace, as in ODE's own demos. ODE has no islands, residual or iteration count
  * to report: `quick` runs exactly the sweeps it is told, and that number is reported; `dantzig`
  * reports none. */
-#include "adapters/adapters.h"
-#include "adapters/force.h"
-#include "adapters/principal.h"
+#include "adapters/registry.h"
+#include "adapters/scene_frames.h"
 #include "ode_contacts.h"
 #include "ode_read.h"
 #include "ode_shapes.h"
@@ -51,47 +50,17 @@ static const pl_engine_profile profiles[PROFILE_COUNT] = {
 };
 
 static const pl_engine_option options[OPTION_COUNT] = {
-    [OPTION_ITERATIONS] = {.name = "iterations",
-                           .value = SHIPPED_ITERATIONS,
-                           .min = 1,
-                           .max = 1e6,
-                           .integer = true,
-                           .unit = "1",
-                           .help = "sweeps of quick; dantzig has none"},
-    [OPTION_ERP] = {.name = "erp",
-                    .value = 0.2,
-                    .min = 0,
-                    .max = 1,
-                    .unit = "1",
-                    .help = "share of the penetration undone in a step"},
-    [OPTION_CFM] = {.name = "cfm",
-                    .value = 1e-10,
-                    .min = 0,
-                    .max = 1,
-                    .unit = "s^2/kg",
-                    .help = "softness added to the diagonal"},
-    [OPTION_MAX_CONTACTS] = {.name = "max_contacts",
-                             .value = 8,
-                             .min = 1,
-                             .max = MOST_CONTACTS,
-                             .integer = true,
-                             .unit = "1",
-                             .help = "contact points a pair; two boxes make at most 8"},
-    [OPTION_SOLID_CONTACTS] = {.name = "solid_contacts",
-                               .value = 64,
-                               .min = 1,
-                               .max = MOST_SOLID_CONTACTS,
-                               .integer = true,
-                               .unit = "1",
-                               .help = "the same of a pair with a hull or a mesh; ODE takes the "
-                                       "first, not the deepest"},
-    [OPTION_SURFACE_LAYER] = {.name = "surface_layer",
-                              .value = 0,
-                              .min = 0,
-                              .max = 1e3,
-                              .unit = "m",
-                              .help =
-                                  "penetration that is not pushed out; ODE suggests about 0.001"},
+    [OPTION_ITERATIONS] = {"iterations", SHIPPED_ITERATIONS, 1, 1e6, true, "1",
+                           "sweeps of quick; dantzig has none"},
+    [OPTION_ERP] = {"erp", 0.2, 0, 1, false, "1", "share of the penetration undone in a step"},
+    [OPTION_CFM] = {"cfm", 1e-10, 0, 1, false, "s^2/kg", "softness added to the diagonal"},
+    [OPTION_MAX_CONTACTS] = {"max_contacts", 8, 1, MOST_CONTACTS, true, "1",
+                             "contact points a pair; two boxes make at most 8"},
+    [OPTION_SOLID_CONTACTS] =
+        {"solid_contacts", 64, 1, MOST_SOLID_CONTACTS, true, "1",
+         "the same of a pair with a hull or a mesh; ODE takes the first, not the deepest"},
+    [OPTION_SURFACE_LAYER] = {"surface_layer", 0, 0, 1e3, false, "m",
+                              "penetration that is not pushed out; ODE suggests about 0.001"},
 };
 
 /* ODE calls exit(1) after an error handler returns. A process that ends so would look like one that

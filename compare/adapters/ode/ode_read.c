@@ -1,6 +1,6 @@
 #include "ode_read.h"
 
-#include "adapters/principal.h"
+#include "adapters/scene_frames.h"
 #include "plumb/scenario.h"
 #include "plumb/vec.h"
 

@@ -1,6 +1,7 @@
 /* Captures contact problems from scenarios and solves them by every solver. */
 #include "benchmark.h"
 
+#include "adapters/contact_problems.h"
 #include "adapters/registry.h"
 #include "base/statistics.h"
 #include "plumb/scenario.h"
@@ -85,7 +86,8 @@ static pl_status step_and_capture(const pl_benchmark_problem *row, const pl_scen
     }
     pe_contact_problem **problems = NULL;
     int count = 0;
-    pl_status status = engine->capture(instance, scene->dt, &problems, &count, error);
+    pl_status status =
+        pl_contact_problems_of(engine)->capture(instance, scene->dt, &problems, &count, error);
     if (status != PL_OK) {
         return status;
     }

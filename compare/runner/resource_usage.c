@@ -1,0 +1,168 @@
+#include "resource_usage.h"
+
+#include <linux/perf_event.h>
+#include <malloc.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+/* ---- Time and instructions ---- */
+
+enum { EMPTY_MEASUREMENTS = 16 };
+
+static double cpu_seconds(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* Without the kernel's share, which unprivileged users may not count, and which differs from run to
+ * run. */
+static int open_counter(void)
+{
+    struct perf_event_attr attributes = {.type = PERF_TYPE_HARDWARE,
+                                         .size = sizeof attributes,
+                                         .config = PERF_COUNT_HW_INSTRUCTIONS,
+                                         .read_format = PERF_FORMAT_TOTAL_TIME_ENABLED |
+                                                        PERF_FORMAT_TOTAL_TIME_RUNNING,
+                                         .disabled = 1,
+                                         .inherit = 1,
+                                         .exclude_kernel = 1,
+                                         .exclude_hv = 1};
+    return (int)syscall(SYS_perf_event_open, &attributes, 0, -1, -1, PERF_FLAG_FD_CLOEXEC);
+}
+
+static void give_up(pl_step_timer *timer)
+{
+    if (timer->counter >= 0) {
+        close(timer->counter);
+    }
+    timer->counter = -1;
+}
+
+/* The instructions since the last call. Gives up for good when the counter had to share the
+ * hardware with others: it is then an estimate. */
+static double count_since(pl_step_timer *timer)
+{
+    struct {
+        uint64_t count, enabled, running;
+    } now;
+    if (timer->counter < 0) {
+        return NAN;
+    }
+    if (read(timer->counter, &now, sizeof now) != (ssize_t)sizeof now ||
+        now.running < now.enabled) {
+        give_up(timer);
+        return NAN;
+    }
+    const double counted = (double)(now.count - timer->count);
+    timer->count = now.count;
+    return counted;
+}
+
+pl_step_timer pl_step_timer_open(void)
+{
+    pl_step_timer timer = {.counter = open_counter()};
+    double least = INFINITY;
+    for (int i = 0; i < EMPTY_MEASUREMENTS && timer.counter >= 0; ++i) {
+        pl_step_timer_begin(&timer);
+        least = fmin(least, pl_step_timer_end(&timer).instructions);
+    }
+    timer.own = timer.counter < 0 ? 0 : least;
+    return timer;
+}
+
+void pl_step_timer_close(pl_step_timer *timer)
+{
+    give_up(timer);
+}
+
+/* The clock is read innermost, so that the time has no part of the counter's. */
+void pl_step_timer_begin(pl_step_timer *timer)
+{
+    if (timer->counter >= 0 && ioctl(timer->counter, PERF_EVENT_IOC_ENABLE, 0) != 0) {
+        give_up(timer);
+    }
+    timer->cpu_before = cpu_seconds();
+}
+
+pl_step_cost pl_step_timer_end(pl_step_timer *timer)
+{
+    pl_step_cost cost = {.cpu_time = cpu_seconds() - timer->cpu_before};
+    if (timer->counter >= 0 && ioctl(timer->counter, PERF_EVENT_IOC_DISABLE, 0) != 0) {
+        give_up(timer);
+    }
+    const double counted = count_since(timer);
+    cost.instructions = isnan(counted) ? counted : fmax(0, counted - timer->own);
+    return cost;
+}
+
+/* ---- Memory ---- */
+
+/* A line "NAME:   1234 kB" of /proc/self/status in bytes. `name` ends with the colon. */
+static double read_status(const char *name)
+{
+    char line[256];
+    double bytes = NAN;
+    FILE *file = fopen("/proc/self/status", "re");
+    if (file == NULL) {
+        return bytes;
+    }
+    while (fgets(line, sizeof line, file) != NULL) {
+        if (strncmp(line, name, strlen(name)) == 0) {
+            bytes = 1024 * strtod(line + strlen(name), NULL);
+        }
+    }
+    fclose(file);
+    return bytes;
+}
+
+/* Makes the code of every loaded library resident: pages of a file that come in when they are first
+ * run are no memory that an engine takes. madvise(2): Linux 5.14; where it is refused, code counts.
+ */
+static void load_code(void)
+{
+    enum { LARGEST = 64 << 20 };
+    char line[4608];
+    FILE *file = fopen("/proc/self/maps", "re");
+    while (file != NULL && fgets(line, sizeof line, file) != NULL) {
+        char *end;
+        uintptr_t from = strtoull(line, &end, 16);
+        uintptr_t to = strtoull(end + 1, &end, 16);
+        bool readable_file = end[1] == 'r' && strchr(end, '/') != NULL;
+        if (readable_file && to - from <= LARGEST) {
+            madvise((void *)from, to - from, MADV_POPULATE_READ);
+        }
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+}
+
+double pl_resident_set_baseline(void)
+{
+    load_code();
+    /* Freed heap that is still resident would hide what an engine takes. */
+    malloc_trim(0);
+    FILE *file = fopen("/proc/self/clear_refs", "we");
+    if (file == NULL) {
+        return NAN;
+    }
+    bool reset = fputs("5", file) >= 0;
+    reset = fclose(file) == 0 && reset;
+    return reset ? read_status("VmRSS:") : (double)NAN;
+}
+
+double pl_resident_set_growth(double baseline)
+{
+    double peak = read_status("VmHWM:");
+    return peak < baseline ? 0 : peak - baseline;
+}
