@@ -163,7 +163,7 @@ static pl_status build_from_catalogue(const pl_case *test_case, pl_scene *scene,
     if (status != PL_OK) {
         return status;
     }
-    return scenario->build(values, (uint64_t)test_case->seed, scene, error);
+    return pl_scenario_build(scenario, values, (uint64_t)test_case->seed, scene, error);
 }
 
 static pl_status build_from_file(const pl_case *test_case, pl_scene *scene, pl_error *error)

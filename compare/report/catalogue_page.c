@@ -37,7 +37,7 @@ static pl_status add_picture(pl_text_buffer *out, const pl_scenario *s, int inde
     pl_scene scene = pl_scene_default();
     pl_status status = pl_scenario_values(s, NULL, 0, values, error);
     if (status == PL_OK) {
-        status = s->build(values, 0, &scene, error);
+        status = pl_scenario_build(s, values, 0, &scene, error);
     }
     pl_pose *poses = status == PL_OK ? calloc((size_t)scene.body_count + 1, sizeof *poses) : NULL;
     if (status == PL_OK && poses == NULL) {

@@ -83,7 +83,7 @@ pl_status pl_plan_build_scene(const pl_plan *plan, const pl_case *test_case, pl_
                               pl_error *error)
 {
     *scene = pl_scene_default();
-    pl_status status = test_case->descriptor->build(test_case->params, plan->seed, scene, error);
+    pl_status status = pl_scenario_build(test_case->descriptor, test_case->params, plan->seed, scene, error);
     if (status == PL_OK) {
         vary_scene(plan, test_case, scene);
     }
@@ -101,7 +101,7 @@ pl_status pl_plan_add_scenario(pl_plan *plan, const pl_scenario *scenario,
         }
     }
     if (status == PL_OK) {
-        status = scenario->build(test_case.params, plan->seed, &test_case.scene, error);
+        status = pl_scenario_build(scenario, test_case.params, plan->seed, &test_case.scene, error);
     }
     return status == PL_OK ? add_case(plan, &test_case, scenario->name, error) : status;
 }

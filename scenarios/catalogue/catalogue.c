@@ -5,54 +5,27 @@
 #include <stdio.h>
 #include <string.h>
 
-static const pl_scenario *const scenarios[] = {&pl_scenario_tower,
-                                               &pl_scenario_mass_ratio,
-                                               &pl_scenario_slope_stick,
-                                               &pl_scenario_slope_slide,
-                                               &pl_scenario_slide_to_stop,
-                                               &pl_scenario_wall,
-                                               &pl_scenario_wall_collapse,
-                                               &pl_scenario_pile,
-                                               &pl_scenario_rest_shape,
-                                               &pl_scenario_linked_rings,
-                                               &pl_scenario_roll_slope,
-                                               &pl_scenario_blocks,
-                                               &pl_scenario_thin_wall,
-                                               &pl_scenario_rocket,
-                                               &pl_scenario_slope_threshold,
-                                               &pl_scenario_slope_tip,
-                                               &pl_scenario_ladder,
-                                               &pl_scenario_multi_tower,
-                                               &pl_scenario_pyramid,
-                                               &pl_scenario_overhang,
-                                               &pl_scenario_cylinder_pyramid,
-                                               &pl_scenario_sphere_pyramid,
-                                               &pl_scenario_large_step,
-                                               &pl_scenario_far_from_origin,
-                                               &pl_scenario_initial_overlap,
-                                               &pl_scenario_thin_rod,
-                                               &pl_scenario_arch,
-                                               &pl_scenario_card_house,
-                                               &pl_scenario_painleve,
-                                               &pl_scenario_needle_in_gap,
-                                               &pl_scenario_free_fall,
-                                               &pl_scenario_projectile,
-                                               &pl_scenario_bowling,
-                                               &pl_scenario_torque_free,
-                                               &pl_scenario_bounce,
-                                               &pl_scenario_oblique_impact,
-                                               &pl_scenario_collision_train,
-                                               &pl_scenario_rocking_block,
-                                               &pl_scenario_isotropy,
-                                               &pl_scenario_carried_balls,
-                                               &pl_scenario_reaction_split,
-                                               &pl_scenario_spin_stop,
-                                               &pl_scenario_cradle,
-                                               &pl_scenario_dominoes,
-                                               &pl_scenario_falling_cubes,
-                                               &pl_scenario_domino_into_pile,
-                                               &pl_scenario_top,
-                                               &pl_scenario_slide_and_spin};
+/* The one place where a scenario is registered: pl_scenario_NAME, in the order of reports. */
+#define EACH_SCENARIO(DO)                                                                          \
+    DO(tower)                                                                                      \
+    DO(mass_ratio)                                                                                 \
+    DO(slope_stick)                                                                                \
+    DO(slope_slide) DO(slide_to_stop) DO(wall) DO(wall_collapse) DO(pile) DO(rest_shape)           \
+        DO(linked_rings) DO(roll_slope) DO(blocks) DO(thin_wall) DO(rocket) DO(slope_threshold)    \
+            DO(slope_tip) DO(ladder) DO(multi_tower) DO(pyramid) DO(overhang) DO(cylinder_pyramid) \
+                DO(sphere_pyramid) DO(large_step) DO(far_from_origin) DO(initial_overlap)          \
+                    DO(thin_rod) DO(arch) DO(card_house) DO(painleve) DO(needle_in_gap)            \
+                        DO(free_fall) DO(projectile) DO(bowling) DO(torque_free) DO(bounce)        \
+                            DO(oblique_impact) DO(collision_train) DO(rocking_block) DO(isotropy)  \
+                                DO(carried_balls) DO(reaction_split) DO(spin_stop) DO(cradle)      \
+                                    DO(dominoes) DO(falling_cubes) DO(domino_into_pile) DO(top)    \
+                                        DO(slide_and_spin)
+
+#define DECLARE(name) extern const pl_scenario pl_scenario_##name;
+EACH_SCENARIO(DECLARE)
+
+#define ADDRESS(name) &pl_scenario_##name,
+static const pl_scenario *const scenarios[] = {EACH_SCENARIO(ADDRESS)};
 enum { SCENARIO_COUNT = sizeof scenarios / sizeof scenarios[0] };
 
 const pl_scenario *const *pl_scenarios(int *count)

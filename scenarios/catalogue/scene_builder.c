@@ -1,25 +1,71 @@
 #include "scene_builder.h"
 
+#include "trigonometry.h"
+
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
+const double pl_axis_x[3] = {1, 0, 0}, pl_axis_y[3] = {0, 1, 0}, pl_axis_z[3] = {0, 0, 1};
+
+/* ---- Scenes ---- */
+
+/* The value of the parameter of that name; 0 where the scenario has none. */
+static double value_of(const pl_scenario *scenario, const double *values, const char *name)
+{
+    for (int i = 0; i < scenario->param_count; ++i) {
+        if (strcmp(scenario->params[i].name, name) == 0) {
+            return values[i];
+        }
+    }
+    return 0;
+}
+
+pl_status pl_scenario_build(const pl_scenario *scenario, const double *values, uint64_t seed,
+                            pl_scene *scene, pl_error *error)
+{
+    const pl_material material = {.name = "block",
+                                  .friction = value_of(scenario, values, "friction"),
+                                  .restitution = value_of(scenario, values, "restitution")};
+    *scene = pl_scene_default();
+    snprintf(scene->name, sizeof scene->name, "%s", scenario->name);
+    snprintf(scene->primary_error, sizeof scene->primary_error, "%s", scenario->primary_error);
+    scene->dt = value_of(scenario, values, "dt");
+    scene->duration = value_of(scenario, values, "duration");
+    pl_builder builder = {.scene = scene, .random = {.state = seed}, .error = error};
+    builder.gravity = -scene->gravity[2];
+    builder.steps = (double)pl_scene_steps(scene);
+    builder.end = builder.steps * scene->dt;
+    builder.status = pl_scene_add_material(scene, &material, NULL, error);
+    if (builder.status == PL_OK) {
+        scenario->build(&builder, values);
+    }
+    if (builder.status == PL_OK) {
+        builder.status = pl_scene_validate(scene, error);
+    }
+    if (builder.status != PL_OK) {
+        pl_scene_free(scene);
+    }
+    return builder.status;
+}
+
+void pl_build_refuse(pl_builder *builder, const char *format, ...)
+{
+    char message[sizeof builder->error->message];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(message, sizeof message, format, arguments);
+    va_end(arguments);
+    builder->status =
+        pl_fail(builder->error, PL_BAD_INPUT, "%s: %s", builder->scene->name, message);
+}
+
+/* ---- Materials and bodies ---- */
+
 static bool ready(const pl_builder *builder)
 {
     return builder->status == PL_OK;
-}
-
-pl_builder pl_build_begin(pl_scene *scene, const char *name, double dt, double duration,
-                          double friction, pl_error *error)
-{
-    pl_builder builder = {.scene = scene, .error = error};
-    const pl_material material = {.name = "block", .friction = friction};
-    *scene = pl_scene_default();
-    snprintf(scene->name, sizeof scene->name, "%s", name);
-    scene->dt = dt;
-    scene->duration = duration;
-    builder.status = pl_scene_add_material(scene, &material, NULL, error);
-    return builder;
 }
 
 int pl_build_material(pl_builder *builder, const char *name, double friction)
@@ -30,7 +76,7 @@ int pl_build_material(pl_builder *builder, const char *name, double friction)
     if (ready(builder)) {
         builder->status = pl_scene_add_material(builder->scene, &material, &index, builder->error);
     }
-    return ready(builder) ? index : 0;
+    return index;
 }
 
 void pl_build_pair(pl_builder *builder, int material_a, int material_b, double friction)
@@ -42,28 +88,117 @@ void pl_build_pair(pl_builder *builder, int material_a, int material_b, double f
     }
 }
 
-void pl_build_floor(pl_builder *builder, double nx, double ny, double nz, double offset)
+pl_body pl_body_at(pl_shape shape, double x, double y, double z)
 {
-    pl_body floor = pl_body_default();
-    floor.is_static = true;
-    floor.shape = pl_shape_plane(nx, ny, nz, offset);
-    pl_build_body(builder, &floor, "floor");
+    pl_body body = pl_body_default();
+    body.shape = shape;
+    body.position[0] = x;
+    body.position[1] = y;
+    body.position[2] = z;
+    return body;
+}
+
+void pl_turn_about_y(pl_body *body, double angle)
+{
+    body->orientation[0] = pl_cosine(angle / 2);
+    body->orientation[2] = pl_sine(angle / 2);
+}
+
+void pl_build_plane(pl_builder *builder, const char *name, int material, double nx, double ny,
+                    double nz, double offset)
+{
+    pl_body plane = pl_body_at(pl_shape_plane(nx, ny, nz, offset), 0, 0, 0);
+    plane.is_static = true;
+    plane.material = material;
+    pl_build_body(builder, &plane, "%s", name);
+}
+
+void pl_build_floor(pl_builder *builder)
+{
+    pl_build_plane(builder, "floor", 0, 0, 0, 1, 0);
 }
 
 int pl_build_body(pl_builder *builder, const pl_body *body, const char *name, ...)
 {
-    if (!ready(builder)) {
-        return -1;
-    }
     pl_body named = *body;
+    int index = -1;
     va_list arguments;
     va_start(arguments, name);
     vsnprintf(named.name, sizeof named.name, name, arguments);
     va_end(arguments);
-    int index = -1;
-    builder->status = pl_scene_add_body(builder->scene, &named, &index, builder->error);
+    if (ready(builder)) {
+        builder->status = pl_scene_add_body(builder->scene, &named, &index, builder->error);
+    }
     return index;
 }
+
+pl_shape pl_build_hull(pl_builder *builder, const char *name, const double (*points)[3], int count)
+{
+    const pl_polyhedron *hull = NULL;
+    if (ready(builder)) {
+        builder->status =
+            pl_scene_add_hull(builder->scene, name, points, count, &hull, builder->error);
+    }
+    return hull != NULL ? pl_shape_of(hull) : (pl_shape){.kind = PL_SHAPE_HULL};
+}
+
+void pl_build_force(pl_builder *builder, const pl_force *force)
+{
+    if (ready(builder)) {
+        builder->status = pl_scene_add_force(builder->scene, force, builder->error);
+    }
+}
+
+/* ---- Random numbers ---- */
+
+double pl_draw_uniform(pl_random *random, double low, double high)
+{
+    return low + (high - low) * pl_random_unit(random);
+}
+
+void pl_draw_orientation(pl_random *random, double q[4])
+{
+    double square;
+    do {
+        square = 0;
+        for (int k = 0; k < 4; ++k) {
+            q[k] = pl_draw_uniform(random, -1, 1);
+            square += q[k] * q[k];
+        }
+    } while (square > 1 || square < 0.01);
+    double length = sqrt(square);
+    for (int k = 0; k < 4; ++k) {
+        q[k] /= length;
+    }
+}
+
+/* ---- Answers ---- */
+
+pl_answer pl_uniform_way(double v, double a, double h, double steps)
+{
+    double t = steps * h;
+    return (pl_answer){v * t + a * t * t / 2, v * t + a * h * h * steps * (steps + 1) / 2};
+}
+
+pl_answer pl_braked_way(double v, double braking, double h, double steps)
+{
+    double t = fmin(steps * h, v / braking);
+    double moving = fmin(steps, floor(v / (braking * h)));
+    double discrete = pl_uniform_way(v, -braking, h, moving).discrete;
+    return (pl_answer){v * t - braking * t * t / 2, discrete > 0 ? discrete : (double)NAN};
+}
+
+pl_answer pl_exactly(double value)
+{
+    return (pl_answer){value, value};
+}
+
+pl_answer pl_continuous(double value)
+{
+    return (pl_answer){value, (double)NAN};
+}
+
+/* ---- Expectations ---- */
 
 void pl_build_rest(pl_builder *builder, int body)
 {
@@ -77,10 +212,20 @@ void pl_build_rest(pl_builder *builder, int body)
     builder->status = pl_scene_add_rest(builder->scene, &rest, builder->error);
 }
 
-void pl_build_travel(pl_builder *builder, const pl_expect_travel *travel)
+void pl_build_start_off(pl_builder *builder, int body, int axis, double distance)
 {
     if (ready(builder)) {
-        builder->status = pl_scene_add_travel(builder->scene, travel, builder->error);
+        builder->scene->bodies[body].position[axis] += distance;
+    }
+}
+
+void pl_build_travel(pl_builder *builder, int body, const double direction[3], pl_answer distance)
+{
+    pl_expect_travel travel = {
+        .body = body, .distance = distance.continuous, .discrete = distance.discrete};
+    memcpy(travel.direction, direction, sizeof travel.direction);
+    if (ready(builder)) {
+        builder->status = pl_scene_add_travel(builder->scene, &travel, builder->error);
     }
 }
 
@@ -91,20 +236,15 @@ void pl_build_value(pl_builder *builder, const pl_expect_value *value)
     }
 }
 
-void pl_build_judge(pl_builder *builder, const char *primary_error, double collapse_distance)
+void pl_build_at_end(pl_builder *builder, int body, pl_quantity quantity, const double direction[3],
+                     pl_answer answer, double scale)
 {
-    pl_scene *scene = builder->scene;
-    snprintf(scene->primary_error, sizeof scene->primary_error, "%s", primary_error);
-    scene->collapse_distance = collapse_distance;
-}
-
-pl_status pl_build_end(pl_builder *builder)
-{
-    if (ready(builder)) {
-        builder->status = pl_scene_validate(builder->scene, builder->error);
-    }
-    if (!ready(builder)) {
-        pl_scene_free(builder->scene);
-    }
-    return builder->status;
+    pl_expect_value value = pl_expect_value_default(builder->scene);
+    value.body = body;
+    value.quantity = quantity;
+    memcpy(value.direction, direction, sizeof value.direction);
+    value.value = answer.continuous;
+    value.discrete = answer.discrete;
+    value.scale = scale;
+    pl_build_value(builder, &value);
 }

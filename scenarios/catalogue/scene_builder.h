@@ -1,28 +1,44 @@
-/* What all scenarios do to build a scene, without a check after every line: the first failure is
- * kept, the calls after it do nothing, and pl_build_end reports it. */
+/* What scenarios build their scenes with. No call needs a check: the first failure is kept, the
+ * calls after it do nothing, and pl_scenario_build reports it. */
 #ifndef PLUMB_SCENE_BUILDER_H
 #define PLUMB_SCENE_BUILDER_H
 
-#include "plumb/scene.h"
+#include "base/random.h"
+#include "plumb/scenario.h"
 
-typedef struct pl_builder {
+#define PL_RADIANS_PER_DEGREE 0.017453292519943295 /* pi / 180 */
+
+struct pl_builder {
     pl_scene *scene;
+    double gravity;   /* m/s^2, downwards, > 0: that of a new scene */
+    double steps;     /* number of steps of the run */
+    double end;       /* s: the time of its last frame */
+    pl_random random; /* of the scene's seed */
     pl_status status;
     pl_error *error; /* NULL allowed */
-} pl_builder;
+};
 
-/* Begins an empty scene with one material, number 0, of this friction and without restitution. */
-pl_builder pl_build_begin(pl_scene *scene, const char *name, double dt, double duration,
-                          double friction, pl_error *error);
+/* ---- Materials and bodies ---- */
 
 /* Adds a material without restitution and returns its index; 0 after a failure. */
 int pl_build_material(pl_builder *builder, const char *name, double friction);
 
-/* The friction between two materials, in place of the geometric mean of theirs. */
+/* Sets the friction between two materials, in place of the geometric mean of theirs. */
 void pl_build_pair(pl_builder *builder, int material_a, int material_b, double friction);
 
-/* A static plane "floor" of material 0. */
-void pl_build_floor(pl_builder *builder, double nx, double ny, double nz, double offset);
+/* Adds a static plane of this material, with the normal (nx, ny, nz). */
+void pl_build_plane(pl_builder *builder, const char *name, int material, double nx, double ny,
+                    double nz, double offset);
+
+/* Adds the static plane "floor" z = 0 of material 0. */
+void pl_build_floor(pl_builder *builder);
+
+/* Returns a dynamic body of 1 kg at rest, its shape's frame at (x, y, z) along the world's axes. */
+pl_body pl_body_at(pl_shape shape, double x, double y, double z);
+
+/* Turns an unturned body by `angle`, 0 to 1.6 rad, about y: its x axis dips, its z axis leans to
+ * x. */
+void pl_turn_about_y(pl_body *body, double angle);
 
 /* Adds `body`, named as printf does, and returns its index; -1 after a failure. */
 #if defined(__GNUC__)
@@ -30,20 +46,73 @@ __attribute__((format(printf, 3, 4)))
 #endif
 int pl_build_body(pl_builder *builder, const pl_body *body, const char *name, ...);
 
-/* Expects a body to end where it starts. */
+/* Makes a hull of `count` points the scene's and returns its shape; a shape without polyhedron
+ * after a failure. */
+pl_shape pl_build_hull(pl_builder *builder, const char *name, const double (*points)[3], int count);
+
+/* Adds a constant force. */
+void pl_build_force(pl_builder *builder, const pl_force *force);
+
+/* ---- Random numbers ---- */
+
+/* Returns a uniform number from `low` to `high`. */
+double pl_draw_uniform(pl_random *random, double low, double high);
+
+/* Fills a uniformly distributed unit quaternion, by rejection from the cube: the same bits on every
+ * machine. */
+void pl_draw_orientation(pl_random *random, double q[4]);
+
+/* ---- Answers ----
+ *
+ * Motion under a constant acceleration, with t = n h after n steps of h:
+ *   continuous:           x = v t + a t^2 / 2
+ *   semi-implicit Euler:  x_n = n h v + a h^2 n (n + 1) / 2, the sum of h v_k, v_k = v + k h a */
+
+/* A right answer. */
+typedef struct pl_answer {
+    double continuous;
+    double discrete; /* of semi-implicit Euler at the scene's dt; NAN where there is none */
+} pl_answer;
+
+/* The distance from speed v at acceleration a (both signed) over `steps` steps of h. */
+pl_answer pl_uniform_way(double v, double a, double h, double steps);
+
+/* The same where friction takes `braking` > 0 from the speed v >= 0 until nothing is left. A
+ * discrete answer of 0 is none. */
+pl_answer pl_braked_way(double v, double braking, double h, double steps);
+
+/* An answer that is one number. */
+pl_answer pl_exactly(double value);
+
+/* An answer of the continuous problem alone. */
+pl_answer pl_continuous(double value);
+
+/* ---- Expectations ---- */
+
+extern const double pl_axis_x[3], pl_axis_y[3], pl_axis_z[3];
+
+/* Expects a body to end where it starts. A body that ends farther than the scene's
+ * collapse_distance from there has collapsed; that is INFINITY unless the scenario sets it. */
 void pl_build_rest(pl_builder *builder, int body);
 
-/* Expects a body to travel; `travel` has its index. */
-void pl_build_travel(pl_builder *builder, const pl_expect_travel *travel);
+/* Starts a body, whose rest is already expected, `distance` farther along an axis of the world. */
+void pl_build_start_off(pl_builder *builder, int body, int axis, double distance);
+
+/* Expects a body to travel along the unit vector `direction`. */
+void pl_build_travel(pl_builder *builder, int body, const double direction[3], pl_answer distance);
 
 /* Expects a value; `value` has its body's index. */
 void pl_build_value(pl_builder *builder, const pl_expect_value *value);
 
-/* Sets the primary error and the distance beyond which a resting body has fallen (INFINITY: none).
- */
-void pl_build_judge(pl_builder *builder, const char *primary_error, double collapse_distance);
+/* Expects `quantity` of the body along `direction` at the end of the scene. The error is divided by
+ * `scale`. */
+void pl_build_at_end(pl_builder *builder, int body, pl_quantity quantity, const double direction[3],
+                     pl_answer answer, double scale);
 
-/* Validates. On failure the scene is left empty. */
-pl_status pl_build_end(pl_builder *builder);
+/* Keeps PL_BAD_INPUT with a message as printf makes it. */
+#if defined(__GNUC__)
+__attribute__((format(printf, 2, 3)))
+#endif
+void pl_build_refuse(pl_builder *builder, const char *format, ...);
 
 #endif

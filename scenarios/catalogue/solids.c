@@ -246,15 +246,13 @@ double pl_torus_hole(double ring_radius, double tube_radius, int around, int sid
     return (ring_radius - tube_radius * inner_radius(sides)) * inner_radius(around);
 }
 
-const pl_polyhedron *pl_build_solid(pl_builder *builder, pl_solid *solid, bool convex,
-                                    const char *name)
+pl_shape pl_build_solid(pl_builder *builder, pl_solid *solid, bool convex, const char *name)
 {
     const pl_polyhedron *made = NULL;
+    const double(*vertices)[3] = (const double(*)[3])solid->vertices;
     if (builder->status == PL_OK && solid->vertices == NULL) {
         builder->status = pl_fail(builder->error, PL_NO_MEMORY, "no memory for %s", name);
-    }
-    const double(*vertices)[3] = (const double(*)[3])solid->vertices;
-    if (builder->status == PL_OK && convex) {
+    } else if (builder->status == PL_OK && convex) {
         builder->status = pl_scene_add_hull(builder->scene, name, vertices, solid->vertex_count,
                                             &made, builder->error);
     } else if (builder->status == PL_OK) {
@@ -263,5 +261,5 @@ const pl_polyhedron *pl_build_solid(pl_builder *builder, pl_solid *solid, bool c
                                             solid->triangle_count, &made, builder->error);
     }
     pl_solid_free(solid);
-    return made;
+    return made != NULL ? pl_shape_of(made) : (pl_shape){.kind = PL_SHAPE_MESH};
 }

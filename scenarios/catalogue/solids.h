@@ -39,9 +39,8 @@ double pl_torus_half_height(double tube_radius, int sides);
 
 void pl_solid_free(pl_solid *solid);
 
-/* Makes the scene's polyhedron of the solid, as the hull of its vertices or as a mesh, and frees
- * the solid. NULL after a failure. */
-const pl_polyhedron *pl_build_solid(pl_builder *builder, pl_solid *solid, bool convex,
-                                    const char *name);
+/* Makes the scene's polyhedron of the solid, as the hull of its vertices or as a mesh, frees the
+ * solid and returns the shape; a shape without polyhedron after a failure. */
+pl_shape pl_build_solid(pl_builder *builder, pl_solid *solid, bool convex, const char *name);
 
 #endif

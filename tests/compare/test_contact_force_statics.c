@@ -40,7 +40,7 @@ static void stand_begin(stand *s, const char *scenario, const char *const *setti
     const pl_scenario *found = pl_scenario_find(scenario, NULL);
     assert_non_null(found);
     assert_int_equal(pl_scenario_values(found, settings, count, values, NULL), PL_OK);
-    assert_int_equal(found->build(values, 0, &s->scene, NULL), PL_OK);
+    assert_int_equal(pl_scenario_build(found, values, 0, &s->scene, NULL), PL_OK);
     assert_int_equal(pl_engine_choose(spec, &choice, NULL), PL_OK);
     s->engine = choice.engine;
     s->frame.body_count = s->scene.body_count;

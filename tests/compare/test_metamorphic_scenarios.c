@@ -19,7 +19,7 @@ static void for_every_scenario_and_check(scene_law *law)
         pl_scene scene;
         pl_error error = {.message = ""};
         assert_int_equal(pl_scenario_values(scenarios[i], NULL, 0, values, &error), PL_OK);
-        assert_int_equal(scenarios[i]->build(values, 0, &scene, &error), PL_OK);
+        assert_int_equal(pl_scenario_build(scenarios[i], values, 0, &scene, &error), PL_OK);
         for (int k = 0; k < check_count; ++k) {
             const pl_transform transform = transform_of(&checks[k], &scene);
             law(&checks[k], &transform, &scene);

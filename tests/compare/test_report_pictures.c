@@ -432,7 +432,7 @@ static void test_every_scenario_of_the_catalogue_gets_its_picture(void **state)
         double values[PL_MAX_PARAMS];
         assert_int_equal(pl_scenario_values(all[i], NULL, 0, values, NULL), PL_OK);
         pl_scene scene;
-        assert_int_equal(all[i]->build(values, 0, &scene, NULL), PL_OK);
+        assert_int_equal(pl_scenario_build(all[i], values, 0, &scene, NULL), PL_OK);
         json_t *params = json_object();
         for (int k = 0; k < all[i]->param_count; ++k) {
             json_object_set_new(params, all[i]->params[k].name, json_real(values[k]));

@@ -28,7 +28,7 @@ static int run(const char *name, int profile, const char *const *settings, int s
     const pl_scenario *scenario = pl_scenario_find(name, &error);
     if (scenario == NULL ||
         pl_scenario_values(scenario, settings, setting_count, values, &error) != PL_OK ||
-        scenario->build(values, 7, &scene, &error) != PL_OK) {
+        pl_scenario_build(scenario, values, 7, &scene, &error) != PL_OK) {
         fprintf(stderr, "%s: %s\n", name, error.message);
         return 1;
     }

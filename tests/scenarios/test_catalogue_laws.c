@@ -97,7 +97,7 @@ static bool rolls(const char *shape, double angle, double friction)
     double values[PL_MAX_PARAMS];
     pl_scene scene;
     assert_int_equal(pl_scenario_values(s, settings, 3, values, NULL), PL_OK);
-    const bool builds = s->build(values, 0, &scene, NULL) == PL_OK;
+    const bool builds = pl_scenario_build(s, values, 0, &scene, NULL) == PL_OK;
     pl_scene_free(&scene);
     return builds;
 }
@@ -206,7 +206,7 @@ static void test_carried_balls_are_refused_where_they_would_slip(void **state)
         double values[PL_MAX_PARAMS];
         pl_scene scene;
         assert_int_equal(pl_scenario_values(s, settings, 5, values, NULL), PL_OK);
-        if (s->build(values, 0, &scene, NULL) == PL_OK) {
+        if (pl_scenario_build(s, values, 0, &scene, NULL) == PL_OK) {
             const double t = (double)pl_scene_steps(&scene) * scene.dt;
             const pl_expect_value *way = expected_value(&scene, 2, PL_QUANTITY_POSITION, 0);
             force = scene.bodies[2].mass * way->value * 2 / (t * t);

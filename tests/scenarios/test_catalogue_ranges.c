@@ -52,7 +52,7 @@ static bool refuses(const pl_scenario *s, const double *values, const char *sett
 {
     pl_scene scene;
     pl_error error = {.message = ""};
-    const pl_status status = s->build(values, 1, &scene, &error);
+    const pl_status status = pl_scenario_build(s, values, 1, &scene, &error);
     if (status == PL_OK) {
         assert_int_equal(pl_scene_validate(&scene, NULL), PL_OK);
         check_reference(&scene, setting);

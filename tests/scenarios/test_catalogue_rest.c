@@ -252,7 +252,7 @@ static void test_tall_blocks_are_refused_where_they_would_tip_on_a_slope(void **
             snprintf(friction, sizeof friction, "friction=%.17g", middle);
             const char *const slides[] = {height, friction};
             assert_int_equal(pl_scenario_values(s, slides, 2, values, NULL), PL_OK);
-            const bool builds = s->build(values, 0, &scene, NULL) == PL_OK;
+            const bool builds = pl_scenario_build(s, values, 0, &scene, NULL) == PL_OK;
             pl_scene_free(&scene);
             *(builds ? &built : &refused) = middle;
         }

@@ -128,7 +128,7 @@ static void test_rolling_distance_follows_from_the_torque_about_the_contact(void
     const char *const slips[] = {"angle=1.2", "friction=0.5"};
     assert_int_equal(pl_scenario_values(scenario, slips, 2, values, NULL), PL_OK);
     pl_scene scene;
-    assert_int_equal(scenario->build(values, 0, &scene, &error), PL_BAD_INPUT);
+    assert_int_equal(pl_scenario_build(scenario, values, 0, &scene, &error), PL_BAD_INPUT);
     assert_contains(error.message, "where it does not slip");
 }
 

@@ -28,7 +28,7 @@ static int param_of(const pl_scenario *scenario, const char *name)
 static void build(const pl_scenario *scenario, const double *values, pl_scene *scene)
 {
     pl_error error = {.message = ""};
-    if (scenario->build(values, 0, scene, &error) != PL_OK) {
+    if (pl_scenario_build(scenario, values, 0, scene, &error) != PL_OK) {
         fail_msg("%s", error.message);
     }
 }

@@ -15,7 +15,7 @@ static pl_scene build(const char *name, const char *setting, uint64_t seed)
     pl_scene scene = pl_scene_default();
     assert_non_null(scenario);
     assert_int_equal(pl_scenario_values(scenario, &setting, 1, values, NULL), PL_OK);
-    assert_int_equal(scenario->build(values, seed, &scene, NULL), PL_OK);
+    assert_int_equal(pl_scenario_build(scenario, values, seed, &scene, NULL), PL_OK);
     return scene;
 }
 

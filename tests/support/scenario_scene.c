@@ -25,7 +25,7 @@ static pl_status build(const char *name, const char *const *settings, int count,
     const pl_scenario *scenario = pl_scenario_find(name, error);
     assert_non_null(scenario);
     pl_status status = pl_scenario_values(scenario, settings, count, values, error);
-    return status == PL_OK ? scenario->build(values, seed, scene, error) : status;
+    return status == PL_OK ? pl_scenario_build(scenario, values, seed, scene, error) : status;
 }
 
 void build_scenario(const char *name, const char *const *settings, int count, uint64_t seed,

@@ -69,7 +69,7 @@ static pl_status build_scene(const pl_benchmark_problem *row, pl_scene *scene, p
         ++count;
     }
     pl_status status = pl_scenario_values(scenario, row->settings, count, values, error);
-    return status == PL_OK ? scenario->build(values, row->seed, scene, error) : status;
+    return status == PL_OK ? pl_scenario_build(scenario, values, row->seed, scene, error) : status;
 }
 
 /* Makes the steps before, then captures. */

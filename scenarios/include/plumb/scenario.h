@@ -53,6 +53,9 @@ typedef struct pl_threshold {
     const char *formula; /* that, as plain text; NULL with it */
 } pl_threshold;
 
+/* Builds a scene step by step; of the catalogue alone. */
+typedef struct pl_builder pl_builder;
+
 typedef struct pl_scenario {
     const char *name;        /* as on the command line: "slope-slide" */
     const char *title;       /* a line for people */
@@ -70,9 +73,8 @@ typedef struct pl_scenario {
      * may depend on them, and the command's --dt and --duration set them. */
     const pl_param *params;
     int param_count;
-    /* `values` has param_count numbers, already checked against their ranges. The same seed and
-     * values give the same scene, bit for bit, everywhere. On failure *scene is left empty. */
-    pl_status (*build)(const double *values, uint64_t seed, pl_scene *scene, pl_error *);
+    /* Adds the bodies and expectations. Called by pl_scenario_build alone. */
+    void (*build)(pl_builder *builder, const double *values);
 } pl_scenario;
 
 /* The whole catalogue, in the order of reports. */
@@ -87,6 +89,14 @@ const pl_scenario *pl_scenario_find(const char *name, pl_error *);
  * fraction where an integer is due, or a value out of range. */
 pl_status pl_scenario_values(const pl_scenario *scenario, const char *const *settings, int count,
                              double *values, pl_error *);
+
+/* Builds a scene. `values` has param_count numbers, already checked against their ranges. The same
+ * seed and values give the same scene, bit for bit, on every machine. The parameters "dt" and
+ * "duration" are those of the scene, "friction" and "restitution", where the scenario has them, those
+ * of its first material. PL_BAD_INPUT: the values do not go together. On failure *scene is left
+ * empty. The caller frees it. */
+pl_status pl_scenario_build(const pl_scenario *scenario, const double *values, uint64_t seed,
+                            pl_scene *scene, pl_error *error);
 
 typedef struct pl_suite_entry {
     const char *scenario;

@@ -1,0 +1,180 @@
+#include "catalogue.h"
+
+#include <math.h>
+
+/* ---- collision-train ---- */
+
+/* Spheres in a row, apart; the first runs into the second, that into the third, and so on.
+ *
+ * Momentum and Newton's restitution give, for two that meet with v1 > v2,
+ *   v1' = ((m1 - e m2) v1 + (1 + e) m2 v2) / (m1 + m2),
+ *   v2' = ((m2 - e m1) v2 + (1 + e) m1 v1) / (m1 + m2).
+ * Which two meet next is found here from the motion between impacts, to the end of the run, so that
+ * the masses, and how often a sphere is caught up with, may be any. */
+
+enum {
+    COLLISION_TRAIN_COUNT,
+    COLLISION_TRAIN_RATIO,
+    COLLISION_TRAIN_RESTITUTION,
+    COLLISION_TRAIN_SPEED
+};
+enum { MOST = 10, MOST_IMPACTS = 10000 };
+
+static const double collision_train_radius = 0.1, collision_train_gap = 0.5; /* m */
+
+static const pl_param collision_train_params[] = {
+    {"n", 4, 2, MOST, true, "1", "spheres"},
+    {"ratio", 2, 1e-3, 1e3, false, "1",
+     "of each sphere's mass to the one before; the first has 1 kg"},
+    PL_PARAM_RESTITUTION(0.8),
+    {"speed", 3, 0.1, 100, false, "m/s",
+     "of the first sphere; the others are at rest, 0.5 m apart"},
+    PL_PARAM_TIME(2),
+};
+
+typedef struct train {
+    int count;
+    double mass[MOST], place[MOST], speed[MOST]; /* place: without the radii, m */
+} train;
+
+static train train_of(const double *values)
+{
+    train t = {.count = (int)values[COLLISION_TRAIN_COUNT]};
+    for (int i = 0; i < t.count; i++) {
+        t.mass[i] = i == 0 ? 1 : t.mass[i - 1] * values[COLLISION_TRAIN_RATIO];
+        t.place[i] = collision_train_gap * i;
+    }
+    t.speed[0] = values[COLLISION_TRAIN_SPEED];
+    return t;
+}
+
+/* The time until sphere i meets the next; INFINITY: never. */
+static double time_to_meet(const train *t, int i)
+{
+    const double approach = t->speed[i] - t->speed[i + 1];
+    return approach > 0 ? fmax(0, t->place[i + 1] - t->place[i]) / approach : (double)INFINITY;
+}
+
+static void collide(train *t, int i, double e)
+{
+    const double m1 = t->mass[i], m2 = t->mass[i + 1], v1 = t->speed[i], v2 = t->speed[i + 1];
+    t->speed[i] = ((m1 - e * m2) * v1 + (1 + e) * m2 * v2) / (m1 + m2);
+    t->speed[i + 1] = e == 0 ? t->speed[i] : ((m2 - e * m1) * v2 + (1 + e) * m1 * v1) / (m1 + m2);
+}
+
+/* False: the impacts crowd without end. */
+static bool run_until(train *t, double time, double e)
+{
+    for (int impacts = 0; impacts < MOST_IMPACTS; impacts++) {
+        int next = 0;
+        for (int i = 1; i < t->count - 1; i++) {
+            next = time_to_meet(t, i) < time_to_meet(t, next) ? i : next;
+        }
+        const double wait = fmin(time, time_to_meet(t, next));
+        for (int i = 0; i < t->count; i++) {
+            t->place[i] += wait * t->speed[i];
+        }
+        time -= wait;
+        if (time <= 0) {
+            return true;
+        }
+        collide(t, next, e);
+    }
+    return false;
+}
+
+static void collision_train_build(pl_builder *b, const double *values)
+{
+    b->scene->gravity[2] = 0;
+    train t = train_of(values);
+    for (int i = 0; i < t.count; i++) {
+        pl_body ball = pl_body_at(pl_shape_sphere(collision_train_radius),
+                                  t.place[i] + 2 * collision_train_radius * i, 0, 0);
+        ball.mass = t.mass[i];
+        ball.velocity[0] = t.speed[i];
+        pl_build_body(b, &ball, "ball %d", i + 1);
+    }
+    if (!run_until(&t, b->end, values[COLLISION_TRAIN_RESTITUTION])) {
+        pl_build_refuse(b,
+                        "expected fewer than %d impacts within the run, found more "
+                        "at restitution %g and ratio %g",
+                        MOST_IMPACTS, values[COLLISION_TRAIN_RESTITUTION],
+                        values[COLLISION_TRAIN_RATIO]);
+        return;
+    }
+    for (int i = 0; i < t.count; i++) {
+        pl_build_at_end(b, i, PL_QUANTITY_VELOCITY, pl_axis_x, pl_exactly(t.speed[i]),
+                        values[COLLISION_TRAIN_SPEED]);
+    }
+}
+
+const pl_scenario pl_scenario_collision_train = {
+    .name = "collision-train",
+    .title = "Row of collisions",
+    .description = "Spheres in a row, apart, of masses in any ratio, hand a push on from one to "
+                   "the next: whether every impact keeps momentum and gives the restitution.",
+    .reference = "at each impact v1' = ((m1 - e m2) v1 + (1 + e) m2 v2) / (m1 + m2), and the same "
+                 "with 1 and 2 changed",
+    .expected =
+        "ok: velocities at the end are those handed on from impact to impact; momentum stays",
+    .source = "Newton 1687, Principia, scholium to the laws; from impact to impact",
+    .primary_error = "value_error",
+    .validity = "no impact falls within a step of the end, and no two of one sphere in one step",
+    .needs = PL_NEEDS_RESTITUTION | PL_NEEDS_SPHERE,
+    PL_PARAMS(collision_train_params),
+    .build = collision_train_build};
+
+/* ---- cradle ---- */
+
+/* Newton's cradle without strings: spheres that touch, in a row, and others that run into them.
+ *
+ * Without gravity the row is at rest, all of one mass; `moving` spheres come from the left at the
+ * speed v. Momentum and, at restitution 1, energy must stay what they are; of the two laws in use
+ * both keep them. In sequence, from contact to contact as with gaps of nothing, as many fly off on
+ * the right as came. All contacts at once, each with Newton's restitution (Moreau's law), three
+ * spheres of which one comes leave with v (-1/3, 2/3, 2/3). The end velocities tell which; neither
+ * is an error. */
+
+enum { CRADLE_COUNT, CRADLE_MOVING, CRADLE_RESTITUTION, CRADLE_SPEED };
+
+static const double cradle_radius = 0.1, cradle_gap = 0.25; /* m */
+
+static const pl_param cradle_params[] = {
+    {"n", 2, 1, 50, true, "1", "spheres at rest"},
+    {"moving", 1, 1, 50, true, "1", "spheres that run into them"},
+    PL_PARAM_RESTITUTION(1),
+    {"speed", 1, 0.1, 100, false, "m/s", "of the moving spheres"},
+    PL_PARAM_TIME(1),
+};
+
+static void cradle_build(pl_builder *b, const double *values)
+{
+    b->scene->gravity[2] = 0;
+    const int moving = (int)values[CRADLE_MOVING], count = moving + (int)values[CRADLE_COUNT];
+    for (int i = 0; i < count; i++) {
+        pl_body ball =
+            pl_body_at(pl_shape_sphere(cradle_radius),
+                       2 * cradle_radius * (i - moving) - (i < moving ? cradle_gap : 0), 0, 0);
+        ball.velocity[0] = i < moving ? values[CRADLE_SPEED] : 0;
+        pl_build_body(b, &ball, "ball %d", i + 1);
+    }
+}
+
+const pl_scenario pl_scenario_cradle = {
+    .name = "cradle",
+    .title = "Newton's cradle by contacts alone",
+    .description = "Spheres run into a row of spheres that touch each other: which of the laws of "
+                   "simultaneous impact the engine has, and whether it keeps momentum and energy.",
+    .reference = "momentum kept (momentum_error 0), at restitution 1 also energy (energy_lost 0 "
+                 "J); 1 on 2 leave with v (0, 0, 1) in sequence, v (-1/3, 2/3, 2/3) all at once",
+    .expected = "ok: momentum stays, at restitution 1 energy too; either law of simultaneous "
+                "impact is right",
+    .source = "conservation laws; simultaneous Newton impacts: Moreau 1988, Unilateral contact and "
+              "dry friction in finite freedom dynamics",
+    .primary_error = "momentum_error",
+    .provokes = "an impact that passes through resting contacts: sequential solvers stop half way "
+                "and lose energy, or gain it; a right engine keeps momentum and energy, by "
+                "either law",
+    .needs = PL_NEEDS_RESTITUTION | PL_NEEDS_SPHERE,
+    PL_PARAMS(cradle_params),
+    .build = cradle_build};

@@ -1,0 +1,126 @@
+/* Rows of dominoes along x, the first of them tipped over. */
+#include "catalogue.h"
+
+#include <math.h>
+
+/* Half extents of a domino, over its height. */
+static const double domino_half[3] = {0.075, 0.25, 0.5};
+
+/* Adds `count` dominoes of 1 kg and `size` m of height, upright on the floor, the first at x = 0
+ * and `spacing` times the size from each to the next. The first turns about its leading lower edge
+ * with `push` times the spin that just tips it. */
+static void build_row(pl_builder *b, int count, double size, double spacing, double push)
+{
+    const double x = domino_half[0] * size, y = domino_half[1] * size;
+    const double z = domino_half[2] * size, reach = sqrt(x * x + z * z);
+    const double spin = push * sqrt(1.5 * b->gravity * (reach - z)) / reach;
+    for (int i = 0; i < count; i++) {
+        pl_body domino = pl_body_at(pl_shape_box(x, y, z), i * spacing * size, 0, z);
+        if (i == 0) {
+            domino.angular_velocity[1] = spin;
+            domino.velocity[0] = spin * z;
+            domino.velocity[2] = spin * x;
+        }
+        pl_build_body(b, &domino, "domino %d", i + 1);
+    }
+}
+
+/* ---- dominoes ---- */
+
+/* A row of dominoes of which the first is tipped over.
+ *
+ * It starts upright, turning about its leading lower edge with `push` times the spin that just
+ * carries it over: 1/2 I w^2 = m g (R - height / 2), I = 4/3 m R^2, R half the diagonal of its
+ * side. All lengths go with `size`, so that all times go with its square root: the wave runs
+ * sqrt(s) times as fast in a row s times as large. */
+
+enum { DOMINOES_COUNT, DOMINOES_SIZE, DOMINOES_SPACING, DOMINOES_PUSH, DOMINOES_FRICTION };
+
+static const pl_param dominoes_params[] = {
+    {"n", 20, 1, 2000, true, "1", "dominoes"},
+    {"size", 1, 0.01, 100, false, "m", "height of a domino; it is half as wide and 0.15 as thick"},
+    {"spacing", 0.5, 0.2, 0.9, false, "1", "from one to the next, over the height"},
+    {"push", 1.2, 0, 10, false, "1", "spin of the first, over that which just tips it"},
+    PL_PARAM_FRICTION,
+    PL_PARAM_TIME(5),
+};
+
+static void dominoes_build(pl_builder *b, const double *values)
+{
+    pl_build_floor(b);
+    build_row(b, (int)values[DOMINOES_COUNT], values[DOMINOES_SIZE], values[DOMINOES_SPACING],
+              values[DOMINOES_PUSH]);
+}
+
+const pl_scenario pl_scenario_dominoes = {
+    .name = "dominoes",
+    .title = "Row of dominoes",
+    .description = "A row of dominoes, the first of them tipped over: a wave of impacts that every "
+                   "engine must hand on without overlap.",
+    .reference = "no closed form for the motion; no overlap at any time: penetration 0; in a row s "
+                 "times as large all speeds are sqrt(s) times as high",
+    .expected = "ok: the wave runs to the last domino, with push above 1; no two bodies overlap at "
+                "any time",
+    .source = "impenetrability; dimensional analysis",
+    .primary_error = "penetration_max",
+    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
+    PL_PARAMS(dominoes_params),
+    .build = dominoes_build};
+
+/* ---- domino-into-pile ---- */
+
+/* A row of dominoes falls into a pile of cubes.
+ *
+ * The pile stands before the last domino, within its reach: 3 x 3 stacks of cubes, each cube set
+ * off at random by up to 0.05 of its side, which leaves every stack standing by itself. Chaotic:
+ * judged by overlap, and as an ensemble over seeds. */
+
+enum { DOMINO_INTO_PILE_COUNT, DOMINO_INTO_PILE_LAYERS, DOMINO_INTO_PILE_FRICTION };
+enum { ROWS = 3 };
+
+static const double size = 1, spacing = 0.5, push = 1.2; /* of the dominoes */
+static const double side = 0.3, apart = 0.02;            /* m, of the cubes */
+static const double density = 10;                        /* kg/m^3 */
+
+static const pl_param domino_into_pile_params[] = {
+    {"n", 10, 1, 1000, true, "1", "dominoes, of 1 kg and 1 m"},
+    {"layers", 3, 1, 5, true, "1", "of 3 x 3 cubes of 0.3 m"},
+    PL_PARAM_FRICTION,
+    PL_PARAM_TIME(5),
+};
+
+static void build_pile(pl_builder *b, pl_random *random, double near, int layers)
+{
+    const double offset = 0.05 * side, pitch = side + 2 * offset + apart;
+    for (int i = 0; i < ROWS * ROWS * layers; i++) {
+        const double dx = pl_draw_uniform(random, -offset, offset);
+        const double dy = pl_draw_uniform(random, -offset, offset);
+        pl_body cube = pl_body_at(
+            pl_shape_box(side / 2, side / 2, side / 2), near + (i % ROWS + 0.5) * pitch + dx,
+            (i / ROWS % ROWS - (ROWS - 1) / 2.0) * pitch + dy, (i / (ROWS * ROWS) + 0.5) * side);
+        cube.mass = density * side * side * side;
+        pl_build_body(b, &cube, "cube %d", i + 1);
+    }
+}
+
+static void domino_into_pile_build(pl_builder *b, const double *values)
+{
+    const int count = (int)values[DOMINO_INTO_PILE_COUNT];
+    pl_build_floor(b);
+    build_row(b, count, size, spacing, push);
+    const double last = (count - 1) * spacing * size;
+    build_pile(b, &b->random, last + spacing * size, (int)values[DOMINO_INTO_PILE_LAYERS]);
+}
+
+const pl_scenario pl_scenario_domino_into_pile = {
+    .name = "domino-into-pile",
+    .title = "Dominoes fall into a pile",
+    .description = "A row of dominoes, of which the last falls into stacks of cubes set off at "
+                   "random: an orderly wave that ends in a chaotic one.",
+    .reference = "no closed form for the motion; no overlap at any time: penetration 0",
+    .expected = "ok: the wave runs into the pile; no two bodies overlap at any time",
+    .source = "impenetrability",
+    .primary_error = "penetration_max",
+    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
+    PL_PARAMS(domino_into_pile_params),
+    .build = domino_into_pile_build};

@@ -1,0 +1,227 @@
+#include "catalogue.h"
+#include "solids.h"
+#include "trigonometry.h"
+
+#include <math.h>
+
+/* ---- spin-stop ---- */
+
+/* A box or a disc spins flat on a level floor until friction stops it.
+ *
+ * The box stands on its four corners, each at the distance d from the axis. However they share the
+ * weight, the friction of all has the moment mu m g d; with I = m d^2 / 3
+ *   w' = -3 mu g / d,
+ * and by symmetry (or by pairs of opposite corners) nothing pushes it sideways. A disc of radius R
+ * that presses evenly has the moment int mu p r dA = 2/3 mu m g R and I = m R^2 / 2:
+ *   w' = -4/3 mu g / R.
+ * An engine that holds the disc by a few points of its rim gives it 2 mu g / R. Either stops after
+ * w0 / |w'| and has then turned by w0^2 / (2 |w'|); in semi-implicit Euler it turns by the sum of
+ * h w_k. */
+
+enum { SPIN_STOP_SHAPE, SPIN_STOP_SPIN, SPIN_STOP_FRICTION };
+enum { BOX, DISC };
+
+static const double half[3] = {0.5, 0.3, 0.1}; /* m, of the box */
+static const double spin_stop_radius = 0.5, spin_stop_half_height = 0.1;
+
+static const pl_param spin_stop_params[] = {
+    {"shape", BOX, BOX, DISC, true, "1",
+     "0 box, 1 disc: a cylinder on its cap, by its continuum of contact"},
+    {"spin", 10, 0.1, 1000, false, "rad/s", "at the start, about the vertical"},
+    {"friction", 0.3, 1e-3, 10, false, "1", "Coulomb coefficient"},
+    PL_PARAM_TIME(1),
+};
+
+static void spin_stop_build(pl_builder *b, const double *values)
+{
+    const bool is_box = values[SPIN_STOP_SHAPE] == BOX;
+    const double reach = is_box ? sqrt(half[0] * half[0] + half[1] * half[1]) : spin_stop_radius;
+    const double braking = (is_box ? 3 : 4.0 / 3) * values[SPIN_STOP_FRICTION] * b->gravity / reach;
+    const double spin = values[SPIN_STOP_SPIN], steps = b->steps;
+    pl_build_floor(b);
+    pl_body body = pl_body_at(is_box ? pl_shape_box(half[0], half[1], half[2])
+                                     : pl_shape_cylinder(spin_stop_radius, spin_stop_half_height),
+                              0, 0, is_box ? half[2] : spin_stop_half_height);
+    body.angular_velocity[2] = spin;
+    const int index = pl_build_body(b, &body, "block");
+    const pl_answer turn = pl_braked_way(spin, braking, b->scene->dt, steps);
+    const double left = fmax(0, spin - braking * steps * b->scene->dt);
+    pl_build_at_end(b, index, PL_QUANTITY_TURN, pl_axis_z, turn, turn.continuous);
+    pl_build_at_end(b, index, PL_QUANTITY_SPIN, pl_axis_z, pl_exactly(left), spin);
+    pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_x, pl_exactly(0), reach);
+    pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_y, pl_exactly(0), reach);
+}
+
+const pl_scenario pl_scenario_spin_stop = {
+    .name = "spin-stop",
+    .title = "Spin that friction stops",
+    .description = "A box, or a disc, spins flat on the floor until it stops: whether friction at "
+                   "the corners brakes the spin as much as Coulomb's law lets it.",
+    .reference = "box on its corners, d from the axis: w' = -3 friction g / d; disc that presses "
+                 "evenly: w' = -4/3 friction g / R; it turns by w0^2 / (2 |w'|)",
+    .expected = "ok: the body turns by the angle of the reference and stays in its place",
+    .source = "Coulomb's law: the moment of friction over the contact points; for the disc over "
+              "its face, as in Farkas, Bartels, Unger and Wolf 2003, Frictional coupling between "
+              "sliding and spinning motion",
+    .primary_error = "value_error",
+    .validity = "the box on its four corners alone; the disc with a continuum of contact",
+    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
+    PL_PARAMS(spin_stop_params),
+    .build = spin_stop_build};
+
+/* ---- slide-and-spin ---- */
+
+/* A triangular plate slides and spins on its three corners until both end, at one instant.
+ *
+ * Three points, unlike four, share the weight in one way only. With r_i from the axis to corner i,
+ * d_i the unit slip velocity there (v + w z x r_i over its length), H half the thickness and N_i
+ * the reaction, friction -mu N_i d_i and a plate that stays flat ask for
+ *   sum N_i = m g,  sum N_i (r_i - mu H d_i) = 0,
+ *   m v' = -mu sum N_i d_i,  I w' = -mu sum N_i (r_i x d_i),
+ * solved here by the classical Runge-Kutta rule until 1e-8 of the energy is left, which is worth
+ * 1e-8 of the way. It brakes less in either motion than if the other were not there: on a disc
+ * that presses evenly v / (R w) tends to 0.653 as both end, from any start (Farkas and others
+ * 2003). */
+
+enum { SLIDE_AND_SPIN_SPEED, SLIDE_AND_SPIN_SPIN, SLIDE_AND_SPIN_FRICTION };
+
+static const double slide_and_spin_radius = 0.5, slide_and_spin_half_height = 0.05; /* m */
+
+static const pl_param slide_and_spin_params[] = {
+    {"speed", 2, 0.1, 100, false, "m/s", "at the start"},
+    {"spin", 6, 0.1, 200, false, "rad/s",
+     "at the start, about the vertical; the corners are 0.5 m from the axis"},
+    {"friction", 0.3, 0.01, 1, false, "1", "Coulomb coefficient"},
+    PL_PARAM_TIME(2),
+};
+
+/* Of a plate of 1 kg. `corner` is the unit vector from the axis to the first corner. */
+enum { X, Y, TURN, VX, VY, W, CORNER_X, CORNER_Y, UNKNOWNS };
+
+static const double inertia_over_square = 0.25; /* of 1 kg, over R^2: (2 + cos(2 pi / 3)) / 6 */
+
+/* Cross product's z. */
+static double cross(const double a[2], const double b[2])
+{
+    return a[0] * b[1] - a[1] * b[0];
+}
+
+static void rate_of(const double *y, double friction, double g, double *rate)
+{
+    const double half_root_3 = 0.8660254037844386;
+    static const double turn[3][2] = {{1, 0}, {-0.5, 1}, {-0.5, -1}};
+    double r[3][2], slip[3][2], p[3][2], force[2] = {0, 0}, torque = 0;
+    for (int i = 0; i < 3; i++) {
+        const double c = turn[i][0], s = turn[i][1] * half_root_3;
+        r[i][0] = slide_and_spin_radius * (c * y[CORNER_X] - s * y[CORNER_Y]);
+        r[i][1] = slide_and_spin_radius * (s * y[CORNER_X] + c * y[CORNER_Y]);
+        const double u[2] = {y[VX] - y[W] * r[i][1], y[VY] + y[W] * r[i][0]};
+        const double speed = sqrt(u[0] * u[0] + u[1] * u[1]);
+        for (int k = 0; k < 2; k++) {
+            slip[i][k] = speed > 0 ? u[k] / speed : 0;
+            p[i][k] = r[i][k] - friction * slide_and_spin_half_height * slip[i][k];
+        }
+    }
+    /* The weights of the origin in the triangle of the p. */
+    const double share[3] = {cross(p[1], p[2]), cross(p[2], p[0]), cross(p[0], p[1])};
+    const double whole = share[0] + share[1] + share[2];
+    for (int i = 0; i < 3; i++) {
+        const double most = friction * g * share[i] / whole;
+        force[0] -= most * slip[i][0];
+        force[1] -= most * slip[i][1];
+        torque -= most * cross(r[i], slip[i]);
+    }
+    rate[X] = y[VX];
+    rate[Y] = y[VY];
+    rate[TURN] = y[W];
+    rate[VX] = force[0];
+    rate[VY] = force[1];
+    rate[W] = torque / (inertia_over_square * slide_and_spin_radius * slide_and_spin_radius);
+    rate[CORNER_X] = -y[W] * y[CORNER_Y];
+    rate[CORNER_Y] = y[W] * y[CORNER_X];
+}
+
+static double energy_of(const double *y)
+{
+    const double rim = slide_and_spin_radius * y[W];
+    return y[VX] * y[VX] + y[VY] * y[VY] + inertia_over_square * rim * rim;
+}
+
+/* From y on, for so long or until it stops; then the velocities are 0. */
+static void solve(double *y, double time, double friction, double g)
+{
+    enum { STEPS = 100000 };
+    static const double node[4] = {0, 0.5, 0.5, 1}, weight[4] = {1, 2, 2, 1};
+    const double least = 1e-8 * energy_of(y);
+    const double h = fmin(time, (sqrt(energy_of(y)) * 2) / (friction * g)) / STEPS;
+    double left = time;
+    for (int n = 0; n < 4 * STEPS && left > 0 && energy_of(y) > least; n++) {
+        const double step = fmin(h, left);
+        double rate[UNKNOWNS] = {0}, sum[UNKNOWNS] = {0};
+        for (int stage = 0; stage < 4; stage++) {
+            double at[UNKNOWNS];
+            for (int i = 0; i < UNKNOWNS; i++) {
+                at[i] = y[i] + node[stage] * step * rate[i];
+            }
+            rate_of(at, friction, g, rate);
+            for (int i = 0; i < UNKNOWNS; i++) {
+                sum[i] += weight[stage] * rate[i];
+            }
+        }
+        for (int i = 0; i < UNKNOWNS; i++) {
+            y[i] += step / 6 * sum[i];
+        }
+        left -= step;
+    }
+    if (left > 0) {
+        y[VX] = y[VY] = y[W] = 0;
+    }
+}
+
+static void expect(pl_builder *b, int plate, const double *y, const double *values)
+{
+    const double way = sqrt(y[X] * y[X] + y[Y] * y[Y]);
+    pl_build_at_end(b, plate, PL_QUANTITY_POSITION, pl_axis_x, pl_continuous(y[X]), way);
+    pl_build_at_end(b, plate, PL_QUANTITY_POSITION, pl_axis_y, pl_continuous(y[Y]), way);
+    pl_build_at_end(b, plate, PL_QUANTITY_TURN, pl_axis_z, pl_continuous(y[TURN]), fabs(y[TURN]));
+    pl_build_at_end(b, plate, PL_QUANTITY_VELOCITY, pl_axis_x, pl_continuous(y[VX]),
+                    values[SLIDE_AND_SPIN_SPEED]);
+    pl_build_at_end(b, plate, PL_QUANTITY_SPIN, pl_axis_z, pl_continuous(y[W]),
+                    values[SLIDE_AND_SPIN_SPIN]);
+}
+
+static void slide_and_spin_build(pl_builder *b, const double *values)
+{
+    pl_build_floor(b);
+    pl_solid solid = pl_solid_prism(3, slide_and_spin_radius, slide_and_spin_half_height);
+    const pl_shape triangle = pl_build_solid(b, &solid, true, "triangle");
+    if (b->status == PL_OK) {
+        double y[UNKNOWNS] = {
+            [VX] = values[SLIDE_AND_SPIN_SPEED], [W] = values[SLIDE_AND_SPIN_SPIN]};
+        pl_circle_point(1, 6, &y[CORNER_X], &y[CORNER_Y]);
+        solve(y, b->end, values[SLIDE_AND_SPIN_FRICTION], b->gravity);
+        pl_body plate = pl_body_at(triangle, 0, 0, slide_and_spin_half_height);
+        plate.velocity[0] = values[SLIDE_AND_SPIN_SPEED];
+        plate.angular_velocity[2] = values[SLIDE_AND_SPIN_SPIN];
+        expect(b, pl_build_body(b, &plate, "plate"), y, values);
+    }
+}
+
+const pl_scenario pl_scenario_slide_and_spin = {
+    .name = "slide-and-spin",
+    .title = "Plate that slides and spins",
+    .description = "A triangular plate slides and spins on its corners: friction at each against "
+                   "its own slip, so that the spin carries the plate farther, and both end at one "
+                   "instant.",
+    .reference = "the equations of motion with Coulomb's friction at the three corners, solved to "
+                 "1e-8 of the way; no closed form",
+    .expected =
+        "ok: way and turn are those of the reference; sliding and spinning end at one instant",
+    .source = "Coulomb's law and statics of three points; the coupling: Farkas, Bartels, Unger and "
+              "Wolf 2003, Frictional coupling between sliding and spinning motion",
+    .primary_error = "value_error",
+    .validity = "the plate stays flat, which it does while friction * 0.05 m is far below the "
+                "0.25 m from its axis to its sides",
+    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_HULL,
+    PL_PARAMS(slide_and_spin_params),
+    .build = slide_and_spin_build};

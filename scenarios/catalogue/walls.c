@@ -1,0 +1,139 @@
+/* A brick wall in running bond along x, at rest and hit by a ball.
+ *
+ * Bricks of 1 x 0.5 x 0.5 m and 1 kg touch exactly. Brick c of an even row has its centre at x = c;
+ * odd rows are moved by half a brick, with a half brick of 0.5 kg at either end. So the wall goes
+ * from x = -0.5 to columns - 0.5, y = -0.25 to 0.25, z = 0 to rows / 2, and every row weighs
+ * `columns` kg. */
+#include "catalogue.h"
+
+#include <math.h>
+
+static const double brick_length = 1, brick_height = 0.5; /* m */
+
+#define PL_PARAM_ROWS(rows)                                                                        \
+    {                                                                                              \
+        "rows", rows, 1, 100, true, "1", "rows of bricks"                                          \
+    }
+#define PL_PARAM_COLUMNS(columns)                                                                  \
+    {                                                                                              \
+        "columns", columns, 1, 200, true, "1", "bricks in a row"                                   \
+    }
+
+/* `length` is that along x; density is the same for half bricks. */
+static void build_brick(pl_builder *b, int row, int place, double x, double length,
+                        bool expect_rest)
+{
+    pl_body brick = pl_body_at(pl_shape_box(length / 2, brick_height / 2, brick_height / 2), x, 0,
+                               (row + 0.5) * brick_height);
+    brick.mass = length / brick_length;
+    int index = pl_build_body(b, &brick, "brick %d.%d", row + 1, place + 1);
+    if (expect_rest) {
+        pl_build_rest(b, index);
+    }
+}
+
+/* Adds the floor z = 0 and the wall. With `expect_rest`, every brick is expected to stay. */
+static void build_wall(pl_builder *b, int rows, int columns, bool expect_rest)
+{
+    const double half = brick_length / 2;
+    pl_build_floor(b);
+    for (int row = 0; row < rows; row++) {
+        if (row % 2 == 0) {
+            for (int c = 0; c < columns; c++) {
+                build_brick(b, row, c, c, brick_length, expect_rest);
+            }
+            continue;
+        }
+        build_brick(b, row, 0, -half / 2, half, expect_rest);
+        for (int c = 1; c < columns; c++) {
+            build_brick(b, row, c, c - half, brick_length, expect_rest);
+        }
+        build_brick(b, row, columns, columns - half - half / 2, half, expect_rest);
+    }
+}
+
+/* ---- wall ---- */
+
+/* A brick wall at rest. It stands by statics: every brick lies on its row below over its whole
+ * length. */
+
+enum { WALL_ROWS, WALL_COLUMNS, WALL_FRICTION };
+
+static const pl_param wall_params[] = {
+    PL_PARAM_ROWS(10),
+    PL_PARAM_COLUMNS(10),
+    PL_PARAM_FRICTION,
+    PL_PARAM_TIME(10),
+};
+
+static void wall_build(pl_builder *b, const double *values)
+{
+    build_wall(b, (int)values[WALL_ROWS], (int)values[WALL_COLUMNS], true);
+    b->scene->collapse_distance = brick_height / 2;
+}
+
+const pl_scenario pl_scenario_wall = {
+    .name = "wall",
+    .title = "Brick wall at rest",
+    .description =
+        "A wall of bricks in running bond that touch exactly: many bodies and closed loops of "
+        "contacts, where a stack has a chain.",
+    .reference = "every brick stays where it is",
+    .expected = "ok: every brick at rest where it began",
+    .source = "statics",
+    .primary_error = "rest_position_error",
+    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
+    PL_PARAMS(wall_params),
+    .build = wall_build};
+
+/* ---- wall-collapse ---- */
+
+/* A brick wall hit by a heavy ball.
+ *
+ * The ball, of radius 1 m, starts 3 m before the wall at the middle of its length, 0.3 m above half
+ * its height but never below the floor, and flies at it along +y. The motion is chaotic and has no
+ * closed form; what every right answer shares is that no two bodies ever overlap. */
+
+enum {
+    WALL_COLLAPSE_ROWS,
+    WALL_COLLAPSE_COLUMNS,
+    WALL_COLLAPSE_MASS,
+    WALL_COLLAPSE_SPEED,
+    WALL_COLLAPSE_FRICTION
+};
+
+static const pl_param wall_collapse_params[] = {
+    PL_PARAM_ROWS(25),
+    PL_PARAM_COLUMNS(40),
+    {"mass", 100, 1e-3, 1e6, false, "kg", "of the ball"},
+    {"speed", 20, 0, 1000, false, "m/s", "of the ball towards the wall"},
+    PL_PARAM_FRICTION,
+    PL_PARAM_TIME(5),
+};
+
+static void wall_collapse_build(pl_builder *b, const double *values)
+{
+    const double radius = 1;
+    build_wall(b, (int)values[WALL_COLLAPSE_ROWS], (int)values[WALL_COLLAPSE_COLUMNS], false);
+    pl_body ball =
+        pl_body_at(pl_shape_sphere(radius), values[WALL_COLLAPSE_COLUMNS] * brick_length / 2, -3,
+                   fmax(values[WALL_COLLAPSE_ROWS] * brick_height / 2 + 0.3, radius));
+    ball.mass = values[WALL_COLLAPSE_MASS];
+    ball.velocity[1] = values[WALL_COLLAPSE_SPEED];
+    pl_build_body(b, &ball, "ball");
+}
+
+const pl_scenario pl_scenario_wall_collapse = {
+    .name = "wall-collapse",
+    .title = "Brick wall hit by a ball",
+    .description =
+        "A thousand bricks and a ball of 100 kg at 20 m/s: impact, collapse and a pile, with "
+        "contacts that come and go at every step.",
+    .reference = "no closed form for the motion; no overlap at any time: penetration 0",
+    .expected = "ok: the ball breaks the wall; no two bodies overlap at any time",
+    .source = "impenetrability",
+    .primary_error = "penetration_max",
+    .needs =
+        PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX,
+    PL_PARAMS(wall_collapse_params),
+    .build = wall_collapse_build};
