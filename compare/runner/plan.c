@@ -83,7 +83,8 @@ pl_status pl_plan_build_scene(const pl_plan *plan, const pl_case *test_case, pl_
                               pl_error *error)
 {
     *scene = pl_scene_default();
-    pl_status status = pl_scenario_build(test_case->descriptor, test_case->params, plan->seed, scene, error);
+    pl_status status =
+        pl_scenario_build(test_case->descriptor, test_case->params, plan->seed, scene, error);
     if (status == PL_OK) {
         vary_scene(plan, test_case, scene);
     }

@@ -10,9 +10,10 @@
     DO(tower)                                                                                      \
     DO(mass_ratio)                                                                                 \
     DO(slope_stick)                                                                                \
-    DO(slope_slide) DO(slide_to_stop) DO(wall) DO(wall_collapse) DO(pile) DO(rest_shape)           \
-        DO(linked_rings) DO(roll_slope) DO(blocks) DO(thin_wall) DO(rocket) DO(slope_threshold)    \
-            DO(slope_tip) DO(ladder) DO(multi_tower) DO(pyramid) DO(overhang) DO(cylinder_pyramid) \
+    DO(slope_slide)                                                                                \
+    DO(slide_to_stop) DO(wall) DO(wall_collapse) DO(pile) DO(rest_shape) DO(linked_rings)          \
+        DO(roll_slope) DO(blocks) DO(thin_wall) DO(rocket) DO(slope_threshold) DO(slope_tip)       \
+            DO(ladder) DO(multi_tower) DO(pyramid) DO(overhang) DO(cylinder_pyramid)               \
                 DO(sphere_pyramid) DO(large_step) DO(far_from_origin) DO(initial_overlap)          \
                     DO(thin_rod) DO(arch) DO(card_house) DO(painleve) DO(needle_in_gap)            \
                         DO(free_fall) DO(projectile) DO(bowling) DO(torque_free) DO(bounce)        \

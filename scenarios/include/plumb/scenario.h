@@ -92,9 +92,9 @@ pl_status pl_scenario_values(const pl_scenario *scenario, const char *const *set
 
 /* Builds a scene. `values` has param_count numbers, already checked against their ranges. The same
  * seed and values give the same scene, bit for bit, on every machine. The parameters "dt" and
- * "duration" are those of the scene, "friction" and "restitution", where the scenario has them, those
- * of its first material. PL_BAD_INPUT: the values do not go together. On failure *scene is left
- * empty. The caller frees it. */
+ * "duration" are those of the scene, "friction" and "restitution", where the scenario has them,
+ * those of its first material. PL_BAD_INPUT: the values do not go together. On failure *scene is
+ * left empty. The caller frees it. */
 pl_status pl_scenario_build(const pl_scenario *scenario, const double *values, uint64_t seed,
                             pl_scene *scene, pl_error *error);
 
