@@ -201,41 +201,58 @@ static void print_schema(void)
 
 /* ---- Markdown ---- */
 
-static void print_tables(void)
+/* The form of a field's value, such as "number, m". */
+static void print_form(const pl_field *field)
 {
-    static const char *const types[] = {[PL_FIELD_VERSION] = "1",
+    static const char *const forms[] = {[PL_FIELD_VERSION] = "1",
                                         [PL_FIELD_NUMBER] = "number",
                                         [PL_FIELD_VECTOR] = "[x, y, z]",
                                         [PL_FIELD_UNIT] = "unit [x, y, z]",
-                                        [PL_FIELD_INERTIA] = "[x, y, z]",
                                         [PL_FIELD_QUATERNION] = "unit [w, x, y, z]",
+                                        [PL_FIELD_INERTIA] = "[x, y, z]",
                                         [PL_FIELD_BOOL] = "true or false",
                                         [PL_FIELD_NAME] = "name",
-                                        [PL_FIELD_WORD] = "word",
                                         [PL_FIELD_METRIC] = "metric",
-                                        [PL_FIELD_MATERIAL] = "a material's name",
-                                        [PL_FIELD_BODY] = "a body's name",
+                                        [PL_FIELD_MATERIAL] = "name of a material",
+                                        [PL_FIELD_BODY] = "name of a body",
                                         [PL_FIELD_OBJECT] = "object",
                                         [PL_FIELD_ITEMS] = "array",
                                         [PL_FIELD_NAMED_ITEMS] = "object",
-                                        [PL_FIELD_FORCES] = "array",
-                                        [PL_FIELD_SHAPES] = "object",
-                                        [PL_FIELD_SHAPE] = "shape",
-                                        [PL_FIELD_TYPE] = "word",
+                                        [PL_FIELD_FORCES] = "array of force",
+                                        [PL_FIELD_SHAPES] = "object of shapes",
+                                        [PL_FIELD_SHAPE] = "shape or its name",
                                         [PL_FIELD_POINTS] = "array of [x, y, z]",
                                         [PL_FIELD_TRIANGLES] = "array of [i, j, k]",
                                         [PL_FIELD_DENSITY] = "number",
                                         [PL_FIELD_FILE] = "file name"};
-    printf("| object | key | type | default | meaning |\n|---|---|---|---|---|\n");
+    if (field->type == PL_FIELD_WORD) {
+        for (int i = 0; i < field->word_count; ++i) {
+            printf("%s\"%s\"", i == 0 ? "" : ", ", field->words[i]);
+        }
+        return;
+    }
+    const bool has_items = field->type == PL_FIELD_ITEMS || field->type == PL_FIELD_NAMED_ITEMS;
+    printf("%s%s%s%s%s", forms[field->type], has_items ? " of " : "",
+           has_items ? pl_objects[field->items].name : "", field->unit != NULL ? ", " : "",
+           field->unit != NULL ? field->unit : "");
+}
+
+static void print_tables(void)
+{
+    printf("| object | key | value | default | meaning |\n|---|---|---|---|---|\n");
     for (int kind = 0; kind < PL_OBJECT_COUNT; ++kind) {
         const pl_object *object = &pl_objects[kind];
-        for (int i = 0; i < object->field_count; ++i) {
+        const bool shared = kind + 1 < PL_OBJECT_COUNT && object[1].fields == object->fields;
+        for (int i = 0; i < object->field_count && !shared; ++i) {
             const pl_field *field = &object->fields[i];
             if (field->type == PL_FIELD_TYPE) {
                 continue; /* the object's name */
             }
-            printf("| %s | `%s` | %s%s%s | ", object->name, field->key, types[field->type],
-                   field->unit != NULL ? ", " : "", field->unit != NULL ? field->unit : "");
+            const bool two = kind > 0 && object[-1].fields == object->fields;
+            printf("| %s%s%s | `%s` | ", two ? object[-1].name : "", two ? ", " : "", object->name,
+                   field->key);
+            print_form(field);
+            printf(" | ");
             if (field->need == PL_NEED_DEFAULT) {
                 print_default(object, field);
             } else if (field->need == PL_NEED_ALWAYS) {

@@ -6,21 +6,18 @@
 #include <string.h>
 
 /* The one place where a scenario is registered: pl_scenario_NAME, in the order of reports. */
-#define EACH_SCENARIO(DO)                                                                          \
-    DO(tower)                                                                                      \
-    DO(mass_ratio)                                                                                 \
-    DO(slope_stick)                                                                                \
-    DO(slope_slide)                                                                                \
-    DO(slide_to_stop) DO(wall) DO(wall_collapse) DO(pile) DO(rest_shape) DO(linked_rings)          \
-        DO(roll_slope) DO(blocks) DO(thin_wall) DO(rocket) DO(slope_threshold) DO(slope_tip)       \
-            DO(ladder) DO(multi_tower) DO(pyramid) DO(overhang) DO(cylinder_pyramid)               \
-                DO(sphere_pyramid) DO(large_step) DO(far_from_origin) DO(initial_overlap)          \
-                    DO(thin_rod) DO(arch) DO(card_house) DO(painleve) DO(needle_in_gap)            \
-                        DO(free_fall) DO(projectile) DO(bowling) DO(torque_free) DO(bounce)        \
-                            DO(oblique_impact) DO(collision_train) DO(rocking_block) DO(isotropy)  \
-                                DO(carried_balls) DO(reaction_split) DO(spin_stop) DO(cradle)      \
-                                    DO(dominoes) DO(falling_cubes) DO(domino_into_pile) DO(top)    \
-                                        DO(slide_and_spin)
+/* clang-format off */
+#define EACH_SCENARIO(DO) \
+    DO(tower) DO(mass_ratio) DO(slope_stick) DO(slope_slide) DO(slide_to_stop) DO(wall) \
+    DO(wall_collapse) DO(pile) DO(rest_shape) DO(linked_rings) DO(roll_slope) DO(blocks) \
+    DO(thin_wall) DO(rocket) DO(slope_threshold) DO(slope_tip) DO(ladder) DO(multi_tower) \
+    DO(pyramid) DO(overhang) DO(cylinder_pyramid) DO(sphere_pyramid) DO(large_step) \
+    DO(far_from_origin) DO(initial_overlap) DO(thin_rod) DO(arch) DO(card_house) DO(painleve) \
+    DO(needle_in_gap) DO(free_fall) DO(projectile) DO(bowling) DO(torque_free) DO(bounce) \
+    DO(oblique_impact) DO(collision_train) DO(rocking_block) DO(isotropy) DO(carried_balls) \
+    DO(reaction_split) DO(spin_stop) DO(cradle) DO(dominoes) DO(falling_cubes) \
+    DO(domino_into_pile) DO(top) DO(slide_and_spin)
+/* clang-format on */
 
 #define DECLARE(name) extern const pl_scenario pl_scenario_##name;
 EACH_SCENARIO(DECLARE)

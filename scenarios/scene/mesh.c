@@ -9,9 +9,7 @@
  * faces one way. Which way does not come from how they were wound, but from where they lie: an
  * outermost surface encloses the solid, one within it is a cavity and faces inward, one within that
  * encloses solid again. So a mesh that is inside out is turned round as a whole. */
-#include "mesh_crossing.h"
-#include "mesh_edges.h"
-#include "mesh_nesting.h"
+#include "mesh.h"
 #include "plumb/vec.h"
 #include "polyhedron.h"
 

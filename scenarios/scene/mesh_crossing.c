@@ -3,7 +3,7 @@
  * they cut from the common line of the planes overlap. All three by more than a tolerance: what
  * touches does not cross. Triangles in one plane that face the same way overlap only where two
  * solids do; those that face each other are solids that touch. */
-#include "mesh_crossing.h"
+#include "mesh.h"
 
 #include "plumb/vec.h"
 

@@ -1,4 +1,4 @@
-#include "mesh_edges.h"
+#include "mesh.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* A point is inside a closed surface when the solid angles of its triangles add up to 4 pi, outside
  * when to 0: van Oosterom and Strackee, The solid angle of a plane triangle, 1983. Where surfaces
  * touch, a point of one may lie on the other: then another point of it decides. */
-#include "mesh_nesting.h"
+#include "mesh.h"
 
 #include "base/number.h"
 #include "plumb/vec.h"

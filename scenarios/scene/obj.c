@@ -1,11 +1,10 @@
 #include "obj.h"
 
+#include "base/array.h"
+#include "base/diagnostic.h"
 #include "base/file_text.h"
 #include "base/number.h"
 #include "obj_faces.h"
-#include "obj_scan.h"
-#include "plumb/scene.h"
-#include "polygon.h"
 #include "polyhedron.h"
 
 #include <limits.h>
@@ -14,11 +13,106 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* ---- Lines and words ---- */
+
+typedef struct scanner {
+    const char *at, *end;
+    int line; /* from 1 */
+    const char *label;
+    pl_error *error;
+} scanner;
+
+typedef struct obj_word {
+    const char *text; /* borrowed */
+    size_t length;    /* 0: the line has ended */
+} obj_word;
+
+static char peek(const scanner *s, size_t ahead)
+{
+    return (size_t)(s->end - s->at) > ahead ? s->at[ahead] : '\n';
+}
+
+/* Bytes of a line break here: LF, CR LF or CR; 0 where none is. */
+static size_t break_size(const scanner *s, size_t ahead)
+{
+    if (peek(s, ahead) == '\r') {
+        return (size_t)(s->end - s->at) > ahead + 1 && s->at[ahead + 1] == '\n' ? 2 : 1;
+    }
+    return peek(s, ahead) == '\n' ? 1 : 0;
+}
+
+static bool is_joined(const scanner *s)
+{
+    return s->at < s->end && *s->at == '\\' && break_size(s, 1) > 0;
+}
+
+static void skip(scanner *s, size_t count)
+{
+    const size_t left = (size_t)(s->end - s->at);
+    s->at += count < left ? count : left;
+}
+
+/* The next word of the line, after comments and joined lines. */
+static obj_word next_word(scanner *s)
+{
+    while (peek(s, 0) == ' ' || peek(s, 0) == '\t' || is_joined(s)) {
+        if (is_joined(s)) {
+            skip(s, 1 + break_size(s, 1));
+            ++s->line;
+        } else {
+            s->at++;
+        }
+    }
+    if (peek(s, 0) == '#') {
+        while (break_size(s, 0) == 0) {
+            s->at++;
+        }
+    }
+    const char *begin = s->at;
+    while (peek(s, 0) != ' ' && peek(s, 0) != '\t' && break_size(s, 0) == 0 && !is_joined(s)) {
+        s->at++;
+    }
+    return (obj_word){begin, (size_t)(s->at - begin)};
+}
+
+/* Goes to the line after the words. False at the end of the text. */
+static bool next_line(scanner *s)
+{
+    while (next_word(s).length > 0) {}
+    if (s->at == s->end) {
+        return false;
+    }
+    skip(s, break_size(s, 0));
+    ++s->line;
+    return true;
+}
+
+static bool word_is(obj_word word, const char *text)
+{
+    return word.length == strlen(text) && memcmp(word.text, text, word.length) == 0;
+}
+
+/* PL_BAD_INPUT: LABEL:LINE: expected ..., found the word. */
+static pl_status fail_by_word(const scanner *s, int line, const char *expected, obj_word found)
+{
+    char copy[PL_QUOTED_SIZE], quoted[PL_QUOTED_SIZE];
+    const size_t kept = found.length < sizeof copy - 1 ? found.length : sizeof copy - 1;
+    memcpy(copy, found.text, kept);
+    copy[kept] = '\0';
+    for (size_t i = 0; i < kept; i++) {
+        copy[i] = (char)((unsigned char)copy[i] < 0x80 && copy[i] != '\0' ? copy[i] : '?');
+    }
+    return pl_fail(s->error, PL_BAD_INPUT, "%s:%d: expected %s, found %s", s->label, line, expected,
+                   found.length == 0 ? "the end of the line" : pl_quoted(copy, quoted));
+}
+
+/* ---- Vertices and faces ---- */
+
 typedef struct reader {
-    pl_obj_scan scan;
+    scanner scan;
     pl_obj *obj;
     pl_obj_faces faces;
-    int vertex_room, corner_room, face_room;
+    int vertex_room, corner_room, first_room, line_room;
 } reader;
 
 static pl_status fail_by_memory(const reader *r)
@@ -26,28 +120,16 @@ static pl_status fail_by_memory(const reader *r)
     return pl_fail(r->scan.error, PL_NO_MEMORY, "%s: out of memory", r->scan.label);
 }
 
-/* Makes room for one more item and returns the array as it then is; NULL when out of memory. */
-static void *with_room(void *items, int count, int *room, size_t size)
-{
-    if (count < *room) {
-        return items;
-    }
-    const int wanted = *room == 0 ? 256 : 2 * *room;
-    void *grown = realloc(items, (size_t)wanted * size);
-    *room = grown == NULL ? *room : wanted;
-    return grown;
-}
-
 static pl_status read_vertex(reader *r)
 {
     pl_obj *obj = r->obj;
     double numbers[7] = {0};
     int count = 0;
-    pl_obj_word word = pl_obj_next_word(&r->scan);
-    for (; word.length > 0 && count < 7; word = pl_obj_next_word(&r->scan)) {
+    obj_word word = next_word(&r->scan);
+    for (; word.length > 0 && count < 7; word = next_word(&r->scan)) {
         if (!pl_decimal(word.text, word.length, &numbers[count]) ||
             fabs(numbers[count]) > PL_MAX_COORDINATE) {
-            return pl_obj_fail(&r->scan, r->scan.line, "a number of a vertex, at most 1e50", word);
+            return fail_by_word(&r->scan, r->scan.line, "a number of a vertex, at most 1e50", word);
         }
         count++;
     }
@@ -62,12 +144,10 @@ static pl_status read_vertex(reader *r)
                        "%s:%d: expected at most %d vertices, found more", r->scan.label,
                        r->scan.line, PL_MAX_VERTICES);
     }
-    void *grown =
-        with_room(obj->vertices, obj->vertex_count, &r->vertex_room, sizeof *obj->vertices);
-    if (grown == NULL) {
+    if (pl_array_reserve(&obj->vertices, &r->vertex_room, obj->vertex_count + 1,
+                         sizeof *obj->vertices, NULL) != PL_OK) {
         return fail_by_memory(r);
     }
-    obj->vertices = grown;
     for (int k = 0; k < 3; k++) {
         obj->vertices[obj->vertex_count][k] = numbers[k] + 0.0; /* no -0: it is the same place */
     }
@@ -89,7 +169,7 @@ static bool to_number(const char *text, size_t length, int *number)
 }
 
 /* v, v/vt, v//vn or v/vt/vn; *number is v. */
-static bool to_corner(pl_obj_word word, int *number)
+static bool to_corner(obj_word word, int *number)
 {
     const char *end = word.text + word.length;
     const char *slash = memchr(word.text, '/', word.length);
@@ -109,31 +189,29 @@ static bool to_corner(pl_obj_word word, int *number)
            to_number(second + 1, (size_t)(end - second - 1), &ignored);
 }
 
-static pl_status read_corner(reader *r, pl_obj_word word)
+static pl_status read_corner(reader *r, obj_word word)
 {
     int number;
     if (!to_corner(word, &number)) {
-        return pl_obj_fail(&r->scan, r->scan.line,
-                           "a corner v, v/vt, v//vn or v/vt/vn of whole numbers other than 0",
-                           word);
+        return fail_by_word(&r->scan, r->scan.line,
+                            "a corner v, v/vt, v//vn or v/vt/vn of whole numbers other than 0",
+                            word);
     }
     if (number < -r->obj->vertex_count) {
         char expected[96];
         snprintf(expected, sizeof expected, "a vertex before the face, of which there are %d",
                  r->obj->vertex_count);
-        return pl_obj_fail(&r->scan, r->scan.line, expected, word);
+        return fail_by_word(&r->scan, r->scan.line, expected, word);
     }
     if (r->faces.corner_count - r->faces.first[r->faces.face_count] == PL_MAX_POLYGON_CORNERS) {
         return pl_fail(r->scan.error, PL_BAD_INPUT,
                        "%s:%d: expected a face of at most %d corners, found more", r->scan.label,
                        r->scan.line, PL_MAX_POLYGON_CORNERS);
     }
-    int *grown =
-        with_room(r->faces.corner, r->faces.corner_count, &r->corner_room, sizeof *r->faces.corner);
-    if (grown == NULL) {
+    if (pl_array_reserve(&r->faces.corner, &r->corner_room, r->faces.corner_count + 1,
+                         sizeof *r->faces.corner, NULL) != PL_OK) {
         return fail_by_memory(r);
     }
-    r->faces.corner = grown;
     r->faces.corner[r->faces.corner_count++] =
         number > 0 ? number - 1 : r->obj->vertex_count + number;
     return PL_OK;
@@ -141,23 +219,19 @@ static pl_status read_corner(reader *r, pl_obj_word word)
 
 static pl_status read_face(reader *r)
 {
-    /* Both arrays have one more than faces, and the same room. */
-    int room = r->face_room;
-    int *first = with_room(r->faces.first, r->faces.face_count + 1, &room, sizeof *r->faces.first);
-    r->faces.first = first != NULL ? first : r->faces.first;
-    room = r->face_room;
-    int *line = with_room(r->faces.line, r->faces.face_count + 1, &room, sizeof *r->faces.line);
-    r->faces.line = line != NULL ? line : r->faces.line;
-    if (first == NULL || line == NULL) {
+    const int wanted = r->faces.face_count + 2; /* both arrays have one more than faces */
+    if (pl_array_reserve(&r->faces.first, &r->first_room, wanted, sizeof *r->faces.first, NULL) !=
+            PL_OK ||
+        pl_array_reserve(&r->faces.line, &r->line_room, wanted, sizeof *r->faces.line, NULL) !=
+            PL_OK) {
         return fail_by_memory(r);
     }
-    r->face_room = room;
     r->faces.first[r->faces.face_count] = r->faces.corner_count;
     r->faces.line[r->faces.face_count] = r->scan.line;
     pl_status status = PL_OK;
     int count = 0;
-    for (pl_obj_word word = pl_obj_next_word(&r->scan); word.length > 0 && status == PL_OK;
-         word = pl_obj_next_word(&r->scan)) {
+    for (obj_word word = next_word(&r->scan); word.length > 0 && status == PL_OK;
+         word = next_word(&r->scan)) {
         status = read_corner(r, word);
         count++;
     }
@@ -185,28 +259,28 @@ static pl_status read_line(reader *r)
     static const char *const curved[] = {"cstype", "deg",  "bmat",  "step", "curv", "curv2",
                                          "surf",   "parm", "trim",  "hole", "scrv", "sp",
                                          "end",    "con",  "ctech", "stech"};
-    const pl_obj_word word = pl_obj_next_word(&r->scan);
+    const obj_word word = next_word(&r->scan);
     if (word.length == 0) {
         return PL_OK;
     }
-    if (pl_obj_word_is(word, "v")) {
+    if (word_is(word, "v")) {
         return read_vertex(r);
     }
-    if (pl_obj_word_is(word, "f")) {
+    if (word_is(word, "f")) {
         return read_face(r);
     }
     for (size_t i = 0; i < sizeof left_out / sizeof left_out[0]; i++) {
-        if (pl_obj_word_is(word, left_out[i])) {
+        if (word_is(word, left_out[i])) {
             return PL_OK;
         }
     }
     for (size_t i = 0; i < sizeof curved / sizeof curved[0]; i++) {
-        if (pl_obj_word_is(word, curved[i])) {
-            return pl_obj_fail(&r->scan, r->scan.line, "faces, no curves and curved surfaces",
-                               word);
+        if (word_is(word, curved[i])) {
+            return fail_by_word(&r->scan, r->scan.line, "faces, no curves and curved surfaces",
+                                word);
         }
     }
-    return pl_obj_fail(&r->scan, r->scan.line, "v, f or another word of an .obj file", word);
+    return fail_by_word(&r->scan, r->scan.line, "v, f or another word of an .obj file", word);
 }
 
 static pl_status read_lines(reader *r)
@@ -220,7 +294,7 @@ static pl_status read_lines(reader *r)
         if (status != PL_OK) {
             return status;
         }
-    } while (pl_obj_next_line(&r->scan));
+    } while (next_line(&r->scan));
     if (r->obj->vertex_count == 0 || r->faces.face_count == 0) {
         return pl_fail(r->scan.error, PL_BAD_INPUT,
                        "%s:%d: expected vertices and faces, found %d and %d by the end of the file",
@@ -269,4 +343,38 @@ void pl_obj_free(pl_obj *obj)
     free(obj->triangles);
     free(obj->lines);
     *obj = (pl_obj){.vertices = NULL};
+}
+
+/* ---- Solids ---- */
+
+/* The diagnostic of a mesh as an error at the line of the triangle that it is about. */
+static pl_status fail_by(const pl_diagnostic *diagnostic, const pl_obj *obj, const char *path,
+                         pl_error *error)
+{
+    const pl_path *place = &diagnostic->path;
+    if (diagnostic->status != PL_BAD_INPUT) {
+        return pl_fail(error, diagnostic->status, "%s: %s", path, diagnostic->text);
+    }
+    if (place->depth >= 2 && strcmp(place->steps[0].key, "triangles") == 0) {
+        return pl_fail(error, PL_BAD_INPUT, "%s:%d: %s (numbers from 0)", path,
+                       obj->lines[place->steps[1].index], diagnostic->text);
+    }
+    return pl_fail(error, PL_BAD_INPUT, "%s: %s", path, diagnostic->text);
+}
+
+pl_status pl_polyhedron_of_file(const char *path, pl_polyhedron **polyhedron, pl_error *error)
+{
+    pl_obj obj;
+    pl_status status = pl_obj_read_file(path, &obj, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    pl_diagnostic diagnostic = {.status = PL_OK};
+    if (!pl_polyhedron_of_mesh((const double(*)[3])obj.vertices, obj.vertex_count,
+                               (const int(*)[3])obj.triangles, obj.triangle_count, polyhedron,
+                               &diagnostic)) {
+        status = fail_by(&diagnostic, &obj, path, error);
+    }
+    pl_obj_free(&obj);
+    return status;
 }

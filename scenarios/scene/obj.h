@@ -14,7 +14,7 @@
 #ifndef PLUMB_OBJ_H
 #define PLUMB_OBJ_H
 
-#include "plumb/base.h"
+#include "plumb/scene.h"
 
 #include <stddef.h>
 
@@ -25,11 +25,17 @@ typedef struct pl_obj {
     int vertex_count, triangle_count;
 } pl_obj;
 
-/* PL_BAD_INPUT says FILE:LINE: what was expected, what was found; *obj is then empty. */
+/* Reads an .obj file, or its text; `label` stands for the file's name in messages. PL_BAD_INPUT
+ * says FILE:LINE: what was expected, what was found; *obj is then empty. The caller frees it. */
 pl_status pl_obj_read_text(const char *text, size_t length, const char *label, pl_obj *obj,
                            pl_error *error);
 pl_status pl_obj_read_file(const char *path, pl_obj *obj, pl_error *error);
 
+/* Frees the arrays and empties *obj. */
 void pl_obj_free(pl_obj *obj);
+
+/* Makes the solid within the faces of a Wavefront .obj file; the caller frees *polyhedron by
+ * pl_polyhedron_free. PL_BAD_INPUT says PATH:LINE: what was expected, what was found. */
+pl_status pl_polyhedron_of_file(const char *path, pl_polyhedron **polyhedron, pl_error *error);
 
 #endif

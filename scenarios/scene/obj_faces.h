@@ -4,11 +4,16 @@
 
 #include "obj.h"
 
+enum { PL_MAX_POLYGON_CORNERS = 4096 };
+
 /* Face i has the corners corner[first[i] .. first[i + 1]), numbers of vertices from 0, perhaps
  * beyond the last; it begins at line[i]. */
 typedef struct pl_obj_faces {
-    int *corner, *first, *line;
-    int corner_count, face_count;
+    int *corner;
+    int *first;
+    int *line;
+    int corner_count;
+    int face_count;
 } pl_obj_faces;
 
 /* Makes obj->triangles and obj->lines, which pl_obj_free frees. PL_BAD_INPUT says LABEL:LINE: what

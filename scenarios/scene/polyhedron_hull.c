@@ -9,7 +9,7 @@
  * corners. */
 #define _POSIX_C_SOURCE 200809L
 
-#include "mesh_edges.h"
+#include "mesh.h"
 #include "plumb/vec.h"
 #include "polyhedron.h"
 

@@ -92,7 +92,8 @@ static bool may_collapse(const void *object)
 
 static const pl_field scene_fields[] = {
     {"plumb_scene", PL_FIELD_VERSION, .line = 1, ALWAYS, .about = "version of this format"},
-    {"name", PL_FIELD_NAME, offsetof(pl_scene, name), .line = 2, .omit_default = true},
+    {"name", PL_FIELD_NAME, offsetof(pl_scene, name), .line = 2, .omit_default = true,
+     .about = "for reports"},
     {"gravity", PL_FIELD_VECTOR, offsetof(pl_scene, gravity), .line = 3, DEFAULTED,
      .unit = "m/s^2"},
     {"dt", PL_FIELD_NUMBER, offsetof(pl_scene, dt), .line = 4, DEFAULTED, POSITIVE, .unit = "s",

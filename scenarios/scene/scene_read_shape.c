@@ -1,6 +1,6 @@
 #include "scene_read_shape.h"
 
-#include "mesh_file.h"
+#include "obj.h"
 #include "polyhedron.h"
 #include "scene_check.h"
 #include "scene_internal.h"

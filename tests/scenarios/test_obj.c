@@ -4,7 +4,6 @@
 #include "check.h"
 #include "obj_text.h"
 #include "plumb/vec.h"
-#include "scene/mesh_file.h"
 #include "scene/obj.h"
 #include "scene/polyhedron.h"
 #include "solid_for_tests.h"

@@ -2,7 +2,7 @@
  */
 #include "check.h"
 #include "obj_text.h"
-#include "scene/mesh_file.h"
+#include "scene/obj.h"
 
 #include <stdio.h>
 #include <string.h>

@@ -1,0 +1,53 @@
+/* Closed surfaces of triangles: how the triangles connect, whether the surface crosses itself, and
+ * which surfaces lie within which. */
+#ifndef PLUMB_MESH_H
+#define PLUMB_MESH_H
+
+#include "base/diagnostic.h"
+#include "plumb/scene.h"
+
+/* ---- Edges, direction and components: mesh_edges.c ---- */
+
+/* Fills neighbours[t][k] with the triangle beyond the edge of t from corner k to the next; t itself
+ * where none is. Complains at "triangles"[t] of an edge that is not of exactly two triangles.
+ * O(n log n). */
+bool pl_mesh_neighbours(const int (*triangles)[3], int triangle_count, int (*neighbours)[3],
+                        pl_diagnostic *diagnostic);
+
+/* Turns triangles so that all neighbours run along their common edge in opposite directions, the
+ * lowest triangle of each component staying as it is; complains where none such is. Fills
+ * component[t] with the number of t's component, from 0 by lowest triangle, and *component_count.
+ */
+bool pl_mesh_orient(int (*triangles)[3], int triangle_count, const int (*neighbours)[3],
+                    int *component, int *component_count, pl_diagnostic *diagnostic);
+
+/* Whether each edge has two triangles that run along it in opposite directions; false also when out
+ * of memory. */
+bool pl_mesh_is_closed(const pl_polyhedron *polyhedron);
+
+/* ---- Crossing: mesh_crossing.c ---- */
+
+/* Complains at "triangles"[t] of the first two triangles that cross: those that go through each
+ * other, or lie in one plane, face the same way and overlap, by more than 1e-9 of the surface's
+ * size. Triangles with a common edge never do. The surface must be closed, each component of
+ * positive volume. O(n log n) where triangles are small next to the whole; up to O(n^2) where the
+ * boxes around them overlap, as those of a fan of very many do. */
+bool pl_mesh_check_crossing(const double (*vertices)[3], int vertex_count,
+                            const int (*triangles)[3], int triangle_count,
+                            pl_diagnostic *diagnostic);
+
+/* ---- Nesting: mesh_nesting.c ---- */
+
+enum { PL_MAX_SURFACES = 4096 };
+
+/* Turns each of `surface_count` components to its outer side, and complains of one that encloses
+ * no volume. surface[t] is the number of t's component. */
+bool pl_mesh_turn_outward(const double (*vertices)[3], int (*triangles)[3], int triangle_count,
+                          const int *surface, int surface_count, pl_diagnostic *diagnostic);
+
+/* Of surfaces that are turned outward and do not cross: turns round those that lie within an odd
+ * number of others. */
+bool pl_mesh_turn_cavities(const double (*vertices)[3], int (*triangles)[3], int triangle_count,
+                           const int *surface, int surface_count, pl_diagnostic *diagnostic);
+
+#endif
