@@ -1,6 +1,6 @@
-#include "analysis.h"
-
+/* Makes the analysis of a sweep from its parts: noise, curves and performance profiles. */
 #include "analysis_parts.h"
+
 #include "base/statistics.h"
 
 #include <math.h>
@@ -30,10 +30,11 @@ static spread spread_of(const pl_sweep_point *points, int count)
     return all;
 }
 
-/* Sets the noise of every scene from its points that were repeated, or, where these are few, from
- * those of all scenes: the machine makes the noise, not the engine. */
-static void pl_sweep_take_noise(pl_sweep_analysis *analysis)
+/* Sets the noise of every scene from its points that were repeated; where these are few, from those
+ * of all scenes, because the noise is of the machine and not of the engine. */
+static pl_status estimate_noise(pl_sweep_analysis *analysis, pl_error *error)
 {
+    (void)error;
     const int enough = 10;
     const spread everywhere = spread_of(analysis->points, analysis->point_count);
     for (int p = 0; p < analysis->scene_count; ++p) {
@@ -42,9 +43,12 @@ static void pl_sweep_take_noise(pl_sweep_analysis *analysis)
         const spread *known = own.freedom >= enough ? &own : &everywhere;
         scene->noise = known->freedom > 0 ? sqrt(known->squares / known->freedom) : (double)NAN;
     }
+    return PL_OK;
 }
 
-/* All engines of the kind were run on the scene, and it has an error to be judged by. */
+/* ---- Performance profiles (Dolan and More 2002) ---- */
+
+/* Whether all engines of the kind were run on the scene, and it has a primary error. */
 static bool belongs(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, bool whole)
 {
     for (int e = 0; e < analysis->engine_count; ++e) {
@@ -55,7 +59,7 @@ static bool belongs(const pl_sweep_analysis *analysis, const pl_sweep_scene *sce
     return scene->primary_error[0] != '\0';
 }
 
-/* What the engine pays for the level; INFINITY where it does not reach it. */
+/* The engine's cost at the level; INFINITY where no point of it has that error. */
 static double cost_of(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, int engine,
                       int level)
 {
@@ -82,8 +86,8 @@ static void add_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene *s
     }
 }
 
-/* From curves to the profile of each level, of whole engines and of profiles. */
-static pl_status pl_profiles_find(pl_sweep_analysis *analysis, pl_error *error)
+/* Finds the performance profile of each level from the curves, for engines and for profiles. */
+static pl_status find_profiles(pl_sweep_analysis *analysis, pl_error *error)
 {
     const size_t engines = (size_t)analysis->engine_count;
     const size_t scenes = (size_t)analysis->scene_count;
@@ -124,46 +128,41 @@ double pl_sweep_share(const pl_sweep_analysis *analysis, const pl_sweep_profile 
     return profile->scenes == 0 ? (double)NAN : (double)within / profile->scenes;
 }
 
-/* Counts an engine's points on a scene. */
-static void count_points(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, int engine,
-                         pl_sweep_curve *curve)
+/* ---- Curves ---- */
+
+/* Scratch space for the points of the analysis. */
+typedef struct workspace {
+    pl_sweep_sample *samples; /* of all points; those that are ok are defined */
+    pl_sweep_sample *front;
+} workspace;
+
+static pl_status find_curve(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+                            int engine, const workspace *w, pl_error *error)
 {
+    pl_sweep_curve *curve = &scene->curves[engine];
+    curve->front = calloc((size_t)scene->count + 1, sizeof *curve->front);
+    if (curve->front == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d points", scene->count);
+    }
     for (int i = scene->first; i < scene->first + scene->count; ++i) {
         const pl_sweep_point *point = &analysis->points[i];
         if (pl_sweep_point_is_of(point, engine)) {
-            curve->ok += point->state == PL_SWEEP_OK;
             curve->failed += point->state == PL_SWEEP_FAILED;
             curve->unmeasured += point->state == PL_SWEEP_UNMEASURED;
+            curve->front[curve->ok] = i;
+            curve->ok += point->state == PL_SWEEP_OK;
         }
     }
-}
-
-/* `samples` has a place for each point of the analysis; those that are ok are filled. */
-static pl_status find_curve(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                            int engine, const pl_sweep_sample *samples, pl_sweep_sample *front,
-                            pl_sweep_curve *curve, pl_error *error)
-{
-    count_points(analysis, scene, engine, curve);
-    curve->front = calloc((size_t)curve->ok + 1, sizeof *curve->front);
-    if (curve->front == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d points", curve->ok);
-    }
-    for (int i = scene->first; i < scene->first + scene->count; ++i) {
-        const pl_sweep_point *point = &analysis->points[i];
-        if (point->state == PL_SWEEP_OK && pl_sweep_point_is_of(point, engine)) {
-            curve->front[curve->front_count++] = i;
-        }
-    }
-    curve->front_count = pl_front_find(samples, curve->front, curve->front_count);
+    curve->front_count = pl_front_find(w->samples, curve->front, curve->ok);
     for (int i = 0; i < curve->front_count; ++i) {
-        front[i] = samples[curve->front[i]];
+        w->front[i] = w->samples[curve->front[i]];
     }
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
-        int i = pl_front_cheapest(front, curve->front_count, pl_sweep_levels[k]);
+        int i = pl_front_cheapest(w->front, curve->front_count, pl_sweep_levels[k]);
         curve->cheapest[k] = i < 0 ? -1 : curve->front[i];
     }
     for (int k = 0; k < PL_SWEEP_TIMES; ++k) {
-        int i = pl_front_most_exact(front, curve->front_count, pl_sweep_times[k]);
+        int i = pl_front_most_exact(w->front, curve->front_count, pl_sweep_times[k]);
         curve->most_exact[k] = i < 0 ? -1 : curve->front[i];
     }
     return PL_OK;
@@ -171,49 +170,45 @@ static pl_status find_curve(const pl_sweep_analysis *analysis, const pl_sweep_sc
 
 static pl_status find_curves(pl_sweep_analysis *analysis, pl_error *error)
 {
-    pl_status status = PL_OK;
-    const size_t points = (size_t)analysis->point_count;
-    pl_sweep_sample *samples = calloc(2 * points + 1, sizeof *samples), *front = samples + points;
-    if (samples == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu points", points);
+    const size_t points = (size_t)analysis->point_count + 1;
+    const workspace w = {calloc(points, sizeof *w.samples), calloc(points, sizeof *w.front)};
+    pl_status status = PL_NO_MEMORY;
+    if (w.samples == NULL || w.front == NULL) {
+        goto cleanup;
     }
-    for (size_t i = 0; i < points; ++i) {
-        samples[i] = (pl_sweep_sample){analysis->points[i].cost, analysis->points[i].error};
+    for (int i = 0; i < analysis->point_count; ++i) {
+        w.samples[i] = (pl_sweep_sample){analysis->points[i].cost, analysis->points[i].error};
     }
-    for (int p = 0; p < analysis->scene_count && status == PL_OK; ++p) {
+    for (int p = 0; p < analysis->scene_count; ++p) {
         pl_sweep_scene *scene = &analysis->scenes[p];
         analysis->unjudged += scene->primary_error[0] == '\0';
         scene->curves = calloc((size_t)analysis->engine_count + 1, sizeof *scene->curves);
         if (scene->curves == NULL) {
-            status = pl_fail(error, PL_NO_MEMORY, "out of memory for curves");
+            goto cleanup;
         }
-        for (int e = 0; e < analysis->engine_count && status == PL_OK; ++e) {
-            status = find_curve(analysis, scene, e, samples, front, &scene->curves[e], error);
+        for (int e = 0; e < analysis->engine_count; ++e) {
+            if (find_curve(analysis, scene, e, &w, error) != PL_OK) {
+                goto cleanup;
+            }
         }
     }
-    free(samples);
-    return status;
+    status = PL_OK;
+
+cleanup:
+    free(w.samples);
+    free(w.front);
+    return status == PL_OK ? PL_OK : pl_fail(error, status, "out of memory for curves");
 }
 
 pl_status pl_sweep_analyse(const json_t *results, pl_sweep_analysis *analysis, pl_error *error)
 {
+    static pl_status (*const steps[])(pl_sweep_analysis *analysis, pl_error *error) = {
+        estimate_noise, find_curves, pl_compare_pairwise, pl_list_losses, pl_orders_find,
+        find_profiles};
     *analysis = (pl_sweep_analysis){.results = results};
     pl_status status = pl_sweep_gather(results, analysis, error);
-    if (status == PL_OK) {
-        pl_sweep_take_noise(analysis);
-        status = find_curves(analysis, error);
-    }
-    if (status == PL_OK) {
-        status = pl_compare_pairwise(analysis, error);
-    }
-    if (status == PL_OK) {
-        status = pl_list_losses(analysis, error);
-    }
-    if (status == PL_OK) {
-        status = pl_orders_find(analysis, error);
-    }
-    if (status == PL_OK) {
-        status = pl_profiles_find(analysis, error);
+    for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == PL_OK; ++i) {
+        status = steps[i](analysis, error);
     }
     return status;
 }

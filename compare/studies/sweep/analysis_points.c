@@ -12,43 +12,40 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void append_text(char *text, size_t size, const char *part)
-{
-    size_t length = strlen(text);
-    snprintf(text + length, size - length, "%s", part);
-}
+/* ---- Scenes ---- */
 
+/* The scenario, with the parameters that are not at their defaults, the seed and the member. */
 static void name_scene(pl_sweep_scene *scene)
 {
-    char part[160];
     const json_t *params = json_object_get(scene->row, "params");
-    snprintf(scene->name, sizeof scene->name, "%.120s", scene->scenario);
-    for (int i = 0; scene->catalogue != NULL && i < scene->catalogue->param_count; ++i) {
+    const json_int_t seed = json_integer_value(json_object_get(scene->row, "seed"));
+    const json_t *member = json_object_get(scene->row, "member");
+    const size_t size = sizeof scene->name;
+    size_t used = (size_t)snprintf(scene->name, size, "%.120s", scene->scenario);
+    for (int i = 0; scene->catalogue != NULL && i < scene->catalogue->param_count && used < size;
+         ++i) {
         const pl_param *param = &scene->catalogue->params[i];
         const json_t *value = json_object_get(params, param->name);
         bool bare = strcmp(param->unit, "1") == 0 || param->unit[0] == '\0';
-        if (strcmp(param->name, "dt") == 0 || !json_is_number(value) ||
-            json_number_value(value) == param->value) {
-            continue;
+        if (strcmp(param->name, "dt") != 0 && json_is_number(value) &&
+            json_number_value(value) != param->value) {
+            used += (size_t)snprintf(scene->name + used, size - used, " %s=%.6g%s%s", param->name,
+                                     json_number_value(value), bare ? "" : " ",
+                                     bare ? "" : param->unit);
         }
-        snprintf(part, sizeof part, " %s=%.6g%s%s", param->name, json_number_value(value),
-                 bare ? "" : " ", bare ? "" : param->unit);
-        append_text(scene->name, sizeof scene->name, part);
     }
-    const json_t *seed = json_object_get(scene->row, "seed");
-    const json_t *member = json_object_get(scene->row, "member");
-    if (json_integer_value(seed) != 0) {
-        snprintf(part, sizeof part, " seed=%" JSON_INTEGER_FORMAT, json_integer_value(seed));
-        append_text(scene->name, sizeof scene->name, part);
+    if (seed != 0 && used < size) {
+        used += (size_t)snprintf(scene->name + used, size - used, " seed=%" JSON_INTEGER_FORMAT,
+                                 seed);
     }
-    if (json_is_integer(member)) {
-        snprintf(part, sizeof part, " member=%" JSON_INTEGER_FORMAT, json_integer_value(member));
-        append_text(scene->name, sizeof scene->name, part);
+    if (json_is_integer(member) && used < size) {
+        snprintf(scene->name + used, size - used, " member=%" JSON_INTEGER_FORMAT,
+                 json_integer_value(member));
     }
 }
 
-/* Named, without points; texts are borrowed from the row. */
-static pl_sweep_scene make_scene_of(const json_t *row, int first)
+/* A scene without points; its texts are borrowed from the row. */
+static pl_sweep_scene make_scene(const json_t *row, int first)
 {
     pl_sweep_scene scene = {.row = row,
                             .scenario = pl_json_get_text(row, "scenario"),
@@ -58,15 +55,6 @@ static pl_sweep_scene make_scene_of(const json_t *row, int first)
     scene.catalogue = pl_scenario_find(scene.scenario, NULL);
     name_scene(&scene);
     return scene;
-}
-
-/* Takes the unit of the primary error from a row that gives it. */
-static void pl_sweep_take_unit(pl_sweep_scene *scene, const json_t *row)
-{
-    const json_t *metric = json_object_get(json_object_get(row, "metrics"), scene->primary_error);
-    if (scene->unit[0] == '\0') {
-        scene->unit = pl_json_get_text(metric, "unit");
-    }
 }
 
 /* ---- Samples of a point ---- */
@@ -85,7 +73,7 @@ static bool is_cost(double value)
     return isfinite(value) && value > 0;
 }
 
-/* Why a point whose runs are all ok cannot be placed. */
+/* Why a point whose runs are all ok has no sample. */
 static const char *what_is_missing(const json_t *row, int errors, int costs)
 {
     if (pl_json_get_text(row, "primary_error")[0] == '\0') {
@@ -97,21 +85,14 @@ static const char *what_is_missing(const json_t *row, int errors, int costs)
     return costs == 0 ? "no time was measured" : "no repeat has both an error and a time";
 }
 
-static void take_medians(pl_sweep_point *point, double *scratch)
+/* The median of the samples' costs, or errors, of their deviations from `centre`. */
+static double median_of(const pl_sweep_point *point, bool errors, double centre, double *scratch)
 {
-    int count = point->sample_count;
-    for (int i = 0; i < count; ++i) {
-        scratch[i] = point->samples[i].cost;
+    for (int i = 0; i < point->sample_count; ++i) {
+        const pl_sweep_sample *sample = &point->samples[i];
+        scratch[i] = fabs((errors ? sample->error : sample->cost) - centre);
     }
-    point->cost = pl_median(scratch, count);
-    for (int i = 0; i < count; ++i) {
-        scratch[i] = fabs(point->samples[i].cost - point->cost);
-    }
-    point->cost_mad = pl_median(scratch, count);
-    for (int i = 0; i < count; ++i) {
-        scratch[i] = point->samples[i].error;
-    }
-    point->error = pl_median(scratch, count);
+    return pl_median(scratch, point->sample_count);
 }
 
 /* Fills the numbers of a point from its repeats. */
@@ -168,7 +149,9 @@ static pl_status pl_sweep_measure(const json_t *const *rows, int count, pl_sweep
         qsort(point->samples, (size_t)point->sample_count, sizeof *point->samples, by_cost);
         point->raw_error = pl_median(raw, point->sample_count);
         point->instructions = pl_median(instructions, counted);
-        take_medians(point, scratch);
+        point->cost = median_of(point, false, 0, scratch);
+        point->cost_mad = median_of(point, false, point->cost, scratch);
+        point->error = median_of(point, true, 0, scratch);
     }
     free(scratch);
     return PL_OK;
@@ -427,7 +410,7 @@ static pl_status add_point(const keyed_row *rows, size_t first, size_t next, con
     int place = analysis->point_count, count = 0;
     char name[128];
     if (new_scene) {
-        analysis->scenes[analysis->scene_count++] = make_scene_of(row->row, place);
+        analysis->scenes[analysis->scene_count++] = make_scene(row->row, place);
     }
     for (size_t i = first; i < next; ++i) {
         bool again = false;
@@ -437,7 +420,11 @@ static pl_status add_point(const keyed_row *rows, size_t first, size_t next, con
         if (!again) {
             repeats[count++] = rows[i].row;
         }
-        pl_sweep_take_unit(&analysis->scenes[analysis->scene_count - 1], rows[i].row);
+        pl_sweep_scene *scene = &analysis->scenes[analysis->scene_count - 1];
+        if (scene->unit[0] == '\0') {
+            const json_t *metrics = json_object_get(rows[i].row, "metrics");
+            scene->unit = pl_json_get_text(json_object_get(metrics, scene->primary_error), "unit");
+        }
         note_origins(rows, i, analysis);
     }
     pl_sweep_point *point = &analysis->points[analysis->point_count++];

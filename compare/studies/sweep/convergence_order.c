@@ -1,3 +1,4 @@
+/* Observed orders of convergence: least squares of log error over log dt. */
 #include "analysis_parts.h"
 
 #include "base/statistics.h"
@@ -5,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* The error converges where it falls at least as fast as dt to this power. */
 static const double least_slope = 0.25;
 
 /* Neighbouring time steps [first, last]. */
@@ -38,7 +40,7 @@ static segment longest_segment(const double *dt, const double *error, int count)
     return best;
 }
 
-/* Cuts ends that fall less than half as fast as the middle; three time steps stay. */
+/* Cuts off ends that fall less than half as fast as the median; three time steps stay. */
 static segment without_slow_ends(const double *dt, const double *error, segment part,
                                  double *scratch)
 {
@@ -109,11 +111,13 @@ void pl_order_fit(const double *dt, const double *error, int count, pl_sweep_ord
 pl_status pl_orders_find(pl_sweep_analysis *analysis, pl_error *error)
 {
     const int count = analysis->point_count;
-    double *dt = calloc(2 * (size_t)count + 1, sizeof *dt), *errors = dt + count;
+    double *dt = calloc((size_t)count + 1, sizeof *dt);
+    double *errors = calloc((size_t)count + 1, sizeof *errors);
     analysis->orders = calloc((size_t)count + 1, sizeof *analysis->orders);
-    if (dt == NULL || analysis->orders == NULL) {
-        free(dt);
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d points", count);
+    pl_status status = PL_OK;
+    if (dt == NULL || errors == NULL || analysis->orders == NULL) {
+        status = pl_fail(error, PL_NO_MEMORY, "out of memory for %d points", count);
+        goto cleanup;
     }
     for (int first = 0, next; first < count; first = next) {
         const pl_sweep_point *point = &analysis->points[first];
@@ -130,6 +134,9 @@ pl_status pl_orders_find(pl_sweep_analysis *analysis, pl_error *error)
             pl_order_fit(dt, errors, next - first, order);
         }
     }
+
+cleanup:
     free(dt);
-    return PL_OK;
+    free(errors);
+    return status;
 }
