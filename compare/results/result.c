@@ -76,6 +76,15 @@ char *pl_result_to_line(const json_t *result)
     return json_dumps(result, JSON_COMPACT | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
 }
 
+void pl_result_add_line(pl_text_buffer *text, const json_t *result)
+{
+    char *line = pl_result_to_line(result);
+    pl_text_add(text, line == NULL ? "" : line);
+    pl_text_add(text, "\n");
+    text->failed = text->failed || line == NULL;
+    free(line);
+}
+
 void pl_timestamp(char text[32])
 {
     struct timespec now;

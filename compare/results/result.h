@@ -6,6 +6,7 @@
 #ifndef PLUMB_RESULT_H
 #define PLUMB_RESULT_H
 
+#include "base/text_buffer.h"
 #include "plumb/engine_abi.h"
 #include "plumb/scenario.h"
 #include "referee/metrics/metrics.h"
@@ -89,5 +90,8 @@ void pl_timestamp(char text[32]);
 
 /* One line without a newline: sorted keys, 17 significant digits. malloc'd. */
 char *pl_result_to_line(const json_t *result);
+
+/* Adds the same with a newline. `failed` of the text is set when out of memory, and for NULL. */
+void pl_result_add_line(pl_text_buffer *text, const json_t *result);
 
 #endif

@@ -332,7 +332,7 @@ static void test_what_is_wrong_is_said(void **state)
         {{"n=1", "n=2"}, "--vary n is given twice"},
         {{"plumb.iterations=1", "plumb.iterations=2"}, "--vary plumb.iterations is given twice"},
         {{"solver=fast", "profile=fast"}, "--vary profile is given twice"},
-        {{"dt=0.001..0.9:+0.00001"}, "89901 problems x 2 engines x 1 repeats are 179802 runs"},
+        {{"dt=0.001..0.9:+0.00001"}, "89901 cases x 2 engines x 1 repeats are 179802 runs"},
     };
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
         asked a = {.scenarios = {"tower"}, .engines = {"plumb", FAULTY ":good"}};
@@ -349,7 +349,7 @@ static void test_too_many_runs_are_counted_over_all_shards(void **state)
                            .varied = {"friction=0..1:+0.001", "dt=1/60,1/120"},
                            .repeats = 50,
                            .shard = {0, 1000}},
-                  "2002 problems x 1 engines x 50 repeats are 100100 runs; a sweep has at most "
+                  "2002 cases x 1 engines x 50 repeats are 100100 runs; a sweep has at most "
                   "100000");
 }
 

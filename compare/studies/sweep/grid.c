@@ -1,3 +1,4 @@
+/* The points of a grid in order, and the plan of a shard. */
 #include "grid.h"
 
 #include "grid_keys.h"
@@ -8,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* How many, equal ones not yet taken as one. */
+/* The number of configurations, before equal ones are merged. */
 static double count_configurations(const pl_grid_def *def)
 {
     double count = 0;
@@ -19,7 +20,7 @@ static double count_configurations(const pl_grid_def *def)
     return count;
 }
 
-/* Changes the profile: options that were not asked for by name become those it ships. */
+/* Changes the profile. Options that were not asked for by name get the profile's defaults. */
 static void set_profile(pl_engine_choice *choice, int profile)
 {
     const pl_engine *engine = choice->engine;
@@ -97,7 +98,7 @@ static bool are_equal(const pl_engine_choice *a, const pl_engine_choice *b)
            memcmp(a->values, b->values, (size_t)a->engine->option_count * sizeof *a->values) == 0;
 }
 
-/* Adds the engine unless it is there. `labels` maps labels to the plan's indices. */
+/* Adds the configuration unless it is in the plan. `labels` maps labels to the plan's indices. */
 static pl_status add_configuration(const pl_engine_choice *choice, json_t *labels, pl_plan *plan,
                                    pl_error *error)
 {
@@ -121,8 +122,8 @@ static pl_status add_configuration(const pl_engine_choice *choice, json_t *label
     return status;
 }
 
-/* Adds all of them to the plan. PL_BAD_INPUT: a value out of its option's range, or two that would
- * have the same label. */
+/* Adds all configurations to the plan. PL_BAD_INPUT: a value out of its option's range, or two
+ * configurations with the same label. */
 static pl_status add_configurations(const pl_grid_def *def, pl_plan *plan, pl_error *error)
 {
     json_t *labels = json_object();
@@ -147,10 +148,7 @@ static pl_status add_configurations(const pl_grid_def *def, pl_plan *plan, pl_er
     return status;
 }
 
-enum { SETTING_SIZE = PL_NAME_SIZE + 32 };
-
-/* A case of the whole grid: which combination of the values of the keys of which of the base's.
- */
+/* A case of the whole grid: a case of the base, and a combination of its keys' values. */
 typedef struct place {
     int base;
     long combination;
@@ -163,25 +161,24 @@ typedef struct grid {
     int count;
 } grid;
 
-/* The settings of all parameters of a catalogue case, varied. */
-static void list_settings(const grid *g, const place *at, char (*settings)[SETTING_SIZE])
+/* The values of all parameters of a catalogue case, varied. */
+static void vary_values(const grid *g, const place *at, double *values)
 {
     const pl_case *test_case = &g->def->base->cases[at->base];
     const pl_scenario *scenario = test_case->descriptor;
     const pl_grid_keys *keys = &g->keys[at->base];
+    memcpy(values, test_case->params, sizeof test_case->params);
     for (int i = 0; i < scenario->param_count; ++i) {
-        double value = test_case->params[i];
         for (int k = 0; k < keys->count; ++k) {
             const pl_vary *vary = &g->def->varied[keys->items[k]];
             if (strcmp(vary->key, scenario->params[i].name) == 0) {
-                value = vary->numbers[pl_grid_digit(keys, at->combination, k)];
+                values[i] = vary->numbers[pl_grid_digit(keys, at->combination, k)];
             }
         }
-        snprintf(settings[i], SETTING_SIZE, "%s=%.17g", scenario->params[i].name, value);
     }
 }
 
-/* Of a scene file. NAN: its own. */
+/* The time step asked for of a scene file; NAN: its own. */
 static double time_step(const grid *g, const place *at)
 {
     const pl_grid_keys *keys = &g->keys[at->base];
@@ -190,42 +187,31 @@ static double time_step(const grid *g, const place *at)
                : g->def->varied[keys->items[0]].numbers[pl_grid_digit(keys, at->combination, 0)];
 }
 
-static void point_at(char (*settings)[SETTING_SIZE], const char **texts)
-{
-    for (int i = 0; i < PL_MAX_PARAMS; ++i) {
-        texts[i] = settings[i];
-    }
-}
-
-/* What tells the case from others; malloc'd. PL_BAD_INPUT: a value out of its range. */
+/* A malloc'd text that identifies the case. PL_BAD_INPUT: a value out of its range. */
 static pl_status name_place(const grid *g, const place *at, char **name, pl_error *error)
 {
     const pl_case *test_case = &g->def->base->cases[at->base];
-    char settings[PL_MAX_PARAMS][SETTING_SIZE];
-    const char *texts[PL_MAX_PARAMS];
     double values[PL_MAX_PARAMS] = {time_step(g, at)};
     int count = 1;
-    pl_status status = PL_OK;
     if (test_case->descriptor != NULL) {
         pl_error why = {.message = ""};
+        pl_settings settings;
+        vary_values(g, at, values);
+        pl_settings_make(test_case->descriptor, values, &settings);
         count = test_case->descriptor->param_count;
-        list_settings(g, at, settings);
-        point_at(settings, texts);
-        status = pl_scenario_values(test_case->descriptor, texts, count, values, &why);
+        pl_status status =
+            pl_scenario_values(test_case->descriptor, settings.items, count, values, &why);
         if (status != PL_OK) {
             return pl_fail(error, status, "--vary: %s", why.message);
         }
     }
-    size_t length = 0;
-    FILE *stream = open_memstream(name, &length);
-    if (stream == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for the grid");
-    }
-    fputs(test_case->name, stream);
+    pl_text_buffer text = {0};
+    pl_text_add(&text, test_case->name);
     for (int i = 0; i < count; ++i) {
-        fprintf(stream, "\n%a", values[i]);
+        pl_text_format(&text, "\n%a", values[i]);
     }
-    return fclose(stream) == 0 ? PL_OK : pl_fail(error, PL_NO_MEMORY, "out of memory for the grid");
+    *name = text.data;
+    return text.failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for the grid") : PL_OK;
 }
 
 /* All cases of the grid, equal ones once. */
@@ -259,16 +245,13 @@ static pl_status list_places(grid *g, long most, pl_error *error)
 static pl_status add_place(const grid *g, const place *at, pl_plan *plan, pl_error *error)
 {
     const pl_case *test_case = &g->def->base->cases[at->base];
+    double values[PL_MAX_PARAMS];
     if (test_case->descriptor == NULL) {
         return pl_plan_add_scene_file(plan, test_case->name, time_step(g, at), g->def->duration,
                                       error);
     }
-    char settings[PL_MAX_PARAMS][SETTING_SIZE];
-    const char *texts[PL_MAX_PARAMS];
-    list_settings(g, at, settings);
-    point_at(settings, texts);
-    return pl_plan_add_scenario(plan, test_case->descriptor, texts,
-                                test_case->descriptor->param_count, error);
+    vary_values(g, at, values);
+    return pl_plan_add_values(plan, test_case->descriptor, values, NULL, error);
 }
 
 /* The case and its points, as far as they are the shard's. */
@@ -302,7 +285,7 @@ static pl_status check_size(const pl_grid_def *def, double cases, double configu
     return runs <= PL_GRID_MOST_RUNS
                ? PL_OK
                : pl_fail(error, PL_BAD_INPUT,
-                         "%.0f problems x %.0f engines x %d repeats are %.0f runs; a sweep has at "
+                         "%.0f cases x %.0f engines x %d repeats are %.0f runs; a sweep has at "
                          "most %d",
                          cases, configurations, def->base->repeats, runs, (int)PL_GRID_MOST_RUNS);
 }
@@ -341,40 +324,22 @@ pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error)
     return status;
 }
 
-static pl_status write_line(const pl_plan *plan, long index, FILE *stream, pl_error *error)
-{
-    const pl_planned_run run = pl_plan_run(plan, index);
-    json_t *identity = pl_planned_run_identity(plan, &run);
-    int failed = json_object_set_new(identity, "schema", json_string("plumb.plan/1"));
-    failed |= json_object_set_new(identity, "index", json_integer(index));
-    char *line = failed != 0 ? NULL : pl_result_to_line(identity);
-    json_decref(identity);
-    if (line == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
-    }
-    fprintf(stream, "%s\n", line);
-    free(line);
-    return PL_OK;
-}
-
 pl_status pl_grid_list(const pl_plan *plan, const char *path, pl_error *error)
 {
-    char *text = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&text, &length);
-    if (stream == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
+    pl_text_buffer text = {0};
+    for (long i = 0; i < pl_plan_size(plan); ++i) {
+        const pl_planned_run run = pl_plan_run(plan, i);
+        json_t *identity = pl_planned_run_identity(plan, &run);
+        if (json_object_set_new(identity, "schema", json_string("plumb.plan/1")) != 0 ||
+            json_object_set_new(identity, "index", json_integer(i)) != 0) {
+            text.failed = true;
+        }
+        pl_result_add_line(&text, identity);
+        json_decref(identity);
     }
-    pl_status status = PL_OK;
-    for (long i = 0; i < pl_plan_size(plan) && status == PL_OK; ++i) {
-        status = write_line(plan, i, stream, error);
-    }
-    if (fclose(stream) != 0 && status == PL_OK) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
-    }
-    if (status == PL_OK) {
-        status = pl_write_text(path, text, length, error);
-    }
-    free(text);
+    pl_status status = text.failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for the plan")
+                                   : pl_write_text(path, text.data == NULL ? "" : text.data,
+                                                   text.length, error);
+    pl_text_free(&text);
     return status;
 }

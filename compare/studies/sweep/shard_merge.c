@@ -184,24 +184,17 @@ pl_status pl_merge_add_any(pl_merge *merge, const char *folder, pl_error *error)
 
 pl_status pl_merge_write(const pl_merge *merge, const char *path, pl_error *error)
 {
-    char *text = NULL;
-    size_t length = 0;
-    bool failed = false;
-    FILE *stream = open_memstream(&text, &length);
-    if (stream == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
-    }
+    pl_text_buffer text = {0};
     size_t index;
     const json_t *result;
     json_array_foreach(merge->results, index, result)
     {
-        char *line = pl_result_to_line(result);
-        failed = failed || line == NULL || fprintf(stream, "%s\n", line) < 0;
-        free(line);
+        pl_result_add_line(&text, result);
     }
-    failed = fclose(stream) != 0 || failed;
-    pl_status status = failed ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path)
-                              : pl_write_text(path, text, length, error);
-    free(text);
+    pl_status status = text.failed
+                           ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path)
+                           : pl_write_text(path, text.data == NULL ? "" : text.data, text.length,
+                                           error);
+    pl_text_free(&text);
     return status;
 }
