@@ -28,7 +28,8 @@ static bool reached(const json_t *level)
     return json_is_true(json_object_get(level, "reached"));
 }
 
-/* The cell's level of this tolerance; NULL where it was not tried because a larger one was missed. */
+/* The cell's level of this tolerance; NULL where it was not tried because a larger one was missed.
+ */
 static const json_t *find_level(const json_t *cell, double tolerance)
 {
     const json_t *levels = json_object_get(cell, "levels");
@@ -95,8 +96,9 @@ static void put_unreached(pl_text_buffer *out, const json_t *problems)
         }
     }
     const int rows = pl_table_rows(&table);
-    pl_text_add(out, "## Not reached\n\nThe first level that a solver missed; smaller ones were not "
-                     "tried.\n\n");
+    pl_text_add(out,
+                "## Not reached\n\nThe first level that a solver missed; smaller ones were not "
+                "tried.\n\n");
     end_table(&table, out);
     pl_text_format(out, "\n%d cells.\n", rows);
 }
@@ -212,11 +214,12 @@ static void put_means(pl_text_buffer *out, const json_t *problems)
         pl_table_format_cell(&table, "%d", alone);
         pl_table_format_cell(&table, "%d", missed);
     }
-    pl_text_format(out,
-                   "\n## Geometric means against %s\n\nOver the problems where both reached the "
-                   "level and had something to do; how many these are, and how many only one of the "
-                   "two reached. Below 1 is better than %s.\n\n",
-                   baseline(), baseline());
+    pl_text_format(
+        out,
+        "\n## Geometric means against %s\n\nOver the problems where both reached the "
+        "level and had something to do; how many these are, and how many only one of the "
+        "two reached. Below 1 is better than %s.\n\n",
+        baseline(), baseline());
     end_table(&table, out);
 }
 
@@ -277,13 +280,13 @@ char *pl_benchmark_markdown(const json_t *result)
 {
     pl_text_buffer out = {0};
     const json_t *problems = json_object_get(result, "problems");
-    pl_text_format(&out,
-                   "# Solver benchmark\n\n%zu contact problems captured from plumb:accurate, solved "
-                   "again by every solver, each level a solve of its own. The residual is the "
-                   "largest natural map over all contact points, in m/s. CPU times are medians of "
-                   "up to 9 repeats, one thread, on %s.\n\n",
-                   json_array_size(problems),
-                   pl_json_get_text(json_object_get(result, "host"), "cpu"));
+    pl_text_format(
+        &out,
+        "# Solver benchmark\n\n%zu contact problems captured from plumb:accurate, solved "
+        "again by every solver, each level a solve of its own. The residual is the "
+        "largest natural map over all contact points, in m/s. CPU times are medians of "
+        "up to 9 repeats, one thread, on %s.\n\n",
+        json_array_size(problems), pl_json_get_text(json_object_get(result, "host"), "cpu"));
     put_unreached(&out, problems);
     put_slower(&out, problems);
     put_means(&out, problems);

@@ -202,9 +202,9 @@ cleanup:
 
 pl_status pl_sweep_analyse(const json_t *results, pl_sweep_analysis *analysis, pl_error *error)
 {
-    static pl_status (*const steps[])(pl_sweep_analysis *analysis, pl_error *error) = {
-        estimate_noise, find_curves, pl_compare_pairwise, pl_list_losses, pl_orders_find,
-        find_profiles};
+    static pl_status (*const steps[])(pl_sweep_analysis * analysis, pl_error * error) = {
+        estimate_noise, find_curves,    pl_compare_pairwise,
+        pl_list_losses, pl_orders_find, find_profiles};
     *analysis = (pl_sweep_analysis){.results = results};
     pl_status status = pl_sweep_gather(results, analysis, error);
     for (size_t i = 0; i < sizeof steps / sizeof steps[0] && status == PL_OK; ++i) {

@@ -35,8 +35,8 @@ static void name_scene(pl_sweep_scene *scene)
         }
     }
     if (seed != 0 && used < size) {
-        used += (size_t)snprintf(scene->name + used, size - used, " seed=%" JSON_INTEGER_FORMAT,
-                                 seed);
+        used +=
+            (size_t)snprintf(scene->name + used, size - used, " seed=%" JSON_INTEGER_FORMAT, seed);
     }
     if (json_is_integer(member) && used < size) {
         snprintf(scene->name + used, size - used, " member=%" JSON_INTEGER_FORMAT,

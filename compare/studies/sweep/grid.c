@@ -337,9 +337,9 @@ pl_status pl_grid_list(const pl_plan *plan, const char *path, pl_error *error)
         pl_result_add_line(&text, identity);
         json_decref(identity);
     }
-    pl_status status = text.failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for the plan")
-                                   : pl_write_text(path, text.data == NULL ? "" : text.data,
-                                                   text.length, error);
+    pl_status status =
+        text.failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for the plan")
+                    : pl_write_text(path, text.data == NULL ? "" : text.data, text.length, error);
     pl_text_free(&text);
     return status;
 }

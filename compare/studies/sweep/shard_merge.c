@@ -191,10 +191,9 @@ pl_status pl_merge_write(const pl_merge *merge, const char *path, pl_error *erro
     {
         pl_result_add_line(&text, result);
     }
-    pl_status status = text.failed
-                           ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path)
-                           : pl_write_text(path, text.data == NULL ? "" : text.data, text.length,
-                                           error);
+    pl_status status =
+        text.failed ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path)
+                    : pl_write_text(path, text.data == NULL ? "" : text.data, text.length, error);
     pl_text_free(&text);
     return status;
 }
