@@ -1,5 +1,4 @@
-/* Narrow phase of boxes: rejection by the margin, both orders of the shapes, and ranges of margins.
- */
+/* Narrow phase of boxes: rejection by the margin, order of the shapes, and ranges of margins. */
 #include "check.h"
 #include "collide_convex.h"
 #include "placed_shape.h"
@@ -73,8 +72,7 @@ static void test_pair_is_rejected_exactly_beyond_the_margin(void **state)
             assert_int_equal(manifold.count, 0);
             apart += 1;
         } else if (truth < margin - 1e-12 && truth < 0) {
-            /* The gap may be between a face and the side of the other box: no point faces the face.
-             */
+            /* The gap may be between a face and a side of the other box: no point faces it. */
             assert_true(manifold.count > 0);
             near += 1;
         }

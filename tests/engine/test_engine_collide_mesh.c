@@ -1,5 +1,4 @@
-/* Narrow phase of meshes: edges inside a face must not be felt, and both walls of a corner must be.
- */
+/* Narrow phase of meshes: no contact with edges inside a face, but with both walls of a corner. */
 #include "check.h"
 #include "counting_allocator.h"
 #include "mesh_for_tests.h"
@@ -249,8 +248,7 @@ static void test_linked_rings_are_never_pulled_through_each_other(void **state)
     free_geometry(g);
 }
 
-/* A vertex of a torus in the face of a cube: its depth below the face is computed without a tree.
- */
+/* A vertex of a torus in the face of a cube: its depth is computed without a tree. */
 static void test_torus_on_cube_is_deep_as_lowest_vertex(void **state)
 {
     (void)state;

@@ -20,8 +20,7 @@ static void check_points(const polytope_core *a, const polytope_core *b,
         assert_true(pe_is_finite(point->position) && isfinite(point->separation));
         pe_vec3 on_a = pe_madd(point->position, -0.5 * point->separation, manifold->normal);
         pe_vec3 on_b = pe_madd(point->position, 0.5 * point->separation, manifold->normal);
-        /* The sideways position of nearest points far apart is only known to the root of rounding.
-         */
+        /* Sideways, nearest points far apart are only known to the root of rounding. */
         double sideways = 2e-8 * size + 2e-8 * pe_max(0, point->separation);
         assert_at_most(core_outside(a, on_a), sideways);
         assert_at_most(core_outside(b, on_b), sideways);

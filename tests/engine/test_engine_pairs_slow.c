@@ -1,5 +1,4 @@
-/* Narrow phase: the laws of contact of all pairs of shapes without a mesh, over many poses of each.
- */
+/* Narrow phase: the laws of contact of all pairs without a mesh, over many poses of each. */
 #include "shape_pairs_laws.h"
 
 int main(void)

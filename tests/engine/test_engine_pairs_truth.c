@@ -1,5 +1,4 @@
-/* The references of the narrow phase's tests, against closed forms, sweeps, each other and libccd.
- */
+/* References of the narrow phase's tests, against closed forms, sweeps, each other and libccd. */
 #include "mesh_truth.h"
 
 #include <ccd/ccd.h>

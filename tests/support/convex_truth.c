@@ -241,8 +241,7 @@ static pe_vec3 nearest_of_segment(pe_vec3 p, pe_vec3 q)
     return pe_madd(p, pe_min(1, pe_max(0, t)), side);
 }
 
-/* Whether the triangle of points of M comes nearer to the origin than any before; if so it is kept.
- */
+/* Whether the triangle of points of M is nearer to the origin than any before; then it is kept. */
 static bool comes_nearer(search *s, pe_vec3 a, pe_vec3 b, pe_vec3 c)
 {
     const pe_vec3 v[3] = {a, b, c};

@@ -5,8 +5,7 @@
 
 #include "placed_shape.h"
 
-/* The extent (m) of a sphere, box, capsule or cylinder from its centre along the unit direction d.
- */
+/* The extent (m) of a sphere, box, capsule or cylinder from its centre along the direction d. */
 double reach_along(const placed_shape *b, pe_vec3 d);
 
 /* The separation (m) of such shapes along the unit direction d, from a to b. */

@@ -116,8 +116,7 @@ static double triangle_triangle(const triangle *t, const triangle *o)
 
 static double to_surfaces(const soup *a, const soup *b)
 {
-    /* The centres lie on the surfaces, so that triangles farther by both radii need not be tested.
-     */
+    /* The centres lie on the surfaces: triangles farther by both radii need not be tested. */
     double least = HUGE_VAL;
     for (int i = 0; i < a->count * b->count; ++i) {
         pe_vec3 d = pe_sub(b->item[i % b->count].centre, a->item[i / b->count].centre);

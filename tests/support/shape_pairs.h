@@ -28,8 +28,7 @@ typedef struct shape_pool {
 } shape_pool;
 
 /* Lengths of 0.1 to 10 m, aspect ratios up to 20, in a tenth of the solids up to 1000. The same
- * seed gives the same pool. NULL: out of memory, or the engine refused a surface, which is printed.
- */
+ * seed gives the same pool. NULL: out of memory, or the engine refused a surface; it is printed. */
 shape_pool *shape_pool_create(uint64_t seed);
 void shape_pool_destroy(shape_pool *pool);
 

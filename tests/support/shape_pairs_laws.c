@@ -201,9 +201,8 @@ static placed moved_a_little(trial *t, double step)
     return b;
 }
 
-/* The depth of an overlap with a hollow solid jumps from pose to pose, and where it does, either
- * value is right: whether some pose within the slack of the pair's, 1e-8 of the size, has this one.
- */
+/* Whether some pose within the slack of the pair's, 1e-8 of the size, has this separation. The
+ * depth of an overlap with a hollow solid jumps between poses. At a jump either value is right. */
 static bool jumps_to(trial *t, double separation, double within)
 {
     enum { TRIES = 200 };

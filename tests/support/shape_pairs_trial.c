@@ -144,8 +144,7 @@ static int run_pair(trial *t, const char *name, law *holds, pe_shape_kind a, pe_
     return failures > known ? failures - known : 0;
 }
 
-/* Whether the environment selects this pair of kinds, as in PLUMB_TEST_PAIR="box x hull", or none.
- */
+/* Whether the environment selects this pair of kinds, as in PLUMB_TEST_PAIR="box x hull". */
 static bool is_asked_for(int a, int b)
 {
     const char *wanted = getenv("PLUMB_TEST_PAIR");

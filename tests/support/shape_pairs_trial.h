@@ -20,8 +20,7 @@ typedef struct trial {
 /* Returns whether it holds. */
 typedef bool law(trial *t);
 
-/* The results of a law: false, with the value found; whether it is near; true, counted as skipped.
- */
+/* Results of a law: false, with the value found; whether it is near; true, counted as skipped. */
 bool fails(trial *t, const char *what, double found, double expected);
 bool is_near(trial *t, const char *what, double found, double expected, double within);
 bool skips(trial *t);

@@ -251,8 +251,7 @@ static bool find_corners(surface *s)
 }
 
 /* Decides whether the solid is convex, and finds its faces' corners if so. PE_BAD_ARGUMENT: it is
- * not, but must be. A closed surface of one piece without a dent is convex (van Heijenoort 1952).
- */
+ * not, but must be. A closed connected surface without dents is convex (van Heijenoort 1952). */
 static pe_status find_convex(surface *s, bool must)
 {
     pe_geometry *g = s->g;

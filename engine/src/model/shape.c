@@ -139,41 +139,37 @@ static bool is_length(double x)
 pe_status pe_shape_check(const pe_shape *shape, pe_error *error)
 {
     pe_vec3 e = shape->half_extents;
+    double length = pe_length(shape->normal), r = shape->radius, half = shape->half_height;
     switch (shape->kind) {
     case PE_SHAPE_PLANE:
-        if (!(fabs(pe_length(shape->normal) - 1) <= 1e-9) || !isfinite(shape->offset)) {
-            return pe_fail(error, PE_BAD_ARGUMENT,
-                           "plane: expected a unit normal and a finite offset, found a normal of "
-                           "length %.17g, offset %g",
-                           pe_length(shape->normal), shape->offset);
-        }
-        return PE_OK;
+        return fabs(length - 1) <= 1e-9 && isfinite(shape->offset)
+                   ? PE_OK
+                   : pe_fail(error, PE_BAD_ARGUMENT,
+                             "plane: expected a unit normal and a finite offset, found a normal "
+                             "of length %.17g, offset %g",
+                             length, shape->offset);
     case PE_SHAPE_SPHERE:
-        if (!is_length(shape->radius)) {
-            return pe_fail(error, PE_BAD_ARGUMENT, "sphere: expected a radius above 0, found %g",
-                           shape->radius);
-        }
-        return PE_OK;
+        return is_length(r) ? PE_OK
+                            : pe_fail(error, PE_BAD_ARGUMENT,
+                                      "sphere: expected a radius above 0, found %g", r);
     case PE_SHAPE_CAPSULE:
     case PE_SHAPE_CYLINDER:
-        if (!is_length(shape->radius) || !is_length(shape->half_height)) {
-            return pe_fail(error, PE_BAD_ARGUMENT,
-                           "%s: expected a radius and a half height above 0, found %g, %g",
-                           shape->kind == PE_SHAPE_CAPSULE ? "capsule" : "cylinder", shape->radius,
-                           shape->half_height);
-        }
-        return PE_OK;
+        return is_length(r) && is_length(half)
+                   ? PE_OK
+                   : pe_fail(error, PE_BAD_ARGUMENT,
+                             "%s: expected a radius and a half height above 0, found %g, %g",
+                             shape->kind == PE_SHAPE_CAPSULE ? "capsule" : "cylinder", r, half);
+    case PE_SHAPE_BOX:
+        return is_length(e.x) && is_length(e.y) && is_length(e.z)
+                   ? PE_OK
+                   : pe_fail(error, PE_BAD_ARGUMENT,
+                             "box: expected half extents above 0, found (%g, %g, %g)", e.x, e.y,
+                             e.z);
     case PE_SHAPE_HULL:
     case PE_SHAPE_MESH:
         return PE_OK; /* checked when it was made */
     case PE_SHAPE_COUNT:
         break;
-    case PE_SHAPE_BOX:
-        if (!is_length(e.x) || !is_length(e.y) || !is_length(e.z)) {
-            return pe_fail(error, PE_BAD_ARGUMENT,
-                           "box: expected half extents above 0, found (%g, %g, %g)", e.x, e.y, e.z);
-        }
-        return PE_OK;
     }
     return pe_fail(error, PE_BAD_ARGUMENT, "unknown shape kind %d", (int)shape->kind);
 }

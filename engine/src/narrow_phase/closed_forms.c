@@ -120,8 +120,7 @@ void pe_collide_plane_hull(pe_placed plane, pe_placed hull, double margin,
 
 /* ---- A sphere ---- */
 
-/* One point on the line of least distance, if within the margin. `normal` points out of the sphere.
- */
+/* Adds the point of a sphere, if within the margin. `normal` points out of the sphere. */
 static void touch_sphere(pe_placed sphere, double separation, double margin, pe_vec3 normal,
                          pe_pair_manifold *manifold)
 {

@@ -22,8 +22,7 @@ static inline void pe_candidates_clear(pe_candidates *found)
     found->least = HUGE_VAL;
 }
 
-/* Adds a point, with its `middle` between the surfaces in the axes of the pose. There must be room.
- */
+/* Adds a point; there must be room. `middle`: between the surfaces, in the axes of the pose. */
 void pe_candidates_add(pe_candidates *found, const pe_pose *pose, pe_vec3 middle, double separation,
                        uint64_t feature);
 

@@ -405,7 +405,7 @@ static bool reference_of_edges(const box_pair *p, axis_choice face_a, axis_choic
 static reference reference_of_faces(const box_pair *p, axis_choice face_a, axis_choice face_b,
                                     bool of_b, pe_vec3 n, double bias)
 {
-    double cosine = p->a.r[face_a.i][face_b.i]; /* of the axes; of the normals but for the sides */
+    double cosine = p->a.r[face_a.i][face_b.i]; /* of the axes; of the normals up to the sign */
     bool same_side = (p->a.offset[face_a.i] < 0) == (p->b.offset[face_b.i] < 0);
     bool flat = (same_side ? -cosine : cosine) >= PE_REFERENCE_COSINE;
     if (of_b && (!flat || face_b.separation > face_a.separation + bias)) {

@@ -62,9 +62,8 @@ typedef struct pe_separation {
     pe_vec3 normal;  /* unit, in a's axes, from a to b */
     enum { PE_OF_FACE_A, PE_OF_FACE_B, PE_OF_EDGES, PE_OF_POINTS } kind;
     int a, b; /* the face; the edge of each */
-    /* Except of edges: nearest points along the normal, in a's axes; the point of a face may lie
-     * outside the face. And the first and last of the vertices that they lie among (0 for a face).
-     */
+    /* Except of edges: nearest points along the normal, in a's axes (the point of a face may lie
+     * outside it), and the first and last of the vertices that they lie among (0 for a face). */
     pe_vec3 on_a, on_b;
     int ends_a[2], ends_b[2];
 } pe_separation;

@@ -119,8 +119,7 @@ static pe_vec3 gradient(const search *s, const view *v, double sign_a, double si
 /* Newton's step on the sphere: solves (R_A/s_A p p^T + R_B/s_B q q^T + s I) x = g across d, where p
  * and q are the rims' tangents. Either of its principal parts is at most `trust`, and as much
  * uphill where the matrix is not positive. Near an axis, or where the rims are nearly tangent, the
- * two curvatures differ by many powers of ten: the lesser one is computed from the product of both.
- */
+ * two curvatures differ by many powers of ten. The lesser one is computed from their product. */
 static pe_vec3 newton_step(const search *s, const view *v, pe_vec3 g, double trust, bool *is_cut)
 {
     pe_vec3 t1, t2;

@@ -42,8 +42,7 @@ static facing facing_edge(const pe_polytope *p, int index, pe_vec3 d)
     return (facing){p, NULL, edge->vertex, across ? 2 : 0, p->face_count + index};
 }
 
-/* The edge at the vertex that lies most nearly across d, and of those most nearly along the axis.
- */
+/* The edge at the vertex that is most nearly across d, and of those most nearly along the axis. */
 static int edge_at(const pe_polytope *p, int vertex, pe_vec3 d, pe_vec3 axis)
 {
     int best = -1;

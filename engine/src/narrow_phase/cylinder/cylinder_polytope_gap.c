@@ -101,8 +101,7 @@ static double separation_along(const search *s, pe_vec3 d, int last)
     return pe_dot(d, pe_sub(s->c->centre, s->p->vertices[last])) - pe_cylinder_reach(s->c, d);
 }
 
-/* Offers the separation along d, which the vertex suggested, unless another vertex is farther out.
- */
+/* Offers the separation along d, suggested by the vertex, unless another vertex is farther out. */
 static void offer_from_vertex(search *s, pe_vec3 d, int vertex)
 {
     const pe_vec3 *v = s->p->vertices;
@@ -207,8 +206,7 @@ double pe_cylinder_edge_place(const pe_polytope *p, const pe_cylinder *c, const 
 
 /* Makes the direction exact. Near the transition from one meeting to another both are equally good
  * to rounding, with directions that are only as exact as the root of that. For shapes that are
- * apart, the cylinder's nearest point to the place on the edge, or to the vertex, gives all digits.
- */
+ * apart, the cylinder's nearest point to the edge's place, or to the vertex, gives all digits. */
 static void refine(search *s)
 {
     pe_meeting_gap *best = &s->best;

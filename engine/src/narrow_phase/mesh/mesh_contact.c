@@ -97,8 +97,7 @@ int pe_collide_solid_mesh(pe_placed other, pe_placed mesh, double margin, pe_wor
     pe_solid_pair solids, *pair = &solids;
     pe_solid_pair_make(other, mesh, pair);
     double wanted = margin + pair->radius;
-    /* At least the depth that settles an overlap, so that its touches do not depend on the margin.
-     */
+    /* At least the depth that settles an overlap, so that touches do not depend on the margin. */
     double look = pe_max(wanted * (1 + PE_LOOK_AHEAD) + pair->slack, pair->depth);
     if (!pe_solid_pair_part(pair, wanted + pair->slack)) {
         return 0;

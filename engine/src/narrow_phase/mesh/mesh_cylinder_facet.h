@@ -33,8 +33,7 @@ pe_touch pe_cylinder_touch(const pe_facet *f, int point, pe_vec3 on_a, double he
 void pe_cylinder_touches_on_facet(const pe_cylinder_mesh *pair, const pe_facet *f, double low,
                                   double high, pe_touches *list);
 
-/* The point of the triangle within the cylinder that is nearest to the axis. False: there is none.
- */
+/* The point of the triangle in the cylinder that is nearest to the axis. False: there is none. */
 bool pe_cylinder_facet_point(const pe_cylinder *c, const pe_facet *f, pe_vec3 *x);
 
 /* The distance from a point in the cylinder, along the unit direction n, to its surface. */
@@ -45,7 +44,7 @@ typedef struct pe_cylinder_place {
     enum {
         PE_NOWHERE,      /* the mesh does not face that direction there */
         PE_ON_FACE,      /* along its normal */
-        PE_NEXT_TO_EDGE, /* at an edge or a vertex of a face, along its normal but for
+        PE_NEXT_TO_EDGE, /* at an edge or a vertex of a face, along its normal except for
                             PE_NEXT_TO_FACE */
         PE_AT_EDGE,
         PE_AT_VERTEX

@@ -38,14 +38,14 @@ bool pe_touch_is_blocked(const pe_solid_pair *pair, const pe_touch *touch)
 /* ---- Deep vertices ---- */
 
 /* A face over a vertex. */
-typedef struct roof {
+typedef struct face_above {
     int face; /* -1: none */
     double depth;
     bool strict;
-} roof;
+} face_above;
 
 /* The search for one solid's vertices in the other. */
-typedef struct diver {
+typedef struct vertex_search {
     const pe_solid_pair *pair;
     bool of_a; /* the vertices are a's */
     const pe_solid *of, *in;
@@ -53,19 +53,18 @@ typedef struct diver {
     bool *visited;
     int *stack, depth;
     pe_touches *list;
-} diver;
+} vertex_search;
 
 /* The nearest face over the vertex at x, in the axes of `in`, that the vertex faces. A face on the
- * far side from where it came in does not count: the nearest face of all then looks the other way.
- */
-static roof nearest_face(const diver *d, int vertex, pe_vec3 x)
+ * far side does not count: the nearest face of all then looks the other way. */
+static face_above nearest_face(const vertex_search *d, int vertex, pe_vec3 x)
 {
-    roof found = {-1, HUGE_VAL, false}, nearest = found;
+    face_above found = {-1, HUGE_VAL, false}, nearest = found;
     pe_facet_walk walk;
     pe_facet facet;
     pe_walk_near_point(d->in, x, &walk);
     while (pe_walk_next(&walk, found.depth, &facet)) {
-        roof here = {facet.face, facet.offset - pe_dot(facet.normal, x), false};
+        face_above here = {facet.face, facet.offset - pe_dot(facet.normal, x), false};
         if (!(here.depth > 0) || here.depth >= found.depth ||
             !pe_facet_contains(&facet, x, d->pair->slack)) {
             continue;
@@ -84,7 +83,7 @@ static roof nearest_face(const diver *d, int vertex, pe_vec3 x)
     return found;
 }
 
-static void visit(diver *d, int vertex)
+static void visit(vertex_search *d, int vertex)
 {
     if (!d->visited[vertex]) {
         d->visited[vertex] = true;
@@ -93,7 +92,7 @@ static void visit(diver *d, int vertex)
 }
 
 /* Adds the touch of a vertex and the face over it. */
-static void add_deep(const diver *d, int vertex, pe_vec3 x, const roof *over)
+static void add_deep(const vertex_search *d, int vertex, pe_vec3 x, const face_above *over)
 {
     const pe_transform *placed = &d->pair->trees.a_in_b;
     pe_vec3 n = d->in->faces[over->face].normal;
@@ -107,7 +106,7 @@ static void add_deep(const diver *d, int vertex, pe_vec3 x, const roof *over)
 }
 
 /* Follows the edges from the visited vertices as long as they lie inside. */
-static void dive(diver *d)
+static void follow_edges(vertex_search *d)
 {
     const pe_solid *of = d->of;
     while (d->depth > 0) {
@@ -116,7 +115,7 @@ static void dive(diver *d)
         if (!pe_solid_contains(d->in, x)) {
             continue;
         }
-        roof over = nearest_face(d, vertex, x);
+        face_above over = nearest_face(d, vertex, x);
         if (over.face >= 0) {
             add_deep(d, vertex, x, &over);
         }
@@ -128,7 +127,7 @@ static void dive(diver *d)
 }
 
 /* False: out of memory. */
-static bool begin(diver *d)
+static bool begin(vertex_search *d)
 {
     size_t count = (size_t)d->of->vertex_count;
     d->visited = pe_take(d->list->work, count, sizeof *d->visited);
@@ -142,7 +141,8 @@ static bool begin(diver *d)
 
 /* Visits corners that lie farther behind the other triangle than `depth`, but not past all of its
  * solid. */
-static void visit_behind(diver *d, const pe_facet *facet, const double height[3], double depth)
+static void visit_behind(vertex_search *d, const pe_facet *facet, const double height[3],
+                         double depth)
 {
     const pe_bvh_pair *trees = &d->pair->trees;
     for (int k = 0; k < 3; ++k) {
@@ -153,19 +153,19 @@ static void visit_behind(diver *d, const pe_facet *facet, const double height[3]
     }
 }
 
-typedef struct divers {
-    diver a, b;
+typedef struct vertex_searches {
+    vertex_search a, b;
     double depth;
-} divers;
+} vertex_searches;
 
 static void visit_crossing(void *context, const pe_crossing *c)
 {
-    divers *d = context;
+    vertex_searches *d = context;
     visit_behind(&d->a, c->a, c->heights->above_b, d->depth);
     visit_behind(&d->b, c->b, c->heights->above_a, d->depth);
 }
 
-static void visit_all(diver *d)
+static void visit_all(vertex_search *d)
 {
     for (int v = 0; v < d->of->vertex_count; ++v) {
         visit(d, v);
@@ -174,7 +174,7 @@ static void visit_all(diver *d)
 
 void pe_touches_find_deep(const pe_solid_pair *pair, double depth, bool all, pe_touches *list)
 {
-    divers d = {
+    vertex_searches d = {
         .a = {pair, true, &pair->a, &pair->b, &pair->trees.a_in_b, .list = list},
         .b = {pair, false, &pair->b, &pair->a, &pair->b_in_a, .list = list},
         .depth = depth,
@@ -188,9 +188,9 @@ void pe_touches_find_deep(const pe_solid_pair *pair, double depth, bool all, pe_
     } else {
         pe_each_crossing(pair, visit_crossing, &d);
     }
-    dive(&d.a);
+    follow_edges(&d.a);
     if (!pair->a.core) {
-        dive(&d.b);
+        follow_edges(&d.b);
     }
 }
 
@@ -308,8 +308,7 @@ static pe_touch touch_at(const pe_solid_pair *pair, pe_vec3 n, double most, pe_v
                          pe_madd(where, in_a, n), n, -in_a - in_b - pair->radius);
 }
 
-/* A feature id beyond those of vertices, and not in the list: two curves may cross the same faces.
- */
+/* A feature id beyond those of vertices, not in the list: two curves may cross the same faces. */
 static uint64_t feature_of_curve(const pe_solid_pair *pair, const curve *c, const pe_touches *list)
 {
     int second = pair->b.vertex_count + 1 + c->face_b;
@@ -324,8 +323,7 @@ static uint64_t feature_of_curve(const pe_solid_pair *pair, const curve *c, cons
     return feature;
 }
 
-/* Adds the touch of the curve that starts with segment `first`. False: the curve has no direction.
- */
+/* Adds the touch of the curve with the first segment `first`. False: it has no direction. */
 static bool part_by_curve(const pe_solid_pair *pair, const segments *s, int first, pe_touches *list)
 {
     curve c = measure_curve(s, first);

@@ -151,8 +151,7 @@ void pe_facet_ridges(const pe_solid *solid, const pe_transform *placed, pe_facet
     }
 }
 
-/* The distance of x inside the edge from corner k, along the plane, times the length of the edge.
- */
+/* The distance of x inside the edge from corner k, along the plane, times the edge's length. */
 static double inset(const pe_facet *facet, int k, pe_vec3 x, double *length2)
 {
     pe_vec3 from = facet->x[k], u = pe_sub(facet->x[k < 2 ? k + 1 : 0], from);

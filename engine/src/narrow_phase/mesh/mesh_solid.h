@@ -69,16 +69,13 @@ void pe_solid_facet(const pe_solid *solid, int triangle, pe_facet *facet);
 void pe_solid_facet_placed(const pe_solid *solid, const pe_transform *placed, int triangle,
                            pe_facet *facet);
 
-/* Fills the facet's ridges, if not done before. `placed` as it was made; NULL: in the solid's axes.
- */
+/* Fills the facet's ridges, if not done before. `placed`: as it was made; NULL: not placed. */
 void pe_facet_ridges(const pe_solid *solid, const pe_transform *placed, pe_facet *facet);
 
-/* Whether x, projected onto the facet's plane, lies on the facet or at most `slack` beyond its rim.
- */
+/* Whether x, projected onto the facet's plane, lies on it or at most `slack` beyond its rim. */
 bool pe_facet_contains(const pe_facet *facet, pe_vec3 x, double slack);
 
-/* The same, also for x behind the face across a dent, by at most `past`, where the solid goes on.
- */
+/* The same, also for x behind the face across a dent by at most `past`: the solid goes on there. */
 typedef enum pe_facet_side { PE_OFF_FACET, PE_ON_FACET, PE_BEHIND_DENT } pe_facet_side;
 pe_facet_side pe_facet_contains_dented(const pe_solid *solid, const pe_transform *placed,
                                        const pe_facet *facet, pe_vec3 x, double slack, double past);

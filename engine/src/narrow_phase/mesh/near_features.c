@@ -4,8 +4,7 @@
  * For the nearest points, pairs of triangles are taken from the trees, near ones first, while their
  * boxes are within the least distance so far. Two triangles that do not cross are nearest at a
  * vertex of one and the interior of the other, or on two edges (Larsen, Gottschalk, Lin, Manocha
- * 1999). Of the edges the convex ones suffice, for no point outside a solid is nearest to a dent.
- */
+ * 1999). Convex edges suffice, for no point outside a solid is nearest to a dent. */
 #include "near_features.h"
 
 #include "narrow_phase/tolerances.h"
@@ -238,8 +237,7 @@ static void offer_vertices(search *s, pe_touch_kind kind, const pe_facet *of, co
     }
 }
 
-/* The least height if all are on one side, else 0: no point of the triangle is nearer to the plane.
- */
+/* The least height if all are on one side, else 0: a bound of the distance from the plane. */
 static double least_height(const double height[3])
 {
     double least = pe_min(height[0], pe_min(height[1], height[2]));

@@ -22,8 +22,7 @@ typedef struct pe_nearest {
 /* Searches nearest points within `bound` (m). */
 pe_nearest pe_solids_nearest(const pe_solid_pair *pair, double bound);
 
-/* Whether another part of the surface lies between a face and the vertex under it that touches it.
- */
+/* Whether another part of the surface lies between a face and the vertex below that touches it. */
 bool pe_touch_is_blocked(const pe_solid_pair *pair, const pe_touch *touch);
 
 /* Adds the vertices of either solid that lie deeper in the other one than `depth`, as far as they

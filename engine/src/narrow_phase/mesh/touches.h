@@ -1,5 +1,4 @@
-/* Touches: pairs of features of two solids that touch or are near, and the manifolds made of them.
- */
+/* Touches, which are pairs of features that touch or are near, and the manifolds made of them. */
 #ifndef PE_TOUCHES_H
 #define PE_TOUCHES_H
 
