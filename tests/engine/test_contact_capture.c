@@ -1,5 +1,5 @@
-/* Contact problems captured from a world: they are the step's own, and taking them changes nothing.
- */
+/* Contact problems captured from a world: they are those of the next step, and capturing changes
+ * nothing. */
 #include "check.h"
 #include "contact_problem_for_tests.h"
 #include "counting_allocator.h"
@@ -11,7 +11,7 @@
 
 enum { BODIES = 12 };
 
-/* A tower of six with a box thrown at it, and apart from it spheres that lie and roll. */
+/* A tower of six hit by a box, and away from it spheres that rest and roll. */
 static pe_world *make_scene(const pe_world_def *def, pe_body_id ids[BODIES])
 {
     pe_world *world = make_world(def);
@@ -61,8 +61,8 @@ static void assert_velocities(const pe_world *world, pe_body_id id, const double
     }
 }
 
-/* How many of the problems' bodies have the velocities of the step; fails for one that has not.
- * Problems that one of the two did not solve are passed over. */
+/* The number of bodies of the problems that have the velocities of the step; fails for one that has
+ * others. Problems that one of the two did not solve are skipped. */
 static int count_equal(const pe_world *world, pe_contact_problem *const *problems, int count)
 {
     const pe_solve_limits limits = {.tolerance = 1e-12, .max_iterations = 100000};
@@ -80,7 +80,7 @@ static int count_equal(const pe_world *world, pe_contact_problem *const *problem
     return equal;
 }
 
-static void test_captured_problem_gives_the_step_velocities(void **state)
+static void test_captured_problem_gives_the_velocities_of_the_step(void **state)
 {
     (void)state;
     enum { STEPS = 30, ALL = 7 };
@@ -110,11 +110,11 @@ static void test_captured_problem_gives_the_step_velocities(void **state)
         equal += stats.unconverged_islands == 0 ? count_equal(world, problems, count) : 0;
         pe_contact_problems_destroy(problems, count);
     }
-    assert_true(equal >= STEPS * ALL * 2 / 3); /* enough of them were solved to be compared */
+    assert_true(equal >= STEPS * ALL * 2 / 3); /* most of them were solved and compared */
     pe_world_destroy(world);
 }
 
-static void test_captured_problems_contain_all_contacts_and_islands(void **state)
+static void test_capture_holds_every_contact_and_island(void **state)
 {
     (void)state;
     pe_body_id ids[BODIES];
@@ -139,7 +139,7 @@ static void test_captured_problems_contain_all_contacts_and_islands(void **state
     pe_world_destroy(world);
 }
 
-static void test_captured_problem_has_the_warm_start_impulses(void **state)
+static void test_capture_holds_the_warm_start(void **state)
 {
     (void)state;
     pe_body_id ids[6];
@@ -147,18 +147,18 @@ static void test_captured_problem_has_the_warm_start_impulses(void **state)
     add_tower(world, 6, add_material(world, 0.5, 0), ids);
     step(world, STEP);
     int count;
-    double carried = 0;
+    double sum = 0;
     pe_contact_problem **problems = capture(world, STEP, &count);
     assert_int_equal(count, 1);
     for (int j = 0; j < problems[0]->manifolds[0].count; ++j) {
-        carried += problems[0]->points[j].impulse[0];
+        sum += problems[0]->points[j].impulse[0];
     }
-    assert_close(carried, 6 * GRAVITY * STEP, 1e-6, 0);
+    assert_close(sum, 6 * GRAVITY * STEP, 1e-6, 0);
     pe_contact_problems_destroy(problems, count);
     pe_world_destroy(world);
 }
 
-static void test_capturing_leaves_the_steps_as_they_were(void **state)
+static void test_capturing_does_not_change_the_steps(void **state)
 {
     (void)state;
     pe_body_id ids[BODIES], twin_ids[BODIES];
@@ -203,7 +203,7 @@ static void test_without_contact_there_is_no_problem(void **state)
     pe_world_destroy(world);
 }
 
-static void test_one_problem_can_be_kept_of_many(void **state)
+static void test_one_of_many_problems_can_be_kept(void **state)
 {
     (void)state;
     pe_body_id ids[BODIES];
@@ -219,8 +219,7 @@ static void test_one_problem_can_be_kept_of_many(void **state)
     pe_world_destroy(world);
 }
 
-/* ---- Memory ------------------------------------------------------------------------------------
- */
+/* ---- Memory ---- */
 
 static void test_failed_capture_does_not_change_the_steps(void **state)
 {
@@ -260,12 +259,12 @@ static void test_failed_capture_does_not_change_the_steps(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_captured_problem_gives_the_step_velocities),
-        cmocka_unit_test(test_captured_problems_contain_all_contacts_and_islands),
-        cmocka_unit_test(test_captured_problem_has_the_warm_start_impulses),
-        cmocka_unit_test(test_capturing_leaves_the_steps_as_they_were),
+        cmocka_unit_test(test_captured_problem_gives_the_velocities_of_the_step),
+        cmocka_unit_test(test_capture_holds_every_contact_and_island),
+        cmocka_unit_test(test_capture_holds_the_warm_start),
+        cmocka_unit_test(test_capturing_does_not_change_the_steps),
         cmocka_unit_test(test_without_contact_there_is_no_problem),
-        cmocka_unit_test(test_one_problem_can_be_kept_of_many),
+        cmocka_unit_test(test_one_of_many_problems_can_be_kept),
         cmocka_unit_test(test_failed_capture_does_not_change_the_steps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,4 +1,4 @@
-/* Contact problems as data: what solvers make of them, and that nothing bad gets to a solver. */
+/* Contact problems as data: the solutions of all solvers, and the refusal of bad problems. */
 #include "check.h"
 #include "contact_problem_for_tests.h"
 #include "counting_allocator.h"
@@ -31,7 +31,7 @@ static const double (*velocities_of(const pe_contact_solution *s))[6]
     return (const double(*)[6])s->velocities;
 }
 
-/* Applies a law to what every solver makes of the problem, and destroys it. */
+/* Checks a law on the solution of every solver, and destroys the problem. */
 static void for_every_solver(pe_contact_problem *problem,
                              void (*law)(const pe_contact_problem *problem,
                                          const pe_contact_solution *solution))
@@ -50,13 +50,12 @@ static void for_every_solver(pe_contact_problem *problem,
     pe_contact_problem_destroy(problem);
 }
 
-/* ---- Solutions ---------------------------------------------------------------------------------
- */
+/* ---- Solutions ---- */
 
 static void carries_its_weight(const pe_contact_problem *problem,
                                const pe_contact_solution *solution)
 {
-    double weight = 0, carried = 0;
+    double weight = 0, sum = 0;
     for (int i = 0; i < problem->body_count; ++i) {
         weight += problem->bodies[i].mass * GRAVITY * STEP;
         for (int k = 0; k < 6; ++k) {
@@ -64,19 +63,19 @@ static void carries_its_weight(const pe_contact_problem *problem,
         }
     }
     for (int k = 0; k < 4; ++k) {
-        carried += solution->impulses[k][0];
+        sum += solution->impulses[k][0];
     }
-    assert_close(carried, weight, 1e-8 * weight, 0);
+    assert_close(sum, weight, 1e-8 * weight, 0);
 }
 
-static void test_resting_box_gets_its_weight_by_every_solver(void **state)
+static void test_every_solver_carries_a_resting_box(void **state)
 {
     (void)state;
     for_every_solver(problem_of_box_on_floor(3, 0.5), carries_its_weight);
     for_every_solver(problem_of_box_on_floor(3, 0), carries_its_weight);
 }
 
-static void test_floor_supports_the_tower_by_every_solver(void **state)
+static void test_every_solver_carries_a_tower(void **state)
 {
     (void)state;
     const double masses[] = {1, 2, 5};
@@ -92,7 +91,7 @@ static void slows_by_mu_g(const pe_contact_problem *problem, const pe_contact_so
     }
 }
 
-static void test_sliding_box_decelerates_correctly_by_every_solver(void **state)
+static void test_every_solver_slows_a_sliding_box(void **state)
 {
     (void)state;
     pe_contact_problem *problem = problem_of_box_on_floor(3, 0.5);
@@ -107,7 +106,7 @@ static void leaves_at_the_bias(const pe_contact_problem *problem,
     assert_close(solution->velocities[0][2], 0.25, 1e-9, 0);
 }
 
-static void test_negative_bias_is_the_separation_speed(void **state)
+static void test_negative_bias_is_the_bounce_speed(void **state)
 {
     (void)state;
     pe_contact_problem *problem = problem_of_box_on_floor(3, 0);
@@ -132,7 +131,7 @@ static void test_without_contacts_velocities_stay_free(void **state)
     pe_contact_problem_destroy(problem);
 }
 
-static void test_velocities_follow_from_impulses_by_other_formulas(void **state)
+static void test_velocities_follow_from_impulses_by_independent_formulas(void **state)
 {
     (void)state;
     for (uint64_t seed = 1; seed <= 10; ++seed) {
@@ -150,7 +149,7 @@ static void test_velocities_follow_from_impulses_by_other_formulas(void **state)
     }
 }
 
-static void test_history_runs_from_start_to_solution(void **state)
+static void test_history_has_the_start_and_the_end(void **state)
 {
     (void)state;
     const double masses[] = {1, 1, 1, 1, 1, 1};
@@ -191,7 +190,7 @@ static void test_solution_as_warm_start_needs_no_iteration(void **state)
     pe_contact_problem_destroy(problem);
 }
 
-static void test_zero_iterations_keep_the_warm_start(void **state)
+static void test_zero_iterations_leave_the_warm_start(void **state)
 {
     (void)state;
     pe_contact_problem *problem = problem_of_box_on_floor(3, 0.5);
@@ -230,8 +229,7 @@ static void test_the_problem_is_not_changed_by_solving(void **state)
     pe_contact_problem_destroy(same);
 }
 
-/* ---- Bad calls ---------------------------------------------------------------------------------
- */
+/* ---- Bad calls ---- */
 
 static void check_refused(const pe_contact_problem *problem, const char *solver,
                           pe_solve_limits limits, const char *part)
@@ -281,7 +279,7 @@ static void no_inertia(pe_contact_problem *p)
 }
 static void indefinite_inertia(pe_contact_problem *p)
 {
-    p->bodies[1].inertia[1] = 10; /* xy beyond the root of xx yy */
+    p->bodies[1].inertia[1] = 10; /* xy is above the root of xx yy */
 }
 static void flat_inertia(pe_contact_problem *p)
 {
@@ -421,7 +419,7 @@ static void test_every_bad_number_is_found_and_named(void **state)
     }
 }
 
-static void test_static_body_arms_are_ignored(void **state)
+static void test_arm_of_a_static_body_is_ignored(void **state)
 {
     (void)state;
     pe_contact_problem *problem = problem_of_box_on_floor(1, 0.5);
@@ -430,7 +428,7 @@ static void test_static_body_arms_are_ignored(void **state)
     pe_contact_problem_destroy(problem);
 }
 
-static void test_counts_that_cannot_be_are_refused(void **state)
+static void test_negative_counts_are_refused(void **state)
 {
     (void)state;
     pe_contact_problem *problem = NULL;
@@ -443,10 +441,9 @@ static void test_counts_that_cannot_be_are_refused(void **state)
     pe_contact_problems_destroy(NULL, 0);
 }
 
-/* ---- Memory ------------------------------------------------------------------------------------
- */
+/* ---- Memory ---- */
 
-static void test_every_failed_allocation_is_reported_and_leaks_nothing(void **state)
+static void test_failed_allocation_is_reported_without_leak(void **state)
 {
     (void)state;
     for (int solver = 0; solver < pe_solver_count(); ++solver) {
@@ -484,21 +481,21 @@ static void test_every_failed_allocation_is_reported_and_leaks_nothing(void **st
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_resting_box_gets_its_weight_by_every_solver),
-        cmocka_unit_test(test_floor_supports_the_tower_by_every_solver),
-        cmocka_unit_test(test_sliding_box_decelerates_correctly_by_every_solver),
-        cmocka_unit_test(test_negative_bias_is_the_separation_speed),
+        cmocka_unit_test(test_every_solver_carries_a_resting_box),
+        cmocka_unit_test(test_every_solver_carries_a_tower),
+        cmocka_unit_test(test_every_solver_slows_a_sliding_box),
+        cmocka_unit_test(test_negative_bias_is_the_bounce_speed),
         cmocka_unit_test(test_without_contacts_velocities_stay_free),
-        cmocka_unit_test(test_velocities_follow_from_impulses_by_other_formulas),
-        cmocka_unit_test(test_history_runs_from_start_to_solution),
+        cmocka_unit_test(test_velocities_follow_from_impulses_by_independent_formulas),
+        cmocka_unit_test(test_history_has_the_start_and_the_end),
         cmocka_unit_test(test_solution_as_warm_start_needs_no_iteration),
-        cmocka_unit_test(test_zero_iterations_keep_the_warm_start),
+        cmocka_unit_test(test_zero_iterations_leave_the_warm_start),
         cmocka_unit_test(test_the_problem_is_not_changed_by_solving),
         cmocka_unit_test(test_bad_calls_are_refused_with_what_was_expected),
         cmocka_unit_test(test_every_bad_number_is_found_and_named),
-        cmocka_unit_test(test_static_body_arms_are_ignored),
-        cmocka_unit_test(test_counts_that_cannot_be_are_refused),
-        cmocka_unit_test(test_every_failed_allocation_is_reported_and_leaks_nothing),
+        cmocka_unit_test(test_arm_of_a_static_body_is_ignored),
+        cmocka_unit_test(test_negative_counts_are_refused),
+        cmocka_unit_test(test_failed_allocation_is_reported_without_leak),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* The direct solver and what it combines, on problems with closed forms. */
+/* The direct solvers on problems with closed forms. */
 #include "check.h"
 #include "solving.h"
 
@@ -20,7 +20,7 @@ static double impulse_of(const solving *s, int index, int k)
     return sum;
 }
 
-static void test_a_resting_box_is_carried_by_its_weight(void **state)
+static void test_resting_box_impulse_equals_its_weight(void **state)
 {
     (void)state;
     for (int k = 0; k < ALL_SOLVERS; ++k) {
@@ -40,7 +40,7 @@ static void test_a_resting_box_is_carried_by_its_weight(void **state)
     }
 }
 
-static void test_tower_contact_force_is_the_weight_above(void **state)
+static void test_tower_contact_carries_the_weight_above(void **state)
 {
     (void)state;
     static const int heights[] = {2, 5, 10, 25};
@@ -62,7 +62,7 @@ static void test_tower_contact_force_is_the_weight_above(void **state)
     }
 }
 
-static void test_box_below_the_friction_angle_stays(void **state)
+static void test_box_sticks_below_the_friction_angle(void **state)
 {
     (void)state;
     static const double below[] = {0.3, 1e-2, 1e-4, 1e-6};
@@ -85,7 +85,7 @@ static void test_box_below_the_friction_angle_stays(void **state)
     }
 }
 
-static void test_box_above_the_friction_angle_slides_without_lift(void **state)
+static void test_box_slides_above_the_friction_angle_without_lift(void **state)
 {
     (void)state;
     static const double above[] = {0.5, 0.1, 1e-2, 1e-4, 1e-6};
@@ -173,7 +173,7 @@ test_without_friction_a_tower_slides_off_whole_and_no_impulse_is_tangential(void
     }
 }
 
-static void test_mass_ratio_of_a_million_is_exact(void **state)
+static void test_mass_ratio_of_a_million_converges(void **state)
 {
     (void)state;
     static const double towers[][3] = {{1, 1e6, 1}, {1e6, 1, 1e6}, {1, 1, 1e6}, {1e6, 1e3, 1}};
@@ -181,7 +181,7 @@ static void test_mass_ratio_of_a_million_is_exact(void **state)
         for (int t = 0; t < 4; ++t) {
             solving s;
             pe_contact_problem *source = problem_of_tower(towers[t], 3, 0.5);
-            /* What a million kilograms push with is known to a rounding that moves a kilogram by
+            /* The impulse of a million kilograms is known to a rounding that moves a kilogram by
              * 4e-11 m/s. */
             solve_to(&s, source, &SOLVERS[k], fmax(SOLVERS[k].tolerance, 1e-9));
             double above = 0;
@@ -197,10 +197,10 @@ static void test_mass_ratio_of_a_million_is_exact(void **state)
     }
 }
 
-/* A box whose corners at +x have a gap that closes at the speed `b`: it turns about its corners at
- * -x. With a cube's inertia m/6 the turning alone closes it at 1.2 g h; up to there both sides
+/* A box whose corners at +x have a gap that closes at the speed `b`: it rotates about its corners
+ * at -x. With a cube's inertia m/6 the rotation alone closes it at 1.2 g h; up to there both sides
  * touch and share the impulse as the velocities -b/2 and -b of the two sides ask for. */
-static void test_one_sided_gap_closes_by_rotation(void **state)
+static void test_one_sided_gap_closes_as_rotation_allows(void **state)
 {
     (void)state;
     const double fall = GRAVITY * STEP, mass = 2;
@@ -230,7 +230,7 @@ static void test_one_sided_gap_closes_by_rotation(void **state)
     }
 }
 
-static void test_open_gap_has_no_force_until_closed(void **state)
+static void test_open_gap_carries_nothing_closing_gap_stops(void **state)
 {
     (void)state;
     const double fall = GRAVITY * STEP;
@@ -255,17 +255,17 @@ static void test_open_gap_has_no_force_until_closed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_resting_box_is_carried_by_its_weight),
-        cmocka_unit_test(test_tower_contact_force_is_the_weight_above),
-        cmocka_unit_test(test_box_below_the_friction_angle_stays),
-        cmocka_unit_test(test_box_above_the_friction_angle_slides_without_lift),
+        cmocka_unit_test(test_resting_box_impulse_equals_its_weight),
+        cmocka_unit_test(test_tower_contact_carries_the_weight_above),
+        cmocka_unit_test(test_box_sticks_below_the_friction_angle),
+        cmocka_unit_test(test_box_slides_above_the_friction_angle_without_lift),
         cmocka_unit_test(
             test_the_convex_problem_lifts_what_slides_and_its_shift_takes_the_lift_away),
         cmocka_unit_test(
             test_without_friction_a_tower_slides_off_whole_and_no_impulse_is_tangential),
-        cmocka_unit_test(test_mass_ratio_of_a_million_is_exact),
-        cmocka_unit_test(test_one_sided_gap_closes_by_rotation),
-        cmocka_unit_test(test_open_gap_has_no_force_until_closed),
+        cmocka_unit_test(test_mass_ratio_of_a_million_converges),
+        cmocka_unit_test(test_one_sided_gap_closes_as_rotation_allows),
+        cmocka_unit_test(test_open_gap_carries_nothing_closing_gap_stops),
     };
     return cmocka_run_group_tests_name("engine_direct", tests, NULL, NULL);
 }

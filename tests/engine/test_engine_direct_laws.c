@@ -1,12 +1,11 @@
-/* The direct solver and what it combines: laws that its answers keep where there is no closed form.
- */
+/* The direct solvers where there is no closed form: laws that their solutions obey. */
 #include "check.h"
 #include "solving.h"
 
 #include <math.h>
 #include <string.h>
 
-/* At random, but with v = 0 allowed: no gap is negative. */
+/* A random problem that v = 0 satisfies: no gap is negative. */
 static pe_contact_problem *feasible_problem(uint64_t seed, int bodies, int manifolds)
 {
     pe_contact_problem *problem = problem_at_random(seed, bodies, manifolds);
@@ -17,7 +16,7 @@ static pe_contact_problem *feasible_problem(uint64_t seed, int bodies, int manif
     return problem;
 }
 
-/* Coulomb's laws by other formulas, where the solver says that it has solved it. */
+/* Coulomb's laws by independent formulas, where the solver reports convergence. */
 static void
 test_what_is_called_solved_obeys_coulomb_and_the_residual_is_that_of_the_impulses(void **state)
 {
@@ -50,7 +49,7 @@ test_what_is_called_solved_obeys_coulomb_and_the_residual_is_that_of_the_impulse
 }
 
 /* Karush, Kuhn and Tucker of min 1/2 |v - v*|_M^2 with z = u + shift n in K*: p in K, z in K*, p
- * and z perpendicular, and v the velocities of p, which `reference_` works out anew. */
+ * and z perpendicular, and v the velocities of p, which `reference_` computes again. */
 static double convex_fault(const pe_contact_problem *source, const pe_problem *problem,
                            const double *shift)
 {
@@ -71,11 +70,10 @@ static double convex_fault(const pe_contact_problem *source, const pe_problem *p
     return worst;
 }
 
-static void test_interior_point_solution_is_optimal_to_tolerance(void **state)
+static void test_interior_point_is_optimal_to_its_tolerance(void **state)
 {
     (void)state;
-    static const double tolerances[] = {1e-3,
-                                        1e-4}; /* below 1e-5 it loses its way: see its header */
+    static const double tolerances[] = {1e-3, 1e-4}; /* below 1e-5 it may fail: see its header */
     for (int t = 0; t < 2; ++t) {
         double worst = 0;
         for (uint64_t seed = 1; seed <= 40; ++seed) {
@@ -95,7 +93,7 @@ static void test_interior_point_solution_is_optimal_to_tolerance(void **state)
                 fail_msg("seed %d: stopped by %d after %d iterations", (int)seed,
                          (int)s.report.stop, s.report.iterations);
             }
-            /* Natural maps bound these to within a factor of the cone and of the sizes. */
+            /* The natural map bounds these up to a factor of the cone and the sizes. */
             double fault = convex_fault(source, &s.problem, shift);
             assert_at_most(fault, 10 * tolerances[t]);
             worst = fmax(worst, fault);
@@ -183,7 +181,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(
             test_what_is_called_solved_obeys_coulomb_and_the_residual_is_that_of_the_impulses),
-        cmocka_unit_test(test_interior_point_solution_is_optimal_to_tolerance),
+        cmocka_unit_test(test_interior_point_is_optimal_to_its_tolerance),
         cmocka_unit_test(test_manifolds_left_out_get_no_impulse),
         cmocka_unit_test(test_shifts_are_mu_times_the_slip),
     };

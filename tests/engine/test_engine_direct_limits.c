@@ -1,11 +1,11 @@
-/* The direct solver and what it combines, where they must give up. */
+/* The direct solvers at their limits: iterations, NaN, memory. */
 #include "check.h"
 #include "solving.h"
 
 #include <math.h>
 #include <string.h>
 
-/* A problem that takes many iterations: a tower of heavy on light, pushed. */
+/* A problem that takes many iterations: a pushed tower with heavy boxes on light ones. */
 static pe_contact_problem *hard_problem(void)
 {
     double masses[20];
@@ -18,7 +18,7 @@ static pe_contact_problem *hard_problem(void)
     return problem;
 }
 
-static void test_one_iteration_fails_and_keeps_the_best(void **state)
+static void test_one_iteration_is_too_few_best_is_left(void **state)
 {
     (void)state;
     for (int k = 0; k < ALL_SOLVERS; ++k) {
@@ -45,7 +45,7 @@ static void test_one_iteration_fails_and_keeps_the_best(void **state)
     }
 }
 
-static void test_iteration_limits_hold_and_never_worsen(void **state)
+static void test_iteration_limits_hold_and_start_is_never_worsened(void **state)
 {
     (void)state;
     for (int k = 0; k < COULOMB_SOLVERS; ++k) {
@@ -87,7 +87,7 @@ static void poison(pe_contact_problem *problem, int place)
     }
 }
 
-static void test_nan_problem_ends_unsolved(void **state)
+static void test_nan_ends_and_is_not_converged(void **state)
 {
     (void)state;
     static const named_solver island = {.name = "island", .solve = solve_by_island};
@@ -119,8 +119,8 @@ static void test_nan_problem_ends_unsolved(void **state)
     }
 }
 
-/* No iterate was better than the start, so that the start is what is left. */
-static void test_nan_problem_keeps_the_initial_impulses(void **state)
+/* No iterate was better than the start, so that the start is left. */
+static void test_nan_leaves_the_starting_impulses(void **state)
 {
     (void)state;
     for (int k = 0; k < COULOMB_SOLVERS; ++k) {
@@ -157,7 +157,7 @@ static void test_every_failed_allocation_is_reported(void **state)
                                {.name = "island", .solve = solve_by_island}};
     for (int i = 0; i < 5; ++i) {
         pe_contact_problem *source = hard_problem();
-        /* Tighter than any solver gets, so that it tries all that it has. */
+        /* A tolerance that no solver reaches, so that all its stages run. */
         const pe_solve_limits limits = {1e-30, 60};
         long total = 0;
         for (long k = 0; k == 0 || k <= total; ++k) {
@@ -185,10 +185,10 @@ static void test_every_failed_allocation_is_reported(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_iteration_fails_and_keeps_the_best),
-        cmocka_unit_test(test_iteration_limits_hold_and_never_worsen),
-        cmocka_unit_test(test_nan_problem_ends_unsolved),
-        cmocka_unit_test(test_nan_problem_keeps_the_initial_impulses),
+        cmocka_unit_test(test_one_iteration_is_too_few_best_is_left),
+        cmocka_unit_test(test_iteration_limits_hold_and_start_is_never_worsened),
+        cmocka_unit_test(test_nan_ends_and_is_not_converged),
+        cmocka_unit_test(test_nan_leaves_the_starting_impulses),
         cmocka_unit_test(test_every_failed_allocation_is_reported),
     };
     return cmocka_run_group_tests_name("engine_direct_limits", tests, NULL, NULL);

@@ -16,7 +16,7 @@ static double largest(const double *a, int count)
     return most;
 }
 
-/* Every block of the lower triangle, in the order of elimination, that the pattern has. */
+/* Every block of the pattern in the lower triangle, in the order of elimination. */
 static void assembled_equals_dense(factor_setting *s, const char *name)
 {
     const pe_pattern *pattern = &s->pattern;
@@ -78,7 +78,8 @@ static void test_factor_and_solve_equal_a_dense_solve(void **state)
     hold_everywhere(solve_equals_dense, 30);
 }
 
-/* |H x - b| <= 1e-13 (|H| |x| + |b|): what backward stability promises whatever the condition. */
+/* |H x - b| <= 1e-13 (|H| |x| + |b|): the bound of backward stability, for every condition number.
+ */
 static void solve_is_backward_stable(factor_setting *s, const char *name)
 {
     double *b = draw_vector(5, s->n), *x = draw_vector(6, s->n);
@@ -98,7 +99,7 @@ static void solve_is_backward_stable(factor_setting *s, const char *name)
     free(x);
 }
 
-static void test_contact_factorisation_has_small_backward_error(void **state)
+static void test_backward_error_is_small_at_every_stiffness(void **state)
 {
     (void)state;
     hold_everywhere(solve_is_backward_stable, 1e-6);
@@ -111,7 +112,7 @@ static void chain_of_200(pattern_finder find_pattern)
     factor_setting s;
     setting_begin(&s, problem_of_chain(200), NULL, find_pattern, 4, 30);
     assert_int_equal(s.pattern.depth, 200);
-    assert_int_equal(s.pattern.start[200], 200 + 199); /* a chain fills nothing in */
+    assert_int_equal(s.pattern.start[200], 200 + 199); /* a chain has no fill-in */
     solve_equals_dense(&s, "a chain of 200");
     setting_end(&s);
 }
@@ -123,7 +124,7 @@ static void test_chain_of_200_has_no_fill_in(void **state)
     chain_of_200(breadth_first_pattern);
 }
 
-static void test_nonpositive_pivot_is_refused(void **state)
+static void test_non_positive_pivot_is_refused(void **state)
 {
     (void)state;
     for (int k = 0; k < 6; ++k) {
@@ -140,9 +141,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_assembled_blocks_equal_the_dense_matrix),
         cmocka_unit_test(test_factor_and_solve_equal_a_dense_solve),
-        cmocka_unit_test(test_contact_factorisation_has_small_backward_error),
+        cmocka_unit_test(test_backward_error_is_small_at_every_stiffness),
         cmocka_unit_test(test_chain_of_200_has_no_fill_in),
-        cmocka_unit_test(test_nonpositive_pivot_is_refused),
+        cmocka_unit_test(test_non_positive_pivot_is_refused),
     };
     return cmocka_run_group_tests_name("engine_factor", tests, NULL, NULL);
 }

@@ -25,7 +25,7 @@ static pe_body_id build_top(pe_world *world, double speed, double spin)
     return add_body(world, &cube);
 }
 
-/* A triangular plate on its three corners, whose load is shared in one way only. */
+/* A triangular plate on its three corners, which share its weight in one way only. */
 static pe_body_id build_plate(pe_world *world, double speed, double spin)
 {
     const double root = sqrt(0.75), height = 0.05;
@@ -65,7 +65,7 @@ static pe_body_state run(build_scene *build, double speed, double spin, int fine
     return state;
 }
 
-/* In m and m/s: rotations and spins at 0.5 m. */
+/* In m and m/s: rotations and angular velocities count at 0.5 m. */
 static double difference(const pe_body_state *a, const pe_body_state *b)
 {
     pe_quat turn = pe_quat_product(pe_quat_conjugate(a->orientation), b->orientation);
@@ -77,29 +77,29 @@ static double difference(const pe_body_state *a, const pe_body_state *b)
 
 static void check_order(build_scene *build, double speed, double spin, double most)
 {
-    pe_body_state coarse = run(build, speed, spin, 1), middle = run(build, speed, spin, 2),
+    pe_body_state coarse = run(build, speed, spin, 1), medium = run(build, speed, spin, 2),
                   fine = run(build, speed, spin, 4);
-    double first = difference(&coarse, &middle), second = difference(&middle, &fine);
+    double first = difference(&coarse, &medium), second = difference(&medium, &fine);
     print_message("    speed %g, spin %g: %.2e, then %.2e\n", speed, spin, first, second);
     assert_at_most(first, most);
-    assert_at_most(3 * second, first); /* of the first order it would be a half, not a quarter */
+    assert_at_most(3 * second, first); /* a first-order method would halve it */
 }
 
-static void test_top_on_a_smooth_floor_is_second_order(void **state)
+static void test_top_on_smooth_floor_is_second_order(void **state)
 {
     (void)state;
     check_order(build_top, 0, 40, 1e-3);
     check_order(build_top, 0.7, 50, 1e-3);
 }
 
-static void test_sliding_and_spinning_plate_is_second_order(void **state)
+static void test_sliding_spinning_plate_is_second_order(void **state)
 {
     (void)state;
     check_order(build_plate, 2, 4, 1e-3);
     check_order(build_plate, 3, -2, 1e-3);
 }
 
-/* All that is there to oppose: b_t in the captured problem, over the island's only manifold. */
+/* The largest b_t of the captured problem, over the island's only manifold. */
 static double largest_slip_bias(pe_profile profile, double speed, double spin)
 {
     pe_world_def def = pe_world_def_default();
@@ -124,10 +124,10 @@ static double largest_slip_bias(pe_profile profile, double speed, double spin)
     return most;
 }
 
-static void test_friction_opposes_mean_slip_while_slipping(void **state)
+static void test_friction_opposes_mean_slip_of_continued_sliding_only(void **state)
 {
     (void)state;
-    /* Half of what a step takes, or turns, of a slip of 2 m/s. */
+    /* Half of the change of a slip of 2 m/s in a step, in size or direction. */
     double going = largest_slip_bias(PE_PROFILE_ACCURATE, 2, 4);
     assert_true(going > 0.2 * 9.81 * 0.3 / STEPS_A_SECOND && going < 0.05);
     assert_true(largest_slip_bias(PE_PROFILE_ACCURATE, 0, 0) == 0);
@@ -138,9 +138,9 @@ static void test_friction_opposes_mean_slip_while_slipping(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_top_on_a_smooth_floor_is_second_order),
-        cmocka_unit_test(test_sliding_and_spinning_plate_is_second_order),
-        cmocka_unit_test(test_friction_opposes_mean_slip_while_slipping),
+        cmocka_unit_test(test_top_on_smooth_floor_is_second_order),
+        cmocka_unit_test(test_sliding_spinning_plate_is_second_order),
+        cmocka_unit_test(test_friction_opposes_mean_slip_of_continued_sliding_only),
     };
-    return cmocka_run_group_tests_name("engine_middle", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("engine_medium", tests, NULL, NULL);
 }

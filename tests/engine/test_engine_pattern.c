@@ -30,7 +30,7 @@ static bool *dense_blocks(const factor_setting *s)
     return present;
 }
 
-/* Multiplications and additions by the textbook, block by block: b^3/3 for a diagonal block, b^3
+/* Multiplications and additions, block by block: b^3/3 for a diagonal block, b^3
  * for a division, 2 b^3 for a product that is subtracted. */
 static double count_flops(const bool *present, int bodies)
 {
@@ -74,7 +74,7 @@ static void pattern_is_that_of_the_dense_factor(factor_setting *s, const char *n
     free(listed);
 }
 
-static void test_pattern_equals_the_dense_factor(void **state)
+static void test_pattern_blocks_and_flops_equal_the_dense_factor(void **state)
 {
     (void)state;
     hold_everywhere(pattern_is_that_of_the_dense_factor, 30);
@@ -98,13 +98,13 @@ static void patches_couple_in_their_own_block(factor_setting *s, const char *nam
     }
 }
 
-static void test_manifolds_couple_exactly_their_two_bodies(void **state)
+static void test_only_counted_manifolds_couple_bodies(void **state)
 {
     (void)state;
     hold_everywhere(patches_couple_in_their_own_block, 30);
 }
 
-static void test_counting_every_patch_is_counting_none_out(void **state)
+static void test_null_counts_every_manifold(void **state)
 {
     (void)state;
     for (uint64_t seed = 1; seed <= 20; ++seed) {
@@ -135,7 +135,7 @@ static int depth_of(pe_contact_problem *source, const bool *counted)
     return depth;
 }
 
-static void test_depth_is_the_longest_path_to_static(void **state)
+static void test_depth_is_the_distance_to_static_bodies(void **state)
 {
     (void)state;
     assert_int_equal(depth_of(problem_of_chain(17), NULL), 17);
@@ -149,8 +149,8 @@ static void test_depth_is_the_longest_path_to_static(void **state)
     assert_int_equal(depth_of(problem_of_pairs(1, 4, bridge, 5), cut), 3);
 }
 
-/* A star: whoever begins in the middle couples all the others. */
-static void test_orders_leave_a_star_hub_second_last(void **state)
+/* A star: to eliminate its hub first would couple all the others. */
+static void test_hub_of_a_star_is_eliminated_late(void **state)
 {
     (void)state;
     enum { BODIES = 30 };
@@ -168,7 +168,7 @@ static void test_orders_leave_a_star_hub_second_last(void **state)
     }
 }
 
-static void test_loaded_patches_are_those_that_carry_or_close(void **state)
+static void test_loaded_manifolds_carry_or_approach(void **state)
 {
     (void)state;
     int seen[2] = {0};
@@ -206,7 +206,7 @@ static void test_loaded_patches_are_those_that_carry_or_close(void **state)
     assert_true(seen[0] > 20 && seen[1] > 20);
 }
 
-static void test_pattern_and_factor_report_out_of_memory(void **state)
+static void test_out_of_memory_is_reported(void **state)
 {
     (void)state;
     for (int f = 0; f < PATTERN_FINDER_COUNT; ++f) {
@@ -237,13 +237,13 @@ static void test_pattern_and_factor_report_out_of_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pattern_equals_the_dense_factor),
-        cmocka_unit_test(test_manifolds_couple_exactly_their_two_bodies),
-        cmocka_unit_test(test_counting_every_patch_is_counting_none_out),
-        cmocka_unit_test(test_depth_is_the_longest_path_to_static),
-        cmocka_unit_test(test_orders_leave_a_star_hub_second_last),
-        cmocka_unit_test(test_loaded_patches_are_those_that_carry_or_close),
-        cmocka_unit_test(test_pattern_and_factor_report_out_of_memory),
+        cmocka_unit_test(test_pattern_blocks_and_flops_equal_the_dense_factor),
+        cmocka_unit_test(test_only_counted_manifolds_couple_bodies),
+        cmocka_unit_test(test_null_counts_every_manifold),
+        cmocka_unit_test(test_depth_is_the_distance_to_static_bodies),
+        cmocka_unit_test(test_hub_of_a_star_is_eliminated_late),
+        cmocka_unit_test(test_loaded_manifolds_carry_or_approach),
+        cmocka_unit_test(test_out_of_memory_is_reported),
     };
     return cmocka_run_group_tests_name("engine_pattern", tests, NULL, NULL);
 }

@@ -1,4 +1,4 @@
-/* Patterns that are kept from step to step. Truth: the pattern found anew. */
+/* Patterns that are kept from step to step. The reference is a pattern that is found again. */
 #include "check.h"
 #include "contact_problem_for_tests.h"
 #include "dense_problem.h"
@@ -44,22 +44,22 @@ static pe_pattern ask(pe_pattern_store *store, asked *a)
 
 static void check_against_anew(asked *a, const pe_pattern *kept)
 {
-    pe_pattern anew;
-    assert_int_equal(pe_pattern_find(&a->problem, a->counted, a->work, &anew, NULL), PE_OK);
-    size_t n = (size_t)anew.count;
-    assert_int_equal(kept->count, anew.count);
-    assert_memory_equal(kept->order, anew.order, n * sizeof(int));
-    assert_memory_equal(kept->place, anew.place, n * sizeof(int));
-    assert_memory_equal(kept->start, anew.start, (n + 1) * sizeof(int));
-    assert_memory_equal(kept->row, anew.row, (size_t)anew.start[n] * sizeof(int));
-    assert_memory_equal(kept->couple, anew.couple, MANIFOLDS * sizeof(int));
-    assert_memory_equal(kept->counted, anew.counted, sizeof a->counted);
-    assert_int_equal(kept->depth, anew.depth);
-    assert_close(kept->mass_ratio, anew.mass_ratio, 0, 0);
-    assert_close(kept->flops, anew.flops, 0, 0);
+    pe_pattern fresh;
+    assert_int_equal(pe_pattern_find(&a->problem, a->counted, a->work, &fresh, NULL), PE_OK);
+    size_t n = (size_t)fresh.count;
+    assert_int_equal(kept->count, fresh.count);
+    assert_memory_equal(kept->order, fresh.order, n * sizeof(int));
+    assert_memory_equal(kept->place, fresh.place, n * sizeof(int));
+    assert_memory_equal(kept->start, fresh.start, (n + 1) * sizeof(int));
+    assert_memory_equal(kept->row, fresh.row, (size_t)fresh.start[n] * sizeof(int));
+    assert_memory_equal(kept->couple, fresh.couple, MANIFOLDS * sizeof(int));
+    assert_memory_equal(kept->counted, fresh.counted, sizeof a->counted);
+    assert_int_equal(kept->depth, fresh.depth);
+    assert_close(kept->mass_ratio, fresh.mass_ratio, 0, 0);
+    assert_close(kept->flops, fresh.flops, 0, 0);
 }
 
-static void test_a_kept_pattern_is_the_one_found_anew(void **state)
+static void test_kept_pattern_equals_a_new_one(void **state)
 {
     (void)state;
     asked a;
@@ -67,7 +67,7 @@ static void test_a_kept_pattern_is_the_one_found_anew(void **state)
     begin(&a, 1);
     pe_pattern first = ask(&store, &a), again = ask(&store, &a);
     check_against_anew(&a, &again);
-    /* The second is not found but remembered: the first was still in the workspace. */
+    /* The second one comes from the store: the first was still in the workspace. */
     assert_ptr_not_equal(first.order, again.order);
     assert_ptr_equal(again.order, ask(&store, &a).order);
     pe_pattern_store_free(&store, a.work.allocator);
@@ -92,7 +92,7 @@ static void test_other_pairs_have_their_own_pattern(void **state)
     end(&a);
 }
 
-static void test_what_was_asked_for_longest_ago_makes_room(void **state)
+static void test_least_recently_used_pattern_is_replaced(void **state)
 {
     (void)state;
     enum { MANY = PE_KEPT_PATTERNS + 6 };
@@ -101,7 +101,7 @@ static void test_what_was_asked_for_longest_ago_makes_room(void **state)
     for (int i = 0; i < MANY; ++i) {
         begin(&a[i], (uint64_t)i + 1);
         ask(&store, &a[i]);
-        ask(&store, &a[0]); /* never the oldest */
+        ask(&store, &a[0]); /* never the least recently used */
     }
     assert_ptr_equal(ask(&store, &a[0]).order, ask(&store, &a[0]).order);
     for (int i = 0; i < MANY; ++i) {
@@ -114,7 +114,7 @@ static void test_what_was_asked_for_longest_ago_makes_room(void **state)
     }
 }
 
-static void test_pattern_store_survives_out_of_memory(void **state)
+static void test_out_of_memory_leaves_the_store_valid(void **state)
 {
     (void)state;
     bool failed = true;
@@ -140,10 +140,10 @@ static void test_pattern_store_survives_out_of_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_kept_pattern_is_the_one_found_anew),
+        cmocka_unit_test(test_kept_pattern_equals_a_new_one),
         cmocka_unit_test(test_other_pairs_have_their_own_pattern),
-        cmocka_unit_test(test_what_was_asked_for_longest_ago_makes_room),
-        cmocka_unit_test(test_pattern_store_survives_out_of_memory),
+        cmocka_unit_test(test_least_recently_used_pattern_is_replaced),
+        cmocka_unit_test(test_out_of_memory_leaves_the_store_valid),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

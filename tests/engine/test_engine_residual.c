@@ -1,12 +1,12 @@
-/* The residual of a problem, and the velocities of its impulses, by other formulas and by dense
- * matrices. */
+/* The residual of a problem, and the velocities of its impulses, against independent formulas and
+ * dense matrices. */
 #include "check.h"
 #include "factor_setting.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-static void test_resting_box_closed_form_has_zero_residual(void **state)
+static void test_residual_of_closed_form_solution_is_zero(void **state)
 {
     (void)state;
     for (int i = 0; i < 4; ++i) {
@@ -19,7 +19,7 @@ static void test_resting_box_closed_form_has_zero_residual(void **state)
         pe_problem problem = solver_problem(source, test_memory_begin(&memory));
         pe_residual residual = pe_problem_residual(&problem);
         assert_at_most(residual.max, 1e-15);
-        /* And off by what is missing: u_n = -g h/2 of half the impulse. */
+        /* With half the impulse the residual is the missing velocity, u_n = -g h/2. */
         for (int j = 0; j < 4; ++j) {
             problem.impulse[j][0] *= 0.5;
         }
@@ -32,7 +32,7 @@ static void test_resting_box_closed_form_has_zero_residual(void **state)
     }
 }
 
-/* Which way along the circle of unit generators the product with z grows. */
+/* The sign of the derivative of the product with z along the circle of unit generators. */
 static double product_slope(const double z[3], double angle)
 {
     return z[2] * cos(angle) - z[1] * sin(angle);
@@ -65,7 +65,7 @@ static void nearest_in_cone(double mu, const double z[3], double nearest[3])
     }
 }
 
-static void test_residual_equals_searched_projection_distance(void **state)
+static void test_residual_equals_distance_to_searched_projection(void **state)
 {
     (void)state;
     check_random random = {11};
@@ -92,7 +92,7 @@ static void test_residual_equals_searched_projection_distance(void **state)
     assert_true(moved[0] > 500 && moved[1] > 500 && moved[2] > 500);
 }
 
-/* trace of one point's J M^-1 J^T. */
+/* The trace of one point's J M^-1 J^T. */
 static double dense_trace(const double *jacobian, const double *inverse_mass, int n, int point)
 {
     double trace = 0;
@@ -106,7 +106,7 @@ static double dense_trace(const double *jacobian, const double *inverse_mass, in
     return trace;
 }
 
-static void test_point_scale_is_a_third_of_trace(void **state)
+static void test_scale_is_a_third_of_dense_trace(void **state)
 {
     (void)state;
     for (uint64_t seed = 1; seed <= 30; ++seed) {
@@ -126,7 +126,7 @@ static void test_point_scale_is_a_third_of_trace(void **state)
 }
 
 /* v - v* = M^-1 J^T p, and u = J v + b, by matrices. */
-static void test_impulse_velocities_equal_dense_matrices(void **state)
+static void test_rebuilt_velocities_equal_dense_matrices(void **state)
 {
     (void)state;
     for (uint64_t seed = 1; seed <= 30; ++seed) {
@@ -175,10 +175,10 @@ static void test_impulse_velocities_equal_dense_matrices(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_resting_box_closed_form_has_zero_residual),
-        cmocka_unit_test(test_residual_equals_searched_projection_distance),
-        cmocka_unit_test(test_point_scale_is_a_third_of_trace),
-        cmocka_unit_test(test_impulse_velocities_equal_dense_matrices),
+        cmocka_unit_test(test_residual_of_closed_form_solution_is_zero),
+        cmocka_unit_test(test_residual_equals_distance_to_searched_projection),
+        cmocka_unit_test(test_scale_is_a_third_of_dense_trace),
+        cmocka_unit_test(test_rebuilt_velocities_equal_dense_matrices),
     };
     return cmocka_run_group_tests_name("engine_residual", tests, NULL, NULL);
 }

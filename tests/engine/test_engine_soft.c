@@ -1,4 +1,4 @@
-/* Substepped soft contact against closed forms of mechanics. */
+/* Sub-stepped soft contact against closed forms of mechanics. */
 #include "base/vec3.h"
 #include "check.h"
 #include "soft_for_tests.h"
@@ -6,7 +6,7 @@
 
 static const double H = 1.0 / 60, G = 9.81;
 
-/* The impulse on body b of all contacts, each on the body of the higher slot. */
+/* The sum of the impulses of all contacts, each on the body of the higher slot. */
 static pe_vec3 impulse_on(const pe_world *world, pe_body_id body)
 {
     pe_vec3 sum = {0};
@@ -39,7 +39,7 @@ static void test_resting_box_impulse_is_m_g_h(void **state)
     pe_world_destroy(world);
 }
 
-static void test_tower_joint_impulse_is_the_weight_above(void **state)
+static void test_tower_joints_carry_the_weight_above(void **state)
 {
     (void)state;
     enum { N = 10 };
@@ -53,21 +53,21 @@ static void test_tower_joint_impulse_is_the_weight_above(void **state)
     assert_int_equal(contacts->manifold_count, N);
     for (int i = 0; i < N; ++i) {
         const pe_manifold *m = &pe_manifolds(contacts)[i];
-        double carried = 0;
+        double sum = 0;
         for (int j = m->first; j < m->first + m->count; ++j) {
-            carried += pe_manifold_points(contacts)[j].impulse.z;
+            sum += pe_manifold_points(contacts)[j].impulse.z;
         }
-        assert_close(carried, (N - i) * G * H, 1e-6, 0);
+        assert_close(sum, (N - i) * G * H, 1e-6, 0);
     }
-    /* It sags, by a spring a joint, and does no more. */
+    /* It sags by one spring per joint and no more. */
     assert_close(state_of(world, ids[N - 1]).position.z, N - 0.5, 1e-2, 0);
     pe_world_destroy(world);
 }
 
 /* Four springs of angular frequency w under a cube, each with its share m/4 of the cube's mass,
- * give way by g/w^2; between two cubes the share is a half of that. Against the ground w is twice
+ * yield by g/w^2; between two cubes the share is a half of that. Against the ground w is twice
  * as high. */
-static void test_contact_sinks_to_its_spring_equilibrium(void **state)
+static void test_contact_sinks_until_its_spring_balances(void **state)
 {
     (void)state;
     const double w = 2 * 3.141592653589793 * 60;
@@ -95,10 +95,10 @@ static pe_body_id add_slider(pe_world *world, pe_material_id material, double ha
     return add_body(world, &def);
 }
 
-/* Along its way the block errs by less than what friction changes in a substep, the order of the
- * method. Across it, by a turn that the first step gives it: the sweeps share the weight among four
- * corners in some way, for statics does not say how, and only later evenly. */
-static void test_sliding_block_decelerates_by_mu_g(void **state)
+/* Along its path the error is less than the change by friction in a sub-step, the order of the
+ * method. Across it the error is a rotation from the first step: statics does not determine how
+ * four corners share the weight, and the sweeps share it evenly only later. */
+static void test_block_slows_by_mu_g_at_every_azimuth(void **state)
 {
     (void)state;
     const double mu = 0.3, v0 = 3, part = H / 8;
@@ -114,13 +114,13 @@ static void test_sliding_block_decelerates_by_mu_g(void **state)
             double along = now.velocity.x * c + now.velocity.y * s;
             assert_close(along, v0 - mu * G * t, mu * G * part, 0);
             assert_close(now.velocity.y * c - now.velocity.x * s, 0, 1e-5, 0);
-            double way = now.position.x * c + now.position.y * s;
-            assert_close(way, v0 * t - mu * G * t * t / 2, mu * G * part * t, 0);
+            double distance = now.position.x * c + now.position.y * s;
+            assert_close(distance, v0 * t - mu * G * t * t / 2, mu * G * part * t, 0);
         }
         for (int i = 0; i < 60; ++i) {
             soft_step(world, H, NULL);
         }
-        /* It stops, for good. */
+        /* It stops and stays. */
         assert_at_most(pe_length(state_of(world, block).velocity), 1e-6);
         pe_world_destroy(world);
     }
@@ -150,8 +150,8 @@ static void slide_and_spin(double mu, double half, double inertia, double t, dou
     }
 }
 
-/* A friction that knew the manifold as a whole only, by a limit surface, would err by 9 % here. */
-static void test_spinning_slider_decelerates_as_four_corners(void **state)
+/* Friction by a limit surface of the whole manifold would err by 9 % here. */
+static void test_spinning_slider_follows_its_four_corners(void **state)
 {
     (void)state;
     const double mu = 0.4, half_height = 1e-3, inertia = (0.25 + 0.25) / 3;
@@ -171,7 +171,7 @@ static void test_spinning_slider_decelerates_as_four_corners(void **state)
     }
 }
 
-static void test_slope_block_moves_only_above_the_threshold(void **state)
+static void test_block_sticks_below_and_slides_above_friction_angle(void **state)
 {
     (void)state;
     for (int k = 0; k < 2; ++k) {
@@ -191,11 +191,11 @@ static void test_slope_block_moves_only_above_the_threshold(void **state)
         pe_body_state now = state_of(world, block);
         double along = pe_dot(pe_sub(now.position, start), pe_v3(cos(angle), 0, -sin(angle)));
         if (k == 0) {
-            /* It gives way while friction builds up, and then no more. */
+            /* It moves while friction builds up, and then no more. */
             assert_close(along, 0, 5e-4, 0);
             assert_at_most(pe_length(now.velocity), 1e-12);
         } else {
-            double t = 120 * H, lag = mu * G * cos(angle) * H / 8; /* a substep's friction */
+            double t = 120 * H, lag = mu * G * cos(angle) * H / 8; /* the friction of a sub-step */
             assert_close(along, G * (sin(angle) - mu * cos(angle)) * t * t / 2, lag * t, 0);
         }
         pe_world_destroy(world);
@@ -224,7 +224,7 @@ static void test_a_ball_bounces_with_newtons_restitution(void **state)
     }
 }
 
-static void test_unreached_body_is_not_affected(void **state)
+static void test_body_out_of_reach_has_no_effect(void **state)
 {
     (void)state;
     pe_world_def world_def = pe_world_def_default();
@@ -240,7 +240,7 @@ static void test_unreached_body_is_not_affected(void **state)
     assert_close(now.velocity.z, -3, 0, 0);
     assert_close(now.velocity.x, 1, 0, 0);
     assert_close(now.position.z, 0.5 + 0.1 * H, 1e-15, 0);
-    /* The step in which it does ends at the surface or above, and does not stop it short. */
+    /* The step of the contact ends at the surface or above it, but not early. */
     soft_step(world, H, NULL);
     now = state_of(world, ball);
     assert_true(now.velocity.z > 0);
@@ -248,7 +248,7 @@ static void test_unreached_body_is_not_affected(void **state)
     pe_world_destroy(world);
 }
 
-static void test_a_load_accelerates_what_slides_without_friction(void **state)
+static void test_applied_force_accelerates_a_frictionless_slider(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -268,7 +268,7 @@ static void test_a_load_accelerates_what_slides_without_friction(void **state)
 }
 
 /* 27 spheres and boxes that fly into each other in free space; principal inertias equal, so that
- * impulses alone change the momenta. */
+ * only impulses change the momenta. */
 static void test_momentum_is_kept_by_contacts_between_bodies(void **state)
 {
     (void)state;
@@ -327,14 +327,14 @@ static void test_the_energy_of_a_collapse_does_not_grow(void **state)
         for (int i = 0; i < WALL_BODIES; ++i) {
             energy += energy_of(world, ids[i]);
         }
-        /* No step adds what the springs of the contacts at rest do not hold. */
+        /* No step adds more energy than the springs of the contacts at rest hold. */
         assert_at_most(energy, least + 1e-3);
         least = pe_min(least, energy);
         first = s == 0 ? energy : first;
         last = energy;
         soft_step(world, H, NULL);
     }
-    assert_true(last < 0.8 * first); /* and it was a collapse */
+    assert_true(last < 0.8 * first); /* it was a collapse */
     pe_world_destroy(world);
 }
 
@@ -363,14 +363,14 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_resting_box_impulse_is_m_g_h),
-        cmocka_unit_test(test_contact_sinks_to_its_spring_equilibrium),
-        cmocka_unit_test(test_tower_joint_impulse_is_the_weight_above),
-        cmocka_unit_test(test_sliding_block_decelerates_by_mu_g),
-        cmocka_unit_test(test_spinning_slider_decelerates_as_four_corners),
-        cmocka_unit_test(test_slope_block_moves_only_above_the_threshold),
+        cmocka_unit_test(test_contact_sinks_until_its_spring_balances),
+        cmocka_unit_test(test_tower_joints_carry_the_weight_above),
+        cmocka_unit_test(test_block_slows_by_mu_g_at_every_azimuth),
+        cmocka_unit_test(test_spinning_slider_follows_its_four_corners),
+        cmocka_unit_test(test_block_sticks_below_and_slides_above_friction_angle),
         cmocka_unit_test(test_a_ball_bounces_with_newtons_restitution),
-        cmocka_unit_test(test_unreached_body_is_not_affected),
-        cmocka_unit_test(test_a_load_accelerates_what_slides_without_friction),
+        cmocka_unit_test(test_body_out_of_reach_has_no_effect),
+        cmocka_unit_test(test_applied_force_accelerates_a_frictionless_slider),
         cmocka_unit_test(test_momentum_is_kept_by_contacts_between_bodies),
         cmocka_unit_test(test_the_energy_of_a_collapse_does_not_grow),
         cmocka_unit_test(test_an_unsupported_spinning_body_keeps_its_energy),

@@ -1,4 +1,4 @@
-/* Substepped soft contact as a piece of machinery: lanes, order, memory, what is chosen. */
+/* Sub-stepped soft contact: lanes, order, memory, and the choice of islands. */
 #include "base/vec3.h"
 #include "check.h"
 #include "counting_allocator.h"
@@ -11,7 +11,7 @@
 
 static const double H = 1.0 / 60, G = 9.81;
 
-/* Settings that force so many lanes; false where the processor lacks them. */
+/* Settings for this number of lanes; false if the processor lacks them. */
 static bool settings_of(int lanes, pe_soft_settings *settings)
 {
     pe_world *world = make_world(NULL);
@@ -47,7 +47,7 @@ static pe_body_id add_laid_table(pe_world *world, int n, pe_body_id *last)
 
 enum { TABLE = 9 };
 
-static void test_all_lane_counts_give_equal_bits(void **state)
+static void test_every_lane_count_gives_the_same_bits(void **state)
 {
     (void)state;
     const int lanes[2] = {4, 8};
@@ -85,7 +85,7 @@ static void test_all_lane_counts_give_equal_bits(void **state)
     }
 }
 
-static void test_body_with_excess_contacts_is_supported(void **state)
+static void test_more_contacts_than_colours_are_solved(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
@@ -106,7 +106,7 @@ static void test_body_with_excess_contacts_is_supported(void **state)
     pe_world_destroy(world);
 }
 
-static void test_colours_partition_points_without_shared_bodies(void **state)
+static void test_colours_share_no_body_points_planned_once(void **state)
 {
     (void)state;
     for (int scene = 0; scene < 2; ++scene) {
@@ -150,26 +150,26 @@ static void test_colours_partition_points_without_shared_bodies(void **state)
     }
 }
 
-static void test_eight_points_support_like_four(void **state)
+static void test_eight_point_manifold_carries_like_four_points(void **state)
 {
     (void)state;
     pe_world *world = make_world(NULL);
     pe_body_id ids[2];
     add_tower(world, 2, (pe_material_id){0}, ids);
-    pe_body_state turned = state_of(world, ids[1]);
-    turned.orientation = (pe_quat){cos(0.3927), 0, 0, sin(0.3927)}; /* by 45 degrees */
-    pe_body_set_state(world, ids[1], &turned, NULL);
+    pe_body_state rotated = state_of(world, ids[1]);
+    rotated.orientation = (pe_quat){cos(0.3927), 0, 0, sin(0.3927)}; /* by 45 degrees */
+    pe_body_set_state(world, ids[1], &rotated, NULL);
     for (int i = 0; i < 200; ++i) {
         soft_step(world, H, NULL);
     }
     const pe_manifold *m = &pe_manifolds(&world->contacts)[1];
     assert_int_equal(m->count, 8);
-    double carried = 0;
+    double sum = 0;
     for (int j = m->first; j < m->first + m->count; ++j) {
         assert_true(pe_manifold_points(&world->contacts)[j].impulse.z >= 0);
-        carried += pe_manifold_points(&world->contacts)[j].impulse.z;
+        sum += pe_manifold_points(&world->contacts)[j].impulse.z;
     }
-    assert_close(carried, G * H, 1e-8, 0);
+    assert_close(sum, G * H, 1e-8, 0);
     pe_world_destroy(world);
 }
 
@@ -187,13 +187,13 @@ static void test_substeps_follow_the_step_and_stop_at_twelve(void **state)
     pe_world_destroy(world);
 }
 
-static void test_unchosen_island_is_not_changed(void **state)
+static void test_unchosen_island_is_not_touched(void **state)
 {
     (void)state;
-    pe_world *both = make_world(NULL), *alone = make_world(NULL);
+    pe_world *both = make_world(NULL), *single = make_world(NULL);
     pe_body_id ids[3], other;
     add_tower(both, 3, (pe_material_id){0}, ids);
-    add_tower(alone, 3, (pe_material_id){0}, ids);
+    add_tower(single, 3, (pe_material_id){0}, ids);
     pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(5, 0, 0.5));
     def.velocity = pe_v3(1, 0, 0);
     other = add_body(both, &def);
@@ -210,17 +210,17 @@ static void test_unchosen_island_is_not_changed(void **state)
     assert_int_equal(report.manifolds, 3);
     const pe_manifold *m = &pe_manifolds(&both->contacts)[now.islands.manifolds[3]];
     assert_close(pe_length(pe_manifold_points(&both->contacts)[m->first].impulse), 0, 0, 0);
-    /* And what is chosen moves as if there were nothing else. */
-    soft_step(alone, H, NULL);
+    /* The chosen island moves as if there were nothing else. */
+    soft_step(single, H, NULL);
     for (int i = 0; i < 3; ++i) {
-        pe_body_state a = state_of(both, ids[i]), b = state_of(alone, ids[i]);
+        pe_body_state a = state_of(both, ids[i]), b = state_of(single, ids[i]);
         assert_memory_equal(&a, &b, sizeof a);
     }
     pe_world_destroy(both);
-    pe_world_destroy(alone);
+    pe_world_destroy(single);
 }
 
-static void test_neither_precession_nor_turning_changes_kinetic_energy(void **state)
+static void test_precession_and_rotation_keep_kinetic_energy(void **state)
 {
     (void)state;
     check_random random = {11};
@@ -270,7 +270,7 @@ static void test_nothing_is_allocated_after_warm_up(void **state)
     pe_body_id ids[8];
     add_tower(world, 8, (pe_material_id){0}, ids);
     for (int i = 0; i < 60; ++i) {
-        soft_step(world, H, NULL); /* it settles, and corners gain and lose points */
+        soft_step(world, H, NULL); /* while it settles, corners gain and lose points */
     }
     int made = c.calls;
     for (int i = 0; i < 100; ++i) {
@@ -281,7 +281,7 @@ static void test_nothing_is_allocated_after_warm_up(void **state)
     assert_int_equal(c.living, 0);
 }
 
-static void test_every_failed_allocation_leaves_all_as_it_was(void **state)
+static void test_failed_allocation_changes_nothing(void **state)
 {
     (void)state;
     int failed = 0;
@@ -298,12 +298,12 @@ static void test_every_failed_allocation_leaves_all_as_it_was(void **state)
         /* The arena is empty until the first step: each piece of it is an allocation. */
         assert_int_equal(soft_prepare(world, H, &now), PE_OK);
         size_t poses = (size_t)world->slot_count * sizeof(pe_pose);
-        size_t motions = (size_t)world->slot_count * sizeof(pe_twist);
+        size_t twists = (size_t)world->slot_count * sizeof(pe_twist);
         size_t points = (size_t)world->contacts.point_count * sizeof(pe_manifold_point);
-        char *before = malloc(poses + motions + points);
+        char *before = malloc(poses + twists + points);
         memcpy(before, pe_poses(world), poses);
-        memcpy(before + poses, pe_twists(world), motions);
-        memcpy(before + poses + motions, pe_manifold_points(&world->contacts), points);
+        memcpy(before + poses, pe_twists(world), twists);
+        memcpy(before + poses + twists, pe_manifold_points(&world->contacts), points);
         c.fail_at = c.calls + k;
         pe_error error = {0};
         pe_status status = pe_soft_step(world, &now.all, H, NULL, NULL, &error);
@@ -312,8 +312,8 @@ static void test_every_failed_allocation_leaves_all_as_it_was(void **state)
             assert_int_equal(status, PE_NO_MEMORY);
             assert_contains(error.message, "no memory for");
             assert_memory_equal(before, pe_poses(world), poses);
-            assert_memory_equal(before + poses, pe_twists(world), motions);
-            assert_memory_equal(before + poses + motions, pe_manifold_points(&world->contacts),
+            assert_memory_equal(before + poses, pe_twists(world), twists);
+            assert_memory_equal(before + poses + twists, pe_manifold_points(&world->contacts),
                                 points);
         }
         free(before);
@@ -329,15 +329,15 @@ static void test_every_failed_allocation_leaves_all_as_it_was(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all_lane_counts_give_equal_bits),
-        cmocka_unit_test(test_body_with_excess_contacts_is_supported),
-        cmocka_unit_test(test_colours_partition_points_without_shared_bodies),
-        cmocka_unit_test(test_eight_points_support_like_four),
+        cmocka_unit_test(test_every_lane_count_gives_the_same_bits),
+        cmocka_unit_test(test_more_contacts_than_colours_are_solved),
+        cmocka_unit_test(test_colours_share_no_body_points_planned_once),
+        cmocka_unit_test(test_eight_point_manifold_carries_like_four_points),
         cmocka_unit_test(test_substeps_follow_the_step_and_stop_at_twelve),
-        cmocka_unit_test(test_unchosen_island_is_not_changed),
-        cmocka_unit_test(test_neither_precession_nor_turning_changes_kinetic_energy),
+        cmocka_unit_test(test_unchosen_island_is_not_touched),
+        cmocka_unit_test(test_precession_and_rotation_keep_kinetic_energy),
         cmocka_unit_test(test_nothing_is_allocated_after_warm_up),
-        cmocka_unit_test(test_every_failed_allocation_leaves_all_as_it_was),
+        cmocka_unit_test(test_failed_allocation_changes_nothing),
     };
     return cmocka_run_group_tests_name("engine_soft_lanes", tests, NULL, NULL);
 }

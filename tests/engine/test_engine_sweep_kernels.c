@@ -1,4 +1,4 @@
-/* The kernels of the sweeps: Gauss-Seidel by the book, and the same bits at every width. */
+/* The kernels of the sweeps against textbook Gauss-Seidel, and the same bits at every width. */
 #include "check.h"
 #include "contact_problem_for_tests.h"
 #include "solver/kernels.h"
@@ -15,7 +15,7 @@ static void velocity_now(const sweep_bench *b, const pe_solver_manifold *manifol
     pe_point_velocity(point, q, u);
 }
 
-/* What an impulse does to the bodies' velocities. */
+/* Applies an impulse to the bodies' velocities. */
 static void push(sweep_bench *b, const pe_solver_manifold *manifold, const pe_solver_point *point,
                  const double p[3])
 {
@@ -30,7 +30,7 @@ static void push(sweep_bench *b, const pe_solver_manifold *manifold, const pe_so
     }
 }
 
-/* W of a point, by trying unit impulses. */
+/* W of a point, by unit impulses. */
 static void try_impulses(sweep_bench *b, const pe_solver_manifold *manifold,
                          const pe_solver_point *point, double w[3][3])
 {
@@ -47,7 +47,7 @@ static void try_impulses(sweep_bench *b, const pe_solver_manifold *manifold,
     }
 }
 
-/* Gauss-Seidel by the book at one point. */
+/* Textbook Gauss-Seidel at one point. */
 static void visit_plainly(sweep_bench *b, const pe_solver_manifold *manifold, int j)
 {
     const pe_solver_point *point = &b->point[j];
@@ -73,7 +73,7 @@ static void test_a_sweep_is_gauss_seidel_point_by_point(void **state)
     static double plain[8][3];
     for (uint64_t seed = 1; seed < 60; ++seed) {
         bench_put_heap(b, seed, 2, 1, 8);
-        b->manifold[0].a = seed % 2 ? 2 : 1; /* against what is static, or the other body */
+        b->manifold[0].a = seed % 2 ? 2 : 1; /* against a static body, or the other one */
         b->manifold[0].b = 0;
         pe_problem_rebuild_velocity(&b->problem);
         for (int sweep = 0; sweep < 3; ++sweep) {
@@ -100,7 +100,7 @@ static void test_a_sweep_is_gauss_seidel_point_by_point(void **state)
     }
 }
 
-static void test_sweeps_see_the_residual_that_is_reported(void **state)
+static void test_sweep_residual_equals_the_reported_one(void **state)
 {
     sweep_bench *b = *state;
     for (uint64_t seed = 1; seed < 20; ++seed) {
@@ -166,7 +166,7 @@ static void test_every_width_gives_the_same_bits(void **state)
 }
 
 /* One heavy plate with more small bodies on it than there are colours. */
-static void test_body_with_excess_contacts_is_swept(void **state)
+static void test_more_contacts_than_colours_are_swept(void **state)
 {
     sweep_bench *b = *state;
     enum { SMALL = 150 };
@@ -199,9 +199,9 @@ int main(void)
 #define UNIT(test) cmocka_unit_test_setup_teardown(test, bench_set_up, bench_tear_down)
     const struct CMUnitTest tests[] = {
         UNIT(test_a_sweep_is_gauss_seidel_point_by_point),
-        UNIT(test_sweeps_see_the_residual_that_is_reported),
+        UNIT(test_sweep_residual_equals_the_reported_one),
         UNIT(test_every_width_gives_the_same_bits),
-        UNIT(test_body_with_excess_contacts_is_swept),
+        UNIT(test_more_contacts_than_colours_are_swept),
     };
     return cmocka_run_group_tests_name("engine_sweep_kernels", tests, NULL, NULL);
 }

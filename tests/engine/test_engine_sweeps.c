@@ -1,4 +1,4 @@
-/* The sweeping solvers: closed forms and the contact law itself. */
+/* The Gauss-Seidel solvers: closed forms, and the contact law itself. */
 #include "check.h"
 #include "contact_problem_for_tests.h"
 #include "counting_allocator.h"
@@ -9,10 +9,10 @@
 
 static sweep_solver *const solvers[] = {pe_solve_gauss_seidel, pe_solve_momentum};
 
-/* ---- Closed forms -----------------------------------------------------------------------------
- */
+/* ---- Closed forms ---- */
 
-/* A cube of 1 m and 2 kg on a slope that falls towards +x; free of contacts it gains h g. */
+/* A cube of 1 m and 2 kg on a slope that falls towards +x; without contacts it gains h g in a step.
+ */
 static void put_on_slope(sweep_bench *b, double angle, double friction)
 {
     bench_begin(b, 1);
@@ -23,7 +23,7 @@ static void put_on_slope(sweep_bench *b, double angle, double friction)
     bench_add_corners(b, 0.5);
 }
 
-static void test_box_on_slope_below_the_friction_angle_stays(void **state)
+static void test_box_sticks_below_the_friction_angle(void **state)
 {
     sweep_bench *b = *state;
     for (int k = 0; k < 2; ++k) {
@@ -36,7 +36,7 @@ static void test_box_on_slope_below_the_friction_angle_stays(void **state)
     }
 }
 
-static void test_box_above_friction_angle_slides_by_newton(void **state)
+static void test_box_slides_above_friction_angle_by_newtons_law(void **state)
 {
     sweep_bench *b = *state;
     double angle = 0.7, gain = STEP * GRAVITY * (sin(angle) - 0.5 * cos(angle));
@@ -50,7 +50,7 @@ static void test_box_above_friction_angle_slides_by_newton(void **state)
     }
 }
 
-/* Cubes on each other, the k-th k + 1 kg. */
+/* Cubes on each other; the k-th has k + 1 kg. */
 static void put_tower(sweep_bench *b, int height)
 {
     bench_begin(b, height);
@@ -64,7 +64,7 @@ static void put_tower(sweep_bench *b, int height)
     }
 }
 
-static void test_tower_contact_impulse_is_the_weight_above(void **state)
+static void test_tower_contact_carries_the_weight_above(void **state)
 {
     sweep_bench *b = *state;
     for (int k = 0; k < 2; ++k) {
@@ -96,7 +96,7 @@ static void test_a_bounce_leaves_with_restitution_times_the_approach(void **stat
     }
 }
 
-static void test_gap_closes_exactly_by_its_width(void **state)
+static void test_gap_closes_exactly(void **state)
 {
     sweep_bench *b = *state;
     const double up[3] = {0, 0, 1}, none[3] = {0};
@@ -109,8 +109,7 @@ static void test_gap_closes_exactly_by_its_width(void **state)
     assert_close(b->velocity[0][2], -1.5, 1e-12, 0);
 }
 
-/* ---- Heaps ------------------------------------------------------------------------------------
- */
+/* ---- Heaps ---- */
 
 static void test_both_solvers_meet_the_contact_law(void **state)
 {
@@ -134,7 +133,7 @@ static void test_both_solvers_meet_the_contact_law(void **state)
                 assert_at_most(-u[0], 1e-8);
                 assert_close(p[0] * u[0], 0, 1e-8, 0);
                 if (p[0] > 1e-3 && slip > 1e-3) {
-                    assert_close(friction, most, 1e-8, 0); /* dissipates all it can */
+                    assert_close(friction, most, 1e-8, 0); /* the largest dissipation */
                     assert_close(p[1] * u[1] + p[2] * u[2], -friction * slip, 1e-8, 0);
                     ++sliding;
                 }
@@ -172,7 +171,7 @@ static void test_momentum_halves_the_sweeps_on_a_tower(void **state)
     assert_true(2 * with_momentum <= plain);
 }
 
-static void test_no_sweep_leaves_worse_than_it_found(void **state)
+static void test_residual_never_grows(void **state)
 {
     sweep_bench *b = *state;
     for (uint64_t seed = 1; seed < 40; ++seed) {
@@ -188,7 +187,7 @@ static void test_no_sweep_leaves_worse_than_it_found(void **state)
     }
 }
 
-static void test_best_checked_iterate_is_kept(void **state)
+static void test_best_evaluated_iterate_is_left(void **state)
 {
     sweep_bench *b = *state;
     int rose = 0;
@@ -223,10 +222,9 @@ static void test_velocities_are_left_in_step_with_impulses(void **state)
     assert_memory_equal(left, b->velocity, sizeof left);
 }
 
-/* ---- Memory and history -----------------------------------------------------------------------
- */
+/* ---- Memory and history ---- */
 
-static void test_without_memory_the_status_says_so(void **state)
+static void test_out_of_memory_is_reported(void **state)
 {
     sweep_bench *b = *state;
     put_tower(b, 3);
@@ -251,7 +249,7 @@ static void test_without_memory_the_status_says_so(void **state)
     }
 }
 
-static void test_history_notes_the_looks(void **state)
+static void test_history_holds_the_evaluated_residuals(void **state)
 {
     sweep_bench *b = *state;
     pe_solve_mark marks[3];
@@ -275,19 +273,19 @@ int main(void)
 {
 #define UNIT(test) cmocka_unit_test_setup_teardown(test, bench_set_up, bench_tear_down)
     const struct CMUnitTest tests[] = {
-        UNIT(test_box_on_slope_below_the_friction_angle_stays),
-        UNIT(test_box_above_friction_angle_slides_by_newton),
-        UNIT(test_tower_contact_impulse_is_the_weight_above),
+        UNIT(test_box_sticks_below_the_friction_angle),
+        UNIT(test_box_slides_above_friction_angle_by_newtons_law),
+        UNIT(test_tower_contact_carries_the_weight_above),
         UNIT(test_a_bounce_leaves_with_restitution_times_the_approach),
-        UNIT(test_gap_closes_exactly_by_its_width),
+        UNIT(test_gap_closes_exactly),
         UNIT(test_both_solvers_meet_the_contact_law),
         UNIT(test_both_solvers_find_the_same_velocities),
         UNIT(test_momentum_halves_the_sweeps_on_a_tower),
-        UNIT(test_no_sweep_leaves_worse_than_it_found),
-        UNIT(test_best_checked_iterate_is_kept),
+        UNIT(test_residual_never_grows),
+        UNIT(test_best_evaluated_iterate_is_left),
         UNIT(test_velocities_are_left_in_step_with_impulses),
-        UNIT(test_without_memory_the_status_says_so),
-        UNIT(test_history_notes_the_looks),
+        UNIT(test_out_of_memory_is_reported),
+        UNIT(test_history_holds_the_evaluated_residuals),
     };
     return cmocka_run_group_tests_name("engine_sweeps", tests, NULL, NULL);
 }

@@ -217,7 +217,7 @@ static pe_contact_problem *sliding_box(void)
     return problem;
 }
 
-static void test_sliding_spinning_box_equals_siconos(void **state)
+static void test_sliding_spinning_box_agrees_with_siconos(void **state)
 {
     (void)state;
     check_by_sweeps("sliding box", sliding_box());
@@ -234,32 +234,32 @@ static pe_contact_problem *struck_tower(void)
     return problem;
 }
 
-static void test_struck_tower_equals_siconos(void **state)
+static void test_struck_tower_agrees_with_siconos(void **state)
 {
     (void)state;
     check_by_sweeps("struck tower", struck_tower());
 }
 
-static void test_resting_tower_equals_siconos(void **state)
+static void test_standing_tower_agrees_with_siconos(void **state)
 {
     (void)state;
     check_captured(&(pl_benchmark_problem){"tower 5", "tower", {"n=5"}, .step = 1});
 }
 
-static void test_slopes_stick_and_slide_as_siconos_finds(void **state)
+static void test_slopes_agree_with_siconos(void **state)
 {
     (void)state;
     check_captured(&(pl_benchmark_problem){"stick", "slope-stick", {NULL}, .step = 10});
     check_captured(&(pl_benchmark_problem){"slide", "slope-slide", {NULL}, .step = 10});
 }
 
-static void test_mass_ratio_of_a_hundred_equals_siconos(void **state)
+static void test_mass_ratio_of_a_hundred_agrees_with_siconos(void **state)
 {
     (void)state;
     check_captured(&(pl_benchmark_problem){"mass ratio", "mass-ratio", {"k=2"}, .step = 1});
 }
 
-static void test_small_wall_equals_siconos(void **state)
+static void test_small_wall_agrees_with_siconos(void **state)
 {
     (void)state;
     check_captured(&(pl_benchmark_problem){"wall", "wall", {"rows=3", "columns=3"}, .step = 1});
@@ -278,7 +278,7 @@ static int count_piles(const char *shape, int siconos)
     return compared;
 }
 
-static void test_small_piles_have_the_velocities_that_siconos_finds(void **state)
+static void test_small_piles_agree_with_siconos(void **state)
 {
     (void)state;
     assert_true(count_piles("shape=2", SICONOS_FRICTION_3D_NSGS) >= 3);
@@ -286,7 +286,7 @@ static void test_small_piles_have_the_velocities_that_siconos_finds(void **state
 
 /* Newton on Alart and Curnier's function factorises W, and so needs that no contact is redundant.
  */
-static void test_sphere_piles_equal_siconos_by_newton(void **state)
+static void test_piles_of_spheres_agree_with_siconos_by_newton(void **state)
 {
     (void)state;
     assert_true(count_piles("shape=0", SICONOS_FRICTION_3D_NSN_AC) >= 3);
@@ -303,14 +303,14 @@ const char *__lsan_default_suppressions(void)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sliding_spinning_box_equals_siconos),
-        cmocka_unit_test(test_struck_tower_equals_siconos),
-        cmocka_unit_test(test_resting_tower_equals_siconos),
-        cmocka_unit_test(test_slopes_stick_and_slide_as_siconos_finds),
-        cmocka_unit_test(test_mass_ratio_of_a_hundred_equals_siconos),
-        cmocka_unit_test(test_small_wall_equals_siconos),
-        cmocka_unit_test(test_small_piles_have_the_velocities_that_siconos_finds),
-        cmocka_unit_test(test_sphere_piles_equal_siconos_by_newton),
+        cmocka_unit_test(test_sliding_spinning_box_agrees_with_siconos),
+        cmocka_unit_test(test_struck_tower_agrees_with_siconos),
+        cmocka_unit_test(test_standing_tower_agrees_with_siconos),
+        cmocka_unit_test(test_slopes_agree_with_siconos),
+        cmocka_unit_test(test_mass_ratio_of_a_hundred_agrees_with_siconos),
+        cmocka_unit_test(test_small_wall_agrees_with_siconos),
+        cmocka_unit_test(test_small_piles_agree_with_siconos),
+        cmocka_unit_test(test_piles_of_spheres_agree_with_siconos_by_newton),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

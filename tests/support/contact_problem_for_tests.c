@@ -94,7 +94,8 @@ static void draw_body(check_random *random, pe_problem_body *body)
     draw(random, body->free_velocity, 6, 2);
 }
 
-/* Everything of a manifold but its frame and pair; returns where the next one's points begin. */
+/* Fills a manifold except for its frame and pair; returns where the points of the next one begin.
+ */
 static int draw_manifold(check_random *random, pe_contact_problem *problem, pe_problem_manifold *m,
                          int first, int most_points)
 {
@@ -161,8 +162,7 @@ pe_contact_problem *problem_of_pairs(uint64_t seed, int bodies, const int (*pair
     return problem;
 }
 
-/* ---- Other formulas ----------------------------------------------------------------------------
- */
+/* ---- Independent formulas ---- */
 
 static void cross(const double a[3], const double b[3], double c[3])
 {
@@ -280,7 +280,7 @@ void reference_contact_velocities(const pe_contact_problem *problem, const doubl
     }
 }
 
-/* An impulse of one point is about a velocity when it is divided by the lightest mass. */
+/* The impulse of a point divided by the lightest mass is about a velocity. */
 static double lightest(const pe_contact_problem *problem)
 {
     double least = HUGE_VAL;
@@ -305,7 +305,7 @@ double coulomb_fault(const pe_contact_problem *problem, const double (*p)[3], co
             worst = fmax(worst, -p[j][0] / mass);
             worst = fmax(worst, (push - radius) / mass);
             worst = fmax(worst, fmin(p[j][0] / mass, u[j][0]));
-            /* Slipping: the impulse is as large as it may be, and against the slip. */
+            /* Slipping: friction is at its bound, against the slip. */
             worst = fmax(worst, fmin(slip, (radius - push) / mass));
             if (slip > 0) {
                 double along =

@@ -85,8 +85,7 @@ double solver_problem_fault(const pe_contact_problem *from, const pe_problem *pr
     return fault;
 }
 
-/* ---- Matrices ----------------------------------------------------------------------------------
- */
+/* ---- Matrices ---- */
 
 static double *zeros(int rows, int columns)
 {
@@ -95,7 +94,7 @@ static double *zeros(int rows, int columns)
     return m;
 }
 
-/* What the body's velocity has to do with the point's along `direction`: d, and r x d. */
+/* The part of a body's velocity in that of a point along `direction`: d, and r x d. */
 static void fill_row(double *row, const double direction[3], const double r[3], double sign)
 {
     for (int k = 0; k < 3; ++k) {

@@ -1,5 +1,5 @@
-/* Contact problems as the engine's direct solver sees them, and what dense linear algebra says of
- * the same problems from their definition. Whatever fails fails the test. */
+/* Contact problems as the engine's solvers take them, and the same problems as dense matrices, made
+ * from their definition. Every failure fails the test. */
 #ifndef PLUMB_TEST_DENSE_PROBLEM_H
 #define PLUMB_TEST_DENSE_PROBLEM_H
 
@@ -9,7 +9,7 @@
 #include "base/memory.h"
 
 /* Memory of a test; `fail_at` is the allocation, from 1, that fails (0: none). Every block is
- * filled with what reads as NaN, so that what was never written shows. */
+ * filled with NaN, so that memory that was never written shows. */
 typedef struct test_memory {
     pe_arena arena;
     pe_allocator allocator;
@@ -23,8 +23,8 @@ void test_memory_end(test_memory *memory);
 /* The problem with its warm start in memory of `work`; velocities are in step with it. */
 pe_problem solver_problem(const pe_contact_problem *from, pe_workspace work);
 
-/* As much of a solution as the other formulas of contact_problem_for_tests.h need: the largest
- * fault of Signorini's and Coulomb's laws at the problem's impulses, m/s. */
+/* By the formulas of contact_problem_for_tests.h: the largest violation of Signorini's and
+ * Coulomb's laws at the problem's impulses, m/s. */
 double solver_problem_fault(const pe_contact_problem *from, const pe_problem *problem);
 
 /* Row-major matrices that the caller frees: J (3 point_count x 6 body_count), whose rows are n, t1,

@@ -1,5 +1,5 @@
-/* Contact problems with what the direct solver makes of them, and the same as dense matrices made
- * from the definition of J. Whatever fails fails the test. */
+/* Contact problems with their sparse factor, and the same as dense matrices made from the
+ * definition of J. Every failure fails the test. */
 #ifndef PLUMB_TEST_FACTOR_SETTING_H
 #define PLUMB_TEST_FACTOR_SETTING_H
 
@@ -10,7 +10,7 @@
 typedef pe_status (*pattern_finder)(const pe_problem *problem, const bool *counted,
                                     pe_workspace work, pe_pattern *pattern, pe_error *error);
 
-/* The engine's own, and the breadth-first one. */
+/* That of the engine, and the breadth-first one. */
 enum { PATTERN_FINDER_COUNT = 2, MOST_PAIRS = 600 };
 extern const pattern_finder PATTERN_FINDERS[PATTERN_FINDER_COUNT];
 
@@ -30,7 +30,7 @@ pe_contact_problem *problem_of_chain(int bodies);
 /* A wall of `rows` x `columns`, its lowest row on the ground. */
 pe_contact_problem *problem_of_grid(int rows, int columns);
 
-/* A problem with everything that is made from it. */
+/* A problem, its factor and its dense matrix. */
 typedef struct factor_setting {
     test_memory memory;
     pe_workspace work;
@@ -52,7 +52,8 @@ void setting_end(factor_setting *s);
 
 typedef void (*factor_law)(factor_setting *s, const char *name);
 
-/* A law on problems of every kind, in both orders of elimination, on all manifolds and on some. */
+/* Checks a law on problems of every kind, in both orders of elimination, on all manifolds and on
+ * some. */
 void hold_everywhere(factor_law holds, double size);
 
 /* n numbers in [-1, 1), and room for 6 more; the caller frees it. */

@@ -38,8 +38,8 @@ static pe_status solve_convex(solving *s, const pe_solve_limits *limits, pe_erro
     return status;
 }
 
-/* Friction is bounded by impulses, so that some are needed, near the answer: those of the convex
- * problem, as the engine has it. */
+/* The Tresca form bounds friction by impulses and needs some near the solution: those of the convex
+ * problem, as in the engine. */
 static pe_status solve_tresca(solving *s, const pe_solve_limits *limits, pe_error *error)
 {
     pe_status status = PE_OK;

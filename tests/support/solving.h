@@ -1,5 +1,4 @@
-/* The solvers of islands side by side, on problems with known answers. Whatever fails fails the
- * test. */
+/* The solvers of islands on problems with known solutions. Every failure fails the test. */
 #ifndef PLUMB_TEST_SOLVING_H
 #define PLUMB_TEST_SOLVING_H
 
@@ -10,7 +9,7 @@
 
 enum { SOLVING_ITERATIONS = 400 };
 
-/* A problem, what solves it, and how that went. */
+/* A problem, its pattern, and the report of its solver. */
 typedef struct solving {
     test_memory memory;
     pe_workspace work;
@@ -27,11 +26,11 @@ typedef struct named_solver {
     const char *name;
     island_solver solve;
     double tolerance; /* m/s, to which it solves the closed forms */
-    double close;     /* of velocities in m/s, of impulses in parts, that then follow */
+    double close;     /* the error that follows: m/s of velocities, relative of impulses */
 } named_solver;
 
-/* CONVEX, the last one, solves another problem, with the same answer where nothing slides; its own
- * floor is near 1e-8. */
+/* CONVEX, the last one, solves another problem, which has the same solution where nothing slides.
+ * Its own limit of accuracy is near 1e-8. */
 enum { COULOMB_SOLVERS = 3, ALL_SOLVERS = 4, CONVEX = 3 };
 extern const named_solver SOLVERS[ALL_SOLVERS];
 
@@ -49,7 +48,7 @@ void solving_end(solving *s);
 void solve_to(solving *s, const pe_contact_problem *source, const named_solver *by,
               double tolerance);
 
-/* Velocity of body i as the impulses make it. */
+/* The velocity of body i that follows from the impulses. */
 const double *solving_velocity(const solving *s, int i);
 
 /* Gravity at an angle from the floor's normal: downhill is x. */

@@ -1,4 +1,4 @@
-/* Problems for the sweeping solvers, put together by hand. Whatever fails fails the test. */
+/* Problems for the Gauss-Seidel solvers, made by hand. Every failure fails the test. */
 #ifndef PLUMB_TEST_SWEEP_BENCH_H
 #define PLUMB_TEST_SWEEP_BENCH_H
 
@@ -21,7 +21,7 @@ typedef struct sweep_bench {
 int bench_set_up(void **state);
 int bench_tear_down(void **state);
 
-/* Without manifolds; bodies are to be set. */
+/* A problem without manifolds, whose bodies are still to be set. */
 void bench_begin(sweep_bench *b, int bodies);
 
 /* Principal inertia along the world's axes. */
@@ -37,16 +37,16 @@ void bench_add_point(sweep_bench *b, double s0, double s1, double s2, double bia
 /* The corners of a square face of the given half side. */
 void bench_add_corners(sweep_bench *b, double half);
 
-/* Bodies of all shapes and weights in a random net of manifolds of 1 to `most` points, falling. */
+/* Falling bodies of various inertia in a random net of manifolds of 1 to `most` points. */
 void bench_put_heap(sweep_bench *b, uint64_t seed, int bodies, int manifolds, int most);
 
-/* Empty each time. */
+/* The workspace, emptied. */
 pe_workspace bench_workspace(sweep_bench *b);
 
 typedef pe_status sweep_solver(const pe_problem *problem, const pe_solve_limits *limits,
                                pe_workspace work, pe_solve_report *report, pe_error *error);
 
-/* From the impulses that are there. */
+/* Solves from the present impulses. */
 pe_solve_report bench_solve(sweep_bench *b, sweep_solver *by, double tolerance, int most);
 
 void bench_forget_impulses(sweep_bench *b);

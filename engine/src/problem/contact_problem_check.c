@@ -1,28 +1,30 @@
-/* What must hold of a contact problem. */
+/* The rules of contact problems given as data. */
 #include "plumb/contact_problem.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 
-/* Rounding of frames that were written with all their digits. */
+/* The rounding of frames that were written with all digits. */
 static const double FRAME_TOLERANCE = 1e-9;
 
-/* A pivot of an inertia below this part of its trace is no pivot: its inverse would be rounding. */
+/* The smallest pivot of an inertia, as a part of its trace; the inverse of a smaller one would be
+ * rounding. */
 static const double PIVOT_TOLERANCE = 1e-12;
 
+/* Where a check is made. */
 typedef struct place {
     const char *list;
     int index;
-    pe_problem_fault *fault; /* NULL: nobody asks */
+    pe_problem_fault *fault; /* NULL: not wanted */
 } place;
 
-/* Notes a fault of a field, as printf does, and returns false. */
+/* Sets the fault of a field, with a text as of printf, and returns false. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
 static bool
-complain(const place *at, const char *field, const char *format, ...)
+report_fault(const place *at, const char *field, const char *format, ...)
 {
     if (at->fault != NULL) {
         *at->fault = (pe_problem_fault){.list = at->list, .index = at->index, .field = field};
@@ -38,13 +40,13 @@ static bool are_finite(const place *at, const char *field, const double *values,
 {
     for (int k = 0; k < count; ++k) {
         if (!isfinite(values[k])) {
-            return complain(at, field, "expected finite numbers, found %g", values[k]);
+            return report_fault(at, field, "expected finite numbers, found %g", values[k]);
         }
     }
     return true;
 }
 
-/* By the pivots of its Cholesky factorisation. */
+/* Whether a symmetric matrix is positive definite, by the pivots of its factorisation. */
 static bool is_positive_definite(const double m[6])
 {
     double least = PIVOT_TOLERANCE * (m[0] + m[3] + m[5]);
@@ -60,16 +62,17 @@ static bool check_body(const pe_problem_body *body, const place *at)
 {
     const double *m = body->inertia;
     if (!(body->mass > 0) || !isfinite(body->mass)) {
-        return complain(at, "mass", "expected a finite number above 0, found %g", body->mass);
+        return report_fault(at, "mass", "expected a finite number above 0, found %g", body->mass);
     }
     if (!are_finite(at, "inertia", m, 6)) {
         return false;
     }
     if (!is_positive_definite(m)) {
-        return complain(at, "inertia",
-                        "expected xx xy xz yy yz zz of a positive definite matrix, found %g %g %g "
-                        "%g %g %g",
-                        m[0], m[1], m[2], m[3], m[4], m[5]);
+        return report_fault(
+            at, "inertia",
+            "expected xx xy xz yy yz zz of a positive definite matrix, found %g %g %g "
+            "%g %g %g",
+            m[0], m[1], m[2], m[3], m[4], m[5]);
     }
     return are_finite(at, "free_velocity", body->free_velocity, 6);
 }
@@ -88,7 +91,7 @@ static bool check_frame(const double frame[3][3], const place *at)
         for (int l = k; l < 3; ++l) {
             double product = dot(frame[k], frame[l]);
             if (fabs(product - (k == l)) > FRAME_TOLERANCE) {
-                return complain(
+                return report_fault(
                     at, "frame",
                     "expected orthonormal rows n, t1, t2, found row %d . row %d = %.10g", k + 1,
                     l + 1, product);
@@ -99,16 +102,16 @@ static bool check_frame(const double frame[3][3], const place *at)
     double cross[3] = {n[1] * t[2] - n[2] * t[1], n[2] * t[0] - n[0] * t[2],
                        n[0] * t[1] - n[1] * t[0]};
     return dot(cross, frame[2]) > 0 ||
-           complain(at, "frame", "expected a right-handed n, t1, t2, found a left-handed one");
+           report_fault(at, "frame", "expected a right-handed n, t1, t2, found a left-handed one");
 }
 
 static bool check_body_index(const pe_contact_problem *problem, int index, const char *field,
                              const place *at)
 {
     return (index >= PE_STATIC && index < problem->body_count) ||
-           complain(at, field,
-                    "expected an index of the %d bodies, or -1 for what is static, found %d",
-                    problem->body_count, index);
+           report_fault(at, field,
+                        "expected an index of the %d bodies, or -1 for a static body, found %d",
+                        problem->body_count, index);
 }
 
 static bool check_manifold(const pe_contact_problem *problem, const pe_problem_manifold *m,
@@ -118,20 +121,20 @@ static bool check_manifold(const pe_contact_problem *problem, const pe_problem_m
         return false;
     }
     if (m->a == m->b) {
-        return complain(at, "b", "expected another body than a, found %d for both", m->b);
+        return report_fault(at, "b", "expected another body than a, found %d for both", m->b);
     }
     if (m->first != first) {
-        return complain(at, "first",
-                        "expected %d, where the points of the manifold before end, found %d", first,
-                        m->first);
+        return report_fault(at, "first",
+                            "expected %d, where the points of the manifold before end, found %d",
+                            first, m->first);
     }
     if (m->count < 1 || m->count > problem->point_count - first) {
-        return complain(at, "count", "expected 1 to %d points, found %d",
-                        problem->point_count - first, m->count);
+        return report_fault(at, "count", "expected 1 to %d points, found %d",
+                            problem->point_count - first, m->count);
     }
     if (!(m->friction >= 0) || !isfinite(m->friction)) {
-        return complain(at, "friction", "expected a finite number of at least 0, found %g",
-                        m->friction);
+        return report_fault(at, "friction", "expected a finite number of at least 0, found %g",
+                            m->friction);
     }
     return check_frame(m->frame, at) &&
            (m->a == PE_STATIC || are_finite(at, "arm_a", m->arm_a, 3)) &&
@@ -168,5 +171,5 @@ bool pe_contact_problem_is_valid(const pe_contact_problem *problem, pe_problem_f
         }
     }
     return first == problem->point_count ||
-           complain(&at, "impulse", "expected a manifold that has this point, found none");
+           report_fault(&at, "impulse", "expected a manifold that has this point, found none");
 }

@@ -13,7 +13,7 @@ typedef double vec3[3];
 typedef double vec6[6];
 
 /* One point in self-dual form: x = (mu p_n, p_t) and z = (u_n/mu, u_t) in the Lorentz cone, with
- * x.z = p.u. Without friction mu stands as 1 and the tangential parts are 0. */
+ * x.z = p.u. Without friction mu is set to 1 and the tangential parts to 0. */
 typedef struct cone_point {
     vec3 x, z;
     double mu;

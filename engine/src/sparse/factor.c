@@ -3,10 +3,10 @@
 #include <math.h>
 #include <string.h>
 
-/* A function marked so is compiled for several instruction sets, and one is chosen when the program
- * is loaded. Every lane does the IEEE operation of scalar code, so that all give the same bits.
- * clang 14 links no such function that another file calls; the sanitizers run before the choice can
- * be made. */
+/* WIDE_CLONES: the function is compiled for several instruction sets, and one is chosen when the
+ * program is loaded. Every lane does the IEEE operation of scalar code, so that all give the same
+ * bits. clang 14 links no such function that another file calls; the sanitizers run before the
+ * choice can be made. */
 #if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) &&       \
     !defined(__SANITIZE_ADDRESS__)
 #define WIDE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
@@ -31,8 +31,7 @@ pe_status pe_factor_create(const pe_pattern *pattern, pe_workspace work, pe_fact
     return PE_OK;
 }
 
-/* ---- Assembly ----------------------------------------------------------------------------------
- */
+/* ---- Assembly ---- */
 
 /* r = [c] m, the cross product of c with each column of m. */
 static void cross_columns(const double c[3], const double m[3][3], double r[3][3])
@@ -107,35 +106,14 @@ static bool sum_points(const pe_problem *problem, const pe_solver_manifold *mani
     return true;
 }
 
-/* Adds ((k, upper), (lower, corner)) to a block, row i and column j of it. */
-static void add_quarters(pe_block *block, double sign, double k[3][3], double upper[3][3],
-                         double lower[3][3], double corner[3][3], bool transposed)
-{
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            if (transposed) {
-                block->column[i][j] += sign * k[i][j];
-                block->column[i][3 + j] += sign * upper[i][j];
-                block->column[3 + i][j] += sign * lower[i][j];
-                block->column[3 + i][3 + j] += sign * corner[i][j];
-            } else {
-                block->column[j][i] += sign * k[i][j];
-                block->column[3 + j][i] += sign * upper[i][j];
-                block->column[j][3 + i] += sign * lower[i][j];
-                block->column[3 + j][3 + i] += sign * corner[i][j];
-            }
-        }
-    }
-}
-
-/* The manifold's sum carried from its centre to one body's centre of mass at -arm:
+/* The sum of a manifold, transported from its centre to one body's centre of mass at -arm:
  * lower = A + [arm] K, its transpose, and the moment X + [arm] lower^T, X = C - A [arm]. */
-typedef struct carried {
+typedef struct transported {
     double lower[3][3], upper[3][3], moment[3][3];
-} carried;
+} transported;
 
-static void carry(const double arm[3], double k[3][3], double a[3][3], double c[3][3], carried *to,
-                  double moment_at_arm[3][3])
+static void transport(const double arm[3], double k[3][3], double a[3][3], double c[3][3],
+                      transported *to, double moment_at_arm[3][3])
 {
     double turned[3][3];
     cross_columns(arm, (const double(*)[3])k, turned);
@@ -153,6 +131,41 @@ static void carry(const double arm[3], double k[3][3], double a[3][3], double c[
     for (int i = 0; i < 3; ++i) {
         for (int j = 0; j < 3; ++j) {
             to->moment[i][j] = moment_at_arm[i][j] + turned[i][j];
+        }
+    }
+}
+
+/* Adds ((k, upper), (lower, moment)) to a diagonal block. */
+static void add_diagonal(pe_block *block, double k[3][3], const transported *to)
+{
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            block->column[j][i] += k[i][j];
+            block->column[3 + j][i] += to->upper[i][j];
+            block->column[j][3 + i] += to->lower[i][j];
+            block->column[3 + j][3 + i] += to->moment[i][j];
+        }
+    }
+}
+
+/* Subtracts ((k, upper), (lower, corner)), the rows of body A and the columns of body B, from a
+ * block that has it transposed if A is its column. */
+static void subtract_coupling(pe_block *block, double k[3][3], double upper[3][3],
+                              double lower[3][3], double corner[3][3], bool a_is_column)
+{
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            if (a_is_column) {
+                block->column[i][j] -= k[i][j];
+                block->column[i][3 + j] -= upper[i][j];
+                block->column[3 + i][j] -= lower[i][j];
+                block->column[3 + i][3 + j] -= corner[i][j];
+            } else {
+                block->column[j][i] -= k[i][j];
+                block->column[3 + j][i] -= upper[i][j];
+                block->column[j][3 + i] -= lower[i][j];
+                block->column[3 + j][3 + i] -= corner[i][j];
+            }
         }
     }
 }
@@ -179,19 +192,17 @@ void pe_factor_assemble(pe_factor *factor, const pe_problem *problem, const pe_g
     for (int i = 0; i < problem->manifold_count; ++i) {
         const pe_solver_manifold *manifold = &problem->manifold[i];
         double k[3][3], a[3][3], c[3][3], at_a[3][3], at_b[3][3];
-        carried to_a, to_b;
+        transported to_a, to_b;
         if (!sum_points(problem, manifold, gain, k, a, c)) {
             continue;
         }
         if (manifold->a != statics) {
-            carry(manifold->arm_a, k, a, c, &to_a, at_a);
-            add_quarters(&factor->block[pattern->start[pattern->place[manifold->a]]], 1, k,
-                         to_a.upper, to_a.lower, to_a.moment, false);
+            transport(manifold->arm_a, k, a, c, &to_a, at_a);
+            add_diagonal(&factor->block[pattern->start[pattern->place[manifold->a]]], k, &to_a);
         }
         if (manifold->b != statics) {
-            carry(manifold->arm_b, k, a, c, &to_b, at_b);
-            add_quarters(&factor->block[pattern->start[pattern->place[manifold->b]]], 1, k,
-                         to_b.upper, to_b.lower, to_b.moment, false);
+            transport(manifold->arm_b, k, a, c, &to_b, at_b);
+            add_diagonal(&factor->block[pattern->start[pattern->place[manifold->b]]], k, &to_b);
         }
         if (pattern->couple[i] >= 0) {
             /* H_ab = -((K, upper_b), (lower_a, X_b + [arm_a] upper_b)) */
@@ -202,17 +213,16 @@ void pe_factor_assemble(pe_factor *factor, const pe_problem *problem, const pe_g
                     corner[p][q] += at_b[p][q];
                 }
             }
-            bool a_is_column = pattern->place[manifold->a] < pattern->place[manifold->b];
-            add_quarters(&factor->block[pattern->couple[i]], -1, k, to_b.upper, to_a.lower, corner,
-                         a_is_column);
+            subtract_coupling(&factor->block[pattern->couple[i]], k, to_b.upper, to_a.lower, corner,
+                              pattern->place[manifold->a] < pattern->place[manifold->b]);
         }
     }
 }
 
-/* ---- Factorisation -----------------------------------------------------------------------------
- */
+/* ---- Factorisation ---- */
 
-/* The diagonal block's own factor, and the inverses of its diagonal. */
+/* Factors a diagonal block and returns the inverses of its diagonal; false if a pivot is not
+ * positive. */
 INLINE bool factor_diagonal(pe_block *d, double inverse[6])
 {
     for (int j = 0; j < 6; ++j) {
@@ -229,7 +239,7 @@ INLINE bool factor_diagonal(pe_block *d, double inverse[6])
     return true;
 }
 
-/* b := b L^-T with the factor L of the column's diagonal block. */
+/* b := b L^-T, with L the factor of the column's diagonal block. */
 INLINE void divide(pe_block *b, const pe_block *l, const double inverse[6])
 {
     for (int j = 0; j < 6; ++j) {
@@ -280,8 +290,7 @@ bool pe_factor_compute(pe_factor *factor)
     return true;
 }
 
-/* ---- Solves ------------------------------------------------------------------------------------
- */
+/* ---- Solves ---- */
 
 WIDE_CLONES
 void pe_factor_solve(const pe_factor *factor, const double (*b)[6], double (*x)[6])
