@@ -199,6 +199,17 @@ static inline void pe_mass_times(const pe_inertia *m, const double x[6], double 
     pe_symmetric_times(m->tensor, x + 3, y + 3);
 }
 
+/* momentum = M (v - v*) of body i at these velocities */
+static inline void pe_problem_momentum(const pe_problem *problem, const double (*velocity)[6],
+                                       int i, double momentum[6])
+{
+    double change[6];
+    for (int k = 0; k < 6; ++k) {
+        change[k] = velocity[i][k] - problem->free_velocity[i][k];
+    }
+    pe_mass_times(&problem->inertia[i], change, momentum);
+}
+
 /* y = M^-1 x of one body */
 static inline void pe_inverse_mass_times(const pe_inertia *m, const double x[6], double y[6])
 {

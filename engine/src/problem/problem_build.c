@@ -130,10 +130,11 @@ static int body_of(const pe_islands *islands, int slot, int statics)
     return islands->place[slot] < 0 ? statics : islands->place[slot];
 }
 
-pe_status pe_problem_build(pe_world *world, const pe_islands *islands, int k,
-                           const pe_free_motion *free, double dt, pe_island_problem *built,
+pe_status pe_problem_build(pe_world *world, const pe_interval *interval, pe_island_problem *built,
                            pe_error *error)
 {
+    const pe_islands *islands = interval->islands;
+    const int k = interval->k;
     const pe_manifold *kept = pe_manifolds(&world->contacts);
     pe_problem *problem = &built->problem;
     *built = (pe_island_problem){
@@ -155,7 +156,7 @@ pe_status pe_problem_build(pe_world *world, const pe_islands *islands, int k,
     if (built->point_of == NULL || built->normal_change == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for %zu contact points", points);
     }
-    fill_bodies(world, free, built);
+    fill_bodies(world, interval->free, built);
     for (int i = 0, first = 0; i < problem->manifold_count; ++i) {
         const pe_manifold *m = &kept[built->source[i]];
         problem->manifold[i] = (pe_solver_manifold){
@@ -163,12 +164,12 @@ pe_status pe_problem_build(pe_world *world, const pe_islands *islands, int k,
             .b = body_of(islands, m->b, problem->body_count),
             .first = first,
         };
-        fill_manifold(world, m, dt, built, &problem->manifold[i]);
+        fill_manifold(world, m, interval->dt, built, &problem->manifold[i]);
         first += m->count;
     }
     pe_problem_rebuild_velocity(problem);
-    if (free != NULL && world->def.profile != PE_PROFILE_FAST) {
-        return pe_problem_to_midpoint(world, built, free, dt, error);
+    if (interval->free != NULL && world->def.profile != PE_PROFILE_FAST) {
+        return pe_problem_to_midpoint(world, built, interval->free, interval->dt, error);
     }
     return PE_OK;
 }

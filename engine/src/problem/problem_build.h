@@ -6,6 +6,15 @@
 #include "model/island.h"
 #include "problem.h"
 
+/* One island over an interval of time, which is the whole step or a sub-step. */
+typedef struct pe_interval {
+    const pe_islands *islands;
+    int k;                      /* the island */
+    const pe_free_motion *free; /* (slots): the motion without contacts; NULL: bodies are at rest */
+    double dt;                  /* s */
+    pe_path path;               /* set to what has solved the island */
+} pe_interval;
+
 typedef struct pe_island_problem {
     pe_problem problem;
     const int *slot;       /* (body_count): the world's slot of each body */
@@ -15,11 +24,9 @@ typedef struct pe_island_problem {
                               u_n; 0 where the point was not transported to the midpoint */
 } pe_island_problem;
 
-/* Island k's problem in the step's arena, with the impulses of its manifold points and the
- * velocities in step with them. `free` (slots) is the motion without contacts; NULL: bodies are at
- * rest. `dt` (s) is the step. */
-pe_status pe_problem_build(pe_world *world, const pe_islands *islands, int k,
-                           const pe_free_motion *free, double dt, pe_island_problem *built,
+/* Builds the island's problem in the step's arena, with the impulses of its manifold points and the
+ * velocities in step with them. Bodies without `free` motion are at rest. */
+pe_status pe_problem_build(pe_world *world, const pe_interval *interval, pe_island_problem *built,
                            pe_error *error);
 
 /* Stores the impulses in the world's manifold points, as world vectors on body b. */

@@ -15,7 +15,7 @@ static const double REST_GROWTH = 1.7, REST_DECAY = 0.7, MOST_REST = 0.5, LEAST_
 enum { PROBE_SWEEPS = 20, PATIENCE_SWEEPS = 100 };
 static const double GAIN = 0.9, DIVERGED = 30;
 
-/* What a probe shows: momentum was to blame if the residual falls below the first part of what it
+/* A probe shows that momentum was to blame if the residual falls below the first part of what it
  * was, and not to blame if it stays above the second. */
 static const double TO_BLAME = 0.5, NOT_TO_BLAME = 0.8;
 

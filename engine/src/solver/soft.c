@@ -140,7 +140,7 @@ pe_soft_settings pe_soft_settings_default(void)
     };
 }
 
-/* The slack keeps a sub-step that is too long by rounding alone from costing another one. */
+/* The slack keeps a sub-step that is too long only by rounding from costing another one. */
 static int count_substeps(double dt, const pe_soft_settings *settings)
 {
     double needed = ceil(dt / settings->longest_substep - 1e-6);

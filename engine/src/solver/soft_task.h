@@ -1,4 +1,4 @@
-/* What soft contact (soft.h) gives its kernels: the order in which contacts are solved, the
+/* The input of the kernels of soft contact (soft.h): the order in which contacts are solved, the
  * coefficients of a sub-step, and the arrays that a kernel fills. */
 #ifndef PE_SOFT_TASK_H
 #define PE_SOFT_TASK_H

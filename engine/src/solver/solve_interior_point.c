@@ -272,13 +272,10 @@ static double direction(interior *ip, bool corrects, double target)
         pe_solver_manifold_push(manifold, wrench, ip->dv);
     }
     for (int i = 0; i < problem->body_count; ++i) {
-        double change[6], kept[6];
+        double kept[6];
+        pe_problem_momentum(problem, (const vec6 *)ip->v, i, kept);
         for (int k = 0; k < 6; ++k) {
-            change[k] = problem->free_velocity[i][k] - ip->v[i][k];
-        }
-        pe_mass_times(&problem->inertia[i], change, kept);
-        for (int k = 0; k < 6; ++k) {
-            ip->dv[i][k] += kept[k];
+            ip->dv[i][k] -= kept[k];
         }
     }
     pe_factor_solve(&ip->factor, (const vec6 *)ip->dv, ip->dv);

@@ -116,14 +116,10 @@ pe_status pe_solve_combined(const pe_problem *problem, const pe_solve_limits *li
                             pe_workspace work, pe_solve_report *report, pe_error *error)
 {
     pe_pattern pattern;
-    pe_status status = pe_pattern_find(problem, NULL, work, &pattern, error);
-    if (status != PE_OK) {
-        return status;
-    }
-    pe_newton_settings settings = pe_newton_settings_for(
-        &pattern, pe_problem_has_impulse(problem) ? PE_NEWTON_TRESCA : PE_NEWTON_CONE,
-        limits->tolerance);
-    return pe_solve_direct(problem, &settings, limits, work, report, error);
+    pe_newton_settings settings;
+    pe_status status = pe_newton_prepare(problem, limits, work, &pattern, &settings, error);
+    return status != PE_OK ? status
+                           : pe_solve_direct(problem, &settings, limits, work, report, error);
 }
 
 /* ---- The choice ---- */

@@ -143,11 +143,8 @@ static double evaluate(newton *n)
     }
     double worst = 0;
     for (int i = 0; i < problem->body_count; ++i) {
-        double change[6], kept[6], off[6];
-        for (int k = 0; k < 6; ++k) {
-            change[k] = problem->velocity[i][k] - problem->free_velocity[i][k];
-        }
-        pe_mass_times(&problem->inertia[i], change, kept);
+        double kept[6], off[6];
+        pe_problem_momentum(problem, (const vec6 *)problem->velocity, i, kept);
         for (int k = 0; k < 6; ++k) {
             n->momentum[i][k] = kept[k] - n->momentum[i][k];
         }
@@ -246,13 +243,12 @@ static bool take_step(newton *n)
     double start = 0;
     ray along = {0};
     for (int i = 0; i < problem->body_count; ++i) {
-        double change[6], kept[6], moved[6];
+        double kept[6], moved[6];
         for (int k = 0; k < 6; ++k) {
             n->step[i][k] = -n->step[i][k];
             start += n->momentum[i][k] * n->step[i][k];
-            change[k] = problem->velocity[i][k] - problem->free_velocity[i][k];
         }
-        pe_mass_times(&problem->inertia[i], change, kept);
+        pe_problem_momentum(problem, (const vec6 *)problem->velocity, i, kept);
         pe_mass_times(&problem->inertia[i], n->step[i], moved);
         for (int k = 0; k < 6; ++k) {
             along.constant += kept[k] * n->step[i][k];
@@ -399,6 +395,19 @@ pe_newton_settings pe_newton_settings_for(const pe_pattern *pattern, pe_newton_f
     };
 }
 
+pe_status pe_newton_prepare(const pe_problem *problem, const pe_solve_limits *limits,
+                            pe_workspace work, pe_pattern *pattern, pe_newton_settings *settings,
+                            pe_error *error)
+{
+    pe_status status = pe_pattern_find(problem, NULL, work, pattern, error);
+    if (status == PE_OK) {
+        bool warm = pe_problem_has_impulse(problem);
+        *settings = pe_newton_settings_for(pattern, warm ? PE_NEWTON_TRESCA : PE_NEWTON_CONE,
+                                           limits->tolerance);
+    }
+    return status;
+}
+
 pe_status pe_newton(const pe_problem *problem, const pe_newton_settings *settings,
                     const pe_solve_limits *limits, pe_workspace work, pe_solve_report *report,
                     pe_error *error)
@@ -462,12 +471,7 @@ pe_status pe_solve_newton(const pe_problem *problem, const pe_solve_limits *limi
                           pe_workspace work, pe_solve_report *report, pe_error *error)
 {
     pe_pattern pattern;
-    pe_status status = pe_pattern_find(problem, NULL, work, &pattern, error);
-    if (status != PE_OK) {
-        return status;
-    }
-    pe_newton_settings settings = pe_newton_settings_for(
-        &pattern, pe_problem_has_impulse(problem) ? PE_NEWTON_TRESCA : PE_NEWTON_CONE,
-        limits->tolerance);
-    return pe_newton(problem, &settings, limits, work, report, error);
+    pe_newton_settings settings;
+    pe_status status = pe_newton_prepare(problem, limits, work, &pattern, &settings, error);
+    return status != PE_OK ? status : pe_newton(problem, &settings, limits, work, report, error);
 }

@@ -39,6 +39,12 @@ typedef struct pe_newton_settings {
 pe_newton_settings pe_newton_settings_for(const pe_pattern *pattern, pe_newton_form form,
                                           double enough);
 
+/* The pattern of all manifolds and the settings for it: the Tresca form, or the cone form if there
+ * is no impulse to start from. */
+pe_status pe_newton_prepare(const pe_problem *problem, const pe_solve_limits *limits,
+                            pe_workspace work, pe_pattern *pattern, pe_newton_settings *settings,
+                            pe_error *error);
+
 /* Solves from problem->impulse. Iterations are factorisations. An inner solve that did not converge
  * never changes the multipliers. */
 pe_status pe_newton(const pe_problem *problem, const pe_newton_settings *settings,

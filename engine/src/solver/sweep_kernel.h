@@ -390,7 +390,7 @@ static void extrapolate_velocities(pe_sweep *sweep, double beta)
     }
 }
 
-/* `cones`: the whole contact law; otherwise normal impulses alone. */
+/* `cones`: the whole contact law; otherwise only normal impulses. */
 PE_INLINE void solve_point(int j, bool cones, wide beta, group *g)
 {
     if (cones) {

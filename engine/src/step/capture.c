@@ -41,12 +41,11 @@ static void copy_contacts(const pe_problem *from, pe_contact_problem *to)
     }
 }
 
-static pe_status capture_island(pe_world *world, const pe_islands *islands, int k,
-                                const pe_free_motion *free, double dt,
+static pe_status capture_island(pe_world *world, const pe_interval *interval,
                                 pe_contact_problem **captured, pe_error *error)
 {
     pe_island_problem built;
-    pe_status status = pe_problem_build(world, islands, k, free, dt, &built, error);
+    pe_status status = pe_problem_build(world, interval, &built, error);
     if (status != PE_OK) {
         return status;
     }
@@ -81,7 +80,8 @@ static pe_status capture_all(pe_world *world, double dt, pe_contact_problem ***p
     memset(made, 0, (size_t)islands.count * sizeof *made);
     pe_predict_motion(world, dt, free);
     for (int k = 0; k < islands.count && status == PE_OK; ++k) {
-        status = capture_island(world, &islands, k, free, dt, &made[k], error);
+        const pe_interval interval = {.islands = &islands, .k = k, .free = free, .dt = dt};
+        status = capture_island(world, &interval, &made[k], error);
     }
     if (status != PE_OK) {
         for (int k = 0; k < islands.count; ++k) {

@@ -79,8 +79,8 @@ static void close_history(const pe_solve_history *history, pe_contact_solution *
     made->history[ends ? history->count - 1 : made->history_count++] = end;
 }
 
-/* What the solver left, for `made`: its impulses, and the velocities and residual that follow from
- * them. */
+/* Fills `made` with the impulses that the solver left, and the velocities and residual that follow
+ * from them. */
 static void store_results(const pe_problem *view, const pe_solve_limits *limits,
                           const pe_solve_report *report, pe_contact_solution *made)
 {

@@ -66,8 +66,7 @@ static void count_solve(pe_step *step, const pe_island_report *report,
 pe_status pe_island_solve(pe_step *step, pe_interval *interval, pe_island_problem *island)
 {
     pe_world *world = step->world;
-    pe_status status = pe_problem_build(world, interval->islands, interval->k, interval->free,
-                                        interval->dt, island, step->error);
+    pe_status status = pe_problem_build(world, interval, island, step->error);
     if (status != PE_OK) {
         return status;
     }

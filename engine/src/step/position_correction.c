@@ -92,7 +92,8 @@ static pe_status build_problem(const correction *c, const pe_islands *islands, i
                                pe_island_problem *built)
 {
     pe_world *world = c->world;
-    pe_status status = pe_problem_build(world, islands, k, NULL, 1, built, c->error);
+    pe_status status = pe_problem_build(world, &(pe_interval){.islands = islands, .k = k, .dt = 1},
+                                        built, c->error);
     if (status != PE_OK) {
         return status;
     }

@@ -40,15 +40,6 @@ pe_status pe_check_dt(double dt, pe_error *error);
 
 /* ---- Islands (island_step.c) ---- */
 
-/* One island over an interval of time, which is the whole step or a sub-step. */
-typedef struct pe_interval {
-    const pe_islands *islands;
-    int k;                      /* the island */
-    const pe_free_motion *free; /* (slots): the motion without contacts */
-    double dt;                  /* s */
-    pe_path path;               /* set to what has solved the island */
-} pe_interval;
-
 /* Builds and solves the island's contact problem, and counts it in step->stats. */
 pe_status pe_island_solve(pe_step *step, pe_interval *interval, pe_island_problem *island);
 
