@@ -1,5 +1,5 @@
-/* A thin C interface over Bullet's public C++ classes. Knows no scene; converts conventions, so
- * that what crosses it is as in plumb/engine_abi.h: quaternions (w, x, y, z), normals from A to B,
+/* A thin C interface over Bullet's public C++ classes. It knows no scene, and converts conventions
+ * to those of plumb/engine_abi.h: quaternions (w, x, y, z), normals from A to B,
  * impulses on B. No C++ exception passes through it. Bodies are numbered from 0 in the order of
  * their adding. */
 #ifndef PLUMB_BULLET_C_H
@@ -11,6 +11,7 @@
 extern "C" {
 #endif
 
+/* The solvers of Bullet. */
 typedef enum pl_bullet_solver {
     PL_BULLET_SI,      /* btSequentialImpulseConstraintSolver */
     PL_BULLET_NNCG,    /* btNNCGConstraintSolver */
@@ -31,13 +32,14 @@ typedef struct pl_bullet_settings {
     int plane_multipoint;
 } pl_bullet_settings;
 
-/* As Bullet's own constructors set them. */
+/* The settings that Bullet's own constructors make. */
 pl_bullet_settings pl_bullet_shipped(void);
 
 /* Friction and restitution of a contact between two bodies. */
 typedef void (*pl_bullet_pair)(const void *context, int body_a, int body_b, double *friction,
                                double *restitution);
 
+/* What a world is made of. */
 typedef struct pl_bullet_world_def {
     pl_bullet_solver solver;
     pl_bullet_settings settings;
@@ -47,19 +49,23 @@ typedef struct pl_bullet_world_def {
     const void *context; /* of `pair`; outlives the world */
 } pl_bullet_world_def;
 
+/* A world of Bullet. */
 typedef struct pl_bullet_world pl_bullet_world;
 
-/* NULL when Bullet is not built in double precision or memory is out. */
+/* Makes a world; NULL when Bullet is not built in double precision or memory runs out. */
 pl_bullet_world *pl_bullet_world_create(const pl_bullet_world_def *def);
-void pl_bullet_world_destroy(pl_bullet_world *world); /* NULL allowed */
+
+/* Destroys a world; NULL is allowed. */
+void pl_bullet_world_destroy(pl_bullet_world *world);
 
 /* Adds a body with the scene's shape, velocities, mass and inertia, never to sleep; its position
- * and orientation are those of its principal frame (adapters/principal.h), here and when read back.
+ * and orientation are those of its principal frame (scene_frames.h), here and when read back.
  * A hull or mesh outlives the world.
  * PL_UNSUPPORTED for a shape that this interface does not know, PL_NO_MEMORY. */
 pl_status pl_bullet_add_body(pl_bullet_world *world, const pl_body *body);
 
-/* World force (N) at a world offset from the centre of mass (m), for the next step only. */
+/* Applies a force (N, world frame) at an offset from the centre of mass (m, world frame) for the
+ * next step only. */
 void pl_bullet_add_force(pl_bullet_world *world, int body, const double force[3],
                          const double offset[3]);
 
@@ -69,14 +75,23 @@ void pl_bullet_add_force(pl_bullet_world *world, int body, const double force[3]
 pl_status pl_bullet_step(pl_bullet_world *world, double dt, pl_step_stats *stats, double *rows,
                          double *bytes);
 
-/* Islands that a dense solver gave up and left to sequential impulse, since creation. */
+/* The number of islands that a dense solver gave up and left to sequential impulse so far. */
 int pl_bullet_fallbacks(const pl_bullet_world *world);
 
+/* The state of a body, of its principal frame. */
 void pl_bullet_read_body(const pl_bullet_world *world, int body, pl_body_state *state);
+
+/* The mass (kg) and the principal inertia (kg m^2) of a body; 0 for a static one. */
 void pl_bullet_read_mass(const pl_bullet_world *world, int body, double *mass, double inertia[3]);
+
+/* The gravity of the world, m/s^2. */
 void pl_bullet_read_gravity(const pl_bullet_world *world, double gravity[3]);
+
+/* The friction and restitution of a contact between two bodies. */
 void pl_bullet_read_pair(const pl_bullet_world *world, int body_a, int body_b, double *friction,
                          double *restitution);
+
+/* As read_contacts of pl_engine. */
 int pl_bullet_read_contacts(const pl_bullet_world *world, pl_contact *contacts, int capacity);
 
 #ifdef __cplusplus

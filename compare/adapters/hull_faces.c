@@ -1,4 +1,5 @@
-/* A face is all triangles whose corners lie in one plane: on a convex surface they are connected.
+/* A face consists of all triangles whose corners lie in one plane: on a convex surface they are
+ * connected.
  * Its border is the directed edges that no other triangle of the face has the other way round.
  *
  * The largest triangle that is still free founds the next face, so that a thin one, whose normal is

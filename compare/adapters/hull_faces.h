@@ -1,9 +1,10 @@
-/* The faces of a hull as polygons, for engines that ask for them. */
+/* The faces of a hull as polygons, for engines whose hulls need them. */
 #ifndef PLUMB_HULL_FACES_H
 #define PLUMB_HULL_FACES_H
 
 #include "plumb/scene.h"
 
+/* The faces of one hull. */
 typedef struct pl_hull_faces {
     int count;
     double (*planes)[4]; /* (count): unit normal n out of the hull, and n . x on the face, m */
@@ -17,6 +18,8 @@ typedef struct pl_hull_faces {
  * plane have not one border, as those of a hull have. */
 pl_status pl_hull_faces_of(const pl_polyhedron *hull, const double origin[3], pl_hull_faces *faces,
                            pl_error *error);
+
+/* Frees the faces. */
 void pl_hull_faces_free(pl_hull_faces *faces);
 
 #endif

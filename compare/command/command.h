@@ -44,7 +44,6 @@ typedef enum pl_option_kind {
 /* An option "--name=argument". A table of options ends with {0}. */
 typedef struct pl_option {
     const char *name;
-    char letter;          /* short form "-letter"; 0: none */
     const char *argument; /* what stands for the argument in help; NULL: it takes none */
     const char *help;
     pl_option_kind kind;
@@ -54,6 +53,7 @@ typedef struct pl_option {
     double scale;      /* NUMBER: the field is the number times this; 0 means 1 */
     /* PARSED: takes the text. A failure ends the program as a usage error with its message. */
     pl_status (*parse)(void *options, const char *text, pl_error *error);
+    char letter; /* short form "-letter"; 0: none */
 } pl_option;
 
 enum { PL_SHARED_OPTIONS = 5 };

@@ -162,22 +162,16 @@ static int run(const pl_call *call)
 }
 
 static const pl_option OPTIONS[] = {
-    {.name = "repeat",
-     .argument = "N",
-     .help = "Runs of each case on each engine, interleaved (default 1)",
-     .kind = PL_OPTION_INTEGER,
-     .field = offsetof(options, repeats),
-     .min = 1,
-     .max = 1000000},
-    {.name = "iterations-to-tolerance",
-     .help = "Also find that metric (see plumb list metrics), with up to 20 more runs of each case "
-             "on each engine that has an option iterations",
-     .kind = PL_OPTION_FLAG,
-     .field = offsetof(options, tolerance)},
-    {.name = "suite",
-     .kind = PL_OPTION_HELP,
-     .help = "All scenarios of a suite (repeatable; default canonical when no scenario is named)"},
-    {.name = "out", .kind = PL_OPTION_HELP, .help = "Where results and report go (default report)"},
+    {"repeat", "N", "Runs of each case on each engine, interleaved (default 1)", PL_OPTION_INTEGER,
+     .field = offsetof(options, repeats), .min = 1, .max = 1000000},
+    {"iterations-to-tolerance", NULL,
+     "Also find that metric (see plumb list metrics), with up to 20 more runs of each case "
+     "on each engine that has an option iterations",
+     PL_OPTION_FLAG, .field = offsetof(options, tolerance)},
+    {"suite", NULL,
+     "All scenarios of a suite (repeatable; default canonical when no scenario is named)",
+     .kind = PL_OPTION_HELP},
+    {"out", NULL, "Where results and report go (default report)", .kind = PL_OPTION_HELP},
     {0}};
 
 const pl_command pl_command_compare = {

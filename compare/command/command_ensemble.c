@@ -241,37 +241,23 @@ static int run(const pl_call *call)
 }
 
 static const pl_option OPTIONS[] = {
-    {.name = "members",
-     .argument = "N",
-     .help = "Members of each ensemble (default 16)",
-     .kind = PL_OPTION_INTEGER,
-     .field = offsetof(options, members),
-     .min = 2,
-     .max = 1000},
-    {.name = "against",
-     .argument = "NAME=VALUE[,...]|itself",
-     .help = "Also run a second ensemble of each engine, with members of its own and with these "
-             "scenario settings, or the same ones, and compare the two (repeatable)",
-     .kind = PL_OPTION_PARSED,
-     .parse = add_against},
-    {.name = "converged",
-     .help = "Also run each engine's own reference, NAME@converged: a 16th of the time step, and 8 "
-             "times the iterations where the engine has that option",
-     .kind = PL_OPTION_FLAG,
-     .field = offsetof(options, converged)},
-    {.name = "keep-trajectories",
-     .help = "Keep the members' positions over time in DIR/trajectories",
-     .kind = PL_OPTION_FLAG,
-     .field = offsetof(options, keep)},
-    {.name = "suite",
-     .kind = PL_OPTION_HELP,
-     .help = "All scenarios of a suite (repeatable; default chaotic when no scenario is named)"},
-    {.name = "jobs",
-     .kind = PL_OPTION_HELP,
-     .help = "Runs at a time (default: the number of cores)"},
-    {.name = "out",
-     .kind = PL_OPTION_HELP,
-     .help = "Where results and summary go (default ensemble)"},
+    {"members", "N", "Members of each ensemble (default 16)", PL_OPTION_INTEGER,
+     .field = offsetof(options, members), .min = 2, .max = 1000},
+    {"against", "NAME=VALUE[,...]|itself",
+     "Also run a second ensemble of each engine, with members of its own and with these "
+     "scenario settings, or the same ones, and compare the two (repeatable)",
+     PL_OPTION_PARSED, .parse = add_against},
+    {"converged", NULL,
+     "Also run each engine's own reference, NAME@converged: a 16th of the time step, and 8 "
+     "times the iterations where the engine has that option",
+     PL_OPTION_FLAG, .field = offsetof(options, converged)},
+    {"keep-trajectories", NULL, "Keep the members' positions over time in DIR/trajectories",
+     PL_OPTION_FLAG, .field = offsetof(options, keep)},
+    {"suite", NULL,
+     "All scenarios of a suite (repeatable; default chaotic when no scenario is named)",
+     .kind = PL_OPTION_HELP},
+    {"jobs", NULL, "Runs at a time (default: the number of cores)", .kind = PL_OPTION_HELP},
+    {"out", NULL, "Where results and summary go (default ensemble)", .kind = PL_OPTION_HELP},
     {0}};
 
 const pl_command pl_command_ensemble = {

@@ -106,13 +106,12 @@ static pl_status check_reference(const options *o, const pl_gate_rows *rows, pl_
         labels[i] = rows->items[i].label;
         found |= strcmp(labels[i], o->reference) == 0;
     }
-    const char *nearest = pl_nearest_name(o->reference, labels, rows->count);
+    char hint[PL_SUGGESTION_SIZE];
     pl_status status =
         found ? PL_OK
               : pl_fail(error, PL_BAD_INPUT,
-                        "--reference %.100s: the results have no run of that engine%s%s%s",
-                        o->reference, nearest == NULL ? "" : "; did you mean ",
-                        nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
+                        "--reference %.100s: the results have no run of that engine%s",
+                        o->reference, pl_did_you_mean(o->reference, labels, rows->count, hint));
     free(labels);
     return status;
 }
@@ -241,60 +240,34 @@ static int run(const pl_call *call)
 }
 
 static const pl_option OPTIONS[] = {
-    {.name = "baseline",
-     .argument = "FILE",
-     .help = "The baseline that results are compared with",
-     .kind = PL_OPTION_TEXT,
+    {"baseline", "FILE", "The baseline that results are compared with", PL_OPTION_TEXT,
      .field = offsetof(options, baseline)},
-    {.name = "update-baseline",
-     .help = "Write the baseline FILE from the results instead",
-     .kind = PL_OPTION_FLAG,
+    {"update-baseline", NULL, "Write the baseline FILE from the results instead", PL_OPTION_FLAG,
      .field = offsetof(options, update)},
-    {.name = "fail-if",
-     .argument = "EXPR",
-     .help = "Fail where [SCENARIO[/ENGINE]:] METRIC OP VALUE holds (repeatable); with a sign and "
-             "%, against the baseline",
-     .kind = PL_OPTION_TEXTS,
-     .field = offsetof(options, rules)},
-    {.name = "tolerance",
-     .argument = "METRIC=REL[,ABS]",
-     .help = "Allowed difference: the larger of REL times the baseline's value and ABS (default "
-             "1e-6,1e-9; settle_time a step more), or METRIC=off. With state_hash=0 other bits are "
-             "a failure; memory_peak is compared only if this option names it",
-     .kind = PL_OPTION_PARSED,
-     .parse = parse_tolerance},
-    {.name = "time-limit",
-     .argument = "PERCENT",
-     .help = "Allowed growth of time_per_step relative to the reference engine's (default 10)",
-     .kind = PL_OPTION_NUMBER,
-     .field = offsetof(options, tolerances.time),
-     .takes = "per cent",
-     .max = 1e6,
+    {"fail-if", "EXPR",
+     "Fail where [SCENARIO[/ENGINE]:] METRIC OP VALUE holds (repeatable); with a sign and "
+     "%, against the baseline",
+     PL_OPTION_TEXTS, .field = offsetof(options, rules)},
+    {"tolerance", "METRIC=REL[,ABS]",
+     "Allowed difference: the larger of REL times the baseline's value and ABS (default "
+     "1e-6,1e-9; settle_time a step more), or METRIC=off. With state_hash=0 other bits are "
+     "a failure; memory_peak is compared only if this option names it",
+     PL_OPTION_PARSED, .parse = parse_tolerance},
+    {"time-limit", "PERCENT",
+     "Allowed growth of time_per_step relative to the reference engine's (default 10)",
+     PL_OPTION_NUMBER, .field = offsetof(options, tolerances.time), .takes = "per cent", .max = 1e6,
      .scale = 0.01},
-    {.name = "instruction-limit",
-     .argument = "PERCENT",
-     .help = "The same for instructions_per_step (default 2)",
-     .kind = PL_OPTION_NUMBER,
-     .field = offsetof(options, tolerances.instructions),
-     .takes = "per cent",
-     .max = 1e6,
-     .scale = 0.01},
-    {.name = "reference",
-     .argument = "ENGINE",
-     .help = "Label of the reference engine (default: the baseline's; with --update-baseline "
-             "bullet:si, or else ode:quick)",
-     .kind = PL_OPTION_TEXT,
-     .field = offsetof(options, reference)},
-    {.name = "format",
-     .argument = "FORMAT",
-     .help = "text (default), junit, github or json",
-     .kind = PL_OPTION_PARSED,
+    {"instruction-limit", "PERCENT", "The same for instructions_per_step (default 2)",
+     PL_OPTION_NUMBER, .field = offsetof(options, tolerances.instructions), .takes = "per cent",
+     .max = 1e6, .scale = 0.01},
+    {"reference", "ENGINE",
+     "Label of the reference engine (default: the baseline's; with --update-baseline "
+     "bullet:si, or else ode:quick)",
+     PL_OPTION_TEXT, .field = offsetof(options, reference)},
+    {"format", "FORMAT", "text (default), junit, github or json", PL_OPTION_PARSED,
      .parse = parse_format},
-    {.name = "out",
-     .argument = "FILE",
-     .help = "Write the output in that format to FILE, and text to standard output",
-     .kind = PL_OPTION_TEXT,
-     .field = offsetof(options, request.out)},
+    {"out", "FILE", "Write the output in that format to FILE, and text to standard output",
+     PL_OPTION_TEXT, .field = offsetof(options, request.out)},
     {0}};
 
 const pl_command pl_command_gate = {

@@ -241,11 +241,10 @@ static pl_status check(void *user, pl_error *error)
         o->kind = strcmp(names[i], asked->items[0]) == 0 ? &kinds[i] : o->kind;
     }
     if (o->kind == NULL) {
-        const char *nearest = pl_nearest_name(asked->items[0], names, KIND_COUNT);
+        char hint[PL_SUGGESTION_SIZE];
         return pl_fail(error, PL_BAD_INPUT,
-                       "expected scenarios, engines, metrics or suites, found \"%s\"%s%s%s",
-                       asked->items[0], nearest == NULL ? "" : "; did you mean ",
-                       nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
+                       "expected scenarios, engines, metrics or suites, found \"%s\"%s",
+                       asked->items[0], pl_did_you_mean(asked->items[0], names, KIND_COUNT, hint));
     }
     return o->page != NULL && o->kind->list != list_scenarios
                ? pl_fail(error, PL_BAD_INPUT, "--page is for scenarios")
@@ -289,18 +288,12 @@ static int run(const pl_call *call)
 }
 
 static const pl_option OPTIONS[] = {
-    {.name = "json",
-     .letter = 'j',
-     .help = "Print a JSON array with all that is known",
-     .kind = PL_OPTION_FLAG,
-     .field = offsetof(options, json)},
-    {.name = "page",
-     .letter = 'p',
-     .argument = "FILE",
-     .help = "For scenarios: write an HTML page with pictures, formulas and sources (- is standard "
-             "output)",
-     .kind = PL_OPTION_TEXT,
-     .field = offsetof(options, page)},
+    {"json", NULL, "Print a JSON array with all that is known", PL_OPTION_FLAG,
+     .field = offsetof(options, json), .letter = 'j'},
+    {"page", "FILE",
+     "For scenarios: write an HTML page with pictures, formulas and sources (- is standard "
+     "output)",
+     PL_OPTION_TEXT, .field = offsetof(options, page), .letter = 'p'},
     {0}};
 
 const pl_command pl_command_list = {

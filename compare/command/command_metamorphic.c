@@ -111,13 +111,10 @@ static int run(const pl_call *call)
 }
 
 static const pl_option OPTIONS[] = {
-    {.name = "check",
-     .argument = "NAME",
-     .help =
-         "One check, such as rotate-z45, or all checks of a kind: again, rotate, mirror, order, "
-         "far, scale, shift, restart (repeatable; default all)",
-     .kind = PL_OPTION_TEXTS,
-     .field = offsetof(options, checks)},
+    {"check", "NAME",
+     "One check, such as rotate-z45, or all checks of a kind: again, rotate, mirror, order, "
+     "far, scale, shift, restart (repeatable; default all)",
+     PL_OPTION_TEXTS, .field = offsetof(options, checks)},
     {0}};
 
 const pl_command pl_command_metamorphic = {

@@ -200,30 +200,18 @@ static int run(const pl_call *call)
 }
 
 static const pl_option OPTIONS[] = {
-    {.name = "engine",
-     .argument = "SPEC",
-     .help =
-         "The engine: NAME[:PROFILE][,OPTION=VALUE...], or the path of a shared object in place "
-         "of NAME",
-     .kind = PL_OPTION_TEXTS,
-     .field = offsetof(options, request.engines)},
-    {.name = "json",
-     .argument = "FILE",
-     .help = "Write the result as a JSON object (- is standard output)",
-     .kind = PL_OPTION_TEXT,
+    {"engine", "SPEC",
+     "The engine: NAME[:PROFILE][,OPTION=VALUE...], or the path of a shared object in place "
+     "of NAME",
+     PL_OPTION_TEXTS, .field = offsetof(options, request.engines)},
+    {"json", "FILE", "Write the result as a JSON object (- is standard output)", PL_OPTION_TEXT,
      .field = offsetof(options, request.json)},
-    {.name = "trajectory",
-     .argument = "FILE",
-     .help = "Write every frame as CSV (- is standard output)",
-     .kind = PL_OPTION_TEXT,
+    {"trajectory", "FILE", "Write every frame as CSV (- is standard output)", PL_OPTION_TEXT,
      .field = offsetof(options, trajectory)},
-    {.name = "capture",
-     .argument = "STEP:FILE",
-     .help =
-         "Write the contact problem of that step (from 1), for plumb solve: that of the largest "
-         "island, or, with {} in FILE, those of all islands, numbered",
-     .kind = PL_OPTION_PARSED,
-     .parse = parse_capture},
+    {"capture", "STEP:FILE",
+     "Write the contact problem of that step (from 1), for plumb solve: that of the largest "
+     "island, or, with {} in FILE, those of all islands, numbered",
+     PL_OPTION_PARSED, .parse = parse_capture},
     {0}};
 
 const pl_command pl_command_run = {

@@ -250,47 +250,31 @@ static int run(const pl_call *call)
 }
 
 static const pl_option OPTIONS[] = {
-    {.name = "vary",
-     .argument = "KEY=VALUES",
-     .help = "Vary dt, profile (or solver), an option of the engines or a parameter of the "
-             "scenarios, for all that have it; ENGINE.KEY and SCENARIO.KEY vary it for that one "
-             "alone and take precedence. VALUES: a,b,c; 1..9; 0..1:+0.25; 1..256:x2, also mixed; "
-             "numbers may be fractions, 1/240..1/60:x2. Overrides --set and --dt (repeatable; "
-             "default: dt=1/60 to 1/960 s, halved each time; for engines with iterations their "
-             "default number and five times as many; and a --timeout of 20 s)",
-     .kind = PL_OPTION_PARSED,
-     .parse = add_vary},
-    {.name = "repeat",
-     .argument = "N",
-     .help = "Runs of each point, interleaved (default 1; 3 without --vary)",
-     .kind = PL_OPTION_INTEGER,
-     .field = offsetof(options, repeats),
-     .min = 1,
-     .max = PL_GRID_MOST_RUNS},
-    {.name = "repeat-below",
-     .argument = "S",
-     .help = "Repeat only runs that took the engine less than S seconds of CPU time (default 2): "
-             "the median over the steps of a long run hardly changes",
-     .kind = PL_OPTION_NUMBER,
-     .field = offsetof(options, repeat_below),
-     .takes = "seconds",
+    {"vary", "KEY=VALUES",
+     "Vary dt, profile (or solver), an option of the engines or a parameter of the "
+     "scenarios, for all that have it; ENGINE.KEY and SCENARIO.KEY vary it for that one "
+     "alone and take precedence. VALUES: a,b,c; 1..9; 0..1:+0.25; 1..256:x2, also mixed; "
+     "numbers may be fractions, 1/240..1/60:x2. Overrides --set and --dt (repeatable; "
+     "default: dt=1/60 to 1/960 s, halved each time; for engines with iterations their "
+     "default number and five times as many; and a --timeout of 20 s)",
+     PL_OPTION_PARSED, .parse = add_vary},
+    {"repeat", "N", "Runs of each point, interleaved (default 1; 3 without --vary)",
+     PL_OPTION_INTEGER, .field = offsetof(options, repeats), .min = 1, .max = PL_GRID_MOST_RUNS},
+    {"repeat-below", "S",
+     "Repeat only runs that took the engine less than S seconds of CPU time (default 2): "
+     "the median over the steps of a long run hardly changes",
+     PL_OPTION_NUMBER, .field = offsetof(options, repeat_below), .takes = "seconds",
      .max = (double)INFINITY},
-    {.name = "plan",
-     .argument = "FILE",
-     .help = "Write the runs as JSON lines in their order, and make none (- is standard output)",
-     .kind = PL_OPTION_TEXT,
-     .field = offsetof(options, list)},
-    {.name = "shard",
-     .argument = "I/N",
-     .help =
-         "Make only part I of N, from 1/N to N/N: whole cases, with all engines and repeats, if "
-         "there are N, otherwise ranges of points. Default: the number of the Slurm array task "
-         "and the MPI rank, if any",
-     .kind = PL_OPTION_TEXT,
-     .field = offsetof(options, shard)},
-    {.name = "out",
-     .kind = PL_OPTION_HELP,
-     .help = "Where results go (default sweep); those of a shard go to DIR/shard-I-of-N"},
+    {"plan", "FILE",
+     "Write the runs as JSON lines in their order, and make none (- is standard output)",
+     PL_OPTION_TEXT, .field = offsetof(options, list)},
+    {"shard", "I/N",
+     "Make only part I of N, from 1/N to N/N: whole cases, with all engines and repeats, if "
+     "there are N, otherwise ranges of points. Default: the number of the Slurm array task "
+     "and the MPI rank, if any",
+     PL_OPTION_TEXT, .field = offsetof(options, shard)},
+    {"out", NULL, "Where results go (default sweep); those of a shard go to DIR/shard-I-of-N",
+     .kind = PL_OPTION_HELP},
     {0}};
 
 const pl_command pl_command_sweep = {

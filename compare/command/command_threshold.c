@@ -177,15 +177,11 @@ static int run(const pl_call *call)
 }
 
 static const pl_option OPTIONS[] = {
-    {.name = "suite",
-     .kind = PL_OPTION_HELP,
-     .help = "All scenarios of a suite that have a threshold (repeatable)"},
-    {.name = "json",
-     .kind = PL_OPTION_HELP,
-     .help = "Write a JSON object a line for each scenario and engine (- is standard output)"},
-    {.name = "jobs",
-     .kind = PL_OPTION_HELP,
-     .help = "Runs at a time, of different searches (default 1)"},
+    {"suite", NULL, "All scenarios of a suite that have a threshold (repeatable)",
+     .kind = PL_OPTION_HELP},
+    {"json", NULL, "Write a JSON object a line for each scenario and engine (- is standard output)",
+     .kind = PL_OPTION_HELP},
+    {"jobs", NULL, "Runs at a time, of different searches (default 1)", .kind = PL_OPTION_HELP},
     {0}};
 
 const pl_command pl_command_threshold = {

@@ -140,35 +140,20 @@ static int run(const pl_call *call)
 }
 
 static const pl_option OPTIONS[] = {
-    {.name = "target",
-     .argument = "METRIC<=VALUE",
-     .help = "What every scenario must meet, <= or < (repeatable; see plumb list metrics)",
-     .kind = PL_OPTION_PARSED,
-     .parse = parse_target},
-    {.name = "vary",
-     .argument = "KEY=LOW..HIGH",
-     .help =
-         "Tune dt or an option over this range instead of its usual one, or tune an option that "
-         "is not tuned otherwise; numbers may be fractions (repeatable)",
-     .kind = PL_OPTION_TEXTS,
-     .field = offsetof(options, varied)},
-    {.name = "fix",
-     .argument = "KEY=VALUE",
-     .help = "Do not tune dt or that option (repeatable)",
-     .kind = PL_OPTION_TEXTS,
+    {"target", "METRIC<=VALUE",
+     "What every scenario must meet, <= or < (repeatable; see plumb list metrics)",
+     PL_OPTION_PARSED, .parse = parse_target},
+    {"vary", "KEY=LOW..HIGH",
+     "Tune dt or an option over this range instead of its usual one, or tune an option that "
+     "is not tuned otherwise; numbers may be fractions (repeatable)",
+     PL_OPTION_TEXTS, .field = offsetof(options, varied)},
+    {"fix", "KEY=VALUE", "Do not tune dt or that option (repeatable)", PL_OPTION_TEXTS,
      .field = offsetof(options, fixed)},
-    {.name = "budget",
-     .argument = "N",
-     .help = "Settings tried by the search, each on all scenarios (default 200); the best settings "
-             "are measured and validated afterwards",
-     .kind = PL_OPTION_INTEGER,
-     .field = offsetof(options, budget),
-     .min = 1,
-     .max = MOST_BUDGET},
-    {.name = "out",
-     .argument = "DIR",
-     .help = "Where ENGINE.profile.json goes (default .)",
-     .kind = PL_OPTION_TEXT,
+    {"budget", "N",
+     "Settings tried by the search, each on all scenarios (default 200); the best settings "
+     "are measured and validated afterwards",
+     PL_OPTION_INTEGER, .field = offsetof(options, budget), .min = 1, .max = MOST_BUDGET},
+    {"out", "DIR", "Where ENGINE.profile.json goes (default .)", PL_OPTION_TEXT,
      .field = offsetof(options, request.out)},
     {0}};
 

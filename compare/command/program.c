@@ -57,10 +57,10 @@ static const pl_command *find_command(const char *name, const char *asker, const
             return COMMANDS[i];
         }
     }
-    const char *nearest = pl_nearest_name(name, names, COMMAND_COUNT);
-    fprintf(stderr, "%s: there is no command %s%s%s%s\n", asker, name,
-            nearest == NULL ? otherwise : "; did you mean ", nearest == NULL ? "" : nearest,
-            nearest == NULL ? "" : "?");
+    char hint[PL_SUGGESTION_SIZE];
+    pl_did_you_mean(name, names, COMMAND_COUNT, hint);
+    fprintf(stderr, "%s: there is no command %s%s\n", asker, name,
+            hint[0] == '\0' ? otherwise : hint);
     return NULL;
 }
 

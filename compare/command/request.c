@@ -42,34 +42,16 @@ static pl_status parse_setting(void *options, const char *text, pl_error *error)
 }
 
 const pl_option pl_scene_options[] = {
-    {.name = "set",
-     .argument = "NAME=VALUE",
-     .help = "Set a parameter of every named scenario that has it (repeatable; see plumb list "
-             "scenarios)",
-     .kind = PL_OPTION_PARSED,
-     .parse = parse_setting},
-    {.name = "dt",
-     .argument = "S",
-     .help = "Time step in seconds, also as a fraction: 1/240",
-     .kind = PL_OPTION_NUMBER,
-     .field = offsetof(pl_request, dt),
-     .takes = "seconds",
-     .min = 1e-9,
-     .max = 1e3},
-    {.name = "duration",
-     .argument = "S",
-     .help = "Simulated time in seconds",
-     .kind = PL_OPTION_NUMBER,
-     .field = offsetof(pl_request, duration),
-     .takes = "seconds",
-     .min = 1e-9,
-     .max = 1e9},
-    {.name = "seed",
-     .argument = "N",
-     .help = "Seed of scenarios that draw random numbers (default 0)",
-     .kind = PL_OPTION_LARGE,
-     .field = offsetof(pl_request, seed),
-     .max = 0x1p53 - 1},
+    {"set", "NAME=VALUE",
+     "Set a parameter of every named scenario that has it (repeatable; see plumb list "
+     "scenarios)",
+     PL_OPTION_PARSED, .parse = parse_setting},
+    {"dt", "S", "Time step in seconds, also as a fraction: 1/240", PL_OPTION_NUMBER,
+     .field = offsetof(pl_request, dt), .takes = "seconds", .min = 1e-9, .max = 1e3},
+    {"duration", "S", "Simulated time in seconds", PL_OPTION_NUMBER,
+     .field = offsetof(pl_request, duration), .takes = "seconds", .min = 1e-9, .max = 1e9},
+    {"seed", "N", "Seed of scenarios that draw random numbers (default 0)", PL_OPTION_LARGE,
+     .field = offsetof(pl_request, seed), .max = 0x1p53 - 1},
     {0}};
 
 /* Puts a file before those of the environment, where engines are looked up. */
@@ -100,69 +82,38 @@ static pl_status parse_memory(void *options, const char *text, pl_error *error)
 }
 
 const pl_option pl_limit_options[] = {
-    {.name = "timeout",
-     .argument = "S",
-     .help = "Longest wall time of a run in seconds (default 120)",
-     .kind = PL_OPTION_NUMBER,
-     .field = offsetof(pl_request, limits.timeout),
-     .takes = "seconds",
-     .min = 1e-3,
-     .max = 1e6},
-    {.name = "memory",
-     .argument = "GIB",
-     .help = "Largest address space of a run in GiB (default 8; 0: no limit)",
-     .kind = PL_OPTION_PARSED,
-     .parse = parse_memory},
-    {.name = "profiles",
-     .argument = "FILE",
-     .help =
-         "Profiles that plumb tune saved, for --engine NAME:tuned (repeatable; they come before "
-         "those of the environment variable PLUMB_PROFILES)",
-     .kind = PL_OPTION_PARSED,
-     .parse = add_profiles},
+    {"timeout", "S", "Longest wall time of a run in seconds (default 120)", PL_OPTION_NUMBER,
+     .field = offsetof(pl_request, limits.timeout), .takes = "seconds", .min = 1e-3, .max = 1e6},
+    {"memory", "GIB", "Largest address space of a run in GiB (default 8; 0: no limit)",
+     PL_OPTION_PARSED, .parse = parse_memory},
+    {"profiles", "FILE",
+     "Profiles that plumb tune saved, for --engine NAME:tuned (repeatable; they come before "
+     "those of the environment variable PLUMB_PROFILES)",
+     PL_OPTION_PARSED, .parse = add_profiles},
     {0}};
 
 const pl_option pl_comparison_options[] = {
-    {.name = "suite",
-     .argument = "NAME",
-     .help = "All scenarios of a suite (repeatable)",
-     .kind = PL_OPTION_TEXTS,
+    {"suite", "NAME", "All scenarios of a suite (repeatable)", PL_OPTION_TEXTS,
      .field = offsetof(pl_request, suites)},
-    {.name = "engine",
-     .argument = "SPEC",
-     .help = "An engine: NAME[:PROFILE][,OPTION=VALUE...], or the path of a shared object in place "
-             "of NAME (repeatable; default: all that are present)",
-     .kind = PL_OPTION_TEXTS,
-     .field = offsetof(pl_request, engines)},
-    {.name = "json",
-     .argument = "FILE",
-     .help = "Also write all results as JSON (- is standard output, in place of tables)",
-     .kind = PL_OPTION_TEXT,
-     .field = offsetof(pl_request, json)},
+    {"engine", "SPEC",
+     "An engine: NAME[:PROFILE][,OPTION=VALUE...], or the path of a shared object in place "
+     "of NAME (repeatable; default: all that are present)",
+     PL_OPTION_TEXTS, .field = offsetof(pl_request, engines)},
+    {"json", "FILE", "Also write all results as JSON (- is standard output, in place of tables)",
+     PL_OPTION_TEXT, .field = offsetof(pl_request, json)},
     {0}};
 
 const pl_option pl_jobs_options[] = {
-    {.name = "jobs",
-     .argument = "N",
-     .help = "Runs at a time (default 1: runs at the same time disturb each other's times)",
-     .kind = PL_OPTION_INTEGER,
-     .field = offsetof(pl_request, jobs),
-     .min = 1,
-     .max = 1024},
+    {"jobs", "N", "Runs at a time (default 1: runs at the same time disturb each other's times)",
+     PL_OPTION_INTEGER, .field = offsetof(pl_request, jobs), .min = 1, .max = 1024},
     {0}};
 
 const pl_option pl_out_options[] = {
-    {.name = "out",
-     .argument = "DIR",
-     .help = "Where results go",
-     .kind = PL_OPTION_TEXT,
-     .field = offsetof(pl_request, out)},
-    {.name = "resume",
-     .help =
-         "Keep the results in DIR and make only the runs that are missing, whatever the outcome "
-         "of the others",
-     .kind = PL_OPTION_FLAG,
-     .field = offsetof(pl_request, resume)},
+    {"out", "DIR", "Where results go", PL_OPTION_TEXT, .field = offsetof(pl_request, out)},
+    {"resume", NULL,
+     "Keep the results in DIR and make only the runs that are missing, whatever the outcome "
+     "of the others",
+     PL_OPTION_FLAG, .field = offsetof(pl_request, resume)},
     {0}};
 
 pl_status pl_request_check(const pl_request *request, const char *which, const char *reader,
@@ -206,22 +157,21 @@ static pl_status unknown_param(const char *option, const char *setting,
                                const pl_scenario *const *scenarios, int count, pl_error *error)
 {
     char word[PL_NAME_SIZE];
-    const char *nearest = NULL;
+    char hint[PL_SUGGESTION_SIZE] = "";
     snprintf(word, sizeof word, "%.*s", (int)strcspn(setting, "="), setting);
-    for (int i = 0; i < count && nearest == NULL; ++i) {
+    for (int i = 0; i < count && hint[0] == '\0'; ++i) {
         const char *names[PL_MAX_PARAMS];
         for (int k = 0; k < scenarios[i]->param_count; ++k) {
             names[k] = scenarios[i]->params[k].name;
         }
-        nearest = pl_nearest_name(word, names, scenarios[i]->param_count);
+        pl_did_you_mean(word, names, scenarios[i]->param_count, hint);
     }
     if (count == 0) {
         return pl_fail(error, PL_BAD_INPUT, "%s %s: a scene file has no parameters; edit the file",
                        option, setting);
     }
-    return pl_fail(error, PL_BAD_INPUT, "%s %s: no chosen scenario has the parameter %s%s%s%s",
-                   option, setting, word, nearest == NULL ? "" : "; did you mean ",
-                   nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
+    return pl_fail(error, PL_BAD_INPUT, "%s %s: no chosen scenario has the parameter %s%s", option,
+                   setting, word, hint);
 }
 
 static pl_status check_settings(const char *option, const pl_texts *settings,

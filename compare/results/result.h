@@ -13,6 +13,7 @@
 
 #include <jansson.h>
 
+/* How a run ended. */
 typedef enum pl_outcome {
     PL_OUTCOME_OK,
     PL_OUTCOME_COLLAPSED,
@@ -27,7 +28,7 @@ enum { PL_OUTCOME_COUNT = 7 };
 /* "ok", "collapsed" ... as in the schema. */
 const char *pl_outcome_name(pl_outcome outcome);
 
-/* Which run. Everything is borrowed for the length of a call. */
+/* What identifies a run. Everything is borrowed for the length of a call. */
 typedef struct pl_run_view {
     const char *scenario;          /* catalogue name, or the path of a scene file as given */
     const pl_scenario *descriptor; /* NULL for a scene file */
@@ -45,7 +46,7 @@ typedef struct pl_run_view {
     int member;     /* from 0 */
 } pl_run_view;
 
-/* The keys from `scenario` to `repeat`, and `run`: the hash over those that make it that run. */
+/* The keys from `scenario` to `repeat`, and `run`: the hash of those that identify the run. */
 json_t *pl_run_identity(const pl_run_view *run);
 
 /* What one run gave. */

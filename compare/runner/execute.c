@@ -82,7 +82,7 @@ char *pl_positions_path(const char *folder, const char *run)
     return asprintf(&path, "%s/%s.positions", folder, run) < 0 ? NULL : path;
 }
 
-/* Where the slot's run shall write its positions, if anywhere. */
+/* Chooses the path where the slot's run writes its positions, if it does. */
 static pl_status place_positions(const execution *e, slot *s, const json_t *identity,
                                  pl_error *error)
 {
@@ -122,7 +122,7 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
             return pl_fail(error, PL_NO_MEMORY, "out of memory for a run");
         }
         const bool done = is_done(e->def, identity);
-        /* What came meanwhile made it needless. */
+        /* A result that came meanwhile made it unnecessary. */
         if (done && e->due[e->next] && e->bar != NULL) {
             e->bar->total -= 1;
         }
@@ -193,7 +193,7 @@ static void draw(const execution *e)
     pl_progress_draw(e->bar, running, part, pl_monotonic_seconds());
 }
 
-/* Milliseconds until something has to be looked at without being woken: a deadline, or the bar. */
+/* Milliseconds until a deadline, or until the bar is drawn again. */
 static int patience(const execution *e)
 {
     double now = pl_monotonic_seconds();
@@ -207,7 +207,7 @@ static int patience(const execution *e)
     return wait <= 0 ? 0 : (int)(1000 * wait) + 1;
 }
 
-/* Waits for something to happen and takes it in. */
+/* Waits for output, the end of a run, a signal or a timeout, and handles it. */
 static pl_status wait_and_collect(execution *e, int *signal_number, pl_error *error)
 {
     const int jobs = e->def->jobs;

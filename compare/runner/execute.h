@@ -1,5 +1,5 @@
-/* Carries out a plan: so many runs at a time, each in its own process, each result handed on as it
- * comes. */
+/* Executes a plan: several runs at a time, each in a process of its own, and each result handed on
+ * when its run ends. */
 #ifndef PLUMB_EXECUTE_H
 #define PLUMB_EXECUTE_H
 
@@ -8,9 +8,10 @@
 #include "progress.h"
 #include "run_once.h"
 
+/* What to execute, and how. */
 typedef struct pl_execution_def {
     const pl_plan *plan;
-    int jobs; /* >= 1; times are honest only with 1 on a quiet machine */
+    int jobs; /* runs at a time, >= 1; times are reliable only with 1 on a quiet machine */
     pl_limits limits;
     FILE *trajectory;          /* of a plan with one run: gets its frames; NULL: none */
     const pl_capture *capture; /* of such a plan too; NULL: none */
@@ -21,17 +22,17 @@ typedef struct pl_execution_def {
      * its total; `progress` is then not used. NULL: one of its own. */
     pl_progress *bar;
     void *user;
-    /* Whether this run's result is there already; NULL: none is. */
+    /* Whether the result of this run exists already; NULL: none does. */
     bool (*skip)(void *user, const char *run);
-    /* Gets each result as it comes; anything but PL_OK ends the execution with that. */
+    /* Takes each result when its run ends. A status other than PL_OK ends the execution. */
     pl_status (*keep)(void *user, json_t *result, pl_error *error);
 } pl_execution_def;
 
-/* The name in that folder of the file of the run with this hash; malloc'd, NULL when out of memory.
- */
+/* The path in that folder of the positions of the run with this hash: malloc'd; NULL when out of
+ * memory. */
 char *pl_positions_path(const char *folder, const char *run);
 
-/* How many runs are to be made. PL_NO_MEMORY. */
+/* Counts the runs that are to be made. PL_NO_MEMORY. */
 pl_status pl_execution_due(const pl_execution_def *def, long *due, pl_error *error);
 
 /* Returns when all runs are done, or at SIGINT, SIGTERM or SIGHUP (unless they are ignored) with

@@ -1,11 +1,12 @@
 /* One run in a process of its own, and its result: an engine that aborts, hangs, exits, prints or
- * eats memory becomes a row like any other. */
+ * takes too much memory gives a result like any other. */
 #ifndef PLUMB_ISOLATED_RUN_H
 #define PLUMB_ISOLATED_RUN_H
 
 #include "process.h"
 #include "run_once.h"
 
+/* A run in progress. */
 typedef struct pl_isolated_run {
     pl_process process;
     pl_limits limits;
@@ -24,7 +25,7 @@ pl_status pl_isolated_run_start(pl_isolated_run *run, const pl_run_def *def, jso
 pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_t **result,
                                  pl_error *error);
 
-/* Kills it, and frees the run. */
+/* Kills the process, and frees the run. */
 void pl_isolated_run_cancel(pl_isolated_run *run);
 
 /* The part of its steps that is done, 0 .. 1. */

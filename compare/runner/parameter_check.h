@@ -1,6 +1,8 @@
-/* Fairness by reading back: what the engine says it simulates must be what the scene says. */
-#ifndef PLUMB_READBACK_H
-#define PLUMB_READBACK_H
+/* Checks before a run: the engine must support what the scene needs, and must simulate the masses,
+ * inertias, gravity, time step, friction and restitution of the scene, which are read back from it.
+ */
+#ifndef PLUMB_PARAMETER_CHECK_H
+#define PLUMB_PARAMETER_CHECK_H
 
 #include "plumb/engine_abi.h"
 
@@ -10,7 +12,8 @@
 pl_status pl_parameter_check(const pl_scene *scene, const pl_engine *engine,
                              const pl_engine_instance *instance, pl_error *error);
 
-/* PL_UNSUPPORTED names what the scene needs and the engine lacks. */
+/* Compares what the scene needs with what the engine supports. PL_UNSUPPORTED names what is
+ * missing. */
 pl_status pl_needs_check(const pl_scene *scene, const pl_engine *engine, pl_error *error);
 
 #endif

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Notes what tells the case from others. *known: it is there already. */
+/* Notes what distinguishes the case from others. *known: the plan has it already. */
 static pl_status note_case(pl_plan *plan, const pl_case *test_case, const char *name, bool *known,
                            pl_error *error)
 {
@@ -39,7 +39,7 @@ static void vary_scene(const pl_plan *plan, const pl_case *test_case, pl_scene *
     }
 }
 
-/* Leaves of a scene what tells which run it is. */
+/* Frees the scene, except for the fields that identify a run. */
 static void defer(pl_case *test_case)
 {
     pl_scene kept = pl_scene_default();
@@ -223,7 +223,7 @@ long pl_plan_size(const pl_plan *plan)
     return (long)plan->repeats * plan->case_count * plan->configuration_count;
 }
 
-/* Who stands at `place` in a repeat: the neighbours with its case take turns. */
+/* The pairing at `place` in a repeat: neighbours with the same case take turns. */
 static const pl_pairing *turn(const pl_plan *plan, long place, long repeat)
 {
     const int test_case = plan->pairings[place].test_case;

@@ -1,4 +1,4 @@
-/* The plan of a comparison: repeats x cases x engines, as a list of independent runs.
+/* The plan of a command: repeats x cases x engine configurations, as a list of independent runs.
  *
  * The order of the engines rotates from repeat to repeat, so that a machine that warms up or slows
  * down does not favour one of them. */
@@ -8,14 +8,14 @@
 #include "adapters/registry.h"
 #include "results/result.h"
 
-/* How a case differs from what was asked for; all zero: not at all. */
+/* How a case differs from the one that was asked for; all zero: it does not. */
 typedef struct pl_variation {
-    bool is_member;
+    bool is_member; /* of an ensemble */
     int member;     /* from 0: pl_scene_jitter with the plan's seed */
     int refinement; /* > 1: its time step is the asked one divided by this */
 } pl_variation;
 
-/* A scene to run, and where it comes from. */
+/* A scene with its time step, and where it comes from. */
 typedef struct pl_case {
     char *name;                    /* catalogue name, or the path of a scene file as given */
     const pl_scenario *descriptor; /* NULL for a scene file */
@@ -26,6 +26,7 @@ typedef struct pl_case {
     bool deferred; /* pl_plan_build_scene makes its scene */
 } pl_case;
 
+/* An engine with its profile and options. */
 typedef struct pl_configuration {
     pl_engine_choice choice;
     char label[128];
@@ -36,6 +37,7 @@ typedef struct pl_pairing {
     int test_case, configuration;
 } pl_pairing;
 
+/* Starts as {.repeats = N}. */
 typedef struct pl_plan {
     pl_case *cases;
     int case_count;
@@ -52,64 +54,67 @@ typedef struct pl_plan {
     json_t *known;          /* a set: what tells the cases apart; the plan's own */
 } pl_plan;
 
-/* A catalogue scenario with `count` settings "NAME=VALUE". One that is already there with the same
- * values is not added again. */
+/* Adds a catalogue scenario with `count` settings "NAME=VALUE". A case that the plan already has is
+ * not added again. */
 pl_status pl_plan_add_scenario(pl_plan *plan, const pl_scenario *scenario,
                                const char *const *settings, int count, pl_error *error);
 
-/* A catalogue scenario with a value for each of its parameters. *index is the place of the case
- * with these values in the plan, -1 when another case has the same scene; NULL allowed. */
+/* Adds a catalogue scenario with a value for each of its parameters. *index is the place of the
+ * case with these values in the plan, -1 when another case has the same scene; NULL allowed. */
 pl_status pl_plan_add_values(pl_plan *plan, const pl_scenario *scenario, const double *values,
                              int *index, pl_error *error);
 
-/* Settings "NAME=VALUE" of all parameters, exact. */
+/* Settings "NAME=VALUE" of all parameters of a scenario, exact. */
 typedef struct pl_settings {
     char texts[PL_MAX_PARAMS][PL_NAME_SIZE + 32];
     const char *items[PL_MAX_PARAMS]; /* (param_count): the texts */
 } pl_settings;
+
+/* Writes the settings of `values`, one for each parameter. */
 void pl_settings_make(const pl_scenario *scenario, const double *values, pl_settings *settings);
 
-/* A scene file ("-" is standard input). A `dt` or `duration` that is not NAN replaces the scene's:
- * expected travels then lose their discrete answer, and a new duration for a scene with travels,
- * whose distances hold for its own, is PL_BAD_INPUT. */
+/* Adds a scene file ("-" is standard input). A `dt` or `duration` that is not NAN replaces the
+ * scene's: expected travels then lose their discrete answer, and a new duration for a scene with
+ * travels, whose distances hold for its own, is PL_BAD_INPUT. */
 pl_status pl_plan_add_scene_file(pl_plan *plan, const char *path, double dt, double duration,
                                  pl_error *error);
 
-/* An engine by its SPEC. One that is already there is not added again; another of the same label is
- * PL_BAD_INPUT, because their rows could not be told apart. */
+/* Adds an engine by its SPEC. A configuration that the plan already has is not added again; another
+ * one of the same label is PL_BAD_INPUT, because their rows could not be distinguished. */
 pl_status pl_plan_add_engine(pl_plan *plan, const char *spec, pl_error *error);
 
-/* The same engine by its choice, under a label of its own; *index is its place. */
+/* Adds an engine by its choice, under a label of its own; *index is its place (NULL allowed). */
 pl_status pl_plan_add_choice(pl_plan *plan, const pl_engine_choice *choice, const char *label,
                              int *index, pl_error *error);
 
-/* One more run; from the first on, those are all that the plan has. */
+/* Adds one run. A plan with such pairings has no other runs. */
 pl_status pl_plan_add_pairing(pl_plan *plan, int test_case, int configuration, pl_error *error);
 
 /* Builds the scene of a deferred case, which the caller frees. PL_NO_MEMORY. */
 pl_status pl_plan_build_scene(const pl_plan *plan, const pl_case *test_case, pl_scene *scene,
                               pl_error *error);
 
-/* How many runs. */
+/* The number of runs. */
 long pl_plan_size(const pl_plan *plan);
 
-/* What run `index` is. The pointers are the plan's. */
+/* One run of a plan, which owns what the pointers point to. */
 typedef struct pl_planned_run {
     const pl_case *test_case;
     const pl_configuration *configuration;
     int repeat; /* from 0 */
 } pl_planned_run;
 
+/* The run with that index, 0 to pl_plan_size() - 1. */
 pl_planned_run pl_plan_run(const pl_plan *plan, long index);
 
-/* Its identity as in a result; NULL when out of memory. */
+/* The identity of the run, as in a result: a new reference; NULL when out of memory. */
 json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run);
 
 /* The hash by which results know the run: `run` of its identity. PL_NO_MEMORY sets it to "". */
 pl_status pl_planned_run_hash(const pl_plan *plan, const pl_planned_run *run, char hash[17],
                               pl_error *error);
 
-/* Frees what the plan owns. */
+/* Frees what the plan owns, and makes it empty. */
 void pl_plan_free(pl_plan *plan);
 
 #endif

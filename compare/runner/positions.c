@@ -68,10 +68,10 @@ pl_status pl_positions_write(pl_positions_writer *writer, long step, const pl_fr
         if (!body->is_static) {
             pl_vec start = pl_centre_of_mass(&body->shape, body->position, body->orientation);
             pl_vec now = pl_centre_of_mass(&body->shape, state->position, state->orientation);
-            pl_vec way = pl_vec_sub(now, start);
-            writer->sample[next++] = (float)way.x;
-            writer->sample[next++] = (float)way.y;
-            writer->sample[next++] = (float)way.z;
+            pl_vec displacement = pl_vec_sub(now, start);
+            writer->sample[next++] = (float)displacement.x;
+            writer->sample[next++] = (float)displacement.y;
+            writer->sample[next++] = (float)displacement.z;
         }
     }
     if (fwrite(writer->sample, sizeof *writer->sample, next, writer->file) != next ||

@@ -1,8 +1,8 @@
 /* A compact trajectory: where the dynamic bodies' centres of mass are, at most 60 times a second.
  *
- * The file holds what a run of the same scene on the same machine needs to read it again: a header,
- * then for each sample a 32-bit float for each axis of each dynamic body, the way from its start
- * in m. A sample is written whole, so that a run that ends early leaves whole samples. */
+ * The file has a header, then for each sample a 32-bit float for each axis of each dynamic body:
+ * the displacement from its start in m, in the byte order of the machine. Samples are written
+ * whole, so that a run that ends early leaves whole samples. */
 #ifndef PLUMB_POSITIONS_H
 #define PLUMB_POSITIONS_H
 
@@ -10,12 +10,14 @@
 
 #include <stdio.h>
 
-/* Every how many steps a sample is taken: the least number that makes at most 60 a second. */
+/* The number of steps from one sample to the next: the least that gives at most 60 samples a
+ * second. */
 long pl_positions_stride(double dt);
 
-/* Dynamic bodies of a scene. */
+/* The number of dynamic bodies of a scene. */
 int pl_positions_bodies(const pl_scene *scene);
 
+/* A file that is being written; {0} is one that was never opened. */
 typedef struct pl_positions_writer {
     FILE *file;
     const char *path;
@@ -27,15 +29,19 @@ typedef struct pl_positions_writer {
 /* Opens `path`, which is replaced; it and `scene` must outlive the writer. PL_IO, PL_NO_MEMORY. */
 pl_status pl_positions_create(const char *path, const pl_scene *scene, pl_positions_writer *writer,
                               pl_error *error);
-/* The state after step number `step` (0: before the first); most are passed over. */
+
+/* Writes the state after step `step` (0: before the first) if a sample is due. PL_IO. */
 pl_status pl_positions_write(pl_positions_writer *writer, long step, const pl_frame *frame,
                              pl_error *error);
-void pl_positions_end(pl_positions_writer *writer); /* of one never opened, too */
 
-/* Opens such a file of a run of `scene` for pl_positions_read; NULL where there is none that fits.
- */
+/* Closes the file, if one was opened. */
+void pl_positions_end(pl_positions_writer *writer);
+
+/* Opens such a file of a run of `scene` for pl_positions_read; NULL when there is none that fits
+ * the scene. */
 FILE *pl_positions_open(const char *path, const pl_scene *scene);
-/* The next sample, (3 x bodies); false where the file ends. */
+
+/* Reads the next sample, (3 x bodies); false at the end of the file. */
 bool pl_positions_read(FILE *file, int bodies, float *sample);
 
 #endif

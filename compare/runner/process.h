@@ -1,4 +1,4 @@
-/* A job in a process of its own, under limits, with what it prints and what it answers collected.
+/* A job in a process of its own, under limits. Its output and its answer are collected.
  *
  * The child leads its own session, so that it can be killed with all its offspring and no terminal
  * reaches it; it dies with its parent. Standard output and error are one pipe, of which the last
@@ -20,11 +20,13 @@
 
 enum { PL_OUTPUT_TAIL = 2000, PL_PROCESS_POLLS = 3 };
 
+/* The limits of a run. */
 typedef struct pl_limits {
     double timeout;  /* s of wall time, > 0 */
     uint64_t memory; /* bytes of address space; 0: no limit */
 } pl_limits;
 
+/* A child process. */
 typedef struct pl_process {
     pid_t pid;
     int handle, output, answer; /* pidfd and reading ends; -1: closed */
@@ -37,19 +39,19 @@ typedef struct pl_process {
     size_t text_length, text_capacity;
 } pl_process;
 
+/* Seconds of a clock that is never set. */
 double pl_monotonic_seconds(void);
 
-/* Starts `job` in a child. The child ends when it returns; what it wrote to `answer` is the answer.
- * `signals` is the mask that the child takes back. PL_IO when there is no process or pipe to be
- * had. */
+/* Starts `job` in a child, which ends when the job returns. What the job writes to `answer` is the
+ * answer. PL_IO when no process or pipe can be made. */
 pl_status pl_process_start(pl_process *process, const pl_limits *limits,
                            void (*job)(void *user, FILE *answer), void *user, pl_error *error);
 
-/* What to poll for: fills polls[PL_PROCESS_POLLS]. */
+/* Fills polls[PL_PROCESS_POLLS] with the events to wait for. */
 void pl_process_polls(const pl_process *process, struct pollfd *polls);
 
-/* Takes in what is there, and kills the child when its time is up. True when it has ended:
- * everything is collected and closed, and pl_process_free is due. */
+/* Collects output and answer so far, and kills the child when its time is up. True when the child
+ * has ended and everything is collected and closed: pl_process_free is then due. */
 bool pl_process_advance(pl_process *process, const struct pollfd *polls);
 
 /* Waits until the child has ended, when pl_process_free is due. PL_IO: it could not be waited for;

@@ -1,5 +1,5 @@
-/* One run in this process: create, read back, step and measure, destroy. An engine that crashes
- * here takes the process with it: isolated_run.h is the safe way. */
+/* One run in this process: create, check the parameters, step and measure, destroy. An engine that
+ * crashes ends the process: isolated_run.h makes the run in another one. */
 #ifndef PLUMB_RUN_ONCE_H
 #define PLUMB_RUN_ONCE_H
 
@@ -9,7 +9,7 @@
 #include <stdatomic.h>
 #include <stdio.h>
 
-/* Where a run is, in memory shared with whoever watches it. */
+/* The stage of a run. */
 typedef enum pl_stage {
     PL_STAGE_PREPARE,
     PL_STAGE_CREATE,
@@ -20,12 +20,13 @@ typedef enum pl_stage {
     PL_STAGE_DESTROY
 } pl_stage;
 
+/* The progress of a run, in memory that is shared with the process that watches it. */
 typedef struct pl_run_watch {
     _Atomic(int) stage; /* pl_stage */
     atomic_long steps_done;
 } pl_run_watch;
 
-/* The contact problems of one step, taken on the way. */
+/* The capture of the contact problems of one step during a run. */
 typedef struct pl_capture {
     long step; /* from 1 */
     /* Takes over the contact problems (contact_problems.h), to destroy them. Called in the run's
@@ -34,6 +35,7 @@ typedef struct pl_capture {
     void *user;
 } pl_capture;
 
+/* What to run. */
 typedef struct pl_run_def {
     const pl_scene *scene;
     const pl_engine *engine;

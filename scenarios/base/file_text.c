@@ -2,6 +2,8 @@
 
 #include "file_text.h"
 
+#include "text_buffer.h"
+
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +17,7 @@ static pl_status fail_by_size(const pl_file_kind *kind, const char *label, const
                    label, kind->noun, kind->most_bytes >> 20, found);
 }
 
-/* What the directory can tell before a byte is read. */
+/* Checks the kind and the size of the file before it is read. */
 static pl_status check_stream(const pl_file_kind *kind, FILE *stream, const char *label,
                               pl_error *error)
 {
@@ -35,44 +37,23 @@ static pl_status check_stream(const pl_file_kind *kind, FILE *stream, const char
     return PL_OK;
 }
 
-/* The whole stream, malloc'd. */
-static pl_status read_stream(const pl_file_kind *kind, FILE *stream, const char *label, char **text,
-                             size_t *length, pl_error *error)
+/* Reads the whole stream. */
+static pl_status read_stream(const pl_file_kind *kind, FILE *stream, const char *label,
+                             pl_text_buffer *text, pl_error *error)
 {
-    size_t capacity = 1 << 16, used = 0;
-    char *bytes = malloc(capacity);
-    pl_status status = PL_OK;
-    while (bytes != NULL) {
-        size_t got = fread(bytes + used, 1, capacity - used, stream);
-        used += got;
-        if (used > kind->most_bytes) {
-            status = fail_by_size(kind, label, "more", error);
-            break;
-        }
-        if (got == 0) {
-            status =
-                ferror(stream) ? pl_fail(error, PL_IO, "%s: %s", label, strerror(errno)) : PL_OK;
-            break;
-        }
-        if (used == capacity) {
-            char *grown = realloc(bytes, 2 * capacity);
-            if (grown == NULL) {
-                free(bytes);
-            }
-            bytes = grown;
-            capacity *= 2;
+    char bytes[1 << 14];
+    size_t got;
+    while ((got = fread(bytes, 1, sizeof bytes, stream)) > 0) {
+        pl_text_add_bytes(text, bytes, got);
+        if (text->length > kind->most_bytes) {
+            return fail_by_size(kind, label, "more", error);
         }
     }
-    if (bytes == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", label);
+    if (ferror(stream)) {
+        return pl_fail(error, PL_IO, "%s: %s", label, strerror(errno));
     }
-    if (status != PL_OK) {
-        free(bytes);
-        return status;
-    }
-    *text = bytes;
-    *length = used;
-    return PL_OK;
+    pl_text_add(text, ""); /* so that an empty file has a text */
+    return text->failed ? pl_fail(error, PL_NO_MEMORY, "%s: out of memory", label) : PL_OK;
 }
 
 const char *pl_file_label(const char *path)
@@ -92,7 +73,14 @@ pl_status pl_file_read(const pl_file_kind *kind, const char *path, char **text, 
     }
     pl_status status = check_stream(kind, stream, label, error);
     if (status == PL_OK) {
-        status = read_stream(kind, stream, label, text, length, error);
+        pl_text_buffer read = {0};
+        status = read_stream(kind, stream, label, &read, error);
+        if (status == PL_OK) {
+            *text = read.data;
+            *length = read.length;
+        } else {
+            pl_text_free(&read);
+        }
     }
     if (!is_stdin) {
         fclose(stream);

@@ -1,4 +1,4 @@
-/* A file's bytes: from a path or standard input, and never more than its kind may have. */
+/* Reads files whole: from a path or standard input, up to the size that their kind may have. */
 #ifndef PLUMB_FILE_TEXT_H
 #define PLUMB_FILE_TEXT_H
 
@@ -12,12 +12,12 @@ typedef struct pl_file_kind {
     size_t most_bytes;
 } pl_file_kind;
 
-/* All of the file ("-" is standard input), malloc'd; the text has no zero at its end. PL_BAD_INPUT:
- * none to read, a directory, too large; PL_IO. */
+/* Reads all of a file ("-" is standard input). *text is malloc'd; *length does not count the zero
+ * at its end. PL_BAD_INPUT: there is no such file, it is a directory, or it is too large. PL_IO. */
 pl_status pl_file_read(const pl_file_kind *kind, const char *path, char **text, size_t *length,
                        pl_error *error);
 
-/* What messages call a path: itself, or <stdin>. */
+/* The name of a path in messages: the path itself, or <stdin>. */
 const char *pl_file_label(const char *path);
 
 #endif

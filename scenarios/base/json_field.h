@@ -8,7 +8,7 @@
 
 #include <jansson.h>
 
-/* What an object of a scene file may have. */
+/* The keys that an object of a file may have. */
 typedef struct pl_key_set {
     const char *object; /* its name in the JSON Schema */
     const char *const *keys;
@@ -21,14 +21,17 @@ typedef enum pl_presence { PL_OPTIONAL, PL_REQUIRED } pl_presence;
 enum { PL_FOUND_SIZE = 80 };
 const char *pl_json_found(const json_t *json, char text[PL_FOUND_SIZE]);
 
-/* That `json`, at the path as it stands, is an object with no key but those of `keys`. */
+/* Checks that `json`, at the current path, is an object without keys other than those of `keys`. */
 bool pl_json_object(const json_t *json, const pl_key_set *keys, pl_diagnostic *diagnostic);
 
 /* The array `key` in *array; NULL when it is absent and optional. */
 bool pl_json_array(const json_t *object, const char *key, pl_presence presence,
                    const json_t **array, pl_diagnostic *diagnostic);
 
+/* true or false. */
 bool pl_json_bool(const json_t *object, const char *key, bool *value, pl_diagnostic *diagnostic);
+
+/* A number. */
 bool pl_json_number(const json_t *object, const char *key, pl_presence presence, double *value,
                     pl_diagnostic *diagnostic);
 

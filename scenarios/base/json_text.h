@@ -1,4 +1,4 @@
-/* JSON text, and files of it, to whatever a reader makes of them, with every fault at
+/* Reads JSON text and files with a reader of the caller, and reports every fault at
  * FILE:LINE:COLUMN. */
 #ifndef PLUMB_JSON_TEXT_H
 #define PLUMB_JSON_TEXT_H

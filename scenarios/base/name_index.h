@@ -1,4 +1,4 @@
-/* Names in order, for look-up by bisection and for finding duplicates. */
+/* An index of names, for look-up by bisection and for finding duplicates. */
 #ifndef PLUMB_NAME_INDEX_H
 #define PLUMB_NAME_INDEX_H
 
@@ -6,6 +6,7 @@
 
 #include <stddef.h>
 
+/* A name and the number of its item. */
 typedef struct pl_named {
     const char *name; /* borrowed */
     int index;
@@ -16,11 +17,13 @@ typedef struct pl_name_index {
     int count;
 } pl_name_index;
 
-/* Of `count` items, `stride` bytes apart, whose name begins at `first_name` and ends with a zero.
- * The names must stay where they are while the index is used. PL_NO_MEMORY leaves an empty index.
- * O(n log n). */
+/* Makes an index of `count` items, `stride` bytes apart, whose name begins at `first_name` and ends
+ * with a zero. The names must stay where they are while the index is used. PL_NO_MEMORY leaves an
+ * empty index. O(n log n). */
 pl_status pl_name_index_create(const char *first_name, size_t stride, int count,
                                pl_name_index *index);
+
+/* Frees the index and makes it empty. */
 void pl_name_index_free(pl_name_index *index);
 
 /* The number of the item of that name, the first of them when it is not unique; -1 when there is
@@ -30,7 +33,7 @@ int pl_name_index_find(const pl_name_index *index, const char *name);
 /* The lowest number of an item whose name an earlier item has; -1 when all names differ. */
 int pl_name_index_duplicate(const pl_name_index *index);
 
-/* pl_nearest_name over all of the index; also NULL when out of memory. */
+/* pl_nearest_name over all names of the index; also NULL when out of memory. */
 const char *pl_name_index_nearest(const pl_name_index *index, const char *word);
 
 #endif

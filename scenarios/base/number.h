@@ -1,4 +1,4 @@
-/* Numbers as text, in any locale with a decimal point. */
+/* Numbers as text, with a decimal point in any locale. */
 #ifndef PLUMB_NUMBER_H
 #define PLUMB_NUMBER_H
 
@@ -11,8 +11,8 @@ enum { PL_NUMBER_SIZE = 32 };
  * "-inf" for the rest. Returns `text`. */
 const char *pl_number_text(double value, char text[PL_NUMBER_SIZE]);
 
-/* The number that text[0 .. length) is as a whole: a decimal such as -12.5e-3 that a finite double
- * is near. False for anything else. */
+/* Reads all of text[0 .. length) as a decimal number such as -12.5e-3, rounded to the nearest
+ * double. False for anything else, and for a number too large for a finite double. */
 bool pl_decimal(const char *text, size_t length, double *value);
 
 #endif

@@ -1,5 +1,8 @@
 #include "text_buffer.h"
 
+#include "number.h"
+
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -142,6 +145,42 @@ void pl_text_add_csv(pl_text_buffer *out, const char *text)
         pl_text_add_bytes(out, *c == '"' ? "\"\"" : c, *c == '"' ? 2 : 1);
     }
     pl_text_add(out, "\"");
+}
+
+void pl_text_add_json(pl_text_buffer *out, const char *text)
+{
+    pl_text_add(out, "\"");
+    for (const char *c = text; *c != '\0'; ++c) {
+        if ((unsigned char)*c < 0x20) {
+            pl_text_format(out, "\\u%04x", (unsigned)*c);
+        } else {
+            pl_text_add(out, *c == '"' || *c == '\\' ? "\\" : "");
+            pl_text_add_bytes(out, c, 1);
+        }
+    }
+    pl_text_add(out, "\"");
+}
+
+void pl_text_add_json_key(pl_text_buffer *out, const char *key)
+{
+    pl_text_add_json(out, key);
+    pl_text_add(out, ": ");
+}
+
+void pl_text_add_number(pl_text_buffer *out, double value)
+{
+    char text[PL_NUMBER_SIZE];
+    pl_text_add(out, isfinite(value) ? pl_number_text(value, text) : "null");
+}
+
+void pl_text_add_numbers(pl_text_buffer *out, const double *values, int count)
+{
+    pl_text_add(out, "[");
+    for (int i = 0; i < count; ++i) {
+        pl_text_add(out, i == 0 ? "" : ", ");
+        pl_text_add_number(out, values[i]);
+    }
+    pl_text_add(out, "]");
 }
 
 /* Bytes of the code point that starts at `c`, never past the terminating zero. */

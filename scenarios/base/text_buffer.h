@@ -1,4 +1,4 @@
-/* A growing text buffer, with one function to escape text for each format that is written. */
+/* A growing text buffer, with functions that escape text for each format that is written. */
 #ifndef PLUMB_TEXT_BUFFER_H
 #define PLUMB_TEXT_BUFFER_H
 
@@ -44,6 +44,19 @@ void pl_text_add_markdown(pl_text_buffer *buffer, const char *text);
 
 /* Adds one field of CSV (RFC 4180), in quotes where necessary. */
 void pl_text_add_csv(pl_text_buffer *buffer, const char *text);
+
+/* Adds a JSON string: text in quotes, escaped. */
+void pl_text_add_json(pl_text_buffer *buffer, const char *text);
+
+/* Adds the key of a member of a JSON object, with its colon. */
+void pl_text_add_json_key(pl_text_buffer *buffer, const char *key);
+
+/* Adds a JSON number, the shortest that reads back as the same double; null for one that is not
+ * finite, which JSON has no word for. */
+void pl_text_add_number(pl_text_buffer *buffer, double value);
+
+/* Adds a JSON array of numbers. */
+void pl_text_add_numbers(pl_text_buffer *buffer, const double *values, int count);
 
 /* Adds text for a terminal. Control characters (C0, DEL, C1) become '?'; newline and tab become a
  * space. At most `columns` code points are added, of which the last is an ellipsis when the text

@@ -5,8 +5,8 @@
  * Polyhedra that have a name, or that several bodies share, are written in "shapes", the others in
  * their body. All are written with their vertices: the text needs no other file. */
 #include "base/hash.h"
-#include "base/json_writer.h"
 #include "base/name_index.h"
+#include "base/text_buffer.h"
 #include "scene_fields.h"
 #include "scene_internal.h"
 
@@ -108,7 +108,7 @@ cleanup:
 /* ---- Fields ---- */
 
 typedef struct writer {
-    pl_json_writer json;
+    pl_text_buffer json;
     const pl_scene *scene;
     polyhedron_names names;
     int *order; /* (force_count): the numbers of the forces, by body and then as they come */
@@ -122,31 +122,31 @@ static void put_line(writer *w, const char *before, int indent)
 {
     char text[32];
     snprintf(text, sizeof text, "%s\n%*s", before, indent, "");
-    pl_put(&w->json, text);
+    pl_text_add(&w->json, text);
 }
 
 /* Triples of numbers, some on a line. */
-static void put_triples(pl_json_writer *w, const double (*triples)[3], int count)
+static void put_triples(pl_text_buffer *w, const double (*triples)[3], int count)
 {
     enum { ON_A_LINE = 4 };
     for (int i = 0; i < count; i++) {
-        pl_put(w, i == 0 ? "[" : i % ON_A_LINE == 0 ? ",\n      " : ", ");
-        pl_put_vector(w, triples[i], 3);
+        pl_text_add(w, i == 0 ? "[" : i % ON_A_LINE == 0 ? ",\n      " : ", ");
+        pl_text_add_numbers(w, triples[i], 3);
     }
-    pl_put(w, "]");
+    pl_text_add(w, "]");
 }
 
-static void put_triangles(pl_json_writer *w, const int (*triangles)[3], int count)
+static void put_triangles(pl_text_buffer *w, const int (*triangles)[3], int count)
 {
     enum { ON_A_LINE = 8 };
     for (int i = 0; i < count; i++) {
         char text[48];
         snprintf(text, sizeof text, "[%d, %d, %d]", triangles[i][0], triangles[i][1],
                  triangles[i][2]);
-        pl_put(w, i == 0 ? "[" : i % ON_A_LINE == 0 ? ",\n      " : ", ");
-        pl_put(w, text);
+        pl_text_add(w, i == 0 ? "[" : i % ON_A_LINE == 0 ? ",\n      " : ", ");
+        pl_text_add(w, text);
     }
-    pl_put(w, "]");
+    pl_text_add(w, "]");
 }
 
 /* The name of one of the scene's shapes, or the shape itself. */
@@ -154,7 +154,7 @@ static void put_body_shape(writer *w, const pl_shape *shape, int indent)
 {
     const int index = pl_pointer_map_find(&w->names.addresses, shape->polyhedron);
     if (index >= 0 && w->names.names[index][0] != '\0') {
-        pl_put_string(&w->json, w->names.names[index]);
+        pl_text_add_json(&w->json, w->names.names[index]);
     } else {
         put_object(w, PL_OBJECT_PLANE + (pl_object_kind)shape->kind, shape, indent);
     }
@@ -167,13 +167,13 @@ static void put_shapes(writer *w, int indent)
         if (w->names.names[i][0] != '\0') {
             const pl_shape shape = pl_shape_of(w->scene->polyhedra[i]);
             put_line(w, before, indent + 2);
-            pl_put_key(&w->json, "", w->names.names[i]);
+            pl_text_add_json_key(&w->json, w->names.names[i]);
             put_object(w, PL_OBJECT_PLANE + (pl_object_kind)shape.kind, &shape, indent + 2);
             before = ",";
         }
     }
     put_line(w, "", indent);
-    pl_put(&w->json, "}");
+    pl_text_add(&w->json, "}");
 }
 
 static void put_items(writer *w, const pl_field *field, const void *object, int indent)
@@ -183,29 +183,29 @@ static void put_items(writer *w, const pl_field *field, const void *object, int 
     int count;
     memcpy(&items, pl_field_of(field, object), sizeof items);
     memcpy(&count, (const char *)object + field->count, sizeof count);
-    pl_put(&w->json, named ? "{" : "[");
+    pl_text_add(&w->json, named ? "{" : "[");
     for (int i = 0; i < count; ++i) {
         const char *item = items + (size_t)i * pl_objects[field->items].size;
         put_line(w, i == 0 ? "" : ",", indent + 2);
         if (named) {
-            pl_put_key(&w->json, "", item); /* the struct begins with its name */
+            pl_text_add_json_key(&w->json, item); /* the struct begins with its name */
         }
         put_object(w, field->items, item, indent + 2);
     }
     put_line(w, "", indent);
-    pl_put(&w->json, named ? "}" : "]");
+    pl_text_add(&w->json, named ? "}" : "]");
 }
 
 static void put_forces(writer *w, const pl_body *body, int indent)
 {
     const int b = (int)(body - w->scene->bodies);
-    pl_put(&w->json, "[");
+    pl_text_add(&w->json, "[");
     for (int i = w->first[b]; i < w->first[b + 1]; ++i) {
         put_line(w, i == w->first[b] ? "" : ",", indent + 2);
         put_object(w, PL_OBJECT_FORCE, &w->scene->forces[w->order[i]], indent + 2);
     }
     put_line(w, "", indent);
-    pl_put(&w->json, "]");
+    pl_text_add(&w->json, "]");
 }
 
 /* Equal as bits: 0 and -0 differ. */
@@ -278,42 +278,42 @@ static bool is_written(const writer *w, const pl_object *table, const pl_field *
 
 static void put_value(writer *w, const pl_field *field, const void *object, int indent)
 {
-    pl_json_writer *json = &w->json;
+    pl_text_buffer *json = &w->json;
     const void *value = pl_field_of(field, object);
     int index = 0;
     switch (field->type) {
     case PL_FIELD_VERSION:
-        pl_put(json, "1");
+        pl_text_add(json, "1");
         break;
     case PL_FIELD_NUMBER:
-        pl_put_number(json, *(const double *)value);
+        pl_text_add_number(json, *(const double *)value);
         break;
     case PL_FIELD_VECTOR:
     case PL_FIELD_UNIT:
     case PL_FIELD_INERTIA:
-        pl_put_vector(json, value, 3);
+        pl_text_add_numbers(json, value, 3);
         break;
     case PL_FIELD_QUATERNION:
-        pl_put_vector(json, value, 4);
+        pl_text_add_numbers(json, value, 4);
         break;
     case PL_FIELD_BOOL:
-        pl_put(json, *(const bool *)value ? "true" : "false");
+        pl_text_add(json, *(const bool *)value ? "true" : "false");
         break;
     case PL_FIELD_NAME:
     case PL_FIELD_METRIC:
-        pl_put_string(json, value);
+        pl_text_add_json(json, value);
         break;
     case PL_FIELD_WORD:
         memcpy(&index, value, sizeof index);
-        pl_put_string(json, field->words[index]);
+        pl_text_add_json(json, field->words[index]);
         break;
     case PL_FIELD_MATERIAL:
         memcpy(&index, value, sizeof index);
-        pl_put_string(json, w->scene->materials[index].name);
+        pl_text_add_json(json, w->scene->materials[index].name);
         break;
     case PL_FIELD_BODY:
         memcpy(&index, value, sizeof index);
-        pl_put_string(json, w->scene->bodies[index].name);
+        pl_text_add_json(json, w->scene->bodies[index].name);
         break;
     case PL_FIELD_OBJECT:
         put_object(w, field->items, object, indent);
@@ -332,7 +332,7 @@ static void put_value(writer *w, const pl_field *field, const void *object, int 
         put_body_shape(w, value, indent);
         break;
     case PL_FIELD_TYPE:
-        pl_put_string(json, pl_shape_names[((const pl_shape *)object)->kind]);
+        pl_text_add_json(json, pl_shape_names[((const pl_shape *)object)->kind]);
         break;
     case PL_FIELD_POINTS: {
         const pl_polyhedron *p = ((const pl_shape *)object)->polyhedron;
@@ -365,18 +365,18 @@ static void put_object(writer *w, pl_object_kind kind, const void *object, int i
         if (field->line != line) {
             put_line(w, before, indent + 2);
         } else {
-            pl_put(&w->json, before);
-            pl_put(&w->json, " ");
+            pl_text_add(&w->json, before);
+            pl_text_add(&w->json, " ");
         }
         line = field->line;
         before = ",";
-        pl_put_key(&w->json, "", field->key);
+        pl_text_add_json_key(&w->json, field->key);
         put_value(w, field, object, indent + 2);
     }
     if (tall) {
         put_line(w, "", indent);
     }
-    pl_put(&w->json, tall ? "}" : " }");
+    pl_text_add(&w->json, tall ? "}" : " }");
 }
 
 /* ---- Scenes ---- */
@@ -411,18 +411,18 @@ char *pl_scene_to_text(const pl_scene *scene)
     }
     if (sort_forces(&w)) {
         put_object(&w, PL_OBJECT_SCENE, scene, 0);
-        pl_put(&w.json, "\n");
+        pl_text_add(&w.json, "\n");
     } else {
-        w.json.out_of_memory = true;
+        w.json.failed = true;
     }
     polyhedron_names_free(&w.names);
     free(w.order);
     free(w.first);
-    if (w.json.out_of_memory) {
-        free(w.json.text);
+    if (w.json.failed) {
+        free(w.json.data);
         return NULL;
     }
-    return w.json.text;
+    return w.json.data;
 }
 
 pl_status pl_scene_hash(const pl_scene *scene, char hash[17], pl_error *error)

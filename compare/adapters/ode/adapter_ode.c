@@ -15,8 +15,7 @@
  * reports none. */
 #include "adapters/registry.h"
 #include "adapters/scene_frames.h"
-#include "ode_contacts.h"
-#include "ode_read.h"
+#include "ode_instance.h"
 #include "ode_shapes.h"
 #include "plumb/scenario.h"
 #include "plumb/vec.h"

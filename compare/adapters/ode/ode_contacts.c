@@ -1,7 +1,8 @@
-/* Contacts are made anew at every step, as ODE's manual has it (section "Collision Detection"): up
+/* Contacts are made again at every step, as ODE's manual has it (section "Collision Detection"): up
  * to max_contacts points a pair, with the friction pyramid whose limits follow the normal force
  * (dContactApprox1) and, where the pair's restitution e > 0, dContactBounce with threshold 0. */
-#include "ode_contacts.h"
+
+#include "ode_instance.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -43,4 +43,32 @@ static inline int geom_index(dGeomID geom)
     return (int)(intptr_t)dGeomGetData(geom);
 }
 
+/* ---- Contacts (ode_contacts.c) ---- */
+
+/* For dSpaceCollide with a pl_engine_instance as its data: makes the contact joints of two geoms
+ * and notes them in the instance. Sets out_of_memory there where there is no room for them. */
+void pl_ode_collide_pair(void *data, dGeomID a, dGeomID b);
+
+/* UNSUPPORTED where dWorldStep would need more memory than the limit for the contacts made. */
+pl_status pl_ode_check_dense_memory(const pl_engine_instance *instance, pl_error *error);
+
+/* As read_contacts of pl_engine. */
+int pl_ode_read_contacts(const pl_engine_instance *instance, pl_contact *contacts, int capacity);
+
+/* ---- Reading back (ode_read.c) ---- */
+
+/* The pose of the frame of a moving body's shape. */
+void pl_ode_read_pose(const pl_engine_instance *instance, int body, double position[3],
+                      double orientation[4]);
+
+/* What the geoms of the shape's polyhedron share; NULL where it has none. */
+const ode_solid *pl_ode_solid_of(const pl_engine_instance *instance, const pl_shape *shape);
+
+/* As the functions of pl_engine of these names. */
+void pl_ode_read_frame(const pl_engine_instance *instance, pl_frame *frame);
+void pl_ode_read_settings(const pl_engine_instance *instance, double dt,
+                          pl_engine_settings *settings);
+void pl_ode_read_pair(const pl_engine_instance *instance, int body_a, int body_b, double *friction,
+                      double *restitution);
+
 #endif

@@ -1,4 +1,5 @@
-#include "ode_read.h"
+
+#include "ode_instance.h"
 
 #include "adapters/scene_frames.h"
 #include "plumb/scenario.h"
