@@ -289,41 +289,44 @@ static bool ended_early(const pl_referee *r)
     return r->ended != PL_VERDICT_OK || r->done < r->asked;
 }
 
-/* After an early end, a metric of the final state has no value. A maximum or a mean over the steps
- * has one if there was a step. */
-static void withdraw_after_early_end(const pl_referee *r, pl_metric *item)
+/* Replaces metrics that apply by the reason of the early end. Units stay. */
+static void withdraw(const pl_referee *r, const pl_metric_id *ids, size_t count, pl_metric *item)
 {
-    enum { OF_THE_END = 12 };
-    static const pl_metric_id ids[] = {
-        PL_METRIC_REST_POSITION_ERROR, PL_METRIC_REST_ROTATION_ERROR, PL_METRIC_TRAVEL_ERROR,
-        PL_METRIC_VALUE_ERROR, PL_METRIC_DISCRETE_ERROR, PL_METRIC_STATE_HASH, PL_METRIC_SPREAD_X,
-        PL_METRIC_SPREAD_Y, PL_METRIC_MASS_HEIGHT, PL_METRIC_RUN_OUT_P95, PL_METRIC_ENERGY_LOST,
-        PL_METRIC_PENETRATION_REST,
-        /* over the steps */
-        PL_METRIC_ENERGY_GAIN, PL_METRIC_ENERGY_STEP_GAIN, PL_METRIC_MOMENTUM_ERROR,
-        PL_METRIC_PENETRATION_MAX, PL_METRIC_LIFT, PL_METRIC_PATH_DEVIATION,
-        PL_METRIC_ITERATIONS_MEAN, PL_METRIC_ITERATIONS_MAX, PL_METRIC_CONTACTS_MEAN,
-        PL_METRIC_TIME_PER_STEP, PL_METRIC_RESIDUAL_MAX, PL_METRIC_RESIDUAL_RMS};
-    const pl_metric ended = pl_metric_failed("the run ended at step %ld of %ld", r->done, r->asked);
-    const size_t count = r->done > 0 ? OF_THE_END : sizeof ids / sizeof *ids;
-    if (!ended_early(r)) {
-        return;
-    }
     for (size_t i = 0; i < count; ++i) {
         pl_metric *metric = &item[ids[i]];
         const char *unit = metric->unit;
         if (metric->state != PL_METRIC_ABSENT) {
-            *metric = ended;
+            *metric = pl_metric_failed("the run ended at step %ld of %ld", r->done, r->asked);
             metric->unit = unit;
         }
     }
+}
+
+/* After an early end, a metric of the final state has no value. A maximum or a mean over the steps
+ * has one if there was a step. */
+static void withdraw_after_early_end(const pl_referee *r, pl_metric *item)
+{
+    static const pl_metric_id of_the_end[] = {
+        PL_METRIC_REST_POSITION_ERROR, PL_METRIC_REST_ROTATION_ERROR, PL_METRIC_TRAVEL_ERROR,
+        PL_METRIC_VALUE_ERROR, PL_METRIC_DISCRETE_ERROR, PL_METRIC_STATE_HASH, PL_METRIC_SPREAD_X,
+        PL_METRIC_SPREAD_Y, PL_METRIC_MASS_HEIGHT, PL_METRIC_RUN_OUT_P95, PL_METRIC_ENERGY_LOST,
+        PL_METRIC_PENETRATION_REST};
+    static const pl_metric_id of_steps[] = {
+        PL_METRIC_ENERGY_GAIN, PL_METRIC_ENERGY_STEP_GAIN, PL_METRIC_MOMENTUM_ERROR,
+        PL_METRIC_PENETRATION_MAX, PL_METRIC_LIFT, PL_METRIC_PATH_DEVIATION,
+        PL_METRIC_ITERATIONS_MEAN, PL_METRIC_ITERATIONS_MAX, PL_METRIC_CONTACTS_MEAN,
+        PL_METRIC_TIME_PER_STEP, PL_METRIC_RESIDUAL_MAX, PL_METRIC_RESIDUAL_RMS};
+    static const pl_metric_id settle = PL_METRIC_SETTLE_TIME, creep = PL_METRIC_CREEP;
+    if (!ended_early(r)) {
+        return;
+    }
+    withdraw(r, of_the_end, sizeof of_the_end / sizeof *of_the_end, item);
+    if (r->done == 0) {
+        withdraw(r, of_steps, sizeof of_steps / sizeof *of_steps, item);
+    }
     /* A settle time that was reached is valid, and so is the reason why there is no creep. */
-    if (item[PL_METRIC_SETTLE_TIME].state == PL_METRIC_FAILED) {
-        item[PL_METRIC_SETTLE_TIME] = ended;
-    }
-    if (item[PL_METRIC_CREEP].state == PL_METRIC_VALUE) {
-        item[PL_METRIC_CREEP] = ended;
-    }
+    withdraw(r, &settle, item[settle].state == PL_METRIC_FAILED, item);
+    withdraw(r, &creep, item[creep].state == PL_METRIC_VALUE, item);
 }
 
 static pl_metric reference_metric(const pl_referee *r, const pl_metric *item)

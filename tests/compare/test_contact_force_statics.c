@@ -69,7 +69,7 @@ static void stand_step(stand *s)
                           &(pl_step){s->steps, s->before, s->frame.bodies, s->contacts, s->count});
 }
 
-/* Of all steps; second order or not is the same where no force turns. */
+/* Over all steps. The integrator does not matter, because no force turns. */
 static double stand_balance(const stand *s)
 {
     pl_metrics metrics = {.item = {{0}}};

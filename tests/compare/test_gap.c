@@ -45,7 +45,7 @@ static void move_along(pose_pair *p, const double direction[3], double distance)
     }
 }
 
-/* Slides b along a random ray from a's centre until the closed form says `gap`. */
+/* Moves b along a random ray from a's centre until the closed form gives `gap`. */
 static void slide_to(pose_pair *p, check_random *random, double gap)
 {
     double direction[3], square = 0, low = 0, high = 6;
@@ -67,7 +67,7 @@ static void slide_to(pose_pair *p, check_random *random, double gap)
     }
 }
 
-/* Points back into *p, so it fills in place. */
+/* Fills *p in place, because it contains pointers into itself. */
 static void place(pose_pair *p, check_random *random, pl_shape_kind kind_a, pl_shape_kind kind_b,
                   placing how)
 {
@@ -100,7 +100,7 @@ static void place(pose_pair *p, check_random *random, pl_shape_kind kind_a, pl_s
 }
 
 /* How far libccd may be off by its own stopping rules, for shapes of size s (gap_convex.c): its EPA
- * ends when depth x error < 1e-14 s^2, and below depth 1.5e-8 s it says "touching". */
+ * ends when depth x error < 1e-14 s^2, and below depth 1.5e-8 s it reports touching. */
 static double libccd_error(double gap, double s)
 {
     return 1e-12 + fmin(1.01e-14 * s * s / fabs(gap), 2e-8 * s);
@@ -212,7 +212,7 @@ static difference difference_of(const pose_pair *p)
     return d;
 }
 
-/* How far b must move along `unit` to part from a. */
+/* How far b must move along `unit` to separate from a. */
 static double parting(const difference *d, const double unit[3])
 {
     double most = -HUGE_VAL;
@@ -249,8 +249,8 @@ static double refined(const difference *d, check_random *random, double unit[3])
     return best;
 }
 
-/* The least translation that parts the shapes over a dense set of directions (a Fibonacci spiral).
- * Each that comes within its spacing of the best is refined. */
+/* The minimum translation over a dense set of directions (a Fibonacci spiral). Each direction within
+ * the spacing of the best is refined. */
 static double swept_depth(const pose_pair *p, check_random *random)
 {
     enum { SWEEP = 2000 };
@@ -418,10 +418,11 @@ static void test_nearly_parallel_edges_are_distinguished_by_their_axis(void **st
     }
 }
 
-/* Prisms turned about their axis and leaning by a tiny angle: the nearest facet may be the sliver
- * between two nearly parallel edges. libccd finds the foot of the origin on such a triangle by a
- * quotient of tiny numbers and loses up to 1e-9, so the comparison is one-sided: both depths are
- * widths along some direction, never less than the truth, and ours is the smaller. */
+/* Prisms rotated about their axis and tilted by a tiny angle: the nearest facet may be the narrow one
+ * between two nearly parallel edges. libccd computes the projection of the origin onto such a triangle
+ * as a quotient of tiny numbers, with an error of up to 1e-9. So the comparison is one-sided: both
+ * depths are widths along some direction, never less than the true depth, and the closed form must be
+ * the smaller. */
 static void test_box_box_depth_never_exceeds_that_of_libccd(void **state)
 {
     (void)state;

@@ -49,7 +49,8 @@ static pl_shape random_shape(pool *p, pl_shape_kind kind)
     return shape;
 }
 
-/* Points back into *pair, so it fills in place. Centres within `reach` of the origin. */
+/* Fills *pair in place, because it contains pointers into itself. Coordinates of the centres are
+ * within `reach`. */
 static void place(pool *p, pose_pair *pair, pl_shape_kind a, pl_shape_kind b, double reach)
 {
     *pair = (pose_pair){.shape_a = random_shape(p, a), .shape_b = random_shape(p, b)};
@@ -204,7 +205,7 @@ static double swept(const pose_pair *pair)
             most = found[i] > found[most] ? i : most;
         }
         best = fmax(best, refined(&p, unit[most]));
-        /* The next one from elsewhere. */
+        /* The next start is elsewhere. */
         for (int i = 0; i < SWEEP; ++i) {
             found[i] = dot(unit[i], unit[most]) > 0.98 ? -HUGE_VAL : found[i];
         }
@@ -228,12 +229,12 @@ static void test_gap_of_every_pair_equals_dense_direction_sweep(void **state)
             assert_int_equal(pl_gap_convex(&pair.a, &pair.b, HUGE_VAL, &gap), PL_OK);
         }
         assert_at_most(best, gap + 1e-9);
-        assert_at_most(gap, best + 1e-4); /* how far off the grids may stop on a narrow ridge */
+        assert_at_most(gap, best + 1e-4); /* the error of the grids on a narrow ridge */
     }
     pl_scene_free(&p.scene);
 }
 
-/* The pair as a whole turned by `q` and moved. */
+/* Rotates a shape about the origin by `q` and moves it. */
 static void move_all(pl_placed_shape *placed, const double q[4], const double by[3])
 {
     double axis[3][3];

@@ -283,7 +283,7 @@ static void test_ring_inside_a_ring_has_the_side_distance(void **state)
     pl_placed_shape a = placed_at(&outer, 3, 4, 5), b = placed_at(&inner, 3, 4, 5);
     const double side = cos(pi / AROUND);
     assert_close(gap_of(&a, &b), (0.75 - 0.525) * side, 1e-14, 0);
-    /* A little off the middle, towards the middle of a side. */
+    /* A little off the centre, towards the middle of a side. */
     b.position[0] += 0.1 * side;
     b.position[1] += 0.1 * sin(pi / AROUND);
     assert_close(gap_of(&a, &b), (0.75 - 0.525) * side - 0.1, 1e-14, 0);
@@ -327,8 +327,8 @@ static void test_sphere_in_a_tube_has_its_centre_depth(void **state)
     pl_scene_free(&scene);
 }
 
-/* Links of a chain, upright and lying: the tube of one, 1 off its middle, in the hole of the other.
- * To the roughness of their facets. */
+/* Links of a chain, one upright and one lying: the tube of one, 1 from its centre, is in the hole of
+ * the other. Exact to the size of the facets. */
 static void test_linked_rings_are_apart_until_their_tubes_meet(void **state)
 {
     (void)state;

@@ -96,7 +96,7 @@ static double step_gain(run *r)
     return gain;
 }
 
-/* The first ball hands all its speed to the last, in one step. */
+/* The first ball passes all its speed to the last in one step. */
 static double gain_of_a_handed_over_speed(const double *places, int count)
 {
     run r;

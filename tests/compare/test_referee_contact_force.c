@@ -87,7 +87,7 @@ static void assert_absent_metric(const run *r, pl_metric_id id)
     }
 }
 
-/* Slides by v' = v - mu g h, as Coulomb has it. */
+/* The box slides by v' = v - mu g h, Coulomb's law. */
 static void slide(run *r, bool swap, double rx, double ry)
 {
     begin_box(r, 3, 0, 0);
@@ -386,29 +386,29 @@ static void test_natural_map_and_signorini_of_one_contact(void **state)
         ball_case ball;
         double natural_map, power; /* the latter in units of rho m^2/s^2 */
     } cases[] = {
-        /* Open and parting; open and closing. */
+        /* Without impulse: separating, approaching. */
         {{mu, 0, 0, 0.1, 0.2, 0, 0}, 0, 0},
         {{mu, 0, 0, 0, -0.3, 0, 0}, 0.3, 0},
-        /* Pushed although it parts, by more and by less than would bring it back. */
+        /* Pushed while separating, by more and by less than the impulse that stops it. */
         {{0, 0, 0, 0, 0.2, 0, 5}, 0.2, 1},
         {{0, 0, 0, 0, 0.2, 0, 0.1}, 0.1, 0.02},
-        /* Pulled. */
+        /* A negative normal impulse. */
         {{0, 0, 0, 0, 0, 0, -0.4}, 0.4, 0},
-        /* Held. */
+        /* Sticking. */
         {{1, 0, 0, 0, 0, 0.9, 1}, 0, 0},
-        /* Slides and is not braked: r - rho u^ = (1 - s, -s), within the cone, and with s = 1 off
-         * it, nearest to (1/2, -1/2). */
+        /* Slides without friction: r - rho u^ = (1 - s, -s) is within the cone; for s = 1 it is outside, and
+         * its projection is (1/2, -1/2). */
         {{1, 0, 0, 0.25, 0, 0, 1}, 0.25 * 1.4142135623730951, 0},
         {{1, 0, 0, 1, 0, 0, 1}, 0.70710678118654757, 0},
-        /* Slides and is braked in full. */
+        /* Slides with full friction. */
         {{1, 0, 0, 0.7, 0, -1, 1}, 0, 0},
-        /* Outside the cone and at rest: (1, 2) is nearest to (3/2, 3/2). */
+        /* Outside the cone and at rest: the projection of (1, 2) is (3/2, 3/2). */
         {{1, 0, 0, 0, 0, 2, 1}, 0.70710678118654757, 0},
-        /* Open by more than it closes in the step; by less; and closed by an impulse. */
+        /* A gap that stays open in the step; one that closes; one that is closed by an impulse. */
         {{mu, 0, 1.0 / 64, 0, -0.5, 0, 0}, 0, 0},
         {{mu, 0, 1.0 / 64, 0, -1.5, 0, 0}, 0.5, 0},
         {{mu, 0, 1.0 / 64, 0, -1, 0, 3}, 0, 0},
-        /* Penetration asks for nothing. */
+        /* Penetration requires no impulse. */
         {{mu, 0, -1.0 / 64, 0, 0, 0, 3}, 0, 0},
         {{0, 0, -1.0 / 64, 0, 0.5, 0, 3}, 0.5, 1.5},
     };

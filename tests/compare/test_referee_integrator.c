@@ -8,7 +8,7 @@
 
 enum { STEPS = 64 };
 
-/* How positions follow: from the new velocity, or from the mean of old and new. */
+/* The velocity that moves the position: the new one, or the mean of old and new. */
 typedef enum motion_rule { NEW_VELOCITY, MEAN_VELOCITY } motion_rule;
 
 static const char *const names[] = {"semi-implicit Euler",
@@ -30,7 +30,8 @@ static const char *integrator_of(const run *r)
     return metric->state == PL_METRIC_TEXT ? metric->text : "";
 }
 
-/* A ball thrown up, expected where the continuous problem and semi-implicit Euler have it. */
+/* A ball with an upward velocity, with its references of the continuous problem and of
+ * semi-implicit Euler. */
 static void prepare_fall(run *r, double speed)
 {
     const double g = 9.81, t = STEPS * H;

@@ -222,7 +222,7 @@ static void test_drift_and_creep_of_a_steady_motion(void **state)
     run_end(&r);
 }
 
-/* It falls into place by 1 m during the first second, settles, and then creeps by 1e-5 m/s. */
+/* It moves by 1 m in the first 1.5 s, settles, and then creeps at 1e-5 m/s. */
 static void test_drift_counts_from_the_settled_pose(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* A run of the referee on frames that the test itself makes up: the scene, its referee, and the
- * state that the test moves. Whatever fails fails the test. */
+/* A run of the referee on frames that the test defines: the scene, its referee, and the state that the
+ * test changes. Every failure fails the test. */
 #ifndef PLUMB_TEST_SYNTHETIC_RUN_H
 #define PLUMB_TEST_SYNTHETIC_RUN_H
 
@@ -22,19 +22,19 @@ typedef struct run {
 void run_prepare(run *r, double duration);
 /* A body of 2 kg at (x, 0, z), added before run_begin. */
 void run_add_body(run *r, const char *name, pl_shape shape, bool is_static, double x, double z);
-/* The body shall rest where the scene puts it. */
+/* The body is expected to rest at its initial pose. */
 void run_expect_rest(run *r, int body);
-/* The body shall travel along x. */
+/* The body is expected to travel along x. */
 void run_expect_travel(run *r, int body, double distance, double discrete);
-/* A floor (body 0) and a cube of side 1 (body 1) that shall rest on it. */
+/* A floor (body 0) and a cube of side 1 (body 1) that is expected to rest on it. */
 void run_prepare_box_on_floor(run *r, double duration);
 
-/* Shows the referee the scene's own state. */
+/* Starts the referee with the scene's initial state. */
 void run_begin(run *r);
-/* Shows it r->state as it is now, with these contacts (count -1: none reported). */
+/* Gives the referee the current r->state with these contacts (count -1: none reported). */
 pl_verdict run_step_with(run *r, const pl_contact *contacts, int count);
 pl_verdict run_step(run *r);
-/* `count` steps that shall all be well. */
+/* `count` steps, of which each must have the verdict OK. */
 void run_step_many(run *r, long count);
 pl_verdict run_finish(run *r);
 void run_end(run *r);

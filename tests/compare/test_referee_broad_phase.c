@@ -53,9 +53,8 @@ static pl_shape random_shape(pl_scene *scene, check_random *random, int which)
     }
 }
 
-/* Random shapes of all kinds, a fifth of them static, and two planes; the dynamic ones jump about
- * at random from frame to frame. Against all pairs by their gaps, and in every other frame by their
- * exact distances within random reaches. */
+/* Random shapes of all kinds, a fifth of them static, and two planes. The dynamic ones have random
+ * poses in each frame. All pairs are checked by their gaps, in every other frame with random margins. */
 static void test_broad_phase_finds_every_touching_pair_once(void **state)
 {
     (void)state;
@@ -83,12 +82,12 @@ static void test_broad_phase_finds_every_touching_pair_once(void **state)
     long found = 0;
     for (int frame = 0; frame < 8; ++frame) {
         memset(&t, 0, sizeof t);
-        double reach[CROWD] = {0};
+        double margin[CROWD] = {0};
         for (int i = 0; i < CROWD; ++i) {
-            bool reaches = frame % 2 == 1 && !scene.bodies[i].is_static;
-            reach[i] = reaches ? check_uniform(&random, 0, 0.3) : 0;
+            bool has_margin = frame % 2 == 1 && !scene.bodies[i].is_static;
+            margin[i] = has_margin ? check_uniform(&random, 0, 0.3) : 0;
         }
-        pl_broad_phase_each_pair(broad_phase, bodies, frame % 2 == 1 ? reach : NULL, count_pair,
+        pl_broad_phase_each_pair(broad_phase, bodies, frame % 2 == 1 ? margin : NULL, count_pair,
                                  &t);
         for (int a = 0; a < CROWD; ++a) {
             for (int b = a + 1; b < CROWD; ++b) {
@@ -103,7 +102,7 @@ static void test_broad_phase_finds_every_touching_pair_once(void **state)
                 memcpy(pb.orientation, bodies[b].orientation, sizeof pb.orientation);
                 double gap = HUGE_VAL;
                 bool may_touch = !(scene.bodies[a].is_static && scene.bodies[b].is_static);
-                double within = reach[a] + reach[b];
+                double within = margin[a] + margin[b];
                 if (may_touch && pl_gap(&pa, &pb, within, &gap) == PL_OK && gap <= within &&
                     (gap <= 0 || pl_gap_convex(&pa, &pb, HUGE_VAL, &gap) == PL_UNSUPPORTED ||
                      gap <= within)) {
@@ -123,7 +122,7 @@ static void test_broad_phase_finds_every_touching_pair_once(void **state)
     pl_scene_free(&scene);
 }
 
-/* Faces that touch exactly, as in every tower: rounding must not lose them. */
+/* Faces that touch exactly, as in every tower, must not be lost by rounding. */
 static void test_broad_phase_keeps_pairs_that_just_touch(void **state)
 {
     (void)state;
