@@ -138,18 +138,17 @@ static double or_infinity(double value)
     return isnan(value) ? HUGE_VAL : value;
 }
 
-/* Energy, momentum and contact impulses of a step, from r->last to `after`. */
-static void see_mechanics(pl_referee *r, const pl_body_state *after, const pl_contact *contacts,
-                          int contact_count)
+/* Energy, momentum and contact impulses of a step, which starts at r->last. */
+static void see_mechanics(pl_referee *r, const pl_step_observation *seen)
 {
-    if (contact_count < 0 && r->no_contacts_step == 0) {
+    pl_step step = {r->done, r->last, seen->frame->bodies, seen->contacts, seen->contact_count};
+    if (step.contact_count < 0 && r->no_contacts_step == 0) {
         r->no_contacts_step = r->done;
     }
-    if (!contacts_belong(r->scene, contacts, contact_count)) {
+    if (!contacts_belong(r->scene, step.contacts, step.contact_count)) {
         r->foreign_contact_step = r->foreign_contact_step == 0 ? r->done : r->foreign_contact_step;
-        contact_count = 0;
+        step.contact_count = 0;
     }
-    const pl_step step = {r->done, r->last, after, contacts, contact_count};
     pl_mechanics_step(r->mechanics, &step);
     pl_contact_force_step(r->force, &step);
     for (pl_integrator k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
@@ -182,23 +181,21 @@ static void see_stats(pl_referee *r, const pl_step_stats *stats, double cpu_time
     }
 }
 
-pl_verdict pl_referee_step(pl_referee *r, const pl_frame *frame, const pl_step_stats *stats,
-                           const pl_contact *contacts, int contact_count, double cpu_time,
-                           pl_error *error)
+pl_verdict pl_referee_step(pl_referee *r, const pl_step_observation *seen, pl_error *error)
 {
     if (r->ended != PL_VERDICT_OK) {
         return conclude(r, r->ended, error);
     }
+    const pl_body_state *bodies = seen->frame->bodies;
     long step = r->done + 1;
-    pl_verdict verdict = pl_check_finite(r->scene, frame->bodies, step, &r->reason);
+    pl_verdict verdict = pl_check_finite(r->scene, bodies, step, &r->reason);
     if (verdict == PL_VERDICT_OK) {
         r->done = step;
-        see_stats(r, stats, cpu_time);
-        see_pairs(r, frame->bodies);
-        see_mechanics(r, frame->bodies, contacts, contact_count);
-        see_poses(r, frame->bodies);
-        verdict =
-            pl_check_bounds(r->scene, &r->scale, frame->bodies, energy_gain(r), step, &r->reason);
+        see_stats(r, seen->stats, seen->cpu_time);
+        see_pairs(r, bodies);
+        see_mechanics(r, seen);
+        see_poses(r, bodies);
+        verdict = pl_check_bounds(r->scene, &r->scale, bodies, energy_gain(r), step, &r->reason);
     }
     return conclude(r, verdict, error);
 }
@@ -306,16 +303,30 @@ static void withdraw(const pl_referee *r, const pl_metric_id *ids, size_t count,
  * has one if there was a step. */
 static void withdraw_after_early_end(const pl_referee *r, pl_metric *item)
 {
-    static const pl_metric_id of_the_end[] = {
-        PL_METRIC_REST_POSITION_ERROR, PL_METRIC_REST_ROTATION_ERROR, PL_METRIC_TRAVEL_ERROR,
-        PL_METRIC_VALUE_ERROR, PL_METRIC_DISCRETE_ERROR, PL_METRIC_STATE_HASH, PL_METRIC_SPREAD_X,
-        PL_METRIC_SPREAD_Y, PL_METRIC_MASS_HEIGHT, PL_METRIC_RUN_OUT_P95, PL_METRIC_ENERGY_LOST,
-        PL_METRIC_PENETRATION_REST};
-    static const pl_metric_id of_steps[] = {
-        PL_METRIC_ENERGY_GAIN, PL_METRIC_ENERGY_STEP_GAIN, PL_METRIC_MOMENTUM_ERROR,
-        PL_METRIC_PENETRATION_MAX, PL_METRIC_LIFT, PL_METRIC_PATH_DEVIATION,
-        PL_METRIC_ITERATIONS_MEAN, PL_METRIC_ITERATIONS_MAX, PL_METRIC_CONTACTS_MEAN,
-        PL_METRIC_TIME_PER_STEP, PL_METRIC_RESIDUAL_MAX, PL_METRIC_RESIDUAL_RMS};
+    static const pl_metric_id of_the_end[] = {PL_METRIC_REST_POSITION_ERROR,
+                                              PL_METRIC_REST_ROTATION_ERROR,
+                                              PL_METRIC_TRAVEL_ERROR,
+                                              PL_METRIC_VALUE_ERROR,
+                                              PL_METRIC_DISCRETE_ERROR,
+                                              PL_METRIC_STATE_HASH,
+                                              PL_METRIC_SPREAD_X,
+                                              PL_METRIC_SPREAD_Y,
+                                              PL_METRIC_MASS_HEIGHT,
+                                              PL_METRIC_RUN_OUT_P95,
+                                              PL_METRIC_ENERGY_LOST,
+                                              PL_METRIC_PENETRATION_REST};
+    static const pl_metric_id of_steps[] = {PL_METRIC_ENERGY_GAIN,
+                                            PL_METRIC_ENERGY_STEP_GAIN,
+                                            PL_METRIC_MOMENTUM_ERROR,
+                                            PL_METRIC_PENETRATION_MAX,
+                                            PL_METRIC_LIFT,
+                                            PL_METRIC_PATH_DEVIATION,
+                                            PL_METRIC_ITERATIONS_MEAN,
+                                            PL_METRIC_ITERATIONS_MAX,
+                                            PL_METRIC_CONTACTS_MEAN,
+                                            PL_METRIC_TIME_PER_STEP,
+                                            PL_METRIC_RESIDUAL_MAX,
+                                            PL_METRIC_RESIDUAL_RMS};
     static const pl_metric_id settle = PL_METRIC_SETTLE_TIME, creep = PL_METRIC_CREEP;
     if (!ended_early(r)) {
         return;

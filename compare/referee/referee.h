@@ -19,13 +19,18 @@ void pl_referee_destroy(pl_referee *referee);
 /* Takes the state before the first step. */
 pl_verdict pl_referee_start(pl_referee *referee, const pl_frame *frame);
 
-/* Takes the state after a step. `contacts` are those of this step (NULL with contact_count < 0 if
- * the engine does not report them); `stats` may be NULL; cpu_time is the process's CPU time of the
- * step call alone, s. Returns PL_VERDICT_NONFINITE or PL_VERDICT_DIVERGED from the frame on that
- * shows it, with the reason in `error` (NULL allowed). */
-pl_verdict pl_referee_step(pl_referee *referee, const pl_frame *frame, const pl_step_stats *stats,
-                           const pl_contact *contacts, int contact_count, double cpu_time,
-                           pl_error *error);
+/* What is known of a step. */
+typedef struct pl_step_observation {
+    const pl_frame *frame;      /* after the step */
+    const pl_step_stats *stats; /* NULL if the engine reports none */
+    const pl_contact *contacts; /* of this step; NULL with contact_count < 0 if not reported */
+    int contact_count;
+    double cpu_time; /* of the process, for the step call alone, s */
+} pl_step_observation;
+
+/* Takes a step. Returns PL_VERDICT_NONFINITE or PL_VERDICT_DIVERGED from the frame on that shows
+ * it, with the reason in `error` (NULL allowed). */
+pl_verdict pl_referee_step(pl_referee *referee, const pl_step_observation *step, pl_error *error);
 
 /* Writes all metrics, except those that the runner measures, into *metrics. Returns PL_VERDICT_OK,
  * or PL_VERDICT_COLLAPSED with the reason in `error`. After an early end, metrics of the final

@@ -247,9 +247,9 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
     if (status != PL_OK) {
         return status;
     }
-    pl_verdict verdict =
-        pl_referee_step(r->referee, &r->frame, &stats, count < 0 ? NULL : r->contacts, count,
-                        cost.cpu_time, &fault);
+    const pl_step_observation seen = {&r->frame, &stats, count < 0 ? NULL : r->contacts, count,
+                                      cost.cpu_time};
+    pl_verdict verdict = pl_referee_step(r->referee, &seen, &fault);
     status = record_frame(r, result->steps_done, error);
     if (verdict == PL_VERDICT_NONFINITE || verdict == PL_VERDICT_DIVERGED) {
         *going = false;
