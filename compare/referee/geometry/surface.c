@@ -5,17 +5,14 @@
 
 enum { LEAF = 2, MAX_DEPTH = 64 };
 
-static const int box_triangles[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6},
-                                         {0, 1, 4}, {1, 5, 4}, {2, 6, 3}, {3, 6, 7},
-                                         {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-
 /* ---- Vertices and triangles ---- */
 
-static bool allocate(pl_surface *s, pl_arena *arena, int vertex_count, int triangle_count)
+/* Allocates all arrays and copies the vertices and triangles. */
+static bool fill(pl_surface *s, pl_arena *arena, const pl_polyhedron *source)
 {
-    size_t v = (size_t)vertex_count, t = (size_t)triangle_count;
-    s->vertex_count = vertex_count;
-    s->triangle_count = triangle_count;
+    size_t v = (size_t)source->vertex_count, t = (size_t)source->triangle_count;
+    s->vertex_count = source->vertex_count;
+    s->triangle_count = source->triangle_count;
     s->vertices = pl_arena_take(arena, v, sizeof *s->vertices);
     s->triangles = pl_arena_take(arena, t, sizeof *s->triangles);
     s->normals = pl_arena_take(arena, t, sizeof *s->normals);
@@ -27,43 +24,13 @@ static bool allocate(pl_surface *s, pl_arena *arena, int vertex_count, int trian
     s->parts = pl_arena_take(arena, v, sizeof *s->parts);
     s->nodes = pl_arena_take(arena, 2 * t, sizeof *s->nodes);
     s->order = pl_arena_take(arena, t, sizeof *s->order);
-    return !arena->failed;
-}
-
-static bool fill_polyhedron(pl_surface *s, pl_arena *arena, const pl_polyhedron *polyhedron)
-{
-    if (!allocate(s, arena, polyhedron->vertex_count, polyhedron->triangle_count)) {
+    if (arena->failed) {
         return false;
     }
     for (int i = 0; i < s->vertex_count; ++i) {
-        s->vertices[i] = pl_vec_of(polyhedron->vertices[i]);
+        s->vertices[i] = pl_vec_of(source->vertices[i]);
     }
-    memcpy(s->triangles, polyhedron->triangles, (size_t)s->triangle_count * sizeof *s->triangles);
-    return true;
-}
-
-static bool fill_box(pl_surface *s, pl_arena *arena, const double half[3])
-{
-    if (!allocate(s, arena, 8, 12)) {
-        return false;
-    }
-    for (int i = 0; i < 8; ++i) {
-        s->vertices[i] =
-            (pl_vec){(i & 1) != 0 ? half[0] : -half[0], (i & 2) != 0 ? half[1] : -half[1],
-                     (i & 4) != 0 ? half[2] : -half[2]};
-    }
-    memcpy(s->triangles, box_triangles, sizeof box_triangles);
-    return true;
-}
-
-static bool fill_segment(pl_surface *s, pl_arena *arena, double half_height)
-{
-    if (!allocate(s, arena, 2, 1)) {
-        return false;
-    }
-    s->vertices[0].z = -half_height;
-    s->vertices[1].z = half_height;
-    s->triangles[0][1] = s->triangles[0][2] = 1;
+    memcpy(s->triangles, source->triangles, t * sizeof *s->triangles);
     return true;
 }
 
@@ -288,38 +255,48 @@ static bool build_tree(pl_surface *s, pl_arena *scratch)
 
 pl_status pl_surface_create(const pl_shape *shape, pl_arena *arena, const pl_surface **surface)
 {
-    pl_surface *s = pl_arena_take(arena, 1, sizeof *s);
-    bool filled = false;
+    int box[12][3] = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
+                      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
+    int segment[1][3] = {{0, 1, 1}};
+    double ends[2][3] = {{0, 0, -shape->half_height}, {0, 0, shape->half_height}};
+    double corners[8][3];
+    pl_polyhedron source = {.vertices = corners, .vertex_count = 8};
     *surface = NULL;
-    if (s == NULL) {
-        return PL_NO_MEMORY;
-    }
     switch (shape->kind) {
     case PL_SHAPE_BOX:
-        filled = fill_box(s, arena, shape->half_extents);
+        for (int i = 0; i < 8; ++i) {
+            for (int k = 0; k < 3; ++k) {
+                double half = shape->half_extents[k];
+                corners[i][k] = (i >> k & 1) != 0 ? half : -half;
+            }
+        }
+        source.triangles = box;
+        source.triangle_count = 12;
         break;
     case PL_SHAPE_HULL:
     case PL_SHAPE_MESH:
-        filled = fill_polyhedron(s, arena, shape->polyhedron);
+        source = *shape->polyhedron;
         break;
     case PL_SHAPE_CAPSULE:
-        filled = fill_segment(s, arena, shape->half_height);
+        source = (pl_polyhedron){
+            .vertices = ends, .vertex_count = 2, .triangles = segment, .triangle_count = 1};
         break;
     case PL_SHAPE_PLANE:
     case PL_SHAPE_SPHERE:
     case PL_SHAPE_CYLINDER:
         return PL_UNSUPPORTED;
     }
-    s->closed = shape->kind != PL_SHAPE_CAPSULE;
-    pl_arena scratch = {0};
-    filled =
-        filled && find_edges(s, &scratch) && find_parts(s, &scratch) && build_tree(s, &scratch);
-    pl_arena_free(&scratch);
-    if (!filled) {
+    pl_surface *s = pl_arena_take(arena, 1, sizeof *s);
+    if (s == NULL || !fill(s, arena, &source)) {
         return PL_NO_MEMORY;
     }
-    *surface = s;
-    return PL_OK;
+    s->closed = shape->kind != PL_SHAPE_CAPSULE;
+    pl_arena scratch = {0};
+    if (find_edges(s, &scratch) && find_parts(s, &scratch) && build_tree(s, &scratch)) {
+        *surface = s;
+    }
+    pl_arena_free(&scratch);
+    return *surface != NULL ? PL_OK : PL_NO_MEMORY;
 }
 
 /* ---- Queries ---- */

@@ -67,7 +67,8 @@ static double force_speed(const pl_scene *scene, double *total)
 pl_scale pl_scale_of(const pl_scene *scene)
 {
     pl_vec g = pl_vec_of(scene->gravity);
-    pl_scale scale = {.gravity = pl_vec_length(g)};
+    pl_scale scale = {0};
+    const double gravity = pl_vec_length(g);
     double mass = 0, fastest = 0, farthest = 0;
     for (int i = 0; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
@@ -87,20 +88,20 @@ pl_scale pl_scale_of(const pl_scene *scene)
         fastest = fmax(fastest, v + r * pl_vec_length(spin));
         farthest = fmax(farthest, pl_vec_length(centre_of(body)) + r);
     }
-    double height = scale.gravity > 0 ? span(scene, pl_vec_scale(g, 1 / scale.gravity)) : 0;
+    double height = gravity > 0 ? span(scene, pl_vec_scale(g, 1 / gravity)) : 0;
     pl_vec spans = {span(scene, (pl_vec){1, 0, 0}), span(scene, (pl_vec){0, 1, 0}),
                     span(scene, (pl_vec){0, 0, 1})};
-    double fall = 2 * scale.gravity * (height + pl_vec_length(spans));
+    double fall = 2 * gravity * (height + pl_vec_length(spans));
     double impulse = 0;
     double pushed = force_speed(scene, &impulse);
-    double weight = mass * scale.gravity;
+    double weight = mass * gravity;
 
     scale.energy += weight * height;
     scale.energy = scale.energy > 0 ? scale.energy : 1;
     scale.momentum = fmax(scale.momentum + weight * scene->duration + impulse, 1e-300);
     scale.angular_momentum = fmax(scale.momentum * farthest, 1e-300);
     scale.speed_bound =
-        100 * sqrt(fastest * fastest + fall) + 100 + scale.gravity * scene->duration + pushed;
+        100 * sqrt(fastest * fastest + fall) + 100 + gravity * scene->duration + pushed;
     return scale;
 }
 

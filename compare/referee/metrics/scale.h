@@ -8,7 +8,6 @@
 
 typedef struct pl_scale {
     int dynamic_count;
-    double gravity; /* |g|, m/s^2 */
     /* J: initial kinetic energy + M |g| H, where H is the extent along gravity of the bounding
      * spheres of the dynamic bodies at the start; 1 J where that is 0. */
     double energy;

@@ -24,7 +24,7 @@ typedef struct pl_series {
     long worst_step; /* the first step at which max was seen; 0 before any */
 } pl_series;
 
-enum { PL_SERIES_OCTAVE = 128, PL_SERIES_BINS = 128 * PL_SERIES_OCTAVE + 2 };
+enum { PL_SERIES_BINS = 128 * 128 + 2 }; /* 128 octaves, and the two outer bins */
 
 /* Makes an empty series, with its bins from the arena. False when out of memory. */
 bool pl_series_init(pl_series *series, pl_arena *arena);
