@@ -72,7 +72,7 @@ static json_t *parse(const char *text)
 /* ---- solve -------------------------------------------------------------------------------------
  */
 
-static void test_solve_prints_the_outcome_and_the_way_to_it(void **state)
+static void test_solve_prints_the_outcome_and_the_history(void **state)
 {
     desk *d = *state;
     check(CALL(d, "solve", d->file, "--solver", "direct"), 0, "converged", "");
@@ -97,7 +97,7 @@ static void test_solve_all_prints_a_row_for_every_solver(void **state)
     free_output(&output);
 }
 
-static void test_solve_exits_3_when_no_solver_reaches_the_tolerance(void **state)
+static void test_solve_exits_3_if_no_solver_converges(void **state)
 {
     desk *d = *state;
     check(CALL(d, "solve", d->file, "--solver", "gauss_seidel", "--max-iterations", "2"), 3,
@@ -159,7 +159,7 @@ static void test_solve_cold_starts_from_zero_impulses(void **state)
     free(path);
 }
 
-static void test_solve_refuses_bad_usage_with_2_and_says_why(void **state)
+static void test_solve_exits_2_on_bad_usage_with_reason(void **state)
 {
     desk *d = *state;
     check(CALL(d, "solve"), 2, "", "which problem?");
@@ -175,7 +175,7 @@ static void test_solve_refuses_bad_usage_with_2_and_says_why(void **state)
     check(CALL(d, "solve", d->file, "--solvr", "all"), 2, "", "did you mean --solver?");
 }
 
-static void test_solve_refuses_a_bad_file_with_2_and_says_where(void **state)
+static void test_solve_exits_2_on_bad_file_with_place(void **state)
 {
     desk *d = *state;
     char *path = path_in(d->directory, "bad.json");
@@ -228,7 +228,7 @@ static void test_run_captures_a_problem_that_solve_takes(void **state)
     free(path);
 }
 
-static void test_run_captures_every_island_where_the_file_has_braces(void **state)
+static void test_run_captures_every_island_if_path_has_braces(void **state)
 {
     desk *d = *state;
     char *option = NULL, *scene = path_in(d->directory, "two.json");
@@ -260,7 +260,7 @@ static void test_run_captures_every_island_where_the_file_has_braces(void **stat
     free(scene);
 }
 
-static void test_a_run_that_captures_gives_the_same_result_as_one_that_does_not(void **state)
+static void test_capturing_does_not_change_the_result(void **state)
 {
     desk *d = *state;
     char *option = NULL;
@@ -377,7 +377,7 @@ static json_t *made_problem(const char *name, int base, double base_seconds, int
                      "levels", level(1e-3, iterations, seconds));
 }
 
-static void test_the_benchmark_means_are_geometric_over_what_both_reached(void **state)
+static void test_benchmark_means_are_geometric_over_common_tolerances(void **state)
 {
     (void)state;
     json_t *result =
@@ -397,7 +397,7 @@ static void test_the_benchmark_means_are_geometric_over_what_both_reached(void *
     json_decref(result);
 }
 
-static void test_the_benchmark_table_names_scenarios_and_parameters_that_there_are(void **state)
+static void test_benchmark_table_names_existing_scenarios_and_parameters(void **state)
 {
     (void)state;
     int count;
@@ -425,21 +425,21 @@ static void test_the_benchmark_table_names_scenarios_and_parameters_that_there_a
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_solve_prints_the_outcome_and_the_way_to_it),
+        cmocka_unit_test(test_solve_prints_the_outcome_and_the_history),
         cmocka_unit_test(test_solve_all_prints_a_row_for_every_solver),
-        cmocka_unit_test(test_solve_exits_3_when_no_solver_reaches_the_tolerance),
+        cmocka_unit_test(test_solve_exits_3_if_no_solver_converges),
         cmocka_unit_test(test_solve_json_has_the_solution_and_its_history),
         cmocka_unit_test(test_solve_cold_starts_from_zero_impulses),
-        cmocka_unit_test(test_solve_refuses_bad_usage_with_2_and_says_why),
-        cmocka_unit_test(test_solve_refuses_a_bad_file_with_2_and_says_where),
+        cmocka_unit_test(test_solve_exits_2_on_bad_usage_with_reason),
+        cmocka_unit_test(test_solve_exits_2_on_bad_file_with_place),
         cmocka_unit_test(test_solve_help_lists_the_solvers),
         cmocka_unit_test(test_run_captures_a_problem_that_solve_takes),
-        cmocka_unit_test(test_run_captures_every_island_where_the_file_has_braces),
-        cmocka_unit_test(test_a_run_that_captures_gives_the_same_result_as_one_that_does_not),
+        cmocka_unit_test(test_run_captures_every_island_if_path_has_braces),
+        cmocka_unit_test(test_capturing_does_not_change_the_result),
         cmocka_unit_test(test_run_says_what_it_cannot_capture),
         cmocka_unit_test(test_the_benchmark_writes_losses_first_and_every_cell),
-        cmocka_unit_test(test_the_benchmark_means_are_geometric_over_what_both_reached),
-        cmocka_unit_test(test_the_benchmark_table_names_scenarios_and_parameters_that_there_are),
+        cmocka_unit_test(test_benchmark_means_are_geometric_over_common_tolerances),
+        cmocka_unit_test(test_benchmark_table_names_existing_scenarios_and_parameters),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
 }
