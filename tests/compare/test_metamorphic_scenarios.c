@@ -69,7 +69,7 @@ static void check_validity(const pl_check *check, const pl_transform *transform,
     pl_scene_free(&other);
 }
 
-static void test_transformed_scenes_are_valid_and_have_as_many_steps(void **state)
+static void test_transformed_scenes_are_valid_with_equal_steps(void **state)
 {
     (void)state;
     for_every_scenario_and_check(check_validity);
@@ -142,7 +142,7 @@ static void check_there_and_back(const pl_check *check, const pl_transform *tran
     pl_scene_free(&there);
 }
 
-static void test_there_and_back_is_the_same_scene_on_every_scenario(void **state)
+static void test_inverse_transform_restores_every_scenario(void **state)
 {
     (void)state;
     for_every_scenario_and_check(check_there_and_back);
@@ -152,8 +152,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_states_come_back_to_rounding_on_every_scenario),
-        cmocka_unit_test(test_transformed_scenes_are_valid_and_have_as_many_steps),
-        cmocka_unit_test(test_there_and_back_is_the_same_scene_on_every_scenario),
+        cmocka_unit_test(test_transformed_scenes_are_valid_with_equal_steps),
+        cmocka_unit_test(test_inverse_transform_restores_every_scenario),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -52,7 +52,7 @@ static const char travel_scene[] =
     "  \"expect\": { \"travel\": [ { \"body\": \"a\", \"direction\": [0, 0, -1],\n"
     "    \"distance\": 4.905, \"discrete\": 4.95405 } ] } }\n";
 
-static void test_overrides_of_a_scene_file_drop_what_no_longer_holds(void **state)
+static void test_scene_file_overrides_drop_invalid_expectations(void **state)
 {
     (void)state;
     char *directory = make_directory();
@@ -78,7 +78,7 @@ static void test_overrides_of_a_scene_file_drop_what_no_longer_holds(void **stat
 
 /* --- progress --- */
 
-static void test_the_bar_leaves_room_for_names_and_never_fills_the_line(void **state)
+static void test_progress_bar_leaves_space_for_names(void **state)
 {
     (void)state;
     for (int width = 1; width < 130; ++width) {
@@ -146,7 +146,7 @@ static void hang_for_ever(void *user, FILE *answer)
     }
 }
 
-static void test_one_that_prints_for_ever_is_killed_at_its_time(void **state)
+static void test_endless_output_is_killed_at_the_timeout(void **state)
 {
     (void)state;
     const pl_limits limits = {.timeout = 0.2};
@@ -168,7 +168,7 @@ static void print_some(void *user, FILE *answer)
     }
 }
 
-static void test_the_tail_is_the_end_of_what_was_printed(void **state)
+static void test_output_tail_is_the_end_of_the_output(void **state)
 {
     (void)state;
     const pl_limits limits = {.timeout = 10};
@@ -198,7 +198,7 @@ static void print_mask(void *user, FILE *answer)
             getsid(0) == getpid());
 }
 
-static void test_a_run_begins_with_plain_signals_in_its_own_session(void **state)
+static void test_run_starts_with_default_signals_and_session(void **state)
 {
     (void)state;
     const pl_limits limits = {.timeout = 10};
@@ -299,7 +299,7 @@ static void run_profile(const char *spec, pl_run_result *finding, FILE *trajecto
     pl_scene_free(&scene);
 }
 
-static void test_a_run_makes_all_its_steps_and_shows_them(void **state)
+static void test_run_makes_and_shows_all_steps(void **state)
 {
     (void)state;
     pl_run_result finding;
@@ -320,7 +320,7 @@ static void test_the_same_run_has_the_same_state_hash(void **state)
                         second.metrics.item[PL_METRIC_STATE_HASH].text);
 }
 
-static void test_the_trajectory_has_a_header_and_a_row_a_body_and_frame(void **state)
+static void test_trajectory_has_a_row_per_body_and_frame(void **state)
 {
     (void)state;
     char *text = NULL;
@@ -340,7 +340,7 @@ static void test_the_trajectory_has_a_header_and_a_row_a_body_and_frame(void **s
     free(text);
 }
 
-static void test_an_engine_that_lacks_a_need_is_told_by_name(void **state)
+static void test_engine_without_a_capability_is_named(void **state)
 {
     (void)state;
     pl_scene scene = pl_scene_default();
@@ -360,17 +360,17 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_plan_has_every_run_once_and_rotates_engines),
-        cmocka_unit_test(test_overrides_of_a_scene_file_drop_what_no_longer_holds),
-        cmocka_unit_test(test_the_bar_leaves_room_for_names_and_never_fills_the_line),
+        cmocka_unit_test(test_scene_file_overrides_drop_invalid_expectations),
+        cmocka_unit_test(test_progress_bar_leaves_space_for_names),
         cmocka_unit_test(test_an_answer_larger_than_a_pipe_arrives_whole),
-        cmocka_unit_test(test_one_that_prints_for_ever_is_killed_at_its_time),
-        cmocka_unit_test(test_the_tail_is_the_end_of_what_was_printed),
-        cmocka_unit_test(test_a_run_begins_with_plain_signals_in_its_own_session),
+        cmocka_unit_test(test_endless_output_is_killed_at_the_timeout),
+        cmocka_unit_test(test_output_tail_is_the_end_of_the_output),
+        cmocka_unit_test(test_run_starts_with_default_signals_and_session),
         cmocka_unit_test(test_resident_growth_is_the_peak_that_was_touched),
-        cmocka_unit_test(test_a_run_makes_all_its_steps_and_shows_them),
+        cmocka_unit_test(test_run_makes_and_shows_all_steps),
         cmocka_unit_test(test_the_same_run_has_the_same_state_hash),
-        cmocka_unit_test(test_the_trajectory_has_a_header_and_a_row_a_body_and_frame),
-        cmocka_unit_test(test_an_engine_that_lacks_a_need_is_told_by_name),
+        cmocka_unit_test(test_trajectory_has_a_row_per_body_and_frame),
+        cmocka_unit_test(test_engine_without_a_capability_is_named),
     };
     return cmocka_run_group_tests_name("runner", tests, NULL, NULL);
 }

@@ -60,7 +60,7 @@ static void test_threads_that_a_step_starts_are_counted(void **state)
     pl_step_timer_close(&meter);
 }
 
-static void test_a_meter_without_a_counter_still_has_the_time(void **state)
+static void test_step_timer_works_without_a_counter(void **state)
 {
     (void)state;
     pl_step_timer meter = {.counter = -1};
@@ -74,7 +74,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_a_step_counts_its_own_instructions),
         cmocka_unit_test(test_threads_that_a_step_starts_are_counted),
-        cmocka_unit_test(test_a_meter_without_a_counter_still_has_the_time),
+        cmocka_unit_test(test_step_timer_works_without_a_counter),
     };
     return cmocka_run_group_tests_name("sweep instructions", tests, NULL, NULL);
 }
