@@ -41,7 +41,7 @@ static void strike_in_sequence(double v[3])
     }
 }
 
-static void test_the_cradle_names_the_ends_of_both_laws_of_impact(void **state)
+static void test_cradle_names_results_of_both_impact_laws(void **state)
 {
     (void)state;
     const char *reference = pl_scenario_find("cradle", NULL)->reference;
@@ -139,7 +139,7 @@ static void test_rollers_are_refused_where_they_would_slip(void **state)
 }
 
 /* A rocket on its axis, step by step. */
-static void test_a_straight_rocket_is_the_sum_of_its_speeds(void **state)
+static void test_straight_rocket_is_the_sum_of_speeds(void **state)
 {
     (void)state;
     static const char *const settings[][3] = {{"thrust=30", NULL},
@@ -220,7 +220,7 @@ static void test_carried_balls_are_refused_where_they_would_slip(void **state)
 }
 
 /* Of a row four times as large all lengths are fourfold, all speeds twofold, spins half. */
-static void test_dominoes_of_four_times_the_size_start_twice_as_fast(void **state)
+static void test_fourfold_dominoes_start_twice_as_fast(void **state)
 {
     (void)state;
     static const char *const small[] = {"n=5", "size=0.5", NULL}, *const large[] = {"n=5", "size=2",
@@ -252,7 +252,7 @@ static double end_acceleration(double angle, double friction)
     return force[1] / mass - spin * x;
 }
 
-static void test_the_rod_is_stuck_above_the_friction_of_the_formula(void **state)
+static void test_rod_jams_above_the_formula_friction(void **state)
 {
     (void)state;
     double least = HUGE_VAL;
@@ -296,7 +296,7 @@ static void disc_friction(double e, double *force, double *torque)
 
 /* The ratio of speed to rim speed stays where both fall at the same rate: F / (m v) = T / (I w),
  * I = m R^2 / 2. */
-static void test_sliding_and_spinning_of_a_disc_end_at_the_ratio_of_the_paper(void **state)
+static void test_sliding_disc_ends_at_published_speed_ratio(void **state)
 {
     (void)state;
     double low = 0.3, high = 1;
@@ -323,7 +323,7 @@ static double braked_way(double speed, double braking, double time)
     return way;
 }
 
-static void test_what_friction_brakes_goes_the_area_under_its_speed(void **state)
+static void test_braked_distance_is_the_speed_integral(void **state)
 {
     (void)state;
     static const char *const names[] = {"slide-to-stop", "slide-to-stop",  "isotropy",
@@ -366,16 +366,16 @@ static void test_what_friction_brakes_goes_the_area_under_its_speed(void **state
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_what_friction_brakes_goes_the_area_under_its_speed),
-        cmocka_unit_test(test_the_cradle_names_the_ends_of_both_laws_of_impact),
+        cmocka_unit_test(test_braked_distance_is_the_speed_integral),
+        cmocka_unit_test(test_cradle_names_results_of_both_impact_laws),
         cmocka_unit_test(test_bounces_end_when_their_flights_add_up),
         cmocka_unit_test(test_rollers_are_refused_where_they_would_slip),
-        cmocka_unit_test(test_a_straight_rocket_is_the_sum_of_its_speeds),
+        cmocka_unit_test(test_straight_rocket_is_the_sum_of_speeds),
         cmocka_unit_test(test_a_rocket_that_whirls_is_still_integrated),
         cmocka_unit_test(test_carried_balls_are_refused_where_they_would_slip),
-        cmocka_unit_test(test_dominoes_of_four_times_the_size_start_twice_as_fast),
-        cmocka_unit_test(test_the_rod_is_stuck_above_the_friction_of_the_formula),
-        cmocka_unit_test(test_sliding_and_spinning_of_a_disc_end_at_the_ratio_of_the_paper),
+        cmocka_unit_test(test_fourfold_dominoes_start_twice_as_fast),
+        cmocka_unit_test(test_rod_jams_above_the_formula_friction),
+        cmocka_unit_test(test_sliding_disc_ends_at_published_speed_ratio),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

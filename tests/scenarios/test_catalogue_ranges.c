@@ -99,7 +99,7 @@ static const char *const refused[] = {
     "roll-slope angle=1.5",     "carried-balls push=1",      "carried-balls friction=0.5",
     "reaction-split height=20", "reaction-split friction=10"};
 
-static void test_one_parameter_at_an_end_builds_or_says_why_not(void **state)
+static void test_one_extreme_parameter_builds_or_gives_reason(void **state)
 {
     (void)state;
     int count;
@@ -127,7 +127,7 @@ static void test_one_parameter_at_an_end_builds_or_says_why_not(void **state)
 }
 
 /* Two at a time, small scenes alone: there a reference is most easily lost. */
-static void test_two_parameters_at_their_ends_build_or_say_why_not(void **state)
+static void test_two_extreme_parameters_build_or_give_reason(void **state)
 {
     (void)state;
     int count, built = 0;
@@ -171,8 +171,8 @@ static void test_a_rocket_that_hovers_or_whirls_is_refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_parameter_at_an_end_builds_or_says_why_not),
-        cmocka_unit_test(test_two_parameters_at_their_ends_build_or_say_why_not),
+        cmocka_unit_test(test_one_extreme_parameter_builds_or_gives_reason),
+        cmocka_unit_test(test_two_extreme_parameters_build_or_give_reason),
         cmocka_unit_test(test_a_rocket_that_hovers_or_whirls_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -99,7 +99,7 @@ static void test_towers_of_a_field_are_towers_apart(void **state)
 
 /* Each cube of a row over the gap between two of the row below, as far from one as from the other.
  */
-static void test_rows_of_a_pyramid_lie_over_the_gaps_below(void **state)
+static void test_pyramid_rows_lie_over_gaps_below(void **state)
 {
     (void)state;
     static const char *const settings[] = {"n=5", "gap=0.3", NULL};
@@ -146,7 +146,7 @@ static void test_the_tower_far_away_is_the_tower_moved(void **state)
 }
 
 /* Half a million is (slenderness^2 + 1) / 2, by the moments of a solid box. */
-static void test_the_thin_rod_is_as_thin_as_it_says_and_falls_on_the_floor(void **state)
+static void test_thin_rod_has_its_slenderness_and_falls(void **state)
 {
     (void)state;
     static const char *const settings[] = {"slenderness=1000", "drop=0.25", NULL};
@@ -160,7 +160,7 @@ static void test_the_thin_rod_is_as_thin_as_it_says_and_falls_on_the_floor(void 
 }
 
 /* It neither starts in a side of the gap nor has more room than it is said to have. */
-static void test_the_needle_starts_in_the_gap_and_ends_on_the_floor(void **state)
+static void test_needle_starts_in_gap_and_reaches_floor(void **state)
 {
     (void)state;
     static const char *const settings[][3] = {{"clearance=0.01", "tilt=0.9", NULL},
@@ -191,7 +191,7 @@ static void corner_of(const pl_body *body, int corner, double at[2])
 
 /* The level push of its partner, over the card's weight, by moments about the edge it stands on,
  * from where its corners are; and what the reference says of it. */
-static void test_a_pair_of_cards_needs_the_friction_that_its_corners_ask(void **state)
+static void test_card_pair_needs_its_corner_friction(void **state)
 {
     (void)state;
     static const char *const settings[][3] = {{"storeys=1", "lean=20", NULL},
@@ -227,7 +227,7 @@ static void test_a_pair_of_cards_needs_the_friction_that_its_corners_ask(void **
 
 /* A block that friction brakes tips, in its own frame, where the same block at rest tips on a slope
  * as steep as friction: d'Alembert. */
-static void test_tall_blocks_are_refused_where_they_would_tip_on_a_slope(void **state)
+static void test_tall_blocks_that_would_tip_are_refused(void **state)
 {
     (void)state;
     static const double heights[] = {0.7, 2, 8};
@@ -290,7 +290,7 @@ static double most_room(double thickness)
     return room_of_ring(thickness, low);
 }
 
-static void test_a_ring_of_many_voussoirs_stands_from_0_107478_on(void **state)
+static void test_arch_stands_from_thickness_0_107478(void **state)
 {
     (void)state;
     assert_true(most_room(0.107478 + 1e-6) > 0);
@@ -315,13 +315,13 @@ int main(void)
         cmocka_unit_test(test_what_rests_has_forces_that_hold_it),
         cmocka_unit_test(test_what_is_moved_off_has_none),
         cmocka_unit_test(test_towers_of_a_field_are_towers_apart),
-        cmocka_unit_test(test_rows_of_a_pyramid_lie_over_the_gaps_below),
+        cmocka_unit_test(test_pyramid_rows_lie_over_gaps_below),
         cmocka_unit_test(test_the_tower_far_away_is_the_tower_moved),
-        cmocka_unit_test(test_the_thin_rod_is_as_thin_as_it_says_and_falls_on_the_floor),
-        cmocka_unit_test(test_the_needle_starts_in_the_gap_and_ends_on_the_floor),
-        cmocka_unit_test(test_a_pair_of_cards_needs_the_friction_that_its_corners_ask),
-        cmocka_unit_test(test_tall_blocks_are_refused_where_they_would_tip_on_a_slope),
-        cmocka_unit_test(test_a_ring_of_many_voussoirs_stands_from_0_107478_on),
+        cmocka_unit_test(test_thin_rod_has_its_slenderness_and_falls),
+        cmocka_unit_test(test_needle_starts_in_gap_and_reaches_floor),
+        cmocka_unit_test(test_card_pair_needs_its_corner_friction),
+        cmocka_unit_test(test_tall_blocks_that_would_tip_are_refused),
+        cmocka_unit_test(test_arch_stands_from_thickness_0_107478),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -71,7 +71,7 @@ static void test_every_shape_touches_the_floor_and_can_rest(void **state)
     }
 }
 
-static void test_linked_rings_touch_where_they_rest_and_are_apart_above(void **state)
+static void test_linked_rings_touch_only_at_rest(void **state)
 {
     (void)state;
     pl_scene scene;
@@ -103,7 +103,7 @@ static void test_rollers_touch_the_slope(void **state)
 }
 
 /* By the torque about the line of contact: (m r^2 + I) a / r = m g r sin(angle). */
-static void test_rolling_distance_follows_from_the_torque_about_the_contact(void **state)
+static void test_rolling_distance_follows_from_contact_torque(void **state)
 {
     (void)state;
     static const char *const shapes[] = {"shape=0", "shape=1"};
@@ -178,7 +178,7 @@ static void test_rocket_flies_as_runge_kutta_says(void **state)
     }
 }
 
-static void test_what_flies_at_the_wall_stops_where_it_touches(void **state)
+static void test_body_at_the_wall_stops_at_touch(void **state)
 {
     (void)state;
     static const char *const shapes[] = {"shape=0", "shape=1", "shape=2"};
@@ -231,7 +231,7 @@ static void test_bodies_of_a_pile_start_apart(void **state)
     }
 }
 
-static void test_points_of_a_circle_mirror_each_other_to_the_bit(void **state)
+static void test_circle_points_mirror_each_other_exactly(void **state)
 {
     (void)state;
     for (int n = 4; n <= 400; n += 4) {
@@ -253,14 +253,14 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_shape_touches_the_floor_and_can_rest),
-        cmocka_unit_test(test_linked_rings_touch_where_they_rest_and_are_apart_above),
+        cmocka_unit_test(test_linked_rings_touch_only_at_rest),
         cmocka_unit_test(test_rollers_touch_the_slope),
-        cmocka_unit_test(test_rolling_distance_follows_from_the_torque_about_the_contact),
+        cmocka_unit_test(test_rolling_distance_follows_from_contact_torque),
         cmocka_unit_test(test_rocket_flies_as_runge_kutta_says),
-        cmocka_unit_test(test_what_flies_at_the_wall_stops_where_it_touches),
+        cmocka_unit_test(test_body_at_the_wall_stops_at_touch),
         cmocka_unit_test(test_blocks_lie_on_the_floor_apart),
         cmocka_unit_test(test_bodies_of_a_pile_start_apart),
-        cmocka_unit_test(test_points_of_a_circle_mirror_each_other_to_the_bit),
+        cmocka_unit_test(test_circle_points_mirror_each_other_exactly),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -101,7 +101,7 @@ static void test_closed_forms_are_the_limits_of_balance(void **state)
 }
 
 /* What the floor must hold, when there is friction enough between the bodies. */
-static void test_cylinders_need_a_third_of_that_on_the_floor(void **state)
+static void test_cylinders_need_a_third_friction_on_the_floor(void **state)
 {
     (void)state;
     const pl_scenario *scenario = find("cylinder-pyramid");
@@ -119,7 +119,7 @@ static void test_cylinders_need_a_third_of_that_on_the_floor(void **state)
 
 /* Of many voussoirs the limit is that of the continuous arch with radial joints, 0.1075
  * (Milankovitch 1907); its further digits are found in test_catalogue_rest.c. */
-static void test_the_arch_of_many_voussoirs_has_the_continuous_limit(void **state)
+static void test_arch_of_many_voussoirs_reaches_continuous_limit(void **state)
 {
     (void)state;
     const pl_scenario *scenario = find("arch");
@@ -220,7 +220,7 @@ static bool spheres_balanced(const pl_scene *scene, double friction, double floo
     return has_nonnegative_solution(p.a, p.b, SPHERE_ROWS, SPHERE_COLUMNS);
 }
 
-static void test_spheres_need_that_friction_and_a_quarter_on_the_floor(void **state)
+static void test_spheres_need_a_quarter_friction_on_the_floor(void **state)
 {
     (void)state;
     const pl_scenario *scenario = find("sphere-pyramid");
@@ -370,9 +370,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_closed_forms_are_the_limits_of_balance),
-        cmocka_unit_test(test_cylinders_need_a_third_of_that_on_the_floor),
-        cmocka_unit_test(test_the_arch_of_many_voussoirs_has_the_continuous_limit),
-        cmocka_unit_test(test_spheres_need_that_friction_and_a_quarter_on_the_floor),
+        cmocka_unit_test(test_cylinders_need_a_third_friction_on_the_floor),
+        cmocka_unit_test(test_arch_of_many_voussoirs_reaches_continuous_limit),
+        cmocka_unit_test(test_spheres_need_a_quarter_friction_on_the_floor),
         cmocka_unit_test(test_painleve_begins_at_four_thirds),
         cmocka_unit_test(test_the_overhang_is_the_harmonic_sum),
         cmocka_unit_test(test_overlapping_cubes_belong_on_each_other),

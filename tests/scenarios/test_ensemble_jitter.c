@@ -40,7 +40,7 @@ static double size_of(const pl_shape *shape)
     return 2 * fmin(h[0], fmin(h[1], h[2]));
 }
 
-static void test_bodies_move_by_up_to_a_ten_thousandth_in_every_direction(void **state)
+static void test_jitter_moves_bodies_by_a_ten_thousandth(void **state)
 {
     (void)state;
     pl_scene before = build("pile", "n=200", 3), after = build("pile", "n=200", 3);
@@ -120,7 +120,7 @@ static void test_a_hull_turns_about_its_centre_of_mass(void **state)
 }
 
 /* The hashes are of the bits: they hold on every machine, compiler and level of optimisation. */
-static void test_a_member_is_the_same_bit_for_bit_everywhere(void **state)
+static void test_ensemble_member_is_equal_everywhere(void **state)
 {
     (void)state;
     static const struct {
@@ -153,7 +153,7 @@ static void test_members_and_seeds_differ(void **state)
     }
 }
 
-static void test_the_least_size_is_that_of_the_smallest_body_that_moves(void **state)
+static void test_least_size_is_the_smallest_dynamic_body(void **state)
 {
     (void)state;
     pl_scene scene = pl_scene_default();
@@ -180,12 +180,12 @@ static void test_the_least_size_is_that_of_the_smallest_body_that_moves(void **s
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bodies_move_by_up_to_a_ten_thousandth_in_every_direction),
+        cmocka_unit_test(test_jitter_moves_bodies_by_a_ten_thousandth),
         cmocka_unit_test(test_no_point_moves_by_more_than_the_bound),
         cmocka_unit_test(test_a_hull_turns_about_its_centre_of_mass),
-        cmocka_unit_test(test_a_member_is_the_same_bit_for_bit_everywhere),
+        cmocka_unit_test(test_ensemble_member_is_equal_everywhere),
         cmocka_unit_test(test_members_and_seeds_differ),
-        cmocka_unit_test(test_the_least_size_is_that_of_the_smallest_body_that_moves),
+        cmocka_unit_test(test_least_size_is_the_smallest_dynamic_body),
     };
     return cmocka_run_group_tests_name("ensemble jitter", tests, NULL, NULL);
 }

@@ -191,7 +191,7 @@ static pl_status read_text(const char *text, size_t length, pl_error *error)
 }
 
 /* Cut anywhere it is read or refused, without reading on behind the end (under a sanitizer). */
-static void test_every_beginning_of_a_file_is_read_or_refused(void **state)
+static void test_every_file_prefix_is_read_or_refused(void **state)
 {
     (void)state;
     static const char text[] = "v 0 0 0\nv 1 0 0 1\\\r\n\nv 0 1 0\r\nv 0 0 1e0\rf 1/1 2//2 "
@@ -328,7 +328,7 @@ int main(void)
         cmocka_unit_test(test_several_surfaces_are_one_solid),
         cmocka_unit_test(test_round_solids_equal_their_slices),
         cmocka_unit_test(test_missing_and_foreign_files_are_refused),
-        cmocka_unit_test(test_every_beginning_of_a_file_is_read_or_refused),
+        cmocka_unit_test(test_every_file_prefix_is_read_or_refused),
         cmocka_unit_test(test_size_limits_are_enforced),
         cmocka_unit_test(test_polygons_are_cut_without_overlap),
         cmocka_unit_test(test_numbers_are_the_same_in_every_locale),
