@@ -249,8 +249,8 @@ static double refined(const difference *d, check_random *random, double unit[3])
     return best;
 }
 
-/* The minimum translation over a dense set of directions (a Fibonacci spiral). Each direction within
- * the spacing of the best is refined. */
+/* The minimum translation over a dense set of directions (a Fibonacci spiral). Each direction
+ * within the spacing of the best is refined. */
 static double swept_depth(const pose_pair *p, check_random *random)
 {
     enum { SWEEP = 2000 };
@@ -418,11 +418,11 @@ static void test_nearly_parallel_edges_are_distinguished_by_their_axis(void **st
     }
 }
 
-/* Prisms rotated about their axis and tilted by a tiny angle: the nearest facet may be the narrow one
- * between two nearly parallel edges. libccd computes the projection of the origin onto such a triangle
- * as a quotient of tiny numbers, with an error of up to 1e-9. So the comparison is one-sided: both
- * depths are widths along some direction, never less than the true depth, and the closed form must be
- * the smaller. */
+/* Prisms rotated about their axis and tilted by a tiny angle: the nearest facet may be the narrow
+ * one between two nearly parallel edges. libccd computes the projection of the origin onto such a
+ * triangle as a quotient of tiny numbers, with an error of up to 1e-9. So the comparison is
+ * one-sided: both depths are widths along some direction, never less than the true depth, and the
+ * closed form must be the smaller. */
 static void test_box_box_depth_never_exceeds_that_of_libccd(void **state)
 {
     (void)state;

@@ -327,8 +327,8 @@ static void test_sphere_in_a_tube_has_its_centre_depth(void **state)
     pl_scene_free(&scene);
 }
 
-/* Links of a chain, one upright and one lying: the tube of one, 1 from its centre, is in the hole of
- * the other. Exact to the size of the facets. */
+/* Links of a chain, one upright and one lying: the tube of one, 1 from its centre, is in the hole
+ * of the other. Exact to the size of the facets. */
 static void test_linked_rings_are_apart_until_their_tubes_meet(void **state)
 {
     (void)state;

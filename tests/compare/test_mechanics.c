@@ -90,7 +90,8 @@ static void prepare_pushed(run *r)
     assert_int_equal(pl_scene_add_force(&r->scene, &world_push, NULL), PL_OK);
 }
 
-/* A quarter turn about z takes the body's x to the world's y. The arm is along the force, so that the constant orientation of these motions is consistent with the spin. */
+/* A quarter turn about z takes the body's x to the world's y. The arm is along the force, so that
+ * the constant orientation of these motions is consistent with the spin. */
 static void prepare_turned(run *r)
 {
     const double quarter[4] = {0.70710678118654752, 0, 0, 0.70710678118654752};

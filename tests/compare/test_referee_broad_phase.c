@@ -54,7 +54,8 @@ static pl_shape random_shape(pl_scene *scene, check_random *random, int which)
 }
 
 /* Random shapes of all kinds, a fifth of them static, and two planes. The dynamic ones have random
- * poses in each frame. All pairs are checked by their gaps, in every other frame with random margins. */
+ * poses in each frame. All pairs are checked by their gaps, in every other frame with random
+ * margins. */
 static void test_broad_phase_finds_every_touching_pair_once(void **state)
 {
     (void)state;

@@ -396,8 +396,8 @@ static void test_natural_map_and_signorini_of_one_contact(void **state)
         {{0, 0, 0, 0, 0, 0, -0.4}, 0.4, 0},
         /* Sticking. */
         {{1, 0, 0, 0, 0, 0.9, 1}, 0, 0},
-        /* Slides without friction: r - rho u^ = (1 - s, -s) is within the cone; for s = 1 it is outside, and
-         * its projection is (1/2, -1/2). */
+        /* Slides without friction: r - rho u^ = (1 - s, -s) is within the cone; for s = 1 it is
+         * outside, and its projection is (1/2, -1/2). */
         {{1, 0, 0, 0.25, 0, 0, 1}, 0.25 * 1.4142135623730951, 0},
         {{1, 0, 0, 1, 0, 0, 1}, 0.70710678118654757, 0},
         /* Slides with full friction. */

@@ -1,5 +1,5 @@
-/* A run of the referee on frames that the test defines: the scene, its referee, and the state that the
- * test changes. Every failure fails the test. */
+/* A run of the referee on frames that the test defines: the scene, its referee, and the state that
+ * the test changes. Every failure fails the test. */
 #ifndef PLUMB_TEST_SYNTHETIC_RUN_H
 #define PLUMB_TEST_SYNTHETIC_RUN_H
 
