@@ -113,18 +113,23 @@ static double margin_of(const trial *t)
     return anywhere ? wide(&t->pair) : 0.2 * t->pair.size;
 }
 
-/* Returns how many poses of the pair of kinds fail beyond those that are known to. */
-static int run_pair(trial *t, const char *name, law *holds, pe_shape_kind a, pe_shape_kind b,
-                    int poses, pair_gap *gap)
+typedef struct named_law {
+    const char *name;
+    law *holds;
+    pair_gap *gap;
+} named_law;
+
+/* Returns how many poses of the pair of kinds fail, without those that are known to. */
+static int run_pair(trial *t, const named_law *run, pe_shape_kind a, pe_shape_kind b, int poses)
 {
     int failures = 0, by_pose[POSE_COUNT] = {0};
     for (int i = 0; i < poses; ++i) {
         t->random.state = seed_of(a, b, i);
         t->pose = (pair_pose)(i % POSE_COUNT);
-        t->pair = random_pair(t->pool, a, b, t->pose, &t->random, gap);
+        t->pair = random_pair(t->pool, a, b, t->pose, &t->random, run->gap);
         t->margin = margin_of(t);
         t->tolerance = 1e-9 * t->pair.size + 64 * DBL_EPSILON * (wide(&t->pair) + 5);
-        if (!holds(t)) {
+        if (!run->holds(t)) {
             failures += 1;
             by_pose[t->pose] += 1;
             if (by_pose[t->pose] == 1) {
@@ -132,7 +137,7 @@ static int run_pair(trial *t, const char *name, law *holds, pe_shape_kind a, pe_
             }
         }
     }
-    int known = known_failures(name, a, b);
+    int known = known_failures(run->name, a, b);
     if (failures > 0) {
         print_error("%s x %s: %d of %d poses fail, %d known:", kind_names[a], kind_names[b],
                     failures, poses, known);
@@ -156,6 +161,7 @@ static bool is_asked_for(int a, int b)
 double run_law(const char *name, law *holds, law_kinds kinds, law_count count, pair_gap *gap)
 {
     trial t = {.pool = shape_pool_create(2024)};
+    const named_law named = {name, holds, gap};
     assert_non_null(t.pool);
     int failures = 0;
     double skipped = 0;
@@ -166,8 +172,7 @@ double run_law(const char *name, law *holds, law_kinds kinds, law_count count, p
             if (b > PE_SHAPE_PLANE && is_asked_for(a, b) && poses > 0 &&
                 (kinds & (mesh ? LAW_MESH : LAW_CONVEX)) != 0) {
                 t.skipped = 0;
-                failures +=
-                    run_pair(&t, name, holds, (pe_shape_kind)a, (pe_shape_kind)b, poses, gap);
+                failures += run_pair(&t, &named, (pe_shape_kind)a, (pe_shape_kind)b, poses);
                 skipped = pe_max(skipped, (double)t.skipped / poses);
             }
         }

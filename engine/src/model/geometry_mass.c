@@ -1,12 +1,12 @@
 /* Mass properties of a polyhedron, and principal axes.
  *
  * Every triangle spans a tetrahedron with a point near the solid. The integrals of 1, x and x x^T
- * over a tetrahedron (0, a, b, c) of volume V are V, V (a + b + c) / 4 and V / 20 (s s^T + a a^T +
- * b b^T + c c^T) with s = a + b + c. Signed, they add up to those of the solid (Tonon 2004 gives
- * the same integrals).
+ * over a tetrahedron (0, a, b, c) of volume V, with s = a + b + c, are
  *
- * The inertia tensor is turned to principal axes by cyclic Jacobi rotations (Golub and Van Loan
- * 2013, 8.5). */
+ *     V,    V s / 4,    V / 20 (s s^T + a a^T + b b^T + c c^T).
+ *
+ * Signed, they add up to those of the solid (Tonon 2004 gives the same integrals). The inertia
+ * tensor is turned to principal axes by cyclic Jacobi rotations (Golub and Van Loan 2013, 8.5). */
 #include "geometry_build.h"
 
 /* Products of inertia below this part of the trace are rounding. */

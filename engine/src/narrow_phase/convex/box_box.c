@@ -305,52 +305,52 @@ static void shear(double x[3], const double tilt[2], double along)
     x[1] -= tilt[1] * x[2];
 }
 
-/* Adds the points of the other box's facing face, clipped along the normal. Returns the least
- * separation of all, within the margin or not. */
-static double face_contact(const reference *r, double size, double margin,
-                           pe_pair_manifold *manifold)
-{
-    const box_side *box = r->box, *other = r->other;
-    int k = r->k, ku = k < 2 ? k + 1 : 0, kv = k > 0 ? k - 1 : 2;
-    double side = box->offset[k] < 0 ? -1 : 1; /* the face's own normal is side * axis[k] */
-    pe_vec3 face = pe_scale(side, axis_of(box, k)), tu = axis_of(box, ku), tv = axis_of(box, kv);
+/* The facing face of the other box: that of its axis `axis` most opposed to the reference face. */
+typedef struct facing_face {
+    int axis;
+    double side; /* 1: the positive side of the axis, -1: the negative one */
+} facing_face;
 
-    /* The facing face: the axis of the other box most opposed to the reference face. */
+static facing_face facing_face_of(const box_side *box, int k, double side)
+{
     int m = 0;
     for (int q = 1; q < 3; ++q) {
-        m = fabs(box->r[k][q]) > fabs(box->r[k][m]) + 1e-9 ? q : m;
+        m = fabs(box->r[k][q]) > fabs(box->r[k][m]) + PE_FACING_TIE ? q : m;
     }
-    double facing = side * box->r[k][m] > 0 ? -1 : 1;
-    int mu = m < 2 ? m + 1 : 0, mv = m > 0 ? m - 1 : 2;
+    return (facing_face){m, side * box->r[k][m] > 0 ? -1 : 1};
+}
 
+/* The facing face over the reference face, clipped along the normal. */
+static void make_polygon(const reference *r, facing_face facing, double side, double slack,
+                         polygon *p)
+{
+    const box_side *box = r->box;
+    int k = r->k, ku = k < 2 ? k + 1 : 0, kv = k > 0 ? k - 1 : 2;
+    int m = facing.axis, mu = m < 2 ? m + 1 : 0, mv = m > 0 ? m - 1 : 2;
     /* Its midpoint and half edges; the last component is the height. */
-    double along = r->tilted ? pe_dot(r->normal, face) : 1;
-    double tilt[2] = {0, 0};
-    if (r->tilted) {
-        tilt[0] = pe_dot(r->normal, tu);
-        tilt[1] = pe_dot(r->normal, tv);
-    }
-    const double *e = other->extent;
+    const double *e = r->other->extent;
     const double *row[3] = {box->r[ku], box->r[kv], box->r[k]};
     double origin[3] = {box->offset[ku], box->offset[kv], box->offset[k]}, middle[3], u[3], v[3];
     for (int q = 0; q < 3; ++q) {
         double scale = q < 2 ? 1 : side;
-        middle[q] = scale * (origin[q] + facing * e[m] * row[q][m]);
+        middle[q] = scale * (origin[q] + facing.side * e[m] * row[q][m]);
         u[q] = scale * e[mu] * row[q][mu];
         v[q] = scale * e[mv] * row[q][mv];
     }
     middle[2] -= box->extent[k];
     if (r->tilted) {
+        double along = pe_dot(r->normal, pe_scale(side, axis_of(box, k)));
+        const double tilt[2] = {pe_dot(r->normal, axis_of(box, ku)),
+                                pe_dot(r->normal, axis_of(box, kv))};
         shear(middle, tilt, along);
         shear(u, tilt, along);
         shear(v, tilt, along);
     }
-    polygon p;
-    p.corners = p.buffer[0];
-    p.count = 4;
+    p->corners = p->buffer[0];
+    p->count = 4;
     for (uint32_t c = 0; c < 4; ++c) {
         double su = c == 0 || c == 3 ? -1 : 1, sv = c < 2 ? -1 : 1;
-        p.corners[c] = (corner){
+        p->corners[c] = (corner){
             .x = {middle[0] + su * u[0] + sv * v[0], middle[1] + su * u[1] + sv * v[1]},
             .height = middle[2] + su * u[2] + sv * v[2],
             .edge = c,
@@ -358,10 +358,23 @@ static double face_contact(const reference *r, double size, double margin,
     }
     const double bound[2] = {box->extent[ku], box->extent[kv]};
     const double reach[2] = {fabs(u[0]) + fabs(v[0]), fabs(u[1]) + fabs(v[1])};
-    clip_to_rectangle(&p, middle, reach, bound, PE_CLIP_SLACK * size);
+    clip_to_rectangle(p, middle, reach, bound, slack);
+}
 
+/* Adds the points of the other box's facing face, clipped along the normal. Returns the least
+ * separation of all, within the margin or not. */
+static double face_contact(const reference *r, double size, double margin,
+                           pe_pair_manifold *manifold)
+{
+    const box_side *box = r->box;
+    int k = r->k, ku = k < 2 ? k + 1 : 0, kv = k > 0 ? k - 1 : 2;
+    double side = box->offset[k] < 0 ? -1 : 1; /* the face's own normal is side * axis[k] */
+    pe_vec3 face = pe_scale(side, axis_of(box, k)), tu = axis_of(box, ku), tv = axis_of(box, kv);
+    facing_face facing = facing_face_of(box, k, side);
+    polygon p;
+    make_polygon(r, facing, side, PE_CLIP_SLACK * size, &p);
     uint32_t faces = (uint32_t)r->flipped << 6 | (uint32_t)(2 * k + (side > 0)) << 3 |
-                     (uint32_t)(2 * m + (facing > 0));
+                     (uint32_t)(2 * facing.axis + (facing.side > 0));
     double least = HUGE_VAL;
     pe_vec3 centre = pe_madd(box->pose->position, box->extent[k], face);
     for (int i = 0; i < p.count && manifold->count < PE_MAX_POINTS; ++i) {
