@@ -30,8 +30,8 @@ build() {
     for file in $sources; do
         flags=
         case $file in
-        *kernel_4.c) flags=-mavx2 ;;
-        *kernel_8.c) flags=-mavx512f ;;
+        *kernels_4.c) flags=-mavx2 ;;
+        *kernels_8.c) flags=-mavx512f ;;
         esac
         [[ -n $flags && -z $wide ]] && continue
         object=$folder/$(tr / _ <<<"$file").o

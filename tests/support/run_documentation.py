@@ -4,7 +4,8 @@
     run_documentation.py PLUMB SOURCE BUILD PAGE...
 
 Commands are the lines of ```sh blocks, the lines after "$ " of ```console blocks, and code spans that begin
-with "plumb ". All commands of a page run in one empty directory, in their order, with plumb on the PATH. A block
+with "plumb ". All commands of a page run in their order in one directory, which has links
+to the files of the repository's root, with plumb on the PATH. A block
 ```LANGUAGE NAME is written to the file NAME there. Commands that take minutes get further arguments that
 reduce them; the few that cannot run inside a test are only checked for existence.
 """
@@ -15,9 +16,11 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 
 # The first pattern that matches a command adds these arguments to it.
 REDUCED = (
+    (r"^plumb sweep --suite canonical", "--duration 0.1 --timeout 5 --repeat 1 --vary dt=1/60"),
     (r"^plumb sweep .*--suite", "--duration 0.1 --timeout 5"),
     (r"^plumb compare .*--suite", "--duration 0.1 --timeout 20"),
     (r"^plumb (compare|sweep|metamorphic) ", "--duration 0.1"),
@@ -57,7 +60,7 @@ def commands(text):
             while not lines[i].lstrip().startswith("```"):
                 i += 1
         else:
-            for span in re.findall(r"`(plumb [a-z-]+ [^`]+)`", lines[i]):
+            for span in re.findall(r"`(plumb [a-z-]+ [^-`][^`]*)`", lines[i]):
                 if not PLACEHOLDER.search(span):
                     yield i + 1, "command", span
         i += 1
@@ -95,6 +98,9 @@ def run_page(page, source, environment):
     with open(os.path.join(source, page), encoding="utf-8") as file:
         text = file.read()
     folder = tempfile.mkdtemp()
+    for name in os.listdir(source):
+        if not name.startswith(".") and not name.startswith("build") and name != "report":
+            os.symlink(os.path.join(source, name), os.path.join(folder, name))
     for number, kind, what in commands(text):
         where = f"{page}:{number}"
         if kind == "file":
@@ -112,13 +118,12 @@ def run_page(page, source, environment):
         if program in ("parallel", "mpirun") and shutil.which(program) is None:
             print(f"{where}: not run, {program} is not installed")
             continue
-        if program.startswith("tests/") or program.startswith("compare/"):
-            what = os.path.join(source, what)
         command = prepared(what)
-        print(f"{where}: {command}", flush=True)
+        begin = time.monotonic()
         done = subprocess.run(["bash", "-c", command], cwd=folder, env=environment, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, check=False)
         count += 1
+        print(f"{where}: {time.monotonic() - begin:.1f} s: {command}", flush=True)
         # A run whose outcome is not ok has worked: engines with their default settings do collapse.
         if done.returncode not in ((0, 3) if command.startswith("plumb run") else (0,)):
             failures += 1
