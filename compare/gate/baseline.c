@@ -1,4 +1,4 @@
-/* The baseline file: reading, with every fault at its place, and writing. */
+/* Reads the baseline file, with the place of every fault, and writes it. */
 #include "baseline.h"
 
 #include "results/store.h"
@@ -36,7 +36,7 @@ static bool read_schema(const json_t *json, pl_diagnostic *diagnostic)
                            pl_quoted(schema, quoted)));
 }
 
-/* An object of numbers, or, where `is_free`, of numbers, texts and nulls. */
+/* Checks an object of numbers, or, where `is_free`, of numbers, texts and nulls. */
 static bool check_values(const json_t *row, const char *key, bool is_free,
                          pl_diagnostic *diagnostic)
 {
@@ -108,7 +108,7 @@ static bool check_row(const json_t *json, pl_diagnostic *diagnostic)
            check_ratio(json, "instructions_ratio", diagnostic);
 }
 
-/* The index of a row of the same run before the one at `index`; -1 when there is none. */
+/* Returns the index of an earlier row of the same run; -1 when there is none. */
 static int find_twin(const pl_gate_rows *rows, int index)
 {
     for (int i = 0; i < index; ++i) {

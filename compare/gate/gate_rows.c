@@ -1,4 +1,4 @@
-/* Which run a row is of, and rows in order.
+/* Identifies the run of a row, and sorts and finds rows.
  *
  * Parameters at their defaults are left out of the key: a parameter that a scenario gets later, and
  * that changes nothing unless it is set, must not make old rows another run. */
@@ -107,7 +107,7 @@ void pl_gate_rows_sort(pl_gate_rows *rows)
     }
 }
 
-/* Bytes of the key up to the end of the parameters. */
+/* Returns the bytes of the key up to the end of the parameters. */
 static size_t scene_length(const pl_gate_row *row)
 {
     size_t length = strcspn(row->key, part_end) + 1;

@@ -2,6 +2,7 @@
  * JUnit's XML, and plumb.gate/1. */
 #include "gate_verdict.h"
 
+#include "base/array.h"
 #include "results/result.h"
 
 #include <limits.h>
@@ -15,21 +16,15 @@ pl_gate_entry *pl_gate_verdict_add(pl_gate_verdict *verdict, bool is_failure,
                                    const pl_gate_row *row, const char *metric)
 {
     static _Thread_local pl_gate_entry lost;
-    pl_gate_entry *entry = &lost;
-    if (verdict->count == verdict->capacity) {
-        int capacity = 2 * verdict->capacity + 16;
-        pl_gate_entry *grown = realloc(verdict->items, (size_t)capacity * sizeof *grown);
-        verdict->failed |= grown == NULL;
-        verdict->items = grown == NULL ? verdict->items : grown;
-        verdict->capacity = grown == NULL ? verdict->capacity : capacity;
+    const pl_gate_entry entry = {.is_failure = is_failure, .row = row, .metric = metric};
+    if (pl_array_push(&verdict->items, &verdict->count, &entry, sizeof entry, NULL) != PL_OK) {
+        verdict->failed = true;
+        lost = entry;
+        return &lost;
     }
-    if (verdict->count < verdict->capacity) {
-        entry = &verdict->items[verdict->count++];
-        verdict->failures += is_failure;
-        verdict->notices += !is_failure;
-    }
-    *entry = (pl_gate_entry){.is_failure = is_failure, .row = row, .metric = metric};
-    return entry;
+    verdict->failures += is_failure;
+    verdict->notices += !is_failure;
+    return &verdict->items[verdict->count - 1];
 }
 
 void pl_gate_verdict_note(pl_gate_verdict *verdict, const char *metric, const char *what)
@@ -49,23 +44,20 @@ void pl_gate_verdict_note(pl_gate_verdict *verdict, const char *metric, const ch
 
 void pl_gate_verdict_order(pl_gate_verdict *verdict)
 {
-    pl_gate_entry *ordered = calloc((size_t)verdict->count + 1, sizeof *ordered);
-    if (ordered == NULL) {
-        verdict->failed = true;
-        return;
-    }
-    int filled = 0;
+    pl_gate_verdict ordered = {0};
     for (int part = 0; part < 3; ++part) {
         for (int i = 0; i < verdict->count; ++i) {
             const pl_gate_entry *entry = &verdict->items[i];
-            if (!entry->is_failure + (entry->row_count > 0) == part) {
-                ordered[filled++] = *entry;
+            if (!entry->is_failure + (entry->row_count > 0) == part &&
+                pl_array_push(&ordered.items, &ordered.count, entry, sizeof *entry, NULL) !=
+                    PL_OK) {
+                verdict->failed = true;
             }
         }
     }
     free(verdict->items);
-    verdict->items = ordered;
-    verdict->capacity = verdict->count + 1;
+    verdict->items = ordered.items;
+    verdict->count = ordered.count;
 }
 
 void pl_gate_entry_numbers(pl_gate_entry *entry, double before, double after, const char *unit)

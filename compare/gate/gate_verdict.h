@@ -20,7 +20,7 @@ typedef struct pl_gate_verdict {
     const pl_gate_rows *before; /* NULL: no baseline */
     const pl_gate_rows *now;
     pl_gate_entry *items; /* in the order of the rows, then rules, then notices of several rows */
-    int count, capacity;
+    int count;
     int failures, notices;
     int comparisons; /* values compared with a baseline or a rule */
     bool failed;     /* out of memory: look once, at the end */
@@ -34,7 +34,8 @@ pl_gate_entry *pl_gate_verdict_add(pl_gate_verdict *verdict, bool is_failure,
 /* Adds one row to a notice. Notices of equal metric and words become one. */
 void pl_gate_verdict_note(pl_gate_verdict *verdict, const char *metric, const char *what);
 
-/* Moves the notices of several rows to the end. */
+/* Sorts the entries: failures, notices of one row, notices of several rows; each keeps its order.
+ */
 void pl_gate_verdict_order(pl_gate_verdict *verdict);
 
 /* Writes both values with as few digits as tell them apart, and their unit ("": none). */

@@ -1,6 +1,7 @@
 /* Reads files of results, and gathers the repeats of each run into a row. */
 #include "gather.h"
 
+#include "base/array.h"
 #include "base/statistics.h"
 #include "plumb/scenario.h"
 #include "ratio.h"
@@ -98,16 +99,12 @@ static json_t *row_json(const json_t *result)
 
 static pl_status add_sample(pl_gate_row *row, const json_t *result, int file, pl_error *error)
 {
-    size_t size = ((size_t)row->sample_count + 1) * sizeof *row->samples;
-    pl_gate_sample *grown = realloc(row->samples, size);
-    if (grown == NULL) {
-        return no_memory(error);
+    const pl_gate_sample sample = {.file = file,
+                                   .repeat = json_integer_value(json_object_get(result, "repeat")),
+                                   .metrics = json_object_get(result, "metrics")};
+    if (pl_array_push(&row->samples, &row->sample_count, &sample, sizeof sample, error) != PL_OK) {
+        return PL_NO_MEMORY;
     }
-    row->samples = grown;
-    row->samples[row->sample_count++] =
-        (pl_gate_sample){.file = file,
-                         .repeat = json_integer_value(json_object_get(result, "repeat")),
-                         .metrics = json_object_get(result, "metrics")};
     const char *outcome = pl_json_get_text(result, "outcome");
     if (pl_gate_row_is_ok(row) && strcmp(outcome, "ok") != 0) {
         row->reason = pl_json_get_text(result, "reason");
@@ -146,12 +143,6 @@ static pl_status add_result(pl_gate_rows *rows, json_t *indices, const json_t *r
     }
     return index < rows->count ? add_sample(&rows->items[index], result, file, error)
                                : no_memory(error);
-}
-
-static bool is_deterministic(const json_t *metric, int id)
-{
-    const json_t *said = json_object_get(metric, "deterministic");
-    return json_is_boolean(said) ? json_is_true(said) : id < 0 || pl_metric_table[id].deterministic;
 }
 
 /* Summarises a metric over the repeats: of numbers the median, with their range where they should
@@ -203,7 +194,7 @@ static bool summarise_all(const pl_gate_row *row, const pl_gate_tolerances *tole
                 continue;
             }
             int id = pl_metric_by_name(name);
-            bool deterministic = is_deterministic(metric, id);
+            bool deterministic = pl_metric_is_deterministic(metric, id);
             bool asked = id >= 0 && tolerances->of[id].given && !tolerances->of[id].off;
             bool is_kept = is_ok && pl_gate_cost_of(name) < 0 && (deterministic || asked);
             if (json_object_set_new(is_kept ? kept : row->measured, name,

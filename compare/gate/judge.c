@@ -21,16 +21,6 @@ static void describe(pl_gate_entry *entry, const char *before, const char *after
 
 /* ---- Metrics ---- */
 
-/* Returns a metric's unit; "" where it is not known, and of a plain number. */
-static const char *unit_of(const char *metric)
-{
-    int id = pl_metric_by_name(metric);
-    bool own = id == PL_METRIC_REFERENCE_ERROR || id == PL_METRIC_RESIDUAL_MAX ||
-               id == PL_METRIC_RESIDUAL_RMS;
-    return id < 0 || own || strcmp(pl_metric_table[id].unit, "1") == 0 ? ""
-                                                                       : pl_metric_table[id].unit;
-}
-
 /* Writes a value, or why there is none. */
 static void value_text(const json_t *value, char text[96])
 {
@@ -118,7 +108,7 @@ static void judge_number(const pl_gate_inputs *in, const pl_gate_row *row, const
     bool grew = now > before;
     bool is_better = direction != PL_NO_DIRECTION && grew == (direction == PL_HIGHER_IS_BETTER);
     pl_gate_entry *entry = pl_gate_verdict_add(verdict, !is_better, row, metric);
-    const char *unit = unit_of(metric);
+    const char *unit = pl_metric_table_unit(id);
     pl_gate_entry_numbers(entry, before, now, unit);
     snprintf(entry->allowed, sizeof entry->allowed, "a difference of %.3g%s%.40s", allowed,
              unit[0] == '\0' ? "" : " ", unit);
@@ -320,7 +310,8 @@ static void judge_absolute(const pl_gate_rule *rule, const pl_gate_row *row, dou
     verdict->comparisons++;
     if (holds) {
         pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
-        pl_gate_entry_numbers(entry, now, now, unit_of(rule->metric));
+        pl_gate_entry_numbers(entry, now, now,
+                              pl_metric_table_unit(pl_metric_by_name(rule->metric)));
         entry->before[0] = '\0';
     }
 }
@@ -339,7 +330,8 @@ static bool judge_relative(const pl_gate_inputs *in, const pl_gate_rule *rule,
     verdict->comparisons++;
     if (pl_gate_rule_holds_relative(rule, json_number_value(kept), now, least)) {
         pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
-        pl_gate_entry_numbers(entry, json_number_value(kept), now, unit_of(rule->metric));
+        pl_gate_entry_numbers(entry, json_number_value(kept), now,
+                              pl_metric_table_unit(pl_metric_by_name(rule->metric)));
     }
     return true;
 }

@@ -45,7 +45,7 @@ const pl_gate_row *pl_gate_reference_of(const pl_gate_rows *rows, const pl_gate_
     return reference == row ? NULL : reference;
 }
 
-/* The largest k for which the k-th values from both ends, from 1, bound the median. */
+/* Returns the largest k for which the k-th values from both ends, from 1, bound the median. */
 static int bound_rank(int count)
 {
     double term = pow(0.5, count), below = term; /* P(B = 0), P(B < 1) */
@@ -72,7 +72,7 @@ static pl_gate_ratio summarise(double *values, int count)
         .repeats = count, .value = median, .low = values[rank - 1], .high = values[count - rank]};
 }
 
-/* NAN where there is none. */
+/* Returns NAN where there is no number. */
 static double number_in(const pl_gate_sample *sample, const char *metric)
 {
     const json_t *value = json_object_get(json_object_get(sample->metrics, metric), "value");
@@ -143,7 +143,7 @@ pl_gate_ratio pl_gate_ratio_of_json(const json_t *json)
                            .high = json_number_value(json_object_get(json, "high"))};
 }
 
-/* Half the width of the bounds, over the value. */
+/* Returns half the width of the bounds, over the value. */
 static double spread_of(const pl_gate_ratio *ratio)
 {
     return 0.5 * (ratio->high - ratio->low) / ratio->value;

@@ -18,7 +18,7 @@
 /* Names that a rule takes besides those of pl_metric_table. */
 static const char *const own_names[] = {"outcome", "time_ratio", "instructions_ratio",
                                         "instructions_per_step"};
-enum { OWN_COUNT = sizeof own_names / sizeof own_names[0] };
+enum { OWN_COUNT = sizeof own_names / sizeof own_names[0], HINT_SIZE = 2 * PL_NAME_SIZE };
 
 pl_gate_tolerances pl_gate_tolerances_default(void)
 {
@@ -29,26 +29,23 @@ pl_gate_tolerances pl_gate_tolerances_default(void)
     return tolerances;
 }
 
-static bool name_is_known(const char *name)
-{
-    bool known = pl_metric_by_name(name) >= 0;
-    for (int i = 0; i < OWN_COUNT; ++i) {
-        known |= strcmp(own_names[i], name) == 0;
-    }
-    return known;
-}
-
-/* Returns NULL where no name is near. */
-static const char *nearest_name(const char *name)
+/* Whether a rule takes the name; else `hint` is the end of a message, which suggests the nearest
+ * one. */
+static bool is_known(const char *name, char hint[HINT_SIZE])
 {
     const char *names[PL_METRIC_COUNT + OWN_COUNT];
-    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
-        names[i] = pl_metric_table[i].name;
+    bool known = false;
+    for (int i = 0; i < PL_METRIC_COUNT + OWN_COUNT; ++i) {
+        names[i] = i < PL_METRIC_COUNT ? pl_metric_table[i].name : own_names[i - PL_METRIC_COUNT];
+        known |= strcmp(names[i], name) == 0;
     }
-    for (int i = 0; i < OWN_COUNT; ++i) {
-        names[PL_METRIC_COUNT + i] = own_names[i];
+    const char *nearest = pl_nearest_name(name, names, PL_METRIC_COUNT + OWN_COUNT);
+    if (nearest == NULL) {
+        snprintf(hint, HINT_SIZE, "; see plumb list metrics");
+    } else {
+        snprintf(hint, HINT_SIZE, "; did you mean %s?", nearest);
     }
-    return pl_nearest_name(name, names, PL_METRIC_COUNT + OWN_COUNT);
+    return known;
 }
 
 static pl_status fail(const char *text, const char *what, pl_error *error)
@@ -71,7 +68,7 @@ static bool read_bound(const char *text, size_t length, double *value)
 pl_status pl_gate_tolerances_parse(const char *text, pl_gate_tolerances *tolerances,
                                    pl_error *error)
 {
-    char name[PL_NAME_SIZE];
+    char name[PL_NAME_SIZE], hint[HINT_SIZE];
     size_t length = strcspn(text, "=");
     if (text[length] != '=' || length == 0 || length >= sizeof name) {
         return fail(text, "expected METRIC=RELATIVE[,ABSOLUTE] or METRIC=off", error);
@@ -85,10 +82,8 @@ pl_status pl_gate_tolerances_parse(const char *text, pl_gate_tolerances *toleran
                     error);
     }
     if (metric < 0) {
-        const char *nearest = nearest_name(name);
-        return pl_fail(error, PL_BAD_INPUT, "--tolerance: there is no metric %s%s%s%s", name,
-                       nearest == NULL ? "; see plumb list metrics" : "; did you mean ",
-                       nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
+        is_known(name, hint);
+        return pl_fail(error, PL_BAD_INPUT, "--tolerance: there is no metric %s%s", name, hint);
     }
     pl_gate_tolerance tolerance = tolerances->of[metric];
     tolerance.given = true;
@@ -180,20 +175,17 @@ static const char *read_filter(const char *text, pl_gate_rule *rule)
 
 static pl_status read_metric(const char *text, const char *at, pl_gate_rule *rule, pl_error *error)
 {
+    char hint[HINT_SIZE];
     size_t length = strspn(at, name_letters);
     if (length == 0 || length >= sizeof rule->metric) {
         return fail_at(text, at, "a metric", error);
     }
     snprintf(rule->metric, sizeof rule->metric, "%.*s", (int)length, at);
-    if (name_is_known(rule->metric)) {
-        return PL_OK;
-    }
-    const char *nearest = nearest_name(rule->metric);
-    return pl_fail(error, PL_BAD_INPUT,
-                   "--fail-if \"%.120s\": column %d: there is no metric %s%s%s%s", text,
-                   (int)(at - text) + 1, rule->metric,
-                   nearest == NULL ? "; see plumb list metrics" : "; did you mean ",
-                   nearest == NULL ? "" : nearest, nearest == NULL ? "" : "?");
+    return is_known(rule->metric, hint)
+               ? PL_OK
+               : pl_fail(error, PL_BAD_INPUT,
+                         "--fail-if \"%.120s\": column %d: there is no metric %s%s", text,
+                         (int)(at - text) + 1, rule->metric, hint);
 }
 
 /* The length without blanks at the end. */
@@ -295,20 +287,10 @@ bool pl_gate_rule_selects(const pl_gate_rule *rule, const pl_gate_row *row)
 
 bool pl_gate_rule_holds(const pl_gate_rule *rule, double value)
 {
-    switch (rule->op) {
-    case PL_GATE_ABOVE:
-        return value > rule->value;
-    case PL_GATE_AT_LEAST:
-        return value >= rule->value;
-    case PL_GATE_BELOW:
-        return value < rule->value;
-    case PL_GATE_AT_MOST:
-        return value <= rule->value;
-    case PL_GATE_EQUAL:
-        return value == rule->value;
-    default:
-        return value != rule->value;
-    }
+    const pl_gate_operator found = value < rule->value    ? PL_GATE_BELOW
+                                   : value == rule->value ? PL_GATE_EQUAL
+                                                          : PL_GATE_ABOVE;
+    return (rule->op & found) != 0;
 }
 
 bool pl_gate_rule_holds_relative(const pl_gate_rule *rule, double before, double now, double least)

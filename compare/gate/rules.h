@@ -31,13 +31,14 @@ pl_status pl_gate_tolerances_parse(const char *text, pl_gate_tolerances *toleran
 double pl_gate_tolerance_at(const pl_gate_tolerance *tolerance, int metric, double value,
                             double dt);
 
+/* The bits say of which of the three results of a comparison the rule holds. */
 typedef enum pl_gate_operator {
-    PL_GATE_ABOVE,    /* > */
-    PL_GATE_AT_LEAST, /* >= */
-    PL_GATE_BELOW,    /* < */
-    PL_GATE_AT_MOST,  /* <= */
-    PL_GATE_EQUAL,    /* == */
-    PL_GATE_OTHER     /* != */
+    PL_GATE_BELOW = 1,                                /* < */
+    PL_GATE_EQUAL = 2,                                /* == */
+    PL_GATE_ABOVE = 4,                                /* > */
+    PL_GATE_AT_MOST = PL_GATE_BELOW | PL_GATE_EQUAL,  /* <= */
+    PL_GATE_AT_LEAST = PL_GATE_ABOVE | PL_GATE_EQUAL, /* >= */
+    PL_GATE_OTHER = PL_GATE_BELOW | PL_GATE_ABOVE     /* != */
 } pl_gate_operator;
 
 typedef struct pl_gate_rule {

@@ -47,8 +47,8 @@ static bool counts_for_best(const pl_cell *cell, int metric)
     return cell->result != NULL && cell->ok && cell->metrics[metric].state == PL_METRIC_VALUE;
 }
 
-/* The least value over good runs in *best. False where there is none to single out: fewer than two
- * values, all the same up to noise, or numbers that mean different things to different engines. */
+/* Finds the least value over ok runs. False where no best value is marked: there are fewer than two
+ * values, all are equal up to noise, or they mean different things to different engines. */
 static bool find_best(const pl_case *test_case, int column_count, int metric, double *best)
 {
     double most = -INFINITY;
@@ -64,7 +64,7 @@ static bool find_best(const pl_case *test_case, int column_count, int metric, do
     return pl_loss_is_worse(test_case, metric, most, *best);
 }
 
-/* A row with a metric on every engine; nothing where no engine has it. */
+/* Adds a row with a metric on every engine; nothing where no engine has it. */
 static void add_metric_row(const pl_result_matrix *matrix, const pl_case *test_case, int metric,
                            pl_table *table)
 {

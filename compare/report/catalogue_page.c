@@ -11,7 +11,7 @@
 
 enum { MOST_PARAMS = PL_MAX_PARAMS };
 
-/* A name and what there is to say; nothing where that is NULL. */
+/* Adds a name and its text; nothing where the text is NULL. */
 static void add_fact(pl_text_buffer *out, const char *name, const char *text)
 {
     if (text != NULL) {
@@ -30,7 +30,7 @@ static void add_index(pl_text_buffer *out, const pl_scenario *const *scenarios, 
     pl_text_add(out, "</p>\n");
 }
 
-/* The scene with its defaults, as it is at the start. */
+/* Adds the picture of the scene with default parameters, at the start. */
 static pl_status add_picture(pl_text_buffer *out, const pl_scenario *s, int index, pl_error *error)
 {
     double values[MOST_PARAMS];

@@ -98,7 +98,7 @@ static void compare_metric(const pl_result_matrix *matrix, pl_loss loss, int met
                            pl_losses *losses)
 {
     const pl_metric_summary *ours = &loss.our_cell->metrics[metric];
-    /* reference_error says the same already. */
+    /* reference_error is the same number. */
     if (ours->state == PL_METRIC_ABSENT || pl_case_primary_is(loss.test_case, metric)) {
         return;
     }

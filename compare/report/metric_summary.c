@@ -12,13 +12,19 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The median of one number of a metric over the runs that have it; *count is how many have it. */
-static double median_of(const json_t *const *metrics, int repeats, const char *key, double *scratch,
-                        int *count)
+/* Returns the object of a metric in a result; NULL where it is absent. */
+static const json_t *metric_in(const json_t *result, int id)
+{
+    return json_object_get(json_object_get(result, "metrics"), pl_metric_table[id].name);
+}
+
+/* Returns the median of one number of a metric over the *count results that have it. */
+static double median_of(const json_t *const *results, int repeats, int id, const char *key,
+                        double *scratch, int *count)
 {
     *count = 0;
     for (int i = 0; i < repeats; ++i) {
-        const json_t *value = json_object_get(metrics[i], key);
+        const json_t *value = json_object_get(metric_in(results[i], id), key);
         if (json_is_number(value)) {
             scratch[(*count)++] = json_number_value(value);
         }
@@ -26,35 +32,26 @@ static double median_of(const json_t *const *metrics, int repeats, const char *k
     return pl_median(scratch, *count);
 }
 
-static bool is_deterministic(const json_t *metric, int id)
-{
-    const json_t *said = json_object_get(metric, "deterministic");
-    return json_is_boolean(said) ? json_is_true(said) : pl_metric_table[id].deterministic;
-}
-
-pl_metric_summary pl_metric_summarise(const json_t *const *metrics, int repeats, int id,
+pl_metric_summary pl_metric_summarise(const json_t *const *results, int repeats, int id,
                                       double *scratch)
 {
-    /* These have the unit that the result says. */
-    bool own_unit = id == PL_METRIC_REFERENCE_ERROR || id == PL_METRIC_RESIDUAL_MAX ||
-                    id == PL_METRIC_RESIDUAL_RMS;
-    pl_metric_summary summary = {.state = PL_METRIC_ABSENT,
-                                 .unit = own_unit ? "" : pl_metric_table[id].unit};
+    pl_metric_summary summary = {.state = PL_METRIC_ABSENT, .unit = pl_metric_table_unit(id)};
     const json_t *first = NULL;
     for (int i = 0; i < repeats; ++i) {
-        const json_t *value = json_object_get(metrics[i], "value");
-        if (metrics[i] == NULL || value == NULL) {
+        const json_t *metric = metric_in(results[i], id);
+        const json_t *value = json_object_get(metric, "value");
+        if (value == NULL) {
             continue;
         }
         if (first == NULL) {
-            first = metrics[i];
+            first = metric;
         }
         if (json_is_string(value) && summary.state != PL_METRIC_TEXT) {
             summary.state = PL_METRIC_TEXT;
             summary.text = json_string_value(value);
         } else if (json_is_null(value) && summary.state == PL_METRIC_ABSENT) {
             summary.state = PL_METRIC_FAILED;
-            summary.reason = pl_json_get_text(metrics[i], "reason");
+            summary.reason = pl_json_get_text(metric, "reason");
         }
     }
     if (first == NULL) {
@@ -63,14 +60,14 @@ pl_metric_summary pl_metric_summarise(const json_t *const *metrics, int repeats,
     if (json_is_string(json_object_get(first, "unit"))) {
         summary.unit = pl_json_get_text(first, "unit");
     }
-    for (int i = 0; is_deterministic(first, id) && i < repeats; ++i) {
-        const json_t *value = json_object_get(metrics[i], "value");
+    for (int i = 0; pl_metric_is_deterministic(first, id) && i < repeats; ++i) {
+        const json_t *value = json_object_get(metric_in(results[i], id), "value");
         if (value == NULL || !json_equal(value, json_object_get(first, "value"))) {
             summary.disagrees = true;
         }
     }
 
-    double value = median_of(metrics, repeats, "value", scratch, &summary.count);
+    double value = median_of(results, repeats, id, "value", scratch, &summary.count);
     if (summary.count == 0) {
         return summary;
     }
@@ -83,11 +80,11 @@ pl_metric_summary pl_metric_summarise(const json_t *const *metrics, int repeats,
     }
     summary.mad = pl_median(scratch, summary.count);
     int count = 0;
-    summary.p50 = median_of(metrics, repeats, "p50", scratch, &count);
+    summary.p50 = median_of(results, repeats, id, "p50", scratch, &count);
     summary.has_percentiles = count > 0;
-    summary.p95 = median_of(metrics, repeats, "p95", scratch, &count);
-    summary.p99 = median_of(metrics, repeats, "p99", scratch, &count);
-    summary.worst_step = median_of(metrics, repeats, "worst_step", scratch, &count);
+    summary.p95 = median_of(results, repeats, id, "p95", scratch, &count);
+    summary.p99 = median_of(results, repeats, id, "p99", scratch, &count);
+    summary.worst_step = median_of(results, repeats, id, "worst_step", scratch, &count);
     return summary;
 }
 
@@ -103,7 +100,7 @@ void pl_metric_text(const pl_metric_summary *summary, char text[PL_METRIC_TEXT_S
                                                 : pl_no_number);
 }
 
-/* The reason why there is no number; "" when there is one. */
+/* Returns why there is no number; "" when there is one. */
 static const char *reason_of(const pl_metric_summary *summary)
 {
     if (summary->state == PL_METRIC_ABSENT) {

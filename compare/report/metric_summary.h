@@ -22,9 +22,9 @@ typedef struct pl_metric_summary {
 
 enum { PL_METRIC_TEXT_SIZE = 160, PL_METRIC_NOTE_SIZE = 640 };
 
-/* Summarises the metric `id` over `repeats` objects of it (NULL where absent), which must outlive
- * the summary; `scratch` has room for `repeats` numbers. */
-pl_metric_summary pl_metric_summarise(const json_t *const *metrics, int repeats, int id,
+/* Summarises the metric `id` over the `repeats` results of one run, which must outlive the summary;
+ * `scratch` has room for `repeats` numbers. */
+pl_metric_summary pl_metric_summarise(const json_t *const *results, int repeats, int id,
                                       double *scratch);
 
 /* Writes the value as in a table; "–" when there is none. */

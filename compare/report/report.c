@@ -3,13 +3,12 @@
 #include "report.h"
 
 #include "report_page.h"
+#include "results/store.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 /* ---- CSV ---- */
@@ -70,7 +69,7 @@ static const json_t *value_at(const json_t *result, const char *column)
     return json_object_get(json_object_get(result, object), dot + 1);
 }
 
-/* `name` and `metric` are NULL for a run without metrics. */
+/* Adds a row; `name` and `metric` are NULL for a run without metrics. */
 static void add_line(const json_t *result, const char *name, const json_t *metric,
                      pl_text_buffer *out)
 {
@@ -126,7 +125,7 @@ void pl_report_csv(json_t *results, pl_text_buffer *out)
 
 /* ---- Files ---- */
 
-/* A file of the report: its text, and where it is written before it gets its name. */
+/* A file of the report: its text, its path, and its path until all files are complete. */
 typedef struct report_file {
     const char *name;
     pl_text_buffer text;
@@ -134,24 +133,9 @@ typedef struct report_file {
     bool written;
 } report_file;
 
-static pl_status write_all(int descriptor, const char *data, size_t length)
-{
-    while (length > 0) {
-        ssize_t count = write(descriptor, data, length);
-        if (count < 0 && errno == EINTR) {
-            continue;
-        }
-        if (count < 0) {
-            return PL_IO;
-        }
-        data += count;
-        length -= (size_t)count;
-    }
-    return PL_OK;
-}
-
 static pl_status write_temporary(report_file *file, const char *directory, pl_error *error)
 {
+    pl_error cause = {PL_OK, ""};
     int length = snprintf(file->temporary, sizeof file->temporary, "%s/.%s.%ld.tmp", directory,
                           file->name, (long)getpid());
     if (length < 0 || (size_t)length >= sizeof file->temporary) {
@@ -159,24 +143,12 @@ static pl_status write_temporary(report_file *file, const char *directory, pl_er
     }
     snprintf(file->final, sizeof file->final, "%.*s/%s", (int)strlen(directory), directory,
              file->name);
-    int descriptor =
-        open(file->temporary, O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666);
-    if (descriptor < 0) {
-        return pl_fail(error, PL_IO, "%.300s cannot be written: %s", file->final, strerror(errno));
+    pl_status status = pl_write_text(file->temporary, file->text.data, file->text.length, &cause);
+    if (status != PL_OK) {
+        return pl_fail(error, status, "%.200s cannot be written: %.200s", file->final,
+                       cause.message);
     }
     file->written = true;
-    pl_status status = write_all(descriptor, file->text.data, file->text.length);
-    if (status == PL_OK && fsync(descriptor) != 0 && errno != EINVAL && errno != EROFS) {
-        status = PL_IO;
-    }
-    int cause = errno;
-    if (close(descriptor) != 0 && status == PL_OK) {
-        status = PL_IO;
-        cause = errno;
-    }
-    if (status != PL_OK) {
-        return pl_fail(error, status, "%.300s cannot be written: %s", file->final, strerror(cause));
-    }
     return PL_OK;
 }
 

@@ -198,7 +198,8 @@ static void add_warnings(const pl_result_matrix *matrix, const pl_page *page)
 
 /* ---- Results ---- */
 
-/* A run's primary error, and the time of a step with how many times the fastest it is. */
+/* Adds the cell of a run: its primary error, and the time of a step with its ratio to the fastest.
+ */
 static void add_result(const pl_page *page, const pl_cell *cell, double fastest, pl_table *table)
 {
     const pl_metric_summary *error = &cell->metrics[PL_METRIC_REFERENCE_ERROR];
@@ -345,7 +346,8 @@ static bool has_both_errors(const pl_case *test_case, const pl_cell *cell)
            cell->metrics[PL_METRIC_DISCRETE_ERROR].state == PL_METRIC_VALUE;
 }
 
-/* The error of the time-stepping scheme, and the rest, which comes from contacts and friction. */
+/* Adds the error of the time-stepping rule, and the rest, which comes from contacts and friction.
+ */
 static void add_time_stepping(const pl_result_matrix *matrix, const pl_page *page)
 {
     pl_table table = {0};
@@ -392,7 +394,7 @@ static bool has_every_case(const pl_suite *suite, const pl_result_matrix *matrix
     return complete;
 }
 
-/* A row for each case of an entry, with the outcome below each engine's value. */
+/* Adds a row for each case of an entry, with the outcome below each engine's value. */
 static void add_published_rows(const pl_result_matrix *matrix, const pl_suite_entry *entry,
                                int metric, pl_table *table)
 {
@@ -418,7 +420,7 @@ static void add_published_rows(const pl_result_matrix *matrix, const pl_suite_en
     }
 }
 
-/* Numbers that others published, for suites of which every case was run. Markdown only. */
+/* Adds the numbers that others published, for suites of which every case was run. Markdown only. */
 static void add_published(const pl_result_matrix *matrix, const pl_page *page)
 {
     int count = 0;

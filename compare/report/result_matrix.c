@@ -50,13 +50,9 @@ static pl_column column_of(const json_t *result)
 static int compare_columns(const void *left, const void *right)
 {
     const pl_column *a = left, *b = right;
-    if (a->ours != b->ours) {
-        return a->ours ? -1 : 1;
-    }
-    int order = strcmp(a->label, b->label);
-    if (order == 0) {
-        order = strcmp(a->version, b->version);
-    }
+    int order = (int)b->ours - (int)a->ours;
+    order = order != 0 ? order : strcmp(a->label, b->label);
+    order = order != 0 ? order : strcmp(a->version, b->version);
     return order != 0 ? order : strcmp(a->git, b->git);
 }
 
@@ -209,8 +205,7 @@ static void name_cases(pl_result_matrix *matrix)
 /* ---- Cells ---- */
 
 /* Summarises the repeats of one run, of which there is at least one. */
-static void fill_cell(pl_cell *cell, const json_t *const *runs, int count, const json_t **metrics,
-                      double *scratch)
+static void fill_cell(pl_cell *cell, const json_t *const *runs, int count, double *scratch)
 {
     const json_t *shown = NULL;
     const char *cpu = pl_result_text(runs[0], "host", "cpu");
@@ -230,11 +225,7 @@ static void fill_cell(pl_cell *cell, const json_t *const *runs, int count, const
     cell->outcome = pl_json_get_text(cell->result, "outcome");
     cell->reason = pl_json_get_text(cell->result, "reason");
     for (int id = 0; id < PL_METRIC_COUNT; ++id) {
-        for (int i = 0; i < count; ++i) {
-            metrics[i] =
-                json_object_get(json_object_get(runs[i], "metrics"), pl_metric_table[id].name);
-        }
-        cell->metrics[id] = pl_metric_summarise(metrics, count, id, scratch);
+        cell->metrics[id] = pl_metric_summarise(runs, count, id, scratch);
     }
 }
 
@@ -257,23 +248,15 @@ typedef struct placed_result {
 static int compare_places(const void *left, const void *right)
 {
     const placed_result *a = left, *b = right;
-    if (a->test_case != b->test_case) {
-        return a->test_case < b->test_case ? -1 : 1;
-    }
-    if (a->column != b->column) {
-        return a->column < b->column ? -1 : 1;
-    }
     json_int_t a_repeat = json_integer_value(json_object_get(a->result, "repeat"));
     json_int_t b_repeat = json_integer_value(json_object_get(b->result, "repeat"));
-    if (a_repeat != b_repeat) {
-        return a_repeat < b_repeat ? -1 : 1;
-    }
-    int order =
-        strcmp(pl_json_get_text(a->result, "started"), pl_json_get_text(b->result, "started"));
-    if (order != 0) {
-        return order;
-    }
-    return a->index < b->index ? -1 : 1;
+    int order = a->test_case - b->test_case;
+    order = order != 0 ? order : a->column - b->column;
+    order = order != 0 ? order : (a_repeat > b_repeat) - (a_repeat < b_repeat);
+    order = order != 0 ? order
+                       : strcmp(pl_json_get_text(a->result, "started"),
+                                pl_json_get_text(b->result, "started"));
+    return order != 0 ? order : (a->index > b->index) - (a->index < b->index);
 }
 
 /* Fills every cell from runs sorted by place. */
@@ -282,9 +265,8 @@ static pl_status fill_cells(pl_result_matrix *matrix, const placed_result *place
 {
     pl_status status = PL_OK;
     const json_t **runs = calloc(count + 1, sizeof(const json_t *));
-    const json_t **metrics = calloc(count + 1, sizeof(const json_t *));
     double *scratch = calloc(count + 1, sizeof *scratch);
-    if (runs == NULL || metrics == NULL || scratch == NULL) {
+    if (runs == NULL || scratch == NULL) {
         status = pl_fail(error, PL_NO_MEMORY, "no memory for %zu results", count);
         goto cleanup;
     }
@@ -302,7 +284,7 @@ static pl_status fill_cells(pl_result_matrix *matrix, const placed_result *place
             }
         }
         pl_cell *cell = &matrix->cases[placed[first].test_case].cells[placed[first].column];
-        fill_cell(cell, runs, repeats, metrics, scratch);
+        fill_cell(cell, runs, repeats, scratch);
         matrix->run_count += repeats;
         matrix->disagrees |= pl_cell_disagrees(cell);
         if (first == 0 || placed[first].test_case != placed[first - 1].test_case) {
@@ -317,7 +299,6 @@ static pl_status fill_cells(pl_result_matrix *matrix, const placed_result *place
 
 cleanup:
     free(runs);
-    free(metrics);
     free(scratch);
     return status;
 }

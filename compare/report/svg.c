@@ -1,5 +1,4 @@
-/* Draws a scene: the ground, the expected poses, and of each body the faces that look at the eye.
- */
+/* Draws a scene: the ground, the expected poses, and the faces that look at the eye. */
 #include "picture.h"
 
 #include "base/array.h"
@@ -35,8 +34,8 @@ static int compare_pixels(const void *left, const void *right)
     return (a->y > b->y) - (a->y < b->y);
 }
 
-/* The convex hull of n points, which it sorts; `out` has room for 2 n. Andrew's monotone chain,
- * 1979. */
+/* Finds the convex hull of n points by Andrew's monotone chain (1979), and sorts them; `out` has
+ * room for 2 n. */
 static int hull(pl_pixel *points, int n, pl_pixel *out)
 {
     int count = 0;
@@ -169,8 +168,8 @@ static void add_plane(const pl_shape *plane, const pl_view *view, pl_text_buffer
 
 /* ---- Bodies ---- */
 
-/* 0 (dark) .. SHADES - 1 by the angle between a normal and light from the upper left, behind the
- * eye. */
+/* Returns the shade, 0 (dark) .. SHADES - 1, by the angle between a normal and light from the upper
+ * left, behind the eye. */
 static int shade_of(const pl_view *view, pl_vec normal)
 {
     double light = -0.40 * pl_vec_dot(normal, view->right) + 0.75 * pl_vec_dot(normal, view->up) +
@@ -269,8 +268,7 @@ static void mark_fallen(const pl_scene *scene, const pl_pose *poses, bool *falle
     }
 }
 
-/* Fills the painting. Returns how many moving bodies are wholly outside, or -1 when out of memory.
- */
+/* Fills the painting. Returns how many moving bodies are wholly outside; -1: out of memory. */
 static int collect(const pl_scene *scene, const pl_view *view, const pl_pose *poses,
                    const bool *fallen, pl_painting *painting)
 {

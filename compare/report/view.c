@@ -9,14 +9,14 @@ static const double radian = 0.017453292519943295; /* of a degree */
 
 static const pl_vec zero = {0, 0, 0};
 
-/* `fallback` when `v` has no length. */
+/* Returns `v` at unit length; `fallback` when `v` has no length. */
 static pl_vec unit(pl_vec v, pl_vec fallback)
 {
     double length = pl_vec_length(v);
     return length > 1e-12 && isfinite(length) ? pl_vec_scale(v, 1 / length) : fallback;
 }
 
-/* cos(angle) a + sin(angle) b */
+/* Returns cos(angle) a + sin(angle) b. */
 static pl_vec turned(pl_vec a, pl_vec b, double angle)
 {
     return pl_vec_mad(pl_vec_scale(a, cos(angle)), sin(angle), b);
@@ -55,8 +55,8 @@ int pl_expected_poses(const pl_scene *scene, pl_pose *poses, int *bodies)
 
 /* ---- Directions ---- */
 
-/* The outward normal of a static plane or box that is tilted against `up` by 0.5 to 80 degrees;
- * zero when there is none. */
+/* Returns the outward normal of a static plane or box that is tilted against `up` by 0.5 to 80
+ * degrees; zero when there is none. */
 static pl_vec find_slope(const pl_scene *scene, pl_vec up)
 {
     for (int i = 0; i < scene->body_count; ++i) {
@@ -125,8 +125,8 @@ static void find_corners(const pl_shape *shape, const pl_pose *pose, pl_vec corn
     }
 }
 
-/* The principal axis of the spread of the moving bodies' corners in the plane of a and b; `a` where
- * the spread is nearly round. */
+/* Returns the principal axis of the spread of the moving bodies' corners in the plane of a and b;
+ * `a` where the spread is nearly round. */
 static pl_vec longest_axis(const pl_scene *scene, pl_vec a, pl_vec b)
 {
     double sum_x = 0, sum_y = 0, sum_xx = 0, sum_xy = 0, sum_yy = 0, count = 0;
@@ -202,7 +202,7 @@ static void include_body(const pl_view *view, const pl_shape *shape, const pl_po
     }
 }
 
-/* The pose of a body in `poses`; where that is NULL, at the start. */
+/* Returns the pose of a body in `poses`; where that is NULL, at the start. */
 static pl_pose pose_in(const pl_scene *scene, const pl_pose *poses, int body)
 {
     return poses == NULL ? pl_pose_of(&scene->bodies[body]) : poses[body];
@@ -251,7 +251,7 @@ static bounds widened(const bounds *box, double by)
     return (bounds){{box->low[0] - by, box->low[1] - by}, {box->high[0] + by, box->high[1] + by}};
 }
 
-/* The largest half extent of a moving body, m. */
+/* Returns the largest half extent of a moving body, m. */
 static double largest_body(const pl_scene *scene)
 {
     double largest = 0;
@@ -269,7 +269,7 @@ static double largest_body(const pl_scene *scene)
     return largest;
 }
 
-/* The mean, at the start, of the centres of the moving bodies' boxes. */
+/* Returns the mean, at the start, of the centres of the moving bodies' boxes. */
 static pl_vec start_centre(const pl_scene *scene)
 {
     pl_vec sum = zero;

@@ -330,3 +330,18 @@ json_t *pl_provenance(int argc, char *const *argv)
     return json_pack("{s:o, s:{s:s, s:s}, s:o}", "host", host_json(), "plumb", "version",
                      PLUMB_VERSION, "git", PLUMB_GIT, "command", command);
 }
+
+bool pl_metric_is_deterministic(const json_t *metric, int id)
+{
+    const json_t *given = json_object_get(metric, "deterministic");
+    return json_is_boolean(given) ? json_is_true(given)
+                                  : id < 0 || pl_metric_table[id].deterministic;
+}
+
+const char *pl_metric_table_unit(int id)
+{
+    bool own = id == PL_METRIC_REFERENCE_ERROR || id == PL_METRIC_RESIDUAL_MAX ||
+               id == PL_METRIC_RESIDUAL_RMS;
+    return id < 0 || own || strcmp(pl_metric_table[id].unit, "1") == 0 ? ""
+                                                                       : pl_metric_table[id].unit;
+}

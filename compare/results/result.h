@@ -95,4 +95,12 @@ char *pl_result_to_line(const json_t *result);
 /* Adds the same with a newline. `failed` of the text is set when out of memory, and for NULL. */
 void pl_result_add_line(pl_text_buffer *text, const json_t *result);
 
+/* Whether the metric `id`, with its object in a result, is deterministic: as the object says, else
+ * as pl_metric_table says. True for a metric that this build does not know (id -1). */
+bool pl_metric_is_deterministic(const json_t *metric, int id);
+
+/* Returns the unit of a metric in pl_metric_table. "" for a plain number, for a metric that this
+ * build does not know (id -1), and for metrics whose unit the result names. */
+const char *pl_metric_table_unit(int id);
+
 #endif

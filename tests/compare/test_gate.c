@@ -39,13 +39,13 @@ static void test_tolerances_are_what_was_asked_for(void **state)
                 {"drift=0,0.0049", 1}, {"drift=off", 0},   {"lift=off", 1}};
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
         trial t = pair("drift", 0.5, 0.505);
-        set_limit(&t, rows[i].limit);
+        set_tolerance(&t, rows[i].limit);
         expect(w, t, rows[i].failures, 0, "drift", "worse");
     }
     /* What differs from run to run is compared only where that was asked for. */
     expect(w, pair("memory_peak", 1e6, 9e6), 0, 0, "", "");
     trial t = pair("memory_peak", 1e6, 9e6);
-    set_limit(&t, "memory_peak=0.5");
+    set_tolerance(&t, "memory_peak=0.5");
     expect(w, t, 1, 0, "memory_peak", "worse by 800 %");
 }
 
@@ -57,7 +57,7 @@ static void test_texts_are_exact(void **state)
         trial t = begin_trial(single("state_hash", json_pack("{s:s}", "value", "a")),
                               single("state_hash", json_pack("{s:s}", "value", "b")));
         if (limits[i] != NULL) {
-            set_limit(&t, limits[i]);
+            set_tolerance(&t, limits[i]);
         }
         expect(w, t, i == 1, i == 0, "state_hash", i == 0 ? "other bits" : "changed");
     }
@@ -67,7 +67,7 @@ static void test_texts_are_exact(void **state)
            1, 0, "integrator", "changed");
 }
 
-static void test_a_value_that_is_lost_fails(void **state)
+static void test_lost_value_fails(void **state)
 {
     const workspace *w = *state;
     json_t *lost = json_pack("{s:n, s:s}", "value", "reason", "still moves");
@@ -110,7 +110,7 @@ static void test_run_no_longer_ok_fails_once(void **state)
            "outcome", "it fell");
 }
 
-static void test_missing_run_fails_and_new_run_is_reported(void **state)
+static void test_missing_run_fails_and_new_run_is_noticed(void **state)
 {
     const workspace *w = *state;
     for (int missing = 0; missing < 2; ++missing) {
@@ -121,7 +121,7 @@ static void test_missing_run_fails_and_new_run_is_reported(void **state)
     }
 }
 
-static void test_different_step_or_seed_is_another_run(void **state)
+static void test_another_step_or_seed_is_another_run(void **state)
 {
     const workspace *w = *state;
     static const char *const keys[] = {"seed", "dt", "duration", "params"};
@@ -171,10 +171,10 @@ int main(void)
         cmocka_unit_test(test_rounding_is_no_difference),
         cmocka_unit_test(test_tolerances_are_what_was_asked_for),
         cmocka_unit_test(test_texts_are_exact),
-        cmocka_unit_test(test_a_value_that_is_lost_fails),
+        cmocka_unit_test(test_lost_value_fails),
         cmocka_unit_test(test_run_no_longer_ok_fails_once),
-        cmocka_unit_test(test_missing_run_fails_and_new_run_is_reported),
-        cmocka_unit_test(test_different_step_or_seed_is_another_run),
+        cmocka_unit_test(test_missing_run_fails_and_new_run_is_noticed),
+        cmocka_unit_test(test_another_step_or_seed_is_another_run),
         cmocka_unit_test(test_parameter_at_its_default_is_the_same_run),
         cmocka_unit_test(test_the_worst_of_repeats_that_differ_counts),
     };

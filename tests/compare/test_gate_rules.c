@@ -38,18 +38,18 @@ static void test_rules_judge_what_they_name(void **state)
         end_trial(&t);
     }
     trial t = pair("drift", 0.5, 0.55);
-    set_limit(&t, "drift=off");
+    set_tolerance(&t, "drift=off");
     add_rule(&t, "drift>+5%");
     add_rule(&t, "drift>+15%");
     expect(w, t, 1, 0, "drift", "the rule fails it");
     t = pair("drift", 0.5, 0.55);
-    set_limit(&t, "drift=1");
+    set_tolerance(&t, "drift=1");
     add_rule(&t, "drift>+5%");
     add_rule(&t, "drift>+15%");
     expect(w, t, 1, 0, "drift", "the rule fails it");
 }
 
-static void test_run_without_a_value_fails_its_rule(void **state)
+static void test_run_without_the_value_fails_the_rule(void **state)
 {
     const workspace *w = *state;
     json_t *crashed = json_array();
@@ -65,7 +65,7 @@ static void test_run_without_a_value_fails_its_rule(void **state)
     expect(w, t, 1, 0, "settle_time", "still moves");
 }
 
-static void test_mistakes_in_rules_are_said_with_their_column(void **state)
+static void test_mistakes_in_rules_are_reported_with_column(void **state)
 {
     (void)state;
     static const char *const rows[][2] = {
@@ -114,8 +114,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rules_judge_what_they_name),
-        cmocka_unit_test(test_run_without_a_value_fails_its_rule),
-        cmocka_unit_test(test_mistakes_in_rules_are_said_with_their_column),
+        cmocka_unit_test(test_run_without_the_value_fails_the_rule),
+        cmocka_unit_test(test_mistakes_in_rules_are_reported_with_column),
     };
     return cmocka_run_group_tests_name("gate rules", tests, setup_workspace, teardown_workspace);
 }

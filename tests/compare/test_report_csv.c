@@ -97,7 +97,7 @@ static void test_csv_parses_back_field_for_field(void **state)
     json_decref(results);
 }
 
-static void test_csv_has_a_row_for_every_metric_and_for_a_run_without_any(void **state)
+static void test_csv_has_rows_for_metrics_and_empty_runs(void **state)
 {
     (void)state;
     static char head[CSV_COLUMNS][CSV_FIELD], line[CSV_COLUMNS][CSV_FIELD];
@@ -127,7 +127,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_csv_parses_back_field_for_field),
-        cmocka_unit_test(test_csv_has_a_row_for_every_metric_and_for_a_run_without_any),
+        cmocka_unit_test(test_csv_has_rows_for_metrics_and_empty_runs),
     };
     return cmocka_run_group_tests_name("report_csv", tests, NULL, NULL);
 }

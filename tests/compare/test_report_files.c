@@ -79,7 +79,7 @@ static void test_write_makes_the_three_files_and_nothing_else(void **state)
     remove_directory(directory);
 }
 
-static void test_full_disk_leaves_what_stood_there(void **state)
+static void test_full_disk_leaves_the_old_files(void **state)
 {
     (void)state;
     char *directory = make_directory();
@@ -107,7 +107,7 @@ static void test_full_disk_leaves_what_stood_there(void **state)
     remove_directory(directory);
 }
 
-static void test_missing_directory_is_an_io_error_that_names_the_file(void **state)
+static void test_missing_directory_is_an_error_naming_the_file(void **state)
 {
     (void)state;
     json_t *results = runs_of_every_kind();
@@ -121,8 +121,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_write_makes_the_three_files_and_nothing_else),
-        cmocka_unit_test(test_full_disk_leaves_what_stood_there),
-        cmocka_unit_test(test_missing_directory_is_an_io_error_that_names_the_file),
+        cmocka_unit_test(test_full_disk_leaves_the_old_files),
+        cmocka_unit_test(test_missing_directory_is_an_error_naming_the_file),
     };
     return cmocka_run_group_tests_name("report_files", tests, NULL, NULL);
 }

@@ -24,7 +24,7 @@ static json_t *add_error(json_t *results, const char *scenario, const char *labe
     return row;
 }
 
-static void test_a_relative_error_above_one_percent_is_a_finding(void **state)
+static void test_relative_error_above_threshold_is_a_finding(void **state)
 {
     (void)state;
     json_t *results = json_array();
@@ -55,7 +55,7 @@ static void test_our_own_runs_are_no_findings(void **state)
     free_report(&made);
 }
 
-static void test_a_failure_is_a_finding_where_there_is_a_reference(void **state)
+static void test_failure_with_a_reference_is_a_finding(void **state)
 {
     (void)state;
     static const char *const failures[] = {"collapsed", "diverged", "nonfinite", "crashed",
@@ -106,7 +106,7 @@ static void assert_contains_html(const char *page, const char *text)
     pl_text_free(&out);
 }
 
-static void test_a_known_cause_is_told_with_what_was_varied(void **state)
+static void test_known_cause_is_shown_with_its_evidence(void **state)
 {
     (void)state;
     json_t *results = json_array();
@@ -127,7 +127,7 @@ static void test_a_known_cause_is_told_with_what_was_varied(void **state)
     free_report(&made);
 }
 
-static void test_an_unknown_cause_is_said_to_be_unknown(void **state)
+static void test_unknown_cause_is_reported_as_unknown(void **state)
 {
     (void)state;
     json_t *results = json_array();
@@ -177,7 +177,7 @@ static void read_causes(pl_known_causes *causes)
 }
 
 /* A run that was cut off or crashed says nothing of the cause of an error. */
-static void test_cause_is_that_of_engine_profile_and_outcome(void **state)
+static void test_cause_matches_engine_profile_and_outcome(void **state)
 {
     (void)state;
     static const struct {
@@ -337,7 +337,7 @@ static void test_malformed_causes_are_named_with_their_place(void **state)
 /* ---- Adapters, escapes and order ---- */
 
 /* Only what is true of the engines that were run. */
-static void test_innocence_of_the_adapter_is_told_for_the_engines_there(void **state)
+static void test_adapter_statement_covers_the_engines_that_were_run(void **state)
 {
     (void)state;
     json_t *results = json_array();
@@ -369,7 +369,7 @@ static void set_text(json_t *row, const char *metric, const char *text)
     set_metric(row, metric, json_pack("{s:s, s:s}", "value", text, "unit", "rule"));
 }
 
-static void test_stepping_and_contact_are_told_apart_with_the_rule(void **state)
+static void test_stepping_and_contact_errors_are_listed_separately(void **state)
 {
     (void)state;
     static const char second[] = "second order, exact for constant force";
@@ -397,7 +397,7 @@ static void test_stepping_and_contact_are_told_apart_with_the_rule(void **state)
 static void test_without_both_errors_there_is_no_such_section(void **state)
 {
     (void)state;
-    made_report made = make_report(duel("drift", 1e-3, 2e-3));
+    made_report made = make_report(two_runs("drift", 1e-3, 2e-3));
     assert_absent(made.html.data, "id=\"stepping\"");
     assert_absent(made.markdown.data, "Time stepping");
     free_report(&made);
@@ -444,20 +444,20 @@ static void test_table_keeps_to_the_width(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_a_relative_error_above_one_percent_is_a_finding),
+        cmocka_unit_test(test_relative_error_above_threshold_is_a_finding),
         cmocka_unit_test(test_our_own_runs_are_no_findings),
-        cmocka_unit_test(test_a_failure_is_a_finding_where_there_is_a_reference),
+        cmocka_unit_test(test_failure_with_a_reference_is_a_finding),
         cmocka_unit_test(test_an_error_without_a_value_is_a_finding),
-        cmocka_unit_test(test_a_known_cause_is_told_with_what_was_varied),
-        cmocka_unit_test(test_an_unknown_cause_is_said_to_be_unknown),
-        cmocka_unit_test(test_cause_is_that_of_engine_profile_and_outcome),
+        cmocka_unit_test(test_known_cause_is_shown_with_its_evidence),
+        cmocka_unit_test(test_unknown_cause_is_reported_as_unknown),
+        cmocka_unit_test(test_cause_matches_engine_profile_and_outcome),
         cmocka_unit_test(test_other_versions_parameters_and_options_have_no_cause),
         cmocka_unit_test(test_pages_show_a_cause_only_where_it_applies),
         cmocka_unit_test(test_every_known_cause_can_be_reached),
         cmocka_unit_test(test_malformed_causes_are_named_with_their_place),
-        cmocka_unit_test(test_innocence_of_the_adapter_is_told_for_the_engines_there),
+        cmocka_unit_test(test_adapter_statement_covers_the_engines_that_were_run),
         cmocka_unit_test(test_texts_of_results_are_escaped),
-        cmocka_unit_test(test_stepping_and_contact_are_told_apart_with_the_rule),
+        cmocka_unit_test(test_stepping_and_contact_errors_are_listed_separately),
         cmocka_unit_test(test_without_both_errors_there_is_no_such_section),
         cmocka_unit_test(test_findings_come_after_losses),
         cmocka_unit_test(test_table_keeps_to_the_width),

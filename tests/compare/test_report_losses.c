@@ -6,13 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void test_loss_is_the_ratio_to_the_best_good_run_of_another_engine(void **state)
+static void test_loss_is_the_ratio_to_the_best_other(void **state)
 {
     (void)state;
-    json_t *results = duel("drift", 6e-3, 2e-3);
-    set_metric(add_run(results, "duel", "bullet:si", "ok"), "drift", metric_value(3e-3));
-    set_metric(add_run(results, "duel", "bullet:nncg", "collapsed"), "drift", metric_value(1e-9));
-    set_metric(add_run(results, "duel", "plumb:accurate", "ok"), "drift", metric_value(1e-3));
+    json_t *results = two_runs("drift", 6e-3, 2e-3);
+    set_metric(add_run(results, "pair", "bullet:si", "ok"), "drift", metric_value(3e-3));
+    set_metric(add_run(results, "pair", "bullet:nncg", "collapsed"), "drift", metric_value(1e-9));
+    set_metric(add_run(results, "pair", "plumb:accurate", "ok"), "drift", metric_value(1e-3));
     json_t *row;
     size_t index;
     json_array_foreach(results, index, row)
@@ -69,7 +69,7 @@ static void test_difference_below_noise_is_no_loss(void **state)
         {"lift", 5e-10, 0, 0},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        made_report made = make_report(duel(cases[i].metric, cases[i].ours, cases[i].theirs));
+        made_report made = make_report(two_runs(cases[i].metric, cases[i].ours, cases[i].theirs));
         if (made.report.losses.count != cases[i].losses) {
             fail_msg("%s %g against %g: %d losses", cases[i].metric, cases[i].ours, cases[i].theirs,
                      made.report.losses.count);
@@ -78,7 +78,7 @@ static void test_difference_below_noise_is_no_loss(void **state)
     }
 }
 
-static void test_ratio_is_taken_to_the_floor_where_the_best_lies_below_it(void **state)
+static void test_ratio_uses_the_floor_below_it(void **state)
 {
     (void)state;
     static const struct {
@@ -90,7 +90,7 @@ static void test_ratio_is_taken_to_the_floor_where_the_best_lies_below_it(void *
         {"memory_peak", 1024 * 1024, 100, 4}, {"time_per_step", 3e-3, 1e-3, 3},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
-        made_report made = make_report(duel(cases[i].metric, cases[i].ours, cases[i].theirs));
+        made_report made = make_report(two_runs(cases[i].metric, cases[i].ours, cases[i].theirs));
         assert_int_equal(made.report.losses.count, 1);
         assert_close(made.report.losses.items[0].ratio, cases[i].ratio, 0, 1e-12);
         assert_absent(made.html.data, "×∞");
@@ -98,10 +98,10 @@ static void test_ratio_is_taken_to_the_floor_where_the_best_lies_below_it(void *
     }
 }
 
-static void test_floors_are_stated_beside_the_losses(void **state)
+static void test_floors_are_stated_next_to_the_losses(void **state)
 {
     (void)state;
-    made_report made = make_report(duel("creep", 2e-3, 1e-3));
+    made_report made = make_report(two_runs("creep", 2e-3, 1e-3));
     static const char *const facts[] = {"1e-9 for lengths", "256 KiB", "within 10 %",
                                         "one time step"};
     for (size_t i = 0; i < sizeof facts / sizeof facts[0]; ++i) {
@@ -114,7 +114,7 @@ static void test_floors_are_stated_beside_the_losses(void **state)
 static void test_primary_error_is_not_counted_under_two_names(void **state)
 {
     (void)state;
-    json_t *results = duel("drift", 2e-3, 1e-3); /* the primary error of these rows */
+    json_t *results = two_runs("drift", 2e-3, 1e-3); /* the primary error of these rows */
     set_metric(json_array_get(results, 0), "reference_error", metric_value(2e-3));
     set_metric(json_array_get(results, 1), "reference_error", metric_value(1e-3));
     made_report made = make_report(results);
@@ -124,10 +124,10 @@ static void test_primary_error_is_not_counted_under_two_names(void **state)
     free_report(&made);
 }
 
-static void test_losses_go_from_failure_over_missing_value_to_falling_ratio(void **state)
+static void test_losses_are_sorted_by_kind_and_falling_ratio(void **state)
 {
     (void)state;
-    json_t *results = duel("creep", 2e-3, 1e-3);
+    json_t *results = two_runs("creep", 2e-3, 1e-3);
     json_t *ours = json_array_get(results, 0), *theirs = json_array_get(results, 1);
     set_metric(ours, "settle_time", json_pack("{s:n, s:s}", "value", "reason", "it never rests"));
     set_metric(theirs, "settle_time", metric_value(1));
@@ -155,7 +155,7 @@ static void test_losses_go_from_failure_over_missing_value_to_falling_ratio(void
 static void test_times_of_different_machines_are_not_compared(void **state)
 {
     (void)state;
-    json_t *results = duel("time_per_step", 2e-3, 1e-3);
+    json_t *results = two_runs("time_per_step", 2e-3, 1e-3);
     json_object_set_new(json_object_get(json_array_get(results, 1), "host"), "cpu",
                         json_string("two"));
     made_report made = make_report(results);
@@ -164,10 +164,10 @@ static void test_times_of_different_machines_are_not_compared(void **state)
     free_report(&made);
 }
 
-static void test_no_losses_is_said_with_what_was_compared(void **state)
+static void test_no_losses_is_reported_with_the_comparisons(void **state)
 {
     (void)state;
-    made_report made = make_report(duel("creep", 1e-3, 2e-3));
+    made_report made = make_report(two_runs("creep", 1e-3, 2e-3));
     static const char words[] =
         "No losses: in none of 1 comparisons is plumb worse than the best other "
         "engine, over 1 case: plumb:fast against the best of ode:quick.";
@@ -196,7 +196,7 @@ static void test_nothing_compared_is_not_called_no_losses(void **state)
     }
 }
 
-static void test_losses_stand_before_every_other_table(void **state)
+static void test_losses_come_before_every_other_table(void **state)
 {
     (void)state;
     made_report made = make_report(runs_of_every_kind());
@@ -213,16 +213,16 @@ static void test_losses_stand_before_every_other_table(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_loss_is_the_ratio_to_the_best_good_run_of_another_engine),
+        cmocka_unit_test(test_loss_is_the_ratio_to_the_best_other),
         cmocka_unit_test(test_difference_below_noise_is_no_loss),
-        cmocka_unit_test(test_ratio_is_taken_to_the_floor_where_the_best_lies_below_it),
-        cmocka_unit_test(test_floors_are_stated_beside_the_losses),
+        cmocka_unit_test(test_ratio_uses_the_floor_below_it),
+        cmocka_unit_test(test_floors_are_stated_next_to_the_losses),
         cmocka_unit_test(test_primary_error_is_not_counted_under_two_names),
-        cmocka_unit_test(test_losses_go_from_failure_over_missing_value_to_falling_ratio),
+        cmocka_unit_test(test_losses_are_sorted_by_kind_and_falling_ratio),
         cmocka_unit_test(test_times_of_different_machines_are_not_compared),
-        cmocka_unit_test(test_no_losses_is_said_with_what_was_compared),
+        cmocka_unit_test(test_no_losses_is_reported_with_the_comparisons),
         cmocka_unit_test(test_nothing_compared_is_not_called_no_losses),
-        cmocka_unit_test(test_losses_stand_before_every_other_table),
+        cmocka_unit_test(test_losses_come_before_every_other_table),
     };
     return cmocka_run_group_tests_name("report_losses", tests, NULL, NULL);
 }

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- Tables --- */
+/* ---- Tables ---- */
 
-static void test_every_problem_and_engine_is_in_every_table(void **state)
+static void test_every_case_and_engine_is_in_every_table(void **state)
 {
     (void)state;
     static const char *const scenarios[] = {"alpha", "beta", "gamma"};
@@ -40,10 +40,10 @@ static void test_every_problem_and_engine_is_in_every_table(void **state)
     free_report(&made);
 }
 
-static void test_run_that_is_missing_is_shown_as_not_run(void **state)
+static void test_missing_run_is_shown_as_not_run(void **state)
 {
     (void)state;
-    json_t *results = duel("creep", 1, 1);
+    json_t *results = two_runs("creep", 1, 1);
     add_run(results, "alone", "ode:quick", "ok");
     made_report made = make_report(results);
     char *table = printed_table(made.results, false, 100);
@@ -57,7 +57,7 @@ static void test_run_that_is_missing_is_shown_as_not_run(void **state)
 static void test_settings_of_every_engine_are_listed(void **state)
 {
     (void)state;
-    made_report made = make_report(duel("creep", 1, 1));
+    made_report made = make_report(two_runs("creep", 1, 1));
     assert_contains(made.html.data, "<th>ode:quick</th><td>1.0</td>"
                                     "<td class=\"why\">iterations = 2000000, erp = 0.2</td>");
     assert_contains(made.html.data, "dt = 0.01 s · duration = 0.1 s");
@@ -91,8 +91,8 @@ static void test_failed_run_shows_reason_and_output(void **state)
 static void test_best_value_is_bold_among_good_runs_alone(void **state)
 {
     (void)state;
-    json_t *results = duel("creep", 2e-3, 3e-3);
-    set_metric(add_run(results, "duel", "bullet:si", "collapsed"), "creep", metric_value(1e-3));
+    json_t *results = two_runs("creep", 2e-3, 3e-3);
+    set_metric(add_run(results, "pair", "bullet:si", "collapsed"), "creep", metric_value(1e-3));
     made_report made = make_report(results);
     assert_int_equal(count_of(made.html.data, "class=\"best\""), 1);
     assert_contains(made.html.data, "<b class=\"best\">0.00200 m/s</b>");
@@ -102,14 +102,14 @@ static void test_best_value_is_bold_among_good_runs_alone(void **state)
 static void test_values_equal_to_rounding_are_best_together(void **state)
 {
     (void)state;
-    json_t *results = duel("creep", 2e-16, 1e-16);
-    set_metric(add_run(results, "duel", "bullet:si", "ok"), "creep", metric_value(1e-3));
+    json_t *results = two_runs("creep", 2e-16, 1e-16);
+    set_metric(add_run(results, "pair", "bullet:si", "ok"), "creep", metric_value(1e-3));
     made_report made = make_report(results);
     assert_int_equal(count_of(made.html.data, "class=\"best\""), 2);
     free_report(&made);
 }
 
-static void test_terminal_lines_fit_the_width_and_hold_no_control_characters(void **state)
+static void test_terminal_lines_fit_without_control_characters(void **state)
 {
     (void)state;
     json_t *results = runs_of_every_kind();
@@ -136,7 +136,7 @@ static void test_terminal_lines_fit_the_width_and_hold_no_control_characters(voi
     json_decref(results);
 }
 
-/* --- HTML and Markdown --- */
+/* ---- HTML and Markdown ---- */
 
 /* Checks that every element is closed in order, attributes are quoted, and text has no bare '<' or
  * '&'. */
@@ -204,7 +204,7 @@ static void test_html_makes_no_request(void **state)
     (void)state;
     static const char *const requests[] = {"http:", "src=",    "url(",    "@import", "<link",
                                            "<img",  "<iframe", "<object", "<base",   "http-equiv"};
-    json_t *results = duel("creep", 1, 2);
+    json_t *results = two_runs("creep", 1, 2);
     int count = 0;
     const pl_scenario *scenario = pl_scenarios(&count)[0];
     assert_true(count > 0);
@@ -275,14 +275,14 @@ static void test_markdown_tables_are_rectangular_whatever_the_texts_hold(void **
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_every_problem_and_engine_is_in_every_table),
-        cmocka_unit_test(test_run_that_is_missing_is_shown_as_not_run),
+        cmocka_unit_test(test_every_case_and_engine_is_in_every_table),
+        cmocka_unit_test(test_missing_run_is_shown_as_not_run),
         cmocka_unit_test(test_settings_of_every_engine_are_listed),
         cmocka_unit_test(test_missing_value_is_a_dash_with_its_reason),
         cmocka_unit_test(test_failed_run_shows_reason_and_output),
         cmocka_unit_test(test_best_value_is_bold_among_good_runs_alone),
         cmocka_unit_test(test_values_equal_to_rounding_are_best_together),
-        cmocka_unit_test(test_terminal_lines_fit_the_width_and_hold_no_control_characters),
+        cmocka_unit_test(test_terminal_lines_fit_without_control_characters),
         cmocka_unit_test(test_html_is_balanced_and_holds_no_script),
         cmocka_unit_test(test_html_makes_no_request),
         cmocka_unit_test(test_html_defines_every_metric),

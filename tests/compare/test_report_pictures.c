@@ -11,7 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* --- Scenes by hand --- */
+/* ---- Scenes by hand ---- */
 
 static pl_scene empty_scene(double nx, double nz)
 {
@@ -47,7 +47,7 @@ static void expect_rest(pl_scene *scene, int body)
     assert_int_equal(pl_scene_add_rest(scene, &rest, NULL), PL_OK);
 }
 
-/* Two unit cubes, one on the other, expected to stay, and a ball beside them. */
+/* Two unit cubes, one on the other, expected to stay, and a ball next to them. */
 static pl_scene tiny_scene(void)
 {
     pl_scene scene = empty_scene(0, 1);
@@ -68,7 +68,7 @@ static pl_pose *start_poses(const pl_scene *scene)
     return poses;
 }
 
-/* --- View --- */
+/* ---- View ---- */
 
 static void test_view_is_a_right_handed_orthonormal_frame(void **state)
 {
@@ -88,7 +88,7 @@ static void test_view_is_a_right_handed_orthonormal_frame(void **state)
     }
 }
 
-static void test_slope_is_seen_edge_on_and_runs_down_to_the_right(void **state)
+static void test_slope_is_seen_edge_on_falling_right(void **state)
 {
     (void)state;
     for (int way = -1; way <= 1; way += 2) {
@@ -102,7 +102,7 @@ static void test_slope_is_seen_edge_on_and_runs_down_to_the_right(void **state)
     }
 }
 
-static void test_level_scene_is_seen_from_the_front_and_a_little_above(void **state)
+static void test_level_scene_is_seen_from_front_and_above(void **state)
 {
     (void)state;
     pl_scene scene = empty_scene(0, 1);
@@ -116,7 +116,7 @@ static void test_level_scene_is_seen_from_the_front_and_a_little_above(void **st
     pl_scene_free(&scene);
 }
 
-static void test_frame_holds_start_expectation_and_end_but_not_a_body_far_away(void **state)
+static void test_frame_holds_all_poses_except_far_ones(void **state)
 {
     (void)state;
     pl_scene scene = tiny_scene();
@@ -141,7 +141,7 @@ static void test_frame_holds_start_expectation_and_end_but_not_a_body_far_away(v
     pl_scene_free(&scene);
 }
 
-/* --- Painting order --- */
+/* ---- Painting order ---- */
 
 /* A square facing the eye. */
 static pl_face square(double x, double y, double size, double depth, int shade)
@@ -151,7 +151,7 @@ static pl_face square(double x, double y, double size, double depth, int shade)
                      .shade = shade};
 }
 
-static void test_faces_wholly_covered_are_dropped_and_nearer_ones_come_later(void **state)
+static void test_covered_faces_are_dropped_and_others_sorted(void **state)
 {
     (void)state;
     pl_face faces[] = {square(10, 10, 20, 5, 1), square(0, 0, 50, 1, 2), square(12, 12, 4, 3, 3),
@@ -236,7 +236,7 @@ static void test_painting_shows_the_nearest_face_at_every_sample(void **state)
     }
 }
 
-/* --- Drawing --- */
+/* ---- Drawing ---- */
 
 static void draw(const pl_scene *scene, const pl_pose *poses, pl_text_buffer *out)
 {
@@ -247,7 +247,7 @@ static void draw(const pl_scene *scene, const pl_pose *poses, pl_text_buffer *ou
     assert_false(out->failed);
 }
 
-/* PLUMB_UPDATE_GOLDEN=1 writes it anew: read the difference before it is kept. */
+/* PLUMB_UPDATE_GOLDEN=1 writes it again: read the difference before you keep it. */
 static void test_tiny_scene_draws_as_in_the_golden_file(void **state)
 {
     (void)state;
@@ -301,7 +301,7 @@ static void test_standing_body_is_not_drawn_as_fallen(void **state)
     pl_scene_free(&scene);
 }
 
-static void test_body_that_left_the_picture_is_counted_and_not_drawn(void **state)
+static void test_body_outside_is_counted_and_not_drawn(void **state)
 {
     (void)state;
     pl_scene scene = tiny_scene();
@@ -319,7 +319,7 @@ static void test_body_that_left_the_picture_is_counted_and_not_drawn(void **stat
     pl_scene_free(&scene);
 }
 
-static void test_thousand_bricks_draw_in_less_than_a_tenth_of_a_megabyte(void **state)
+static void test_thousand_bricks_draw_in_a_tenth_megabyte(void **state)
 {
     (void)state;
     pl_scene scene = empty_scene(0, 1);
@@ -339,7 +339,7 @@ static void test_thousand_bricks_draw_in_less_than_a_tenth_of_a_megabyte(void **
 
 /* Of a cube as a mesh or a hull the six triangles that look at the eye; of round ones about half of
  * their facets, as fine as the picture shows. */
-static void test_every_shape_is_drawn_by_facets_that_look_at_the_eye(void **state)
+static void test_shapes_are_drawn_by_facets_facing_the_eye(void **state)
 {
     (void)state;
     pl_scene scene = empty_scene(0, 1);
@@ -368,7 +368,7 @@ static void test_every_shape_is_drawn_by_facets_that_look_at_the_eye(void **stat
     pl_scene_free(&scene);
 }
 
-static void test_thousand_meshes_of_500_triangles_draw_in_less_than_two_megabytes(void **state)
+static void test_thousand_meshes_draw_in_two_megabytes(void **state)
 {
     (void)state;
     check_random random = {UINT64_C(20250101)};
@@ -388,7 +388,7 @@ static void test_thousand_meshes_of_500_triangles_draw_in_less_than_two_megabyte
     pl_scene_free(&scene);
 }
 
-/* --- From results --- */
+/* ---- From results ---- */
 
 /* A result of one engine on a scene, with the scene's own poses. */
 static json_t *result_of(const pl_scene *scene, const char *scenario, json_t *params)
@@ -408,7 +408,7 @@ static json_t *result_of(const pl_scene *scene, const char *scenario, json_t *pa
                      "metrics", "settings", "dt", scene->dt, "duration", scene->duration);
 }
 
-/* The pictures of the one problem in `results`, which it takes. The caller frees the text. */
+/* Returns the pictures of the one case in `results`, which it takes. The caller frees the text. */
 static char *pictures_of(json_t *results)
 {
     pl_result_matrix matrix;
@@ -458,7 +458,7 @@ static void write_scene(const pl_scene *scene, char path[64])
     free(text);
 }
 
-static void test_scene_file_gets_pictures_with_the_step_of_the_run(void **state)
+static void test_scene_file_gets_pictures_at_the_runs_step(void **state)
 {
     (void)state;
     char path[64];
@@ -473,7 +473,7 @@ static void test_scene_file_gets_pictures_with_the_step_of_the_run(void **state)
     pl_scene_free(&scene);
 }
 
-static void test_scene_that_changed_since_the_run_gets_no_picture_but_the_reason(void **state)
+static void test_changed_scene_gets_a_reason_instead_of_pictures(void **state)
 {
     (void)state;
     char path[64];
@@ -489,7 +489,7 @@ static void test_scene_that_changed_since_the_run_gets_no_picture_but_the_reason
     pl_scene_free(&scene);
 }
 
-static void test_scene_that_cannot_be_read_gets_no_picture_but_the_reason(void **state)
+static void test_unreadable_scene_gets_a_reason_instead_of_pictures(void **state)
 {
     (void)state;
     static const char *const names[] = {
@@ -503,7 +503,7 @@ static void test_scene_that_cannot_be_read_gets_no_picture_but_the_reason(void *
     pl_scene_free(&scene);
 }
 
-static void test_run_without_good_poses_gets_an_empty_panel_that_says_why(void **state)
+static void test_run_without_poses_gets_a_panel_with_reason(void **state)
 {
     (void)state;
     char path[64];
@@ -537,23 +537,23 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_view_is_a_right_handed_orthonormal_frame),
-        cmocka_unit_test(test_slope_is_seen_edge_on_and_runs_down_to_the_right),
-        cmocka_unit_test(test_level_scene_is_seen_from_the_front_and_a_little_above),
-        cmocka_unit_test(test_frame_holds_start_expectation_and_end_but_not_a_body_far_away),
-        cmocka_unit_test(test_faces_wholly_covered_are_dropped_and_nearer_ones_come_later),
+        cmocka_unit_test(test_slope_is_seen_edge_on_falling_right),
+        cmocka_unit_test(test_level_scene_is_seen_from_front_and_above),
+        cmocka_unit_test(test_frame_holds_all_poses_except_far_ones),
+        cmocka_unit_test(test_covered_faces_are_dropped_and_others_sorted),
         cmocka_unit_test(test_cycle_of_faces_is_painted_each_once),
         cmocka_unit_test(test_painting_shows_the_nearest_face_at_every_sample),
         cmocka_unit_test(test_tiny_scene_draws_as_in_the_golden_file),
         cmocka_unit_test(test_standing_body_is_not_drawn_as_fallen),
-        cmocka_unit_test(test_body_that_left_the_picture_is_counted_and_not_drawn),
-        cmocka_unit_test(test_thousand_bricks_draw_in_less_than_a_tenth_of_a_megabyte),
-        cmocka_unit_test(test_every_shape_is_drawn_by_facets_that_look_at_the_eye),
-        cmocka_unit_test(test_thousand_meshes_of_500_triangles_draw_in_less_than_two_megabytes),
+        cmocka_unit_test(test_body_outside_is_counted_and_not_drawn),
+        cmocka_unit_test(test_thousand_bricks_draw_in_a_tenth_megabyte),
+        cmocka_unit_test(test_shapes_are_drawn_by_facets_facing_the_eye),
+        cmocka_unit_test(test_thousand_meshes_draw_in_two_megabytes),
         cmocka_unit_test(test_every_scenario_of_the_catalogue_gets_its_picture),
-        cmocka_unit_test(test_scene_file_gets_pictures_with_the_step_of_the_run),
-        cmocka_unit_test(test_scene_that_changed_since_the_run_gets_no_picture_but_the_reason),
-        cmocka_unit_test(test_scene_that_cannot_be_read_gets_no_picture_but_the_reason),
-        cmocka_unit_test(test_run_without_good_poses_gets_an_empty_panel_that_says_why),
+        cmocka_unit_test(test_scene_file_gets_pictures_at_the_runs_step),
+        cmocka_unit_test(test_changed_scene_gets_a_reason_instead_of_pictures),
+        cmocka_unit_test(test_unreadable_scene_gets_a_reason_instead_of_pictures),
+        cmocka_unit_test(test_run_without_poses_gets_a_panel_with_reason),
     };
     return cmocka_run_group_tests_name("report_pictures", tests, NULL, NULL);
 }

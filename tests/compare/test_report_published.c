@@ -1,4 +1,4 @@
-/* Published numbers beside results made by hand. */
+/* Published numbers next to results made by hand. */
 #include "report/result_matrix.h"
 
 #include "check.h"
@@ -50,7 +50,7 @@ static json_t *three_towers(void)
     return results;
 }
 
-static void test_summary_shows_the_papers_numbers_beside_ours(void **state)
+static void test_summary_shows_published_numbers_next_to_ours(void **state)
 {
     (void)state;
     made_report made = make_report(three_towers());
@@ -65,7 +65,7 @@ static void test_summary_shows_the_papers_numbers_beside_ours(void **state)
     free_report(&made);
 }
 
-static void test_published_numbers_want_all_of_their_problems(void **state)
+static void test_published_numbers_need_all_their_cases(void **state)
 {
     (void)state;
     json_t *results = json_array();
@@ -76,8 +76,8 @@ static void test_published_numbers_want_all_of_their_problems(void **state)
     free_report(&made);
 }
 
-/* A tower of displaced or heavier cubes is another problem; of another step, the same. */
-static void test_other_parameters_are_another_problem(void **state)
+/* A tower of displaced or heavier cubes is another case; one of another step is the same. */
+static void test_other_parameters_are_another_case(void **state)
 {
     (void)state;
     static const char *const others[] = {"offset", "top_mass", "friction", "dt", "duration"};
@@ -93,7 +93,7 @@ static void test_other_parameters_are_another_problem(void **state)
     }
 }
 
-static void test_unknown_scenarios_and_files_are_no_published_problem(void **state)
+static void test_unknown_scenarios_match_no_published_case(void **state)
 {
     (void)state;
     made_report made = make_report(runs_of_every_kind());
@@ -107,7 +107,7 @@ static void test_unknown_scenarios_and_files_are_no_published_problem(void **sta
 }
 
 /* The command itself, for a few steps: an engine that reports no iterations has none, never 0. */
-static void test_compare_writes_the_papers_table_beside_real_engines(void **state)
+static void test_compare_writes_the_published_table(void **state)
 {
     (void)state;
     char *directory = make_directory();
@@ -134,11 +134,11 @@ static void test_compare_writes_the_papers_table_beside_real_engines(void **stat
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_summary_shows_the_papers_numbers_beside_ours),
-        cmocka_unit_test(test_published_numbers_want_all_of_their_problems),
-        cmocka_unit_test(test_other_parameters_are_another_problem),
-        cmocka_unit_test(test_compare_writes_the_papers_table_beside_real_engines),
-        cmocka_unit_test(test_unknown_scenarios_and_files_are_no_published_problem),
+        cmocka_unit_test(test_summary_shows_published_numbers_next_to_ours),
+        cmocka_unit_test(test_published_numbers_need_all_their_cases),
+        cmocka_unit_test(test_other_parameters_are_another_case),
+        cmocka_unit_test(test_compare_writes_the_published_table),
+        cmocka_unit_test(test_unknown_scenarios_match_no_published_case),
     };
     return cmocka_run_group_tests_name("published", tests, NULL, NULL);
 }

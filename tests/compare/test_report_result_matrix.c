@@ -1,4 +1,4 @@
-/* How results are gathered: numbers as text, repeats, problems and engines. */
+/* How results are gathered: numbers as text, repeats, cases and engines. */
 #include "report/number_format.h"
 #include "report/report.h"
 
@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* --- Numbers --- */
+/* ---- Numbers ---- */
 
 static void test_quantity_has_three_digits_and_an_engineers_unit(void **state)
 {
@@ -53,7 +53,7 @@ static void test_no_number_is_a_dash_and_never_zero(void **state)
     assert_string_equal(text, "–");
 }
 
-/* --- Cells --- */
+/* ---- Cells ---- */
 
 static void test_repeats_give_the_median_and_its_absolute_deviation(void **state)
 {
@@ -80,7 +80,7 @@ static void test_repeats_give_the_median_and_its_absolute_deviation(void **state
     free_report(&made);
 }
 
-static void test_median_of_an_even_number_is_the_mean_of_the_middle_two(void **state)
+static void test_even_median_is_mean_of_the_central_two(void **state)
 {
     (void)state;
     static const double times[] = {4e-3, 1e-3, 2e-3, 90e-3};
@@ -96,7 +96,7 @@ static void test_median_of_an_even_number_is_the_mean_of_the_middle_two(void **s
     free_report(&made);
 }
 
-static void test_deterministic_metric_that_differs_between_repeats_is_called_so(void **state)
+static void test_differing_deterministic_repeats_are_marked(void **state)
 {
     (void)state;
     json_t *results = json_array();
@@ -134,7 +134,7 @@ static void test_repeats_that_agree_are_not_called_nondeterministic(void **state
     free_report(&made);
 }
 
-static void test_one_failed_repeat_makes_the_run_failed_and_says_in_how_many(void **state)
+static void test_one_failed_repeat_makes_the_run_failed(void **state)
 {
     (void)state;
     json_t *results = json_array();
@@ -176,7 +176,7 @@ static void test_row_that_was_merged_twice_counts_once(void **state)
     free_report(&made);
 }
 
-static void test_parameters_seed_and_scene_make_problems_of_their_own(void **state)
+static void test_parameters_seed_and_scene_make_separate_cases(void **state)
 {
     (void)state;
     json_t *results = json_array();
@@ -235,7 +235,7 @@ static void test_bad_row_is_named_with_what_was_expected(void **state)
     }
 }
 
-static void test_row_with_the_least_that_is_required_makes_a_page(void **state)
+static void test_result_with_required_keys_only_makes_a_page(void **state)
 {
     (void)state;
     made_report made = make_report(json_loads(
@@ -252,16 +252,16 @@ int main(void)
         cmocka_unit_test(test_quantity_has_three_digits_and_an_engineers_unit),
         cmocka_unit_test(test_no_number_is_a_dash_and_never_zero),
         cmocka_unit_test(test_repeats_give_the_median_and_its_absolute_deviation),
-        cmocka_unit_test(test_median_of_an_even_number_is_the_mean_of_the_middle_two),
-        cmocka_unit_test(test_deterministic_metric_that_differs_between_repeats_is_called_so),
+        cmocka_unit_test(test_even_median_is_mean_of_the_central_two),
+        cmocka_unit_test(test_differing_deterministic_repeats_are_marked),
         cmocka_unit_test(test_repeats_that_agree_are_not_called_nondeterministic),
-        cmocka_unit_test(test_one_failed_repeat_makes_the_run_failed_and_says_in_how_many),
+        cmocka_unit_test(test_one_failed_repeat_makes_the_run_failed),
         cmocka_unit_test(test_order_of_rows_does_not_change_the_pages),
         cmocka_unit_test(test_row_that_was_merged_twice_counts_once),
-        cmocka_unit_test(test_parameters_seed_and_scene_make_problems_of_their_own),
+        cmocka_unit_test(test_parameters_seed_and_scene_make_separate_cases),
         cmocka_unit_test(test_two_versions_of_an_engine_are_two_columns),
         cmocka_unit_test(test_bad_row_is_named_with_what_was_expected),
-        cmocka_unit_test(test_row_with_the_least_that_is_required_makes_a_page),
+        cmocka_unit_test(test_result_with_required_keys_only_makes_a_page),
     };
     return cmocka_run_group_tests_name("report_cells", tests, NULL, NULL);
 }

@@ -102,7 +102,7 @@ static void test_statement_when_nothing_is_lost_or_compared(void **state)
     }
 }
 
-static void test_plot_has_every_point_and_a_cross_for_each_that_failed(void **state)
+static void test_plot_has_all_points_and_crosses_for_failures(void **state)
 {
     (void)state;
     json_t *results = mixed();
@@ -288,7 +288,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_losses_come_before_everything_else),
         cmocka_unit_test(test_statement_when_nothing_is_lost_or_compared),
-        cmocka_unit_test(test_plot_has_every_point_and_a_cross_for_each_that_failed),
+        cmocka_unit_test(test_plot_has_all_points_and_crosses_for_failures),
         cmocka_unit_test(test_plot_is_logarithmic_with_exactness_downwards),
         cmocka_unit_test(test_page_asks_nothing_and_escapes_everything),
         cmocka_unit_test(test_tags_of_the_page_are_balanced),

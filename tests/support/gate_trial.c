@@ -24,7 +24,7 @@ void add_rule(trial *t, const char *text)
     }
 }
 
-void set_limit(trial *t, const char *text)
+void set_tolerance(trial *t, const char *text)
 {
     assert_int_equal(pl_gate_tolerances_parse(text, &t->tolerances, NULL), PL_OK);
 }

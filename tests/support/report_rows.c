@@ -47,11 +47,11 @@ json_t *add_run(json_t *results, const char *scenario, const char *label, const 
     return row;
 }
 
-json_t *duel(const char *metric, double ours, double theirs)
+json_t *two_runs(const char *metric, double ours, double theirs)
 {
     json_t *results = json_array();
-    set_metric(add_run(results, "duel", "plumb:fast", "ok"), metric, metric_value(ours));
-    set_metric(add_run(results, "duel", "ode:quick", "ok"), metric, metric_value(theirs));
+    set_metric(add_run(results, "pair", "plumb:fast", "ok"), metric, metric_value(ours));
+    set_metric(add_run(results, "pair", "ode:quick", "ok"), metric, metric_value(theirs));
     return results;
 }
 

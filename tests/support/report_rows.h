@@ -17,8 +17,8 @@ void set_metric(json_t *row, const char *metric, json_t *value);
  * The row is borrowed from `results`. */
 json_t *add_run(json_t *results, const char *scenario, const char *label, const char *outcome);
 
-/* Ours and another engine on one problem, with a value each of one metric. */
-json_t *duel(const char *metric, double ours, double theirs);
+/* Our engine and another one on one case, each with a value of one metric. */
+json_t *two_runs(const char *metric, double ours, double theirs);
 
 /* Every outcome, hostile texts, and a null metric. */
 json_t *runs_of_every_kind(void);
