@@ -168,9 +168,9 @@ static const pl_gate_rule *rule_of(const pl_gate_inputs *in, const pl_gate_row *
     return found;
 }
 
-static void judge_trend(const pl_gate_row *row, int cost, const char *reference,
-                        const pl_gate_ratio *before, const pl_gate_ratio *now, double limit,
-                        pl_gate_verdict *verdict)
+/* Judges a ratio against `kept`, that of the baseline. */
+static void judge_trend(const pl_gate_row *row, int cost, const json_t *kept,
+                        const pl_gate_ratio *now, double limit, pl_gate_verdict *verdict)
 {
     static const char *const words[] = {[PL_GATE_STEADY] = "",
                                         [PL_GATE_SLOWER] = "costlier",
@@ -179,7 +179,8 @@ static void judge_trend(const pl_gate_row *row, int cost, const char *reference,
                                         [PL_GATE_NOISY] = "inconclusive"};
     const char *metric = pl_gate_costs[cost].metric;
     double growth, noise;
-    pl_gate_trend trend = pl_gate_ratio_trend(before, now, limit, &growth, &noise);
+    const pl_gate_ratio before = pl_gate_ratio_of_json(kept);
+    pl_gate_trend trend = pl_gate_ratio_trend(&before, now, limit, &growth, &noise);
     if (trend == PL_GATE_FEW) {
         pl_gate_verdict_note(verdict, metric,
                              "inconclusive: noise is known from 5 repeats or more (--repeat 5), "
@@ -192,8 +193,8 @@ static void judge_trend(const pl_gate_row *row, int cost, const char *reference,
     }
     pl_gate_entry *entry = pl_gate_verdict_add(verdict, trend == PL_GATE_SLOWER, row, metric);
     char unit[80];
-    snprintf(unit, sizeof unit, "times %.70s's", reference);
-    pl_gate_entry_numbers(entry, before->value, now->value, unit);
+    snprintf(unit, sizeof unit, "times %.70s's", pl_json_get_text(kept, "reference"));
+    pl_gate_entry_numbers(entry, before.value, now->value, unit);
     snprintf(entry->allowed, sizeof entry->allowed, "+%.3g %% and the noise", 100 * limit);
     snprintf(entry->what, sizeof entry->what, "%s: %+.3g %%, noise %.2g %%", words[trend],
              100 * growth, 100 * noise);
@@ -229,8 +230,7 @@ static pl_status judge_cost(const pl_gate_inputs *in, const pl_gate_row *before,
     double limit = rule != NULL           ? rule->value
                    : cost == PL_GATE_TIME ? in->tolerances->time
                                           : in->tolerances->instructions;
-    const pl_gate_ratio kept_ratio = pl_gate_ratio_of_json(kept);
-    judge_trend(now, cost, kept_reference, &kept_ratio, &ratio, limit, verdict);
+    judge_trend(now, cost, kept, &ratio, limit, verdict);
     return PL_OK;
 }
 

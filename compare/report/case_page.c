@@ -261,19 +261,26 @@ static void add_caption(const pl_column *column, const pl_cell *cell, int outsid
     pl_text_add(out, "</figcaption></figure>\n");
 }
 
-static void add_figure(const pl_scene *scene, const pl_view *view, const pl_column *column,
-                       const pl_cell *cell, const pl_pose *poses, const char *why,
-                       const char *expected_id, pl_text_buffer *out)
+/* The pictures of one case. */
+typedef struct picture_row {
+    pl_scene scene;
+    pl_view view;
+    char id[32]; /* of the expected outlines */
+} picture_row;
+
+/* Adds the picture of a run; where `poses` is NULL, an empty panel that says `why`. */
+static void add_figure(const picture_row *row, const pl_column *column, const pl_cell *cell,
+                       const pl_pose *poses, const char *why, pl_text_buffer *out)
 {
     int outside = 0;
     pl_text_add(out, "<figure>");
     if (poses != NULL) {
         char title[400];
         snprintf(title, sizeof title, "%.255s: where the bodies are at the end", column->name);
-        outside = pl_svg_picture(scene, view, poses, expected_id, title, out);
+        outside = pl_svg_picture(&row->scene, &row->view, poses, row->id, title, out);
     } else {
         pl_text_format(out, "<div class=\"empty\" style=\"width:%.0fpx;height:%.0fpx\"><span>",
-                       view->width, view->height);
+                       row->view.width, row->view.height);
         pl_text_add_html(out, why);
         pl_text_add(out, "</span></div>");
     }
@@ -284,7 +291,7 @@ void pl_case_pictures(const pl_result_matrix *matrix, int index, pl_text_buffer 
 {
     const pl_case *test_case = &matrix->cases[index];
     int count = matrix->column_count;
-    pl_scene scene = pl_scene_default();
+    picture_row row = {.scene = pl_scene_default()};
     pl_error error = {PL_OK, ""};
     pl_pose **poses = calloc((size_t)count + 1, sizeof *poses);
     const pl_pose **framed = calloc((size_t)count + 1, sizeof *framed);
@@ -293,7 +300,7 @@ void pl_case_pictures(const pl_result_matrix *matrix, int index, pl_text_buffer 
         out->failed = true;
         goto cleanup;
     }
-    if (rebuild_scene(test_case, &scene, &error) != PL_OK) {
+    if (rebuild_scene(test_case, &row.scene, &error) != PL_OK) {
         pl_text_add(out, "<p class=\"note\">No pictures: ");
         pl_text_add_html(out, error.message);
         pl_text_add(out, ".</p>\n");
@@ -304,21 +311,19 @@ void pl_case_pictures(const pl_result_matrix *matrix, int index, pl_text_buffer 
         if (cell->result == NULL) {
             continue;
         }
-        poses[i] = read_poses(cell->result, scene.body_count, why[i]);
+        poses[i] = read_poses(cell->result, row.scene.body_count, why[i]);
         /* A run that diverged must not make the pictures of the others smaller. */
         if (cell->ok || strcmp(cell->outcome, "collapsed") == 0) {
             framed[i] = poses[i];
         }
     }
-    pl_view view = pl_view_choose(&scene, framed, count);
-    char id[32];
-    snprintf(id, sizeof id, "expected-%d", index);
-    pl_svg_expected(&scene, &view, id, out);
+    row.view = pl_view_choose(&row.scene, framed, count);
+    snprintf(row.id, sizeof row.id, "expected-%d", index);
+    pl_svg_expected(&row.scene, &row.view, row.id, out);
     pl_text_add(out, "<div class=\"pictures\">\n");
     for (int i = 0; i < count; ++i) {
         if (test_case->cells[i].result != NULL) {
-            add_figure(&scene, &view, &matrix->columns[i], &test_case->cells[i], poses[i], why[i],
-                       id, out);
+            add_figure(&row, &matrix->columns[i], &test_case->cells[i], poses[i], why[i], out);
         }
     }
     pl_text_add(out, "</div>\n");
@@ -330,7 +335,7 @@ cleanup:
     free(poses);
     free(framed);
     free(why);
-    pl_scene_free(&scene);
+    pl_scene_free(&row.scene);
 }
 
 void pl_case_page(const pl_result_matrix *matrix, int index, pl_text_buffer *out)
