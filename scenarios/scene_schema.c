@@ -18,6 +18,43 @@ static const char *const definitions =
     "    \"quaternion\": { \"type\": \"array\", \"items\": { \"type\": \"number\" }, \"minItems\": "
     "4, \"maxItems\": 4, \"description\": \"[w, x, y, z], unit, body to world\" },\n";
 
+#define REF(name) "\"$ref\": \"#/$defs/" name "\""
+
+/* The form of a type in README.md, and its JSON Schema where that is one text. */
+static const struct {
+    const char *form;
+    const char *schema;
+    const char *positive; /* the schema of positive components */
+} types[] = {
+    [PL_FIELD_VERSION] = {"1", "\"const\": 1", NULL},
+    [PL_FIELD_NUMBER] = {"number", NULL, NULL},
+    [PL_FIELD_VECTOR] = {"[x, y, z]", REF("vector"), REF("positive_vector")},
+    [PL_FIELD_UNIT] = {"unit [x, y, z]", REF("vector"), NULL},
+    [PL_FIELD_QUATERNION] = {"unit [w, x, y, z]", REF("quaternion"), NULL},
+    [PL_FIELD_INERTIA] = {"[x, y, z]", REF("vector"), REF("positive_vector")},
+    [PL_FIELD_BOOL] = {"true or false", "\"type\": \"boolean\"", NULL},
+    [PL_FIELD_NAME] = {"name", REF("name"), NULL},
+    [PL_FIELD_METRIC] = {"metric", NULL, NULL},
+    [PL_FIELD_MATERIAL] = {"name of a material", "\"type\": \"string\"", NULL},
+    [PL_FIELD_BODY] = {"name of a body", "\"type\": \"string\"", NULL},
+    [PL_FIELD_OBJECT] = {"object", NULL, NULL},
+    [PL_FIELD_ITEMS] = {"array of", NULL, NULL},
+    [PL_FIELD_NAMED_ITEMS] = {"object of", NULL, NULL},
+    [PL_FIELD_FORCES] = {"array of", NULL, NULL},
+    [PL_FIELD_SHAPES] = {"object of shapes", NULL, NULL},
+    [PL_FIELD_SHAPE] = {"shape or its name",
+                        "\"oneOf\": [{ " REF("name") " }, { " REF("shape") " }]", NULL},
+    [PL_FIELD_POINTS] = {"array of [x, y, z]",
+                         "\"type\": \"array\", \"items\": { " REF("vector") " }", NULL},
+    [PL_FIELD_TRIANGLES] = {"array of [i, j, k]",
+                            "\"type\": \"array\", \"items\": { \"type\": \"array\", \"items\": { "
+                            "\"type\": \"integer\", \"minimum\": 0 }, \"minItems\": 3, "
+                            "\"maxItems\": 3 }",
+                            NULL},
+    [PL_FIELD_DENSITY] = {"number", NULL, NULL},
+    [PL_FIELD_FILE] = {"file name", "\"type\": \"string\"", NULL},
+};
+
 static int component_count(const pl_field *field)
 {
     return field->type == PL_FIELD_VECTOR ? 3 : field->type == PL_FIELD_QUATERNION ? 4 : 1;
@@ -73,12 +110,11 @@ static void print_limits(const pl_field *field, const char *noun)
     }
 }
 
+/* The members of the JSON Schema that state a field's type. */
 static void print_type(const pl_field *field, const char *object)
 {
+    const char *items = pl_objects[field->items].name;
     switch (field->type) {
-    case PL_FIELD_VERSION:
-        printf("\"const\": 1");
-        break;
     case PL_FIELD_TYPE:
         printf("\"const\": \"%s\"", object);
         break;
@@ -87,59 +123,30 @@ static void print_type(const pl_field *field, const char *object)
         printf("\"type\": %s%s", field->nullable ? "[\"number\", \"null\"]" : "\"number\"",
                pl_range_rules[field->range].schema);
         break;
-    case PL_FIELD_VECTOR:
-    case PL_FIELD_INERTIA:
-    case PL_FIELD_UNIT:
-        printf("\"$ref\": \"#/$defs/%s\"",
-               field->range == PL_RANGE_POSITIVE ? "positive_vector" : "vector");
-        break;
-    case PL_FIELD_QUATERNION:
-        printf("\"$ref\": \"#/$defs/quaternion\"");
-        break;
-    case PL_FIELD_BOOL:
-        printf("\"type\": \"boolean\"");
-        break;
-    case PL_FIELD_NAME:
-        printf("\"$ref\": \"#/$defs/name\"");
-        break;
     case PL_FIELD_WORD:
     case PL_FIELD_METRIC:
         print_words(field);
         break;
-    case PL_FIELD_MATERIAL:
-    case PL_FIELD_BODY:
-    case PL_FIELD_FILE:
-        printf("\"type\": \"string\"");
-        break;
     case PL_FIELD_OBJECT:
-        printf("\"$ref\": \"#/$defs/%s\"", pl_objects[field->items].name);
+        printf("\"$ref\": \"#/$defs/%s\"", items);
         break;
     case PL_FIELD_ITEMS:
     case PL_FIELD_FORCES:
-        printf("\"type\": \"array\", \"items\": { \"$ref\": \"#/$defs/%s\" }",
-               pl_objects[field->items].name);
-        print_limits(field, "Items");
+        printf("\"type\": \"array\", \"items\": { \"$ref\": \"#/$defs/%s\" }", items);
         break;
     case PL_FIELD_NAMED_ITEMS:
     case PL_FIELD_SHAPES:
         printf("\"type\": \"object\", \"propertyNames\": { \"$ref\": \"#/$defs/name\" }, "
                "\"additionalProperties\": { \"$ref\": \"#/$defs/%s\" }",
-               field->type == PL_FIELD_SHAPES ? "shape" : pl_objects[field->items].name);
-        print_limits(field, "Properties");
+               field->type == PL_FIELD_SHAPES ? "shape" : items);
         break;
-    case PL_FIELD_SHAPE:
-        printf("\"oneOf\": [{ \"$ref\": \"#/$defs/name\" }, { \"$ref\": \"#/$defs/shape\" }]");
-        break;
-    case PL_FIELD_POINTS:
-        printf("\"type\": \"array\", \"items\": { \"$ref\": \"#/$defs/vector\" }");
-        print_limits(field, "Items");
-        break;
-    case PL_FIELD_TRIANGLES:
-        printf("\"type\": \"array\", \"items\": { \"type\": \"array\", \"items\": { \"type\": "
-               "\"integer\", \"minimum\": 0 }, \"minItems\": 3, \"maxItems\": 3 }");
-        print_limits(field, "Items");
+    default:
+        printf("%s", field->range == PL_RANGE_POSITIVE && types[field->type].positive != NULL
+                         ? types[field->type].positive
+                         : types[field->type].schema);
         break;
     }
+    print_limits(field, field->type == PL_FIELD_NAMED_ITEMS ? "Properties" : "Items");
 }
 
 static void print_object(pl_object_kind kind, const char *indent)
@@ -204,35 +211,15 @@ static void print_schema(void)
 /* The form of a field's value, such as "number, m". */
 static void print_form(const pl_field *field)
 {
-    static const char *const forms[] = {[PL_FIELD_VERSION] = "1",
-                                        [PL_FIELD_NUMBER] = "number",
-                                        [PL_FIELD_VECTOR] = "[x, y, z]",
-                                        [PL_FIELD_UNIT] = "unit [x, y, z]",
-                                        [PL_FIELD_QUATERNION] = "unit [w, x, y, z]",
-                                        [PL_FIELD_INERTIA] = "[x, y, z]",
-                                        [PL_FIELD_BOOL] = "true or false",
-                                        [PL_FIELD_NAME] = "name",
-                                        [PL_FIELD_METRIC] = "metric",
-                                        [PL_FIELD_MATERIAL] = "name of a material",
-                                        [PL_FIELD_BODY] = "name of a body",
-                                        [PL_FIELD_OBJECT] = "object",
-                                        [PL_FIELD_ITEMS] = "array",
-                                        [PL_FIELD_NAMED_ITEMS] = "object",
-                                        [PL_FIELD_FORCES] = "array of force",
-                                        [PL_FIELD_SHAPES] = "object of shapes",
-                                        [PL_FIELD_SHAPE] = "shape or its name",
-                                        [PL_FIELD_POINTS] = "array of [x, y, z]",
-                                        [PL_FIELD_TRIANGLES] = "array of [i, j, k]",
-                                        [PL_FIELD_DENSITY] = "number",
-                                        [PL_FIELD_FILE] = "file name"};
     if (field->type == PL_FIELD_WORD) {
         for (int i = 0; i < field->word_count; ++i) {
             printf("%s\"%s\"", i == 0 ? "" : ", ", field->words[i]);
         }
         return;
     }
-    const bool has_items = field->type == PL_FIELD_ITEMS || field->type == PL_FIELD_NAMED_ITEMS;
-    printf("%s%s%s%s%s", forms[field->type], has_items ? " of " : "",
+    const size_t end = strlen(types[field->type].form);
+    const bool has_items = end > 3 && strcmp(types[field->type].form + end - 3, " of") == 0;
+    printf("%s%s%s%s%s", types[field->type].form, has_items ? " " : "",
            has_items ? pl_objects[field->items].name : "", field->unit != NULL ? ", " : "",
            field->unit != NULL ? field->unit : "");
 }

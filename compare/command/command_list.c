@@ -49,9 +49,10 @@ static json_t *list_scenarios(void)
     json_t *list = json_array();
     for (int i = 0; i < count; ++i) {
         const pl_scenario *s = scenarios[i];
+        const uint32_t needed = pl_scenario_needs(s);
         json_t *needs = json_array();
         for (uint32_t bit = 1; bit != 0; bit <<= 1) {
-            if ((s->needs & bit) != 0) {
+            if ((needed & bit) != 0) {
                 json_array_append_new(needs, json_string(pl_needs_name(bit)));
             }
         }

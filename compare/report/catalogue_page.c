@@ -149,7 +149,7 @@ static pl_status add_scenario(pl_text_buffer *out, const pl_scenario *s, int ind
     add_fact(out, "Provokes", s->provokes);
     add_threshold(out, s->threshold);
     add_primary(out, s->primary_error);
-    add_needs(out, s->needs);
+    add_needs(out, pl_scenario_needs(s));
     add_suites(out, s->name);
     pl_text_add(out, "</dl>\n");
     add_params(out, s);

@@ -1,6 +1,6 @@
 /* A semicircular arch of equal voussoirs between two fixed springers.
  *
- * Its mean radius is 1 m, its joints are radial, the lowest of them level, upon the springers. The
+ * Its mean radius is 1 m, its joints are radial, the lowest of them level, on the springers. The
  * voussoirs have flat faces. Without sliding it stands iff a line of thrust fits within all joints:
  * for voussoirs without number thickness / radius >= 0.107478, for few of them less, because hinges
  * open at joints alone. The limit follows below.
@@ -14,9 +14,9 @@
  * the vertical, with the weight V of all between it and the crown and its moment S about the
  * centre, the thrust passes the joint at the radius r where, by moments about the centre, r (H cos
  * f + V sin f) = M + S. It lies within the joint for inner <= r <= outer: for every joint a lower
- * and an upper bound on M, linear in H. The arch stands iff some H leaves room between them; that
- * room is concave in H. The forces may be taken as symmetric, because they could be averaged with
- * their mirror image. */
+ * and an upper bound on M, linear in H. The arch stands iff for some H the bounds do not cross;
+ * their distance is concave in H. The forces may be taken as symmetric, because they could be
+ * averaged with their mirror image. */
 #include "catalogue.h"
 #include "trigonometry.h"
 
@@ -35,9 +35,9 @@ static double voussoir_centre(int count, double thickness)
            (inner + thickness / 3 * (inner + 2 * outer) / (inner + outer));
 }
 
-/* The room for M at this H, where a voussoir weighs 1. The uppermost joint is at the crown, or, of
- * an odd count, half a voussoir from it. */
-static double room(int count, double thickness, double thrust)
+/* The distance of the bounds on M at this H, where a voussoir weighs 1. The uppermost joint is at
+ * the crown, or, of an odd count, half a voussoir from it. */
+static double slack(int count, double thickness, double thrust)
 {
     const double inner = 1 - thickness / 2, outer = 1 + thickness / 2;
     const double centre = voussoir_centre(count, thickness), half = half_turn / (2 * count);
@@ -61,13 +61,13 @@ static bool stands(int count, double thickness)
     double low = 0, high = count;
     for (int i = 0; i < 100; i++) {
         const double a = low + (high - low) / 3, b = high - (high - low) / 3;
-        if (room(count, thickness, a) < room(count, thickness, b)) {
+        if (slack(count, thickness, a) < slack(count, thickness, b)) {
             low = a;
         } else {
             high = b;
         }
     }
-    return room(count, thickness, low) >= 0;
+    return slack(count, thickness, low) >= 0;
 }
 
 /* The critical thickness over the mean radius, for `count` >= 3 voussoirs. */
@@ -172,6 +172,5 @@ const pl_scenario pl_scenario_arch = {
         "line of thrust leaves the arch, and it opens in five hinges; a right engine stands "
         "at 0.1075 and falls at 0.1072",
     .threshold = &threshold,
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_BOX | PL_NEEDS_HULL,
     PL_PARAMS(params),
     .build = build};

@@ -1,9 +1,9 @@
+/* Bodies at rest at the limit of balance or friction: an overhanging stack, a ladder, a house of
+ * cards. */
 #include "catalogue.h"
 #include "trigonometry.h"
 
 #include <math.h>
-
-/* ---- overhang ---- */
 
 /* A harmonic stack: n equal blocks, each as far out over the one below as balance allows, times a
  * factor.
@@ -75,11 +75,8 @@ const pl_scenario pl_scenario_overhang = {
         "each block rests on an edge, so that a contact that gives way a little tips all above it; "
         "a right engine stands at 0.999 and falls at 1.001",
     .threshold = &overhang_threshold,
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_BOX,
     PL_PARAMS(overhang_params),
     .build = overhang_build};
-
-/* ---- ladder ---- */
 
 /* A ladder, a board of half length L, half thickness t and uniform density, against a smooth wall.
  *
@@ -145,11 +142,8 @@ const pl_scenario pl_scenario_ladder = {
     .primary_error = "rest_position_error",
     .validity = "angle > atan(1 / (2 friction + thickness / length))",
     .threshold = &ladder_threshold,
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(ladder_params),
     .build = ladder_build};
-
-/* ---- card-house ---- */
 
 /* A house of cards: rows of pairs that lean on each other, a level card over each row.
  *
@@ -204,7 +198,7 @@ static void card_house_build(pl_builder *b, const double *values)
                     .cosine = pl_cosine(lean),
                     .half_sine = pl_sine(lean / 2),
                     .half_cosine = pl_cosine(lean / 2)};
-    /* A pair's height, and its width with a little room beside it. */
+    /* A pair's height, and its width with a little space next to it. */
     const double height = 2 * (half_length * c.cosine + half_thickness * c.sine);
     const double spacing = 4 * (half_length * c.sine + half_thickness * c.cosine) + 0.02;
     pl_build_floor(b);
@@ -247,6 +241,5 @@ const pl_scenario pl_scenario_card_house = {
                 "friction holds all: cards creep apart or are thrown; a right engine keeps the "
                 "house standing",
     .threshold = &card_house_threshold,
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(card_house_params),
     .build = card_house_build};

@@ -1,4 +1,4 @@
-/* What the tables of the scenarios share. */
+/* Shared rows of the tables of scenarios. */
 #ifndef PLUMB_CATALOGUE_H
 #define PLUMB_CATALOGUE_H
 

@@ -1,8 +1,7 @@
+/* Spheres in a row that run into each other: apart, and touching as in Newton's cradle. */
 #include "catalogue.h"
 
 #include <math.h>
-
-/* ---- collision-train ---- */
 
 /* Spheres in a row, apart; the first runs into the second, that into the third, and so on.
  *
@@ -120,11 +119,8 @@ const pl_scenario pl_scenario_collision_train = {
     .source = "Newton 1687, Principia, scholium to the laws; from impact to impact",
     .primary_error = "value_error",
     .validity = "no impact falls within a step of the end, and no two of one sphere in one step",
-    .needs = PL_NEEDS_RESTITUTION | PL_NEEDS_SPHERE,
     PL_PARAMS(collision_train_params),
     .build = collision_train_build};
-
-/* ---- cradle ---- */
 
 /* Newton's cradle without strings: spheres that touch, in a row, and others that run into them.
  *
@@ -132,8 +128,8 @@ const pl_scenario pl_scenario_collision_train = {
  * speed v. Momentum and, at restitution 1, energy must stay what they are; of the two laws in use
  * both keep them. In sequence, from contact to contact as with gaps of nothing, as many fly off on
  * the right as came. All contacts at once, each with Newton's restitution (Moreau's law), three
- * spheres of which one comes leave with v (-1/3, 2/3, 2/3). The end velocities tell which; neither
- * is an error. */
+ * spheres of which one comes leave with v (-1/3, 2/3, 2/3). The end velocities show which law an
+ * engine has; neither is an error. */
 
 enum { CRADLE_COUNT, CRADLE_MOVING, CRADLE_RESTITUTION, CRADLE_SPEED };
 
@@ -175,6 +171,5 @@ const pl_scenario pl_scenario_cradle = {
     .provokes = "an impact that passes through resting contacts: sequential solvers stop half way "
                 "and lose energy, or gain it; a right engine keeps momentum and energy, by "
                 "either law",
-    .needs = PL_NEEDS_RESTITUTION | PL_NEEDS_SPHERE,
     PL_PARAMS(cradle_params),
     .build = cradle_build};

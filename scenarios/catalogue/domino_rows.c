@@ -25,8 +25,6 @@ static void build_row(pl_builder *b, int count, double size, double spacing, dou
     }
 }
 
-/* ---- dominoes ---- */
-
 /* A row of dominoes of which the first is tipped over.
  *
  * It starts upright, turning about its leading lower edge with `push` times the spin that just
@@ -63,11 +61,8 @@ const pl_scenario pl_scenario_dominoes = {
                 "any time",
     .source = "impenetrability; dimensional analysis",
     .primary_error = "penetration_max",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(dominoes_params),
     .build = dominoes_build};
-
-/* ---- domino-into-pile ---- */
 
 /* A row of dominoes falls into a pile of cubes.
  *
@@ -121,6 +116,5 @@ const pl_scenario pl_scenario_domino_into_pile = {
     .expected = "ok: the wave runs into the pile; no two bodies overlap at any time",
     .source = "impenetrability",
     .primary_error = "penetration_max",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(domino_into_pile_params),
     .build = domino_into_pile_build};

@@ -1,16 +1,15 @@
+/* Free motion of the centre of mass: falling, thrown, under thrust. */
 #include "catalogue.h"
 #include "trigonometry.h"
 
 #include <math.h>
-
-/* ---- free-fall ---- */
 
 /* A small sphere in free fall: what is left of an engine when nothing touches anything.
  *
  * Up, with g = 9.81 m/s^2 and t = n h after n steps of h:
  *   continuous:           z = v0 t - g t^2 / 2,  v = v0 - g t
  *   semi-implicit Euler:  z_n = v0 n h - g h^2 n (n + 1) / 2, and the same v
- * so that the integrator's own error is told apart from any other. Errors are relative to
+ * so that the integrator's own error can be separated from any other. Errors are relative to
  * |v0| t + g t^2 / 2 and |v0| + g t, which do not vanish where the sphere comes back. */
 
 enum { FREE_FALL_SPEED };
@@ -28,7 +27,7 @@ static void free_fall_build(pl_builder *b, const double *values)
     ball.velocity[2] = v;
     const int index = pl_build_body(b, &ball, "ball");
     pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_z,
-                    pl_uniform_way(v, -g, b->scene->dt, steps), fabs(v) * t + g * t * t / 2);
+                    pl_uniform_distance(v, -g, b->scene->dt, steps), fabs(v) * t + g * t * t / 2);
     pl_build_at_end(b, index, PL_QUANTITY_VELOCITY, pl_axis_z, pl_exactly(v - g * t),
                     fabs(v) + g * t);
 }
@@ -43,11 +42,8 @@ const pl_scenario pl_scenario_free_fall = {
     .expected = "ok: height and speed at the end are those of the reference",
     .source = "Galilei 1638, Discorsi, third day; the discrete form: the sum of h v_k",
     .primary_error = "value_error",
-    .needs = PL_NEEDS_SPHERE,
     PL_PARAMS(free_fall_params),
     .build = free_fall_build};
-
-/* ---- projectile ---- */
 
 /* A small sphere thrown at an angle: range, height and apex of its parabola.
  *
@@ -93,7 +89,7 @@ static void projectile_build(pl_builder *b, const double *values)
     const int index = pl_build_body(b, &ball, "ball");
     pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_x, pl_exactly(u * t), u * t);
     pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_z,
-                    pl_uniform_way(w, -g, b->scene->dt, steps), w * t + g * t * t / 2);
+                    pl_uniform_distance(w, -g, b->scene->dt, steps), w * t + g * t * t / 2);
     expect_apex(b, index, w, g);
 }
 
@@ -108,20 +104,17 @@ const pl_scenario pl_scenario_projectile = {
     .source = "Galilei 1638, Discorsi, fourth day; the discrete form: the sum of h v_k",
     .primary_error = "value_error",
     .validity = "the apex: where it comes within the run",
-    .needs = PL_NEEDS_SPHERE,
     PL_PARAMS(projectile_params),
     .build = projectile_build};
 
-/* ---- rocket ---- */
-
-/* A rocket under constant thrust in its own axes, through its centre of mass or beside it.
+/* A rocket under constant thrust in its own axes, through its centre of mass or off the axis.
  *
- * Beside it, at `offset`, in the plane y = 0, it turns at the constant angular acceleration
+ * Off the axis, at `offset`, in the plane y = 0, it turns at the constant angular acceleration
  * A = thrust offset / I, so that at time t it leans by A t^2 / 2, and
  *   x = (thrust / m) int_0^t (t - s) sin(A s^2 / 2) ds,
  *   z = (thrust / m) int_0^t (t - s) cos(A s^2 / 2) ds - g t^2 / 2,
  * which are Fresnel integrals; here by Simpson's rule in 20000 intervals, which for a lean of up
- * to 5000 rad is good to 1e-8 of the way. On the axis A = 0. */
+ * to 5000 rad is good to 1e-8 of the distance. On the axis A = 0. */
 
 enum { ROCKET_THRUST, ROCKET_OFFSET };
 
@@ -135,7 +128,7 @@ static const double half[3] = {0.2, 0.2, 1}; /* m */
 
 static const double most_lean = 5000; /* rad, in a run */
 
-/* The way in x and z, without gravity, of unit thrust over mass. */
+/* The displacement in x and z, without gravity, of unit thrust over mass. */
 static void fly(double angular, double time, double *x, double *z)
 {
     enum { INTERVALS = 20000 }; /* even */
@@ -150,7 +143,7 @@ static void fly(double angular, double time, double *x, double *z)
     *x = angular < 0 ? -*x : *x;
 }
 
-/* An error in the way says nothing where there is none. */
+/* Refuses values with which a relative error has no meaning. */
 static void check(pl_builder *b, double angular, double weight, double thrust)
 {
     if (fabs(angular) * b->end * b->end / 2 > most_lean) {
@@ -203,14 +196,13 @@ const pl_scenario pl_scenario_rocket = {
     .name = "rocket",
     .title = "Rocket under thrust",
     .description =
-        "A rocket propelled by a constant thrust at its bottom, in its own axes; beside "
+        "A rocket propelled by a constant thrust at its bottom, in its own axes; off "
         "the axis it turns faster and faster. Figure 1 of the source paper, " PL_SOURCE_PAPER ".",
-    .reference = "on the axis (thrust / m - g) t^2 / 2; beside it Fresnel integrals of A t^2 / 2 "
+    .reference = "on the axis (thrust / m - g) t^2 / 2; off it Fresnel integrals of A t^2 / 2 "
                  "with A = thrust offset / I",
     .expected = "ok: the rocket ends where the reference puts it",
     .source = "Newton's and Euler's laws, integrated by Simpson's rule",
     .primary_error = "travel_error",
     .validity = "a thrust other than the weight of 9.81 N, a turn of 5000 rad at most",
-    .needs = PL_NEEDS_ROTATION | PL_NEEDS_FORCES | PL_NEEDS_BOX,
     PL_PARAMS(rocket_params),
     .build = rocket_build};

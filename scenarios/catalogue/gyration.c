@@ -1,9 +1,8 @@
+/* Free and gyroscopic rotation: a box without torque, and a top. */
 #include "catalogue.h"
 #include "trigonometry.h"
 
 #include <math.h>
-
-/* ---- torque-free ---- */
 
 /* A box turns freely about nearly its middle axis, and flips again and again.
  *
@@ -88,18 +87,15 @@ const pl_scenario pl_scenario_torque_free = {
     .title = "Flipping box in free space",
     .description = "A box of 1 x 4 x 9, without any force, turns about nearly its middle axis, "
                    "which is unstable: it flips at exact intervals. The metric momentum_error "
-                   "tells whether its angular momentum stays.",
+                   "shows whether its angular momentum stays.",
     .reference = "the middle component of the spin has the period 4 K(m) / p; at the default spins "
                  "6.056844 s; angular momentum and energy are constant",
     .expected = "ok: the box flips at equal intervals; energy and angular momentum stay",
     .source = "Landau and Lifshitz 1976, Mechanics, section 37, the asymmetrical top",
     .primary_error = "value_error",
     .validity = "the run must see two whole flips: a duration of two periods suffices",
-    .needs = PL_NEEDS_ROTATION | PL_NEEDS_BOX,
     PL_PARAMS(torque_free_params),
     .build = torque_free_build};
-
-/* ---- top ---- */
 
 /* A spinning cone on its tip, on a smooth floor, in steady precession.
  *
@@ -195,6 +191,5 @@ const pl_scenario pl_scenario_top = {
         "Landau and Lifshitz 1976, Mechanics, section 35, with the tip free to glide: Euler's "
         "law about the centre of mass",
     .primary_error = "value_error",
-    .needs = PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_HULL,
     PL_PARAMS(top_params),
     .build = top_build};

@@ -1,11 +1,10 @@
+/* Many bodies on the floor: cubes apart from each other, cubes that fall, and a loose pile. */
 #include "catalogue.h"
 #include "solids.h"
 
 #include <math.h>
 
 static const double half = 0.5; /* m, of a cube */
-
-/* ---- blocks ---- */
 
 /* Cubes side by side on the floor, none touching another: what the source paper's Table 1 times. */
 
@@ -52,11 +51,8 @@ const pl_scenario pl_scenario_blocks = {
     .expected = "ok: every cube at rest where it began",
     .source = "statics",
     .primary_error = "rest_position_error",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_MESH,
     PL_PARAMS(blocks_params),
     .build = blocks_build};
-
-/* ---- falling-cubes ---- */
 
 /* Cubes in random orientations fall on the floor and on each other.
  *
@@ -100,11 +96,8 @@ const pl_scenario pl_scenario_falling_cubes = {
     .expected = "ok: the cubes come to lie in a heap; no two bodies overlap at any time",
     .source = "impenetrability",
     .primary_error = "penetration_max",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(falling_cubes_params),
     .build = falling_cubes_build};
-
-/* ---- pile ---- */
 
 /* Bodies of random sizes and orientations, dropped into a box of planes.
  *
@@ -131,7 +124,7 @@ static const double least_half = 0.35, most_half = 0.5; /* m: radius, or half ex
 static const double sideways = 1;                       /* m/s, at most, in x and in y */
 static const double density = 1;                        /* kg/m^3 */
 
-/* What bodies share: all rings are one mesh, and all hulls one icosahedron. */
+/* Shapes that bodies share: all rings are one mesh, and all hulls one icosahedron. */
 typedef struct kit {
     int shape;
     pl_shape ring;
@@ -236,7 +229,5 @@ const pl_scenario pl_scenario_pile = {
         "many bodies of odd shapes at once, meshes that are hollow among them: bodies pass into "
         "each other or are thrown, and a step takes too long; a right engine keeps them apart "
         "and lets them come to rest",
-    .needs =
-        PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX,
     PL_PARAMS(pile_params),
     .build = pile_build};

@@ -24,8 +24,6 @@ static void build_round_floor(pl_builder *b, double friction)
     b->scene->collapse_distance = round_collapse;
 }
 
-/* ---- pyramid ---- */
-
 /* A pyramid of unit cubes in a plane: n cubes in the lowest row, one less in each above, each over
  * the gap between two.
  *
@@ -66,13 +64,10 @@ const pl_scenario pl_scenario_pyramid = {
     .expected = "ok: every cube at rest where it began, even without friction",
     .source = "statics",
     .primary_error = "rest_position_error",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(pyramid_params),
     .build = pyramid_build};
 
-/* ---- cylinder-pyramid ---- */
-
-/* Three equal cylinders side by side: two on the floor, which touch, and one upon them.
+/* Three equal cylinders side by side: two on the floor, which touch, and one on top.
  *
  * Let N and T be the normal and the friction force between the upper and a lower one of weight W,
  * at 30 degrees from the vertical, and F and M those of the floor. Moments about a lower axis: F =
@@ -82,7 +77,7 @@ const pl_scenario pl_scenario_pyramid = {
  * 0.26795, floor_friction >= tan(15) / 3 = 0.08932.
  *
  * With d too little, the lower ones part by an acceleration near g d that grows as the upper one
- * sinks between them: at 1e-4 that is 0.05 m, where they have fallen, within 10 s. */
+ * sinks between them: at 1e-4 that is 0.05 m, where they have collapsed, within 10 s. */
 
 enum { CYLINDER_PYRAMID_FRICTION, CYLINDER_PYRAMID_FLOOR_FRICTION };
 
@@ -133,13 +128,10 @@ const pl_scenario pl_scenario_cylinder_pyramid = {
                 "cone of too few sides or a cap on the iterations lets it roll apart; a right "
                 "engine holds it to the last digit of tan 15 deg",
     .threshold = &cylinder_pyramid_threshold,
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_CYLINDER,
     PL_PARAMS(cylinder_pyramid_params),
     .build = cylinder_pyramid_build};
 
-/* ---- sphere-pyramid ---- */
-
-/* Four equal spheres: three on the floor, which touch, and one upon them.
+/* Four equal spheres: three on the floor, which touch, and one on top.
  *
  * The upper centre is at the top of a regular tetrahedron: lines to the lower ones lean by a from
  * the vertical, cos a = sqrt(2/3), sin a = 1/sqrt(3). As for three cylinders (above),
@@ -200,6 +192,5 @@ const pl_scenario pl_scenario_sphere_pyramid = {
         "place of the cone holds too much or too little, and creep lets the spheres roll "
         "apart; a right engine holds them",
     .threshold = &sphere_pyramid_threshold,
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_SPHERE,
     PL_PARAMS(sphere_pyramid_params),
     .build = sphere_pyramid_build};

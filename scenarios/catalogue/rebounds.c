@@ -1,9 +1,8 @@
+/* Impacts of a sphere on the floor: straight and with restitution, and oblique with spin. */
 #include "catalogue.h"
 #include "trigonometry.h"
 
 #include <math.h>
-
-/* ---- bounce ---- */
 
 /* A sphere falls on a level floor and bounces.
  *
@@ -93,11 +92,8 @@ const pl_scenario pl_scenario_bounce = {
     .primary_error = "value_error",
     .validity =
         "apexes of flights of 8 steps or more within the run; without one, the height at the end",
-    .needs = PL_NEEDS_RESTITUTION | PL_NEEDS_PLANE | PL_NEEDS_SPHERE,
     PL_PARAMS(bounce_params),
     .build = bounce_build};
-
-/* ---- oblique-impact ---- */
 
 /* A spinning sphere strikes a floor obliquely, without gravity.
  *
@@ -190,7 +186,5 @@ const pl_scenario pl_scenario_oblique_impact = {
         "Routh 1905, The Elementary Part of a Treatise on the Dynamics of a System of Rigid Bodies",
     .primary_error = "value_error",
     .validity = "the slip does not turn round in the impact, which it never does for a sphere",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_RESTITUTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE |
-             PL_NEEDS_SPHERE,
     PL_PARAMS(oblique_impact_params),
     .build = oblique_impact_build};

@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-/* ---- rocking-block ---- */
-
 /* A slender block, tilted by less than its balance, is let go and rocks from corner to corner.
  *
  * With half width b and half height a, R^2 = a^2 + b^2, tan(alpha) = b / a and p^2 = 3 g / (4 R),
@@ -18,7 +16,7 @@
  *
  * The fall takes a quarter of the period, int df / f' from f0 to alpha; f = f0 + (alpha - f0) s^2
  * takes the singular end out of it, and Simpson's rule does the rest. For slender blocks it tends
- * to acosh(1 / (1 - t0 / alpha)) / p. The spin is expected where f is half way. */
+ * to acosh(1 / (1 - t0 / alpha)) / p. The spin is expected where f is half displacement. */
 
 enum { ROCKING_BLOCK_SLENDERNESS, ROCKING_BLOCK_TILT, ROCKING_BLOCK_FRICTION };
 
@@ -60,7 +58,7 @@ static rocking rocking_of(double slenderness, double tilt, double g)
 }
 
 /* cos f0 - cos f, without cancellation. */
-static double fallen(const rocking *k, double f)
+static double height_lost(const rocking *k, double f)
 {
     return 2 * pl_sine((f + k->start) / 2) * pl_sine((f - k->start) / 2);
 }
@@ -69,12 +67,14 @@ static double fallen(const rocking *k, double f)
 static double time_to(const rocking *k, double f)
 {
     enum { INTERVALS = 2000 }; /* even */
-    const double way = f - k->start;
-    double sum = sqrt(2 * way / pl_sine(k->start)); /* the limit of the integrand at s = 0 */
+    const double displacement = f - k->start;
+    double sum =
+        sqrt(2 * displacement / pl_sine(k->start)); /* the limit of the integrand at s = 0 */
     for (int i = 1; i <= INTERVALS; i++) {
         const double s = (double)i / INTERVALS;
         const double weight = i == INTERVALS ? 1 : i % 2 == 1 ? 4 : 2;
-        sum += weight * 2 * way * s / sqrt(2 * fallen(k, k->start + way * s * s));
+        sum += weight * 2 * displacement * s /
+               sqrt(2 * height_lost(k, k->start + displacement * s * s));
     }
     return sum / (3 * INTERVALS * k->rate);
 }
@@ -92,7 +92,7 @@ static void place(const rocking *k, double slenderness, pl_body *block)
 static void expect(pl_builder *b, int block, const rocking *k)
 {
     const double quarter = time_to(k, k->alpha), middle = (k->start + k->alpha) / 2;
-    const double depth = k->radius * fallen(k, k->alpha);
+    const double depth = k->radius * height_lost(k, k->alpha);
     pl_expect_value value = pl_expect_value_default(b->scene);
     const double end = value.until;
     value.body = block;
@@ -109,7 +109,7 @@ static void expect(pl_builder *b, int block, const rocking *k)
     value.direction[2] = 0;
     value.from = 0;
     value.until = time_to(k, middle);
-    value.value = -k->rate * sqrt(2 * fallen(k, middle));
+    value.value = -k->rate * sqrt(2 * height_lost(k, middle));
     value.scale = -value.value;
     if (value.until <= end) {
         pl_build_value(b, &value);
@@ -146,6 +146,5 @@ const pl_scenario pl_scenario_rocking_block = {
         "an impact on one corner in the instant in which the other lets go: solvers that hold "
         "both, or push the floor's penetration out as speed, stop the block or make it "
         "bounce; a right engine leaves it 1 - 3/2 sin^2(alpha) of its spin",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(params),
     .build = build};

@@ -1,3 +1,4 @@
+/* Bodies that roll: down a slope, from skidding to rolling, and balls on a box that is pushed. */
 #include "catalogue.h"
 #include "solids.h"
 #include "trigonometry.h"
@@ -6,14 +7,12 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- roll-slope ---- */
-
 /* A sphere, a cylinder and a prism of many sides roll down a slope from rest.
  *
  * Without slip, with a = g sin(angle) / (1 + I / (m r^2)), that is 5/7 and 2/3 of g sin(angle), and
  * t = n h after n steps of h: a t^2 / 2, and of semi-implicit Euler a h^2 n (n + 1) / 2. It does
  * not slip while friction >= tan(angle) / (1 + m r^2 / I): 2/7 and 1/3 of tan(angle). The prism
- * loses energy whenever it falls from one side to the next, so its way is shorter than the
+ * loses energy whenever it falls from one side to the next, so its distance is shorter than the
  * cylinder's and has no such form. */
 
 enum { ROLL_SLOPE_SHAPE, ROLL_SLOPE_SIDES, ROLL_SLOPE_FRICTION, ROLL_SLOPE_ANGLE };
@@ -81,8 +80,9 @@ static void roll_slope_build(pl_builder *b, const double *values)
         return;
     }
     const double downhill[3] = {cosine, 0, -sine};
-    pl_build_travel(b, index, downhill,
-                    pl_uniform_way(0, b->gravity * sine / (1 + inertia), b->scene->dt, b->steps));
+    pl_build_travel(
+        b, index, downhill,
+        pl_uniform_distance(0, b->gravity * sine / (1 + inertia), b->scene->dt, b->steps));
 }
 
 const pl_scenario pl_scenario_roll_slope = {
@@ -97,11 +97,8 @@ const pl_scenario pl_scenario_roll_slope = {
     .source = "a = g sin(angle) / (1 + I / (m r^2)), rolling without slip",
     .primary_error = "travel_error",
     .validity = "angle > 0, friction >= 2/7 tan(angle) for the sphere, 1/3 for the cylinder",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_SPHERE,
     PL_PARAMS(roll_slope_params),
     .build = roll_slope_build};
-
-/* ---- bowling ---- */
 
 /* A sphere thrown along a level floor skids until it rolls.
  *
@@ -110,7 +107,7 @@ const pl_scenario pl_scenario_roll_slope = {
  * 7/2 mu g and 5 v + 2 r w stays what it is:
  *   t_s = 2 |s0| / (7 mu g),  v = r w = (5 v0 + 2 r w0) / 7 from then on,
  *   x = v0 t_s - sign(s0) mu g t_s^2 / 2 + v (t - t_s).
- * Without spin v = 5/7 v0, t_s = 2 v0 / (7 mu g), and 12 v0^2 / (49 mu g) is the way until it
+ * Without spin v = 5/7 v0, t_s = 2 v0 / (7 mu g), and 12 v0^2 / (49 mu g) is the distance until it
  * rolls. Semi-implicit Euler skids for floor(t_s / h) whole steps and rolls from the next on. */
 
 enum { BOWLING_SPEED, BOWLING_SPIN, BOWLING_FRICTION };
@@ -136,13 +133,13 @@ static void bowling_expect(pl_builder *b, int ball, double v0, double rim0, doub
     const bool rolls = skid < t;
     const double v = rolls ? (5 * v0 + 2 * rim0) / 7 : v0 + a * t;
     const double rim = rolls ? v : rim0 - 2.5 * a * t;
-    const pl_answer way = {v0 * skid + a * skid * skid / 2 + v * (t - skid),
-                           pl_uniform_way(v0, a, h, skid_steps).discrete +
-                               v * h * (steps - skid_steps)};
+    const pl_answer distance = {v0 * skid + a * skid * skid / 2 + v * (t - skid),
+                                pl_uniform_distance(v0, a, h, skid_steps).discrete +
+                                    v * h * (steps - skid_steps)};
     /* What the answers are made of, so that one of them may vanish. */
     const double speed = fmax(fabs(v), 0.1 * (v0 + fabs(rim0)));
-    pl_build_at_end(b, ball, PL_QUANTITY_POSITION, pl_axis_x, way,
-                    fmax(fabs(way.continuous), speed * t));
+    pl_build_at_end(b, ball, PL_QUANTITY_POSITION, pl_axis_x, distance,
+                    fmax(fabs(distance.continuous), speed * t));
     pl_build_at_end(b, ball, PL_QUANTITY_VELOCITY, pl_axis_x, pl_exactly(v), speed);
     pl_build_at_end(b, ball, PL_QUANTITY_SPIN, pl_axis_y, pl_exactly(rim / bowling_radius),
                     speed / bowling_radius);
@@ -167,15 +164,13 @@ const pl_scenario pl_scenario_bowling = {
     .reference =
         "t_s = 2 |v0 - r w0| / (7 friction g); then v = r w = (5 v0 + 2 r w0) / 7; without "
         "spin the skid is 12 v0^2 / (49 friction g) long",
-    .expected = "ok: the ball skids until it rolls; way, speed and spin are those of the reference",
+    .expected =
+        "ok: the ball skids until it rolls; distance, speed and spin are those of the reference",
     .source = "Coulomb's law and I = 2/5 m r^2; Coriolis 1835, Theorie mathematique des effets du "
               "jeu de billard",
     .primary_error = "value_error",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_SPHERE,
     PL_PARAMS(bowling_params),
     .build = bowling_build};
-
-/* ---- carried-balls ---- */
 
 /* A wide box that carries k x k balls on its top is pushed along the floor.
  *
@@ -233,8 +228,8 @@ static void check(pl_builder *b, const carriage *c, double weight, double floor_
 static void carried_balls_expect(pl_builder *b, int body, const double direction[3],
                                  double acceleration)
 {
-    const pl_answer way = pl_uniform_way(0, acceleration, b->scene->dt, b->steps);
-    pl_build_at_end(b, body, PL_QUANTITY_POSITION, direction, way, way.continuous);
+    const pl_answer distance = pl_uniform_distance(0, acceleration, b->scene->dt, b->steps);
+    pl_build_at_end(b, body, PL_QUANTITY_POSITION, direction, distance, distance.continuous);
 }
 
 static void build_balls(pl_builder *b, int rows, const double direction[3], double a, double time)
@@ -293,7 +288,5 @@ const pl_scenario pl_scenario_carried_balls = {
               "SimBenchmark (Kang and Hwangbo 2018)",
     .primary_error = "value_error",
     .validity = "the balls neither slip, 7/2 of their friction times g, nor reach the edge",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_FORCES | PL_NEEDS_PLANE |
-             PL_NEEDS_SPHERE | PL_NEEDS_BOX,
     PL_PARAMS(carried_balls_params),
     .build = carried_balls_build};

@@ -50,6 +50,21 @@ pl_status pl_scenario_build(const pl_scenario *scenario, const double *values, u
     return builder.status;
 }
 
+uint32_t pl_scenario_needs(const pl_scenario *scenario)
+{
+    double values[PL_MAX_PARAMS];
+    pl_scene scene;
+    uint32_t needs = 0;
+    for (int i = 0; i < scenario->param_count; ++i) {
+        values[i] = scenario->params[i].value;
+    }
+    if (pl_scenario_build(scenario, values, 0, &scene, NULL) == PL_OK) {
+        needs = pl_scene_needs(&scene);
+        pl_scene_free(&scene);
+    }
+    return needs;
+}
+
 void pl_build_refuse(pl_builder *builder, const char *format, ...)
 {
     char message[sizeof builder->error->message];
@@ -174,17 +189,17 @@ void pl_draw_orientation(pl_random *random, double q[4])
 
 /* ---- Answers ---- */
 
-pl_answer pl_uniform_way(double v, double a, double h, double steps)
+pl_answer pl_uniform_distance(double v, double a, double h, double steps)
 {
     double t = steps * h;
     return (pl_answer){v * t + a * t * t / 2, v * t + a * h * h * steps * (steps + 1) / 2};
 }
 
-pl_answer pl_braked_way(double v, double braking, double h, double steps)
+pl_answer pl_braking_distance(double v, double braking, double h, double steps)
 {
     double t = fmin(steps * h, v / braking);
     double moving = fmin(steps, floor(v / (braking * h)));
-    double discrete = pl_uniform_way(v, -braking, h, moving).discrete;
+    double discrete = pl_uniform_distance(v, -braking, h, moving).discrete;
     return (pl_answer){v * t - braking * t * t / 2, discrete > 0 ? discrete : (double)NAN};
 }
 

@@ -1,5 +1,5 @@
-/* What scenarios build their scenes with. No call needs a check: the first failure is kept, the
- * calls after it do nothing, and pl_scenario_build reports it. */
+/* The functions by which scenarios build their scenes. No call needs a check: the first failure is
+ * kept, later calls do nothing, and pl_scenario_build reports it. */
 #ifndef PLUMB_SCENE_BUILDER_H
 #define PLUMB_SCENE_BUILDER_H
 
@@ -8,14 +8,15 @@
 
 #define PL_RADIANS_PER_DEGREE 0.017453292519943295 /* pi / 180 */
 
+/* A scene under construction. */
 struct pl_builder {
-    pl_scene *scene;
+    pl_scene *scene;  /* has its name, dt, duration, primary error and material 0 */
     double gravity;   /* m/s^2, downwards, > 0: that of a new scene */
     double steps;     /* number of steps of the run */
     double end;       /* s: the time of its last frame */
     pl_random random; /* of the scene's seed */
-    pl_status status;
-    pl_error *error; /* NULL allowed */
+    pl_status status; /* of the first failure */
+    pl_error *error;  /* NULL allowed */
 };
 
 /* ---- Materials and bodies ---- */
@@ -70,16 +71,16 @@ void pl_draw_orientation(pl_random *random, double q[4]);
 
 /* A right answer. */
 typedef struct pl_answer {
-    double continuous;
-    double discrete; /* of semi-implicit Euler at the scene's dt; NAN where there is none */
+    double continuous; /* of the continuous problem */
+    double discrete;   /* of semi-implicit Euler at the scene's dt; NAN where there is none */
 } pl_answer;
 
 /* The distance from speed v at acceleration a (both signed) over `steps` steps of h. */
-pl_answer pl_uniform_way(double v, double a, double h, double steps);
+pl_answer pl_uniform_distance(double v, double a, double h, double steps);
 
 /* The same where friction takes `braking` > 0 from the speed v >= 0 until nothing is left. A
  * discrete answer of 0 is none. */
-pl_answer pl_braked_way(double v, double braking, double h, double steps);
+pl_answer pl_braking_distance(double v, double braking, double h, double steps);
 
 /* An answer that is one number. */
 pl_answer pl_exactly(double value);
@@ -109,7 +110,7 @@ void pl_build_value(pl_builder *builder, const pl_expect_value *value);
 void pl_build_at_end(pl_builder *builder, int body, pl_quantity quantity, const double direction[3],
                      pl_answer answer, double scale);
 
-/* Keeps PL_BAD_INPUT with a message as printf makes it. */
+/* Refuses the values of the parameters: PL_BAD_INPUT, with a message as printf makes it. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif

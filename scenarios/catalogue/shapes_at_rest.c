@@ -1,3 +1,4 @@
+/* Shapes other than boxes and spheres at rest: one of each kind on the floor, and linked rings. */
 #include "catalogue.h"
 #include "solids.h"
 
@@ -5,8 +6,6 @@
 
 /* Of a torus. */
 enum { AROUND = 24, SIDES = 12 };
-
-/* ---- rest-shape ---- */
 
 /* One body of each kind of shape, at rest on the floor.
  *
@@ -116,11 +115,8 @@ const pl_scenario pl_scenario_rest_shape = {
     .source = "by geometry: a regular tetrahedron's face is at edge / sqrt(24) from its middle, an "
               "icosahedron's at edge (3 sqrt(3) + sqrt(15)) / 12",
     .primary_error = "rest_position_error",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(rest_shape_params),
     .build = rest_shape_build};
-
-/* ---- linked-rings ---- */
 
 /* A ring that hangs in another, as links of a chain.
  *
@@ -169,6 +165,5 @@ const pl_scenario pl_scenario_linked_rings = {
     .expected = "ok: the lower ring hangs in the upper one, at rest",
     .source = "by symmetry",
     .primary_error = "rest_position_error",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_MESH,
     PL_PARAMS(linked_rings_params),
     .build = linked_rings_build};

@@ -17,8 +17,6 @@ static int slide_block(pl_builder *b, double x, double y, const double direction
     return pl_build_body(b, &block, "%s", name);
 }
 
-/* ---- slide-to-stop ---- */
-
 /* A block that slides over a level floor until friction stops it.
  *
  * The block, of half extents (0.5, 0.5, 0.25) m, starts with the speed v0, level, at `azimuth` from
@@ -46,7 +44,7 @@ static const pl_param slide_to_stop_params[] = {
     PL_PARAM_TIME(3),
 };
 
-/* pl_braked_way with its sum rounded in another order, which scenes already written have. */
+/* pl_braking_distance with its sum rounded in another order, which scenes already written have. */
 static pl_answer stopping_distance(const pl_builder *b, double v)
 {
     const double a = b->scene->materials[0].friction * b->gravity, h = b->scene->dt;
@@ -79,11 +77,8 @@ const pl_scenario pl_scenario_slide_to_stop = {
               "mass",
     .primary_error = "travel_error",
     .validity = "speed well above friction g dt, which a step takes from it",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(slide_to_stop_params),
     .build = slide_to_stop_build};
-
-/* ---- isotropy ---- */
 
 /* Nineteen blocks side by side, each pushed off at its own azimuth, 0 to 90 degrees by 5.
  *
@@ -107,7 +102,8 @@ static const pl_param isotropy_params[] = {
 static void isotropy_build(pl_builder *b, const double *values)
 {
     const double braking = values[ISOTROPY_FRICTION] * b->gravity;
-    const pl_answer way = pl_braked_way(values[ISOTROPY_SPEED], braking, b->scene->dt, b->steps);
+    const pl_answer distance =
+        pl_braking_distance(values[ISOTROPY_SPEED], braking, b->scene->dt, b->steps);
     pl_build_floor(b);
     for (int i = 0; i < BLOCKS; ++i) {
         const double across = spacing * sqrt(0.5) * (i - (BLOCKS - 1) / 2);
@@ -116,7 +112,7 @@ static void isotropy_build(pl_builder *b, const double *values)
         pl_azimuth(5 * i, direction);
         snprintf(name, sizeof name, "block %d", 5 * i);
         const int block = slide_block(b, -across, across, direction, values[ISOTROPY_SPEED], name);
-        pl_build_travel(b, block, direction, way);
+        pl_build_travel(b, block, direction, distance);
     }
 }
 
@@ -132,11 +128,8 @@ const pl_scenario pl_scenario_isotropy = {
     .expected = "ok: all blocks go equally far, each straight along its azimuth",
     .source = "Coulomb's law and uniform deceleration",
     .primary_error = "travel_error",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(isotropy_params),
     .build = isotropy_build};
-
-/* ---- reaction-split ---- */
 
 /* A tall block slides on a level floor, its weight more on the leading edge than on the other.
  *
@@ -176,8 +169,8 @@ static void reaction_split_build(pl_builder *b, const double *values)
         pl_body_at(pl_shape_box(half_width, half_width, half_height), 0, 0, half_height);
     block.velocity[0] = speed;
     const int index = pl_build_body(b, &block, "block");
-    const pl_answer way = pl_braked_way(speed, braking, h, steps);
-    pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_x, way, way.continuous);
+    const pl_answer distance = pl_braking_distance(speed, braking, h, steps);
+    pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_x, distance, distance.continuous);
     pl_build_at_end(b, index, PL_QUANTITY_VELOCITY, pl_axis_x,
                     pl_exactly(fmax(0, speed - braking * steps * h)), speed);
     pl_build_at_end(b, index, PL_QUANTITY_TURN, pl_axis_y, pl_exactly(0), 1);
@@ -195,11 +188,8 @@ const pl_scenario pl_scenario_reaction_split = {
     .source = "Coulomb's law; moments about the centre of mass",
     .primary_error = "value_error",
     .validity = "friction < width / height, else the block tips",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(reaction_split_params),
     .build = reaction_split_build};
-
-/* ---- painleve ---- */
 
 /* A slender rod that slides on its end over rough ground, that end ahead, as chalk that is pushed.
  *
@@ -253,6 +243,5 @@ const pl_scenario pl_scenario_painleve = {
         "the equations of forces have no solution: a solver of accelerations fails or finds "
         "endless forces, another throws the rod; a right engine solves for impulses, which "
         "are finite, and energy falls",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(painleve_params),
     .build = painleve_build};

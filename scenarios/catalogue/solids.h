@@ -1,42 +1,44 @@
-/* Surfaces of triangles for scenarios with hulls and meshes. m; counter-clockwise seen from
- * outside.
- */
+/* Surfaces of triangles for scenarios with hulls and meshes. Lengths in m; triangles are
+ * counter-clockwise seen from outside. */
 #ifndef PLUMB_SOLIDS_H
 #define PLUMB_SOLIDS_H
 
 #include "scene_builder.h"
 
+/* A closed surface. Without vertices it means out of memory. */
 typedef struct pl_solid {
-    double (*vertices)[3];
-    int (*triangles)[3];
-    int vertex_count, triangle_count;
-} pl_solid; /* no vertices: out of memory */
+    double (*vertices)[3]; /* (vertex_count) */
+    int (*triangles)[3];   /* (triangle_count) */
+    int vertex_count;
+    int triangle_count;
+} pl_solid;
 
-/* About the origin, along the axes. */
+/* A box about the origin, along the axes. */
 pl_solid pl_solid_box(double half_x, double half_y, double half_z);
 
-/* Regular, about the origin, with a face below, at z = -height. */
+/* A regular tetrahedron or icosahedron about the origin, with a face below, at z = -*height. */
 pl_solid pl_solid_tetrahedron(double edge, double *height);
 pl_solid pl_solid_icosahedron(double edge, double *height);
 
-/* Regular, of `sides` sides with corners at `radius`, about the origin, its axis along z; the faces
- * of its sides look along x, and so on around. */
+/* A regular prism of `sides` sides with corners at `radius`, about the origin, its axis along z;
+ * the faces of its sides look along x, and so on around. */
 pl_solid pl_solid_prism(int sides, double radius, double half_height);
 
 /* An L in x and z, of `length` and `thickness`, its corner at the origin and its foot on z = 0;
  * from 0 to `width` in y. */
 pl_solid pl_solid_angle(double length, double thickness, double width);
 
-/* About the origin, its axis along z: a ring of radius R made of `around` straight pieces of a
- * tube, each a prism with `sides` sides and corners at radius r. A flat side of a piece looks along
- * x; with `sides` a multiple of 4, others look up and down, and inwards. */
+/* A torus about the origin, its axis along z: a ring of radius R made of `around` straight pieces
+ * of a tube, each a prism with `sides` sides and corners at radius r. A flat side of a piece looks
+ * along x; with `sides` a multiple of 4, others look up and down, and inwards. */
 pl_solid pl_solid_torus(double ring_radius, double tube_radius, int around, int sides);
 
-/* Of such a torus: from the axis to the middle of an inner side, and half its height; for
- * `sides` a multiple of 4. */
+/* The distance from the axis of such a torus to the middle of an inner side, and half its height;
+ * for `sides` a multiple of 4. */
 double pl_torus_hole(double ring_radius, double tube_radius, int around, int sides);
 double pl_torus_half_height(double tube_radius, int sides);
 
+/* Frees the arrays. */
 void pl_solid_free(pl_solid *solid);
 
 /* Makes the scene's polyhedron of the solid, as the hull of its vertices or as a mesh, frees the

@@ -1,10 +1,9 @@
+/* Bodies that spin on a level floor until friction stops them: in place, and while they slide. */
 #include "catalogue.h"
 #include "solids.h"
 #include "trigonometry.h"
 
 #include <math.h>
-
-/* ---- spin-stop ---- */
 
 /* A box or a disc spins flat on a level floor until friction stops it.
  *
@@ -44,7 +43,7 @@ static void spin_stop_build(pl_builder *b, const double *values)
                               0, 0, is_box ? half[2] : spin_stop_half_height);
     body.angular_velocity[2] = spin;
     const int index = pl_build_body(b, &body, "block");
-    const pl_answer turn = pl_braked_way(spin, braking, b->scene->dt, steps);
+    const pl_answer turn = pl_braking_distance(spin, braking, b->scene->dt, steps);
     const double left = fmax(0, spin - braking * steps * b->scene->dt);
     pl_build_at_end(b, index, PL_QUANTITY_TURN, pl_axis_z, turn, turn.continuous);
     pl_build_at_end(b, index, PL_QUANTITY_SPIN, pl_axis_z, pl_exactly(left), spin);
@@ -65,11 +64,8 @@ const pl_scenario pl_scenario_spin_stop = {
               "sliding and spinning motion",
     .primary_error = "value_error",
     .validity = "the box on its four corners alone; the disc with a continuum of contact",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(spin_stop_params),
     .build = spin_stop_build};
-
-/* ---- slide-and-spin ---- */
 
 /* A triangular plate slides and spins on its three corners until both end, at one instant.
  *
@@ -79,7 +75,7 @@ const pl_scenario pl_scenario_spin_stop = {
  *   sum N_i = m g,  sum N_i (r_i - mu H d_i) = 0,
  *   m v' = -mu sum N_i d_i,  I w' = -mu sum N_i (r_i x d_i),
  * solved here by the classical Runge-Kutta rule until 1e-8 of the energy is left, which is worth
- * 1e-8 of the way. It brakes less in either motion than if the other were not there: on a disc
+ * 1e-8 of the distance. It brakes less in either motion than if the other were not there: on a disc
  * that presses evenly v / (R w) tends to 0.653 as both end, from any start (Farkas and others
  * 2003). */
 
@@ -180,9 +176,9 @@ static void solve(double *y, double time, double friction, double g)
 
 static void expect(pl_builder *b, int plate, const double *y, const double *values)
 {
-    const double way = sqrt(y[X] * y[X] + y[Y] * y[Y]);
-    pl_build_at_end(b, plate, PL_QUANTITY_POSITION, pl_axis_x, pl_continuous(y[X]), way);
-    pl_build_at_end(b, plate, PL_QUANTITY_POSITION, pl_axis_y, pl_continuous(y[Y]), way);
+    const double distance = sqrt(y[X] * y[X] + y[Y] * y[Y]);
+    pl_build_at_end(b, plate, PL_QUANTITY_POSITION, pl_axis_x, pl_continuous(y[X]), distance);
+    pl_build_at_end(b, plate, PL_QUANTITY_POSITION, pl_axis_y, pl_continuous(y[Y]), distance);
     pl_build_at_end(b, plate, PL_QUANTITY_TURN, pl_axis_z, pl_continuous(y[TURN]), fabs(y[TURN]));
     pl_build_at_end(b, plate, PL_QUANTITY_VELOCITY, pl_axis_x, pl_continuous(y[VX]),
                     values[SLIDE_AND_SPIN_SPEED]);
@@ -214,14 +210,13 @@ const pl_scenario pl_scenario_slide_and_spin = {
                    "its own slip, so that the spin carries the plate farther, and both end at one "
                    "instant.",
     .reference = "the equations of motion with Coulomb's friction at the three corners, solved to "
-                 "1e-8 of the way; no closed form",
+                 "1e-8 of the distance; no closed form",
     .expected =
-        "ok: way and turn are those of the reference; sliding and spinning end at one instant",
+        "ok: distance and turn are those of the reference; sliding and spinning end at one instant",
     .source = "Coulomb's law and statics of three points; the coupling: Farkas, Bartels, Unger and "
               "Wolf 2003, Frictional coupling between sliding and spinning motion",
     .primary_error = "value_error",
     .validity = "the plate stays flat, which it does while friction * 0.05 m is far below the "
                 "0.25 m from its axis to its sides",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_HULL,
     PL_PARAMS(slide_and_spin_params),
     .build = slide_and_spin_build};

@@ -4,53 +4,51 @@
 #include <string.h>
 
 static const pl_suite_entry canonical[] = {
-    {.scenario = "tower"},         {.scenario = "multi-tower", .setting = "k=2,n=10"},
-    {.scenario = "slope-stick"},   {.scenario = "slope-slide"},
-    {.scenario = "slope-tip"},     {.scenario = "wall"},
-    {.scenario = "wall-collapse"}, {.scenario = "falling-cubes"},
-    {.scenario = "rocket"}};
+    {"tower", NULL, 0},         {"multi-tower", "k=2,n=10", 0}, {"slope-stick", NULL, 0},
+    {"slope-slide", NULL, 0},   {"slope-tip", NULL, 0},         {"wall", NULL, 0},
+    {"wall-collapse", NULL, 0}, {"falling-cubes", NULL, 0},     {"rocket", NULL, 0}};
 
 /* Every scenario that has a right answer in numbers. */
-static const pl_suite_entry analytic[] = {{.scenario = "free-fall"},
-                                          {.scenario = "projectile"},
-                                          {.scenario = "rocket"},
-                                          {.scenario = "torque-free"},
-                                          {.scenario = "top"},
-                                          {.scenario = "slope-stick"},
-                                          {.scenario = "slope-slide"},
-                                          {.scenario = "slope-threshold"},
-                                          {.scenario = "slope-tip"},
-                                          {.scenario = "slide-to-stop"},
-                                          {.scenario = "isotropy"},
-                                          {.scenario = "reaction-split"},
-                                          {.scenario = "spin-stop"},
-                                          {.scenario = "slide-and-spin"},
-                                          {.scenario = "roll-slope"},
-                                          {.scenario = "bowling"},
-                                          {.scenario = "carried-balls"},
-                                          {.scenario = "ladder"},
-                                          {.scenario = "bounce"},
-                                          {.scenario = "oblique-impact"},
-                                          {.scenario = "collision-train"},
-                                          {.scenario = "cradle"},
-                                          {.scenario = "rocking-block"},
-                                          {.scenario = "thin-wall"},
-                                          {.scenario = "tower"},
-                                          {.scenario = "multi-tower"},
-                                          {.scenario = "mass-ratio"},
-                                          {.scenario = "wall"},
-                                          {.scenario = "pyramid"},
-                                          {.scenario = "blocks"},
-                                          {.scenario = "rest-shape"},
-                                          {.scenario = "linked-rings"},
-                                          {.scenario = "overhang"},
-                                          {.scenario = "arch"},
-                                          {.scenario = "cylinder-pyramid"},
-                                          {.scenario = "sphere-pyramid"},
-                                          {.scenario = "thin-rod"},
-                                          {.scenario = "far-from-origin"},
-                                          {.scenario = "large-step"},
-                                          {.scenario = "initial-overlap"}};
+static const pl_suite_entry analytic[] = {{"free-fall", NULL, 0},
+                                          {"projectile", NULL, 0},
+                                          {"rocket", NULL, 0},
+                                          {"torque-free", NULL, 0},
+                                          {"top", NULL, 0},
+                                          {"slope-stick", NULL, 0},
+                                          {"slope-slide", NULL, 0},
+                                          {"slope-threshold", NULL, 0},
+                                          {"slope-tip", NULL, 0},
+                                          {"slide-to-stop", NULL, 0},
+                                          {"isotropy", NULL, 0},
+                                          {"reaction-split", NULL, 0},
+                                          {"spin-stop", NULL, 0},
+                                          {"slide-and-spin", NULL, 0},
+                                          {"roll-slope", NULL, 0},
+                                          {"bowling", NULL, 0},
+                                          {"carried-balls", NULL, 0},
+                                          {"ladder", NULL, 0},
+                                          {"bounce", NULL, 0},
+                                          {"oblique-impact", NULL, 0},
+                                          {"collision-train", NULL, 0},
+                                          {"cradle", NULL, 0},
+                                          {"rocking-block", NULL, 0},
+                                          {"thin-wall", NULL, 0},
+                                          {"tower", NULL, 0},
+                                          {"multi-tower", NULL, 0},
+                                          {"mass-ratio", NULL, 0},
+                                          {"wall", NULL, 0},
+                                          {"pyramid", NULL, 0},
+                                          {"blocks", NULL, 0},
+                                          {"rest-shape", NULL, 0},
+                                          {"linked-rings", NULL, 0},
+                                          {"overhang", NULL, 0},
+                                          {"arch", NULL, 0},
+                                          {"cylinder-pyramid", NULL, 0},
+                                          {"sphere-pyramid", NULL, 0},
+                                          {"thin-rod", NULL, 0},
+                                          {"far-from-origin", NULL, 0},
+                                          {"large-step", NULL, 0},
+                                          {"initial-overlap", NULL, 0}};
 
 /* Table 2 of the source. */
 static const pl_suite_entry paper[] = {
@@ -63,60 +61,38 @@ static const pl_suite_entry paper_blocks[] = {{"blocks", "n=5", 0.6e-3 + 1.5e-3}
                                               {"blocks", "n=200", 44e-3 + 140e-3}};
 
 /* Small enough for a hundred members on two cores in minutes. */
-static const pl_suite_entry chaotic[] = {
-    {.scenario = "wall-collapse", .setting = "rows=8,columns=12"},
-    {.scenario = "pile", .setting = "n=60,duration=6"}};
+static const pl_suite_entry chaotic[] = {{"wall-collapse", "rows=8,columns=12", 0},
+                                         {"pile", "n=60,duration=6", 0}};
 
-/* What breaks engines; each says what it provokes. */
-static const pl_suite_entry hard[] = {{.scenario = "tower", .setting = "n=100"},
-                                      {.scenario = "mass-ratio", .setting = "k=6"},
-                                      {.scenario = "arch"},
-                                      {.scenario = "card-house"},
-                                      {.scenario = "overhang"},
-                                      {.scenario = "cylinder-pyramid"},
-                                      {.scenario = "sphere-pyramid"},
-                                      {.scenario = "cradle"},
-                                      {.scenario = "painleve"},
-                                      {.scenario = "rocking-block"},
-                                      {.scenario = "thin-rod"},
-                                      {.scenario = "far-from-origin"},
-                                      {.scenario = "large-step"},
-                                      {.scenario = "initial-overlap"},
-                                      {.scenario = "pile", .setting = "shape=3"},
-                                      {.scenario = "needle-in-gap"}};
+/* Cases that break engines; each names what it provokes. */
+static const pl_suite_entry hard[] = {
+    {"tower", "n=100", 0},       {"mass-ratio", "k=6", 0},     {"arch", NULL, 0},
+    {"card-house", NULL, 0},     {"overhang", NULL, 0},        {"cylinder-pyramid", NULL, 0},
+    {"sphere-pyramid", NULL, 0}, {"cradle", NULL, 0},          {"painleve", NULL, 0},
+    {"rocking-block", NULL, 0},  {"thin-rod", NULL, 0},        {"far-from-origin", NULL, 0},
+    {"large-step", NULL, 0},     {"initial-overlap", NULL, 0}, {"pile", "shape=3", 0},
+    {"needle-in-gap", NULL, 0}};
 
-enum {
-    ANALYTIC_COUNT = sizeof analytic / sizeof analytic[0],
-    CHAOTIC_COUNT = sizeof chaotic / sizeof chaotic[0],
-    CANONICAL_COUNT = sizeof canonical / sizeof canonical[0],
-    HARD_COUNT = sizeof hard / sizeof hard[0],
-    PAPER_COUNT = sizeof paper / sizeof paper[0],
-    PAPER_BLOCKS_COUNT = sizeof paper_blocks / sizeof paper_blocks[0]
-};
+#define ENTRIES(table) .entries = (table), .entry_count = sizeof(table) / sizeof(table)[0]
 
 static const pl_suite suites[] = {
     {.name = "canonical",
      .description =
          "stacks, friction slopes, wall, wall collapse, falling cubes, rocket: the default",
-     .entries = canonical,
-     .entry_count = CANONICAL_COUNT},
+     ENTRIES(canonical)},
     {.name = "analytic",
      .description =
-         "all that have a right answer in numbers: what moves, slides, bounces and rests",
-     .entries = analytic,
-     .entry_count = ANALYTIC_COUNT},
+         "all that have a right answer in numbers: bodies that move, slide, bounce and rest",
+     ENTRIES(analytic)},
     {.name = "chaotic",
      .description = "collapses and piles, to be compared as ensembles: plumb ensemble's default",
-     .entries = chaotic,
-     .entry_count = CHAOTIC_COUNT},
+     ENTRIES(chaotic)},
     {.name = "hard",
-     .description = "what breaks engines: weights, edges, friction at its limit, sizes, steps",
-     .entries = hard,
-     .entry_count = HARD_COUNT},
+     .description = "cases that break engines: weights, edges, friction at its limit, sizes, steps",
+     ENTRIES(hard)},
     {.name = "paper",
-     .description = "the towers of the source paper, beside its own iteration counts",
-     .entries = paper,
-     .entry_count = PAPER_COUNT,
+     .description = "the towers of the source paper, next to its own iteration counts",
+     ENTRIES(paper),
      .published_metric = "iterations_mean",
      .source = PL_SOURCE_PAPER
      ", Table 2 "
@@ -124,9 +100,8 @@ static const pl_suite suites[] = {
      "text no tower of more than 25 cubes stood, and the solver often failed to converge "
      "in 500 iterations. It names neither its time step, nor its duration or tolerance"},
     {.name = "paper-blocks",
-     .description = "the blocks of the source paper at rest on the floor, beside its own times",
-     .entries = paper_blocks,
-     .entry_count = PAPER_BLOCKS_COUNT,
+     .description = "the blocks of the source paper at rest on the floor, next to its own times",
+     ENTRIES(paper_blocks),
      .published_metric = "time_per_step",
      .source = "the same paper, Table 1 (average execution times for blocks resting on floor): "
                "collision detection 0.6, 0.9, 20, 44 ms and collision processing 1.5, 1.8, 60, "

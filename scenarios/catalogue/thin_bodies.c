@@ -1,8 +1,7 @@
+/* Very thin bodies and gaps: a slender rod, a thin wall, a needle in a gap. */
 #include "catalogue.h"
 
 #include <math.h>
-
-/* ---- thin-rod ---- */
 
 /* A very slender rod that falls flat on the floor.
  *
@@ -43,13 +42,10 @@ const pl_scenario pl_scenario_thin_rod = {
     .validity = "the run lasts until it lies: duration > sqrt(2 drop / g)",
     .provokes = "the rod passes through the floor, spins up about its long axis, where the least "
                 "moment turns it, or never comes to rest; in a right engine it lies down and stays",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(thin_rod_params),
     .build = thin_rod_build};
 
-/* ---- thin-wall ---- */
-
-/* A body flies at a wall that is much thinner than the way it makes in a step.
+/* A body flies at a wall that is much thinner than its displacement in a step.
  *
  * There is no gravity, and nothing bounces: the body meets the wall's middle squarely, or with its
  * edge foremost, and stops where it touches. */
@@ -103,11 +99,8 @@ const pl_scenario pl_scenario_thin_wall = {
     .source = "impenetrability, and a restitution of 0",
     .primary_error = "rest_position_error",
     .validity = "the run lasts until it is there: speed * duration > 7.3 m",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_BOX | PL_NEEDS_SPHERE,
     PL_PARAMS(thin_wall_params),
     .build = thin_wall_build};
-
-/* ---- needle-in-gap ---- */
 
 /* A needle that falls into a gap a little wider than itself.
  *
@@ -167,6 +160,5 @@ const pl_scenario pl_scenario_needle_in_gap = {
     .provokes =
         "margins and contacts from both sides that will not agree: the needle jams, shakes, "
         "is squeezed out or passes through a side; a right engine lets it fall to the floor",
-    .needs = PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(needle_in_gap_params),
     .build = needle_in_gap_build};

@@ -23,8 +23,6 @@ static void begin(pl_builder *b)
     b->scene->collapse_distance = half;
 }
 
-/* ---- tower ---- */
-
 /* A tower of n unit cubes.
  *
  * Cube k = 1 .. n of side 1 stands with its centre at z = k - 1/2, exactly on the one below. Its
@@ -99,11 +97,8 @@ const pl_scenario pl_scenario_tower = {
     .primary_error = "rest_position_error",
     .provokes = "a weight that must pass through every contact: a solver of few iterations lets "
                 "the tower sink, sway and fall; a right engine holds any number of cubes still",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(tower_params),
     .build = tower_build};
-
-/* ---- multi-tower ---- */
 
 /* Towers of unit cubes next to each other, k by k of them, 1 m apart: each is independent, and none
  * may disturb another. */
@@ -141,11 +136,8 @@ const pl_scenario pl_scenario_multi_tower = {
     .expected = "ok: every cube of every tower at rest where it began",
     .source = "statics",
     .primary_error = "rest_position_error",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(multi_tower_params),
     .build = multi_tower_build};
-
-/* ---- mass-ratio ---- */
 
 /* A heavy cube on a light one.
  *
@@ -194,11 +186,8 @@ const pl_scenario pl_scenario_mass_ratio = {
     .provokes = "a large weight through a small mass: an iteration passes on a part of it at a "
                 "time, so the light cube is squeezed and the heavy one falls; a right engine "
                 "holds it still",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(mass_ratio_params),
     .build = mass_ratio_build};
-
-/* ---- large-step ---- */
 
 /* A tower of unit cubes, stepped ten times a second: a cube in free fall would drop by 0.1 m in one
  * step. At rest the length of a step changes nothing. */
@@ -230,13 +219,11 @@ const pl_scenario pl_scenario_large_step = {
     .expected = "ok: every cube at rest where it began, as at short steps",
     .source = "statics",
     .primary_error = "rest_position_error",
-    .provokes = "what a step does wrong grows with its square: cubes sink into each other, are "
-                "pushed out too fast, and the tower jumps or falls; a right engine leaves it alone",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
+    .provokes =
+        "what a step does wrong grows with its square: cubes sink into each other, are "
+        "pushed out too fast, and the tower jumps or falls; a right engine keeps it at rest",
     PL_PARAMS(large_step_params),
     .build = large_step_build};
-
-/* ---- far-from-origin ---- */
 
 /* A tower of unit cubes far from the origin, along a direction and turned by an angle of its own:
  * numbers near 10 km are 2e-12 m apart, so nothing about it is exact. */
@@ -275,12 +262,9 @@ const pl_scenario pl_scenario_far_from_origin = {
     .primary_error = "rest_position_error",
     .provokes = "digits are lost where moments or planes are taken about the origin, so that "
                 "contacts flicker and the tower creeps; a right engine is as good as at the origin "
-                "but for the rounding of the positions",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
+                "except for the rounding of the positions",
     PL_PARAMS(far_from_origin_params),
     .build = far_from_origin_build};
-
-/* ---- initial-overlap ---- */
 
 /* A tower of unit cubes that overlap at the start, each with the next and the lowest with the
  * floor.
@@ -319,6 +303,5 @@ const pl_scenario pl_scenario_initial_overlap = {
     .primary_error = "rest_position_error",
     .provokes = "overlap turned into speed: the tower jumps and gains energy, or stays overlapped; "
                 "a right engine parts it gently and leaves no more than its slop",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(initial_overlap_params),
     .build = initial_overlap_build};

@@ -1,13 +1,12 @@
-/* Sine and cosine of scenarios' angles: the same bits on every machine, which the C library's are
- * not. */
+/* Sine and cosine for scenarios: the same bits on every machine, unlike those of the C library. */
 #ifndef PLUMB_TRIGONOMETRY_H
 #define PLUMB_TRIGONOMETRY_H
 
-/* Good to a few units in the last place for 0 <= angle <= 1.6. */
+/* Sine and cosine of an angle from 0 to 1.6 rad, good to a few units in the last place. */
 double pl_sine(double angle);
 double pl_cosine(double angle);
 
-/* Of any angle from 0 to 1e6: good to 1e-16 of the angle. */
+/* Sine and cosine of any angle from 0 to 1e6 rad, good to 1e-16 of the angle. */
 double pl_sine_of_any(double angle);
 double pl_cosine_of_any(double angle);
 

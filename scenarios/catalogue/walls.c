@@ -52,8 +52,6 @@ static void build_wall(pl_builder *b, int rows, int columns, bool expect_rest)
     }
 }
 
-/* ---- wall ---- */
-
 /* A brick wall at rest. It stands by statics: every brick lies on its row below over its whole
  * length. */
 
@@ -82,11 +80,8 @@ const pl_scenario pl_scenario_wall = {
     .expected = "ok: every brick at rest where it began",
     .source = "statics",
     .primary_error = "rest_position_error",
-    .needs = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_BOX,
     PL_PARAMS(wall_params),
     .build = wall_build};
-
-/* ---- wall-collapse ---- */
 
 /* A brick wall hit by a heavy ball.
  *
@@ -133,7 +128,5 @@ const pl_scenario pl_scenario_wall_collapse = {
     .expected = "ok: the ball breaks the wall; no two bodies overlap at any time",
     .source = "impenetrability",
     .primary_error = "penetration_max",
-    .needs =
-        PL_NEEDS_FRICTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX,
     PL_PARAMS(wall_collapse_params),
     .build = wall_collapse_build};

@@ -5,10 +5,10 @@
  * twice in a triangle, a triangle without area, an edge that is not of two triangles, a surface
  * with one side (of Moebius or Klein), one that crosses itself, one that encloses nothing.
  *
- * Made good: vertices that no triangle has are left out; triangles are turned so that each surface
- * faces one way. Which way does not come from how they were wound, but from where they lie: an
- * outermost surface encloses the solid, one within it is a cavity and faces inward, one within that
- * encloses solid again. So a mesh that is inside out is turned round as a whole. */
+ * Corrected: vertices that no triangle uses are removed, and triangles are turned so that each
+ * surface faces one way. Which way does not come from how they were wound, but from where they lie:
+ * an outermost surface encloses the solid, one within it is a cavity and faces inward, one within
+ * that encloses solid again. So a mesh that is inside out is turned round as a whole. */
 #include "mesh.h"
 #include "plumb/vec.h"
 #include "polyhedron.h"

@@ -8,15 +8,16 @@
 
 /* ---- Edges, direction and components: mesh_edges.c ---- */
 
-/* Fills neighbours[t][k] with the triangle beyond the edge of t from corner k to the next; t itself
- * where none is. Complains at "triangles"[t] of an edge that is not of exactly two triangles.
+/* Fills neighbours[t][k] with the triangle on the other side of the edge of t from corner k to the
+ * next. Complains at "triangles"[t] of an edge that is not of exactly two triangles.
  * O(n log n). */
 bool pl_mesh_neighbours(const int (*triangles)[3], int triangle_count, int (*neighbours)[3],
                         pl_diagnostic *diagnostic);
 
 /* Turns triangles so that all neighbours run along their common edge in opposite directions, the
- * lowest triangle of each component staying as it is; complains where none such is. Fills
- * component[t] with the number of t's component, from 0 by lowest triangle, and *component_count.
+ * lowest triangle of each component being left as it is. Complains of a surface with one side.
+ * Fills component[t] with the number of t's component, from 0 by lowest triangle, and
+ * *component_count.
  */
 bool pl_mesh_orient(int (*triangles)[3], int triangle_count, const int (*neighbours)[3],
                     int *component, int *component_count, pl_diagnostic *diagnostic);
@@ -38,6 +39,7 @@ bool pl_mesh_check_crossing(const double (*vertices)[3], int vertex_count,
 
 /* ---- Nesting: mesh_nesting.c ---- */
 
+/* The largest number of closed surfaces of a mesh. */
 enum { PL_MAX_SURFACES = 4096 };
 
 /* Turns each of `surface_count` components to its outer side, and complains of one that encloses

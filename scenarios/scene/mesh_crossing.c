@@ -17,18 +17,18 @@ typedef struct triangle {
 } triangle;
 
 /* How far three points reach along a direction. */
-typedef struct stretch {
+typedef struct interval {
     double low, high;
-} stretch;
+} interval;
 
-static double overlap(stretch a, stretch b)
+static double overlap(interval a, interval b)
 {
     return fmin(a.high, b.high) - fmax(a.low, b.low);
 }
 
-static stretch along(const triangle *t, pl_vec origin, pl_vec direction)
+static interval along(const triangle *t, pl_vec origin, pl_vec direction)
 {
-    stretch s = {(double)INFINITY, -(double)INFINITY};
+    interval s = {(double)INFINITY, -(double)INFINITY};
     for (int k = 0; k < 3; k++) {
         const double x = pl_vec_dot(pl_vec_sub(t->corner[k], origin), direction);
         s.low = fmin(s.low, x);
@@ -72,10 +72,10 @@ static heights measure_heights(const triangle *t, const triangle *plane, double 
     return h;
 }
 
-/* The stretch of the triangle in the plane, along the unit direction `line`. */
-static stretch cut(const triangle *t, const heights *h, pl_vec origin, pl_vec line)
+/* The interval of the triangle in the plane, along the unit direction `line`. */
+static interval cut(const triangle *t, const heights *h, pl_vec origin, pl_vec line)
 {
-    stretch s = {(double)INFINITY, -(double)INFINITY};
+    interval s = {(double)INFINITY, -(double)INFINITY};
     for (int k = 0; k < 3; k++) {
         const int next = (k + 1) % 3;
         const double from = h->of[k], to = h->of[next];

@@ -1,16 +1,16 @@
 /* Wavefront .obj files: the faces of solids.
  *
- * Read are `v` x y z, of which a weight and a colour behind are left out, and `f` with three or
- * more corners v, v/vt, v//vn or v/vt/vn, each by its number from 1 or, if negative, counted back
- * from the last vertex before the face. Left out are vt, vn, o, g, s, usemtl, mtllib and the like,
- * and also points and lines (p, l), which bound no solid. Curves and curved surfaces are refused,
- * as is every word that is none of the format. A # begins a comment; a backslash at a line's end
- * joins the next one.
+ * The reader takes `v` x y z, without the weight and the colour that may follow, and `f` with three
+ * or more corners v, v/vt, v//vn or v/vt/vn. A corner is the number of a vertex from 1 or, if
+ * negative, counts back from the last vertex before the face. The reader skips vt, vn, o, g, s,
+ * usemtl, mtllib and the like, and also points and lines (p, l), which bound no solid. It refuses
+ * curves, curved surfaces and every word that the format does not have. A # begins a comment; a
+ * backslash at the end of a line joins the next one.
  *
  * A face of more corners becomes triangles; it must be flat to a thousandth of its size and not
  * cross itself. Where the faces do not close as they are numbered, vertices of one place, the same
  * to the bit, are one: programs write a vertex once for each normal or texture that it has. A face
- * then loses what it has of one place side by side. */
+ * then loses repeated neighbouring corners. */
 #ifndef PLUMB_OBJ_H
 #define PLUMB_OBJ_H
 
@@ -18,11 +18,13 @@
 
 #include <stddef.h>
 
+/* The vertices and triangles of a file. Begins as zeros. */
 typedef struct pl_obj {
     double (*vertices)[3]; /* (vertex_count), as in the file, from 0 */
     int (*triangles)[3];   /* (triangle_count) */
-    int *lines;            /* (triangle_count), of the file, from 1: where the face begins */
-    int vertex_count, triangle_count;
+    int *lines; /* (triangle_count): the line, from 1, where the triangle's face begins */
+    int vertex_count;
+    int triangle_count;
 } pl_obj;
 
 /* Reads an .obj file, or its text; `label` stands for the file's name in messages. PL_BAD_INPUT

@@ -91,8 +91,7 @@ static bool is_fan(const point *points, int count)
     return true;
 }
 
-/* Whether two of its sides go through each other. Ears alone would not show it of an outline that
- * goes round twice. */
+/* Whether two sides cross. Clipping ears would not show it of an outline that goes round twice. */
 static bool crosses_itself(const point *points, int count)
 {
     for (int i = 0; i < count; i++) {
@@ -295,7 +294,8 @@ static pl_status check_corners(const cutter *c, int face)
     return PL_OK;
 }
 
-/* The corners of a face as numbered[] has them, none beside itself, into `spare`; their count. */
+/* Fills `spare` with the corners of a face as numbered[] has them, without equal neighbours.
+ * Returns their number. */
 static int take_corners(const cutter *c, int face, const int *numbered)
 {
     int count = 0;

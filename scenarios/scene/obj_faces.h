@@ -4,14 +4,15 @@
 
 #include "obj.h"
 
+/* The largest number of corners of a face. */
 enum { PL_MAX_POLYGON_CORNERS = 4096 };
 
 /* Face i has the corners corner[first[i] .. first[i + 1]), numbers of vertices from 0, perhaps
  * beyond the last; it begins at line[i]. */
 typedef struct pl_obj_faces {
-    int *corner;
-    int *first;
-    int *line;
+    int *corner; /* (corner_count) */
+    int *first;  /* (face_count + 1) */
+    int *line;   /* (face_count) */
     int corner_count;
     int face_count;
 } pl_obj_faces;

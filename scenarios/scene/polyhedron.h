@@ -1,8 +1,8 @@
 /* Making polyhedra: from the hull of points, or from triangles that enclose a solid.
  *
- * Both complain at "points"[i], "vertices"[i] or "triangles"[i], as the scene file has them. What
- * they make is the same, bit for bit, when it is made again from its own vertices and triangles: so
- * a scene that is written and read stays what it was. */
+ * Both report faults at "points"[i], "vertices"[i] or "triangles"[i], as the scene file has them. A
+ * polyhedron made again from its own vertices and triangles is the same, bit for bit, so a scene
+ * that is written and read does not change. */
 #ifndef PLUMB_POLYHEDRON_H
 #define PLUMB_POLYHEDRON_H
 
@@ -19,14 +19,14 @@ enum {
     PL_MAX_TRIANGLES = 1 << 21,
 };
 
-/* An unnamed polyhedron with room for so many vertices and triangles, all else zero; NULL when out
- * of memory. */
+/* Returns an unnamed polyhedron with space for so many vertices and triangles, all else zero; NULL
+ * when out of memory. */
 pl_polyhedron *pl_polyhedron_create(int vertex_count, int triangle_count);
 
-/* NULL is allowed. */
+/* Frees a polyhedron. NULL is allowed. */
 void pl_polyhedron_free(pl_polyhedron *polyhedron);
 
-/* Of `count` triples under `key`: that they are finite and at most PL_MAX_COORDINATE. */
+/* Checks that `count` triples, the value of `key`, are finite and at most PL_MAX_COORDINATE. */
 bool pl_polyhedron_check_points(const char *key, const double (*points)[3], int count,
                                 pl_diagnostic *diagnostic);
 
@@ -35,7 +35,7 @@ bool pl_polyhedron_check_points(const char *key, const double (*points)[3], int 
  * as long as wide. */
 bool pl_polyhedron_measure(pl_polyhedron *polyhedron);
 
-/* Six times the volume between the surface and the point `from`, and twice its area. */
+/* Computes six times the volume between the surface and the point `from`, and twice its area. */
 void pl_surface_volume(const double (*vertices)[3], const int (*triangles)[3], int triangle_count,
                        const double from[3], double *six_volumes, double *two_areas);
 
@@ -45,7 +45,8 @@ bool pl_surface_is_thick(double six_volumes, double two_areas, double largest_co
 /* The largest absolute coordinate. */
 double pl_largest_coordinate(const double (*points)[3], int count);
 
-/* Makes *polyhedron, which the caller frees, or complains. */
+/* Makes *polyhedron, which the caller frees, from the hull of points or from a closed surface.
+ * False after a diagnostic. */
 bool pl_polyhedron_of_hull(const double (*points)[3], int count, pl_polyhedron **polyhedron,
                            pl_diagnostic *diagnostic);
 bool pl_polyhedron_of_mesh(const double (*vertices)[3], int vertex_count, const int (*triangles)[3],

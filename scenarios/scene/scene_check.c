@@ -169,11 +169,7 @@ static bool check_name(const pl_field *field, const char *name, pl_diagnostic *d
         return true;
     }
     pl_path_push_key(&diagnostic->path, field->key);
-    if (!check_stored_name(name, diagnostic)) {
-        return false;
-    }
-    pl_path_pop(&diagnostic->path);
-    return true;
+    return pl_leave(diagnostic, check_stored_name(name, diagnostic));
 }
 
 /* A field that is checked by itself. */
@@ -201,25 +197,21 @@ static bool check_value(const checker *c, const pl_object *table, const pl_field
     case PL_FIELD_NAME:
         return check_name(field, value, diagnostic);
     case PL_FIELD_WORD:
-        memcpy(&index, value, sizeof index);
+        index = pl_field_index(field, object);
         return (index >= 0 && index < field->word_count) ||
                pl_complain_of(diagnostic, field->key, "expected a known %s, found number %d",
                               field->key, index);
     case PL_FIELD_METRIC:
         return check_primary_error(c->scene, diagnostic);
     case PL_FIELD_MATERIAL:
-        memcpy(&index, value, sizeof index);
-        return check_index(diagnostic, field->key, index, c->scene->material_count, "material");
+        return check_index(diagnostic, field->key, pl_field_index(field, object),
+                           c->scene->material_count, "material");
     case PL_FIELD_BODY:
-        memcpy(&index, value, sizeof index);
-        return check_placed_body(c, field->key, index);
+        return check_placed_body(c, field->key, pl_field_index(field, object));
     case PL_FIELD_SHAPE:
         pl_path_push_key(&diagnostic->path, field->key);
-        if (!pl_check_shape(value, diagnostic) || !check_polyhedron(c, value)) {
-            return false;
-        }
-        pl_path_pop(&diagnostic->path);
-        return true;
+        return pl_leave(diagnostic,
+                        pl_check_shape(value, diagnostic) && check_polyhedron(c, value));
     default:
         return true;
     }
@@ -356,11 +348,8 @@ static bool check_polyhedra(const pl_scene *scene, pl_diagnostic *diagnostic)
         }
     }
     right = right && check_unique(diagnostic, names[0], sizeof *names, count);
-    if (right) {
-        pl_path_pop(&diagnostic->path);
-    }
     free(names);
-    return right;
+    return pl_leave(diagnostic, right);
 }
 
 static bool check_items(const checker *c, const pl_field *field, const void *object)
@@ -368,10 +357,8 @@ static bool check_items(const checker *c, const pl_field *field, const void *obj
     pl_diagnostic *diagnostic = c->diagnostic;
     const size_t size = pl_objects[field->items].size;
     const bool named = field->type == PL_FIELD_NAMED_ITEMS;
-    const char *items;
     int count;
-    memcpy(&items, pl_field_of(field, object), sizeof items);
-    memcpy(&count, (const char *)object + field->count, sizeof count);
+    const char *items = pl_field_items(field, object, &count);
     pl_path_push_key(&diagnostic->path, field->key);
     if (count < field->least || (field->most > 0 && count > field->most)) {
         return pl_complain(diagnostic, "expected %d to %d %s, found %d", field->least, field->most,
@@ -387,17 +374,12 @@ static bool check_items(const checker *c, const pl_field *field, const void *obj
             pl_path_pop(&diagnostic->path);
             pl_path_push_key(&diagnostic->path, item); /* as in the file */
         }
-        if (!check_object(c, field->items, item)) {
+        if (!pl_leave(diagnostic, check_object(c, field->items, item))) {
             return false;
         }
-        pl_path_pop(&diagnostic->path);
     }
-    if ((named || field->items == PL_OBJECT_BODY) &&
-        !check_unique(diagnostic, items, size, count)) {
-        return false;
-    }
-    pl_path_pop(&diagnostic->path);
-    return true;
+    return pl_leave(diagnostic, (!named && field->items != PL_OBJECT_BODY) ||
+                                    check_unique(diagnostic, items, size, count));
 }
 
 /* Where force number `index` stands in a scene file: in its body's own list. */
@@ -451,11 +433,7 @@ static bool check_nested(const checker *c, const pl_field *field, const void *ob
         return check_polyhedra(object, c->diagnostic);
     case PL_FIELD_OBJECT:
         pl_path_push_key(&c->diagnostic->path, field->key);
-        if (!check_object(c, field->items, object)) {
-            return false;
-        }
-        pl_path_pop(&c->diagnostic->path);
-        return true;
+        return pl_leave(c->diagnostic, check_object(c, field->items, object));
     default:
         return true;
     }

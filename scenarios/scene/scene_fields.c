@@ -2,6 +2,7 @@
 
 #include "polyhedron.h"
 
+#include <float.h>
 #include <math.h>
 
 #define COUNT_OF(array) ((int)(sizeof array / sizeof array[0]))
@@ -24,30 +25,22 @@ static const char *const quantity_names[PL_QUANTITY_COUNT] = {
 static const char *const frame_names[] = {[PL_FRAME_WORLD] = "world", [PL_FRAME_BODY] = "body"};
 
 const pl_range_rule pl_range_rules[] = {
-    [PL_RANGE_FINITE] = {"a finite number", ""},
-    [PL_RANGE_POSITIVE] = {"a finite number above 0", ", \"exclusiveMinimum\": 0"},
-    [PL_RANGE_POSITIVE_OR_INFINITE] = {"a number above 0", ", \"exclusiveMinimum\": 0"},
-    [PL_RANGE_NOT_NEGATIVE] = {"a finite number of at least 0", ", \"minimum\": 0"},
-    [PL_RANGE_FRACTION] = {"a number from 0 to 1", ", \"minimum\": 0, \"maximum\": 1"},
-    [PL_RANGE_NOT_ZERO] = {"a finite number other than 0", ", \"not\": { \"const\": 0 }"}};
+    [PL_RANGE_FINITE] = {"a finite number", "", -DBL_MAX, DBL_MAX, false},
+    [PL_RANGE_POSITIVE] = {"a finite number above 0", ", \"exclusiveMinimum\": 0", 0, DBL_MAX,
+                           true},
+    [PL_RANGE_POSITIVE_OR_INFINITE] = {"a number above 0", ", \"exclusiveMinimum\": 0", 0,
+                                       (double)INFINITY, true},
+    [PL_RANGE_NOT_NEGATIVE] = {"a finite number of at least 0", ", \"minimum\": 0", 0, DBL_MAX,
+                               false},
+    [PL_RANGE_FRACTION] = {"a number from 0 to 1", ", \"minimum\": 0, \"maximum\": 1", 0, 1, false},
+    [PL_RANGE_NOT_ZERO] = {"a finite number other than 0", ", \"not\": { \"const\": 0 }", -DBL_MAX,
+                           DBL_MAX, false}};
 
 bool pl_range_holds(pl_range range, double value)
 {
-    switch (range) {
-    case PL_RANGE_FINITE:
-        return isfinite(value);
-    case PL_RANGE_POSITIVE:
-        return isfinite(value) && value > 0;
-    case PL_RANGE_POSITIVE_OR_INFINITE:
-        return value > 0;
-    case PL_RANGE_NOT_NEGATIVE:
-        return isfinite(value) && value >= 0;
-    case PL_RANGE_FRACTION:
-        return value >= 0 && value <= 1;
-    case PL_RANGE_NOT_ZERO:
-        return isfinite(value) && value != 0;
-    }
-    return false;
+    const pl_range_rule *rule = &pl_range_rules[range];
+    return (rule->open ? value > rule->least : value >= rule->least) && value <= rule->most &&
+           !(range == PL_RANGE_NOT_ZERO && value == 0);
 }
 
 /* ---- When a field has a meaning ---- */
@@ -309,7 +302,7 @@ const pl_object pl_objects[PL_OBJECT_COUNT] = {
                             .about = "about the z axis, from -half_height to half_height"},
     [PL_OBJECT_HULL] = {"hull", OF(hull_fields, no_shape),
                         .about = "the convex hull of points that do not lie in one plane; those "
-                                 "inside, on an edge or on a face are left out"},
+                                 "inside, on an edge or on a face are ignored"},
     [PL_OBJECT_MESH] = {"mesh", OF(mesh_fields, no_shape),
                         .about = "the solid within closed surfaces that do not cross themselves or "
                                  "each other, given by file or by vertices and triangles. Each "

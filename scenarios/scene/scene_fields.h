@@ -3,7 +3,10 @@
 #ifndef PLUMB_SCENE_FIELDS_H
 #define PLUMB_SCENE_FIELDS_H
 
+#include "base/diagnostic.h"
 #include "plumb/scene.h"
+
+#include <string.h>
 
 /* The type of a field: its form in the file, and its type in C. */
 typedef enum pl_field_type {
@@ -101,10 +104,13 @@ typedef struct pl_object {
 /* By pl_object_kind. */
 extern const pl_object pl_objects[PL_OBJECT_COUNT];
 
-/* Text and limits of a range; `schema` are members of a JSON Schema. */
+/* The numbers of a range: above `least`, or from it where not `open`, up to `most`. */
 typedef struct pl_range_rule {
-    const char *expected;
-    const char *schema;
+    const char *expected; /* for messages */
+    const char *schema;   /* members of a JSON Schema */
+    double least;
+    double most;
+    bool open;
 } pl_range_rule;
 
 /* By pl_range. */
@@ -125,6 +131,33 @@ extern const char *const pl_shape_names[PL_SHAPE_KIND_COUNT];
 static inline const void *pl_field_of(const pl_field *field, const void *object)
 {
     return (const char *)object + field->offset;
+}
+
+/* The field's value in `object`, an enumeration or an index. */
+static inline int pl_field_index(const pl_field *field, const void *object)
+{
+    int index; /* an enumeration has the size of an int */
+    memcpy(&index, pl_field_of(field, object), sizeof index);
+    return index;
+}
+
+/* The items of a list in `object`, and their number. */
+static inline const char *pl_field_items(const pl_field *field, const void *object, int *count)
+{
+    const char *items;
+    memcpy(&items, pl_field_of(field, object), sizeof items);
+    memcpy(count, (const char *)object + field->count, sizeof *count);
+    return items;
+}
+
+/* Takes back the last step of the path, except after a failure, which the path locates. Returns
+ * `right`. */
+static inline bool pl_leave(pl_diagnostic *diagnostic, bool right)
+{
+    if (right) {
+        pl_path_pop(&diagnostic->path);
+    }
+    return right;
 }
 
 #endif

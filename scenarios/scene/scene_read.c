@@ -239,10 +239,9 @@ static bool read_items(reader *r, const json_t *object, const pl_field *field)
     json_array_foreach(array, i, item)
     {
         pl_path_push_index(&r->diagnostic.path, (int)i);
-        if (!read_item(r, item, field->items, NULL)) {
+        if (!pl_leave(&r->diagnostic, read_item(r, item, field->items, NULL))) {
             return false;
         }
-        pl_path_pop(&r->diagnostic.path);
     }
     pl_path_pop(&r->diagnostic.path);
     return true;
@@ -266,10 +265,9 @@ static bool read_named_items(reader *r, const json_t *object, const pl_field *fi
     json_object_foreach((json_t *)items, name, value)
     {
         pl_path_push_key(&r->diagnostic.path, name);
-        if (!read_item(r, value, field->items, name)) {
+        if (!pl_leave(&r->diagnostic, read_item(r, value, field->items, name))) {
             return false;
         }
-        pl_path_pop(&r->diagnostic.path);
     }
     pl_path_pop(&r->diagnostic.path);
     return true;
@@ -322,11 +320,7 @@ static bool read_expectations(reader *r, const json_t *object, const pl_field *f
         return pl_complain_no_memory(&r->diagnostic);
     }
     pl_path_push_key(&r->diagnostic.path, field->key);
-    if (!read_object(r, expect, field->items, scene)) {
-        return false;
-    }
-    pl_path_pop(&r->diagnostic.path);
-    return true;
+    return pl_leave(&r->diagnostic, read_object(r, expect, field->items, scene));
 }
 
 /* ---- Objects ---- */

@@ -196,10 +196,9 @@ bool pl_read_shapes(pl_shape_reader *r, const json_t *scene)
     json_object_foreach((json_t *)shapes, name, value)
     {
         pl_path_push_key(&r->diagnostic->path, name);
-        if (!read_named_shape(r, name, value, &r->shapes[count++])) {
+        if (!pl_leave(r->diagnostic, read_named_shape(r, name, value, &r->shapes[count++]))) {
             return false;
         }
-        pl_path_pop(&r->diagnostic->path);
     }
     if (pl_name_index_create(r->shapes[0].name, sizeof *r->shapes, count, &r->index) != PL_OK) {
         return pl_complain_no_memory(r->diagnostic);
@@ -227,11 +226,7 @@ bool pl_read_body_shape(const pl_shape_reader *r, const json_t *body, pl_shape *
         return pl_complain(r->diagnostic, "expected an object or the name of a shape, found %s",
                            pl_json_found(json, found));
     }
-    if (!read_shape(r, json, "", shape)) {
-        return false;
-    }
-    pl_path_pop(&r->diagnostic->path);
-    return true;
+    return pl_leave(r->diagnostic, read_shape(r, json, "", shape));
 }
 
 void pl_shape_reader_free(pl_shape_reader *r)

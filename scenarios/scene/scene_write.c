@@ -179,10 +179,8 @@ static void put_shapes(writer *w, int indent)
 static void put_items(writer *w, const pl_field *field, const void *object, int indent)
 {
     const bool named = field->type == PL_FIELD_NAMED_ITEMS;
-    const char *items;
     int count;
-    memcpy(&items, pl_field_of(field, object), sizeof items);
-    memcpy(&count, (const char *)object + field->count, sizeof count);
+    const char *items = pl_field_items(field, object, &count);
     pl_text_add(&w->json, named ? "{" : "[");
     for (int i = 0; i < count; ++i) {
         const char *item = items + (size_t)i * pl_objects[field->items].size;
@@ -261,7 +259,7 @@ static bool is_written(const writer *w, const pl_object *table, const pl_field *
     }
     case PL_FIELD_ITEMS:
     case PL_FIELD_NAMED_ITEMS:
-        memcpy(&count, (const char *)object + field->count, sizeof count);
+        pl_field_items(field, object, &count);
         return count > 0 || field->need == PL_NEED_ALWAYS;
     case PL_FIELD_FORCES:
         count = (int)((const pl_body *)object - scene->bodies);
@@ -280,7 +278,6 @@ static void put_value(writer *w, const pl_field *field, const void *object, int 
 {
     pl_text_buffer *json = &w->json;
     const void *value = pl_field_of(field, object);
-    int index = 0;
     switch (field->type) {
     case PL_FIELD_VERSION:
         pl_text_add(json, "1");
@@ -304,16 +301,13 @@ static void put_value(writer *w, const pl_field *field, const void *object, int 
         pl_text_add_json(json, value);
         break;
     case PL_FIELD_WORD:
-        memcpy(&index, value, sizeof index);
-        pl_text_add_json(json, field->words[index]);
+        pl_text_add_json(json, field->words[pl_field_index(field, object)]);
         break;
     case PL_FIELD_MATERIAL:
-        memcpy(&index, value, sizeof index);
-        pl_text_add_json(json, w->scene->materials[index].name);
+        pl_text_add_json(json, w->scene->materials[pl_field_index(field, object)].name);
         break;
     case PL_FIELD_BODY:
-        memcpy(&index, value, sizeof index);
-        pl_text_add_json(json, w->scene->bodies[index].name);
+        pl_text_add_json(json, w->scene->bodies[pl_field_index(field, object)].name);
         break;
     case PL_FIELD_OBJECT:
         put_object(w, field->items, object, indent);

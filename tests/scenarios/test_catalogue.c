@@ -3,6 +3,7 @@
 #include "scenario_scene.h"
 #include "scene_equal.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,16 +42,79 @@ static void test_every_scenario_is_complete_and_builds(void **state)
     }
 }
 
-static void test_declared_needs_are_those_of_the_default_scene(void **state)
+/* The names of the bits, in their order. */
+static void name_needs(uint32_t needs, char *text, size_t size)
+{
+    text[0] = '\0';
+    for (uint32_t bit = 1; bit != 0; bit <<= 1) {
+        if ((needs & bit) != 0) {
+            const size_t used = strlen(text);
+            snprintf(text + used, size - used, "%s%s", used > 0 ? " " : "", pl_needs_name(bit));
+        }
+    }
+}
+
+static void test_needs_are_those_of_the_default_scene(void **state)
 {
     (void)state;
+    static const char *const expected[][2] = {
+        {"tower", "friction rotation plane box"},
+        {"mass-ratio", "friction rotation plane box"},
+        {"slope-stick", "friction rotation plane box"},
+        {"slope-slide", "friction rotation plane box"},
+        {"slide-to-stop", "friction rotation plane box"},
+        {"wall", "friction rotation plane box"},
+        {"wall-collapse", "friction rotation plane sphere box"},
+        {"pile", "friction rotation plane sphere box"},
+        {"rest-shape", "friction rotation plane box"},
+        {"linked-rings", "friction rotation mesh"},
+        {"roll-slope", "friction rotation plane sphere"},
+        {"blocks", "friction rotation plane mesh"},
+        {"thin-wall", "friction rotation sphere box"},
+        {"rocket", "rotation forces box"},
+        {"slope-threshold", "friction rotation plane box"},
+        {"slope-tip", "friction rotation plane box"},
+        {"ladder", "friction rotation plane box"},
+        {"multi-tower", "friction rotation plane box"},
+        {"pyramid", "friction rotation plane box"},
+        {"overhang", "friction rotation box"},
+        {"cylinder-pyramid", "friction rotation plane cylinder"},
+        {"sphere-pyramid", "friction rotation plane sphere"},
+        {"large-step", "friction rotation plane box"},
+        {"far-from-origin", "friction rotation plane box"},
+        {"initial-overlap", "friction rotation plane box"},
+        {"thin-rod", "friction rotation plane box"},
+        {"arch", "friction rotation box hull"},
+        {"card-house", "friction rotation plane box"},
+        {"painleve", "friction rotation plane box"},
+        {"needle-in-gap", "rotation plane box"},
+        {"free-fall", "sphere"},
+        {"projectile", "sphere"},
+        {"bowling", "friction rotation plane sphere"},
+        {"torque-free", "rotation box"},
+        {"bounce", "restitution plane sphere"},
+        {"oblique-impact", "friction restitution rotation plane sphere"},
+        {"collision-train", "restitution sphere"},
+        {"rocking-block", "friction rotation plane box"},
+        {"isotropy", "friction rotation plane box"},
+        {"carried-balls", "friction rotation forces plane sphere box"},
+        {"reaction-split", "friction rotation plane box"},
+        {"spin-stop", "friction rotation plane box"},
+        {"cradle", "restitution sphere"},
+        {"dominoes", "friction rotation plane box"},
+        {"falling-cubes", "friction rotation plane box"},
+        {"domino-into-pile", "friction rotation plane box"},
+        {"top", "rotation plane hull"},
+        {"slide-and-spin", "friction rotation plane hull"},
+    };
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);
-    for (int i = 0; i < count; i++) {
-        pl_scene scene;
-        build_scenario(scenarios[i]->name, NULL, 0, 0, &scene);
-        assert_int_equal(pl_scene_needs(&scene), scenarios[i]->needs);
-        pl_scene_free(&scene);
+    assert_int_equal(count, sizeof expected / sizeof expected[0]);
+    for (int i = 0; i < count; ++i) {
+        char needs[128];
+        assert_string_equal(scenarios[i]->name, expected[i][0]);
+        name_needs(pl_scenario_needs(scenarios[i]), needs, sizeof needs);
+        assert_string_equal(needs, expected[i][1]);
     }
 }
 
@@ -197,7 +261,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_scenario_is_complete_and_builds),
-        cmocka_unit_test(test_declared_needs_are_those_of_the_default_scene),
+        cmocka_unit_test(test_needs_are_those_of_the_default_scene),
         cmocka_unit_test(test_same_seed_gives_the_same_scene_and_file),
         cmocka_unit_test(test_every_scene_reads_back_from_its_file),
         cmocka_unit_test(test_dt_and_duration_reach_the_scene),

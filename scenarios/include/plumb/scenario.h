@@ -1,4 +1,4 @@
-/* The catalogue: each scenario is a const descriptor in its own file, catalogue/<name>.c. */
+/* The catalogue of scenarios: families of scenes with parameters. Each is a const descriptor. */
 #ifndef PLUMB_SCENARIO_H
 #define PLUMB_SCENARIO_H
 
@@ -10,22 +10,26 @@ extern "C" {
 
 /* A numeric parameter of a scenario, set by `--set NAME=VALUE`. */
 typedef struct pl_param {
-    const char *name;
-    double value, min, max; /* default and inclusive range */
-    bool integer;
+    const char *name; /* as in --set */
+    double value;     /* the default */
+    double min;       /* the least value allowed */
+    double max;       /* the largest value allowed */
+    bool integer;     /* only whole numbers are allowed */
     const char *unit; /* "1" when dimensionless */
-    const char *help;
+    const char *help; /* a line for people */
 } pl_param;
 
+/* The largest number of parameters of a scenario. */
 enum { PL_MAX_PARAMS = 16 };
 
-/* What a scenario needs of an engine, as bits. An engine without one answers `unsupported`. */
+/* The features of an engine that a scenario needs, as bits. For an engine without one of them the
+ * outcome is `unsupported`. */
 enum {
-    PL_NEEDS_FRICTION = 1u << 0,
-    PL_NEEDS_RESTITUTION = 1u << 1,
-    PL_NEEDS_ROTATION = 1u << 2,
-    PL_NEEDS_FORCES = 1u << 3,
-    PL_NEEDS_PLANE = 1u << 8, /* shapes: 1 << (8 + pl_shape_kind) */
+    PL_NEEDS_FRICTION = 1u << 0,    /* friction in some contact */
+    PL_NEEDS_RESTITUTION = 1u << 1, /* restitution in some contact */
+    PL_NEEDS_ROTATION = 1u << 2,    /* a body that turns */
+    PL_NEEDS_FORCES = 1u << 3,      /* applied forces */
+    PL_NEEDS_PLANE = 1u << 8,       /* shapes: 1 << (8 + pl_shape_kind) */
     PL_NEEDS_SPHERE = 1u << 9,
     PL_NEEDS_BOX = 1u << 10,
     PL_NEEDS_CAPSULE = 1u << 11,
@@ -34,7 +38,7 @@ enum {
     PL_NEEDS_MESH = 1u << 14
 };
 
-/* Those bits as the scene itself shows them: friction where any touching pair may have it, and so
+/* Derives those bits from a scene: friction where any pair of bodies that may touch has it, and so
  * on. */
 uint32_t pl_scene_needs(const pl_scene *scene);
 
@@ -44,22 +48,24 @@ const char *pl_needs_name(uint32_t bit);
 /* A critical value of one parameter: on one side of it the scene holds (the outcome is `ok`), on
  * the other it does not. `plumb threshold` bisects it for each engine. */
 typedef struct pl_threshold {
-    const char *param;
-    double low, high; /* of that parameter: where the search begins, one that holds, one not */
-    bool holds_below; /* else above */
-    double tolerance; /* of the parameter: the width of the bracket at which the search ends */
+    const char *param; /* name of the parameter */
+    double low;        /* lower end of the first bracket of that parameter */
+    double high;       /* its upper end; the scene holds at one of the two and not at the other */
+    bool holds_below;  /* the scene holds below the critical value; else above */
+    double tolerance;  /* of the parameter: the width of the bracket at which the search ends */
     /* The critical value in closed form, of the other parameters' values; NULL: there is none. */
     double (*critical)(const double *values);
-    const char *formula; /* that, as plain text; NULL with it */
+    const char *formula; /* the same as plain text; NULL where `critical` is */
 } pl_threshold;
 
 /* Builds a scene step by step; of the catalogue alone. */
 typedef struct pl_builder pl_builder;
 
+/* A scenario: a family of scenes with parameters, and its right answer. */
 typedef struct pl_scenario {
     const char *name;        /* as on the command line: "slope-slide" */
     const char *title;       /* a line for people */
-    const char *description; /* what is built, and what it shows */
+    const char *description; /* the scene, and what it shows */
     const char *reference;   /* the right answer, as a formula in plain text */
     const char *expected;    /* the outcome of a right engine, "ok: ..." and what is then seen */
     const char *source; /* of that formula: author, year, equation; or "by symmetry", "statics" */
@@ -68,19 +74,21 @@ typedef struct pl_scenario {
     const char *provokes; /* of a hard case: the failure that it provokes, and what a right engine
                              does; NULL: not one of them */
     const pl_threshold *threshold; /* NULL: none */
-    uint32_t needs;
     /* Every scenario has, besides its own, the parameters "dt" and "duration" (s): its reference
      * may depend on them, and the command's --dt and --duration set them. */
-    const pl_param *params;
-    int param_count;
+    const pl_param *params; /* (param_count) */
+    int param_count;        /* number of parameters */
     /* Adds the bodies and expectations. Called by pl_scenario_build alone. */
     void (*build)(pl_builder *builder, const double *values);
 } pl_scenario;
 
+/* The features that the scene with default parameters needs: PL_NEEDS_*. 0 when out of memory. */
+uint32_t pl_scenario_needs(const pl_scenario *scenario);
+
 /* The whole catalogue, in the order of reports. */
 const pl_scenario *const *pl_scenarios(int *count);
 
-/* By exact name; NULL with an error that suggests the nearest name. */
+/* Finds a scenario by its exact name. NULL with an error that suggests the nearest name. */
 const pl_scenario *pl_scenario_find(const char *name, pl_error *);
 
 /* Fills values[param_count] with defaults, then applies `count` texts of the form
@@ -98,23 +106,28 @@ pl_status pl_scenario_values(const pl_scenario *scenario, const char *const *set
 pl_status pl_scenario_build(const pl_scenario *scenario, const double *values, uint64_t seed,
                             pl_scene *scene, pl_error *error);
 
+/* A scenario of a suite. */
 typedef struct pl_suite_entry {
-    const char *scenario;
-    const char *setting; /* "NAME=VALUE[,NAME=VALUE]..." beside the defaults; NULL: none */
-    double published;    /* of the suite's published_metric; no meaning where it has none */
+    const char *scenario; /* its name */
+    const char *setting;  /* "NAME=VALUE[,NAME=VALUE]..."; the other parameters keep their defaults.
+                             NULL: none */
+    double published;     /* of the suite's published_metric; no meaning where it has none */
 } pl_suite_entry;
 
 /* A named set of scenarios, and what others published of them. */
 typedef struct pl_suite {
-    const char *name;
-    const char *description;
+    const char *name;              /* as in --suite */
+    const char *description;       /* a line for people */
     const pl_suite_entry *entries; /* (entry_count) */
-    int entry_count;
-    const char *published_metric; /* the metric that `published` gives; NULL: none is published */
-    const char *source;           /* of the published numbers, and what they leave open */
+    int entry_count;               /* number of entries */
+    const char *published_metric;  /* the metric that `published` gives; NULL: none is published */
+    const char *source;            /* of the published numbers, and what they leave open */
 } pl_suite;
 
+/* All suites. */
 const pl_suite *pl_suites(int *count);
+
+/* Finds a suite by its exact name. NULL with an error that suggests the nearest name. */
 const pl_suite *pl_suite_find(const char *name, pl_error *);
 
 #ifdef __cplusplus
