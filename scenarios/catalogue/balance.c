@@ -148,9 +148,9 @@ const pl_scenario pl_scenario_ladder = {
 /* A house of cards: rows of pairs that lean on each other, a level card over each row.
  *
  * Cards are boards of half length L and half thickness t, leaning by `lean` from the vertical. A
- * leaning card touches what is below it, and its partner, with the edges of its underside, and
- * bears the level card with the upper edge of its outer side. The lowest row has `storeys` pairs,
- * each row above one less, and one level card spans a row.
+ * leaning card touches the floor or card below it, and its partner, with the edges of its
+ * underside, and bears the level card with the upper edge of its outer side. The lowest row has
+ * `storeys` pairs, each row above one less, and one level card spans a row.
  *
  * Without a row above, a pair of cards stands on the floor iff, by moments about a lower edge,
  *     friction >= (tan(lean) - t / L) / 2,

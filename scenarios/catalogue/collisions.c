@@ -125,7 +125,7 @@ const pl_scenario pl_scenario_collision_train = {
 /* Newton's cradle without strings: spheres that touch, in a row, and others that run into them.
  *
  * Without gravity the row is at rest, all of one mass; `moving` spheres come from the left at the
- * speed v. Momentum and, at restitution 1, energy must stay what they are; of the two laws in use
+ * speed v. Momentum and, at restitution 1, energy are conserved; of the two laws in use
  * both keep them. In sequence, from contact to contact as with gaps of nothing, as many fly off on
  * the right as came. All contacts at once, each with Newton's restitution (Moreau's law), three
  * spheres of which one comes leave with v (-1/3, 2/3, 2/3). The end velocities show which law an

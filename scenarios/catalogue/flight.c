@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* A small sphere in free fall: what is left of an engine when nothing touches anything.
+/* A small sphere in free fall: it shows the integrator alone, since nothing touches anything.
  *
  * Up, with g = 9.81 m/s^2 and t = n h after n steps of h:
  *   continuous:           z = v0 t - g t^2 / 2,  v = v0 - g t
@@ -36,7 +36,7 @@ const pl_scenario pl_scenario_free_fall = {
     .name = "free-fall",
     .title = "Free fall",
     .description = "A sphere thrown straight up or down, with nothing to meet: the integrator "
-                   "alone, and whether the engine damps what it should not.",
+                   "alone, and whether the engine damps motion without a cause.",
     .reference = "z = v0 t - g t^2 / 2, v = v0 - g t; of semi-implicit Euler "
                  "z_n = v0 n h - g h^2 n (n + 1) / 2",
     .expected = "ok: height and speed at the end are those of the reference",

@@ -6,7 +6,8 @@
 
 static const double half = 0.5; /* m, of a cube */
 
-/* Cubes side by side on the floor, none touching another: what the source paper's Table 1 times. */
+/* Cubes side by side on the floor, none touching another: the scene of the source paper's Table 1.
+ */
 
 enum { BLOCKS_COUNT, BLOCKS_MESH, BLOCKS_FRICTION };
 
@@ -56,8 +57,8 @@ const pl_scenario pl_scenario_blocks = {
 
 /* Cubes in random orientations fall on the floor and on each other.
  *
- * They start at rest, each in its own cell of a lattice of n / columns^2 layers. Chaotic, so that
- * what is judged is overlap. */
+ * They start at rest, each in its own cell of a lattice of n / columns^2 layers. The motion is
+ * chaotic, so that overlap is judged. */
 
 enum { FALLING_CUBES_COUNT, FALLING_CUBES_COLUMNS, FALLING_CUBES_HEIGHT, FALLING_CUBES_FRICTION };
 
@@ -102,8 +103,8 @@ const pl_scenario pl_scenario_falling_cubes = {
 /* Bodies of random sizes and orientations, dropped into a box of planes.
  *
  * They start apart, each in its own cell of a lattice over the floor, with random velocities to the
- * sides, and fall into a loose pile. The motion is chaotic and has no closed form; what every right
- * answer shares is that no two bodies ever overlap. */
+ * sides, and fall into a loose pile. The motion is chaotic and has no closed form; all right
+ * answers have in common that no two bodies ever overlap. */
 
 enum { PILE_COUNT, PILE_SHAPE, PILE_COLUMNS, PILE_GAP, PILE_FRICTION };
 enum { SPHERES, BOXES, BOTH, MESHES, ALL };

@@ -124,9 +124,10 @@ const pl_scenario pl_scenario_cylinder_pyramid = {
     .source = "statics of each cylinder",
     .primary_error = "rest_position_error",
     .validity = "friction > 0.26795, floor_friction > 0.08932",
-    .provokes = "what rolls is held by friction alone, at every contact near its cone: creep, a "
-                "cone of too few sides or a cap on the iterations lets it roll apart; a right "
-                "engine holds it to the last digit of tan 15 deg",
+    .provokes =
+        "rolling bodies are held by friction alone, at every contact near its cone: creep, a "
+        "cone of too few sides or a cap on the iterations lets it roll apart; a right "
+        "engine holds it to the last digit of tan 15 deg",
     .threshold = &cylinder_pyramid_threshold,
     PL_PARAMS(cylinder_pyramid_params),
     .build = cylinder_pyramid_build};

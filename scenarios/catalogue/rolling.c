@@ -104,7 +104,7 @@ const pl_scenario pl_scenario_roll_slope = {
  *
  * With v along x, w the spin about y, s = v - r w the slip of the lowest point, and I = 2/5 m r^2,
  * Coulomb's friction changes v by -sign(s) mu g and r w by 5/2 sign(s) mu g, so that s loses
- * 7/2 mu g and 5 v + 2 r w stays what it is:
+ * 7/2 mu g and 5 v + 2 r w is constant:
  *   t_s = 2 |s0| / (7 mu g),  v = r w = (5 v0 + 2 r w0) / 7 from then on,
  *   x = v0 t_s - sign(s0) mu g t_s^2 / 2 + v (t - t_s).
  * Without spin v = 5/7 v0, t_s = 2 v0 / (7 mu g), and 12 v0^2 / (49 mu g) is the distance until it
@@ -136,7 +136,7 @@ static void bowling_expect(pl_builder *b, int ball, double v0, double rim0, doub
     const pl_answer distance = {v0 * skid + a * skid * skid / 2 + v * (t - skid),
                                 pl_uniform_distance(v0, a, h, skid_steps).discrete +
                                     v * h * (steps - skid_steps)};
-    /* What the answers are made of, so that one of them may vanish. */
+    /* The size of the terms of the answers, since an answer itself may vanish. */
     const double speed = fmax(fabs(v), 0.1 * (v0 + fabs(rim0)));
     pl_build_at_end(b, ball, PL_QUANTITY_POSITION, pl_axis_x, distance,
                     fmax(fabs(distance.continuous), speed * t));

@@ -213,14 +213,14 @@ static void large_step_build(pl_builder *b, const double *values)
 const pl_scenario pl_scenario_large_step = {
     .name = "large-step",
     .title = "Tower at ten steps a second",
-    .description = "A tower of cubes at rest with a step of 1/10 s: whether what stands depends on "
-                   "how often it is looked at.",
+    .description = "A tower of cubes at rest with a step of 1/10 s: whether a tower at rest "
+                   "depends on the length of the step.",
     .reference = "every cube stays where it is, at any step",
     .expected = "ok: every cube at rest where it began, as at short steps",
     .source = "statics",
     .primary_error = "rest_position_error",
     .provokes =
-        "what a step does wrong grows with its square: cubes sink into each other, are "
+        "the error of a step grows with its square: cubes sink into each other, are "
         "pushed out too fast, and the tower jumps or falls; a right engine keeps it at rest",
     PL_PARAMS(large_step_params),
     .build = large_step_build};

@@ -87,7 +87,7 @@ const pl_scenario pl_scenario_wall = {
  *
  * The ball, of radius 1 m, starts 3 m before the wall at the middle of its length, 0.3 m above half
  * its height but never below the floor, and flies at it along +y. The motion is chaotic and has no
- * closed form; what every right answer shares is that no two bodies ever overlap. */
+ * closed form; all right answers have in common that no two bodies ever overlap. */
 
 enum {
     WALL_COLLAPSE_ROWS,

@@ -54,7 +54,7 @@ static bool overlap_in_plane(const triangle *a, const triangle *b, double tolera
     return true;
 }
 
-/* Heights of t's corners above a plane; what is within the tolerance is on it. */
+/* Heights of t's corners above a plane; a height within the tolerance counts as 0. */
 typedef struct heights {
     double of[3];
     bool above, below;

@@ -106,7 +106,7 @@ static bool crosses_itself(const point *points, int count)
     return false;
 }
 
-/* What is left of a polygon, a ring of corners. */
+/* The rest of a polygon after some ears are cut: a ring of corners. */
 typedef struct ring {
     const point *points;
     int *previous, *next; /* (count) */

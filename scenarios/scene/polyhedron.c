@@ -10,10 +10,10 @@
  * The matrix of <x_i x_j> is made diagonal by cyclic Jacobi rotations (Golub and Van Loan, Matrix
  * Computations, 8.5), each inertia being the sum of two of its values: on a positive matrix they
  * keep the digits of the small ones (Demmel and Veselic 1992), so that a rod has a right inertia
- * about its length. What is below 1e-12 of its row's and column's diagonal (their geometric mean)
- * is rounding and counts as zero, and nothing is sorted: a solid that lies along its axes keeps
- * them, to the bit. So does one that is symmetric about the middle of its box keep that as its
- * centre. */
+ * about its length. An element below 1e-12 of its row's and column's diagonal (their geometric
+ * mean) is rounding and counts as zero, and nothing is sorted: a solid that lies along its axes
+ * keeps them, to the bit. So does one that is symmetric about the middle of its box keep that as
+ * its centre. */
 #include "polyhedron.h"
 
 #include "base/number.h"

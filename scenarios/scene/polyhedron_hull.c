@@ -1,7 +1,6 @@
 /* The convex hull of points, by qhull (Barber, Dobkin and Huhdanpaa 1996).
- *
- * qhull merges what is flat within rounding into faces of many corners; each becomes a fan of
- * triangles here. Rounding is that of the coordinates as given: far from the origin they are
+ * qhull merges facets that are flat within rounding into faces of many corners; each becomes a fan
+ * of triangles here. Rounding is that of the coordinates as given: far from the origin they are
  * coarse, however small the solid. A point is a corner when it is one of at least three faces: so
  * points inside, on an edge, on a face, or given twice are none. The hull is made again from its
  * corners alone until all of them are corners, which makes it the same when it is made from its own
@@ -113,7 +112,7 @@ static bool take_faces(qhT *qh, const double (*points)[3], int *buffer, faces *f
     return true;
 }
 
-/* qhull leaves a fault by longjmp: what is freed afterwards is the caller's. Returns its exit code,
+/* qhull leaves a fault by longjmp; the caller frees the memory afterwards. Returns its exit code,
  * qh_ERRmem when our own memory ran out. */
 static int run_qhull(qhT *qh, double (*scaled)[3], int count, double rounding,
                      const double (*points)[3], int *buffer, faces *f)

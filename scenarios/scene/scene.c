@@ -1,4 +1,4 @@
-/* The scene: defaults, growth, what follows from its numbers, and what it needs of an engine. */
+/* The scene: defaults, growth, mixing of materials, and the features that it needs of an engine. */
 #include "base/array.h"
 #include "plumb/scenario.h"
 #include "polyhedron.h"
@@ -144,7 +144,7 @@ long pl_scene_steps(const pl_scene *scene)
     return lround(scene->duration / scene->dt);
 }
 
-/* ---- What a scene needs of an engine ---- */
+/* ---- Needs ---- */
 
 static bool is_zero(const double vector[3])
 {

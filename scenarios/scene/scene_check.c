@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The scene that is checked, and what the checks of single items need of it. */
+/* The scene that is checked, and data for the checks of single items. */
 typedef struct checker {
     const pl_scene *scene;
     pl_pointer_map polyhedra;
@@ -33,7 +33,7 @@ static bool check_stored_name(const char *name, pl_diagnostic *diagnostic)
     if (!pl_check_name(name, end == NULL ? PL_NAME_SIZE : (size_t)(end - name), diagnostic)) {
         return false;
     }
-    json_t *text = json_string(name); /* NULL for what is not UTF-8 */
+    json_t *text = json_string(name); /* NULL where it is not UTF-8 */
     json_decref(text);
     return text != NULL || pl_complain(diagnostic, "expected a name in UTF-8, found other bytes");
 }

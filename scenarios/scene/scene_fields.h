@@ -35,7 +35,7 @@ typedef enum pl_field_type {
     PL_FIELD_FILE         /* the name of a file; nothing in C */
 } pl_field_type;
 
-/* What a number, or each component of a vector, may be. */
+/* The range of a number, or of each component of a vector. */
 typedef enum pl_range {
     PL_RANGE_FINITE,
     PL_RANGE_POSITIVE,

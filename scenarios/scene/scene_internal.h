@@ -1,4 +1,4 @@
-/* What the scene's own files share: growth, width and text. */
+/* Functions that the scene's files share: polyhedra of a scene, width of a shape. */
 #ifndef PLUMB_SCENE_INTERNAL_H
 #define PLUMB_SCENE_INTERNAL_H
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The diagnostic as an error, with the path of what is wrong. */
+/* The diagnostic as an error, with the path of the fault. */
 static pl_status fail_by(const pl_diagnostic *diagnostic, const char *kind, pl_error *error)
 {
     if (diagnostic->status != PL_BAD_INPUT) {

@@ -1,6 +1,6 @@
-/* Scene files: their text to a scene, object by object, by the table of fields. Here stands what
- * only the text can show: keys, types, names that refer to others, and defaults that depend on
- * other fields. What must hold of the numbers is in scene_check.c. */
+/* Scene files: their text to a scene, object by object, by the table of fields. This file has the
+ * rules that only the text shows: keys, types, names that refer to others, and defaults that depend
+ * on other fields. The rules of the numbers are in scene_check.c. */
 #include "base/json_text.h"
 #include "base/name_index.h"
 #include "scene_check.h"

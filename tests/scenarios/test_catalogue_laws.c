@@ -1,5 +1,6 @@
-/* What the catalogue says of impacts, rolling, thrust and stuck friction beside the numbers that it
- * expects of an engine, by other ways: small problems solved as such, sums and quadratures. */
+/* The laws of the catalogue for impacts, rolling, thrust and stuck friction, in addition to the
+ * numbers that it expects of an engine, derived by other methods: small systems of equations, sums
+ * and quadratures. */
 #include "check.h"
 #include "scenario_scene.h"
 

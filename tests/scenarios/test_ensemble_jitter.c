@@ -65,8 +65,8 @@ static void test_jitter_moves_bodies_by_a_ten_thousandth(void **state)
         }
         assert_close(square, 1, 1e-15, 0);
     }
-    /* 600 numbers: some come close to either end, and none goes beyond, but for the rounding of a
-     * position of some 10 m. */
+    /* 600 numbers: some come close to either end, and none goes beyond, except for the rounding of
+     * a position of some 10 m. */
     assert_at_most(most, 1e-4 + 1e-14);
     assert_at_most(-least, 1e-4 + 1e-14);
     assert_at_most(turned, 1e-4);

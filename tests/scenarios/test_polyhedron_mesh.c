@@ -259,7 +259,7 @@ static void test_self_crossing_surface_is_found_anywhere(void **state)
 {
     (void)state;
     double radius[32], height[32];
-    for (int j = 0; j < 32; j++) { /* a figure of eight turned about an axis beside it */
+    for (int j = 0; j < 32; j++) { /* a figure of eight turned about an axis next to it */
         const double angle = j * 6.28318530717958647692 / 32 + 0.05;
         radius[j] = 3 + cos(angle);
         height[j] = sin(2 * angle) + 0.3 * cos(angle);

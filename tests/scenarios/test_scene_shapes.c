@@ -1,5 +1,5 @@
 /* Shapes in scene files: all of them read back number for number, stand once where bodies share
- * them, come from files beside the scene, and are refused with their place. */
+ * them, come from files next to the scene, and are refused with their place. */
 #include "check.h"
 #include "plumb/scenario.h"
 #include "plumb/vec.h"
@@ -260,7 +260,7 @@ static void write_file(const char *path, const char *text)
     assert_int_equal(fclose(file), 0);
 }
 
-/* A scene in a folder of its own, with files beside it and in a folder below. */
+/* A scene in a folder of its own, with files next to it and in a folder below. */
 static void test_mesh_files_are_found_beside_the_scene(void **state)
 {
     (void)state;

@@ -67,7 +67,7 @@ typedef struct pl_scenario {
     const char *title;       /* a line for people */
     const char *description; /* the scene, and what it shows */
     const char *reference;   /* the right answer, as a formula in plain text */
-    const char *expected;    /* the outcome of a right engine, "ok: ..." and what is then seen */
+    const char *expected;    /* the outcome of a right engine, "ok: ..." and its appearance */
     const char *source; /* of that formula: author, year, equation; or "by symmetry", "statics" */
     const char *primary_error; /* the metric's name */
     const char *validity;      /* where the reference holds; NULL: for all parameters */
@@ -114,14 +114,14 @@ typedef struct pl_suite_entry {
     double published;     /* of the suite's published_metric; no meaning where it has none */
 } pl_suite_entry;
 
-/* A named set of scenarios, and what others published of them. */
+/* A named set of scenarios, and published numbers for them. */
 typedef struct pl_suite {
     const char *name;              /* as in --suite */
     const char *description;       /* a line for people */
     const pl_suite_entry *entries; /* (entry_count) */
     int entry_count;               /* number of entries */
     const char *published_metric;  /* the metric that `published` gives; NULL: none is published */
-    const char *source;            /* of the published numbers, and what they leave open */
+    const char *source;            /* of the published numbers, and their open questions */
 } pl_suite;
 
 /* All suites. */

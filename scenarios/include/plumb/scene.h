@@ -1,4 +1,4 @@
-/* The engine-neutral scene: what is there at t = 0, and what is expected of it.
+/* The engine-neutral scene: the bodies at t = 0, and the expected results.
  *
  * SI units, right-handed, z up by custom (gravity says). Quaternions are (w, x, y, z), unit, body
  * to world. `velocity` is that of the centre of mass; `velocity` and `angular_velocity` are in the
