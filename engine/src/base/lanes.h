@@ -18,6 +18,7 @@ typedef __m256d wide;
 typedef __m512d wide;
 #endif
 
+/* x in every lane. */
 static inline wide wide_of(double x)
 {
 #if PE_WIDTH == 1
@@ -53,6 +54,7 @@ static inline wide wide_select(wide a, wide b, wide x, wide y)
 #endif
 }
 
+/* Square root, lane by lane. */
 static inline wide wide_sqrt(wide a)
 {
 #if PE_WIDTH == 1
@@ -64,7 +66,7 @@ static inline wide wide_sqrt(wide a)
 #endif
 }
 
-/* from[lane][k] */
+/* from[lane][k] for every lane. */
 static inline wide wide_gather(const double *const from[PE_WIDTH], int k)
 {
 #if PE_WIDTH == 1
@@ -77,6 +79,7 @@ static inline wide wide_gather(const double *const from[PE_WIDTH], int k)
 #endif
 }
 
+/* to[lane] = a. */
 static inline void wide_store(double to[PE_WIDTH], wide a)
 {
 #if PE_WIDTH == 1
@@ -88,7 +91,7 @@ static inline void wide_store(double to[PE_WIDTH], wide a)
 #endif
 }
 
-/* Starts to bring a line of memory near; no effect on results. */
+/* Prefetches a cache line; no effect on results. */
 static inline void wide_fetch(const void *memory)
 {
 #if PE_WIDTH > 1
@@ -99,7 +102,7 @@ static inline void wide_fetch(const void *memory)
 }
 
 #if PE_WIDTH == 4
-/* Rows to columns. */
+/* Transposes a 4 x 4 matrix. */
 static inline void transpose4(wide r[4])
 {
     wide even01 = _mm256_unpacklo_pd(r[0], r[1]), odd01 = _mm256_unpackhi_pd(r[0], r[1]);
@@ -123,6 +126,7 @@ static inline void transpose_quarters(const wide pair[4], wide column[8], int q)
     column[q + 6] = _mm512_shuffle_f64x2(high01, high23, 0xdd);
 }
 
+/* Transposes an 8 x 8 matrix. */
 static inline void transpose8(wide r[8])
 {
     wide even[4], odd[4];

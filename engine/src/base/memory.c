@@ -107,7 +107,7 @@ void *pe_arena_take(pe_arena *arena, const pe_allocator *allocator, size_t count
     return (char *)extra + ALIGNMENT;
 }
 
-/* Those that were taken after `kept`; NULL: all. */
+/* Releases the extra blocks that were taken after `kept`; NULL: all. */
 static void release_extras(pe_arena *arena, const pe_allocator *allocator,
                            const struct pe_arena_extra *kept)
 {
@@ -135,7 +135,7 @@ void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator)
     release_extras(arena, allocator, NULL);
     if (arena->most > arena->capacity) {
         /* A quarter more than was needed, so that slow growth does not allocate at each step.
-         * Without memory for it the old block stays, and the extras come back. */
+         * Without memory for it the old block stays, and extra blocks are needed again. */
         size_t capacity = round_up(arena->most + arena->most / 4);
         void *block = allocator->allocate(allocator->context, capacity);
         if (block != NULL) {

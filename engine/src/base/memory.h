@@ -1,4 +1,5 @@
-/* Memory of a world: growing arrays that live with it, and an arena for what lives one step. */
+/* Memory of a world: growing arrays that live as long as it does, and an arena for the data of one
+ * step. */
 #ifndef PE_MEMORY_H
 #define PE_MEMORY_H
 
@@ -23,16 +24,17 @@ typedef struct pe_array {
     size_t capacity; /* in items */
 } pe_array;
 
-/* Makes room for `count` items of `stride` bytes and keeps the first `used`. Grows by at least a
- * half, so that a scene that stops growing stops allocating. On PE_NO_MEMORY the array is as it
- * was. */
+/* Makes room for `count` items of `stride` bytes and keeps the first `used` items. The array grows by
+ * at least a half, so that a scene that stops growing stops allocating. On PE_NO_MEMORY the array
+ * is as it was. */
 pe_status pe_array_reserve(pe_array *array, const pe_allocator *allocator, size_t stride,
                            size_t count, size_t used, pe_error *error);
 
+/* Releases the items; the array is empty then. */
 void pe_array_free(pe_array *array, const pe_allocator *allocator);
 
-/* One block from which a step takes what it needs, all given back at once. What does not fit comes
- * from extra blocks, which the next reset merges into one of the size that was needed. */
+/* One block from which a step takes memory, all of which is given back at once. Requests that do not
+ * fit get extra blocks, which the next reset merges into one of the size that was needed. */
 typedef struct pe_arena {
     char *block;
     size_t capacity, used; /* bytes of the block */
@@ -42,31 +44,34 @@ typedef struct pe_arena {
     bool failed; /* a request since the last reset was refused */
 } pe_arena;
 
-/* 64-byte aligned, not initialised; NULL when out of memory. */
+/* `count` items of `stride` bytes, aligned to 64 bytes, not initialised; NULL when out of memory. */
 void *pe_arena_take(pe_arena *arena, const pe_allocator *allocator, size_t count, size_t stride);
 
-/* How full an arena is. */
+/* The state of an arena that pe_arena_rewind goes back to. */
 typedef struct pe_arena_mark {
     size_t used, wanted;
     const struct pe_arena_extra *extras;
 } pe_arena_mark;
 
+/* The state now. */
 pe_arena_mark pe_arena_fill(const pe_arena *arena);
 
-/* Gives back what was taken since the mark. */
+/* Gives back all memory that was taken since the mark. */
 void pe_arena_rewind(pe_arena *arena, const pe_allocator *allocator, pe_arena_mark mark);
 
-/* Gives everything back. */
+/* Gives all memory back, for the next step. */
 void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator);
 
+/* Releases the arena's own memory. */
 void pe_arena_free(pe_arena *arena, const pe_allocator *allocator);
 
-/* Where a function takes what it needs until its caller resets the arena. */
+/* Where a function takes memory that its caller gives back. */
 typedef struct pe_workspace {
     pe_arena *arena;
     const pe_allocator *allocator;
 } pe_workspace;
 
+/* pe_arena_take of the workspace. */
 static inline void *pe_take(pe_workspace work, size_t count, size_t stride)
 {
     return pe_arena_take(work.arena, work.allocator, count, stride);

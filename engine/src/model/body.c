@@ -1,4 +1,4 @@
-/* Bodies: made, unmade, read, set and loaded. */
+/* Bodies: creation, destruction, state, and forces on them. */
 #include "shape.h"
 #include "world.h"
 
@@ -11,53 +11,46 @@ pe_body_def pe_body_def_default(void)
     };
 }
 
-static bool is_unit(pe_quat q)
+static pe_status check_state(const pe_body_state *state, pe_error *error)
 {
-    return fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) <= 2e-6;
-}
-
-static pe_status check_motion(pe_vec3 position, pe_quat orientation, pe_vec3 velocity,
-                              pe_vec3 angular_velocity, pe_error *error)
-{
-    if (!pe_is_finite(position) || !pe_is_finite(velocity) || !pe_is_finite(angular_velocity)) {
+    if (!pe_is_finite(state->position) || !pe_is_finite(state->velocity) ||
+        !pe_is_finite(state->angular_velocity)) {
         return pe_fail(error, PE_BAD_ARGUMENT, "position and velocities: expected finite numbers");
     }
-    if (!is_unit(orientation)) {
+    pe_quat q = state->orientation;
+    if (!(fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) <= 2e-6)) {
         return pe_fail(error, PE_BAD_ARGUMENT,
-                       "orientation: expected a unit quaternion, found (%g, %g, %g, %g)",
-                       orientation.w, orientation.x, orientation.y, orientation.z);
+                       "orientation: expected a unit quaternion, found (%g, %g, %g, %g)", q.w, q.x,
+                       q.y, q.z);
     }
     return PE_OK;
 }
 
-static bool has_geometry(const pe_shape *shape)
+/* The geometry of a hull or mesh; NULL for other shapes. */
+static pe_status find_geometry(const pe_world *world, const pe_shape *shape,
+                               const pe_geometry **geometry, pe_error *error)
 {
-    return shape->kind == PE_SHAPE_HULL || shape->kind == PE_SHAPE_MESH;
-}
-
-static pe_status check_geometry(const pe_world *world, const pe_shape *shape, pe_error *error)
-{
-    if (!has_geometry(shape)) {
+    *geometry = NULL;
+    if (shape->kind != PE_SHAPE_HULL && shape->kind != PE_SHAPE_MESH) {
         return PE_OK;
     }
-    const pe_geometry *geometry = pe_geometry_of(world, shape->geometry);
-    if (geometry == NULL) {
+    *geometry = pe_geometry_of(world, shape->geometry);
+    if (*geometry == NULL) {
         return pe_fail(error, PE_BAD_ARGUMENT, "no geometry %u in this world",
                        shape->geometry.index);
     }
-    if (shape->kind == PE_SHAPE_HULL && !geometry->convex) {
+    if (shape->kind == PE_SHAPE_HULL && !(*geometry)->convex) {
         return pe_fail(error, PE_BAD_ARGUMENT, "hull: its geometry was not made as a convex one");
     }
     return PE_OK;
 }
 
-static pe_status check_def(const pe_world *world, const pe_body_def *def, pe_error *error)
+static pe_status check_def(const pe_world *world, const pe_body_def *def,
+                           const pe_geometry **geometry, pe_error *error)
 {
-    pe_status status = pe_shape_check(&def->shape, error);
-    if (status == PE_OK) {
-        status = check_geometry(world, &def->shape, error);
-    }
-    if (status != PE_OK) {
+    pe_status status;
+    if ((status = pe_shape_check(&def->shape, error)) != PE_OK ||
+        (status = find_geometry(world, &def->shape, geometry, error)) != PE_OK) {
         return status;
     }
     if (def->shape.kind == PE_SHAPE_PLANE && !def->is_static) {
@@ -77,8 +70,9 @@ static pe_status check_def(const pe_world *world, const pe_body_def *def, pe_err
                        "inertia: expected three numbers above 0, or all 0, found (%g, %g, %g)", i.x,
                        i.y, i.z);
     }
-    return check_motion(def->position, def->orientation, def->velocity, def->angular_velocity,
-                        error);
+    return check_state(&(pe_body_state){def->position, def->orientation, def->velocity,
+                                        def->angular_velocity},
+                       error);
 }
 
 static pe_mass mass_of(const pe_body_def *def, const pe_geometry *geometry)
@@ -110,7 +104,7 @@ static pe_pose pose_of(const pe_geometry *geometry, pe_vec3 position, pe_quat or
     return (pe_pose){position, q, pe_matrix_of(q)};
 }
 
-/* Undoes pose_of. */
+/* The inverse of pose_of. */
 static void place_of_shape(const pe_geometry *geometry, const pe_pose *pose, pe_vec3 *position,
                            pe_quat *orientation)
 {
@@ -124,7 +118,7 @@ static void place_of_shape(const pe_geometry *geometry, const pe_pose *pose, pe_
     }
 }
 
-/* Room for one slot more in every array of bodies. */
+/* Makes room for one slot more in every array of bodies. */
 static pe_status reserve_slot(pe_world *world, pe_error *error)
 {
     const struct {
@@ -151,7 +145,8 @@ static pe_status reserve_slot(pe_world *world, pe_error *error)
 pe_status pe_body_create(pe_world *world, const pe_body_def *def, pe_body_id *body, pe_error *error)
 {
     *body = (pe_body_id){0};
-    pe_status status = check_def(world, def, error);
+    const pe_geometry *geometry;
+    pe_status status = check_def(world, def, &geometry, error);
     if (status != PE_OK) {
         return status;
     }
@@ -166,8 +161,6 @@ pe_status pe_body_create(pe_world *world, const pe_body_def *def, pe_body_id *bo
         slot = world->slot_count++;
         pe_bodies(world)[slot].generation = 0;
     }
-    const pe_geometry *geometry =
-        has_geometry(&def->shape) ? pe_geometry_of(world, def->shape.geometry) : NULL;
     pe_body *made = &pe_bodies(world)[slot];
     *made = (pe_body){
         .shape = def->shape,
@@ -201,7 +194,7 @@ static pe_status check_id(const pe_world *world, pe_body_id body, pe_error *erro
     return PE_OK;
 }
 
-/* Contacts of a body that is gone must not warm-start those of its slot's next owner. */
+/* Contacts of a destroyed body must not warm-start those of the next body in its slot. */
 static void forget_contacts(pe_contacts *contacts, int slot)
 {
     pe_manifold *manifolds = pe_manifolds(contacts);
@@ -237,11 +230,11 @@ pe_status pe_body_get_state(const pe_world *world, pe_body_id body, pe_body_stat
 {
     pe_status status = check_id(world, body, error);
     if (status == PE_OK) {
-        const pe_twist *motion = &pe_twists(world)[body.index];
+        const pe_twist *twist = &pe_twists(world)[body.index];
         place_of_shape(pe_bodies(world)[body.index].geometry, &pe_poses(world)[body.index],
                        &state->position, &state->orientation);
-        state->velocity = motion->velocity;
-        state->angular_velocity = motion->angular_velocity;
+        state->velocity = twist->velocity;
+        state->angular_velocity = twist->angular_velocity;
     }
     return status;
 }
@@ -251,8 +244,7 @@ pe_status pe_body_set_state(pe_world *world, pe_body_id body, const pe_body_stat
 {
     pe_status status = check_id(world, body, error);
     if (status == PE_OK) {
-        status = check_motion(state->position, state->orientation, state->velocity,
-                              state->angular_velocity, error);
+        status = check_state(state, error);
     }
     if (status == PE_OK) {
         pe_poses(world)[body.index] =
@@ -285,10 +277,10 @@ pe_status pe_body_get_pair(const pe_world *world, pe_body_id a, pe_body_id b, do
     }
     if (status == PE_OK) {
         const pe_body *bodies = pe_bodies(world);
-        const pe_material_pair *surface =
+        const pe_material_pair *pair =
             pe_material_pair_of(world, bodies[a.index].material, bodies[b.index].material);
-        *friction = surface->friction;
-        *restitution = surface->restitution;
+        *friction = pair->friction;
+        *restitution = pair->restitution;
     }
     return status;
 }
@@ -303,20 +295,20 @@ pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, p
     if (!pe_is_finite(force) || !pe_is_finite(offset)) {
         return pe_fail(error, PE_BAD_ARGUMENT, "force: expected finite numbers");
     }
-    pe_applied_force *load = &pe_applied_forces(world)[body.index];
-    world->loaded = true;
+    pe_applied_force *applied = &pe_applied_forces(world)[body.index];
+    world->has_applied_forces = true;
     if (frame == PE_FRAME_BODY) {
         const pe_geometry *geometry = pe_bodies(world)[body.index].geometry;
         if (geometry != NULL) {
             force = pe_unrotate(&geometry->rotation, force);
             offset = pe_unrotate(&geometry->rotation, offset);
         }
-        load->body_force = pe_add(load->body_force, force);
-        load->body_torque = pe_add(load->body_torque, pe_cross(offset, force));
-        load->turns = true;
+        applied->body_force = pe_add(applied->body_force, force);
+        applied->body_torque = pe_add(applied->body_torque, pe_cross(offset, force));
+        applied->rotates = true;
     } else {
-        load->force = pe_add(load->force, force);
-        load->torque = pe_add(load->torque, pe_cross(offset, force));
+        applied->force = pe_add(applied->force, force);
+        applied->torque = pe_add(applied->torque, pe_cross(offset, force));
     }
     return PE_OK;
 }

@@ -1,48 +1,52 @@
 #include "integrate.h"
 
+/* Newton's steps, and then, for rotations of radians a step at which Newton's method diverges, steps
+ * with the derivative at a small rotation, which converge slowly but surely. */
+enum { MAX_NEWTON_STEPS = 12, MAX_SPIN_ITERATIONS = 300 };
+
+/* rad: a body that rotates by less in a step keeps its inertia in the world's axes. */
+static const double NO_ROTATION = 1e-9;
+
 static pe_mat3 rotation_by(pe_vec3 v)
 {
     return pe_matrix_of(pe_quat_rotated((pe_quat){.w = 1}, v));
 }
 
+/* Free rotation over a step. */
 typedef struct spin {
     pe_vec3 end;     /* w' */
     pe_vec3 mean;    /* m */
-    pe_mat3 turning; /* exp(h m) */
+    pe_mat3 rotation; /* exp(h m) */
 } spin;
 
-/* exp(v), and what its derivative needs: d(exp(v) x)/dv = -exp(v) [x] J(v),
+/* exp(v) and the coefficients of its derivative: d(exp(v) x)/dv = -exp(v) [x] J(v),
  * J = 1 - f [v] + g [v]^2, f = (1 - cos a)/a^2, g = (a - sin a)/a^3, a = |v|. */
-typedef struct turning {
+typedef struct exponential_map {
     pe_vec3 v;
     pe_mat3 rotation;
     double f, g;
-} turning;
+} exponential_map;
 
-static turning turning_by(pe_vec3 v)
+static exponential_map exponential(pe_vec3 v)
 {
     double a = pe_length(v), sine, cosine;
     pe_sincos(a, &sine, &cosine);
     /* Below 1e-3 the series' next term is below 1e-7 of the first, enough for a derivative. */
     double f = a > 1e-3 ? (1 - cosine) / (a * a) : 0.5;
     double g = a > 1e-3 ? (a - sine) / (a * a * a) : 1.0 / 6;
-    return (turning){v, rotation_by(v), f, g};
+    return (exponential_map){v, rotation_by(v), f, g};
 }
 
 /* The derivative of the rotated vector x along d. */
-static pe_vec3 rotated_change(const turning *t, pe_vec3 x, pe_vec3 d)
+static pe_vec3 rotated_change(const exponential_map *t, pe_vec3 x, pe_vec3 d)
 {
     pe_vec3 vd = pe_cross(t->v, d), vvd = pe_cross(t->v, vd);
     pe_vec3 jd = pe_madd(pe_madd(d, -t->f, vd), t->g, vvd);
     return pe_rotate(&t->rotation, pe_cross(jd, x));
 }
 
-/* Newton's steps, and then, for turns of radians a step from which it runs away, steps with the
- * derivative at a small turn, which converge slowly but surely. */
-enum { MAX_NEWTON_STEPS = 12, MAX_SPIN_ITERATIONS = 300 };
-
 /* Free rotation over dt from angular velocity w, all in the body's axes: see pe_predict_motion.
- * Whatever the last digits of the iteration, the last line keeps the momentum. */
+ * The last line keeps the momentum, whatever the last digits of the iteration. */
 static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
 {
     pe_vec3 inverse = pe_v3(1 / inertia.x, 1 / inertia.y, 1 / inertia.z);
@@ -52,45 +56,42 @@ static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
     for (int i = 0; i < MAX_SPIN_ITERATIONS; ++i) {
         s.end = i == MAX_NEWTON_STEPS ? w : s.end;
         s.mean = pe_scale(0.5, pe_add(w, s.end));
-        turning back = turning_by(pe_scale(-dt, s.mean));
-        pe_vec3 turned = pe_rotate(&back.rotation, momentum);
+        exponential_map back = exponential(pe_scale(-dt, s.mean));
+        pe_vec3 rotated = pe_rotate(&back.rotation, momentum);
         /* Columns of I + (h/2) d(exp(-h m) L)/d(-h m) */
         pe_vec3 c[3];
         for (int k = 0; k < 3; ++k) {
             pe_vec3 d = pe_v3(k == 0, k == 1, k == 2);
             pe_vec3 change =
-                i < MAX_NEWTON_STEPS ? rotated_change(&back, momentum, d) : pe_cross(d, turned);
+                i < MAX_NEWTON_STEPS ? rotated_change(&back, momentum, d) : pe_cross(d, rotated);
             c[k] = pe_madd(pe_mul(inertia, d), 0.5 * dt, change);
         }
         pe_vec3 change =
             pe_solve3(pe_v3(c[0].x, c[1].x, c[2].x), pe_v3(c[0].y, c[1].y, c[2].y),
-                      pe_v3(c[0].z, c[1].z, c[2].z), pe_sub(pe_mul(inertia, s.end), turned));
+                      pe_v3(c[0].z, c[1].z, c[2].z), pe_sub(pe_mul(inertia, s.end), rotated));
         s.end = pe_sub(s.end, change);
         if (pe_length(change) <= least) {
             break;
         }
     }
     s.mean = pe_scale(0.5, pe_add(w, s.end));
-    s.turning = rotation_by(pe_scale(dt, s.mean));
-    s.end = pe_mul(inverse, pe_unrotate(&s.turning, momentum));
+    s.rotation = rotation_by(pe_scale(dt, s.mean));
+    s.end = pe_mul(inverse, pe_unrotate(&s.rotation, momentum));
     return s;
 }
 
-/* Force and torque of the middle of the step, world. */
-static void mean_load(const pe_applied_force *load, const pe_twist *motion, const pe_pose *pose,
+/* Mean force and torque over the step, world: those at the orientation in the middle. */
+static void mean_force(const pe_applied_force *applied, const pe_twist *twist, const pe_pose *pose,
                       double dt, pe_vec3 *force, pe_vec3 *torque)
 {
-    *force = load->force;
-    *torque = load->torque;
-    if (load->turns) {
-        pe_mat3 half = rotation_by(pe_scale(0.5 * dt, motion->angular_velocity));
-        *force = pe_add(*force, pe_rotate(&half, pe_rotate(&pose->rotation, load->body_force)));
-        *torque = pe_add(*torque, pe_rotate(&half, pe_rotate(&pose->rotation, load->body_torque)));
+    *force = applied->force;
+    *torque = applied->torque;
+    if (applied->rotates) {
+        pe_mat3 half = rotation_by(pe_scale(0.5 * dt, twist->angular_velocity));
+        *force = pe_add(*force, pe_rotate(&half, pe_rotate(&pose->rotation, applied->body_force)));
+        *torque = pe_add(*torque, pe_rotate(&half, pe_rotate(&pose->rotation, applied->body_torque)));
     }
 }
-
-/* A body that turns by less than this in a step, in rad, keeps its inertia in the world's axes. */
-static const double NO_TURN = 1e-9;
 
 pe_rotation_step pe_rotate_freely(const pe_world *world, int slot, double dt, pe_vec3 early,
                                   pe_vec3 late)
@@ -100,7 +101,7 @@ pe_rotation_step pe_rotate_freely(const pe_world *world, int slot, double dt, pe
     pe_vec3 inverse = pe_v3(1 / mass->inertia.x, 1 / mass->inertia.y, 1 / mass->inertia.z);
     pe_vec3 w = pe_twists(world)[slot].angular_velocity;
     pe_vec3 begun = pe_add(w, pe_rotate(rotation, pe_mul(inverse, pe_unrotate(rotation, early))));
-    if (mass->spherical || dt * dt * pe_dot(begun, begun) < NO_TURN * NO_TURN) {
+    if (mass->spherical || dt * dt * pe_dot(begun, begun) < NO_ROTATION * NO_ROTATION) {
         return (pe_rotation_step){
             .end = pe_add(begun, pe_rotate(rotation, pe_mul(inverse, pe_unrotate(rotation, late)))),
             .mean = begun,
@@ -108,23 +109,23 @@ pe_rotation_step pe_rotate_freely(const pe_world *world, int slot, double dt, pe
     }
     spin s = spin_freely(mass->inertia, pe_unrotate(rotation, begun), dt);
     /* The late impulse in the axes that the body then has. */
-    pe_vec3 kick = pe_mul(inverse, pe_unrotate(&s.turning, pe_unrotate(rotation, late)));
+    pe_vec3 kick = pe_mul(inverse, pe_unrotate(&s.rotation, pe_unrotate(rotation, late)));
     return (pe_rotation_step){
-        .end = pe_rotate(rotation, pe_rotate(&s.turning, pe_add(s.end, kick))),
+        .end = pe_rotate(rotation, pe_rotate(&s.rotation, pe_add(s.end, kick))),
         .mean = pe_rotate(rotation, s.mean),
     };
 }
 
 pe_free_motion pe_predict_body(const pe_world *world, int slot, double dt)
 {
-    const pe_twist *motion = &pe_twists(world)[slot];
+    const pe_twist *twist = &pe_twists(world)[slot];
     pe_vec3 force;
-    pe_free_motion free = {.end = *motion, .mean = *motion};
-    mean_load(&pe_applied_forces(world)[slot], motion, &pe_poses(world)[slot], dt, &force,
+    pe_free_motion free = {.end = *twist, .mean = *twist};
+    mean_force(&pe_applied_forces(world)[slot], twist, &pe_poses(world)[slot], dt, &force,
               &free.torque);
     pe_vec3 acceleration = pe_madd(world->def.gravity, pe_masses(world)[slot].inverse_mass, force);
-    free.end.velocity = pe_madd(motion->velocity, dt, acceleration);
-    free.mean.velocity = pe_madd(motion->velocity, 0.5 * dt, acceleration);
+    free.end.velocity = pe_madd(twist->velocity, dt, acceleration);
+    free.mean.velocity = pe_madd(twist->velocity, 0.5 * dt, acceleration);
     pe_vec3 half = pe_scale(0.5 * dt, free.torque);
     pe_rotation_step rotation = pe_rotate_freely(world, slot, dt, half, half);
     free.end.angular_velocity = rotation.end;
@@ -135,9 +136,9 @@ pe_free_motion pe_predict_body(const pe_world *world, int slot, double dt)
 void pe_predict_motion(const pe_world *world, double dt, pe_free_motion *motions)
 {
     for (int slot = 0; slot < world->slot_count; ++slot) {
-        const pe_twist *motion = &pe_twists(world)[slot];
+        const pe_twist *twist = &pe_twists(world)[slot];
         if (pe_masses(world)[slot].inverse_mass == 0) {
-            motions[slot] = (pe_free_motion){.end = *motion, .mean = *motion};
+            motions[slot] = (pe_free_motion){.end = *twist, .mean = *twist};
         } else {
             motions[slot] = pe_predict_body(world, slot, dt);
         }

@@ -21,12 +21,12 @@ typedef struct pe_islands {
  * check pe_scratch_failed. */
 void pe_islands_take(pe_world *world, size_t manifolds, pe_islands *islands);
 
-/* Union-find over the manifolds between dynamic bodies; static bodies do not join what rests on
- * them. */
+/* Finds the islands of world->contacts, by union-find over the manifolds between dynamic bodies.
+ * Static bodies do not join the bodies that rest on them. */
 pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error);
 
-/* The groups of bodies that did push each other in the step, by world->solved, or do touch, by
- * world->contacts: parts of islands, which hold what is merely near. Only the lists of bodies and
+/* Finds the groups of bodies that pushed each other in the step, by world->solved, or touch now, by
+ * world->contacts. Islands also hold bodies that are merely near. Only the lists of bodies and
  * `place` are filled. */
 pe_status pe_islands_find_touching(pe_world *world, pe_islands *groups, pe_error *error);
 

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-static pe_status check_surface(double friction, double restitution, pe_error *error)
+static pe_status check_coefficients(double friction, double restitution, pe_error *error)
 {
     if (!(friction >= 0) || !isfinite(friction) || !(restitution >= 0) || !(restitution <= 1)) {
         return pe_fail(error, PE_BAD_ARGUMENT,
@@ -16,7 +16,7 @@ static pe_status check_surface(double friction, double restitution, pe_error *er
 pe_status pe_material_create(pe_world *world, double friction, double restitution,
                              pe_material_id *material, pe_error *error)
 {
-    pe_status status = check_surface(friction, restitution, error);
+    pe_status status = check_coefficients(friction, restitution, error);
     if (status != PE_OK) {
         return status;
     }
@@ -62,12 +62,12 @@ pe_status pe_world_set_pair(pe_world *world, pe_material_id a, pe_material_id b,
 {
     pe_status status = check_pair(world, a, b, error);
     if (status == PE_OK) {
-        status = check_surface(friction, restitution, error);
+        status = check_coefficients(friction, restitution, error);
     }
     if (status == PE_OK) {
-        pe_material_pair surface = {friction, restitution};
-        *pe_material_pair_of(world, (int)a.index, (int)b.index) = surface;
-        *pe_material_pair_of(world, (int)b.index, (int)a.index) = surface;
+        pe_material_pair pair = {friction, restitution};
+        *pe_material_pair_of(world, (int)a.index, (int)b.index) = pair;
+        *pe_material_pair_of(world, (int)b.index, (int)a.index) = pair;
         world->contacts_stale = true;
     }
     return status;

@@ -11,16 +11,16 @@
 /* Body slots start at 1: slot 0 is a static dummy, so that an id's index is its slot and 0 is null.
  */
 
-/* Where a body is: all that collision reads. Its axes are the principal ones through the centre of
- * mass, for a hull or mesh not those of its vertices: see geometry.h. */
+/* Where a body is. The axes are the principal ones through the centre of mass, which for a hull or
+ * mesh are not those of its vertices: see geometry.h. */
 typedef struct pe_pose {
-    pe_vec3 position;
-    pe_quat orientation;
-    pe_mat3 rotation; /* of the orientation */
+    pe_vec3 position;    /* m, world, of the centre of mass */
+    pe_quat orientation; /* body's axes to world */
+    pe_mat3 rotation;    /* of the orientation */
 } pe_pose;
 
 typedef struct pe_twist {
-    pe_vec3 velocity, angular_velocity;
+    pe_vec3 velocity, angular_velocity; /* m/s and rad/s, world, of the centre of mass */
 } pe_twist;
 
 typedef struct pe_mass {
@@ -36,50 +36,50 @@ typedef struct pe_body {
     const pe_geometry *geometry; /* of a hull or mesh, the world's; else NULL */
     double bounding_radius;      /* about the position; 0 for a plane, which has no bound */
     double size;  /* least half extent or radius: the scale of geometric tolerances */
-    int material; /* row of the surface table; 0 is the default material */
+    int material; /* index of material_pair_array; 0 is the default material */
     uint32_t generation;
     bool alive, is_static;
     int next_free; /* slot of the next free one, 0 ends the list */
 } pe_body;
 
+/* Forces, in N, and torques, in N m, that are applied in the next step. */
 typedef struct pe_applied_force {
     pe_vec3 force, torque;           /* world, for the next step */
-    pe_vec3 body_force, body_torque; /* in the body's axes, and turning with it */
-    bool turns;                      /* whether there is any of the latter */
+    pe_vec3 body_force, body_torque; /* in the body's axes, rotating with it */
+    bool rotates;                    /* the latter are not zero */
 } pe_applied_force;
 
 typedef struct pe_material_pair {
     double friction, restitution;
 } pe_material_pair;
 
-/* How a pair lay when its manifold was built: what tells whether the manifold still holds. */
+/* The relative pose of a pair when its manifold was built, by which the manifold is kept or not. */
 typedef struct pe_built {
     pe_vec3 position;                /* of the smaller body in the axes of the larger one */
     pe_quat orientation;             /* of the smaller body relative to the larger one */
-    pe_vec3 normal;                  /* in the axes of the body whose face it is of */
+    pe_vec3 normal;                  /* in the axes of the body that it rotates with */
     double least_margin, end_margin; /* m: the same points at every margin in [least, end) */
-    bool normal_on_b;
+    bool normal_on_b;                /* that body is b */
 } pe_built;
 
-/* A patch of a touching or nearly touching pair: points first .. first + count - 1 share its
- * normal.
- */
+/* A contact manifold: points first .. first + count - 1 of a touching or nearly touching pair, which
+ * share a normal. */
 typedef struct pe_manifold {
     int a, b;       /* slots, a < b */
     pe_vec3 normal; /* unit, from a to b */
     int first, count;
     double least_separation; /* m, of its points */
     double friction, restitution;
-    bool kept; /* its points are those of the list before, carried along */
+    bool kept; /* its points are those of the list before, transported by the bodies */
     pe_built built;
 } pe_manifold;
 
 typedef struct pe_manifold_point {
-    pe_vec3 position;           /* world, halfway between the two surfaces, when it was found */
+    pe_vec3 position;           /* m, world, halfway between the two surfaces, when it was found */
     pe_vec3 anchor_a, anchor_b; /* the same point on either surface, in that body's axes */
     double separation;          /* m, when it was found */
-    uint64_t feature;           /* names the features that touch: the same from step to step */
-    pe_vec3 impulse;            /* on b, world */
+    uint64_t feature;           /* id of the features that touch: the same from step to step */
+    pe_vec3 impulse;            /* N s, on b, world */
 } pe_manifold_point;
 
 enum {
@@ -87,7 +87,7 @@ enum {
     PE_MAX_MANIFOLDS = 16 /* manifolds of a pair */
 };
 
-/* The contacts of one step, sorted by (a, b); those of one pair stand together. */
+/* The contacts of one step, sorted by (a, b). The points of a pair are contiguous. */
 typedef struct pe_contacts {
     pe_array manifold_array, point_array;
     int manifold_count, point_count;
@@ -98,7 +98,7 @@ struct pe_world {
     pe_allocator allocator;
 
     pe_array body_array, pose_array, twist_array, mass_array, applied_force_array;
-    bool loaded;    /* a force was applied since the last step */
+    bool has_applied_forces; /* since the last step */
     int slot_count; /* slots in use or free, the dummy included */
     int first_free;
 
@@ -113,9 +113,9 @@ struct pe_world {
     struct pe_pattern_store *patterns;
     bool bodies_changed; /* a body was created or destroyed since the broad phase last looked */
 
-    /* `contacts` are those at the poses now, to be solved next, with the impulses they start from;
-     * `solved` those of the last step with the impulses it found; `previous` is the list that was
-     * replaced last. */
+    /* `contacts` are those at the poses now, to be solved next, with the impulses of the warm start.
+     * `solved` are those of the last step with the impulses that it found. `previous` is the list
+     * that was replaced last. */
     pe_contacts contacts, previous, solved;
     /* `contacts` and `previous` of the island that takes sub-steps (impact.c). */
     pe_contacts substep_contacts, substep_previous;
@@ -125,6 +125,7 @@ struct pe_world {
     pe_arena arena;
 };
 
+/* The arrays of bodies, by slot. */
 static inline pe_body *pe_bodies(const pe_world *world)
 {
     return world->body_array.items;
@@ -150,6 +151,7 @@ static inline pe_applied_force *pe_applied_forces(const pe_world *world)
     return world->applied_force_array.items;
 }
 
+/* The manifolds and points of a list. */
 static inline pe_manifold *pe_manifolds(const pe_contacts *contacts)
 {
     return contacts->manifold_array.items;
@@ -160,6 +162,7 @@ static inline pe_manifold_point *pe_manifold_points(const pe_contacts *contacts)
     return contacts->point_array.items;
 }
 
+/* Exchanges two lists. */
 static inline void pe_contacts_swap(pe_contacts *a, pe_contacts *b)
 {
     pe_contacts c = *a;
@@ -177,6 +180,7 @@ typedef struct pe_point_walk {
     pe_manifold_point *point;
 } pe_point_walk;
 
+/* A walk over all points. */
 static inline pe_point_walk pe_walk_points(const pe_contacts *contacts)
 {
     return (pe_point_walk){.contacts = contacts, .count = contacts->manifold_count};
@@ -198,6 +202,7 @@ static inline bool pe_next_point(pe_point_walk *walk)
     return false;
 }
 
+/* Whether a torque acts on the body. */
 static inline bool pe_has_torque(const pe_applied_force *applied)
 {
     return pe_dot(applied->torque, applied->torque) > 0 ||
@@ -211,12 +216,13 @@ static inline pe_material_pair *pe_material_pair_of(const pe_world *world, int a
            (size_t)a * (size_t)world->material_count + b;
 }
 
+/* The step's arena as a workspace. */
 static inline pe_workspace pe_step_memory(pe_world *world)
 {
     return (pe_workspace){&world->arena, &world->allocator};
 }
 
-/* Takes from the step's arena. */
+/* Memory from the step's arena, as pe_arena_take. */
 static inline void *pe_scratch(pe_world *world, size_t count, size_t stride)
 {
     return pe_arena_take(&world->arena, &world->allocator, count, stride);

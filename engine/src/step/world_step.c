@@ -330,8 +330,8 @@ static pe_status guard_energy(pe_step *step)
 
 static void clear_applied_forces(pe_world *world)
 {
-    if (world->loaded) {
-        world->loaded = false;
+    if (world->has_applied_forces) {
+        world->has_applied_forces = false;
         memset(pe_applied_forces(world), 0,
                (size_t)world->slot_count * sizeof *pe_applied_forces(world));
     }
