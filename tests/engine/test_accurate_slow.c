@@ -29,7 +29,7 @@ static json_t *run_accurate(const char *scenario, const char *const *options)
     return run_to_json(arguments);
 }
 
-/* A run whose violations are all told before the test fails. */
+/* A run whose violations are all reported before the test fails. */
 typedef struct judged {
     const char *what;
     json_t *result;
@@ -73,7 +73,7 @@ static int judge_end(judged *j)
     return j->violations;
 }
 
-/* What stands stands: to a micrometre, with every step solved, and almost no work. */
+/* Standing structures stay within a micrometre, with every step solved, and almost no work. */
 static int violations_at_rest(const char *scenario, const char *const *options, const char *what)
 {
     judged j = judge_begin(what, run_accurate(scenario, options));

@@ -50,15 +50,15 @@ static void change(forest *f, int item, check_random *random)
 }
 
 /* Marks the pairs that the tree tells. */
-static void find(forest *f, char (*told)[ITEMS])
+static void find(forest *f, char (*listed)[ITEMS])
 {
     pe_arena_reset(&f->arena, &f->allocator);
     pe_pair_list pairs = {.work = {&f->arena, &f->allocator}};
     assert_int_equal(pe_tree_update(&f->tree, pairs.work, NULL), PE_OK);
     assert_int_equal(pe_tree_query_pairs(&f->tree, &f->tree, &pairs, NULL), PE_OK);
-    memset(told, 0, ITEMS * sizeof *told);
+    memset(listed, 0, ITEMS * sizeof *listed);
     for (int i = 0; i < pairs.count; ++i) {
-        told[pairs.items[i].a][pairs.items[i].b] += 1;
+        listed[pairs.items[i].a][pairs.items[i].b] += 1;
     }
     pe_tree_unmark(&f->tree);
 }
@@ -66,23 +66,23 @@ static void find(forest *f, char (*told)[ITEMS])
 static void test_pairs_are_overlaps_of_changed_boxes_once(void **state)
 {
     (void)state;
-    static char told[ITEMS][ITEMS];
+    static char listed[ITEMS][ITEMS];
     check_random random = {31};
     forest f = {.allocator = pe_allocator_default()};
     long found = 0;
     for (int round = 0; round < 400; ++round) {
-        /* From one change to all of them, so that every way to rebuild is gone. */
+        /* From one change to all of them, so that every kind of rebuild is covered. */
         int changes = round % 3 == 0 ? 1 : round % 3 == 1 ? 12 : ITEMS - 1;
         memset(f.changed, 0, sizeof f.changed);
         for (int i = 0; i < changes; ++i) {
             change(&f, 1 + (int)check_uniform(&random, 0, ITEMS - 1), &random);
         }
-        find(&f, told);
+        find(&f, listed);
         for (int a = 1; a < ITEMS; ++a) {
             for (int b = a + 1; b < ITEMS; ++b) {
                 bool meet = f.there[a] && f.there[b] && (f.changed[a] || f.changed[b]) &&
                             pe_aabb_overlaps(&f.box[a], &f.box[b]);
-                assert_int_equal(told[a][b], meet);
+                assert_int_equal(listed[a][b], meet);
                 found += meet;
             }
         }
@@ -95,20 +95,20 @@ static void test_pairs_are_overlaps_of_changed_boxes_once(void **state)
 static void test_without_changes_no_pair_is_found(void **state)
 {
     (void)state;
-    static char told[ITEMS][ITEMS], none[ITEMS][ITEMS];
+    static char listed[ITEMS][ITEMS], none[ITEMS][ITEMS];
     check_random random = {32};
     forest f = {.allocator = pe_allocator_default()};
-    find(&f, told); /* empty, too */
+    find(&f, listed); /* empty, too */
     for (int i = 1; i < ITEMS; ++i) {
         add(&f, i, &random);
     }
-    find(&f, told);
-    assert_memory_not_equal(told, none, sizeof told);
-    find(&f, told);
-    assert_memory_equal(told, none, sizeof told);
+    find(&f, listed);
+    assert_memory_not_equal(listed, none, sizeof listed);
+    find(&f, listed);
+    assert_memory_equal(listed, none, sizeof listed);
     pe_tree_invalidate(&f.tree);
-    find(&f, told);
-    assert_memory_not_equal(told, none, sizeof told);
+    find(&f, listed);
+    assert_memory_not_equal(listed, none, sizeof listed);
     pe_tree_free(&f.tree, &f.allocator);
     pe_arena_free(&f.arena, &f.allocator);
 }
@@ -117,7 +117,7 @@ static void test_without_changes_no_pair_is_found(void **state)
 static void test_tree_height_stays_low_for_hard_boxes(void **state)
 {
     (void)state;
-    static char told[ITEMS][ITEMS];
+    static char listed[ITEMS][ITEMS];
     for (int kind = 0; kind < 2; ++kind) {
         forest f = {.allocator = pe_allocator_default()};
         for (int i = 1; i < ITEMS; ++i) {
@@ -125,10 +125,10 @@ static void test_tree_height_stays_low_for_hard_boxes(void **state)
             f.box[i] = (pe_aabb){{x, x, x}, {x, x, x}};
             assert_int_equal(pe_tree_add(&f.tree, &f.allocator, i, &f.box[i], NULL), PE_OK);
         }
-        find(&f, told);
+        find(&f, listed);
         const pe_tree_node *nodes = f.tree.node_array.items;
         assert_in_range(nodes[f.tree.root].height, 8, 19); /* log 199 to the base 2, and 4/3 */
-        assert_int_equal(told[1][2], kind);
+        assert_int_equal(listed[1][2], kind);
         pe_tree_free(&f.tree, &f.allocator);
         pe_arena_free(&f.arena, &f.allocator);
     }
@@ -138,21 +138,21 @@ static void test_tree_height_stays_low_for_hard_boxes(void **state)
 static void test_height_and_nodes_stay_bounded_under_single_moves(void **state)
 {
     (void)state;
-    static char told[ITEMS][ITEMS];
+    static char listed[ITEMS][ITEMS];
     check_random random = {33};
     forest f = {.allocator = pe_allocator_default()};
     for (int i = 1; i < ITEMS; ++i) {
         add(&f, i, &random);
     }
-    find(&f, told);
+    find(&f, listed);
     int nodes = f.tree.node_count;
     assert_int_equal(nodes, 2 * (ITEMS - 1) - 1);
     for (int round = 0; round < 20000; ++round) {
         int item = 1 + round * 7 % (ITEMS - 1);
         for (int k = 0; k < 3; ++k) {
-            double way = check_uniform(&random, -0.5, 0.5);
-            f.box[item].low[k] += way;
-            f.box[item].high[k] += way;
+            double shift = check_uniform(&random, -0.5, 0.5);
+            f.box[item].low[k] += shift;
+            f.box[item].high[k] += shift;
         }
         pe_tree_move(&f.tree, item, &f.box[item]);
         assert_int_equal(pe_tree_update(&f.tree, (pe_workspace){&f.arena, &f.allocator}, NULL),
@@ -169,7 +169,7 @@ static void test_height_and_nodes_stay_bounded_under_single_moves(void **state)
 static void test_failed_update_can_be_repeated(void **state)
 {
     (void)state;
-    static char told[ITEMS][ITEMS], expected[ITEMS][ITEMS];
+    static char listed[ITEMS][ITEMS], expected[ITEMS][ITEMS];
     check_random random = {34};
     counter c = {.fail_at = -1};
     forest f = {.allocator = {count_allocate, count_release, &c}};
@@ -182,13 +182,13 @@ static void test_failed_update_can_be_repeated(void **state)
                      PE_NO_MEMORY);
     assert_contains(error.message, "199 boxes");
     c.fail_at = -1;
-    find(&f, told);
+    find(&f, listed);
     for (int a = 1; a < ITEMS; ++a) {
         for (int b = a + 1; b < ITEMS; ++b) {
             expected[a][b] = pe_aabb_overlaps(&f.box[a], &f.box[b]);
         }
     }
-    assert_memory_equal(told, expected, sizeof told);
+    assert_memory_equal(listed, expected, sizeof listed);
     pe_tree_free(&f.tree, &f.allocator);
     pe_arena_free(&f.arena, &f.allocator);
     assert_int_equal(c.living, 0);

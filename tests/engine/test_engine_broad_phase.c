@@ -110,12 +110,12 @@ static void check_pairs(pe_world *world, tally *t)
                 !placed) {
                 continue;
             }
-            pe_pair_manifold hits;
+            pe_pair_manifold manifold;
             collide_convex(
                 (pe_placed){&bodies[a].shape, bodies[a].geometry, &poses[a], bodies[a].size},
                 (pe_placed){&bodies[b].shape, bodies[b].geometry, &poses[b], bodies[b].size},
-                margin, &hits);
-            if (hits.count > 0) {
+                margin, &manifold);
+            if (manifold.count > 0) {
                 assert_true(is_there(&pairs, a, b));
                 t->near += 1;
             }
@@ -145,7 +145,7 @@ static void test_pairs_within_margin_are_found_once_in_order(void **state)
 
 /* A step's motion, without contacts. Some jump, some are destroyed, and others come in their place.
  */
-static void stir(pe_world *world, pe_body_id *ids, int step, check_random *random)
+static void disturb(pe_world *world, pe_body_id *ids, int step, check_random *random)
 {
     for (int i = 0; i < CROWD; ++i) {
         bool is_static = pe_bodies(world)[ids[i].index].is_static;
@@ -177,7 +177,7 @@ static void test_kept_pairs_are_complete(void **state)
     move_at_random(world, ids, &random);
     tally t = {0};
     for (int n = 0; n < 2 * STEPS; ++n) {
-        stir(world, ids, n, &random);
+        disturb(world, ids, n, &random);
         check_pairs(world, &t);
     }
     assert_true(t.near > 3000);
@@ -205,7 +205,7 @@ static void test_slowly_approaching_bodies_become_a_pair(void **state)
     pe_world_destroy(world);
 }
 
-/* A long body turns on the spot, by poses alone, until its end meets another body. */
+/* A long body rotates in place, by poses alone, until its end reaches another body. */
 static void test_rotating_bodies_become_a_pair_in_time(void **state)
 {
     (void)state;

@@ -22,14 +22,14 @@ static void test_tower_contact_forces_carry_the_weight_above_them(void **state)
         assert_int_equal(stats.contacts, 4 * N);
         assert_int_equal(stats.islands, 1);
     }
-    double carried[N + 2] = {0};
+    double supported[N + 2] = {0};
     int count = pe_world_get_contacts(world, contacts, MAX_CONTACTS);
     for (int i = 0; i < count; ++i) {
-        carried[contacts[i].body_b.index - 2] += contacts[i].impulse.z;
+        supported[contacts[i].body_b.index - 2] += contacts[i].impulse.z;
         assert_true(contacts[i].impulse.z >= 0);
     }
     for (int k = 0; k < N; ++k) {
-        assert_close(carried[k], (N - k) * 9.81 * H, 1e-7, 0);
+        assert_close(supported[k], (N - k) * 9.81 * H, 1e-7, 0);
         pe_body_state s = state_of(world, ids[k]);
         assert_close(s.position.z, k + 0.5, 1e-8, 0);
     }
@@ -243,7 +243,7 @@ static void test_coincident_bodies_separate_without_energy_gain(void **state)
         }
         pe_body_state a = state_of(world, ids[0]), b = state_of(world, ids[1]);
         assert_true(pe_is_finite(a.position) && pe_is_finite(b.position));
-        /* The heavy one's rim moves at 8.6 m/s times 0.87 m; the light one cannot be thrown at more
+        /* The heavy one's rim moves at 8.6 m/s times 0.87 m; the light one cannot be made faster
          * than twice that. */
         assert_at_most(pe_length(a.angular_velocity), 8.7);
         assert_at_most(pe_length(b.velocity), 2 * 8.7 * 0.87);

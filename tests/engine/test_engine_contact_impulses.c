@@ -17,7 +17,7 @@ static void test_impulses_follow_features_and_pulls_are_dropped(void **state)
     pe_body_id ids[2];
     pe_world *world = marked_tower(ids);
     pe_manifold_points(&world->contacts)[2].impulse.z *= -1;
-    find_contacts(world, 0); /* anew, at the same poses */
+    find_contacts(world, 0); /* again, at the same poses */
     for (int i = 0; i < world->contacts.point_count; ++i) {
         const pe_manifold_point *p = &pe_manifold_points(&world->contacts)[i];
         assert_int_equal(p->feature, pe_manifold_points(&world->previous)[i].feature);

@@ -1,5 +1,4 @@
-/* The list of contacts: which manifolds are kept, which are carried along, and which are found
- * anew. */
+/* The list of contacts: which manifolds are kept, and which are built again. */
 #include "contact_world.h"
 #include "random_pose.h"
 
@@ -78,11 +77,11 @@ static void test_kept_manifold_equals_a_new_one_within_tolerance(void **state)
         find_contacts(world, tolerance);
         move_pair(world, ids, &random, tolerance);
         find_contacts(world, tolerance);
-        pe_contacts carried = world->contacts;
+        pe_contacts kept_list = world->contacts;
         world->contacts = (pe_contacts){0};
         find_contacts(world, 0);
-        const pe_manifold *m = pe_manifolds(&carried), *fresh = pe_manifolds(&world->contacts);
-        if (carried.manifold_count == 1 && m->kept) {
+        const pe_manifold *m = pe_manifolds(&kept_list), *fresh = pe_manifolds(&world->contacts);
+        if (kept_list.manifold_count == 1 && m->kept) {
             kept += 1;
             assert_int_equal(world->contacts.manifold_count, 1);
             assert_false(fresh->kept);
@@ -90,7 +89,7 @@ static void test_kept_manifold_equals_a_new_one_within_tolerance(void **state)
             assert_at_most(pe_length(pe_sub(m->normal, fresh->normal)), 4 * tolerance);
             double error = tolerance * size, most = error * amplification(world) + 1e-14;
             for (int j = 0; j < m->count; ++j) {
-                const pe_manifold_point *p = &pe_manifold_points(&carried)[j],
+                const pe_manifold_point *p = &pe_manifold_points(&kept_list)[j],
                                         *q = &pe_manifold_points(&world->contacts)[j];
                 assert_int_equal(p->feature, q->feature);
                 double moved = pe_length(pe_sub(p->position, q->position));
@@ -101,8 +100,8 @@ static void test_kept_manifold_equals_a_new_one_within_tolerance(void **state)
                     moved <= error + 1e-14 && fabs(p->separation - q->separation) <= error + 1e-14;
             }
         }
-        pe_array_free(&carried.manifold_array, &world->allocator);
-        pe_array_free(&carried.point_array, &world->allocator);
+        pe_array_free(&kept_list.manifold_array, &world->allocator);
+        pe_array_free(&kept_list.point_array, &world->allocator);
         pe_world_destroy(world);
     }
     assert_true(kept > 2000);

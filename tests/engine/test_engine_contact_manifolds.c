@@ -1,4 +1,4 @@
-/* Pairs that touch in several patches: a block in the corner of an L. */
+/* Pairs with several manifolds: a block in the corner of an L. */
 #include "catalogue/solids.h"
 #include "check.h"
 #include "contact/contact.h"
@@ -70,7 +70,7 @@ static void test_block_in_a_corner_has_two_manifolds(void **state)
     pe_world_destroy(c.world);
 }
 
-static pe_vec3 patch_impulse(const pe_contacts *contacts, int manifold)
+static pe_vec3 manifold_impulse(const pe_contacts *contacts, int manifold)
 {
     const pe_manifold *m = &pe_manifolds(contacts)[manifold];
     pe_vec3 sum = pe_v3(0, 0, 0);
@@ -90,14 +90,14 @@ static void test_it_rests_there_on_both_and_is_kept(void **state)
     }
     pe_body_state ended = state_of(c.world, c.block);
     assert_at_most(pe_length(pe_sub(ended.position, began.position)), 1e-9);
-    /* Both arms push, and carry the weight together. */
+    /* Both arms push, and support the weight together. */
     const pe_contacts *contacts = &c.world->contacts;
     assert_int_equal(contacts->manifold_count, 2);
     pe_vec3 sum = pe_v3(0, 0, 0);
     for (int i = 0; i < 2; ++i) {
         assert_true(pe_manifolds(contacts)[i].kept);
-        assert_true(pe_dot(patch_impulse(contacts, i), pe_manifolds(contacts)[i].normal) > 0);
-        sum = pe_add(sum, patch_impulse(contacts, i));
+        assert_true(pe_dot(manifold_impulse(contacts, i), pe_manifolds(contacts)[i].normal) > 0);
+        sum = pe_add(sum, manifold_impulse(contacts, i));
     }
     assert_at_most(pe_length(pe_sub(sum, pe_v3(0, 0, 9.81 * H))), 1e-9);
     pe_world_destroy(c.world);
@@ -111,7 +111,7 @@ static void test_new_manifolds_inherit_impulses_by_feature(void **state)
         step(c.world, H);
     }
     const pe_contacts *contacts = &c.world->contacts;
-    pe_vec3 before[2] = {patch_impulse(contacts, 0), patch_impulse(contacts, 1)};
+    pe_vec3 before[2] = {manifold_impulse(contacts, 0), manifold_impulse(contacts, 1)};
     /* A micrometre is too far for manifolds to be kept, but not for features to change. */
     pe_body_state s = state_of(c.world, c.block);
     s.position.x += 1e-6;
@@ -122,7 +122,7 @@ static void test_new_manifolds_inherit_impulses_by_feature(void **state)
     assert_int_equal(contacts->manifold_count, 2);
     for (int i = 0; i < 2; ++i) {
         assert_false(pe_manifolds(contacts)[i].kept);
-        assert_at_most(pe_length(pe_sub(patch_impulse(contacts, i), before[i])), 1e-15);
+        assert_at_most(pe_length(pe_sub(manifold_impulse(contacts, i), before[i])), 1e-15);
     }
     pe_world_destroy(c.world);
 }

@@ -6,16 +6,16 @@
 
 /* Twice the area of the projection of a quadrilateral of points, the largest over its three orders.
  */
-static double quad_area(const pe_pair_manifold *hits, const int q[4])
+static double quad_area(const pe_pair_manifold *manifold, const int q[4])
 {
     double most = 0;
     static const int orders[3][4] = {{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 1, 3, 2}};
     for (int o = 0; o < 3; ++o) {
         double area = 0;
         for (int k = 0; k < 4; ++k) {
-            pe_vec3 x = hits->item[q[orders[o][k]]].position;
-            pe_vec3 y = hits->item[q[orders[o][(k + 1) % 4]]].position;
-            area += pe_dot(hits->normal, pe_cross(x, y));
+            pe_vec3 x = manifold->item[q[orders[o][k]]].position;
+            pe_vec3 y = manifold->item[q[orders[o][(k + 1) % 4]]].position;
+            area += pe_dot(manifold->normal, pe_cross(x, y));
         }
         most = pe_max(most, fabs(area));
     }
@@ -23,7 +23,7 @@ static double quad_area(const pe_pair_manifold *hits, const int q[4])
 }
 
 /* Faces that overlap in five to eight corners, tilted a little. */
-static void many_points(check_random *random, pe_pair_manifold *hits)
+static void many_points(check_random *random, pe_pair_manifold *manifold)
 {
     do {
         placed_shape a = {.shape = {.kind = PE_SHAPE_BOX, .half_extents = {0.5, 0.5, 0.5}}}, b = a;
@@ -33,8 +33,8 @@ static void many_points(check_random *random, pe_pair_manifold *hits)
         pe_vec3 tilt = random_vector_in(random, -1e-3, 1e-3);
         place(&b, pe_v3(tilt.x, tilt.y, 0.5 + b.shape.half_extents.z),
               (pe_quat){cos(angle), tilt.x, tilt.y, sin(angle)});
-        collide_convex(of(&a), of(&b), 0.1, hits);
-    } while (hits->count < 5);
+        collide_convex(of(&a), of(&b), 0.1, manifold);
+    } while (manifold->count < 5);
 }
 
 static void test_reduction_keeps_the_deepest_point_and_area(void **state)
@@ -42,12 +42,12 @@ static void test_reduction_keeps_the_deepest_point_and_area(void **state)
     (void)state;
     check_random random = {37};
     for (int i = 0; i < 2000; ++i) {
-        pe_pair_manifold hits;
-        many_points(&random, &hits);
-        pe_pair_manifold all = hits;
-        pe_pair_manifold_reduce(&hits, 0.4);
-        assert_int_equal(hits.count, 4);
-        assert_close(least_separation(&hits), least_separation(&all), 1e-5 * 0.4, 0);
+        pe_pair_manifold manifold;
+        many_points(&random, &manifold);
+        pe_pair_manifold all = manifold;
+        pe_pair_manifold_reduce(&manifold, 0.4);
+        assert_int_equal(manifold.count, 4);
+        assert_close(least_separation(&manifold), least_separation(&all), 1e-5 * 0.4, 0);
         static const int every[4] = {0, 1, 2, 3};
         double best = 0;
         for (unsigned set = 0; set < 1u << all.count; ++set) {
@@ -58,10 +58,10 @@ static void test_reduction_keeps_the_deepest_point_and_area(void **state)
             }
             best = n == 4 ? pe_max(best, quad_area(&all, q)) : best;
         }
-        assert_at_most(0.7 * best, quad_area(&hits, every));
+        assert_at_most(0.7 * best, quad_area(&manifold, every));
         for (int j = 0; j < 4; ++j) {
-            assert_true(has_point_at(&all, &hits.item[j], 0));
-            assert_true(j == 0 || hits.item[j - 1].feature < hits.item[j].feature);
+            assert_true(has_point_at(&all, &manifold.item[j], 0));
+            assert_true(j == 0 || manifold.item[j - 1].feature < manifold.item[j].feature);
         }
     }
 }
@@ -74,23 +74,23 @@ static void test_reduction_is_stable_under_resting_motion(void **state)
     for (int corners = 5; corners <= PE_MAX_POINTS; ++corners) {
         pe_pair_manifold first = {0};
         for (int i = 0; i < 500; ++i) {
-            pe_pair_manifold hits = {.normal = {0, 0, 1}, .count = corners};
+            pe_pair_manifold manifold = {.normal = {0, 0, 1}, .count = corners};
             for (int j = 0; j < corners; ++j) {
                 /* Found from another corner on each time. */
                 int k = (i + j) % corners;
                 double angle = 2 * 3.141592653589793 * k / corners;
-                hits.item[j] = (pe_pair_point){
+                manifold.item[j] = (pe_pair_point){
                     .position = pe_add(pe_v3(0.5 * cos(angle), 0.5 * sin(angle), 0),
                                        random_vector_in(&random, -1e-8, 1e-8)),
                     .separation = check_uniform(&random, -1e-8, 1e-8),
                     .feature = (uint64_t)(7 * k % 11),
                 };
             }
-            pe_pair_manifold_reduce(&hits, 0.5);
-            assert_int_equal(hits.count, 4);
-            first = i == 0 ? hits : first;
+            pe_pair_manifold_reduce(&manifold, 0.5);
+            assert_int_equal(manifold.count, 4);
+            first = i == 0 ? manifold : first;
             for (int j = 0; j < 4; ++j) {
-                assert_int_equal(hits.item[j].feature, first.item[j].feature);
+                assert_int_equal(manifold.item[j].feature, first.item[j].feature);
             }
         }
     }
@@ -99,16 +99,16 @@ static void test_reduction_is_stable_under_resting_motion(void **state)
 static void test_reducing_points_on_one_line_keeps_the_ends(void **state)
 {
     (void)state;
-    pe_pair_manifold hits = {.normal = {0, 0, 1}, .count = 6};
+    pe_pair_manifold manifold = {.normal = {0, 0, 1}, .count = 6};
     static const double at[6] = {0.3, -1, 0, 1, 0.5, -0.2};
     for (uint32_t i = 0; i < 6; ++i) {
-        hits.item[i] = (pe_pair_point){
+        manifold.item[i] = (pe_pair_point){
             .position = {at[i], 0, 0}, .separation = i == 3 ? -1e-3 : 0, .feature = 6 - i};
     }
-    pe_pair_manifold_reduce(&hits, 1);
-    assert_int_equal(hits.count, 2);
-    assert_close(hits.item[0].position.x, 1, 0, 0);
-    assert_close(hits.item[1].position.x, -1, 0, 0);
+    pe_pair_manifold_reduce(&manifold, 1);
+    assert_int_equal(manifold.count, 2);
+    assert_close(manifold.item[0].position.x, 1, 0, 0);
+    assert_close(manifold.item[1].position.x, -1, 0, 0);
 }
 
 int main(void)

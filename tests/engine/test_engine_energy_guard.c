@@ -26,10 +26,9 @@ static pe_vec3 random_vector(check_random *random, double reach)
     return pe_v3(x, y, check_uniform(random, -reach, reach));
 }
 
-/* ---- Growth -----------------------------------------------------------------------------------
- */
+/* ---- Growth ---- */
 
-/* A step under way: what the guard compares with. */
+/* A step that has begun: the state that the guard compares with. */
 typedef struct under_way {
     pe_pose poses[8];
     pe_twist twists[8];
@@ -214,8 +213,7 @@ static void test_a_rise_without_motion_is_taken_back(void **state)
     pe_world_destroy(world);
 }
 
-/* ---- Projection that motion cannot pay for ----------------------------------------------------
- */
+/* ---- Corrections that motion cannot pay for ---- */
 
 /* A cube of 2 kg that moved freely in a step at whose begin it stood, and then was lifted. */
 typedef struct lifted {
@@ -281,7 +279,7 @@ static void test_excess_lift_is_undone_and_motion_continues(void **state)
     }
 }
 
-/* Contacts that sweeps left give way: what lies on them would sink step by step. */
+/* Swept contacts yield: bodies on them would sink step by step. */
 static void test_unsolved_bodies_come_to_rest_in_place(void **state)
 {
     (void)state;
@@ -303,13 +301,12 @@ static void test_what_is_deep_is_lifted_at_any_price(void **state)
     pe_world_destroy(l.world);
 }
 
-/* ---- Stacks that fall --------------------------------------------------------------------------
- */
+/* ---- Stacks that fall ---- */
 
 enum { MOST_BLOCKS = 20 };
 
 /* Blocks 1 by 0.5 by 0.25 m on a table whose edge is x = 0, its top z = 0, the k-th from the top
- * out over the next by factor / (2 k): they stand if and only if factor <= 1. */
+ * out over the next by factor / (2 k): they stay up if and only if factor <= 1. */
 static void add_overhang(pe_world *world, int count, double factor, pe_vec3 at, pe_body_id *ids)
 {
     pe_body_def def = box_def(0.5, 0.25, 0.125, pe_add(at, pe_v3(-0.5, 0, -0.125)));
@@ -333,10 +330,10 @@ static double height_of(const pe_world *world, const pe_body_id *ids, int count)
     return sum / count;
 }
 
-/* Less is not told from standing. */
+/* Less cannot be distinguished from standing. */
 static const double FALLEN = 2e-5; /* m */
 
-/* Without friction or blows nothing slows the fall of what has begun to fall: the way down in half
+/* Without friction or blows nothing slows a fall that has begun: the way down in half
  * a second is longer than in the one before. */
 static void test_what_has_begun_to_fall_falls_on(void **state)
 {
@@ -367,8 +364,7 @@ static void test_what_has_begun_to_fall_falls_on(void **state)
     }
 }
 
-/* ---- What is far -------------------------------------------------------------------------------
- */
+/* ---- Distant bodies ---- */
 
 /* Boxes that drop onto each other. */
 static void add_falling_boxes(pe_world *world, pe_body_id *ids)
@@ -384,7 +380,7 @@ static void add_falling_boxes(pe_world *world, pe_body_id *ids)
     }
 }
 
-/* The stack, 1 km away, has its projection taken back in many steps. */
+/* The stack, 1 km away, has its position correction taken back in many steps. */
 static void test_restoring_bodies_leaves_far_bodies_unchanged(void **state)
 {
     (void)state;
@@ -400,8 +396,8 @@ static void test_restoring_bodies_leaves_far_bodies_unchanged(void **state)
     add_overhang(worlds[1], 16, 1.001, pe_v3(1000, 0, 100), far_off);
     int guarded = 0;
     for (int n = 0; n < 180; ++n) {
-        int alone = step(worlds[0], H).guarded_islands;
-        guarded += step(worlds[1], H).guarded_islands > alone;
+        int standalone = step(worlds[0], H).guarded_islands;
+        guarded += step(worlds[1], H).guarded_islands > standalone;
         for (int i = 0; i < MOST_BLOCKS; ++i) {
             pe_body_state a = state_of(worlds[0], near_by[i]), b = state_of(worlds[1], near_by[i]);
             assert_memory_equal(&a, &b, sizeof a);

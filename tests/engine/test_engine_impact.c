@@ -57,7 +57,7 @@ static void test_ball_follows_parabolas_at_any_step(void **state)
                 step(world, h);
                 bounced(1, e, n * h, &z, &v);
                 pe_body_state s = state_of(world, ball);
-                /* What bounces by what gravity takes in a step or two is not told from rest. */
+                /* Bounces at the speed that gravity takes in a step or two count as rest. */
                 if (2 * G * z + v * v > 4 * G * h * G * h) {
                     assert_close(s.position.z - 0.1, z, 1e-7, 0);
                     assert_close(s.velocity.z, v, 1e-6, 0);
@@ -220,7 +220,7 @@ static void test_flying_box_collision_conserves_angular_momentum(void **state)
         collided += fabs(now - kinetic) >= 1e-6;
         assert_at_most(now, kinetic * (1 + 1e-9));
         double off = pe_length(pe_sub(momentum_of(world, ids), begun));
-        /* What follows at less than a thousandth of the impact's speed acts over its gap. */
+        /* A later impact at less than a thousandth of the first one's speed acts over its gap. */
         assert_at_most(off, 1e-3);
         exact += off < 1e-11;
         pe_world_destroy(world);

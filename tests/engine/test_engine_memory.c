@@ -88,7 +88,7 @@ static void test_every_failed_allocation_is_reported_and_loses_nothing(void **st
         pe_status status = run_scene(&def, &last);
         assert_int_equal(c.living, 0);
         if (status == PE_OK) {
-            /* Only the arena can do without: it goes on with what it had. */
+            /* Only the arena can do without new memory: it goes on with its old block. */
             assert_memory_equal(&last, &reference, sizeof last);
         } else {
             assert_int_equal(status, PE_NO_MEMORY);
@@ -184,7 +184,7 @@ static void test_a_destroyed_body_leaves_nothing_behind(void **state)
     for (int i = 0; i < count; ++i) {
         assert_true(left[i].body_a.index != ids[2].index && left[i].body_b.index != ids[2].index);
     }
-    /* What stood on it falls freely for one step; what is below stays. */
+    /* The bodies that stood on it fall freely for one step; those below stay. */
     step(world, H);
     assert_close(state_of(world, ids[3]).velocity.z, -9.81 * H, 1e-6, 0);
     assert_close(state_of(world, ids[1]).velocity.z, 0, 1e-6, 0);

@@ -6,10 +6,9 @@
 
 #include <stdio.h>
 
-/* ---- Flying bodies ----------------------------------------------------------------------------
- */
+/* ---- Flying bodies ---- */
 
-/* A body alone under gravity and a constant force in its own axes. */
+/* A single body under gravity and a constant force in its own axes. */
 typedef struct flight {
     pe_vec3 inertia, gravity, force, offset; /* force and offset: body's axes */
     double mass;
@@ -184,8 +183,7 @@ static void test_rocket_in_space_is_second_order(void **state)
     fly_in_order("rocket in space", &f, 1.9);
 }
 
-/* ---- Free rotation ----------------------------------------------------------------------------
- */
+/* ---- Free rotation ---- */
 
 static const pe_vec3 LONG_BOX = {97.0 / 120, 82.0 / 120, 17.0 / 120}; /* of 1 x 4 x 9 */
 /* s, 4 K(m) / p by the elliptic integral (Landau and Lifshitz, Mechanics, section 37). */
@@ -289,8 +287,7 @@ static void test_free_rotation_keeps_momentum_and_energy_to_rounding(void **stat
     assert_true(kept);
 }
 
-/* ---- The heavy top ----------------------------------------------------------------------------
- */
+/* ---- The heavy top ---- */
 
 /* A symmetric top at its pivot: a body with the inertia about the pivot, no gravity, and its torque
  * l a x (0, 0, -m g) as a couple of world forces. The engine holds them over the step, so that the

@@ -1,4 +1,4 @@
-/* Of what order impacts are, and how what has dropped comes to rest. */
+/* The order of accuracy of impacts, and how dropped bodies come to rest. */
 #include "check.h"
 #include "motion_order.h"
 #include "motion_vectors.h"

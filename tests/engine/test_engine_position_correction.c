@@ -1,4 +1,4 @@
-/* Projection of positions. */
+/* Position correction. */
 #include "check.h"
 #include "step/step.h"
 #include "world_for_tests.h"
@@ -8,8 +8,7 @@
 
 static const double H = 1.0 / 60;
 
-/* ---- Scenes ------------------------------------------------------------------------------------
- */
+/* ---- Scenes ---- */
 
 static pe_world *make_weightless_world(void)
 {
@@ -26,7 +25,7 @@ static void find(pe_world *world)
     assert_int_equal(pe_contacts_update(world, &rules, NULL, H, NULL), PE_OK);
 }
 
-static pe_correction_report project_found(pe_world *world, const pe_correction_rules *rules)
+static pe_correction_report correct_found(pe_world *world, const pe_correction_rules *rules)
 {
     pe_correction_report report;
     pe_step step = {.world = world, .dt = H, .rules = pe_contact_rules_exact()};
@@ -34,16 +33,16 @@ static pe_correction_report project_found(pe_world *world, const pe_correction_r
     return report;
 }
 
-static pe_correction_report project_by(pe_world *world, const pe_correction_rules *rules)
+static pe_correction_report correct_by(pe_world *world, const pe_correction_rules *rules)
 {
     find(world);
-    return project_found(world, rules);
+    return correct_found(world, rules);
 }
 
-static pe_correction_report project(pe_world *world)
+static pe_correction_report correct(pe_world *world)
 {
     pe_correction_rules rules = pe_correction_rules_default();
-    return project_by(world, &rules);
+    return correct_by(world, &rules);
 }
 
 static double depth_of(const pe_world *world)
@@ -114,8 +113,7 @@ static void add_heap(pe_world *world, check_random *random, int count, double re
     }
 }
 
-/* ---- Projection --------------------------------------------------------------------------------
- */
+/* ---- Correction ---- */
 
 static void test_overlapping_boxes_separate_in_mass_ratio(void **state)
 {
@@ -126,7 +124,7 @@ static void test_overlapping_boxes_separate_in_mass_ratio(void **state)
     b.mass = 3;
     pe_body_id one = add_body(world, &a), other = add_body(world, &b);
     pe_correction_rules rules = pe_correction_rules_default();
-    pe_correction_report report = project_by(world, &rules);
+    pe_correction_report report = correct_by(world, &rules);
     assert_close(report.penetration, 0.01, 1e-12, 0);
     double parted = 0.01 - rules.aim, within = rules.enough;
     double x = state_of(world, one).position.x, y = state_of(world, other).position.x;
@@ -146,7 +144,7 @@ static void test_what_is_shallow_stays_to_the_bit(void **state)
     pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(0, 0, 0.5 - 0.99 * rules.begin));
     pe_body_id box = add_body(world, &def);
     pe_body_state before = state_of(world, box);
-    pe_correction_report report = project_by(world, &rules);
+    pe_correction_report report = correct_by(world, &rules);
     pe_body_state after = state_of(world, box);
     assert_memory_equal(&before, &after, sizeof before);
     assert_int_equal(report.rounds, 0);
@@ -163,7 +161,7 @@ static void test_sunk_box_is_moved_out_of_ground(void **state)
     add_plane(world, pe_v3(0, 0, 1), add_material(world, 0.5, 0));
     pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(0, 0, 0.48));
     pe_body_id box = add_body(world, &def);
-    project_by(world, &rules);
+    correct_by(world, &rules);
     pe_body_state s = state_of(world, box);
     assert_close(s.position.z, 0.5 - rules.aim, rules.enough, 0);
     assert_close(s.position.x, 0, 1e-12, 0);
@@ -185,7 +183,7 @@ static void test_a_push_reaches_the_end_of_a_row(void **state)
         pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(0.5 + i - 0.005, 0, 0));
         ids[i] = add_body(world, &def);
     }
-    project_by(world, &rules);
+    correct_by(world, &rules);
     for (int i = 0; i < ROW; ++i) { /* each may be left as deep as the rules say */
         double x = state_of(world, ids[i]).position.x;
         assert_at_most(0.5 + i - (i + 1) * rules.begin, x);
@@ -205,7 +203,7 @@ static void test_untouched_bodies_stay_unchanged_exactly(void **state)
     def.position.x = 2; /* 6e-4 from its neighbour, which moves by less */
     pe_body_id c = add_body(world, &def);
     pe_body_state far = state_of(world, c), pushed = state_of(world, a);
-    pe_correction_report report = project(world);
+    pe_correction_report report = correct(world);
     pe_body_state now = state_of(world, c);
     assert_memory_equal(&far, &now, sizeof far);
     assert_false(report.moved[c.index]);
@@ -230,7 +228,7 @@ static void test_heap_correction_keeps_mass_centre_and_momenta(void **state)
         pe_vec3 spin = spin_of(world);
         double depth = depth_of(world);
         pe_vec3 centre = centre_of_mass(world);
-        pe_correction_report report = project_found(world, &rules);
+        pe_correction_report report = correct_found(world, &rules);
         double after = squares_of(world, rules.aim);
         assert_at_most(after, before);
         assert_close(report.penetration, depth, 0, 0);
@@ -251,7 +249,7 @@ static void test_contacts_afterwards_are_those_of_the_final_poses(void **state)
         check_random random = {seed};
         pe_world *world = make_weightless_world();
         add_heap(world, &random, 20, 1.2);
-        project(world);
+        correct(world);
         int manifolds = world->contacts.manifold_count, points = world->contacts.point_count;
         double *gaps = malloc(sizeof *gaps * (size_t)points);
         for (int j = 0; j < points; ++j) {
@@ -281,7 +279,7 @@ static void test_any_solver_may_take_the_place_of_sweeps(void **state)
     pe_correction_rules rules = pe_correction_rules_default();
     rules.solver = pe_solve_gauss_seidel;
     rules.solver_limits = (pe_solve_limits){1e-9, 20000};
-    pe_correction_report report = project_by(world, &rules);
+    pe_correction_report report = correct_by(world, &rules);
     assert_int_equal(report.rounds, 1);
     for (int i = 0; i < 4; ++i) {
         double z = pe_poses(world)[2 + i].position.z;
@@ -303,7 +301,7 @@ static void test_only_what_is_among_the_flagged_is_projected(void **state)
     flags[ids[2].index] = flags[ids[3].index] = true;
     pe_correction_rules rules = pe_correction_rules_default();
     rules.among = flags;
-    pe_correction_report report = project_by(world, &rules);
+    pe_correction_report report = correct_by(world, &rules);
     assert_false(report.moved[ids[0].index] || report.moved[ids[1].index]);
     assert_true(report.moved[ids[2].index] && report.moved[ids[3].index]);
     assert_at_most(report.penetration_left, rules.aim + rules.enough);
@@ -328,7 +326,7 @@ static void test_excluded_bodies_stay_during_projection(void **state)
         flags[ids[0].index] = flags[ids[3].index] = flags[ids[4].index] = true;
         pe_correction_rules rules = pe_correction_rules_default();
         rules.among = flags;
-        pe_correction_report report = project_by(world, &rules);
+        pe_correction_report report = correct_by(world, &rules);
         assert_int_equal(report.rounds > 0, elsewhere);
         for (int i = 0; i < 3; ++i) {
             assert_close(pe_poses(world)[ids[i].index].position.x, x[i], 0, 0);

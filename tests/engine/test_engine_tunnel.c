@@ -1,4 +1,4 @@
-/* Nothing passes a wall that is thinner than the way it makes in a step. */
+/* No body passes a wall that is thinner than its displacement in a step. */
 #include "base/vec3.h"
 #include "check.h"
 #include "random_pose.h"

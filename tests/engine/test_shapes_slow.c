@@ -124,8 +124,8 @@ static void test_a_rocket_flies_as_its_thrust_says(void **state)
         json_t *result = run("rocket", profiles[p], on_axis);
         violations += violated(result, profiles[p], "travel_error", 1e-12);
         json_decref(result);
-        const char *const beside[] = {"offset=0.05", NULL};
-        result = run("rocket", profiles[p], beside);
+        const char *const off_centre[] = {"offset=0.05", NULL};
+        result = run("rocket", profiles[p], off_centre);
         violations += violated(result, profiles[p], "travel_error", 1e-3);
         violations += violated(result, profiles[p], "momentum_error", 1e-3);
         json_decref(result);
