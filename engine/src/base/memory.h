@@ -24,17 +24,17 @@ typedef struct pe_array {
     size_t capacity; /* in items */
 } pe_array;
 
-/* Makes room for `count` items of `stride` bytes and keeps the first `used` items. The array grows by
- * at least a half, so that a scene that stops growing stops allocating. On PE_NO_MEMORY the array
- * is as it was. */
+/* Makes room for `count` items of `stride` bytes and keeps the first `used` items. The array grows
+ * by at least a half, so that a scene that stops growing stops allocating. On PE_NO_MEMORY the
+ * array is as it was. */
 pe_status pe_array_reserve(pe_array *array, const pe_allocator *allocator, size_t stride,
                            size_t count, size_t used, pe_error *error);
 
 /* Releases the items; the array is empty then. */
 void pe_array_free(pe_array *array, const pe_allocator *allocator);
 
-/* One block from which a step takes memory, all of which is given back at once. Requests that do not
- * fit get extra blocks, which the next reset merges into one of the size that was needed. */
+/* One block from which a step takes memory, all of which is given back at once. Requests that do
+ * not fit get extra blocks, which the next reset merges into one of the size that was needed. */
 typedef struct pe_arena {
     char *block;
     size_t capacity, used; /* bytes of the block */
@@ -44,7 +44,8 @@ typedef struct pe_arena {
     bool failed; /* a request since the last reset was refused */
 } pe_arena;
 
-/* `count` items of `stride` bytes, aligned to 64 bytes, not initialised; NULL when out of memory. */
+/* `count` items of `stride` bytes, aligned to 64 bytes, not initialised; NULL when out of memory.
+ */
 void *pe_arena_take(pe_arena *arena, const pe_allocator *allocator, size_t count, size_t stride);
 
 /* The state of an arena that pe_arena_rewind goes back to. */

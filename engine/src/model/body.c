@@ -70,9 +70,9 @@ static pe_status check_def(const pe_world *world, const pe_body_def *def,
                        "inertia: expected three numbers above 0, or all 0, found (%g, %g, %g)", i.x,
                        i.y, i.z);
     }
-    return check_state(&(pe_body_state){def->position, def->orientation, def->velocity,
-                                        def->angular_velocity},
-                       error);
+    return check_state(
+        &(pe_body_state){def->position, def->orientation, def->velocity, def->angular_velocity},
+        error);
 }
 
 static pe_mass mass_of(const pe_body_def *def, const pe_geometry *geometry)

@@ -1,7 +1,7 @@
 #include "integrate.h"
 
-/* Newton's steps, and then, for rotations of radians a step at which Newton's method diverges, steps
- * with the derivative at a small rotation, which converge slowly but surely. */
+/* Newton's steps, and then, for rotations of radians a step at which Newton's method diverges,
+ * steps with the derivative at a small rotation, which converge slowly but surely. */
 enum { MAX_NEWTON_STEPS = 12, MAX_SPIN_ITERATIONS = 300 };
 
 /* rad: a body that rotates by less in a step keeps its inertia in the world's axes. */
@@ -14,8 +14,8 @@ static pe_mat3 rotation_by(pe_vec3 v)
 
 /* Free rotation over a step. */
 typedef struct spin {
-    pe_vec3 end;     /* w' */
-    pe_vec3 mean;    /* m */
+    pe_vec3 end;      /* w' */
+    pe_vec3 mean;     /* m */
     pe_mat3 rotation; /* exp(h m) */
 } spin;
 
@@ -82,14 +82,15 @@ static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
 
 /* Mean force and torque over the step, world: those at the orientation in the middle. */
 static void mean_force(const pe_applied_force *applied, const pe_twist *twist, const pe_pose *pose,
-                      double dt, pe_vec3 *force, pe_vec3 *torque)
+                       double dt, pe_vec3 *force, pe_vec3 *torque)
 {
     *force = applied->force;
     *torque = applied->torque;
     if (applied->rotates) {
         pe_mat3 half = rotation_by(pe_scale(0.5 * dt, twist->angular_velocity));
         *force = pe_add(*force, pe_rotate(&half, pe_rotate(&pose->rotation, applied->body_force)));
-        *torque = pe_add(*torque, pe_rotate(&half, pe_rotate(&pose->rotation, applied->body_torque)));
+        *torque =
+            pe_add(*torque, pe_rotate(&half, pe_rotate(&pose->rotation, applied->body_torque)));
     }
 }
 
@@ -122,7 +123,7 @@ pe_free_motion pe_predict_body(const pe_world *world, int slot, double dt)
     pe_vec3 force;
     pe_free_motion free = {.end = *twist, .mean = *twist};
     mean_force(&pe_applied_forces(world)[slot], twist, &pe_poses(world)[slot], dt, &force,
-              &free.torque);
+               &free.torque);
     pe_vec3 acceleration = pe_madd(world->def.gravity, pe_masses(world)[slot].inverse_mass, force);
     free.end.velocity = pe_madd(twist->velocity, dt, acceleration);
     free.mean.velocity = pe_madd(twist->velocity, 0.5 * dt, acceleration);

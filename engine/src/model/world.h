@@ -62,8 +62,8 @@ typedef struct pe_built {
     bool normal_on_b;                /* that body is b */
 } pe_built;
 
-/* A contact manifold: points first .. first + count - 1 of a touching or nearly touching pair, which
- * share a normal. */
+/* A contact manifold: points first .. first + count - 1 of a touching or nearly touching pair,
+ * which share a normal. */
 typedef struct pe_manifold {
     int a, b;       /* slots, a < b */
     pe_vec3 normal; /* unit, from a to b */
@@ -99,7 +99,7 @@ struct pe_world {
 
     pe_array body_array, pose_array, twist_array, mass_array, applied_force_array;
     bool has_applied_forces; /* since the last step */
-    int slot_count; /* slots in use or free, the dummy included */
+    int slot_count;          /* slots in use or free, the dummy included */
     int first_free;
 
     pe_array geometry_array; /* (geometry_count) pointers to pe_geometry */
@@ -113,9 +113,9 @@ struct pe_world {
     struct pe_pattern_store *patterns;
     bool bodies_changed; /* a body was created or destroyed since the broad phase last looked */
 
-    /* `contacts` are those at the poses now, to be solved next, with the impulses of the warm start.
-     * `solved` are those of the last step with the impulses that it found. `previous` is the list
-     * that was replaced last. */
+    /* `contacts` are those at the poses now, to be solved next, with the impulses of the warm
+     * start. `solved` are those of the last step with the impulses that it found. `previous` is the
+     * list that was replaced last. */
     pe_contacts contacts, previous, solved;
     /* `contacts` and `previous` of the island that takes sub-steps (impact.c). */
     pe_contacts substep_contacts, substep_previous;
