@@ -122,8 +122,13 @@ static int run(const pl_call *call)
         status = pl_request_plan(call, &o.request, &plan, &error);
     }
     if (status == PL_OK && plan.configuration_count > 0) {
-        status = pl_tune_space_make(&plan.configurations[0].choice, o.request.dt, o.varied.items,
-                                    o.varied.count, o.fixed.items, o.fixed.count, &space, &error);
+        const pl_tune_request asked = {.engine = &plan.configurations[0].choice,
+                                       .dt = o.request.dt,
+                                       .varied = o.varied.items,
+                                       .varied_count = o.varied.count,
+                                       .fixed = o.fixed.items,
+                                       .fixed_count = o.fixed.count};
+        status = pl_tune_space_make(&asked, &space, &error);
     }
     if (status != PL_OK) {
         code = pl_call_fail(call, &error);

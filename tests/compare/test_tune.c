@@ -158,7 +158,7 @@ static pl_engine_choice choose(const char *spec)
     return choice;
 }
 
-static const pl_tune_parameter *axis_of(const pl_tune_space *space, const char *name)
+static const pl_tune_parameter *parameter_of(const pl_tune_space *space, const char *name)
 {
     for (int i = 0; i < space->parameter_count; ++i) {
         if (strcmp(space->parameters[i].name, name) == 0) {
@@ -168,7 +168,7 @@ static const pl_tune_parameter *axis_of(const pl_tune_space *space, const char *
     return NULL;
 }
 
-static void test_parameter_tables_lie_within_engine_ranges(void **state)
+static void test_every_parameter_of_the_tables_lies_in_the_engines_ranges(void **state)
 {
     (void)state;
     int count = 0;
@@ -181,8 +181,8 @@ static void test_parameter_tables_lie_within_engine_ranges(void **state)
             snprintf(spec, sizeof spec, "%s:%s", engine->name, engine->profiles[p].name);
             const pl_engine_choice choice = choose(spec);
             assert_int_equal(
-                pl_tune_space_make(&choice, (double)NAN, NULL, 0, NULL, 0, &space, NULL), PL_OK);
-            assert_non_null(axis_of(&space, "dt"));
+                pl_tune_space_make(&(pl_tune_request){.engine = &choice, .dt = (double)NAN}, &space, NULL), PL_OK);
+            assert_non_null(parameter_of(&space, "dt"));
             assert_true(space.parameter_count >= 3);
             for (int k = 0; k < space.parameter_count; ++k) {
                 const pl_tune_parameter *parameter = &space.parameters[k];
@@ -205,15 +205,15 @@ static void test_varied_fixed_and_given_parameters_are_kept(void **state)
     const char *const varied[] = {"dt=1/240..1/60", "updates=100..2e6", "iterations=10..20"};
     const char *const fixed[] = {"slop=1e-5"};
     pl_tune_space space;
-    assert_int_equal(pl_tune_space_make(&choice, (double)NAN, varied, 3, fixed, 1, &space, NULL),
-                     PL_OK);
-    assert_null(axis_of(&space, "tolerance"));
-    assert_null(axis_of(&space, "slop"));
-    const pl_tune_parameter *dt = axis_of(&space, "dt"),
-                            *iterations = axis_of(&space, "iterations");
+    const pl_tune_request request = {&choice, (double)NAN, varied, 3, fixed, 1};
+    assert_int_equal(pl_tune_space_make(&request, &space, NULL), PL_OK);
+    assert_null(parameter_of(&space, "tolerance"));
+    assert_null(parameter_of(&space, "slop"));
+    const pl_tune_parameter *dt = parameter_of(&space, "dt"),
+                            *iterations = parameter_of(&space, "iterations");
     assert_true(dt->low == 60 && dt->high == 240 && dt->integer);
     assert_true(iterations->low == 10 && iterations->high == 20 && !iterations->logarithmic);
-    assert_true(axis_of(&space, "updates")->logarithmic);
+    assert_true(parameter_of(&space, "updates")->logarithmic);
     double values[PL_TUNE_MAX_PARAMETERS], step = 0;
     for (int i = 0; i < space.parameter_count; ++i) {
         values[i] = space.parameters[i].low;
@@ -235,9 +235,8 @@ static void check_bad_space(const char *vary, const char *fix, const char *part)
     const char *const varied[] = {vary, vary}, *const fixed[] = {fix};
     pl_tune_space space;
     pl_error error = {.message = ""};
-    assert_int_equal(pl_tune_space_make(&choice, (double)NAN, varied, vary != NULL, fixed,
-                                        fix != NULL, &space, &error),
-                     PL_BAD_INPUT);
+    const pl_tune_request request = {&choice, (double)NAN, varied, vary != NULL, fixed, fix != NULL};
+    assert_int_equal(pl_tune_space_make(&request, &space, &error), PL_BAD_INPUT);
     assert_contains(error.message, part);
 }
 
@@ -276,30 +275,29 @@ static void test_engine_api_code_lists_changed_values_only(void **state)
 static void test_held_out_scenarios_are_not_tuned_on(void **state)
 {
     (void)state;
-    int scenario_count, tuned_count, chosen_count, held_count;
+    int scenario_count;
     const pl_scenario *const *scenarios = pl_scenarios(&scenario_count);
-    const pl_variant *tuned = pl_variants_tuned_on(&tuned_count);
-    const pl_variant *chosen = pl_variants_chosen_by(&chosen_count);
-    const pl_variant *held = pl_variants_held_out(&held_count);
+    const pl_variants tuned = pl_variants_tuned_on, chosen = pl_variants_chosen_by;
+    const pl_variants held = pl_variants_held_out;
     for (int s = 0; s < scenario_count; ++s) {
-        for (int i = 0; i < held_count; ++i) {
+        for (int i = 0; i < held.count; ++i) {
             double mine[PL_MAX_PARAMS] = {0};
             pl_scenario_values(scenarios[s], NULL, 0, mine, NULL);
-            if (!pl_variant_apply(&held[i], scenarios[s], 3, mine)) {
+            if (!pl_variant_apply(&held.items[i], scenarios[s], 3, mine)) {
                 continue;
             }
             for (int p = 0; p < scenarios[s]->param_count; ++p) {
                 const pl_param *param = &scenarios[s]->params[p];
                 assert_true(mine[p] >= param->min && mine[p] <= param->max);
             }
-            for (int k = -1; k < tuned_count + chosen_count; ++k) {
+            for (int k = -1; k < tuned.count + chosen.count; ++k) {
                 const pl_variant *other = k < 0             ? &pl_variant_none
-                                          : k < tuned_count ? &tuned[k]
-                                                            : &chosen[k - tuned_count];
+                                          : k < tuned.count ? &tuned.items[k]
+                                                            : &chosen.items[k - tuned.count];
                 double theirs[PL_MAX_PARAMS] = {0};
                 pl_scenario_values(scenarios[s], NULL, 0, theirs, NULL);
                 assert_true(!pl_variant_apply(other, scenarios[s], 3, theirs) ||
-                            memcmp(mine, theirs, sizeof mine) != 0 || held[i].seed != other->seed);
+                            memcmp(mine, theirs, sizeof mine) != 0 || held.items[i].seed != other->seed);
             }
         }
     }
@@ -370,11 +368,11 @@ int main(void)
         cmocka_unit_test(test_parameter_range_maps_to_unit_interval_and_back),
         cmocka_unit_test(test_neighbours_are_one_step_away_within_range),
         cmocka_unit_test(test_bad_targets_are_refused),
-        cmocka_unit_test(test_target_is_met_only_by_ok_runs),
-        cmocka_unit_test(test_scattered_errors_need_two_standard_deviations),
-        cmocka_unit_test(test_cost_ratio_is_the_median_of_paired_repeats),
-        cmocka_unit_test(test_parameter_tables_lie_within_engine_ranges),
-        cmocka_unit_test(test_varied_fixed_and_given_parameters_are_kept),
+        cmocka_unit_test(test_a_target_is_met_up_to_its_bound_and_only_by_runs_that_are_ok),
+        cmocka_unit_test(test_errors_that_scatter_need_two_standard_deviations_to_spare),
+        cmocka_unit_test(test_a_ratio_of_costs_is_the_median_of_repeats_side_by_side),
+        cmocka_unit_test(test_every_parameter_of_the_tables_lies_in_the_engines_ranges),
+        cmocka_unit_test(test_what_is_varied_fixed_or_in_the_spec_is_so),
         cmocka_unit_test(test_bad_axes_are_refused),
         cmocka_unit_test(test_engine_api_code_lists_changed_values_only),
         cmocka_unit_test(test_held_out_scenarios_are_not_tuned_on),

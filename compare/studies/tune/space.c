@@ -1,3 +1,4 @@
+/* Builds the space of tuned parameters from the table and the user's --vary and --fix. */
 #include "space.h"
 
 #include "tunable.h"
@@ -7,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Steps a second. */
+/* Steps per second. */
 static const double lowest_rate = 30, highest_rate = 1920;
 
 static int find_parameter(const pl_tune_space *space, const char *name)
@@ -18,14 +19,6 @@ static int find_parameter(const pl_tune_space *space, const char *name)
         }
     }
     return -1;
-}
-
-static void remove_parameter(pl_tune_space *space, int index)
-{
-    space->parameter_count -= 1;
-    for (int i = index; i < space->parameter_count; ++i) {
-        space->parameters[i] = space->parameters[i + 1];
-    }
 }
 
 static pl_status unknown_key(const pl_engine *engine, const char *option, const char *key,
@@ -40,137 +33,142 @@ static pl_status unknown_key(const pl_engine *engine, const char *option, const 
                    pl_did_you_mean(key, names, engine->option_count + 1, suggestion));
 }
 
-/* Splits KEY=REST, finds the option, and sees that it has not come before. */
+/* One --vary or --fix. */
+typedef struct setting_text {
+    const char *option; /* "--vary" or "--fix" */
+    char what[300];     /* the option with its text, for messages */
+    char key[PL_NAME_SIZE];
+    int index;        /* of the engine's option; PL_TUNE_RATE: "dt" */
+    const char *rest; /* after the '=' */
+} setting_text;
+
+/* Splits KEY=REST, finds the option, and checks that it is the first with this key. */
 static pl_status read_key(const pl_tune_space *space, const char *option, const char *text,
-                          char key[PL_NAME_SIZE], int *index, const char **rest, bool *given,
-                          pl_error *error)
+                          bool *given, setting_text *s, pl_error *error)
 {
     const size_t length = strcspn(text, "=");
+    s->option = option;
+    snprintf(s->what, sizeof s->what, "%s %.250s", option, text);
     if (text[length] != '=' || length == 0 || length >= PL_NAME_SIZE) {
         return pl_fail(error, PL_BAD_INPUT, "%s takes KEY=%s; found \"%.200s\"", option,
                        strcmp(option, "--fix") == 0 ? "VALUE" : "LOW..HIGH", text);
     }
-    memcpy(key, text, length);
-    key[length] = '\0';
-    *rest = text + length + 1;
-    *index =
-        strcmp(key, "dt") == 0 ? PL_TUNE_RATE : pl_engine_option_index(space->base.engine, key);
-    if (*index < 0 && strcmp(key, "dt") != 0) {
-        return unknown_key(space->base.engine, option, key, error);
+    memcpy(s->key, text, length);
+    s->key[length] = '\0';
+    s->rest = text + length + 1;
+    const bool is_rate = strcmp(s->key, "dt") == 0;
+    s->index = is_rate ? PL_TUNE_RATE : pl_engine_option_index(space->base.engine, s->key);
+    if (s->index < 0 && !is_rate) {
+        return unknown_key(space->base.engine, option, s->key, error);
     }
-    bool *mine = &given[*index + 1];
-    if (*mine) {
-        return pl_fail(error, PL_BAD_INPUT, "%s %s: %s is given twice", option, text, key);
+    if (given[s->index + 1]) {
+        return pl_fail(error, PL_BAD_INPUT, "%s %s: %s is given twice", option, text, s->key);
     }
-    *mine = true;
+    given[s->index + 1] = true;
     return PL_OK;
 }
 
 /* A value of the option in its range; of dt, s. */
-static pl_status read_value(const pl_tune_space *space, int index, const char *what,
-                            const char *text, double *value, pl_error *error)
+static pl_status read_value(const pl_tune_space *space, const setting_text *s, const char *text,
+                            double *value, pl_error *error)
 {
     const double shortest = 1e-6, longest = 1;
-    const pl_engine_option *option = index < 0 ? NULL : &space->base.engine->options[index];
-    const double low = index < 0 ? shortest : option->min;
-    const double high = index < 0 ? longest : option->max;
+    const pl_engine_option *option =
+        s->index < 0 ? NULL : &space->base.engine->options[s->index];
+    const double low = option == NULL ? shortest : option->min;
+    const double high = option == NULL ? longest : option->max;
     if (!pl_parse_number(text, value)) {
-        return pl_fail(error, PL_BAD_INPUT, "%s: \"%.60s\" is no number", what, text);
+        return pl_fail(error, PL_BAD_INPUT, "%s: \"%.60s\" is no number", s->what, text);
     }
-    if (index >= 0 && option->integer && *value != floor(*value)) {
-        return pl_fail(error, PL_BAD_INPUT, "%s: expected whole numbers, found %s", what, text);
+    if (option != NULL && option->integer && *value != floor(*value)) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: expected whole numbers, found %s", s->what, text);
     }
     return *value >= low && *value <= high
                ? PL_OK
-               : pl_fail(error, PL_BAD_INPUT, "%s: expected %g to %g, found %s", what, low, high,
-                         text);
+               : pl_fail(error, PL_BAD_INPUT, "%s: expected %g to %g, found %s", s->what, low,
+                         high, text);
 }
 
-static pl_status read_range(const pl_tune_space *space, int index, const char *what,
-                            const char *text, double range[2], pl_error *error)
+static pl_status read_range(const pl_tune_space *space, const setting_text *s, double range[2],
+                            pl_error *error)
 {
     char low[PL_NAME_SIZE];
-    const char *dots = strstr(text, "..");
-    if (dots == NULL || (size_t)(dots - text) >= sizeof low) {
-        return pl_fail(error, PL_BAD_INPUT, "%s takes KEY=LOW..HIGH", what);
+    const char *dots = strstr(s->rest, "..");
+    if (dots == NULL || (size_t)(dots - s->rest) >= sizeof low) {
+        return pl_fail(error, PL_BAD_INPUT, "%s takes KEY=LOW..HIGH", s->what);
     }
-    memcpy(low, text, (size_t)(dots - text));
-    low[dots - text] = '\0';
-    pl_status status = read_value(space, index, what, low, &range[0], error);
+    memcpy(low, s->rest, (size_t)(dots - s->rest));
+    low[dots - s->rest] = '\0';
+    pl_status status = read_value(space, s, low, &range[0], error);
     if (status == PL_OK) {
-        status = read_value(space, index, what, dots + 2, &range[1], error);
+        status = read_value(space, s, dots + 2, &range[1], error);
     }
     return status != PL_OK || range[0] < range[1]
                ? status
-               : pl_fail(error, PL_BAD_INPUT, "%s: the range is empty", what);
+               : pl_fail(error, PL_BAD_INPUT, "%s: the range is empty", s->what);
 }
 
 static pl_status vary(pl_tune_space *space, const char *text, bool *given, pl_error *error)
 {
-    const double wide = 20;
-    char key[PL_NAME_SIZE], what[300];
-    int index = 0;
+    const double wide = 20; /* a new range is logarithmic where its ends differ by more */
+    setting_text s;
     double range[2] = {0, 0};
-    const char *rest = "";
-    snprintf(what, sizeof what, "--vary %.250s", text);
-    pl_status status = read_key(space, "--vary", text, key, &index, &rest, given, error);
+    pl_status status = read_key(space, "--vary", text, given, &s, error);
     if (status == PL_OK) {
-        status = read_range(space, index, what, rest, range, error);
+        status = read_range(space, &s, range, error);
     }
     if (status != PL_OK) {
         return status;
     }
-    int at = find_parameter(space, key);
+    int at = find_parameter(space, s.key);
     const bool is_known = at >= 0;
     if (!is_known) {
         at = space->parameter_count++;
-        space->parameters[at] = (pl_tune_parameter){.option = index};
-        memcpy(space->parameters[at].name, key, sizeof key);
+        space->parameters[at] = (pl_tune_parameter){.option = s.index};
+        memcpy(space->parameters[at].name, s.key, sizeof s.key);
     }
     pl_tune_parameter *parameter = &space->parameters[at];
-    if (index == PL_TUNE_RATE) {
+    if (s.index == PL_TUNE_RATE) {
         parameter->low = floor(1 / range[1] + 0.5);
         parameter->high = floor(1 / range[0] + 0.5);
         parameter->logarithmic = parameter->integer = true;
         parameter->start = isnan(space->dt) ? 60 : 1 / space->dt;
         space->keeps_dt = false;
-        if (parameter->low < 1 || parameter->low >= parameter->high) {
-            return pl_fail(error, PL_BAD_INPUT, "%s: no two whole rates lie in it", what);
-        }
-        return PL_OK;
+        return parameter->low >= 1 && parameter->low < parameter->high
+                   ? PL_OK
+                   : pl_fail(error, PL_BAD_INPUT, "%s: no two whole rates lie in it", s.what);
     }
     parameter->low = range[0];
     parameter->high = range[1];
-    parameter->integer = space->base.engine->options[index].integer;
+    parameter->integer = space->base.engine->options[s.index].integer;
     parameter->logarithmic =
         range[0] > 0 && (is_known ? parameter->logarithmic : range[1] > wide * range[0]);
-    parameter->start = space->base.values[index];
+    parameter->start = space->base.values[s.index];
     return PL_OK;
 }
 
 static pl_status fix(pl_tune_space *space, const char *text, bool *given, pl_error *error)
 {
-    char key[PL_NAME_SIZE], what[300];
-    int index = 0;
+    setting_text s;
     double value = 0;
-    const char *rest = "";
-    snprintf(what, sizeof what, "--fix %.250s", text);
-    pl_status status = read_key(space, "--fix", text, key, &index, &rest, given, error);
+    pl_status status = read_key(space, "--fix", text, given, &s, error);
     if (status == PL_OK) {
-        status = read_value(space, index, what, rest, &value, error);
+        status = read_value(space, &s, s.rest, &value, error);
     }
     if (status != PL_OK) {
         return status;
     }
-    const int at = find_parameter(space, key);
+    const int at = find_parameter(space, s.key);
     if (at >= 0) {
-        remove_parameter(space, at);
+        space->parameter_count -= 1;
+        memmove(&space->parameters[at], &space->parameters[at + 1],
+                (size_t)(space->parameter_count - at) * sizeof *space->parameters);
     }
-    if (index == PL_TUNE_RATE) {
+    if (s.index == PL_TUNE_RATE) {
         space->dt = value;
         space->keeps_dt = false;
     } else {
-        space->base.values[index] = value;
+        space->base.values[s.index] = value;
     }
     return PL_OK;
 }
@@ -188,7 +186,7 @@ static void add_rate(pl_tune_space *space, double dt)
                                      .start = rate};
 }
 
-/* The table's parameters but those of options that the user set. */
+/* Adds the tunable options, except those that the user set. */
 static pl_status add_table(pl_tune_space *space, pl_error *error)
 {
     const pl_engine *engine = space->base.engine;
@@ -212,19 +210,17 @@ static pl_status add_table(pl_tune_space *space, pl_error *error)
     return status;
 }
 
-pl_status pl_tune_space_make(const pl_engine_choice *engine, double dt, const char *const *varied,
-                             int varied_count, const char *const *fixed, int fixed_count,
-                             pl_tune_space *space, pl_error *error)
+pl_status pl_tune_space_make(const pl_tune_request *request, pl_tune_space *space, pl_error *error)
 {
     bool given[PL_TUNE_MAX_PARAMETERS] = {false};
-    *space = (pl_tune_space){.base = *engine, .dt = dt};
-    add_rate(space, dt);
+    *space = (pl_tune_space){.base = *request->engine, .dt = request->dt};
+    add_rate(space, request->dt);
     pl_status status = add_table(space, error);
-    for (int i = 0; i < varied_count && status == PL_OK; ++i) {
-        status = vary(space, varied[i], given, error);
+    for (int i = 0; i < request->varied_count && status == PL_OK; ++i) {
+        status = vary(space, request->varied[i], given, error);
     }
-    for (int i = 0; i < fixed_count && status == PL_OK; ++i) {
-        status = fix(space, fixed[i], given, error);
+    for (int i = 0; i < request->fixed_count && status == PL_OK; ++i) {
+        status = fix(space, request->fixed[i], given, error);
     }
     for (int i = 0; i < space->parameter_count; ++i) {
         pl_tune_parameter *parameter = &space->parameters[i];

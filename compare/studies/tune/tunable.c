@@ -1,9 +1,10 @@
+/* The table of tunable options, and settings written in an engine's own API. */
 #include "tunable.h"
 
 #include <math.h>
 #include <string.h>
 
-/* By the order of the engines' own tables of profiles. */
+/* Bits in the order of the engines' tables of profiles. */
 enum {
     ODE_QUICK = 1u << 0,
     ODE_DANTZIG = 1u << 1,
@@ -91,7 +92,7 @@ const pl_tunable *pl_tunable_find(const pl_engine *engine, int profile, const ch
 pl_status pl_tune_shipped(const pl_engine_choice *choice, pl_engine_choice *shipped,
                           pl_error *error)
 {
-    /* An engine that was loaded by its path is found by that alone. */
+    /* A loaded engine is found by its path alone. */
     const char *profile = choice->engine->profiles[choice->profile].name;
     char name[sizeof choice->spec];
     char spec[sizeof name + PL_NAME_SIZE];

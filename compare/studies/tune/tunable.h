@@ -1,5 +1,5 @@
-/* The options of the engines known that are worth tuning, each with a sensible range, and how the
- * engine's own API writes it. */
+/* The options of known engines that are worth tuning, each with a sensible range and the call that
+ * sets it in the engine's own API. */
 #ifndef PLUMB_TUNE_TUNABLE_H
 #define PLUMB_TUNE_TUNABLE_H
 
@@ -9,26 +9,25 @@
 
 typedef struct pl_tunable {
     const char *engine, *option;
-    unsigned profiles; /* bits 1 << profile that it acts on; 0: none, it is only written */
+    unsigned profiles; /* bits 1 << profile that it acts on; 0: none, it is only printed */
     double low, high;
     bool logarithmic;
     const char *before, *after; /* the API's text around the value */
 } pl_tunable;
 
-/* NULL where the option is not to be tuned by itself. Of an engine that is not in the table,
- * `iterations` is. */
+/* The entry of an option; NULL where it is not tuned unless asked for. For an engine that is not in
+ * the table, only `iterations` is tuned. */
 const pl_tunable *pl_tunable_find(const pl_engine *engine, int profile, const char *option);
 
-/* The same profile as it ships. */
+/* The same profile with default settings. */
 pl_status pl_tune_shipped(const pl_engine_choice *choice, pl_engine_choice *shipped,
                           pl_error *error);
 
-/* "name:profile,option=value...": with each option that differs from what the profile ships. */
+/* "name:profile,option=value...", with each option that differs from the profile's default. */
 void pl_tune_spec(const pl_engine_choice *choice, char spec[256]);
 
-/* Prints the settings as a program that uses the engine writes them, a line each, every option that
- * the engine's table has a text for and that differs from what is shipped; then the step, unless dt
- * (s) is NAN. */
+/* Prints the settings as a program that uses the engine writes them: a line for every option that
+ * differs from its default and has an entry in the table; then the step, unless dt (s) is NAN. */
 void pl_tune_print_api(FILE *out, const pl_engine_choice *choice, double dt);
 
 #endif

@@ -1,3 +1,5 @@
+/* The steps of tuning: the search, the choice among its best points, their sensitivities and the
+ * validation. */
 #include "tune.h"
 
 #include "tunable.h"
@@ -9,7 +11,7 @@
 
 enum { PL_TUNE_REPEATS = 5, PL_TUNE_FINALISTS = 6 };
 
-/* The answer, and each parameter moved either way. */
+/* The best point, and each parameter moved either way. */
 enum { MOST_SETTINGS = 2 * PL_TUNE_MAX_PARAMETERS + 1 };
 
 /* The geometric mean over the scenarios of the ratio of costs. */
@@ -24,7 +26,7 @@ static double mean_cost_ratio(const pl_reading *readings, const pl_reading *othe
     return exp(sum / case_count);
 }
 
-/* Its sensitivities: each parameter moved either way. */
+/* Measures the best point with each parameter moved either way. */
 static pl_status find_sensitivities(pl_tuner *t, pl_error *error)
 {
     pl_tuning *tuning = t->tuning;
@@ -49,50 +51,50 @@ static pl_status find_sensitivities(pl_tuner *t, pl_error *error)
                 (pl_tune_sensitivity){.parameter = parameter, .value = values[parameter]};
         }
     }
-    pl_status status = count == 0 ? PL_OK
-                                  : pl_tuner_measure(t, &pl_variant_none, settings, count + 1, 0,
-                                                     tuning->by_instructions ? 1 : PL_TUNER_REPEATS,
-                                                     &readings, error);
-    if (count == 0 || status != PL_OK || tuning->signal_number != 0) {
-        goto done;
+    if (count == 0) {
+        return PL_OK;
     }
-    tuning->sensitivity_count = count;
-    for (int i = 0; i < count; ++i) {
+    const pl_tuner_runs runs = {.settings = settings,
+                                .count = count + 1,
+                                .repeats = tuning->by_instructions ? 1 : PL_TUNER_REPEATS};
+    pl_status status = pl_tuner_measure(t, runs, &readings, error);
+    if (status == PL_OK && tuning->signal_number == 0) {
+        tuning->sensitivity_count = count;
+    }
+    for (int i = 0; i < tuning->sensitivity_count; ++i) {
         const pl_reading *mine = pl_readings_of(&readings, i + 1);
         tuning->sensitivities[i].excess = pl_tuner_excess(t, mine);
         tuning->sensitivities[i].cost =
             mean_cost_ratio(mine, pl_readings_of(&readings, 0), readings.case_count,
                             readings.repeats, tuning->by_instructions);
     }
-done:
-    if (count > 0) {
-        pl_readings_free(&readings);
-    }
+    pl_readings_free(&readings);
     return status;
 }
 
-/* The answer on what it was not tuned on: sets the checks anew. */
+/* Measures the best point on the variants that were held out, and sets the checks again. */
 static pl_status validate(pl_tuner *t, pl_error *error)
 {
     pl_tuning *tuning = t->tuning;
-    int count = 0;
-    const pl_variant *variants = pl_variants_held_out(&count);
+    const pl_variants *variants = &pl_variants_held_out;
     pl_status status = PL_OK;
     free(tuning->checks);
     tuning->check_count = tuning->missed = 0;
-    tuning->checks = calloc((size_t)(count * t->def->plan->case_count), sizeof *tuning->checks);
+    tuning->checks = calloc((size_t)(variants->count * t->def->plan->case_count), sizeof *tuning->checks);
     if (tuning->checks == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for validation");
     }
-    for (int i = 0; i < count && status == PL_OK && tuning->signal_number == 0; ++i) {
+    for (int i = 0; i < variants->count && status == PL_OK && tuning->signal_number == 0; ++i) {
+        const pl_tuner_runs runs = {
+            .settings = &tuning->setting, .count = 1, .variant = &variants->items[i]};
         pl_readings readings;
-        status = pl_tuner_measure(t, &variants[i], &tuning->setting, 1, 0, 1, &readings, error);
+        status = pl_tuner_measure(t, runs, &readings, error);
         for (int p = 0; p < readings.case_count && status == PL_OK; ++p) {
             const pl_reading *reading = &pl_readings_of(&readings, 0)[p];
             if (reading->is_there) {
                 pl_tune_check *check = &tuning->checks[tuning->check_count++];
                 *check = (pl_tune_check){
-                    .variant = variants[i].name, .test_case = p, .target = reading->target};
+                    .variant = variants->items[i].name, .test_case = p, .target = reading->target};
                 memcpy(check->outcome, reading->outcome, sizeof check->outcome);
                 tuning->missed += reading->target.excess > 0;
             }
@@ -112,7 +114,7 @@ typedef struct finalists {
     double costs[PL_TUNE_FINALISTS];              /* (count): measured side by side */
     int order[PL_TUNE_FINALISTS];                 /* (count): in which they are validated */
     int count;
-    bool stand; /* with a margin */
+    bool have_margin;
 } finalists;
 
 static int by_merit(const void *left, const void *right)
@@ -121,31 +123,29 @@ static int by_merit(const void *left, const void *right)
     return pl_evaluation_is_better(a, b) ? -1 : pl_evaluation_is_better(b, a);
 }
 
-/* Whether a evaluation meets the targets with the same margin on changed scenarios that the search
- * did not see: of many evaluations the cheapest is often one that was lucky on those that it did.
- */
-static pl_status check_candidate(pl_tuner *t, pl_evaluation *evaluation, bool *stands,
+/* Whether an evaluation meets the targets with the same margin on changed scenarios that the search
+ * did not use. The cheapest of many evaluations often met the targets by chance. */
+static pl_status check_candidate(pl_tuner *t, pl_evaluation *evaluation, bool *passes,
                                  pl_error *error)
 {
     const pl_setting setting = pl_tuner_setting(t, evaluation->values);
-    int count = 0;
-    const pl_variant *variants = pl_variants_chosen_by(&count);
     pl_evaluation again = *evaluation;
     pl_readings readings;
-    pl_status status = pl_tuner_measure(t, &pl_variant_none, &setting, 1, 0, 1, &readings, error);
+    pl_status status =
+        pl_tuner_measure(t, (pl_tuner_runs){.settings = &setting, .count = 1}, &readings, error);
     if (status == PL_OK && t->tuning->signal_number == 0) {
-        status = pl_evaluation_judge(t, &setting, pl_readings_of(&readings, 0), variants, count,
-                                     &again, error);
+        status = pl_evaluation_judge(t, &setting, pl_readings_of(&readings, 0),
+                                     pl_variants_chosen_by, &again, error);
     }
     pl_readings_free(&readings);
     evaluation->excess = fmax(evaluation->excess, again.excess);
     evaluation->holds = again.holds;
-    *stands = evaluation->excess <= 0;
+    *passes = evaluation->excess <= 0;
     return status;
 }
 
-/* The cheapest that stand a second look; where none does, those nearest to it that hold, or the
- * nearest of all. `sorted` is by merit, and may be changed. */
+/* The cheapest evaluations that pass the check. Where none does, the best ones that hold, or the best
+ * of all. `sorted` is by merit, and is changed. */
 static pl_status find_finalists(pl_tuner *t, pl_evaluation *sorted, finalists *f, pl_error *error)
 {
     const pl_tuning *tuning = t->tuning;
@@ -154,15 +154,15 @@ static pl_status find_finalists(pl_tuner *t, pl_evaluation *sorted, finalists *f
     for (int i = 0; i < evaluations && i < MOST_CANDIDATES && f->count < PL_TUNE_FINALISTS &&
                     sorted[i].excess <= 0 && status == PL_OK && tuning->signal_number == 0;
          ++i) {
-        bool stands = false;
-        status = check_candidate(t, &sorted[i], &stands, error);
-        if (stands) {
+        bool passes = false;
+        status = check_candidate(t, &sorted[i], &passes, error);
+        if (passes) {
             f->evaluations[f->count++] = sorted[i];
         }
     }
-    f->stand = f->count > 0;
+    f->have_margin = f->count > 0;
     qsort(sorted, (size_t)evaluations, sizeof *sorted, by_merit);
-    for (int i = 0; !f->stand && i < evaluations && i < PL_TUNE_FINALISTS; ++i) {
+    for (int i = 0; !f->have_margin && i < evaluations && i < PL_TUNE_FINALISTS; ++i) {
         if (i == 0 || sorted[i].holds) {
             f->evaluations[f->count++] = sorted[i];
         }
@@ -170,14 +170,14 @@ static pl_status find_finalists(pl_tuner *t, pl_evaluation *sorted, finalists *f
     return status;
 }
 
-/* Those with a margin by their costs; the others as they are. */
+/* Orders finalists with a margin by their costs; others keep their order. */
 static void put_in_order(const pl_tuner *t, const pl_readings *readings, finalists *f)
 {
     for (int i = 0; i < f->count; ++i) {
         int place = i;
         f->costs[i] = pl_tuner_cost(t, pl_readings_of(readings, i + 1), pl_readings_of(readings, 0),
                                     0, PL_TUNE_REPEATS);
-        while (f->stand && place > 0 && f->costs[i] < f->costs[f->order[place - 1]]) {
+        while (f->have_margin && place > 0 && f->costs[i] < f->costs[f->order[place - 1]]) {
             f->order[place] = f->order[place - 1];
             --place;
         }
@@ -210,7 +210,7 @@ static void take_finalist(pl_tuner *t, const pl_readings *readings, const finali
     }
 }
 
-/* The first that misses nothing in validation; the first of all where there is none. */
+/* Takes the first finalist that misses no target in validation, or else the first of all. */
 static pl_status take_valid(pl_tuner *t, const pl_readings *readings, const finalists *f,
                             pl_error *error)
 {
@@ -226,8 +226,8 @@ static pl_status take_valid(pl_tuner *t, const pl_readings *readings, const fina
     return status;
 }
 
-/* Measures the best trials again, in turns with what is shipped, and takes the cheapest that misses
- * nothing in validation, or else the cheapest. */
+/* Measures the finalists again, in turns with the default settings, and takes the cheapest that
+ * misses no target in validation, or else the cheapest. */
 static pl_status choose_best(pl_tuner *t, pl_error *error)
 {
     pl_tuning *tuning = t->tuning;
@@ -237,7 +237,7 @@ static pl_status choose_best(pl_tuner *t, pl_error *error)
     pl_readings readings;
     finalists f = {.count = 0};
     if (sorted == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu trials", evaluations);
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu settings", evaluations);
     }
     memcpy(sorted, tuning->found.evaluations, evaluations * sizeof *sorted);
     qsort(sorted, evaluations, sizeof *sorted, by_merit);
@@ -247,12 +247,13 @@ static pl_status choose_best(pl_tuner *t, pl_error *error)
         return status;
     }
     tuning->met = f.evaluations[0].holds;
-    tuning->has_margin = f.stand;
+    tuning->has_margin = f.have_margin;
     for (int i = 0; i < f.count; ++i) {
         settings[i + 1] = pl_tuner_setting(t, f.evaluations[i].values);
     }
-    status = pl_tuner_measure(t, &pl_variant_none, settings, f.count + 1, 0, PL_TUNE_REPEATS,
-                              &readings, error);
+    const pl_tuner_runs runs = {
+        .settings = settings, .count = f.count + 1, .repeats = PL_TUNE_REPEATS};
+    status = pl_tuner_measure(t, runs, &readings, error);
     if (status == PL_OK && tuning->signal_number == 0) {
         put_in_order(t, &readings, &f);
         status = take_valid(t, &readings, &f, error);
@@ -261,16 +262,10 @@ static pl_status choose_best(pl_tuner *t, pl_error *error)
     return status;
 }
 
-/* What a search of this budget makes of runs, about: for the bar. */
-static long expected_runs(const pl_tune_def *def)
-{
-    return (long)def->plan->case_count * def->budget * 3;
-}
-
 static pl_status search(pl_tuner *t, pl_error *error)
 {
     const pl_tune_def *def = t->def;
-    const pl_search_def seek = {.parameters = def->space->parameters,
+    const pl_search_def search_def = {.parameters = def->space->parameters,
                                 .parameter_count = def->space->parameter_count,
                                 .budget = def->budget,
                                 .seed = def->plan->seed,
@@ -279,7 +274,7 @@ static pl_status search(pl_tuner *t, pl_error *error)
     pl_tuning *tuning = t->tuning;
     pl_status status = pl_evaluate_shipped(t, error);
     if (status == PL_OK && tuning->signal_number == 0) {
-        status = pl_search(&seek, &tuning->found, error);
+        status = pl_search(&search_def, &tuning->found, error);
     }
     if (status == PL_OK && tuning->signal_number == 0) {
         status = choose_best(t, error);
@@ -302,8 +297,10 @@ pl_status pl_tune(const pl_tune_def *def, pl_tuning *tuning, pl_error *error)
     pl_status status = t.shipped_instructions == NULL || t.spreads == NULL || tuning->scores == NULL
                            ? pl_fail(error, PL_NO_MEMORY, "out of memory")
                            : pl_tune_shipped(&def->space->base, &t.shipped.choice, error);
+    /* The bar expects about three runs per case and setting. */
     if (t.shows) {
-        t.bar = pl_progress_begin(def->progress, expected_runs(def), pl_monotonic_seconds());
+        t.bar = pl_progress_begin(def->progress, (long)def->plan->case_count * def->budget * 3,
+                                  pl_monotonic_seconds());
     }
     if (status == PL_OK) {
         status = search(&t, error);

@@ -1,3 +1,4 @@
+/* The search in three stages, over a cache of the evaluations. */
 #include "tune_search.h"
 
 #include "base/random.h"
@@ -7,10 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The evaluations so far, each point once, and the budget of the stage. */
 typedef struct pl_evaluation_cache {
     const pl_search_def *def;
     pl_search_result *found;
-    int limit;        /* points up to which the stage may go */
+    int limit;        /* the most evaluations at the end of the stage */
     pl_status status; /* of the first call that failed */
     pl_error *error;
 } pl_evaluation_cache;
@@ -63,13 +65,13 @@ double pl_tune_neighbour(const pl_tune_parameter *parameter, double value, int d
     return rounded_value(parameter, direction < 0 ? value - step : value + step);
 }
 
-/* No further point may be tried: the limit is reached, or the search stopped or failed. */
+/* Whether no further point may be evaluated: the limit is reached, or the search stopped or failed. */
 static bool is_over(const pl_evaluation_cache *cache)
 {
     return cache->status != PL_OK || cache->found->stopped || cache->found->count >= cache->limit;
 }
 
-/* Where a trial's values are. */
+/* The position of an evaluation's values. */
 static pl_unit_point units_of(const pl_evaluation_cache *cache, const pl_evaluation *evaluation)
 {
     pl_unit_point at = {.u = {0}};
@@ -79,7 +81,7 @@ static pl_unit_point units_of(const pl_evaluation_cache *cache, const pl_evaluat
     return at;
 }
 
-/* The place of a point among the evaluations; -1: it is new. */
+/* The index of the evaluation with these values; -1: there is none. */
 static int place_of(const pl_search_result *found, const pl_evaluation *evaluation, int parameters)
 {
     for (int i = 0; i < found->count; ++i) {
@@ -109,8 +111,8 @@ bool pl_evaluation_is_better(const pl_evaluation *a, const pl_evaluation *b)
     return a->cost < b->cost;
 }
 
-/* Tries a point unless it was tried; its place in found->evaluations, or -1 where it could not be.
- */
+/* Evaluates a point that is not in the cache. Returns its index in found->evaluations, or -1 where it
+ * could not be evaluated. */
 static int evaluate(pl_evaluation_cache *cache, const pl_unit_point *point)
 {
     const pl_search_def *def = cache->def;
@@ -145,20 +147,21 @@ static int evaluate(pl_evaluation_cache *cache, const pl_unit_point *point)
 
 enum { MOST_STARTS = 4 };
 
-/* On made-up engines of two kinds, with and without chaos, 20 seeds each, simplices of Nelder and
- * Mead came out 3 to 8 % cheaper on the mean than COBYLA, BOBYQA, Sbplx, DIRECT-L, CRS2 and ISRES.
- */
+/* On synthetic engines with and without chaos, 20 seeds each, the simplex method of Nelder and Mead
+ * gave points that were 3 to 8 % cheaper on average than those of COBYLA, BOBYQA, Sbplx, DIRECT-L,
+ * CRS2 and ISRES. */
 static const nlopt_algorithm algorithm = NLOPT_LN_NELDERMEAD;
 
-typedef struct model {
+typedef struct nlopt_run {
     pl_evaluation_cache *cache;
     nlopt_opt optimiser;
-    int limit; /* evaluations in all, at which it is another start's turn */
-} model;
+    int limit; /* total evaluations at which the next start begins */
+} nlopt_run;
 
-/* What a target missed by a factor of e costs, as the logarithm of a factor: to reach it, where an
- * error falls as the cost rises; and while seeking, so much that to miss it does not pay. */
-static const double to_reach = 1, to_miss = 2;
+/* The penalties for a target missed by a factor of e, as the logarithm of a factor of cost: for the
+ * choice of a start, the estimated cost of reaching the target; for the objective, so much that
+ * missing it does not pay. */
+static const double start_penalty = 1, miss_penalty = 2;
 
 static double merit(const pl_evaluation *evaluation, double weight)
 {
@@ -169,7 +172,7 @@ static double merit(const pl_evaluation *evaluation, double weight)
 
 static double objective(unsigned count, const double *x, double *gradient, void *user)
 {
-    model *m = user;
+    nlopt_run *m = user;
     pl_evaluation_cache *cache = m->cache;
     pl_unit_point point = {.u = {0}};
     (void)gradient;
@@ -181,11 +184,10 @@ static double objective(unsigned count, const double *x, double *gradient, void 
         nlopt_force_stop(m->optimiser);
     }
     return index < 0 ? PL_SEARCH_WORST * PL_SEARCH_WORST
-                     : merit(&cache->found->evaluations[index], to_miss);
+                     : merit(&cache->found->evaluations[index], miss_penalty);
 }
 
-/* The evaluation of the sweep of the best merit that is none of those begun from; -1: there is
- * none. */
+/* The sampled evaluation of the best merit from which no run has started; -1: there is none. */
 static int next_start(const pl_evaluation_cache *cache, const int *begun, int count)
 {
     int best = -1;
@@ -194,20 +196,20 @@ static int next_start(const pl_evaluation_cache *cache, const int *begun, int co
         for (int k = 0; k < count; ++k) {
             is_new = is_new && begun[k] != i;
         }
-        if (is_new && (best < 0 || merit(&cache->found->evaluations[i], to_reach) <
-                                       merit(&cache->found->evaluations[best], to_reach))) {
+        if (is_new && (best < 0 || merit(&cache->found->evaluations[i], start_penalty) <
+                                       merit(&cache->found->evaluations[best], start_penalty))) {
             best = i;
         }
     }
     return best;
 }
 
-/* With at most so many new evaluations. False when NLopt could not be had. */
+/* Runs NLopt with at most so many new evaluations. False when it could not be created. */
 static bool optimise(pl_evaluation_cache *cache, int start, int evaluations)
 {
     const int parameters = cache->def->parameter_count, most_asked = 10;
     pl_unit_point at = units_of(cache, &cache->found->evaluations[start]);
-    model m = {.cache = cache,
+    nlopt_run m = {.cache = cache,
                .optimiser = nlopt_create(algorithm, (unsigned)parameters),
                .limit = cache->found->count + evaluations};
     double value = 0;
@@ -253,7 +255,7 @@ bool pl_search_has_nlopt(void)
     return false;
 }
 
-void run_nlopt(pl_evaluation_cache *cache)
+static void run_nlopt(pl_evaluation_cache *cache)
 {
     (void)cache;
 }
@@ -265,14 +267,14 @@ void run_nlopt(pl_evaluation_cache *cache)
 /* Steps as shares of a parameter's range: the first and the last. */
 static const double first_step = 0.08, last_step = 0.005;
 
-static bool try_one(pl_evaluation_cache *cache, const pl_unit_point *point)
+static bool improves(pl_evaluation_cache *cache, const pl_unit_point *point)
 {
     const int best = cache->found->best;
     evaluate(cache, point);
     return cache->found->best != best;
 }
 
-/* The point moved along one parameter, by `step` or to the next value that there is. */
+/* The point moved along one parameter, by `step` or at least to the next integer. */
 static pl_unit_point moved(const pl_evaluation_cache *cache, const pl_unit_point *from,
                            int parameter, double step)
 {
@@ -286,20 +288,19 @@ static pl_unit_point moved(const pl_evaluation_cache *cache, const pl_unit_point
     return to;
 }
 
-/* Goes on in a direction that helped, twice as far each time. */
+/* Continues in a direction that improved the best point, twice as far each time. */
 static bool step_along(pl_evaluation_cache *cache, int parameter, double step)
 {
     bool helped = false, helps = true;
     for (double h = step; helps && fabs(h) <= 1 && !is_over(cache); h *= 2) {
         const pl_unit_point from = units_of(cache, &cache->found->evaluations[cache->found->best]);
         const pl_unit_point to = moved(cache, &from, parameter, h);
-        helps = try_one(cache, &to);
+        helps = improves(cache, &to);
         helped = helped || helps;
     }
     return helped;
 }
 
-/* Once along every parameter. */
 static void step_along_all(pl_evaluation_cache *cache, double step)
 {
     for (int parameter = 0; parameter < cache->def->parameter_count && !is_over(cache);
@@ -325,12 +326,12 @@ static void refine_locally(pl_evaluation_cache *cache)
         const pl_unit_point from = units_of(cache, &cache->found->evaluations[cache->found->best]);
         pl_unit_point to = from;
         const int before = cache->found->count;
-        /* Whole parameters move by one at least, and must be able to stay. */
+        /* Integers that move change by at least one, so that each parameter may also stay. */
         for (int k = 0; k < parameters; ++k) {
             const bool moves = pl_random_unit(&random) < moving_part;
             to = moves ? moved(cache, &to, k, radius * pl_random_normal(&random)) : to;
         }
-        const bool helps = try_one(cache, &to);
+        const bool helps = improves(cache, &to);
         const bool is_known = cache->found->count == before;
         radius *= helps || is_known ? grow : shrink;
         radius = fmin(fmax(radius, last_step), 2 * first_step);
@@ -338,8 +339,10 @@ static void refine_locally(pl_evaluation_cache *cache)
     }
 }
 
-/* Of the budget: up to where the sweep and then NLopt may go. */
-static const double sweep_part = 0.4, model_part = 0.75;
+/* ---- First stage: sampling, and the whole search ---- */
+
+/* The shares of the budget at which sampling and then NLopt end. */
+static const double sampling_end = 0.4, nlopt_end = 0.75;
 
 /* The root above 1 of x^(parameters + 1) = x + 1, by the fixed point of x = (1 + x)^(1 /
  * (parameters + 1)). */
@@ -352,9 +355,10 @@ static double golden_ratio(int parameters)
     return x;
 }
 
-/* The starts, then the additive recurrence of the generalised golden ratio (Roberts 2018), shifted
- * by the seed. Axes that spend no time stay at their starts in half of the points, each by itself:
- * what is shipped is often right, and of several options at once most combinations are wrong. */
+/* Evaluates the starts, then the additive recurrence of the generalised golden ratio (Roberts 2018),
+ * shifted by the seed. A parameter that spends no time stays at its start in half of the points,
+ * independently of the others: defaults are often right, and most combinations of several changed
+ * options are wrong. */
 static void sample_space(pl_evaluation_cache *cache)
 {
     const pl_search_def *def = cache->def;
@@ -387,10 +391,10 @@ pl_status pl_search(const pl_search_def *def, pl_search_result *found, pl_error 
         return pl_fail(error, PL_NO_MEMORY, "out of memory for %d points", def->budget);
     }
     pl_evaluation_cache cache = {.def = def, .found = found, .error = error};
-    cache.limit = (int)ceil(sweep_part * def->budget);
+    cache.limit = (int)ceil(sampling_end * def->budget);
     sample_space(&cache);
     found->sampled = found->count;
-    cache.limit = (int)ceil(model_part * def->budget);
+    cache.limit = (int)ceil(nlopt_end * def->budget);
     run_nlopt(&cache);
     found->optimised = found->count - found->sampled;
     cache.limit = def->budget;

@@ -1,3 +1,4 @@
+/* Measurements of settings next to the default settings, and the evaluations of the search. */
 #include "tuner.h"
 
 #include "base/statistics.h"
@@ -41,7 +42,7 @@ double pl_spread_likely(const pl_spread *spread)
     return mean + 2 * sqrt(fmax(unbiased, 0));
 }
 
-/* What takes much longer than the best so far costs more, and need not come to its end. */
+/* Runs that take much longer than those of the best evaluation so far cost more and are cut short. */
 static pl_limits limits_of(const pl_tuner *t)
 {
     const double patience = 5, least = 2;
@@ -52,24 +53,23 @@ static pl_limits limits_of(const pl_tuner *t)
     return limits;
 }
 
-pl_status pl_tuner_measure(pl_tuner *t, const pl_variant *variant, const pl_setting *settings,
-                           int count, int first_repeat, int repeats, pl_readings *readings,
-                           pl_error *error)
+pl_status pl_tuner_measure(pl_tuner *t, pl_tuner_runs runs, pl_readings *readings, pl_error *error)
 {
     const pl_tune_def *def = t->def;
-    const pl_measure_def measured = {.plan = def->plan,
-                                     .dt = def->dt,
-                                     .duration = def->duration,
-                                     .variant = variant,
-                                     .settings = settings,
-                                     .setting_count = count,
-                                     .repeats = repeats,
-                                     .first_repeat = first_repeat,
-                                     .targets = def->targets,
-                                     .jobs = def->jobs,
-                                     .limits = limits_of(t),
-                                     .provenance = def->provenance,
-                                     .bar = t->shows ? &t->bar : NULL};
+    const pl_measure_def measured = {
+        .plan = def->plan,
+        .dt = def->dt,
+        .duration = def->duration,
+        .variant = runs.variant == NULL ? &pl_variant_none : runs.variant,
+        .settings = runs.settings,
+        .setting_count = runs.count,
+        .repeats = runs.repeats == 0 ? 1 : runs.repeats,
+        .first_repeat = runs.first_repeat,
+        .targets = def->targets,
+        .jobs = def->jobs,
+        .limits = limits_of(t),
+        .provenance = def->provenance,
+        .bar = t->shows ? &t->bar : NULL};
     return pl_measure(&measured, readings, &t->tuning->runs, &t->tuning->signal_number, error);
 }
 
@@ -117,20 +117,12 @@ double pl_tuner_excess(const pl_tuner *t, const pl_reading *readings)
     return excess;
 }
 
-/* Whether a cost may turn out to be the lower one when both are measured again. */
-static bool pl_tuner_is_near(double cost, double best)
-{
-    const double near_enough = 1.25;
-    return cost <= near_enough * best;
-}
-
-/* What is shipped, once: whether the engine does the scenarios, and what is counted there. */
 pl_status pl_evaluate_shipped(pl_tuner *t, pl_error *error)
 {
     pl_readings readings;
     pl_tuning *tuning = t->tuning;
     pl_status status =
-        pl_tuner_measure(t, &pl_variant_none, &t->shipped, 1, 0, 1, &readings, error);
+        pl_tuner_measure(t, (pl_tuner_runs){.settings = &t->shipped, .count = 1}, &readings, error);
     tuning->by_instructions = tuning->shipped_has_cost = true;
     for (int p = 0; p < readings.case_count && status == PL_OK && tuning->signal_number == 0; ++p) {
         const pl_reading *reading = &pl_readings_of(&readings, 0)[p];
@@ -146,16 +138,17 @@ pl_status pl_evaluate_shipped(pl_tuner *t, pl_error *error)
     return status;
 }
 
-/* What costs much more than the best so far needs no second look, and is no finalist. */
+/* Whether the cost may turn out to be the lowest when it is measured again. */
 static bool may_be_best(const pl_tuner *t, const pl_evaluation *evaluation)
 {
+    const double near_enough = 1.25;
     const pl_search_result *found = &t->tuning->found;
-    return !found->met || pl_tuner_is_near(evaluation->cost, found->evaluations[found->best].cost);
+    return !found->met ||
+           evaluation->cost <= near_enough * found->evaluations[found->best].cost;
 }
 
 pl_status pl_evaluation_judge(pl_tuner *t, const pl_setting *setting, const pl_reading *asked,
-                              const pl_variant *variants, int count, pl_evaluation *evaluation,
-                              pl_error *error)
+                              pl_variants variants, pl_evaluation *evaluation, pl_error *error)
 {
     pl_status status = PL_OK;
     for (int p = 0; p < t->def->plan->case_count; ++p) {
@@ -163,9 +156,11 @@ pl_status pl_evaluation_judge(pl_tuner *t, const pl_setting *setting, const pl_r
         pl_spread_add(&t->spreads[p], asked[p].target.excess);
     }
     double worst = pl_tuner_excess(t, asked);
-    for (int i = 0; i < count && status == PL_OK && worst <= 0; ++i) {
+    for (int i = 0; i < variants.count && status == PL_OK && worst <= 0; ++i) {
+        const pl_tuner_runs runs = {
+            .settings = setting, .count = 1, .variant = &variants.items[i]};
         pl_readings readings;
-        status = pl_tuner_measure(t, &variants[i], setting, 1, 0, 1, &readings, error);
+        status = pl_tuner_measure(t, runs, &readings, error);
         for (int p = 0; p < readings.case_count && status == PL_OK; ++p) {
             const pl_reading *reading = &pl_readings_of(&readings, 0)[p];
             if (reading->is_there) {
@@ -186,7 +181,7 @@ pl_status pl_evaluation_judge(pl_tuner *t, const pl_setting *setting, const pl_r
     return status;
 }
 
-/* A line a evaluation, where there is no terminal whose line could be drawn again. */
+/* Writes one line per evaluation where progress is not shown on a terminal. */
 static void log_evaluation(const pl_tuner *t, const pl_setting *setting,
                            const pl_evaluation *evaluation)
 {
@@ -211,8 +206,8 @@ static void log_evaluation(const pl_tuner *t, const pl_setting *setting,
     }
 }
 
-/* One repeat; a setting that meets the targets also on the changed scenarios is timed by more.
- * What is shipped runs beside it, so that a machine that drifts does so for both. */
+/* Measures one repeat. A setting that also meets the targets on the changed scenarios is timed by
+ * more repeats. The default settings run next to it, so that drift of the machine affects both. */
 pl_status pl_evaluation_make(void *user, pl_evaluation *evaluation, bool *stop, pl_error *error)
 {
     pl_tuner *t = user;
@@ -220,9 +215,9 @@ pl_status pl_evaluation_make(void *user, pl_evaluation *evaluation, bool *stop, 
     const bool counted = tuning->by_instructions;
     const pl_setting settings[2] = {pl_tuner_setting(t, evaluation->values), t->shipped};
     const double began = pl_monotonic_seconds();
+    pl_tuner_runs runs = {.settings = settings, .count = counted ? 1 : 2};
     pl_readings readings;
-    pl_status status =
-        pl_tuner_measure(t, &pl_variant_none, settings, counted ? 1 : 2, 0, 1, &readings, error);
+    pl_status status = pl_tuner_measure(t, runs, &readings, error);
     const double seconds = pl_monotonic_seconds() - began;
     if (status == PL_OK) {
         const pl_reading *mine = pl_readings_of(&readings, 0);
@@ -231,15 +226,15 @@ pl_status pl_evaluation_make(void *user, pl_evaluation *evaluation, bool *stop, 
     }
     const bool is_near = may_be_best(t, evaluation);
     if (status == PL_OK && tuning->signal_number == 0) {
-        int count = 0;
-        const pl_variant *variants = pl_variants_tuned_on(&count);
-        status = pl_evaluation_judge(t, &settings[0], pl_readings_of(&readings, 0), variants,
-                                     is_near ? count : 0, evaluation, error);
+        status = pl_evaluation_judge(t, &settings[0], pl_readings_of(&readings, 0),
+                                     is_near ? pl_variants_tuned_on : (pl_variants){.count = 0},
+                                     evaluation, error);
     }
     pl_readings_free(&readings);
     if (status == PL_OK && tuning->signal_number == 0 && evaluation->holds && is_near && !counted) {
-        status = pl_tuner_measure(t, &pl_variant_none, settings, 2, 1, PL_TUNER_REPEATS, &readings,
-                                  error);
+        runs.first_repeat = 1;
+        runs.repeats = PL_TUNER_REPEATS;
+        status = pl_tuner_measure(t, runs, &readings, error);
         if (status == PL_OK) {
             evaluation->cost = pl_tuner_cost(t, pl_readings_of(&readings, 0),
                                              pl_readings_of(&readings, 1), 1, PL_TUNER_REPEATS);

@@ -41,11 +41,17 @@ typedef struct pl_tuner {
     double best_seconds;          /* wall time of the first runs of the best evaluation */
 } pl_tuner;
 
-/* Measures `count` settings on the scenarios as `variant` changes them, as pl_measure does. Repeats
- * below first_repeat are skipped. Runs that take much longer than those of the best evaluation are
- * cut short. */
-pl_status pl_tuner_measure(pl_tuner *t, const pl_variant *variant, const pl_setting *settings,
-                           int count, int first_repeat, int repeats, pl_readings *readings,
+/* What to measure. */
+typedef struct pl_tuner_runs {
+    const pl_setting *settings; /* (count) */
+    int count;
+    const pl_variant *variant; /* of the scenarios; NULL: as asked for */
+    int first_repeat, repeats; /* the repeats [first_repeat, repeats); repeats = 0: one */
+} pl_tuner_runs;
+
+/* Measures settings on the scenarios, as pl_measure does. Runs that take much longer than those of
+ * the best evaluation are cut short. */
+pl_status pl_tuner_measure(pl_tuner *t, pl_tuner_runs runs, pl_readings *readings,
                            pl_error *error);
 
 /* The setting at a point of the space. */
@@ -67,8 +73,7 @@ pl_status pl_evaluate_shipped(pl_tuner *t, pl_error *error);
 /* Sets `excess` and `holds` from the readings `asked` of the scenarios as asked for, and from runs
  * of the scenarios as the variants change them, up to the first that misses a target. */
 pl_status pl_evaluation_judge(pl_tuner *t, const pl_setting *setting, const pl_reading *asked,
-                              const pl_variant *variants, int count, pl_evaluation *evaluation,
-                              pl_error *error);
+                              pl_variants variants, pl_evaluation *evaluation, pl_error *error);
 
 /* pl_search_def.measure, with a pl_tuner as `user`. */
 pl_status pl_evaluation_make(void *user, pl_evaluation *evaluation, bool *stop, pl_error *error);

@@ -1,5 +1,5 @@
-/* Scenarios changed a little: some to tune on beside the scenarios as asked for, others kept back
- * to judge what came of it. */
+/* Small changes of scenarios. The search is judged on some of them next to the scenarios as asked for;
+ * others are held out to validate its result. */
 #ifndef PLUMB_TUNE_VARIANT_H
 #define PLUMB_TUNE_VARIANT_H
 
@@ -7,12 +7,12 @@
 
 typedef enum pl_variant_kind {
     PL_VARIANT_NONE,
-    PL_VARIANT_FRICTION_UP, /* friction by its last bit */
+    PL_VARIANT_FRICTION_UP, /* friction moved by its last bit */
     PL_VARIANT_FRICTION_DOWN,
     PL_VARIANT_LARGER,  /* n one larger */
     PL_VARIANT_SMALLER, /* n one smaller */
     PL_VARIANT_OFFSET,  /* offset = 0.01, with another seed */
-    PL_VARIANT_DRAWN    /* continuous parameters within 1 %, drawn */
+    PL_VARIANT_DRAWN    /* continuous parameters drawn within 1 % */
 } pl_variant_kind;
 
 typedef struct pl_variant {
@@ -23,13 +23,17 @@ typedef struct pl_variant {
 
 extern const pl_variant pl_variant_none;
 
-/* Static storage. The three have no run in common. */
-const pl_variant *pl_variants_tuned_on(int *count);
-const pl_variant *pl_variants_chosen_by(int *count); /* among the search's best */
-const pl_variant *pl_variants_held_out(int *count);
+typedef struct pl_variants {
+    const pl_variant *items; /* (count) */
+    int count;
+} pl_variants;
 
-/* Changes the values of a scenario's parameters; false when the scenario has none that this variant
- * changes. */
+/* Three lists that have no run in common: those that the search uses, those that choose among its
+ * best points, and those that validate the choice. */
+extern const pl_variants pl_variants_tuned_on, pl_variants_chosen_by, pl_variants_held_out;
+
+/* Changes the values of a scenario's parameters. False when the scenario has no parameter that this
+ * variant changes. */
 bool pl_variant_apply(const pl_variant *variant, const pl_scenario *scenario, uint64_t seed,
                       double *values);
 
