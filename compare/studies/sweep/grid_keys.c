@@ -1,4 +1,7 @@
+/* The keys that apply to each case and configuration, and the checks of all keys. */
 #include "grid_keys.h"
+
+#include "base/array.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,7 +24,7 @@ int pl_grid_digit(const pl_grid_keys *keys, long combination, int key)
     return (int)(combination % keys->values[key]);
 }
 
-int pl_grid_param(const pl_scenario *scenario, const char *name)
+static int param_index(const pl_scenario *scenario, const char *name)
 {
     for (int i = 0; i < scenario->param_count; ++i) {
         if (strcmp(scenario->params[i].name, name) == 0) {
@@ -46,18 +49,25 @@ static bool is_of(const pl_vary *vary, const char *name)
     return vary->owner[0] == '\0' || strcmp(vary->owner, name) == 0;
 }
 
-static bool case_has(const pl_case *test_case, const pl_vary *vary)
+/* The number of values that the key has for a case; 0 where the case does not have it. */
+static int values_of_case(const pl_case *test_case, const pl_vary *vary)
 {
-    if (!is_of(vary, test_case->name)) {
-        return false;
-    }
-    return test_case->descriptor == NULL ? strcmp(vary->key, "dt") == 0
-                                         : pl_grid_param(test_case->descriptor, vary->key) >= 0;
+    const bool has = test_case->descriptor == NULL
+                         ? strcmp(vary->key, "dt") == 0
+                         : param_index(test_case->descriptor, vary->key) >= 0;
+    return has && is_of(vary, test_case->name) ? vary->count : 0;
 }
 
-/* How many of the profiles named the engine has. */
-static int profiles_of(const pl_engine *engine, const pl_vary *vary)
+/* The same for a configuration; of profiles, those that the engine has count. */
+static int values_of_configuration(const pl_configuration *configuration, const pl_vary *vary)
 {
+    const pl_engine *engine = configuration->choice.engine;
+    if (!is_of(vary, engine->name)) {
+        return 0;
+    }
+    if (strcmp(vary->key, PL_VARY_PROFILE) != 0) {
+        return pl_engine_option_index(engine, vary->key) >= 0 ? vary->count : 0;
+    }
     int count = 0;
     for (int i = 0; i < vary->count; ++i) {
         count += pl_grid_profile(engine, vary->names[i]) >= 0;
@@ -65,37 +75,29 @@ static int profiles_of(const pl_engine *engine, const pl_vary *vary)
     return count;
 }
 
-static bool configuration_has(const pl_configuration *configuration, const pl_vary *vary)
+/* Adds the key number `index` unless it has no values for `name`, or a key restricted to `name`
+ * takes precedence. */
+static void add_key(const pl_grid_def *def, int index, const char *name, int values,
+                    pl_grid_keys *keys)
 {
-    const pl_engine *engine = configuration->choice.engine;
-    if (!is_of(vary, engine->name)) {
-        return false;
-    }
-    return strcmp(vary->key, PL_VARY_PROFILE) == 0 ? profiles_of(engine, vary) > 0
-                                                   : pl_engine_option_index(engine, vary->key) >= 0;
-}
-
-/* Whether another key, restricted to `name`, takes the place of this one there. */
-static bool is_replaced(const pl_grid_def *def, const pl_vary *vary, const char *name)
-{
+    const pl_vary *vary = &def->varied[index];
+    bool is_replaced = false;
     for (int i = 0; vary->owner[0] == '\0' && i < def->varied_count; ++i) {
         const pl_vary *other = &def->varied[i];
-        if (strcmp(other->owner, name) == 0 && strcmp(other->key, vary->key) == 0) {
-            return true;
-        }
+        is_replaced = is_replaced ||
+                      (strcmp(other->owner, name) == 0 && strcmp(other->key, vary->key) == 0);
     }
-    return false;
+    if (values > 0 && !is_replaced) {
+        keys->values[keys->count] = values;
+        keys->items[keys->count++] = index;
+    }
 }
 
 pl_grid_keys pl_grid_keys_of_case(const pl_grid_def *def, const pl_case *test_case)
 {
     pl_grid_keys keys = {.count = 0};
     for (int i = 0; i < def->varied_count; ++i) {
-        const pl_vary *vary = &def->varied[i];
-        if (case_has(test_case, vary) && !is_replaced(def, vary, test_case->name)) {
-            keys.values[keys.count] = vary->count;
-            keys.items[keys.count++] = i;
-        }
+        add_key(def, i, test_case->name, values_of_case(test_case, &def->varied[i]), &keys);
     }
     return keys;
 }
@@ -104,70 +106,50 @@ pl_grid_keys pl_grid_keys_of_configuration(const pl_grid_def *def,
                                            const pl_configuration *configuration)
 {
     pl_grid_keys keys = {.count = 0};
-    const pl_engine *engine = configuration->choice.engine;
-    const char *name = engine->name;
     for (int i = 0; i < def->varied_count; ++i) {
-        const pl_vary *vary = &def->varied[i];
-        if (configuration_has(configuration, vary) && !is_replaced(def, vary, name)) {
-            const bool is_profile = strcmp(vary->key, PL_VARY_PROFILE) == 0;
-            keys.values[keys.count] = is_profile ? profiles_of(engine, vary) : vary->count;
-            keys.items[keys.count++] = i;
-        }
+        add_key(def, i, configuration->choice.engine->name,
+                values_of_configuration(configuration, &def->varied[i]), &keys);
     }
     return keys;
 }
+
+/* ---- Checks ---- */
 
 /* The names that a word could have meant. */
 typedef struct names {
     const char **items;
     int count;
+    bool failed; /* out of memory */
 } names;
 
-static bool add_name(names *n, const char *name)
+static void add_name(names *n, const char *name)
 {
-    const char **grown = realloc(n->items, ((size_t)n->count + 1) * sizeof *grown);
-    if (grown == NULL) {
-        return false;
-    }
-    n->items = grown;
-    n->items[n->count++] = name;
-    return true;
+    n->failed = pl_array_push(&n->items, &n->count, &name, sizeof name, NULL) != PL_OK || n->failed;
 }
 
-/* All keys of what the owner restricts to; of everything when that is empty. */
-static bool list_keys(const pl_grid_def *def, const pl_vary *vary, names *n)
+/* All keys of what the owner restricts to; of everything when the owner is empty. */
+static void list_keys(const pl_grid_def *def, const pl_vary *vary, names *n)
 {
-    bool fine = add_name(n, "dt") && add_name(n, PL_VARY_PROFILE) && add_name(n, "solver");
+    add_name(n, "dt");
+    add_name(n, PL_VARY_PROFILE);
+    add_name(n, "solver");
     for (int i = 0; i < def->base->case_count; ++i) {
         const pl_case *test_case = &def->base->cases[i];
         const pl_scenario *scenario = test_case->descriptor;
-        for (int k = 0;
-             scenario != NULL && is_of(vary, test_case->name) && k < scenario->param_count; ++k) {
-            fine = fine && add_name(n, scenario->params[k].name);
+        const bool counts = scenario != NULL && is_of(vary, test_case->name);
+        for (int k = 0; counts && k < scenario->param_count; ++k) {
+            add_name(n, scenario->params[k].name);
         }
     }
     for (int i = 0; i < def->base->configuration_count; ++i) {
         const pl_engine *engine = def->base->configurations[i].choice.engine;
         for (int k = 0; is_of(vary, engine->name) && k < engine->option_count; ++k) {
-            fine = fine && add_name(n, engine->options[k].name);
+            add_name(n, engine->options[k].name);
         }
     }
-    return fine;
 }
 
-static bool list_owners(const pl_grid_def *def, names *n)
-{
-    bool fine = true;
-    for (int i = 0; i < def->base->case_count; ++i) {
-        fine = fine && add_name(n, def->base->cases[i].name);
-    }
-    for (int i = 0; i < def->base->configuration_count; ++i) {
-        fine = fine && add_name(n, def->base->configurations[i].choice.engine->name);
-    }
-    return fine;
-}
-
-static bool is_there(const names *n, const char *name)
+static bool contains(const names *n, const char *name)
 {
     for (int i = 0; i < n->count; ++i) {
         if (strcmp(n->items[i], name) == 0) {
@@ -177,11 +159,16 @@ static bool is_there(const names *n, const char *name)
     return false;
 }
 
-static pl_status fail_unknown(const char *what, const char *word, const names *n, pl_error *error)
+/* Fails with "--vary: WHAT WORD" and the nearest of the names; frees them. */
+static pl_status fail_unknown(const char *what, const char *word, names *n, pl_error *error)
 {
     char suggestion[PL_SUGGESTION_SIZE];
-    return pl_fail(error, PL_BAD_INPUT, "--vary: %s %s%s", what, word,
-                   pl_did_you_mean(word, n->items, n->count, suggestion));
+    pl_status status =
+        n->failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for --vary")
+                  : pl_fail(error, PL_BAD_INPUT, "--vary: %s %s%s", what, word,
+                            pl_did_you_mean(word, n->items, n->count, suggestion));
+    free(n->items);
+    return status;
 }
 
 static bool is_absent_engine(const char *name)
@@ -196,65 +183,53 @@ static bool is_absent_engine(const char *name)
     return false;
 }
 
-/* A key that goes nowhere. */
+/* Fails for a key that no case and no engine has. */
 static pl_status reject(const pl_grid_def *def, const pl_vary *vary, pl_error *error)
 {
     names owners = {.count = 0}, keys = {.count = 0};
-    char what[2 * PL_NAME_SIZE];
-    pl_status status = PL_BAD_INPUT;
-    if (!list_owners(def, &owners) || !list_keys(def, vary, &keys)) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory for --vary");
-    } else if (vary->owner[0] == '\0') {
-        fail_unknown("no chosen scenario has the parameter, and no chosen engine the option,",
-                     vary->key, &keys, error);
-    } else if (!is_there(&owners, vary->owner)) {
-        fail_unknown("there is no chosen engine or scenario", vary->owner, &owners, error);
-    } else {
-        snprintf(what, sizeof what, "%s has no", vary->owner);
-        fail_unknown(what, vary->key, &keys, error);
+    char what[2 * PL_NAME_SIZE] =
+        "no chosen scenario has the parameter, and no chosen engine the option,";
+    for (int i = 0; i < def->base->case_count; ++i) {
+        add_name(&owners, def->base->cases[i].name);
+    }
+    for (int i = 0; i < def->base->configuration_count; ++i) {
+        add_name(&owners, def->base->configurations[i].choice.engine->name);
+    }
+    if (vary->owner[0] != '\0' && !contains(&owners, vary->owner)) {
+        return fail_unknown("there is no chosen engine or scenario", vary->owner, &owners, error);
     }
     free(owners.items);
-    free(keys.items);
-    return status;
+    if (vary->owner[0] != '\0') {
+        snprintf(what, sizeof what, "%s has no", vary->owner);
+    }
+    list_keys(def, vary, &keys);
+    return fail_unknown(what, vary->key, &keys, error);
 }
 
-/* Every profile named must be one of some engine. */
+/* Every profile named must be one of some chosen engine. */
 static pl_status check_profiles(const pl_grid_def *def, const pl_vary *vary, pl_error *error)
 {
     names known = {.count = 0};
-    pl_status status = PL_OK;
-    for (int i = 0; i < def->base->configuration_count && status == PL_OK; ++i) {
+    for (int i = 0; i < def->base->configuration_count; ++i) {
         const pl_engine *engine = def->base->configurations[i].choice.engine;
         for (int k = 0; is_of(vary, engine->name) && k < engine->profile_count; ++k) {
-            if (!add_name(&known, engine->profiles[k].name)) {
-                status = pl_fail(error, PL_NO_MEMORY, "out of memory for --vary");
-            }
+            add_name(&known, engine->profiles[k].name);
         }
     }
-    for (int i = 0; i < vary->count && status == PL_OK; ++i) {
-        if (!is_there(&known, vary->names[i])) {
-            status =
-                fail_unknown("no chosen engine has the profile", vary->names[i], &known, error);
+    for (int i = 0; i < vary->count; ++i) {
+        if (!contains(&known, vary->names[i])) {
+            return fail_unknown("no chosen engine has the profile", vary->names[i], &known, error);
         }
     }
     free(known.items);
-    return status;
-}
-
-static bool owner_is_chosen(const pl_grid_def *def, const pl_vary *vary)
-{
-    for (int i = 0; i < def->base->configuration_count; ++i) {
-        if (is_of(vary, def->base->configurations[i].choice.engine->name)) {
-            return true;
-        }
-    }
-    return false;
+    return PL_OK;
 }
 
 static pl_status check_key(const pl_grid_def *def, int index, pl_error *error)
 {
     const pl_vary *vary = &def->varied[index];
-    bool of_case = false, of_configuration = false;
+    const bool is_profile = strcmp(vary->key, PL_VARY_PROFILE) == 0;
+    bool of_case = false, of_configuration = false, owner_is_chosen = false;
     for (int i = 0; i < index; ++i) {
         if (strcmp(def->varied[i].owner, vary->owner) == 0 &&
             strcmp(def->varied[i].key, vary->key) == 0) {
@@ -263,11 +238,12 @@ static pl_status check_key(const pl_grid_def *def, int index, pl_error *error)
         }
     }
     for (int i = 0; i < def->base->case_count; ++i) {
-        of_case = of_case || case_has(&def->base->cases[i], vary);
+        of_case = of_case || values_of_case(&def->base->cases[i], vary) > 0;
     }
     for (int i = 0; i < def->base->configuration_count; ++i) {
-        of_configuration =
-            of_configuration || configuration_has(&def->base->configurations[i], vary);
+        const pl_configuration *configuration = &def->base->configurations[i];
+        of_configuration = of_configuration || values_of_configuration(configuration, vary) > 0;
+        owner_is_chosen = owner_is_chosen || is_of(vary, configuration->choice.engine->name);
     }
     if (of_case && of_configuration) {
         return pl_fail(error, PL_BAD_INPUT,
@@ -278,8 +254,7 @@ static pl_status check_key(const pl_grid_def *def, int index, pl_error *error)
     if (is_absent_engine(vary->owner)) {
         return PL_OK;
     }
-    const bool is_profile = strcmp(vary->key, PL_VARY_PROFILE) == 0;
-    if (!of_case && !of_configuration && (!is_profile || !owner_is_chosen(def, vary))) {
+    if (!of_case && !of_configuration && (!is_profile || !owner_is_chosen)) {
         return reject(def, vary, error);
     }
     return is_profile ? check_profiles(def, vary, error) : PL_OK;

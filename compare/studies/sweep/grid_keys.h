@@ -1,4 +1,4 @@
-/* Which keys of a sweep go to which case and which engine. */
+/* Assigns the keys of a sweep to its cases and engines. */
 #ifndef PLUMB_SWEEP_GRID_KEYS_H
 #define PLUMB_SWEEP_GRID_KEYS_H
 
@@ -6,31 +6,30 @@
 
 enum { PL_GRID_MOST_KEYS = PL_MAX_PARAMS + PL_ENGINE_MAX_OPTIONS + 1 };
 
-/* The keys that vary something, in the order given. */
+/* The keys that apply to a case or a configuration, in the order given. */
 typedef struct pl_grid_keys {
     int items[PL_GRID_MOST_KEYS];  /* (count) into pl_grid_def.varied */
-    int values[PL_GRID_MOST_KEYS]; /* (count) how many values: of profiles those that there are */
+    int values[PL_GRID_MOST_KEYS]; /* (count) numbers of values; of profiles, those that exist */
     int count;
 } pl_grid_keys;
 
-/* PL_BAD_INPUT: a key that nothing of the base has, that is there twice, or that could mean two
- * things. A key of an engine that this build lacks is passed over. */
+/* PL_BAD_INPUT: a key that nothing of the base has, that is given twice, or that is ambiguous. A key
+ * of an engine that this build lacks is ignored. */
 pl_status pl_grid_keys_check(const pl_grid_def *def, pl_error *error);
 
-/* After the check: the keys of one case, or of one configuration, of the base. */
+/* The keys of one case, or of one configuration, of the base, after the check. */
 pl_grid_keys pl_grid_keys_of_case(const pl_grid_def *def, const pl_case *test_case);
 pl_grid_keys pl_grid_keys_of_configuration(const pl_grid_def *def,
                                            const pl_configuration *configuration);
 
-/* How many combinations of their values there are; a double, because it may be huge before it is
+/* The number of combinations of the keys' values. It is a double, because it may be huge before it is
  * refused. */
 double pl_grid_combinations(const pl_grid_keys *keys);
 
-/* The place of the value of key number `key` in a combination, from 0; the last key is fastest. */
+/* The index of the value of key number `key` in a combination; the last key varies fastest. */
 int pl_grid_digit(const pl_grid_keys *keys, long combination, int key);
 
-/* -1 when there is none of that name. */
-int pl_grid_param(const pl_scenario *scenario, const char *name);
+/* The index of the engine's profile of that name; -1 when it has none. */
 int pl_grid_profile(const pl_engine *engine, const char *name);
 
 #endif

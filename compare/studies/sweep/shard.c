@@ -1,3 +1,4 @@
+/* The shard of this process, from text or from the environment, and its points. */
 #include "shard.h"
 
 #include <stdio.h>
@@ -36,7 +37,7 @@ pl_status pl_shard_parse(const char *text, pl_shard *shard, pl_error *error)
     return PL_OK;
 }
 
-/* The number of a variable; `otherwise` where it is not set. */
+/* Reads the number of a variable; `otherwise` where it is not set. */
 static pl_status read_variable(const char *name, long otherwise, long *value, pl_error *error)
 {
     const char *text = getenv(name);
@@ -55,18 +56,11 @@ static pl_status read_array(pl_shard *shard, bool *found, pl_error *error)
         return PL_OK;
     }
     long id = 0, count = 0, first = 0, step = 1;
-    pl_status status = read_variable("SLURM_ARRAY_TASK_ID", 0, &id, error);
-    if (status == PL_OK) {
-        status = read_variable("SLURM_ARRAY_TASK_COUNT", 0, &count, error);
-    }
-    if (status == PL_OK) {
-        status = read_variable("SLURM_ARRAY_TASK_MIN", 1, &first, error);
-    }
-    if (status == PL_OK) {
-        status = read_variable("SLURM_ARRAY_TASK_STEP", 1, &step, error);
-    }
-    if (status != PL_OK) {
-        return status;
+    if (read_variable("SLURM_ARRAY_TASK_ID", 0, &id, error) != PL_OK ||
+        read_variable("SLURM_ARRAY_TASK_COUNT", 0, &count, error) != PL_OK ||
+        read_variable("SLURM_ARRAY_TASK_MIN", 1, &first, error) != PL_OK ||
+        read_variable("SLURM_ARRAY_TASK_STEP", 1, &step, error) != PL_OK) {
+        return PL_BAD_INPUT;
     }
     const bool in_step = step >= 1 && id >= first && (id - first) % step == 0;
     if (!in_step || count < 1 || count > PL_SHARD_MOST || (id - first) / step >= count) {

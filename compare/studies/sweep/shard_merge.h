@@ -1,4 +1,4 @@
-/* Results of several files as one: of shards, of machines, of the same sweep made twice. */
+/* Merges the results of several files: of shards, of machines, or of the same sweep made twice. */
 #ifndef PLUMB_SWEEP_SHARD_MERGE_H
 #define PLUMB_SWEEP_SHARD_MERGE_H
 
@@ -8,27 +8,26 @@
 #include <stdio.h>
 
 typedef struct pl_merge {
-    json_t *results; /* array: each run once, as it was read first; in the order of reading */
+    json_t *results; /* array: the first result of each run, in the order of reading */
     json_t *runs;    /* run hash -> its result */
     long files;
-    long doubles;   /* results left out, because their run was there */
-    long differing; /* of those, how many differ in their outcome or a deterministic metric */
+    long doubles;   /* results left out because their run had one already */
+    long differing; /* doubles that differ in their outcome or a deterministic metric */
 } pl_merge;
 
-/* PL_NO_MEMORY. The caller frees it by pl_merge_free in any case. */
+/* Begins an empty merge. PL_NO_MEMORY. The caller frees it in any case. */
 pl_status pl_merge_begin(pl_merge *merge, pl_error *error);
 void pl_merge_free(pl_merge *merge);
 
-/* Adds a file of results ("-" is standard input), or of a folder results.jsonl and those of its
- * shards, shard-*-of-*. A double that differs is said so on `warnings` (NULL: nowhere), the first
- * ten with what differs. PL_BAD_INPUT: a file that holds other things, or a folder without results;
- * PL_IO. */
+/* Adds a file of results ("-" is standard input), or a folder: its results.jsonl and those of its
+ * shards, shard-*-of-*. The first ten doubles that differ are reported on `warnings` (NULL allowed).
+ * PL_BAD_INPUT: a file with other content, or a folder without results; PL_IO. */
 pl_status pl_merge_add(pl_merge *merge, const char *path, FILE *warnings, pl_error *error);
 
 /* Adds the results of an array. PL_NO_MEMORY. */
 pl_status pl_merge_add_results(pl_merge *merge, json_t *results, FILE *warnings, pl_error *error);
 
-/* pl_merge_add of a folder that may have no results, or not be there; nothing is warned of. */
+/* Adds a folder that may have no results, or not exist, without warnings. */
 pl_status pl_merge_add_any(pl_merge *merge, const char *folder, pl_error *error);
 
 /* Writes all results as JSON lines (pl_write_text). */
