@@ -1,3 +1,4 @@
+/* The spread of an ensemble over time, read from its members' position files. */
 #include "horizon.h"
 
 #include "plumb/jitter.h"
@@ -12,7 +13,7 @@ static const double share_of_size = 0.01;
 /* One member's open trajectory. */
 typedef struct track {
     FILE *file;
-    float *way;    /* (3 x bodies): the sample as read */
+    float *moved;  /* (3 x bodies): the displacement from the start, as read */
     double *start; /* (3 x bodies) */
     double *place; /* (3 x bodies) */
 } track;
@@ -55,7 +56,7 @@ static void close_track(track *t)
     if (t->file != NULL) {
         fclose(t->file);
     }
-    free(t->way);
+    free(t->moved);
     free(t->start);
     free(t->place);
     *t = (track){.file = NULL};
@@ -67,10 +68,10 @@ static pl_status open_track(const char *folder, const char *run, const pl_scene 
 {
     const size_t count = 3 * (size_t)pl_positions_bodies(scene) + 1;
     char *path = pl_positions_path(folder, run);
-    t->way = calloc(count, sizeof *t->way);
+    t->moved = calloc(count, sizeof *t->moved);
     t->start = calloc(count, sizeof *t->start);
     t->place = calloc(count, sizeof *t->place);
-    if (path == NULL || t->way == NULL || t->start == NULL || t->place == NULL) {
+    if (path == NULL || t->moved == NULL || t->start == NULL || t->place == NULL) {
         free(path);
         return pl_fail(error, PL_NO_MEMORY, "out of memory for a trajectory");
     }
@@ -82,16 +83,16 @@ static pl_status open_track(const char *folder, const char *run, const pl_scene 
 
 static bool read_sample(track *t, int bodies)
 {
-    if (!pl_positions_read(t->file, bodies, t->way)) {
+    if (!pl_positions_read(t->file, bodies, t->moved)) {
         return false;
     }
     for (int i = 0; i < 3 * bodies; ++i) {
-        t->place[i] = t->start[i] + (double)t->way[i];
+        t->place[i] = t->start[i] + (double)t->moved[i];
     }
     return true;
 }
 
-/* Reads all tracks side by side, to the end of the shortest. */
+/* Reads all tracks in step, to the end of the shortest. */
 static void follow(track *tracks, const double **places, int members, const pl_scene *scene,
                    pl_horizon *horizon)
 {

@@ -1,25 +1,25 @@
-/* How long an engine's members stay together: the time until which a single trajectory can be
- * predicted at all, and after which only distributions can be compared.
+/* The prediction horizon of an engine's members: until then a single trajectory can be predicted;
+ * afterwards only distributions can be compared.
  *
- * The spread of a body is the root of the summed variance of its three coordinates over the members
- * (each divided by n - 1), that is the root mean square distance from the ensemble's mean: the
- * spread of an ensemble forecast (Leith 1974). The spread of the ensemble is that of its most
- * spread body. */
+ * The spread of a body is the square root of the summed variance of its three coordinates over the
+ * members (divided by n - 1), that is the root mean square distance from the ensemble's mean: the
+ * spread of an ensemble forecast (Leith 1974). The spread of the ensemble is the largest of its
+ * bodies'. */
 #ifndef PLUMB_HORIZON_H
 #define PLUMB_HORIZON_H
 
 #include "members.h"
 
 typedef struct pl_horizon {
-    bool known; /* false: `reason` says why, and the rest has no meaning */
+    bool known; /* false: `reason` says why, and the other fields are undefined */
     char reason[160];
-    double time;        /* s; INFINITY: never passed within the time that all have */
+    double time;        /* s; INFINITY: not passed within the time that all members have */
     double threshold;   /* m: 1 % of the smallest body's size */
     double last_spread; /* m, at the last sample */
-    double last_time;   /* s, of it */
+    double last_time;   /* s, of that sample */
 } pl_horizon;
 
-/* From the trajectories in `folder`, of which every member's must be there. PL_NO_MEMORY. */
+/* Computes the horizon from the trajectories of all members in `folder`. PL_NO_MEMORY. */
 pl_status pl_horizon_find(const pl_plan *plan, const pl_ensemble *ensemble, int members,
                           const char *folder, pl_horizon *horizon, pl_error *error);
 

@@ -1,3 +1,4 @@
+/* Plans the cases and the runs of ensembles. */
 #include "members.h"
 
 #include "plumb/jitter.h"
@@ -60,23 +61,23 @@ static pl_status add_cases(const pl_members_def *def, pl_plan *plan, firsts *f, 
     return status;
 }
 
-/* What is tried in a process of its own: whether the engine takes these values at all. */
+/* An attempt, in a process of its own, to create the engine with these values. */
 typedef struct attempt {
     const pl_scene *scene;
     const pl_engine_choice *choice;
 } attempt;
 
-static void try_values(void *user, FILE *answer)
+static void try_values(void *user, FILE *out)
 {
     const attempt *a = user;
     pl_engine_instance *instance = NULL;
     pl_error error = {.message = ""};
     pl_status status = a->choice->engine->create(a->scene, a->choice->profile, a->choice->values,
                                                  &instance, &error);
-    fputs(status == PL_UNSUPPORTED ? "unsupported" : "other", answer);
+    fputs(status == PL_UNSUPPORTED ? "unsupported" : "other", out);
 }
 
-/* Whether the engine's profile says that it does not support these values. */
+/* Sets *refused to whether the engine's profile reports these values as unsupported. */
 static pl_status refuses(const attempt *a, bool *refused, pl_error *error)
 {
     const pl_limits limits = {.timeout = 60};
@@ -115,7 +116,7 @@ static pl_status strengthen(const pl_scene *scene, pl_engine_choice *choice, pl_
     return status;
 }
 
-/* A configuration NAME@converged for each of the first `count`. */
+/* Adds a configuration NAME@converged for each of the first `count`. */
 static pl_status add_references(pl_plan *plan, int count, int test_case, pl_error *error)
 {
     pl_status status = PL_OK;
@@ -177,7 +178,7 @@ static pl_status list_ensembles(const pl_members_def *def, const pl_plan *plan, 
     return status;
 }
 
-/* Member by member, so that a plan that is cut short has something of every ensemble; references,
+/* Adds the runs member by member, so that an interrupted plan has runs of every ensemble. References,
  * which take longest, come last. */
 static pl_status pair_up(const pl_ensembles *all, pl_plan *plan, pl_error *error)
 {

@@ -1,5 +1,5 @@
-/* Which runs an ensemble is made of: members x cases x engines, where the members of one number
- * have the same jitter on every engine. */
+/* The runs of an ensemble: members x cases x engines. Members of the same number have the same jitter
+ * on every engine. */
 #ifndef PLUMB_MEMBERS_H
 #define PLUMB_MEMBERS_H
 
@@ -11,9 +11,9 @@ enum { PL_FINER_STEPS = 16, PL_MORE_ITERATIONS = 8 };
 
 /* The members of one case on one engine. */
 typedef struct pl_ensemble {
-    int test_case;     /* which of those asked for, from 0 */
+    int test_case;     /* of those asked for, from 0 */
     int setting;       /* 0: as asked; k: with the k-th other setting */
-    bool reference;    /* of the finer step */
+    bool reference;    /* with the finer time step */
     int configuration; /* index into the plan's */
     int *cases;        /* (members): index into the plan's, by member */
     char name[256];    /* the engine's label, and the other setting in brackets */
@@ -29,16 +29,16 @@ typedef struct pl_ensembles {
 typedef struct pl_members_def {
     int members;                 /* >= 2 */
     int setting_count;           /* other settings */
-    const char *const *settings; /* (setting_count): how they are called */
+    const char *const *settings; /* (setting_count): their names */
     bool references;
     void *user;
     /* Adds the cases to the plan: setting 0 as asked, k with the k-th other setting. */
     pl_status (*add)(void *user, int setting, pl_plan *plan, pl_error *error);
 } pl_members_def;
 
-/* `plan` has its engines, and gets the cases and the runs; members of other settings have
- * numbers of their own, so that no jitter is used twice on an engine. PL_BAD_INPUT: a scene in
- * which nothing can move. The caller frees *ensembles by pl_ensembles_free, in any case. */
+/* Adds the cases and the runs to a plan that has its engines. Members of other settings have numbers
+ * of their own, so that no jitter is used twice on an engine. PL_BAD_INPUT: a scene in which nothing
+ * can move. The caller frees *ensembles in any case. */
 pl_status pl_members_plan(const pl_members_def *def, pl_plan *plan, pl_ensembles *ensembles,
                           pl_error *error);
 void pl_ensembles_free(pl_ensembles *ensembles);

@@ -1,3 +1,4 @@
+/* Samples of observables, and the invariants, of an ensemble's results. */
 #include "sample.h"
 
 #include "plumb/vec.h"
@@ -26,7 +27,8 @@ json_t *pl_results_by_run(const json_t *results)
     return by_run;
 }
 
-void pl_sample_summarise(pl_sample *sample)
+/* Sets the mean and the standard deviation of the values. */
+static void summarise(pl_sample *sample)
 {
     double mean = 0, square = 0;
     for (int i = 0; i < sample->count; ++i) {
@@ -63,7 +65,7 @@ static bool has_metric(const json_t *result, pl_metric_id id)
     return json_object_get(json_object_get(result, "metrics"), pl_metric_table[id].name) != NULL;
 }
 
-/* Of a run that went to its end. */
+/* Adds the values of a run that finished. */
 static void add_values(pl_observations *observed, const json_t *result, double duration)
 {
     for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
@@ -139,7 +141,7 @@ pl_status pl_observations_gather(const pl_plan *plan, const pl_ensemble *ensembl
         }
     }
     for (int i = 0; i < PL_OBSERVABLE_COUNT; ++i) {
-        pl_sample_summarise(&observed->samples[i]);
+        summarise(&observed->samples[i]);
     }
     return PL_OK;
 }

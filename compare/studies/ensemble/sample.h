@@ -1,4 +1,4 @@
-/* What the members of one ensemble showed: from their results to samples of numbers. */
+/* The observations of one ensemble: samples of numbers from its members' results. */
 #ifndef PLUMB_SAMPLE_H
 #define PLUMB_SAMPLE_H
 
@@ -15,31 +15,29 @@ extern const pl_metric_id pl_observables[PL_OBSERVABLE_COUNT];
 typedef struct pl_sample {
     double *values; /* (count), by member */
     int count;
-    int unsettled; /* settle_time alone: those of them that never settled, for which the duration
-                      stands */
+    int unsettled; /* settle_time only: members that never settled, whose value is the duration */
     double mean, deviation; /* NAN for fewer than 1 and 2 values; the deviation divides by n - 1 */
 } pl_sample;
 
-/* Laws that every member of every engine should keep. */
+/* Violations of laws that every member of every engine should obey. */
 typedef struct pl_invariants {
-    int energy_grew;      /* members: by more than pl_energy_growth */
-    double energy_growth; /* the largest of all members; NAN: none is known */
+    int energy_grew;      /* members whose energy grew by more than pl_energy_growth */
+    double energy_growth; /* the largest of all members; NAN: unknown */
     int fell_through;     /* members with a body whose centre ended beyond a static plane */
-    int not_finite;       /* members */
+    int not_finite;       /* members whose state became infinite or NaN */
 } pl_invariants;
 
-/* Relative to the energy of the scene: what is let pass as rounding of the engine's own. */
+/* The growth, relative to the energy of the scene, that is accepted as rounding. */
 extern const double pl_energy_growth;
 
 typedef struct pl_observations {
-    int results;                    /* members whose result is there */
-    int outcomes[PL_OUTCOME_COUNT]; /* of those */
+    int results;                    /* members with a result */
+    int outcomes[PL_OUTCOME_COUNT]; /* of these members */
     pl_invariants invariants;
     pl_sample samples[PL_OBSERVABLE_COUNT];
 } pl_observations;
 
-/* Gathers an ensemble's part of `results`. The caller frees *observed by pl_observations_free, in
- * any case. */
+/* Gathers the observations of an ensemble from the results. The caller frees *observed in any case. */
 pl_status pl_observations_gather(const pl_plan *plan, const pl_ensemble *ensemble, int members,
                                  const json_t *results_by_run, pl_observations *observed,
                                  pl_error *error);
@@ -47,8 +45,5 @@ void pl_observations_free(pl_observations *observed);
 
 /* An object run -> result of an array of results; NULL when out of memory. */
 json_t *pl_results_by_run(const json_t *results);
-
-/* Mean and standard deviation of the values. */
-void pl_sample_summarise(pl_sample *sample);
 
 #endif

@@ -1,3 +1,4 @@
+/* Distances of two samples, permutation tests and Holm's correction. */
 #include "two_sample.h"
 
 #include "base/random.h"
@@ -110,7 +111,7 @@ static bool next_arrangement(bool *flags, int count)
     return true;
 }
 
-/* Fisher and Yates, as far as it matters: the first `chosen` of `order` are a random choice. */
+/* Makes the first `chosen` of `order` a random choice (Fisher and Yates). */
 static void choose(pl_random *random, int *order, int count, int chosen)
 {
     for (int i = 0; i < chosen; ++i) {

@@ -1,3 +1,4 @@
+/* Permutation tests of all pairs of ensembles, with Holm's correction, and their wording. */
 #include "verdict.h"
 
 #include "two_sample.h"
@@ -8,18 +9,18 @@
 
 const double pl_significance = 0.05;
 
-/* Less of a difference of means than this is not what tells two ensembles apart. */
+/* A smaller relative difference of means is reported as equal means. */
 static const double notable_share = 0.005;
 
-/* Engines as asked with each other, and each engine in another setting with itself as asked: what
- * more could be compared would only blunt the correction. */
+/* Engines as asked are compared with each other, and each engine in another setting with itself as
+ * asked. Further comparisons would only weaken the correction. */
 static bool comparable(const pl_ensemble *a, const pl_ensemble *b)
 {
     return a->test_case == b->test_case && (a->setting == 0 || b->setting == 0) &&
            (a->setting == b->setting || a->configuration == b->configuration);
 }
 
-/* An observable of two ensembles, but for the correction. */
+/* Compares an observable of two ensembles, without the correction. */
 static pl_status compare(const pl_sample *a, const pl_sample *b, pl_sample_test *comparison,
                          pl_error *error)
 {
@@ -68,8 +69,9 @@ static pl_status correct(pl_verdicts *verdicts, pl_error *error)
     return status;
 }
 
-/* Whether there is nothing to compare: such as the time of settling where no member settled. What
- * does not depend on who has which value may be left out of the tests that are corrected for. */
+/* Whether there is nothing to compare, such as the time of settling where no member settled. Such
+ * tests may be left out of the correction, because the criterion does not depend on which ensemble
+ * has which value. */
 static bool all_equal(const pl_sample *a, const pl_sample *b)
 {
     bool equal = true;
@@ -82,7 +84,7 @@ static bool all_equal(const pl_sample *a, const pl_sample *b)
     return equal;
 }
 
-/* Adds what two ensembles have in common. */
+/* Adds the tests of all observables of two ensembles. */
 static pl_status add_pair(const pl_ensemble_view *views, int a, int b, pl_verdicts *verdicts,
                           pl_error *error)
 {
@@ -125,7 +127,7 @@ void pl_verdicts_free(pl_verdicts *verdicts)
     *verdicts = (pl_verdicts){.count = 0};
 }
 
-/* How an ensemble of the larger mean reads: before the amount, and after it. */
+/* The words for the ensemble of the larger mean: before the amount, and after it. */
 static const struct wording {
     const char *before, *after;
 } wordings[PL_OBSERVABLE_COUNT] = {{"spreads", "farther in x"},

@@ -1,20 +1,20 @@
-/* Which ensembles are told apart, and by what: every observable of every pair of engines as asked,
- * and of every engine as asked and in another setting.
+/* Tests which ensembles differ, and in which observable: of every pair of engines as asked, and of
+ * every engine as asked and in another setting.
  *
- * Members of the same number start alike on every engine. Past the horizon they have nothing in
- * common any more; where they still have, two engines look more alike than the test expects, and it
- * is only more cautious. */
+ * Members of the same number start alike on every engine. After the horizon they are independent.
+ * Where they are not yet, two engines look more alike than the test expects, so that it errs on the
+ * safe side. */
 #ifndef PLUMB_VERDICT_H
 #define PLUMB_VERDICT_H
 
 #include "horizon.h"
 #include "sample.h"
 
-/* A difference that chance makes as large in less than this share of all cases, corrected for all
- * tests made, tells two ensembles apart. */
+/* Two ensembles differ where chance makes the difference as large in less than this share of all
+ * cases, corrected for all tests. */
 extern const double pl_significance;
 
-/* Everything known of one ensemble. */
+/* All that is known of one ensemble. */
 typedef struct pl_ensemble_view {
     const pl_ensemble *ensemble;
     pl_observations observed;
@@ -35,13 +35,12 @@ typedef struct pl_verdicts {
     int count;
 } pl_verdicts;
 
-/* Compares all pairs, and corrects over all of them. The caller frees *verdicts by
- * pl_verdicts_free, in any case. */
+/* Compares all pairs, and corrects over all of them. The caller frees *verdicts in any case. */
 pl_status pl_verdicts_reach(const pl_ensemble_view *views, int count, pl_verdicts *verdicts,
                             pl_error *error);
 void pl_verdicts_free(pl_verdicts *verdicts);
 
-/* How a comparison reads: "bullet:si spreads 12 % farther in x than ode:quick (...)". */
+/* The comparison as a sentence: "bullet:si spreads 12 % farther in x than ode:quick (...)". */
 void pl_sample_test_sentence(const pl_ensemble_view *views, const pl_sample_test *comparison,
                              char *text, size_t size);
 

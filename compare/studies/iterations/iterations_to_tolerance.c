@@ -14,7 +14,7 @@ enum { MOST_DOUBLINGS = 64 };
 typedef struct doubling_search {
     const pl_budget_search_def *def;
     pl_budget_found *found;
-    double errors[MOST_DOUBLINGS]; /* of least 2^k; INFINITY where it fell */
+    double errors[MOST_DOUBLINGS]; /* of least 2^k; INFINITY where it failed */
     int count;
 } doubling_search;
 
@@ -75,15 +75,14 @@ static bool is_near(const doubling_search *s, double error)
     return error <= near_enough * s->found->converged + s->def->floor;
 }
 
-/* Between a doubling that is not near and the next, which is: that next one is the doubling above
- * all of them. */
+/* Bisects between a doubling that is not near and the next one, which is. */
 static pl_status bisect(doubling_search *s, long far, long near, pl_error *fault)
 {
     while (near - far > 1) {
-        const long middle = far + (near - far) / 2;
+        const long midpoint = far + (near - far) / 2;
         pl_budget_trial trial = PL_BUDGET_FAILED;
         double error = (double)INFINITY;
-        pl_status status = evaluate_budget(s, middle, &trial, &error, fault);
+        pl_status status = evaluate_budget(s, midpoint, &trial, &error, fault);
         if (status != PL_OK) {
             return status;
         }
@@ -91,7 +90,7 @@ static pl_status bisect(doubling_search *s, long far, long near, pl_error *fault
             s->found->state = PL_BUDGET_STOPPED;
             return PL_OK;
         }
-        *(is_near(s, error) ? &near : &far) = middle;
+        *(is_near(s, error) ? &near : &far) = midpoint;
     }
     s->found->budget = near;
     return PL_OK;
@@ -332,10 +331,10 @@ pl_status pl_tolerance_put(const pl_plan *plan, const pl_metric *metrics, json_t
     if (place < 0 || metrics[place].state == PL_METRIC_ABSENT) {
         return PL_OK;
     }
-    /* A finding of this metric alone, so that it has the form of all others. */
-    pl_run_result finding = {.outcome = PL_OUTCOME_OK};
-    finding.metrics.item[PL_METRIC_ITERATIONS_TO_TOLERANCE] = metrics[place];
-    json_t *object = pl_run_result_to_json(&finding);
+    /* A result with this metric only gives it the form of all others. */
+    pl_run_result only = {.outcome = PL_OUTCOME_OK};
+    only.metrics.item[PL_METRIC_ITERATIONS_TO_TOLERANCE] = metrics[place];
+    json_t *object = pl_run_result_to_json(&only);
     json_t *all = json_object_get(result, "metrics");
     int failed = object == NULL || all == NULL ||
                  json_object_update(all, json_object_get(object, "metrics")) != 0;

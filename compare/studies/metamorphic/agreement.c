@@ -1,3 +1,4 @@
+/* Reads trajectories and compares them frame by frame. */
 #include "agreement.h"
 
 #include "plumb/vec.h"
@@ -39,8 +40,8 @@ pl_status pl_trajectory_rewind(pl_trajectory *trajectory, int body_count, pl_err
     return PL_OK;
 }
 
-/* What follows the quoted name that begins at `text`, in which quotes are doubled; NULL where it
- * has no end. */
+/* The text after the quoted name that begins at `text`, in which quotes are doubled; NULL where the
+ * name has no end. */
 static const char *after_name(const char *text)
 {
     if (*text++ != '"') {
@@ -57,7 +58,7 @@ static const char *after_name(const char *text)
     return NULL;
 }
 
-/* `count` numbers, each after a comma. */
+/* Reads `count` numbers, each after a comma. */
 static const char *read_numbers(const char *text, double *numbers, int count)
 {
     for (int i = 0; i < count && text != NULL; ++i) {
@@ -138,7 +139,7 @@ static void compare_body(const pl_body_state *a, const pl_body_state *b, pl_diff
                same_numbers(a->orientation, b->orientation, 4, -1));
 }
 
-/* The frames that both stand at. */
+/* Compares the current frames of both runs. */
 static pl_difference compare_frames(const pl_trajectory_pair *c)
 {
     pl_difference d = {.same = true};

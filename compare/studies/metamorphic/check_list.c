@@ -1,3 +1,4 @@
+/* The table of checks, and their transforms. */
 #include "check_list.h"
 
 #include "transform.h"

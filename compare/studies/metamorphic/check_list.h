@@ -1,5 +1,5 @@
-/* The checks of an engine that need no reference: each makes another scene of a scene, and says how
- * the two runs must be alike. */
+/* The checks of an engine that need no reference. Each transforms a scene and says how the two runs
+ * must agree. */
 #ifndef PLUMB_CHECK_LIST_H
 #define PLUMB_CHECK_LIST_H
 
@@ -13,7 +13,7 @@ typedef enum pl_check_kind {
     PL_CHECK_FAR,
     PL_CHECK_MIRROR,
     PL_CHECK_AGAIN,  /* the same scene a second time */
-    PL_CHECK_RESTART /* a new instance goes on from the state at half time */
+    PL_CHECK_RESTART /* a new instance continues from the state at half time */
 } pl_check_kind;
 
 typedef struct pl_check {
@@ -27,11 +27,11 @@ typedef struct pl_check {
 /* All checks in the order of reports. Static storage. */
 const pl_check *pl_checks(int *count);
 
-/* Sets chosen[i] for every check that has the name or is of the family. PL_BAD_INPUT suggests the
- * nearest name. */
+/* Sets chosen[i] for every check with this name or of this family. PL_BAD_INPUT suggests the nearest
+ * name. */
 pl_status pl_check_choose(const char *name, bool *chosen, pl_error *error);
 
-/* The check's transform of this scene; for AGAIN and RESTART the identity. False, with the reason,
+/* The check's transform of this scene: the identity for AGAIN and RESTART. False, with the reason,
  * when the check does not apply to the scene. */
 bool pl_check_transform(const pl_check *check, const pl_scene *scene, pl_transform *transform,
                         const char **reason);

@@ -15,7 +15,7 @@ typedef struct study {
     int signal; /* that ended a run; 0: none */
 } study;
 
-/* One run of the scene in place of the planned one's. */
+/* A run of another scene in place of the planned run's. */
 typedef struct run {
     const pl_planned_run *planned;
     const pl_scene *scene;

@@ -1,3 +1,4 @@
+/* Transforms of scenes, restarts and the offset of far copies. */
 #include "transform.h"
 
 #include "plumb/vec.h"
@@ -8,8 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Transforms --------------------------------------------------------------------------------
- */
+/* ---- Transforms ---- */
 
 pl_transform pl_transform_identity(void)
 {
@@ -17,7 +17,7 @@ pl_transform pl_transform_identity(void)
         .matrix = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, .turn = {1, 0, 0, 0}, .scale = 1};
 }
 
-/* Cosine of so many sixteenths of a turn, from square roots alone. */
+/* The cosine of so many sixteenths of a turn, from square roots only. */
 static double cosine(int sixteenths)
 {
     const double half = sqrt(0.5);
@@ -88,8 +88,8 @@ static int greatest_common_divisor(int a, int b)
     return a;
 }
 
-/* Shuffled: i -> (k i + k) mod n, a permutation because k, near 0.62 n, has no divisor in common
- * with n. */
+/* The shuffled order is i -> (k i + k) mod n, a permutation because k, near 0.62 n, and n are
+ * coprime. */
 int pl_transform_index(const pl_transform *transform, int body, int body_count)
 {
     if (transform->order == PL_ORDER_REVERSED) {
@@ -105,8 +105,7 @@ int pl_transform_index(const pl_transform *transform, int body, int body_count)
     return (int)(((long long)k * body + k) % body_count);
 }
 
-/* ---- Vectors and orientations ------------------------------------------------------------------
- */
+/* ---- Vectors and orientations ---- */
 
 /* factor M v, in place. */
 static void apply(const pl_transform *t, double factor, double v[3])
@@ -144,7 +143,7 @@ static void multiply(const double a[4], const double b[4], double out[4])
     out[3] = a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0];
 }
 
-/* Mirrored, R becomes S R S with S = diag(1, -1, 1): the axis is a pseudovector. */
+/* The mirror image of a rotation R is S R S with S = diag(1, -1, 1): its axis is a pseudovector. */
 static void mirror_orientation(double q[4])
 {
     q[1] = -q[1];
@@ -180,13 +179,12 @@ void pl_transform_state_back(const pl_transform *transform, const pl_body_state 
     }
 }
 
-/* ---- Scenes ------------------------------------------------------------------------------------
- */
+/* ---- Scenes ---- */
 
-/* A copy of a valid scene that shares nothing with it, without what is expected of it. Forces come
- * in the order of their bodies; polyhedra that have neither a name nor a body are left out. The
- * caller frees *to, which is left empty on failure. */
-static pl_status pl_scene_copy_problem(const pl_scene *from, pl_scene *to, pl_error *error)
+/* Makes a deep copy of a valid scene, without its expectations. Forces come in the order of their
+ * bodies; polyhedra with neither a name nor a body are left out. The caller frees *to, which is left
+ * empty on failure. */
+static pl_status copy_scene(const pl_scene *from, pl_scene *to, pl_error *error)
 {
     pl_scene test_case = *from;
     test_case.rest_count = 0;
@@ -220,8 +218,8 @@ static void transform_shape(const pl_transform *t, pl_shape *shape)
     }
 }
 
-/* A solid's own frame is mirrored with the world, but does not turn with it. The other shapes are
- * their own mirror images in their own frames. */
+/* The frame of a hull or a mesh is mirrored with the world, but does not turn with it. The other
+ * shapes are their own mirror images in their own frames. */
 static void transform_polyhedron(const pl_transform *t, pl_polyhedron *p)
 {
     const double s = t->scale, y = t->mirrored ? -s : s;
@@ -299,7 +297,9 @@ static void transform_scene(const pl_transform *t, pl_scene *scene)
     }
 }
 
-/* The bodies that the scene has now, once more; forces follow. */
+/* ---- Copies, other orders of the bodies ---- */
+
+/* Adds a copy of every body except planes, and of their forces. */
 static pl_status add_copies(const pl_transform *t, pl_scene *scene, pl_error *error)
 {
     const int body_count = scene->body_count, force_count = scene->force_count;
@@ -346,7 +346,7 @@ static pl_status reorder(const pl_transform *t, pl_scene *scene, pl_error *error
 pl_status pl_transform_scene(const pl_transform *transform, const pl_scene *from, pl_scene *to,
                              pl_error *error)
 {
-    pl_status status = pl_scene_copy_problem(from, to, error);
+    pl_status status = copy_scene(from, to, error);
     if (status == PL_OK && transform->has_copy) {
         status = add_copies(transform, to, error);
     }
@@ -360,6 +360,8 @@ pl_status pl_transform_scene(const pl_transform *transform, const pl_scene *from
     }
     return status;
 }
+
+/* ---- Restarts ---- */
 
 /* A force counts as ended by the same millionth of a step that decides whether it acts. */
 static void move_forces(pl_scene *scene, double time)
@@ -379,7 +381,7 @@ static void move_forces(pl_scene *scene, double time)
 pl_status pl_restart_scene(const pl_scene *from, const pl_body_state *states, long step,
                            pl_scene *to, pl_error *error)
 {
-    pl_status status = pl_scene_copy_problem(from, to, error);
+    pl_status status = copy_scene(from, to, error);
     if (status != PL_OK) {
         return status;
     }
@@ -398,8 +400,10 @@ pl_status pl_restart_scene(const pl_scene *from, const pl_body_state *states, lo
     return PL_OK;
 }
 
-/* A normal that is square to the direction but for rounding. */
-static const double SQUARE = 1e-12;
+/* ---- Far copies ---- */
+
+/* The sine up to which a normal counts as orthogonal to a direction. */
+static const double ORTHOGONAL = 1e-12;
 
 double pl_scene_size(const pl_scene *scene)
 {
@@ -421,16 +425,16 @@ static bool fits(const pl_scene *scene, pl_vec direction)
     for (int i = 0; i < scene->body_count; ++i) {
         const pl_shape *shape = &scene->bodies[i].shape;
         if (shape->kind == PL_SHAPE_PLANE &&
-            fabs(pl_vec_dot(pl_vec_of(shape->normal), direction)) > SQUARE) {
+            fabs(pl_vec_dot(pl_vec_of(shape->normal), direction)) > ORTHOGONAL) {
             return false;
         }
     }
     return true;
 }
 
-/* The axes are tried first: along them the copy's places are rounded least. Planes that all map to
- * themselves along no axis leave one direction at most that is square to two of them, or, of one
- * plane alone, the level line in it. */
+/* The axes are tried first, because along them the copy's positions are rounded least. Otherwise at
+ * most one direction is orthogonal to the normals of two planes; with one plane, it is the horizontal
+ * line in it. */
 static bool find_direction(const pl_scene *scene, pl_vec *direction)
 {
     static const pl_vec axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -449,7 +453,7 @@ static bool find_direction(const pl_scene *scene, pl_vec *direction)
             pl_vec across = pl_vec_cross(n, other);
             double length = pl_vec_length(across);
             *direction = pl_vec_scale(across, length > 0 ? 1 / length : 0);
-            if (length > SQUARE && fits(scene, *direction)) {
+            if (length > ORTHOGONAL && fits(scene, *direction)) {
                 return true;
             }
             first = pl_vec_length(first) > 0 ? first : n;

@@ -72,7 +72,7 @@ static pl_status build_scene(const pl_benchmark_problem *row, pl_scene *scene, p
     return status == PL_OK ? pl_scenario_build(scenario, values, row->seed, scene, error) : status;
 }
 
-/* Makes the steps before, then captures. */
+/* Runs up to the step before, then captures the problem. */
 static pl_status step_and_capture(const pl_benchmark_problem *row, const pl_scene *scene,
                                   const pl_engine *engine, pl_engine_instance *instance,
                                   pe_contact_problem **problem, pl_error *error)
@@ -193,9 +193,8 @@ const char *pl_solve_stop_name(pe_solve_stop stop)
  * Each solver runs in a process of its own, so that a crash or a hang becomes a result. Every level
  * is a solve of its own that stops there, so that its cost is what a user who asks for it pays. */
 
-/* Bounds of one solve: factorisations, or sweeps, of which there are so many that points times
- * sweeps is bounded too. A sweep costs about 10 ns a point, so that this is half a second of
- * sweeps. */
+/* The limits of one solve: factorisations; or sweeps, whose number times the number of points is also
+ * limited. A sweep takes about 10 ns per point, so that the limit is half a second of sweeps. */
 enum { MOST_FACTORISATIONS = 300, LEAST_SWEEPS = 300, MOST_SWEEPS = 100000 };
 static const double MOST_UPDATES = 5e7;
 static const pl_limits LIMITS = {.timeout = 60};
@@ -224,8 +223,7 @@ static json_t *level_json(double level, const pl_solver_run *run)
                      pl_json_number_or_null(s->residual.rms));
 }
 
-/* In the child: writes one level a line, as they come, and stops at the first that is not reached.
- */
+/* Runs in the child: writes one line per level, and stops at the first that is not reached. */
 static void solve_levels(void *user, FILE *answer)
 {
     const solver_run_def *l = user;
@@ -251,7 +249,7 @@ static void solve_levels(void *user, FILE *answer)
     }
 }
 
-/* What ended a process that did not answer for all levels. */
+/* The level at which a process ended early, and why. */
 static json_t *missing_level(const pl_process *process, double level)
 {
     return json_pack("{s:f, s:b, s:s}", "tolerance", level, "reached", 0, "stop",
@@ -281,7 +279,7 @@ static json_t *collect_levels(const pl_process *process)
     return levels;
 }
 
-/* One solver from one start, in its own process. */
+/* Runs one solver from one start in its own process. */
 static pl_status run_solver(solver_run_def *l, const char *start, json_t *cells, pl_error *error)
 {
     pl_process process;
@@ -318,7 +316,7 @@ static pl_status copy_cold(const pe_contact_problem *from, pe_contact_problem **
     return PL_OK;
 }
 
-/* The residual that a start has: with no iteration allowed. */
+/* The residual of a start, measured by a solve without iterations. */
 static json_t *start_residual(const pe_contact_problem *problem)
 {
     const pe_solve_limits none = {.tolerance = HUGE_VAL, .max_iterations = 0};
@@ -347,9 +345,9 @@ static json_t *describe(const pl_benchmark_problem *row, const pe_contact_proble
                      start_residual(cold), "cells", cells);
 }
 
-/* Solves one problem by every solver, each in a process of its own, warm and cold. *result is a new
- * reference: what the problem is, and its `cells`, one for each solver and start, with the `levels`
- * in order up to the first that was not reached. `progress` may be NULL. */
+/* Solves one problem by every solver, warm and cold. *result is a new reference: the problem, and its
+ * `cells`, one per solver and start, with the `levels` in order up to the first that was not reached.
+ * `progress` may be NULL. */
 static pl_status pl_benchmark_solve(const pl_benchmark_problem *row,
                                     const pe_contact_problem *problem, FILE *progress,
                                     json_t **result, pl_error *error)
@@ -374,7 +372,7 @@ static pl_status pl_benchmark_solve(const pl_benchmark_problem *row,
     return status;
 }
 
-/* What is known of a problem that could not be captured. */
+/* The result of a problem that could not be captured. */
 static json_t *failed_problem(const pl_benchmark_problem *row, const char *message)
 {
     return json_pack("{s:s, s:s, s:o, s:[]}", "name", row->name, "scenario", row->scenario, "error",
@@ -400,7 +398,7 @@ static pl_status run_problem(const pl_benchmark_problem *row, json_t *problems, 
     return status;
 }
 
-/* DIRECTORY/solver-benchmark.SUFFIX. Takes `text`. */
+/* Writes DIRECTORY/solver-benchmark.SUFFIX, and frees `text`. */
 static pl_status write_text(const char *directory, const char *suffix, char *text, pl_error *error)
 {
     char *path = malloc(strlen(directory) + 64);

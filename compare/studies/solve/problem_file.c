@@ -1,3 +1,4 @@
+/* Reads and writes contact problems, and writes captures. */
 #include "problem_file.h"
 
 #include "base/json_field.h"
@@ -104,13 +105,13 @@ static bool read_points(const json_t *json, const pe_problem_manifold *m,
     return true;
 }
 
-/* An arm has no meaning where nothing moves. */
+/* The arm of a static body has no meaning. */
 static pl_presence presence_of_arm(int body)
 {
     return body == PE_STATIC ? PL_OPTIONAL : PL_REQUIRED;
 }
 
-/* `first` and `count` are there already. */
+/* `first` and `count` are set already. */
 static bool read_manifold(const json_t *json, pe_problem_manifold *m,
                           pe_problem_manifold_point *points, pl_diagnostic *diagnostic)
 {
@@ -122,7 +123,7 @@ static bool read_manifold(const json_t *json, pe_problem_manifold *m,
            read_points(json, m, points, diagnostic);
 }
 
-/* How many points all manifolds have; each must be an object with some. */
+/* Counts the points of all manifolds; each must be an object with at least one. */
 static bool count_points(const json_t *manifolds, int *count, pl_diagnostic *diagnostic)
 {
     size_t i;
@@ -184,7 +185,7 @@ static bool read_manifolds(const json_t *manifolds, pe_contact_problem *problem,
     return true;
 }
 
-/* The engine's own judgement, at the place in the file. */
+/* The engine's own check, reported at the position in the file. */
 static bool check_problem(const pe_contact_problem *problem, pl_diagnostic *diagnostic)
 {
     pe_problem_fault fault;
@@ -272,7 +273,7 @@ static json_t *vector(const double *values, int count)
     return array;
 }
 
-/* Writes `json` and drops it; NULL, which stands for a lack of memory, fails. */
+/* Writes `json` and releases it. NULL fails, because it means that memory ran out. */
 static bool put(FILE *stream, const char *before, json_t *json)
 {
     fputs(before, stream);
@@ -387,7 +388,7 @@ int pl_capture_largest(pe_contact_problem *const *problems, int count)
     return largest;
 }
 
-/* The path with its "{}" replaced, malloc'd. */
+/* The path with its "{}" replaced by the number, malloc'd. */
 static char *numbered_path(const char *path, const char *braces, int number)
 {
     char *text = malloc(strlen(path) + 16);

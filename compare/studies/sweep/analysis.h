@@ -25,14 +25,14 @@ enum {
 extern const double pl_sweep_levels[PL_SWEEP_LEVELS];
 /* Costs that are asked for, s/s: 1, 2, 5 of each decade, 1e-6 ... 100. */
 extern const double pl_sweep_times[PL_SWEEP_TIMES];
-/* A smaller error counts as this one: it is rounding, and nobody asks for it. */
+/* Smaller errors count as this one, because they are rounding. */
 extern const double pl_sweep_error_floor;
 
 typedef enum pl_sweep_state {
     PL_SWEEP_OK,
-    PL_SWEEP_FAILED,     /* a repeat ended with another outcome than ok */
-    PL_SWEEP_UNMEASURED, /* all are ok, but error or time has no number */
-    PL_SWEEP_UNSUPPORTED /* the engine does not do it, or not with these settings: no failure */
+    PL_SWEEP_FAILED,     /* the outcome of a repeat is not ok */
+    PL_SWEEP_UNMEASURED, /* all are ok, but the error or the time is missing */
+    PL_SWEEP_UNSUPPORTED /* the engine does not support it with these settings: not a failure */
 } pl_sweep_state;
 
 typedef struct pl_sweep_sample {
@@ -55,9 +55,9 @@ typedef struct pl_sweep_point {
     int sample_count;
     double cost, cost_mad; /* median, and median of |x - median|, s/s */
     double error;          /* median, not below the floor */
-    double raw_error;      /* median as found */
+    double raw_error;      /* median, without the floor */
     double instructions;   /* for a second of simulated time, median; NAN: not counted */
-    uint64_t hash;         /* of what the point is */
+    uint64_t hash;         /* of the point's keys */
 } pl_sweep_point;
 
 typedef struct pl_sweep_engine {
@@ -68,14 +68,15 @@ typedef struct pl_sweep_engine {
 
 /* One engine on one scene. */
 typedef struct pl_sweep_curve {
-    int ok, failed, unmeasured; /* points; all 0: it was not run, or nothing of it is supported */
-    int *front;                 /* (front_count): points no other of which is both cheaper and as
-                                   exact; by rising cost and falling error; owned */
+    int ok, failed, unmeasured; /* points; all 0: none was run or supported */
+    int *front; /* (front_count): points of which no other is both cheaper and as exact, by rising
+                   cost and falling error; owned */
     int front_count;
     int cheapest[PL_SWEEP_LEVELS];  /* the cheapest point at or below the level; -1: not reached */
     int most_exact[PL_SWEEP_TIMES]; /* the most exact point that costs no more; -1: none does */
 } pl_sweep_curve;
 
+/* The engines that have a point at an error or at a cost. */
 typedef enum pl_attained_by {
     PL_ATTAINED_BY_NEITHER,
     PL_ATTAINED_BY_OURS_ONLY,
@@ -83,28 +84,28 @@ typedef enum pl_attained_by {
     PL_ATTAINED_BY_BOTH
 } pl_attained_by;
 
-/* NAN: none. low .. high holds 95 % of what resampled repeats give; it is absent where nothing was
- * repeated, or where over 5 % of the replicates give no ratio. */
+/* A ratio with its 95 % bootstrap interval. NAN: none. There is no interval where nothing was repeated,
+ * or where over 5 % of the replicates have no ratio. */
 typedef struct pl_sweep_ratio {
     double value, low, high;
 } pl_sweep_ratio;
 
 /* Our engine against another on one scene. */
 typedef struct pl_pairwise_comparison {
-    bool run; /* both were run on it, and it has a primary error; else nothing below holds */
-    pl_attained_by at_error[PL_SWEEP_LEVELS];
+    bool run; /* both were run and there is a primary error; else the other fields are undefined */
+    pl_attained_by at_error[PL_SWEEP_LEVELS]; /* who has a point at or below the error */
     pl_attained_by at_cost[PL_SWEEP_TIMES]; /* who has a point that costs no more */
-    /* Their cost over ours at an error: of the cheapest points at or below it, and where the error
-     * lies within both fronts, between points, straight in the logarithms. */
+    /* Cost at error, theirs over ours: of the cheapest points at or below the error, and interpolated
+     * between points, linearly in the logarithms, where the error lies within both fronts. */
     pl_sweep_ratio speed[PL_SWEEP_LEVELS], speed_between[PL_SWEEP_LEVELS];
-    double instructions[PL_SWEEP_LEVELS]; /* the like of `speed`; NAN: not counted */
-    /* Their error over ours at a cost, likewise. */
+    double instructions[PL_SWEEP_LEVELS]; /* as `speed`; NAN: not counted */
+    /* Error at cost, theirs over ours, in the same way. */
     pl_sweep_ratio exactness[PL_SWEEP_TIMES], exactness_between[PL_SWEEP_TIMES];
 } pl_pairwise_comparison;
 
 typedef struct pl_sweep_scene {
-    char name[256]; /* the scenario, with the parameters that are off their defaults */
-    const pl_scenario *catalogue; /* NULL: a scene file, or unknown here */
+    char name[256]; /* the scenario, with the parameters that are not at their defaults */
+    const pl_scenario *catalogue; /* NULL: a scene file, or unknown to this build */
     const json_t *row;            /* any of its results */
     const char *scenario, *primary_error, *unit;
     int first, count; /* its points */
@@ -122,13 +123,13 @@ typedef struct pl_sweep_pair {
     int scenes;
 } pl_sweep_pair;
 
-/* Where another engine's front is ahead of ours at a level: it is cheaper, or alone there. */
+/* A level at which another engine's front is ahead of ours: it is cheaper, or ours has no point. */
 typedef struct pl_sweep_loss {
     int scene, pair, level;
     pl_attained_by attained; /* BOTH or OTHER_ONLY */
     int ours, other;         /* points; ours -1: not reached */
-    pl_sweep_ratio speed;    /* < 1; NAN where ours is not there */
-    bool within_noise;       /* the interval holds 1, or without one the ratio is above 0.9 */
+    pl_sweep_ratio speed;    /* < 1; NAN where ours has no point */
+    bool within_noise;       /* the interval contains 1; without one, the ratio is above 0.9 */
 } pl_sweep_loss;
 
 typedef enum pl_sweep_order_kind {

@@ -200,8 +200,6 @@ static pl_status check_row(const json_t *row, size_t index, pl_error *error)
     return PL_OK;
 }
 
-/* --- Keys --- */
-
 static json_t *without_dt(const json_t *row, const char *object)
 {
     json_t *copy = json_copy(json_object_get(row, object));
@@ -209,7 +207,7 @@ static json_t *without_dt(const json_t *row, const char *object)
     return copy;
 }
 
-/* A copy of a value that may be absent. */
+/* A new reference to a value; null where it is absent. */
 static json_t *same(const json_t *object, const char *key)
 {
     json_t *value = json_object_get(object, key);
@@ -247,7 +245,7 @@ static pl_status make_keys(const json_t *row, size_t index, keyed_row *keyed, pl
     return PL_OK;
 }
 
-/* --- Orders --- */
+/* ---- Orders ---- */
 
 static int catalogue_index(const char *scenario)
 {
@@ -294,7 +292,7 @@ static int compare_engines(const json_t *a, const json_t *b)
                       : strcmp(pl_json_get_text(a, "profile"), pl_json_get_text(b, "profile"));
 }
 
-/* By scene, engine, series, falling dt: 0 for repeats of one point. */
+/* By scene, engine, series and falling dt; 0 for repeats of one point. */
 static int compare_rows(const void *left, const void *right)
 {
     const keyed_row *a = left, *b = right;
@@ -304,7 +302,7 @@ static int compare_rows(const void *left, const void *right)
     return order != 0 ? order : (a->dt < b->dt) - (a->dt > b->dt);
 }
 
-/* The same, with repeats in an order of their own, so that of the rows only their set counts. */
+/* The same, with repeats ordered too, so that the order of the rows has no effect. */
 static int compare_repeats(const void *left, const void *right)
 {
     const keyed_row *a = left, *b = right;
@@ -321,7 +319,7 @@ static int compare_repeats(const void *left, const void *right)
     return order != 0 ? order : (a->index > b->index) - (a->index < b->index);
 }
 
-/* --- Engines --- */
+/* ---- Engines ---- */
 
 static int find_engine(const pl_sweep_analysis *analysis, const char *name, bool whole)
 {
@@ -371,7 +369,7 @@ static void list_engines(const keyed_row *rows, size_t count, pl_sweep_analysis 
           compare_listed);
 }
 
-/* --- Points --- */
+/* ---- Points ---- */
 
 static uint64_t hash_of(const keyed_row *row)
 {
@@ -400,7 +398,7 @@ static void note_origins(const keyed_row *rows, size_t index, pl_sweep_analysis 
                                 differ_in(row, &rows[alike], NULL, "engine_version");
 }
 
-/* The point of sorted rows [first, next), the last of which is the last of that point. */
+/* Adds the point whose repeats are the sorted rows [first, next). */
 static pl_status add_point(const keyed_row *rows, size_t first, size_t next, const json_t **repeats,
                            pl_sweep_analysis *analysis, pl_error *error)
 {

@@ -1,3 +1,4 @@
+/* Decides from results which runs of a sweep need not be made. */
 #include "pruning.h"
 
 #include "results/result.h"
@@ -47,7 +48,7 @@ static const char *point_of(const pl_repeats *repeats, const char *run)
     return json_string_value(json_object_get(repeats->points, run));
 }
 
-/* Of the engine's steps, s. */
+/* The CPU time of the engine's steps, s. */
 static double cost_of(const json_t *result)
 {
     const json_t *done = json_object_get(json_object_get(result, "steps"), "done");
@@ -98,25 +99,25 @@ static bool is_finer(const json_t *run, const json_t *than)
            is_same_text(run, than, "label") && has_equal_params_but_dt(run, than);
 }
 
-/* The finding of a run of so many steps that was not made. */
-static json_t *finding_of(const json_t *timed_out, double dt)
+/* The result of a run that was not made. */
+static json_t *outcome_of(const json_t *timed_out, double dt)
 {
     const json_t *asked = json_object_get(json_object_get(timed_out, "steps"), "asked");
     const double duration = json_number_value(asked) * step_of(timed_out);
-    pl_run_result finding = {.outcome = PL_OUTCOME_TIMEOUT, .steps_asked = lround(duration / dt)};
-    snprintf(finding.reason, sizeof finding.reason, "not run: at a time step of 1/%g s, %s",
+    pl_run_result outcome = {.outcome = PL_OUTCOME_TIMEOUT, .steps_asked = lround(duration / dt)};
+    snprintf(outcome.reason, sizeof outcome.reason, "not run: at a time step of 1/%g s, %s",
              1 / step_of(timed_out), pl_json_get_text(timed_out, "reason"));
-    return pl_run_result_to_json(&finding);
+    return pl_run_result_to_json(&outcome);
 }
 
 static json_t *result_of(json_t *identity, const json_t *timed_out, json_t *provenance)
 {
     char now[32];
-    json_t *finding = finding_of(timed_out, step_of(identity));
+    json_t *outcome = outcome_of(timed_out, step_of(identity));
     pl_timestamp(now);
     json_t *result =
-        finding == NULL ? NULL : pl_result_compose(identity, finding, provenance, "", 0, now);
-    json_decref(finding);
+        outcome == NULL ? NULL : pl_result_compose(identity, outcome, provenance, "", 0, now);
+    json_decref(outcome);
     return result;
 }
 

@@ -1,3 +1,4 @@
+/* Merges files and folders of results, and compares runs that were made twice. */
 #include "shard_merge.h"
 
 #include "results/result.h"
@@ -27,7 +28,7 @@ void pl_merge_free(pl_merge *merge)
     *merge = (pl_merge){.results = NULL};
 }
 
-/* The name of a deterministic metric that both have, with other values; NULL when there is none. */
+/* The name of a deterministic metric whose values differ; NULL when there is none. */
 static const char *differing_metric(const json_t *first, const json_t *second)
 {
     const json_t *others = json_object_get(second, "metrics");
@@ -120,7 +121,7 @@ static int is_shard(const struct dirent *entry)
            entry->d_name[length] == '\0';
 }
 
-/* folder/results.jsonl, where there is one. */
+/* Adds folder/results.jsonl, if it exists. */
 static pl_status add_results_of(pl_merge *merge, const char *folder, FILE *warnings,
                                 pl_error *error)
 {

@@ -1,3 +1,4 @@
+/* Parses what a sweep varies, and what it varies by default. */
 #include "vary.h"
 
 #include <math.h>
@@ -12,7 +13,7 @@ typedef struct pl_numbers {
 
 enum { LONGEST_NUMBER = 64 };
 
-/* How far a step may miss the end of its range and still end on it, in steps. */
+/* The distance, in steps, up to which a step that misses the end of its range still ends on it. */
 static const double end_slack = 1e-9;
 
 typedef struct range {
@@ -40,7 +41,7 @@ static pl_status append(pl_numbers *numbers, double value, const char *text, pl_
     return PL_OK;
 }
 
-/* The number that the first `length` characters are. */
+/* Reads the first `length` characters as a number. */
 static pl_status read_number(const char *text, size_t length, double *value, pl_error *error)
 {
     char part[LONGEST_NUMBER];
@@ -98,7 +99,7 @@ static pl_status append_products(const range *r, const char *text, pl_numbers *n
     return status;
 }
 
-/* `step` is what follows the ':', or NULL. */
+/* Reads the text after the ':'; NULL: there is none. */
 static pl_status read_step(const char *text, const char *step, range *r, pl_error *error)
 {
     r->step = 1;
@@ -127,12 +128,7 @@ static pl_status read_step(const char *text, const char *step, range *r, pl_erro
     return PL_OK;
 }
 
-/* Appends what one text stands for: a number; A..B, in steps of 1; A..B:+S, in steps of S > 0;
- * A..B:xF, each F > 1 times the last, of A > 0. B belongs to the range when a step ends on it. A,
- * B, S and F are decimals or fractions. Numbers without fractions are decimals of 15 digits, so
- * that 0..1:+0.1 has 0.3 and not 0.30000000000000004.
- *
- * PL_BAD_INPUT: no number, a range that is empty or endless, or more than PL_VARY_MOST_VALUES. */
+/* Appends the number, or the numbers of the range, that one text stands for. */
 static pl_status pl_vary_range(const char *text, pl_numbers *numbers, pl_error *error)
 {
     const char *dots = strstr(text, "..");
@@ -163,8 +159,7 @@ static pl_status pl_vary_range(const char *text, pl_numbers *numbers, pl_error *
                        : append_sums(&r, text, numbers, error);
 }
 
-/* Splits "OWNER.KEY", which has `length` characters. A key has no '.'; the name of an engine may.
- */
+/* Splits "OWNER.KEY" of `length` characters. A key has no '.'; the name of an engine may have one. */
 static pl_status read_key(const char *text, size_t length, pl_vary *vary, pl_error *error)
 {
     size_t owner = length;
@@ -224,7 +219,7 @@ static int by_place(const void *left, const void *right)
     return (a->place > b->place) - (a->place < b->place);
 }
 
-/* Leaves the first of equal numbers, in the order given. */
+/* Keeps the first of equal numbers, in the order given. */
 static pl_status drop_doubles(pl_numbers *numbers, pl_error *error)
 {
     placed *sorted = malloc((size_t)numbers->count * sizeof *sorted);
@@ -316,7 +311,7 @@ void pl_vary_free(pl_vary *vary)
     *vary = (pl_vary){.count = 0};
 }
 
-/* A budget that is larger is none. */
+/* A larger default is not a budget. */
 static const double MOST_ITERATIONS = 1000;
 
 /* The default iterations of the configuration; 0 when it has no such option, or no budget. */

@@ -1,3 +1,4 @@
+/* The outcome of tuning as text, as JSON and as a profile. */
 #include "tune.h"
 
 #include "results/result.h"
