@@ -168,7 +168,7 @@ static const pl_tune_parameter *parameter_of(const pl_tune_space *space, const c
     return NULL;
 }
 
-static void test_every_parameter_of_the_tables_lies_in_the_engines_ranges(void **state)
+static void test_parameter_tables_lie_within_engine_ranges(void **state)
 {
     (void)state;
     int count = 0;
@@ -368,11 +368,11 @@ int main(void)
         cmocka_unit_test(test_parameter_range_maps_to_unit_interval_and_back),
         cmocka_unit_test(test_neighbours_are_one_step_away_within_range),
         cmocka_unit_test(test_bad_targets_are_refused),
-        cmocka_unit_test(test_a_target_is_met_up_to_its_bound_and_only_by_runs_that_are_ok),
-        cmocka_unit_test(test_errors_that_scatter_need_two_standard_deviations_to_spare),
-        cmocka_unit_test(test_a_ratio_of_costs_is_the_median_of_repeats_side_by_side),
-        cmocka_unit_test(test_every_parameter_of_the_tables_lies_in_the_engines_ranges),
-        cmocka_unit_test(test_what_is_varied_fixed_or_in_the_spec_is_so),
+        cmocka_unit_test(test_target_is_met_only_by_ok_runs),
+        cmocka_unit_test(test_scattered_errors_need_two_standard_deviations),
+        cmocka_unit_test(test_cost_ratio_is_the_median_of_paired_repeats),
+        cmocka_unit_test(test_parameter_tables_lie_within_engine_ranges),
+        cmocka_unit_test(test_varied_fixed_and_given_parameters_are_kept),
         cmocka_unit_test(test_bad_axes_are_refused),
         cmocka_unit_test(test_engine_api_code_lists_changed_values_only),
         cmocka_unit_test(test_held_out_scenarios_are_not_tuned_on),
