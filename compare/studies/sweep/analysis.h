@@ -81,7 +81,7 @@ typedef enum pl_attained_by {
     PL_ATTAINED_BY_NEITHER,
     PL_ATTAINED_BY_OURS_ONLY,
     PL_ATTAINED_BY_OTHER_ONLY,
-    PL_ATTAINED_BY_BOTH
+    PL_ATTAINED_BY_BOTH /* the sum of the two before */
 } pl_attained_by;
 
 /* A ratio with its 95 % bootstrap interval. NAN: none. There is no interval where nothing was repeated,

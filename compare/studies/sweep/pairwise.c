@@ -14,7 +14,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* So many repeats tell their own scatter. */
+/* With so many repeats their own scatter is used. */
 enum { ENOUGH = 10 };
 
 /* A scene's replicates. */
@@ -22,7 +22,7 @@ typedef struct resampling {
     const pl_sweep_point *points; /* (count) */
     int count;
     double noise;             /* of the scene; 0: none is known */
-    bool *needed;             /* (count): can be on a front in some replicate */
+    bool *needed;             /* (count): may be on a front in some replicate */
     pl_random *random;        /* (count) */
     pl_sweep_sample *medians; /* (count): of this replicate */
     int *order;               /* (count) */
@@ -30,25 +30,17 @@ typedef struct resampling {
     double *scratch;          /* two numbers for each repeat of the point with most */
 } resampling;
 
-static double largest_error(const pl_sweep_point *point)
+/* The largest (fmax) or smallest (fmin) error of the point's samples. */
+static double extreme_error(const pl_sweep_point *point, double (*pick)(double a, double b))
 {
-    double largest = 0;
-    for (int i = 0; i < point->sample_count; ++i) {
-        largest = fmax(largest, point->samples[i].error);
+    double extreme = point->samples[0].error;
+    for (int i = 1; i < point->sample_count; ++i) {
+        extreme = pick(extreme, point->samples[i].error);
     }
-    return largest;
+    return extreme;
 }
 
-static double smallest_error(const pl_sweep_point *point)
-{
-    double smallest = (double)INFINITY;
-    for (int i = 0; i < point->sample_count; ++i) {
-        smallest = fmin(smallest, point->samples[i].error);
-    }
-    return smallest;
-}
-
-/* What a repeat of the point that is drawn is moved by, as a standard deviation of ln(cost). */
+/* The standard deviation of ln(cost) by which a drawn repeat of the point is moved. */
 static double noise_of(const resampling *d, const pl_sweep_point *point)
 {
     return point->sample_count < ENOUGH ? d->noise : 0;
@@ -60,10 +52,10 @@ static bool always_ahead(const resampling *d, const pl_sweep_point *q, const pl_
     const double most = PL_RANDOM_MOST_NORMAL * (noise_of(d, q) + noise_of(d, p));
     return q->state == PL_SWEEP_OK &&
            q->samples[q->sample_count - 1].cost * exp(most) < p->samples[0].cost &&
-           largest_error(q) <= smallest_error(p);
+           extreme_error(q, fmax) <= extreme_error(p, fmin);
 }
 
-/* Marks the points that the fronts of profiles need; those of whole engines need no others. */
+/* Marks the points that can be on the front of a profile, and so on that of its engine. */
 static void mark_needed(resampling *d)
 {
     for (int i = 0; i < d->count; ++i) {
@@ -129,14 +121,9 @@ static bool prepare(resampling *d)
            d->front != NULL && d->scratch != NULL;
 }
 
-/* In every replicate each point gets as many repeats as it has, drawn from its own with
- * replacement, and their medians make the fronts. Two or three repeats do not tell their own
- * scatter: of fewer than ten, each that is drawn is moved by the scene's noise (the smoothed
- * bootstrap, Silverman and Young 1987). Each point has a stream of random numbers of its own, so
- * that what a replicate says of one engine does not depend on which others were run. Fills readings
- * (engine_count x PL_BOOTSTRAP_REPLICATES, engine by engine) for the engines that have points
- * there. */
-static pl_status pl_bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+/* Fills readings (engine_count x PL_BOOTSTRAP_REPLICATES, engine by engine) for the engines that have
+ * points on the scene. */
+static pl_status bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
                               pl_front_reading *readings, pl_error *error)
 {
     pl_status status = PL_OK;
@@ -189,7 +176,9 @@ void pl_bootstrap_interval(double *values, int count, double *low, double *high)
     *high = values[known - 1 - cut];
 }
 
-/* What is at hand while comparisons are fought. */
+/* ---- Comparisons ---- */
+
+/* Scratch space of the comparisons. */
 typedef struct workspace {
     pl_front_reading *readings;   /* (engine_count): of the scene as measured */
     pl_front_reading *replicates; /* (engine_count x PL_BOOTSTRAP_REPLICATES): resampled */
@@ -199,15 +188,24 @@ typedef struct workspace {
 
 static pl_attained_by attained_by(bool ours, bool other)
 {
-    if (ours && other) {
-        return PL_ATTAINED_BY_BOTH;
-    }
-    return ours    ? PL_ATTAINED_BY_OURS_ONLY
-           : other ? PL_ATTAINED_BY_OTHER_ONLY
-                   : PL_ATTAINED_BY_NEITHER;
+    return (pl_attained_by)((ours ? PL_ATTAINED_BY_OURS_ONLY : 0) +
+                            (other ? PL_ATTAINED_BY_OTHER_ONLY : 0));
 }
 
-/* Their number over ours, where `offset` says which of a reading's numbers. */
+/* The replicates of an engine's readings. */
+static const pl_front_reading *replicates_of(const workspace *a, int engine)
+{
+    return a->replicates + (size_t)engine * PL_BOOTSTRAP_REPLICATES;
+}
+
+/* The replicates of the sum of logarithms for a pair and a level. */
+static double *logs_of(const workspace *a, int pair, int level)
+{
+    return a->logs +
+           ((size_t)pair * PL_SWEEP_LEVELS + (size_t)level) * PL_BOOTSTRAP_REPLICATES;
+}
+
+/* Their number over ours; `offset` is the place of the number in a reading. */
 static double ratio_of(const pl_front_reading *ours, const pl_front_reading *other, size_t offset)
 {
     return ((const double *)other)[offset] / ((const double *)ours)[offset];
@@ -221,8 +219,8 @@ static pl_sweep_ratio with_interval(const workspace *a, const pl_sweep_pair *pai
     if (!resampled || isnan(ratio.value)) {
         return ratio;
     }
-    const pl_front_reading *ours = a->replicates + (size_t)pair->ours * PL_BOOTSTRAP_REPLICATES;
-    const pl_front_reading *other = a->replicates + (size_t)pair->other * PL_BOOTSTRAP_REPLICATES;
+    const pl_front_reading *ours = replicates_of(a, pair->ours);
+    const pl_front_reading *other = replicates_of(a, pair->other);
     for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
         a->values[replicate] = ratio_of(&ours[replicate], &other[replicate], offset);
     }
@@ -244,8 +242,8 @@ static void add_to_means(const workspace *a, pl_sweep_analysis *analysis, int in
                          const pl_pairwise_comparison *comparison)
 {
     pl_sweep_pair *pair = &analysis->pairs[index];
-    const pl_front_reading *ours = a->replicates + (size_t)pair->ours * PL_BOOTSTRAP_REPLICATES;
-    const pl_front_reading *other = a->replicates + (size_t)pair->other * PL_BOOTSTRAP_REPLICATES;
+    const pl_front_reading *ours = replicates_of(a, pair->ours);
+    const pl_front_reading *other = replicates_of(a, pair->other);
     pair->scenes++;
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
         pair->both[k] += comparison->at_error[k] == PL_ATTAINED_BY_BOTH;
@@ -255,8 +253,7 @@ static void add_to_means(const workspace *a, pl_sweep_analysis *analysis, int in
             continue;
         }
         bool known = !isnan(comparison->speed[k].low);
-        double *logs =
-            a->logs + ((size_t)index * PL_SWEEP_LEVELS + (size_t)k) * PL_BOOTSTRAP_REPLICATES;
+        double *logs = logs_of(a, index, k);
         pair->mean[k].value += log(comparison->speed[k].value);
         for (int replicate = 0; replicate < PL_BOOTSTRAP_REPLICATES; ++replicate) {
             logs[replicate] +=
@@ -315,8 +312,7 @@ static void finish_means(const workspace *a, pl_sweep_analysis *analysis)
         for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
             pl_sweep_ratio *mean = &analysis->pairs[i].mean[k];
             const int count = analysis->pairs[i].both[k];
-            double *logs =
-                a->logs + ((size_t)i * PL_SWEEP_LEVELS + (size_t)k) * PL_BOOTSTRAP_REPLICATES;
+            double *logs = logs_of(a, i, k);
             mean->value = count == 0 ? (double)NAN : exp(mean->value / count);
             mean->low = mean->high = (double)NAN;
             if (count == 0) {
@@ -374,7 +370,7 @@ pl_status pl_compare_pairwise(pl_sweep_analysis *analysis, pl_error *error)
             break;
         }
         read_as_measured(&a, analysis, scene, front);
-        status = pl_bootstrap(analysis, scene, a.replicates, error);
+        status = bootstrap(analysis, scene, a.replicates, error);
         for (int i = 0; i < analysis->pair_count && status == PL_OK; ++i) {
             compare_pair(&a, analysis, scene, i);
         }

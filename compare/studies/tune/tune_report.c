@@ -308,6 +308,6 @@ void pl_tune_print(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
             tuning->found.refined, tuning->runs,
             tuning->by_instructions
                 ? "instructions a step"
-                : "CPU time beside the shipped settings' in turns (instructions "
+                : "CPU time next to the shipped settings', in turns (instructions "
                   "are not counted here)");
 }
