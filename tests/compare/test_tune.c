@@ -181,7 +181,9 @@ static void test_parameter_tables_lie_within_engine_ranges(void **state)
             snprintf(spec, sizeof spec, "%s:%s", engine->name, engine->profiles[p].name);
             const pl_engine_choice choice = choose(spec);
             assert_int_equal(
-                pl_tune_space_make(&(pl_tune_request){.engine = &choice, .dt = (double)NAN}, &space, NULL), PL_OK);
+                pl_tune_space_make(&(pl_tune_request){.engine = &choice, .dt = (double)NAN}, &space,
+                                   NULL),
+                PL_OK);
             assert_non_null(parameter_of(&space, "dt"));
             assert_true(space.parameter_count >= 3);
             for (int k = 0; k < space.parameter_count; ++k) {
@@ -235,7 +237,8 @@ static void check_bad_space(const char *vary, const char *fix, const char *part)
     const char *const varied[] = {vary, vary}, *const fixed[] = {fix};
     pl_tune_space space;
     pl_error error = {.message = ""};
-    const pl_tune_request request = {&choice, (double)NAN, varied, vary != NULL, fixed, fix != NULL};
+    const pl_tune_request request = {&choice,      (double)NAN, varied,
+                                     vary != NULL, fixed,       fix != NULL};
     assert_int_equal(pl_tune_space_make(&request, &space, &error), PL_BAD_INPUT);
     assert_contains(error.message, part);
 }
@@ -297,7 +300,8 @@ static void test_held_out_scenarios_are_not_tuned_on(void **state)
                 double theirs[PL_MAX_PARAMS] = {0};
                 pl_scenario_values(scenarios[s], NULL, 0, theirs, NULL);
                 assert_true(!pl_variant_apply(other, scenarios[s], 3, theirs) ||
-                            memcmp(mine, theirs, sizeof mine) != 0 || held.items[i].seed != other->seed);
+                            memcmp(mine, theirs, sizeof mine) != 0 ||
+                            held.items[i].seed != other->seed);
             }
         }
     }

@@ -178,8 +178,8 @@ static pl_status list_ensembles(const pl_members_def *def, const pl_plan *plan, 
     return status;
 }
 
-/* Adds the runs member by member, so that an interrupted plan has runs of every ensemble. References,
- * which take longest, come last. */
+/* Adds the runs member by member, so that an interrupted plan has runs of every ensemble.
+ * References, which take longest, come last. */
 static pl_status pair_up(const pl_ensembles *all, pl_plan *plan, pl_error *error)
 {
     pl_status status = PL_OK;

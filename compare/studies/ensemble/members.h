@@ -1,5 +1,5 @@
-/* The runs of an ensemble: members x cases x engines. Members of the same number have the same jitter
- * on every engine. */
+/* The runs of an ensemble: members x cases x engines. Members of the same number have the same
+ * jitter on every engine. */
 #ifndef PLUMB_MEMBERS_H
 #define PLUMB_MEMBERS_H
 
@@ -36,9 +36,9 @@ typedef struct pl_members_def {
     pl_status (*add)(void *user, int setting, pl_plan *plan, pl_error *error);
 } pl_members_def;
 
-/* Adds the cases and the runs to a plan that has its engines. Members of other settings have numbers
- * of their own, so that no jitter is used twice on an engine. PL_BAD_INPUT: a scene in which nothing
- * can move. The caller frees *ensembles in any case. */
+/* Adds the cases and the runs to a plan that has its engines. Members of other settings have
+ * numbers of their own, so that no jitter is used twice on an engine. PL_BAD_INPUT: a scene in
+ * which nothing can move. The caller frees *ensembles in any case. */
 pl_status pl_members_plan(const pl_members_def *def, pl_plan *plan, pl_ensembles *ensembles,
                           pl_error *error);
 void pl_ensembles_free(pl_ensembles *ensembles);

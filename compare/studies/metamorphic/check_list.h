@@ -27,8 +27,8 @@ typedef struct pl_check {
 /* All checks in the order of reports. Static storage. */
 const pl_check *pl_checks(int *count);
 
-/* Sets chosen[i] for every check with this name or of this family. PL_BAD_INPUT suggests the nearest
- * name. */
+/* Sets chosen[i] for every check with this name or of this family. PL_BAD_INPUT suggests the
+ * nearest name. */
 pl_status pl_check_choose(const char *name, bool *chosen, pl_error *error);
 
 /* The check's transform of this scene: the identity for AGAIN and RESTART. False, with the reason,

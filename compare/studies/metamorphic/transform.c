@@ -182,8 +182,8 @@ void pl_transform_state_back(const pl_transform *transform, const pl_body_state 
 /* ---- Scenes ---- */
 
 /* Makes a deep copy of a valid scene, without its expectations. Forces come in the order of their
- * bodies; polyhedra with neither a name nor a body are left out. The caller frees *to, which is left
- * empty on failure. */
+ * bodies; polyhedra with neither a name nor a body are left out. The caller frees *to, which is
+ * left empty on failure. */
 static pl_status copy_scene(const pl_scene *from, pl_scene *to, pl_error *error)
 {
     pl_scene test_case = *from;
@@ -433,8 +433,8 @@ static bool fits(const pl_scene *scene, pl_vec direction)
 }
 
 /* The axes are tried first, because along them the copy's positions are rounded least. Otherwise at
- * most one direction is orthogonal to the normals of two planes; with one plane, it is the horizontal
- * line in it. */
+ * most one direction is orthogonal to the normals of two planes; with one plane, it is the
+ * horizontal line in it. */
 static bool find_direction(const pl_scene *scene, pl_vec *direction)
 {
     static const pl_vec axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

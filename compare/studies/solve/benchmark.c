@@ -193,8 +193,9 @@ const char *pl_solve_stop_name(pe_solve_stop stop)
  * Each solver runs in a process of its own, so that a crash or a hang becomes a result. Every level
  * is a solve of its own that stops there, so that its cost is what a user who asks for it pays. */
 
-/* The limits of one solve: factorisations; or sweeps, whose number times the number of points is also
- * limited. A sweep takes about 10 ns per point, so that the limit is half a second of sweeps. */
+/* The limits of one solve: factorisations; or sweeps, whose number times the number of points is
+ * also limited. A sweep takes about 10 ns per point, so that the limit is half a second of sweeps.
+ */
 enum { MOST_FACTORISATIONS = 300, LEAST_SWEEPS = 300, MOST_SWEEPS = 100000 };
 static const double MOST_UPDATES = 5e7;
 static const pl_limits LIMITS = {.timeout = 60};
@@ -345,9 +346,9 @@ static json_t *describe(const pl_benchmark_problem *row, const pe_contact_proble
                      start_residual(cold), "cells", cells);
 }
 
-/* Solves one problem by every solver, warm and cold. *result is a new reference: the problem, and its
- * `cells`, one per solver and start, with the `levels` in order up to the first that was not reached.
- * `progress` may be NULL. */
+/* Solves one problem by every solver, warm and cold. *result is a new reference: the problem, and
+ * its `cells`, one per solver and start, with the `levels` in order up to the first that was not
+ * reached. `progress` may be NULL. */
 static pl_status pl_benchmark_solve(const pl_benchmark_problem *row,
                                     const pe_contact_problem *problem, FILE *progress,
                                     json_t **result, pl_error *error)

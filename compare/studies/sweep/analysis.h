@@ -84,8 +84,8 @@ typedef enum pl_attained_by {
     PL_ATTAINED_BY_BOTH /* the sum of the two before */
 } pl_attained_by;
 
-/* A ratio with its 95 % bootstrap interval. NAN: none. There is no interval where nothing was repeated,
- * or where over 5 % of the replicates have no ratio. */
+/* A ratio with its 95 % bootstrap interval. NAN: none. There is no interval where nothing was
+ * repeated, or where over 5 % of the replicates have no ratio. */
 typedef struct pl_sweep_ratio {
     double value, low, high;
 } pl_sweep_ratio;
@@ -94,9 +94,10 @@ typedef struct pl_sweep_ratio {
 typedef struct pl_pairwise_comparison {
     bool run; /* both were run and there is a primary error; else the other fields are undefined */
     pl_attained_by at_error[PL_SWEEP_LEVELS]; /* who has a point at or below the error */
-    pl_attained_by at_cost[PL_SWEEP_TIMES]; /* who has a point that costs no more */
-    /* Cost at error, theirs over ours: of the cheapest points at or below the error, and interpolated
-     * between points, linearly in the logarithms, where the error lies within both fronts. */
+    pl_attained_by at_cost[PL_SWEEP_TIMES];   /* who has a point that costs no more */
+    /* Cost at error, theirs over ours: of the cheapest points at or below the error, and
+     * interpolated between points, linearly in the logarithms, where the error lies within both
+     * fronts. */
     pl_sweep_ratio speed[PL_SWEEP_LEVELS], speed_between[PL_SWEEP_LEVELS];
     double instructions[PL_SWEEP_LEVELS]; /* as `speed`; NAN: not counted */
     /* Error at cost, theirs over ours, in the same way. */

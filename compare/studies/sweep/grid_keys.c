@@ -84,8 +84,8 @@ static void add_key(const pl_grid_def *def, int index, const char *name, int val
     bool is_replaced = false;
     for (int i = 0; vary->owner[0] == '\0' && i < def->varied_count; ++i) {
         const pl_vary *other = &def->varied[i];
-        is_replaced = is_replaced ||
-                      (strcmp(other->owner, name) == 0 && strcmp(other->key, vary->key) == 0);
+        is_replaced =
+            is_replaced || (strcmp(other->owner, name) == 0 && strcmp(other->key, vary->key) == 0);
     }
     if (values > 0 && !is_replaced) {
         keys->values[keys->count] = values;
@@ -163,10 +163,9 @@ static bool contains(const names *n, const char *name)
 static pl_status fail_unknown(const char *what, const char *word, names *n, pl_error *error)
 {
     char suggestion[PL_SUGGESTION_SIZE];
-    pl_status status =
-        n->failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for --vary")
-                  : pl_fail(error, PL_BAD_INPUT, "--vary: %s %s%s", what, word,
-                            pl_did_you_mean(word, n->items, n->count, suggestion));
+    pl_status status = n->failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for --vary")
+                                 : pl_fail(error, PL_BAD_INPUT, "--vary: %s %s%s", what, word,
+                                           pl_did_you_mean(word, n->items, n->count, suggestion));
     free(n->items);
     return status;
 }

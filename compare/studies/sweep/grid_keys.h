@@ -13,8 +13,8 @@ typedef struct pl_grid_keys {
     int count;
 } pl_grid_keys;
 
-/* PL_BAD_INPUT: a key that nothing of the base has, that is given twice, or that is ambiguous. A key
- * of an engine that this build lacks is ignored. */
+/* PL_BAD_INPUT: a key that nothing of the base has, that is given twice, or that is ambiguous. A
+ * key of an engine that this build lacks is ignored. */
 pl_status pl_grid_keys_check(const pl_grid_def *def, pl_error *error);
 
 /* The keys of one case, or of one configuration, of the base, after the check. */
@@ -22,8 +22,8 @@ pl_grid_keys pl_grid_keys_of_case(const pl_grid_def *def, const pl_case *test_ca
 pl_grid_keys pl_grid_keys_of_configuration(const pl_grid_def *def,
                                            const pl_configuration *configuration);
 
-/* The number of combinations of the keys' values. It is a double, because it may be huge before it is
- * refused. */
+/* The number of combinations of the keys' values. It is a double, because it may be huge before it
+ * is refused. */
 double pl_grid_combinations(const pl_grid_keys *keys);
 
 /* The index of the value of key number `key` in a combination; the last key varies fastest. */

@@ -121,10 +121,10 @@ static bool prepare(resampling *d)
            d->front != NULL && d->scratch != NULL;
 }
 
-/* Fills readings (engine_count x PL_BOOTSTRAP_REPLICATES, engine by engine) for the engines that have
- * points on the scene. */
+/* Fills readings (engine_count x PL_BOOTSTRAP_REPLICATES, engine by engine) for the engines that
+ * have points on the scene. */
 static pl_status bootstrap(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                              pl_front_reading *readings, pl_error *error)
+                           pl_front_reading *readings, pl_error *error)
 {
     pl_status status = PL_OK;
     resampling d = {.points = analysis->points + scene->first,
@@ -201,8 +201,7 @@ static const pl_front_reading *replicates_of(const workspace *a, int engine)
 /* The replicates of the sum of logarithms for a pair and a level. */
 static double *logs_of(const workspace *a, int pair, int level)
 {
-    return a->logs +
-           ((size_t)pair * PL_SWEEP_LEVELS + (size_t)level) * PL_BOOTSTRAP_REPLICATES;
+    return a->logs + ((size_t)pair * PL_SWEEP_LEVELS + (size_t)level) * PL_BOOTSTRAP_REPLICATES;
 }
 
 /* Their number over ours; `offset` is the place of the number in a reading. */

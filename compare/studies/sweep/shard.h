@@ -25,8 +25,8 @@ pl_status pl_shard_from_environment(pl_shard *shard, bool *found, pl_error *erro
 
 /* Which of `count` shards makes a point, from 0. Times should be compared within one shard. With at
  * least as many cases as shards, all engines of a case are therefore in one shard. With fewer, each
- * shard gets a contiguous range of the points, ordered by case and then by configuration. All repeats
- * of a point are in one shard. */
+ * shard gets a contiguous range of the points, ordered by case and then by configuration. All
+ * repeats of a point are in one shard. */
 int pl_shard_of_point(int count, int cases, int configurations, int test_case, int configuration);
 
 /* DIRECTORY/shard-I-of-N, with I from 1; malloc'd, NULL when out of memory. */

@@ -20,8 +20,8 @@ pl_status pl_merge_begin(pl_merge *merge, pl_error *error);
 void pl_merge_free(pl_merge *merge);
 
 /* Adds a file of results ("-" is standard input), or a folder: its results.jsonl and those of its
- * shards, shard-*-of-*. The first ten doubles that differ are reported on `warnings` (NULL allowed).
- * PL_BAD_INPUT: a file with other content, or a folder without results; PL_IO. */
+ * shards, shard-*-of-*. The first ten doubles that differ are reported on `warnings` (NULL
+ * allowed). PL_BAD_INPUT: a file with other content, or a folder without results; PL_IO. */
 pl_status pl_merge_add(pl_merge *merge, const char *path, FILE *warnings, pl_error *error);
 
 /* Adds the results of an array. PL_NO_MEMORY. */

@@ -159,7 +159,8 @@ static pl_status pl_vary_range(const char *text, pl_numbers *numbers, pl_error *
                        : append_sums(&r, text, numbers, error);
 }
 
-/* Splits "OWNER.KEY" of `length` characters. A key has no '.'; the name of an engine may have one. */
+/* Splits "OWNER.KEY" of `length` characters. A key has no '.'; the name of an engine may have one.
+ */
 static pl_status read_key(const char *text, size_t length, pl_vary *vary, pl_error *error)
 {
     size_t owner = length;

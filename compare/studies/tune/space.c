@@ -73,8 +73,7 @@ static pl_status read_value(const pl_tune_space *space, const setting_text *s, c
                             double *value, pl_error *error)
 {
     const double shortest = 1e-6, longest = 1;
-    const pl_engine_option *option =
-        s->index < 0 ? NULL : &space->base.engine->options[s->index];
+    const pl_engine_option *option = s->index < 0 ? NULL : &space->base.engine->options[s->index];
     const double low = option == NULL ? shortest : option->min;
     const double high = option == NULL ? longest : option->max;
     if (!pl_parse_number(text, value)) {
@@ -85,8 +84,8 @@ static pl_status read_value(const pl_tune_space *space, const setting_text *s, c
     }
     return *value >= low && *value <= high
                ? PL_OK
-               : pl_fail(error, PL_BAD_INPUT, "%s: expected %g to %g, found %s", s->what, low,
-                         high, text);
+               : pl_fail(error, PL_BAD_INPUT, "%s: expected %g to %g, found %s", s->what, low, high,
+                         text);
 }
 
 static pl_status read_range(const pl_tune_space *space, const setting_text *s, double range[2],

@@ -1,5 +1,5 @@
-/* The parameters that are tuned: an engine's tunable options, which the user can restrict and extend,
- * and the time step. */
+/* The parameters that are tuned: an engine's tunable options, which the user can restrict and
+ * extend, and the time step. */
 #ifndef PLUMB_TUNE_SPACE_H
 #define PLUMB_TUNE_SPACE_H
 
@@ -27,8 +27,7 @@ typedef struct pl_tune_request {
 
 /* Makes the space. Numbers may be fractions. PL_BAD_INPUT: an unknown key (the message suggests the
  * nearest), a value out of the option's range, an empty range, a key given twice. */
-pl_status pl_tune_space_make(const pl_tune_request *request, pl_tune_space *space,
-                             pl_error *error);
+pl_status pl_tune_space_make(const pl_tune_request *request, pl_tune_space *space, pl_error *error);
 
 /* The engine with a point's values, and its time step *dt, s; NAN: each scenario's own. */
 pl_engine_choice pl_tune_choice(const pl_tune_space *space, const double *values, double *dt);

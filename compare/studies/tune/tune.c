@@ -80,7 +80,8 @@ static pl_status validate(pl_tuner *t, pl_error *error)
     pl_status status = PL_OK;
     free(tuning->checks);
     tuning->check_count = tuning->missed = 0;
-    tuning->checks = calloc((size_t)(variants->count * t->def->plan->case_count), sizeof *tuning->checks);
+    tuning->checks =
+        calloc((size_t)(variants->count * t->def->plan->case_count), sizeof *tuning->checks);
     if (tuning->checks == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for validation");
     }
@@ -144,8 +145,8 @@ static pl_status check_candidate(pl_tuner *t, pl_evaluation *evaluation, bool *p
     return status;
 }
 
-/* The cheapest evaluations that pass the check. Where none does, the best ones that hold, or the best
- * of all. `sorted` is by merit, and is changed. */
+/* The cheapest evaluations that pass the check. Where none does, the best ones that hold, or the
+ * best of all. `sorted` is by merit, and is changed. */
 static pl_status find_finalists(pl_tuner *t, pl_evaluation *sorted, finalists *f, pl_error *error)
 {
     const pl_tuning *tuning = t->tuning;
@@ -266,11 +267,11 @@ static pl_status search(pl_tuner *t, pl_error *error)
 {
     const pl_tune_def *def = t->def;
     const pl_search_def search_def = {.parameters = def->space->parameters,
-                                .parameter_count = def->space->parameter_count,
-                                .budget = def->budget,
-                                .seed = def->plan->seed,
-                                .user = t,
-                                .measure = pl_evaluation_make};
+                                      .parameter_count = def->space->parameter_count,
+                                      .budget = def->budget,
+                                      .seed = def->plan->seed,
+                                      .user = t,
+                                      .measure = pl_evaluation_make};
     pl_tuning *tuning = t->tuning;
     pl_status status = pl_evaluate_shipped(t, error);
     if (status == PL_OK && tuning->signal_number == 0) {

@@ -65,7 +65,8 @@ double pl_tune_neighbour(const pl_tune_parameter *parameter, double value, int d
     return rounded_value(parameter, direction < 0 ? value - step : value + step);
 }
 
-/* Whether no further point may be evaluated: the limit is reached, or the search stopped or failed. */
+/* Whether no further point may be evaluated: the limit is reached, or the search stopped or failed.
+ */
 static bool is_over(const pl_evaluation_cache *cache)
 {
     return cache->status != PL_OK || cache->found->stopped || cache->found->count >= cache->limit;
@@ -111,8 +112,8 @@ bool pl_evaluation_is_better(const pl_evaluation *a, const pl_evaluation *b)
     return a->cost < b->cost;
 }
 
-/* Evaluates a point that is not in the cache. Returns its index in found->evaluations, or -1 where it
- * could not be evaluated. */
+/* Evaluates a point that is not in the cache. Returns its index in found->evaluations, or -1 where
+ * it could not be evaluated. */
 static int evaluate(pl_evaluation_cache *cache, const pl_unit_point *point)
 {
     const pl_search_def *def = cache->def;
@@ -210,8 +211,8 @@ static bool optimise(pl_evaluation_cache *cache, int start, int evaluations)
     const int parameters = cache->def->parameter_count, most_asked = 10;
     pl_unit_point at = units_of(cache, &cache->found->evaluations[start]);
     nlopt_run m = {.cache = cache,
-               .optimiser = nlopt_create(algorithm, (unsigned)parameters),
-               .limit = cache->found->count + evaluations};
+                   .optimiser = nlopt_create(algorithm, (unsigned)parameters),
+                   .limit = cache->found->count + evaluations};
     double value = 0;
     if (m.optimiser == NULL) {
         return false;
@@ -355,10 +356,10 @@ static double golden_ratio(int parameters)
     return x;
 }
 
-/* Evaluates the starts, then the additive recurrence of the generalised golden ratio (Roberts 2018),
- * shifted by the seed. A parameter that spends no time stays at its start in half of the points,
- * independently of the others: defaults are often right, and most combinations of several changed
- * options are wrong. */
+/* Evaluates the starts, then the additive recurrence of the generalised golden ratio (Roberts
+ * 2018), shifted by the seed. A parameter that spends no time stays at its start in half of the
+ * points, independently of the others: defaults are often right, and most combinations of several
+ * changed options are wrong. */
 static void sample_space(pl_evaluation_cache *cache)
 {
     const pl_search_def *def = cache->def;

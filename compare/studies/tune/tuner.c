@@ -42,7 +42,8 @@ double pl_spread_likely(const pl_spread *spread)
     return mean + 2 * sqrt(fmax(unbiased, 0));
 }
 
-/* Runs that take much longer than those of the best evaluation so far cost more and are cut short. */
+/* Runs that take much longer than those of the best evaluation so far cost more and are cut short.
+ */
 static pl_limits limits_of(const pl_tuner *t)
 {
     const double patience = 5, least = 2;
@@ -56,20 +57,20 @@ static pl_limits limits_of(const pl_tuner *t)
 pl_status pl_tuner_measure(pl_tuner *t, pl_tuner_runs runs, pl_readings *readings, pl_error *error)
 {
     const pl_tune_def *def = t->def;
-    const pl_measure_def measured = {
-        .plan = def->plan,
-        .dt = def->dt,
-        .duration = def->duration,
-        .variant = runs.variant == NULL ? &pl_variant_none : runs.variant,
-        .settings = runs.settings,
-        .setting_count = runs.count,
-        .repeats = runs.repeats == 0 ? 1 : runs.repeats,
-        .first_repeat = runs.first_repeat,
-        .targets = def->targets,
-        .jobs = def->jobs,
-        .limits = limits_of(t),
-        .provenance = def->provenance,
-        .bar = t->shows ? &t->bar : NULL};
+    const pl_measure_def measured = {.plan = def->plan,
+                                     .dt = def->dt,
+                                     .duration = def->duration,
+                                     .variant =
+                                         runs.variant == NULL ? &pl_variant_none : runs.variant,
+                                     .settings = runs.settings,
+                                     .setting_count = runs.count,
+                                     .repeats = runs.repeats == 0 ? 1 : runs.repeats,
+                                     .first_repeat = runs.first_repeat,
+                                     .targets = def->targets,
+                                     .jobs = def->jobs,
+                                     .limits = limits_of(t),
+                                     .provenance = def->provenance,
+                                     .bar = t->shows ? &t->bar : NULL};
     return pl_measure(&measured, readings, &t->tuning->runs, &t->tuning->signal_number, error);
 }
 
@@ -143,8 +144,7 @@ static bool may_be_best(const pl_tuner *t, const pl_evaluation *evaluation)
 {
     const double near_enough = 1.25;
     const pl_search_result *found = &t->tuning->found;
-    return !found->met ||
-           evaluation->cost <= near_enough * found->evaluations[found->best].cost;
+    return !found->met || evaluation->cost <= near_enough * found->evaluations[found->best].cost;
 }
 
 pl_status pl_evaluation_judge(pl_tuner *t, const pl_setting *setting, const pl_reading *asked,
@@ -157,8 +157,7 @@ pl_status pl_evaluation_judge(pl_tuner *t, const pl_setting *setting, const pl_r
     }
     double worst = pl_tuner_excess(t, asked);
     for (int i = 0; i < variants.count && status == PL_OK && worst <= 0; ++i) {
-        const pl_tuner_runs runs = {
-            .settings = setting, .count = 1, .variant = &variants.items[i]};
+        const pl_tuner_runs runs = {.settings = setting, .count = 1, .variant = &variants.items[i]};
         pl_readings readings;
         status = pl_tuner_measure(t, runs, &readings, error);
         for (int p = 0; p < readings.case_count && status == PL_OK; ++p) {

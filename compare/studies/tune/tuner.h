@@ -51,8 +51,7 @@ typedef struct pl_tuner_runs {
 
 /* Measures settings on the scenarios, as pl_measure does. Runs that take much longer than those of
  * the best evaluation are cut short. */
-pl_status pl_tuner_measure(pl_tuner *t, pl_tuner_runs runs, pl_readings *readings,
-                           pl_error *error);
+pl_status pl_tuner_measure(pl_tuner *t, pl_tuner_runs runs, pl_readings *readings, pl_error *error);
 
 /* The setting at a point of the space. */
 pl_setting pl_tuner_setting(const pl_tuner *t, const double *values);

@@ -41,7 +41,10 @@ static const pl_variant held_out[] = {
     {"parameters within 1 %, draw 3", PL_VARIANT_DRAWN, 3},
 };
 
-#define LIST(items) {items, sizeof items / sizeof items[0]}
+#define LIST(items)                                                                                \
+    {                                                                                              \
+        items, sizeof items / sizeof items[0]                                                      \
+    }
 const pl_variants pl_variants_tuned_on = LIST(tuned_on);
 const pl_variants pl_variants_chosen_by = LIST(chosen_by);
 const pl_variants pl_variants_held_out = LIST(held_out);

@@ -1,5 +1,5 @@
-/* Small changes of scenarios. The search is judged on some of them next to the scenarios as asked for;
- * others are held out to validate its result. */
+/* Small changes of scenarios. The search is judged on some of them next to the scenarios as asked
+ * for; others are held out to validate its result. */
 #ifndef PLUMB_TUNE_VARIANT_H
 #define PLUMB_TUNE_VARIANT_H
 
