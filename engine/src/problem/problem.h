@@ -93,6 +93,7 @@ void pe_problem_find_shifts(const pe_problem *problem, double *shift);
 
 /* ---- Twists and wrenches ---- */
 
+/* c = a x b */
 static inline void pe_cross3(const double a[3], const double b[3], double c[3])
 {
     c[0] = a[1] * b[2] - a[2] * b[1];
@@ -100,6 +101,7 @@ static inline void pe_cross3(const double a[3], const double b[3], double c[3])
     c[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/* a.b */
 static inline double pe_dot3(const double a[3], const double b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

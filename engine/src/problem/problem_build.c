@@ -105,23 +105,23 @@ static void fill_manifold(const pe_world *world, const pe_manifold *m, double dt
     for (int k = 0; k < 3; ++k) {
         pe_v3_store(manifold->frame[k], axis[k]);
     }
+    const int first = manifold->first;
+    const pe_inertia *a = &problem->inertia[manifold->a], *b = &problem->inertia[manifold->b];
     for (int j = 0; j < m->count; ++j) {
-        int index = manifold->first + j;
-        pe_solver_point *point = &problem->point[index];
+        pe_solver_point *point = &problem->point[first + j];
+        double *impulse = problem->impulse[first + j], ra[3], rb[3];
         pe_vec3 s = pe_sub(points[j].position, centre);
-        double ra[3], rb[3];
         pe_v3_store(ra, pe_sub(points[j].position, xa));
         pe_v3_store(rb, pe_sub(points[j].position, xb));
         for (int k = 0; k < 3; ++k) {
             point->s[k] = pe_dot(axis[k], s);
-            problem->impulse[index][k] = pe_dot(axis[k], points[j].impulse);
+            impulse[k] = pe_dot(axis[k], points[j].impulse);
         }
         point->bias = bias_of(world, m, &points[j], dt);
         point->slip[0] = point->slip[1] = 0;
-        point->scale =
-            pe_point_scale(&problem->inertia[manifold->a], &problem->inertia[manifold->b], ra, rb);
-        built->point_of[index] = m->first + j;
-        built->normal_change[index] = 0;
+        point->scale = pe_point_scale(a, b, ra, rb);
+        built->point_of[first + j] = m->first + j;
+        built->normal_change[first + j] = 0;
     }
 }
 

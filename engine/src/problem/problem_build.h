@@ -12,9 +12,10 @@ typedef struct pe_interval {
     int k;                      /* the island */
     const pe_free_motion *free; /* (slots): the motion without contacts; NULL: bodies are at rest */
     double dt;                  /* s */
-    pe_path path;               /* set to what has solved the island */
+    pe_path path;               /* set to the path on which the island was solved */
 } pe_interval;
 
+/* The problem of an island, and its places in the world. */
 typedef struct pe_island_problem {
     pe_problem problem;
     const int *slot;       /* (body_count): the world's slot of each body */

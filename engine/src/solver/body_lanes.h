@@ -16,11 +16,13 @@
 #define PE_INLINE static inline
 #endif
 
+/* a.b */
 PE_INLINE wide wide_dot(const wide a[3], const wide b[3])
 {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* c = a x b */
 PE_INLINE void wide_cross(const wide a[3], const wide b[3], wide c[3])
 {
     c[0] = a[1] * b[2] - a[2] * b[1];
@@ -48,6 +50,7 @@ typedef struct wide_pair {
     wide vB[3], wB[3], mB;
 } wide_pair;
 
+/* One body per lane: bodies[index[lane]]. */
 PE_INLINE void wide_load_body(const pe_solver_body *bodies, const int index[PE_WIDTH], wide v[3],
                               wide w[3], wide *m)
 {
@@ -64,6 +67,8 @@ PE_INLINE void wide_load_body(const pe_solver_body *bodies, const int index[PE_W
     *m = column[3];
 }
 
+/* The inverse of wide_load_body. Lanes may share a body only if it is static, when all of them
+ * store zeros. */
 PE_INLINE void wide_store_body(pe_solver_body *bodies, const int index[PE_WIDTH], const wide v[3],
                                const wide w[3], wide m)
 {
@@ -90,6 +95,7 @@ PE_INLINE void wide_store_body(pe_solver_body *bodies, const int index[PE_WIDTH]
 #endif
 }
 
+/* The bodies a and b of each lane. */
 PE_INLINE void wide_load_pair(const pe_solver_body *bodies, const int a[PE_WIDTH],
                               const int b[PE_WIDTH], wide_pair *p)
 {
@@ -97,6 +103,7 @@ PE_INLINE void wide_load_pair(const pe_solver_body *bodies, const int a[PE_WIDTH
     wide_load_body(bodies, b, p->vB, p->wB, &p->mB);
 }
 
+/* Stores the velocities of the pair. */
 PE_INLINE void wide_store_pair(pe_solver_body *bodies, const int a[PE_WIDTH], const int b[PE_WIDTH],
                                const wide_pair *p)
 {

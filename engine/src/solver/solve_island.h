@@ -6,6 +6,7 @@
 #include "solve_newton.h"
 #include "sparse/pattern_store.h"
 
+/* What an island may cost, and how exactly it is to be solved. */
 typedef struct pe_island_limits {
     double tolerance; /* m/s */
     double

@@ -96,6 +96,7 @@ static inline double pe_sweep_residual(const pe_sweep *sweep)
     return sweep->kernel->residual(sweep);
 }
 
+/* The violation of J_n v + b >= 0 by z. */
 static inline pe_violation pe_sweep_violation(const pe_sweep *sweep)
 {
     return sweep->kernel->violation(sweep);

@@ -31,6 +31,7 @@ pe_status pe_pattern_store_find(pe_pattern_store *store, const pe_problem *probl
                                 const bool *counted, pe_workspace work, pe_pattern *pattern,
                                 pe_error *error);
 
+/* Frees the memory of a store. */
 void pe_pattern_store_free(pe_pattern_store *store, const pe_allocator *allocator);
 
 #endif
