@@ -1,8 +1,8 @@
 /* Bullet 3.24 in double precision, through bullet_c.h.
  *
- * si and nncg are Bullet's iterative solvers, at 10 iterations as shipped; dantzig and lemke hand
+ * si and nncg are Bullet's iterative solvers, with 10 iterations by default; dantzig and lemke give
  * each group of islands to a dense solver, which falls back to sequential impulse where it fails
- * (said on standard error at the end of the run). Everything else is as Bullet ships it: one
+ * (reported on standard error at the end of the run). Everything else has Bullet's defaults: one
  * friction direction a contact point along its sliding velocity, islands gathered into groups of
  * 128 constraints, contact points kept over steps. Sleeping is off. The callbacks for a pair's
  * friction and restitution, asked when a contact point is made, are 1 % of the instructions of a
@@ -62,7 +62,7 @@ static const pl_engine_option options[OPTION_COUNT] = {
          "of a box or cylinder, inside its half extents; at most a tenth of the least"},
     [OPTION_SOLID_MARGIN] =
         {"solid_margin", 0, 0, 1e3, false, "m",
-         "of a hull (Bullet ships 0.04) or a moving mesh (0.01), which grow by it"},
+         "of a hull (Bullet's default: 0.04) or a moving mesh (0.01), which grow by it"},
     [OPTION_PLANE_MULTIPOINT] = {"plane_multipoint", 0, 0, 16, true, "1",
                                  "points sought each step against a plane; Bullet suggests 3"},
 };
@@ -204,7 +204,7 @@ static void bullet_read_frame(const pl_engine_instance *instance, pl_frame *fram
         pl_body_state *state = &frame->bodies[i];
         read_body(instance, i, state);
         if (scene->bodies[i].shape.kind == PL_SHAPE_PLANE) {
-            /* The shape holds a plane's place, so that its body stays at the origin. */
+            /* The shape of a plane has its position, and its body stays at the origin. */
             memcpy(state->position, scene->bodies[i].position, sizeof state->position);
             memcpy(state->orientation, scene->bodies[i].orientation, sizeof state->orientation);
         }
@@ -233,19 +233,19 @@ static int bullet_read_contacts(const pl_engine_instance *instance, pl_contact *
     return pl_bullet_read_contacts(instance->world, contacts, capacity);
 }
 
-/* Asks Bullet itself, so that a library built with other defaults is compared as it ships. */
+/* The defaults are Bullet's own, also those of a library that was built with others. */
 static void bullet_profile_defaults(int profile, double *values)
 {
     (void)profile;
-    pl_bullet_settings shipped = pl_bullet_shipped();
-    values[OPTION_ITERATIONS] = shipped.iterations;
-    values[OPTION_SPLIT_IMPULSE] = shipped.split_impulse;
-    values[OPTION_ERP] = shipped.erp;
-    values[OPTION_ERP2] = shipped.erp2;
-    values[OPTION_RESTITUTION_THRESHOLD] = shipped.restitution_threshold;
-    values[OPTION_MARGIN] = shipped.margin;
-    values[OPTION_SOLID_MARGIN] = shipped.solid_margin;
-    values[OPTION_PLANE_MULTIPOINT] = shipped.plane_multipoint;
+    pl_bullet_settings defaults = pl_bullet_defaults();
+    values[OPTION_ITERATIONS] = defaults.iterations;
+    values[OPTION_SPLIT_IMPULSE] = defaults.split_impulse;
+    values[OPTION_ERP] = defaults.erp;
+    values[OPTION_ERP2] = defaults.erp2;
+    values[OPTION_RESTITUTION_THRESHOLD] = defaults.restitution_threshold;
+    values[OPTION_MARGIN] = defaults.margin;
+    values[OPTION_SOLID_MARGIN] = defaults.solid_margin;
+    values[OPTION_PLANE_MULTIPOINT] = defaults.plane_multipoint;
 }
 
 static const pl_engine engine = {

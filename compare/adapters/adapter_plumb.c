@@ -1,4 +1,4 @@
-/* Our own engine behind the engine ABI, through its public interface alone. */
+/* Our own engine behind the engine ABI. Uses only the engine's public interface. */
 #include "base/array.h"
 #include "contact_problems.h"
 #include "plumb/contact_problem.h"

@@ -17,7 +17,7 @@
  * where they should be. Two boxes, and a box on a plane, have their true edges too; elsewhere edges
  * are rounded by the margin, and a cylinder on its rim sinks by up to (sqrt 2 - 1) of it. A capsule
  * has no margin but its radius. btConvexHullShape and btGImpactMeshShape put theirs (0.04 m and
- * 0.01 m as Bullet ships) around the shape, which would rest that much too high: here they get
+ * 0.01 m by default) around the shape, which would rest that much too high: here they get
  * `solid_margin`, by default 0, so that they have their true size. Measured on 3.24: with margin 0
  * a tower of three hulls stands, its top 0.3 mm low after 10 s, like one of boxes; the deepest
  * contact of a hull or a mesh with a sphere or a capsule is that of the true shapes; of two hulls 1
@@ -31,7 +31,7 @@
  * triangles none fell through in 20 poses (the worst ended 9 mm deep), but one that starts flush
  * with the edges of another falls through it.
  *
- * Rolling and spinning friction are 0, as Bullet ships them. */
+ * Rolling and spinning friction are 0, Bullet's default. */
 #include "bullet_c.h"
 
 #include "scene_frames.h"
@@ -128,7 +128,7 @@ class DenseSolver final : public btMLCPSolver {
                         const btContactSolverInfo &info, btIDebugDraw *drawer,
                         btDispatcher *dispatcher) override
     {
-        /* Bullet as it ships has one friction row a contact point. */
+        /* By default Bullet has one friction row a contact point. */
         int rows_a_point = (info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS) != 0 ? 3 : 2;
         double rows = 0;
         for (int i = 0; i < manifold_count; i++) {
@@ -396,20 +396,20 @@ void convert_contact(const btPersistentManifold &manifold, const btManifoldPoint
 
 } // namespace
 
-pl_bullet_settings pl_bullet_shipped(void)
+pl_bullet_settings pl_bullet_defaults(void)
 {
     btContactSolverInfo info;
     btBoxShape box(btVector3(1, 1, 1));
-    pl_bullet_settings shipped;
-    shipped.iterations = info.m_numIterations;
-    shipped.split_impulse = info.m_splitImpulse != 0;
-    shipped.erp = info.m_erp;
-    shipped.erp2 = info.m_erp2;
-    shipped.restitution_threshold = info.m_restitutionVelocityThreshold;
-    shipped.margin = box.getMargin();
-    shipped.solid_margin = 0;     /* not Bullet's own: see the head of this file */
-    shipped.plane_multipoint = 0; /* btConvexPlaneCollisionAlgorithm's threshold is 0 points */
-    return shipped;
+    pl_bullet_settings defaults;
+    defaults.iterations = info.m_numIterations;
+    defaults.split_impulse = info.m_splitImpulse != 0;
+    defaults.erp = info.m_erp;
+    defaults.erp2 = info.m_erp2;
+    defaults.restitution_threshold = info.m_restitutionVelocityThreshold;
+    defaults.margin = box.getMargin();
+    defaults.solid_margin = 0;     /* not Bullet's own: see the head of this file */
+    defaults.plane_multipoint = 0; /* btConvexPlaneCollisionAlgorithm's threshold is 0 points */
+    return defaults;
 }
 
 pl_bullet_world *pl_bullet_world_create(const pl_bullet_world_def *def)

@@ -19,7 +19,7 @@ typedef enum pl_bullet_solver {
     PL_BULLET_LEMKE    /* btMLCPSolver with btLemkeSolver */
 } pl_bullet_solver;
 
-/* Numbers that Bullet ships with, and that a world may change. */
+/* Settings with defaults of Bullet's, which a world may change. */
 typedef struct pl_bullet_settings {
     int iterations;               /* largest number of sweeps a step */
     bool split_impulse;           /* deep penetration is undone without adding to the velocity */
@@ -33,7 +33,7 @@ typedef struct pl_bullet_settings {
 } pl_bullet_settings;
 
 /* The settings that Bullet's own constructors make. */
-pl_bullet_settings pl_bullet_shipped(void);
+pl_bullet_settings pl_bullet_defaults(void);
 
 /* Friction and restitution of a contact between two bodies. */
 typedef void (*pl_bullet_pair)(const void *context, int body_a, int body_b, double *friction,

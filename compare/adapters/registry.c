@@ -416,12 +416,12 @@ static void format_number(double value, char text[32])
 void pl_engine_choice_label(const pl_engine_choice *choice, char label[128])
 {
     const pl_engine *engine = choice->engine;
-    double shipped[PL_ENGINE_MAX_OPTIONS];
-    profile_values(engine, choice->profile, shipped);
+    double defaults[PL_ENGINE_MAX_OPTIONS];
+    profile_values(engine, choice->profile, defaults);
     size_t used =
         (size_t)snprintf(label, 128, "%s:%s", engine->name, engine->profiles[choice->profile].name);
     for (int i = 0; i < engine->option_count && used < 128; i++) {
-        if (choice->values[i] != shipped[i]) {
+        if (choice->values[i] != defaults[i]) {
             char number[32];
             format_number(choice->values[i], number);
             used += (size_t)snprintf(label + used, 128 - used, ",%s=%s", engine->options[i].name,

@@ -31,7 +31,7 @@ static pl_status check_kept(const pl_merge *merge, const char *out, pl_store *st
                                out, lost);
 }
 
-/* Whether an engine has several points on a problem: other settings, or time steps. */
+/* Whether an engine has several points on a scene: other settings or time steps. */
 static bool is_sweep(const pl_sweep_analysis *analysis)
 {
     for (int i = 0; i < analysis->scene_count; ++i) {

@@ -40,7 +40,7 @@ void pl_progress_draw(const pl_progress *progress, const char *running, double p
         return;
     }
     double done = (double)progress->done + part;
-    /* On a narrow terminal the names need the room more than the bar does. */
+    /* On a narrow terminal the names need the width more than the bar does. */
     int quarter = progress->width / 4;
     int length = quarter < WIDEST_BAR ? quarter : WIDEST_BAR;
     int filled = (int)(length * done / (double)progress->total);
@@ -56,8 +56,8 @@ void pl_progress_draw(const pl_progress *progress, const char *running, double p
     char line[512];
     snprintf(line, sizeof line, "%ld/%ld [%s] %s left  %s", progress->done, progress->total, bar,
              left, running);
-    int room = progress->width - 1;
-    fprintf(progress->out, "\r%.*s\033[K", room < 0 ? 0 : room, line);
+    int most = progress->width - 1;
+    fprintf(progress->out, "\r%.*s\033[K", most < 0 ? 0 : most, line);
     fflush(progress->out);
 }
 

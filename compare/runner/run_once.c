@@ -29,6 +29,18 @@ typedef struct run {
     double instructions; /* of all steps; NAN: not counted */
 } run;
 
+pl_step_stats pl_step_stats_unknown(void)
+{
+    return (pl_step_stats){.struct_size = sizeof(pl_step_stats),
+                           .iterations = NAN,
+                           .residual = NAN,
+                           .contacts = NAN,
+                           .islands = NAN,
+                           .time_collide = NAN,
+                           .time_solve = NAN,
+                           .time_other = NAN};
+}
+
 static void enter(const run *r, pl_stage stage)
 {
     atomic_store_explicit(&r->def->watch->stage, (int)stage, memory_order_relaxed);
@@ -217,14 +229,7 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
 {
     const pl_run_def *def = r->def;
     pl_error fault = {.message = ""};
-    pl_step_stats stats = {.struct_size = sizeof stats,
-                           .iterations = NAN,
-                           .residual = NAN,
-                           .contacts = NAN,
-                           .islands = NAN,
-                           .time_collide = NAN,
-                           .time_solve = NAN,
-                           .time_other = NAN};
+    pl_step_stats stats = pl_step_stats_unknown();
     pl_status status = capture(r, result->steps_done + 1, error);
     if (status != PL_OK) {
         return status;

@@ -9,6 +9,9 @@
 #include <stdatomic.h>
 #include <stdio.h>
 
+/* Statistics of a step before the engine fills them: every number NAN. */
+pl_step_stats pl_step_stats_unknown(void);
+
 /* The stage of a run. */
 typedef enum pl_stage {
     PL_STAGE_PREPARE,

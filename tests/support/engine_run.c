@@ -1,6 +1,7 @@
 #include "engine_run.h"
 
 #include "check.h"
+#include "runner/run_once.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -77,14 +78,7 @@ void engine_step(engine_run *r, double dt)
 {
     pl_error error = {.message = ""};
     memcpy(r->before, r->now, sizeof r->now);
-    r->stats = (pl_step_stats){.struct_size = sizeof r->stats,
-                               .iterations = NAN,
-                               .residual = NAN,
-                               .contacts = NAN,
-                               .islands = NAN,
-                               .time_collide = NAN,
-                               .time_solve = NAN,
-                               .time_other = NAN};
+    r->stats = pl_step_stats_unknown();
     pl_status status = r->engine->step(r->instance, dt, &r->stats, &error);
     if (status != PL_OK) {
         print_error("%s\n", error.message);

@@ -3,7 +3,7 @@
  * quick:   dWorldQuickStep, successive over-relaxation with a fixed number of sweeps.
  * dantzig: dWorldStep, Dantzig's pivoting on the dense matrix of each island.
  *
- * Everything but the contacts (ode_contacts.c) stays as ODE ships it: ERP, CFM, surface layer,
+ * Everything but the contacts (ode_contacts.c) has ODE's defaults: ERP, CFM, surface layer,
  * unbounded correcting velocity, over-relaxation, implicit gyroscopic torque. Automatic disabling
  * is off. Rolling friction is none.
  *
@@ -11,7 +11,7 @@
  * instructions of `quick` on the wall of 10 x 10, and not a bit of difference in the motion.
  *
  * The space is dHashSpace, as in ODE's own demos. ODE has no islands, residual or iteration count
- * to report: `quick` runs exactly the sweeps it is told, and that number is reported; `dantzig`
+ * to report: `quick` runs exactly the sweeps it is set to, and that number is reported; `dantzig`
  * reports none. */
 #include "adapters/registry.h"
 #include "adapters/scene_frames.h"
@@ -37,7 +37,7 @@ enum {
     OPTION_COUNT
 };
 
-enum { SHIPPED_ITERATIONS = 20, MOST_CONTACTS = 64, MOST_SOLID_CONTACTS = 4096 };
+enum { DEFAULT_ITERATIONS = 20, MOST_CONTACTS = 64, MOST_SOLID_CONTACTS = 4096 };
 
 static const pl_engine_profile profiles[PROFILE_COUNT] = {
     [PROFILE_QUICK] = {.name = "quick",
@@ -49,7 +49,7 @@ static const pl_engine_profile profiles[PROFILE_COUNT] = {
 };
 
 static const pl_engine_option options[OPTION_COUNT] = {
-    [OPTION_ITERATIONS] = {"iterations", SHIPPED_ITERATIONS, 1, 1e6, true, "1",
+    [OPTION_ITERATIONS] = {"iterations", DEFAULT_ITERATIONS, 1, 1e6, true, "1",
                            "sweeps of quick; dantzig has none"},
     [OPTION_ERP] = {"erp", 0.2, 0, 1, false, "1", "share of the penetration undone in a step"},
     [OPTION_CFM] = {"cfm", 1e-10, 0, 1, false, "s^2/kg", "softness added to the diagonal"},
@@ -62,8 +62,8 @@ static const pl_engine_option options[OPTION_COUNT] = {
                               "penetration that is not pushed out; ODE suggests about 0.001"},
 };
 
-/* ODE calls exit(1) after an error handler returns. A process that ends so would look like one that
- * chose to end; a signal cannot be mistaken. */
+/* ODE calls exit(1) when an error handler returns, which would look like a program that ended by
+ * itself. A signal is unambiguous. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 0)))
 #endif
@@ -181,7 +181,7 @@ static pl_status ode_create(const pl_scene *scene, int profile, const double *va
                             pl_engine_instance **out, pl_error *error)
 {
     *out = NULL;
-    if (profile == PROFILE_DANTZIG && (int)values[OPTION_ITERATIONS] != SHIPPED_ITERATIONS) {
+    if (profile == PROFILE_DANTZIG && (int)values[OPTION_ITERATIONS] != DEFAULT_ITERATIONS) {
         return pl_fail(error, PL_UNSUPPORTED,
                        "ode:dantzig pivots until it is done: it has no iterations to set");
     }
@@ -278,7 +278,7 @@ static pl_status ode_step(pl_engine_instance *instance, double dt, pl_step_stats
     return PL_OK;
 }
 
-/* Asks ODE itself, so that a library built with other defaults is compared as it ships. */
+/* The defaults are ODE's own, also those of a library that was built with others. */
 static void ode_profile_defaults(int profile, double *values)
 {
     (void)profile;
