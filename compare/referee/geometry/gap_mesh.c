@@ -30,8 +30,8 @@ typedef struct tangent_plane {
 typedef struct edge_segment {
     pl_vec p, q; /* its ends, m */
     /* Tangents of the surface at that point, or at the surface point nearest to it. */
-    tangent_plane at_p, at_q, at_middle;
-    double middle_depth; /* m: the distance of the midpoint from the surface */
+    tangent_plane at_p, at_q, at_midpoint;
+    double midpoint_depth; /* m: the distance of the midpoint from the surface */
 } edge_segment;
 
 static tangent_plane tangent_through(pl_vec normal, pl_vec point)
@@ -77,10 +77,10 @@ static double segment_depth(const edge_segment *s, pl_vec ridge, pl_vec on_surfa
     double height = fabs(pl_vec_dot(pl_vec_sub(ridge, s->p), n)) / length;
     double over_ridge = fabs(pl_vec_dot(pl_vec_sub(on_surface, s->p), n)) / length;
     if (!(pl_vec_length(pl_vec_sub(ridge, on_surface)) <= NEAR * height)) {
-        return s->middle_depth;
+        return s->midpoint_depth;
     }
-    double least = fmin(below(&s->at_p, s), fmin(below(&s->at_q, s), below(&s->at_middle, s)));
-    return fmax(s->middle_depth, fmin(over_ridge, least));
+    double least = fmin(below(&s->at_p, s), fmin(below(&s->at_q, s), below(&s->at_midpoint, s)));
+    return fmax(s->midpoint_depth, fmin(over_ridge, least));
 }
 
 /* ---- Flat faces ---- */
@@ -133,7 +133,7 @@ static tangent_plane tangent_at_end(probe *p, pl_vec point, const pl_piercing *p
 static void see_segment(probe *p, const edge_segment *segment)
 {
     pl_vec ridge;
-    double depth = segment->middle_depth;
+    double depth = segment->midpoint_depth;
     if (find_ridge(segment, &ridge)) {
         pl_vec nearest = pl_surface_nearest(p->target, ridge).point;
         depth = segment_depth(segment, ridge, nearest);
@@ -152,15 +152,15 @@ static void see_pierced_edge(probe *p, const pl_piercing *piercings, int count)
         const pl_piercing *before = i > 0 ? &piercings[i - 1] : NULL;
         const pl_piercing *after = i < count ? &piercings[i] : NULL;
         pl_vec to = after != NULL ? pl_vec_mad(start, after->fraction, along) : end;
-        pl_vec middle = pl_vec_scale(pl_vec_add(from, to), 0.5);
-        pl_surface_point nearest = pl_surface_nearest(p->target, middle);
+        pl_vec midpoint = pl_vec_scale(pl_vec_add(from, to), 0.5);
+        pl_surface_point nearest = pl_surface_nearest(p->target, midpoint);
         if (nearest.distance < 0) {
             edge_segment segment = {.p = from,
                                     .q = to,
                                     .at_p = tangent_at_end(p, from, before, edge->start),
                                     .at_q = tangent_at_end(p, to, after, edge->end),
-                                    .at_middle = tangent_of(p, &nearest),
-                                    .middle_depth = -nearest.distance};
+                                    .at_midpoint = tangent_of(p, &nearest),
+                                    .midpoint_depth = -nearest.distance};
             see_segment(p, &segment);
         }
         from = to;
@@ -307,19 +307,19 @@ typedef struct flat_hull {
 
 static void set_hull(flat_hull *hull, const meeting *m, const int *corners, int count)
 {
-    pl_vec corner[3], middle = {0, 0, 0};
+    pl_vec corner[3], centroid = {0, 0, 0};
     *hull = (flat_hull){.polyhedron = {.convex = true, .vertex_count = count},
                         .shape = {.kind = PL_SHAPE_HULL}};
     for (int k = 0; k < count; ++k) {
         corner[k] = in_cylinder(m, m->mesh->vertices[corners[k]]);
-        middle = pl_vec_mad(middle, 1.0 / count, corner[k]);
+        centroid = pl_vec_mad(centroid, 1.0 / count, corner[k]);
         pl_vec_store(corner[k], hull->vertices[k]);
     }
     for (int k = 0; k < count; ++k) {
-        double arm = pl_vec_length(pl_vec_sub(corner[k], middle));
+        double arm = pl_vec_length(pl_vec_sub(corner[k], centroid));
         hull->polyhedron.radius = fmax(hull->polyhedron.radius, arm);
     }
-    pl_vec_store(middle, hull->polyhedron.centre);
+    pl_vec_store(centroid, hull->polyhedron.centre);
     hull->polyhedron.vertices = hull->vertices;
     hull->shape.polyhedron = &hull->polyhedron;
     hull->placed = (pl_placed_shape){.shape = &hull->shape, .orientation = {1, 0, 0, 0}};
