@@ -1,5 +1,6 @@
 /* References of the narrow phase's tests, against closed forms, sweeps, each other and libccd. */
 #include "mesh_truth.h"
+#include "shape_pairs_trial.h"
 
 #include <ccd/ccd.h>
 
@@ -10,13 +11,6 @@ static double no_gap(const pair *p, pe_vec3 *normal)
     *normal = pe_v3(0, 0, 1);
     (void)p;
     return 0;
-}
-
-static double true_gap(const pair *p, pe_vec3 *normal)
-{
-    truth_distance d = pair_truth(p, 1e-12 * p->size);
-    *normal = d.normal;
-    return d.low;
 }
 
 static pair pair_of(pe_shape_kind a, pe_shape_kind b, int i, check_random *random)

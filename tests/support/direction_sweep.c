@@ -1,3 +1,4 @@
+/* A Fibonacci lattice of directions, then a pattern search from the best ones. */
 #include "direction_sweep.h"
 
 double reach_along(const placed_shape *b, pe_vec3 d)

@@ -1,3 +1,4 @@
+/* Distances of triangles, segments and points, each pair by itself. */
 #include "mesh_truth.h"
 
 #include "segment_distance.h"

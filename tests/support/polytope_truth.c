@@ -1,3 +1,4 @@
+/* Distances by features, and depths by separating axes, without any shortcut. */
 #include "polytope_truth.h"
 
 #include "segment_distance.h"

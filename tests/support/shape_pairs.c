@@ -1,3 +1,4 @@
+/* Random solids, poses of pairs, and their distances. */
 #include "shape_pairs.h"
 
 #include "model/shape.h"

@@ -1,3 +1,4 @@
+/* The table of known failures. */
 #include "shape_pairs_known.h"
 
 #include <string.h>

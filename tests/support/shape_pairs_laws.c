@@ -1,3 +1,4 @@
+/* The laws of contact, each tested over poses of all pairs of kinds. */
 #include "shape_pairs_laws.h"
 
 #include "mesh_truth.h"

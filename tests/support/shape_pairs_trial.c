@@ -1,3 +1,4 @@
+/* Running laws, and reports of the poses where they fail. */
 #include "shape_pairs_trial.h"
 
 #include "shape_pairs_known.h"
