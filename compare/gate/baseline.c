@@ -10,20 +10,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define KEY_SET(name, array)                                                                       \
-    {                                                                                              \
-        .object = name, .keys = array, .count = sizeof array / sizeof array[0]                     \
-    }
-
 static const char schema_name[] = "plumb.baseline/1";
 static const char *const file_keys[] = {"schema", "rows"};
 static const char *const row_keys[] = {"scenario", "params",  "engine",     "dt",
                                        "duration", "seed",    "member",     "scene_hash",
                                        "outcome",  "metrics", "time_ratio", "instructions_ratio"};
 static const char *const ratio_keys[] = {"reference", "value", "low", "high", "repeats"};
-static const pl_key_set file_set = KEY_SET("baseline", file_keys);
-static const pl_key_set row_set = KEY_SET("row", row_keys);
-static const pl_key_set ratio_set = KEY_SET("ratio", ratio_keys);
+static const pl_key_set file_set = PL_KEY_SET("baseline", file_keys);
+static const pl_key_set row_set = PL_KEY_SET("row", row_keys);
+static const pl_key_set ratio_set = PL_KEY_SET("ratio", ratio_keys);
 
 static bool read_schema(const json_t *json, pl_diagnostic *diagnostic)
 {

@@ -14,6 +14,7 @@ typedef struct pl_gate_sample {
     const json_t *metrics; /* borrowed from the results */
 } pl_gate_sample;
 
+/* The repeats of one run. */
 typedef struct pl_gate_row {
     json_t *json; /* owned; its object in a baseline file, which holds the texts and metrics */
     char *key;    /* the case, then the engine; malloc'd */
@@ -31,6 +32,7 @@ typedef struct pl_gate_row {
     int sample_count;
 } pl_gate_row;
 
+/* A list of rows. */
 typedef struct pl_gate_rows {
     pl_gate_row *items; /* sorted by key */
     int count;

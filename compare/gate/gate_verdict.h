@@ -16,6 +16,7 @@ typedef struct pl_gate_entry {
     int row_count;     /* of a notice of several rows, else 0 */
 } pl_gate_entry;
 
+/* Everything that the gate reports. */
 typedef struct pl_gate_verdict {
     const pl_gate_rows *before; /* NULL: no baseline */
     const pl_gate_rows *now;
@@ -47,6 +48,7 @@ void pl_gate_verdict_summary(const pl_gate_verdict *verdict, char *text, size_t 
 /* Frees the entries. */
 void pl_gate_verdict_free(pl_gate_verdict *verdict);
 
+/* The formats of a verdict. */
 typedef enum pl_gate_format {
     PL_GATE_TEXT,  /* one line an entry, then the summary */
     PL_GATE_JUNIT, /* a test case for each run, and one for rules that judged nothing and notices */

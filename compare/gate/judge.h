@@ -5,6 +5,7 @@
 #include "gate_verdict.h"
 #include "rules.h"
 
+/* What is judged, and by what. */
 typedef struct pl_gate_inputs {
     const pl_gate_rows *before; /* the baseline; NULL: rules alone */
     const pl_gate_rows *now;

@@ -107,7 +107,7 @@ pl_status pl_gate_ratio_measure(const pl_gate_row *row, const pl_gate_row *refer
 static pl_status add_ratio(const pl_gate_row *row, const pl_gate_row *reference, int cost,
                            pl_error *error)
 {
-    pl_gate_ratio ratio;
+    pl_gate_ratio ratio = {0};
     pl_status status =
         pl_gate_ratio_measure(row, reference, pl_gate_costs[cost].metric, &ratio, error);
     if (status != PL_OK || ratio.repeats == 0) {

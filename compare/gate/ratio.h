@@ -8,6 +8,7 @@
 /* The fewest repeats from which noise can be known. */
 enum { PL_GATE_FEWEST_REPEATS = 5 };
 
+/* A ratio of costs over the repeats. */
 typedef struct pl_gate_ratio {
     int repeats;      /* 0: there is no ratio */
     double value;     /* the median over repeats */
@@ -41,6 +42,7 @@ pl_status pl_gate_ratios_add(pl_gate_rows *rows, const char *label, pl_error *er
 /* Reads such an object, {reference, value, low, high, repeats}; 0 repeats where it is none. */
 pl_gate_ratio pl_gate_ratio_of_json(const json_t *json);
 
+/* How a ratio differs from that of the baseline. */
 typedef enum pl_gate_trend {
     PL_GATE_STEADY,
     PL_GATE_SLOWER, /* by more than the limit and the noise together */

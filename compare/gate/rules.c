@@ -147,7 +147,7 @@ static bool copy_pattern(const char *from, const char *end, char pattern[256])
     }
     snprintf(pattern, 256, "%.*s", (int)(end - from), from);
     if (pattern[0] == '\0') {
-        strcpy(pattern, "*");
+        snprintf(pattern, 256, "*");
     }
     return true;
 }

@@ -14,6 +14,7 @@ typedef struct pl_gate_tolerance {
     double relative, absolute;
 } pl_gate_tolerance;
 
+/* The tolerances of all metrics. */
 typedef struct pl_gate_tolerances {
     pl_gate_tolerance of[PL_METRIC_COUNT];
     double time, instructions; /* growth of a ratio to the reference engine: 0.1 is 10 % */
@@ -41,6 +42,7 @@ typedef enum pl_gate_operator {
     PL_GATE_OTHER = PL_GATE_BELOW | PL_GATE_ABOVE     /* != */
 } pl_gate_operator;
 
+/* A rule of --fail-if. */
 typedef struct pl_gate_rule {
     const char *text;                /* as given, borrowed */
     char scenario[256], engine[256]; /* shell patterns; "*": any */

@@ -293,8 +293,8 @@ void pl_case_pictures(const pl_result_matrix *matrix, int index, pl_text_buffer 
     int count = matrix->column_count;
     picture_row row = {.scene = pl_scene_default()};
     pl_error error = {PL_OK, ""};
-    pl_pose **poses = calloc((size_t)count + 1, sizeof *poses);
-    const pl_pose **framed = calloc((size_t)count + 1, sizeof *framed);
+    pl_pose **poses = calloc((size_t)count + 1, sizeof(pl_pose *));
+    const pl_pose **framed = calloc((size_t)count + 1, sizeof(const pl_pose *));
     char(*why)[160] = calloc((size_t)count + 1, sizeof *why);
     if (poses == NULL || framed == NULL || why == NULL) {
         out->failed = true;

@@ -43,7 +43,7 @@ static pl_status add_picture(pl_text_buffer *out, const pl_scenario *s, int inde
     if (status == PL_OK && poses == NULL) {
         status = pl_fail(error, PL_NO_MEMORY, "no memory for a picture of %s", s->name);
     }
-    if (status == PL_OK) {
+    if (status == PL_OK && poses != NULL) {
         for (int i = 0; i < scene.body_count; ++i) {
             poses[i] = pl_pose_of(&scene.bodies[i]);
         }

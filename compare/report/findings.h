@@ -14,6 +14,7 @@ typedef struct pl_engine_finding {
     const pl_known_cause *cause; /* NULL: nothing is known of this run */
 } pl_engine_finding;
 
+/* All findings of a report. */
 typedef struct pl_engine_findings {
     pl_engine_finding *items; /* case by case, in the order of the report */
     int count;

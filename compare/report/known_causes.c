@@ -24,11 +24,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define KEY_SET(name, array)                                                                       \
-    {                                                                                              \
-        .object = name, .keys = array, .count = sizeof array / sizeof array[0]                     \
-    }
-
 enum { MOST_BYTES = 1 << 20 };
 
 /* The file, which compare/CMakeLists.txt builds into the program. */
@@ -37,8 +32,8 @@ extern const char pl_known_causes_json[];
 static const char *const file_keys[] = {"schema", "found_with", "versions", "causes"};
 static const char *const cause_keys[] = {"engine",    "profile", "outcome", "versions",
                                          "scenarios", "cause",   "evidence"};
-static const pl_key_set file_set = KEY_SET("known causes", file_keys);
-static const pl_key_set cause_set = KEY_SET("known cause", cause_keys);
+static const pl_key_set file_set = PL_KEY_SET("known causes", file_keys);
+static const pl_key_set cause_set = PL_KEY_SET("known cause", cause_keys);
 
 /* A bound of a range; NAN where it is neither a number nor a text with one. */
 static double bound_of(const json_t *range, size_t index)

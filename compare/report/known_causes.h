@@ -7,6 +7,7 @@
 
 #include <jansson.h>
 
+/* One statement. */
 typedef struct pl_known_cause {
     const char *engine, *profile; /* profile NULL: any */
     const char *outcome;          /* NULL: any except crashed and timeout */

@@ -5,12 +5,14 @@
 #include "base/text_buffer.h"
 #include "result_matrix.h"
 
+/* The kinds of loss, the worst first. */
 typedef enum pl_loss_kind {
     PL_LOSS_OUTCOME,  /* ours failed, another did not */
     PL_LOSS_NO_VALUE, /* ours has no value where another has one */
     PL_LOSS_VALUE     /* ours is larger */
 } pl_loss_kind;
 
+/* One loss. */
 typedef struct pl_loss {
     pl_loss_kind kind;
     const pl_case *test_case;
@@ -20,6 +22,7 @@ typedef struct pl_loss {
     double ratio; /* ours / the larger of best and the metric's floor; INFINITY for other kinds */
 } pl_loss;
 
+/* All losses of a report. */
 typedef struct pl_losses {
     pl_loss *items; /* failures, then missing values, then by falling ratio */
     int count;

@@ -10,6 +10,7 @@ extern const char pl_method_html[]; /* page/method.html */
 extern const char pl_page_css[];    /* page/page.css */
 extern const char pl_sweep_css[];   /* page/sweep.css */
 
+/* A page that is being written. */
 typedef struct pl_page {
     pl_text_buffer *out;
     bool html; /* else Markdown */

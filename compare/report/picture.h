@@ -22,6 +22,7 @@ typedef struct pl_pose {
     double orientation[4];
 } pl_pose;
 
+/* An orthographic view and its frame. */
 typedef struct pl_view {
     pl_vec right, up, toward; /* world, orthonormal; toward the eye */
     double scale;             /* px/m */
@@ -90,6 +91,7 @@ typedef struct pl_face {
     bool triangle, fine;
 } pl_face;
 
+/* The faces of a picture. */
 typedef struct pl_painting {
     pl_face *faces;
     int count;

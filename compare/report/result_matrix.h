@@ -8,6 +8,7 @@
 #include "plumb/base.h"
 #include "plumb/scenario.h"
 
+/* The runs of an engine configuration on a case. */
 typedef struct pl_cell {
     const json_t *result; /* the first repeat that is not ok, else the first; NULL: not run */
     int repeats, ok_repeats;
@@ -25,6 +26,7 @@ typedef struct pl_column {
     bool ours;
 } pl_column;
 
+/* A scenario with its parameters and seed. */
 typedef struct pl_case {
     const json_t *result;         /* that of its first cell that was run */
     const pl_scenario *catalogue; /* NULL: a scene file, or unknown here */
@@ -35,6 +37,7 @@ typedef struct pl_case {
     pl_cell *cells; /* (column_count) */
 } pl_case;
 
+/* The cases, the engine configurations, and their cells. */
 typedef struct pl_result_matrix {
     const json_t *results; /* all results, borrowed */
     pl_case *cases;        /* in the catalogue's order, then by name */

@@ -12,17 +12,17 @@ enum { SHADES = 6 };
 static const double resolution = 5;
 
 /* "M x y l dx dy ... z", counted in tenths of a pixel so that rounding never accumulates. */
-static void add_polygon(const pl_pixel *corner, int count, pl_text_buffer *text)
+static void add_polygon(const pl_pixel *corner, int count, pl_text_buffer *out)
 {
     long x = 0, y = 0;
     for (int i = 0; i < count; ++i) {
         long next_x = lround(corner[i].x * 10), next_y = lround(corner[i].y * 10);
-        pl_text_format(text, "%c%.9g%s%.9g", i == 0 ? 'M' : 'l', (double)(next_x - x) / 10,
+        pl_text_format(out, "%c%.9g%s%.9g", i == 0 ? 'M' : 'l', (double)(next_x - x) / 10,
                        next_y < y ? "" : " ", (double)(next_y - y) / 10);
         x = next_x;
         y = next_y;
     }
-    pl_text_add(text, "z");
+    pl_text_add(out, "z");
 }
 
 static int compare_pixels(const void *left, const void *right)
@@ -61,67 +61,67 @@ static pl_vec placed(const pl_pose *pose, const pl_axes *axes, pl_vec local)
 
 /* Adds the convex outline of all facets. */
 static void add_hull_outline(const pl_shape *shape, const pl_pose *pose, const pl_view *view,
-                             pl_text_buffer *text)
+                             pl_text_buffer *out)
 {
     const pl_axes axes = pl_axes_of(pose->orientation);
     pl_facets facets = pl_facets_of(shape, resolution / view->scale);
     const int count = 4 * facets.count;
     pl_pixel *points = calloc(3 * (size_t)count + 1, sizeof *points);
     if (facets.failed || points == NULL) {
-        text->failed = true;
+        out->failed = true;
     } else if (count > 0) {
         for (int i = 0; i < count; ++i) {
             points[i] =
                 pl_view_project(view, placed(pose, &axes, facets.items[i / 4].corner[i % 4]));
         }
-        add_polygon(points + count, hull(points, count, points + count), text);
+        add_polygon(points + count, hull(points, count, points + count), out);
     }
     free(points);
     free(facets.items);
 }
 
 static void add_outline(const pl_shape *shape, const pl_pose *pose, const pl_view *view,
-                        pl_text_buffer *text)
+                        pl_text_buffer *out)
 {
     if (shape->kind == PL_SHAPE_SPHERE) {
         pl_pixel centre = pl_view_project(view, pl_vec_of(pose->position));
         double r = shape->radius * view->scale;
-        pl_text_format(text, "M%.1f %.1fa%.1f %.1f 0 1 0 %.1f 0a%.1f %.1f 0 1 0 %.1f 0z",
+        pl_text_format(out, "M%.1f %.1fa%.1f %.1f 0 1 0 %.1f 0a%.1f %.1f 0 1 0 %.1f 0z",
                        centre.x - r, centre.y, r, r, 2 * r, r, r, -2 * r);
     } else if (shape->kind != PL_SHAPE_PLANE) {
-        add_hull_outline(shape, pose, view, text);
+        add_hull_outline(shape, pose, view, out);
     }
 }
 
 void pl_svg_expected(const pl_scene *scene, const pl_view *view, const char *id,
-                     pl_text_buffer *text)
+                     pl_text_buffer *out)
 {
     int count = scene->rest_count + scene->travel_count;
     pl_pose *poses = calloc((size_t)count + 1, sizeof *poses);
     int *bodies = calloc((size_t)count + 1, sizeof *bodies);
     if (poses == NULL || bodies == NULL) {
-        text->failed = true;
+        out->failed = true;
         goto cleanup;
     }
     pl_expected_poses(scene, poses, bodies);
-    pl_text_format(text, "<svg class=\"defs\" width=\"0\" height=\"0\"><defs><g id=\"%s\">", id);
+    pl_text_format(out, "<svg class=\"defs\" width=\"0\" height=\"0\"><defs><g id=\"%s\">", id);
     if (scene->travel_count > 0) {
-        pl_text_add(text, "<path class=\"start\" d=\"");
+        pl_text_add(out, "<path class=\"start\" d=\"");
         for (int i = 0; i < scene->travel_count; ++i) {
             const pl_body *body = &scene->bodies[scene->travels[i].body];
             pl_pose pose = pl_pose_of(body);
-            add_outline(&body->shape, &pose, view, text);
+            add_outline(&body->shape, &pose, view, out);
         }
-        pl_text_add(text, "\"/>");
+        pl_text_add(out, "\"/>");
     }
     if (count > 0) {
-        pl_text_add(text, "<path class=\"expected\" d=\"");
+        pl_text_add(out, "<path class=\"expected\" d=\"");
         for (int i = 0; i < count; ++i) {
-            add_outline(&scene->bodies[bodies[i]].shape, &poses[i], view, text);
+            add_outline(&scene->bodies[bodies[i]].shape, &poses[i], view, out);
         }
-        pl_text_add(text, "\"/>");
+        pl_text_add(out, "\"/>");
     }
-    pl_text_add(text, "</g></defs></svg>\n");
+    pl_text_add(out, "</g></defs></svg>\n");
 
 cleanup:
     free(poses);
@@ -132,7 +132,7 @@ cleanup:
 
 /* A floor reaches from a level line behind all bodies of the picture to beyond its lower edge; seen
  * edge-on it is the half-space below its line. Any other plane is a square around the start. */
-static void add_plane(const pl_shape *plane, const pl_view *view, pl_text_buffer *text)
+static void add_plane(const pl_shape *plane, const pl_view *view, pl_text_buffer *out)
 {
     pl_vec n = pl_vec_of(plane->normal), centre = view->centre;
     centre = pl_vec_mad(centre, plane->offset - pl_vec_dot(n, centre), n);
@@ -161,9 +161,9 @@ static void add_plane(const pl_shape *plane, const pl_view *view, pl_text_buffer
         pixels[i] =
             pl_view_project(view, pl_vec_mad(pl_vec_mad(centre, corner[i][0], u), corner[i][1], v));
     }
-    pl_text_add(text, "<path class=\"ground\" d=\"");
-    add_polygon(pixels, 4, text);
-    pl_text_add(text, "\"/>");
+    pl_text_add(out, "<path class=\"ground\" d=\"");
+    add_polygon(pixels, 4, out);
+    pl_text_add(out, "\"/>");
 }
 
 /* ---- Bodies ---- */
@@ -228,20 +228,20 @@ static bool add_faces(pl_painting *painting, const pl_view *view, const pl_shape
     return complete;
 }
 
-static void add_face(const pl_face *item, pl_text_buffer *text)
+static void add_face(const pl_face *item, pl_text_buffer *out)
 {
     if (item->radius > 0) {
         double r = item->radius;
-        pl_text_format(text, "<circle class=\"%c%d\" cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"/>",
+        pl_text_format(out, "<circle class=\"%c%d\" cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"/>",
                        item->kind, item->shade, item->corner[0].x, item->corner[0].y, r);
-        pl_text_format(text, "<circle class=\"glint\" cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"/>",
+        pl_text_format(out, "<circle class=\"glint\" cx=\"%.1f\" cy=\"%.1f\" r=\"%.1f\"/>",
                        item->corner[0].x - 0.35 * r, item->corner[0].y - 0.38 * r, 0.3 * r);
         return;
     }
-    pl_text_format(text, "<path class=\"%c%d%s\" d=\"", item->kind, item->shade,
+    pl_text_format(out, "<path class=\"%c%d%s\" d=\"", item->kind, item->shade,
                    item->fine ? " fine" : "");
-    add_polygon(item->corner, item->triangle ? 3 : 4, text);
-    pl_text_add(text, "\"/>");
+    add_polygon(item->corner, item->triangle ? 3 : 4, out);
+    pl_text_add(out, "\"/>");
 }
 
 static bool is_finite(const pl_pose *pose)
@@ -296,7 +296,7 @@ static int collect(const pl_scene *scene, const pl_view *view, const pl_pose *po
 }
 
 int pl_svg_picture(const pl_scene *scene, const pl_view *view, const pl_pose *poses,
-                   const char *expected_id, const char *title, pl_text_buffer *text)
+                   const char *expected_id, const char *title, pl_text_buffer *out)
 {
     int outside = -1;
     pl_painting painting = {0};
@@ -306,23 +306,23 @@ int pl_svg_picture(const pl_scene *scene, const pl_view *view, const pl_pose *po
         outside = collect(scene, view, poses, fallen, &painting);
     }
     if (outside < 0 || !pl_painting_arrange(&painting, view->width, view->height)) {
-        text->failed = true;
+        out->failed = true;
         goto cleanup;
     }
-    pl_text_format(text,
+    pl_text_format(out,
                    "<svg viewBox=\"0 0 %.0f %.0f\" width=\"%.0f\" height=\"%.0f\" role=\"img\">",
                    view->width, view->height, view->width, view->height);
-    pl_text_add_element(text, "<title>", title, "</title>");
+    pl_text_add_element(out, "<title>", title, "</title>");
     for (int i = 0; i < scene->body_count; ++i) {
         if (scene->bodies[i].shape.kind == PL_SHAPE_PLANE) {
-            add_plane(&scene->bodies[i].shape, view, text);
+            add_plane(&scene->bodies[i].shape, view, out);
         }
     }
-    pl_text_format(text, "<use href=\"#%s\"/>", expected_id);
+    pl_text_format(out, "<use href=\"#%s\"/>", expected_id);
     for (int i = 0; i < painting.count; ++i) {
-        add_face(&painting.faces[i], text);
+        add_face(&painting.faces[i], out);
     }
-    pl_text_add(text, "</svg>");
+    pl_text_add(out, "</svg>");
 
 cleanup:
     free(painting.faces);

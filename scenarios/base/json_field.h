@@ -15,6 +15,12 @@ typedef struct pl_key_set {
     int count;
 } pl_key_set;
 
+/* The initialiser of a key set from an array of keys. */
+#define PL_KEY_SET(name, array)                                                                    \
+    {                                                                                              \
+        .object = (name), .keys = (array), .count = sizeof(array) / sizeof(array)[0]               \
+    }
+
 typedef enum pl_presence { PL_OPTIONAL, PL_REQUIRED } pl_presence;
 
 /* What was found, for messages: "nothing" (NULL), "null", "-1", "\"text\"", "an array of 2", ... */

@@ -12,20 +12,15 @@
 
 /* ---- Reading: the structure of the format; pe_contact_problem_is_valid checks the numbers ---- */
 
-#define KEY_SET(name, array)                                                                       \
-    {                                                                                              \
-        .object = name, .keys = array, .count = sizeof array / sizeof array[0]                     \
-    }
-
 static const char *const problem_keys[] = {"schema", "source", "bodies", "manifolds"};
 static const char *const body_keys[] = {"mass", "inertia", "free_velocity"};
 static const char *const manifold_keys[] = {"a",     "b",     "friction", "frame",
                                             "arm_a", "arm_b", "points"};
 static const char *const point_keys[] = {"offset", "bias", "slip", "impulse"};
-static const pl_key_set problem_set = KEY_SET("problem", problem_keys);
-static const pl_key_set body_set = KEY_SET("body", body_keys);
-static const pl_key_set manifold_set = KEY_SET("manifold", manifold_keys);
-static const pl_key_set point_set = KEY_SET("point", point_keys);
+static const pl_key_set problem_set = PL_KEY_SET("problem", problem_keys);
+static const pl_key_set body_set = PL_KEY_SET("body", body_keys);
+static const pl_key_set manifold_set = PL_KEY_SET("manifold", manifold_keys);
+static const pl_key_set point_set = PL_KEY_SET("point", point_keys);
 
 typedef struct reading {
     pe_contact_problem *problem;
