@@ -5,7 +5,7 @@
 #include <float.h>
 #include <math.h>
 
-#define COUNT_OF(array) ((int)(sizeof array / sizeof array[0]))
+#define COUNT_OF(array) ((int)(sizeof(array) / sizeof(array)[0]))
 
 const char *const pl_primary_errors[PL_PRIMARY_ERROR_COUNT] = {
     "rest_position_error", "rest_rotation_error", "travel_error", "value_error", "discrete_error",

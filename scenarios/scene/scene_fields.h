@@ -71,6 +71,7 @@ typedef enum pl_object_kind {
     PL_OBJECT_COUNT
 } pl_object_kind;
 
+/* A field of an object. */
 typedef struct pl_field {
     const char *key;
     pl_field_type type;
@@ -91,6 +92,7 @@ typedef struct pl_field {
     int most;             /* 0: no limit */
 } pl_field;
 
+/* A kind of object. */
 typedef struct pl_object {
     const char *name; /* in messages and in the JSON Schema */
     const char *about;

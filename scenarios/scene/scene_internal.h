@@ -13,6 +13,7 @@ double pl_shape_half_width(const pl_shape *shape);
 
 /* ---- Polyhedra by their addresses ---- */
 
+/* A polyhedron and its number. */
 typedef struct pl_addressed {
     uintptr_t address;
     int index; /* in scene->polyhedra */

@@ -8,11 +8,13 @@
 
 #include <jansson.h>
 
+/* One of "shapes". */
 typedef struct pl_named_shape {
     char name[PL_NAME_SIZE];
     pl_shape shape;
 } pl_named_shape;
 
+/* Reads shapes into a scene. */
 typedef struct pl_shape_reader {
     pl_scene *scene;        /* takes the polyhedra */
     const char *folder;     /* where a mesh's "file" is looked for, with a / at its end where it is
@@ -22,12 +24,13 @@ typedef struct pl_shape_reader {
     pl_diagnostic *diagnostic;
 } pl_shape_reader;
 
-/* "shapes" of a scene, which need not be there. */
+/* Reads "shapes" of a scene, which is optional. False after a diagnostic. */
 bool pl_read_shapes(pl_shape_reader *r, const json_t *scene);
 
-/* "shape" of a body: an object, or the name of one of "shapes". */
+/* Reads "shape" of a body: an object, or the name of one of "shapes". False after a diagnostic. */
 bool pl_read_body_shape(const pl_shape_reader *r, const json_t *body, pl_shape *shape);
 
+/* Frees the shapes and the index. The polyhedra stay the scene's. */
 void pl_shape_reader_free(pl_shape_reader *r);
 
 #endif
