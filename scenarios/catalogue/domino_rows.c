@@ -88,11 +88,12 @@ static void build_pile(pl_builder *b, pl_random *random, double near, int layers
 {
     const double offset = 0.05 * side, pitch = side + 2 * offset + apart;
     for (int i = 0; i < ROWS * ROWS * layers; i++) {
+        const int layer = i / (ROWS * ROWS);
         const double dx = pl_draw_uniform(random, -offset, offset);
         const double dy = pl_draw_uniform(random, -offset, offset);
         pl_body cube = pl_body_at(
             pl_shape_box(side / 2, side / 2, side / 2), near + (i % ROWS + 0.5) * pitch + dx,
-            (i / ROWS % ROWS - (ROWS - 1) / 2.0) * pitch + dy, (i / (ROWS * ROWS) + 0.5) * side);
+            (i / ROWS % ROWS - (ROWS - 1) / 2.0) * pitch + dy, (layer + 0.5) * side);
         cube.mass = density * side * side * side;
         pl_build_body(b, &cube, "cube %d", i + 1);
     }

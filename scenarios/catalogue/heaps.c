@@ -34,8 +34,9 @@ static void blocks_build(pl_builder *b, const double *values)
         columns++;
     }
     for (int i = 0; i < count; i++) {
+        const int row = i / columns;
         cube.position[0] = spacing * (i % columns);
-        cube.position[1] = spacing * (i / columns);
+        cube.position[1] = spacing * row;
         cube.position[2] = half;
         pl_build_rest(b, pl_build_body(b, &cube, "cube %d", i + 1));
     }
@@ -82,7 +83,8 @@ static void falling_cubes_build(pl_builder *b, const double *values)
         pl_draw_orientation(&b->random, cube.orientation);
         cube.position[0] = (i % columns + 0.5) * cell;
         cube.position[1] = (i / columns % columns + 0.5) * cell;
-        cube.position[2] = values[FALLING_CUBES_HEIGHT] + (i / columns / columns + 0.5) * cell;
+        const int layer = i / columns / columns;
+        cube.position[2] = values[FALLING_CUBES_HEIGHT] + (layer + 0.5) * cell;
         pl_build_body(b, &cube, "cube %d", i + 1);
     }
 }
@@ -191,7 +193,8 @@ static void build_body(pl_builder *b, pl_random *random, int i, const kit *k, in
     pl_draw_orientation(random, body.orientation);
     body.position[0] = (i % columns + 0.5) * cell;
     body.position[1] = (i / columns % columns + 0.5) * cell;
-    body.position[2] = (i / columns / columns + 0.5) * cell;
+    const int layer = i / columns / columns;
+    body.position[2] = (layer + 0.5) * cell;
     body.velocity[0] = pl_draw_uniform(random, -sideways, sideways);
     body.velocity[1] = pl_draw_uniform(random, -sideways, sideways);
     pl_build_body(b, &body, "body %d", i + 1);

@@ -237,10 +237,11 @@ static void build_balls(pl_builder *b, int rows, const double direction[3], doub
     const double axis[3] = {-direction[1], direction[0], 0};
     const double spin = -5.0 / 7 * a * time / carried_balls_radius;
     for (int i = 0; i < rows * rows; i++) {
-        pl_body ball = pl_body_at(pl_shape_sphere(carried_balls_radius),
-                                  spacing * (i % rows - (rows - 1) / 2.0),
-                                  spacing * (i / rows - (rows - 1) / 2.0),
-                                  2 * carried_balls_half_height + carried_balls_radius);
+        const int row = i / rows;
+        pl_body ball =
+            pl_body_at(pl_shape_sphere(carried_balls_radius),
+                       spacing * (i % rows - (rows - 1) / 2.0), spacing * (row - (rows - 1) / 2.0),
+                       2 * carried_balls_half_height + carried_balls_radius);
         ball.mass = ball_mass;
         ball.material = 1;
         const int index = pl_build_body(b, &ball, "ball %d", i + 1);

@@ -106,7 +106,8 @@ static void isotropy_build(pl_builder *b, const double *values)
         pl_braking_distance(values[ISOTROPY_SPEED], braking, b->scene->dt, b->steps);
     pl_build_floor(b);
     for (int i = 0; i < BLOCKS; ++i) {
-        const double across = spacing * sqrt(0.5) * (i - (BLOCKS - 1) / 2);
+        const int place = i - (BLOCKS - 1) / 2;
+        const double across = spacing * sqrt(0.5) * place;
         double direction[3];
         char name[PL_NAME_SIZE];
         pl_azimuth(5 * i, direction);

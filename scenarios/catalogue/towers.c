@@ -118,9 +118,9 @@ static void multi_tower_build(pl_builder *b, const double *values)
     const int towers = (int)values[MULTI_TOWER_SIDE], count = (int)values[MULTI_TOWER_COUNT];
     begin(b);
     for (int tower = 0; tower < towers * towers; tower++) {
+        const int column = tower % towers, row = tower / towers;
         for (int k = 0; k < count; k++) {
-            pl_body cube =
-                cube_at(spacing * (tower % towers), spacing * (tower / towers), half + k);
+            pl_body cube = cube_at(spacing * column, spacing * row, half + k);
             pl_build_rest(b, pl_build_body(b, &cube, "cube %d.%d", tower + 1, k + 1));
         }
     }
