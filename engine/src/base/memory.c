@@ -156,3 +156,12 @@ void pe_arena_free(pe_arena *arena, const pe_allocator *allocator)
     pe_release(allocator, arena->block);
     *arena = (pe_arena){0};
 }
+
+uint64_t pe_hash_ints(const int *numbers, int count)
+{
+    uint64_t hash = UINT64_C(14695981039346656037);
+    for (int i = 0; i < count; ++i) {
+        hash = (hash ^ (uint32_t)numbers[i]) * UINT64_C(1099511628211);
+    }
+    return hash;
+}

@@ -66,6 +66,9 @@ void pe_arena_reset(pe_arena *arena, const pe_allocator *allocator);
 /* Releases the arena's own memory. */
 void pe_arena_free(pe_arena *arena, const pe_allocator *allocator);
 
+/* FNV-1a over the numbers (Fowler, Noll, Vo 1991). */
+uint64_t pe_hash_ints(const int *numbers, int count);
+
 /* Where a function takes memory that its caller gives back. */
 typedef struct pe_workspace {
     pe_arena *arena;

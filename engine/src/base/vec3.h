@@ -11,11 +11,13 @@ typedef struct pe_mat3 {
     pe_vec3 r0, r1, r2;
 } pe_mat3;
 
+/* The vector (x, y, z). */
 static inline pe_vec3 pe_v3(double x, double y, double z)
 {
     return (pe_vec3){x, y, z};
 }
 
+/* A vector from an array, and back. */
 static inline pe_vec3 pe_v3_load(const double v[3])
 {
     return pe_v3(v[0], v[1], v[2]);
@@ -26,16 +28,19 @@ static inline void pe_v3_store(double to[3], pe_vec3 v)
     to[0] = v.x, to[1] = v.y, to[2] = v.z;
 }
 
+/* a + b */
 static inline pe_vec3 pe_add(pe_vec3 a, pe_vec3 b)
 {
     return pe_v3(a.x + b.x, a.y + b.y, a.z + b.z);
 }
 
+/* a - b */
 static inline pe_vec3 pe_sub(pe_vec3 a, pe_vec3 b)
 {
     return pe_v3(a.x - b.x, a.y - b.y, a.z - b.z);
 }
 
+/* s a */
 static inline pe_vec3 pe_scale(double s, pe_vec3 a)
 {
     return pe_v3(s * a.x, s * a.y, s * a.z);
@@ -47,21 +52,25 @@ static inline pe_vec3 pe_madd(pe_vec3 a, double s, pe_vec3 b)
     return pe_v3(a.x + s * b.x, a.y + s * b.y, a.z + s * b.z);
 }
 
+/* a . b */
 static inline double pe_dot(pe_vec3 a, pe_vec3 b)
 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+/* a x b */
 static inline pe_vec3 pe_cross(pe_vec3 a, pe_vec3 b)
 {
     return pe_v3(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
 }
 
+/* |a| */
 static inline double pe_length(pe_vec3 a)
 {
     return sqrt(pe_dot(a, a));
 }
 
+/* No component is infinite or NaN. */
 static inline bool pe_is_finite(pe_vec3 a)
 {
     return isfinite(a.x) && isfinite(a.y) && isfinite(a.z);
@@ -105,6 +114,7 @@ static inline pe_vec3 pe_axis(const pe_mat3 *m, int k)
                     : pe_v3(m->r0.z, m->r1.z, m->r2.z);
 }
 
+/* The k-th component, k = 0 .. 2. */
 static inline double pe_component(pe_vec3 a, int k)
 {
     return k == 0 ? a.x : k == 1 ? a.y : a.z;
@@ -133,11 +143,13 @@ static inline pe_quat pe_quat_product(pe_quat a, pe_quat b)
     };
 }
 
+/* The inverse rotation of a unit quaternion. */
 static inline pe_quat pe_quat_conjugate(pe_quat q)
 {
     return (pe_quat){q.w, -q.x, -q.y, -q.z};
 }
 
+/* q scaled to length 1. */
 static inline pe_quat pe_quat_unit(pe_quat q)
 {
     double s = 1 / sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);

@@ -12,6 +12,7 @@
 
 #include "base/memory.h"
 
+/* An axis-aligned bounding box. */
 typedef struct pe_aabb {
     double low[3], high[3]; /* world axes, m */
 } pe_aabb;
@@ -23,6 +24,7 @@ static inline bool pe_aabb_overlaps(const pe_aabb *a, const pe_aabb *b)
            b->low[1] <= a->high[1] && a->low[2] <= b->high[2] && b->low[2] <= a->high[2];
 }
 
+/* Whether `inner` lies within `outer`; boxes with a NaN are contained in none. */
 static inline bool pe_aabb_contains(const pe_aabb *outer, const pe_aabb *inner)
 {
     return outer->low[0] <= inner->low[0] && inner->high[0] <= outer->high[0] &&
@@ -30,6 +32,7 @@ static inline bool pe_aabb_contains(const pe_aabb *outer, const pe_aabb *inner)
            outer->low[2] <= inner->low[2] && inner->high[2] <= outer->high[2];
 }
 
+/* Two bodies that are near each other. */
 typedef struct pe_pair {
     int a, b; /* slots, a < b, not both static */
 } pe_pair;

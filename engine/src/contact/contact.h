@@ -5,6 +5,7 @@
 
 #include "broad_phase/broad_phase.h"
 
+/* When manifolds are kept, and how many points they have. */
 typedef struct pe_contact_rules {
     /* A manifold is kept, its points transported by the two bodies, while no point of either body
      * has moved relative to the other by more than this since the manifold was built, in units of

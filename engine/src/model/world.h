@@ -19,10 +19,12 @@ typedef struct pe_pose {
     pe_mat3 rotation;    /* of the orientation */
 } pe_pose;
 
+/* The velocity of a body. */
 typedef struct pe_twist {
     pe_vec3 velocity, angular_velocity; /* m/s and rad/s, world, of the centre of mass */
 } pe_twist;
 
+/* Mass, in kg, and inertia, in kg m^2. */
 typedef struct pe_mass {
     double mass, inverse_mass;    /* 0 when static */
     pe_vec3 inertia;              /* principal, in the body's axes; 0 when static */
@@ -31,6 +33,7 @@ typedef struct pe_mass {
     bool spherical;               /* equal principal inertia: no gyroscopic torque */
 } pe_mass;
 
+/* What does not change while a body lives. */
 typedef struct pe_body {
     pe_shape shape;
     const pe_geometry *geometry; /* of a hull or mesh, the world's; else NULL */
@@ -49,6 +52,7 @@ typedef struct pe_applied_force {
     bool rotates;                    /* the latter are not zero */
 } pe_applied_force;
 
+/* Coefficients of a contact between two materials. */
 typedef struct pe_material_pair {
     double friction, restitution;
 } pe_material_pair;
@@ -74,6 +78,7 @@ typedef struct pe_manifold {
     pe_built built;
 } pe_manifold;
 
+/* A contact point. */
 typedef struct pe_manifold_point {
     pe_vec3 position;           /* m, world, halfway between the two surfaces, when it was found */
     pe_vec3 anchor_a, anchor_b; /* the same point on either surface, in that body's axes */

@@ -13,16 +13,6 @@ static void write_key(const pe_problem *problem, const bool *counted, int *key)
     }
 }
 
-/* FNV-1a over the numbers (Fowler, Noll, Vo 1991). */
-static uint64_t hash_of(const int *key, int count)
-{
-    uint64_t hash = UINT64_C(14695981039346656037);
-    for (int i = 0; i < count; ++i) {
-        hash = (hash ^ (uint32_t)key[i]) * UINT64_C(1099511628211);
-    }
-    return hash;
-}
-
 /* A part of the pool holds, one after the other: key (3 per manifold), order, place (bodies each),
  * start (bodies + 1), couple (manifolds), row (blocks). */
 static pe_pattern pattern_in(const pe_kept_pattern *kept, const int *part, const bool *counted,
@@ -106,7 +96,7 @@ pe_status pe_pattern_store_find(pe_pattern_store *store, const pe_problem *probl
         return pe_fail(error, PE_NO_MEMORY, "no memory for %d manifolds", problem->manifold_count);
     }
     write_key(problem, counted, key);
-    uint64_t hash = hash_of(key, numbers);
+    uint64_t hash = pe_hash_ints(key, numbers);
     store->lookups += 1;
     pe_kept_pattern *oldest = &store->kept[0];
     for (int i = 0; i < PE_KEPT_PATTERNS; ++i) {

@@ -9,6 +9,7 @@
 #include "problem/problem_build.h"
 #include "solver/solve.h"
 
+/* The context of a step. */
 typedef struct pe_step {
     pe_world *world;
     double dt; /* s */
@@ -87,6 +88,7 @@ pe_status pe_impact_step(pe_step *step, int k, pe_path *path);
 typedef pe_status pe_correction_solver(const pe_problem *problem, const pe_solve_limits *limits,
                                        pe_workspace work, pe_solve_report *report, pe_error *error);
 
+/* What is corrected, how far, and by which work. */
 typedef struct pe_correction_rules {
     double begin;   /* m, > aim + enough: islands with a deeper contact that counts are corrected */
     double aim;     /* m: the depth that is left alone */
@@ -108,6 +110,7 @@ typedef struct pe_correction_rules {
  * solver. */
 pe_correction_rules pe_correction_rules_default(void);
 
+/* What a correction did. */
 typedef struct pe_correction_report {
     int rounds;
     int iterations;          /* of sweeps or solver, largest over islands and rounds */
@@ -130,6 +133,7 @@ pe_status pe_correct_positions(pe_step *step, const pe_correction_rules *rules,
 
 /* ---- Energy (energy_guard.c) ---- */
 
+/* What the energy guard did. */
 typedef struct pe_energy_report {
     int islands;    /* that had gained energy */
     double removed; /* J */
