@@ -1,3 +1,4 @@
+/* The analysis of a sweep as plumb.sweep/1. */
 #include "analysis.h"
 
 #include "results/result.h"

@@ -1,3 +1,4 @@
+/* The variants of scenarios, and how each changes the parameters. */
 #include "variant.h"
 
 #include "base/random.h"
