@@ -24,11 +24,10 @@ extern "C" {
 
 /* A dynamic body. */
 typedef struct pe_problem_body {
-    double mass;       /* kg, > 0 */
-    double inertia[6]; /* kg m^2, about the centre of mass, world axes: xx xy xz yy yz zz */
-    double
-        free_velocity[6]; /* v*: at the end of the step without contacts; linear, angular; world */
-    pe_body_id id;        /* in the world that it was captured from; null if there is none */
+    double mass;             /* kg, > 0 */
+    double inertia[6];       /* kg m^2, about the centre of mass, world axes: xx xy xz yy yz zz */
+    double free_velocity[6]; /* v*: of the step without contacts; linear, angular; world */
+    pe_body_id id;           /* in the world that it was captured from; null if there is none */
 } pe_problem_body;
 
 /* The index that stands for every static body. */

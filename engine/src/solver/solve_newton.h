@@ -22,16 +22,16 @@ typedef enum pe_newton_form {
     PE_NEWTON_TRESCA
 } pe_newton_form;
 
-enum { PE_NEWTON_UPDATES = 60 };
+enum { PE_NEWTON_UPDATES = 60 }; /* the usual bound */
 
 /* The compliance r starts at `softness` and falls by tens to `least_softness`. */
 typedef struct pe_newton_settings {
-    const pe_pattern
-        *pattern; /* to start with; found again when a manifold outside it begins to carry */
+    const pe_pattern *pattern; /* found again when a manifold outside it begins to carry */
     pe_newton_form form;
     double softness, least_softness;
     int most_updates; /* of the multipliers */
-    double enough; /* m/s: below this residual the method ends when an update does not halve it */
+    double
+        enough; /* m/s: a residual below this need not fall further once updates do not halve it */
 } pe_newton_settings;
 
 /* The compliance with which a problem of this pattern converges in a few updates of the
