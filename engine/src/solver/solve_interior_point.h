@@ -7,8 +7,7 @@
 
 /* The convex problem: min 1/2 |v - v*|_M^2 subject to u + shift n in K*. */
 typedef struct pe_convex_form {
-    const bool
-        *loaded; /* (manifold_count): those that take part, the others get no impulse; NULL: all */
+    const bool *loaded;  /* (manifold_count): those that take part; NULL: all */
     const double *shift; /* (point_count), m/s, held fixed. mu |u_t| of the answer before makes the
                             answer true Coulomb friction, once it repeats itself. */
 } pe_convex_form;

@@ -30,8 +30,7 @@ typedef struct pe_newton_settings {
     pe_newton_form form;
     double softness, least_softness;
     int most_updates; /* of the multipliers */
-    double
-        enough; /* m/s: a residual below this need not fall further once updates do not halve it */
+    double enough; /* m/s: the method ends below this residual when an update does not halve it */
 } pe_newton_settings;
 
 /* The compliance with which a problem of this pattern converges in a few updates of the
