@@ -30,6 +30,7 @@ void pl_path_pop(pl_path *path);
 /* Writes the path as text, cut to `size` bytes. An empty path is written as `whole`. */
 void pl_path_text(const pl_path *path, const char *whole, char *text, size_t size);
 
+/* The first fault found in a document, and where it is. */
 typedef struct pl_diagnostic {
     pl_status status; /* PL_OK: nothing is wrong */
     pl_path path;     /* where the check or the reader stands, or stopped */

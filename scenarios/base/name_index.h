@@ -12,6 +12,7 @@ typedef struct pl_named {
     int index;
 } pl_named;
 
+/* A sorted index of names, for binary search. */
 typedef struct pl_name_index {
     pl_named *items; /* (count), by name, then by index */
     int count;

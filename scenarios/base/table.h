@@ -29,6 +29,7 @@ typedef enum pl_table_format {
 /* Where the cells of a column stand. In HTML, cells of PL_RIGHT have the class "n". */
 typedef enum pl_table_align { PL_LEFT, PL_RIGHT } pl_table_align;
 
+/* The heading of a column, with its alignment and width. */
 typedef struct pl_table_heading {
     size_t text; /* offset in texts */
     pl_table_align align;
@@ -36,6 +37,7 @@ typedef struct pl_table_heading {
     bool hidden;     /* left out of text, where the line is too narrow for it */
 } pl_table_heading;
 
+/* A cell of a table. */
 typedef struct pl_table_cell {
     size_t text, title; /* offsets in texts; title = 0: none */
     const char *style;  /* borrowed; NULL: none */

@@ -17,6 +17,7 @@ typedef struct ode_contact {
     dJointID joint;
 } ode_contact;
 
+/* A scene loaded into ODE: its bodies and shapes, and the contact points of the last step. */
 struct pl_engine_instance {
     const pl_scene *scene;
     int profile, max_contacts, solid_contacts;

@@ -31,7 +31,7 @@ enum {
 
 /* A numeric setting of an engine, given as `name:profile,option=value`. */
 typedef struct pl_engine_option {
-    const char *name;
+    const char *name; /* at most PL_NAME_SIZE - 1 bytes */
     double value;     /* default */
     double min;       /* least value allowed */
     double max;       /* largest value allowed */
@@ -42,7 +42,7 @@ typedef struct pl_engine_option {
 
 /* A solver, or a set of defaults, of an engine. */
 typedef struct pl_engine_profile {
-    const char *name;
+    const char *name;           /* at most PL_NAME_SIZE - 1 bytes */
     const char *help;           /* one line, for `plumb list engines` */
     bool in_default_comparison; /* run by `plumb compare` when no --engine is given */
 } pl_engine_profile;

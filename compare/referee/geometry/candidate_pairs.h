@@ -29,6 +29,7 @@ void pl_broad_phase_each_pair(pl_broad_phase *broad_phase, const pl_body_state *
 
 typedef struct pl_candidate_pairs pl_candidate_pairs;
 
+/* A candidate pair of a frame, with its gap. */
 typedef struct pl_near_pair {
     int a, b;         /* scene indices, not both static */
     pl_status status; /* of the gap: not PL_OK if it could not be computed */

@@ -11,6 +11,7 @@ typedef struct pl_segment {
     pl_vec start, end;
 } pl_segment;
 
+/* A triangle, counter-clockwise seen from outside where it bounds a solid; m. */
 typedef struct pl_triangle {
     pl_vec corner[3];
 } pl_triangle;

@@ -24,6 +24,7 @@ typedef struct pl_surface_node {
     int second;
 } pl_surface_node;
 
+/* A surface of triangles in the frame of its body, m, with its edges and a tree of boxes. */
 typedef struct pl_surface {
     bool closed; /* bounds a solid */
     int vertex_count, triangle_count, edge_count, node_count;
@@ -46,6 +47,7 @@ typedef struct pl_surface {
  * on failure: PL_UNSUPPORTED for another shape, PL_NO_MEMORY. */
 pl_status pl_surface_create(const pl_shape *shape, pl_arena *arena, const pl_surface **surface);
 
+/* The nearest point of a surface to a query point. */
 typedef struct pl_surface_point {
     double distance; /* m; negative if the query point is inside */
     pl_vec point;    /* on the surface */
@@ -69,6 +71,7 @@ void pl_surface_each_near(const pl_surface *surface, pl_vec centre, pl_vec half,
 
 /* ---- Pairs of surfaces ---- */
 
+/* Two surfaces and their relative pose. */
 typedef struct pl_surface_pair {
     const pl_surface *a, *b;
     pl_axes axes;  /* b's axes in a's frame */

@@ -48,8 +48,10 @@ typedef enum pl_metric_id {
     PL_METRIC_COUNT
 } pl_metric_id;
 
+/* Which of two values of a metric is the better one. */
 typedef enum pl_direction { PL_LOWER_IS_BETTER, PL_HIGHER_IS_BETTER, PL_NO_DIRECTION } pl_direction;
 
+/* What is fixed about a metric. The strings are static. */
 typedef struct pl_metric_info {
     const char *name, *unit;
     pl_direction direction;
@@ -63,6 +65,7 @@ extern const pl_metric_info pl_metric_table[PL_METRIC_COUNT];
 /* The pl_metric_id of a metric; -1 when no metric has this name. */
 int pl_metric_by_name(const char *name);
 
+/* What a metric of a run holds. */
 typedef enum pl_metric_state {
     PL_METRIC_ABSENT, /* does not apply to this scene or engine; left out of the results */
     PL_METRIC_VALUE,
@@ -70,6 +73,7 @@ typedef enum pl_metric_state {
     PL_METRIC_FAILED /* applies, but has no value; null in the results, with `reason` */
 } pl_metric_state;
 
+/* A metric of one run, in its unit. */
 typedef struct pl_metric {
     pl_metric_state state;
     double value;
@@ -91,6 +95,7 @@ __attribute__((format(printf, 1, 2)))
 pl_metric
 pl_metric_failed(const char *format, ...);
 
+/* All metrics of one run. */
 typedef struct pl_metrics {
     pl_metric item[PL_METRIC_COUNT]; /* indexed by pl_metric_id */
 } pl_metrics;

@@ -17,6 +17,7 @@ typedef struct pl_bin {
     double sum;
 } pl_bin;
 
+/* A histogram of the values of one metric over the steps, with their sums and maximum. */
 typedef struct pl_series {
     pl_bin *bins; /* (PL_SERIES_BINS), of the arena */
     uint64_t count;

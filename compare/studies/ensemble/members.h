@@ -19,6 +19,7 @@ typedef struct pl_ensemble {
     char name[256];    /* the engine's label, and the other setting in brackets */
 } pl_ensemble;
 
+/* The ensembles of a study, which all have the same number of members. */
 typedef struct pl_ensembles {
     pl_ensemble *items; /* (count) */
     int count;
@@ -26,6 +27,7 @@ typedef struct pl_ensembles {
     int case_count;
 } pl_ensembles;
 
+/* What pl_members_plan makes ensembles of. */
 typedef struct pl_members_def {
     int members;                 /* >= 2 */
     int setting_count;           /* other settings */

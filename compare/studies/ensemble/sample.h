@@ -30,6 +30,7 @@ typedef struct pl_invariants {
 /* The growth, relative to the energy of the scene, that is accepted as rounding. */
 extern const double pl_energy_growth;
 
+/* What was observed in the members of one ensemble. */
 typedef struct pl_observations {
     int results;                    /* members with a result */
     int outcomes[PL_OUTCOME_COUNT]; /* of these members */

@@ -21,6 +21,7 @@ typedef struct pl_ensemble_view {
     pl_horizon horizon;
 } pl_ensemble_view;
 
+/* The comparison of two ensembles in one observable. */
 typedef struct pl_sample_test {
     int a, b;          /* indices of the views */
     int observable;    /* of pl_observables */
@@ -30,6 +31,7 @@ typedef struct pl_sample_test {
     bool apart;
 } pl_sample_test;
 
+/* The comparisons of all pairs of ensembles. */
 typedef struct pl_verdicts {
     pl_sample_test *items; /* (count): with two values or more on both sides, not all equal */
     int count;

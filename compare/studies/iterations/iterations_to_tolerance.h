@@ -16,6 +16,7 @@ typedef enum pl_budget_trial {
     PL_BUDGET_END_SEARCH /* it has no valid error, and the search ends */
 } pl_budget_trial;
 
+/* A search for the least budget that reaches the error of unlimited iterations. */
 typedef struct pl_budget_search_def {
     long least, most; /* 1 <= least <= most: budgets are least 2^k up to most, and those between */
     double floor;     /* >= 0: errors that differ by no more are equal */
@@ -33,6 +34,7 @@ typedef enum pl_budget_state {
     PL_BUDGET_STOPPED         /* by PL_BUDGET_END_SEARCH */
 } pl_budget_state;
 
+/* The result of a budget search. */
 typedef struct pl_budget_found {
     pl_budget_state state;
     long budget;      /* the least budget; 0 unless found */
@@ -52,6 +54,7 @@ int pl_budget_most_trials(long least, long most);
 
 /* ---- The metric ---- */
 
+/* The runs to search the least number of iterations for. The pointers are borrowed. */
 typedef struct pl_tolerance_def {
     const pl_plan *plan;
     pl_limits limits; /* of each run */

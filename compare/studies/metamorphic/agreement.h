@@ -49,6 +49,7 @@ typedef struct pl_difference {
     bool same;       /* bitwise, up to that time */
 } pl_difference;
 
+/* How far a run agrees with the run of the transformed scene. */
 typedef struct pl_agreement {
     pl_difference early; /* at a tenth of the run, before chaos sets in */
     pl_difference end;

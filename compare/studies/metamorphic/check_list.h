@@ -16,6 +16,7 @@ typedef enum pl_check_kind {
     PL_CHECK_RESTART /* a new instance continues from the state at half time */
 } pl_check_kind;
 
+/* A metamorphic check: a change of the scene under which the motion should stay the same. */
 typedef struct pl_check {
     const char *name;   /* "rotate-z90" */
     const char *family; /* "rotate" */

@@ -26,6 +26,7 @@ typedef struct pl_checks_of_run {
     int result_count;
 } pl_checks_of_run;
 
+/* A metamorphic study. The pointers are borrowed. */
 typedef struct pl_metamorphic_def {
     const pl_plan *plan; /* with one repeat: all its cases on all its engines */
     const bool *chosen;  /* which of pl_checks */

@@ -12,6 +12,7 @@
 
 typedef enum pl_body_order { PL_ORDER_SAME, PL_ORDER_REVERSED, PL_ORDER_SHUFFLED } pl_body_order;
 
+/* A change of a scene: positions go from x to s M x + d. */
 typedef struct pl_transform {
     double matrix[3][3]; /* M, by rows; quarter turns and the mirror hold exact 0 and +-1 */
     double turn[4];      /* M as a unit quaternion (w, x, y, z); the identity for the mirror */

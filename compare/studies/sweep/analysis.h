@@ -35,6 +35,7 @@ typedef enum pl_sweep_state {
     PL_SWEEP_UNSUPPORTED /* the engine does not support it with these settings: not a failure */
 } pl_sweep_state;
 
+/* Cost and error of one repeat. */
 typedef struct pl_sweep_sample {
     double cost;  /* s/s, > 0 */
     double error; /* not below the floor */
@@ -60,6 +61,7 @@ typedef struct pl_sweep_point {
     uint64_t hash;         /* of the point's keys */
 } pl_sweep_point;
 
+/* An engine, or one profile of it, as a row of the analysis. */
 typedef struct pl_sweep_engine {
     char name[128]; /* "ode", "ode:quick" */
     bool ours;
@@ -104,6 +106,7 @@ typedef struct pl_pairwise_comparison {
     pl_sweep_ratio exactness[PL_SWEEP_TIMES], exactness_between[PL_SWEEP_TIMES];
 } pl_pairwise_comparison;
 
+/* A scene with its points, cost-error curves and pairwise comparisons. */
 typedef struct pl_sweep_scene {
     char name[256]; /* the scenario, with the parameters that are not at their defaults */
     const pl_scenario *catalogue; /* NULL: a scene file, or unknown to this build */
@@ -163,6 +166,7 @@ typedef struct pl_sweep_profile {
     double *ratios; /* (engine_count x scene_count): engine by engine, ascending, >= 1 */
 } pl_sweep_profile;
 
+/* The analysis of the results of a sweep. `results` is borrowed, the arrays are owned. */
 typedef struct pl_sweep_analysis {
     const json_t *results;
     pl_sweep_point *points; /* by scene, engine, series, falling dt */

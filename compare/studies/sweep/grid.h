@@ -13,6 +13,7 @@
 
 enum { PL_GRID_MOST_RUNS = 100000 };
 
+/* The grid of a sweep: cases and engines, times all combinations of the varied keys. */
 typedef struct pl_grid_def {
     const pl_plan *base; /* the cases and engines as asked for, unvaried; repeats; seed */
     const pl_vary *varied;

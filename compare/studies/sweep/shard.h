@@ -9,6 +9,7 @@
 
 enum { PL_SHARD_MOST = 1000000 };
 
+/* One of `count` disjoint parts of the runs of a study. */
 typedef struct pl_shard {
     int index; /* from 0; users count from 1 */
     int count; /* >= 1 */

@@ -13,6 +13,7 @@ enum {
     PL_SWEEP_DEFAULT_TIMEOUT = 20 /* s */
 };
 
+/* A key of a profile, an option or a parameter, and the values that it takes. */
 typedef struct pl_vary {
     char owner[PL_NAME_SIZE]; /* the engine or scenario that it is restricted to; empty: none */
     char key[PL_NAME_SIZE];

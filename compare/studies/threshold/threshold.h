@@ -16,6 +16,7 @@ typedef enum pl_bisection_state {
     PL_BISECTION_REVERSED      /* only at the end where it should fail */
 } pl_bisection_state;
 
+/* A bisection for the value of a parameter at which a scene stops holding. */
 typedef struct pl_bisection {
     double low, high; /* the bracket so far */
     double tolerance; /* of the bracket's width, > 0 */
@@ -52,6 +53,7 @@ typedef struct pl_threshold_search {
     char run[17];     /* hash of the trial in progress; empty: none */
 } pl_threshold_search;
 
+/* A study of thresholds. The pointers are borrowed. */
 typedef struct pl_threshold_search_def {
     const pl_plan *plan; /* cases of the catalogue with a threshold */
     int jobs;            /* >= 1 */

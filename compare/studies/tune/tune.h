@@ -44,6 +44,7 @@ typedef struct pl_tune_check {
     pl_target_reading target;
 } pl_tune_check;
 
+/* The result of tuning one engine profile. */
 typedef struct pl_tuning {
     /* An evaluation holds where the targets are met on all runs that it was judged by. Its excess
      * is at most 0 where they are met with two standard deviations of ln(value / bound) to spare.

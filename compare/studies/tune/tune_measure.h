@@ -13,12 +13,14 @@
 
 enum { PL_TUNE_MOST_TARGETS = 8 };
 
+/* An upper bound on a metric. */
 typedef struct pl_target {
     int metric;   /* pl_metric_id */
     double bound; /* > 0, in the metric's unit */
     bool strict;  /* < */
 } pl_target;
 
+/* The bounds that all runs of a setting must keep. */
 typedef struct pl_targets {
     pl_target items[PL_TUNE_MOST_TARGETS];
     int count;
@@ -61,6 +63,7 @@ typedef struct pl_reading {
     double *seconds, *instructions;
 } pl_reading;
 
+/* The readings of several settings, each on all cases, setting by setting. */
 typedef struct pl_readings {
     int setting_count, case_count, repeats;
     pl_reading *items; /* (setting_count x case_count) */
@@ -71,6 +74,7 @@ typedef struct pl_readings {
 const pl_reading *pl_readings_of(const pl_readings *readings, int setting);
 void pl_readings_free(pl_readings *readings);
 
+/* The settings to be measured and the cases to measure them on. The pointers are borrowed. */
 typedef struct pl_measure_def {
     const pl_plan *plan; /* the cases as asked for, and the seed */
     double dt, duration; /* s: asked for of scene files; NAN: their own */

@@ -44,6 +44,7 @@ typedef struct pl_evaluation {
     bool holds;    /* the target was met, but possibly by less than the required margin */
 } pl_evaluation;
 
+/* The parameters to be searched and the function to be minimised. */
 typedef struct pl_search_def {
     const pl_tune_parameter *parameters; /* (parameter_count) */
     int parameter_count;                 /* 0 .. PL_TUNE_MAX_PARAMETERS */
@@ -55,6 +56,7 @@ typedef struct pl_search_def {
     pl_status (*measure)(void *user, pl_evaluation *evaluation, bool *stop, pl_error *error);
 } pl_search_def;
 
+/* The points that a search evaluated, and the best of them. */
 typedef struct pl_search_result {
     pl_evaluation *evaluations; /* (count), in order, the first at the parameters' starts; owned */
     int count;

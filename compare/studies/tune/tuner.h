@@ -30,6 +30,7 @@ double pl_spread_likely(const pl_spread *spread);
 
 /* ---- Measuring ---- */
 
+/* The state of a tuning in progress. */
 typedef struct pl_tuner {
     const pl_tune_def *def;
     pl_tuning *tuning;

@@ -15,6 +15,7 @@ typedef enum pl_variant_kind {
     PL_VARIANT_DRAWN    /* continuous parameters drawn within 1 % */
 } pl_variant_kind;
 
+/* A small change of all scenes that a tuning uses. */
 typedef struct pl_variant {
     const char *name;
     pl_variant_kind kind;
@@ -23,6 +24,7 @@ typedef struct pl_variant {
 
 extern const pl_variant pl_variant_none;
 
+/* A list of variants. */
 typedef struct pl_variants {
     const pl_variant *items; /* (count) */
     int count;

@@ -22,17 +22,17 @@ extern "C" {
 
 /* A vector; the unit and the frame are those of its use. */
 typedef struct pe_vec3 {
-    double x;
-    double y;
-    double z;
+    double x; /* along the first axis */
+    double y; /* along the second axis */
+    double z; /* along the third axis */
 } pe_vec3;
 
 /* A unit quaternion: the rotation from the body's to the world frame. */
 typedef struct pe_quat {
     double w; /* the real part */
-    double x;
-    double y;
-    double z;
+    double x; /* along i */
+    double y; /* along j */
+    double z; /* along k */
 } pe_quat;
 
 /* The result of a function that can fail. */
@@ -178,9 +178,9 @@ typedef struct pe_shape {
 typedef struct pe_geometry_def {
     const pe_vec3 *vertices;        /* (vertex_count), m */
     const uint32_t (*triangles)[3]; /* (triangle_count): counter-clockwise seen from outside */
-    int vertex_count;
-    int triangle_count;
-    bool convex; /* for hulls: the solid must be convex */
+    int vertex_count;               /* at least 4 */
+    int triangle_count;             /* at least 4 */
+    bool convex;                    /* for hulls: the solid must be convex */
 } pe_geometry_def;
 
 /* Copies a geometry into the world, where it stays until the world is destroyed; any number of
@@ -210,7 +210,7 @@ typedef struct pe_body_id {
 
 /* A body to be created. */
 typedef struct pe_body_def {
-    pe_shape shape;
+    pe_shape shape;          /* copied */
     bool is_static;          /* never moves; a plane must be static */
     pe_material_id material; /* null: friction 0.5, restitution 0 */
     double mass;             /* kg, > 0 unless static */

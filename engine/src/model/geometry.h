@@ -34,6 +34,8 @@ typedef struct pe_node {
     int first, count;     /* of its triangles, which are consecutive in `triangles` */
 } pe_node;
 
+/* The solid of a hull or a mesh in its frame of principal axes, with its faces, edges and a tree of
+ * boxes. */
 typedef struct pe_geometry {
     bool convex; /* detected; a hull must be */
     int vertex_count, triangle_count, face_count, edge_count, corner_count, node_count;

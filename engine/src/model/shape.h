@@ -14,6 +14,7 @@ double pe_shape_bounding_radius(const pe_shape *shape, const pe_geometry *geomet
 /* The least half extent or radius (m), the scale of geometric tolerances; 0 for a plane. */
 double pe_shape_size(const pe_shape *shape, const pe_geometry *geometry);
 
+/* An axis-aligned box: centre and half extents. */
 typedef struct pe_extent {
     pe_vec3 centre, half; /* m */
 } pe_extent;

@@ -98,6 +98,7 @@ typedef struct pe_contacts {
     int manifold_count, point_count;
 } pe_contacts;
 
+/* Bodies, geometries and materials, and what the phases keep from step to step. */
 struct pe_world {
     pe_world_def def;
     pe_allocator allocator;

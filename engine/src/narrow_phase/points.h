@@ -9,6 +9,7 @@
 
 enum { PE_MOST_CANDIDATES = 130, PE_POINT_LIST_ROOM = 32 };
 
+/* Candidates for the points of a manifold. */
 typedef struct pe_candidates {
     int count;
     double least; /* separation, m */
@@ -33,6 +34,7 @@ void pe_candidates_add(pe_candidates *found, const pe_pose *pose, pe_vec3 middle
 void pe_candidates_keep(pe_candidates *found, double size, double margin,
                         pe_pair_manifold *manifold);
 
+/* The points found so far for a manifold with this normal. */
 typedef struct pe_point_list {
     pe_vec3 normal;                  /* unit, from the first shape to the second */
     double least;                    /* m: the signed distance; no point is nearer */

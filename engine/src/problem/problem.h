@@ -31,6 +31,7 @@ typedef struct pe_inertia {
 /* A manifold as the solvers see it. A static body is number body_count. */
 typedef pe_problem_manifold pe_solver_manifold;
 
+/* A manifold point as the solvers see it. */
 typedef struct pe_solver_point {
     double s[3];    /* from the manifold's centre, in its frame, m */
     double bias;    /* b_n, m/s */

@@ -40,6 +40,7 @@ typedef struct pe_soft_settings {
 /* Sub-steps of 1/480 s, at most 12; an eighth of a cycle, damping 10, 0.5 m/s, the widest lanes. */
 pe_soft_settings pe_soft_settings_default(void);
 
+/* Counts of a step of the soft contact solver. */
 typedef struct pe_soft_report {
     int substeps;
     int lanes;

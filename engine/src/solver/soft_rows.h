@@ -40,6 +40,7 @@ typedef struct soft_block {
     bool hard;                    /* against a static body */
 } soft_block;
 
+/* A normal row: one point of each manifold of a group, a manifold per lane. */
 typedef struct soft_row {
     wide jA[3], jB[3];
     wide mass;    /* effective mass 1/(J M^-1 J^T) */
@@ -48,6 +49,7 @@ typedef struct soft_row {
     wide sum;     /* over the sub-steps */
 } soft_row;
 
+/* The friction of a group of manifolds, a manifold per lane. */
 typedef struct friction_block {
     wide tangent[2][3];
     wide jA[3][3], jB[3][3]; /* along the two tangents at the centre, and about the normal */
@@ -55,6 +57,7 @@ typedef struct friction_block {
     wide friction;
 } friction_block;
 
+/* The friction of one point of each manifold of a group. */
 typedef struct friction_row {
     wide x, y;
     wide impulse[2], sum[2];
@@ -78,6 +81,7 @@ typedef struct wide_frame {
     wide unused[4];
 } wide_frame;
 
+/* The frames of the two bodies of each manifold of a group. */
 typedef struct frame_pair {
     wide_frame a, b;
 } frame_pair;

@@ -31,6 +31,7 @@ typedef struct pe_soft_batch {
     bool serial;
 } pe_soft_batch;
 
+/* The contacts of a step in batches that share no body. The arrays are in the arena of the step. */
 typedef struct pe_soft_plan {
     int count;
     pe_soft_contact *contacts; /* (count), batch after batch */
@@ -77,6 +78,7 @@ typedef struct pe_soft_task {
     void *bounces;                         /* one per row; NULL when nothing bounces */
 } pe_soft_task;
 
+/* The sweeps of the soft contact solver for one vector width. */
 typedef struct pe_soft_kernel {
     size_t block_size, row_size, friction_block_size, friction_row_size, bounce_size; /* bytes */
 

@@ -16,6 +16,7 @@ typedef struct pe_solve_history {
     double began;
 } pe_solve_history;
 
+/* How a solve ended. */
 typedef struct pe_solve_report {
     int iterations;       /* 0: the warm start was good enough */
     pe_residual residual; /* of the impulses as left, with velocities rebuilt from them */

@@ -17,6 +17,7 @@ typedef struct pe_island_limits {
     double patience;         /* how many times the cost of those sweeps a direct solve may have */
 } pe_island_limits;
 
+/* How an island was solved. */
 typedef struct pe_island_report {
     pe_path path;
     pe_solve_report solve;

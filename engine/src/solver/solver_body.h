@@ -26,6 +26,7 @@ typedef struct pe_solver_body_frame {
     double unused[4]; /* 0 */
 } pe_solver_body_frame;
 
+/* The bodies that take part in a solve, numbered from 1. Body 0 stands for all others. */
 typedef struct pe_solver_bodies {
     int count;                /* body 0 included */
     int *index_of;            /* (slots): 0 for a static body and for one that does not take part */

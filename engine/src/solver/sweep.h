@@ -28,7 +28,8 @@ typedef struct pe_sweep_block {
     int colour; /* its own for a manifold that found no colour free */
     int first,
         count; /* points first .. first + count - 1: the most that any of the manifolds has */
-    _Alignas(64) pe_block_lanes normal[3], tangent[3]; /* n and t1, world; t2 = n x t1 */
+    /* n and t1, world; t2 = n x t1 */
+    _Alignas(64) pe_block_lanes normal[3], tangent[3];
     pe_block_lanes arm_a[3], arm_b[3];
     pe_block_lanes inverse_inertia_a[6], inverse_inertia_b[6];
     pe_block_lanes linear[6], mixed[9], angular[6]; /* E: two symmetric blocks, one full */
@@ -47,6 +48,7 @@ typedef struct pe_sweep_point {
     pe_block_lanes scale;       /* as in pe_solver_point */
 } pe_sweep_point;
 
+/* A problem in blocks of eight manifolds, with the state of its sweeps. */
 typedef struct pe_sweep {
     const pe_problem *problem;
     const struct pe_sweep_kernel *kernel;

@@ -45,6 +45,7 @@ PE_INLINE void symmetric_times(const wide m[6], const wide x[3], wide y[3])
 
 /* ---- A group of manifolds ---- */
 
+/* The lanes of a block that are swept at once, from `lane` on. */
 typedef struct group {
     pe_sweep_block *block;
     pe_sweep_point *points; /* of the block */

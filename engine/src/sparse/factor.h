@@ -16,6 +16,7 @@ typedef struct pe_block {
     pe_lanes column[6];
 } pe_block;
 
+/* The block-sparse matrix H, and after the factorisation its factor. */
 typedef struct pe_factor {
     const pe_pattern *pattern;
     pe_block *block; /* (pattern->start[count]): H, then its factor in place */

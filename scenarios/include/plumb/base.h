@@ -15,6 +15,7 @@ extern "C" {
 /* Longest name of a body, material, scenario, profile or option, with its terminating zero. */
 enum { PL_NAME_SIZE = 64 };
 
+/* The result of a function that can fail. */
 typedef enum pl_status {
     PL_OK = 0,
     PL_BAD_INPUT,   /* the caller's text, file, name or number is wrong: exit code 2 */
@@ -24,8 +25,9 @@ typedef enum pl_status {
     PL_FAILED /* an engine failed in mid-run */
 } pl_status;
 
+/* An error and its message. */
 typedef struct pl_error {
-    pl_status status;
+    pl_status status;  /* PL_OK: no error */
     char message[512]; /* what, which object, the number found, what to do; no trailing newline */
 } pl_error;
 

@@ -8,13 +8,16 @@
 
 #include <math.h>
 
+/* A vector; the unit and the frame are those of its use. */
 typedef struct pl_vec {
-    double x, y, z;
+    double x; /* along the first axis */
+    double y; /* along the second axis */
+    double z; /* along the third axis */
 } pl_vec;
 
-/* Columns: the body's axes in the world. */
+/* A rotation matrix by columns. */
 typedef struct pl_axes {
-    pl_vec axis[3];
+    pl_vec axis[3]; /* the axes of the body in the world, unit */
 } pl_axes;
 
 static inline pl_vec pl_vec_of(const double v[3])

@@ -23,6 +23,7 @@ typedef struct pe_polytope {
     pe_face own_faces[6];
 } pe_polytope;
 
+/* Two polytopes and their relative pose. */
 typedef struct pe_polytope_pair {
     pe_polytope a, b;
     const pe_pose *pose_a, *pose_b;

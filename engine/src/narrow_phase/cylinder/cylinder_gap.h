@@ -25,6 +25,7 @@ typedef enum pe_cylinder_meeting {
     PE_RIMS
 } pe_cylinder_meeting;
 
+/* The gap of two cylinders, and the features between which it is. */
 typedef struct pe_cylinder_gap {
     double distance; /* m; negative when they overlap */
     pe_vec3 normal;  /* unit, from a to b */
@@ -48,6 +49,7 @@ typedef enum pe_meeting {
     PE_EDGE_RIM
 } pe_meeting;
 
+/* The gap of a polytope and a cylinder, and the features between which it is. */
 typedef struct pe_meeting_gap {
     double distance; /* m, of the polytope's core from the cylinder; negative when they overlap */
     pe_vec3 normal;  /* unit, from the polytope to the cylinder */

@@ -44,8 +44,10 @@ static inline double pe_square_to_box(pe_vec3 c, pe_vec3 half)
 /* The deepest tree halves 2^28 triangles down to single ones. Each level leaves one entry. */
 enum { PE_BVH_STACK = 64 };
 
+/* A traversal of two trees: the pairs of nodes that are still to be visited. */
 typedef struct pe_bvh_walk {
     int depth;
+    /* A node of each tree. */
     struct pe_bvh_entry {
         int a, b;
         double gap2; /* m^2, lower bound */

@@ -13,6 +13,7 @@
 typedef struct pe_near_facets {
     int count;
     pe_facet *facets; /* NULL: not gathered */
+    /* A ball around a facet; m. */
     struct pe_facet_ball {
         pe_vec3 centre;
         double radius;
@@ -20,6 +21,7 @@ typedef struct pe_near_facets {
     } * balls;
 } pe_near_facets;
 
+/* Two solids, their relative pose, and the tolerances of the pair. */
 typedef struct pe_solid_pair {
     pe_solid a, b;
     pe_bvh_pair trees;             /* with the pose of a in b's axes */

@@ -13,6 +13,7 @@ typedef enum pe_touch_kind {
     PE_VERTEX_VERTEX
 } pe_touch_kind;
 
+/* Two features that are within the margin of each other. */
 typedef struct pe_touch {
     uint64_t feature;
     pe_touch_kind kind;
