@@ -145,7 +145,7 @@ static pl_status bullet_create(const pl_scene *scene, int profile, const double 
         status = pl_fail(error, PL_NO_MEMORY, "bullet could not make a world");
         goto cleanup;
     }
-    for (int i = 0; i < scene->body_count; i++) {
+    for (int i = 0; i < scene->body_count; ++i) {
         status = add_body(instance->world, &scene->bodies[i]);
         if (status != PL_OK) {
             pl_fail(error, status, "body \"%s\": bullet could not make its shape (kind %d)",
@@ -163,7 +163,7 @@ cleanup:
 static void add_forces(const pl_engine_instance *instance, double dt)
 {
     const pl_scene *scene = instance->scene;
-    for (int i = 0; i < scene->force_count; i++) {
+    for (int i = 0; i < scene->force_count; ++i) {
         const pl_force *force = &scene->forces[i];
         pl_body_state state;
         double world_force[3], offset[3];
@@ -192,7 +192,7 @@ static pl_status bullet_step(pl_engine_instance *instance, double dt, pl_step_st
         return pl_fail(error, status, "bullet threw an exception in step %ld", instance->steps + 1);
     }
     instance->time += dt;
-    instance->steps++;
+    ++instance->steps;
     return PL_OK;
 }
 
@@ -200,7 +200,7 @@ static void bullet_read_frame(const pl_engine_instance *instance, pl_frame *fram
 {
     const pl_scene *scene = instance->scene;
     frame->time = instance->time;
-    for (int i = 0; i < frame->body_count; i++) {
+    for (int i = 0; i < frame->body_count; ++i) {
         pl_body_state *state = &frame->bodies[i];
         read_body(instance, i, state);
         if (scene->bodies[i].shape.kind == PL_SHAPE_PLANE) {
@@ -216,7 +216,7 @@ static void bullet_read_settings(const pl_engine_instance *instance, double dt,
 {
     pl_bullet_read_gravity(instance->world, settings->gravity);
     settings->dt = dt;
-    for (int i = 0; i < settings->body_count; i++) {
+    for (int i = 0; i < settings->body_count; ++i) {
         pl_bullet_read_mass(instance->world, i, &settings->mass[i], settings->inertia[i]);
     }
 }

@@ -131,7 +131,7 @@ class DenseSolver final : public btMLCPSolver {
         /* By default Bullet has one friction row a contact point. */
         int rows_a_point = (info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS) != 0 ? 3 : 2;
         double rows = 0;
-        for (int i = 0; i < manifold_count; i++) {
+        for (int i = 0; i < manifold_count; ++i) {
             rows += rows_a_point * manifolds[i]->getNumContacts();
         }
         double bytes = matrices_ * rows * rows * sizeof(btScalar);
@@ -255,7 +255,7 @@ std::unique_ptr<btSequentialImpulseConstraintSolver> make_solver(const pl_bullet
 std::vector<double> vertices_of(const pl_polyhedron &solid)
 {
     std::vector<double> vertices(3 * static_cast<size_t>(solid.vertex_count));
-    for (int i = 0; i < solid.vertex_count; i++) {
+    for (int i = 0; i < solid.vertex_count; ++i) {
         pl_vertex_in_principal(&solid, i, &vertices[3 * static_cast<size_t>(i)]);
     }
     return vertices;
@@ -480,7 +480,7 @@ pl_status pl_bullet_step(pl_bullet_world *world, double dt, pl_step_stats *stats
         return PL_UNSUPPORTED;
     }
     int points = 0;
-    for (int i = 0; i < world->dispatcher.getNumManifolds(); i++) {
+    for (int i = 0; i < world->dispatcher.getNumManifolds(); ++i) {
         points += world->dispatcher.getManifoldByIndexInternal(i)->getNumContacts();
     }
     stats->iterations = world->report.iterations;
@@ -516,7 +516,7 @@ void pl_bullet_read_mass(const pl_bullet_world *world, int body, double *mass, d
     const btRigidBody &source = *world->bodies[static_cast<size_t>(body)];
     const btVector3 &inverse = source.getInvInertiaDiagLocal();
     *mass = source.getInvMass() > 0 ? 1 / source.getInvMass() : 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         inertia[k] = inverse[k] > 0 ? 1 / inverse[k] : 0;
     }
 }
@@ -539,9 +539,9 @@ int pl_bullet_read_contacts(const pl_bullet_world *world, pl_contact *contacts, 
 {
     auto &dispatcher = const_cast<btCollisionDispatcher &>(world->dispatcher);
     int count = 0;
-    for (int i = 0; i < dispatcher.getNumManifolds(); i++) {
+    for (int i = 0; i < dispatcher.getNumManifolds(); ++i) {
         const btPersistentManifold &manifold = *dispatcher.getManifoldByIndexInternal(i);
-        for (int j = 0; j < manifold.getNumContacts(); j++, count++) {
+        for (int j = 0; j < manifold.getNumContacts(); ++j, ++count) {
             if (count < capacity) {
                 convert_contact(manifold, manifold.getContactPoint(j), contacts[count]);
             }

@@ -35,7 +35,7 @@ static int largest_free_triangle(const search *s)
 {
     int largest = -1;
     double most = -1;
-    for (int i = 0; i < s->hull->triangle_count; i++) {
+    for (int i = 0; i < s->hull->triangle_count; ++i) {
         double area = pl_vec_length(area_vector(s->hull, i));
         if (s->face_of[i] < 0 && area > most) {
             largest = i;
@@ -47,7 +47,7 @@ static int largest_free_triangle(const search *s)
 
 static bool lies_in(const pl_polyhedron *hull, int triangle, pl_vec normal, double offset)
 {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         pl_vec corner = pl_vec_of(hull->vertices[hull->triangles[triangle][k]]);
         if (fabs(pl_vec_dot(normal, corner) - offset) > flatness * hull->radius) {
             return false;
@@ -58,9 +58,9 @@ static bool lies_in(const pl_polyhedron *hull, int triangle, pl_vec normal, doub
 
 static bool has_edge(const search *s, int face, int from, int to)
 {
-    for (int i = 0; i < s->hull->triangle_count; i++) {
+    for (int i = 0; i < s->hull->triangle_count; ++i) {
         const int *t = s->hull->triangles[i];
-        for (int k = 0; s->face_of[i] == face && k < 3; k++) {
+        for (int k = 0; s->face_of[i] == face && k < 3; ++k) {
             if (t[k] == from && t[(k + 1) % 3] == to) {
                 return true;
             }
@@ -75,16 +75,16 @@ static bool walk_border(search *s, int face)
     const pl_polyhedron *hull = s->hull;
     unsigned int edges = 0, corners = 0;
     int start = -1;
-    for (int i = 0; i < hull->vertex_count; i++) {
+    for (int i = 0; i < hull->vertex_count; ++i) {
         s->next[i] = -1;
     }
-    for (int i = 0; i < hull->triangle_count; i++) {
+    for (int i = 0; i < hull->triangle_count; ++i) {
         const int *t = hull->triangles[i];
-        for (int k = 0; s->face_of[i] == face && k < 3; k++) {
+        for (int k = 0; s->face_of[i] == face && k < 3; ++k) {
             if (!has_edge(s, face, t[(k + 1) % 3], t[k])) {
                 start = t[k];
                 s->next[start] = t[(k + 1) % 3];
-                edges++;
+                ++edges;
             }
         }
     }
@@ -104,11 +104,11 @@ static bool walk_border(search *s, int face)
 static bool find_faces(search *s, const double origin[3], pl_hull_faces *faces)
 {
     const pl_polyhedron *hull = s->hull;
-    for (int founder; (founder = largest_free_triangle(s)) >= 0; faces->count++) {
+    for (int founder; (founder = largest_free_triangle(s)) >= 0; ++faces->count) {
         pl_vec normal = area_vector(hull, founder);
         normal = pl_vec_scale(normal, 1 / pl_vec_length(normal));
         double offset = pl_vec_dot(normal, pl_vec_of(hull->vertices[hull->triangles[founder][0]]));
-        for (int i = 0; i < hull->triangle_count; i++) {
+        for (int i = 0; i < hull->triangle_count; ++i) {
             if (s->face_of[i] < 0 && (i == founder || lies_in(hull, i, normal, offset))) {
                 s->face_of[i] = faces->count;
             }

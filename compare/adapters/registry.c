@@ -60,7 +60,7 @@ static pl_status fail_unknown(pl_error *error, const char *what, const char *wor
     }
     char all[256] = "";
     size_t used = 0;
-    for (int i = 0; i < count && used < sizeof all; i++) {
+    for (int i = 0; i < count && used < sizeof all; ++i) {
         used +=
             (size_t)snprintf(all + used, sizeof all - used, "%s%s", i > 0 ? ", " : "", names[i]);
     }
@@ -140,7 +140,7 @@ static pl_status find_built_in(const char *name, const pl_engine **engine, pl_er
     const char *names[MOST_KNOWN];
     int count = 0;
     const pl_known_engine *known = pl_known_engines(&count);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         names[i] = known[i].name;
         if (strcmp(known[i].name, name) != 0) {
             continue;
@@ -160,7 +160,7 @@ static pl_status find_profile(const pl_engine *engine, const char *name, int *pr
                               pl_error *error)
 {
     const char *names[MOST_PROFILES];
-    for (int i = 0; i < engine->profile_count; i++) {
+    for (int i = 0; i < engine->profile_count; ++i) {
         names[i] = engine->profiles[i].name;
         if (strcmp(names[i], name) == 0) {
             *profile = i;
@@ -174,7 +174,7 @@ static pl_status find_profile(const pl_engine *engine, const char *name, int *pr
 
 static void profile_values(const pl_engine *engine, int profile, double *values)
 {
-    for (int i = 0; i < engine->option_count; i++) {
+    for (int i = 0; i < engine->option_count; ++i) {
         values[i] = engine->options[i].value;
     }
     if (engine->profile_defaults != NULL) {
@@ -184,7 +184,7 @@ static void profile_values(const pl_engine *engine, int profile, double *values)
 
 int pl_engine_option_index(const pl_engine *engine, const char *name)
 {
-    for (int i = 0; i < engine->option_count; i++) {
+    for (int i = 0; i < engine->option_count; ++i) {
         if (strcmp(engine->options[i].name, name) == 0) {
             return i;
         }
@@ -299,7 +299,7 @@ static pl_status choose_profile(pl_engine_choice *choice, const char *name, pl_e
     }
     pl_status status = find_profile(engine, found ? tuned.base : name, &choice->profile, error);
     profile_values(engine, choice->profile, choice->values);
-    for (int i = 0; found && i < engine->option_count; i++) {
+    for (int i = 0; found && i < engine->option_count; ++i) {
         choice->values[i] = tuned.given[i] ? tuned.values[i] : choice->values[i];
     }
     return status;
@@ -320,7 +320,7 @@ static pl_status set_option(const pl_engine *engine, char *text, double *values,
     int index = pl_engine_option_index(engine, text);
     if (index < 0) {
         const char *names[PL_ENGINE_MAX_OPTIONS];
-        for (int i = 0; i < engine->option_count; i++) {
+        for (int i = 0; i < engine->option_count; ++i) {
             names[i] = engine->options[i].name;
         }
         char what[96];
@@ -405,7 +405,7 @@ pl_status pl_engine_choose(const char *spec, pl_engine_choice *choice, pl_error 
 /* The shortest text that reads back to the same number. */
 static void format_number(double value, char text[32])
 {
-    for (int digits = 6; digits <= 17; digits++) {
+    for (int digits = 6; digits <= 17; ++digits) {
         snprintf(text, 32, "%.*g", digits, value);
         if (strtod(text, NULL) == value) {
             return;
@@ -420,7 +420,7 @@ void pl_engine_choice_label(const pl_engine_choice *choice, char label[128])
     profile_values(engine, choice->profile, defaults);
     size_t used =
         (size_t)snprintf(label, 128, "%s:%s", engine->name, engine->profiles[choice->profile].name);
-    for (int i = 0; i < engine->option_count && used < 128; i++) {
+    for (int i = 0; i < engine->option_count && used < 128; ++i) {
         if (choice->values[i] != defaults[i]) {
             char number[32];
             format_number(choice->values[i], number);

@@ -27,8 +27,8 @@ static bool read_schema(const json_t *json, pl_diagnostic *diagnostic)
     return pl_json_string(json, "schema", PL_REQUIRED, "\"plumb.baseline/1\"", &schema,
                           diagnostic) &&
            (strcmp(schema, schema_name) == 0 ||
-            pl_complain_of(diagnostic, "schema", "expected \"%s\", found %s", schema_name,
-                           pl_quoted(schema, quoted)));
+            pl_diagnose_field(diagnostic, "schema", "expected \"%s\", found %s", schema_name,
+                              pl_quoted(schema, quoted)));
 }
 
 /* Checks an object of numbers, or, where `is_free`, of numbers, texts and nulls. */
@@ -38,8 +38,8 @@ static bool check_values(const json_t *row, const char *key, bool is_free,
     json_t *object = json_object_get(row, key);
     char found[PL_FOUND_SIZE];
     if (!json_is_object(object)) {
-        return pl_complain_of(diagnostic, key, "expected an object, found %s",
-                              pl_json_found(object, found));
+        return pl_diagnose_field(diagnostic, key, "expected an object, found %s",
+                                 pl_json_found(object, found));
     }
     pl_path_push_key(&diagnostic->path, key);
     const char *name;
@@ -49,8 +49,9 @@ static bool check_values(const json_t *row, const char *key, bool is_free,
         bool right =
             json_is_number(value) || (is_free && (json_is_string(value) || json_is_null(value)));
         if (!right) {
-            return pl_complain_of(diagnostic, name, "expected a number%s, found %s",
-                                  is_free ? ", a text or null" : "", pl_json_found(value, found));
+            return pl_diagnose_field(diagnostic, name, "expected a number%s, found %s",
+                                     is_free ? ", a text or null" : "",
+                                     pl_json_found(value, found));
         }
     }
     pl_path_pop(&diagnostic->path);
@@ -76,8 +77,8 @@ static bool check_ratio(const json_t *row, const char *key, pl_diagnostic *diagn
             return false;
         }
         if (!(value > 0) || (i == 3 && (value != floor(value) || value > 1e9))) {
-            return pl_complain_of(diagnostic, numbers[i], "expected a %s above 0, found %g",
-                                  i == 3 ? "whole number" : "number", value);
+            return pl_diagnose_field(diagnostic, numbers[i], "expected a %s above 0, found %g",
+                                     i == 3 ? "whole number" : "number", value);
         }
     }
     pl_path_pop(&diagnostic->path);
@@ -118,7 +119,7 @@ static bool read_rows(const json_t *array, pl_gate_rows *rows, pl_diagnostic *di
 {
     rows->items = calloc(json_array_size(array) + 1, sizeof *rows->items);
     if (rows->items == NULL) {
-        return pl_complain_no_memory(diagnostic);
+        return pl_diagnose_no_memory(diagnostic);
     }
     pl_path_push_key(&diagnostic->path, "rows");
     size_t index;
@@ -133,11 +134,11 @@ static bool read_rows(const json_t *array, pl_gate_rows *rows, pl_diagnostic *di
         row->json = json_incref(json);
         row->reason = "";
         if (!pl_gate_row_identify(row)) {
-            return pl_complain_no_memory(diagnostic);
+            return pl_diagnose_no_memory(diagnostic);
         }
         int twin = find_twin(rows, (int)index);
         if (twin >= 0) {
-            return pl_complain(diagnostic, "expected another run than rows[%d], found the same",
+            return pl_diagnose(diagnostic, "expected another run than rows[%d], found the same",
                                twin);
         }
         pl_path_pop(&diagnostic->path);

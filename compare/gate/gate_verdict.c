@@ -33,7 +33,7 @@ void pl_gate_verdict_note(pl_gate_verdict *verdict, const char *metric, const ch
         pl_gate_entry *known = &verdict->items[i];
         if (known->row_count > 0 && strcmp(known->metric, metric) == 0 &&
             strcmp(known->what, what) == 0) {
-            known->row_count++;
+            ++known->row_count;
             return;
         }
     }

@@ -38,7 +38,7 @@ static void judge_others(const pl_gate_inputs *in, const pl_gate_row *row, const
                          const json_t *before, const json_t *now, pl_gate_verdict *verdict)
 {
     int id = pl_metric_by_name(metric);
-    verdict->comparisons++;
+    ++verdict->comparisons;
     if (now != NULL && json_equal(before, now)) {
         return;
     }
@@ -98,7 +98,7 @@ static void judge_number(const pl_gate_inputs *in, const pl_gate_row *row, const
     double allowed =
         pl_gate_tolerance_at(id < 0 ? &unknown : &in->tolerances->of[id], id, before, dt);
     double now = worst_of(row, metric, direction, before, median);
-    verdict->comparisons++;
+    ++verdict->comparisons;
     if (json_object_get(row->spread, metric) != NULL) {
         pl_gate_verdict_note(verdict, metric, "repeats differ, and the worst of them counts");
     }
@@ -187,7 +187,7 @@ static void judge_trend(const pl_gate_row *row, int cost, const json_t *kept,
                              "here and in the baseline");
         return;
     }
-    verdict->comparisons++;
+    ++verdict->comparisons;
     if (trend == PL_GATE_STEADY) {
         return;
     }
@@ -268,7 +268,7 @@ static pl_gate_entry *add_rule_failure(const pl_gate_rule *rule, const pl_gate_r
 static void judge_text(const pl_gate_rule *rule, const pl_gate_row *row, const char *found,
                        pl_gate_verdict *verdict)
 {
-    verdict->comparisons++;
+    ++verdict->comparisons;
     if ((strcmp(found, rule->word) == 0) != (rule->op == PL_GATE_EQUAL)) {
         return;
     }
@@ -293,7 +293,7 @@ static bool judge_no_value(const pl_gate_rule *rule, const pl_gate_row *row, con
     snprintf(entry->after, sizeof entry->after, "no value");
     snprintf(entry->what, sizeof entry->what, "%.120s%s%.120s", is_ok ? reason : row->outcome,
              row->reason[0] == '\0' ? "" : ": ", row->reason);
-    verdict->comparisons++;
+    ++verdict->comparisons;
     return true;
 }
 
@@ -307,7 +307,7 @@ static void judge_absolute(const pl_gate_rule *rule, const pl_gate_row *row, dou
         now = json_number_value(json_array_get(range, i));
         holds = pl_gate_rule_holds(rule, now);
     }
-    verdict->comparisons++;
+    ++verdict->comparisons;
     if (holds) {
         pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
         pl_gate_entry_numbers(entry, now, now,
@@ -327,7 +327,7 @@ static bool judge_relative(const pl_gate_inputs *in, const pl_gate_rule *rule,
     }
     int id = pl_metric_by_name(rule->metric);
     double least = id < 0 ? 0 : in->tolerances->of[id].absolute;
-    verdict->comparisons++;
+    ++verdict->comparisons;
     if (pl_gate_rule_holds_relative(rule, json_number_value(kept), now, least)) {
         pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
         pl_gate_entry_numbers(entry, json_number_value(kept), now,
@@ -432,7 +432,7 @@ static pl_status judge_rules(const pl_gate_inputs *in, pl_gate_verdict *verdict,
 static bool judge_outcome(const pl_gate_row *before, const pl_gate_row *now,
                           pl_gate_verdict *verdict)
 {
-    verdict->comparisons++;
+    ++verdict->comparisons;
     if (strcmp(before->outcome, now->outcome) == 0) {
         return pl_gate_row_is_ok(now);
     }

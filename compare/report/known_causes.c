@@ -73,10 +73,10 @@ static bool check_scenario(const json_t *scenarios, const char *name, pl_diagnos
     json_t *ranges = json_object_get(scenarios, name), *range;
     const char *key;
     if (scenario == NULL) {
-        return pl_complain_of(diagnostic, name, "expected a scenario, found another name");
+        return pl_diagnose_field(diagnostic, name, "expected a scenario, found another name");
     }
     if (!json_is_object(ranges)) {
-        return pl_complain_of(diagnostic, name, "expected an object of ranges");
+        return pl_diagnose_field(diagnostic, name, "expected an object of ranges");
     }
     pl_path_push_key(&diagnostic->path, name);
     json_object_foreach(ranges, key, range)
@@ -84,13 +84,13 @@ static bool check_scenario(const json_t *scenarios, const char *name, pl_diagnos
         const pl_param *param = find_param(scenario, key);
         const double least = bound_of(range, 0), largest = bound_of(range, 1);
         if (param == NULL) {
-            return pl_complain_of(diagnostic, key, "expected a parameter of %s", name);
+            return pl_diagnose_field(diagnostic, key, "expected a parameter of %s", name);
         }
         if (json_array_size(range) != 2 || !(least <= largest) || least < param->min ||
             largest > param->max) {
-            return pl_complain_of(diagnostic, key,
-                                  "expected the least and the largest value, within %g to %g",
-                                  param->min, param->max);
+            return pl_diagnose_field(diagnostic, key,
+                                     "expected the least and the largest value, within %g to %g",
+                                     param->min, param->max);
         }
     }
     pl_path_pop(&diagnostic->path);
@@ -104,7 +104,7 @@ static bool read_scenarios(const json_t *json, pl_known_cause *cause, pl_diagnos
     json_t *scenarios = json_object_get(json, "scenarios");
     cause->scenarios = scenarios;
     if (json_object_size(scenarios) == 0) {
-        return pl_complain_of(diagnostic, "scenarios", "expected an object of scenarios");
+        return pl_diagnose_field(diagnostic, "scenarios", "expected an object of scenarios");
     }
     pl_path_push_key(&diagnostic->path, "scenarios");
     json_object_foreach(scenarios, name, ranges)
@@ -134,11 +134,13 @@ static bool read_cause(const json_t *json, const json_t *versions, pl_known_caus
     }
     if (json_object_get(json, "versions") != NULL) {
         return read_versions(json_object_get(json, "versions"), cause) ||
-               pl_complain_of(diagnostic, "versions", "expected the oldest and the newest version");
+               pl_diagnose_field(diagnostic, "versions",
+                                 "expected the oldest and the newest version");
     }
     return read_versions(json_object_get(versions, cause->engine), cause) ||
-           pl_complain_of(diagnostic, "engine",
-                          "expected an engine of the file's versions, each the oldest and newest");
+           pl_diagnose_field(
+               diagnostic, "engine",
+               "expected an engine of the file's versions, each the oldest and newest");
 }
 
 static bool read_file(const json_t *json, void *user, pl_diagnostic *diagnostic)
@@ -156,12 +158,12 @@ static bool read_file(const json_t *json, void *user, pl_diagnostic *diagnostic)
         return false;
     }
     if (strcmp(schema, "plumb.known-causes/1") != 0) {
-        return pl_complain_of(diagnostic, "schema", "expected \"plumb.known-causes/1\"");
+        return pl_diagnose_field(diagnostic, "schema", "expected \"plumb.known-causes/1\"");
     }
     causes->json = json_incref((json_t *)json);
     causes->items = calloc(json_array_size(array) + 1, sizeof *causes->items);
     if (causes->items == NULL) {
-        return pl_complain_no_memory(diagnostic);
+        return pl_diagnose_no_memory(diagnostic);
     }
     pl_path_push_key(&diagnostic->path, "causes");
     json_array_foreach(array, index, item)

@@ -188,7 +188,7 @@ static void name_cases(pl_result_matrix *matrix)
     for (int i = 0; i < matrix->case_count; ++i) {
         int first = i, last = i;
         while (first > 0 && strcmp(matrix->cases[first - 1].name, matrix->cases[i].name) == 0) {
-            first--;
+            --first;
         }
         while (last + 1 < matrix->case_count &&
                strcmp(matrix->cases[last + 1].name, matrix->cases[i].name) == 0) {
@@ -274,7 +274,7 @@ static pl_status fill_cells(pl_result_matrix *matrix, const placed_result *place
         int repeats = 0;
         for (next = first; next < count && placed[next].test_case == placed[first].test_case &&
                            placed[next].column == placed[first].column;
-             next++) {
+             ++next) {
             bool again = false;
             for (int i = 0; i < repeats && !again; ++i) {
                 again = json_equal(runs[i], placed[next].result);

@@ -45,11 +45,11 @@ static int hull(pl_pixel *points, int n, pl_pixel *out)
         for (int i = 0; i < n; ++i) {
             pl_pixel p = points[pass == 0 ? i : n - 1 - i];
             while (count - start >= 2 && pl_pixel_turn(out[count - 2], out[count - 1], p) <= 1e-9) {
-                count--;
+                --count;
             }
             out[count++] = p;
         }
-        count--; /* it is the first of the other chain */
+        --count; /* it is the first of the other chain */
     }
     return count;
 }

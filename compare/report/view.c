@@ -33,7 +33,7 @@ pl_pose pl_pose_of(const pl_body *body)
 int pl_expected_poses(const pl_scene *scene, pl_pose *poses, int *bodies)
 {
     int count = 0;
-    for (int i = 0; i < scene->rest_count; i++, count++) {
+    for (int i = 0; i < scene->rest_count; ++i, ++count) {
         const pl_expect_rest *rest = &scene->rests[i];
         poses[count] = pl_pose_of(&scene->bodies[rest->body]);
         bodies[count] = rest->body;
@@ -42,7 +42,7 @@ int pl_expected_poses(const pl_scene *scene, pl_pose *poses, int *bodies)
             memcpy(poses[count].orientation, rest->orientation, sizeof rest->orientation);
         }
     }
-    for (int i = 0; i < scene->travel_count; i++, count++) {
+    for (int i = 0; i < scene->travel_count; ++i, ++count) {
         const pl_expect_travel *travel = &scene->travels[i];
         poses[count] = pl_pose_of(&scene->bodies[travel->body]);
         bodies[count] = travel->body;

@@ -26,10 +26,10 @@ pl_status pl_fail(pl_error *error, pl_status status, const char *format, ...)
          */
         size_t end = sizeof error->message - 1;
         while (end > 0 && ((unsigned char)error->message[end - 1] & 0xC0u) == 0x80u) {
-            end--;
+            --end;
         }
         if (end > 0 && (unsigned char)error->message[end - 1] >= 0xC0u) {
-            end--;
+            --end;
         }
         error->message[end] = '\0';
     }
@@ -41,7 +41,7 @@ static void push(pl_path *path, pl_path_step step)
     if (path->depth < PL_PATH_DEPTH) {
         path->steps[path->depth] = step;
     }
-    path->depth++;
+    ++path->depth;
 }
 
 void pl_path_push_key(pl_path *path, const char *key)
@@ -56,7 +56,7 @@ void pl_path_push_index(pl_path *path, int index)
 
 void pl_path_pop(pl_path *path)
 {
-    path->depth--;
+    --path->depth;
 }
 
 static bool is_plain_word(const char *key)
@@ -64,7 +64,7 @@ static bool is_plain_word(const char *key)
     if (!isalpha((unsigned char)key[0])) {
         return false;
     }
-    for (const char *c = key; *c != '\0'; c++) {
+    for (const char *c = key; *c != '\0'; ++c) {
         if (!isalnum((unsigned char)*c) && *c != '_') {
             return false;
         }
@@ -75,7 +75,7 @@ static bool is_plain_word(const char *key)
 void pl_path_text(const pl_path *path, const char *whole, char *text, size_t size)
 {
     snprintf(text, size, "%s", path->depth == 0 ? whole : "");
-    for (int i = 0; i < path->depth && i < PL_PATH_DEPTH; i++) {
+    for (int i = 0; i < path->depth && i < PL_PATH_DEPTH; ++i) {
         const pl_path_step *step = &path->steps[i];
         size_t used = strlen(text);
         char quoted[PL_QUOTED_SIZE];
@@ -99,7 +99,7 @@ set_text(pl_diagnostic *diagnostic, const char *format, va_list arguments)
     vsnprintf(diagnostic->text, sizeof diagnostic->text, format, arguments);
 }
 
-bool pl_complain(pl_diagnostic *diagnostic, const char *format, ...)
+bool pl_diagnose(pl_diagnostic *diagnostic, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
@@ -108,7 +108,7 @@ bool pl_complain(pl_diagnostic *diagnostic, const char *format, ...)
     return false;
 }
 
-bool pl_complain_of(pl_diagnostic *diagnostic, const char *key, const char *format, ...)
+bool pl_diagnose_field(pl_diagnostic *diagnostic, const char *key, const char *format, ...)
 {
     pl_path_push_key(&diagnostic->path, key);
     va_list arguments;
@@ -118,20 +118,20 @@ bool pl_complain_of(pl_diagnostic *diagnostic, const char *key, const char *form
     return false;
 }
 
-bool pl_complain_of_reference(pl_diagnostic *diagnostic, const char *key, const char *kind,
-                              const char *name, const char *nearest)
+bool pl_diagnose_reference(pl_diagnostic *diagnostic, const char *key, const char *kind,
+                           const char *name, const char *nearest)
 {
     char quoted[PL_QUOTED_SIZE];
     if (nearest == NULL) {
-        return pl_complain_of(diagnostic, key, "expected the name of a %s, found %s", kind,
-                              pl_quoted(name, quoted));
+        return pl_diagnose_field(diagnostic, key, "expected the name of a %s, found %s", kind,
+                                 pl_quoted(name, quoted));
     }
-    return pl_complain_of(diagnostic, key,
-                          "expected the name of a %s, found %s; did you mean \"%s\"?", kind,
-                          pl_quoted(name, quoted), nearest);
+    return pl_diagnose_field(diagnostic, key,
+                             "expected the name of a %s, found %s; did you mean \"%s\"?", kind,
+                             pl_quoted(name, quoted), nearest);
 }
 
-bool pl_complain_no_memory(pl_diagnostic *diagnostic)
+bool pl_diagnose_no_memory(pl_diagnostic *diagnostic)
 {
     diagnostic->status = PL_NO_MEMORY;
     snprintf(diagnostic->text, sizeof diagnostic->text, "out of memory");
@@ -145,11 +145,11 @@ const char *pl_quoted(const char *bytes, char text[PL_QUOTED_SIZE])
     size_t length = end != NULL ? (size_t)(end - bytes) : LONGEST;
     if (end == NULL) {
         while (length > 0 && ((unsigned char)bytes[length] & 0xC0u) == 0x80u) {
-            length--; /* not in the middle of a UTF-8 character */
+            --length; /* not in the middle of a UTF-8 character */
         }
     }
     text[0] = '"';
-    for (size_t i = 0; i < length; i++) {
+    for (size_t i = 0; i < length; ++i) {
         text[i + 1] = (char)(iscntrl((unsigned char)bytes[i]) ? '?' : bytes[i]);
     }
     snprintf(text + 1 + length, PL_QUOTED_SIZE - 1 - length, "%s\"", end == NULL ? "..." : "");
@@ -161,12 +161,12 @@ const char *pl_quoted(const char *bytes, char text[PL_QUOTED_SIZE])
 bool pl_check_name(const char *name, size_t length, pl_diagnostic *diagnostic)
 {
     if (length == 0 || length >= PL_NAME_SIZE) {
-        return pl_complain(diagnostic, "expected a name of 1 to %d bytes, found %zu bytes",
+        return pl_diagnose(diagnostic, "expected a name of 1 to %d bytes, found %zu bytes",
                            PL_NAME_SIZE - 1, length);
     }
-    for (size_t i = 0; i < length; i++) {
+    for (size_t i = 0; i < length; ++i) {
         if ((unsigned char)name[i] < 0x20 || name[i] == 0x7F) {
-            return pl_complain(diagnostic,
+            return pl_diagnose(diagnostic,
                                "expected a name without control characters, found byte 0x%02X",
                                (unsigned)(unsigned char)name[i]);
         }
@@ -177,7 +177,7 @@ bool pl_check_name(const char *name, size_t length, pl_diagnostic *diagnostic)
 double pl_norm(const double *vector, int n)
 {
     double sum = 0;
-    for (int k = 0; k < n; k++) {
+    for (int k = 0; k < n; ++k) {
         sum += vector[k] * vector[k];
     }
     return sqrt(sum);
@@ -193,7 +193,7 @@ bool pl_check_number(pl_diagnostic *diagnostic, const char *key, double value, b
     if (key != NULL) {
         pl_path_push_key(&diagnostic->path, key);
     }
-    return pl_complain(diagnostic, "expected %s, found %s", expected, pl_number_text(value, found));
+    return pl_diagnose(diagnostic, "expected %s, found %s", expected, pl_number_text(value, found));
 }
 
 bool pl_check_is_finite(pl_diagnostic *diagnostic, const char *key, double value)
@@ -210,7 +210,7 @@ bool pl_check_positive(pl_diagnostic *diagnostic, const char *key, double value)
 bool pl_check_vector(pl_diagnostic *diagnostic, const char *key, const double vector[3])
 {
     pl_path_push_key(&diagnostic->path, key);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         if (!isfinite(vector[k])) {
             pl_path_push_index(&diagnostic->path, k);
             return pl_check_is_finite(diagnostic, NULL, vector[k]);
@@ -228,6 +228,6 @@ bool pl_check_unit(pl_diagnostic *diagnostic, const char *key, const double *vec
     if (fabs(norm - 1) <= PL_UNIT_TOLERANCE) {
         return true;
     }
-    return pl_complain_of(diagnostic, key, "expected %s, found one of norm %s", expected,
-                          pl_number_text(norm, found));
+    return pl_diagnose_field(diagnostic, key, "expected %s, found one of norm %s", expected,
+                             pl_number_text(norm, found));
 }

@@ -42,21 +42,21 @@ typedef struct pl_diagnostic {
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-bool pl_complain(pl_diagnostic *diagnostic, const char *format, ...);
+bool pl_diagnose(pl_diagnostic *diagnostic, const char *format, ...);
 
 /* The same for the field `key` of the object at the current path. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 3, 4)))
 #endif
-bool pl_complain_of(pl_diagnostic *diagnostic, const char *key, const char *format, ...);
+bool pl_diagnose_field(pl_diagnostic *diagnostic, const char *key, const char *format, ...);
 
 /* Reports that `name`, found at `key`, is not the name of a `kind`. `nearest` is a name that may
  * have been meant, or NULL. Returns false. */
-bool pl_complain_of_reference(pl_diagnostic *diagnostic, const char *key, const char *kind,
-                              const char *name, const char *nearest);
+bool pl_diagnose_reference(pl_diagnostic *diagnostic, const char *key, const char *kind,
+                           const char *name, const char *nearest);
 
 /* Sets the status to PL_NO_MEMORY. Returns false. */
-bool pl_complain_no_memory(pl_diagnostic *diagnostic);
+bool pl_diagnose_no_memory(pl_diagnostic *diagnostic);
 
 /* Copies UTF-8 text for a message: in quotes, at most 40 bytes with an ellipsis after a cut, and a
  * question mark for every control character. Returns `text`. */
@@ -74,7 +74,7 @@ const char *pl_quoted(const char *bytes, char text[PL_QUOTED_SIZE]);
 /* The Euclidean norm of n numbers. */
 double pl_norm(const double *vector, int n);
 
-/* Complains unless `right` is true; `expected` names the expected value. */
+/* Reports an error unless `right` is true; `expected` names the expected value. */
 bool pl_check_number(pl_diagnostic *diagnostic, const char *key, double value, bool right,
                      const char *expected);
 

@@ -29,50 +29,49 @@ const char *pl_json_found(const json_t *json, char text[PL_FOUND_SIZE])
     return text;
 }
 
-static bool complain_of_type(pl_diagnostic *diagnostic, const char *key, const char *expected,
-                             const json_t *json)
+static bool diagnose_type(pl_diagnostic *diagnostic, const char *key, const char *expected,
+                          const json_t *json)
 {
     char found[PL_FOUND_SIZE];
-    return pl_complain_of(diagnostic, key, "expected %s, found %s", expected,
-                          pl_json_found(json, found));
+    return pl_diagnose_field(diagnostic, key, "expected %s, found %s", expected,
+                             pl_json_found(json, found));
 }
 
-static bool complain_of_unknown_key(const pl_key_set *keys, const char *key,
-                                    pl_diagnostic *diagnostic)
+static bool diagnose_unknown_key(const pl_key_set *keys, const char *key, pl_diagnostic *diagnostic)
 {
     char quoted[PL_QUOTED_SIZE];
     diagnostic->at_key = true;
     const char *nearest = pl_nearest_name(key, keys->keys, keys->count);
     if (nearest != NULL) {
-        return pl_complain_of(diagnostic, key,
-                              "expected a known key, found %s; did you mean \"%s\"?",
-                              pl_quoted(key, quoted), nearest);
+        return pl_diagnose_field(diagnostic, key,
+                                 "expected a known key, found %s; did you mean \"%s\"?",
+                                 pl_quoted(key, quoted), nearest);
     }
     char known[200] = "";
-    for (int i = 0; i < keys->count; i++) {
+    for (int i = 0; i < keys->count; ++i) {
         size_t used = strlen(known);
         snprintf(known + used, sizeof known - used, "%s%s", i == 0 ? "" : ", ", keys->keys[i]);
     }
-    return pl_complain_of(diagnostic, key, "expected one of %s, found %s", known,
-                          pl_quoted(key, quoted));
+    return pl_diagnose_field(diagnostic, key, "expected one of %s, found %s", known,
+                             pl_quoted(key, quoted));
 }
 
 bool pl_json_object(const json_t *json, const pl_key_set *keys, pl_diagnostic *diagnostic)
 {
     if (!json_is_object(json)) {
         char found[PL_FOUND_SIZE];
-        return pl_complain(diagnostic, "expected an object, found %s", pl_json_found(json, found));
+        return pl_diagnose(diagnostic, "expected an object, found %s", pl_json_found(json, found));
     }
     const char *key;
     json_t *value;
     json_object_foreach((json_t *)json, key, value)
     {
         bool known = false;
-        for (int i = 0; i < keys->count && !known; i++) {
+        for (int i = 0; i < keys->count && !known; ++i) {
             known = strcmp(key, keys->keys[i]) == 0;
         }
         if (!known) {
-            return complain_of_unknown_key(keys, key, diagnostic);
+            return diagnose_unknown_key(keys, key, diagnostic);
         }
     }
     return true;
@@ -83,7 +82,7 @@ bool pl_json_array(const json_t *object, const char *key, pl_presence presence,
 {
     *array = json_object_get(object, key);
     return json_is_array(*array) || (*array == NULL && presence == PL_OPTIONAL) ||
-           complain_of_type(diagnostic, key, "an array", *array);
+           diagnose_type(diagnostic, key, "an array", *array);
 }
 
 bool pl_json_bool(const json_t *object, const char *key, bool *value, pl_diagnostic *diagnostic)
@@ -93,7 +92,7 @@ bool pl_json_bool(const json_t *object, const char *key, bool *value, pl_diagnos
         return true;
     }
     if (!json_is_boolean(json)) {
-        return complain_of_type(diagnostic, key, "true or false", json);
+        return diagnose_type(diagnostic, key, "true or false", json);
     }
     *value = json_is_true(json);
     return true;
@@ -107,7 +106,7 @@ bool pl_json_number(const json_t *object, const char *key, pl_presence presence,
         return true;
     }
     if (!json_is_number(json)) {
-        return complain_of_type(diagnostic, key, "a number", json);
+        return diagnose_type(diagnostic, key, "a number", json);
     }
     *value = json_number_value(json);
     return true;
@@ -118,14 +117,14 @@ static bool read_numbers(const json_t *json, double *values, int count, pl_diagn
 {
     char found[PL_FOUND_SIZE];
     if (!json_is_array(json) || json_array_size(json) != (size_t)count) {
-        return pl_complain(diagnostic, "expected an array of %d numbers, found %s", count,
+        return pl_diagnose(diagnostic, "expected an array of %d numbers, found %s", count,
                            pl_json_found(json, found));
     }
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         const json_t *item = json_array_get(json, (size_t)i);
         if (!json_is_number(item)) {
             pl_path_push_index(&diagnostic->path, i);
-            return pl_complain(diagnostic, "expected a number, found %s",
+            return pl_diagnose(diagnostic, "expected a number, found %s",
                                pl_json_found(item, found));
         }
         values[i] = json_number_value(item);
@@ -156,7 +155,7 @@ static void normalize(double *vector, int n)
     const double written_tolerance = 1e-6;
     double norm = pl_norm(vector, n);
     if (fabs(norm - 1) > PL_UNIT_TOLERANCE && fabs(norm - 1) <= written_tolerance) {
-        for (int k = 0; k < n; k++) {
+        for (int k = 0; k < n; ++k) {
             vector[k] /= norm;
         }
     }
@@ -196,7 +195,7 @@ bool pl_json_triples(const json_t *object, const char *key, double (**triples)[3
     }
     double(*made)[3] = malloc(json_array_size(array) * sizeof *made + 1);
     if (made == NULL) {
-        return pl_complain_no_memory(diagnostic);
+        return pl_diagnose_no_memory(diagnostic);
     }
     pl_path_push_key(&diagnostic->path, key);
     if (!read_triples(array, made, diagnostic)) {
@@ -217,7 +216,7 @@ bool pl_json_string(const json_t *object, const char *key, pl_presence presence,
         return true;
     }
     if (!json_is_string(json)) {
-        return complain_of_type(diagnostic, key, expected, json);
+        return diagnose_type(diagnostic, key, expected, json);
     }
     *value = json_string_value(json);
     return true;

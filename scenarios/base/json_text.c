@@ -26,7 +26,7 @@ static bool is_mark(char c)
 static void skip_blanks(scanner *s)
 {
     while (s->at < s->length && is_blank(s->text[s->at])) {
-        s->at++;
+        ++s->at;
     }
 }
 
@@ -38,11 +38,11 @@ static char peek(scanner *s)
 
 static void skip_string(scanner *s)
 {
-    s->at++;
+    ++s->at;
     while (s->at < s->length && s->text[s->at] != '"') {
         s->at += s->text[s->at] == '\\' ? 2 : 1;
     }
-    s->at++;
+    ++s->at;
 }
 
 /* A string, a bracket, a comma, a colon, or a word such as a number. */
@@ -52,11 +52,11 @@ static void skip_token(scanner *s)
     if (c == '"') {
         skip_string(s);
     } else if (is_mark(c)) {
-        s->at++;
+        ++s->at;
     } else {
         while (s->at < s->length && !is_blank(s->text[s->at]) && !is_mark(s->text[s->at]) &&
                s->text[s->at] != '"') {
-            s->at++;
+            ++s->at;
         }
     }
     if (s->at > s->length) {
@@ -95,7 +95,7 @@ static bool enter_key(scanner *s, const char *key, size_t *key_at)
         return false;
     }
     do {
-        s->at++; /* the opening brace or a comma */
+        ++s->at; /* the opening brace or a comma */
         if (peek(s) != '"') {
             return false;
         }
@@ -118,8 +118,8 @@ static bool enter_index(scanner *s, int index)
     if (peek(s) != '[') {
         return false;
     }
-    s->at++;
-    for (int i = 0; i < index; i++) {
+    ++s->at;
+    for (int i = 0; i < index; ++i) {
         if (peek(s) == ']') {
             return false;
         }
@@ -127,7 +127,7 @@ static bool enter_index(scanner *s, int index)
         if (peek(s) != ',') {
             return false;
         }
-        s->at++;
+        ++s->at;
     }
     return peek(s) != ']';
 }
@@ -139,7 +139,7 @@ static size_t locate_path(const char *text, size_t length, const pl_path *path, 
 {
     scanner s = {.text = text, .length = length};
     skip_blanks(&s);
-    for (int i = 0; i < path->depth && i < PL_PATH_DEPTH; i++) {
+    for (int i = 0; i < path->depth && i < PL_PATH_DEPTH; ++i) {
         const pl_path_step *step = &path->steps[i];
         const size_t outer = s.at;
         size_t key_at = outer;
@@ -174,7 +174,7 @@ static void locate_offset(const char *text, size_t offset, int *line, int *colum
 {
     *line = 1;
     *column = 1;
-    for (size_t i = 0; i < offset; i++) {
+    for (size_t i = 0; i < offset; ++i) {
         if (text[i] == '\n') {
             *line += 1;
             *column = 1;
@@ -209,7 +209,7 @@ static pl_status fail_by_syntax(const char *text, size_t length, const char *lab
     size_t offset = at_end ? end : locate_token(text, end);
     char what[JSON_ERROR_TEXT_LENGTH + 48];
     snprintf(what, sizeof what, "expected valid JSON, found: %s", syntax->text);
-    for (char *c = what; *c != '\0'; c++) {
+    for (char *c = what; *c != '\0'; ++c) {
         *c = (char)((unsigned char)*c < 0x20 || *c == 0x7F ? '?' : *c);
     }
     return fail_at_offset(text, offset, label, "JSON syntax", what, error);
@@ -232,7 +232,7 @@ static bool is_all_blank(const char *text, size_t length)
 {
     size_t i = 0;
     while (i < length && is_blank(text[i])) {
-        i++;
+        ++i;
     }
     return i == length;
 }

@@ -24,7 +24,7 @@ pl_status pl_name_index_create(const char *first_name, size_t stride, int count,
         return PL_NO_MEMORY;
     }
     index->count = count;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         index->items[i] = (pl_named){.name = first_name + (size_t)i * stride, .index = i};
     }
     qsort(index->items, (size_t)count, sizeof *index->items, by_name_then_index);
@@ -55,7 +55,7 @@ int pl_name_index_find(const pl_name_index *index, const char *name)
 int pl_name_index_duplicate(const pl_name_index *index)
 {
     int lowest = -1;
-    for (int i = 1; i < index->count; i++) {
+    for (int i = 1; i < index->count; ++i) {
         const pl_named *item = &index->items[i];
         if (strcmp(item->name, item[-1].name) == 0 && (lowest < 0 || item->index < lowest)) {
             lowest = item->index;
@@ -71,13 +71,13 @@ enum { LONGEST_WORD = 255 };
 static size_t edit_distance(const char *a, size_t a_length, const char *b, size_t b_length)
 {
     size_t row[LONGEST_WORD + 1];
-    for (size_t j = 0; j <= b_length; j++) {
+    for (size_t j = 0; j <= b_length; ++j) {
         row[j] = j;
     }
-    for (size_t i = 1; i <= a_length; i++) {
+    for (size_t i = 1; i <= a_length; ++i) {
         size_t diagonal = row[0];
         row[0] = i;
-        for (size_t j = 1; j <= b_length; j++) {
+        for (size_t j = 1; j <= b_length; ++j) {
             size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
             size_t inserted = (row[j - 1] < row[j] ? row[j - 1] : row[j]) + 1;
             diagonal = row[j];
@@ -95,7 +95,7 @@ const char *pl_nearest_name(const char *word, const char *const *candidates, int
     }
     size_t limit = 1 + length / 3;
     const char *nearest = NULL;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         size_t other = strlen(candidates[i]);
         size_t at_least = other > length ? other - length : length - other;
         if (other > LONGEST_WORD || at_least > limit) {
@@ -130,7 +130,7 @@ const char *pl_name_index_nearest(const pl_name_index *index, const char *word)
     if (names == NULL) {
         return NULL;
     }
-    for (int i = 0; i < index->count; i++) {
+    for (int i = 0; i < index->count; ++i) {
         names[i] = index->items[i].name;
     }
     const char *nearest = pl_nearest_name(word, names, index->count);

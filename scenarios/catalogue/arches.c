@@ -45,7 +45,7 @@ static double slack(int count, double thickness, double thrust)
     double joint = odd ? half : 0, weight = odd ? 0.5 : 0;
     double moment = weight * sin(half) / 3 * (inner + outer * outer / (inner + outer));
     double least = -HUGE_VAL, most = HUGE_VAL;
-    for (int i = 0; i <= count / 2; i++) {
+    for (int i = 0; i <= count / 2; ++i) {
         const double across = thrust * cos(joint) + weight * sin(joint);
         least = fmax(least, inner * across - moment);
         most = fmin(most, outer * across - moment);
@@ -59,7 +59,7 @@ static double slack(int count, double thickness, double thrust)
 static bool stands(int count, double thickness)
 {
     double low = 0, high = count;
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < 100; ++i) {
         const double a = low + (high - low) / 3, b = high - (high - low) / 3;
         if (slack(count, thickness, a) < slack(count, thickness, b)) {
             low = a;
@@ -74,7 +74,7 @@ static bool stands(int count, double thickness)
 static double arch_limit(int count)
 {
     double low = 0, high = 1;
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 60; ++i) {
         const double middle = low + (high - low) / 2;
         *(stands(count, middle) ? &high : &low) = middle;
     }
@@ -113,7 +113,7 @@ static pl_shape add_voussoir(pl_builder *b, int count, double thickness)
     const double half_width = 0.2;
     double corners[8][3], cosine, sine;
     pl_circle_point(1, 4 * count, &cosine, &sine);
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 8; ++i) {
         const double radius = 1 + (i & 4 ? thickness / 2 : -thickness / 2);
         corners[i][0] = i & 1 ? radius * sine : -radius * sine;
         corners[i][1] = i & 2 ? half_width : -half_width;
@@ -136,7 +136,7 @@ static void build(pl_builder *b, const double *values)
     const int count = (int)values[ARCH_COUNT];
     add_springers(b);
     const pl_shape shape = add_voussoir(b, count, values[ARCH_THICKNESS]);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         /* The middle is at the part (2 i + 1) / (4 count) of a turn, from the right; its z axis is
          * turned from the vertical by a quarter less that. */
         const int lean = count - (2 * i + 1); /* of 4 count: positive to the right */

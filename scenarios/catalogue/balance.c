@@ -49,7 +49,7 @@ static void overhang_build(pl_builder *b, const double *values)
     table.position[2] = -half_height;
     pl_build_body(b, &table, "table");
     double x = -half_length;
-    for (int k = count; k >= 1; k--) {
+    for (int k = count; k >= 1; --k) {
         x += values[OVERHANG_FACTOR] * half_length / k;
         block.position[0] = x;
         block.position[2] = (2 * (count - k) + 1) * half_height;
@@ -203,9 +203,9 @@ static void card_house_build(pl_builder *b, const double *values)
     const double spacing = 4 * (half_length * c.sine + half_thickness * c.cosine) + 0.02;
     pl_build_floor(b);
     double z = 0;
-    for (int row = 1; row <= storeys; row++) {
+    for (int row = 1; row <= storeys; ++row) {
         const int pairs = storeys - row + 1;
-        for (int i = 0; i < pairs; i++) {
+        for (int i = 0; i < pairs; ++i) {
             const double x = spacing * (i - (pairs - 1) / 2.0);
             add_leaning(b, &c, x, z, -1, "left", row, i + 1);
             add_leaning(b, &c, x, z, 1, "right", row, i + 1);

@@ -35,7 +35,7 @@ const pl_scenario *const *pl_scenarios(int *count)
 const pl_scenario *pl_scenario_find(const char *name, pl_error *error)
 {
     const char *names[SCENARIO_COUNT];
-    for (int i = 0; i < SCENARIO_COUNT; i++) {
+    for (int i = 0; i < SCENARIO_COUNT; ++i) {
         names[i] = scenarios[i]->name;
         if (strcmp(name, names[i]) == 0) {
             return scenarios[i];
@@ -56,7 +56,7 @@ static pl_status fail_by_name(const pl_scenario *scenario, const char *setting, 
 {
     const char *names[PL_MAX_PARAMS];
     char word[PL_NAME_SIZE], list[256] = "";
-    for (int i = 0; i < scenario->param_count; i++) {
+    for (int i = 0; i < scenario->param_count; ++i) {
         size_t used = strlen(list);
         names[i] = scenario->params[i].name;
         snprintf(list + used, sizeof list - used, "%s%s", i == 0 ? "" : ", ", names[i]);
@@ -102,7 +102,7 @@ static pl_status apply_setting(const pl_scenario *scenario, const char *setting,
     }
     size_t length = (size_t)(equals - setting);
     int index = -1;
-    for (int i = 0; i < scenario->param_count && index < 0; i++) {
+    for (int i = 0; i < scenario->param_count && index < 0; ++i) {
         const char *name = scenario->params[i].name;
         index = strlen(name) == length && memcmp(setting, name, length) == 0 ? i : -1;
     }
@@ -116,10 +116,10 @@ pl_status pl_scenario_values(const pl_scenario *scenario, const char *const *set
                              double *values, pl_error *error)
 {
     pl_status status = PL_OK;
-    for (int i = 0; i < scenario->param_count; i++) {
+    for (int i = 0; i < scenario->param_count; ++i) {
         values[i] = scenario->params[i].value;
     }
-    for (int s = 0; s < count && status == PL_OK; s++) {
+    for (int s = 0; s < count && status == PL_OK; ++s) {
         const char *next = settings[s];
         do {
             char setting[256];

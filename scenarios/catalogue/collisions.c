@@ -39,7 +39,7 @@ typedef struct train {
 static train train_of(const double *values)
 {
     train t = {.count = (int)values[COLLISION_TRAIN_COUNT]};
-    for (int i = 0; i < t.count; i++) {
+    for (int i = 0; i < t.count; ++i) {
         t.mass[i] = i == 0 ? 1 : t.mass[i - 1] * values[COLLISION_TRAIN_RATIO];
         t.place[i] = collision_train_gap * i;
     }
@@ -64,13 +64,13 @@ static void collide(train *t, int i, double e)
 /* False: the impacts crowd without end. */
 static bool run_until(train *t, double time, double e)
 {
-    for (int impacts = 0; impacts < MOST_IMPACTS; impacts++) {
+    for (int impacts = 0; impacts < MOST_IMPACTS; ++impacts) {
         int next = 0;
-        for (int i = 1; i < t->count - 1; i++) {
+        for (int i = 1; i < t->count - 1; ++i) {
             next = time_to_meet(t, i) < time_to_meet(t, next) ? i : next;
         }
         const double wait = fmin(time, time_to_meet(t, next));
-        for (int i = 0; i < t->count; i++) {
+        for (int i = 0; i < t->count; ++i) {
             t->place[i] += wait * t->speed[i];
         }
         time -= wait;
@@ -86,7 +86,7 @@ static void collision_train_build(pl_builder *b, const double *values)
 {
     b->scene->gravity[2] = 0;
     train t = train_of(values);
-    for (int i = 0; i < t.count; i++) {
+    for (int i = 0; i < t.count; ++i) {
         pl_body ball = pl_body_at(pl_shape_sphere(collision_train_radius),
                                   t.place[i] + 2 * collision_train_radius * i, 0, 0);
         ball.mass = t.mass[i];
@@ -101,7 +101,7 @@ static void collision_train_build(pl_builder *b, const double *values)
                         values[COLLISION_TRAIN_RATIO]);
         return;
     }
-    for (int i = 0; i < t.count; i++) {
+    for (int i = 0; i < t.count; ++i) {
         pl_build_at_end(b, i, PL_QUANTITY_VELOCITY, pl_axis_x, pl_exactly(t.speed[i]),
                         values[COLLISION_TRAIN_SPEED]);
     }
@@ -147,7 +147,7 @@ static void cradle_build(pl_builder *b, const double *values)
 {
     b->scene->gravity[2] = 0;
     const int moving = (int)values[CRADLE_MOVING], count = moving + (int)values[CRADLE_COUNT];
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         pl_body ball =
             pl_body_at(pl_shape_sphere(cradle_radius),
                        2 * cradle_radius * (i - moving) - (i < moving ? cradle_gap : 0), 0, 0);

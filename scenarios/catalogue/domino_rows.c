@@ -14,7 +14,7 @@ static void build_row(pl_builder *b, int count, double size, double spacing, dou
     const double x = domino_half[0] * size, y = domino_half[1] * size;
     const double z = domino_half[2] * size, reach = sqrt(x * x + z * z);
     const double spin = push * sqrt(1.5 * b->gravity * (reach - z)) / reach;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         pl_body domino = pl_body_at(pl_shape_box(x, y, z), i * spacing * size, 0, z);
         if (i == 0) {
             domino.angular_velocity[1] = spin;
@@ -87,7 +87,7 @@ static const pl_param domino_into_pile_params[] = {
 static void build_pile(pl_builder *b, pl_random *random, double near, int layers)
 {
     const double offset = 0.05 * side, pitch = side + 2 * offset + apart;
-    for (int i = 0; i < ROWS * ROWS * layers; i++) {
+    for (int i = 0; i < ROWS * ROWS * layers; ++i) {
         const int layer = i / (ROWS * ROWS);
         const double dx = pl_draw_uniform(random, -offset, offset);
         const double dy = pl_draw_uniform(random, -offset, offset);

@@ -134,7 +134,7 @@ static void fly(double angular, double time, double *x, double *z)
     enum { INTERVALS = 20000 }; /* even */
     double h = time / INTERVALS;
     *x = *z = 0;
-    for (int i = 0; i <= INTERVALS; i++) {
+    for (int i = 0; i <= INTERVALS; ++i) {
         double s = i * h, lean = fabs(angular) * s * s / 2;
         double weight = i == 0 || i == INTERVALS ? 1 : i % 2 == 1 ? 4 : 2;
         *x += weight * h / 3 * (time - s) * pl_sine_of_any(lean);

@@ -27,7 +27,7 @@ static const pl_param torque_free_params[] = {
 
 static double mean_of(double a, double b)
 {
-    for (int i = 0; i < 64 && fabs(a - b) > 4e-16 * a; i++) {
+    for (int i = 0; i < 64 && fabs(a - b) > 4e-16 * a; ++i) {
         double mean = (a + b) / 2;
         b = sqrt(a * b);
         a = mean;
@@ -39,7 +39,7 @@ static double mean_of(double a, double b)
 static double excess(const double inertia[3], const double w[3], int k)
 {
     double sum = 0;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         sum += inertia[i] * (inertia[i] - inertia[k]) * w[i] * w[i];
     }
     return sum;
@@ -128,7 +128,7 @@ static const pl_param top_params[] = {
 static pl_shape build_cone(pl_builder *b)
 {
     double points[SIDES + 1][3] = {{0, 0, -0.75 * height}};
-    for (int i = 0; i < SIDES; i++) {
+    for (int i = 0; i < SIDES; ++i) {
         double x, y;
         pl_circle_point(i, SIDES, &x, &y);
         points[i + 1][0] = radius * x;

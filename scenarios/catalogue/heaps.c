@@ -31,9 +31,9 @@ static void blocks_build(pl_builder *b, const double *values)
     const int count = (int)values[BLOCKS_COUNT];
     int columns = 1;
     while (columns * columns < count) {
-        columns++;
+        ++columns;
     }
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         const int row = i / columns;
         cube.position[0] = spacing * (i % columns);
         cube.position[1] = spacing * row;
@@ -78,7 +78,7 @@ static void falling_cubes_build(pl_builder *b, const double *values)
     const int columns = (int)values[FALLING_CUBES_COLUMNS];
     const double cell = 2 * half * sqrt(3) + gap;
     pl_build_floor(b);
-    for (int i = 0; i < (int)values[FALLING_CUBES_COUNT]; i++) {
+    for (int i = 0; i < (int)values[FALLING_CUBES_COUNT]; ++i) {
         pl_body cube = pl_body_at(pl_shape_box(half, half, half), 0, 0, 0);
         pl_draw_orientation(&b->random, cube.orientation);
         cube.position[0] = (i % columns + 0.5) * cell;
@@ -205,7 +205,7 @@ static void pile_build(pl_builder *b, const double *values)
     const int count = (int)values[PILE_COUNT], shape = (int)values[PILE_SHAPE];
     int columns = values[PILE_COLUMNS] > 0 ? (int)values[PILE_COLUMNS] : 1;
     while (values[PILE_COLUMNS] == 0 && 2 * columns * columns * columns < count) {
-        columns++;
+        ++columns;
     }
     double cell =
         2 * most_half * (shape == SPHERES || shape == MESHES ? 1 : sqrt(3)) + values[PILE_GAP];
@@ -215,7 +215,7 @@ static void pile_build(pl_builder *b, const double *values)
     pl_build_plane(b, "front", 0, 0, 1, 0, 0);
     pl_build_plane(b, "back", 0, 0, -1, 0, -columns * cell);
     const kit shared = make_kit(b, shape);
-    for (int i = 0; i < count && b->status == PL_OK; i++) {
+    for (int i = 0; i < count && b->status == PL_OK; ++i) {
         build_body(b, &b->random, i, &shared, columns, cell);
     }
 }

@@ -45,8 +45,8 @@ static void pyramid_build(pl_builder *b, const double *values)
     const double half = 0.5, spacing = 1 + values[PYRAMID_GAP];
     const int count = (int)values[PYRAMID_COUNT];
     pl_build_floor(b);
-    for (int row = 0; row < count; row++) {
-        for (int i = 0; i < count - row; i++) {
+    for (int row = 0; row < count; ++row) {
+        for (int i = 0; i < count - row; ++i) {
             pl_body cube = pl_body_at(pl_shape_box(half, half, half),
                                       spacing * (i - (count - 1 - row) / 2.0), 0, row + half);
             pl_build_rest(b, pl_build_body(b, &cube, "cube %d.%d", row + 1, i + 1));
@@ -102,7 +102,7 @@ static void cylinder_pyramid_build(pl_builder *b, const double *values)
     build_round_floor(b, values[CYLINDER_PYRAMID_FLOOR_FRICTION]);
     pl_body cylinder = pl_body_at(pl_shape_cylinder(radius, half_height), 0, 0, 0);
     cylinder.orientation[0] = cylinder.orientation[1] = sqrt(0.5); /* its axis along y */
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         cylinder.position[0] = i == 0 ? -radius : radius;
         cylinder.position[2] = radius;
         pl_build_rest(b, pl_build_body(b, &cylinder, "lower %d", i + 1));
@@ -166,7 +166,7 @@ static void sphere_pyramid_build(pl_builder *b, const double *values)
     const double lower[3][2] = {{out, 0}, {-out / 2, radius}, {-out / 2, -radius}};
     build_round_floor(b, values[SPHERE_PYRAMID_FLOOR_FRICTION]);
     pl_body sphere = pl_body_at(pl_shape_sphere(radius), 0, 0, radius);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         sphere.position[0] = lower[i][0];
         sphere.position[1] = lower[i][1];
         pl_build_rest(b, pl_build_body(b, &sphere, "lower %d", i + 1));

@@ -35,7 +35,7 @@ static void expect_apexes(pl_builder *b, int ball, double height, double e, int 
     const double end = apex.until;
     apex.body = ball;
     apex.quantity = PL_QUANTITY_APEX;
-    for (int k = 0; k < bounces; k++) {
+    for (int k = 0; k < bounces; ++k) {
         const double flight = 2 * part * fall;
         apex.from = start + flight / 4;
         apex.until = start + flight * 3 / 4;

@@ -70,7 +70,7 @@ static double time_to(const rocking *k, double f)
     const double displacement = f - k->start;
     double sum =
         sqrt(2 * displacement / pl_sine(k->start)); /* the limit of the integrand at s = 0 */
-    for (int i = 1; i <= INTERVALS; i++) {
+    for (int i = 1; i <= INTERVALS; ++i) {
         const double s = (double)i / INTERVALS;
         const double weight = i == INTERVALS ? 1 : i % 2 == 1 ? 4 : 2;
         sum += weight * 2 * displacement * s /

@@ -236,7 +236,7 @@ static void build_balls(pl_builder *b, int rows, const double direction[3], doub
 {
     const double axis[3] = {-direction[1], direction[0], 0};
     const double spin = -5.0 / 7 * a * time / carried_balls_radius;
-    for (int i = 0; i < rows * rows; i++) {
+    for (int i = 0; i < rows * rows; ++i) {
         const int row = i / rows;
         pl_body ball =
             pl_body_at(pl_shape_sphere(carried_balls_radius),

@@ -46,7 +46,7 @@ pl_solid pl_solid_box(double half_x, double half_y, double half_z)
 {
     pl_solid s;
     if (take(&s, 8, 12)) {
-        for (int i = 0; i < 8; i++) {
+        for (int i = 0; i < 8; ++i) {
             put_vertex(&s, i & 1 ? half_x : -half_x, i & 2 ? half_y : -half_y,
                        i & 4 ? half_z : -half_z);
         }
@@ -67,7 +67,7 @@ static double dot(const double a[3], const double b[3])
 
 static void cross(const double a[3], const double b[3], double c[3])
 {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         int i = (k + 1) % 3, j = (k + 2) % 3;
         c[k] = a[i] * b[j] - a[j] * b[i];
     }
@@ -76,7 +76,7 @@ static void cross(const double a[3], const double b[3], double c[3])
 static void make_unit(double v[3])
 {
     double length = sqrt(dot(v, v));
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         v[k] /= length;
     }
 }
@@ -87,29 +87,29 @@ static void lay_on_first_face(pl_solid *s, double *height)
     double axis[3][3]; /* rows: the new axes in the old ones */
     double u[3], v[3], down[3];
     const int *t = s->triangles[0];
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         u[k] = s->vertices[t[1]][k] - s->vertices[t[0]][k];
         v[k] = s->vertices[t[2]][k] - s->vertices[t[0]][k];
     }
     cross(u, v, down);
     make_unit(down);
     make_unit(u);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         axis[0][k] = u[k];
         axis[2][k] = -down[k];
     }
     cross(axis[2], axis[0], axis[1]);
     *height = dot(down, s->vertices[t[0]]);
-    for (int i = 0; i < s->vertex_count; i++) {
+    for (int i = 0; i < s->vertex_count; ++i) {
         double turned[3];
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             turned[k] = dot(axis[k], s->vertices[i]);
         }
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             s->vertices[i][k] = turned[k];
         }
     }
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         s->vertices[s->triangles[0][k]][2] = -*height; /* level to the last digit */
     }
 }
@@ -142,15 +142,15 @@ pl_solid pl_solid_icosahedron(double edge, double *height)
     if (take(&s, 12, 20)) {
         /* Three golden rectangles. */
         double a = edge / 2, b = a * (1 + sqrt(5)) / 2;
-        for (int k = 0; k < 3; k++) {
-            for (int i = 0; i < 4; i++) {
+        for (int k = 0; k < 3; ++k) {
+            for (int i = 0; i < 4; ++i) {
                 double v[3] = {0, 0, 0};
                 v[k] = i & 1 ? a : -a;
                 v[(k + 1) % 3] = i & 2 ? -b : b;
                 put_vertex(&s, v[0], v[1], v[2]);
             }
         }
-        for (int i = 0; i < 20; i++) {
+        for (int i = 0; i < 20; ++i) {
             put_triangle(&s, faces[i][0], faces[i][1], faces[i][2]);
         }
         lay_on_first_face(&s, height);
@@ -162,17 +162,17 @@ pl_solid pl_solid_prism(int sides, double radius, double half_height)
 {
     pl_solid s;
     if (take(&s, 2 * sides, 4 * sides - 4)) {
-        for (int i = 0; i < sides; i++) {
+        for (int i = 0; i < sides; ++i) {
             double x, y;
             pl_circle_point(2 * i + 1, 2 * sides, &x, &y);
             put_vertex(&s, radius * x, radius * y, -half_height);
             put_vertex(&s, radius * x, radius * y, half_height);
         }
-        for (int i = 0; i < sides; i++) {
+        for (int i = 0; i < sides; ++i) {
             int next = (i + 1) % sides;
             put_quad(&s, 2 * i, 2 * next, 2 * next + 1, 2 * i + 1);
         }
-        for (int i = 1; i + 1 < sides; i++) {
+        for (int i = 1; i + 1 < sides; ++i) {
             put_triangle(&s, 0, 2 * i + 2, 2 * i);
             put_triangle(&s, 1, 2 * i + 1, 2 * i + 3);
         }
@@ -186,11 +186,11 @@ pl_solid pl_solid_angle(double length, double thickness, double width)
     const double corner[6][2] = {{0, 0}, {l, 0}, {l, t}, {t, t}, {t, l}, {0, l}}; /* x, z */
     pl_solid s;
     if (take(&s, 12, 20)) {
-        for (int i = 0; i < 6; i++) {
+        for (int i = 0; i < 6; ++i) {
             put_vertex(&s, corner[i][0], 0, corner[i][1]);
             put_vertex(&s, corner[i][0], width, corner[i][1]);
         }
-        for (int i = 0; i < 6; i++) {
+        for (int i = 0; i < 6; ++i) {
             int next = (i + 1) % 6;
             put_quad(&s, 2 * i, 2 * i + 1, 2 * next + 1, 2 * next);
         }
@@ -207,19 +207,19 @@ pl_solid pl_solid_torus(double ring_radius, double tube_radius, int around, int 
 {
     pl_solid s;
     if (take(&s, around * sides, 2 * around * sides)) {
-        for (int i = 0; i < around; i++) {
+        for (int i = 0; i < around; ++i) {
             double x, y;
             pl_circle_point(2 * i + 1, 2 * around, &x, &y);
-            for (int k = 0; k < sides; k++) {
+            for (int k = 0; k < sides; ++k) {
                 double out, up;
                 pl_circle_point(2 * k + 1, 2 * sides, &out, &up);
                 double r = ring_radius + tube_radius * out;
                 put_vertex(&s, r * x, r * y, tube_radius * up);
             }
         }
-        for (int i = 0; i < around; i++) {
+        for (int i = 0; i < around; ++i) {
             int piece = i * sides, next = (i + 1) % around * sides;
-            for (int k = 0; k < sides; k++) {
+            for (int k = 0; k < sides; ++k) {
                 int up = (k + 1) % sides;
                 put_quad(&s, piece + k, next + k, next + up, piece + up);
             }

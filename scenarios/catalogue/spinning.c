@@ -107,13 +107,13 @@ static void rate_of(const double *y, double friction, double g, double *rate)
     const double half_root_3 = 0.8660254037844386;
     static const double turn[3][2] = {{1, 0}, {-0.5, 1}, {-0.5, -1}};
     double r[3][2], slip[3][2], p[3][2], force[2] = {0, 0}, torque = 0;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const double c = turn[i][0], s = turn[i][1] * half_root_3;
         r[i][0] = slide_and_spin_radius * (c * y[CORNER_X] - s * y[CORNER_Y]);
         r[i][1] = slide_and_spin_radius * (s * y[CORNER_X] + c * y[CORNER_Y]);
         const double u[2] = {y[VX] - y[W] * r[i][1], y[VY] + y[W] * r[i][0]};
         const double speed = sqrt(u[0] * u[0] + u[1] * u[1]);
-        for (int k = 0; k < 2; k++) {
+        for (int k = 0; k < 2; ++k) {
             slip[i][k] = speed > 0 ? u[k] / speed : 0;
             p[i][k] = r[i][k] - friction * slide_and_spin_half_height * slip[i][k];
         }
@@ -121,7 +121,7 @@ static void rate_of(const double *y, double friction, double g, double *rate)
     /* The weights of the origin in the triangle of the p. */
     const double share[3] = {cross(p[1], p[2]), cross(p[2], p[0]), cross(p[0], p[1])};
     const double whole = share[0] + share[1] + share[2];
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const double most = friction * g * share[i] / whole;
         force[0] -= most * slip[i][0];
         force[1] -= most * slip[i][1];
@@ -151,20 +151,20 @@ static void solve(double *y, double time, double friction, double g)
     const double least = 1e-8 * energy_of(y);
     const double h = fmin(time, (sqrt(energy_of(y)) * 2) / (friction * g)) / STEPS;
     double left = time;
-    for (int n = 0; n < 4 * STEPS && left > 0 && energy_of(y) > least; n++) {
+    for (int n = 0; n < 4 * STEPS && left > 0 && energy_of(y) > least; ++n) {
         const double step = fmin(h, left);
         double rate[UNKNOWNS] = {0}, sum[UNKNOWNS] = {0};
-        for (int stage = 0; stage < 4; stage++) {
+        for (int stage = 0; stage < 4; ++stage) {
             double at[UNKNOWNS];
-            for (int i = 0; i < UNKNOWNS; i++) {
+            for (int i = 0; i < UNKNOWNS; ++i) {
                 at[i] = y[i] + node[stage] * step * rate[i];
             }
             rate_of(at, friction, g, rate);
-            for (int i = 0; i < UNKNOWNS; i++) {
+            for (int i = 0; i < UNKNOWNS; ++i) {
                 sum[i] += weight[stage] * rate[i];
             }
         }
-        for (int i = 0; i < UNKNOWNS; i++) {
+        for (int i = 0; i < UNKNOWNS; ++i) {
             y[i] += step / 6 * sum[i];
         }
         left -= step;

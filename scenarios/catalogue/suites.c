@@ -117,7 +117,7 @@ const pl_suite *pl_suites(int *count)
 const pl_suite *pl_suite_find(const char *name, pl_error *error)
 {
     const char *names[SUITE_COUNT];
-    for (int i = 0; i < SUITE_COUNT; i++) {
+    for (int i = 0; i < SUITE_COUNT; ++i) {
         names[i] = suites[i].name;
         if (strcmp(name, names[i]) == 0) {
             return &suites[i];

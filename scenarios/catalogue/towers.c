@@ -61,7 +61,7 @@ static double root(double ratio, int n)
         if (middle <= low || middle >= high) {
             return low;
         }
-        for (int i = 0; i < n && power <= ratio; i++) {
+        for (int i = 0; i < n && power <= ratio; ++i) {
             power *= middle;
         }
         *(power <= ratio ? &low : &high) = middle;
@@ -74,7 +74,7 @@ static void tower_build(pl_builder *b, const double *values)
     const int count = (int)values[TOWER_COUNT];
     const double growth = count > 1 ? root(values[TOWER_RISING_MASS], count - 1) : 1;
     double mass = 1;
-    for (int k = 1; k <= count; k++, mass *= growth) {
+    for (int k = 1; k <= count; ++k, mass *= growth) {
         const double x = displacement(&b->random, values[TOWER_OFFSET]);
         const double y = displacement(&b->random, values[TOWER_OFFSET]);
         pl_body cube = cube_at(x, y, k - half);
@@ -117,9 +117,9 @@ static void multi_tower_build(pl_builder *b, const double *values)
     const double spacing = 2;
     const int towers = (int)values[MULTI_TOWER_SIDE], count = (int)values[MULTI_TOWER_COUNT];
     begin(b);
-    for (int tower = 0; tower < towers * towers; tower++) {
+    for (int tower = 0; tower < towers * towers; ++tower) {
         const int column = tower % towers, row = tower / towers;
-        for (int k = 0; k < count; k++) {
+        for (int k = 0; k < count; ++k) {
             pl_body cube = cube_at(spacing * column, spacing * row, half + k);
             pl_build_rest(b, pl_build_body(b, &cube, "cube %d.%d", tower + 1, k + 1));
         }
@@ -164,7 +164,7 @@ static void build_cube(pl_builder *b, const char *name, double mass, double heig
 static void mass_ratio_build(pl_builder *b, const double *values)
 {
     double mass = 1;
-    for (int i = 0; i < (int)values[MASS_RATIO_EXPONENT]; i++) {
+    for (int i = 0; i < (int)values[MASS_RATIO_EXPONENT]; ++i) {
         mass *= 10;
     }
     begin(b);
@@ -204,7 +204,7 @@ static const pl_param large_step_params[] = {
 static void large_step_build(pl_builder *b, const double *values)
 {
     begin(b);
-    for (int k = 0; k < (int)values[LARGE_STEP_COUNT]; k++) {
+    for (int k = 0; k < (int)values[LARGE_STEP_COUNT]; ++k) {
         pl_body cube = cube_at(0, 0, half + k);
         pl_build_rest(b, pl_build_body(b, &cube, "cube %d", k + 1));
     }
@@ -241,7 +241,7 @@ static void far_from_origin_build(pl_builder *b, const double *values)
 {
     const double azimuth = 30 * PL_RADIANS_PER_DEGREE;
     begin(b);
-    for (int k = 0; k < (int)values[FAR_FROM_ORIGIN_COUNT]; k++) {
+    for (int k = 0; k < (int)values[FAR_FROM_ORIGIN_COUNT]; ++k) {
         pl_body cube = cube_at(values[FAR_FROM_ORIGIN_DISTANCE] * pl_cosine(azimuth),
                                values[FAR_FROM_ORIGIN_DISTANCE] * pl_sine(azimuth), half + k);
         cube.orientation[0] = pl_cosine(azimuth / 2);
@@ -284,7 +284,7 @@ static const pl_param initial_overlap_params[] = {
 static void initial_overlap_build(pl_builder *b, const double *values)
 {
     begin(b);
-    for (int k = 1; k <= (int)values[INITIAL_OVERLAP_COUNT]; k++) {
+    for (int k = 1; k <= (int)values[INITIAL_OVERLAP_COUNT]; ++k) {
         pl_body cube = cube_at(0, 0, k - half);
         int index = pl_build_body(b, &cube, "cube %d", k);
         pl_build_rest(b, index);

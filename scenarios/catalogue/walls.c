@@ -37,15 +37,15 @@ static void build_wall(pl_builder *b, int rows, int columns, bool expect_rest)
 {
     const double half = brick_length / 2;
     pl_build_floor(b);
-    for (int row = 0; row < rows; row++) {
+    for (int row = 0; row < rows; ++row) {
         if (row % 2 == 0) {
-            for (int c = 0; c < columns; c++) {
+            for (int c = 0; c < columns; ++c) {
                 build_brick(b, row, c, c, brick_length, expect_rest);
             }
             continue;
         }
         build_brick(b, row, 0, -half / 2, half, expect_rest);
-        for (int c = 1; c < columns; c++) {
+        for (int c = 1; c < columns; ++c) {
             build_brick(b, row, c, c - half, brick_length, expect_rest);
         }
         build_brick(b, row, columns, columns - half - half / 2, half, expect_rest);

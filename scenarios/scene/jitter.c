@@ -44,7 +44,7 @@ static void turn(double q[4], pl_vec v)
     q[2] = y + h.y * w + h.z * x - h.x * z;
     q[3] = z + h.z * w + h.x * y - h.y * x;
     const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 4; ++k) {
         q[k] /= length;
     }
 }
@@ -65,10 +65,10 @@ void pl_scene_jitter(pl_scene *scene, uint64_t seed, int member)
     /* A member's own seed is its number in the stream of the ensemble's. */
     pl_random seeds = {.state = seed};
     pl_random random = {.state = pl_random_bits(&seeds)};
-    for (int k = 0; k < member; k++) {
+    for (int k = 0; k < member; ++k) {
         random.state = pl_random_bits(&seeds);
     }
-    for (int i = 0; i < scene->body_count; i++) {
+    for (int i = 0; i < scene->body_count; ++i) {
         if (!scene->bodies[i].is_static) {
             jitter_body(&scene->bodies[i], &random);
         }
@@ -78,7 +78,7 @@ void pl_scene_jitter(pl_scene *scene, uint64_t seed, int member)
 double pl_scene_least_size(const pl_scene *scene)
 {
     double least = (double)INFINITY;
-    for (int i = 0; i < scene->body_count; i++) {
+    for (int i = 0; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
         if (!body->is_static) {
             least = fmin(least, 2 * pl_shape_half_width(&body->shape));

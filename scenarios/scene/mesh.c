@@ -21,21 +21,21 @@
 static bool check_indices(const int (*triangles)[3], int triangle_count, int vertex_count,
                           pl_diagnostic *diagnostic)
 {
-    for (int t = 0; t < triangle_count; t++) {
+    for (int t = 0; t < triangle_count; ++t) {
         const int *corner = triangles[t];
         pl_path_push_key(&diagnostic->path, "triangles");
         pl_path_push_index(&diagnostic->path, t);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             if (corner[k] < 0 || corner[k] >= vertex_count) {
                 pl_path_push_index(&diagnostic->path, k);
-                return pl_complain(diagnostic,
+                return pl_diagnose(diagnostic,
                                    "expected the index of a vertex from 0 to %d, found "
                                    "%d in triangle %d",
                                    vertex_count - 1, corner[k], t);
             }
         }
         if (corner[0] == corner[1] || corner[1] == corner[2] || corner[2] == corner[0]) {
-            return pl_complain(diagnostic,
+            return pl_diagnose(diagnostic,
                                "expected three different vertices, found %d, %d and %d in triangle "
                                "%d",
                                corner[0], corner[1], corner[2], t);
@@ -51,13 +51,13 @@ static bool has_area(const double (*vertices)[3], const int corner[3])
 {
     double largest = 0, longest = 0;
     pl_vec point[3];
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         point[k] = pl_vec_of(vertices[corner[k]]);
-        for (int axis = 0; axis < 3; axis++) {
+        for (int axis = 0; axis < 3; ++axis) {
             largest = fmax(largest, fabs(vertices[corner[k]][axis]));
         }
     }
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         longest = fmax(longest, pl_vec_length(pl_vec_sub(point[(k + 1) % 3], point[k])));
     }
     const double two_areas =
@@ -68,12 +68,12 @@ static bool has_area(const double (*vertices)[3], const int corner[3])
 static bool check_areas(const double (*vertices)[3], const int (*triangles)[3], int triangle_count,
                         pl_diagnostic *diagnostic)
 {
-    for (int t = 0; t < triangle_count; t++) {
+    for (int t = 0; t < triangle_count; ++t) {
         const int *corner = triangles[t];
         if (!has_area(vertices, corner)) {
             pl_path_push_key(&diagnostic->path, "triangles");
             pl_path_push_index(&diagnostic->path, t);
-            return pl_complain(diagnostic,
+            return pl_diagnose(diagnostic,
                                "expected a triangle with an area, found vertices %d, %d and %d of "
                                "triangle %d on one line",
                                corner[0], corner[1], corner[2], t);
@@ -90,7 +90,7 @@ static bool face_outward(const double (*vertices)[3], int vertex_count, int (*tr
     int(*neighbours)[3] = malloc(count * sizeof *neighbours);
     int *surface = malloc(count * sizeof *surface);
     int surface_count = 0;
-    bool right = (neighbours != NULL && surface != NULL) || pl_complain_no_memory(diagnostic);
+    bool right = (neighbours != NULL && surface != NULL) || pl_diagnose_no_memory(diagnostic);
     right =
         right &&
         pl_mesh_neighbours((const int(*)[3])triangles, triangle_count, neighbours, diagnostic) &&
@@ -98,9 +98,9 @@ static bool face_outward(const double (*vertices)[3], int vertex_count, int (*tr
                        &surface_count, diagnostic);
     free(neighbours);
     if (right && surface_count > PL_MAX_SURFACES) {
-        right =
-            pl_complain_of(diagnostic, "triangles", "expected at most %d closed surfaces, found %d",
-                           PL_MAX_SURFACES, surface_count);
+        right = pl_diagnose_field(diagnostic, "triangles",
+                                  "expected at most %d closed surfaces, found %d", PL_MAX_SURFACES,
+                                  surface_count);
     }
     right = right &&
             pl_mesh_turn_outward(vertices, triangles, triangle_count, surface, surface_count,
@@ -120,18 +120,18 @@ static bool keep_used_vertices(pl_polyhedron *p)
     if (number == NULL) {
         return false;
     }
-    for (int i = 0; i < 3 * p->triangle_count; i++) {
+    for (int i = 0; i < 3 * p->triangle_count; ++i) {
         number[p->triangles[i / 3][i % 3]] = 1;
     }
     int kept = 0;
-    for (int i = 0; i < p->vertex_count; i++) {
+    for (int i = 0; i < p->vertex_count; ++i) {
         if (number[i] != 0) {
             memmove(p->vertices[kept], p->vertices[i], sizeof p->vertices[i]);
             number[i] = kept++;
         }
     }
     p->vertex_count = kept;
-    for (int i = 0; i < 3 * p->triangle_count; i++) {
+    for (int i = 0; i < 3 * p->triangle_count; ++i) {
         int *corner = &p->triangles[i / 3][i % 3];
         *corner = number[*corner];
     }
@@ -142,12 +142,12 @@ static bool keep_used_vertices(pl_polyhedron *p)
 static bool check_counts(int vertex_count, int triangle_count, pl_diagnostic *diagnostic)
 {
     if (vertex_count < 4 || vertex_count > PL_MAX_VERTICES) {
-        return pl_complain_of(diagnostic, "vertices", "expected 4 to %d vertices, found %d",
-                              PL_MAX_VERTICES, vertex_count);
+        return pl_diagnose_field(diagnostic, "vertices", "expected 4 to %d vertices, found %d",
+                                 PL_MAX_VERTICES, vertex_count);
     }
     if (triangle_count < 4 || triangle_count > PL_MAX_TRIANGLES) {
-        return pl_complain_of(diagnostic, "triangles", "expected 4 to %d triangles, found %d",
-                              PL_MAX_TRIANGLES, triangle_count);
+        return pl_diagnose_field(diagnostic, "triangles", "expected 4 to %d triangles, found %d",
+                                 PL_MAX_TRIANGLES, triangle_count);
     }
     return true;
 }
@@ -164,7 +164,7 @@ bool pl_polyhedron_of_mesh(const double (*vertices)[3], int vertex_count, const 
     }
     pl_polyhedron *made = pl_polyhedron_create(vertex_count, triangle_count);
     if (made == NULL) {
-        return pl_complain_no_memory(diagnostic);
+        return pl_diagnose_no_memory(diagnostic);
     }
     memcpy(made->vertices, vertices, (size_t)vertex_count * sizeof *vertices);
     memcpy(made->triangles, triangles, (size_t)triangle_count * sizeof *triangles);
@@ -174,11 +174,11 @@ bool pl_polyhedron_of_mesh(const double (*vertices)[3], int vertex_count, const 
     }
     if (!keep_used_vertices(made)) {
         pl_polyhedron_free(made);
-        return pl_complain_no_memory(diagnostic);
+        return pl_diagnose_no_memory(diagnostic);
     }
     if (!pl_polyhedron_measure(made)) {
         pl_polyhedron_free(made);
-        return pl_complain_of(
+        return pl_diagnose_field(
             diagnostic, "triangles",
             "expected a solid with a volume beyond rounding, at most a million times as long as "
             "wide, found another");

@@ -9,13 +9,13 @@
 /* ---- Edges, direction and components: mesh_edges.c ---- */
 
 /* Fills neighbours[t][k] with the triangle on the other side of the edge of t from corner k to the
- * next. Complains at "triangles"[t] of an edge that is not of exactly two triangles.
+ * next. Fails at "triangles"[t] of an edge that is not of exactly two triangles.
  * O(n log n). */
 bool pl_mesh_neighbours(const int (*triangles)[3], int triangle_count, int (*neighbours)[3],
                         pl_diagnostic *diagnostic);
 
 /* Turns triangles so that all neighbours run along their common edge in opposite directions, the
- * lowest triangle of each component being left as it is. Complains of a surface with one side.
+ * lowest triangle of each component being left as it is. Reports a surface with one side.
  * Fills component[t] with the number of t's component, from 0 by lowest triangle, and
  * *component_count.
  */
@@ -28,7 +28,7 @@ bool pl_mesh_is_closed(const pl_polyhedron *polyhedron);
 
 /* ---- Crossing: mesh_crossing.c ---- */
 
-/* Complains at "triangles"[t] of the first two triangles that cross: those that go through each
+/* Fails at "triangles"[t] of the first two triangles that cross: those that go through each
  * other, or lie in one plane, face the same way and overlap, by more than 1e-9 of the surface's
  * size. Triangles with a common edge never do. The surface must be closed, each component of
  * positive volume. O(n log n) where triangles are small next to the whole; up to O(n^2) where the

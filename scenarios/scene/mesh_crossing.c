@@ -29,7 +29,7 @@ static double overlap(interval a, interval b)
 static interval along(const triangle *t, pl_vec origin, pl_vec direction)
 {
     interval s = {(double)INFINITY, -(double)INFINITY};
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const double x = pl_vec_dot(pl_vec_sub(t->corner[k], origin), direction);
         s.low = fmin(s.low, x);
         s.high = fmax(s.high, x);
@@ -41,7 +41,7 @@ static interval along(const triangle *t, pl_vec origin, pl_vec direction)
 static bool overlap_in_plane(const triangle *a, const triangle *b, double tolerance)
 {
     const triangle *both[2] = {a, b};
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; ++i) {
         const triangle *t = both[i / 3];
         const pl_vec edge = pl_vec_sub(t->corner[(i + 1) % 3], t->corner[i % 3]);
         const pl_vec across = pl_vec_cross(t->normal, edge);
@@ -63,7 +63,7 @@ typedef struct heights {
 static heights measure_heights(const triangle *t, const triangle *plane, double tolerance)
 {
     heights h = {.above = false};
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const double x = pl_vec_dot(pl_vec_sub(t->corner[k], plane->corner[0]), plane->normal);
         h.of[k] = fabs(x) <= tolerance ? 0 : x;
         h.above = h.above || h.of[k] > 0;
@@ -76,7 +76,7 @@ static heights measure_heights(const triangle *t, const triangle *plane, double 
 static interval cut(const triangle *t, const heights *h, pl_vec origin, pl_vec line)
 {
     interval s = {(double)INFINITY, -(double)INFINITY};
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const int next = (k + 1) % 3;
         const double from = h->of[k], to = h->of[next];
         pl_vec point = pl_vec_sub(t->corner[k], origin);
@@ -136,7 +136,7 @@ enum { LEAF_SIZE = 4, DEEPEST = 64 };
 
 static void box_of_triangle(const search *s, int t, double low[3], double high[3])
 {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const double a = s->vertices[s->triangles[t][0]][k];
         const double b = s->vertices[s->triangles[t][1]][k];
         const double c = s->vertices[s->triangles[t][2]][k];
@@ -160,10 +160,10 @@ static void select_middle(const search *s, int axis, int begin, int end, int mid
         int i = low, j = high;
         while (i <= j) {
             while (comes_before(s, axis, s->order[i], pivot)) {
-                i++;
+                ++i;
             }
             while (comes_before(s, axis, pivot, s->order[j])) {
-                j--;
+                --j;
             }
             if (i <= j) {
                 const int swapped = s->order[i];
@@ -186,17 +186,17 @@ static int build_node(search *s, int begin, int end)
 {
     const int index = s->node_count++;
     node n = {.begin = begin, .end = end};
-    for (int i = begin; i < end; i++) {
+    for (int i = begin; i < end; ++i) {
         double low[3], high[3];
         box_of_triangle(s, s->order[i], low, high);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             n.low[k] = i == begin ? low[k] : fmin(n.low[k], low[k]);
             n.high[k] = i == begin ? high[k] : fmax(n.high[k], high[k]);
         }
     }
     if (end - begin > LEAF_SIZE) {
         int axis = 0;
-        for (int k = 1; k < 3; k++) {
+        for (int k = 1; k < 3; ++k) {
             axis = n.high[k] - n.low[k] > n.high[axis] - n.low[axis] ? k : axis;
         }
         const int middle = begin + (end - begin) / 2;
@@ -211,7 +211,7 @@ static int build_node(search *s, int begin, int end)
 static triangle load(const search *s, int t)
 {
     triangle made = {.normal = s->normals[t]};
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         made.corner[k] = pl_vec_of(s->vertices[s->triangles[t][k]]);
     }
     return made;
@@ -229,7 +229,7 @@ static pl_vec normal_of(const search *s, int t)
 static int common_vertices(const int a[3], const int b[3])
 {
     int count = 0;
-    for (int i = 0; i < 9; i++) {
+    for (int i = 0; i < 9; ++i) {
         count += a[i / 3] == b[i % 3] ? 1 : 0;
     }
     return count;
@@ -247,14 +247,14 @@ static int find_crossing(const search *s, int t)
         const int index = stack[--depth];
         const node *n = &s->nodes[index];
         bool near = true;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             near = near && n->low[k] <= high[k] && low[k] <= n->high[k];
         }
         if (near && n->second != 0) {
             stack[depth++] = n->second;
             stack[depth++] = index + 1;
         }
-        for (int i = n->begin; i < n->end && near && n->second == 0; i++) {
+        for (int i = n->begin; i < n->end && near && n->second == 0; ++i) {
             const int other = s->order[i];
             if (other > t && (found < 0 || other < found) &&
                 common_vertices(s->triangles[t], s->triangles[other]) < 2) {
@@ -269,9 +269,9 @@ static int find_crossing(const search *s, int t)
 static bool prepare(search *s, int vertex_count, int triangle_count)
 {
     double size = 0, largest = 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         double low = s->vertices[s->triangles[0][0]][k], high = low;
-        for (int i = 0; i < vertex_count; i++) {
+        for (int i = 0; i < vertex_count; ++i) {
             low = fmin(low, s->vertices[i][k]);
             high = fmax(high, s->vertices[i][k]);
         }
@@ -286,12 +286,12 @@ static bool prepare(search *s, int vertex_count, int triangle_count)
     if (s->normals == NULL || s->order == NULL || s->middle == NULL || s->nodes == NULL) {
         return false;
     }
-    for (int t = 0; t < triangle_count; t++) {
+    for (int t = 0; t < triangle_count; ++t) {
         double low[3], high[3];
         box_of_triangle(s, t, low, high);
         s->order[t] = t;
         s->normals[t] = normal_of(s, t);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             s->middle[t][k] = low[k] + high[k];
         }
     }
@@ -304,13 +304,13 @@ bool pl_mesh_check_crossing(const double (*vertices)[3], int vertex_count,
                             pl_diagnostic *diagnostic)
 {
     search s = {.vertices = vertices, .triangles = triangles};
-    bool right = prepare(&s, vertex_count, triangle_count) || pl_complain_no_memory(diagnostic);
-    for (int t = 0; t < triangle_count && right; t++) {
+    bool right = prepare(&s, vertex_count, triangle_count) || pl_diagnose_no_memory(diagnostic);
+    for (int t = 0; t < triangle_count && right; ++t) {
         const int other = find_crossing(&s, t);
         if (other >= 0) {
             pl_path_push_key(&diagnostic->path, "triangles");
             pl_path_push_index(&diagnostic->path, t);
-            right = pl_complain(diagnostic,
+            right = pl_diagnose(diagnostic,
                                 "expected a surface that does not cross itself, found triangles %d "
                                 "(vertices %d, %d, %d) and %d (%d, %d, %d) in each other",
                                 t, triangles[t][0], triangles[t][1], triangles[t][2], other,

@@ -28,8 +28,8 @@ static half_edge *sorted_edges(const int (*triangles)[3], int triangle_count)
     if (edges == NULL) {
         return NULL;
     }
-    for (int t = 0; t < triangle_count; t++) {
-        for (int k = 0; k < 3; k++) {
+    for (int t = 0; t < triangle_count; ++t) {
+        for (int k = 0; k < 3; ++k) {
             const int a = triangles[t][k], b = triangles[t][(k + 1) % 3];
             edges[3 * t + k] = (half_edge){a < b ? a : b, a < b ? b : a, 3 * t + k};
         }
@@ -38,17 +38,17 @@ static half_edge *sorted_edges(const int (*triangles)[3], int triangle_count)
     return edges;
 }
 
-static bool complain_of_edge(const half_edge *edge, int uses, pl_diagnostic *diagnostic)
+static bool diagnose_edge(const half_edge *edge, int uses, pl_diagnostic *diagnostic)
 {
     pl_path_push_key(&diagnostic->path, "triangles");
     pl_path_push_index(&diagnostic->path, edge->side / 3);
     if (uses == 1) {
-        return pl_complain(diagnostic,
+        return pl_diagnose(diagnostic,
                            "expected a closed surface, each edge of two triangles, found triangle "
                            "%d alone at the edge of vertices %d and %d",
                            edge->side / 3, edge->low, edge->high);
     }
-    return pl_complain(diagnostic,
+    return pl_diagnose(diagnostic,
                        "expected each edge to be of two triangles, found that of vertices %d and "
                        "%d in %d, such as triangles %d, %d and %d",
                        edge->low, edge->high, uses, edge[0].side / 3, edge[1].side / 3,
@@ -60,17 +60,17 @@ bool pl_mesh_neighbours(const int (*triangles)[3], int triangle_count, int (*nei
 {
     half_edge *edges = sorted_edges(triangles, triangle_count);
     if (edges == NULL) {
-        return pl_complain_no_memory(diagnostic);
+        return pl_diagnose_no_memory(diagnostic);
     }
     bool right = true;
     const int count = 3 * triangle_count;
     for (int i = 0, end; i < count && right; i = end) {
         end = i + 1;
         while (end < count && edges[end].low == edges[i].low && edges[end].high == edges[i].high) {
-            end++;
+            ++end;
         }
         if (end - i != 2) {
-            right = complain_of_edge(&edges[i], end - i, diagnostic);
+            right = diagnose_edge(&edges[i], end - i, diagnostic);
         } else {
             const int a = edges[i].side, b = edges[i + 1].side;
             neighbours[a / 3][a % 3] = b / 3;
@@ -104,7 +104,7 @@ static bool walk_component(walk *w, int first, int number, pl_diagnostic *diagno
     w->component[first] = number;
     while (head < tail) {
         const int t = w->queue[head++];
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             const int u = w->neighbours[t][k];
             const int from = w->triangles[t][k], to = w->triangles[t][(k + 1) % 3];
             const bool turned = w->turned[t] != runs(w->triangles[u], from, to);
@@ -115,7 +115,7 @@ static bool walk_component(walk *w, int first, int number, pl_diagnostic *diagno
             } else if (w->turned[u] != turned) {
                 pl_path_push_key(&diagnostic->path, "triangles");
                 pl_path_push_index(&diagnostic->path, u);
-                return pl_complain(diagnostic,
+                return pl_diagnose(diagnostic,
                                    "expected a surface with two sides, found that triangles %d and "
                                    "%d, with the edge of vertices %d and %d, cannot face the same",
                                    t, u, from, to);
@@ -136,17 +136,17 @@ bool pl_mesh_orient(int (*triangles)[3], int triangle_count, const int (*neighbo
               .queue = malloc(count * sizeof *w.queue)};
     bool right = w.turned != NULL && w.queue != NULL;
     if (!right) {
-        pl_complain_no_memory(diagnostic);
+        pl_diagnose_no_memory(diagnostic);
     }
     memset(component, -1, count * sizeof *component);
     *component_count = 0;
-    for (int t = 0; t < triangle_count && right; t++) {
+    for (int t = 0; t < triangle_count && right; ++t) {
         if (component[t] < 0) {
             right = walk_component(&w, t, *component_count, diagnostic);
             *component_count += 1;
         }
     }
-    for (int t = 0; t < triangle_count && right; t++) {
+    for (int t = 0; t < triangle_count && right; ++t) {
         if (w.turned[t]) {
             const int swapped = triangles[t][1];
             triangles[t][1] = triangles[t][2];

@@ -32,13 +32,13 @@ static void free_surfaces(surfaces *s)
 static void sort_triangles(surfaces *s, const int (*triangles)[3], int triangle_count,
                            const int *surface)
 {
-    for (int t = 0; t < triangle_count; t++) {
+    for (int t = 0; t < triangle_count; ++t) {
         s->first[surface[t] + 2]++;
     }
-    for (int c = 0; c < s->count; c++) {
+    for (int c = 0; c < s->count; ++c) {
         s->first[c + 2] += s->first[c + 1];
     }
-    for (int t = 0; t < triangle_count; t++) {
+    for (int t = 0; t < triangle_count; ++t) {
         const int place = s->first[surface[t] + 1]++;
         s->order[place] = t;
         memcpy(s->triangles[place], triangles[t], sizeof triangles[t]);
@@ -47,11 +47,11 @@ static void sort_triangles(surfaces *s, const int (*triangles)[3], int triangle_
 
 static void find_boxes(surfaces *s)
 {
-    for (int c = 0; c < s->count; c++) {
-        for (int i = 3 * s->first[c]; i < 3 * s->first[c + 1]; i++) {
+    for (int c = 0; c < s->count; ++c) {
+        for (int i = 3 * s->first[c]; i < 3 * s->first[c + 1]; ++i) {
             const double *vertex = s->vertices[s->triangles[i / 3][i % 3]];
             const bool is_first = i == 3 * s->first[c];
-            for (int k = 0; k < 3; k++) {
+            for (int k = 0; k < 3; ++k) {
                 s->low[c][k] = is_first ? vertex[k] : fmin(s->low[c][k], vertex[k]);
                 s->high[c][k] = is_first ? vertex[k] : fmax(s->high[c][k], vertex[k]);
             }
@@ -74,7 +74,7 @@ static bool create_surfaces(surfaces *s, const double (*vertices)[3], const int 
     if (s->triangles == NULL || s->first == NULL || s->order == NULL || s->low == NULL ||
         s->high == NULL) {
         free_surfaces(s);
-        return pl_complain_no_memory(diagnostic);
+        return pl_diagnose_no_memory(diagnostic);
     }
     sort_triangles(s, triangles, triangle_count, surface);
     find_boxes(s);
@@ -97,23 +97,23 @@ bool pl_mesh_turn_outward(const double (*vertices)[3], int (*triangles)[3], int 
         return false;
     }
     bool right = true;
-    for (int c = 0; c < s.count && right; c++) {
+    for (int c = 0; c < s.count && right; ++c) {
         const int begin = s.first[c], end = s.first[c + 1];
         double middle[3], six_volumes, two_areas, largest = 0;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             middle[k] = s.low[c][k] + (s.high[c][k] - s.low[c][k]) / 2;
             largest = fmax(largest, fmax(-s.low[c][k], s.high[c][k]));
         }
         pl_surface_volume(vertices, (const int(*)[3])s.triangles + begin, end - begin, middle,
                           &six_volumes, &two_areas);
-        for (int i = begin; i < end && six_volumes < 0; i++) {
+        for (int i = begin; i < end && six_volumes < 0; ++i) {
             turn(triangles[s.order[i]]);
         }
         if (!pl_surface_is_thick(fabs(six_volumes), two_areas, largest)) {
             char found[PL_NUMBER_SIZE];
             pl_path_push_key(&diagnostic->path, "triangles");
             pl_path_push_index(&diagnostic->path, s.order[begin]);
-            right = pl_complain(diagnostic,
+            right = pl_diagnose(diagnostic,
                                 "expected a surface that encloses a volume, found %s m^3 in that "
                                 "of triangle %d",
                                 pl_number_text(six_volumes / 6, found), s.order[begin]);
@@ -133,7 +133,7 @@ static double winding(const surfaces *s, int c, pl_vec point)
 {
     const double two_pi = 6.28318530717958647692;
     double sum = 0;
-    for (int i = s->first[c]; i < s->first[c + 1]; i++) {
+    for (int i = s->first[c]; i < s->first[c + 1]; ++i) {
         const pl_vec a = corner_from(s, i, 0, point), b = corner_from(s, i, 1, point);
         const pl_vec d = corner_from(s, i, 2, point);
         const double la = pl_vec_length(a), lb = pl_vec_length(b), ld = pl_vec_length(d);
@@ -148,7 +148,7 @@ static bool in_box(const surfaces *s, int c, pl_vec point)
 {
     const double x[3] = {point.x, point.y, point.z};
     bool inside = true;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         inside = inside && x[k] >= s->low[c][k] && x[k] <= s->high[c][k];
     }
     return inside;
@@ -160,7 +160,7 @@ static int lies_within(const surfaces *s, int c, int d)
     enum { MOST_TRIES = 64 };
     const int begin = s->first[c], count = s->first[c + 1] - begin;
     const int tries = count < MOST_TRIES ? count : MOST_TRIES;
-    for (int i = 0; i < tries; i++) {
+    for (int i = 0; i < tries; ++i) {
         const int place = begin + (int)((long long)i * count / tries);
         const pl_vec zero = {0, 0, 0};
         pl_vec point =
@@ -181,19 +181,19 @@ static int lies_within(const surfaces *s, int c, int d)
 static bool turn_if_cavity(const surfaces *s, int c, int (*triangles)[3], pl_diagnostic *diagnostic)
 {
     int depth = 0;
-    for (int d = 0; d < s->count; d++) {
+    for (int d = 0; d < s->count; ++d) {
         const int within = d == c ? 0 : lies_within(s, c, d);
         if (within < 0) {
             pl_path_push_key(&diagnostic->path, "triangles");
             pl_path_push_index(&diagnostic->path, s->order[s->first[c]]);
-            return pl_complain(diagnostic,
+            return pl_diagnose(diagnostic,
                                "expected surfaces apart or one in another, found those of "
                                "triangles %d and %d in one place",
                                s->order[s->first[c]], s->order[s->first[d]]);
         }
         depth += within;
     }
-    for (int i = s->first[c]; i < s->first[c + 1] && depth % 2 == 1; i++) {
+    for (int i = s->first[c]; i < s->first[c + 1] && depth % 2 == 1; ++i) {
         turn(triangles[s->order[i]]);
     }
     return true;
@@ -211,7 +211,7 @@ bool pl_mesh_turn_cavities(const double (*vertices)[3], int (*triangles)[3], int
         return false;
     }
     bool right = true;
-    for (int c = 0; c < s.count && right; c++) {
+    for (int c = 0; c < s.count && right; ++c) {
         right = turn_if_cavity(&s, c, triangles, diagnostic);
     }
     free_surfaces(&s);

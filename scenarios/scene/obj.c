@@ -60,17 +60,17 @@ static obj_word next_word(scanner *s)
             skip(s, 1 + break_size(s, 1));
             ++s->line;
         } else {
-            s->at++;
+            ++s->at;
         }
     }
     if (peek(s, 0) == '#') {
         while (break_size(s, 0) == 0) {
-            s->at++;
+            ++s->at;
         }
     }
     const char *begin = s->at;
     while (peek(s, 0) != ' ' && peek(s, 0) != '\t' && break_size(s, 0) == 0 && !is_joined(s)) {
-        s->at++;
+        ++s->at;
     }
     return (obj_word){begin, (size_t)(s->at - begin)};
 }
@@ -99,7 +99,7 @@ static pl_status fail_by_word(const scanner *s, int line, const char *expected, 
     const size_t kept = found.length < sizeof copy - 1 ? found.length : sizeof copy - 1;
     memcpy(copy, found.text, kept);
     copy[kept] = '\0';
-    for (size_t i = 0; i < kept; i++) {
+    for (size_t i = 0; i < kept; ++i) {
         copy[i] = (char)((unsigned char)copy[i] < 0x80 && copy[i] != '\0' ? copy[i] : '?');
     }
     return pl_fail(s->error, PL_BAD_INPUT, "%s:%d: expected %s, found %s", s->label, line, expected,
@@ -131,7 +131,7 @@ static pl_status read_vertex(reader *r)
             fabs(numbers[count]) > PL_MAX_COORDINATE) {
             return fail_by_word(&r->scan, r->scan.line, "a number of a vertex, at most 1e50", word);
         }
-        count++;
+        ++count;
     }
     if (word.length > 0 || count < 3 || count == 5) {
         return pl_fail(r->scan.error, PL_BAD_INPUT,
@@ -148,10 +148,10 @@ static pl_status read_vertex(reader *r)
                          sizeof *obj->vertices, NULL) != PL_OK) {
         return fail_by_memory(r);
     }
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         obj->vertices[obj->vertex_count][k] = numbers[k] + 0.0; /* no -0: it is the same place */
     }
-    obj->vertex_count++;
+    ++obj->vertex_count;
     return PL_OK;
 }
 
@@ -233,7 +233,7 @@ static pl_status read_face(reader *r)
     for (obj_word word = next_word(&r->scan); word.length > 0 && status == PL_OK;
          word = next_word(&r->scan)) {
         status = read_corner(r, word);
-        count++;
+        ++count;
     }
     if (status == PL_OK && count < 3) {
         return pl_fail(r->scan.error, PL_BAD_INPUT,
@@ -269,12 +269,12 @@ static pl_status read_line(reader *r)
     if (word_is(word, "f")) {
         return read_face(r);
     }
-    for (size_t i = 0; i < sizeof left_out / sizeof left_out[0]; i++) {
+    for (size_t i = 0; i < sizeof left_out / sizeof left_out[0]; ++i) {
         if (word_is(word, left_out[i])) {
             return PL_OK;
         }
     }
-    for (size_t i = 0; i < sizeof curved / sizeof curved[0]; i++) {
+    for (size_t i = 0; i < sizeof curved / sizeof curved[0]; ++i) {
         if (word_is(word, curved[i])) {
             return fail_by_word(&r->scan, r->scan.line, "faces, no curves and curved surfaces",
                                 word);

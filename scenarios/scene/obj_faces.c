@@ -46,14 +46,14 @@ static polygon_fault project(const double (*vertices)[3], const int *corner, int
                              point *points)
 {
     double size = 0;
-    for (int i = 1; i < count; i++) {
+    for (int i = 1; i < count; ++i) {
         size = fmax(size, pl_vec_length(arm(vertices, corner, i)));
     }
     if (!(size > 0)) {
         return POLYGON_NO_AREA;
     }
     pl_vec normal = {0, 0, 0}; /* twice the area, over the square of the size */
-    for (int i = 1; i + 1 < count; i++) {
+    for (int i = 1; i + 1 < count; ++i) {
         const pl_vec a = pl_vec_scale(arm(vertices, corner, i), 1 / size);
         const pl_vec b = pl_vec_scale(arm(vertices, corner, i + 1), 1 / size);
         normal = pl_vec_add(normal, pl_vec_cross(a, b));
@@ -70,7 +70,7 @@ static polygon_fault project(const double (*vertices)[3], const int *corner, int
     u = pl_vec_scale(u, 1 / pl_vec_length(u));
     const pl_vec v = pl_vec_cross(normal, u);
     double low = 0, high = 0;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         const pl_vec a = pl_vec_scale(arm(vertices, corner, i), 1 / size);
         points[i] = (point){pl_vec_dot(a, u), pl_vec_dot(a, v)};
         low = fmin(low, pl_vec_dot(a, normal));
@@ -82,7 +82,7 @@ static polygon_fault project(const double (*vertices)[3], const int *corner, int
 /* Whether the corners go round the first counter-clockwise by less than half a turn. */
 static bool is_fan(const point *points, int count)
 {
-    for (int i = 2; i < count; i++) {
+    for (int i = 2; i < count; ++i) {
         if (!(area(points[0], points[1], points[i]) > AREA_ROUNDING) ||
             !(area(points[0], points[i - 1], points[i]) > AREA_ROUNDING)) {
             return false;
@@ -94,9 +94,9 @@ static bool is_fan(const point *points, int count)
 /* Whether two sides cross. Clipping ears would not show it of an outline that goes round twice. */
 static bool crosses_itself(const point *points, int count)
 {
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         const point a = points[i], b = points[(i + 1) % count];
-        for (int k = i + 2; k < count; k++) {
+        for (int k = i + 2; k < count; ++k) {
             const point c = points[k], d = points[(k + 1) % count];
             if (area(a, b, c) * area(a, b, d) < 0 && area(c, d, a) * area(c, d, b) < 0) {
                 return true;
@@ -132,18 +132,18 @@ static bool is_ear(const ring *r, int i)
 /* The triangles of the ring, as numbers of its corners; false where no ear is left. */
 static bool clip_ears(ring *r, int count, int (*triangles)[3])
 {
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         r->previous[i] = (i + count - 1) % count;
         r->next[i] = (i + 1) % count;
     }
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         r->ear[i] = is_ear(r, i);
     }
     int at = 0, left = count, passed = 0, made = 0;
     while (left > 3 && passed < left) {
         const int before = r->previous[at], after = r->next[at];
         if (!r->ear[at]) {
-            passed++;
+            ++passed;
             at = after;
             continue;
         }
@@ -153,7 +153,7 @@ static bool clip_ears(ring *r, int count, int (*triangles)[3])
         triangle[2] = after;
         r->next[before] = after;
         r->previous[after] = before;
-        left--;
+        --left;
         passed = 0;
         r->ear[before] = is_ear(r, before);
         r->ear[after] = is_ear(r, after);
@@ -186,7 +186,7 @@ static polygon_fault cut_polygon(const double (*vertices)[3], const int *corner,
         goto cleanup;
     }
     if (is_fan(points, count)) {
-        for (int i = 0; i < count - 2; i++) {
+        for (int i = 0; i < count - 2; ++i) {
             triangles[i][0] = 0;
             triangles[i][1] = i + 1;
             triangles[i][2] = i + 2;
@@ -195,7 +195,7 @@ static polygon_fault cut_polygon(const double (*vertices)[3], const int *corner,
         fault = POLYGON_CROSSES;
         goto cleanup;
     }
-    for (int i = 0; i < 3 * (count - 2); i++) {
+    for (int i = 0; i < 3 * (count - 2); ++i) {
         triangles[i / 3][i % 3] = corner[triangles[i / 3][i % 3]];
     }
 cleanup:
@@ -230,7 +230,7 @@ typedef struct placed {
 static int by_place_then_number(const void *left, const void *right)
 {
     const placed *a = left, *b = right;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         if (a->place[k] != b->place[k]) {
             return a->place[k] < b->place[k] ? -1 : 1;
         }
@@ -249,12 +249,12 @@ static int *find_firsts(const pl_obj *obj)
         free(firsts);
         return NULL;
     }
-    for (int i = 0; i < obj->vertex_count; i++) {
+    for (int i = 0; i < obj->vertex_count; ++i) {
         memcpy(sorted[i].place, obj->vertices[i], sizeof sorted[i].place);
         sorted[i].number = i;
     }
     qsort(sorted, count, sizeof *sorted, by_place_then_number);
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         const bool same =
             i > 0 && memcmp(sorted[i].place, sorted[i - 1].place, sizeof sorted[i].place) == 0;
         firsts[sorted[i].number] = same ? firsts[sorted[i - 1].number] : sorted[i].number;
@@ -269,13 +269,13 @@ static int by_value(const void *left, const void *right)
     return (a > b) - (a < b);
 }
 
-/* Complains of a corner that is no vertex, or that the face has twice. */
+/* Reports a corner that is no vertex, or that the face has twice. */
 static pl_status check_corners(const cutter *c, int face)
 {
     const pl_obj_faces *f = c->faces;
     const int *corner = f->corner + f->first[face];
     const int count = f->first[face + 1] - f->first[face];
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         if (corner[i] >= c->obj->vertex_count) {
             return pl_fail(c->error, PL_BAD_INPUT,
                            "%s:%d: expected a vertex from 1 to %d, found %lld", c->label,
@@ -284,7 +284,7 @@ static pl_status check_corners(const cutter *c, int face)
     }
     memcpy(c->spare, corner, (size_t)count * sizeof *corner);
     qsort(c->spare, (size_t)count, sizeof *c->spare, by_value);
-    for (int i = 1; i < count; i++) {
+    for (int i = 1; i < count; ++i) {
         if (c->spare[i] == c->spare[i - 1]) {
             return pl_fail(c->error, PL_BAD_INPUT,
                            "%s:%d: expected different vertices in a face, found %d twice", c->label,
@@ -299,14 +299,14 @@ static pl_status check_corners(const cutter *c, int face)
 static int take_corners(const cutter *c, int face, const int *numbered)
 {
     int count = 0;
-    for (int i = c->faces->first[face]; i < c->faces->first[face + 1]; i++) {
+    for (int i = c->faces->first[face]; i < c->faces->first[face + 1]; ++i) {
         const int corner = numbered[c->faces->corner[i]];
         if (count == 0 || corner != c->spare[count - 1]) {
             c->spare[count++] = corner;
         }
     }
     while (count > 1 && c->spare[count - 1] == c->spare[0]) {
-        count--;
+        --count;
     }
     return count;
 }
@@ -332,7 +332,7 @@ static pl_status cut_face(cutter *c, int face, int count)
         return pl_fail(c->error, PL_BAD_INPUT, "%s:%d: expected %s", c->label, c->faces->line[face],
                        expected[fault]);
     }
-    for (int i = 0; i < count - 2; i++) {
+    for (int i = 0; i < count - 2; ++i) {
         obj->lines[obj->triangle_count++] = c->faces->line[face];
     }
     return PL_OK;
@@ -342,7 +342,7 @@ static pl_status cut_all(cutter *c, const int *numbered)
 {
     pl_status status = PL_OK;
     c->obj->triangle_count = 0;
-    for (int face = 0; face < c->faces->face_count && status == PL_OK; face++) {
+    for (int face = 0; face < c->faces->face_count && status == PL_OK; ++face) {
         status = cut_face(c, face, take_corners(c, face, numbered));
     }
     return status;
@@ -372,7 +372,7 @@ static pl_status cut_as_closed(cutter *c)
         fail_by_memory(c);
         goto cleanup;
     }
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         numbered[i] = i;
     }
     cutter quiet = *c;
@@ -402,7 +402,7 @@ pl_status pl_obj_cut_faces(const pl_obj_faces *faces, pl_obj *obj, const char *l
     if (obj->triangles == NULL || obj->lines == NULL || c.spare == NULL) {
         status = fail_by_memory(&c);
     }
-    for (int face = 0; face < faces->face_count && status == PL_OK; face++) {
+    for (int face = 0; face < faces->face_count && status == PL_OK; ++face) {
         status = check_corners(&c, face);
     }
     if (status == PL_OK) {

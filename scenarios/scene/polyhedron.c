@@ -53,14 +53,14 @@ void pl_polyhedron_free(pl_polyhedron *polyhedron)
 bool pl_polyhedron_check_points(const char *key, const double (*points)[3], int count,
                                 pl_diagnostic *diagnostic)
 {
-    for (int i = 0; i < 3 * count; i++) {
+    for (int i = 0; i < 3 * count; ++i) {
         const double x = points[i / 3][i % 3];
         if (!(fabs(x) <= PL_MAX_COORDINATE)) {
             char found[PL_NUMBER_SIZE];
             pl_path_push_key(&diagnostic->path, key);
             pl_path_push_index(&diagnostic->path, i / 3);
             pl_path_push_index(&diagnostic->path, i % 3);
-            return pl_complain(diagnostic, "expected a finite number of at most %g, found %s",
+            return pl_diagnose(diagnostic, "expected a finite number of at most %g, found %s",
                                PL_MAX_COORDINATE, pl_number_text(x, found));
         }
     }
@@ -70,8 +70,8 @@ bool pl_polyhedron_check_points(const char *key, const double (*points)[3], int 
 double pl_largest_coordinate(const double (*points)[3], int count)
 {
     double largest = 0;
-    for (int i = 0; i < count; i++) {
-        for (int k = 0; k < 3; k++) {
+    for (int i = 0; i < count; ++i) {
+        for (int k = 0; k < 3; ++k) {
             largest = fmax(largest, fabs(points[i][k]));
         }
     }
@@ -96,9 +96,9 @@ static void add_tetrahedron(moments *sum, pl_vec a, pl_vec b, pl_vec c)
     pl_vec_store(pl_vec_add(pl_vec_add(a, b), c), s);
     const double volume = pl_vec_dot(a, pl_vec_cross(b, c)) / 6;
     sum->volume += volume;
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         sum->first[i] += volume / 4 * s[i];
-        for (int j = 0; j <= i; j++) {
+        for (int j = 0; j <= i; ++j) {
             sum->second[i][j] +=
                 volume / 20 *
                 (p[0][i] * p[0][j] + p[1][i] * p[1][j] + p[2][i] * p[2][j] + s[i] * s[j]);
@@ -110,7 +110,7 @@ static moments integrate(const pl_polyhedron *p, const double from[3])
 {
     moments sum = {.volume = 0};
     const pl_vec origin = pl_vec_of(from);
-    for (int t = 0; t < p->triangle_count; t++) {
+    for (int t = 0; t < p->triangle_count; ++t) {
         const int *corner = p->triangles[t];
         add_tetrahedron(&sum, pl_vec_sub(pl_vec_of(p->vertices[corner[0]]), origin),
                         pl_vec_sub(pl_vec_of(p->vertices[corner[1]]), origin),
@@ -123,9 +123,9 @@ static moments integrate(const pl_polyhedron *p, const double from[3])
 static double middle_of_box(const pl_polyhedron *p, double middle[3])
 {
     double longest = 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         double low = p->vertices[0][k], high = low;
-        for (int i = 1; i < p->vertex_count; i++) {
+        for (int i = 1; i < p->vertex_count; ++i) {
             low = fmin(low, p->vertices[i][k]);
             high = fmax(high, p->vertices[i][k]);
         }
@@ -142,17 +142,17 @@ static void rotate(double m[3][3], double axes[3][3], int p, int q)
     const double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
     const double t = (theta < 0 ? -1 : 1) / (fabs(theta) + hypot(theta, 1));
     const double c = 1 / sqrt(t * t + 1), s = t * c;
-    for (int k = 0; k < 3; k++) { /* columns */
+    for (int k = 0; k < 3; ++k) { /* columns */
         const double left = m[k][p], right = m[k][q];
         m[k][p] = c * left - s * right;
         m[k][q] = s * left + c * right;
     }
-    for (int k = 0; k < 3; k++) { /* rows */
+    for (int k = 0; k < 3; ++k) { /* rows */
         const double left = m[p][k], right = m[q][k];
         m[p][k] = c * left - s * right;
         m[q][k] = s * left + c * right;
     }
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const double left = axes[k][p], right = axes[k][q];
         axes[k][p] = c * left - s * right;
         axes[k][q] = s * left + c * right;
@@ -171,7 +171,7 @@ static void diagonalize(double m[3][3], double axes[3][3])
     static const int pairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
     enum { SWEEPS = 50 }; /* it converges quadratically: 4 or 5 do */
     memcpy(axes, one, sizeof one);
-    for (int i = 0; i < 3 * SWEEPS; i++) {
+    for (int i = 0; i < 3 * SWEEPS; ++i) {
         const int p = pairs[i % 3][0], q = pairs[i % 3][1];
         if (i >= 3 && !is_below(m, p, q, DBL_EPSILON)) {
             rotate(m, axes, p, q);
@@ -188,7 +188,7 @@ static void to_quaternion(double m[3][3], double q[4])
 {
     const double trace = m[0][0] + m[1][1] + m[2][2];
     int i = 0;
-    for (int k = 1; k < 3; k++) {
+    for (int k = 1; k < 3; ++k) {
         i = m[k][k] > m[i][i] ? k : i;
     }
     const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -205,10 +205,10 @@ static void to_quaternion(double m[3][3], double q[4])
     }
     int first = 0;
     while (first < 3 && q[first] == 0) {
-        first++;
+        ++first;
     }
     const double norm = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
-    for (int n = 0; n < 4; n++) {
+    for (int n = 0; n < 4; ++n) {
         q[n] = q[n] == 0 ? 0 : q[n] / (q[first] < 0 ? -norm : norm);
     }
 }
@@ -217,7 +217,7 @@ void pl_surface_volume(const double (*vertices)[3], const int (*triangles)[3], i
                        const double from[3], double *six_volumes, double *two_areas)
 {
     *six_volumes = *two_areas = 0;
-    for (int t = 0; t < triangle_count; t++) {
+    for (int t = 0; t < triangle_count; ++t) {
         const pl_vec a = pl_vec_of(vertices[triangles[t][0]]);
         const pl_vec ab = pl_vec_sub(pl_vec_of(vertices[triangles[t][1]]), a);
         const pl_vec ac = pl_vec_sub(pl_vec_of(vertices[triangles[t][2]]), a);
@@ -244,7 +244,7 @@ bool pl_polyhedron_measure(pl_polyhedron *p)
         return false;
     }
     moments m = integrate(p, middle);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         const double shift = m.first[k] / m.volume;
         p->centre[k] = middle[k] + (fabs(shift) > rounding ? shift : 0);
     }
@@ -252,19 +252,19 @@ bool pl_polyhedron_measure(pl_polyhedron *p)
     p->volume = m.volume;
 
     double mean[3][3], axes[3][3];
-    for (int i = 0; i < 3; i++) {
-        for (int j = 0; j <= i; j++) {
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j <= i; ++j) {
             mean[i][j] = mean[j][i] = m.second[i][j] / m.volume;
         }
     }
     diagonalize(mean, axes);
     to_quaternion(axes, p->axes);
     p->radius = 0;
-    for (int i = 0; i < p->vertex_count; i++) {
+    for (int i = 0; i < p->vertex_count; ++i) {
         const pl_vec arm = pl_vec_sub(pl_vec_of(p->vertices[i]), pl_vec_of(p->centre));
         p->radius = fmax(p->radius, pl_vec_length(arm));
     }
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         p->inertia[k] = mean[(k + 1) % 3][(k + 1) % 3] + mean[(k + 2) % 3][(k + 2) % 3];
     }
     const double least = fmin(mean[0][0], fmin(mean[1][1], mean[2][2]));

@@ -67,7 +67,7 @@ static pl_vec area_vector(const double (*points)[3], const int *corner, int coun
 {
     pl_vec sum = {0, 0, 0};
     const pl_vec origin = pl_vec_of(points[corner[0]]);
-    for (int i = 1; i + 1 < count; i++) {
+    for (int i = 1; i + 1 < count; ++i) {
         const pl_vec a = pl_vec_sub(pl_vec_of(points[corner[i]]), origin);
         const pl_vec b = pl_vec_sub(pl_vec_of(points[corner[i + 1]]), origin);
         sum = pl_vec_add(sum, pl_vec_cross(a, b));
@@ -81,10 +81,10 @@ static void arrange(const double (*points)[3], int *corner, int count, pl_vec ou
 {
     const bool turned = pl_vec_dot(area_vector(points, corner, count), outward) < 0;
     int lowest = 0;
-    for (int i = 1; i < count; i++) {
+    for (int i = 1; i < count; ++i) {
         lowest = corner[i] < corner[lowest] ? i : lowest;
     }
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         spare[i] = corner[(lowest + (turned ? count - i : i)) % count];
     }
     memcpy(corner, spare, (size_t)count * sizeof *corner);
@@ -147,13 +147,13 @@ static double scale_points(const double (*points)[3], int count, double (*scaled
 {
     double low[3], size = 0;
     memcpy(low, points[0], sizeof low);
-    for (int i = 0; i < count; i++) {
-        for (int k = 0; k < 3; k++) {
+    for (int i = 0; i < count; ++i) {
+        for (int k = 0; k < 3; ++k) {
             low[k] = fmin(low[k], points[i][k]);
         }
     }
-    for (int i = 0; i < count; i++) {
-        for (int k = 0; k < 3; k++) {
+    for (int i = 0; i < count; ++i) {
+        for (int k = 0; k < 3; ++k) {
             scaled[i][k] = points[i][k] - low[k];
             size = fmax(size, scaled[i][k]);
         }
@@ -163,8 +163,8 @@ static double scale_points(const double (*points)[3], int count, double (*scaled
     }
     int exponent = 0;
     frexp(size, &exponent);
-    for (int i = 0; i < count; i++) {
-        for (int k = 0; k < 3; k++) {
+    for (int i = 0; i < count; ++i) {
+        for (int k = 0; k < 3; ++k) {
             scaled[i][k] = ldexp(scaled[i][k], -exponent);
         }
     }
@@ -189,16 +189,17 @@ static bool find_faces(const double (*points)[3], int count, faces *f, pl_diagno
     case qh_ERRnone:
         return true;
     case qh_ERRmem:
-        return pl_complain_no_memory(diagnostic);
+        return pl_diagnose_no_memory(diagnostic);
     case qh_ERRsingular:
-        return pl_complain_of(diagnostic, "points",
-                              "expected points that do not all lie in one plane, found %d that do",
-                              count);
+        return pl_diagnose_field(
+            diagnostic, "points",
+            "expected points that do not all lie in one plane, found %d that do", count);
     default:
-        return pl_complain_of(diagnostic, "points",
-                              "expected points whose hull is clear beyond rounding, found %d that "
-                              "are flat or close together",
-                              count);
+        return pl_diagnose_field(
+            diagnostic, "points",
+            "expected points whose hull is clear beyond rounding, found %d that "
+            "are flat or close together",
+            count);
     }
 }
 
@@ -207,13 +208,13 @@ static bool keep_corners(const faces *f, double (*points)[3], int *count, pl_dia
 {
     int *uses = calloc((size_t)*count, sizeof *uses);
     if (uses == NULL) {
-        return pl_complain_no_memory(diagnostic);
+        return pl_diagnose_no_memory(diagnostic);
     }
-    for (int i = 0; i < f->corner_count; i++) {
-        uses[f->corner[i]]++;
+    for (int i = 0; i < f->corner_count; ++i) {
+        ++uses[f->corner[i]];
     }
     int kept = 0;
-    for (int i = 0; i < *count; i++) {
+    for (int i = 0; i < *count; ++i) {
         if (uses[i] >= 3) {
             memmove(points[kept++], points[i], sizeof points[i]);
         }
@@ -221,9 +222,9 @@ static bool keep_corners(const faces *f, double (*points)[3], int *count, pl_dia
     free(uses);
     *count = kept;
     return kept >= 4 ||
-           pl_complain_of(diagnostic, "points",
-                          "expected at least 4 corners, found %d: the points are nearly flat",
-                          kept);
+           pl_diagnose_field(diagnostic, "points",
+                             "expected at least 4 corners, found %d: the points are nearly flat",
+                             kept);
 }
 
 /* Whether the fan from corner number `apex` has no triangle that is turned round or without area.
@@ -231,7 +232,7 @@ static bool keep_corners(const faces *f, double (*points)[3], int *count, pl_dia
 static bool is_clear_fan(const double (*points)[3], const int *corner, int count, int apex,
                          pl_vec outward)
 {
-    for (int i = 1; i + 1 < count; i++) {
+    for (int i = 1; i + 1 < count; ++i) {
         const int triangle[3] = {corner[apex], corner[(apex + i) % count],
                                  corner[(apex + i + 1) % count]};
         if (!(pl_vec_dot(area_vector(points, triangle, 3), outward) > 0)) {
@@ -247,13 +248,13 @@ static void put_fan(pl_polyhedron *p, const int *corner, int count)
     const double(*points)[3] = (const double(*)[3])p->vertices;
     const pl_vec outward = area_vector(points, corner, count);
     int apex = 0;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         if (is_clear_fan(points, corner, count, i, outward)) {
             apex = i;
             break;
         }
     }
-    for (int i = 1; i + 1 < count; i++) {
+    for (int i = 1; i + 1 < count; ++i) {
         int *triangle = p->triangles[p->triangle_count++];
         triangle[0] = corner[apex];
         triangle[1] = corner[(apex + i) % count];
@@ -269,7 +270,7 @@ typedef struct ranked_face {
 static int by_first_corners(const void *left, const void *right)
 {
     const ranked_face *a = left, *b = right;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         if (a->corner[k] != b->corner[k]) {
             return a->corner[k] < b->corner[k] ? -1 : 1;
         }
@@ -283,12 +284,12 @@ static bool put_faces(const faces *f, pl_polyhedron *p)
     if (ranked == NULL) {
         return false;
     }
-    for (int i = 0; i < f->face_count; i++) {
+    for (int i = 0; i < f->face_count; ++i) {
         ranked[i] = (ranked_face){f->corner + f->first[i], f->first[i + 1] - f->first[i]};
     }
     qsort(ranked, (size_t)f->face_count, sizeof *ranked, by_first_corners);
     p->triangle_count = 0;
-    for (int i = 0; i < f->face_count; i++) {
+    for (int i = 0; i < f->face_count; ++i) {
         put_fan(p, ranked[i].corner, ranked[i].count);
     }
     free(ranked);
@@ -301,19 +302,19 @@ static bool build(const double (*points)[3], int count, const faces *f, pl_polyh
 {
     pl_polyhedron *made = pl_polyhedron_create(count, f->corner_count - 2 * f->face_count);
     if (made == NULL) {
-        return pl_complain_no_memory(diagnostic);
+        return pl_diagnose_no_memory(diagnostic);
     }
     made->convex = true;
     memcpy(made->vertices, points, (size_t)count * sizeof *points);
     /* Euler: a sphere of V corners has 2 V - 4 triangles. */
     if (!put_faces(f, made)) {
-        pl_complain_no_memory(diagnostic);
+        pl_diagnose_no_memory(diagnostic);
     } else if (made->triangle_count != 2 * count - 4 || !pl_mesh_is_closed(made) ||
                !pl_polyhedron_measure(made)) {
-        pl_complain_of(diagnostic, "points",
-                       "expected points whose hull is clear beyond rounding, at most a million "
-                       "times as long as wide, found %d corners of another",
-                       count);
+        pl_diagnose_field(diagnostic, "points",
+                          "expected points whose hull is clear beyond rounding, at most a million "
+                          "times as long as wide, found %d corners of another",
+                          count);
     } else {
         *polyhedron = made;
         return true;
@@ -326,15 +327,15 @@ bool pl_polyhedron_of_hull(const double (*points)[3], int count, pl_polyhedron *
                            pl_diagnostic *diagnostic)
 {
     if (count < 4 || count > PL_MAX_HULL_POINTS) {
-        return pl_complain_of(diagnostic, "points", "expected 4 to %d points, found %d",
-                              PL_MAX_HULL_POINTS, count);
+        return pl_diagnose_field(diagnostic, "points", "expected 4 to %d points, found %d",
+                                 PL_MAX_HULL_POINTS, count);
     }
     if (!pl_polyhedron_check_points("points", points, count, diagnostic)) {
         return false;
     }
     double(*kept)[3] = malloc((size_t)count * sizeof *kept);
     if (kept == NULL) {
-        return pl_complain_no_memory(diagnostic);
+        return pl_diagnose_no_memory(diagnostic);
     }
     memcpy(kept, points, (size_t)count * sizeof *kept);
     faces f = {.first = NULL};

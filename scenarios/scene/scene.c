@@ -33,7 +33,7 @@ void pl_scene_free(pl_scene *scene)
     }
     free(scene->materials);
     free(scene->pairs);
-    for (int i = 0; i < scene->polyhedron_count; i++) {
+    for (int i = 0; i < scene->polyhedron_count; ++i) {
         pl_polyhedron_free(scene->polyhedra[i]);
     }
     free(scene->polyhedra);
@@ -123,7 +123,7 @@ pl_status pl_scene_add_value(pl_scene *scene, const pl_expect_value *item, pl_er
 void pl_scene_pair(const pl_scene *scene, int material_a, int material_b, double *friction,
                    double *restitution)
 {
-    for (int i = 0; i < scene->pair_count; i++) {
+    for (int i = 0; i < scene->pair_count; ++i) {
         const pl_material_pair *pair = &scene->pairs[i];
         if ((pair->material_a == material_a && pair->material_b == material_b) ||
             (pair->material_a == material_b && pair->material_b == material_a)) {
@@ -160,11 +160,11 @@ typedef struct material_use {
 static void count_use(const pl_scene *scene, material_use *use)
 {
     memset(use, 0, sizeof *use);
-    for (int i = 0; i < scene->body_count; i++) {
+    for (int i = 0; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
         unsigned char *count = body->is_static ? use->fixed : use->moving;
         if (count[body->material] < 2) {
-            count[body->material]++;
+            ++count[body->material];
         }
     }
 }
@@ -184,8 +184,8 @@ static uint32_t needs_of_pairs(const pl_scene *scene)
     material_use use;
     count_use(scene, &use);
     uint32_t needs = 0;
-    for (int a = 0; a < scene->material_count; a++) {
-        for (int b = 0; b <= a; b++) {
+    for (int a = 0; a < scene->material_count; ++a) {
+        for (int b = 0; b <= a; ++b) {
             double friction, restitution;
             if (!can_touch(&use, a, b)) {
                 continue;
@@ -213,12 +213,12 @@ uint32_t pl_scene_needs(const pl_scene *scene)
 {
     uint32_t needs = needs_of_pairs(scene);
     bool has_friction = (needs & PL_NEEDS_FRICTION) != 0;
-    for (int i = 0; i < scene->body_count; i++) {
+    for (int i = 0; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
         needs |= (uint32_t)PL_NEEDS_PLANE << body->shape.kind;
         needs |= may_turn(body, has_friction, scene->body_count > 1) ? PL_NEEDS_ROTATION : 0u;
     }
-    for (int i = 0; i < scene->force_count; i++) {
+    for (int i = 0; i < scene->force_count; ++i) {
         needs |= PL_NEEDS_FORCES;
         needs |= is_zero(scene->forces[i].at) ? 0u : PL_NEEDS_ROTATION;
     }

@@ -35,15 +35,15 @@ static bool check_stored_name(const char *name, pl_diagnostic *diagnostic)
     }
     json_t *text = json_string(name); /* NULL where it is not UTF-8 */
     json_decref(text);
-    return text != NULL || pl_complain(diagnostic, "expected a name in UTF-8, found other bytes");
+    return text != NULL || pl_diagnose(diagnostic, "expected a name in UTF-8, found other bytes");
 }
 
 static bool check_index(pl_diagnostic *diagnostic, const char *key, int index, int count,
                         const char *kind)
 {
     return (index >= 0 && index < count) ||
-           pl_complain_of(diagnostic, key, "expected the index of a %s from 0 to %d, found %d",
-                          kind, count - 1, index);
+           pl_diagnose_field(diagnostic, key, "expected the index of a %s from 0 to %d, found %d",
+                             kind, count - 1, index);
 }
 
 /* A body of an expectation. */
@@ -53,8 +53,9 @@ static bool check_placed_body(const checker *c, const char *key, int body)
         return false;
     }
     return c->scene->bodies[body].shape.kind != PL_SHAPE_PLANE ||
-           pl_complain_of(c->diagnostic, key, "expected a body with a position, found the plane %s",
-                          c->scene->bodies[body].name);
+           pl_diagnose_field(c->diagnostic, key,
+                             "expected a body with a position, found the plane %s",
+                             c->scene->bodies[body].name);
 }
 
 static bool check_components(const pl_field *field, const double vector[3],
@@ -78,17 +79,17 @@ static bool check_inertia(const double inertia[3], pl_diagnostic *diagnostic)
 {
     bool right = true;
     double sum = inertia[0] + inertia[1] + inertia[2];
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         right = right && isfinite(inertia[k]) && inertia[k] > 0 &&
                 inertia[k] <= (sum - inertia[k]) * (1 + PL_UNIT_TOLERANCE);
     }
     char x[PL_NUMBER_SIZE], y[PL_NUMBER_SIZE], z[PL_NUMBER_SIZE];
     return right ||
-           pl_complain_of(diagnostic, "inertia",
-                          "expected three finite numbers above 0, none larger than the sum "
-                          "of the other two, found [%s, %s, %s]",
-                          pl_number_text(inertia[0], x), pl_number_text(inertia[1], y),
-                          pl_number_text(inertia[2], z));
+           pl_diagnose_field(diagnostic, "inertia",
+                             "expected three finite numbers above 0, none larger than the sum "
+                             "of the other two, found [%s, %s, %s]",
+                             pl_number_text(inertia[0], x), pl_number_text(inertia[1], y),
+                             pl_number_text(inertia[2], z));
 }
 
 static bool check_primary_error(const pl_scene *scene, pl_diagnostic *diagnostic)
@@ -98,33 +99,33 @@ static bool check_primary_error(const pl_scene *scene, pl_diagnostic *diagnostic
         return true;
     }
     if (memchr(primary, '\0', sizeof scene->primary_error) == NULL) {
-        return pl_complain_of(diagnostic, "primary",
-                              "expected a metric, found text without an end");
+        return pl_diagnose_field(diagnostic, "primary",
+                                 "expected a metric, found text without an end");
     }
     bool known = false;
-    for (int i = 0; i < PL_PRIMARY_ERROR_COUNT; i++) {
+    for (int i = 0; i < PL_PRIMARY_ERROR_COUNT; ++i) {
         known = known || strcmp(primary, pl_primary_errors[i]) == 0;
     }
     if (!known) {
         const char *nearest = pl_nearest_name(primary, pl_primary_errors, PL_PRIMARY_ERROR_COUNT);
         char quoted[PL_QUOTED_SIZE];
-        return pl_complain_of(diagnostic, "primary", "expected a metric such as \"%s\", found %s",
-                              nearest != NULL ? nearest : pl_primary_errors[0],
-                              pl_quoted(primary, quoted));
+        return pl_diagnose_field(
+            diagnostic, "primary", "expected a metric such as \"%s\", found %s",
+            nearest != NULL ? nearest : pl_primary_errors[0], pl_quoted(primary, quoted));
     }
     if (strncmp(primary, "rest_", 5) == 0 && scene->rest_count == 0) {
-        return pl_complain_of(diagnostic, "primary", "expected `rest` next to \"%s\", found none",
-                              primary);
+        return pl_diagnose_field(diagnostic, "primary",
+                                 "expected `rest` next to \"%s\", found none", primary);
     }
     if (strcmp(primary, "value_error") == 0 && scene->value_count == 0) {
-        return pl_complain_of(diagnostic, "primary", "expected `values` next to \"%s\", found none",
-                              primary);
+        return pl_diagnose_field(diagnostic, "primary",
+                                 "expected `values` next to \"%s\", found none", primary);
     }
     bool of_travel = strcmp(primary, "travel_error") == 0 ||
                      (strcmp(primary, "discrete_error") == 0 && scene->value_count == 0);
     if (of_travel && scene->travel_count == 0) {
-        return pl_complain_of(diagnostic, "primary", "expected `travel` next to \"%s\", found none",
-                              primary);
+        return pl_diagnose_field(diagnostic, "primary",
+                                 "expected `travel` next to \"%s\", found none", primary);
     }
     return true;
 }
@@ -134,8 +135,8 @@ bool pl_check_shape(const pl_shape *shape, pl_diagnostic *diagnostic)
     const checker c = {.diagnostic = diagnostic};
     return (int)shape->kind >= 0 && (int)shape->kind < PL_SHAPE_KIND_COUNT
                ? check_object(&c, PL_OBJECT_PLANE + (pl_object_kind)shape->kind, shape)
-               : pl_complain_of(diagnostic, "type", "expected a known shape, found number %d",
-                                (int)shape->kind);
+               : pl_diagnose_field(diagnostic, "type", "expected a known shape, found number %d",
+                                   (int)shape->kind);
 }
 
 /* The polyhedron of a hull or a mesh is one of the scene's, and of that kind. */
@@ -145,14 +146,14 @@ static bool check_polyhedron(const checker *c, const pl_shape *shape)
         return true;
     }
     if (pl_pointer_map_find(&c->polyhedra, shape->polyhedron) < 0) {
-        return pl_complain(c->diagnostic, "expected a polyhedron of the scene, found %s",
+        return pl_diagnose(c->diagnostic, "expected a polyhedron of the scene, found %s",
                            shape->polyhedron == NULL ? "none" : "another");
     }
     if (shape->polyhedron->convex != (shape->kind == PL_SHAPE_HULL)) {
-        return pl_complain_of(c->diagnostic, "type",
-                              "expected a %s for this polyhedron, found a %s",
-                              shape->polyhedron->convex ? "hull" : "mesh",
-                              shape->kind == PL_SHAPE_HULL ? "hull" : "mesh");
+        return pl_diagnose_field(c->diagnostic, "type",
+                                 "expected a %s for this polyhedron, found a %s",
+                                 shape->polyhedron->convex ? "hull" : "mesh",
+                                 shape->kind == PL_SHAPE_HULL ? "hull" : "mesh");
     }
     return true;
 }
@@ -199,8 +200,8 @@ static bool check_value(const checker *c, const pl_object *table, const pl_field
     case PL_FIELD_WORD:
         index = pl_field_index(field, object);
         return (index >= 0 && index < field->word_count) ||
-               pl_complain_of(diagnostic, field->key, "expected a known %s, found number %d",
-                              field->key, index);
+               pl_diagnose_field(diagnostic, field->key, "expected a known %s, found number %d",
+                                 field->key, index);
     case PL_FIELD_METRIC:
         return check_primary_error(c->scene, diagnostic);
     case PL_FIELD_MATERIAL:
@@ -223,15 +224,15 @@ static bool check_time(const pl_scene *scene, pl_diagnostic *diagnostic)
 {
     char dt[PL_NUMBER_SIZE], found[PL_NUMBER_SIZE];
     if (scene->duration < scene->dt) {
-        return pl_complain_of(diagnostic, "duration", "expected at least dt, which is %s, found %s",
-                              pl_number_text(scene->dt, dt),
-                              pl_number_text(scene->duration, found));
+        return pl_diagnose_field(
+            diagnostic, "duration", "expected at least dt, which is %s, found %s",
+            pl_number_text(scene->dt, dt), pl_number_text(scene->duration, found));
     }
     double steps = round(scene->duration / scene->dt);
     return steps <= PL_MAX_STEPS ||
-           pl_complain_of(diagnostic, "duration",
-                          "expected at most %d steps of dt, which is %s, found %.17g steps",
-                          PL_MAX_STEPS, pl_number_text(scene->dt, dt), steps);
+           pl_diagnose_field(diagnostic, "duration",
+                             "expected at most %d steps of dt, which is %s, found %.17g steps",
+                             PL_MAX_STEPS, pl_number_text(scene->dt, dt), steps);
 }
 
 static bool check_pair(const checker *c, const pl_material_pair *pair)
@@ -240,7 +241,7 @@ static bool check_pair(const checker *c, const pl_material_pair *pair)
     const int high = pair->material_a + pair->material_b - low;
     bool *seen = &c->pairs[high * PL_MAX_MATERIALS + low];
     if (*seen) {
-        return pl_complain(c->diagnostic,
+        return pl_diagnose(c->diagnostic,
                            "expected each pair of materials once, found %s and %s again",
                            c->scene->materials[low].name, c->scene->materials[high].name);
     }
@@ -251,15 +252,16 @@ static bool check_pair(const checker *c, const pl_material_pair *pair)
 static bool check_zero(pl_diagnostic *diagnostic, const char *key, const double vector[3])
 {
     bool zero = vector[0] == 0 && vector[1] == 0 && vector[2] == 0;
-    return zero || pl_complain_of(diagnostic, key,
-                                  "expected zero, since a static body never moves, found another");
+    return zero ||
+           pl_diagnose_field(diagnostic, key,
+                             "expected zero, since a static body never moves, found another");
 }
 
 static bool check_body(const pl_body *body, pl_diagnostic *diagnostic)
 {
     if (body->shape.kind == PL_SHAPE_PLANE && !body->is_static) {
-        return pl_complain_of(diagnostic, "static",
-                              "expected true, since a plane never moves, found false");
+        return pl_diagnose_field(diagnostic, "static",
+                                 "expected true, since a plane never moves, found false");
     }
     return !body->is_static || (check_zero(diagnostic, "velocity", body->velocity) &&
                                 check_zero(diagnostic, "angular_velocity", body->angular_velocity));
@@ -269,9 +271,9 @@ static bool check_force(const pl_force *force, pl_diagnostic *diagnostic)
 {
     char from[PL_NUMBER_SIZE], found[PL_NUMBER_SIZE];
     return force->until > force->from ||
-           pl_complain_of(diagnostic, "until",
-                          "expected a time after `from`, which is %s, found %s",
-                          pl_number_text(force->from, from), pl_number_text(force->until, found));
+           pl_diagnose_field(
+               diagnostic, "until", "expected a time after `from`, which is %s, found %s",
+               pl_number_text(force->from, from), pl_number_text(force->until, found));
 }
 
 static bool check_times(const pl_scene *scene, const pl_expect_value *value,
@@ -307,14 +309,14 @@ static bool check_rules(const checker *c, pl_object_kind kind, const void *objec
 
 /* ---- Lists ---- */
 
-/* Complains of the first name that an earlier one of `count` items equals. The path stands at the
+/* Reports the first name that an earlier one of `count` items equals. The path stands at the
  * array. */
 static bool check_unique(pl_diagnostic *diagnostic, const char *first_name, size_t stride,
                          int count)
 {
     pl_name_index names;
     if (pl_name_index_create(first_name, stride, count, &names) != PL_OK) {
-        return pl_complain_no_memory(diagnostic);
+        return pl_diagnose_no_memory(diagnostic);
     }
     int duplicate = pl_name_index_duplicate(&names);
     bool unique = duplicate < 0;
@@ -322,9 +324,9 @@ static bool check_unique(pl_diagnostic *diagnostic, const char *first_name, size
         const char *name = first_name + (size_t)duplicate * stride;
         char quoted[PL_QUOTED_SIZE];
         pl_path_push_index(&diagnostic->path, duplicate);
-        pl_complain_of(diagnostic, "name",
-                       "expected a name of its own, found %s, which item %d has",
-                       pl_quoted(name, quoted), pl_name_index_find(&names, name));
+        pl_diagnose_field(diagnostic, "name",
+                          "expected a name of its own, found %s, which item %d has",
+                          pl_quoted(name, quoted), pl_name_index_find(&names, name));
     }
     pl_name_index_free(&names);
     return unique;
@@ -335,12 +337,12 @@ static bool check_polyhedra(const pl_scene *scene, pl_diagnostic *diagnostic)
 {
     char(*names)[PL_NAME_SIZE] = calloc((size_t)scene->polyhedron_count + 1, sizeof *names);
     if (names == NULL) {
-        return pl_complain_no_memory(diagnostic);
+        return pl_diagnose_no_memory(diagnostic);
     }
     int count = 0;
     bool right = true;
     pl_path_push_key(&diagnostic->path, "shapes");
-    for (int i = 0; i < scene->polyhedron_count && right; i++) {
+    for (int i = 0; i < scene->polyhedron_count && right; ++i) {
         const char *name = scene->polyhedra[i]->name;
         if (name[0] != '\0') {
             right = check_stored_name(name, diagnostic);
@@ -361,7 +363,7 @@ static bool check_items(const checker *c, const pl_field *field, const void *obj
     const char *items = pl_field_items(field, object, &count);
     pl_path_push_key(&diagnostic->path, field->key);
     if (count < field->least || (field->most > 0 && count > field->most)) {
-        return pl_complain(diagnostic, "expected %d to %d %s, found %d", field->least, field->most,
+        return pl_diagnose(diagnostic, "expected %d to %d %s, found %d", field->least, field->most,
                            field->key, count);
     }
     for (int i = 0; i < count; ++i) {
@@ -386,7 +388,7 @@ static bool check_items(const checker *c, const pl_field *field, const void *obj
 static int place_in_body(const pl_scene *scene, int index)
 {
     int place = 0;
-    for (int i = 0; i < index; i++) {
+    for (int i = 0; i < index; ++i) {
         place += scene->forces[i].body == scene->forces[index].body ? 1 : 0;
     }
     return place;
@@ -396,7 +398,7 @@ static bool check_forces(const checker *c)
 {
     const pl_scene *scene = c->scene;
     pl_diagnostic *diagnostic = c->diagnostic;
-    for (int i = 0; i < scene->force_count; i++) {
+    for (int i = 0; i < scene->force_count; ++i) {
         const pl_force *force = &scene->forces[i];
         const pl_path outside = diagnostic->path;
         if (force->body < 0 || force->body >= scene->body_count) {
@@ -408,7 +410,7 @@ static bool check_forces(const checker *c)
         pl_path_push_index(&diagnostic->path, force->body);
         pl_path_push_key(&diagnostic->path, "forces");
         if (scene->bodies[force->body].is_static) {
-            return pl_complain(diagnostic, "expected no forces on a static body, found one");
+            return pl_diagnose(diagnostic, "expected no forces on a static body, found one");
         }
         const pl_path list = diagnostic->path;
         pl_path_push_index(&diagnostic->path, 0);
@@ -467,7 +469,7 @@ bool pl_scene_check(const pl_scene *scene, pl_diagnostic *diagnostic)
     c.pairs = calloc((size_t)PL_MAX_MATERIALS * PL_MAX_MATERIALS, sizeof *c.pairs);
     const bool right = c.pairs != NULL && pl_pointer_map_create(scene, &c.polyhedra) == PL_OK
                            ? check_object(&c, PL_OBJECT_SCENE, scene)
-                           : pl_complain_no_memory(diagnostic);
+                           : pl_diagnose_no_memory(diagnostic);
     pl_pointer_map_free(&c.polyhedra);
     free(c.pairs);
     return right;

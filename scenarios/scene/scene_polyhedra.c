@@ -78,7 +78,7 @@ pl_status pl_pointer_map_create(const pl_scene *scene, pl_pointer_map *map)
         return PL_NO_MEMORY;
     }
     map->count = scene->polyhedron_count;
-    for (int i = 0; i < map->count; i++) {
+    for (int i = 0; i < map->count; ++i) {
         map->items[i] = (pl_addressed){(uintptr_t)scene->polyhedra[i], i};
     }
     qsort(map->items, count, sizeof *map->items, by_address);

@@ -34,7 +34,7 @@ static bool read_object(reader *r, const json_t *json, pl_object_kind kind, void
 
 static bool added(reader *r, pl_status status)
 {
-    return status == PL_OK || pl_complain_no_memory(&r->diagnostic);
+    return status == PL_OK || pl_diagnose_no_memory(&r->diagnostic);
 }
 
 static int find_material(const pl_scene *scene, const char *name)
@@ -58,10 +58,11 @@ static bool use_default_material(reader *r, int *index)
         return true;
     }
     if (r->scene->material_count == PL_MAX_MATERIALS) {
-        return pl_complain_of(&r->diagnostic, "material",
-                              "expected a name, since there is no room for a default material next "
-                              "to %d others, found nothing",
-                              PL_MAX_MATERIALS);
+        return pl_diagnose_field(
+            &r->diagnostic, "material",
+            "expected a name, since there is no room for a default material next "
+            "to %d others, found nothing",
+            PL_MAX_MATERIALS);
     }
     return added(r, pl_scene_add_material(r->scene, &material, index, NULL));
 }
@@ -82,8 +83,8 @@ static bool read_material_reference(reader *r, const json_t *object, const char 
     for (int i = 0; i < scene->material_count; ++i) {
         names[i] = scene->materials[i].name;
     }
-    return pl_complain_of_reference(&r->diagnostic, key, "material", name,
-                                    pl_nearest_name(name, names, scene->material_count));
+    return pl_diagnose_reference(&r->diagnostic, key, "material", name,
+                                 pl_nearest_name(name, names, scene->material_count));
 }
 
 static bool read_body_reference(reader *r, const json_t *object, const char *key, int *index)
@@ -93,13 +94,13 @@ static bool read_body_reference(reader *r, const json_t *object, const char *key
         return false;
     }
     *index = pl_name_index_find(&r->body_names, name);
-    return *index >= 0 || pl_complain_of_reference(&r->diagnostic, key, "body", name,
-                                                   pl_name_index_nearest(&r->body_names, name));
+    return *index >= 0 || pl_diagnose_reference(&r->diagnostic, key, "body", name,
+                                                pl_name_index_nearest(&r->body_names, name));
 }
 
 /* ---- Bodies ---- */
 
-/* Complains when the body has one of `keys`, a list that ends with NULL. */
+/* Reports an error when the body has one of `keys`, a list that ends with NULL. */
 static bool has_none_of(reader *r, const json_t *body, const char *const *keys,
                         const char *expected)
 {
@@ -108,8 +109,8 @@ static bool has_none_of(reader *r, const json_t *body, const char *const *keys,
         if (json != NULL) {
             char found[PL_FOUND_SIZE];
             r->diagnostic.at_key = true;
-            return pl_complain_of(&r->diagnostic, *keys, "expected %s, found %s", expected,
-                                  pl_json_found(json, found));
+            return pl_diagnose_field(&r->diagnostic, *keys, "expected %s, found %s", expected,
+                                     pl_json_found(json, found));
         }
     }
     return true;
@@ -128,10 +129,10 @@ static bool finish_mass(reader *r, const json_t *json, pl_body *body)
     const bool has_density = json_object_get(json, "density") != NULL;
     if (has_mass == has_density) {
         diagnostic->at_key = has_density;
-        return pl_complain_of(diagnostic, has_mass ? "density" : "mass",
-                              "expected either mass or density of a body that is not static, "
-                              "found %s",
-                              has_mass ? "both" : "neither");
+        return pl_diagnose_field(diagnostic, has_mass ? "density" : "mass",
+                                 "expected either mass or density of a body that is not static, "
+                                 "found %s",
+                                 has_mass ? "both" : "neither");
     }
     if (has_density) {
         double density = 0;
@@ -139,14 +140,14 @@ static bool finish_mass(reader *r, const json_t *json, pl_body *body)
             return false;
         }
         if (!(density > 0)) {
-            return pl_complain_of(diagnostic, "density", "expected a number above 0, found %g",
-                                  density);
+            return pl_diagnose_field(diagnostic, "density", "expected a number above 0, found %g",
+                                     density);
         }
         body->mass = density * pl_shape_volume(&body->shape);
     }
     const bool all_zero = body->inertia[0] == 0 && body->inertia[1] == 0 && body->inertia[2] == 0;
     if (all_zero && json_object_get(json, "inertia") != NULL) {
-        return pl_complain_of(diagnostic, "inertia", "expected numbers above 0, found zeros");
+        return pl_diagnose_field(diagnostic, "inertia", "expected numbers above 0, found zeros");
     }
     return true;
 }
@@ -256,7 +257,7 @@ static bool read_named_items(reader *r, const json_t *object, const pl_field *fi
     pl_path_push_key(&r->diagnostic.path, field->key);
     if (!json_is_object(items) || json_object_size(items) > (size_t)field->most) {
         char found[PL_FOUND_SIZE];
-        return pl_complain(&r->diagnostic, "expected an object of at most %d %s, found %s",
+        return pl_diagnose(&r->diagnostic, "expected an object of at most %d %s, found %s",
                            field->most, field->key,
                            json_is_object(items) ? "more" : pl_json_found(items, found));
     }
@@ -301,8 +302,9 @@ static bool read_metric(reader *r, const json_t *expect, const pl_field *field)
     }
     if (strlen(metric) >= sizeof scene->primary_error) {
         char quoted[PL_QUOTED_SIZE];
-        return pl_complain_of(&r->diagnostic, field->key, "expected the name of a metric, found %s",
-                              pl_quoted(metric, quoted));
+        return pl_diagnose_field(&r->diagnostic, field->key,
+                                 "expected the name of a metric, found %s",
+                                 pl_quoted(metric, quoted));
     }
     memcpy(scene->primary_error, metric, strlen(metric) + 1);
     return true;
@@ -317,7 +319,7 @@ static bool read_expectations(reader *r, const json_t *object, const pl_field *f
     }
     if (pl_name_index_create(scene->body_count == 0 ? NULL : scene->bodies[0].name,
                              sizeof *scene->bodies, scene->body_count, &r->body_names) != PL_OK) {
-        return pl_complain_no_memory(&r->diagnostic);
+        return pl_diagnose_no_memory(&r->diagnostic);
     }
     pl_path_push_key(&r->diagnostic.path, field->key);
     return pl_leave(&r->diagnostic, read_object(r, expect, field->items, scene));
@@ -332,8 +334,8 @@ static bool read_version(reader *r, const json_t *json, const pl_field *field)
         return true;
     }
     char found[PL_FOUND_SIZE];
-    return pl_complain_of(&r->diagnostic, field->key, "expected 1, found %s",
-                          pl_json_found(version, found));
+    return pl_diagnose_field(&r->diagnostic, field->key, "expected 1, found %s",
+                             pl_json_found(version, found));
 }
 
 static bool read_field(reader *r, const json_t *json, const pl_field *field, void *item)

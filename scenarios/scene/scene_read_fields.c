@@ -39,8 +39,8 @@ bool pl_read_word(const json_t *object, const char *key, pl_presence presence,
         }
     }
     char quoted[PL_QUOTED_SIZE];
-    return word == NULL || pl_complain_of(diagnostic, key, "expected %s, found %s", expected,
-                                          pl_quoted(word, quoted));
+    return word == NULL || pl_diagnose_field(diagnostic, key, "expected %s, found %s", expected,
+                                             pl_quoted(word, quoted));
 }
 
 bool pl_read_field(const json_t *object, const pl_field *field, void *item,

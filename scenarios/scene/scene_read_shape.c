@@ -17,7 +17,7 @@ static bool keep(const pl_shape_reader *r, const char *name, pl_polyhedron *made
     snprintf(made->name, sizeof made->name, "%s", name);
     if (pl_scene_add_polyhedron(r->scene, made, NULL) != PL_OK) {
         pl_polyhedron_free(made);
-        return pl_complain_no_memory(r->diagnostic);
+        return pl_diagnose_no_memory(r->diagnostic);
     }
     *shape = pl_shape_of(made);
     return true;
@@ -40,13 +40,13 @@ static bool read_hull(const pl_shape_reader *r, const json_t *json, const char *
 static bool to_indices(const double (*numbers)[3], int count, int (*triangles)[3],
                        pl_diagnostic *diagnostic)
 {
-    for (int i = 0; i < 3 * count; i++) {
+    for (int i = 0; i < 3 * count; ++i) {
         const double x = numbers[i / 3][i % 3];
         if (!(x >= INT_MIN && x <= INT_MAX && x == (int)x)) {
             pl_path_push_key(&diagnostic->path, "triangles");
             pl_path_push_index(&diagnostic->path, i / 3);
             pl_path_push_index(&diagnostic->path, i % 3);
-            return pl_complain(diagnostic, "expected the index of a vertex, found %.17g", x);
+            return pl_diagnose(diagnostic, "expected the index of a vertex, found %.17g", x);
         }
         triangles[i / 3][i % 3] = (int)x;
     }
@@ -63,7 +63,7 @@ static bool read_triangles(const json_t *json, int (**triangles)[3], int *count,
     bool right = true;
     *triangles = malloc((size_t)*count * sizeof **triangles + 1);
     if (*triangles == NULL) {
-        right = pl_complain_no_memory(diagnostic);
+        right = pl_diagnose_no_memory(diagnostic);
     }
     right = right && to_indices((const double(*)[3])numbers, *count, *triangles, diagnostic);
     free(numbers);
@@ -88,25 +88,26 @@ static bool read_inline_mesh(const json_t *json, pl_polyhedron **made, pl_diagno
 static bool read_mesh_file(const pl_shape_reader *r, const char *file, pl_polyhedron **made)
 {
     if (r->folder == NULL) {
-        return pl_complain_of(r->diagnostic, "file",
-                              "expected vertices and triangles, since a scene from memory has no "
-                              "folder, found a file");
+        return pl_diagnose_field(
+            r->diagnostic, "file",
+            "expected vertices and triangles, since a scene from memory has no "
+            "folder, found a file");
     }
     /* "-" alone would be standard input. */
     const char *folder = file[0] == '/' ? "" : r->folder[0] == '\0' ? "./" : r->folder;
     const size_t size = strlen(folder) + strlen(file) + 1;
     char *path = malloc(size);
     if (path == NULL) {
-        return pl_complain_no_memory(r->diagnostic);
+        return pl_diagnose_no_memory(r->diagnostic);
     }
     snprintf(path, size, "%s%s", folder, file);
     pl_error error = {.status = PL_OK};
     const pl_status status = pl_polyhedron_of_file(path, made, &error);
     free(path);
     if (status == PL_NO_MEMORY) {
-        return pl_complain_no_memory(r->diagnostic);
+        return pl_diagnose_no_memory(r->diagnostic);
     }
-    return status == PL_OK || pl_complain_of(r->diagnostic, "file", "%s", error.message);
+    return status == PL_OK || pl_diagnose_field(r->diagnostic, "file", "%s", error.message);
 }
 
 static bool read_mesh(const pl_shape_reader *r, const json_t *json, const char *name,
@@ -120,9 +121,10 @@ static bool read_mesh(const pl_shape_reader *r, const json_t *json, const char *
     }
     if ((file != NULL) == has_vertices) {
         r->diagnostic->at_key = has_vertices;
-        return pl_complain_of(r->diagnostic, "file",
-                              "expected either file or vertices and triangles of a mesh, found %s",
-                              has_vertices ? "both" : "neither");
+        return pl_diagnose_field(
+            r->diagnostic, "file",
+            "expected either file or vertices and triangles of a mesh, found %s",
+            has_vertices ? "both" : "neither");
     }
     pl_polyhedron *made = NULL;
     const bool right = file != NULL ? read_mesh_file(r, file, &made)
@@ -138,7 +140,7 @@ static bool read_shape(const pl_shape_reader *r, const json_t *json, const char 
     int kind = 0;
     if (!json_is_object(json)) {
         char found[PL_FOUND_SIZE];
-        return pl_complain(diagnostic, "expected an object, found %s", pl_json_found(json, found));
+        return pl_diagnose(diagnostic, "expected an object, found %s", pl_json_found(json, found));
     }
     if (!pl_read_word(json, "type", PL_REQUIRED, pl_shape_names, PL_SHAPE_KIND_COUNT, &kind,
                       diagnostic) ||
@@ -183,12 +185,12 @@ bool pl_read_shapes(pl_shape_reader *r, const json_t *scene)
     pl_path_push_key(&r->diagnostic->path, "shapes");
     if (!json_is_object(shapes)) {
         char found[PL_FOUND_SIZE];
-        return pl_complain(r->diagnostic, "expected an object of shapes, found %s",
+        return pl_diagnose(r->diagnostic, "expected an object of shapes, found %s",
                            pl_json_found(shapes, found));
     }
     r->shapes = malloc(json_object_size(shapes) * sizeof *r->shapes + 1);
     if (r->shapes == NULL) {
-        return pl_complain_no_memory(r->diagnostic);
+        return pl_diagnose_no_memory(r->diagnostic);
     }
     const char *name;
     json_t *value;
@@ -201,7 +203,7 @@ bool pl_read_shapes(pl_shape_reader *r, const json_t *scene)
         }
     }
     if (pl_name_index_create(r->shapes[0].name, sizeof *r->shapes, count, &r->index) != PL_OK) {
-        return pl_complain_no_memory(r->diagnostic);
+        return pl_diagnose_no_memory(r->diagnostic);
     }
     pl_path_pop(&r->diagnostic->path);
     return true;
@@ -214,8 +216,8 @@ bool pl_read_body_shape(const pl_shape_reader *r, const json_t *body, pl_shape *
         const char *name = json_string_value(json);
         const int i = pl_name_index_find(&r->index, name);
         if (i < 0) {
-            return pl_complain_of_reference(r->diagnostic, "shape", "shape", name,
-                                            pl_name_index_nearest(&r->index, name));
+            return pl_diagnose_reference(r->diagnostic, "shape", "shape", name,
+                                         pl_name_index_nearest(&r->index, name));
         }
         *shape = r->shapes[i].shape;
         return true;
@@ -223,7 +225,7 @@ bool pl_read_body_shape(const pl_shape_reader *r, const json_t *body, pl_shape *
     pl_path_push_key(&r->diagnostic->path, "shape");
     if (!json_is_object(json)) {
         char found[PL_FOUND_SIZE];
-        return pl_complain(r->diagnostic, "expected an object or the name of a shape, found %s",
+        return pl_diagnose(r->diagnostic, "expected an object or the name of a shape, found %s",
                            pl_json_found(json, found));
     }
     return pl_leave(r->diagnostic, read_shape(r, json, "", shape));

@@ -80,7 +80,7 @@ void pl_shape_inertia(const pl_shape *shape, double mass, double inertia[3])
         squares[0] = squares[1] = squares[2] = r * r / 5;
         break;
     case PL_SHAPE_BOX:
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             squares[k] = shape->half_extents[k] * shape->half_extents[k] / 3;
         }
         break;
@@ -93,14 +93,14 @@ void pl_shape_inertia(const pl_shape *shape, double mass, double inertia[3])
         break;
     case PL_SHAPE_HULL:
     case PL_SHAPE_MESH:
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             inertia[k] = mass * shape->polyhedron->inertia[k];
         }
         return;
     case PL_SHAPE_PLANE:
         break;
     }
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         inertia[k] = mass * (squares[(k + 1) % 3] + squares[(k + 2) % 3]);
     }
 }
@@ -109,9 +109,9 @@ static double half_width_of_polyhedron(const pl_polyhedron *p)
 {
     const pl_axes axes = pl_axes_of(p->axes);
     double half = (double)INFINITY;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         double low = (double)INFINITY, high = -low;
-        for (int i = 0; i < p->vertex_count; i++) {
+        for (int i = 0; i < p->vertex_count; ++i) {
             const pl_vec arm = pl_vec_sub(pl_vec_of(p->vertices[i]), pl_vec_of(p->centre));
             const double x = pl_vec_dot(arm, axes.axis[k]);
             low = fmin(low, x);

@@ -34,10 +34,10 @@ static void polyhedron_names_free(polyhedron_names *names)
 static int *count_uses(const pl_scene *scene, const pl_pointer_map *addresses)
 {
     int *uses = calloc((size_t)scene->polyhedron_count + 1, sizeof *uses);
-    for (int i = 0; i < scene->body_count && uses != NULL; i++) {
+    for (int i = 0; i < scene->body_count && uses != NULL; ++i) {
         const int index = pl_pointer_map_find(addresses, scene->bodies[i].shape.polyhedron);
         if (index >= 0) {
-            uses[index]++;
+            ++uses[index];
         }
     }
     return uses;
@@ -48,13 +48,13 @@ static void name_shared(const int *uses, int count, const pl_name_index *taken,
                         char (*names)[PL_NAME_SIZE])
 {
     int number = 0;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         if (names[i][0] != '\0' || uses[i] < 2) {
             continue;
         }
         char name[PL_NAME_SIZE];
         do {
-            number++;
+            ++number;
             snprintf(name, sizeof name, "polyhedron %d", number);
         } while (pl_name_index_find(taken, name) >= 0);
         memcpy(names[i], name, sizeof name);
@@ -66,7 +66,7 @@ static pl_status collect(const pl_scene *scene, char (*names)[PL_NAME_SIZE],
                          char (*own)[PL_NAME_SIZE], pl_name_index *taken)
 {
     int count = 0;
-    for (int i = 0; i < scene->polyhedron_count; i++) {
+    for (int i = 0; i < scene->polyhedron_count; ++i) {
         memcpy(names[i], scene->polyhedra[i]->name, PL_NAME_SIZE);
         if (names[i][0] != '\0') {
             memcpy(own[count++], names[i], PL_NAME_SIZE);
@@ -129,7 +129,7 @@ static void put_line(writer *w, const char *before, int indent)
 static void put_triples(pl_text_buffer *w, const double (*triples)[3], int count)
 {
     enum { ON_A_LINE = 4 };
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         pl_text_add(w, i == 0 ? "[" : i % ON_A_LINE == 0 ? ",\n      " : ", ");
         pl_text_add_numbers(w, triples[i], 3);
     }
@@ -139,7 +139,7 @@ static void put_triples(pl_text_buffer *w, const double (*triples)[3], int count
 static void put_triangles(pl_text_buffer *w, const int (*triangles)[3], int count)
 {
     enum { ON_A_LINE = 8 };
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         char text[48];
         snprintf(text, sizeof text, "[%d, %d, %d]", triangles[i][0], triangles[i][1],
                  triangles[i][2]);

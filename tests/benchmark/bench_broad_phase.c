@@ -21,8 +21,7 @@
 static const double DT = 1.0 / 60;
 enum { MOST_STEPS = 120, MOST_BRUTE = 10000 };
 
-/* ---- Scenes ------------------------------------------------------------------------------------
- */
+/* ---- Scenes ---- */
 
 typedef struct scene {
     const char *name;
@@ -124,8 +123,7 @@ static void move_bodies(pe_world *world)
     }
 }
 
-/* ---- Ways --------------------------------------------------------------------------------------
- */
+/* ---- Ways ---- */
 
 typedef struct bench {
     pe_world *world;
@@ -226,8 +224,7 @@ enum { TREE, ROWS, BOXES, SPHERES, WAYS };
 
 static way *const WAY[WAYS] = {tree, sweep_rows, brute_boxes, brute_spheres};
 
-/* ---- Measuring ---------------------------------------------------------------------------------
- */
+/* ---- Measuring ---- */
 
 static double cpu_seconds(void)
 {

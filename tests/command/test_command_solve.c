@@ -69,8 +69,7 @@ static json_t *parse(const char *text)
     return json;
 }
 
-/* ---- solve -------------------------------------------------------------------------------------
- */
+/* ---- solve ---- */
 
 static void test_solve_prints_the_outcome_and_the_history(void **state)
 {
@@ -199,8 +198,7 @@ static void test_solve_help_lists_the_solvers(void **state)
     free_output(&output);
 }
 
-/* ---- run --capture -----------------------------------------------------------------------------
- */
+/* ---- run --capture ---- */
 
 static void test_run_captures_a_problem_that_solve_takes(void **state)
 {
@@ -305,8 +303,7 @@ static void test_run_says_what_it_cannot_capture(void **state)
           3, "", "/nowhere/x.json");
 }
 
-/* ---- The benchmark -----------------------------------------------------------------------------
- */
+/* ---- The benchmark ---- */
 
 static const pl_benchmark_problem small[] = {
     {"three cubes", "tower", {"n=3"}, .step = 2},

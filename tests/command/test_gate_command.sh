@@ -7,7 +7,7 @@ source "$SOURCE/tests/support/command.sh"
 
 # same FILE: the baseline is as it was kept.
 same() {
-    cmp -s "$1" kept.json || complain "$1 changed, or is not whole"
+    cmp -s "$1" kept.json || note_failure "$1 changed, or is not whole"
 }
 
 # Results with faults of known size.
@@ -83,7 +83,7 @@ done
 mkdir report
 cp base.jsonl report/results.jsonl
 expect 0 'gate passed' report base.jsonl --baseline b.json
-python3 - <<'END' || complain "the baseline is not sorted, or lost digits"
+python3 - <<'END' || note_failure "the baseline is not sorted, or lost digits"
 import json
 text = open("b.json").read()
 baseline = json.loads(text)
@@ -98,13 +98,13 @@ same b.json
 # Faults.
 expect 1 'FAIL  tower n=12 / mine:p: penetration_max: 0.001 m -> 0.00101 m, allowed: a difference of 1e-09 m \(worse by 1 %\)' \
     worse.jsonl --baseline b.json
-grep -q 'gate failed: 4 failures in .* comparisons of 4 rows' out || complain "no summary line"
+grep -q 'gate failed: 4 failures in .* comparisons of 4 rows' out || note_failure "no summary line"
 expect 0 'better by 1 %: --update-baseline' better.jsonl --baseline b.json
 expect 0 'gate passed' worse.jsonl --baseline b.json --tolerance penetration_max=0.02
 expect 1 'FAIL  bounce / mine:p: outcome: ok -> missing' removed.jsonl --baseline b.json
 expect 1 'FAIL  tower n=12 / mine:p: outcome: ok -> collapsed, .*body b1 fell' \
     fallen.jsonl --baseline b.json
-grep -q '1 failure in' out || complain "a run that fell is not one failure: $(cat out)"
+grep -q '1 failure in' out || note_failure "a run that fell is not one failure: $(cat out)"
 expect 0 'note  top / mine:p: outcome: none -> ok' more.jsonl --baseline b.json
 expect 1 "FAIL  tower n=12 / mine:p: time_per_step: 0.[0-9]* times bullet:si's -> .*costlier" \
     slow.jsonl --baseline b.json
@@ -160,11 +160,11 @@ done
 GITHUB_STEP_SUMMARY=page.md expect 1 '^::error title=tower n=12 / mine%3Ap::penetration_max: ' \
     worse.jsonl --baseline b.json --format github
 GITHUB_STEP_SUMMARY=page.md expect 1 '^::error title=' hostile.jsonl --baseline h.json --format github
-[[ $(grep -c '^::' out) == 1 && $(wc -l <out) == 2 ]] || complain "a reason ends its line: $(cat out)"
-[[ $(grep -c '^### plumb gate failed' page.md) == 2 ]] || complain "the page is not appended to"
-grep -qF '<a' page.md && complain "markup gets into the page"
+[[ $(grep -c '^::' out) == 1 && $(wc -l <out) == 2 ]] || note_failure "a reason ends its line: $(cat out)"
+[[ $(grep -c '^### plumb gate failed' page.md) == 2 ]] || note_failure "the page is not appended to"
+grep -qF '<a' page.md && note_failure "markup gets into the page"
 GITHUB_STEP_SUMMARY=/dev/full expect 3 'No space left' worse.jsonl --baseline b.json --format github
-python3 - <<'END' || complain "a format is wrong"
+python3 - <<'END' || note_failure "a format is wrong"
 import json
 import xml.etree.ElementTree as tree
 for name, tests, failures in (("base", 4, 0), ("worse", 4, 4), ("removed", 4, 2), ("hostile", 1, 1)):
@@ -186,15 +186,15 @@ expect 3 'No space left' base.jsonl --baseline /dev/full --update-baseline
 expect 3 'Permission denied|No such file' base.jsonl --baseline none/b.json --update-baseline
 actual=0
 "$PLUMB" gate base.jsonl --baseline b.json >/dev/full 2>err || actual=$?
-[[ $actual == 3 ]] || complain "standard output on a full disk: exit code $actual"
+[[ $actual == 3 ]] || note_failure "standard output on a full disk: exit code $actual"
 actual=0
 (ulimit -f 8 -c 0; exec "$PLUMB" gate large.jsonl --baseline b.json --update-baseline) \
     >out 2>err || actual=$?
-[[ $actual -gt 128 ]] || complain "the update was not killed as it wrote: $actual $(cat err)"
+[[ $actual -gt 128 ]] || note_failure "the update was not killed as it wrote: $actual $(cat err)"
 same b.json
 (trap '' XFSZ; ulimit -f 8
  exec "$PLUMB" gate large.jsonl --baseline b.json --update-baseline) >out 2>err && actual=0 || actual=$?
-[[ $actual == 3 ]] || complain "a file that is too large: exit code $actual"
+[[ $actual == 3 ]] || note_failure "a file that is too large: exit code $actual"
 same b.json
 "$PLUMB" gate large.jsonl --baseline whole.json --update-baseline 2>err
 for delay in 0.00 0.01 0.02 0.04 0.06 0.08 0.12; do
@@ -203,6 +203,6 @@ for delay in 0.00 0.01 0.02 0.04 0.06 0.08 0.12; do
     sleep $delay
     kill -KILL $! 2>err || true
     wait $! 2>err || true
-    cmp -s b.json kept.json || cmp -s b.json whole.json || complain "killed: the baseline is not whole"
+    cmp -s b.json kept.json || cmp -s b.json whole.json || note_failure "killed: the baseline is not whole"
 done
 exit $failed

@@ -32,19 +32,19 @@ END
 for job in github gitlab; do
     example=$SOURCE/compare/gate/examples/$job.yml
     commands "$example" >calls
-    [[ $(wc -l <calls) == 2 ]] || complain "$job: expected two calls of plumb: $(cat calls)"
+    [[ $(wc -l <calls) == 2 ]] || note_failure "$job: expected two calls of plumb: $(cat calls)"
     run=$(sed -n 1p calls) gate=$(sed -n 2p calls)
     # The engine of the tests has spheres alone, which fall: it is unsupported in these scenes.
-    bash -c "${run/tower/free-fall tower}" >log 2>&1 || complain "$job: $run: $(cat log)"
+    bash -c "${run/tower/free-fall tower}" >log 2>&1 || note_failure "$job: $run: $(cat log)"
     rm -f plumb-baseline.json page.md
-    bash -c "$gate" >log 2>&1 && complain "$job: passed without a baseline"
-    bash -c "$gate --update-baseline" >log 2>&1 || complain "$job: no baseline: $(cat log)"
-    bash -c "$gate" >log 2>&1 || complain "$job: $gate: $(cat log)"
-    grep -q 'gate passed' log || complain "$job: no summary: $(cat log)"
+    bash -c "$gate" >log 2>&1 && note_failure "$job: passed without a baseline"
+    bash -c "$gate --update-baseline" >log 2>&1 || note_failure "$job: no baseline: $(cat log)"
+    bash -c "$gate" >log 2>&1 || note_failure "$job: $gate: $(cat log)"
+    grep -q 'gate passed' log || note_failure "$job: no summary: $(cat log)"
     sed -i '/"faulty:good".*"free-fall"/s/"outcome":"[a-z]*"/"outcome":"crashed"/' plumb-gate/results.jsonl
     actual=0
     bash -c "$gate" >log 2>&1 || actual=$?
-    [[ $actual == 1 ]] || complain "$job: a crash is not seen: exit code $actual: $(cat log)"
+    [[ $actual == 1 ]] || note_failure "$job: a crash is not seen: exit code $actual: $(cat log)"
 done
-grep -q 'failures="1"' plumb-gate.xml || complain "gitlab: no failure in the report"
+grep -q 'failures="1"' plumb-gate.xml || note_failure "gitlab: no failure in the report"
 exit $failed

@@ -20,7 +20,7 @@ expect 2 'is endless' sweep free-fall --vary dt=1/240..1/60:x1
 expect 2 'at most 100000' sweep free-fall --vary dt=0.001..1:+0.00002 --engine plumb --repeat 9
 expect 2 '--shard takes I/N, from 1/N to N/N' sweep free-fall --shard 0/4
 expect 2 'did you mean --vary' sweep free-fall --vry dt=1
-[[ ! -e sweep ]] || complain "a sweep that was refused left a folder"
+[[ ! -e sweep ]] || note_failure "a sweep that was refused left a folder"
 
 sweep=(sweep free-fall uniform.json --engine plumb --engine plumb:fast --vary dt=1/60,1/30
     --vary iterations=1,2 --duration 0.5 --repeat 2)
@@ -35,13 +35,13 @@ with open("uniform.json", "w") as file:
 END
 
 # The plan is what one process makes, in its order; nothing is run for it.
-"$PLUMB" "${sweep[@]}" --plan plan.jsonl --out whole || complain "--plan failed"
-[[ ! -e whole ]] || complain "--plan made a folder"
+"$PLUMB" "${sweep[@]}" --plan plan.jsonl --out whole || note_failure "--plan failed"
+[[ ! -e whole ]] || note_failure "--plan made a folder"
 expect 0 '32 results are in whole/results.jsonl' "${sweep[@]}" --out whole
-[[ $(runs plan.jsonl) == "$(runs whole/results.jsonl)" ]] || complain "the plan is not what was run"
-[[ $(runs plan.jsonl | sort -u | wc -l) == 32 ]] || complain "a run is planned twice"
-"$PLUMB" "${sweep[@]}" --plan - | cmp - plan.jsonl || complain "--plan - differs from --plan FILE"
-python3 - <<'END' || complain "the plan's lines are wrong"
+[[ $(runs plan.jsonl) == "$(runs whole/results.jsonl)" ]] || note_failure "the plan is not what was run"
+[[ $(runs plan.jsonl | sort -u | wc -l) == 32 ]] || note_failure "a run is planned twice"
+"$PLUMB" "${sweep[@]}" --plan - | cmp - plan.jsonl || note_failure "--plan - differs from --plan FILE"
+python3 - <<'END' || note_failure "the plan's lines are wrong"
 import json
 plan = [json.loads(line) for line in open("plan.jsonl")]
 rows = [json.loads(line) for line in open("whole/results.jsonl")]
@@ -53,7 +53,7 @@ END
 
 # Instructions are counted in all runs that came to their end, or, where the kernel or the machine does not
 # count them, in none.
-python3 - <<'END' || complain "instructions_per_step is wrong"
+python3 - <<'END' || note_failure "instructions_per_step is wrong"
 import json
 rows = [json.loads(line) for line in open("whole/results.jsonl")]
 found = [row["metrics"].get("instructions_per_step") for row in rows if row["outcome"] == "ok"]
@@ -67,13 +67,13 @@ END
 # Resumed, nothing finished is made again, also what another shard or the whole sweep made.
 cp whole/results.jsonl before.jsonl
 expect 0 '32 results are in' "${sweep[@]}" --out whole --resume
-cmp -s whole/results.jsonl before.jsonl || complain "--resume made a finished run again"
+cmp -s whole/results.jsonl before.jsonl || note_failure "--resume made a finished run again"
 head -n 9 before.jsonl >whole/results.jsonl
 head -n 10 before.jsonl | tail -n 1 | head -c 100 >>whole/results.jsonl
 expect 0 '32 results are in' "${sweep[@]}" --out whole --resume
-[[ $(runs whole/results.jsonl) == "$(runs plan.jsonl)" ]] || complain "--resume lost or doubled a run"
+[[ $(runs whole/results.jsonl) == "$(runs plan.jsonl)" ]] || note_failure "--resume lost or doubled a run"
 [[ $(head -n 9 whole/results.jsonl) == "$(head -n 9 before.jsonl)" ]] ||
-    complain "--resume changed what was there"
+    note_failure "--resume changed what was there"
 
 # Shards, by option and by environment; the last by another number of shards, with nothing left.
 expect 0 '8 results are in shards/shard-1-of-4/results.jsonl' "${sweep[@]}" --out shards --shard 1/4
@@ -84,32 +84,32 @@ OMPI_COMM_WORLD_RANK=2 OMPI_COMM_WORLD_SIZE=4 \
 PMIX_RANK=3 PMIX_SIZE=4 expect 0 '8 results are in shards/shard-4-of-4/' "${sweep[@]}" --out shards
 expect 0 '0 results are in shards/shard-2-of-3/' "${sweep[@]}" --out shards --shard 2/3 --resume
 [[ $(runs shards/*/results.jsonl | sort) == "$(runs plan.jsonl | sort)" ]] ||
-    complain "the shards are not the sweep"
+    note_failure "the shards are not the sweep"
 "$PLUMB" "${sweep[@]}" --shard 2/4 --plan - >shard.jsonl
 [[ $(runs shard.jsonl) == "$(runs shards/shard-2-of-4/results.jsonl)" ]] ||
-    complain "the plan of a shard is not what it makes"
+    note_failure "the plan of a shard is not what it makes"
 
 # A report of files and folders; doubles are dropped and, where they differ, said.
 expect 0 '32 results of 5 files and the report are in merged/' report shards --out merged
 for file in index.html summary.md results.csv results.jsonl; do
-    [[ -s merged/$file ]] || complain "the report has no $file"
+    [[ -s merged/$file ]] || note_failure "the report has no $file"
 done
 [[ $(runs merged/results.jsonl | sort) == "$(runs plan.jsonl | sort)" ]] ||
-    complain "the report's results are not those of the shards"
+    note_failure "the report's results are not those of the shards"
 expect 0 '32 duplicates were dropped' report whole/results.jsonl shards --out merged
 expect 0 '32 results of 1 file' report merged --out merged
-cat err | grep -q 'double' && complain "doubles in: $(cat err)"
+cat err | grep -q 'double' && note_failure "doubles in: $(cat err)"
 sed 's/"outcome":"ok"/"outcome":"timeout"/' whole/results.jsonl >other.jsonl
 expect 0 'warning: 32 of them differ' report whole other.jsonl --out merged
 [[ $(grep -c 'was made twice and differs: outcome ok, then timeout' err) == 10 ]] ||
-    complain "not ten differences are said: $(cat err)"
-grep -q timeout merged/results.jsonl && complain "what was read first is not kept"
+    note_failure "not ten differences are said: $(cat err)"
+grep -q timeout merged/results.jsonl && note_failure "what was read first is not kept"
 
 # What a report would lose stays.
 cp merged/results.jsonl kept.jsonl
 head -n 3 whole/results.jsonl >some.jsonl
 expect 2 'has 29 results that the report would not have' report some.jsonl --out merged
-cmp -s merged/results.jsonl kept.jsonl || complain "a report took results away"
+cmp -s merged/results.jsonl kept.jsonl || note_failure "a report took results away"
 
 # The example of a job array makes a shard as it stands.
 mkdir bin
@@ -117,8 +117,8 @@ printf '#!/bin/sh\nshift\nexec "$PLUMB" "$@" --plan -\n' >bin/srun
 chmod +x bin/srun
 SLURM_ARRAY_TASK_ID=16 SLURM_ARRAY_TASK_MIN=1 SLURM_ARRAY_TASK_COUNT=16 PATH=$PWD/bin:$PATH \
     bash "$SOURCE/compare/studies/sweep/example.slurm" >shard.jsonl 2>err ||
-    complain "example.slurm failed: $(cat err)"
-[[ $(wc -l <shard.jsonl) -gt 0 ]] || complain "example.slurm has no runs"
+    note_failure "example.slurm failed: $(cat err)"
+[[ $(wc -l <shard.jsonl) -gt 0 ]] || note_failure "example.slurm has no runs"
 
 expect 2 'name a file or folder of results' report
 expect 2 'has neither a results.jsonl' report .

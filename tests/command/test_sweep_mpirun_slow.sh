@@ -21,8 +21,8 @@ run_whole
 run_ranks &
 ranks=$!
 kill_in_mid_run shards/shard-2-of-3/results.jsonl pid.1
-wait "$ranks" && complain "mpirun did not say that a rank was killed"
+wait "$ranks" && note_failure "mpirun did not say that a rank was killed"
 note_unfinished shards/shard-2-of-3/results.jsonl
-run_ranks --resume || complain "a resumed rank failed: $(tail ranks.log)"
+run_ranks --resume || note_failure "a resumed rank failed: $(tail ranks.log)"
 check_same_rows
 exit $failed

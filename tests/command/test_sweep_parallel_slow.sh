@@ -17,8 +17,8 @@ shards=$!
 kill_in_mid_run shards/shard-2-of-4/results.jsonl pid.2
 code=0
 wait "$shards" || code=$?
-[[ $code == 1 ]] || complain "of four workers one was killed, parallel counts $code"
+[[ $code == 1 ]] || note_failure "of four workers one was killed, parallel counts $code"
 note_unfinished shards/shard-2-of-4/results.jsonl
-run_shards --resume || complain "a resumed shard failed"
+run_shards --resume || note_failure "a resumed shard failed"
 check_same_rows
 exit $failed

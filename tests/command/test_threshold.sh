@@ -37,9 +37,9 @@ expect 0 'unsupported: faulty lacks box' slope-threshold --engine "$faulty:good"
     --json rows.jsonl --jobs 2 >table 2>/dev/null
 "$PLUMB" threshold sphere-pyramid --engine plumb --engine "$faulty:abort" --engine plumb:fast \
     --json - 2>/dev/null >again.jsonl
-[[ $(wc -l <rows.jsonl) == 3 ]] || complain "expected 3 lines: $(cat rows.jsonl)"
-grep -q 'closed form' table || complain "the table is missing beside --json FILE"
-python3 - <<'END' || complain "the JSON lines are wrong"
+[[ $(wc -l <rows.jsonl) == 3 ]] || note_failure "expected 3 lines: $(cat rows.jsonl)"
+grep -q 'closed form' table || note_failure "the table is missing beside --json FILE"
+python3 - <<'END' || note_failure "the JSON lines are wrong"
 import json
 first = [json.loads(line) for line in open("rows.jsonl")]
 again = [json.loads(line) for line in open("again.jsonl")]

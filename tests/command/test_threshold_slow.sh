@@ -11,8 +11,8 @@ expect() {
     shift
     for dt in 1/60 1/240; do
         "$PLUMB" threshold "$@" --engine plumb:accurate --dt "$dt" --json row.json >out 2>&1 ||
-            complain "threshold $* --dt $dt: $(tail -1 out)"
-        python3 - "$tolerance" <<'END' || complain "threshold $* --dt $dt: $(cat row.json)"
+            note_failure "threshold $* --dt $dt: $(tail -1 out)"
+        python3 - "$tolerance" <<'END' || note_failure "threshold $* --dt $dt: $(cat row.json)"
 import json, sys
 row = json.load(open("row.json"))
 sys.exit(not (row["finding"] == "found" and abs(row["relative_error"]) <= float(sys.argv[1])))
@@ -41,7 +41,7 @@ for dt in 1/60 1/240; do
                       --engine plumb:accurate | sed -nE '1s/.*: ([a-z]+),.*/\1/p')
         expected=$([[ $factor == 1.001 ]] && echo ok || echo collapsed)
         [[ $outcome == "$expected" ]] ||
-            complain "arch of thickness $thickness at $dt: $outcome, expected $expected"
+            note_failure "arch of thickness $thickness at $dt: $outcome, expected $expected"
     done
 done
 
@@ -53,7 +53,7 @@ for name in 'tower --set n=100' 'mass-ratio --set k=6' card-house overhang cylin
         # Word splitting is meant; a later --dt wins.
         # shellcheck disable=SC2086
         "$PLUMB" run --dt "$dt" $name --engine plumb:accurate >out 2>&1 ||
-            complain "$name at $dt: $(head -2 out)"
+            note_failure "$name at $dt: $(head -2 out)"
     done
 done
 exit $failed

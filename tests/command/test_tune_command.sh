@@ -28,8 +28,8 @@ expect 4 'does not do' slope-stick --engine "$BUILD/faulty_engine.so:refuse" --t
 # An engine of free fall: its error is that of its step, 0.495 dt.
 fall=(free-fall --engine "$BUILD/faulty_engine.so:good" --duration 1 --target 'value_error<=0.004')
 expect 0 'the cheapest found' "${fall[@]}" --budget 16 --json fall.json --out saved
-[[ -s saved/faulty.profile.json ]] || complain "no profile was saved: $(ls -R)"
-python3 - <<'END' || complain "the JSON is wrong: $(cat fall.json)"
+[[ -s saved/faulty.profile.json ]] || note_failure "no profile was saved: $(ls -R)"
+python3 - <<'END' || note_failure "the JSON is wrong: $(cat fall.json)"
 import json
 found = json.load(open("fall.json"))
 assert found["schema"] == "plumb.tuning/1" and found["met"] is True
@@ -53,7 +53,7 @@ expect 0 'pe_world_step\(world, 1\.0 / [0-9]+' tower slope-stick --engine plumb:
 profile=profiles/plumb.profile.json
 "$PLUMB" run tower --duration 0.1 --engine plumb:tuned --profiles "$profile" --json by_name.json >/dev/null
 PLUMB_PROFILES=$profile "$PLUMB" run tower --duration 0.1 --engine plumb:tuned --json by_env.json >/dev/null
-python3 - <<'END' || complain "the profile is not what was tuned: $(cat profiles/plumb.profile.json)"
+python3 - <<'END' || note_failure "the profile is not what was tuned: $(cat profiles/plumb.profile.json)"
 import json
 profile = json.load(open("profiles/plumb.profile.json"))
 for name in "by_name.json", "by_env.json":

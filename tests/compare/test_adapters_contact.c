@@ -14,7 +14,7 @@ static void spin_of(const double inertia[3], const double q[4], const double ome
 {
     double body[3];
     to_body(q, omega, body);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         body[i] *= inertia[i];
     }
     to_world(q, body, out);
@@ -25,7 +25,7 @@ static void spin_of(const double inertia[3], const double q[4], const double ome
 static bool was_pushed_out(const pl_body_state *before, const pl_body_state *now, double dt)
 {
     double off[3], change[3];
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         double mean = (before->velocity[k] + now->velocity[k]) / 2;
         off[k] = now->position[k] - before->position[k] - dt * mean;
         change[k] = now->velocity[k] - before->velocity[k];
@@ -39,14 +39,14 @@ static bool was_pushed_out(const pl_body_state *before, const pl_body_state *now
  */
 static void check_momentum(const engine_run *r, double dt)
 {
-    for (int b = 0; b < r->scene->body_count; b++) {
+    for (int b = 0; b < r->scene->body_count; ++b) {
         const pl_body *body = &r->scene->bodies[b];
         if (body->is_static || was_pushed_out(&r->before[b], &r->now[b], dt)) {
             continue;
         }
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             double impulse = 0, scale = body->mass * g * dt;
-            for (int i = 0; i < r->contact_count; i++) {
+            for (int i = 0; i < r->contact_count; ++i) {
                 const pl_contact *contact = &r->contacts[i];
                 int sign = contact->body_b == b ? 1 : contact->body_a == b ? -1 : 0;
                 impulse += sign * contact->impulse[k];
@@ -61,7 +61,7 @@ static void check_momentum(const engine_run *r, double dt)
 
 static void check_normals(const engine_run *r)
 {
-    for (int i = 0; i < r->contact_count; i++) {
+    for (int i = 0; i < r->contact_count; ++i) {
         const pl_contact *contact = &r->contacts[i];
         const double *n = contact->normal, *p = contact->impulse;
         assert_close(n[0] * n[0] + n[1] * n[1] + n[2] * n[2], 1, 1e-12, 0);
@@ -72,7 +72,7 @@ static void check_normals(const engine_run *r)
 
 static bool touched(const engine_run *r)
 {
-    for (int i = 0; i < r->contact_count; i++) {
+    for (int i = 0; i < r->contact_count; ++i) {
         if (distance(r->contacts[i].impulse, (double[]){0, 0, 0}) > 0) {
             return true;
         }
@@ -83,13 +83,13 @@ static bool touched(const engine_run *r)
 static void lowest_corner(const pl_shape *shape, const pl_body_state *state, double lowest[3])
 {
     lowest[2] = INFINITY;
-    for (int corner = 0; corner < 8; corner++) {
+    for (int corner = 0; corner < 8; ++corner) {
         double local[3], world[3];
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             local[k] = (corner >> k & 1 ? 1 : -1) * shape->half_extents[k];
         }
         to_world(state->orientation, local, world);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             world[k] += state->position[k];
         }
         if (world[2] < lowest[2]) {
@@ -132,7 +132,7 @@ static void corner_drop(const pl_engine_choice *choice, int floor_index, bool sl
 
     double corner[3] = {0}, torque[3] = {0}, spin[3];
     lowest_corner(&body->shape, &r.before[box_index], corner);
-    for (int i = 0; i < r.contact_count; i++) {
+    for (int i = 0; i < r.contact_count; ++i) {
         const pl_contact *contact = &r.contacts[i];
         double up = contact->body_b == box_index ? 1 : -1;
         assert_int_equal(contact->body_a + contact->body_b, 1);
@@ -141,11 +141,11 @@ static void corner_drop(const pl_engine_choice *choice, int floor_index, bool sl
         assert_at_most(distance(contact->point, corner), 0.02);
         assert_close(contact->separation, corner[2], 1e-9, 0);
         double arm[3], twist[3];
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             arm[k] = contact->point[k] - r.before[box_index].position[k];
         }
         cross(arm, contact->impulse, twist);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             torque[k] += up * twist[k];
         }
     }
@@ -155,7 +155,7 @@ static void corner_drop(const pl_engine_choice *choice, int floor_index, bool sl
     double size = distance(spin, (double[]){0, 0, 0});
     assert_true(size > 0.05);
     assert_at_most(distance(spin, torque), 0.05 * size);
-    for (int n = 0; n < 120; n++) {
+    for (int n = 0; n < 120; ++n) {
         engine_step(&r, dt);
         check_momentum(&r, dt);
         if (solves_coulomb(choice)) {
@@ -169,7 +169,7 @@ static void corner_drop(const pl_engine_choice *choice, int floor_index, bool sl
 static void law_corner_drop(const pl_engine_choice *choice)
 {
     if (choice->engine->read_contacts != NULL) {
-        for (int i = 0; i < 4; i++) {
+        for (int i = 0; i < 4; ++i) {
             corner_drop(choice, i % 2, i / 2 == 1);
         }
     }
@@ -193,7 +193,7 @@ static void pair_impact(const pl_engine_choice *choice, pl_shape_kind first, pl_
     pl_scene scene = pl_scene_default();
     memset(scene.gravity, 0, sizeof scene.gravity);
     put_material(&scene, "stone", 0.3, 0);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         const double at[3] = {1.5 * i, 0.1 * i, 0.2 * i};
         pl_body body = solid_body(&scene, i == 0 ? first : second, 0.4, at, 1, 0.7 + 0.4 * i);
         body.mass = 1 + 2 * i;
@@ -202,13 +202,13 @@ static void pair_impact(const pl_engine_choice *choice, pl_shape_kind first, pl_
     }
     engine_run r = engine_start(choice, &scene);
     bool met = false;
-    for (int n = 0; n < 120; n++) {
+    for (int n = 0; n < 120; ++n) {
         engine_step(&r, dt);
         check_momentum(&r, dt);
         if (bounds || r.contact_count == 1) {
             check_normals(&r);
         }
-        for (int i = 0; touched(&r) && i < r.contact_count; i++) {
+        for (int i = 0; touched(&r) && i < r.contact_count; ++i) {
             /* The first body comes along x, and so does its outward normal. */
             const pl_contact *contact = &r.contacts[i];
             double from_first = contact->body_a == 0 ? 1 : -1;
@@ -229,8 +229,8 @@ static void law_pair_impact(const pl_engine_choice *choice)
     if (choice->engine->read_contacts == NULL) {
         return;
     }
-    for (int a = PL_SHAPE_SPHERE; a < PL_SHAPE_KIND_COUNT; a++) {
-        for (int b = PL_SHAPE_SPHERE; b < PL_SHAPE_KIND_COUNT; b++) {
+    for (int a = PL_SHAPE_SPHERE; a < PL_SHAPE_KIND_COUNT; ++a) {
+        for (int b = PL_SHAPE_SPHERE; b < PL_SHAPE_KIND_COUNT; ++b) {
             if (knows(choice, (pl_shape_kind)a) && knows(choice, (pl_shape_kind)b)) {
                 pair_impact(choice, (pl_shape_kind)a, (pl_shape_kind)b);
             }
@@ -251,12 +251,12 @@ static void law_rest(const pl_engine_choice *choice)
     }
     pl_scene scene = scene_with_block(0.5, 1, 0.5, 0.5);
     engine_run r = engine_start(choice, &scene);
-    for (int n = 0; n < 120; n++) {
+    for (int n = 0; n < 120; ++n) {
         engine_step(&r, 1.0 / 60);
     }
     double sum[3] = {0}, weight = g / 60;
-    for (int i = 0; i < r.contact_count; i++) {
-        for (int k = 0; k < 3; k++) {
+    for (int i = 0; i < r.contact_count; ++i) {
+        for (int k = 0; k < 3; ++k) {
             sum[k] += r.contacts[i].impulse[k];
         }
     }
@@ -289,7 +289,7 @@ static void slope_rest(const pl_engine_choice *choice, int block_index)
     put_material(&scene, "stone", 0.8, 0);
     pl_body slab = box_body(1, 5, 5, 0.5), block = box_body(2, 0.5, 0.5, 0.25);
     slab.is_static = true;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         slab.position[k] = -0.5 * up[k];
         block.position[k] = 0.25 * up[k];
     }
@@ -298,18 +298,18 @@ static void slope_rest(const pl_engine_choice *choice, int block_index)
     put_body(&scene, block_index == 0 ? block : slab);
     put_body(&scene, block_index == 0 ? slab : block);
     engine_run r = engine_start(choice, &scene);
-    for (int n = 0; n < 120; n++) {
+    for (int n = 0; n < 120; ++n) {
         engine_step(&r, dt);
     }
     double normal = 0, tangent = 0, weight = scene.bodies[block_index].mass * g * dt;
-    for (int i = 0; i < r.contact_count; i++) {
+    for (int i = 0; i < r.contact_count; ++i) {
         double sign = r.contacts[i].body_b == block_index ? 1 : -1;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             normal += sign * r.contacts[i].impulse[k] * up[k];
             tangent += sign * r.contacts[i].impulse[k] * along[k];
         }
     }
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         double change = r.now[block_index].velocity[k] - r.before[block_index].velocity[k];
         normal -= scene.bodies[block_index].mass * change * up[k];
         tangent -= scene.bodies[block_index].mass * change * along[k];
@@ -356,11 +356,11 @@ static void law_slide(const pl_engine_choice *choice)
     scene.bodies[1].velocity[0] = 4;
     engine_run r = engine_start(choice, &scene);
     double dt = 1.0 / 240;
-    for (int n = 0; n < 24; n++) {
+    for (int n = 0; n < 24; ++n) {
         engine_step(&r, dt);
     }
     double from = r.now[1].velocity[0];
-    for (int n = 0; n < 120; n++) {
+    for (int n = 0; n < 120; ++n) {
         engine_step(&r, dt);
     }
     double friction = (from - r.now[1].velocity[0]) / (g * 0.5);
@@ -393,7 +393,7 @@ static void law_bounce(const pl_engine_choice *choice)
     put_body(&scene, ball);
     engine_run r = engine_start(choice, &scene);
     double dt = 1.0 / 1000;
-    for (int n = 0; n < 5; n++) {
+    for (int n = 0; n < 5; ++n) {
         engine_step(&r, dt);
     }
     /* The impact takes one of these steps; engines count its gravity before the impact or after. */

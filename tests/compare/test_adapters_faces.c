@@ -28,11 +28,11 @@ static pl_hull_faces faces_of(const pl_polyhedron *hull, const double origin[3])
 static void area_of(const pl_polyhedron *hull, const unsigned int *polygon, double out[3])
 {
     memset(out, 0, 3 * sizeof *out);
-    for (unsigned int i = 1; i <= polygon[0]; i++) {
+    for (unsigned int i = 1; i <= polygon[0]; ++i) {
         double part[3];
         unsigned int next = i == polygon[0] ? 1 : i + 1;
         cross(hull->vertices[polygon[i]], hull->vertices[polygon[next]], part);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             out[k] += part[k];
         }
     }
@@ -47,19 +47,19 @@ static unsigned int check_faces(const pl_polyhedron *hull, const double origin[3
     double small = 1e-8 * hull->radius, volume = 0;
     unsigned int corners = 0, longest = 0;
     const unsigned int *polygon = faces->polygons;
-    for (int f = 0; f < faces->count; f++, polygon += polygon[0] + 1) {
+    for (int f = 0; f < faces->count; ++f, polygon += polygon[0] + 1) {
         const double *plane = faces->planes[f];
         double area[3];
         area_of(hull, polygon, area);
         assert_close(distance(plane, (double[]){0, 0, 0}), 1, 1e-12, 0);
         assert_true(area[0] * plane[0] + area[1] * plane[1] + area[2] * plane[2] > 0);
-        for (int i = 0; i < hull->vertex_count; i++) {
+        for (int i = 0; i < hull->vertex_count; ++i) {
             double height = -plane[3];
-            for (int k = 0; k < 3; k++) {
+            for (int k = 0; k < 3; ++k) {
                 height += plane[k] * (hull->vertices[i][k] - origin[k]);
             }
             assert_at_most(height, small);
-            for (unsigned int c = 1; c <= polygon[0]; c++) {
+            for (unsigned int c = 1; c <= polygon[0]; ++c) {
                 if (polygon[c] == (unsigned int)i) {
                     assert_close(height, 0, small, 0);
                 }
@@ -83,11 +83,11 @@ static void test_rotated_prism_has_ends_and_sides_as_faces(void **state)
     check_random random = {4};
     double q[4];
     check_quaternion(&random, q);
-    for (int i = 0; i < 2 * SIDES; i++) {
+    for (int i = 0; i < 2 * SIDES; ++i) {
         double angle = 2 * pi * (i % SIDES) / SIDES;
         double local[3] = {cos(angle), sin(angle), i < SIDES ? -0.4 : 0.7};
         to_world(q, local, points[i]);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             points[i][k] += 5 - k;
         }
     }
@@ -107,7 +107,7 @@ static void test_random_hull_faces_obey_convex_polyhedron_laws(void **state)
 {
     (void)state;
     check_random random = {12};
-    for (int n = 0; n < 60; n++) {
+    for (int n = 0; n < 60; ++n) {
         pl_scene scene = pl_scene_default();
         const pl_polyhedron *hull = random_hull(&scene, &random, 4 + 2 * n);
         const double origin[3] = {0.1, -0.2, 0.3};
@@ -133,12 +133,12 @@ static void test_nonconvex_surface_is_declined_by_name(void **state)
     /* Without a triangle in the middle of a face that face has two borders. */
     snprintf(broken.name, sizeof broken.name, "sieve");
     int inside = -1;
-    for (int i = 0; i < broken.triangle_count && inside < 0; i++) {
+    for (int i = 0; i < broken.triangle_count && inside < 0; ++i) {
         bool all_inside = true;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             const double *corner = broken.vertices[broken.triangles[i][k]];
             int at_limit = 0;
-            for (int c = 0; c < 3; c++) {
+            for (int c = 0; c < 3; ++c) {
                 at_limit += fabs(corner[c]) > 0.99;
             }
             all_inside = all_inside && at_limit == 1;
@@ -146,7 +146,7 @@ static void test_nonconvex_surface_is_declined_by_name(void **state)
         inside = all_inside ? i : inside;
     }
     assert_true(inside >= 0);
-    broken.triangle_count--;
+    --broken.triangle_count;
     memcpy(broken.triangles[inside], broken.triangles[broken.triangle_count],
            sizeof *broken.triangles);
     assert_int_equal(pl_hull_faces_of(&broken, middle, &faces, &error), PL_BAD_INPUT);

@@ -33,7 +33,7 @@ static void principal_pose(const pl_shape *shape, const double position[3],
     static const pl_polyhedron plain = {.axes = {1, 0, 0, 0}};
     const pl_polyhedron *solid = shape->polyhedron != NULL ? shape->polyhedron : &plain;
     to_world(orientation, solid->centre, centre);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         centre[k] += position[k];
     }
     quaternion_product(orientation, solid->axes, q);
@@ -49,7 +49,7 @@ static void euler_rate(const double inertia[3], const double y[7], double rate[7
     rate[1] = 0.5 * (q[0] * w[0] + q[2] * w[2] - q[3] * w[1]);
     rate[2] = 0.5 * (q[0] * w[1] + q[3] * w[0] - q[1] * w[2]);
     rate[3] = 0.5 * (q[0] * w[2] + q[1] * w[1] - q[2] * w[0]);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         rate[4 + i] = torque[i] / inertia[i];
     }
 }
@@ -63,18 +63,18 @@ static void dense_tumble(const pl_body *body, double duration, double q[4], doub
     double h = duration / steps, y[7], centre[3];
     principal_pose(&body->shape, body->position, body->orientation, centre, y);
     to_body(y, body->angular_velocity, y + 4);
-    for (int n = 0; n < steps; n++) {
+    for (int n = 0; n < steps; ++n) {
         double rate[7] = {0}, sum[7] = {0}, at[7];
-        for (int stage = 0; stage < 4; stage++) {
-            for (int i = 0; i < 7; i++) {
+        for (int stage = 0; stage < 4; ++stage) {
+            for (int i = 0; i < 7; ++i) {
                 at[i] = y[i] + part[stage] * h * rate[i];
             }
             euler_rate(body->inertia, at, rate);
-            for (int i = 0; i < 7; i++) {
+            for (int i = 0; i < 7; ++i) {
                 sum[i] += weight[stage] * rate[i];
             }
         }
-        for (int i = 0; i < 7; i++) {
+        for (int i = 0; i < 7; ++i) {
             y[i] += h / 6 * sum[i];
         }
     }
@@ -100,12 +100,12 @@ static void tumble(const pl_engine_choice *choice, bool mesh, int steps, double 
     double h = 1.0 / steps, q[4], omega[3], start[3], centre[3], axes[4];
     principal_pose(&body->shape, body->position, body->orientation, start, axes);
     engine_run r = engine_start(choice, &scene);
-    for (int n = 0; n < steps; n++) {
+    for (int n = 0; n < steps; ++n) {
         engine_step(&r, h);
     }
     bool exact = is_second_order(choice);
     principal_pose(&body->shape, r.now[0].position, r.now[0].orientation, centre, axes);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         double fall = scene.gravity[i] * h * h * steps * (steps + (exact ? 0 : 1.0)) / 2;
         assert_close(centre[i], start[i] + body->velocity[i] + fall, 1e-11, 1e-12);
         assert_close(r.now[0].velocity[i], body->velocity[i] + scene.gravity[i], 1e-11, 1e-12);
@@ -149,7 +149,7 @@ static void law_order(const pl_engine_choice *choice)
     pl_scene scene = pl_scene_default();
     put_material(&scene, "stone", 0.5, 0);
     check_random random = {9};
-    for (int i = 0; i < MOST_BODIES; i++) {
+    for (int i = 0; i < MOST_BODIES; ++i) {
         pl_body body = i == 3 ? floor_body() : box_body(1 + i, 0.2, 0.3, 0.4);
         body.is_static = i % 3 == 0;
         if (i % 2 == 1 && i != 3) {
@@ -167,17 +167,17 @@ static void law_order(const pl_engine_choice *choice)
     assert_close(r.time, 0, 0, 0);
     pl_body_state first[MOST_BODIES];
     memcpy(first, r.now, sizeof first);
-    for (int i = 0; i < MOST_BODIES; i++) {
+    for (int i = 0; i < MOST_BODIES; ++i) {
         const pl_body *body = &scene.bodies[i];
         assert_close(distance(first[i].position, body->position), 0, 1e-14, 0);
         assert_close(distance(first[i].velocity, body->velocity), 0, 1e-14, 0);
         assert_close(distance(first[i].angular_velocity, body->angular_velocity), 0, 1e-14, 0);
         assert_close(angle_between(first[i].orientation, body->orientation), 0, 1e-14, 0);
     }
-    for (int n = 0; n < 20; n++) {
+    for (int n = 0; n < 20; ++n) {
         engine_step(&r, 1.0 / 100);
     }
-    for (int i = 0; i < MOST_BODIES; i++) {
+    for (int i = 0; i < MOST_BODIES; ++i) {
         bool moved = memcmp(&first[i], &r.now[i], sizeof first[i]) != 0;
         assert_int_equal(moved, !scene.bodies[i].is_static);
     }
@@ -207,7 +207,7 @@ static void law_forces(const pl_engine_choice *choice)
         {.force = {1, 2, -3}, .frame = PL_FRAME_BODY},
         {.force = {0, 2, 0}, .at = {0.5, 0, 0}, .frame = PL_FRAME_BODY},
     };
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         pl_body body = box_body(4, 0.2, 0.3, 0.4);
         body.position[0] = 10 * i;
         if (i == 1) {
@@ -219,14 +219,14 @@ static void law_forces(const pl_engine_choice *choice)
         assert_int_equal(pl_scene_add_force(&scene, &forces[i], NULL), PL_OK);
     }
     engine_run r = engine_start(choice, &scene);
-    for (int n = 1; n <= 30; n++) {
+    for (int n = 1; n <= 30; ++n) {
         engine_step(&r, dt);
         double share = fmin(fmax(n - 10, 0), 10) / 10.0;
         assert_close(r.now[0].velocity[1], share * acting * 2 / 4, 1e-13, 0);
     }
     double about_z = scene.bodies[0].inertia[2];
     to_world(scene.bodies[1].orientation, forces[1].force, along);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         assert_close(r.now[0].angular_velocity[k], k == 2 ? acting / about_z : 0, 1e-12, 0);
         assert_close(r.now[1].velocity[k], acting * along[k] / 4, 1e-12, 0);
         assert_close(r.now[1].angular_velocity[k], 0, 1e-12, 0);
@@ -256,10 +256,10 @@ enum { THRUST = 12, MIDPOINTS = 20000 };
 static void fly(double acceleration, double spin_up, double x[2], double v[2])
 {
     x[0] = x[1] = v[0] = v[1] = 0;
-    for (int i = 0; i < MIDPOINTS; i++) {
+    for (int i = 0; i < MIDPOINTS; ++i) {
         double t = (i + 0.5) / MIDPOINTS, angle = spin_up * t * t / 2;
         double along[2] = {cos(angle), -sin(angle)};
-        for (int k = 0; k < 2; k++) {
+        for (int k = 0; k < 2; ++k) {
             x[k] += acceleration * (1 - t) * along[k] / MIDPOINTS;
             v[k] += acceleration * along[k] / MIDPOINTS;
         }
@@ -284,14 +284,14 @@ static void rocket(const pl_engine_choice *choice, double spin_up, int steps, do
     double start[3], centre[3], q[4], x[2], v[2];
     principal_pose(&body.shape, body.position, body.orientation, start, q);
     pl_force force = {.frame = PL_FRAME_BODY, .until = INFINITY};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         unit[i][(k + 1 + i) % 3] = 1;
         to_world(q, unit[i], axis[i]);
     }
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         double in_shape[3];
         to_world(body.shape.polyhedron->axes, unit[i], in_shape);
-        for (int c = 0; c < 3; c++) {
+        for (int c = 0; c < 3; ++c) {
             double arm = spin_up * inertia[k] / THRUST;
             *(i == 0 ? &force.force[c] : &force.at[c]) = in_shape[c] * (i == 0 ? THRUST : arm);
         }
@@ -299,13 +299,13 @@ static void rocket(const pl_engine_choice *choice, double spin_up, int steps, do
     force.body = put_body(&scene, body);
     assert_int_equal(pl_scene_add_force(&scene, &force, NULL), PL_OK);
     engine_run r = engine_start(choice, &scene);
-    for (int n = 0; n < steps; n++) {
+    for (int n = 0; n < steps; ++n) {
         engine_step(&r, 1.0 / steps);
     }
     fly(THRUST / body.mass, spin_up, x, v);
     double at[3], velocity[3];
     principal_pose(&body.shape, r.now[0].position, r.now[0].orientation, centre, q);
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; ++c) {
         at[c] = start[c] + x[0] * axis[0][c] + x[1] * axis[1][c];
         velocity[c] = v[0] * axis[0][c] + v[1] * axis[1][c];
         /* F along the first axis at an arm along the second turns about minus the third. */
@@ -365,7 +365,7 @@ static void law_world_force(const pl_engine_choice *choice)
     principal_pose(&body.shape, body.position, body.orientation, centre, q);
     cross(force.at, force.force, torque);
     to_body(q, torque, turning);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         turning[k] *= dt / body.inertia[k];
         assert_close(r.now[0].velocity[k], dt * force.force[k] / body.mass, 1e-15, 1e-12);
     }
@@ -392,11 +392,11 @@ static void law_no_sleep(const pl_engine_choice *choice)
     pl_force push = {.force = {6, 0, 0}, .body = 1, .from = 10, .until = INFINITY};
     assert_int_equal(pl_scene_add_force(&scene, &push, NULL), PL_OK);
     engine_run r = engine_start(choice, &scene);
-    for (int n = 0; n < 600; n++) {
+    for (int n = 0; n < 600; ++n) {
         engine_step(&r, 1.0 / 60);
     }
     assert_close(r.now[1].velocity[0], 0, 1e-3, 0);
-    for (int n = 0; n < 30; n++) {
+    for (int n = 0; n < 30; ++n) {
         engine_step(&r, 1.0 / 60);
     }
     assert_close(r.now[1].velocity[0], 0.5 * (6 - 0.2 * g), 0, 0.1);
@@ -415,16 +415,16 @@ static void law_repeats(const pl_engine_choice *choice)
 {
     pl_body_state last[2][MOST_BODIES];
     memset(last, 0, sizeof last);
-    for (int turn = 0; turn < 2; turn++) {
+    for (int turn = 0; turn < 2; ++turn) {
         pl_scene scene = scene_with_block(0.5, 1, 0.5, 0.5);
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; ++i) {
             pl_body cube = box_body(1, 0.5, 0.5, 0.5);
             cube.position[0] = 0.1 * i;
             cube.position[2] = 1.5 + i;
             put_body(&scene, cube);
         }
         engine_run r = engine_start(choice, &scene);
-        for (int n = 0; n < 60; n++) {
+        for (int n = 0; n < 60; ++n) {
             engine_step(&r, 1.0 / 60);
         }
         memcpy(last[turn], r.now, (size_t)scene.body_count * sizeof *r.now);

@@ -14,7 +14,7 @@ static void law_descriptor(const pl_engine_choice *choice)
     assert_true(engine->profiles[0].in_default_comparison);
     uint32_t shapes = PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX;
     assert_int_equal(engine->capabilities & shapes, shapes);
-    for (int i = 0; i < engine->option_count; i++) {
+    for (int i = 0; i < engine->option_count; ++i) {
         assert_true(choice->values[i] >= engine->options[i].min);
         assert_true(choice->values[i] <= engine->options[i].max);
         if (engine->options[i].integer) {
@@ -50,15 +50,15 @@ static void law_settings(const pl_engine_choice *choice)
     r.engine->read_settings(r.instance, 1.0 / 77, &settings);
     assert_int_equal(settings.body_count, 3);
     assert_close(settings.dt, 1.0 / 77, 0, 0);
-    for (int b = 0; b < 3; b++) {
+    for (int b = 0; b < 3; ++b) {
         const pl_body *body = &scene.bodies[b];
         assert_close(mass[b], body->is_static ? 0 : body->mass, 0, 1e-15);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             assert_close(inertia[b][k], body->is_static ? 0 : body->inertia[k], 0, 1e-15);
             assert_close(settings.gravity[k], scene.gravity[k], 0, 0);
         }
     }
-    for (int order = 0; order < 2; order++) {
+    for (int order = 0; order < 2; ++order) {
         r.engine->read_pair(r.instance, order, 1 - order, &friction, &restitution);
         assert_close(friction, 0.35, 0, 0);
         assert_close(restitution, 0.6, 0, 0);
@@ -80,7 +80,7 @@ static bool is_built_in(const char *name)
 {
     int count = 0;
     const pl_known_engine *known = pl_known_engines(&count);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         if (strcmp(known[i].name, name) == 0) {
             return known[i].engine != NULL;
         }
@@ -94,12 +94,12 @@ static void test_option_tables_of_reference_engines_match_library_defaults(void 
 {
     (void)state;
     static const char *const specs[] = {"ode:quick", "ode:dantzig", "bullet:si", "bullet:nncg"};
-    for (size_t s = 0; s < sizeof specs / sizeof *specs; s++) {
+    for (size_t s = 0; s < sizeof specs / sizeof *specs; ++s) {
         pl_engine_choice choice;
         if (pl_engine_choose(specs[s], &choice, NULL) == PL_UNSUPPORTED) {
             continue;
         }
-        for (int i = 0; i < choice.engine->option_count; i++) {
+        for (int i = 0; i < choice.engine->option_count; ++i) {
             print_message("    %s %s\n", specs[s], choice.engine->options[i].name);
             /* Bullet writes some of its doubles as floats. */
             assert_close(choice.values[i], choice.engine->options[i].value, 0, 1e-7);
@@ -113,7 +113,7 @@ static pl_step_stats stack_stats(const char *spec)
     pl_scene scene = pl_scene_default();
     put_material(&scene, "stone", 0.5, 0);
     put_body(&scene, floor_body());
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; ++i) {
         pl_body cube = box_body(1, 0.5, 0.5, 0.5);
         cube.position[2] = 0.5 + i;
         put_body(&scene, cube);
@@ -159,7 +159,7 @@ static pl_status step_many(const char *spec, bool slab, pl_error *error)
         body.position[2] = 0.25;
         put_body(&scene, body);
     }
-    for (int i = 0; i < 40 * 40; i++) {
+    for (int i = 0; i < 40 * 40; ++i) {
         pl_body box = box_body(1, 0.3, 0.3, 0.3);
         box.position[0] = i % 40 - 19.5;
         box.position[1] = i / 40 - 19.5;
@@ -183,7 +183,7 @@ test_dense_solvers_decline_one_island_beyond_their_memory_but_not_many_small(voi
 {
     (void)state;
     static const char *const specs[] = {"ode:dantzig", "bullet:dantzig", "bullet:lemke"};
-    for (size_t s = 0; s < sizeof specs / sizeof *specs; s++) {
+    for (size_t s = 0; s < sizeof specs / sizeof *specs; ++s) {
         pl_engine_choice choice;
         pl_error error = {.message = ""};
         if (pl_engine_choose(specs[s], &choice, NULL) == PL_UNSUPPORTED) {
@@ -208,7 +208,7 @@ static double rest_height(const char *spec)
     pl_scene scene = scene_with_block(0.5, 1, 0.5, 0.5);
     scene.bodies[1].position[2] -= 5e-3;
     engine_run r = engine_start(&choice, &scene);
-    for (int n = 0; n < 120; n++) {
+    for (int n = 0; n < 120; ++n) {
         engine_step(&r, 1.0 / 60);
     }
     double height = r.now[1].position[2];

@@ -26,7 +26,7 @@ static pl_scene scene_of_shapes(const pl_engine_choice *choice)
                                           PL_SHAPE_HULL,    PL_SHAPE_MESH,     PL_SHAPE_MESH};
     pl_scene scene = empty_scene();
     check_random random = {77};
-    for (int i = 0; i < (int)(sizeof kinds / sizeof *kinds); i++) {
+    for (int i = 0; i < (int)(sizeof kinds / sizeof *kinds); ++i) {
         if (!knows(choice, kinds[i])) {
             continue;
         }
@@ -58,16 +58,16 @@ static void law_read_back(const pl_engine_choice *choice)
     pl_engine_settings settings = {
         .mass = mass, .inertia = inertia, .body_count = scene.body_count};
     r.engine->read_settings(r.instance, 1.0 / 60, &settings);
-    for (int b = 0; b < scene.body_count; b++) {
+    for (int b = 0; b < scene.body_count; ++b) {
         const pl_body *body = &scene.bodies[b];
         double share = body->is_static ? 0 : 1;
         assert_close(mass[b], share * body->mass, 0, 1e-15);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             assert_close(inertia[b][k], share * body->inertia[k], 0, 1e-14);
         }
     }
-    for (int n = 0; n < 3; n++) {
-        for (int b = 0; b < scene.body_count; b++) {
+    for (int n = 0; n < 3; ++n) {
+        for (int b = 0; b < scene.body_count; ++b) {
             const pl_body *body = &scene.bodies[b];
             if (n == 0 || body->is_static) {
                 assert_at_most(distance(r.now[b].position, body->position), 1e-14);
@@ -99,13 +99,13 @@ static pl_contact deepest_contact(const pl_engine_choice *choice, pl_scene *scen
     int high = put_body(scene, below_is_first ? above : below);
     engine_run r = engine_start(choice, scene);
     engine_step(&r, 1e-4);
-    for (int i = 0; i < r.contact_count; i++) {
+    for (int i = 0; i < r.contact_count; ++i) {
         assert_int_equal(r.contacts[i].body_a + r.contacts[i].body_b, low + high);
         if (r.contacts[i].separation < deepest.separation) {
             deepest = r.contacts[i];
         }
     }
-    for (int k = 0; k < 3 && (deepest.body_a == low) != below_is_first; k++) {
+    for (int k = 0; k < 3 && (deepest.body_a == low) != below_is_first; ++k) {
         deepest.normal[k] = -deepest.normal[k];
     }
     engine_finish(&r);
@@ -131,15 +131,15 @@ static void check_contact(const char *below, const char *above, const pl_contact
  * triangle, and triangles that lie in each other have no one depth. */
 static void law_faces(const pl_engine_choice *choice)
 {
-    for (int low = PL_SHAPE_PLANE; low < PL_SHAPE_KIND_COUNT; low++) {
-        for (int high = PL_SHAPE_SPHERE; high < PL_SHAPE_KIND_COUNT; high++) {
+    for (int low = PL_SHAPE_PLANE; low < PL_SHAPE_KIND_COUNT; ++low) {
+        for (int high = PL_SHAPE_SPHERE; high < PL_SHAPE_KIND_COUNT; ++high) {
             pl_shape_kind a = (pl_shape_kind)low, b = (pl_shape_kind)high;
             if (a == PL_SHAPE_MESH && b == PL_SHAPE_MESH) {
                 continue;
             }
             double aside = a == PL_SHAPE_SPHERE || a == PL_SHAPE_CAPSULE ? 0 : 0.1;
             const double at[3] = {aside, aside / 2, 0.5 + 0.3 - 0.01};
-            for (int order = 0; order < 2 && knows(choice, a) && knows(choice, b); order++) {
+            for (int order = 0; order < 2 && knows(choice, a) && knows(choice, b); ++order) {
                 pl_scene scene = empty_scene();
                 pl_body below = solid_body(&scene, a, 0.5, (double[]){0, 0, 0}, 0, 0);
                 pl_body above = solid_body(&scene, b, 0.3, at, 2, 0.3);
@@ -165,7 +165,7 @@ static void law_tilted(const pl_engine_choice *choice)
     static const pl_shape_kind kinds[] = {PL_SHAPE_CAPSULE, PL_SHAPE_CYLINDER, PL_SHAPE_HULL,
                                           PL_SHAPE_MESH};
     double c = cos(0.5), s = sin(0.5), half = 0.5, depth = 0.03;
-    for (int n = 0; n < 8; n++) {
+    for (int n = 0; n < 8; ++n) {
         pl_shape_kind kind = kinds[n / 2];
         int axis = n % 2;
         bool capsule = kind == PL_SHAPE_CAPSULE;
@@ -208,7 +208,7 @@ static void rest(const pl_engine_choice *choice, pl_shape_kind kind, double angl
         solid_body(&scene, kind, 0.5, (double[]){0, 0, height + raised + 1e-3}, 1, angle);
     put_body(&scene, body);
     engine_run r = engine_start(choice, &scene);
-    for (int n = 0; n < 360; n++) {
+    for (int n = 0; n < 360; ++n) {
         engine_step(&r, 1.0 / 120);
     }
     double error = r.now[1].position[2] - (body.position[2] - raised - 1e-3);

@@ -32,7 +32,7 @@ static pl_bisection search(const fake *f, double low, double high, bool holds_be
 static void test_bracket_contains_the_value_at_requested_width(void **state)
 {
     (void)state;
-    for (int i = 0; i < 200; i++) {
+    for (int i = 0; i < 200; ++i) {
         const bool below = i % 2 == 0;
         const double high = 1 + i, critical = -2 + (high + 2) * fmod(0.5 + 0.381966 * i, 1);
         const double tolerance = pow(10, -(i % 9));

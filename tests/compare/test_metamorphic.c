@@ -16,8 +16,7 @@ static plumb_output call(const workspace *f, const char *const *arguments)
     return run_plumb(f->directory, arguments);
 }
 
-/* ---- Names and exit codes ----------------------------------------------------------------------
- */
+/* ---- Names and exit codes ---- */
 
 static void test_usage_errors_exit_2_and_suggest_a_name(void **state)
 {
@@ -106,8 +105,7 @@ static void test_json_says_what_was_run_and_found(void **state)
     json_decref(trial);
 }
 
-/* ---- Engines with known faults -----------------------------------------------------------------
- */
+/* ---- Engines with known faults ---- */
 
 static void check_verdict(const workspace *f, const char *engine, const char *check,
                           const char *verdict, const char *reason, int code)
@@ -142,8 +140,7 @@ static void test_progress_and_tables_use_separate_streams(void **state)
     free_output(&output);
 }
 
-/* ---- Judgement ---------------------------------------------------------------------------------
- */
+/* ---- Judgement ---- */
 
 enum { STEPS = 20 };
 

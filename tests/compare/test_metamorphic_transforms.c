@@ -235,8 +235,7 @@ static void test_every_order_is_a_permutation(void **state)
     }
 }
 
-/* ---- Copies and restarts -----------------------------------------------------------------------
- */
+/* ---- Copies and restarts ---- */
 
 static void test_far_copy_is_on_the_same_planes(void **state)
 {

@@ -40,8 +40,7 @@ static pe_contact_problem *read_problem(const char *text, json_t **source)
     return problem;
 }
 
-/* ---- Good files --------------------------------------------------------------------------------
- */
+/* ---- Good files ---- */
 
 static void test_handwritten_file_is_read_correctly(void **state)
 {
@@ -149,8 +148,7 @@ static void test_valid_problems_round_trip_and_invalid_are_refused(void **state)
     remove_directory(directory);
 }
 
-/* ---- Bad files ---------------------------------------------------------------------------------
- */
+/* ---- Bad files ---- */
 
 static void check_fault(const text_fault *item)
 {

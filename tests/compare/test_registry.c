@@ -123,7 +123,7 @@ static void test_engines_are_listed_with_plumb_first(void **state)
     int count = 0;
     const pl_known_engine *known = pl_known_engines(&count);
     assert_int_equal(count, 3);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         assert_string_equal(known[i].name, names[i]);
         assert_non_null(known[i].package);
         if (known[i].engine != NULL) {
@@ -139,7 +139,7 @@ static void test_bare_engine_name_is_its_first_profile(void **state)
     (void)state;
     int count = 0;
     const pl_known_engine *known = pl_known_engines(&count);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         if (known[i].engine == NULL) {
             continue;
         }
@@ -252,7 +252,7 @@ static void test_bad_options_are_refused_with_what_was_found(void **state)
         {"mine.so:fast:slow", "unknown profile", "\"fast:slow\""},
         {"mine.so,=7", "unknown option", "\"\""},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char spec[256];
         in_folder(cases[i].rest, spec);
         assert_refused(spec, PL_BAD_INPUT, cases[i].part, cases[i].more);
@@ -286,7 +286,7 @@ static void test_shared_objects_of_another_abi_are_refused(void **state)
         {"options.so", "-DOPTIONS=25", "has 25 options"},
         {"step.so", "-DSTEP=0", "lacks step"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char spec[256];
         build_object(cases[i].name, cases[i].flags);
         in_folder(cases[i].name, spec);

@@ -175,7 +175,7 @@ static void check_balance(const char *html)
             if (depth == 0 || strcmp(open[depth - 1], tag) != 0) {
                 fail_msg("</%s> closes <%s>", tag, depth == 0 ? "" : open[depth - 1]);
             }
-            depth--;
+            --depth;
         } else if (!leaf) {
             assert_true(depth < DEEPEST);
             snprintf(open[depth++], sizeof open[0], "%s", tag);

@@ -37,7 +37,7 @@ static void test_ties_leave_one_of_each(void **state)
 
 static bool is_behind(const pl_sweep_sample *samples, int count, int i)
 {
-    for (int k = 0; k < count; k++) {
+    for (int k = 0; k < count; ++k) {
         bool as_good = samples[k].cost <= samples[i].cost && samples[k].error <= samples[i].error;
         bool better = samples[k].cost < samples[i].cost || samples[k].error < samples[i].error;
         if (as_good && (better || k < i))
@@ -50,20 +50,20 @@ static void test_front_is_that_of_its_definition(void **state)
 {
     (void)state;
     check_random random = {11};
-    for (int trial = 0; trial < 500; trial++) {
+    for (int trial = 0; trial < 500; ++trial) {
         pl_sweep_sample samples[MOST];
         int order[MOST], count = 1 + trial % MOST, expected = 0;
         double grid = trial % 2 == 0 ? 0.25 : 1e-6; /* half have many ties */
-        for (int i = 0; i < count; i++) {
+        for (int i = 0; i < count; ++i) {
             samples[i].cost = grid * (1 + floor(check_uniform(&random, 0, 2) / grid));
             samples[i].error = grid * (1 + floor(check_uniform(&random, 0, 2) / grid));
             order[i] = count - 1 - i;
         }
         int found = pl_front_find(samples, order, count);
-        for (int i = 0; i < count; i++)
+        for (int i = 0; i < count; ++i)
             expected += !is_behind(samples, count, i);
         assert_int_equal(found, expected);
-        for (int i = 0; i < found; i++) {
+        for (int i = 0; i < found; ++i) {
             assert_false(is_behind(samples, count, order[i]));
             assert_true(i == 0 || samples[order[i]].cost > samples[order[i - 1]].cost);
         }
@@ -108,7 +108,7 @@ static pl_sweep_order order_of(const double *error, int count)
 {
     double dt[MOST];
     pl_sweep_order order = {0};
-    for (int i = 0; i < count; i++)
+    for (int i = 0; i < count; ++i)
         dt[i] = ldexp(1, -6 - i);
     pl_order_fit(dt, error, count, &order);
     return order;
@@ -118,9 +118,9 @@ static void test_order_of_a_power_is_its_exponent(void **state)
 {
     (void)state;
     static const double exponents[] = {0.5, 1, 2, 4};
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 4; ++k) {
         double error[5];
-        for (int i = 0; i < 5; i++)
+        for (int i = 0; i < 5; ++i)
             error[i] = 1e4 * pow(ldexp(1, -6 - i), exponents[k]);
         pl_sweep_order order = order_of(error, 5);
         assert_int_equal(order.kind, PL_SWEEP_ORDER_FOUND);
@@ -190,17 +190,17 @@ static void test_interval_holds_the_middle(void **state)
 {
     (void)state;
     double values[1000], low = 0, high = 0;
-    for (int i = 0; i < 1000; i++)
+    for (int i = 0; i < 1000; ++i)
         values[i] = (i * 37) % 1000;
     pl_bootstrap_interval(values, 1000, &low, &high);
     assert_close(low, 25, 0, 0);
     assert_close(high, 974, 0, 0);
-    for (int i = 0; i < 1000; i++)
+    for (int i = 0; i < 1000; ++i)
         values[i] = i < 40 ? (double)NAN : 7;
     pl_bootstrap_interval(values, 1000, &low, &high);
     assert_close(low, 7, 0, 0);
     assert_close(high, 7, 0, 0);
-    for (int i = 0; i < 1000; i++)
+    for (int i = 0; i < 1000; ++i)
         values[i] = i < 60 ? (double)NAN : 7;
     pl_bootstrap_interval(values, 1000, &low, &high);
     assert_true(isnan(low));

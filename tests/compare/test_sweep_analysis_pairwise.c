@@ -12,7 +12,7 @@ static void test_speed_ratio_is_cost_at_each_error(void **state)
     pl_sweep_analysis analysis = analysis_of(results);
     const pl_pairwise_comparison *comparison = comparison_with(&analysis, "ode");
     static const double speeds[] = {0.5, 0.5, 4, 4};
-    for (int k = 0; k < PL_SWEEP_LEVELS; k++) {
+    for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
         assert_int_equal(comparison->at_error[k],
                          k < 4 ? PL_ATTAINED_BY_BOTH : PL_ATTAINED_BY_NEITHER);
         if (k < 4)
@@ -72,7 +72,7 @@ static void test_losses_are_where_another_front_is_ahead(void **state)
                     {"a", 0, PL_ATTAINED_BY_BOTH, false},
                     {"a", 1, PL_ATTAINED_BY_BOTH, false},
                     {"b", 0, PL_ATTAINED_BY_BOTH, true}};
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; ++i) {
         const pl_sweep_loss *loss = &analysis.losses[i];
         assert_string_equal(analysis.scenes[loss->scene].name, expected[i].scene);
         assert_int_equal(loss->level, expected[i].level);
@@ -116,7 +116,7 @@ static void test_constant_repeats_have_an_interval_without_width(void **state)
     const pl_sweep_ratio *ratios[] = {&comparison->speed[2], &comparison->speed_between[2],
                                       &comparison->exactness[20],
                                       &comparison->exactness_between[20]};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         assert_true(isfinite(ratios[i]->value));
         assert_true(ratios[i]->low == ratios[i]->value && ratios[i]->high == ratios[i]->value);
     }
@@ -153,7 +153,7 @@ static void test_interval_is_that_of_resampled_medians(void **state)
 static void add_noisy(json_t *results, sweep_run run, int repeats, pl_random *random)
 {
     double costs[3];
-    for (int i = 0; i < repeats; i++)
+    for (int i = 0; i < repeats; ++i)
         costs[i] = exp(0.05 * pl_random_normal(random));
     add_repeats(results, run, costs, repeats);
 }
@@ -165,23 +165,23 @@ static void test_intervals_of_few_repeats_hold_the_true_ratio(void **state)
     enum { SWEEPS = 200, POINTS = 4 };
     pl_random random = {.state = 5};
     int held[2] = {0, 0};
-    for (int sweep = 0; sweep < SWEEPS; sweep++) {
+    for (int sweep = 0; sweep < SWEEPS; ++sweep) {
         json_t *results = json_array();
-        for (int i = 0; i < POINTS; i++) {
+        for (int i = 0; i < POINTS; ++i) {
             const double error = i == 0 ? 1e-2 : 1, dt = ldexp(1, -i);
             add_noisy(results, (sweep_run){.scenario = "a", "plumb:p", 0, error, dt}, 3, &random);
             add_noisy(results, (sweep_run){.scenario = "a", "ode:q", 0, error, dt}, 3, &random);
         }
         add_noisy(results, (sweep_run){.scenario = "a", "bullet:s", 0, 1e-2}, 1, &random);
         pl_sweep_analysis analysis = analysis_of(results);
-        for (int i = 0; i < 2; i++) {
+        for (int i = 0; i < 2; ++i) {
             const pl_sweep_ratio *ratio =
                 &comparison_with(&analysis, i == 0 ? "ode" : "bullet")->speed[1];
             held[i] += ratio->low <= 1 && 1 <= ratio->high;
         }
         finish_sweep(&analysis, results);
     }
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 2; ++i)
         assert_true(held[i] >= 0.93 * SWEEPS && held[i] < SWEEPS);
 }
 
@@ -197,7 +197,7 @@ static void test_loss_within_its_interval_is_noise(void **state)
                 (const double[]){1, 1, 1.5, 1, 1, 1.5, 1, 1, 1.5, 1}, 10);
     pl_sweep_analysis analysis = analysis_of(results);
     assert_int_equal(analysis.loss_count, 4);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         const pl_sweep_pair *pair = &analysis.pairs[analysis.losses[i].pair];
         assert_string_equal(analysis.engines[pair->other].name, i < 2 ? "bullet" : "ode");
         assert_int_equal(analysis.losses[i].within_noise, i >= 2);
@@ -212,7 +212,7 @@ static void test_intervals_do_not_depend_on_a_third_engine(void **state)
     enum { REPEATS = 31 };
     double ours[REPEATS], theirs[REPEATS];
     check_random random = {3};
-    for (int i = 0; i < REPEATS; i++) {
+    for (int i = 0; i < REPEATS; ++i) {
         ours[i] = check_uniform(&random, 1, 2);
         theirs[i] = check_uniform(&random, 2, 4);
     }
@@ -237,7 +237,7 @@ static void test_geometric_mean_counts_unreached_targets(void **state)
     json_t *results = json_array();
     static const double theirs[] = {4, 9, 1};
     static const char *const names[] = {"a", "b", "c"};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         add_sweep_run(results, (sweep_run){.scenario = names[i], "plumb:p", 1, 1e-3});
         add_sweep_run(results,
                       (sweep_run){.scenario = names[i], "ode:q", theirs[i], i < 2 ? 1e-3 : 1e-2});
@@ -263,7 +263,7 @@ static void test_profile_by_hand(void **state)
         double ours, theirs; /* costs to 1e-3; 0: not reached */
     } cases[] = {{"a", 1, 2}, {"b", 3, 1}, {"c", 5, 0}, {"d", 0, 0}};
     json_t *results = json_array();
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         add_sweep_run(results, (sweep_run){.scenario = cases[i].scene,
                                            "plumb:p",
                                            fmax(cases[i].ours, 1),
@@ -283,7 +283,7 @@ static void test_profile_by_hand(void **state)
         double tau, ours, theirs;
     } shares[] = {
         {1, 0.5, 0.25}, {1.9, 0.5, 0.25}, {2, 0.5, 0.5}, {3, 0.75, 0.5}, {1e9, 0.75, 0.5}};
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; ++i) {
         assert_close(pl_sweep_share(&analysis, profile, ours, shares[i].tau), shares[i].ours, 0, 0);
         assert_close(pl_sweep_share(&analysis, profile, ode, shares[i].tau), shares[i].theirs, 0,
                      0);

@@ -52,7 +52,7 @@ static void test_rows_are_grouped_by_case_and_configuration(void **state)
     assert_int_equal(analysis.scenes[1].first, 5);
     static const char *const names[] = {"plumb", "ode", "plumb:p", "ode:q", "ode:r"};
     assert_int_equal(analysis.engine_count, 5);
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < 5; ++i)
         assert_string_equal(analysis.engines[i].name, names[i]);
     assert_int_equal(analysis.pair_count, 3); /* plumb-ode, p-q, p-r */
     assert_int_equal(analysis.scenes[0].curves[1].ok, 4);
@@ -137,7 +137,7 @@ static void test_missing_number_makes_a_point_unmeasured(void **state)
     static const char *const reasons[] = {"the primary error has no value", "no time was measured",
                                           "no time was measured",
                                           "the scenario has no primary error"};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         assert_int_equal(analysis.points[i].state, PL_SWEEP_UNMEASURED);
         assert_string_equal(analysis.points[i].reason, reasons[i]);
     }
@@ -159,7 +159,7 @@ static void test_error_below_the_floor_counts_as_the_floor(void **state)
     assert_close(analysis.points[1].raw_error, 1e-16, 0, 0);
     assert_int_equal(analysis.scenes[0].curves[0].front_count, 1); /* the cheaper of the two */
     const pl_pairwise_comparison *comparison = comparison_with(&analysis, "ode");
-    for (int k = 0; k < PL_SWEEP_LEVELS; k++)
+    for (int k = 0; k < PL_SWEEP_LEVELS; ++k)
         assert_close(comparison->speed[k].value, 5, 0, 0);
     assert_close(comparison->exactness[PL_SWEEP_TIMES - 1].value, 1, 0, 0);
     finish_sweep(&analysis, results);
@@ -169,7 +169,7 @@ static void test_order_is_found_over_dt_only(void **state)
 {
     (void)state;
     json_t *results = json_array();
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         double dt = ldexp(1, -4 - i);
         add_sweep_run(results, (sweep_run){.scenario = "a", "plumb:p", 1 / dt, dt * dt, .dt = dt});
         add_sweep_run(
@@ -178,7 +178,7 @@ static void test_order_is_found_over_dt_only(void **state)
     }
     pl_sweep_analysis analysis = analysis_of(results);
     assert_int_equal(analysis.order_count, 2);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         const pl_sweep_order *order = &analysis.orders[i];
         bool second = strstr(analysis.points[order->first].label, "iterations=0") != NULL;
         assert_close(order->order, second ? 2 : 1, 1e-12, 0);
@@ -193,7 +193,7 @@ static void test_instructions_are_for_a_simulated_second(void **state)
 {
     (void)state;
     json_t *results = crossing_sweep();
-    for (size_t i = 0; i < 3; i++)
+    for (size_t i = 0; i < 3; ++i)
         json_object_set_new(json_object_get(json_array_get(results, i), "metrics"),
                             "instructions_per_step",
                             json_pack("{s:f}", "value", 1e6 * (double)(i + 1)));
@@ -221,7 +221,7 @@ static void test_order_and_doubles_of_rows_do_not_matter(void **state)
     check_random random = {5};
     json_t *results = json_array(), *reversed = json_array();
     static const char *const engines[] = {"plumb:p", "plumb:q", "ode:q", "bullet:s"};
-    for (int i = 0; i < 96; i++) {
+    for (int i = 0; i < 96; ++i) {
         add_sweep_run(results, (sweep_run){.scenario = i % 2 == 0 ? "a" : "tower",
                                            .engine = engines[i / 2 % 4],
                                            .cost = check_uniform(&random, 0.5, 2),
@@ -232,7 +232,7 @@ static void test_order_and_doubles_of_rows_do_not_matter(void **state)
                                                       : i / 24 % 2 == 0 ? "timeout"
                                                                         : "crashed"});
     }
-    for (size_t i = 0; i < 96; i++) {
+    for (size_t i = 0; i < 96; ++i) {
         json_array_append(reversed, json_array_get(results, (i * 41 + 17) % 96));
         if (i % 5 == 0)
             json_array_append(reversed, json_array_get(results, i));
@@ -263,7 +263,7 @@ static void test_broken_input_is_named(void **state)
     (void)state;
     static const char *const keys[] = {"scenario",      "engine", "profile",  "label",  "outcome",
                                        "primary_error", "params", "settings", "metrics"};
-    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; i++) {
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {
         json_t *results = crossing_sweep();
         char message[64];
         json_object_set_new(json_array_get(results, 1), keys[i], json_integer(3));

@@ -11,7 +11,7 @@ static void make_plan(pl_plan *plan)
 {
     *plan = (pl_plan){.repeats = 3};
     const char *const names[] = {"free-fall", "projectile"};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         const pl_scenario *scenario = pl_scenario_find(names[i], NULL);
         assert_int_equal(pl_plan_add_scenario(plan, scenario, NULL, 0, NULL), PL_OK);
     }
@@ -56,12 +56,12 @@ static void test_only_short_runs_are_repeated(void **state)
                                     pl_plan_run(&plan, 2), pl_plan_run(&plan, 3)};
     const bool is_long[] = {false, true, true, false};
     int spared = 0;
-    for (long i = 0; i < pl_plan_size(&plan); i++) {
+    for (long i = 0; i < pl_plan_size(&plan); ++i) {
         const pl_planned_run run = pl_plan_run(&plan, i);
         json_t *identity;
         const char *hash = hash_of(&plan, i, &identity);
         bool expected = false;
-        for (int k = 0; k < 4; k++) {
+        for (int k = 0; k < 4; ++k) {
             expected |= is_long[k] && run.repeat > 0 && run.test_case == first[k].test_case &&
                         run.configuration == first[k].configuration;
         }
@@ -85,7 +85,7 @@ static void test_results_of_other_sweeps_say_nothing(void **state)
     json_t *strange = json_pack("{s:s, s:s}", "run", "0123", "outcome", "timeout");
     pl_repeats_see(&repeats, strange);
     json_decref(strange);
-    for (long i = 0; i < pl_plan_size(&plan); i++) {
+    for (long i = 0; i < pl_plan_size(&plan); ++i) {
         json_t *identity;
         assert_false(pl_repeats_spare(&repeats, hash_of(&plan, i, &identity)));
         json_decref(identity);
@@ -105,9 +105,9 @@ static void test_steps_are_halved_and_default_budgets_varied(void **state)
     assert_int_equal(count, 1); /* plumb's budget bounds nothing */
     assert_string_equal(varied[0].key, "dt");
     assert_int_equal(varied[0].count, 5);
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; ++i) {
         bool there = false;
-        for (int k = 0; k < 5; k++) {
+        for (int k = 0; k < 5; ++k) {
             there |= varied[0].numbers[k] == 1.0 / (60 << i);
         }
         assert_true(there);
@@ -124,7 +124,7 @@ static void test_steps_are_halved_and_default_budgets_varied(void **state)
         assert_int_equal(varied[1].count, 2);
         assert_close(varied[1].numbers[0], 20, 0, 0);
         assert_close(varied[1].numbers[1], 100, 0, 0);
-        for (int i = 0; i < count; i++) {
+        for (int i = 0; i < count; ++i) {
             pl_vary_free(&varied[i]);
         }
         free(varied);

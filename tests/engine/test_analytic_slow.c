@@ -42,7 +42,7 @@ static const bound bounds[] = {
 
 static double bound_of(const char *scenario)
 {
-    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; i++) {
+    for (size_t i = 0; i < sizeof bounds / sizeof bounds[0]; ++i) {
         if (strcmp(bounds[i].scenario, scenario) == 0) {
             return bounds[i].error;
         }
@@ -71,7 +71,7 @@ static void test_every_analytic_scenario_meets_its_error_bound(void **state)
 {
     (void)state;
     const pl_suite *suite = pl_suite_find("analytic", NULL);
-    for (int i = 0; i < suite->entry_count; i++) {
+    for (int i = 0; i < suite->entry_count; ++i) {
         const pl_suite_entry *entry = &suite->entries[i];
         json_t *r = run(entry, "0.004166666666666667");
         const double error = metric(r, result_text(r, "primary_error"));
@@ -88,7 +88,7 @@ static void test_every_analytic_scenario_meets_its_error_bound(void **state)
 static void check_hard(const char *dt, const char *except)
 {
     const pl_suite *suite = pl_suite_find("hard", NULL);
-    for (int i = 0; i < suite->entry_count; i++) {
+    for (int i = 0; i < suite->entry_count; ++i) {
         if (strcmp(suite->entries[i].scenario, except) == 0) {
             continue;
         }

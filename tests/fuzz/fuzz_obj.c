@@ -26,16 +26,16 @@ static void check_same(const pl_polyhedron *a, const pl_polyhedron *b)
 static void check_solid(const pl_polyhedron *p)
 {
     double sum = 0, norm = 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         fuzz_check(p->inertia[k] > 0 && isfinite(p->inertia[k]), "inertia is positive");
         fuzz_check(isfinite(p->centre[k]), "the centre is finite");
         sum += p->inertia[k];
     }
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         fuzz_check(p->inertia[k] <= (sum - p->inertia[k]) * (1 + 1e-9),
                    "no inertia is larger than the sum of the others");
     }
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 4; ++k) {
         norm += p->axes[k] * p->axes[k];
     }
     fuzz_check(fabs(norm - 1) < 1e-12, "the axes are a unit quaternion");

@@ -58,7 +58,7 @@ static int replay_folder(const char *folder)
 
 int main(int argc, char **argv)
 {
-    for (int i = 1; i < argc; i++) {
+    for (int i = 1; i < argc; ++i) {
         const int count = replay_folder(argv[i]);
         printf("%s: %d inputs\n", argv[i], count);
         if (count <= 0) {

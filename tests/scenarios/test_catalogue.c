@@ -12,11 +12,11 @@ static void test_every_scenario_is_complete_and_builds(void **state)
     (void)state;
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         const pl_scenario *s = scenarios[i];
         const char *texts[] = {s->name,      s->title,    s->description,
                                s->reference, s->expected, s->source};
-        for (size_t k = 0; k < sizeof texts / sizeof texts[0]; k++) {
+        for (size_t k = 0; k < sizeof texts / sizeof texts[0]; ++k) {
             assert_non_null(texts[k]);
             assert_true(strlen(texts[k]) > 0);
         }
@@ -25,7 +25,7 @@ static void test_every_scenario_is_complete_and_builds(void **state)
         assert_ptr_equal(pl_scenario_find(s->name, NULL), s);
         assert_in_range(s->param_count, 2, PL_MAX_PARAMS);
         bool has_dt = false, has_duration = false;
-        for (int k = 0; k < s->param_count; k++) {
+        for (int k = 0; k < s->param_count; ++k) {
             const pl_param *param = &s->params[k];
             has_dt = has_dt || strcmp(param->name, "dt") == 0;
             has_duration = has_duration || strcmp(param->name, "duration") == 0;
@@ -124,7 +124,7 @@ static void test_same_seed_gives_the_same_scene_and_file(void **state)
     static const char *const jittered[] = {"offset=0.1"};
     char hash[3][17];
     const uint64_t seeds[3] = {7, 7, 8};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         pl_scene scene;
         build_scenario("tower", jittered, 1, seeds[i], &scene);
         assert_int_equal(pl_scene_hash(&scene, hash[i], NULL), PL_OK);
@@ -139,7 +139,7 @@ static void test_every_scene_reads_back_from_its_file(void **state)
     (void)state;
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         pl_scene scene, again;
         pl_error error = {.message = ""};
         build_scenario(scenarios[i]->name, NULL, 0, 3, &scene);
@@ -161,7 +161,7 @@ static void test_dt_and_duration_reach_the_scene(void **state)
     static const char *const settings[] = {"dt=1/240", "duration=0.5"};
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         pl_scene scene;
         build_scenario(scenarios[i]->name, settings, 2, 0, &scene);
         assert_close(scene.dt, 1.0 / 240, 0, 0);
@@ -216,7 +216,7 @@ static void test_canonical_suite_is_these_in_order(void **state)
     const pl_suite *suite = pl_suite_find("canonical", NULL);
     assert_non_null(suite);
     assert_int_equal(suite->entry_count, COUNT);
-    for (int i = 0; i < COUNT; i++) {
+    for (int i = 0; i < COUNT; ++i) {
         assert_string_equal(suite->entries[i].scenario, expected[i]);
     }
     assert_string_equal(suite->entries[1].setting, "k=2,n=10");
@@ -231,7 +231,7 @@ static void test_paper_suite_holds_the_table_of_the_source(void **state)
     const pl_suite *suite = pl_suite_find("paper", NULL);
     assert_non_null(suite);
     assert_int_equal(suite->entry_count, 3);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         assert_string_equal(suite->entries[i].scenario, "tower");
         assert_string_equal(suite->entries[i].setting, towers[i]);
         assert_close(suite->entries[i].published, iterations[i], 0, 0);
@@ -245,8 +245,8 @@ static void test_suites_name_known_scenarios_and_settings(void **state)
     (void)state;
     int count;
     const pl_suite *suites = pl_suites(&count);
-    for (int i = 0; i < count; i++) {
-        for (int k = 0; k < suites[i].entry_count; k++) {
+    for (int i = 0; i < count; ++i) {
+        for (int k = 0; k < suites[i].entry_count; ++k) {
             const pl_suite_entry *entry = &suites[i].entries[k];
             pl_scene scene;
             build_scenario(entry->scenario, &entry->setting, entry->setting == NULL ? 0 : 1, 0,

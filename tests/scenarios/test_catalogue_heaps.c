@@ -16,7 +16,7 @@ static void test_first_domino_has_its_multiple_of_tipping_energy(void **state)
     (void)state;
     static const char *const settings[][4] = {{"push=1", NULL}, {"push=2", "size=0.05", NULL}};
     static const double pushes[] = {1, 2}, sizes[] = {1, 0.05};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         pl_scene scene = scenario_scene("dominoes", settings[i]);
         const pl_body *first = &scene.bodies[1];
         const double *half = first->shape.half_extents, *v = first->velocity;
@@ -37,11 +37,11 @@ static void test_falling_cubes_start_apart_by_the_seed(void **state)
     (void)state;
     pl_scene scene = scenario_scene("falling-cubes", NULL);
     assert_int_equal(scene.body_count, 28);
-    for (int i = 1; i < scene.body_count; i++) {
+    for (int i = 1; i < scene.body_count; ++i) {
         const double *p = scene.bodies[i].position, *q = scene.bodies[i].orientation;
         assert_close(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1, 1e-15, 0);
         assert_true(p[2] > 1 + sqrt(0.75));
-        for (int j = 1; j < i; j++) {
+        for (int j = 1; j < i; ++j) {
             const double *other = scene.bodies[j].position;
             const double distance =
                 sqrt(pow(p[0] - other[0], 2) + pow(p[1] - other[1], 2) + pow(p[2] - other[2], 2));
@@ -64,21 +64,21 @@ static void test_the_pile_before_the_dominoes_stands_by_itself(void **state)
     const pl_body *last_domino = &scene.bodies[4];
     assert_int_equal(scene.body_count, first + 45);
     double nearest = HUGE_VAL;
-    for (int i = first; i < scene.body_count; i++) {
+    for (int i = first; i < scene.body_count; ++i) {
         const pl_body *cube = &scene.bodies[i];
         nearest = fmin(nearest, cube->position[0] - 0.15);
         const int layer = (i - first) / 9;
         assert_close(cube->position[2], 0.3 * layer + 0.15, 1e-15, 0);
         double sum[2] = {0, 0};
         int above = 0;
-        for (int j = i + 9; j < scene.body_count; j += 9, above++) {
+        for (int j = i + 9; j < scene.body_count; j += 9, ++above) {
             sum[0] += scene.bodies[j].position[0];
             sum[1] += scene.bodies[j].position[1];
         }
-        for (int k = 0; k < 2 && above > 0; k++) {
+        for (int k = 0; k < 2 && above > 0; ++k) {
             assert_true(fabs(sum[k] / above - cube->position[k]) < 0.1);
         }
-        for (int j = first + layer * 9; j < i; j++) {
+        for (int j = first + layer * 9; j < i; ++j) {
             const double *p = scene.bodies[j].position;
             assert_true(fabs(p[0] - cube->position[0]) > 0.3 ||
                         fabs(p[1] - cube->position[1]) > 0.3);
@@ -99,7 +99,7 @@ static void test_accurate_profile_topples_all_dominoes_without_overlap(void **st
     assert_at_most(metric(result, "penetration_max"), 1e-3);
     const json_t *poses = json_object_get(result, "final_poses");
     assert_int_equal(json_array_size(poses), 21);
-    for (size_t i = 1; i < 21; i++) {
+    for (size_t i = 1; i < 21; ++i) {
         /* Fallen: the centre is far below the half height at which it stood. */
         assert_true(json_number_value(json_array_get(json_array_get(poses, i), 2)) < 0.4);
     }

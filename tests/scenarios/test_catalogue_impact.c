@@ -20,7 +20,7 @@ static void fall_rate(const void *context, double t, const double *y, double *ra
 static void fall_to(double level, double *y)
 {
     double low = 0, high = 100, begin[2] = {y[0], y[1]};
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < 100; ++i) {
         const double middle = (low + high) / 2;
         memcpy(y, begin, sizeof begin);
         integrate(fall_rate, NULL, 0, middle, 4, 2, y);
@@ -36,11 +36,11 @@ static void test_bounce_heights_follow_the_reversed_speed(void **state)
                                               {"restitution=0.3", "height=5", "bounces=2", NULL}};
     static const double restitutions[] = {0.8, 1, 0.3}, heights[] = {1, 0.2, 5};
     static const int bounces[] = {3, 5, 2};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         pl_scene scene = scenario_scene("bounce", settings[i]);
         assert_int_equal(scene.value_count, bounces[i]);
         double y[2] = {heights[i], 0}, time = sqrt(2 * heights[i] / g);
-        for (int k = 0; k < bounces[i]; k++) {
+        for (int k = 0; k < bounces[i]; ++k) {
             const pl_expect_value *apex = &scene.values[k];
             fall_to(0, y);
             y[0] = 0;
@@ -66,7 +66,7 @@ static void test_unfinished_flight_expects_the_final_height(void **state)
                                               {"restitution=0.5", "duration=1", "dt=0.1", NULL},
                                               {"restitution=0", "duration=2", NULL}};
     static const double restitutions[] = {0.8, 0.5, 0.5, 0};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         pl_scene scene = scenario_scene("bounce", settings[i]);
         assert_int_equal(scene.value_count, 1);
         double y[2] = {1, 0}, left = scene.values[0].until, flight = sqrt(2 / g);
@@ -89,7 +89,7 @@ static void strike(double friction, double e, double *v, double *rim, double *up
 {
     enum { PARTS = 100000 };
     const double part = -*up * (1 + e) / PARTS;
-    for (int i = 0; i < PARTS; i++) {
+    for (int i = 0; i < PARTS; ++i) {
         const double most = friction * part, need = (*v - *rim) / 3.5;
         const double impulse = fmax(-most, fmin(most, need));
         *v -= impulse;
@@ -108,7 +108,7 @@ static void test_oblique_impacts_equal_incremental_impulses(void **state)
                                         "spin=17.8", "spin=200", "spin=17.4"};
     static const char *const restitutions[] = {"restitution=0", "restitution=0.5", "restitution=1"};
     int sticks = 0, slides = 0;
-    for (int i = 0; i < 4 * 6 * 3; i++) {
+    for (int i = 0; i < 4 * 6 * 3; ++i) {
         const char *settings[] = {frictions[i % 4], spins[i / 4 % 6], restitutions[i / 24], NULL};
         pl_scene scene = scenario_scene("oblique-impact", settings);
         const pl_body *ball = &scene.bodies[1];
@@ -135,15 +135,15 @@ static void test_oblique_impacts_equal_incremental_impulses(void **state)
 static void march(const pl_scene *scene, double e, double *speed)
 {
     double place[10], h = 1e-5;
-    for (int i = 0; i < scene->body_count; i++) {
+    for (int i = 0; i < scene->body_count; ++i) {
         place[i] = scene->bodies[i].position[0];
         speed[i] = scene->bodies[i].velocity[0];
     }
-    for (long n = lround(scene->duration / h); n > 0; n--) {
-        for (int i = 0; i < scene->body_count; i++) {
+    for (long n = lround(scene->duration / h); n > 0; --n) {
+        for (int i = 0; i < scene->body_count; ++i) {
             place[i] += h * speed[i];
         }
-        for (int i = 0; i + 1 < scene->body_count; i++) {
+        for (int i = 0; i + 1 < scene->body_count; ++i) {
             const double approach = speed[i] - speed[i + 1];
             if (place[i + 1] - place[i] < 0.2 && approach > 0) {
                 const double a = scene->bodies[i].mass, b = scene->bodies[i + 1].mass;
@@ -169,11 +169,11 @@ static void test_collision_trains_equal_small_time_steps(void **state)
         {"n=3", "ratio=0.5", "restitution=0.1", "duration=6", NULL},
         {"n=5", "ratio=0.7", "restitution=0.3", "duration=8", NULL}};
     static const double restitutions[] = {0.8, 1, 1, 0.9, 0, 0.5, 0.1, 0.3};
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 8; ++i) {
         pl_scene scene = scenario_scene("collision-train", settings[i]);
         double speed[10], momentum = 0;
         march(&scene, restitutions[i], speed);
-        for (int k = 0; k < scene.body_count; k++) {
+        for (int k = 0; k < scene.body_count; ++k) {
             const pl_expect_value *value = expected_value(&scene, k, PL_QUANTITY_VELOCITY, 0);
             assert_close(value->value, speed[k], 1e-9, 0);
             momentum += scene.bodies[k].mass * value->value;
@@ -188,7 +188,7 @@ static void test_equal_train_passes_all_momentum(void **state)
     (void)state;
     static const char *const equal[] = {"n=6", "ratio=1", "restitution=1", NULL};
     pl_scene scene = scenario_scene("collision-train", equal);
-    for (int k = 0; k < 6; k++) {
+    for (int k = 0; k < 6; ++k) {
         assert_close(scene.values[k].value, k == 5 ? 3 : 0, 1e-15, 0);
     }
     pl_scene_free(&scene);
@@ -234,7 +234,7 @@ static void test_rocking_follows_the_pendulum_and_impact_loss(void **state)
                                               {"slenderness=20", "tilt=0.95", "duration=20", NULL},
                                               {"slenderness=2", "tilt=0.05", "duration=5", NULL}};
     static const double slendernesses[] = {4, 2, 12, 20, 2}, tilts[] = {0.6, 0.9, 0.1, 0.95, 0.05};
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; ++i) {
         pl_scene scene = scenario_scene("rocking-block", settings[i]);
         const pl_body *block = &scene.bodies[1];
         const double radius = 0.25 * sqrt(1 + slendernesses[i] * slendernesses[i]);
@@ -278,7 +278,7 @@ static void test_cradle_spheres_touch_and_are_hit(void **state)
     static const char *const settings[] = {"n=5", "moving=3", NULL};
     pl_scene scene = scenario_scene("cradle", settings);
     assert_int_equal(scene.body_count, 8);
-    for (int i = 1; i < 8; i++) {
+    for (int i = 1; i < 8; ++i) {
         const double distance = scene.bodies[i].position[0] - scene.bodies[i - 1].position[0];
         assert_close(distance, i == 3 ? 0.45 : 0.2, 1e-15, 0);
         assert_close(scene.bodies[i].velocity[0], i < 3 ? 1 : 0, 0, 0);
@@ -295,7 +295,7 @@ static void test_accurate_meets_collision_trains_of_any_masses(void **state)
                                               {"ratio=10", "n=3", "restitution=0.5", NULL},
                                               {"restitution=0", NULL},
                                               {"restitution=1", "ratio=1", "n=10", NULL}};
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; ++i) {
         assert_at_most(accurate_metric("collision-train", settings[i], "1/240", "value_error"),
                        1e-3);
     }
@@ -305,7 +305,7 @@ static void test_accurate_keeps_momentum_and_energy_through_a_cradle(void **stat
 {
     (void)state;
     static const char *const settings[][3] = {{NULL}, {"n=4", NULL}, {"n=3", "moving=2", NULL}};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         assert_at_most(accurate_metric("cradle", settings[i], "1/240", "momentum_error"), 1e-9);
         assert_at_most(fabs(accurate_metric("cradle", settings[i], "1/240", "energy_lost")), 1e-9);
     }

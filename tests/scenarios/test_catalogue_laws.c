@@ -18,8 +18,8 @@ static void strike_at_once(double v[3])
     const double before[3] = {1, 0, 0};
     double p[2] = {0, 0};
     memcpy(v, before, sizeof before);
-    for (int sweep = 0; sweep < 200; sweep++) {
-        for (int c = 0; c < 2; c++) {
+    for (int sweep = 0; sweep < 200; ++sweep) {
+        for (int c = 0; c < 2; ++c) {
             const double apart = v[c + 1] - v[c] + (before[c + 1] - before[c]);
             const double more = fmax(-p[c], -apart / 2);
             p[c] += more;
@@ -33,8 +33,8 @@ static void strike_at_once(double v[3])
 static void strike_in_sequence(double v[3])
 {
     v[0] = 1, v[1] = v[2] = 0;
-    for (int sweep = 0; sweep < 10; sweep++) {
-        for (int c = 0; c < 2; c++) {
+    for (int sweep = 0; sweep < 10; ++sweep) {
+        for (int c = 0; c < 2; ++c) {
             const double impulse = fmax(0, v[c] - v[c + 1]);
             v[c] -= impulse;
             v[c + 1] += impulse;
@@ -46,7 +46,7 @@ static void test_cradle_names_results_of_both_impact_laws(void **state)
 {
     (void)state;
     const char *reference = pl_scenario_find("cradle", NULL)->reference;
-    for (int law = 0; law < 2; law++) {
+    for (int law = 0; law < 2; ++law) {
         double v[3];
         char text[64];
         (law == 0 ? strike_in_sequence : strike_at_once)(v);
@@ -73,7 +73,7 @@ static void test_bounces_end_when_their_flights_add_up(void **state)
     }
     assert_close(end, sqrt(2 / g) * 1.5 / 0.5, 0, 1e-10);
     static const double parts[] = {0.97, 1.03};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         char duration[48];
         snprintf(duration, sizeof duration, "duration=%.17g", parts[i] * end);
         char dt[48];
@@ -118,7 +118,7 @@ static void test_rollers_are_refused_where_they_would_slip(void **state)
     (void)state;
     static const char *const shapes[] = {"shape=0", "shape=1"};
     static const double angles[] = {0.1, 0.7, 1.4};
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; ++i) {
         const char *const settings[] = {shapes[i % 2], NULL};
         pl_scene scene = scenario_scene("roll-slope", settings);
         double low = 0, high = 10, slips = 0, sticks = 10;
@@ -148,11 +148,11 @@ static void test_straight_rocket_is_the_sum_of_speeds(void **state)
                                               {"thrust=9", "dt=0.1", NULL},
                                               {"thrust=1e4", "duration=0.5", NULL}};
     static const double thrusts[] = {30, 0, 9, 1e4};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         pl_scene scene = scenario_scene("rocket", settings[i]);
         const pl_expect_travel *travel = &scene.travels[0];
         double speed = 0, way = 0, t = (double)pl_scene_steps(&scene) * scene.dt;
-        for (long n = pl_scene_steps(&scene); n > 0; n--) {
+        for (long n = pl_scene_steps(&scene); n > 0; --n) {
             speed += (thrusts[i] - g) * scene.dt;
             way += speed * scene.dt;
         }
@@ -168,7 +168,7 @@ static void fly_rate(const void *context, double t, const double *y, double *rat
     (void)t;
     const pl_scene *scene = context;
     const pl_force *f = &scene->forces[0];
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         rate[k] = y[3 + k];
     }
     rate[3] = f->force[2] * sin(y[2]) / scene->bodies[0].mass;
@@ -181,7 +181,7 @@ static void test_a_rocket_that_whirls_is_still_integrated(void **state)
     (void)state;
     static const char *const settings[][4] = {{"thrust=1e4", "offset=0.2", "duration=1.3", NULL},
                                               {"thrust=30", "offset=-0.2", "duration=12", NULL}};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         pl_scene scene = scenario_scene("rocket", settings[i]);
         const pl_expect_travel *travel = &scene.travels[0];
         double y[6] = {0};
@@ -228,9 +228,9 @@ static void test_fourfold_dominoes_start_twice_as_fast(void **state)
                                                                                     NULL};
     pl_scene a = scenario_scene("dominoes", small), b = scenario_scene("dominoes", large);
     assert_int_equal(a.body_count, 6);
-    for (int i = 1; i < 6; i++) {
+    for (int i = 1; i < 6; ++i) {
         const pl_body *p = &a.bodies[i], *q = &b.bodies[i];
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             assert_close(q->position[k], 4 * p->position[k], 0, 1e-15);
             assert_close(q->shape.half_extents[k], 4 * p->shape.half_extents[k], 0, 1e-15);
             assert_close(q->velocity[k], 2 * p->velocity[k], 0, 1e-14);
@@ -272,7 +272,7 @@ static void test_rod_jams_above_the_formula_friction(void **state)
     assert_contains(s->reference, "(1 + 3 cos^2) / (3 sin cos) of the angle, at least 4/3");
     double values[PL_MAX_PARAMS];
     assert_int_equal(pl_scenario_values(s, NULL, 0, values, NULL), PL_OK);
-    for (int i = 0; i < s->param_count; i++) {
+    for (int i = 0; i < s->param_count; ++i) {
         if (strcmp(s->params[i].name, "angle") == 0) {
             assert_close(tan(values[i] * acos(-1) / 180), 2, 0, 1e-14);
         }
@@ -285,7 +285,7 @@ static void disc_friction(double e, double *force, double *torque)
 {
     enum { RINGS = 300, SECTORS = 300 };
     *force = *torque = 0;
-    for (int i = 0; i < RINGS * SECTORS; i++) {
+    for (int i = 0; i < RINGS * SECTORS; ++i) {
         const double r = (i / SECTORS + 0.5) / RINGS;
         const double angle = 2 * acos(-1) * (i % SECTORS + 0.5) / SECTORS;
         const double slip[2] = {e - r * sin(angle), r * cos(angle)};
@@ -317,7 +317,7 @@ static double braked_way(double speed, double braking, double time)
     enum { PARTS = 1000000 };
     const double h = time / PARTS;
     double way = 0;
-    for (int i = 0; i < PARTS; i++) {
+    for (int i = 0; i < PARTS; ++i) {
         const double before = fmax(0, speed - braking * h * i);
         way += h * (before + fmax(0, speed - braking * h * (i + 1))) / 2;
     }
@@ -337,13 +337,13 @@ static void test_braked_distance_is_the_speed_integral(void **state)
         {"speed=5", "friction=0.3", "duration=3", NULL},
         {"speed=8", "friction=1.9", "height=0.5", "duration=0.2", NULL}};
     static const double speeds[] = {5, 7, 4, 9, 5, 8}, frictions[] = {0.5, 0.2, 1.9, 0.1, 0.3, 1.9};
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; ++i) {
         pl_scene scene = scenario_scene(names[i], settings[i]);
         const double way = braked_way(speeds[i], frictions[i] * g, scene.duration);
-        for (int k = 0; k < scene.travel_count; k++) {
+        for (int k = 0; k < scene.travel_count; ++k) {
             assert_close(scene.travels[k].distance, way, 0, 1e-10);
         }
-        for (int k = 0; k < scene.value_count; k++) {
+        for (int k = 0; k < scene.value_count; ++k) {
             if (scene.values[k].quantity == PL_QUANTITY_POSITION) {
                 assert_close(scene.values[k].value, way, 0, 1e-10);
             }
@@ -352,7 +352,7 @@ static void test_braked_distance_is_the_speed_integral(void **state)
         pl_scene_free(&scene);
     }
     static const char *const shapes[] = {"shape=0", "shape=1"};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         const char *const spun[] = {shapes[i], "spin=12", "friction=0.25", "duration=4", NULL};
         pl_scene scene = scenario_scene("spin-stop", spun);
         const pl_expect_value *turn = expected_value(&scene, 1, PL_QUANTITY_TURN, 2);

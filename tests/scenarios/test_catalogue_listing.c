@@ -26,7 +26,7 @@ static void test_the_list_has_what_a_right_engine_does(void **state)
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);
     assert_int_equal(json_array_size(array), count);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         const json_t *item = json_array_get(array, (size_t)i);
         assert_string_equal(result_text(item, "name"), scenarios[i]->name);
         assert_string_equal(result_text(item, "expected"), scenarios[i]->expected);
@@ -55,7 +55,7 @@ static void test_page_has_every_scenario_with_picture(void **state)
     char *directory = make_directory(), *page = list(directory, "--page", "-");
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         char *section = section_of(page, scenarios[i]->name);
         assert_contains(section, "<dt>Expected</dt><dd>ok: ");
         assert_before(section, "<svg", "</svg>");
@@ -70,7 +70,7 @@ static void test_page_names_the_published_figures(void **state)
     (void)state;
     static const char *const names[] = {"rocket", "falling-cubes", "slope-tip", "multi-tower"};
     char *directory = make_directory(), *page = list(directory, "--page", "-");
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         char text[64], *section = section_of(page, names[i]);
         snprintf(text, sizeof text, "Figure %d of the source paper", i + 1);
         assert_contains(section, text);

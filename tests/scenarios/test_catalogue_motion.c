@@ -20,7 +20,7 @@ static void fall_rate(const void *context, double t, const double *y, double *ra
 static double stepped_height(double speed, double h, long steps)
 {
     double height = 0;
-    for (long n = 0; n < steps; n++) {
+    for (long n = 0; n < steps; ++n) {
         speed -= g * h;
         height += h * speed;
     }
@@ -34,7 +34,7 @@ static void test_free_fall_is_the_integral_of_speed(void **state)
                                               {"speed=7", "dt=0.01", "duration=0.7", NULL},
                                               {"speed=-40", "dt=0.25", "duration=3", NULL}};
     static const double speeds[] = {0, 7, -40};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         pl_scene scene = scenario_scene("free-fall", settings[i]);
         const pl_expect_value *place = expected_value(&scene, 0, PL_QUANTITY_POSITION, 2);
         const pl_expect_value *speed = expected_value(&scene, 0, PL_QUANTITY_VELOCITY, 2);
@@ -57,7 +57,7 @@ static void test_projectile_apex_is_the_highest_dense_point(void **state)
     pl_scene scene = scenario_scene("projectile", settings);
     const double rise = 12 * sin(1.1);
     double y[2] = {0, rise}, highest = 0, stepped = 0, speed = rise, low = 0, high = 0;
-    for (int n = 0; n < 30000; n++) {
+    for (int n = 0; n < 30000; ++n) {
         integrate(fall_rate, NULL, 0, 1e-4, 1, 2, y);
         highest = fmax(highest, y[0]);
     }
@@ -67,7 +67,7 @@ static void test_projectile_apex_is_the_highest_dense_point(void **state)
     const pl_expect_value *apex = expected_value(&scene, 0, PL_QUANTITY_APEX, 2);
     assert_close(apex->value, highest, 2e-8, 0);
     /* The discrete heights lie on a parabola, whose top is at most g h^2 / 8 above the highest. */
-    for (int n = 0; n < 150; n++) {
+    for (int n = 0; n < 150; ++n) {
         speed -= g * scene.dt;
         stepped += scene.dt * speed;
         low = fmax(low, stepped);
@@ -86,7 +86,7 @@ static void test_projectile_apex_is_the_highest_dense_point(void **state)
 static double skid(double friction, double h, double steps, double *speed, double *rim)
 {
     double way = 0;
-    for (double n = 0; n < steps; n++) {
+    for (double n = 0; n < steps; ++n) {
         double slip = *speed - *rim, most = friction * g * h;
         double change = fmax(-most, fmin(most, slip / 3.5));
         *speed -= change;
@@ -105,7 +105,7 @@ static void test_bowling_is_the_limit_of_small_steps(void **state)
         {"speed=1", "spin=50", "friction=0.3", "duration=2", NULL},
         {"speed=8", "spin=0", "friction=0.05", "duration=1", NULL}};
     static const double speeds[] = {5, 2, 1, 8}, spins[] = {0, -60, 50, 0};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         pl_scene scene = scenario_scene("bowling", settings[i]);
         const double friction = scene.materials[0].friction;
         const pl_expect_value *way = expected_value(&scene, 1, PL_QUANTITY_POSITION, 0);
@@ -149,7 +149,7 @@ static void test_free_box_returns_after_its_period(void **state)
                                               {"wobble_x=0.5", "wobble_z=0.01", "spin=3", NULL},
                                               {"wobble_x=0.02", "wobble_z=0.3", "spin=4", NULL},
                                               {"wobble_x=0", "wobble_z=0.4", "spin=4", NULL}};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         pl_scene scene = scenario_scene("torque-free", settings[i]);
         const pl_body *box = &scene.bodies[0];
         const double period = expected_value(&scene, 0, PL_QUANTITY_PERIOD, 1)->value;
@@ -158,7 +158,7 @@ static void test_free_box_returns_after_its_period(void **state)
         integrate(euler_rate, box->inertia, 0, period / 2, 20000, 3, w);
         assert_close(w[1], -box->angular_velocity[1], 1e-10, 0);
         integrate(euler_rate, box->inertia, 0, period / 2, 20000, 3, w);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             assert_close(w[k], box->angular_velocity[k], 1e-9, 0);
         }
         assert_close(box->inertia[0], 10 * (0.16 + 0.81) / 12, 0, 1e-15);
@@ -176,7 +176,7 @@ static void test_isotropic_blocks_travel_as_slide_to_stop(void **state)
     pl_scene all = scenario_scene("isotropy", settings);
     pl_scene one = scenario_scene("slide-to-stop", settings);
     assert_int_equal(all.travel_count, 19);
-    for (int i = 0; i < 19; i++) {
+    for (int i = 0; i < 19; ++i) {
         const pl_expect_travel *travel = &all.travels[i];
         const double *d = travel->direction, angle = i * 5 * atan(1) / 45;
         assert_close(travel->distance, one.travels[0].distance, 0, 1e-15);
@@ -185,10 +185,10 @@ static void test_isotropic_blocks_travel_as_slide_to_stop(void **state)
         assert_close(d[1], sin(angle), 3e-16, 0);
         /* Neighbours drift apart at every time. */
         const pl_body *body = &all.bodies[travel->body];
-        for (int j = 0; j < i; j++) {
+        for (int j = 0; j < i; ++j) {
             const pl_body *other = &all.bodies[all.travels[j].body];
             double along = 0;
-            for (int k = 0; k < 2; k++) {
+            for (int k = 0; k < 2; ++k) {
                 along += (body->position[k] - other->position[k]) *
                          (body->velocity[k] - other->velocity[k]);
             }
@@ -212,14 +212,14 @@ static void test_carried_balls_solve_the_equations_of_motion(void **state)
         {"rows=5", "push=100", "friction=0.2", "azimuth=90", NULL}};
     static const double counts[] = {9, 1, 25}, pushes[] = {50, 20, 100},
                         frictions[] = {0.1, 0, 0.2};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         pl_scene scene = scenario_scene("carried-balls", settings[i]);
         const double braking = frictions[i] * (10 + counts[i]) * g;
         assert_int_equal(scene.body_count, 2 + (int)counts[i]);
         /* Bisect the acceleration of the box: the force that it leaves for the balls, against the
          * one that they ask for. A ball: f = m b, 2/5 m r^2 w' = f r, b + r w' = a. */
         double low = 0, high = pushes[i] / 10;
-        for (int k = 0; k < 200; k++) {
+        for (int k = 0; k < 200; ++k) {
             const double a = (low + high) / 2, b = a / (1 + 1 / 0.4);
             const double left = pushes[i] - braking - 10 * a;
             *(left > counts[i] * b ? &low : &high) = a;
@@ -227,7 +227,7 @@ static void test_carried_balls_solve_the_equations_of_motion(void **state)
         const double *push = scene.forces[0].force;
         assert_close(hypot(push[0], push[1]), pushes[i], 0, 1e-14);
         assert_int_equal(scene.value_count, 1 + 2 * (int)counts[i]);
-        for (int v = 0; v < scene.value_count; v++) {
+        for (int v = 0; v < scene.value_count; ++v) {
             const pl_expect_value *value = &scene.values[v];
             const double a = low * (value->body == 1 ? 1 : 2.0 / 7);
             if (value->quantity == PL_QUANTITY_POSITION) {
@@ -256,7 +256,7 @@ static void test_tall_blocks_slide_until_they_would_tip(void **state)
     const pl_expect_value *way = expected_value(&scene, 1, PL_QUANTITY_POSITION, 0);
     assert_close(way->value, 25 / (2 * 0.49 * g), 0, 1e-14);
     double discrete = 0, speed = 5;
-    for (long n = pl_scene_steps(&scene); n > 0; n--) {
+    for (long n = pl_scene_steps(&scene); n > 0; --n) {
         speed = fmax(0, speed - 0.49 * g * scene.dt);
         discrete += scene.dt * speed;
     }
@@ -272,7 +272,7 @@ static void test_tall_blocks_slide_until_they_would_tip(void **state)
 static double corner_moment(const pl_body *box, double friction)
 {
     double moment = 0;
-    for (int corner = 0; corner < 4; corner++) {
+    for (int corner = 0; corner < 4; ++corner) {
         const double x = (corner % 2 == 0 ? 1 : -1) * box->shape.half_extents[0];
         const double y = (corner < 2 ? 1 : -1) * box->shape.half_extents[1];
         const double speed = hypot(x, y);
@@ -286,7 +286,7 @@ static double disc_moment(const pl_body *disc, double friction)
 {
     const double radius = disc->shape.radius;
     double moment = 0;
-    for (int ring = 0; ring < 20000; ring++) {
+    for (int ring = 0; ring < 20000; ++ring) {
         const double r = radius * (ring + 0.5) / 20000;
         moment += friction * disc->mass * g * 2 * r * r / (radius * radius) * radius / 20000;
     }
@@ -298,7 +298,7 @@ static void test_spin_stops_by_the_friction_moment(void **state)
     (void)state;
     static const char *const settings[][4] = {{"shape=0", "friction=0.3", "duration=5", NULL},
                                               {"shape=1", "friction=0.4", "duration=5", NULL}};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         pl_scene scene = scenario_scene("spin-stop", settings[i]);
         const pl_body *body = &scene.bodies[1];
         const double friction = scene.materials[0].friction;
@@ -307,7 +307,7 @@ static void test_spin_stops_by_the_friction_moment(void **state)
         const pl_expect_value *turn = expected_value(&scene, 1, PL_QUANTITY_TURN, 2);
         assert_close(turn->value, 100 / (2 * braking), 0, 1e-8);
         double discrete = 0, spin = 10;
-        for (long n = pl_scene_steps(&scene); n > 0; n--) {
+        for (long n = pl_scene_steps(&scene); n > 0; --n) {
             spin = fmax(0, spin - braking * scene.dt);
             discrete += scene.dt * spin;
         }
@@ -322,7 +322,7 @@ static void test_accurate_meets_smooth_motion_to_a_ten_thousandth(void **state)
     (void)state;
     static const char *const names[] = {"free-fall",     "projectile",     "bowling",
                                         "carried-balls", "reaction-split", "spin-stop"};
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; ++i) {
         assert_at_most(accurate_metric(names[i], NULL, "1/240", "value_error"), 1e-4);
     }
     assert_at_most(accurate_metric("isotropy", NULL, "1/240", "travel_error"), 1e-4);

@@ -17,20 +17,20 @@ static void assert_finite(double value, const char *what, const char *setting)
 /* A discrete answer may be missing, as NAN. */
 static void check_reference(const pl_scene *scene, const char *setting)
 {
-    for (int i = 0; i < scene->rest_count; i++) {
-        for (int k = 0; k < 3; k++) {
+    for (int i = 0; i < scene->rest_count; ++i) {
+        for (int k = 0; k < 3; ++k) {
             assert_finite(scene->rests[i].position[k], "a place of rest", setting);
         }
     }
-    for (int i = 0; i < scene->travel_count; i++) {
+    for (int i = 0; i < scene->travel_count; ++i) {
         const pl_expect_travel *travel = &scene->travels[i];
         assert_finite(travel->distance, "a distance", setting);
         assert_true(!isinf(travel->discrete));
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             assert_finite(travel->direction[k], "a direction", setting);
         }
     }
-    for (int i = 0; i < scene->value_count; i++) {
+    for (int i = 0; i < scene->value_count; ++i) {
         const pl_expect_value *value = &scene->values[i];
         assert_finite(value->value, "a value", setting);
         assert_true(!isinf(value->discrete));
@@ -70,7 +70,7 @@ static bool refuses(const pl_scenario *s, const double *values, const char *sett
 
 static int param_of(const pl_scenario *s, const char *name)
 {
-    for (int i = 0; i < s->param_count; i++) {
+    for (int i = 0; i < s->param_count; ++i) {
         if (strcmp(s->params[i].name, name) == 0) {
             return i;
         }
@@ -104,9 +104,9 @@ static void test_one_extreme_parameter_builds_or_gives_reason(void **state)
     (void)state;
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         const pl_scenario *s = scenarios[i];
-        for (int k = 0; k < 2 * s->param_count; k++) {
+        for (int k = 0; k < 2 * s->param_count; ++k) {
             const int param = k / 2;
             double values[PL_MAX_PARAMS];
             char setting[128];
@@ -115,7 +115,7 @@ static void test_one_extreme_parameter_builds_or_gives_reason(void **state)
             snprintf(setting, sizeof setting, "%s %s=%g", s->name, s->params[param].name,
                      values[param]);
             bool listed = false;
-            for (size_t r = 0; r < sizeof refused / sizeof refused[0]; r++) {
+            for (size_t r = 0; r < sizeof refused / sizeof refused[0]; ++r) {
                 listed = listed || strcmp(refused[r], setting) == 0;
             }
             const bool is_refused = refuses(s, values, setting);
@@ -132,17 +132,17 @@ static void test_two_extreme_parameters_build_or_give_reason(void **state)
     (void)state;
     int count, built = 0;
     const pl_scenario *const *scenarios = pl_scenarios(&count);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         const pl_scenario *s = scenarios[i];
-        for (int k = 0; k < 2 * s->param_count; k++) {
-            for (int j = 0; j < k / 2 * 2; j++) {
+        for (int k = 0; k < 2 * s->param_count; ++k) {
+            for (int j = 0; j < k / 2 * 2; ++j) {
                 double values[PL_MAX_PARAMS];
                 char setting[160];
                 take_defaults(s, values);
                 take_end(s, j / 2, j % 2, values);
                 take_end(s, k / 2, k % 2, values);
                 bool small = true;
-                for (int p = 0; p < s->param_count; p++) {
+                for (int p = 0; p < s->param_count; ++p) {
                     small = small && (!s->params[p].integer || values[p] <= 100);
                 }
                 snprintf(setting, sizeof setting, "%s %s=%g %s=%g", s->name, s->params[j / 2].name,

@@ -13,7 +13,7 @@ static double gap_between(const pl_scene *scene, int a, int b)
 {
     pl_placed_shape placed[2];
     const int bodies[2] = {a, b};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         const pl_body *body = &scene->bodies[bodies[i]];
         placed[i] = (pl_placed_shape){.shape = &body->shape};
         memcpy(placed[i].position, body->position, sizeof body->position);
@@ -27,7 +27,7 @@ static double gap_between(const pl_scene *scene, int a, int b)
 /* Puts every body where it is expected to rest. */
 static void settle(pl_scene *scene)
 {
-    for (int i = 0; i < scene->rest_count; i++) {
+    for (int i = 0; i < scene->rest_count; ++i) {
         pl_body *body = &scene->bodies[scene->rests[i].body];
         memcpy(body->position, scene->rests[i].position, sizeof body->position);
         memcpy(body->orientation, scene->rests[i].orientation, sizeof body->orientation);
@@ -54,7 +54,7 @@ static void test_what_rests_has_forces_that_hold_it(void **state)
                                               {"k=1", "n=8", "friction=0", NULL},
                                               {NULL},
                                               {"n=4", "gap=0.7", "friction=0", NULL}};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
         pl_scene scene = scenario_scene(names[i], settings[i]);
         settle(&scene);
         if (!is_in_balance(&scene)) {
@@ -82,13 +82,13 @@ static void test_towers_of_a_field_are_towers_apart(void **state)
     pl_scene field = scenario_scene("multi-tower", settings), tower = scenario_scene("tower", one);
     assert_int_equal(field.body_count, 1 + 9 * 4);
     assert_int_equal(field.rest_count, 9 * 4);
-    for (int i = 1; i < field.body_count; i++) {
+    for (int i = 1; i < field.body_count; ++i) {
         const pl_body *cube = &field.bodies[i], *like = &tower.bodies[1 + (i - 1) % 4];
         assert_close(cube->position[2], like->position[2], 0, 0);
         assert_close(cube->mass, like->mass, 0, 0);
         assert_memory_equal(&cube->shape.half_extents, &like->shape.half_extents,
                             sizeof like->shape.half_extents);
-        for (int j = 1; j < i; j++) {
+        for (int j = 1; j < i; ++j) {
             const double gap = gap_between(&field, i, j);
             assert_close(gap, (i - 1) / 4 != (j - 1) / 4 ? fmax(gap, 1) : i - j - 1, 1e-15, 0);
         }
@@ -106,8 +106,8 @@ static void test_pyramid_rows_lie_over_gaps_below(void **state)
     pl_scene scene = scenario_scene("pyramid", settings);
     assert_int_equal(scene.body_count, 1 + 15);
     int below = 1;
-    for (int row = 1, count = 4; count > 0; row++, count--) {
-        for (int i = 0; i < count; i++) {
+    for (int row = 1, count = 4; count > 0; ++row, --count) {
+        for (int i = 0; i < count; ++i) {
             const pl_body *cube = &scene.bodies[below + count + 1 + i];
             const double *left = scene.bodies[below + i].position;
             const double *right = scene.bodies[below + i + 1].position;
@@ -129,7 +129,7 @@ static void test_the_tower_far_away_is_the_tower_moved(void **state)
     pl_scene far = scenario_scene("far-from-origin", settings);
     pl_scene step = scenario_scene("large-step", settings),
              tower = scenario_scene("tower", settings);
-    for (int i = 1; i < tower.body_count; i++) {
+    for (int i = 1; i < tower.body_count; ++i) {
         const pl_body *cube = &far.bodies[i], *like = &tower.bodies[i];
         assert_close(hypot(cube->position[0], cube->position[1]), 1e4, 0, 1e-15);
         assert_close(atan2(cube->position[1], cube->position[0]), acos(-1) / 6, 1e-15, 0);
@@ -167,7 +167,7 @@ static void test_needle_starts_in_gap_and_reaches_floor(void **state)
                                               {"clearance=1", "tilt=0.9", NULL},
                                               {"clearance=1e-4", "tilt=0", NULL}};
     static const double clearances[] = {0.01, 1, 1e-4};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         pl_scene scene = scenario_scene("needle-in-gap", settings[i]);
         assert_true(gap_between(&scene, 1, 3) > 0 && gap_between(&scene, 2, 3) > 0);
         assert_close(gap_between(&scene, 1, 2), 0.01 * (1 + clearances[i]), 1e-14, 0);
@@ -198,11 +198,11 @@ static void test_card_pair_needs_its_corner_friction(void **state)
                                               {"storeys=1", "lean=45", NULL},
                                               {"storeys=1", "lean=5", NULL}};
     static const double leans[] = {20, 45, 5};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         pl_scene scene = scenario_scene("card-house", settings[i]);
         const pl_body *card = &scene.bodies[1];
         double foot[2] = {0, HUGE_VAL}, head[2] = {-HUGE_VAL, 0};
-        for (int k = 0; k < 4; k++) {
+        for (int k = 0; k < 4; ++k) {
             double at[2];
             corner_of(card, k, at);
             memcpy(foot, at[1] < foot[1] ? at : foot, sizeof foot);
@@ -231,7 +231,7 @@ static void test_tall_blocks_that_would_tip_are_refused(void **state)
 {
     (void)state;
     static const double heights[] = {0.7, 2, 8};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         char height[32], friction[48], slenderness[48], angle[48];
         snprintf(height, sizeof height, "height=%.17g", heights[i]);
         snprintf(slenderness, sizeof slenderness, "slenderness=%.17g", 1 / heights[i]);
@@ -267,7 +267,7 @@ static double room_of_ring(double thickness, double thrust)
     enum { JOINTS = 20000 };
     const double inner = 1 - thickness / 2, outer = 1 + thickness / 2, h = acos(0) / JOINTS;
     double weight = 0, moment = 0, least = -HUGE_VAL, most = HUGE_VAL;
-    for (int i = 0; i <= JOINTS; i++) {
+    for (int i = 0; i <= JOINTS; ++i) {
         const double f = i * h, across = thrust * cos(f) + weight * sin(f);
         least = fmax(least, inner * across - moment);
         most = fmin(most, outer * across - moment);
@@ -281,7 +281,7 @@ static double room_of_ring(double thickness, double thrust)
 static double most_room(double thickness)
 {
     double low = 0, high = 0.3;
-    for (int i = 0; i < 60; i++) {
+    for (int i = 0; i < 60; ++i) {
         const double a = low + (high - low) / 3, b = high - (high - low) / 3;
         const bool rises = room_of_ring(thickness, a) < room_of_ring(thickness, b);
         low = rises ? a : low;
@@ -300,7 +300,7 @@ static void test_arch_stands_from_thickness_0_107478(void **state)
     double values[PL_MAX_PARAMS];
     char limit[32];
     static const char *const counts[] = {"n=5", "n=6", "n=7", "n=10", "n=15", "n=51", "n=200"};
-    for (int i = 0; i < 7; i++) {
+    for (int i = 0; i < 7; ++i) {
         assert_int_equal(pl_scenario_values(arch, &counts[i], 1, values, NULL), PL_OK);
         assert_at_most(arch->threshold->critical(values), 0.107478 + 1e-6);
     }

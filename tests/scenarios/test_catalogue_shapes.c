@@ -13,11 +13,11 @@ static double gap_at(const pl_scene *scene, int a, int b, const double position_
 {
     const pl_body *p = &scene->bodies[a], *q = &scene->bodies[b];
     pl_placed_shape placed_a = {.shape = &p->shape}, placed_b = {.shape = &q->shape};
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 4; ++k) {
         placed_a.orientation[k] = p->orientation[k];
         placed_b.orientation[k] = q->orientation[k];
     }
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         placed_a.position[k] = p->position[k];
         placed_b.position[k] = position_b[k];
     }
@@ -40,8 +40,8 @@ static pl_vec centre_of(const pl_body *body)
 static void test_every_shape_touches_the_floor_and_can_rest(void **state)
 {
     (void)state;
-    for (int shape = 0; shape <= 7; shape++) {
-        for (int mesh = 0; mesh <= 1; mesh++) {
+    for (int shape = 0; shape <= 7; ++shape) {
+        for (int mesh = 0; mesh <= 1; ++mesh) {
             char shape_is[16], mesh_is[16];
             snprintf(shape_is, sizeof shape_is, "shape=%d", shape);
             snprintf(mesh_is, sizeof mesh_is, "mesh=%d", mesh);
@@ -54,14 +54,14 @@ static void test_every_shape_touches_the_floor_and_can_rest(void **state)
             if (p != NULL) {
                 /* The centre of mass lies over the bounds of the corners on the floor. */
                 double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
-                for (int i = 0; i < p->vertex_count; i++) {
+                for (int i = 0; i < p->vertex_count; ++i) {
                     const double *v = p->vertices[i];
-                    for (int k = 0; k < 2 && fabs(v[2] + body->position[2]) < 1e-12; k++) {
+                    for (int k = 0; k < 2 && fabs(v[2] + body->position[2]) < 1e-12; ++k) {
                         low[k] = fmin(low[k], v[k]);
                         high[k] = fmax(high[k], v[k]);
                     }
                 }
-                for (int k = 0; k < 2; k++) {
+                for (int k = 0; k < 2; ++k) {
                     assert_true(p->centre[k] > low[k] + 1e-3 && p->centre[k] < high[k] - 1e-3);
                 }
                 assert_true(p->convex == (mesh == 0 && shape < 6));
@@ -94,7 +94,7 @@ static void test_rollers_touch_the_slope(void **state)
 {
     (void)state;
     static const char *const shapes[] = {"shape=0", "shape=1", "shape=2"};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         pl_scene scene;
         build_scenario("roll-slope", &shapes[i], 1, 1, &scene);
         assert_close(gap_at(&scene, 0, 1, scene.bodies[1].position), 0, 1e-15, 0);
@@ -107,14 +107,14 @@ static void test_rolling_distance_follows_from_contact_torque(void **state)
 {
     (void)state;
     static const char *const shapes[] = {"shape=0", "shape=1"};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         pl_scene scene;
         build_scenario("roll-slope", &shapes[i], 1, 1, &scene);
         const pl_body *body = &scene.bodies[1];
         double r = body->shape.radius, m = body->mass;
         double inertia = body->inertia[i == 0 ? 0 : 2]; /* about the axis of the roll */
         double a = m * 9.81 * r * sin(0.3) / ((m * r * r + inertia) / r), v = 0, x = 0;
-        for (long n = 0; n < pl_scene_steps(&scene); n++) {
+        for (long n = 0; n < pl_scene_steps(&scene); ++n) {
             v += a * scene.dt;
             x += v * scene.dt;
         }
@@ -140,21 +140,21 @@ static void fly(const pl_scene *scene, double way[2])
     const pl_body *body = &scene->bodies[0];
     double h = scene->duration / STEPS, torque = f->at[2] * f->force[0] - f->at[0] * f->force[2];
     double s[6] = {0}; /* x, z, angle, and their rates */
-    for (int n = 0; n < STEPS; n++) {
+    for (int n = 0; n < STEPS; ++n) {
         double k[4][6], at[6];
-        for (int stage = 0; stage < 4; stage++) {
+        for (int stage = 0; stage < 4; ++stage) {
             double part = stage == 0 ? 0 : stage == 3 ? h : h / 2;
-            for (int i = 0; i < 6; i++) {
+            for (int i = 0; i < 6; ++i) {
                 at[i] = s[i] + (stage == 0 ? 0 : part * k[stage - 1][i]);
             }
-            for (int i = 0; i < 3; i++) {
+            for (int i = 0; i < 3; ++i) {
                 k[stage][i] = at[3 + i];
             }
             k[stage][3] = f->force[2] * sin(at[2]) / body->mass;
             k[stage][4] = f->force[2] * cos(at[2]) / body->mass - 9.81;
             k[stage][5] = torque / body->inertia[1];
         }
-        for (int i = 0; i < 6; i++) {
+        for (int i = 0; i < 6; ++i) {
             s[i] += h / 6 * (k[0][i] + 2 * k[1][i] + 2 * k[2][i] + k[3][i]);
         }
     }
@@ -166,7 +166,7 @@ static void test_rocket_flies_as_runge_kutta_says(void **state)
 {
     (void)state;
     static const char *const offsets[] = {"offset=0", "offset=0.01", "offset=-0.05", "offset=0.2"};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         pl_scene scene;
         build_scenario("rocket", &offsets[i], 1, 1, &scene);
         double way[2];
@@ -182,7 +182,7 @@ static void test_body_at_the_wall_stops_at_touch(void **state)
 {
     (void)state;
     static const char *const shapes[] = {"shape=0", "shape=1", "shape=2"};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         pl_scene scene;
         build_scenario("thin-wall", &shapes[i], 1, 1, &scene);
         assert_close(gap_at(&scene, 0, 1, scene.rests[0].position), 0, 1e-15, 0);
@@ -195,14 +195,14 @@ static void test_blocks_lie_on_the_floor_apart(void **state)
 {
     (void)state;
     static const char *const kinds[] = {"mesh=0", "mesh=1"};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         const char *const settings[] = {"n=10", kinds[i]};
         pl_scene scene;
         build_scenario("blocks", settings, 2, 1, &scene);
         assert_int_equal(scene.body_count, 11);
-        for (int b = 1; b <= 10; b++) {
+        for (int b = 1; b <= 10; ++b) {
             assert_close(gap_at(&scene, 0, b, scene.bodies[b].position), 0, 1e-15, 0);
-            for (int c = 1; c < b; c++) {
+            for (int c = 1; c < b; ++c) {
                 assert_true(gap_at(&scene, c, b, scene.bodies[b].position) >= 0.5 - 1e-12);
             }
         }
@@ -214,12 +214,12 @@ static void test_bodies_of_a_pile_start_apart(void **state)
 {
     (void)state;
     static const char *const kinds[] = {"shape=3", "shape=4"};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         const char *const settings[] = {"n=40", kinds[i]};
         pl_scene scene;
         build_scenario("pile", settings, 2, 1, &scene);
-        for (int b = 5; b < scene.body_count; b++) {
-            for (int c = 0; c < b; c++) {
+        for (int b = 5; b < scene.body_count; ++b) {
+            for (int c = 0; c < b; ++c) {
                 double reach = 2;
                 pl_vec d = pl_vec_sub(centre_of(&scene.bodies[b]), centre_of(&scene.bodies[c]));
                 if (c < 5 || pl_vec_length(d) < reach) {
@@ -235,7 +235,7 @@ static void test_circle_points_mirror_each_other_exactly(void **state)
 {
     (void)state;
     for (int n = 4; n <= 400; n += 4) {
-        for (int k = 0; k < n; k++) {
+        for (int k = 0; k < n; ++k) {
             double x, y, u, v;
             pl_circle_point(k, n, &x, &y);
             long double angle = 2 * acosl(-1) * k / n;

@@ -9,7 +9,7 @@
  */
 static void gaps_of(const pl_body *a, const pl_body *b, double gaps[3])
 {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         gaps[k] = fabs(a->position[k] - b->position[k]) - a->shape.half_extents[k] -
                   b->shape.half_extents[k];
     }
@@ -25,7 +25,7 @@ static double bottom_of(const pl_body *body)
 static double check_stacked(const pl_scene *scene)
 {
     double mass = 0;
-    for (int i = 1; i < scene->body_count; i++) {
+    for (int i = 1; i < scene->body_count; ++i) {
         const pl_body *body = &scene->bodies[i];
         double left = HUGE_VAL, right = -HUGE_VAL;
         mass += body->mass;
@@ -33,7 +33,7 @@ static double check_stacked(const pl_scene *scene)
             left = -HUGE_VAL;
             right = HUGE_VAL;
         }
-        for (int j = 1; j < scene->body_count; j++) {
+        for (int j = 1; j < scene->body_count; ++j) {
             const pl_body *other = &scene->bodies[j];
             double gaps[3];
             gaps_of(body, other, gaps);
@@ -73,15 +73,15 @@ static void test_displaced_tower_stands_for_every_seed(void **state)
     (void)state;
     static const char *const settings[] = {"n=100", "offset=0.2"};
     double largest = 0;
-    for (uint64_t seed = 0; seed < 100; seed++) {
+    for (uint64_t seed = 0; seed < 100; ++seed) {
         pl_scene scene;
         build_scenario("tower", settings, 2, seed, &scene);
         check_stacked(&scene);
         double mass = 0, moment[2] = {0, 0};
-        for (int i = scene.body_count - 1; i >= 2; i--) {
+        for (int i = scene.body_count - 1; i >= 2; --i) {
             const pl_body *cube = &scene.bodies[i];
             mass += cube->mass;
-            for (int k = 0; k < 2; k++) {
+            for (int k = 0; k < 2; ++k) {
                 double below = cube[-1].position[k];
                 moment[k] += cube->mass * cube->position[k];
                 double low = fmax(below, cube->position[k]) - 0.5;
@@ -106,11 +106,11 @@ static void test_tower_masses_rise_in_equal_ratios(void **state)
                                               {"n=1", "top_mass=5", "rising_mass=1000"},
                                               {"n=2", "top_mass=1", "rising_mass=1"}};
     static const double top[] = {1000, 1, 7, 5, 1}, rising[] = {1, 1000, 1e6, 1000, 1};
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; ++i) {
         pl_scene scene;
         build_scenario("tower", settings[i], 3, 0, &scene);
         int n = scene.body_count - 1;
-        for (int k = 1; k <= n; k++) {
+        for (int k = 1; k <= n; ++k) {
             const pl_body *cube = &scene.bodies[k];
             double mass = n > 1 ? pow(rising[i], (k - 1.0) / (n - 1)) : 1;
             mass *= k == n ? top[i] : 1;
@@ -127,15 +127,15 @@ static void test_displaced_tower_of_any_masses_stands_by_statics(void **state)
 {
     (void)state;
     static const char *const settings[] = {"n=30", "offset=0.2", "top_mass=1e6", "rising_mass=1e6"};
-    for (uint64_t seed = 0; seed < 50; seed++) {
+    for (uint64_t seed = 0; seed < 50; ++seed) {
         pl_scene scene;
         build_scenario("tower", settings, 4, seed, &scene);
         check_all_rest(&scene);
         double mass = 0, moment[2] = {0, 0};
-        for (int i = scene.body_count - 1; i >= 2; i--) {
+        for (int i = scene.body_count - 1; i >= 2; --i) {
             const pl_body *cube = &scene.bodies[i];
             mass += cube->mass;
-            for (int k = 0; k < 2; k++) {
+            for (int k = 0; k < 2; ++k) {
                 moment[k] += cube->mass * cube->position[k];
                 assert_true(fabs(moment[k] / mass - cube[-1].position[k]) < 0.5);
                 assert_true(fabs(moment[k] / mass - cube->position[k]) < 0.5);
@@ -150,7 +150,7 @@ static void test_mass_ratio_is_ten_to_the_k(void **state)
     (void)state;
     static const char *const settings[] = {"k=0", "k=1", "k=2", "k=3", "k=4", "k=5", "k=6"};
     static const double ratios[] = {1, 10, 100, 1e3, 1e4, 1e5, 1e6};
-    for (int i = 0; i < 7; i++) {
+    for (int i = 0; i < 7; ++i) {
         pl_scene scene;
         build_scenario("mass-ratio", &settings[i], 1, 0, &scene);
         assert_int_equal(scene.body_count, 3);
@@ -172,7 +172,7 @@ static void test_wall_bricks_touch_and_stand(void **state)
                                            {"rows=6", "columns=1"},
                                            {"rows=7", "columns=12"}};
     static const double rows[] = {10, 1, 6, 7}, columns[] = {10, 1, 1, 12};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         pl_scene scene;
         build_scenario("wall", sizes[i], 2, 0, &scene);
         double bricks = rows[i] * columns[i] + floor(rows[i] / 2);
@@ -181,7 +181,7 @@ static void test_wall_bricks_touch_and_stand(void **state)
         check_all_rest(&scene);
         /* The bricks fill the wall: their volume is that of the whole. */
         double volume = 0;
-        for (int b = 1; b < scene.body_count; b++) {
+        for (int b = 1; b < scene.body_count; ++b) {
             volume += pl_shape_volume(&scene.bodies[b].shape);
         }
         assert_close(volume, columns[i] * 0.5 * rows[i] * 0.5, 0, 1e-14);
@@ -200,7 +200,7 @@ static void test_wall_collapse_is_the_wall_with_ball(void **state)
     assert_int_equal(scene.rest_count, 0);
     assert_true(isinf(scene.collapse_distance));
     assert_int_equal(scene.body_count, wall.body_count + 1);
-    for (int i = 0; i < wall.body_count; i++) {
+    for (int i = 0; i < wall.body_count; ++i) {
         const pl_body *brick = &scene.bodies[i], *expected = &wall.bodies[i];
         assert_string_equal(brick->name, expected->name);
         assert_memory_equal(brick->position, expected->position, sizeof brick->position);
@@ -209,7 +209,7 @@ static void test_wall_collapse_is_the_wall_with_ball(void **state)
     }
     const pl_body *ball = &scene.bodies[wall.body_count];
     const double position[3] = {20, -3, 6.55}, velocity[3] = {0, 20, 0};
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         assert_close(ball->position[k], position[k], 1e-15, 0);
         assert_close(ball->velocity[k], velocity[k], 0, 0);
     }

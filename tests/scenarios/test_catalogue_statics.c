@@ -16,7 +16,7 @@ static const pl_scenario *find(const char *name)
 
 static int param_of(const pl_scenario *scenario, const char *name)
 {
-    for (int i = 0; i < scenario->param_count; i++) {
+    for (int i = 0; i < scenario->param_count; ++i) {
         if (strcmp(scenario->params[i].name, name) == 0) {
             return i;
         }
@@ -85,7 +85,7 @@ static void test_closed_forms_are_the_limits_of_balance(void **state)
         {"arch", {"n=20", NULL}},
         {"arch", {"n=21", NULL}},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         const limit_case *c = &cases[i];
         const pl_scenario *scenario = find(c->scenario);
         const int count = c->settings[0] == NULL ? 0 : c->settings[1] == NULL ? 1 : 2;
@@ -125,7 +125,7 @@ static void test_arch_of_many_voussoirs_reaches_continuous_limit(void **state)
     const pl_scenario *scenario = find("arch");
     double values[PL_MAX_PARAMS], before = 1;
     static const char *const settings[] = {"n=20", "n=40", "n=80", "n=200"};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         assert_int_equal(pl_scenario_values(scenario, &settings[i], 1, values, NULL), PL_OK);
         const double off = fabs(scenario->threshold->critical(values) - 0.107478);
         assert_true(off < before);
@@ -134,8 +134,7 @@ static void test_arch_of_many_voussoirs_reaches_continuous_limit(void **state)
     assert_true(before < 2e-5);
 }
 
-/* ---- Spheres -----------------------------------------------------------------------------------
- */
+/* ---- Spheres ---- */
 
 enum { SPHERES = 4, GENERATORS = 12, SPHERE_ROWS = 6 * SPHERES, SPHERE_COLUMNS = 9 * GENERATORS };
 
@@ -146,7 +145,7 @@ typedef struct sphere_problem {
 
 static void cross(const double a[3], const double b[3], double c[3])
 {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         int i = (k + 1) % 3, j = (k + 2) % 3;
         c[k] = a[i] * b[j] - a[j] * b[i];
     }
@@ -157,7 +156,7 @@ static void put_column(sphere_problem *p, int sphere, const double arm[3], const
 {
     double moment[3];
     cross(arm, f, moment);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         p->a[(6 * sphere + k) * SPHERE_COLUMNS + p->columns] = sign * f[k];
         p->a[(6 * sphere + 3 + k) * SPHERE_COLUMNS + p->columns] = sign * moment[k];
     }
@@ -173,23 +172,23 @@ static void put_cone(sphere_problem *p, int a, int b, const double normal[3], do
     const double *hint = a < 0 ? outward : (const double[]){0, 0, 1};
     cross(normal, hint, across);
     const double size = sqrt(across[0] * across[0] + across[1] * across[1] + across[2] * across[2]);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         across[k] /= size;
         arm_b[k] = -normal[k] / 2;
         arm_a[k] = normal[k] / 2;
     }
     cross(across, normal, along);
-    for (int g = 0; g < GENERATORS; g++) {
+    for (int g = 0; g < GENERATORS; ++g) {
         const double turn = 2 * 3.1415926535897931 * g / GENERATORS;
         double f[3];
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             f[k] = normal[k] + friction * (cos(turn) * along[k] + sin(turn) * across[k]);
         }
         put_column(p, b, arm_b, f, 1);
         if (a >= 0) {
             put_column(p, a, arm_a, f, -1);
         }
-        p->columns++;
+        ++p->columns;
     }
 }
 
@@ -198,15 +197,15 @@ static bool spheres_balanced(const pl_scene *scene, double friction, double floo
     static sphere_problem p;
     p = (sphere_problem){.columns = 0};
     const pl_body *s = &scene->bodies[1];
-    for (int i = 0; i < SPHERES; i++) {
+    for (int i = 0; i < SPHERES; ++i) {
         const double up[3] = {0, 0, 1};
         p.b[6 * i + 2] = 9.81;
         if (s[i].position[2] < 0.51) {
             put_cone(&p, -1, i, up, floor_friction, s[i].position);
         }
-        for (int k = 0; k < i; k++) {
+        for (int k = 0; k < i; ++k) {
             double normal[3];
-            for (int d = 0; d < 3; d++) {
+            for (int d = 0; d < 3; ++d) {
                 normal[d] = s[i].position[d] - s[k].position[d];
             }
             /* The radius is 1/2, so centres of spheres that touch are 1 m apart. */
@@ -229,7 +228,7 @@ static void test_spheres_need_a_quarter_friction_on_the_floor(void **state)
     assert_int_equal(pl_scenario_values(scenario, NULL, 0, values, NULL), PL_OK);
     build(scenario, values, &scene);
     double limit[2];
-    for (int of_floor = 0; of_floor < 2; of_floor++) {
+    for (int of_floor = 0; of_floor < 2; ++of_floor) {
         double low = 0, high = 1;
         while (high - low > 1e-10) {
             const double middle = low + (high - low) / 2;
@@ -246,8 +245,7 @@ static void test_spheres_need_a_quarter_friction_on_the_floor(void **state)
     pl_scene_free(&scene);
 }
 
-/* ---- What else is said of the scenes -----------------------------------------------------------
- */
+/* ---- What else is said of the scenes ---- */
 
 /* Inconsistent where a normal force at the lower end moves that end down: by Newton's and Euler's
  * laws on the scene's own rod, at the least friction over a dense search of angles. */
@@ -295,7 +293,7 @@ static void test_the_overhang_is_the_harmonic_sum(void **state)
     pl_scene scene;
     assert_int_equal(pl_scenario_values(scenario, settings, 2, values, NULL), PL_OK);
     build(scenario, values, &scene);
-    for (int k = 1; k <= 30; k++) {
+    for (int k = 1; k <= 30; ++k) {
         sum += 0.5 / k;
     }
     const pl_body *top = &scene.bodies[30];
@@ -313,7 +311,7 @@ static void test_overlapping_cubes_belong_on_each_other(void **state)
     assert_int_equal(pl_scenario_values(scenario, NULL, 0, values, NULL), PL_OK);
     build(scenario, values, &scene);
     double below = 0;
-    for (int i = 1; i < scene.body_count; i++) {
+    for (int i = 1; i < scene.body_count; ++i) {
         const pl_body *cube = &scene.bodies[i];
         assert_close(below - (cube->position[2] - cube->shape.half_extents[2]), 0.01, 0, 1e-12);
         assert_close(scene.rests[i - 1].position[2], i - 0.5, 0, 0);
@@ -331,7 +329,7 @@ static void test_stacks_and_houses_are_balanced(void **state)
                                        {"pyramid", {"n=5", "gap=0.125"}},
                                        {"pyramid", {"n=4", "friction=0"}},
                                        {"arch", {"n=20", "friction=2"}}};
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         const pl_scenario *scenario = find(cases[i].scenario);
         double values[PL_MAX_PARAMS];
         pl_scene scene;
@@ -347,7 +345,7 @@ static void test_hard_scenes_say_what_they_provoke(void **state)
     (void)state;
     const pl_suite *suite = pl_suite_find("hard", NULL);
     assert_non_null(suite);
-    for (int i = 0; i < suite->entry_count; i++) {
+    for (int i = 0; i < suite->entry_count; ++i) {
         const char *provokes = find(suite->entries[i].scenario)->provokes;
         if (provokes == NULL || strstr(provokes, "right engine") == NULL) {
             fail_msg("%s: what does it provoke, and what does a right engine do?",
@@ -356,7 +354,7 @@ static void test_hard_scenes_say_what_they_provoke(void **state)
     }
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         const pl_threshold *t = scenarios[i]->threshold;
         if (t != NULL) {
             const pl_param *param = &scenarios[i]->params[param_of(scenarios[i], t->param)];

@@ -16,7 +16,7 @@ typedef struct gyro {
 
 static void cross(const double a[3], const double b[3], double c[3])
 {
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         c[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
     }
 }
@@ -30,7 +30,7 @@ static void gyro_rate(const void *context, double t, const double *y, double *ra
     const double *a = y, *momentum = y + 3, up[3] = {0, 0, 1};
     double turned[3], lever[3], of_turn[3], of_lever[3];
     cross(momentum, a, turned);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         rate[k] = turned[k] / top->across;
     }
     cross(up, a, lever);
@@ -41,7 +41,7 @@ static void gyro_rate(const void *context, double t, const double *y, double *ra
     const double yields = top->length * of_lever[2] / top->across;
     const double reaction =
         top->mass * (g + top->length * free) / (1 - top->mass * top->length * yields);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         rate[3 + k] = reaction * top->length * lever[k];
     }
 }
@@ -49,7 +49,7 @@ static void gyro_rate(const void *context, double t, const double *y, double *ra
 static void spin_of(const gyro *top, const double *y, double spin[3])
 {
     const double along = y[0] * y[3] + y[1] * y[4] + y[2] * y[5];
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         spin[k] = y[3 + k] / top->across + (1 / top->along - 1 / top->across) * along * y[k];
     }
 }
@@ -64,7 +64,7 @@ static double inertia_along(const pl_body *body, int axis)
         {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
         {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
     double inertia = 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         inertia += body->inertia[k] * rotation[axis][k] * rotation[axis][k];
     }
     return inertia;
@@ -77,7 +77,7 @@ static void test_top_precesses_by_its_equations_of_motion(void **state)
                                               {"spin=13", "tilt=0.1", "duration=5", NULL},
                                               {"spin=60", "tilt=0.6", "duration=4", NULL},
                                               {"spin=12", "tilt=0.6", "duration=3", NULL}};
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         pl_scene scene = scenario_scene("top", settings[i]);
         const pl_body *body = &scene.bodies[1];
         const double *w = body->angular_velocity, half = acos(body->orientation[0]);
@@ -85,19 +85,19 @@ static void test_top_precesses_by_its_equations_of_motion(void **state)
         const gyro top = {body->mass, inertia_along(body, 0), inertia_along(body, 2), 0.75};
         assert_close(inertia_along(body, 1), top.across, 0, 1e-12);
         assert_close(body->position[2], 0.75 * a[2], 1e-14, 0);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             assert_close(body->shape.polyhedron->centre[k], 0, 1e-15, 0);
         }
         double y[6], spin[3];
         const double along = w[0] * a[0] + w[2] * a[2];
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             y[k] = a[k];
             y[3 + k] = top.across * w[k] + (top.along - top.across) * along * a[k];
         }
         integrate(gyro_rate, &top, 0, scene.duration, 40000, 6, y);
         assert_close(y[2], a[2], 1e-10, 0); /* steady */
         spin_of(&top, y, spin);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             const pl_expect_value *value = expected_value(&scene, 1, PL_QUANTITY_SPIN, k);
             assert_close(value->value, spin[k], 1e-7, 0);
         }
@@ -110,30 +110,30 @@ static void share_weight(const double r[3][2], const double slip[3][2], double f
                          double height, double reaction[3])
 {
     double m[3][4];
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         m[0][i] = 1;
         m[1][i] = r[i][0] - friction * height * slip[i][0];
         m[2][i] = r[i][1] - friction * height * slip[i][1];
     }
     m[0][3] = g, m[1][3] = 0, m[2][3] = 0;
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         int pivot = k;
-        for (int i = k + 1; i < 3; i++) {
+        for (int i = k + 1; i < 3; ++i) {
             pivot = fabs(m[i][k]) > fabs(m[pivot][k]) ? i : pivot;
         }
-        for (int j = 0; j < 4; j++) {
+        for (int j = 0; j < 4; ++j) {
             const double keep = m[k][j];
             m[k][j] = m[pivot][j];
             m[pivot][j] = keep;
         }
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; ++i) {
             const double part = i == k ? 0 : m[i][k] / m[k][k];
-            for (int j = 0; j < 4; j++) {
+            for (int j = 0; j < 4; ++j) {
                 m[i][j] -= part * m[k][j];
             }
         }
     }
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         reaction[k] = m[k][3] / m[k][k];
     }
 }
@@ -150,7 +150,7 @@ static plate slide(const pl_scene *scene, double h)
     plate p = {.vx = body->velocity[0], .spin = body->angular_velocity[2]};
     for (double time = 0; time < scene->duration; time += h) {
         double r[3][2], slip[3][2], speed[3], n[3], force[2] = {0, 0}, torque = 0;
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; ++i) {
             const double angle = p.turn + (2 * i + 1) * atan(1) * 4 / 3;
             r[i][0] = 0.5 * cos(angle), r[i][1] = 0.5 * sin(angle);
             slip[i][0] = p.vx - p.spin * r[i][1], slip[i][1] = p.vy + p.spin * r[i][0];
@@ -158,7 +158,7 @@ static plate slide(const pl_scene *scene, double h)
             slip[i][0] /= speed[i], slip[i][1] /= speed[i];
         }
         share_weight((const double(*)[2])r, (const double(*)[2])slip, friction, 0.05, n);
-        for (int i = 0; i < 3; i++) {
+        for (int i = 0; i < 3; ++i) {
             assert_true(n[i] > 0);
             force[0] -= friction * n[i] * slip[i][0], force[1] -= friction * n[i] * slip[i][1];
             torque -= friction * n[i] * (r[i][0] * slip[i][1] - r[i][1] * slip[i][0]);
@@ -181,7 +181,7 @@ static void test_plate_motion_equals_small_time_steps(void **state)
     static const char *const settings[][4] = {{"speed=2", "spin=6", NULL},
                                               {"speed=3", "spin=1", "friction=0.5", NULL},
                                               {"speed=2", "spin=6", "duration=0.3", NULL}};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         pl_scene scene = scenario_scene("slide-and-spin", settings[i]);
         const plate p = slide(&scene, 1e-5);
         const double *v = scene.bodies[1].velocity, spin = scene.bodies[1].angular_velocity[2];

@@ -118,7 +118,7 @@ static void test_box_in_every_form_is_the_box(void **state)
          "0 4 1\nv 2 3 4 0.5 0.25 1\nv 0 3 4 1\nf 2 5 4 3\nf 6 7 8 9\nf 2 3 7 6\nf 3 4 8 7\nf 4 5 "
          "9 8\nf 5 2 6 9\np 1\nl 1 2 3\n"},
     };
-    for (size_t i = 0; i < sizeof forms / sizeof forms[0]; i++) {
+    for (size_t i = 0; i < sizeof forms / sizeof forms[0]; ++i) {
         check_box(&forms[i]);
     }
 }
@@ -153,13 +153,13 @@ static void test_round_solids_equal_their_slices(void **state)
     (void)state;
     const double two_pi = 6.28318530717958647692;
     double radius[12], height[12];
-    for (int j = 0; j < 12; j++) {
+    for (int j = 0; j < 12; ++j) {
         radius[j] = 2 + 0.5 * cos(j * two_pi / 12);
         height[j] = 0.5 * sin(j * two_pi / 12);
     }
     const solid_moments torus = known_moments_of_rings(24, radius, height, 12, true);
     check_file("torus", &torus, 1e-14);
-    for (int j = 0; j <= 4; j++) { /* from pole to pole */
+    for (int j = 0; j <= 4; ++j) { /* from pole to pole */
         radius[j] = j % 4 == 0 ? 0 : sin(j * two_pi / 8);
         height[j] = -cos(j * two_pi / 8);
     }
@@ -196,7 +196,7 @@ static void test_every_file_prefix_is_read_or_refused(void **state)
     (void)state;
     static const char text[] = "v 0 0 0\nv 1 0 0 1\\\r\n\nv 0 1 0\r\nv 0 0 1e0\rf 1/1 2//2 "
                                "3/1/1\\\n4#x\nf 1 2 4";
-    for (size_t length = 0; length < sizeof text; length++) {
+    for (size_t length = 0; length < sizeof text; ++length) {
         char *exact = malloc(length + 1);
         assert_non_null(exact);
         memcpy(exact, text, length);
@@ -215,14 +215,14 @@ static void test_size_limits_are_enforced(void **state)
     enum { CORNERS = 4097 };
     char *text = malloc(CORNERS * 80);
     assert_non_null(text);
-    for (int count = CORNERS - 1; count <= CORNERS; count++) {
+    for (int count = CORNERS - 1; count <= CORNERS; ++count) {
         size_t used = 0;
-        for (int i = 0; i < count; i++) {
+        for (int i = 0; i < count; ++i) {
             const double angle = i * 6.28318530717958647692 / count;
             used += (size_t)snprintf(text + used, 80, "v %.17g %.17g 0\n", cos(angle), sin(angle));
         }
         used += (size_t)snprintf(text + used, 80, "f");
-        for (int i = 0; i < count; i++) {
+        for (int i = 0; i < count; ++i) {
             used += (size_t)snprintf(text + used, 80, " %d", i + 1);
         }
         pl_error error = {.message = ""};
@@ -243,7 +243,7 @@ static void test_size_limits_are_enforced(void **state)
     size_t used = 0;
     text = malloc(((size_t)PL_MAX_VERTICES + 1) * 8);
     assert_non_null(text);
-    for (int i = 0; i <= PL_MAX_VERTICES; i++) {
+    for (int i = 0; i <= PL_MAX_VERTICES; ++i) {
         memcpy(text + used, "v 0 1 2\n", 8);
         used += 8;
     }
@@ -260,12 +260,12 @@ static void test_polygons_are_cut_without_overlap(void **state)
 {
     (void)state;
     check_random random = {.state = 12};
-    for (int round = 0; round < 300; round++) {
+    for (int round = 0; round < 300; ++round) {
         const int count = 4 + round % 60;
         double x[64], y[64], expected = 0;
         char text[64 * 96];
         size_t used = 0;
-        for (int i = 0; i < count; i++) {
+        for (int i = 0; i < count; ++i) {
             const double angle = (i + check_uniform(&random, 0, 0.9)) * 6.2831853 / count;
             const double r = check_uniform(&random, 0.1, 1);
             x[i] = r * cos(angle);
@@ -274,7 +274,7 @@ static void test_polygons_are_cut_without_overlap(void **state)
                                      x[i] + 2 * y[i]);
         }
         used += (size_t)snprintf(text + used, 96, "f");
-        for (int i = 0; i < count; i++) {
+        for (int i = 0; i < count; ++i) {
             const int next = (i + 1) % count;
             expected += (x[i] * y[next] - x[next] * y[i]) / 2;
             used += (size_t)snprintf(text + used, 96, " %d", i + 1);
@@ -286,7 +286,7 @@ static void test_polygons_are_cut_without_overlap(void **state)
         }
         assert_int_equal(obj.triangle_count, count - 2);
         double sum = 0;
-        for (int t = 0; t < obj.triangle_count; t++) {
+        for (int t = 0; t < obj.triangle_count; ++t) {
             const int *c = obj.triangles[t];
             const double area = ((x[c[1]] - x[c[0]]) * (y[c[2]] - y[c[0]]) -
                                  (x[c[2]] - x[c[0]]) * (y[c[1]] - y[c[0]])) /
@@ -305,7 +305,7 @@ static void test_numbers_are_the_same_in_every_locale(void **state)
     (void)state;
     static const char *const commas[] = {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8", "ru_RU.UTF-8"};
     double value = 0;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         setlocale(LC_NUMERIC, commas[i]);
         assert_true(pl_decimal("-12.5e-1", 8, &value));
         assert_close(value, -1.25, 0, 0);

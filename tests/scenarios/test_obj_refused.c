@@ -133,7 +133,7 @@ static void test_bad_files_are_refused_at_their_line(void **state)
         {"vertex_two_numbers", "v 0 0\n" FOUR_FACES, 1, "found 2 numbers"},
         {"vertex_word", "v 0 zero 0\n", 1, "a number of a vertex, at most 1e50, found \"zero\""},
     };
-    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
+    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i) {
         check_refused(&faults[i], strlen(faults[i].text));
     }
 }

@@ -50,7 +50,7 @@ static void test_off_centre_box_equals_the_closed_form(void **state)
     const pl_shape same = pl_shape_box(half[0], half[1], half[2]);
     double inertia[3];
     pl_shape_inertia(&same, 1, inertia);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         assert_close(box->inertia[k], inertia[k], 0, 1e-14); /* not sorted */
     }
     assert_close(box->radius, sqrt(0.25 + 2.25 + 0.0625), 0, 1e-15);
@@ -72,7 +72,7 @@ static void test_tetrahedron_has_the_closed_form(void **state)
     known_add_triangle(&surface, 0, 3, 2);
     known_add_triangle(&surface, 1, 2, 3);
     solid_moments expected = {.volume = 1.0 / 6, .mean = {0.25, 0.25, 0.25}};
-    for (int i = 0; i < 9; i++) {
+    for (int i = 0; i < 9; ++i) {
         expected.square[i / 3][i % 3] = (i / 3 == i % 3 ? 0.1 : 0.05) - 1.0 / 16;
     }
     check_mesh(&surface, &expected, NULL, NULL, 1e-15);
@@ -83,7 +83,7 @@ static void test_prism_has_the_closed_form_of_its_polygon(void **state)
     (void)state;
     const double radius[2] = {0.75, 0.75}, height[2] = {-2, 1};
     static const int sides[] = {3, 4, 7, 64, 1000};
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; ++i) {
         const solid_moments expected = known_moments_of_rings(sides[i], radius, height, 2, false);
         const double angle = 6.28318530717958647692 / sides[i];
         assert_close(expected.volume, 3 * sides[i] / 2.0 * 0.75 * 0.75 * sin(angle), 0, 1e-14);
@@ -96,7 +96,7 @@ static void test_prism_has_the_closed_form_of_its_polygon(void **state)
 
 static void torus_rings(double radius[12], double height[12])
 {
-    for (int j = 0; j < 12; j++) {
+    for (int j = 0; j < 12; ++j) {
         radius[j] = 2 + 0.5 * cos(j * 6.28318530717958647692 / 12);
         height[j] = 0.5 * sin(j * 6.28318530717958647692 / 12);
     }
@@ -129,16 +129,16 @@ static void test_turned_and_moved_solids_keep_their_moments(void **state)
     const double centres[2][3] = {{0, 0, 0}, {2, 1, 0.5}}, halves[2][3] = {{1, 2, 3}, {1, 1, 1}};
     static const int signs[2] = {1, 1};
     check_random random = {.state = 5};
-    for (int i = 0; i < 200; i++) {
+    for (int i = 0; i < 200; ++i) {
         double rotation[4], shift[3];
         check_quaternion(&random, rotation);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             shift[k] = check_uniform(&random, -10, 10);
         }
         const int count = i % 2 + 1; /* one box, or two that touch */
         const solid_moments expected = known_moments_of_boxes(centres, halves, signs, count);
         known_clear(&surface);
-        for (int b = 0; b < count; b++) {
+        for (int b = 0; b < count; ++b) {
             known_add_box(&surface, centres[b], halves[b], false);
         }
         known_move(&surface, rotation, shift);
@@ -168,7 +168,7 @@ static void test_far_solid_has_the_same_inertia(void **state)
     assert_memory_equal(moved->axes, near->axes, sizeof near->axes);
     assert_close(moved->volume, near->volume, 0, 0);
     assert_close(moved->radius, near->radius, 0, 0);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         assert_close(moved->centre[k], near->centre[k] + far[k], 0, 0);
     }
     pl_scene_free(&near_scene);
@@ -197,7 +197,7 @@ static void test_halves_have_the_moments_of_the_whole(void **state)
     known_add_box(&surface, parts[1], part_half, false);
     const pl_polyhedron *b = mesh_of(&surface, &two);
     assert_close(b->volume, a->volume, 0, 1e-15);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         assert_close(b->inertia[k], a->inertia[k], 0, 1e-14);
         assert_close(b->centre[k], a->centre[k], 1e-15, 0);
     }
@@ -212,9 +212,9 @@ static void test_cavities_are_subtracted_and_their_contents_added(void **state)
     const double halves[3][3] = {{2, 2, 2}, {1, 1.25, 1}, {0.5, 0.5, 0.5}};
     static const int signs[3] = {1, -1, 1};
     const solid_moments expected = known_moments_of_boxes(centres, halves, signs, 3);
-    for (int winding = 0; winding < 8; winding++) {
+    for (int winding = 0; winding < 8; ++winding) {
         known_clear(&surface);
-        for (int b = 0; b < 3; b++) {
+        for (int b = 0; b < 3; ++b) {
             known_add_box(&surface, centres[b], halves[b], (winding >> b & 1) != 0);
         }
         check_mesh(&surface, &expected, NULL, NULL, 1e-14);
@@ -227,7 +227,7 @@ static void test_turned_rod_keeps_the_inertia_about_its_length(void **state)
     (void)state;
     const double centre[3] = {0, 0, 0}, half[3] = {0.5, 1e-5, 1e-5};
     check_random random = {.state = 8};
-    for (int i = 0; i < 50; i++) {
+    for (int i = 0; i < 50; ++i) {
         double rotation[4], least = HUGE_VAL;
         check_quaternion(&random, rotation);
         known_clear(&surface);
@@ -235,7 +235,7 @@ static void test_turned_rod_keeps_the_inertia_about_its_length(void **state)
         known_move(&surface, i == 0 ? no_turn : rotation, no_shift);
         pl_scene scene;
         const pl_polyhedron *rod = mesh_of(&surface, &scene);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             least = fmin(least, rod->inertia[k]);
         }
         /* <x^2> is known to 1e-16, of which the small ones are 4e-10. */
@@ -248,9 +248,9 @@ static void test_axes_are_right_handed_and_diagonalise(void **state)
 {
     (void)state;
     check_random random = {.state = 21};
-    for (int round = 0; round < 100; round++) {
+    for (int round = 0; round < 100; ++round) {
         double points[30][3];
-        for (int i = 0; i < 90; i++) {
+        for (int i = 0; i < 90; ++i) {
             points[i / 3][i % 3] = check_uniform(&random, -1, 1) * (1 + i % 3);
         }
         pl_scene scene = pl_scene_default();
@@ -262,7 +262,7 @@ static void test_axes_are_right_handed_and_diagonalise(void **state)
         /* In the frame of its axes it has the identity. */
         known_clear(&surface);
         const pl_axes axes = pl_axes_of(q);
-        for (int i = 0; i < p->vertex_count; i++) {
+        for (int i = 0; i < p->vertex_count; ++i) {
             const pl_vec local = pl_to_local(&axes, pl_vec_of(p->vertices[i]));
             known_add_vertex(&surface, local.x, local.y, local.z);
         }
@@ -271,7 +271,7 @@ static void test_axes_are_right_handed_and_diagonalise(void **state)
         pl_scene turned_scene;
         const pl_polyhedron *turned = mesh_of(&surface, &turned_scene);
         assert_memory_equal(turned->axes, no_turn, sizeof no_turn);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             assert_close(turned->inertia[k], p->inertia[k], 0, 1e-13);
         }
         pl_scene_free(&turned_scene);

@@ -52,7 +52,7 @@ static void check_hull(const pl_polyhedron *p, int count)
     const double rounding = 1e-14 * size_of(p);
     assert_true(p->convex);
     assert_int_equal(p->triangle_count, 2 * p->vertex_count - 4);
-    for (int t = 0; t < p->triangle_count; t++) {
+    for (int t = 0; t < p->triangle_count; ++t) {
         const pl_vec a = corner_of(p, t, 0);
         const pl_vec normal =
             pl_vec_cross(pl_vec_sub(corner_of(p, t, 1), a), pl_vec_sub(corner_of(p, t, 2), a));
@@ -60,7 +60,7 @@ static void check_hull(const pl_polyhedron *p, int count)
         assert_true(length > 0);
         assert_true(pl_vec_dot(pl_vec_sub(a, pl_vec_of(p->centre)), normal) > 0);
         double longest = 0;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             edges[3 * t + k][0] = p->triangles[t][k];
             edges[3 * t + k][1] = p->triangles[t][(k + 1) % 3];
             longest =
@@ -69,14 +69,14 @@ static void check_hull(const pl_polyhedron *p, int count)
         }
         /* The plane of a thin triangle is known to rounding over its height. */
         const double tilt = 2 * p->radius * longest / length;
-        for (int i = 0; i < count; i++) {
+        for (int i = 0; i < count; ++i) {
             const double above = pl_vec_dot(pl_vec_sub(pl_vec_of(points[i]), a), normal) / length;
             assert_at_most(above, rounding * (10 + tilt));
         }
     }
     const size_t edge_count = 3 * (size_t)p->triangle_count;
     qsort(edges, edge_count, sizeof edges[0], by_bytes);
-    for (size_t i = 0; i < edge_count; i++) {
+    for (size_t i = 0; i < edge_count; ++i) {
         const int back[2] = {edges[i][1], edges[i][0]};
         assert_non_null(bsearch(back, edges, edge_count, sizeof edges[0], by_bytes));
         assert_true(i == 0 || by_bytes(edges[i - 1], edges[i]) != 0);
@@ -106,15 +106,15 @@ static void test_grid_hull_is_the_ordered_cube_corners(void **state)
     (void)state;
     enum { SIDE = 5 };
     int count = 0;
-    for (int copy = 0; copy < 2; copy++) {
-        for (int i = 0; i < SIDE * SIDE * SIDE; i++) {
+    for (int copy = 0; copy < 2; ++copy) {
+        for (int i = 0; i < SIDE * SIDE * SIDE; ++i) {
             put_point(count++, i % SIDE - 2, i / SIDE % SIDE - 2, i / SIDE / SIDE - 2);
         }
     }
     pl_scene scene;
     const pl_polyhedron *cube = hull_of(count, &scene);
     assert_int_equal(cube->vertex_count, 8);
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 8; ++i) {
         assert_close(cube->vertices[i][0], i & 1 ? 2 : -2, 0, 0);
         assert_close(cube->vertices[i][1], i & 2 ? 2 : -2, 0, 0);
         assert_close(cube->vertices[i][2], i & 4 ? 2 : -2, 0, 0);
@@ -129,9 +129,9 @@ static void test_grid_hull_is_the_ordered_cube_corners(void **state)
  * sum of its triangles' normals. */
 static void check_corners(const pl_polyhedron *hull)
 {
-    for (int v = 0; v < hull->vertex_count; v++) {
+    for (int v = 0; v < hull->vertex_count; ++v) {
         pl_vec sum = {0, 0, 0};
-        for (int t = 0; t < hull->triangle_count; t++) {
+        for (int t = 0; t < hull->triangle_count; ++t) {
             const int *corner = hull->triangles[t];
             const pl_vec a = corner_of(hull, t, 0);
             const pl_vec n = pl_vec_cross(pl_vec_sub(corner_of(hull, t, 1), a),
@@ -140,7 +140,7 @@ static void check_corners(const pl_polyhedron *hull)
                 sum = pl_vec_mad(sum, 1 / pl_vec_length(n), n);
             }
         }
-        for (int w = 0; w < hull->vertex_count; w++) {
+        for (int w = 0; w < hull->vertex_count; ++w) {
             const pl_vec arm =
                 pl_vec_sub(pl_vec_of(hull->vertices[w]), pl_vec_of(hull->vertices[v]));
             assert_true(w == v || pl_vec_dot(arm, sum) < -1e-9);
@@ -153,9 +153,9 @@ static void test_hulls_of_lattice_points_have_true_corners_only(void **state)
 {
     (void)state;
     check_random random = {.state = 113};
-    for (int round = 0; round < 300; round++) {
+    for (int round = 0; round < 300; ++round) {
         const int count = 8 + round % 100, side = 3 + round % 4;
-        for (int i = 0; i < count; i++) {
+        for (int i = 0; i < count; ++i) {
             put_point(i, floor(check_uniform(&random, 0, side)),
                       floor(check_uniform(&random, 0, side)),
                       floor(check_uniform(&random, 0, side)));
@@ -173,9 +173,9 @@ static void test_random_hulls_contain_all_points(void **state)
 {
     (void)state;
     check_random random = {.state = 31};
-    for (int round = 0; round < 60; round++) {
+    for (int round = 0; round < 60; ++round) {
         const int count = 4 + round * 5;
-        for (int i = 0; i < count; i++) {
+        for (int i = 0; i < count; ++i) {
             put_point(i, check_uniform(&random, -1, 1), check_uniform(&random, -2, 2),
                       check_uniform(&random, 0, 3));
         }
@@ -194,13 +194,13 @@ static void test_turned_prisms_have_flat_caps_of_clear_triangles(void **state)
     (void)state;
     static const int sides[] = {3, 5, 12, 64, 500};
     check_random random = {.state = 77};
-    for (int round = 0; round < 40; round++) {
+    for (int round = 0; round < 40; ++round) {
         const int n = sides[round % 5];
         double rotation[4];
         check_quaternion(&random, rotation);
         const pl_axes axes = pl_axes_of(rotation);
         const double far = round % 3 == 0 ? 1000 : 0;
-        for (int i = 0; i < 2 * n; i++) {
+        for (int i = 0; i < 2 * n; ++i) {
             const double angle = (i / 2) * 6.28318530717958647692 / n;
             const pl_vec place =
                 pl_to_world(&axes, (pl_vec){cos(angle), sin(angle), i % 2 == 0 ? -0.5 : 0.5});
@@ -212,14 +212,14 @@ static void test_turned_prisms_have_flat_caps_of_clear_triangles(void **state)
         check_hull(prism, 2 * n);
         check_made_again(prism);
         int caps = 0;
-        for (int t = 0; t < prism->triangle_count; t++) {
+        for (int t = 0; t < prism->triangle_count; ++t) {
             const int side = prism->triangles[t][0] % 2;
             const pl_vec a = corner_of(prism, t, 0);
             pl_vec normal = pl_vec_cross(pl_vec_sub(corner_of(prism, t, 1), a),
                                          pl_vec_sub(corner_of(prism, t, 2), a));
             normal = pl_vec_scale(normal, 1 / pl_vec_length(normal));
             if (prism->triangles[t][1] % 2 == side && prism->triangles[t][2] % 2 == side) {
-                caps++;
+                ++caps;
                 assert_close(pl_vec_dot(normal, axes.axis[2]), side == 0 ? -1 : 1, 1e-6, 0);
             }
         }
@@ -234,7 +234,7 @@ static void test_hull_does_not_depend_on_scale(void **state)
     (void)state;
     for (int exponent = -40; exponent <= 40; exponent += 8) {
         const double size = pow(10, exponent);
-        for (int i = 0; i < 27; i++) {
+        for (int i = 0; i < 27; ++i) {
             put_point(i, size * (i % 3), 2 * size * (i / 3 % 3), 3 * size * (i / 9));
         }
         pl_scene scene;
@@ -266,25 +266,25 @@ static void test_points_without_a_hull_are_refused(void **state)
     check_random random = {.state = 3};
     expect_refused(0, "hull: points: expected 4 to 65536 points, found 0");
     expect_refused(3, "expected 4 to 65536 points, found 3");
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < 100; ++i) {
         put_point(i, 7, 8, 9);
     }
     expect_refused(100, "do not all lie in one plane"); /* one place */
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < 100; ++i) {
         put_point(i, i, 2 * i, -i);
     }
     expect_refused(100, "do not all lie in one plane"); /* one line */
-    for (int round = 0; round < 20; round++) {
+    for (int round = 0; round < 20; ++round) {
         double rotation[4];
         check_quaternion(&random, rotation);
         const pl_axes axes = pl_axes_of(rotation);
-        for (int i = 0; i < 100; i++) {
+        for (int i = 0; i < 100; ++i) {
             const pl_vec place = {check_uniform(&random, -1, 1), check_uniform(&random, -1, 1), 1};
             pl_vec_store(pl_to_world(&axes, place), points[i]);
         }
         expect_refused(100, "expected points"); /* one plane, to rounding */
     }
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 8; ++i) {
         put_point(i, i & 1, i & 2, (i & 4) * 1e-9);
     }
     expect_refused(8, "a million times as long as wide");

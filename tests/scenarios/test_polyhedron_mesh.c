@@ -84,11 +84,11 @@ static void test_faults_of_a_triangle_are_located(void **state)
 static void test_every_open_edge_is_found(void **state)
 {
     (void)state;
-    for (int t = 0; t < 12; t++) {
+    for (int t = 0; t < 12; ++t) {
         make_cube();
         memmove(surface.triangles[t], surface.triangles[t + 1],
                 (size_t)(11 - t) * sizeof surface.triangles[0]);
-        surface.triangle_count--;
+        --surface.triangle_count;
         expect_refused("expected a closed surface, each edge of two triangles, found triangle ");
     }
     make_cube();
@@ -106,11 +106,11 @@ static void test_surface_with_one_side_is_refused(void **state)
                                      {1, 2, 4}, {2, 3, 5}, {3, 4, 1}, {4, 5, 2}, {5, 1, 3}};
     check_random random = {.state = 4};
     known_clear(&surface);
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; ++i) {
         known_add_vertex(&surface, check_uniform(&random, -1, 1), check_uniform(&random, -1, 1),
                          check_uniform(&random, -1, 1));
     }
-    for (int t = 0; t < 10; t++) {
+    for (int t = 0; t < 10; ++t) {
         known_add_triangle(&surface, plane[t][0], plane[t][1], plane[t][2]);
     }
     expect_refused("expected a surface with two sides, found that triangles ");
@@ -126,7 +126,7 @@ test_any_winding_gives_the_solid_and_the_first_of_each_surface_decides_nothing(v
     assert_int_equal(add_mesh(&scene, &right, NULL), PL_OK);
     for (int winding = 0; winding < 4096; winding += 37) {
         make_cube();
-        for (int t = 0; t < 12; t++) {
+        for (int t = 0; t < 12; ++t) {
             if (winding >> t & 1) {
                 int *corner = surface.triangles[t];
                 const int swapped = corner[1];
@@ -165,12 +165,12 @@ static void test_boxes_cross_where_their_insides_partly_overlap(void **state)
     (void)state;
     const double half[3] = {1, 1, 1}, other_half[2][3] = {{1, 1, 1}, {0.5, 2, 1}};
     int crossing = 0, others = 0;
-    for (int i = 0; i < 2 * 7 * 7 * 7; i++) {
+    for (int i = 0; i < 2 * 7 * 7 * 7; ++i) {
         const double *h = other_half[i / 343];
         const double centre[3] = {(i % 7 - 3) * 0.75, (i / 7 % 7 - 3) * 0.75,
                                   (i / 49 % 7 - 3) * 0.75};
         bool overlap = true, within = true, around = true;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             overlap = overlap && fabs(centre[k]) < half[k] + h[k];
             within = within && fabs(centre[k]) + h[k] < half[k];
             around = around && fabs(centre[k]) + half[k] < h[k];
@@ -180,10 +180,10 @@ static void test_boxes_cross_where_their_insides_partly_overlap(void **state)
         known_add_box(&surface, centre, h, false);
         if (overlap && !within && !around) {
             expect_refused("expected a surface that does not cross itself");
-            crossing++;
+            ++crossing;
         } else {
             assert_close(volume_of_mesh(), 8 + 8 * h[0] * h[1] * h[2], 0, 1e-14);
-            others++;
+            ++others;
         }
     }
     assert_true(crossing > 100 && others > 100);
@@ -195,14 +195,14 @@ static void test_star_of_two_tetrahedra_crosses(void **state)
 {
     (void)state;
     known_clear(&surface);
-    for (int star = 0; star < 2; star++) {
+    for (int star = 0; star < 2; ++star) {
         const int first = surface.vertex_count;
-        for (int i = 0; i < 8; i++) {
+        for (int i = 0; i < 8; ++i) {
             if (((i & 1) + (i >> 1 & 1) + (i >> 2 & 1)) % 2 == star) {
                 known_add_vertex(&surface, i & 1, i >> 1 & 1, i >> 2 & 1);
             }
         }
-        for (int skipped = 0; skipped < 4; skipped++) {
+        for (int skipped = 0; skipped < 4; ++skipped) {
             known_add_triangle(&surface, first + (skipped + 1) % 4, first + (skipped + 2) % 4,
                                first + (skipped + 3) % 4);
         }
@@ -216,11 +216,11 @@ static void test_triangles_with_a_common_vertex_can_cross(void **state)
 {
     (void)state;
     static const double low[2] = {0.5, 4};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         known_clear(&surface);
         /* Two pyramids of one apex; the second one's base reaches into the first or not. */
         const int apex = known_add_vertex(&surface, 0, 0, 0);
-        for (int p = 0; p < 2; p++) {
+        for (int p = 0; p < 2; ++p) {
             const int first = surface.vertex_count;
             const double x = p == 0 ? 0 : low[i];
             known_add_vertex(&surface, x - 1, -1, 2);
@@ -245,7 +245,7 @@ static void test_touching_within_rounding_is_not_crossing(void **state)
     (void)state;
     check_random random = {.state = 17};
     const double beside[3] = {2, 0.5, 0.25}, far[3] = {100, -200, 300};
-    for (int i = 0; i < 100; i++) {
+    for (int i = 0; i < 100; ++i) {
         double rotation[4];
         check_quaternion(&random, rotation);
         make_cube();
@@ -259,13 +259,13 @@ static void test_self_crossing_surface_is_found_anywhere(void **state)
 {
     (void)state;
     double radius[32], height[32];
-    for (int j = 0; j < 32; j++) { /* a figure of eight turned about an axis next to it */
+    for (int j = 0; j < 32; ++j) { /* a figure of eight turned about an axis next to it */
         const double angle = j * 6.28318530717958647692 / 32 + 0.05;
         radius[j] = 3 + cos(angle);
         height[j] = sin(2 * angle) + 0.3 * cos(angle);
     }
     check_random random = {.state = 61};
-    for (int i = 0; i < 20; i++) {
+    for (int i = 0; i < 20; ++i) {
         double rotation[4];
         check_quaternion(&random, rotation);
         known_clear(&surface);

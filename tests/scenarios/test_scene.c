@@ -25,9 +25,9 @@ static void test_long_message_is_cut_between_characters(void **state)
 {
     (void)state;
     char text[1024];
-    for (size_t shift = 0; shift < 3; shift++) {
+    for (size_t shift = 0; shift < 3; ++shift) {
         size_t length = 0;
-        for (; length < shift; length++) {
+        for (; length < shift; ++length) {
             text[length] = 'x';
         }
         for (; length + 3 < sizeof text; length += 3) {
@@ -66,7 +66,7 @@ static void test_numbers_are_decimals_or_ratios(void **state)
     assert_close(value, -0.0025, 0, 0);
     assert_true(pl_parse_number("1/60", &value));
     assert_close(value, 1.0 / 60, 0, 0);
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {
         if (pl_parse_number(bad[i], &value)) {
             fail_msg("\"%s\" was read as %g", bad[i], value);
         }
@@ -82,7 +82,7 @@ static void test_number_text_is_short_and_reads_back(void **state)
     assert_string_equal(pl_number_text(100, text), "100");
     assert_string_equal(pl_number_text(HUGE_VAL, text), "inf");
     pl_random random = {.state = 1};
-    for (int i = 0; i < 100000; i++) {
+    for (int i = 0; i < 100000; ++i) {
         uint64_t bits = pl_random_bits(&random);
         double value;
         memcpy(&value, &bits, sizeof value);
@@ -100,7 +100,7 @@ static void test_random_bits_are_splitmix64(void **state)
     assert_true(pl_random_bits(&random) == UINT64_C(6457827717110365317));
     assert_true(pl_random_bits(&random) == UINT64_C(3203168211198807973));
     double sum = 0;
-    for (int i = 0; i < 100000; i++) {
+    for (int i = 0; i < 100000; ++i) {
         double unit = pl_random_unit(&random);
         assert_true(unit >= 0 && unit < 1);
         sum += unit;
@@ -137,10 +137,10 @@ static void integrate(const pl_shape *shape, const double half[3], double *volum
     enum { CELLS = 100 };
     const double cell = 8 * half[0] * half[1] * half[2] / ((double)CELLS * CELLS * CELLS);
     *volume = squares[0] = squares[1] = squares[2] = 0;
-    for (int i = 0; i < CELLS * CELLS * CELLS; i++) {
+    for (int i = 0; i < CELLS * CELLS * CELLS; ++i) {
         const int place[3] = {i % CELLS, i / CELLS % CELLS, i / CELLS / CELLS};
         double x[3], r2 = 0;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             x[k] = half[k] * ((2 * place[k] + 1.0) / CELLS - 1);
             r2 += x[k] * x[k];
         }
@@ -148,7 +148,7 @@ static void integrate(const pl_shape *shape, const double half[3], double *volum
             continue;
         }
         *volume += cell;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             squares[k] += cell * x[k] * x[k];
         }
     }
@@ -160,7 +160,7 @@ static void check_solid(const pl_shape *shape, const double half[3], double tole
     integrate(shape, half, &volume, squares);
     pl_shape_inertia(shape, 7, inertia);
     assert_close(pl_shape_volume(shape), volume, 0, tolerance);
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         double expected = 7 * (squares[(k + 1) % 3] + squares[(k + 2) % 3]) / volume;
         assert_close(inertia[k], expected, 0, tolerance);
     }
@@ -216,7 +216,7 @@ static void test_arrays_keep_what_was_added(void **state)
     (void)state;
     enum { COUNT = 1000 };
     pl_scene scene = pl_scene_default();
-    for (int i = 0; i < COUNT; i++) {
+    for (int i = 0; i < COUNT; ++i) {
         pl_body body = named_body("", pl_shape_sphere(1 + i));
         const pl_force force = {.body = i};
         int index = -1;
@@ -225,7 +225,7 @@ static void test_arrays_keep_what_was_added(void **state)
         assert_int_equal(pl_scene_add_force(&scene, &force, NULL), PL_OK);
         assert_int_equal(index, i);
     }
-    for (int i = 0; i < COUNT; i++) {
+    for (int i = 0; i < COUNT; ++i) {
         char name[PL_NAME_SIZE];
         snprintf(name, sizeof name, "body %d", i);
         assert_string_equal(scene.bodies[i].name, name);
@@ -267,7 +267,7 @@ static void test_materials_beyond_the_limit_are_refused(void **state)
     pl_scene scene = pl_scene_default();
     pl_error error = {.message = ""};
     const pl_material material = {.name = "m"};
-    for (int i = 0; i < PL_MAX_MATERIALS; i++) {
+    for (int i = 0; i < PL_MAX_MATERIALS; ++i) {
         assert_int_equal(pl_scene_add_material(&scene, &material, NULL, NULL), PL_OK);
     }
     assert_int_equal(pl_scene_add_material(&scene, &material, NULL, &error), PL_BAD_INPUT);
@@ -284,14 +284,14 @@ static void test_pair_mixes_or_is_overridden_in_either_order(void **state)
     pl_scene_pair(&scene, 0, 1, &friction, &restitution);
     assert_close(friction, 0.12, 0, 1e-15); /* sqrt(0.04 * 0.36) */
     assert_close(restitution, 0.5, 0, 0);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         pl_scene_pair(&scene, i, i, &friction, &restitution);
         assert_close(friction, scene.materials[i].friction, 0, 0);
         assert_close(restitution, scene.materials[i].restitution, 0, 0);
     }
     const pl_material_pair pair = {.material_a = 1, .material_b = 0, .friction = 0.7};
     assert_int_equal(pl_scene_add_pair(&scene, &pair, NULL), PL_OK);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         pl_scene_pair(&scene, i, 1 - i, &friction, &restitution);
         assert_close(friction, 0.7, 0, 0);
         assert_close(restitution, 0, 0, 0);
@@ -482,7 +482,7 @@ static void test_validation_names_the_broken_field(void **state)
         {break_pair_index, "pairs[0].b: expected the index of a material from 0 to 1, found 7"},
         {break_pair_twice, "pairs[1]: expected each pair of materials once"},
     };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         pl_scene scene = make_scene();
         pl_error error = {.message = ""};
         cases[i].break_it(&scene);
@@ -561,7 +561,7 @@ static void test_every_capability_bit_has_a_name(void **state)
 {
     (void)state;
     int names = 0;
-    for (int bit = 0; bit < 32; bit++) {
+    for (int bit = 0; bit < 32; ++bit) {
         names += pl_needs_name(UINT32_C(1) << bit) != NULL ? 1 : 0;
     }
     assert_int_equal(names, 4 + PL_SHAPE_KIND_COUNT);

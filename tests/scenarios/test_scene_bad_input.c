@@ -41,7 +41,7 @@ static void check_fault(const text_fault *item)
 
 static void check_faults(const text_fault *faults, size_t count)
 {
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         check_fault(&faults[i]);
     }
 }
@@ -372,7 +372,7 @@ static void test_more_bodies_than_allowed_are_refused(void **state)
     char *text = malloc(count * ROOM + ROOM);
     assert_non_null(text);
     char *end = text + sprintf(text, "{\"plumb_scene\": 1, \"bodies\": [");
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < count; ++i) {
         end += sprintf(
             end, "%s{\"name\":\"%zu\",\"mass\":1,\"shape\":{\"type\":\"sphere\",\"radius\":1}}",
             i == 0 ? "" : ",", i);
@@ -423,14 +423,14 @@ static void test_mutated_scene_is_valid_or_reported(void **state)
     check_random random = {.state = 20240607};
     size_t length = strlen(sample_scene);
     int read = 0;
-    for (int round = 0; round < ROUNDS; round++) {
+    for (int round = 0; round < ROUNDS; ++round) {
         /* Exactly as long as the text, so that a sanitizer sees a read beyond it. */
         char *text = malloc(length + MOST_MUTATIONS);
         assert_non_null(text);
         memcpy(text, sample_scene, length);
         size_t size = length;
         int mutations = 1 + (int)check_uniform(&random, 0, MOST_MUTATIONS);
-        for (int i = 0; i < mutations; i++) {
+        for (int i = 0; i < mutations; ++i) {
             size = mutate(text, size, &random);
         }
         char *exact = realloc(text, size);
@@ -439,7 +439,7 @@ static void test_mutated_scene_is_valid_or_reported(void **state)
         pl_error error = {.message = ""};
         pl_status status = pl_scene_read_text(exact, size, "fuzz", &scene, &error);
         if (status == PL_OK) {
-            read++;
+            ++read;
             assert_int_equal(pl_scene_validate(&scene, NULL), PL_OK);
         } else {
             int line = 0, column = 0;

@@ -98,13 +98,13 @@ static void test_random_scenes_read_back_number_for_number(void **state)
 {
     (void)state;
     check_random random = {.state = 99};
-    for (int round = 0; round < 200; round++) {
+    for (int round = 0; round < 200; ++round) {
         pl_scene scene = pl_scene_default();
         const pl_material material = {.name = "a\"b\\c/\x7e é",
                                       .friction = fabs(any_double(&random)),
                                       .restitution = check_uniform(&random, 0, 1)};
         assert_int_equal(pl_scene_add_material(&scene, &material, NULL, NULL), PL_OK);
-        for (int i = 0; i < 20; i++) {
+        for (int i = 0; i < 20; ++i) {
             pl_body body = pl_body_default();
             snprintf(body.name, sizeof body.name, "b%d", i);
             double size = pow(10, check_uniform(&random, -50, 50));
@@ -112,7 +112,7 @@ static void test_random_scenes_read_back_number_for_number(void **state)
                 i % 2 == 0 ? pl_shape_sphere(size) : pl_shape_box(size, size * 0.7, size * 3);
             body.mass = pow(10, check_uniform(&random, -100, 100));
             check_quaternion(&random, body.orientation);
-            for (int k = 0; k < 3; k++) {
+            for (int k = 0; k < 3; ++k) {
                 scene.gravity[k] = any_double(&random);
                 body.position[k] = any_double(&random);
                 body.velocity[k] = i % 3 == 0 ? -0.0 : any_double(&random);
@@ -212,7 +212,7 @@ static void test_default_primary_error_is_travel_before_rest(void **state)
                   "travel_error"},
                  {"\"rest\": [{\"body\": \"a\", \"position\": [1, 0, 0]}]", "rest_position_error"},
                  {"\"primary\": \"penetration_max\"", "penetration_max"}};
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         char text[512];
         snprintf(text, sizeof text, "%.*s%s}}", (int)(strlen(body) - 4), body, cases[i].expect);
         pl_scene scene = read_scene(text);
@@ -265,21 +265,21 @@ static void test_forces_of_code_are_written_with_their_bodies(void **state)
     pl_scene scene = pl_scene_default();
     const pl_material material = {.name = "m"};
     assert_int_equal(pl_scene_add_material(&scene, &material, NULL, NULL), PL_OK);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         pl_body body = pl_body_default();
         snprintf(body.name, sizeof body.name, "%d", i);
         body.shape = pl_shape_sphere(1);
         assert_int_equal(pl_scene_add_body(&scene, &body, NULL, NULL), PL_OK);
     }
     static const int bodies[] = {2, 0, 2, 0, 2}, in_order[] = {1, 3, 0, 2, 4};
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; ++i) {
         const pl_force force = {.body = bodies[i], .force = {i, 0, 0}, .until = HUGE_VAL};
         assert_int_equal(pl_scene_add_force(&scene, &force, NULL), PL_OK);
     }
     char *text = pl_scene_to_text(&scene);
     pl_scene again = read_scene(text);
     assert_int_equal(again.force_count, 5);
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 5; ++i) {
         assert_int_equal(again.forces[i].body, bodies[in_order[i]]);
         assert_close(again.forces[i].force[0], in_order[i], 0, 0);
     }
@@ -331,13 +331,13 @@ static void test_schema_has_exactly_the_reader_keys(void **state)
 {
     (void)state;
     json_t *schema = load_schema();
-    for (int kind = 0; kind < PL_OBJECT_COUNT; kind++) {
+    for (int kind = 0; kind < PL_OBJECT_COUNT; ++kind) {
         const pl_object *object = &pl_objects[kind];
         const json_t *definition = object_schema(schema, kind);
         const json_t *properties = json_object_get(definition, "properties");
         assert_true(json_is_false(json_object_get(definition, "additionalProperties")));
         assert_int_equal(json_object_size(properties), object->field_count);
-        for (int i = 0; i < object->field_count; i++) {
+        for (int i = 0; i < object->field_count; ++i) {
             if (json_object_get(properties, object->fields[i].key) == NULL) {
                 fail_msg("the schema's %s has no %s", object->name, object->fields[i].key);
             }
@@ -355,7 +355,7 @@ static void test_schema_has_the_reader_s_metrics_and_limits(void **state)
     const json_t *metrics = json_object_get(json_object_get(properties, "primary"), "enum");
     assert_int_equal(json_array_size(metrics), PL_PRIMARY_ERROR_COUNT + 1);
     assert_string_equal(json_string_value(json_array_get(metrics, 0)), "");
-    for (int i = 0; i < PL_PRIMARY_ERROR_COUNT; i++) {
+    for (int i = 0; i < PL_PRIMARY_ERROR_COUNT; ++i) {
         assert_string_equal(json_string_value(json_array_get(metrics, (size_t)i + 1)),
                             pl_primary_errors[i]);
     }
@@ -371,7 +371,7 @@ static void test_schema_has_the_reader_s_metrics_and_limits(void **state)
 static void test_every_primary_error_is_a_metric(void **state)
 {
     (void)state;
-    for (int i = 0; i < PL_PRIMARY_ERROR_COUNT; i++) {
+    for (int i = 0; i < PL_PRIMARY_ERROR_COUNT; ++i) {
         assert_true(pl_metric_by_name(pl_primary_errors[i]) >= 0);
     }
 }
@@ -455,9 +455,9 @@ static void test_reader_requires_what_the_schema_requires(void **state)
 {
     (void)state;
     json_t *schema = load_schema();
-    for (int kind = 0; kind < PL_OBJECT_COUNT; kind++) {
+    for (int kind = 0; kind < PL_OBJECT_COUNT; ++kind) {
         const json_t *definition = object_schema(schema, kind);
-        for (int i = 0; i < pl_objects[kind].field_count; i++) {
+        for (int i = 0; i < pl_objects[kind].field_count; ++i) {
             const char *key = pl_objects[kind].fields[i].key;
             json_t *sample = json_loads(sample_scene, 0, NULL);
             json_object_del(sample_object(sample, kind), key);
@@ -476,8 +476,8 @@ static void test_reader_requires_what_the_schema_requires(void **state)
 static void test_reader_refuses_the_wrong_type_of_every_field(void **state)
 {
     (void)state;
-    for (int kind = 0; kind < PL_OBJECT_COUNT; kind++) {
-        for (int i = 0; i < pl_objects[kind].field_count; i++) {
+    for (int kind = 0; kind < PL_OBJECT_COUNT; ++kind) {
+        for (int i = 0; i < pl_objects[kind].field_count; ++i) {
             const char *key = pl_objects[kind].fields[i].key;
             const bool may_be_empty =
                 kind == PL_OBJECT_SCENE &&

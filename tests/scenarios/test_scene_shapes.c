@@ -109,14 +109,14 @@ static void test_random_polyhedra_read_back_to_the_bit(void **state)
     (void)state;
     static solid_surface surface;
     check_random random = {.state = 71};
-    for (int round = 0; round < 20; round++) {
+    for (int round = 0; round < 20; ++round) {
         pl_scene scene = empty_scene();
         const pl_polyhedron *hull = NULL, *mesh = NULL;
         double points[200][3], rotation[4], shift[3], radius[8], height[8];
-        for (int i = 0; i < 600; i++) {
+        for (int i = 0; i < 600; ++i) {
             points[i / 3][i % 3] = check_uniform(&random, -1, 1) * pow(10, round - 10);
         }
-        for (int j = 0; j < 8; j++) {
+        for (int j = 0; j < 8; ++j) {
             radius[j] = 2 + 0.5 * cos(j * 0.785398163);
             height[j] = 0.5 * sin(j * 0.785398163);
         }
@@ -150,7 +150,7 @@ static void test_shared_and_named_polyhedra_are_written_once(void **state)
     assert_non_null(unused);
     add_body(&scene, "a", pl_shape_of(alone));
     add_body(&scene, "b", pl_shape_of(also_shared));
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         const char *const names[3] = {"c", "d", "e"};
         add_body(&scene, names[i], pl_shape_of(shared));
     }
@@ -216,7 +216,7 @@ static void test_half_width_is_the_least_half_dimension(void **state)
     const pl_shape shapes[6] = {pl_shape_of(box),           pl_shape_sphere(0.25),
                                 pl_shape_box(1, 0.25, 2),   pl_shape_capsule(0.25, 0.1),
                                 pl_shape_cylinder(0.25, 1), pl_shape_cylinder(1, 0.25)};
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; ++i) {
         assert_close(pl_shape_half_width(&shapes[i]), 0.25, 0, 1e-13);
     }
     const pl_shape plane = pl_shape_plane(0, 0, 1, 0);
@@ -231,7 +231,7 @@ static void test_round_shapes_have_fine_polyhedron_moments(void **state)
     enum { ARC = 400 };
     const double r = 0.75, h = 1.25, pi = 3.14159265358979323846;
     double radius[2 * ARC], height[2 * ARC], inertia[3];
-    for (int j = 0; j < ARC; j++) {
+    for (int j = 0; j < ARC; ++j) {
         const double angle = pi / 2 * j / (ARC - 1);
         radius[j] = radius[2 * ARC - 1 - j] = r * sin(angle);
         height[2 * ARC - 1 - j] = h + r * cos(angle);
@@ -241,11 +241,11 @@ static void test_round_shapes_have_fine_polyhedron_moments(void **state)
     const solid_moments solids[2] = {known_moments_of_rings(100000, radius, height, 2 * ARC, false),
                                      known_moments_of_rings(100000, same, ends, 2, false)};
     const pl_shape shapes[2] = {pl_shape_capsule(r, h), pl_shape_cylinder(r, h)};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         const solid_moments *m = &solids[i];
         assert_close(pl_shape_volume(&shapes[i]), m->volume, 0, 1e-5);
         pl_shape_inertia(&shapes[i], 3, inertia);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             const int a = (k + 1) % 3, b = (k + 2) % 3;
             assert_close(inertia[k], 3 * (m->square[a][a] + m->square[b][b]), 0, 1e-5);
         }
@@ -371,7 +371,7 @@ static void test_bad_shapes_are_refused_with_their_place(void **state)
          "[[0,1,2],[0,1,3],[0,2,3],[1,2,3]] }",
          "bodies[0].shape.vertices[3][2]: expected a finite number of at most 1e+50, found 1e+60"},
     };
-    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
+    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i) {
         char text[1024];
         snprintf(
             text, sizeof text,
@@ -400,7 +400,7 @@ static void test_bad_named_shapes_are_refused_even_unused(void **state)
         {"{ \"a b\": { \"type\": \"hull\", \"points\": [[0,0,0]] } }",
          "shapes[\"a b\"].points: expected 4 to 65536 points, found 1"},
     };
-    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; i++) {
+    for (size_t i = 0; i < sizeof faults / sizeof faults[0]; ++i) {
         char text[512];
         snprintf(text, sizeof text, "{ \"plumb_scene\": 1, \"bodies\": [], \"shapes\": %s }",
                  faults[i].shape);

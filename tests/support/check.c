@@ -53,7 +53,7 @@ int count_of(const char *text, const char *part)
 {
     int count = 0;
     for (const char *at = strstr(text, part); at != NULL; at = strstr(at + 1, part))
-        count++;
+        ++count;
     return count;
 }
 

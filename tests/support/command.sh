@@ -5,7 +5,7 @@ directory=$(mktemp -d)
 trap 'rm -rf "$directory"' EXIT
 cd "$directory"
 
-complain() {
+note_failure() {
     echo "$1" >&2
     failed=1
 }
@@ -16,6 +16,6 @@ expect() {
     shift 2
     what="${command:+$command }$*"
     "$PLUMB" ${command:+"$command"} "$@" >out 2>err || actual=$?
-    [[ $actual == "$code" ]] || complain "$what: exit code $actual, expected $code: $(cat out err)"
-    cat out err | grep -qE -- "$pattern" || complain "$what: no \"$pattern\" in: $(cat out err)"
+    [[ $actual == "$code" ]] || note_failure "$what: exit code $actual, expected $code: $(cat out err)"
+    cat out err | grep -qE -- "$pattern" || note_failure "$what: no \"$pattern\" in: $(cat out err)"
 }

@@ -101,15 +101,15 @@ void for_each_profile(void (*law)(const pl_engine_choice *choice))
 {
     int count = 0, tried = 0;
     const pl_known_engine *known = pl_known_engines(&count);
-    for (int i = 0; i < count; i++) {
-        for (int p = 0; known[i].engine != NULL && p < known[i].engine->profile_count; p++) {
+    for (int i = 0; i < count; ++i) {
+        for (int p = 0; known[i].engine != NULL && p < known[i].engine->profile_count; ++p) {
             pl_engine_choice choice;
             char spec[2 * PL_NAME_SIZE];
             snprintf(spec, sizeof spec, "%s:%s", known[i].name, known[i].engine->profiles[p].name);
             print_message("    %s\n", spec);
             assert_int_equal(pl_engine_choose(spec, &choice, NULL), PL_OK);
             law(&choice);
-            tried++;
+            ++tried;
         }
     }
     assert_true(tried > 0);

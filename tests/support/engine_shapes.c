@@ -31,16 +31,16 @@ static pl_shape polyhedron_shape(pl_scene *scene, pl_shape_kind kind, double hal
 {
     const double origin[3] = {0, 0, 0};
     double widths[3], corners[8][3];
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; ++k) {
         widths[k] = solid_width(kind, half, k);
     }
     pl_scene straight = pl_scene_default();
     const pl_polyhedron *box = box_mesh(&straight, widths, origin, 1), *made = NULL;
     const int(*triangles)[3] = (const int(*)[3])box->triangles;
     assert_int_equal(box->vertex_count, 8);
-    for (int i = 0; i < 8; i++) {
+    for (int i = 0; i < 8; ++i) {
         to_world(turn, box->vertices[i], corners[i]);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             corners[i][k] += middle[k];
         }
     }
@@ -87,7 +87,7 @@ pl_body solid_body(pl_scene *scene, pl_shape_kind kind, double half, const doubl
     if (body.shape.polyhedron != NULL) {
         quaternion_product(solid, back, body.orientation);
         to_world(body.orientation, middle, from_frame);
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             body.position[k] -= from_frame[k];
         }
     }

@@ -32,7 +32,7 @@ void to_world(const double q[4], const double v[3], double out[3])
 {
     double m[3][3];
     matrix_of(q, m);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         out[i] = m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2];
     }
 }
@@ -41,7 +41,7 @@ void to_body(const double q[4], const double v[3], double out[3])
 {
     double m[3][3];
     matrix_of(q, m);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; ++i) {
         out[i] = m[0][i] * v[0] + m[1][i] * v[1] + m[2][i] * v[2];
     }
 }
@@ -58,10 +58,10 @@ void quaternion_product(const double a[4], const double b[4], double out[4])
 double angle_between(const double a[4], const double b[4])
 {
     double dot = 0, chord = 0;
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         dot += a[i] * b[i];
     }
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         double d = a[i] - (dot < 0 ? -b[i] : b[i]);
         chord += d * d;
     }

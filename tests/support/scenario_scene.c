@@ -12,7 +12,7 @@ static int count_of_settings(const char *const *settings)
 {
     int count = 0;
     while (settings != NULL && settings[count] != NULL) {
-        count++;
+        ++count;
     }
     return count;
 }
@@ -48,7 +48,7 @@ const pl_expect_value *expected_value(const pl_scene *scene, int body, pl_quanti
                                       int axis)
 {
     const pl_expect_value *found = NULL;
-    for (int i = 0; i < scene->value_count; i++) {
+    for (int i = 0; i < scene->value_count; ++i) {
         const pl_expect_value *value = &scene->values[i];
         if (value->body == body && value->quantity == quantity && value->direction[axis] == 1) {
             assert_null(found);
@@ -78,11 +78,11 @@ void assert_setting_refused(const char *name, const char *setting, const char *p
 void check_all_rest(const pl_scene *scene)
 {
     int dynamic = 0;
-    for (int i = 0; i < scene->body_count; i++) {
+    for (int i = 0; i < scene->body_count; ++i) {
         dynamic += scene->bodies[i].is_static ? 0 : 1;
     }
     assert_int_equal(scene->rest_count, dynamic);
-    for (int i = 0; i < scene->rest_count; i++) {
+    for (int i = 0; i < scene->rest_count; ++i) {
         const pl_expect_rest *rest = &scene->rests[i];
         const pl_body *body = &scene->bodies[rest->body];
         assert_true(rest->has_orientation);
@@ -98,7 +98,7 @@ double accurate_metric(const char *name, const char *const *settings, const char
                                                      "--dt", dt,   "--json",   "-"};
     int count = 8;
     assert_true(count_of_settings(settings) <= MOST_SETTINGS);
-    for (int i = 0; i < count_of_settings(settings); i++) {
+    for (int i = 0; i < count_of_settings(settings); ++i) {
         arguments[count++] = "--set";
         arguments[count++] = settings[i];
     }
@@ -116,18 +116,18 @@ void integrate(rate_function rate, const void *context, double from, double unti
                         weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
     const double h = (until - from) / steps;
     assert_true(size <= MOST_UNKNOWNS);
-    for (int n = 0; n < steps; n++) {
+    for (int n = 0; n < steps; ++n) {
         double k[MOST_UNKNOWNS] = {0}, at[MOST_UNKNOWNS], sum[MOST_UNKNOWNS] = {0};
-        for (int stage = 0; stage < 4; stage++) {
-            for (int i = 0; i < size; i++) {
+        for (int stage = 0; stage < 4; ++stage) {
+            for (int i = 0; i < size; ++i) {
                 at[i] = y[i] + node[stage] * h * k[i];
             }
             rate(context, from + (n + node[stage]) * h, at, k);
-            for (int i = 0; i < size; i++) {
+            for (int i = 0; i < size; ++i) {
                 sum[i] += weight[stage] * k[i];
             }
         }
-        for (int i = 0; i < size; i++) {
+        for (int i = 0; i < size; ++i) {
             y[i] += h * sum[i];
         }
     }

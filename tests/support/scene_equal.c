@@ -67,14 +67,14 @@ static void same_force(const pl_force *actual, const pl_force *expected)
 static void same_surfaces(const pl_scene *actual, const pl_scene *expected)
 {
     assert_int_equal(actual->material_count, expected->material_count);
-    for (int i = 0; i < expected->material_count; i++) {
+    for (int i = 0; i < expected->material_count; ++i) {
         const pl_material *a = &actual->materials[i], *b = &expected->materials[i];
         assert_string_equal(a->name, b->name);
         same_doubles(&a->friction, &b->friction, 1);
         same_doubles(&a->restitution, &b->restitution, 1);
     }
     assert_int_equal(actual->pair_count, expected->pair_count);
-    for (int i = 0; i < expected->pair_count; i++) {
+    for (int i = 0; i < expected->pair_count; ++i) {
         const pl_material_pair *a = &actual->pairs[i], *b = &expected->pairs[i];
         assert_int_equal(a->material_a, b->material_a);
         assert_int_equal(a->material_b, b->material_b);
@@ -86,7 +86,7 @@ static void same_surfaces(const pl_scene *actual, const pl_scene *expected)
 static void same_expectations(const pl_scene *actual, const pl_scene *expected)
 {
     assert_int_equal(actual->rest_count, expected->rest_count);
-    for (int i = 0; i < expected->rest_count; i++) {
+    for (int i = 0; i < expected->rest_count; ++i) {
         const pl_expect_rest *a = &actual->rests[i], *b = &expected->rests[i];
         assert_int_equal(a->body, b->body);
         assert_int_equal(a->has_orientation, b->has_orientation);
@@ -96,7 +96,7 @@ static void same_expectations(const pl_scene *actual, const pl_scene *expected)
         }
     }
     assert_int_equal(actual->travel_count, expected->travel_count);
-    for (int i = 0; i < expected->travel_count; i++) {
+    for (int i = 0; i < expected->travel_count; ++i) {
         const pl_expect_travel *a = &actual->travels[i], *b = &expected->travels[i];
         assert_int_equal(a->body, b->body);
         same_doubles(a->direction, b->direction, 3);
@@ -108,7 +108,7 @@ static void same_expectations(const pl_scene *actual, const pl_scene *expected)
         }
     }
     assert_int_equal(actual->value_count, expected->value_count);
-    for (int i = 0; i < expected->value_count; i++) {
+    for (int i = 0; i < expected->value_count; ++i) {
         const pl_expect_value *a = &actual->values[i], *b = &expected->values[i];
         assert_int_equal(a->body, b->body);
         assert_int_equal(a->quantity, b->quantity);
@@ -134,11 +134,11 @@ void assert_same_scene(const pl_scene *actual, const pl_scene *expected)
     same_doubles(&actual->duration, &expected->duration, 1);
     same_surfaces(actual, expected);
     assert_int_equal(actual->body_count, expected->body_count);
-    for (int i = 0; i < expected->body_count; i++) {
+    for (int i = 0; i < expected->body_count; ++i) {
         same_body(&actual->bodies[i], &expected->bodies[i]);
     }
     assert_int_equal(actual->force_count, expected->force_count);
-    for (int i = 0; i < expected->force_count; i++) {
+    for (int i = 0; i < expected->force_count; ++i) {
         same_force(&actual->forces[i], &expected->forces[i]);
     }
     same_expectations(actual, expected);

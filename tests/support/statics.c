@@ -6,21 +6,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Linear programming ------------------------------------------------------------------------
- */
+/* ---- Linear programming ---- */
 
 /* One pivot of the tableau t (rows + 1) x width, whose last row is the sum of infeasibilities. */
 static void pivot(double *t, int rows, int width, int row, int column)
 {
     double *p = t + (size_t)row * (size_t)width;
     const double scale = p[column];
-    for (int k = 0; k < width; k++) {
+    for (int k = 0; k < width; ++k) {
         p[k] /= scale;
     }
-    for (int i = 0; i <= rows; i++) {
+    for (int i = 0; i <= rows; ++i) {
         double *r = t + (size_t)i * (size_t)width;
         const double factor = r[column];
-        for (int k = 0; k < width && i != row && factor != 0; k++) {
+        for (int k = 0; k < width && i != row && factor != 0; ++k) {
             r[k] -= factor * p[k];
         }
     }
@@ -32,11 +31,11 @@ static int leaving_row(const double *t, int rows, int width, int column)
 {
     int leaving = -1;
     double least = HUGE_VAL, largest = 0;
-    for (int i = 0; i < rows; i++) {
+    for (int i = 0; i < rows; ++i) {
         const double *r = t + (size_t)i * (size_t)width;
         least = r[column] > 1e-9 ? fmin(least, fmax(r[width - 1], 0) / r[column]) : least;
     }
-    for (int i = 0; i < rows; i++) {
+    for (int i = 0; i < rows; ++i) {
         const double *r = t + (size_t)i * (size_t)width;
         if (r[column] > 1e-9 && r[column] > largest &&
             fmax(r[width - 1], 0) / r[column] <= least + 1e-12) {
@@ -52,7 +51,7 @@ static int leaving_row(const double *t, int rows, int width, int column)
 static int entering_column(const double *sum, int columns, int step)
 {
     int entering = -1;
-    for (int k = 0; k < columns; k++) {
+    for (int k = 0; k < columns; ++k) {
         if (sum[k] > 1e-10 && (entering < 0 || (step < 2000 && sum[k] > sum[entering]))) {
             entering = k;
         }
@@ -67,10 +66,10 @@ bool has_nonnegative_solution(const double *a, const double *b, int rows, int co
     double largest = 0;
     assert_non_null(t);
     double *sum = t + (size_t)rows * (size_t)width;
-    for (int i = 0; i < rows; i++) {
+    for (int i = 0; i < rows; ++i) {
         double *r = t + (size_t)i * (size_t)width;
         const double sign = b[i] < 0 ? -1 : 1;
-        for (int k = 0; k < columns; k++) {
+        for (int k = 0; k < columns; ++k) {
             r[k] = sign * a[i * columns + k];
             sum[k] += r[k];
         }
@@ -78,7 +77,7 @@ bool has_nonnegative_solution(const double *a, const double *b, int rows, int co
         sum[columns] += r[columns];
         largest = fmax(largest, fabs(b[i]));
     }
-    for (int step = 0; step < 20000; step++) {
+    for (int step = 0; step < 20000; ++step) {
         const int column = entering_column(sum, columns, step);
         const int row = column < 0 ? -1 : leaving_row(t, rows, width, column);
         if (row < 0) {
@@ -91,8 +90,7 @@ bool has_nonnegative_solution(const double *a, const double *b, int rows, int co
     return found;
 }
 
-/* ---- Contacts in the plane ---------------------------------------------------------------------
- */
+/* ---- Contacts in the plane ---- */
 
 enum { MOST_CORNERS = 8, MOST_BODIES = 64, MOST_CONTACTS = 512 };
 static const double touching = 1e-9; /* m */
@@ -137,7 +135,7 @@ static double turn_of(const double a[2], const double b[2], const double c[2])
 static void wrap(outline *o, const double (*points)[2], int count)
 {
     int first = 0;
-    for (int i = 1; i < count; i++) {
+    for (int i = 1; i < count; ++i) {
         if (points[i][0] < points[first][0] - touching ||
             (points[i][0] < points[first][0] + touching && points[i][1] < points[first][1])) {
             first = i;
@@ -148,7 +146,7 @@ static void wrap(outline *o, const double (*points)[2], int count)
         int next = -1;
         assert_true(o->count < MOST_CORNERS);
         memcpy(o->corners[o->count++], points[at], sizeof points[at]);
-        for (int i = 0; i < count; i++) {
+        for (int i = 0; i < count; ++i) {
             const double far = hypot(points[i][0] - points[at][0], points[i][1] - points[at][1]);
             if (far > touching && (next < 0 || turn_of(points[at], points[next], points[i]) < 0)) {
                 next = i;
@@ -171,12 +169,12 @@ static void outline_of(const pl_body *body, outline *o)
         o->normal[0] = s->normal[0], o->normal[1] = s->normal[2];
         o->corners[0][0] = s->offset * s->normal[0], o->corners[0][1] = s->offset * s->normal[2];
     } else if (s->kind == PL_SHAPE_BOX) {
-        for (int i = 0; i < 4; i++) {
+        for (int i = 0; i < 4; ++i) {
             place(body, (i & 1 ? 1 : -1) * s->half_extents[0],
                   (i & 2 ? 1 : -1) * s->half_extents[2], points[count++]);
         }
     } else if (s->kind == PL_SHAPE_HULL) {
-        for (int i = 0; i < s->polyhedron->vertex_count; i++) {
+        for (int i = 0; i < s->polyhedron->vertex_count; ++i) {
             const double *v = s->polyhedron->vertices[i];
             assert_true(count < 64);
             place(body, v[0], v[2], points[count++]);
@@ -207,11 +205,11 @@ static void add_face(problem *p, int a, int b, const double origin[2], const dou
 {
     const outline *other = &p->outlines[b];
     double nearest = HUGE_VAL;
-    for (int i = 0; i < other->count; i++) {
+    for (int i = 0; i < other->count; ++i) {
         const double *v = other->corners[i];
         nearest = fmin(nearest, (v[0] - origin[0]) * normal[0] + (v[1] - origin[1]) * normal[1]);
     }
-    for (int i = 0; i < other->count && fabs(nearest) < touching; i++) {
+    for (int i = 0; i < other->count && fabs(nearest) < touching; ++i) {
         const double *v = other->corners[i];
         const double x = v[0] - origin[0], z = v[1] - origin[1];
         const double along = x * -normal[1] + z * normal[0];
@@ -226,7 +224,7 @@ static void add_face(problem *p, int a, int b, const double origin[2], const dou
 static void add_corners_on_faces(problem *p, int a, int b)
 {
     const outline *o = &p->outlines[a];
-    for (int i = 0; i < o->count; i++) {
+    for (int i = 0; i < o->count; ++i) {
         const double *from = o->corners[i], *to = o->corners[(i + 1) % o->count];
         const double length = hypot(to[0] - from[0], to[1] - from[1]);
         const double normal[2] = {(to[1] - from[1]) / length, -(to[0] - from[0]) / length};
@@ -279,13 +277,13 @@ bool is_in_balance(const pl_scene *scene)
     assert_non_null(p);
     assert_true(scene->body_count <= MOST_BODIES);
     p->scene = scene;
-    for (int i = 0; i < scene->body_count; i++) {
+    for (int i = 0; i < scene->body_count; ++i) {
         outline_of(&scene->bodies[i], &p->outlines[i]);
         row_of[i] = scene->bodies[i].is_static ? -1 : rows;
         rows += scene->bodies[i].is_static ? 0 : 3;
     }
-    for (int i = 0; i < scene->body_count; i++) {
-        for (int k = i + 1; k < scene->body_count; k++) {
+    for (int i = 0; i < scene->body_count; ++i) {
+        for (int k = i + 1; k < scene->body_count; ++k) {
             if (row_of[i] >= 0 || row_of[k] >= 0) {
                 add_contacts(p, i, k);
             }
@@ -296,7 +294,7 @@ bool is_in_balance(const pl_scene *scene)
     double *b = calloc((size_t)rows, sizeof *b);
     assert_non_null(a);
     assert_non_null(b);
-    for (int i = 0; i < columns; i++) {
+    for (int i = 0; i < columns; ++i) {
         const contact *c = &p->contacts[i / 2];
         const double side = i % 2 == 0 ? c->friction : -c->friction;
         const double f[2] = {c->normal[0] - side * c->normal[1],
@@ -309,7 +307,7 @@ bool is_in_balance(const pl_scene *scene)
             put_force(a, columns, i, row_of[c->a], &p->outlines[c->a], c->point, back);
         }
     }
-    for (int i = 0; i < scene->body_count; i++) {
+    for (int i = 0; i < scene->body_count; ++i) {
         if (row_of[i] >= 0) {
             b[row_of[i] + 1] = scene->bodies[i].mass * -scene->gravity[2];
         }

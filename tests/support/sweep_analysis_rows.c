@@ -35,7 +35,7 @@ json_t *add_sweep_run(json_t *results, sweep_run run)
 
 void add_repeats(json_t *results, sweep_run run, const double *costs, int count)
 {
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         run.repeat = i;
         run.cost = costs[i];
         add_sweep_run(results, run);
@@ -54,7 +54,7 @@ pl_sweep_analysis analysis_of(const json_t *results)
 
 int engine_named(const pl_sweep_analysis *analysis, const char *name)
 {
-    for (int i = 0; i < analysis->engine_count; i++) {
+    for (int i = 0; i < analysis->engine_count; ++i) {
         if (strcmp(analysis->engines[i].name, name) == 0) {
             return i;
         }
@@ -65,7 +65,7 @@ int engine_named(const pl_sweep_analysis *analysis, const char *name)
 
 int pair_named(const pl_sweep_analysis *analysis, const char *ours, const char *other)
 {
-    for (int i = 0; i < analysis->pair_count; i++) {
+    for (int i = 0; i < analysis->pair_count; ++i) {
         if (analysis->pairs[i].ours == engine_named(analysis, ours) &&
             analysis->pairs[i].other == engine_named(analysis, other)) {
             return i;

@@ -11,8 +11,8 @@ sweep=(sweep tower --engine plumb --engine plumb:fast --engine ode:quick
 
 # The whole sweep in one process, into whole/.
 run_whole() {
-    "$PLUMB" "${sweep[@]}" --out whole 2>/dev/null || complain "the sweep in one process failed"
-    [[ $(wc -l <whole/results.jsonl) -ge 200 ]] || complain "the sweep has fewer than 200 runs"
+    "$PLUMB" "${sweep[@]}" --out whole 2>/dev/null || note_failure "the sweep in one process failed"
+    [[ $(wc -l <whole/results.jsonl) -ge 200 ]] || note_failure "the sweep has fewer than 200 runs"
 }
 
 # kill_in_mid_run RESULTS PID_FILE: kills the process when it has written three results.
@@ -23,7 +23,7 @@ kill_in_mid_run() {
         [[ $count -ge 3 ]] && break
         sleep 0.01
     done
-    [[ $count -ge 3 ]] || complain "$1 got no results"
+    [[ $count -ge 3 ]] || note_failure "$1 got no results"
     kill -KILL "$(cat "$2")"
 }
 
@@ -37,11 +37,11 @@ note_unfinished() {
 check_same_rows() {
     local row_files=(shards/shard-*/results.jsonl)
     [[ $(cat "${row_files[@]}" | wc -l) == "$(wc -l <whole/results.jsonl)" ]] ||
-        complain "a run was made twice, or not at all"
-    [[ $(wc -l <"$killed") -gt $cut_at ]] || complain "nothing was left to resume in $killed"
-    "$PLUMB" report shards --out merged 2>report.log || complain "no report: $(cat report.log)"
-    grep -qE 'double|differ' report.log && complain "$(cat report.log)"
-    python3 - <<'END' || complain "the rows of the shards are not those of one process"
+        note_failure "a run was made twice, or not at all"
+    [[ $(wc -l <"$killed") -gt $cut_at ]] || note_failure "nothing was left to resume in $killed"
+    "$PLUMB" report shards --out merged 2>report.log || note_failure "no report: $(cat report.log)"
+    grep -qE 'double|differ' report.log && note_failure "$(cat report.log)"
+    python3 - <<'END' || note_failure "the rows of the shards are not those of one process"
 import json
 
 def rows(path):

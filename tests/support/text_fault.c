@@ -26,7 +26,7 @@ void take_mark(char *text, int *line, int *column)
     assert_non_null(mark);
     *line = 1;
     *column = 1;
-    for (const char *c = text; c < mark; c++) {
+    for (const char *c = text; c < mark; ++c) {
         if (*c == '\n') {
             *line += 1;
             *column = 1;

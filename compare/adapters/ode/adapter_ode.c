@@ -134,7 +134,7 @@ static void ode_destroy(pl_engine_instance *instance)
         dJointGroupDestroy(instance->joints);
         dSpaceDestroy(instance->space);
         dWorldDestroy(instance->world);
-        for (int i = 0; instance->solids != NULL && i < instance->scene->polyhedron_count; i++) {
+        for (int i = 0; instance->solids != NULL && i < instance->scene->polyhedron_count; ++i) {
             pl_ode_free_solid(&instance->solids[i]);
         }
         dCloseODE();
@@ -204,10 +204,10 @@ static pl_status ode_create(const pl_scene *scene, int profile, const double *va
         goto cleanup;
     }
     status = make_world(instance, values, error);
-    for (int i = 0; status == PL_OK && i < scene->polyhedron_count; i++) {
+    for (int i = 0; status == PL_OK && i < scene->polyhedron_count; ++i) {
         status = pl_ode_make_solid(scene->polyhedra[i], &instance->solids[i], error);
     }
-    for (int i = 0; status == PL_OK && i < scene->body_count; i++) {
+    for (int i = 0; status == PL_OK && i < scene->body_count; ++i) {
         status = add_body(instance, i, error);
     }
     if (status == PL_OK) {
@@ -222,7 +222,7 @@ cleanup:
 static void add_forces(const pl_engine_instance *instance, double dt)
 {
     const pl_scene *scene = instance->scene;
-    for (int i = 0; i < scene->force_count; i++) {
+    for (int i = 0; i < scene->force_count; ++i) {
         const pl_force *force = &scene->forces[i];
         dBodyID body = instance->bodies[force->body];
         double p[3], q[4], f[3], r[3];
@@ -249,7 +249,7 @@ static pl_status ode_step(pl_engine_instance *instance, double dt, pl_step_stats
         return pl_fail(error, PL_NO_MEMORY, "out of memory for more than %d ode contacts",
                        instance->contact_count);
     }
-    for (int i = 0; i < instance->contact_count; i++) {
+    for (int i = 0; i < instance->contact_count; ++i) {
         dJointSetFeedback(instance->contacts[i].joint, &instance->feedback[i]);
     }
     add_forces(instance, dt);

@@ -67,7 +67,7 @@ void pl_ode_collide_pair(void *data, dGeomID a, dGeomID b)
         contact.surface.mode |= dContactBounce;
         contact.surface.bounce = restitution;
     }
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         contact.geom = found[i].geom;
         found[i].joint = dJointCreateContact(instance->world, instance->joints, &contact);
         dJointAttach(found[i].joint, body_a, body_b);
@@ -90,11 +90,11 @@ static double largest_island_rows(const pl_engine_instance *instance)
 {
     int count = instance->scene->body_count;
     int *parent = instance->island;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         parent[i] = i;
         instance->rows[i] = 0;
     }
-    for (int i = 0; i < instance->contact_count; i++) {
+    for (int i = 0; i < instance->contact_count; ++i) {
         int a = geom_index(instance->contacts[i].geom.g1);
         int b = geom_index(instance->contacts[i].geom.g2);
         if (instance->bodies[a] != NULL && instance->bodies[b] != NULL) {
@@ -102,7 +102,7 @@ static double largest_island_rows(const pl_engine_instance *instance)
         }
     }
     double largest = 0;
-    for (int i = 0; i < instance->contact_count; i++) {
+    for (int i = 0; i < instance->contact_count; ++i) {
         int a = geom_index(instance->contacts[i].geom.g1);
         int b = geom_index(instance->contacts[i].geom.g2);
         int root = island_root(parent, instance->bodies[a] != NULL ? a : b);
@@ -138,7 +138,7 @@ pl_status pl_ode_check_dense_memory(const pl_engine_instance *instance, pl_error
 int pl_ode_read_contacts(const pl_engine_instance *instance, pl_contact *contacts, int capacity)
 {
     int count = instance->contact_count < capacity ? instance->contact_count : capacity;
-    for (int i = 0; i < count; i++) {
+    for (int i = 0; i < count; ++i) {
         const dContactGeom *geom = &instance->contacts[i].geom;
         int first = geom_index(geom->g1), second = geom_index(geom->g2);
         bool in_order = first < second;
@@ -148,7 +148,7 @@ int pl_ode_read_contacts(const pl_engine_instance *instance, pl_contact *contact
         contact->separation = -geom->depth;
         /* f1 is the force on the first geom's body, or on the only moving one. */
         bool on_b = instance->bodies[first] != NULL ? !in_order : in_order;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             contact->point[k] = geom->pos[k];
             contact->normal[k] = in_order ? -geom->normal[k] : geom->normal[k];
             contact->impulse[k] = (on_b ? 1 : -1) * instance->feedback[i].f1[k] * instance->last_dt;

@@ -9,7 +9,7 @@
 
 const ode_solid *pl_ode_solid_of(const pl_engine_instance *instance, const pl_shape *shape)
 {
-    for (int i = 0; shape->polyhedron != NULL && i < instance->scene->polyhedron_count; i++) {
+    for (int i = 0; shape->polyhedron != NULL && i < instance->scene->polyhedron_count; ++i) {
         if (instance->scene->polyhedra[i] == shape->polyhedron) {
             return &instance->solids[i];
         }
@@ -43,7 +43,7 @@ void pl_ode_read_frame(const pl_engine_instance *instance, pl_frame *frame)
 {
     const pl_scene *scene = instance->scene;
     frame->time = instance->time;
-    for (int i = 0; i < frame->body_count; i++) {
+    for (int i = 0; i < frame->body_count; ++i) {
         pl_body_state *state = &frame->bodies[i];
         dBodyID body = instance->bodies[i];
         memset(state, 0, sizeof *state);
@@ -69,14 +69,14 @@ void pl_ode_read_settings(const pl_engine_instance *instance, double dt,
     dWorldGetGravity(instance->world, gravity);
     memcpy(settings->gravity, gravity, sizeof settings->gravity);
     settings->dt = dt;
-    for (int i = 0; i < settings->body_count; i++) {
+    for (int i = 0; i < settings->body_count; ++i) {
         dMass mass;
         memset(&mass, 0, sizeof mass);
         if (instance->bodies[i] != NULL) {
             dBodyGetMass(instance->bodies[i], &mass);
         }
         settings->mass[i] = mass.mass;
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; ++k) {
             settings->inertia[i][k] = mass.I[5 * k]; /* the diagonal of a 3 x 4 matrix */
         }
     }

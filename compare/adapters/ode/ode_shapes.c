@@ -62,8 +62,8 @@ pl_status pl_ode_make_solid(const pl_polyhedron *shape, ode_solid *solid, pl_err
         return pl_fail(error, PL_NO_MEMORY, "out of memory for a hull of %d points",
                        shape->vertex_count);
     }
-    for (int i = 0; i < shape->vertex_count; i++) {
-        for (int k = 0; k < 3; k++) {
+    for (int i = 0; i < shape->vertex_count; ++i) {
+        for (int k = 0; k < 3; ++k) {
             solid->points[i][k] = shape->vertices[i][k] - solid->origin[k];
         }
     }
@@ -146,12 +146,12 @@ static bool has_collider(pl_shape_kind kind_a, pl_shape_kind kind_b)
 {
     double corners[8][3];
     int triangles[12][3];
-    for (int i = 0; i < 8; i++) {
-        for (int k = 0; k < 3; k++) {
+    for (int i = 0; i < 8; ++i) {
+        for (int k = 0; k < 3; ++k) {
             corners[i][k] = i >> k & 1 ? 1 : -1;
         }
     }
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6; ++i) {
         /* The face at +-1 of axis k: corner 0 of it, and the two steps along the other axes. */
         int k = i / 2, side = i % 2, u = 1 << (k + 1 + side) % 3, v = 1 << (k + 2 - side) % 3;
         int first = side << k;
@@ -177,7 +177,7 @@ static bool has_collider(pl_shape_kind kind_a, pl_shape_kind kind_b)
         count = dCollide(a, b, 8, found, sizeof *found);
     }
     dGeomID geoms[2] = {a, b};
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < 2; ++i) {
         if (geoms[i] != NULL) {
             dGeomDestroy(geoms[i]);
         }
@@ -194,12 +194,12 @@ static const char *kind_name(int kind)
 pl_status pl_ode_check_colliders(const pl_scene *scene, pl_error *error)
 {
     int bodies[PL_SHAPE_KIND_COUNT] = {0}, moving[PL_SHAPE_KIND_COUNT] = {0};
-    for (int i = 0; i < scene->body_count; i++) {
-        bodies[scene->bodies[i].shape.kind]++;
+    for (int i = 0; i < scene->body_count; ++i) {
+        ++bodies[scene->bodies[i].shape.kind];
         moving[scene->bodies[i].shape.kind] += !scene->bodies[i].is_static;
     }
-    for (int a = 0; a < PL_SHAPE_KIND_COUNT; a++) {
-        for (int b = a; b < PL_SHAPE_KIND_COUNT; b++) {
+    for (int a = 0; a < PL_SHAPE_KIND_COUNT; ++a) {
+        for (int b = a; b < PL_SHAPE_KIND_COUNT; ++b) {
             bool meet = bodies[a] > 0 && bodies[b] > (a == b) && moving[a] + moving[b] > 0;
             if (meet && !has_collider((pl_shape_kind)a, (pl_shape_kind)b)) {
                 return pl_fail(error, PL_UNSUPPORTED, "ODE: no collider for %s-%s in this build",

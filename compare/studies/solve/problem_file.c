@@ -37,8 +37,8 @@ static bool read_schema(const json_t *json, pl_diagnostic *diagnostic)
         return false;
     }
     return strcmp(schema, expected) == 0 ||
-           pl_complain_of(diagnostic, "schema", "expected \"%s\", found %s", expected,
-                          pl_quoted(schema, quoted));
+           pl_diagnose_field(diagnostic, "schema", "expected \"%s\", found %s", expected,
+                             pl_quoted(schema, quoted));
 }
 
 static bool read_source(const json_t *json, reading *r, pl_diagnostic *diagnostic)
@@ -46,8 +46,8 @@ static bool read_source(const json_t *json, reading *r, pl_diagnostic *diagnosti
     json_t *source = json_object_get(json, "source");
     char found[PL_FOUND_SIZE];
     if (source != NULL && !json_is_object(source)) {
-        return pl_complain_of(diagnostic, "source", "expected an object, found %s",
-                              pl_json_found(source, found));
+        return pl_diagnose_field(diagnostic, "source", "expected an object, found %s",
+                                 pl_json_found(source, found));
     }
     r->source = json_incref(source);
     return true;
@@ -60,7 +60,7 @@ static bool read_index(const json_t *json, const char *key, int *index, pl_diagn
         return false;
     }
     if (value != floor(value) || fabs(value) > 1e9) {
-        return pl_complain_of(diagnostic, key, "expected the index of a body, found %g", value);
+        return pl_diagnose_field(diagnostic, key, "expected the index of a body, found %g", value);
     }
     *index = (int)value;
     return true;
@@ -134,8 +134,8 @@ static bool count_points(const json_t *manifolds, int *count, pl_diagnostic *dia
             return false;
         }
         if (json_array_size(points) == 0) {
-            return pl_complain_of(diagnostic, "points",
-                                  "expected at least one point, found an array of 0");
+            return pl_diagnose_field(diagnostic, "points",
+                                     "expected at least one point, found an array of 0");
         }
         *count += (int)json_array_size(points);
         pl_path_pop(&diagnostic->path);
@@ -199,7 +199,7 @@ static bool check_problem(const pe_contact_problem *problem, pl_diagnostic *diag
     }
     pl_path_push_key(&diagnostic->path, fault.list);
     pl_path_push_index(&diagnostic->path, index);
-    return pl_complain_of(diagnostic, fault.field, "%s", fault.text);
+    return pl_diagnose_field(diagnostic, fault.field, "%s", fault.text);
 }
 
 static bool read_problem(const json_t *json, void *user, pl_diagnostic *diagnostic)
@@ -216,7 +216,7 @@ static bool read_problem(const json_t *json, void *user, pl_diagnostic *diagnost
     }
     if (pe_contact_problem_create((int)json_array_size(bodies), (int)json_array_size(manifolds),
                                   points, NULL, &r->problem, NULL) != PE_OK) {
-        return pl_complain_no_memory(diagnostic);
+        return pl_diagnose_no_memory(diagnostic);
     }
     return read_bodies(bodies, r->problem, diagnostic) &&
            read_manifolds(manifolds, r->problem, diagnostic) &&

@@ -76,7 +76,7 @@ static void add_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene *s
             least = fmin(least, cost_of(analysis, scene, e, profile->level));
         }
     }
-    profile->scenes++;
+    ++profile->scenes;
     for (int e = 0; e < analysis->engine_count && isfinite(least); ++e) {
         double cost = cost_of(analysis, scene, e, profile->level);
         if (analysis->engines[e].whole == profile->whole && isfinite(cost)) {

@@ -434,7 +434,7 @@ static pl_status add_point(const keyed_row *rows, size_t first, size_t next, con
         name_engine(row->row, i == 0, name);
         point->engines[i] = find_engine(analysis, name, i == 0);
     }
-    analysis->scenes[point->scene].count++;
+    ++analysis->scenes[point->scene].count;
     analysis->run_count += count;
     return pl_sweep_measure(repeats, count, point, error);
 }

@@ -243,7 +243,7 @@ static void add_to_means(const workspace *a, pl_sweep_analysis *analysis, int in
     pl_sweep_pair *pair = &analysis->pairs[index];
     const pl_front_reading *ours = replicates_of(a, pair->ours);
     const pl_front_reading *other = replicates_of(a, pair->other);
-    pair->scenes++;
+    ++pair->scenes;
     for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
         pair->both[k] += comparison->at_error[k] == PL_ATTAINED_BY_BOTH;
         pair->ours_only[k] += comparison->at_error[k] == PL_ATTAINED_BY_OURS_ONLY;

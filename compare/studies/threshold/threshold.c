@@ -48,7 +48,7 @@ void pl_bisection_take(pl_bisection *b, bool holds)
     } else {
         *(holds == b->holds_below ? &b->low : &b->high) = midpoint_of(b);
     }
-    b->trials++;
+    ++b->trials;
     if (b->trials >= 2 && b->state == PL_BISECTION_SEARCHING && is_narrow(b)) {
         b->state = PL_BISECTION_FOUND;
     }
@@ -59,7 +59,7 @@ int pl_bisection_most_trials(const pl_bisection *bisection)
     int trials = 2;
     for (double width = bisection->high - bisection->low;
          width > bisection->tolerance && trials < 1100; width /= 2) {
-        trials++;
+        ++trials;
     }
     return trials;
 }
@@ -76,7 +76,7 @@ static int threshold_param(const pl_scenario *scenario)
 {
     int index = 0;
     while (strcmp(scenario->params[index].name, scenario->threshold->param) != 0) {
-        index++;
+        ++index;
     }
     return index;
 }
@@ -128,7 +128,7 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
     pl_threshold_search *search = find_trial(s, pl_json_get_text(result, "run"));
     const char *outcome = pl_json_get_text(result, "outcome");
     bool holds = strcmp(outcome, "ok") == 0;
-    search->runs++;
+    ++search->runs;
     search->run[0] = '\0';
     if (holds || strcmp(outcome, "collapsed") == 0) {
         pl_bisection_take(&search->bisection, holds);
@@ -141,7 +141,7 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
         const char *label = s->def->plan->configurations[search->configuration].label;
         char running[256];
         snprintf(running, sizeof running, "%s %s", name, label);
-        s->progress.done++;
+        ++s->progress.done;
         if (is_over(search)) {
             s->progress.total -= pl_bisection_most_trials(&search->bisection) - search->runs;
             if (!s->progress.terminal) {
