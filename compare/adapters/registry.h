@@ -4,8 +4,7 @@
 
 #include "plumb/engine_abi.h"
 
-/* The environment variable that names files of tuned profiles (plumb.profile/1), separated by ':'.
- */
+/* The environment variable that names tuned profiles' files (plumb.profile/1), separated by ':'. */
 #define PL_PROFILES_VARIABLE "PLUMB_PROFILES"
 
 /* The built-in engines, one adapter each. Static storage, never NULL. An adapter whose engine is

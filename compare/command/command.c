@@ -57,8 +57,7 @@ static void collect(parsing *p, const pl_option *options)
 }
 
 /* The only option that begins with the first `length` characters of `name`, or is `name`, as getopt
- * finds it; COMMON_OPTIONS have indices from p->count on. -1: there is none, -2: there are several.
- */
+ * finds it; COMMON_OPTIONS have indices from p->count on. -1: there is none; -2: several. */
 static int find(const parsing *p, const char *name, size_t length)
 {
     int found = -1;

@@ -62,11 +62,11 @@ static pl_status save_profile(const options *o, const pl_tune_def *def, const pl
     return status;
 }
 
-static pl_status write_findings(const options *o, const pl_tune_def *def, const pl_tuning *tuning,
-                                pl_error *error)
+static pl_status write_tuning(const options *o, const pl_tune_def *def, const pl_tuning *tuning,
+                              pl_error *error)
 {
     json_t *json = pl_tune_json(def, tuning);
-    pl_status status = json == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for the findings")
+    pl_status status = json == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for the outcome")
                                     : pl_results_write_json(o->request.json, json, error);
     json_decref(json);
     if (!pl_is_stdout(o->request.json)) {
@@ -95,7 +95,7 @@ static int tune(const pl_call *call, const options *o, const pl_plan *plan,
     int code = PL_EXIT_OK;
     if (status == PL_OK && tuning.signal_number == 0) {
         code = tuning.met ? PL_EXIT_OK : PL_EXIT_FAILED;
-        status = write_findings(o, &def, &tuning, &error);
+        status = write_tuning(o, &def, &tuning, &error);
     }
     const int signal_number = tuning.signal_number;
     pl_tuning_free(&tuning);
@@ -149,7 +149,7 @@ static const pl_option OPTIONS[] = {
      "What every scenario must meet, <= or < (repeatable; see plumb list metrics)",
      PL_OPTION_PARSED, .parse = parse_target},
     {"vary", "KEY=LOW..HIGH",
-     "Tune dt or an option over this range instead of its usual one, or tune an option that "
+     "Tune dt or an option over this range instead of its default one, or tune an option that "
      "is not tuned otherwise; numbers may be fractions (repeatable)",
      PL_OPTION_TEXTS, .field = offsetof(options, varied)},
     {"fix", "KEY=VALUE", "Do not tune dt or that option (repeatable)", PL_OPTION_TEXTS,

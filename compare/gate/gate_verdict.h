@@ -35,8 +35,7 @@ pl_gate_entry *pl_gate_verdict_add(pl_gate_verdict *verdict, bool is_failure,
 /* Adds one row to a notice. Notices of equal metric and words become one. */
 void pl_gate_verdict_note(pl_gate_verdict *verdict, const char *metric, const char *what);
 
-/* Sorts the entries: failures, notices of one row, notices of several rows; each keeps its order.
- */
+/* Sorts the entries: failures, notices of one row, notices of several rows. The sort is stable. */
 void pl_gate_verdict_order(pl_gate_verdict *verdict);
 
 /* Writes both values with as few digits as tell them apart, and their unit ("": none). */

@@ -26,8 +26,7 @@ extern const pl_gate_cost pl_gate_costs[PL_GATE_COST_COUNT];
 int pl_gate_cost_of(const char *name);
 
 /* Returns the row of the reference engine on the case of `row`: the engine `label`, or where that
- * is NULL, the first of bullet:si and ode:quick that was run. NULL: none, or it is the row itself.
- */
+ * is NULL, the first of bullet:si and ode:quick that was run. NULL: none, or `row` itself. */
 const pl_gate_row *pl_gate_reference_of(const pl_gate_rows *rows, const pl_gate_row *row,
                                         const char *label);
 

@@ -1,5 +1,4 @@
-/* The report: from results (compare/results/SCHEMA.md) to pages for people and tables for programs.
- */
+/* The report: pages for people and tables for programs, made of results (results/SCHEMA.md). */
 #ifndef PLUMB_REPORT_H
 #define PLUMB_REPORT_H
 

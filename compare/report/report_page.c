@@ -198,8 +198,7 @@ static void add_warnings(const pl_result_matrix *matrix, const pl_page *page)
 
 /* ---- Results ---- */
 
-/* Adds the cell of a run: its primary error, and the time of a step with its ratio to the fastest.
- */
+/* Adds the cell of a run: its primary error, the time of a step and its ratio to the fastest. */
 static void add_result(const pl_page *page, const pl_cell *cell, double fastest, pl_table *table)
 {
     const pl_metric_summary *error = &cell->metrics[PL_METRIC_REFERENCE_ERROR];
@@ -346,8 +345,7 @@ static bool has_both_errors(const pl_case *test_case, const pl_cell *cell)
            cell->metrics[PL_METRIC_DISCRETE_ERROR].state == PL_METRIC_VALUE;
 }
 
-/* Adds the error of the time-stepping rule, and the rest, which comes from contacts and friction.
- */
+/* Adds the error of the time-stepping rule, and the rest: the error of contacts and friction. */
 static void add_time_stepping(const pl_result_matrix *matrix, const pl_page *page)
 {
     pl_table table = {0};

@@ -67,8 +67,7 @@ bool pl_case_primary_is(const pl_case *test_case, int metric);
  * duration, which publications leave open. */
 bool pl_case_is_entry(const pl_case *test_case, const pl_suite_entry *entry);
 
-/* Returns the smallest value of a metric over cells whose outcome is ok; INFINITY: there is none.
- */
+/* Returns the smallest value of a metric over cells whose outcome is ok; INFINITY without any. */
 double pl_case_least(const pl_case *test_case, int column_count, int metric);
 
 /* Whether the cell has repeats that should agree and do not. */

@@ -1,6 +1,6 @@
 /* Checks before a run: the engine must support what the scene needs, and must simulate the masses,
- * inertias, gravity, time step, friction and restitution of the scene, which are read back from it.
- */
+ * inertias, gravity, time step, friction and restitution of the scene. They are read back from the
+ * engine. */
 #ifndef PLUMB_PARAMETER_CHECK_H
 #define PLUMB_PARAMETER_CHECK_H
 

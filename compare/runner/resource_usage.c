@@ -126,8 +126,7 @@ static double read_status(const char *name)
 }
 
 /* Makes the code of every loaded library resident: pages of a file that come in when they are first
- * run are no memory that an engine takes. madvise(2): Linux 5.14; where it is refused, code counts.
- */
+ * run are no memory that an engine takes. madvise(2) needs Linux 5.14; without it, code counts. */
 static void load_code(void)
 {
     enum { LARGEST = 64 << 20 };

@@ -129,8 +129,7 @@ static pl_status prepare(run *r, pl_error *error)
     return status;
 }
 
-/* The number of contacts of the last step in r->contacts; -1 when the engine does not report them.
- */
+/* The number of contacts of the last step in r->contacts; -1: the engine does not report them. */
 static pl_status read_contacts(run *r, int *count, pl_error *error)
 {
     const pl_engine *engine = r->def->engine;

@@ -22,8 +22,7 @@ pl_status pl_fail(pl_error *error, pl_status status, const char *format, ...)
     if (length < 0) {
         error->message[0] = '\0';
     } else if ((size_t)length >= sizeof error->message) {
-        /* A cut must not leave half a UTF-8 character: drop its continuation bytes, then its head.
-         */
+        /* A cut must not leave half a UTF-8 character: drop its continuation bytes and its head. */
         size_t end = sizeof error->message - 1;
         while (end > 0 && ((unsigned char)error->message[end - 1] & 0xC0u) == 0x80u) {
             --end;

@@ -65,8 +65,7 @@ const char *pl_quoted(const char *bytes, char text[PL_QUOTED_SIZE]);
 
 /* ---- Checks ----
  * Each returns true when the value is right. Otherwise it fills the diagnostic for the field `key`
- * of the object at the current path, or for the path itself where key is NULL, and returns false.
- */
+ * of the object at the current path, or for the path itself with key NULL, and returns false. */
 
 /* How far the norm of a normal, direction or quaternion may be from 1. */
 #define PL_UNIT_TOLERANCE 1e-9

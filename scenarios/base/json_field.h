@@ -1,5 +1,5 @@
 /* Typed members of JSON objects, with a diagnostic for every other type. Each function returns
- * false after complaining; on true the path of the diagnostic is as before. An absent member that
+ * false after an error; on true the path of the diagnostic is as before. An absent member that
  * is not required leaves the output as it is, so that defaults are set beforehand. */
 #ifndef PLUMB_JSON_FIELD_H
 #define PLUMB_JSON_FIELD_H

@@ -168,8 +168,7 @@ static size_t locate_token(const char *text, size_t end)
     return begin;
 }
 
-/* Line and column of an offset, from 1. Columns count characters (Unicode code points), not bytes.
- */
+/* Line and column of an offset, from 1. Columns count characters (code points), not bytes. */
 static void locate_offset(const char *text, size_t offset, int *line, int *column)
 {
     *line = 1;

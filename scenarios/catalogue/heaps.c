@@ -6,8 +6,7 @@
 
 static const double half = 0.5; /* m, of a cube */
 
-/* Cubes side by side on the floor, none touching another: the scene of the source paper's Table 1.
- */
+/* Cubes side by side on the floor that do not touch: the scene of the source paper's Table 1. */
 
 enum { BLOCKS_COUNT, BLOCKS_MESH, BLOCKS_FRICTION };
 

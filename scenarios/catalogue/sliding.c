@@ -5,8 +5,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Adds a flat block at (x, y) that starts along `direction`; returns its index, -1 after a failure.
- */
+/* Adds a flat block at (x, y) that starts along `direction`. Returns its index; -1: failed. */
 static int slide_block(pl_builder *b, double x, double y, const double direction[3], double speed,
                        const char *name)
 {

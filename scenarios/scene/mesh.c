@@ -82,7 +82,7 @@ static bool check_areas(const double (*vertices)[3], const int (*triangles)[3], 
     return true;
 }
 
-/* Turns the triangles so that the solid is behind them, or complains. */
+/* Turns the triangles so that the solid is behind them, or reports an error. */
 static bool face_outward(const double (*vertices)[3], int vertex_count, int (*triangles)[3],
                          int triangle_count, pl_diagnostic *diagnostic)
 {

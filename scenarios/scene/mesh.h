@@ -9,16 +9,15 @@
 /* ---- Edges, direction and components: mesh_edges.c ---- */
 
 /* Fills neighbours[t][k] with the triangle on the other side of the edge of t from corner k to the
- * next. Fails at "triangles"[t] of an edge that is not of exactly two triangles.
+ * next. Reports an edge that is not of exactly two triangles at "triangles"[t].
  * O(n log n). */
 bool pl_mesh_neighbours(const int (*triangles)[3], int triangle_count, int (*neighbours)[3],
                         pl_diagnostic *diagnostic);
 
 /* Turns triangles so that all neighbours run along their common edge in opposite directions, the
  * lowest triangle of each component being left as it is. Reports a surface with one side.
- * Fills component[t] with the number of t's component, from 0 by lowest triangle, and
- * *component_count.
- */
+ * Fills component[t] with the number of t's component, from 0 by lowest triangle. Also
+ * fills *component_count. */
 bool pl_mesh_orient(int (*triangles)[3], int triangle_count, const int (*neighbours)[3],
                     int *component, int *component_count, pl_diagnostic *diagnostic);
 
@@ -28,7 +27,7 @@ bool pl_mesh_is_closed(const pl_polyhedron *polyhedron);
 
 /* ---- Crossing: mesh_crossing.c ---- */
 
-/* Fails at "triangles"[t] of the first two triangles that cross: those that go through each
+/* Reports at "triangles"[t] the first two triangles that cross: those that go through each
  * other, or lie in one plane, face the same way and overlap, by more than 1e-9 of the surface's
  * size. Triangles with a common edge never do. The surface must be closed, each component of
  * positive volume. O(n log n) where triangles are small next to the whole; up to O(n^2) where the
@@ -42,7 +41,7 @@ bool pl_mesh_check_crossing(const double (*vertices)[3], int vertex_count,
 /* The largest number of closed surfaces of a mesh. */
 enum { PL_MAX_SURFACES = 4096 };
 
-/* Turns each of `surface_count` components to its outer side, and complains of one that encloses
+/* Turns each of `surface_count` components to its outer side, and reports one that encloses
  * no volume. surface[t] is the number of t's component. */
 bool pl_mesh_turn_outward(const double (*vertices)[3], int (*triangles)[3], int triangle_count,
                           const int *surface, int surface_count, pl_diagnostic *diagnostic);

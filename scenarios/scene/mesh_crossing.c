@@ -1,5 +1,5 @@
 /* Pairs of triangles by a tree of boxes, then Moeller's test (A fast triangle-triangle intersection
- * test, 1997): each has vertices on both sides of the other's plane, and the two stretches that
+ * test, 1997): each has vertices on both sides of the other's plane, and the two segments that
  * they cut from the common line of the planes overlap. All three by more than a tolerance: what
  * touches does not cross. Triangles in one plane that face the same way overlap only where two
  * solids do; those that face each other are solids that touch. */

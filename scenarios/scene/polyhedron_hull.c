@@ -227,8 +227,7 @@ static bool keep_corners(const faces *f, double (*points)[3], int *count, pl_dia
                              kept);
 }
 
-/* Whether the fan from corner number `apex` has no triangle that is turned round or without area.
- */
+/* Whether all triangles of the fan from corner number `apex` have an area and the same sense. */
 static bool is_clear_fan(const double (*points)[3], const int *corner, int count, int apex,
                          pl_vec outward)
 {

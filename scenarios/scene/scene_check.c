@@ -441,9 +441,8 @@ static bool check_nested(const checker *c, const pl_field *field, const void *ob
     }
 }
 
-/* Checks the fields that every such object has, the rules between them, the fields that only some
- * have, then the objects within. So mass and inertia, which may come from the shape, come after it.
- */
+/* Checks the required fields, the rules between them, the optional fields, and then the objects
+ * within. So mass and inertia, which may come from the shape, are checked after it. */
 static bool check_object(const checker *c, pl_object_kind kind, const void *object)
 {
     const pl_object *table = &pl_objects[kind];

@@ -11,7 +11,7 @@
  * scene. */
 bool pl_scene_check(const pl_scene *scene, pl_diagnostic *diagnostic);
 
-/* Checks the numbers of one shape. Fails at the path as it stands. */
+/* Checks the numbers of one shape. Reports errors at the current path. */
 bool pl_check_shape(const pl_shape *shape, pl_diagnostic *diagnostic);
 
 #endif

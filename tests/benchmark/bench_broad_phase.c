@@ -249,11 +249,11 @@ static bool collide(pe_world *world, pe_pair pair)
 {
     const pe_body *a = &pe_bodies(world)[pair.a], *b = &pe_bodies(world)[pair.b];
     const pe_pose *poses = pe_poses(world);
-    pe_pair_manifold patches[PE_MAX_MANIFOLDS];
+    pe_pair_manifold manifolds[PE_MAX_MANIFOLDS];
     return pe_collide((pe_placed){&a->shape, NULL, &poses[pair.a], a->size},
                       (pe_placed){&b->shape, NULL, &poses[pair.b], b->size},
                       pe_pair_margin(world, pair.a, pair.b, DT), pe_step_memory(world),
-                      patches) > 0;
+                      manifolds) > 0;
 }
 
 /* The narrow phase over the pairs; returns how many it looked at. */

@@ -363,8 +363,7 @@ static json_t *level(double tolerance, int iterations, double seconds)
                      "seconds", seconds);
 }
 
-/* A problem on which the solver took so many iterations and seconds to 1e-3 m/s (0: not reached).
- */
+/* A problem that the solver solved to 1e-3 m/s in these iterations and seconds (0: not solved). */
 static json_t *made_problem(const char *name, int base, double base_seconds, int iterations,
                             double seconds)
 {

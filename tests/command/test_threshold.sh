@@ -38,7 +38,7 @@ expect 0 'unsupported: faulty lacks box' slope-threshold --engine "$faulty:good"
 "$PLUMB" threshold sphere-pyramid --engine plumb --engine "$faulty:abort" --engine plumb:fast \
     --json - 2>/dev/null >again.jsonl
 [[ $(wc -l <rows.jsonl) == 3 ]] || note_failure "expected 3 lines: $(cat rows.jsonl)"
-grep -q 'closed form' table || note_failure "the table is missing beside --json FILE"
+grep -q 'closed form' table || note_failure "the table is missing next to --json FILE"
 python3 - <<'END' || note_failure "the JSON lines are wrong"
 import json
 first = [json.loads(line) for line in open("rows.jsonl")]

@@ -35,8 +35,7 @@ static bool was_pushed_out(const pl_body_state *before, const pl_body_state *now
 }
 
 /* Linear momentum: m dv = m g h + sum of reported impulses, over one step, for every moving body
- * that was not pushed out of another.
- */
+ * that was not pushed out of another. */
 static void check_momentum(const engine_run *r, double dt)
 {
     for (int b = 0; b < r->scene->body_count; ++b) {
@@ -339,8 +338,8 @@ static void test_contact_impulses_on_a_slope_balance_the_weight(void **state)
 }
 
 /* v = v0 - mu g t, for a flat block that slides along x on a slab. The slab is a box, because
- * Bullet as it ships makes one point a step against a plane, and a block that hops on it shows no
- * clean friction. */
+ * Bullet with default settings makes one point a step against a plane, and a block that hops on it
+ * shows no clean friction. */
 static void law_slide(const pl_engine_choice *choice)
 {
     if (!solves_coulomb(choice)) {

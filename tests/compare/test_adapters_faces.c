@@ -39,8 +39,7 @@ static void area_of(const pl_polyhedron *hull, const unsigned int *polygon, doub
 }
 
 /* Every plane has its polygon's corners on it and all vertices below, the polygons go around
- * counter-clockwise and enclose the hull's volume, and V - E + F = 2. Returns the longest polygon.
- */
+ * counter-clockwise and enclose the hull's volume, and V - E + F = 2. Returns the longest one. */
 static unsigned int check_faces(const pl_polyhedron *hull, const double origin[3],
                                 const pl_hull_faces *faces)
 {

@@ -88,8 +88,8 @@ static bool is_built_in(const char *name)
     return false;
 }
 
-/* The table of options, which `list engines` shows, states the values that the library itself
- * ships. */
+/* The table of options, which `list engines` shows, states the default values of the
+ * library itself. */
 static void test_option_tables_of_reference_engines_match_library_defaults(void **state)
 {
     (void)state;

@@ -1,5 +1,4 @@
-/* The gate's judgement of runs, numbers and texts: what fails, what is a notice, what is neither.
- */
+/* The gate's judgement of runs, numbers and texts: a failure, a notice or neither. */
 #include "check.h"
 #include "gate_trial.h"
 #include "report_rows.h"

@@ -144,7 +144,7 @@ static void test_progress_and_tables_use_separate_streams(void **state)
 
 enum { STEPS = 20 };
 
-/* One ball that moves along x, and at step `from` is `off` beside where it should be, along y. */
+/* One ball that moves along x, and at step `from` is displaced by `off` along y. */
 static void write_frames(pl_trajectory *trajectory, int frames, int from, double off, double turn)
 {
     pl_error error = {.message = ""};

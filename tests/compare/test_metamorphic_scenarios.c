@@ -111,7 +111,7 @@ static void check_same_body(const pl_body *a, const pl_body *b, double far, bool
         assert_close(p->volume, q->volume, 0, 1e-12);
         assert_vectors(p->centre, q->centre, 1e-12 * q->radius, 0);
     }
-    /* Those of a hull are found anew with every copy, and a face of four corners has two ways. */
+    /* Those of a hull are found again for every copy, and a face of four corners has two ways. */
     if (q != NULL && (!q->convex || exactly)) {
         assert_memory_equal(p->triangles, q->triangles,
                             (size_t)q->triangle_count * sizeof *q->triangles);

@@ -218,7 +218,7 @@ static void test_run_starts_with_default_signals_and_session(void **state)
     pl_process_free(&process);
 }
 
-/* --- resident memory --- */
+/* ---- Resident set size ---- */
 
 /* Takes `bytes` in small blocks, touches and frees them; a last block above keeps the heap from
  * shrinking. */
@@ -247,7 +247,7 @@ static void measure_growth(void *user, FILE *answer)
     fprintf(answer, "%.17g", pl_resident_set_growth(baseline));
 }
 
-static void test_resident_growth_is_the_peak_that_was_touched(void **state)
+static void test_resident_set_growth_is_the_touched_peak(void **state)
 {
     (void)state;
 #ifdef __SANITIZE_ADDRESS__
@@ -366,7 +366,7 @@ int main(void)
         cmocka_unit_test(test_endless_output_is_killed_at_the_timeout),
         cmocka_unit_test(test_output_tail_is_the_end_of_the_output),
         cmocka_unit_test(test_run_starts_with_default_signals_and_session),
-        cmocka_unit_test(test_resident_growth_is_the_peak_that_was_touched),
+        cmocka_unit_test(test_resident_set_growth_is_the_touched_peak),
         cmocka_unit_test(test_run_makes_and_shows_all_steps),
         cmocka_unit_test(test_the_same_run_has_the_same_state_hash),
         cmocka_unit_test(test_trajectory_has_a_row_per_body_and_frame),

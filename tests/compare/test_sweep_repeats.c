@@ -5,8 +5,7 @@
 
 #include <stdlib.h>
 
-/* free-fall and projectile on two profiles: three repeats.
- */
+/* free-fall and projectile on two profiles: three repeats. */
 static void make_plan(pl_plan *plan)
 {
     *plan = (pl_plan){.repeats = 3};

@@ -153,9 +153,8 @@ static void test_cost_noise_bounds_the_loss_of_search(void **state)
 }
 
 /* The promise of tuning is 1.3 times the least cost. The target is met with 40 iterations where the
- * other options are as shipped, and by a factor of 20 more for each tenth that one of them is off.
- */
-static double shipped_excess(const double *v)
+ * other options have their defaults, and by a factor of 20 more for each tenth that one is off. */
+static double default_excess(const double *v)
 {
     double off = v[1];
     for (int k = 2; k < 5; ++k) {
@@ -169,12 +168,12 @@ static double iterations_cost(const double *v)
     return v[0];
 }
 
-static void test_options_that_are_right_as_shipped_stay_so(void **state)
+static void test_default_values_that_are_right_are_kept(void **state)
 {
     (void)state;
     need_nlopt();
     for (uint64_t seed = 0; seed < 10; ++seed) {
-        made_up m = make(iterations_cost, shipped_excess, 5);
+        made_up m = make(iterations_cost, default_excess, 5);
         pl_search_result found = search(&m, BUDGET, seed);
         assert_true(found.met);
         assert_at_most(found.evaluations[found.best].cost, 1.3 * 40);
@@ -313,7 +312,7 @@ int main(void)
         cmocka_unit_test(
             test_the_optimum_of_whole_and_continuous_axes_is_found_from_where_it_is_missed),
         cmocka_unit_test(test_cost_noise_bounds_the_loss_of_search),
-        cmocka_unit_test(test_options_that_are_right_as_shipped_stay_so),
+        cmocka_unit_test(test_default_values_that_are_right_are_kept),
         cmocka_unit_test(test_unmet_target_reports_the_nearest_point),
         cmocka_unit_test(test_plateaus_and_failed_points_end_the_search),
         cmocka_unit_test(test_small_parameter_space_is_searched_completely),

@@ -1,6 +1,5 @@
 /* The suites with a right answer, on plumb:accurate at 1/240 s: every scenario within the error
- * that its kind allows; and the hard suite, at two steps, with the outcome that a right engine has.
- */
+ * that its kind allows; and the hard suite, at two steps, with the outcome of a right engine. */
 #include "check.h"
 #include "plumb_process.h"
 #include "run_result.h"

@@ -143,8 +143,7 @@ static void test_pairs_within_margin_are_found_once_in_order(void **state)
     pe_world_destroy(world);
 }
 
-/* A step's motion, without contacts. Some jump, some are destroyed, and others come in their place.
- */
+/* A step's motion, without contacts. Some bodies jump, some are destroyed and replaced. */
 static void disturb(pe_world *world, pe_body_id *ids, int step, check_random *random)
 {
     for (int i = 0; i < CROWD; ++i) {

@@ -4,8 +4,7 @@
 #include "contact/contact_points.h"
 #include "placed_shape.h"
 
-/* Twice the area of the projection of a quadrilateral of points, the largest over its three orders.
- */
+/* Twice the projected area of a quadrilateral of points: the largest over its three orders. */
 static double quad_area(const pe_pair_manifold *manifold, const int q[4])
 {
     double most = 0;

@@ -78,8 +78,7 @@ static void test_factor_and_solve_equal_a_dense_solve(void **state)
     hold_everywhere(solve_equals_dense, 30);
 }
 
-/* |H x - b| <= 1e-13 (|H| |x| + |b|): the bound of backward stability, for every condition number.
- */
+/* |H x - b| <= 1e-13 (|H| |x| + |b|): backward stability, at every condition number. */
 static void solve_is_backward_stable(factor_setting *s, const char *name)
 {
     double *b = draw_vector(5, s->n), *x = draw_vector(6, s->n);

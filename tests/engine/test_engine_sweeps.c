@@ -11,8 +11,7 @@ static sweep_solver *const solvers[] = {pe_solve_gauss_seidel, pe_solve_momentum
 
 /* ---- Closed forms ---- */
 
-/* A cube of 1 m and 2 kg on a slope that falls towards +x; without contacts it gains h g in a step.
- */
+/* A cube of 1 m and 2 kg on a slope down towards +x; without contacts it gains h g in a step. */
 static void put_on_slope(sweep_bench *b, double angle, double friction)
 {
     bench_begin(b, 1);

@@ -284,16 +284,14 @@ static void test_small_piles_agree_with_siconos(void **state)
     assert_true(count_piles("shape=2", SICONOS_FRICTION_3D_NSGS) >= 3);
 }
 
-/* Newton on Alart and Curnier's function factorises W, and so needs that no contact is redundant.
- */
+/* Newton on Alart and Curnier's function factorises W, so that no contact may be redundant. */
 static void test_piles_of_spheres_agree_with_siconos_by_newton(void **state)
 {
     (void)state;
     assert_true(count_piles("shape=0", SICONOS_FRICTION_3D_NSN_AC) >= 3);
 }
 
-/* Siconos keeps some of what it allocates; read by the leak checker where the test runs under one.
- */
+/* Siconos does not free all that it allocates. The leak checker reads this. */
 const char *__lsan_default_suppressions(void);
 const char *__lsan_default_suppressions(void)
 {

@@ -1,5 +1,4 @@
-/* What the fuzz targets share: libFuzzer's entry point, and a check that release builds keep too.
- */
+/* Shared by the fuzz targets: libFuzzer's entry point, and a check that release builds keep. */
 #ifndef PLUMB_FUZZ_H
 #define PLUMB_FUZZ_H
 

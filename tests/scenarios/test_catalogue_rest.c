@@ -97,8 +97,7 @@ static void test_towers_of_a_field_are_towers_apart(void **state)
     pl_scene_free(&tower);
 }
 
-/* Each cube of a row over the gap between two of the row below, as far from one as from the other.
- */
+/* Each cube of a row is centred over the gap between two cubes of the row below. */
 static void test_pyramid_rows_lie_over_gaps_below(void **state)
 {
     (void)state;

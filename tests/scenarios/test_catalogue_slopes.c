@@ -121,8 +121,7 @@ static void test_slide_distances_equal_the_summed_recurrence(void **state)
     }
 }
 
-/* Coulomb's law step by step: a step takes friction g h from the speed, never more than there is.
- */
+/* Coulomb's law step by step: a step takes friction g h from the speed, down to zero. */
 static void test_stopping_distances_equal_the_summed_recurrence(void **state)
 {
     (void)state;

@@ -5,8 +5,7 @@
 
 #include <math.h>
 
-/* Boxes whose axes are the world's: gaps along x, y, z; all three negative or zero means touching.
- */
+/* Axis-aligned boxes: gaps along x, y and z. They touch where all three are at most zero. */
 static void gaps_of(const pl_body *a, const pl_body *b, double gaps[3])
 {
     for (int k = 0; k < 3; ++k) {
@@ -66,8 +65,7 @@ static void test_tower_cubes_touch_and_stand(void **state)
     pl_scene_free(&scene);
 }
 
-/* The centre of mass of all cubes above a joint lies over the face that the two cubes share there.
- */
+/* The centre of mass of all cubes above a joint lies over the face that its two cubes share. */
 static void test_displaced_tower_stands_for_every_seed(void **state)
 {
     (void)state;
@@ -214,8 +212,7 @@ static void test_wall_collapse_is_the_wall_with_ball(void **state)
         assert_close(ball->velocity[k], velocity[k], 0, 0);
     }
     assert_close(ball->mass, 100, 0, 0);
-    /* It reaches the wall while still at the height of the bricks: free fall over 1.75 m at 20 m/s.
-     */
+    /* It reaches the wall at the height of the bricks: free fall over 1.75 m at 20 m/s. */
     double time = (3 - 0.25 - 1) / 20.0;
     double height = ball->position[2] - 9.81 * time * time / 2;
     assert_true(height > 0 && height < 12.5);

@@ -1,4 +1,4 @@
-/* Wavefront .obj files that are refused: each with its line, what was expected and what was found.
+/* Wavefront .obj files that are refused: each with its line, the expected text and the found one.
  */
 #include "check.h"
 #include "obj_text.h"

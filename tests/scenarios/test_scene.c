@@ -1,5 +1,4 @@
-/* The scene model made by code: growth, shapes, pairs, validation, needs; and what all rooms share.
- */
+/* The scene model made by code: growth, shapes, pairs, validation, needs. Also the base helpers. */
 #include "base/name_index.h"
 #include "base/number.h"
 #include "base/random.h"

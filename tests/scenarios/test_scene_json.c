@@ -1,4 +1,4 @@
-/* Scene files: what is written reads back number for number, defaults, and the schema beside the
+/* Scene files: what is written reads back number for number, defaults, and the schema next to the
  * reader. */
 #include "base/number.h"
 #include "check.h"

@@ -94,8 +94,7 @@ static void draw_body(check_random *random, pe_problem_body *body)
     draw(random, body->free_velocity, 6, 2);
 }
 
-/* Fills a manifold except for its frame and pair; returns where the points of the next one begin.
- */
+/* Fills a manifold except for its frame and pair. Returns the first point index of the next one. */
 static int draw_manifold(check_random *random, pe_contact_problem *problem, pe_problem_manifold *m,
                          int first, int most_points)
 {

@@ -44,8 +44,7 @@ typedef struct factor_setting {
     int n;
 } factor_setting;
 
-/* `counted` NULL: all manifolds. Gains up to about `size`. Takes `source`; setting_end frees all.
- */
+/* `counted` NULL: all manifolds. Gains up to about `size`. Takes `source`; setting_end frees it. */
 void setting_begin(factor_setting *s, pe_contact_problem *source, const bool *counted,
                    pattern_finder find_pattern, uint64_t seed, double size);
 void setting_end(factor_setting *s);

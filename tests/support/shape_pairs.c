@@ -319,7 +319,7 @@ static pe_vec3 extent_in(const placed *a, const placed *p)
                               : pe_v3(1, 1, 1);
 }
 
-/* b, turned so, beside a along one of a's axes; on the others with sides or centres in line, or
+/* b, turned so, next to a along one of a's axes; on the others with sides or centres in line, or
  * not. */
 static void align(pair *p, pe_quat turn, check_random *random)
 {

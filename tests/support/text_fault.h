@@ -9,8 +9,7 @@ typedef struct text_fault {
     const char *part; /* of the message behind the path */
 } text_fault;
 
-/* The text with the first `from` replaced; the test fails where there is none. The caller frees it.
- */
+/* The text with the first `from` replaced; without one, the test fails. The caller frees it. */
 char *text_with(const char *text, const char *from, const char *to);
 
 /* Takes the @ out of `text` and counts characters up to it. */

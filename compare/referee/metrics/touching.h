@@ -16,8 +16,7 @@ typedef struct pl_touching pl_touching;
 pl_touching *pl_touching_create(const pl_scene *scene, pl_arena *arena);
 
 /* Begins the frame after step number `step`, then takes the pairs of the frame one by one, then
- * ends the frame. `touching` is a pl_touching. Step 0, before the first step, has no penetration.
- */
+ * ends the frame. `touching` is a pl_touching. Step 0 (the start) has no penetration. */
 void pl_touching_begin(pl_touching *touching, long step);
 void pl_touching_see(void *touching, const pl_near_pair *pair);
 void pl_touching_end(pl_touching *touching);

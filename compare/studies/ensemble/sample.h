@@ -38,8 +38,7 @@ typedef struct pl_observations {
     pl_sample samples[PL_OBSERVABLE_COUNT];
 } pl_observations;
 
-/* Gathers the observations of an ensemble from the results. The caller frees *observed in any case.
- */
+/* Gathers the observations of an ensemble from the results. The caller always frees *observed. */
 pl_status pl_observations_gather(const pl_plan *plan, const pl_ensemble *ensemble, int members,
                                  const json_t *results_by_run, pl_observations *observed,
                                  pl_error *error);

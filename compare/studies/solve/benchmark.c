@@ -194,8 +194,7 @@ const char *pl_solve_stop_name(pe_solve_stop stop)
  * is a solve of its own that stops there, so that its cost is what a user who asks for it pays. */
 
 /* The limits of one solve: factorisations; or sweeps, whose number times the number of points is
- * also limited. A sweep takes about 10 ns per point, so that the limit is half a second of sweeps.
- */
+ * also limited. A sweep takes about 10 ns per point: the limit is half a second of sweeps. */
 enum { MOST_FACTORISATIONS = 300, LEAST_SWEEPS = 300, MOST_SWEEPS = 100000 };
 static const double MOST_UPDATES = 5e7;
 static const pl_limits LIMITS = {.timeout = 60};

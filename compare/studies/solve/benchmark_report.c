@@ -28,8 +28,7 @@ static bool reached(const json_t *level)
     return json_is_true(json_object_get(level, "reached"));
 }
 
-/* The cell's level of this tolerance; NULL where it was not tried because a larger one was missed.
- */
+/* The cell's level of this tolerance; NULL: not tried, because a larger one was not reached. */
 static const json_t *find_level(const json_t *cell, double tolerance)
 {
     const json_t *levels = json_object_get(cell, "levels");

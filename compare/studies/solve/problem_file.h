@@ -34,8 +34,7 @@ pl_status pl_problem_read_text(const char *text, size_t length, const char *labe
 /* A valid problem as malloc'd text; `source` is an object or NULL. NULL when out of memory. */
 char *pl_problem_to_text(const pe_contact_problem *problem, const json_t *source);
 
-/* Writes the whole file or nothing ("-" is standard output). PL_FAILED: the problem is not valid.
- */
+/* Writes the whole file or nothing ("-" is standard output). PL_FAILED: the problem is invalid. */
 pl_status pl_problem_write_file(const char *path, const pe_contact_problem *problem,
                                 const json_t *source, pl_error *error);
 

@@ -24,18 +24,18 @@ static double count_configurations(const pl_grid_def *def)
 static void set_profile(pl_engine_choice *choice, int profile)
 {
     const pl_engine *engine = choice->engine;
-    double shipped[PL_ENGINE_MAX_OPTIONS];
+    double defaults[PL_ENGINE_MAX_OPTIONS];
     for (int i = 0; i < engine->option_count; ++i) {
-        shipped[i] = engine->options[i].value;
+        defaults[i] = engine->options[i].value;
     }
     if (engine->profile_defaults != NULL) {
-        engine->profile_defaults(profile, shipped);
+        engine->profile_defaults(profile, defaults);
     }
     for (int i = 0; i < engine->option_count; ++i) {
         char asked[PL_NAME_SIZE + 3];
         snprintf(asked, sizeof asked, ",%s=", engine->options[i].name);
         if (strstr(choice->spec, asked) == NULL) {
-            choice->values[i] = shipped[i];
+            choice->values[i] = defaults[i];
         }
     }
     choice->profile = profile;

@@ -1,5 +1,4 @@
-/* Runs that a sweep does not make: repeats of long runs, and runs that would end at the time limit.
- */
+/* Runs that a sweep leaves out: repeats of long runs, and runs that would end at the time limit. */
 #ifndef PLUMB_SWEEP_PRUNING_H
 #define PLUMB_SWEEP_PRUNING_H
 

@@ -159,8 +159,7 @@ static pl_status pl_vary_range(const char *text, pl_numbers *numbers, pl_error *
                        : append_sums(&r, text, numbers, error);
 }
 
-/* Splits "OWNER.KEY" of `length` characters. A key has no '.'; the name of an engine may have one.
- */
+/* Splits "OWNER.KEY" of `length` characters. A key has no '.'; an engine's name may have one. */
 static pl_status read_key(const char *text, size_t length, pl_vary *vary, pl_error *error)
 {
     size_t owner = length;
@@ -345,10 +344,11 @@ pl_status pl_default_vary(const pl_plan *plan, pl_vary **varied, int *count, pl_
     *count = status == PL_OK;
     for (int i = 0; i < plan->configuration_count && status == PL_OK; ++i) {
         const char *name = plan->configurations[i].choice.engine->name;
-        const double shipped = iterations_of(&plan->configurations[i]);
-        if (shipped > 0 && !is_varied(*varied, *count, name)) {
+        const double iterations = iterations_of(&plan->configurations[i]);
+        if (iterations > 0 && !is_varied(*varied, *count, name)) {
             char text[128];
-            snprintf(text, sizeof text, "%s.iterations=%.0f,%.0f", name, shipped, 5 * shipped);
+            snprintf(text, sizeof text, "%s.iterations=%.0f,%.0f", name, iterations,
+                     5 * iterations);
             status = pl_vary_parse(text, &(*varied)[*count], error);
             *count += status == PL_OK;
         }

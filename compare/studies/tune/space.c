@@ -189,12 +189,12 @@ static void add_rate(pl_tune_space *space, double dt)
 static pl_status add_table(pl_tune_space *space, pl_error *error)
 {
     const pl_engine *engine = space->base.engine;
-    pl_engine_choice shipped;
-    pl_status status = pl_tune_shipped(&space->base, &shipped, error);
+    pl_engine_choice defaults;
+    pl_status status = pl_tune_defaults(&space->base, &defaults, error);
     for (int i = 0; i < engine->option_count && status == PL_OK; ++i) {
         const pl_engine_option *option = &engine->options[i];
         const pl_tunable *tunable = pl_tunable_find(engine, space->base.profile, option->name);
-        if (tunable == NULL || space->base.values[i] != shipped.values[i]) {
+        if (tunable == NULL || space->base.values[i] != defaults.values[i]) {
             continue;
         }
         pl_tune_parameter *parameter = &space->parameters[space->parameter_count++];

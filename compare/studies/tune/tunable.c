@@ -89,8 +89,8 @@ const pl_tunable *pl_tunable_find(const pl_engine *engine, int profile, const ch
     return found != NULL && (found->profiles >> profile & 1u) != 0 ? found : NULL;
 }
 
-pl_status pl_tune_shipped(const pl_engine_choice *choice, pl_engine_choice *shipped,
-                          pl_error *error)
+pl_status pl_tune_defaults(const pl_engine_choice *choice, pl_engine_choice *defaults,
+                           pl_error *error)
 {
     /* A loaded engine is found by its path alone. */
     const char *profile = choice->engine->profiles[choice->profile].name;
@@ -104,21 +104,21 @@ pl_status pl_tune_shipped(const pl_engine_choice *choice, pl_engine_choice *ship
         snprintf(name, sizeof name, "%s", choice->engine->name);
     }
     snprintf(spec, sizeof spec, "%s:%s", name, profile);
-    return pl_engine_choose(spec, shipped, error);
+    return pl_engine_choose(spec, defaults, error);
 }
 
 void pl_tune_spec(const pl_engine_choice *choice, char spec[256])
 {
-    pl_engine_choice shipped;
-    if (pl_tune_shipped(choice, &shipped, NULL) != PL_OK) {
+    pl_engine_choice defaults;
+    if (pl_tune_defaults(choice, &defaults, NULL) != PL_OK) {
         spec[0] = '\0';
         return;
     }
     const pl_engine *engine = choice->engine;
     char text[256];
-    int used = snprintf(text, sizeof text, "%s", shipped.spec);
+    int used = snprintf(text, sizeof text, "%s", defaults.spec);
     for (int i = 0; i < engine->option_count && used < (int)sizeof text; ++i) {
-        if (choice->values[i] != shipped.values[i]) {
+        if (choice->values[i] != defaults.values[i]) {
             used += snprintf(text + used, sizeof text - (size_t)used, ",%s=%.15g",
                              engine->options[i].name, choice->values[i]);
         }
@@ -141,13 +141,13 @@ static void print_step(FILE *out, const pl_engine_choice *choice, double dt)
 
 void pl_tune_print_api(FILE *out, const pl_engine_choice *choice, double dt)
 {
-    pl_engine_choice shipped;
-    if (pl_tune_shipped(choice, &shipped, NULL) != PL_OK) {
+    pl_engine_choice defaults;
+    if (pl_tune_defaults(choice, &defaults, NULL) != PL_OK) {
         return;
     }
     for (int i = 0; i < choice->engine->option_count; ++i) {
         const pl_tunable *text = find(choice->engine->name, choice->engine->options[i].name);
-        if (text != NULL && choice->values[i] != shipped.values[i]) {
+        if (text != NULL && choice->values[i] != defaults.values[i]) {
             fprintf(out, "    %s%.15g%s\n", text->before, choice->values[i], text->after);
         }
     }

@@ -20,8 +20,8 @@ typedef struct pl_tunable {
 const pl_tunable *pl_tunable_find(const pl_engine *engine, int profile, const char *option);
 
 /* The same profile with default settings. */
-pl_status pl_tune_shipped(const pl_engine_choice *choice, pl_engine_choice *shipped,
-                          pl_error *error);
+pl_status pl_tune_defaults(const pl_engine_choice *choice, pl_engine_choice *defaults,
+                           pl_error *error);
 
 /* "name:profile,option=value...", with each option that differs from the profile's default. */
 void pl_tune_spec(const pl_engine_choice *choice, char spec[256]);

@@ -186,15 +186,15 @@ static void put_in_order(const pl_tuner *t, const pl_readings *readings, finalis
     }
 }
 
-static pl_tune_score score_of(const pl_reading *reading, const pl_reading *shipped, int repeats)
+static pl_tune_score score_of(const pl_reading *reading, const pl_reading *defaults, int repeats)
 {
     pl_tune_score score = {.seconds = pl_score_ratio(reading, NULL, 0, repeats),
-                           .shipped_seconds = pl_score_ratio(shipped, NULL, 0, repeats),
-                           .ratio = pl_score_ratio(reading, shipped, 0, repeats),
+                           .default_seconds = pl_score_ratio(defaults, NULL, 0, repeats),
+                           .ratio = pl_score_ratio(reading, defaults, 0, repeats),
                            .target = reading->target,
-                           .shipped_target = shipped->target};
+                           .default_target = defaults->target};
     memcpy(score.outcome, reading->outcome, sizeof score.outcome);
-    memcpy(score.shipped_outcome, shipped->outcome, sizeof score.shipped_outcome);
+    memcpy(score.default_outcome, defaults->outcome, sizeof score.default_outcome);
     return score;
 }
 
@@ -234,7 +234,7 @@ static pl_status choose_best(pl_tuner *t, pl_error *error)
     pl_tuning *tuning = t->tuning;
     const size_t evaluations = (size_t)tuning->found.count;
     pl_evaluation *sorted = calloc(evaluations + 1, sizeof *sorted);
-    pl_setting settings[PL_TUNE_FINALISTS + 1] = {t->shipped};
+    pl_setting settings[PL_TUNE_FINALISTS + 1] = {t->defaults};
     pl_readings readings;
     finalists f = {.count = 0};
     if (sorted == NULL) {
@@ -273,7 +273,7 @@ static pl_status search(pl_tuner *t, pl_error *error)
                                       .user = t,
                                       .measure = pl_evaluation_make};
     pl_tuning *tuning = t->tuning;
-    pl_status status = pl_evaluate_shipped(t, error);
+    pl_status status = pl_evaluate_defaults(t, error);
     if (status == PL_OK && tuning->signal_number == 0) {
         status = pl_search(&search_def, &tuning->found, error);
     }
@@ -291,13 +291,13 @@ pl_status pl_tune(const pl_tune_def *def, pl_tuning *tuning, pl_error *error)
     *tuning = (pl_tuning){.found = {.best = -1}};
     pl_tuner t = {.def = def, .tuning = tuning, .shows = def->progress != NULL};
     const size_t cases = (size_t)def->plan->case_count;
-    t.shipped.dt = (double)NAN;
-    t.shipped_instructions = calloc(cases, sizeof *t.shipped_instructions);
+    t.defaults.dt = (double)NAN;
+    t.default_instructions = calloc(cases, sizeof *t.default_instructions);
     t.spreads = calloc(cases, sizeof *t.spreads);
     tuning->scores = calloc(cases, sizeof *tuning->scores);
-    pl_status status = t.shipped_instructions == NULL || t.spreads == NULL || tuning->scores == NULL
+    pl_status status = t.default_instructions == NULL || t.spreads == NULL || tuning->scores == NULL
                            ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                           : pl_tune_shipped(&def->space->base, &t.shipped.choice, error);
+                           : pl_tune_defaults(&def->space->base, &t.defaults.choice, error);
     /* The bar expects about three runs per case and setting. */
     if (t.shows) {
         t.bar = pl_progress_begin(def->progress, (long)def->plan->case_count * def->budget * 3,
@@ -310,7 +310,7 @@ pl_status pl_tune(const pl_tune_def *def, pl_tuning *tuning, pl_error *error)
         pl_progress_end(&t.bar);
     }
     free(t.spreads);
-    free(t.shipped_instructions);
+    free(t.default_instructions);
     return status;
 }
 

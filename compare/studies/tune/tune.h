@@ -22,10 +22,10 @@ typedef struct pl_tune_def {
 
 /* The cost of the best point on a scenario and its targets there, next to the default settings. */
 typedef struct pl_tune_score {
-    double seconds, shipped_seconds; /* CPU time per simulated second, s: medians; NAN: none */
+    double seconds, default_seconds; /* CPU time per simulated second, s: medians; NAN: none */
     double ratio;                    /* median of the repeats' ratios; NAN: none */
-    pl_target_reading target, shipped_target;
-    char outcome[32], shipped_outcome[32];
+    pl_target_reading target, default_target;
+    char outcome[32], default_outcome[32];
 } pl_tune_score;
 
 /* One parameter moved from the best point, the others unchanged. */
@@ -47,13 +47,12 @@ typedef struct pl_tune_check {
 /* The result of tuning one engine profile. */
 typedef struct pl_tuning {
     /* An evaluation holds where the targets are met on all runs that it was judged by. Its excess
-     * is at most 0 where they are met with two standard deviations of ln(value / bound) to spare.
-     */
+     * is at most 0 where they are met by two standard deviations of ln(value / bound). */
     pl_search_result found;
     bool met;              /* `best` meets the targets; else it is the point nearest to them */
     bool has_margin;       /* with two standard deviations to spare */
     bool by_instructions;  /* the search measured cost in instructions; else in CPU time */
-    bool shipped_has_cost; /* else costs are not ratios but seconds per simulated second */
+    bool default_has_cost; /* else costs are not ratios but seconds per simulated second */
     pl_evaluation best;
     pl_setting setting;    /* of the best point */
     double cost, worst;    /* ratio of CPU time to the default settings', geometric mean; excess */
@@ -72,8 +71,7 @@ typedef struct pl_tuning {
 pl_status pl_tune(const pl_tune_def *def, pl_tuning *tuning, pl_error *error);
 void pl_tuning_free(pl_tuning *tuning);
 
-/* Prints the settings as a SPEC and in the engine's own API, their costs, and how they were judged.
- */
+/* Prints the settings as a SPEC and in the engine's own API, their costs and their verdicts. */
 void pl_tune_print(FILE *out, const pl_tune_def *def, const pl_tuning *tuning);
 
 /* plumb.tuning/1 (SCHEMA.md), with all evaluations; NULL when out of memory. */

@@ -44,7 +44,7 @@ static json_t *scenarios_json(const pl_tune_def *def)
     return list;
 }
 
-/* The shipped step of a setting that keeps the scenarios' own is not one number: null. */
+/* The default step of a setting that keeps the scenarios' own is not one number: null. */
 static json_t *setting_json(const pl_setting *setting)
 {
     return json_pack("{s:s, s:o, s:o}", "spec", setting->choice.spec, "dt",
@@ -73,9 +73,9 @@ static json_t *scores_json(const pl_tune_def *def, const pl_tuning *tuning)
                             values_json(def, &score->target), "excess", score->target.excess,
                             "cost_ratio", pl_json_number_or_null(score->ratio), "seconds",
                             pl_json_number_or_null(score->seconds), "shipped_seconds",
-                            pl_json_number_or_null(score->shipped_seconds), "shipped_outcome",
-                            score->shipped_outcome, "shipped_metrics",
-                            values_json(def, &score->shipped_target)));
+                            pl_json_number_or_null(score->default_seconds), "shipped_outcome",
+                            score->default_outcome, "shipped_metrics",
+                            values_json(def, &score->default_target)));
     }
     return list;
 }
@@ -142,7 +142,7 @@ json_t *pl_tune_json(const pl_tune_def *def, const pl_tuning *tuning)
         base->engine->profiles[base->profile].name, "scenarios", scenarios_json(def), "targets",
         targets_json(def), "met", tuning->met, "has_margin", tuning->has_margin, "validated",
         is_validated(tuning), "cost", pl_json_number_or_null(tuning->cost), "cost_is_ratio",
-        tuning->shipped_has_cost, "excess", tuning->worst, "setting",
+        tuning->default_has_cost, "excess", tuning->worst, "setting",
         setting_json(&tuning->setting), "on", scores_json(def, tuning), "sensitivity",
         sensitivities_json(def, tuning), "validation", checks_json(def, tuning), "passed_over",
         tuning->passed_over, "search_cost", tuning->by_instructions ? "instructions" : "cpu_time",
@@ -212,12 +212,12 @@ static void print_settings(FILE *out, const pl_tune_def *def, const pl_tuning *t
 
 static void print_scores(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
 {
-    if (tuning->shipped_has_cost) {
-        fprintf(out, "\ncost: %.3g x that of the shipped settings at the scenarios' own step\n",
+    if (tuning->default_has_cost) {
+        fprintf(out, "\ncost: %.3g x that of the default settings at the scenarios' own step\n",
                 tuning->cost);
     } else {
         fprintf(out,
-                "\ncost: %.3g s of CPU time a simulated second; the shipped settings have none\n",
+                "\ncost: %.3g s of CPU time a simulated second; the default settings have none\n",
                 tuning->cost);
     }
     for (int p = 0; p < def->plan->case_count; ++p) {
@@ -230,8 +230,8 @@ static void print_scores(FILE *out, const pl_tune_def *def, const pl_tuning *tun
         print_values(out, def->targets, &score->target);
         fprintf(out, ", ");
         print_margin(out, score->target.excess);
-        fprintf(out, "; shipped %s, ", score->shipped_outcome);
-        print_values(out, def->targets, &score->shipped_target);
+        fprintf(out, "; default settings: %s, ", score->default_outcome);
+        print_values(out, def->targets, &score->default_target);
         fprintf(out, "\n");
     }
 }
@@ -308,6 +308,6 @@ void pl_tune_print(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)
             tuning->found.refined, tuning->runs,
             tuning->by_instructions
                 ? "instructions a step"
-                : "CPU time next to the shipped settings', in turns (instructions "
+                : "CPU time next to the default settings', in turns (instructions "
                   "are not counted here)");
 }

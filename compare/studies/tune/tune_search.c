@@ -65,8 +65,7 @@ double pl_tune_neighbour(const pl_tune_parameter *parameter, double value, int d
     return rounded_value(parameter, direction < 0 ? value - step : value + step);
 }
 
-/* Whether no further point may be evaluated: the limit is reached, or the search stopped or failed.
- */
+/* Whether no further point may be evaluated: the search is at its limit, stopped or failed. */
 static bool is_over(const pl_evaluation_cache *cache)
 {
     return cache->status != PL_OK || cache->found->stopped || cache->found->count >= cache->limit;

@@ -66,8 +66,7 @@ typedef struct pl_search_result {
     int sampled, optimised, refined; /* evaluations of each stage */
 } pl_search_result;
 
-/* Whether this build has NLopt, the library of the second stage. Without it the stage is skipped.
- */
+/* Whether this build has NLopt, the library of the second stage, which is skipped without it. */
 bool pl_search_has_nlopt(void);
 
 /* Evaluates low-discrepancy points over the space, in half of which a parameter that spends no time

@@ -42,8 +42,7 @@ double pl_spread_likely(const pl_spread *spread)
     return mean + 2 * sqrt(fmax(unbiased, 0));
 }
 
-/* Runs that take much longer than those of the best evaluation so far cost more and are cut short.
- */
+/* Runs that take much longer than those of the best evaluation so far are cut short. */
 static pl_limits limits_of(const pl_tuner *t)
 {
     const double patience = 5, least = 2;
@@ -86,14 +85,14 @@ static double cost_or_none(double cost)
     return isfinite(cost) ? cost : (double)INFINITY;
 }
 
-double pl_tuner_cost(const pl_tuner *t, const pl_reading *mine, const pl_reading *shipped,
+double pl_tuner_cost(const pl_tuner *t, const pl_reading *mine, const pl_reading *defaults,
                      int first, int repeats)
 {
     const int cases = t->def->plan->case_count;
     double sum = 0;
     for (int p = 0; p < cases; ++p) {
-        sum += log(pl_score_ratio(&mine[p], t->tuning->shipped_has_cost ? &shipped[p] : NULL, first,
-                                  repeats));
+        sum += log(pl_score_ratio(&mine[p], t->tuning->default_has_cost ? &defaults[p] : NULL,
+                                  first, repeats));
     }
     return cost_or_none(exp(sum / cases));
 }
@@ -104,7 +103,7 @@ static double instructions_ratio(const pl_tuner *t, const pl_reading *mine)
     const int cases = t->def->plan->case_count;
     double sum = 0;
     for (int p = 0; p < cases; ++p) {
-        sum += log(mine[p].instructions[0] / t->shipped_instructions[p]);
+        sum += log(mine[p].instructions[0] / t->default_instructions[p]);
     }
     return cost_or_none(exp(sum / cases));
 }
@@ -118,22 +117,22 @@ double pl_tuner_excess(const pl_tuner *t, const pl_reading *readings)
     return excess;
 }
 
-pl_status pl_evaluate_shipped(pl_tuner *t, pl_error *error)
+pl_status pl_evaluate_defaults(pl_tuner *t, pl_error *error)
 {
     pl_readings readings;
     pl_tuning *tuning = t->tuning;
-    pl_status status =
-        pl_tuner_measure(t, (pl_tuner_runs){.settings = &t->shipped, .count = 1}, &readings, error);
-    tuning->by_instructions = tuning->shipped_has_cost = true;
+    pl_status status = pl_tuner_measure(t, (pl_tuner_runs){.settings = &t->defaults, .count = 1},
+                                        &readings, error);
+    tuning->by_instructions = tuning->default_has_cost = true;
     for (int p = 0; p < readings.case_count && status == PL_OK && tuning->signal_number == 0; ++p) {
         const pl_reading *reading = &pl_readings_of(&readings, 0)[p];
         if (reading->is_absent) {
             status = pl_fail(error, PL_UNSUPPORTED, "%s does not do %s",
-                             t->shipped.choice.engine->name, t->def->plan->cases[p].name);
+                             t->defaults.choice.engine->name, t->def->plan->cases[p].name);
         }
-        t->shipped_instructions[p] = reading->instructions[0];
+        t->default_instructions[p] = reading->instructions[0];
         tuning->by_instructions = tuning->by_instructions && isfinite(reading->instructions[0]);
-        tuning->shipped_has_cost = tuning->shipped_has_cost && isfinite(reading->seconds[0]);
+        tuning->default_has_cost = tuning->default_has_cost && isfinite(reading->seconds[0]);
     }
     pl_readings_free(&readings);
     return status;
@@ -212,7 +211,7 @@ pl_status pl_evaluation_make(void *user, pl_evaluation *evaluation, bool *stop, 
     pl_tuner *t = user;
     pl_tuning *tuning = t->tuning;
     const bool counted = tuning->by_instructions;
-    const pl_setting settings[2] = {pl_tuner_setting(t, evaluation->values), t->shipped};
+    const pl_setting settings[2] = {pl_tuner_setting(t, evaluation->values), t->defaults};
     const double began = pl_monotonic_seconds();
     pl_tuner_runs runs = {.settings = settings, .count = counted ? 1 : 2};
     pl_readings readings;

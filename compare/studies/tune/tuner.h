@@ -11,8 +11,7 @@ enum { PL_TUNER_REPEATS = 4 };
 /* ---- Costs and excesses from readings ---- */
 
 /* The median over the repeats from `first` to below `repeats` of the CPU time over that of `other`
- * in the same repeat; with `other` NULL, of the CPU time itself, s per simulated second. NAN: none.
- */
+ * in the same repeat; with `other` NULL, of the CPU time, in s per simulated second. NAN: none. */
 double pl_score_ratio(const pl_reading *reading, const pl_reading *other, int first, int repeats);
 
 /* The excesses of one scenario, as asked for and changed. */
@@ -36,9 +35,9 @@ typedef struct pl_tuner {
     pl_tuning *tuning;
     pl_progress bar;
     bool shows;
-    pl_setting shipped;           /* the default settings */
+    pl_setting defaults;          /* the default settings */
     pl_spread *spreads;           /* (case_count): of the evaluation in progress */
-    double *shipped_instructions; /* (case_count): per simulated second; NAN: not counted */
+    double *default_instructions; /* (case_count): per simulated second; NAN: not counted */
     double best_seconds;          /* wall time of the first runs of the best evaluation */
 } pl_tuner;
 
@@ -59,7 +58,7 @@ pl_setting pl_tuner_setting(const pl_tuner *t, const double *values);
 
 /* The geometric mean over the scenarios of the CPU time over that of the default settings, repeat
  * by repeat from `first` to below `repeats`; INFINITY where there is none. */
-double pl_tuner_cost(const pl_tuner *t, const pl_reading *mine, const pl_reading *shipped,
+double pl_tuner_cost(const pl_tuner *t, const pl_reading *mine, const pl_reading *defaults,
                      int first, int repeats);
 
 /* The largest excess over the scenarios. */
@@ -68,7 +67,7 @@ double pl_tuner_excess(const pl_tuner *t, const pl_reading *readings);
 /* ---- Evaluations ---- */
 
 /* Measures the default settings once. PL_UNSUPPORTED: the engine does not support a scenario. */
-pl_status pl_evaluate_shipped(pl_tuner *t, pl_error *error);
+pl_status pl_evaluate_defaults(pl_tuner *t, pl_error *error);
 
 /* Sets `excess` and `holds` from the readings `asked` of the scenarios as asked for, and from runs
  * of the scenarios as the variants change them, up to the first that misses a target. */

@@ -115,8 +115,7 @@ typedef struct pe_solver_info {
 /* The number of solvers. */
 int pe_solver_count(void);
 
-/* Solver 0 .. pe_solver_count() - 1, in static storage. For any other index all members are zero.
- */
+/* Solver 0 .. pe_solver_count() - 1, in static storage. All members are zero for other indices. */
 pe_solver_info pe_solver(int index);
 
 /* The natural map of a contact point, w | p - P_K(p - (u + mu |u_t| n)/w) | with w = tr(J M^-1

@@ -44,8 +44,7 @@ typedef struct pe_arena {
     bool failed; /* a request since the last reset was refused */
 } pe_arena;
 
-/* `count` items of `stride` bytes, aligned to 64 bytes, not initialised; NULL when out of memory.
- */
+/* `count` items of `stride` bytes, aligned to 64 bytes, uninitialised; NULL when out of memory. */
 void *pe_arena_take(pe_arena *arena, const pe_allocator *allocator, size_t count, size_t stride);
 
 /* The state of an arena that pe_arena_rewind goes back to. */

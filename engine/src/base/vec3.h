@@ -82,8 +82,7 @@ static inline pe_vec3 pe_mul(pe_vec3 a, pe_vec3 b)
     return pe_v3(a.x * b.x, a.y * b.y, a.z * b.z);
 }
 
-/* Smaller and larger of two numbers: one instruction each, and the same for NaN on every machine.
- */
+/* Smaller and larger of two numbers: one instruction each. NaN gives the same on every machine. */
 static inline double pe_min(double a, double b)
 {
     return a < b ? a : b;

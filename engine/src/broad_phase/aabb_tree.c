@@ -161,7 +161,7 @@ typedef struct subtree {
     int node;
 } subtree;
 
-/* All of them. Where the whole tree is rebuilt they are copies of its leaves; else `leaf` is NULL.
+/* All subtrees. If the whole tree is rebuilt, they are copies of its leaves; else `leaf` is NULL.
  */
 typedef struct forest {
     subtree *item;

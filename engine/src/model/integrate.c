@@ -80,7 +80,7 @@ static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
     return s;
 }
 
-/* Mean force and torque over the step, world: those at the orientation in the middle. */
+/* Mean force and torque over the step, world: those at the midpoint orientation. */
 static void mean_force(const pe_applied_force *applied, const pe_twist *twist, const pe_pose *pose,
                        double dt, pe_vec3 *force, pe_vec3 *torque)
 {

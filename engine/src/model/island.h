@@ -6,8 +6,8 @@
 
 /* Islands with at least one contact, ordered by their first body; island k has the manifolds
  * manifolds[start[k]] .. manifolds[start[k + 1] - 1] and the dynamic bodies
- * bodies[body_start[k]] .. bodies[body_start[k + 1] - 1], both ascending. All in the step's arena.
- */
+ * bodies[body_start[k]] .. bodies[body_start[k + 1] - 1], both ascending. The step's arena holds
+ * it. */
 typedef struct pe_islands {
     int count;
     int *start;      /* (count + 1) */

@@ -8,8 +8,7 @@
 
 #include <string.h>
 
-/* Body slots start at 1: slot 0 is a static dummy, so that an id's index is its slot and 0 is null.
- */
+/* Body slots start at 1: slot 0 is a static dummy. So an id's index is its slot, and 0 is null. */
 
 /* Where a body is. The axes are the principal ones through the centre of mass, which for a hull or
  * mesh are not those of its vertices: see geometry.h. */

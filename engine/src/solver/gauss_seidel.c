@@ -103,8 +103,7 @@ static pe_status solve(const pe_problem *problem, const pe_solve_limits *limits,
             }
         }
     }
-    /* Rounding errors have added up in the velocities of the sweeps; those of the impulses count.
-     */
+    /* The sweeps add up rounding errors in the velocities. The impulses give them afresh. */
     pe_problem_rebuild_velocity(problem);
     report->residual = pe_problem_residual(problem);
     report->stop =

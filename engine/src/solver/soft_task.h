@@ -90,8 +90,7 @@ typedef struct pe_soft_kernel {
     /* The two sweeps. `relax` adds each impulse to the sum over the step. */
     void (*bias)(const pe_soft_task *task);
     void (*relax)(const pe_soft_task *task);
-    /* Newton's law of impact at points that approached at the step's start and have touched since.
-     */
+    /* Newton's law of impact at points that approached at the step's start and then touched. */
     void (*bounce)(const pe_soft_task *task);
     /* Writes the impulses of the step into the manifold points. */
     void (*store)(const pe_soft_task *task);

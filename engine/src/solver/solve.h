@@ -51,8 +51,7 @@ pe_status pe_solve_gauss_seidel(const pe_problem *problem, const pe_solve_limits
 pe_status pe_solve_momentum(const pe_problem *problem, const pe_solve_limits *limits,
                             pe_workspace work, pe_solve_report *report, pe_error *error);
 
-/* Newton's method in the Tresca form, or in the cone form when there is no impulse to start from.
- */
+/* Newton's method in the Tresca form, or in the cone form without an impulse to start from. */
 pe_status pe_solve_newton(const pe_problem *problem, const pe_solve_limits *limits,
                           pe_workspace work, pe_solve_report *report, pe_error *error);
 

@@ -157,8 +157,7 @@ static double evaluate(newton *n)
     return worst;
 }
 
-/* The slope of the function at the fraction a of the step: constant + a curvature - sum P(y) . du.
- */
+/* The function's slope at the fraction a of the step: constant + a curvature - sum P(y) . du. */
 typedef struct ray {
     double constant, curvature;
 } ray;

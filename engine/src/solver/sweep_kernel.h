@@ -215,8 +215,7 @@ PE_INLINE void add_coupling(const wide frame[3][3], const wide inverse_inertia[6
     }
 }
 
-/* W = J M^-1 J^T of a point, from its columns: the velocities by unit impulses along n, t1 and t2.
- */
+/* W = J M^-1 J^T of a point. Its columns are the velocities by unit impulses along n, t1 and t2. */
 PE_INLINE void prepare_point(pe_sweep_point *point, int lane, const coupling *e)
 {
     wide s[3], w[3][3];

@@ -10,8 +10,7 @@
 
 typedef double pe_lanes __attribute__((vector_size(64)));
 
-/* A 6 x 6 block, column-major. The rows of a column fill six of its eight lanes; two are padding.
- */
+/* A 6 x 6 block, column-major. A column fills six of its eight lanes; two are padding. */
 typedef struct pe_block {
     pe_lanes column[6];
 } pe_block;

@@ -69,8 +69,7 @@ static pe_status check_call(const pe_contact_problem *problem, const char *name,
 /* Most marks that are kept. */
 enum { MOST_MARKS = 100000 };
 
-/* Adds the end to the history, which begins with the start and holds the solver's marks in between.
- */
+/* Adds the end to the history, which holds the start and then the solver's marks. */
 static void close_history(const pe_solve_history *history, pe_contact_solution *made)
 {
     const pe_solve_mark end = {made->iterations, made->residual.max, made->seconds};

@@ -15,7 +15,7 @@ static const double LEFT = 0.5;
 
 /* Speed, in m/s, that counts as rest: contacts at rest remove rounding with less
  * (problem_build.c). */
-static const double STANDING = 1e-6;
+static const double REST_SPEED = 1e-6;
 
 /* Bodies that are guarded together. */
 typedef struct group {
@@ -106,15 +106,14 @@ static energy energy_of(const group *g)
 /* The factor of the velocities that leaves no growth; 0: there is none. */
 static double factor_of(const energy *e, bool exact)
 {
-    double allowed = ROUNDING * e->terms + STANDING * STANDING * e->mass;
+    double allowed = ROUNDING * e->terms + REST_SPEED * REST_SPEED * e->mass;
     if (!(e->growth > allowed + (exact ? MOVING_ERROR * e->motion : 0))) {
         return 1;
     }
     return e->growth < e->kinetic ? sqrt(1 - e->growth / e->kinetic) : 0;
 }
 
-/* Whether no body is farther than step->shallow from `poses`; `corrected`: of the corrected ones.
- */
+/* Whether no body, or with `corrected` no corrected body, is over step->shallow from `poses`. */
 static bool is_shallow(const group *g, const pe_pose *poses, bool corrected)
 {
     const pe_step *step = g->step;

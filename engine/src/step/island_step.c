@@ -27,7 +27,7 @@ static const double SWEPT_POINTS = 1250;
 static const double CLOSING_SLACK = 1e-9;
 
 /* Speed, in m/s, against which an impulse may act without mattering. */
-static const double STANDING = 1e-6;
+static const double NEGLIGIBLE_SPEED = 1e-6;
 
 /* Part of the kinetic energy of its bodies that a manifold with transported points may add: less
  * than the energy guard lets pass. */
@@ -145,7 +145,7 @@ static bool pushes(const pe_island_problem *island, const pe_solver_manifold *ma
         normal += p[0];
         transported |= island->normal_change[j] > 0;
     }
-    double allowed = STANDING * normal;
+    double allowed = NEGLIGIBLE_SPEED * normal;
     if (transported) {
         allowed += MOVING_ERROR *
                    (kinetic_energy(problem, manifold->a) + kinetic_energy(problem, manifold->b));
@@ -218,9 +218,8 @@ static void find_late(const pe_world *world, const pe_island_problem *island, do
     }
 }
 
-/* The angular impulse of body i's contacts acts in two halves about its rotation, or at an impact
- * before it, so that the rotation is about the new angular velocity and does not change the energy.
- */
+/* The angular impulse of body i's contacts acts half before and half after its rotation, or at an
+ * impact all before it. So the rotation is about the new angular velocity and keeps the energy. */
 static pe_rotation_step rotate_body(const pe_world *world, const pe_island_problem *island,
                                     const pe_interval *interval, int i, bool late)
 {

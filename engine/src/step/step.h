@@ -59,8 +59,7 @@ pe_status pe_island_solve(pe_step *step, pe_interval *interval, pe_island_proble
 pe_status pe_island_step(pe_step *step, pe_interval *interval);
 
 /* Moves a body that touches nothing over dt, in s. Without a torque its rotation is integrated by a
- * rule of fourth order, except in the fast profile. `free` (slots) is the motion without contacts.
- */
+ * rule of fourth order, except in the fast profile. `free` (slots): the motion without contacts. */
 void pe_integrate_free(pe_world *world, int slot, const pe_free_motion *free, double dt);
 
 /* ---- Impacts at their own time (impact.c) ---- */

@@ -8,7 +8,7 @@
 #include <time.h>
 
 /* Depth, in m, from which position correction acts in islands that were solved directly. */
-static const double STANDING_DEPTH = 1e-8;
+static const double DIRECT_DEPTH = 1e-8;
 enum { CORRECTION_ITERATIONS = 30 };
 
 /* In units of the slop: a correction by less waits until motion can pay for it (step.h). */
@@ -241,8 +241,7 @@ static pe_status solve_and_move(pe_step *step)
 
 /* ---- Contacts of the step's end, and corrections ---- */
 
-/* Finds the contacts that the next step solves. Those that this step solved become world->solved.
- */
+/* Finds the contacts that the next step solves. Those solved in this step become world->solved. */
 static pe_status find_next_contacts(pe_step *step)
 {
     pe_world *world = step->world;
@@ -288,14 +287,14 @@ static pe_status correct_positions(pe_step *step)
     if (fast && !step->any_fast_moving) {
         return PE_OK;
     }
-    pe_correction_rules standing = pe_correction_rules_default();
-    standing.begin = STANDING_DEPTH;
-    standing.aim = 0;
-    standing.enough = 0.1 * STANDING_DEPTH;
-    standing.among = fast ? step->fast_moving : step->solved_directly;
-    standing.solver = pe_solve_combined;
-    standing.solver_limits = (pe_solve_limits){standing.enough, CORRECTION_ITERATIONS};
-    pe_status status = correct_by(step, &standing);
+    pe_correction_rules direct = pe_correction_rules_default();
+    direct.begin = DIRECT_DEPTH;
+    direct.aim = 0;
+    direct.enough = 0.1 * DIRECT_DEPTH;
+    direct.among = fast ? step->fast_moving : step->solved_directly;
+    direct.solver = pe_solve_combined;
+    direct.solver_limits = (pe_solve_limits){direct.enough, CORRECTION_ITERATIONS};
+    pe_status status = correct_by(step, &direct);
     if (status != PE_OK || fast) {
         return status;
     }

@@ -1,8 +1,7 @@
 /* What every layer of the harness shares: the status of a call and the error it fills.
  *
  * A function that can fail returns a pl_status and takes an optional `pl_error *` (NULL is
- * allowed). On PL_OK the error is untouched. No function here prints, exits, or keeps global state.
- */
+ * allowed). On PL_OK the error is untouched. No function prints, exits, or keeps global state. */
 #ifndef PLUMB_BASE_H
 #define PLUMB_BASE_H
 
