@@ -127,6 +127,7 @@ static pl_status read_all(const options *o, material *m, pl_error *error)
         status = pl_gate_file_read(o->request.names.items[i], &m->files[m->file_count++], error);
     }
     if (status == PL_OK) {
+        /* NOLINTNEXTLINE(clang-analyzer-unix.Malloc): the caller frees m->files */
         status = pl_gate_gather(m->files, m->file_count, &o->tolerances, &m->now, error);
     }
     if (status == PL_OK && m->now.count > 0) {

@@ -75,19 +75,21 @@ static pl_status choose_solvers(const options *o, session *s, pl_error *error)
     if (s->solvers == NULL || s->runs == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory");
     }
+    int count = 0;
     for (int i = 0; i < o->solvers.count; ++i) {
         bool all = strcmp(o->solvers.items[i], "all") == 0;
         for (int k = 0; k < (all ? pe_solver_count() : 1); ++k) {
             const char *name = all ? pe_solver(k).name : o->solvers.items[i];
             bool known = false;
-            for (int j = 0; j < s->count; ++j) {
+            for (int j = 0; j < count; ++j) {
                 known = known || strcmp(s->solvers[j], name) == 0;
             }
             if (!known) {
-                s->solvers[s->count++] = name;
+                s->solvers[count++] = name;
             }
         }
     }
+    s->count = count;
     return PL_OK;
 }
 
@@ -164,6 +166,7 @@ static json_t *numbers(const double *values, int rows, int columns)
     for (int i = 0; i < rows; ++i) {
         json_t *row = json_array();
         for (int k = 0; k < columns; ++k) {
+            /* NOLINTNEXTLINE(clang-analyzer-core.*): values is not NULL where rows > 0 */
             json_array_append_new(row, pl_json_number_or_null(values[i * columns + k]));
         }
         json_array_append_new(array, row);

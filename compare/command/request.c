@@ -272,7 +272,7 @@ pl_status pl_request_add_cases(const pl_request *request, pl_plan *plan, pl_erro
     if (status != PL_OK) {
         goto cleanup;
     }
-    scenarios = calloc((size_t)count + 1, sizeof *scenarios);
+    scenarios = calloc((size_t)count + 1, sizeof(const pl_scenario *));
     status = scenarios == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
                                : find_scenarios(list, count, scenarios, &known, error);
     if (status == PL_OK) {

@@ -155,8 +155,8 @@ static bool copy_pattern(const char *from, const char *end, char pattern[256])
 /* Reads "SCENARIO/ENGINE:" and returns the rest of the text; NULL: too long. */
 static const char *read_filter(const char *text, pl_gate_rule *rule)
 {
-    strcpy(rule->scenario, "*");
-    strcpy(rule->engine, "*");
+    snprintf(rule->scenario, sizeof rule->scenario, "*");
+    snprintf(rule->engine, sizeof rule->engine, "*");
     const char *colon = strrchr(text, ':');
     if (colon == NULL) {
         return text;

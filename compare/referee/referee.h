@@ -30,7 +30,7 @@ typedef struct pl_step_observation {
 
 /* Takes a step. Returns PL_VERDICT_NONFINITE or PL_VERDICT_DIVERGED from the frame on that shows
  * it, with the reason in `error` (NULL allowed). */
-pl_verdict pl_referee_step(pl_referee *referee, const pl_step_observation *step, pl_error *error);
+pl_verdict pl_referee_step(pl_referee *referee, const pl_step_observation *seen, pl_error *error);
 
 /* Writes all metrics, except those that the runner measures, into *metrics. Returns PL_VERDICT_OK,
  * or PL_VERDICT_COLLAPSED with the reason in `error`. After an early end, metrics of the final

@@ -122,11 +122,12 @@ static pl_status close_written(int file, const char *path, pl_status status, pl_
 
 static pl_status write_by_rename(const char *path, const char *text, size_t length, pl_error *error)
 {
-    char *temporary = malloc(strlen(path) + sizeof ".XXXXXX");
+    const size_t size = strlen(path) + sizeof ".XXXXXX";
+    char *temporary = malloc(size);
     if (temporary == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
     }
-    strcat(strcpy(temporary, path), ".XXXXXX");
+    snprintf(temporary, size, "%s.XXXXXX", path);
     pl_status status = PL_OK;
     int file = mkstemp(temporary);
     if (file < 0) {
@@ -177,12 +178,13 @@ pl_status pl_results_write_json(const char *path, const json_t *value, pl_error 
         return PL_OK;
     }
     char *text = json_dumps(value, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
-    char *line = text == NULL ? NULL : realloc(text, strlen(text) + 2);
+    const size_t length = text == NULL ? 0 : strlen(text) + 1;
+    char *line = text == NULL ? NULL : realloc(text, length + 1);
     if (line == NULL) {
         free(text);
         return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", path);
     }
-    size_t length = strlen(strcat(line, "\n"));
+    memcpy(line + length - 1, "\n", 2);
     pl_status status = pl_write_text(path, line, length, error);
     free(line);
     return status;
@@ -284,12 +286,13 @@ pl_status pl_store_open(const char *directory, bool resume, pl_store **store, pl
     made->file = -1;
     made->results = json_array();
     made->runs = json_object();
-    made->path = malloc(strlen(directory) + sizeof "/results.jsonl");
+    const size_t size = strlen(directory) + sizeof "/results.jsonl";
+    made->path = malloc(size);
     if (made->path == NULL || made->results == NULL || made->runs == NULL) {
         status = pl_fail(error, PL_NO_MEMORY, "%s: out of memory", directory);
         goto cleanup;
     }
-    strcat(strcpy(made->path, directory), "/results.jsonl");
+    snprintf(made->path, size, "%s/results.jsonl", directory);
     made->file = open(made->path, O_RDWR | O_CREAT | O_CLOEXEC, 0666);
     made->stream = made->file < 0 ? NULL : fdopen(made->file, "r");
     if (made->stream == NULL) {
@@ -342,12 +345,13 @@ bool pl_store_has(const pl_store *store, const char *run)
 pl_status pl_store_append(pl_store *store, json_t *result, pl_error *error)
 {
     char *text = pl_result_to_line(result);
-    char *line = text == NULL ? NULL : realloc(text, strlen(text) + 2);
+    const size_t length = text == NULL ? 0 : strlen(text) + 1;
+    char *line = text == NULL ? NULL : realloc(text, length + 1);
     if (line == NULL) {
         free(text);
         return pl_fail(error, PL_NO_MEMORY, "%s: out of memory", store->path);
     }
-    size_t length = strlen(strcat(line, "\n"));
+    memcpy(line + length - 1, "\n", 2);
     pl_status status = write_all(store->file, line, length, store->path, error);
     free(line);
     /* A pipe or device cannot be synchronised: EINVAL, and nothing is wrong. */

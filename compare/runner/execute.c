@@ -223,7 +223,7 @@ static pl_status wait_and_collect(execution *e, int *signal_number, pl_error *er
         }
     }
     *signals = (struct pollfd){.fd = e->signals, .events = POLLIN};
-    if (poll(e->polls, (nfds_t)(jobs * PL_PROCESS_POLLS + 1), patience(e)) < 0) {
+    if (poll(e->polls, (nfds_t)jobs * PL_PROCESS_POLLS + 1, patience(e)) < 0) {
         return errno == EINTR ? PL_OK : pl_fail(error, PL_IO, "poll: %s", strerror(errno));
     }
     struct signalfd_siginfo info;

@@ -9,7 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
-pl_status pl_fail(pl_error *error, pl_status status, const char *format, ...)
+pl_status(pl_fail)(pl_error *error, pl_status status, const char *format, ...)
 {
     if (error == NULL) {
         return status;

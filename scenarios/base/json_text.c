@@ -20,7 +20,7 @@ static bool is_blank(char c)
 
 static bool is_mark(char c)
 {
-    return memchr("{}[]:,", c, 6) != NULL;
+    return c != '\0' && strchr("{}[]:,", c) != NULL;
 }
 
 static void skip_blanks(scanner *s)

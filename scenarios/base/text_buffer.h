@@ -14,54 +14,54 @@ typedef struct pl_text_buffer {
 } pl_text_buffer;
 
 /* Frees the text and makes the buffer empty. */
-void pl_text_free(pl_text_buffer *buffer);
+void pl_text_free(pl_text_buffer *out);
 
 /* Adds text unchanged. */
-void pl_text_add(pl_text_buffer *buffer, const char *text);
+void pl_text_add(pl_text_buffer *out, const char *text);
 
 /* Adds `count` bytes unchanged. */
-void pl_text_add_bytes(pl_text_buffer *buffer, const char *bytes, size_t count);
+void pl_text_add_bytes(pl_text_buffer *out, const char *bytes, size_t count);
 
 /* Adds text as printf does. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
-void pl_text_format(pl_text_buffer *buffer, const char *format, ...);
+void pl_text_format(pl_text_buffer *out, const char *format, ...);
 
 /* Adds `count` spaces; none for a negative count. */
-void pl_text_add_spaces(pl_text_buffer *buffer, int count);
+void pl_text_add_spaces(pl_text_buffer *out, int count);
 
 /* Adds text escaped for HTML text and double-quoted attributes. Control characters other than
  * newline and tab become U+FFFD. */
-void pl_text_add_html(pl_text_buffer *buffer, const char *text);
+void pl_text_add_html(pl_text_buffer *out, const char *text);
 
 /* Adds `text` escaped as HTML between two pieces of markup. */
-void pl_text_add_element(pl_text_buffer *buffer, const char *open, const char *text,
+void pl_text_add_element(pl_text_buffer *out, const char *open, const char *text,
                          const char *close);
 
 /* Adds text escaped for a cell of a GitHub table: on one line and without markup. */
-void pl_text_add_markdown(pl_text_buffer *buffer, const char *text);
+void pl_text_add_markdown(pl_text_buffer *out, const char *text);
 
 /* Adds one field of CSV (RFC 4180), in quotes where necessary. */
-void pl_text_add_csv(pl_text_buffer *buffer, const char *text);
+void pl_text_add_csv(pl_text_buffer *out, const char *text);
 
 /* Adds a JSON string: text in quotes, escaped. */
-void pl_text_add_json(pl_text_buffer *buffer, const char *text);
+void pl_text_add_json(pl_text_buffer *out, const char *text);
 
 /* Adds the key of a member of a JSON object, with its colon. */
-void pl_text_add_json_key(pl_text_buffer *buffer, const char *key);
+void pl_text_add_json_key(pl_text_buffer *out, const char *key);
 
 /* Adds a JSON number, the shortest that reads back as the same double; null for one that is not
  * finite, which JSON has no word for. */
-void pl_text_add_number(pl_text_buffer *buffer, double value);
+void pl_text_add_number(pl_text_buffer *out, double value);
 
 /* Adds a JSON array of numbers. */
-void pl_text_add_numbers(pl_text_buffer *buffer, const double *values, int count);
+void pl_text_add_numbers(pl_text_buffer *out, const double *values, int count);
 
 /* Adds text for a terminal. Control characters (C0, DEL, C1) become '?'; newline and tab become a
  * space. At most `columns` code points are added, of which the last is an ellipsis when the text
  * was cut. Returns the number of code points added. */
-int pl_text_add_plain(pl_text_buffer *buffer, const char *text, int columns);
+int pl_text_add_plain(pl_text_buffer *out, const char *text, int columns);
 
 /* The width of UTF-8 text on a terminal, in code points. */
 int pl_text_width(const char *text);

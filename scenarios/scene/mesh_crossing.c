@@ -282,7 +282,7 @@ static bool prepare(search *s, int vertex_count, int triangle_count)
     s->normals = malloc((size_t)triangle_count * sizeof *s->normals);
     s->order = malloc((size_t)triangle_count * sizeof *s->order);
     s->middle = malloc((size_t)triangle_count * sizeof *s->middle);
-    s->nodes = malloc(2 * (size_t)triangle_count * sizeof *s->nodes);
+    s->nodes = calloc(2 * (size_t)triangle_count, sizeof *s->nodes);
     if (s->normals == NULL || s->order == NULL || s->middle == NULL || s->nodes == NULL) {
         return false;
     }
@@ -304,7 +304,10 @@ bool pl_mesh_check_crossing(const double (*vertices)[3], int vertex_count,
                             pl_diagnostic *diagnostic)
 {
     search s = {.vertices = vertices, .triangles = triangles};
-    bool right = prepare(&s, vertex_count, triangle_count) || pl_diagnose_no_memory(diagnostic);
+    bool right = prepare(&s, vertex_count, triangle_count);
+    if (!right) {
+        pl_diagnose_no_memory(diagnostic);
+    }
     for (int t = 0; t < triangle_count && right; ++t) {
         const int other = find_crossing(&s, t);
         if (other >= 0) {

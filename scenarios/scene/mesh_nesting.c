@@ -74,7 +74,8 @@ static bool create_surfaces(surfaces *s, const double (*vertices)[3], const int 
     if (s->triangles == NULL || s->first == NULL || s->order == NULL || s->low == NULL ||
         s->high == NULL) {
         free_surfaces(s);
-        return pl_diagnose_no_memory(diagnostic);
+        pl_diagnose_no_memory(diagnostic);
+        return false;
     }
     sort_triangles(s, triangles, triangle_count, surface);
     find_boxes(s);

@@ -241,7 +241,7 @@ static int by_place_then_number(const void *left, const void *right)
 /* For each vertex the first of the same place, malloc'd; NULL when out of memory. */
 static int *find_firsts(const pl_obj *obj)
 {
-    const size_t count = (size_t)obj->vertex_count;
+    const size_t count = (size_t)obj->vertex_count, size = sizeof(double[3]);
     placed *sorted = malloc(count * sizeof *sorted);
     int *firsts = malloc(count * sizeof *firsts);
     if (sorted == NULL || firsts == NULL) {
@@ -255,8 +255,8 @@ static int *find_firsts(const pl_obj *obj)
     }
     qsort(sorted, count, sizeof *sorted, by_place_then_number);
     for (size_t i = 0; i < count; ++i) {
-        const bool same =
-            i > 0 && memcmp(sorted[i].place, sorted[i - 1].place, sizeof sorted[i].place) == 0;
+        /* NOLINTNEXTLINE(bugprone-suspicious-memory-comparison): equal bits are meant */
+        const bool same = i > 0 && memcmp(sorted[i].place, sorted[i - 1].place, size) == 0;
         firsts[sorted[i].number] = same ? firsts[sorted[i - 1].number] : sorted[i].number;
     }
     free(sorted);

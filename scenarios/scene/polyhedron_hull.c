@@ -279,7 +279,7 @@ static int by_first_corners(const void *left, const void *right)
 
 static bool put_faces(const faces *f, pl_polyhedron *p)
 {
-    ranked_face *ranked = malloc((size_t)f->face_count * sizeof *ranked);
+    ranked_face *ranked = malloc(((size_t)f->face_count + 1) * sizeof *ranked);
     if (ranked == NULL) {
         return false;
     }

@@ -193,8 +193,8 @@ static pl_status ode_create(const pl_scene *scene, int profile, const double *va
     size_t count = (size_t)scene->body_count + 1;
     instance->scene = scene;
     instance->profile = profile;
-    instance->bodies = calloc(count, sizeof *instance->bodies);
-    instance->geoms = calloc(count, sizeof *instance->geoms);
+    instance->bodies = calloc(count, sizeof(dBodyID));
+    instance->geoms = calloc(count, sizeof(dGeomID));
     instance->solids = calloc((size_t)scene->polyhedron_count + 1, sizeof *instance->solids);
     instance->island = calloc(count, sizeof *instance->island);
     instance->rows = calloc(count, sizeof *instance->rows);

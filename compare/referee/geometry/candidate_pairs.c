@@ -144,22 +144,23 @@ static bool overlap_across(const box *a, const box *b)
            b->low[2] <= a->high[2];
 }
 
-void pl_broad_phase_each_pair(pl_broad_phase *bp, const pl_body_state *bodies, const double *margin,
+void pl_broad_phase_each_pair(pl_broad_phase *broad_phase, const pl_body_state *bodies,
+                              const double *margin,
                               void (*see)(void *context, int body_a, int body_b), void *context)
 {
-    follow(bp, bodies, margin);
-    const box *end = bp->boxes + bp->box_count;
-    for (const box *a = bp->boxes; a < end; ++a) {
+    follow(broad_phase, bodies, margin);
+    const box *end = broad_phase->boxes + broad_phase->box_count;
+    for (const box *a = broad_phase->boxes; a < end; ++a) {
         for (const box *b = a + 1; b < end && b->low[0] <= a->high[0]; ++b) {
             if (!(a->is_static && b->is_static) && overlap_across(a, b)) {
                 see(context, a->body, b->body);
             }
         }
     }
-    for (int i = 0; i < bp->plane_count; ++i) {
-        for (const box *b = bp->boxes; b < end; ++b) {
+    for (int i = 0; i < broad_phase->plane_count; ++i) {
+        for (const box *b = broad_phase->boxes; b < end; ++b) {
             if (!b->is_static) {
-                see(context, bp->planes[i], b->body);
+                see(context, broad_phase->planes[i], b->body);
             }
         }
     }
@@ -238,7 +239,7 @@ pl_candidate_pairs *pl_candidate_pairs_create(const pl_scene *scene, pl_arena *a
     }
     *p = (pl_candidate_pairs){.scene = scene,
                               .broad_phase = pl_broad_phase_create(scene, arena),
-                              .surfaces = pl_arena_take(arena, count, sizeof *p->surfaces),
+                              .surfaces = pl_arena_take(arena, count, sizeof(const pl_surface *)),
                               .radius = pl_arena_take(arena, count, sizeof *p->radius),
                               .margin = pl_arena_take(arena, count, sizeof *p->margin)};
     if (arena->failed || !make_surfaces(scene, arena, p->surfaces)) {

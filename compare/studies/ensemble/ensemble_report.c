@@ -348,16 +348,15 @@ pl_status pl_ensemble_conclude(const pl_plan *plan, const pl_ensembles *ensemble
 {
     const int members = ensembles->members;
     json_t *by_run = pl_results_by_run(results);
-    report r = {.plan = plan,
-                .all = ensembles,
-                .views = calloc((size_t)ensembles->count + 1, sizeof *r.views)};
-    pl_status status = by_run == NULL || r.views == NULL
+    pl_ensemble_view *views = calloc((size_t)ensembles->count + 1, sizeof *views);
+    report r = {.plan = plan, .all = ensembles, .views = views};
+    pl_status status = by_run == NULL || views == NULL
                            ? pl_fail(error, PL_NO_MEMORY, "out of memory for the outcome")
                            : PL_OK;
     *outcome = (pl_ensemble_outcome){.json = NULL};
     for (int i = 0; i < ensembles->count && status == PL_OK; ++i) {
         const pl_ensemble *ensemble = &ensembles->items[i];
-        pl_ensemble_view *view = &r.views[i];
+        pl_ensemble_view *view = &views[i];
         view->ensemble = ensemble;
         status = pl_observations_gather(plan, ensemble, members, by_run, &view->observed, error);
         if (status == PL_OK) {
@@ -368,7 +367,7 @@ pl_status pl_ensemble_conclude(const pl_plan *plan, const pl_ensembles *ensemble
         }
     }
     if (status == PL_OK) {
-        status = pl_verdicts_reach(r.views, ensembles->count, &r.verdicts, error);
+        status = pl_verdicts_reach(views, ensembles->count, &r.verdicts, error);
     }
     if (status == PL_OK) {
         write_summary(&r);
@@ -378,11 +377,11 @@ pl_status pl_ensemble_conclude(const pl_plan *plan, const pl_ensembles *ensemble
             status = pl_fail(error, PL_NO_MEMORY, "out of memory for the outcome");
         }
     }
-    for (int i = 0; i < ensembles->count && r.views != NULL; ++i) {
-        pl_observations_free(&r.views[i].observed);
+    for (int i = 0; i < ensembles->count && views != NULL; ++i) {
+        pl_observations_free(&views[i].observed);
     }
     pl_verdicts_free(&r.verdicts);
-    free(r.views);
+    free(views);
     json_decref(by_run);
     return status;
 }

@@ -99,13 +99,13 @@ static pl_status step_and_capture(const pl_benchmark_problem *row, const pl_scen
     return PL_OK;
 }
 
-pl_status pl_benchmark_capture(const pl_benchmark_problem *row, pe_contact_problem **problem,
+pl_status pl_benchmark_capture(const pl_benchmark_problem *entry, pe_contact_problem **problem,
                                pl_error *error)
 {
     pl_scene scene = pl_scene_default();
     pl_engine_choice choice;
     pl_engine_instance *instance = NULL;
-    pl_status status = build_scene(row, &scene, error);
+    pl_status status = build_scene(entry, &scene, error);
     if (status == PL_OK) {
         status = pl_engine_choose("plumb:accurate", &choice, error);
     }
@@ -113,7 +113,7 @@ pl_status pl_benchmark_capture(const pl_benchmark_problem *row, pe_contact_probl
         status = choice.engine->create(&scene, choice.profile, choice.values, &instance, error);
     }
     if (status == PL_OK) {
-        status = step_and_capture(row, &scene, choice.engine, instance, problem, error);
+        status = step_and_capture(entry, &scene, choice.engine, instance, problem, error);
         choice.engine->destroy(instance);
     }
     pl_scene_free(&scene);
@@ -432,7 +432,7 @@ static pl_status write_all(const char *directory, const json_t *result, pl_error
     return status;
 }
 
-pl_status pl_benchmark_run(const pl_benchmark_problem *rows, int count, const char *directory,
+pl_status pl_benchmark_run(const pl_benchmark_problem *entries, int count, const char *directory,
                            int argc, char *const *argv, pl_error *error)
 {
     json_t *result = pl_provenance(argc, argv);
@@ -441,7 +441,7 @@ pl_status pl_benchmark_run(const pl_benchmark_problem *rows, int count, const ch
     pl_timestamp(started);
     pl_status status = pl_make_directories(directory, error);
     for (int i = 0; i < count && status == PL_OK; ++i) {
-        status = run_problem(&rows[i], problems, error);
+        status = run_problem(&entries[i], problems, error);
     }
     int failed = json_object_set_new(result, "schema", json_string("plumb.solver_benchmark/1"));
     failed |= json_object_set_new(result, "started", json_string(started));

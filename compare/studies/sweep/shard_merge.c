@@ -62,8 +62,7 @@ static void say_difference(const json_t *first, const json_t *second, const char
         const json_t *item = json_object_get(json_object_get(rows[i], "metrics"), metric);
         char *value =
             json_dumps(json_object_get(item, "value"), JSON_ENCODE_ANY | JSON_REAL_PRECISION(17));
-        fprintf(warnings, "%s%s%s", i == 0 ? metric : ", then", i == 0 ? " " : " ",
-                value == NULL ? "?" : value);
+        fprintf(warnings, "%s %s", i == 0 ? metric : ", then", value == NULL ? "?" : value);
         free(value);
     }
     fputc('\n', warnings);

@@ -222,7 +222,7 @@ static int by_place(const void *left, const void *right)
 /* Keeps the first of equal numbers, in the order given. */
 static pl_status drop_doubles(pl_numbers *numbers, pl_error *error)
 {
-    placed *sorted = malloc((size_t)numbers->count * sizeof *sorted);
+    placed *sorted = malloc(((size_t)numbers->count + 1) * sizeof *sorted);
     if (sorted == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for %d values", numbers->count);
     }

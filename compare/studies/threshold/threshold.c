@@ -231,7 +231,7 @@ static void begin(study *s)
     }
 }
 
-pl_status pl_find_thresholds(const pl_threshold_search_def *def, pl_threshold_search **list,
+pl_status pl_find_thresholds(const pl_threshold_search_def *def, pl_threshold_search **searches,
                              int *count, int *signal_number, pl_error *error)
 {
     study s = {.def = def};
@@ -240,7 +240,7 @@ pl_status pl_find_thresholds(const pl_threshold_search_def *def, pl_threshold_se
     pl_status status = PL_OK;
     *signal_number = 0;
     *count = 0;
-    *list = s.items = calloc(room + 1, sizeof *s.items);
+    *searches = s.items = calloc(room + 1, sizeof *s.items);
     if (s.items == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu searches", room);
     }

@@ -81,7 +81,7 @@ static pl_status validate(pl_tuner *t, pl_error *error)
     free(tuning->checks);
     tuning->check_count = tuning->missed = 0;
     tuning->checks =
-        calloc((size_t)(variants->count * t->def->plan->case_count), sizeof *tuning->checks);
+        calloc((size_t)variants->count * (size_t)t->def->plan->case_count, sizeof *tuning->checks);
     if (tuning->checks == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for validation");
     }

@@ -170,6 +170,7 @@ static double merit(const pl_evaluation *evaluation, double weight)
     return cost + weight * fmax(evaluation->excess, 0);
 }
 
+/* NOLINTNEXTLINE(readability-non-const-parameter): the type is NLopt's */
 static double objective(unsigned count, const double *x, double *gradient, void *user)
 {
     nlopt_run *m = user;
@@ -383,22 +384,22 @@ static void sample_space(pl_evaluation_cache *cache)
     }
 }
 
-pl_status pl_search(const pl_search_def *def, pl_search_result *found, pl_error *error)
+pl_status pl_search(const pl_search_def *def, pl_search_result *result, pl_error *error)
 {
-    *found = (pl_search_result){.best = -1};
-    found->evaluations = calloc((size_t)def->budget, sizeof *found->evaluations);
-    if (found->evaluations == NULL) {
+    *result = (pl_search_result){.best = -1};
+    result->evaluations = calloc((size_t)def->budget, sizeof *result->evaluations);
+    if (result->evaluations == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for %d points", def->budget);
     }
-    pl_evaluation_cache cache = {.def = def, .found = found, .error = error};
+    pl_evaluation_cache cache = {.def = def, .found = result, .error = error};
     cache.limit = (int)ceil(sampling_end * def->budget);
     sample_space(&cache);
-    found->sampled = found->count;
+    result->sampled = result->count;
     cache.limit = (int)ceil(nlopt_end * def->budget);
     run_nlopt(&cache);
-    found->optimised = found->count - found->sampled;
+    result->optimised = result->count - result->sampled;
     cache.limit = def->budget;
     refine_locally(&cache);
-    found->refined = found->count - found->sampled - found->optimised;
+    result->refined = result->count - result->sampled - result->optimised;
     return cache.status;
 }

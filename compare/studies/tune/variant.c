@@ -44,7 +44,7 @@ static const pl_variant held_out[] = {
 
 #define LIST(items)                                                                                \
     {                                                                                              \
-        items, sizeof items / sizeof items[0]                                                      \
+        (items), sizeof(items) / sizeof(items)[0]                                                  \
     }
 const pl_variants pl_variants_tuned_on = LIST(tuned_on);
 const pl_variants pl_variants_chosen_by = LIST(chosen_by);

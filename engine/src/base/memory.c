@@ -11,7 +11,7 @@ struct pe_arena_extra {
     struct pe_arena_extra *next;
 };
 
-pe_status pe_fail(pe_error *error, pe_status status, const char *format, ...)
+pe_status(pe_fail)(pe_error *error, pe_status status, const char *format, ...)
 {
     if (error != NULL) {
         va_list arguments;

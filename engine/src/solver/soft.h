@@ -55,9 +55,9 @@ typedef struct pe_soft_report {
  * impulse of the whole step. Other bodies are not touched. Four points a manifold are enough and
  * cheapest; more are solved as well.
  *
- * `settings` NULL: the defaults. `report` may be NULL. Memory comes from the step's arena. On
+ * `given` NULL: the default settings. `report` may be NULL. Memory comes from the step's arena. On
  * PE_NO_MEMORY nothing has changed. The result is the same bits for all lanes. */
 pe_status pe_soft_step(pe_world *world, const pe_chosen_islands *islands, double dt,
-                       const pe_soft_settings *settings, pe_soft_report *report, pe_error *error);
+                       const pe_soft_settings *given, pe_soft_report *report, pe_error *error);
 
 #endif

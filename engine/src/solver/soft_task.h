@@ -45,7 +45,7 @@ typedef struct pe_soft_plan {
 /* Plans the manifolds of the chosen islands, in the step's arena. Each contact gets the lowest
  * colour that neither of its bodies has yet; when all are taken, the last one, whose batches are
  * serial. */
-pe_status pe_soft_plan_make(pe_world *world, const pe_chosen_islands *islands,
+pe_status pe_soft_plan_make(pe_world *world, const pe_chosen_islands *chosen,
                             const pe_solver_bodies *bodies, pe_soft_plan *plan, pe_error *error);
 
 /* ---- The kernels ---- */

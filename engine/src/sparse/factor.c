@@ -37,6 +37,7 @@ pe_status pe_factor_create(const pe_pattern *pattern, pe_workspace work, pe_fact
 static void cross_columns(const double c[3], const double m[3][3], double r[3][3])
 {
     for (int j = 0; j < 3; ++j) {
+        /* NOLINTNEXTLINE(clang-analyzer-core.*): m is set, as only dynamic bodies are coupled */
         r[0][j] = c[1] * m[2][j] - c[2] * m[1][j];
         r[1][j] = c[2] * m[0][j] - c[0] * m[2][j];
         r[2][j] = c[0] * m[1][j] - c[1] * m[0][j];

@@ -72,12 +72,12 @@ static pe_status capture_all(pe_world *world, double dt, pe_contact_problem ***p
     if (status != PE_OK || islands.count == 0) {
         return status;
     }
-    pe_contact_problem **made =
-        world->allocator.allocate(world->allocator.context, (size_t)islands.count * sizeof *made);
+    pe_contact_problem **made = world->allocator.allocate(
+        world->allocator.context, (size_t)islands.count * sizeof(pe_contact_problem *));
     if (made == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for %d contact problems", islands.count);
     }
-    memset(made, 0, (size_t)islands.count * sizeof *made);
+    memset(made, 0, (size_t)islands.count * sizeof(pe_contact_problem *));
     pe_predict_motion(world, dt, free);
     for (int k = 0; k < islands.count && status == PE_OK; ++k) {
         const pe_interval interval = {.islands = &islands, .k = k, .free = free, .dt = dt};

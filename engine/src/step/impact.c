@@ -224,6 +224,7 @@ static void add_impulses(const substeps *s, const pe_contacts *list)
     for (pe_point_walk at = pe_walk_points(list); pe_next_point(&at);) {
         if (pe_dot(at.point->impulse, at.point->impulse) > 0) {
             pe_point_walk to = step_point_of(s, &at);
+            /* NOLINTNEXTLINE(clang-analyzer-core.*): the step's list has points of every pair */
             if (is_larger(at.point->impulse, to.point->impulse)) {
                 to.manifold->normal = at.manifold->normal;
                 to.point->position = at.point->position;

@@ -37,6 +37,11 @@ __attribute__((format(printf, 3, 4)))
 pl_status
 pl_fail(pl_error *error, pl_status status, const char *format, ...);
 
+/* clang's static analyzer sees one file at a time: this tells it what pl_fail returns. */
+#ifdef __clang_analyzer__
+#define pl_fail(error, status, ...) (pl_fail(error, status, __VA_ARGS__), (status))
+#endif
+
 /* The candidate nearest to `word` by edit distance, or NULL when none is near enough to be what
  * was meant (distance at most 1 + a third of the word's length). `candidates` has `count` items. */
 const char *pl_nearest_name(const char *word, const char *const *candidates, int count);
