@@ -188,6 +188,7 @@ static pl_status pair_up(const pl_ensembles *all, pl_plan *plan, pl_error *error
             for (int i = 0; i < all->count && status == PL_OK; ++i) {
                 const pl_ensemble *e = &all->items[i];
                 if (e->reference == (pass == 1)) {
+                    /* NOLINTNEXTLINE(clang-analyzer-core.*): add_ensemble sets e->cases */
                     status = pl_plan_add_pairing(plan, e->cases[k], e->configuration, error);
                 }
             }

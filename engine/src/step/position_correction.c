@@ -58,9 +58,14 @@ static selection island_manifolds(const pe_islands *islands, int k)
                        islands->start[k + 1] - islands->start[k]};
 }
 
+static int manifold_index(selection s, int i)
+{
+    return s.manifolds != NULL ? s.manifolds[i] : i;
+}
+
 static const pe_manifold *manifold_at(const pe_world *world, selection s, int i)
 {
-    return &pe_manifolds(&world->contacts)[s.manifolds != NULL ? s.manifolds[i] : i];
+    return &pe_manifolds(&world->contacts)[manifold_index(s, i)];
 }
 
 static bool counts(const bool *among, const pe_manifold *m)
@@ -216,7 +221,7 @@ static void collect_swept(correction *c, selection island)
     for (int i = 0; i < island.count; ++i) {
         const pe_manifold *m = manifold_at(c->world, island, i);
         if ((c->active[m->a] || c->active[m->b]) && m->least_separation < c->far) {
-            swept->manifolds[swept->start[1]++] = island.manifolds[i];
+            swept->manifolds[swept->start[1]++] = manifold_index(island, i);
             add_swept_body(c, m->a);
             add_swept_body(c, m->b);
         }
