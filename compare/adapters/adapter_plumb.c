@@ -322,7 +322,7 @@ static void read_settings(const pl_engine_instance *instance, double dt,
     pe_vec3 gravity;
     pe_world_get_gravity(instance->world, &gravity);
     store(settings->gravity, gravity);
-    settings->dt = dt; /* the engine keeps no step of its own */
+    settings->dt = dt; /* the engine stores no time step */
     for (int i = 0; i < settings->body_count; ++i) {
         pe_vec3 inertia = {0};
         pe_body_get_mass(instance->world, instance->bodies[i], &settings->mass[i], &inertia, NULL);

@@ -1,6 +1,6 @@
 /* A face consists of all triangles whose corners lie in one plane: on a convex surface they are
  * connected.
- * Its border is the directed edges that no other triangle of the face has the other way round.
+ * Its border is the directed edges whose reverse belongs to no triangle of the face.
  *
  * The largest triangle that is still free founds the next face, so that a thin one, whose normal is
  * poor, founds none that a good one could. */

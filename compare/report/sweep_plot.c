@@ -255,8 +255,8 @@ static void add_curve(const sweep_plot *plot, int engine)
     }
 }
 
-/* Failed points have no numbers, so they are drawn above the field, a row for each engine, as many
- * as fit. */
+/* Failed points have no numbers. They are drawn above the field, in one row for each engine, as
+ * many as fit. */
 static void add_crosses(const sweep_plot *plot, int engine, double y)
 {
     const pl_sweep_analysis *analysis = plot->analysis;

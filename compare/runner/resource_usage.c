@@ -125,8 +125,8 @@ static double read_status(const char *name)
     return bytes;
 }
 
-/* Makes the code of every loaded library resident: pages of a file that come in when they are first
- * run are no memory that an engine takes. madvise(2) needs Linux 5.14; without it, code counts. */
+/* Makes the code of every loaded library resident: code pages that are loaded on their first use
+ * must not count as an engine's memory. madvise(2) needs Linux 5.14; without it, code counts. */
 static void load_code(void)
 {
     enum { LARGEST = 64 << 20 };

@@ -33,7 +33,7 @@ void pl_step_timer_begin(pl_step_timer *timer);
 pl_step_cost pl_step_timer_end(pl_step_timer *timer);
 
 /* Prepares a measurement of memory (proc(5): clear_refs, status): returns unused heap, loads the
- * code that a run may come to, and resets the peak. Returns the resident set size now, in bytes;
+ * code that a run may execute, and resets the peak. Returns the resident set size now, in bytes;
  * NAN where /proc does not have it. */
 double pl_resident_set_baseline(void);
 

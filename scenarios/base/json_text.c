@@ -132,9 +132,9 @@ static bool enter_index(scanner *s, int index)
     return peek(s) != ']';
 }
 
-/* Offset of the value at `path`, or with `at_key` of the last step's key. Where the path goes on
- * beyond what is there, that of the innermost object or array that is: so a missing key is at its
- * object. `text` must be valid JSON, no key twice in an object. O(length). */
+/* Offset of the value at `path`, or with `at_key` of the last step's key. If the path leads to a
+ * missing value, the place is that of the innermost object or array that exists. So a missing key
+ * is reported at its object. `text` must be valid JSON, no key twice in an object. O(length). */
 static size_t locate_path(const char *text, size_t length, const pl_path *path, bool at_key)
 {
     scanner s = {.text = text, .length = length};

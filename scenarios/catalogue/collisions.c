@@ -125,11 +125,11 @@ const pl_scenario pl_scenario_collision_train = {
 /* Newton's cradle without strings: spheres that touch, in a row, and others that run into them.
  *
  * Without gravity the row is at rest, all of one mass; `moving` spheres come from the left at the
- * speed v. Momentum and, at restitution 1, energy are conserved; of the two laws in use
- * both keep them. In sequence, from contact to contact as with gaps of nothing, as many fly off on
- * the right as came. All contacts at once, each with Newton's restitution (Moreau's law), three
- * spheres of which one comes leave with v (-1/3, 2/3, 2/3). The end velocities show which law an
- * engine has; neither is an error. */
+ * speed v. Momentum and, at restitution 1, energy are conserved; the two laws in use both keep
+ * them. If the contacts act one after the other, as if the spheres had infinitely small gaps, as
+ * many spheres leave on the right as arrived. If all contacts act at once, each with Newton's
+ * restitution (Moreau's law), one sphere that meets two leaves them with v (-1/3, 2/3, 2/3). The
+ * end velocities show which law an engine has; neither is an error. */
 
 enum { CRADLE_COUNT, CRADLE_MOVING, CRADLE_RESTITUTION, CRADLE_SPEED };
 

@@ -10,9 +10,8 @@
  * each. It first meets the floor at T = sqrt(2 H / g), and the apex after the k-th bounce comes at
  * T (1 + 2 e + ... + 2 e^(k - 1) + e^k); for e < 1 the bounces end at T (1 + e) / (1 - e). Each of
  * the first `bounces` apexes is looked for in the middle half of its own flight, so that an engine
- * that is late still shows it, and its error is relative to its own height. Where the run shows
- * none of them, or there is none for lack of restitution, the height at its end is expected,
- * relative to H. */
+ * that is late still shows it, and its error is relative to its own height. If the run shows no
+ * apex, or without restitution there is none, the height at its end is expected, relative to H. */
 
 enum { BOUNCE_HEIGHT, BOUNCE_RESTITUTION, BOUNCE_BOUNCES };
 
@@ -50,7 +49,8 @@ static void expect_apexes(pl_builder *b, int ball, double height, double e, int 
     }
 }
 
-/* Of the lowest point, from flight to flight; what bounces by less than rounding lies. */
+/* Height of the lowest point, from flight to flight. A body that bounces by less than rounding lies
+ * still. */
 static double height_at(double time, double height, double e, double g)
 {
     double start = sqrt(2 * height / g), speed = g * start * e;

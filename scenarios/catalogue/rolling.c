@@ -40,7 +40,7 @@ static pl_shape shape_of(pl_builder *b, int shape, int sides)
     return pl_build_solid(b, &solid, true, "prism");
 }
 
-/* From the axis to the lowest line. */
+/* The distance from the axis to the lowest line. */
 static double height_of(int shape, int sides)
 {
     double x = 1, y;

@@ -105,10 +105,10 @@ const pl_scenario pl_scenario_thin_wall = {
 /* A needle that falls into a gap a little wider than itself.
  *
  * The needle is a box 0.5 m long and 10 mm wide, the gap between two fixed blocks `clearance` of
- * that wider and 1 m deep. The needle starts with its point just within the gap, leaning by a part
- * `tilt` of what the gap will let it, slides down without friction, and comes to stand upright on
- * the floor: its base is level there, and its centre of mass over it. Where it stands across the
- * gap is free, to within half the clearance, 0.05 mm for the default. */
+ * that wider and 1 m deep. The needle starts with its point just within the gap, at the fraction
+ * `tilt` of the largest angle that the gap allows. It slides down without friction, and ends
+ * upright on the floor: its base is level there, and its centre of mass over it. Its place across
+ * the gap is free to within half the clearance, 0.05 mm by default. */
 
 enum { NEEDLE_IN_GAP_CLEARANCE, NEEDLE_IN_GAP_TILT };
 

@@ -190,7 +190,7 @@ const pl_scenario pl_scenario_mass_ratio = {
     .build = mass_ratio_build};
 
 /* A tower of unit cubes, stepped ten times a second: a cube in free fall would drop by 0.1 m in one
- * step. At rest the length of a step changes nothing. */
+ * step. The length of a step does not matter for a body at rest. */
 
 enum { LARGE_STEP_COUNT, LARGE_STEP_FRICTION };
 

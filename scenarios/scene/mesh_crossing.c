@@ -37,7 +37,7 @@ static interval along(const triangle *t, pl_vec origin, pl_vec direction)
     return s;
 }
 
-/* In one plane: no edge of either separates them. */
+/* For triangles in one plane: whether no edge of either separates them. */
 static bool overlap_in_plane(const triangle *a, const triangle *b, double tolerance)
 {
     const triangle *both[2] = {a, b};

@@ -276,8 +276,8 @@ static bool read_named_items(reader *r, const json_t *object, const pl_field *fi
 
 /* ---- Expectations ---- */
 
-/* Half of the smallest dimension of the bodies that should rest: a body that has moved farther has
- * collapsed. */
+/* The default is half of the smallest dimension of the bodies that should rest: a body that has
+ * moved farther has collapsed. */
 static double default_collapse_distance(const pl_scene *scene)
 {
     double half = (double)INFINITY;

@@ -4,9 +4,9 @@
  *   bench_broad_phase [MOST_BODIES]        default 50000; prints Markdown
  *
  * Every way sees the same poses in the same order, all of them at each step in turn (A B C D, A B C
- * D), and the table has the medians over the steps. Bodies are moved by the benchmark: none at
- * rest, or freely, so that no solver matters. Each way's pairs must hold all that the narrow phase
- * says are within their margin. */
+ * D), and the table has the medians over the steps. The benchmark moves the bodies, either not at
+ * all or freely, so that no solver matters. The pairs of each way must contain all pairs that the
+ * narrow phase finds within their margin. */
 #define _POSIX_C_SOURCE 199309L
 
 #include "model/integrate.h"
@@ -270,7 +270,7 @@ static int collide_pairs(pe_world *world, const pe_pair *pairs, int count, bool 
     return passed;
 }
 
-/* How many of the pairs have contacts, by all that tells: every way must come to the same. */
+/* The number of pairs with contacts. Every way must give the same one. */
 static int count_contacts(pe_world *world, const pe_pair *pairs, int count)
 {
     int touching = 0;

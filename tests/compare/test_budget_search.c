@@ -165,7 +165,7 @@ static void test_luck_at_one_budget_does_not_count(void **state)
     assert_int_equal(found.budget, 91); /* 100 / 1.1 = 90.9 */
 }
 
-/* Noise of its own at every budget, and one in eight falls. */
+/* The noise differs from budget to budget, and one run in eight falls. */
 static double noisy(long budget, const void *user)
 {
     check_random random = {.state = *(const uint64_t *)user + 2654435761u * (uint64_t)budget};

@@ -1,5 +1,4 @@
-/* plumb ensemble as a user meets it: what it writes, what it refuses, and that a killed one goes
- * on. */
+/* plumb ensemble as a user meets it: its output, its refusals, and resuming a killed one. */
 #include "check.h"
 #include "plumb_process.h"
 #include "results/store.h"

@@ -22,7 +22,7 @@ static void test_rules_judge_what_they_name(void **state)
                 {"outcome == ok", 1},
                 {"drift>+0%", 0},
                 {"drift>=-1%", 0},
-                /* These judge nothing, and that fails. */
+                /* These rules judge nothing, which is a failure. */
                 {"scene/other: drift>1", 1},
                 {"tower: drift>1", 1},
                 {"lift>1", 1},

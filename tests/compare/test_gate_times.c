@@ -51,7 +51,7 @@ static void test_a_slower_step_fails_where_noise_allows(void **state)
                "time_per_step", "cheaper: -");
         expect(w, begin_trial(timed(&random, 1, 0.4), timed(&random, 1.2, 0.4)), 0, 1,
                "time_per_step", "inconclusive: ");
-        /* So much that no noise hides it. */
+        /* The difference is so large that noise cannot hide it. */
         expect(w, begin_trial(timed(&random, 1, 0.1), timed(&random, 3, 0.1)), 1, 0,
                "time_per_step", "costlier: +");
     }

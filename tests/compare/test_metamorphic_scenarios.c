@@ -75,7 +75,7 @@ static void test_transformed_scenes_are_valid_with_equal_steps(void **state)
     for_every_scenario_and_check(check_validity);
 }
 
-/* The transform that undoes one of a single kind. */
+/* The inverse of a check's transform, which must be of a single kind. */
 static pl_transform inverse(const pl_check *check)
 {
     switch (check->kind) {

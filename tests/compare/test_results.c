@@ -223,7 +223,7 @@ static void test_resume_keeps_complete_lines_only(void **state)
     char *path = path_in(directory, "results.jsonl");
     char *whole = read_text(path);
     size_t first = strcspn(whole, "\n") + 1;
-    /* Cut at every byte: whatever a kill leaves. */
+    /* The file is cut at every byte, as a kill may leave it. */
     for (size_t length = 0; length <= strlen(whole); ++length) {
         char *part = strndup(whole, length);
         write_text(path, part);
@@ -376,7 +376,7 @@ static void test_failed_write_leaves_the_earlier_lines(void **state)
     assert_contains(error.message, path);
     char *left = read_text(path);
     assert_string_equal(left, after);
-    /* And it goes on where it was. */
+    /* The run then resumes where it was. */
     assert_int_equal(pl_store_append(store, result, &error), PL_OK);
     json_decref(result);
     pl_store_close(store);

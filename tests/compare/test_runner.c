@@ -240,7 +240,7 @@ static void use_heap(size_t bytes)
 static void measure_growth(void *user, FILE *answer)
 {
     size_t bytes = *(size_t *)user;
-    /* What was used before and given back neither hides what is taken after, nor counts. */
+    /* Memory that was used and freed before neither counts nor hides memory that is taken later. */
     use_heap(2 * bytes);
     double baseline = pl_resident_set_baseline();
     use_heap(bytes);

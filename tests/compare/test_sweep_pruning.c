@@ -37,7 +37,7 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
                                                           : PL_OK;
 }
 
-/* What follows from the plan's run at `step` having ended so, on the first engine. */
+/* The results that pruning adds after the first engine's run at `step` ended with `outcome`. */
 static kept after(const pl_plan *plan, double step, const char *outcome, int fail_at,
                   pl_status expected)
 {

@@ -1,4 +1,4 @@
-/* What a sweep repeats, and what it varies when nothing is said. */
+/* The runs that a sweep repeats, and the parameters that it varies by default. */
 #include "check.h"
 #include "studies/sweep/pruning.h"
 #include "studies/sweep/vary.h"

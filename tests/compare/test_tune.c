@@ -108,7 +108,7 @@ static void test_target_is_met_only_by_ok_runs(void **state)
     assert_true(reading_of(&at_most, "collapsed", 1e-9).excess > 0);
     assert_true(reading_of(&at_most, "collapsed", 1).excess > reading_of(&at_most, "ok", 1).excess);
     assert_true(reading_of(&at_most, "ok", (double)NAN).excess == PL_SEARCH_WORST);
-    /* Of several the one that is missed by most. */
+    /* Among several targets, the one that is missed by most. */
     assert_int_equal(pl_target_add(&at_most, "drift<=1e-4", NULL), PL_OK);
     assert_close(reading_of(&at_most, "ok", 1e-2).excess, log(100), 1e-12, 0);
 }

@@ -183,7 +183,7 @@ static void test_kept_pairs_are_complete(void **state)
     pe_world_destroy(world);
 }
 
-/* So slowly that it takes tens of steps to leave a box. */
+/* A body moves so slowly that it takes tens of steps to leave a box. */
 static void test_slowly_approaching_bodies_become_a_pair(void **state)
 {
     (void)state;

@@ -141,7 +141,7 @@ static double energy_at(const pe_world *world, pe_body_id id)
     return kinetic_energy(world) + 2 * 9.81 * pe_poses(world)[id.index].position.z;
 }
 
-/* A bounce in mid-air, before the ground is reached, would end higher than it began. */
+/* A bounce in mid-air, above the ground, would end higher than it began. */
 static void test_a_bounce_keeps_the_energy(void **state)
 {
     (void)state;

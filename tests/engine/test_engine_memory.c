@@ -88,7 +88,7 @@ static void test_every_failed_allocation_is_reported_and_loses_nothing(void **st
         pe_status status = run_scene(&def, &last);
         assert_int_equal(c.living, 0);
         if (status == PE_OK) {
-            /* Only the arena can do without new memory: it goes on with its old block. */
+            /* Only the arena can do without new memory: it keeps its old block. */
             assert_memory_equal(&last, &reference, sizeof last);
         } else {
             assert_int_equal(status, PE_NO_MEMORY);

@@ -170,7 +170,7 @@ static void test_sunk_box_is_moved_out_of_ground(void **state)
     pe_world_destroy(world);
 }
 
-/* A push goes through a row of touching cubes, each of which is reached by the one before. */
+/* A push goes through a row of touching cubes: each cube pushes the next one. */
 static void test_a_push_reaches_the_end_of_a_row(void **state)
 {
     (void)state;

@@ -240,7 +240,7 @@ static void test_body_out_of_reach_has_no_effect(void **state)
     assert_close(now.velocity.z, -3, 0, 0);
     assert_close(now.velocity.x, 1, 0, 0);
     assert_close(now.position.z, 0.5 + 0.1 * H, 1e-15, 0);
-    /* The step of the contact ends at the surface or above it, but not early. */
+    /* The step in which the ball lands ends at the surface or above, not before the contact. */
     soft_step(world, H, NULL);
     now = state_of(world, ball);
     assert_true(now.velocity.z > 0);

@@ -32,7 +32,7 @@ int main(void)
  * then be. All in m/s but Siconos' own tolerance, which is relative. */
 static const double TOLERANCE = 1e-12, SOLVED = 1e-8, SAME_VELOCITY = 1e-6;
 
-/* W, column by column: what a unit impulse does to the velocities of all points; and q. */
+/* Computes q, and W column by column: the velocities of all points after a unit impulse. */
 static void assemble(const pe_contact_problem *problem, double *w, double *q)
 {
     int points = problem->point_count;

@@ -1,4 +1,4 @@
-/* The catalogue's dominoes and falling cubes: what is true of them before and while they fall. */
+/* The catalogue's dominoes and falling cubes: properties that hold before and during the fall. */
 #include "check.h"
 #include "plumb_process.h"
 #include "run_result.h"

@@ -245,7 +245,7 @@ static void test_rocking_follows_the_pendulum_and_impact_loss(void **state)
         assert_close(block->position[2], radius * cos(p.alpha - y[0]), 1e-14, 0);
         integrate(rock_rate, &p, 0, spin->until, 20000, 2, y);
         assert_close(spin->value, y[1], 0, 1e-10);
-        /* On to the impact, at the time where the apex is looked for. */
+        /* Integrates on to the impact, which is where the search for the apex begins. */
         const pl_expect_value *apex = expected_value(&scene, 1, PL_QUANTITY_APEX, 2);
         integrate(rock_rate, &p, spin->until, apex->from, 20000, 2, y);
         assert_close(y[0], 0, 1e-10, 0);

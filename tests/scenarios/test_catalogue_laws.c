@@ -242,8 +242,9 @@ static void test_fourfold_dominoes_start_twice_as_fast(void **state)
     pl_scene_free(&b);
 }
 
-/* The friction above which a force at the lower end moves it down, from Newton's and Euler's laws
- * on a rod without thickness, bisected; against the formula at every angle. */
+/* Above the critical friction, a force at the lower end of a rod moves that end down. It is found
+ * by bisection, from Newton's and Euler's laws for a rod without thickness, and compared with the
+ * formula at every angle. */
 static double end_acceleration(double angle, double friction)
 {
     const double half = 0.5, mass = 1, inertia = mass * half * half / 3;

@@ -92,7 +92,7 @@ static void take_end(const pl_scenario *s, int k, int end, double *values)
     values[duration] = k == duration ? values[k] : fmax(0.1, values[dt]);
 }
 
-/* These leave their scene at once, or would be another scenario. */
+/* Values that end the scene at once, or that would make another scenario. */
 static const char *const refused[] = {
     "slope-stick friction=0",   "slope-stick angle=1.2",     "slope-slide friction=1.9",
     "slope-slide angle=0",      "roll-slope friction=0",     "roll-slope angle=0",

@@ -64,8 +64,8 @@ static void test_what_rests_has_forces_that_hold_it(void **state)
     }
 }
 
-/* So that the test above can fail. */
-static void test_what_is_moved_off_has_none(void **state)
+/* Shows that the test above can fail. */
+static void test_displaced_cube_is_not_in_balance(void **state)
 {
     (void)state;
     static const char *const settings[] = {"n=8", "friction=0", NULL};
@@ -312,7 +312,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_what_rests_has_forces_that_hold_it),
-        cmocka_unit_test(test_what_is_moved_off_has_none),
+        cmocka_unit_test(test_displaced_cube_is_not_in_balance),
         cmocka_unit_test(test_towers_of_a_field_are_towers_apart),
         cmocka_unit_test(test_pyramid_rows_lie_over_gaps_below),
         cmocka_unit_test(test_the_tower_far_away_is_the_tower_moved),

@@ -210,7 +210,7 @@ static void test_star_of_two_tetrahedra_crosses(void **state)
     expect_refused("expected a surface that does not cross itself");
 }
 
-/* A tent on a square, whose top is pushed through the floor, and not sideways: triangles with one
+/* A pyramid on a square, whose apex is pushed straight down through the base: triangles with one
  * common vertex cross. */
 static void test_triangles_with_a_common_vertex_can_cross(void **state)
 {

@@ -197,7 +197,8 @@ static void test_numbers_out_of_range_are_located(void **state)
         {"\"mass\": 2", "\"mass\": @0", "bodies[1].mass", "above 0, found 0"},
         {"\"mass\": 2", "\"mass\": @-2", "bodies[1].mass", "found -2"},
         {"\"density\": 100", "\"density\": @0", "bodies[2].density", "above 0"},
-        /* What follows from the shape has no place of its own: it is at the body. */
+        /* Values that follow from the shape have no place in the file: they are reported at the
+           body. */
         {"{ \"name\": \"ball\", \"density\": 100,\n      \"shape\": { \"type\": \"sphere\", "
          "\"radius\": 0.2",
          "@{ \"name\": \"ball\", \"density\": 100,\n      \"shape\": { \"type\": \"sphere\", "

@@ -472,7 +472,7 @@ static void test_reader_requires_what_the_schema_requires(void **state)
     json_decref(schema);
 }
 
-/* No field takes an object of nothing, nor a string that means nothing, but names. */
+/* No field accepts an empty object, except objects whose fields are all optional. */
 static void test_reader_refuses_the_wrong_type_of_every_field(void **state)
 {
     (void)state;

@@ -249,7 +249,7 @@ static bool comes_nearer(search *s, pe_vec3 a, pe_vec3 b, pe_vec3 c)
     double wa = pe_dot(w, pe_cross(b, c)), wb = pe_dot(w, pe_cross(c, a)),
            wc = pe_dot(w, pe_cross(a, b));
     if (wa > 0 && wb > 0 && wc > 0) {
-        /* By its weights: however bad, what they combine to is of M. */
+        /* Uses its weights: however inexact they are, the combined point lies in M. */
         double sum = wa + wb + wc;
         nearest = pe_madd(pe_madd(pe_scale(wa / sum, a), wb / sum, b), wc / sum, c);
     } else {

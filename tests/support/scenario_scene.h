@@ -16,7 +16,7 @@ void build_scenario(const char *name, const char *const *settings, int count, ui
 const pl_expect_value *expected_value(const pl_scene *scene, int body, pl_quantity quantity,
                                       int axis);
 
-/* That it is refused as bad input, with `part` in the message. */
+/* Checks that it is refused as bad input, with `part` in the message. */
 void assert_scenario_refuses(const char *name, const char *const *settings, const char *part);
 
 /* The same of one setting. */
@@ -25,8 +25,8 @@ void assert_setting_refused(const char *name, const char *setting, const char *p
 /* Every dynamic body is expected to end as it starts. */
 void check_all_rest(const pl_scene *scene);
 
-/* What `plumb run` with plumb:accurate at this dt, as text, finds of a metric; the outcome must be
- * ok. */
+/* The value of a metric that `plumb run` gives for plumb:accurate at this dt (a text). The outcome
+ * must be ok. */
 double accurate_metric(const char *name, const char *const *settings, const char *dt,
                        const char *metric_name);
 

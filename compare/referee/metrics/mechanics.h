@@ -28,9 +28,10 @@ typedef struct pl_integrator_votes {
 void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
                        const pl_body_state *before, const pl_body_state *after);
 
-/* The integrator that most steps in free flight fit, or if there are none, most of the other steps:
- * an engine may move bodies differently where they collide. PL_SEMI_IMPLICIT where no step
- * distinguishes the two, as when nothing accelerates: both energies then grow alike. */
+/* The integrator that fits most steps in free flight. Without such steps it is the one that fits
+ * most of the other steps. (An engine may move colliding bodies differently.) PL_SEMI_IMPLICIT
+ * where no step distinguishes the two, for example because nothing accelerates: both energies then
+ * grow alike. */
 pl_integrator pl_integrator_of(const pl_integrator_votes *votes);
 
 typedef enum pl_integrator_certainty {

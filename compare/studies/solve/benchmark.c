@@ -191,7 +191,8 @@ const char *pl_solve_stop_name(pe_solve_stop stop)
 /* ---- All solvers on one problem ----
  *
  * Each solver runs in a process of its own, so that a crash or a hang becomes a result. Every level
- * is a solve of its own that stops there, so that its cost is what a user who asks for it pays. */
+ * is a solve of its own that stops there, so that its cost is that of a user who asks for this
+ * level. */
 
 /* The limits of one solve: factorisations; or sweeps, whose number times the number of points is
  * also limited. A sweep takes about 10 ns per point: the limit is half a second of sweeps. */

@@ -51,7 +51,7 @@ typedef struct pl_sweep_point {
     const char *label, *outcome, *reason;
     pl_sweep_state state;
     int repeats;
-    /* These only where the state is OK. */
+    /* The following fields are set only where the state is OK. */
     pl_sweep_sample *samples; /* (sample_count), by cost; owned */
     int sample_count;
     double cost, cost_mad; /* median, and median of |x - median|, s/s */
@@ -201,7 +201,7 @@ void pl_sweep_analysis_free(pl_sweep_analysis *analysis);
 /* Whether a point is one of the engine's. */
 bool pl_sweep_point_is_of(const pl_sweep_point *point, int engine);
 
-/* The engine was run on the scene, whatever came of it. */
+/* The engine was run on the scene, with any outcome. */
 bool pl_sweep_curve_was_run(const pl_sweep_curve *curve);
 
 /* The share of a profile's scenes that an engine solves within a factor tau of the best, 0 .. 1;

@@ -159,8 +159,8 @@ typedef struct nlopt_run {
 } nlopt_run;
 
 /* The penalties for a target missed by a factor of e, as the logarithm of a factor of cost: for the
- * choice of a start, the estimated cost of reaching the target; for the objective, so much that
- * missing it does not pay. */
+ * choice of a start, the estimated cost of reaching the target; for the objective: large enough
+ * that missing the target never pays. */
 static const double start_penalty = 1, miss_penalty = 2;
 
 static double merit(const pl_evaluation *evaluation, double weight)

@@ -119,8 +119,8 @@ void pe_tree_remove(pe_tree *tree, int item)
     mark(tree, leaf);
 }
 
-/* Visits the nodes below `node` in depth-first order, by the links to the parents: the next one
- * after it, without what is below it if `over`; NONE at the end. */
+/* Visits the nodes below `node` in depth-first order, by the links to the parents. Returns the node
+ * after this one, with `over` the one after its subtree; NONE at the end. */
 static int next_node(const pe_tree_node *nodes, int node, bool over)
 {
     if (!over && !is_leaf(&nodes[node])) {
@@ -161,8 +161,7 @@ typedef struct subtree {
     int node;
 } subtree;
 
-/* All subtrees. If the whole tree is rebuilt, they are copies of its leaves; else `leaf` is NULL.
- */
+/* All subtrees. If the whole tree is rebuilt they are copies of its leaves, else `leaf` is NULL. */
 typedef struct forest {
     subtree *item;
     int count;

@@ -122,7 +122,8 @@
 /* Sine of the angle by which a normal may lie outside the directions that a feature faces, so that
  * all corners are found of a face that lies nearly flat on another. */
 #define PE_FACING 0.1
-/* The same for features that face each other strictly: rounding and the motion of rest. */
+/* The same for features that face each other strictly. It covers rounding and the small motion of
+ * bodies at rest. */
 #define PE_FACING_STRICT 1e-6
 /* The same for the nearest features of a rounded shape: rounding. */
 #define PE_FACING_ROUNDED 1e-9

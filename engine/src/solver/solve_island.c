@@ -142,7 +142,7 @@ static const double TRIAL_SHARE = 0.25;
 static const double NS_PER_FLOP = 0.14, NS_PER_ASSEMBLED_POINT = 150, NS_PER_SWEPT_POINT = 15;
 
 /* The patience with an island without impulses to start from. Dense islands of millions of points,
- * as where a step of a second brings every body near every other, would cost minutes. */
+ * such as a step of one second makes of many bodies, would cost minutes. */
 static const double COLD_PATIENCE = 16;
 
 /* Islands of so few bodies always get the whole direct solver. */

@@ -11,8 +11,8 @@
 /* ---- Elimination order ----
  *
  * A graph of `count` vertices: the neighbours of i are adjacent[start[i]] .. adjacent[start[i + 1]
- * - 1], each edge at both ends, none twice, none to itself. Fills order (count): order[k] is
- * eliminated k-th. */
+ * - 1], each edge is listed at both ends. There are no double edges and no loops. Fills order
+ * (count): order[k] is eliminated k-th. */
 
 #ifdef PLUMB_HAVE_AMD
 

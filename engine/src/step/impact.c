@@ -41,7 +41,7 @@ static int body_count(const substeps *s)
 
 /* ---- Points ---- */
 
-/* m/s: gravity's change of velocity in a step is no impact, nor is less than 1e-9. */
+/* m/s: gravity's change of velocity in a step is no impact, and neither is a speed below 1e-9. */
 static double slow_closing(const pe_world *world, double dt)
 {
     return pe_max(dt * pe_length(world->def.gravity), 1e-9);
@@ -406,7 +406,7 @@ static pe_status solve_impact(substeps *s)
     return status;
 }
 
-/* From impact to impact, and on to the end of the step. */
+/* Integrates from impact to impact and to the end of the step. */
 static pe_status run_substeps(substeps *s)
 {
     pe_status status = find_contacts(s);

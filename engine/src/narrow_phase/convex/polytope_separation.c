@@ -309,8 +309,8 @@ static simplex of_triangle(corner p, corner q, corner r)
 }
 
 /* The newest corner is the last: the nearest point lies on one of its three faces. Faces that have
- * the origin behind them are left out. By rounding all have, when the origin lies in a flat
- * simplex. */
+ * the origin behind them are left out. If the origin lies in a flat simplex, rounding can leave
+ * out all of them; then all are tried. */
 static simplex of_tetrahedron(const corner c[4])
 {
     static const int faces[3][4] = {{0, 1, 3, 2}, {1, 2, 3, 0}, {2, 0, 3, 1}};

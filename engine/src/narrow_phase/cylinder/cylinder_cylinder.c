@@ -4,7 +4,7 @@
  * the lowest line of its side. The points bound the overlap of the two, seen along the direction.
  * Of two caps they are: points of either rim within the other cap, in directions that stay with the
  * first cylinder's cap when both are nearly parallel; the lowest point of each rim; and the points
- * where the rims cross. Of a line they are its ends. */
+ * where the rims cross. For a line they are its ends. */
 #include "cylinder_gap.h"
 #include "narrow_phase/feature_id.h"
 #include "narrow_phase/points.h"

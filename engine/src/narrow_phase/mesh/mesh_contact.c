@@ -2,15 +2,15 @@
  *
  * The other shape is a solid of triangles too, or the core of a rounded one: a point or a segment,
  * swept by a ball whose radius is taken off every separation. Planes have no edges and cylinders no
- * vertices: the plane is handled below, the cylinder in mesh_cylinder.c.
+ * vertices: planes are handled below, cylinders in mesh_cylinder.c.
  *
  * Touches are pairs of features that face each other. Their separation is measured along their
  * normal and is positive across a gap:
  *
  *   - A vertex over a face: the face's normal. The vertex faces the face if no edge leads from it
  *     towards the face, except at a small angle, so that all corners of a face that lies upon
- * another are found. A vertex behind the face across a dent is also over the face: in a corner of a
- * room the floor goes on under the wall.
+ * another are found. A vertex behind the face, across a dent, is also over the face: in the corner
+ * of a room the floor continues under the wall.
  *   - An edge across an edge, both convex: their common normal, which must lie between the normals
  * of either edge's faces. Two faces that lie upon each other touch at vertices over faces and where
  *     their rims cross, which are the corners of their overlap.

@@ -93,7 +93,7 @@ static void try_vertex(contact *s, int vertex, pe_vec3 x)
         double depth = by_cap ? to_cap : to_side;
         if (pe_vertex_takes_normal(&s->pair.solid, vertex, n, &strict) && strict &&
             pe_dot(n, n) > 0.5) {
-            /* Of this kind no face shares its manifold. */
+            /* Faces do not share a manifold for touches of this kind. */
             pe_touch touch =
                 pe_touch_make(PE_EDGE_VERTEX, pe_touch_feature(PE_FACE_VERTEX, vertex, by_cap),
                               pe_madd(x, depth, n), n, -depth);

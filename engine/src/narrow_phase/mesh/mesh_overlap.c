@@ -1,9 +1,9 @@
 /* Overlaps that the features within reach do not show.
  *
- * Deep vertices. Where two surfaces cross, the vertices behind the crossing triangles are tested,
- * and from those that lie inside their neighbours along the edges, so that the cost grows with the
- * number of vertices inside. A vertex inside touches the nearest face that it faces and above which
- * it would come out, unless another part of the surface lies between.
+ * Deep vertices. Where two surfaces cross, the vertices behind the crossing triangles are tested.
+ * From each vertex that lies inside, the search goes on to its neighbours along the edges. So the
+ * cost grows with the number of vertices inside. A vertex inside touches the nearest face that it
+ * faces and above which it would come out, unless another part of the surface lies between.
  *
  * Translations, where no vertex shows one. The ends of a core leave by the nearest point of the
  * surface, and a solid wholly inside by the nearest faces. Where the surfaces cross, they do along

@@ -42,7 +42,7 @@ typedef struct pe_ridge {
     int edge;
 } pe_ridge;
 
-/* A triangle. Of a core all but the corners is zero. */
+/* A triangle. For a core all fields except the corners are zero. */
 typedef struct pe_facet {
     pe_vec3 x[3], normal;
     double offset; /* n.x = offset in the plane */
@@ -75,7 +75,7 @@ void pe_facet_ridges(const pe_solid *solid, const pe_transform *placed, pe_facet
 /* Whether x, projected onto the facet's plane, lies on it or at most `slack` beyond its rim. */
 bool pe_facet_contains(const pe_facet *facet, pe_vec3 x, double slack);
 
-/* The same, also for x behind the face across a dent by at most `past`: the solid goes on there. */
+/* The same, also for x behind the face across a dent, by at most `past`: there is solid there. */
 typedef enum pe_facet_side { PE_OFF_FACET, PE_ON_FACET, PE_BEHIND_DENT } pe_facet_side;
 pe_facet_side pe_facet_contains_dented(const pe_solid *solid, const pe_transform *placed,
                                        const pe_facet *facet, pe_vec3 x, double slack, double past);

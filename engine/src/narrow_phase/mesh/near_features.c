@@ -306,7 +306,7 @@ static pe_vec3 perpendicular_to(const line *l, pe_vec3 d)
 
 /* Computes the points again, from the features alone: a vertex ends several edges, and each finds
  * it with another rounding. If the points are near each other, the line between them has few
- * correct digits. But it must be perpendicular to an edge to the last digit. */
+ * correct digits, but it must be perpendicular to an edge to the last digit. */
 static void measure_again(const pe_solid_pair *pair, pe_nearest *best)
 {
     pe_touch *touch = &best->touch;

@@ -1,8 +1,8 @@
 /* Two solids and the pairs of their triangles that come near each other.
  *
  * Solid b is the mesh. Solid a is the other shape: a mesh, a hull, a box, or the core of a rounded
- * shape, a point or a segment swept by a ball. The work is done in b's axes. Normals point from a
- * to b. */
+ * shape. A core is a point or a segment; the shape is the core swept by a ball. The work is done in
+ * b's axes. Normals point from a to b. */
 #ifndef PE_SOLID_PAIR_H
 #define PE_SOLID_PAIR_H
 
