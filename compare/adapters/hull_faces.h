@@ -15,7 +15,7 @@ typedef struct pl_hull_faces {
 
 /* The faces of a convex polyhedron, its planes in the frame with origin `origin` and the shape's
  * axes. On success the caller frees *faces. PL_NO_MEMORY; PL_BAD_INPUT when the triangles of one
- * plane have not one border, as those of a hull have. */
+ * plane do not have a single border, as those of a hull do. */
 pl_status pl_hull_faces_of(const pl_polyhedron *hull, const double origin[3], pl_hull_faces *faces,
                            pl_error *error);
 

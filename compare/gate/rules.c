@@ -15,7 +15,7 @@
 
 /* ---- Tolerances ---- */
 
-/* Names that a rule takes besides those of pl_metric_table. */
+/* Names that a rule accepts in addition to those of pl_metric_table. */
 static const char *const own_names[] = {"outcome", "time_ratio", "instructions_ratio",
                                         "instructions_per_step"};
 enum { OWN_COUNT = sizeof own_names / sizeof own_names[0], HINT_SIZE = 2 * PL_NAME_SIZE };

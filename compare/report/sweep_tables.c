@@ -285,7 +285,7 @@ pl_table pl_sweep_costs_table(const pl_sweep_analysis *analysis, const pl_sweep_
 }
 
 /* The text where there is no ratio: which of the two reached the error or cost alone. */
-static const char *alone(pl_attained_by attained)
+static const char *attained_text(pl_attained_by attained)
 {
     return attained == PL_ATTAINED_BY_OURS_ONLY    ? "ours alone"
            : attained == PL_ATTAINED_BY_OTHER_ONLY ? "other alone"
@@ -308,13 +308,13 @@ pl_table pl_sweep_speeds_table(const pl_sweep_analysis *analysis, const pl_sweep
         add_pair(analysis, pair, &table);
         for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
             add_ratio(between ? &comparison->speed_between[k] : &comparison->speed[k],
-                      between ? pl_no_number : alone(comparison->at_error[k]), &table);
+                      between ? pl_no_number : attained_text(comparison->at_error[k]), &table);
         }
     }
     return table;
 }
 
-/* Whether neither front of a pair has a new point at cost k, compared with the next lower cost. */
+/* Whether both fronts of a pair have the same points at cost k as at the next lower cost. */
 static bool is_same_as_before(const pl_sweep_scene *scene, const pl_sweep_pair *pair, int k)
 {
     const int *ours = scene->curves[pair->ours].most_exact,
@@ -339,7 +339,7 @@ pl_table pl_sweep_errors_table(const pl_sweep_analysis *analysis, const pl_sweep
             }
             add_pair(analysis, pair, &table);
             add_number(pl_sweep_times[k], "s", &table);
-            add_ratio(&comparison->exactness[k], alone(comparison->at_cost[k]), &table);
+            add_ratio(&comparison->exactness[k], attained_text(comparison->at_cost[k]), &table);
             add_ratio(&comparison->exactness_between[k], pl_no_number, &table);
         }
     }

@@ -29,7 +29,7 @@ static void build_row(pl_builder *b, int count, double size, double spacing, dou
  *
  * It starts upright, turning about its leading lower edge with `push` times the spin that just
  * carries it over: 1/2 I w^2 = m g (R - height / 2), I = 4/3 m R^2, R half the diagonal of its
- * side. All lengths go with `size`, so that all times go with its square root: the wave runs
+ * side. All lengths are proportional to `size`, and all times to its square root: the wave runs
  * sqrt(s) times as fast in a row s times as large. */
 
 enum { DOMINOES_COUNT, DOMINOES_SIZE, DOMINOES_SPACING, DOMINOES_PUSH, DOMINOES_FRICTION };

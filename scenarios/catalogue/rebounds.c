@@ -24,7 +24,7 @@ static const pl_param bounce_params[] = {
     PL_PARAM_TIME(3),
 };
 
-/* Of the flights that the run sees to three quarters at least. */
+/* Expects the apexes of the flights of which the run has at least three quarters. */
 static void expect_apexes(pl_builder *b, int ball, double height, double e, int bounces)
 {
     const pl_scene *scene = b->scene;

@@ -193,14 +193,12 @@ const pl_scenario pl_scenario_reaction_split = {
 
 /* A slender rod that slides on its end over rough ground, that end ahead, as chalk that is pushed.
  *
- * The rod, of length 2 L and uniform density, leans back by an angle a from the ground, so that
- * friction, against the slip, turns its end into the ground. The normal acceleration of the end for
- * a normal force N is
- *     N / m (1 + 3 cos a (cos a - friction sin a)):
- * with friction > (1 + 3 cos^2 a) / (3 sin a cos a), least 4/3 at tan a = 2, a larger force presses
- * the end further in. No finite force keeps it out, and the answer is an impulse that stops the
- * slip at once. Impulses of friction, and of a contact that does not rebound, take energy and never
- * give any. */
+ * The rod has length 2 L and uniform density. It leans at an angle a to the ground, so that
+ * friction, which opposes the slip, turns its end into the ground. The normal acceleration of the
+ * end for a normal force N is N / m (1 + 3 cos a (cos a - friction sin a)): with friction > (1 + 3
+ * cos^2 a) / (3 sin a cos a), least 4/3 at tan a = 2, a larger force presses the end further in. No
+ * finite force keeps it out, and the answer is an impulse that stops the slip at once. Impulses of
+ * friction, and of a contact that does not rebound, take energy and never give any. */
 
 enum { PAINLEVE_FRICTION, PAINLEVE_ANGLE, PAINLEVE_SPEED };
 

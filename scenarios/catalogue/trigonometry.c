@@ -72,7 +72,8 @@ double pl_cosine_of_any(double angle)
 void pl_circle_point(int k, int n, double *x, double *y)
 {
     long long eighths = 8LL * k, octant = eighths / n;
-    /* The rest of the octant counts up in even ones and down from its end in odd ones. */
+    /* The remaining angle counts from the start of the octant in even octants, and from its end in
+     * odd ones. */
     double part = (double)(octant % 2 == 0 ? eighths - octant * n : (octant + 1) * n - eighths) / n;
     bool diagonal = part == 1; /* where sine and cosine are one number */
     double c = diagonal ? sqrt(0.5) : pl_cosine(part * right_angle / 2);

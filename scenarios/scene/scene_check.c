@@ -288,7 +288,7 @@ static bool check_times(const pl_scene *scene, const pl_expect_value *value,
                            value->until > 0 && value->until <= end, "a time within the run");
 }
 
-/* The rules that an object keeps besides those of its fields. */
+/* The rules of an object, in addition to those of its fields. */
 static bool check_rules(const checker *c, pl_object_kind kind, const void *object)
 {
     switch (kind) {

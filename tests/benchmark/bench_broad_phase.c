@@ -60,7 +60,7 @@ static void place_brick(int i, int n, pe_body_def *def)
 }
 
 /* The last one flies low over the others. */
-static void place_thrown(int i, int n, pe_body_def *def)
+static void place_fast(int i, int n, pe_body_def *def)
 {
     place_block(i, n, def);
     if (i == n - 1) {
@@ -82,7 +82,7 @@ static void place_drop(int i, int n, pe_body_def *def)
 static const scene SCENES[] = {
     {"blocks at rest on the floor", place_block},
     {"wall at rest", place_brick},
-    {"one thrown over blocks at rest", place_thrown},
+    {"one fast body over blocks at rest", place_fast},
     {"falling cloud", place_drop},
 };
 

@@ -199,8 +199,7 @@ static void law_forces(const pl_engine_choice *choice)
     memset(scene.gravity, 0, sizeof scene.gravity);
     put_material(&scene, "stone", 0.5, 0);
     check_random random = {31};
-    /* Ten times 0.1 sums to less than 1: the eleventh step must count as starting at 1 all the
-     * same. */
+    /* Ten times 0.1 sums to less than 1, but the eleventh step must count as starting at 1. */
     double dt = 0.1, acting = 1, along[3];
     pl_force forces[3] = {
         {.force = {0, 2, 0}, .at = {0.5, 0, 0}, .frame = PL_FRAME_WORLD},

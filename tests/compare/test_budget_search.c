@@ -94,7 +94,7 @@ static void test_falling_errors_give_the_least_sufficient_budget(void **state)
     }
 }
 
-/* Halved by every doubling to the end: the last one counts as converged. */
+/* Every doubling halves the error up to the last budget, which counts as converged. */
 static void test_unsettled_error_is_compared_to_the_largest_budget(void **state)
 {
     (void)state;

@@ -6,8 +6,8 @@
 
 enum { REPEATS = 7 };
 
-/* Times of both engines in the same repeats. `factor`: how much slower ours is than its usual half
- * of the reference's. `noise`: relative, of each time by itself. */
+/* Times of both engines in the same repeats. `factor`: our time, relative to half of the
+ * reference's. `noise`: relative, of each time by itself. */
 static json_t *timed(check_random *random, double factor, double noise)
 {
     json_t *results = json_array();

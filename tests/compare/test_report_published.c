@@ -106,7 +106,8 @@ static void test_unknown_scenarios_match_no_published_case(void **state)
     free_report(&made);
 }
 
-/* The command itself, for a few steps: an engine that reports no iterations has none, never 0. */
+/* Runs the command for a few steps: an engine that reports no iterations has no number of them, not
+ * 0. */
 static void test_compare_writes_the_published_table(void **state)
 {
     (void)state;

@@ -1,5 +1,5 @@
-/* The laws of results: what is written is read back whole, the hash tells runs apart, and an
- * interrupted file is taken up where its last complete line ends. */
+/* The laws of results: results are read back as they were written, hashes of different runs differ,
+ * and an interrupted file is continued after its last complete line. */
 #include "check.h"
 #include "plumb_process.h"
 #include "results/result.h"

@@ -27,7 +27,7 @@ static double size_of(const pe_world *world)
     return p > 0 ? pe_min(p, q) : q;
 }
 
-/* Moves both bodies together, as one rigid body, and b by up to a tenth of `tolerance` besides. */
+/* Moves both bodies together, as one rigid body, and b also by up to a tenth of `tolerance`. */
 static void move_pair(pe_world *world, const pe_body_id ids[2], check_random *random,
                       double tolerance)
 {

@@ -1,4 +1,4 @@
-/* The direct solvers where there is no closed form: laws that their solutions obey. */
+/* The direct solvers on problems without a closed form: laws that their solutions obey. */
 #include "check.h"
 #include "solving.h"
 

@@ -212,8 +212,8 @@ static void rock_rate(const void *context, double t, const double *y, double *ra
     rate[1] = -p->square * sin(p->alpha - y[0]);
 }
 
-/* Spin after the corner at x = width / 2 strikes: angular momentum about it, from the velocity of
- * the centre that turned about the other. */
+/* Spin after the impact of the corner at x = width / 2, from the angular momentum about that
+ * corner. Before it, the centre turned about the other corner. */
 static double spin_left(const pl_body *block, double spin)
 {
     const double b = block->shape.half_extents[0], a = block->shape.half_extents[2];

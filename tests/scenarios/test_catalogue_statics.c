@@ -261,7 +261,7 @@ static void test_painleve_begins_at_four_thirds(void **state)
         build(scenario, values, &scene);
         const pl_body *rod = &scene.bodies[1];
         const double *q = rod->orientation, *h = rod->shape.half_extents;
-        /* The end of the underside that slides ahead, seen from the centre. */
+        /* The leading end of the underside, relative to the centre. */
         const double c = q[0] * q[0] - q[2] * q[2], s = 2 * q[0] * q[2];
         const double x = c * h[0] - s * h[2], z = -s * h[0] - c * h[2];
         assert_close(rod->position[2] + z, 0, 1e-15, 0);

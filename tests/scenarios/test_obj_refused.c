@@ -1,5 +1,4 @@
-/* Wavefront .obj files that are refused: each with its line, the expected text and the found one.
- */
+/* Wavefront .obj files that are refused: each with its line and what was expected and found. */
 #include "check.h"
 #include "obj_text.h"
 #include "scene/obj.h"

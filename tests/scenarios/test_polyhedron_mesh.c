@@ -239,7 +239,7 @@ static void test_triangles_with_a_common_vertex_can_cross(void **state)
     }
 }
 
-/* What one solid has from another within rounding is a touch, at every place and angle. */
+/* Two solids whose distance is within rounding touch, at every place and angle. */
 static void test_touching_within_rounding_is_not_crossing(void **state)
 {
     (void)state;

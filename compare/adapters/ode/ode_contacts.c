@@ -84,8 +84,8 @@ static int island_root(int *parent, int body)
     return body;
 }
 
-/* Constraint rows of the largest island: dWorldStep solves the islands one after another. A static
- * body joins none, so a contact counts at its moving body. */
+/* Constraint rows of the largest island: dWorldStep solves the islands one after another. Static
+ * bodies join no islands, so a contact counts for the island of its moving body. */
 static double largest_island_rows(const pl_engine_instance *instance)
 {
     int count = instance->scene->body_count;

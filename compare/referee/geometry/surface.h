@@ -2,7 +2,7 @@
  * of it a point is on, and where the edges of another surface pierce it.
  *
  * The triangles are in a tree of boxes, so that the cost of a query is about the logarithm of their
- * number plus the number of triangles nearby. All points are in the shape's own frame, m. */
+ * number plus the number of triangles near the query. Points are in the shape's own frame, m. */
 #ifndef PLUMB_SURFACE_H
 #define PLUMB_SURFACE_H
 

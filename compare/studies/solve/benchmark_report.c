@@ -189,14 +189,14 @@ static void put_means(pl_text_buffer *out, const json_t *problems)
     for (int s = 0; s < setup_count(); ++s) {
         const setup at = setup_of(s);
         double log_iterations = 0, log_seconds = 0;
-        int both = 0, alone = 0, missed = 0;
+        int both = 0, only = 0, missed = 0;
         for (size_t i = 0; i < json_array_size(problems); ++i) {
             const json_t *problem = json_array_get(problems, i);
             const json_t *level = reached_level(problem, at.solver, &at);
             const json_t *base = reached_level(problem, baseline(), &at);
             const double iterations = number(level, "iterations");
             const double base_iterations = number(base, "iterations");
-            alone += level != NULL && base == NULL;
+            only += level != NULL && base == NULL;
             missed += level == NULL && base != NULL;
             if (iterations > 0 && base_iterations > 0) {
                 log_iterations += log(iterations / base_iterations);
@@ -210,7 +210,7 @@ static void put_means(pl_text_buffer *out, const json_t *problems)
         pl_table_number(&table, both > 0 ? exp(log_iterations / both) : (double)NAN, 3);
         pl_table_number(&table, both > 0 ? exp(log_seconds / both) : (double)NAN, 3);
         pl_table_format_cell(&table, "%d", both);
-        pl_table_format_cell(&table, "%d", alone);
+        pl_table_format_cell(&table, "%d", only);
         pl_table_format_cell(&table, "%d", missed);
     }
     pl_text_format(

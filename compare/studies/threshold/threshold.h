@@ -1,5 +1,5 @@
 /* The critical value of a scenario's parameter: the value at which the scene stops holding, found
- * by bisection on every engine. Every trial is an isolated run. All searches advance together, one
+ * by bisection on every engine. Every trial is an isolated run. All searches run side by side, one
  * trial of each in a round. */
 #ifndef PLUMB_THRESHOLD_H
 #define PLUMB_THRESHOLD_H

@@ -327,7 +327,7 @@ static void refine_locally(pl_evaluation_cache *cache)
         const pl_unit_point from = units_of(cache, &cache->found->evaluations[cache->found->best]);
         pl_unit_point to = from;
         const int before = cache->found->count;
-        /* Integers that move change by at least one, so that each parameter may also stay. */
+        /* Integers that change do so by at least one. Each parameter may also keep its value. */
         for (int k = 0; k < parameters; ++k) {
             const bool moves = pl_random_unit(&random) < moving_part;
             to = moves ? moved(cache, &to, k, radius * pl_random_normal(&random)) : to;

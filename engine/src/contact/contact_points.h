@@ -15,9 +15,9 @@ void pe_pair_manifold_reduce(pe_pair_manifold *manifold, double size);
  * convex bodies at this margin, in m, or notes at which margins the point would be there.
  *
  * The points of a manifold predict gaps by velocities, to first order. A plate that meets a wall
- * with its edge at 200 m/s is stopped at that edge, and turns about it by radians within the step:
- * its centre flies on, and passes the wall. So where two convex bodies may approach each other by
- * more than half the radius of the smaller, its centre may come no further than the plane of the
+ * with its edge at 200 m/s stops at that edge and turns about it by radians within the step: its
+ * centre moves on, through the wall. So where two convex bodies may approach each other by more
+ * than half the radius of the smaller, its centre may come no further than the plane of the
  * contact. */
 void pe_pair_manifold_hold_centre(pe_pair_manifold *manifold, const pe_body *a,
                                   const pe_pose *pose_a, const pe_body *b, const pe_pose *pose_b,

@@ -119,8 +119,7 @@ static double square(pe_vec3 v)
 }
 
 /* Keeps PE_MAX_POINTS points: the first, then repeatedly the one farthest from all kept ones, and
- * in any case one with the least separation within a tie. Of equally far points it keeps the first.
- */
+ * in any case one with the least separation within a tie. Of equally far ones the first wins. */
 static void reduce(pe_point_list *list)
 {
     int nearest = nearest_of(list), count = list->count;

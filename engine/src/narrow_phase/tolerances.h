@@ -25,8 +25,8 @@
  * edge are support points. */
 #define PE_LEVEL_EDGE 1e-6
 
-/* Box edges. Squared sine of their angle below which the quick test of their axis loses digits, and
- * below which the axis is rounding. */
+/* Box edges. Squared sine of the angle of two edges: below the first the quick test of their common
+ * normal loses digits, below the second that normal is only rounding. */
 #define PE_BOX_EDGES_NEAR_PARALLEL2 1e-6
 #define PE_BOX_EDGES_PARALLEL2 1e-24
 /* Rounding of the quick test, relative to the lengths in it. */

@@ -8,7 +8,7 @@
 
 /* ---- The direct solver ---- */
 
-enum { FIRST_ITERATIONS = 8, ROUNDS = 3, INTERIOR_ITERATIONS = 60, POLISH_ITERATIONS = 30 };
+enum { FIRST_ITERATIONS = 8, ROUNDS = 3, INTERIOR_ITERATIONS = 60, REFINE_ITERATIONS = 30 };
 
 /* The best impulses so far. */
 typedef struct keeper {
@@ -33,7 +33,7 @@ static void restore(const keeper *best)
     pe_problem_rebuild_velocity(best->problem);
 }
 
-static const double INTERIOR_ENOUGH = 1e-4; /* m/s: where the polish starts */
+static const double INTERIOR_ENOUGH = 1e-4; /* m/s: where the refinement starts */
 
 /* The limit of iterations for `more` of them, within the caller's. */
 static int bound(const pe_solve_report *report, int more, const pe_solve_limits *limits)
@@ -42,13 +42,13 @@ static int bound(const pe_solve_report *report, int more, const pe_solve_limits 
     return most < limits->max_iterations ? most : limits->max_iterations;
 }
 
-/* Rounds of the interior point method, each with the shift of the last one and then polished. */
+/* Rounds of the interior point method, each with the shift of the last one and then refined. */
 static pe_status solve_by_interior(keeper *best, const pe_pattern *pattern,
                                    const pe_solve_limits *limits, pe_workspace work,
                                    pe_solve_report *report, pe_error *error)
 {
     const pe_problem *problem = best->problem;
-    pe_newton_settings polish = {pattern, PE_NEWTON_TRESCA,  1e-3,
+    pe_newton_settings refine = {pattern, PE_NEWTON_TRESCA,  1e-3,
                                  1e-7,    PE_NEWTON_UPDATES, limits->tolerance};
     double *shift = pe_take(work, (size_t)problem->point_count + 1, sizeof *shift);
     if (shift == NULL) {
@@ -67,10 +67,10 @@ static pe_status solve_by_interior(keeper *best, const pe_pattern *pattern,
             return status;
         }
         keep_if_better(best, report->residual);
-        /* The next round's shift is that of this round, whatever the polish finds. */
+        /* The next round's shift is that of this round, with any outcome of the refinement. */
         pe_problem_find_shifts(problem, shift);
-        inner = (pe_solve_limits){limits->tolerance, bound(report, POLISH_ITERATIONS, limits)};
-        status = pe_newton(problem, &polish, &inner, work, report, error);
+        inner = (pe_solve_limits){limits->tolerance, bound(report, REFINE_ITERATIONS, limits)};
+        status = pe_newton(problem, &refine, &inner, work, report, error);
         if (status != PE_OK) {
             return status;
         }
@@ -248,10 +248,10 @@ pe_status pe_solve_island(const pe_problem *problem, const pe_island_limits *lim
         solve->stop = sweeps.stop;
         if (status == PE_OK && chosen.trial && solve->residual.max < QUIET) {
             int most = solve->iterations + TRIAL_ITERATIONS;
-            pe_solve_limits polish = {limits->tolerance, fewer(most, limits->max_iterations)};
+            pe_solve_limits refine = {limits->tolerance, fewer(most, limits->max_iterations)};
             pe_newton_settings settings =
                 pe_newton_settings_for(&chosen.pattern, PE_NEWTON_TRESCA, limits->tolerance);
-            status = pe_solve_direct(problem, &settings, &polish, work, solve, error);
+            status = pe_solve_direct(problem, &settings, &refine, work, solve, error);
         }
     }
     if (solve->residual.max <= limits->tolerance) {

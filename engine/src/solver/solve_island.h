@@ -38,7 +38,7 @@ pe_status pe_solve_island(const pe_problem *problem, const pe_island_limits *lim
  * 1. Newton's method with these settings, whose pattern counts the manifolds that are expected to
  * carry;
  * 2. the interior point method on the convex problem, with De Saxce's shift renewed between rounds,
- * each round polished by Newton's method in the Tresca form.
+ * each round refined by Newton's method in the Tresca form.
  *
  * Iterations are factorisations. The best of all iterates is left. */
 pe_status pe_solve_direct(const pe_problem *problem, const pe_newton_settings *settings,

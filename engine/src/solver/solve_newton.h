@@ -22,7 +22,7 @@ typedef enum pe_newton_form {
     PE_NEWTON_TRESCA
 } pe_newton_form;
 
-enum { PE_NEWTON_UPDATES = 60 }; /* the usual bound */
+enum { PE_NEWTON_UPDATES = 60 }; /* the default bound */
 
 /* The compliance r starts at `softness` and falls by tens to `least_softness`. */
 typedef struct pe_newton_settings {

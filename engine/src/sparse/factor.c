@@ -5,8 +5,8 @@
 
 /* WIDE_CLONES: the function is compiled for several instruction sets, and one is chosen when the
  * program is loaded. Every lane does the IEEE operation of scalar code, so that all give the same
- * bits. clang 14 links no such function that another file calls; the sanitizers run before the
- * choice can be made. */
+ * bits. clang 14 does not link such a function if another file calls it; the sanitizers run before
+ * the choice can be made. */
 #if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) &&       \
     !defined(__SANITIZE_ADDRESS__)
 #define WIDE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))

@@ -27,8 +27,7 @@ typedef struct pe_pattern {
 } pe_pattern;
 
 /* Finds the pattern for manifolds with counted[i]; NULL: all. In a wall most contacts carry
- * nothing, those between neighbours in a row, and a factor without them costs several times less.
- */
+ * nothing, those between neighbours in a row, and leaving them out makes the factor cheap. */
 pe_status pe_pattern_find(const pe_problem *problem, const bool *counted, pe_workspace work,
                           pe_pattern *pattern, pe_error *error);
 

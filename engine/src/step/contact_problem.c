@@ -19,7 +19,7 @@ static const named_solver SOLVERS[] = {
      pe_solve_newton},
     {{"interior_point", "primal-dual interior point, De Saxce's shift renewed", true},
      pe_solve_interior_point},
-    {{"direct", "newton, then interior_point polished by it, as the engine combines them", true},
+    {{"direct", "newton, then interior_point refined by it, as the engine combines them", true},
      pe_solve_combined},
 };
 enum { SOLVER_COUNT = sizeof SOLVERS / sizeof SOLVERS[0] };

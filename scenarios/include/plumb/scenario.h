@@ -74,8 +74,8 @@ typedef struct pl_scenario {
     const char *provokes; /* of a hard case: the failure that it provokes, and what a right engine
                              does; NULL: not one of them */
     const pl_threshold *threshold; /* NULL: none */
-    /* Every scenario has, besides its own, the parameters "dt" and "duration" (s): its reference
-     * may depend on them, and the command's --dt and --duration set them. */
+    /* Every scenario has, in addition to its own, the parameters "dt" and "duration" (s): its
+     * reference may depend on them, and the command's --dt and --duration set them. */
     const pl_param *params; /* (param_count) */
     int param_count;        /* number of parameters */
     /* Adds the bodies and expectations. Called by pl_scenario_build alone. */

@@ -51,8 +51,8 @@ int pe_polytope_support(const pe_polytope *p, pe_vec3 d, int from);
  * go to the lower index. Not for points and segments. */
 int pe_polytope_facing(const pe_polytope *p, pe_vec3 d, double *cosine);
 
-/* Number of a face's vertices, and vertex k of them, in order. Of a face with more than
- * PE_FACE_CORNERS vertices so many are used, evenly spaced. */
+/* Number of a face's vertices, and vertex k of them, in order. A face with more than
+ * PE_FACE_CORNERS vertices is represented by that many of them, evenly spaced. */
 enum { PE_FACE_CORNERS = 64 };
 int pe_face_corners(const pe_face *face);
 int pe_face_corner(const pe_polytope *p, const pe_face *face, int k);

@@ -237,8 +237,9 @@ static pe_vec3 vertex_of_b(const pe_polytope_pair *pair, int vertex)
     return pe_transform_point(&pair->b_in_a, pair->b.vertices[vertex]);
 }
 
-/* The points where two edges cross, seen along their common normal. They are held to the part where
- * the edges lie next to each other, for the crossing of nearly parallel lines is uncertain. */
+/* The points where two edges cross, seen along their common normal. They are clamped to the part
+ * where the edges lie next to each other, because the crossing of nearly parallel lines is
+ * uncertain. */
 static witness crossing_of_edges(const pe_polytope_pair *pair, const pe_edge *a, const pe_edge *b)
 {
     pe_vec3 p = pair->a.vertices[a->vertex[0]], q = vertex_of_b(pair, b->vertex[0]);

@@ -153,7 +153,7 @@ typedef struct edge_chunk {
     placed_edge edge[CHUNK];
 } edge_chunk;
 
-/* Fills the chunk with the next edges of b that may separate by more than `least`. */
+/* Fills the chunk with the next edges of b whose separation may exceed `least`. */
 static void gather(const pe_polytope_pair *pair, const core_points *a, double least, int *next,
                    edge_chunk *chunk)
 {
