@@ -80,9 +80,10 @@ static void test_falling_errors_give_the_least_sufficient_budget(void **state)
     (void)state;
     check_random random = {.state = 7};
     for (int i = 0; i < 300; ++i) {
-        const decline d = {.a = pow(10, check_uniform(&random, -6, 0)),
-                           .b = pow(10, check_uniform(&random, -3, 3)),
-                           .p = check_uniform(&random, 0.3, 2.5)};
+        decline d;
+        d.a = pow(10, check_uniform(&random, -6, 0));
+        d.b = pow(10, check_uniform(&random, -3, 3));
+        d.p = check_uniform(&random, 0.3, 2.5);
         const pl_budget_found found = search(declining, &d);
         assert_int_equal(found.state, PL_BUDGET_FOUND);
         assert_close(found.converged, declining(found.largest, &d), 0, 0);

@@ -71,8 +71,9 @@ static void slide_to(pose_pair *p, check_random *random, double gap)
 static void place(pose_pair *p, check_random *random, pl_shape_kind kind_a, pl_shape_kind kind_b,
                   placing how)
 {
-    *p = (pose_pair){.shape_a = random_shape(random, kind_a),
-                     .shape_b = random_shape(random, kind_b)};
+    memset(p, 0, sizeof *p);
+    p->shape_a = random_shape(random, kind_a);
+    p->shape_b = random_shape(random, kind_b);
     p->a.shape = &p->shape_a;
     p->b.shape = &p->shape_b;
     check_quaternion(random, p->a.orientation);
@@ -377,8 +378,10 @@ static void test_box_box_depth_is_continuous_at_parallel_edges(void **state)
             p.a.orientation[k] = p.b.orientation[k] = k == 0;
         }
         double parallel = closed_form(&p);
-        double axis[3] = {check_uniform(&random, -1, 1), check_uniform(&random, -1, 1),
-                          check_uniform(&random, -1, 1)};
+        double axis[3];
+        for (int k = 0; k < 3; ++k) {
+            axis[k] = check_uniform(&random, -1, 1);
+        }
         double length = sqrt(dot(axis, axis));
         for (int k = 0; k < 3; ++k) {
             axis[k] /= length;

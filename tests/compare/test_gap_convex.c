@@ -40,9 +40,9 @@ static pl_shape random_shape(pool *p, pl_shape_kind kind)
     if (kind == PL_SHAPE_HULL) {
         return pl_shape_of(p->hulls[(int)check_uniform(&p->random, 0, HULLS)]);
     }
-    pl_shape shape = {.kind = kind,
-                      .radius = check_uniform(&p->random, 0.1, 1),
-                      .half_height = check_uniform(&p->random, 0.1, 1)};
+    pl_shape shape = {.kind = kind};
+    shape.radius = check_uniform(&p->random, 0.1, 1);
+    shape.half_height = check_uniform(&p->random, 0.1, 1);
     for (int k = 0; k < 3; ++k) {
         shape.half_extents[k] = check_uniform(&p->random, 0.1, 1);
     }
@@ -53,7 +53,9 @@ static pl_shape random_shape(pool *p, pl_shape_kind kind)
  * within `reach`. */
 static void place(pool *p, pose_pair *pair, pl_shape_kind a, pl_shape_kind b, double reach)
 {
-    *pair = (pose_pair){.shape_a = random_shape(p, a), .shape_b = random_shape(p, b)};
+    memset(pair, 0, sizeof *pair);
+    pair->shape_a = random_shape(p, a);
+    pair->shape_b = random_shape(p, b);
     pair->a.shape = &pair->shape_a;
     pair->b.shape = &pair->shape_b;
     check_quaternion(&p->random, pair->a.orientation);

@@ -214,8 +214,8 @@ static void test_box_mesh_on_box_has_the_face_depth(void **state)
         double angle = check_uniform(&random, 0, 6),
                depth = pow(10, check_uniform(&random, -9, -2));
         pl_placed_shape a = placed_at(&mesh, -1, 2, -3);
-        pl_placed_shape b = placed_at(&box, check_uniform(&random, -0.3, 0.3),
-                                      check_uniform(&random, -0.3, 0.3), 0.5 - depth);
+        double y = check_uniform(&random, -0.3, 0.3), x = check_uniform(&random, -0.3, 0.3);
+        pl_placed_shape b = placed_at(&box, x, y, 0.5 - depth);
         b.orientation[0] = cos(angle / 2);
         b.orientation[3] = sin(angle / 2);
         assert_close(gap_of(&a, &b), -depth, 1e-14, 0);

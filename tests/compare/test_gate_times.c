@@ -24,16 +24,23 @@ static json_t *timed(check_random *random, double factor, double noise)
     return results;
 }
 
+/* A trial whose step takes `factor` times as long as before. The new results are drawn first. */
+static trial timed_trial(check_random *random, double factor, double noise)
+{
+    json_t *after = timed(random, factor, noise), *before = timed(random, 1, noise);
+    return begin_trial(before, after);
+}
+
 static void test_an_unchanged_time_passes(void **state)
 {
     const workspace *w = *state;
     check_random random = {20};
     for (int i = 0; i < 20; ++i) {
-        trial t = begin_trial(timed(&random, 1, 0.02), timed(&random, 1, 0.02));
+        trial t = timed_trial(&random, 1, 0.02);
         expect(w, t, 0, 0, "", "");
     }
     for (int i = 0; i < 20; ++i) {
-        trial t = begin_trial(timed(&random, 1, 0.2), timed(&random, 1, 0.2));
+        trial t = timed_trial(&random, 1, 0.2);
         judge(w, &t);
         assert_int_equal(t.verdict.failures, 0);
         end_trial(&t);
@@ -45,23 +52,19 @@ static void test_a_slower_step_fails_where_noise_allows(void **state)
     const workspace *w = *state;
     check_random random = {21};
     for (int i = 0; i < 20; ++i) {
-        expect(w, begin_trial(timed(&random, 1, 0.01), timed(&random, 1.2, 0.01)), 1, 0,
-               "time_per_step", "costlier: +");
-        expect(w, begin_trial(timed(&random, 1, 0.01), timed(&random, 0.8, 0.01)), 0, 1,
-               "time_per_step", "cheaper: -");
-        expect(w, begin_trial(timed(&random, 1, 0.4), timed(&random, 1.2, 0.4)), 0, 1,
-               "time_per_step", "inconclusive: ");
+        expect(w, timed_trial(&random, 1.2, 0.01), 1, 0, "time_per_step", "costlier: +");
+        expect(w, timed_trial(&random, 0.8, 0.01), 0, 1, "time_per_step", "cheaper: -");
+        expect(w, timed_trial(&random, 1.2, 0.4), 0, 1, "time_per_step", "inconclusive: ");
         /* The difference is so large that noise cannot hide it. */
-        expect(w, begin_trial(timed(&random, 1, 0.1), timed(&random, 3, 0.1)), 1, 0,
-               "time_per_step", "costlier: +");
+        expect(w, timed_trial(&random, 3, 0.1), 1, 0, "time_per_step", "costlier: +");
     }
-    trial t = begin_trial(timed(&random, 1, 0.01), timed(&random, 1.2, 0.01));
+    trial t = timed_trial(&random, 1.2, 0.01);
     t.tolerances.time = 0.3;
     expect(w, t, 0, 0, "", "");
-    t = begin_trial(timed(&random, 1, 0.01), timed(&random, 1.2, 0.01));
+    t = timed_trial(&random, 1.2, 0.01);
     add_rule(&t, "scene/mine: time_per_step>+30%");
     expect(w, t, 0, 0, "", "");
-    t = begin_trial(timed(&random, 1, 0.01), timed(&random, 1.07, 0.01));
+    t = timed_trial(&random, 1.07, 0.01);
     add_rule(&t, "scene/mine: time_per_step>+2%");
     expect(w, t, 1, 0, "time_per_step", "costlier");
 }

@@ -214,8 +214,9 @@ static void test_painting_shows_the_nearest_face_at_every_sample(void **state)
     for (int trial = 0; trial < 20; ++trial) {
         pl_face faces[COUNT], original[COUNT];
         for (int i = 0; i < COUNT; ++i) {
-            faces[i] = square(check_uniform(&random, -10, 90), check_uniform(&random, -10, 90),
-                              check_uniform(&random, 3, 40), i * 7 % COUNT, i);
+            double size = check_uniform(&random, 3, 40);
+            double y = check_uniform(&random, -10, 90), x = check_uniform(&random, -10, 90);
+            faces[i] = square(x, y, size, i * 7 % COUNT, i);
         }
         memcpy(original, faces, sizeof faces);
         pl_painting painting = {faces, COUNT};
@@ -375,8 +376,9 @@ static void test_thousand_meshes_draw_in_two_megabytes(void **state)
     pl_scene scene = empty_scene(0, 1);
     pl_shape ring = pl_shape_of(torus_mesh(&scene, 0.3, 0.12, 25, 10));
     for (int i = 0; i < 1000; ++i) {
-        int body = add_body(&scene, ring, check_uniform(&random, -3, 3),
-                            check_uniform(&random, -3, 3), check_uniform(&random, 0.4, 5));
+        double z = check_uniform(&random, 0.4, 5);
+        double y = check_uniform(&random, -3, 3), x = check_uniform(&random, -3, 3);
+        int body = add_body(&scene, ring, x, y, z);
         check_quaternion(&random, scene.bodies[body].orientation);
     }
     pl_pose *poses = start_poses(&scene);

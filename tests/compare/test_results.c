@@ -105,7 +105,8 @@ static void test_numbers_survive_the_line_bit_for_bit(void **state)
     (void)state;
     check_random random = {.state = 1};
     for (int i = 0; i < 2000; ++i) {
-        double value = ldexp(check_uniform(&random, -1, 1), (int)check_uniform(&random, -300, 300));
+        int exponent = (int)check_uniform(&random, -300, 300);
+        double value = ldexp(check_uniform(&random, -1, 1), exponent);
         json_t *array = json_pack("[f]", value);
         char *line = pl_result_to_line(array);
         json_t *read = json_loads(line, 0, NULL);

@@ -222,10 +222,12 @@ static void test_order_and_doubles_of_rows_do_not_matter(void **state)
     json_t *results = json_array(), *reversed = json_array();
     static const char *const engines[] = {"plumb:p", "plumb:q", "ode:q", "bullet:s"};
     for (int i = 0; i < 96; ++i) {
+        double cost = check_uniform(&random, 0.5, 2);
+        double error = pow(10, check_uniform(&random, -6, -1));
         add_sweep_run(results, (sweep_run){.scenario = i % 2 == 0 ? "a" : "tower",
                                            .engine = engines[i / 2 % 4],
-                                           .cost = check_uniform(&random, 0.5, 2),
-                                           .error = pow(10, check_uniform(&random, -6, -1)),
+                                           .cost = cost,
+                                           .error = error,
                                            .dt = ldexp(1, -4 - i / 8 % 3),
                                            .repeat = i / 24,
                                            .outcome = i % 12 != 7       ? NULL

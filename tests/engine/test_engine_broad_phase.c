@@ -20,12 +20,11 @@ static pe_body_state random_state(check_random *random, bool is_static)
     check_quaternion(random, q);
     bool far_out = check_uniform(random, 0, 1) < 0.05;
     double speed = is_static ? 0 : check_uniform(random, 0, 5);
-    return (pe_body_state){
-        .position = random_vector(random, far_out ? 1e7 : 3),
-        .orientation = {q[0], q[1], q[2], q[3]},
-        .velocity = random_vector(random, speed),
-        .angular_velocity = random_vector(random, speed),
-    };
+    pe_body_state s = {.orientation = {q[0], q[1], q[2], q[3]}};
+    s.position = random_vector(random, far_out ? 1e7 : 3);
+    s.velocity = random_vector(random, speed);
+    s.angular_velocity = random_vector(random, speed);
+    return s;
 }
 
 /* Boxes and spheres from 2 cm to 5 m, a fifth of them static, and two planes. */

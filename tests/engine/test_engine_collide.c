@@ -141,9 +141,10 @@ static void test_feature_ids_stay_under_small_motion(void **state)
     placed_shape a = {.shape = {.kind = PE_SHAPE_BOX, .half_extents = {0.5, 0.5, 0.5}}}, b = a;
     place(&a, pe_v3(0, 0, 0.5), (pe_quat){.w = 1});
     for (int i = 0; i < 1000; ++i) {
-        place(&b, pe_v3(0.1 + check_uniform(&random, -1e-4, 1e-4), 0.2, 1.5),
-              (pe_quat){1, 1e-6 * check_uniform(&random, -1, 1),
-                        1e-6 * check_uniform(&random, -1, 1), 0.01});
+        pe_quat turn = {1, 0, 0, 0.01};
+        turn.x = 1e-6 * check_uniform(&random, -1, 1);
+        turn.y = 1e-6 * check_uniform(&random, -1, 1);
+        place(&b, pe_v3(0.1 + check_uniform(&random, -1e-4, 1e-4), 0.2, 1.5), turn);
         pe_pair_manifold manifold = {0};
         collide_convex(of(&a), of(&b), 1e-2, &manifold);
         static uint64_t first[PE_MAX_POINTS];
@@ -171,7 +172,8 @@ static void test_sphere_against_box_equals_nearest_surface_point(void **state)
     for (int i = 0; i < 2000; ++i) {
         placed_shape box = random_box(&random, 0.5);
         placed_shape ball = {.shape = {.kind = PE_SHAPE_SPHERE, .radius = 0.3}};
-        place(&ball, random_vector_in(&random, -1.5, 1.5), random_turn(&random));
+        pe_quat turn = random_turn(&random);
+        place(&ball, random_vector_in(&random, -1.5, 1.5), turn);
         pe_pair_manifold manifold = {0};
         collide_convex(of(&ball), of(&box), 100, &manifold);
         assert_int_equal(manifold.count, 1);

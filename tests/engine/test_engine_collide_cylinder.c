@@ -225,8 +225,8 @@ static void test_nearly_tangent_rims_equal_proven_distance(void **state)
     check_random random = {11};
     int proven = 0;
     for (int i = 0; i < POSES; ++i) {
-        placed_shape a = cylinder(check_uniform(&random, 0.1, 1), check_uniform(&random, 0.1, 1));
-        placed_shape b = cylinder(check_uniform(&random, 0.01, 1), check_uniform(&random, 0.1, 1));
+        placed_shape a = random_cylinder(&random, 0.1, 1);
+        placed_shape b = random_cylinder(&random, 0.01, 1);
         double size = pe_min(of(&a).size, of(&b).size), ra = a.shape.radius, rb = b.shape.radius;
         double sideways = i % 2 == 0 ? ra + rb : fabs(ra - rb);
         sideways += of_any_order(&random) * size * (i % 3 - 1);
@@ -258,8 +258,8 @@ static void test_side_touching_cap_at_rim_has_that_point(void **state)
     (void)state;
     check_random random = {12};
     for (int i = 0; i < 1000; ++i) {
-        placed_shape a = cylinder(check_uniform(&random, 0.1, 1), check_uniform(&random, 0.1, 1));
-        placed_shape b = cylinder(check_uniform(&random, 0.1, 1), check_uniform(&random, 0.1, 1));
+        placed_shape a = random_cylinder(&random, 0.1, 1);
+        placed_shape b = random_cylinder(&random, 0.1, 1);
         pe_quat lying = about(pe_v3(1, 0, 0), 1.5707963267948966);
         place(&b,
               pe_v3(0, a.shape.radius + b.shape.half_height, a.shape.half_height + b.shape.radius),

@@ -147,8 +147,8 @@ static void slide(pe_geometry *floor, placed_shape *slider, double height, check
 {
     placed_shape ground = mesh_at(floor, pe_v3(0, 0, 0), unturned);
     double gap = check_uniform(random, -1e-4, 1e-4);
-    slider->pose.position =
-        pe_v3(check_uniform(random, -2, 2), check_uniform(random, -2, 2), height + gap);
+    double y = check_uniform(random, -2, 2), x = check_uniform(random, -2, 2);
+    slider->pose.position = pe_v3(x, y, height + gap);
     found f = collide(&ground, slider, 1e-3);
     assert_int_equal(f.count, 1);
     assert_close(f.manifold[0].normal.z, 1, 1e-9, 0);
@@ -225,12 +225,12 @@ static void test_linked_rings_are_never_pulled_through_each_other(void **state)
     int contacts = 0;
     for (int i = 0; i < 400; ++i) {
         placed_shape a = mesh_at(g, pe_v3(0, 0, 0), unturned);
-        pe_quat q = {1, 1 + check_uniform(&random, -0.3, 0.3), check_uniform(&random, -0.3, 0.3),
-                     0};
-        placed_shape b = mesh_at(
-            g,
-            pe_v3(0.35 + check_uniform(&random, -0.1, 0.1), 0, check_uniform(&random, -0.1, 0.1)),
-            q);
+        pe_quat q = {.w = 1};
+        q.x = 1 + check_uniform(&random, -0.3, 0.3);
+        q.y = check_uniform(&random, -0.3, 0.3);
+        double height = check_uniform(&random, -0.1, 0.1);
+        double sideways = 0.35 + check_uniform(&random, -0.1, 0.1);
+        placed_shape b = mesh_at(g, pe_v3(sideways, 0, height), q);
         if (gap_of_tori(&a, &b) < -0.03) {
             continue;
         }

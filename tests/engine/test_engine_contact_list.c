@@ -40,8 +40,8 @@ static void move_pair(pe_world *world, const pe_body_id ids[2], check_random *ra
         pe_vec3 x = pe_add(pe_rotate(&m, s.position), shift);
         pe_quat q = pe_quat_product(turn, s.orientation);
         double part = k == 0 ? 0 : 0.1 * tolerance * size_of(world);
-        place_body(world, ids[k], pe_add(x, random_vector(random, part)),
-                   turned_by(q, random_vector(random, part)));
+        pe_vec3 rotation = random_vector(random, part);
+        place_body(world, ids[k], pe_add(x, random_vector(random, part)), turned_by(q, rotation));
     }
 }
 

@@ -78,12 +78,11 @@ static void test_reduction_is_stable_under_resting_motion(void **state)
                 /* Found from another corner on each time. */
                 int k = (i + j) % corners;
                 double angle = 2 * 3.141592653589793 * k / corners;
-                manifold.item[j] = (pe_pair_point){
-                    .position = pe_add(pe_v3(0.5 * cos(angle), 0.5 * sin(angle), 0),
-                                       random_vector_in(&random, -1e-8, 1e-8)),
-                    .separation = check_uniform(&random, -1e-8, 1e-8),
-                    .feature = (uint64_t)(7 * k % 11),
-                };
+                pe_vec3 corner = pe_v3(0.5 * cos(angle), 0.5 * sin(angle), 0);
+                pe_pair_point *point = &manifold.item[j];
+                *point = (pe_pair_point){.feature = (uint64_t)(7 * k % 11)};
+                point->position = pe_add(corner, random_vector_in(&random, -1e-8, 1e-8));
+                point->separation = check_uniform(&random, -1e-8, 1e-8);
             }
             pe_pair_manifold_reduce(&manifold, 0.5);
             assert_int_equal(manifold.count, 4);

@@ -81,9 +81,7 @@ static void test_step_pairs_remain_valid_within_half_margin(void **state)
         }
         /* Components of at most 0.01, so that a half of it is left for a turn at 0.61 m. */
         for (int i = 0; i < BRICK_BODIES; ++i) {
-            pe_body_state s = state_of(world, ids[i]);
-            place_body(world, ids[i], pe_add(s.position, random_vector(&random, 0.005)),
-                       turned_by(s.orientation, random_vector(&random, 0.005)));
+            shake_body(world, ids[i], &random, 0.005);
         }
         assert_int_equal(pe_contacts_find(world, &rules, &pairs, moved, CONTACT_STEP, NULL), PE_OK);
         int found = world->contacts.manifold_count;

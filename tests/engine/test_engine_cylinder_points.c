@@ -19,8 +19,9 @@ static void check_standing(placed_shape ground, double top)
     for (int i = 0; i < 1000; ++i) {
         /* Sways by 1e-9 at any angle of spin. */
         placed_shape b = cylinder(0.5, 0.4);
-        pe_quat sway = {1, check_uniform(&random, -1e-10, 1e-10),
-                        check_uniform(&random, -1e-10, 1e-10), 0};
+        pe_quat sway = {.w = 1};
+        sway.x = check_uniform(&random, -1e-10, 1e-10);
+        sway.y = check_uniform(&random, -1e-10, 1e-10);
         place(&b, pe_v3(0.1, 0.2, top + 0.4 + check_uniform(&random, -1e-9, 1e-9)),
               pe_quat_product(sway, about(pe_v3(0, 0, 1), 0.01 * i)));
         collide_convex(of(&ground), of(&b), 1e-2, &manifold);
@@ -136,7 +137,7 @@ static void test_edge_in_line_with_side_touches_at_end(void **state)
     placed_shape hull = hull_of_form(&prism);
     check_random random = {13};
     for (int i = 0; i < 1000; ++i) {
-        placed_shape b = cylinder(check_uniform(&random, 0.1, 1), check_uniform(&random, 0.1, 0.3));
+        placed_shape b = random_cylinder(&random, 0.1, 0.3);
         double side = i % 2 == 0 ? 1 : -1, offset = b.shape.radius * sqrt(0.5);
         pe_vec3 end = pe_v3(side * 0.5, 0.4, 0.2);
         pe_vec3 centre = pe_add(end, pe_v3(side * b.shape.half_height, offset, offset));

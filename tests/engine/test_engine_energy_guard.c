@@ -1,5 +1,6 @@
 /* The guard over energy. */
 #include "check.h"
+#include "random_pose.h"
 #include "step/step.h"
 #include "world_for_tests.h"
 
@@ -18,12 +19,6 @@ static double kinetic_energy(const pe_world *world)
             0.5 * (m->mass * pe_dot(v->velocity, v->velocity) + pe_dot(w, pe_mul(m->inertia, w)));
     }
     return sum;
-}
-
-static pe_vec3 random_vector(check_random *random, double reach)
-{
-    double x = check_uniform(random, -reach, reach), y = check_uniform(random, -reach, reach);
-    return pe_v3(x, y, check_uniform(random, -reach, reach));
 }
 
 /* ---- Growth ---- */
@@ -170,16 +165,16 @@ static void test_energy_guard_removes_growth_that_motion_covers(void **state)
     int acted = 0;
     for (int k = 0; k < 200; ++k) {
         pe_body_id id;
-        pe_world *world =
-            make_world_with(CUBE, random_vector(&random, 3), random_vector(&random, 3), &id);
+        pe_vec3 angular_velocity = random_vector(&random, 3), velocity = random_vector(&random, 3);
+        pe_world *world = make_world_with(CUBE, velocity, angular_velocity, &id);
         under_way u;
         remember(world, &u);
         double begun = energy_at(world, id);
         pe_twist *motion = &pe_twists(world)[id.index];
         motion->velocity = pe_add(motion->velocity, random_vector(&random, 1));
         motion->angular_velocity = pe_add(motion->angular_velocity, random_vector(&random, 1));
-        pe_pose_move(&pe_poses(world)[id.index], random_vector(&random, 0.05),
-                     random_vector(&random, 0.05));
+        pe_vec3 rotation = random_vector(&random, 0.05), shift = random_vector(&random, 0.05);
+        pe_pose_move(&pe_poses(world)[id.index], shift, rotation);
         double before = energy_at(world, id);
         pe_energy_report report = guard(world, &u);
         double after = energy_at(world, id);

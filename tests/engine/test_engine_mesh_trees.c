@@ -51,7 +51,8 @@ static void test_all_triangle_pairs_within_bound_are_reported(void **state)
     int gathered = 0;
     for (int i = 0; i < 60; ++i) {
         placed_shape a = mesh_at(g, pe_v3(0, 0, 0), random_turn(&random));
-        placed_shape b = mesh_at(g, random_vector(&random, 0.6), random_turn(&random));
+        pe_quat turn = random_turn(&random);
+        placed_shape b = mesh_at(g, random_vector(&random, 0.6), turn);
         pe_solid_pair pair;
         pe_solid_pair_make(of(&a), of(&b), &pair);
         double bound = check_uniform(&random, 0, 0.05);

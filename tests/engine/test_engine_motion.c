@@ -130,8 +130,10 @@ static void test_rotation_is_the_exponential_map(void **state)
         double q[4];
         check_quaternion(&random, q);
         pe_quat start = {q[0], q[1], q[2], q[3]};
-        pe_vec3 v = pe_v3(check_uniform(&random, -2, 2), check_uniform(&random, -2, 2),
-                          check_uniform(&random, -2, 2));
+        pe_vec3 v;
+        v.z = check_uniform(&random, -2, 2);
+        v.y = check_uniform(&random, -2, 2);
+        v.x = check_uniform(&random, -2, 2);
         /* One turn equals many small ones about the same axis, and the axis stays. */
         pe_quat one = pe_quat_rotated(start, v), many = start;
         for (int k = 0; k < 64; ++k) {

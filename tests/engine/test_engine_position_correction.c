@@ -1,5 +1,6 @@
 /* Position correction. */
 #include "check.h"
+#include "random_pose.h"
 #include "step/step.h"
 #include "world_for_tests.h"
 
@@ -87,12 +88,6 @@ static pe_vec3 spin_of(const pe_world *world)
         sum = pe_add(sum, pe_rotate(r, pe_mul(pe_masses(world)[slot].inertia, w)));
     }
     return sum;
-}
-
-static pe_vec3 random_vector(check_random *random, double reach)
-{
-    double x = check_uniform(random, -reach, reach), y = check_uniform(random, -reach, reach);
-    return pe_v3(x, y, check_uniform(random, -reach, reach));
 }
 
 /* Boxes and spheres that overlap, in motion. */

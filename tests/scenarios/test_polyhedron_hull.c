@@ -156,9 +156,9 @@ static void test_hulls_of_lattice_points_have_true_corners_only(void **state)
     for (int round = 0; round < 300; ++round) {
         const int count = 8 + round % 100, side = 3 + round % 4;
         for (int i = 0; i < count; ++i) {
-            put_point(i, floor(check_uniform(&random, 0, side)),
-                      floor(check_uniform(&random, 0, side)),
-                      floor(check_uniform(&random, 0, side)));
+            const double z = floor(check_uniform(&random, 0, side));
+            const double y = floor(check_uniform(&random, 0, side));
+            put_point(i, floor(check_uniform(&random, 0, side)), y, z);
         }
         pl_scene scene;
         const pl_polyhedron *hull = hull_of(count, &scene);
@@ -176,8 +176,8 @@ static void test_random_hulls_contain_all_points(void **state)
     for (int round = 0; round < 60; ++round) {
         const int count = 4 + round * 5;
         for (int i = 0; i < count; ++i) {
-            put_point(i, check_uniform(&random, -1, 1), check_uniform(&random, -2, 2),
-                      check_uniform(&random, 0, 3));
+            const double z = check_uniform(&random, 0, 3), y = check_uniform(&random, -2, 2);
+            put_point(i, check_uniform(&random, -1, 1), y, z);
         }
         pl_scene scene;
         const pl_polyhedron *hull = hull_of(count, &scene);
@@ -279,8 +279,8 @@ static void test_points_without_a_hull_are_refused(void **state)
         check_quaternion(&random, rotation);
         const pl_axes axes = pl_axes_of(rotation);
         for (int i = 0; i < 100; ++i) {
-            const pl_vec place = {check_uniform(&random, -1, 1), check_uniform(&random, -1, 1), 1};
-            pl_vec_store(pl_to_world(&axes, place), points[i]);
+            const double x = check_uniform(&random, -1, 1), y = check_uniform(&random, -1, 1);
+            pl_vec_store(pl_to_world(&axes, (pl_vec){x, y, 1}), points[i]);
         }
         expect_refused(100, "expected points"); /* one plane, to rounding */
     }

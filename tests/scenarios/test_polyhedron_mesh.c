@@ -107,8 +107,8 @@ static void test_surface_with_one_side_is_refused(void **state)
     check_random random = {.state = 4};
     known_clear(&surface);
     for (int i = 0; i < 6; ++i) {
-        known_add_vertex(&surface, check_uniform(&random, -1, 1), check_uniform(&random, -1, 1),
-                         check_uniform(&random, -1, 1));
+        const double z = check_uniform(&random, -1, 1), y = check_uniform(&random, -1, 1);
+        known_add_vertex(&surface, check_uniform(&random, -1, 1), y, z);
     }
     for (int t = 0; t < 10; ++t) {
         known_add_triangle(&surface, plane[t][0], plane[t][1], plane[t][2]);

@@ -90,7 +90,8 @@ static void test_sample_reads_back_from_what_is_written(void **state)
 
 static double any_double(check_random *random)
 {
-    return check_uniform(random, -1, 1) * pow(10, check_uniform(random, -300, 300));
+    double digits = check_uniform(random, -1, 1);
+    return digits * pow(10, check_uniform(random, -300, 300));
 }
 
 /* Every number that is free is drawn over the whole range of doubles. */
@@ -100,9 +101,9 @@ static void test_random_scenes_read_back_number_for_number(void **state)
     check_random random = {.state = 99};
     for (int round = 0; round < 200; ++round) {
         pl_scene scene = pl_scene_default();
-        const pl_material material = {.name = "a\"b\\c/\x7e é",
-                                      .friction = fabs(any_double(&random)),
-                                      .restitution = check_uniform(&random, 0, 1)};
+        pl_material material = {.name = "a\"b\\c/\x7e é"};
+        material.friction = fabs(any_double(&random));
+        material.restitution = check_uniform(&random, 0, 1);
         assert_int_equal(pl_scene_add_material(&scene, &material, NULL, NULL), PL_OK);
         for (int i = 0; i < 20; ++i) {
             pl_body body = pl_body_default();

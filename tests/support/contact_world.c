@@ -60,14 +60,20 @@ pe_world *make_brick_wall(const pe_world_def *def, pe_body_id ids[BRICK_BODIES])
     return world;
 }
 
+void shake_body(pe_world *world, pe_body_id id, check_random *random, double reach)
+{
+    pe_body_state s = state_of(world, id);
+    pe_vec3 rotation = random_vector(random, reach);
+    place_body(world, id, pe_add(s.position, random_vector(random, reach)),
+               turned_by(s.orientation, rotation));
+}
+
 void shake_wall(pe_world *world, const pe_body_id ids[BRICK_BODIES], check_random *random,
                 const bool *moved, double reach)
 {
     for (int i = 0; i < BRICK_BODIES; ++i) {
         if (moved == NULL || moved[ids[i].index]) {
-            pe_body_state s = state_of(world, ids[i]);
-            place_body(world, ids[i], pe_add(s.position, random_vector(random, reach)),
-                       turned_by(s.orientation, random_vector(random, reach)));
+            shake_body(world, ids[i], random, reach);
         }
     }
 }

@@ -35,6 +35,9 @@ enum {
 /* NULL: a default world. */
 pe_world *make_brick_wall(const pe_world_def *def, pe_body_id ids[BRICK_BODIES]);
 
+/* Moves and turns a body by up to `reach` along each axis. The rotation is drawn first. */
+void shake_body(pe_world *world, pe_body_id id, check_random *random, double reach);
+
 /* Moves and turns by up to `reach` along each axis the bodies that `moved` names by their slots;
  * NULL: all. */
 void shake_wall(pe_world *world, const pe_body_id ids[BRICK_BODIES], check_random *random,

@@ -44,11 +44,20 @@ static inline placed_shape cylinder(double radius, double half_height)
     return shape_of(PE_SHAPE_CYLINDER, radius, half_height, pe_v3(0, 0, 0));
 }
 
+/* The radius is uniform from `least_radius` to 1 m, the half height from 0.1 m to `most_height`. */
+static inline placed_shape random_cylinder(check_random *random, double least_radius,
+                                           double most_height)
+{
+    double half_height = check_uniform(random, 0.1, most_height);
+    return cylinder(check_uniform(random, least_radius, 1), half_height);
+}
+
 static inline placed_shape random_box(check_random *random, double spread)
 {
     placed_shape box = {.shape = {.kind = PE_SHAPE_BOX}};
     box.shape.half_extents = random_vector_in(random, 0.2, 1.5);
-    place(&box, random_vector_in(random, -spread, spread), random_turn(random));
+    pe_quat turn = random_turn(random);
+    place(&box, random_vector_in(random, -spread, spread), turn);
     return box;
 }
 

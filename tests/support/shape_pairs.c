@@ -30,8 +30,9 @@ static pe_vec3 random_lengths(check_random *random, double most_aspect)
 {
     double most = log_uniform(random, 0.1, 10);
     double aspect = check_uniform(random, 0, 1) < 0.1 ? most_aspect : pe_min(20, most_aspect);
-    double e[3] = {most, most / log_uniform(random, 1, aspect),
-                   most / log_uniform(random, 1, aspect)};
+    double e[3] = {most};
+    e[1] = most / log_uniform(random, 1, aspect);
+    e[2] = most / log_uniform(random, 1, aspect);
     int k = random_index(random, 3);
     return pe_v3(e[k], e[(k + 1) % 3], e[(k + 2) % 3]);
 }
@@ -105,8 +106,8 @@ static form hull_form(check_random *random, int index)
         return form_frustum(sides[index - FIXED], 1, 0);
     }
     if (index < FIXED + 2 * PRISMS) {
-        return form_frustum(sides[index - FIXED - PRISMS], check_uniform(random, 0.3, 0.9),
-                            check_uniform(random, -0.5, 0.5));
+        double shift = check_uniform(random, -0.5, 0.5);
+        return form_frustum(sides[index - FIXED - PRISMS], check_uniform(random, 0.3, 0.9), shift);
     }
     return form_random_hull(random, 5 + random_index(random, 16));
 }
@@ -306,7 +307,8 @@ static pe_quat axis_turn(check_random *random)
 
 static pe_quat small_turn(check_random *random)
 {
-    pe_vec3 axis = pe_scale(log_uniform(random, 1e-12, 1e-2), random_direction(random));
+    pe_vec3 direction = random_direction(random);
+    pe_vec3 axis = pe_scale(log_uniform(random, 1e-12, 1e-2), direction);
     return (pe_quat){1, axis.x, axis.y, axis.z};
 }
 
@@ -457,8 +459,9 @@ static void make_concentric(pair *p, check_random *random)
 pair random_pair(const shape_pool *pool, pe_shape_kind a, pe_shape_kind b, pair_pose pose,
                  check_random *random, pair_gap *gap)
 {
-    pair p = {.a.solid = &pool->item[a][random_index(random, POOL)],
-              .b.solid = &pool->item[b][random_index(random, POOL)]};
+    pair p = {.size = 0};
+    p.a.solid = &pool->item[a][random_index(random, POOL)];
+    p.b.solid = &pool->item[b][random_index(random, POOL)];
     bool plane = a == PE_SHAPE_PLANE;
     p.size = plane ? p.b.solid->size : pe_min(p.a.solid->size, p.b.solid->size);
     pe_quat turn = random_turn(random);

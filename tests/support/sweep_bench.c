@@ -96,8 +96,11 @@ void bench_put_heap(sweep_bench *b, uint64_t seed, int bodies, int manifolds, in
     bench_begin(b, bodies);
     for (int i = 0; i < bodies; ++i) {
         double m = check_uniform(&random, 0.5, 2);
-        bench_set_body(b, i, m, m * check_uniform(&random, 0.1, 0.3),
-                       m * check_uniform(&random, 0.1, 0.3), m * check_uniform(&random, 0.1, 0.3));
+        double moments[3];
+        for (int k = 2; k >= 0; --k) {
+            moments[k] = m * check_uniform(&random, 0.1, 0.3);
+        }
+        bench_set_body(b, i, m, moments[0], moments[1], moments[2]);
         for (int k = 0; k < 6; ++k) {
             b->free_velocity[i][k] = check_uniform(&random, -1, 1);
         }
