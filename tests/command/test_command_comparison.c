@@ -87,20 +87,22 @@ static void test_mistakes_are_said_alike_by_all(void **state)
 static void test_misspelt_parameter_names_its_option(void **state)
 {
     const workspace *f = *state;
-    check_refused(state,
-                  (const char *const[]){"ensemble", "pile", "--engine", "plumb", "--set",
-                                        "friction=0.3", "--against", "frction=0.4", "--out", f->out,
-                                        NULL},
-                  "--against frction=0.4: no chosen scenario has the parameter frction; did you "
-                  "mean friction?",
-                  "--set");
-    check_refused(state,
-                  (const char *const[]){"ensemble", "pile", "--engine", "plumb", "--set",
-                                        "frction=0.3", "--against", "friction=0.4", "--out", f->out,
-                                        NULL},
-                  "--set frction=0.3: no chosen scenario has the parameter frction; did you mean "
-                  "friction?",
-                  "--against");
+    static const char *const misspelt[][4] = {
+        /* values of --set and --against, the message, the option that is not named */
+        {"friction=0.3", "frction=0.4", "--against frction=0.4", "--set"},
+        {"frction=0.3", "friction=0.4", "--set frction=0.3", "--against"},
+    };
+    for (size_t i = 0; i < sizeof misspelt / sizeof misspelt[0]; ++i) {
+        const char *const *values = misspelt[i];
+        const char *const arguments[] = {"ensemble", "pile",    "--engine",  "plumb",
+                                         "--set",    values[0], "--against", values[1],
+                                         "--out",    f->out,    NULL};
+        char said[256];
+        snprintf(said, sizeof said,
+                 "%s: no chosen scenario has the parameter frction; did you mean friction?",
+                 values[2]);
+        check_refused(state, arguments, said, values[3]);
+    }
     check_refused(state,
                   (const char *const[]){"ensemble", f->scene, "--engine", "plumb", "--against",
                                         "friction=0.4", "--out", f->out, NULL},

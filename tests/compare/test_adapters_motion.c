@@ -9,6 +9,12 @@
 #include <math.h>
 #include <string.h>
 
+static void finish(engine_run *r, pl_scene *scene)
+{
+    engine_finish(r);
+    pl_scene_free(scene);
+}
+
 /* A box, or a mesh whose frame is neither at its centre of mass nor along its principal axes. */
 static pl_body tumbling_body(pl_scene *scene, bool mesh)
 {
@@ -114,8 +120,7 @@ static void tumble(const pl_engine_choice *choice, bool mesh, int steps, double 
     dense_tumble(body, 1, q, omega);
     *angle = angle_between(axes, q);
     *rate = distance(r.now[0].angular_velocity, omega);
-    engine_finish(&r);
-    pl_scene_free(&scene);
+    finish(&r, &scene);
 }
 
 /* With a wrong convention the error would stay of order 1 however small the step. */
@@ -181,8 +186,7 @@ static void law_order(const pl_engine_choice *choice)
         bool moved = memcmp(&first[i], &r.now[i], sizeof first[i]) != 0;
         assert_int_equal(moved, !scene.bodies[i].is_static);
     }
-    engine_finish(&r);
-    pl_scene_free(&scene);
+    finish(&r, &scene);
 }
 
 static void test_bodies_keep_scene_order_and_static_poses(void **state)
@@ -233,8 +237,7 @@ static void law_forces(const pl_engine_choice *choice)
     }
     /* The third turned by then, and its force with it. */
     assert_true(r.now[2].velocity[0] < -1e-3);
-    engine_finish(&r);
-    pl_scene_free(&scene);
+    finish(&r, &scene);
 }
 
 static void test_forces_accelerate_by_newton_and_euler_when_active(void **state)
@@ -312,8 +315,7 @@ static void rocket(const pl_engine_choice *choice, double spin_up, int steps, do
     }
     *place = distance(centre, at);
     *rate = distance(r.now[0].velocity, velocity);
-    engine_finish(&r);
-    pl_scene_free(&scene);
+    finish(&r, &scene);
 }
 
 static void law_rocket(const pl_engine_choice *choice)
@@ -371,8 +373,7 @@ static void law_world_force(const pl_engine_choice *choice)
     to_world(q, turning, expected);
     assert_at_most(distance(r.now[0].angular_velocity, expected),
                    1e-6 * distance(expected, (double[]){0, 0, 0}));
-    engine_finish(&r);
-    pl_scene_free(&scene);
+    finish(&r, &scene);
 }
 
 static void test_mesh_force_acts_about_its_centre_of_mass(void **state)
@@ -399,8 +400,7 @@ static void law_no_sleep(const pl_engine_choice *choice)
         engine_step(&r, 1.0 / 60);
     }
     assert_close(r.now[1].velocity[0], 0.5 * (6 - 0.2 * g), 0, 0.1);
-    engine_finish(&r);
-    pl_scene_free(&scene);
+    finish(&r, &scene);
 }
 
 static void test_body_at_rest_still_responds_to_a_force(void **state)
@@ -427,8 +427,7 @@ static void law_repeats(const pl_engine_choice *choice)
             engine_step(&r, 1.0 / 60);
         }
         memcpy(last[turn], r.now, (size_t)scene.body_count * sizeof *r.now);
-        engine_finish(&r);
-        pl_scene_free(&scene);
+        finish(&r, &scene);
     }
     assert_memory_equal(last[0], last[1], sizeof last[0]);
 }

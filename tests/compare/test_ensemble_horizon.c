@@ -105,12 +105,17 @@ static pl_horizon find(const fixture *f)
     return horizon;
 }
 
+/* The horizon of two members at these speeds along x, the second of which has `steps` steps. */
+static pl_horizon horizon_of_two(const fixture *f, double first, double second, long steps)
+{
+    write_member(f, 0, first, 240);
+    write_member(f, 1, second, steps);
+    return find(f);
+}
+
 static void test_horizon_is_at_a_hundredth_body_size(void **state)
 {
-    const fixture *f = *state;
-    write_member(f, 0, 0, 240);
-    write_member(f, 1, 0.04, 240);
-    pl_horizon horizon = find(f);
+    pl_horizon horizon = horizon_of_two(*state, 0, 0.04, 240);
     assert_true(horizon.known);
     assert_close(horizon.threshold, 0.01, 1e-15, 0);
     /* Two members d apart spread by d / sqrt(2): 0.01 m at 0.354 s, but for the jitter of at most
@@ -124,20 +129,14 @@ static void test_horizon_is_at_a_hundredth_body_size(void **state)
 
 static void test_members_that_stay_together_have_no_horizon(void **state)
 {
-    const fixture *f = *state;
-    write_member(f, 0, 3, 240);
-    write_member(f, 1, 3, 240);
-    pl_horizon horizon = find(f);
+    pl_horizon horizon = horizon_of_two(*state, 3, 3, 240);
     assert_true(horizon.known && isinf(horizon.time));
     assert_at_most(horizon.last_spread, 1e-4 * sqrt(6));
 }
 
 static void test_a_member_that_ended_early_ends_the_search(void **state)
 {
-    const fixture *f = *state;
-    write_member(f, 0, 0, 240);
-    write_member(f, 1, 0.04, 60);
-    pl_horizon horizon = find(f);
+    pl_horizon horizon = horizon_of_two(*state, 0, 0.04, 60);
     assert_true(horizon.known && isinf(horizon.time));
     assert_close(horizon.last_time, 0.25, 1e-12, 0);
 }

@@ -176,14 +176,28 @@ static void read_causes(pl_known_causes *causes)
     }
 }
 
+typedef struct cause_case {
+    run run;
+    bool known; /* whether its deviation has a known cause */
+} cause_case;
+
+static void check_causes(const cause_case *cases, size_t count)
+{
+    pl_known_causes causes;
+    read_causes(&causes);
+    for (size_t i = 0; i < count; ++i) {
+        if ((cause_of(&causes, cases[i].run) != NULL) != cases[i].known) {
+            fail_msg("case %zu: expected %s", i, cases[i].known ? "a cause" : "none");
+        }
+    }
+    pl_known_causes_free(&causes);
+}
+
 /* A run that was cut off or crashed says nothing of the cause of an error. */
 static void test_cause_matches_engine_profile_and_outcome(void **state)
 {
     (void)state;
-    static const struct {
-        run run;
-        bool known;
-    } rows[] = {
+    static const cause_case cases[] = {
         {{"ode", "0.16.2", "ode:quick", "tower", "collapsed", NULL, 0}, true},
         {{"ode", "0.16.2", "ode:quick", "tower", "timeout", NULL, 0}, false},
         {{"ode", "0.16.2", "ode:quick", "tower", "crashed", NULL, 0}, false},
@@ -195,23 +209,13 @@ static void test_cause_matches_engine_profile_and_outcome(void **state)
         {{"bullet", "3.24", "bullet:nncg", "", "diverged", NULL, 0}, false},
         {{"plumb", "3.24", "plumb:nncg", "pile", "diverged", NULL, 0}, false},
     };
-    pl_known_causes causes;
-    read_causes(&causes);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
-        if ((cause_of(&causes, rows[i].run) != NULL) != rows[i].known) {
-            fail_msg("row %zu: expected %s", i, rows[i].known ? "a cause" : "none");
-        }
-    }
-    pl_known_causes_free(&causes);
+    check_causes(cases, sizeof cases / sizeof cases[0]);
 }
 
 static void test_other_versions_parameters_and_options_have_no_cause(void **state)
 {
     (void)state;
-    static const struct {
-        run run;
-        bool known;
-    } rows[] = {
+    static const cause_case cases[] = {
         {{"ode", "0.16.1", "ode:quick", "tower", "collapsed", NULL, 0}, false},
         {{"ode", "0.16.3", "ode:quick", "tower", "collapsed", NULL, 0}, false},
         {{"ode", "0.17", "ode:quick", "tower", "collapsed", NULL, 0}, false},
@@ -229,14 +233,7 @@ static void test_other_versions_parameters_and_options_have_no_cause(void **stat
         {{"ode", "0.16.2", "ode:dantzig", "ladder", "collapsed", "angle", 52.9}, true},
         {{"ode", "0.16.2", "ode:dantzig", "ladder", "collapsed", "angle", 53.2}, false},
     };
-    pl_known_causes causes;
-    read_causes(&causes);
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
-        if ((cause_of(&causes, rows[i].run) != NULL) != rows[i].known) {
-            fail_msg("row %zu: expected %s", i, rows[i].known ? "a cause" : "none");
-        }
-    }
-    pl_known_causes_free(&causes);
+    check_causes(cases, sizeof cases / sizeof cases[0]);
 }
 
 static void test_pages_show_a_cause_only_where_it_applies(void **state)

@@ -88,12 +88,17 @@ static void test_failed_run_shows_reason_and_output(void **state)
     free_report(&made);
 }
 
+/* Adds a run of another engine with a creep of 1e-3 and that outcome. */
+static made_report report_with_third_run(json_t *results, const char *outcome)
+{
+    set_metric(add_run(results, "pair", "bullet:si", outcome), "creep", metric_value(1e-3));
+    return make_report(results);
+}
+
 static void test_best_value_is_bold_among_good_runs_alone(void **state)
 {
     (void)state;
-    json_t *results = two_runs("creep", 2e-3, 3e-3);
-    set_metric(add_run(results, "pair", "bullet:si", "collapsed"), "creep", metric_value(1e-3));
-    made_report made = make_report(results);
+    made_report made = report_with_third_run(two_runs("creep", 2e-3, 3e-3), "collapsed");
     assert_int_equal(count_of(made.html.data, "class=\"best\""), 1);
     assert_contains(made.html.data, "<b class=\"best\">0.00200 m/s</b>");
     free_report(&made);
@@ -102,9 +107,7 @@ static void test_best_value_is_bold_among_good_runs_alone(void **state)
 static void test_values_equal_to_rounding_are_best_together(void **state)
 {
     (void)state;
-    json_t *results = two_runs("creep", 2e-16, 1e-16);
-    set_metric(add_run(results, "pair", "bullet:si", "ok"), "creep", metric_value(1e-3));
-    made_report made = make_report(results);
+    made_report made = report_with_third_run(two_runs("creep", 2e-16, 1e-16), "ok");
     assert_int_equal(count_of(made.html.data, "class=\"best\""), 2);
     free_report(&made);
 }

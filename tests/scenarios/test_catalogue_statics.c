@@ -33,6 +33,14 @@ static void build(const pl_scenario *scenario, const double *values, pl_scene *s
     }
 }
 
+/* Builds the scene of the defaults and these settings, and returns the values it has. */
+static void build_with(const pl_scenario *scenario, const char *const *settings, int count,
+                       double *values, pl_scene *scene)
+{
+    assert_int_equal(pl_scenario_values(scenario, settings, count, values, NULL), PL_OK);
+    build(scenario, values, scene);
+}
+
 static bool balanced_at(const pl_scenario *scenario, double *values, double value)
 {
     pl_scene scene;
@@ -225,8 +233,7 @@ static void test_spheres_need_a_quarter_friction_on_the_floor(void **state)
     const pl_scenario *scenario = find("sphere-pyramid");
     double values[PL_MAX_PARAMS];
     pl_scene scene;
-    assert_int_equal(pl_scenario_values(scenario, NULL, 0, values, NULL), PL_OK);
-    build(scenario, values, &scene);
+    build_with(scenario, NULL, 0, values, &scene);
     double limit[2];
     for (int of_floor = 0; of_floor < 2; ++of_floor) {
         double low = 0, high = 1;
@@ -291,8 +298,7 @@ static void test_the_overhang_is_the_harmonic_sum(void **state)
     const pl_scenario *scenario = find("overhang");
     double values[PL_MAX_PARAMS], sum = 0;
     pl_scene scene;
-    assert_int_equal(pl_scenario_values(scenario, settings, 2, values, NULL), PL_OK);
-    build(scenario, values, &scene);
+    build_with(scenario, settings, 2, values, &scene);
     for (int k = 1; k <= 30; ++k) {
         sum += 0.5 / k;
     }
@@ -308,8 +314,7 @@ static void test_overlapping_cubes_belong_on_each_other(void **state)
     const pl_scenario *scenario = find("initial-overlap");
     double values[PL_MAX_PARAMS];
     pl_scene scene;
-    assert_int_equal(pl_scenario_values(scenario, NULL, 0, values, NULL), PL_OK);
-    build(scenario, values, &scene);
+    build_with(scenario, NULL, 0, values, &scene);
     double below = 0;
     for (int i = 1; i < scene.body_count; ++i) {
         const pl_body *cube = &scene.bodies[i];
@@ -333,8 +338,7 @@ static void test_stacks_and_houses_are_balanced(void **state)
         const pl_scenario *scenario = find(cases[i].scenario);
         double values[PL_MAX_PARAMS];
         pl_scene scene;
-        assert_int_equal(pl_scenario_values(scenario, cases[i].settings, 2, values, NULL), PL_OK);
-        build(scenario, values, &scene);
+        build_with(scenario, cases[i].settings, 2, values, &scene);
         assert_true(is_in_balance(&scene));
         pl_scene_free(&scene);
     }

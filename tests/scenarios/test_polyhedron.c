@@ -62,15 +62,9 @@ static void test_off_centre_box_equals_the_closed_form(void **state)
 static void test_tetrahedron_has_the_closed_form(void **state)
 {
     (void)state;
-    known_clear(&surface);
-    known_add_vertex(&surface, 0, 0, 0);
-    known_add_vertex(&surface, 1, 0, 0);
-    known_add_vertex(&surface, 0, 1, 0);
-    known_add_vertex(&surface, 0, 0, 1);
-    known_add_triangle(&surface, 0, 2, 1);
-    known_add_triangle(&surface, 0, 1, 3);
-    known_add_triangle(&surface, 0, 3, 2);
-    known_add_triangle(&surface, 1, 2, 3);
+    const double vertices[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    const int triangles[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    known_make_tetrahedron(&surface, vertices, triangles);
     solid_moments expected = {.volume = 1.0 / 6, .mean = {0.25, 0.25, 0.25}};
     for (int i = 0; i < 9; ++i) {
         expected.square[i / 3][i % 3] = (i / 3 == i % 3 ? 0.1 : 0.05) - 1.0 / 16;

@@ -148,6 +148,17 @@ static void check_corners(const pl_polyhedron *hull)
     }
 }
 
+/* Checks the hull of the first `count` points. */
+static void check_hull_of(int count)
+{
+    pl_scene scene;
+    const pl_polyhedron *hull = hull_of(count, &scene);
+    check_hull(hull, count);
+    check_made_again(hull);
+    check_corners(hull);
+    pl_scene_free(&scene);
+}
+
 /* Points of a lattice: many in one plane and on one line, in every order. */
 static void test_hulls_of_lattice_points_have_true_corners_only(void **state)
 {
@@ -160,12 +171,7 @@ static void test_hulls_of_lattice_points_have_true_corners_only(void **state)
             const double y = floor(check_uniform(&random, 0, side));
             put_point(i, floor(check_uniform(&random, 0, side)), y, z);
         }
-        pl_scene scene;
-        const pl_polyhedron *hull = hull_of(count, &scene);
-        check_hull(hull, count);
-        check_made_again(hull);
-        check_corners(hull);
-        pl_scene_free(&scene);
+        check_hull_of(count);
     }
 }
 
@@ -179,12 +185,7 @@ static void test_random_hulls_contain_all_points(void **state)
             const double z = check_uniform(&random, 0, 3), y = check_uniform(&random, -2, 2);
             put_point(i, check_uniform(&random, -1, 1), y, z);
         }
-        pl_scene scene;
-        const pl_polyhedron *hull = hull_of(count, &scene);
-        check_hull(hull, count);
-        check_made_again(hull);
-        check_corners(hull);
-        pl_scene_free(&scene);
+        check_hull_of(count);
     }
 }
 

@@ -279,15 +279,9 @@ static void test_self_crossing_surface_is_found_anywhere(void **state)
 static void test_surface_that_encloses_nothing_is_refused(void **state)
 {
     (void)state;
-    known_clear(&surface);
-    known_add_vertex(&surface, 0, 0, 0);
-    known_add_vertex(&surface, 1, 0, 0);
-    known_add_vertex(&surface, 0, 1, 0);
-    known_add_vertex(&surface, 0.25, 0.25, 0);
-    known_add_triangle(&surface, 0, 1, 3);
-    known_add_triangle(&surface, 1, 2, 3);
-    known_add_triangle(&surface, 2, 0, 3);
-    known_add_triangle(&surface, 2, 1, 0);
+    const double vertices[4][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0.25, 0.25, 0}};
+    const int triangles[4][3] = {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {2, 1, 0}};
+    known_make_tetrahedron(&surface, vertices, triangles);
     expect_refused("expected a surface that encloses a volume, found 0 m^3 in that of triangle 0");
 }
 

@@ -14,16 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static pl_scene read_scene(const char *text)
-{
-    pl_scene scene;
-    pl_error error = {.message = ""};
-    if (pl_scene_read_text(text, strlen(text), "scene", &scene, &error) != PL_OK) {
-        fail_msg("%s", error.message);
-    }
-    return scene;
-}
-
 static void check_reads_back(const pl_scene *scene)
 {
     char *text = pl_scene_to_text(scene);

@@ -18,16 +18,6 @@
 static const double corners[5][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.1, 0.1, 0.1}};
 static const int sides[4][3] = {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}}; /* wound at random */
 
-static pl_scene read_scene(const char *text)
-{
-    pl_scene scene;
-    pl_error error = {.message = ""};
-    if (pl_scene_read_text(text, strlen(text), "scene", &scene, &error) != PL_OK) {
-        fail_msg("%s", error.message);
-    }
-    return scene;
-}
-
 static void add_body(pl_scene *scene, const char *name, pl_shape shape)
 {
     pl_body body = pl_body_default();
@@ -320,6 +310,16 @@ typedef struct fault {
     const char *shape, *message;
 } fault;
 
+/* Fails unless the text is refused with the message, and no shape is left in the scene. */
+static void expect_refused(const char *text, const char *message)
+{
+    pl_scene scene;
+    pl_error error = {.message = ""};
+    assert_int_equal(pl_scene_read_text(text, strlen(text), "scene", &scene, &error), PL_BAD_INPUT);
+    assert_contains(error.message, message);
+    assert_int_equal(scene.polyhedron_count, 0);
+}
+
 static void test_bad_shapes_are_refused_with_their_place(void **state)
 {
     (void)state;
@@ -378,12 +378,7 @@ static void test_bad_shapes_are_refused_with_their_place(void **state)
             "{ \"plumb_scene\": 1, \"bodies\": [{ \"shape\":    %s, \"name\": \"a\", \"mass\": "
             "1 }], \"shapes\": { \"stone\": { \"type\": \"sphere\", \"radius\": 1 } } }",
             faults[i].shape);
-        pl_scene scene;
-        pl_error error = {.message = ""};
-        assert_int_equal(pl_scene_read_text(text, strlen(text), "scene", &scene, &error),
-                         PL_BAD_INPUT);
-        assert_contains(error.message, faults[i].message);
-        assert_int_equal(scene.polyhedron_count, 0);
+        expect_refused(text, faults[i].message);
     }
 }
 
@@ -404,11 +399,7 @@ static void test_bad_named_shapes_are_refused_even_unused(void **state)
         char text[512];
         snprintf(text, sizeof text, "{ \"plumb_scene\": 1, \"bodies\": [], \"shapes\": %s }",
                  faults[i].shape);
-        pl_scene scene;
-        pl_error error = {.message = ""};
-        assert_int_equal(pl_scene_read_text(text, strlen(text), "scene", &scene, &error),
-                         PL_BAD_INPUT);
-        assert_contains(error.message, faults[i].message);
+        expect_refused(text, faults[i].message);
     }
 }
 

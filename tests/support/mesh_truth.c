@@ -71,8 +71,7 @@ static double point_triangle(pe_vec3 x, const triangle *t)
  * nearly parallel this normal is uncertain, but not how far the points that it meets are apart. */
 static double segment_segment(pe_vec3 p, pe_vec3 q, pe_vec3 r, pe_vec3 s)
 {
-    double least = pe_min(pe_min(point_to_segment(p, r, s), point_to_segment(q, r, s)),
-                          pe_min(point_to_segment(r, p, q), point_to_segment(s, p, q)));
+    double least = ends_to_segments(p, q, r, s);
     pe_vec3 u = pe_sub(q, p), v = pe_sub(s, r), w = pe_sub(r, p), n = pe_cross(u, v);
     double n2 = pe_dot(n, n);
     if (n2 > 0) {

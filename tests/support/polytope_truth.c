@@ -125,8 +125,7 @@ static double gap_by_axes(const polytope_core *a, const polytope_core *b)
 /* Ends against the other segment, and the inner crossing of the lines. */
 static double segment_to_segment(pe_vec3 p, pe_vec3 q, pe_vec3 r, pe_vec3 s)
 {
-    double least = pe_min(pe_min(point_to_segment(p, r, s), point_to_segment(q, r, s)),
-                          pe_min(point_to_segment(r, p, q), point_to_segment(s, p, q)));
+    double least = ends_to_segments(p, q, r, s);
     pe_vec3 u = pe_sub(q, p), v = pe_sub(s, r), d = pe_sub(r, p), w = pe_cross(u, v);
     double square = pe_dot(w, w);
     if (square > 1e-20) {

@@ -4,6 +4,16 @@
 
 #include <string.h>
 
+pl_scene read_scene(const char *text)
+{
+    pl_scene scene;
+    pl_error error = {.message = ""};
+    if (pl_scene_read_text(text, strlen(text), "scene", &scene, &error) != PL_OK) {
+        fail_msg("%s", error.message);
+    }
+    return scene;
+}
+
 /* Structures are compared member by member: the padding between has no value. */
 static void same_doubles(const double *actual, const double *expected, size_t count)
 {

@@ -28,6 +28,18 @@ void known_add_triangle(solid_surface *s, int a, int b, int c)
     memcpy(s->triangles[s->triangle_count++], corner, sizeof corner);
 }
 
+void known_make_tetrahedron(solid_surface *s, const double (*vertices)[3],
+                            const int (*triangles)[3])
+{
+    known_clear(s);
+    for (int i = 0; i < 4; i++) {
+        known_add_vertex(s, vertices[i][0], vertices[i][1], vertices[i][2]);
+    }
+    for (int i = 0; i < 4; i++) {
+        known_add_triangle(s, triangles[i][0], triangles[i][1], triangles[i][2]);
+    }
+}
+
 static void add_quadrilateral(solid_surface *s, int a, int b, int c, int d)
 {
     known_add_triangle(s, a, b, c);

@@ -15,6 +15,10 @@ void known_clear(solid_surface *s);
 int known_add_vertex(solid_surface *s, double x, double y, double z);
 void known_add_triangle(solid_surface *s, int a, int b, int c);
 
+/* Replaces the surface by four vertices and four triangles. */
+void known_make_tetrahedron(solid_surface *s, const double (*vertices)[3],
+                            const int (*triangles)[3]);
+
 /* A box about `centre`, its triangles outward, or inward. */
 void known_add_box(solid_surface *s, const double centre[3], const double half[3], bool inward);
 
