@@ -32,10 +32,10 @@ void known_make_tetrahedron(solid_surface *s, const double (*vertices)[3],
                             const int (*triangles)[3])
 {
     known_clear(s);
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         known_add_vertex(s, vertices[i][0], vertices[i][1], vertices[i][2]);
     }
-    for (int i = 0; i < 4; i++) {
+    for (int i = 0; i < 4; ++i) {
         known_add_triangle(s, triangles[i][0], triangles[i][1], triangles[i][2]);
     }
 }
