@@ -339,7 +339,7 @@ static void find_old(search *s, examined *e)
     }
 }
 
-static examined examine(search *s, pe_pair pair)
+static void examine(search *s, pe_pair pair, examined *e)
 {
     const pe_world *world = s->world;
     const pe_body *a = &pe_bodies(world)[pair.a], *b = &pe_bodies(world)[pair.b];
@@ -349,7 +349,7 @@ static examined examine(search *s, pe_pair pair)
     double ra = a->bounding_radius, rb = b->bounding_radius;
     bool b_is_larger = rb == 0 || (ra > 0 && ra < rb), both = a->size > 0 && b->size > 0;
     const pe_pose *large = b_is_larger ? pose_b : pose_a, *small = b_is_larger ? pose_a : pose_b;
-    examined e = {
+    *e = (examined){
         .pair = pair,
         .a = a,
         .b = b,
@@ -361,8 +361,7 @@ static examined examine(search *s, pe_pair pair)
         .orientation = pe_quat_product(pe_quat_conjugate(large->orientation), small->orientation),
         .radius = b_is_larger ? ra : rb,
     };
-    find_old(s, &e);
-    return e;
+    find_old(s, e);
 }
 
 static bool is_convex(const pe_body *b)
@@ -370,32 +369,36 @@ static bool is_convex(const pe_body *b)
     return b->shape.kind != PE_SHAPE_MESH || b->geometry->convex;
 }
 
-/* Finds the pair's manifolds: the old ones transported, or new ones, or none. */
-static pe_status find_pair(search *s, pe_pair pair)
+/* Appends new manifolds of the pair, as the narrow phase finds them. */
+static pe_status collide_pair(search *s, const examined *e)
 {
-    examined e = examine(s, pair);
-    if (can_reuse(s, &e)) {
-        return reuse_pair(s, &e);
-    }
     pe_workspace work = pe_step_memory(s->world);
     pe_arena_mark mark = pe_arena_fill(work.arena);
     pe_pair_manifold manifolds[PE_MAX_MANIFOLDS];
-    int count = pe_collide((pe_placed){&e.a->shape, e.a->geometry, e.pose_a, e.a->size},
-                           (pe_placed){&e.b->shape, e.b->geometry, e.pose_b, e.b->size}, e.margin,
-                           work, manifolds);
+    int count = pe_collide((pe_placed){&e->a->shape, e->a->geometry, e->pose_a, e->a->size},
+                           (pe_placed){&e->b->shape, e->b->geometry, e->pose_b, e->b->size},
+                           e->margin, work, manifolds);
     pe_arena_rewind(work.arena, work.allocator, mark);
     if (count < 0) {
         return pe_fail(s->error, PE_NO_MEMORY, "no memory for the contacts of two meshes");
     }
     for (int i = 0; i < count; ++i) {
         if (manifolds[i].count > s->rules->most_points) {
-            pe_pair_manifold_reduce(&manifolds[i], e.size);
+            pe_pair_manifold_reduce(&manifolds[i], e->size);
         }
     }
-    if (count > 0 && is_convex(e.a) && is_convex(e.b)) {
-        pe_pair_manifold_hold_centre(&manifolds[0], e.a, e.pose_a, e.b, e.pose_b, e.margin);
+    if (count > 0 && is_convex(e->a) && is_convex(e->b)) {
+        pe_pair_manifold_hold_centre(&manifolds[0], e->a, e->pose_a, e->b, e->pose_b, e->margin);
     }
-    return build_pair(s, &e, manifolds, count);
+    return build_pair(s, e, manifolds, count);
+}
+
+/* Finds the pair's manifolds: the old ones transported, or new ones, or none. */
+static pe_status find_pair(search *s, pe_pair pair)
+{
+    examined e;
+    examine(s, pair, &e);
+    return can_reuse(s, &e) ? reuse_pair(s, &e) : collide_pair(s, &e);
 }
 
 /* Computes pe_spin_speed of the pairs' bodies, or of all where there are few. */

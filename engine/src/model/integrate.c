@@ -94,27 +94,25 @@ static void mean_force(const pe_applied_force *applied, const pe_twist *twist, c
     }
 }
 
-pe_rotation_step pe_rotate_freely(const pe_world *world, int slot, double dt, pe_vec3 early,
-                                  pe_vec3 late)
+void pe_rotate_freely(const pe_world *world, int slot, double dt, const pe_vec3 impulses[2],
+                      pe_vec3 *end, pe_vec3 *mean)
 {
+    const pe_vec3 early = impulses[0], late = impulses[1];
     const pe_mass *mass = &pe_masses(world)[slot];
     const pe_mat3 *rotation = &pe_poses(world)[slot].rotation;
     pe_vec3 inverse = pe_v3(1 / mass->inertia.x, 1 / mass->inertia.y, 1 / mass->inertia.z);
     pe_vec3 w = pe_twists(world)[slot].angular_velocity;
     pe_vec3 begun = pe_add(w, pe_rotate(rotation, pe_mul(inverse, pe_unrotate(rotation, early))));
     if (mass->spherical || dt * dt * pe_dot(begun, begun) < NO_ROTATION * NO_ROTATION) {
-        return (pe_rotation_step){
-            .end = pe_add(begun, pe_rotate(rotation, pe_mul(inverse, pe_unrotate(rotation, late)))),
-            .mean = begun,
-        };
+        *mean = begun;
+        *end = pe_add(begun, pe_rotate(rotation, pe_mul(inverse, pe_unrotate(rotation, late))));
+        return;
     }
     spin s = spin_freely(mass->inertia, pe_unrotate(rotation, begun), dt);
     /* The late impulse in the axes that the body then has. */
     pe_vec3 kick = pe_mul(inverse, pe_unrotate(&s.rotation, pe_unrotate(rotation, late)));
-    return (pe_rotation_step){
-        .end = pe_rotate(rotation, pe_rotate(&s.rotation, pe_add(s.end, kick))),
-        .mean = pe_rotate(rotation, s.mean),
-    };
+    *end = pe_rotate(rotation, pe_rotate(&s.rotation, pe_add(s.end, kick)));
+    *mean = pe_rotate(rotation, s.mean);
 }
 
 pe_free_motion pe_predict_body(const pe_world *world, int slot, double dt)
@@ -127,10 +125,9 @@ pe_free_motion pe_predict_body(const pe_world *world, int slot, double dt)
     pe_vec3 acceleration = pe_madd(world->def.gravity, pe_masses(world)[slot].inverse_mass, force);
     free.end.velocity = pe_madd(twist->velocity, dt, acceleration);
     free.mean.velocity = pe_madd(twist->velocity, 0.5 * dt, acceleration);
-    pe_vec3 half = pe_scale(0.5 * dt, free.torque);
-    pe_rotation_step rotation = pe_rotate_freely(world, slot, dt, half, half);
-    free.end.angular_velocity = rotation.end;
-    free.mean.angular_velocity = rotation.mean;
+    const pe_vec3 half = pe_scale(0.5 * dt, free.torque), halves[2] = {half, half};
+    pe_rotate_freely(world, slot, dt, halves, &free.end.angular_velocity,
+                     &free.mean.angular_velocity);
     return free;
 }
 

@@ -21,17 +21,12 @@ void pe_predict_motion(const pe_world *world, double dt, pe_free_motion *motions
 /* The same of one dynamic body. */
 pe_free_motion pe_predict_body(const pe_world *world, int slot, double dt);
 
-/* Angular velocities of a body, in the world frame. */
-typedef struct pe_rotation_step {
-    pe_vec3 end;  /* at the end of a step */
-    pe_vec3 mean; /* by which the body rotates in it */
-} pe_rotation_step;
-
-/* The rotation of a body over dt, in s, which gets the angular impulses `early`, in N m s, world,
- * at the step's start and `late` at its end, and rotates freely between. The order is the second
- * when they are the same. */
-pe_rotation_step pe_rotate_freely(const pe_world *world, int slot, double dt, pe_vec3 early,
-                                  pe_vec3 late);
+/* The rotation of a body over dt, in s, which gets the angular impulses `impulses`[0] at the step's
+ * start and `impulses`[1] at its end, in N m s, world, and rotates freely between. Writes the
+ * angular velocity at the end of the step to *end, and that by which the body rotates in it to
+ * *mean, in rad/s, world. The order is the second when the impulses are the same. */
+void pe_rotate_freely(const pe_world *world, int slot, double dt, const pe_vec3 impulses[2],
+                      pe_vec3 *end, pe_vec3 *mean);
 
 /* Moves a pose by a displacement, in m, and a rotation vector, in rad, world axes. */
 void pe_pose_move(pe_pose *pose, pe_vec3 displacement, pe_vec3 rotation);

@@ -220,20 +220,18 @@ static void find_late(const pe_world *world, const pe_island_problem *island, do
 
 /* The angular impulse of body i's contacts acts half before and half after its rotation, or at an
  * impact all before it. So the rotation is about the new angular velocity and keeps the energy. */
-static pe_rotation_step rotate_body(const pe_world *world, const pe_island_problem *island,
-                                    const pe_interval *interval, int i, bool late)
+static void split_impulse(const pe_interval *interval, const pe_island_problem *island, int i,
+                          bool late, pe_vec3 impulses[2])
 {
     const pe_problem *problem = &island->problem;
-    int slot = island->slot[i];
     double change[3], impulse[3];
     for (int k = 0; k < 3; ++k) {
         change[k] = problem->velocity[i][3 + k] - problem->free_velocity[i][3 + k];
     }
     pe_symmetric_times(problem->inertia[i].tensor, change, impulse);
-    pe_vec3 applied = pe_scale(0.5 * interval->dt, interval->free[slot].torque);
-    return pe_rotate_freely(world, slot, interval->dt,
-                            pe_madd(applied, late ? 1 : 0.5, pe_v3_load(impulse)),
-                            pe_madd(applied, late ? 0 : 0.5, pe_v3_load(impulse)));
+    pe_vec3 applied = pe_scale(0.5 * interval->dt, interval->free[island->slot[i]].torque);
+    impulses[0] = pe_madd(applied, late ? 1 : 0.5, pe_v3_load(impulse));
+    impulses[1] = pe_madd(applied, late ? 0 : 0.5, pe_v3_load(impulse));
 }
 
 static pe_status integrate_island(pe_step *step, const pe_interval *interval,
@@ -248,10 +246,12 @@ static pe_status integrate_island(pe_step *step, const pe_interval *interval,
     find_late(world, island, interval->dt, &m);
     for (int i = 0; i < island->problem.body_count; ++i) {
         int slot = island->slot[i];
-        pe_rotation_step rotation = rotate_body(world, island, interval, i, m.late[i]);
-        pe_twists(world)[slot] = (pe_twist){pe_v3_load(island->problem.velocity[i]), rotation.end};
+        pe_vec3 impulses[2], end, mean;
+        split_impulse(interval, island, i, m.late[i], impulses);
+        pe_rotate_freely(world, slot, interval->dt, impulses, &end, &mean);
+        pe_twists(world)[slot] = (pe_twist){pe_v3_load(island->problem.velocity[i]), end};
         pe_pose_move(&pe_poses(world)[slot], pe_scale(interval->dt, pe_v3_load(m.mean[i])),
-                     pe_scale(interval->dt, rotation.mean));
+                     pe_scale(interval->dt, mean));
     }
     return PE_OK;
 }
@@ -282,7 +282,7 @@ static bool spins_freely(const pe_world *world, int slot, const pe_free_motion *
 
 void pe_integrate_free(pe_world *world, int slot, const pe_free_motion *free, double dt)
 {
-    const pe_vec3 none = {0, 0, 0};
+    const pe_vec3 none = {0, 0, 0}, no_impulses[2] = {{0, 0, 0}, {0, 0, 0}};
     pe_pose *pose = &pe_poses(world)[slot];
     pe_twist *twist = &pe_twists(world)[slot];
     pe_vec3 displacement = pe_scale(dt, free[slot].mean.velocity);
@@ -293,9 +293,9 @@ void pe_integrate_free(pe_world *world, int slot, const pe_free_motion *free, do
     }
     for (int k = 0; k < 3; ++k) {
         double h = YOSHIDA[k] * dt;
-        pe_rotation_step rotation = pe_rotate_freely(world, slot, h, none, none);
-        pe_pose_move(pose, none, pe_scale(h, rotation.mean));
-        twist->angular_velocity = rotation.end;
+        pe_vec3 mean;
+        pe_rotate_freely(world, slot, h, no_impulses, &twist->angular_velocity, &mean);
+        pe_pose_move(pose, none, pe_scale(h, mean));
     }
     twist->velocity = free[slot].end.velocity;
     pe_pose_move(pose, displacement, none);
