@@ -38,7 +38,7 @@ void pl_gate_verdict_note(pl_gate_verdict *verdict, const char *metric, const ch
 /* Sorts the entries: failures, notices of one row, notices of several rows. The sort is stable. */
 void pl_gate_verdict_order(pl_gate_verdict *verdict);
 
-/* Writes both values with as few digits as tell them apart, and their unit ("": none). */
+/* Writes both values with as few digits as distinguish them, and their unit ("": none). */
 void pl_gate_entry_numbers(pl_gate_entry *entry, double before, double after, const char *unit);
 
 /* Writes "gate passed: 120 comparisons of 8 rows, 2 notices" into a buffer of `size`. */

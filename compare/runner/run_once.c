@@ -279,7 +279,7 @@ static void judge(run *r, double memory, pl_run_result *result)
     pl_metric *peak = &result->metrics.item[PL_METRIC_MEMORY_PEAK];
     *peak = (pl_metric){.state = PL_METRIC_VALUE, .value = memory};
     if (!isfinite(memory)) {
-        *peak = (pl_metric){.state = PL_METRIC_FAILED, .reason = "/proc/self does not tell it"};
+        *peak = (pl_metric){.state = PL_METRIC_FAILED, .reason = "/proc/self does not report it"};
     }
     if (isfinite(r->instructions) && result->steps_done > 0) {
         result->metrics.item[PL_METRIC_INSTRUCTIONS_PER_STEP] = (pl_metric){

@@ -31,7 +31,7 @@ static void check_refused(void **state, const char *const *arguments, const char
     free_output(&output);
 }
 
-static void test_all_of_them_have_the_options_they_share(void **state)
+static void test_comparison_commands_share_their_options(void **state)
 {
     static const char *const options[] = {"--suite",    "--engine", "--json",    "--set",   "--dt",
                                           "--duration", "--seed",   "--timeout", "--memory"};
@@ -135,7 +135,7 @@ static void test_members_that_hang_are_rows_of_the_ensemble(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all_of_them_have_the_options_they_share),
+        cmocka_unit_test(test_comparison_commands_share_their_options),
         cmocka_unit_test(test_an_option_that_a_command_lacks_is_refused),
         cmocka_unit_test(test_mistakes_are_said_alike_by_all),
         cmocka_unit_test(test_misspelt_parameter_names_its_option),

@@ -283,7 +283,7 @@ static void test_capturing_does_not_change_the_result(void **state)
     free(option);
 }
 
-static void test_run_says_what_it_cannot_capture(void **state)
+static void test_run_reports_impossible_captures(void **state)
 {
     desk *d = *state;
     check(CALL(d, "run", "tower", "--engine", "plumb", "--capture", "x.json"), 2, "", "STEP:FILE");
@@ -432,7 +432,7 @@ int main(void)
         cmocka_unit_test(test_run_captures_a_problem_that_solve_takes),
         cmocka_unit_test(test_run_captures_every_island_if_path_has_braces),
         cmocka_unit_test(test_capturing_does_not_change_the_result),
-        cmocka_unit_test(test_run_says_what_it_cannot_capture),
+        cmocka_unit_test(test_run_reports_impossible_captures),
         cmocka_unit_test(test_the_benchmark_writes_losses_first_and_every_cell),
         cmocka_unit_test(test_benchmark_means_are_geometric_over_common_tolerances),
         cmocka_unit_test(test_benchmark_table_names_existing_scenarios_and_parameters),

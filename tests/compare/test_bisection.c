@@ -60,7 +60,7 @@ static void test_one_sided_engine_ends_after_both_ends(void **state)
     assert_int_equal(b.trials, 2);
 }
 
-static void test_holding_at_the_wrong_end_is_said_so(void **state)
+static void test_holding_at_the_wrong_end_is_reported(void **state)
 {
     (void)state;
     const fake f = {.critical = 0.5, .holds_below = false};
@@ -85,7 +85,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bracket_contains_the_value_at_requested_width),
         cmocka_unit_test(test_one_sided_engine_ends_after_both_ends),
-        cmocka_unit_test(test_holding_at_the_wrong_end_is_said_so),
+        cmocka_unit_test(test_holding_at_the_wrong_end_is_reported),
         cmocka_unit_test(test_a_tolerance_too_small_ends_at_neighbouring_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

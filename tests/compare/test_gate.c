@@ -28,7 +28,7 @@ static void test_rounding_is_no_difference(void **state)
     expect(w, pair("settle_time", 0.5, 0.52), 1, 0, "settle_time", "worse by 4 %");
 }
 
-static void test_tolerances_are_what_was_asked_for(void **state)
+static void test_tolerances_are_the_requested_ones(void **state)
 {
     const workspace *w = *state;
     static const struct {
@@ -168,7 +168,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_numbers_are_held_in_both_directions),
         cmocka_unit_test(test_rounding_is_no_difference),
-        cmocka_unit_test(test_tolerances_are_what_was_asked_for),
+        cmocka_unit_test(test_tolerances_are_the_requested_ones),
         cmocka_unit_test(test_texts_are_exact),
         cmocka_unit_test(test_lost_value_fails),
         cmocka_unit_test(test_run_no_longer_ok_fails_once),

@@ -83,7 +83,7 @@ static const json_t *finding_of(const json_t *trial, const char *check)
     return NULL;
 }
 
-static void test_json_says_what_was_run_and_found(void **state)
+static void test_json_reports_runs_and_results(void **state)
 {
     json_t *trial = trial_of(*state, "rocket", "plumb:fast", "rotate", 0);
     assert_string_equal(result_text(trial, "schema"), "plumb.metamorphic/1");
@@ -235,7 +235,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_usage_errors_exit_2_and_suggest_a_name),
         cmocka_unit_test(test_it_explains_itself),
-        cmocka_unit_test(test_json_says_what_was_run_and_found),
+        cmocka_unit_test(test_json_reports_runs_and_results),
         cmocka_unit_test(test_broken_run_fails_and_unsupported_run_is_skipped),
         cmocka_unit_test(test_progress_and_tables_use_separate_streams),
         cmocka_unit_test(test_differences_are_graded_at_two_times),

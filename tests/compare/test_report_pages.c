@@ -250,7 +250,7 @@ static int markdown_cells(const char *line, size_t length)
     return bars - 1;
 }
 
-static void test_markdown_tables_are_rectangular_whatever_the_texts_hold(void **state)
+static void test_markdown_tables_are_rectangular_with_any_text(void **state)
 {
     (void)state;
     made_report made = make_report(runs_of_every_kind());
@@ -289,7 +289,7 @@ int main(void)
         cmocka_unit_test(test_html_is_balanced_and_holds_no_script),
         cmocka_unit_test(test_html_makes_no_request),
         cmocka_unit_test(test_html_defines_every_metric),
-        cmocka_unit_test(test_markdown_tables_are_rectangular_whatever_the_texts_hold),
+        cmocka_unit_test(test_markdown_tables_are_rectangular_with_any_text),
     };
     return cmocka_run_group_tests_name("report_pages", tests, NULL, NULL);
 }

@@ -132,7 +132,7 @@ static void test_order_of_a_power_is_its_exponent(void **state)
     }
 }
 
-static void test_order_leaves_out_what_does_not_converge(void **state)
+static void test_order_omits_points_that_do_not_converge(void **state)
 {
     (void)state;
     const double plateau[] = {0.64, 0.16, 0.04, 0.01, 0.0099, 0.0098};
@@ -168,7 +168,7 @@ static void test_order_is_a_least_squares_slope(void **state)
     assert_close(order.deviation, log10(2) * sqrt(2) / 3, 1e-12, 0);
 }
 
-static void test_order_says_why_there_is_none(void **state)
+static void test_missing_order_has_a_reason(void **state)
 {
     (void)state;
     const double two[] = {0.4, 0.1}, exact[] = {1e-9, 1e-9, 1e-9}, rising[] = {0.1, 0.2, 0.3, 0.4};
@@ -216,9 +216,9 @@ int main(void)
         cmocka_unit_test(test_front_is_read_at_and_between_its_points),
         cmocka_unit_test(test_nothing_is_extrapolated),
         cmocka_unit_test(test_order_of_a_power_is_its_exponent),
-        cmocka_unit_test(test_order_leaves_out_what_does_not_converge),
+        cmocka_unit_test(test_order_omits_points_that_do_not_converge),
         cmocka_unit_test(test_order_is_a_least_squares_slope),
-        cmocka_unit_test(test_order_says_why_there_is_none),
+        cmocka_unit_test(test_missing_order_has_a_reason),
         cmocka_unit_test(test_interval_holds_the_middle),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

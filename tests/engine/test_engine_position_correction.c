@@ -283,7 +283,7 @@ static void test_any_solver_may_take_the_place_of_sweeps(void **state)
     pe_world_destroy(world);
 }
 
-static void test_only_what_is_among_the_flagged_is_projected(void **state)
+static void test_only_flagged_islands_are_corrected(void **state)
 {
     (void)state;
     pe_world *world = make_weightless_world();
@@ -341,7 +341,7 @@ int main(void)
         cmocka_unit_test(test_heap_correction_keeps_mass_centre_and_momenta),
         cmocka_unit_test(test_contacts_afterwards_are_those_of_the_final_poses),
         cmocka_unit_test(test_any_solver_may_take_the_place_of_sweeps),
-        cmocka_unit_test(test_only_what_is_among_the_flagged_is_projected),
+        cmocka_unit_test(test_only_flagged_islands_are_corrected),
         cmocka_unit_test(test_excluded_bodies_stay_during_projection),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -18,7 +18,7 @@ static char *list(const char *directory, const char *option, const char *value)
     return text;
 }
 
-static void test_the_list_has_what_a_right_engine_does(void **state)
+static void test_list_has_the_behaviour_of_a_right_engine(void **state)
 {
     (void)state;
     char *directory = make_directory(), *text = list(directory, "--json", NULL);
@@ -84,7 +84,7 @@ static void test_page_names_the_published_figures(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_the_list_has_what_a_right_engine_does),
+        cmocka_unit_test(test_list_has_the_behaviour_of_a_right_engine),
         cmocka_unit_test(test_page_has_every_scenario_with_picture),
         cmocka_unit_test(test_page_names_the_published_figures),
     };

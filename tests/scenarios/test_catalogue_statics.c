@@ -344,7 +344,7 @@ static void test_stacks_and_houses_are_balanced(void **state)
     }
 }
 
-static void test_hard_scenes_say_what_they_provoke(void **state)
+static void test_hard_scenes_describe_the_provoked_fault(void **state)
 {
     (void)state;
     const pl_suite *suite = pl_suite_find("hard", NULL);
@@ -379,7 +379,7 @@ int main(void)
         cmocka_unit_test(test_the_overhang_is_the_harmonic_sum),
         cmocka_unit_test(test_overlapping_cubes_belong_on_each_other),
         cmocka_unit_test(test_stacks_and_houses_are_balanced),
-        cmocka_unit_test(test_hard_scenes_say_what_they_provoke),
+        cmocka_unit_test(test_hard_scenes_describe_the_provoked_fault),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

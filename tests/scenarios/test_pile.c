@@ -53,7 +53,7 @@ static void test_bodies_start_apart_inside_the_box(void **state)
     }
 }
 
-static void test_the_shape_decides_what_falls(void **state)
+static void test_shape_parameter_selects_the_kinds_of_bodies(void **state)
 {
     (void)state;
     const char *const shapes[] = {"shape=0", "shape=1", "shape=2"};
@@ -123,7 +123,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bodies_start_apart_inside_the_box),
-        cmocka_unit_test(test_the_shape_decides_what_falls),
+        cmocka_unit_test(test_shape_parameter_selects_the_kinds_of_bodies),
         cmocka_unit_test(test_mass_is_volume_and_every_body_its_own),
         cmocka_unit_test(test_pile_depends_only_on_the_seed),
         cmocka_unit_test(test_pile_expects_no_overlap_only),

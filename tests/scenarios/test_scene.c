@@ -210,7 +210,7 @@ static pl_scene make_scene(void)
     return scene;
 }
 
-static void test_arrays_keep_what_was_added(void **state)
+static void test_arrays_keep_added_items(void **state)
 {
     (void)state;
     enum { COUNT = 1000 };
@@ -580,7 +580,7 @@ int main(void)
         cmocka_unit_test(test_random_bits_are_splitmix64),
         cmocka_unit_test(test_name_index_finds_names_and_the_first_duplicate),
         cmocka_unit_test(test_volume_and_inertia_equal_quadrature),
-        cmocka_unit_test(test_arrays_keep_what_was_added),
+        cmocka_unit_test(test_arrays_keep_added_items),
         cmocka_unit_test(test_added_body_gets_inertia_and_drops_extras),
         cmocka_unit_test(test_materials_beyond_the_limit_are_refused),
         cmocka_unit_test(test_pair_mixes_or_is_overridden_in_either_order),

@@ -24,7 +24,7 @@ static void check_reads_back(const pl_scene *scene)
     pl_scene_free(&again);
 }
 
-static void test_sample_reads_as_it_says(void **state)
+static void test_sample_reads_as_written(void **state)
 {
     (void)state;
     pl_scene scene = read_scene(sample_scene);
@@ -70,7 +70,7 @@ static void test_sample_reads_as_it_says(void **state)
     pl_scene_free(&scene);
 }
 
-static void test_sample_reads_back_from_what_is_written(void **state)
+static void test_written_sample_reads_back(void **state)
 {
     (void)state;
     pl_scene scene = read_scene(sample_scene);
@@ -442,7 +442,7 @@ static bool is_needed_here(int kind, const char *key)
            (kind == PL_OBJECT_SCENE && strcmp(key, "materials") == 0);
 }
 
-static void test_reader_requires_what_the_schema_requires(void **state)
+static void test_reader_and_schema_require_the_same_fields(void **state)
 {
     (void)state;
     json_t *schema = load_schema();
@@ -486,8 +486,8 @@ static void test_reader_refuses_the_wrong_type_of_every_field(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sample_reads_as_it_says),
-        cmocka_unit_test(test_sample_reads_back_from_what_is_written),
+        cmocka_unit_test(test_sample_reads_as_written),
+        cmocka_unit_test(test_written_sample_reads_back),
         cmocka_unit_test(test_random_scenes_read_back_number_for_number),
         cmocka_unit_test(test_expectations_that_differ_from_their_defaults_read_back),
         cmocka_unit_test(test_default_material_is_created_at_most_once),
@@ -500,7 +500,7 @@ int main(void)
         cmocka_unit_test(test_schema_has_exactly_the_reader_keys),
         cmocka_unit_test(test_schema_has_the_reader_s_metrics_and_limits),
         cmocka_unit_test(test_every_primary_error_is_a_metric),
-        cmocka_unit_test(test_reader_requires_what_the_schema_requires),
+        cmocka_unit_test(test_reader_and_schema_require_the_same_fields),
         cmocka_unit_test(test_reader_refuses_the_wrong_type_of_every_field),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
