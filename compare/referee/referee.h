@@ -14,6 +14,7 @@ typedef struct pl_referee pl_referee;
 /* `scene` must outlive the referee. The caller frees it by pl_referee_destroy (NULL allowed).
  * PL_NO_MEMORY. */
 pl_status pl_referee_create(const pl_scene *scene, pl_referee **referee, pl_error *error);
+/* Frees the referee; NULL is allowed. */
 void pl_referee_destroy(pl_referee *referee);
 
 /* Takes the state before the first step. */

@@ -21,6 +21,7 @@ typedef struct pl_key_set {
         .object = (name), .keys = (array), .count = sizeof(array) / sizeof(array)[0]               \
     }
 
+/* Whether a key may be absent. */
 typedef enum pl_presence { PL_OPTIONAL, PL_REQUIRED } pl_presence;
 
 /* What was found, for messages: "nothing" (NULL), "null", "-1", "\"text\"", "an array of 2", ... */

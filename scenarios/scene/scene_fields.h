@@ -45,12 +45,14 @@ typedef enum pl_range {
     PL_RANGE_NOT_ZERO
 } pl_range;
 
+/* Whether a field may be absent. */
 typedef enum pl_need {
     PL_NEED_NONE,    /* may be absent, with a meaning that `about` explains */
     PL_NEED_DEFAULT, /* may be absent, and then has the value of the object's defaults */
     PL_NEED_ALWAYS   /* required */
 } pl_need;
 
+/* The kinds of objects in a scene file. */
 typedef enum pl_object_kind {
     PL_OBJECT_SCENE,
     PL_OBJECT_MATERIAL,

@@ -27,6 +27,7 @@ void pl_broad_phase_each_pair(pl_broad_phase *broad_phase, const pl_body_state *
 
 /* ---- Candidate pairs ---- */
 
+/* The shapes of a scene, prepared for queries of their gaps. */
 typedef struct pl_candidate_pairs pl_candidate_pairs;
 
 /* A candidate pair of a frame, with its gap. */

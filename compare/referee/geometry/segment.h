@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 
+/* A line segment; m. */
 typedef struct pl_segment {
     pl_vec start, end;
 } pl_segment;

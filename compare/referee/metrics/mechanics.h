@@ -34,6 +34,7 @@ void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
  * grow alike. */
 pl_integrator pl_integrator_of(const pl_integrator_votes *votes);
 
+/* Whether the steps of a run agree on one integrator. */
 typedef enum pl_integrator_certainty {
     PL_INTEGRATOR_UNDETECTED, /* no step distinguishes the two, or more steps fit neither */
     PL_INTEGRATOR_MIXED,      /* some steps fit the one, some the other */

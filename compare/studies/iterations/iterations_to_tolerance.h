@@ -16,7 +16,7 @@ typedef enum pl_budget_trial {
     PL_BUDGET_END_SEARCH /* it has no valid error, and the search ends */
 } pl_budget_trial;
 
-/* A search for the least budget that reaches the error of unlimited iterations. */
+/* A search for the least budget whose error is as good as the converged one. */
 typedef struct pl_budget_search_def {
     long least, most; /* 1 <= least <= most: budgets are least 2^k up to most, and those between */
     double floor;     /* >= 0: errors that differ by no more are equal */
@@ -27,6 +27,7 @@ typedef struct pl_budget_search_def {
                             pl_error *fault);
 } pl_budget_search_def;
 
+/* How a budget search ended. */
 typedef enum pl_budget_state {
     PL_BUDGET_FOUND,
     PL_BUDGET_ALL_FAILED,     /* all budgets that were tried */

@@ -29,6 +29,7 @@ bool pl_trajectory_next(pl_trajectory *trajectory);
 
 /* ---- Agreement ---- */
 
+/* The result of a check, from the closest agreement down. */
 typedef enum pl_grade {
     PL_GRADE_BITWISE, /* every pose of every frame is the same number; +0 equals -0, and the two
                          quaternions of a rotation are equal */

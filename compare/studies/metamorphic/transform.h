@@ -10,6 +10,7 @@
 
 #include "plumb/engine_abi.h"
 
+/* The order in which the bodies of the new scene are listed. */
 typedef enum pl_body_order { PL_ORDER_SAME, PL_ORDER_REVERSED, PL_ORDER_SHUFFLED } pl_body_order;
 
 /* A change of a scene: positions go from x to s M x + d. */
@@ -24,14 +25,19 @@ typedef struct pl_transform {
     double copy_offset[3]; /* m, in the original scene; planes must map to themselves under it */
 } pl_transform;
 
+/* The transform that changes nothing. */
 pl_transform pl_transform_identity(void);
 
 /* A rotation about axis 0, 1 or 2 (x, y, z) by `eighths` of a turn, -7 .. 7. */
 pl_transform pl_transform_rotation(int axis, int eighths);
 pl_transform pl_transform_mirror(void); /* y -> -y */
+/* Lengths times `scale` > 0. */
 pl_transform pl_transform_scaling(double scale);
+/* A translation, m. */
 pl_transform pl_transform_shift(double x, double y, double z);
+/* Another order of the bodies. */
 pl_transform pl_transform_order(pl_body_order order);
+/* A second copy of all bodies except planes, moved by `offset` (m). */
 pl_transform pl_transform_copy(const double offset[3]);
 
 /* The transformed scene, without the original's expectations. The caller frees *to, which is left

@@ -28,6 +28,7 @@ extern const double pl_sweep_times[PL_SWEEP_TIMES];
 /* Smaller errors count as this one, because they are rounding. */
 extern const double pl_sweep_error_floor;
 
+/* Whether a point has a cost and an error, and if not, why. */
 typedef enum pl_sweep_state {
     PL_SWEEP_OK,
     PL_SWEEP_FAILED,     /* the outcome of a repeat is not ok */
@@ -136,6 +137,7 @@ typedef struct pl_sweep_loss {
     bool within_noise;       /* the interval contains 1; without one, the ratio is above 0.9 */
 } pl_sweep_loss;
 
+/* Whether an order of convergence was found, and if not, why. */
 typedef enum pl_sweep_order_kind {
     PL_SWEEP_ORDER_FOUND,
     PL_SWEEP_ORDER_TOO_FEW,        /* fewer than 3 time steps have an error above the floor */

@@ -8,6 +8,7 @@
 
 /* ---- Bisection, without an engine ---- */
 
+/* Whether a bisection goes on, and how it ended. */
 typedef enum pl_bisection_state {
     PL_BISECTION_SEARCHING,
     PL_BISECTION_FOUND,

@@ -5,6 +5,7 @@
 
 #include "plumb/scenario.h"
 
+/* What a variant changes. */
 typedef enum pl_variant_kind {
     PL_VARIANT_NONE,
     PL_VARIANT_FRICTION_UP, /* friction moved by its last bit */

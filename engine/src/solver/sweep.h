@@ -20,6 +20,7 @@
 
 enum { PE_BLOCK_LANES = 8 };
 
+/* One number per manifold of a block. */
 typedef double pe_block_lanes[PE_BLOCK_LANES];
 
 /* Eight manifolds of one colour. Lanes without a manifold are between static bodies, all zero. */

@@ -58,6 +58,7 @@ typedef struct group {
     wide e[6];      /* normals only: their part of E */
 } group;
 
+/* Reads group number `index`: its lanes and the velocities of its bodies. */
 PE_INLINE void load_group(const pe_sweep *sweep, int index, group *g)
 {
     int lane = index * PE_WIDTH % PE_BLOCK_LANES;
@@ -117,6 +118,7 @@ PE_INLINE void apply_impulse(pe_sweep *sweep, group *g, const wide force[3], con
     wide_store_pair(sweep->velocity, block->a + g->lane, block->b + g->lane, p);
 }
 
+/* The number of groups in all blocks. */
 PE_INLINE int group_count(const pe_sweep *sweep)
 {
     return sweep->block_count * (PE_BLOCK_LANES / PE_WIDTH);
@@ -444,11 +446,13 @@ PE_INLINE void sweep_groups(pe_sweep *sweep, double beta_of_sweep, bool cones)
     }
 }
 
+/* One sweep over the friction cones of all manifolds. */
 static void sweep_cones(pe_sweep *sweep, double beta)
 {
     sweep_groups(sweep, beta, true);
 }
 
+/* One sweep over the normal impulses only. */
 static void sweep_normals(pe_sweep *sweep, double beta)
 {
     sweep_groups(sweep, beta, false);

@@ -20,11 +20,13 @@ typedef struct pl_axes {
     pl_vec axis[3]; /* the axes of the body in the world, unit */
 } pl_axes;
 
+/* The vector with these three components. */
 static inline pl_vec pl_vec_of(const double v[3])
 {
     return (pl_vec){v[0], v[1], v[2]};
 }
 
+/* Writes the three components of v. */
 static inline void pl_vec_store(pl_vec v, double out[3])
 {
     out[0] = v.x;
@@ -32,16 +34,19 @@ static inline void pl_vec_store(pl_vec v, double out[3])
     out[2] = v.z;
 }
 
+/* a + b. */
 static inline pl_vec pl_vec_add(pl_vec a, pl_vec b)
 {
     return (pl_vec){a.x + b.x, a.y + b.y, a.z + b.z};
 }
 
+/* a - b. */
 static inline pl_vec pl_vec_sub(pl_vec a, pl_vec b)
 {
     return (pl_vec){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
+/* s a. */
 static inline pl_vec pl_vec_scale(pl_vec a, double s)
 {
     return (pl_vec){a.x * s, a.y * s, a.z * s};
@@ -53,16 +58,19 @@ static inline pl_vec pl_vec_mad(pl_vec a, double s, pl_vec b)
     return (pl_vec){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
 }
 
+/* The scalar product a . b. */
 static inline double pl_vec_dot(pl_vec a, pl_vec b)
 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
+/* The cross product a x b. */
 static inline pl_vec pl_vec_cross(pl_vec a, pl_vec b)
 {
     return (pl_vec){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+/* |a|. */
 static inline double pl_vec_length(pl_vec a)
 {
     return sqrt(pl_vec_dot(a, a));
@@ -74,6 +82,7 @@ static inline pl_vec pl_vec_reject(pl_vec v, pl_vec n)
     return pl_vec_mad(v, -pl_vec_dot(v, n), n);
 }
 
+/* The rotation matrix of the quaternion q = (w, x, y, z), which need not be unit. */
 static inline pl_axes pl_axes_of(const double q[4])
 {
     double w = q[0], x = q[1], y = q[2], z = q[3];
@@ -83,6 +92,7 @@ static inline pl_axes pl_axes_of(const double q[4])
                       {s * (x * z + w * y), s * (y * z - w * x), 1 - s * (x * x + y * y)}}};
 }
 
+/* Rotates a vector from the axes of the body to those of the world. */
 static inline pl_vec pl_to_world(const pl_axes *axes, pl_vec local)
 {
     pl_vec sum = pl_vec_scale(axes->axis[0], local.x);
@@ -90,6 +100,7 @@ static inline pl_vec pl_to_world(const pl_axes *axes, pl_vec local)
     return pl_vec_mad(sum, local.z, axes->axis[2]);
 }
 
+/* Rotates a vector from the axes of the world to those of the body. */
 static inline pl_vec pl_to_local(const pl_axes *axes, pl_vec world)
 {
     return (pl_vec){pl_vec_dot(axes->axis[0], world), pl_vec_dot(axes->axis[1], world),

@@ -4,6 +4,7 @@
 
 #include "mesh_solid.h"
 
+/* The kinds of the two features of a touch. */
 typedef enum pe_touch_kind {
     PE_VERTEX_FACE, /* of a, of b */
     PE_FACE_VERTEX,
