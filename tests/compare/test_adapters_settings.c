@@ -178,8 +178,7 @@ static pl_status step_many(const char *spec, bool slab, pl_error *error)
     return status;
 }
 
-static void
-test_dense_solvers_decline_one_island_beyond_their_memory_but_not_many_small(void **state)
+static void test_dense_solvers_decline_only_islands_beyond_their_memory(void **state)
 {
     (void)state;
     static const char *const specs[] = {"ode:dantzig", "bullet:dantzig", "bullet:lemke"};
@@ -253,8 +252,7 @@ int main(void)
         cmocka_unit_test(test_settings_read_back_equal_the_scene),
         cmocka_unit_test(test_option_tables_of_reference_engines_match_library_defaults),
         cmocka_unit_test(test_reported_iterations_are_the_requested_ones_or_none),
-        cmocka_unit_test(
-            test_dense_solvers_decline_one_island_beyond_their_memory_but_not_many_small),
+        cmocka_unit_test(test_dense_solvers_decline_only_islands_beyond_their_memory),
         cmocka_unit_test(test_penetration_within_odes_surface_layer_stays),
         cmocka_unit_test(test_iterations_that_dantzig_cannot_have_are_declined),
     };

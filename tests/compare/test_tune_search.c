@@ -119,8 +119,7 @@ static double least_cost(void)
     return least;
 }
 
-static void
-test_the_optimum_of_whole_and_continuous_axes_is_found_from_where_it_is_missed(void **state)
+static void test_search_finds_integer_and_continuous_optimum(void **state)
 {
     (void)state;
     need_nlopt();
@@ -309,8 +308,7 @@ static void test_stop_or_failure_keeps_the_best_point(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(
-            test_the_optimum_of_whole_and_continuous_axes_is_found_from_where_it_is_missed),
+        cmocka_unit_test(test_search_finds_integer_and_continuous_optimum),
         cmocka_unit_test(test_cost_noise_bounds_the_loss_of_search),
         cmocka_unit_test(test_default_values_that_are_right_are_kept),
         cmocka_unit_test(test_unmet_target_reports_the_nearest_point),

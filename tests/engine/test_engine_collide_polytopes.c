@@ -57,8 +57,7 @@ static double check_pair(const placed_shape *x, const placed_shape *y)
     return truth;
 }
 
-static void
-test_separation_is_the_brute_force_one_along_the_normal_of_every_pair_of_kinds(void **state)
+static void test_separation_along_normal_equals_brute_force(void **state)
 {
     (void)state;
     check_random random = {101};
@@ -302,8 +301,7 @@ static void test_plane_separations_are_heights_of_the_vertices(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(
-            test_separation_is_the_brute_force_one_along_the_normal_of_every_pair_of_kinds),
+        cmocka_unit_test(test_separation_along_normal_equals_brute_force),
         cmocka_unit_test(test_hull_of_a_box_separates_like_the_box),
         cmocka_unit_test(test_degenerate_poses_keep_every_law),
         cmocka_unit_test(test_results_do_not_depend_on_size_or_position),

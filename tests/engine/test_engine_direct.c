@@ -117,8 +117,7 @@ static void test_box_slides_above_the_friction_angle_without_lift(void **state)
 /* Sliding freely, u_n = mu |u_t|, and p perpendicular to u: all of p_n lies on the cone's edge.
  * With n the normal velocity given by p_n and p_t = -mu p_n, v_x = g h sin - mu P, v_z = P - g h
  * cos with P = p_n/m: P (1 + mu^2) = g h (cos + mu sin). */
-static void
-test_the_convex_problem_lifts_what_slides_and_its_shift_takes_the_lift_away(void **state)
+static void test_convex_problem_shift_removes_lift_of_sliding_bodies(void **state)
 {
     (void)state;
     solving s;
@@ -148,8 +147,7 @@ test_the_convex_problem_lifts_what_slides_and_its_shift_takes_the_lift_away(void
     solving_end(&s);
 }
 
-static void
-test_without_friction_a_tower_slides_off_whole_and_no_impulse_is_tangential(void **state)
+static void test_frictionless_tower_slides_whole_without_tangential_impulse(void **state)
 {
     (void)state;
     for (int k = 0; k < ALL_SOLVERS; ++k) {
@@ -259,10 +257,8 @@ int main(void)
         cmocka_unit_test(test_tower_contact_carries_the_weight_above),
         cmocka_unit_test(test_box_sticks_below_the_friction_angle),
         cmocka_unit_test(test_box_slides_above_the_friction_angle_without_lift),
-        cmocka_unit_test(
-            test_the_convex_problem_lifts_what_slides_and_its_shift_takes_the_lift_away),
-        cmocka_unit_test(
-            test_without_friction_a_tower_slides_off_whole_and_no_impulse_is_tangential),
+        cmocka_unit_test(test_convex_problem_shift_removes_lift_of_sliding_bodies),
+        cmocka_unit_test(test_frictionless_tower_slides_whole_without_tangential_impulse),
         cmocka_unit_test(test_mass_ratio_of_a_million_converges),
         cmocka_unit_test(test_one_sided_gap_closes_as_rotation_allows),
         cmocka_unit_test(test_open_gap_carries_nothing_closing_gap_stops),

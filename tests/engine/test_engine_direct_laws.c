@@ -17,8 +17,7 @@ static pe_contact_problem *feasible_problem(uint64_t seed, int bodies, int manif
 }
 
 /* Coulomb's laws by independent formulas, where the solver reports convergence. */
-static void
-test_what_is_called_solved_obeys_coulomb_and_the_residual_is_that_of_the_impulses(void **state)
+static void test_solved_impulses_obey_coulomb_and_give_the_residual(void **state)
 {
     (void)state;
     for (int k = 0; k < COULOMB_SOLVERS; ++k) {
@@ -179,8 +178,7 @@ static void test_shifts_are_mu_times_the_slip(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(
-            test_what_is_called_solved_obeys_coulomb_and_the_residual_is_that_of_the_impulses),
+        cmocka_unit_test(test_solved_impulses_obey_coulomb_and_give_the_residual),
         cmocka_unit_test(test_interior_point_is_optimal_to_its_tolerance),
         cmocka_unit_test(test_manifolds_left_out_get_no_impulse),
         cmocka_unit_test(test_shifts_are_mu_times_the_slip),

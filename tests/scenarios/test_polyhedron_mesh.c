@@ -116,8 +116,7 @@ static void test_surface_with_one_side_is_refused(void **state)
     expect_refused("expected a surface with two sides, found that triangles ");
 }
 
-static void
-test_any_winding_gives_the_solid_and_the_first_of_each_surface_decides_nothing(void **state)
+static void test_any_winding_gives_the_same_solid(void **state)
 {
     (void)state;
     pl_scene scene, other;
@@ -317,8 +316,7 @@ int main(void)
         cmocka_unit_test(test_faults_of_a_triangle_are_located),
         cmocka_unit_test(test_every_open_edge_is_found),
         cmocka_unit_test(test_surface_with_one_side_is_refused),
-        cmocka_unit_test(
-            test_any_winding_gives_the_solid_and_the_first_of_each_surface_decides_nothing),
+        cmocka_unit_test(test_any_winding_gives_the_same_solid),
         cmocka_unit_test(test_unused_vertices_are_left_out),
         cmocka_unit_test(test_boxes_cross_where_their_insides_partly_overlap),
         cmocka_unit_test(test_star_of_two_tetrahedra_crosses),
