@@ -7,10 +7,13 @@
 /* The environment variable that names tuned profiles' files (plumb.profile/1), separated by ':'. */
 #define PL_PROFILES_VARIABLE "PLUMB_PROFILES"
 
-/* The built-in engines, one adapter each. Static storage, never NULL. An adapter whose engine is
- * absent from this build is not compiled. */
+/* Our own engine. Static storage, never NULL, as all built-in engines. */
 const pl_engine *pl_engine_plumb(void);
+
+/* The adapter of ODE. It is not compiled when ODE is absent from this build. */
 const pl_engine *pl_engine_ode(void);
+
+/* The adapter of Bullet. It is not compiled when Bullet is absent from this build. */
 const pl_engine *pl_engine_bullet(void);
 
 /* An engine that the registry knows by name. */

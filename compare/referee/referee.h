@@ -9,6 +9,7 @@
 #include "plumb/engine_abi.h"
 #include "referee/metrics/metrics.h"
 
+/* A referee of one run. */
 typedef struct pl_referee pl_referee;
 
 /* `scene` must outlive the referee. The caller frees it by pl_referee_destroy (NULL allowed).

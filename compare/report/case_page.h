@@ -22,8 +22,8 @@ void pl_case_columns(const pl_result_matrix *matrix, pl_table *table);
 /* Adds the section of the case with that index to an HTML page. */
 void pl_case_page(const pl_result_matrix *matrix, int index, pl_text_buffer *out);
 
-/* Adds a <figure> for every engine that has a run of the case, or one paragraph that says why there
- * are no pictures: the scene cannot be rebuilt, or is not the one that was run. */
+/* Adds a figure element for every engine that has a run of the case, or one paragraph that says why
+ * there are no pictures: the scene cannot be rebuilt, or is not the one that was run. */
 void pl_case_pictures(const pl_result_matrix *matrix, int index, pl_text_buffer *out);
 
 #endif

@@ -35,9 +35,11 @@ pl_status pl_engine_findings_find(const pl_result_matrix *matrix, pl_engine_find
 /* Frees the findings. */
 void pl_engine_findings_free(pl_engine_findings *findings);
 
+/* The size of the error text of a finding, in bytes. */
+enum { PL_FINDING_TEXT_SIZE = 256 };
+
 /* Writes the texts of a finding, the same in every format: "74 % (value_error)" or "collapsed,
  * 0.764 m (rest_position_error)". `cause` and `evidence` are borrowed and never empty. */
-enum { PL_FINDING_TEXT_SIZE = 256 };
 void pl_engine_finding_texts(const pl_engine_finding *finding, char error[PL_FINDING_TEXT_SIZE],
                              const char **cause, const char **evidence);
 

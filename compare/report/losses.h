@@ -48,8 +48,10 @@ pl_status pl_losses_find(const pl_result_matrix *matrix, pl_losses *losses, pl_e
 /* Frees the losses. */
 void pl_losses_free(pl_losses *losses);
 
-/* Writes the texts of a loss, the same in every format. */
+/* The size of each text of a loss, in bytes. */
 enum { PL_LOSS_TEXT_SIZE = 192 };
+
+/* Writes the texts of a loss, the same in every format. */
 void pl_loss_texts(const pl_loss *loss, char metric[PL_LOSS_TEXT_SIZE],
                    char ours[PL_LOSS_TEXT_SIZE], char best[PL_LOSS_TEXT_SIZE],
                    char ratio[PL_LOSS_TEXT_SIZE]);

@@ -16,8 +16,8 @@ typedef struct pl_page {
     bool html; /* else Markdown */
 } pl_page;
 
-/* Opens a self-contained HTML page, without scripts and requests, up to and with <main>. `style` is
- * more CSS than page/page.css, or NULL. */
+/* Opens a self-contained HTML page, without scripts and requests, up to and with the start of its
+ * main element. `style` is more CSS than page/page.css, or NULL. */
 void pl_page_open(pl_text_buffer *out, const char *title, const char *style);
 
 /* Closes an HTML page. */
@@ -32,7 +32,8 @@ void pl_page_heading(const pl_page *page, const char *id, const char *text);
 /* Adds a paragraph. `style` is its class in HTML ("": none); "note" is small in Markdown too. */
 void pl_page_paragraph(const pl_page *page, const char *style, const char *text);
 
-/* Opens a part that is folded up at first; `</details>` closes it. HTML only. */
+/* Opens a part that is folded up at first: a details element, which the caller closes. HTML only.
+ */
 void pl_page_details(const pl_page *page, const char *summary);
 
 /* Adds a table, which is freed: at most `most` rows, the others folded up; 0: all rows. Nothing

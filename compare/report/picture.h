@@ -108,9 +108,9 @@ bool pl_face_inside(const pl_face *face, double width, double height);
 
 /* ---- Drawing ---- */
 
-/* Adds the dashed outlines of the expected poses, as a hidden <svg> with one <g id="`id`"> that the
- * pictures of this scene use. Where bodies are expected to travel, it has their start as a dotted
- * outline too. */
+/* Adds the dashed outlines of the expected poses, as a hidden svg element with one g element,
+ * named `id`, that the pictures of this scene use. Where bodies are expected to travel, it has
+ * their start as a dotted outline too. */
 void pl_svg_expected(const pl_scene *scene, const pl_view *view, const char *id,
                      pl_text_buffer *out);
 

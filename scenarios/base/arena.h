@@ -12,6 +12,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* The pieces of memory that are freed together. */
 typedef struct pl_arena {
     struct pl_arena_block *blocks; /* the pieces, last first */
     bool failed;                   /* a piece could not be allocated */

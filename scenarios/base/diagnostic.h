@@ -22,9 +22,13 @@ typedef struct pl_path {
     int depth;
 } pl_path;
 
-/* Enter a member or an item, and leave it. Steps beyond PL_PATH_DEPTH are counted but not kept. */
+/* Enters a member of an object. Steps beyond PL_PATH_DEPTH are counted but not kept. */
 void pl_path_push_key(pl_path *path, const char *key);
+
+/* Enters an item of an array, as pl_path_push_key does a member. */
 void pl_path_push_index(pl_path *path, int index);
+
+/* Leaves the member or item that was entered last. */
 void pl_path_pop(pl_path *path);
 
 /* Writes the path as text, cut to `size` bytes. An empty path is written as `whole`. */
@@ -58,9 +62,11 @@ bool pl_diagnose_reference(pl_diagnostic *diagnostic, const char *key, const cha
 /* Sets the status to PL_NO_MEMORY. Returns false. */
 bool pl_diagnose_no_memory(pl_diagnostic *diagnostic);
 
+/* The size of a quoted text, in bytes. */
+enum { PL_QUOTED_SIZE = 64 };
+
 /* Copies UTF-8 text for a message: in quotes, at most 40 bytes with an ellipsis after a cut, and a
  * question mark for every control character. Returns `text`. */
-enum { PL_QUOTED_SIZE = 64 };
 const char *pl_quoted(const char *bytes, char text[PL_QUOTED_SIZE]);
 
 /* ---- Checks ----

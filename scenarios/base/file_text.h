@@ -17,7 +17,7 @@ typedef struct pl_file_kind {
 pl_status pl_file_read(const pl_file_kind *kind, const char *path, char **text, size_t *length,
                        pl_error *error);
 
-/* The name of a path in messages: the path itself, or <stdin>. */
+/* The name of a path in messages: the path itself, or "stdin" in angle brackets for "-". */
 const char *pl_file_label(const char *path);
 
 #endif

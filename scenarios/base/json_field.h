@@ -24,8 +24,11 @@ typedef struct pl_key_set {
 /* Whether a key may be absent. */
 typedef enum pl_presence { PL_OPTIONAL, PL_REQUIRED } pl_presence;
 
-/* What was found, for messages: "nothing" (NULL), "null", "-1", "\"text\"", "an array of 2", ... */
+/* The size of the text of pl_json_found, in bytes. */
 enum { PL_FOUND_SIZE = 80 };
+
+/* What was found, for messages: "nothing" (NULL), "null", "-1", "\"text\"", "an array of 2", ...
+ * Returns `text`. */
 const char *pl_json_found(const json_t *json, char text[PL_FOUND_SIZE]);
 
 /* Checks that `json`, at the current path, is an object without keys other than those of `keys`. */

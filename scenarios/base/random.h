@@ -5,6 +5,7 @@
 
 #include <stdint.h>
 
+/* A generator of random numbers. */
 typedef struct pl_random {
     uint64_t state; /* starts as the seed */
 } pl_random;

@@ -18,12 +18,13 @@
 
 #include <stdio.h>
 
+/* The format in which a table is written. */
 typedef enum pl_table_format {
     PL_TABLE_TEXT,            /* aligned columns for a terminal */
     PL_TABLE_MARKDOWN,        /* every cell escaped, so that it contains no markup */
     PL_TABLE_MARKDOWN_PADDED, /* aligned columns, for a terminal too; only '|' is escaped */
     PL_TABLE_CSV,             /* lines end as `line_end` says; a heading row is always written */
-    PL_TABLE_HTML             /* <table> in <div class="scroll"> */
+    PL_TABLE_HTML             /* a table element in a div element of class "scroll" */
 } pl_table_format;
 
 /* Where the cells of a column stand. In HTML, cells of PL_RIGHT have the class "n". */
@@ -79,13 +80,16 @@ void pl_table_columns(pl_table *table, const char *headings);
  * columns have most < 0. */
 void pl_table_set_width(pl_table *table, int column, int least, int most);
 
-/* Adds the next cell: text, text formatted as printf does, or a number with `digits` significant
- * digits ("%.*g"). */
+/* Adds the next cell, with this text. */
 void pl_table_add(pl_table *table, const char *text);
+
+/* Adds the next cell, with text formatted as printf does. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))
 #endif
 void pl_table_format_cell(pl_table *table, const char *format, ...);
+
+/* Adds the next cell, with a number of `digits` significant digits ("%.*g"). */
 void pl_table_number(pl_table *table, double value, int digits);
 
 /* Adds a cell that is already Markdown or HTML, and is not escaped when written as such. */

@@ -16,8 +16,10 @@ typedef struct pl_solid {
 /* A box about the origin, along the axes. */
 pl_solid pl_solid_box(double half_x, double half_y, double half_z);
 
-/* A regular tetrahedron or icosahedron about the origin, with a face below, at z = -*height. */
+/* A regular tetrahedron about the origin, with a face below, at z = -*height. */
 pl_solid pl_solid_tetrahedron(double edge, double *height);
+
+/* A regular icosahedron about the origin, with a face below, at z = -*height. */
 pl_solid pl_solid_icosahedron(double edge, double *height);
 
 /* A regular prism of `sides` sides with corners at `radius`, about the origin, its axis along z;
@@ -33,9 +35,11 @@ pl_solid pl_solid_angle(double length, double thickness, double width);
  * along x; with `sides` a multiple of 4, others look up and down, and inwards. */
 pl_solid pl_solid_torus(double ring_radius, double tube_radius, int around, int sides);
 
-/* The distance from the axis of such a torus to the middle of an inner side, and half its height;
- * for `sides` a multiple of 4. */
+/* The distance from the axis of such a torus to the middle of an inner side, for `sides` a
+ * multiple of 4. */
 double pl_torus_hole(double ring_radius, double tube_radius, int around, int sides);
+
+/* Half the height of such a torus, for `sides` a multiple of 4. */
 double pl_torus_half_height(double tube_radius, int sides);
 
 /* Frees the arrays. */

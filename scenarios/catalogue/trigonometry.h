@@ -2,12 +2,16 @@
 #ifndef PLUMB_TRIGONOMETRY_H
 #define PLUMB_TRIGONOMETRY_H
 
-/* Sine and cosine of an angle from 0 to 1.6 rad, good to a few units in the last place. */
+/* The sine of an angle from 0 to 1.6 rad, good to a few units in the last place. */
 double pl_sine(double angle);
+
+/* The cosine of an angle from 0 to 1.6 rad, good to a few units in the last place. */
 double pl_cosine(double angle);
 
-/* Sine and cosine of any angle from 0 to 1e6 rad, good to 1e-16 of the angle. */
+/* The sine of any angle from 0 to 1e6 rad, good to 1e-16 of the angle. */
 double pl_sine_of_any(double angle);
+
+/* The cosine of any angle from 0 to 1e6 rad, good to 1e-16 of the angle. */
 double pl_cosine_of_any(double angle);
 
 /* The point of the unit circle at the part k / n of a turn, 0 <= k, 0 < n. Points that mirror each

@@ -27,10 +27,12 @@ typedef struct pl_obj {
     int triangle_count;
 } pl_obj;
 
-/* Reads an .obj file, or its text; `label` stands for the file's name in messages. PL_BAD_INPUT
+/* Reads the text of an .obj file; `label` stands for the file's name in messages. PL_BAD_INPUT
  * says FILE:LINE: what was expected, what was found; *obj is then empty. The caller frees it. */
 pl_status pl_obj_read_text(const char *text, size_t length, const char *label, pl_obj *obj,
                            pl_error *error);
+
+/* Reads an .obj file ("-" is standard input) as pl_obj_read_text does its text. */
 pl_status pl_obj_read_file(const char *path, pl_obj *obj, pl_error *error);
 
 /* Frees the arrays and empties *obj. */

@@ -45,10 +45,12 @@ bool pl_surface_is_thick(double six_volumes, double two_areas, double largest_co
 /* The largest absolute coordinate. */
 double pl_largest_coordinate(const double (*points)[3], int count);
 
-/* Makes *polyhedron, which the caller frees, from the hull of points or from a closed surface.
- * False after a diagnostic. */
+/* Makes *polyhedron, which the caller frees, from the hull of points. False after a
+ * diagnostic. */
 bool pl_polyhedron_of_hull(const double (*points)[3], int count, pl_polyhedron **polyhedron,
                            pl_diagnostic *diagnostic);
+
+/* Makes *polyhedron, which the caller frees, from a closed surface. False after a diagnostic. */
 bool pl_polyhedron_of_mesh(const double (*vertices)[3], int vertex_count, const int (*triangles)[3],
                            int triangle_count, pl_polyhedron **polyhedron,
                            pl_diagnostic *diagnostic);

@@ -65,10 +65,14 @@ void pl_ode_read_pose(const pl_engine_instance *instance, int body, double posit
 /* What the geoms of the shape's polyhedron share; NULL where it has none. */
 const ode_solid *pl_ode_solid_of(const pl_engine_instance *instance, const pl_shape *shape);
 
-/* As the functions of pl_engine of these names. */
+/* As read_frame of pl_engine. */
 void pl_ode_read_frame(const pl_engine_instance *instance, pl_frame *frame);
+
+/* As read_settings of pl_engine. */
 void pl_ode_read_settings(const pl_engine_instance *instance, double dt,
                           pl_engine_settings *settings);
+
+/* As read_pair of pl_engine. */
 void pl_ode_read_pair(const pl_engine_instance *instance, int body_a, int body_b, double *friction,
                       double *restitution);
 

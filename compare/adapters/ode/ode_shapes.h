@@ -18,6 +18,8 @@ typedef struct ode_solid {
 /* Makes what the geoms of a hull or a mesh share into a zeroed *solid; `shape` must outlive it. On
  * failure too the caller frees it by pl_ode_free_solid. */
 pl_status pl_ode_make_solid(const pl_polyhedron *shape, ode_solid *solid, pl_error *error);
+
+/* Frees what *solid owns and zeroes it. */
 void pl_ode_free_solid(ode_solid *solid);
 
 /* A geom in `space` (NULL: in none), which owns it. `solid` is that of the shape's polyhedron, NULL

@@ -27,6 +27,8 @@ enum {
     PL_ENGINE_ABI_VERSION = 1,
     PL_ENGINE_MAX_OPTIONS = 24 /* the most options that an engine may have */
 };
+
+/* The name of the symbol, of type pl_engine_entry, that a shared object exports. */
 #define PL_ENGINE_SYMBOL "plumb_engine"
 
 /* A numeric setting of an engine, given as `name:profile,option=value`. */

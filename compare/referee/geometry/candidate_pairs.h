@@ -8,6 +8,7 @@
 
 /* ---- Broad phase: pairs of bodies whose bounding boxes overlap ---- */
 
+/* The bounding boxes of the bodies, with the order in which they were last sorted. */
 typedef struct pl_broad_phase pl_broad_phase;
 
 /* Takes the sort axis and the first order from the scene's poses. `scene` must outlive it. Memory

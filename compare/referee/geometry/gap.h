@@ -9,6 +9,7 @@
 #include "plumb/scene.h"
 #include "surface.h"
 
+/* A shape at a pose in the world. All pointers are borrowed. */
 typedef struct pl_placed_shape {
     const pl_shape *shape;
     double position[3];    /* m, of the shape's frame */

@@ -10,6 +10,7 @@
 #include "plumb/scene.h"
 #include "segment.h"
 
+/* An edge of a surface, shared by its triangles. */
 typedef struct pl_surface_edge {
     int start, end; /* vertices */
     int triangle;   /* the first triangle with this edge */

@@ -9,6 +9,7 @@
 
 #include "mechanics.h"
 
+/* The state of these metrics over a run. */
 typedef struct pl_contact_force pl_contact_force;
 
 /* `scene` must outlive it. Memory of the arena; NULL when out of memory. */

@@ -11,6 +11,7 @@
 
 /* ---- The integrator ---- */
 
+/* How an engine integrates positions over a step of length h. */
 typedef enum pl_integrator {
     PL_SEMI_IMPLICIT, /* x' = x + h v', with v' = v + h g + J/m: conserves E + (h/2) m g.v */
     PL_SECOND_ORDER,  /* exact under constant gravity: conserves E */
@@ -57,6 +58,7 @@ pl_vec pl_applied_force_impulse(const pl_force *force, pl_integrator integrator,
 
 /* ---- Energy and momentum ---- */
 
+/* The energy and momentum of a run so far. */
 typedef struct pl_mechanics pl_mechanics;
 
 /* `scene` must outlive it. Memory of the arena; NULL when out of memory. */

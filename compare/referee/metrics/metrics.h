@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 
+/* The metrics, in the order of the table in metrics.c. */
 typedef enum pl_metric_id {
     PL_METRIC_REFERENCE_ERROR,
     PL_METRIC_REST_POSITION_ERROR,

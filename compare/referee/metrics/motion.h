@@ -7,6 +7,7 @@
 #include "metrics.h"
 #include "plumb/engine_abi.h"
 
+/* The state of these metrics over a run. */
 typedef struct pl_motion pl_motion;
 
 /* `scene` must outlive it. Memory of the arena; NULL when out of memory. */

@@ -6,6 +6,7 @@
 #include "metrics.h"
 #include "plumb/engine_abi.h"
 
+/* The scales of one scene. */
 typedef struct pl_scale {
     int dynamic_count;
     /* J: initial kinetic energy + M |g| H, where H is the extent along gravity of the bounding

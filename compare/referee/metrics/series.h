@@ -12,6 +12,7 @@
 
 #include <stdint.h>
 
+/* A bin of the histogram: how many numbers fell into it, and their sum. */
 typedef struct pl_bin {
     uint64_t count;
     double sum;

@@ -10,15 +10,19 @@
 #include "metrics.h"
 #include "referee/geometry/candidate_pairs.h"
 
+/* The state of these metrics over a run. */
 typedef struct pl_touching pl_touching;
 
 /* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
 pl_touching *pl_touching_create(const pl_scene *scene, pl_arena *arena);
 
-/* Begins the frame after step number `step`, then takes the pairs of the frame one by one, then
- * ends the frame. `touching` is a pl_touching. Step 0 (the start) has no penetration. */
+/* Begins the frame after step number `step`. Step 0 (the start) has no penetration. */
 void pl_touching_begin(pl_touching *touching, long step);
+
+/* Takes one pair of the frame. `touching` is a pl_touching. */
 void pl_touching_see(void *touching, const pl_near_pair *pair);
+
+/* Ends the frame, after all of its pairs. */
 void pl_touching_end(pl_touching *touching);
 
 /* Whether a dynamic body has touched a static one: gap <= 0. */

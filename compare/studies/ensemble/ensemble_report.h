@@ -4,6 +4,7 @@
 
 #include "members.h"
 
+/* The evaluation of an ensemble study. The caller frees it by pl_ensemble_outcome_free. */
 typedef struct pl_ensemble_outcome {
     json_t *json;    /* plumb.ensemble/1 */
     char *summary;   /* Markdown */
@@ -16,6 +17,8 @@ typedef struct pl_ensemble_outcome {
 pl_status pl_ensemble_conclude(const pl_plan *plan, const pl_ensembles *ensembles,
                                const json_t *results, const char *folder, const json_t *before,
                                pl_ensemble_outcome *outcome, pl_error *error);
+
+/* Frees the JSON and the summary. */
 void pl_ensemble_outcome_free(pl_ensemble_outcome *outcome);
 
 /* Removes the trajectories of the plan's runs, and the folder if that leaves it empty. */

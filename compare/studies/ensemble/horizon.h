@@ -10,6 +10,7 @@
 
 #include "members.h"
 
+/* The prediction horizon of one ensemble, or the reason why it is unknown. */
 typedef struct pl_horizon {
     bool known; /* false: `reason` says why, and the other fields are undefined */
     char reason[160];

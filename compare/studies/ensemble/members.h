@@ -43,6 +43,8 @@ typedef struct pl_members_def {
  * which nothing can move. The caller frees *ensembles in any case. */
 pl_status pl_members_plan(const pl_members_def *def, pl_plan *plan, pl_ensembles *ensembles,
                           pl_error *error);
+
+/* Frees the ensembles with their cases. */
 void pl_ensembles_free(pl_ensembles *ensembles);
 
 /* The hash by which results know a member's run; "" when out of memory. */

@@ -42,6 +42,8 @@ typedef struct pl_observations {
 pl_status pl_observations_gather(const pl_plan *plan, const pl_ensemble *ensemble, int members,
                                  const json_t *results_by_run, pl_observations *observed,
                                  pl_error *error);
+
+/* Frees the values of all samples. */
 void pl_observations_free(pl_observations *observed);
 
 /* An object run -> result of an array of results; NULL when out of memory. */

@@ -23,9 +23,12 @@ typedef struct pl_pool {
     bool *of_a;     /* (count): whether the value is of the first sample */
 } pl_pool;
 
-/* Both counts >= 1, all values finite. PL_NO_MEMORY leaves the pool empty. */
+/* Pools two samples into *pool, which the caller frees. Both counts >= 1, all values finite.
+ * PL_NO_MEMORY leaves the pool empty. */
 pl_status pl_pool_make(const double *a, int count_a, const double *b, int count_b, pl_pool *pool,
                        pl_error *error);
+
+/* Frees the arrays and empties *pool. */
 void pl_pool_free(pl_pool *pool);
 
 /* In the unit of the values. */

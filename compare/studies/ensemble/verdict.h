@@ -40,6 +40,8 @@ typedef struct pl_verdicts {
 /* Compares all pairs, and corrects over all of them. The caller frees *verdicts in any case. */
 pl_status pl_verdicts_reach(const pl_ensemble_view *views, int count, pl_verdicts *verdicts,
                             pl_error *error);
+
+/* Frees the comparisons. */
 void pl_verdicts_free(pl_verdicts *verdicts);
 
 /* The comparison as a sentence: "bullet:si spreads 12 % farther in x than ode:quick (...)". */

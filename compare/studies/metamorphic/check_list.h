@@ -5,6 +5,7 @@
 
 #include "transform.h"
 
+/* The kinds of checks, by the change of the scene. */
 typedef enum pl_check_kind {
     PL_CHECK_ROTATE,
     PL_CHECK_SHIFT,

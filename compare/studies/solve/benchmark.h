@@ -10,6 +10,7 @@
 
 /* ---- One solver on one problem ---- */
 
+/* The outcome of one solver on one contact problem. */
 typedef struct pl_solver_run {
     const char *solver;
     pe_contact_solution solution; /* of the first repeat; the others differ in their times only */
@@ -59,10 +60,12 @@ pl_status pl_benchmark_run(const pl_benchmark_problem *entries, int count, const
 
 /* ---- Reports ---- */
 
-/* Both take the whole result ("plumb.solver_benchmark/1") and return malloc'd text, NULL when out
- * of memory. The Markdown begins with the levels that were not reached and with the solvers slower
- * than the first; the CSV has a row per level of every solver and start. */
+/* The whole result ("plumb.solver_benchmark/1") as malloc'd Markdown, NULL when out of memory. It
+ * begins with the levels that were not reached and with the solvers slower than the first. */
 char *pl_benchmark_markdown(const json_t *result);
+
+/* The whole result as malloc'd CSV, NULL when out of memory. It has a row per level of every
+ * solver and start. */
 char *pl_benchmark_csv(const json_t *result);
 
 #endif

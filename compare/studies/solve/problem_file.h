@@ -23,11 +23,14 @@
 
 enum { PL_MAX_PROBLEM_BYTES = 256 << 20 };
 
-/* Reads a file ("-" is standard input), or text, for which `label` stands in for the file's name.
- * PL_BAD_INPUT says LABEL:LINE:COLUMN: path.to.field: what was expected, what was found. The caller
+/* Reads a file ("-" is standard input). PL_BAD_INPUT says FILE:LINE:COLUMN: path.to.field: what was
+ * expected, what was found. The caller
  * destroys *problem and releases *source, which is NULL where the file has none. */
 pl_status pl_problem_read_file(const char *path, pe_contact_problem **problem, json_t **source,
                                pl_error *error);
+
+/* Reads text as pl_problem_read_file does a file; `label` stands for the file's name in messages.
+ */
 pl_status pl_problem_read_text(const char *text, size_t length, const char *label,
                                pe_contact_problem **problem, json_t **source, pl_error *error);
 

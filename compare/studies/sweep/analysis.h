@@ -198,6 +198,8 @@ typedef struct pl_sweep_analysis {
  * same whatever the order. Rows equal in every key count once. PL_BAD_INPUT names the row (from 0)
  * and the key that is missing or of the wrong type. The caller frees *analysis, also on failure. */
 pl_status pl_sweep_analyse(const json_t *results, pl_sweep_analysis *analysis, pl_error *error);
+
+/* Frees all arrays of the analysis. */
 void pl_sweep_analysis_free(pl_sweep_analysis *analysis);
 
 /* Whether a point is one of the engine's. */

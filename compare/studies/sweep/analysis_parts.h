@@ -21,9 +21,11 @@ int pl_front_cheapest(const pl_sweep_sample *front, int count, double error);
 /* The index of a front's most exact sample that costs no more; -1: none. */
 int pl_front_most_exact(const pl_sweep_sample *front, int count, double cost);
 
-/* The cost at an error and the error at a cost, interpolated between neighbours of a front linearly
- * in the logarithms; NAN outside of the front. */
+/* The cost at an error, interpolated between neighbours of a front linearly in the logarithms; NAN
+ * outside of the front. */
 double pl_front_cost_at_error(const pl_sweep_sample *front, int count, double error);
+
+/* The error at a cost, interpolated in the same way; NAN outside of the front. */
 double pl_front_error_at_cost(const pl_sweep_sample *front, int count, double cost);
 
 /* A front read at all levels and times; NAN where it has no value. `cost` and `error` are of its
@@ -33,6 +35,7 @@ typedef struct pl_front_reading {
     double error[PL_SWEEP_TIMES], error_between[PL_SWEEP_TIMES];
 } pl_front_reading;
 
+/* Reads a front of `count` samples at all levels and times of a sweep. */
 void pl_front_read(const pl_sweep_sample *front, int count, pl_front_reading *reading);
 
 /* ---- Our engine against each other one ---- */

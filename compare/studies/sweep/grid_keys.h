@@ -17,8 +17,10 @@ typedef struct pl_grid_keys {
  * key of an engine that this build lacks is ignored. */
 pl_status pl_grid_keys_check(const pl_grid_def *def, pl_error *error);
 
-/* The keys of one case, or of one configuration, of the base, after the check. */
+/* The keys of one case of the base, after the check. */
 pl_grid_keys pl_grid_keys_of_case(const pl_grid_def *def, const pl_case *test_case);
+
+/* The keys of one engine configuration of the base, after the check. */
 pl_grid_keys pl_grid_keys_of_configuration(const pl_grid_def *def,
                                            const pl_configuration *configuration);
 

@@ -15,6 +15,8 @@ typedef struct pl_repeats {
 
 /* Numbers the points of a plan. PL_NO_MEMORY. The caller frees *repeats in any case. */
 pl_status pl_repeats_begin(pl_repeats *repeats, const pl_plan *plan, double limit, pl_error *error);
+
+/* Releases the JSON objects. */
 void pl_repeats_free(pl_repeats *repeats);
 
 /* Records a result. */

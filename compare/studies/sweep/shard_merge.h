@@ -7,6 +7,7 @@
 #include <jansson.h>
 #include <stdio.h>
 
+/* The results merged so far. */
 typedef struct pl_merge {
     json_t *results; /* array: the first result of each run, in the order of reading */
     json_t *runs;    /* run hash -> its result */
@@ -17,6 +18,8 @@ typedef struct pl_merge {
 
 /* Begins an empty merge. PL_NO_MEMORY. The caller frees it in any case. */
 pl_status pl_merge_begin(pl_merge *merge, pl_error *error);
+
+/* Releases the results. */
 void pl_merge_free(pl_merge *merge);
 
 /* Adds a file of results ("-" is standard input), or a folder: its results.jsonl and those of its

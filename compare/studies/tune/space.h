@@ -6,6 +6,7 @@
 #include "adapters/registry.h"
 #include "tune_search.h"
 
+/* The parameters of a search, and the values of what is not searched. */
 typedef struct pl_tune_space {
     pl_engine_choice base; /* the values of all options that are not tuned */
     double dt;             /* s: the time step where "dt" is not tuned; NAN: it is tuned, or, with

@@ -7,6 +7,7 @@
 
 #include <stdio.h>
 
+/* An option that is worth tuning. The strings are static. */
 typedef struct pl_tunable {
     const char *engine, *option;
     unsigned profiles; /* bits 1 << profile that it acts on; 0: none, it is only printed */

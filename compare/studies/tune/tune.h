@@ -8,6 +8,7 @@
 #include "tune_measure.h"
 #include "tune_search.h"
 
+/* What to tune, on which cases, and within which limits. All pointers are borrowed. */
 typedef struct pl_tune_def {
     const pl_plan *plan; /* the cases as asked for, and the seed, of the search too */
     double dt, duration; /* s: asked for of scene files; NAN: their own */
@@ -69,6 +70,8 @@ typedef struct pl_tuning {
 /* Fills *tuning, which the caller frees in any case. PL_UNSUPPORTED: the engine does not support a
  * scenario. PL_NO_MEMORY, PL_IO, PL_BAD_INPUT. */
 pl_status pl_tune(const pl_tune_def *def, pl_tuning *tuning, pl_error *error);
+
+/* Frees the arrays of the result. */
 void pl_tuning_free(pl_tuning *tuning);
 
 /* Prints the settings as a SPEC and in the engine's own API, their costs and their verdicts. */

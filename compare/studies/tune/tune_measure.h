@@ -72,6 +72,8 @@ typedef struct pl_readings {
 
 /* The readings of `setting`, one per case. */
 const pl_reading *pl_readings_of(const pl_readings *readings, int setting);
+
+/* Frees the readings and their numbers. */
 void pl_readings_free(pl_readings *readings);
 
 /* The settings to be measured and the cases to measure them on. The pointers are borrowed. */

@@ -20,6 +20,7 @@ typedef struct pl_spread {
     double sum, squares;
 } pl_spread;
 
+/* Adds one excess, ln(value / bound). An excess below ln(1 / 20) counts as ln(1 / 20). */
 void pl_spread_add(pl_spread *spread, double excess);
 
 /* A bound that one more run is unlikely to exceed: the mean and two standard deviations. Runs that

@@ -46,9 +46,11 @@ pl_fail(pl_error *error, pl_status status, const char *format, ...);
  * was meant (distance at most 1 + a third of the word's length). `candidates` has `count` items. */
 const char *pl_nearest_name(const char *word, const char *const *candidates, int count);
 
+/* The size of a suggestion, in bytes. */
+enum { PL_SUGGESTION_SIZE = 160 };
+
 /* The end of a message about an unknown word: "; did you mean CANDIDATE?" with the candidate of
  * pl_nearest_name, or "" when there is none. Returns `text`. */
-enum { PL_SUGGESTION_SIZE = 160 };
 const char *pl_did_you_mean(const char *word, const char *const *candidates, int count,
                             char text[PL_SUGGESTION_SIZE]);
 
