@@ -11,10 +11,13 @@
 #endif
 
 #if PE_WIDTH == 1
+/* PE_WIDTH numbers, one per lane. */
 typedef double wide;
 #elif PE_WIDTH == 4
+/* PE_WIDTH numbers, one per lane. */
 typedef __m256d wide;
 #else
+/* PE_WIDTH numbers, one per lane. */
 typedef __m512d wide;
 #endif
 

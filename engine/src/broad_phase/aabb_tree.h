@@ -71,11 +71,15 @@ typedef struct pe_tree {
 /* Releases the memory; the tree is empty then. */
 void pe_tree_free(pe_tree *tree, const pe_allocator *allocator);
 
-/* Adds a leaf with this box for an item > 0, or gives the item's leaf another box, or removes it.
- * Boxes must hold no NaN. On PE_NO_MEMORY the tree is as it was. */
+/* Adds a leaf with this box for an item > 0. The box must hold no NaN. On PE_NO_MEMORY the tree is
+ * as it was. */
 pe_status pe_tree_add(pe_tree *tree, const pe_allocator *allocator, int item, const pe_aabb *box,
                       pe_error *error);
+
+/* Gives the leaf of an item another box, which must hold no NaN. */
 void pe_tree_move(pe_tree *tree, int item, const pe_aabb *box);
+
+/* Removes the leaf of an item. */
 void pe_tree_remove(pe_tree *tree, int item);
 
 /* Marks every leaf as changed. */

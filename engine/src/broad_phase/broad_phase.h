@@ -38,10 +38,11 @@ typedef struct pe_broad {
  * body's rotation at its bounding radius, and one step of gravity. */
 double pe_pair_margin(const pe_world *world, int a, int b, double dt);
 
-/* The terms of pe_pair_margin, which is dt times the sum of the relative speed and both bodies'
- * pe_spin_speed, and the slack. pe_spin_speed, in m/s, is the speed that rotation gives the
- * outermost point of a body; pe_margin_slack is in m. */
+/* The speed, in m/s, that rotation gives the outermost point of a body. pe_pair_margin is dt times
+ * the sum of the relative speed and both bodies' spin speeds, plus the slack. */
 double pe_spin_speed(const pe_world *world, int slot);
+
+/* The slack of pe_pair_margin, in m: the contact margin plus dt^2 times gravity. */
 double pe_margin_slack(const pe_world *world, double dt);
 
 /* All pairs whose gap may be below their margin, and few others, sorted by (a, b), in the step's

@@ -6,6 +6,7 @@
 #include "soft_task.h"
 #include "sweep.h"
 
+/* The kernels for one width of vectors. */
 typedef struct pe_kernels {
     int lanes; /* manifolds solved at once: 1, 4 (AVX2) or 8 (AVX-512) */
     const pe_soft_kernel *soft;

@@ -22,6 +22,7 @@
 
 #include "solver_body.h"
 
+/* Settings of the soft contact solver. */
 typedef struct pe_soft_settings {
     double longest_substep; /* s; the step is cut into at least dt over this many */
     int max_substeps;       /* but not into more than these */

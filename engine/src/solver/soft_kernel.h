@@ -3,6 +3,7 @@
 
 /* ---- Sweeps ---- */
 
+/* Changes the linear velocities of each pair by an impulse (N s) on B and its opposite on A. */
 PE_INLINE void apply_linear(const wide impulse[3], wide_pair *p)
 {
     for (int k = 0; k < 3; ++k) {
@@ -11,6 +12,7 @@ PE_INLINE void apply_linear(const wide impulse[3], wide_pair *p)
     }
 }
 
+/* Does the same for an impulse of this size (N s) along a unit direction. */
 PE_INLINE void apply_along(const wide direction[3], wide size, wide_pair *p)
 {
     wide impulse[3];
@@ -20,6 +22,7 @@ PE_INLINE void apply_along(const wide direction[3], wide size, wide_pair *p)
     apply_linear(impulse, p);
 }
 
+/* Changes the scaled angular velocities by an impulse of this size along the row (jA, jB). */
 PE_INLINE void apply_angular(const wide jA[3], const wide jB[3], wide size, wide_pair *p)
 {
     wide_add(p->wA, size, jA);
@@ -33,11 +36,13 @@ typedef struct normal_sum {
     wide sum; /* of their changes */
 } normal_sum;
 
+/* The normal velocity of a row (m/s), with vn_linear its linear part n.(vB - vA). */
 PE_INLINE wide normal_velocity(const soft_row *r, wide vn_linear, const wide_pair *p)
 {
     return vn_linear + (wide_dot(r->jA, p->wA) + wide_dot(r->jB, p->wB));
 }
 
+/* Adds dp (N s) to the sum of normal impulses and applies its angular part. */
 PE_INLINE void apply_normal(const soft_block *c, const soft_row *r, wide dp, normal_sum *n,
                             wide_pair *p)
 {
@@ -46,6 +51,7 @@ PE_INLINE void apply_normal(const soft_block *c, const soft_row *r, wide dp, nor
     apply_angular(r->jA, r->jB, dp, p);
 }
 
+/* Applies the impulses of the last sub-step to the velocities. */
 static void soft_warm_start(const pe_soft_task *task)
 {
     pe_solver_body *bodies = task->bodies->velocity;
@@ -79,6 +85,7 @@ static void soft_warm_start(const pe_soft_task *task)
     }
 }
 
+/* One sweep over the normal impulses, with springs that correct penetration. */
 static void soft_bias(const pe_soft_task *task)
 {
     pe_solver_body *bodies = task->bodies->velocity;
@@ -113,6 +120,7 @@ static void soft_bias(const pe_soft_task *task)
     }
 }
 
+/* Makes one step of projected gradient descent on the friction of a block of `count` points. */
 PE_INLINE void relax_friction(const friction_block *f, friction_row *g, const soft_row *rows,
                               int count, wide_pair *p)
 {

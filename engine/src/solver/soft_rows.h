@@ -28,6 +28,7 @@
 
 #include <string.h>
 
+/* A group of manifolds that are solved at once, one per lane. */
 typedef struct soft_block {
     wide normal[3];
     wide inverse_mass;            /* mA + mB */
@@ -86,6 +87,7 @@ typedef struct frame_pair {
     wide_frame a, b;
 } frame_pair;
 
+/* Reads the frames of the bodies `index`, one per lane. */
 PE_INLINE void load_frame(const pe_solver_body_frame *frames, const int index[PE_WIDTH],
                           wide_frame *frame)
 {
@@ -100,6 +102,7 @@ PE_INLINE void load_frame(const pe_solver_body_frame *frames, const int index[PE
     memcpy(frame, column, sizeof column);
 }
 
+/* Takes a world vector a to a scaled row: out = m a, with m row-major. */
 PE_INLINE void to_scaled(const wide m[9], const wide a[3], wide out[3])
 {
     for (int k = 0; k < 3; ++k) {
@@ -168,6 +171,7 @@ typedef struct point_lanes {
     wide friction, restitution;
 } point_lanes;
 
+/* Fills the friction of a block: its tangents, its step, and a row for each point. */
 PE_INLINE void prepare_friction(const pe_soft_task *task, const soft_block *c,
                                 const frame_pair *frames, const point_lanes *points)
 {
@@ -203,6 +207,7 @@ PE_INLINE void prepare_friction(const pe_soft_task *task, const soft_block *c,
     f->friction = points->friction;
 }
 
+/* Fills the normal rows of a block and, if asked for, the speeds (m/s) at which points bounce. */
 PE_INLINE void prepare_normals(const pe_soft_task *task, const soft_block *c,
                                const frame_pair *frames, const point_lanes *points,
                                const wide_pair *p)

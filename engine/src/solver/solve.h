@@ -25,6 +25,7 @@ typedef struct pe_solve_report {
     pe_solve_history *history; /* set by the caller; NULL: none */
 } pe_solve_report;
 
+/* A solver of contact problems, with its own default settings. */
 typedef pe_status (*pe_solve_function)(const pe_problem *problem, const pe_solve_limits *limits,
                                        pe_workspace work, pe_solve_report *report, pe_error *error);
 

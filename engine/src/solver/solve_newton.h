@@ -13,6 +13,7 @@
 #include "solve.h"
 #include "sparse/factor.h"
 
+/* The friction law of the inner problem. */
 typedef enum pe_newton_form {
     /* The round cone with De Saxce's shift renewed between inner solves. It needs no impulse to
        start from. */

@@ -12,6 +12,7 @@
 
 #include "model/island.h"
 
+/* A body: its inverse mass (1/kg), and its velocity (m/s; rad/s, or scaled) or displacement. */
 typedef struct pe_solver_body {
     double linear[3];
     double inverse_mass;

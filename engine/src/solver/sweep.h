@@ -108,11 +108,11 @@ static inline pe_violation pe_sweep_violation(const pe_sweep *sweep)
 /* Writes z to the problem's impulses. The problem's velocities are not updated. */
 void pe_sweep_store(const pe_sweep *sweep);
 
-/* ---- Momentum ----
- *
- * The beta of the next sweep (heavy ball; Polyak 1964). Which beta is good is not known beforehand,
- * and contact problems have no objective to descend on, so that beta follows the residual e,
- * evaluated every few sweeps:
+/* ---- Momentum ---- */
+
+/* The state that chooses beta, the heavy-ball momentum of a sweep (Polyak 1964). Which beta is good
+ * is not known beforehand, and contact problems have no objective to descend on, so that beta
+ * follows the residual e, evaluated every few sweeps:
  *
  *   no gain of a tenth in 100 sweeps, or e > 30 times the best: 20 sweeps with beta = 0. If e then
  * falls to less than half, momentum kept it up: 1 - beta grows by 1.7, to 0.5 at most. If it falls
@@ -121,7 +121,6 @@ void pe_sweep_store(const pe_sweep *sweep);
  * Measured on piles, towers and walls against plain Gauss-Seidel, Nesterov's sequence with
  * restarts, nonsmooth nonlinear conjugate gradients (Silcowitz, Niebe, Erleben 2010) and fixed
  * betas. */
-
 typedef struct pe_momentum {
     double beta;
     int sweeps; /* made so far */

@@ -10,11 +10,13 @@
 
 /* ---- Lanes ---- */
 
+/* Reads PE_WIDTH numbers from x, which is aligned to a whole vector. */
 PE_INLINE wide load(const double *x)
 {
     return *(const wide *)x;
 }
 
+/* Writes PE_WIDTH numbers to x, which is aligned to a whole vector. */
 PE_INLINE void store(double *x, wide value)
 {
     *(wide *)x = value;
@@ -28,6 +30,7 @@ PE_INLINE void load_rows(const double *x, int lane, int count, wide *r)
     }
 }
 
+/* Writes `count` rows of pe_block_lanes, from x on. */
 PE_INLINE void store_rows(double *x, int lane, int count, const wide *r)
 {
     for (int k = 0; k < count; ++k) {
@@ -164,6 +167,7 @@ typedef struct coupling {
     wide linear[6], mixed[9], angular[6];
 } coupling;
 
+/* Reads E of the manifolds of a group. */
 PE_INLINE void load_coupling(const pe_sweep_block *block, int lane, coupling *e)
 {
     load_rows(block->linear[0], lane, 6, e->linear);
@@ -171,6 +175,7 @@ PE_INLINE void load_coupling(const pe_sweep_block *block, int lane, coupling *e)
     load_rows(block->angular[0], lane, 6, e->angular);
 }
 
+/* The change of the twist by a wrench: E times the wrench. */
 PE_INLINE void twist_change(const coupling *e, const wide wrench[6], wide change[6])
 {
     const wide *m = e->mixed, *f = wrench, *t = wrench + 3;
@@ -320,6 +325,7 @@ PE_INLINE void solve_cone(int j, wide beta, group *g)
     }
 }
 
+/* Applies the wrench of the group's impulse changes to its bodies. */
 PE_INLINE void apply_cones(pe_sweep *sweep, group *g)
 {
     wide force[3], torque[3];
@@ -342,12 +348,14 @@ PE_INLINE void load_normal_coupling(group *g)
     load_rows(g->block->angular[3], g->lane, 3, g->e + 3);
 }
 
+/* Normal component of J v + b of a point (m/s), by the twist. */
 PE_INLINE wide normal_velocity_at(const pe_sweep_point *point, int lane, const wide q[6])
 {
     wide s1 = load(point->s[1] + lane), s2 = load(point->s[2] + lane);
     return (q[0] + (q[4] * s2 - q[5] * s1)) + load(point->bias + lane);
 }
 
+/* Point j: the normal impulse that stops approach. Updates the parts of the twist that it needs. */
 PE_INLINE void solve_normal(int j, wide beta, group *g)
 {
     const int lane = g->lane;
@@ -371,6 +379,7 @@ PE_INLINE void solve_normal(int j, wide beta, group *g)
     g->q[5] = g->q[5] + change[2];
 }
 
+/* Applies the normal parts of the wrench, a force along n and torques about t1 and t2. */
 PE_INLINE void apply_normals(pe_sweep *sweep, group *g)
 {
     wide force[3], torque[3];
@@ -402,6 +411,7 @@ PE_INLINE void solve_point(int j, bool cones, wide beta, group *g)
     }
 }
 
+/* Reads a group and all that its sweep needs. */
 PE_INLINE void start_group(const pe_sweep *sweep, int index, bool cones, group *g)
 {
     load_group(sweep, index, g);
@@ -411,6 +421,7 @@ PE_INLINE void start_group(const pe_sweep *sweep, int index, bool cones, group *
     }
 }
 
+/* Applies the group's impulse changes to its bodies. */
 PE_INLINE void end_group(pe_sweep *sweep, bool cones, group *g)
 {
     if (cones) {
@@ -420,6 +431,7 @@ PE_INLINE void end_group(pe_sweep *sweep, bool cones, group *g)
     }
 }
 
+/* One sweep over all groups, with momentum; `cones` as in solve_point. */
 PE_INLINE void sweep_groups(pe_sweep *sweep, double beta_of_sweep, bool cones)
 {
     wide beta = wide_of(beta_of_sweep);

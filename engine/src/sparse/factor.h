@@ -8,6 +8,7 @@
 
 #include "pattern.h"
 
+/* Eight numbers in one vector. */
 typedef double pe_lanes __attribute__((vector_size(64)));
 
 /* A 6 x 6 block, column-major. A column fills six of its eight lanes; two are padding. */

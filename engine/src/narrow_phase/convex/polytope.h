@@ -11,6 +11,7 @@
 
 #include "narrow_phase/collide.h"
 
+/* The core of a convex shape, and the radius of the ball that sweeps it. */
 typedef struct pe_polytope {
     int vertex_count, edge_count, face_count;
     const pe_vec3 *vertices;
@@ -51,10 +52,14 @@ int pe_polytope_support(const pe_polytope *p, pe_vec3 d, int from);
  * go to the lower index. Not for points and segments. */
 int pe_polytope_facing(const pe_polytope *p, pe_vec3 d, double *cosine);
 
-/* Number of a face's vertices, and vertex k of them, in order. A face with more than
- * PE_FACE_CORNERS vertices is represented by that many of them, evenly spaced. */
+/* A face with more than PE_FACE_CORNERS vertices is represented by that many of them, evenly
+ * spaced. */
 enum { PE_FACE_CORNERS = 64 };
+
+/* The number of vertices that represent a face. */
 int pe_face_corners(const pe_face *face);
+
+/* The index of vertex k of them, in order around the face. */
 int pe_face_corner(const pe_polytope *p, const pe_face *face, int k);
 
 /* A direction and the separation of two cores along it. */

@@ -19,6 +19,7 @@
 
 #include "narrow_phase/collide.h"
 
+/* A solid cylinder: its centre, axis, radius (m) and half height (m). */
 typedef struct pe_cylinder {
     pe_vec3 centre, axis; /* m; unit */
     double radius, half_height;

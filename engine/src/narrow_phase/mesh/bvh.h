@@ -54,6 +54,7 @@ typedef struct pe_bvh_walk {
     } stack[PE_BVH_STACK];
 } pe_bvh_walk;
 
+/* Starts a traversal at the roots of both trees. */
 void pe_bvh_begin(const pe_bvh_pair *pair, pe_bvh_walk *walk);
 
 /* The next pair of leaves whose boxes may be within `bound` (m, >= 0), the nearer branch first.

@@ -5,6 +5,7 @@
 #include "narrow_phase/cylinder/cylinder.h"
 #include "touches.h"
 
+/* A cylinder and a mesh that are tested against each other. */
 typedef struct pe_cylinder_mesh {
     pe_placed cylinder, mesh;
     pe_cylinder c; /* in the mesh's axes */

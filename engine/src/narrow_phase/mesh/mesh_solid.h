@@ -29,6 +29,7 @@ typedef struct pe_small_solid {
     pe_node nodes[11];
 } pe_small_solid;
 
+/* The solid of a hull or mesh. It borrows the arrays of the geometry. */
 pe_solid pe_solid_of_geometry(const pe_geometry *g);
 
 /* The solid of a sphere, box, capsule, hull or mesh. It points into *small. */
@@ -53,19 +54,22 @@ typedef struct pe_facet {
     pe_ridge ridges[3];
 } pe_facet;
 
-/* Whether the facet owns its corner k, or its edge from corner k. */
+/* Whether the facet owns its corner k. */
 static inline bool pe_facet_owns_corner(const pe_facet *f, int k)
 {
     return (f->owns >> k & 1) != 0;
 }
 
+/* Whether the facet owns its edge from corner k. */
 static inline bool pe_facet_owns_edge(const pe_facet *f, int k)
 {
     return (f->owns >> (3 + k) & 1) != 0;
 }
 
-/* A triangle in the solid's axes, or, with `placed`, in those that the solid is placed in. */
+/* A triangle in the solid's axes. */
 void pe_solid_facet(const pe_solid *solid, int triangle, pe_facet *facet);
+
+/* A triangle in the axes in which `placed` places the solid. */
 void pe_solid_facet_placed(const pe_solid *solid, const pe_transform *placed, int triangle,
                            pe_facet *facet);
 
@@ -75,8 +79,11 @@ void pe_facet_ridges(const pe_solid *solid, const pe_transform *placed, pe_facet
 /* Whether x, projected onto the facet's plane, lies on it or at most `slack` beyond its rim. */
 bool pe_facet_contains(const pe_facet *facet, pe_vec3 x, double slack);
 
-/* The same, also for x behind the face across a dent, by at most `past`: there is solid there. */
+/* Where a point lies when it is projected onto the plane of a facet. */
 typedef enum pe_facet_side { PE_OFF_FACET, PE_ON_FACET, PE_BEHIND_DENT } pe_facet_side;
+
+/* The same test as pe_facet_contains, which also finds a point x that lies past a dent, at most
+ * `past` (m) beyond the rim, and behind the face across it: there is solid there. */
 pe_facet_side pe_facet_contains_dented(const pe_solid *solid, const pe_transform *placed,
                                        const pe_facet *facet, pe_vec3 x, double slack, double past);
 
@@ -88,10 +95,12 @@ typedef struct pe_facet_heights {
 /* False if one facet lies above `bound` or below -bound over the other: they are farther apart. */
 bool pe_facets_heights(const pe_facet *a, const pe_facet *b, double bound, pe_facet_heights *h);
 
+/* The largest number of points that pe_facets_cross finds. */
+enum { PE_MOST_PIERCINGS = 6 };
+
 /* The points where edges of either facet pass through the other. Returns their number; 0: the
  * facets do not cross. Points within `slack` of touching count. With 0, edges that only touch may
  * count. */
-enum { PE_MOST_PIERCINGS = 6 };
 int pe_facets_cross(const pe_facet *a, const pe_facet *b, const pe_facet_heights *h, double slack,
                     pe_vec3 where[PE_MOST_PIERCINGS]);
 

@@ -63,6 +63,7 @@ typedef struct pe_crossing {
     const pe_vec3 *where; /* (count), see pe_facets_cross */
 } pe_crossing;
 
+/* Called with each crossing, which is valid only during the call. */
 typedef void pe_take_crossing(void *context, const pe_crossing *c);
 
 /* Calls `take` for each pair of triangles that cross or touch. */

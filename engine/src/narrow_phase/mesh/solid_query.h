@@ -14,8 +14,10 @@ typedef struct pe_facet_walk {
     int next, end; /* triangles left of the current leaf */
 } pe_facet_walk;
 
-/* Starts a walk near the point x, or near the segment from x to x + d. Do not copy the walk. */
+/* Starts a walk near the point x. Do not copy the walk. */
 void pe_walk_near_point(const pe_solid *solid, pe_vec3 x, pe_facet_walk *walk);
+
+/* Starts a walk near the segment from x to x + d. Do not copy the walk. */
 void pe_walk_near_segment(const pe_solid *solid, pe_vec3 x, pe_vec3 d, pe_facet_walk *walk);
 
 /* The next triangle of a leaf whose box may be within `bound` (m). False: there are no more. The
