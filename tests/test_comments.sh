@@ -7,9 +7,11 @@ cd "$SOURCE"
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-# A comment that begins a line documents what follows, one after code documents what stands before it. A rule
+# The first comment documents the file, without which doxygen passes over its functions. A comment that begins
+# a line documents what follows, one after code documents what stands before it. A rule
 # such as /* ---- Title ---- */ documents nothing, nor does the comment of a #include or #endif.
 cat >"$folder/filter" <<'AWK'
+NR == 1 && /^\/\*/ { n = split(FILENAME, part, "/"); sub(/\/\*/, "/** @file " part[n] " "); print; next }
 /^#/ { print; next }
 /^ *\/\* ----/ { print ""; next }
 /^ *\/\*/ && !/\/\*\*/ { sub(/\/\*/, "/**") }
