@@ -2,9 +2,10 @@
  *
  *     {"schema": "plumb.known-causes/1", "found_with": TEXT,
  *      "versions": {ENGINE: [OLDEST, NEWEST], ...},
- *      "causes": [{"engine": ENGINE, "profile": TEXT?, "outcome": TEXT?, "versions": [OLDEST,
- * NEWEST]?, "scenarios": {SCENARIO: {PARAMETER: [LEAST, LARGEST], ...}, ...}, "cause": TEXT or
- * null, "evidence": TEXT}, ...]}
+ *      "causes": [{"engine": ENGINE, "profile": TEXT?, "outcome": TEXT?,
+ *                  "versions": [OLDEST, NEWEST]?,
+ *                  "scenarios": {SCENARIO: {PARAMETER: [LEAST, LARGEST], ...}, ...},
+ *                  "cause": TEXT or null, "evidence": TEXT}, ...]}
  *
  * Each statement was found by an experiment: an option of the engine, the time step or the scene
  * was varied, or the adapter was changed for the purpose. `h` in its texts is the scenario's time

@@ -46,7 +46,7 @@ double pl_distance_convex(const pl_placed_shape *a, const pl_placed_shape *b, do
  *
  *   a vertex of either that is inside the other: its distance to the other's surface
  *   an edge segment of either that lies inside the other: the depth of its midpoint, or if it
- * crosses under an edge of the other, the least translation that moves it out (see gap_mesh.c)
+ *     crosses under an edge of the other, the least translation that moves it out (see gap_mesh.c)
  *
  * Of convex solids with a small overlap this is the length of the minimum translation vector, for
  * all pairs of features (in rare poses at a sharp corner it is somewhat less). Otherwise it is the

@@ -5,15 +5,17 @@
  * whose normal is fixed in one, since the contacts of the last step (corners on a face), is
  * transported to the midpoint by the mean velocities of both, as the warm start has them, and
  *
- *   b = (J_end - J_mid) v' + part of the gap / h     since approach is bounded at the end of the
- * step, b_t = J_mid (v - v')/2                           where sliding goes on: friction opposes
- * the mean slip, while a contact that sticks stops the slip at the end.
+ *   b = (J_end - J_mid) v' + part of the gap / h
+ *   b_t = J_mid (v - v')/2                           where sliding goes on
+ *
+ * because approach is bounded at the end of the step, and because friction opposes the mean slip,
+ * while a contact that sticks stops the slip at the end.
  *
  * Impulses of the warm start are rotated with the slip. These stay at the step's start:
  * - islands of more than two bodies, and those with an impact, whose impulse acts at the start of
- * the step;
+ *   the step;
  * - manifolds that wander over both bodies, as those of spheres do, whose arms rotate in another
- * way;
+ *   way;
  * - manifolds whose v does not fit, as after an impact or after a step without transport. */
 #ifndef PE_MIDPOINT_H
 #define PE_MIDPOINT_H

@@ -3,10 +3,12 @@
  * The step is cut into n sub-steps of length h = dt/n. In each, with contact frames frozen at the
  * poses of the step's start and separations s = s_0 + J_n d, where d is the displacement so far:
  *
- *   v += h M^-1 f + M^-1 J^T p       applied forces, and the last sub-step's impulses as a warm
- * start bias sweep, normals:             v_n + b(s) = 0, soft where s < 0: dp = -m (a_m (v_n + a_b
- * s)) - a_p p,   p + dp >= 0 d += h v relaxing sweep:                  v_n = -max(0, s_0)/dt by
- * normals, then friction, so that the velocity that corrected the separation does not stay
+ *   v += h M^-1 f + M^-1 J^T p       applied forces; the last sub-step's impulses as a warm start
+ *   bias sweep, normals:             v_n + b(s) = 0, soft where s < 0:
+ *                                    dp = -m (a_m (v_n + a_b s)) - a_p p,   p + dp >= 0
+ *   d += h v
+ *   relaxing sweep:                  v_n = -max(0, s_0)/dt by normals, then friction, so that the
+ *                                    velocity that corrected the separation does not stay
  *
  * a_b, a_m and a_p make the contact an implicitly integrated, overdamped spring (Catto 2011, "Soft
  * constraints"; 2024, "Solver2D", which calls this scheme Soft Step). Many sub-steps with one sweep

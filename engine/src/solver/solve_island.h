@@ -28,8 +28,8 @@ typedef struct pe_island_report {
  * - a warm start far below the tolerance is kept as it is;
  * - a quiet or new island gets the whole direct solver if its predicted cost is within bounds;
  * - another one gets a few Newton iterations where these are cheap compared with sweeps, then
- * sweeps with momentum to swept_tolerance where they were not enough, then a few Newton iterations
- * again. */
+ *   sweeps with momentum to swept_tolerance where they were not enough, then a few Newton iterations
+ *   again. */
 pe_status pe_solve_island(const pe_problem *problem, const pe_island_limits *limits,
                           pe_workspace work, pe_island_report *report, pe_error *error);
 

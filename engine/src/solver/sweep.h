@@ -114,9 +114,9 @@ void pe_sweep_store(const pe_sweep *sweep);
  * is not known beforehand, and contact problems have no objective to descend on, so that beta
  * follows the residual e, evaluated every few sweeps:
  *
- *   no gain of a tenth in 100 sweeps, or e > 30 times the best: 20 sweeps with beta = 0. If e then
- * falls to less than half, momentum kept it up: 1 - beta grows by 1.7, to 0.5 at most. If it falls
- * by less than a fifth, momentum is not to blame: 1 - beta shrinks by 0.7, to 0.02.
+ *   no gain of a tenth in 100 sweeps, or e > 30 times the best: 20 sweeps with beta = 0.
+ *     If e then falls to less than half, momentum kept it up: 1 - beta grows by 1.7, to 0.5 at most.
+ *     If it falls by less than a fifth, momentum is not to blame: 1 - beta shrinks by 0.7, to 0.02.
  *
  * Measured on piles, towers and walls against plain Gauss-Seidel, Nesterov's sequence with
  * restarts, nonsmooth nonlinear conjugate gradients (Silcowitz, Niebe, Erleben 2010) and fixed

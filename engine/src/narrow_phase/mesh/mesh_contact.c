@@ -9,14 +9,14 @@
  *
  *   - A vertex over a face: the face's normal. The vertex faces the face if no edge leads from it
  *     towards the face, except at a small angle, so that all corners of a face that lies upon
- * another are found. A vertex behind the face, across a dent, is also over the face: in the corner
- * of a room the floor continues under the wall.
+ *     another are found. A vertex behind the face, across a dent, is also over the face: in the
+ *     corner of a room the floor continues under the wall.
  *   - An edge across an edge, both convex: their common normal, which must lie between the normals
- * of either edge's faces. Two faces that lie upon each other touch at vertices over faces and where
- *     their rims cross, which are the corners of their overlap.
+ *     of either edge's faces. Two faces that lie upon each other touch at vertices over faces and
+ *     where their rims cross, which are the corners of their overlap.
  *   - Apart, the nearest points: of all vertices and edges the one pair whose distance is that of
- * the solids. Its normal is the line between them. A rounded core has such touches with each vertex
- *     and convex edge that faces it.
+ *     the solids. Its normal is the line between them. A rounded core has such touches with each
+ *     vertex and convex edge that faces it.
  *
  * Edges inside a flat face and dents do not touch, so that a body that slides over triangles does
  * not feel their rims.
