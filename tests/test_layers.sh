@@ -12,7 +12,7 @@ fail() {
 }
 
 # FOLDER: what it may use, which are folders of earlier lines (by their last part where that is clear) or a
-# group. Two headers have lines of their own, because scenarios/base may use no other.
+# group. Some headers have lines of their own: scenarios/base and the engine ABI may use no others.
 table='
 engine/include:
 engine/src/base:             engine/include
@@ -24,35 +24,38 @@ engine/src/problem:          engine/include base model
 engine/src/sparse:           engine/include base problem
 engine/src/solver:           engine/include base model problem sparse
 engine/src/step:             engine/include base model broad_phase contact problem sparse solver
-scenarios/include/plumb/base.h:
+scenarios/include/plumb/status.h:
+scenarios/include/plumb/base.h: status.h
+scenarios/include/plumb/scene_data.h: status.h
 scenarios/include/plumb/vec.h: base.h
-scenarios/base:              base.h vec.h
-scenarios/include:           base.h vec.h
+scenarios/base:              status.h base.h vec.h
+scenarios/include:           status.h base.h vec.h scene_data.h
 scenarios/scene:             SCENE
 scenarios/catalogue:         SCENE scenarios/scene
 scenarios:                   SCENE scenarios/scene
-compare/include:             base.h scenarios/include
+compare/include:             status.h scene_data.h
 compare/adapters:            SCENE compare/include engine/include
+compare/engines:             SCENE compare/include adapters
 compare/referee/geometry:    SCENE compare/include
 compare/referee/metrics:     SCENE compare/include geometry
 compare/referee:             SCENE compare/include geometry metrics
-compare/results:             SCENE compare/include metrics
-compare/runner:              SCENE compare/include adapters geometry metrics referee results
-compare/studies/sweep:       SCENE compare/include adapters metrics results runner
-compare/studies/tune:        SCENE compare/include adapters metrics results runner
+compare/results:             SCENE compare/include engines metrics
+compare/runner:              SCENE compare/include adapters engines geometry metrics referee results
+compare/studies/sweep:       SCENE compare/include adapters engines metrics results runner
+compare/studies/tune:        SCENE compare/include adapters engines metrics results runner
 compare/studies/threshold:   SCENE compare/include results runner
-compare/studies/ensemble:    SCENE compare/include adapters geometry metrics results runner
+compare/studies/ensemble:    SCENE compare/include engines geometry metrics results runner
 compare/studies/metamorphic: SCENE compare/include geometry results runner
-compare/studies/iterations:  SCENE compare/include adapters metrics results runner
-compare/studies/solve:       SCENE compare/include engine/include adapters results runner
+compare/studies/iterations:  SCENE compare/include adapters engines metrics results runner
+compare/studies/solve:       SCENE compare/include engine/include adapters engines results runner
 compare/gate:                SCENE compare/include metrics results
 compare/report:              SCENE compare/include metrics results sweep
-compare/command:             SCENE compare/include engine/include adapters metrics results runner STUDIES gate report
+compare/command:             SCENE compare/include engine/include adapters engines metrics results runner STUDIES gate report
 compare:                     command
 '
 group() {
     case $1 in
-    SCENE) echo base.h vec.h scenarios/include scenarios/base ;;
+    SCENE) echo status.h base.h vec.h scene_data.h scenarios/include scenarios/base ;;
     STUDIES) echo sweep tune threshold ensemble metamorphic iterations solve ;;
     *) echo "$1" ;;
     esac

@@ -10,9 +10,9 @@
  *
  * nncg ends every sweep by a step along its search direction that is not bounded again (3.24,
  * btNNCGConstraintSolver.cpp), so that of several contact points one may be left pulling. */
+#include "built_in.h"
 #include "bullet_c.h"
 #include "plumb/scenario.h"
-#include "registry.h"
 #include "scene_frames.h"
 
 #include <stdio.h>
@@ -31,40 +31,67 @@ enum {
     OPTION_COUNT
 };
 
+enum {
+    ITERATIVE_PROFILES = 1 << PL_BULLET_SI | 1 << PL_BULLET_NNCG,
+    ALL_PROFILES = ITERATIVE_PROFILES | 1 << PL_BULLET_DANTZIG | 1 << PL_BULLET_LEMKE
+};
+
+/* How a program steps by {} seconds. */
+#define STEP_CODE "world->stepSimulation({}, 0);"
+
 static const double gibibyte = 1024.0 * 1024.0 * 1024.0;
 static const double dense_limit = 4 * 1024.0 * 1024.0 * 1024.0; /* bytes */
 
 static const pl_engine_profile profiles[] = {
     [PL_BULLET_SI] = {.name = "si",
                       .help = "btSequentialImpulseConstraintSolver",
-                      .in_default_comparison = true},
+                      .in_default_comparison = true,
+                      .step_code = STEP_CODE},
     [PL_BULLET_NNCG] = {.name = "nncg",
                         .help = "btNNCGConstraintSolver: nonsmooth nonlinear conjugate gradients",
-                        .in_default_comparison = true},
-    [PL_BULLET_DANTZIG] = {.name = "dantzig", .help = "btMLCPSolver with btDantzigSolver"},
+                        .in_default_comparison = true,
+                        .step_code = STEP_CODE},
+    [PL_BULLET_DANTZIG] = {.name = "dantzig",
+                           .help = "btMLCPSolver with btDantzigSolver",
+                           .step_code = STEP_CODE},
     [PL_BULLET_LEMKE] = {.name = "lemke",
-                         .help =
-                             "btMLCPSolver with btLemkeSolver, which bounds friction by mu N s"},
+                         .help = "btMLCPSolver with btLemkeSolver, which bounds friction by mu N s",
+                         .step_code = STEP_CODE},
 };
 
 static const pl_engine_option options[OPTION_COUNT] = {
     [OPTION_ITERATIONS] = {"iterations", 10, 1, 1e6, true, "1",
-                           "sweeps of si and nncg; of the fallback of dantzig and lemke"},
+                           "sweeps of si and nncg; of the fallback of dantzig and lemke",
+                           "world->getSolverInfo().m_numIterations = {};", ITERATIVE_PROFILES, 1,
+                           300, true},
     [OPTION_SPLIT_IMPULSE] = {"split_impulse", 1, 0, 1, true, "1",
-                              "undo deep penetration apart from the velocity"},
-    [OPTION_ERP] = {"erp", 0.2, 0, 1, false, "1", "share of a joint's error undone in a step"},
+                              "undo deep penetration apart from the velocity",
+                              "world->getSolverInfo().m_splitImpulse = {};", ALL_PROFILES, 0, 1,
+                              false},
+    [OPTION_ERP] = {"erp", 0.2, 0, 1, false, "1", "share of a joint's error undone in a step",
+                    "world->getSolverInfo().m_erp = {};", 0, 0, 0, false},
     [OPTION_ERP2] = {"erp2", 0.2, 0, 1, false, "1",
-                     "share of a contact's penetration undone in a step"},
+                     "share of a contact's penetration undone in a step",
+                     "world->getSolverInfo().m_erp2 = {};", ALL_PROFILES, 0.05, 1, false},
     [OPTION_RESTITUTION_THRESHOLD] = {"restitution_threshold", 0.2, 0, 1e6, false, "m/s",
-                                      "slower impacts do not bounce"},
+                                      "slower impacts do not bounce",
+                                      "world->getSolverInfo().m_restitutionVelocityThreshold = {};",
+                                      0, 0, 0, false},
     [OPTION_MARGIN] =
         {"margin", 0.04, 0, 1e3, false, "m",
-         "of a box or cylinder, inside its half extents; at most a tenth of the least"},
+         "of a box or cylinder, inside its half extents; at most a tenth of the least",
+         "shape->setMargin({}); /* of boxes and cylinders; at most a tenth of the "
+         "least half extent */",
+         ALL_PROFILES, 0.001, 0.1, true},
     [OPTION_SOLID_MARGIN] =
         {"solid_margin", 0, 0, 1e3, false, "m",
-         "of a hull (Bullet's default: 0.04) or a moving mesh (0.01), which grow by it"},
-    [OPTION_PLANE_MULTIPOINT] = {"plane_multipoint", 0, 0, 16, true, "1",
-                                 "points sought each step against a plane; Bullet suggests 3"},
+         "of a hull (Bullet's default: 0.04) or a moving mesh (0.01), which grow by it",
+         "shape->setMargin({}); /* of hulls and meshes */", 0, 0, 0, false},
+    [OPTION_PLANE_MULTIPOINT] =
+        {"plane_multipoint", 0, 0, 16, true, "1",
+         "points sought each step against a plane; Bullet suggests 3",
+         "const int points = {}; configuration.setPlaneConvexMultipointIterations(points, points);",
+         ALL_PROFILES, 0, 4, false},
 };
 
 struct pl_engine_instance {
@@ -78,9 +105,9 @@ struct pl_engine_instance {
 static void scene_pair(const void *context, int body_a, int body_b, double *friction,
                        double *restitution)
 {
-    const pl_scene *scene = context;
-    pl_scene_pair(scene, scene->bodies[body_a].material, scene->bodies[body_b].material, friction,
-                  restitution);
+    const pl_pair_coefficients pair = pl_setup_pair(context, body_a, body_b);
+    *friction = pair.friction;
+    *restitution = pair.restitution;
 }
 
 static void bullet_destroy(pl_engine_instance *instance)
@@ -114,18 +141,20 @@ static void read_body(const pl_engine_instance *instance, int body, pl_body_stat
     pl_to_shape_pose(&instance->scene->bodies[body].shape, state->position, state->orientation);
 }
 
-static pl_status bullet_create(const pl_scene *scene, int profile, const double *values,
-                               pl_engine_instance **out, pl_error *error)
+static pl_status bullet_create(const pl_engine_setup *setup, pl_engine_instance **out,
+                               pl_error *error)
 {
+    const pl_scene *scene = setup->scene;
+    const double *values = setup->values;
     *out = NULL;
     pl_engine_instance *instance = calloc(1, sizeof *instance);
     if (instance == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory for a bullet world");
     }
     instance->scene = scene;
-    instance->profile = profile;
+    instance->profile = setup->profile;
     pl_bullet_world_def def = {
-        .solver = (pl_bullet_solver)profile,
+        .solver = (pl_bullet_solver)setup->profile,
         .settings = {.iterations = (int)values[OPTION_ITERATIONS],
                      .split_impulse = values[OPTION_SPLIT_IMPULSE] > 0,
                      .erp = values[OPTION_ERP],
@@ -137,7 +166,7 @@ static pl_status bullet_create(const pl_scene *scene, int profile, const double 
         .gravity = {scene->gravity[0], scene->gravity[1], scene->gravity[2]},
         .matrix_limit = dense_limit,
         .pair = scene_pair,
-        .context = scene,
+        .context = setup,
     };
     pl_status status = PL_OK;
     instance->world = pl_bullet_world_create(&def);
@@ -211,20 +240,18 @@ static void bullet_read_frame(const pl_engine_instance *instance, pl_frame *fram
     }
 }
 
-static void bullet_read_settings(const pl_engine_instance *instance, double dt,
-                                 pl_engine_settings *settings)
+static void bullet_read_settings(const pl_engine_instance *instance, pl_engine_settings *settings)
 {
     pl_bullet_read_gravity(instance->world, settings->gravity);
-    settings->dt = dt;
     for (int i = 0; i < settings->body_count; ++i) {
         pl_bullet_read_mass(instance->world, i, &settings->mass[i], settings->inertia[i]);
     }
 }
 
 static void bullet_read_pair(const pl_engine_instance *instance, int body_a, int body_b,
-                             double *friction, double *restitution)
+                             pl_pair_coefficients *found)
 {
-    pl_bullet_read_pair(instance->world, body_a, body_b, friction, restitution);
+    pl_bullet_read_pair(instance->world, body_a, body_b, &found->friction, &found->restitution);
 }
 
 static int bullet_read_contacts(const pl_engine_instance *instance, pl_contact *contacts,
@@ -258,6 +285,10 @@ static const pl_engine engine = {
     .capabilities = PL_NEEDS_FRICTION | PL_NEEDS_RESTITUTION | PL_NEEDS_ROTATION | PL_NEEDS_FORCES |
                     PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX | PL_NEEDS_CAPSULE |
                     PL_NEEDS_CYLINDER | PL_NEEDS_HULL | PL_NEEDS_MESH,
+    .contacts = PL_CONTACTS_POINTS | PL_CONTACTS_IMPULSES,
+    .integrator = PL_INTEGRATOR_SEMI_IMPLICIT_EULER,
+    .gyroscopic = PL_GYROSCOPIC_IMPLICIT,
+    .substeps = 1,
     .profiles = profiles,
     .profile_count = sizeof profiles / sizeof *profiles,
     .options = options,

@@ -1,10 +1,10 @@
 /* Our own engine behind the engine ABI. Uses only the engine's public interface. */
 #include "base/array.h"
+#include "built_in.h"
 #include "contact_problems.h"
 #include "plumb/contact_problem.h"
 #include "plumb/engine.h"
 #include "plumb/scenario.h"
-#include "registry.h"
 #include "scene_frames.h"
 
 #include <math.h>
@@ -31,22 +31,35 @@ enum {
     OPTION_COUNT
 };
 
+/* How a program steps by {} seconds. */
+#define STEP_CODE "pe_world_step(world, {}, &stats, &error);"
+
+enum { ALL_PROFILES = 7 };
+
 static const pl_engine_option options[OPTION_COUNT] = {
-    {"tolerance", 1e-8, 1e-14, 1, false, "m/s", "natural-map residual that counts as solved"},
+    {"tolerance", 1e-8, 1e-14, 1, false, "m/s", "natural-map residual that counts as solved",
+     "def.tolerance = {};", ALL_PROFILES, 1e-10, 1e-2, true},
     {"updates", 2.4e6, 1, 1e12, true, "1",
-     "sweeps times contact points of one island, at most; a direct solve is weighed against it"},
+     "sweeps times contact points of one island, at most; a direct solve is weighed against it",
+     "def.max_contact_updates = {};", ALL_PROFILES, 1e3, 1e7, true},
     {"iterations", 100000, 1, 1e6, true, "1",
-     "Newton steps and sweeps of one island in one step, at most"},
+     "Newton steps and sweeps of one island in one step, at most", "def.max_iterations = {};", 0, 0,
+     0, false},
     {"slop", 1e-4, 1e-12, 1, false, "m",
-     "penetration of swept islands is pushed out from three times this, down to this"},
+     "penetration of swept islands is pushed out from three times this, down to this",
+     "def.penetration_slop = {};", ALL_PROFILES, 1e-6, 1e-2, true},
     {"impact_bodies", 2, 0, 1e6, true, "1",
-     "islands of so many bodies or fewer take impacts at their own time; fast: none"},
+     "islands of so many bodies or fewer take impacts at their own time; fast: none",
+     "def.impact_bodies = {};", ALL_PROFILES, 0, 16, false},
 };
 
 static const pl_engine_profile profiles[] = {
-    {"default", "solves an island directly unless sweeps are predicted to be cheaper", true},
-    {"accurate", "the same, and solves directly up to four times the cost of the sweeps", true},
-    {"fast", "substeps of soft contact; solves only quiet chains and small islands", true},
+    {"default", "solves an island directly unless sweeps are predicted to be cheaper", true,
+     STEP_CODE},
+    {"accurate", "the same, and solves directly up to four times the cost of the sweeps", true,
+     STEP_CODE},
+    {"fast", "substeps of soft contact; solves only quiet chains and small islands", true,
+     STEP_CODE},
 };
 
 static pe_vec3 vector(const double v[3])
@@ -187,13 +200,14 @@ static void destroy(pl_engine_instance *instance)
     }
 }
 
-static pl_status create(const pl_scene *scene, int profile, const double *values,
-                        pl_engine_instance **made, pl_error *error)
+static pl_status create(const pl_engine_setup *setup, pl_engine_instance **made, pl_error *error)
 {
+    const pl_scene *scene = setup->scene;
+    const double *values = setup->values;
     static const pe_profile profile_of[] = {PE_PROFILE_DEFAULT, PE_PROFILE_ACCURATE,
                                             PE_PROFILE_FAST};
     pe_world_def def = pe_world_def_default();
-    def.profile = profile_of[profile];
+    def.profile = profile_of[setup->profile];
     def.gravity = vector(scene->gravity);
     def.tolerance = values[OPTION_TOLERANCE];
     def.max_contact_updates = values[OPTION_UPDATES];
@@ -316,13 +330,11 @@ static void read_frame(const pl_engine_instance *instance, pl_frame *frame)
     }
 }
 
-static void read_settings(const pl_engine_instance *instance, double dt,
-                          pl_engine_settings *settings)
+static void read_settings(const pl_engine_instance *instance, pl_engine_settings *settings)
 {
     pe_vec3 gravity;
     pe_world_get_gravity(instance->world, &gravity);
     store(settings->gravity, gravity);
-    settings->dt = dt; /* the engine stores no time step */
     for (int i = 0; i < settings->body_count; ++i) {
         pe_vec3 inertia = {0};
         pe_body_get_mass(instance->world, instance->bodies[i], &settings->mass[i], &inertia, NULL);
@@ -330,11 +342,11 @@ static void read_settings(const pl_engine_instance *instance, double dt,
     }
 }
 
-static void read_pair(const pl_engine_instance *instance, int body_a, int body_b, double *friction,
-                      double *restitution)
+static void read_pair(const pl_engine_instance *instance, int body_a, int body_b,
+                      pl_pair_coefficients *found)
 {
-    pe_body_get_pair(instance->world, instance->bodies[body_a], instance->bodies[body_b], friction,
-                     restitution, NULL);
+    pe_body_get_pair(instance->world, instance->bodies[body_a], instance->bodies[body_b],
+                     &found->friction, &found->restitution, NULL);
 }
 
 static int read_contacts(const pl_engine_instance *instance, pl_contact *contacts, int capacity)
@@ -379,6 +391,10 @@ const pl_engine *pl_engine_plumb(void)
         .capabilities = PL_NEEDS_FRICTION | PL_NEEDS_RESTITUTION | PL_NEEDS_ROTATION |
                         PL_NEEDS_FORCES | PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX |
                         PL_NEEDS_CAPSULE | PL_NEEDS_CYLINDER | PL_NEEDS_HULL | PL_NEEDS_MESH,
+        .contacts = PL_CONTACTS_POINTS | PL_CONTACTS_IMPULSES,
+        .integrator = PL_INTEGRATOR_SEMI_IMPLICIT_EULER,
+        .gyroscopic = PL_GYROSCOPIC_IMPLICIT,
+        .substeps = 1,
         .profiles = profiles,
         .profile_count = sizeof profiles / sizeof profiles[0],
         .options = options,

@@ -51,12 +51,6 @@ void pl_vertex_in_principal(const pl_polyhedron *solid, int vertex, double out[3
     pl_vec_store(pl_to_local(&axes, from_centre), out);
 }
 
-bool pl_force_acts(const pl_force *force, double time, double dt)
-{
-    double slack = 1e-6 * dt;
-    return time + slack >= force->from && time + slack < force->until;
-}
-
 bool pl_force_at(const pl_force *force, double time, double dt, const double orientation[4],
                  double world_force[3], double world_offset[3])
 {

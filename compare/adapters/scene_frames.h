@@ -7,7 +7,7 @@
 #ifndef PLUMB_SCENE_FRAMES_H
 #define PLUMB_SCENE_FRAMES_H
 
-#include "plumb/scene.h"
+#include "plumb/engine_abi.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -23,11 +23,7 @@ void pl_to_shape_pose(const pl_shape *shape, double position[3], double orientat
 /* A vertex of a hull or a mesh in the principal frame, m. */
 void pl_vertex_in_principal(const pl_polyhedron *solid, int vertex, double out[3]);
 
-/* Whether `force` acts over the step of length dt that starts at `time`. Its start and end count to
- * a millionth of a step, so that rounding of a summed time never adds or drops a step. */
-bool pl_force_acts(const pl_force *force, double time, double dt);
-
-/* The same; if it acts, the force in the world frame (N), and its point of application as an offset
+/* Whether `force` acts (pl_force_acts); if it does, the force in the world frame (N), and its point of application as an offset
  * from the centre of mass in the world frame (m). `orientation` is the body's (w, x, y, z) at that
  * time: a force in the body frame turns with the body. */
 bool pl_force_at(const pl_force *force, double time, double dt, const double orientation[4],

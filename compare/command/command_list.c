@@ -1,6 +1,6 @@
 /* plumb list scenarios|engines|metrics|suites. Each kind is built as one JSON array, which is
  * printed as it is or as text. */
-#include "adapters/registry.h"
+#include "engines/registry.h"
 #include "plumb/scenario.h"
 #include "report/report.h"
 #include "request.h"
@@ -23,8 +23,13 @@ static json_t *list_params(const pl_scenario *scenario)
     json_t *list = json_array();
     for (int i = 0; i < scenario->param_count; ++i) {
         const pl_param *p = &scenario->params[i];
-        const pl_engine_option option = {p->name,    p->value, p->min, p->max,
-                                         p->integer, p->unit,  p->help};
+        const pl_engine_option option = {.name = p->name,
+                                         .value = p->value,
+                                         .min = p->min,
+                                         .max = p->max,
+                                         .integer = p->integer,
+                                         .unit = p->unit,
+                                         .help = p->help};
         json_array_append_new(list, setting(&option));
     }
     return list;
@@ -67,7 +72,7 @@ static json_t *list_scenarios(void)
     return list;
 }
 
-static json_t *list_profiles(const pl_engine *engine)
+static json_t *list_profiles(const pl_engine_info *engine)
 {
     json_t *list = json_array();
     for (int i = 0; i < engine->profile_count; ++i) {
@@ -79,7 +84,7 @@ static json_t *list_profiles(const pl_engine *engine)
     return list;
 }
 
-static json_t *list_options(const pl_engine *engine)
+static json_t *list_options(const pl_engine_info *engine)
 {
     json_t *list = json_array();
     for (int i = 0; i < engine->option_count; ++i) {
@@ -88,24 +93,60 @@ static json_t *list_options(const pl_engine *engine)
     return list;
 }
 
-static json_t *list_engines(void)
+/* The SPECs that are listed. */
+typedef struct pl_specs {
+    const char *const *items; /* (count) */
+    int count;
+} pl_specs;
+
+static const char *precision_name(pl_precision precision)
+{
+    return precision == PL_PRECISION_FLOAT ? "float" : "double";
+}
+
+/* What is known of an engine, added to its item. */
+static void describe_engine(json_t *item, const pl_engine_info *e)
+{
+    json_object_set_new(item, "version", json_string(e->version));
+    json_object_set_new(item, "description", json_string(e->description));
+    json_object_set_new(item, "precision", json_string(precision_name(e->precision)));
+    json_object_set_new(item, "substeps", json_integer(e->substeps));
+    json_object_set_new(item, "profiles", list_profiles(e));
+    json_object_set_new(item, "options", list_options(e));
+}
+
+/* The engines of this build, or those of the SPECs in `asked`. */
+static pl_status list_engines(const pl_specs *asked, json_t **list, pl_error *error)
 {
     int count;
-    const pl_known_engine *engines = pl_known_engines(&count);
-    json_t *list = json_array();
-    for (int i = 0; i < count; ++i) {
-        const pl_engine *e = engines[i].engine;
+    const pl_built_in *engines = pl_built_in_engines(&count);
+    pl_status status = PL_OK;
+    *list = json_array();
+    for (int i = 0; asked->count == 0 && i < count && status == PL_OK; ++i) {
+        const pl_engine_info *e = NULL;
         json_t *item = json_pack("{s:s, s:s, s:b}", "name", engines[i].name, "package",
-                                 engines[i].package, "present", e != NULL);
-        if (e != NULL) {
-            json_object_set_new(item, "version", json_string(e->version));
-            json_object_set_new(item, "description", json_string(e->description));
-            json_object_set_new(item, "profiles", list_profiles(e));
-            json_object_set_new(item, "options", list_options(e));
+                                 engines[i].package, "present", engines[i].entry != NULL);
+        if (engines[i].entry != NULL) {
+            status = pl_engine_of_build(&engines[i], &e, error);
         }
-        json_array_append_new(list, item);
+        if (e != NULL) {
+            describe_engine(item, e);
+        }
+        json_array_append_new(*list, item);
     }
-    return list;
+    for (int i = 0; i < asked->count && status == PL_OK; ++i) {
+        pl_engine_choice choice;
+        status = pl_engine_choose(asked->items[i], &choice, error);
+        if (status == PL_OK && choice.engine->fault.is_fault) {
+            status = pl_fail(error, PL_IO, "%s: %s", asked->items[i], choice.engine->fault.reason);
+        }
+        if (status == PL_OK) {
+            json_t *item = json_pack("{s:s, s:b}", "name", choice.engine->name, "present", true);
+            describe_engine(item, choice.engine);
+            json_array_append_new(*list, item);
+        }
+    }
+    return status;
 }
 
 static json_t *list_metrics(void)
@@ -208,12 +249,12 @@ static void print_suite(const json_t *item)
 
 typedef struct kind {
     const char *name;
-    json_t *(*list)(void);
+    json_t *(*list)(void); /* NULL: engines, which can fail */
     void (*print)(const json_t *item);
 } kind;
 
 static const kind kinds[] = {{"scenarios", list_scenarios, print_scenario},
-                             {"engines", list_engines, print_engine},
+                             {"engines", NULL, print_engine},
                              {"metrics", list_metrics, print_metric},
                              {"suites", list_suites, print_suite}};
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
@@ -232,10 +273,6 @@ static pl_status check(void *user, pl_error *error)
     if (asked->count == 0) {
         return pl_fail(error, PL_BAD_INPUT, "list what? scenarios, engines, metrics or suites");
     }
-    if (asked->count > 1) {
-        return pl_fail(error, PL_BAD_INPUT, "one list at a time; found also \"%s\"",
-                       asked->items[1]);
-    }
     const char *names[KIND_COUNT];
     for (int i = 0; i < KIND_COUNT; ++i) {
         names[i] = kinds[i].name;
@@ -246,6 +283,10 @@ static pl_status check(void *user, pl_error *error)
         return pl_fail(error, PL_BAD_INPUT,
                        "expected scenarios, engines, metrics or suites, found \"%s\"%s",
                        asked->items[0], pl_did_you_mean(asked->items[0], names, KIND_COUNT, hint));
+    }
+    if (asked->count > 1 && o->kind->list != NULL) {
+        return pl_fail(error, PL_BAD_INPUT, "one list at a time; found also \"%s\"",
+                       asked->items[1]);
     }
     return o->page != NULL && o->kind->list != list_scenarios
                ? pl_fail(error, PL_BAD_INPUT, "--page is for scenarios")
@@ -266,13 +307,23 @@ static pl_status write_page(const char *path, pl_error *error)
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default()};
+    pl_error error = {.message = ""};
     pl_call_parse(call, &o);
-    pl_request_free(&o.request);
     if (o.page != NULL) {
-        pl_error error = {.message = ""};
+        pl_request_free(&o.request);
         return pl_call_end(call, write_page(o.page, &error), &error, 0, PL_EXIT_OK);
     }
-    json_t *list = o.kind->list();
+    json_t *list = o.kind->list == NULL ? NULL : o.kind->list();
+    pl_status status = PL_OK;
+    if (list == NULL) {
+        const pl_specs specs = {o.request.names.items + 1, o.request.names.count - 1};
+        status = list_engines(&specs, &list, &error);
+    }
+    pl_request_free(&o.request);
+    if (status != PL_OK) {
+        json_decref(list);
+        return pl_call_end(call, status, &error, 0, PL_EXIT_OK);
+    }
     if (o.json) {
         json_dumpf(list, stdout, JSON_INDENT(1) | JSON_SORT_KEYS | JSON_REAL_PRECISION(17));
         putchar('\n');
@@ -300,8 +351,10 @@ static const pl_option OPTIONS[] = {
 const pl_command pl_command_list = {
     .name = "list",
     .summary = "list scenarios, engines, metrics or suites",
-    .arguments = "scenarios|engines|metrics|suites",
-    .description = "Lists the scenarios, engines, metrics or suites of this build.",
+    .arguments = "scenarios|engines [SPEC...]|metrics|suites",
+    .description =
+        "Lists the scenarios, engines, metrics or suites of this build, or the engines of the "
+        "given SPECs, such as the path of a shared object.",
     .notes = "Examples:\n"
              "  plumb list engines\n"
              "  plumb list scenarios --json\n"

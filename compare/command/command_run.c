@@ -1,5 +1,4 @@
 /* plumb run SCENARIO --engine SPEC: one run, one result. */
-#include "adapters/contact_problems.h"
 #include "request.h"
 #include "results/store.h"
 #include "runner/execute.h"
@@ -125,9 +124,9 @@ static pl_status prepare_capture(const options *o, const pl_plan *plan, pl_captu
     if (o->capture == NULL) {
         return PL_OK;
     }
-    const pl_engine *engine = plan->configurations[0].choice.engine;
+    const pl_engine_info *engine = plan->configurations[0].choice.engine;
     long steps = pl_scene_steps(&plan->cases[0].scene);
-    if (pl_contact_problems_of(engine) == NULL) {
+    if (!engine->gives_contact_problems) {
         return pl_fail(error, PL_UNSUPPORTED,
                        "--capture: engine %s does not give its contact "
                        "problems; plumb does",

@@ -1,7 +1,7 @@
 #include "request.h"
 
-#include "adapters/registry.h"
 #include "base/array.h"
+#include "engines/registry.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -314,11 +314,13 @@ static pl_status add_asked_engines(const pl_call *call, const pl_texts *specs, p
 static pl_status add_all_engines(const pl_call *call, pl_plan *plan, pl_error *error)
 {
     int count;
-    const pl_known_engine *known = pl_known_engines(&count);
+    const pl_built_in *known = pl_built_in_engines(&count);
     pl_status status = PL_OK;
     for (int i = 0; i < count; ++i) {
-        const pl_engine *engine = known[i].engine;
-        if (engine == NULL) {
+        const pl_engine_info *engine = NULL;
+        if (known[i].entry != NULL) {
+            status = pl_engine_of_build(&known[i], &engine, error);
+        } else {
             fprintf(stderr, "%s: engine %s is absent from this build; Debian: %s\n", call->argv[0],
                     known[i].name, known[i].package);
         }

@@ -4,8 +4,8 @@
 #define PLUMB_REQUEST_H
 
 #include "command.h"
+#include "engines/process.h"
 #include "runner/plan.h"
-#include "runner/process.h"
 
 /* The first member of the options of every command. The texts are those of the command line. */
 typedef struct pl_request {

@@ -18,9 +18,9 @@
 /* The first three have one series for each integrator. */
 typedef enum series_id {
     OF_ENERGY,
-    OF_STEP_GAIN = OF_ENERGY + PL_INTEGRATOR_COUNT,
-    OF_MOMENTUM = OF_STEP_GAIN + PL_INTEGRATOR_COUNT,
-    OF_ITERATIONS = OF_MOMENTUM + PL_INTEGRATOR_COUNT,
+    OF_STEP_GAIN = OF_ENERGY + PL_POSITION_RULE_COUNT,
+    OF_MOMENTUM = OF_STEP_GAIN + PL_POSITION_RULE_COUNT,
+    OF_ITERATIONS = OF_MOMENTUM + PL_POSITION_RULE_COUNT,
     OF_RESIDUAL,
     OF_CONTACTS,
     OF_TIME,
@@ -151,7 +151,7 @@ static void see_mechanics(pl_referee *r, const pl_step_observation *seen)
     }
     pl_mechanics_step(r->mechanics, &step);
     pl_contact_force_step(r->force, &step);
-    for (pl_integrator k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
+    for (pl_position_rule k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale, k);
         double error = pl_mechanics_momentum_error(r->mechanics, &r->scale, k);
         double growth = pl_touching_island_max(r->touching, pl_mechanics_growth(r->mechanics, k));
@@ -165,7 +165,7 @@ static void see_mechanics(pl_referee *r, const pl_step_observation *seen)
 static double energy_gain(const pl_referee *r)
 {
     double least = HUGE_VAL;
-    for (pl_integrator k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
+    for (pl_position_rule k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         least = fmin(least, or_infinity(pl_mechanics_energy_gain(r->mechanics, &r->scale, k)));
     }
     return least;
@@ -209,7 +209,7 @@ static pl_metric foreign_contact(const pl_referee *r)
 }
 
 /* Metrics of reported contacts are void once a contact was invalid. */
-static void contact_force_metrics(const pl_referee *r, pl_integrator integrator, pl_metric *item)
+static void contact_force_metrics(const pl_referee *r, pl_position_rule integrator, pl_metric *item)
 {
     static const pl_metric_id of_contacts[] = {PL_METRIC_FORCE_BALANCE, PL_METRIC_CONE_VIOLATION,
                                                PL_METRIC_FRICTION_EFFECTIVE, PL_METRIC_SIGNORINI,
@@ -229,7 +229,7 @@ static pl_metric maximum(const pl_referee *r, int series)
     return pl_series_metric(&r->series[series], r->series[series].max);
 }
 
-static pl_metric momentum_metric(const pl_referee *r, pl_integrator integrator)
+static pl_metric momentum_metric(const pl_referee *r, pl_position_rule integrator)
 {
     if (r->foreign_contact_step > 0) {
         return foreign_contact(r);
@@ -245,7 +245,7 @@ static pl_metric momentum_metric(const pl_referee *r, pl_integrator integrator)
 /* Metrics of a scene with a dynamic body. */
 static void dynamic_metrics(const pl_referee *r, pl_metric *item)
 {
-    const pl_integrator integrator = pl_integrator_of(pl_mechanics_votes(r->mechanics));
+    const pl_position_rule integrator = pl_integrator_of(pl_mechanics_votes(r->mechanics));
     item[PL_METRIC_ENERGY_GAIN] = maximum(r, OF_ENERGY + (int)integrator);
     item[PL_METRIC_ENERGY_STEP_GAIN] = maximum(r, OF_STEP_GAIN + (int)integrator);
     item[PL_METRIC_MOMENTUM_ERROR] = momentum_metric(r, integrator);

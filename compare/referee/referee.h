@@ -7,6 +7,7 @@
 #define PLUMB_REFEREE_H
 
 #include "plumb/engine_abi.h"
+#include "plumb/scene.h"
 #include "referee/metrics/metrics.h"
 
 /* A referee of one run. */

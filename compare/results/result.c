@@ -21,37 +21,23 @@ static const char *const outcome_names[PL_OUTCOME_COUNT] = {
     [PL_OUTCOME_UNSUPPORTED] = "unsupported",
 };
 
+static const char *const read_back_names[PL_READ_BACK_COUNT] = {
+    [PL_READ_BACK_STEP] = "dt",
+    [PL_READ_BACK_GRAVITY] = "gravity",
+    [PL_READ_BACK_MASS] = "mass",
+    [PL_READ_BACK_INERTIA] = "inertia",
+    [PL_READ_BACK_DAMPING] = "damping",
+    [PL_READ_BACK_FRICTION] = "friction",
+    [PL_READ_BACK_RESTITUTION] = "restitution"};
+
+const char *pl_read_back_name(pl_read_back what)
+{
+    return read_back_names[what];
+}
+
 const char *pl_outcome_name(pl_outcome outcome)
 {
     return outcome_names[outcome];
-}
-
-const char *pl_json_get_text(const json_t *object, const char *key)
-{
-    const char *text = json_string_value(json_object_get(object, key));
-    return text == NULL ? "" : text;
-}
-
-json_t *pl_json_text(const char *bytes, size_t length)
-{
-    char *clean = calloc(length + 1, 1);
-    if (clean == NULL) {
-        return NULL;
-    }
-    for (size_t i = 0; i < length; ++i) {
-        unsigned char c = (unsigned char)bytes[i];
-        bool control = (c < 0x20 && c != '\n' && c != '\t') || c == 0x7f;
-        clean[i] = control ? '?' : bytes[i];
-    }
-    json_t *text = json_stringn(clean, length);
-    if (text == NULL) {
-        for (size_t i = 0; i < length; ++i) {
-            clean[i] = (unsigned char)clean[i] < 0x80 ? clean[i] : '?';
-        }
-        text = json_stringn(clean, length);
-    }
-    free(clean);
-    return text;
 }
 
 static json_t *text_or_null(const char *text)
@@ -141,7 +127,16 @@ json_t *pl_run_identity(const pl_run_view *run)
         "scene_hash", run->scene_hash, "engine", run->engine->name, "engine_version",
         run->engine->version, "profile", run->engine->profiles[run->profile].name, "settings",
         settings_json(run), "seed", (json_int_t)run->seed, "repeat", run->repeat);
-    if (run->is_member && json_object_set_new(identity, "member", json_integer(run->member)) != 0) {
+    int incomplete =
+        json_object_set_new(identity, "engine_binary", json_string(run->engine->binary));
+    if (run->is_member) {
+        incomplete |= json_object_set_new(identity, "member", json_integer(run->member));
+    }
+    if (run->label_is_given) {
+        incomplete |=
+            json_object_set_new(identity, "label", pl_json_text(run->label, strlen(run->label)));
+    }
+    if (incomplete != 0) {
         json_decref(identity);
         return NULL;
     }
@@ -241,13 +236,26 @@ static json_t *poses_json(const pl_body_state *bodies, int body_count)
     return poses;
 }
 
+static json_t *read_back_json(unsigned read_back)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < PL_READ_BACK_COUNT; ++i) {
+        if ((read_back >> i & 1u) != 0) {
+            json_array_append_new(list, json_string(read_back_names[i]));
+        }
+    }
+    return list;
+}
+
 json_t *pl_run_result_to_json(const pl_run_result *result)
 {
-    return json_pack("{s:s, s:o, s:{s:I, s:I}, s:o, s:o}", "outcome",
-                     pl_outcome_name(result->outcome), "reason", text_or_null(result->reason),
-                     "steps", "asked", (json_int_t)result->steps_asked, "done",
-                     (json_int_t)result->steps_done, "metrics", metrics_json(&result->metrics),
-                     "final_poses", poses_json(result->bodies, result->body_count));
+    return json_pack(
+        "{s:s, s:o, s:{s:I, s:I}, s:o, s:o, s:o, s:o}", "outcome", pl_outcome_name(result->outcome),
+        "reason", text_or_null(result->reason), "steps", "asked", (json_int_t)result->steps_asked,
+        "done", (json_int_t)result->steps_done, "substeps",
+        result->substeps > 0 ? json_integer(result->substeps) : json_null(), "read_back",
+        read_back_json(result->read_back), "metrics", metrics_json(&result->metrics), "final_poses",
+        poses_json(result->bodies, result->body_count));
 }
 
 json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance, const char *output,

@@ -6,9 +6,12 @@
 #ifndef PLUMB_RESULT_H
 #define PLUMB_RESULT_H
 
+#include "base/json_field.h"
 #include "base/text_buffer.h"
+#include "engines/engine_info.h"
 #include "plumb/engine_abi.h"
 #include "plumb/scenario.h"
+#include "plumb/scene.h"
 #include "referee/metrics/metrics.h"
 
 #include <jansson.h>
@@ -36,11 +39,12 @@ typedef struct pl_run_view {
     const char *scene_hash;
     const char *primary_error;
     double dt, duration; /* s, of the scene as built */
-    const pl_engine *engine;
+    const pl_engine_info *engine;
     int profile;
     const double *options; /* (engine->option_count) */
     const char *label;
-    uint64_t seed; /* below 2^53, so that every JSON reader keeps it whole */
+    bool label_is_given; /* label=: it then identifies the run */
+    uint64_t seed;       /* below 2^53, so that every JSON reader keeps it whole */
     int repeat;
     bool is_member; /* of an ensemble */
     int member;     /* from 0 */
@@ -49,17 +53,35 @@ typedef struct pl_run_view {
 /* The keys from `scenario` to `repeat`, and `run`: the hash of those that identify the run. */
 json_t *pl_run_identity(const pl_run_view *run);
 
+/* What engines can read back. */
+typedef enum pl_read_back {
+    PL_READ_BACK_STEP,
+    PL_READ_BACK_GRAVITY,
+    PL_READ_BACK_MASS,
+    PL_READ_BACK_INERTIA,
+    PL_READ_BACK_DAMPING,
+    PL_READ_BACK_FRICTION,
+    PL_READ_BACK_RESTITUTION
+} pl_read_back;
+enum { PL_READ_BACK_COUNT = 7 };
+
+/* Its name in results, such as "mass". */
+const char *pl_read_back_name(pl_read_back what);
+
 /* What one run gave. */
 typedef struct pl_run_result {
     pl_outcome outcome;
     char reason[512]; /* empty when the outcome is ok */
     long steps_asked, steps_done;
+    int substeps; /* of the engine, in a step; 0: not known */
+    unsigned
+        read_back; /* kinds of numbers that were compared with the scene's: 1 << pl_read_back */
     pl_metrics metrics;
     int body_count;
     const pl_body_state *bodies; /* (body_count) at the last good frame; NULL when there is none */
 } pl_run_result;
 
-/* The keys outcome, reason, steps, metrics, final_poses. */
+/* The keys outcome, reason, steps, substeps, read_back, metrics, final_poses. */
 json_t *pl_run_result_to_json(const pl_run_result *result);
 
 /* The keys host, plumb, command: this machine, this build, this call. */
@@ -70,18 +92,11 @@ json_t *pl_provenance(int argc, char *const *argv);
 json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance, const char *output,
                           size_t output_length, const char *started);
 
-/* The text of a key of an object, borrowed; "" where there is none or it is no text. */
-const char *pl_json_get_text(const json_t *object, const char *key);
-
 /* The value of a metric of a result; NAN where it has none. */
 double pl_result_metric(const json_t *result, const char *name);
 
 /* A JSON number, or null for one that is not finite. */
 json_t *pl_json_number_or_null(double value);
-
-/* A JSON string of any bytes: where they are no UTF-8 text, each byte outside of ASCII becomes '?'.
- * Control characters but tab and newline become '?' too. */
-json_t *pl_json_text(const char *bytes, size_t length);
 
 /* Whether there are results, an array, and all have the outcome "unsupported". */
 bool pl_results_all_unsupported(const json_t *results);

@@ -110,6 +110,36 @@ static pl_status place_scene(const execution *e, slot *s, const pl_case *test_ca
     return pl_plan_build_scene(e->def->plan, test_case, &s->built, error);
 }
 
+/* Hands a finished run on. */
+static pl_status hand_on(execution *e, json_t *result, double seconds, pl_error *error)
+{
+    pl_status status = e->def->keep(e->def->user, result, error);
+    if (status == PL_OK && e->bar != NULL) {
+        pl_progress_run_ended(
+            e->bar, pl_json_get_text(result, "scenario"), pl_json_get_text(result, "label"),
+            pl_json_get_text(result, "outcome"), pl_json_get_text(result, "reason"), seconds);
+    }
+    return status;
+}
+
+/* Hands on the result of a run that an engine's fault makes pointless. */
+static pl_status report_fault(execution *e, const pl_engine_fault *fault, const pl_scene *scene,
+                              json_t *identity, pl_error *error)
+{
+    char started[32];
+    pl_run_result fallen = {.outcome = fault->timed_out ? PL_OUTCOME_TIMEOUT : PL_OUTCOME_CRASHED,
+                            .steps_asked = pl_scene_steps(scene)};
+    memcpy(fallen.reason, fault->reason, sizeof fallen.reason);
+    pl_timestamp(started);
+    json_t *outcome = pl_run_result_to_json(&fallen);
+    json_t *result = pl_result_compose(identity, outcome, e->def->provenance, "", 0, started);
+    pl_status status = result == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for a result")
+                                      : hand_on(e, result, 0, error);
+    json_decref(outcome);
+    json_decref(result);
+    return status;
+}
+
 /* Starts the next run that is due in a free slot. */
 static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
 {
@@ -135,17 +165,17 @@ static pl_status start_next(execution *e, slot *free_slot, pl_error *error)
             }
             const pl_engine_choice *choice = &planned.configuration->choice;
             pl_run_def run = {.scene = scene,
-                              .engine = choice->engine,
-                              .profile = choice->profile,
-                              .options = choice->values,
+                              .choice = choice,
                               .trajectory = e->def->trajectory,
                               .positions = free_slot->positions,
                               .capture = e->def->capture};
-            if (status == PL_OK) {
+            if (status == PL_OK && choice->engine->fault.is_fault) {
+                status = report_fault(e, &choice->engine->fault, scene, identity, error);
+            } else if (status == PL_OK) {
                 status =
                     pl_isolated_run_start(&free_slot->run, &run, identity, &e->def->limits, error);
             }
-            free_slot->busy = status == PL_OK;
+            free_slot->busy = status == PL_OK && !choice->engine->fault.is_fault;
             e->busy += free_slot->busy;
         }
         json_decref(identity);
@@ -163,12 +193,7 @@ static pl_status finish(execution *e, slot *ended, pl_error *error)
     if (status != PL_OK) {
         return status;
     }
-    status = e->def->keep(e->def->user, result, error);
-    if (status == PL_OK && e->bar != NULL) {
-        pl_progress_run_ended(
-            e->bar, pl_json_get_text(result, "scenario"), pl_json_get_text(result, "label"),
-            pl_json_get_text(result, "outcome"), pl_json_get_text(result, "reason"), seconds);
-    }
+    status = hand_on(e, result, seconds, error);
     json_decref(result);
     return status;
 }

@@ -3,8 +3,8 @@
 #ifndef PLUMB_EXECUTE_H
 #define PLUMB_EXECUTE_H
 
+#include "engines/process.h"
 #include "plan.h"
-#include "process.h"
 #include "progress.h"
 #include "run_once.h"
 

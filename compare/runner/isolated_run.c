@@ -22,17 +22,29 @@ static pl_status answer_result(const pl_run_result *result, void *user, pl_error
     return PL_OK;
 }
 
-/* In the child: what kept the run from being made is the answer {"error": message}. */
+/* In the child: what kept the run from being made is the answer {"error": message}. Memory that ran
+ * out after the engine was called is the engine's failure. */
 static void run_and_answer(void *user, FILE *answer)
 {
-    const pl_run_def *def = user;
+    pl_run_def def = *(const pl_run_def *)user;
     pl_error error = {.message = ""};
-    if (pl_run_once(def, answer_result, answer, &error) != PL_OK) {
-        json_t *object =
-            json_pack("{s:o}", "error", pl_json_text(error.message, strlen(error.message)));
-        json_dumpf(object, answer, JSON_COMPACT);
-        json_decref(object);
+    def.trajectory = def.trajectory == NULL ? NULL : answer;
+    const pl_status status = pl_run_once(&def, answer_result, answer, &error);
+    if (status == PL_OK) {
+        return;
     }
+    if (status == PL_NO_MEMORY && atomic_load(&def.watch->stage) != PL_STAGE_PREPARE) {
+        pl_run_result fallen = {.outcome = PL_OUTCOME_CRASHED,
+                                .steps_asked = pl_scene_steps(def.scene),
+                                .steps_done = atomic_load(&def.watch->steps_done)};
+        memcpy(fallen.reason, error.message, sizeof fallen.reason);
+        (void)answer_result(&fallen, answer, &error);
+        return;
+    }
+    json_t *object =
+        json_pack("{s:o}", "error", pl_json_text(error.message, strlen(error.message)));
+    json_dumpf(object, answer, JSON_COMPACT);
+    json_decref(object);
 }
 
 pl_status pl_isolated_run_start(pl_isolated_run *run, const pl_run_def *def, json_t *identity,
@@ -51,6 +63,7 @@ pl_status pl_isolated_run_start(pl_isolated_run *run, const pl_run_def *def, jso
         munmap(run->def.watch, sizeof *run->def.watch);
         return status;
     }
+    run->process.stream = def->trajectory;
     run->identity = json_incref(identity);
     return PL_OK;
 }
@@ -70,10 +83,13 @@ static void describe_place(const pl_isolated_run *run, char *text, size_t size)
     case PL_STAGE_PREPARE:
         snprintf(text, size, "before the engine was called");
         break;
+    case PL_STAGE_LOAD:
+        snprintf(text, size, "while it was loaded");
+        break;
     case PL_STAGE_CREATE:
         snprintf(text, size, "in create");
         break;
-    case PL_STAGE_CHECK:
+    case PL_STAGE_SETTINGS:
         snprintf(text, size, "while its settings were read back");
         break;
     case PL_STAGE_CAPTURE:
@@ -82,47 +98,19 @@ static void describe_place(const pl_isolated_run *run, char *text, size_t size)
     case PL_STAGE_STEP:
         snprintf(text, size, "in step %ld of %ld", done + 1, asked);
         break;
+    case PL_STAGE_READ:
+        snprintf(text, size, "while its state was read, %ld of %ld steps done", done, asked);
+        break;
     case PL_STAGE_JUDGE:
-        snprintf(text, size, "while its state was read and judged, %ld of %ld steps done", done,
-                 asked);
+        snprintf(text, size, "while its state was judged, %ld of %ld steps done", done, asked);
         break;
     case PL_STAGE_DESTROY:
         snprintf(text, size, "in destroy, %ld of %ld steps done", done, asked);
         break;
+    case PL_STAGE_UNLOAD:
+        snprintf(text, size, "while it was unloaded, %ld of %ld steps done", done, asked);
+        break;
     }
-}
-
-/* The last line with something in it, of at most 200 bytes. */
-static void copy_last_line(const pl_process *process, char text[201])
-{
-    size_t end = process->tail_length;
-    while (end > 0 && strchr(" \t\r\n", process->tail[end - 1]) != NULL) {
-        --end;
-    }
-    size_t begin = end;
-    while (begin > 0 && end - begin < 200 && process->tail[begin - 1] != '\n') {
-        --begin;
-    }
-    memcpy(text, process->tail + begin, end - begin);
-    text[end - begin] = '\0';
-}
-
-static void describe_crash(const pl_isolated_run *run, char *text, size_t size)
-{
-    int status = run->process.wait_status;
-    char how[64];
-    char where[96];
-    char line[201];
-    describe_place(run, where, sizeof where);
-    copy_last_line(&run->process, line);
-    if (WIFSIGNALED(status)) {
-        const char *name = sigabbrev_np(WTERMSIG(status));
-        snprintf(how, sizeof how, "SIG%s%s", name == NULL ? "?" : name,
-                 WTERMSIG(status) == SIGKILL ? " (out of memory?)" : "");
-    } else {
-        snprintf(how, sizeof how, "it called exit(%d)", WEXITSTATUS(status));
-    }
-    snprintf(text, size, "%s %s%s%s", how, where, line[0] == '\0' ? "" : "; last line: ", line);
 }
 
 /* The outcome of a run whose process did not answer. */
@@ -131,14 +119,16 @@ static json_t *missing_outcome(const pl_isolated_run *run)
     pl_run_result outcome = {.outcome = PL_OUTCOME_CRASHED,
                              .steps_asked = pl_scene_steps(run->def.scene),
                              .steps_done = atomic_load(&run->def.watch->steps_done)};
+    char where[96];
+    describe_place(run, where, sizeof where);
     if (run->process.timed_out) {
-        char where[96];
-        describe_place(run, where, sizeof where);
         outcome.outcome = PL_OUTCOME_TIMEOUT;
-        snprintf(outcome.reason, sizeof outcome.reason, "no end within %g s: killed %s",
-                 run->limits.timeout, where);
-    } else {
-        describe_crash(run, outcome.reason, sizeof outcome.reason);
+    }
+    pl_process_describe_end(&run->process, run->limits.timeout, where, outcome.reason,
+                            sizeof outcome.reason);
+    if (!run->process.timed_out && run->process.wait_status == 0 && run->process.text_length > 0) {
+        snprintf(outcome.reason, sizeof outcome.reason,
+                 "its result is damaged: it wrote into a descriptor that is not its own");
     }
     return pl_run_result_to_json(&outcome);
 }
@@ -152,6 +142,10 @@ pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_
     json_t *outcome = json_loadb(process->text, process->text_length, 0, NULL);
     if (outcome == NULL) {
         outcome = missing_outcome(run);
+    }
+    if (process->stream != NULL && (fflush(process->stream) != 0 || ferror(process->stream))) {
+        status = pl_fail(error, PL_IO, "trajectory: %s", strerror(errno));
+        goto cleanup;
     }
     const char *failed = json_string_value(json_object_get(outcome, "error"));
     if (failed != NULL) {

@@ -3,7 +3,7 @@
 #ifndef PLUMB_ISOLATED_RUN_H
 #define PLUMB_ISOLATED_RUN_H
 
-#include "process.h"
+#include "engines/process.h"
 #include "run_once.h"
 
 /* A run in progress. */

@@ -3,15 +3,28 @@
 #include "base/statistics.h"
 #include "plumb/scenario.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* |found - asked| <= 1e-12 scale; a NaN differs. */
-static bool agrees(double found, double asked, double scale)
+/* A check in progress. */
+typedef struct check {
+    pl_session *session;
+    const pl_scene *scene;
+    double tolerance;  /* relative */
+    unsigned compared; /* bits 1 << pl_read_back */
+} check;
+
+/* |found - asked| <= tolerance scale. A NaN is not compared: the engine does not say. */
+static bool agrees(check *c, pl_read_back what, double found, double asked, double scale)
 {
-    return fabs(found - asked) <= 1e-12 * fabs(scale);
+    if (isnan(found)) {
+        return true;
+    }
+    c->compared |= 1u << what;
+    return fabs(found - asked) <= c->tolerance * fabs(scale);
 }
 
 static pl_status differs(const char *what, double found, double asked, pl_error *error)
@@ -20,14 +33,14 @@ static pl_status differs(const char *what, double found, double asked, pl_error 
                    found);
 }
 
-static pl_status check_body(const pl_body *body, double mass, const double inertia[3],
+static pl_status check_body(check *c, const pl_body *body, double mass, const double inertia[3],
                             pl_error *error)
 {
     char what[PL_NAME_SIZE + 32];
     if (body->is_static) {
         return PL_OK;
     }
-    if (!agrees(mass, body->mass, body->mass)) {
+    if (!agrees(c, PL_READ_BACK_MASS, mass, body->mass, body->mass)) {
         snprintf(what, sizeof what, "mass of %s, kg", body->name);
         return differs(what, mass, body->mass, error);
     }
@@ -38,7 +51,7 @@ static pl_status check_body(const pl_body *body, double mass, const double inert
     pl_sort_numbers(asked, 3);
     pl_sort_numbers(found, 3);
     for (int i = 0; i < 3; ++i) {
-        if (!agrees(found[i], asked[i], asked[i])) {
+        if (!agrees(c, PL_READ_BACK_INERTIA, found[i], asked[i], asked[i])) {
             snprintf(what, sizeof what, "principal inertia of %s, kg m^2", body->name);
             return differs(what, found[i], asked[i], error);
         }
@@ -46,13 +59,12 @@ static pl_status check_body(const pl_body *body, double mass, const double inert
     return PL_OK;
 }
 
-static pl_status check_gravity(const pl_scene *scene, const pl_engine_settings *settings,
-                               pl_error *error)
+static pl_status check_gravity(check *c, const pl_engine_settings *settings, pl_error *error)
 {
-    const double *g = scene->gravity;
+    const double *g = c->scene->gravity;
     double size = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
     for (int i = 0; i < 3; ++i) {
-        if (!agrees(settings->gravity[i], g[i], size)) {
+        if (!agrees(c, PL_READ_BACK_GRAVITY, settings->gravity[i], g[i], size)) {
             static const char *const names[3] = {"gravity x, m/s^2", "gravity y, m/s^2",
                                                  "gravity z, m/s^2"};
             return differs(names[i], settings->gravity[i], g[i], error);
@@ -61,22 +73,21 @@ static pl_status check_gravity(const pl_scene *scene, const pl_engine_settings *
     return PL_OK;
 }
 
-static pl_status check_pair(const pl_scene *scene, const pl_engine *engine,
-                            const pl_engine_instance *instance, int body_a, int body_b,
-                            pl_error *error)
+static pl_status check_pair(check *c, int body_a, int body_b, pl_error *error)
 {
-    const pl_body *a = &scene->bodies[body_a];
-    const pl_body *b = &scene->bodies[body_b];
+    const pl_body *a = &c->scene->bodies[body_a];
+    const pl_body *b = &c->scene->bodies[body_b];
     double asked[2];
-    double found[2] = {NAN, NAN};
-    pl_scene_pair(scene, a->material, b->material, &asked[0], &asked[1]);
-    engine->read_pair(instance, body_a, body_b, &found[0], &found[1]);
+    pl_scene_pair(c->scene, a->material, b->material, &asked[0], &asked[1]);
+    const pl_pair_coefficients pair = pl_session_read_pair(c->session, body_a, body_b);
+    const double found[2] = {pair.friction, pair.restitution};
     for (int i = 0; i < 2; ++i) {
-        if (!agrees(found[i], asked[i], asked[i])) {
-            char what[2 * PL_NAME_SIZE + 32];
-            snprintf(what, sizeof what, "%s between %s and %s", i == 0 ? "friction" : "restitution",
-                     a->name, b->name);
-            return differs(what, found[i], asked[i], error);
+        const pl_read_back what = i == 0 ? PL_READ_BACK_FRICTION : PL_READ_BACK_RESTITUTION;
+        if (!agrees(c, what, found[i], asked[i], asked[i])) {
+            char text[2 * PL_NAME_SIZE + 32];
+            snprintf(text, sizeof text, "%s between %s and %s", pl_read_back_name(what), a->name,
+                     b->name);
+            return differs(text, found[i], asked[i], error);
         }
     }
     return PL_OK;
@@ -105,9 +116,9 @@ static void find_representatives(const pl_scene *scene, representatives *of)
 }
 
 /* Dynamic against dynamic and dynamic against static, where the scene has them. */
-static pl_status check_pairs(const pl_scene *scene, const pl_engine *engine,
-                             const pl_engine_instance *instance, pl_error *error)
+static pl_status check_pairs(check *c, pl_error *error)
 {
+    const pl_scene *scene = c->scene;
     representatives *of = calloc((size_t)scene->material_count + 1, sizeof *of);
     if (of == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory");
@@ -123,7 +134,7 @@ static pl_status check_pairs(const pl_scene *scene, const pl_engine *engine,
             };
             for (int k = 0; k < 3 && status == PL_OK; ++k) {
                 if (pairs[k][0] >= 0 && pairs[k][1] >= 0) {
-                    status = check_pair(scene, engine, instance, pairs[k][0], pairs[k][1], error);
+                    status = check_pair(c, pairs[k][0], pairs[k][1], error);
                 }
             }
         }
@@ -132,49 +143,59 @@ static pl_status check_pairs(const pl_scene *scene, const pl_engine *engine,
     return status;
 }
 
-pl_status pl_parameter_check(const pl_scene *scene, const pl_engine *engine,
-                             const pl_engine_instance *instance, pl_error *error)
+static pl_status check_damping(check *c, const pl_engine_settings *settings, pl_error *error)
 {
+    const double damping[2] = {settings->linear_damping, settings->angular_damping};
+    static const char *const names[2] = {"linear damping, 1/s", "angular damping, 1/s"};
+    for (int i = 0; i < 2; ++i) {
+        if (!agrees(c, PL_READ_BACK_DAMPING, damping[i], 0, 0)) {
+            return differs(names[i], damping[i], 0, error);
+        }
+    }
+    return PL_OK;
+}
+
+static pl_status check_settings(check *c, const pl_engine_settings *settings, pl_error *error)
+{
+    const double dt = c->scene->dt;
+    if (!agrees(c, PL_READ_BACK_STEP, settings->dt, dt, dt)) {
+        return differs("step, s", settings->dt, dt, error);
+    }
+    if (settings->substeps < 1) {
+        return pl_fail(error, PL_UNSUPPORTED, "sub-steps: expected 1 or more, the engine says %d",
+                       settings->substeps);
+    }
+    pl_status status = check_gravity(c, settings, error);
+    for (int i = 0; i < c->scene->body_count && status == PL_OK; ++i) {
+        status =
+            check_body(c, &c->scene->bodies[i], settings->mass[i], settings->inertia[i], error);
+    }
+    return status == PL_OK ? check_damping(c, settings, error) : status;
+}
+
+pl_status pl_parameter_check(pl_session *session, const pl_scene *scene, unsigned *compared,
+                             int *substeps, pl_error *error)
+{
+    const bool single = session->loaded.table.precision == PL_PRECISION_FLOAT;
+    check c = {
+        .session = session, .scene = scene, .tolerance = single ? 16 * (double)FLT_EPSILON : 1e-12};
     size_t count = (size_t)scene->body_count;
-    pl_engine_settings settings = {.dt = NAN, .body_count = scene->body_count};
-    pl_status status = PL_OK;
+    pl_engine_settings settings = {.body_count = scene->body_count};
     settings.mass = calloc(count + 1, sizeof *settings.mass);
     settings.inertia = calloc(count + 1, sizeof *settings.inertia);
-    if (settings.mass == NULL || settings.inertia == NULL) {
-        status = pl_fail(error, PL_NO_MEMORY, "out of memory");
-        goto cleanup;
-    }
-    engine->read_settings(instance, scene->dt, &settings);
-    if (!agrees(settings.dt, scene->dt, scene->dt)) {
-        status = differs("step, s", settings.dt, scene->dt, error);
-        goto cleanup;
-    }
-    status = check_gravity(scene, &settings, error);
-    for (int i = 0; i < scene->body_count && status == PL_OK; ++i) {
-        status = check_body(&scene->bodies[i], settings.mass[i], settings.inertia[i], error);
+    pl_status status = settings.mass == NULL || settings.inertia == NULL
+                           ? pl_fail(error, PL_NO_MEMORY, "out of memory")
+                           : PL_OK;
+    if (status == PL_OK) {
+        pl_session_read_settings(session, &settings);
+        status = check_settings(&c, &settings, error);
     }
     if (status == PL_OK) {
-        status = check_pairs(scene, engine, instance, error);
+        status = check_pairs(&c, error);
     }
-
-cleanup:
+    *compared = c.compared;
+    *substeps = settings.substeps;
     free(settings.mass);
     free(settings.inertia);
     return status;
-}
-
-pl_status pl_needs_check(const pl_scene *scene, const pl_engine *engine, pl_error *error)
-{
-    uint32_t missing = pl_scene_needs(scene) & ~engine->capabilities;
-    char names[256] = "";
-    for (uint32_t bit = 1; bit != 0; bit <<= 1) {
-        if ((missing & bit) != 0) {
-            const char *name = pl_needs_name(bit);
-            size_t used = strlen(names);
-            snprintf(names + used, sizeof names - used, "%s%s", used == 0 ? "" : ", ",
-                     name == NULL ? "something unknown" : name);
-        }
-    }
-    return missing == 0 ? PL_OK
-                        : pl_fail(error, PL_UNSUPPORTED, "%s lacks %s", engine->name, names);
 }

@@ -1,19 +1,18 @@
-/* Checks before a run: the engine must support what the scene needs, and must simulate the masses,
- * inertias, gravity, time step, friction and restitution of the scene. They are read back from the
- * engine. */
+/* A check before a run: the engine must simulate the masses, inertias, gravity, time step, friction
+ * and restitution of the scene, without damping. They are read back from the engine. */
 #ifndef PLUMB_PARAMETER_CHECK_H
 #define PLUMB_PARAMETER_CHECK_H
 
-#include "plumb/engine_abi.h"
+#include "results/result.h"
+#include "session.h"
 
-/* Compares the engine's own masses, principal inertias (in any order), gravity, step, and the
- * friction and restitution of every pair of materials that two bodies can bring together, with the
- * scene's, to 1e-12 relative. PL_UNSUPPORTED names the first that differs with both numbers. */
-pl_status pl_parameter_check(const pl_scene *scene, const pl_engine *engine,
-                             const pl_engine_instance *instance, pl_error *error);
-
-/* Compares what the scene needs with what the engine supports. PL_UNSUPPORTED names what is
- * missing. */
-pl_status pl_needs_check(const pl_scene *scene, const pl_engine *engine, pl_error *error);
+/* Compares the engine's own masses, principal inertias (in any order), gravity, step, damping, and
+ * the friction and restitution of every pair of materials that two bodies can bring together, with
+ * the scene's: to 1e-12 relative, or to 16 units in the last place of a float where the engine
+ * computes with floats. What the engine does not read back is not compared. *compared has a bit
+ * 1 << pl_read_back for each kind of number that was, and *substeps the engine's sub-steps a step.
+ * PL_UNSUPPORTED names the first number that differs, with both values; PL_NO_MEMORY. */
+pl_status pl_parameter_check(pl_session *session, const pl_scene *scene, unsigned *compared,
+                             int *substeps, pl_error *error);
 
 #endif

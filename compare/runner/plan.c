@@ -270,6 +270,7 @@ json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run)
                         .profile = choice->profile,
                         .options = choice->values,
                         .label = run->configuration->label,
+                        .label_is_given = choice->label[0] != '\0',
                         .seed = plan->seed,
                         .is_member = test_case->variation.is_member,
                         .member = test_case->variation.member,

@@ -5,7 +5,7 @@
 #ifndef PLUMB_PLAN_H
 #define PLUMB_PLAN_H
 
-#include "adapters/registry.h"
+#include "engines/registry.h"
 #include "results/result.h"
 
 /* How a case differs from the one that was asked for; all zero: it does not. */
@@ -29,7 +29,7 @@ typedef struct pl_case {
 /* An engine with its profile and options. */
 typedef struct pl_configuration {
     pl_engine_choice choice;
-    char label[128];
+    char label[PL_LABEL_SIZE];
 } pl_configuration;
 
 /* One run of a plan that is not all cases on all engines. */

@@ -7,6 +7,7 @@
 #define PLUMB_POSITIONS_H
 
 #include "plumb/engine_abi.h"
+#include "plumb/scene.h"
 
 #include <stdio.h>
 

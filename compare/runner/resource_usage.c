@@ -17,10 +17,10 @@
 
 enum { EMPTY_MEASUREMENTS = 16 };
 
-static double cpu_seconds(void)
+static double seconds_of(clockid_t clock)
 {
     struct timespec now;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    clock_gettime(clock, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
@@ -40,7 +40,7 @@ static int open_counter(void)
     return (int)syscall(SYS_perf_event_open, &attributes, 0, -1, -1, PERF_FLAG_FD_CLOEXEC);
 }
 
-static void give_up(pl_step_timer *timer)
+static void give_up(pl_call_timer *timer)
 {
     if (timer->counter >= 0) {
         close(timer->counter);
@@ -50,7 +50,7 @@ static void give_up(pl_step_timer *timer)
 
 /* The instructions since the last call. Gives up for good when the counter had to share the
  * hardware with others: it is then an estimate. */
-static double count_since(pl_step_timer *timer)
+static double count_since(pl_call_timer *timer)
 {
     struct {
         uint64_t count, enabled, running;
@@ -68,35 +68,37 @@ static double count_since(pl_step_timer *timer)
     return counted;
 }
 
-pl_step_timer pl_step_timer_open(void)
+pl_call_timer pl_call_timer_open(void)
 {
-    pl_step_timer timer = {.counter = open_counter()};
+    pl_call_timer timer = {.counter = open_counter()};
     double least = INFINITY;
     for (int i = 0; i < EMPTY_MEASUREMENTS && timer.counter >= 0; ++i) {
-        pl_step_timer_begin(&timer);
-        least = fmin(least, pl_step_timer_end(&timer).instructions);
+        pl_call_timer_begin(&timer);
+        least = fmin(least, pl_call_timer_end(&timer).instructions);
     }
     timer.own = timer.counter < 0 ? 0 : least;
     return timer;
 }
 
-void pl_step_timer_close(pl_step_timer *timer)
+void pl_call_timer_close(pl_call_timer *timer)
 {
     give_up(timer);
 }
 
-/* The clock is read innermost, so that the time has no part of the counter's. */
-void pl_step_timer_begin(pl_step_timer *timer)
+/* The clocks are read innermost, so that the times have no part of the counter's. */
+void pl_call_timer_begin(pl_call_timer *timer)
 {
     if (timer->counter >= 0 && ioctl(timer->counter, PERF_EVENT_IOC_ENABLE, 0) != 0) {
         give_up(timer);
     }
-    timer->cpu_before = cpu_seconds();
+    timer->wall_before = seconds_of(CLOCK_MONOTONIC);
+    timer->cpu_before = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
 }
 
-pl_step_cost pl_step_timer_end(pl_step_timer *timer)
+pl_call_cost pl_call_timer_end(pl_call_timer *timer)
 {
-    pl_step_cost cost = {.cpu_time = cpu_seconds() - timer->cpu_before};
+    pl_call_cost cost = {.cpu_time = seconds_of(CLOCK_PROCESS_CPUTIME_ID) - timer->cpu_before};
+    cost.wall_time = seconds_of(CLOCK_MONOTONIC) - timer->wall_before;
     if (timer->counter >= 0 && ioctl(timer->counter, PERF_EVENT_IOC_DISABLE, 0) != 0) {
         give_up(timer);
     }

@@ -18,32 +18,20 @@
 /* Two frames: the new one, and the last good one. */
 typedef struct run {
     const pl_run_def *def;
-    pl_engine_instance *instance;
+    pl_session session;
     pl_referee *referee;
     pl_frame frame, good;
     bool has_good;
     pl_contact *contacts;
     int contact_capacity;
     pl_positions_writer positions;
-    pl_step_timer timer;
-    double instructions; /* of all steps; NAN: not counted */
 } run;
 
-pl_step_stats pl_step_stats_unknown(void)
+/* `user` is the run's watch. */
+static void enter(void *user, pl_stage stage)
 {
-    return (pl_step_stats){.struct_size = sizeof(pl_step_stats),
-                           .iterations = NAN,
-                           .residual = NAN,
-                           .contacts = NAN,
-                           .islands = NAN,
-                           .time_collide = NAN,
-                           .time_solve = NAN,
-                           .time_other = NAN};
-}
-
-static void enter(const run *r, pl_stage stage)
-{
-    atomic_store_explicit(&r->def->watch->stage, (int)stage, memory_order_relaxed);
+    pl_run_watch *watch = user;
+    atomic_store_explicit(&watch->stage, (int)stage, memory_order_relaxed);
 }
 
 static void swap_frames(run *r)
@@ -60,10 +48,14 @@ static void set_outcome(pl_run_result *result, pl_outcome outcome, const pl_erro
     memcpy(result->reason, error->message, sizeof result->reason);
 }
 
-/* An engine's own failure. */
-static void set_failure(pl_run_result *result, const pl_error *error)
+/* An engine's own failure: `status` and the reason that it gave. */
+static void set_failure(pl_run_result *result, pl_status status, pl_error *error)
 {
-    bool refused = error->status == PL_UNSUPPORTED || error->status == PL_BAD_INPUT;
+    const bool refused = status == PL_UNSUPPORTED || status == PL_BAD_INPUT;
+    if (error->message[0] == '\0') {
+        pl_fail(error, status, "%s, and gave no reason",
+                status == PL_UNSUPPORTED ? "the engine refused" : "the engine reported a failure");
+    }
     set_outcome(result, refused ? PL_OUTCOME_UNSUPPORTED : PL_OUTCOME_CRASHED, error);
 }
 
@@ -129,27 +121,6 @@ static pl_status prepare(run *r, pl_error *error)
     return status;
 }
 
-/* The number of contacts of the last step in r->contacts; -1: the engine does not report them. */
-static pl_status read_contacts(run *r, int *count, pl_error *error)
-{
-    const pl_engine *engine = r->def->engine;
-    *count = -1;
-    if (engine->read_contacts == NULL) {
-        return PL_OK;
-    }
-    *count = engine->read_contacts(r->instance, r->contacts, r->contact_capacity);
-    if (*count <= r->contact_capacity) {
-        return PL_OK;
-    }
-    pl_status status = pl_array_reserve(&r->contacts, &r->contact_capacity, 2 * *count,
-                                        sizeof *r->contacts, error);
-    if (status != PL_OK) {
-        return status;
-    }
-    *count = engine->read_contacts(r->instance, r->contacts, r->contact_capacity);
-    return PL_OK;
-}
-
 /* Hands the new frame to those who keep it. */
 static pl_status record_frame(run *r, long step, pl_error *error)
 {
@@ -165,38 +136,39 @@ static pl_status record_frame(run *r, long step, pl_error *error)
 
 static void read_frame(run *r, double time)
 {
-    r->def->engine->read_frame(r->instance, &r->frame);
+    pl_session_read_frame(&r->session, &r->frame);
     r->frame.time = time;
 }
 
-/* Creates the engine and looks at the state before the first step. *going is false when that ended
- * it. */
+/* Loads the engine. False when that ended the run. */
+static bool load(run *r, pl_run_result *result)
+{
+    pl_error fault = {.message = ""};
+    const pl_status status = pl_session_load(&r->session, &fault);
+    if (status != PL_OK) {
+        set_failure(result, status, &fault);
+    }
+    return status == PL_OK;
+}
+
+/* Creates the scene, and looks at the state before the first step. *going is false when that ended
+ * the run. */
 static pl_status begin(run *r, pl_run_result *result, bool *going, pl_error *error)
 {
     const pl_run_def *def = r->def;
     pl_error fault = {.message = ""};
     *going = false;
-    if (pl_needs_check(def->scene, def->engine, &fault) != PL_OK) {
-        set_outcome(result, PL_OUTCOME_UNSUPPORTED, &fault);
-        return PL_OK;
-    }
-    enter(r, PL_STAGE_CREATE);
-    fault.status =
-        def->engine->create(def->scene, def->profile, def->options, &r->instance, &fault);
-    if (fault.status != PL_OK) {
-        set_failure(result, &fault);
-        return PL_OK;
-    }
-    enter(r, PL_STAGE_CHECK);
-    pl_status status = pl_parameter_check(def->scene, def->engine, r->instance, &fault);
-    if (status == PL_UNSUPPORTED) {
-        set_outcome(result, PL_OUTCOME_UNSUPPORTED, &fault);
-        return PL_OK;
+    pl_status status = pl_session_create(&r->session, def->scene, &fault);
+    if (status == PL_OK) {
+        status = pl_parameter_check(&r->session, def->scene, &result->read_back, &result->substeps,
+                                    &fault);
     }
     if (status != PL_OK) {
-        return pl_fail(error, status, "%s", fault.message);
+        set_failure(result, status, &fault);
+        return PL_OK;
     }
     read_frame(r, 0);
+    enter(def->watch, PL_STAGE_JUDGE);
     if (pl_referee_start(r->referee, &r->frame) == PL_VERDICT_NONFINITE) {
         pl_fail(&fault, PL_FAILED, "not finite before the first step");
         set_outcome(result, PL_OUTCOME_NONFINITE, &fault);
@@ -217,9 +189,10 @@ static pl_status capture(const run *r, long step, pl_error *error)
     }
     struct pe_contact_problem **problems = NULL;
     int count = 0;
-    enter(r, PL_STAGE_CAPTURE);
-    pl_status status = pl_contact_problems_of(r->def->engine)
-                           ->capture(r->instance, r->def->scene->dt, &problems, &count, error);
+    enter(r->def->watch, PL_STAGE_CAPTURE);
+    pl_status status =
+        pl_contact_problems_of(&r->session.loaded.table)
+            ->capture(r->session.instance, r->def->scene->dt, &problems, &count, error);
     return status == PL_OK ? asked->take(asked->user, problems, count, error) : status;
 }
 
@@ -228,31 +201,30 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
 {
     const pl_run_def *def = r->def;
     pl_error fault = {.message = ""};
-    pl_step_stats stats = pl_step_stats_unknown();
+    pl_step_stats stats;
+    pl_call_cost cost;
     pl_status status = capture(r, result->steps_done + 1, error);
     if (status != PL_OK) {
         return status;
     }
-    enter(r, PL_STAGE_STEP);
-    pl_step_timer_begin(&r->timer);
-    fault.status = def->engine->step(r->instance, def->scene->dt, &stats, &fault);
-    pl_step_cost cost = pl_step_timer_end(&r->timer);
-    enter(r, PL_STAGE_JUDGE);
-    if (fault.status != PL_OK) {
+    int count = -1;
+    status = pl_session_step(&r->session, &stats, &cost, &fault);
+    if (status == PL_OK) {
+        result->steps_done += 1;
+        read_frame(r, (double)result->steps_done * def->scene->dt);
+        status = pl_session_read_contacts(&r->session, &r->contacts, &r->contact_capacity, &count,
+                                          &fault);
+    }
+    if (status != PL_OK) {
         *going = false;
-        set_failure(result, &fault);
+        set_failure(result, status, &fault);
         return PL_OK;
     }
-    result->steps_done += 1;
-    r->instructions += cost.instructions;
-    read_frame(r, (double)result->steps_done * def->scene->dt);
-    int count = -1;
-    status = read_contacts(r, &count, error);
-    if (status != PL_OK) {
-        return status;
-    }
-    const pl_step_observation seen = {&r->frame, &stats, count < 0 ? NULL : r->contacts, count,
-                                      cost.cpu_time};
+    enter(def->watch, PL_STAGE_JUDGE);
+    const bool has_impulses =
+        count >= 0 && (r->session.loaded.table.contacts & PL_CONTACTS_IMPULSES) != 0;
+    const pl_step_observation seen = {&r->frame, &stats, has_impulses ? r->contacts : NULL,
+                                      has_impulses ? count : -1, cost.cpu_time};
     pl_verdict verdict = pl_referee_step(r->referee, &seen, &fault);
     status = record_frame(r, result->steps_done, error);
     if (verdict == PL_VERDICT_NONFINITE || verdict == PL_VERDICT_DIVERGED) {
@@ -271,8 +243,8 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
 static void judge(run *r, double memory, pl_run_result *result)
 {
     pl_error fault = {.message = ""};
-    pl_verdict verdict =
-        pl_referee_finish(r->referee, r->def->engine->residual_unit, &result->metrics, &fault);
+    pl_verdict verdict = pl_referee_finish(r->referee, r->session.loaded.table.residual_unit,
+                                           &result->metrics, &fault);
     if (verdict == PL_VERDICT_COLLAPSED && result->outcome == PL_OUTCOME_OK) {
         set_outcome(result, PL_OUTCOME_COLLAPSED, &fault);
     }
@@ -281,9 +253,10 @@ static void judge(run *r, double memory, pl_run_result *result)
     if (!isfinite(memory)) {
         *peak = (pl_metric){.state = PL_METRIC_FAILED, .reason = "/proc/self does not report it"};
     }
-    if (isfinite(r->instructions) && result->steps_done > 0) {
+    const double instructions = r->session.cost[PL_CALLS_STEP].instructions;
+    if (isfinite(instructions) && result->steps_done > 0) {
         result->metrics.item[PL_METRIC_INSTRUCTIONS_PER_STEP] = (pl_metric){
-            .state = PL_METRIC_VALUE, .value = r->instructions / (double)result->steps_done};
+            .state = PL_METRIC_VALUE, .value = instructions / (double)result->steps_done};
     }
 }
 
@@ -291,19 +264,23 @@ pl_status pl_run_once(const pl_run_def *def,
                       pl_status (*report)(const pl_run_result *result, void *user, pl_error *error),
                       void *user, pl_error *error)
 {
-    run r = {.def = def, .timer = {.counter = -1}};
+    run r = {.def = def, .session = pl_session_begin(def->choice)};
     pl_run_result result = {.outcome = PL_OUTCOME_OK,
                             .steps_asked = pl_scene_steps(def->scene),
                             .body_count = def->scene->body_count};
-    enter(&r, PL_STAGE_PREPARE);
+    r.session.enter = enter;
+    r.session.user = def->watch;
+    enter(def->watch, PL_STAGE_PREPARE);
     pl_status status = prepare(&r, error);
     if (status != PL_OK) {
         goto cleanup;
     }
-    r.timer = pl_step_timer_open();
+    r.session.timer = pl_call_timer_open();
+    bool going = load(&r, &result);
     double baseline = pl_resident_set_baseline();
-    bool going = false;
-    status = begin(&r, &result, &going, error);
+    if (going) {
+        status = begin(&r, &result, &going, error);
+    }
     bool started = going;
     while (status == PL_OK && going && result.steps_done < result.steps_asked) {
         status = make_step(&r, &result, &going, error);
@@ -311,16 +288,15 @@ pl_status pl_run_once(const pl_run_def *def,
     if (status == PL_OK && started) {
         judge(&r, pl_resident_set_growth(baseline), &result);
     }
-    enter(&r, PL_STAGE_DESTROY);
-    def->engine->destroy(r.instance);
+    pl_session_end(&r.session);
     if (status == PL_OK) {
         result.bodies = r.has_good ? r.good.bodies : NULL;
-        enter(&r, PL_STAGE_JUDGE);
+        enter(def->watch, PL_STAGE_JUDGE);
         status = report(&result, user, error);
     }
 
 cleanup:
-    pl_step_timer_close(&r.timer);
+    pl_call_timer_close(&r.session.timer);
     pl_positions_end(&r.positions);
     pl_referee_destroy(r.referee);
     free(r.frame.bodies);

@@ -5,23 +5,10 @@
 
 #include "adapters/contact_problems.h"
 #include "results/result.h"
+#include "session.h"
 
 #include <stdatomic.h>
 #include <stdio.h>
-
-/* Statistics of a step before the engine fills them: every number NAN. */
-pl_step_stats pl_step_stats_unknown(void);
-
-/* The stage of a run. */
-typedef enum pl_stage {
-    PL_STAGE_PREPARE,
-    PL_STAGE_CREATE,
-    PL_STAGE_CHECK,
-    PL_STAGE_CAPTURE,
-    PL_STAGE_STEP,
-    PL_STAGE_JUDGE, /* reading the frame and contacts of a step, and the referee's work on them */
-    PL_STAGE_DESTROY
-} pl_stage;
 
 /* The progress of a run, in memory that is shared with the process that watches it. */
 typedef struct pl_run_watch {
@@ -41,9 +28,7 @@ typedef struct pl_capture {
 /* What to run. */
 typedef struct pl_run_def {
     const pl_scene *scene;
-    const pl_engine *engine;
-    int profile;
-    const double *options;     /* (engine->option_count) */
+    const pl_engine_choice *choice;
     FILE *trajectory;          /* gets every frame as CSV; NULL: none */
     const char *positions;     /* file that gets a compact trajectory (positions.h); NULL: none */
     const pl_capture *capture; /* NULL: none; otherwise the engine exports contact problems */

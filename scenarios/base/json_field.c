@@ -240,3 +240,31 @@ bool pl_json_name(const json_t *object, const char *key, pl_presence presence,
     memcpy(name, value, strlen(value) + 1);
     return true;
 }
+
+const char *pl_json_get_text(const json_t *object, const char *key)
+{
+    const char *text = json_string_value(json_object_get(object, key));
+    return text == NULL ? "" : text;
+}
+
+json_t *pl_json_text(const char *bytes, size_t length)
+{
+    char *clean = calloc(length + 1, 1);
+    if (clean == NULL) {
+        return NULL;
+    }
+    for (size_t i = 0; i < length; ++i) {
+        unsigned char c = (unsigned char)bytes[i];
+        bool control = (c < 0x20 && c != '\n' && c != '\t') || c == 0x7f;
+        clean[i] = control ? '?' : bytes[i];
+    }
+    json_t *text = json_stringn(clean, length);
+    if (text == NULL) {
+        for (size_t i = 0; i < length; ++i) {
+            clean[i] = (unsigned char)clean[i] < 0x80 ? clean[i] : '?';
+        }
+        text = json_stringn(clean, length);
+    }
+    free(clean);
+    return text;
+}

@@ -65,4 +65,11 @@ bool pl_json_string(const json_t *object, const char *key, pl_presence presence,
 bool pl_json_name(const json_t *object, const char *key, pl_presence presence,
                   char name[PL_NAME_SIZE], pl_diagnostic *diagnostic);
 
+/* The text of a key of an object, borrowed; "" where there is none or it is no text. */
+const char *pl_json_get_text(const json_t *object, const char *key);
+
+/* A JSON string of any bytes: where they are no UTF-8 text, each byte outside of ASCII becomes '?'.
+ * Control characters but tab and newline become '?' too. */
+json_t *pl_json_text(const char *bytes, size_t length);
+
 #endif

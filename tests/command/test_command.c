@@ -38,7 +38,8 @@ static void test_usage_errors_exit_2_and_suggest_a_name(void **state)
         {"help lits", "did you mean list?"},
         {"list", "scenarios, engines, metrics or suites"},
         {"list metric", "did you mean metrics?"},
-        {"list engines scenarios", "one list at a time"},
+        {"list metrics scenarios", "one list at a time"},
+        {"list engines scenarios", "unknown engine \"scenarios\""},
         {"list engines --page -", "--page is for scenarios"},
         {"compare --sute canonical", "did you mean --suite?"},
         {"compare --frobnicate", "there is no option --frobnicate"},
@@ -187,10 +188,11 @@ static void test_run_prints_metrics_or_one_object(void **state)
 static void test_results_hold_every_key_of_the_schema(void **state)
 {
     static const char *const keys[] = {
-        "schema", "run",     "scenario",       "params",  "scene_hash", "primary_error",
-        "engine", "profile", "engine_version", "label",   "settings",   "seed",
-        "repeat", "outcome", "reason",         "steps",   "metrics",    "final_poses",
-        "output", "host",    "plumb",          "command", "started"};
+        "schema",   "run",      "scenario",       "params",  "scene_hash", "primary_error",
+        "engine",   "profile",  "engine_version", "label",   "settings",   "seed",
+        "repeat",   "outcome",  "reason",         "steps",   "metrics",    "final_poses",
+        "output",   "host",     "plumb",          "command", "started",    "engine_binary",
+        "substeps", "read_back"};
     plumb_output output = call(*state, "run @ --engine % --json -");
     json_t *result = parse(output.out);
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {

@@ -1,6 +1,6 @@
 /* plumb compare --iterations-to-tolerance on a tower of 5: the metric is what it says it is. */
-#include "adapters/registry.h"
 #include "check.h"
+#include "engines/registry.h"
 #include "plumb_process.h"
 #include "results/store.h"
 #include "run_result.h"

@@ -1,7 +1,6 @@
 /* An engine of the loadable ABI that misbehaves on purpose, a profile a fault: what the harness
  * must live through. Its physics is free fall by semi-implicit Euler, without contacts. */
 #include "plumb/engine_abi.h"
-#include "plumb/scenario.h"
 
 #include <math.h>
 #include <signal.h>
@@ -49,24 +48,26 @@ static const pl_engine_profile profiles[] = {
 };
 
 struct pl_engine_instance {
+    const pl_engine_setup *setup;
     const pl_scene *scene;
     fault fault;
     long steps;
     pl_body_state states[];
 };
 
-static pl_status create(const pl_scene *scene, int profile, const double *values,
-                        pl_engine_instance **instance, pl_error *error)
+static pl_status create(const pl_engine_setup *setup, pl_engine_instance **instance,
+                        pl_error *error)
 {
-    (void)values;
+    const pl_scene *scene = setup->scene;
     (void)error;
     size_t count = (size_t)scene->body_count;
     pl_engine_instance *made = calloc(1, sizeof *made + count * sizeof made->states[0]);
-    if (made == NULL || (fault)profile == FAULT_CREATE) {
+    if (made == NULL || (fault)setup->profile == FAULT_CREATE) {
         abort();
     }
+    made->setup = setup;
     made->scene = scene;
-    made->fault = (fault)profile;
+    made->fault = (fault)setup->profile;
     for (size_t i = 0; i < count; ++i) {
         const pl_body *body = &scene->bodies[i];
         pl_body_state *state = &made->states[i];
@@ -141,7 +142,7 @@ static pl_status misbehave(pl_engine_instance *instance, pl_error *error)
         }
         break;
     case FAULT_REFUSE:
-        return pl_fail(error, PL_UNSUPPORTED, "this is too steep for it");
+        return pl_engine_error(error, PL_UNSUPPORTED, "this is too steep for it");
     case FAULT_ORPHAN:
         leave_a_process();
         break;
@@ -175,11 +176,10 @@ static void read_frame(const pl_engine_instance *instance, pl_frame *frame)
            (size_t)instance->scene->body_count * sizeof frame->bodies[0]);
 }
 
-static void read_settings(const pl_engine_instance *instance, double dt,
-                          pl_engine_settings *settings)
+static void read_settings(const pl_engine_instance *instance, pl_engine_settings *settings)
 {
     memcpy(settings->gravity, instance->scene->gravity, sizeof settings->gravity);
-    settings->dt = dt;
+    settings->dt = instance->setup->dt;
     for (int i = 0; i < instance->scene->body_count; ++i) {
         const pl_body *body = &instance->scene->bodies[i];
         double wrong = instance->fault == FAULT_MASS ? 1 + 1e-9 : 1;
@@ -191,14 +191,12 @@ static void read_settings(const pl_engine_instance *instance, double dt,
     }
 }
 
-static void read_pair(const pl_engine_instance *instance, int body_a, int body_b, double *friction,
-                      double *restitution)
+static void read_pair(const pl_engine_instance *instance, int body_a, int body_b,
+                      pl_pair_coefficients *found)
 {
-    const pl_scene *scene = instance->scene;
-    pl_scene_pair(scene, scene->bodies[body_a].material, scene->bodies[body_b].material, friction,
-                  restitution);
+    *found = pl_setup_pair(instance->setup, body_a, body_b);
     if (instance->fault == FAULT_FRICTION) {
-        *friction += 0.25;
+        found->friction += 0.25;
     }
 }
 
@@ -210,6 +208,8 @@ static const pl_engine engine = {
     .description = "free fall, and one fault a profile",
     .capabilities = PL_NEEDS_FRICTION | PL_NEEDS_RESTITUTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE |
                     PL_NEEDS_SPHERE,
+    .integrator = PL_INTEGRATOR_SEMI_IMPLICIT_EULER,
+    .substeps = 1,
     .profiles = profiles,
     .profile_count = sizeof profiles / sizeof profiles[0],
     .create = create,

@@ -8,9 +8,7 @@
 
 static void law_descriptor(const pl_engine_choice *choice)
 {
-    const pl_engine *engine = choice->engine;
-    assert_int_equal(engine->struct_size, sizeof *engine);
-    assert_int_equal(engine->abi_version, PL_ENGINE_ABI_VERSION);
+    const pl_engine_info *engine = choice->engine;
     assert_true(engine->profiles[0].in_default_comparison);
     uint32_t shapes = PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX;
     assert_int_equal(engine->capabilities & shapes, shapes);
@@ -21,7 +19,10 @@ static void law_descriptor(const pl_engine_choice *choice)
             assert_close(choice->values[i], round(choice->values[i]), 0, 0);
         }
     }
-    engine->destroy(NULL);
+    pl_session session = pl_session_begin(choice);
+    assert_int_equal(pl_session_load(&session, NULL), PL_OK);
+    session.loaded.table.destroy(NULL);
+    pl_session_end(&session);
 }
 
 static void test_descriptors_are_whole_and_defaults_in_range(void **state)
@@ -44,12 +45,14 @@ static void law_settings(const pl_engine_choice *choice)
     ball.position[2] = 9;
     put_body(&scene, box);
     put_body(&scene, ball);
-    engine_run r = engine_start(choice, &scene);
-    double mass[MOST_BODIES], inertia[MOST_BODIES][3], friction, restitution;
+    engine_run r;
+    scene.dt = 1.0 / 60;
+    engine_start(&r, choice, &scene);
+    double mass[MOST_BODIES], inertia[MOST_BODIES][3];
     pl_engine_settings settings = {.mass = mass, .inertia = inertia, .body_count = 3};
-    r.engine->read_settings(r.instance, 1.0 / 77, &settings);
+    pl_session_read_settings(&r.session, &settings);
     assert_int_equal(settings.body_count, 3);
-    assert_close(settings.dt, 1.0 / 77, 0, 0);
+    assert_true(isnan(settings.dt) || settings.dt == scene.dt);
     for (int b = 0; b < 3; ++b) {
         const pl_body *body = &scene.bodies[b];
         assert_close(mass[b], body->is_static ? 0 : body->mass, 0, 1e-15);
@@ -59,13 +62,13 @@ static void law_settings(const pl_engine_choice *choice)
         }
     }
     for (int order = 0; order < 2; ++order) {
-        r.engine->read_pair(r.instance, order, 1 - order, &friction, &restitution);
-        assert_close(friction, 0.35, 0, 0);
-        assert_close(restitution, 0.6, 0, 0);
+        const pl_pair_coefficients pair = pl_session_read_pair(&r.session, order, 1 - order);
+        assert_close(pair.friction, 0.35, 0, 0);
+        assert_close(pair.restitution, 0.6, 0, 0);
     }
-    r.engine->read_pair(r.instance, 1, 2, &friction, &restitution);
-    assert_close(friction, 0.8, 1e-15, 0);
-    assert_close(restitution, 0.9, 1e-15, 0);
+    const pl_pair_coefficients pair = pl_session_read_pair(&r.session, 1, 2);
+    assert_close(pair.friction, 0.8, 1e-15, 0);
+    assert_close(pair.restitution, 0.9, 1e-15, 0);
     engine_finish(&r);
     pl_scene_free(&scene);
 }
@@ -79,10 +82,10 @@ static void test_settings_read_back_equal_the_scene(void **state)
 static bool is_built_in(const char *name)
 {
     int count = 0;
-    const pl_known_engine *known = pl_known_engines(&count);
+    const pl_built_in *known = pl_built_in_engines(&count);
     for (int i = 0; i < count; ++i) {
         if (strcmp(known[i].name, name) == 0) {
-            return known[i].engine != NULL;
+            return known[i].entry != NULL;
         }
     }
     return false;
@@ -120,8 +123,10 @@ static pl_step_stats stack_stats(const char *spec)
     }
     pl_engine_choice choice;
     assert_int_equal(pl_engine_choose(spec, &choice, NULL), PL_OK);
-    engine_run r = engine_start(&choice, &scene);
-    engine_step(&r, 1.0 / 60);
+    engine_run r;
+    scene.dt = 1.0 / 60;
+    engine_start(&r, &choice, &scene);
+    engine_step(&r);
     pl_step_stats stats = r.stats;
     assert_int_equal(r.contact_count, (int)stats.contacts);
     engine_finish(&r);
@@ -167,13 +172,13 @@ static pl_status step_many(const char *spec, bool slab, pl_error *error)
         put_body(&scene, box);
     }
     pl_engine_choice choice;
-    pl_engine_instance *instance = NULL;
     assert_int_equal(pl_engine_choose(spec, &choice, NULL), PL_OK);
-    assert_int_equal(choice.engine->create(&scene, choice.profile, choice.values, &instance, error),
-                     PL_OK);
-    pl_step_stats stats = {.struct_size = sizeof stats};
-    pl_status status = choice.engine->step(instance, 1.0 / 60, &stats, error);
-    choice.engine->destroy(instance);
+    pl_session session = pl_session_begin(&choice);
+    assert_int_equal(pl_session_load(&session, error), PL_OK);
+    assert_int_equal(pl_session_create(&session, &scene, error), PL_OK);
+    pl_step_stats stats;
+    pl_status status = pl_session_step(&session, &stats, NULL, error);
+    pl_session_end(&session);
     pl_scene_free(&scene);
     return status;
 }
@@ -206,9 +211,11 @@ static double rest_height(const char *spec)
     assert_int_equal(pl_engine_choose(spec, &choice, NULL), PL_OK);
     pl_scene scene = scene_with_block(0.5, 1, 0.5, 0.5);
     scene.bodies[1].position[2] -= 5e-3;
-    engine_run r = engine_start(&choice, &scene);
+    engine_run r;
+    scene.dt = 1.0 / 60;
+    engine_start(&r, &choice, &scene);
     for (int n = 0; n < 120; ++n) {
-        engine_step(&r, 1.0 / 60);
+        engine_step(&r);
     }
     double height = r.now[1].position[2];
     engine_finish(&r);
@@ -236,12 +243,12 @@ static void test_iterations_that_dantzig_cannot_have_are_declined(void **state)
         skip();
     }
     pl_scene scene = scene_with_block(0.5, 1, 0.5, 0.5);
-    pl_engine_instance *instance = NULL;
-    assert_int_equal(
-        choice.engine->create(&scene, choice.profile, choice.values, &instance, &error),
-        PL_UNSUPPORTED);
-    assert_null(instance);
+    pl_session session = pl_session_begin(&choice);
+    assert_int_equal(pl_session_load(&session, &error), PL_OK);
+    assert_int_equal(pl_session_create(&session, &scene, &error), PL_UNSUPPORTED);
+    assert_null(session.instance);
     assert_contains(error.message, "iterations");
+    pl_session_end(&session);
     pl_scene_free(&scene);
 }
 

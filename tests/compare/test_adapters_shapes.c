@@ -53,11 +53,13 @@ static pl_scene scene_of_shapes(const pl_engine_choice *choice)
 static void law_read_back(const pl_engine_choice *choice)
 {
     pl_scene scene = scene_of_shapes(choice);
-    engine_run r = engine_start(choice, &scene);
+    engine_run r;
+    scene.dt = 1.0 / 60;
+    engine_start(&r, choice, &scene);
     double mass[MOST_BODIES], inertia[MOST_BODIES][3];
     pl_engine_settings settings = {
         .mass = mass, .inertia = inertia, .body_count = scene.body_count};
-    r.engine->read_settings(r.instance, 1.0 / 60, &settings);
+    pl_session_read_settings(&r.session, &settings);
     for (int b = 0; b < scene.body_count; ++b) {
         const pl_body *body = &scene.bodies[b];
         double share = body->is_static ? 0 : 1;
@@ -76,7 +78,7 @@ static void law_read_back(const pl_engine_choice *choice)
                 assert_at_most(distance(r.now[b].angular_velocity, body->angular_velocity), 1e-15);
             }
         }
-        engine_step(&r, 1.0 / 60);
+        engine_step(&r);
     }
     engine_finish(&r);
     pl_scene_free(&scene);
@@ -97,8 +99,10 @@ static pl_contact deepest_contact(const pl_engine_choice *choice, pl_scene *scen
     below.is_static = true;
     int low = put_body(scene, below_is_first ? below : above);
     int high = put_body(scene, below_is_first ? above : below);
-    engine_run r = engine_start(choice, scene);
-    engine_step(&r, 1e-4);
+    engine_run r;
+    scene->dt = 1e-4;
+    engine_start(&r, choice, scene);
+    engine_step(&r);
     for (int i = 0; i < r.contact_count; ++i) {
         assert_int_equal(r.contacts[i].body_a + r.contacts[i].body_b, low + high);
         if (r.contacts[i].separation < deepest.separation) {
@@ -207,9 +211,11 @@ static void rest(const pl_engine_choice *choice, pl_shape_kind kind, double angl
     pl_body body =
         solid_body(&scene, kind, 0.5, (double[]){0, 0, height + raised + 1e-3}, 1, angle);
     put_body(&scene, body);
-    engine_run r = engine_start(choice, &scene);
+    engine_run r;
+    scene.dt = 1.0 / 120;
+    engine_start(&r, choice, &scene);
     for (int n = 0; n < 360; ++n) {
-        engine_step(&r, 1.0 / 120);
+        engine_step(&r);
     }
     double error = r.now[1].position[2] - (body.position[2] - raised - 1e-3);
     double turn = angle_between(r.now[1].orientation, body.orientation);
@@ -276,30 +282,28 @@ static void test_pair_without_an_ode_collider_is_declined(void **state)
     }
     memcpy(&set_collider, &found, sizeof found);
     pl_scene plain = empty_scene();
-    engine_run keeps_ode_open = engine_start(&choice, &plain);
+    engine_run keeps_ode_open;
+    engine_start(&keeps_ode_open, &choice, &plain);
     set_collider(CYLINDER_CLASS, CYLINDER_CLASS, no_collider);
 
     pl_scene scene = empty_scene();
     put_body(&scene, solid_body(&scene, PL_SHAPE_CYLINDER, 0.5, (double[]){0, 0, 0}, 0, 0));
     put_body(&scene, solid_body(&scene, PL_SHAPE_BOX, 0.5, (double[]){3, 0, 0}, 0, 0));
-    pl_engine_instance *instance = NULL;
     pl_error error = {.message = ""};
-    const pl_engine *engine = choice.engine;
-    assert_int_equal(engine->create(&scene, choice.profile, choice.values, &instance, &error),
-                     PL_OK);
-    engine->destroy(instance);
+    pl_session session = pl_session_begin(&choice);
+    assert_int_equal(pl_session_load(&session, &error), PL_OK);
+    assert_int_equal(pl_session_create(&session, &scene, &error), PL_OK);
+    pl_session_destroy(&session);
     pl_body second = solid_body(&scene, PL_SHAPE_CYLINDER, 0.5, (double[]){6, 0, 0}, 0, 0);
     second.is_static = true;
     put_body(&scene, second);
-    assert_int_equal(engine->create(&scene, choice.profile, choice.values, &instance, &error),
-                     PL_UNSUPPORTED);
-    assert_null(instance);
+    assert_int_equal(pl_session_create(&session, &scene, &error), PL_UNSUPPORTED);
+    assert_null(session.instance);
     assert_contains(error.message, "no collider for cylinder-cylinder");
     /* Two static ones never meet. */
     scene.bodies[0].is_static = true;
-    assert_int_equal(engine->create(&scene, choice.profile, choice.values, &instance, &error),
-                     PL_OK);
-    engine->destroy(instance);
+    assert_int_equal(pl_session_create(&session, &scene, &error), PL_OK);
+    pl_session_end(&session);
     engine_finish(&keeps_ode_open);
     pl_scene_free(&plain);
     pl_scene_free(&scene);

@@ -1,10 +1,10 @@
 /* Statics by the contact forces that engines report: the load at each joint of a stack. */
 #include "referee/metrics/contact_force.h"
 
-#include "adapters/registry.h"
 #include "check.h"
 #include "plumb/scenario.h"
 #include "run_result.h"
+#include "runner/session.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,8 +13,8 @@
 /* An engine in a scene of the catalogue, and the contacts of its last step. */
 typedef struct stand {
     pl_scene scene;
-    const pl_engine *engine;
-    pl_engine_instance *instance;
+    pl_engine_choice choice;
+    pl_session session;
     pl_frame frame;
     pl_body_state *before; /* of the last step */
     pl_contact *contacts;
@@ -36,13 +36,11 @@ static void stand_begin(stand *s, const char *scenario, const char *const *setti
 {
     *s = (stand){.steps = 0};
     double values[PL_MAX_PARAMS];
-    pl_engine_choice choice;
     const pl_scenario *found = pl_scenario_find(scenario, NULL);
     assert_non_null(found);
     assert_int_equal(pl_scenario_values(found, settings, count, values, NULL), PL_OK);
     assert_int_equal(pl_scenario_build(found, values, 0, &s->scene, NULL), PL_OK);
-    assert_int_equal(pl_engine_choose(spec, &choice, NULL), PL_OK);
-    s->engine = choice.engine;
+    assert_int_equal(pl_engine_choose(spec, &s->choice, NULL), PL_OK);
     s->frame.body_count = s->scene.body_count;
     s->frame.bodies = calloc((size_t)s->scene.body_count, sizeof *s->frame.bodies);
     s->before = calloc((size_t)s->scene.body_count, sizeof *s->before);
@@ -51,19 +49,20 @@ static void stand_begin(stand *s, const char *scenario, const char *const *setti
     s->force = pl_contact_force_create(&s->scene, &s->arena);
     assert_true(s->frame.bodies != NULL && s->before != NULL && s->contacts != NULL &&
                 s->force != NULL);
-    assert_int_equal(
-        s->engine->create(&s->scene, choice.profile, choice.values, &s->instance, NULL), PL_OK);
-    s->engine->read_frame(s->instance, &s->frame);
+    s->session = pl_session_begin(&s->choice);
+    assert_int_equal(pl_session_load(&s->session, NULL), PL_OK);
+    assert_int_equal(pl_session_create(&s->session, &s->scene, NULL), PL_OK);
+    pl_session_read_frame(&s->session, &s->frame);
 }
 
 static void stand_step(stand *s)
 {
-    pl_step_stats stats = {.struct_size = sizeof stats};
+    pl_step_stats stats;
     memcpy(s->before, s->frame.bodies, (size_t)s->scene.body_count * sizeof *s->before);
-    assert_int_equal(s->engine->step(s->instance, s->scene.dt, &stats, NULL), PL_OK);
-    s->engine->read_frame(s->instance, &s->frame);
-    s->count = s->engine->read_contacts(s->instance, s->contacts, s->capacity);
-    assert_true(s->count <= s->capacity);
+    assert_int_equal(pl_session_step(&s->session, &stats, NULL, NULL), PL_OK);
+    pl_session_read_frame(&s->session, &s->frame);
+    assert_int_equal(
+        pl_session_read_contacts(&s->session, &s->contacts, &s->capacity, &s->count, NULL), PL_OK);
     s->steps += 1;
     pl_contact_force_step(s->force,
                           &(pl_step){s->steps, s->before, s->frame.bodies, s->contacts, s->count});
@@ -80,7 +79,7 @@ static double stand_balance(const stand *s)
 
 static void stand_end(stand *s)
 {
-    s->engine->destroy(s->instance);
+    pl_session_end(&s->session);
     pl_arena_free(&s->arena);
     pl_scene_free(&s->scene);
     free(s->frame.bodies);

@@ -17,7 +17,7 @@ static void cross(const double a[3], const double b[3], double out[3])
 }
 
 /* One step of a sphere, whose inertia is isotropic: x' = x + h v' or x' = x + h (v + v')/2. */
-static void integrate(run *r, pl_integrator integrator, int body, const double force[3],
+static void integrate(run *r, pl_position_rule integrator, int body, const double force[3],
                       const double arm[3])
 {
     pl_body_state *s = &r->state[body];
@@ -44,7 +44,7 @@ static void prepare_projectile(run *r)
 
 /* Moves the only body for 256 steps under a force over part of the time. The metric does not show
  * losses, so the signed energy is checked at each step too. */
-static void fly_by(run *r, pl_integrator integrator, const double force[3], const double arm[3],
+static void fly_by(run *r, pl_position_rule integrator, const double force[3], const double arm[3],
                    double from, double until)
 {
     const double none[3] = {0, 0, 0};
@@ -74,7 +74,7 @@ static void fly_by(run *r, pl_integrator integrator, const double force[3], cons
 static void fly(void (*prepare)(run *r), const double force[3], const double arm[3], double from,
                 double until)
 {
-    for (pl_integrator k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
+    for (pl_position_rule k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         run r;
         prepare(&r);
         fly_by(&r, k, force, arm, from, until);
@@ -128,7 +128,7 @@ static void test_body_frame_force_turns_with_the_body(void **state)
 /* A box whose vertices lie off its frame's origin flies up and spins about a principal axis. Its
  * centre moves like a point and the frame rotates around it, which must not change energy, momentum
  * or the detected integrator. */
-static void fly_off_frame(pl_integrator rule)
+static void fly_off_frame(pl_position_rule rule)
 {
     const double half[3] = {0.5, 0.3, 0.1}, middle[3] = {2, -1, 0.5}, none[3] = {0, 0, 0};
     const double throw_up[3] = {1, 2, 9};
@@ -171,7 +171,7 @@ static void fly_off_frame(pl_integrator rule)
 static void test_body_off_its_frame_conserves_energy_and_momentum(void **state)
 {
     (void)state;
-    for (pl_integrator rule = 0; rule < PL_INTEGRATOR_COUNT; ++rule) {
+    for (pl_position_rule rule = 0; rule < PL_POSITION_RULE_COUNT; ++rule) {
         fly_off_frame(rule);
     }
 }
@@ -211,7 +211,7 @@ static void test_pushed_body_does_not_show_the_integrator(void **state)
         r.state[0].position[2] += 1e-4;
         pl_integrator_see(&votes, &r.scene, &before, &r.state[0]);
     }
-    for (pl_integrator k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
+    for (pl_position_rule k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         assert_true(votes.flying[k] == 0 && votes.pushed[k] == 0);
     }
     /* One step in free flight outweighs many other steps. */

@@ -236,7 +236,7 @@ static void test_a_contact_acts_on_both_bodies(void **state)
 
 /* A ball turns about z by 0.8 rad a step under a force in its own frame along x, by semi-implicit
  * Euler or a rule of second order; the impulse of the latter is F (sin, 1 - cos)/w. */
-static void turning_force(pl_integrator integrator, bool rule_is_kept)
+static void turning_force(pl_position_rule integrator, bool rule_is_kept)
 {
     run r;
     const double spin = 0.8 / H, thrust = 30;
@@ -281,9 +281,9 @@ static void turning_force(pl_integrator integrator, bool rule_is_kept)
 static void test_turning_forces_are_integrated_by_the_engines_rule(void **state)
 {
     (void)state;
-    for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
-        turning_force((pl_integrator)k, true);
-        turning_force((pl_integrator)k, false);
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+        turning_force((pl_position_rule)k, true);
+        turning_force((pl_position_rule)k, false);
     }
 }
 

@@ -1,5 +1,5 @@
 /* SPEC parsing, labels, and the loading of shared objects, which this test compiles for itself. */
-#include "adapters/registry.h"
+#include "engines/registry.h"
 
 #include "check.h"
 
@@ -16,16 +16,12 @@ static const char template_source[] =
     "#ifndef PROFILES\n#define PROFILES 2\n#endif\n"
     "#ifndef OPTIONS\n#define OPTIONS 2\n#endif\n"
     "#ifndef STEP\n#define STEP step\n#endif\n"
-    "static pl_status create(const pl_scene *s, int p, const double *v, pl_engine_instance **i,\n"
-    "    pl_error *e) { (void)s; (void)p; (void)v; (void)i; (void)e; return PL_UNSUPPORTED; }\n"
+    "static pl_status create(const pl_engine_setup *s, pl_engine_instance **i, pl_error *e)\n"
+    "    { (void)s; (void)i; (void)e; return PL_UNSUPPORTED; }\n"
     "static void destroy(pl_engine_instance *i) { (void)i; }\n"
     "static inline pl_status step(pl_engine_instance *i, double d, pl_step_stats *s, pl_error *e)\n"
     "    { (void)i; (void)d; (void)s; (void)e; return PL_FAILED; }\n"
     "static void frame(const pl_engine_instance *i, pl_frame *f) { (void)i; (void)f; }\n"
-    "static void settings(const pl_engine_instance *i, double d, pl_engine_settings *s)\n"
-    "    { (void)i; (void)d; (void)s; }\n"
-    "static void pair(const pl_engine_instance *i, int a, int b, double *f, double *r)\n"
-    "    { (void)i; (void)a; (void)b; (void)f; (void)r; }\n"
     "static void defaults(int profile, double *v) { if (profile == 1) v[1] = 0.75; }\n"
     "static const pl_engine_profile profiles[] = {{.name = \"fast\"}, {.name = \"slow\"}};\n"
     "static const pl_engine_option options[] = {\n"
@@ -33,10 +29,10 @@ static const char template_source[] =
     "    {.name = \"stiffness\", .value = 0.25, .min = 0, .max = 1}};\n"
     "static const pl_engine engine = {.struct_size = SIZE, .abi_version = VERSION, .name = "
     "\"mine\",\n"
-    "    .version = \"1\", .profiles = profiles, .profile_count = PROFILES, .options = options,\n"
+    "    .version = \"1\", .description = \"\", .substeps = 1, .profiles = profiles, "
+    ".profile_count = PROFILES, .options = options,\n"
     "    .option_count = OPTIONS, .profile_defaults = defaults, .create = create,\n"
-    "    .destroy = destroy, .step = STEP, .read_frame = frame, .read_settings = settings,\n"
-    "    .read_pair = pair};\n"
+    "    .destroy = destroy, .step = STEP, .read_frame = frame};\n"
     "#ifndef NAME\n#define NAME plumb_engine\n#endif\n"
     "#ifndef RESULT\n#define RESULT &engine\n#endif\n"
     "const pl_engine *NAME(void);\n"
@@ -121,13 +117,15 @@ static void test_engines_are_listed_with_plumb_first(void **state)
     (void)state;
     static const char *const names[] = {"plumb", "ode", "bullet"};
     int count = 0;
-    const pl_known_engine *known = pl_known_engines(&count);
+    const pl_built_in *known = pl_built_in_engines(&count);
     assert_int_equal(count, 3);
     for (int i = 0; i < count; ++i) {
         assert_string_equal(known[i].name, names[i]);
         assert_non_null(known[i].package);
-        if (known[i].engine != NULL) {
-            assert_string_equal(known[i].engine->name, names[i]);
+        if (known[i].entry != NULL) {
+            const pl_engine_info *info = NULL;
+            assert_int_equal(pl_engine_of_build(&known[i], &info, NULL), PL_OK);
+            assert_string_equal(info->name, names[i]);
         } else {
             assert_refused(names[i], PL_UNSUPPORTED, names[i], known[i].package);
         }
@@ -138,19 +136,19 @@ static void test_bare_engine_name_is_its_first_profile(void **state)
 {
     (void)state;
     int count = 0;
-    const pl_known_engine *known = pl_known_engines(&count);
+    const pl_built_in *known = pl_built_in_engines(&count);
     for (int i = 0; i < count; ++i) {
-        if (known[i].engine == NULL) {
+        if (known[i].entry == NULL) {
             continue;
         }
         char label[128], expected[128];
         pl_engine_choice choice = choose(known[i].name);
-        assert_ptr_equal(choice.engine, known[i].engine);
+        assert_ptr_equal(choice.engine->built_in, &known[i]);
         assert_int_equal(choice.profile, 0);
         assert_string_equal(choice.spec, known[i].name);
         pl_engine_choice_label(&choice, label);
         snprintf(expected, sizeof expected, "%s:%s", known[i].name,
-                 known[i].engine->profiles[0].name);
+                 choice.engine->profiles[0].name);
         assert_string_equal(label, expected);
     }
 }
@@ -282,8 +280,8 @@ static void test_shared_objects_of_another_abi_are_refused(void **state)
         {"size.so", "-DSIZE=8", "pl_engine has 8 bytes"},
         {"symbol.so", "-DNAME=other_engine", "exports no plumb_engine"},
         {"null.so", "-DRESULT=0", "returned no engine"},
-        {"profiles.so", "-DPROFILES=0", "has 0 profiles"},
-        {"options.so", "-DOPTIONS=25", "has 25 options"},
+        {"profiles.so", "-DPROFILES=0", "profile_count: expected 1 to 64, found 0"},
+        {"options.so", "-DOPTIONS=25", "option_count: expected 0 to 24, found 25"},
         {"step.so", "-DSTEP=0", "lacks step"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {

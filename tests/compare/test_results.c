@@ -18,15 +18,16 @@
 static const pl_param params[] = {{"n", 3, 1, 100, true, "1", "cubes"},
                                   {"dt", 0.01, 1e-6, 1, false, "s", "step"}};
 static const pl_scenario scenario = {.name = "tower", .params = params, .param_count = 2};
-static const pl_engine_profile profiles[] = {{"fast", "", true}, {"exact", "", true}};
-static const pl_engine_option options[] = {{"iterations", 10, 1, 100, true, "1", ""},
-                                           {"erp", 0.2, 0, 1, false, "1", ""}};
-static const pl_engine engine = {.name = "some",
-                                 .version = "1.2",
-                                 .profiles = profiles,
-                                 .profile_count = 2,
-                                 .options = options,
-                                 .option_count = 2};
+static const pl_engine_profile profiles[] = {{.name = "fast"}, {.name = "exact"}};
+static const pl_engine_option options[] = {
+    {.name = "iterations", .value = 10, .min = 1, .max = 100, .integer = true},
+    {.name = "erp", .value = 0.2, .max = 1}};
+static const pl_engine_info engine = {.name = "some",
+                                      .version = "1.2",
+                                      .profiles = profiles,
+                                      .profile_count = 2,
+                                      .options = options,
+                                      .option_count = 2};
 static const double param_values[] = {25, 0.01};
 static const double other_params[] = {26, 0.01};
 static const double option_values[] = {10, 0.2};

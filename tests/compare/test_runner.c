@@ -1,9 +1,9 @@
 /* The laws of the plan, of a process under limits, and of one run in this process. */
 #include "check.h"
+#include "engines/process.h"
 #include "plumb_process.h"
 #include "runner/parameter_check.h"
 #include "runner/plan.h"
-#include "runner/process.h"
 #include "runner/progress.h"
 #include "runner/resource_usage.h"
 #include "runner/run_once.h"
@@ -288,12 +288,8 @@ static void run_profile(const char *spec, pl_run_result *finding, FILE *trajecto
     assert_int_equal(
         pl_scene_read_text(falling_scene, strlen(falling_scene), "scene", &scene, &error), PL_OK);
     assert_int_equal(pl_engine_choose(spec, &choice, &error), PL_OK);
-    const pl_run_def def = {.scene = &scene,
-                            .engine = choice.engine,
-                            .profile = choice.profile,
-                            .options = choice.values,
-                            .trajectory = trajectory,
-                            .watch = &watch};
+    const pl_run_def def = {
+        .scene = &scene, .choice = &choice, .trajectory = trajectory, .watch = &watch};
     assert_int_equal(pl_run_once(&def, count_report, finding, &error), PL_OK);
     assert_int_equal(watch.steps_done, finding->steps_done);
     pl_scene_free(&scene);
@@ -344,7 +340,7 @@ static void test_engine_without_a_capability_is_named(void **state)
 {
     (void)state;
     pl_scene scene = pl_scene_default();
-    pl_engine none = {.name = "none", .capabilities = 0};
+    pl_engine_info none = {.name = "none", .capabilities = 0};
     pl_error error = {.message = ""};
     assert_int_equal(
         pl_scene_read_text(falling_scene, strlen(falling_scene), "scene", &scene, &error), PL_OK);

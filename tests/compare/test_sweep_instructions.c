@@ -14,17 +14,17 @@ static void *work(void *unused)
     return unused;
 }
 
-static pl_step_cost measure_work(pl_step_timer *meter, int times)
+static pl_call_cost measure_work(pl_call_timer *meter, int times)
 {
-    pl_step_timer_begin(meter);
+    pl_call_timer_begin(meter);
     for (int i = 0; i < times; ++i) {
         work(NULL);
     }
-    return pl_step_timer_end(meter);
+    return pl_call_timer_end(meter);
 }
 
 /* A turn of the loop is a few instructions. */
-static void check_cost(pl_step_cost cost, bool counts, double least_loops, double most_loops)
+static void check_cost(pl_call_cost cost, bool counts, double least_loops, double most_loops)
 {
     assert_true(cost.cpu_time >= 0 && isfinite(cost.cpu_time));
     assert_int_equal(isfinite(cost.instructions), counts);
@@ -37,35 +37,35 @@ static void check_cost(pl_step_cost cost, bool counts, double least_loops, doubl
 static void test_a_step_counts_its_own_instructions(void **state)
 {
     (void)state;
-    pl_step_timer meter = pl_step_timer_open();
+    pl_call_timer meter = pl_call_timer_open();
     const bool counts = meter.counter >= 0;
     check_cost(measure_work(&meter, 1), counts, 1, 20);
     check_cost(measure_work(&meter, 3), counts, 3, 60);
     work(NULL); /* between steps: not counted */
     check_cost(measure_work(&meter, 0), counts, 0, 0.01);
-    pl_step_timer_close(&meter);
+    pl_call_timer_close(&meter);
 }
 
 static void test_threads_that_a_step_starts_are_counted(void **state)
 {
     (void)state;
     pthread_t thread;
-    pl_step_timer meter = pl_step_timer_open();
+    pl_call_timer meter = pl_call_timer_open();
     const bool counts = meter.counter >= 0;
-    pl_step_timer_begin(&meter);
+    pl_call_timer_begin(&meter);
     assert_int_equal(pthread_create(&thread, NULL, work, NULL), 0);
     work(NULL);
     assert_int_equal(pthread_join(thread, NULL), 0);
-    check_cost(pl_step_timer_end(&meter), counts, 2, 41);
-    pl_step_timer_close(&meter);
+    check_cost(pl_call_timer_end(&meter), counts, 2, 41);
+    pl_call_timer_close(&meter);
 }
 
 static void test_step_timer_works_without_a_counter(void **state)
 {
     (void)state;
-    pl_step_timer meter = {.counter = -1};
+    pl_call_timer meter = {.counter = -1};
     check_cost(measure_work(&meter, 1), false, 0, 0);
-    pl_step_timer_close(&meter);
+    pl_call_timer_close(&meter);
     check_cost(measure_work(&meter, 1), false, 0, 0);
 }
 

@@ -172,9 +172,12 @@ static void test_parameter_tables_lie_within_engine_ranges(void **state)
 {
     (void)state;
     int count = 0;
-    const pl_known_engine *known = pl_known_engines(&count);
+    const pl_built_in *known = pl_built_in_engines(&count);
     for (int i = 0; i < count; ++i) {
-        const pl_engine *engine = known[i].engine;
+        const pl_engine_info *engine = NULL;
+        if (known[i].entry != NULL) {
+            assert_int_equal(pl_engine_of_build(&known[i], &engine, NULL), PL_OK);
+        }
         for (int p = 0; engine != NULL && p < engine->profile_count; ++p) {
             char spec[2 * PL_NAME_SIZE];
             pl_tune_space space;

@@ -1,6 +1,6 @@
 /* Runs short versions of the catalogue on our engine and prints a hash of the bits of all poses of
  * all frames, a line a scenario. */
-#include "adapters/registry.h"
+#include "engines/registry.h"
 #include "plumb/scenario.h"
 
 #include <stdio.h>

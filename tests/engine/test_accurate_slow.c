@@ -1,6 +1,6 @@
 /* What plumb:accurate must reach at h = 1/60 s: the laws of rest, of friction and of collapse,
  * through the runner and by the referee's metrics. */
-#include "adapters/registry.h"
+#include "engines/registry.h"
 
 #include "check.h"
 #include "plumb_process.h"

@@ -54,58 +54,65 @@ pl_scene scene_with_block(double friction, double mass, double half_width, doubl
 static void read_now(engine_run *r)
 {
     pl_frame frame = {.body_count = r->scene->body_count, .bodies = r->now};
-    r->engine->read_frame(r->instance, &frame);
-    assert_int_equal(frame.body_count, r->scene->body_count);
+    pl_session_read_frame(&r->session, &frame);
     r->time = frame.time;
 }
 
-engine_run engine_start(const pl_engine_choice *choice, const pl_scene *scene)
+void engine_start(engine_run *r, const pl_engine_choice *choice, const pl_scene *scene)
 {
-    engine_run r = {.engine = choice->engine, .scene = scene};
+    memset(r, 0, sizeof *r);
+    r->choice = *choice;
+    r->scene = scene;
+    r->session = pl_session_begin(&r->choice);
     pl_error error = {.message = ""};
     assert_true(scene->body_count <= MOST_BODIES);
-    pl_status status =
-        r.engine->create(scene, choice->profile, choice->values, &r.instance, &error);
+    pl_status status = pl_session_load(&r->session, &error);
+    if (status == PL_OK) {
+        status = pl_session_create(&r->session, scene, &error);
+    }
     if (status != PL_OK) {
         print_error("%s: %s\n", choice->spec, error.message);
     }
     assert_int_equal(status, PL_OK);
-    read_now(&r);
-    return r;
+    read_now(r);
 }
 
-void engine_step(engine_run *r, double dt)
+void engine_step(engine_run *r)
 {
     pl_error error = {.message = ""};
     memcpy(r->before, r->now, sizeof r->now);
-    r->stats = pl_step_stats_unknown();
-    pl_status status = r->engine->step(r->instance, dt, &r->stats, &error);
+    pl_status status = pl_session_step(&r->session, &r->stats, NULL, &error);
     if (status != PL_OK) {
         print_error("%s\n", error.message);
     }
     assert_int_equal(status, PL_OK);
     read_now(r);
+    const pl_engine *engine = &r->session.loaded.table;
     r->contact_count = 0;
-    if (r->engine->read_contacts != NULL) {
-        r->contact_count = r->engine->read_contacts(r->instance, r->contacts, MOST_CONTACTS);
+    if (engine->read_contacts != NULL) {
+        r->contact_count = engine->read_contacts(r->session.instance, r->contacts, MOST_CONTACTS);
         assert_true(r->contact_count <= MOST_CONTACTS);
     }
 }
 
 void engine_finish(engine_run *r)
 {
-    r->engine->destroy(r->instance);
+    pl_session_end(&r->session);
 }
 
 void for_each_profile(void (*law)(const pl_engine_choice *choice))
 {
     int count = 0, tried = 0;
-    const pl_known_engine *known = pl_known_engines(&count);
+    const pl_built_in *known = pl_built_in_engines(&count);
     for (int i = 0; i < count; ++i) {
-        for (int p = 0; known[i].engine != NULL && p < known[i].engine->profile_count; ++p) {
+        const pl_engine_info *engine = NULL;
+        if (known[i].entry != NULL) {
+            assert_int_equal(pl_engine_of_build(&known[i], &engine, NULL), PL_OK);
+        }
+        for (int p = 0; engine != NULL && p < engine->profile_count; ++p) {
             pl_engine_choice choice;
             char spec[2 * PL_NAME_SIZE];
-            snprintf(spec, sizeof spec, "%s:%s", known[i].name, known[i].engine->profiles[p].name);
+            snprintf(spec, sizeof spec, "%s:%s", known[i].name, engine->profiles[p].name);
             print_message("    %s\n", spec);
             assert_int_equal(pl_engine_choose(spec, &choice, NULL), PL_OK);
             law(&choice);

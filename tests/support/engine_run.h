@@ -2,8 +2,8 @@
 #ifndef PLUMB_TEST_ENGINE_RUN_H
 #define PLUMB_TEST_ENGINE_RUN_H
 
-#include "adapters/registry.h"
 #include "plumb/scenario.h"
+#include "runner/session.h"
 
 enum { MOST_CONTACTS = 256, MOST_BODIES = 8 };
 
@@ -26,9 +26,9 @@ pl_scene scene_with_block(double friction, double mass, double half_width, doubl
 pl_scene scene_of_pairs(void);
 
 typedef struct engine_run {
-    const pl_engine *engine;
+    pl_engine_choice choice;
+    pl_session session;
     const pl_scene *scene;
-    pl_engine_instance *instance;
     pl_body_state before[MOST_BODIES], now[MOST_BODIES];
     double time;
     pl_step_stats stats;
@@ -36,8 +36,10 @@ typedef struct engine_run {
     int contact_count;
 } engine_run;
 
-engine_run engine_start(const pl_engine_choice *choice, const pl_scene *scene);
-void engine_step(engine_run *r, double dt);
+/* The run must stay where it is until it is finished. */
+void engine_start(engine_run *r, const pl_engine_choice *choice, const pl_scene *scene);
+/* One step of the scene's dt. */
+void engine_step(engine_run *r);
 void engine_finish(engine_run *r);
 
 /* Applies a law to every profile of every engine of this build; on failure the last line names the

@@ -2,7 +2,7 @@
 #ifndef PLUMB_TEST_ENGINE_SHAPES_H
 #define PLUMB_TEST_ENGINE_SHAPES_H
 
-#include "adapters/registry.h"
+#include "engines/registry.h"
 #include "plumb/scenario.h"
 
 /* Whether the engine has this kind of shape at all. */

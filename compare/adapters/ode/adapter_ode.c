@@ -13,7 +13,7 @@
  * The space is dHashSpace, as in ODE's own demos. ODE has no islands, residual or iteration count
  * to report: `quick` runs exactly the sweeps it is set to, and that number is reported; `dantzig`
  * reports none. */
-#include "adapters/registry.h"
+#include "adapters/built_in.h"
 #include "adapters/scene_frames.h"
 #include "ode_instance.h"
 #include "ode_shapes.h"
@@ -37,29 +37,44 @@ enum {
     OPTION_COUNT
 };
 
+enum { ALL_PROFILES = 1 << PROFILE_QUICK | 1 << PROFILE_DANTZIG };
 enum { DEFAULT_ITERATIONS = 20, MOST_CONTACTS = 64, MOST_SOLID_CONTACTS = 4096 };
 
 static const pl_engine_profile profiles[PROFILE_COUNT] = {
     [PROFILE_QUICK] = {.name = "quick",
                        .help = "dWorldQuickStep: successive over-relaxation",
-                       .in_default_comparison = true},
+                       .in_default_comparison = true,
+                       .step_code = "dWorldQuickStep(world, {});"},
     [PROFILE_DANTZIG] = {.name = "dantzig",
                          .help = "dWorldStep: Dantzig's pivoting on a dense matrix",
-                         .in_default_comparison = true},
+                         .in_default_comparison = true,
+                         .step_code = "dWorldStep(world, {});"},
 };
 
 static const pl_engine_option options[OPTION_COUNT] = {
     [OPTION_ITERATIONS] = {"iterations", DEFAULT_ITERATIONS, 1, 1e6, true, "1",
-                           "sweeps of quick; dantzig has none"},
-    [OPTION_ERP] = {"erp", 0.2, 0, 1, false, "1", "share of the penetration undone in a step"},
-    [OPTION_CFM] = {"cfm", 1e-10, 0, 1, false, "s^2/kg", "softness added to the diagonal"},
-    [OPTION_MAX_CONTACTS] = {"max_contacts", 8, 1, MOST_CONTACTS, true, "1",
-                             "contact points a pair; two boxes make at most 8"},
+                           "sweeps of quick; dantzig has none",
+                           "dWorldSetQuickStepNumIterations(world, {});", 1u << PROFILE_QUICK, 1,
+                           300, true},
+    [OPTION_ERP] = {"erp", 0.2, 0, 1, false, "1", "share of the penetration undone in a step",
+                    "dWorldSetERP(world, {});", ALL_PROFILES, 0.05, 1, false},
+    [OPTION_CFM] = {"cfm", 1e-10, 0, 1, false, "s^2/kg", "softness added to the diagonal",
+                    "dWorldSetCFM(world, {});", ALL_PROFILES, 1e-10, 1e-3, true},
+    [OPTION_MAX_CONTACTS] =
+        {"max_contacts", 8, 1, MOST_CONTACTS, true, "1",
+         "contact points a pair; two boxes make at most 8",
+         "dCollide(a, b, {}, contacts, sizeof *contacts); /* of other shapes than hulls and "
+         "meshes */",
+         ALL_PROFILES, 3, 8, false},
     [OPTION_SOLID_CONTACTS] =
         {"solid_contacts", 64, 1, MOST_SOLID_CONTACTS, true, "1",
-         "the same of a pair with a hull or a mesh; ODE takes the first, not the deepest"},
+         "the same of a pair with a hull or a mesh; ODE takes the first, not the deepest",
+         "dCollide(a, b, {}, contacts, sizeof *contacts); /* of hulls and meshes */", 0, 0, 0,
+         false},
     [OPTION_SURFACE_LAYER] = {"surface_layer", 0, 0, 1e3, false, "m",
-                              "penetration that is not pushed out; ODE suggests about 0.001"},
+                              "penetration that is not pushed out; ODE suggests about 0.001",
+                              "dWorldSetContactSurfaceLayer(world, {});", ALL_PROFILES, 0, 0.002,
+                              false},
 };
 
 /* ODE calls exit(1) when an error handler returns, which would look like a program that ended by
@@ -177,11 +192,12 @@ static pl_status make_world(pl_engine_instance *instance, const double *values, 
     return pl_ode_check_colliders(instance->scene, error);
 }
 
-static pl_status ode_create(const pl_scene *scene, int profile, const double *values,
-                            pl_engine_instance **out, pl_error *error)
+static pl_status ode_create(const pl_engine_setup *setup, pl_engine_instance **out, pl_error *error)
 {
+    const pl_scene *scene = setup->scene;
+    const double *values = setup->values;
     *out = NULL;
-    if (profile == PROFILE_DANTZIG && (int)values[OPTION_ITERATIONS] != DEFAULT_ITERATIONS) {
+    if (setup->profile == PROFILE_DANTZIG && (int)values[OPTION_ITERATIONS] != DEFAULT_ITERATIONS) {
         return pl_fail(error, PL_UNSUPPORTED,
                        "ode:dantzig pivots until it is done: it has no iterations to set");
     }
@@ -191,8 +207,9 @@ static pl_status ode_create(const pl_scene *scene, int profile, const double *va
     }
     pl_status status = PL_OK;
     size_t count = (size_t)scene->body_count + 1;
+    instance->setup = setup;
     instance->scene = scene;
-    instance->profile = profile;
+    instance->profile = setup->profile;
     instance->bodies = calloc(count, sizeof(dBodyID));
     instance->geoms = calloc(count, sizeof(dGeomID));
     instance->solids = calloc((size_t)scene->polyhedron_count + 1, sizeof *instance->solids);
@@ -304,6 +321,10 @@ static const pl_engine engine = {
     .capabilities = PL_NEEDS_FRICTION | PL_NEEDS_RESTITUTION | PL_NEEDS_ROTATION | PL_NEEDS_FORCES |
                     PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX | PL_NEEDS_CAPSULE |
                     PL_NEEDS_CYLINDER | PL_NEEDS_HULL | PL_NEEDS_MESH,
+    .contacts = PL_CONTACTS_POINTS | PL_CONTACTS_IMPULSES,
+    .integrator = PL_INTEGRATOR_SEMI_IMPLICIT_EULER,
+    .gyroscopic = PL_GYROSCOPIC_IMPLICIT,
+    .substeps = 1,
     .profiles = profiles,
     .profile_count = PROFILE_COUNT,
     .options = options,

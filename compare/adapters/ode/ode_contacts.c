@@ -3,6 +3,7 @@
  * (dContactApprox1) and, where the pair's restitution e > 0, dContactBounce with threshold 0. */
 
 #include "ode_instance.h"
+#include "plumb/base.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -38,6 +39,20 @@ static bool reserve_contacts(pl_engine_instance *instance, int more)
     return true;
 }
 
+dSurfaceParameters pl_ode_surface(const pl_engine_instance *instance, int body_a, int body_b)
+{
+    const pl_pair_coefficients pair = pl_setup_pair(instance->setup, body_a, body_b);
+    dSurfaceParameters surface;
+    memset(&surface, 0, sizeof surface);
+    surface.mode = dContactApprox1;
+    surface.mu = pair.friction;
+    if (pair.restitution > 0) {
+        surface.mode |= dContactBounce;
+        surface.bounce = pair.restitution;
+    }
+    return surface;
+}
+
 void pl_ode_collide_pair(void *data, dGeomID a, dGeomID b)
 {
     pl_engine_instance *instance = data;
@@ -57,16 +72,7 @@ void pl_ode_collide_pair(void *data, dGeomID a, dGeomID b)
     }
     dContact contact;
     memset(&contact, 0, sizeof contact);
-    const pl_scene *scene = instance->scene;
-    double friction, restitution;
-    pl_scene_pair(scene, scene->bodies[geom_index(a)].material,
-                  scene->bodies[geom_index(b)].material, &friction, &restitution);
-    contact.surface.mode = dContactApprox1;
-    contact.surface.mu = friction;
-    if (restitution > 0) {
-        contact.surface.mode |= dContactBounce;
-        contact.surface.bounce = restitution;
-    }
+    contact.surface = pl_ode_surface(instance, geom_index(a), geom_index(b));
     for (int i = 0; i < count; ++i) {
         contact.geom = found[i].geom;
         found[i].joint = dJointCreateContact(instance->world, instance->joints, &contact);

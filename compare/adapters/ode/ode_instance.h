@@ -19,7 +19,8 @@ typedef struct ode_contact {
 
 /* A scene loaded into ODE: its bodies and shapes, and the contact points of the last step. */
 struct pl_engine_instance {
-    const pl_scene *scene;
+    const pl_engine_setup *setup;
+    const pl_scene *scene; /* the setup's */
     int profile, max_contacts, solid_contacts;
     dWorldID world;
     dSpaceID space;
@@ -46,6 +47,9 @@ static inline int geom_index(dGeomID geom)
 
 /* ---- Contacts (ode_contacts.c) ---- */
 
+/* What ODE is given for a contact of two bodies: friction and restitution, without a threshold. */
+dSurfaceParameters pl_ode_surface(const pl_engine_instance *instance, int body_a, int body_b);
+
 /* For dSpaceCollide with a pl_engine_instance as its data: makes the contact joints of two geoms
  * and notes them in the instance. Sets out_of_memory there where there is no room for them. */
 void pl_ode_collide_pair(void *data, dGeomID a, dGeomID b);
@@ -69,11 +73,10 @@ const ode_solid *pl_ode_solid_of(const pl_engine_instance *instance, const pl_sh
 void pl_ode_read_frame(const pl_engine_instance *instance, pl_frame *frame);
 
 /* As read_settings of pl_engine. */
-void pl_ode_read_settings(const pl_engine_instance *instance, double dt,
-                          pl_engine_settings *settings);
+void pl_ode_read_settings(const pl_engine_instance *instance, pl_engine_settings *settings);
 
 /* As read_pair of pl_engine. */
-void pl_ode_read_pair(const pl_engine_instance *instance, int body_a, int body_b, double *friction,
-                      double *restitution);
+void pl_ode_read_pair(const pl_engine_instance *instance, int body_a, int body_b,
+                      pl_pair_coefficients *found);
 
 #endif

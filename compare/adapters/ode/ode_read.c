@@ -62,13 +62,13 @@ void pl_ode_read_frame(const pl_engine_instance *instance, pl_frame *frame)
     }
 }
 
-void pl_ode_read_settings(const pl_engine_instance *instance, double dt,
-                          pl_engine_settings *settings)
+void pl_ode_read_settings(const pl_engine_instance *instance, pl_engine_settings *settings)
 {
     dVector3 gravity;
     dWorldGetGravity(instance->world, gravity);
     memcpy(settings->gravity, gravity, sizeof settings->gravity);
-    settings->dt = dt;
+    settings->linear_damping = dWorldGetLinearDamping(instance->world);
+    settings->angular_damping = dWorldGetAngularDamping(instance->world);
     for (int i = 0; i < settings->body_count; ++i) {
         dMass mass;
         memset(&mass, 0, sizeof mass);
@@ -82,10 +82,10 @@ void pl_ode_read_settings(const pl_engine_instance *instance, double dt,
     }
 }
 
-void pl_ode_read_pair(const pl_engine_instance *instance, int body_a, int body_b, double *friction,
-                      double *restitution)
+void pl_ode_read_pair(const pl_engine_instance *instance, int body_a, int body_b,
+                      pl_pair_coefficients *found)
 {
-    const pl_scene *scene = instance->scene;
-    pl_scene_pair(scene, scene->bodies[body_a].material, scene->bodies[body_b].material, friction,
-                  restitution);
+    const dSurfaceParameters surface = pl_ode_surface(instance, body_a, body_b);
+    found->friction = surface.mu;
+    found->restitution = (surface.mode & dContactBounce) != 0 ? surface.bounce : 0;
 }

@@ -5,6 +5,7 @@
 
 #include "base/arena.h"
 #include "plumb/engine_abi.h"
+#include "plumb/scene.h"
 
 /* ---- Broad phase: pairs of bodies whose bounding boxes overlap ---- */
 

@@ -3,6 +3,7 @@
 #define PLUMB_SOLID_H
 
 #include "plumb/engine_abi.h"
+#include "plumb/scene.h"
 #include "plumb/vec.h"
 
 /* Radius of the smallest sphere about the centre of mass around the shape, m; 0 for a plane. */

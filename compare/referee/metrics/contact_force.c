@@ -23,7 +23,7 @@ static const double LIGHT = 1e-3;
 
 typedef enum series_id {
     OF_BALANCE, /* one for each integrator */
-    OF_CONE = OF_BALANCE + PL_INTEGRATOR_COUNT,
+    OF_CONE = OF_BALANCE + PL_POSITION_RULE_COUNT,
     OF_FRICTION,
     OF_SIGNORINI,
     OF_NATURAL_MAP,
@@ -32,7 +32,7 @@ typedef enum series_id {
 
 struct pl_contact_force {
     const pl_scene *scene;
-    pl_vec *excess[PL_INTEGRATOR_COUNT]; /* each (body_count): impulses less their effect, N s */
+    pl_vec *excess[PL_POSITION_RULE_COUNT]; /* each (body_count): impulses less their effect, N s */
     pl_series series[SERIES_COUNT];
     bool unreported; /* in some step the engine reported no contacts */
 };
@@ -58,7 +58,7 @@ pl_contact_force *pl_contact_force_create(const pl_scene *scene, pl_arena *arena
         return NULL;
     }
     f->scene = scene;
-    for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         f->excess[k] = pl_arena_take(arena, (size_t)scene->body_count, sizeof *f->excess[k]);
     }
     for (int i = 0; i < SERIES_COUNT; ++i) {
@@ -82,7 +82,7 @@ static double larger(double a, double b)
 
 static void add_impulse(pl_contact_force *f, int body, double sign, pl_vec impulse)
 {
-    for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         f->excess[k][body] = pl_vec_mad(f->excess[k][body], sign, impulse);
     }
 }
@@ -92,10 +92,11 @@ static void add_applied_forces(pl_contact_force *f, const pl_step *step)
     double dt = f->scene->dt;
     for (int i = 0; i < f->scene->force_count; ++i) {
         const pl_force *force = &f->scene->forces[i];
-        for (int k = 0; k < PL_INTEGRATOR_COUNT && pl_applied_force_acts(force, step->number, dt);
-             ++k) {
-            pl_vec impulse = pl_applied_force_impulse(
-                force, (pl_integrator)k, &step->before[force->body], &step->after[force->body], dt);
+        for (int k = 0;
+             k < PL_POSITION_RULE_COUNT && pl_applied_force_acts(force, step->number, dt); ++k) {
+            pl_vec impulse =
+                pl_applied_force_impulse(force, (pl_position_rule)k, &step->before[force->body],
+                                         &step->after[force->body], dt);
             f->excess[k][force->body] = pl_vec_add(f->excess[k][force->body], impulse);
         }
     }
@@ -112,7 +113,7 @@ static void see_balance(pl_contact_force *f, const pl_step *step)
         pl_vec change =
             pl_vec_sub(pl_vec_of(step->after[i].velocity), pl_vec_of(step->before[i].velocity));
         pl_vec due = pl_vec_mad(change, -scene->dt, pl_vec_of(scene->gravity));
-        for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
+        for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
             f->excess[k][i] = pl_vec_scale(due, -scene->bodies[i].mass);
         }
     }
@@ -122,7 +123,7 @@ static void see_balance(pl_contact_force *f, const pl_step *step)
         add_impulse(f, contact->body_b, 1, pl_vec_of(contact->impulse));
     }
     add_applied_forces(f, step);
-    for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         double largest = -1;
         for (int i = 0; i < scene->body_count; ++i) {
             if (!scene->bodies[i].is_static) {
@@ -257,7 +258,8 @@ static pl_metric metric_of(const pl_contact_force *f, const pl_series *series, d
     return applies ? pl_series_metric(series, value) : (pl_metric){0};
 }
 
-void pl_contact_force_metrics(const pl_contact_force *f, pl_integrator integrator, pl_metric *item)
+void pl_contact_force_metrics(const pl_contact_force *f, pl_position_rule integrator,
+                              pl_metric *item)
 {
     const pl_series *s = f->series, *balance = &s[OF_BALANCE + (int)integrator];
     item[PL_METRIC_FORCE_BALANCE] = metric_of(f, balance, balance->max);

@@ -21,7 +21,7 @@ void pl_contact_force_step(pl_contact_force *force, const pl_step *step);
 /* Sets the five metrics in item (PL_METRIC_COUNT). A metric is PL_METRIC_ABSENT when it does not
  * apply: no contacts reported, nothing touched, no friction, nothing slid, or no gravity as the
  * unit of force. */
-void pl_contact_force_metrics(const pl_contact_force *force, pl_integrator integrator,
+void pl_contact_force_metrics(const pl_contact_force *force, pl_position_rule integrator,
                               pl_metric *item);
 
 /* The force on body b of the contacts between a and b, mean over a step of dt seconds: N, world

@@ -62,7 +62,7 @@ static void count_body(pl_integrator_votes *votes, const pl_body *body, pl_vec g
     pl_vec falling = pl_vec_mad(pl_vec_sub(end, v), -h, g);
     bool flies = pl_vec_length(falling) <= FREE * h * pl_vec_length(g);
     long *count = flies ? votes->flying : votes->pushed;
-    count[is_first ? PL_SEMI_IMPLICIT : is_second ? PL_SECOND_ORDER : PL_INTEGRATOR_COUNT] += 1;
+    count[is_first ? PL_SEMI_IMPLICIT : is_second ? PL_SECOND_ORDER : PL_POSITION_RULE_COUNT] += 1;
 }
 
 void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
@@ -83,7 +83,7 @@ static const long *deciding_votes(const pl_integrator_votes *votes)
     return flew ? votes->flying : votes->pushed;
 }
 
-pl_integrator pl_integrator_of(const pl_integrator_votes *votes)
+pl_position_rule pl_integrator_of(const pl_integrator_votes *votes)
 {
     const long *count = deciding_votes(votes);
     return count[PL_SECOND_ORDER] > count[PL_SEMI_IMPLICIT] ? PL_SECOND_ORDER : PL_SEMI_IMPLICIT;
@@ -93,7 +93,7 @@ pl_integrator_certainty pl_integrator_certain(const pl_integrator_votes *votes)
 {
     const long *count = deciding_votes(votes);
     long either = count[PL_SEMI_IMPLICIT] + count[PL_SECOND_ORDER];
-    if (either == 0 || either < count[PL_INTEGRATOR_COUNT]) {
+    if (either == 0 || either < count[PL_POSITION_RULE_COUNT]) {
         return PL_INTEGRATOR_UNDETECTED;
     }
     long more = count[pl_integrator_of(votes)];
@@ -138,7 +138,7 @@ static pl_axes axes_at(const pl_body_state *before, const pl_body_state *after, 
     return pl_axes_of(mixed);
 }
 
-pl_vec pl_applied_force_impulse(const pl_force *force, pl_integrator integrator,
+pl_vec pl_applied_force_impulse(const pl_force *force, pl_position_rule integrator,
                                 const pl_body_state *before, const pl_body_state *after, double dt)
 {
     pl_vec impulse = pl_vec_scale(pl_vec_of(force->force), dt);
@@ -161,21 +161,21 @@ pl_vec pl_applied_force_impulse(const pl_force *force, pl_integrator integrator,
 
 /* Of all dynamic bodies. */
 typedef struct totals {
-    double energy[PL_INTEGRATOR_COUNT];
+    double energy[PL_POSITION_RULE_COUNT];
     pl_vec momentum, angular;
 } totals;
 
 /* Work and impulses of the scene so far. */
 typedef struct external {
-    double work[PL_INTEGRATOR_COUNT];
-    pl_vec momentum[PL_INTEGRATOR_COUNT], angular[PL_INTEGRATOR_COUNT];
+    double work[PL_POSITION_RULE_COUNT];
+    pl_vec momentum[PL_POSITION_RULE_COUNT], angular[PL_POSITION_RULE_COUNT];
 } external;
 
 struct pl_mechanics {
     const pl_scene *scene;
-    pl_vec *origin;                      /* (body_count): centres of mass at the start */
-    double *energy[PL_INTEGRATOR_COUNT]; /* each (body_count): of the last state */
-    double *growth[PL_INTEGRATOR_COUNT]; /* each (body_count): in the last step, without work */
+    pl_vec *origin;                         /* (body_count): centres of mass at the start */
+    double *energy[PL_POSITION_RULE_COUNT]; /* each (body_count): of the last state */
+    double *growth[PL_POSITION_RULE_COUNT]; /* each (body_count): in the last step, without work */
     totals first, last;
     external given;
     pl_integrator_votes votes;
@@ -190,7 +190,7 @@ pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
     }
     m->scene = scene;
     m->origin = pl_arena_take(arena, count, sizeof *m->origin);
-    for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         m->energy[k] = pl_arena_take(arena, count, sizeof *m->energy[k]);
         m->growth[k] = pl_arena_take(arena, count, sizeof *m->growth[k]);
     }
@@ -203,7 +203,7 @@ static pl_vec centre_of(const pl_mechanics *m, const pl_body_state *bodies, int 
 }
 
 /* Sets a body's energy and adds the difference to its growth. */
-static void set_energy(pl_mechanics *m, pl_integrator integrator, int body, double energy)
+static void set_energy(pl_mechanics *m, pl_position_rule integrator, int body, double energy)
 {
     m->growth[integrator][body] += energy - m->energy[integrator][body];
     m->energy[integrator][body] = energy;
@@ -239,7 +239,7 @@ static void measure(pl_mechanics *m, const pl_body_state *bodies)
     }
 }
 
-static void add_impulse(pl_mechanics *m, pl_integrator k, pl_vec point, pl_vec impulse)
+static void add_impulse(pl_mechanics *m, pl_position_rule k, pl_vec point, pl_vec impulse)
 {
     external *given = &m->given;
     given->momentum[k] = pl_vec_add(given->momentum[k], impulse);
@@ -289,7 +289,7 @@ static pl_vec point_velocity(const pl_body_state *before, const pl_body_state *a
     return pl_vec_add(v, pl_vec_cross(w, arm));
 }
 
-static void add_work(pl_mechanics *m, pl_integrator k, int body, double work)
+static void add_work(pl_mechanics *m, pl_position_rule k, int body, double work)
 {
     m->given.work[k] += work;
     m->growth[k][body] -= work;
@@ -346,7 +346,7 @@ void pl_mechanics_start(pl_mechanics *m, const pl_body_state *bodies)
 
 void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
 {
-    for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         memset(m->growth[k], 0, (size_t)m->scene->body_count * sizeof *m->growth[k]);
     }
     pl_integrator_see(&m->votes, m->scene, step->before, step->after);
@@ -370,13 +370,13 @@ const pl_integrator_votes *pl_mechanics_votes(const pl_mechanics *m)
 }
 
 double pl_mechanics_energy_gain(const pl_mechanics *m, const pl_scale *scale,
-                                pl_integrator integrator)
+                                pl_position_rule integrator)
 {
     return (m->last.energy[integrator] - m->first.energy[integrator] - m->given.work[integrator]) /
            scale->energy;
 }
 
-const double *pl_mechanics_growth(const pl_mechanics *m, pl_integrator integrator)
+const double *pl_mechanics_growth(const pl_mechanics *m, pl_position_rule integrator)
 {
     return m->growth[integrator];
 }
@@ -387,7 +387,7 @@ static double unexplained(pl_vec last, pl_vec first, pl_vec given)
 }
 
 double pl_mechanics_momentum_error(const pl_mechanics *m, const pl_scale *scale,
-                                   pl_integrator integrator)
+                                   pl_position_rule integrator)
 {
     double linear = unexplained(m->last.momentum, m->first.momentum, m->given.momentum[integrator]);
     double angular = unexplained(m->last.angular, m->first.angular, m->given.angular[integrator]);

@@ -12,17 +12,17 @@
 /* ---- The integrator ---- */
 
 /* How an engine integrates positions over a step of length h. */
-typedef enum pl_integrator {
+typedef enum pl_position_rule {
     PL_SEMI_IMPLICIT, /* x' = x + h v', with v' = v + h g + J/m: conserves E + (h/2) m g.v */
     PL_SECOND_ORDER,  /* exact under constant gravity: conserves E */
-    PL_INTEGRATOR_COUNT
-} pl_integrator;
+    PL_POSITION_RULE_COUNT
+} pl_position_rule;
 
 /* Steps of bodies in which the two integrators differ, counted by the integrator that they fit; the
  * last item counts those that fit neither. Starts as {0}. */
 typedef struct pl_integrator_votes {
-    long flying[PL_INTEGRATOR_COUNT + 1]; /* in steps in which gravity alone acted */
-    long pushed[PL_INTEGRATOR_COUNT + 1]; /* in other steps */
+    long flying[PL_POSITION_RULE_COUNT + 1]; /* in steps in which gravity alone acted */
+    long pushed[PL_POSITION_RULE_COUNT + 1]; /* in other steps */
 } pl_integrator_votes;
 
 /* Counts one step of the dynamic bodies. */
@@ -33,7 +33,7 @@ void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
  * most of the other steps. (An engine may move colliding bodies differently.) PL_SEMI_IMPLICIT
  * where no step distinguishes the two, for example because nothing accelerates: both energies then
  * grow alike. */
-pl_integrator pl_integrator_of(const pl_integrator_votes *votes);
+pl_position_rule pl_integrator_of(const pl_integrator_votes *votes);
 
 /* Whether the steps of a run agree on one integrator. */
 typedef enum pl_integrator_certainty {
@@ -53,7 +53,7 @@ bool pl_applied_force_acts(const pl_force *force, long step, double dt);
 /* The force's impulse on its body over a step of dt seconds, N s, world frame. A force in the
  * body's frame turns within the step of a second-order integrator, and keeps the direction of the
  * start in a step of semi-implicit Euler. */
-pl_vec pl_applied_force_impulse(const pl_force *force, pl_integrator integrator,
+pl_vec pl_applied_force_impulse(const pl_force *force, pl_position_rule integrator,
                                 const pl_body_state *before, const pl_body_state *after, double dt);
 
 /* ---- Energy and momentum ---- */
@@ -84,17 +84,17 @@ const pl_integrator_votes *pl_mechanics_votes(const pl_mechanics *mechanics);
 /* Of the last state: (E - E0 - work) / scale.energy, where E is the energy that the integrator
  * conserves. */
 double pl_mechanics_energy_gain(const pl_mechanics *mechanics, const pl_scale *scale,
-                                pl_integrator integrator);
+                                pl_position_rule integrator);
 
 /* By how much each body's E grew in the last step, without the work of the scene's forces on it: J,
  * (body_count). Borrowed until the next step. */
-const double *pl_mechanics_growth(const pl_mechanics *mechanics, pl_integrator integrator);
+const double *pl_mechanics_growth(const pl_mechanics *mechanics, pl_position_rule integrator);
 
 /* Of the last state: the larger of |p - p0 - J| / scale.momentum and |L - L0 - K| /
  * scale.angular_momentum, where J and K are the impulses of gravity, of the scene's forces and of
  * the reported contacts with static bodies. If the engine reports no contacts, the result is valid
  * only while nothing has touched a static body. */
 double pl_mechanics_momentum_error(const pl_mechanics *mechanics, const pl_scale *scale,
-                                   pl_integrator integrator);
+                                   pl_position_rule integrator);
 
 #endif

@@ -6,6 +6,7 @@
 #include "base/arena.h"
 #include "metrics.h"
 #include "plumb/engine_abi.h"
+#include "plumb/scene.h"
 
 /* The state of these metrics over a run. */
 typedef struct pl_motion pl_motion;

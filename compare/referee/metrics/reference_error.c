@@ -73,7 +73,7 @@ static double second_order(const displacement *d, double end, double h)
 
 /* The discrete reference of a travel, m; NAN if it is not known. */
 static double discrete_travel(const pl_scene *scene, const pl_expect_travel *travel,
-                              pl_integrator integrator)
+                              pl_position_rule integrator)
 {
     if (integrator == PL_SEMI_IMPLICIT) {
         return travel->discrete;
@@ -103,7 +103,7 @@ static double end_velocity(const pl_scene *scene, const pl_expect_value *of, pl_
 
 /* The discrete reference of a value, in its unit; NAN if it is not known. */
 static double discrete_value(const pl_scene *scene, const pl_expect_value *value,
-                             pl_integrator integrator)
+                             pl_position_rule integrator)
 {
     const pl_body *body = &scene->bodies[value->body];
     bool turns = value->quantity == PL_QUANTITY_TURN;
@@ -351,7 +351,7 @@ static pl_metric travel_error(const pl_scene *scene, const pl_body_state *bodies
 /* The largest error of travels and values against the discrete references of an integrator; absent
  * if one of these is not known. */
 static pl_metric discrete_error_of(const pl_values *values, const pl_body_state *bodies,
-                                   pl_integrator integrator)
+                                   pl_position_rule integrator)
 {
     const pl_scene *scene = values->scene;
     pl_metric metric = {0};
@@ -382,8 +382,8 @@ static pl_metric discrete_error(const pl_values *values, const pl_body_state *bo
     if (pl_integrator_certain(votes) == PL_INTEGRATOR_DETECTED) {
         return error;
     }
-    for (int k = 0; k < PL_INTEGRATOR_COUNT; ++k) {
-        pl_metric other = discrete_error_of(values, bodies, (pl_integrator)k);
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+        pl_metric other = discrete_error_of(values, bodies, (pl_position_rule)k);
         if (other.state != error.state || other.value != error.value) {
             return (pl_metric){0};
         }

@@ -5,6 +5,7 @@
 
 #include "metrics.h"
 #include "plumb/engine_abi.h"
+#include "plumb/scene.h"
 
 /* The scales of one scene. */
 typedef struct pl_scale {

@@ -1,8 +1,9 @@
 /* Plans the cases and the runs of ensembles. */
 #include "members.h"
 
+#include "engines/process.h"
 #include "plumb/jitter.h"
-#include "runner/process.h"
+#include "runner/session.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -70,10 +71,12 @@ typedef struct attempt {
 static void try_values(void *user, FILE *out)
 {
     const attempt *a = user;
-    pl_engine_instance *instance = NULL;
     pl_error error = {.message = ""};
-    pl_status status = a->choice->engine->create(a->scene, a->choice->profile, a->choice->values,
-                                                 &instance, &error);
+    pl_session session = pl_session_begin(a->choice);
+    pl_status status = pl_session_load(&session, &error);
+    if (status == PL_OK) {
+        status = pl_session_create(&session, a->scene, &error);
+    }
     fputs(status == PL_UNSUPPORTED ? "unsupported" : "other", out);
 }
 

@@ -141,7 +141,7 @@ typedef struct candidate {
     long failed;
 } candidate;
 
-static void budgets_of(const pl_engine *engine, int option, long *least, long *most)
+static void budgets_of(const pl_engine_info *engine, int option, long *least, long *most)
 {
     *least = (long)fmax(1, ceil(engine->options[option].min));
     *most = (long)fmin(PL_MOST_ITERATIONS, floor(engine->options[option].max));

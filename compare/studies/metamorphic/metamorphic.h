@@ -5,8 +5,8 @@
 
 #include "agreement.h"
 #include "check_list.h"
+#include "engines/process.h"
 #include "runner/plan.h"
-#include "runner/process.h"
 
 /* The result of one check. */
 typedef struct pl_check_result {

@@ -9,6 +9,7 @@
 #define PLUMB_TRANSFORM_H
 
 #include "plumb/engine_abi.h"
+#include "plumb/scene.h"
 
 /* The order in which the bodies of the new scene are listed. */
 typedef enum pl_body_order { PL_ORDER_SAME, PL_ORDER_REVERSED, PL_ORDER_SHUFFLED } pl_body_order;

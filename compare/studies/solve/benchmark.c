@@ -2,13 +2,14 @@
 #include "benchmark.h"
 
 #include "adapters/contact_problems.h"
-#include "adapters/registry.h"
 #include "base/statistics.h"
+#include "engines/process.h"
+#include "engines/registry.h"
 #include "plumb/scenario.h"
 #include "problem_file.h"
 #include "results/result.h"
 #include "results/store.h"
-#include "runner/process.h"
+#include "runner/session.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -73,13 +74,12 @@ static pl_status build_scene(const pl_benchmark_problem *row, pl_scene *scene, p
 }
 
 /* Runs up to the step before, then captures the problem. */
-static pl_status step_and_capture(const pl_benchmark_problem *row, const pl_scene *scene,
-                                  const pl_engine *engine, pl_engine_instance *instance,
+static pl_status step_and_capture(const pl_benchmark_problem *row, pl_session *session,
                                   pe_contact_problem **problem, pl_error *error)
 {
     for (int step = 1; step < row->step; ++step) {
-        pl_step_stats stats = {.struct_size = sizeof stats};
-        pl_status status = engine->step(instance, scene->dt, &stats, error);
+        pl_step_stats stats;
+        pl_status status = pl_session_step(session, &stats, NULL, error);
         if (status != PL_OK) {
             return status;
         }
@@ -87,7 +87,8 @@ static pl_status step_and_capture(const pl_benchmark_problem *row, const pl_scen
     pe_contact_problem **problems = NULL;
     int count = 0;
     pl_status status =
-        pl_contact_problems_of(engine)->capture(instance, scene->dt, &problems, &count, error);
+        pl_contact_problems_of(&session->loaded.table)
+            ->capture(session->instance, session->setup.dt, &problems, &count, error);
     if (status != PL_OK) {
         return status;
     }
@@ -104,17 +105,20 @@ pl_status pl_benchmark_capture(const pl_benchmark_problem *entry, pe_contact_pro
 {
     pl_scene scene = pl_scene_default();
     pl_engine_choice choice;
-    pl_engine_instance *instance = NULL;
     pl_status status = build_scene(entry, &scene, error);
     if (status == PL_OK) {
         status = pl_engine_choose("plumb:accurate", &choice, error);
     }
     if (status == PL_OK) {
-        status = choice.engine->create(&scene, choice.profile, choice.values, &instance, error);
-    }
-    if (status == PL_OK) {
-        status = step_and_capture(entry, &scene, choice.engine, instance, problem, error);
-        choice.engine->destroy(instance);
+        pl_session session = pl_session_begin(&choice);
+        status = pl_session_load(&session, error);
+        if (status == PL_OK) {
+            status = pl_session_create(&session, &scene, error);
+        }
+        if (status == PL_OK) {
+            status = step_and_capture(entry, &session, problem, error);
+        }
+        pl_session_end(&session);
     }
     pl_scene_free(&scene);
     return status;

@@ -23,14 +23,8 @@ static double count_configurations(const pl_grid_def *def)
 /* Changes the profile. Options that were not asked for by name get the profile's defaults. */
 static void set_profile(pl_engine_choice *choice, int profile)
 {
-    const pl_engine *engine = choice->engine;
-    double defaults[PL_ENGINE_MAX_OPTIONS];
-    for (int i = 0; i < engine->option_count; ++i) {
-        defaults[i] = engine->options[i].value;
-    }
-    if (engine->profile_defaults != NULL) {
-        engine->profile_defaults(profile, defaults);
-    }
+    const pl_engine_info *engine = choice->engine;
+    const double *defaults = pl_engine_profile_values(engine, profile);
     for (int i = 0; i < engine->option_count; ++i) {
         char asked[PL_NAME_SIZE + 3];
         snprintf(asked, sizeof asked, ",%s=", engine->options[i].name);
@@ -42,10 +36,10 @@ static void set_profile(pl_engine_choice *choice, int profile)
 }
 
 /* The profile that is number `place` among those named that the engine has. */
-static int named_profile(const pl_engine *engine, const pl_vary *vary, int place)
+static int named_profile(const pl_engine_info *engine, const pl_vary *vary, int place)
 {
     for (int i = 0; i < vary->count; ++i) {
-        const int profile = pl_grid_profile(engine, vary->names[i]);
+        const int profile = pl_engine_profile_index(engine, vary->names[i]);
         if (profile >= 0 && place-- == 0) {
             return profile;
         }
@@ -56,7 +50,7 @@ static int named_profile(const pl_engine *engine, const pl_vary *vary, int place
 static pl_status set_option(pl_engine_choice *choice, const char *name, double value,
                             pl_error *error)
 {
-    const pl_engine *engine = choice->engine;
+    const pl_engine_info *engine = choice->engine;
     const int index = pl_engine_option_index(engine, name);
     const pl_engine_option *option = &engine->options[index];
     if (!(value >= option->min && value <= option->max)) {

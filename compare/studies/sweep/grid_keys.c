@@ -34,16 +34,6 @@ static int param_index(const pl_scenario *scenario, const char *name)
     return -1;
 }
 
-int pl_grid_profile(const pl_engine *engine, const char *name)
-{
-    for (int i = 0; i < engine->profile_count; ++i) {
-        if (strcmp(engine->profiles[i].name, name) == 0) {
-            return i;
-        }
-    }
-    return -1;
-}
-
 static bool is_of(const pl_vary *vary, const char *name)
 {
     return vary->owner[0] == '\0' || strcmp(vary->owner, name) == 0;
@@ -61,7 +51,7 @@ static int values_of_case(const pl_case *test_case, const pl_vary *vary)
 /* The same for a configuration; of profiles, those that the engine has count. */
 static int values_of_configuration(const pl_configuration *configuration, const pl_vary *vary)
 {
-    const pl_engine *engine = configuration->choice.engine;
+    const pl_engine_info *engine = configuration->choice.engine;
     if (!is_of(vary, engine->name)) {
         return 0;
     }
@@ -70,7 +60,7 @@ static int values_of_configuration(const pl_configuration *configuration, const 
     }
     int count = 0;
     for (int i = 0; i < vary->count; ++i) {
-        count += pl_grid_profile(engine, vary->names[i]) >= 0;
+        count += pl_engine_profile_index(engine, vary->names[i]) >= 0;
     }
     return count;
 }
@@ -142,7 +132,7 @@ static void list_keys(const pl_grid_def *def, const pl_vary *vary, names *n)
         }
     }
     for (int i = 0; i < def->base->configuration_count; ++i) {
-        const pl_engine *engine = def->base->configurations[i].choice.engine;
+        const pl_engine_info *engine = def->base->configurations[i].choice.engine;
         for (int k = 0; is_of(vary, engine->name) && k < engine->option_count; ++k) {
             add_name(n, engine->options[k].name);
         }
@@ -173,10 +163,10 @@ static pl_status fail_unknown(const char *what, const char *word, names *n, pl_e
 static bool is_absent_engine(const char *name)
 {
     int count = 0;
-    const pl_known_engine *known = pl_known_engines(&count);
+    const pl_built_in *known = pl_built_in_engines(&count);
     for (int i = 0; i < count; ++i) {
         if (strcmp(known[i].name, name) == 0) {
-            return known[i].engine == NULL;
+            return known[i].entry == NULL;
         }
     }
     return false;
@@ -210,7 +200,7 @@ static pl_status check_profiles(const pl_grid_def *def, const pl_vary *vary, pl_
 {
     names known = {.count = 0};
     for (int i = 0; i < def->base->configuration_count; ++i) {
-        const pl_engine *engine = def->base->configurations[i].choice.engine;
+        const pl_engine_info *engine = def->base->configurations[i].choice.engine;
         for (int k = 0; is_of(vary, engine->name) && k < engine->profile_count; ++k) {
             add_name(&known, engine->profiles[k].name);
         }

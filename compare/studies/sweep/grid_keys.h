@@ -31,7 +31,4 @@ double pl_grid_combinations(const pl_grid_keys *keys);
 /* The index of the value of key number `key` in a combination; the last key varies fastest. */
 int pl_grid_digit(const pl_grid_keys *keys, long combination, int key);
 
-/* The index of the engine's profile of that name; -1 when it has none. */
-int pl_grid_profile(const pl_engine *engine, const char *name);
-
 #endif

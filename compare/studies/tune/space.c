@@ -21,7 +21,7 @@ static int find_parameter(const pl_tune_space *space, const char *name)
     return -1;
 }
 
-static pl_status unknown_key(const pl_engine *engine, const char *option, const char *key,
+static pl_status unknown_key(const pl_engine_info *engine, const char *option, const char *key,
                              pl_error *error)
 {
     const char *names[PL_TUNE_MAX_PARAMETERS] = {"dt"};
@@ -186,27 +186,26 @@ static void add_rate(pl_tune_space *space, double dt)
 }
 
 /* Adds the tunable options, except those that the user set. */
-static pl_status add_table(pl_tune_space *space, pl_error *error)
+static void add_table(pl_tune_space *space)
 {
-    const pl_engine *engine = space->base.engine;
-    pl_engine_choice defaults;
-    pl_status status = pl_tune_defaults(&space->base, &defaults, error);
-    for (int i = 0; i < engine->option_count && status == PL_OK; ++i) {
+    const pl_engine_info *engine = space->base.engine;
+    const double *defaults = pl_engine_profile_values(engine, space->base.profile);
+    for (int i = 0; i < engine->option_count; ++i) {
         const pl_engine_option *option = &engine->options[i];
-        const pl_tunable *tunable = pl_tunable_find(engine, space->base.profile, option->name);
-        if (tunable == NULL || space->base.values[i] != defaults.values[i]) {
+        pl_tunable tunable;
+        if (!pl_tunable_find(engine, space->base.profile, i, &tunable) ||
+            space->base.values[i] != defaults[i]) {
             continue;
         }
         pl_tune_parameter *parameter = &space->parameters[space->parameter_count++];
         *parameter = (pl_tune_parameter){.option = i,
-                                         .low = fmax(tunable->low, option->min),
-                                         .high = fmin(tunable->high, option->max),
-                                         .logarithmic = tunable->logarithmic,
+                                         .low = fmax(tunable.low, option->min),
+                                         .high = fmin(tunable.high, option->max),
+                                         .logarithmic = tunable.logarithmic,
                                          .integer = option->integer,
                                          .start = space->base.values[i]};
         snprintf(parameter->name, sizeof parameter->name, "%s", option->name);
     }
-    return status;
 }
 
 pl_status pl_tune_space_make(const pl_tune_request *request, pl_tune_space *space, pl_error *error)
@@ -214,7 +213,8 @@ pl_status pl_tune_space_make(const pl_tune_request *request, pl_tune_space *spac
     bool given[PL_TUNE_MAX_PARAMETERS] = {false};
     *space = (pl_tune_space){.base = *request->engine, .dt = request->dt};
     add_rate(space, request->dt);
-    pl_status status = add_table(space, error);
+    pl_status status = PL_OK;
+    add_table(space);
     for (int i = 0; i < request->varied_count && status == PL_OK; ++i) {
         status = vary(space, request->varied[i], given, error);
     }

@@ -3,7 +3,7 @@
 #ifndef PLUMB_TUNE_SPACE_H
 #define PLUMB_TUNE_SPACE_H
 
-#include "adapters/registry.h"
+#include "engines/registry.h"
 #include "tune_search.h"
 
 /* The parameters of a search, and the values of what is not searched. */

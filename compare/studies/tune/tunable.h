@@ -1,34 +1,34 @@
-/* The options of known engines that are worth tuning, each with a sensible range and the call that
- * sets it in the engine's own API. */
+/* The options of an engine that are worth tuning, and settings written as a SPEC and in the
+ * engine's own API, as its descriptor has them. */
 #ifndef PLUMB_TUNE_TUNABLE_H
 #define PLUMB_TUNE_TUNABLE_H
 
-#include "adapters/registry.h"
+#include "engines/registry.h"
 
 #include <stdio.h>
 
-/* An option that is worth tuning. The strings are static. */
+/* The range in which an option is tuned. */
 typedef struct pl_tunable {
-    const char *engine, *option;
-    unsigned profiles; /* bits 1 << profile that it acts on; 0: none, it is only printed */
     double low, high;
     bool logarithmic;
-    const char *before, *after; /* the API's text around the value */
 } pl_tunable;
 
-/* The entry of an option; NULL where it is not tuned unless asked for. For an engine that is not in
- * the table, only `iterations` is tuned. */
-const pl_tunable *pl_tunable_find(const pl_engine *engine, int profile, const char *option);
+/* Whether an option is tuned in a profile without being asked for, and its range. For an engine
+ * that names no option, that is `iterations`, from 1 to 300. */
+bool pl_tunable_find(const pl_engine_info *engine, int profile, int option, pl_tunable *tunable);
 
 /* The same profile with default settings. */
-pl_status pl_tune_defaults(const pl_engine_choice *choice, pl_engine_choice *defaults,
-                           pl_error *error);
+pl_engine_choice pl_tune_defaults(const pl_engine_choice *choice);
 
-/* "name:profile,option=value...", with each option that differs from the profile's default. */
+/* "name:profile,option=value...", with each option that differs from the profile's default; the
+ * name is the path of a loaded engine. */
 void pl_tune_spec(const pl_engine_choice *choice, char spec[256]);
 
+/* Whether pl_tune_print_api prints anything. */
+bool pl_tune_has_api(const pl_engine_choice *choice, double dt);
+
 /* Prints the settings as a program that uses the engine writes them: a line for every option that
- * differs from its default and has an entry in the table; then the step, unless dt (s) is NAN. */
+ * differs from its default and has `code`; then the step, unless dt (s) is NAN. */
 void pl_tune_print_api(FILE *out, const pl_engine_choice *choice, double dt);
 
 #endif

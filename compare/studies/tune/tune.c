@@ -297,7 +297,8 @@ pl_status pl_tune(const pl_tune_def *def, pl_tuning *tuning, pl_error *error)
     tuning->scores = calloc(cases, sizeof *tuning->scores);
     pl_status status = t.default_instructions == NULL || t.spreads == NULL || tuning->scores == NULL
                            ? pl_fail(error, PL_NO_MEMORY, "out of memory")
-                           : pl_tune_defaults(&def->space->base, &t.defaults.choice, error);
+                           : PL_OK;
+    t.defaults.choice = pl_tune_defaults(&def->space->base);
     /* The bar expects about three runs per case and setting. */
     if (t.shows) {
         t.bar = pl_progress_begin(def->progress, (long)def->plan->case_count * def->budget * 3,

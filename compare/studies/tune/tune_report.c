@@ -205,9 +205,12 @@ static void print_settings(FILE *out, const pl_tune_def *def, const pl_tuning *t
     if (!isnan(setting->dt)) {
         fprintf(out, is_whole ? " --dt 1/%.0f" : " --dt %.9g", is_whole ? rate : setting->dt);
     }
-    fprintf(out, "\n\nin its own API:\n\n");
-    pl_tune_print_api(out, &setting->choice,
-                      isnan(setting->dt) ? def->plan->cases[0].scene.dt : setting->dt);
+    const double dt = isnan(setting->dt) ? def->plan->cases[0].scene.dt : setting->dt;
+    fprintf(out, "\n");
+    if (pl_tune_has_api(&setting->choice, dt)) {
+        fprintf(out, "\nin its own API:\n\n");
+        pl_tune_print_api(out, &setting->choice, dt);
+    }
 }
 
 static void print_scores(FILE *out, const pl_tune_def *def, const pl_tuning *tuning)

@@ -4,6 +4,7 @@
 #define PLUMB_TUNE_SEARCH_H
 
 #include "plumb/engine_abi.h"
+#include "plumb/scene.h"
 
 /* ---- Parameters ---- */
 

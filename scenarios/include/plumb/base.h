@@ -5,30 +5,13 @@
 #ifndef PLUMB_BASE_H
 #define PLUMB_BASE_H
 
+#include "plumb/status.h"
+
 #include <stdbool.h>
 
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* Longest name of a body, material, scenario, profile or option, with its terminating zero. */
-enum { PL_NAME_SIZE = 64 };
-
-/* The result of a function that can fail. */
-typedef enum pl_status {
-    PL_OK = 0,
-    PL_BAD_INPUT,   /* the caller's text, file, name or number is wrong: exit code 2 */
-    PL_UNSUPPORTED, /* right, but this engine cannot do it */
-    PL_NO_MEMORY,
-    PL_IO,    /* a file or a process could not be opened, read, written or started */
-    PL_FAILED /* an engine failed in mid-run */
-} pl_status;
-
-/* An error and its message. */
-typedef struct pl_error {
-    pl_status status;  /* PL_OK: no error */
-    char message[512]; /* what, which object, the number found, what to do; no trailing newline */
-} pl_error;
 
 /* Fills `error` (when not NULL) as printf does, cut to size, and returns `status`. */
 #if defined(__GNUC__)

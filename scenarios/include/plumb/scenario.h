@@ -22,23 +22,7 @@ typedef struct pl_param {
 /* The largest number of parameters of a scenario. */
 enum { PL_MAX_PARAMS = 16 };
 
-/* The features of an engine that a scenario needs, as bits. For an engine without one of them the
- * outcome is `unsupported`. */
-enum {
-    PL_NEEDS_FRICTION = 1u << 0,    /* friction in some contact */
-    PL_NEEDS_RESTITUTION = 1u << 1, /* restitution in some contact */
-    PL_NEEDS_ROTATION = 1u << 2,    /* a body that turns */
-    PL_NEEDS_FORCES = 1u << 3,      /* applied forces */
-    PL_NEEDS_PLANE = 1u << 8,       /* shapes: 1 << (8 + pl_shape_kind) */
-    PL_NEEDS_SPHERE = 1u << 9,
-    PL_NEEDS_BOX = 1u << 10,
-    PL_NEEDS_CAPSULE = 1u << 11,
-    PL_NEEDS_CYLINDER = 1u << 12,
-    PL_NEEDS_HULL = 1u << 13,
-    PL_NEEDS_MESH = 1u << 14
-};
-
-/* Derives those bits from a scene: friction where any pair of bodies that may touch has it, and so
+/* Derives from a scene the PL_NEEDS_* bits of scene_data.h: friction where any pair of bodies that may touch has it, and so
  * on. */
 uint32_t pl_scene_needs(const pl_scene *scene);
 

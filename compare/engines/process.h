@@ -37,12 +37,16 @@ typedef struct pl_process {
     size_t tail_length;
     char *text; /* the answer so far */
     size_t text_length, text_capacity;
+    /* Gets whole lines of the answer as they come, except for those from the first that begins with
+     * '{' on, which alone are kept in `text`. NULL, as pl_process_start sets it: all are kept. */
+    FILE *stream;
 } pl_process;
 
 /* Seconds of a clock that is never set. */
 double pl_monotonic_seconds(void);
 
-/* Starts `job` in a child, which ends when the job returns. What the job writes to `answer` is the
+/* Starts `job` in a child, which ends when the job returns. No descriptor of the caller is open in
+ * it but its standard output and error and the answer. What the job writes to `answer` is the
  * answer. PL_IO when no process or pipe can be made. */
 pl_status pl_process_start(pl_process *process, const pl_limits *limits,
                            void (*job)(void *user, FILE *answer), void *user, pl_error *error);
@@ -63,5 +67,10 @@ void pl_process_kill(pl_process *process);
 
 /* Frees what an ended process holds. */
 void pl_process_free(pl_process *process);
+
+/* How an ended process ended, for people: "SIGSEGV WHERE; last line: ...", "it called exit(1)
+ * WHERE", or "no end within TIMEOUT s: killed WHERE". */
+void pl_process_describe_end(const pl_process *process, double timeout, const char *where,
+                             char *text, size_t size);
 
 #endif

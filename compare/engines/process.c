@@ -15,6 +15,9 @@
 /* More than any result: a longer answer is not one of ours, and the rest of it is dropped. */
 enum { MAX_ANSWER = 1 << 28, CHUNK = 1 << 16 };
 
+/* The descriptor of the answer in the child. */
+enum { ANSWER = STDERR_FILENO + 1 };
+
 double pl_monotonic_seconds(void)
 {
     struct timespec now;
@@ -60,13 +63,16 @@ static _Noreturn void run_child(const pl_limits *limits, pid_t parent, int outpu
     }
     restore_signals();
     int nothing = open("/dev/null", O_RDONLY);
-    FILE *file = fdopen(answer, "w");
-    if (nothing < 0 || file == NULL || dup2(nothing, STDIN_FILENO) < 0 ||
-        dup2(output, STDOUT_FILENO) < 0 || dup2(output, STDERR_FILENO) < 0) {
+    if (nothing < 0 || dup2(nothing, STDIN_FILENO) < 0 || dup2(output, STDOUT_FILENO) < 0 ||
+        dup2(output, STDERR_FILENO) < 0 || (answer != ANSWER && dup2(answer, ANSWER) < 0)) {
         _exit(1);
     }
-    close(nothing);
-    close(output);
+    /* No other descriptor of the parent is left to the job. */
+    FILE *file = fdopen(ANSWER, "w");
+    if (file == NULL || close_range(ANSWER + 1, ~0U, 0) != 0 ||
+        fcntl(ANSWER, F_SETFD, FD_CLOEXEC) != 0) {
+        _exit(1);
+    }
     /* So that a last line is not lost in a buffer when the engine crashes. */
     setvbuf(stdout, NULL, _IOLBF, BUFSIZ);
     limit_resources(limits);
@@ -159,6 +165,23 @@ static void keep_tail(pl_process *process, const char *bytes, size_t length)
     process->tail_length = kept + length;
 }
 
+/* Hands the whole lines at the head of the answer on, except for JSON. */
+static void stream_lines(pl_process *process)
+{
+    size_t done = 0;
+    while (done < process->text_length && process->text[done] != '{') {
+        const char *line = process->text + done;
+        const char *newline = memchr(line, '\n', process->text_length - done);
+        if (newline == NULL) {
+            break;
+        }
+        fwrite(line, 1, (size_t)(newline - line) + 1, process->stream);
+        done += (size_t)(newline - line) + 1;
+    }
+    process->text_length -= done;
+    memmove(process->text, process->text + done, process->text_length);
+}
+
 static void keep_answer(pl_process *process, const char *bytes, size_t length)
 {
     size_t needed = process->text_length + length;
@@ -175,6 +198,9 @@ static void keep_answer(pl_process *process, const char *bytes, size_t length)
     }
     memcpy(process->text + process->text_length, bytes, length);
     process->text_length = needed;
+    if (process->stream != NULL) {
+        stream_lines(process);
+    }
 }
 
 /* Reads what is there, at most a chunk. */
@@ -255,4 +281,40 @@ void pl_process_free(pl_process *process)
     close_end(&process->answer);
     free(process->text);
     process->text = NULL;
+}
+
+/* The last line with something in it, of at most 200 bytes. */
+static void copy_last_line(const pl_process *process, char text[201])
+{
+    size_t end = process->tail_length;
+    while (end > 0 && strchr(" \t\r\n", process->tail[end - 1]) != NULL) {
+        --end;
+    }
+    size_t begin = end;
+    while (begin > 0 && end - begin < 200 && process->tail[begin - 1] != '\n') {
+        --begin;
+    }
+    memcpy(text, process->tail + begin, end - begin);
+    text[end - begin] = '\0';
+}
+
+void pl_process_describe_end(const pl_process *process, double timeout, const char *where,
+                             char *text, size_t size)
+{
+    const int status = process->wait_status;
+    char how[64];
+    char line[201];
+    if (process->timed_out) {
+        snprintf(text, size, "no end within %g s: killed %s", timeout, where);
+        return;
+    }
+    copy_last_line(process, line);
+    if (WIFSIGNALED(status)) {
+        const char *name = sigabbrev_np(WTERMSIG(status));
+        snprintf(how, sizeof how, "SIG%s%s", name == NULL ? "?" : name,
+                 WTERMSIG(status) == SIGKILL ? " (out of memory?)" : "");
+    } else {
+        snprintf(how, sizeof how, "it called exit(%d)", WEXITSTATUS(status));
+    }
+    snprintf(text, size, "%s %s%s%s", how, where, line[0] == '\0' ? "" : "; last line: ", line);
 }

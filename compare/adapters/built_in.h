@@ -1,0 +1,28 @@
+/* The engines that this program can have built in. */
+#ifndef PLUMB_BUILT_IN_H
+#define PLUMB_BUILT_IN_H
+
+#include "plumb/engine_abi.h"
+
+/* Our own engine. Static storage, never NULL, as all built-in engines. */
+const pl_engine *pl_engine_plumb(void);
+
+/* The adapter of ODE. It is not compiled when ODE is absent from this build. */
+const pl_engine *pl_engine_ode(void);
+
+/* The adapter of Bullet. It is not compiled when Bullet is absent from this build. */
+const pl_engine *pl_engine_bullet(void);
+
+/* A built-in engine. */
+typedef struct pl_built_in {
+    const char *name;
+    const char *package;   /* Debian packages that provide it; "" for our own */
+    const char *libraries; /* base names of its shared libraries begin with one of these, separated
+                              by blanks; "": it has none */
+    pl_engine_entry entry; /* NULL: absent from this build */
+} pl_built_in;
+
+/* All of them in the order of reports, absent ones too. Static storage. */
+const pl_built_in *pl_built_in_engines(int *count);
+
+#endif

@@ -1,0 +1,55 @@
+/* What the harness knows of an engine: data only. The engine's own table and its functions exist in
+ * other processes (load_engine.h), one of which reports what is kept here. */
+#ifndef PLUMB_ENGINE_INFO_H
+#define PLUMB_ENGINE_INFO_H
+
+#include "adapters/built_in.h"
+#include "plumb/engine_abi.h"
+#include "plumb/scene.h"
+
+/* A fault that an engine had before it could be asked anything. */
+typedef struct pl_engine_fault {
+    bool is_fault;
+    bool timed_out;
+    char reason[512];
+} pl_engine_fault;
+
+/* An engine. The fields from `name` to `option_count` are those of pl_engine. */
+typedef struct pl_engine_info {
+    const char *name, *version, *description, *residual_unit;
+    uint32_t capabilities, contacts;
+    pl_precision precision;
+    pl_integrator integrator;
+    pl_gyroscopic gyroscopic;
+    int substeps;
+    const pl_engine_profile *profiles; /* (profile_count) */
+    int profile_count;
+    const pl_engine_option *options; /* (option_count) */
+    int option_count;
+    const double *defaults;      /* (profile_count x option_count) */
+    bool reads_settings;         /* it reads back masses, gravity and the step */
+    bool reads_pairs;            /* it reads back friction and restitution */
+    bool gives_contact_problems; /* contact_problems.h */
+    char binary[17];             /* hash of its binary: pl_binary_hash */
+    const char *path;            /* of the shared object; NULL: built in */
+    const pl_built_in *built_in; /* NULL: loaded */
+    pl_engine_fault fault;       /* only name, version, one profile and this have a meaning */
+} pl_engine_info;
+
+/* Starts a process that loads the shared object at `path`, or takes the built-in engine where that
+ * is NULL, and reports what it is. The result lives until the program ends, and is the same
+ * pointer for the same path. A crash, an exit, a hang or a damaged report becomes info->fault, and
+ * the status is PL_OK. PL_BAD_INPUT: it is no engine of this ABI. PL_IO, PL_NO_MEMORY. */
+pl_status pl_engine_describe(const char *path, const pl_built_in *built_in,
+                             const pl_engine_info **info, pl_error *error);
+
+/* The index of the engine's option of that name; -1 when it has none. */
+int pl_engine_option_index(const pl_engine_info *info, const char *name);
+
+/* The index of the engine's profile of that name; -1 when it has none. */
+int pl_engine_profile_index(const pl_engine_info *info, const char *name);
+
+/* The values (option_count) of a profile. */
+const double *pl_engine_profile_values(const pl_engine_info *info, int profile);
+
+#endif

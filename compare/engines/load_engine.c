@@ -1,0 +1,250 @@
+#include "load_engine.h"
+
+#include "base/hash.h"
+
+#include <dlfcn.h>
+#include <errno.h>
+#include <link.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* A table must have everything up to here. */
+enum { LEAST_SIZE = offsetof(pl_engine, read_settings) };
+
+static const uint32_t KNOWN_CONTACTS =
+    PL_CONTACTS_POINTS | PL_CONTACTS_IMPULSES | PL_CONTACTS_TORQUES;
+
+/* The name of a required field that is NULL; NULL: none. */
+static const char *missing_field(const pl_engine *engine)
+{
+    return engine->name == NULL          ? "name"
+           : engine->version == NULL     ? "version"
+           : engine->description == NULL ? "description"
+           : engine->profiles == NULL    ? "profiles"
+           : engine->create == NULL      ? "create"
+           : engine->destroy == NULL     ? "destroy"
+           : engine->step == NULL        ? "step"
+           : engine->read_frame == NULL  ? "read_frame"
+           : engine->contacts != 0 && engine->read_contacts == NULL
+               ? "read_contacts, though its contacts are not 0"
+               : NULL;
+}
+
+static pl_status check_counts(const char *path, const pl_engine *engine, pl_error *error)
+{
+    const struct {
+        const char *what;
+        int found, least, most;
+    } counts[] = {
+        {"profile_count", engine->profile_count, 1, PL_ENGINE_MAX_PROFILES},
+        {"option_count", engine->option_count, 0, PL_ENGINE_MAX_OPTIONS},
+        {"substeps", engine->substeps, 1, 1000000},
+        {"precision", (int)engine->precision, PL_PRECISION_DOUBLE, PL_PRECISION_FLOAT},
+        {"integrator", (int)engine->integrator, PL_INTEGRATOR_UNKNOWN, PL_INTEGRATOR_MIDPOINT},
+        {"gyroscopic", (int)engine->gyroscopic, PL_GYROSCOPIC_UNKNOWN, PL_GYROSCOPIC_IMPLICIT},
+    };
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; ++i) {
+        if (counts[i].found < counts[i].least || counts[i].found > counts[i].most) {
+            return pl_fail(error, PL_BAD_INPUT, "%s: %s: expected %d to %d, found %d", path,
+                           counts[i].what, counts[i].least, counts[i].most, counts[i].found);
+        }
+    }
+    if (engine->option_count > 0 && engine->options == NULL) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: option_count is %d, but options is NULL", path,
+                       engine->option_count);
+    }
+    if ((engine->contacts & ~KNOWN_CONTACTS) != 0) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: contacts: expected PL_CONTACTS_* bits, found 0x%x",
+                       path, (unsigned)engine->contacts);
+    }
+    return PL_OK;
+}
+
+/* A name, profile or option of a SPEC. */
+static bool is_word(const char *text)
+{
+    return text != NULL && text[0] != '\0' && strlen(text) < PL_NAME_SIZE &&
+           text[strspn(
+               text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-")] == '\0';
+}
+
+static pl_status check_words(const char *path, const pl_engine *engine, pl_error *error)
+{
+    static const char *const expected = "expected 1 to 63 letters, digits, '_', '-' or '.'";
+    if (!is_word(engine->name)) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: name: %s", path, expected);
+    }
+    for (int i = 0; i < engine->profile_count; ++i) {
+        if (!is_word(engine->profiles[i].name)) {
+            return pl_fail(error, PL_BAD_INPUT, "%s: profiles[%d].name: %s", path, i, expected);
+        }
+    }
+    for (int i = 0; i < engine->option_count; ++i) {
+        const pl_engine_option *option = &engine->options[i];
+        if (!is_word(option->name)) {
+            return pl_fail(error, PL_BAD_INPUT, "%s: options[%d].name: %s", path, i, expected);
+        }
+        const double tuned = option->tune_max - option->tune_min;
+        if (!isfinite(option->min) || !isfinite(option->max) || !isfinite(tuned)) {
+            return pl_fail(error, PL_BAD_INPUT, "%s: option %s: its limits must be finite", path,
+                           option->name);
+        }
+        if (!(option->min <= option->value && option->value <= option->max)) {
+            return pl_fail(error, PL_BAD_INPUT,
+                           "%s: option %s: its default %g is not within %g to %g", path,
+                           option->name, option->value, option->min, option->max);
+        }
+    }
+    return PL_OK;
+}
+
+static pl_status check_sizes(const char *path, const pl_engine *engine, pl_error *error)
+{
+    if (engine == NULL) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: " PL_ENGINE_SYMBOL "() returned no engine", path);
+    }
+    if (engine->abi_version != PL_ENGINE_ABI_VERSION) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       "%s: is built for engine ABI %u, this plumb has %d: rebuild it", path,
+                       (unsigned)engine->abi_version, (int)PL_ENGINE_ABI_VERSION);
+    }
+    if (engine->struct_size < LEAST_SIZE) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       "%s: its pl_engine has %u bytes, and ABI %d begins with %d: rebuild it",
+                       path, (unsigned)engine->struct_size, (int)PL_ENGINE_ABI_VERSION,
+                       (int)LEAST_SIZE);
+    }
+    return PL_OK;
+}
+
+static pl_status take_table(const char *path, const pl_engine *engine, pl_engine *table,
+                            pl_error *error)
+{
+    pl_status status = check_sizes(path, engine, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    memset(table, 0, sizeof *table);
+    memcpy(table, engine,
+           engine->struct_size < sizeof *table ? engine->struct_size : sizeof *table);
+    const char *missing = missing_field(table);
+    if (missing != NULL) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: its pl_engine lacks %s", path, missing);
+    }
+    status = check_counts(path, table, error);
+    return status == PL_OK ? check_words(path, table, error) : status;
+}
+
+pl_status pl_load_engine(const char *path, pl_engine_entry entry, pl_loaded_engine *loaded,
+                         pl_error *error)
+{
+    *loaded = (pl_loaded_engine){.library = NULL};
+    if (path == NULL) {
+        return take_table("built-in engine", entry(), &loaded->table, error);
+    }
+    /* dlopen looks for a bare name in the system's folders, not here. */
+    char here[4200];
+    snprintf(here, sizeof here, "%s%s", strchr(path, '/') == NULL ? "./" : "", path);
+    loaded->library = dlopen(here, RTLD_NOW | RTLD_LOCAL);
+    if (loaded->library == NULL) {
+        return pl_fail(error, PL_BAD_INPUT, "cannot load %s: %s", path, dlerror());
+    }
+    union { /* ISO C has no conversion from an object's address to a function's. */
+        void *object;
+        pl_engine_entry function;
+    } symbol = {.object = dlsym(loaded->library, PL_ENGINE_SYMBOL)};
+    pl_status status = symbol.object == NULL
+                           ? pl_fail(error, PL_BAD_INPUT, "%s: exports no " PL_ENGINE_SYMBOL, path)
+                           : take_table(path, symbol.function(), &loaded->table, error);
+    if (status != PL_OK) {
+        pl_unload_engine(loaded);
+    }
+    return status;
+}
+
+void pl_unload_engine(pl_loaded_engine *loaded)
+{
+    if (loaded->library != NULL) {
+        dlclose(loaded->library);
+    }
+    *loaded = (pl_loaded_engine){.library = NULL};
+}
+
+/* ---- The binary ---- */
+
+static int count_file(struct dl_phdr_info *info, size_t size, void *count)
+{
+    (void)info;
+    (void)size;
+    *(int *)count += 1;
+    return 0;
+}
+
+int pl_mapped_file_count(void)
+{
+    int count = 0;
+    dl_iterate_phdr(count_file, &count);
+    return count;
+}
+
+typedef struct hashing {
+    int first, index;
+    const char *libraries; /* NULL: all from `first` on */
+    uint64_t hash;
+    int error; /* errno */
+} hashing;
+
+static bool is_one_of(const char *path, const char *libraries)
+{
+    const char *slash = strrchr(path, '/');
+    const char *name = slash == NULL ? path : slash + 1;
+    for (const char *at = libraries; *at != '\0';) {
+        const size_t length = strcspn(at, " ");
+        if (strncmp(name, at, length) == 0) {
+            return true;
+        }
+        at += length + strspn(at + length, " ");
+    }
+    return false;
+}
+
+static int hash_file(struct dl_phdr_info *info, size_t size, void *user)
+{
+    hashing *h = user;
+    const int index = h->index++;
+    /* The first is the program, without a name; the kernel's own has a name that is no path. */
+    const char *path = index == 0 ? "/proc/self/exe" : info->dlpi_name;
+    const bool wanted =
+        h->libraries == NULL ? index >= h->first : index == 0 || is_one_of(path, h->libraries);
+    (void)size;
+    if (!wanted || strchr(path, '/') == NULL) {
+        return 0;
+    }
+    unsigned char bytes[1 << 16];
+    FILE *file = fopen(path, "re");
+    size_t length = 0;
+    while (file != NULL && (length = fread(bytes, 1, sizeof bytes, file)) > 0) {
+        for (size_t i = 0; i < length; ++i) {
+            h->hash = pl_hash_byte(h->hash, bytes[i]);
+        }
+    }
+    if (file == NULL || ferror(file)) {
+        h->error = errno;
+    }
+    if (file != NULL) {
+        fclose(file);
+    }
+    return h->error;
+}
+
+pl_status pl_binary_hash(int first, const char *libraries, char hash[17], pl_error *error)
+{
+    hashing h = {.first = first, .libraries = libraries, .hash = PL_HASH_START};
+    dl_iterate_phdr(hash_file, &h);
+    if (h.error != 0) {
+        return pl_fail(error, PL_IO, "cannot read the engine's binary: %s", strerror(h.error));
+    }
+    pl_hash_hex(h.hash, hash);
+    return PL_OK;
+}

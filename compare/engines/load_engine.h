@@ -1,0 +1,32 @@
+/* An engine's table of functions, in the process that will call them: a built-in engine, or a
+ * shared object that is loaded here. Loading runs code of the shared object. */
+#ifndef PLUMB_LOAD_ENGINE_H
+#define PLUMB_LOAD_ENGINE_H
+
+#include "plumb/engine_abi.h"
+#include "plumb/scene.h"
+
+/* A loaded engine. */
+typedef struct pl_loaded_engine {
+    pl_engine table; /* complete: what a shorter table lacks is NULL or 0 */
+    void *library;   /* of dlopen; NULL for a built-in engine */
+} pl_loaded_engine;
+
+/* Loads the shared object at `path`, or, where that is NULL, the built-in engine of `entry`.
+ * PL_BAD_INPUT: it cannot be loaded, exports no engine, has another ABI version, or its table is
+ * not valid; the message names the field. */
+pl_status pl_load_engine(const char *path, pl_engine_entry entry, pl_loaded_engine *loaded,
+                         pl_error *error);
+
+/* Unloads the shared object, if there is one. */
+void pl_unload_engine(pl_loaded_engine *loaded);
+
+/* The number of files whose code this process has mapped: the program and its shared libraries. */
+int pl_mapped_file_count(void);
+
+/* Hashes the contents of the files that were mapped when pl_mapped_file_count had reached `first`
+ * or later. Where `libraries` is not NULL, hashes this program and the mapped files whose base
+ * names begin with one of `libraries`, separated by blanks. PL_IO. */
+pl_status pl_binary_hash(int first, const char *libraries, char hash[17], pl_error *error);
+
+#endif

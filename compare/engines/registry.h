@@ -1,0 +1,39 @@
+/* An engine chosen by a SPEC: a built-in engine or a shared object, its profile and its options. */
+#ifndef PLUMB_REGISTRY_H
+#define PLUMB_REGISTRY_H
+
+#include "engine_info.h"
+#include "tuned_profile.h"
+
+/* Size of a label, with its terminating zero. */
+enum { PL_LABEL_SIZE = 128 };
+
+/* An engine chosen with its settings, complete and in range. */
+typedef struct pl_engine_choice {
+    const pl_engine_info *engine; /* valid until the program ends */
+    int profile;
+    double values[PL_ENGINE_MAX_OPTIONS]; /* (engine->option_count) */
+    char spec[256];                       /* as the user wrote it */
+    char label[PL_LABEL_SIZE];            /* label=; "": none was given */
+} pl_engine_choice;
+
+/* Describes a built-in engine. PL_UNSUPPORTED when it is absent from this build, with its Debian
+ * package; and as pl_engine_describe. */
+pl_status pl_engine_of_build(const pl_built_in *built_in, const pl_engine_info **info,
+                             pl_error *error);
+
+/* Parses `name[:profile][,option=value]...[,label=TEXT]`, where name is a built-in engine or the
+ * path of a shared object (it has a '/' or ends in ".so"). The default profile is the engine's
+ * first. A profile that the engine does not have itself is looked up in the files that
+ * PLUMB_PROFILES names. An engine with a fault (pl_engine_info.fault) is chosen too; its profile and
+ * options are then not checked. PL_BAD_INPUT: an unknown name, profile or option (the nearest one
+ * is suggested), a value out of range, a shared object of another ABI, or a file that is no
+ * plumb.profile/1. PL_UNSUPPORTED: an engine that this build lacks, with its Debian package. PL_IO:
+ * a file cannot be read. */
+pl_status pl_engine_choose(const char *spec, pl_engine_choice *choice, pl_error *error);
+
+/* Writes the label of the choice in reports: the given one, or "name:profile", then ",option=value"
+ * for each option that differs from the profile's default. */
+void pl_engine_choice_label(const pl_engine_choice *choice, char label[PL_LABEL_SIZE]);
+
+#endif

@@ -1,0 +1,282 @@
+#include "session.h"
+
+#include "base/array.h"
+#include "plumb/vec.h"
+#include "referee/geometry/solid.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* More contact points than a scene of PL_MAX_BODIES can have. */
+enum { MOST_CONTACTS = 1 << 24 };
+
+pl_session pl_session_begin(const pl_engine_choice *choice)
+{
+    return (pl_session){.choice = choice, .timer = {.counter = -1}};
+}
+
+/* ---- Calls ---- */
+
+static void enter(const pl_session *session, pl_stage stage)
+{
+    if (session->enter != NULL) {
+        session->enter(session->user, stage);
+    }
+}
+
+static void before_call(pl_session *session, pl_stage stage)
+{
+    enter(session, stage);
+    fegetenv(&session->environment);
+    pl_call_timer_begin(&session->timer);
+}
+
+/* Adds the cost of the call to its group and returns it. */
+static pl_call_cost after_call(pl_session *session, pl_call_group group)
+{
+    const pl_call_cost cost = pl_call_timer_end(&session->timer);
+    fesetenv(&session->environment);
+    session->cost[group].cpu_time += cost.cpu_time;
+    session->cost[group].wall_time += cost.wall_time;
+    session->cost[group].instructions += cost.instructions;
+    return cost;
+}
+
+pl_status pl_session_load(pl_session *session, pl_error *error)
+{
+    const pl_engine_info *info = session->choice->engine;
+    fenv_t environment;
+    enter(session, PL_STAGE_LOAD);
+    fegetenv(&environment);
+    pl_status status = pl_load_engine(info->path, info->path == NULL ? info->built_in->entry : NULL,
+                                      &session->loaded, error);
+    fesetenv(&environment);
+    if (status == PL_OK && (session->loaded.table.option_count != info->option_count ||
+                            session->loaded.table.profile_count != info->profile_count)) {
+        status = pl_fail(error, PL_FAILED, "%s has changed since it was first loaded", info->path);
+    }
+    return status;
+}
+
+static pl_status fill_pairs(pl_session *session, const pl_scene *scene, pl_error *error)
+{
+    const int count = scene->material_count;
+    free(session->pairs);
+    session->pairs = calloc((size_t)count * (size_t)count + 1, sizeof *session->pairs);
+    if (session->pairs == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %d materials", count);
+    }
+    for (int i = 0; i < count; ++i) {
+        for (int k = 0; k < count; ++k) {
+            pl_pair_coefficients *pair = &session->pairs[i * count + k];
+            pl_scene_pair(scene, i, k, &pair->friction, &pair->restitution);
+        }
+    }
+    return PL_OK;
+}
+
+pl_status pl_session_create(pl_session *session, const pl_scene *scene, pl_error *error)
+{
+    pl_status status = pl_needs_check(scene, session->choice->engine, error);
+    if (status == PL_OK) {
+        status = fill_pairs(session, scene, error);
+    }
+    if (status != PL_OK) {
+        return status;
+    }
+    session->setup = (pl_engine_setup){.struct_size = sizeof session->setup,
+                                       .scene = scene,
+                                       .dt = scene->dt,
+                                       .profile = session->choice->profile,
+                                       .values = session->choice->values,
+                                       .pairs = session->pairs};
+    pl_scene_bounds(scene, session->setup.lower, session->setup.upper);
+    before_call(session, PL_STAGE_CREATE);
+    status = session->loaded.table.create(&session->setup, &session->instance, error);
+    after_call(session, PL_CALLS_CREATE);
+    if (status == PL_OK && session->instance == NULL) {
+        status = pl_fail(error, PL_FAILED, "create returned PL_OK, but made no instance");
+    }
+    return status;
+}
+
+pl_status pl_session_step(pl_session *session, pl_step_stats *stats, pl_call_cost *cost,
+                          pl_error *error)
+{
+    *stats = (pl_step_stats){.struct_size = sizeof *stats,
+                             .iterations = NAN,
+                             .residual = NAN,
+                             .contacts = NAN,
+                             .islands = NAN,
+                             .time_collide = NAN,
+                             .time_solve = NAN,
+                             .time_other = NAN};
+    before_call(session, PL_STAGE_STEP);
+    pl_status status =
+        session->loaded.table.step(session->instance, session->setup.dt, stats, error);
+    const pl_call_cost spent = after_call(session, PL_CALLS_STEP);
+    if (cost != NULL) {
+        *cost = spent;
+    }
+    return status;
+}
+
+void pl_session_read_frame(pl_session *session, pl_frame *frame)
+{
+    const int count = frame->body_count;
+    pl_body_state *bodies = frame->bodies;
+    before_call(session, PL_STAGE_READ);
+    session->loaded.table.read_frame(session->instance, frame);
+    after_call(session, PL_CALLS_READ);
+    frame->body_count = count;
+    frame->bodies = bodies;
+}
+
+/* What the engine does not report has a defined value. */
+static void clear_unreported(uint32_t reported, pl_contact *contacts, int count)
+{
+    for (int i = 0; i < count; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            if ((reported & PL_CONTACTS_IMPULSES) == 0) {
+                contacts[i].impulse[k] = NAN;
+            }
+            if ((reported & PL_CONTACTS_TORQUES) == 0) {
+                contacts[i].torque[k] = 0;
+            }
+        }
+    }
+}
+
+pl_status pl_session_read_contacts(pl_session *session, pl_contact **contacts, int *capacity,
+                                   int *count, pl_error *error)
+{
+    const pl_engine *engine = &session->loaded.table;
+    *count = -1;
+    if (engine->read_contacts == NULL || engine->contacts == 0) {
+        return PL_OK;
+    }
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        before_call(session, PL_STAGE_READ);
+        *count = engine->read_contacts(session->instance, *contacts, *capacity);
+        after_call(session, PL_CALLS_READ);
+        if (*count >= 0 && *count <= *capacity) {
+            clear_unreported(engine->contacts, *contacts, *count);
+            return PL_OK;
+        }
+        if (*count < 0 || *count > MOST_CONTACTS || attempt > 0) {
+            break;
+        }
+        pl_status status = pl_array_reserve(contacts, capacity, *count, sizeof **contacts, error);
+        if (status != PL_OK) {
+            return status;
+        }
+    }
+    return pl_fail(error, PL_FAILED, "read_contacts returned %d for a capacity of %d", *count,
+                   *capacity);
+}
+
+void pl_session_read_settings(pl_session *session, pl_engine_settings *settings)
+{
+    settings->struct_size = sizeof *settings;
+    settings->dt = NAN;
+    settings->substeps = session->loaded.table.substeps;
+    settings->linear_damping = NAN;
+    settings->angular_damping = NAN;
+    for (int k = 0; k < 3; ++k) {
+        settings->gravity[k] = NAN;
+    }
+    for (int i = 0; i < settings->body_count; ++i) {
+        settings->mass[i] = NAN;
+        for (int k = 0; k < 3; ++k) {
+            settings->inertia[i][k] = NAN;
+        }
+    }
+    if (session->loaded.table.read_settings != NULL) {
+        before_call(session, PL_STAGE_SETTINGS);
+        session->loaded.table.read_settings(session->instance, settings);
+        after_call(session, PL_CALLS_CREATE);
+    }
+}
+
+pl_pair_coefficients pl_session_read_pair(pl_session *session, int body_a, int body_b)
+{
+    pl_pair_coefficients found = {NAN, NAN};
+    if (session->loaded.table.read_pair != NULL) {
+        before_call(session, PL_STAGE_SETTINGS);
+        session->loaded.table.read_pair(session->instance, body_a, body_b, &found);
+        after_call(session, PL_CALLS_CREATE);
+    }
+    return found;
+}
+
+void pl_session_destroy(pl_session *session)
+{
+    if (session->instance != NULL) {
+        before_call(session, PL_STAGE_DESTROY);
+        session->loaded.table.destroy(session->instance);
+        after_call(session, PL_CALLS_CREATE);
+    }
+    session->instance = NULL;
+    free(session->pairs);
+    session->pairs = NULL;
+}
+
+void pl_session_end(pl_session *session)
+{
+    pl_session_destroy(session);
+    enter(session, PL_STAGE_UNLOAD);
+    fegetenv(&session->environment);
+    pl_unload_engine(&session->loaded);
+    fesetenv(&session->environment);
+}
+
+/* ---- Scenes ---- */
+
+pl_status pl_needs_check(const pl_scene *scene, const pl_engine_info *engine, pl_error *error)
+{
+    uint32_t missing = pl_scene_needs(scene) & ~engine->capabilities;
+    char names[256] = "";
+    for (uint32_t bit = 1; bit != 0; bit <<= 1) {
+        if ((missing & bit) != 0) {
+            const char *name = pl_needs_name(bit);
+            size_t used = strlen(names);
+            snprintf(names + used, sizeof names - used, "%s%s", used == 0 ? "" : ", ",
+                     name == NULL ? "something unknown" : name);
+        }
+    }
+    return missing == 0 ? PL_OK
+                        : pl_fail(error, PL_UNSUPPORTED, "%s lacks %s", engine->name, names);
+}
+
+void pl_scene_bounds(const pl_scene *scene, double lower[3], double upper[3])
+{
+    double fastest = 0;
+    for (int k = 0; k < 3; ++k) {
+        lower[k] = INFINITY;
+        upper[k] = -INFINITY;
+    }
+    for (int i = 0; i < scene->body_count; ++i) {
+        const pl_body *body = &scene->bodies[i];
+        if (body->shape.kind == PL_SHAPE_PLANE) {
+            continue;
+        }
+        const double reach = pl_bounding_radius(&body->shape);
+        double centre[3];
+        pl_vec_store(pl_centre_of_mass(&body->shape, body->position, body->orientation), centre);
+        fastest = fmax(fastest, pl_vec_length(pl_vec_of(body->velocity)));
+        for (int k = 0; k < 3; ++k) {
+            lower[k] = fmin(lower[k], centre[k] - reach);
+            upper[k] = fmax(upper[k], centre[k] + reach);
+        }
+    }
+    const double time = scene->duration;
+    const double g = pl_vec_length(pl_vec_of(scene->gravity));
+    const double further = fastest * time + 0.5 * g * time * time;
+    for (int k = 0; k < 3; ++k) {
+        const bool empty = !(lower[k] <= upper[k]);
+        lower[k] = (empty ? 0 : lower[k]) - further;
+        upper[k] = (empty ? 0 : upper[k]) + further;
+    }
+}

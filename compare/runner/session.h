@@ -1,0 +1,90 @@
+/* An engine at work in this process: every call to an engine goes through here. Each call is timed
+ * where that is wanted, and the floating-point environment is restored after it. A session crashes
+ * with its engine: isolated_run.h makes a run in a process of its own. */
+#ifndef PLUMB_SESSION_H
+#define PLUMB_SESSION_H
+
+#include "engines/load_engine.h"
+#include "engines/registry.h"
+#include "plumb/scenario.h"
+#include "resource_usage.h"
+
+#include <fenv.h>
+
+/* The stages of a session. */
+typedef enum pl_stage {
+    PL_STAGE_PREPARE, /* nothing of the engine was called yet */
+    PL_STAGE_LOAD,
+    PL_STAGE_CREATE,
+    PL_STAGE_SETTINGS,
+    PL_STAGE_CAPTURE,
+    PL_STAGE_STEP,
+    PL_STAGE_READ,  /* the frame and the contacts */
+    PL_STAGE_JUDGE, /* the referee's own work */
+    PL_STAGE_DESTROY,
+    PL_STAGE_UNLOAD
+} pl_stage;
+
+/* The groups of calls that are timed apart. */
+typedef enum pl_call_group { PL_CALLS_CREATE, PL_CALLS_STEP, PL_CALLS_READ } pl_call_group;
+enum { PL_CALL_GROUP_COUNT = 3 };
+
+/* A session. Starts as pl_session_begin. */
+typedef struct pl_session {
+    const pl_engine_choice *choice;
+    pl_loaded_engine loaded;
+    pl_engine_setup setup;
+    pl_pair_coefficients *pairs;
+    pl_engine_instance *instance;
+    fenv_t environment;
+    pl_call_timer timer;
+    pl_call_cost cost[PL_CALL_GROUP_COUNT]; /* sums over the calls of each group */
+    /* Told at the beginning of each stage; NULL: nobody. */
+    void (*enter)(void *user, pl_stage stage);
+    void *user;
+} pl_session;
+
+/* A session with an engine that is not loaded yet. `choice` must outlive it. */
+pl_session pl_session_begin(const pl_engine_choice *choice);
+
+/* Loads the engine. As pl_load_engine; PL_FAILED: it is not the engine that was described. */
+pl_status pl_session_load(pl_session *session, pl_error *error);
+
+/* Creates the scene, which must outlive the instance, after pl_needs_check. The engine's own
+ * status; PL_NO_MEMORY. */
+pl_status pl_session_create(pl_session *session, const pl_scene *scene, pl_error *error);
+
+/* One step of the scene's dt. *stats is set to "unknown" before the call, and *cost (NULL allowed)
+ * to what the call cost. The engine's own status. */
+pl_status pl_session_step(pl_session *session, pl_step_stats *stats, pl_call_cost *cost,
+                          pl_error *error);
+
+/* The state of all bodies in `frame`, whose arrays are the caller's. */
+void pl_session_read_frame(pl_session *session, pl_frame *frame);
+
+/* The contacts of the last step: *contacts, an array of *capacity that may grow, and their number
+ * in *count; -1 when the engine does not report contacts. PL_FAILED: a number that cannot be.
+ * PL_NO_MEMORY. */
+pl_status pl_session_read_contacts(pl_session *session, pl_contact **contacts, int *capacity,
+                                   int *count, pl_error *error);
+
+/* What the engine reads back; `settings` has its arrays and body_count, and is prepared here. */
+void pl_session_read_settings(pl_session *session, pl_engine_settings *settings);
+
+/* The coefficients of a pair of bodies as the engine has them; NAN: it does not say. */
+pl_pair_coefficients pl_session_read_pair(pl_session *session, int body_a, int body_b);
+
+/* Destroys the instance, if there is one. Another scene may then be created. */
+void pl_session_destroy(pl_session *session);
+
+/* Destroys the instance, if there is one, and unloads the engine. */
+void pl_session_end(pl_session *session);
+
+/* Whether the engine has what the scene needs. PL_UNSUPPORTED says what it lacks. */
+pl_status pl_needs_check(const pl_scene *scene, const pl_engine_info *engine, pl_error *error);
+
+/* A box that holds all bodies but planes at the start, grown on all sides by the distance that the
+ * fastest of them can go at its speed and under gravity until the scene's end; m. */
+void pl_scene_bounds(const pl_scene *scene, double lower[3], double upper[3]);
+
+#endif
