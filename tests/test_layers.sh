@@ -43,9 +43,9 @@ compare/results:             SCENE compare/include engines metrics
 compare/runner:              SCENE compare/include adapters engines geometry metrics referee results
 compare/studies/sweep:       SCENE compare/include adapters engines metrics results runner
 compare/studies/tune:        SCENE compare/include adapters engines metrics results runner
-compare/studies/threshold:   SCENE compare/include results runner
+compare/studies/threshold:   SCENE compare/include engines results runner
 compare/studies/ensemble:    SCENE compare/include engines geometry metrics results runner
-compare/studies/metamorphic: SCENE compare/include geometry results runner
+compare/studies/metamorphic: SCENE compare/include engines geometry results runner
 compare/studies/iterations:  SCENE compare/include adapters engines metrics results runner
 compare/studies/solve:       SCENE compare/include engine/include adapters engines results runner
 compare/gate:                SCENE compare/include metrics results
