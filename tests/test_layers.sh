@@ -41,6 +41,7 @@ compare/referee/metrics:     SCENE compare/include geometry
 compare/referee:             SCENE compare/include geometry metrics
 compare/results:             SCENE compare/include engines metrics
 compare/runner:              SCENE compare/include adapters engines geometry metrics referee results
+compare/conformance:         SCENE compare/include engines results runner
 compare/studies/sweep:       SCENE compare/include adapters engines metrics results runner
 compare/studies/tune:        SCENE compare/include adapters engines metrics results runner
 compare/studies/threshold:   SCENE compare/include engines results runner
@@ -50,7 +51,7 @@ compare/studies/iterations:  SCENE compare/include adapters engines metrics resu
 compare/studies/solve:       SCENE compare/include engine/include adapters engines results runner
 compare/gate:                SCENE compare/include metrics results
 compare/report:              SCENE compare/include metrics results sweep
-compare/command:             SCENE compare/include engine/include adapters engines metrics results runner STUDIES gate report
+compare/command:             SCENE compare/include engine/include adapters engines metrics results runner STUDIES conformance gate report
 compare:                     command
 '
 group() {

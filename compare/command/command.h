@@ -14,7 +14,7 @@
 /* Exit codes: scripts rely on them. */
 enum {
     PL_EXIT_OK = 0,
-    PL_EXIT_GATE = 1,   /* gate: a result is worse than allowed */
+    PL_EXIT_GATE = 1,   /* gate: a result is worse than allowed; check-engine: a check failed */
     PL_EXIT_USAGE = 2,  /* usage or bad input */
     PL_EXIT_FAILED = 3, /* run: the outcome is not ok; any command: a run or I/O failed */
     PL_EXIT_NOTHING = 4 /* nothing was compared */
@@ -108,7 +108,7 @@ json_t *pl_call_provenance(const pl_call *call, pl_error *error);
 /* The commands, one file each: command_<name>.c. */
 extern const pl_command pl_command_compare, pl_command_run, pl_command_threshold, pl_command_list,
     pl_command_scene, pl_command_solve, pl_command_ensemble, pl_command_sweep, pl_command_tune,
-    pl_command_report, pl_command_metamorphic, pl_command_gate;
+    pl_command_report, pl_command_metamorphic, pl_command_gate, pl_command_check_engine;
 
 /* The program: finds the command, runs it, and returns the exit code. */
 int pl_program(int argc, char **argv);

@@ -26,6 +26,7 @@ static const pl_command *const COMMANDS[] = {&pl_command_compare,
                                              &pl_command_report,
                                              &pl_command_metamorphic,
                                              &pl_command_gate,
+                                             &pl_command_check_engine,
                                              &HELP,
                                              &VERSION};
 enum { COMMAND_COUNT = sizeof COMMANDS / sizeof COMMANDS[0] };
@@ -42,7 +43,8 @@ static const char CLOSING[] =
     "  plumb help COMMAND     options and examples of a command\n"
     "  plumb --version        version\n"
     "\n"
-    "Exit codes: 0 success; 1 the gate failed (gate); 2 usage or bad input; 3 the outcome of a "
+    "Exit codes: 0 success; 1 the gate failed (gate) or a check\n"
+    "failed (check-engine); 2 usage or bad input; 3 the outcome of a "
     "run\n"
     "is not ok (run), no solver reached the tolerance (solve), a run could not be made, or I/O\n"
     "failed; 4 nothing was compared; 128+N ended by signal N.\n";

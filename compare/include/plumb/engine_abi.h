@@ -34,7 +34,8 @@
  *
  * Options: the names are the engine's own, except that `iterations` is the budget of the velocity
  * solver, which `plumb compare --iterations-to-tolerance`, `ensemble`, `sweep` and `tune` vary by
- * that name. `label` is taken: `--engine ./mine.so:fast,label=new` names a configuration.
+ * that name, and `restitution_threshold` (m/s) is the normal speed below which impacts do not
+ * bounce; an engine without that option has no such threshold. `label` is taken: `--engine ./mine.so:fast,label=new` names a configuration.
  *
  * Processes: the harness never runs an engine's code in its own process. A process of its own, with
  * a limit on time and memory, loads the shared object, asks for the defaults of its profiles and

@@ -1,0 +1,182 @@
+#include "probe.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Expectations ---- */
+
+static void end(pl_probe *probe, pl_check_outcome outcome, const char *expected, const char *found,
+                const char *cause)
+{
+    pl_check_result *result = probe->result;
+    if (probe->over) {
+        return;
+    }
+    probe->over = true;
+    result->outcome = outcome;
+    snprintf(result->expected, sizeof result->expected, "%s", expected);
+    snprintf(result->found, sizeof result->found, "%s", found);
+    snprintf(result->cause, sizeof result->cause, "%s", cause);
+}
+
+void pl_probe_fail(pl_probe *probe, const char *expected, const char *found, const char *cause)
+{
+    end(probe, PL_CHECK_FAILED, expected, found, cause);
+}
+
+void pl_probe_skip(pl_probe *probe, const char *why)
+{
+    end(probe, PL_CHECK_SKIPPED, "", why, "");
+}
+
+bool pl_probe_require(pl_probe *probe, bool condition, const char *expected, const char *found,
+                      const char *cause)
+{
+    if (!condition) {
+        pl_probe_fail(probe, expected, found, cause);
+    }
+    return !probe->over;
+}
+
+double pl_probe_tolerance(const pl_probe *probe, double scale)
+{
+    const bool single = probe->choice->engine->precision == PL_PRECISION_FLOAT;
+    return scale * (single ? 2e-5 : 1e-10);
+}
+
+bool pl_probe_expect(pl_probe *probe, const char *what, double found, double expected,
+                     double tolerance, const char *cause)
+{
+    char asked[PL_CHECK_TEXT_SIZE], got[PL_CHECK_TEXT_SIZE];
+    snprintf(asked, sizeof asked, "%s: %.10g, to %.2g", what, expected, tolerance);
+    snprintf(got, sizeof got, "%.10g", found);
+    return pl_probe_require(probe, fabs(found - expected) <= tolerance, asked, got, cause);
+}
+
+bool pl_probe_expect_vector(pl_probe *probe, const char *what, const double found[3],
+                            const double expected[3], double tolerance, const char *cause)
+{
+    char asked[PL_CHECK_TEXT_SIZE], got[PL_CHECK_TEXT_SIZE];
+    bool equal = true;
+    for (int k = 0; k < 3; ++k) {
+        equal = equal && fabs(found[k] - expected[k]) <= tolerance;
+    }
+    snprintf(asked, sizeof asked, "%s: (%.8g, %.8g, %.8g), to %.2g", what, expected[0], expected[1],
+             expected[2], tolerance);
+    snprintf(got, sizeof got, "(%.8g, %.8g, %.8g)", found[0], found[1], found[2]);
+    return pl_probe_require(probe, equal, asked, got, cause);
+}
+
+/* ---- Scenes ---- */
+
+/* Fails when the harness itself cannot go on. */
+static bool is_ok(pl_probe *probe, pl_status status, const pl_error *error)
+{
+    if (status != PL_OK) {
+        pl_probe_fail(probe, "the check's scene can be made", error->message, "");
+    }
+    return !probe->over;
+}
+
+pl_scene *pl_probe_scene(pl_probe *probe, double dt)
+{
+    pl_session_destroy(&probe->session);
+    pl_scene_free(&probe->scene);
+    probe->scene = pl_scene_default();
+    probe->scene.dt = dt;
+    probe->scene.duration = 10;
+    pl_probe_add_material(probe, 0.5, 0);
+    return &probe->scene;
+}
+
+int pl_probe_add_material(pl_probe *probe, double friction, double restitution)
+{
+    pl_error error = {.message = ""};
+    pl_material material = {.friction = friction, .restitution = restitution};
+    int index = 0;
+    snprintf(material.name, sizeof material.name, "material %d", probe->scene.material_count);
+    is_ok(probe, pl_scene_add_material(&probe->scene, &material, &index, &error), &error);
+    return index;
+}
+
+int pl_probe_add_body(pl_probe *probe, pl_body body)
+{
+    pl_error error = {.message = ""};
+    int index = 0;
+    snprintf(body.name, sizeof body.name, "body %d", probe->scene.body_count);
+    if (probe->scene.body_count == PL_PROBE_MOST_BODIES) {
+        pl_fail(&error, PL_NO_MEMORY, "too many bodies");
+        is_ok(probe, PL_NO_MEMORY, &error);
+        return 0;
+    }
+    is_ok(probe, pl_scene_add_body(&probe->scene, &body, &index, &error), &error);
+    return index;
+}
+
+int pl_probe_add_floor(pl_probe *probe)
+{
+    pl_body floor = pl_body_default();
+    floor.is_static = true;
+    floor.shape = pl_shape_plane(0, 0, 1, 0);
+    return pl_probe_add_body(probe, floor);
+}
+
+int pl_probe_add_sphere(pl_probe *probe, double radius, double mass, const double position[3])
+{
+    pl_body ball = pl_body_default();
+    ball.shape = pl_shape_sphere(radius);
+    ball.mass = mass;
+    memcpy(ball.position, position, sizeof ball.position);
+    return pl_probe_add_body(probe, ball);
+}
+
+static void read_frame(pl_probe *probe)
+{
+    memset(probe->now, 0xff, sizeof probe->now);
+    probe->frame =
+        (pl_frame){.time = NAN, .body_count = probe->scene.body_count, .bodies = probe->now};
+    pl_session_read_frame(&probe->session, &probe->frame);
+}
+
+void pl_probe_create(pl_probe *probe)
+{
+    pl_error error = {.message = ""};
+    if (probe->over || !is_ok(probe, pl_scene_validate(&probe->scene, &error), &error)) {
+        return;
+    }
+    pl_session_destroy(&probe->session);
+    if (pl_session_create(&probe->session, &probe->scene, &error) != PL_OK) {
+        pl_probe_fail(probe, "create accepts a scene that needs only what the engine claims",
+                      error.message, "capabilities claims too much");
+        return;
+    }
+    probe->steps = 0;
+    probe->contact_count = 0;
+    read_frame(probe);
+    memcpy(probe->start, probe->now, sizeof probe->start);
+    memcpy(probe->before, probe->now, sizeof probe->before);
+}
+
+void pl_probe_steps(pl_probe *probe, int count)
+{
+    for (int i = 0; i < count && !probe->over; ++i) {
+        pl_error error = {.message = ""};
+        memcpy(probe->before, probe->now, sizeof probe->before);
+        if (pl_session_step(&probe->session, &probe->stats, NULL, &error) != PL_OK) {
+            pl_probe_fail(probe, "step returns PL_OK", error.message, "");
+            return;
+        }
+        probe->steps += 1;
+        read_frame(probe);
+        int found = 0;
+        if (pl_session_read_contacts(&probe->session, &probe->contacts, &probe->contact_capacity,
+                                     &found, &error) != PL_OK) {
+            pl_probe_fail(probe, "read_contacts returns the number of contacts", error.message,
+                          "the number is negative, or differs from call to call");
+            return;
+        }
+        probe->contact_count = found < 0 ? 0 : found;
+    }
+}

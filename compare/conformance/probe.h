@@ -1,0 +1,102 @@
+/* The inside of a check, in the check's own process: an engine in a small scene, and the
+ * expectations that it meets or fails. The first expectation that fails is the result; all later
+ * ones are ignored, so that a check reads straight down.
+ *
+ *     static void check_gravity(pl_probe *p)
+ *     {
+ *         pl_scene *scene = pl_probe_scene(p, 1.0 / 100);
+ *         pl_probe_add_sphere(p, 0.5, 1, (double[]){0, 0, 5});
+ *         pl_probe_create(p);
+ *         pl_probe_steps(p, 10);
+ *         pl_probe_expect(p, "the velocity after 10 steps, m/s", p->now[0].velocity[2], -0.981,
+ *                         pl_probe_tolerance(p, 0.981), "gravity is not that of the scene");
+ *     } */
+#ifndef PLUMB_PROBE_H
+#define PLUMB_PROBE_H
+
+#include "conformance.h"
+#include "runner/session.h"
+
+enum { PL_PROBE_MOST_BODIES = 16 };
+
+/* A check in progress. */
+typedef struct pl_probe {
+    const pl_engine_choice *choice;
+    pl_session session;
+    pl_scene scene;                             /* of the coming or the present instance */
+    long steps;                                 /* made since create */
+    pl_frame frame;                             /* as last read */
+    pl_body_state start[PL_PROBE_MOST_BODIES];  /* as read after create */
+    pl_body_state before[PL_PROBE_MOST_BODIES]; /* before the last step */
+    pl_body_state now[PL_PROBE_MOST_BODIES];    /* after the last step */
+    pl_step_stats stats;                        /* of the last step */
+    pl_contact *contacts;                       /* (contact_count) of the last step */
+    int contact_count;                          /* 0 where the engine does not report contacts */
+    int contact_capacity;
+    pl_check_result *result;
+    bool over; /* failed or skipped: what follows does nothing */
+} pl_probe;
+
+/* A check. */
+typedef struct pl_check {
+    const char *name, *title;
+    uint32_t needs;    /* PL_NEEDS_* without which the check is skipped */
+    uint32_t contacts; /* PL_CONTACTS_* without which it is skipped */
+    void (*run)(pl_probe *probe);
+} pl_check;
+
+/* The checks of each file, (count). */
+extern const pl_check pl_state_checks[];
+extern const int pl_state_check_count;
+
+/* ---- Scenes ---- */
+
+/* Ends the present instance, if there is one, and begins an empty scene with gravity (0, 0, -9.81),
+ * this step in s, a duration of 10 s, and one material, "stone", with friction 0.5 and restitution
+ * 0. The scene is the probe's. */
+pl_scene *pl_probe_scene(pl_probe *probe, double dt);
+
+/* Adds a material, whose index is returned. */
+int pl_probe_add_material(pl_probe *probe, double friction, double restitution);
+
+/* Adds a body, whose index is returned; its name is made up. */
+int pl_probe_add_body(pl_probe *probe, pl_body body);
+
+/* Adds the static plane z = 0, of material 0, and returns its index. */
+int pl_probe_add_floor(pl_probe *probe);
+
+/* Adds a sphere of material 0 (m, kg, m), and returns its index. */
+int pl_probe_add_sphere(pl_probe *probe, double radius, double mass, const double position[3]);
+
+/* Creates the scene in the engine and reads the first frame. A scene that the engine refuses with
+ * PL_UNSUPPORTED although it claims all that the scene needs is a failure. */
+void pl_probe_create(pl_probe *probe);
+
+/* Makes steps, each with reading the frame and the contacts. */
+void pl_probe_steps(pl_probe *probe, int count);
+
+/* ---- Expectations ---- */
+
+/* `scale` times the rounding of the engine's precision: 1e-10 for doubles, 2e-5 for floats. */
+double pl_probe_tolerance(const pl_probe *probe, double scale);
+
+/* Expects |found - expected| <= tolerance; NAN fails. `what` with its unit is the subject of the
+ * messages, `cause` what usually causes a difference. True while all went well. */
+bool pl_probe_expect(pl_probe *probe, const char *what, double found, double expected,
+                     double tolerance, const char *cause);
+
+/* The same for three components. */
+bool pl_probe_expect_vector(pl_probe *probe, const char *what, const double found[3],
+                            const double expected[3], double tolerance, const char *cause);
+
+/* Expects a condition; the texts say what was expected and what was found. */
+bool pl_probe_require(pl_probe *probe, bool condition, const char *expected, const char *found,
+                      const char *cause);
+
+/* Fails with these texts. */
+void pl_probe_fail(pl_probe *probe, const char *expected, const char *found, const char *cause);
+
+/* Ends the check as skipped, unless it has failed. */
+void pl_probe_skip(pl_probe *probe, const char *why);
+
+#endif
