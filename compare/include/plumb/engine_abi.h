@@ -26,7 +26,7 @@
  *   that cannot use this dt refuses it in create.
  * - Friction and restitution are those of pl_setup_pair, whatever rule of mixing the engine has.
  *   Rolling and spinning friction are 0. A threshold below which impacts do not bounce is an option
- *   of the engine, with a default that scenes at rest need and no larger.
+ *   of the engine, restitution_threshold, whose default is no larger than rest needs.
  * - A plane is a half-space. An engine without half-spaces uses a box whose top is the plane and
  *   which covers pl_engine_setup.lower to .upper; its depth should be about its width.
  * - Applied forces act during the steps for which pl_force_acts.
@@ -35,11 +35,12 @@
  * Options: the names are the engine's own, except that `iterations` is the budget of the velocity
  * solver, which `plumb compare --iterations-to-tolerance`, `ensemble`, `sweep` and `tune` vary by
  * that name, and `restitution_threshold` (m/s) is the normal speed below which impacts do not
- * bounce; an engine without that option has no such threshold. `label` is taken: `--engine ./mine.so:fast,label=new` names a configuration.
+ * bounce; an engine without that option has no such threshold. `label` is taken:
+ * `--engine ./mine.so:fast,label=new` names a configuration.
  *
  * Processes: the harness never runs an engine's code in its own process. A process of its own, with
- * a limit on time and memory, loads the shared object, asks for the defaults of its profiles and
- * ends. Every run is another such process, which calls, from one thread and in this order: create;
+ * a limit on time, loads the shared object, asks for the defaults of its profiles and ends. Every
+ * run is another such process, with a limit on memory too, which calls, from one thread and in this order: create;
  * read_settings, read_pair, read_frame; then for each step: step, read_frame, read_contacts; at the
  * end destroy, and the shared object is unloaded. What an engine prints is captured; a crash, an
  * exit, a hang is the outcome of that run. The floating-point environment is restored after every
