@@ -12,8 +12,8 @@
  * btNNCGConstraintSolver.cpp), so that of several contact points one may be left pulling. */
 #include "built_in.h"
 #include "bullet_c.h"
+#include "plumb/adapter_helpers.h"
 #include "plumb/scenario.h"
-#include "scene_frames.h"
 
 #include <stdio.h>
 #include <stdlib.h>

@@ -5,7 +5,6 @@
 #include "plumb/contact_problem.h"
 #include "plumb/engine.h"
 #include "plumb/scenario.h"
-#include "scene_frames.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -34,7 +34,7 @@
  * Rolling and spinning friction are 0, Bullet's default. */
 #include "bullet_c.h"
 
-#include "scene_frames.h"
+#include "plumb/adapter_helpers.h"
 
 #include <BulletCollision/Gimpact/btGImpactCollisionAlgorithm.h>
 #include <BulletCollision/Gimpact/btGImpactShape.h>

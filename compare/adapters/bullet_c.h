@@ -59,8 +59,8 @@ pl_bullet_world *pl_bullet_world_create(const pl_bullet_world_def *def);
 void pl_bullet_world_destroy(pl_bullet_world *world);
 
 /* Adds a body with the scene's shape, velocities, mass and inertia, never to sleep; its position
- * and orientation are those of its principal frame (scene_frames.h), here and when read back.
- * A hull or mesh outlives the world.
+ * and orientation are those of its principal frame (plumb/adapter_helpers.h), here and when read
+ * back. A hull or mesh outlives the world.
  * PL_UNSUPPORTED for a shape that this interface does not know, PL_NO_MEMORY. */
 pl_status pl_bullet_add_body(pl_bullet_world *world, const pl_body *body);
 

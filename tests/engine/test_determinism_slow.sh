@@ -7,8 +7,7 @@ folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cd "$SOURCE"
 sources="engine/src/*/*.c engine/src/*/*/*.c scenarios/base/*.c scenarios/scene/*.c
-         scenarios/catalogue/*.c compare/adapters/adapter_plumb.c compare/adapters/scene_frames.c
-         tests/engine/determinism_driver.c"
+         scenarios/catalogue/*.c compare/adapters/adapter_plumb.c tests/engine/determinism_driver.c"
 includes="-Iengine/include -Iengine/src -Iscenarios/include -Iscenarios
           -Icompare -Icompare/include"
 amd=

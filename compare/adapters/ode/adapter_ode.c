@@ -14,9 +14,9 @@
  * to report: `quick` runs exactly the sweeps it is set to, and that number is reported; `dantzig`
  * reports none. */
 #include "adapters/built_in.h"
-#include "adapters/scene_frames.h"
 #include "ode_instance.h"
 #include "ode_shapes.h"
+#include "plumb/adapter_helpers.h"
 #include "plumb/scenario.h"
 #include "plumb/vec.h"
 

@@ -1,7 +1,7 @@
 
 #include "ode_instance.h"
 
-#include "adapters/scene_frames.h"
+#include "plumb/adapter_helpers.h"
 #include "plumb/scenario.h"
 #include "plumb/vec.h"
 
