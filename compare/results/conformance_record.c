@@ -1,0 +1,173 @@
+#include "conformance_record.h"
+
+#include "base/json_field.h"
+#include "result.h"
+#include "store.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const schema = "plumb.conformance_record/1";
+
+/* ---- The file ---- */
+
+static const char *variable(const char *name)
+{
+    const char *value = getenv(name);
+    return value == NULL || value[0] == '\0' ? NULL : value;
+}
+
+/* Writes the folder of the records; false when there is none, or no memory for its name. */
+static bool cache_folder(char **folder)
+{
+    const char *own = variable("PLUMB_CACHE");
+    const char *caches = variable("XDG_CACHE_HOME");
+    const char *home = variable("HOME");
+    int length = -1;
+    *folder = NULL;
+    if (own != NULL) {
+        length = asprintf(folder, "%s", own);
+    } else if (caches != NULL) {
+        length = asprintf(folder, "%s/plumb", caches);
+    } else if (home != NULL) {
+        length = asprintf(folder, "%s/.cache/plumb", home);
+    }
+    if (length < 0) {
+        *folder = NULL;
+    }
+    return *folder != NULL;
+}
+
+/* The names in a record's path have only letters, digits, '_', '-' and '.'. */
+static void make_safe(char *name)
+{
+    for (; *name != '\0'; ++name) {
+        const unsigned char c = (unsigned char)*name;
+        *name = (char)(isalnum(c) || strchr("_-.", c) != NULL ? c : '_');
+    }
+}
+
+/* The path of a record: malloc'd; NULL when out of memory. */
+static char *record_path(const char *folder, const pl_engine_info *engine, const char *profile)
+{
+    char names[2][PL_NAME_SIZE];
+    char *path = NULL;
+    snprintf(names[0], sizeof names[0], "%s", engine->name);
+    snprintf(names[1], sizeof names[1], "%s", profile);
+    make_safe(names[0]);
+    make_safe(names[1]);
+    return asprintf(&path, "%s/conformance-%s-%s-%s.json", folder, engine->binary, names[0],
+                    names[1]) < 0
+               ? NULL
+               : path;
+}
+
+/* ---- Writing ---- */
+
+static json_t *record_of(const pl_engine_info *engine, const char *profile, int checks, int failed,
+                         int skipped)
+{
+    char now[32];
+    pl_timestamp(now);
+    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:i, s:i, s:i, s:{s:s, s:s}, s:s}", "schema",
+                     schema, "engine", engine->name, "engine_version", engine->version,
+                     "engine_binary", engine->binary, "profile", profile, "outcome",
+                     failed > 0 ? "failed" : "passed", "checks", checks, "failed", failed,
+                     "skipped", skipped, "plumb", "version", PLUMB_VERSION, "git", PLUMB_GIT,
+                     "time", now);
+}
+
+pl_status pl_conformance_record_write(const pl_engine_info *engine, const char *profile, int checks,
+                                      int failed, int skipped, pl_error *error)
+{
+    char *folder;
+    if (engine->binary[0] == '\0' || !cache_folder(&folder)) {
+        return PL_OK;
+    }
+    char *path = record_path(folder, engine, profile);
+    json_t *record = record_of(engine, profile, checks, failed, skipped);
+    pl_status status = path == NULL || record == NULL
+                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for a conformance record")
+                           : pl_make_directories(folder, error);
+    if (status == PL_OK) {
+        status = pl_results_write_json(path, record, error);
+    }
+    json_decref(record);
+    free(path);
+    free(folder);
+    return status;
+}
+
+/* ---- Reading ---- */
+
+static bool text_is(const json_t *record, const char *key, const char *expected)
+{
+    return strcmp(pl_json_get_text(record, key), expected) == 0;
+}
+
+static bool count_of(const json_t *record, const char *key, int *count)
+{
+    const json_t *value = json_object_get(record, key);
+    const json_int_t found = json_integer_value(value);
+    *count = (int)found;
+    return json_is_integer(value) && found >= 0 && found <= 1000000;
+}
+
+/* Whether the record is whole, of this engine, and agrees with itself. */
+static bool is_record(const json_t *record, const pl_engine_info *engine, const char *profile)
+{
+    int checks, failed, skipped;
+    return text_is(record, "schema", schema) && text_is(record, "engine", engine->name) &&
+           text_is(record, "engine_version", engine->version) &&
+           text_is(record, "engine_binary", engine->binary) &&
+           text_is(record, "profile", profile) && count_of(record, "checks", &checks) &&
+           count_of(record, "failed", &failed) && count_of(record, "skipped", &skipped) &&
+           checks > 0 && failed <= checks &&
+           text_is(record, "outcome", failed > 0 ? "failed" : "passed") &&
+           pl_json_get_text(json_object_get(record, "plumb"), "version")[0] != '\0';
+}
+
+json_t *pl_conformance_record_read(const pl_engine_info *engine, const char *profile)
+{
+    char *folder;
+    if (engine->binary[0] == '\0' || !cache_folder(&folder)) {
+        return NULL;
+    }
+    char *path = record_path(folder, engine, profile);
+    json_t *record = path == NULL ? NULL : json_load_file(path, JSON_REJECT_DUPLICATES, NULL);
+    free(path);
+    free(folder);
+    if (!is_record(record, engine, profile)) {
+        json_decref(record);
+        return NULL;
+    }
+    return record;
+}
+
+pl_conformance pl_conformance_find(const pl_engine_info *engine, const char *profile)
+{
+    pl_conformance found = {.is_known = false};
+    json_t *record = pl_conformance_record_read(engine, profile);
+    if (record != NULL) {
+        found.is_known = true;
+        count_of(record, "checks", &found.checks);
+        count_of(record, "failed", &found.failed);
+        found.passed = found.failed == 0;
+        snprintf(found.plumb, sizeof found.plumb, "%s",
+                 pl_json_get_text(json_object_get(record, "plumb"), "version"));
+    }
+    json_decref(record);
+    return found;
+}
+
+json_t *pl_conformance_to_json(const pl_conformance *conformance)
+{
+    if (!conformance->is_known) {
+        return json_null();
+    }
+    return json_pack("{s:s, s:i, s:i, s:s}", "outcome", conformance->passed ? "passed" : "failed",
+                     "checks", conformance->checks, "failed", conformance->failed, "plumb",
+                     conformance->plumb);
+}

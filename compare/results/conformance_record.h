@@ -1,0 +1,40 @@
+/* What `plumb check-engine` found, kept from one program run to the next: one file for each
+ * engine binary and profile. Reports take from here whether an adapter was verified.
+ *
+ * The files are in $PLUMB_CACHE, else in $XDG_CACHE_HOME/plumb, else in $HOME/.cache/plumb, and are
+ * called conformance-BINARY-ENGINE-PROFILE.json. Without any of these variables nothing is kept. A
+ * changed binary has no record. */
+#ifndef PLUMB_CONFORMANCE_RECORD_H
+#define PLUMB_CONFORMANCE_RECORD_H
+
+#include "engines/engine_info.h"
+
+#include <jansson.h>
+
+/* What is known of the conformance of an engine with a profile. */
+typedef struct pl_conformance {
+    bool is_known; /* a record exists; the rest has a meaning only then */
+    bool passed;
+    int checks;     /* made, without those that were skipped */
+    int failed;     /* of them */
+    char plumb[32]; /* version of plumb that made them */
+} pl_conformance;
+
+/* Keeps that `checks` checks were made and `failed` of them failed, and that `skipped` others were
+ * skipped. For a run of all checks with the profile's default options only: `passed` is claimed of
+ * the profile. An engine without a binary hash, because it could not be loaded, has no record.
+ * PL_IO: the folder cannot be written; PL_NO_MEMORY. */
+pl_status pl_conformance_record_write(const pl_engine_info *engine, const char *profile, int checks,
+                                      int failed, int skipped, pl_error *error);
+
+/* The record of this binary of the engine with the profile: a new reference. NULL: there is none,
+ * or it is damaged or not of this engine. */
+json_t *pl_conformance_record_read(const pl_engine_info *engine, const char *profile);
+
+/* The same as a struct. */
+pl_conformance pl_conformance_find(const pl_engine_info *engine, const char *profile);
+
+/* As in results: {"outcome", "checks", "failed", "plumb"}, or null where nothing is known. */
+json_t *pl_conformance_to_json(const pl_conformance *conformance);
+
+#endif
