@@ -15,6 +15,7 @@ static const pl_check *check_at(int index)
         int count;
     } files[] = {
         {pl_state_checks, pl_state_check_count},
+        {pl_material_checks, pl_material_check_count},
     };
     for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
         if (index < files[i].count) {

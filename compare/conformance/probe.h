@@ -48,6 +48,8 @@ typedef struct pl_check {
 /* The checks of each file, (count). */
 extern const pl_check pl_state_checks[];
 extern const int pl_state_check_count;
+extern const pl_check pl_material_checks[];
+extern const int pl_material_check_count;
 
 /* ---- Scenes ---- */
 

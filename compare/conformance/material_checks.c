@@ -1,0 +1,469 @@
+/* Friction and restitution of each pair of materials, by what the bodies do. A sphere's friction is
+ * the ratio of the two parts of the impulse that its motion shows, and its restitution the ratio of
+ * its normal speeds: both are exact for every engine, whatever its solver, its steps inside a step
+ * and its correction of positions. */
+#include "plumb/scene.h"
+#include "probe.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* 0.1 %, for every engine: what the harness promises about friction and restitution. */
+static const double SHARE = 1e-3;
+
+static const double RADIUS = 0.5;    /* m, of every sphere */
+static const double DT = 1.0 / 240;  /* s */
+static const double SPACING = 3;     /* m, between spheres that do not meet */
+static const double SPEED = 2;       /* m/s, of an impact */
+static const double TOP = 40;        /* m, where the sphere that falls freely starts */
+enum { PAIR_COUNT = 3, STEPS = 60 }; /* a quarter of a second */
+
+/* The materials of these scenes. GROUND meets each of the three. With RUBBER it has coefficients of
+ * its own: not the product, the least, the largest, a mean of the two, nor those of one of them. */
+enum { UNUSED, GROUND, RUBBER, WOOD };
+static const int PARTNERS[PAIR_COUNT] = {RUBBER, WOOD, GROUND};
+
+/* Which of the coefficients are not zero. The scenes of one are without the other. */
+typedef enum coefficient_kind { FRICTION = 1, RESTITUTION = 2 } coefficient_kind;
+
+static void begin(pl_probe *p, int kinds)
+{
+    const double friction = (kinds & FRICTION) != 0, bounce = (kinds & RESTITUTION) != 0;
+    pl_scene *scene = pl_probe_scene(p, DT);
+    pl_error error = {.message = ""};
+    pl_probe_add_material(p, 0.2 * friction, 0.3 * bounce);
+    pl_probe_add_material(p, 0.8 * friction, 0.9 * bounce);
+    pl_probe_add_material(p, 0.45 * friction, 0.4 * bounce);
+    const pl_material_pair pair = {.material_a = RUBBER,
+                                   .material_b = GROUND,
+                                   .friction = 0.35 * friction,
+                                   .restitution = 0.5 * bounce};
+    if (pl_scene_add_pair(scene, &pair, &error) != PL_OK) {
+        pl_probe_fail(p, "the check's scene can be made", error.message, "");
+    }
+}
+
+/* The static ground whose top is z = 0: a plane or a wide slab. */
+static int add_ground(pl_probe *p, pl_shape_kind kind)
+{
+    pl_body ground = pl_body_default();
+    ground.is_static = true;
+    ground.material = GROUND;
+    ground.shape = pl_shape_plane(0, 0, 1, 0);
+    if (kind == PL_SHAPE_BOX) {
+        ground.shape = pl_shape_box(20, 20, 0.5);
+        ground.position[2] = -0.5;
+    }
+    return pl_probe_add_body(p, ground);
+}
+
+static pl_body ball(int material, double mass, double x, double y, double z)
+{
+    pl_body body = pl_body_default();
+    body.shape = pl_shape_sphere(RADIUS);
+    body.material = material;
+    body.mass = mass;
+    memcpy(body.position, (double[]){x, y, z}, sizeof body.position);
+    return body;
+}
+
+/* ---- What was measured ---- */
+
+/* One coefficient of one pair of bodies. */
+typedef struct coefficient {
+    const char *name; /* "friction", "restitution" */
+    int body_a, body_b;
+    double own_a, own_b; /* of each material by itself */
+    double asked, found;
+} coefficient;
+
+static coefficient coefficient_of(const pl_probe *p, coefficient_kind kind, int body_a, int body_b)
+{
+    const pl_scene *scene = &p->scene;
+    const int a = scene->bodies[body_a].material, b = scene->bodies[body_b].material;
+    const pl_material *own_a = &scene->materials[a], *own_b = &scene->materials[b];
+    double friction, restitution;
+    pl_scene_pair(scene, a, b, &friction, &restitution);
+    const bool is_friction = kind == FRICTION;
+    return (coefficient){.name = is_friction ? "friction" : "restitution",
+                         .body_a = body_a,
+                         .body_b = body_b,
+                         .own_a = is_friction ? own_a->friction : own_a->restitution,
+                         .own_b = is_friction ? own_b->friction : own_b->restitution,
+                         .asked = is_friction ? friction : restitution,
+                         .found = NAN};
+}
+
+static double error_of(const coefficient *c)
+{
+    const double error = fabs(c->found / c->asked - 1);
+    return isnan(error) ? (double)INFINITY : error;
+}
+
+static bool is_about(double found, double value)
+{
+    return fabs(found - value) <= 3 * SHARE * fabs(value);
+}
+
+/* What usually makes this of the coefficient that was asked for. */
+static const char *cause_of(const coefficient *c)
+{
+    const double a = c->own_a, b = c->own_b;
+    const struct {
+        double value;
+        const char *cause;
+    } known[] = {
+        {a * b, "the product of the two materials' own coefficients: take those of pl_setup_pair"},
+        {fmin(a, b), "the smaller of the two materials' own coefficients, not that of "
+                     "pl_setup_pair"},
+        {fmax(a, b), "the larger of the two materials' own coefficients, not that of "
+                     "pl_setup_pair"},
+        {(a + b) / 2, "the mean of the two materials' own coefficients, not that of pl_setup_pair"},
+        {sqrt(a * b), "the geometric mean of the two materials' own coefficients: the scene has "
+                      "another for this pair, which pl_setup_pair gives"},
+        {c->asked * sqrt(2), "a friction pyramid whose edge, not its face, has the coefficient"},
+        {c->asked * sqrt(0.5), "a friction pyramid whose edge, not its face, has the coefficient"},
+        {c->asked * 2, "twice the coefficient"},
+        {c->asked / 2, "half the coefficient"},
+        {-c->asked, "the sign of the impulse"},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof *known; ++i) {
+        if (is_about(c->found, known[i].value)) {
+            return known[i].cause;
+        }
+    }
+    return fabs(c->found) < SHARE
+               ? "the coefficient does not reach the engine, or contacts are not made"
+               : "the coefficient is scaled on its way into the engine, it is that of another "
+                 "pair, or the solver stops before it has converged";
+}
+
+static void judge(pl_probe *p, const coefficient *c, const char *how)
+{
+    char expected[PL_CHECK_TEXT_SIZE], found[PL_CHECK_TEXT_SIZE];
+    snprintf(expected, sizeof expected, "%s of bodies %d and %d, %s: %.6g, to 0.1 %%", c->name,
+             c->body_a, c->body_b, how, c->asked);
+    snprintf(found, sizeof found, "%.6g, which is %.4g times that", c->found, c->found / c->asked);
+    pl_probe_require(p, error_of(c) <= SHARE, expected, found, cause_of(c));
+}
+
+/* ---- Friction on the ground ---- */
+
+/* How the spheres slide. */
+typedef struct slide {
+    pl_shape_kind ground;
+    bool ground_is_last; /* of the bodies; else the first */
+    int axis;            /* of the world, along which they move */
+} slide;
+
+/* Spheres that slide along the axis and spin backward so fast that they do not roll within the
+ * run. Another one falls freely: it measures gravity times time. */
+static void measure_slide(pl_probe *p, const slide *s, coefficient found[PAIR_COUNT])
+{
+    begin(p, FRICTION);
+    int ground = s->ground_is_last ? 0 : add_ground(p, s->ground);
+    int balls[PAIR_COUNT];
+    for (int i = 0; i < PAIR_COUNT; ++i) {
+        pl_body body = ball(PARTNERS[i], 2, 0, 0, RADIUS);
+        body.position[1 - s->axis] = SPACING * (i - 1);
+        body.velocity[s->axis] = 6;
+        body.angular_velocity[1 - s->axis] = s->axis == 0 ? -30 : 30;
+        balls[i] = pl_probe_add_body(p, body);
+    }
+    const int falling = pl_probe_add_body(p, ball(WOOD, 2, 0, 0, TOP));
+    if (s->ground_is_last) {
+        ground = add_ground(p, s->ground);
+    }
+    pl_probe_create(p);
+    pl_probe_steps(p, STEPS);
+    pl_body_state from[PL_PROBE_MOST_BODIES];
+    memcpy(from, p->now, sizeof from);
+    pl_probe_steps(p, STEPS);
+    const double fallen = p->now[falling].velocity[2] - from[falling].velocity[2];
+    for (int i = 0; i < PAIR_COUNT; ++i) {
+        const int body = balls[i];
+        const double normal = p->now[body].velocity[2] - from[body].velocity[2] - fallen;
+        const double along = from[body].velocity[s->axis] - p->now[body].velocity[s->axis];
+        found[i] = coefficient_of(p, FRICTION, ground, body);
+        found[i].found = normal > 0.1 * fabs(fallen) ? along / normal : (double)NAN;
+    }
+}
+
+static void check_slide(pl_probe *p, pl_shape_kind ground, bool ground_is_last)
+{
+    static const char *const how[] = {"sliding along x", "sliding along y"};
+    coefficient best[PAIR_COUNT];
+    const char *best_how[PAIR_COUNT] = {how[0], how[0], how[0]};
+    /* A pyramid whose axes are not the world's is met by one of the two. */
+    for (int axis = 0; axis < 2 && !p->over; ++axis) {
+        coefficient found[PAIR_COUNT];
+        measure_slide(p, &(slide){ground, ground_is_last, axis}, found);
+        for (int i = 0; i < PAIR_COUNT; ++i) {
+            if (axis == 0 || error_of(&found[i]) < error_of(&best[i])) {
+                best[i] = found[i];
+                best_how[i] = how[axis];
+            }
+        }
+    }
+    for (int i = 0; i < PAIR_COUNT && !p->over; ++i) {
+        judge(p, &best[i], best_how[i]);
+    }
+}
+
+static void check_friction(pl_probe *p)
+{
+    check_slide(p, PL_SHAPE_PLANE, false);
+    check_slide(p, PL_SHAPE_PLANE, true);
+}
+
+static void check_friction_box(pl_probe *p)
+{
+    check_slide(p, PL_SHAPE_BOX, false);
+    check_slide(p, PL_SHAPE_BOX, true);
+}
+
+/* ---- Friction of two moving spheres ---- */
+
+/* A light sphere that spins meets a heavy one. The impulse on it, step by step, in parts along and
+ * across the line of centres of the pose before the step. */
+static coefficient measure_graze(pl_probe *p, const int materials[2], int across)
+{
+    begin(p, FRICTION);
+    memset(p->scene.gravity, 0, sizeof p->scene.gravity);
+    pl_body light = ball(materials[0], 1, 0, 0, 1), heavy = ball(materials[1], 3, 1, 0, 1);
+    light.velocity[0] = SPEED;
+    light.angular_velocity[3 - across] = across == 1 ? 30 : -30;
+    pl_probe_add_body(p, light);
+    pl_probe_add_body(p, heavy);
+    pl_probe_create(p);
+    double normal = 0, along = 0;
+    for (int n = 0; n < 10; ++n) {
+        pl_probe_steps(p, 1);
+        const double *a = p->before[0].position, *b = p->before[1].position;
+        const double x = b[0] - a[0], y = b[across] - a[across], length = hypot(x, y);
+        const double change_x = p->before[0].velocity[0] - p->now[0].velocity[0];
+        const double change_y = p->before[0].velocity[across] - p->now[0].velocity[across];
+        normal += (change_x * x + change_y * y) / length;
+        along += (change_y * x - change_x * y) / length;
+    }
+    coefficient found = coefficient_of(p, FRICTION, 0, 1);
+    found.found = normal > 0.1 * SPEED ? along / normal : (double)NAN;
+    return found;
+}
+
+static void check_friction_spheres(pl_probe *p)
+{
+    for (int order = 0; order < 2 && !p->over; ++order) {
+        const int materials[] = {order == 0 ? GROUND : RUBBER, order == 0 ? RUBBER : GROUND};
+        const coefficient y = measure_graze(p, materials, 1), z = measure_graze(p, materials, 2);
+        judge(p, error_of(&y) < error_of(&z) ? &y : &z, "two spheres, one of which spins");
+    }
+}
+
+/* ---- Restitution ---- */
+
+enum { MOST_IMPACTS = 5 };
+
+/* Spheres that fall on the ground at once, without gravity. */
+typedef struct impacts {
+    bool ground_is_last;
+    int count;
+    int materials[MOST_IMPACTS];
+    double speeds[MOST_IMPACTS]; /* m/s */
+    coefficient found[MOST_IMPACTS];
+} impacts;
+
+/* Each sphere starts `gap` steps before it touches, at its speed. Keeps what is nearest to that
+ * asked: engines whose contacts hold a body back that would touch only within the step swallow a
+ * part of the bounce for some gaps, and engines without such contacts hit at any. */
+static void measure_impacts(pl_probe *p, impacts *s, double gap)
+{
+    begin(p, RESTITUTION);
+    memset(p->scene.gravity, 0, sizeof p->scene.gravity);
+    int ground = s->ground_is_last ? 0 : add_ground(p, PL_SHAPE_PLANE);
+    int first = p->scene.body_count;
+    for (int i = 0; i < s->count; ++i) {
+        pl_body body = ball(s->materials[i], 1 + i, SPACING * i, 0, RADIUS);
+        body.position[2] += gap * s->speeds[i] * DT;
+        body.velocity[2] = -s->speeds[i];
+        pl_probe_add_body(p, body);
+    }
+    if (s->ground_is_last) {
+        ground = add_ground(p, PL_SHAPE_PLANE);
+    }
+    pl_probe_create(p);
+    pl_probe_steps(p, 20);
+    for (int i = 0; i < s->count; ++i) {
+        coefficient found = coefficient_of(p, RESTITUTION, ground, first + i);
+        found.found = p->now[first + i].velocity[2] / s->speeds[i];
+        if (gap == 0 || error_of(&found) < error_of(&s->found[i])) {
+            s->found[i] = found;
+        }
+    }
+}
+
+static const double GAPS[] = {0, 0.3, 0.7}; /* of the way of one step */
+enum { GAP_COUNT = sizeof GAPS / sizeof *GAPS };
+
+static void check_restitution(pl_probe *p)
+{
+    for (int order = 0; order < 2 && !p->over; ++order) {
+        impacts s = {.ground_is_last = order == 1, .count = PAIR_COUNT};
+        for (int i = 0; i < PAIR_COUNT; ++i) {
+            s.materials[i] = PARTNERS[i];
+            s.speeds[i] = SPEED;
+        }
+        for (int g = 0; g < GAP_COUNT && !p->over; ++g) {
+            measure_impacts(p, &s, GAPS[g]);
+        }
+        for (int i = 0; i < PAIR_COUNT && !p->over; ++i) {
+            judge(p, &s.found[i], "falling at 2 m/s");
+        }
+    }
+}
+
+/* Three pairs of spheres, of 1 kg that moves and 3 kg that rests. */
+static void measure_collisions(pl_probe *p, bool light_is_last, double gap,
+                               coefficient best[PAIR_COUNT])
+{
+    begin(p, RESTITUTION);
+    memset(p->scene.gravity, 0, sizeof p->scene.gravity);
+    for (int i = 0; i < PAIR_COUNT; ++i) {
+        pl_body light = ball(GROUND, 1, -gap * SPEED * DT, SPACING * i, 1);
+        const pl_body heavy = ball(PARTNERS[i], 3, 2 * RADIUS, SPACING * i, 1);
+        light.velocity[0] = SPEED;
+        pl_probe_add_body(p, light_is_last ? heavy : light);
+        pl_probe_add_body(p, light_is_last ? light : heavy);
+    }
+    pl_probe_create(p);
+    pl_probe_steps(p, 20);
+    for (int i = 0; i < PAIR_COUNT; ++i) {
+        const int light = 2 * i + (light_is_last ? 1 : 0), heavy = 4 * i + 1 - light;
+        coefficient found = coefficient_of(p, RESTITUTION, light, heavy);
+        found.found = (p->now[heavy].velocity[0] - p->now[light].velocity[0]) / SPEED;
+        if (gap == 0 || error_of(&found) < error_of(&best[i])) {
+            best[i] = found;
+        }
+    }
+}
+
+static void check_restitution_spheres(pl_probe *p)
+{
+    for (int order = 0; order < 2 && !p->over; ++order) {
+        coefficient found[PAIR_COUNT];
+        for (int g = 0; g < GAP_COUNT && !p->over; ++g) {
+            measure_collisions(p, order == 1, GAPS[g], found);
+        }
+        for (int i = 0; i < PAIR_COUNT && !p->over; ++i) {
+            judge(p, &found[i], "a sphere of 1 kg hits one of 3 kg at 2 m/s");
+        }
+    }
+}
+
+/* ---- The speed below which impacts do not bounce ---- */
+
+/* The value of that option; 0 without it. */
+static double threshold_of(const pl_engine_choice *choice)
+{
+    for (int i = 0; i < choice->engine->option_count; ++i) {
+        if (strcmp(choice->engine->options[i].name, "restitution_threshold") == 0) {
+            return choice->values[i];
+        }
+    }
+    return 0;
+}
+
+static void check_restitution_threshold(pl_probe *p)
+{
+    static const double speeds[] = {0.05, 0.3, 0.7, 1.5};
+    const double threshold = threshold_of(p->choice);
+    impacts s = {.count = 0};
+    for (size_t i = 0; i < sizeof speeds / sizeof *speeds; ++i) {
+        if (speeds[i] > 1.01 * threshold) {
+            s.speeds[s.count++] = speeds[i];
+        }
+    }
+    if (threshold > 0) {
+        s.speeds[s.count++] = 1.1 * threshold;
+    }
+    for (int i = 0; i < s.count; ++i) {
+        s.materials[i] = RUBBER;
+    }
+    for (int g = 0; g < GAP_COUNT && !p->over; ++g) {
+        measure_impacts(p, &s, GAPS[g]);
+    }
+    for (int i = 0; i < s.count && !p->over; ++i) {
+        char expected[PL_CHECK_TEXT_SIZE], found[PL_CHECK_TEXT_SIZE];
+        const coefficient *c = &s.found[i];
+        snprintf(expected, sizeof expected,
+                 "an impact at %g m/s bounces at %.6g of its speed, to 0.1 %% "
+                 "(restitution_threshold is %g m/s)",
+                 s.speeds[i], c->asked, threshold);
+        snprintf(found, sizeof found, "%.6g of its speed", c->found);
+        pl_probe_require(p, error_of(c) <= SHARE, expected, found,
+                         "the engine has a threshold of restitution above that: set it, and make "
+                         "it the option restitution_threshold");
+    }
+}
+
+/* ---- What is read back ---- */
+
+static void expect_pair(pl_probe *p, int a, int b)
+{
+    const pl_pair_coefficients found = pl_session_read_pair(&p->session, a, b);
+    const coefficient_kind kinds[] = {FRICTION, RESTITUTION};
+    const double values[] = {found.friction, found.restitution};
+    for (int i = 0; i < 2; ++i) {
+        const coefficient asked = coefficient_of(p, kinds[i], a, b);
+        char what[PL_CHECK_TEXT_SIZE];
+        snprintf(what, sizeof what, "the %s of bodies %d and %d in read_pair", asked.name, a, b);
+        if (!isnan(values[i])) {
+            pl_probe_expect(p, what, values[i], asked.asked, pl_probe_tolerance(p, 1),
+                            "read_pair is of other materials, or the engine has another value");
+        }
+    }
+}
+
+static void check_read_pair(pl_probe *p)
+{
+    const uint32_t claimed = p->choice->engine->capabilities;
+    const bool has_friction =
+        (claimed & PL_NEEDS_FRICTION) != 0 && (claimed & PL_NEEDS_ROTATION) != 0;
+    begin(p, (has_friction ? FRICTION : 0) |
+                 ((claimed & PL_NEEDS_RESTITUTION) != 0 ? RESTITUTION : 0));
+    add_ground(p, PL_SHAPE_PLANE);
+    for (int i = 0; i < PAIR_COUNT; ++i) {
+        pl_probe_add_body(p, ball(PARTNERS[i], 1, SPACING * i, 0, RADIUS));
+    }
+    pl_probe_create(p);
+    for (int a = 0; a <= PAIR_COUNT && !p->over; ++a) {
+        for (int b = 0; b <= PAIR_COUNT && !p->over; ++b) {
+            if (a != b) {
+                expect_pair(p, a, b);
+            }
+        }
+    }
+}
+
+enum {
+    SMOOTH = PL_NEEDS_SPHERE | PL_NEEDS_PLANE,
+    SLIDING = PL_NEEDS_SPHERE | PL_NEEDS_FRICTION | PL_NEEDS_ROTATION
+};
+
+const pl_check pl_material_checks[] = {
+    {"friction", "spheres slide on a plane by their pairs' friction", SLIDING | PL_NEEDS_PLANE, 0,
+     check_friction},
+    {"friction-box", "spheres slide on a box by their pairs' friction", SLIDING | PL_NEEDS_BOX, 0,
+     check_friction_box},
+    {"friction-spheres", "two spheres that meet have their pair's friction", SLIDING, 0,
+     check_friction_spheres},
+    {"restitution", "spheres bounce off a plane by their pairs' restitution",
+     SMOOTH | PL_NEEDS_RESTITUTION, 0, check_restitution},
+    {"restitution-spheres", "two spheres bounce by their pair's restitution",
+     PL_NEEDS_SPHERE | PL_NEEDS_RESTITUTION, 0, check_restitution_spheres},
+    {"restitution-threshold", "slow impacts bounce too", SMOOTH | PL_NEEDS_RESTITUTION, 0,
+     check_restitution_threshold},
+    {"read-pair", "a pair's coefficients read back", SMOOTH, 0, check_read_pair},
+};
+const int pl_material_check_count = sizeof pl_material_checks / sizeof *pl_material_checks;
