@@ -34,6 +34,7 @@ scenarios/scene:             SCENE
 scenarios/catalogue:         SCENE scenarios/scene
 scenarios:                   SCENE scenarios/scene
 compare/include:             status.h scene_data.h
+compare/template:            status.h scene_data.h compare/include
 compare/adapters:            SCENE compare/include engine/include
 compare/engines:             SCENE compare/include adapters
 compare/referee/geometry:    SCENE compare/include

@@ -243,7 +243,7 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
 static void judge(run *r, double memory, pl_run_result *result)
 {
     pl_error fault = {.message = ""};
-    pl_verdict verdict = pl_referee_finish(r->referee, r->session.loaded.table.residual_unit,
+    pl_verdict verdict = pl_referee_finish(r->referee, r->def->choice->engine->residual_unit,
                                            &result->metrics, &fault);
     if (verdict == PL_VERDICT_COLLAPSED && result->outcome == PL_OUTCOME_OK) {
         set_outcome(result, PL_OUTCOME_COLLAPSED, &fault);

@@ -5,7 +5,8 @@
 
 Commands are the lines of ```sh blocks, the lines after "$ " of ```console blocks, and code spans that begin
 with "plumb ". All commands of a page run in their order in one directory, which has links
-to the files of the repository's root, with plumb on the PATH. A block
+to the files of the repository's root, with plumb on the PATH; those of the page that plumb new-engine writes
+run in a folder that it made. A block
 ```LANGUAGE NAME is written to the file NAME there. Commands that take minutes get further arguments that
 reduce them; the few that cannot run inside a test are only checked for existence.
 """
@@ -35,6 +36,7 @@ NOT_RUN = (
     (r"^cmake --workflow", "this builds once more"),
     (r"^plumb solve --benchmark", "this takes ten minutes"),
 )
+TEMPLATE = "compare/template/README.md"
 PLACEHOLDER = re.compile(r"\.\.\.|…|\b[A-Z]{2,}\b|mine\.so")
 
 
@@ -98,7 +100,10 @@ def run_page(page, source, environment):
     with open(os.path.join(source, page), encoding="utf-8") as file:
         text = file.read()
     folder = tempfile.mkdtemp()
-    for name in os.listdir(source):
+    if page == TEMPLATE:
+        subprocess.run(["plumb", "new-engine", folder, "--name", "my_engine"], env=environment, check=True,
+                       stdout=subprocess.DEVNULL)
+    for name in os.listdir(source) if page != TEMPLATE else ():
         if not name.startswith(".") and not name.startswith("build") and name != "report":
             os.symlink(os.path.join(source, name), os.path.join(folder, name))
     for number, kind, what in commands(text):

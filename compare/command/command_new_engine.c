@@ -1,0 +1,261 @@
+/* plumb new-engine DIR: a working engine with its adapter, to start from. */
+#include "request.h"
+
+#include "base/text_buffer.h"
+#include "results/store.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+typedef struct options {
+    pl_request request; /* names: the folder to make */
+    const char *name;   /* NULL: after the folder */
+} options;
+
+/* What is written, from files that compare/CMakeLists.txt builds into the program. */
+extern const char pl_engine_c[], pl_Makefile[], pl_README_md[], pl__gitignore[];
+extern const char pl_engine_abi_h[], pl_adapter_helpers_h[], pl_scene_data_h[], pl_status_h[];
+
+static const struct {
+    const char *path;
+    const char *text;
+} FILES[] = {
+    {"engine.c", pl_engine_c},
+    {"Makefile", pl_Makefile},
+    {"README.md", pl_README_md},
+    {".gitignore", pl__gitignore},
+    {"include/plumb/engine_abi.h", pl_engine_abi_h},
+    {"include/plumb/adapter_helpers.h", pl_adapter_helpers_h},
+    {"include/plumb/scene_data.h", pl_scene_data_h},
+    {"include/plumb/status.h", pl_status_h},
+};
+enum { FILE_COUNT = sizeof FILES / sizeof FILES[0] };
+
+static const char *const FOLDERS[] = {"include", "include/plumb"};
+enum { FOLDER_COUNT = sizeof FOLDERS / sizeof FOLDERS[0] };
+
+/* What stands for the engine's name in those texts. */
+static const char PLACEHOLDER[] = "my_engine";
+
+static const char NAME_CHARACTERS[] =
+    "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
+
+/* A name also names the shared object: it does not begin as an option or a hidden file does. */
+static bool is_name(const char *name)
+{
+    const size_t length = strlen(name);
+    return length > 0 && length < PL_NAME_SIZE && strspn(name, NAME_CHARACTERS) == length &&
+           name[0] != '-' && name[0] != '.';
+}
+
+/* Makes a name of a folder's: other characters become '_'. */
+static void name_after(const char *folder, char name[PL_NAME_SIZE])
+{
+    const char *slash = strrchr(folder, '/');
+    snprintf(name, PL_NAME_SIZE, "%s", slash == NULL ? folder : slash + 1);
+    for (char *c = name; *c != '\0'; ++c) {
+        const bool first = c == name && (*c == '-' || *c == '.');
+        *c = first || strchr(NAME_CHARACTERS, *c) == NULL ? '_' : *c;
+    }
+}
+
+static pl_status check(void *user, pl_error *error)
+{
+    const options *o = user;
+    if (o->request.names.count != 1) {
+        return pl_fail(error, PL_BAD_INPUT, "expected one folder to make, found %d",
+                       o->request.names.count);
+    }
+    if (o->name != NULL && !is_name(o->name)) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       "--name takes up to %d letters, digits, '_', '-' and '.', not beginning "
+                       "with '-' or '.'; found \"%s\"",
+                       PL_NAME_SIZE - 1, o->name);
+    }
+    return PL_OK;
+}
+
+/* PL_BAD_INPUT unless there is nothing at `path`, or an empty folder. */
+static pl_status check_target(const char *path, pl_error *error)
+{
+    struct stat found;
+    const char *slash = strrchr(path, '/');
+    const char *base = slash == NULL ? path : slash + 1;
+    if (strcmp(base, "") == 0 || strcmp(base, ".") == 0 || strcmp(base, "..") == 0) {
+        return pl_fail(error, PL_BAD_INPUT, "expected the name of a new folder, found \"%s\"",
+                       path);
+    }
+    if (lstat(path, &found) != 0) {
+        return PL_OK;
+    }
+    if (!S_ISDIR(found.st_mode)) {
+        return pl_fail(error, PL_BAD_INPUT, "%s exists, and is not a folder", path);
+    }
+    DIR *folder = opendir(path);
+    if (folder == NULL) {
+        return pl_fail(error, PL_IO, "%s: %s", path, strerror(errno));
+    }
+    int entries = 0;
+    while (readdir(folder) != NULL) {
+        ++entries;
+    }
+    closedir(folder);
+    /* "." and ".." are entries too. */
+    return entries <= 2 ? PL_OK : pl_fail(error, PL_BAD_INPUT, "%s exists, and is not empty", path);
+}
+
+/* "folder/path", to be freed; NULL without memory. */
+static char *join(const char *folder, const char *path)
+{
+    char *joined = NULL;
+    return asprintf(&joined, "%s/%s", folder, path) < 0 ? NULL : joined;
+}
+
+/* Writes a file with the engine's name in the place of the placeholder. */
+static pl_status write_file(const char *folder, int file, const char *name, pl_error *error)
+{
+    pl_text_buffer out = {0};
+    const char *rest = FILES[file].text;
+    for (const char *at = strstr(rest, PLACEHOLDER); at != NULL; at = strstr(rest, PLACEHOLDER)) {
+        pl_text_add_bytes(&out, rest, (size_t)(at - rest));
+        pl_text_add(&out, name);
+        rest = at + strlen(PLACEHOLDER);
+    }
+    pl_text_add(&out, rest);
+    char *path = join(folder, FILES[file].path);
+    pl_status status = out.failed || path == NULL
+                           ? pl_fail(error, PL_NO_MEMORY, "out of memory")
+                           : pl_write_text(path, out.data, out.length, error);
+    free(path);
+    pl_text_free(&out);
+    return status;
+}
+
+static pl_status fill(const char *folder, const char *name, pl_error *error)
+{
+    char *deepest = join(folder, FOLDERS[FOLDER_COUNT - 1]);
+    pl_status status = deepest == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory")
+                                       : pl_make_directories(deepest, error);
+    free(deepest);
+    for (int i = 0; i < FILE_COUNT && status == PL_OK; ++i) {
+        status = write_file(folder, i, name, error);
+    }
+    return status;
+}
+
+/* Removes what fill wrote, as far as it came. */
+static void clear(const char *folder)
+{
+    for (int i = 0; i < FILE_COUNT + FOLDER_COUNT; ++i) {
+        char *path = join(folder, i < FILE_COUNT ? FILES[i].path
+                                                 : FOLDERS[FOLDER_COUNT - 1 - (i - FILE_COUNT)]);
+        if (path != NULL) {
+            remove(path);
+        }
+        free(path);
+    }
+    remove(folder);
+}
+
+/* Makes the folder under another name first, so that it is there whole or not at all. */
+static pl_status make(const char *path, const char *name, pl_error *error)
+{
+    char *temporary = NULL;
+    if (asprintf(&temporary, "%s.%ld.tmp", path, (long)getpid()) < 0) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory");
+    }
+    pl_status status = PL_OK;
+    if (mkdir(temporary, 0777) != 0) {
+        status = pl_fail(error, PL_IO, "cannot make %s: %s", path, strerror(errno));
+        goto cleanup;
+    }
+    status = fill(temporary, name, error);
+    if (status == PL_OK && rename(temporary, path) != 0) {
+        status = pl_fail(error, PL_IO, "cannot make %s: %s", path, strerror(errno));
+    }
+    if (status != PL_OK) {
+        clear(temporary);
+    }
+cleanup:
+    free(temporary);
+    return status;
+}
+
+/* Prints a path as a word of the shell. */
+static void print_word(const char *path)
+{
+    const bool is_plain = strcspn(path, " \t\n!\"#$&'()*;<>?[\\]^`{|}~") == strlen(path);
+    fputs(is_plain ? "" : "'", stdout);
+    for (const char *c = path; *c != '\0'; ++c) {
+        if (*c == '\'') {
+            fputs("'\\''", stdout);
+        } else {
+            putchar(*c);
+        }
+    }
+    fputs(is_plain ? "" : "'", stdout);
+}
+
+static void print_next(const char *path, const char *name)
+{
+    printf("%s: a working engine of spheres and planes, to be replaced by yours. Next:\n"
+           "\n"
+           "  cd ",
+           name);
+    print_word(path);
+    printf(" && make\n"
+           "  plumb check-engine ./%s.so\n"
+           "  plumb compare roll-slope bounce --engine ./%s.so --engine plumb\n",
+           name, name);
+}
+
+static int run(const pl_call *call)
+{
+    options o = {.request = pl_request_default()};
+    pl_error error = {.message = ""};
+    pl_call_parse(call, &o);
+    char name[PL_NAME_SIZE];
+    char *path = strdup(o.request.names.items[0]);
+    pl_status status = path == NULL ? pl_fail(&error, PL_NO_MEMORY, "out of memory") : PL_OK;
+    for (size_t n = path == NULL ? 0 : strlen(path); n > 1 && path[n - 1] == '/'; --n) {
+        path[n - 1] = '\0';
+    }
+    if (status == PL_OK) {
+        status = check_target(path, &error);
+    }
+    if (status == PL_OK) {
+        name_after(path, name);
+        status = make(path, o.name != NULL ? o.name : name, &error);
+    }
+    if (status == PL_OK) {
+        print_next(path, o.name != NULL ? o.name : name);
+    }
+    free(path);
+    pl_request_free(&o.request);
+    return pl_call_end(call, status, &error, 0, PL_EXIT_OK);
+}
+
+static const pl_option OPTIONS[] = {{"name", "NAME", "Of the engine; by default that of the folder",
+                                     PL_OPTION_TEXT, .field = offsetof(options, name),
+                                     .letter = 'n'},
+                                    {0}};
+
+const pl_command pl_command_new_engine = {
+    .name = "new-engine",
+    .summary = "write an engine and its adapter, to start a plug-in from",
+    .arguments = "DIR",
+    .description =
+        "Makes a folder with a small working engine of spheres and planes in C, the adapter "
+        "through which plumb drives it, a Makefile, a README and the headers: to be compiled, "
+        "checked and compared as it is, and then replaced by an engine of your own.",
+    .notes = "Examples:\n"
+             "  plumb new-engine my-engine\n"
+             "  make -C my-engine\n"
+             "  plumb check-engine my-engine/my-engine.so",
+    .options = OPTIONS,
+    .check = check,
+    .run = run};
