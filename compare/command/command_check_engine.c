@@ -166,6 +166,7 @@ static int run(const pl_call *call)
     }
     json_t *report = json_array();
     pl_status status = PL_OK;
+    pl_engine_describe_within(&o.request.limits);
     for (int i = 0; i < o.request.names.count && status == PL_OK; ++i) {
         status = check_engine(&o, o.request.names.items[i], &failed, report, &error);
     }

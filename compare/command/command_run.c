@@ -182,6 +182,7 @@ static int run(const pl_call *call)
     json_t *result = NULL;
     int code = PL_EXIT_OK, signal_number = 0;
     pl_status status = pl_request_add_cases(&o.request, &plan, &error);
+    pl_engine_describe_within(&o.request.limits);
     if (status == PL_OK) {
         status = pl_plan_add_engine(&plan, o.request.engines.items[0], &error);
     }

@@ -338,6 +338,7 @@ static pl_status add_all_engines(const pl_call *call, pl_plan *plan, pl_error *e
 pl_status pl_request_add_engines(const pl_call *call, const pl_request *request, pl_plan *plan,
                                  pl_error *error)
 {
+    pl_engine_describe_within(&request->limits);
     return request->engines.count > 0 ? add_asked_engines(call, &request->engines, plan, error)
                                       : add_all_engines(call, plan, error);
 }

@@ -8,20 +8,39 @@
 #include "load_engine.h"
 #include "process.h"
 
-#include <limits.h>
+#include <fenv.h>
 #include <math.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 
-enum { DESCRIBE_SECONDS = 10 };
+enum { LEAST_SECONDS = 1, MOST_SECONDS = 30, MOST_TEXT = 4096 };
+
+/* The last stage that a process reports before its answer. */
+static const char COMPLETE[] = "after it was unloaded";
+
+static pl_limits describe_limits = {.timeout = MOST_SECONDS};
+
+void pl_engine_describe_within(const pl_limits *limits)
+{
+    describe_limits = *limits;
+    describe_limits.timeout = fmax(LEAST_SECONDS, fmin(limits->timeout, MOST_SECONDS));
+}
 
 /* ---- In the process that loads the engine ---- */
 
 static json_t *text(const char *text_or_null)
 {
-    return text_or_null == NULL ? json_null() : pl_json_text(text_or_null, strlen(text_or_null));
+    return text_or_null == NULL ? json_null()
+                                : pl_json_text(text_or_null, strnlen(text_or_null, MOST_TEXT));
+}
+
+/* On a line of its own, whatever the engine wrote before it. */
+static void report_stage(FILE *answer, const char *stage)
+{
+    fprintf(answer, "\n%s\n", stage);
+    fflush(answer);
 }
 
 /* The defaults of a profile; NULL when one of them is not in the range of its option. */
@@ -32,10 +51,14 @@ static json_t *defaults_json(const pl_engine *engine, int profile, FILE *answer,
         values[k] = engine->options[k].value;
     }
     if (engine->profile_defaults != NULL) {
-        fprintf(answer, "while it was asked for the defaults of profile %s\n",
-                engine->profiles[profile].name);
-        fflush(answer);
+        fenv_t environment;
+        char stage[PL_NAME_SIZE + 64];
+        snprintf(stage, sizeof stage, "while it was asked for the defaults of profile %s",
+                 engine->profiles[profile].name);
+        report_stage(answer, stage);
+        fegetenv(&environment);
         engine->profile_defaults(profile, values);
+        fesetenv(&environment);
     }
     json_t *list = json_array();
     for (int k = 0; k < engine->option_count; ++k) {
@@ -93,35 +116,48 @@ typedef struct description_job {
     const pl_built_in *built_in;
 } description_job;
 
+static bool gives_contact_problems(const pl_engine *engine, FILE *answer)
+{
+    fenv_t environment;
+    report_stage(answer, "while it was asked for an extension");
+    fegetenv(&environment);
+    const bool gives = pl_contact_problems_of(engine) != NULL;
+    fesetenv(&environment);
+    return gives;
+}
+
 static pl_status describe(const description_job *job, FILE *answer, json_t **description,
                           pl_error *error)
 {
     char hash[17];
+    char stamp[17] = "";
     pl_loaded_engine loaded;
     const int mapped = pl_mapped_file_count();
-    fprintf(answer, "while it was loaded\n");
-    fflush(answer);
+    report_stage(answer, "while it was loaded");
     pl_status status = pl_load_engine(
         job->path, job->built_in == NULL ? NULL : job->built_in->entry, &loaded, error);
     if (status == PL_OK) {
         status = pl_binary_hash(mapped, job->path == NULL ? job->built_in->libraries : NULL, hash,
                                 error);
     }
+    if (status == PL_OK && job->path != NULL) {
+        status = pl_binary_stamp(mapped, stamp, error);
+    }
     if (status != PL_OK) {
         return status;
     }
     const pl_engine *e = &loaded.table;
     *description = json_pack(
-        "{s:o, s:o, s:o, s:o, s:I, s:I, s:i, s:i, s:i, s:i, s:o, s:o, s:b, s:b, s:b, s:s}", "name",
-        text(e->name), "version", text(e->version), "description", text(e->description),
+        "{s:o, s:o, s:o, s:o, s:I, s:I, s:i, s:i, s:i, s:i, s:o, s:o, s:b, s:b, s:b, s:s, s:s}",
+        "name", text(e->name), "version", text(e->version), "description", text(e->description),
         "residual_unit", text(e->residual_unit), "capabilities", (json_int_t)e->capabilities,
         "contacts", (json_int_t)e->contacts, "precision", (int)e->precision, "integrator",
         (int)e->integrator, "gyroscopic", (int)e->gyroscopic, "substeps", e->substeps, "profiles",
         profiles_json(e, answer, error), "options", options_json(e), "reads_settings",
         (int)(e->read_settings != NULL), "reads_pairs", (int)(e->read_pair != NULL),
-        "gives_contact_problems", (int)(pl_contact_problems_of(e) != NULL), "binary", hash);
-    fprintf(answer, "while it was unloaded\n");
-    fflush(answer);
+        "gives_contact_problems", (int)gives_contact_problems(e, answer), "binary", hash, "stamp",
+        stamp);
+    report_stage(answer, "while it was unloaded");
     pl_unload_engine(&loaded);
     return *description == NULL ? error->status != PL_OK
                                       ? error->status
@@ -137,6 +173,7 @@ static void describe_and_answer(void *user, FILE *answer)
     if (status != PL_OK) {
         description = json_pack("{s:i, s:o}", "status", (int)status, "error", text(error.message));
     }
+    report_stage(answer, COMPLETE);
     json_dumpf(description, answer, JSON_COMPACT | JSON_REAL_PRECISION(17));
     json_decref(description);
 }
@@ -245,6 +282,7 @@ static bool read_description(known_info *known)
     info->reads_pairs = flag_of(d, "reads_pairs");
     info->gives_contact_problems = flag_of(d, "gives_contact_problems");
     snprintf(info->binary, sizeof info->binary, "%s", required_text(d, "binary"));
+    snprintf(info->stamp, sizeof info->stamp, "%s", required_text(d, "stamp"));
     info->profiles = known->profiles;
     info->options = known->options;
     const bool complete = read_lists(known);
@@ -259,7 +297,7 @@ static const char *name_of_file(const char *path)
     const char *slash = strrchr(path, '/');
     char *name = strdup(slash == NULL ? path : slash + 1);
     for (char *c = name; c != NULL && *c != '\0'; ++c) {
-        *c = strchr(":,= \t\n", *c) != NULL ? '_' : *c;
+        *c = (unsigned char)*c <= ' ' || *c == 0x7f || strchr(":,=", *c) != NULL ? '_' : *c;
     }
     if (name != NULL && strlen(name) >= PL_NAME_SIZE) {
         name[PL_NAME_SIZE - 1] = '\0';
@@ -267,8 +305,9 @@ static const char *name_of_file(const char *path)
     return name == NULL ? "engine" : name;
 }
 
-/* `place` is the last stage that the process reported. */
-static void note_fault(known_info *known, const pl_process *process, const char *place)
+/* An engine whose process ended at `place`, the last stage that it reported, or could not go on. */
+static void note_fault(known_info *known, const pl_process *process, const char *place,
+                       const char *reason)
 {
     static const pl_engine_profile only[] = {{.name = "default", .help = ""}};
     pl_engine_info *info = &known->info;
@@ -281,11 +320,28 @@ static void note_fault(known_info *known, const pl_process *process, const char 
     info->option_count = 0;
     info->defaults = NULL;
     info->substeps = 1;
-    pl_process_describe_end(process, DESCRIBE_SECONDS, place, info->fault.reason,
-                            sizeof info->fault.reason);
+    if (info->path != NULL) {
+        pl_file_hash(info->path, info->binary);
+    }
+    if (reason != NULL) {
+        snprintf(info->fault.reason, sizeof info->fault.reason, "%s", reason);
+    } else if (strcmp(place, COMPLETE) == 0) {
+        snprintf(info->fault.reason, sizeof info->fault.reason, "its description is damaged: %s",
+                 PL_FOREIGN_DESCRIPTOR);
+    } else {
+        pl_process_describe_end(process, describe_limits.timeout, place, info->fault.reason,
+                                sizeof info->fault.reason);
+    }
 }
 
-/* Separates the last line of the answer, which begins with '{' when it is JSON, from the stages. */
+/* Whether a line is one of report_stage, and not something else that the engine wrote there. */
+static bool is_stage(const char *line, size_t length)
+{
+    return length < 160 && ((length > 6 && memcmp(line, "while ", 6) == 0) ||
+                            (length == strlen(COMPLETE) && memcmp(line, COMPLETE, length) == 0));
+}
+
+/* Separates the last line of the answer, which is JSON, from the stages. */
 static void split_answer(const pl_process *process, char place[160], json_t **description)
 {
     const char *text_begin = process->text;
@@ -298,8 +354,10 @@ static void split_answer(const pl_process *process, char place[160], json_t **de
             *description = json_loadb(text_begin, length, JSON_REJECT_DUPLICATES, NULL);
             return;
         }
-        snprintf(place, 160, "%.*s", (int)(newline - text_begin < 150 ? newline - text_begin : 150),
-                 text_begin);
+        const size_t line = (size_t)(newline - text_begin);
+        if (is_stage(text_begin, line)) {
+            snprintf(place, 160, "%.*s", (int)line, text_begin);
+        }
         length -= (size_t)(newline - text_begin) + 1;
         text_begin = newline + 1;
     }
@@ -307,11 +365,11 @@ static void split_answer(const pl_process *process, char place[160], json_t **de
 
 static pl_status ask(known_info *known, pl_error *error)
 {
-    const pl_limits limits = {.timeout = DESCRIBE_SECONDS};
     description_job job = {known->info.path, known->info.built_in};
     pl_process process;
     char place[160];
-    pl_status status = pl_process_start(&process, &limits, describe_and_answer, &job, error);
+    pl_status status =
+        pl_process_start(&process, &describe_limits, describe_and_answer, &job, error);
     if (status == PL_OK) {
         status = pl_process_wait(&process, error);
     }
@@ -319,12 +377,15 @@ static pl_status ask(known_info *known, pl_error *error)
         return status;
     }
     split_answer(&process, place, &known->description);
+    if (strcmp(place, COMPLETE) != 0) {
+        json_decref(known->description);
+        known->description = NULL;
+    }
     const char *refusal = text_of(known->description, "error");
-    if (refusal != NULL) {
-        status = (pl_status)whole_of(known->description, "status");
-        status = pl_fail(error, status == PL_IO ? PL_IO : PL_BAD_INPUT, "%s", refusal);
-    } else if (known->description == NULL || !read_description(known)) {
-        note_fault(known, &process, place);
+    if (refusal != NULL && whole_of(known->description, "status") == PL_BAD_INPUT) {
+        status = pl_fail(error, PL_BAD_INPUT, "%s", refusal);
+    } else if (refusal != NULL || known->description == NULL || !read_description(known)) {
+        note_fault(known, &process, place, refusal);
     }
     pl_process_free(&process);
     return status;

@@ -6,6 +6,7 @@
 #include "adapters/built_in.h"
 #include "plumb/engine_abi.h"
 #include "plumb/scene.h"
+#include "process.h"
 
 /* A fault that an engine had before it could be asked anything. */
 typedef struct pl_engine_fault {
@@ -30,11 +31,16 @@ typedef struct pl_engine_info {
     bool reads_settings;         /* it reads back masses, gravity and the step */
     bool reads_pairs;            /* it reads back friction and restitution */
     bool gives_contact_problems; /* contact_problems.h */
-    char binary[17];             /* hash of its binary: pl_binary_hash */
-    const char *path;            /* of the shared object; NULL: built in */
+    char binary[17];  /* hash of its binary: pl_binary_hash; of a faulty one, the file's */
+    char stamp[17];   /* pl_binary_stamp of a shared object */
+    const char *path; /* of the shared object; NULL: built in */
     const pl_built_in *built_in; /* NULL: loaded */
     pl_engine_fault fault;       /* only name, version, one profile and this have a meaning */
 } pl_engine_info;
+
+/* Limits how long an engine may take to describe itself, and how much memory it may have: those of
+ * a run, but at least 1 s and at most 30 s, which is the limit where this is not called. */
+void pl_engine_describe_within(const pl_limits *limits);
 
 /* Starts a process that loads the shared object at `path`, or takes the built-in engine where that
  * is NULL, and reports what it is. The result lives until the program ends, and is the same

@@ -1,13 +1,18 @@
 #include "load_engine.h"
 
 #include "base/hash.h"
+#include "base/sanitizer.h"
 
 #include <dlfcn.h>
 #include <errno.h>
+#include <fenv.h>
+#include <limits.h>
 #include <link.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 /* A table must have everything up to here. */
 enum { LEAST_SIZE = offsetof(pl_engine, read_settings) };
@@ -136,17 +141,23 @@ static pl_status take_table(const char *path, const pl_engine *engine, pl_engine
     return status == PL_OK ? check_words(path, table, error) : status;
 }
 
-pl_status pl_load_engine(const char *path, pl_engine_entry entry, pl_loaded_engine *loaded,
-                         pl_error *error)
+/* Symbols of the engine come before those of the libraries of this program: an engine of which
+ * another build is linked to this program uses its own. The address sanitizer does not allow it. */
+enum { LOAD_FLAGS = RTLD_NOW | RTLD_LOCAL | (PL_ADDRESS_SANITIZER ? 0 : RTLD_DEEPBIND) };
+
+static pl_status load(const char *path, pl_engine_entry entry, pl_loaded_engine *loaded,
+                      pl_error *error)
 {
-    *loaded = (pl_loaded_engine){.library = NULL};
     if (path == NULL) {
         return take_table("built-in engine", entry(), &loaded->table, error);
     }
-    /* dlopen looks for a bare name in the system's folders, not here. */
-    char here[4200];
-    snprintf(here, sizeof here, "%s%s", strchr(path, '/') == NULL ? "./" : "", path);
-    loaded->library = dlopen(here, RTLD_NOW | RTLD_LOCAL);
+    /* Absolute: dlopen looks for a bare name in the system's folders, and a constructor may change
+     * the folder before the binary is hashed. */
+    char absolute[PATH_MAX];
+    if (realpath(path, absolute) == NULL) {
+        return pl_fail(error, PL_BAD_INPUT, "cannot load %s: %s", path, strerror(errno));
+    }
+    loaded->library = dlopen(absolute, LOAD_FLAGS);
     if (loaded->library == NULL) {
         return pl_fail(error, PL_BAD_INPUT, "cannot load %s: %s", path, dlerror());
     }
@@ -154,9 +165,19 @@ pl_status pl_load_engine(const char *path, pl_engine_entry entry, pl_loaded_engi
         void *object;
         pl_engine_entry function;
     } symbol = {.object = dlsym(loaded->library, PL_ENGINE_SYMBOL)};
-    pl_status status = symbol.object == NULL
-                           ? pl_fail(error, PL_BAD_INPUT, "%s: exports no " PL_ENGINE_SYMBOL, path)
-                           : take_table(path, symbol.function(), &loaded->table, error);
+    return symbol.object == NULL
+               ? pl_fail(error, PL_BAD_INPUT, "%s: exports no " PL_ENGINE_SYMBOL, path)
+               : take_table(path, symbol.function(), &loaded->table, error);
+}
+
+pl_status pl_load_engine(const char *path, pl_engine_entry entry, pl_loaded_engine *loaded,
+                         pl_error *error)
+{
+    fenv_t environment;
+    *loaded = (pl_loaded_engine){.library = NULL};
+    fegetenv(&environment);
+    pl_status status = load(path, entry, loaded, error);
+    fesetenv(&environment);
     if (status != PL_OK) {
         pl_unload_engine(loaded);
     }
@@ -165,9 +186,12 @@ pl_status pl_load_engine(const char *path, pl_engine_entry entry, pl_loaded_engi
 
 void pl_unload_engine(pl_loaded_engine *loaded)
 {
+    fenv_t environment;
+    fegetenv(&environment);
     if (loaded->library != NULL) {
         dlclose(loaded->library);
     }
+    fesetenv(&environment);
     *loaded = (pl_loaded_engine){.library = NULL};
 }
 
@@ -191,6 +215,8 @@ int pl_mapped_file_count(void)
 typedef struct hashing {
     int first, index;
     const char *libraries; /* NULL: all from `first` on */
+    /* Adds a file to the hash. Returns errno; 0: done. */
+    int (*add)(const char *path, uint64_t *hash);
     uint64_t hash;
     int error; /* errno */
 } hashing;
@@ -209,6 +235,38 @@ static bool is_one_of(const char *path, const char *libraries)
     return false;
 }
 
+static int add_contents(const char *path, uint64_t *hash)
+{
+    unsigned char bytes[1 << 16];
+    size_t length = 0;
+    FILE *file = fopen(path, "re");
+    if (file == NULL) {
+        return errno;
+    }
+    while ((length = fread(bytes, 1, sizeof bytes, file)) > 0) {
+        for (size_t i = 0; i < length; ++i) {
+            *hash = pl_hash_byte(*hash, bytes[i]);
+        }
+    }
+    const int fault = ferror(file) != 0 ? EIO : 0;
+    fclose(file);
+    return fault;
+}
+
+static int add_identity(const char *path, uint64_t *hash)
+{
+    struct stat found;
+    char text[160];
+    if (stat(path, &found) != 0) {
+        return errno;
+    }
+    snprintf(text, sizeof text, "%ju %ju %jd %jd %ld\n", (uintmax_t)found.st_dev,
+             (uintmax_t)found.st_ino, (intmax_t)found.st_size, (intmax_t)found.st_mtim.tv_sec,
+             found.st_mtim.tv_nsec);
+    *hash = pl_hash_text(*hash, text);
+    return 0;
+}
+
 static int hash_file(struct dl_phdr_info *info, size_t size, void *user)
 {
     hashing *h = user;
@@ -221,30 +279,38 @@ static int hash_file(struct dl_phdr_info *info, size_t size, void *user)
     if (!wanted || strchr(path, '/') == NULL) {
         return 0;
     }
-    unsigned char bytes[1 << 16];
-    FILE *file = fopen(path, "re");
-    size_t length = 0;
-    while (file != NULL && (length = fread(bytes, 1, sizeof bytes, file)) > 0) {
-        for (size_t i = 0; i < length; ++i) {
-            h->hash = pl_hash_byte(h->hash, bytes[i]);
-        }
-    }
-    if (file == NULL || ferror(file)) {
-        h->error = errno;
-    }
-    if (file != NULL) {
-        fclose(file);
-    }
+    h->error = h->add(path, &h->hash);
     return h->error;
+}
+
+static pl_status hash_mapped(hashing *h, char hash[17], pl_error *error)
+{
+    h->hash = PL_HASH_START;
+    dl_iterate_phdr(hash_file, h);
+    if (h->error != 0) {
+        return pl_fail(error, PL_IO, "cannot read the engine's binary: %s", strerror(h->error));
+    }
+    pl_hash_hex(h->hash, hash);
+    return PL_OK;
 }
 
 pl_status pl_binary_hash(int first, const char *libraries, char hash[17], pl_error *error)
 {
-    hashing h = {.first = first, .libraries = libraries, .hash = PL_HASH_START};
-    dl_iterate_phdr(hash_file, &h);
-    if (h.error != 0) {
-        return pl_fail(error, PL_IO, "cannot read the engine's binary: %s", strerror(h.error));
+    hashing h = {.first = first, .libraries = libraries, .add = add_contents};
+    return hash_mapped(&h, hash, error);
+}
+
+pl_status pl_binary_stamp(int first, char stamp[17], pl_error *error)
+{
+    hashing h = {.first = first, .add = add_identity};
+    return hash_mapped(&h, stamp, error);
+}
+
+void pl_file_hash(const char *path, char hash[17])
+{
+    uint64_t value = PL_HASH_START;
+    hash[0] = '\0';
+    if (add_contents(path, &value) == 0) {
+        pl_hash_hex(value, hash);
     }
-    pl_hash_hex(h.hash, hash);
-    return PL_OK;
 }

@@ -12,7 +12,8 @@ typedef struct pl_loaded_engine {
     void *library;   /* of dlopen; NULL for a built-in engine */
 } pl_loaded_engine;
 
-/* Loads the shared object at `path`, or, where that is NULL, the built-in engine of `entry`.
+/* Loads the shared object at `path`, or, where that is NULL, the built-in engine of `entry`. This and
+ * pl_unload_engine restore the floating-point environment.
  * PL_BAD_INPUT: it cannot be loaded, exports no engine, has another ABI version, or its table is
  * not valid; the message names the field. */
 pl_status pl_load_engine(const char *path, pl_engine_entry entry, pl_loaded_engine *loaded,
@@ -28,5 +29,12 @@ int pl_mapped_file_count(void);
  * or later. Where `libraries` is not NULL, hashes this program and the mapped files whose base
  * names begin with one of `libraries`, separated by blanks. PL_IO. */
 pl_status pl_binary_hash(int first, const char *libraries, char hash[17], pl_error *error);
+
+/* Hashes what identifies these files without reading them: their inodes, sizes and times of
+ * change. The same stamp means the same contents. PL_IO. */
+pl_status pl_binary_stamp(int first, char stamp[17], pl_error *error);
+
+/* Hashes the contents of one file; "" when it cannot be read. */
+void pl_file_hash(const char *path, char hash[17]);
 
 #endif

@@ -1,7 +1,10 @@
 #include "process.h"
 
+#include "base/sanitizer.h"
+
 #include <errno.h>
 #include <fcntl.h>
+#include <locale.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,8 +18,8 @@
 /* More than any result: a longer answer is not one of ours, and the rest of it is dropped. */
 enum { MAX_ANSWER = 1 << 28, CHUNK = 1 << 16 };
 
-/* The descriptor of the answer in the child. */
-enum { ANSWER = STDERR_FILENO + 1 };
+/* The descriptor of the answer in the child, and how the child ends when it cannot be written. */
+enum { ANSWER = STDERR_FILENO + 1, EXIT_UNANSWERED = 113 };
 
 double pl_monotonic_seconds(void)
 {
@@ -26,11 +29,7 @@ double pl_monotonic_seconds(void)
 }
 
 /* The shadow of an address sanitizer is larger than any limit. */
-#ifdef __SANITIZE_ADDRESS__
-static const bool can_limit_memory = false;
-#else
-static const bool can_limit_memory = true;
-#endif
+static const bool can_limit_memory = !PL_ADDRESS_SANITIZER;
 
 static void limit_resources(const pl_limits *limits)
 {
@@ -62,6 +61,8 @@ static _Noreturn void run_child(const pl_limits *limits, pid_t parent, int outpu
         _exit(1);
     }
     restore_signals();
+    /* Numbers are written with a point, whatever locale an engine sets: this thread has its own. */
+    uselocale(newlocale(LC_ALL_MASK, "C", NULL));
     int nothing = open("/dev/null", O_RDONLY);
     if (nothing < 0 || dup2(nothing, STDIN_FILENO) < 0 || dup2(output, STDOUT_FILENO) < 0 ||
         dup2(output, STDERR_FILENO) < 0 || (answer != ANSWER && dup2(answer, ANSWER) < 0)) {
@@ -78,7 +79,7 @@ static _Noreturn void run_child(const pl_limits *limits, pid_t parent, int outpu
     limit_resources(limits);
     job(user, file);
     fflush(stdout);
-    _exit(fclose(file) == 0 ? 0 : 1);
+    _exit(fclose(file) == 0 ? 0 : EXIT_UNANSWERED);
 }
 
 static void close_end(int *descriptor)
@@ -296,6 +297,13 @@ static void copy_last_line(const pl_process *process, char text[201])
     }
     memcpy(text, process->tail + begin, end - begin);
     text[end - begin] = '\0';
+    for (char *c = text; *c != '\0'; ++c) {
+        const bool is_c1 = (unsigned char)*c == 0xc2 && (c[1] & 0xe0) == 0x80;
+        if (is_c1) {
+            *c++ = '?';
+        }
+        *c = is_c1 || (unsigned char)*c < ' ' || *c == 0x7f ? '?' : *c;
+    }
 }
 
 void pl_process_describe_end(const pl_process *process, double timeout, const char *where,
@@ -306,6 +314,10 @@ void pl_process_describe_end(const pl_process *process, double timeout, const ch
     char line[201];
     if (process->timed_out) {
         snprintf(text, size, "no end within %g s: killed %s", timeout, where);
+        return;
+    }
+    if (WIFEXITED(status) && WEXITSTATUS(status) == EXIT_UNANSWERED) {
+        snprintf(text, size, "it cannot answer: %s", PL_FOREIGN_DESCRIPTOR);
         return;
     }
     copy_last_line(process, line);

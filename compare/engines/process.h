@@ -20,6 +20,9 @@
 
 enum { PL_OUTPUT_TAIL = 2000, PL_PROCESS_POLLS = 3 };
 
+/* What an engine did whose answer did not arrive though it was sent. */
+#define PL_FOREIGN_DESCRIPTOR "the engine closed or wrote into a descriptor that is not its own"
+
 /* The limits of a run. */
 typedef struct pl_limits {
     double timeout;  /* s of wall time, > 0 */
@@ -69,7 +72,7 @@ void pl_process_kill(pl_process *process);
 void pl_process_free(pl_process *process);
 
 /* How an ended process ended, for people: "SIGSEGV WHERE; last line: ...", "it called exit(1)
- * WHERE", or "no end within TIMEOUT s: killed WHERE". */
+ * WHERE", or "no end within TIMEOUT s: killed WHERE". Control characters become '?'. */
 void pl_process_describe_end(const pl_process *process, double timeout, const char *where,
                              char *text, size_t size);
 

@@ -33,7 +33,9 @@ static void run_and_answer(void *user, FILE *answer)
     if (status == PL_OK) {
         return;
     }
-    if (status == PL_NO_MEMORY && atomic_load(&def.watch->stage) != PL_STAGE_PREPARE) {
+    const bool was_called = atomic_load(&def.watch->stage) != PL_STAGE_PREPARE;
+    atomic_store(&def.watch->stage, PL_STAGE_REPORT);
+    if (status == PL_NO_MEMORY && was_called) {
         pl_run_result fallen = {.outcome = PL_OUTCOME_CRASHED,
                                 .steps_asked = pl_scene_steps(def.scene),
                                 .steps_done = atomic_load(&def.watch->steps_done)};
@@ -79,6 +81,7 @@ static void describe_place(const pl_isolated_run *run, char *text, size_t size)
 {
     long done = atomic_load(&run->def.watch->steps_done);
     long asked = pl_scene_steps(run->def.scene);
+    snprintf(text, size, "at an unknown place");
     switch ((pl_stage)atomic_load(&run->def.watch->stage)) {
     case PL_STAGE_PREPARE:
         snprintf(text, size, "before the engine was called");
@@ -110,7 +113,16 @@ static void describe_place(const pl_isolated_run *run, char *text, size_t size)
     case PL_STAGE_UNLOAD:
         snprintf(text, size, "while it was unloaded, %ld of %ld steps done", done, asked);
         break;
+    case PL_STAGE_REPORT:
+        snprintf(text, size, "after it was unloaded, %ld of %ld steps done", done, asked);
+        break;
     }
+}
+
+/* Whether the run came to its end. What is in the pipe otherwise is not its answer. */
+static bool was_reported(const pl_isolated_run *run)
+{
+    return atomic_load(&run->def.watch->stage) == PL_STAGE_REPORT;
 }
 
 /* The outcome of a run whose process did not answer. */
@@ -126,9 +138,9 @@ static json_t *missing_outcome(const pl_isolated_run *run)
     }
     pl_process_describe_end(&run->process, run->limits.timeout, where, outcome.reason,
                             sizeof outcome.reason);
-    if (!run->process.timed_out && run->process.wait_status == 0 && run->process.text_length > 0) {
-        snprintf(outcome.reason, sizeof outcome.reason,
-                 "its result is damaged: it wrote into a descriptor that is not its own");
+    if (!run->process.timed_out && run->process.wait_status == 0 && was_reported(run)) {
+        snprintf(outcome.reason, sizeof outcome.reason, "its result is damaged: %s",
+                 PL_FOREIGN_DESCRIPTOR);
     }
     return pl_run_result_to_json(&outcome);
 }
@@ -140,7 +152,8 @@ pl_status pl_isolated_run_finish(pl_isolated_run *run, json_t *provenance, json_
     pl_status status = PL_OK;
     /* A whole answer is a whole run; one cut short does not parse. */
     json_t *outcome = json_loadb(process->text, process->text_length, 0, NULL);
-    if (outcome == NULL) {
+    if (!json_is_object(outcome) || !was_reported(run)) {
+        json_decref(outcome);
         outcome = missing_outcome(run);
     }
     if (process->stream != NULL && (fflush(process->stream) != 0 || ferror(process->stream))) {

@@ -177,6 +177,12 @@ pl_status pl_plan_add_scene_file(pl_plan *plan, const char *path, double dt, dou
     return add_case(plan, &test_case, path, error);
 }
 
+static bool is_same_choice(const pl_engine_choice *a, const pl_engine_choice *b)
+{
+    return a->engine == b->engine && a->profile == b->profile &&
+           memcmp(a->values, b->values, (size_t)a->engine->option_count * sizeof *a->values) == 0;
+}
+
 pl_status pl_plan_add_engine(pl_plan *plan, const char *spec, pl_error *error)
 {
     pl_configuration added = {.label = ""};
@@ -188,9 +194,10 @@ pl_status pl_plan_add_engine(pl_plan *plan, const char *spec, pl_error *error)
     for (int i = 0; i < plan->configuration_count; ++i) {
         const pl_configuration *other = &plan->configurations[i];
         if (strcmp(other->label, added.label) == 0) {
-            return other->choice.engine == added.choice.engine
+            return is_same_choice(&other->choice, &added.choice)
                        ? PL_OK
-                       : pl_fail(error, PL_BAD_INPUT, "%s and %s are both called %s",
+                       : pl_fail(error, PL_BAD_INPUT,
+                                 "%s and %s are both called %s: give one of them label=NAME",
                                  other->choice.spec, spec, added.label);
         }
     }

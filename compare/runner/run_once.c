@@ -211,6 +211,7 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
     status = pl_session_step(&r->session, &stats, &cost, &fault);
     if (status == PL_OK) {
         result->steps_done += 1;
+        atomic_store_explicit(&def->watch->steps_done, result->steps_done, memory_order_relaxed);
         read_frame(r, (double)result->steps_done * def->scene->dt);
         status = pl_session_read_contacts(&r->session, &r->contacts, &r->contact_capacity, &count,
                                           &fault);
@@ -236,7 +237,6 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
     if (verdict != PL_VERDICT_NONFINITE) {
         swap_frames(r);
     }
-    atomic_store_explicit(&def->watch->steps_done, result->steps_done, memory_order_relaxed);
     return status;
 }
 
@@ -291,7 +291,7 @@ pl_status pl_run_once(const pl_run_def *def,
     pl_session_end(&r.session);
     if (status == PL_OK) {
         result.bodies = r.has_good ? r.good.bodies : NULL;
-        enter(def->watch, PL_STAGE_JUDGE);
+        enter(def->watch, PL_STAGE_REPORT);
         status = report(&result, user, error);
     }
 

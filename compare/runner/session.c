@@ -44,20 +44,34 @@ static pl_call_cost after_call(pl_session *session, pl_call_group group)
     return cost;
 }
 
+/* Whether the files that were mapped since are those that the engine had when it was described. */
+static pl_status check_same_binary(const pl_engine_info *info, int mapped, pl_error *error)
+{
+    char stamp[17];
+    char hash[17];
+    pl_status status = pl_binary_stamp(mapped, stamp, error);
+    if (status != PL_OK || strcmp(stamp, info->stamp) == 0) {
+        return status;
+    }
+    status = pl_binary_hash(mapped, NULL, hash, error);
+    if (status != PL_OK || strcmp(hash, info->binary) == 0) {
+        return status;
+    }
+    return pl_fail(error, PL_FAILED, "%s has changed since it was first loaded", info->path);
+}
+
 pl_status pl_session_load(pl_session *session, pl_error *error)
 {
     const pl_engine_info *info = session->choice->engine;
-    fenv_t environment;
+    const int mapped = pl_mapped_file_count();
+    pl_error fault = {.message = ""};
     enter(session, PL_STAGE_LOAD);
-    fegetenv(&environment);
     pl_status status = pl_load_engine(info->path, info->path == NULL ? info->built_in->entry : NULL,
-                                      &session->loaded, error);
-    fesetenv(&environment);
-    if (status == PL_OK && (session->loaded.table.option_count != info->option_count ||
-                            session->loaded.table.profile_count != info->profile_count)) {
-        status = pl_fail(error, PL_FAILED, "%s has changed since it was first loaded", info->path);
+                                      &session->loaded, &fault);
+    if (status != PL_OK) {
+        return pl_fail(error, status == PL_BAD_INPUT ? PL_FAILED : status, "%s", fault.message);
     }
-    return status;
+    return info->path == NULL ? PL_OK : check_same_binary(info, mapped, error);
 }
 
 static pl_status fill_pairs(pl_session *session, const pl_scene *scene, pl_error *error)
@@ -227,9 +241,7 @@ void pl_session_end(pl_session *session)
 {
     pl_session_destroy(session);
     enter(session, PL_STAGE_UNLOAD);
-    fegetenv(&session->environment);
     pl_unload_engine(&session->loaded);
-    fesetenv(&session->environment);
 }
 
 /* ---- Scenes ---- */

@@ -22,7 +22,8 @@ typedef enum pl_stage {
     PL_STAGE_READ,  /* the frame and the contacts */
     PL_STAGE_JUDGE, /* the referee's own work */
     PL_STAGE_DESTROY,
-    PL_STAGE_UNLOAD
+    PL_STAGE_UNLOAD,
+    PL_STAGE_REPORT /* the engine is gone, and its run is reported */
 } pl_stage;
 
 /* The groups of calls that are timed apart. */
@@ -47,7 +48,7 @@ typedef struct pl_session {
 /* A session with an engine that is not loaded yet. `choice` must outlive it. */
 pl_session pl_session_begin(const pl_engine_choice *choice);
 
-/* Loads the engine. As pl_load_engine; PL_FAILED: it is not the engine that was described. */
+/* Loads the engine. PL_FAILED: it cannot be loaded, or is not the engine that was described. */
 pl_status pl_session_load(pl_session *session, pl_error *error);
 
 /* Creates the scene, which must outlive the instance, after pl_needs_check. The engine's own

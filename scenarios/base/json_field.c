@@ -256,6 +256,10 @@ json_t *pl_json_text(const char *bytes, size_t length)
     for (size_t i = 0; i < length; ++i) {
         unsigned char c = (unsigned char)bytes[i];
         bool control = (c < 0x20 && c != '\n' && c != '\t') || c == 0x7f;
+        if (c == 0xc2 && i + 1 < length && (bytes[i + 1] & 0xe0) == 0x80) { /* C1: U+0080..009F */
+            clean[i++] = '?';
+            control = true;
+        }
         clean[i] = control ? '?' : bytes[i];
     }
     json_t *text = json_stringn(clean, length);

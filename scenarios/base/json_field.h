@@ -69,7 +69,7 @@ bool pl_json_name(const json_t *object, const char *key, pl_presence presence,
 const char *pl_json_get_text(const json_t *object, const char *key);
 
 /* A JSON string of any bytes: where they are no UTF-8 text, each byte outside of ASCII becomes '?'.
- * Control characters but tab and newline become '?' too. */
+ * Control characters (C0, DEL, C1) but tab and newline become '?' too. */
 json_t *pl_json_text(const char *bytes, size_t length);
 
 #endif

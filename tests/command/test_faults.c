@@ -1,5 +1,6 @@
 /* An engine that aborts, hangs, exits, prints, takes all memory or returns NaN is a row of the
  * results, and nothing else suffers: plumb compare with faulty_engine.c. */
+#include "base/sanitizer.h"
 #include "check.h"
 #include "plumb_process.h"
 #include "results/store.h"
@@ -142,7 +143,7 @@ static void test_nan_is_nonfinite_with_the_last_good_frame(void **state)
 
 static void test_all_memory_taken_is_crashed(void **state)
 {
-#ifdef __SANITIZE_ADDRESS__
+#if PL_ADDRESS_SANITIZER
     (void)state;
     skip(); /* its shadow memory allows no limit of address space */
 #else

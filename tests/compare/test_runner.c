@@ -1,4 +1,5 @@
 /* The laws of the plan, of a process under limits, and of one run in this process. */
+#include "base/sanitizer.h"
 #include "check.h"
 #include "engines/process.h"
 #include "plumb_process.h"
@@ -250,7 +251,7 @@ static void measure_growth(void *user, FILE *answer)
 static void test_resident_set_growth_is_the_touched_peak(void **state)
 {
     (void)state;
-#ifdef __SANITIZE_ADDRESS__
+#if PL_ADDRESS_SANITIZER
     skip(); /* it keeps freed memory */
 #endif
     const pl_limits limits = {.timeout = 10};
