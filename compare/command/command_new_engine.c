@@ -1,6 +1,7 @@
 /* plumb new-engine DIR: a working engine with its adapter, to start from. */
 #include "request.h"
 
+#include "adapters/built_in.h"
 #include "base/text_buffer.h"
 #include "results/store.h"
 
@@ -61,6 +62,20 @@ static void name_after(const char *folder, char name[PL_NAME_SIZE])
         const bool first = c == name && (*c == '-' || *c == '.');
         *c = first || strchr(NAME_CHARACTERS, *c) == NULL ? '_' : *c;
     }
+}
+
+/* Reports call an engine by its name: that of a built-in one would stand for two. */
+static pl_status check_not_built_in(const char *name, pl_error *error)
+{
+    int count = 0;
+    const pl_built_in *engines = pl_built_in_engines(&count);
+    for (int i = 0; i < count; ++i) {
+        if (strcmp(engines[i].name, name) == 0) {
+            return pl_fail(error, PL_BAD_INPUT,
+                           "%s is the name of a built-in engine: take another with --name", name);
+        }
+    }
+    return PL_OK;
 }
 
 static pl_status check(void *user, pl_error *error)
@@ -218,7 +233,8 @@ static int run(const pl_call *call)
     options o = {.request = pl_request_default()};
     pl_error error = {.message = ""};
     pl_call_parse(call, &o);
-    char name[PL_NAME_SIZE];
+    char folder_name[PL_NAME_SIZE];
+    const char *name = o.name != NULL ? o.name : folder_name;
     char *path = strdup(o.request.names.items[0]);
     pl_status status = path == NULL ? pl_fail(&error, PL_NO_MEMORY, "out of memory") : PL_OK;
     for (size_t n = path == NULL ? 0 : strlen(path); n > 1 && path[n - 1] == '/'; --n) {
@@ -228,11 +244,14 @@ static int run(const pl_call *call)
         status = check_target(path, &error);
     }
     if (status == PL_OK) {
-        name_after(path, name);
-        status = make(path, o.name != NULL ? o.name : name, &error);
+        name_after(path, folder_name);
+        status = check_not_built_in(name, &error);
     }
     if (status == PL_OK) {
-        print_next(path, o.name != NULL ? o.name : name);
+        status = make(path, name, &error);
+    }
+    if (status == PL_OK) {
+        print_next(path, name);
     }
     free(path);
     pl_request_free(&o.request);

@@ -1,8 +1,8 @@
-/* my_engine for Plumb: an adapter around a small engine of spheres and half-spaces.
+/* my_engine for Plumb: an adapter around a small engine of spheres and half-spaces, in C99 and C++20.
  *
  * It works as it is. To plug in an engine of your own, keep the adapter, and replace what is marked
- * "YOUR ENGINE" by calls of your library. plumb/engine_abi.h says what each function must do and
- * which conventions hold; `plumb check-engine ./my_engine.so` tests whether they do. */
+ * "YOUR ENGINE" by calls to your library. plumb/engine_abi.h says what each function must do and
+ * which conventions hold, and `plumb check-engine ./my_engine.so` tests it. */
 #include "plumb/adapter_helpers.h"
 #include "plumb/engine_abi.h"
 
@@ -137,9 +137,9 @@ static pl_status create(const pl_engine_setup *setup, pl_engine_instance **insta
             return pl_engine_error(error, PL_UNSUPPORTED, "it has only spheres and planes");
         }
     }
-    pl_engine_instance *made = calloc(1, sizeof *made);
+    pl_engine_instance *made = (pl_engine_instance *)calloc(1, sizeof *made);
     if (made != NULL) {
-        made->bodies = calloc((size_t)scene->body_count + 1, sizeof *made->bodies);
+        made->bodies = (body *)calloc((size_t)scene->body_count + 1, sizeof *made->bodies);
     }
     if (made == NULL || made->bodies == NULL) {
         destroy(made);
@@ -187,7 +187,10 @@ static bool collide(pl_engine_instance *instance, int body_a, int body_b, double
 {
     const pl_body *bodies = instance->setup->scene->bodies;
     const bool swap = bodies[body_b].shape.kind == PL_SHAPE_PLANE;
-    contact c = {.shared = {.body_a = swap ? body_b : body_a, .body_b = swap ? body_a : body_b}};
+    contact c;
+    memset(&c, 0, sizeof c);
+    c.shared.body_a = swap ? body_b : body_a;
+    c.shared.body_b = swap ? body_a : body_b;
     const body *a = &instance->bodies[c.shared.body_a], *b = &instance->bodies[c.shared.body_b];
     if (a->inverse_mass + b->inverse_mass <= 0) {
         return true;
@@ -216,7 +219,7 @@ static bool collide(pl_engine_instance *instance, int body_a, int body_b, double
              b->max_inverse_inertia * dot(c.arm_b, c.arm_b));
     if (instance->contact_count == instance->contact_capacity) {
         const int capacity = 2 * instance->contact_capacity + 16;
-        contact *larger = realloc(instance->contacts, (size_t)capacity * sizeof *larger);
+        contact *larger = (contact *)realloc(instance->contacts, (size_t)capacity * sizeof *larger);
         if (larger == NULL) {
             return false;
         }
@@ -424,6 +427,7 @@ static const pl_engine ENGINE = {
     .profile_count = sizeof PROFILES / sizeof PROFILES[0],
     .options = OPTIONS,
     .option_count = OPTION_COUNT,
+    .profile_defaults = NULL, /* no profile has defaults of its own */
     .create = create,
     .destroy = destroy,
     .step = step,
@@ -431,10 +435,15 @@ static const pl_engine ENGINE = {
     .read_settings = read_settings,
     .read_pair = read_pair,
     .read_contacts = read_contacts,
+    .extension = NULL,
 };
 
-/* The one symbol that the harness looks up. C++ needs extern "C" here. */
+/* The one symbol that the harness looks up. */
+#ifdef __cplusplus
+extern "C" const pl_engine *plumb_engine(void);
+#else
 const pl_engine *plumb_engine(void);
+#endif
 
 const pl_engine *plumb_engine(void)
 {

@@ -21,6 +21,7 @@ ln -s linked link
 expect 2 'full exists, and is not empty' full/
 expect 2 'file exists, and is not a folder' file
 expect 2 'link exists, and is not a folder' link
+expect 2 'ode is the name of a built-in engine' ode
 expect 3 'cannot make missing/engine: No such file' missing/engine
 [[ $(ls full) == kept ]] || note_failure "a folder that was not empty was changed: $(ls full)"
 # A disk that is full in the middle: no file may be longer than 8 blocks.
@@ -57,7 +58,11 @@ make_with() {
 for compiler in gcc clang; do
     command -v $compiler >/dev/null || continue
     make_with new-one CC=$compiler
-    cp new-one/new-one.so $compiler.so
+done
+for compiler in g++ clang++; do
+    command -v $compiler >/dev/null || continue
+    $compiler -x c++ -std=c++20 -Wall -Wextra -Wpedantic -Werror -I new-one/include -fPIC -shared \
+        -o $compiler.so new-one/engine.c 2>out || note_failure "$compiler: $(cat out)"
 done
 make_with 'its folder' PLUMB_INCLUDE="$SOURCE/compare/include $SOURCE/scenarios/include"
 
@@ -66,6 +71,7 @@ make_with 'its folder' PLUMB_INCLUDE="$SOURCE/compare/include $SOURCE/scenarios/
 command=
 expect 0 'rolling:default' list engines './its folder/rolling.so'
 expect 0 'conformance passed' check-engine new-one/new-one.so
+expect 0 'conformance passed' check-engine ./g++.so
 expect 0 'iterations_max +1 ' run bowling --engine new-one/new-one.so,iterations=1
 expect 3 'new-one lacks box' run tower --engine new-one/new-one.so
 scenarios=(roll-slope bowling free-fall projectile oblique-impact collision-train cradle sphere-pyramid bounce)
