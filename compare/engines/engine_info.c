@@ -3,7 +3,6 @@
 #include "engine_info.h"
 
 #include "adapters/contact_problems.h"
-#include "base/array.h"
 #include "base/json_field.h"
 #include "load_engine.h"
 #include "process.h"
@@ -134,11 +133,11 @@ static pl_status describe(const description_job *job, FILE *answer, json_t **des
     pl_loaded_engine loaded;
     const int mapped = pl_mapped_file_count();
     report_stage(answer, "while it was loaded");
+    const char *libraries = job->built_in == NULL ? NULL : job->built_in->libraries;
     pl_status status = pl_load_engine(
         job->path, job->built_in == NULL ? NULL : job->built_in->entry, &loaded, error);
     if (status == PL_OK) {
-        status = pl_binary_hash(mapped, job->path == NULL ? job->built_in->libraries : NULL, hash,
-                                error);
+        status = pl_binary_hash(mapped, libraries, hash, error);
     }
     if (status == PL_OK && job->path != NULL) {
         status = pl_binary_stamp(mapped, stamp, error);
@@ -187,6 +186,7 @@ typedef struct known_info {
     pl_engine_profile profiles[PL_ENGINE_MAX_PROFILES];
     pl_engine_option options[PL_ENGINE_MAX_OPTIONS];
     double *defaults;
+    struct known_info *next;
 } known_info;
 
 static const char *text_of(const json_t *object, const char *key)
@@ -399,36 +399,32 @@ static bool is_same(const char *a, const char *b)
 pl_status pl_engine_describe(const char *path, const pl_built_in *built_in,
                              const pl_engine_info **info, pl_error *error)
 {
-    static known_info **all;
-    static int count;
-    for (int i = 0; i < count; ++i) {
-        if (all[i]->info.built_in == built_in && is_same(all[i]->info.path, path)) {
-            *info = &all[i]->info;
+    static known_info *first; /* they live until the program ends */
+    for (known_info *known = first; known != NULL; known = known->next) {
+        if (known->info.built_in == built_in && is_same(known->info.path, path)) {
+            *info = &known->info;
             return PL_OK;
         }
     }
     known_info *known = calloc(1, sizeof *known);
     char *own_path = path == NULL ? NULL : strdup(path);
-    pl_status status = known == NULL || (path != NULL && own_path == NULL)
-                           ? pl_fail(error, PL_NO_MEMORY, "out of memory for an engine")
-                           : PL_OK;
-    if (status == PL_OK) {
-        known->info.path = own_path;
-        known->info.built_in = built_in;
-        status = ask(known, error);
+    if (known == NULL || (path != NULL && own_path == NULL)) {
+        free(known);
+        free(own_path);
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for an engine");
     }
-    if (status == PL_OK) {
-        status = pl_array_push(&all, &count, &known, sizeof known, error);
-    }
+    known->info.path = own_path;
+    known->info.built_in = built_in;
+    pl_status status = ask(known, error);
     if (status != PL_OK) {
-        if (known != NULL) {
-            json_decref(known->description);
-            free(known->defaults);
-        }
+        json_decref(known->description);
+        free(known->defaults);
         free(known);
         free(own_path);
         return status;
     }
+    known->next = first;
+    first = known;
     *info = &known->info;
     return PL_OK;
 }

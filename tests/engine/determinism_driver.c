@@ -1,6 +1,6 @@
 /* Runs short versions of the catalogue on our engine and prints a hash of the bits of all poses of
  * all frames, a line a scenario. */
-#include "engines/registry.h"
+#include "adapters/built_in.h"
 #include "plumb/scenario.h"
 
 #include <stdio.h>
@@ -38,8 +38,12 @@ static int run(const char *name, int profile, const char *const *settings, int s
         options[i] = bound ? 3e4 : engine->options[i].value;
     }
     pl_body_state *bodies = calloc((size_t)scene.body_count, sizeof *bodies);
-    pl_status status =
-        bodies != NULL ? engine->create(&scene, profile, options, &instance, &error) : PL_NO_MEMORY;
+    const pl_engine_setup setup = {.struct_size = sizeof setup,
+                                   .scene = &scene,
+                                   .dt = scene.dt,
+                                   .profile = profile,
+                                   .values = options};
+    pl_status status = bodies != NULL ? engine->create(&setup, &instance, &error) : PL_NO_MEMORY;
     uint64_t hash = UINT64_C(14695981039346656037);
     for (int i = 0; i < steps && status == PL_OK; ++i) {
         pl_step_stats stats = {.struct_size = sizeof stats};
