@@ -16,6 +16,8 @@ static const pl_check *check_at(int index)
     } files[] = {
         {pl_state_checks, pl_state_check_count},
         {pl_material_checks, pl_material_check_count},
+        {pl_contact_checks, pl_contact_check_count},
+        {pl_impulse_checks, pl_impulse_check_count},
     };
     for (size_t i = 0; i < sizeof files / sizeof *files; ++i) {
         if (index < files[i].count) {

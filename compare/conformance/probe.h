@@ -50,6 +50,10 @@ extern const pl_check pl_state_checks[];
 extern const int pl_state_check_count;
 extern const pl_check pl_material_checks[];
 extern const int pl_material_check_count;
+extern const pl_check pl_contact_checks[];
+extern const int pl_contact_check_count;
+extern const pl_check pl_impulse_checks[];
+extern const int pl_impulse_check_count;
 
 /* ---- Scenes ---- */
 

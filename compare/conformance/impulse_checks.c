@@ -1,0 +1,299 @@
+/* Impulses: contacts push, what one body gains the other loses, and the impulses that are reported
+ * are those that moved the bodies. */
+#include "probe.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double RADIUS = 0.5;     /* m, of every sphere */
+static const double DT = 1.0 / 120;   /* s */
+static const double LIGHT = 1;        /* kg */
+static const double HEAVY = 3;        /* kg */
+static const double SPEED = 2;        /* m/s, of an impact */
+static const double LEAST_SHARE = .1; /* of the speed that an impact is to change */
+
+static void begin(pl_probe *p, double friction, double restitution, bool has_gravity)
+{
+    pl_scene *scene = pl_probe_scene(p, DT);
+    scene->materials[0].friction = friction;
+    scene->materials[0].restitution = restitution;
+    if (!has_gravity) {
+        memset(scene->gravity, 0, sizeof scene->gravity);
+    }
+}
+
+static int add_ball(pl_probe *p, double mass, const double position[3], const double velocity[3])
+{
+    pl_body ball = pl_body_default();
+    ball.shape = pl_shape_sphere(RADIUS);
+    ball.mass = mass;
+    memcpy(ball.position, position, sizeof ball.position);
+    memcpy(ball.velocity, velocity, sizeof ball.velocity);
+    return pl_probe_add_body(p, ball);
+}
+
+/* A light sphere (body 0) that hits a heavy one at rest (body 1), off its centre. */
+static void begin_collision(pl_probe *p)
+{
+    begin(p, 0, 0, false);
+    add_ball(p, LIGHT, (double[]){0, 0, 2}, (double[]){SPEED, 0, 0});
+    add_ball(p, HEAVY, (double[]){0.8, 0.6, 2}, (double[]){0, 0, 0});
+    pl_probe_create(p);
+}
+
+static double length(const double v[3])
+{
+    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+}
+
+/* ---- What the motion shows ---- */
+
+static void check_momentum(pl_probe *p)
+{
+    begin_collision(p);
+    pl_probe_steps(p, 30);
+    double sum[3];
+    for (int k = 0; k < 3; ++k) {
+        sum[k] = LIGHT * p->now[0].velocity[k] + HEAVY * p->now[1].velocity[k];
+    }
+    char found[PL_CHECK_TEXT_SIZE];
+    const double change = SPEED - p->now[0].velocity[0];
+    snprintf(found, sizeof found, "it changed by %g m/s", change);
+    pl_probe_require(p, fabs(change) > LEAST_SHARE * SPEED,
+                     "a sphere that meets another at 2 m/s changes its velocity", found,
+                     "the two spheres do not touch: sizes, positions, or a filter of pairs");
+    pl_probe_expect_vector(p,
+                           "the momentum of spheres of 1 and 3 kg after they met, without gravity, "
+                           "kg m/s",
+                           sum, (double[]){LIGHT * SPEED, 0, 0}, pl_probe_tolerance(p, 10 * HEAVY),
+                           "the masses are not those of the scene, or the impulse on one body is "
+                           "not the opposite of that on the other");
+}
+
+static void check_push(pl_probe *p)
+{
+    begin_collision(p);
+    pl_probe_steps(p, 60);
+    double apart[3], relative[3], approach = 0;
+    for (int k = 0; k < 3; ++k) {
+        apart[k] = p->now[1].position[k] - p->now[0].position[k];
+        relative[k] = p->now[1].velocity[k] - p->now[0].velocity[k];
+    }
+    const double between = length(apart);
+    for (int k = 0; k < 3; ++k) {
+        approach -= relative[k] * apart[k] / between;
+    }
+    char found[PL_CHECK_TEXT_SIZE];
+    snprintf(found, sizeof found, "%g m", between);
+    pl_probe_require(p, between > 1.9 * RADIUS,
+                     "the centres of two spheres that met are 1 m apart or more, less 5 %", found,
+                     "the impulse draws the bodies together, or it acts on the wrong body");
+    snprintf(found, sizeof found, "%g m/s", approach);
+    pl_probe_require(p, approach < LEAST_SHARE * SPEED,
+                     "two spheres that met at 2 m/s no longer approach each other", found,
+                     "the impulse draws the bodies together, or it is too small");
+}
+
+/* ---- What is reported ---- */
+
+/* The reported impulses on one body and their torque about its centre, and what its motion shows,
+ * summed over steps. */
+typedef struct balance {
+    double reported[3], needed[3]; /* N s */
+    double torque[3], spin[3];     /* N m s */
+    double scale, torque_scale;    /* sizes of what is added up, for rounding */
+    double normal[3];              /* of the last contact, on the body */
+} balance;
+
+static void add_contact(balance *sum, const pl_contact *contact, int body, const double centre[3])
+{
+    const double sign = contact->body_b == body ? 1 : -1;
+    const double *j = contact->impulse;
+    double arm[3];
+    for (int k = 0; k < 3; ++k) {
+        arm[k] = contact->point[k] - centre[k];
+        sum->reported[k] += sign * j[k];
+        sum->torque[k] += sign * contact->torque[k];
+        sum->normal[k] = sign * contact->normal[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+        const int x = (k + 1) % 3, y = (k + 2) % 3;
+        sum->torque[k] += sign * (arm[x] * j[y] - arm[y] * j[x]);
+    }
+    sum->scale += length(j);
+}
+
+/* Adds the last step. */
+static void add_step(const pl_probe *p, int index, balance *sum)
+{
+    const pl_body *body = &p->scene.bodies[index];
+    const pl_body_state *before = &p->before[index], *now = &p->now[index];
+    const double *gravity = p->scene.gravity;
+    for (int k = 0; k < 3; ++k) {
+        const double change = now->velocity[k] - before->velocity[k] - gravity[k] * p->scene.dt;
+        const double turn = now->angular_velocity[k] - before->angular_velocity[k];
+        sum->needed[k] += body->mass * change;
+        sum->spin[k] += body->inertia[k] * turn;
+    }
+    sum->scale += body->mass * (length(now->velocity) + length(gravity) * p->scene.dt);
+    sum->torque_scale += body->inertia[0] * length(now->angular_velocity);
+    for (int i = 0; i < p->contact_count; ++i) {
+        if (p->contacts[i].body_a == index || p->contacts[i].body_b == index) {
+            add_contact(sum, &p->contacts[i], index, before->position);
+        }
+    }
+}
+
+/* Whether `found` is `expected` times a factor, to 2 %. */
+static bool is_times(const double found[3], const double expected[3], double factor)
+{
+    double error[3];
+    for (int k = 0; k < 3; ++k) {
+        error[k] = found[k] - factor * expected[k];
+    }
+    return length(error) <= 0.02 * fabs(factor) * length(expected);
+}
+
+/* What usually makes these reported impulses of those needed. */
+static const char *cause_of(const pl_probe *p, const balance *sum)
+{
+    const double substeps = p->choice->engine->substeps;
+    const struct {
+        double factor;
+        const char *cause;
+    } known[] = {
+        {-1, "the sign: impulses act on B. Where the adapter swaps the bodies, it has to turn "
+             "normal and impulse too"},
+        {1 / p->scene.dt, "a force in N: multiply it by the step"},
+        {p->scene.dt, "an impulse that is multiplied by the step once more"},
+        {2, "twice the impulse: a contact is reported twice, or the mass is half"},
+        {0.5, "half the impulse: the mass is double, or one of two solver passes is left out"},
+        {1 / substeps, "the impulse of the last sub-step alone: sum those of the whole step"},
+        {substeps / p->scene.dt, "a force in N at the sub-steps: multiply each by the sub-step"},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof *known; ++i) {
+        if (known[i].factor != 1 && is_times(sum->reported, sum->needed, known[i].factor)) {
+            return known[i].cause;
+        }
+    }
+    double along = 0, normal[3], mirrored[3];
+    for (int k = 0; k < 3; ++k) {
+        along += sum->needed[k] * sum->normal[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+        normal[k] = along * sum->normal[k];
+        mirrored[k] = 2 * normal[k] - sum->needed[k];
+    }
+    return length(sum->reported) == 0             ? "impulses are not filled"
+           : is_times(sum->reported, normal, 1)   ? "the impulse of friction is left out"
+           : is_times(sum->reported, mirrored, 1) ? "the sign of friction: the impulse opposes "
+                                                    "the sliding of the body that it acts on"
+                                                  : "the impulses are not those of this step, or "
+                                                    "are not all that acts on the body";
+}
+
+/* `rotates`: the torque is compared too, with a hundredth of the radius for the place of a point. */
+static void expect_balance(pl_probe *p, const balance *sum, const char *what, bool rotates)
+{
+    char subject[PL_CHECK_TEXT_SIZE];
+    snprintf(subject, sizeof subject, "the impulse of all contacts on %s, from its motion, N s",
+             what);
+    pl_probe_expect_vector(p, subject, sum->reported, sum->needed,
+                           pl_probe_tolerance(p, 10 * sum->scale), cause_of(p, sum));
+    if (rotates) {
+        snprintf(subject, sizeof subject,
+                 "the torque of all contacts on %s about its centre, from its motion, N m s", what);
+        pl_probe_expect_vector(p, subject, sum->torque, sum->spin,
+                               0.01 * RADIUS * length(sum->needed) +
+                                   pl_probe_tolerance(p, 10 * (sum->scale + sum->torque_scale)),
+                               "the points of contacts are not where the impulses act, or torques "
+                               "that act are not reported");
+    }
+}
+
+/* The contacts of a sphere that rests are its weight times the time. */
+static void check_weight(pl_probe *p)
+{
+    for (int order = 0; order < 2 && !p->over; ++order) {
+        balance sum = {.scale = 0};
+        begin(p, 0, 0, true);
+        if (order == 0) {
+            pl_probe_add_floor(p);
+        }
+        const int ball = add_ball(p, HEAVY, (double[]){0, 0, RADIUS}, (double[]){0, 0, 0});
+        if (order == 1) {
+            pl_probe_add_floor(p);
+        }
+        pl_probe_create(p);
+        pl_probe_steps(p, 60);
+        for (int n = 0; n < 60; ++n) {
+            pl_probe_steps(p, 1);
+            add_step(p, ball, &sum);
+        }
+        expect_balance(p, &sum,
+                       order == 0 ? "a sphere that rests on a plane, the second body"
+                                  : "a sphere that rests on a plane, the first body",
+                       false);
+    }
+}
+
+/* Every step of a motion by itself. */
+static void expect_steps(pl_probe *p, int body, int steps, const char *what, bool rotates)
+{
+    for (int n = 0; n < steps && !p->over; ++n) {
+        balance sum = {.scale = 0};
+        pl_probe_steps(p, 1);
+        add_step(p, body, &sum);
+        expect_balance(p, &sum, what, rotates);
+    }
+}
+
+static void check_impulse_friction(pl_probe *p)
+{
+    begin(p, 0.5, 0, true);
+    pl_probe_add_floor(p);
+    const int ball = add_ball(p, HEAVY, (double[]){0, 0, RADIUS}, (double[]){3, -1, 0});
+    memcpy(p->scene.bodies[ball].angular_velocity, (double[]){5, 8, 2}, 3 * sizeof(double));
+    pl_probe_create(p);
+    expect_steps(p, ball, 60, "a sphere that slides on a plane", true);
+}
+
+/* Three bounces. Later ones last less than some steps, and engines differ in what they do then. */
+static void check_impulse_bounce(pl_probe *p)
+{
+    begin(p, 0, 0.5, true);
+    const int ball = add_ball(p, HEAVY, (double[]){0, 0, RADIUS}, (double[]){1, 0, -SPEED});
+    pl_probe_add_floor(p);
+    pl_probe_create(p);
+    expect_steps(p, ball, 40, "a sphere that bounces off a plane", false);
+}
+
+static void check_impulse_pair(pl_probe *p)
+{
+    for (int body = 0; body < 2 && !p->over; ++body) {
+        begin_collision(p);
+        expect_steps(p, body, 30, body == 0 ? "a sphere that hits another" : "a sphere that is hit",
+                     false);
+    }
+}
+
+enum {
+    SMOOTH = PL_NEEDS_SPHERE | PL_NEEDS_PLANE,
+    SLIDING = SMOOTH | PL_NEEDS_FRICTION | PL_NEEDS_ROTATION,
+    REPORTED = PL_CONTACTS_POINTS | PL_CONTACTS_IMPULSES
+};
+
+const pl_check pl_impulse_checks[] = {
+    {"momentum", "a collision keeps the momentum", PL_NEEDS_SPHERE, 0, check_momentum},
+    {"contact-pushes", "contacts push bodies apart", PL_NEEDS_SPHERE, 0, check_push},
+    {"impulse-weight", "the impulses on a resting sphere are its weight", SMOOTH, REPORTED,
+     check_weight},
+    {"impulse-friction", "the impulses on a sliding sphere are those of its motion", SLIDING,
+     REPORTED, check_impulse_friction},
+    {"impulse-bounce", "the impulses on a bouncing sphere are those of its motion",
+     SMOOTH | PL_NEEDS_RESTITUTION, REPORTED, check_impulse_bounce},
+    {"impulse-pair", "the impulses of a collision are those of both motions", PL_NEEDS_SPHERE,
+     REPORTED, check_impulse_pair},
+};
+const int pl_impulse_check_count = sizeof pl_impulse_checks / sizeof *pl_impulse_checks;
