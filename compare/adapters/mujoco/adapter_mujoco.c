@@ -181,7 +181,6 @@ static void mujoco_profile_defaults(int profile, double *values)
         values[MUJOCO_CONE] = mjCONE_ELLIPTIC;
         values[MUJOCO_TOLERANCE] = 1e-10;
         values[MUJOCO_IMPRATIO] = 10;
-        values[MUJOCO_SOLREF_TIMECONST] = 1e-6;
         values[MUJOCO_SOLIMP_DMIN] = 0.99;
         values[MUJOCO_SOLIMP_DMAX] = 0.999;
         return;

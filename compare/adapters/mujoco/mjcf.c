@@ -154,10 +154,9 @@ static void add_header(const mjcf_writer *w)
         pl_text_format(w->out, "  <!-- without the scene's applied forces: %d -->\n",
                        scene->force_count);
     }
-    pl_text_add(w->out,
-                "  <compiler angle=\"radian\" boundmass=\"0\" boundinertia=\"0\" "
-                "balanceinertia=\"false\" inertiafromgeom=\"false\" fusestatic=\"false\" "
-                "discardvisual=\"false\"/>\n  <option");
+    pl_text_add(w->out, "  <compiler angle=\"radian\" boundmass=\"0\" boundinertia=\"0\" "
+                        "balanceinertia=\"false\" inertiafromgeom=\"false\" fusestatic=\"false\" "
+                        "discardvisual=\"false\"/>\n  <option");
     add_attribute(w->out, "timestep", &scene->dt, 1);
     add_attribute(w->out, "gravity", scene->gravity, 3);
     pl_text_format(w->out, "/>\n  <size njmax=\"%d\" nconmax=\"%d\" nstack=\"%d\"/>\n", sizes.njmax,

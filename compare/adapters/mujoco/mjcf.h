@@ -11,7 +11,7 @@
  * - The keyframe "start" has the initial velocities, where a body moves at the start. MuJoCo 2.2
  *   reads those of at most 166 bodies; the velocities of more are left out, and a comment says so.
  * - MuJoCo takes the larger friction of two geoms. Two bodies whose coefficient is another are a
- *   <pair>. Frictionless contacts have condim 1, because MuJoCo raises every coefficient to 1e-5.
+ *   pair element. Frictionless contacts have condim 1, because MuJoCo raises every coefficient to 1e-5.
  * - Applied forces and expected results have no place in MJCF and are left out. */
 #ifndef PLUMB_MJCF_H
 #define PLUMB_MJCF_H
@@ -20,7 +20,7 @@
 #include "plumb/base.h"
 #include "plumb/scene.h"
 
-/* The most <pair> elements written: MuJoCo tests each of them in every step. */
+/* The most pair elements written: MuJoCo tests each of them in every step. */
 enum { PL_MJCF_MAX_PAIRS = 20000 };
 
 /* The most bodies: MuJoCo keeps the numbers of two bodies in 32 bits. */

@@ -62,7 +62,7 @@ void pl_mujoco_read_frame(const pl_engine_instance *instance, pl_frame *frame);
 /* Masses, inertia, gravity and step of the compiled model. */
 void pl_mujoco_read_settings(const pl_engine_instance *instance, pl_engine_settings *settings);
 
-/* The friction of the compiled model's <pair>, or else that which MuJoCo combines. */
+/* The friction of the compiled model's element `pair`, or else that which MuJoCo combines. */
 void pl_mujoco_read_pair(const pl_engine_instance *instance, int body_a, int body_b,
                          pl_pair_coefficients *found);
 

@@ -10,14 +10,16 @@
 static const mjtNum *joint_position(const pl_engine_instance *instance, int body)
 {
     const mjModel *model = instance->model;
-    return instance->data->qpos + model->jnt_qposadr[model->body_jntadr[pl_mujoco_body(instance, body)]];
+    return instance->data->qpos +
+           model->jnt_qposadr[model->body_jntadr[pl_mujoco_body(instance, body)]];
 }
 
 /* The first velocity of a moving body's free joint, in qvel. */
 static const mjtNum *joint_velocity(const pl_engine_instance *instance, int body)
 {
     const mjModel *model = instance->model;
-    return instance->data->qvel + model->jnt_dofadr[model->body_jntadr[pl_mujoco_body(instance, body)]];
+    return instance->data->qvel +
+           model->jnt_dofadr[model->body_jntadr[pl_mujoco_body(instance, body)]];
 }
 
 void pl_mujoco_read_pose(const pl_engine_instance *instance, int body, double position[3],
@@ -82,8 +84,7 @@ void pl_mujoco_read_settings(const pl_engine_instance *instance, pl_engine_setti
     for (int i = 0; i < settings->body_count; ++i) {
         ptrdiff_t number = pl_mujoco_body(instance, i);
         settings->mass[i] = model->body_mass[number];
-        memcpy(settings->inertia[i], model->body_inertia + 3 * number,
-               sizeof settings->inertia[i]);
+        memcpy(settings->inertia[i], model->body_inertia + 3 * number, sizeof settings->inertia[i]);
     }
 }
 
@@ -93,7 +94,7 @@ void pl_mujoco_read_pair(const pl_engine_instance *instance, int body_a, int bod
     const mjModel *model = instance->model;
     int a = instance->geoms[body_a], b = instance->geoms[body_b];
     int condim = model->geom_condim[a] > model->geom_condim[b] ? model->geom_condim[a]
-                                                                : model->geom_condim[b];
+                                                               : model->geom_condim[b];
     double friction = fmax(model->geom_friction[3 * a], model->geom_friction[3 * b]);
     for (int i = 0; i < model->npair; ++i) {
         if ((model->pair_geom1[i] == a && model->pair_geom2[i] == b) ||

@@ -56,5 +56,5 @@ pl_mujoco_sizes pl_mujoco_sizes_for(const pl_scene *scene, int contacts)
 
 int pl_mujoco_first_contacts(const pl_scene *scene)
 {
-    return 50 + 6 * (int)moving_bodies(scene);
+    return 100 + 10 * (int)moving_bodies(scene);
 }

@@ -4,11 +4,11 @@
 
 #include "plumb/scene_data.h"
 
-/* The sizes of a model, as its <size> element has them. */
+/* The sizes of a model, as its element `size` has them. */
 typedef struct pl_mujoco_sizes {
-    int nconmax; /* contacts */
-    int njmax;   /* constraint rows: 4 of a contact, which a pyramidal cone takes */
-    int nstack;  /* numbers of 8 bytes that the functions of a step allocate */
+    int nconmax;  /* contacts */
+    int njmax;    /* constraint rows: 4 of a contact, which a pyramidal cone takes */
+    int nstack;   /* numbers of 8 bytes that the functions of a step allocate */
     double bytes; /* at most what MuJoCo allocates for them */
 } pl_mujoco_sizes;
 
