@@ -31,8 +31,9 @@ struct pl_engine_instance {
     const pl_scene *scene;
     mjModel *model;
     mjData *data;
-    int *geoms;  /* (body_count): the geom of each body of the scene */
-    int *bodies; /* (body_count): the body of the scene that each geom is */
+    int contacts; /* for which there is room */
+    int *geoms;   /* (body_count): the geom of each body of the scene */
+    int *bodies;  /* (body_count): the body of the scene that each geom is */
 };
 
 /* The number that a body of the scene has in MuJoCo; 0, the world, for a plane. */

@@ -13,7 +13,7 @@ static const double gibibyte = 0x1p30;
 /* MuJoCo ends the program when it finds no memory, so it is asked for before. */
 static pl_status check_sizes(const pl_scene *scene, const pl_mujoco_sizes *sizes, pl_error *error)
 {
-    if (sizes->nconmax == 0) {
+    if (sizes->contacts == 0) {
         return pl_fail(error, PL_UNSUPPORTED,
                        "%d bodies: MuJoCo 2.2 counts its memory in 32 bits, which are too few",
                        scene->body_count);
@@ -21,7 +21,7 @@ static pl_status check_sizes(const pl_scene *scene, const pl_mujoco_sizes *sizes
     void *probe = malloc((size_t)sizes->bytes);
     if (probe == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "MuJoCo needs %.1f GiB for %d bodies and %d contacts",
-                       sizes->bytes / gibibyte, scene->body_count, sizes->nconmax);
+                       sizes->bytes / gibibyte, scene->body_count, sizes->contacts);
     }
     free(probe);
     return PL_OK;
@@ -109,7 +109,7 @@ static pl_status make_data(pl_engine_instance *instance, pl_error *error)
     instance->data = mj_makeData(instance->model);
     if (instance->data == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "MuJoCo could not make its data for %d contacts",
-                       instance->model->nconmax);
+                       instance->contacts);
     }
     instance->data->warning[mjWARN_CONTACTFULL].number = 1;
     instance->data->warning[mjWARN_CNSTRFULL].number = 1;
@@ -122,6 +122,7 @@ pl_status pl_mujoco_load(const pl_engine_setup *setup, pl_engine_instance *insta
     const pl_scene *scene = setup->scene;
     pl_mujoco_sizes sizes = pl_mujoco_sizes_for(scene, pl_mujoco_first_contacts(scene));
     pl_text_buffer text = {0};
+    instance->contacts = sizes.contacts;
     pl_status status = check_sizes(scene, &sizes, error);
     if (status == PL_OK) {
         status = pl_mjcf_write(scene, &text, error);
@@ -163,12 +164,12 @@ void pl_mujoco_unload(pl_engine_instance *instance)
 pl_status pl_mujoco_grow(pl_engine_instance *instance, pl_error *error)
 {
     mjModel *model = instance->model;
-    pl_mujoco_sizes sizes = pl_mujoco_sizes_for(instance->scene, 2 * model->nconmax);
-    if (sizes.nconmax <= model->nconmax) {
+    pl_mujoco_sizes sizes = pl_mujoco_sizes_for(instance->scene, 2 * instance->contacts);
+    if (sizes.contacts <= instance->contacts) {
         return pl_fail(error, PL_UNSUPPORTED,
                        "more than %d contacts of %d bodies: MuJoCo 2.2 reserves a matrix of all "
                        "contact rows in advance and counts its bytes in 32 bits",
-                       model->nconmax, instance->scene->body_count);
+                       instance->contacts, instance->scene->body_count);
     }
     size_t nq = (size_t)model->nq, nv = (size_t)model->nv;
     mjtNum time = instance->data->time;
@@ -181,6 +182,7 @@ pl_status pl_mujoco_grow(pl_engine_instance *instance, pl_error *error)
     memcpy(kept + nq + nv, instance->data->qacc_warmstart, nv * sizeof *kept);
     mj_deleteData(instance->data);
     instance->data = NULL;
+    instance->contacts = sizes.contacts;
     model->nconmax = sizes.nconmax;
     model->njmax = sizes.njmax;
     model->nstack = sizes.nstack;

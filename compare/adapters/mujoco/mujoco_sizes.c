@@ -4,7 +4,8 @@
 
 #include <limits.h>
 
-enum { ROWS_A_CONTACT = 4, DEGREES_A_BODY = 6 };
+/* MuJoCo lists contacts of depth 0 too: flush boxes at the start have many. */
+enum { LISTED_A_CONTACT = 3, ROWS_A_CONTACT = 4, DEGREES_A_BODY = 6 };
 
 static double moving_bodies(const pl_scene *scene)
 {
@@ -20,8 +21,8 @@ static double moving_bodies(const pl_scene *scene)
 static double buffer_bytes(double bodies, double moving, double contacts)
 {
     double rows = ROWS_A_CONTACT * contacts, degrees = DEGREES_A_BODY * moving;
-    return 12 * rows * rows + 24 * rows * degrees + 256 * rows + 1024 * contacts + 4096 * bodies +
-           65536;
+    return 12 * rows * rows + 24 * rows * degrees + 256 * rows +
+           1024 * LISTED_A_CONTACT * contacts + 4096 * bodies + 65536;
 }
 
 /* Numbers on the stack: the dual solvers' factors, Newton's dense Hessian with a copy and indices,
@@ -45,10 +46,11 @@ pl_mujoco_sizes pl_mujoco_sizes_for(const pl_scene *scene, int contacts)
         high = fits ? high : middle - 1;
     }
     if (low == 0) {
-        return (pl_mujoco_sizes){.nconmax = 0};
+        return (pl_mujoco_sizes){.contacts = 0};
     }
     double stack = stack_numbers(bodies, moving, low);
-    return (pl_mujoco_sizes){.nconmax = low,
+    return (pl_mujoco_sizes){.contacts = low,
+                             .nconmax = LISTED_A_CONTACT * low,
                              .njmax = ROWS_A_CONTACT * low,
                              .nstack = (int)stack,
                              .bytes = buffer_bytes(bodies, moving, low) + 8 * stack};

@@ -6,14 +6,15 @@
 
 /* The sizes of a model, as its element `size` has them. */
 typedef struct pl_mujoco_sizes {
-    int nconmax;  /* contacts */
+    int contacts; /* with a force */
+    int nconmax;  /* contacts, also those that only touch and have no rows */
     int njmax;    /* constraint rows: 4 of a contact, which a pyramidal cone takes */
     int nstack;   /* numbers of 8 bytes that the functions of a step allocate */
     double bytes; /* at most what MuJoCo allocates for them */
 } pl_mujoco_sizes;
 
 /* The sizes for `contacts` contacts, or for fewer where they would not fit: MuJoCo counts the bytes
- * of its main buffer, which is quadratic in the rows, in an int. nconmax 0: the bodies alone are too
+ * of its main buffer, which is quadratic in the rows, in an int. contacts 0: the bodies alone are too
  * many. */
 pl_mujoco_sizes pl_mujoco_sizes_for(const pl_scene *scene, int contacts);
 
