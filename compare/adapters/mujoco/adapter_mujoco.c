@@ -19,9 +19,8 @@
 #include "mujoco_instance.h"
 
 #include "adapters/built_in.h"
-#include "adapters/scene_frames.h"
+#include "plumb/adapter_helpers.h"
 #include "plumb/base.h"
-#include "plumb/vec.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -268,9 +267,10 @@ static void apply_forces(pl_engine_instance *instance, double dt)
         pl_mujoco_read_pose(instance, force->body, position, orientation);
         if (pl_force_at(force, data->time, dt, orientation, along, at)) {
             mjtNum *sum = data->xfrc_applied + 6 * (ptrdiff_t)pl_mujoco_body(instance, force->body);
-            pl_vec torque = pl_vec_cross(pl_vec_of(at), pl_vec_of(along));
+            mjtNum torque[3];
+            mju_cross(torque, at, along);
             mju_addTo3(sum, along);
-            mju_addTo3(sum + 3, (mjtNum[]){torque.x, torque.y, torque.z});
+            mju_addTo3(sum + 3, torque);
         }
     }
 }

@@ -1,9 +1,7 @@
 #include "mjcf.h"
 
-#include "adapters/scene_frames.h"
 #include "mujoco_sizes.h"
-#include "plumb/scenario.h"
-#include "plumb/vec.h"
+#include "plumb/adapter_helpers.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -405,9 +403,8 @@ void pl_mjcf_velocity(const pl_body *body, double velocity[6])
 {
     double position[3], orientation[4];
     body_pose(body, position, orientation);
-    const pl_axes axes = pl_axes_of(orientation);
     memcpy(velocity, body->velocity, sizeof body->velocity);
-    pl_vec_store(pl_to_local(&axes, pl_vec_of(body->angular_velocity)), velocity + 3);
+    pl_rotate_to_body(orientation, body->angular_velocity, velocity + 3);
 }
 
 pl_status pl_mjcf_write(const pl_scene *scene, pl_text_buffer *out, pl_error *error)

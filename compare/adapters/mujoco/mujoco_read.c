@@ -1,7 +1,6 @@
 #include "mujoco_instance.h"
 
-#include "adapters/scene_frames.h"
-#include "plumb/vec.h"
+#include "plumb/adapter_helpers.h"
 
 #include <math.h>
 #include <string.h>
@@ -34,10 +33,9 @@ void pl_mujoco_read_pose(const pl_engine_instance *instance, int body, double po
 static void read_moving(const pl_engine_instance *instance, int body, pl_body_state *state)
 {
     const mjtNum *velocity = joint_velocity(instance, body);
-    const pl_axes axes = pl_axes_of(joint_position(instance, body) + 3);
     pl_mujoco_read_pose(instance, body, state->position, state->orientation);
     memcpy(state->velocity, velocity, sizeof state->velocity);
-    pl_vec_store(pl_to_world(&axes, pl_vec_of(velocity + 3)), state->angular_velocity);
+    pl_rotate_to_world(joint_position(instance, body) + 3, velocity + 3, state->angular_velocity);
 }
 
 static void read_static(const pl_engine_instance *instance, int body, pl_body_state *state)
