@@ -42,7 +42,7 @@ compare/referee/metrics:     SCENE compare/include geometry
 compare/referee:             SCENE compare/include geometry metrics
 compare/results:             SCENE compare/include engines metrics
 compare/runner:              SCENE compare/include adapters engines geometry metrics referee results
-compare/conformance:         SCENE compare/include engines results runner
+compare/conformance:         SCENE compare/include engines geometry results runner
 compare/studies/sweep:       SCENE compare/include adapters engines metrics results runner
 compare/studies/tune:        SCENE compare/include adapters engines metrics results runner
 compare/studies/threshold:   SCENE compare/include engines results runner
@@ -117,7 +117,6 @@ only() {
     done < <(grep -rlE "^#include [<\"]($pattern)" engine scenarios compare || true)
 }
 only 'ode/' compare/adapters/ode
-only 'mujoco/mujoco' compare/adapters/mujoco
 only 'bt[A-Z]|Bullet' compare/adapters/bullet_c.cpp
 only 'ccd/' compare/referee/geometry/gap_convex.c
 only 'nlopt' compare/studies/tune/tune_search.c

@@ -391,7 +391,7 @@ const pl_engine *pl_engine_plumb(void)
                         PL_NEEDS_FORCES | PL_NEEDS_PLANE | PL_NEEDS_SPHERE | PL_NEEDS_BOX |
                         PL_NEEDS_CAPSULE | PL_NEEDS_CYLINDER | PL_NEEDS_HULL | PL_NEEDS_MESH,
         .contacts = PL_CONTACTS_POINTS | PL_CONTACTS_IMPULSES,
-        .integrator = PL_INTEGRATOR_SEMI_IMPLICIT_EULER,
+        .integrator = PL_INTEGRATOR_MIDPOINT,
         .gyroscopic = PL_GYROSCOPIC_IMPLICIT,
         .substeps = 1,
         .profiles = profiles,

@@ -1,5 +1,7 @@
 #include "probe.h"
 
+#include "mismatch.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -49,23 +51,25 @@ double pl_probe_tolerance(const pl_probe *probe, double scale)
 bool pl_probe_expect(pl_probe *probe, const char *what, double found, double expected,
                      double tolerance, const char *cause)
 {
-    char asked[PL_CHECK_TEXT_SIZE], got[PL_CHECK_TEXT_SIZE];
+    char asked[PL_CHECK_TEXT_SIZE], got[PL_CHECK_TEXT_SIZE], ratio[100];
+    pl_describe_ratio(&found, &expected, 1, ratio, sizeof ratio);
     snprintf(asked, sizeof asked, "%s: %.10g, to %.2g", what, expected, tolerance);
-    snprintf(got, sizeof got, "%.10g", found);
+    snprintf(got, sizeof got, "%.10g%s", found, ratio);
     return pl_probe_require(probe, fabs(found - expected) <= tolerance, asked, got, cause);
 }
 
 bool pl_probe_expect_vector(pl_probe *probe, const char *what, const double found[3],
                             const double expected[3], double tolerance, const char *cause)
 {
-    char asked[PL_CHECK_TEXT_SIZE], got[PL_CHECK_TEXT_SIZE];
+    char asked[PL_CHECK_TEXT_SIZE], got[PL_CHECK_TEXT_SIZE], ratio[100];
     bool equal = true;
+    pl_describe_ratio(found, expected, 3, ratio, sizeof ratio);
     for (int k = 0; k < 3; ++k) {
         equal = equal && fabs(found[k] - expected[k]) <= tolerance;
     }
     snprintf(asked, sizeof asked, "%s: (%.8g, %.8g, %.8g), to %.2g", what, expected[0], expected[1],
              expected[2], tolerance);
-    snprintf(got, sizeof got, "(%.8g, %.8g, %.8g)", found[0], found[1], found[2]);
+    snprintf(got, sizeof got, "(%.8g, %.8g, %.8g)%s", found[0], found[1], found[2], ratio);
     return pl_probe_require(probe, equal, asked, got, cause);
 }
 
@@ -87,7 +91,9 @@ pl_scene *pl_probe_scene(pl_probe *probe, double dt)
     probe->scene = pl_scene_default();
     probe->scene.dt = dt;
     probe->scene.duration = 10;
-    pl_probe_add_material(probe, 0.5, 0);
+    const uint32_t needed = PL_NEEDS_FRICTION | PL_NEEDS_ROTATION;
+    const bool has_friction = (~probe->choice->engine->capabilities & needed) == 0;
+    pl_probe_add_material(probe, has_friction ? 0.5 : 0, 0);
     return &probe->scene;
 }
 
@@ -179,4 +185,13 @@ void pl_probe_steps(pl_probe *probe, int count)
         }
         probe->contact_count = found < 0 ? 0 : found;
     }
+}
+
+int pl_probe_substeps(pl_probe *probe)
+{
+    double mass[PL_PROBE_MOST_BODIES], inertia[PL_PROBE_MOST_BODIES][3];
+    pl_engine_settings settings = {
+        .body_count = probe->scene.body_count, .mass = mass, .inertia = inertia};
+    pl_session_read_settings(&probe->session, &settings);
+    return settings.substeps;
 }

@@ -48,18 +48,26 @@ typedef struct pl_check {
 /* The checks of each file, (count). */
 extern const pl_check pl_state_checks[];
 extern const int pl_state_check_count;
+extern const pl_check pl_motion_checks[];
+extern const int pl_motion_check_count;
+extern const pl_check pl_mass_checks[];
+extern const int pl_mass_check_count;
+extern const pl_check pl_claim_checks[];
+extern const int pl_claim_check_count;
 extern const pl_check pl_material_checks[];
 extern const int pl_material_check_count;
 extern const pl_check pl_contact_checks[];
 extern const int pl_contact_check_count;
 extern const pl_check pl_impulse_checks[];
 extern const int pl_impulse_check_count;
+extern const pl_check pl_conduct_checks[];
+extern const int pl_conduct_check_count;
 
 /* ---- Scenes ---- */
 
 /* Ends the present instance, if there is one, and begins an empty scene with gravity (0, 0, -9.81),
- * this step in s, a duration of 10 s, and one material, "stone", with friction 0.5 and restitution
- * 0. The scene is the probe's. */
+ * this step in s, a duration of 10 s, and one material with restitution 0 and friction 0.5, or 0
+ * for an engine that does not claim friction and rotation. The scene is the probe's. */
 pl_scene *pl_probe_scene(pl_probe *probe, double dt);
 
 /* Adds a material, whose index is returned. */
@@ -80,6 +88,9 @@ void pl_probe_create(pl_probe *probe);
 
 /* Makes steps, each with reading the frame and the contacts. */
 void pl_probe_steps(pl_probe *probe, int count);
+
+/* The sub-steps of a step of the instance, as the engine reads them back or declares them. */
+int pl_probe_substeps(pl_probe *probe);
 
 /* ---- Expectations ---- */
 

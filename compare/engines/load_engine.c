@@ -2,10 +2,10 @@
 
 #include "base/hash.h"
 #include "base/sanitizer.h"
+#include "float_environment.h"
 
 #include <dlfcn.h>
 #include <errno.h>
-#include <fenv.h>
 #include <limits.h>
 #include <link.h>
 #include <math.h>
@@ -173,11 +173,10 @@ static pl_status load(const char *path, pl_engine_entry entry, pl_loaded_engine 
 pl_status pl_load_engine(const char *path, pl_engine_entry entry, pl_loaded_engine *loaded,
                          pl_error *error)
 {
-    fenv_t environment;
     *loaded = (pl_loaded_engine){.library = NULL};
-    fegetenv(&environment);
+    const pl_float_environment environment = pl_float_environment_save();
     pl_status status = load(path, entry, loaded, error);
-    fesetenv(&environment);
+    loaded->changed_modes = pl_float_environment_restore(&environment);
     if (status != PL_OK) {
         pl_unload_engine(loaded);
     }
@@ -186,12 +185,11 @@ pl_status pl_load_engine(const char *path, pl_engine_entry entry, pl_loaded_engi
 
 void pl_unload_engine(pl_loaded_engine *loaded)
 {
-    fenv_t environment;
-    fegetenv(&environment);
+    const pl_float_environment environment = pl_float_environment_save();
     if (loaded->library != NULL) {
         dlclose(loaded->library);
     }
-    fesetenv(&environment);
+    pl_float_environment_restore(&environment);
     *loaded = (pl_loaded_engine){.library = NULL};
 }
 

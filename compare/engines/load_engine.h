@@ -8,8 +8,9 @@
 
 /* A loaded engine. */
 typedef struct pl_loaded_engine {
-    pl_engine table; /* complete: what a shorter table lacks is NULL or 0 */
-    void *library;   /* of dlopen; NULL for a built-in engine */
+    pl_engine table;        /* complete: what a shorter table lacks is NULL or 0 */
+    void *library;          /* of dlopen; NULL for a built-in engine */
+    unsigned changed_modes; /* PL_MODE_*: the floating-point modes that loading left changed */
 } pl_loaded_engine;
 
 /* Loads the shared object at `path`, or, where that is NULL, the built-in engine of `entry`. This and

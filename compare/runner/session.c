@@ -17,7 +17,16 @@ pl_session pl_session_begin(const pl_engine_choice *choice)
     return (pl_session){.choice = choice, .timer = {.counter = -1}};
 }
 
-/* ---- Calls ---- */
+const char *pl_stage_name(pl_stage stage)
+{
+    static const char *const names[] = {
+        [PL_STAGE_PREPARE] = "the harness", [PL_STAGE_LOAD] = "loading",
+        [PL_STAGE_CREATE] = "create",       [PL_STAGE_SETTINGS] = "read_settings or read_pair",
+        [PL_STAGE_CAPTURE] = "capture",     [PL_STAGE_STEP] = "step",
+        [PL_STAGE_READ] = "reading",        [PL_STAGE_JUDGE] = "the referee",
+        [PL_STAGE_DESTROY] = "destroy",     [PL_STAGE_UNLOAD] = "unloading"};
+    return names[stage];
+}
 
 static void enter(const pl_session *session, pl_stage stage)
 {
@@ -26,10 +35,19 @@ static void enter(const pl_session *session, pl_stage stage)
     }
 }
 
+/* The first call that left modes changed is kept. */
+static void note_modes(pl_session *session, pl_stage stage, unsigned modes)
+{
+    if (modes != 0 && session->mode_change.modes == 0) {
+        session->mode_change = (pl_mode_change){modes, stage};
+    }
+}
+
 static void before_call(pl_session *session, pl_stage stage)
 {
     enter(session, stage);
-    fegetenv(&session->environment);
+    session->stage = stage;
+    session->environment = pl_float_environment_save();
     pl_call_timer_begin(&session->timer);
 }
 
@@ -37,7 +55,7 @@ static void before_call(pl_session *session, pl_stage stage)
 static pl_call_cost after_call(pl_session *session, pl_call_group group)
 {
     const pl_call_cost cost = pl_call_timer_end(&session->timer);
-    fesetenv(&session->environment);
+    note_modes(session, session->stage, pl_float_environment_restore(&session->environment));
     session->cost[group].cpu_time += cost.cpu_time;
     session->cost[group].wall_time += cost.wall_time;
     session->cost[group].instructions += cost.instructions;
@@ -68,6 +86,7 @@ pl_status pl_session_load(pl_session *session, pl_error *error)
     enter(session, PL_STAGE_LOAD);
     pl_status status = pl_load_engine(info->path, info->path == NULL ? info->built_in->entry : NULL,
                                       &session->loaded, &fault);
+    note_modes(session, PL_STAGE_LOAD, session->loaded.changed_modes);
     if (status != PL_OK) {
         return pl_fail(error, status == PL_BAD_INPUT ? PL_FAILED : status, "%s", fault.message);
     }

@@ -4,12 +4,11 @@
 #ifndef PLUMB_SESSION_H
 #define PLUMB_SESSION_H
 
+#include "engines/float_environment.h"
 #include "engines/load_engine.h"
 #include "engines/registry.h"
 #include "plumb/scenario.h"
 #include "resource_usage.h"
-
-#include <fenv.h>
 
 /* The stages of a session. */
 typedef enum pl_stage {
@@ -30,6 +29,12 @@ typedef enum pl_stage {
 typedef enum pl_call_group { PL_CALLS_CREATE, PL_CALLS_STEP, PL_CALLS_READ } pl_call_group;
 enum { PL_CALL_GROUP_COUNT = 3 };
 
+/* The first call of an engine that left floating-point modes changed. */
+typedef struct pl_mode_change {
+    unsigned modes; /* PL_MODE_* bits; 0: no call did */
+    pl_stage stage; /* of that call */
+} pl_mode_change;
+
 /* A session. Starts as pl_session_begin. */
 typedef struct pl_session {
     const pl_engine_choice *choice;
@@ -37,13 +42,18 @@ typedef struct pl_session {
     pl_engine_setup setup;
     pl_pair_coefficients *pairs;
     pl_engine_instance *instance;
-    fenv_t environment;
+    pl_stage stage;                   /* of the present call */
+    pl_float_environment environment; /* before it, restored after it */
+    pl_mode_change mode_change;       /* what the restoring has undone */
     pl_call_timer timer;
     pl_call_cost cost[PL_CALL_GROUP_COUNT]; /* sums over the calls of each group */
     /* Told at the beginning of each stage; NULL: nobody. */
     void (*enter)(void *user, pl_stage stage);
     void *user;
 } pl_session;
+
+/* What the engine does at a stage, as the subject of a message: "step". Static storage. */
+const char *pl_stage_name(pl_stage stage);
 
 /* A session with an engine that is not loaded yet. `choice` must outlive it. */
 pl_session pl_session_begin(const pl_engine_choice *choice);

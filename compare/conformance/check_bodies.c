@@ -1,0 +1,136 @@
+#include "check_bodies.h"
+
+#include "plumb/vec.h"
+
+#include <string.h>
+
+bool pl_check_claims(const pl_probe *probe, uint32_t needs)
+{
+    return (needs & ~probe->choice->engine->capabilities) == 0;
+}
+
+pl_body pl_check_any_body(pl_probe *probe)
+{
+    const pl_shape shapes[] = {
+        pl_shape_sphere(0.5),
+        pl_shape_box(0.3, 0.5, 0.8),
+        pl_shape_capsule(0.3, 0.5),
+        pl_shape_cylinder(0.5, 0.4),
+    };
+    pl_body body = pl_body_default();
+    body.mass = 2;
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; ++i) {
+        if (pl_check_claims(probe, (uint32_t)PL_NEEDS_PLANE << shapes[i].kind)) {
+            body.shape = shapes[i];
+            return body;
+        }
+    }
+    body.shape = shapes[0];
+    pl_probe_skip(probe, "the engine claims no sphere, box, capsule or cylinder");
+    return body;
+}
+
+pl_body pl_check_turned_body(pl_probe *probe)
+{
+    pl_body body = pl_body_default();
+    if (pl_check_claims(probe, PL_NEEDS_BOX)) {
+        body.mass = 2;
+        body.shape = pl_shape_box(0.3, 0.5, 0.8);
+    } else {
+        body = pl_check_any_body(probe);
+    }
+    memcpy(body.orientation, (double[]){0.2, 0.4, -0.4, 0.8}, sizeof body.orientation);
+    return body;
+}
+
+static pl_shape hull_of(pl_probe *probe, const double (*points)[3], int count)
+{
+    pl_error error = {.message = ""};
+    const pl_polyhedron *made = NULL;
+    if (pl_scene_add_hull(&probe->scene, NULL, points, count, &made, &error) != PL_OK) {
+        pl_probe_fail(probe, "the check's scene can be made", error.message, "");
+        return pl_shape_sphere(1);
+    }
+    return pl_shape_of(made);
+}
+
+pl_shape pl_check_skew_hull(pl_probe *probe)
+{
+    static const double points[][3] = {
+        {0.1, 0.2, 0.1}, {1.3, 0.1, 0.2}, {0.2, 0.9, 0.3}, {0.3, 0.4, 0.8}, {1.1, 0.8, 0.4}};
+    return hull_of(probe, points, (int)(sizeof points / sizeof *points));
+}
+
+pl_shape pl_check_box_hull(pl_probe *probe)
+{
+    double points[8][3];
+    for (int i = 0; i < 8; ++i) {
+        points[i][0] = (i & 1) != 0 ? 0.9 : 0.1;
+        points[i][1] = (i & 2) != 0 ? 0.3 : -0.3;
+        points[i][2] = (i & 4) != 0 ? 0.8 : 0.2;
+    }
+    return hull_of(probe, (const double(*)[3])points, 8);
+}
+
+pl_shape pl_check_table_mesh(pl_probe *probe)
+{
+    /* The outline in x and z, extruded along y. */
+    static const double outline[8][2] = {{-0.5, 0}, {-0.2, 0}, {-0.2, 0.5}, {0.2, 0.5},
+                                         {0.2, 0},  {0.5, 0},  {0.5, 0.8},  {-0.5, 0.8}};
+    static const int front[6][3] = {{0, 1, 2}, {0, 2, 7}, {2, 3, 7},
+                                    {3, 6, 7}, {3, 5, 6}, {3, 4, 5}};
+    double vertices[16][3];
+    int triangles[28][3];
+    int count = 0;
+    for (int i = 0; i < 16; ++i) {
+        vertices[i][0] = outline[i % 8][0];
+        vertices[i][1] = i < 8 ? -0.3 : 0.3;
+        vertices[i][2] = outline[i % 8][1];
+    }
+    for (int i = 0; i < 6; ++i) {
+        memcpy(triangles[count++], front[i], sizeof front[i]);
+        memcpy(triangles[count++], (int[]){front[i][0] + 8, front[i][2] + 8, front[i][1] + 8},
+               sizeof front[i]);
+    }
+    for (int i = 0; i < 8; ++i) {
+        const int next = (i + 1) % 8;
+        memcpy(triangles[count++], (int[]){next, i, i + 8}, sizeof *triangles);
+        memcpy(triangles[count++], (int[]){next, i + 8, next + 8}, sizeof *triangles);
+    }
+    pl_error error = {.message = ""};
+    const pl_polyhedron *made = NULL;
+    if (pl_scene_add_mesh(&probe->scene, NULL, (const double(*)[3])vertices, 16,
+                          (const int(*)[3])triangles, count, &made, &error) != PL_OK) {
+        pl_probe_fail(probe, "the check's scene can be made", error.message, "");
+        return pl_shape_sphere(1);
+    }
+    return pl_shape_of(made);
+}
+
+int pl_check_add_floor(pl_probe *probe)
+{
+    if (pl_check_claims(probe, PL_NEEDS_PLANE)) {
+        return pl_probe_add_floor(probe);
+    }
+    if (!pl_check_claims(probe, PL_NEEDS_BOX)) {
+        pl_probe_skip(probe, "the engine claims no plane and no box to stand on");
+        return -1;
+    }
+    pl_body slab = pl_body_default();
+    slab.is_static = true;
+    slab.shape = pl_shape_box(10, 10, 5);
+    slab.position[2] = -5;
+    return pl_probe_add_body(probe, slab);
+}
+
+void pl_check_rotate(const double orientation[4], const double local[3], double world[3])
+{
+    const pl_axes axes = pl_axes_of(orientation);
+    pl_vec_store(pl_to_world(&axes, pl_vec_of(local)), world);
+}
+
+void pl_check_rotate_back(const double orientation[4], const double world[3], double local[3])
+{
+    const pl_axes axes = pl_axes_of(orientation);
+    pl_vec_store(pl_to_local(&axes, pl_vec_of(world)), local);
+}

@@ -1,0 +1,372 @@
+/* The conduct of an engine as a part of a program: it repeats, and leaves nothing behind. */
+#include "check_bodies.h"
+
+#include <dirent.h>
+#include <fenv.h>
+#include <malloc.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The least growth of the heap that counts as a leak, a scene or a step: malloc's smallest
+ * block. */
+static const double LEAST_LEAK = 16;
+
+/* ---- Scenes ---- */
+
+/* Bodies that fall on each other and on a floor, of what the engine claims. */
+static void begin_heap(pl_probe *p)
+{
+    pl_probe_scene(p, 1.0 / 100);
+    pl_body body = pl_check_any_body(p);
+    if (pl_check_claims(p, PL_NEEDS_PLANE) || pl_check_claims(p, PL_NEEDS_BOX)) {
+        pl_check_add_floor(p);
+    }
+    if (!pl_check_claims(p, PL_NEEDS_ROTATION) && body.shape.kind != PL_SHAPE_SPHERE) {
+        pl_probe_skip(p, "the engine claims neither spheres nor rotation");
+        return;
+    }
+    for (int i = 0; i < 4; ++i) {
+        memcpy(body.position, (double[]){0.1 * i, 0.07 * i * i, 0.9 + 1.7 * i},
+               sizeof body.position);
+        body.velocity[2] = -3;
+        body.mass = 1 + i;
+        memset(body.inertia, 0, sizeof body.inertia);
+        pl_probe_add_body(p, body);
+    }
+}
+
+/* A scene of another size, with other values. */
+static void run_other_scene(pl_probe *p)
+{
+    pl_probe_scene(p, 1.0 / 240);
+    p->scene.gravity[1] = 3;
+    pl_body body = pl_check_any_body(p);
+    body.velocity[0] = 2;
+    pl_probe_add_body(p, body);
+    pl_probe_create(p);
+    pl_probe_steps(p, 20);
+}
+
+/* ---- Repetition ---- */
+
+enum { RECORDED_STEPS = 60 };
+
+/* The frames of a run. */
+typedef struct recording {
+    pl_body_state bodies[RECORDED_STEPS][PL_PROBE_MOST_BODIES];
+} recording;
+
+/* Runs the heap and records it. */
+static void record(pl_probe *p, recording *frames)
+{
+    begin_heap(p);
+    pl_probe_create(p);
+    for (int i = 0; i < RECORDED_STEPS && !p->over; ++i) {
+        pl_probe_steps(p, 1);
+        memcpy(frames->bodies[i], p->now, sizeof p->now);
+    }
+}
+
+static void expect_same(pl_probe *p, const recording *first, const recording *second,
+                        const char *expected, const char *cause)
+{
+    for (int i = 0; i < RECORDED_STEPS && !p->over; ++i) {
+        for (int k = 0; k < p->scene.body_count && !p->over; ++k) {
+            const pl_body_state *a = &first->bodies[i][k], *b = &second->bodies[i][k];
+            char found[PL_CHECK_TEXT_SIZE];
+            snprintf(found, sizeof found,
+                     "body %d after step %d at (%.17g, %.17g, %.17g), and then at (%.17g, %.17g, "
+                     "%.17g)",
+                     k, i + 1, a->position[0], a->position[1], a->position[2], b->position[0],
+                     b->position[1], b->position[2]);
+            pl_probe_require(p, memcmp(a, b, sizeof *a) == 0, expected, found, cause);
+        }
+    }
+}
+
+/* Records the heap twice, with `between` in between. */
+static void expect_repeats(pl_probe *p, void (*between)(pl_probe *), const char *expected,
+                           const char *cause)
+{
+    recording *frames = calloc(2, sizeof *frames);
+    if (frames == NULL) {
+        pl_probe_fail(p, "the check has memory", "none", "");
+        return;
+    }
+    record(p, &frames[0]);
+    if (between != NULL && !p->over) {
+        between(p);
+    }
+    record(p, &frames[1]);
+    expect_same(p, &frames[0], &frames[1], expected, cause);
+    free(frames);
+}
+
+static void check_repeats(pl_probe *p)
+{
+    expect_repeats(p, NULL, "the same scene gives the same bits when it is created again",
+                   "memory that is not initialised, an order by addresses, threads, the time, or "
+                   "a random number whose seed is not set in create");
+}
+
+static void check_independence(pl_probe *p)
+{
+    expect_repeats(p, run_other_scene, "another scene before it does not change a scene",
+                   "global state of the engine that create does not set, or destroy does not "
+                   "reset");
+}
+
+static void load_again(pl_probe *p)
+{
+    pl_error error = {.message = ""};
+    const pl_engine_info *info = p->choice->engine;
+    pl_session_destroy(&p->session);
+    pl_unload_engine(&p->session.loaded);
+    if (pl_load_engine(info->path, info->path == NULL ? info->built_in->entry : NULL,
+                       &p->session.loaded, &error) != PL_OK) {
+        pl_probe_fail(p, "the engine loads a second time", error.message, "");
+    }
+}
+
+static void check_reload(pl_probe *p)
+{
+    expect_repeats(p, load_again, "a scene gives the same bits after the engine is loaded again",
+                   "global state of the engine");
+}
+
+/* ---- The floating-point environment ---- */
+
+static void raise_flags(void *user, pl_stage stage)
+{
+    (void)user;
+    (void)stage;
+    feraiseexcept(FE_ALL_EXCEPT);
+}
+
+static void begin_raising_flags(pl_probe *p)
+{
+    p->session.enter = raise_flags;
+}
+
+/* The flags of exceptions are what earlier work left: no result may come from them. Nothing is
+ * asked of other rounding modes, which the harness never sets. */
+static void check_flags(pl_probe *p)
+{
+    expect_repeats(p, begin_raising_flags,
+                   "flags of floating-point exceptions raised before a call do not change results",
+                   "the engine reads fetestexcept without feclearexcept before");
+}
+
+static void check_modes(pl_probe *p)
+{
+    begin_heap(p);
+    pl_probe_create(p);
+    pl_probe_steps(p, 20);
+    pl_session_destroy(&p->session);
+    const pl_mode_change *change = &p->session.mode_change;
+    char found[PL_CHECK_TEXT_SIZE];
+    snprintf(found, sizeof found, "%s changed%s%s%s", pl_stage_name(change->stage),
+             (change->modes & PL_MODE_ROUNDING) != 0 ? " the rounding mode" : "",
+             (change->modes & PL_MODE_TRAPS) != 0 ? " which exceptions trap" : "",
+             (change->modes & PL_MODE_FLUSH) != 0 ? " the flushing of subnormal numbers" : "");
+    pl_probe_require(p, change->modes == 0,
+                     "every call leaves the floating-point modes as it found them", found,
+                     change->stage == PL_STAGE_LOAD
+                         ? "the shared object was linked with -ffast-math, which changes the modes "
+                           "of every program that loads it"
+                         : "_MM_SET_FLUSH_ZERO_MODE, fesetround or feenableexcept without a "
+                           "restore; the harness restores the modes, other programs do not");
+}
+
+/* ---- Leaks ---- */
+
+static double heap_in_use(void)
+{
+    const struct mallinfo2 info = mallinfo2();
+    return (double)(info.uordblks + info.hblkhd);
+}
+
+static double count_entries(const char *folder)
+{
+    double count = 0;
+    DIR *open = opendir(folder);
+    while (open != NULL && readdir(open) != NULL) {
+        ++count;
+    }
+    if (open != NULL) {
+        closedir(open);
+    }
+    return count;
+}
+
+/* What a leak would show in. */
+typedef struct holdings {
+    double heap; /* bytes */
+    double descriptors;
+    double threads;
+} holdings;
+
+static holdings holdings_now(void)
+{
+    return (holdings){.heap = heap_in_use(),
+                      .descriptors = count_entries("/proc/self/fd"),
+                      .threads = count_entries("/proc/self/task")};
+}
+
+enum { ROUNDS = 4, CYCLES = 10, SETTLED_STEPS = 100 };
+
+/* The growth for each of `count` equal pieces of work in a round that is in every round after the
+ * first, which warms up: the least of them. */
+static double least_growth(const double *level, int count)
+{
+    double least = INFINITY;
+    for (int i = 1; i < ROUNDS; ++i) {
+        least = fmin(least, (level[i] - level[i - 1]) / count);
+    }
+    return least;
+}
+
+static void expect_no_growth(pl_probe *p, const holdings rounds[ROUNDS], int count,
+                             const char *work)
+{
+    double heap[ROUNDS], descriptors[ROUNDS], threads[ROUNDS];
+    char expected[PL_CHECK_TEXT_SIZE], found[PL_CHECK_TEXT_SIZE];
+    for (int i = 0; i < ROUNDS; ++i) {
+        heap[i] = rounds[i].heap;
+        descriptors[i] = rounds[i].descriptors;
+        threads[i] = rounds[i].threads;
+    }
+    const struct {
+        const char *what;
+        double growth, least;
+    } kinds[] = {{"bytes of memory", least_growth(heap, count), LEAST_LEAK},
+                 {"open files", least_growth(descriptors, count), 0.5},
+                 {"threads", least_growth(threads, count), 0.5}};
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; ++i) {
+        snprintf(expected, sizeof expected, "%s holds no more %s than the one before", work,
+                 kinds[i].what);
+        snprintf(found, sizeof found, "%.4g more each time", kinds[i].growth);
+        pl_probe_require(p, kinds[i].growth < kinds[i].least, expected, found,
+                         "a leak: destroy frees what create and step made");
+    }
+}
+
+static void check_leaks(pl_probe *p)
+{
+    holdings rounds[ROUNDS];
+    for (int i = 0; i < ROUNDS; ++i) {
+        for (int k = 0; k < CYCLES && !p->over; ++k) {
+            begin_heap(p);
+            pl_probe_create(p);
+            pl_probe_steps(p, 20);
+            pl_session_destroy(&p->session);
+        }
+        rounds[i] = holdings_now();
+    }
+    expect_no_growth(p, rounds, CYCLES, "each scene that was created, stepped and destroyed");
+}
+
+static void check_step_leaks(pl_probe *p)
+{
+    holdings rounds[ROUNDS];
+    begin_heap(p);
+    pl_probe_create(p);
+    for (int i = 0; i < ROUNDS; ++i) {
+        pl_probe_steps(p, SETTLED_STEPS);
+        rounds[i] = holdings_now();
+    }
+    expect_no_growth(p, rounds, SETTLED_STEPS, "each step of a scene");
+}
+
+/* ---- Small duties ---- */
+
+static void check_destroy_null(pl_probe *p)
+{
+    p->session.loaded.table.destroy(NULL);
+}
+
+/* The first kind of shape that the engine does not claim, in a scene that the harness would never
+ * give it. */
+static void check_refusal(pl_probe *p)
+{
+    pl_engine_instance *instance = NULL;
+    pl_error error = {.message = ""};
+    static const uint32_t kinds[] = {PL_NEEDS_MESH, PL_NEEDS_HULL, PL_NEEDS_CYLINDER,
+                                     PL_NEEDS_CAPSULE};
+    int kind = 0;
+    while (kind < 4 && pl_check_claims(p, kinds[kind])) {
+        ++kind;
+    }
+    if (kind == 4) {
+        pl_probe_skip(p, "the engine claims every shape, so that no scene is sure to be refused");
+        return;
+    }
+    pl_probe_scene(p, 1.0 / 100);
+    pl_body body = pl_body_default();
+    body.shape = kind == 0   ? pl_check_table_mesh(p)
+                 : kind == 1 ? pl_check_box_hull(p)
+                 : kind == 2 ? pl_shape_cylinder(0.5, 0.5)
+                             : pl_shape_capsule(0.5, 0.5);
+    pl_probe_add_body(p, body);
+    const pl_engine_setup setup = {
+        .struct_size = sizeof setup,
+        .scene = &p->scene,
+        .dt = p->scene.dt,
+        .profile = p->choice->profile,
+        .values = p->choice->values,
+        .pairs = (pl_pair_coefficients[]){{0.5, 0}},
+        .lower = {-100, -100, -100},
+        .upper = {100, 100, 100},
+    };
+    const pl_engine *engine = &p->session.loaded.table;
+    if (engine->create(&setup, &instance, &error) == PL_OK) {
+        engine->destroy(instance);
+        pl_probe_skip(p, "the engine also makes a shape that it does not claim");
+        return;
+    }
+    pl_probe_require(p, instance == NULL, "create leaves *instance NULL when it fails", "a pointer",
+                     "create stores the instance before it is complete, and then frees it");
+    pl_probe_require(p, error.message[0] != '\0', "create says why it refuses a scene",
+                     "no message", "pl_engine_error fills the caller's error");
+}
+
+static void check_statistics(pl_probe *p)
+{
+    begin_heap(p);
+    pl_probe_create(p);
+    for (int i = 0; i < 60 && !p->over; ++i) {
+        pl_probe_steps(p, 1);
+        const struct {
+            const char *name;
+            double value;
+        } numbers[] = {{"iterations", p->stats.iterations},     {"residual", p->stats.residual},
+                       {"contacts", p->stats.contacts},         {"islands", p->stats.islands},
+                       {"time_collide", p->stats.time_collide}, {"time_solve", p->stats.time_solve},
+                       {"time_other", p->stats.time_other}};
+        for (size_t k = 0; k < sizeof numbers / sizeof *numbers; ++k) {
+            char expected[PL_CHECK_TEXT_SIZE], found[PL_CHECK_TEXT_SIZE];
+            snprintf(expected, sizeof expected, "pl_step_stats.%s: 0 or more, or NAN",
+                     numbers[k].name);
+            snprintf(found, sizeof found, "%.6g in step %d", numbers[k].value, i + 1);
+            pl_probe_require(
+                p, isnan(numbers[k].value) || (numbers[k].value >= 0 && isfinite(numbers[k].value)),
+                expected, found, "a number that the engine does not have is left NAN");
+        }
+    }
+}
+
+const pl_check pl_conduct_checks[] = {
+    {"repeats", "a scene gives the same bits again", 0, 0, check_repeats},
+    {"independent-scenes", "a scene does not depend on the one before", 0, 0, check_independence},
+    {"reload", "a scene does not depend on when the engine was loaded", 0, 0, check_reload},
+    {"exception-flags", "results do not depend on raised exception flags", 0, 0, check_flags},
+    {"floating-point-modes", "calls leave the floating-point modes alone", 0, 0, check_modes},
+    {"scene-leaks", "destroy frees what create and step made", 0, 0, check_leaks},
+    {"step-leaks", "steps of a settled scene take no memory", 0, 0, check_step_leaks},
+    {"destroy-null", "destroy takes NULL", 0, 0, check_destroy_null},
+    {"refusal", "a create that fails makes no instance and says why", 0, 0, check_refusal},
+    {"statistics", "statistics are not negative", 0, 0, check_statistics},
+};
+const int pl_conduct_check_count = sizeof pl_conduct_checks / sizeof *pl_conduct_checks;

@@ -1,0 +1,304 @@
+/* Mass, inertia and applied forces, by the motion that they cause. */
+#include "check_bodies.h"
+#include "mismatch.h"
+#include "plumb/vec.h"
+#include "runner/parameter_check.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double DT = 1.0 / 100;
+
+/* Begins a scene without gravity. */
+static void begin_floating(pl_probe *p)
+{
+    pl_probe_scene(p, DT);
+    memset(p->scene.gravity, 0, sizeof p->scene.gravity);
+}
+
+static void add_force(pl_probe *p, pl_force force)
+{
+    pl_error error = {.message = ""};
+    if (pl_scene_add_force(&p->scene, &force, &error) != PL_OK) {
+        pl_probe_fail(p, "the check's scene can be made", error.message, "");
+    }
+}
+
+/* ---- Mass ---- */
+
+static void check_mass(pl_probe *p)
+{
+    static const double force[3] = {3, -4, 5};
+    const double mass = 2.5;
+    begin_floating(p);
+    pl_body body = pl_check_turned_body(p);
+    body.mass = mass;
+    const int index = pl_probe_add_body(p, body);
+    add_force(p, (pl_force){.body = index, .force = {3, -4, 5}, .until = INFINITY});
+    pl_probe_create(p);
+    pl_probe_steps(p, 1);
+    if (p->over) {
+        return;
+    }
+    double found[3], expected[3];
+    pl_guess guesses[] = {
+        {.cause = "the force is used as an acceleration: it is not divided by the mass"},
+        {.cause = "the force is used as an impulse: it is not multiplied by the step"},
+        {.cause = "a force in the world's axes is taken as one in the body's"},
+    };
+    for (int k = 0; k < 3; ++k) {
+        found[k] = p->now[index].velocity[k] - p->start[index].velocity[k];
+        expected[k] = force[k] / mass * DT;
+        guesses[0].value[k] = force[k] * DT;
+        guesses[1].value[k] = force[k] / mass;
+    }
+    pl_check_rotate(body.orientation, expected, guesses[2].value);
+    pl_probe_expect_vector(p, "the change of velocity by a force in one step, F/m dt, m/s", found,
+                           expected, pl_probe_tolerance(p, 1),
+                           pl_guess_cause(found, guesses, 3, "the mass, or the applied force"));
+}
+
+/* ---- Inertia ---- */
+
+/* What the angular velocity of a turned box becomes in one step by a torque about its axis `k`,
+ * were its moment of inertia about that axis `moment`. */
+static void spin_by(const pl_body *box, int k, double torque, double moment, double spin[3])
+{
+    double local[3] = {0, 0, 0};
+    local[k] = torque / moment * DT;
+    pl_check_rotate(box->orientation, local, spin);
+}
+
+/* Adds a turned box and a force in the world's axes off its centre, whose torque is about the
+ * box's axis `k`. Returns the body's index. */
+static int add_turned_by(pl_probe *p, pl_body box, int k, double torque)
+{
+    const double reach = 0.25;
+    double arm[3] = {0, 0, 0}, push[3] = {0, 0, 0};
+    arm[(k + 1) % 3] = reach;
+    push[(k + 2) % 3] = torque / reach;
+    memcpy(box.position, (double[]){4.0 * k, 1, -2}, sizeof box.position);
+    const int index = pl_probe_add_body(p, box);
+    pl_force force = {.body = index, .until = INFINITY};
+    pl_check_rotate(box.orientation, arm, force.at);
+    pl_check_rotate(box.orientation, push, force.force);
+    add_force(p, force);
+    return index;
+}
+
+static void expect_turned_by(pl_probe *p, int body, int k, double torque)
+{
+    static const char *const axis_names[3] = {"first", "second", "third"};
+    const pl_body *box = &p->scene.bodies[body];
+    const pl_force *force = &p->scene.forces[body];
+    double expected[3];
+    spin_by(box, k, torque, box->inertia[k], expected);
+    pl_guess guesses[] = {
+        {.cause = "the moment about this axis is that of the next one: the order of "
+                  "pl_body.inertia is that of the shape's axes"},
+        {.cause = "the moment about this axis is that of the one before: the order of "
+                  "pl_body.inertia is that of the shape's axes"},
+        {.value = {0, 0, 0},
+         .cause = "pl_force.at is ignored: the force acts at the centre of mass"},
+        {.cause = "the force is applied at a point of the world: pl_force.at is an offset from "
+                  "the centre of mass"},
+    };
+    spin_by(box, k, torque, box->inertia[(k + 1) % 3], guesses[0].value);
+    spin_by(box, k, torque, box->inertia[(k + 2) % 3], guesses[1].value);
+    const pl_vec arm = pl_vec_sub(pl_vec_of(force->at), pl_vec_of(box->position));
+    double moment[3];
+    pl_vec_store(pl_vec_cross(arm, pl_vec_of(force->force)), moment);
+    pl_check_rotate_back(box->orientation, moment, moment);
+    for (int i = 0; i < 3; ++i) {
+        moment[i] *= DT / box->inertia[i];
+    }
+    pl_check_rotate(box->orientation, moment, guesses[3].value);
+    char what[PL_CHECK_TEXT_SIZE];
+    snprintf(what, sizeof what,
+             "the angular velocity after one step of a torque about the box's %s axis, rad/s",
+             axis_names[k]);
+    const double *found = p->now[body].angular_velocity;
+    pl_probe_expect_vector(
+        p, what, found, expected, pl_probe_tolerance(p, 1),
+        pl_guess_cause(found, guesses, 4, "the inertia, or the torque of an applied force"));
+}
+
+/* One box for each axis. A torque about a principal axis of a body at rest changes the angular
+ * velocity along that axis alone, by any integrator and any number of sub-steps. */
+static void check_inertia_of(pl_probe *p, const double *given)
+{
+    const double torque = 0.05;
+    begin_floating(p);
+    for (int k = 0; k < 3; ++k) {
+        pl_body box = pl_check_turned_body(p);
+        if (given != NULL) {
+            memcpy(box.inertia, given, sizeof box.inertia);
+        }
+        add_turned_by(p, box, k, torque);
+    }
+    pl_probe_create(p);
+    pl_probe_steps(p, 1);
+    for (int k = 0; k < 3 && !p->over; ++k) {
+        expect_turned_by(p, k, k, torque);
+    }
+}
+
+static void check_inertia(pl_probe *p)
+{
+    check_inertia_of(p, NULL);
+}
+
+/* Moments that are not those of a uniform box. */
+static void check_given_inertia(pl_probe *p)
+{
+    check_inertia_of(p, (double[]){0.3, 0.5, 0.6});
+}
+
+/* ---- Applied forces ---- */
+
+/* A force in the body's axes, at a point in the body's axes. */
+static void check_body_force(pl_probe *p)
+{
+    begin_floating(p);
+    pl_body body = pl_check_turned_body(p);
+    memcpy(body.position, (double[]){1, -2, 5}, sizeof body.position);
+    const int pushed = pl_probe_add_body(p, body);
+    add_force(
+        p,
+        (pl_force){.body = pushed, .force = {3, -4, 5}, .frame = PL_FRAME_BODY, .until = INFINITY});
+    body.position[0] += 4;
+    const int turned = pl_probe_add_body(p, body);
+    add_force(p, (pl_force){.body = turned,
+                            .force = {0, 0, 0.2},
+                            .at = {0, 0.25, 0},
+                            .frame = PL_FRAME_BODY,
+                            .until = INFINITY});
+    pl_probe_create(p);
+    pl_probe_steps(p, 1);
+    if (p->over) {
+        return;
+    }
+    double expected[3];
+    pl_guess guesses[] = {{.cause = "a force of PL_FRAME_BODY is taken as one in the world's axes"},
+                          {.value = {0, 0, 0}, .cause = "forces of PL_FRAME_BODY are ignored"}};
+    const double change[3] = {3 * DT / body.mass, -4 * DT / body.mass, 5 * DT / body.mass};
+    memcpy(guesses[0].value, change, sizeof change);
+    pl_check_rotate(body.orientation, change, expected);
+    const double *found = p->now[pushed].velocity;
+    pl_probe_expect_vector(p, "the velocity after one step of a force in the body's axes, m/s",
+                           found, expected, pl_probe_tolerance(p, 1),
+                           pl_guess_cause(found, guesses, 2, "a force in the body's axes"));
+    spin_by(&p->scene.bodies[turned], 0, 0.05, p->scene.bodies[turned].inertia[0], expected);
+    pl_probe_expect_vector(
+        p, "the angular velocity after one step of a force in the body's axes, rad/s",
+        p->now[turned].angular_velocity, expected, pl_probe_tolerance(p, 1),
+        "pl_force.at of PL_FRAME_BODY is an offset from the centre of mass in the body's axes");
+}
+
+/* A force acts during the steps for which pl_force_acts. */
+static void check_force_window(pl_probe *p)
+{
+    enum { FROM = 5, UNTIL = 10, STEPS = 15 };
+    begin_floating(p);
+    pl_body body = pl_check_any_body(p);
+    const int index = pl_probe_add_body(p, body);
+    add_force(
+        p, (pl_force){.body = index, .force = {2, 0, 0}, .from = FROM * DT, .until = UNTIL * DT});
+    pl_probe_create(p);
+    for (int step = 1; step <= STEPS && !p->over; ++step) {
+        const int acted = step <= FROM ? 0 : (step <= UNTIL ? step : UNTIL) - FROM;
+        char what[PL_CHECK_TEXT_SIZE];
+        pl_probe_steps(p, 1);
+        snprintf(what, sizeof what,
+                 "the velocity after step %d by a force that acts in steps %d to %d, m/s", step,
+                 FROM + 1, UNTIL);
+        pl_probe_expect(p, what, p->now[index].velocity[0], acted * 2 / body.mass * DT,
+                        pl_probe_tolerance(p, 1),
+                        "pl_force.from or .until: pl_force_acts says whether a force acts over a "
+                        "step");
+    }
+}
+
+/* ---- Without forces ---- */
+
+/* Two spheres that collide show the ratio of their masses, whatever the contact is like. */
+static void check_mass_ratio(pl_probe *p)
+{
+    begin_floating(p);
+    const int frictionless = pl_probe_add_material(p, 0, 0);
+    const int light = pl_probe_add_sphere(p, 0.5, 1, (double[]){0, 0, 0});
+    const int heavy = pl_probe_add_sphere(p, 0.5, 3, (double[]){1.05, 0, 0});
+    p->scene.bodies[light].material = frictionless;
+    p->scene.bodies[heavy].material = frictionless;
+    p->scene.bodies[light].velocity[0] = 2;
+    pl_probe_create(p);
+    pl_probe_steps(p, 20);
+    if (p->over) {
+        return;
+    }
+    const double gained = p->now[heavy].velocity[0] - p->start[heavy].velocity[0];
+    const double lost = p->start[light].velocity[0] - p->now[light].velocity[0];
+    char found[PL_CHECK_TEXT_SIZE];
+    snprintf(found, sizeof found, "velocities %.6g and %.6g m/s", p->now[light].velocity[0],
+             p->now[heavy].velocity[0]);
+    pl_probe_require(p, gained > 0.1, "a sphere of 2 m/s moves the sphere that it hits", found,
+                     "the spheres pass through each other");
+    const double ratio = lost / gained;
+    const char *cause = "the masses, or impulses on the two bodies that are not opposite";
+    if (fabs(ratio - 1) < 1e-3) {
+        cause = "pl_body.mass is ignored: both bodies have the same mass";
+    } else if (fabs(3 * ratio - 1) < 1e-3) {
+        cause = "the inverse mass is used as the mass";
+    }
+    pl_probe_expect(p,
+                    "the ratio of the masses of 3 kg and 1 kg, by the changes of their velocities "
+                    "in a collision",
+                    ratio, 3, fmax(pl_probe_tolerance(p, 9), 3e-6), cause);
+}
+
+/* What the engine reads back of the scene's parameters, where it reads back any. */
+static void check_read_back(pl_probe *p)
+{
+    pl_probe_scene(p, DT);
+    memcpy(p->scene.gravity, (double[]){0.5, -1.5, -8.25}, sizeof p->scene.gravity);
+    pl_body body = pl_check_turned_body(p);
+    body.position[2] = 3;
+    pl_probe_add_body(p, body);
+    body.is_static = true;
+    body.position[2] = 6;
+    if (pl_check_claims(p, PL_NEEDS_ROTATION) || body.shape.kind == PL_SHAPE_SPHERE) {
+        pl_probe_add_body(p, body);
+    }
+    pl_probe_create(p);
+    if (p->over) {
+        return;
+    }
+    unsigned compared = 0;
+    int substeps = 0;
+    pl_error error = {.message = ""};
+    if (pl_parameter_check(&p->session, &p->scene, &compared, &substeps, &error) != PL_OK) {
+        pl_probe_fail(p, "what the engine reads back is what the scene has", error.message,
+                      "read_settings or read_pair, or the engine simulates another scene; a number "
+                      "that it does not have stays NAN");
+    } else if (compared == 0) {
+        pl_probe_skip(p, "the engine reads nothing back");
+    }
+}
+
+const pl_check pl_mass_checks[] = {
+    {"mass", "an applied force changes the velocity by F/m dt", PL_NEEDS_FORCES, 0, check_mass},
+    {"inertia-axes", "each axis of a box has its own moment of inertia",
+     PL_NEEDS_FORCES | PL_NEEDS_ROTATION | PL_NEEDS_BOX, 0, check_inertia},
+    {"given-inertia", "a body's inertia is the scene's, not its shape's",
+     PL_NEEDS_FORCES | PL_NEEDS_ROTATION | PL_NEEDS_BOX, 0, check_given_inertia},
+    {"body-force", "forces in the body's axes turn with the body",
+     PL_NEEDS_FORCES | PL_NEEDS_ROTATION | PL_NEEDS_BOX, 0, check_body_force},
+    {"force-times", "a force acts from its start until its end", PL_NEEDS_FORCES, 0,
+     check_force_window},
+    {"mass-ratio", "a collision conserves momentum with the scene's masses", PL_NEEDS_SPHERE, 0,
+     check_mass_ratio},
+    {"read-back", "masses, gravity and the step read back as the scene has them", 0, 0,
+     check_read_back},
+};
+const int pl_mass_check_count = sizeof pl_mass_checks / sizeof *pl_mass_checks;

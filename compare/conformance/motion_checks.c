@@ -1,0 +1,385 @@
+/* Free motion: the step, gravity, the integrator, and rotation without torque. */
+#include "check_bodies.h"
+#include "mismatch.h"
+#include "plumb/vec.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static void difference(const double a[3], const double b[3], double out[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        out[k] = a[k] - b[k];
+    }
+}
+
+/* Creates a scene of one body without gravity. */
+static int create_floating(pl_probe *p, double dt, pl_body body)
+{
+    pl_probe_scene(p, dt);
+    memset(p->scene.gravity, 0, sizeof p->scene.gravity);
+    const int index = pl_probe_add_body(p, body);
+    pl_probe_create(p);
+    return index;
+}
+
+/* ---- The step ---- */
+
+/* Without forces, every integrator moves a body by its velocity times the time. Two steps that no
+ * engine has as its own tell a step that is scaled from one that is always the same. */
+static void check_step_length(pl_probe *p)
+{
+    enum { STEPS = 20 };
+    static const double steps[2] = {1.0 / 100, 1.0 / 37};
+    const double speed = 3;
+    double found[2] = {0, 0};
+    for (int i = 0; i < 2; ++i) {
+        pl_body body = pl_check_any_body(p);
+        body.velocity[1] = speed;
+        const int index = create_floating(p, steps[i], body);
+        pl_probe_steps(p, STEPS);
+        found[i] = (p->now[index].position[1] - p->start[index].position[1]) / (STEPS * speed);
+    }
+    const bool is_constant = fabs(found[0] - found[1]) < 1e-3 * steps[0];
+    for (int i = 0; i < 2; ++i) {
+        pl_probe_expect(p, "the time by which a body moves in a step, s", found[i], steps[i],
+                        pl_probe_tolerance(p, 1) * steps[i] + pl_probe_tolerance(p, 0.02),
+                        is_constant ? "the engine always makes steps of the same length: step "
+                                      "must advance by its dt"
+                                    : "step must advance by exactly dt");
+    }
+}
+
+static void check_frame_time(pl_probe *p)
+{
+    enum { STEPS = 20 };
+    const double dt = 1.0 / 100;
+    create_floating(p, dt, pl_check_any_body(p));
+    for (int i = 0; i <= STEPS && !p->over; ++i) {
+        pl_probe_expect(p, i == 0 ? "pl_frame.time before the first step, s" : "pl_frame.time, s",
+                        p->frame.time, i * dt, pl_probe_tolerance(p, 1),
+                        isnan(p->frame.time) ? "read_frame does not fill pl_frame.time"
+                                             : "the time is the number of steps times dt");
+        pl_probe_steps(p, 1);
+    }
+}
+
+/* ---- Free fall ---- */
+
+/* The time that a fall really took, by the path of a body that also moves sideways: a wrong step is
+ * the matter of another check. */
+static double time_by_path(const pl_probe *p, int body)
+{
+    const pl_body *asked = &p->scene.bodies[body];
+    return (p->now[body].position[0] - p->start[body].position[0]) / asked->velocity[0];
+}
+
+static void check_gravity(pl_probe *p)
+{
+    static const double gravity[3] = {0, -1.5, -8.25};
+    pl_probe_scene(p, 1.0 / 100);
+    memcpy(p->scene.gravity, gravity, sizeof gravity);
+    pl_body body = pl_check_any_body(p);
+    body.velocity[0] = 3;
+    const int index = pl_probe_add_body(p, body);
+    pl_probe_create(p);
+    pl_probe_steps(p, 10);
+    if (p->over) {
+        return;
+    }
+    double change[3];
+    difference(p->now[index].velocity, p->start[index].velocity, change);
+    const double time = time_by_path(p, index);
+    for (int k = 0; k < 3; ++k) {
+        change[k] /= time > 0 ? time : 0.1;
+    }
+    const pl_guess guesses[] = {
+        {{0, 0, -8.25}, "only the z component of pl_scene.gravity is used"},
+        {{0, 0, -9.81}, "pl_scene.gravity is ignored: gravity is always (0, 0, -9.81)"},
+        {{0, -9.81, 0}, "pl_scene.gravity is ignored: gravity is always (0, -9.81, 0)"},
+        {{0, -8.25, 1.5}, "the axes are turned: y is up in the engine, z in the scene"},
+        {{0, -8.25, -1.5}, "y and z are exchanged: a mirrored, left-handed world"},
+    };
+    pl_probe_expect_vector(p, "the acceleration of a falling body, m/s^2", change, gravity,
+                           pl_probe_tolerance(p, 50),
+                           pl_guess_cause(change, guesses, (int)(sizeof guesses / sizeof *guesses),
+                                          "gravity is not pl_scene.gravity"));
+}
+
+/* The gravity's x component, which the check above needs for its clock. */
+static void check_sideways_gravity(pl_probe *p)
+{
+    static const double gravity[3] = {0.5, 0, -8.25};
+    pl_probe_scene(p, 1.0 / 100);
+    memcpy(p->scene.gravity, gravity, sizeof gravity);
+    const int index = pl_probe_add_body(p, pl_check_any_body(p));
+    pl_probe_create(p);
+    pl_probe_steps(p, 10);
+    const double *v = p->now[index].velocity;
+    pl_probe_expect(p, "the angle of the fall from the z axis, rad", atan2(v[0], -v[2]),
+                    atan2(gravity[0], -gravity[2]), pl_probe_tolerance(p, 10),
+                    "the x component of pl_scene.gravity is not used");
+}
+
+static const struct {
+    const char *name;
+    double end; /* +1: the velocity at the end of each sub-step moves the body; -1: at its start */
+} integrators[] = {
+    [PL_INTEGRATOR_UNKNOWN] = {"an integrator that is not stated", 0},
+    [PL_INTEGRATOR_SEMI_IMPLICIT_EULER] = {"semi-implicit Euler", 1},
+    [PL_INTEGRATOR_EXPLICIT_EULER] = {"explicit Euler", -1},
+    [PL_INTEGRATOR_MIDPOINT] = {"the midpoint rule", 0},
+};
+
+/* The drop after `steps` steps of `substeps`, over g t^2. */
+static double drop_of(pl_integrator integrator, long steps, int substeps)
+{
+    return 0.5 * (1 + integrators[integrator].end / (double)(steps * substeps));
+}
+
+/* The integrator and the sub-steps that a drop would be of. */
+static const char *name_drop(double drop, double tolerance, long steps, char *text, size_t size)
+{
+    static const pl_integrator known[] = {PL_INTEGRATOR_MIDPOINT, PL_INTEGRATOR_SEMI_IMPLICIT_EULER,
+                                          PL_INTEGRATOR_EXPLICIT_EULER};
+    for (int substeps = 1; substeps <= 64; ++substeps) {
+        for (size_t i = 0; i < sizeof known / sizeof *known; ++i) {
+            if (fabs(drop - drop_of(known[i], steps, substeps)) <= tolerance) {
+                snprintf(text, size,
+                         "the motion is that of %s with %d sub-steps: pl_engine.integrator or "
+                         ".substeps says otherwise",
+                         integrators[known[i]].name, substeps);
+                return text;
+            }
+        }
+    }
+    return "the velocity does not move the body as pl_engine.integrator and .substeps say";
+}
+
+/* How far a body falls tells the integrator and the number of sub-steps; both are known to the
+ * harness only from what the engine declares. */
+static void check_integrator(pl_probe *p)
+{
+    enum { STEPS = 5 };
+    pl_probe_scene(p, 1.0 / 50);
+    pl_body body = pl_check_any_body(p);
+    body.velocity[0] = 1;
+    const int index = pl_probe_add_body(p, body);
+    pl_probe_create(p);
+    pl_probe_steps(p, STEPS);
+    if (p->over) {
+        return;
+    }
+    const pl_integrator declared = p->choice->engine->integrator;
+    const int substeps = pl_probe_substeps(p);
+    const double time = time_by_path(p, index);
+    const double speed = p->start[index].velocity[2] - p->now[index].velocity[2];
+    const double drop = (p->start[index].position[2] - p->now[index].position[2]) / (speed * time);
+    const double tolerance = pl_probe_tolerance(p, 50);
+    char what[PL_CHECK_TEXT_SIZE], cause[PL_CHECK_TEXT_SIZE];
+    if (declared == PL_INTEGRATOR_UNKNOWN) {
+        pl_probe_expect(p, "the drop of a falling body after 5 steps, over g t^2", drop, 0.5,
+                        0.5 / STEPS + tolerance, "the position does not follow the velocity");
+        return;
+    }
+    snprintf(what, sizeof what,
+             "the drop of a falling body after %d steps, over g t^2, by %s with %d sub-steps",
+             STEPS, integrators[declared].name, substeps);
+    pl_probe_expect(p, what, drop, drop_of(declared, STEPS, substeps), tolerance,
+                    name_drop(drop, tolerance, STEPS, cause, sizeof cause));
+}
+
+/* ---- Damping ---- */
+
+/* Fails when a speed has changed, and says what damping that would be. */
+static void expect_kept(pl_probe *p, const char *what, const double found[3],
+                        const double expected[3], double time)
+{
+    char cause[PL_CHECK_TEXT_SIZE];
+    const double rate =
+        log(pl_vec_length(pl_vec_of(expected)) / pl_vec_length(pl_vec_of(found))) / time;
+    snprintf(cause, sizeof cause, "%s, as by a damping of %.4g 1/s: the ABI has none",
+             rate > 0 ? "it falls" : "it changes", rate);
+    pl_probe_expect_vector(p, what, found, expected,
+                           pl_probe_tolerance(p, 2 * pl_vec_length(pl_vec_of(expected))), cause);
+}
+
+static void check_speed_kept(pl_probe *p)
+{
+    static const double velocity[3] = {3, -2, 1};
+    pl_body body = pl_check_any_body(p);
+    memcpy(body.velocity, velocity, sizeof velocity);
+    const int index = create_floating(p, 1.0 / 100, body);
+    pl_probe_steps(p, 100);
+    expect_kept(p, "the velocity of a free body after 1 s, m/s", p->now[index].velocity, velocity,
+                1);
+}
+
+/* A body that spins about its first axis, a principal one, and that axis in the world. */
+static int create_spinning(pl_probe *p, double spin, double world_spin[3])
+{
+    pl_body body = pl_check_turned_body(p);
+    pl_check_rotate(body.orientation, (double[]){spin, 0, 0}, world_spin);
+    memcpy(body.angular_velocity, world_spin, sizeof body.angular_velocity);
+    return create_floating(p, 1.0 / 100, body);
+}
+
+static void check_spin_kept(pl_probe *p)
+{
+    double spin[3];
+    const int index = create_spinning(p, 2, spin);
+    pl_probe_steps(p, 100);
+    expect_kept(p, "the angular velocity of a free body about a principal axis after 1 s, rad/s",
+                p->now[index].angular_velocity, spin, 1);
+}
+
+/* ---- Rotation ---- */
+
+/* The rotation from orientation a to b as a vector along the world's axis, rad. */
+static void turn_between(const double a[4], const double b[4], double turn[3])
+{
+    const pl_vec va = pl_vec_of(a + 1), vb = pl_vec_of(b + 1);
+    const double w = a[0] * b[0] + pl_vec_dot(va, vb);
+    pl_vec v = pl_vec_sub(pl_vec_scale(vb, a[0]), pl_vec_scale(va, b[0]));
+    v = pl_vec_add(v, pl_vec_cross(va, vb));
+    const double sine = pl_vec_length(v);
+    const double angle = 2 * atan2(w < 0 ? -sine : sine, fabs(w));
+    pl_vec_store(sine > 0 ? pl_vec_scale(v, angle / sine) : v, turn);
+}
+
+/* Expects the turn of `steps` steps. A thousandth allows for integrators of the first order. */
+static void expect_turn(pl_probe *p, int body, int steps, const double spin[3])
+{
+    const double time = steps * p->scene.dt;
+    const double *q = p->start[body].orientation;
+    double turn[3], expected[3];
+    pl_guess guesses[] = {
+        {.cause = "the sense is reversed: a quaternion from the world to the body, or a "
+                  "left-handed angular velocity"},
+        {.cause = "the angular velocity is taken as one in the body's axes: the ABI's is in the "
+                  "world's"},
+        {.cause = "the angular velocity is turned to the body's axes and used in the world's"},
+        {.value = {0, 0, 0}, .cause = "the orientation does not follow the angular velocity"},
+    };
+    for (int k = 0; k < 3; ++k) {
+        expected[k] = spin[k] * time;
+        guesses[0].value[k] = -expected[k];
+    }
+    pl_check_rotate(q, expected, guesses[1].value);
+    pl_check_rotate_back(q, expected, guesses[2].value);
+    turn_between(q, p->now[body].orientation, turn);
+    char what[100];
+    snprintf(what, sizeof what, "the turn in %d steps, along the world's axis, rad", steps);
+    pl_probe_expect_vector(
+        p, what, turn, expected, 1e-3 * pl_vec_length(pl_vec_of(expected)),
+        pl_guess_cause(turn, guesses, (int)(sizeof guesses / sizeof *guesses),
+                       "the unit or the frame of the angular velocity, or the sense of the "
+                       "quaternion"));
+}
+
+static void check_spin_turns(pl_probe *p)
+{
+    double spin[3];
+    const int index = create_spinning(p, 2, spin);
+    pl_probe_steps(p, 1);
+    if (!p->over) {
+        expect_turn(p, index, 1, spin);
+    }
+    pl_probe_steps(p, 49);
+    if (!p->over) {
+        expect_turn(p, index, 50, spin);
+    }
+}
+
+/* The angular momentum in the world of a body with these principal moments. */
+static pl_vec momentum_of(const pl_body_state *state, const double inertia[3])
+{
+    const pl_axes axes = pl_axes_of(state->orientation);
+    const pl_vec spin = pl_to_local(&axes, pl_vec_of(state->angular_velocity));
+    return pl_to_world(&axes,
+                       (pl_vec){inertia[0] * spin.x, inertia[1] * spin.y, inertia[2] * spin.z});
+}
+
+/* Whether the angular momentum with the body's moments in this order is that of the start. */
+static bool is_conserved(const pl_probe *p, int body, const int order[3])
+{
+    const double *moments = p->scene.bodies[body].inertia;
+    const double inertia[3] = {moments[order[0]], moments[order[1]], moments[order[2]]};
+    const pl_vec before = momentum_of(&p->start[body], inertia);
+    const pl_vec after = momentum_of(&p->now[body], inertia);
+    return pl_vec_length(pl_vec_sub(after, before)) <= 0.01 * pl_vec_length(before);
+}
+
+static const char *name_precession(const pl_probe *p, int body)
+{
+    static const struct {
+        int order[3];
+        const char *cause;
+    } orders[] = {
+        {{0, 2, 1}, "the moments about the second and third axes are exchanged"},
+        {{1, 0, 2}, "the moments about the first and second axes are exchanged"},
+        {{2, 1, 0}, "the moments about the first and third axes are exchanged"},
+        {{1, 2, 0}, "each axis has the moment of the next one"},
+        {{2, 0, 1}, "each axis has the moment of the one before"},
+        {{0, 0, 0},
+         "the inertia is that of a sphere, or the gyroscopic torque is left out, which "
+         "PL_GYROSCOPIC_NONE declares"},
+    };
+    for (size_t i = 0; i < sizeof orders / sizeof *orders; ++i) {
+        if (is_conserved(p, body, orders[i].order)) {
+            return orders[i].cause;
+        }
+    }
+    return "the inertia, its axes, or the gyroscopic torque w x I w";
+}
+
+/* A body with three moments that spins about no principal axis. Where the gyroscopic torque is
+ * left out, the angular velocity is constant; else the angular momentum. */
+static void check_precession(pl_probe *p)
+{
+    static const double spin[3] = {2, 3, 4};
+    const pl_gyroscopic declared = p->choice->engine->gyroscopic;
+    pl_body body = pl_check_turned_body(p);
+    body.shape = pl_shape_box(0.1, 0.3, 0.8);
+    memcpy(body.angular_velocity, spin, sizeof spin);
+    const int index = create_floating(p, 1.0 / 1000, body);
+    pl_probe_steps(p, 200);
+    if (p->over) {
+        return;
+    }
+    double change[3];
+    const pl_body_state *now = &p->now[index];
+    difference(now->angular_velocity, spin, change);
+    const bool is_constant = pl_vec_length(pl_vec_of(change)) <= pl_probe_tolerance(p, 10);
+    if (declared == PL_GYROSCOPIC_NONE) {
+        pl_probe_expect_vector(p, "the angular velocity after 0.2 s, rad/s", now->angular_velocity,
+                               spin, pl_probe_tolerance(p, 10),
+                               "PL_GYROSCOPIC_NONE is declared, and there is a torque");
+    } else if (declared != PL_GYROSCOPIC_UNKNOWN || !is_constant) {
+        const double *moments = p->scene.bodies[index].inertia;
+        const pl_vec before = momentum_of(&p->start[index], moments);
+        double expected[3], found[3];
+        pl_vec_store(before, expected);
+        pl_vec_store(momentum_of(now, moments), found);
+        pl_probe_expect_vector(p, "the angular momentum of a free body after 0.2 s, kg m^2/s",
+                               found, expected, 0.01 * pl_vec_length(before),
+                               name_precession(p, index));
+    }
+}
+
+const pl_check pl_motion_checks[] = {
+    {"step-length", "a step advances by its dt", 0, 0, check_step_length},
+    {"frame-time", "the frame's time is that of the steps made", 0, 0, check_frame_time},
+    {"gravity", "bodies fall by the scene's gravity", 0, 0, check_gravity},
+    {"gravity-direction", "gravity may point in any direction", 0, 0, check_sideways_gravity},
+    {"integrator", "the integrator and the sub-steps are those declared", 0, 0, check_integrator},
+    {"linear-damping", "free bodies keep their velocity", 0, 0, check_speed_kept},
+    {"angular-damping", "free bodies keep their angular velocity", PL_NEEDS_ROTATION, 0,
+     check_spin_kept},
+    {"angular-velocity", "angular velocity turns bodies about the world's axis, in rad/s",
+     PL_NEEDS_ROTATION, 0, check_spin_turns},
+    {"gyroscopic-torque", "free bodies precess as declared", PL_NEEDS_ROTATION | PL_NEEDS_BOX, 0,
+     check_precession},
+};
+const int pl_motion_check_count = sizeof pl_motion_checks / sizeof *pl_motion_checks;
