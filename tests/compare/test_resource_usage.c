@@ -34,8 +34,7 @@ static reading since(reading start)
 static void compute(void)
 {
     const double start = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
-    while (seconds_of(CLOCK_PROCESS_CPUTIME_ID) - start < WORK) {
-    }
+    while (seconds_of(CLOCK_PROCESS_CPUTIME_ID) - start < WORK) {}
 }
 
 static void sleep_a_while(void)
