@@ -96,8 +96,8 @@ const pl_option pl_comparison_options[] = {
     {"suite", "NAME", "All scenarios of a suite (repeatable)", PL_OPTION_TEXTS,
      .field = offsetof(pl_request, suites)},
     {"engine", "SPEC",
-     "An engine: NAME[:PROFILE][,OPTION=VALUE...], or the path of a shared object in place "
-     "of NAME (repeatable; default: all that are present)",
+     "An engine: NAME[:PROFILE][,OPTION=VALUE...][,label=TEXT], or the path of a shared object "
+     "in place of NAME (repeatable; default: all that are present)",
      PL_OPTION_TEXTS, .field = offsetof(pl_request, engines)},
     {"json", "FILE", "Also write all results as JSON (- is standard output, in place of tables)",
      PL_OPTION_TEXT, .field = offsetof(pl_request, json)},

@@ -241,6 +241,21 @@ static void format_number(double value, char text[32])
     }
 }
 
+/* Adds ",option=value" for each option that differs from `from` (engine->option_count). */
+static void add_options(const pl_engine_choice *choice, const double *from, size_t used,
+                        char label[PL_LABEL_SIZE])
+{
+    const pl_engine_info *engine = choice->engine;
+    for (int i = 0; i < engine->option_count && used < PL_LABEL_SIZE; ++i) {
+        if (choice->values[i] != from[i]) {
+            char number[32];
+            format_number(choice->values[i], number);
+            used += (size_t)snprintf(label + used, PL_LABEL_SIZE - used, ",%s=%s",
+                                     engine->options[i].name, number);
+        }
+    }
+}
+
 void pl_engine_choice_label(const pl_engine_choice *choice, char label[PL_LABEL_SIZE])
 {
     const pl_engine_info *engine = choice->engine;
@@ -248,15 +263,23 @@ void pl_engine_choice_label(const pl_engine_choice *choice, char label[PL_LABEL_
         memcpy(label, choice->label, sizeof choice->label);
         return;
     }
-    const double *defaults = pl_engine_profile_values(engine, choice->profile);
-    size_t used = (size_t)snprintf(label, PL_LABEL_SIZE, "%s:%s", engine->name,
-                                   engine->profiles[choice->profile].name);
-    for (int i = 0; i < engine->option_count && used < PL_LABEL_SIZE; ++i) {
-        if (choice->values[i] != defaults[i]) {
-            char number[32];
-            format_number(choice->values[i], number);
-            used += (size_t)snprintf(label + used, PL_LABEL_SIZE - used, ",%s=%s",
-                                     engine->options[i].name, number);
-        }
+    const int used = snprintf(label, PL_LABEL_SIZE, "%s:%s", engine->name,
+                              engine->profiles[choice->profile].name);
+    add_options(choice, pl_engine_profile_values(engine, choice->profile), (size_t)used, label);
+}
+
+void pl_engine_choice_varied_label(const pl_engine_choice *asked, const pl_engine_choice *varied,
+                                   char label[PL_LABEL_SIZE])
+{
+    const pl_engine_info *engine = varied->engine;
+    const bool same_profile = asked->profile == varied->profile;
+    if (asked->label[0] == '\0') {
+        pl_engine_choice_label(varied, label);
+        return;
     }
+    const int used = snprintf(label, PL_LABEL_SIZE, "%s%s%s", asked->label, same_profile ? "" : ":",
+                              same_profile ? "" : engine->profiles[varied->profile].name);
+    add_options(varied,
+                same_profile ? asked->values : pl_engine_profile_values(engine, varied->profile),
+                (size_t)used, label);
 }

@@ -36,4 +36,9 @@ pl_status pl_engine_choose(const char *spec, pl_engine_choice *choice, pl_error 
  * for each option that differs from the profile's default. */
 void pl_engine_choice_label(const pl_engine_choice *choice, char label[PL_LABEL_SIZE]);
 
+/* Writes the label of a choice that was made from `asked` by changing its profile and options: a
+ * given label, then ":profile" and ",option=value" for what was changed. */
+void pl_engine_choice_varied_label(const pl_engine_choice *asked, const pl_engine_choice *varied,
+                                   char label[PL_LABEL_SIZE]);
+
 #endif

@@ -239,6 +239,38 @@ static bool came_before(const pl_gate_file *files, int file, size_t index)
     return false;
 }
 
+/* Notes of each label the build of the engine that ran last: label -> [binary, time]. */
+static bool note_newest_builds(const pl_gate_file *files, int count, json_t *builds)
+{
+    bool noted = true;
+    for (int f = 0; f < count; ++f) {
+        size_t index;
+        json_t *result;
+        json_array_foreach(files[f].results, index, result)
+        {
+            const char *label = pl_json_get_text(result, "label");
+            const char *binary = pl_json_get_text(result, "engine_binary");
+            const char *started = pl_json_get_text(result, "started");
+            const json_t *known = json_array_get(json_object_get(builds, label), 1);
+            if (binary[0] != '\0' &&
+                (known == NULL || strcmp(json_string_value(known), started) < 0)) {
+                noted = noted && json_object_set_new(builds, label,
+                                                     json_pack("[s, s]", binary, started)) == 0;
+            }
+        }
+    }
+    return noted;
+}
+
+/* Whether another build of the engine ran later under the same label. */
+static bool is_outdated(const json_t *builds, const json_t *result)
+{
+    const json_t *newest =
+        json_array_get(json_object_get(builds, pl_json_get_text(result, "label")), 0);
+    const char *binary = pl_json_get_text(result, "engine_binary");
+    return newest != NULL && binary[0] != '\0' && strcmp(json_string_value(newest), binary) != 0;
+}
+
 pl_status pl_gate_gather(const pl_gate_file *files, int count, const pl_gate_tolerances *tolerances,
                          pl_gate_rows *rows, pl_error *error)
 {
@@ -246,19 +278,30 @@ pl_status pl_gate_gather(const pl_gate_file *files, int count, const pl_gate_tol
     for (int f = 0; f < count; ++f) {
         most += json_array_size(files[f].results);
     }
+    size_t outdated = 0;
     json_t *indices = json_object();
+    json_t *builds = json_object();
     *rows = (pl_gate_rows){.items = calloc(most + 1, sizeof *rows->items)};
-    pl_status status = indices == NULL || rows->items == NULL ? no_memory(error) : PL_OK;
+    const bool has_memory = indices != NULL && builds != NULL && rows->items != NULL &&
+                            note_newest_builds(files, count, builds);
+    pl_status status = has_memory ? PL_OK : no_memory(error);
     for (int f = 0; f < count; ++f) {
         for (size_t i = 0; status == PL_OK && i < json_array_size(files[f].results); ++i) {
             const json_t *result = json_array_get(files[f].results, i);
             status = check_result(result, files[f].path, i, error);
-            if (status == PL_OK && !came_before(files, f, i)) {
+            if (is_outdated(builds, result)) {
+                ++outdated;
+            } else if (status == PL_OK && !came_before(files, f, i)) {
                 status = add_result(rows, indices, result, f, error);
             }
         }
     }
     json_decref(indices);
+    json_decref(builds);
+    if (outdated > 0) {
+        fprintf(stderr, "%zu %s of engines that were rebuilt since left out\n", outdated,
+                outdated == 1 ? "result is" : "results are");
+    }
     if (status == PL_OK) {
         status = fill_rows(rows, tolerances, error);
     }

@@ -229,8 +229,11 @@ const pl_known_cause *pl_known_cause_find(const pl_known_causes *causes, const j
     const char *outcome = pl_json_get_text(result, "outcome");
     const pl_scenario *scenario = pl_scenario_find(name, NULL);
     const bool cut_off = strcmp(outcome, "crashed") == 0 || strcmp(outcome, "timeout") == 0;
-    const bool has_options = strchr(pl_json_get_text(result, "label"), ',') != NULL;
-    for (int i = 0; scenario != NULL && !has_options && i < causes->count; ++i) {
+    /* Another label is that of other options, or of a build that was given a name. */
+    char plain[2 * PL_NAME_SIZE + 2];
+    snprintf(plain, sizeof plain, "%.63s:%.63s", engine, profile);
+    const bool is_plain = strcmp(pl_json_get_text(result, "label"), plain) == 0;
+    for (int i = 0; scenario != NULL && is_plain && i < causes->count; ++i) {
         const pl_known_cause *cause = &causes->items[i];
         const json_t *ranges = json_object_get(cause->scenarios, name);
         if (ranges != NULL && strcmp(cause->engine, engine) == 0 &&

@@ -15,10 +15,10 @@
 
 /* Keys of a result; "a.b" is the key b of the object a. */
 static const char *const run_columns[] = {
-    "run",        "scenario",      "params",         "scene_hash", "seed",     "repeat",
-    "engine",     "profile",       "engine_version", "label",      "settings", "outcome",
-    "reason",     "steps.asked",   "steps.done",     "host.cpu",   "host.os",  "host.compiler",
-    "host.flags", "plumb.version", "plumb.git",      "started"};
+    "run",           "scenario",   "params",         "scene_hash",    "seed",     "repeat",
+    "engine",        "profile",    "engine_version", "engine_binary", "label",    "settings",
+    "outcome",       "reason",     "steps.asked",    "steps.done",    "host.cpu", "host.os",
+    "host.compiler", "host.flags", "plumb.version",  "plumb.git",     "started"};
 static const char *const metric_columns[] = {"value", "unit", "direction",  "deterministic", "p50",
                                              "p95",   "p99",  "worst_step", "reason"};
 enum {

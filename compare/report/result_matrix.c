@@ -44,6 +44,7 @@ static pl_column column_of(const json_t *result)
                        .engine = pl_json_get_text(result, "engine"),
                        .version = pl_json_get_text(result, "engine_version"),
                        .git = pl_result_text(result, "plumb", "git"),
+                       .binary = pl_json_get_text(result, "engine_binary"),
                        .ours = strcmp(pl_json_get_text(result, "engine"), "plumb") == 0};
 }
 
@@ -54,7 +55,8 @@ static int compare_columns(const void *left, const void *right)
     /* NOLINTNEXTLINE(clang-analyzer-core.*): column_of sets all texts */
     order = order != 0 ? order : strcmp(a->label, b->label);
     order = order != 0 ? order : strcmp(a->version, b->version);
-    return order != 0 ? order : strcmp(a->git, b->git);
+    order = order != 0 ? order : strcmp(a->git, b->git);
+    return order != 0 ? order : strcmp(a->binary, b->binary);
 }
 
 static int find_column(const pl_result_matrix *matrix, const json_t *result)
@@ -72,18 +74,22 @@ static void name_columns(pl_result_matrix *matrix)
 {
     for (int i = 0; i < matrix->column_count; ++i) {
         pl_column *column = &matrix->columns[i];
-        bool other_version = false, other_git = false;
+        bool other_version = false, other_git = false, only_other_binary = false;
         for (int k = 0; k < matrix->column_count; ++k) {
             const pl_column *other = &matrix->columns[k];
             if (k == i || strcmp(other->label, column->label) != 0) {
                 continue;
             }
-            other_version |= strcmp(other->version, column->version) != 0;
-            other_git |= strcmp(other->git, column->git) != 0;
+            const bool is_version = strcmp(other->version, column->version) != 0;
+            const bool is_git = strcmp(other->git, column->git) != 0;
+            other_version |= is_version;
+            other_git |= is_git;
+            only_other_binary |= !is_version && !is_git;
         }
-        snprintf(column->name, sizeof column->name, "%.150s%s%.40s%s%.40s", column->label,
+        snprintf(column->name, sizeof column->name, "%.150s%s%.40s%s%.40s%s%.8s", column->label,
                  other_version ? " " : "", other_version ? column->version : "",
-                 other_git ? " @" : "", other_git ? column->git : "");
+                 other_git ? " @" : "", other_git ? column->git : "",
+                 only_other_binary ? " build " : "", only_other_binary ? column->binary : "");
     }
 }
 

@@ -19,10 +19,10 @@ typedef struct pl_cell {
     pl_metric_summary metrics[PL_METRIC_COUNT];
 } pl_cell;
 
-/* An engine configuration, by label, version and build of the harness. */
+/* An engine configuration, by label, version, build of the harness and binary of the engine. */
 typedef struct pl_column {
-    const char *label, *engine, *version, *git;
-    char name[256]; /* the label, with version and build where labels alone are not unique */
+    const char *label, *engine, *version, *git, *binary;
+    char name[256]; /* the label, with what distinguishes it where labels alone are not unique */
     bool ours;
 } pl_column;
 

@@ -33,7 +33,7 @@ static char read_field(const char **at, char *field, size_t size)
     return delimiter;
 }
 
-enum { CSV_COLUMNS = 32, CSV_FIELD = 512 };
+enum { CSV_COLUMNS = 33, CSV_FIELD = 512 };
 
 /* Parses a line; returns how many fields it has. */
 static int read_line(const char **at, char fields[CSV_COLUMNS][CSV_FIELD])

@@ -236,9 +236,14 @@ static pl_status make_keys(const json_t *row, size_t index, keyed_row *keyed, pl
         to_text(json_pack("[o, o, o, o, o, o]", same(row, "scenario"), without_dt(row, "params"),
                           same(row, "seed"), same(row, "member"),
                           same(is_file ? settings : NULL, "duration"), same(row, "primary_error")));
-    keyed->series = to_text(json_pack(
-        "[o, o, o, o, o, o]", same(row, "engine"), same(row, "profile"), same(row, "label"),
-        without_dt(row, "settings"), same(row, "engine_version"), same(plumb, "git")));
+    json_t *series = json_pack("[o, o, o, o, o, o]", same(row, "engine"), same(row, "profile"),
+                               same(row, "label"), without_dt(row, "settings"),
+                               same(row, "engine_version"), same(plumb, "git"));
+    json_t *binary = json_object_get(row, "engine_binary");
+    if (binary != NULL) { /* results of earlier versions have none */
+        json_array_append(series, binary);
+    }
+    keyed->series = to_text(series);
     if (keyed->scene == NULL || keyed->series == NULL) {
         return pl_fail(error, PL_NO_MEMORY, "out of memory at result %zu", index);
     }
@@ -331,14 +336,18 @@ static int find_engine(const pl_sweep_analysis *analysis, const char *name, bool
     return -1;
 }
 
+/* The engine, or with its profile; one with a label of its own goes by that. */
 static void name_engine(const json_t *row, bool whole, char name[128])
 {
     const char *engine = pl_json_get_text(row, "engine");
     const char *profile = pl_json_get_text(row, "profile");
-    if (whole || profile[0] == '\0') {
+    const char *label = pl_json_get_text(row, "label");
+    const size_t length = strcspn(label, ",");
+    snprintf(name, 128, "%.60s:%.60s", engine, profile);
+    if (strlen(name) != length || memcmp(name, label, length) != 0) {
+        snprintf(name, 128, "%.*s", (int)(whole ? strcspn(label, ":,") : length), label);
+    } else if (whole || profile[0] == '\0') {
         snprintf(name, 128, "%.60s", engine);
-    } else {
-        snprintf(name, 128, "%.60s:%.60s", engine, profile);
     }
 }
 
@@ -389,13 +398,16 @@ static void note_origins(const keyed_row *rows, size_t index, pl_sweep_analysis 
 {
     const keyed_row *row = &rows[index];
     size_t alike = 0;
-    while (differ_in(&rows[alike], row, NULL, "engine")) {
-        ++alike;
-    }
+    char name[128], other[128];
+    name_engine(row->row, false, name);
+    do {
+        name_engine(rows[alike].row, false, other);
+    } while (strcmp(name, other) != 0 && ++alike < index);
     analysis->several_hosts |= differ_in(row, &rows[0], "host", "cpu");
     analysis->several_builds |= differ_in(row, &rows[0], "plumb", "version") ||
                                 differ_in(row, &rows[0], "plumb", "git") ||
-                                differ_in(row, &rows[alike], NULL, "engine_version");
+                                differ_in(row, &rows[alike], NULL, "engine_version") ||
+                                differ_in(row, &rows[alike], NULL, "engine_binary");
 }
 
 /* Adds the point whose repeats are the sorted rows [first, next). */

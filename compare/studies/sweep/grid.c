@@ -92,13 +92,14 @@ static bool are_equal(const pl_engine_choice *a, const pl_engine_choice *b)
            memcmp(a->values, b->values, (size_t)a->engine->option_count * sizeof *a->values) == 0;
 }
 
-/* Adds the configuration unless it is in the plan. `labels` maps labels to the plan's indices. */
-static pl_status add_configuration(const pl_engine_choice *choice, json_t *labels, pl_plan *plan,
-                                   pl_error *error)
+/* Adds the configuration, made from the one that was asked for, unless it is in the plan. `labels`
+ * maps labels to the plan's indices. */
+static pl_status add_configuration(const pl_engine_choice *asked, const pl_engine_choice *choice,
+                                   json_t *labels, pl_plan *plan, pl_error *error)
 {
     char label[sizeof plan->configurations->label];
     int index = 0;
-    pl_engine_choice_label(choice, label);
+    pl_engine_choice_varied_label(asked, choice, label);
     const json_t *known = json_object_get(labels, label);
     if (known != NULL) {
         const pl_engine_choice *other = &plan->configurations[json_integer_value(known)].choice;
@@ -106,7 +107,7 @@ static pl_status add_configuration(const pl_engine_choice *choice, json_t *label
                    ? PL_OK
                    : pl_fail(error, PL_BAD_INPUT,
                              "two engines would both be called %s: vary fewer options, or give "
-                             "shared objects names of their own",
+                             "one of them label=NAME",
                              label);
     }
     pl_status status = pl_plan_add_choice(plan, choice, label, &index, error);
@@ -133,7 +134,7 @@ static pl_status add_configurations(const pl_grid_def *def, pl_plan *plan, pl_er
                 more = true;
                 status = vary_choice(def, &keys, number, &choice, error);
                 if (status == PL_OK) {
-                    status = add_configuration(&choice, labels, plan, error);
+                    status = add_configuration(&asked->choice, &choice, labels, plan, error);
                 }
             }
         }

@@ -1,0 +1,146 @@
+/* A plug-in that tests build in several ways: bodies without contacts, in free fall by semi-implicit
+ * Euler. DRIFT is added to every height at every step, so that builds can be told apart; with
+ * DEPENDENCY, the function small_engine_drift of another library is added too. */
+#include "plumb/engine_abi.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#ifndef DRIFT
+#define DRIFT 0
+#endif
+
+struct pl_engine_instance {
+    const pl_scene *scene;
+    double iterations, dt;
+    pl_body_state states[];
+};
+
+#ifdef DEPENDENCY
+double small_engine_drift(void);
+#else
+static double small_engine_drift(void)
+{
+    return 0;
+}
+#endif
+
+static pl_status create(const pl_engine_setup *setup, pl_engine_instance **instance,
+                        pl_error *error)
+{
+    const pl_scene *scene = setup->scene;
+    const size_t count = (size_t)scene->body_count;
+    pl_engine_instance *made = calloc(1, sizeof *made + count * sizeof made->states[0]);
+    if (made == NULL) {
+        return pl_engine_error(error, PL_NO_MEMORY, "out of memory");
+    }
+    made->scene = scene;
+    made->iterations = setup->values[0];
+    made->dt = setup->dt;
+    for (size_t i = 0; i < count; ++i) {
+        const pl_body *body = &scene->bodies[i];
+        pl_body_state *state = &made->states[i];
+        memcpy(state->position, body->position, sizeof state->position);
+        memcpy(state->orientation, body->orientation, sizeof state->orientation);
+        memcpy(state->velocity, body->velocity, sizeof state->velocity);
+        memcpy(state->angular_velocity, body->angular_velocity, sizeof state->angular_velocity);
+    }
+    *instance = made;
+    return PL_OK;
+}
+
+static void destroy(pl_engine_instance *instance)
+{
+    free(instance);
+}
+
+/* Each iteration is a part of the step, so that more of them are more exact. */
+static pl_status step(pl_engine_instance *instance, double dt, pl_step_stats *stats,
+                      pl_error *error)
+{
+    const double h = dt / instance->iterations;
+    (void)error;
+    for (int part = 0; part < (int)instance->iterations; ++part) {
+        for (int i = 0; i < instance->scene->body_count; ++i) {
+            for (int k = 0; k < 3 && !instance->scene->bodies[i].is_static; ++k) {
+                instance->states[i].velocity[k] += h * instance->scene->gravity[k];
+                instance->states[i].position[k] += h * instance->states[i].velocity[k];
+            }
+        }
+    }
+    for (int i = 0; i < instance->scene->body_count; ++i) {
+        instance->states[i].position[2] += DRIFT + small_engine_drift();
+    }
+    stats->iterations = instance->iterations;
+    return PL_OK;
+}
+
+static void read_frame(const pl_engine_instance *instance, pl_frame *frame)
+{
+    memcpy(frame->bodies, instance->states,
+           (size_t)instance->scene->body_count * sizeof frame->bodies[0]);
+}
+
+#ifdef READ_BACK
+/* Reads back in the precision of READ_BACK, off by ULPS units in the last place of a float. */
+static void read_settings(const pl_engine_instance *instance, pl_engine_settings *settings)
+{
+    for (int i = 0; i < instance->scene->body_count; ++i) {
+        const double mass = instance->scene->bodies[i].mass;
+        settings->mass[i] = (double)(READ_BACK)mass * (1 + (ULPS) * 0x1p-23);
+    }
+    settings->dt = (double)(READ_BACK)instance->dt;
+    settings->substeps = (int)instance->iterations;
+}
+#endif
+
+static const pl_engine_profile profiles[] = {
+    {.name = "one", .help = "a profile"},
+    {.name = "two", .help = "another profile"},
+};
+
+static const pl_engine_option options[] = {{.name = "iterations",
+                                            .value = 1,
+                                            .min = 1,
+                                            .max = 64,
+                                            .integer = true,
+                                            .unit = "1",
+                                            .help = "parts of a step",
+#ifdef CODE
+                                            .code = "small_set_iterations({});",
+#endif
+                                            .tune_profiles = 3,
+                                            .tune_min = 1,
+                                            .tune_max = 32,
+                                            .tune_logarithmic = true}};
+
+static const pl_engine engine = {
+    .struct_size = sizeof(pl_engine),
+    .abi_version = PL_ENGINE_ABI_VERSION,
+    .name = "small",
+    .version = "1",
+    .description = "free fall",
+    .capabilities = PL_NEEDS_FRICTION | PL_NEEDS_RESTITUTION | PL_NEEDS_ROTATION | PL_NEEDS_PLANE |
+                    PL_NEEDS_SPHERE | PL_NEEDS_BOX,
+#ifdef READ_BACK
+    .read_settings = read_settings,
+    .precision = sizeof(READ_BACK) == 4 ? PL_PRECISION_FLOAT : PL_PRECISION_DOUBLE,
+#endif
+    .integrator = PL_INTEGRATOR_SEMI_IMPLICIT_EULER,
+    .substeps = 1,
+    .profiles = profiles,
+    .profile_count = 2,
+    .options = options,
+    .option_count = 1,
+    .create = create,
+    .destroy = destroy,
+    .step = step,
+    .read_frame = read_frame,
+};
+
+const pl_engine *plumb_engine(void);
+
+const pl_engine *plumb_engine(void)
+{
+    return &engine;
+}
