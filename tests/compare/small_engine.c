@@ -87,7 +87,7 @@ static void read_settings(const pl_engine_instance *instance, pl_engine_settings
 {
     for (int i = 0; i < instance->scene->body_count; ++i) {
         const double mass = instance->scene->bodies[i].mass;
-        settings->mass[i] = (double)(READ_BACK)mass * (1 + (ULPS) * 0x1p-23);
+        settings->mass[i] = (double)(READ_BACK)mass * (1 + (ULPS)*0x1p-23);
     }
     settings->dt = (double)(READ_BACK)instance->dt;
     settings->substeps = (int)instance->iterations;
