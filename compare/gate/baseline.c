@@ -1,6 +1,7 @@
 /* Reads the baseline file, with the place of every fault, and writes it. */
 #include "baseline.h"
 
+#include "ratio.h"
 #include "results/store.h"
 
 #include "base/json_field.h"
@@ -12,9 +13,23 @@
 
 static const char schema_name[] = "plumb.baseline/1";
 static const char *const file_keys[] = {"schema", "rows"};
-static const char *const row_keys[] = {"scenario", "params",  "engine",     "dt",
-                                       "duration", "seed",    "member",     "scene_hash",
-                                       "outcome",  "metrics", "time_ratio", "instructions_ratio"};
+static const char *const row_keys[] = {"scenario",
+                                       "params",
+                                       "engine",
+                                       "dt",
+                                       "duration",
+                                       "seed",
+                                       "member",
+                                       "scene_hash",
+                                       "outcome",
+                                       "metrics",
+                                       "time_ratio",
+                                       "instructions_ratio",
+                                       "wall_time_ratio",
+                                       "time_create_ratio",
+                                       "wall_time_create_ratio",
+                                       "time_read_ratio",
+                                       "wall_time_read_ratio"};
 static const char *const ratio_keys[] = {"reference", "value", "low", "high", "repeats"};
 static const pl_key_set file_set = PL_KEY_SET("baseline", file_keys);
 static const pl_key_set row_set = PL_KEY_SET("row", row_keys);
@@ -85,6 +100,15 @@ static bool check_ratio(const json_t *row, const char *key, pl_diagnostic *diagn
     return true;
 }
 
+static bool check_ratios(const json_t *json, pl_diagnostic *diagnostic)
+{
+    bool right = true;
+    for (int i = 0; i < PL_GATE_COST_COUNT && right; ++i) {
+        right = check_ratio(json, pl_gate_costs[i].ratio, diagnostic);
+    }
+    return right;
+}
+
 static bool check_row(const json_t *json, pl_diagnostic *diagnostic)
 {
     const char *text = NULL;
@@ -99,9 +123,7 @@ static bool check_row(const json_t *json, pl_diagnostic *diagnostic)
            pl_json_number(json, "seed", PL_REQUIRED, &number, diagnostic) &&
            pl_json_number(json, "member", PL_OPTIONAL, &number, diagnostic) &&
            check_values(json, "params", false, diagnostic) &&
-           check_values(json, "metrics", true, diagnostic) &&
-           check_ratio(json, "time_ratio", diagnostic) &&
-           check_ratio(json, "instructions_ratio", diagnostic);
+           check_values(json, "metrics", true, diagnostic) && check_ratios(json, diagnostic);
 }
 
 /* Returns the index of an earlier row of the same run; -1 when there is none. */

@@ -206,7 +206,8 @@ static pl_status judge_cost(const pl_gate_inputs *in, const pl_gate_row *before,
 {
     const char *metric = pl_gate_costs[cost].metric;
     const json_t *kept = json_object_get(before->json, pl_gate_costs[cost].ratio);
-    if (kept == NULL) {
+    const pl_gate_rule *rule = rule_of(in, now, cost);
+    if (kept == NULL || (pl_gate_costs[cost].is_asked_for && rule == NULL)) {
         return PL_OK;
     }
     const char *kept_reference = pl_json_get_text(kept, "reference");
@@ -226,7 +227,6 @@ static pl_status judge_cost(const pl_gate_inputs *in, const pl_gate_row *before,
                              "not compared: no run of the reference engine on the same case");
         return PL_OK;
     }
-    const pl_gate_rule *rule = rule_of(in, now, cost);
     double limit = rule != NULL           ? rule->value
                    : cost == PL_GATE_TIME ? in->tolerances->time
                                           : in->tolerances->instructions;

@@ -16,8 +16,13 @@
 static const double miss_allowed = 1.0 / 16;
 
 const pl_gate_cost pl_gate_costs[PL_GATE_COST_COUNT] = {
-    [PL_GATE_TIME] = {"time_per_step", "time_ratio"},
-    [PL_GATE_INSTRUCTIONS] = {"instructions_per_step", "instructions_ratio"}};
+    [PL_GATE_TIME] = {"time_per_step", "time_ratio", false},
+    [PL_GATE_INSTRUCTIONS] = {"instructions_per_step", "instructions_ratio", false},
+    {"wall_time_per_step", "wall_time_ratio", true},
+    {"time_create", "time_create_ratio", true},
+    {"wall_time_create", "wall_time_create_ratio", true},
+    {"time_read", "time_read_ratio", true},
+    {"wall_time_read", "wall_time_read_ratio", true}};
 
 int pl_gate_cost_of(const char *name)
 {

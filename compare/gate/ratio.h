@@ -18,8 +18,9 @@ typedef struct pl_gate_ratio {
 /* A metric that is compared with a baseline only as a ratio. */
 typedef struct pl_gate_cost {
     const char *metric, *ratio; /* "time_per_step", "time_ratio" */
+    bool is_asked_for;          /* compared only where a rule names it */
 } pl_gate_cost;
-enum { PL_GATE_TIME, PL_GATE_INSTRUCTIONS, PL_GATE_COST_COUNT };
+enum { PL_GATE_TIME, PL_GATE_INSTRUCTIONS, PL_GATE_COST_COUNT = 7 };
 extern const pl_gate_cost pl_gate_costs[PL_GATE_COST_COUNT];
 
 /* Returns the cost whose metric or ratio has that name; -1: none. */

@@ -15,10 +15,8 @@
 
 /* ---- Tolerances ---- */
 
-/* Names that a rule accepts in addition to those of pl_metric_table. */
-static const char *const own_names[] = {"outcome", "time_ratio", "instructions_ratio",
-                                        "instructions_per_step"};
-enum { OWN_COUNT = sizeof own_names / sizeof own_names[0], HINT_SIZE = 2 * PL_NAME_SIZE };
+/* A rule also accepts "outcome" and the names of ratios. */
+enum { KNOWN_COUNT = PL_METRIC_COUNT + PL_GATE_COST_COUNT + 1, HINT_SIZE = 2 * PL_NAME_SIZE };
 
 pl_gate_tolerances pl_gate_tolerances_default(void)
 {
@@ -33,13 +31,20 @@ pl_gate_tolerances pl_gate_tolerances_default(void)
  * one. */
 static bool is_known(const char *name, char hint[HINT_SIZE])
 {
-    const char *names[PL_METRIC_COUNT + OWN_COUNT];
+    const char *names[KNOWN_COUNT];
     bool known = false;
-    for (int i = 0; i < PL_METRIC_COUNT + OWN_COUNT; ++i) {
-        names[i] = i < PL_METRIC_COUNT ? pl_metric_table[i].name : own_names[i - PL_METRIC_COUNT];
+    int count = 0;
+    names[count++] = "outcome";
+    for (int i = 0; i < PL_METRIC_COUNT; ++i) {
+        names[count++] = pl_metric_table[i].name;
+    }
+    for (int i = 0; i < PL_GATE_COST_COUNT; ++i) {
+        names[count++] = pl_gate_costs[i].ratio;
+    }
+    for (int i = 0; i < count; ++i) {
         known |= strcmp(names[i], name) == 0;
     }
-    const char *nearest = pl_nearest_name(name, names, PL_METRIC_COUNT + OWN_COUNT);
+    const char *nearest = pl_nearest_name(name, names, count);
     if (nearest == NULL) {
         snprintf(hint, HINT_SIZE, "; see plumb list metrics");
     } else {
@@ -77,8 +82,8 @@ pl_status pl_gate_tolerances_parse(const char *text, pl_gate_tolerances *toleran
     int metric = pl_metric_by_name(name);
     if (pl_gate_cost_of(name) >= 0 || strcmp(name, "outcome") == 0) {
         return fail(text,
-                    "times and instructions have --time-limit and --instruction-limit, and "
-                    "an outcome has no tolerance",
+                    "times and instructions have --time-limit, --instruction-limit and "
+                    "--fail-if 'METRIC>+10%', and an outcome has no tolerance",
                     error);
     }
     if (metric < 0) {

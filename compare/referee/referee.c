@@ -42,6 +42,7 @@ struct pl_referee {
     pl_values *values;
     pl_series series[SERIES_COUNT];
     long no_contacts_step;     /* first step whose contacts the engine did not report; 0: none */
+    bool has_points_alone;     /* in some step the engine reported contacts without impulses */
     long foreign_contact_step; /* first step with a contact of no body of the scene; 0: none */
     pl_body_state *last;       /* (body_count): the last valid frame */
 };
@@ -145,6 +146,7 @@ static void see_mechanics(pl_referee *r, const pl_step_observation *seen)
     if (step.contact_count < 0 && r->no_contacts_step == 0) {
         r->no_contacts_step = r->done;
     }
+    r->has_points_alone = r->has_points_alone || seen->has_points_alone;
     if (!contacts_belong(r->scene, step.contacts, step.contact_count)) {
         r->foreign_contact_step = r->foreign_contact_step == 0 ? r->done : r->foreign_contact_step;
         step.contact_count = 0;
@@ -208,7 +210,12 @@ static pl_metric foreign_contact(const pl_referee *r)
                             r->foreign_contact_step);
 }
 
-/* Metrics of reported contacts are void once a contact was invalid. */
+static pl_metric points_alone(void)
+{
+    return pl_metric_failed("the engine reports contact points without impulses");
+}
+
+/* Metrics of reported contacts are void once a contact was invalid, or came without its impulse. */
 static void contact_force_metrics(const pl_referee *r, pl_position_rule integrator, pl_metric *item)
 {
     static const pl_metric_id of_contacts[] = {PL_METRIC_FORCE_BALANCE, PL_METRIC_CONE_VIOLATION,
@@ -217,7 +224,9 @@ static void contact_force_metrics(const pl_referee *r, pl_position_rule integrat
     pl_contact_force_metrics(r->force, integrator, item);
     for (size_t i = 0; i < sizeof of_contacts / sizeof *of_contacts; ++i) {
         pl_metric *metric = &item[of_contacts[i]];
-        if (r->foreign_contact_step > 0 && metric->state != PL_METRIC_ABSENT) {
+        if (r->has_points_alone) {
+            *metric = points_alone();
+        } else if (r->foreign_contact_step > 0 && metric->state != PL_METRIC_ABSENT) {
             *metric = foreign_contact(r);
         }
     }
@@ -233,6 +242,9 @@ static pl_metric momentum_metric(const pl_referee *r, pl_position_rule integrato
 {
     if (r->foreign_contact_step > 0) {
         return foreign_contact(r);
+    }
+    if (r->has_points_alone && pl_touching_static(r->touching)) {
+        return points_alone();
     }
     if (r->no_contacts_step > 0 && pl_touching_static(r->touching)) {
         return pl_metric_failed(

@@ -28,7 +28,8 @@ typedef struct pl_step_observation {
     const pl_step_stats *stats; /* NULL if the engine reports none */
     const pl_contact *contacts; /* of this step; NULL with contact_count < 0 if not reported */
     int contact_count;
-    double cpu_time; /* of the process, for the step call alone, s */
+    double cpu_time;       /* of the process, for the step call alone, s */
+    bool has_points_alone; /* the engine reported contact points, and not their impulses */
 } pl_step_observation;
 
 /* Takes a step. Returns PL_VERDICT_NONFINITE or PL_VERDICT_DIVERGED from the frame on that shows

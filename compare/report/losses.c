@@ -61,7 +61,10 @@ bool pl_loss_is_compared(int metric)
     return pl_metric_table[metric].direction == PL_LOWER_IS_BETTER &&
            metric != PL_METRIC_ITERATIONS_MEAN && metric != PL_METRIC_ITERATIONS_MAX &&
            metric != PL_METRIC_RESIDUAL_MAX && metric != PL_METRIC_RESIDUAL_RMS &&
-           metric != PL_METRIC_INSTRUCTIONS_PER_STEP; /* time_per_step once more */
+           metric != PL_METRIC_INSTRUCTIONS_PER_STEP && /* time_per_step once more */
+           metric != PL_METRIC_WALL_TIME_PER_STEP && metric != PL_METRIC_TIME_CREATE &&
+           metric != PL_METRIC_WALL_TIME_CREATE && metric != PL_METRIC_TIME_READ &&
+           metric != PL_METRIC_WALL_TIME_READ; /* the table of times has them */
 }
 
 /* Returns the column of the other engine's ok run with the least value of the metric; -1: none. */
@@ -215,7 +218,8 @@ static void write_rule(pl_text_buffer *text)
     pl_text_add(
         text,
         ". Iterations and residuals are left out: they mean different things to different solvers. "
-        "A difference below noise is no loss. A value below its floor counts as the "
+        "Of the times, those of a step are compared. A difference below noise is no loss. A value "
+        "below its floor counts as the "
         "floor, also in the ratio: 1e-9 for lengths (m), speeds (m/s), angles (rad) and relative "
         "numbers, since rounding in double precision over a run of thousands of steps reaches "
         "about 1e-10; one time step for settle_time, which is not known more closely; 256 KiB for "

@@ -174,6 +174,8 @@ static pl_status begin(run *r, pl_run_result *result, bool *going, pl_error *err
         set_outcome(result, PL_OUTCOME_NONFINITE, &fault);
         return PL_OK;
     }
+    /* The first frame belongs to no step, and time_read is a step's. */
+    r->session.cost[PL_CALLS_READ] = (pl_call_cost){.cpu_time = 0};
     *going = true;
     status = record_frame(r, 0, error);
     swap_frames(r);
@@ -224,8 +226,12 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
     enter(def->watch, PL_STAGE_JUDGE);
     const bool has_impulses =
         count >= 0 && (r->session.loaded.table.contacts & PL_CONTACTS_IMPULSES) != 0;
-    const pl_step_observation seen = {&r->frame, &stats, has_impulses ? r->contacts : NULL,
-                                      has_impulses ? count : -1, cost.cpu_time};
+    const pl_step_observation seen = {.frame = &r->frame,
+                                      .stats = &stats,
+                                      .contacts = has_impulses ? r->contacts : NULL,
+                                      .contact_count = has_impulses ? count : -1,
+                                      .has_points_alone = !has_impulses && count > 0,
+                                      .cpu_time = cost.cpu_time};
     pl_verdict verdict = pl_referee_step(r->referee, &seen, &fault);
     status = record_frame(r, result->steps_done, error);
     if (verdict == PL_VERDICT_NONFINITE || verdict == PL_VERDICT_DIVERGED) {
@@ -238,6 +244,29 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
         swap_frames(r);
     }
     return status;
+}
+
+static void set_value(pl_run_result *result, pl_metric_id id, double value)
+{
+    result->metrics.item[id] = pl_metric_value(value);
+}
+
+/* The costs of the engine's calls, but for the CPU time of its steps, which is the referee's. */
+static void set_costs(const pl_call_cost *cost, pl_run_result *result)
+{
+    const double steps = (double)result->steps_done;
+    set_value(result, PL_METRIC_TIME_CREATE, cost[PL_CALLS_CREATE].cpu_time);
+    set_value(result, PL_METRIC_WALL_TIME_CREATE, cost[PL_CALLS_CREATE].wall_time);
+    if (steps == 0) {
+        return;
+    }
+    set_value(result, PL_METRIC_WALL_TIME_PER_STEP, cost[PL_CALLS_STEP].wall_time / steps);
+    set_value(result, PL_METRIC_TIME_READ, cost[PL_CALLS_READ].cpu_time / steps);
+    set_value(result, PL_METRIC_WALL_TIME_READ, cost[PL_CALLS_READ].wall_time / steps);
+    if (isfinite(cost[PL_CALLS_STEP].instructions)) {
+        set_value(result, PL_METRIC_INSTRUCTIONS_PER_STEP,
+                  cost[PL_CALLS_STEP].instructions / steps);
+    }
 }
 
 static void judge(run *r, double memory, pl_run_result *result)
@@ -253,11 +282,7 @@ static void judge(run *r, double memory, pl_run_result *result)
     if (!isfinite(memory)) {
         *peak = (pl_metric){.state = PL_METRIC_FAILED, .reason = "/proc/self does not report it"};
     }
-    const double instructions = r->session.cost[PL_CALLS_STEP].instructions;
-    if (isfinite(instructions) && result->steps_done > 0) {
-        result->metrics.item[PL_METRIC_INSTRUCTIONS_PER_STEP] = (pl_metric){
-            .state = PL_METRIC_VALUE, .value = instructions / (double)result->steps_done};
-    }
+    set_costs(r->session.cost, result);
 }
 
 pl_status pl_run_once(const pl_run_def *def,

@@ -229,7 +229,7 @@ void pl_session_read_settings(pl_session *session, pl_engine_settings *settings)
     if (session->loaded.table.read_settings != NULL) {
         before_call(session, PL_STAGE_SETTINGS);
         session->loaded.table.read_settings(session->instance, settings);
-        after_call(session, PL_CALLS_CREATE);
+        after_call(session, PL_CALLS_OTHER);
     }
 }
 
@@ -239,7 +239,7 @@ pl_pair_coefficients pl_session_read_pair(pl_session *session, int body_a, int b
     if (session->loaded.table.read_pair != NULL) {
         before_call(session, PL_STAGE_SETTINGS);
         session->loaded.table.read_pair(session->instance, body_a, body_b, &found);
-        after_call(session, PL_CALLS_CREATE);
+        after_call(session, PL_CALLS_OTHER);
     }
     return found;
 }
@@ -249,7 +249,7 @@ void pl_session_destroy(pl_session *session)
     if (session->instance != NULL) {
         before_call(session, PL_STAGE_DESTROY);
         session->loaded.table.destroy(session->instance);
-        after_call(session, PL_CALLS_CREATE);
+        after_call(session, PL_CALLS_OTHER);
     }
     session->instance = NULL;
     free(session->pairs);

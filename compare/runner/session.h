@@ -26,8 +26,13 @@ typedef enum pl_stage {
 } pl_stage;
 
 /* The groups of calls that are timed apart. */
-typedef enum pl_call_group { PL_CALLS_CREATE, PL_CALLS_STEP, PL_CALLS_READ } pl_call_group;
-enum { PL_CALL_GROUP_COUNT = 3 };
+typedef enum pl_call_group {
+    PL_CALLS_CREATE, /* create alone */
+    PL_CALLS_STEP,
+    PL_CALLS_READ, /* read_frame, read_contacts */
+    PL_CALLS_OTHER /* read_settings, read_pair, destroy */
+} pl_call_group;
+enum { PL_CALL_GROUP_COUNT = 4 };
 
 /* The first call of an engine that left floating-point modes changed. */
 typedef struct pl_mode_change {

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 typedef enum fault {
@@ -25,7 +26,9 @@ typedef enum fault {
     FAULT_REFUSE,
     FAULT_ORPHAN,
     FAULT_CREATE,
-    FAULT_DESTROY
+    FAULT_DESTROY,
+    FAULT_WORK_IN_CREATE,
+    FAULT_WORK_IN_READ
 } fault;
 
 static const pl_engine_profile profiles[] = {
@@ -45,6 +48,8 @@ static const pl_engine_profile profiles[] = {
     [FAULT_ORPHAN] = {"orphan", "leaves a process behind that holds its output open", false},
     [FAULT_CREATE] = {"create", "aborts in create", false},
     [FAULT_DESTROY] = {"destroy", "aborts in destroy", false},
+    [FAULT_WORK_IN_CREATE] = {"work_in_create", "takes 50 ms of CPU time in create", false},
+    [FAULT_WORK_IN_READ] = {"work_in_read", "takes 2 ms of CPU time to hand out a frame", false},
 };
 
 struct pl_engine_instance {
@@ -54,6 +59,12 @@ struct pl_engine_instance {
     long steps;
     pl_body_state states[];
 };
+
+static void work(double seconds)
+{
+    const clock_t end = clock() + (clock_t)(seconds * CLOCKS_PER_SEC);
+    while (clock() < end) {}
+}
 
 static pl_status create(const pl_engine_setup *setup, pl_engine_instance **instance,
                         pl_error *error)
@@ -68,6 +79,7 @@ static pl_status create(const pl_engine_setup *setup, pl_engine_instance **insta
     made->setup = setup;
     made->scene = scene;
     made->fault = (fault)setup->profile;
+    work(made->fault == FAULT_WORK_IN_CREATE ? 0.05 : 0);
     for (size_t i = 0; i < count; ++i) {
         const pl_body *body = &scene->bodies[i];
         pl_body_state *state = &made->states[i];
@@ -172,6 +184,7 @@ static pl_status step(pl_engine_instance *instance, double dt, pl_step_stats *st
 
 static void read_frame(const pl_engine_instance *instance, pl_frame *frame)
 {
+    work(instance->fault == FAULT_WORK_IN_READ ? 0.002 : 0);
     memcpy(frame->bodies, instance->states,
            (size_t)instance->scene->body_count * sizeof frame->bodies[0]);
 }

@@ -8,7 +8,7 @@ enum { REPEATS = 7 };
 
 /* Times of both engines in the same repeats. `factor`: our time, relative to half of the
  * reference's. `noise`: relative, of each time by itself. */
-static json_t *timed(check_random *random, double factor, double noise)
+static json_t *timed_metric(check_random *random, const char *metric, double factor, double noise)
 {
     json_t *results = json_array();
     for (int i = 0; i < REPEATS; ++i) {
@@ -17,11 +17,18 @@ static json_t *timed(check_random *random, double factor, double noise)
             json_t *row = add_run(results, "scene", engine == 0 ? "mine:p" : "bullet:si", "ok");
             double disturbed = machine * (1 + check_uniform(random, -noise, noise));
             json_object_set_new(row, "repeat", json_integer(i));
-            set_metric(row, "time_per_step",
-                       metric_value(1e-5 * disturbed * (engine == 0 ? 0.5 * factor : 1)));
+            set_metric(row, metric,
+                       json_pack("{s:f, s:b}", "value",
+                                 1e-5 * disturbed * (engine == 0 ? 0.5 * factor : 1),
+                                 "deterministic", 0));
         }
     }
     return results;
+}
+
+static json_t *timed(check_random *random, double factor, double noise)
+{
+    return timed_metric(random, "time_per_step", factor, noise);
 }
 
 /* A trial whose step takes `factor` times as long as before. The new results are drawn first. */
@@ -102,6 +109,27 @@ static void test_instructions_have_a_tighter_limit(void **state)
     }
 }
 
+/* Times of create and read, and wall times: as ratios, and only where a rule asks. */
+static void test_other_times_are_compared_by_rules_alone(void **state)
+{
+    const workspace *w = *state;
+    static const char *const names[] = {"wall_time_per_step", "time_create", "wall_time_create",
+                                        "time_read", "wall_time_read"};
+    check_random random = {24};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+        for (int asked = 0; asked < 2; ++asked) {
+            json_t *after = timed_metric(&random, names[i], 1.5, 0.01);
+            trial t = begin_trial(timed_metric(&random, names[i], 1, 0.01), after);
+            char rule[80];
+            snprintf(rule, sizeof rule, "scene/mine: %s>+25%%", names[i]);
+            if (asked == 1) {
+                add_rule(&t, rule);
+            }
+            expect(w, t, asked, 0, asked == 1 ? names[i] : "", asked == 1 ? "costlier: +" : "");
+        }
+    }
+}
+
 /* Bounds of the median by the sign test: 5 to 8 repeats reach from the least to the largest, 9
  * leave out one at each end, 20 five: 2 P(B < 2) = 20/512, 2 P(B < 6) = 0.0414 below 1/16. */
 static void test_bounds_of_the_median(void **state)
@@ -137,6 +165,7 @@ int main(void)
         cmocka_unit_test(test_a_slower_step_fails_where_noise_allows),
         cmocka_unit_test(test_few_repeats_say_nothing_of_times),
         cmocka_unit_test(test_instructions_have_a_tighter_limit),
+        cmocka_unit_test(test_other_times_are_compared_by_rules_alone),
         cmocka_unit_test(test_bounds_of_the_median),
     };
     return cmocka_run_group_tests_name("gate times", tests, setup_workspace, teardown_workspace);

@@ -15,8 +15,9 @@ static void test_every_metric_has_name_unit_and_definition(void **state)
         assert_non_null(info->name);
         assert_true(strlen(info->unit) > 0 && strlen(info->definition) > 0);
         assert_int_equal(pl_metric_by_name(info->name), i);
-        bool is_cost = i == PL_METRIC_TIME_PER_STEP || i == PL_METRIC_INSTRUCTIONS_PER_STEP ||
-                       i == PL_METRIC_MEMORY_PEAK;
+        bool is_cost = strstr(info->name, "time_") == info->name ||
+                       strstr(info->name, "wall_time_") == info->name ||
+                       i == PL_METRIC_INSTRUCTIONS_PER_STEP || i == PL_METRIC_MEMORY_PEAK;
         assert_int_equal(info->deterministic, !is_cost);
     }
     assert_int_equal(pl_metric_by_name("penetration"), -1);
@@ -46,6 +47,39 @@ static void test_body_at_rest_at_its_reference_is_exact(void **state)
     assert_int_equal(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->state, PL_METRIC_FAILED);
     assert_contains(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->reason, "no contacts");
     run_end(&r);
+}
+
+static void test_points_without_impulses_are_the_reason(void **state)
+{
+    (void)state;
+    static const pl_metric_id of_force[] = {PL_METRIC_FORCE_BALANCE,      PL_METRIC_CONE_VIOLATION,
+                                            PL_METRIC_FRICTION_EFFECTIVE, PL_METRIC_SIGNORINI,
+                                            PL_METRIC_NATURAL_MAP,        PL_METRIC_MOMENTUM_ERROR};
+    for (int points = 0; points < 2; ++points) {
+        run r;
+        run_prepare_box_on_floor(&r, 1);
+        run_begin(&r);
+        for (int k = 0; k < 64; ++k) {
+            pl_frame frame = run_frame(&r);
+            const pl_step_observation seen = {.frame = &frame,
+                                              .stats = &r.stats,
+                                              .contact_count = -1,
+                                              .has_points_alone = points == 1};
+            assert_int_equal(pl_referee_step(r.referee, &seen, NULL), PL_VERDICT_OK);
+        }
+        assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+        for (size_t i = 0; i < sizeof of_force / sizeof of_force[0]; ++i) {
+            const pl_metric *metric = run_metric(&r, of_force[i]);
+            if (points == 1) {
+                assert_int_equal(metric->state, PL_METRIC_FAILED);
+                assert_string_equal(metric->reason,
+                                    "the engine reports contact points without impulses");
+            } else {
+                assert_null(strstr(metric->reason, "without impulses"));
+            }
+        }
+        run_end(&r);
+    }
 }
 
 static void test_first_nonfinite_number_ends_the_run(void **state)
@@ -241,6 +275,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_metric_has_name_unit_and_definition),
         cmocka_unit_test(test_body_at_rest_at_its_reference_is_exact),
+        cmocka_unit_test(test_points_without_impulses_are_the_reason),
         cmocka_unit_test(test_first_nonfinite_number_ends_the_run),
         cmocka_unit_test(test_null_quaternion_is_no_rotation),
         cmocka_unit_test(test_run_that_starts_with_nan_has_no_metrics),

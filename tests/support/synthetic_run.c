@@ -65,8 +65,9 @@ void run_begin(run *r)
 pl_verdict run_step_with(run *r, const pl_contact *contacts, int count)
 {
     pl_frame frame = run_frame(r);
-    return pl_referee_step(
-        r->referee, &(pl_step_observation){&frame, &r->stats, contacts, count, 1e-3}, &r->error);
+    return pl_referee_step(r->referee,
+                           &(pl_step_observation){&frame, &r->stats, contacts, count, 1e-3, false},
+                           &r->error);
 }
 
 pl_verdict run_step(run *r)

@@ -7,7 +7,8 @@
  *     energy    E + (h/2) m g.v grows by h F.(u + u')/2, u = v + w x r of the force's point
  *     momentum  p' - p = h (m g + F) + contact impulses
  *     angular   about the origin: x' x m v' = x x m v', so gravity, forces and contact impulses all
- *               count with their arms at the start: L' - L = h (x x m g + (x + r) x F) + q x J
+ *               count with their arms at the start: L' - L = h (x x m g + (x + r) x F) + q x J + K,
+ *               where J and K are the impulse and the torque impulse of a contact at q
  *   a second-order integrator, x' = x + h (v + v')/2
  *     energy    E grows by h F.(u + u')/2
  *     angular   x' x m v' - x x m v = (x + x')/2 x m (v' - v): the arms move by (x' - x)/2 too
@@ -323,15 +324,20 @@ static void add_force(pl_mechanics *m, const pl_force *force, const pl_step *ste
     }
 }
 
-/* Impulses between dynamic bodies cancel; those of static bodies are external. */
+/* Impulses and torques between dynamic bodies cancel; those of static bodies are external. */
 static void add_contact(pl_mechanics *m, const pl_contact *contact, const pl_step *step)
 {
     bool a_static = m->scene->bodies[contact->body_a].is_static;
     bool b_static = m->scene->bodies[contact->body_b].is_static;
-    if (a_static != b_static) {
-        add_body_impulse(m, a_static ? contact->body_b : contact->body_a, step,
-                         pl_vec_of(contact->point),
-                         pl_vec_scale(pl_vec_of(contact->impulse), a_static ? 1 : -1));
+    if (a_static == b_static) {
+        return;
+    }
+    const double sign = a_static ? 1 : -1;
+    add_body_impulse(m, a_static ? contact->body_b : contact->body_a, step,
+                     pl_vec_of(contact->point), pl_vec_scale(pl_vec_of(contact->impulse), sign));
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+        pl_vec *angular = &m->given.angular[k];
+        *angular = pl_vec_mad(*angular, sign, pl_vec_of(contact->torque));
     }
 }
 

@@ -138,6 +138,19 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
                                  "mean over steps of the contact points that the engine reports"},
     [PL_METRIC_TIME_PER_STEP] = {"time_per_step", "s", PL_LOWER_IS_BETTER, false,
                                  "mean over steps of the CPU time of the engine's step alone"},
+    [PL_METRIC_WALL_TIME_PER_STEP] =
+        {"wall_time_per_step", "s", PL_LOWER_IS_BETTER, false,
+         "mean over steps of the elapsed time of the engine's step alone: above time_per_step the "
+         "engine waited, below it several threads worked"},
+    [PL_METRIC_TIME_CREATE] = {"time_create", "s", PL_LOWER_IS_BETTER, false,
+                               "CPU time in which the engine built the scene"},
+    [PL_METRIC_WALL_TIME_CREATE] = {"wall_time_create", "s", PL_LOWER_IS_BETTER, false,
+                                    "elapsed time in which the engine built the scene"},
+    [PL_METRIC_TIME_READ] = {"time_read", "s", PL_LOWER_IS_BETTER, false,
+                             "mean over steps of the CPU time in which the engine handed out the "
+                             "frame and the contacts"},
+    [PL_METRIC_WALL_TIME_READ] = {"wall_time_read", "s", PL_LOWER_IS_BETTER, false,
+                                  "mean over steps of the elapsed time of the same"},
     [PL_METRIC_INSTRUCTIONS_PER_STEP] =
         {"instructions_per_step", "1", PL_LOWER_IS_BETTER, false,
          "mean over steps of the user-space instructions of the engine's step alone, of all "
