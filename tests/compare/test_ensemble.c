@@ -345,8 +345,15 @@ static json_t *found_by_run(const json_t *results)
         json_t *metrics = json_object_get(found, "metrics");
         json_object_del(found, "started");
         json_object_del(found, "command");
-        json_object_del(metrics, "time_per_step");
-        json_object_del(metrics, "memory_peak");
+        const char *name;
+        json_t *metric;
+        void *next;
+        json_object_foreach_safe(metrics, next, name, metric)
+        {
+            if (json_is_false(json_object_get(metric, "deterministic"))) {
+                json_object_del(metrics, name);
+            }
+        }
         const char *run = result_text(row, "run");
         assert_null(json_object_get(by_run, run)); /* no run twice */
         json_object_set_new(by_run, run, found);
