@@ -73,6 +73,19 @@ bool pl_probe_expect_vector(pl_probe *probe, const char *what, const double foun
     return pl_probe_require(probe, equal, asked, got, cause);
 }
 
+bool pl_probe_expect_bodies(pl_probe *probe, const pl_contact *contact)
+{
+    char found[PL_CHECK_TEXT_SIZE];
+    const int count = probe->scene.body_count, a = contact->body_a, b = contact->body_b;
+    snprintf(found, sizeof found, "a contact of bodies %d and %d", a, b);
+    pl_probe_require(probe, a >= 0 && a < count && b >= 0 && b < count,
+                     "the bodies of a contact are indices of the scene", found,
+                     "body_a or body_b is not set, is the engine's own number, or is -1 for what "
+                     "does not move");
+    return pl_probe_require(probe, a != b, "a contact is of two bodies", found,
+                            "both are read from the same side of the engine's contact");
+}
+
 /* ---- Scenes ---- */
 
 /* Fails when the harness itself cannot go on. */

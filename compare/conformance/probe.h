@@ -113,6 +113,9 @@ bool pl_probe_require(pl_probe *probe, bool condition, const char *expected, con
 /* Fails with these texts. */
 void pl_probe_fail(pl_probe *probe, const char *expected, const char *found, const char *cause);
 
+/* Expects that the bodies of a contact are two of the scene. */
+bool pl_probe_expect_bodies(pl_probe *probe, const pl_contact *contact);
+
 /* Ends the check as skipped, unless it has failed. */
 void pl_probe_skip(pl_probe *probe, const char *why);
 
