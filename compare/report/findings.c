@@ -1,5 +1,6 @@
 #include "findings.h"
 
+#include "adapter_trust.h"
 #include "number_format.h"
 #include "results/result.h"
 
@@ -49,35 +50,26 @@ static void write_statement(const pl_result_matrix *matrix, pl_engine_findings *
     pl_text_add(out, ".");
 }
 
-static bool has_engine(const pl_result_matrix *matrix, const char *engine)
-{
-    for (int i = 0; i < matrix->column_count; ++i) {
-        if (strcmp(matrix->columns[i].engine, engine) == 0) {
-            return true;
-        }
-    }
-    return false;
-}
-
+/* Of the engines that have a finding: reports accuse no others. */
 static void write_adapters(const pl_result_matrix *matrix, pl_engine_findings *findings)
 {
     pl_text_buffer *out = &findings->adapters;
-    pl_text_add(out, "It is not the adapter: before its first step every run reads masses, "
-                     "principal inertias and gravity back from the engine, and the step, "
-                     "friction and restitution as the engine receives them. A run is refused "
-                     "where one of them differs from the scene's by more than 1e-12 of it");
-    if (has_engine(matrix, "ode")) {
-        pl_text_add(out, "; ODE stores no friction and restitution, it receives them with each "
-                         "contact");
+    bool *listed = calloc((size_t)matrix->column_count + 1, sizeof *listed);
+    if (listed == NULL) {
+        out->failed = true;
+        return;
     }
-    if (has_engine(matrix, "bullet")) {
-        pl_text_add(out, "; Bullet asks for friction and restitution by callbacks, whose values "
-                         "are the ones that are read");
+    for (int i = 0; i < findings->count; ++i) {
+        listed[findings->items[i].column - matrix->columns] = true;
     }
-    pl_text_format(out,
-                   ". Causes were found by experiment with %s; each is shown only for the version, "
-                   "profile and parameters of its experiment.",
-                   findings->causes.found_with);
+    if (findings->count > 0) {
+        pl_adapter_statement(matrix, listed, out);
+        pl_text_format(out,
+                       " Causes were found by experiment with %s; each is shown only for the "
+                       "version, profile and parameters of its experiment.",
+                       findings->causes.found_with);
+    }
+    free(listed);
 }
 
 pl_status pl_engine_findings_find(const pl_result_matrix *matrix, pl_engine_findings *findings,

@@ -20,7 +20,7 @@ typedef struct pl_engine_findings {
     int count;
     int runs;                 /* of other engines, on cases that have a primary error */
     pl_text_buffer statement; /* in words: how many of how many, and how many causes are known */
-    pl_text_buffer adapters;  /* in words: why the adapters are not the cause */
+    pl_text_buffer adapters;  /* in words: what was verified of the adapters; empty without items */
     pl_known_causes causes;
 } pl_engine_findings;
 

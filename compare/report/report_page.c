@@ -1,5 +1,6 @@
 #include "report_page.h"
 
+#include "adapter_trust.h"
 #include "case_page.h"
 #include "number_format.h"
 #include "page.h"
@@ -9,7 +10,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { SHOWN_LOSSES = 20 };
+enum { SHOWN_LOSSES = 20, SHOWN_TIMES = 12 };
 
 pl_status pl_report_build(const json_t *results, pl_report *report, pl_error *error)
 {
@@ -124,8 +125,13 @@ static void add_html_head(const pl_result_matrix *matrix, pl_text_buffer *out)
     }
     pl_text_add(out, "<dt>Engines</dt><dd>");
     for (int i = 0; i < matrix->column_count; ++i) {
-        pl_text_add_element(out, i == 0 ? "" : ", ", matrix->columns[i].label, " ");
-        pl_text_add_html(out, matrix->columns[i].version);
+        pl_text_buffer known = {0};
+        pl_conformance_text(matrix, i, &known);
+        pl_text_add_element(out, i == 0 ? "" : "<br>", matrix->columns[i].label, " ");
+        pl_text_add_element(out, "", matrix->columns[i].version, ": ");
+        pl_text_add_html(out, known.data == NULL ? "" : known.data);
+        out->failed |= known.failed;
+        pl_text_free(&known);
     }
     pl_text_add(out, "</dd>\n</dl>\n");
 }
@@ -330,7 +336,9 @@ static void add_findings(const pl_engine_findings *findings, const pl_page *page
     }
     pl_page_heading(page, "findings", "Findings");
     pl_page_paragraph(page, "verdict", findings->statement.data);
-    pl_page_paragraph(page, "", findings->adapters.data);
+    if (findings->adapters.length > 0) {
+        pl_page_paragraph(page, "", findings->adapters.data);
+    }
     pl_page_table(page, table, 0);
 }
 
@@ -376,6 +384,46 @@ static void add_time_stepping(const pl_result_matrix *matrix, const pl_page *pag
             "constant force. Where none was detected, the answer is the same by either.");
     }
     pl_page_table(page, table, 0);
+}
+
+/* ---- Times ---- */
+
+static bool has_times(const pl_case *test_case, const pl_cell *cell)
+{
+    (void)test_case;
+    return cell->metrics[PL_METRIC_TIME_CREATE].state == PL_METRIC_VALUE;
+}
+
+/* Adds CPU and wall time of create, step and read. */
+static void add_times(const pl_result_matrix *matrix, const pl_page *page)
+{
+    static const pl_metric_id shown[] = {PL_METRIC_TIME_CREATE,   PL_METRIC_WALL_TIME_CREATE,
+                                         PL_METRIC_TIME_PER_STEP, PL_METRIC_WALL_TIME_PER_STEP,
+                                         PL_METRIC_TIME_READ,     PL_METRIC_WALL_TIME_READ};
+    pl_table table = {0};
+    pl_table_columns(&table, "Case|Engine|>Create, CPU|>wall|>Step, CPU|>wall|>Read, CPU|>wall");
+    for (int i = 0, k = 0; pl_result_matrix_next(matrix, has_times, &i, &k); ++k) {
+        const pl_cell *cell = &matrix->cases[i].cells[k];
+        pl_table_add(&table, matrix->cases[i].name);
+        pl_table_add(&table, matrix->columns[k].name);
+        for (size_t m = 0; m < sizeof shown / sizeof shown[0]; ++m) {
+            char text[PL_METRIC_TEXT_SIZE], note[PL_METRIC_NOTE_SIZE];
+            pl_metric_text(&cell->metrics[shown[m]], text);
+            pl_metric_note(&cell->metrics[shown[m]], note);
+            pl_table_add(&table, text);
+            pl_table_style(&table, NULL, note);
+        }
+    }
+    if (pl_table_rows(&table) > 0) {
+        pl_page_heading(page, "times", "Times of create, step and read");
+        pl_page_paragraph(page, "",
+                          "Create is the call that builds the scene, read are the calls that hand "
+                          "out the frame and the contacts after each step. A wall time above the "
+                          "CPU time shows that the engine waited, or that the machine was busy; a "
+                          "CPU time above the wall time, that several threads worked. Work that "
+                          "an engine does in create or read is not in the time of its step.");
+    }
+    pl_page_table(page, table, SHOWN_TIMES);
 }
 
 /* ---- Published numbers ---- */
@@ -450,20 +498,26 @@ static void add_published(const pl_result_matrix *matrix, const pl_page *page)
 static void add_settings(const pl_result_matrix *matrix, const pl_page *page)
 {
     pl_table table = {0};
-    pl_table_columns(&table, "Engine|Version|Settings");
+    pl_table_columns(&table, "Engine|Version|Conformance|Settings");
     for (int i = 0; i < matrix->column_count; ++i) {
-        pl_text_buffer settings = {0};
+        pl_text_buffer settings = {0}, known = {0};
         pl_result_matrix_settings(matrix, i, &settings);
+        pl_conformance_text(matrix, i, &known);
         pl_table_add(&table, matrix->columns[i].name);
         pl_table_add(&table, matrix->columns[i].version);
+        pl_table_add(&table, known.data == NULL ? "" : known.data);
+        pl_table_style(&table, "why", NULL);
         pl_table_add(&table, settings.data == NULL ? "" : settings.data);
         pl_table_style(&table, "why", NULL);
-        page->out->failed |= settings.failed;
+        page->out->failed |= settings.failed || known.failed;
         pl_text_free(&settings);
+        pl_text_free(&known);
     }
     pl_page_heading(page, "settings", "Engine settings");
     pl_page_paragraph(page, "",
-                      "As recorded with the first run of each engine. A label names the profile "
+                      "As recorded with the first run of each engine. Conformance is what plumb "
+                      "check-engine found of the engine and its adapter, with the profile's "
+                      "default options. A label names the profile "
                       "and, after it, every option that was set off that profile's default; time "
                       "step and duration belong to the case.");
     pl_page_table(page, table, 0);
@@ -536,6 +590,7 @@ void pl_report_page(const pl_report *report, bool html, pl_text_buffer *out)
         add_findings(&report->findings, &page);
         add_time_stepping(matrix, &page);
         if (html) {
+            add_times(matrix, &page);
             add_settings(matrix, &page);
             pl_page_heading(&page, "cases", "Case by case");
             for (int i = 0; i < matrix->case_count; ++i) {

@@ -1,4 +1,5 @@
 /* The report for a terminal: it fits the width by shortening names and reasons, never numbers. */
+#include "adapter_trust.h"
 #include "base/table.h"
 #include "number_format.h"
 #include "report.h"
@@ -67,6 +68,24 @@ static void add_losses(const pl_losses *losses, const terminal *to)
     }
 }
 
+/* Adds what is known of the engines' adapters. */
+static void add_engines(const pl_result_matrix *matrix, const terminal *to)
+{
+    if (matrix->column_count == 0) {
+        return;
+    }
+    pl_text_add(to->out, "\n");
+    add_line(to, bold, "Engines");
+    for (int i = 0; i < matrix->column_count; ++i) {
+        pl_text_buffer line = {0};
+        pl_text_format(&line, "%s %s: ", matrix->columns[i].name, matrix->columns[i].version);
+        pl_conformance_text(matrix, i, &line);
+        add_wrapped(to, line.data == NULL ? "" : line.data, 4);
+        to->out->failed |= line.failed;
+        pl_text_free(&line);
+    }
+}
+
 /* The evidence of the causes is on the pages only. */
 static void add_findings(const pl_engine_findings *findings, const terminal *to)
 {
@@ -76,7 +95,9 @@ static void add_findings(const pl_engine_findings *findings, const terminal *to)
     pl_text_add(to->out, "\n");
     add_line(to, bold, "Findings");
     add_wrapped(to, findings->statement.data, 0);
-    add_wrapped(to, findings->adapters.data, 0);
+    if (findings->adapters.length > 0) {
+        add_wrapped(to, findings->adapters.data, 0);
+    }
     for (int i = 0; i < findings->count; ++i) {
         const pl_engine_finding *finding = &findings->items[i];
         char error[PL_FINDING_TEXT_SIZE], line[1600];
@@ -160,6 +181,7 @@ void pl_report_print_table(FILE *out, const json_t *results, bool colour, int wi
     if (pl_report_build(results, &report, &error) == PL_OK) {
         add_losses(&report.losses, &to);
         add_cases(&report.matrix, &to);
+        add_engines(&report.matrix, &to);
         add_findings(&report.findings, &to);
     } else {
         pl_text_format(&text, "no table: %s\n", error.message);

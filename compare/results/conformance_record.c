@@ -161,13 +161,3 @@ pl_conformance pl_conformance_find(const pl_engine_info *engine, const char *pro
     json_decref(record);
     return found;
 }
-
-json_t *pl_conformance_to_json(const pl_conformance *conformance)
-{
-    if (!conformance->is_known) {
-        return json_null();
-    }
-    return json_pack("{s:s, s:i, s:i, s:s}", "outcome", conformance->passed ? "passed" : "failed",
-                     "checks", conformance->checks, "failed", conformance->failed, "plumb",
-                     conformance->plumb);
-}

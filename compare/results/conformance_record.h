@@ -34,7 +34,4 @@ json_t *pl_conformance_record_read(const pl_engine_info *engine, const char *pro
 /* The same as a struct. */
 pl_conformance pl_conformance_find(const pl_engine_info *engine, const char *profile);
 
-/* As in results: {"outcome", "checks", "failed", "plumb"}, or null where nothing is known. */
-json_t *pl_conformance_to_json(const pl_conformance *conformance);
-
 #endif

@@ -119,6 +119,30 @@ static json_t *settings_json(const pl_run_view *run)
     return settings;
 }
 
+/* The SPEC of the engine and its profile: what plumb check-engine takes. */
+static json_t *spec_json(const pl_run_view *run)
+{
+    char *spec = NULL;
+    const pl_engine_info *engine = run->engine;
+    if (asprintf(&spec, "%s:%s", engine->path != NULL ? engine->path : engine->name,
+                 engine->profiles[run->profile].name) < 0) {
+        return NULL;
+    }
+    json_t *text = pl_json_text(spec, strlen(spec));
+    free(spec);
+    return text;
+}
+
+json_t *pl_conformance_to_json(const pl_conformance *conformance)
+{
+    if (!conformance->is_known) {
+        return json_null();
+    }
+    return json_pack("{s:s, s:i, s:i, s:s}", "outcome", conformance->passed ? "passed" : "failed",
+                     "checks", conformance->checks, "failed", conformance->failed, "plumb",
+                     conformance->plumb);
+}
+
 json_t *pl_run_identity(const pl_run_view *run)
 {
     json_t *identity = json_pack(
@@ -151,6 +175,9 @@ json_t *pl_run_identity(const pl_run_view *run)
     int failed = json_object_set_new(identity, "run", json_string(hash));
     failed |= json_object_set_new(identity, "label", pl_json_text(run->label, strlen(run->label)));
     failed |= json_object_set_new(identity, "primary_error", json_string(run->primary_error));
+    failed |= json_object_set_new(identity, "engine_spec", spec_json(run));
+    failed |=
+        json_object_set_new(identity, "conformance", pl_conformance_to_json(&run->conformance));
     if (failed != 0) {
         json_decref(identity);
         return NULL;

@@ -8,6 +8,7 @@
 
 #include "base/json_field.h"
 #include "base/text_buffer.h"
+#include "conformance_record.h"
 #include "engines/engine_info.h"
 #include "plumb/engine_abi.h"
 #include "plumb/scenario.h"
@@ -31,7 +32,8 @@ enum { PL_OUTCOME_COUNT = 7 };
 /* "ok", "collapsed" ... as in the schema. */
 const char *pl_outcome_name(pl_outcome outcome);
 
-/* What identifies a run. Everything is borrowed for the length of a call. */
+/* What identifies a run, and what is known of its engine. Everything is borrowed for the length of
+ * a call. */
 typedef struct pl_run_view {
     const char *scenario;          /* catalogue name, or the path of a scene file as given */
     const pl_scenario *descriptor; /* NULL for a scene file */
@@ -46,11 +48,16 @@ typedef struct pl_run_view {
     bool label_is_given; /* label=: it then identifies the run */
     uint64_t seed;       /* below 2^53, so that every JSON reader keeps it whole */
     int repeat;
-    bool is_member; /* of an ensemble */
-    int member;     /* from 0 */
+    bool is_member;             /* of an ensemble */
+    int member;                 /* from 0 */
+    pl_conformance conformance; /* of the engine with the profile; no part of the identity */
 } pl_run_view;
 
-/* The keys from `scenario` to `repeat`, and `run`: the hash of those that identify the run. */
+/* As in results: {"outcome", "checks", "failed", "plumb"}, or null where nothing is known. */
+json_t *pl_conformance_to_json(const pl_conformance *conformance);
+
+/* The keys from `scenario` to `repeat`, `engine_spec` and `conformance`, and `run`: the hash of those
+ * that identify the run. */
 json_t *pl_run_identity(const pl_run_view *run);
 
 /* What engines can read back. */

@@ -207,7 +207,10 @@ pl_status pl_plan_add_engine(pl_plan *plan, const char *spec, pl_error *error)
 pl_status pl_plan_add_choice(pl_plan *plan, const pl_engine_choice *choice, const char *label,
                              int *index, pl_error *error)
 {
-    pl_configuration added = {.choice = *choice};
+    const pl_engine_info *engine = choice->engine;
+    pl_configuration added = {
+        .choice = *choice,
+        .conformance = pl_conformance_find(engine, engine->profiles[choice->profile].name)};
     snprintf(added.label, sizeof added.label, "%s", label);
     if (index != NULL) {
         *index = plan->configuration_count;
@@ -281,6 +284,7 @@ json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run)
                         .seed = plan->seed,
                         .is_member = test_case->variation.is_member,
                         .member = test_case->variation.member,
+                        .conformance = run->configuration->conformance,
                         .repeat = run->repeat};
     return pl_run_identity(&view);
 }

@@ -30,6 +30,7 @@ typedef struct pl_case {
 typedef struct pl_configuration {
     pl_engine_choice choice;
     char label[PL_LABEL_SIZE];
+    pl_conformance conformance; /* as recorded when the configuration was added */
 } pl_configuration;
 
 /* One run of a plan that is not all cases on all engines. */

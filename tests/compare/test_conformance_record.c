@@ -2,6 +2,7 @@
  * and one profile, and anything that is no whole record counts as none. */
 #include "check.h"
 #include "results/conformance_record.h"
+#include "results/result.h"
 
 #include <stdio.h>
 #include <stdlib.h>

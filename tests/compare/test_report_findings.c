@@ -331,24 +331,7 @@ static void test_malformed_causes_are_named_with_their_place(void **state)
     }
 }
 
-/* ---- Adapters, escapes and order ---- */
-
-/* Only what is true of the engines that were run. */
-static void test_adapter_statement_covers_the_engines_that_were_run(void **state)
-{
-    (void)state;
-    json_t *results = json_array();
-    add_error(results, "a", "bullet:si", "ok", "value_error", 0.5);
-    made_report made = make_report(results);
-    static const char *const facts[] = {"masses", "inertias", "gravity", "1e-12", "callbacks"};
-    for (size_t i = 0; i < sizeof facts / sizeof facts[0]; ++i) {
-        assert_contains(made.report.findings.adapters.data, facts[i]);
-    }
-    assert_absent(made.report.findings.adapters.data, "ODE keeps no friction");
-    assert_contains(made.html.data, "It is not the adapter");
-    assert_contains(made.markdown.data, "It is not the adapter");
-    free_report(&made);
-}
+/* ---- Escapes and order ---- */
 
 static void test_texts_of_results_are_escaped(void **state)
 {
@@ -452,7 +435,6 @@ int main(void)
         cmocka_unit_test(test_pages_show_a_cause_only_where_it_applies),
         cmocka_unit_test(test_every_known_cause_can_be_reached),
         cmocka_unit_test(test_malformed_causes_are_named_with_their_place),
-        cmocka_unit_test(test_adapter_statement_covers_the_engines_that_were_run),
         cmocka_unit_test(test_texts_of_results_are_escaped),
         cmocka_unit_test(test_stepping_and_contact_errors_are_listed_separately),
         cmocka_unit_test(test_without_both_errors_there_is_no_such_section),

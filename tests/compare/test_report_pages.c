@@ -59,9 +59,12 @@ static void test_settings_of_every_engine_are_listed(void **state)
     (void)state;
     made_report made = make_report(two_runs("creep", 1, 1));
     assert_contains(made.html.data, "<th>ode:quick</th><td>1.0</td>"
+                                    "<td class=\"why\">not verified: run plumb check-engine "
+                                    "ode:p</td>"
                                     "<td class=\"why\">iterations = 2000000, erp = 0.2</td>");
     assert_contains(made.html.data, "dt = 0.01 s · duration = 0.1 s");
-    assert_contains(made.markdown.data, "| ode:quick | 1.0 | iterations = 2000000, erp = 0.2 |\n");
+    assert_contains(made.markdown.data, "| ode:quick | 1.0 | not verified: run plumb check-engine "
+                                        "ode:p | iterations = 2000000, erp = 0.2 |\n");
     free_report(&made);
 }
 

@@ -1,0 +1,231 @@
+#include "adapter_trust.h"
+
+#include "results/result.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- What the results of a column say ---- */
+
+typedef enum trust_state { NOT_VERIFIED, PASSED, FAILED } trust_state;
+
+/* Of a column. Texts are borrowed from its results. */
+typedef struct trust {
+    trust_state state;
+    int checks, failed;
+    const char *plumb;  /* the version that made the checks */
+    char profile[160];  /* "engine:profile" */
+    const char *spec;   /* of that, as check-engine takes it */
+    unsigned read_back; /* 1 << pl_read_back, of all runs together */
+} trust;
+
+static unsigned read_back_of(const json_t *result)
+{
+    unsigned bits = 0;
+    size_t index;
+    const json_t *item;
+    json_array_foreach(json_object_get(result, "read_back"), index, item)
+    {
+        for (int i = 0; i < PL_READ_BACK_COUNT && json_is_string(item); ++i) {
+            const bool is_it = strcmp(json_string_value(item), pl_read_back_name(i)) == 0;
+            bits |= is_it ? 1u << i : 0;
+        }
+    }
+    return bits;
+}
+
+/* Takes a result's record into account: one that failed outweighs the others, and one run without a
+ * record outweighs those that passed, because it may be of another binary. */
+static void add_record(const json_t *record, trust *t, bool is_first)
+{
+    const char *outcome = pl_json_get_text(record, "outcome");
+    const trust_state state = strcmp(outcome, "passed") == 0   ? PASSED
+                              : strcmp(outcome, "failed") == 0 ? FAILED
+                                                               : NOT_VERIFIED;
+    if (is_first || state == FAILED || (state == NOT_VERIFIED && t->state == PASSED)) {
+        t->state = state;
+        t->checks = (int)json_integer_value(json_object_get(record, "checks"));
+        t->failed = (int)json_integer_value(json_object_get(record, "failed"));
+        t->plumb = pl_json_get_text(record, "plumb");
+    }
+}
+
+static trust trust_of(const pl_result_matrix *matrix, int column)
+{
+    trust t = {.plumb = "", .spec = ""};
+    bool is_first = true;
+    for (int i = 0; i < matrix->case_count; ++i) {
+        const json_t *result = matrix->cases[i].cells[column].result;
+        if (result == NULL) {
+            continue;
+        }
+        add_record(json_object_get(result, "conformance"), &t, is_first);
+        t.read_back |= read_back_of(result);
+        if (is_first) {
+            t.spec = pl_json_get_text(result, "engine_spec");
+            snprintf(t.profile, sizeof t.profile, "%.70s:%.70s", matrix->columns[column].engine,
+                     pl_json_get_text(result, "profile"));
+        }
+        is_first = false;
+    }
+    return t;
+}
+
+/* Adds the SPEC as a shell takes it; results of an older version have none. */
+static void add_spec(const trust *t, pl_text_buffer *out)
+{
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789"
+                                "_-.,:/=+@%";
+    const char *spec = t->spec[0] != '\0' ? t->spec : t->profile;
+    const bool is_plain = spec[strspn(spec, plain)] == '\0';
+    pl_text_add(out, is_plain ? "" : "'");
+    for (const char *c = spec; *c != '\0'; ++c) {
+        pl_text_add(out, *c == '\'' ? "'\\''" : (char[]){*c, '\0'});
+    }
+    pl_text_add(out, is_plain ? "" : "'");
+}
+
+void pl_conformance_text(const pl_result_matrix *matrix, int column, pl_text_buffer *out)
+{
+    const trust t = trust_of(matrix, column);
+    const bool is_profile = strcmp(matrix->columns[column].label, t.profile) == 0;
+    if (t.state == NOT_VERIFIED) {
+        pl_text_add(out, "not verified: run plumb check-engine ");
+        add_spec(&t, out);
+        return;
+    }
+    pl_text_format(out, "conformance%s%s ", is_profile ? "" : " of ", is_profile ? "" : t.profile);
+    if (t.state == PASSED) {
+        pl_text_format(out, "passed (%d checks, plumb %.40s)", t.checks, t.plumb);
+    } else {
+        pl_text_format(out, "FAILED: %d of %d checks", t.failed, t.checks);
+    }
+}
+
+/* ---- The statement ---- */
+
+/* Adds the names of the kinds in `bits`: "a, b and c". */
+static void add_kinds(unsigned bits, pl_text_buffer *out)
+{
+    for (int i = 0, left = __builtin_popcount(bits); i < PL_READ_BACK_COUNT; ++i) {
+        if ((bits >> i & 1u) != 0) {
+            --left;
+            pl_text_format(out, "%s%s", pl_read_back_name(i),
+                           left > 1    ? ", "
+                           : left == 1 ? " and "
+                                       : "");
+        }
+    }
+}
+
+static bool reads_the_same(const trust *a, const trust *b)
+{
+    return a->read_back == b->read_back;
+}
+
+static bool is_as_verified(const trust *a, const trust *b)
+{
+    return a->state == b->state && a->checks == b->checks && a->failed == b->failed &&
+           strcmp(a->plumb, b->plumb) == 0;
+}
+
+/* The columns of a statement. */
+typedef struct trusted_columns {
+    const pl_result_matrix *matrix;
+    const bool *listed; /* (column_count) */
+    const trust *items; /* (column_count) */
+} trusted_columns;
+
+/* Adds the names of the listed columns from `first` on that are like it; "" when an earlier one is,
+ * which then was named with it. */
+static bool add_names(const trusted_columns *of, int first,
+                      bool (*is_like)(const trust *a, const trust *b), pl_text_buffer *out)
+{
+    for (int i = 0; i < first; ++i) {
+        if (of->listed[i] && is_like(&of->items[i], &of->items[first])) {
+            return false;
+        }
+    }
+    for (int i = first; i < of->matrix->column_count; ++i) {
+        if (of->listed[i] && is_like(&of->items[i], &of->items[first])) {
+            const pl_column *column = &of->matrix->columns[i];
+            pl_text_format(out, "%s%s %s", i == first ? " " : ", ", column->name, column->version);
+        }
+    }
+    pl_text_add(out, ": ");
+    return true;
+}
+
+static void add_read_back(const trusted_columns *of, int column, pl_text_buffer *out)
+{
+    const unsigned all = (1u << PL_READ_BACK_COUNT) - 1;
+    const unsigned found = of->items[column].read_back;
+    if (!add_names(of, column, reads_the_same, out)) {
+        return;
+    }
+    if (found == 0) {
+        pl_text_add(out, "nothing was read back.");
+        return;
+    }
+    add_kinds(found, out);
+    pl_text_add(out, " agreed");
+    if (found != all) {
+        pl_text_add(out, "; not read back: ");
+        add_kinds(all & ~found, out);
+    }
+    pl_text_add(out, ".");
+}
+
+static void add_verified(const trusted_columns *of, int column, pl_text_buffer *out)
+{
+    const trust *t = &of->items[column];
+    if (!add_names(of, column, is_as_verified, out)) {
+        return;
+    }
+    if (t->state == PASSED) {
+        pl_text_format(out, "conformance passed with plumb %.40s (%d checks).", t->plumb,
+                       t->checks);
+        return;
+    }
+    if (t->state == FAILED) {
+        pl_text_format(out, "conformance FAILED: %d of %d checks", t->failed, t->checks);
+    } else {
+        pl_text_add(out, "not verified");
+    }
+    pl_text_add(out, "; a deviation may be the adapter's: run plumb check-engine");
+    for (int i = column; i < of->matrix->column_count; ++i) {
+        if (of->listed[i] && is_as_verified(&of->items[i], t)) {
+            pl_text_add(out, " ");
+            add_spec(&of->items[i], out);
+        }
+    }
+    pl_text_add(out, ".");
+}
+
+void pl_adapter_statement(const pl_result_matrix *matrix, const bool *listed, pl_text_buffer *out)
+{
+    trust *items = calloc((size_t)matrix->column_count + 1, sizeof *items);
+    const trusted_columns of = {matrix, listed, items};
+    if (items == NULL) {
+        out->failed = true;
+        return;
+    }
+    for (int i = 0; i < matrix->column_count; ++i) {
+        items[i] = trust_of(matrix, i);
+    }
+    pl_text_add(out, "Before the first step of a run, what the engine reads back was compared with "
+                     "the scene.");
+    for (int i = 0; i < matrix->column_count; ++i) {
+        if (listed[i]) {
+            add_read_back(&of, i, out);
+        }
+    }
+    pl_text_add(out, " Adapters:");
+    for (int i = 0; i < matrix->column_count; ++i) {
+        if (listed[i]) {
+            add_verified(&of, i, out);
+        }
+    }
+    free(items);
+}

@@ -1,0 +1,18 @@
+/* What is known of the adapters of the engines in a report: whether conformance checks passed, and
+ * which numbers were read back and compared. Reports claim no more than that. */
+#ifndef PLUMB_ADAPTER_TRUST_H
+#define PLUMB_ADAPTER_TRUST_H
+
+#include "result_matrix.h"
+
+/* Adds what is known of a column's conformance: "conformance passed (31 checks, plumb 0.9.0)",
+ * "conformance FAILED: 2 of 31 checks", or "not verified: run plumb check-engine SPEC". Checks are
+ * made with a profile's default options: where the column's label is not that of the profile alone,
+ * the text names the profile. */
+void pl_conformance_text(const pl_result_matrix *matrix, int column, pl_text_buffer *out);
+
+/* Adds, in words, what was read back from the engines of the columns that are marked in `listed`
+ * (column_count), and whether their conformance was verified. */
+void pl_adapter_statement(const pl_result_matrix *matrix, const bool *listed, pl_text_buffer *out);
+
+#endif
