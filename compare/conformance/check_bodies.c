@@ -123,6 +123,16 @@ int pl_check_add_floor(pl_probe *probe)
     return pl_probe_add_body(probe, slab);
 }
 
+double pl_check_time(const pl_probe *probe, int body)
+{
+    const pl_vec velocity = pl_vec_of(probe->scene.bodies[body].velocity);
+    const pl_vec path =
+        pl_vec_sub(pl_vec_of(probe->now[body].position), pl_vec_of(probe->start[body].position));
+    const double asked = (double)probe->steps * probe->scene.dt;
+    const double time = pl_vec_dot(path, velocity) / pl_vec_dot(velocity, velocity);
+    return time > 0.1 * asked && time < 10 * asked ? time : asked;
+}
+
 void pl_check_rotate(const double orientation[4], const double local[3], double world[3])
 {
     const pl_axes axes = pl_axes_of(orientation);

@@ -28,6 +28,12 @@ pl_shape pl_check_table_mesh(pl_probe *probe);
  * no planes. Returns its index, or -1 after skipping the check when it claims neither. */
 int pl_check_add_floor(pl_probe *probe);
 
+/* The time, s, in which a body has moved since the start of the scene, by its path along its velocity
+ * at the start, to which all forces must be perpendicular. Checks of forces take their time from it,
+ * since the length of the step is the matter of another check. The time that was asked for where that
+ * is more than a factor 10 off. */
+double pl_check_time(const pl_probe *probe, int body);
+
 /* The world's axes of the vector `local`, given in the axes of an orientation. */
 void pl_check_rotate(const double orientation[4], const double local[3], double world[3]);
 

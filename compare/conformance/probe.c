@@ -54,7 +54,7 @@ bool pl_probe_expect(pl_probe *probe, const char *what, double found, double exp
     char asked[PL_CHECK_TEXT_SIZE], got[PL_CHECK_TEXT_SIZE], ratio[100];
     pl_describe_ratio(&found, &expected, 1, ratio, sizeof ratio);
     snprintf(asked, sizeof asked, "%s: %.10g, to %.2g", what, expected, tolerance);
-    snprintf(got, sizeof got, "%.10g%s", found, ratio);
+    snprintf(got, sizeof got, "%.10g%s", isnan(found) ? fabs(found) : found, ratio);
     return pl_probe_require(probe, fabs(found - expected) <= tolerance, asked, got, cause);
 }
 

@@ -54,12 +54,16 @@ static void expect_orientation(pl_probe *p, const char *when, const double q[4],
     } else if (pl_angle_between(conjugate, asked) < 1e-3) {
         cause = "the quaternion is conjugated: the ABI's is from the body to the world";
     }
-    double found[3];
-    for (int k = 0; k < 3; ++k) {
-        found[k] = sign < 0 ? -q[k + 1] : q[k + 1];
+    /* Its length is the matter of another check. */
+    const double length = sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
+    double found[4];
+    for (int k = 0; k < 4; ++k) {
+        found[k] = (sign < 0 ? -q[k] : q[k]) / length;
     }
     snprintf(what, sizeof what, "x, y, z of the quaternion %s", when);
-    pl_probe_expect_vector(p, what, found, asked + 1, pl_probe_tolerance(p, 1), cause);
+    pl_probe_expect_vector(p, what, found + 1, asked + 1, pl_probe_tolerance(p, 1), cause);
+    snprintf(what, sizeof what, "w of the quaternion %s", when);
+    pl_probe_expect(p, what, found[0], asked[0], pl_probe_tolerance(p, 1), cause);
 }
 
 static void check_initial_orientation(pl_probe *p)

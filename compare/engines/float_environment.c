@@ -4,11 +4,14 @@
 #include <xmmintrin.h>
 #endif
 
-/* Whether subnormal numbers are flushed to zero: FTZ and DAZ. 0 where there is no MXCSR. */
-static unsigned flush_mode(void)
+/* The modes of MXCSR: FTZ, DAZ, rounding and the masks of exceptions. fegetround and fegetexcept need
+ * not look there: code may set it apart from the x87 unit. */
+enum { CONTROL_FLUSH = 0x8040, CONTROL_ROUNDING = 0x6000, CONTROL_TRAPS = 0x1f80 };
+
+static unsigned control_now(void)
 {
 #ifdef __SSE__
-    return _mm_getcsr() & 0x8040u;
+    return _mm_getcsr() & (CONTROL_FLUSH | CONTROL_ROUNDING | CONTROL_TRAPS);
 #else
     return 0;
 #endif
@@ -17,16 +20,24 @@ static unsigned flush_mode(void)
 pl_float_environment pl_float_environment_save(void)
 {
     pl_float_environment saved = {
-        .rounding = fegetround(), .traps = fegetexcept(), .flush = flush_mode()};
+        .rounding = fegetround(), .traps = fegetexcept(), .control = control_now()};
     fegetenv(&saved.all);
     return saved;
 }
 
 unsigned pl_float_environment_restore(const pl_float_environment *saved)
 {
-    unsigned changed = fegetround() != saved->rounding ? PL_MODE_ROUNDING : 0u;
-    changed |= fegetexcept() != saved->traps ? PL_MODE_TRAPS : 0u;
-    changed |= flush_mode() != saved->flush ? PL_MODE_FLUSH : 0u;
+    const unsigned control = control_now() ^ saved->control;
+    unsigned changed = 0;
+    if (fegetround() != saved->rounding || (control & CONTROL_ROUNDING) != 0) {
+        changed |= PL_MODE_ROUNDING;
+    }
+    if (fegetexcept() != saved->traps || (control & CONTROL_TRAPS) != 0) {
+        changed |= PL_MODE_TRAPS;
+    }
+    if ((control & CONTROL_FLUSH) != 0) {
+        changed |= PL_MODE_FLUSH;
+    }
     fesetenv(&saved->all);
     return changed;
 }

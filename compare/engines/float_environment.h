@@ -14,9 +14,9 @@ enum {
 /* An environment that was saved. */
 typedef struct pl_float_environment {
     fenv_t all;
-    int rounding;   /* fegetround */
-    int traps;      /* fegetexcept */
-    unsigned flush; /* bits of MXCSR */
+    int rounding;     /* fegetround */
+    int traps;        /* fegetexcept */
+    unsigned control; /* the modes of MXCSR; 0 where there is none */
 } pl_float_environment;
 
 /* The environment now. */
