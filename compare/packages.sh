@@ -75,4 +75,5 @@ common_packages() {
     want libode-dev has_module ode
     want libbullet-dev has_module bullet
     want libbullet-extras-dev has_module bullet-float64
+    want libmujoco-dev test -e /usr/include/mujoco/mujoco.h
 }

@@ -117,6 +117,7 @@ only() {
     done < <(grep -rlE "^#include [<\"]($pattern)" engine scenarios compare || true)
 }
 only 'ode/' compare/adapters/ode
+only 'mujoco/mujoco' compare/adapters/mujoco
 only 'bt[A-Z]|Bullet' compare/adapters/bullet_c.cpp
 only 'ccd/' compare/referee/geometry/gap_convex.c
 only 'nlopt' compare/studies/tune/tune_search.c

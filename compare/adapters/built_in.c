@@ -18,6 +18,13 @@ const pl_built_in *pl_built_in_engines(int *count)
          .entry = pl_engine_bullet
 #endif
         },
+        {.name = "mujoco",
+         .package = "libmujoco-dev",
+         .libraries = "libmujoco",
+#ifdef PLUMB_HAVE_MUJOCO
+         .entry = pl_engine_mujoco
+#endif
+        },
     };
     *count = (int)(sizeof all / sizeof *all);
     return all;

@@ -13,6 +13,9 @@ const pl_engine *pl_engine_ode(void);
 /* The adapter of Bullet. It is not compiled when Bullet is absent from this build. */
 const pl_engine *pl_engine_bullet(void);
 
+/* The adapter of MuJoCo. It is not compiled when MuJoCo is absent from this build. */
+const pl_engine *pl_engine_mujoco(void);
+
 /* A built-in engine. */
 typedef struct pl_built_in {
     const char *name;

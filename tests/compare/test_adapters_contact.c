@@ -53,7 +53,7 @@ static void check_momentum(const engine_run *r, double dt)
             }
             double change = body->mass * (r->now[b].velocity[k] - r->before[b].velocity[k] -
                                           r->scene->gravity[k] * dt);
-            assert_close(change, impulse, 1e-10 * scale, 0);
+            assert_close(change, impulse, (1e-10 + force_mismatch(&r->choice)) * scale, 0);
         }
     }
 }
@@ -140,7 +140,8 @@ static void corner_drop(const pl_engine_choice *choice, int floor_index, bool sl
         assert_close(up * contact->normal[2], 1, 1e-12, 0);
         assert_true(up * contact->impulse[2] > 0);
         assert_at_most(distance(contact->point, corner), 0.02);
-        assert_close(contact->separation, corner[2], 1e-9, 0);
+        double share = depth_share(choice, PL_SHAPE_BOX, slab ? PL_SHAPE_BOX : PL_SHAPE_PLANE);
+        assert_close(contact->separation, share * corner[2], 1e-9, 0);
         double arm[3], twist[3];
         for (int k = 0; k < 3; ++k) {
             arm[k] = contact->point[k] - r.before[box_index].position[k];
@@ -323,8 +324,9 @@ static void slope_rest(const pl_engine_choice *choice, int block_index)
     }
     print_message("      normal off by %.1e, tangential %.1e of the weight\n",
                   normal / weight - cos(angle), tangent / weight - sin(angle));
-    assert_close(normal, weight * cos(angle), 1e-12 * weight, 0);
-    assert_close(tangent, weight * sin(angle), 1e-12 * weight, 0);
+    double tolerance = 1e-12 + force_mismatch(choice);
+    assert_close(normal, weight * cos(angle), tolerance * weight, 0);
+    assert_close(tangent, weight * sin(angle), tolerance * weight, 0);
     const double *rest = scene.bodies[block_index].position;
     assert_at_most(distance(r.now[block_index].position, rest), 0.02);
     engine_finish(&r);
@@ -345,7 +347,8 @@ static void test_contact_impulses_on_a_slope_balance_the_weight(void **state)
     for_each_profile(law_slope_rest);
 }
 
-/* v = v0 - mu g t, for a flat block that slides along x on a slab. The slab is a box, because
+/* m dv_x = -mu N for a flat block that slides along x on a slab, where the impulse N of the slab is
+ * m (g t + dv_z): MuJoCo's contacts lift a block that slides, so that it hops. The slab is a box, because
  * Bullet with default settings makes one point a step against a plane, and a block that hops on it
  * shows no clean friction. */
 static void law_slide(const pl_engine_choice *choice)
@@ -353,7 +356,7 @@ static void law_slide(const pl_engine_choice *choice)
     if (!solves_coulomb(choice)) {
         return;
     }
-    pl_scene scene = scene_of_pairs();
+    pl_scene scene = scene_of_pairs(choice);
     scene.bodies[0].shape = pl_shape_box(20, 20, 0.5);
     scene.bodies[0].position[2] = -0.5;
     pl_body block = box_body(2, 0.5, 0.5, 0.1);
@@ -367,11 +370,12 @@ static void law_slide(const pl_engine_choice *choice)
     for (int n = 0; n < 24; ++n) {
         engine_step(&r);
     }
-    double from = r.now[1].velocity[0];
+    double from = r.now[1].velocity[0], rise = r.now[1].velocity[2];
     for (int n = 0; n < 120; ++n) {
         engine_step(&r);
     }
-    double friction = (from - r.now[1].velocity[0]) / (g * 0.5);
+    double pressed = g * 0.5 + r.now[1].velocity[2] - rise;
+    double friction = (from - r.now[1].velocity[0]) / pressed;
     print_message("      friction %.6f, asked 0.35\n", friction);
     assert_close(friction, 0.35, 0, 0.01);
     assert_close(r.now[1].velocity[1], 0, 0.01, 0);
@@ -389,10 +393,10 @@ static void test_sliding_block_slows_by_the_pairs_friction(void **state)
  * step, and so swallow part of a bounce at small steps. */
 static void law_bounce(const pl_engine_choice *choice)
 {
-    if (!solves_coulomb(choice)) {
+    if (!solves_coulomb(choice) || !has_restitution(choice)) {
         return;
     }
-    pl_scene scene = scene_of_pairs();
+    pl_scene scene = scene_of_pairs(choice);
     pl_body ball = pl_body_default();
     ball.shape = pl_shape_sphere(0.5);
     ball.material = 1;

@@ -117,24 +117,26 @@ static pl_contact deepest_contact(const pl_engine_choice *choice, pl_scene *scen
 }
 
 static void check_contact(const char *below, const char *above, const pl_contact *contact,
-                          double depth, double tolerance)
+                          double depth, double tolerance, double sideways)
 {
     double aside = distance(contact->normal, (double[]){0, 0, 1});
-    if (!(fabs(contact->separation + depth) <= tolerance && aside <= 1e-4)) {
+    if (!(fabs(contact->separation + depth) <= tolerance && aside <= sideways)) {
         print_error("%s on %s: separation %.9g, normal %g %g %g\n", above, below,
                     contact->separation, contact->normal[0], contact->normal[1],
                     contact->normal[2]);
     }
     assert_close(contact->separation, -depth, tolerance, 0);
-    assert_at_most(aside, 1e-4);
+    assert_at_most(aside, sideways);
 }
 
 /* The upper body lies 1 cm deep in the top of the lower one, a little aside and turned about z, so
  * that no edges meet; a round top touches on its axis. ODE keeps meshes in single precision, and
- * its search in hulls stops at 1e-6. Two meshes are left out: engines meet them triangle by
+ * its search in hulls stops at 1e-6. MuJoCo's search stops at 1e-6 too, with a normal that is less
+ * exact. Two meshes are left out: engines meet them triangle by
  * triangle, and triangles that lie in each other have no one depth. */
 static void law_faces(const pl_engine_choice *choice)
 {
+    double sideways = strcmp(choice->engine->name, "mujoco") == 0 ? 1e-3 : 1e-4;
     for (int low = PL_SHAPE_PLANE; low < PL_SHAPE_KIND_COUNT; ++low) {
         for (int high = PL_SHAPE_SPHERE; high < PL_SHAPE_KIND_COUNT; ++high) {
             pl_shape_kind a = (pl_shape_kind)low, b = (pl_shape_kind)high;
@@ -148,7 +150,8 @@ static void law_faces(const pl_engine_choice *choice)
                 pl_body below = solid_body(&scene, a, 0.5, (double[]){0, 0, 0}, 0, 0);
                 pl_body above = solid_body(&scene, b, 0.3, at, 2, 0.3);
                 pl_contact contact = deepest_contact(choice, &scene, below, above, order == 0);
-                check_contact(kind_name(a), kind_name(b), &contact, 0.01, 2e-6);
+                check_contact(kind_name(a), kind_name(b), &contact,
+                              0.01 * depth_share(choice, a, b), 2e-6, sideways);
                 pl_scene_free(&scene);
             }
         }
@@ -183,7 +186,7 @@ static void law_tilted(const pl_engine_choice *choice)
         pl_scene scene = empty_scene();
         pl_body body = solid_body(&scene, kind, half, at, axis, 0.5);
         pl_contact contact = deepest_contact(choice, &scene, floor_body(), body, axis == 0);
-        check_contact("plane", kind_name(kind), &contact, depth - margin * (c + s - 1), 3e-7);
+        check_contact("plane", kind_name(kind), &contact, depth - margin * (c + s - 1), 3e-7, 1e-4);
         /* Turned about y, z leans towards x: a capsule's lower end is back, an edge ahead. */
         double lever = capsule ? -half / 2 * s : side * c - half * s;
         double along = contact.point[1 - axis] - at[1 - axis];

@@ -22,8 +22,11 @@ pl_body box_body(double mass, double x, double y, double z);
 pl_scene scene_with_block(double friction, double mass, double half_width, double half_height);
 
 /* A floor of ice (material 0), rubber (material 1), and a pair of them that no rule of mixing
- * gives: friction 0.35, restitution 0.6. */
-pl_scene scene_of_pairs(void);
+ * gives: friction 0.35, restitution 0.6. For an engine without restitution it is 0 everywhere. */
+pl_scene scene_of_pairs(const pl_engine_choice *choice);
+
+/* Whether the engine has a coefficient of restitution. */
+bool has_restitution(const pl_engine_choice *choice);
 
 typedef struct engine_run {
     pl_engine_choice choice;
@@ -45,6 +48,14 @@ void engine_finish(engine_run *r);
 /* Applies a law to every profile of every engine of this build; on failure the last line names the
  * engine. */
 void for_each_profile(void (*law)(const pl_engine_choice *choice));
+
+/* MuJoCo's Newton and conjugate gradient methods find accelerations, from which forces follow: the
+ * two agree as far as the search went. Relative; 0 for every other solver. */
+double force_mismatch(const pl_engine_choice *choice);
+
+/* The share of the depth that an engine reports and works with: 0.5 of MuJoCo 2.2 for the face of a
+ * box on a box (mjc_BoxBox halves it to place the point, and then takes it for the depth); else 1. */
+double depth_share(const pl_engine_choice *choice, pl_shape_kind a, pl_shape_kind b);
 
 /* Bullet's Lemke solver bounds a friction impulse by mu N s in place of mu times the normal impulse
  * (btLemkeSolver.h takes no notice of limitDependency), and a normal one by 1e10 N s, which costs

@@ -1,0 +1,77 @@
+/* A scene in MuJoCo, as the files of this folder share it.
+ *
+ * MuJoCo's conventions: quaternions (w, x, y, z) are ours; a free joint's velocity is that of the origin of its body's
+ * frame in the world's axes, its angular velocity in the body's; a contact's normal points from its
+ * first geom to its second, its distance is negative in penetration, its force acts on the second. */
+#ifndef PLUMB_MUJOCO_INSTANCE_H
+#define PLUMB_MUJOCO_INSTANCE_H
+
+#include "plumb/engine_abi.h"
+
+#include <mujoco/mujoco.h>
+
+enum {
+    MUJOCO_SOLVER,
+    MUJOCO_CONE,
+    MUJOCO_ITERATIONS,
+    MUJOCO_TOLERANCE,
+    MUJOCO_NOSLIP_ITERATIONS,
+    MUJOCO_IMPRATIO,
+    MUJOCO_SOLREF_TIMECONST,
+    MUJOCO_SOLREF_DAMPRATIO,
+    MUJOCO_SOLIMP_DMIN,
+    MUJOCO_SOLIMP_DMAX,
+    MUJOCO_SOLIMP_WIDTH,
+    MUJOCO_MULTICCD,
+    MUJOCO_OPTION_COUNT
+};
+
+/* A scene loaded into MuJoCo. */
+struct pl_engine_instance {
+    const pl_scene *scene;
+    mjModel *model;
+    mjData *data;
+    int contacts; /* for which there is room */
+    int *geoms;   /* (body_count): the geom of each body of the scene */
+    int *bodies;  /* (body_count): the body of the scene that each geom is */
+};
+
+/* The number that a body of the scene has in MuJoCo; 0, the world, for a plane. */
+static inline int pl_mujoco_body(const pl_engine_instance *instance, int body)
+{
+    return instance->model->geom_bodyid[instance->geoms[body]];
+}
+
+/* ---- The model (mujoco_model.c) ---- */
+
+/* Loads the scene with the options of the setup into the instance. What it made is freed by
+ * pl_mujoco_unload, also after a failure. */
+pl_status pl_mujoco_load(const pl_engine_setup *setup, pl_engine_instance *instance,
+                         pl_error *error);
+
+/* Frees what the instance holds. */
+void pl_mujoco_unload(pl_engine_instance *instance);
+
+/* Makes room for more contacts and keeps the state. PL_UNSUPPORTED: MuJoCo cannot hold more. */
+pl_status pl_mujoco_grow(pl_engine_instance *instance, pl_error *error);
+
+/* ---- Reading back (mujoco_read.c), as the functions of pl_engine of these names ---- */
+
+/* The initial state, or that after the last step. */
+void pl_mujoco_read_frame(const pl_engine_instance *instance, pl_frame *frame);
+
+/* Masses, inertia, gravity and step of the compiled model. */
+void pl_mujoco_read_settings(const pl_engine_instance *instance, pl_engine_settings *settings);
+
+/* The friction of the compiled model's element `pair`, or else that which MuJoCo combines. */
+void pl_mujoco_read_pair(const pl_engine_instance *instance, int body_a, int body_b,
+                         pl_pair_coefficients *found);
+
+/* The contacts that the solver was given. */
+int pl_mujoco_read_contacts(const pl_engine_instance *instance, pl_contact *contacts, int capacity);
+
+/* The pose of the frame of a moving body's shape. */
+void pl_mujoco_read_pose(const pl_engine_instance *instance, int body, double position[3],
+                         double orientation[4]);
+
+#endif
