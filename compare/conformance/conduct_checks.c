@@ -222,7 +222,8 @@ static holdings holdings_now(void)
                       .threads = count_entries("/proc/self/task")};
 }
 
-enum { ROUNDS = 4, CYCLES = 10, SETTLED_STEPS = 100 };
+/* glibc counts freed blocks in its caches as in use, and fills these over the first rounds. */
+enum { ROUNDS = 10, CYCLES = 10, SETTLED_STEPS = 100 };
 
 /* The growth for each of `count` equal pieces of work in a round that is in every round after the
  * first, which warms up: the least of them. */
