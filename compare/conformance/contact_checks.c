@@ -370,12 +370,13 @@ static void check_before_step(pl_probe *p)
             nearest = fabs(x - before) < fabs(nearest - before) ? x : nearest;
         }
         if (p->contact_count > 0) {
-            pl_probe_expect(p, "x of the contact of a sphere that slides by 0.12 m a step, m",
-                            nearest, before, 0.01,
-                            nearest > before + 0.01 && nearest < after + 0.01
-                                ? "it is a place after the step or within it: contacts are those "
-                                  "of the pose before the step"
-                                : "it is of an earlier step, or not in the world");
+            pl_probe_expect(
+                p, "x of the contact of a sphere that slides by 0.12 m a step, m", nearest, before,
+                0.01,
+                nearest > before + 0.01 && nearest < after + 0.01
+                    ? "it is a place after the step, or of a later sub-step: contacts are "
+                      "those of the pose before the step"
+                    : "it is of an earlier step, or not in the world");
         }
     }
     /* Away from the plane: a contact without an impulse need not be reported. */
@@ -450,12 +451,6 @@ static void check_count(pl_probe *p)
                      "the contact after it was written",
                      "the loop over contacts does not end at the capacity");
     expect_count(p, read_again(p, NULL, 0), "what read_contacts returns for a capacity of 0");
-    const double counted = p->stats.contacts;
-    char found[PL_CHECK_TEXT_SIZE];
-    snprintf(found, sizeof found, "%g", counted);
-    pl_probe_require(p, isnan(counted) || counted >= 0,
-                     "the statistics count no contacts less than 0, or leave them NAN", found,
-                     "a number that is not known is to stay NAN");
 }
 
 enum { SMOOTH = PL_NEEDS_SPHERE | PL_NEEDS_PLANE };

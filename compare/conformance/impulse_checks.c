@@ -59,26 +59,59 @@ static double length(const double v[3])
 
 /* ---- What the motion shows ---- */
 
+/* Adds the linear momentum of a body and its angular momentum about the origin. */
+static void add_momentum(const pl_probe *p, const pl_body_state *states, int index,
+                         double linear[3], double angular[3])
+{
+    const pl_body *body = &p->scene.bodies[index];
+    const pl_body_state *state = &states[index];
+    for (int k = 0; k < 3; ++k) {
+        const int x = (k + 1) % 3, y = (k + 2) % 3;
+        linear[k] += body->mass * state->velocity[k];
+        angular[k] += body->inertia[k] * state->angular_velocity[k];
+        angular[k] += body->mass * (state->position[x] * state->velocity[y] -
+                                    state->position[y] * state->velocity[x]);
+    }
+}
+
+/* Two spheres that spin meet. The step is short, so that it does not matter at which of its ends
+ * the impulse is thought to act. The angular momentum has a hundredth of the radius for that and for
+ * the place of the point between two bodies that overlap. */
 static void check_momentum(pl_probe *p)
 {
-    begin_collision(p);
-    pl_probe_steps(p, 30);
-    double sum[3];
-    for (int k = 0; k < 3; ++k) {
-        sum[k] = LIGHT * p->now[0].velocity[k] + HEAVY * p->now[1].velocity[k];
+    begin(p, 0.5, 0, false);
+    p->scene.dt = 1e-3;
+    add_ball(p, LIGHT, (double[]){0, 0, 1}, (double[]){SPEED, 0, 0});
+    add_ball(p, HEAVY, (double[]){0.8, 0.6, 1}, (double[]){0, 0, 0});
+    memcpy(p->scene.bodies[0].angular_velocity, (double[]){3, -4, 20}, 3 * sizeof(double));
+    memcpy(p->scene.bodies[1].angular_velocity, (double[]){0, 5, -8}, 3 * sizeof(double));
+    pl_probe_create(p);
+    pl_probe_steps(p, 60);
+    double linear[2][3] = {{0}}, angular[2][3] = {{0}}, change[3];
+    for (int body = 0; body < 2; ++body) {
+        add_momentum(p, p->start, body, linear[0], angular[0]);
+        add_momentum(p, p->now, body, linear[1], angular[1]);
     }
+    for (int k = 0; k < 3; ++k) {
+        change[k] = LIGHT * (p->now[0].velocity[k] - p->start[0].velocity[k]);
+    }
+    const double impulse = length(change);
     char found[PL_CHECK_TEXT_SIZE];
-    const double change = SPEED - p->now[0].velocity[0];
-    snprintf(found, sizeof found, "it changed by %g m/s", change);
-    pl_probe_require(p, fabs(change) > LEAST_SHARE * SPEED,
+    snprintf(found, sizeof found, "it changed by %g m/s", impulse / LIGHT);
+    pl_probe_require(p, impulse > LEAST_SHARE * SPEED * LIGHT,
                      "a sphere that meets another at 2 m/s changes its velocity", found,
                      "the two spheres do not touch: sizes, positions, or a filter of pairs");
+    pl_probe_expect_vector(p, "the momentum of two spheres after they met, kg m/s", linear[1],
+                           linear[0], pl_probe_tolerance(p, 10 * HEAVY * SPEED),
+                           "the impulse on one body, or its friction, is not the opposite of that "
+                           "on the other, or the masses are not those of the scene");
     pl_probe_expect_vector(p,
-                           "the momentum of spheres of 1 and 3 kg after they met, without gravity, "
-                           "kg m/s",
-                           sum, (double[]){LIGHT * SPEED, 0, 0}, pl_probe_tolerance(p, 10 * HEAVY),
-                           "the masses are not those of the scene, or the impulse on one body is "
-                           "not the opposite of that on the other");
+                           "the angular momentum of two spheres about the origin after they met, "
+                           "kg m^2/s",
+                           angular[1], angular[0],
+                           0.01 * RADIUS * impulse + pl_probe_tolerance(p, 10 * HEAVY * SPEED),
+                           "friction turns one of the two bodies alone, or by another arm or "
+                           "another moment of inertia than the scene's");
 }
 
 static void check_push(pl_probe *p)
@@ -169,9 +202,9 @@ static bool is_times(const double found[3], const double expected[3], double fac
 }
 
 /* What usually makes these reported impulses of those needed. */
-static const char *cause_of(const pl_probe *p, const balance *sum)
+static const char *cause_of(pl_probe *p, const balance *sum)
 {
-    const double substeps = p->choice->engine->substeps;
+    const double substeps = pl_probe_substeps(p);
     const struct {
         double factor;
         const char *cause;
@@ -319,7 +352,8 @@ enum {
 };
 
 const pl_check pl_impulse_checks[] = {
-    {"momentum", "a collision keeps the momentum", PL_NEEDS_SPHERE, 0, check_momentum},
+    {"momentum", "a collision with friction keeps both momenta",
+     PL_NEEDS_SPHERE | PL_NEEDS_FRICTION | PL_NEEDS_ROTATION, 0, check_momentum},
     {"contact-pushes", "contacts push bodies apart", PL_NEEDS_SPHERE, 0, check_push},
     {"impulse-weight", "the impulses on a resting sphere are its weight", SMOOTH, REPORTED,
      check_weight},
