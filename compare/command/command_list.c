@@ -104,12 +104,46 @@ static const char *precision_name(pl_precision precision)
     return precision == PL_PRECISION_FLOAT ? "float" : "double";
 }
 
-/* What is known of an engine, added to its item. */
+static const char *integrator_name(pl_integrator integrator)
+{
+    switch (integrator) {
+    case PL_INTEGRATOR_SEMI_IMPLICIT_EULER:
+        return "semi-implicit Euler";
+    case PL_INTEGRATOR_EXPLICIT_EULER:
+        return "explicit Euler";
+    case PL_INTEGRATOR_MIDPOINT:
+        return "midpoint";
+    case PL_INTEGRATOR_UNKNOWN:
+        break;
+    }
+    return "unknown";
+}
+
+static json_t *list_contacts(uint32_t contacts)
+{
+    static const char *const names[] = {"points", "impulses", "torques"};
+    json_t *list = json_array();
+    for (int i = 0; i < 3; ++i) {
+        if ((contacts >> i & 1u) != 0) {
+            json_array_append_new(list, json_string(names[i]));
+        }
+    }
+    return list;
+}
+
+/* What is known of an engine, added to its item. Of one that could not be asked, the fault. */
 static void describe_engine(json_t *item, const pl_engine_info *e)
 {
+    if (e->fault.is_fault) {
+        json_object_set_new(item, "fault", pl_json_text(e->fault.reason, strlen(e->fault.reason)));
+        return;
+    }
     json_object_set_new(item, "version", json_string(e->version));
     json_object_set_new(item, "description", json_string(e->description));
     json_object_set_new(item, "precision", json_string(precision_name(e->precision)));
+    json_object_set_new(item, "integrator", json_string(integrator_name(e->integrator)));
+    json_object_set_new(item, "contacts", list_contacts(e->contacts));
+    json_object_set_new(item, "binary", json_string(e->binary));
     json_object_set_new(item, "substeps", json_integer(e->substeps));
     json_object_set_new(item, "profiles", list_profiles(e));
     json_object_set_new(item, "options", list_options(e));
@@ -137,9 +171,6 @@ static pl_status list_engines(const pl_specs *asked, json_t **list, pl_error *er
     for (int i = 0; i < asked->count && status == PL_OK; ++i) {
         pl_engine_choice choice;
         status = pl_engine_choose(asked->items[i], &choice, error);
-        if (status == PL_OK && choice.engine->fault.is_fault) {
-            status = pl_fail(error, PL_IO, "%s: %s", asked->items[i], choice.engine->fault.reason);
-        }
         if (status == PL_OK) {
             json_t *item = json_pack("{s:s, s:b}", "name", choice.engine->name, "present", true);
             describe_engine(item, choice.engine);
@@ -206,6 +237,23 @@ static void print_scenario(const json_t *item)
     print_settings(json_object_get(item, "params"));
 }
 
+/* Precision, sub-steps, integrator and what contacts report, on a line. */
+static void print_nature(const json_t *item)
+{
+    const int substeps = (int)json_integer_value(json_object_get(item, "substeps"));
+    printf("  %s precision, %d %s a step, integrator %s, contacts ",
+           pl_json_get_text(item, "precision"), substeps, substeps == 1 ? "sub-step" : "sub-steps",
+           pl_json_get_text(item, "integrator"));
+    const json_t *contacts = json_object_get(item, "contacts");
+    size_t index;
+    const json_t *name;
+    json_array_foreach(contacts, index, name)
+    {
+        printf("%s%s", index == 0 ? "with " : ", ", json_string_value(name));
+    }
+    printf("%s\n", json_array_size(contacts) == 0 ? "not reported" : "");
+}
+
 static void print_engine(const json_t *item)
 {
     if (!json_is_true(json_object_get(item, "present"))) {
@@ -213,8 +261,13 @@ static void print_engine(const json_t *item)
                pl_json_get_text(item, "package"));
         return;
     }
+    if (json_object_get(item, "fault") != NULL) {
+        printf("%-10s %s\n", pl_json_get_text(item, "name"), pl_json_get_text(item, "fault"));
+        return;
+    }
     printf("%-10s %s  %s\n", pl_json_get_text(item, "name"), pl_json_get_text(item, "version"),
            pl_json_get_text(item, "description"));
+    print_nature(item);
     size_t index;
     const json_t *p;
     json_array_foreach(json_object_get(item, "profiles"), index, p)
@@ -304,6 +357,20 @@ static pl_status write_page(const char *path, pl_error *error)
     return status;
 }
 
+/* Whether an engine of the list could not be asked. */
+static bool has_fault(const json_t *list)
+{
+    size_t index;
+    const json_t *item;
+    json_array_foreach(list, index, item)
+    {
+        if (json_object_get(item, "fault") != NULL) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default()};
@@ -335,8 +402,9 @@ static int run(const pl_call *call)
             o.kind->print(item);
         }
     }
+    const int code = has_fault(list) ? PL_EXIT_FAILED : PL_EXIT_OK;
     json_decref(list);
-    return PL_EXIT_OK;
+    return code;
 }
 
 static const pl_option OPTIONS[] = {
@@ -354,9 +422,11 @@ const pl_command pl_command_list = {
     .arguments = "scenarios|engines [SPEC...]|metrics|suites",
     .description =
         "Lists the scenarios, engines, metrics or suites of this build, or the engines of the "
-        "given SPECs, such as the path of a shared object.",
+        "given SPECs, such as the path of a shared object. Exits with 3 when an engine could not "
+        "be asked.",
     .notes = "Examples:\n"
              "  plumb list engines\n"
+             "  plumb list engines ./mine.so\n"
              "  plumb list scenarios --json\n"
              "  plumb list scenarios --page catalogue.html",
     .options = OPTIONS,

@@ -14,9 +14,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* A table must have everything up to here. */
-enum { LEAST_SIZE = offsetof(pl_engine, read_settings) };
-
 static const uint32_t KNOWN_CONTACTS =
     PL_CONTACTS_POINTS | PL_CONTACTS_IMPULSES | PL_CONTACTS_TORQUES;
 
@@ -114,11 +111,22 @@ static pl_status check_sizes(const char *path, const pl_engine *engine, pl_error
                        "%s: is built for engine ABI %u, this plumb has %d: rebuild it", path,
                        (unsigned)engine->abi_version, (int)PL_ENGINE_ABI_VERSION);
     }
-    if (engine->struct_size < LEAST_SIZE) {
-        return pl_fail(error, PL_BAD_INPUT,
-                       "%s: its pl_engine has %u bytes, and ABI %d begins with %d: rebuild it",
-                       path, (unsigned)engine->struct_size, (int)PL_ENGINE_ABI_VERSION,
-                       (int)LEAST_SIZE);
+    /* Everything up to read_frame must be there. */
+    static const struct {
+        const char *name;
+        size_t end;
+    } fields[] = {{"name", offsetof(pl_engine, version)},
+                  {"profiles", offsetof(pl_engine, profile_count)},
+                  {"create", offsetof(pl_engine, destroy)},
+                  {"destroy", offsetof(pl_engine, step)},
+                  {"step", offsetof(pl_engine, read_frame)},
+                  {"read_frame", offsetof(pl_engine, read_settings)}};
+    for (size_t i = 0; i < sizeof fields / sizeof *fields; ++i) {
+        if (engine->struct_size < fields[i].end) {
+            return pl_fail(error, PL_BAD_INPUT,
+                           "%s: its pl_engine has %u bytes and ends before %s: rebuild it", path,
+                           (unsigned)engine->struct_size, fields[i].name);
+        }
     }
     return PL_OK;
 }

@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#ifndef SIZE
+#define SIZE sizeof(pl_engine)
+#endif
 #ifndef DRIFT
 #define DRIFT 0
 #endif
@@ -115,7 +118,7 @@ static const pl_engine_option options[] = {{.name = "iterations",
                                             .tune_logarithmic = true}};
 
 static const pl_engine engine = {
-    .struct_size = sizeof(pl_engine),
+    .struct_size = SIZE,
     .abi_version = PL_ENGINE_ABI_VERSION,
     .name = "small",
     .version = "1",

@@ -16,6 +16,10 @@ static const char template_source[] =
     "#ifndef PROFILES\n#define PROFILES 2\n#endif\n"
     "#ifndef OPTIONS\n#define OPTIONS 2\n#endif\n"
     "#ifndef STEP\n#define STEP step\n#endif\n"
+    "#ifndef ENGINE_NAME\n#define ENGINE_NAME \"mine\"\n#endif\n"
+    "#ifndef PROFILE_NAME\n#define PROFILE_NAME \"fast\"\n#endif\n"
+    "#ifndef OPTION_NAME\n#define OPTION_NAME \"iterations\"\n#endif\n"
+    "#ifndef MORE\n#define MORE\n#endif\n"
     "static pl_status create(const pl_engine_setup *s, pl_engine_instance **i, pl_error *e)\n"
     "    { (void)s; (void)i; (void)e; return PL_UNSUPPORTED; }\n"
     "static void destroy(pl_engine_instance *i) { (void)i; }\n"
@@ -23,16 +27,16 @@ static const char template_source[] =
     "    { (void)i; (void)d; (void)s; (void)e; return PL_FAILED; }\n"
     "static void frame(const pl_engine_instance *i, pl_frame *f) { (void)i; (void)f; }\n"
     "static void defaults(int profile, double *v) { if (profile == 1) v[1] = 0.75; }\n"
-    "static const pl_engine_profile profiles[] = {{.name = \"fast\"}, {.name = \"slow\"}};\n"
+    "static const pl_engine_profile profiles[] = {{.name = PROFILE_NAME}, {.name = \"slow\"}};\n"
     "static const pl_engine_option options[] = {\n"
-    "    {.name = \"iterations\", .value = 4, .min = 1, .max = 100, .integer = true},\n"
+    "    {.name = OPTION_NAME, .value = 4, .min = 1, .max = 100, .integer = true},\n"
     "    {.name = \"stiffness\", .value = 0.25, .min = 0, .max = 1}};\n"
-    "static const pl_engine engine = {.struct_size = SIZE, .abi_version = VERSION, .name = "
-    "\"mine\",\n"
+    "static const pl_engine engine = {.struct_size = SIZE, .abi_version = VERSION,\n"
+    "    .name = ENGINE_NAME,\n"
     "    .version = \"1\", .description = \"\", .substeps = 1, .profiles = profiles, "
     ".profile_count = PROFILES, .options = options,\n"
     "    .option_count = OPTIONS, .profile_defaults = defaults, .create = create,\n"
-    "    .destroy = destroy, .step = STEP, .read_frame = frame};\n"
+    "    .destroy = destroy, .step = STEP, .read_frame = frame MORE};\n"
     "#ifndef NAME\n#define NAME plumb_engine\n#endif\n"
     "#ifndef RESULT\n#define RESULT &engine\n#endif\n"
     "const pl_engine *NAME(void);\n"
@@ -46,7 +50,7 @@ static void build_object(const char *name, const char *flags)
     char command[1024];
     const char *compiler = getenv("CC") != NULL ? getenv("CC") : "cc";
     snprintf(command, sizeof command,
-             "%s -std=c17 -shared -fPIC -I%s/compare/include -I%s/scenarios/include %s -o %s/%s "
+             "%s -std=c17 -w -shared -fPIC -I%s/compare/include -I%s/scenarios/include %s -o %s/%s "
              "-x c %s/template.c",
              compiler, PLUMB_SOURCE_DIR, PLUMB_SOURCE_DIR, flags, folder, name, folder);
     assert_int_equal(system(command), 0);
@@ -283,12 +287,53 @@ static void test_shared_objects_of_another_abi_are_refused(void **state)
         {"profiles.so", "-DPROFILES=0", "profile_count: expected 1 to 64, found 0"},
         {"options.so", "-DOPTIONS=25", "option_count: expected 0 to 24, found 25"},
         {"step.so", "-DSTEP=0", "lacks step"},
+        {"short.so", "-DSIZE='offsetof(pl_engine, read_settings) - 1'", "ends before read_frame"},
+        {"many.so", "-DPROFILES=65", "profile_count: expected 1 to 64, found 65"},
+        {"name.so", "-DENGINE_NAME=NULL", "lacks name"},
+        {"space.so", "-DENGINE_NAME='\"my engine\"'", "name: expected 1 to 63 letters"},
+        {"escape.so", "-DENGINE_NAME='\"\\033[31m\"'", "name: expected 1 to 63 letters"},
+        {"profile.so", "-DPROFILE_NAME=NULL", "profiles[0].name: expected"},
+        {"comma.so", "-DPROFILE_NAME='\"a,b\"'", "profiles[0].name: expected"},
+        {"option.so", "-DOPTION_NAME='\"a=b\"'", "options[0].name: expected"},
+        {"none.so", "-DOPTION_NAME=NULL", "options[0].name: expected"},
+        {"contacts.so", "-DMORE=,.contacts=1", "lacks read_contacts"},
+        {"bits.so", "-DMORE=',.contacts=9,.read_contacts=(void*)1'",
+         "contacts: expected PL_CONTACTS"},
+        {"precision.so", "-DMORE=,.precision=7", "precision: expected 0 to 1, found 7"},
+        {"integrator.so", "-DMORE=,.integrator=-1", "integrator: expected 0 to 3"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
         char spec[256];
         build_object(cases[i].name, cases[i].flags);
         in_folder(cases[i].name, spec);
         assert_refused(spec, PL_BAD_INPUT, cases[i].part, cases[i].name);
+    }
+}
+
+/* A table that ends where a field is optional, or holds more than is known here. */
+static void test_shorter_and_longer_tables_are_taken(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *flags;
+        bool reads_settings;
+    } cases[] = {
+        {"least.so",
+         "-DSIZE='offsetof(pl_engine, read_settings)' -DMORE=',.read_settings=(void*)1'", false},
+        {"no_extension.so",
+         "-DSIZE='offsetof(pl_engine, extension)' "
+         "-DMORE=',.read_settings=(void*)1,.extension=(void*)1'",
+         true},
+        {"longer.so", "-DSIZE='sizeof(pl_engine) + 64' -DMORE=',.read_settings=(void*)1'", true},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        char spec[256];
+        build_object(cases[i].name, cases[i].flags);
+        in_folder(cases[i].name, spec);
+        pl_engine_choice choice = choose(spec);
+        assert_false(choice.engine->fault.is_fault);
+        assert_string_equal(choice.engine->name, "mine");
+        assert_int_equal(choice.engine->reads_settings, cases[i].reads_settings);
     }
 }
 
@@ -315,6 +360,7 @@ int main(void)
         cmocka_unit_test(test_bad_options_are_refused_with_what_was_found),
         cmocka_unit_test(test_a_spec_longer_than_its_field_is_refused),
         cmocka_unit_test(test_shared_objects_of_another_abi_are_refused),
+        cmocka_unit_test(test_shorter_and_longer_tables_are_taken),
         cmocka_unit_test(test_invalid_shared_object_is_refused_with_loader_reason),
     };
     return cmocka_run_group_tests_name("registry", tests, make_objects, remove_objects);
