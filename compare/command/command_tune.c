@@ -54,8 +54,9 @@ static pl_status save_profile(const options *o, const pl_tune_def *def, const pl
         status = pl_results_write_json(path, profile, error);
     }
     if (status == PL_OK) {
+        const pl_engine_info *engine = def->space->base.engine;
         fprintf(stderr, "plumb tune: %s: --engine %s:tuned --profiles %s\n", path,
-                def->space->base.engine->name, path);
+                engine->path == NULL ? engine->name : engine->path, path);
     }
     free(path);
     json_decref(profile);
@@ -104,6 +105,13 @@ static int tune(const pl_call *call, const options *o, const pl_plan *plan,
     return status == PL_UNSUPPORTED ? PL_EXIT_NOTHING : code;
 }
 
+/* An engine that cannot be loaded has nothing to tune. */
+static pl_status check_fault(const pl_engine_choice *choice, pl_error *error)
+{
+    const pl_engine_fault *fault = &choice->engine->fault;
+    return fault->is_fault ? pl_fail(error, PL_IO, "%s: %s", choice->spec, fault->reason) : PL_OK;
+}
+
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default(), .budget = DEFAULT_BUDGET};
@@ -120,6 +128,9 @@ static int run(const pl_call *call)
     }
     if (status == PL_OK) {
         status = pl_request_plan(call, &o.request, &plan, &error);
+    }
+    if (status == PL_OK && plan.configuration_count > 0) {
+        status = check_fault(&plan.configurations[0].choice, &error);
     }
     if (status == PL_OK && plan.configuration_count > 0) {
         const pl_tune_request asked = {.engine = &plan.configurations[0].choice,
