@@ -90,9 +90,7 @@ for label, row in rows.items():
     stage, fault = label.split("-")
     reason = row["reason"] or ""
     said = (row["outcome"], reason)
-    if fault == "forge" and stage in ("load", "ask", "defaults", "extension", "unload"):
-        check(row["outcome"] == "crashed" and FOREIGN in reason, label, said)
-    elif fault in ends:
+    if fault in ends:
         check(row["outcome"] == "crashed" and reason.startswith(ends[fault] + stages[stage]), label, said)
     elif fault in ("close", "write") and not (stage in ("defaults", "extension") and fault == "write"):
         check(row["outcome"] == "crashed" and FOREIGN in reason, label, said)
