@@ -1,6 +1,7 @@
 #include "check_bodies.h"
 
 #include "plumb/vec.h"
+#include "referee/geometry/solid.h"
 
 #include <string.h>
 
@@ -72,7 +73,8 @@ pl_shape pl_check_box_hull(pl_probe *probe)
     return hull_of(probe, (const double(*)[3])points, 8);
 }
 
-pl_shape pl_check_table_mesh(pl_probe *probe)
+/* A table whose outline is sheared along x by `shear` times the height. */
+static pl_shape table_mesh(pl_probe *probe, double shear)
 {
     /* The outline in x and z, extruded along y. */
     static const double outline[8][2] = {{-0.5, 0}, {-0.2, 0}, {-0.2, 0.5}, {0.2, 0.5},
@@ -83,7 +85,7 @@ pl_shape pl_check_table_mesh(pl_probe *probe)
     int triangles[28][3];
     int count = 0;
     for (int i = 0; i < 16; ++i) {
-        vertices[i][0] = outline[i % 8][0];
+        vertices[i][0] = outline[i % 8][0] + shear * outline[i % 8][1];
         vertices[i][1] = i < 8 ? -0.3 : 0.3;
         vertices[i][2] = outline[i % 8][1];
     }
@@ -107,6 +109,16 @@ pl_shape pl_check_table_mesh(pl_probe *probe)
     return pl_shape_of(made);
 }
 
+pl_shape pl_check_table_mesh(pl_probe *probe)
+{
+    return table_mesh(probe, 0);
+}
+
+pl_shape pl_check_skew_mesh(pl_probe *probe)
+{
+    return table_mesh(probe, 0.7);
+}
+
 int pl_check_add_floor(pl_probe *probe)
 {
     if (pl_check_claims(probe, PL_NEEDS_PLANE)) {
@@ -125,9 +137,10 @@ int pl_check_add_floor(pl_probe *probe)
 
 double pl_check_time(const pl_probe *probe, int body)
 {
-    const pl_vec velocity = pl_vec_of(probe->scene.bodies[body].velocity);
-    const pl_vec path =
-        pl_vec_sub(pl_vec_of(probe->now[body].position), pl_vec_of(probe->start[body].position));
+    const pl_body *moving = &probe->scene.bodies[body];
+    const pl_vec velocity = pl_vec_of(moving->velocity);
+    const pl_vec path = pl_vec_sub(pl_state_centre(moving, &probe->now[body]),
+                                   pl_state_centre(moving, &probe->start[body]));
     const double asked = (double)probe->steps * probe->scene.dt;
     const double time = pl_vec_dot(path, velocity) / pl_vec_dot(velocity, velocity);
     return time > 0.1 * asked && time < 10 * asked ? time : asked;

@@ -21,6 +21,10 @@ pl_shape pl_check_skew_hull(pl_probe *probe);
 /* The hull of a box whose lowest face is at z = 0.2 of its own frame. Owned by the scene. */
 pl_shape pl_check_box_hull(pl_probe *probe);
 
+/* A mesh, not convex, whose centre of mass and principal axes are not those of its frame. Owned by
+ * the scene. */
+pl_shape pl_check_skew_mesh(pl_probe *probe);
+
 /* A mesh in the form of a table with two legs, whose feet are at z = 0. Owned by the scene. */
 pl_shape pl_check_table_mesh(pl_probe *probe);
 

@@ -2,6 +2,7 @@
 #include "check_bodies.h"
 #include "mismatch.h"
 #include "plumb/vec.h"
+#include "referee/geometry/solid.h"
 #include "runner/parameter_check.h"
 
 #include <math.h>
@@ -169,6 +170,67 @@ static void check_given_inertia(pl_probe *p)
     check_inertia_of(p, (double[]){0.3, 0.5, 0.6});
 }
 
+/* What the angular velocity becomes by an impulse of torque in the world's axes, N m s, with the
+ * body's moments along these axes. */
+static void spin_about(const pl_axes *axes, const double moments[3], pl_vec impulse, double spin[3])
+{
+    const pl_vec local = pl_to_local(axes, impulse);
+    pl_vec_store(pl_to_world(axes, (pl_vec){local.x / moments[0], local.y / moments[1],
+                                            local.z / moments[2]}),
+                 spin);
+}
+
+/* The moments of a hull or a mesh belong to the axes of pl_polyhedron.axes, which are not those of
+ * the shape's frame. The torque is about no principal axis: the rotation within the step, and its
+ * gyroscopic torque, change the result by less than a thousandth. */
+static void check_polyhedron_inertia(pl_probe *p, pl_shape (*shape_of)(pl_probe *))
+{
+    begin_floating(p);
+    pl_body solid = pl_check_turned_body(p);
+    solid.shape = shape_of(p);
+    memset(solid.inertia, 0, sizeof solid.inertia);
+    /* Along the axis that the force is perpendicular to. */
+    memcpy(solid.velocity, (double[]){0, 0, 1}, sizeof solid.velocity);
+    const int index = pl_probe_add_body(p, solid);
+    add_force(p, (pl_force){.body = index,
+                            .force = {0.03, -0.04, 0},
+                            .at = {0.3, 0.2, -0.4},
+                            .until = INFINITY});
+    pl_probe_create(p);
+    pl_probe_steps(p, 1);
+    if (p->over) {
+        return;
+    }
+    const pl_body *body = &p->scene.bodies[index];
+    const pl_force *force = &p->scene.forces[0];
+    const pl_vec impulse = pl_vec_scale(pl_vec_cross(pl_vec_of(force->at), pl_vec_of(force->force)),
+                                        pl_check_time(p, index));
+    const pl_axes principal = pl_principal_axes(&body->shape, body->orientation);
+    const pl_axes frame = pl_axes_of(body->orientation);
+    double expected[3];
+    pl_guess guess = {.cause = "the moments are taken along the axes of the shape's frame: they "
+                               "belong to the principal axes, pl_polyhedron.axes"};
+    spin_about(&principal, body->inertia, impulse, expected);
+    spin_about(&frame, body->inertia, impulse, guess.value);
+    const double *found = p->now[index].angular_velocity;
+    pl_probe_expect_vector(
+        p, "the angular velocity after one step of a torque, rad/s", found, expected,
+        1e-3 * pl_vec_length(pl_vec_of(expected)),
+        pl_guess_cause(found, &guess, 1,
+                       "the moments of inertia, their axes, or a torque that is not about the "
+                       "centre of mass, pl_polyhedron.centre"));
+}
+
+static void check_hull_inertia(pl_probe *p)
+{
+    check_polyhedron_inertia(p, pl_check_skew_hull);
+}
+
+static void check_mesh_inertia(pl_probe *p)
+{
+    check_polyhedron_inertia(p, pl_check_skew_mesh);
+}
+
 /* ---- Applied forces ---- */
 
 /* Expects a change of velocity along `direction`, in the body's axes. Its size is the matter of other
@@ -198,7 +260,6 @@ static void check_body_force(pl_probe *p)
 {
     begin_floating(p);
     pl_body body = pl_check_turned_body(p);
-    memcpy(body.position, (double[]){1, -2, 5}, sizeof body.position);
     const int pushed = pl_probe_add_body(p, body);
     add_force(p,
               (pl_force){
@@ -278,7 +339,7 @@ static void check_mass_ratio(pl_probe *p)
     snprintf(found, sizeof found, "velocities %.6g and %.6g m/s", p->now[light].velocity[0],
              p->now[heavy].velocity[0]);
     pl_probe_require(p, gained > 0.1, "a sphere of 2 m/s moves the sphere that it hits", found,
-                     "the spheres pass through each other");
+                     "the spheres pass through each other, or create does not set the velocity");
     const double ratio = lost / gained;
     const char *cause = "the masses, or impulses on the two bodies that are not opposite";
     if (fabs(ratio - 1) < 1e-3) {
@@ -327,6 +388,10 @@ const pl_check pl_mass_checks[] = {
      PL_NEEDS_FORCES | PL_NEEDS_ROTATION, 0, check_inertia},
     {"given-inertia", "a body's inertia is the scene's, not its shape's",
      PL_NEEDS_FORCES | PL_NEEDS_ROTATION | PL_NEEDS_BOX, 0, check_given_inertia},
+    {"hull-inertia", "the moments of a hull belong to its principal axes",
+     PL_NEEDS_FORCES | PL_NEEDS_ROTATION | PL_NEEDS_HULL, 0, check_hull_inertia},
+    {"mesh-inertia", "the moments of a mesh belong to its principal axes",
+     PL_NEEDS_FORCES | PL_NEEDS_ROTATION | PL_NEEDS_MESH, 0, check_mesh_inertia},
     {"body-force", "forces in the body's axes turn with the body",
      PL_NEEDS_FORCES | PL_NEEDS_ROTATION, 0, check_body_force},
     {"force-times", "a force acts from its start until its end", PL_NEEDS_FORCES, 0,

@@ -216,7 +216,7 @@ static void check_hull_centre(pl_probe *p)
 
 static void check_mesh_centre(pl_probe *p)
 {
-    check_offset_centre(p, pl_check_table_mesh);
+    check_offset_centre(p, pl_check_skew_mesh);
 }
 
 const pl_check pl_state_checks[] = {
