@@ -150,7 +150,8 @@ static bool add_names(const trusted_columns *of, int first,
     for (int i = first; i < of->matrix->column_count; ++i) {
         if (of->listed[i] && is_like(&of->items[i], &of->items[first])) {
             const pl_column *column = &of->matrix->columns[i];
-            pl_text_format(out, "%s%s %s", i == first ? " " : ", ", column->name, column->version);
+            const char *before = i > first ? ", " : out->length > 0 ? " " : "";
+            pl_text_format(out, "%s%s %s", before, column->name, column->version);
         }
     }
     pl_text_add(out, ": ");
@@ -203,7 +204,10 @@ static void add_verified(const trusted_columns *of, int column, pl_text_buffer *
     pl_text_add(out, ".");
 }
 
-void pl_adapter_statement(const pl_result_matrix *matrix, const bool *listed, pl_text_buffer *out)
+/* Adds a sentence for each group of listed columns that are alike. */
+static void add_sentences(const pl_result_matrix *matrix, const bool *listed,
+                          void (*add)(const trusted_columns *of, int column, pl_text_buffer *out),
+                          pl_text_buffer *out)
 {
     trust *items = calloc((size_t)matrix->column_count + 1, sizeof *items);
     const trusted_columns of = {matrix, listed, items};
@@ -214,18 +218,22 @@ void pl_adapter_statement(const pl_result_matrix *matrix, const bool *listed, pl
     for (int i = 0; i < matrix->column_count; ++i) {
         items[i] = trust_of(matrix, i);
     }
-    pl_text_add(out, "Before the first step of a run, what the engine reads back was compared with "
-                     "the scene.");
     for (int i = 0; i < matrix->column_count; ++i) {
         if (listed[i]) {
-            add_read_back(&of, i, out);
-        }
-    }
-    pl_text_add(out, " Adapters:");
-    for (int i = 0; i < matrix->column_count; ++i) {
-        if (listed[i]) {
-            add_verified(&of, i, out);
+            add(&of, i, out);
         }
     }
     free(items);
+}
+
+void pl_verified_statement(const pl_result_matrix *matrix, const bool *listed, pl_text_buffer *out)
+{
+    add_sentences(matrix, listed, add_verified, out);
+}
+
+void pl_read_back_statement(const pl_result_matrix *matrix, const bool *listed, pl_text_buffer *out)
+{
+    pl_text_add(out, "Before the first step of a run, what the engine reads back was compared with "
+                     "the scene.");
+    add_sentences(matrix, listed, add_read_back, out);
 }

@@ -11,8 +11,12 @@
  * the text names the profile. */
 void pl_conformance_text(const pl_result_matrix *matrix, int column, pl_text_buffer *out);
 
-/* Adds, in words, what was read back from the engines of the columns that are marked in `listed`
- * (column_count), and whether their conformance was verified. */
-void pl_adapter_statement(const pl_result_matrix *matrix, const bool *listed, pl_text_buffer *out);
+/* Adds, in words, whether the conformance of the columns that are marked in `listed` (column_count)
+ * was verified. */
+void pl_verified_statement(const pl_result_matrix *matrix, const bool *listed, pl_text_buffer *out);
+
+/* Adds, in words, which numbers were read back from their engines, and which were not. */
+void pl_read_back_statement(const pl_result_matrix *matrix, const bool *listed,
+                            pl_text_buffer *out);
 
 #endif

@@ -53,19 +53,19 @@ static void write_statement(const pl_result_matrix *matrix, pl_engine_findings *
 /* Of the engines that have a finding: reports accuse no others. */
 static void write_adapters(const pl_result_matrix *matrix, pl_engine_findings *findings)
 {
-    pl_text_buffer *out = &findings->adapters;
     bool *listed = calloc((size_t)matrix->column_count + 1, sizeof *listed);
     if (listed == NULL) {
-        out->failed = true;
+        findings->adapters.failed = true;
         return;
     }
     for (int i = 0; i < findings->count; ++i) {
         listed[findings->items[i].column - matrix->columns] = true;
     }
     if (findings->count > 0) {
-        pl_adapter_statement(matrix, listed, out);
-        pl_text_format(out,
-                       " Causes were found by experiment with %s; each is shown only for the "
+        pl_verified_statement(matrix, listed, &findings->adapters);
+        pl_read_back_statement(matrix, listed, &findings->read_back);
+        pl_text_format(&findings->origin,
+                       "Causes were found by experiment with %s; each is shown only for the "
                        "version, profile and parameters of its experiment.",
                        findings->causes.found_with);
     }
@@ -105,7 +105,8 @@ pl_status pl_engine_findings_find(const pl_result_matrix *matrix, pl_engine_find
     }
     write_statement(matrix, findings);
     write_adapters(matrix, findings);
-    if (findings->statement.failed || findings->adapters.failed) {
+    if (findings->statement.failed || findings->adapters.failed || findings->read_back.failed ||
+        findings->origin.failed) {
         return pl_fail(error, PL_NO_MEMORY, "no memory for the statement of findings");
     }
     return PL_OK;
@@ -117,6 +118,8 @@ void pl_engine_findings_free(pl_engine_findings *findings)
     free(findings->items);
     pl_text_free(&findings->statement);
     pl_text_free(&findings->adapters);
+    pl_text_free(&findings->read_back);
+    pl_text_free(&findings->origin);
     *findings = (pl_engine_findings){0};
 }
 

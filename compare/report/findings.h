@@ -20,7 +20,10 @@ typedef struct pl_engine_findings {
     int count;
     int runs;                 /* of other engines, on cases that have a primary error */
     pl_text_buffer statement; /* in words: how many of how many, and how many causes are known */
-    pl_text_buffer adapters;  /* in words: what was verified of the adapters; empty without items */
+    /* In words, of the engines in `items`; empty without any. */
+    pl_text_buffer adapters;  /* whether their conformance was verified */
+    pl_text_buffer read_back; /* what was read back from them */
+    pl_text_buffer origin;    /* how the causes were found */
     pl_known_causes causes;
 } pl_engine_findings;
 

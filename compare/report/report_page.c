@@ -338,6 +338,8 @@ static void add_findings(const pl_engine_findings *findings, const pl_page *page
     pl_page_paragraph(page, "verdict", findings->statement.data);
     if (findings->adapters.length > 0) {
         pl_page_paragraph(page, "", findings->adapters.data);
+        pl_page_paragraph(page, "", findings->read_back.data);
+        pl_page_paragraph(page, "", findings->origin.data);
     }
     pl_page_table(page, table, 0);
 }
@@ -416,12 +418,14 @@ static void add_times(const pl_result_matrix *matrix, const pl_page *page)
     }
     if (pl_table_rows(&table) > 0) {
         pl_page_heading(page, "times", "Times of create, step and read");
-        pl_page_paragraph(page, "",
-                          "Create is the call that builds the scene, read are the calls that hand "
-                          "out the frame and the contacts after each step. A wall time above the "
-                          "CPU time shows that the engine waited, or that the machine was busy; a "
-                          "CPU time above the wall time, that several threads worked. Work that "
-                          "an engine does in create or read is not in the time of its step.");
+        pl_page_paragraph(
+            page, "",
+            "Create is the call that builds the scene, read are the calls that hand "
+            "out the frame and the contacts after each step. A wall time above the "
+            "CPU time shows that the engine waited, or that the machine was busy; a "
+            "CPU time above the wall time, that several threads worked. Work that "
+            "an engine does in create or read is not in the time of its step. The timer "
+            "itself takes up to a microsecond of each call.");
     }
     pl_page_table(page, table, SHOWN_TIMES);
 }

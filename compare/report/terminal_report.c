@@ -97,6 +97,8 @@ static void add_findings(const pl_engine_findings *findings, const terminal *to)
     add_wrapped(to, findings->statement.data, 0);
     if (findings->adapters.length > 0) {
         add_wrapped(to, findings->adapters.data, 0);
+        add_wrapped(to, findings->read_back.data, 0);
+        add_wrapped(to, findings->origin.data, 0);
     }
     for (int i = 0; i < findings->count; ++i) {
         const pl_engine_finding *finding = &findings->items[i];

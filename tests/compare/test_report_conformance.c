@@ -177,7 +177,7 @@ static void test_no_finding_needs_no_statement(void **state)
     set_metric(row, "reference_error", json_pack("{s:f, s:s}", "value", 1e-6, "unit", "1"));
     made_report made = make_report(results);
     assert_int_equal(made.report.findings.count, 0);
-    assert_nowhere(&made, "Adapters:");
+    assert_nowhere(&made, "read back");
     assert_everywhere(&made, "not verified: run plumb check-engine ode:quick");
     free_report(&made);
 }
