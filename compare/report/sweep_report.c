@@ -14,10 +14,11 @@ enum { PAGE_LOSSES = 30, PRINTED_ROWS = 20, MOST_WIDTH = 60 };
 
 static void add_losses(const pl_sweep_analysis *analysis, const pl_page *page)
 {
-    pl_text_buffer statement = {0}, warning = {0};
+    pl_text_buffer statement = {0}, warning = {0}, unverified = {0};
     pl_sweep_statement(analysis, &statement);
     pl_sweep_warning(analysis, &warning);
-    page->out->failed |= statement.failed || warning.failed;
+    pl_sweep_unverified(analysis, &unverified);
+    page->out->failed |= statement.failed || warning.failed || unverified.failed;
     pl_page_heading(page, "sweep-losses", "Where plumb loses: speed against error");
     pl_page_paragraph(page, "verdict", statement.failed ? "" : statement.data);
     pl_page_table(page, pl_sweep_losses_table(analysis), PAGE_LOSSES);
@@ -26,9 +27,13 @@ static void add_losses(const pl_sweep_analysis *analysis, const pl_page *page)
                       "noise come last. Speed is the other engine's cost over plumb's, of the "
                       "cheapest point of each at or below the error, over all profiles and options "
                       "that were run.");
+    if (unverified.length > 0) {
+        pl_page_paragraph(page, "note", unverified.data);
+    }
     if (warning.length > 0) {
         pl_page_paragraph(page, "warn", warning.data);
     }
+    pl_text_free(&unverified);
     pl_text_free(&statement);
     pl_text_free(&warning);
 }
@@ -258,6 +263,8 @@ void pl_sweep_report_print(FILE *stream, const pl_sweep_analysis *analysis)
 {
     pl_text_buffer out = {0};
     pl_sweep_statement(analysis, &out);
+    pl_text_add(&out, "\n");
+    pl_sweep_unverified(analysis, &out);
     pl_text_add(&out, "\n");
     pl_sweep_warning(analysis, &out);
     print_table("Where plumb loses", pl_sweep_losses_table(analysis), PRINTED_ROWS, &out);

@@ -85,6 +85,26 @@ void pl_sweep_warning(const pl_sweep_analysis *analysis, pl_text_buffer *out)
     }
 }
 
+void pl_sweep_unverified(const pl_sweep_analysis *analysis, pl_text_buffer *out)
+{
+    pl_text_buffer specs = {0};
+    for (int i = 0; i < analysis->engine_count; ++i) {
+        const pl_sweep_engine *engine = &analysis->engines[i];
+        if (engine->unverified != NULL) {
+            pl_text_add(&specs, " ");
+            pl_text_add(&specs, engine->unverified[0] != '\0' ? engine->unverified : engine->name);
+        }
+    }
+    if (specs.length > 0) {
+        pl_text_format(out,
+                       "Not verified, so that a difference may be the adapter's: run plumb "
+                       "check-engine%s.",
+                       specs.data);
+    }
+    out->failed |= specs.failed;
+    pl_text_free(&specs);
+}
+
 /* ---- Cells ---- */
 
 static void add_ratio(const pl_sweep_ratio *ratio, const char *otherwise, pl_table *table)

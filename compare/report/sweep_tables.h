@@ -20,6 +20,9 @@ void pl_sweep_statement(const pl_sweep_analysis *analysis, pl_text_buffer *out);
 /* Adds what a reader must be warned of, in plain text; nothing where there is nothing. */
 void pl_sweep_warning(const pl_sweep_analysis *analysis, pl_text_buffer *out);
 
+/* Adds which engines' adapters conformance checks have not verified; nothing where all have. */
+void pl_sweep_unverified(const pl_sweep_analysis *analysis, pl_text_buffer *out);
+
 /* A row a loss, in the order of the analysis. */
 pl_table pl_sweep_losses_table(const pl_sweep_analysis *analysis);
 

@@ -283,6 +283,25 @@ static void test_nothing_is_a_whole_page(void **state)
     json_decref(results);
 }
 
+/* A profile with a run whose conformance is not known to have passed is named; the others are not. */
+static void test_unverified_engines_are_named(void **state)
+{
+    (void)state;
+    json_t *results = mixed();
+    for (size_t i = 0; i < json_array_size(results); ++i) {
+        json_t *row = json_array_get(results, i);
+        json_object_set_new(row, "conformance", json_pack("{s:s}", "outcome", "passed"));
+    }
+    pl_text_buffer page = page_of(results);
+    assert_absent(page.data, "Not verified");
+    pl_text_free(&page);
+    json_object_set_new(json_array_get(results, 3), "conformance", json_null());
+    page = page_of(results);
+    assert_contains(page.data, "run plumb check-engine ode:q.");
+    pl_text_free(&page);
+    json_decref(results);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -294,6 +313,7 @@ int main(void)
         cmocka_unit_test(test_tags_of_the_page_are_balanced),
         cmocka_unit_test(test_numbers_are_written_as_people_read_them),
         cmocka_unit_test(test_files_are_written),
+        cmocka_unit_test(test_unverified_engines_are_named),
         cmocka_unit_test(test_nothing_is_a_whole_page),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -67,6 +67,9 @@ typedef struct pl_sweep_engine {
     char name[128]; /* "ode", "ode:quick" */
     bool ours;
     bool whole; /* all profiles of the engine */
+    /* Of a profile with a run whose conformance is not known to have passed: its SPEC, borrowed from
+     * the results. NULL: passed. */
+    const char *unverified;
 } pl_sweep_engine;
 
 /* One engine on one scene. */

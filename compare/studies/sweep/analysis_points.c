@@ -373,6 +373,11 @@ static void list_engines(const keyed_row *rows, size_t count, pl_sweep_analysis 
         if (find_engine(analysis, engine.name, engine.whole) < 0) {
             analysis->engines[analysis->engine_count++] = engine;
         }
+        const json_t *record = json_object_get(row, "conformance");
+        if (!engine.whole && strcmp(pl_json_get_text(record, "outcome"), "passed") != 0) {
+            const char *spec = pl_json_get_text(row, "engine_spec");
+            analysis->engines[find_engine(analysis, engine.name, false)].unverified = spec;
+        }
     }
     qsort(analysis->engines, (size_t)analysis->engine_count, sizeof *analysis->engines,
           compare_listed);
