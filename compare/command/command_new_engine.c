@@ -1,4 +1,4 @@
-/* plumb new-engine DIR: a working engine with its adapter, to start from. */
+/* plumb new-engine DIR: an adapter with a toy engine that works, to start a plug-in from. */
 #include "request.h"
 
 #include "adapters/built_in.h"
@@ -18,7 +18,8 @@ typedef struct options {
 } options;
 
 /* What is written, from files that compare/CMakeLists.txt builds into the program. */
-extern const char pl_engine_c[], pl_Makefile[], pl_README_md[], pl__gitignore[];
+extern const char pl_engine_c[], pl_sphere_world_h[], pl_sphere_world_c[];
+extern const char pl_Makefile[], pl_README_md[], pl__gitignore[];
 extern const char pl_engine_abi_h[], pl_adapter_helpers_h[], pl_scene_data_h[], pl_status_h[];
 
 static const struct {
@@ -26,6 +27,8 @@ static const struct {
     const char *text;
 } FILES[] = {
     {"engine.c", pl_engine_c},
+    {"sphere_world.h", pl_sphere_world_h},
+    {"sphere_world.c", pl_sphere_world_c},
     {"Makefile", pl_Makefile},
     {"README.md", pl_README_md},
     {".gitignore", pl__gitignore},
@@ -217,7 +220,8 @@ static void print_word(const char *path)
 
 static void print_next(const char *path, const char *name)
 {
-    printf("%s: a working engine of spheres and planes, to be replaced by yours. Next:\n"
+    printf("%s: engine.c is the adapter to change, and sphere_world.c a toy engine in the place of "
+           "yours. Next:\n"
            "\n"
            "  cd ",
            name);
@@ -265,12 +269,12 @@ static const pl_option OPTIONS[] = {{"name", "NAME", "Of the engine; by default 
 
 const pl_command pl_command_new_engine = {
     .name = "new-engine",
-    .summary = "write an engine and its adapter, to start a plug-in from",
+    .summary = "write an adapter and a toy engine, to start a plug-in from",
     .arguments = "DIR",
     .description =
-        "Makes a folder with a small working engine of spheres and planes in C, the adapter "
-        "through which plumb drives it, a Makefile, a README and the headers: to be compiled, "
-        "checked and compared as it is, and then replaced by an engine of your own.",
+        "Makes a folder with an adapter, through which plumb drives an engine, a toy engine of "
+        "spheres and planes in C, a Makefile, a README and the headers: to be compiled, checked "
+        "and compared as it is. Then calls to an engine of your own replace those to the toy.",
     .notes = "Examples:\n"
              "  plumb new-engine my-engine\n"
              "  make -C my-engine\n"

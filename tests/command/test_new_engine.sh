@@ -62,8 +62,10 @@ done
 for compiler in g++ clang++; do
     command -v $compiler >/dev/null || continue
     $compiler -x c++ -std=c++20 -Wall -Wextra -Wpedantic -Werror -I new-one/include -fPIC -shared \
-        -o $compiler.so new-one/engine.c 2>out || note_failure "$compiler: $(cat out)"
+        -o $compiler.so new-one/{engine,sphere_world}.c 2>out || note_failure "$compiler: $(cat out)"
 done
+# The toy is a library like any other.
+grep -niE 'plumb/|pl_' new-one/sphere_world.* && note_failure 'sphere_world knows of plumb'
 make_with 'its folder' PLUMB_INCLUDE="$SOURCE/compare/include $SOURCE/scenarios/include"
 
 # ---- The engine ----
