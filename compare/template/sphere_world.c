@@ -154,7 +154,7 @@ static double solve(sw_world *world, sw_contact *c)
     const sw_vec zero = {0, 0, 0}, arm_b = add(c->point, -1, b->position);
     const double inverse_mass = inverse(a->mass) + inverse(b->mass);
     const double inverse_tangent_mass = inverse_mass + inverse(a->inertia) * dot(arm_a, arm_a) +
-                                    inverse(b->inertia) * dot(arm_b, arm_b);
+                                        inverse(b->inertia) * dot(arm_b, arm_b);
     const sw_vec velocity = add(add(b->velocity, 1, cross(b->angular_velocity, arm_b)), -1,
                                 add(a->velocity, 1, cross(a->angular_velocity, arm_a)));
     const double normal_velocity = dot(n, velocity), old = dot(n, c->impulse);
