@@ -54,9 +54,8 @@ static pl_status save_profile(const options *o, const pl_tune_def *def, const pl
         status = pl_results_write_json(path, profile, error);
     }
     if (status == PL_OK) {
-        const pl_engine_info *engine = def->space->base.engine;
         fprintf(stderr, "plumb tune: %s: --engine %s:tuned --profiles %s\n", path,
-                engine->path == NULL ? engine->name : engine->path, path);
+                pl_engine_spec_name(def->space->base.engine), path);
     }
     free(path);
     json_decref(profile);

@@ -44,11 +44,10 @@ static const char CLOSING[] =
     "  plumb help COMMAND     options and examples of a command\n"
     "  plumb --version        version\n"
     "\n"
-    "Exit codes: 0 success; 1 the gate failed (gate) or a check\n"
-    "failed (check-engine); 2 usage or bad input; 3 the outcome of a "
-    "run\n"
-    "is not ok (run), no solver reached the tolerance (solve), a run could not be made, or I/O\n"
-    "failed; 4 nothing was compared; 128+N ended by signal N.\n";
+    "Exit codes: 0 success; 1 the gate failed (gate) or a check failed (check-engine); 2 usage\n"
+    "or bad input; 3 the outcome of a run is not ok (run), no solver reached the tolerance\n"
+    "(solve), a run could not be made, or I/O failed; 4 nothing was compared; 128+N ended by\n"
+    "signal N.\n";
 
 /* The command of that name; NULL, after a message on behalf of `asker`, when there is none. */
 static const pl_command *find_command(const char *name, const char *asker, const char *otherwise)

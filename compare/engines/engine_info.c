@@ -429,6 +429,11 @@ pl_status pl_engine_describe(const char *path, const pl_built_in *built_in,
     return PL_OK;
 }
 
+const char *pl_engine_spec_name(const pl_engine_info *info)
+{
+    return info->path == NULL ? info->name : info->path;
+}
+
 int pl_engine_option_index(const pl_engine_info *info, const char *name)
 {
     for (int i = 0; i < info->option_count; ++i) {

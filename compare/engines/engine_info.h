@@ -49,6 +49,9 @@ void pl_engine_describe_within(const pl_limits *limits);
 pl_status pl_engine_describe(const char *path, const pl_built_in *built_in,
                              const pl_engine_info **info, pl_error *error);
 
+/* How --engine names the engine: by the path of the shared object, or by the name. */
+const char *pl_engine_spec_name(const pl_engine_info *info);
+
 /* The index of the engine's option of that name; -1 when it has none. */
 int pl_engine_option_index(const pl_engine_info *info, const char *name);
 

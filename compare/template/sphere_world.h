@@ -64,9 +64,11 @@ typedef struct sw_world {
     double residual;      /* m/s: the largest change of velocity in the last of them */
 } sw_world;
 
-/* Makes a world for up to `most_bodies` bodies, to be freed by sw_destroy. NULL without memory. */
+/* Makes a world for up to `most_bodies` bodies. Returns NULL without memory. */
 sw_world *sw_create(int most_bodies, sw_vec gravity, int max_iterations, sw_pair_function *pair,
                     const void *user);
+
+/* Frees a world and all that is in it. NULL is allowed. */
 void sw_destroy(sw_world *world);
 
 /* Adds a sphere. */

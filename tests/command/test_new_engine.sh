@@ -76,6 +76,15 @@ expect 0 'conformance passed' check-engine new-one/new-one.so
 expect 0 'conformance passed' check-engine ./g++.so
 expect 0 'iterations_max +1 ' run bowling --engine new-one/new-one.so,iterations=1
 expect 3 'new-one lacks box' run tower --engine new-one/new-one.so
+"$PLUMB" scene roll-slope >equal.json
+python3 - <<'END'
+import json
+scene = json.load(open("equal.json"))
+scene["bodies"][-1]["inertia"] = [0.3, 0.4, 0.5]
+json.dump(scene, open("unequal.json", "w"))
+END
+expect 0 '' run equal.json --engine new-one/new-one.so
+expect 3 'only planes, and spheres with equal moments of inertia' run unequal.json --engine new-one/new-one.so
 scenarios=(roll-slope bowling free-fall projectile oblique-impact collision-train cradle sphere-pyramid bounce)
 "$PLUMB" compare "${scenarios[@]}" --engine new-one/new-one.so --engine plumb --out results >out 2>&1 ||
     note_failure "compare: $(cat out)"

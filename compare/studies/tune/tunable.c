@@ -30,8 +30,7 @@ pl_engine_choice pl_tune_defaults(const pl_engine_choice *choice)
     pl_engine_choice defaults = {.engine = engine, .profile = choice->profile};
     memcpy(defaults.values, pl_engine_profile_values(engine, choice->profile),
            (size_t)engine->option_count * sizeof *defaults.values);
-    snprintf(defaults.spec, sizeof defaults.spec, "%s:%s",
-             engine->path == NULL ? engine->name : engine->path,
+    snprintf(defaults.spec, sizeof defaults.spec, "%s:%s", pl_engine_spec_name(engine),
              engine->profiles[choice->profile].name);
     return defaults;
 }
