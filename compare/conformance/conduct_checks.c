@@ -69,6 +69,12 @@ static void record(pl_probe *p, recording *frames)
     }
 }
 
+/* Whether two pieces of memory have the same bits, also those of zeros and NANs. */
+static bool same_bits(const void *a, const void *b, size_t size)
+{
+    return memcmp(a, b, size) == 0;
+}
+
 static void expect_same(pl_probe *p, const recording *first, const recording *second,
                         const char *expected, const char *cause)
 {
@@ -81,7 +87,7 @@ static void expect_same(pl_probe *p, const recording *first, const recording *se
                      "%.17g)",
                      k, i + 1, a->position[0], a->position[1], a->position[2], b->position[0],
                      b->position[1], b->position[2]);
-            pl_probe_require(p, memcmp(a, b, sizeof *a) == 0, expected, found, cause);
+            pl_probe_require(p, same_bits(a, b, sizeof *a), expected, found, cause);
         }
     }
 }
@@ -99,7 +105,7 @@ static void expect_repeats(pl_probe *p, void (*between)(pl_probe *), const char 
     record(p, &frames[0]);
     record(p, &frames[1]);
     if (between != NULL) {
-        if (memcmp(&frames[0], &frames[1], sizeof *frames) != 0) {
+        if (!same_bits(&frames[0], &frames[1], sizeof *frames)) {
             pl_probe_skip(p, "the same scene does not give the same bits again: see `repeats`");
         }
         if (!p->over) {
