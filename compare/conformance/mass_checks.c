@@ -285,6 +285,42 @@ static void check_body_force(pl_probe *p)
                  "pl_force.at of PL_FRAME_BODY is taken as one in the world's axes");
 }
 
+/* Forces on one body add up, and each acts on its own body alone. */
+static void check_two_forces(pl_probe *p)
+{
+    begin_floating(p);
+    pl_body body = pl_check_any_body(p);
+    /* Beyond spheres, two bodies may touch, and need rotation. */
+    const bool has_other =
+        body.shape.kind == PL_SHAPE_SPHERE || pl_check_claims(p, PL_NEEDS_ROTATION);
+    const int other = has_other ? pl_probe_add_body(p, body) : -1;
+    body.position[0] = 5;
+    body.velocity[1] = 1;
+    const int index = pl_probe_add_body(p, body);
+    add_force(p, (pl_force){.body = index, .force = {3, 0, 0}, .until = INFINITY});
+    add_force(p, (pl_force){.body = index, .force = {0, 0, 5}, .until = INFINITY});
+    pl_probe_create(p);
+    pl_probe_steps(p, 1);
+    if (p->over) {
+        return;
+    }
+    const double rate = pl_check_time(p, index) / body.mass;
+    const double *found = p->now[index].velocity;
+    const double sum[3] = {3 * rate, 1, 5 * rate};
+    const pl_guess guesses[] = {{{sum[0], 1, 0}, "only the first force on a body acts"},
+                                {{0, 1, sum[2]}, "only the last force on a body acts"},
+                                {{0, 1, 0}, "forces do not act on the body that they name"}};
+    pl_probe_expect_vector(p, "the velocity after one step of two forces on a body, m/s", found,
+                           sum, pl_probe_tolerance(p, 1),
+                           pl_guess_cause(found, guesses, 3, "the sum of the forces on a body"));
+    if (other >= 0) {
+        pl_probe_expect_vector(p, "the velocity of a body that no force acts on, m/s",
+                               p->now[other].velocity, (double[]){0, 0, 0},
+                               pl_probe_tolerance(p, 1),
+                               "forces do not act on the body that they name: pl_force.body");
+    }
+}
+
 /* A force acts during the steps for which pl_force_acts: those that start from its beginning on and
  * before its end, where rounding of the summed time does not matter. A time that is summed in floats
  * is further off, so that an engine of that precision gets times between two steps. */
@@ -300,7 +336,7 @@ static void check_force_window(pl_probe *p)
                             .from = FROM * DT - earlier,
                             .until = UNTIL * DT - earlier});
     pl_probe_create(p);
-    double before = 0;
+    double before = 0, first = 0;
     for (int step = 1; step <= STEPS && !p->over; ++step) {
         const bool acts = step > FROM && step <= UNTIL;
         char expected[PL_CHECK_TEXT_SIZE], found[PL_CHECK_TEXT_SIZE];
@@ -313,6 +349,12 @@ static void check_force_window(pl_probe *p)
         pl_probe_require(p, (fabs(change) > 1e-3 * DT) == acts, expected, found,
                          "pl_force.from or .until: pl_force_acts says whether a force acts over a "
                          "step");
+        first = step == FROM + 1 ? change : first;
+        if (acts) {
+            pl_probe_expect(p, "the change of velocity by a constant force in a later step, m/s",
+                            change, first, pl_probe_tolerance(p, 1),
+                            "forces add up from step to step: they are to be cleared after each");
+        }
     }
 }
 
@@ -394,6 +436,8 @@ const pl_check pl_mass_checks[] = {
      PL_NEEDS_FORCES | PL_NEEDS_ROTATION | PL_NEEDS_MESH, 0, check_mesh_inertia},
     {"body-force", "forces in the body's axes turn with the body",
      PL_NEEDS_FORCES | PL_NEEDS_ROTATION, 0, check_body_force},
+    {"two-forces", "forces add up, and act on the body that they name", PL_NEEDS_FORCES, 0,
+     check_two_forces},
     {"force-times", "a force acts from its start until its end", PL_NEEDS_FORCES, 0,
      check_force_window},
     {"mass-ratio", "a collision conserves momentum with the scene's masses", PL_NEEDS_SPHERE, 0,

@@ -230,6 +230,23 @@ static void check_spin_kept(pl_probe *p)
                 p->now[index].angular_velocity, p->start[index].angular_velocity);
 }
 
+/* Speeds above the limits that engines for games have by default. */
+static void check_no_limits(pl_probe *p)
+{
+    const double speed = 200, spin = 60;
+    const bool turns = pl_check_claims(p, PL_NEEDS_ROTATION);
+    pl_body body = pl_check_any_body(p);
+    body.velocity[0] = speed;
+    body.angular_velocity[2] = turns ? spin : 0;
+    const int index = create_floating(p, 1.0 / 240, body);
+    pl_probe_steps(p, 5);
+    pl_probe_expect(p, "the speed of a fast body, m/s", p->now[index].velocity[0], speed,
+                    pl_probe_tolerance(p, speed), "the engine limits speeds: raise its limit");
+    pl_probe_expect(p, "the angular speed of a fast body, rad/s", p->now[index].angular_velocity[2],
+                    turns ? spin : 0, pl_probe_tolerance(p, spin),
+                    "the engine limits angular speeds: raise its limit");
+}
+
 /* ---- Rotation ---- */
 
 /* The rotation from orientation a to b as a vector along the world's axis, rad. */
@@ -373,6 +390,7 @@ const pl_check pl_motion_checks[] = {
     {"linear-damping", "free bodies keep their velocity", 0, 0, check_speed_kept},
     {"angular-damping", "free bodies keep their angular velocity", PL_NEEDS_ROTATION, 0,
      check_spin_kept},
+    {"speed-limits", "fast bodies stay fast", 0, 0, check_no_limits},
     {"angular-velocity", "angular velocity turns bodies about the world's axis, in rad/s",
      PL_NEEDS_ROTATION, 0, check_spin_turns},
     {"gyroscopic-torque", "free bodies precess as declared", PL_NEEDS_ROTATION | PL_NEEDS_BOX, 0,

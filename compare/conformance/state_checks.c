@@ -219,6 +219,42 @@ static void check_mesh_centre(pl_probe *p)
     check_offset_centre(p, pl_check_skew_mesh);
 }
 
+/* Static bodies between dynamic ones: engines keep them apart, frames do not. */
+static void check_body_order(pl_probe *p)
+{
+    enum { COUNT = 6 };
+    pl_probe_scene(p, 1.0 / 100);
+    for (int i = 0; i < COUNT; ++i) {
+        pl_body ball = pl_body_default();
+        ball.shape = pl_shape_sphere(0.5);
+        ball.mass = 1 + i;
+        ball.is_static = i % 3 == 1;
+        ball.position[0] = 3 * i;
+        ball.position[1] = 0.5 * i * i;
+        ball.velocity[0] = ball.is_static ? 0 : 0.1 * i;
+        pl_probe_add_body(p, ball);
+    }
+    pl_probe_create(p);
+    for (int step = 0; step < 2 && !p->over; ++step) {
+        for (int i = 0; i < COUNT; ++i) {
+            char what[PL_CHECK_TEXT_SIZE], cause[PL_CHECK_TEXT_SIZE] = "read_frame: the positions";
+            const double *found = p->now[i].position;
+            const int nearest = (int)lround(fmin(fmax(found[0] / 3, 0), COUNT - 1));
+            if (nearest != i) {
+                snprintf(cause, sizeof cause,
+                         "that is body %d: frames have all bodies, static ones too, in the scene's "
+                         "order",
+                         nearest);
+            }
+            snprintf(what, sizeof what, "the x coordinate of body %d of a scene, m", i);
+            pl_probe_expect(p, what, found[0],
+                            3 * i + (step == 0 ? 0 : p->scene.bodies[i].velocity[0] / 100), 0.005,
+                            cause);
+        }
+        pl_probe_steps(p, 1);
+    }
+}
+
 const pl_check pl_state_checks[] = {
     {"initial-position", "bodies begin where the scene has them", 0, 0, check_initial_position},
     {"quaternion-order", "orientation reads back as (w, x, y, z), body to world", 0, 0,
@@ -228,6 +264,8 @@ const pl_check pl_state_checks[] = {
     {"initial-spin", "angular velocity begins as the scene has it, in the world frame",
      PL_NEEDS_ROTATION, 0, check_initial_spin},
     {"unit-quaternion", "quaternions have unit length at all times", 0, 0, check_unit_quaternions},
+    {"body-order", "frames have the bodies in the scene's order", PL_NEEDS_SPHERE, 0,
+     check_body_order},
     {"static-bodies", "static bodies read back as the scene has them", 0, 0, check_static_bodies},
     {"hull-centre", "a hull has its own frame, and turns about its centre of mass",
      PL_NEEDS_HULL | PL_NEEDS_ROTATION, 0, check_hull_centre},
