@@ -2,13 +2,14 @@
  *
  * default:     as shipped: Newton's method, pyramidal cones, contacts with a time constant of 20 ms.
  * cg, pgs:     the same with its other two solvers.
- * recommended: what its documentation says of contacts that should be hard and should not slip:
- *   "the best way to suppress it is to use elliptic cones, large impratio, and the Newton algorithm
- *   with very small tolerance" (Modeling, "Algorithms and settings"; 1e-10 there), and "increasing
- *   constraint impedance (first two elements of solimp)" (Overview, "Softness and slip"). The time
- *   constant "should be at least two times larger than the simulation time step" (Modeling, "Solver
- *   parameters"), which MuJoCo itself raises it to: here it is always that. The Noslip solver stays
- *   off: "the simulation may become less robust".
+ * recommended: what its documentation says of contacts that should not slip and not yield. "The best
+ *   way to suppress it is to use elliptic cones, large impratio, and the Newton algorithm with very
+ *   small tolerance" (Modeling, "Algorithms and settings", which has 1e-10 for it). "Increasing
+ *   constraint impedance (first two elements of solimp) as well as the global impratio setting can
+ *   be particularly effective" (Overview, "Softness and slip"). Several points of two shapes that
+ *   have no collider of their own "can be useful when the contacting geoms have a flat surface"
+ *   (XML reference, multiccd). The time constant is the default, since no other is advised, and the
+ *   Noslip solver stays off, because with it "the simulation may become less robust".
  *
  * MuJoCo has soft contacts: every constraint is a spring with a damper, which yields under load. It
  * has no coefficient of restitution, so restitution is no capability. A step is mj_step1 and
@@ -182,6 +183,7 @@ static void mujoco_profile_defaults(int profile, double *values)
         values[MUJOCO_IMPRATIO] = 10;
         values[MUJOCO_SOLIMP_DMIN] = 0.99;
         values[MUJOCO_SOLIMP_DMAX] = 0.999;
+        values[MUJOCO_MULTICCD] = 1;
         return;
     case PROFILE_CG:
         values[MUJOCO_SOLVER] = mjSOL_CG;
