@@ -8,6 +8,7 @@ source "$SOURCE/tests/support/command.sh"
 # shellcheck source=tests/support/small_engine.sh
 source "$SOURCE/tests/support/small_engine.sh"
 
+export ASAN_OPTIONS=detect_leaks=0
 small_engine mine.so
 small_engine code.so -DCODE
 cp "$BUILD/staged_engine.so" load-exit0.so
@@ -78,6 +79,8 @@ expect 0 'load-exit0.so:default +\| 2 crashed' ensemble falling-cubes --set n=2 
 grep -q 'small:one@converged *| 2 ok' out || note_failure "ensemble: $(cat out)"
 expect 0 'crashed +it called exit\(0\)' sweep free-fall --vary iterations=1,2 "${both[@]}" --out swept
 [[ $(grep -c '"outcome":"ok"' swept/results.jsonl) == 2 ]] || note_failure "sweep: $(cat out)"
+expect 3 'load-exit0.so: it called exit\(0\) while it was loaded' sweep free-fall --vary iterations=1,2 \
+    --engine ./load-exit0.so --out none
 expect 0 'small:one .*ok' compare free-fall --iterations-to-tolerance "${both[@]}" --out compared
 grep -q '"iterations_to_tolerance":{[^}]*"value":[0-9]' compared/results.jsonl || note_failure "no iterations to tolerance"
 

@@ -5,7 +5,7 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <fenv.h>
-#include <immintrin.h>
+#include <locale.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,6 +13,10 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+#ifdef __SSE__
+#include <xmmintrin.h>
+#endif
 
 struct pl_engine_instance {
     const pl_scene *scene;
@@ -136,7 +140,9 @@ static void fail_limits(void)
 static void fail_rounding(void)
 {
     fesetround(FE_UPWARD);
+#ifdef __SSE__
     _mm_setcsr(_mm_getcsr() | 0x8040u); /* subnormal numbers are 0 */
+#endif
 }
 
 static void fail_traps(void)
@@ -164,6 +170,14 @@ static void fail_environment(void)
     setenv("TMPDIR", "/nowhere", 1);
     setenv("PLUMB_PROFILES", "/nowhere", 1);
     umask(0777);
+}
+
+/* Numbers are then written with a comma, where the machine has one of these. */
+static void fail_locale(void)
+{
+    static const char *const names[] = {"de_DE.UTF-8", "fr_FR.UTF-8", "de_DE.utf8"};
+    for (size_t i = 0; i < sizeof names / sizeof *names && setlocale(LC_ALL, names[i]) == NULL;
+         ++i) {}
 }
 
 static void fail_fork(void)
@@ -229,8 +243,9 @@ static const struct {
     {"write", fail_write},     {"forge", fail_forge},       {"list", fail_list},
     {"limits", fail_limits},   {"rounding", fail_rounding}, {"traps", fail_traps},
     {"signals", fail_signals}, {"fork", fail_fork},         {"environment", fail_environment},
-    {"memory", fail_memory},   {"silent", fail_silent},     {"many", fail_many},
-    {"double", fail_double},   {"negative", fail_negative}, {"replace", fail_replace},
+    {"locale", fail_locale},   {"memory", fail_memory},     {"silent", fail_silent},
+    {"many", fail_many},       {"double", fail_double},     {"negative", fail_negative},
+    {"replace", fail_replace},
 };
 
 /* Commits the fault of this file when `stage` is its stage. */

@@ -39,12 +39,13 @@
  * `--engine ./mine.so:fast,label=new` names a configuration.
  *
  * Processes: the harness never runs an engine's code in its own process. A process of its own, with
- * a limit on time, loads the shared object, asks for the defaults of its profiles and ends. Every
- * run is another such process, with a limit on memory too, which calls, from one thread and in this order: create;
- * read_settings, read_pair, read_frame; then for each step: step, read_frame, read_contacts; at the
- * end destroy, and the shared object is unloaded. What an engine prints is captured; a crash, an
- * exit, a hang is the outcome of that run. The floating-point environment is restored after every
- * call. Only the calls of step count as time per step; create and the reading are timed apart. */
+ * limits on time and memory, loads the shared object, asks for the defaults of its profiles and for
+ * extensions, and ends. Every run is another such process, which calls, from one thread and in this
+ * order: create; read_settings, read_pair, read_frame; then for each step: step, read_frame,
+ * read_contacts; at the end destroy, and the shared object is unloaded. It has descriptors 0 to 2,
+ * and others that are not the engine's. What an engine prints is captured; a crash, an exit, a hang
+ * is the outcome of that run. The floating-point environment is restored after every call. The
+ * shared object's own symbols come before those of libraries that the harness links. Only the calls of step count as time per step; create and the reading are timed apart. */
 #ifndef PLUMB_ENGINE_ABI_H
 #define PLUMB_ENGINE_ABI_H
 

@@ -175,6 +175,13 @@ static bool is_absent_engine(const char *name)
 /* Fails for a key that no case and no engine has. */
 static pl_status reject(const pl_grid_def *def, const pl_vary *vary, pl_error *error)
 {
+    for (int i = 0; i < def->base->configuration_count; ++i) {
+        const pl_engine_choice *choice = &def->base->configurations[i].choice;
+        if (choice->engine->fault.is_fault) { /* its options are not known */
+            return pl_fail(error, PL_IO, "--vary %s: %s: %s", vary->key, choice->spec,
+                           choice->engine->fault.reason);
+        }
+    }
     names owners = {.count = 0}, keys = {.count = 0};
     char what[2 * PL_NAME_SIZE] =
         "no chosen scenario has the parameter, and no chosen engine the option,";
