@@ -1,6 +1,7 @@
 /* plumb check-engine: conformance of engines and their adapters to the engine ABI. */
 #include "conformance/conformance.h"
 #include "request.h"
+#include "results/conformance_record.h"
 #include "results/store.h"
 
 #include <stdlib.h>
@@ -9,8 +10,18 @@
 typedef struct options {
     pl_request request; /* names: SPECs */
     pl_texts checks;    /* --check: those alone; empty: all */
-    bool list;
+    bool all_profiles, list, quiet;
 } options;
+
+/* The command at work. */
+typedef struct checking {
+    const pl_call *call;
+    const options *options;
+    bool shows;   /* text on standard output */
+    bool failed;  /* some check of some engine */
+    bool headed;  /* the line that names the engine in work is printed */
+    json_t *list; /* an item for each engine that was checked */
+} checking;
 
 static pl_status check_names(const options *o, pl_error *error)
 {
@@ -54,23 +65,47 @@ static bool is_asked(const options *o, int index)
 static void print_list(void)
 {
     for (int i = 0; i < pl_conformance_count(); ++i) {
-        printf("%-24s %s\n", pl_conformance_name(i), pl_conformance_title(i));
+        printf("%-22s %s\n", pl_conformance_name(i), pl_conformance_title(i));
     }
 }
 
 static const char *const outcome_names[] = {
     [PL_CHECK_PASSED] = "passed", [PL_CHECK_FAILED] = "failed", [PL_CHECK_SKIPPED] = "skipped"};
 
+enum { LINE_WIDTH = 80 };
+
+/* Prints a text from `column` on to the end of a line, and breaks it at blanks, so that it goes on
+ * at the same column of the next line. */
+static void print_text(const char *text, int column)
+{
+    int at = column;
+    while (*text != '\0') {
+        const int word = (int)strcspn(text, " ");
+        if (at > column && at + 1 + word > LINE_WIDTH) {
+            printf("\n%*s", column, "");
+            at = column;
+        }
+        at += printf("%s%.*s", at > column ? " " : "", word, text);
+        text += word;
+        text += strspn(text, " ");
+    }
+    putchar('\n');
+}
+
 static void print_result(const pl_check_result *result)
 {
     static const char *const marks[] = {
         [PL_CHECK_PASSED] = "ok", [PL_CHECK_FAILED] = "FAIL", [PL_CHECK_SKIPPED] = "skip"};
-    printf("  %-4s  %-24s %s\n", marks[result->outcome], result->name,
-           result->outcome == PL_CHECK_SKIPPED ? result->found : result->title);
-    if (result->outcome == PL_CHECK_FAILED) {
-        printf("        expected  %s\n        found     %s\n", result->expected, result->found);
-        if (result->cause[0] != '\0') {
-            printf("        likely    %s\n", result->cause);
+    const struct {
+        const char *title, *text;
+    } texts[] = {
+        {"expected", result->expected}, {"found", result->found}, {"likely", result->cause}};
+    const bool failed = result->outcome == PL_CHECK_FAILED;
+    const int column = printf("  %-4s  %-22s ", marks[result->outcome], result->name);
+    print_text(result->outcome == PL_CHECK_SKIPPED ? result->found : result->title, column);
+    for (size_t i = 0; failed && i < sizeof texts / sizeof *texts; ++i) {
+        if (texts[i].text[0] != '\0') {
+            print_text(texts[i].text, printf("        %-8s  ", texts[i].title));
         }
     }
     fflush(stdout);
@@ -93,98 +128,161 @@ static json_t *result_json(const pl_check_result *result)
     return object;
 }
 
-/* Checks one configuration. *failed is set when a check failed; the result is added to `report`. */
-static pl_status check_engine(const options *o, const char *spec, bool *failed, json_t *report,
-                              pl_error *error)
+static void take_result(checking *c, const pl_engine_choice *choice, const pl_check_result *result,
+                        json_t *results)
 {
-    pl_engine_choice choice;
-    char label[PL_LABEL_SIZE];
-    int counts[3] = {0};
-    pl_status status = pl_engine_choose(spec, &choice, error);
-    if (status != PL_OK) {
-        return status;
+    json_array_append_new(results, result_json(result));
+    if (!c->shows || (c->options->quiet && result->outcome != PL_CHECK_FAILED)) {
+        return;
     }
-    const bool shows = o->request.json == NULL || strcmp(o->request.json, "-") != 0;
-    json_t *list = json_array();
-    pl_engine_choice_label(&choice, label);
-    if (shows) {
-        printf("%s %s\n", label, choice.engine->version);
+    if (!c->headed) {
+        char label[PL_LABEL_SIZE];
+        pl_engine_choice_label(choice, label);
+        printf("%s %s\n", label, choice->engine->version);
+        c->headed = true;
     }
-    if (choice.engine->fault.is_fault) {
-        counts[PL_CHECK_FAILED] += 1;
+    print_result(result);
+}
+
+/* Makes the checks that were asked for; counts[outcome] is how many had each outcome. */
+static pl_status run_checks(checking *c, const pl_engine_choice *choice, json_t *results,
+                            int counts[3], pl_error *error)
+{
+    pl_status status = PL_OK;
+    if (choice->engine->fault.is_fault) {
         pl_check_result result = {.name = "load",
                                   .title = "the engine can be loaded and asked",
                                   .outcome = PL_CHECK_FAILED,
                                   .expected = "the engine describes itself"};
         snprintf(result.found, sizeof result.found, "%.*s", (int)sizeof result.found - 1,
-                 choice.engine->fault.reason);
-        json_array_append_new(list, result_json(&result));
-        if (shows) {
-            print_result(&result);
+                 choice->engine->fault.reason);
+        counts[PL_CHECK_FAILED] = 1;
+        take_result(c, choice, &result, results);
+        return PL_OK;
+    }
+    for (int i = 0; i < pl_conformance_count() && status == PL_OK; ++i) {
+        pl_check_result result;
+        if (is_asked(c->options, i)) {
+            status = pl_conformance_run(i, choice, &c->options->request.limits, &result, error);
+            if (status == PL_OK) {
+                counts[result.outcome] += 1;
+                take_result(c, choice, &result, results);
+            }
         }
     }
-    for (int i = 0; i < pl_conformance_count() && !choice.engine->fault.is_fault; ++i) {
-        pl_check_result result;
-        if (!is_asked(o, i)) {
-            continue;
-        }
-        status = pl_conformance_run(i, &choice, &o->request.limits, &result, error);
-        if (status != PL_OK) {
-            json_decref(list);
-            return status;
-        }
-        counts[result.outcome] += 1;
-        json_array_append_new(list, result_json(&result));
-        if (shows) {
-            print_result(&result);
-        }
+    return status;
+}
+
+/* Keeps what was found for the reports, when all checks were made with the profile's own values. A
+ * record that cannot be written fails nothing. */
+static void keep_record(const checking *c, const pl_engine_choice *choice, const int counts[3])
+{
+    const pl_engine_info *engine = choice->engine;
+    pl_error error = {.message = ""};
+    if (c->options->checks.count == 0 && !engine->fault.is_fault &&
+        memcmp(choice->values, pl_engine_profile_values(engine, choice->profile),
+               (size_t)engine->option_count * sizeof *choice->values) == 0 &&
+        pl_conformance_record_write(engine, engine->profiles[choice->profile].name,
+                                    counts[PL_CHECK_PASSED] + counts[PL_CHECK_FAILED],
+                                    counts[PL_CHECK_FAILED], counts[PL_CHECK_SKIPPED],
+                                    &error) != PL_OK) {
+        fprintf(stderr, "%s: warning: reports will not know of this: %s\n", c->call->argv[0],
+                error.message);
+    }
+}
+
+/* Checks one configuration and adds the result to the list. */
+static pl_status check_choice(checking *c, const pl_engine_choice *choice, pl_error *error)
+{
+    char label[PL_LABEL_SIZE];
+    int counts[3] = {0};
+    json_t *results = json_array();
+    pl_engine_choice_label(choice, label);
+    c->headed = false;
+    const pl_status status = run_checks(c, choice, results, counts, error);
+    if (status != PL_OK) {
+        json_decref(results);
+        return status;
     }
     const char *verdict = counts[PL_CHECK_FAILED] > 0 ? "failed" : "passed";
-    if (shows) {
-        printf("%s: conformance %s: %d of %d checks passed, %d failed, %d skipped\n", label,
-               verdict, counts[PL_CHECK_PASSED], counts[0] + counts[1] + counts[2],
-               counts[PL_CHECK_FAILED], counts[PL_CHECK_SKIPPED]);
+    if (c->shows) {
+        printf("%s: conformance %s: %d passed, %d failed, %d skipped\n", label, verdict,
+               counts[PL_CHECK_PASSED], counts[PL_CHECK_FAILED], counts[PL_CHECK_SKIPPED]);
+        fflush(stdout);
     }
-    *failed = *failed || counts[PL_CHECK_FAILED] > 0;
+    keep_record(c, choice, counts);
+    c->failed = c->failed || counts[PL_CHECK_FAILED] > 0;
     json_array_append_new(
-        report,
+        c->list,
         json_pack("{s:o, s:o, s:s, s:s, s:o}", "label", pl_json_text(label, strlen(label)),
                   "engine_version",
-                  pl_json_text(choice.engine->version, strlen(choice.engine->version)),
-                  "engine_binary", choice.engine->binary, "outcome", verdict, "checks", list));
+                  pl_json_text(choice->engine->version, strlen(choice->engine->version)),
+                  "engine_binary", choice->engine->binary, "outcome", verdict, "checks", results));
     return PL_OK;
+}
+
+static pl_status check_engine(checking *c, const char *spec, pl_error *error)
+{
+    pl_engine_choice choice;
+    pl_status status = pl_engine_choose(spec, &choice, error);
+    if (status != PL_OK || !c->options->all_profiles || choice.engine->fault.is_fault) {
+        return status != PL_OK ? status : check_choice(c, &choice, error);
+    }
+    const char *slash = strrchr(spec, '/');
+    if (strpbrk(slash == NULL ? spec : slash, ":,") != NULL) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       "--all-profiles takes an engine without a profile or options; found \"%s\"",
+                       spec);
+    }
+    for (int i = 0; i < choice.engine->profile_count && status == PL_OK; ++i) {
+        choice.profile = i;
+        memcpy(choice.values, pl_engine_profile_values(choice.engine, i),
+               (size_t)choice.engine->option_count * sizeof *choice.values);
+        status = check_choice(c, &choice, error);
+    }
+    return status;
 }
 
 static int run(const pl_call *call)
 {
     options o = {.request = pl_request_default()};
     pl_error error = {.message = ""};
-    bool failed = false;
+    pl_status status = PL_OK;
+    o.request.limits.timeout = 20;
     pl_call_parse(call, &o);
     if (o.list) {
         print_list();
     }
-    json_t *report = json_array();
-    pl_status status = PL_OK;
-    pl_engine_describe_within(&o.request.limits);
+    checking c = {.call = call,
+                  .options = &o,
+                  .shows = o.request.json == NULL || strcmp(o.request.json, "-") != 0,
+                  .list = json_array()};
     for (int i = 0; i < o.request.names.count && status == PL_OK; ++i) {
-        status = check_engine(&o, o.request.names.items[i], &failed, report, &error);
+        status = check_engine(&c, o.request.names.items[i], &error);
     }
     if (status == PL_OK && o.request.json != NULL) {
         json_t *document =
-            json_pack("{s:s, s:O}", "schema", "plumb.conformance/1", "engines", report);
+            json_pack("{s:s, s:O}", "schema", "plumb.conformance/1", "engines", c.list);
         status = pl_results_write_json(o.request.json, document, &error);
         json_decref(document);
     }
-    json_decref(report);
+    json_decref(c.list);
     free(o.checks.items);
     pl_request_free(&o.request);
-    return pl_call_end(call, status, &error, 0, failed ? PL_EXIT_GATE : PL_EXIT_OK);
+    return pl_call_end(call, status, &error, 0, c.failed ? PL_EXIT_GATE : PL_EXIT_OK);
 }
 
 static const pl_option OPTIONS[] = {
     {"check", "NAME", "Run this check alone (repeatable)", PL_OPTION_TEXTS,
      .field = offsetof(options, checks), .letter = 'c'},
+    {"all-profiles", NULL, "Check every profile of each engine, rather than the first",
+     PL_OPTION_FLAG, .field = offsetof(options, all_profiles), .letter = 'a'},
+    {"quiet", NULL, "Print failures and verdicts only", PL_OPTION_FLAG,
+     .field = offsetof(options, quiet), .letter = 'q'},
+    {"timeout", NULL, "Longest wall time of a check in seconds (default 20)",
+     .kind = PL_OPTION_HELP},
+    {"memory", NULL, "Largest address space of a check in GiB (default 8; 0: no limit)",
+     .kind = PL_OPTION_HELP},
     {"list", NULL, "List the checks", PL_OPTION_FLAG, .field = offsetof(options, list),
      .letter = 'l'},
     {"json", "FILE", "Write the results as JSON (- is standard output)", PL_OPTION_TEXT,
@@ -199,12 +297,17 @@ const pl_command pl_command_check_engine = {
         "Runs small scenes that each catch one kind of mistake of an engine or its adapter: units, "
         "frames, signs, order, masses, friction, restitution, contacts. Each failure says what was "
         "expected, what was found, and what usually causes it.",
-    .notes = "Exit codes: 0 every check passed or was skipped; 1 a check failed.\n"
-             "\n"
-             "Examples:\n"
-             "  plumb check-engine ode:quick\n"
-             "  plumb check-engine plumb bullet --json conformance.json\n"
-             "  plumb check-engine --list",
+    .notes =
+        "What was found is kept for each binary and profile, and reports show it, when all checks "
+        "were made with the profile's own options.\n"
+        "\n"
+        "Exit codes: 0 every check passed or was skipped; 1 a check failed; 2 usage or a SPEC "
+        "that is none; 3 a check could not be run, or I/O failed.\n"
+        "\n"
+        "Examples:\n"
+        "  plumb check-engine ode:quick\n"
+        "  plumb check-engine plumb bullet --all-profiles --json conformance.json\n"
+        "  plumb check-engine --list",
     .options = OPTIONS,
     .shared = {pl_limit_options},
     .check = check,
