@@ -4,6 +4,7 @@
 #include <fenv.h>
 #include <math.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -83,16 +84,31 @@ static double speed_of(const pl_body_state *state)
                 state->velocity[2] * state->velocity[2]);
 }
 
-/* Restitution is 0 while no body is faster than 0.5 m/s. */
+/* Every body has a material of its own, so that restitution can be changed for two bodies. */
+static void own_materials(variant_instance *v)
+{
+    const int count = v->scene.body_count;
+    variant_set_materials(v, count);
+    for (int i = 0; i < count; ++i) {
+        v->scene.bodies[i].material = i;
+        snprintf(v->scene.materials[i].name, sizeof v->scene.materials[i].name, "%d", i);
+    }
+    for (int i = 0; i < count * count; ++i) {
+        v->pairs[i] = pl_setup_pair(v->given, i / count, i % count);
+    }
+    variant_use_pairs(v);
+}
+
+/* Restitution of two bodies is 0 while their velocities differ by less than 0.5 m/s. */
 static pl_status restitution_threshold(variant_instance *v, double dt, pl_step_stats *stats,
                                        pl_error *error)
 {
-    double fastest = 0;
-    for (int i = 0; i < v->scene.body_count; ++i) {
-        fastest = fmax(fastest, speed_of(&v->states[i]));
-    }
-    for (int i = 0; i < v->scene.material_count * v->scene.material_count; ++i) {
-        v->pairs[i].restitution = fastest < 0.5 ? 0 : v->given->pairs[i].restitution;
+    const int count = v->scene.body_count;
+    for (int i = 0; i < count * count; ++i) {
+        const double *a = v->states[i / count].velocity, *b = v->states[i % count].velocity;
+        const double speed = hypot(hypot(a[0] - b[0], a[1] - b[1]), a[2] - b[2]);
+        const double given = pl_setup_pair(v->given, i / count, i % count).restitution;
+        v->pairs[i].restitution = speed < 0.5 ? 0 : given;
     }
     variant_use_pairs(v);
     const pl_status status = variant_restart(v, error);
@@ -206,7 +222,8 @@ static const variant faults[] = {
     {"float_hidden", "declares doubles and keeps its state in floats", .step = float_step},
     {"damping_linear", "linear damping of 0.01 1/s", .step = linear_damping},
     {"damping_angular", "angular damping of 0.01 1/s", .step = angular_damping},
-    {"restitution_threshold", "nothing bounces below 0.5 m/s", .step = restitution_threshold},
+    {"restitution_threshold", "nothing bounces below 0.5 m/s", .change_setup = own_materials,
+     .step = restitution_threshold},
     {"sleeping", "slow bodies stop", .step = sleep_step},
     {"gyroscopic_none", "declares the gyroscopic torque and leaves it out",
      .step = no_gyroscopic_torque},

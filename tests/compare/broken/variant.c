@@ -35,6 +35,16 @@ static void *copy_of(const void *items, size_t count, size_t size)
     return copy;
 }
 
+void variant_set_materials(variant_instance *v, int count)
+{
+    free(v->scene.materials);
+    free(v->pairs);
+    v->scene.materials = zeros((size_t)count, sizeof *v->scene.materials);
+    v->scene.material_count = count;
+    v->pairs = zeros((size_t)count * (size_t)count, sizeof *v->pairs);
+    v->setup.pairs = v->pairs;
+}
+
 void variant_use_pairs(variant_instance *v)
 {
     const int count = v->scene.material_count;
@@ -179,15 +189,17 @@ static void read_frame(const pl_engine_instance *instance, pl_frame *frame)
 static int read_contacts(const pl_engine_instance *instance, pl_contact *contacts, int capacity)
 {
     const variant_instance *v = own(instance);
-    if (v->contact_count > capacity) {
-        return v->contact_count;
+    pl_contact *all_contacts = copy_of(v->contacts, (size_t)v->contact_count, sizeof *contacts);
+    int count = v->contact_count;
+    if (v->variant->change_contacts != NULL) {
+        count = v->variant->change_contacts(v, all_contacts, count);
     }
-    if (v->contact_count > 0) {
-        memcpy(contacts, v->contacts, (size_t)v->contact_count * sizeof *contacts);
+    const int filled = count < capacity ? count : capacity;
+    if (filled > 0) {
+        memcpy(contacts, all_contacts, (size_t)filled * sizeof *contacts);
     }
-    return v->variant->change_contacts == NULL
-               ? v->contact_count
-               : v->variant->change_contacts(v, contacts, v->contact_count);
+    free(all_contacts);
+    return count;
 }
 
 static void read_settings(const pl_engine_instance *instance, pl_engine_settings *settings)

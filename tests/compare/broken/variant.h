@@ -53,6 +53,9 @@ pl_status variant_step(variant_instance *v, double dt, pl_step_stats *stats, pl_
  * before, stay. */
 pl_status variant_restart(variant_instance *v, pl_error *error);
 
+/* Gives v->scene `count` new materials, and v->pairs room for their pairs, all zero. */
+void variant_set_materials(variant_instance *v, int count);
+
 /* Sets the friction and restitution of every two materials in the scene to those of v->pairs. */
 void variant_use_pairs(variant_instance *v);
 
