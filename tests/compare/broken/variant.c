@@ -148,8 +148,8 @@ pl_status variant_restart(variant_instance *v, pl_error *error)
         memcpy(body->angular_velocity, state->angular_velocity, sizeof body->angular_velocity);
     }
     for (int i = 0; i < v->scene.force_count; ++i) {
-        v->scene.forces[i].from = v->given->scene->forces[i].from - v->time;
-        v->scene.forces[i].until = v->given->scene->forces[i].until - v->time;
+        v->scene.forces[i].from = v->given->scene->forces[i].from - v->simulated;
+        v->scene.forces[i].until = v->given->scene->forces[i].until - v->simulated;
     }
     return pl_engine_plumb()->create(&v->setup, &v->inner, error);
 }
@@ -158,6 +158,7 @@ pl_status variant_step(variant_instance *v, double dt, pl_step_stats *stats, pl_
 {
     const pl_status status = pl_engine_plumb()->step(v->inner, dt, stats, error);
     if (status == PL_OK) {
+        v->simulated += dt;
         read_states(v);
         read_inner_contacts(v);
     }

@@ -23,7 +23,8 @@ typedef struct variant_instance {
     pl_contact *contacts;  /* (contact_count) of the last step */
     int contact_count, contact_capacity;
     long steps;
-    double time; /* s */
+    double time;      /* s, by the harness's steps */
+    double simulated; /* s, by the inner engine's; both differ within a step */
 } variant_instance;
 
 /* What is changed. NULL: nothing in that place. */
