@@ -30,12 +30,13 @@ setup random_instance         repeats               when it is created again
 setup cylinders_absent        cylinder-rests        this shape is claimed, and its contacts are missing
 setup meshes_absent           mesh-rests            this shape is claimed, and its contacts are missing
 setup box_half_size           box-rests             the size of the shape
+setup plane_offset            plane                 its offset
 setup force_offset            inertia-axes          pl_force.at is ignored
 setup force_frame             body-force            PL_FRAME_BODY is taken as one in the world
 setup force_time              force-times           pl_force.from or .until
 step  step_short              step-length           0\.9 times .* step must advance by exactly dt
 step  step_fixed              step-length           steps of the same length
-step  substeps_hidden         contact-before-step   sub-step
+step  substeps_hidden         contact-before-step   within it
 step  float_hidden            integrator            0\.49999
 step  damping_linear          linear-damping        damping of 0\.01
 step  damping_angular         angular-damping       damping of 0\.01
