@@ -369,6 +369,21 @@ static void check_impulse_pair(pl_probe *p)
     }
 }
 
+/* All corners of a box that falls flat on a plane count. */
+static void check_impulse_box(pl_probe *p)
+{
+    begin(p, 0, 0, true);
+    pl_probe_add_floor(p);
+    pl_body box = pl_body_default();
+    box.shape = pl_shape_box(0.5, 0.4, 0.3);
+    box.mass = HEAVY;
+    box.position[2] = 0.31;
+    const int index = pl_probe_add_body(p, box);
+    const int falling = add_falling(p, (double[]){0, 0, 0});
+    pl_probe_create(p);
+    expect_steps(p, &(motion){index, falling, 60, false, "a box that falls on a plane"});
+}
+
 enum {
     SMOOTH = PL_NEEDS_SPHERE | PL_NEEDS_PLANE,
     SLIDING = SMOOTH | PL_NEEDS_FRICTION | PL_NEEDS_ROTATION,
@@ -385,6 +400,8 @@ const pl_check pl_impulse_checks[] = {
      REPORTED, check_impulse_friction},
     {"impulse-bounce", "the impulses on a bouncing sphere are those of its motion",
      SMOOTH | PL_NEEDS_RESTITUTION, REPORTED, check_impulse_bounce},
+    {"impulse-box", "the impulses on a box are those of its motion",
+     SMOOTH | PL_NEEDS_BOX | PL_NEEDS_ROTATION, REPORTED, check_impulse_box},
     {"impulse-pair", "the impulses of a collision are those of both motions", PL_NEEDS_SPHERE,
      REPORTED, check_impulse_pair},
 };

@@ -48,6 +48,8 @@ typedef struct pl_check {
 /* The checks of each file, (count). */
 extern const pl_check pl_state_checks[];
 extern const int pl_state_check_count;
+extern const pl_check pl_place_checks[];
+extern const int pl_place_check_count;
 extern const pl_check pl_motion_checks[];
 extern const int pl_motion_check_count;
 extern const pl_check pl_mass_checks[];

@@ -18,6 +18,7 @@ setup restitution_low         restitution           0\.98 times
 setup restitution_ignored     restitution           the coefficient does not reach the engine
 setup gravity_high            gravity               1\.01 times
 setup gravity_vertical        gravity-direction     the x component of pl_scene.gravity is not used
+setup quaternion_mixed        turned-box            quaternion is x, y, z, w
 setup spin_body_write         initial-spin          create takes the angular velocity as one in the body
 setup spin_body_both          angular-velocity      the frame of the angular velocity
 setup spin_degrees_both       angular-velocity      degrees
@@ -30,6 +31,7 @@ setup random_instance         repeats               when it is created again
 setup cylinders_absent        cylinder-rests        this shape is claimed, and its contacts are missing
 setup meshes_absent           mesh-rests            this shape is claimed, and its contacts are missing
 setup box_half_size           box-rests             the size of the shape
+setup capsule_short           capsule-stands        includes the caps
 setup plane_offset            plane                 its offset
 setup force_offset            inertia-axes          pl_force.at is ignored
 setup force_frame             body-force            PL_FRAME_BODY is taken as one in the world
@@ -41,6 +43,7 @@ step  float_hidden            integrator            0\.49999
 step  damping_linear          linear-damping        damping of 0\.01
 step  damping_angular         angular-damping       damping of 0\.01
 step  restitution_threshold   restitution-threshold a threshold of restitution
+step  sleeping                sleeping              sleeping
 step  gyroscopic_none         gyroscopic-torque     gyroscopic torque is left out
 step  leak_instance           scene-leaks           1e\+05 more .* a leak
 step  leak_step               step-leaks            1e\+05 more .* a leak
@@ -51,12 +54,14 @@ step  exit                    repeats               exit\(0\) during the check
 step  crash                   repeats               SIGSEGV during the check
 step  hang                    repeats               no end within
 read  quaternion_order        quaternion-order      components is x, y, z, w
+read  quaternion_inverse      quaternion-order      conjugated
 read  quaternion_length       unit-quaternion       1\.001 .* normalise
 read  spin_body_read          initial-spin          gives the angular velocity in the body
 read  spin_degrees            initial-spin          degrees in place of radians
 read  hull_centre_read        hull-centre           the position is that of the centre of mass
 read  hull_velocity_read      hull-centre           the velocity is that of the frame
 read  static_drifts           static-bodies         after 10 steps
+read  frame_late              frame-of-step         before the step
 read  time_unfilled           frame-time            does not fill pl_frame.time
 read  time_steps              frame-time            the number of steps times dt
 read  normal_reversed         contact-normal        points from B to A
@@ -70,6 +75,7 @@ read  contact_wrong_body      contact-bodies        which alone touch
 read  contact_self            contact-bodies        a contact of bodies 1 and 1
 read  contact_index           contact-bodies        indices of the scene
 read  contact_count_negative  contact-count         negative
+read  contact_lost            impulse-box           not all that acts
 read  contact_points_local    contact-point         relative to a body
 read  contacts_after          contact-before-step   before the step
 read  settings_mass           read-back             mass of body 0
