@@ -38,7 +38,7 @@ setup force_frame             body-force            PL_FRAME_BODY is taken as on
 setup force_time              force-times           pl_force.from or .until
 step  step_short              step-length           0\.9 times .* step must advance by exactly dt
 step  step_fixed              step-length           steps of the same length
-step  substeps_hidden         contact-before-step   within it
+step  substeps_hidden         contact-before-step   sub-step|within
 step  float_hidden            integrator            0\.49999
 step  damping_linear          linear-damping        damping of 0\.01
 step  damping_angular         angular-damping       damping of 0\.01
@@ -77,7 +77,7 @@ read  contact_index           contact-bodies        indices of the scene
 read  contact_count_negative  contact-count         negative
 read  contact_lost            impulse-box           not all that acts
 read  contact_points_local    contact-point         relative to a body
-read  contacts_after          contact-before-step   before the step
+read  contacts_after          contact-before-step   before the step|after the step
 read  settings_mass           read-back             mass of body 0
 read  settings_friction       read-pair             0\.99 times
 '
