@@ -20,7 +20,7 @@ says() {
     grep -qE -- "$2" "$1.text" || note_failure "no \"$2\" in the report $1"
 }
 lacks() {
-    if grep -iE -- "$2" "$1.text"; then note_failure "\"$2\" in the report $1"; fi
+    if grep -E -- "$2" "$1.text"; then note_failure "\"$2\" in the report $1"; fi
 }
 
 low=$BUILD/broken_setup.so:friction_low
