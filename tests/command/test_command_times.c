@@ -1,5 +1,6 @@
-/* CPU and wall time of create, step and read: each call's cost is in the metric of its name alone. No
- * test asserts a time; what is compared differs by a factor of a hundred. */
+/* CPU and wall time of create, step and read: each call's cost is in the metric of its name alone, and
+ * all of it. The engine works until its own clock says so; what is compared otherwise differs by a
+ * factor of a hundred. */
 #include "check.h"
 #include "plumb_process.h"
 
@@ -61,12 +62,31 @@ static void test_work_in_reading_is_time_of_reading(void **state)
     json_decref(works);
 }
 
+/* The engine works for so long by the clock of the same process, on one thread. */
+static void test_no_measured_time_is_less_than_the_work(void **state)
+{
+    static const struct {
+        const char *profile, *cpu, *wall;
+        double work; /* s */
+    } cases[] = {{"work_in_create", "time_create", "wall_time_create", 0.05},
+                 {"work_in_step", "time_per_step", "wall_time_per_step", 0.002},
+                 {"work_in_read", "time_read", "wall_time_read", 0.002}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        json_t *result = run_profile(state, cases[i].profile);
+        const double cpu = value(result, cases[i].cpu), wall = value(result, cases[i].wall);
+        assert_true(cpu > 0.99 * cases[i].work);
+        assert_true(wall > 0.99 * cpu);
+        json_decref(result);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_an_engine_that_sleeps_has_wall_time_alone),
         cmocka_unit_test(test_work_in_create_is_time_of_create),
         cmocka_unit_test(test_work_in_reading_is_time_of_reading),
+        cmocka_unit_test(test_no_measured_time_is_less_than_the_work),
     };
     return cmocka_run_group_tests_name("times", tests, setup_workspace, teardown_workspace);
 }

@@ -28,7 +28,8 @@ typedef enum fault {
     FAULT_CREATE,
     FAULT_DESTROY,
     FAULT_WORK_IN_CREATE,
-    FAULT_WORK_IN_READ
+    FAULT_WORK_IN_READ,
+    FAULT_WORK_IN_STEP
 } fault;
 
 static const pl_engine_profile profiles[] = {
@@ -50,6 +51,7 @@ static const pl_engine_profile profiles[] = {
     [FAULT_DESTROY] = {"destroy", "aborts in destroy", false},
     [FAULT_WORK_IN_CREATE] = {"work_in_create", "takes 50 ms of CPU time in create", false},
     [FAULT_WORK_IN_READ] = {"work_in_read", "takes 2 ms of CPU time to hand out a frame", false},
+    [FAULT_WORK_IN_STEP] = {"work_in_step", "takes 2 ms of CPU time in a step", false},
 };
 
 struct pl_engine_instance {
@@ -169,6 +171,7 @@ static pl_status step(pl_engine_instance *instance, double dt, pl_step_stats *st
 {
     (void)stats;
     instance->steps += 1;
+    work(instance->fault == FAULT_WORK_IN_STEP ? 0.002 : 0);
     for (int i = 0; i < instance->scene->body_count; ++i) {
         for (int k = 0; k < 3 && !instance->scene->bodies[i].is_static; ++k) {
             instance->states[i].velocity[k] += dt * instance->scene->gravity[k];
