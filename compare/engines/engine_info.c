@@ -158,10 +158,14 @@ static pl_status describe(const description_job *job, FILE *answer, json_t **des
         stamp);
     report_stage(answer, "while it was unloaded");
     pl_unload_engine(&loaded);
-    return *description == NULL ? error->status != PL_OK
-                                      ? error->status
-                                      : pl_fail(error, PL_NO_MEMORY, "out of memory")
-                                : PL_OK;
+    if (*description != NULL) {
+        return PL_OK;
+    }
+    const pl_error cause = *error;
+    return cause.status == PL_OK
+               ? pl_fail(error, PL_NO_MEMORY, "out of memory")
+               : pl_fail(error, cause.status, "%s: %s",
+                         job->path == NULL ? job->built_in->name : job->path, cause.message);
 }
 
 static void describe_and_answer(void *user, FILE *answer)

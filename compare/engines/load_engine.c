@@ -71,34 +71,73 @@ static bool is_word(const char *text)
                text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.-")] == '\0';
 }
 
-static pl_status check_words(const char *path, const pl_engine *engine, pl_error *error)
+static const char *const WORD_EXPECTED = "expected 1 to 63 letters, digits, '_', '-' or '.'";
+
+static pl_status check_profiles(const char *path, const pl_engine *engine, pl_error *error)
 {
-    static const char *const expected = "expected 1 to 63 letters, digits, '_', '-' or '.'";
-    if (!is_word(engine->name)) {
-        return pl_fail(error, PL_BAD_INPUT, "%s: name: %s", path, expected);
-    }
     for (int i = 0; i < engine->profile_count; ++i) {
-        if (!is_word(engine->profiles[i].name)) {
-            return pl_fail(error, PL_BAD_INPUT, "%s: profiles[%d].name: %s", path, i, expected);
+        const char *name = engine->profiles[i].name;
+        if (!is_word(name)) {
+            return pl_fail(error, PL_BAD_INPUT, "%s: profiles[%d].name: %s", path, i,
+                           WORD_EXPECTED);
         }
-    }
-    for (int i = 0; i < engine->option_count; ++i) {
-        const pl_engine_option *option = &engine->options[i];
-        if (!is_word(option->name)) {
-            return pl_fail(error, PL_BAD_INPUT, "%s: options[%d].name: %s", path, i, expected);
-        }
-        const double tuned = option->tune_max - option->tune_min;
-        if (!isfinite(option->min) || !isfinite(option->max) || !isfinite(tuned)) {
-            return pl_fail(error, PL_BAD_INPUT, "%s: option %s: its limits must be finite", path,
-                           option->name);
-        }
-        if (!(option->min <= option->value && option->value <= option->max)) {
-            return pl_fail(error, PL_BAD_INPUT,
-                           "%s: option %s: its default %g is not within %g to %g", path,
-                           option->name, option->value, option->min, option->max);
+        for (int k = 0; k < i; ++k) {
+            if (strcmp(engine->profiles[k].name, name) == 0) {
+                return pl_fail(error, PL_BAD_INPUT, "%s: profiles[%d].name: %s is taken", path, i,
+                               name);
+            }
         }
     }
     return PL_OK;
+}
+
+static pl_status check_numbers(const char *path, const pl_engine_option *o, pl_error *error)
+{
+    if (!isfinite(o->min) || !isfinite(o->max)) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: option %s: its limits must be finite", path,
+                       o->name);
+    }
+    if (!(o->min <= o->value && o->value <= o->max)) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: option %s: its default %g is not within %g to %g",
+                       path, o->name, o->value, o->min, o->max);
+    }
+    const bool is_range = o->min <= o->tune_min && o->tune_min < o->tune_max &&
+                          o->tune_max <= o->max && (!o->tune_logarithmic || o->tune_min > 0);
+    if (o->tune_profiles != 0 && !is_range) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       "%s: option %s: tune_min %g to tune_max %g is no %srange within %g to %g",
+                       path, o->name, o->tune_min, o->tune_max,
+                       o->tune_logarithmic ? "logarithmic " : "", o->min, o->max);
+    }
+    return PL_OK;
+}
+
+static pl_status check_options(const char *path, const pl_engine *engine, pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int i = 0; i < engine->option_count && status == PL_OK; ++i) {
+        const char *name = engine->options[i].name;
+        if (!is_word(name)) {
+            return pl_fail(error, PL_BAD_INPUT, "%s: options[%d].name: %s", path, i, WORD_EXPECTED);
+        }
+        bool is_taken = strcmp(name, "label") == 0; /* label= is the harness's own */
+        for (int k = 0; k < i; ++k) {
+            is_taken = is_taken || strcmp(engine->options[k].name, name) == 0;
+        }
+        status = is_taken ? pl_fail(error, PL_BAD_INPUT, "%s: options[%d].name: %s is taken", path,
+                                    i, name)
+                          : check_numbers(path, &engine->options[i], error);
+    }
+    return status;
+}
+
+static pl_status check_words(const char *path, const pl_engine *engine, pl_error *error)
+{
+    if (!is_word(engine->name)) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: name: %s", path, WORD_EXPECTED);
+    }
+    pl_status status = check_profiles(path, engine, error);
+    return status == PL_OK ? check_options(path, engine, error) : status;
 }
 
 static pl_status check_sizes(const char *path, const pl_engine *engine, pl_error *error)

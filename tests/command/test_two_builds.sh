@@ -55,6 +55,12 @@ expect 0 'free-fall on new' metamorphic free-fall --duration 0.1 --check again "
 expect 0 'old' threshold slope-threshold --duration 0.1 "${both[@]}" --json threshold.jsonl
 expect 0 '' compare "${fall[@]}" "${both[@]}" --iterations-to-tolerance --out tolerance
 expect 0 '' report swept --out swept_report
+cp old.so changing.so
+changing=(sweep free-fall --duration 0.1 --vary dt=1/60,1/120 --engine ./changing.so --out mixed)
+expect 0 '' "${changing[@]}"
+cp new.so changing.tmp
+mv changing.tmp changing.so
+expect 0 '' "${changing[@]}" --resume
 python3 - <<'END' || failed=1
 import json
 swept = json.load(open("swept.json"))
@@ -63,6 +69,9 @@ assert labels == ["new", "new,iterations=2", "old", "old,iterations=2"], labels
 assert len(swept) == 8 and all(row["outcome"] == "ok" for row in swept)
 curves = {engine["name"] for engine in json.load(open("swept/sweep.json"))["engines"]}
 assert curves == {"old", "new"}, curves
+assert json.load(open("swept/sweep.json"))["several_builds"] is False
+mixed = json.load(open("mixed/sweep.json"))
+assert mixed["several_builds"] is True and len(mixed["points"]) == 4, mixed
 text = open("ensemble.json").read() + open("metamorphic.json").read()
 assert all(f'"{label}"' in text for label in ("old", "new", "old@converged", "new@converged")), text[:2000]
 assert [json.loads(line)["label"] for line in open("threshold.jsonl")] == ["old", "new"]

@@ -19,6 +19,9 @@ static const char template_source[] =
     "#ifndef ENGINE_NAME\n#define ENGINE_NAME \"mine\"\n#endif\n"
     "#ifndef PROFILE_NAME\n#define PROFILE_NAME \"fast\"\n#endif\n"
     "#ifndef OPTION_NAME\n#define OPTION_NAME \"iterations\"\n#endif\n"
+    "#ifndef ITERATIONS\n#define ITERATIONS 4\n#endif\n"
+    "#ifndef STIFFNESS\n#define STIFFNESS 0.75\n#endif\n"
+    "#ifndef TUNE\n#define TUNE\n#endif\n"
     "#ifndef MORE\n#define MORE\n#endif\n"
     "static pl_status create(const pl_engine_setup *s, pl_engine_instance **i, pl_error *e)\n"
     "    { (void)s; (void)i; (void)e; return PL_UNSUPPORTED; }\n"
@@ -26,10 +29,10 @@ static const char template_source[] =
     "static inline pl_status step(pl_engine_instance *i, double d, pl_step_stats *s, pl_error *e)\n"
     "    { (void)i; (void)d; (void)s; (void)e; return PL_FAILED; }\n"
     "static void frame(const pl_engine_instance *i, pl_frame *f) { (void)i; (void)f; }\n"
-    "static void defaults(int profile, double *v) { if (profile == 1) v[1] = 0.75; }\n"
+    "static void defaults(int profile, double *v) { if (profile == 1) v[1] = STIFFNESS; }\n"
     "static const pl_engine_profile profiles[] = {{.name = PROFILE_NAME}, {.name = \"slow\"}};\n"
     "static const pl_engine_option options[] = {\n"
-    "    {.name = OPTION_NAME, .value = 4, .min = 1, .max = 100, .integer = true},\n"
+    "    {.name = OPTION_NAME, .value = ITERATIONS, .min = 1, .max = 100, .integer = true, TUNE},\n"
     "    {.name = \"stiffness\", .value = 0.25, .min = 0, .max = 1}};\n"
     "static const pl_engine engine = {.struct_size = SIZE, .abi_version = VERSION,\n"
     "    .name = ENGINE_NAME,\n"
@@ -295,6 +298,14 @@ static void test_shared_objects_of_another_abi_are_refused(void **state)
         {"profile.so", "-DPROFILE_NAME=NULL", "profiles[0].name: expected"},
         {"comma.so", "-DPROFILE_NAME='\"a,b\"'", "profiles[0].name: expected"},
         {"option.so", "-DOPTION_NAME='\"a=b\"'", "options[0].name: expected"},
+        {"twice.so", "-DOPTION_NAME='\"stiffness\"'", "options[1].name: stiffness is taken"},
+        {"label.so", "-DOPTION_NAME='\"label\"'", "options[0].name: label is taken"},
+        {"profile2.so", "-DPROFILE_NAME='\"slow\"'", "profiles[1].name: slow is taken"},
+        {"default.so", "-DITERATIONS=101", "its default 101 is not within 1 to 100"},
+        {"slow.so", "-DSTIFFNESS=2",
+         "profile slow: the default 2 of option stiffness is not within"},
+        {"tune.so", "-DTUNE=.tune_profiles=1,.tune_min=0,.tune_max=9",
+         "is no range within 1 to 100"},
         {"none.so", "-DOPTION_NAME=NULL", "options[0].name: expected"},
         {"contacts.so", "-DMORE=,.contacts=1", "lacks read_contacts"},
         {"bits.so", "-DMORE=',.contacts=9,.read_contacts=(void*)1'",

@@ -110,8 +110,8 @@ typedef struct pl_engine_option {
      * "world.set_erp({});". NULL: not shown. */
     const char *code;
     uint32_t tune_profiles; /* bits 1 << profile for which `plumb tune` varies it; 0: none */
-    double tune_min;        /* least value tried */
-    double tune_max;        /* largest value tried */
+    double tune_min;        /* least value tried, within the limits */
+    double tune_max;        /* largest value tried, within the limits */
     bool tune_logarithmic;  /* values are spaced by ratio */
 } pl_engine_option;
 

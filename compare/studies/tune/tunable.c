@@ -16,7 +16,7 @@ static bool names_any(const pl_engine_info *engine)
 bool pl_tunable_find(const pl_engine_info *engine, int profile, int option, pl_tunable *tunable)
 {
     const pl_engine_option *o = &engine->options[option];
-    if ((o->tune_profiles >> profile & 1u) != 0) {
+    if (profile < 32 && (o->tune_profiles >> profile & 1u) != 0) {
         *tunable = (pl_tunable){o->tune_min, o->tune_max, o->tune_logarithmic};
         return true;
     }
