@@ -263,23 +263,20 @@ static void place_on_floor(pl_probe *p, double separation, const double velocity
     pl_probe_create(p);
 }
 
-/* A plane that is level nowhere and misses the origin. The sphere moves along its normal, m/s. */
-static const double SLOPE[3] = {0.6, 0, 0.8};
-
-static void place_on_slope(pl_probe *p, double separation, double speed)
+/* On a plane that is not level and misses the origin. */
+static void place_on_slope(pl_probe *p, double separation)
 {
-    const double offset = 0.75;
+    const double normal[3] = {0.6, 0, 0.8}, offset = 0.75;
     pl_body slope = pl_body_default();
-    double position[3], velocity[3];
+    double position[3] = {0, 2, 0};
     slope.is_static = true;
-    slope.shape = pl_shape_plane(SLOPE[0], SLOPE[1], SLOPE[2], offset);
+    slope.shape = pl_shape_plane(normal[0], normal[1], normal[2], offset);
     for (int k = 0; k < 3; ++k) {
-        position[k] = (offset + RADIUS + separation) * SLOPE[k] + (k == 1 ? 2 : 0);
-        velocity[k] = speed * SLOPE[k];
+        position[k] += (offset + RADIUS + separation) * normal[k];
     }
     begin(p, false);
     pl_probe_add_body(p, slope);
-    add_ball(p, position, velocity);
+    add_ball(p, position, (double[]){0, 0, 0});
     pl_probe_create(p);
 }
 
@@ -316,7 +313,7 @@ static void expect_points(pl_probe *p)
 
 static void check_point(pl_probe *p)
 {
-    place_on_slope(p, -DEPTH, 0);
+    place_on_slope(p, -DEPTH);
     step_to_contact(p, 3);
     expect_points(p);
     place_pair(p, -DEPTH);
@@ -385,37 +382,6 @@ static void check_before_step(pl_probe *p)
     expect_separations(p, DEPTH, "the separation, before the step, of a sphere that leaves, m");
 }
 
-/* ---- The plane's place, by motion alone ---- */
-
-static double speed_along(const pl_body_state *state, const double along[3])
-{
-    const double *v = state->velocity;
-    return v[0] * along[0] + v[1] * along[1] + v[2] * along[2];
-}
-
-static void check_plane(pl_probe *p)
-{
-    place_on_slope(p, 0.1, -2);
-    char found[PL_CHECK_TEXT_SIZE];
-    static const char cause[] =
-        "the plane's normal or its offset: the solid is {x : n.x <= offset}";
-    for (int n = 1; n <= 20 && !p->over; ++n) {
-        pl_probe_steps(p, 1);
-        const double gap = truth_of(p, p->now, 0, 1).separation;
-        const double speed = speed_along(&p->now[1], SLOPE);
-        snprintf(found, sizeof found, "%g m above it, at %g m/s, %g s after the start", gap, speed,
-                 n * DT);
-        pl_probe_require(p, n > 3 || fabs(speed + 2) < 0.01,
-                         "a sphere 0.1 m above a tilted plane that comes at 2 m/s does not touch "
-                         "it for 0.03 s",
-                         found, cause);
-        pl_probe_require(p, gap > -0.1 * RADIUS,
-                         "a sphere does not enter a plane by a tenth of its radius", found, cause);
-    }
-    pl_probe_require(p, speed_along(&p->now[1], SLOPE) > -0.2,
-                     "a sphere that has met a plane no longer moves into it", found, cause);
-}
-
 /* ---- How many ---- */
 
 static int read_again(pl_probe *p, pl_contact *contacts, int capacity)
@@ -467,7 +433,6 @@ const pl_check pl_contact_checks[] = {
      check_separation},
     {"contact-before-step", "contacts are of the pose before the step", SMOOTH, PL_CONTACTS_POINTS,
      check_before_step},
-    {"plane", "a plane is where the scene has it", SMOOTH, 0, check_plane},
     {"contact-count", "read_contacts keeps to its capacity", SMOOTH, PL_CONTACTS_POINTS,
      check_count},
 };

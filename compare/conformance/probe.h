@@ -56,6 +56,8 @@ extern const pl_check pl_mass_checks[];
 extern const int pl_mass_check_count;
 extern const pl_check pl_claim_checks[];
 extern const int pl_claim_check_count;
+extern const pl_check pl_shape_checks[];
+extern const int pl_shape_check_count;
 extern const pl_check pl_material_checks[];
 extern const int pl_material_check_count;
 extern const pl_check pl_contact_checks[];
