@@ -116,6 +116,9 @@ static void test_more_contacts_than_reserved_are_all_solved(void **state)
     pl_step_stats stats;
     for (int n = 0; n < 480; ++n) {
         assert_int_equal(pl_session_step(&session, &stats, NULL, &error), PL_OK);
+        if (n == 0) { /* MuJoCo lists contacts of depth 0, but gives them no force */
+            assert_close(stats.contacts, 0, 0, 0);
+        }
     }
     assert_close(stats.contacts, 4 * PLANES, 0, 0);
     pl_contact *contacts = NULL;

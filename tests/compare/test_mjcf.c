@@ -110,6 +110,19 @@ static void test_pairs_stand_where_the_larger_friction_is_wrong(void **state)
     }
 }
 
+/* MuJoCo raises a friction of 0 to 1e-5 where the contact has three dimensions. */
+static void test_frictionless_geoms_have_contacts_of_one_dimension(void **state)
+{
+    (void)state;
+    for (int rough = 0; rough < 2; ++rough) {
+        pl_scene scene = scene_with_block(0.5 * rough, 1, 0.5, 0.5);
+        char *text = text_of(&scene);
+        assert_int_equal(count_of(text, "condim=\"1\""), 2 * !rough);
+        free(text);
+        pl_scene_free(&scene);
+    }
+}
+
 static void test_scenes_that_mjcf_cannot_hold_are_refused(void **state)
 {
     (void)state;
@@ -143,6 +156,7 @@ int main(void)
         cmocka_unit_test(test_a_scene_read_back_gives_the_same_model),
         cmocka_unit_test(test_names_are_escaped_and_differ_from_world),
         cmocka_unit_test(test_pairs_stand_where_the_larger_friction_is_wrong),
+        cmocka_unit_test(test_frictionless_geoms_have_contacts_of_one_dimension),
         cmocka_unit_test(test_scenes_that_mjcf_cannot_hold_are_refused),
     };
     return cmocka_run_group_tests_name("mjcf", tests, NULL, NULL);
