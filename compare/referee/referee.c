@@ -110,6 +110,11 @@ static void see_poses(pl_referee *r, const pl_body_state *bodies)
     memcpy(r->last, bodies, (size_t)r->scene->body_count * sizeof *bodies);
 }
 
+void pl_referee_set_substeps(pl_referee *referee, int substeps)
+{
+    pl_mechanics_set_substeps(referee->mechanics, substeps);
+}
+
 pl_verdict pl_referee_start(pl_referee *r, const pl_frame *frame)
 {
     pl_verdict verdict = pl_check_finite(r->scene, frame->bodies, 0, &r->reason);

@@ -19,6 +19,10 @@ pl_status pl_referee_create(const pl_scene *scene, pl_referee **referee, pl_erro
 /* Frees the referee; NULL is allowed. */
 void pl_referee_destroy(pl_referee *referee);
 
+/* Sets the number of sub-steps that the engine makes in a step, by which its energy is judged; one
+ * unless this is called, before pl_referee_start. */
+void pl_referee_set_substeps(pl_referee *referee, int substeps);
+
 /* Takes the state before the first step. */
 pl_verdict pl_referee_start(pl_referee *referee, const pl_frame *frame);
 

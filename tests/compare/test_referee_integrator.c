@@ -245,6 +245,41 @@ static void test_another_integrator_is_not_detected(void **state)
     }
 }
 
+/* A ball thrown sideways by semi-implicit Euler with four sub-steps: its energy and momentum are kept
+ * when the referee knows of them, and the energy is not when it does not. */
+static void test_substeps_gain_no_energy(void **state)
+{
+    (void)state;
+    enum { SUBSTEPS = 4 };
+    for (int substeps = 1; substeps <= SUBSTEPS; substeps += SUBSTEPS - 1) {
+        run r;
+        prepare_fall(&r, 3);
+        r.scene.bodies[0].velocity[0] = 2;
+        r.substeps = substeps;
+        run_begin(&r);
+        for (int i = 0; i < STEPS; ++i) {
+            for (int k = 0; k < SUBSTEPS; ++k) {
+                r.state[0].velocity[2] -= 9.81 * H / SUBSTEPS;
+                for (int axis = 0; axis < 3; ++axis) {
+                    r.state[0].position[axis] += H / SUBSTEPS * r.state[0].velocity[axis];
+                }
+            }
+            run_step_many(&r, 1);
+        }
+        run_finish(&r);
+        if (substeps == SUBSTEPS) {
+            assert_string_equal(integrator_of(&r), names[NEW_VELOCITY]);
+            assert_close(run_value(&r, PL_METRIC_ENERGY_GAIN), 0, 1e-12, 0);
+            assert_close(run_value(&r, PL_METRIC_MOMENTUM_ERROR), 0, 1e-12, 0);
+            assert_int_equal(run_metric(&r, PL_METRIC_DISCRETE_ERROR)->state, PL_METRIC_ABSENT);
+        } else {
+            assert_string_equal(integrator_of(&r), "");
+            assert_true(run_value(&r, PL_METRIC_ENERGY_GAIN) > 1e-4);
+        }
+        run_end(&r);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -257,6 +292,7 @@ int main(void)
         cmocka_unit_test(test_without_acceleration_no_integrator_is_detected),
         cmocka_unit_test(test_alternating_integrators_are_mixed),
         cmocka_unit_test(test_another_integrator_is_not_detected),
+        cmocka_unit_test(test_substeps_gain_no_energy),
     };
     return cmocka_run_group_tests_name("referee_integrator", tests, NULL, NULL);
 }

@@ -16,6 +16,7 @@ typedef struct run {
     pl_step_stats stats;
     pl_metrics metrics;
     pl_error error;
+    int substeps; /* that the engine makes in a step; 0, as run_prepare leaves it: one */
 } run;
 
 /* An empty scene with step H that lasts `duration` seconds, and one material of friction 0.5. */

@@ -13,7 +13,8 @@
 
 /* How an engine integrates positions over a step of length h. */
 typedef enum pl_position_rule {
-    PL_SEMI_IMPLICIT, /* x' = x + h v', with v' = v + h g + J/m: conserves E + (h/2) m g.v */
+    PL_SEMI_IMPLICIT, /* x' = x + h v', with v' = v + h g + J/m: conserves E + (h/2) m g.v. With n
+                         sub-steps h is h / n here. */
     PL_SECOND_ORDER,  /* exact under constant gravity: conserves E */
     PL_POSITION_RULE_COUNT
 } pl_position_rule;
@@ -23,6 +24,7 @@ typedef enum pl_position_rule {
 typedef struct pl_integrator_votes {
     long flying[PL_POSITION_RULE_COUNT + 1]; /* in steps in which gravity alone acted */
     long pushed[PL_POSITION_RULE_COUNT + 1]; /* in other steps */
+    int substeps;                            /* that the engine makes in a step; 0: one */
 } pl_integrator_votes;
 
 /* Counts one step of the dynamic bodies. */
@@ -64,6 +66,10 @@ typedef struct pl_mechanics pl_mechanics;
 /* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
 pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena);
 
+/* Sets the number of sub-steps that the engine makes in a step; one unless this is called, before
+ * pl_mechanics_start. */
+void pl_mechanics_set_substeps(pl_mechanics *mechanics, int substeps);
+
 /* Takes the state before the first step. */
 void pl_mechanics_start(pl_mechanics *mechanics, const pl_body_state *bodies);
 
@@ -93,7 +99,8 @@ const double *pl_mechanics_growth(const pl_mechanics *mechanics, pl_position_rul
 /* Of the last state: the larger of |p - p0 - J| / scale.momentum and |L - L0 - K| /
  * scale.angular_momentum, where J and K are the impulses of gravity, of the scene's forces and of
  * the reported contacts with static bodies. If the engine reports no contacts, the result is valid
- * only while nothing has touched a static body. */
+ * only while nothing has touched a static body. With sub-steps, L counts only while no contact with
+ * a static body was reported: its arms are those of sub-steps that are not known. */
 double pl_mechanics_momentum_error(const pl_mechanics *mechanics, const pl_scale *scale,
                                    pl_position_rule integrator);
 

@@ -34,7 +34,8 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
         {"discrete_error", "1", PL_LOWER_IS_BETTER, true,
          "travel_error or value_error against the discrete reference: the exact result of the "
          "engine's own integrator at the scene's step, so that the time-stepping error is left "
-         "out; absent where the integrator was not detected or a discrete reference is not known"},
+         "out; absent where the integrator was not detected, where a discrete reference is not "
+         "known, and for an engine that divides the step"},
     [PL_METRIC_PATH_DEVIATION] =
         {"path_deviation", "m", PL_LOWER_IS_BETTER, true,
          "max over steps and travelling bodies of the distance of the centre from the line of "
@@ -73,7 +74,9 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
     [PL_METRIC_MOMENTUM_ERROR] =
         {"momentum_error", "1", PL_LOWER_IS_BETTER, true,
          "max over frames of |p - p_0 - impulses of gravity, scene forces and static bodies| / "
-         "p_ref, for linear and for angular momentum about the origin, whichever is larger"},
+         "p_ref, for linear and for angular momentum about the origin, whichever is larger; for "
+         "an engine that divides the step, for linear momentum alone after a contact with a static "
+         "body"},
     [PL_METRIC_FORCE_BALANCE] =
         {"force_balance", "1", PL_LOWER_IS_BETTER, true,
          "max over steps and bodies of |sum r + h m g + h F - m (v' - v)| / (h m |g|), where r are "

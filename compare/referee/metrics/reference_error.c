@@ -374,10 +374,14 @@ static pl_metric discrete_error_of(const pl_values *values, const pl_body_state 
     return metric;
 }
 
-/* Where the integrator was not detected, an error counts if it is the same by every integrator. */
+/* Where the integrator was not detected, an error counts if it is the same by every integrator. The
+ * references are those of whole steps. */
 static pl_metric discrete_error(const pl_values *values, const pl_body_state *bodies,
                                 const pl_integrator_votes *votes)
 {
+    if (votes->substeps > 1) {
+        return (pl_metric){0};
+    }
     pl_metric error = discrete_error_of(values, bodies, pl_integrator_of(votes));
     if (pl_integrator_certain(votes) == PL_INTEGRATOR_DETECTED) {
         return error;

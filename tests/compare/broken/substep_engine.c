@@ -8,7 +8,8 @@
 enum { SUBSTEPS = 4 };
 
 typedef struct contact_list {
-    pl_contact *items; /* (count) */
+    pl_contact *items;  /* (count) */
+    double (*place)[3]; /* (count), m: of the contact in the last sub-step that had it */
     int count, capacity;
 } contact_list;
 
@@ -21,21 +22,33 @@ static double squared_distance(const double a[3], const double b[3])
     return sum;
 }
 
-/* The contact of the same bodies that is nearest, within 2 cm; NULL when there is none. */
-static pl_contact *find_contact(contact_list *list, int first, const pl_contact *contact)
+/* The contact of the same bodies that was nearest, within 2 cm; -1 when there is none. */
+static int find_contact(const contact_list *list, int first, const pl_contact *contact)
 {
-    pl_contact *best = NULL;
+    int best = -1;
     double least = 4e-4;
     for (int i = 0; i < first; ++i) {
-        pl_contact *other = &list->items[i];
-        const double distance = squared_distance(other->point, contact->point);
+        const pl_contact *other = &list->items[i];
+        const double distance = squared_distance(list->place[i], contact->point);
         if (other->body_a == contact->body_a && other->body_b == contact->body_b &&
             distance < least) {
-            best = other;
+            best = i;
             least = distance;
         }
     }
     return best;
+}
+
+static void make_room(contact_list *list)
+{
+    if (list->count == list->capacity) {
+        list->capacity = 2 * list->capacity + 8;
+        list->items = realloc(list->items, (size_t)list->capacity * sizeof *list->items);
+        list->place = realloc(list->place, (size_t)list->capacity * sizeof *list->place);
+        if (list->items == NULL || list->place == NULL) {
+            abort();
+        }
+    }
 }
 
 /* Adds the contacts of a sub-step to those of the step. */
@@ -44,21 +57,17 @@ static void merge_contacts(contact_list *list, const variant_instance *v)
     const int before = list->count;
     for (int i = 0; i < v->contact_count; ++i) {
         const pl_contact *contact = &v->contacts[i];
-        pl_contact *same = find_contact(list, before, contact);
-        if (same != NULL) {
+        int same = find_contact(list, before, contact);
+        if (same < 0) {
+            make_room(list);
+            same = list->count++;
+            list->items[same] = *contact;
+        } else {
             for (int k = 0; k < 3; ++k) {
-                same->impulse[k] += contact->impulse[k];
-            }
-            continue;
-        }
-        if (list->count == list->capacity) {
-            list->capacity = 2 * list->capacity + 8;
-            list->items = realloc(list->items, (size_t)list->capacity * sizeof *list->items);
-            if (list->items == NULL) {
-                abort();
+                list->items[same].impulse[k] += contact->impulse[k];
             }
         }
-        list->items[list->count++] = *contact;
+        memcpy(list->place[same], contact->point, sizeof list->place[same]);
     }
 }
 
@@ -70,6 +79,7 @@ static pl_status step(variant_instance *v, double dt, pl_step_stats *stats, pl_e
         status = variant_step(v, dt / SUBSTEPS, stats, error);
         merge_contacts(&list, v);
     }
+    free(list.place);
     free(v->contacts);
     v->contacts = list.items;
     v->contact_count = list.count;
