@@ -437,6 +437,10 @@ static void expect_pair(pl_probe *p, int a, int b)
 
 static void check_read_pair(pl_probe *p)
 {
+    if (!p->choice->engine->reads_pairs) {
+        pl_probe_skip(p, "the engine does not read coefficients back");
+        return;
+    }
     const uint32_t claimed = p->choice->engine->capabilities;
     const bool has_friction =
         (claimed & PL_NEEDS_FRICTION) != 0 && (claimed & PL_NEEDS_ROTATION) != 0;
