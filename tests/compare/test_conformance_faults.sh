@@ -13,6 +13,7 @@ setup mass_double             mass                  half likely the mass
 setup inertia_double          inertia-axes          half likely the inertia
 setup inertia_permuted        inertia-axes          axis is that of the next one
 setup friction_low            friction              0\.99 times
+setup friction_ignored        friction-holds        contacts have none
 setup friction_product        friction              the product of the two materials
 setup restitution_low         restitution           0\.98 times
 setup restitution_ignored     restitution           the coefficient does not reach the engine
@@ -49,6 +50,7 @@ step  leak_instance           scene-leaks           1e\+05 more .* a leak
 step  leak_step               step-leaks            1e\+05 more .* a leak
 step  rounding_step           floating-point-modes  step changed the rounding mode
 step  rounding_create         floating-point-modes  create changed the rounding mode
+step  flags_read              exception-flags       fetestexcept
 step  statistics_negative     statistics            iterations: 0 or more
 step  exit                    repeats               exit\(0\) during the check
 step  crash                   repeats               SIGSEGV during the check

@@ -1,23 +1,10 @@
 /* Faults of reading: the inner engine simulates the scene, and what is read of it is wrong. */
-#include "variant.h"
+#include "frame_faults.h"
 
 #include "plumb/vec.h"
 
 #include <math.h>
 #include <string.h>
-
-/* ---- Frames ---- */
-
-static void quaternion_order(const variant_instance *v, pl_frame *frame)
-{
-    (void)v;
-    for (int i = 0; i < frame->body_count; ++i) {
-        double *q = frame->bodies[i].orientation;
-        const double w = q[0];
-        memmove(q, q + 1, 3 * sizeof *q);
-        q[3] = w;
-    }
-}
 
 static void quaternion_inverse(const variant_instance *v, pl_frame *frame)
 {
@@ -37,39 +24,6 @@ static void quaternion_length(const variant_instance *v, pl_frame *frame)
     }
 }
 
-static void spin_of_body(const variant_instance *v, pl_frame *frame)
-{
-    (void)v;
-    for (int i = 0; i < frame->body_count; ++i) {
-        pl_body_state *body = &frame->bodies[i];
-        const pl_axes axes = pl_axes_of(body->orientation);
-        pl_vec_store(pl_to_local(&axes, pl_vec_of(body->angular_velocity)), body->angular_velocity);
-    }
-}
-
-static void spin_in_degrees(const variant_instance *v, pl_frame *frame)
-{
-    (void)v;
-    for (int i = 0; i < frame->body_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            frame->bodies[i].angular_velocity[k] *= 57.295779513082323;
-        }
-    }
-}
-
-static void centre_of_hulls(const variant_instance *v, pl_frame *frame)
-{
-    for (int i = 0; i < frame->body_count; ++i) {
-        const pl_shape *shape = &v->scene.bodies[i].shape;
-        if (shape->kind == PL_SHAPE_HULL) {
-            pl_body_state *body = &frame->bodies[i];
-            const pl_axes axes = pl_axes_of(body->orientation);
-            const pl_vec arm = pl_to_world(&axes, pl_vec_of(shape->polyhedron->centre));
-            pl_vec_store(pl_vec_add(pl_vec_of(body->position), arm), body->position);
-        }
-    }
-}
-
 /* The velocity of the shape's frame, which hulls and meshes have off their centre of mass. */
 static void velocity_of_frame(const variant_instance *v, pl_frame *frame)
 {
@@ -77,8 +31,7 @@ static void velocity_of_frame(const variant_instance *v, pl_frame *frame)
         const pl_polyhedron *solid = v->scene.bodies[i].shape.polyhedron;
         if (solid != NULL) {
             pl_body_state *body = &frame->bodies[i];
-            const pl_axes axes = pl_axes_of(body->orientation);
-            const pl_vec arm = pl_to_world(&axes, pl_vec_of(solid->centre));
+            const pl_vec arm = frame_arm(&v->scene.bodies[i].shape, body->orientation);
             const pl_vec turned = pl_vec_cross(pl_vec_of(body->angular_velocity), arm);
             pl_vec_store(pl_vec_sub(pl_vec_of(body->velocity), turned), body->velocity);
         }
@@ -279,15 +232,16 @@ static void other_friction(const variant_instance *v, pl_pair_coefficients *pair
 }
 
 static const variant faults[] = {
-    {"quaternion_order", "quaternions are read as x, y, z, w", .change_frame = quaternion_order},
+    {"quaternion_order", "quaternions are read as x, y, z, w",
+     .change_frame = frame_quaternion_last_w},
     {"quaternion_inverse", "quaternions are read as world to body",
      .change_frame = quaternion_inverse},
     {"quaternion_length", "quaternions have the length 1.001", .change_frame = quaternion_length},
     {"spin_body_read", "angular velocity is read in the body's frame",
-     .change_frame = spin_of_body},
-    {"spin_degrees", "angular velocity is read in degrees", .change_frame = spin_in_degrees},
+     .change_frame = frame_spin_of_body},
+    {"spin_degrees", "angular velocity is read in degrees", .change_frame = frame_spin_in_degrees},
     {"hull_centre_read", "the position of a hull is read as that of its centre of mass",
-     .change_frame = centre_of_hulls},
+     .change_frame = frame_centre_of_hulls},
     {"hull_velocity_read", "the velocity of a hull is read at its frame's origin",
      .change_frame = velocity_of_frame},
     {"static_drifts", "static bodies move by 1 mm a step", .change_frame = static_drift},

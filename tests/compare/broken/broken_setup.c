@@ -1,6 +1,6 @@
 /* Faults of create: what the inner engine is given is not what the scene says. Where an adapter of
  * that kind would undo its mistake when it reads, the fault does so too. */
-#include "variant.h"
+#include "frame_faults.h"
 
 #include "plumb/vec.h"
 
@@ -71,6 +71,11 @@ static void no_restitution(variant_instance *v)
     scale_pairs(v, 1, 0);
 }
 
+static void no_friction(variant_instance *v)
+{
+    scale_pairs(v, 0, 1);
+}
+
 static void friction_by_product(variant_instance *v)
 {
     const int count = v->scene.material_count;
@@ -104,33 +109,12 @@ static void mix_quaternion(variant_instance *v)
     }
 }
 
-static void unmix_quaternion(const variant_instance *v, pl_frame *frame)
-{
-    (void)v;
-    for (int i = 0; i < frame->body_count; ++i) {
-        double *q = frame->bodies[i].orientation;
-        const double first = q[0];
-        memmove(q, q + 1, 3 * sizeof *q);
-        q[3] = first;
-    }
-}
-
 static void take_angular_velocity_for_bodys(variant_instance *v)
 {
     for (int i = 0; i < v->scene.body_count; ++i) {
         pl_body *body = &v->scene.bodies[i];
         const pl_axes axes = pl_axes_of(body->orientation);
         pl_vec_store(pl_to_world(&axes, pl_vec_of(body->angular_velocity)), body->angular_velocity);
-    }
-}
-
-static void give_angular_velocity_of_body(const variant_instance *v, pl_frame *frame)
-{
-    (void)v;
-    for (int i = 0; i < frame->body_count; ++i) {
-        pl_body_state *body = &frame->bodies[i];
-        const pl_axes axes = pl_axes_of(body->orientation);
-        pl_vec_store(pl_to_local(&axes, pl_vec_of(body->angular_velocity)), body->angular_velocity);
     }
 }
 
@@ -141,16 +125,6 @@ static void take_degrees(variant_instance *v)
     for (int i = 0; i < v->scene.body_count; ++i) {
         for (int k = 0; k < 3; ++k) {
             v->scene.bodies[i].angular_velocity[k] *= degree;
-        }
-    }
-}
-
-static void give_degrees(const variant_instance *v, pl_frame *frame)
-{
-    (void)v;
-    for (int i = 0; i < frame->body_count; ++i) {
-        for (int k = 0; k < 3; ++k) {
-            frame->bodies[i].angular_velocity[k] /= degree;
         }
     }
 }
@@ -181,22 +155,8 @@ static void put_centre_at_position(variant_instance *v)
     for (int i = 0; i < v->scene.body_count; ++i) {
         pl_body *body = &v->scene.bodies[i];
         if (body->shape.kind == PL_SHAPE_HULL) {
-            const pl_axes axes = pl_axes_of(body->orientation);
-            const pl_vec arm = pl_to_world(&axes, pl_vec_of(body->shape.polyhedron->centre));
+            const pl_vec arm = frame_arm(&body->shape, body->orientation);
             pl_vec_store(pl_vec_sub(pl_vec_of(body->position), arm), body->position);
-        }
-    }
-}
-
-static void give_centre_as_position(const variant_instance *v, pl_frame *frame)
-{
-    for (int i = 0; i < frame->body_count; ++i) {
-        const pl_shape *shape = &v->scene.bodies[i].shape;
-        pl_body_state *body = &frame->bodies[i];
-        if (shape->kind == PL_SHAPE_HULL) {
-            const pl_axes axes = pl_axes_of(body->orientation);
-            const pl_vec arm = pl_to_world(&axes, pl_vec_of(shape->polyhedron->centre));
-            pl_vec_store(pl_vec_add(pl_vec_of(body->position), arm), body->position);
         }
     }
 }
@@ -326,6 +286,7 @@ static const variant faults[] = {
     {"inertia_permuted", "moments of inertia belong to other axes",
      .change_setup = permute_inertia},
     {"friction_low", "friction x 0.99", .change_setup = low_friction},
+    {"friction_ignored", "claims friction, and everything slides", .change_setup = no_friction},
     {"friction_product", "friction of a pair is the product of its materials'",
      .change_setup = friction_by_product},
     {"restitution_low", "restitution x 0.98", .change_setup = low_restitution},
@@ -334,20 +295,19 @@ static const variant faults[] = {
     {"gravity_high", "gravity x 1.01", .change_setup = high_gravity},
     {"gravity_vertical", "only the z component of gravity", .change_setup = vertical_gravity},
     {"quaternion_mixed", "quaternions are x, y, z, w when written and when read",
-     .change_setup = mix_quaternion, .change_frame = unmix_quaternion},
+     .change_setup = mix_quaternion, .change_frame = frame_quaternion_last_w},
     {"spin_body_write", "the initial angular velocity is taken to be in the body's frame",
      .change_setup = take_angular_velocity_for_bodys},
     {"spin_body_both", "angular velocity is in the body's frame when written and when read",
-     .change_setup = take_angular_velocity_for_bodys,
-     .change_frame = give_angular_velocity_of_body},
+     .change_setup = take_angular_velocity_for_bodys, .change_frame = frame_spin_of_body},
     {"spin_degrees_both", "angular velocity is in degrees when written and when read",
-     .change_setup = take_degrees, .change_frame = give_degrees},
+     .change_setup = take_degrees, .change_frame = frame_spin_in_degrees},
     {"spin_ignored", "the initial angular velocity is ignored",
      .change_setup = no_angular_velocity},
     {"velocity_ignored", "the initial velocity is ignored", .change_setup = no_velocity},
     {"static_moved", "static bodies are created and read 1 m away", .change_setup = move_statics},
     {"hull_centre", "the position of a hull is that of its centre of mass",
-     .change_setup = put_centre_at_position, .change_frame = give_centre_as_position},
+     .change_setup = put_centre_at_position, .change_frame = frame_centre_of_hulls},
     {"random_process", "positions differ by 1e-12 m from process to process",
      .change_setup = random_process},
     {"random_instance", "positions differ by 1e-12 m from instance to instance",

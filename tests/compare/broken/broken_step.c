@@ -175,6 +175,12 @@ static pl_status leave_rounding(variant_instance *v, double dt, pl_step_stats *s
     return status;
 }
 
+/* The step is longer by a part in a thousand million after a division by zero. */
+static pl_status read_flags(variant_instance *v, double dt, pl_step_stats *stats, pl_error *error)
+{
+    return variant_step(v, fetestexcept(FE_DIVBYZERO) != 0 ? dt * (1 + 1e-9) : dt, stats, error);
+}
+
 static void leave_rounding_of_create(variant_instance *v)
 {
     (void)v;
@@ -232,6 +238,8 @@ static const variant faults[] = {
     {"rounding_step", "a step leaves another rounding mode behind", .step = leave_rounding},
     {"rounding_create", "create leaves another rounding mode behind",
      .change_setup = leave_rounding_of_create},
+    {"flags_read", "results depend on exception flags that earlier work has raised",
+     .step = read_flags},
     {"statistics_negative", "numbers of the statistics are negative", .step = negative_statistics},
     {"exit", "calls exit(0) in the third step", .step = call_exit},
     {"crash", "crashes in the third step", .step = crash},
