@@ -221,24 +221,53 @@ static pl_status check_choice(checking *c, const pl_engine_choice *choice, pl_er
     return PL_OK;
 }
 
-static pl_status check_engine(checking *c, const char *spec, pl_error *error)
+/* Whether a SPEC is one, and is one that --all-profiles takes. */
+static pl_status check_spec(const options *o, const char *spec, pl_engine_choice *choice,
+                            pl_error *error)
 {
-    pl_engine_choice choice;
-    pl_status status = pl_engine_choose(spec, &choice, error);
-    if (status != PL_OK || !c->options->all_profiles || choice.engine->fault.is_fault) {
-        return status != PL_OK ? status : check_choice(c, &choice, error);
-    }
+    const pl_status status = pl_engine_choose(spec, choice, error);
     const char *slash = strrchr(spec, '/');
-    if (strpbrk(slash == NULL ? spec : slash, ":,") != NULL) {
+    if (status == PL_OK && o->all_profiles && strpbrk(slash == NULL ? spec : slash, ":,") != NULL) {
         return pl_fail(error, PL_BAD_INPUT,
                        "--all-profiles takes an engine without a profile or options; found \"%s\"",
                        spec);
+    }
+    return status;
+}
+
+static pl_status check_engine(checking *c, const char *spec, pl_error *error)
+{
+    pl_engine_choice choice;
+    pl_status status = check_spec(c->options, spec, &choice, error);
+    if (status != PL_OK || !c->options->all_profiles || choice.engine->fault.is_fault) {
+        return status != PL_OK ? status : check_choice(c, &choice, error);
     }
     for (int i = 0; i < choice.engine->profile_count && status == PL_OK; ++i) {
         choice.profile = i;
         memcpy(choice.values, pl_engine_profile_values(choice.engine, i),
                (size_t)choice.engine->option_count * sizeof *choice.values);
         status = check_choice(c, &choice, error);
+    }
+    return status;
+}
+
+/* All engines, after every SPEC was found to be one. */
+static pl_status check_engines(checking *c, pl_error *error)
+{
+    const pl_texts *specs = &c->options->request.names;
+    pl_engine_choice choice;
+    pl_status status = PL_OK;
+    for (int i = 0; i < specs->count && status == PL_OK; ++i) {
+        status = check_spec(c->options, specs->items[i], &choice, error);
+    }
+    for (int i = 0; i < specs->count && status == PL_OK; ++i) {
+        status = check_engine(c, specs->items[i], error);
+    }
+    if (status == PL_OK && c->options->request.json != NULL) {
+        json_t *document =
+            json_pack("{s:s, s:O}", "schema", "plumb.conformance/1", "engines", c->list);
+        status = pl_results_write_json(c->options->request.json, document, error);
+        json_decref(document);
     }
     return status;
 }
@@ -250,21 +279,14 @@ static int run(const pl_call *call)
     pl_status status = PL_OK;
     o.request.limits.timeout = 20;
     pl_call_parse(call, &o);
-    if (o.list) {
-        print_list();
-    }
     checking c = {.call = call,
                   .options = &o,
                   .shows = o.request.json == NULL || strcmp(o.request.json, "-") != 0,
                   .list = json_array()};
-    for (int i = 0; i < o.request.names.count && status == PL_OK; ++i) {
-        status = check_engine(&c, o.request.names.items[i], &error);
-    }
-    if (status == PL_OK && o.request.json != NULL) {
-        json_t *document =
-            json_pack("{s:s, s:O}", "schema", "plumb.conformance/1", "engines", c.list);
-        status = pl_results_write_json(o.request.json, document, &error);
-        json_decref(document);
+    if (o.list) {
+        print_list();
+    } else {
+        status = check_engines(&c, &error);
     }
     json_decref(c.list);
     free(o.checks.items);
@@ -283,8 +305,8 @@ static const pl_option OPTIONS[] = {
      .kind = PL_OPTION_HELP},
     {"memory", NULL, "Largest address space of a check in GiB (default 8; 0: no limit)",
      .kind = PL_OPTION_HELP},
-    {"list", NULL, "List the checks", PL_OPTION_FLAG, .field = offsetof(options, list),
-     .letter = 'l'},
+    {"list", NULL, "List the checks, and make none", PL_OPTION_FLAG,
+     .field = offsetof(options, list), .letter = 'l'},
     {"json", "FILE", "Write the results as JSON (- is standard output)", PL_OPTION_TEXT,
      .field = offsetof(options, request) + offsetof(pl_request, json), .letter = 'j'},
     {0}};

@@ -15,6 +15,9 @@ expect 2 'cannot load ./none.so' ./none.so
 expect 2 'there is no check "frictoin"; did you mean "?friction' plumb --check frictoin
 expect 2 'takes an engine without a profile or options; found "plumb:fast"' plumb:fast --all-profiles
 expect 0 '^friction +spheres slide' --list
+# Nothing is checked when one of several engines is unknown.
+expect 2 'unknown profile' plumb plumb:fats --check friction
+[[ ! -s out ]] || note_failure "an engine was checked although another is unknown: $(cat out)"
 
 # Every failure says what was expected, what was found and what is likely, within 80 columns.
 expect 0 'plumb:default: conformance passed: 1 passed, 0 failed, 0 skipped' plumb --check quaternion-order
