@@ -83,7 +83,7 @@ static coefficient coefficient_of(const pl_probe *p, coefficient_kind kind, int 
     const pl_scene *scene = &p->scene;
     const int a = scene->bodies[body_a].material, b = scene->bodies[body_b].material;
     const pl_material *own_a = &scene->materials[a], *own_b = &scene->materials[b];
-    double friction, restitution;
+    double friction = NAN, restitution = NAN;
     pl_scene_pair(scene, a, b, &friction, &restitution);
     const bool is_friction = kind == FRICTION;
     return (coefficient){.name = is_friction ? "friction" : "restitution",
@@ -208,11 +208,11 @@ static void measure_slide(pl_probe *p, const slide *s, coefficient found[PAIR_CO
 static void check_slide(pl_probe *p, pl_shape_kind ground, bool ground_is_last)
 {
     static const char *const how[] = {"sliding along x", "sliding along y"};
-    coefficient best[PAIR_COUNT];
+    coefficient best[PAIR_COUNT] = {{.asked = NAN}};
     const char *best_how[PAIR_COUNT] = {how[0], how[0], how[0]};
     /* A pyramid whose axes are not the world's is met by one of the two. */
     for (int axis = 0; axis < 2 && !p->over; ++axis) {
-        coefficient found[PAIR_COUNT];
+        coefficient found[PAIR_COUNT] = {{.asked = NAN}};
         measure_slide(p, &(slide){ground, ground_is_last, axis}, found);
         for (int i = 0; i < PAIR_COUNT; ++i) {
             if (axis == 0 || error_of(&found[i]) < error_of(&best[i])) {
@@ -364,7 +364,7 @@ static void measure_collisions(pl_probe *p, bool light_is_last, double gap,
 static void check_restitution_spheres(pl_probe *p)
 {
     for (int order = 0; order < 2 && !p->over; ++order) {
-        coefficient found[PAIR_COUNT];
+        coefficient found[PAIR_COUNT] = {{.asked = NAN}};
         for (int g = 0; g < GAP_COUNT && !p->over; ++g) {
             measure_collisions(p, order == 1, GAPS[g], found);
         }

@@ -239,8 +239,9 @@ static void add_body_name(const mjcf_writer *w, const pl_body *body)
     char name[2 * PL_NAME_SIZE];
     snprintf(name, sizeof name, "%s", body->name);
     bool taken = strcmp(name, "world") == 0;
-    while (taken && strlen(name) + 1 < sizeof name) {
-        strcat(name, "_");
+    for (size_t end = strlen(name); taken && end + 1 < sizeof name; ++end) {
+        name[end] = '_';
+        name[end + 1] = '\0';
         taken = false;
         for (int i = 0; i < w->scene->body_count; ++i) {
             taken = taken || strcmp(w->scene->bodies[i].name, name) == 0;
