@@ -1,6 +1,8 @@
 /* The conduct of an engine as a part of a program: it repeats, and leaves nothing behind. */
 #include "check_bodies.h"
 
+#include "base/sanitizer.h"
+
 #include <dirent.h>
 #include <fenv.h>
 #include <malloc.h>
@@ -8,6 +10,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#if PL_ADDRESS_SANITIZER
+/* sanitizer/allocator_interface.h, which gcc does not install. */
+size_t __sanitizer_get_current_allocated_bytes(void);
+#endif
 
 /* The least growth of the heap that counts as a leak, a scene or a step: malloc's smallest
  * block. */
@@ -195,10 +201,15 @@ static void check_modes(pl_probe *p)
 
 /* ---- Leaks ---- */
 
+/* Bytes that are allocated now, by the sanitizer's own allocator where there is one. */
 static double heap_in_use(void)
 {
+#if PL_ADDRESS_SANITIZER
+    return (double)__sanitizer_get_current_allocated_bytes();
+#else
     const struct mallinfo2 info = mallinfo2();
     return (double)(info.uordblks + info.hblkhd);
+#endif
 }
 
 static double count_entries(const char *folder)

@@ -313,6 +313,7 @@ static const char *name_of_file(const char *path)
 static void note_fault(known_info *known, const pl_process *process, const char *place,
                        const char *reason)
 {
+    static const double no_values[1];
     static const pl_engine_profile only[] = {{.name = "default", .help = ""}};
     pl_engine_info *info = &known->info;
     info->fault = (pl_engine_fault){.is_fault = true, .timed_out = process->timed_out};
@@ -322,7 +323,7 @@ static void note_fault(known_info *known, const pl_process *process, const char 
     info->profiles = only;
     info->profile_count = 1;
     info->option_count = 0;
-    info->defaults = NULL;
+    info->defaults = no_values;
     info->substeps = 1;
     if (info->path != NULL) {
         pl_file_hash(info->path, info->binary);

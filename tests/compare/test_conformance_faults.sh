@@ -5,6 +5,8 @@ set -eu
 # shellcheck source=tests/support/command.sh
 source "$SOURCE/tests/support/command.sh"
 export PLUMB_CACHE=$directory
+# A crash is the signal that it is, not a report of the address sanitizer.
+export ASAN_OPTIONS=handle_segv=0:handle_abort=0:detect_leaks=0
 
 # SHARED_OBJECT FAULT CHECK WORD: the check must fail, with WORD (a regular expression) in what it prints.
 faults='
