@@ -28,7 +28,8 @@ static unsigned read_back_of(const json_t *result)
     json_array_foreach(json_object_get(result, "read_back"), index, item)
     {
         for (int i = 0; i < PL_READ_BACK_COUNT && json_is_string(item); ++i) {
-            const bool is_it = strcmp(json_string_value(item), pl_read_back_name(i)) == 0;
+            const bool is_it =
+                strcmp(json_string_value(item), pl_read_back_name((pl_read_back)i)) == 0;
             bits |= is_it ? 1u << i : 0;
         }
     }
@@ -111,7 +112,7 @@ static void add_kinds(unsigned bits, pl_text_buffer *out)
     for (int i = 0, left = __builtin_popcount(bits); i < PL_READ_BACK_COUNT; ++i) {
         if ((bits >> i & 1u) != 0) {
             --left;
-            pl_text_format(out, "%s%s", pl_read_back_name(i),
+            pl_text_format(out, "%s%s", pl_read_back_name((pl_read_back)i),
                            left > 1    ? ", "
                            : left == 1 ? " and "
                                        : "");

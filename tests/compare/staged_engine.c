@@ -130,7 +130,8 @@ static void fail_list(void)
 
 static void fail_limits(void)
 {
-    static const int limits[] = {RLIMIT_NOFILE, RLIMIT_FSIZE, RLIMIT_DATA, RLIMIT_STACK};
+    static const __rlimit_resource_t limits[] = {RLIMIT_NOFILE, RLIMIT_FSIZE, RLIMIT_DATA,
+                                                 RLIMIT_STACK};
     const struct rlimit none = {0, 0};
     for (size_t i = 0; i < sizeof limits / sizeof *limits; ++i) {
         setrlimit(limits[i], &none);
