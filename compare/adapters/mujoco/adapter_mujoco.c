@@ -277,7 +277,7 @@ static void apply_forces(pl_engine_instance *instance, double dt)
     }
 }
 
-/* Contacts and constraints at the present poses. The data are made anew where they are too small
+/* Contacts and constraints at the present poses. The data are made again where they are too small
  * for them. */
 static pl_status collide(pl_engine_instance *instance, pl_error *error)
 {

@@ -1,5 +1,5 @@
 /* Faults of a step: the inner engine is stepped otherwise, or is changed between its steps. */
-#include "variant.h"
+#include "fault_variant.h"
 
 #include <fenv.h>
 #include <math.h>

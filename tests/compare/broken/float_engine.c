@@ -1,6 +1,6 @@
 /* An engine that keeps everything in floats, which it declares: after every step its state, and
  * everything that is read of it, is rounded to them. */
-#include "variant.h"
+#include "fault_variant.h"
 
 static void round_all(double *numbers, int count)
 {

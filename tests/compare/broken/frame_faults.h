@@ -3,7 +3,7 @@
 #define FRAME_FAULTS_H
 
 #include "plumb/vec.h"
-#include "variant.h"
+#include "fault_variant.h"
 
 /* Quaternions as (x, y, z, w). */
 void frame_quaternion_last_w(const variant_instance *v, pl_frame *frame);

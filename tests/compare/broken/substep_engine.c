@@ -1,6 +1,6 @@
 /* An engine that makes four sub-steps of a step, which it declares. Its contacts are those of the
  * pose before the step and those that come later; their impulses are summed over the sub-steps. */
-#include "variant.h"
+#include "fault_variant.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Passes every call on to the inner engine. */
-#include "variant.h"
+#include "fault_variant.h"
 
 #include "adapters/built_in.h"
 
