@@ -2,8 +2,8 @@
 #ifndef FRAME_FAULTS_H
 #define FRAME_FAULTS_H
 
-#include "plumb/vec.h"
 #include "fault_variant.h"
+#include "plumb/vec.h"
 
 /* Quaternions as (x, y, z, w). */
 void frame_quaternion_last_w(const variant_instance *v, pl_frame *frame);
