@@ -24,7 +24,8 @@ const char *pl_stage_name(pl_stage stage)
         [PL_STAGE_CREATE] = "create",       [PL_STAGE_SETTINGS] = "read_settings or read_pair",
         [PL_STAGE_CAPTURE] = "capture",     [PL_STAGE_STEP] = "step",
         [PL_STAGE_READ] = "reading",        [PL_STAGE_JUDGE] = "the referee",
-        [PL_STAGE_DESTROY] = "destroy",     [PL_STAGE_UNLOAD] = "unloading"};
+        [PL_STAGE_DESTROY] = "destroy",     [PL_STAGE_UNLOAD] = "unloading",
+        [PL_STAGE_REPORT] = "reporting"};
     return names[stage];
 }
 

@@ -1,6 +1,7 @@
 /* A plug-in that tests build in several ways: bodies without contacts, in free fall by semi-implicit
  * Euler. DRIFT is added to every height at every step, so that builds can be told apart; with
  * DEPENDENCY, the function small_engine_drift of another library is added too. */
+#include "plumb/adapter_helpers.h"
 #include "plumb/engine_abi.h"
 
 #include <stdlib.h>
@@ -41,12 +42,7 @@ static pl_status create(const pl_engine_setup *setup, pl_engine_instance **insta
     made->iterations = setup->values[0];
     made->dt = setup->dt;
     for (size_t i = 0; i < count; ++i) {
-        const pl_body *body = &scene->bodies[i];
-        pl_body_state *state = &made->states[i];
-        memcpy(state->position, body->position, sizeof state->position);
-        memcpy(state->orientation, body->orientation, sizeof state->orientation);
-        memcpy(state->velocity, body->velocity, sizeof state->velocity);
-        memcpy(state->angular_velocity, body->angular_velocity, sizeof state->angular_velocity);
+        pl_initial_state(&scene->bodies[i], &made->states[i]);
     }
     *instance = made;
     return PL_OK;

@@ -1,5 +1,6 @@
 /* An engine of the loadable ABI that commits one fault at one stage, both named by its own file:
  * STAGE-FAULT.so is a copy of it. Its physics is free fall by semi-implicit Euler. */
+#include "plumb/adapter_helpers.h"
 #include "plumb/engine_abi.h"
 
 #include <dlfcn.h>
@@ -307,12 +308,7 @@ static pl_status create(const pl_engine_setup *setup, pl_engine_instance **insta
     }
     made->scene = scene;
     for (size_t i = 0; i < count; ++i) {
-        const pl_body *body = &scene->bodies[i];
-        pl_body_state *state = &made->states[i];
-        memcpy(state->position, body->position, sizeof state->position);
-        memcpy(state->orientation, body->orientation, sizeof state->orientation);
-        memcpy(state->velocity, body->velocity, sizeof state->velocity);
-        memcpy(state->angular_velocity, body->angular_velocity, sizeof state->angular_velocity);
+        pl_initial_state(&scene->bodies[i], &made->states[i]);
     }
     *instance = made;
     reach("create");

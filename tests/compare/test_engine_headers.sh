@@ -33,11 +33,14 @@ compile() {
         echo "#include \"plumb/$header\""
     done
     cat <<'CODE'
-double use(const pl_engine_setup *setup, const pl_shape *shape, const pl_force *force, pl_error *error);
-double use(const pl_engine_setup *setup, const pl_shape *shape, const pl_force *force, pl_error *error)
+double use(const pl_engine_setup *setup, const pl_shape *shape, const pl_force *force, pl_error *error,
+           const pl_body *body, pl_body_state *state);
+double use(const pl_engine_setup *setup, const pl_shape *shape, const pl_force *force, pl_error *error,
+           const pl_body *body, pl_body_state *state)
 {
     const double q[4] = {1, 0, 0, 0};
     double a[3], b[3], m[3][3], p[4];
+    pl_initial_state(body, state);
     pl_rotation_matrix(q, m);
     pl_quaternion_product(q, q, p);
     pl_vertex_in_principal(shape->polyhedron, 0, a);

@@ -137,7 +137,7 @@ double force_mismatch(const pl_engine_choice *choice)
     if (!is_mujoco(choice) || strcmp(choice->spec, "mujoco:pgs") == 0) {
         return 0;
     }
-    return strcmp(choice->spec, "mujoco:cg") == 0 ? 1e-3 : 1e-8;
+    return strcmp(choice->spec, "mujoco:cg") == 0 ? 2e-4 : 1e-8;
 }
 
 double depth_share(const pl_engine_choice *choice, pl_shape_kind a, pl_shape_kind b)

@@ -133,6 +133,19 @@ static inline bool pl_force_at(const pl_force *force, double time, double dt,
     return true;
 }
 
+/* Sets `state` to that of a body at the start, in the conventions of read_frame. */
+static inline void pl_initial_state(const pl_body *body, pl_body_state *state)
+{
+    for (int k = 0; k < 3; ++k) {
+        state->position[k] = body->position[k];
+        state->velocity[k] = body->velocity[k];
+        state->angular_velocity[k] = body->angular_velocity[k];
+    }
+    for (int k = 0; k < 4; ++k) {
+        state->orientation[k] = body->orientation[k];
+    }
+}
+
 #ifdef __cplusplus
 }
 #endif
