@@ -43,8 +43,9 @@ compare/referee:             SCENE compare/include geometry metrics
 compare/results:             SCENE compare/include engines metrics
 compare/runner:              SCENE compare/include adapters engines geometry metrics referee results
 compare/conformance:         SCENE compare/include engines geometry results runner
-compare/studies/sweep:       SCENE compare/include adapters engines metrics results runner
-compare/studies/tune:        SCENE compare/include adapters engines metrics results runner
+compare/studies/variant:     SCENE compare/include adapters engines
+compare/studies/sweep:       SCENE compare/include adapters engines metrics results runner variant
+compare/studies/tune:        SCENE compare/include adapters engines metrics results runner variant
 compare/studies/threshold:   SCENE compare/include engines results runner
 compare/studies/ensemble:    SCENE compare/include engines geometry metrics results runner
 compare/studies/metamorphic: SCENE compare/include engines geometry results runner
@@ -58,7 +59,7 @@ compare:                     command
 group() {
     case $1 in
     SCENE) echo status.h base.h vec.h scene_data.h scenarios/include scenarios/base ;;
-    STUDIES) echo sweep tune threshold ensemble metamorphic iterations solve ;;
+    STUDIES) echo variant sweep tune threshold ensemble metamorphic iterations solve ;;
     *) echo "$1" ;;
     esac
 }

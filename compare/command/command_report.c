@@ -62,6 +62,23 @@ static pl_status analyse(const pl_request *request, const pl_merge *merge, pl_er
     return status;
 }
 
+/* Writes the report of the results, without those of changed scenes: only a sweep asks whether its
+ * points hold on them. */
+static pl_status write_report(const char *out, const json_t *results, pl_error *error)
+{
+    json_t *unchanged = json_array();
+    bool failed = unchanged == NULL;
+    for (size_t i = 0; i < json_array_size(results) && !failed; ++i) {
+        json_t *result = json_array_get(results, i);
+        failed = json_object_get(result, "change") == NULL &&
+                 json_array_append(unchanged, result) != 0;
+    }
+    pl_status status = failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for a report")
+                              : pl_report_write(out, unchanged, error);
+    json_decref(unchanged);
+    return status;
+}
+
 /* The store is held open while its file is replaced, so that nobody else is writing it. */
 static pl_status deliver(const pl_request *request, const pl_merge *merge, pl_error *error)
 {
@@ -75,7 +92,7 @@ static pl_status deliver(const pl_request *request, const pl_merge *merge, pl_er
         status = check_kept(merge, request->out, store, error);
     }
     if (status == PL_OK) {
-        status = pl_report_write(request->out, merge->results, error);
+        status = write_report(request->out, merge->results, error);
     }
     if (status == PL_OK) {
         status = analyse(request, merge, error);

@@ -84,6 +84,11 @@ static pl_status parse_memory(void *options, const char *text, pl_error *error)
 const pl_option pl_limit_options[] = {
     {"timeout", "S", "Longest wall time of a run in seconds (default 120)", PL_OPTION_NUMBER,
      .field = offsetof(pl_request, limits.timeout), .takes = "seconds", .min = 1e-3, .max = 1e6},
+    {"cpu-limit", "S",
+     "Longest CPU time in seconds of the engine's own calls in a run: create, step and read. The "
+     "referee's time does not count (default: none)",
+     PL_OPTION_NUMBER, .field = offsetof(pl_request, limits.cpu_time), .takes = "seconds",
+     .min = 1e-3, .max = 1e6},
     {"memory", "GIB", "Largest address space of a run in GiB (default 8; 0: no limit)",
      PL_OPTION_PARSED, .parse = parse_memory},
     {"profiles", "FILE",

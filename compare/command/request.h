@@ -17,7 +17,7 @@ typedef struct pl_request {
     const char *others_option;
     double dt, duration; /* s; NAN: the scenario's own */
     uint64_t seed;
-    pl_limits limits; /* --timeout, --memory */
+    pl_limits limits; /* --timeout, --cpu-limit, --memory */
     const char *json; /* --json; NULL: none */
     const char *out;  /* --out */
     int jobs;         /* --jobs */
@@ -32,7 +32,7 @@ void pl_request_free(pl_request *request);
 
 /* --set, --dt, --duration, --seed */
 extern const pl_option pl_scene_options[];
-/* --timeout, --memory, --profiles */
+/* --timeout, --cpu-limit, --memory, --profiles */
 extern const pl_option pl_limit_options[];
 /* --suite, --engine, --json */
 extern const pl_option pl_comparison_options[];

@@ -26,6 +26,7 @@ enum { PL_OUTPUT_TAIL = 2000, PL_PROCESS_POLLS = 3 };
 /* The limits of a run. */
 typedef struct pl_limits {
     double timeout;  /* s of wall time, > 0 */
+    double cpu_time; /* s of CPU time of an engine's own calls (run_once.h); 0: no limit */
     uint64_t memory; /* bytes of address space; 0: no limit */
 } pl_limits;
 

@@ -291,7 +291,8 @@ pl_status pl_gate_gather(const pl_gate_file *files, int count, const pl_gate_tol
             status = check_result(result, files[f].path, i, error);
             if (is_outdated(builds, result)) {
                 ++outdated;
-            } else if (status == PL_OK && !came_before(files, f, i)) {
+            } else if (status == PL_OK && json_object_get(result, "change") == NULL &&
+                       !came_before(files, f, i)) {
                 status = add_result(rows, indices, result, f, error);
             }
         }

@@ -143,6 +143,17 @@ json_t *pl_conformance_to_json(const pl_conformance *conformance)
                      conformance->plumb);
 }
 
+/* The engine's first profile with its default options. */
+static bool is_as_shipped(const pl_run_view *run)
+{
+    const double *defaults = pl_engine_profile_values(run->engine, 0);
+    bool equal = run->profile == 0;
+    for (int i = 0; i < run->engine->option_count && equal; ++i) {
+        equal = run->options[i] == defaults[i];
+    }
+    return equal;
+}
+
 json_t *pl_run_identity(const pl_run_view *run)
 {
     json_t *identity = json_pack(
@@ -155,6 +166,9 @@ json_t *pl_run_identity(const pl_run_view *run)
         json_object_set_new(identity, "engine_binary", json_string(run->engine->binary));
     if (run->is_member) {
         incomplete |= json_object_set_new(identity, "member", json_integer(run->member));
+    }
+    if (run->change != NULL) {
+        incomplete |= json_object_set_new(identity, "change", json_string(run->change));
     }
     if (run->label_is_given) {
         incomplete |=
@@ -176,6 +190,7 @@ json_t *pl_run_identity(const pl_run_view *run)
     failed |= json_object_set_new(identity, "label", pl_json_text(run->label, strlen(run->label)));
     failed |= json_object_set_new(identity, "primary_error", json_string(run->primary_error));
     failed |= json_object_set_new(identity, "engine_spec", spec_json(run));
+    failed |= json_object_set_new(identity, "as_shipped", json_boolean(is_as_shipped(run)));
     failed |=
         json_object_set_new(identity, "conformance", pl_conformance_to_json(&run->conformance));
     if (failed != 0) {

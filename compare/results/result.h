@@ -50,13 +50,14 @@ typedef struct pl_run_view {
     int repeat;
     bool is_member;             /* of an ensemble */
     int member;                 /* from 0 */
+    const char *change;         /* of the scene; NULL: none */
     pl_conformance conformance; /* of the engine with the profile; no part of the identity */
 } pl_run_view;
 
 /* As in results: {"outcome", "checks", "failed", "plumb"}, or null where nothing is known. */
 json_t *pl_conformance_to_json(const pl_conformance *conformance);
 
-/* The keys from `scenario` to `repeat`, `engine_spec` and `conformance`, and `run`: the hash of those
+/* The keys from `scenario` to `repeat`, `engine_spec`, `as_shipped` and `conformance`, and `run`: the hash of those
  * that identify the run. */
 json_t *pl_run_identity(const pl_run_view *run);
 

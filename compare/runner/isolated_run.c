@@ -59,6 +59,7 @@ pl_status pl_isolated_run_start(pl_isolated_run *run, const pl_run_def *def, jso
         return pl_fail(error, PL_IO, "cannot map memory for a run: %s", strerror(errno));
     }
     run->def.watch = shared;
+    run->def.cpu_limit = limits->cpu_time;
     pl_timestamp(run->started);
     pl_status status = pl_process_start(&run->process, limits, run_and_answer, &run->def, error);
     if (status != PL_OK) {

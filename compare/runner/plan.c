@@ -32,6 +32,12 @@ static pl_status note_case(pl_plan *plan, const pl_case *test_case, const char *
     return failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for %s", name) : PL_OK;
 }
 
+/* The parameters that the scene of a case is built with. */
+static const double *built_with(const pl_variation *variation, const double *params)
+{
+    return variation->change != NULL ? variation->changed : params;
+}
+
 static void vary_scene(const pl_plan *plan, const pl_case *test_case, pl_scene *scene)
 {
     if (test_case->variation.is_member) {
@@ -83,8 +89,8 @@ pl_status pl_plan_build_scene(const pl_plan *plan, const pl_case *test_case, pl_
                               pl_error *error)
 {
     *scene = pl_scene_default();
-    pl_status status =
-        pl_scenario_build(test_case->descriptor, test_case->params, plan->seed, scene, error);
+    const double *params = built_with(&test_case->variation, test_case->params);
+    pl_status status = pl_scenario_build(test_case->descriptor, params, plan->seed, scene, error);
     if (status == PL_OK) {
         vary_scene(plan, test_case, scene);
     }
@@ -102,7 +108,8 @@ pl_status pl_plan_add_scenario(pl_plan *plan, const pl_scenario *scenario,
         }
     }
     if (status == PL_OK) {
-        status = pl_scenario_build(scenario, test_case.params, plan->seed, &test_case.scene, error);
+        status = pl_scenario_build(scenario, built_with(&plan->variation, test_case.params),
+                                   plan->seed, &test_case.scene, error);
     }
     return status == PL_OK ? add_case(plan, &test_case, scenario->name, error) : status;
 }
@@ -284,6 +291,7 @@ json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run)
                         .seed = plan->seed,
                         .is_member = test_case->variation.is_member,
                         .member = test_case->variation.member,
+                        .change = test_case->variation.change,
                         .conformance = run->configuration->conformance,
                         .repeat = run->repeat};
     return pl_run_identity(&view);

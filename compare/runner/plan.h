@@ -13,6 +13,10 @@ typedef struct pl_variation {
     bool is_member; /* of an ensemble */
     int member;     /* from 0: pl_scene_jitter with the plan's seed */
     int refinement; /* > 1: its time step is the asked one divided by this */
+    /* A small change of the scene, such as "n one larger": its scene is built with the parameters
+     * `changed`, and the case keeps those of the unchanged one. Static storage; NULL: none. */
+    const char *change;
+    double changed[PL_MAX_PARAMS];
 } pl_variation;
 
 /* A scene with its time step, and where it comes from. */

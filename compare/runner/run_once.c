@@ -247,6 +247,30 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
     return status;
 }
 
+/* The CPU time of the engine's own calls so far, s: create, steps and reads. */
+static double cpu_time_of(const run *r)
+{
+    const pl_call_cost *cost = r->session.cost;
+    return cost[PL_CALLS_CREATE].cpu_time + cost[PL_CALLS_STEP].cpu_time +
+           cost[PL_CALLS_READ].cpu_time;
+}
+
+/* Whether the engine has used up its CPU time, which ends a run that has steps left. The referee's
+ * time does not count. */
+static bool is_over_limit(const run *r, pl_run_result *result)
+{
+    const double limit = r->def->cpu_limit;
+    pl_error reason;
+    if (!(limit > 0) || cpu_time_of(r) <= limit || result->steps_done == result->steps_asked) {
+        return false;
+    }
+    pl_fail(&reason, PL_FAILED,
+            "the engine's calls took more than the --cpu-limit of %g s: ended after step %ld of %ld",
+            limit, result->steps_done, result->steps_asked);
+    set_outcome(result, PL_OUTCOME_TIMEOUT, &reason);
+    return true;
+}
+
 static void set_value(pl_run_result *result, pl_metric_id id, double value)
 {
     result->metrics.item[id] = pl_metric_value(value);
@@ -308,7 +332,8 @@ pl_status pl_run_once(const pl_run_def *def,
         status = begin(&r, &result, &going, error);
     }
     bool started = going;
-    while (status == PL_OK && going && result.steps_done < result.steps_asked) {
+    while (status == PL_OK && going && result.steps_done < result.steps_asked &&
+           !is_over_limit(&r, &result)) {
         status = make_step(&r, &result, &going, error);
     }
     if (status == PL_OK && started) {

@@ -192,7 +192,7 @@ static void test_results_hold_every_key_of_the_schema(void **state)
         "engine",   "profile",   "engine_version", "label",      "settings",   "seed",
         "repeat",   "outcome",   "reason",         "steps",      "metrics",    "final_poses",
         "output",   "host",      "plumb",          "command",    "started",    "engine_binary",
-        "substeps", "read_back", "engine_spec",    "conformance"};
+        "substeps", "read_back", "engine_spec",    "as_shipped", "conformance"};
     plumb_output output = call(*state, "run @ --engine % --json -");
     json_t *result = parse(output.out);
     for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i) {

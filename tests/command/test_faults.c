@@ -127,6 +127,40 @@ static void test_hang_is_timeout_with_the_steps_done(void **state)
     assert_int_equal(json_integer_value(json_object_get(json_object_get(row, "steps"), "done")), 2);
 }
 
+/* Runs a scene on a profile of the faulty engine with a limit of 20 ms; its output. */
+static plumb_output run_within_cpu_limit(void **state, const char *scene, const char *engine)
+{
+    const fixture *f = *state;
+    return run_plumb(f->at.directory, (const char *const[]){"run", scene, "--engine", engine,
+                                                            "--cpu-limit", "0.02", NULL});
+}
+
+static void test_cpu_limit_counts_create_steps_and_reads(void **state)
+{
+    static const char *const engines[] = {FAULTY ":work_in_create", FAULTY ":work_in_step",
+                                          FAULTY ":work_in_read"};
+    const fixture *f = *state;
+    for (int i = 0; i < 3; ++i) {
+        plumb_output output = run_within_cpu_limit(state, f->at.scene, engines[i]);
+        assert_int_equal(output.code, 3);
+        assert_contains(output.out, "timeout, ");
+        assert_contains(output.out, "more than the --cpu-limit of 0.02 s: ended after step ");
+        free_output(&output);
+    }
+}
+
+/* The engine sleeps 20 ms a step on the one; the referee judges 1000 cubes on the other. */
+static void test_cpu_limit_leaves_out_waiting_and_the_referee(void **state)
+{
+    const fixture *f = *state;
+    plumb_output output = run_within_cpu_limit(state, f->at.scene, FAULTY ":slow_print");
+    assert_int_equal(output.code, 0);
+    free_output(&output);
+    output = run_within_cpu_limit(state, "wall", FAULTY ":good");
+    assert_absent(output.out, "timeout");
+    free_output(&output);
+}
+
 static void test_a_stopped_process_is_timeout(void **state)
 {
     const json_t *row = check_outcome(state, "faulty:stop", "timeout");
@@ -234,6 +268,8 @@ int main(void)
         cmocka_unit_test(test_segfault_is_crashed),
         cmocka_unit_test(test_hang_is_timeout_with_the_steps_done),
         cmocka_unit_test(test_a_stopped_process_is_timeout),
+        cmocka_unit_test(test_cpu_limit_counts_create_steps_and_reads),
+        cmocka_unit_test(test_cpu_limit_leaves_out_waiting_and_the_referee),
         cmocka_unit_test(test_nan_is_nonfinite_with_the_last_good_frame),
         cmocka_unit_test(test_all_memory_taken_is_crashed),
         cmocka_unit_test(test_exit_in_a_step_is_always_crashed),

@@ -22,16 +22,18 @@ static const pl_engine_profile profiles[] = {{.name = "fast"}, {.name = "exact"}
 static const pl_engine_option options[] = {
     {.name = "iterations", .value = 10, .min = 1, .max = 100, .integer = true},
     {.name = "erp", .value = 0.2, .max = 1}};
+static const double option_values[] = {10, 0.2};
+static const double other_options[] = {10, 0.3};
+static const double defaults[] = {10, 0.2, 10, 0.2}; /* of both profiles */
 static const pl_engine_info engine = {.name = "some",
                                       .version = "1.2",
                                       .profiles = profiles,
                                       .profile_count = 2,
                                       .options = options,
-                                      .option_count = 2};
+                                      .option_count = 2,
+                                      .defaults = defaults};
 static const double param_values[] = {25, 0.01};
 static const double other_params[] = {26, 0.01};
-static const double option_values[] = {10, 0.2};
-static const double other_options[] = {10, 0.3};
 
 static pl_run_view some_run(void)
 {
@@ -62,9 +64,9 @@ static void hash_of(const pl_run_view *run, char hash[17])
 static void test_runs_that_differ_have_different_hashes(void **state)
 {
     (void)state;
-    pl_run_view runs[9];
-    char hashes[9][17];
-    for (int i = 0; i < 9; ++i) {
+    pl_run_view runs[11];
+    char hashes[11][17];
+    for (int i = 0; i < 11; ++i) {
         runs[i] = some_run();
     }
     runs[1].scenario = "wall";
@@ -75,7 +77,9 @@ static void test_runs_that_differ_have_different_hashes(void **state)
     runs[6].seed = 8;
     runs[7].repeat = 1;
     runs[8].dt = 0.02;
-    for (int i = 0; i < 9; ++i) {
+    runs[9].change = "n one larger";
+    runs[10].change = "n one smaller";
+    for (int i = 0; i < 11; ++i) {
         hash_of(&runs[i], hashes[i]);
         for (int k = 0; k < i; ++k) {
             assert_string_not_equal(hashes[i], hashes[k]);
@@ -99,6 +103,20 @@ static void test_identity_holds_every_parameter_and_option(void **state)
     assert_contains(line, "\"seed\":7");
     free(line);
     json_decref(identity);
+}
+
+static void test_shipped_is_the_first_profile_with_defaults(void **state)
+{
+    (void)state;
+    pl_run_view runs[] = {some_run(), some_run(), some_run()};
+    runs[1].profile = 1;
+    runs[2].options = other_options;
+    for (int i = 0; i < 3; ++i) {
+        json_t *identity = pl_run_identity(&runs[i]);
+        const json_t *shipped = json_object_get(identity, "as_shipped");
+        assert_true(i == 0 ? json_is_true(shipped) : json_is_false(shipped));
+        json_decref(identity);
+    }
 }
 
 static void test_numbers_survive_the_line_bit_for_bit(void **state)
@@ -449,6 +467,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_runs_that_differ_have_different_hashes),
         cmocka_unit_test(test_identity_holds_every_parameter_and_option),
+        cmocka_unit_test(test_shipped_is_the_first_profile_with_defaults),
         cmocka_unit_test(test_numbers_survive_the_line_bit_for_bit),
         cmocka_unit_test(test_metrics_are_absent_null_with_reason_or_values),
         cmocka_unit_test(test_a_run_without_a_frame_has_null_poses),

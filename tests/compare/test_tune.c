@@ -2,11 +2,11 @@
  * API. */
 #include "check.h"
 #include "studies/tune/space.h"
-#include "studies/tune/tunable.h"
+#include "studies/variant/tunable.h"
 #include "studies/tune/tune_measure.h"
 #include "studies/tune/tune_search.h"
 #include "studies/tune/tuner.h"
-#include "studies/tune/variant.h"
+#include "studies/variant/variant.h"
 
 #include <math.h>
 #include <stdio.h>

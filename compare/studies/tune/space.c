@@ -1,7 +1,7 @@
 /* Builds the space of tuned parameters from the table and the user's --vary and --fix. */
 #include "space.h"
 
-#include "tunable.h"
+#include "studies/variant/tunable.h"
 
 #include <math.h>
 #include <stdio.h>

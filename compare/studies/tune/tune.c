@@ -2,7 +2,7 @@
  * validation. */
 #include "tune.h"
 
-#include "tunable.h"
+#include "studies/variant/tunable.h"
 #include "tuner.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 
 #include "referee/metrics/metrics.h"
 #include "runner/execute.h"
-#include "variant.h"
+#include "studies/variant/variant.h"
 
 #include <jansson.h>
 

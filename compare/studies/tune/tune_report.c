@@ -2,7 +2,7 @@
 #include "tune.h"
 
 #include "results/result.h"
-#include "tunable.h"
+#include "studies/variant/tunable.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,8 @@
-/* Small changes of scenarios. The search is judged on some of them next to the scenarios as asked
- * for; others are held out to validate its result. */
-#ifndef PLUMB_TUNE_VARIANT_H
-#define PLUMB_TUNE_VARIANT_H
+/* Small changes of scenarios. The search of plumb tune is judged on some of them next to the
+ * scenarios as asked for; others are held out to validate its result. plumb sweep runs each of its
+ * points on some. */
+#ifndef PLUMB_VARIANT_H
+#define PLUMB_VARIANT_H
 
 #include "plumb/scenario.h"
 
@@ -16,7 +17,7 @@ typedef enum pl_variant_kind {
     PL_VARIANT_DRAWN    /* continuous parameters drawn within 1 % */
 } pl_variant_kind;
 
-/* A small change of all scenes that a tuning uses. */
+/* A small change of all scenes that a study uses. */
 typedef struct pl_variant {
     const char *name;
     pl_variant_kind kind;
@@ -34,6 +35,10 @@ typedef struct pl_variants {
 /* Three lists that have no run in common: those that the search uses, those that choose among its
  * best points, and those that validate the choice. */
 extern const pl_variants pl_variants_tuned_on, pl_variants_chosen_by, pl_variants_held_out;
+
+/* The changes of a sweep, of which a scene takes the first that it has a parameter for: all keep its
+ * seed. */
+extern const pl_variants pl_variants_swept;
 
 /* Changes the values of a scenario's parameters. False when the scenario has no parameter that this
  * variant changes. */

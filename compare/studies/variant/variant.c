@@ -42,6 +42,16 @@ static const pl_variant held_out[] = {
     {"parameters within 1 %, draw 3", PL_VARIANT_DRAWN, 3},
 };
 
+static const pl_variant swept[] = {
+    {"n one larger", PL_VARIANT_LARGER, 0},
+    {"friction up by a last bit", PL_VARIANT_FRICTION_UP, 0},
+    {"parameters within 1 %, draw 1", PL_VARIANT_DRAWN, 1},
+    {"friction down by a last bit", PL_VARIANT_FRICTION_DOWN, 0},
+    {"n one smaller", PL_VARIANT_SMALLER, 0},
+    {"parameters within 1 %, draw 2", PL_VARIANT_DRAWN, 2},
+    {"parameters within 1 %, draw 3", PL_VARIANT_DRAWN, 3},
+};
+
 #define LIST(items)                                                                                \
     {                                                                                              \
         (items), sizeof(items) / sizeof(items)[0]                                                  \
@@ -49,6 +59,7 @@ static const pl_variant held_out[] = {
 const pl_variants pl_variants_tuned_on = LIST(tuned_on);
 const pl_variants pl_variants_chosen_by = LIST(chosen_by);
 const pl_variants pl_variants_held_out = LIST(held_out);
+const pl_variants pl_variants_swept = LIST(swept);
 
 /* Changes a parameter where the scenario has it and its range contains the new value. */
 static bool set(const pl_scenario *scenario, const char *name, double (*change)(double value),

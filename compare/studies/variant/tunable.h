@@ -1,7 +1,7 @@
 /* The options of an engine that are worth tuning, and settings written as a SPEC and in the
  * engine's own API, as its descriptor has them. */
-#ifndef PLUMB_TUNE_TUNABLE_H
-#define PLUMB_TUNE_TUNABLE_H
+#ifndef PLUMB_TUNABLE_H
+#define PLUMB_TUNABLE_H
 
 #include "engines/registry.h"
 
