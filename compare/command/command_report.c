@@ -70,8 +70,8 @@ static pl_status write_report(const char *out, const json_t *results, pl_error *
     bool failed = unchanged == NULL;
     for (size_t i = 0; i < json_array_size(results) && !failed; ++i) {
         json_t *result = json_array_get(results, i);
-        failed = json_object_get(result, "change") == NULL &&
-                 json_array_append(unchanged, result) != 0;
+        failed =
+            json_object_get(result, "change") == NULL && json_array_append(unchanged, result) != 0;
     }
     pl_status status = failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for a report")
                               : pl_report_write(out, unchanged, error);

@@ -264,9 +264,10 @@ static bool is_over_limit(const run *r, pl_run_result *result)
     if (!(limit > 0) || cpu_time_of(r) <= limit || result->steps_done == result->steps_asked) {
         return false;
     }
-    pl_fail(&reason, PL_FAILED,
-            "the engine's calls took more than the --cpu-limit of %g s: ended after step %ld of %ld",
-            limit, result->steps_done, result->steps_asked);
+    pl_fail(
+        &reason, PL_FAILED,
+        "the engine's calls took more than the --cpu-limit of %g s: ended after step %ld of %ld",
+        limit, result->steps_done, result->steps_asked);
     set_outcome(result, PL_OUTCOME_TIMEOUT, &reason);
     return true;
 }

@@ -2,10 +2,10 @@
  * API. */
 #include "check.h"
 #include "studies/tune/space.h"
-#include "studies/variant/tunable.h"
 #include "studies/tune/tune_measure.h"
 #include "studies/tune/tune_search.h"
 #include "studies/tune/tuner.h"
+#include "studies/variant/tunable.h"
 #include "studies/variant/variant.h"
 
 #include <math.h>
