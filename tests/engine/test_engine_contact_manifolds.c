@@ -127,12 +127,42 @@ static void test_new_manifolds_inherit_impulses_by_feature(void **state)
     pe_world_destroy(c.world);
 }
 
+/* A slip of friction on one arm pushes towards the other: at the inner edge, where points of both
+ * meet, it must not become a push of the other. */
+static void test_renamed_points_inherit_from_their_side_only(void **state)
+{
+    (void)state;
+    corner c = corner_with_block();
+    step(c.world, H);
+    pe_contacts *contacts = &c.world->contacts;
+    for (int loaded = 0; loaded < 2; ++loaded) {
+        for (int i = 0; i < 2; ++i) {
+            const pe_manifold *m = &pe_manifolds(contacts)[i], *other = &pe_manifolds(contacts)[!i];
+            pe_vec3 push = pe_madd(m->normal, 0.5, other->normal);
+            for (int j = m->first; j < m->first + m->count; ++j) {
+                pe_manifold_point *p = &pe_manifold_points(contacts)[j];
+                p->impulse = pe_scale(i == loaded, push);
+                p->feature += i == loaded ? 1u << 20 : 1u << 21;
+            }
+        }
+        pe_vec3 before = manifold_impulse(contacts, loaded);
+        pe_contact_rules anew = {.reuse_tolerance = 0, .most_points = PE_MAX_POINTS};
+        pe_arena_reset(&c.world->arena, &c.world->allocator);
+        assert_int_equal(pe_contacts_update(c.world, &anew, NULL, H, NULL), PE_OK);
+        assert_int_equal(contacts->manifold_count, 2);
+        assert_at_most(pe_length(pe_sub(manifold_impulse(contacts, loaded), before)), 1e-15);
+        assert_at_most(pe_length(manifold_impulse(contacts, !loaded)), 0);
+    }
+    pe_world_destroy(c.world);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_block_in_a_corner_has_two_manifolds),
         cmocka_unit_test(test_it_rests_there_on_both_and_is_kept),
         cmocka_unit_test(test_new_manifolds_inherit_impulses_by_feature),
+        cmocka_unit_test(test_renamed_points_inherit_from_their_side_only),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

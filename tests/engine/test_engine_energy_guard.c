@@ -4,6 +4,7 @@
 #include "step/step.h"
 #include "world_for_tests.h"
 
+#include <math.h>
 #include <string.h>
 
 static const double H = 1.0 / 60;
@@ -206,6 +207,83 @@ static void test_a_rise_without_motion_is_taken_back(void **state)
     assert_close(pe_twists(world)[id.index].velocity.x, 0, 0, 0);
     assert_memory_equal(&pe_poses(world)[id.index], &u.poses[id.index], sizeof(pe_pose));
     pe_world_destroy(world);
+}
+
+/* A cube that slides with 100 J and gains `gain` of them in a step; what it is left with of that. */
+static double gain_left(double gain, bool solved)
+{
+    pe_body_id id;
+    pe_world *world = make_world_with(CUBE, pe_v3(10, 0, 0), pe_v3(0, 0, 0), &id);
+    under_way u;
+    remember(world, &u);
+    double begun = energy_at(world, id);
+    move_freely(world, &u, (int)id.index);
+    pe_vec3 *velocity = &pe_twists(world)[id.index].velocity;
+    velocity->x *= sqrt(1 + gain);
+    bool put_back[8] = {false}, exact[8] = {false};
+    exact[id.index] = solved;
+    pe_step s = ending(world, &u, exact);
+    pe_energy_report report;
+    pe_energy_guard(&s, &u.islands, put_back, &report);
+    double left = (energy_at(world, id) - begun) / 100;
+    pe_world_destroy(world);
+    return left;
+}
+
+/* A millionth of the energies before and after, where all bodies were solved directly. */
+static void test_exact_motion_may_gain_a_millionth(void **state)
+{
+    (void)state;
+    assert_close(gain_left(1.8e-6, true), 1.8e-6, 1e-9, 0);
+    assert_close(gain_left(2.2e-6, true), 0, 1e-9, 0);
+    assert_close(gain_left(1e-4, true), 0, 1e-9, 0);
+    assert_close(gain_left(1.8e-6, false), 0, 1e-9, 0);
+}
+
+/* ---- Neighbours ---- */
+
+/* Two cubes on the ground, `gap` apart, one of which gains speed. Whether the other loses some. */
+static bool neighbour_pays(double gap)
+{
+    pe_world *world = make_world(NULL);
+    add_plane(world, pe_v3(0, 0, 1), add_material(world, 0.5, 0));
+    pe_body_id ids[2];
+    for (int k = 0; k < 2; ++k) {
+        pe_body_def def = box_def(0.5, 0.5, 0.5, pe_v3(k * (1 + gap), 0, 0.5));
+        def.velocity = pe_v3(0, 1, 0);
+        ids[k] = add_body(world, &def);
+    }
+    under_way u;
+    remember(world, &u);
+    for (int k = 0; k < 2; ++k) {
+        pe_pose_move(&pe_poses(world)[ids[k].index], pe_v3(0, H, 0), pe_v3(0, 0, 0));
+    }
+    pe_twists(world)[ids[0].index].velocity.y = 1.1;
+    pe_contact_rules rules = pe_contact_rules_exact();
+    assert_int_equal(pe_contacts_update(world, &rules, NULL, H, NULL), PE_OK);
+    assert_int_equal(world->contacts.manifold_count, 3); /* the two have one with each other too */
+    pe_islands groups;
+    assert_int_equal(pe_islands_find_touching(world, &groups, NULL), PE_OK);
+    bool put_back[8] = {false}, solved[8] = {false};
+    pe_step s = ending(world, &u, solved);
+    pe_energy_report report;
+    pe_energy_guard(&s, &groups, put_back, &report);
+    assert_int_equal(report.islands, 1);
+    assert_close(report.removed, 0.5 * (1.1 * 1.1 - 1), 1e-9, 0);
+    bool pays = pe_twists(world)[ids[1].index].velocity.y != 1;
+    assert_close(pe_twists(world)[ids[0].index].velocity.y, pays ? sqrt(2 / 2.21) * 1.1 : 1, 1e-9,
+                 0);
+    pe_world_destroy(world);
+    return pays;
+}
+
+static void test_energy_is_taken_from_touching_bodies_only(void **state)
+{
+    (void)state;
+    assert_true(neighbour_pays(-1e-4));
+    assert_true(neighbour_pays(0));
+    assert_false(neighbour_pays(1e-5));
+    assert_false(neighbour_pays(5e-4));
 }
 
 /* ---- Corrections that motion cannot pay for ---- */
@@ -411,6 +489,8 @@ int main(void)
         cmocka_unit_test(test_a_bounce_keeps_the_energy),
         cmocka_unit_test(test_energy_guard_removes_growth_that_motion_covers),
         cmocka_unit_test(test_a_rise_without_motion_is_taken_back),
+        cmocka_unit_test(test_exact_motion_may_gain_a_millionth),
+        cmocka_unit_test(test_energy_is_taken_from_touching_bodies_only),
         cmocka_unit_test(test_a_lift_that_motion_pays_for_stays),
         cmocka_unit_test(test_excess_lift_is_undone_and_motion_continues),
         cmocka_unit_test(test_unsolved_bodies_come_to_rest_in_place),

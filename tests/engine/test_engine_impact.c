@@ -229,6 +229,41 @@ static void test_flying_box_collision_conserves_angular_momentum(void **state)
     assert_true(exact > 190);
 }
 
+/* Three equal elastic balls in a row exchange their velocities, pair by pair: each velocity goes on
+ * along its own line, offset by the balls that it passed. Blows at one time would reverse both
+ * relative velocities instead. */
+static void test_impacts_apart_in_time_are_separate(void **state)
+{
+    (void)state;
+    static const double delays[] = {2e-3, 5e-3, 0.02, 0.05, 0.2}; /* in units of the step */
+    const double r = 0.1, left = 1, right = -2;                   /* m, m/s */
+    for (int k = 0; k < 5; ++k) {
+        pe_world_def world_def = pe_world_def_default();
+        world_def.gravity = pe_v3(0, 0, 0);
+        world_def.impact_bodies = 3;
+        pe_world *world = make_world(&world_def);
+        pe_material_id material = add_material(world, 0, 1);
+        /* The left ball comes at a third of the step, the right one when the middle one, which then
+         * flies towards it, has been on its way for the delay. */
+        double first = H / 3, delay = delays[k] * H, v[] = {left, 0, right};
+        double x[] = {-2 * r - left * first, 0, 2 * r - right * first + (left - right) * delay};
+        pe_body_id ids[3];
+        for (int i = 0; i < 3; ++i) {
+            pe_body_def def = ball_def(r, pe_v3(x[i], 0, 0), pe_v3(v[i], 0, 0), material);
+            ids[i] = add_body(world, &def);
+        }
+        step(world, H);
+        static const int comes_from[] = {2, 1, 0};
+        for (int i = 0; i < 3; ++i) {
+            int of = comes_from[i];
+            pe_body_state s = state_of(world, ids[i]);
+            assert_close(s.velocity.x, v[of], 1e-9, 0);
+            assert_close(s.position.x, x[of] + v[of] * H + 2 * r * (i - of), 1e-9, 0);
+        }
+        pe_world_destroy(world);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -237,6 +272,7 @@ int main(void)
         cmocka_unit_test(test_spinning_ball_strikes_at_its_own_surface),
         cmocka_unit_test(test_two_balls_meet_within_the_step),
         cmocka_unit_test(test_flying_box_collision_conserves_angular_momentum),
+        cmocka_unit_test(test_impacts_apart_in_time_are_separate),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

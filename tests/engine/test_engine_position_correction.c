@@ -330,6 +330,60 @@ static void test_excluded_bodies_stay_during_projection(void **state)
     }
 }
 
+/* ---- Swept islands in a step ---- */
+
+static const double SLOP = 1e-3;
+
+/* A tower that stood for a step, and then is pressed together by `overlap` at every contact and
+ * drops: it moves too much, and may use too few updates, to be solved directly. The deepest
+ * penetration, in m, that a step leaves. */
+static double pressed_tower_depth(pe_profile profile, int count, double overlap)
+{
+    pe_body_id ids[32];
+    pe_world_def def = pe_world_def_default();
+    def.profile = profile;
+    def.max_contact_updates = 1;
+    def.penetration_slop = SLOP;
+    pe_world *world = make_world(&def);
+    add_tower(world, count, add_material(world, 0.5, 0), ids);
+    step(world, H);
+    for (int i = 0; i < count; ++i) {
+        pe_body_state s = state_of(world, ids[i]);
+        s.position.z = 0.5 + i - (i + 1) * overlap;
+        s.velocity.z = -0.01;
+        assert_int_equal(pe_body_set_state(world, ids[i], &s, NULL), PE_OK);
+    }
+    assert_int_equal(step(world, H).islands_by_path[PE_PATH_SWEEPS], 1);
+    double depth = depth_of(world);
+    pe_world_destroy(world);
+    return depth;
+}
+
+static void test_swept_tower_keeps_less_than_three_slops(void **state)
+{
+    (void)state;
+    for (int profile = PE_PROFILE_DEFAULT; profile <= PE_PROFILE_ACCURATE; ++profile) {
+        for (int count = 3; count <= 31; count += 4) {
+            double depth = pressed_tower_depth((pe_profile)profile, count, 2.9 * SLOP);
+            assert_close(depth, 2.9 * SLOP, 0.02 * SLOP, 0);
+        }
+    }
+}
+
+/* In a tall tower sweeps come near the aim slowly, so that they end where they may. The motion of a
+ * low one does not pay for the lift (energy_guard.c). */
+static void test_swept_tower_is_freed_beyond_three_slops(void **state)
+{
+    (void)state;
+    for (int profile = PE_PROFILE_DEFAULT; profile <= PE_PROFILE_ACCURATE; ++profile) {
+        for (int count = 15; count <= 31; count += 2) {
+            double depth = pressed_tower_depth((pe_profile)profile, count, 3.1 * SLOP);
+            assert_at_most(SLOP, depth);
+            assert_at_most(depth, 1.5 * SLOP);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -343,6 +397,8 @@ int main(void)
         cmocka_unit_test(test_any_solver_may_take_the_place_of_sweeps),
         cmocka_unit_test(test_only_flagged_islands_are_corrected),
         cmocka_unit_test(test_excluded_bodies_stay_during_projection),
+        cmocka_unit_test(test_swept_tower_keeps_less_than_three_slops),
+        cmocka_unit_test(test_swept_tower_is_freed_beyond_three_slops),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

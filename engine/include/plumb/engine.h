@@ -104,9 +104,9 @@ typedef struct pe_world_def {
      * the step is added to it, so that fast bodies do not pass through others. */
     double contact_margin;
 
-    /* Penetration, in m, that is left alone in an island that is swept. Deeper penetration is
-     * removed after the step by moving bodies, without a change of momentum. Islands that are
-     * solved directly keep none. */
+    /* Penetration, in m, that is left alone in an island that is swept. Where it is deeper than
+     * three times this, bodies are moved after the step, without a change of momentum, until it is
+     * less than one and a half times this. Islands that are solved directly keep none. */
     double penetration_slop;
 
     pe_allocator allocator; /* all NULL: aligned_alloc and free */
