@@ -110,9 +110,10 @@ static void see_poses(pl_referee *r, const pl_body_state *bodies)
     memcpy(r->last, bodies, (size_t)r->scene->body_count * sizeof *bodies);
 }
 
-void pl_referee_set_substeps(pl_referee *referee, int substeps)
+void pl_referee_set_engine(pl_referee *referee, const pl_referee_engine *engine)
 {
-    pl_mechanics_set_substeps(referee->mechanics, substeps);
+    pl_mechanics_set_engine(referee->mechanics, engine);
+    pl_values_set_engine(referee->values, engine);
 }
 
 pl_verdict pl_referee_start(pl_referee *r, const pl_frame *frame)
@@ -159,7 +160,8 @@ static void see_mechanics(pl_referee *r, const pl_step_observation *seen)
     pl_mechanics_step(r->mechanics, &step);
     pl_contact_force_step(r->force, &step);
     for (pl_position_rule k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale, k);
+        double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale, k) -
+                      pl_mechanics_energy_rounding(r->mechanics) / r->scale.energy;
         double error = pl_mechanics_momentum_error(r->mechanics, &r->scale, k);
         double growth = pl_touching_island_max(r->touching, pl_mechanics_growth(r->mechanics, k));
         pl_series_add(&r->series[OF_ENERGY + k], fmax(or_infinity(gain), 0), r->done);

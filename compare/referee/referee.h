@@ -8,6 +8,7 @@
 
 #include "plumb/engine_abi.h"
 #include "plumb/scene.h"
+#include "referee/metrics/integrator.h"
 #include "referee/metrics/metrics.h"
 
 /* A referee of one run. */
@@ -19,9 +20,9 @@ pl_status pl_referee_create(const pl_scene *scene, pl_referee **referee, pl_erro
 /* Frees the referee; NULL is allowed. */
 void pl_referee_destroy(pl_referee *referee);
 
-/* Sets the number of sub-steps that the engine makes in a step, by which its energy is judged; one
- * unless this is called, before pl_referee_start. */
-void pl_referee_set_substeps(pl_referee *referee, int substeps);
+/* Sets what the engine declares, by which its frames are judged; one sub-step and doubles unless
+ * this is called, before pl_referee_start. */
+void pl_referee_set_engine(pl_referee *referee, const pl_referee_engine *engine);
 
 /* Takes the state before the first step. */
 pl_verdict pl_referee_start(pl_referee *referee, const pl_frame *frame);

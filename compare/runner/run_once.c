@@ -167,7 +167,8 @@ static pl_status begin(run *r, pl_run_result *result, bool *going, pl_error *err
         set_failure(result, status, &fault);
         return PL_OK;
     }
-    pl_referee_set_substeps(r->referee, result->substeps);
+    const pl_referee_engine engine = {result->substeps, def->choice->engine->precision};
+    pl_referee_set_engine(r->referee, &engine);
     read_frame(r, 0);
     enter(def->watch, PL_STAGE_JUDGE);
     if (pl_referee_start(r->referee, &r->frame) == PL_VERDICT_NONFINITE) {

@@ -1,6 +1,7 @@
 /* A plug-in that tests build in several ways: bodies without contacts, in free fall by semi-implicit
  * Euler. DRIFT is added to every height at every step, so that builds can be told apart; with
- * DEPENDENCY, the function small_engine_drift of another library is added too. */
+ * DEPENDENCY, the function small_engine_drift of another library is added too. With READ_BACK, a
+ * type, it computes in that type, and reads back its settings in it. */
 #include "plumb/adapter_helpers.h"
 #include "plumb/engine_abi.h"
 
@@ -19,6 +20,12 @@ struct pl_engine_instance {
     double iterations, dt;
     pl_body_state states[];
 };
+
+#ifdef READ_BACK
+#define NUMBER READ_BACK
+#else
+#define NUMBER double
+#endif
 
 #ifdef DEPENDENCY
 double small_engine_drift(void);
@@ -57,13 +64,14 @@ static void destroy(pl_engine_instance *instance)
 static pl_status step(pl_engine_instance *instance, double dt, pl_step_stats *stats,
                       pl_error *error)
 {
-    const double h = dt / instance->iterations;
+    const NUMBER h = (NUMBER)dt / (NUMBER)instance->iterations;
     (void)error;
     for (int part = 0; part < (int)instance->iterations; ++part) {
         for (int i = 0; i < instance->scene->body_count; ++i) {
             for (int k = 0; k < 3 && !instance->scene->bodies[i].is_static; ++k) {
-                instance->states[i].velocity[k] += h * instance->scene->gravity[k];
-                instance->states[i].position[k] += h * instance->states[i].velocity[k];
+                double *x = &instance->states[i].position[k], *v = &instance->states[i].velocity[k];
+                *v = (NUMBER)((NUMBER)*v + h * (NUMBER)instance->scene->gravity[k]);
+                *x = (NUMBER)((NUMBER)*x + h * (NUMBER)*v);
             }
         }
     }

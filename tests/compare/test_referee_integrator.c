@@ -30,6 +30,13 @@ static const char *integrator_of(const run *r)
     return metric->state == PL_METRIC_TEXT ? metric->text : "";
 }
 
+static void assert_no_discrete_error(const run *r, const char *reason)
+{
+    const pl_metric *metric = run_metric(r, PL_METRIC_DISCRETE_ERROR);
+    assert_int_equal(metric->state, PL_METRIC_FAILED);
+    assert_contains(metric->reason, reason);
+}
+
 /* A ball with an upward velocity, with its references of the continuous problem and of
  * semi-implicit Euler. */
 static void prepare_fall(run *r, double speed)
@@ -70,6 +77,60 @@ static void test_each_integrator_is_detected_without_discrete_error(void **state
         assert_close(run_value(&r, PL_METRIC_VALUE_ERROR), stepping, 1e-12, 0);
         assert_close(run_value(&r, PL_METRIC_DISCRETE_ERROR), 0, 1e-12, 0);
         run_end(&r);
+    }
+}
+
+/* An impulse slows a block from `speed` to `end` evenly over `time`, in `substeps` of a step. */
+static double slowed(double speed, double end, double time, int substeps)
+{
+    const double k = H / substeps, braking = (speed - end) / time;
+    double sum = 0;
+    for (int i = 1; i <= STEPS * substeps; ++i) {
+        sum += k * (i * k <= time ? speed - braking * i * k : end);
+    }
+    return sum;
+}
+
+/* Uniform motion, braking to rest and slowing down to a known speed, each with sub-steps. */
+static void test_substeps_have_discrete_answers(void **state)
+{
+    (void)state;
+    const double speed = 2, ends[] = {0.5, 0, 1}, times[] = {STEPS * H, 0.417, 0.417};
+    for (int kind = 0; kind < 3; ++kind) {
+        for (int substeps = 1; substeps <= 4; substeps *= 2) {
+            const double end = ends[kind], time = times[kind];
+            run r;
+            run_prepare(&r, STEPS * H);
+            run_add_body(&r, "block", pl_shape_box(1, 1, 1), false, 0, 0);
+            r.scene.bodies[0].velocity[0] = speed;
+            pl_expect_value moved = pl_expect_value_default(&r.scene), velocity = moved;
+            moved.direction[0] = velocity.direction[0] = 1;
+            moved.direction[2] = velocity.direction[2] = 0;
+            moved.value = (speed + end) / 2 * time + end * (STEPS * H - time);
+            moved.discrete = slowed(speed, end, time, 1);
+            velocity.quantity = PL_QUANTITY_VELOCITY;
+            velocity.value = velocity.discrete = end;
+            assert_int_equal(pl_scene_add_value(&r.scene, &moved, NULL), PL_OK);
+            if (kind == 2) {
+                assert_int_equal(pl_scene_add_value(&r.scene, &velocity, NULL), PL_OK);
+            }
+            r.engine.substeps = substeps;
+            run_begin(&r);
+            for (int i = 1; i <= STEPS; ++i) {
+                for (int part = 1; part <= substeps; ++part) {
+                    const double t = ((i - 1) * substeps + part) * H / substeps;
+                    const double now = t <= time ? speed - (speed - end) / time * t : end;
+                    r.state[0].velocity[0] = now;
+                    r.state[0].position[0] += H / substeps * now;
+                }
+                run_step_many(&r, 1);
+            }
+            run_finish(&r);
+            assert_string_equal(integrator_of(&r), names[NEW_VELOCITY]);
+            assert_close(run_value(&r, PL_METRIC_DISCRETE_ERROR), 0, 1e-12, 0);
+            assert_true(run_value(&r, PL_METRIC_VALUE_ERROR) > 1e-4);
+            run_end(&r);
+        }
     }
 }
 
@@ -162,7 +223,7 @@ static void test_unknown_discrete_reference_is_absent(void **state)
     prepare_fall(&r, 3);
     r.scene.values[0].discrete += 0.1;
     fall(&r, MEAN_VELOCITY, 9.81);
-    assert_int_equal(run_metric(&r, PL_METRIC_DISCRETE_ERROR)->state, PL_METRIC_ABSENT);
+    assert_no_discrete_error(&r, "no exact answer of the integrator with 1 sub-step is known");
     run_end(&r);
 }
 
@@ -219,7 +280,7 @@ static void test_alternating_integrators_are_mixed(void **state)
     }
     run_finish(&r);
     assert_string_equal(integrator_of(&r), "mixed");
-    assert_int_equal(run_metric(&r, PL_METRIC_DISCRETE_ERROR)->state, PL_METRIC_ABSENT);
+    assert_no_discrete_error(&r, "integrator was not detected");
     run_end(&r);
 }
 
@@ -240,7 +301,7 @@ static void test_another_integrator_is_not_detected(void **state)
         }
         run_finish(&r);
         assert_int_equal(run_metric(&r, PL_METRIC_INTEGRATOR)->state, PL_METRIC_ABSENT);
-        assert_int_equal(run_metric(&r, PL_METRIC_DISCRETE_ERROR)->state, PL_METRIC_ABSENT);
+        assert_no_discrete_error(&r, "integrator was not detected");
         run_end(&r);
     }
 }
@@ -255,7 +316,7 @@ static void test_substeps_gain_no_energy(void **state)
         run r;
         prepare_fall(&r, 3);
         r.scene.bodies[0].velocity[0] = 2;
-        r.substeps = substeps;
+        r.engine.substeps = substeps;
         run_begin(&r);
         for (int i = 0; i < STEPS; ++i) {
             for (int k = 0; k < SUBSTEPS; ++k) {
@@ -271,7 +332,7 @@ static void test_substeps_gain_no_energy(void **state)
             assert_string_equal(integrator_of(&r), names[NEW_VELOCITY]);
             assert_close(run_value(&r, PL_METRIC_ENERGY_GAIN), 0, 1e-12, 0);
             assert_close(run_value(&r, PL_METRIC_MOMENTUM_ERROR), 0, 1e-12, 0);
-            assert_int_equal(run_metric(&r, PL_METRIC_DISCRETE_ERROR)->state, PL_METRIC_ABSENT);
+            assert_close(run_value(&r, PL_METRIC_DISCRETE_ERROR), 0, 1e-12, 0);
         } else {
             assert_string_equal(integrator_of(&r), "");
             assert_true(run_value(&r, PL_METRIC_ENERGY_GAIN) > 1e-4);
@@ -284,6 +345,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_each_integrator_is_detected_without_discrete_error),
+        cmocka_unit_test(test_substeps_have_discrete_answers),
         cmocka_unit_test(test_wrong_force_shows_in_both_errors),
         cmocka_unit_test(test_stop_within_a_step_is_a_stepping_error),
         cmocka_unit_test(test_expected_velocity_gives_the_second_order_reference),

@@ -58,7 +58,7 @@ void run_begin(run *r)
         memcpy(r->state[i].angular_velocity, body->angular_velocity, sizeof body->angular_velocity);
     }
     assert_int_equal(pl_referee_create(&r->scene, &r->referee, &r->error), PL_OK);
-    pl_referee_set_substeps(r->referee, r->substeps);
+    pl_referee_set_engine(r->referee, &r->engine);
     pl_frame frame = run_frame(r);
     assert_int_equal(pl_referee_start(r->referee, &frame), PL_VERDICT_OK);
 }

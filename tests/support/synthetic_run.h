@@ -16,7 +16,7 @@ typedef struct run {
     pl_step_stats stats;
     pl_metrics metrics;
     pl_error error;
-    int substeps; /* that the engine makes in a step; 0, as run_prepare leaves it: one */
+    pl_referee_engine engine; /* {0}, as run_prepare leaves it: one sub-step, doubles */
 } run;
 
 /* An empty scene with step H that lasts `duration` seconds, and one material of friction 0.5. */

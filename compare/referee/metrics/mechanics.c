@@ -22,97 +22,25 @@
  *               contact's impulse is of is not known, and so neither is its arm
  *
  * By the energy of the other integrator a falling body would seem to gain or lose m g^2 h t / 2.
+ *
+ * Rounding of an engine that declares floats. With c of pl_step_rounding, a step may change
+ *
+ *   energy    by c (m s^2 + m |g.x|' + 3 |w| |I w|), s = |v| + h |g|, |g.x|' = sum |g_k x_k|
+ *   momentum  by c (m |v| + sum of |J| over gravity, forces and contacts)
+ *   angular   by c (2 |x| m |v| + 3 |I w| + 2 sum of |q| |J|)
+ *
+ * because each number is off by c times its size: the velocities, which are sums of v and h g, the
+ * positions from the origin of the world, and the orientation, which turns I w. These add up over
+ * the steps, and are not charged.
+ *
  * Source: the substitution of every proof that symplectic Euler conserves a modified energy
  * (Hairer, Lubich and Wanner 2006).
- *
- * Detection of the integrator. A body whose centre of mass moves by d while its velocity goes from
- * v to v' has made a step of
- *
- *   semi-implicit Euler         d = h v', with n sub-steps h v' - (1 - 1/n) h (v' - v) / 2
- *   a second-order integrator   d = h (v + v') / 2, or d = h v' - h^2 g / 2, where impulses come
- *                               before the flight; under gravity alone the two are equal
- *
- * The two integrators differ by h |v' - v| / 2. A step votes where that is far above rounding and
- * the step fits exactly one of them, to a thousandth of the difference. A step in which the engine
- * pushes a body out of another fits neither, and without gravity an impulse before the flight fits
- * both. */
+ */
 #include "mechanics.h"
 
 #include "referee/geometry/solid.h"
 
 #include <string.h>
-
-/* ---- The integrator ---- */
-
-static const double RESOLUTION = 1e-10; /* of the distance from the origin */
-static const double FIT = 1e-3;
-static const double FREE = 1e-9; /* of the velocity that gravity gives in a step */
-
-/* The part by which n sub-steps of semi-implicit Euler are of second order: 0 for n = 1. */
-static double later_share(const pl_integrator_votes *votes)
-{
-    return votes->substeps > 1 ? 0.5 * (1 - 1.0 / votes->substeps) : 0;
-}
-
-static void count_body(pl_integrator_votes *votes, const pl_body *body, pl_vec g, double h,
-                       const pl_body_state *before, const pl_body_state *after)
-{
-    pl_vec x = pl_state_centre(body, before), v = pl_vec_of(before->velocity);
-    pl_vec end = pl_vec_of(after->velocity);
-    double apart = h * pl_vec_length(pl_vec_sub(end, v));
-    if (!(apart > RESOLUTION * (pl_vec_length(x) + pl_bounding_radius(&body->shape)))) {
-        return;
-    }
-    pl_vec late = pl_vec_mad(pl_vec_sub(pl_state_centre(body, after), x), -h, end); /* d - h v' */
-    double semi_implicit =
-        pl_vec_length(pl_vec_mad(late, later_share(votes) * h, pl_vec_sub(end, v)));
-    double mean = pl_vec_length(pl_vec_mad(late, h / 2, pl_vec_sub(end, v)));
-    double flight = pl_vec_length(pl_vec_mad(late, h * h / 2, g));
-    double second_order = fmin(mean, flight);
-    bool is_first = semi_implicit <= FIT * apart, is_second = second_order <= FIT * apart;
-    if (is_first && is_second) {
-        return;
-    }
-    pl_vec falling = pl_vec_mad(pl_vec_sub(end, v), -h, g);
-    bool flies = pl_vec_length(falling) <= FREE * h * pl_vec_length(g);
-    long *count = flies ? votes->flying : votes->pushed;
-    count[is_first ? PL_SEMI_IMPLICIT : is_second ? PL_SECOND_ORDER : PL_POSITION_RULE_COUNT] += 1;
-}
-
-void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
-                       const pl_body_state *before, const pl_body_state *after)
-{
-    pl_vec g = pl_vec_of(scene->gravity);
-    for (int i = 0; i < scene->body_count; ++i) {
-        if (!scene->bodies[i].is_static) {
-            count_body(votes, &scene->bodies[i], g, scene->dt, &before[i], &after[i]);
-        }
-    }
-}
-
-/* The votes that count: those in free flight, if there are any. */
-static const long *deciding_votes(const pl_integrator_votes *votes)
-{
-    bool flew = votes->flying[PL_SECOND_ORDER] > 0 || votes->flying[PL_SEMI_IMPLICIT] > 0;
-    return flew ? votes->flying : votes->pushed;
-}
-
-pl_position_rule pl_integrator_of(const pl_integrator_votes *votes)
-{
-    const long *count = deciding_votes(votes);
-    return count[PL_SECOND_ORDER] > count[PL_SEMI_IMPLICIT] ? PL_SECOND_ORDER : PL_SEMI_IMPLICIT;
-}
-
-pl_integrator_certainty pl_integrator_certain(const pl_integrator_votes *votes)
-{
-    const long *count = deciding_votes(votes);
-    long either = count[PL_SEMI_IMPLICIT] + count[PL_SECOND_ORDER];
-    if (either == 0 || either < count[PL_POSITION_RULE_COUNT]) {
-        return PL_INTEGRATOR_UNDETECTED;
-    }
-    long more = count[pl_integrator_of(votes)];
-    return 10 * more >= 9 * either ? PL_INTEGRATOR_DETECTED : PL_INTEGRATOR_MIXED;
-}
 
 /* ---- Applied forces ---- */
 
@@ -185,6 +113,11 @@ typedef struct external {
     pl_vec momentum[PL_POSITION_RULE_COUNT], angular[PL_POSITION_RULE_COUNT];
 } external;
 
+/* What rounding explains so far: J, N s, N m s. */
+typedef struct rounding {
+    double energy, momentum, angular;
+} rounding;
+
 struct pl_mechanics {
     const pl_scene *scene;
     pl_vec *origin;                         /* (body_count): centres of mass at the start */
@@ -192,6 +125,7 @@ struct pl_mechanics {
     double *growth[PL_POSITION_RULE_COUNT]; /* each (body_count): in the last step, without work */
     totals first, last;
     external given;
+    rounding blur;
     pl_integrator_votes votes;
     bool has_contact; /* with a static body, in some step */
 };
@@ -225,11 +159,31 @@ static void set_energy(pl_mechanics *m, pl_position_rule integrator, int body, d
     m->last.energy[integrator] += energy;
 }
 
+/* Adds what rounding explains of one body in a step, apart from impulses. `spin_momentum` is |I w|.
+ */
+static void add_rounding(pl_mechanics *m, int index, const pl_body_state *state, pl_vec x,
+                         double spin_momentum)
+{
+    const double c = pl_step_rounding(&m->votes.engine), mass = m->scene->bodies[index].mass;
+    const double *g = m->scene->gravity;
+    const double speed = pl_vec_length(pl_vec_of(state->velocity));
+    const double reached = speed + m->scene->dt * pl_vec_length(pl_vec_of(g));
+    const double potential = fabs(g[0] * x.x) + fabs(g[1] * x.y) + fabs(g[2] * x.z);
+    const double spin = pl_vec_length(pl_vec_of(state->angular_velocity));
+    const double energy = c * (mass * (reached * reached + potential) + 3 * spin * spin_momentum);
+    m->blur.energy += energy;
+    m->blur.momentum += c * mass * speed;
+    m->blur.angular += c * (2 * pl_vec_length(x) * mass * speed + 3 * spin_momentum);
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+        m->growth[k][index] -= energy;
+    }
+}
+
 /* Measures `last` and every body's energy and growth. */
 static void measure(pl_mechanics *m, const pl_body_state *bodies)
 {
     pl_vec g = pl_vec_of(m->scene->gravity);
-    const int substeps = m->votes.substeps > 1 ? m->votes.substeps : 1;
+    const int substeps = pl_substeps_of(&m->votes.engine);
     m->last = (totals){.energy = {0}};
     for (int i = 0; i < m->scene->body_count; ++i) {
         const pl_body *body = &m->scene->bodies[i];
@@ -250,10 +204,18 @@ static void measure(pl_mechanics *m, const pl_body_state *bodies)
         set_energy(m, PL_SECOND_ORDER, i, energy);
         set_energy(m, PL_SEMI_IMPLICIT, i,
                    energy + m->scene->dt / (2 * substeps) * pl_vec_dot(g, momentum));
+        add_rounding(m, i, &bodies[i], x, pl_vec_length(angular));
         m->last.momentum = pl_vec_add(m->last.momentum, momentum);
         m->last.angular =
             pl_vec_add(m->last.angular, pl_vec_add(pl_vec_cross(x, momentum), angular));
     }
+}
+
+static void add_impulse_rounding(pl_mechanics *m, pl_vec point, pl_vec impulse)
+{
+    const double size = pl_step_rounding(&m->votes.engine) * pl_vec_length(impulse);
+    m->blur.momentum += size;
+    m->blur.angular += 2 * pl_vec_length(point) * size;
 }
 
 static void add_impulse(pl_mechanics *m, pl_position_rule k, pl_vec point, pl_vec impulse)
@@ -274,7 +236,9 @@ static void add_body_impulse(pl_mechanics *m, int body, const pl_step *step, pl_
                              pl_vec impulse)
 {
     const pl_vec moved = displacement(m, body, step);
-    add_impulse(m, PL_SEMI_IMPLICIT, pl_vec_mad(point, later_share(&m->votes), moved), impulse);
+    add_impulse_rounding(m, point, impulse);
+    add_impulse(m, PL_SEMI_IMPLICIT, pl_vec_mad(point, pl_later_share(&m->votes.engine), moved),
+                impulse);
     add_impulse(m, PL_SECOND_ORDER, pl_vec_mad(point, 0.5, moved), impulse);
 }
 
@@ -331,7 +295,8 @@ static void add_force(pl_mechanics *m, const pl_force *force, const pl_step *ste
             pl_vec twice = pl_vec_add(point_velocity(before, after, moved, dt, 0, arm),
                                       point_velocity(before, after, moved, dt, 2, arm));
             add_work(m, PL_SEMI_IMPLICIT, force->body, pl_vec_dot(impulse, twice) / 2);
-            const pl_vec mean = pl_vec_mad(centre, later_share(&m->votes), moved);
+            const pl_vec mean = pl_vec_mad(centre, pl_later_share(&m->votes.engine), moved);
+            add_impulse_rounding(m, pl_vec_add(mean, arm), impulse);
             add_impulse(m, PL_SEMI_IMPLICIT, pl_vec_add(mean, arm), impulse);
         }
         impulse = pl_vec_scale(impulse, NODE_WEIGHTS[i]);
@@ -348,6 +313,7 @@ static void add_contact(pl_mechanics *m, const pl_contact *contact, const pl_ste
     bool a_static = m->scene->bodies[contact->body_a].is_static;
     bool b_static = m->scene->bodies[contact->body_b].is_static;
     if (a_static == b_static) {
+        add_impulse_rounding(m, pl_vec_of(contact->point), pl_vec_of(contact->impulse));
         return;
     }
     const double sign = a_static ? 1 : -1;
@@ -360,9 +326,9 @@ static void add_contact(pl_mechanics *m, const pl_contact *contact, const pl_ste
     }
 }
 
-void pl_mechanics_set_substeps(pl_mechanics *m, int substeps)
+void pl_mechanics_set_engine(pl_mechanics *m, const pl_referee_engine *engine)
 {
-    m->votes.substeps = substeps;
+    m->votes.engine = *engine;
 }
 
 void pl_mechanics_start(pl_mechanics *m, const pl_body_state *bodies)
@@ -406,6 +372,11 @@ double pl_mechanics_energy_gain(const pl_mechanics *m, const pl_scale *scale,
            scale->energy;
 }
 
+double pl_mechanics_energy_rounding(const pl_mechanics *m)
+{
+    return m->blur.energy;
+}
+
 const double *pl_mechanics_growth(const pl_mechanics *m, pl_position_rule integrator)
 {
     return m->growth[integrator];
@@ -419,8 +390,13 @@ static double unexplained(pl_vec last, pl_vec first, pl_vec given)
 double pl_mechanics_momentum_error(const pl_mechanics *m, const pl_scale *scale,
                                    pl_position_rule integrator)
 {
-    double linear = unexplained(m->last.momentum, m->first.momentum, m->given.momentum[integrator]);
-    double angular = unexplained(m->last.angular, m->first.angular, m->given.angular[integrator]);
-    const bool knows_arms = m->votes.substeps <= 1 || !m->has_contact;
-    return fmax(linear / scale->momentum, knows_arms ? angular / scale->angular_momentum : 0);
+    double linear =
+        unexplained(m->last.momentum, m->first.momentum, m->given.momentum[integrator]) -
+        m->blur.momentum;
+    double angular = unexplained(m->last.angular, m->first.angular, m->given.angular[integrator]) -
+                     m->blur.angular;
+    const bool knows_arms = pl_substeps_of(&m->votes.engine) == 1 || !m->has_contact;
+    const double error =
+        fmax(linear / scale->momentum, knows_arms ? angular / scale->angular_momentum : 0);
+    return isnan(linear + angular) ? (double)NAN : fmax(error, 0);
 }

@@ -6,46 +6,9 @@
 #define PLUMB_MECHANICS_H
 
 #include "base/arena.h"
+#include "integrator.h"
 #include "plumb/vec.h"
 #include "scale.h"
-
-/* ---- The integrator ---- */
-
-/* How an engine integrates positions over a step of length h. */
-typedef enum pl_position_rule {
-    PL_SEMI_IMPLICIT, /* x' = x + h v', with v' = v + h g + J/m: conserves E + (h/2) m g.v. With n
-                         sub-steps h is h / n here. */
-    PL_SECOND_ORDER,  /* exact under constant gravity: conserves E */
-    PL_POSITION_RULE_COUNT
-} pl_position_rule;
-
-/* Steps of bodies in which the two integrators differ, counted by the integrator that they fit; the
- * last item counts those that fit neither. Starts as {0}. */
-typedef struct pl_integrator_votes {
-    long flying[PL_POSITION_RULE_COUNT + 1]; /* in steps in which gravity alone acted */
-    long pushed[PL_POSITION_RULE_COUNT + 1]; /* in other steps */
-    int substeps;                            /* that the engine makes in a step; 0: one */
-} pl_integrator_votes;
-
-/* Counts one step of the dynamic bodies. */
-void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
-                       const pl_body_state *before, const pl_body_state *after);
-
-/* The integrator that fits most steps in free flight. Without such steps it is the one that fits
- * most of the other steps. (An engine may move colliding bodies differently.) PL_SEMI_IMPLICIT
- * where no step distinguishes the two, for example because nothing accelerates: both energies then
- * grow alike. */
-pl_position_rule pl_integrator_of(const pl_integrator_votes *votes);
-
-/* Whether the steps of a run agree on one integrator. */
-typedef enum pl_integrator_certainty {
-    PL_INTEGRATOR_UNDETECTED, /* no step distinguishes the two, or more steps fit neither */
-    PL_INTEGRATOR_MIXED,      /* some steps fit the one, some the other */
-    PL_INTEGRATOR_DETECTED    /* nine in ten of the steps that fit either integrator fit it */
-} pl_integrator_certainty;
-
-/* How certain pl_integrator_of is. */
-pl_integrator_certainty pl_integrator_certain(const pl_integrator_votes *votes);
 
 /* ---- Applied forces ---- */
 
@@ -66,9 +29,8 @@ typedef struct pl_mechanics pl_mechanics;
 /* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
 pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena);
 
-/* Sets the number of sub-steps that the engine makes in a step; one unless this is called, before
- * pl_mechanics_start. */
-void pl_mechanics_set_substeps(pl_mechanics *mechanics, int substeps);
+/* Sets what the engine declares; {0} unless this is called, before pl_mechanics_start. */
+void pl_mechanics_set_engine(pl_mechanics *mechanics, const pl_referee_engine *engine);
 
 /* Takes the state before the first step. */
 void pl_mechanics_start(pl_mechanics *mechanics, const pl_body_state *bodies);
@@ -92,13 +54,19 @@ const pl_integrator_votes *pl_mechanics_votes(const pl_mechanics *mechanics);
 double pl_mechanics_energy_gain(const pl_mechanics *mechanics, const pl_scale *scale,
                                 pl_position_rule integrator);
 
-/* By how much each body's E grew in the last step, without the work of the scene's forces on it: J,
- * (body_count). Borrowed until the next step. */
+/* How much of the energy that was gained so far the rounding of the declared precision explains, J:
+ * 0 for an engine in doubles. */
+double pl_mechanics_energy_rounding(const pl_mechanics *mechanics);
+
+/* By how much each body's E grew in the last step, without the work of the scene's forces on it and
+ * without what rounding of the declared precision explains: J, (body_count). Borrowed until the
+ * next step. */
 const double *pl_mechanics_growth(const pl_mechanics *mechanics, pl_position_rule integrator);
 
 /* Of the last state: the larger of |p - p0 - J| / scale.momentum and |L - L0 - K| /
  * scale.angular_momentum, where J and K are the impulses of gravity, of the scene's forces and of
- * the reported contacts with static bodies. If the engine reports no contacts, the result is valid
+ * the reported contacts with static bodies; each without what rounding of the declared precision
+ * explains. If the engine reports no contacts, the result is valid
  * only while nothing has touched a static body. With sub-steps, L counts only while no contact with
  * a static body was reported: its arms are those of sub-steps that are not known. */
 double pl_mechanics_momentum_error(const pl_mechanics *mechanics, const pl_scale *scale,

@@ -33,9 +33,10 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
     [PL_METRIC_DISCRETE_ERROR] =
         {"discrete_error", "1", PL_LOWER_IS_BETTER, true,
          "travel_error or value_error against the discrete reference: the exact result of the "
-         "engine's own integrator at the scene's step, so that the time-stepping error is left "
-         "out; absent where the integrator was not detected, where a discrete reference is not "
-         "known, and for an engine that divides the step"},
+         "engine's own integrator at the scene's step and with the engine's sub-steps, so that the "
+         "time-stepping error is left out, and for an engine in floats without what their rounding "
+         "explains; absent where the scene has no discrete reference, null, with the reason, where "
+         "the integrator was not detected or that of the engine is not known"},
     [PL_METRIC_PATH_DEVIATION] =
         {"path_deviation", "m", PL_LOWER_IS_BETTER, true,
          "max over steps and travelling bodies of the distance of the centre from the line of "
@@ -64,19 +65,22 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
         {"energy_gain", "1", PL_LOWER_IS_BETTER, true,
          "max over frames of (E - E_0 - work of scene forces) / E_ref, at least 0; E = kinetic + "
          "potential energy, + (h/2) m g.v where most steps fit x' = x + h v' (semi-implicit "
-         "Euler); E_ref = initial kinetic energy + M |g| H, where H is the initial height of the "
-         "scene"},
+         "Euler; h of a sub-step); E_ref = initial kinetic energy + M |g| H, where H is the "
+         "initial "
+         "height of the scene; of an engine in floats without what rounding explains: in each step "
+         "2 (n + 1) 2^-24 of m (|v| + h |g|)^2 + m sum |g_k x_k| + 3 |w| |I w|, n sub-steps"},
     [PL_METRIC_ENERGY_STEP_GAIN] =
         {"energy_step_gain", "1", PL_LOWER_IS_BETTER, true,
          "max over steps and islands of (E' - E - work of scene forces) / E_ref as for "
-         "energy_gain, at least 0; an island consists of bodies that touch, or may have touched, "
+         "energy_gain, rounding of floats included, at least 0; an island consists of bodies that "
+         "touch, or may have touched, "
          "in the frame before or after the step"},
     [PL_METRIC_MOMENTUM_ERROR] =
         {"momentum_error", "1", PL_LOWER_IS_BETTER, true,
          "max over frames of |p - p_0 - impulses of gravity, scene forces and static bodies| / "
          "p_ref, for linear and for angular momentum about the origin, whichever is larger; for "
          "an engine that divides the step, for linear momentum alone after a contact with a static "
-         "body"},
+         "body; of an engine in floats without what rounding of momenta and impulses explains"},
     [PL_METRIC_FORCE_BALANCE] =
         {"force_balance", "1", PL_LOWER_IS_BETTER, true,
          "max over steps and bodies of |sum r + h m g + h F - m (v' - v)| / (h m |g|), where r are "

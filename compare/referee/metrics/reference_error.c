@@ -1,24 +1,19 @@
-/* Errors against the references of a scene.
+/* Errors against the references of a scene. Those against the discrete answers are of the engine's
+ * own integrator (discrete_answer.h), less what rounding of the declared precision explains.
  *
- * The scene has the discrete reference x_s of semi-implicit Euler. A second-order integrator has
- * the same velocities v_k at the frames, and moves by their means, so that after N steps
- *
- *   x_2 = x_s - h (v_N - v_0) / 2
- *
- * v_0 is given by the scene. v_N is expected too, or follows from the reference x of the continuous
- * problem if the whole motion is one of two kinds: for uniform acceleration it is 2 x / T - v_0
- * (then x_2 = x), for uniform braking to rest it is 0. Each kind gives x_s from x, which tells
- * which of the two it is. */
+ * Rounding: with c of pl_step_rounding, a step changes a velocity v by up to c (|v| + h |g|), a spin
+ * w by c (|w| + h |g| / R), a position x by c |x| and an orientation by c. The changes of all steps
+ * add up, and those of velocities also move the body, by h each step. */
 #include "reference_error.h"
 
 #include "base/hash.h"
+#include "discrete_answer.h"
+#include "referee/geometry/solid.h"
 
 #include <string.h>
 
 /* A frame within this part of a step of `until` is at `until`. */
 static const double SAME_TIME = 1e-6;
-/* Relative difference below which two displacements are equal. */
-static const double SAME = 1e-9;
 
 static double relative(double actual, double expected)
 {
@@ -31,105 +26,18 @@ static void raise_to(pl_metric *metric, double error)
     *metric = pl_metric_value(fmax(metric->value, error));
 }
 
-/* ---- Discrete references ---- */
+/* ---- Rounding ---- */
 
-/* An expected displacement, m, or rotation, rad. */
-typedef struct displacement {
-    double start;                /* initial velocity, per s */
-    double time;                 /* s */
-    double continuous, discrete; /* x and x_s */
-} displacement;
+/* What rounding so far explains of a body's velocity and displacement, or spin and turn. */
+typedef struct blur {
+    double rate, value;
+} blur;
 
-static bool same(const displacement *d, double a, double b)
+/* Adds a step, in which the body came to a rate of this size, and a place of this size. */
+static void add_blur(blur *b, double rounding, double dt, double rate, double size)
 {
-    return fabs(a - b) <= SAME * (fabs(d->continuous) + fabs(d->start) * d->time);
-}
-
-/* x_s, if uniform braking brings the body to rest after x; otherwise NAN. */
-static double braked(const displacement *d, double h)
-{
-    double braking = d->start * d->start / (2 * d->continuous);
-    if (!(d->start * d->continuous > 0) || fabs(d->start / braking) > d->time) {
-        return (double)NAN;
-    }
-    double steps = floor(fabs(d->start / (braking * h)));
-    return steps * h * d->start - braking * h * h * steps * (steps + 1) / 2;
-}
-
-/* x_2, or NAN if it is not known; `end` is v_N, or NAN if it is not expected. */
-static double second_order(const displacement *d, double end, double h)
-{
-    if (isnan(d->discrete)) {
-        return (double)NAN;
-    }
-    if (!isnan(end)) {
-        return d->discrete - h * (end - d->start) / 2;
-    }
-    if (same(d, d->discrete, d->continuous + h * (d->continuous / d->time - d->start))) {
-        return d->continuous;
-    }
-    return same(d, d->discrete, braked(d, h)) ? d->discrete + h * d->start / 2 : (double)NAN;
-}
-
-/* The discrete reference of a travel, m; NAN if it is not known. */
-static double discrete_travel(const pl_scene *scene, const pl_expect_travel *travel,
-                              pl_position_rule integrator)
-{
-    if (integrator == PL_SEMI_IMPLICIT) {
-        return travel->discrete;
-    }
-    pl_vec velocity = pl_vec_of(scene->bodies[travel->body].velocity);
-    displacement d = {.start = pl_vec_dot(velocity, pl_vec_of(travel->direction)),
-                      .time = (double)pl_scene_steps(scene) * scene->dt,
-                      .continuous = travel->distance,
-                      .discrete = travel->discrete};
-    return second_order(&d, (double)NAN, scene->dt);
-}
-
-/* The velocity or spin that is expected of the same body, direction and time as `of`; NAN if none
- * is. */
-static double end_velocity(const pl_scene *scene, const pl_expect_value *of, pl_quantity quantity)
-{
-    for (int i = 0; i < scene->value_count; ++i) {
-        const pl_expect_value *v = &scene->values[i];
-        pl_vec apart = pl_vec_sub(pl_vec_of(v->direction), pl_vec_of(of->direction));
-        if (v->body == of->body && v->quantity == quantity && v->until == of->until &&
-            pl_vec_length(apart) == 0) {
-            return v->discrete;
-        }
-    }
-    return (double)NAN;
-}
-
-/* The discrete reference of a value, in its unit; NAN if it is not known. */
-static double discrete_value(const pl_scene *scene, const pl_expect_value *value,
-                             pl_position_rule integrator)
-{
-    const pl_body *body = &scene->bodies[value->body];
-    bool turns = value->quantity == PL_QUANTITY_TURN;
-    if (integrator == PL_SEMI_IMPLICIT || isnan(value->discrete)) {
-        return value->discrete;
-    }
-    switch (value->quantity) {
-    case PL_QUANTITY_POSITION:
-    case PL_QUANTITY_TURN: {
-        pl_vec velocity = pl_vec_of(turns ? body->angular_velocity : body->velocity);
-        displacement d = {.start = pl_vec_dot(velocity, pl_vec_of(value->direction)),
-                          .time = value->until,
-                          .continuous = value->value,
-                          .discrete = value->discrete};
-        double end = end_velocity(scene, value, turns ? PL_QUANTITY_SPIN : PL_QUANTITY_VELOCITY);
-        return second_order(&d, end, scene->dt);
-    }
-    case PL_QUANTITY_VELOCITY:
-    case PL_QUANTITY_SPIN:
-        return value->discrete;
-    case PL_QUANTITY_APEX: /* that of the parabola through the frames, which lie on one */
-        return value->value;
-    case PL_QUANTITY_PERIOD:
-        break;
-    }
-    return (double)NAN;
+    b->rate += rounding * rate;
+    b->value += rounding * size + dt * b->rate;
 }
 
 /* ---- Expected values ---- */
@@ -146,27 +54,36 @@ typedef struct reading {
     double last_spin;                     /* of a period */
     long crossings;                       /* of a period: changes of the spin from - to + */
     double first_crossing, last_crossing; /* s */
+    blur blur;
 } reading;
 
 struct pl_values {
     const pl_scene *scene;
     reading *items; /* (scene->value_count) */
+    blur *travels;  /* (scene->travel_count) */
+    pl_referee_engine engine;
 };
 
 pl_values *pl_values_create(const pl_scene *scene, pl_arena *arena)
 {
     pl_values *v = pl_arena_take(arena, 1, sizeof *v);
     reading *items = pl_arena_take(arena, (size_t)scene->value_count, sizeof *items);
+    blur *travels = pl_arena_take(arena, (size_t)scene->travel_count, sizeof *travels);
     if (arena->failed) {
         return NULL;
     }
-    *v = (pl_values){scene, items};
+    *v = (pl_values){.scene = scene, .items = items, .travels = travels};
     for (int i = 0; i < scene->value_count; ++i) {
         items[i].expected = &scene->values[i];
         items[i].direction = pl_vec_of(scene->values[i].direction);
         items[i].found = scene->values[i].quantity == PL_QUANTITY_APEX ? -HUGE_VAL : 0;
     }
     return v;
+}
+
+void pl_values_set_engine(pl_values *values, const pl_referee_engine *engine)
+{
+    values->engine = *engine;
 }
 
 /* The component along d of the rotation vector from orientation a to b, rad. */
@@ -258,11 +175,36 @@ static void see_value(reading *r, long step, double dt, const pl_body_state *bod
     }
 }
 
+static void see_blur(const pl_values *values, blur *b, int body, bool turns,
+                     const pl_body_state *bodies)
+{
+    const pl_scene *scene = values->scene;
+    const pl_body_state *state = &bodies[body];
+    double fall = scene->dt * pl_vec_length(pl_vec_of(scene->gravity));
+    double rate = pl_vec_length(pl_vec_of(state->velocity)), size = 1;
+    if (turns) {
+        rate = pl_vec_length(pl_vec_of(state->angular_velocity));
+        fall /= pl_bounding_radius(&scene->bodies[body].shape);
+    } else {
+        size = pl_vec_length(pl_vec_of(state->position));
+    }
+    add_blur(b, pl_step_rounding(&values->engine), scene->dt, rate + fall, size);
+}
+
 void pl_values_see(pl_values *values, long step, const pl_body_state *bodies)
 {
-    for (int i = 0; i < values->scene->value_count; ++i) {
+    const pl_scene *scene = values->scene;
+    for (int i = 0; i < scene->value_count; ++i) {
         reading *r = &values->items[i];
-        see_value(r, step, values->scene->dt, &bodies[r->expected->body]);
+        const pl_quantity quantity = r->expected->quantity;
+        if ((double)step * scene->dt < r->expected->until + scene->dt) {
+            see_blur(values, &r->blur, r->expected->body,
+                     quantity == PL_QUANTITY_SPIN || quantity == PL_QUANTITY_TURN, bodies);
+        }
+        see_value(r, step, scene->dt, &bodies[r->expected->body]);
+    }
+    for (int i = 0; i < scene->travel_count; ++i) {
+        see_blur(values, &values->travels[i], scene->travels[i].body, false, bodies);
     }
 }
 
@@ -348,48 +290,80 @@ static pl_metric travel_error(const pl_scene *scene, const pl_body_state *bodies
     return metric;
 }
 
-/* The largest error of travels and values against the discrete references of an integrator; absent
- * if one of these is not known. */
+/* Whether the scene has the discrete answers to all that it expects, of semi-implicit Euler. */
+static bool has_discrete_answers(const pl_scene *scene)
+{
+    bool has_all = scene->travel_count + scene->value_count > 0;
+    for (int i = 0; i < scene->travel_count; ++i) {
+        has_all = has_all && !isnan(scene->travels[i].discrete);
+    }
+    for (int i = 0; i < scene->value_count; ++i) {
+        has_all = has_all && !isnan(scene->values[i].discrete);
+    }
+    return has_all;
+}
+
+static pl_metric no_discrete_answer(const pl_values *values, int body)
+{
+    const int substeps = pl_substeps_of(&values->engine);
+    return pl_metric_failed("no exact answer of the integrator with %d sub-step%s is known for "
+                            "body \"%.40s\"",
+                            substeps, substeps == 1 ? "" : "s", values->scene->bodies[body].name);
+}
+
+/* What is left of an error without rounding. */
+static double beyond(double error, double rounding)
+{
+    return isnan(error) ? error : fmax(error - rounding, 0);
+}
+
+/* The largest error of travels and values against the discrete answers of an integrator; failed if
+ * one of these is not known. */
 static pl_metric discrete_error_of(const pl_values *values, const pl_body_state *bodies,
-                                   pl_position_rule integrator)
+                                   pl_position_rule rule)
 {
     const pl_scene *scene = values->scene;
     pl_metric metric = {0};
     for (int i = 0; i < scene->travel_count; ++i) {
         const pl_expect_travel *travel = &scene->travels[i];
-        double reference = discrete_travel(scene, travel, integrator);
-        if (isnan(reference)) {
-            return (pl_metric){0};
+        const double answer = pl_discrete_travel(scene, travel, rule, &values->engine);
+        if (isnan(answer)) {
+            return no_discrete_answer(values, travel->body);
         }
-        raise_to(&metric, relative(travelled(scene, bodies, travel), reference));
+        const double error = fabs(travelled(scene, bodies, travel) - answer);
+        raise_to(&metric, beyond(error, values->travels[i].value) / fabs(answer));
     }
     for (int i = 0; i < scene->value_count; ++i) {
         const reading *r = &values->items[i];
-        double reference = discrete_value(scene, r->expected, integrator);
-        if (isnan(reference) || r->expected->quantity == PL_QUANTITY_PERIOD) {
-            return (pl_metric){0};
+        const pl_expect_value *e = r->expected;
+        const double answer = pl_discrete_value(scene, e, rule, &values->engine);
+        if (isnan(answer)) {
+            return no_discrete_answer(values, e->body);
         }
-        add_error(&metric, r, r->found, reference);
+        const bool is_rate = e->quantity == PL_QUANTITY_VELOCITY || e->quantity == PL_QUANTITY_SPIN;
+        const double error =
+            beyond(fabs(r->found - answer), is_rate ? r->blur.rate : r->blur.value);
+        raise_to(&metric, error / e->scale);
     }
     return metric;
 }
 
-/* Where the integrator was not detected, an error counts if it is the same by every integrator. The
- * references are those of whole steps. */
+/* Absent where the scene has no discrete answers. Where the integrator was not detected, an error
+ * counts if it is the same by every integrator. */
 static pl_metric discrete_error(const pl_values *values, const pl_body_state *bodies,
                                 const pl_integrator_votes *votes)
 {
-    if (votes->substeps > 1) {
+    if (!has_discrete_answers(values->scene)) {
         return (pl_metric){0};
     }
     pl_metric error = discrete_error_of(values, bodies, pl_integrator_of(votes));
-    if (pl_integrator_certain(votes) == PL_INTEGRATOR_DETECTED) {
+    if (error.state != PL_METRIC_VALUE || pl_integrator_certain(votes) == PL_INTEGRATOR_DETECTED) {
         return error;
     }
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         pl_metric other = discrete_error_of(values, bodies, (pl_position_rule)k);
         if (other.state != error.state || other.value != error.value) {
-            return (pl_metric){0};
+            return pl_metric_failed("the engine's integrator was not detected");
         }
     }
     return error;
