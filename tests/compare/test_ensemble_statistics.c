@@ -175,6 +175,18 @@ static void test_p_value_is_within_its_sampling_error(void **state)
     }
 }
 
+/* The actual arrangement is one of those that are at least as far apart: p is never 0. */
+static void test_least_p_is_that_of_one_draw(void **state)
+{
+    (void)state;
+    double a[MOST], b[MOST];
+    for (int i = 0; i < MOST; ++i) {
+        a[i] = i;
+        b[i] = 1000 + i;
+    }
+    assert_close(p_of(a, MOST, b, MOST), 1 / (1.0 + PL_PERMUTATION_DRAWS), 1e-15, 0);
+}
+
 static void test_p_of_equal_distributions_is_uniform(void **state)
 {
     (void)state;
@@ -263,6 +275,7 @@ int main(void)
         cmocka_unit_test(test_distances_are_those_of_their_definitions),
         cmocka_unit_test(test_few_values_have_an_exact_p),
         cmocka_unit_test(test_p_value_is_within_its_sampling_error),
+        cmocka_unit_test(test_least_p_is_that_of_one_draw),
         cmocka_unit_test(test_p_of_equal_distributions_is_uniform),
         cmocka_unit_test(test_noise_is_the_mean_over_all_splits),
         cmocka_unit_test(test_equal_distributions_differ_by_the_noise_only),

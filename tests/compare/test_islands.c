@@ -213,6 +213,20 @@ static void test_displacement_without_velocity_is_a_gain(void **state)
     assert_close(step_gain(&r), 1e-3 / sqrt(3), 0, 1e-12);
 }
 
+static void test_loss_in_every_step_is_no_gain(void **state)
+{
+    (void)state;
+    run r;
+    const double places[] = {0};
+    prepare_balls(&r, places, 1);
+    run_begin(&r);
+    for (int k = 1; k <= 64; ++k) {
+        r.state[0].velocity[0] = 1 - k / 65.0;
+        run_step_many(&r, 1);
+    }
+    assert_close(step_gain(&r), 0, 0, 0);
+}
+
 static void test_work_of_scene_forces_is_no_step_gain(void **state)
 {
     (void)state;
@@ -242,6 +256,7 @@ int main(void)
         cmocka_unit_test(test_static_body_joins_nothing),
         cmocka_unit_test(test_gain_is_not_hidden_by_a_loss),
         cmocka_unit_test(test_displacement_without_velocity_is_a_gain),
+        cmocka_unit_test(test_loss_in_every_step_is_no_gain),
         cmocka_unit_test(test_work_of_scene_forces_is_no_step_gain),
     };
     return cmocka_run_group_tests_name("islands", tests, NULL, NULL);

@@ -179,6 +179,29 @@ static void test_friction_of_unloaded_contacts_is_not_measured(void **state)
     run_end(&r);
 }
 
+/* A box of 2 kg under or on one of 2000 kg, which slides with too much friction at a load of a
+ * hundredth of the lighter one's weight. */
+static void test_load_is_in_units_of_the_lighter_weight(void **state)
+{
+    (void)state;
+    for (int light = 1; light < 3; ++light) {
+        run r;
+        run_prepare_box_on_floor(&r, 1);
+        run_add_body(&r, "top", pl_shape_box(0.5, 0.5, 0.5), false, 0, 1.5);
+        r.scene.bodies[3 - light].mass *= 1000;
+        r.scene.bodies[2].velocity[0] = 3;
+        run_begin(&r);
+        const double load = 1e-2 * mass * g * H;
+        pl_contact c = on_floor(2, 0, 0, -2 * mu * load, 0, load);
+        c.body_a = 1;
+        c.point[2] = 1;
+        finish_with(&r, &c, 1);
+        assert_close(run_value(&r, PL_METRIC_CONE_VIOLATION), 1, 1e-14, 0);
+        assert_close(run_value(&r, PL_METRIC_FRICTION_EFFECTIVE), 2 * mu, 1e-14, 0);
+        run_end(&r);
+    }
+}
+
 static void test_force_balance_is_in_units_of_weight(void **state)
 {
     (void)state;
@@ -433,6 +456,30 @@ static void test_bounce_has_no_contact_law_error(void **state)
     run_end(&r);
 }
 
+/* A bar of 2 x 1/5 x 1/5 m lies along x and rotates about z by a right angle in the step. The one
+ * contact is off its centre by 1/2 m along x, with its corner's arm before the step: 1/rho = 1/m +
+ * (a_z^2/I_y + a_x^2/I_z + ...)/3. An impulse too many that is less than what stops the bar counts
+ * as r/rho. */
+static void test_mobility_is_that_before_the_step(void **state)
+{
+    (void)state;
+    run r;
+    run_prepare(&r, 1);
+    run_add_body(&r, "floor", pl_shape_plane(0, 0, 1, 0), true, 0, 0);
+    run_add_body(&r, "bar", pl_shape_box(1, 0.1, 0.1), false, 0, 0.1);
+    r.scene.materials[0].friction = 0;
+    run_begin(&r);
+    r.state[1].orientation[0] = r.state[1].orientation[3] = sqrt(0.5);
+    r.state[1].velocity[2] = 1;
+    const double impulse = 1e-3, *inertia = r.scene.bodies[1].inertia, ax = 0.5, az = -0.1;
+    pl_contact c = on_floor(1, ax, 0, 0, 0, impulse);
+    finish_with(&r, &c, 1);
+    double turning = az * az / inertia[0] + (ax * ax + az * az) / inertia[1] + ax * ax / inertia[2];
+    assert_close(run_value(&r, PL_METRIC_NATURAL_MAP), impulse * (1 / mass + turning / 3), 1e-15,
+                 0);
+    run_end(&r);
+}
+
 /* The velocity that counts is that of the contact point. */
 static void test_rolling_ball_does_not_slide(void **state)
 {
@@ -502,6 +549,7 @@ int main(void)
         cmocka_unit_test(test_friction_effective_is_the_mean_over_contacts),
         cmocka_unit_test(test_sticking_or_creeping_contact_has_no_effective_friction),
         cmocka_unit_test(test_friction_of_unloaded_contacts_is_not_measured),
+        cmocka_unit_test(test_load_is_in_units_of_the_lighter_weight),
         cmocka_unit_test(test_force_balance_is_in_units_of_weight),
         cmocka_unit_test(test_motion_without_a_force_is_unbalanced),
         cmocka_unit_test(test_a_contact_acts_on_both_bodies),
@@ -512,6 +560,7 @@ int main(void)
         cmocka_unit_test(test_without_friction_there_are_no_cone_metrics),
         cmocka_unit_test(test_natural_map_and_signorini_of_one_contact),
         cmocka_unit_test(test_bounce_has_no_contact_law_error),
+        cmocka_unit_test(test_mobility_is_that_before_the_step),
         cmocka_unit_test(test_rolling_ball_does_not_slide),
         cmocka_unit_test(test_nan_impulses_fail_the_force_metrics),
         cmocka_unit_test(test_contacts_of_unknown_bodies_fail_all_force_metrics),

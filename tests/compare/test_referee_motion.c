@@ -263,6 +263,26 @@ static void test_drift_leaves_out_the_direction_of_travel(void **state)
     run_end(&r);
 }
 
+/* A box between a floor and a wall: the height over the floor counts, and sinking is no lift. */
+static void test_lift_is_the_height_over_the_floor(void **state)
+{
+    (void)state;
+    static const double x[] = {0, 0.2, -0.2, 0, 0}, z[] = {0, 0, 0, -0.1, 0.03};
+    for (int k = 0; k < 5; ++k) {
+        run r;
+        run_prepare_box_on_floor(&r, 1);
+        run_add_body(&r, "wall", pl_shape_plane(1, 0, 0, -4), true, 0, 0);
+        run_add_body(&r, "slope", pl_shape_plane(0.6, 0, 0.8, -4), true, 0, 0);
+        run_begin(&r);
+        r.state[1].position[0] += x[k];
+        r.state[1].position[2] += z[k];
+        run_step_many(&r, 64);
+        assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+        assert_close(run_value(&r, PL_METRIC_LIFT), k == 4 ? 0.03 : 0, 1e-15, 0);
+        run_end(&r);
+    }
+}
+
 static void test_without_a_reference_there_is_no_drift(void **state)
 {
     (void)state;
@@ -294,6 +314,7 @@ int main(void)
         cmocka_unit_test(test_drift_and_creep_of_a_steady_motion),
         cmocka_unit_test(test_drift_counts_from_the_settled_pose),
         cmocka_unit_test(test_drift_leaves_out_the_direction_of_travel),
+        cmocka_unit_test(test_lift_is_the_height_over_the_floor),
         cmocka_unit_test(test_without_a_reference_there_is_no_drift),
     };
     return cmocka_run_group_tests_name("referee motion", tests, NULL, NULL);

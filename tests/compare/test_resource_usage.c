@@ -1,5 +1,6 @@
 /* The timer of an engine's calls measures what clocks read next to it measure. */
 #include "check.h"
+#include "engine_run.h"
 #include "runner/resource_usage.h"
 
 #include <math.h>
@@ -76,11 +77,34 @@ static void test_times_of_sleep_are_those_of_clocks(void **state)
     check_bounds(sleep_a_while);
 }
 
+static void test_session_adds_up_what_its_steps_cost(void **state)
+{
+    (void)state;
+    pl_engine_choice choice;
+    assert_int_equal(pl_engine_choose("plumb", &choice, NULL), PL_OK);
+    pl_scene scene = scene_with_block(0.5, 1, 0.5, 0.5);
+    engine_run r;
+    engine_start(&r, &choice, &scene);
+    double cpu = 0, wall = 0;
+    for (int i = 0; i < 50; ++i) {
+        pl_call_cost cost;
+        assert_int_equal(pl_session_step(&r.session, &r.stats, &cost, NULL), PL_OK);
+        cpu += cost.cpu_time;
+        wall += cost.wall_time;
+    }
+    assert_true(cpu > 0 && wall > 0);
+    assert_close(r.session.cost[PL_CALLS_STEP].cpu_time, cpu, 0, 1e-12);
+    assert_close(r.session.cost[PL_CALLS_STEP].wall_time, wall, 0, 1e-12);
+    engine_finish(&r);
+    pl_scene_free(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_times_of_work_are_those_of_clocks),
         cmocka_unit_test(test_times_of_sleep_are_those_of_clocks),
+        cmocka_unit_test(test_session_adds_up_what_its_steps_cost),
     };
     return cmocka_run_group_tests_name("resource usage", tests, NULL, NULL);
 }

@@ -127,8 +127,8 @@ static void test_new_manifolds_inherit_impulses_by_feature(void **state)
     pe_world_destroy(c.world);
 }
 
-/* A slip of friction on one arm pushes towards the other: at the inner edge, where points of both
- * meet, it must not become a push of the other. */
+/* Friction on one arm pushes towards the other: at the inner edge, where points of both meet, it must
+ * not become a push of the other, even if that has no points of its own to inherit from. */
 static void test_renamed_points_inherit_from_their_side_only(void **state)
 {
     (void)state;
@@ -143,6 +143,7 @@ static void test_renamed_points_inherit_from_their_side_only(void **state)
                 pe_manifold_point *p = &pe_manifold_points(contacts)[j];
                 p->impulse = pe_scale(i == loaded, push);
                 p->feature += i == loaded ? 1u << 20 : 1u << 21;
+                p->anchor_a.y += i == loaded ? 0 : 10;
             }
         }
         pe_vec3 before = manifold_impulse(contacts, loaded);
