@@ -40,8 +40,8 @@ static pl_verdict verdict_at_speed(double gravity, bool spins, double speed, dou
     return verdict;
 }
 
-/* 100 v + 100 m/s, of the fastest point; with gravity 100 sqrt(v^2 + 2 g (H + D)) + 100 + g T, where
- * the bounding spheres span 12 x 2 x 4 m. The duration is 1 s. */
+/* 100 v + 100 m/s, of the fastest point, and with gravity 100 sqrt(v^2 + 2 g (H + D)) + 100 + g T.
+ * The bounding spheres span 12 x 2 x 4 m, and the duration is 1 s. */
 static void test_speed_bound_is_a_hundredfold(void **state)
 {
     (void)state;

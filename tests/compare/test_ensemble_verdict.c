@@ -1,0 +1,62 @@
+/* When two ensembles count as apart, of samples whose p follows from counting. */
+#include "check.h"
+#include "studies/ensemble/two_sample.h"
+#include "studies/ensemble/verdict.h"
+
+#include <string.h>
+
+enum { MOST = 8 };
+
+/* Two engines on one case of which one observable is known. */
+static pl_sample_test judge(const double *a, int count_a, const double *b, int count_b)
+{
+    double values[2][MOST];
+    const pl_ensemble ensembles[2] = {{.configuration = 0}, {.configuration = 1}};
+    pl_ensemble_view views[2] = {{.ensemble = &ensembles[0]}, {.ensemble = &ensembles[1]}};
+    memcpy(values[0], a, (size_t)count_a * sizeof *a);
+    memcpy(values[1], b, (size_t)count_b * sizeof *b);
+    views[0].observed.samples[0] = (pl_sample){.values = values[0], .count = count_a};
+    views[1].observed.samples[0] = (pl_sample){.values = values[1], .count = count_b};
+    pl_verdicts verdicts;
+    assert_int_equal(pl_verdicts_reach(views, 2, &verdicts, NULL), PL_OK);
+    assert_int_equal(verdicts.count, 1);
+    pl_sample_test found = verdicts.items[0];
+    pl_verdicts_free(&verdicts);
+    return found;
+}
+
+/* Of the ways to deal evenly spaced values, two are as far apart as the lowest and the rest: those
+ * with the lowest and with the highest in one hand. */
+static void test_apart_begins_below_five_percent(void **state)
+{
+    (void)state;
+    const double all[] = {1, 2, 3, 4, 5, 6, 7, 8};
+    const pl_sample_test even = judge(all, 4, all + 4, 4), few = judge(all, 3, all + 3, 4);
+    assert_close(even.corrected, 2.0 / 70, 1e-15, 0);
+    assert_true(even.apart);
+    assert_close(few.corrected, 2.0 / 35, 1e-15, 0);
+    assert_false(few.apart);
+}
+
+static void test_noise_is_that_of_the_noisier_ensemble(void **state)
+{
+    (void)state;
+    const double still[] = {0, 0, 0, 0, 0, 0, 0, 1e-3}, wide[] = {0, 9, 2, 7, 1, 8, 3, 5};
+    pl_noise noise;
+    assert_int_equal(pl_split_half_noise(wide, MOST, MOST, MOST, &noise, NULL), PL_OK);
+    for (int order = 0; order < 2; ++order) {
+        const pl_sample_test found =
+            judge(order == 0 ? still : wide, MOST, order == 0 ? wide : still, MOST);
+        assert_close(found.energy_floor, noise.energy, 0, 1e-15);
+        assert_true(found.ks_floor >= noise.ks);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_apart_begins_below_five_percent),
+        cmocka_unit_test(test_noise_is_that_of_the_noisier_ensemble),
+    };
+    return cmocka_run_group_tests_name("ensemble verdict", tests, NULL, NULL);
+}
