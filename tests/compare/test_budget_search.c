@@ -107,6 +107,20 @@ static void test_unsettled_error_is_compared_to_the_largest_budget(void **state)
     assert_int_equal(pl_budget_most_trials(1, 1024), 20);
 }
 
+/* Every doubling leaves this part of the error. */
+static double shrinking(long budget, const void *user)
+{
+    return pow(*(const double *)user, log2((double)budget));
+}
+
+static void test_doublings_that_change_one_percent_end_it(void **state)
+{
+    (void)state;
+    const double less = 0.991, more = 0.989;
+    assert_int_equal(search(shrinking, &less).largest, 4);
+    assert_int_equal(search(shrinking, &more).largest, 1024);
+}
+
 static double constant(long budget, const void *user)
 {
     (void)budget;
@@ -299,6 +313,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_falling_errors_give_the_least_sufficient_budget),
         cmocka_unit_test(test_unsettled_error_is_compared_to_the_largest_budget),
+        cmocka_unit_test(test_doublings_that_change_one_percent_end_it),
         cmocka_unit_test(test_constant_error_needs_one_iteration_and_three_trials),
         cmocka_unit_test(test_one_flat_doubling_is_not_converged),
         cmocka_unit_test(test_luck_at_one_budget_does_not_count),

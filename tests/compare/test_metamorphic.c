@@ -196,6 +196,8 @@ static void test_differences_are_graded_at_two_times(void **state)
         {0, 1.9e-9, 0, PL_GRADE_EXACT, PL_GRADE_EXACT, (double)NAN},
         {3, 1.9e-9, 0, PL_GRADE_BITWISE, PL_GRADE_EXACT, (double)NAN},
         {2, 2.1e-9, 0, PL_GRADE_CLOSE, PL_GRADE_CLOSE, (double)NAN},
+        {4, 1.9e-6, 0, PL_GRADE_BITWISE, PL_GRADE_CLOSE, (double)NAN},
+        {4, 2.1e-6, 0, PL_GRADE_BITWISE, PL_GRADE_CLOSE, 0.4},
         {7, 1.9e-3, 0, PL_GRADE_BITWISE, PL_GRADE_CLOSE, 0.7},
         {20, 2.1e-3, 0, PL_GRADE_BITWISE, PL_GRADE_DIFFERS, 2},
         {5, 0, 0.9e-9, PL_GRADE_BITWISE, PL_GRADE_EXACT, (double)NAN},
