@@ -255,7 +255,7 @@ static pl_metric momentum_metric(const pl_referee *r, pl_position_rule integrato
     }
     if (r->no_contacts_step > 0 && pl_touching_static(r->touching)) {
         return pl_metric_failed(
-            "static bodies are touched, and the engine reports no contacts (step %ld)",
+            "static bodies may be touched, and the engine reports no contacts (step %ld)",
             r->no_contacts_step);
     }
     return maximum(r, OF_MOMENTUM + (int)integrator);

@@ -8,6 +8,7 @@
 #include "parameter_check.h"
 #include "positions.h"
 #include "referee/referee.h"
+#include "reported_values.h"
 #include "resource_usage.h"
 
 #include <errno.h>
@@ -216,9 +217,16 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
     if (status == PL_OK) {
         result->steps_done += 1;
         atomic_store_explicit(&def->watch->steps_done, result->steps_done, memory_order_relaxed);
+        status = pl_check_stats(&stats, result->steps_done, &fault);
+    }
+    if (status == PL_OK) {
         read_frame(r, (double)result->steps_done * def->scene->dt);
         status = pl_session_read_contacts(&r->session, &r->contacts, &r->contact_capacity, &count,
                                           &fault);
+    }
+    if (status == PL_OK) {
+        status = pl_check_contacts(r->contacts, count, r->session.loaded.table.contacts,
+                                   def->scene->body_count, result->steps_done, &fault);
     }
     if (status != PL_OK) {
         *going = false;

@@ -127,6 +127,7 @@ pl_status pl_session_create(pl_session *session, const pl_scene *scene, pl_error
                                        .values = session->choice->values,
                                        .pairs = session->pairs};
     pl_scene_bounds(scene, session->setup.lower, session->setup.upper);
+    session->steps = 0;
     before_call(session, PL_STAGE_CREATE);
     status = session->loaded.table.create(&session->setup, &session->instance, error);
     after_call(session, PL_CALLS_CREATE);
@@ -148,6 +149,7 @@ pl_status pl_session_step(pl_session *session, pl_step_stats *stats, pl_call_cos
                              .time_solve = NAN,
                              .time_other = NAN};
     before_call(session, PL_STAGE_STEP);
+    session->steps += 1;
     pl_status status =
         session->loaded.table.step(session->instance, session->setup.dt, stats, error);
     const pl_call_cost spent = after_call(session, PL_CALLS_STEP);
@@ -199,7 +201,11 @@ pl_status pl_session_read_contacts(pl_session *session, pl_contact **contacts, i
             clear_unreported(engine->contacts, *contacts, *count);
             return PL_OK;
         }
-        if (*count < 0 || *count > MOST_CONTACTS || attempt > 0) {
+        if (*count < 0) {
+            return pl_fail(error, PL_FAILED, "the engine reports %d contacts at step %ld", *count,
+                           session->steps);
+        }
+        if (*count > MOST_CONTACTS || attempt > 0) {
             break;
         }
         pl_status status = pl_array_reserve(contacts, capacity, *count, sizeof **contacts, error);

@@ -47,6 +47,7 @@ typedef struct pl_session {
     pl_engine_setup setup;
     pl_pair_coefficients *pairs;
     pl_engine_instance *instance;
+    long steps;                       /* of the scene so far */
     pl_stage stage;                   /* of the present call */
     pl_float_environment environment; /* before it, restored after it */
     pl_mode_change mode_change;       /* what the restoring has undone */

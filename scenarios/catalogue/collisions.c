@@ -9,7 +9,8 @@
  *   v1' = ((m1 - e m2) v1 + (1 + e) m2 v2) / (m1 + m2),
  *   v2' = ((m2 - e m1) v2 + (1 + e) m1 v1) / (m1 + m2).
  * Which two meet next is found here from the motion between impacts, to the end of the run, so that
- * the masses, and how often a sphere is caught up with, may be any. */
+ * the masses, and how often a sphere is caught up with, may be any. The impacts are central: no
+ * sphere gets a velocity across the row, or a spin. */
 
 enum {
     COLLISION_TRAIN_COUNT,
@@ -104,6 +105,12 @@ static void collision_train_build(pl_builder *b, const double *values)
     for (int i = 0; i < t.count; ++i) {
         pl_build_at_end(b, i, PL_QUANTITY_VELOCITY, pl_axis_x, pl_exactly(t.speed[i]),
                         values[COLLISION_TRAIN_SPEED]);
+    }
+    for (int i = 0; i < t.count; ++i) {
+        pl_build_none(b, i, PL_QUANTITY_VELOCITY, PL_ALONG_Y | PL_ALONG_Z,
+                      values[COLLISION_TRAIN_SPEED]);
+        pl_build_none(b, i, PL_QUANTITY_SPIN, PL_ALONG_ALL,
+                      values[COLLISION_TRAIN_SPEED] / collision_train_radius);
     }
 }
 

@@ -10,7 +10,9 @@
  *   continuous:           z = v0 t - g t^2 / 2,  v = v0 - g t
  *   semi-implicit Euler:  z_n = v0 n h - g h^2 n (n + 1) / 2, and the same v
  * so that the integrator's own error can be separated from any other. Errors are relative to
- * |v0| t + g t^2 / 2 and |v0| + g t, which do not vanish where the sphere comes back. */
+ * |v0| t + g t^2 / 2 and |v0| + g t, which do not vanish where the sphere comes back. Nothing pushes
+ * the sphere to a side or turns it, so that it is expected not to move across the vertical, and not
+ * to spin: by 1 rad/s the error is 1. */
 
 enum { FREE_FALL_SPEED };
 
@@ -26,10 +28,11 @@ static void free_fall_build(pl_builder *b, const double *values)
     pl_body ball = pl_body_at(pl_shape_sphere(0.1), 0, 0, 0);
     ball.velocity[2] = v;
     const int index = pl_build_body(b, &ball, "ball");
-    pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_z,
-                    pl_uniform_distance(v, -g, b->scene->dt, steps), fabs(v) * t + g * t * t / 2);
+    pl_build_displaced(b, index, pl_axis_z, pl_uniform_distance(v, -g, b->scene->dt, steps),
+                       fabs(v) * t + g * t * t / 2);
     pl_build_at_end(b, index, PL_QUANTITY_VELOCITY, pl_axis_z, pl_exactly(v - g * t),
                     fabs(v) + g * t);
+    pl_build_none(b, index, PL_QUANTITY_SPIN, PL_ALONG_ALL, 1);
 }
 
 const pl_scenario pl_scenario_free_fall = {
@@ -52,7 +55,8 @@ const pl_scenario pl_scenario_free_fall = {
  *   semi-implicit Euler:  x_n = u t,  z_n = w t - g h^2 n (n + 1) / 2: the parabola of the speed
  *                         w - g h / 2, whose apex is (w - g h / 2)^2 / (2 g)
  * The apex is expected where it lies within the run. Errors are relative to each answer's own size:
- * u t, w t + g t^2 / 2, and the apex. */
+ * u t, w t + g t^2 / 2, and the apex. It stays in its plane, y = 0 relative to u t, and does not
+ * spin. */
 
 enum { PROJECTILE_SPEED, PROJECTILE_ANGLE };
 
@@ -90,6 +94,8 @@ static void projectile_build(pl_builder *b, const double *values)
     pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_x, pl_exactly(u * t), u * t);
     pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_z,
                     pl_uniform_distance(w, -g, b->scene->dt, steps), w * t + g * t * t / 2);
+    pl_build_none(b, index, PL_QUANTITY_POSITION, PL_ALONG_Y, u * t);
+    pl_build_none(b, index, PL_QUANTITY_SPIN, PL_ALONG_ALL, 1);
     expect_apex(b, index, w, g);
 }
 

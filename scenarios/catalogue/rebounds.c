@@ -11,7 +11,8 @@
  * T (1 + 2 e + ... + 2 e^(k - 1) + e^k); for e < 1 the bounces end at T (1 + e) / (1 - e). Each of
  * the first `bounces` apexes is looked for in the middle half of its own flight, so that an engine
  * that is late still shows it, and its error is relative to its own height. If the run shows no
- * apex, or without restitution there is none, the height at its end is expected, relative to H. */
+ * apex, or without restitution there is none, the height at its end is expected, relative to H. It
+ * bounces in its place and does not spin: its displacement to the sides is relative to H too. */
 
 enum { BOUNCE_HEIGHT, BOUNCE_RESTITUTION, BOUNCE_BOUNCES };
 
@@ -78,6 +79,8 @@ static void bounce_build(pl_builder *b, const double *values)
         pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_z, pl_continuous(left - height),
                         height);
     }
+    pl_build_none(b, index, PL_QUANTITY_POSITION, PL_ALONG_X | PL_ALONG_Y, height);
+    pl_build_none(b, index, PL_QUANTITY_SPIN, PL_ALONG_ALL, 1);
 }
 
 const pl_scenario pl_scenario_bounce = {
@@ -103,7 +106,8 @@ const pl_scenario pl_scenario_bounce = {
  * that is within the cone, |s| <= 7/2 mu (1 + e) n:
  *   sticks:  v' = r w' = (5 v + 2 r w) / 7
  *   slides:  v' = v - sign(s) mu (1 + e) n,  r w' = r w + 5/2 sign(s) mu (1 + e) n
- * and e n is the speed away from the floor. Errors are relative to the speed of the impact. */
+ * and e n is the speed away from the floor. Errors are relative to the speed of the impact. Nothing
+ * acts across the plane of the path: no velocity along y, no spin about x and z. */
 
 enum {
     OBLIQUE_IMPACT_SPEED,
@@ -150,6 +154,9 @@ static void expect(pl_builder *b, int ball, motion m, double speed)
     pl_build_at_end(b, ball, PL_QUANTITY_VELOCITY, pl_axis_z, pl_exactly(m.up), speed);
     pl_build_at_end(b, ball, PL_QUANTITY_SPIN, pl_axis_y, pl_exactly(m.rim / oblique_impact_radius),
                     speed / oblique_impact_radius);
+    pl_build_none(b, ball, PL_QUANTITY_VELOCITY, PL_ALONG_Y, speed);
+    pl_build_none(b, ball, PL_QUANTITY_SPIN, PL_ALONG_X | PL_ALONG_Z,
+                  speed / oblique_impact_radius);
 }
 
 static void oblique_impact_build(pl_builder *b, const double *values)

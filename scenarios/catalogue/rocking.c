@@ -16,7 +16,8 @@
  *
  * The fall takes a quarter of the period, int df / f' from f0 to alpha; f = f0 + (alpha - f0) s^2
  * takes the singular end out of it, and Simpson's rule does the rest. For slender blocks it tends
- * to acosh(1 / (1 - t0 / alpha)) / p. The spin is expected where f is half displacement. */
+ * to acosh(1 / (1 - t0 / alpha)) / p. The spin is expected where f is half displacement. The block
+ * rocks in one plane: it neither turns out of it nor leaves it sideways. */
 
 enum { ROCKING_BLOCK_SLENDERNESS, ROCKING_BLOCK_TILT, ROCKING_BLOCK_FRICTION };
 
@@ -114,7 +115,8 @@ static void expect(pl_builder *b, int block, const rocking *k)
     if (value.until <= end) {
         pl_build_value(b, &value);
     }
-    pl_build_at_end(b, block, PL_QUANTITY_TURN, pl_axis_x, pl_exactly(0), k->alpha);
+    pl_build_none(b, block, PL_QUANTITY_TURN, PL_ALONG_X | PL_ALONG_Z, k->alpha);
+    pl_build_none(b, block, PL_QUANTITY_POSITION, PL_ALONG_Y, half_width);
 }
 
 static void build(pl_builder *b, const double *values)

@@ -108,7 +108,8 @@ const pl_scenario pl_scenario_roll_slope = {
  *   t_s = 2 |s0| / (7 mu g),  v = r w = (5 v0 + 2 r w0) / 7 from then on,
  *   x = v0 t_s - sign(s0) mu g t_s^2 / 2 + v (t - t_s).
  * Without spin v = 5/7 v0, t_s = 2 v0 / (7 mu g), and 12 v0^2 / (49 mu g) is the distance until it
- * rolls. Semi-implicit Euler skids for floor(t_s / h) whole steps and rolls from the next on. */
+ * rolls. Semi-implicit Euler skids for floor(t_s / h) whole steps and rolls from the next on. The
+ * path is straight and level, and the ball spins about y alone. */
 
 enum { BOWLING_SPEED, BOWLING_SPIN, BOWLING_FRICTION };
 
@@ -138,11 +139,11 @@ static void bowling_expect(pl_builder *b, int ball, double v0, double rim0, doub
                                     v * h * (steps - skid_steps)};
     /* The size of the terms of the answers, since an answer itself may vanish. */
     const double speed = fmax(fabs(v), 0.1 * (v0 + fabs(rim0)));
-    pl_build_at_end(b, ball, PL_QUANTITY_POSITION, pl_axis_x, distance,
-                    fmax(fabs(distance.continuous), speed * t));
+    pl_build_displaced(b, ball, pl_axis_x, distance, fmax(fabs(distance.continuous), speed * t));
     pl_build_at_end(b, ball, PL_QUANTITY_VELOCITY, pl_axis_x, pl_exactly(v), speed);
     pl_build_at_end(b, ball, PL_QUANTITY_SPIN, pl_axis_y, pl_exactly(rim / bowling_radius),
                     speed / bowling_radius);
+    pl_build_none(b, ball, PL_QUANTITY_SPIN, PL_ALONG_X | PL_ALONG_Z, speed / bowling_radius);
 }
 
 static void bowling_build(pl_builder *b, const double *values)
@@ -183,7 +184,8 @@ const pl_scenario pl_scenario_bowling = {
  * Valid while the balls stick, a_box <= 7/2 mu_ball g, while none has rolled to the edge,
  * 5/7 a_box t^2 / 2, and while the box stays flat: about its centre the push has no moment, the
  * floor's friction f1 H, the balls' n f2 H, with H half its height, and the balls that lag by d
- * n m g d; all together less than the weight (M + n m) g times half the width. */
+ * n m g d; all together less than the weight (M + n m) g times half the width. Box and balls go
+ * straight on and stay at their heights, and the box does not turn. */
 
 enum { CARRIED_BALLS_ROWS, CARRIED_BALLS_PUSH, CARRIED_BALLS_AZIMUTH, CARRIED_BALLS_FRICTION };
 
@@ -229,7 +231,7 @@ static void carried_balls_expect(pl_builder *b, int body, const double direction
                                  double acceleration)
 {
     const pl_answer distance = pl_uniform_distance(0, acceleration, b->scene->dt, b->steps);
-    pl_build_at_end(b, body, PL_QUANTITY_POSITION, direction, distance, distance.continuous);
+    pl_build_displaced(b, body, direction, distance, distance.continuous);
 }
 
 static void build_balls(pl_builder *b, int rows, const double direction[3], double a, double time)
@@ -274,6 +276,7 @@ static void carried_balls_build(pl_builder *b, const double *values)
     }
     pl_build_force(b, &push);
     carried_balls_expect(b, index, direction, c.acceleration);
+    pl_build_none(b, index, PL_QUANTITY_TURN, PL_ALONG_ALL, 1);
     build_balls(b, rows, direction, c.acceleration, c.time);
 }
 

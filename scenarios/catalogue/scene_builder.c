@@ -263,3 +263,36 @@ void pl_build_at_end(pl_builder *builder, int body, pl_quantity quantity, const 
     value.scale = scale;
     pl_build_value(builder, &value);
 }
+
+/* Two unit vectors at right angles to `d` and to each other. */
+static void across(const double d[3], double a[3], double b[3])
+{
+    const double level = sqrt(d[0] * d[0] + d[1] * d[1]);
+    a[0] = level > 0 ? -d[1] / level : 1;
+    a[1] = level > 0 ? d[0] / level : 0;
+    a[2] = 0;
+    for (int k = 0; k < 3; ++k) {
+        b[k] = d[(k + 1) % 3] * a[(k + 2) % 3] - d[(k + 2) % 3] * a[(k + 1) % 3];
+    }
+}
+
+void pl_build_displaced(pl_builder *builder, int body, const double direction[3], pl_answer answer,
+                        double scale)
+{
+    double side[2][3];
+    across(direction, side[0], side[1]);
+    pl_build_at_end(builder, body, PL_QUANTITY_POSITION, direction, answer, scale);
+    for (int i = 0; i < 2; ++i) {
+        pl_build_at_end(builder, body, PL_QUANTITY_POSITION, side[i], pl_exactly(0), scale);
+    }
+}
+
+void pl_build_none(pl_builder *builder, int body, pl_quantity quantity, unsigned axes, double scale)
+{
+    const double *const axis[] = {pl_axis_x, pl_axis_y, pl_axis_z};
+    for (int k = 0; k < 3; ++k) {
+        if ((axes >> k & 1) != 0) {
+            pl_build_at_end(builder, body, quantity, axis[k], pl_exactly(0), scale);
+        }
+    }
+}

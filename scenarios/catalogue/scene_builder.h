@@ -110,6 +110,17 @@ void pl_build_value(pl_builder *builder, const pl_expect_value *value);
 void pl_build_at_end(pl_builder *builder, int body, pl_quantity quantity, const double direction[3],
                      pl_answer answer, double scale);
 
+/* Expects the body to be displaced by `answer` along the unit vector `direction` at the end, and by
+ * nothing across it: a body that drifts to the side is as wrong as one that goes too far. */
+void pl_build_displaced(pl_builder *builder, int body, const double direction[3], pl_answer answer,
+                        double scale);
+
+/* Expects `quantity` to be 0 along the world's x, y and z at the end, where `axes` has that bit of
+ * PL_ALONG_*. */
+void pl_build_none(pl_builder *builder, int body, pl_quantity quantity, unsigned axes,
+                   double scale);
+enum { PL_ALONG_X = 1, PL_ALONG_Y = 2, PL_ALONG_Z = 4, PL_ALONG_ALL = 7 };
+
 /* Refuses the values of the parameters: PL_BAD_INPUT, with a message as printf makes it. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))

@@ -138,7 +138,7 @@ const pl_scenario pl_scenario_isotropy = {
  *   N_front, N_back = (m g / 2) (1 +- mu hh / hb).
  * The block stays flat iff the one behind is above 0, mu < hb / hh; then it slides as any other,
  *   s = v0 t - mu g t^2 / 2,  v = v0 - mu g t,
- * until it stops, and does not turn. */
+ * until it stops, and neither turns nor leaves its path. */
 
 enum { REACTION_SPLIT_SPEED, REACTION_SPLIT_HEIGHT, REACTION_SPLIT_FRICTION };
 
@@ -170,10 +170,10 @@ static void reaction_split_build(pl_builder *b, const double *values)
     block.velocity[0] = speed;
     const int index = pl_build_body(b, &block, "block");
     const pl_answer distance = pl_braking_distance(speed, braking, h, steps);
-    pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_x, distance, distance.continuous);
+    pl_build_displaced(b, index, pl_axis_x, distance, distance.continuous);
     pl_build_at_end(b, index, PL_QUANTITY_VELOCITY, pl_axis_x,
                     pl_exactly(fmax(0, speed - braking * steps * h)), speed);
-    pl_build_at_end(b, index, PL_QUANTITY_TURN, pl_axis_y, pl_exactly(0), 1);
+    pl_build_none(b, index, PL_QUANTITY_TURN, PL_ALONG_ALL, 1);
 }
 
 const pl_scenario pl_scenario_reaction_split = {

@@ -15,7 +15,7 @@
  *   w' = -4/3 mu g / R.
  * An engine that holds the disc by a few points of its rim gives it 2 mu g / R. Either stops after
  * w0 / |w'| and has then turned by w0^2 / (2 |w'|); in semi-implicit Euler it turns by the sum of
- * h w_k. */
+ * h w_k. It keeps its place and its height, and stays flat. */
 
 enum { SPIN_STOP_SHAPE, SPIN_STOP_SPIN, SPIN_STOP_FRICTION };
 enum { BOX, DISC };
@@ -47,8 +47,8 @@ static void spin_stop_build(pl_builder *b, const double *values)
     const double left = fmax(0, spin - braking * steps * b->scene->dt);
     pl_build_at_end(b, index, PL_QUANTITY_TURN, pl_axis_z, turn, turn.continuous);
     pl_build_at_end(b, index, PL_QUANTITY_SPIN, pl_axis_z, pl_exactly(left), spin);
-    pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_x, pl_exactly(0), reach);
-    pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_y, pl_exactly(0), reach);
+    pl_build_none(b, index, PL_QUANTITY_POSITION, PL_ALONG_ALL, reach);
+    pl_build_none(b, index, PL_QUANTITY_TURN, PL_ALONG_X | PL_ALONG_Y, turn.continuous);
 }
 
 const pl_scenario pl_scenario_spin_stop = {
@@ -77,7 +77,7 @@ const pl_scenario pl_scenario_spin_stop = {
  * solved here by the classical Runge-Kutta rule until 1e-8 of the energy is left, which is worth
  * 1e-8 of the distance. It brakes less in either motion than if the other were not there: on a disc
  * that presses evenly v / (R w) tends to 0.653 as both end, from any start (Farkas and others
- * 2003). */
+ * 2003). It keeps its height and stays flat. */
 
 enum { SLIDE_AND_SPIN_SPEED, SLIDE_AND_SPIN_SPIN, SLIDE_AND_SPIN_FRICTION };
 
@@ -179,7 +179,9 @@ static void expect(pl_builder *b, int plate, const double *y, const double *valu
     const double distance = sqrt(y[X] * y[X] + y[Y] * y[Y]);
     pl_build_at_end(b, plate, PL_QUANTITY_POSITION, pl_axis_x, pl_continuous(y[X]), distance);
     pl_build_at_end(b, plate, PL_QUANTITY_POSITION, pl_axis_y, pl_continuous(y[Y]), distance);
+    pl_build_none(b, plate, PL_QUANTITY_POSITION, PL_ALONG_Z, distance);
     pl_build_at_end(b, plate, PL_QUANTITY_TURN, pl_axis_z, pl_continuous(y[TURN]), fabs(y[TURN]));
+    pl_build_none(b, plate, PL_QUANTITY_TURN, PL_ALONG_X | PL_ALONG_Y, fabs(y[TURN]));
     pl_build_at_end(b, plate, PL_QUANTITY_VELOCITY, pl_axis_x, pl_continuous(y[VX]),
                     values[SLIDE_AND_SPIN_SPEED]);
     pl_build_at_end(b, plate, PL_QUANTITY_SPIN, pl_axis_z, pl_continuous(y[W]),

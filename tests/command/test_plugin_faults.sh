@@ -23,7 +23,8 @@ stages=(load ask defaults extension create settings pair step frame contacts des
 faults=(exit0 exit7 abort crash print escape chdir standard close write forge limits rounding traps
     signals environment locale)
 once=(create-list step-flood step-fork create-silent step-silent contacts-many contacts-negative
-    contacts-double)
+    contacts-double step-iterations step-residual step-contacts step-time contacts-self contacts-index
+    contacts-normal contacts-point)
 
 engines=()
 add() {
@@ -67,7 +68,15 @@ ends = {"exit0": "it called exit(0) ", "forge": "it called exit(0) ", "exit7": "
 FOREIGN = ": the engine closed or wrote into a descriptor that is not its own"
 reasons = {"silent": "the engine reported a failure, and gave no reason",
            "many": "read_contacts returned 2000000000 for a capacity of ",
-           "negative": "read_contacts returned -3 for a capacity of ",
+           "negative": "the engine reports -3 contacts at step 3",
+           "iterations": "the engine reports -3 iterations at step 3",
+           "residual": "the engine reports inf as residual at step 3",
+           "contacts": "the engine reports -1 contacts at step 3",
+           "time": "the engine reports -0.5 s as time_solve at step 3",
+           "self": "the engine reports a contact of body 1 with itself at step 3",
+           "index": "the engine reports a contact of body 99 at step 3, and the scene has bodies 0 to ",
+           "normal": "the engine reports a contact of bodies 0 and 1 at step 3 whose normal has the length 3",
+           "point": "the engine reports a contact of bodies 0 and 1 at step 3 whose point is not finite",
            "double": "read_contacts returned "}
 failed = []
 

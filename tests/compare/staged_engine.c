@@ -7,6 +7,7 @@
 #include <fcntl.h>
 #include <fenv.h>
 #include <locale.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -29,6 +30,8 @@ struct pl_engine_instance {
 static pl_status returned_status;
 static int contact_count;
 static bool doubles_contacts;
+static pl_step_stats wrong_stats; /* where a number is not 0, it takes the place of the right one */
+static pl_contact contact = {.body_b = 1, .normal = {0, 0, 1}};
 
 /* ---- Faults ---- */
 
@@ -221,6 +224,50 @@ static void fail_double(void)
     doubles_contacts = true;
 }
 
+static void fail_iterations(void)
+{
+    wrong_stats.iterations = -3;
+}
+
+static void fail_residual(void)
+{
+    wrong_stats.residual = (double)INFINITY;
+}
+
+static void fail_contacts(void)
+{
+    wrong_stats.contacts = -1;
+}
+
+static void fail_time(void)
+{
+    wrong_stats.time_solve = -0.5;
+}
+
+static void fail_self(void)
+{
+    contact.body_a = 1;
+    contact_count = 1;
+}
+
+static void fail_index(void)
+{
+    contact.body_b = 99;
+    contact_count = 1;
+}
+
+static void fail_normal(void)
+{
+    contact.normal[2] = 3;
+    contact_count = 1;
+}
+
+static void fail_point(void)
+{
+    contact.point[0] = (double)NAN;
+    contact_count = 1;
+}
+
 /* Puts replacement.so in the place of its own file. */
 static void fail_replace(void)
 {
@@ -238,16 +285,42 @@ static const struct {
     const char *name;
     void (*commit)(void);
 } faults[] = {
-    {"none", fail_none},       {"exit0", fail_exit0},       {"exit7", fail_exit7},
-    {"abort", fail_abort},     {"crash", fail_crash},       {"hang", fail_hang},
-    {"print", fail_print},     {"flood", fail_flood},       {"escape", fail_escape},
-    {"chdir", fail_chdir},     {"standard", fail_standard}, {"close", fail_close},
-    {"write", fail_write},     {"forge", fail_forge},       {"list", fail_list},
-    {"limits", fail_limits},   {"rounding", fail_rounding}, {"traps", fail_traps},
-    {"signals", fail_signals}, {"fork", fail_fork},         {"environment", fail_environment},
-    {"locale", fail_locale},   {"memory", fail_memory},     {"silent", fail_silent},
-    {"many", fail_many},       {"double", fail_double},     {"negative", fail_negative},
+    {"none", fail_none},
+    {"exit0", fail_exit0},
+    {"exit7", fail_exit7},
+    {"abort", fail_abort},
+    {"crash", fail_crash},
+    {"hang", fail_hang},
+    {"print", fail_print},
+    {"flood", fail_flood},
+    {"escape", fail_escape},
+    {"chdir", fail_chdir},
+    {"standard", fail_standard},
+    {"close", fail_close},
+    {"write", fail_write},
+    {"forge", fail_forge},
+    {"list", fail_list},
+    {"limits", fail_limits},
+    {"rounding", fail_rounding},
+    {"traps", fail_traps},
+    {"signals", fail_signals},
+    {"fork", fail_fork},
+    {"environment", fail_environment},
+    {"locale", fail_locale},
+    {"memory", fail_memory},
+    {"silent", fail_silent},
+    {"many", fail_many},
+    {"double", fail_double},
+    {"negative", fail_negative},
     {"replace", fail_replace},
+    {"iterations", fail_iterations},
+    {"residual", fail_residual},
+    {"contacts", fail_contacts},
+    {"time", fail_time},
+    {"self", fail_self},
+    {"index", fail_index},
+    {"normal", fail_normal},
+    {"point", fail_point},
 };
 
 /* Commits the fault of this file when `stage` is its stage. */
@@ -334,6 +407,13 @@ static pl_status step(pl_engine_instance *instance, double dt, pl_step_stats *st
     stats->contacts = 0;
     if (++instance->calls[0] == 3) {
         reach("step");
+        const double wrong[] = {wrong_stats.iterations, wrong_stats.residual, wrong_stats.contacts,
+                                wrong_stats.time_solve};
+        double *const right[] = {&stats->iterations, &stats->residual, &stats->contacts,
+                                 &stats->time_solve};
+        for (int i = 0; i < 4; ++i) {
+            *right[i] = wrong[i] != 0 ? wrong[i] : *right[i];
+        }
     }
     return returned_status;
 }
@@ -365,9 +445,11 @@ static void read_pair(const pl_engine_instance *instance, int body_a, int body_b
 
 static int read_contacts(const pl_engine_instance *instance, pl_contact *contacts, int capacity)
 {
-    (void)contacts;
     if (instance->calls[0] == 3) {
         reach("contacts");
+    }
+    if (contact_count == 1 && capacity >= 1) {
+        contacts[0] = contact;
     }
     return doubles_contacts ? 2 * capacity : contact_count;
 }

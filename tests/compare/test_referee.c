@@ -168,6 +168,43 @@ static void test_energy_gain_below_the_speed_bound_diverges(void **state)
     run_end(&r);
 }
 
+/* Without contacts, momentum is known as long as nothing can have touched the floor. A body that hovers
+ * within rounding of it can; it is no penetration. */
+static void test_hovering_within_rounding_is_touching(void **state)
+{
+    (void)state;
+    static const double gaps[] = {2.8e-7, 5e-4, 0.5};
+    for (int i = 0; i < 3; ++i) {
+        run r;
+        run_prepare_box_on_floor(&r, 1);
+        r.scene.bodies[1].position[2] += gaps[i];
+        run_begin(&r);
+        run_step_many(&r, 64);
+        assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+        const pl_metric *momentum = run_metric(&r, PL_METRIC_MOMENTUM_ERROR);
+        assert_int_equal(momentum->state, i < 2 ? PL_METRIC_FAILED : PL_METRIC_VALUE);
+        assert_close(run_value(&r, PL_METRIC_PENETRATION_MAX), 0, 0, 0);
+        run_end(&r);
+    }
+}
+
+/* 100 sqrt(2 |g| (H + D)) + 100 m/s + |g| T for a cube of side 1 at rest, whose bounding sphere has the
+ * diameter H = sqrt(3) m and D = 3 m; beyond it the speed is the reason, below it the energy. */
+static void test_speed_bound_is_that_of_its_definition(void **state)
+{
+    (void)state;
+    const double bound = 100 * sqrt(2 * 9.81 * (sqrt(3) + 3)) + 100 + 9.81;
+    for (int beyond = 0; beyond < 2; ++beyond) {
+        run r;
+        run_prepare_box_on_floor(&r, 1);
+        run_begin(&r);
+        r.state[1].velocity[0] = bound * (beyond ? 1.001 : 0.999);
+        assert_int_equal(run_step(&r), PL_VERDICT_DIVERGED);
+        assert_contains(r.error.message, beyond ? "moves at" : "energy has grown");
+        run_end(&r);
+    }
+}
+
 static void test_early_end_leaves_the_maxima(void **state)
 {
     (void)state;
@@ -281,6 +318,8 @@ int main(void)
         cmocka_unit_test(test_run_that_starts_with_nan_has_no_metrics),
         cmocka_unit_test(test_diverged_run_keeps_its_maxima),
         cmocka_unit_test(test_energy_gain_below_the_speed_bound_diverges),
+        cmocka_unit_test(test_hovering_within_rounding_is_touching),
+        cmocka_unit_test(test_speed_bound_is_that_of_its_definition),
         cmocka_unit_test(test_early_end_leaves_the_maxima),
         cmocka_unit_test(test_statistics_of_steps),
         cmocka_unit_test(test_metrics_that_no_step_reports_have_no_value),

@@ -284,6 +284,28 @@ static void test_alternating_integrators_are_mixed(void **state)
     run_end(&r);
 }
 
+/* The fit is judged to a thousandth of h |v' - v|: a step beyond that is of another integrator. */
+static void test_nearly_fitting_steps_are_not_detected(void **state)
+{
+    (void)state;
+    for (motion_rule rule = NEW_VELOCITY; rule <= MEAN_VELOCITY; ++rule) {
+        for (int misses = 0; misses < 2; ++misses) {
+            run r;
+            prepare_fall(&r, 3);
+            run_begin(&r);
+            for (int i = 1; i <= STEPS; ++i) {
+                const double velocity[3] = {0, 0, 3 - 9.81 * i * H};
+                move(&r, 0, rule, velocity);
+                r.state[0].position[2] += (misses ? 2e-3 : 5e-4) * 9.81 * H * H;
+                run_step_many(&r, 1);
+            }
+            run_finish(&r);
+            assert_string_equal(integrator_of(&r), misses ? "" : names[rule]);
+            run_end(&r);
+        }
+    }
+}
+
 /* x' = x + h v: neither of the two integrators, even if a few steps fit one by chance. */
 static void test_another_integrator_is_not_detected(void **state)
 {
@@ -353,6 +375,7 @@ int main(void)
         cmocka_unit_test(test_one_unknown_reference_leaves_no_discrete_error),
         cmocka_unit_test(test_without_acceleration_no_integrator_is_detected),
         cmocka_unit_test(test_alternating_integrators_are_mixed),
+        cmocka_unit_test(test_nearly_fitting_steps_are_not_detected),
         cmocka_unit_test(test_another_integrator_is_not_detected),
         cmocka_unit_test(test_substeps_gain_no_energy),
     };

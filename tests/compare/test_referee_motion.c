@@ -90,6 +90,27 @@ static void test_travel_errors_are_relative_to_their_own_references(void **state
     run_end(&r);
 }
 
+static void test_drift_to_the_side_is_a_travel_error(void **state)
+{
+    (void)state;
+    run r;
+    run_prepare(&r, 1);
+    run_add_body(&r, "block", pl_shape_box(1, 1, 1), false, 10, 0);
+    run_expect_travel(&r, 0, 4, 4);
+    r.scene.bodies[0].velocity[0] = r.state[0].velocity[0] = 4;
+    run_begin(&r);
+    for (int i = 1; i <= 64; ++i) {
+        r.state[0].position[0] = 10 + 4.0 * i / 64;
+        r.state[0].position[1] = 0.6 * i / 64;
+        r.state[0].position[2] = -0.8 * i / 64;
+        run_step_many(&r, 1);
+    }
+    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_close(run_value(&r, PL_METRIC_TRAVEL_ERROR), 0.25, 1e-14, 0);
+    assert_close(run_value(&r, PL_METRIC_DISCRETE_ERROR), 0.25, 1e-14, 0);
+    run_end(&r);
+}
+
 /* Depth 1e-6 k at step k: the maximum, its step, the percentiles and the last second all follow. */
 static void test_penetration_statistics_of_a_known_ramp(void **state)
 {
@@ -305,6 +326,7 @@ int main(void)
         cmocka_unit_test(test_sphere_has_no_rotation_error),
         cmocka_unit_test(test_body_beyond_collapse_distance_is_named),
         cmocka_unit_test(test_travel_errors_are_relative_to_their_own_references),
+        cmocka_unit_test(test_drift_to_the_side_is_a_travel_error),
         cmocka_unit_test(test_penetration_statistics_of_a_known_ramp),
         cmocka_unit_test(test_overlap_of_the_first_frame_is_ignored),
         cmocka_unit_test(test_overlapping_static_bodies_do_not_count),

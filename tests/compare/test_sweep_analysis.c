@@ -168,6 +168,20 @@ static void test_order_is_a_least_squares_slope(void **state)
     assert_close(order.deviation, log10(2) * sqrt(2) / 3, 1e-12, 0);
 }
 
+/* Slower than the fourth root of dt, an error does not converge. */
+static void test_slow_errors_do_not_converge(void **state)
+{
+    (void)state;
+    for (int slow = 0; slow < 2; ++slow) {
+        double error[5];
+        for (int i = 0; i < 5; ++i) {
+            error[i] = pow(ldexp(1, -i), slow ? 0.24 : 0.26);
+        }
+        const pl_sweep_order order = order_of(error, 5);
+        assert_int_equal(order.kind, slow ? PL_SWEEP_ORDER_NOT_CONVERGING : PL_SWEEP_ORDER_FOUND);
+    }
+}
+
 static void test_missing_order_has_a_reason(void **state)
 {
     (void)state;
@@ -218,6 +232,7 @@ int main(void)
         cmocka_unit_test(test_order_of_a_power_is_its_exponent),
         cmocka_unit_test(test_order_omits_points_that_do_not_converge),
         cmocka_unit_test(test_order_is_a_least_squares_slope),
+        cmocka_unit_test(test_slow_errors_do_not_converge),
         cmocka_unit_test(test_missing_order_has_a_reason),
         cmocka_unit_test(test_interval_holds_the_middle),
     };

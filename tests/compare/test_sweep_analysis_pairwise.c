@@ -185,6 +185,33 @@ static void test_intervals_of_few_repeats_hold_the_true_ratio(void **state)
         assert_true(held[i] >= 0.93 * SWEEPS && held[i] < SWEEPS);
 }
 
+/* The noise of a scene is its own from ten degrees of freedom on; with fewer it is that of all. Half of
+ * the costs in one scene are 1 and the others e; those of the other scene are all the same. */
+static void test_few_repeats_take_the_noise_of_all(void **state)
+{
+    (void)state;
+    enum { QUIET = 20 };
+    for (int count = 10; count <= 11; ++count) {
+        double costs[11], same[QUIET];
+        for (int i = 0; i < QUIET; ++i) {
+            same[i] = 1;
+        }
+        for (int i = 0; i < count; ++i) {
+            costs[i] = i < count / 2 ? 1 : exp(1);
+        }
+        json_t *results = json_array();
+        add_repeats(results, (sweep_run){.scenario = "a", "plumb:p", .error = 1e-2}, costs, count);
+        add_repeats(results, (sweep_run){.scenario = "b", "plumb:p", .error = 1e-2}, same, QUIET);
+        pl_sweep_analysis analysis = analysis_of(results);
+        const double half = count / 2;
+        const double squares = half * (count - half) / count;
+        const double freedom = count - 1 + (count < 11 ? QUIET - 1 : 0);
+        assert_string_equal(analysis.scenes[0].scenario, "a");
+        assert_close(analysis.scenes[0].noise, sqrt(squares / freedom), 0, 1e-12);
+        finish_sweep(&analysis, results);
+    }
+}
+
 static void test_loss_within_its_interval_is_noise(void **state)
 {
     (void)state;
@@ -301,6 +328,7 @@ int main(void)
         cmocka_unit_test(test_constant_repeats_have_an_interval_without_width),
         cmocka_unit_test(test_interval_is_that_of_resampled_medians),
         cmocka_unit_test(test_intervals_of_few_repeats_hold_the_true_ratio),
+        cmocka_unit_test(test_few_repeats_take_the_noise_of_all),
         cmocka_unit_test(test_loss_within_its_interval_is_noise),
         cmocka_unit_test(test_intervals_do_not_depend_on_a_third_engine),
         cmocka_unit_test(test_geometric_mean_counts_unreached_targets),

@@ -38,7 +38,7 @@ static void test_bounce_heights_follow_the_reversed_speed(void **state)
     static const int bounces[] = {3, 5, 2};
     for (int i = 0; i < 3; ++i) {
         pl_scene scene = scenario_scene("bounce", settings[i]);
-        assert_int_equal(scene.value_count, bounces[i]);
+        assert_int_equal(scene.value_count, bounces[i] + 5); /* no way aside, no spin */
         double y[2] = {heights[i], 0}, time = sqrt(2 * heights[i] / g);
         for (int k = 0; k < bounces[i]; ++k) {
             const pl_expect_value *apex = &scene.values[k];
@@ -68,7 +68,7 @@ static void test_unfinished_flight_expects_the_final_height(void **state)
     static const double restitutions[] = {0.8, 0.5, 0.5, 0};
     for (int i = 0; i < 4; ++i) {
         pl_scene scene = scenario_scene("bounce", settings[i]);
-        assert_int_equal(scene.value_count, 1);
+        assert_int_equal(scene.value_count, 6);
         double y[2] = {1, 0}, left = scene.values[0].until, flight = sqrt(2 / g);
         while (flight > 0 && left > flight) {
             integrate(fall_rate, NULL, 0, flight, 4, 2, y);

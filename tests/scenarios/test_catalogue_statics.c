@@ -5,6 +5,7 @@
 #include "statics.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static const pl_scenario *find(const char *name)
@@ -325,6 +326,45 @@ static void test_overlapping_cubes_belong_on_each_other(void **state)
     pl_scene_free(&scene);
 }
 
+/* Half the height of a box that is turned about y. */
+static double half_rise(const pl_body *box)
+{
+    const double *q = box->orientation, *h = box->shape.half_extents;
+    return fabs(2 * q[0] * q[2]) * h[0] + fabs(q[0] * q[0] - q[2] * q[2]) * h[2];
+}
+
+/* Every leaning card stands on the ground of its row and bears the level card, just so. */
+static void test_cards_touch_level_cards_exactly(void **state)
+{
+    (void)state;
+    pl_scene scene;
+    double values[PL_MAX_PARAMS], ground = 0;
+    build_with(find("card-house"), NULL, 0, values, &scene);
+    for (int row = 1; row <= 3; ++row) {
+        double top = (double)NAN, next = (double)NAN;
+        int leaning = 0;
+        for (int i = 1; i < scene.body_count; ++i) {
+            const pl_body *card = &scene.bodies[i];
+            const double low = card->position[2] - half_rise(card);
+            const double high = card->position[2] + half_rise(card);
+            int of_row = 0;
+            if (sscanf(card->name, "level %d", &of_row) == 1 && of_row == row) {
+                assert_close(low, top, 1e-14, 0);
+                next = high;
+            } else if ((sscanf(card->name, "left %d", &of_row) == 1 ||
+                        sscanf(card->name, "right %d", &of_row) == 1) &&
+                       of_row == row) {
+                assert_close(low, ground, 1e-14, 0);
+                top = high;
+                leaning += 1;
+            }
+        }
+        assert_int_equal(leaning, 2 * (4 - row));
+        ground = next;
+    }
+    pl_scene_free(&scene);
+}
+
 /* The hard scenes in the plane stand by statics as they are built. */
 static void test_stacks_and_houses_are_balanced(void **state)
 {
@@ -378,6 +418,7 @@ int main(void)
         cmocka_unit_test(test_painleve_begins_at_four_thirds),
         cmocka_unit_test(test_the_overhang_is_the_harmonic_sum),
         cmocka_unit_test(test_overlapping_cubes_belong_on_each_other),
+        cmocka_unit_test(test_cards_touch_level_cards_exactly),
         cmocka_unit_test(test_stacks_and_houses_are_balanced),
         cmocka_unit_test(test_hard_scenes_describe_the_provoked_fault),
     };

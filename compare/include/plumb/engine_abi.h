@@ -176,7 +176,7 @@ static inline pl_status pl_engine_error(pl_error *error, pl_status status, const
 
 /* Statistics of one step. The harness sets struct_size and fills every number with NAN before the
  * call. The engine overwrites the numbers that it has, and leaves the others NAN: it never writes 0
- * for "unknown". */
+ * for "unknown". A number that is negative or infinite ends the run. */
 typedef struct pl_step_stats {
     uint32_t struct_size; /* sizeof(pl_step_stats) of the harness */
     double iterations;    /* of the velocity solver; the largest over the islands */
@@ -204,7 +204,9 @@ typedef struct pl_frame {
     pl_body_state *bodies; /* (body_count) */
 } pl_frame;
 
-/* One contact point as the solver of the last step left it. Bodies A and B differ, in any order. */
+/* One contact point as the solver of the last step left it. Bodies A and B differ, in any order. A
+ * contact of one body, with an index out of range, a number that is not finite or a normal that is no
+ * unit vector ends the run. */
 typedef struct pl_contact {
     int body_a;        /* index in the scene */
     int body_b;        /* index in the scene */

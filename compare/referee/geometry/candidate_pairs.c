@@ -263,9 +263,18 @@ static pl_placed_shape place(const frame *f, int body)
     return placed;
 }
 
+/* Static bodies do not move either. */
+static pl_vec velocity_of(const frame *f, int body)
+{
+    const bool is_static = f->pairs->scene->bodies[body].is_static;
+    return is_static ? (pl_vec){0, 0, 0} : pl_vec_of(f->bodies[body].velocity);
+}
+
 static double turning_speed(const frame *f, int body)
 {
-    return f->pairs->radius[body] * pl_vec_length(pl_vec_of(f->bodies[body].angular_velocity));
+    const bool is_static = f->pairs->scene->bodies[body].is_static;
+    const double spin = pl_vec_length(pl_vec_of(f->bodies[body].angular_velocity));
+    return is_static ? 0 : f->pairs->radius[body] * spin;
 }
 
 static pl_vec centre_of(const frame *f, int body)
@@ -280,29 +289,29 @@ static bool is_far(const frame *f, int a, int b)
     return pl_vec_length(c) > p->radius[a] + p->radius[b] + p->margin[a] + p->margin[b];
 }
 
-/* The largest gap at which two dynamic bodies meet, m. */
+/* The largest gap at which two bodies meet, m. A plane has no size, and its partner's counts. */
 static double meeting_gap(const frame *f, int a, int b)
 {
     const pl_candidate_pairs *p = f->pairs;
-    pl_vec between = pl_vec_sub(pl_vec_of(f->bodies[a].velocity), pl_vec_of(f->bodies[b].velocity));
-    double speed = pl_vec_length(between) + turning_speed(f, a) + turning_speed(f, b);
-    double rest = RESTING_GAP * fmin(p->radius[a], p->radius[b]);
-    return rest + p->scene->dt * speed;
+    const double size = fmin(p->radius[a] > 0 ? p->radius[a] : HUGE_VAL,
+                             p->radius[b] > 0 ? p->radius[b] : HUGE_VAL);
+    const double speed = pl_vec_length(pl_vec_sub(velocity_of(f, a), velocity_of(f, b))) +
+                         turning_speed(f, a) + turning_speed(f, b);
+    return RESTING_GAP * size + p->scene->dt * speed;
 }
 
 static void see_pair(void *context, int a, int b)
 {
     const frame *f = context;
     const pl_body *bodies = f->pairs->scene->bodies;
-    bool may_meet = !bodies[a].is_static && !bodies[b].is_static;
-    if (may_meet && is_far(f, a, b)) {
+    if (!bodies[a].is_static && !bodies[b].is_static && is_far(f, a, b)) {
         return;
     }
-    double within = may_meet ? meeting_gap(f, a, b) : 0;
+    const double within = meeting_gap(f, a, b);
     pl_placed_shape placed_a = place(f, a), placed_b = place(f, b);
     pl_near_pair pair = {.a = a, .b = b};
     pair.status = pl_gap(&placed_a, &placed_b, within, &pair.gap);
-    pair.meets = may_meet && !(pair.status == PL_OK && pair.gap > within);
+    pair.meets = !(pair.status == PL_OK && pair.gap > within);
     f->see(f->context, &pair);
 }
 

@@ -39,7 +39,8 @@ typedef struct pl_near_pair {
     /* m, as in gap.h. If the pair neither touches nor meets, only a lower bound, above 0 and above
      * the gap at which the two would meet. */
     double gap;
-    /* Both are dynamic, and the gap is one that they can close, or have opened, in a step. */
+    /* The gap is one that they can close, or have opened, in a step, or within a thousandth of the
+     * smaller one's size: bodies that hover within rounding of each other touch. */
     bool meets;
 } pl_near_pair;
 

@@ -24,8 +24,9 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
          "reference, 0 .. pi"},
     [PL_METRIC_TRAVEL_ERROR] =
         {"travel_error", "1", PL_LOWER_IS_BETTER, true,
-         "max over travelling bodies of |(x_end - x_0).d - s| / |s|, where s is the travel along d "
-         "in the continuous problem"},
+         "max over travelling bodies of |x_end - x_0 - s d| / |s|, where s is the travel along d "
+         "in "
+         "the continuous problem: a drift to the side counts as much as a wrong distance"},
     [PL_METRIC_VALUE_ERROR] =
         {"value_error", "1", PL_LOWER_IS_BETTER, true,
          "max over the scene's expected values (velocities, spins, turns, apexes, periods, "

@@ -15,11 +15,6 @@
 /* A frame within this part of a step of `until` is at `until`. */
 static const double SAME_TIME = 1e-6;
 
-static double relative(double actual, double expected)
-{
-    return fabs(actual - expected) / fabs(expected);
-}
-
 /* Makes the metric the larger of its value and `error`. */
 static void raise_to(pl_metric *metric, double error)
 {
@@ -271,13 +266,14 @@ static pl_metric rest_rotation_error(const pl_scene *scene, const pl_body_state 
     return metric;
 }
 
-/* The displacement along the travel's direction from the scene's position of the body, m. */
-static double travelled(const pl_scene *scene, const pl_body_state *bodies,
-                        const pl_expect_travel *travel)
+/* How far the body is from where a displacement of `distance` along its travel, from the scene's
+ * position, takes it, m. */
+static double off_travel(const pl_scene *scene, const pl_body_state *bodies,
+                         const pl_expect_travel *travel, double distance)
 {
-    pl_vec from = pl_vec_of(scene->bodies[travel->body].position);
-    pl_vec to = pl_vec_of(bodies[travel->body].position);
-    return pl_vec_dot(pl_vec_sub(to, from), pl_vec_of(travel->direction));
+    const pl_vec from = pl_vec_of(scene->bodies[travel->body].position);
+    const pl_vec to = pl_vec_mad(from, distance, pl_vec_of(travel->direction));
+    return pl_vec_length(pl_vec_sub(pl_vec_of(bodies[travel->body].position), to));
 }
 
 static pl_metric travel_error(const pl_scene *scene, const pl_body_state *bodies)
@@ -285,7 +281,8 @@ static pl_metric travel_error(const pl_scene *scene, const pl_body_state *bodies
     pl_metric metric = {0};
     for (int i = 0; i < scene->travel_count; ++i) {
         const pl_expect_travel *travel = &scene->travels[i];
-        raise_to(&metric, relative(travelled(scene, bodies, travel), travel->distance));
+        raise_to(&metric,
+                 off_travel(scene, bodies, travel, travel->distance) / fabs(travel->distance));
     }
     return metric;
 }
@@ -330,7 +327,7 @@ static pl_metric discrete_error_of(const pl_values *values, const pl_body_state 
         if (isnan(answer)) {
             return no_discrete_answer(values, travel->body);
         }
-        const double error = fabs(travelled(scene, bodies, travel) - answer);
+        const double error = off_travel(scene, bodies, travel, answer);
         raise_to(&metric, beyond(error, values->travels[i].value) / fabs(answer));
     }
     for (int i = 0; i < scene->value_count; ++i) {

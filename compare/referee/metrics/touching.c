@@ -18,7 +18,7 @@ struct pl_touching {
     long rest_from;  /* first step of the last second */
     double rest_sum; /* of the deepest of each frame */
     long rest_count;
-    bool touched_static;
+    bool met_static;
     int unknown_a, unknown_b; /* the first pair whose gap could not be computed */
     long unknown_step;        /* -1: none */
 
@@ -80,7 +80,9 @@ void pl_touching_see(void *touching, const pl_near_pair *pair)
 {
     pl_touching *t = touching;
     const pl_body *bodies = t->scene->bodies;
-    if (pair->meets) {
+    if (pair->meets && (bodies[pair->a].is_static || bodies[pair->b].is_static)) {
+        t->met_static = true;
+    } else if (pair->meets) {
         unite(t->now, pair->a, pair->b);
         unite(t->both, pair->a, pair->b);
     }
@@ -91,8 +93,6 @@ void pl_touching_see(void *touching, const pl_near_pair *pair)
             t->unknown_b = pair->b;
         }
     } else if (pair->gap <= 0) {
-        t->touched_static =
-            t->touched_static || bodies[pair->a].is_static || bodies[pair->b].is_static;
         t->deepest = fmax(t->deepest, -pair->gap);
         if (t->step > 0) {
             pl_series_add(&t->depth, -pair->gap, t->step);
@@ -110,7 +110,7 @@ void pl_touching_end(pl_touching *t)
 
 bool pl_touching_static(const pl_touching *t)
 {
-    return t->touched_static;
+    return t->met_static;
 }
 
 double pl_touching_island_max(pl_touching *t, const double *growth)

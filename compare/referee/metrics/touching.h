@@ -25,7 +25,8 @@ void pl_touching_see(void *touching, const pl_near_pair *pair);
 /* Ends the frame, after all of its pairs. */
 void pl_touching_end(pl_touching *touching);
 
-/* Whether a dynamic body has touched a static one: gap <= 0. */
+/* Whether a dynamic body may have touched a static one, between frames included: the pair met
+ * (pl_near_pair). Impulses of static bodies are then possible. */
 bool pl_touching_static(const pl_touching *touching);
 
 /* The largest sum of `growth`, (body_count), over an island of the last step; the entries of static

@@ -1,0 +1,17 @@
+/* Values that an engine may not report: a run that has one ends, with the value, the field and the
+ * step as its reason, because every metric of it would be in doubt. */
+#ifndef PLUMB_REPORTED_VALUES_H
+#define PLUMB_REPORTED_VALUES_H
+
+#include "plumb/engine_abi.h"
+
+/* Checks the statistics of a step: each is NAN (unknown), or finite and at least 0. PL_FAILED. */
+pl_status pl_check_stats(const pl_step_stats *stats, long step, pl_error *error);
+
+/* Checks `count` contacts of a step, of an engine that reports the PL_CONTACTS_* bits `reported`:
+ * two different bodies of the scene, finite numbers, and normals of unit length to 1e-3.
+ * PL_FAILED. */
+pl_status pl_check_contacts(const pl_contact *contacts, int count, uint32_t reported,
+                            int body_count, long step, pl_error *error);
+
+#endif
