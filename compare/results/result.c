@@ -189,6 +189,7 @@ json_t *pl_run_identity(const pl_run_view *run)
     int failed = json_object_set_new(identity, "run", json_string(hash));
     failed |= json_object_set_new(identity, "label", pl_json_text(run->label, strlen(run->label)));
     failed |= json_object_set_new(identity, "primary_error", json_string(run->primary_error));
+    failed |= json_object_set_new(identity, "acceptance", pl_json_number_or_null(run->acceptance));
     failed |= json_object_set_new(identity, "engine_spec", spec_json(run));
     failed |= json_object_set_new(identity, "as_shipped", json_boolean(is_as_shipped(run)));
     failed |=
@@ -292,26 +293,13 @@ static json_t *read_back_json(unsigned read_back)
 json_t *pl_run_result_to_json(const pl_run_result *result)
 {
     return json_pack(
-        "{s:s, s:o, s:{s:I, s:I}, s:o, s:o, s:o, s:o}", "outcome", pl_outcome_name(result->outcome),
-        "reason", text_or_null(result->reason), "steps", "asked", (json_int_t)result->steps_asked,
-        "done", (json_int_t)result->steps_done, "substeps",
+        "{s:s, s:o, s:o, s:{s:I, s:I}, s:o, s:o, s:o, s:o}", "outcome",
+        pl_outcome_name(result->outcome), "reason", text_or_null(result->reason), "note",
+        text_or_null(result->note), "steps", "asked", (json_int_t)result->steps_asked, "done",
+        (json_int_t)result->steps_done, "substeps",
         result->substeps > 0 ? json_integer(result->substeps) : json_null(), "read_back",
         read_back_json(result->read_back), "metrics", metrics_json(&result->metrics), "final_poses",
         poses_json(result->bodies, result->body_count));
-}
-
-json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance, const char *output,
-                          size_t output_length, const char *started)
-{
-    json_t *result = json_pack(
-        "{s:s, s:o, s:s}", "schema", "plumb.result/1", "output",
-        output_length == 0 ? json_null() : pl_json_text(output, output_length), "started", started);
-    if (result == NULL || json_object_update(result, identity) != 0 ||
-        json_object_update(result, outcome) != 0 || json_object_update(result, provenance) != 0) {
-        json_decref(result);
-        return NULL;
-    }
-    return result;
 }
 
 bool pl_results_all_unsupported(const json_t *results)

@@ -40,6 +40,7 @@ typedef struct pl_run_view {
     const double *params;          /* (descriptor->param_count) */
     const char *scene_hash;
     const char *primary_error;
+    double acceptance;   /* of the primary error; INFINITY: none is stated */
     double dt, duration; /* s, of the scene as built */
     const pl_engine_info *engine;
     int profile;
@@ -80,6 +81,7 @@ const char *pl_read_back_name(pl_read_back what);
 typedef struct pl_run_result {
     pl_outcome outcome;
     char reason[512]; /* empty when the outcome is ok */
+    char note[256];   /* how what stands has moved: "leans: ..."; empty: nothing to say */
     long steps_asked, steps_done;
     int substeps; /* of the engine, in a step; 0: not known */
     unsigned
@@ -89,16 +91,11 @@ typedef struct pl_run_result {
     const pl_body_state *bodies; /* (body_count) at the last good frame; NULL when there is none */
 } pl_run_result;
 
-/* The keys outcome, reason, steps, substeps, read_back, metrics, final_poses. */
+/* The keys outcome, reason, note, steps, substeps, read_back, metrics, final_poses. */
 json_t *pl_run_result_to_json(const pl_run_result *result);
 
 /* The keys host, plumb, command: this machine, this build, this call. */
 json_t *pl_provenance(int argc, char *const *argv);
-
-/* The whole result: the union of identity, outcome and provenance (each borrowed), with `schema`,
- * `output` (null when `output` is empty) and `started`. */
-json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance, const char *output,
-                          size_t output_length, const char *started);
 
 /* The value of a metric of a result; NAN where it has none. */
 double pl_result_metric(const json_t *result, const char *name);

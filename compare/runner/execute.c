@@ -2,7 +2,7 @@
 
 #include "isolated_run.h"
 #include "progress.h"
-#include "results/result.h"
+#include "results/run_verdict.h"
 
 #include <errno.h>
 #include <signal.h>

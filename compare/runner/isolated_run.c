@@ -1,5 +1,7 @@
 #include "isolated_run.h"
 
+#include "results/run_verdict.h"
+
 #include <errno.h>
 #include <signal.h>
 #include <stdlib.h>

@@ -51,6 +51,7 @@ static void defer(pl_case *test_case)
     pl_scene kept = pl_scene_default();
     kept.dt = test_case->scene.dt;
     kept.duration = test_case->scene.duration;
+    kept.acceptance = test_case->scene.acceptance;
     memcpy(kept.primary_error, test_case->scene.primary_error, sizeof kept.primary_error);
     pl_scene_free(&test_case->scene);
     test_case->scene = kept;
@@ -281,6 +282,7 @@ json_t *pl_planned_run_identity(const pl_plan *plan, const pl_planned_run *run)
                         .params = test_case->params,
                         .scene_hash = test_case->scene_hash,
                         .primary_error = test_case->scene.primary_error,
+                        .acceptance = test_case->scene.acceptance,
                         .dt = test_case->scene.dt,
                         .duration = test_case->scene.duration,
                         .engine = choice->engine,

@@ -64,13 +64,19 @@ static bool has_expectation(const void *object)
 {
     const pl_scene *scene = object;
     return scene->rest_count > 0 || scene->travel_count > 0 || scene->value_count > 0 ||
-           scene->primary_error[0] != '\0' || !isinf(scene->collapse_distance);
+           scene->primary_error[0] != '\0' || !isinf(scene->collapse_distance) ||
+           !isinf(scene->acceptance);
 }
 
 static bool may_collapse(const void *object)
 {
     const pl_scene *scene = object;
     return scene->rest_count > 0 || !isinf(scene->collapse_distance);
+}
+
+static bool is_judged(const void *object)
+{
+    return !isinf(((const pl_scene *)object)->acceptance);
 }
 
 /* ---- Fields ---- */
@@ -217,6 +223,10 @@ static const pl_field expect_fields[] = {
      .range = PL_RANGE_POSITIVE_OR_INFINITE, .nullable = true, .applies = may_collapse, .unit = "m",
      .about = "a body of rest that ends farther away has collapsed. Half the smallest dimension of "
               "these bodies where it is not given; null: never"},
+    {"acceptance", PL_FIELD_NUMBER, offsetof(pl_scene, acceptance), .line = 5,
+     .range = PL_RANGE_POSITIVE_OR_INFINITE, .nullable = true, .applies = is_judged,
+     .about = "the largest primary error of an accurate run, in the unit of the primary metric; "
+              "without it no run is called accurate"},
 };
 
 static const pl_field rest_fields[] = {
@@ -259,8 +269,11 @@ static const pl_field value_fields[] = {
 
 /* ---- Objects ---- */
 
-static const pl_scene scene_defaults = {
-    .gravity = {0, 0, -9.81}, .dt = 1.0 / 60, .duration = 5, .collapse_distance = (double)INFINITY};
+static const pl_scene scene_defaults = {.gravity = {0, 0, -9.81},
+                                        .dt = 1.0 / 60,
+                                        .duration = 5,
+                                        .collapse_distance = (double)INFINITY,
+                                        .acceptance = (double)INFINITY};
 static const pl_material no_material = {.friction = 0};
 static const pl_material_pair no_pair = {.friction = 0};
 static const pl_body body_defaults = {.mass = 1, .orientation = {1, 0, 0, 0}};

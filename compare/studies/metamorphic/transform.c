@@ -191,7 +191,7 @@ static pl_status copy_scene(const pl_scene *from, pl_scene *to, pl_error *error)
     test_case.travel_count = 0;
     test_case.value_count = 0;
     test_case.primary_error[0] = '\0';
-    test_case.collapse_distance = (double)INFINITY;
+    test_case.collapse_distance = test_case.acceptance = (double)INFINITY;
     *to = pl_scene_default();
     char *text = pl_scene_to_text(&test_case);
     if (text == NULL) {

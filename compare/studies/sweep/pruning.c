@@ -1,7 +1,7 @@
 /* Decides from results which runs of a sweep need not be made. */
 #include "pruning.h"
 
-#include "results/result.h"
+#include "results/run_verdict.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -54,7 +54,11 @@ typedef struct pl_scenario {
     const char *expected;    /* the outcome of a right engine, "ok: ..." and its appearance */
     const char *source; /* of that formula: author, year, equation; or "by symmetry", "statics" */
     const char *primary_error; /* the metric's name */
-    const char *validity;      /* where the reference holds; NULL: for all parameters */
+    /* The largest primary error of an accurate run, with every parameter value, in the metric's
+     * unit. */
+    double acceptance;
+    const char *acceptance_reason; /* why this bound: what a user would see beyond it */
+    const char *validity;          /* where the reference holds; NULL: for all parameters */
     const char *provokes; /* of a hard case: the failure that it provokes, and what a right engine
                              does; NULL: not one of them */
     const pl_threshold *threshold; /* NULL: none */

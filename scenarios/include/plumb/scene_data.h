@@ -187,6 +187,9 @@ typedef struct pl_scene {
     /* A body of `rests` that ends farther than this from its reference has the outcome `collapsed`.
      * m; INFINITY when nothing is expected to stand. */
     double collapse_distance;
+    /* The largest primary error of an accurate run, in the unit of the metric; INFINITY: none is
+     * stated. */
+    double acceptance;
 } pl_scene;
 
 /* The features of an engine that a scenario needs, as bits. For an engine without one of them the

@@ -1,0 +1,29 @@
+/* The whole result of a run, with the verdict on it. The outcome says how the run ended, the verdict
+ * whether its answer is right. */
+#ifndef PLUMB_RUN_VERDICT_H
+#define PLUMB_RUN_VERDICT_H
+
+#include "result.h"
+
+/* The three verdicts on a run, in the order in which they are counted. */
+typedef enum pl_result_verdict {
+    PL_RESULT_ACCURATE,   /* its primary error is at most the scene's acceptance */
+    PL_RESULT_INACCURATE, /* it is larger */
+    PL_RESULT_FAILED,  /* the outcome is not ok, or a body moved in a way that nothing explains */
+    PL_RESULT_UNJUDGED /* unsupported; or the scene states no acceptance; or the primary error has
+                             no value */
+} pl_result_verdict;
+enum { PL_RESULT_VERDICT_COUNT = 4 };
+
+/* "accurate", "inaccurate", "failed", and "not judged", which is null in results. */
+const char *pl_result_verdict_name(pl_result_verdict verdict);
+
+/* The verdict of a result; PL_RESULT_UNJUDGED for one that was made without verdicts. */
+pl_result_verdict pl_result_verdict_of(const json_t *result);
+
+/* The whole result: the union of identity, outcome and provenance (each borrowed), with `schema`,
+ * `output` (null when `output` is empty), `started`, and its verdict. */
+json_t *pl_result_compose(json_t *identity, json_t *outcome, json_t *provenance, const char *output,
+                          size_t output_length, const char *started);
+
+#endif
