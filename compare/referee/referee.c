@@ -9,7 +9,9 @@
 #include "referee/metrics/motion.h"
 #include "referee/metrics/reference_error.h"
 #include "referee/metrics/series.h"
+#include "referee/metrics/standing.h"
 #include "referee/metrics/touching.h"
+#include "referee/metrics/unexplained_motion.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,6 +26,7 @@ typedef enum series_id {
     OF_RESIDUAL,
     OF_CONTACTS,
     OF_TIME,
+    OF_UNEXPLAINED,
     SERIES_COUNT
 } series_id;
 
@@ -40,6 +43,8 @@ struct pl_referee {
     pl_contact_force *force;
     pl_motion *motion;
     pl_values *values;
+    pl_standing *standing;
+    pl_unexplained_motion *unexplained;
     pl_series series[SERIES_COUNT];
     long no_contacts_step;     /* first step whose contacts the engine did not report; 0: none */
     bool has_points_alone;     /* in some step the engine reported contacts without impulses */
@@ -61,6 +66,8 @@ pl_status pl_referee_create(const pl_scene *scene, pl_referee **referee, pl_erro
         r->force = pl_contact_force_create(scene, arena);
         r->motion = pl_motion_create(scene, arena);
         r->values = pl_values_create(scene, arena);
+        r->standing = pl_standing_create(scene, arena);
+        r->unexplained = pl_unexplained_motion_create(scene, arena);
         r->last = pl_arena_take(arena, (size_t)scene->body_count, sizeof *r->last);
         for (int i = 0; i < SERIES_COUNT; ++i) {
             (void)pl_series_init(&r->series[i], arena);
@@ -159,6 +166,9 @@ static void see_mechanics(pl_referee *r, const pl_step_observation *seen)
     }
     pl_mechanics_step(r->mechanics, &step);
     pl_contact_force_step(r->force, &step);
+    pl_series_add(&r->series[OF_UNEXPLAINED],
+                  pl_unexplained_motion_of(r->unexplained, r->touching, step.before, step.after),
+                  r->done);
     for (pl_position_rule k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale, k) -
                       pl_mechanics_energy_rounding(r->mechanics) / r->scale.energy;
@@ -266,6 +276,7 @@ static void dynamic_metrics(const pl_referee *r, pl_metric *item)
 {
     const pl_position_rule integrator = pl_integrator_of(pl_mechanics_votes(r->mechanics));
     item[PL_METRIC_ENERGY_GAIN] = maximum(r, OF_ENERGY + (int)integrator);
+    item[PL_METRIC_UNEXPLAINED_MOTION] = maximum(r, OF_UNEXPLAINED);
     item[PL_METRIC_ENERGY_STEP_GAIN] = maximum(r, OF_STEP_GAIN + (int)integrator);
     item[PL_METRIC_MOMENTUM_ERROR] = momentum_metric(r, integrator);
     contact_force_metrics(r, integrator, item);
@@ -334,18 +345,12 @@ static void withdraw_after_early_end(const pl_referee *r, pl_metric *item)
                                               PL_METRIC_RUN_OUT_P95,
                                               PL_METRIC_ENERGY_LOST,
                                               PL_METRIC_PENETRATION_REST};
-    static const pl_metric_id of_steps[] = {PL_METRIC_ENERGY_GAIN,
-                                            PL_METRIC_ENERGY_STEP_GAIN,
-                                            PL_METRIC_MOMENTUM_ERROR,
-                                            PL_METRIC_PENETRATION_MAX,
-                                            PL_METRIC_LIFT,
-                                            PL_METRIC_PATH_DEVIATION,
-                                            PL_METRIC_ITERATIONS_MEAN,
-                                            PL_METRIC_ITERATIONS_MAX,
-                                            PL_METRIC_CONTACTS_MEAN,
-                                            PL_METRIC_TIME_PER_STEP,
-                                            PL_METRIC_RESIDUAL_MAX,
-                                            PL_METRIC_RESIDUAL_RMS};
+    static const pl_metric_id of_steps[] = {
+        PL_METRIC_ENERGY_GAIN,    PL_METRIC_UNEXPLAINED_MOTION, PL_METRIC_ENERGY_STEP_GAIN,
+        PL_METRIC_MOMENTUM_ERROR, PL_METRIC_PENETRATION_MAX,    PL_METRIC_LIFT,
+        PL_METRIC_PATH_DEVIATION, PL_METRIC_ITERATIONS_MEAN,    PL_METRIC_ITERATIONS_MAX,
+        PL_METRIC_CONTACTS_MEAN,  PL_METRIC_TIME_PER_STEP,      PL_METRIC_RESIDUAL_MAX,
+        PL_METRIC_RESIDUAL_RMS};
     static const pl_metric_id settle = PL_METRIC_SETTLE_TIME, creep = PL_METRIC_CREEP;
     if (!ended_early(r)) {
         return;
@@ -374,27 +379,18 @@ static pl_metric reference_metric(const pl_referee *r, const pl_metric *item)
     return metric;
 }
 
-static pl_verdict final_verdict(const pl_referee *r, pl_error *error)
+static pl_verdict final_verdict(const pl_referee *r, pl_note *note, pl_error *error)
 {
     if (r->ended != PL_VERDICT_OK && error != NULL) {
         *error = r->reason;
     }
-    if (ended_early(r)) {
-        return r->ended;
-    }
-    double distance = 0;
-    int farthest = pl_farthest_from_rest(r->scene, r->last, &distance);
-    if (farthest < 0 || !(distance > r->scene->collapse_distance)) {
-        return PL_VERDICT_OK;
-    }
-    (void)pl_fail(error, PL_FAILED, "body \"%s\" ended %.3g m from its reference, beyond %.3g m",
-                  r->scene->bodies[r->scene->rests[farthest].body].name, distance,
-                  r->scene->collapse_distance);
-    return PL_VERDICT_COLLAPSED;
+    note->text[0] = '\0';
+    return ended_early(r) ? r->ended
+                          : pl_standing_judge(r->standing, r->pairs, r->last, note, error);
 }
 
 pl_verdict pl_referee_finish(pl_referee *r, const char *residual_unit, pl_metrics *metrics,
-                             pl_error *error)
+                             pl_note *note, pl_error *error)
 {
     *metrics = (pl_metrics){0};
     pl_metric *item = metrics->item;
@@ -405,5 +401,5 @@ pl_verdict pl_referee_finish(pl_referee *r, const char *residual_unit, pl_metric
     }
     withdraw_after_early_end(r, item);
     item[PL_METRIC_REFERENCE_ERROR] = reference_metric(r, item);
-    return final_verdict(r, error);
+    return final_verdict(r, note, error);
 }

@@ -46,8 +46,8 @@ pl_verdict pl_referee_step(pl_referee *referee, const pl_step_observation *seen,
  * state are PL_METRIC_FAILED with the reason "the run ended at step N of M", maxima and means are
  * over the steps so far, and the verdict is the one that ended the run, with its reason
  * (PL_VERDICT_OK if the referee did not end it). residual_unit is as in pl_engine, and *metrics
- * points to it. */
+ * points to it. *note says how bodies have moved that stand, see metrics/standing.h. */
 pl_verdict pl_referee_finish(pl_referee *referee, const char *residual_unit, pl_metrics *metrics,
-                             pl_error *error);
+                             pl_note *note, pl_error *error);
 
 #endif

@@ -295,7 +295,7 @@ json_t *pl_run_result_to_json(const pl_run_result *result)
     return json_pack(
         "{s:s, s:o, s:o, s:{s:I, s:I}, s:o, s:o, s:o, s:o}", "outcome",
         pl_outcome_name(result->outcome), "reason", text_or_null(result->reason), "note",
-        text_or_null(result->note), "steps", "asked", (json_int_t)result->steps_asked, "done",
+        text_or_null(result->note.text), "steps", "asked", (json_int_t)result->steps_asked, "done",
         (json_int_t)result->steps_done, "substeps",
         result->substeps > 0 ? json_integer(result->substeps) : json_null(), "read_back",
         read_back_json(result->read_back), "metrics", metrics_json(&result->metrics), "final_poses",

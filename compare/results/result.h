@@ -81,7 +81,7 @@ const char *pl_read_back_name(pl_read_back what);
 typedef struct pl_run_result {
     pl_outcome outcome;
     char reason[512]; /* empty when the outcome is ok */
-    char note[256];   /* how what stands has moved: "leans: ..."; empty: nothing to say */
+    pl_note note;     /* how bodies that stand have moved */
     long steps_asked, steps_done;
     int substeps; /* of the engine, in a step; 0: not known */
     unsigned

@@ -308,7 +308,7 @@ static void judge(run *r, double memory, pl_run_result *result)
 {
     pl_error fault = {.message = ""};
     pl_verdict verdict = pl_referee_finish(r->referee, r->def->choice->engine->residual_unit,
-                                           &result->metrics, &fault);
+                                           &result->metrics, &result->note, &fault);
     if (verdict == PL_VERDICT_COLLAPSED && result->outcome == PL_OUTCOME_OK) {
         set_outcome(result, PL_OUTCOME_COLLAPSED, &fault);
     }

@@ -267,7 +267,8 @@ static void test_metrics_that_no_step_reports_have_no_value(void **state)
     run_step_many(&r, 64);
     assert_int_equal(run_finish(&r), PL_VERDICT_OK);
     pl_metrics other;
-    assert_int_equal(pl_referee_finish(r.referee, NULL, &other, NULL), PL_VERDICT_OK);
+    pl_note note;
+    assert_int_equal(pl_referee_finish(r.referee, NULL, &other, &note, NULL), PL_VERDICT_OK);
     for (int i = 0; i < 2; ++i) {
         const pl_metric *residual = run_metric(&r, of_residual[i]);
         assert_int_equal(residual->state, PL_METRIC_FAILED);

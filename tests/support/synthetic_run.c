@@ -85,7 +85,7 @@ void run_step_many(run *r, long count)
 
 pl_verdict run_finish(run *r)
 {
-    return pl_referee_finish(r->referee, "m/s", &r->metrics, &r->error);
+    return pl_referee_finish(r->referee, "m/s", &r->metrics, &r->note, &r->error);
 }
 
 void run_end(run *r)

@@ -15,6 +15,7 @@ typedef struct run {
     pl_body_state state[MOST_BODIES];
     pl_step_stats stats;
     pl_metrics metrics;
+    pl_note note;
     pl_error error;
     pl_referee_engine engine; /* {0}, as run_prepare leaves it: one sub-step, doubles */
 } run;

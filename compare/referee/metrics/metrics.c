@@ -62,6 +62,12 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
     [PL_METRIC_CREEP] =
         {"creep", "m/s", PL_LOWER_IS_BETTER, true,
          "max over bodies of the least-squares slope of drift's displacement vector over time"},
+    [PL_METRIC_UNEXPLAINED_MOTION] =
+        {"unexplained_motion", "1", PL_LOWER_IS_BETTER, true,
+         "max over steps and bodies of the part of the displacement of the centre that goes beyond "
+         "h V + h^2 (|g| + F/m) + D, over the body's radius, at least 0; V is the largest speed, "
+         "and D the sum of the overlaps, in the body's island before and after the step; beyond "
+         "0.1 the run has failed"},
     [PL_METRIC_ENERGY_GAIN] =
         {"energy_gain", "1", PL_LOWER_IS_BETTER, true,
          "max over frames of (E - E_0 - work of scene forces) / E_ref, at least 0; E = kinetic + "

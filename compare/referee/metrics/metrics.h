@@ -21,6 +21,7 @@ typedef enum pl_metric_id {
     PL_METRIC_PENETRATION_REST,
     PL_METRIC_DRIFT,
     PL_METRIC_CREEP,
+    PL_METRIC_UNEXPLAINED_MOTION,
     PL_METRIC_ENERGY_GAIN,
     PL_METRIC_ENERGY_STEP_GAIN,
     PL_METRIC_MOMENTUM_ERROR,
@@ -106,10 +107,15 @@ typedef struct pl_metrics {
     pl_metric item[PL_METRIC_COUNT]; /* indexed by pl_metric_id */
 } pl_metrics;
 
+/* A sentence for people about a run that ended well; empty: nothing to say. */
+typedef struct pl_note {
+    char text[256];
+} pl_note;
+
 /* How a run ended, as far as its frames show. */
 typedef enum pl_verdict {
     PL_VERDICT_OK,
-    PL_VERDICT_COLLAPSED, /* a body ended farther from its rest than scene.collapse_distance */
+    PL_VERDICT_COLLAPSED, /* what should stand does not: see standing.h */
     PL_VERDICT_DIVERGED,  /* energy or speed beyond the scene's bound; the run should end */
     PL_VERDICT_NONFINITE  /* a pose or velocity is NaN or infinite; the run should end */
 } pl_verdict;

@@ -24,6 +24,7 @@ struct pl_touching {
 
     int *now, *both; /* (body_count): parents; a root is its own parent and the least of its set */
     double *sum;     /* (body_count): by root */
+    double *depths, *last_depths; /* (body_count): sums of a body's overlaps in a frame, m */
 };
 
 static void separate(int *parents, int count)
@@ -46,6 +47,8 @@ pl_touching *pl_touching_create(const pl_scene *scene, pl_arena *arena)
     t->now = pl_arena_take(arena, count, sizeof *t->now);
     t->both = pl_arena_take(arena, count, sizeof *t->both);
     t->sum = pl_arena_take(arena, count, sizeof *t->sum);
+    t->depths = pl_arena_take(arena, count, sizeof *t->depths);
+    t->last_depths = pl_arena_take(arena, count, sizeof *t->last_depths);
     if (arena->failed) {
         return NULL;
     }
@@ -74,6 +77,8 @@ void pl_touching_begin(pl_touching *t, long step)
     t->deepest = 0;
     memcpy(t->both, t->now, (size_t)t->scene->body_count * sizeof *t->both);
     separate(t->now, t->scene->body_count);
+    memcpy(t->last_depths, t->depths, (size_t)t->scene->body_count * sizeof *t->depths);
+    memset(t->depths, 0, (size_t)t->scene->body_count * sizeof *t->depths);
 }
 
 void pl_touching_see(void *touching, const pl_near_pair *pair)
@@ -94,6 +99,8 @@ void pl_touching_see(void *touching, const pl_near_pair *pair)
         }
     } else if (pair->gap <= 0) {
         t->deepest = fmax(t->deepest, -pair->gap);
+        t->depths[pair->a] -= pair->gap;
+        t->depths[pair->b] -= pair->gap;
         if (t->step > 0) {
             pl_series_add(&t->depth, -pair->gap, t->step);
         }
@@ -111,6 +118,16 @@ void pl_touching_end(pl_touching *t)
 bool pl_touching_static(const pl_touching *t)
 {
     return t->met_static;
+}
+
+int pl_touching_island(pl_touching *t, int body)
+{
+    return root_of(t->both, body);
+}
+
+double pl_touching_depth(const pl_touching *t, int body)
+{
+    return t->depths[body] + t->last_depths[body];
 }
 
 double pl_touching_island_max(pl_touching *t, const double *growth)

@@ -33,6 +33,12 @@ bool pl_touching_static(const pl_touching *touching);
  * bodies are not read. 0 in a scene without dynamic bodies. A NaN counts as infinite. */
 double pl_touching_island_max(pl_touching *touching, const double *growth);
 
+/* The island of the last step that a dynamic body is in, by the least index of its bodies. */
+int pl_touching_island(pl_touching *touching, int body);
+
+/* The sum of the depths of a body's overlaps in the frames before and after the last step, m. */
+double pl_touching_depth(const pl_touching *touching, int body);
+
 /* Sets penetration_max and penetration_rest in item (PL_METRIC_COUNT). Both are PL_METRIC_FAILED if
  * the gap of any pair could not be computed. */
 void pl_touching_metrics(const pl_touching *touching, pl_metric *item);

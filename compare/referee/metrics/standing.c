@@ -1,0 +1,163 @@
+/* A tower that sinks into itself, or leans, may take its upper cubes far from their places while
+ * every cube still stands on the one below. It has not collapsed. So what counts is how far two
+ * bodies that touch in the reference have moved against each other: the change of the place of one
+ * in the frame of the other. Of the two frames the one that sees less counts, because a body that
+ * rolls on the spot moves everything in its own frame. */
+#include "standing.h"
+
+#include "plumb/vec.h"
+#include "referee/geometry/solid.h"
+#include "reference_error.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Of the smaller bounding radius: a gap below it is none. */
+static const double TOUCHING_GAP = 1e-3;
+/* Of the speed of a fall by the collapse distance: what is slower stands, and creeps. */
+static const double FALLING_SPEED = 0.05;
+
+struct pl_standing {
+    const pl_scene *scene;
+    pl_body_state *rest; /* (body_count): the poses of the reference */
+    bool *has_neighbour; /* (body_count): touches another body in the reference */
+    const pl_body_state *last;
+    double *shift; /* (body_count): the largest shift against a body that it should touch, m */
+    double worst;  /* the largest shift of all */
+};
+
+pl_standing *pl_standing_create(const pl_scene *scene, pl_arena *arena)
+{
+    const size_t count = (size_t)scene->body_count;
+    pl_standing *s = pl_arena_take(arena, 1, sizeof *s);
+    if (s == NULL) {
+        return NULL;
+    }
+    *s = (pl_standing){.scene = scene,
+                       .rest = pl_arena_take(arena, count, sizeof *s->rest),
+                       .has_neighbour = pl_arena_take(arena, count, sizeof *s->has_neighbour),
+                       .shift = pl_arena_take(arena, count, sizeof *s->shift)};
+    if (arena->failed) {
+        return NULL;
+    }
+    for (int i = 0; i < scene->body_count; ++i) {
+        const pl_body *body = &scene->bodies[i];
+        memcpy(s->rest[i].position, body->position, sizeof body->position);
+        memcpy(s->rest[i].orientation, body->orientation, sizeof body->orientation);
+    }
+    for (int i = 0; i < scene->rest_count; ++i) {
+        const pl_expect_rest *rest = &scene->rests[i];
+        memcpy(s->rest[rest->body].position, rest->position, sizeof rest->position);
+        if (rest->has_orientation) {
+            memcpy(s->rest[rest->body].orientation, rest->orientation, sizeof rest->orientation);
+        }
+    }
+    return s;
+}
+
+/* The place of one body in the frame of another, m. */
+static pl_vec place_in(const pl_body_state *frame, const pl_body_state *body)
+{
+    const pl_axes axes = pl_axes_of(frame->orientation);
+    return pl_to_local(&axes, pl_vec_sub(pl_vec_of(body->position), pl_vec_of(frame->position)));
+}
+
+/* How far `body` has moved in the frame of `of`, m. */
+static double shift_in(const pl_standing *s, int of, int body)
+{
+    const bool fixed = s->scene->bodies[of].is_static;
+    const pl_body_state *frame = fixed ? &s->rest[of] : &s->last[of];
+    return pl_vec_length(
+        pl_vec_sub(place_in(frame, &s->last[body]), place_in(&s->rest[of], &s->rest[body])));
+}
+
+static void see_pair(void *context, const pl_near_pair *pair)
+{
+    pl_standing *s = context;
+    const pl_body *a = &s->scene->bodies[pair->a], *b = &s->scene->bodies[pair->b];
+    const double ra = pl_bounding_radius(&a->shape), rb = pl_bounding_radius(&b->shape);
+    const double radius = ra == 0 ? rb : rb == 0 ? ra : fmin(ra, rb);
+    const bool touches =
+        pair->meets || (pair->status == PL_OK && pair->gap <= TOUCHING_GAP * radius);
+    if (!touches) {
+        return;
+    }
+    const double in_a = a->is_static || !b->is_static ? shift_in(s, pair->a, pair->b) : HUGE_VAL;
+    const double in_b = b->is_static || !a->is_static ? shift_in(s, pair->b, pair->a) : HUGE_VAL;
+    const double shift = fmin(in_a, in_b);
+    s->has_neighbour[pair->a] = s->has_neighbour[pair->b] = true;
+    s->shift[pair->a] = fmax(s->shift[pair->a], shift);
+    s->shift[pair->b] = fmax(s->shift[pair->b], shift);
+    s->worst = fmax(s->worst, shift);
+}
+
+/* Whether something of the scene falls: a body that is far from its rest and fast, or alone. */
+static bool falls(const pl_standing *s)
+{
+    const double far = s->scene->collapse_distance;
+    const double fast = FALLING_SPEED * sqrt(2 * pl_vec_length(pl_vec_of(s->scene->gravity)) * far);
+    for (int i = 0; i < s->scene->rest_count; ++i) {
+        const int body = s->scene->rests[i].body;
+        const double distance = pl_vec_length(
+            pl_vec_sub(pl_vec_of(s->last[body].position), pl_vec_of(s->rest[body].position)));
+        const double speed = pl_vec_length(pl_vec_of(s->last[body].velocity));
+        if (distance > far && (!s->has_neighbour[body] || speed > fast)) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* How far a body may be from its rest until a user sees it, m. */
+static double visible(const pl_scene *scene)
+{
+    const bool judged = strcmp(scene->primary_error, "rest_position_error") == 0;
+    return judged ? fmin(scene->acceptance, scene->collapse_distance) : scene->collapse_distance;
+}
+
+/* Says how `body` has moved by `distance`, m. */
+static void describe(const pl_standing *s, int body, double distance, pl_note *note)
+{
+    const pl_vec gravity = pl_vec_of(s->scene->gravity);
+    const double g = pl_vec_length(gravity);
+    const pl_vec moved =
+        pl_vec_sub(pl_vec_of(s->last[body].position), pl_vec_of(s->rest[body].position));
+    const double sunk = g > 0 ? pl_vec_dot(moved, gravity) / g : 0;
+    const char *how = "has moved", *where = "away";
+    if (fabs(sunk) > 0.7 * distance) {
+        how = sunk > 0 ? "is squashed" : "is lifted";
+        where = sunk > 0 ? "too low" : "too high";
+    } else if (s->shift[body] < 0.5 * distance) {
+        how = "leans";
+        where = "aside";
+    }
+    snprintf(note->text, sizeof note->text, "stands, but %s: body \"%.100s\" ended %.3g m %s", how,
+             s->scene->bodies[body].name, distance, where);
+}
+
+pl_verdict pl_standing_judge(pl_standing *s, pl_candidate_pairs *pairs, const pl_body_state *last,
+                             pl_note *note, pl_error *error)
+{
+    const pl_scene *scene = s->scene;
+    double distance = 0;
+    const int farthest = pl_farthest_from_rest(scene, last, &distance);
+    note->text[0] = '\0';
+    if (farthest < 0 || !(distance > visible(scene))) {
+        return PL_VERDICT_OK;
+    }
+    const int body = scene->rests[farthest].body;
+    s->last = last;
+    s->worst = 0;
+    memset(s->shift, 0, (size_t)scene->body_count * sizeof *s->shift);
+    memset(s->has_neighbour, 0, (size_t)scene->body_count * sizeof *s->has_neighbour);
+    pl_candidate_pairs_each(pairs, s->rest, see_pair, s);
+    if (distance > scene->collapse_distance && (s->worst > scene->collapse_distance || falls(s))) {
+        (void)pl_fail(error, PL_FAILED,
+                      "body \"%s\" ended %.3g m from its reference, beyond %.3g m",
+                      scene->bodies[body].name, distance, scene->collapse_distance);
+        return PL_VERDICT_COLLAPSED;
+    }
+    describe(s, body, distance, note);
+    return PL_VERDICT_OK;
+}

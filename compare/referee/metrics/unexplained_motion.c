@@ -1,0 +1,90 @@
+/* In a step of h the centre of a body in an island moves by at most
+ *
+ *   h V + h^2 (|g| + F/m) + D
+ *
+ * V is the largest speed of a point of the island's bodies before or after the step: within the step
+ * bodies hand velocities on, and none gets more than the fastest had. F is the sum of the scene's
+ * forces on the body. D is the sum of the depths of the island's overlaps before and after the step,
+ * by which an engine may push bodies out. What goes beyond is a jump. */
+#include "unexplained_motion.h"
+
+#include "plumb/vec.h"
+#include "referee/geometry/solid.h"
+
+#include <math.h>
+#include <string.h>
+
+struct pl_unexplained_motion {
+    const pl_scene *scene;
+    double *radius;       /* (body_count): bounding radii, m */
+    double *acceleration; /* (body_count): |g| + F/m, m/s^2 */
+    double *speed;        /* (body_count): of an island, by its root, m/s */
+    double *depth;        /* (body_count): of an island, by its root, m */
+};
+
+pl_unexplained_motion *pl_unexplained_motion_create(const pl_scene *scene, pl_arena *arena)
+{
+    const size_t count = (size_t)scene->body_count;
+    pl_unexplained_motion *m = pl_arena_take(arena, 1, sizeof *m);
+    if (m == NULL) {
+        return NULL;
+    }
+    *m = (pl_unexplained_motion){.scene = scene,
+                                 .radius = pl_arena_take(arena, count, sizeof *m->radius),
+                                 .acceleration =
+                                     pl_arena_take(arena, count, sizeof *m->acceleration),
+                                 .speed = pl_arena_take(arena, count, sizeof *m->speed),
+                                 .depth = pl_arena_take(arena, count, sizeof *m->depth)};
+    if (arena->failed) {
+        return NULL;
+    }
+    for (int i = 0; i < scene->body_count; ++i) {
+        m->radius[i] = pl_bounding_radius(&scene->bodies[i].shape);
+        m->acceleration[i] = pl_vec_length(pl_vec_of(scene->gravity));
+    }
+    for (int i = 0; i < scene->force_count; ++i) {
+        const pl_force *force = &scene->forces[i];
+        if (!scene->bodies[force->body].is_static) {
+            m->acceleration[force->body] +=
+                pl_vec_length(pl_vec_of(force->force)) / scene->bodies[force->body].mass;
+        }
+    }
+    return m;
+}
+
+/* The largest speed of a point of the body, m/s. */
+static double speed_of(const pl_unexplained_motion *m, int body, const pl_body_state *state)
+{
+    return pl_vec_length(pl_vec_of(state->velocity)) +
+           m->radius[body] * pl_vec_length(pl_vec_of(state->angular_velocity));
+}
+
+double pl_unexplained_motion_of(pl_unexplained_motion *m, pl_touching *touching,
+                                const pl_body_state *before, const pl_body_state *after)
+{
+    const pl_scene *scene = m->scene;
+    const double h = scene->dt;
+    double most = 0;
+    memset(m->speed, 0, (size_t)scene->body_count * sizeof *m->speed);
+    memset(m->depth, 0, (size_t)scene->body_count * sizeof *m->depth);
+    for (int i = 0; i < scene->body_count; ++i) {
+        if (!scene->bodies[i].is_static) {
+            const int root = pl_touching_island(touching, i);
+            const double speed = fmax(speed_of(m, i, &before[i]), speed_of(m, i, &after[i]));
+            m->speed[root] = fmax(m->speed[root], speed);
+            m->depth[root] += pl_touching_depth(touching, i);
+        }
+    }
+    for (int i = 0; i < scene->body_count; ++i) {
+        const pl_body *body = &scene->bodies[i];
+        if (!body->is_static) {
+            const int root = pl_touching_island(touching, i);
+            const double moved = pl_vec_length(
+                pl_vec_sub(pl_state_centre(body, &after[i]), pl_state_centre(body, &before[i])));
+            const double explained =
+                h * m->speed[root] + h * h * m->acceleration[i] + m->depth[root];
+            most = fmax(most, (moved - explained) / m->radius[i]);
+        }
+    }
+    return most;
+}
