@@ -1,5 +1,6 @@
 /* plumb run SCENARIO --engine SPEC: one run, one result. */
 #include "request.h"
+#include "results/run_verdict.h"
 #include "results/store.h"
 #include "runner/execute.h"
 #include "studies/solve/problem_file.h"
@@ -70,6 +71,9 @@ static void print_result(const json_t *result)
     if (pl_json_get_text(result, "reason")[0] != '\0') {
         printf("  %s\n", pl_json_get_text(result, "reason"));
     }
+    printf("  verdict: %s%s%s\n", pl_result_verdict_name(pl_result_verdict_of(result)),
+           pl_json_get_text(result, "verdict_reason")[0] != '\0' ? "; " : "",
+           pl_json_get_text(result, "verdict_reason"));
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         const char *name = pl_metric_table[i].name;
         const json_t *metric = json_object_get(json_object_get(result, "metrics"), name);

@@ -94,9 +94,10 @@ static void add_suites(pl_text_buffer *out, const char *name)
     pl_text_add(out, between[0] == ',' ? "</dd>\n" : "");
 }
 
-static void add_primary(pl_text_buffer *out, const char *name)
+/* The metric that judges a run, and the largest value of an accurate one. */
+static void add_primary(pl_text_buffer *out, const pl_scenario *s)
 {
-    int id = pl_metric_by_name(name);
+    int id = pl_metric_by_name(s->primary_error);
     if (id >= 0) {
         const pl_metric_info *info = &pl_metric_table[id];
         pl_text_add_element(out, "<dt>Judged by</dt><dd><code>", info->name, "</code>");
@@ -104,6 +105,12 @@ static void add_primary(pl_text_buffer *out, const char *name)
             pl_text_add_element(out, ", ", info->unit, "");
         }
         pl_text_add_element(out, ": ", info->definition, "</dd>\n");
+        if (s->acceptance_reason != NULL) {
+            pl_text_format(out, "<dt>Accurate</dt><dd>up to %g", s->acceptance);
+            pl_text_add_element(out, strcmp(info->unit, "1") != 0 ? " " : "",
+                                strcmp(info->unit, "1") != 0 ? info->unit : "", "");
+            pl_text_add_element(out, ": ", s->acceptance_reason, "</dd>\n");
+        }
     }
 }
 
@@ -148,7 +155,7 @@ static pl_status add_scenario(pl_text_buffer *out, const pl_scenario *s, int ind
     add_fact(out, "Valid", s->validity);
     add_fact(out, "Provokes", s->provokes);
     add_threshold(out, s->threshold);
-    add_primary(out, s->primary_error);
+    add_primary(out, s);
     add_needs(out, pl_scenario_needs(s));
     add_suites(out, s->name);
     pl_text_add(out, "</dl>\n");

@@ -165,6 +165,7 @@ const pl_scenario pl_scenario_arch = {
     .source = "radial joints, many voussoirs: Milankovitch 1907, 0.1075; the further digits, and "
               "few voussoirs, by limit analysis worked out here",
     .primary_error = "rest_position_error",
+    PL_ACCEPT_AT_REST,
     .validity =
         "thickness above the threshold, which is below 0.10748 for any n; friction of 1 or more",
     .provokes =

@@ -70,6 +70,7 @@ const pl_scenario pl_scenario_overhang = {
     .source = "statics, as in Hall 2005, Fun with stacking blocks; more than one block to a level "
               "would reach farther: Paterson and Zwick 2009, Overhang",
     .primary_error = "rest_position_error",
+    PL_ACCEPT_AT_REST,
     .validity = "factor < 1",
     .provokes =
         "each block rests on an edge, so that a contact that gives way a little tips all above it; "
@@ -140,6 +141,7 @@ const pl_scenario pl_scenario_ladder = {
     .source =
         "statics: moments about the lower edge; textbooks have it for a line, 1 / (2 friction)",
     .primary_error = "rest_position_error",
+    PL_ACCEPT_AT_REST,
     .validity = "angle > atan(1 / (2 friction + thickness / length))",
     .threshold = &ladder_threshold,
     PL_PARAMS(ladder_params),
@@ -236,6 +238,7 @@ const pl_scenario pl_scenario_card_house = {
                 "cards slide apart",
     .source = "statics of a pair: moments about its lower edge",
     .primary_error = "rest_position_error",
+    PL_ACCEPT_AT_REST,
     .validity = "friction well above that of one pair",
     .provokes = "thin bodies on edges, where a contact has no area and its normal jumps, and "
                 "friction holds all: cards creep apart or are thrown; a right engine keeps the "

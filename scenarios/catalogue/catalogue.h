@@ -28,6 +28,16 @@
         "restitution", coefficient, 0, 1, false, "1", "Newton's coefficient"                       \
     }
 
+/* Acceptances that scenarios share: one for all bodies at rest, one for all that move. */
+#define PL_ACCEPT_AT_REST                                                                          \
+    .acceptance = 0.01, .acceptance_reason = "1 % of a body of 1 m: an offset that can be seen"
+#define PL_ACCEPT_MOTION                                                                           \
+    .acceptance = 0.06, .acceptance_reason = "6 %: speeds that differ by less look the same "      \
+                                             "(Snowden and Braddick 1991)"
+#define PL_ACCEPT_FRICTION                                                                         \
+    .acceptance = 0.06, .acceptance_reason = "6 %: a laboratory that measures friction again "     \
+                                             "gets no closer (0.06, ASTM D2534)"
+
 /* The table of parameters of a scenario. */
 #define PL_PARAMS(table) .params = (table), .param_count = sizeof(table) / sizeof(table)[0]
 

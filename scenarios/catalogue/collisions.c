@@ -125,6 +125,7 @@ const pl_scenario pl_scenario_collision_train = {
         "ok: velocities at the end are those handed on from impact to impact; momentum stays",
     .source = "Newton 1687, Principia, scholium to the laws; from impact to impact",
     .primary_error = "value_error",
+    PL_ACCEPT_MOTION,
     .validity = "no impact falls within a step of the end, and no two of one sphere in one step",
     PL_PARAMS(collision_train_params),
     .build = collision_train_build};

@@ -45,6 +45,7 @@ const pl_scenario pl_scenario_free_fall = {
     .expected = "ok: height and speed at the end are those of the reference",
     .source = "Galilei 1638, Discorsi, third day; the discrete form: the sum of h v_k",
     .primary_error = "value_error",
+    PL_ACCEPT_MOTION,
     PL_PARAMS(free_fall_params),
     .build = free_fall_build};
 
@@ -109,6 +110,7 @@ const pl_scenario pl_scenario_projectile = {
     .expected = "ok: place at the end and apex are those of the reference",
     .source = "Galilei 1638, Discorsi, fourth day; the discrete form: the sum of h v_k",
     .primary_error = "value_error",
+    PL_ACCEPT_MOTION,
     .validity = "the apex: where it comes within the run",
     PL_PARAMS(projectile_params),
     .build = projectile_build};
@@ -209,6 +211,7 @@ const pl_scenario pl_scenario_rocket = {
     .expected = "ok: the rocket ends where the reference puts it",
     .source = "Newton's and Euler's laws, integrated by Simpson's rule",
     .primary_error = "travel_error",
+    PL_ACCEPT_MOTION,
     .validity = "a thrust other than the weight of 9.81 N, a turn of 5000 rad at most",
     PL_PARAMS(rocket_params),
     .build = rocket_build};

@@ -52,6 +52,7 @@ const pl_scenario pl_scenario_blocks = {
     .expected = "ok: every cube at rest where it began",
     .source = "statics",
     .primary_error = "rest_position_error",
+    PL_ACCEPT_AT_REST,
     PL_PARAMS(blocks_params),
     .build = blocks_build};
 

@@ -64,6 +64,7 @@ const pl_scenario pl_scenario_pyramid = {
     .expected = "ok: every cube at rest where it began, even without friction",
     .source = "statics",
     .primary_error = "rest_position_error",
+    PL_ACCEPT_AT_REST,
     PL_PARAMS(pyramid_params),
     .build = pyramid_build};
 
@@ -123,6 +124,7 @@ const pl_scenario pl_scenario_cylinder_pyramid = {
                 "they roll apart",
     .source = "statics of each cylinder",
     .primary_error = "rest_position_error",
+    PL_ACCEPT_AT_REST,
     .validity = "friction > 0.26795, floor_friction > 0.08932",
     .provokes =
         "rolling bodies are held by friction alone, at every contact near its cone: creep, a "
@@ -187,6 +189,7 @@ const pl_scenario pl_scenario_sphere_pyramid = {
                 "they roll apart",
     .source = "statics of each sphere",
     .primary_error = "rest_position_error",
+    PL_ACCEPT_AT_REST,
     .validity = "friction > 0.31784, floor_friction > 0.07946",
     .provokes =
         "friction in directions along no axis, at every contact near its cone: a pyramid in "

@@ -93,6 +93,7 @@ const pl_scenario pl_scenario_bounce = {
     .source = "Newton 1687, Principia, scholium to the laws: v' = -e v; conservation of energy in "
               "flight",
     .primary_error = "value_error",
+    PL_ACCEPT_MOTION,
     .validity =
         "apexes of flights of 8 steps or more within the run; without one, the height at the end",
     PL_PARAMS(bounce_params),
@@ -192,6 +193,7 @@ const pl_scenario pl_scenario_oblique_impact = {
         "Coulomb's cone and Newton's restitution in the impulse on a solid sphere, as in "
         "Routh 1905, The Elementary Part of a Treatise on the Dynamics of a System of Rigid Bodies",
     .primary_error = "value_error",
+    PL_ACCEPT_MOTION,
     .validity = "the slip does not turn round in the impact, which it never does for a sphere",
     PL_PARAMS(oblique_impact_params),
     .build = oblique_impact_build};

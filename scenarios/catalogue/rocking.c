@@ -142,6 +142,7 @@ const pl_scenario pl_scenario_rocking_block = {
     .source = "Housner 1963, The behavior of inverted pendulum structures during earthquakes: the "
               "equation of motion, the period of free rocking and the loss at impact",
     .primary_error = "value_error",
+    PL_ACCEPT_MOTION,
     .validity = "restitution 0 at the corner that strikes, no slip; the fall and the apex where "
                 "they come within the run",
     .provokes =

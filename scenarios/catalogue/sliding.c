@@ -75,6 +75,7 @@ const pl_scenario pl_scenario_slide_to_stop = {
     .source = "Coulomb's law and uniform deceleration; the condition: moments about the centre of "
               "mass",
     .primary_error = "travel_error",
+    PL_ACCEPT_FRICTION,
     .validity = "speed well above friction g dt, which a step takes from it",
     PL_PARAMS(slide_to_stop_params),
     .build = slide_to_stop_build};
@@ -128,6 +129,7 @@ const pl_scenario pl_scenario_isotropy = {
     .expected = "ok: all blocks go equally far, each straight along its azimuth",
     .source = "Coulomb's law and uniform deceleration",
     .primary_error = "travel_error",
+    PL_ACCEPT_FRICTION,
     PL_PARAMS(isotropy_params),
     .build = isotropy_build};
 
@@ -187,6 +189,7 @@ const pl_scenario pl_scenario_reaction_split = {
     .expected = "ok: the block brakes as a flat one and does not turn",
     .source = "Coulomb's law; moments about the centre of mass",
     .primary_error = "value_error",
+    PL_ACCEPT_FRICTION,
     .validity = "friction < width / height, else the block tips",
     PL_PARAMS(reaction_split_params),
     .build = reaction_split_build};

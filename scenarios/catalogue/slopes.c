@@ -75,6 +75,7 @@ const pl_scenario pl_scenario_slope_stick = {
     .expected = "ok: the block at rest where it began",
     .source = "Coulomb's law of friction (Coulomb 1785) and statics",
     .primary_error = "rest_position_error",
+    PL_ACCEPT_AT_REST,
     PL_PARAMS(slope_stick_params),
     .build = slope_stick_build};
 
@@ -122,6 +123,7 @@ const pl_scenario pl_scenario_slope_slide = {
     .expected = "ok: the block slides straight down, flat, by the distance of the reference",
     .source = "Coulomb's law and uniform acceleration; the discrete sum is arithmetic",
     .primary_error = "travel_error",
+    PL_ACCEPT_FRICTION,
     PL_PARAMS(slope_slide_params),
     .build = slope_slide_build};
 
@@ -163,6 +165,7 @@ const pl_scenario pl_scenario_slope_threshold = {
     .expected = "ok: at rest where it began, below atan(friction); collapsed above: it slides off",
     .source = "Coulomb's law of friction (Coulomb 1785) and statics",
     .primary_error = "rest_position_error",
+    PL_ACCEPT_AT_REST,
     .validity = "angle < atan(friction); friction < 2, where the block would tip",
     .threshold = &slope_threshold_threshold,
     PL_PARAMS(slope_threshold_params),
@@ -224,6 +227,7 @@ const pl_scenario pl_scenario_slope_tip = {
                 "slides off",
     .source = "statics: moments about the lower edge, and Coulomb's law",
     .primary_error = "rest_position_error",
+    PL_ACCEPT_AT_REST,
     .validity = "tan(angle) < min(friction, half width / half height)",
     .threshold = &slope_tip_threshold,
     PL_PARAMS(slope_tip_params),

@@ -63,6 +63,7 @@ const pl_scenario pl_scenario_spin_stop = {
               "its face, as in Farkas, Bartels, Unger and Wolf 2003, Frictional coupling between "
               "sliding and spinning motion",
     .primary_error = "value_error",
+    PL_ACCEPT_FRICTION,
     .validity = "the box on its four corners alone; the disc with a continuum of contact",
     PL_PARAMS(spin_stop_params),
     .build = spin_stop_build};
@@ -218,6 +219,7 @@ const pl_scenario pl_scenario_slide_and_spin = {
     .source = "Coulomb's law and statics of three points; the coupling: Farkas, Bartels, Unger and "
               "Wolf 2003, Frictional coupling between sliding and spinning motion",
     .primary_error = "value_error",
+    PL_ACCEPT_FRICTION,
     .validity = "the plate stays flat, which it does while friction * 0.05 m is far below the "
                 "0.25 m from its axis to its sides",
     PL_PARAMS(slide_and_spin_params),

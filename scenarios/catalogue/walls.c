@@ -80,6 +80,7 @@ const pl_scenario pl_scenario_wall = {
     .expected = "ok: every brick at rest where it began",
     .source = "statics",
     .primary_error = "rest_position_error",
+    PL_ACCEPT_AT_REST,
     PL_PARAMS(wall_params),
     .build = wall_build};
 

@@ -42,6 +42,25 @@ static void test_every_scenario_is_complete_and_builds(void **state)
     }
 }
 
+/* What the bound of an accurate run is, and why. */
+static void test_every_scenario_states_a_reasoned_acceptance(void **state)
+{
+    (void)state;
+    int count;
+    const pl_scenario *const *scenarios = pl_scenarios(&count);
+    for (int i = 0; i < count; ++i) {
+        const pl_scenario *s = scenarios[i];
+        pl_scene scene;
+        build_scenario(s->name, NULL, 0, 0, &scene);
+        if (strcmp(s->primary_error, "penetration_max") != 0) {
+            assert_true(s->acceptance > 0 && isfinite(s->acceptance));
+            assert_true(s->acceptance_reason != NULL && strlen(s->acceptance_reason) <= 160);
+            assert_close(scene.acceptance, s->acceptance, 0, 0);
+        }
+        pl_scene_free(&scene);
+    }
+}
+
 /* The names of the bits, in their order. */
 static void name_needs(uint32_t needs, char *text, size_t size)
 {
@@ -261,6 +280,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_scenario_is_complete_and_builds),
+        cmocka_unit_test(test_every_scenario_states_a_reasoned_acceptance),
         cmocka_unit_test(test_needs_are_those_of_the_default_scene),
         cmocka_unit_test(test_same_seed_gives_the_same_scene_and_file),
         cmocka_unit_test(test_every_scene_reads_back_from_its_file),
