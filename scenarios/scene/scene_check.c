@@ -288,6 +288,16 @@ static bool check_times(const pl_scene *scene, const pl_expect_value *value,
                            value->until > 0 && value->until <= end, "a time within the run");
 }
 
+static bool check_expected(const pl_scene *scene, const pl_expect_value *value,
+                           pl_diagnostic *diagnostic)
+{
+    return check_times(scene, value, diagnostic) &&
+           pl_check_number(diagnostic, "answer", value->answer,
+                           value->answer == floor(value->answer) &&
+                               value->answer <= PL_MAX_ANSWERS,
+                           "a whole number of 0 to 8");
+}
+
 /* The rules of an object, in addition to those of its fields. */
 static bool check_rules(const checker *c, pl_object_kind kind, const void *object)
 {
@@ -301,7 +311,7 @@ static bool check_rules(const checker *c, pl_object_kind kind, const void *objec
     case PL_OBJECT_FORCE:
         return check_force(object, c->diagnostic);
     case PL_OBJECT_VALUE:
-        return check_times(c->scene, object, c->diagnostic);
+        return check_expected(c->scene, object, c->diagnostic);
     default:
         return true;
     }

@@ -145,11 +145,63 @@ static void test_period_is_that_of_the_body_frame_spin(void **state)
     assert_close(error_of(&r), 0, 1e-4, 0);
 }
 
+/* Of a scene that lasts two periods or more, a right engine shows one. */
+static void test_unseen_period_is_an_error_of_itself(void **state)
+{
+    (void)state;
+    run r;
+    prepare(&r, PL_QUANTITY_PERIOD, STEPS * H / 2);
+    r.scene.values[0].scale = STEPS * H / 2;
+    run_begin(&r);
+    run_step_many(&r, STEPS);
+    assert_close(error_of(&r), 1, 1e-12, 0);
+}
+
+/* Adds a second position to be reached, of that answer. */
+static void add_position(run *r, double value, double answer)
+{
+    pl_expect_value expected = r->scene.values[0];
+    expected.value = value;
+    expected.answer = answer;
+    assert_int_equal(pl_scene_add_value(&r->scene, &expected, NULL), PL_OK);
+}
+
+static void test_nearest_of_several_answers_counts(void **state)
+{
+    (void)state;
+    static const struct {
+        double reached, error; /* over the scale of 2 */
+    } cases[] = {{3, 0.5}, {4, 0}, {7, 0.5}, {8, 0}, {20, 6}};
+    for (int i = 0; i < 5; ++i) {
+        run r;
+        prepare(&r, PL_QUANTITY_POSITION, 4);
+        r.scene.values[0].answer = 1;
+        add_position(&r, 8, 2);
+        run_begin(&r);
+        r.state[0].position[2] = cases[i].reached;
+        run_step_many(&r, STEPS);
+        assert_close(error_of(&r), cases[i].error, 1e-12, 0);
+    }
+}
+
+static void test_values_of_all_answers_always_count(void **state)
+{
+    (void)state;
+    run r;
+    prepare(&r, PL_QUANTITY_POSITION, 4);
+    add_position(&r, 8, 1);
+    add_position(&r, 5, 2);
+    run_begin(&r);
+    r.state[0].position[2] = 8;
+    run_step_many(&r, STEPS);
+    assert_close(error_of(&r), 2, 1e-12, 0);
+}
+
 static void test_unseen_period_fails_the_value_error(void **state)
 {
     (void)state;
     run r;
-    prepare(&r, PL_QUANTITY_PERIOD, 1);
+    prepare(&r, PL_QUANTITY_PERIOD, STEPS * H);
     run_begin(&r);
     run_step_many(&r, STEPS);
     assert_int_equal(run_finish(&r), PL_VERDICT_OK);
@@ -170,6 +222,9 @@ int main(void)
         cmocka_unit_test(test_apex_is_searched_in_its_window_only),
         cmocka_unit_test(test_period_is_that_of_the_body_frame_spin),
         cmocka_unit_test(test_unseen_period_fails_the_value_error),
+        cmocka_unit_test(test_unseen_period_is_an_error_of_itself),
+        cmocka_unit_test(test_nearest_of_several_answers_counts),
+        cmocka_unit_test(test_values_of_all_answers_always_count),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

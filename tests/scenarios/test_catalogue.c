@@ -3,6 +3,7 @@
 #include "scenario_scene.h"
 #include "scene_equal.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

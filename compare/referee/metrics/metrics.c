@@ -30,7 +30,8 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
     [PL_METRIC_VALUE_ERROR] =
         {"value_error", "1", PL_LOWER_IS_BETTER, true,
          "max over the scene's expected values (velocities, spins, turns, apexes, periods, "
-         "positions) of |found - value| / scale, where value is that of the continuous problem"},
+         "positions) of |found - value| / scale, where value is that of the continuous problem; of "
+         "several right answers the nearest counts; a period that is not seen is found to be 0"},
     [PL_METRIC_DISCRETE_ERROR] =
         {"discrete_error", "1", PL_LOWER_IS_BETTER, true,
          "travel_error or value_error against the discrete reference: the exact result of the "

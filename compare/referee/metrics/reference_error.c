@@ -203,28 +203,61 @@ void pl_values_see(pl_values *values, long step, const pl_body_state *bodies)
     }
 }
 
-/* Adds the error of one value to the largest so far. */
-static void add_error(pl_metric *metric, const reading *r, double found, double expected)
+/* The largest error of the values of each right answer; [0]: of the values that all have. Below 0:
+ * there are none. */
+typedef struct answer_errors {
+    double largest[PL_MAX_ANSWERS + 1];
+} answer_errors;
+
+static answer_errors no_errors(void)
 {
-    raise_to(metric, fabs(found - expected) / r->expected->scale);
+    answer_errors errors;
+    for (int i = 0; i <= PL_MAX_ANSWERS; ++i) {
+        errors.largest[i] = -1;
+    }
+    return errors;
+}
+
+/* Adds the error of one value, in its unit, to those so far. */
+static void add_error(answer_errors *errors, const reading *r, double error)
+{
+    double *largest = &errors->largest[(int)r->expected->answer];
+    *largest = fmax(*largest, error / r->expected->scale);
+}
+
+/* Raises the metric to the error from the nearest right answer. */
+static void raise_to_nearest(pl_metric *metric, const answer_errors *errors)
+{
+    double nearest = HUGE_VAL;
+    for (int i = 1; i <= PL_MAX_ANSWERS; ++i) {
+        nearest = errors->largest[i] < 0 ? nearest : fmin(nearest, errors->largest[i]);
+    }
+    const double error = fmax(errors->largest[0], nearest < HUGE_VAL ? nearest : -1);
+    if (error >= 0) {
+        raise_to(metric, error);
+    }
 }
 
 static pl_metric value_error(const pl_values *values)
 {
     pl_metric metric = {0};
+    answer_errors errors = no_errors();
     for (int i = 0; i < values->scene->value_count; ++i) {
         const reading *r = &values->items[i];
         const pl_expect_value *e = r->expected;
         double found = r->found;
-        if (e->quantity == PL_QUANTITY_PERIOD) {
-            if (r->crossings < 2) {
+        if (e->quantity == PL_QUANTITY_PERIOD && r->crossings < 2) {
+            if (e->until - e->from < 2 * e->value) {
                 return pl_metric_failed("no whole period was seen from %g to %g s", e->from,
                                         e->until);
             }
+            found = 0; /* a right engine shows one: the error is the whole period */
+        } else if (e->quantity == PL_QUANTITY_PERIOD) {
             found = (r->last_crossing - r->first_crossing) / (double)(r->crossings - 1);
         }
-        add_error(&metric, r, found, e->value);
+        add_error(&errors, r, fabs(found - e->value));
     }
+    raise_to_nearest(&metric, &errors);
     return metric;
 }
 
@@ -321,6 +354,7 @@ static pl_metric discrete_error_of(const pl_values *values, const pl_body_state 
 {
     const pl_scene *scene = values->scene;
     pl_metric metric = {0};
+    answer_errors errors = no_errors();
     for (int i = 0; i < scene->travel_count; ++i) {
         const pl_expect_travel *travel = &scene->travels[i];
         const double answer = pl_discrete_travel(scene, travel, rule, &values->engine);
@@ -340,8 +374,9 @@ static pl_metric discrete_error_of(const pl_values *values, const pl_body_state 
         const bool is_rate = e->quantity == PL_QUANTITY_VELOCITY || e->quantity == PL_QUANTITY_SPIN;
         const double error =
             beyond(fabs(r->found - answer), is_rate ? r->blur.rate : r->blur.value);
-        raise_to(&metric, error / e->scale);
+        add_error(&errors, r, error);
     }
+    raise_to_nearest(&metric, &errors);
     return metric;
 }
 

@@ -23,7 +23,8 @@ void pl_values_see(pl_values *values, long step, const pl_body_state *bodies);
 /* Sets rest_position_error, rest_rotation_error, travel_error, value_error, discrete_error,
  * integrator and state_hash in item (PL_METRIC_COUNT) from the last state, (body_count). A metric
  * is PL_METRIC_ABSENT if the scene expects nothing of its kind. value_error is PL_METRIC_FAILED if
- * no whole period was seen, discrete_error where the answer of the engine's integrator is not known. */
+ * no whole period was seen in less time than two, discrete_error where the answer of the engine's
+ * integrator is not known. */
 void pl_reference_metrics(const pl_values *values, const pl_body_state *last,
                           const pl_integrator_votes *votes, pl_metric *item);
 

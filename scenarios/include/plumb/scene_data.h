@@ -155,7 +155,12 @@ typedef struct pl_expect_value {
     double value;         /* of the continuous problem */
     double discrete; /* the exact answer of semi-implicit Euler at the scene's dt; NAN if none */
     double scale;    /* > 0, in the quantity's unit: what the error is divided by */
+    double answer;   /* of a scene with several right answers, the number from 1 of the one that the
+                        value belongs to; 0: it belongs to all */
 } pl_expect_value;
+
+/* The largest number of right answers of a scene. */
+enum { PL_MAX_ANSWERS = 8 };
 
 /* A scene. Begins as pl_scene_default and is freed by pl_scene_free. */
 typedef struct pl_scene {
