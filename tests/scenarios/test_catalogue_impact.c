@@ -287,6 +287,101 @@ static void test_cradle_spheres_touch_and_are_hit(void **state)
     pl_scene_free(&scene);
 }
 
+/* The expected velocities of one law, along the row; returns how many there are. */
+static int speeds_of(const pl_scene *scene, int answer, double *speed)
+{
+    int count = 0;
+    for (int i = 0; i < scene->value_count; ++i) {
+        if (scene->values[i].answer == answer) {
+            assert_int_equal(scene->values[i].body, count);
+            speed[count++] = scene->values[i].value;
+        }
+    }
+    return count;
+}
+
+static void test_both_laws_of_the_cradle_keep_momentum_and_energy(void **state)
+{
+    (void)state;
+    static const char *const settings[][3] = {{NULL}, {"n=4", NULL}, {"n=3", "moving=2", NULL}};
+    for (int i = 0; i < 3; ++i) {
+        pl_scene scene = scenario_scene("cradle", settings[i]);
+        for (int law = 1; law <= 2; ++law) {
+            double speed[8], momentum = 0, energy = 0;
+            assert_int_equal(speeds_of(&scene, law, speed), scene.body_count);
+            for (int k = 0; k < scene.body_count; ++k) {
+                momentum += speed[k] - scene.bodies[k].velocity[0];
+                energy += speed[k] * speed[k] -
+                          scene.bodies[k].velocity[0] * scene.bodies[k].velocity[0];
+                assert_true(k == 0 || speed[k - 1] <= speed[k] + 1e-15);
+            }
+            assert_close(momentum, 0, 1e-14, 0);
+            assert_close(energy, 0, 1e-14, 0);
+            assert_close(speed[scene.body_count - 1], law == 1 ? 1 : speed[scene.body_count - 2],
+                         1e-15, 0);
+        }
+        pl_scene_free(&scene);
+    }
+}
+
+/* Restitution e between the spheres that meet, 0 within the two groups. */
+static void test_cradle_groups_part_by_newtons_restitution(void **state)
+{
+    (void)state;
+    static const char *const settings[] = {"n=3", "moving=2", "restitution=0.5", "speed=3", NULL};
+    pl_scene scene = scenario_scene("cradle", settings);
+    double speed[8];
+    assert_int_equal(speeds_of(&scene, 2, speed), 5);
+    assert_close(speed[2] - speed[1], 0.5 * 3, 1e-14, 0);
+    assert_close(speed[1] - speed[0], 0, 0, 0);
+    assert_close(speed[4] - speed[2], 0, 0, 0);
+    pl_scene_free(&scene);
+}
+
+/* At the expected pose the end is where it was, and by the energy since the impulse, which keeps
+ * the angular momentum about the end, the time to get there is the expected one. */
+static void test_painleve_rod_turns_about_its_end(void **state)
+{
+    (void)state;
+    enum { PARTS = 20000 };
+    static const char *const settings[][3] = {
+        {NULL}, {"speed=1.5", NULL}, {"angle=55", "friction=3", NULL}};
+    for (int i = 0; i < 3; ++i) {
+        pl_scene scene = scenario_scene("painleve", settings[i]);
+        const pl_body *rod = &scene.bodies[1];
+        const double *q = rod->orientation, *h = rod->shape.half_extents;
+        const double c = q[0] * q[0] - q[2] * q[2], s = 2 * q[0] * q[2];
+        const double end[2] = {c * h[0] - s * h[2], -s * h[0] - c * h[2]};
+        const double square = end[0] * end[0] + end[1] * end[1];
+        const pl_expect_value *turn = expected_value(&scene, 1, PL_QUANTITY_TURN, 1);
+        const double inertia = rod->inertia[1] + rod->mass * square;
+        const double first = -rod->mass * rod->velocity[0] * end[1] / inertia;
+        double time = 0;
+        for (int k = 0; k < PARTS; ++k) {
+            const double t = turn->value * (k + 0.5) / PARTS;
+            const double rise = -(cos(t) * end[1] - sin(t) * end[0]) + end[1];
+            time += turn->value / PARTS / sqrt(first * first - 2 * rod->mass * g * rise / inertia);
+        }
+        assert_close(time, turn->until, 1e-6, 0);
+        const double t = turn->value;
+        const double x = expected_value(&scene, 1, PL_QUANTITY_POSITION, 0)->value;
+        const double z = expected_value(&scene, 1, PL_QUANTITY_POSITION, 2)->value;
+        assert_close(x + cos(t) * end[0] + sin(t) * end[1], end[0], 1e-12, 0);
+        assert_close(z - sin(t) * end[0] + cos(t) * end[1], end[1], 1e-12, 0);
+        pl_scene_free(&scene);
+    }
+}
+
+static void test_painleve_below_its_friction_is_not_judged(void **state)
+{
+    (void)state;
+    static const char *const settings[] = {"friction=1.3", NULL};
+    pl_scene scene = scenario_scene("painleve", settings);
+    assert_int_equal(scene.value_count, 0);
+    assert_true(isinf(scene.acceptance));
+    pl_scene_free(&scene);
+}
+
 static void test_accurate_meets_collision_trains_of_any_masses(void **state)
 {
     (void)state;
@@ -322,6 +417,10 @@ int main(void)
         cmocka_unit_test(test_rocking_follows_the_pendulum_and_impact_loss),
         cmocka_unit_test(test_slender_blocks_fall_in_housners_time),
         cmocka_unit_test(test_cradle_spheres_touch_and_are_hit),
+        cmocka_unit_test(test_both_laws_of_the_cradle_keep_momentum_and_energy),
+        cmocka_unit_test(test_cradle_groups_part_by_newtons_restitution),
+        cmocka_unit_test(test_painleve_rod_turns_about_its_end),
+        cmocka_unit_test(test_painleve_below_its_friction_is_not_judged),
         cmocka_unit_test(test_accurate_meets_collision_trains_of_any_masses),
         cmocka_unit_test(test_accurate_keeps_momentum_and_energy_through_a_cradle),
     };

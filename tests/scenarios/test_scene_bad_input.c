@@ -267,6 +267,8 @@ static void test_names_and_references_are_located(void **state)
          "expect.values[0].from", "0 to `until`"},
         {"\"until\": 1.25", "\"until\": @1e9", "expect.values[0].until", "within the run"},
         {"\"scale\": 2", "\"scale\": @0", "expect.values[0].scale", "above 0"},
+        {"\"scale\": 2", "\"answer\": @1.5", "expect.values[0].answer", "a whole number of 0 to 8"},
+        {"\"scale\": 2", "\"answer\": @9", "expect.values[0].answer", "a whole number of 0 to 8"},
         {"\"body\": \"ball\"", "\"body\": @\"bell\"", "expect.travel[0].body",
          "found \"bell\"; did you mean \"ball\"?"},
         {"\"body\": \"kåse\"", "\"body\": @\"floor\"", "expect.rest[0].body",
