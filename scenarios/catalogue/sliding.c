@@ -334,8 +334,9 @@ const pl_scenario pl_scenario_painleve = {
               "Brogliato 1999, New results on Painleve paradoxes",
     .primary_error = "value_error",
     PL_ACCEPT_MOTION,
-    .validity = "friction above (1 + 3 cos^2) / (3 sin cos), a speed at which the end stays down for "
-                "0.2 s; elsewhere no run is called accurate",
+    .validity =
+        "friction above (1 + 3 cos^2) / (3 sin cos), a speed at which the end stays down for "
+        "0.2 s; elsewhere no run is called accurate",
     .provokes =
         "the equations of forces have no solution: a solver of accelerations fails or finds "
         "endless forces, another throws the rod; a right engine solves for impulses, which "

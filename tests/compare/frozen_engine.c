@@ -63,8 +63,7 @@ static pl_status step(pl_engine_instance *instance, double dt, pl_step_stats *st
 
 static void read_frame(const pl_engine_instance *instance, pl_frame *frame)
 {
-    memcpy(frame->bodies, instance->states,
-           (size_t)instance->body_count * sizeof frame->bodies[0]);
+    memcpy(frame->bodies, instance->states, (size_t)instance->body_count * sizeof frame->bodies[0]);
 }
 
 static const pl_engine engine = {

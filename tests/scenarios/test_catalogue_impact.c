@@ -311,8 +311,8 @@ static void test_both_laws_of_the_cradle_keep_momentum_and_energy(void **state)
             assert_int_equal(speeds_of(&scene, law, speed), scene.body_count);
             for (int k = 0; k < scene.body_count; ++k) {
                 momentum += speed[k] - scene.bodies[k].velocity[0];
-                energy += speed[k] * speed[k] -
-                          scene.bodies[k].velocity[0] * scene.bodies[k].velocity[0];
+                energy +=
+                    speed[k] * speed[k] - scene.bodies[k].velocity[0] * scene.bodies[k].velocity[0];
                 assert_true(k == 0 || speed[k - 1] <= speed[k] + 1e-15);
             }
             assert_close(momentum, 0, 1e-14, 0);
