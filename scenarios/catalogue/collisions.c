@@ -188,6 +188,10 @@ static void cradle_expect(pl_builder *b, const double *values, bool touch)
         const double part = i < arriving ? arriving - e * resting : (1 + e) * arriving;
         expect_speed(b, i, speed * part / all, speed, AT_ONCE);
     }
+    for (int i = 0; i < t.count; ++i) {
+        pl_build_none(b, i, PL_QUANTITY_VELOCITY, PL_ALONG_Y | PL_ALONG_Z, speed);
+        pl_build_none(b, i, PL_QUANTITY_SPIN, PL_ALONG_ALL, speed / cradle_radius);
+    }
 }
 
 static void cradle_build(pl_builder *b, const double *values)

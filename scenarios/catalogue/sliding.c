@@ -275,25 +275,25 @@ static bool turn_on_end(turning *t, double speed)
 
 static void expect_turned(pl_builder *b, int rod, const turning *t)
 {
+    const double *const axes[] = {pl_axis_x, pl_axis_y, pl_axis_z};
     double c, s;
     direction_of(t, &c, &s);
-    const double x = t->radius * (t->cosine - c), z = t->radius * (s - t->sine);
+    const double way[] = {t->radius * (t->cosine - c), 0, t->radius * (s - t->sine)};
+    const double turn[] = {0, t->turn, 0};
     pl_expect_value value = pl_expect_value_default(b->scene);
     value.body = rod;
     value.until = turning_time;
-    value.quantity = PL_QUANTITY_TURN;
-    memcpy(value.direction, pl_axis_y, sizeof value.direction);
-    value.value = t->turn;
-    value.scale = fabs(t->turn);
-    pl_build_value(b, &value);
-    value.quantity = PL_QUANTITY_POSITION;
-    memcpy(value.direction, pl_axis_x, sizeof value.direction);
-    value.value = x;
-    value.scale = sqrt(x * x + z * z);
-    pl_build_value(b, &value);
-    memcpy(value.direction, pl_axis_z, sizeof value.direction);
-    value.value = z;
-    pl_build_value(b, &value);
+    for (int k = 0; k < 3; ++k) {
+        memcpy(value.direction, axes[k], sizeof value.direction);
+        value.quantity = PL_QUANTITY_TURN;
+        value.value = turn[k];
+        value.scale = fabs(t->turn);
+        pl_build_value(b, &value);
+        value.quantity = PL_QUANTITY_POSITION;
+        value.value = way[k];
+        value.scale = sqrt(way[0] * way[0] + way[2] * way[2]);
+        pl_build_value(b, &value);
+    }
 }
 
 static void painleve_build(pl_builder *b, const double *values)
