@@ -131,6 +131,7 @@ static void same_expectations(const pl_scene *actual, const pl_scene *expected)
             same_doubles(&a->discrete, &b->discrete, 1);
         }
         same_doubles(&a->scale, &b->scale, 1);
+        same_doubles(&a->answer, &b->answer, 1);
     }
     assert_string_equal(actual->primary_error, expected->primary_error);
     same_doubles(&actual->collapse_distance, &expected->collapse_distance, 1);
