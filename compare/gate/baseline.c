@@ -22,6 +22,7 @@ static const char *const row_keys[] = {"scenario",
                                        "member",
                                        "scene_hash",
                                        "outcome",
+                                       "verdict",
                                        "metrics",
                                        "time_ratio",
                                        "instructions_ratio",
@@ -109,6 +110,17 @@ static bool check_ratios(const json_t *json, pl_diagnostic *diagnostic)
     return right;
 }
 
+/* A row without the key has no verdict. */
+static bool check_verdict(const json_t *json, pl_diagnostic *diagnostic)
+{
+    const json_t *value = json_object_get(json, "verdict");
+    char found[PL_FOUND_SIZE];
+    return value == NULL || pl_result_verdict_of(json) != PL_RESULT_UNJUDGED ||
+           pl_diagnose_field(diagnostic, "verdict",
+                             "expected accurate, inaccurate or failed, found %s",
+                             pl_json_found(value, found));
+}
+
 static bool check_row(const json_t *json, pl_diagnostic *diagnostic)
 {
     const char *text = NULL;
@@ -117,6 +129,7 @@ static bool check_row(const json_t *json, pl_diagnostic *diagnostic)
            pl_json_string(json, "scenario", PL_REQUIRED, "a scenario", &text, diagnostic) &&
            pl_json_string(json, "engine", PL_REQUIRED, "an engine", &text, diagnostic) &&
            pl_json_string(json, "outcome", PL_REQUIRED, "an outcome", &text, diagnostic) &&
+           check_verdict(json, diagnostic) &&
            pl_json_string(json, "scene_hash", PL_OPTIONAL, "a hash", &text, diagnostic) &&
            pl_json_number(json, "dt", PL_REQUIRED, &number, diagnostic) &&
            pl_json_number(json, "duration", PL_REQUIRED, &number, diagnostic) &&
@@ -155,6 +168,7 @@ static bool read_rows(const json_t *array, pl_gate_rows *rows, pl_diagnostic *di
         pl_gate_row *row = &rows->items[rows->count++];
         row->json = json_incref(json);
         row->reason = "";
+        row->verdict_reason = "";
         if (!pl_gate_row_identify(row)) {
             return pl_diagnose_no_memory(diagnostic);
         }

@@ -3,6 +3,7 @@
 #define PLUMB_GATE_ROWS_H
 
 #include "plumb/base.h"
+#include "results/run_verdict.h"
 
 #include <jansson.h>
 #include <stddef.h>
@@ -21,10 +22,12 @@ typedef struct pl_gate_row {
     size_t case_length; /* bytes of the key that all rows of one case share */
     char name[192];     /* the scenario, with the parameters that are off their defaults */
     const char *scenario, *label, *outcome;
+    pl_result_verdict verdict;
     const json_t *metrics; /* name -> number, text, or null where it applies and has no value */
 
     /* Only rows that come from results have these; else they are NULL and 0. */
     const char *reason;      /* why the outcome is not ok; "" when it is */
+    const char *verdict_reason; /* why the verdict is not accurate; "" when it is */
     json_t *reasons;         /* owned; metric -> why it has no value */
     json_t *spread;          /* owned; [least, largest] of metrics whose repeats differ */
     json_t *measured;        /* owned; medians of metrics that differ from run to run */

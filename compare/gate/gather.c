@@ -97,6 +97,23 @@ static json_t *row_json(const json_t *result)
     return json;
 }
 
+/* Keeps the worst verdict of the repeats; a row in which one was not judged has none. */
+static bool add_verdict(pl_gate_row *row, const json_t *result)
+{
+    const pl_result_verdict verdict = pl_result_verdict_of(result);
+    if (row->sample_count > 1 && verdict <= row->verdict) {
+        return true;
+    }
+    row->verdict = verdict;
+    row->verdict_reason = pl_json_get_text(result, "verdict_reason");
+    if (verdict == PL_RESULT_UNJUDGED) {
+        json_object_del(row->json, "verdict");
+        return true;
+    }
+    return json_object_set_new(row->json, "verdict",
+                               json_string(pl_result_verdict_name(verdict))) == 0;
+}
+
 static pl_status add_sample(pl_gate_row *row, const json_t *result, int file, pl_error *error)
 {
     const pl_gate_sample sample = {.file = file,
@@ -113,7 +130,7 @@ static pl_status add_sample(pl_gate_row *row, const json_t *result, int file, pl
         }
         row->outcome = pl_json_get_text(row->json, "outcome");
     }
-    return PL_OK;
+    return add_verdict(row, result) ? PL_OK : no_memory(error);
 }
 
 /* Makes an empty row of the result's run. False: out of memory. */
@@ -121,6 +138,7 @@ static bool begin_row(const json_t *result, pl_gate_row *row)
 {
     *row = (pl_gate_row){.json = row_json(result),
                          .reason = "",
+                         .verdict_reason = "",
                          .reasons = json_object(),
                          .spread = json_object(),
                          .measured = json_object()};

@@ -265,8 +265,9 @@ static pl_gate_entry *add_rule_failure(const pl_gate_rule *rule, const pl_gate_r
     return entry;
 }
 
+/* `reason`: why the text is what it is, or "". */
 static void judge_text(const pl_gate_rule *rule, const pl_gate_row *row, const char *found,
-                       pl_gate_verdict *verdict)
+                       const char *reason, pl_gate_verdict *verdict)
 {
     ++verdict->comparisons;
     if ((strcmp(found, rule->word) == 0) != (rule->op == PL_GATE_EQUAL)) {
@@ -274,8 +275,8 @@ static void judge_text(const pl_gate_rule *rule, const pl_gate_row *row, const c
     }
     pl_gate_entry *entry = add_rule_failure(rule, row, verdict);
     snprintf(entry->after, sizeof entry->after, "%.90s", found);
-    if (row->reason[0] != '\0') {
-        snprintf(entry->what, sizeof entry->what, "%.250s", row->reason);
+    if (reason[0] != '\0') {
+        snprintf(entry->what, sizeof entry->what, "%.250s", reason);
     }
 }
 
@@ -387,14 +388,16 @@ static pl_status judge_by_rule(const pl_gate_inputs *in, const pl_gate_rule *rul
         *judged =
             before != NULL && json_object_get(before->json, pl_gate_costs[cost].ratio) != NULL;
     } else if (strcmp(rule->metric, "outcome") == 0) {
-        judge_text(rule, row, row->outcome, verdict);
+        judge_text(rule, row, row->outcome, row->reason, verdict);
+    } else if (strcmp(rule->metric, "verdict") == 0) {
+        judge_text(rule, row, pl_result_verdict_name(row->verdict), row->verdict_reason, verdict);
     } else if (cost >= 0 && strcmp(rule->metric, pl_gate_costs[cost].ratio) == 0) {
         return judge_ratio(in, rule, row, judged, verdict, error);
     } else if (rule->is_text) {
         const json_t *value = value_in(row, rule->metric);
         *judged = json_is_string(value);
         if (*judged) {
-            judge_text(rule, row, json_string_value(value), verdict);
+            judge_text(rule, row, json_string_value(value), row->reason, verdict);
         }
     } else {
         *judged = judge_value(in, rule, row, verdict);
@@ -445,6 +448,31 @@ static bool judge_outcome(const pl_gate_row *before, const pl_gate_row *now,
     return false;
 }
 
+/* Of runs that both ended ok. The order of verdicts is from right to wrong. */
+static void judge_verdict(const pl_gate_row *before, const pl_gate_row *now,
+                          pl_gate_verdict *verdict)
+{
+    if (before->verdict == PL_RESULT_UNJUDGED || now->verdict == PL_RESULT_UNJUDGED) {
+        if (before->verdict != now->verdict) {
+            pl_gate_verdict_note(verdict, "verdict",
+                                 now->verdict == PL_RESULT_UNJUDGED
+                                     ? "is no longer judged"
+                                     : "the baseline has none: --update-baseline takes it in");
+        }
+        return;
+    }
+    ++verdict->comparisons;
+    if (before->verdict == now->verdict) {
+        return;
+    }
+    const bool is_better = now->verdict < before->verdict;
+    describe(pl_gate_verdict_add(verdict, !is_better, now, "verdict"),
+             pl_result_verdict_name(before->verdict), pl_result_verdict_name(now->verdict),
+             "no worse verdict",
+             is_better ? "better: --update-baseline tightens the baseline"
+                       : now->verdict_reason);
+}
+
 static pl_status judge_row(const pl_gate_inputs *in, const pl_gate_row *before,
                            const pl_gate_row *now, pl_gate_verdict *verdict, pl_error *error)
 {
@@ -457,6 +485,7 @@ static pl_status judge_row(const pl_gate_inputs *in, const pl_gate_row *before,
     if (!judge_outcome(before, now, verdict)) {
         return PL_OK;
     }
+    judge_verdict(before, now, verdict);
     judge_metrics(in, before, now, verdict);
     return judge_costs(in, before, now, verdict, error);
 }

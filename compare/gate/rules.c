@@ -15,8 +15,8 @@
 
 /* ---- Tolerances ---- */
 
-/* A rule also accepts "outcome" and the names of ratios. */
-enum { KNOWN_COUNT = PL_METRIC_COUNT + PL_GATE_COST_COUNT + 1, HINT_SIZE = 2 * PL_NAME_SIZE };
+/* A rule also accepts "outcome", "verdict" and the names of ratios. */
+enum { KNOWN_COUNT = PL_METRIC_COUNT + PL_GATE_COST_COUNT + 2, HINT_SIZE = 2 * PL_NAME_SIZE };
 
 pl_gate_tolerances pl_gate_tolerances_default(void)
 {
@@ -35,6 +35,7 @@ static bool is_known(const char *name, char hint[HINT_SIZE])
     bool known = false;
     int count = 0;
     names[count++] = "outcome";
+    names[count++] = "verdict";
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         names[count++] = pl_metric_table[i].name;
     }
@@ -80,10 +81,11 @@ pl_status pl_gate_tolerances_parse(const char *text, pl_gate_tolerances *toleran
     }
     snprintf(name, sizeof name, "%.*s", (int)length, text);
     int metric = pl_metric_by_name(name);
-    if (pl_gate_cost_of(name) >= 0 || strcmp(name, "outcome") == 0) {
+    if (pl_gate_cost_of(name) >= 0 || strcmp(name, "outcome") == 0 ||
+        strcmp(name, "verdict") == 0) {
         return fail(text,
                     "times and instructions have --time-limit, --instruction-limit and "
-                    "--fail-if 'METRIC>+10%', and an outcome has no tolerance",
+                    "--fail-if 'METRIC>+10%', and a verdict or an outcome has no tolerance",
                     error);
     }
     if (metric < 0) {
@@ -238,14 +240,20 @@ static pl_status read_word(const char *text, const char *at, pl_gate_rule *rule,
         return fail_at(text, at, "a text", error);
     }
     snprintf(rule->word, sizeof rule->word, "%.*s", (int)length, at);
-    bool known = strcmp(rule->metric, "outcome") != 0;
-    for (int i = 0; i < PL_OUTCOME_COUNT; ++i) {
+    const bool is_outcome = strcmp(rule->metric, "outcome") == 0;
+    const bool is_verdict = strcmp(rule->metric, "verdict") == 0;
+    bool known = !is_outcome && !is_verdict;
+    for (int i = 0; i < PL_OUTCOME_COUNT && is_outcome; ++i) {
         known |= strcmp(pl_outcome_name((pl_outcome)i), rule->word) == 0;
+    }
+    for (int i = 0; i < PL_RESULT_VERDICT_COUNT && is_verdict; ++i) {
+        known |= strcmp(pl_result_verdict_name((pl_result_verdict)i), rule->word) == 0;
     }
     return known ? PL_OK
                  : fail_at(text, at,
-                           "ok, collapsed, diverged, nonfinite, crashed, timeout or "
-                           "unsupported",
+                           is_verdict ? "accurate, inaccurate, failed or not judged"
+                                      : "ok, collapsed, diverged, nonfinite, crashed, timeout or "
+                                        "unsupported",
                            error);
 }
 
@@ -271,6 +279,7 @@ pl_status pl_gate_rule_parse(const char *text, pl_gate_rule *rule, pl_error *err
     }
     rule->op = operators[i].op;
     rule->is_text = strcmp(rule->metric, "outcome") == 0 ||
+                    strcmp(rule->metric, "verdict") == 0 ||
                     strcmp(rule->metric, "integrator") == 0 ||
                     strcmp(rule->metric, "state_hash") == 0;
     if (rule->is_text && rule->op != PL_GATE_EQUAL && rule->op != PL_GATE_OTHER) {

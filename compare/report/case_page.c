@@ -2,6 +2,7 @@
  * of the rebuilt scene must be that of the results. */
 #include "case_page.h"
 
+#include "cell_verdict.h"
 #include "losses.h"
 #include "number_format.h"
 #include "picture.h"
@@ -13,25 +14,6 @@
 #include <sys/stat.h>
 
 /* ---- Cells ---- */
-
-const char *pl_cell_style(const pl_cell *cell)
-{
-    return cell->ok ? "ok" : strcmp(cell->outcome, "unsupported") == 0 ? "none" : "bad";
-}
-
-void pl_cell_badge(const pl_page *page, const pl_cell *cell)
-{
-    if (page->html) {
-        pl_text_format(page->out, "<span class=\"badge %s\">", pl_cell_style(cell));
-    } else {
-        pl_text_add(page->out, "**");
-    }
-    pl_page_text(page, cell->outcome);
-    if (cell->outcomes_differ) {
-        pl_text_format(page->out, " in %d of %d", cell->repeats - cell->ok_repeats, cell->repeats);
-    }
-    pl_text_add(page->out, page->html ? "</span>" : "**");
-}
 
 void pl_case_columns(const pl_result_matrix *matrix, pl_table *table)
 {
@@ -101,22 +83,49 @@ static void add_metric_row(const pl_result_matrix *matrix, const pl_case *test_c
     }
 }
 
+/* Adds the verdict on every engine, and below it why. */
+static void add_verdict_row(const pl_result_matrix *matrix, const pl_case *test_case,
+                            pl_table *table)
+{
+    pl_table_add(table, "verdict");
+    for (int i = 0; i < matrix->column_count; ++i) {
+        const pl_cell *cell = &test_case->cells[i];
+        pl_text_buffer markup = {0};
+        const pl_page page = {.out = &markup, .html = true};
+        if (cell->result == NULL) {
+            pl_table_add(table, "not run");
+        } else {
+            pl_cell_badge(&page, cell);
+            pl_text_add_element(&markup, "<span class=\"because\">", pl_cell_why(cell), "</span>");
+            pl_page_add_markup(table, &markup);
+        }
+        pl_table_style(table, pl_cell_style(cell), NULL);
+    }
+}
+
 static void add_outcome_row(const pl_result_matrix *matrix, const pl_case *test_case,
                             pl_table *table)
 {
     pl_table_add(table, "outcome");
     for (int i = 0; i < matrix->column_count; ++i) {
         const pl_cell *cell = &test_case->cells[i];
-        pl_text_buffer badge = {0};
-        const pl_page page = {.out = &badge, .html = true};
-        if (cell->result == NULL || cell->ok) {
-            pl_table_add(table, cell->result == NULL ? "not run" : "ok");
-        } else {
-            pl_cell_badge(&page, cell);
-            pl_page_add_markup(table, &badge);
-        }
-        pl_table_style(table, cell->result == NULL ? "none" : pl_cell_style(cell), cell->reason);
+        pl_table_add(table, cell->result == NULL ? "not run" : cell->outcome);
     }
+}
+
+/* Adds what makes a run of the case accurate. */
+static void add_acceptance(const pl_result_matrix *matrix, const pl_case *test_case,
+                           pl_text_buffer *out)
+{
+    char bound[PL_NUMBER_SIZE];
+    const char *reason = NULL;
+    if (!pl_case_acceptance(matrix, test_case, bound, &reason)) {
+        return;
+    }
+    pl_text_add_element(out, "<p><b>Accurate:</b> <code>", test_case->primary_error, "</code>");
+    pl_text_add_element(out, " of at most ", bound, "");
+    pl_text_add_element(out, reason[0] != '\0' ? " <span class=\"small\">(" : "", reason,
+                        reason[0] != '\0' ? ")</span></p>\n" : "</p>\n");
 }
 
 /* Adds the parameters, or for a scene file, which has none, its time step and duration. */
@@ -242,17 +251,16 @@ static pl_pose *read_poses(const json_t *result, int body_count, char why[160])
 static void add_caption(const pl_column *column, const pl_cell *cell, int outside,
                         pl_text_buffer *out)
 {
+    const pl_metric_summary *error = &cell->metrics[PL_METRIC_REFERENCE_ERROR];
+    const pl_page page = {.out = out, .html = true};
     char text[PL_METRIC_TEXT_SIZE];
     pl_text_add(out, "<figcaption><b>");
     pl_text_add_html(out, column->name);
     pl_text_add(out, "</b> ");
-    if (cell->ok) {
-        pl_metric_text(&cell->metrics[PL_METRIC_REFERENCE_ERROR], text);
-        pl_text_format(out, "error %s", text);
-    } else {
-        pl_text_add(out, "<span class=\"badge bad\">");
-        pl_text_add_html(out, cell->outcome);
-        pl_text_add(out, "</span>");
+    pl_cell_badge(&page, cell);
+    if (cell->ok || error->state == PL_METRIC_VALUE) {
+        pl_metric_text(error, text);
+        pl_text_format(out, " error %s", text);
     }
     if (outside > 0) {
         pl_text_format(out, "<br>%d %s outside the picture", outside,
@@ -275,8 +283,10 @@ static void add_figure(const picture_row *row, const pl_column *column, const pl
     int outside = 0;
     pl_text_add(out, "<figure>");
     if (poses != NULL) {
-        char title[400];
-        snprintf(title, sizeof title, "%.255s: where the bodies are at the end", column->name);
+        char title[400], verdict[PL_CELL_VERDICT_SIZE];
+        pl_cell_verdict(cell, verdict);
+        snprintf(title, sizeof title, "%.255s, %s: where the bodies are at the end", column->name,
+                 verdict);
         outside = pl_svg_picture(&row->scene, &row->view, poses, row->id, title, out);
     } else {
         pl_text_format(out, "<div class=\"empty\" style=\"width:%.0fpx;height:%.0fpx\"><span>",
@@ -355,9 +365,11 @@ void pl_case_page(const pl_result_matrix *matrix, int index, pl_text_buffer *out
     } else {
         pl_text_add(out, "</h3>\n<p>A scene that is not in the catalogue.</p>\n");
     }
+    add_acceptance(matrix, test_case, out);
     add_params(test_case, out);
     pl_table_columns(&table, "Metric");
     pl_case_columns(matrix, &table);
+    add_verdict_row(matrix, test_case, &table);
     add_outcome_row(matrix, test_case, &table);
     for (int id = 0; id < PL_METRIC_COUNT; ++id) {
         add_metric_row(matrix, test_case, id, &table);

@@ -1,5 +1,5 @@
-/* One case of the HTML page: its scene, every metric on every engine, and the pictures; and cells
- * that the whole report uses. */
+/* One case of the HTML page: its scene, every metric on every engine, and the pictures;
+ * and cells that the whole report uses. */
 #ifndef PLUMB_CASE_PAGE_H
 #define PLUMB_CASE_PAGE_H
 
@@ -8,13 +8,6 @@
 
 /* Marks a cell of HTML whose repeats differ. */
 #define PL_CELL_DISAGREES "<br><span class=\"badge bad\">not deterministic</span>"
-
-/* Returns the style of a cell that was run: "ok", "bad", or "none" where the engine does not
- * support the scene. */
-const char *pl_cell_style(const pl_cell *cell);
-
-/* Adds the outcome of a run that is not ok, and how many repeats have it. */
-void pl_cell_badge(const pl_page *page, const pl_cell *cell);
 
 /* Adds a column for each engine configuration to a table. */
 void pl_case_columns(const pl_result_matrix *matrix, pl_table *table);

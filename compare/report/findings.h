@@ -1,12 +1,12 @@
-/* Findings: where another engine is wrong, and what in it causes that. */
+/* Findings: where an engine is wrong, and what in it causes that. */
 #ifndef PLUMB_FINDINGS_H
 #define PLUMB_FINDINGS_H
 
 #include "known_causes.h"
 #include "result_matrix.h"
 
-/* A run of another engine that failed, or whose primary error is relative and above
- * pl_finding_threshold or without a value. */
+/* A run that is not accurate: it is inaccurate or failed, or its primary error has no value. A scene
+ * that the engine does not support is no finding. */
 typedef struct pl_engine_finding {
     const pl_case *test_case;
     const pl_column *column;
@@ -16,19 +16,19 @@ typedef struct pl_engine_finding {
 
 /* All findings of a report. */
 typedef struct pl_engine_findings {
-    pl_engine_finding *items; /* case by case, in the order of the report */
+    pl_engine_finding *items; /* of other engines, case by case, in the order of the report */
     int count;
-    int runs;                 /* of other engines, on cases that have a primary error */
+    int runs;                 /* of other engines that were judged, or have no value */
     pl_text_buffer statement; /* in words: how many of how many, and how many causes are known */
+    pl_engine_finding *ours;  /* the same of our own engine */
+    int our_count, our_runs;
+    pl_text_buffer our_statement;
     /* In words, of the engines in `items`; empty without any. */
     pl_text_buffer adapters;  /* whether their conformance was verified */
     pl_text_buffer read_back; /* what was read back from them */
     pl_text_buffer origin;    /* how the causes were found */
     pl_known_causes causes;
 } pl_engine_findings;
-
-/* A larger relative error is a finding. */
-extern const double pl_finding_threshold;
 
 /* Finds the findings of a matrix, which must outlive *findings. The caller frees *findings, also on
  * failure. PL_NO_MEMORY; PL_BAD_INPUT: the file of known causes is malformed. */
@@ -41,8 +41,9 @@ void pl_engine_findings_free(pl_engine_findings *findings);
 /* The size of the error text of a finding, in bytes. */
 enum { PL_FINDING_TEXT_SIZE = 256 };
 
-/* Writes the texts of a finding, the same in every format: "74 % (value_error)" or "collapsed,
- * 0.764 m (rest_position_error)". `cause` and `evidence` are borrowed and never empty. */
+/* Writes the texts of a finding, the same in every format: "inaccurate, 74 % (value_error)" or
+ * "failed: collapsed, 0.764 m (rest_position_error)". `cause` and `evidence` are borrowed and never
+ * empty. */
 void pl_engine_finding_texts(const pl_engine_finding *finding, char error[PL_FINDING_TEXT_SIZE],
                              const char **cause, const char **evidence);
 

@@ -21,9 +21,11 @@ static const char *const run_columns[] = {
     "host.compiler", "host.flags", "plumb.version",  "plumb.git",     "started"};
 static const char *const metric_columns[] = {"value", "unit", "direction",  "deterministic", "p50",
                                              "p95",   "p99",  "worst_step", "reason"};
+static const char *const verdict_columns[] = {"verdict", "verdict_reason", "acceptance"};
 enum {
     RUN_COLUMNS = sizeof run_columns / sizeof run_columns[0],
-    METRIC_COLUMNS = sizeof metric_columns / sizeof metric_columns[0]
+    METRIC_COLUMNS = sizeof metric_columns / sizeof metric_columns[0],
+    VERDICT_COLUMNS = sizeof verdict_columns / sizeof verdict_columns[0]
 };
 
 static void add_value(const json_t *value, pl_text_buffer *out)
@@ -84,6 +86,10 @@ static void add_line(const json_t *result, const char *name, const json_t *metri
         pl_text_add(out, ",");
         add_value(json_object_get(metric, metric_columns[i]), out);
     }
+    for (int i = 0; i < VERDICT_COLUMNS; ++i) {
+        pl_text_add(out, ",");
+        add_value(json_object_get(result, verdict_columns[i]), out);
+    }
     pl_text_add(out, "\r\n");
 }
 
@@ -99,6 +105,9 @@ static void add_header(pl_text_buffer *out)
     for (int i = 0; i < METRIC_COLUMNS; ++i) { /* "reason" is the run's */
         pl_text_format(out, ",%s%s", strcmp(metric_columns[i], "reason") == 0 ? "metric_" : "",
                        metric_columns[i]);
+    }
+    for (int i = 0; i < VERDICT_COLUMNS; ++i) {
+        pl_text_format(out, ",%s", verdict_columns[i]);
     }
     pl_text_add(out, "\r\n");
 }

@@ -26,7 +26,8 @@ pl_status pl_report_write(const char *directory, json_t *results, pl_error *erro
 void pl_report_csv(json_t *results, pl_text_buffer *out);
 
 /* Prints the same results as a UTF-8 table that fits `width` columns (at least 40): first where
- * plumb loses, then each case with a line for each engine, then findings with their causes.
+ * plumb loses, then each case with a line for each engine, findings with their causes, and, of more
+ * than one case, how many verdicts of each kind every engine has.
  * `colour` allows ANSI colours. Control characters are shown as '?', so that no output of an engine
  * can control the terminal. */
 void pl_report_print_table(FILE *out, const json_t *results, bool colour, int width);

@@ -2,6 +2,7 @@
 
 #include "adapter_trust.h"
 #include "case_page.h"
+#include "cell_verdict.h"
 #include "number_format.h"
 #include "page.h"
 #include "results/result.h"
@@ -17,6 +18,9 @@ pl_status pl_report_build(const json_t *results, pl_report *report, pl_error *er
     *report = (pl_report){0};
     pl_status status = pl_result_matrix_build(results, &report->matrix, error);
     if (status == PL_OK) {
+        status = pl_verdict_counts_make(&report->matrix, &report->verdicts, error);
+    }
+    if (status == PL_OK) {
         status = pl_losses_find(&report->matrix, &report->losses, error);
     }
     if (status == PL_OK) {
@@ -29,6 +33,7 @@ void pl_report_free(pl_report *report)
 {
     pl_engine_findings_free(&report->findings);
     pl_losses_free(&report->losses);
+    pl_verdict_counts_free(&report->verdicts);
     pl_result_matrix_free(&report->matrix);
 }
 
@@ -153,6 +158,22 @@ static void add_markdown_head(const pl_result_matrix *matrix, pl_text_buffer *ou
     }
 }
 
+/* ---- Verdicts ---- */
+
+static void add_verdicts(const pl_verdict_counts *verdicts, const pl_page *page)
+{
+    if (verdicts->cases == 0) {
+        return;
+    }
+    pl_table table = pl_verdict_counts_table(verdicts, page->html);
+    table.caption = verdicts->order.data;
+    pl_page_heading(page, "verdicts", "Verdicts");
+    if (!page->html) {
+        pl_page_paragraph(page, "", verdicts->order.data);
+    }
+    pl_page_table(page, table, 0);
+}
+
 /* ---- Losses and warnings ---- */
 
 static void add_losses(const pl_losses *losses, const pl_page *page)
@@ -181,6 +202,30 @@ static void add_losses(const pl_losses *losses, const pl_page *page)
     pl_page_paragraph(page, "verdict", losses->statement.data);
     pl_page_table(page, table, SHOWN_LOSSES);
     pl_page_paragraph(page, "note", losses->rule.data);
+}
+
+/* Adds the runs of our own engine that are not accurate. */
+static void add_our_findings(const pl_engine_findings *findings, const pl_page *page)
+{
+    pl_table table = {0};
+    if (findings->our_runs == 0) {
+        return;
+    }
+    pl_table_columns(&table, "Case|Engine|Error|Why");
+    for (int i = 0; i < findings->our_count; ++i) {
+        const pl_engine_finding *finding = &findings->ours[i];
+        char error[PL_FINDING_TEXT_SIZE];
+        const char *cause = NULL, *evidence = NULL;
+        pl_engine_finding_texts(finding, error, &cause, &evidence);
+        pl_table_add(&table, finding->test_case->name);
+        pl_table_add(&table, finding->column->name);
+        pl_table_add(&table, error);
+        pl_table_style(&table, pl_cell_style(finding->cell), NULL);
+        pl_table_add(&table, pl_cell_why(finding->cell));
+        pl_table_style(&table, "why", NULL);
+    }
+    pl_page_paragraph(page, "verdict", findings->our_statement.data);
+    pl_page_table(page, table, SHOWN_LOSSES);
 }
 
 static void add_warning(const pl_page *page, const char *head, const char *text)
@@ -218,7 +263,7 @@ static void add_result(const pl_page *page, const pl_cell *cell, double fastest,
         pl_table_style(table, "none", NULL);
         return;
     }
-    if (!cell->ok) {
+    if (cell->verdict != PL_RESULT_ACCURATE) {
         pl_cell_badge(&cell_page, cell);
         pl_text_add(&markup, html ? "<br>" : " ");
     }
@@ -239,8 +284,8 @@ static void add_result(const pl_page *page, const pl_cell *cell, double fastest,
     }
     pl_text_add(&markup, html ? "</span>" : "");
     pl_metric_note(error, note);
-    if (!cell->ok && cell->reason[0] != '\0') {
-        snprintf(note, sizeof note, "%.600s", cell->reason);
+    if (pl_cell_why(cell)[0] != '\0') {
+        snprintf(note, sizeof note, "%.600s", pl_cell_why(cell));
     }
     pl_page_add_markup(table, &markup);
     pl_table_style(table, pl_cell_style(cell), note);
@@ -250,6 +295,8 @@ static void add_case_name(const pl_page *page, const pl_result_matrix *matrix, i
                           pl_table *table)
 {
     const pl_case *test_case = &matrix->cases[index];
+    char bound[PL_NUMBER_SIZE];
+    const char *reason = "";
     pl_text_buffer markup = {0};
     const pl_page cell_page = {.out = &markup, .html = page->html};
     if (page->html) {
@@ -259,8 +306,13 @@ static void add_case_name(const pl_page *page, const pl_result_matrix *matrix, i
     pl_text_add(&markup, page->html ? "</a><br><span class=\"small\">" : " (");
     pl_page_text(&cell_page,
                  test_case->primary_error[0] != '\0' ? test_case->primary_error : "no reference");
+    if (pl_case_acceptance(matrix, test_case, bound, &reason)) {
+        pl_page_text(&cell_page, ", at most ");
+        pl_page_text(&cell_page, bound);
+    }
     pl_text_add(&markup, page->html ? "</span>" : ")");
     pl_page_add_markup(table, &markup);
+    pl_table_style(table, NULL, reason);
 }
 
 static void add_right_answer(const pl_case *test_case, pl_table *table)
@@ -282,7 +334,7 @@ static void add_right_answer(const pl_case *test_case, pl_table *table)
 static void add_results(const pl_result_matrix *matrix, const pl_page *page)
 {
     pl_table table = {0};
-    pl_table_columns(&table, page->html ? "Case" : "Case (primary error)");
+    pl_table_columns(&table, page->html ? "Case" : "Case (primary error and its bound)");
     pl_case_columns(matrix, &table);
     if (page->html) {
         pl_table_columns(&table, "The right answer");
@@ -300,9 +352,11 @@ static void add_results(const pl_result_matrix *matrix, const pl_page *page)
     }
     pl_page_heading(page, "results", "Results");
     pl_page_paragraph(page, "",
-                      "In each cell the primary error of the case and, below it, the time of a "
-                      "step, with how many times that of the fastest run that is ok. Lower is "
-                      "better for both; a number without a unit is relative to the right value.");
+                      "In each cell the verdict where it is not accurate, the primary error of the "
+                      "case and, below it, the time of a step, with how many times that of the "
+                      "fastest run that is ok. Lower is better for both; a number without a unit "
+                      "is relative to the right value. Below each case stand its primary error and "
+                      "the largest value that is accurate.");
     pl_page_paragraph(page, "",
                       "Times are CPU time of the engine's step call alone, and machines are noisy: "
                       "differences of less than 10 % mean nothing. Repeat runs (--repeat) before "
@@ -328,7 +382,7 @@ static void add_findings(const pl_engine_findings *findings, const pl_page *page
         pl_table_add(&table, finding->test_case->name);
         pl_table_add(&table, finding->column->name);
         pl_table_add(&table, error);
-        pl_table_style(&table, finding->cell->ok ? NULL : "bad", NULL);
+        pl_table_style(&table, pl_cell_style(finding->cell), NULL);
         pl_table_add(&table, cause);
         pl_table_style(&table, "why", NULL);
         pl_table_add(&table, evidence);
@@ -444,7 +498,7 @@ static bool has_every_case(const pl_suite *suite, const pl_result_matrix *matrix
     return complete;
 }
 
-/* Adds a row for each case of an entry, with the outcome below each engine's value. */
+/* Adds a row for each case of an entry, with the verdict below each engine's value. */
 static void add_published_rows(const pl_result_matrix *matrix, const pl_suite_entry *entry,
                                int metric, pl_table *table)
 {
@@ -459,12 +513,17 @@ static void add_published_rows(const pl_result_matrix *matrix, const pl_suite_en
         pl_table_add(table, text);
         for (int k = 0; k < matrix->column_count; ++k) {
             const pl_cell *cell = &test_case->cells[k];
+            const char *bold = cell->verdict == PL_RESULT_ACCURATE ? "" : "**";
+            char verdict[PL_CELL_VERDICT_SIZE];
             pl_text_buffer markup = {0};
-            pl_metric_text(&cell->metrics[metric], text);
-            pl_text_add_markdown(&markup, cell->result == NULL ? "not run" : text);
-            pl_text_add(&markup, cell->result == NULL ? "" : cell->ok ? "<br>" : "<br>**");
-            pl_text_add_markdown(&markup, cell->outcome);
-            pl_text_add(&markup, cell->result == NULL || cell->ok ? "" : "**");
+            pl_cell_verdict(cell, verdict);
+            if (cell->result != NULL) {
+                pl_metric_text(&cell->metrics[metric], text);
+                pl_text_add_markdown(&markup, text);
+                pl_text_format(&markup, "<br>%s", bold);
+            }
+            pl_text_add_markdown(&markup, verdict);
+            pl_text_add(&markup, cell->result != NULL ? bold : "");
             pl_page_add_markup(table, &markup);
         }
     }
@@ -527,18 +586,18 @@ static void add_settings(const pl_result_matrix *matrix, const pl_page *page)
     pl_page_table(page, table, 0);
 }
 
-static bool is_not_ok(const pl_case *test_case, const pl_cell *cell)
+static bool has_failed(const pl_case *test_case, const pl_cell *cell)
 {
     (void)test_case;
-    return !cell->ok;
+    return !cell->ok || cell->verdict == PL_RESULT_FAILED;
 }
 
 static void add_failures(const pl_result_matrix *matrix, const pl_page *page)
 {
     pl_table table = {0};
-    pl_table_columns(&table, page->html ? "Case|Engine|Outcome|Reason and output"
-                                        : "Case|Engine|Outcome|Reason");
-    for (int i = 0, k = 0; pl_result_matrix_next(matrix, is_not_ok, &i, &k); ++k) {
+    pl_table_columns(&table, page->html ? "Case|Engine|Verdict|Reason and output"
+                                        : "Case|Engine|Verdict|Reason");
+    for (int i = 0, k = 0; pl_result_matrix_next(matrix, has_failed, &i, &k); ++k) {
         const pl_cell *cell = &matrix->cases[i].cells[k];
         const char *output = pl_json_get_text(cell->result, "output");
         pl_text_buffer badge = {0}, reason = {0};
@@ -546,7 +605,7 @@ static void add_failures(const pl_result_matrix *matrix, const pl_page *page)
         const pl_page reason_page = {.out = &reason, .html = page->html};
         pl_cell_badge(&cell_page, cell);
         pl_page_text(&reason_page,
-                     cell->reason[0] != '\0' ? cell->reason : "no reason was recorded");
+                     pl_cell_why(cell)[0] != '\0' ? pl_cell_why(cell) : "no reason was recorded");
         if (page->html && output[0] != '\0') {
             pl_text_add_element(&reason, "<pre>", output, "</pre>");
         }
@@ -585,7 +644,9 @@ void pl_report_page(const pl_report *report, bool html, pl_text_buffer *out)
     const pl_result_matrix *matrix = &report->matrix;
     const pl_page page = {.out = out, .html = html};
     (html ? add_html_head : add_markdown_head)(matrix, out);
+    add_verdicts(&report->verdicts, &page);
     add_losses(&report->losses, &page);
+    add_our_findings(&report->findings, &page);
     add_warnings(matrix, &page);
     if (matrix->case_count == 0) {
         pl_page_paragraph(&page, "", "There are no results.");

@@ -4,10 +4,12 @@
 
 #include "findings.h"
 #include "losses.h"
+#include "verdict_counts.h"
 
 /* Everything that a report says of results. */
 typedef struct pl_report {
     pl_result_matrix matrix;
+    pl_verdict_counts verdicts;
     pl_losses losses;
     pl_engine_findings findings;
 } pl_report;
@@ -20,7 +22,7 @@ pl_status pl_report_build(const json_t *results, pl_report *report, pl_error *er
 void pl_report_free(pl_report *report);
 
 /* Adds a self-contained HTML page without scripts and requests, or GitHub tables for the summary of
- * a CI job. Both begin with where plumb loses. */
+ * a CI job. Both begin with the verdicts on each engine, and where plumb loses. */
 void pl_report_page(const pl_report *report, bool html, pl_text_buffer *out);
 
 #endif

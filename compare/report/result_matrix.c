@@ -212,23 +212,29 @@ static void name_cases(pl_result_matrix *matrix)
 
 /* ---- Cells ---- */
 
+/* Grows as a run is worse: of two repeats the worse one is shown. */
+static int badness(const json_t *result)
+{
+    static const int of[PL_RESULT_VERDICT_COUNT] = {0, 2, 3, 1};
+    return strcmp(pl_json_get_text(result, "outcome"), "ok") != 0 ? 4
+                                                                  : of[pl_result_verdict_of(result)];
+}
+
 /* Summarises the repeats of one run, of which there is at least one. */
 static void fill_cell(pl_cell *cell, const json_t *const *runs, int count, double *scratch)
 {
-    const json_t *shown = NULL;
+    const json_t *shown = runs[0];
     const char *cpu = pl_result_text(runs[0], "host", "cpu");
     *cell = (pl_cell){.repeats = count};
     for (int i = 0; i < count; ++i) {
         const char *outcome = pl_json_get_text(runs[i], "outcome");
-        if (strcmp(outcome, "ok") == 0) {
-            ++cell->ok_repeats;
-        } else if (shown == NULL) {
-            shown = runs[i];
-        }
+        cell->ok_repeats += strcmp(outcome, "ok") == 0;
+        shown = badness(runs[i]) > badness(shown) ? runs[i] : shown;
         cell->outcomes_differ |= strcmp(outcome, pl_json_get_text(runs[0], "outcome")) != 0;
         cell->mixed_hosts |= strcmp(cpu, pl_result_text(runs[i], "host", "cpu")) != 0;
     }
-    cell->result = shown == NULL ? runs[0] : shown;
+    cell->result = shown;
+    cell->verdict = pl_result_verdict_of(shown);
     cell->ok = cell->ok_repeats == count;
     cell->outcome = pl_json_get_text(cell->result, "outcome");
     cell->reason = pl_json_get_text(cell->result, "reason");
@@ -343,7 +349,8 @@ static pl_status lay_out(const json_t *results, pl_result_matrix *matrix, pl_err
             return pl_fail(error, PL_NO_MEMORY, "no memory for %zu results", count);
         }
         for (int k = 0; k < matrix->column_count; ++k) {
-            matrix->cases[i].cells[k] = (pl_cell){.outcome = "", .reason = ""};
+            matrix->cases[i].cells[k] = (pl_cell){
+                .outcome = "", .reason = "", .verdict = PL_RESULT_UNJUDGED};
         }
     }
     return PL_OK;

@@ -7,13 +7,15 @@
 #include "metric_summary.h"
 #include "plumb/base.h"
 #include "plumb/scenario.h"
+#include "results/run_verdict.h"
 
 /* The runs of an engine configuration on a case. */
 typedef struct pl_cell {
-    const json_t *result; /* the first repeat that is not ok, else the first; NULL: not run */
+    const json_t *result; /* the first of the worst repeats; NULL: not run */
     int repeats, ok_repeats;
     const char *outcome, *reason; /* of `result`; "" when there is none */
-    bool ok;                      /* all repeats are */
+    pl_result_verdict verdict;    /* of `result`, and so the worst; PL_RESULT_UNJUDGED: none */
+    bool ok;                      /* the outcome of all repeats is */
     bool outcomes_differ;
     bool mixed_hosts; /* repeats come from different processors */
     pl_metric_summary metrics[PL_METRIC_COUNT];

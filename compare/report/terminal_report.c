@@ -1,13 +1,14 @@
 /* The report for a terminal: it fits the width by shortening names and reasons, never numbers. */
 #include "adapter_trust.h"
 #include "base/table.h"
+#include "cell_verdict.h"
 #include "number_format.h"
 #include "report.h"
 #include "report_page.h"
 
 #include <string.h>
 
-enum { NUMBER_COLUMNS = 4, SHOWN_LOSSES = 5, OUTCOME_WIDTH = 11, LEAST_NAME = 6, GAP = 2 };
+enum { NUMBER_COLUMNS = 4, SHOWN_LOSSES = 5, VERDICT_WIDTH = 11, LEAST_NAME = 6, GAP = 2 };
 
 static const pl_metric_id shown[NUMBER_COLUMNS] = {
     PL_METRIC_REFERENCE_ERROR, PL_METRIC_PENETRATION_MAX, PL_METRIC_ITERATIONS_MEAN,
@@ -48,6 +49,58 @@ static void add_wrapped(const terminal *to, const char *paragraph, int indent)
         word += bytes + strspn(word + bytes, " ");
     }
     pl_text_add(to->out, "\n");
+}
+
+/* Adds the runs of our own engine that are not accurate. */
+static void add_our_findings(const pl_engine_findings *findings, const terminal *to)
+{
+    if (findings->our_count == 0) {
+        return;
+    }
+    add_wrapped(to, findings->our_statement.data, 0);
+    for (int i = 0; i < findings->our_count; ++i) {
+        const pl_engine_finding *finding = &findings->ours[i];
+        const char *why = pl_cell_why(finding->cell);
+        char verdict[PL_CELL_VERDICT_SIZE], line[1600];
+        pl_cell_verdict(finding->cell, verdict);
+        snprintf(line, sizeof line, "  %.250s, %.250s: %s%s%.600s", finding->test_case->name,
+                 finding->column->name, verdict, why[0] != '\0' ? ": " : "", why);
+        add_line(to, red, line);
+    }
+}
+
+static bool fits(const pl_table *table, int width)
+{
+    int used = table->indent;
+    for (int k = 0; k < table->column_count; ++k) {
+        used += (k > 0 ? GAP : 0) + pl_table_width(table, k);
+    }
+    return used <= width;
+}
+
+/* The counts of more than one case; of one the table is above. */
+static void add_verdicts(const pl_verdict_counts *verdicts, const terminal *to)
+{
+    if (verdicts->cases < 2) {
+        return;
+    }
+    pl_table table = pl_verdict_counts_table(verdicts, false);
+    pl_text_add(to->out, "\n");
+    add_line(to, bold, "Verdicts");
+    add_wrapped(to, verdicts->order.data, 0);
+    table.indent = GAP;
+    table.colour = to->colour;
+    for (int i = 0; i < verdicts->count && !fits(&table, to->width); ++i) {
+        pl_text_buffer line = {0};
+        pl_verdict_count_text(&verdicts->items[i], &line);
+        add_wrapped(to, line.failed ? "" : line.data, 4);
+        to->out->failed |= line.failed;
+        pl_text_free(&line);
+    }
+    if (fits(&table, to->width)) {
+        pl_table_write(&table, PL_TABLE_TEXT, to->out);
+    }
+    pl_table_free(&table);
 }
 
 static void add_losses(const pl_losses *losses, const terminal *to)
@@ -120,10 +173,13 @@ static void add_run(const pl_column *column, const pl_cell *cell, pl_table *tabl
         pl_metric_text(&cell->metrics[shown[k]], text);
         pl_table_add(table, run ? text : pl_no_number);
     }
-    pl_table_format_cell(table, "%.60s%s%s%.600s", run ? cell->outcome : "not run",
+    char verdict[PL_CELL_VERDICT_SIZE];
+    const char *why = pl_cell_why(cell);
+    pl_cell_verdict(cell, verdict);
+    pl_table_format_cell(table, "%s%s%s%.600s", verdict,
                          run && pl_cell_disagrees(cell) ? " (not deterministic)" : "",
-                         cell->reason[0] != '\0' ? ": " : "", cell->reason);
-    pl_table_style(table, !run ? "none" : cell->ok ? "ok" : "bad", NULL);
+                         why[0] != '\0' ? ": " : "", why);
+    pl_table_style(table, pl_cell_style(cell), NULL);
 }
 
 /* Where the line is too narrow, iterations are left out first, then penetration; then names are
@@ -132,7 +188,7 @@ static void fit_width(const terminal *to, pl_table *table)
 {
     static const int dropped_first[] = {3, 2};
     const int longest = pl_table_width(table, 0);
-    int left = to->width - 2 * GAP - OUTCOME_WIDTH;
+    int left = to->width - 2 * GAP - VERDICT_WIDTH;
     for (int k = 1; k <= NUMBER_COLUMNS; ++k) {
         left -= GAP + pl_table_width(table, k);
     }
@@ -150,7 +206,7 @@ static void fit_width(const terminal *to, pl_table *table)
 static void add_cases(const pl_result_matrix *matrix, const terminal *to)
 {
     pl_table table = {.indent = GAP, .colour = to->colour};
-    pl_table_columns(&table, "engine|>error|>penetration|>iterations|>time/step|outcome");
+    pl_table_columns(&table, "engine|>error|>penetration|>iterations|>time/step|verdict");
     for (int i = 0; i < matrix->case_count; ++i) {
         for (int k = 0; k < matrix->column_count; ++k) {
             add_run(&matrix->columns[k], &matrix->cases[i].cells[k], &table);
@@ -182,9 +238,11 @@ void pl_report_print_table(FILE *out, const json_t *results, bool colour, int wi
     const terminal to = {.out = &text, .colour = colour, .width = width < 40 ? 40 : width};
     if (pl_report_build(results, &report, &error) == PL_OK) {
         add_losses(&report.losses, &to);
+        add_our_findings(&report.findings, &to);
         add_cases(&report.matrix, &to);
         add_engines(&report.matrix, &to);
         add_findings(&report.findings, &to);
+        add_verdicts(&report.verdicts, &to);
     } else {
         pl_text_format(&text, "no table: %s\n", error.message);
     }

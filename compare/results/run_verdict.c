@@ -21,7 +21,14 @@ const char *pl_result_verdict_name(pl_result_verdict verdict)
 pl_result_verdict pl_result_verdict_of(const json_t *result)
 {
     const char *text = pl_json_get_text(result, "verdict");
+    const char *outcome = pl_json_get_text(result, "outcome");
+    const bool is_made_without = json_object_get(result, "verdict") == NULL;
     int verdict = 0;
+    if (is_made_without && outcome[0] != '\0' &&
+        strcmp(outcome, pl_outcome_name(PL_OUTCOME_OK)) != 0 &&
+        strcmp(outcome, pl_outcome_name(PL_OUTCOME_UNSUPPORTED)) != 0) {
+        return PL_RESULT_FAILED;
+    }
     while (verdict < PL_RESULT_UNJUDGED && strcmp(text, names[verdict]) != 0) {
         ++verdict;
     }

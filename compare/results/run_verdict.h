@@ -18,7 +18,8 @@ enum { PL_RESULT_VERDICT_COUNT = 4 };
 /* "accurate", "inaccurate", "failed", and "not judged", which is null in results. */
 const char *pl_result_verdict_name(pl_result_verdict verdict);
 
-/* The verdict of a result; PL_RESULT_UNJUDGED for one that was made without verdicts. */
+/* The verdict of a result. One that was made without verdicts failed where its outcome says so, and
+ * is else not judged. */
 pl_result_verdict pl_result_verdict_of(const json_t *result);
 
 /* The whole result: the union of identity, outcome and provenance (each borrowed), with `schema`,

@@ -115,9 +115,7 @@ static pl_status hand_on(execution *e, json_t *result, double seconds, pl_error 
 {
     pl_status status = e->def->keep(e->def->user, result, error);
     if (status == PL_OK && e->bar != NULL) {
-        pl_progress_run_ended(
-            e->bar, pl_json_get_text(result, "scenario"), pl_json_get_text(result, "label"),
-            pl_json_get_text(result, "outcome"), pl_json_get_text(result, "reason"), seconds);
+        pl_progress_run_ended(e->bar, pl_json_get_text(result, "scenario"), result, seconds);
     }
     return status;
 }

@@ -1,5 +1,7 @@
 #include "progress.h"
 
+#include "results/run_verdict.h"
+
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -61,19 +63,26 @@ void pl_progress_draw(const pl_progress *progress, const char *running, double p
     fflush(progress->out);
 }
 
-void pl_progress_run_ended(pl_progress *progress, const char *scenario, const char *label,
-                           const char *outcome, const char *reason, double seconds)
+void pl_progress_run_ended(pl_progress *progress, const char *title, const json_t *result,
+                           double seconds)
 {
+    static const char *const colours[PL_RESULT_VERDICT_COUNT] = {"", "\033[33m", "\033[31m", ""};
+    const pl_result_verdict verdict = pl_result_verdict_of(result);
+    const char *outcome = pl_json_get_text(result, "outcome");
+    const bool is_judged = verdict != PL_RESULT_UNJUDGED;
+    const bool good = is_judged ? verdict == PL_RESULT_ACCURATE : strcmp(outcome, "ok") == 0;
+    const char *word = is_judged ? pl_result_verdict_name(verdict) : outcome;
+    const char *reason = pl_json_get_text(result, is_judged ? "verdict_reason" : "reason");
+    const char *colour = progress->colour ? colours[verdict] : "";
     progress->done += 1;
-    bool good = strcmp(outcome, "ok") == 0;
     if (progress->terminal && good) {
         return;
     }
-    const char *red = progress->colour && !good ? "\033[31m" : "";
-    const char *plain = progress->colour && !good ? "\033[0m" : "";
     fprintf(progress->out, "%s[%ld/%ld] %s  %s  %s%s%s  %.2f s%s%s\n",
-            progress->terminal ? "\r\033[K" : "", progress->done, progress->total, scenario, label,
-            red, outcome, plain, seconds, good ? "" : ": ", good ? "" : reason);
+            progress->terminal ? "\r\033[K" : "", progress->done, progress->total,
+            title, pl_json_get_text(result, "label"), colour, word,
+            colour[0] == '\0' ? "" : "\033[0m", seconds, good || reason[0] == '\0' ? "" : ": ",
+            good ? "" : reason);
 }
 
 void pl_progress_end(const pl_progress *progress)

@@ -247,7 +247,7 @@ int pl_table_width(const pl_table *table, int column)
 static const char *colour_of(const char *style)
 {
     static const char *const colours[][2] = {
-        {"ok", "\033[32m"}, {"bad", "\033[31m"}, {"none", "\033[2m"}};
+        {"ok", "\033[32m"}, {"poor", "\033[33m"}, {"bad", "\033[31m"}, {"none", "\033[2m"}};
     for (size_t i = 0; style != NULL && i < sizeof colours / sizeof colours[0]; ++i) {
         if (strcmp(style, colours[i][0]) == 0) {
             return colours[i][1];
@@ -430,6 +430,9 @@ void pl_table_write(const pl_table *table, pl_table_format format, pl_text_buffe
     }
     const writer w = {.table = table, .format = format, .out = out, .width = width};
     pl_text_add(out, format == PL_TABLE_HTML ? "<div class=\"scroll\"><table>\n" : "");
+    if (format == PL_TABLE_HTML && table->caption != NULL) {
+        pl_text_add_element(out, "<caption>", table->caption, "</caption>\n");
+    }
     write_rows(&w, table->first, last);
     pl_text_add(out, format == PL_TABLE_HTML ? "</tbody></table></div>\n" : "");
     free(width);

@@ -60,6 +60,7 @@ typedef struct pl_table {
     int line_width;       /* text: the last column is cut so that lines fit; 0: no limit */
     bool colour;          /* text: colours by style, by escape sequences */
     const char *line_end; /* CSV: "\r\n" where it is NULL */
+    const char *caption;  /* HTML: what the table shows; NULL: none */
     const char *missing;  /* for a number that is not finite; "-" where it is NULL */
 } pl_table;
 
@@ -99,7 +100,8 @@ void pl_table_add_markup(pl_table *table, const char *markup);
 void pl_table_add_span(pl_table *table, const char *text);
 
 /* Gives the cell that was added last a style and a tooltip; either may be NULL or empty. The style
- * is the cell's class in HTML, and its colour in text: "ok" green, "bad" red, "none" faint. The
+ * is the cell's class in HTML, and its colour in text: "ok" green, "poor" yellow, "bad" red, "none"
+ * faint. The
  * tooltip is written in HTML only. */
 void pl_table_style(pl_table *table, const char *style, const char *title);
 

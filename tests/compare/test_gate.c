@@ -109,6 +109,51 @@ static void test_run_no_longer_ok_fails_once(void **state)
            "outcome", "it fell");
 }
 
+static json_t *with_verdict(const char *verdict)
+{
+    json_t *results = single("drift", metric_value(1));
+    if (verdict[0] != '\0') {
+        set_verdict(json_array_get(results, 0), verdict, "drift is too large");
+    }
+    return results;
+}
+
+/* "" is a result or a baseline that was made without verdicts. */
+static void test_worse_verdict_than_the_baseline_fails(void **state)
+{
+    const workspace *w = *state;
+    static const struct {
+        const char *before, *now, *what;
+        int failures, notices;
+    } rows[] = {{"accurate", "accurate", "", 0, 0},
+                {"accurate", "inaccurate", "drift is too large", 1, 0},
+                {"accurate", "failed", "drift is too large", 1, 0},
+                {"inaccurate", "failed", "drift is too large", 1, 0},
+                {"failed", "inaccurate", "better", 0, 1},
+                {"inaccurate", "accurate", "better", 0, 1},
+                {"", "inaccurate", "the baseline has none", 0, 1},
+                {"accurate", "", "no longer judged", 0, 1},
+                {"", "", "", 0, 0}};
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        expect(w, begin_trial(with_verdict(rows[i].before), with_verdict(rows[i].now)),
+               rows[i].failures, rows[i].notices, "verdict", rows[i].what);
+    }
+}
+
+static void test_worst_verdict_of_the_repeats_counts(void **state)
+{
+    const workspace *w = *state;
+    json_t *results = with_verdict("accurate");
+    for (int i = 1; i < 3; ++i) {
+        json_t *row = add_run(results, "scene", "mine:p", "ok");
+        json_object_set_new(row, "repeat", json_integer(i));
+        set_metric(row, "drift", metric_value(1));
+        set_verdict(row, i == 1 ? "inaccurate" : "accurate", "drift is too large");
+    }
+    expect(w, begin_trial(with_verdict("accurate"), results), 1, 0, "verdict",
+           "drift is too large");
+}
+
 static void test_missing_run_fails_and_new_run_is_noticed(void **state)
 {
     const workspace *w = *state;
@@ -172,6 +217,8 @@ int main(void)
         cmocka_unit_test(test_texts_are_exact),
         cmocka_unit_test(test_lost_value_fails),
         cmocka_unit_test(test_run_no_longer_ok_fails_once),
+        cmocka_unit_test(test_worse_verdict_than_the_baseline_fails),
+        cmocka_unit_test(test_worst_verdict_of_the_repeats_counts),
         cmocka_unit_test(test_missing_run_fails_and_new_run_is_noticed),
         cmocka_unit_test(test_another_step_or_seed_is_another_run),
         cmocka_unit_test(test_parameter_at_its_default_is_the_same_run),

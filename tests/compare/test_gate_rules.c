@@ -20,6 +20,9 @@ static void test_rules_judge_what_they_name(void **state)
                 {"*/mine:*: drift>0.4", 1},
                 {"outcome!=ok", 0},
                 {"outcome == ok", 1},
+                {"verdict!=accurate", 1},
+                {"verdict==not judged", 1},
+                {"verdict==failed", 0},
                 {"drift>+0%", 0},
                 {"drift>=-1%", 0},
                 /* These rules judge nothing, which is a failure. */
@@ -86,6 +89,8 @@ static void test_mistakes_in_rules_are_reported_with_column(void **state)
         {"time_per_step<+10%", "column 15: expected growth of a time"},
         {"outcome>ok", "column 8: expected == or != before a text"},
         {"outcome!=fine", "column 10: expected ok, collapsed"},
+        {"verdict<accurate", "column 8: expected == or != before a text"},
+        {"verdict!=ok", "column 10: expected accurate, inaccurate, failed or not judged"},
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
         pl_gate_rule rule;
@@ -101,6 +106,7 @@ static void test_mistakes_in_rules_are_reported_with_column(void **state)
                                             {"drift=", "expected numbers"},
                                             {"time_per_step=0.1", "have --time-limit"},
                                             {"instructions_per_step=0.1", "have --time-limit"},
+                                            {"verdict=0", "a verdict"},
                                             {"outcome=0", "an outcome has no tolerance"}};
     for (size_t i = 0; i < sizeof limits / sizeof limits[0]; ++i) {
         pl_gate_tolerances parsed = pl_gate_tolerances_default();

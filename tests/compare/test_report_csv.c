@@ -33,7 +33,7 @@ static char read_field(const char **at, char *field, size_t size)
     return delimiter;
 }
 
-enum { CSV_COLUMNS = 33, CSV_FIELD = 512 };
+enum { CSV_COLUMNS = 36, CSV_FIELD = 512 };
 
 /* Parses a line; returns how many fields it has. */
 static int read_line(const char **at, char fields[CSV_COLUMNS][CSV_FIELD])
@@ -66,6 +66,8 @@ static void test_csv_parses_back_field_for_field(void **state)
     json_t *results = json_array();
     json_t *row = add_run(results, hostile_text, "plumb:fast", "crashed");
     json_object_set_new(row, "reason", json_string(hostile_text));
+    json_object_set_new(row, "acceptance", json_real(0.1));
+    set_verdict(row, "failed", hostile_text);
     json_object_set_new(json_object_get(row, "params"), "n", json_integer(25));
     set_metric(row, "drift",
                json_pack("{s:f, s:s, s:s, s:b, s:f, s:i}", "value", 0.1, "unit", "m", "direction",
@@ -88,6 +90,10 @@ static void test_csv_parses_back_field_for_field(void **state)
     assert_string_equal(field_of(head, line, "p50"), "");
     assert_string_equal(field_of(head, line, "worst_step"), "7");
     assert_string_equal(field_of(head, line, "deterministic"), "true");
+    assert_string_equal(line[columns - 3], "failed");
+    assert_string_equal(field_of(head, line, "verdict"), "failed");
+    assert_string_equal(field_of(head, line, "verdict_reason"), hostile_text);
+    assert_true(strtod(field_of(head, line, "acceptance"), NULL) == 0.1);
     assert_int_equal(read_line(&at, line), columns);
     assert_string_equal(field_of(head, line, "metric"), "settle_time");
     assert_string_equal(field_of(head, line, "value"), "");

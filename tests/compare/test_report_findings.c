@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A run with a primary error and its value. */
+/* A run with a primary error and its value, judged by a bound of 0.01. */
 static json_t *add_error(json_t *results, const char *scenario, const char *label,
                          const char *outcome, const char *primary, double error)
 {
@@ -21,10 +21,15 @@ static json_t *add_error(json_t *results, const char *scenario, const char *labe
     set_metric(row, "reference_error",
                json_pack("{s:f, s:s}", "value", error, "unit",
                          strcmp(primary, "rest_position_error") == 0 ? "m" : "1"));
+    if (strcmp(outcome, "ok") == 0) {
+        set_verdict(row, error > 0.01 ? "inaccurate" : "accurate", "the error is too large");
+    } else if (strcmp(outcome, "unsupported") != 0) {
+        set_verdict(row, "failed", "the run ended early");
+    }
     return row;
 }
 
-static void test_relative_error_above_threshold_is_a_finding(void **state)
+static void test_inaccurate_run_is_a_finding(void **state)
 {
     (void)state;
     json_t *results = json_array();
@@ -34,14 +39,17 @@ static void test_relative_error_above_threshold_is_a_finding(void **state)
     add_error(results, "d", "ode:quick", "ok", "rest_position_error", 0.5);
     made_report made = make_report(results);
     assert_int_equal(made.report.findings.runs, 4);
-    assert_int_equal(made.report.findings.count, 2);
+    assert_int_equal(made.report.findings.count, 3);
     assert_string_equal(made.report.findings.items[0].test_case->scenario, "a");
     assert_string_equal(made.report.findings.items[1].test_case->scenario, "c");
-    assert_contains(made.html.data, "1.01 % (value_error)");
-    assert_contains(made.html.data, "50 % (travel_error)");
+    assert_contains(made.html.data, "3 of 4 runs of ode:quick that were judged");
+    assert_contains(made.html.data, "inaccurate, 1.01 % (value_error)");
+    assert_contains(made.html.data, "inaccurate, 50 % (travel_error)");
+    assert_contains(made.html.data, "inaccurate, 0.500 m (rest_position_error)");
     free_report(&made);
 }
 
+/* They stand with the losses. */
 static void test_our_own_runs_are_no_findings(void **state)
 {
     (void)state;
@@ -52,10 +60,19 @@ static void test_our_own_runs_are_no_findings(void **state)
     assert_int_equal(made.report.findings.count, 0);
     assert_absent(made.html.data, "id=\"findings\"");
     assert_absent(made.markdown.data, "## Findings");
+    assert_int_equal(made.report.findings.our_count, 2);
+    const char *losses = strstr(made.html.data, "id=\"losses\"");
+    assert_contains(losses, "2 of 2 runs of plumb:fast that were judged are not accurate.");
+    assert_contains(losses, "inaccurate, 50 % (value_error)");
+    assert_contains(losses, "<td class=\"why\">the error is too large</td>");
+    char *table = printed_table(made.results, false, 120);
+    assert_contains(table, "  a, plumb:fast: inaccurate: the error is too large\n");
+    assert_contains(table, "  b, plumb:fast: failed: collapsed\n");
+    free(table);
     free_report(&made);
 }
 
-static void test_failure_with_a_reference_is_a_finding(void **state)
+static void test_failed_run_is_a_finding(void **state)
 {
     (void)state;
     static const char *const failures[] = {"collapsed", "diverged", "nonfinite", "crashed",
@@ -72,7 +89,7 @@ static void test_failure_with_a_reference_is_a_finding(void **state)
     static const char *const others[] = {"ok", "unsupported"};
     for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) {
         json_t *results = json_array();
-        add_error(results, "a", "ode:quick", others[i], "rest_position_error", 0.25);
+        add_error(results, "a", "ode:quick", others[i], "rest_position_error", 0.005);
         made_report made = make_report(results);
         assert_int_equal(made.report.findings.count, 0);
         free_report(&made);
@@ -81,7 +98,8 @@ static void test_failure_with_a_reference_is_a_finding(void **state)
     json_t *row = add_run(results, "a", "ode:quick", "collapsed");
     json_object_set_new(row, "primary_error", json_string(""));
     made_report made = make_report(results);
-    assert_int_equal(made.report.findings.count, 0);
+    assert_int_equal(made.report.findings.count, 1);
+    assert_contains(made.html.data, "<td class=\"bad\">failed: collapsed</td>");
     free_report(&made);
 }
 
@@ -92,6 +110,7 @@ static void test_an_error_without_a_value_is_a_finding(void **state)
     json_t *row = add_error(results, "a", "ode:quick", "ok", "value_error", 0);
     set_metric(row, "reference_error",
                json_pack("{s:n, s:s}", "value", "reason", "no whole period"));
+    set_verdict(row, NULL, "value_error has no value: no whole period");
     made_report made = make_report(results);
     assert_int_equal(made.report.findings.count, 1);
     assert_contains(made.html.data, "no value (value_error)");
@@ -424,9 +443,9 @@ static void test_table_keeps_to_the_width(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_relative_error_above_threshold_is_a_finding),
+        cmocka_unit_test(test_inaccurate_run_is_a_finding),
         cmocka_unit_test(test_our_own_runs_are_no_findings),
-        cmocka_unit_test(test_failure_with_a_reference_is_a_finding),
+        cmocka_unit_test(test_failed_run_is_a_finding),
         cmocka_unit_test(test_an_error_without_a_value_is_a_finding),
         cmocka_unit_test(test_known_cause_is_shown_with_its_evidence),
         cmocka_unit_test(test_unknown_cause_is_reported_as_unknown),

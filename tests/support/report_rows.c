@@ -47,6 +47,12 @@ json_t *add_run(json_t *results, const char *scenario, const char *label, const 
     return row;
 }
 
+void set_verdict(json_t *row, const char *verdict, const char *reason)
+{
+    json_object_set_new(row, "verdict", verdict == NULL ? json_null() : json_string(verdict));
+    json_object_set_new(row, "verdict_reason", json_string(reason));
+}
+
 json_t *two_runs(const char *metric, double ours, double theirs)
 {
     json_t *results = json_array();

@@ -17,6 +17,9 @@ void set_metric(json_t *row, const char *metric, json_t *value);
  * The row is borrowed from `results`. */
 json_t *add_run(json_t *results, const char *scenario, const char *label, const char *outcome);
 
+/* Sets the verdict of a row, NULL for none, with its reason. */
+void set_verdict(json_t *row, const char *verdict, const char *reason);
+
 /* Our engine and another one on one case, each with a value of one metric. */
 json_t *two_runs(const char *metric, double ours, double theirs);
 

@@ -48,10 +48,7 @@ static pl_status make_run(study *t, run *r, pl_error *error)
     if (status == PL_OK && t->signal == 0 && t->def->progress != NULL) {
         char title[256];
         snprintf(title, sizeof title, "%s, %s", r->planned->test_case->name, r->check);
-        pl_progress_run_ended(&t->progress, title, r->planned->configuration->label,
-                              pl_json_get_text(r->result, "outcome"),
-                              pl_json_get_text(r->result, "reason"),
-                              pl_monotonic_seconds() - started);
+        pl_progress_run_ended(&t->progress, title, r->result, pl_monotonic_seconds() - started);
     }
     return status;
 }

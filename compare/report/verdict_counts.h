@@ -1,0 +1,41 @@
+/* How many runs of each engine are accurate, inaccurate or failed. */
+#ifndef PLUMB_VERDICT_COUNTS_H
+#define PLUMB_VERDICT_COUNTS_H
+
+#include "page.h"
+#include "result_matrix.h"
+
+/* The verdicts on one engine configuration. The repeats of a run count once, by the worst. */
+typedef struct pl_verdict_count {
+    const pl_column *column;
+    int runs[PL_RESULT_VERDICT_COUNT]; /* of each verdict; those unsupported are not among them */
+    int unsupported, not_run;          /* cases */
+} pl_verdict_count;
+
+/* The verdicts on all engine configurations of a report. */
+typedef struct pl_verdict_counts {
+    pl_verdict_count *items; /* more accurate runs first, then fewer that failed, then fewer that
+                                are inaccurate, then by name */
+    int count;
+    int cases;
+    bool any_judged;      /* some run has a verdict */
+    pl_text_buffer order; /* in words: what is counted, and how the engines are ordered */
+} pl_verdict_counts;
+
+/* Counts the verdicts of a matrix, which must outlive *counts. The caller frees *counts, also on
+ * failure. PL_NO_MEMORY. */
+pl_status pl_verdict_counts_make(const pl_result_matrix *matrix, pl_verdict_counts *counts,
+                                 pl_error *error);
+
+/* Frees the counts. */
+void pl_verdict_counts_free(pl_verdict_counts *counts);
+
+/* Makes a table with a row for each engine, for HTML with a bar below its name. Counts of cases
+ * that are unsupported, not judged or not run have a column where some engine has any. The caller
+ * frees. */
+pl_table pl_verdict_counts_table(const pl_verdict_counts *counts, bool html);
+
+/* Adds the counts of one engine in a line: "ode:quick: 3 accurate, 0 inaccurate, 1 failed". */
+void pl_verdict_count_text(const pl_verdict_count *item, pl_text_buffer *out);
+
+#endif

@@ -1,0 +1,195 @@
+/* The verdicts in reports: their counts, the order of the engines, their words and their colours. */
+#include "check.h"
+#include "report_rows.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static json_t *add_judged(json_t *results, const char *scenario, const char *label,
+                          const char *verdict)
+{
+    json_t *row = add_run(results, scenario, label, "ok");
+    set_metric(row, "reference_error", metric_value(0.6));
+    set_verdict(row, verdict, "");
+    return row;
+}
+
+static void add_three(json_t *results, const char *label, const char *a, const char *b,
+                      const char *c)
+{
+    add_judged(results, "a", label, a);
+    add_judged(results, "b", label, b);
+    add_judged(results, "c", label, c);
+}
+
+static void test_engines_are_ordered_by_accuracy_then_failures(void **state)
+{
+    (void)state;
+    static const char *const expected[] = {"z:all", "y:no-failure", "x:one", "a:none", "plumb:none"};
+    json_t *results = json_array();
+    add_three(results, "plumb:none", "failed", "failed", "failed");
+    add_three(results, "a:none", "failed", "failed", "failed");
+    add_three(results, "x:one", "failed", "accurate", "inaccurate");
+    add_three(results, "y:no-failure", "accurate", "inaccurate", "inaccurate");
+    add_three(results, "z:all", "accurate", "accurate", "accurate");
+    made_report made = make_report(results);
+    char *table = printed_table(made.results, false, 100);
+    assert_int_equal(made.report.verdicts.count, 5);
+    for (int i = 0; i < 5; ++i) {
+        assert_string_equal(made.report.verdicts.items[i].column->name, expected[i]);
+    }
+    assert_contains(table, "x:one                1           1       1\n");
+    assert_contains(made.markdown.data, "| x:one | 1 | 1 | 1 |\n");
+    assert_before(made.html.data, "id=\"verdicts\"", "id=\"losses\"");
+    assert_before(made.markdown.data, "## Verdicts", "## Where plumb loses");
+    free(table);
+    free_report(&made);
+}
+
+static void test_runs_without_a_verdict_are_counted_apart(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    add_three(results, "x:p", "accurate", NULL, NULL);
+    add_judged(results, "a", "y:p", "accurate");
+    json_t *row = add_run(results, "b", "y:p", "unsupported");
+    set_verdict(row, NULL, "unsupported");
+    json_object_set_new(row, "reason", json_string("it has no hulls"));
+    made_report made = make_report(results);
+    char *table = printed_table(made.results, false, 120);
+    assert_contains(made.markdown.data,
+                    "| engine | accurate | inaccurate | failed | unsupported | not judged | not run "
+                    "|\n");
+    assert_contains(made.markdown.data, "| x:p | 1 | 0 | 0 | 0 | 2 | 0 |\n");
+    assert_contains(made.markdown.data, "| y:p | 1 | 0 | 0 | 1 | 0 | 1 |\n");
+    assert_contains(table, " not judged\n");
+    assert_contains(table, " unsupported: it has no hulls\n");
+    free(table);
+    free_report(&made);
+}
+
+/* The outcome alone tells that such a run failed, and nothing tells that it is accurate. */
+static void test_results_without_the_keys_are_read(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    add_run(results, "a", "x:p", "ok");
+    json_object_set_new(add_run(results, "b", "x:p", "collapsed"), "reason",
+                        json_string("body 3 fell"));
+    add_run(results, "c", "x:p", "unsupported");
+    made_report made = make_report(results);
+    char *table = printed_table(made.results, false, 120);
+    const pl_verdict_count *count = &made.report.verdicts.items[0];
+    assert_int_equal(count->runs[PL_RESULT_ACCURATE], 0);
+    assert_int_equal(count->runs[PL_RESULT_FAILED], 1);
+    assert_int_equal(count->runs[PL_RESULT_UNJUDGED], 1);
+    assert_int_equal(count->unsupported, 1);
+    assert_contains(table, " failed: collapsed: body 3 fell\n");
+    free(table);
+    free_report(&made);
+}
+
+static void test_repeats_count_once_by_the_worst(void **state)
+{
+    (void)state;
+    static const char *const verdicts[] = {"accurate", "inaccurate", "accurate"};
+    json_t *results = json_array();
+    for (int i = 0; i < 3; ++i) {
+        json_object_set_new(add_judged(results, "a", "x:p", verdicts[i]), "repeat",
+                            json_integer(i));
+    }
+    made_report made = make_report(results);
+    const pl_verdict_count *count = &made.report.verdicts.items[0];
+    assert_int_equal(count->runs[PL_RESULT_ACCURATE], 0);
+    assert_int_equal(count->runs[PL_RESULT_INACCURATE], 1);
+    free_report(&made);
+}
+
+static void test_colours_follow_the_verdict(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *verdict, *cell, *escape;
+    } rows[] = {{"accurate", "<td class=\"n ok\"", "\033[32maccurate"},
+                {"inaccurate", "<td class=\"n poor\"", "\033[33minaccurate"},
+                {"failed", "<td class=\"n bad\"", "\033[31mfailed"}};
+    for (int i = 0; i < 3; ++i) {
+        json_t *results = json_array();
+        add_judged(results, "a", "x:p", rows[i].verdict);
+        made_report made = make_report(results);
+        char *table = printed_table(made.results, true, 100);
+        for (int k = 0; k < 3; ++k) { /* the count, the table of results, and the case's own */
+            assert_int_equal(count_of(made.html.data, rows[k].cell), i == k ? 3 : 0);
+            assert_int_equal(count_of(table, rows[k].escape), i == k);
+        }
+        free(table);
+        free_report(&made);
+    }
+}
+
+static void test_reason_of_the_verdict_is_shown(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    set_verdict(add_judged(results, "a", "x:p", "inaccurate"), "inaccurate",
+                "stands, but leans: drift is 0.6 m");
+    made_report made = make_report(results);
+    char *table = printed_table(made.results, false, 100);
+    assert_contains(table, " inaccurate: stands, but leans: drift is 0.6 m\n");
+    assert_contains(made.html.data, "title=\"stands, but leans: drift is 0.6 m\"");
+    assert_contains(made.html.data,
+                    "<span class=\"because\">stands, but leans: drift is 0.6 m</span>");
+    free(table);
+    free_report(&made);
+}
+
+static void test_bound_stands_next_to_the_primary_error(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    json_t *row = add_judged(results, "a", "x:p", "inaccurate");
+    json_object_set_new(row, "acceptance", json_real(0.05));
+    add_judged(results, "b", "x:p", NULL);
+    made_report made = make_report(results);
+    assert_contains(made.html.data, "<span class=\"small\">drift, at most 0.05 m</span>");
+    assert_contains(made.html.data, "<code>drift</code> of at most 0.05 m");
+    assert_contains(made.markdown.data, "| a (drift, at most 0.05 m) |");
+    assert_contains(made.markdown.data, "| b (drift) |");
+    free_report(&made);
+}
+
+/* Of a single case the table has everything, and a narrow line has no room for one. */
+static void test_terminal_counts_several_cases_at_any_width(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    add_judged(results, "a", "x:p", "accurate");
+    char *table = printed_table(results, false, 100);
+    assert_absent(table, "Verdicts\n");
+    free(table);
+    add_judged(results, "b", "x:p", "failed");
+    table = printed_table(results, false, 40);
+    assert_contains(table, "Verdicts\n");
+    assert_contains(table, "x:p         1           0       1\n");
+    free(table);
+    add_judged(results, "c", "x:p", NULL);
+    table = printed_table(results, false, 40);
+    assert_contains(table, "x:p: 1 accurate, 0 inaccurate, 1 failed,\n");
+    free(table);
+    json_decref(results);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_engines_are_ordered_by_accuracy_then_failures),
+        cmocka_unit_test(test_runs_without_a_verdict_are_counted_apart),
+        cmocka_unit_test(test_results_without_the_keys_are_read),
+        cmocka_unit_test(test_repeats_count_once_by_the_worst),
+        cmocka_unit_test(test_colours_follow_the_verdict),
+        cmocka_unit_test(test_reason_of_the_verdict_is_shown),
+        cmocka_unit_test(test_bound_stands_next_to_the_primary_error),
+        cmocka_unit_test(test_terminal_counts_several_cases_at_any_width),
+    };
+    return cmocka_run_group_tests_name("report_verdicts", tests, NULL, NULL);
+}
