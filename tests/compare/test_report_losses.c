@@ -196,13 +196,14 @@ static void test_nothing_compared_is_not_called_no_losses(void **state)
     }
 }
 
-static void test_losses_come_before_every_other_table(void **state)
+static void test_verdicts_and_losses_come_before_results(void **state)
 {
     (void)state;
     made_report made = make_report(runs_of_every_kind());
-    assert_before(made.html.data, "Where plumb loses", "<table>");
+    assert_before(made.html.data, "id=\"verdicts\"", "<table>");
+    assert_before(made.html.data, "</table>", "Where plumb loses");
     assert_before(made.html.data, "Where plumb loses", "id=\"results\"");
-    assert_before(made.markdown.data, "## Where plumb loses", "\n|");
+    assert_before(made.markdown.data, "## Verdicts", "\n|");
     assert_before(made.markdown.data, "## Where plumb loses", "## Results");
     char *table = printed_table(made.results, false, 100);
     assert_int_equal(strncmp(table, "Where plumb loses\n", 18), 0);
@@ -222,7 +223,7 @@ int main(void)
         cmocka_unit_test(test_times_of_different_machines_are_not_compared),
         cmocka_unit_test(test_no_losses_is_reported_with_the_comparisons),
         cmocka_unit_test(test_nothing_compared_is_not_called_no_losses),
-        cmocka_unit_test(test_losses_come_before_every_other_table),
+        cmocka_unit_test(test_verdicts_and_losses_come_before_results),
     };
     return cmocka_run_group_tests_name("report_losses", tests, NULL, NULL);
 }

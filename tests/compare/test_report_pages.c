@@ -273,7 +273,7 @@ static void test_markdown_tables_are_rectangular_with_any_text(void **state)
         }
         line += length + (line[length] == '\n');
     }
-    assert_int_equal(tables, 5);
+    assert_int_equal(tables, 6);
     assert_absent(made.markdown.data, "<script");
     free_report(&made);
 }

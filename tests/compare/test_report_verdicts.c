@@ -170,7 +170,7 @@ static void test_terminal_counts_several_cases_at_any_width(void **state)
     add_judged(results, "b", "x:p", "failed");
     table = printed_table(results, false, 40);
     assert_contains(table, "Verdicts\n");
-    assert_contains(table, "x:p         1           0       1\n");
+    assert_contains(table, "x:p            1           0       1\n");
     free(table);
     add_judged(results, "c", "x:p", NULL);
     table = printed_table(results, false, 40);
