@@ -5,6 +5,7 @@
 #include "referee.h"
 
 #include "referee/geometry/candidate_pairs.h"
+#include "referee/metrics/chaotic.h"
 #include "referee/metrics/contact_force.h"
 #include "referee/metrics/motion.h"
 #include "referee/metrics/reference_error.h"
@@ -400,6 +401,7 @@ pl_verdict pl_referee_finish(pl_referee *r, const char *residual_unit, pl_metric
         dynamic_metrics(r, item);
     }
     withdraw_after_early_end(r, item);
+    pl_chaotic_metrics(r->scene, item);
     item[PL_METRIC_REFERENCE_ERROR] = reference_metric(r, item);
     return final_verdict(r, note, error);
 }

@@ -239,6 +239,9 @@ static json_t *metric_json(const pl_metric *metric, const pl_metric_info *info)
         failed |= json_object_set_new(object, "p99", pl_json_number_or_null(metric->p99));
         failed |= json_object_set_new(object, "worst_step", json_integer(metric->worst_step));
     }
+    if (has_value && metric->part != NULL) {
+        failed |= json_object_set_new(object, "part", json_string(metric->part));
+    }
     if (failed != 0) {
         json_decref(object);
         return NULL;

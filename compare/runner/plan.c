@@ -149,11 +149,12 @@ pl_status pl_plan_add_values(pl_plan *plan, const pl_scenario *scenario, const d
 static pl_status override_times(pl_scene *scene, const char *path, double dt, double duration,
                                 pl_error *error)
 {
-    if (!isnan(duration) && (scene->travel_count > 0 || scene->value_count > 0)) {
+    if (!isnan(duration) &&
+        (scene->travel_count > 0 || scene->value_count > 0 || scene->statistic_count > 0)) {
         return pl_fail(
             error, PL_BAD_INPUT,
-            "%s: --duration cannot replace the duration of a scene that expects a travel or a "
-            "value: they hold for %g s",
+            "%s: --duration cannot replace the duration of a scene that expects a travel, a "
+            "value or a statistic: they hold for %g s",
             path, scene->duration);
     }
     scene->dt = isnan(dt) ? scene->dt : dt;

@@ -80,7 +80,7 @@ void pl_settings_make(const pl_scenario *scenario, const double *values, pl_sett
 
 /* Adds a scene file ("-" is standard input). A `dt` or `duration` that is not NAN replaces the
  * scene's: expected travels then lose their discrete answer, and a new duration for a scene with
- * travels, whose distances hold for its own, is PL_BAD_INPUT. */
+ * travels, values or statistics, which hold for its own, is PL_BAD_INPUT. */
 pl_status pl_plan_add_scene_file(pl_plan *plan, const char *path, double dt, double duration,
                                  pl_error *error);
 

@@ -38,6 +38,16 @@
     .acceptance = 0.06, .acceptance_reason = "6 %: a laboratory that measures friction again "     \
                                              "gets no closer (0.06, ASTM D2534)"
 
+/* What all right answers of a chaotic scene have in common, and when a run is accurate. */
+#define PL_CHAOTIC_REFERENCE                                                                       \
+    "no overlap at any time, no gain of energy, momentum kept, and end statistics as those of "    \
+    "converged runs where two engines agree on them"
+#define PL_CHAOTIC_ACCEPTANCE                                                                      \
+    .acceptance = 0.05,                                                                            \
+    .acceptance_reason = "0.05: one contact in a hundred overlaps by a twentieth of the thinnest " \
+                         "body, or one body "                                                      \
+                         "is half inside another, or energy, momentum or the end are visibly off"
+
 /* The table of parameters of a scenario. */
 #define PL_PARAMS(table) .params = (table), .param_count = sizeof(table) / sizeof(table)[0]
 

@@ -1,5 +1,6 @@
 #include "scene_builder.h"
 
+#include "converged.h"
 #include "trigonometry.h"
 
 #include <math.h>
@@ -42,6 +43,7 @@ pl_status pl_scenario_build(const pl_scenario *scenario, const double *values, u
     if (builder.status == PL_OK) {
         scenario->build(&builder, values);
     }
+    pl_build_statistics(&builder, scenario, values, seed);
     if (builder.status == PL_OK) {
         builder.status = pl_scene_validate(scene, error);
     }

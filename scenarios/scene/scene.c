@@ -42,6 +42,7 @@ void pl_scene_free(pl_scene *scene)
     free(scene->rests);
     free(scene->travels);
     free(scene->values);
+    free(scene->statistics);
     *scene = pl_scene_default();
 }
 
@@ -118,6 +119,11 @@ pl_status pl_scene_add_travel(pl_scene *scene, const pl_expect_travel *item, pl_
 pl_status pl_scene_add_value(pl_scene *scene, const pl_expect_value *item, pl_error *error)
 {
     return pl_array_push(&scene->values, &scene->value_count, item, sizeof *item, error);
+}
+
+pl_status pl_scene_add_statistic(pl_scene *scene, const pl_expect_statistic *item, pl_error *error)
+{
+    return pl_array_push(&scene->statistics, &scene->statistic_count, item, sizeof *item, error);
 }
 
 void pl_scene_pair(const pl_scene *scene, int material_a, int material_b, double *friction,

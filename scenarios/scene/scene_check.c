@@ -121,6 +121,10 @@ static bool check_primary_error(const pl_scene *scene, pl_diagnostic *diagnostic
         return pl_diagnose_field(diagnostic, "primary",
                                  "expected `values` next to \"%s\", found none", primary);
     }
+    if (strcmp(primary, "statistics_error") == 0 && scene->statistic_count == 0) {
+        return pl_diagnose_field(diagnostic, "primary",
+                                 "expected `statistics` next to \"%s\", found none", primary);
+    }
     bool of_travel = strcmp(primary, "travel_error") == 0 ||
                      (strcmp(primary, "discrete_error") == 0 && scene->value_count == 0);
     if (of_travel && scene->travel_count == 0) {
@@ -298,6 +302,15 @@ static bool check_expected(const pl_scene *scene, const pl_expect_value *value,
                            "a whole number of 0 to 8");
 }
 
+static bool check_interval(const pl_expect_statistic *statistic, pl_diagnostic *diagnostic)
+{
+    char low[PL_NUMBER_SIZE], found[PL_NUMBER_SIZE];
+    return statistic->high >= statistic->low ||
+           pl_diagnose_field(
+               diagnostic, "high", "expected a number of at least `low`, which is %s, found %s",
+               pl_number_text(statistic->low, low), pl_number_text(statistic->high, found));
+}
+
 /* The rules of an object, in addition to those of its fields. */
 static bool check_rules(const checker *c, pl_object_kind kind, const void *object)
 {
@@ -312,6 +325,8 @@ static bool check_rules(const checker *c, pl_object_kind kind, const void *objec
         return check_force(object, c->diagnostic);
     case PL_OBJECT_VALUE:
         return check_expected(c->scene, object, c->diagnostic);
+    case PL_OBJECT_STATISTIC:
+        return check_interval(object, c->diagnostic);
     default:
         return true;
     }

@@ -10,7 +10,7 @@
 const char *const pl_primary_errors[PL_PRIMARY_ERROR_COUNT] = {
     "rest_position_error", "rest_rotation_error", "travel_error", "value_error", "discrete_error",
     "penetration_max",     "penetration_rest",    "drift",        "creep",       "energy_gain",
-    "momentum_error"};
+    "momentum_error",      "statistics_error",    "chaotic_error"};
 
 const char *const pl_shape_names[PL_SHAPE_KIND_COUNT] = {
     [PL_SHAPE_PLANE] = "plane",     [PL_SHAPE_SPHERE] = "sphere",     [PL_SHAPE_BOX] = "box",
@@ -21,6 +21,13 @@ static const char *const quantity_names[PL_QUANTITY_COUNT] = {
     [PL_QUANTITY_POSITION] = "position", [PL_QUANTITY_VELOCITY] = "velocity",
     [PL_QUANTITY_SPIN] = "spin",         [PL_QUANTITY_TURN] = "turn",
     [PL_QUANTITY_APEX] = "apex",         [PL_QUANTITY_PERIOD] = "period"};
+
+static const char *const statistic_names[PL_STATISTIC_COUNT] = {
+    [PL_STATISTIC_MASS_HEIGHT] = "mass_height",
+    [PL_STATISTIC_RUN_OUT_P95] = "run_out_p95",
+    [PL_STATISTIC_SPREAD_X] = "spread_x",
+    [PL_STATISTIC_SPREAD_Y] = "spread_y",
+    [PL_STATISTIC_ENERGY_LOST] = "energy_lost"};
 
 static const char *const frame_names[] = {[PL_FRAME_WORLD] = "world", [PL_FRAME_BODY] = "body"};
 
@@ -64,8 +71,8 @@ static bool has_expectation(const void *object)
 {
     const pl_scene *scene = object;
     return scene->rest_count > 0 || scene->travel_count > 0 || scene->value_count > 0 ||
-           scene->primary_error[0] != '\0' || !isinf(scene->collapse_distance) ||
-           !isinf(scene->acceptance);
+           scene->statistic_count > 0 || scene->primary_error[0] != '\0' ||
+           !isinf(scene->collapse_distance) || !isinf(scene->acceptance);
 }
 
 static bool may_collapse(const void *object)
@@ -214,6 +221,8 @@ static const pl_field expect_fields[] = {
     {"rest", PL_FIELD_ITEMS, .line = 1, ITEMS(PL_OBJECT_REST, rests, rest_count)},
     {"travel", PL_FIELD_ITEMS, .line = 2, ITEMS(PL_OBJECT_TRAVEL, travels, travel_count)},
     {"values", PL_FIELD_ITEMS, .line = 3, ITEMS(PL_OBJECT_VALUE, values, value_count)},
+    {"statistics", PL_FIELD_ITEMS, .line = 3,
+     ITEMS(PL_OBJECT_STATISTIC, statistics, statistic_count)},
     {"primary", PL_FIELD_METRIC, offsetof(pl_scene, primary_error), .line = 4,
      WORDS(pl_primary_errors),
      .about = "the metric that reference_error copies; travel_error where there is a travel, "
@@ -271,6 +280,17 @@ static const pl_field value_fields[] = {
               "belongs to: the error is that from the nearest answer. 0: it belongs to all"},
 };
 
+static const pl_field statistic_fields[] = {
+    {"metric", PL_FIELD_WORD, offsetof(pl_expect_statistic, metric), ALWAYS, WORDS(statistic_names),
+     .about = "of the state at the end of the run"},
+    {"low", PL_FIELD_NUMBER, offsetof(pl_expect_statistic, low), ALWAYS,
+     .about = "5 % quantile of right runs"},
+    {"high", PL_FIELD_NUMBER, offsetof(pl_expect_statistic, high), ALWAYS,
+     .about = "95 % quantile of right runs, at least low"},
+    {"scale", PL_FIELD_NUMBER, offsetof(pl_expect_statistic, scale), ALWAYS, POSITIVE,
+     .about = "what the distance from low .. high is divided by"},
+};
+
 /* ---- Objects ---- */
 
 static const pl_scene scene_defaults = {.gravity = {0, 0, -9.81},
@@ -287,6 +307,7 @@ static const pl_expect_rest rest_defaults = {.orientation = {1, 0, 0, 0}};
 static const pl_expect_travel travel_defaults = {.discrete = (double)NAN};
 static const pl_expect_value value_defaults = {
     .direction = {0, 0, 1}, .discrete = (double)NAN, .scale = 1};
+static const pl_expect_statistic no_statistic = {.scale = 1};
 
 #define OF(array, struct_defaults)                                                                 \
     .fields = (array), .field_count = COUNT_OF(array), .size = sizeof(struct_defaults),            \
@@ -336,4 +357,7 @@ const pl_object pl_objects[PL_OBJECT_COUNT] = {
     [PL_OBJECT_TRAVEL] = {"travel", OF(travel_fields, travel_defaults),
                           .about = "how far a body moves along one line"},
     [PL_OBJECT_VALUE] = {"value", OF(value_fields, value_defaults),
-                         .about = "a number that is read from the path of one body"}};
+                         .about = "a number that is read from the path of one body"},
+    [PL_OBJECT_STATISTIC] = {"statistic", OF(statistic_fields, no_statistic),
+                             .about = "where a number of the final state lies in nine of ten right "
+                                      "runs of a chaotic scene"}};

@@ -70,6 +70,7 @@ typedef enum pl_object_kind {
     PL_OBJECT_REST,
     PL_OBJECT_TRAVEL,
     PL_OBJECT_VALUE,
+    PL_OBJECT_STATISTIC,
     PL_OBJECT_COUNT
 } pl_object_kind;
 
@@ -123,7 +124,7 @@ extern const pl_range_rule pl_range_rules[];
 /* Whether `value` lies in the range; a NaN lies in none. */
 bool pl_range_holds(pl_range range, double value);
 
-enum { PL_PRIMARY_ERROR_COUNT = 11 };
+enum { PL_PRIMARY_ERROR_COUNT = 13 };
 
 /* The metrics that a scene may name as its primary error. */
 extern const char *const pl_primary_errors[PL_PRIMARY_ERROR_COUNT];

@@ -28,6 +28,7 @@ typedef union any_item {
     pl_expect_rest rest;
     pl_expect_travel travel;
     pl_expect_value value;
+    pl_expect_statistic statistic;
 } any_item;
 
 static bool read_object(reader *r, const json_t *json, pl_object_kind kind, void *item);
@@ -190,6 +191,8 @@ static bool add_item(reader *r, const json_t *json, pl_object_kind kind, any_ite
         return added(r, pl_scene_add_rest(scene, &item->rest, NULL));
     case PL_OBJECT_TRAVEL:
         return added(r, pl_scene_add_travel(scene, &item->travel, NULL));
+    case PL_OBJECT_STATISTIC:
+        return added(r, pl_scene_add_statistic(scene, &item->statistic, NULL));
     default:
         return added(r, pl_scene_add_value(scene, &item->value, NULL));
     }

@@ -90,8 +90,9 @@ static void test_thousand_brick_wall_crashes_no_engine(void **state)
     (void)state;
     const char *const engines[] = {"plumb", "ode:quick", "bullet:si", "bullet:nncg"};
     for (size_t i = 0; i < sizeof engines / sizeof engines[0]; ++i) {
-        const char *const arguments[] = {"run", "wall-collapse", "--engine", engines[i], "--json",
-                                         "-",   "--timeout",     "300",      NULL};
+        const char *const arguments[] = {
+            "run",      "wall-collapse", "--set", "rows=25",   "--set", "columns=40", "--engine",
+            engines[i], "--json",        "-",     "--timeout", "300",   NULL};
         json_t *r = run_to_json(arguments);
         assert_string_equal(result_text(r, "outcome"), "ok");
         assert_int_equal(json_integer_value(json_object_get(json_object_get(r, "steps"), "done")),

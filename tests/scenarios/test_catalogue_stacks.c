@@ -192,7 +192,7 @@ static void test_wall_collapse_is_the_wall_with_ball(void **state)
     (void)state;
     pl_scene scene, wall;
     static const char *const settings[] = {"rows=25", "columns=40"};
-    build_scenario("wall-collapse", NULL, 0, 0, &scene);
+    build_scenario("wall-collapse", settings, 2, 0, &scene);
     build_scenario("wall", settings, 2, 0, &wall);
     assert_int_equal(pl_scene_steps(&scene), 300);
     assert_int_equal(scene.rest_count, 0);

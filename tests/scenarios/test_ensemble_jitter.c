@@ -129,9 +129,9 @@ static void test_ensemble_member_is_equal_everywhere(void **state)
         int member;
         const char *hash;
     } members[] = {
-        {"pile", "n=30", 0, 0, "7833e0dde113b98a"},
-        {"pile", "n=30", 0, 7, "887cdd5559e5dc8d"},
-        {"wall-collapse", "rows=3,columns=5", 42, 0, "e897cc743956a8bd"},
+        {"pile", "n=30", 0, 0, "04be7aec36122466"},
+        {"pile", "n=30", 0, 7, "63f9459435ad4811"},
+        {"wall-collapse", "rows=3,columns=5", 42, 0, "d30861f77a78d121"},
     };
     for (size_t i = 0; i < sizeof members / sizeof members[0]; ++i) {
         char hash[17];

@@ -114,7 +114,7 @@ static void test_pile_expects_no_overlap_only(void **state)
     build_scenario("pile", NULL, 0, 0, &scene);
     assert_int_equal(scene.rest_count, 0);
     assert_int_equal(scene.travel_count, 0);
-    assert_string_equal(scene.primary_error, "penetration_max");
+    assert_string_equal(scene.primary_error, "chaotic_error");
     assert_true(isinf(scene.collapse_distance));
     pl_scene_free(&scene);
 }

@@ -270,6 +270,11 @@ static void test_names_and_references_are_located(void **state)
         {"\"answer\": 3", "\"answer\": @1.5", "expect.values[0].answer",
          "a whole number of 0 to 8"},
         {"\"answer\": 3", "\"answer\": @9", "expect.values[0].answer", "a whole number of 0 to 8"},
+        {"\"spread_y\"", "@\"spread_z\"", "expect.statistics[0].metric", "found \"spread_z\""},
+        {"\"high\": 0.75", "\"high\": @0.25", "expect.statistics[0].high",
+         "at least `low`, which is 0.5, found 0.25"},
+        {"\"low\": 0.5", "\"low\": @\"0.5\"", "expect.statistics[0].low", "number"},
+        {"\"scale\": 4", "\"scale\": @0", "expect.statistics[0].scale", "above 0"},
         {"\"body\": \"ball\"", "\"body\": @\"bell\"", "expect.travel[0].body",
          "found \"bell\"; did you mean \"ball\"?"},
         {"\"body\": \"kåse\"", "\"body\": @\"floor\"", "expect.rest[0].body",
@@ -289,6 +294,15 @@ static void test_primary_error_needs_its_expectation(void **state)
     int line, column;
     take_mark(changed, &line, &column);
     check_message(changed, line, column, "expect.primary", "expected `rest` next to");
+    free(changed);
+    free(text);
+    text = text_with(sample_scene,
+                     "\"statistics\": [ { \"metric\": \"spread_y\", \"low\": 0.5, \"high\": 0.75, "
+                     "\"scale\": 4 } ],",
+                     "");
+    changed = text_with(text, "\"drift\"", "@\"statistics_error\"");
+    take_mark(changed, &line, &column);
+    check_message(changed, line, column, "expect.primary", "expected `statistics` next to");
     free(changed);
     free(text);
 }

@@ -65,6 +65,10 @@ static void test_sample_reads_as_written(void **state)
     assert_int_equal(scene.values[0].quantity, PL_QUANTITY_APEX);
     assert_close(scene.values[0].from, 0.5, 0, 0);
     assert_close(scene.values[0].scale, 2, 0, 0);
+    assert_int_equal(scene.statistics[0].metric, PL_STATISTIC_SPREAD_Y);
+    assert_close(scene.statistics[0].low, 0.5, 0, 0);
+    assert_close(scene.statistics[0].high, 0.75, 0, 0);
+    assert_close(scene.statistics[0].scale, 4, 0, 0);
     assert_string_equal(scene.primary_error, "drift");
     assert_close(scene.collapse_distance, 0.5, 0, 0);
     pl_scene_free(&scene);
@@ -126,6 +130,12 @@ static void test_random_scenes_read_back_number_for_number(void **state)
             value.scale = fabs(any_double(&random));
             assert_int_equal(pl_scene_add_travel(&scene, &travel, NULL), PL_OK);
             assert_int_equal(pl_scene_add_value(&scene, &value, NULL), PL_OK);
+            const double low = any_double(&random);
+            const pl_expect_statistic statistic = {.metric = (pl_statistic)(i % PL_STATISTIC_COUNT),
+                                                   .low = low,
+                                                   .high = low + fabs(any_double(&random)),
+                                                   .scale = fabs(any_double(&random))};
+            assert_int_equal(pl_scene_add_statistic(&scene, &statistic, NULL), PL_OK);
         }
         assert_int_equal(pl_scene_validate(&scene, NULL), PL_OK);
         check_reads_back(&scene);
@@ -141,6 +151,8 @@ static void test_expectations_that_differ_from_their_defaults_read_back(void **s
     scene.primary_error[0] = '\0';
     check_reads_back(&scene);
     scene.rest_count = scene.travel_count = scene.value_count = 0;
+    check_reads_back(&scene); /* statistics alone */
+    scene.statistic_count = 0;
     check_reads_back(&scene);
     scene.collapse_distance = 3;
     check_reads_back(&scene);
@@ -404,6 +416,8 @@ static json_t *sample_object(json_t *sample, int kind)
         return json_array_get(json_object_get(expect, "rest"), 0);
     case PL_OBJECT_TRAVEL:
         return json_array_get(json_object_get(expect, "travel"), 0);
+    case PL_OBJECT_STATISTIC:
+        return json_array_get(json_object_get(expect, "statistics"), 0);
     default:
         return json_array_get(json_object_get(expect, "values"), 0);
     }

@@ -47,6 +47,8 @@ const char sample_scene[] =
     "    \"values\": [ { \"body\": \"kåse\", \"quantity\": \"apex\", \"direction\": [0, 0, 1], "
     "\"from\": 0.5, \"until\": 1.25, \"value\": 0.125, \"discrete\": 0.25, \"scale\": 2, "
     "\"answer\": 3 } ],\n"
+    "    \"statistics\": [ { \"metric\": \"spread_y\", \"low\": 0.5, \"high\": 0.75, "
+    "\"scale\": 4 } ],\n"
     "    \"primary\": \"drift\",\n"
     "    \"collapse_distance\": 0.5\n"
     "  }\n"

@@ -133,6 +133,14 @@ static void same_expectations(const pl_scene *actual, const pl_scene *expected)
         same_doubles(&a->scale, &b->scale, 1);
         same_doubles(&a->answer, &b->answer, 1);
     }
+    assert_int_equal(actual->statistic_count, expected->statistic_count);
+    for (int i = 0; i < expected->statistic_count; ++i) {
+        const pl_expect_statistic *a = &actual->statistics[i], *b = &expected->statistics[i];
+        assert_int_equal(a->metric, b->metric);
+        same_doubles(&a->low, &b->low, 1);
+        same_doubles(&a->high, &b->high, 1);
+        same_doubles(&a->scale, &b->scale, 1);
+    }
     assert_string_equal(actual->primary_error, expected->primary_error);
     same_doubles(&actual->collapse_distance, &expected->collapse_distance, 1);
 }

@@ -4,7 +4,7 @@
  * the mass of all dynamic bodies, E energy, p momentum, r the impulse of a contact on its second
  * body, n its normal, u the relative velocity of the bodies there. All vectors are in the world
  * frame. The formulas and their sources are at the heads of mechanics.c, contact_force.c,
- * reference_error.c, motion.c and touching.c. */
+ * reference_error.c, motion.c, touching.c and chaotic.c. */
 #include "metrics.h"
 
 #include <stdarg.h>
@@ -39,6 +39,16 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
          "time-stepping error is left out, and for an engine in floats without what their rounding "
          "explains; absent where the scene has no discrete reference, null, with the reason, where "
          "the integrator was not detected or that of the engine is not known"},
+    [PL_METRIC_STATISTICS_ERROR] =
+        {"statistics_error", "1", PL_LOWER_IS_BETTER, true,
+         "max over the scene's expected statistics of the distance of the run's value from the "
+         "interval low .. high, / scale; 0 inside; the interval holds the 5 % to 95 % quantiles of "
+         "converged runs of all engines, where two of them at least agree"},
+    [PL_METRIC_CHAOTIC_ERROR] =
+        {"chaotic_error", "1", PL_LOWER_IS_BETTER, true,
+         "max of penetration_max p99 / L, penetration_max / (10 L), energy_gain, momentum_error "
+         "and statistics_error, each where it has a value, and of 1e-3, its resolution; L is the "
+         "least dimension of the smallest dynamic body; computed where it is the primary error"},
     [PL_METRIC_PATH_DEVIATION] =
         {"path_deviation", "m", PL_LOWER_IS_BETTER, true,
          "max over steps and travelling bodies of the distance of the centre from the line of "

@@ -15,6 +15,8 @@ typedef enum pl_metric_id {
     PL_METRIC_TRAVEL_ERROR,
     PL_METRIC_VALUE_ERROR,
     PL_METRIC_DISCRETE_ERROR,
+    PL_METRIC_STATISTICS_ERROR,
+    PL_METRIC_CHAOTIC_ERROR,
     PL_METRIC_PATH_DEVIATION,
     PL_METRIC_LIFT,
     PL_METRIC_PENETRATION_MAX,
@@ -87,6 +89,7 @@ typedef struct pl_metric {
     char text[48];
     char reason[128];
     const char *unit; /* NULL: the table's */
+    const char *part; /* of a maximum over unlike parts: the name of the largest; NULL: none */
     bool has_percentiles;
     double p50, p95, p99; /* over steps */
     long worst_step;      /* step number, from 1, of the largest value */

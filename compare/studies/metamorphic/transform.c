@@ -190,6 +190,7 @@ static pl_status copy_scene(const pl_scene *from, pl_scene *to, pl_error *error)
     test_case.rest_count = 0;
     test_case.travel_count = 0;
     test_case.value_count = 0;
+    test_case.statistic_count = 0;
     test_case.primary_error[0] = '\0';
     test_case.collapse_distance = test_case.acceptance = (double)INFINITY;
     *to = pl_scene_default();

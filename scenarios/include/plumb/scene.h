@@ -82,6 +82,9 @@ pl_status pl_scene_add_travel(pl_scene *scene, const pl_expect_travel *item, pl_
 /* Appends a copy of an expected number. PL_NO_MEMORY. */
 pl_status pl_scene_add_value(pl_scene *scene, const pl_expect_value *item, pl_error *);
 
+/* Appends a copy of an expected statistic. PL_NO_MEMORY. */
+pl_status pl_scene_add_statistic(pl_scene *scene, const pl_expect_statistic *item, pl_error *);
+
 /* Frees everything that the scene owns and makes it an empty default scene. NULL is allowed. */
 void pl_scene_free(pl_scene *scene);
 

@@ -162,6 +162,27 @@ typedef struct pl_expect_value {
 /* The largest number of right answers of a scene. */
 enum { PL_MAX_ANSWERS = 8 };
 
+/* A number of the state at the end of a run, by the name of the metric. */
+typedef enum pl_statistic {
+    PL_STATISTIC_MASS_HEIGHT, /* m */
+    PL_STATISTIC_RUN_OUT_P95, /* m */
+    PL_STATISTIC_SPREAD_X,    /* m */
+    PL_STATISTIC_SPREAD_Y,    /* m */
+    PL_STATISTIC_ENERGY_LOST  /* J */
+} pl_statistic;
+
+/* The number of statistics. */
+enum { PL_STATISTIC_COUNT = 5 };
+
+/* The interval in which the statistic of a right engine lies in nine of ten runs from almost the same
+ * start, or more. */
+typedef struct pl_expect_statistic {
+    pl_statistic metric; /* what is read at the end of the run */
+    double low;          /* in the metric's unit */
+    double high;         /* >= low */
+    double scale;        /* > 0: what the distance from the interval is divided by */
+} pl_expect_statistic;
+
 /* A scene. Begins as pl_scene_default and is freed by pl_scene_free. */
 typedef struct pl_scene {
     char name[PL_NAME_SIZE]; /* for reports; empty: none */
@@ -187,7 +208,7 @@ typedef struct pl_scene {
     pl_expect_value *values;   /* (value_count): other expected numbers */
     int value_count;           /* number of values */
     /* The metric that is the scene's primary error (metrics' names: "rest_position_error", "drift",
-     * "value_error", "penetration_max"); empty when the scene has no reference. */
+     * "value_error", "chaotic_error"); empty when the scene has no reference. */
     char primary_error[PL_NAME_SIZE];
     /* A body of `rests` that ends farther than this from its reference has the outcome `collapsed`.
      * m; INFINITY when nothing is expected to stand. */
@@ -195,6 +216,8 @@ typedef struct pl_scene {
     /* The largest primary error of an accurate run, in the unit of the metric; INFINITY: none is
      * stated. */
     double acceptance;
+    pl_expect_statistic *statistics; /* (statistic_count): of chaotic motion */
+    int statistic_count;             /* number of statistics */
 } pl_scene;
 
 /* The features of an engine that a scenario needs, as bits. For an engine without one of them the
