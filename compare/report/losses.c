@@ -22,6 +22,10 @@
  * to rest is known to one step. */
 static const double value_floor = 1e-9, memory_noise = 256 * 1024, relative_noise = 0.1;
 
+/* Of two values below this (SI) the ratio means nothing: such a value is the residual that a solver
+ * ended with, as ours at a tolerance of 1e-8 m/s, or rounding. */
+static const double near_rounding_level = 1e-7;
+
 static double floor_of(const pl_case *test_case, int metric)
 {
     if (metric == PL_METRIC_MEMORY_PEAK) {
@@ -125,6 +129,7 @@ static void compare_metric(const pl_result_matrix *matrix, pl_loss loss, int met
     }
     loss.kind = PL_LOSS_VALUE;
     loss.ratio = our_value / fmax(best_value, floor_of(loss.test_case, metric));
+    loss.near_rounding = !is_measured(metric) && our_value < near_rounding_level;
     losses->items[losses->count++] = loss;
 }
 
@@ -154,11 +159,24 @@ static void compare_run(const pl_result_matrix *matrix, pl_loss loss, pl_losses 
     losses->items[losses->count++] = loss;
 }
 
+/* What matters most to a user comes first: 0. */
+static int rank_of(const pl_loss *loss)
+{
+    if (loss->kind == PL_LOSS_OUTCOME) {
+        return 0;
+    }
+    if (loss->near_rounding) {
+        return 3;
+    }
+    return loss->metric == PL_METRIC_REFERENCE_ERROR || loss->metric == PL_METRIC_TIME_PER_STEP ? 1
+                                                                                                : 2;
+}
+
 static int compare_losses(const void *left, const void *right)
 {
     const pl_loss *a = left, *b = right;
-    if (a->kind != b->kind) {
-        return a->kind < b->kind ? -1 : 1;
+    if (rank_of(a) != rank_of(b)) {
+        return rank_of(a) < rank_of(b) ? -1 : 1;
     }
     if (a->ratio != b->ratio) {
         return a->ratio > b->ratio ? -1 : 1;
@@ -175,10 +193,8 @@ static int compare_losses(const void *left, const void *right)
 static void write_statement(const pl_losses *losses, const pl_result_matrix *matrix,
                             pl_text_buffer *text)
 {
-    if (!losses->ours_present || !losses->others_present) {
-        pl_text_add(text, losses->ours_present
-                              ? "Nothing was compared: these results hold no other engine."
-                              : "Nothing was compared: plumb itself was not run.");
+    if (!losses->others_present) {
+        pl_text_add(text, "Nothing was compared: these results hold no other engine.");
         return;
     }
     if (losses->comparisons == 0) {
@@ -225,7 +241,9 @@ static void write_rule(pl_text_buffer *text)
         "about 1e-10; one time step for settle_time, which is not known more closely; 256 KiB for "
         "memory_peak, since memory is counted in pages and taken ahead of need. Times and memory "
         "within 10 %, and memory within 256 KiB, are equal; both are compared only on one machine. "
-        "A failed run of ours counts once.");
+        "A failed run of ours counts once. Failed runs come first, then the primary error and the "
+        "time of a step, then other metrics, each by the ratio; last those of which both values are "
+        "below 1e-7, near rounding and the tolerances of solvers.");
 }
 
 pl_status pl_losses_find(const pl_result_matrix *matrix, pl_losses *losses, pl_error *error)
@@ -289,7 +307,9 @@ void pl_loss_texts(const pl_loss *loss, char metric[PL_LOSS_TEXT_SIZE],
              primary ? ")" : "");
     pl_metric_text(&loss->our_cell->metrics[loss->metric], ours);
     pl_metric_text(&loss->best_cell->metrics[loss->metric], best);
-    if (loss->kind == PL_LOSS_VALUE) {
+    if (loss->near_rounding) {
+        snprintf(ratio, PL_LOSS_TEXT_SIZE, "both near rounding");
+    } else if (loss->kind == PL_LOSS_VALUE) {
         pl_format_ratio(loss->ratio, ratio);
     } else {
         snprintf(ratio, PL_LOSS_TEXT_SIZE, "%s", pl_no_number);

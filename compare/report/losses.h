@@ -1,11 +1,12 @@
-/* Losses: where our engine is worse than another. Every report begins with them. */
+/* Losses: where our engine is worse than another. Every report that has runs of it begins with
+ * them. */
 #ifndef PLUMB_LOSSES_H
 #define PLUMB_LOSSES_H
 
 #include "base/text_buffer.h"
 #include "result_matrix.h"
 
-/* The kinds of loss, the worst first. */
+/* The kinds of loss. */
 typedef enum pl_loss_kind {
     PL_LOSS_OUTCOME,  /* ours failed, another did not */
     PL_LOSS_NO_VALUE, /* ours has no value where another has one */
@@ -20,11 +21,13 @@ typedef struct pl_loss {
     const pl_cell *our_cell, *best_cell; /* of `ours` and `best` on the case */
     int metric;                          /* of the two kinds that have one */
     double ratio; /* ours / the larger of best and the metric's floor; INFINITY for other kinds */
+    bool near_rounding; /* PL_LOSS_VALUE: neither value is large enough to matter */
 } pl_loss;
 
 /* All losses of a report. */
 typedef struct pl_losses {
-    pl_loss *items; /* failures, then missing values, then by falling ratio */
+    pl_loss *items; /* failures; the primary error and the time of a step; other metrics; values
+                       near rounding; in each a missing value first, then by falling ratio */
     int count;
     int comparisons; /* pairs of our run and a metric that were compared with another engine */
     int cases;       /* with both a run of ours and an ok run of another engine */

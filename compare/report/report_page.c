@@ -178,6 +178,9 @@ static void add_verdicts(const pl_verdict_counts *verdicts, const pl_page *page)
 
 static void add_losses(const pl_losses *losses, const pl_page *page)
 {
+    if (!losses->ours_present) {
+        return;
+    }
     pl_table table = {0};
     pl_table_columns(&table, "Case|Metric|Ours|>value|Best other|>value|>Ratio");
     for (int i = 0; i < losses->count; ++i) {

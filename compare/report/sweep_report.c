@@ -10,15 +10,19 @@
 
 enum { PAGE_LOSSES = 30, PRINTED_ROWS = 20, MOST_WIDTH = 60 };
 
+/* Whether plumb took part; engines of ours come first. */
+static bool has_ours(const pl_sweep_analysis *analysis)
+{
+    return analysis->engine_count > 0 && analysis->engines[0].ours;
+}
+
 /* ---- Page ---- */
 
 static void add_losses(const pl_sweep_analysis *analysis, const pl_page *page)
 {
-    pl_text_buffer statement = {0}, warning = {0}, unverified = {0};
+    pl_text_buffer statement = {0};
     pl_sweep_statement(analysis, &statement);
-    pl_sweep_warning(analysis, &warning);
-    pl_sweep_unverified(analysis, &unverified);
-    page->out->failed |= statement.failed || warning.failed || unverified.failed;
+    page->out->failed |= statement.failed;
     pl_page_heading(page, "sweep-losses", "Where plumb loses: speed against error");
     pl_page_paragraph(page, "verdict", statement.failed ? "" : statement.data);
     pl_page_table(page, pl_sweep_losses_table(analysis), PAGE_LOSSES);
@@ -27,6 +31,15 @@ static void add_losses(const pl_sweep_analysis *analysis, const pl_page *page)
                       "noise come last. Speed is the other engine's cost over plumb's, of the "
                       "cheapest point of each at or below the error, over all profiles and options "
                       "that were run.");
+    pl_text_free(&statement);
+}
+
+static void add_warnings(const pl_sweep_analysis *analysis, const pl_page *page)
+{
+    pl_text_buffer warning = {0}, unverified = {0};
+    pl_sweep_warning(analysis, &warning);
+    pl_sweep_unverified(analysis, &unverified);
+    page->out->failed |= warning.failed || unverified.failed;
     if (unverified.length > 0) {
         pl_page_paragraph(page, "note", unverified.data);
     }
@@ -34,7 +47,6 @@ static void add_losses(const pl_sweep_analysis *analysis, const pl_page *page)
         pl_page_paragraph(page, "warn", warning.data);
     }
     pl_text_free(&unverified);
-    pl_text_free(&statement);
     pl_text_free(&warning);
 }
 
@@ -169,7 +181,10 @@ void pl_sweep_page(const pl_sweep_analysis *analysis, pl_text_buffer *out)
         out, "<h1>Speed against error</h1>\n<p class=\"lead\">%d runs, %d points on %d %s.</p>\n",
         analysis->run_count, analysis->point_count, analysis->scene_count,
         analysis->scene_count == 1 ? "scene" : "scenes");
-    add_losses(analysis, &page);
+    if (has_ours(analysis)) {
+        add_losses(analysis, &page);
+    }
+    add_warnings(analysis, &page);
     if (analysis->point_count == 0) {
         pl_page_paragraph(&page, "", "There are no results.");
     } else {
@@ -262,12 +277,16 @@ static void print_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene 
 void pl_sweep_report_print(FILE *stream, const pl_sweep_analysis *analysis)
 {
     pl_text_buffer out = {0};
-    pl_sweep_statement(analysis, &out);
-    pl_text_add(&out, "\n");
+    if (has_ours(analysis)) {
+        pl_sweep_statement(analysis, &out);
+        pl_text_add(&out, "\n");
+    }
     pl_sweep_unverified(analysis, &out);
     pl_text_add(&out, "\n");
     pl_sweep_warning(analysis, &out);
-    print_table("Where plumb loses", pl_sweep_losses_table(analysis), PRINTED_ROWS, &out);
+    if (has_ours(analysis)) {
+        print_table("Where plumb loses", pl_sweep_losses_table(analysis), PRINTED_ROWS, &out);
+    }
     print_table("Speed of plumb at errors of at most 1e-3, over all scenes",
                 pl_sweep_means_table(analysis, true, PL_SWEEP_MATCHED_LEVEL), 0, &out);
     for (int i = 0; i < analysis->scene_count; ++i) {

@@ -105,6 +105,9 @@ static void add_verdicts(const pl_verdict_counts *verdicts, const terminal *to)
 
 static void add_losses(const pl_losses *losses, const terminal *to)
 {
+    if (!losses->ours_present) {
+        return;
+    }
     add_line(to, bold, "Where plumb loses");
     add_wrapped(to, losses->statement.data, 0);
     for (int i = 0; i < losses->count && i < SHOWN_LOSSES; ++i) {

@@ -406,6 +406,7 @@ static void test_findings_come_after_losses(void **state)
 {
     (void)state;
     json_t *results = json_array();
+    add_error(results, "a", "plumb:fast", "ok", "value_error", 0.5);
     add_error(results, "a", "ode:quick", "ok", "value_error", 0.5);
     made_report made = make_report(results);
     assert_before(made.html.data, "Where plumb loses", "id=\"findings\"");

@@ -124,7 +124,36 @@ static void test_primary_error_is_not_counted_under_two_names(void **state)
     free_report(&made);
 }
 
-static void test_losses_are_sorted_by_kind_and_falling_ratio(void **state)
+static void set_both(json_t *results, const char *metric, double ours, double theirs)
+{
+    set_metric(json_array_get(results, 0), metric, metric_value(ours));
+    set_metric(json_array_get(results, 1), metric, metric_value(theirs));
+}
+
+static void test_primary_error_and_time_come_before_other_metrics(void **state)
+{
+    (void)state;
+    json_t *results = two_runs("cone_violation", 3e-8, 2e-16);
+    set_both(results, "force_balance", 3e-3, 1e-13);
+    set_both(results, "momentum_error", 9e-8, 1e-13);
+    set_both(results, "time_per_step", 2.8e-3, 2e-4);
+    set_both(results, "reference_error", 6e-3, 2e-3);
+    set_both(results, "creep", 1.1e-7, 2e-8);
+    made_report made = make_report(results);
+    static const int order[] = {PL_METRIC_TIME_PER_STEP, PL_METRIC_REFERENCE_ERROR,
+                                PL_METRIC_FORCE_BALANCE, PL_METRIC_CREEP,
+                                PL_METRIC_MOMENTUM_ERROR, PL_METRIC_CONE_VIOLATION};
+    assert_int_equal(made.report.losses.count, 6);
+    for (int i = 0; i < 6; ++i) {
+        assert_int_equal(made.report.losses.items[i].metric, order[i]);
+        assert_int_equal(made.report.losses.items[i].near_rounding, i > 3);
+    }
+    assert_int_equal(count_of(made.html.data, "both near rounding"), 2);
+    assert_int_equal(count_of(made.markdown.data, "both near rounding"), 2);
+    free_report(&made);
+}
+
+static void test_losses_are_sorted_by_falling_ratio(void **state)
 {
     (void)state;
     json_t *results = two_runs("creep", 2e-3, 1e-3);
@@ -182,18 +211,31 @@ static void test_no_losses_is_reported_with_the_comparisons(void **state)
 static void test_nothing_compared_is_not_called_no_losses(void **state)
 {
     (void)state;
-    json_t *ours = json_array(), *theirs = json_array(), *apart = json_array();
+    json_t *ours = json_array(), *apart = json_array();
     add_run(ours, "s", "plumb:fast", "ok");
-    add_run(theirs, "s", "ode:quick", "ok");
     add_run(apart, "s", "plumb:fast", "ok");
     add_run(apart, "s", "ode:quick", "timeout");
-    made_report reports[] = {make_report(ours), make_report(theirs), make_report(apart),
-                             make_report(json_array())};
-    for (int i = 0; i < 4; ++i) {
+    made_report reports[] = {make_report(ours), make_report(apart)};
+    for (int i = 0; i < 2; ++i) {
         assert_contains(reports[i].html.data, "Nothing was compared");
         assert_absent(reports[i].html.data, "No losses");
         free_report(&reports[i]);
     }
+}
+
+static void test_losses_appear_only_with_our_engine(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    add_run(results, "s", "ode:quick", "ok");
+    add_run(results, "s", "bullet:si", "ok");
+    made_report made = make_report(results);
+    char *table = printed_table(made.results, false, 100);
+    assert_absent(made.html.data, "id=\"losses\"");
+    assert_absent(made.markdown.data, "Where plumb loses");
+    assert_absent(table, "Where plumb loses");
+    free(table);
+    free_report(&made);
 }
 
 static void test_verdicts_and_losses_come_before_results(void **state)
@@ -219,10 +261,12 @@ int main(void)
         cmocka_unit_test(test_ratio_uses_the_floor_below_it),
         cmocka_unit_test(test_floors_are_stated_next_to_the_losses),
         cmocka_unit_test(test_primary_error_is_not_counted_under_two_names),
-        cmocka_unit_test(test_losses_are_sorted_by_kind_and_falling_ratio),
+        cmocka_unit_test(test_primary_error_and_time_come_before_other_metrics),
+        cmocka_unit_test(test_losses_are_sorted_by_falling_ratio),
         cmocka_unit_test(test_times_of_different_machines_are_not_compared),
         cmocka_unit_test(test_no_losses_is_reported_with_the_comparisons),
         cmocka_unit_test(test_nothing_compared_is_not_called_no_losses),
+        cmocka_unit_test(test_losses_appear_only_with_our_engine),
         cmocka_unit_test(test_verdicts_and_losses_come_before_results),
     };
     return cmocka_run_group_tests_name("report_losses", tests, NULL, NULL);

@@ -73,6 +73,22 @@ static void test_losses_come_before_everything_else(void **state)
     json_decref(results);
 }
 
+static void test_losses_appear_only_with_our_engine(void **state)
+{
+    (void)state;
+    json_t *results = json_array();
+    add_sweep_run(results, (sweep_run){.scenario = "a", "bullet:p", 1, 1e-4});
+    add_sweep_run(results, (sweep_run){.scenario = "a", "ode:q", 2, 1e-4});
+    pl_text_buffer page = page_of(results);
+    char *text = print_of(results);
+    assert_absent(page.data, "Where plumb loses");
+    assert_absent(text, "Where plumb loses");
+    assert_absent(text, "plumb itself");
+    free(text);
+    pl_text_free(&page);
+    json_decref(results);
+}
+
 static void test_statement_when_nothing_is_lost_or_compared(void **state)
 {
     (void)state;
@@ -277,7 +293,7 @@ static void test_nothing_is_a_whole_page(void **state)
     assert_contains(page.data, "There are no results.");
     assert_contains(page.data, "</html>");
     char *text = print_of(results);
-    assert_contains(text, "Nothing was compared");
+    assert_absent(text, "Where plumb loses");
     pl_text_free(&page);
     free(text);
     json_decref(results);
@@ -306,6 +322,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_losses_come_before_everything_else),
+        cmocka_unit_test(test_losses_appear_only_with_our_engine),
         cmocka_unit_test(test_statement_when_nothing_is_lost_or_compared),
         cmocka_unit_test(test_plot_has_all_points_and_crosses_for_failures),
         cmocka_unit_test(test_plot_is_logarithmic_with_exactness_downwards),
