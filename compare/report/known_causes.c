@@ -5,11 +5,15 @@
  *      "causes": [{"engine": ENGINE, "profile": TEXT?, "outcome": TEXT?,
  *                  "versions": [OLDEST, NEWEST]?,
  *                  "scenarios": {SCENARIO: {PARAMETER: [LEAST, LARGEST], ...}, ...},
- *                  "cause": TEXT or null, "evidence": TEXT}, ...]}
+ *                  "cause": TEXT or null, "evidence": TEXT, "by": TEXT?,
+ *                  "experiments": [{"run": "SCENARIO NAME=VALUE ...", "engines": [SPEC, ...],
+ *                                   "outcome": TEXT, "metrics": {METRIC: [LEAST, LARGEST], ...}},
+ *                                  ...]}, ...]}
  *
  * Each statement was found by an experiment: an option of the engine, the time step or the scene
- * was varied, or the adapter was changed for the purpose. `h` in its texts is the scenario's time
- * step. A number is given as such or as a text with a fraction, "1/240". Statements without their
+ * was varied, or the adapter was changed for the purpose. tests/compare/test_known_causes_slow.sh
+ * replays the experiments. What they cannot show is named by `by`: a modified adapter, a debugger, a
+ * run that takes minutes. `h` in the texts is the scenario's time step. A number is given as such or as a text with a fraction, "1/240". Statements without their
  * own versions have those of the whole file.
  *
  * ODE's two bounded directions and its implicit gyroscopic torque are in its manual. That dantzig
@@ -32,7 +36,8 @@ extern const char pl_known_causes_json[];
 
 static const char *const file_keys[] = {"schema", "found_with", "versions", "causes"};
 static const char *const cause_keys[] = {"engine",    "profile", "outcome", "versions",
-                                         "scenarios", "cause",   "evidence"};
+                                         "scenarios", "cause",   "evidence", "by",
+                                         "experiments"};
 static const pl_key_set file_set = PL_KEY_SET("known causes", file_keys);
 static const pl_key_set cause_set = PL_KEY_SET("known cause", cause_keys);
 
@@ -121,11 +126,15 @@ static bool read_scenarios(const json_t *json, pl_known_cause *cause, pl_diagnos
 static bool read_cause(const json_t *json, const json_t *versions, pl_known_cause *cause,
                        pl_diagnostic *diagnostic)
 {
+    const char *by = NULL;
+    const json_t *experiments = NULL;
     if (!pl_json_object(json, &cause_set, diagnostic) ||
         !pl_json_string(json, "engine", PL_REQUIRED, "an engine", &cause->engine, diagnostic) ||
         !pl_json_string(json, "profile", PL_OPTIONAL, "a profile", &cause->profile, diagnostic) ||
         !pl_json_string(json, "outcome", PL_OPTIONAL, "an outcome", &cause->outcome, diagnostic) ||
         !pl_json_string(json, "evidence", PL_REQUIRED, "a text", &cause->evidence, diagnostic) ||
+        !pl_json_string(json, "by", PL_OPTIONAL, "a text", &by, diagnostic) ||
+        !pl_json_array(json, "experiments", PL_REQUIRED, &experiments, diagnostic) ||
         !read_scenarios(json, cause, diagnostic)) {
         return false;
     }

@@ -221,12 +221,12 @@ static void test_cause_matches_engine_profile_and_outcome(void **state)
         {{"ode", "0.16.2", "ode:quick", "tower", "timeout", NULL, 0}, false},
         {{"ode", "0.16.2", "ode:quick", "tower", "crashed", NULL, 0}, false},
         {{"ode", "0.16.2", "ode:dantzig", "multi-tower", "timeout", NULL, 0}, true},
-        {{"bullet", "3.24", "bullet:nncg", "pile", "diverged", NULL, 0}, true},
-        {{"bullet", "3.24", "bullet:si", "pile", "diverged", NULL, 0}, false},
-        {{"bullet", "3.24", "bullet:nncg", "pile", "collapsed", NULL, 0}, false},
-        {{"bullet", "3.24", "bullet:nncg", "pil", "diverged", NULL, 0}, false},
+        {{"bullet", "3.24", "bullet:nncg", "domino-into-pile", "diverged", NULL, 0}, true},
+        {{"bullet", "3.24", "bullet:si", "domino-into-pile", "diverged", NULL, 0}, false},
+        {{"bullet", "3.24", "bullet:nncg", "domino-into-pile", "collapsed", NULL, 0}, false},
+        {{"bullet", "3.24", "bullet:nncg", "domino", "diverged", NULL, 0}, false},
         {{"bullet", "3.24", "bullet:nncg", "", "diverged", NULL, 0}, false},
-        {{"plumb", "3.24", "plumb:nncg", "pile", "diverged", NULL, 0}, false},
+        {{"plumb", "3.24", "plumb:nncg", "domino-into-pile", "diverged", NULL, 0}, false},
     };
     check_causes(cases, sizeof cases / sizeof cases[0]);
 }
@@ -240,6 +240,8 @@ static void test_other_versions_parameters_and_options_have_no_cause(void **stat
         {{"ode", "0.17", "ode:quick", "tower", "collapsed", NULL, 0}, false},
         {{"ode", "", "ode:quick", "tower", "collapsed", NULL, 0}, false},
         {{"ode", "0.16.2", "ode:quick,iterations=50", "tower", "collapsed", NULL, 0}, false},
+        {{"bullet", "3.24", "bullet:si", "bounce", "ok", NULL, 0}, true},
+        {{"bullet", "3.24", "bullet:si,erp2=0", "bounce", "ok", NULL, 0}, false},
         {{"ode", "0.16.2", "ode:quick", "tower", "collapsed", "n", 10}, true},
         {{"ode", "0.16.2", "ode:quick", "tower", "collapsed", "n", 100}, true},
         {{"ode", "0.16.2", "ode:quick", "tower", "collapsed", "n", 300}, false},
@@ -310,7 +312,7 @@ static const char sample_causes[] =
     " \"versions\": {\"ode\": [\"1.0\", \"1.2\"]},\n"
     " \"causes\": [\n"
     "  {\"engine\": \"ode\", \"scenarios\": {\"tower\": {\"n\": [5, 20]}},\n"
-    "   \"cause\": null, \"evidence\": \"nothing changed it\"}]}\n";
+    "   \"cause\": null, \"evidence\": \"nothing changed it\", \"experiments\": []}]}\n";
 
 static void test_malformed_causes_are_named_with_their_place(void **state)
 {
@@ -329,6 +331,8 @@ static void test_malformed_causes_are_named_with_their_place(void **state)
         {"[5, 20]", "[5, 1e9]", "causes[0].scenarios.tower.n", "the least and the largest"},
         {"null", "7", "causes[0].cause", "found 7"},
         {"\"evidence\"", "\"evidenc\"", "causes[0]", "evidenc"},
+        {"\"experiments\": []", "\"experiments\": 1", "causes[0].experiments", "found 1"},
+        {", \"experiments\": []", "", "causes[0]", "experiments"},
     };
     pl_known_causes causes;
     assert_int_equal(pl_known_causes_read(sample_causes, "x", &causes, NULL), PL_OK);
