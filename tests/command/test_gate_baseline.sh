@@ -8,5 +8,5 @@ directory=$(mktemp -d)
 trap 'rm -rf "$directory"' EXIT
 
 baseline_runs "$PLUMB" "$directory" || { cat "$directory/log" >&2; exit 1; }
-"$PLUMB" gate "$directory/still" "$directory/swept" --baseline "$SOURCE/tests/baseline/plumb.json" \
+baseline_gate "$PLUMB" "$directory" "$SOURCE/tests/baseline/plumb.json" \
     --fail-if '*/plumb: outcome!=ok' --fail-if 'tower/plumb:accurate: rest_position_error>1e-9'
