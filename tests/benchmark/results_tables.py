@@ -198,7 +198,7 @@ def thresholds(program):
             cells.append(NOT_RUN if row is None else number(value) if is_ours else
                          f"{value:.5g}" if row["finding"] == "found" else row["finding"])
         form = found["plumb:accurate"]
-        rows.append([f"{scenario}, {form['param']}", f"{form['closed_form']:.5g} {form['unit']}", *cells])
+        rows.append([f"{scenario}, {form['param']}", f"{form['closed_form']:.5g} {form['unit'].replace('1', '')}".strip(), *cells])
     print_table(["scenario", "closed form", "plumb:accurate, off by", *engines[1:]], rows)
 
 
