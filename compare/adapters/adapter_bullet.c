@@ -2,7 +2,11 @@
  *
  * si and nncg are Bullet's iterative solvers, with 10 iterations by default; dantzig and lemke give
  * each group of islands to a dense solver, which falls back to sequential impulse where it fails
- * (reported on standard error at the end of the run). Everything else has Bullet's defaults: one
+ * (reported on standard error at the end of the run). `recommended` is si as Bullet's own
+ * documentation and tools set it up for accuracy; why each value, its sources say. It leaves the
+ * margins as they are ("It is best not to modify the default collision margin", Bullet 2.83 Physics
+ * SDK Manual, Collision Margin), also that of hulls and meshes, which Bullet would have grow by
+ * 0.04 m. Everything else has Bullet's defaults: one
  * friction direction a contact point along its sliding velocity, islands gathered into groups of
  * 128 constraints, contact points kept over steps. Sleeping is off. The callbacks for a pair's
  * friction and restitution, asked when a contact point is made, are 1 % of the instructions of a
@@ -28,11 +32,22 @@ enum {
     OPTION_MARGIN,
     OPTION_SOLID_MARGIN,
     OPTION_PLANE_MULTIPOINT,
+    OPTION_CONVEX_MULTIPOINT,
+    OPTION_FRICTION_DIRECTIONS,
+    OPTION_WARM_START,
+    OPTION_RANDOM_ORDER,
+    OPTION_SPLIT_THRESHOLD,
+    OPTION_SLOP,
+    OPTION_CONTACT_BREAKING,
     OPTION_COUNT
 };
 
+/* The other profiles have the numbers of their solvers. */
+enum { PROFILE_RECOMMENDED = PL_BULLET_LEMKE + 1 };
+
 enum {
-    ITERATIVE_PROFILES = 1 << PL_BULLET_SI | 1 << PL_BULLET_NNCG,
+    SWEPT_PROFILES = 1 << PL_BULLET_SI | 1 << PROFILE_RECOMMENDED,
+    ITERATIVE_PROFILES = SWEPT_PROFILES | 1 << PL_BULLET_NNCG,
     ALL_PROFILES = ITERATIVE_PROFILES | 1 << PL_BULLET_DANTZIG | 1 << PL_BULLET_LEMKE
 };
 
@@ -57,7 +72,14 @@ static const pl_engine_profile profiles[] = {
     [PL_BULLET_LEMKE] = {.name = "lemke",
                          .help = "btMLCPSolver with btLemkeSolver, which bounds friction by mu N s",
                          .step_code = STEP_CODE},
+    [PROFILE_RECOMMENDED] = {.name = "recommended",
+                             .help = "si as Bullet's documentation and tools have it for accuracy",
+                             .in_default_comparison = true,
+                             .step_code = STEP_CODE},
 };
+
+/* A line of code that switches a bit of the solver's mode. */
+#define MODE_CODE(bit, on) "if (" on ") world->getSolverInfo().m_solverMode |= " bit ";"
 
 static const pl_engine_option options[OPTION_COUNT] = {
     [OPTION_ITERATIONS] = {"iterations", 10, 1, 1e6, true, "1",
@@ -92,6 +114,61 @@ static const pl_engine_option options[OPTION_COUNT] = {
          "points sought each step against a plane; Bullet suggests 3",
          "const int points = {}; configuration.setPlaneConvexMultipointIterations(points, points);",
          ALL_PROFILES, 0, 4, false},
+    [OPTION_CONVEX_MULTIPOINT] =
+        {"convex_multipoint", 0, 0, 16, true, "1",
+         "the same of hulls and cylinders among convex shapes",
+         "const int sought = {}; "
+         "configuration.setConvexConvexMultipointIterations(sought, sought);",
+         ALL_PROFILES, 0, 4, false},
+    [OPTION_FRICTION_DIRECTIONS] = {"friction_directions", 1, 1, 2, true, "1",
+                                    "rows of friction a point: 1, along its sliding, or 2",
+                                    MODE_CODE("SOLVER_USE_2_FRICTION_DIRECTIONS", "{} == 2"),
+                                    ALL_PROFILES, 1, 2, false},
+    [OPTION_WARM_START] = {"warm_start", 0.85, 0, 1, false, "1",
+                           "share of a point's last normal impulse with which a solve begins",
+                           "world->getSolverInfo().m_warmstartingFactor = {};", ITERATIVE_PROFILES,
+                           0, 1, false},
+    [OPTION_RANDOM_ORDER] = {"random_order", 0, 0, 1, true, "1",
+                             "sweeps visit the contacts in a new order each",
+                             MODE_CODE("SOLVER_RANDMIZE_ORDER", "{} == 1"), SWEPT_PROFILES, 0, 1,
+                             false},
+    [OPTION_SPLIT_THRESHOLD] = {"split_threshold", -0.04, -1e3, 0, false, "m",
+                                "separation below which split_impulse acts",
+                                "world->getSolverInfo().m_splitImpulsePenetrationThreshold = {};",
+                                ALL_PROFILES, -0.04, 0, false},
+    [OPTION_SLOP] = {"slop", 0, 0, 1e3, false, "m", "penetration that is not undone",
+                     "world->getSolverInfo().m_linearSlop = {};", ALL_PROFILES, 0, 0.002, false},
+    [OPTION_CONTACT_BREAKING] =
+        {"contact_breaking", 0.02, 1e-6, 1, false, "1",
+         "share of the smaller shape's reach at which a kept contact point is dropped",
+         "gContactBreakingThreshold = {};", ALL_PROFILES, 0.002, 0.05, true},
+};
+
+static const pl_engine_source sources[] = {
+    {PROFILE_RECOMMENDED, NULL,
+     "time step: \"Bullet works best with a fixed internal timestep of at least 60 hertz\" (Bullet "
+     "2.83 Physics SDK Manual, Use the default internal fixed timestep); its own physics server "
+     "has "
+     "1/240 s (PhysicsServerCommandProcessor.cpp, 3.24)"},
+    {PROFILE_RECOMMENDED, "iterations",
+     "its author: \"best left default (50 iterations). Increase ... if you need higher accuracy\", "
+     "of "
+     "its physics server (https://github.com/bulletphysics/bullet3/issues/3081); \"20 (good "
+     "quality)\" in the wiki (BtContactSolverInfo, Solver iterations)"},
+    {PROFILE_RECOMMENDED, "random_order",
+     "Bullet wiki, BtContactSolverInfo, Solver Mode, SOLVER_RANDMIZE_ORDER: \"stacking stability "
+     "can "
+     "be improved\" "
+     "(http://www.bulletphysics.org/mediawiki-1.5.8/index.php/BtContactSolverInfo)"},
+    {PROFILE_RECOMMENDED, "friction_directions",
+     "the constructor of btMultiBodyDynamicsWorld, the world of its physics server, sets "
+     "SOLVER_USE_2_FRICTION_DIRECTIONS (btMultiBodyDynamicsWorld.cpp, 3.24)"},
+    {PROFILE_RECOMMENDED, "plane_multipoint",
+     "btDefaultCollisionConfiguration.h, multipoint iterations: \"3 is a good value for both "
+     "params\"; off by default \"for best performance\""},
+    {PROFILE_RECOMMENDED, "convex_multipoint",
+     "btDefaultCollisionConfiguration.h, setConvexConvexMultipointIterations: \"3 is a good value "
+     "for both params\"; off by default \"for best performance\""},
 };
 
 struct pl_engine_instance {
@@ -154,7 +231,8 @@ static pl_status bullet_create(const pl_engine_setup *setup, pl_engine_instance 
     instance->scene = scene;
     instance->profile = setup->profile;
     pl_bullet_world_def def = {
-        .solver = (pl_bullet_solver)setup->profile,
+        .solver =
+            setup->profile == PROFILE_RECOMMENDED ? PL_BULLET_SI : (pl_bullet_solver)setup->profile,
         .settings = {.iterations = (int)values[OPTION_ITERATIONS],
                      .split_impulse = values[OPTION_SPLIT_IMPULSE] > 0,
                      .erp = values[OPTION_ERP],
@@ -162,7 +240,14 @@ static pl_status bullet_create(const pl_engine_setup *setup, pl_engine_instance 
                      .restitution_threshold = values[OPTION_RESTITUTION_THRESHOLD],
                      .margin = values[OPTION_MARGIN],
                      .solid_margin = values[OPTION_SOLID_MARGIN],
-                     .plane_multipoint = (int)values[OPTION_PLANE_MULTIPOINT]},
+                     .plane_multipoint = (int)values[OPTION_PLANE_MULTIPOINT],
+                     .convex_multipoint = (int)values[OPTION_CONVEX_MULTIPOINT],
+                     .friction_directions = (int)values[OPTION_FRICTION_DIRECTIONS],
+                     .warm_start = values[OPTION_WARM_START],
+                     .random_order = values[OPTION_RANDOM_ORDER] > 0,
+                     .split_threshold = values[OPTION_SPLIT_THRESHOLD],
+                     .slop = values[OPTION_SLOP],
+                     .contact_breaking = values[OPTION_CONTACT_BREAKING]},
         .gravity = {scene->gravity[0], scene->gravity[1], scene->gravity[2]},
         .matrix_limit = dense_limit,
         .pair = scene_pair,
@@ -260,10 +345,10 @@ static int bullet_read_contacts(const pl_engine_instance *instance, pl_contact *
     return pl_bullet_read_contacts(instance->world, contacts, capacity);
 }
 
-/* The defaults are Bullet's own, also those of a library that was built with others. */
+/* The defaults are Bullet's own, also those of a library that was built with others; for
+ * `recommended`, those of `sources`. */
 static void bullet_profile_defaults(int profile, double *values)
 {
-    (void)profile;
     pl_bullet_settings defaults = pl_bullet_defaults();
     values[OPTION_ITERATIONS] = defaults.iterations;
     values[OPTION_SPLIT_IMPULSE] = defaults.split_impulse;
@@ -273,6 +358,20 @@ static void bullet_profile_defaults(int profile, double *values)
     values[OPTION_MARGIN] = defaults.margin;
     values[OPTION_SOLID_MARGIN] = defaults.solid_margin;
     values[OPTION_PLANE_MULTIPOINT] = defaults.plane_multipoint;
+    values[OPTION_CONVEX_MULTIPOINT] = defaults.convex_multipoint;
+    values[OPTION_FRICTION_DIRECTIONS] = defaults.friction_directions;
+    values[OPTION_WARM_START] = defaults.warm_start;
+    values[OPTION_RANDOM_ORDER] = defaults.random_order;
+    values[OPTION_SPLIT_THRESHOLD] = defaults.split_threshold;
+    values[OPTION_SLOP] = defaults.slop;
+    values[OPTION_CONTACT_BREAKING] = defaults.contact_breaking;
+    if (profile == PROFILE_RECOMMENDED) {
+        values[OPTION_ITERATIONS] = 50;
+        values[OPTION_RANDOM_ORDER] = 1;
+        values[OPTION_FRICTION_DIRECTIONS] = 2;
+        values[OPTION_PLANE_MULTIPOINT] = 3;
+        values[OPTION_CONVEX_MULTIPOINT] = 3;
+    }
 }
 
 static const pl_engine engine = {
@@ -301,6 +400,8 @@ static const pl_engine engine = {
     .read_settings = bullet_read_settings,
     .read_pair = bullet_read_pair,
     .read_contacts = bullet_read_contacts,
+    .sources = sources,
+    .source_count = sizeof sources / sizeof *sources,
 };
 
 const pl_engine *pl_engine_bullet(void)

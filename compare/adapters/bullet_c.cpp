@@ -386,12 +386,30 @@ void convert_contact(const btPersistentManifold &manifold, const btManifoldPoint
     bool in_order = a < b;
     btVector3 on_first = point.m_normalWorldOnB * point.m_appliedImpulse +
                          point.m_lateralFrictionDir1 * point.m_appliedImpulseLateral1;
+    if (point.m_appliedImpulseLateral2 != 0) { /* of two friction directions; else not set */
+        on_first += point.m_lateralFrictionDir2 * point.m_appliedImpulseLateral2;
+    }
     out.body_a = in_order ? a : b;
     out.body_b = in_order ? b : a;
     out.separation = point.getDistance();
     store(in_order ? point.getPositionWorldOnB() : point.getPositionWorldOnA(), out.point);
     store(in_order ? -point.m_normalWorldOnB : point.m_normalWorldOnB, out.normal);
     store(in_order ? -on_first : on_first, out.impulse);
+}
+
+void set_solver_info(const pl_bullet_settings &settings, btContactSolverInfo &info)
+{
+    info.m_numIterations = settings.iterations;
+    info.m_splitImpulse = settings.split_impulse;
+    info.m_splitImpulsePenetrationThreshold = settings.split_threshold;
+    info.m_erp = settings.erp;
+    info.m_erp2 = settings.erp2;
+    info.m_restitutionVelocityThreshold = settings.restitution_threshold;
+    info.m_warmstartingFactor = settings.warm_start;
+    info.m_linearSlop = settings.slop;
+    info.m_solverMode &= ~(SOLVER_USE_2_FRICTION_DIRECTIONS | SOLVER_RANDMIZE_ORDER);
+    info.m_solverMode |= settings.friction_directions == 2 ? SOLVER_USE_2_FRICTION_DIRECTIONS : 0;
+    info.m_solverMode |= settings.random_order ? SOLVER_RANDMIZE_ORDER : 0;
 }
 
 } // namespace
@@ -403,12 +421,20 @@ pl_bullet_settings pl_bullet_defaults(void)
     pl_bullet_settings defaults;
     defaults.iterations = info.m_numIterations;
     defaults.split_impulse = info.m_splitImpulse != 0;
+    defaults.split_threshold = info.m_splitImpulsePenetrationThreshold;
     defaults.erp = info.m_erp;
     defaults.erp2 = info.m_erp2;
     defaults.restitution_threshold = info.m_restitutionVelocityThreshold;
     defaults.margin = box.getMargin();
     defaults.solid_margin = 0;     /* not Bullet's own: see the head of this file */
     defaults.plane_multipoint = 0; /* btConvexPlaneCollisionAlgorithm's threshold is 0 points */
+    defaults.convex_multipoint = 0;
+    defaults.friction_directions =
+        (info.m_solverMode & SOLVER_USE_2_FRICTION_DIRECTIONS) != 0 ? 2 : 1;
+    defaults.warm_start = info.m_warmstartingFactor;
+    defaults.random_order = (info.m_solverMode & SOLVER_RANDMIZE_ORDER) != 0;
+    defaults.slop = info.m_linearSlop;
+    defaults.contact_breaking = gContactBreakingThreshold;
     return defaults;
 }
 
@@ -423,16 +449,16 @@ pl_bullet_world *pl_bullet_world_create(const pl_bullet_world_def *def)
             made->configuration.setPlaneConvexMultipointIterations(def->settings.plane_multipoint,
                                                                    def->settings.plane_multipoint);
         }
+        if (def->settings.convex_multipoint > 0) {
+            made->configuration.setConvexConvexMultipointIterations(
+                def->settings.convex_multipoint, def->settings.convex_multipoint);
+        }
         made->solver = make_solver(*def, made->report);
         made->world = std::make_unique<TimedWorld>(&made->dispatcher, &made->broadphase,
                                                    made->solver.get(), &made->configuration);
         made->world->setGravity(vector(def->gravity));
-        btContactSolverInfo &info = made->world->getSolverInfo();
-        info.m_numIterations = def->settings.iterations;
-        info.m_splitImpulse = def->settings.split_impulse;
-        info.m_erp = def->settings.erp;
-        info.m_erp2 = def->settings.erp2;
-        info.m_restitutionVelocityThreshold = def->settings.restitution_threshold;
+        set_solver_info(def->settings, made->world->getSolverInfo());
+        gContactBreakingThreshold = def->settings.contact_breaking;
         btGImpactCollisionAlgorithm::registerAlgorithm(&made->dispatcher);
         gCalculateCombinedFrictionCallback = combined_friction;
         gCalculateCombinedRestitutionCallback = combined_restitution;

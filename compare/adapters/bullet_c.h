@@ -23,6 +23,7 @@ typedef enum pl_bullet_solver {
 typedef struct pl_bullet_settings {
     int iterations;               /* largest number of sweeps a step */
     bool split_impulse;           /* deep penetration is undone without adding to the velocity */
+    double split_threshold;       /* m, negative: the separation below which it is split */
     double erp, erp2;             /* share of error undone a step: joints, contacts */
     double restitution_threshold; /* m/s: slower impacts do not bounce */
     double margin;                /* m: of a box or a cylinder, inside its half extents */
@@ -30,6 +31,13 @@ typedef struct pl_bullet_settings {
     /* Further support points sought each step where a convex shape meets a plane with fewer points
      * than that; 0: one point a step, gathered over the steps. */
     int plane_multipoint;
+    int convex_multipoint;   /* the same of two convex shapes that have no collider of their own */
+    int friction_directions; /* rows of friction a contact point, 1 or 2 */
+    double warm_start;       /* share of a point's last normal impulse that a solve begins with */
+    bool random_order;       /* sweeps visit the rows in a new order each */
+    double slop;             /* m: penetration that is not undone */
+    /* Share of the smaller shape's reach beyond which a kept contact point is dropped. */
+    double contact_breaking;
 } pl_bullet_settings;
 
 /* The settings that Bullet's own constructors make. */

@@ -110,6 +110,18 @@ static json_t *options_json(const pl_engine *engine)
     return list;
 }
 
+static json_t *sources_json(const pl_engine *engine)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < engine->source_count; ++i) {
+        const pl_engine_source *source = &engine->sources[i];
+        json_array_append_new(list,
+                              json_pack("{s:i, s:o, s:o}", "profile", source->profile, "option",
+                                        text(source->option), "text", text(source->text)));
+    }
+    return list;
+}
+
 typedef struct description_job {
     const char *path;
     const pl_built_in *built_in;
@@ -147,15 +159,16 @@ static pl_status describe(const description_job *job, FILE *answer, json_t **des
     }
     const pl_engine *e = &loaded.table;
     *description = json_pack(
-        "{s:o, s:o, s:o, s:o, s:I, s:I, s:i, s:i, s:i, s:i, s:o, s:o, s:b, s:b, s:b, s:s, s:s}",
+        "{s:o, s:o, s:o, s:o, s:I, s:I, s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:b, s:b, s:b, s:s, "
+        "s:s}",
         "name", text(e->name), "version", text(e->version), "description", text(e->description),
         "residual_unit", text(e->residual_unit), "capabilities", (json_int_t)e->capabilities,
         "contacts", (json_int_t)e->contacts, "precision", (int)e->precision, "integrator",
         (int)e->integrator, "gyroscopic", (int)e->gyroscopic, "substeps", e->substeps, "profiles",
-        profiles_json(e, answer, error), "options", options_json(e), "reads_settings",
-        (int)(e->read_settings != NULL), "reads_pairs", (int)(e->read_pair != NULL),
-        "gives_contact_problems", (int)gives_contact_problems(e, answer), "binary", hash, "stamp",
-        stamp);
+        profiles_json(e, answer, error), "options", options_json(e), "sources", sources_json(e),
+        "reads_settings", (int)(e->read_settings != NULL), "reads_pairs",
+        (int)(e->read_pair != NULL), "gives_contact_problems",
+        (int)gives_contact_problems(e, answer), "binary", hash, "stamp", stamp);
     report_stage(answer, "while it was unloaded");
     pl_unload_engine(&loaded);
     if (*description != NULL) {
@@ -189,6 +202,7 @@ typedef struct known_info {
     json_t *description; /* holds the texts */
     pl_engine_profile profiles[PL_ENGINE_MAX_PROFILES];
     pl_engine_option options[PL_ENGINE_MAX_OPTIONS];
+    pl_engine_source sources[PL_ENGINE_MAX_SOURCES];
     double *defaults;
     struct known_info *next;
 } known_info;
@@ -263,6 +277,18 @@ static bool read_lists(known_info *known)
             known->defaults[i * option_count + k] = json_number_value(json_array_get(defaults, k));
         }
     }
+    const json_t *sources = json_object_get(known->description, "sources");
+    const size_t source_count = json_array_size(sources);
+    if (source_count > PL_ENGINE_MAX_SOURCES) {
+        return false;
+    }
+    for (size_t i = 0; i < source_count; ++i) {
+        const json_t *s = json_array_get(sources, i);
+        known->sources[i] = (pl_engine_source){.profile = (int)whole_of(s, "profile"),
+                                               .option = text_of(s, "option"),
+                                               .text = required_text(s, "text")};
+    }
+    known->info.source_count = (int)source_count;
     known->info.profile_count = (int)profile_count;
     known->info.option_count = (int)option_count;
     return known->defaults != NULL;
@@ -289,6 +315,7 @@ static bool read_description(known_info *known)
     snprintf(info->stamp, sizeof info->stamp, "%s", required_text(d, "stamp"));
     info->profiles = known->profiles;
     info->options = known->options;
+    info->sources = known->sources;
     const bool complete = read_lists(known);
     info->defaults = known->defaults;
     return complete && info->name[0] != '\0' && strlen(info->name) < PL_NAME_SIZE;

@@ -15,7 +15,7 @@ typedef struct pl_engine_fault {
     char reason[512];
 } pl_engine_fault;
 
-/* An engine. The fields from `name` to `option_count` are those of pl_engine. */
+/* An engine. The fields from `name` to `source_count` are those of pl_engine. */
 typedef struct pl_engine_info {
     const char *name, *version, *description, *residual_unit;
     uint32_t capabilities, contacts;
@@ -27,6 +27,8 @@ typedef struct pl_engine_info {
     int profile_count;
     const pl_engine_option *options; /* (option_count) */
     int option_count;
+    const pl_engine_source *sources; /* (source_count) */
+    int source_count;
     const double *defaults;      /* (profile_count x option_count) */
     bool reads_settings;         /* it reads back masses, gravity and the step */
     bool reads_pairs;            /* it reads back friction and restitution */

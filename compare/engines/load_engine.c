@@ -41,6 +41,7 @@ static pl_status check_counts(const char *path, const pl_engine *engine, pl_erro
     } counts[] = {
         {"profile_count", engine->profile_count, 1, PL_ENGINE_MAX_PROFILES},
         {"option_count", engine->option_count, 0, PL_ENGINE_MAX_OPTIONS},
+        {"source_count", engine->source_count, 0, PL_ENGINE_MAX_SOURCES},
         {"substeps", engine->substeps, 1, 1000000},
         {"precision", (int)engine->precision, PL_PRECISION_DOUBLE, PL_PRECISION_FLOAT},
         {"integrator", (int)engine->integrator, PL_INTEGRATOR_UNKNOWN, PL_INTEGRATOR_MIDPOINT},
@@ -55,6 +56,10 @@ static pl_status check_counts(const char *path, const pl_engine *engine, pl_erro
     if (engine->option_count > 0 && engine->options == NULL) {
         return pl_fail(error, PL_BAD_INPUT, "%s: option_count is %d, but options is NULL", path,
                        engine->option_count);
+    }
+    if (engine->source_count > 0 && engine->sources == NULL) {
+        return pl_fail(error, PL_BAD_INPUT, "%s: source_count is %d, but sources is NULL", path,
+                       engine->source_count);
     }
     if ((engine->contacts & ~KNOWN_CONTACTS) != 0) {
         return pl_fail(error, PL_BAD_INPUT, "%s: contacts: expected PL_CONTACTS_* bits, found 0x%x",
@@ -131,13 +136,46 @@ static pl_status check_options(const char *path, const pl_engine *engine, pl_err
     return status;
 }
 
+static bool has_option(const pl_engine *engine, const char *name)
+{
+    for (int i = 0; i < engine->option_count; ++i) {
+        if (strcmp(engine->options[i].name, name) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+static pl_status check_sources(const char *path, const pl_engine *engine, pl_error *error)
+{
+    for (int i = 0; i < engine->source_count; ++i) {
+        const pl_engine_source *source = &engine->sources[i];
+        if (source->profile < 0 || source->profile >= engine->profile_count) {
+            return pl_fail(error, PL_BAD_INPUT,
+                           "%s: sources[%d].profile: expected 0 to %d, found %d", path, i,
+                           engine->profile_count - 1, source->profile);
+        }
+        if (source->option != NULL && !has_option(engine, source->option)) {
+            return pl_fail(error, PL_BAD_INPUT, "%s: sources[%d].option: it has no option %s", path,
+                           i, source->option);
+        }
+        if (source->text == NULL || source->text[0] == '\0') {
+            return pl_fail(error, PL_BAD_INPUT, "%s: sources[%d].text: expected a text", path, i);
+        }
+    }
+    return PL_OK;
+}
+
 static pl_status check_words(const char *path, const pl_engine *engine, pl_error *error)
 {
     if (!is_word(engine->name)) {
         return pl_fail(error, PL_BAD_INPUT, "%s: name: %s", path, WORD_EXPECTED);
     }
     pl_status status = check_profiles(path, engine, error);
-    return status == PL_OK ? check_options(path, engine, error) : status;
+    if (status == PL_OK) {
+        status = check_options(path, engine, error);
+    }
+    return status == PL_OK ? check_sources(path, engine, error) : status;
 }
 
 static pl_status check_sizes(const char *path, const pl_engine *engine, pl_error *error)

@@ -243,6 +243,8 @@ static const pl_engine ENGINE = {
     .read_pair = NULL, /* it stores no coefficients, but asks pair_of */
     .read_contacts = read_contacts,
     .extension = NULL,
+    .sources = NULL, /* why a profile has its values: documents of the engine's authors */
+    .source_count = 0,
 };
 
 /* The one symbol that the harness looks up. */

@@ -114,6 +114,41 @@ static void test_option_tables_of_reference_engines_match_library_defaults(void 
     }
 }
 
+static bool is_cited(const pl_engine_info *engine, int profile, const char *option)
+{
+    for (int i = 0; i < engine->source_count; ++i) {
+        const pl_engine_source *source = &engine->sources[i];
+        if (source->profile == profile && source->option != NULL &&
+            strcmp(source->option, option) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* A profile named `recommended` is the shipped one, which is the first, with the cited changes. */
+static void test_recommended_profiles_change_just_what_they_cite(void **state)
+{
+    (void)state;
+    static const char *const specs[] = {"ode:recommended", "bullet:recommended",
+                                        "mujoco:recommended"};
+    for (size_t s = 0; s < sizeof specs / sizeof *specs; ++s) {
+        pl_engine_choice choice;
+        pl_status status = pl_engine_choose(specs[s], &choice, NULL);
+        if (status == PL_UNSUPPORTED) {
+            continue;
+        }
+        assert_int_equal(status, PL_OK);
+        const double *shipped = pl_engine_profile_values(choice.engine, 0);
+        for (int i = 0; i < choice.engine->option_count; ++i) {
+            const char *name = choice.engine->options[i].name;
+            print_message("    %s %s\n", specs[s], name);
+            assert_int_equal(choice.values[i] != shipped[i],
+                             is_cited(choice.engine, choice.profile, name));
+        }
+    }
+}
+
 /* Iterations and residual of five stacked cubes in the first step. */
 static pl_step_stats stack_stats(const char *spec)
 {
@@ -262,6 +297,7 @@ int main(void)
         cmocka_unit_test(test_descriptors_are_whole_and_defaults_in_range),
         cmocka_unit_test(test_settings_read_back_equal_the_scene),
         cmocka_unit_test(test_option_tables_of_reference_engines_match_library_defaults),
+        cmocka_unit_test(test_recommended_profiles_change_just_what_they_cite),
         cmocka_unit_test(test_reported_iterations_are_the_requested_ones_or_none),
         cmocka_unit_test(test_dense_solvers_decline_only_islands_beyond_their_memory),
         cmocka_unit_test(test_penetration_within_odes_surface_layer_stays),

@@ -310,6 +310,13 @@ static void test_shared_objects_of_another_abi_are_refused(void **state)
         {"contacts.so", "-DMORE=,.contacts=1", "lacks read_contacts"},
         {"bits.so", "-DMORE=',.contacts=9,.read_contacts=(void*)1'",
          "contacts: expected PL_CONTACTS"},
+        {"sources.so", "-DMORE=,.source_count=1", "source_count is 1, but sources is NULL"},
+        {"cited.so",
+         "-DMORE=',.sources=(const pl_engine_source[]){{1,\"stiff\",\"manual\"}},.source_count=1'",
+         "sources[0].option: it has no option stiff"},
+        {"of.so",
+         "-DMORE=',.sources=(const pl_engine_source[]){{2,NULL,\"manual\"}},.source_count=1'",
+         "sources[0].profile: expected 0 to 1, found 2"},
         {"precision.so", "-DMORE=,.precision=7", "precision: expected 0 to 1, found 7"},
         {"integrator.so", "-DMORE=,.integrator=-1", "integrator: expected 0 to 3"},
     };

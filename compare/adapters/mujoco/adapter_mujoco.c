@@ -101,6 +101,12 @@ static const pl_engine_option options[MUJOCO_OPTION_COUNT] = {
                                   .code = "model->opt.noslip_iterations = {};",
                                   .tune_profiles = ALL_PROFILES,
                                   .tune_max = 100},
+    [MUJOCO_NOSLIP_TOLERANCE] = {.name = "noslip_tolerance",
+                                 .value = 1e-6,
+                                 .max = 1,
+                                 .unit = "1",
+                                 .help = "improvement below which the Noslip solver ends",
+                                 .code = "model->opt.noslip_tolerance = {};"},
     [MUJOCO_IMPRATIO] = {.name = "impratio",
                          .value = 1,
                          .min = 1e-3,
@@ -171,7 +177,34 @@ static const pl_engine_option options[MUJOCO_OPTION_COUNT] = {
                          .unit = "1",
                          .help = "1: up to five points of a pair that has no collider of its own; "
                                  "experimental in MuJoCo 2.2",
-                         .code = "model->opt.enableflags |= {} ? mjENBL_MULTICCD : 0;"},
+                         .code = "model->opt.enableflags |= {} ? mjENBL_MULTICCD : 0;",
+                         .tune_profiles = ALL_PROFILES,
+                         .tune_max = 1},
+};
+
+#define MODELING "MuJoCo documentation, Modeling, Algorithms and settings: "
+#define SLIP "MuJoCo documentation, Overview, Softness and slip: "
+
+static const pl_engine_source sources[] = {
+    {PROFILE_RECOMMENDED, NULL,
+     MODELING "\"The Newton algorithm is the best choice for most models\" "
+              "(https://mujoco.readthedocs.io/en/stable/modeling.html)"},
+    {PROFILE_RECOMMENDED, "cone",
+     MODELING "\"the best way to suppress it is to use elliptic cones, large impratio, and the "
+              "Newton algorithm with very small tolerance\""},
+    {PROFILE_RECOMMENDED, "tolerance",
+     MODELING "Newton \"should be used with aggressive tolerance values, say 1e-10\""},
+    {PROFILE_RECOMMENDED, "impratio",
+     MODELING "\"large impratio\" against slip; how large it does not say: 10"},
+    {PROFILE_RECOMMENDED, "solimp_dmin",
+     SLIP "\"Increasing constraint impedance (first two elements of solimp)\"; how far it does not "
+          "say: 0.99"},
+    {PROFILE_RECOMMENDED, "solimp_dmax",
+     SLIP "\"Increasing constraint impedance (first two elements of solimp)\"; how far it does not "
+          "say: 0.999"},
+    {PROFILE_RECOMMENDED, "multiccd",
+     "MuJoCo documentation, XML Reference, multiccd: several points \"can be useful when the "
+     "contacting geoms have a flat surface\""},
 };
 
 static void mujoco_profile_defaults(int profile, double *values)
@@ -377,6 +410,8 @@ static pl_engine engine = {
     .read_settings = pl_mujoco_read_settings,
     .read_pair = pl_mujoco_read_pair,
     .read_contacts = pl_mujoco_read_contacts,
+    .sources = sources,
+    .source_count = sizeof sources / sizeof *sources,
 };
 
 const pl_engine *pl_engine_mujoco(void)

@@ -90,6 +90,7 @@ static void set_options(mjModel *model, double dt, const double *values)
     option->iterations = (int)values[MUJOCO_ITERATIONS];
     option->tolerance = values[MUJOCO_TOLERANCE];
     option->noslip_iterations = (int)values[MUJOCO_NOSLIP_ITERATIONS];
+    option->noslip_tolerance = values[MUJOCO_NOSLIP_TOLERANCE];
     option->impratio = values[MUJOCO_IMPRATIO];
     option->enableflags |= values[MUJOCO_MULTICCD] != 0 ? mjENBL_MULTICCD : 0;
     for (int i = 0; i < model->ngeom; ++i) {

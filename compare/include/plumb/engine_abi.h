@@ -60,8 +60,9 @@ extern "C" {
  * a shorter pl_engine is accepted as long as it has everything up to read_frame. */
 enum {
     PL_ENGINE_ABI_VERSION = 2,
-    PL_ENGINE_MAX_OPTIONS = 24, /* the most options that an engine may have */
-    PL_ENGINE_MAX_PROFILES = 64 /* the most profiles */
+    PL_ENGINE_MAX_OPTIONS = 24,  /* the most options that an engine may have */
+    PL_ENGINE_MAX_PROFILES = 64, /* the most profiles */
+    PL_ENGINE_MAX_SOURCES = 256  /* the most sources of profiles' values */
 };
 
 /* The name of the symbol, of type pl_engine_entry, that a shared object exports. */
@@ -122,6 +123,14 @@ typedef struct pl_engine_profile {
     bool in_default_comparison; /* run by `plumb compare` when no --engine is given */
     const char *step_code;      /* how a program steps by {} seconds; NULL: not shown */
 } pl_engine_profile;
+
+/* Why a profile has a value: a document of the engine's own authors. A profile for which any source
+ * is given has one for every option whose default differs from that of the first profile. */
+typedef struct pl_engine_source {
+    int profile;        /* index in pl_engine.profiles */
+    const char *option; /* name of the option; NULL: the profile, such as the time step it is for */
+    const char *text;   /* title, section and what it says, for `plumb list engines` */
+} pl_engine_source;
 
 /* Friction and restitution of two materials. */
 typedef struct pl_pair_coefficients {
@@ -294,6 +303,9 @@ typedef struct pl_engine {
      * name that the engine does not know. The table is constant, and its type is declared where the
      * name is. NULL when the engine has no extensions. */
     const void *(*extension)(const char *name);
+
+    const pl_engine_source *sources; /* (source_count); NULL: none */
+    int source_count;                /* at most PL_ENGINE_MAX_SOURCES */
 } pl_engine;
 
 /* The type of the symbol that a shared object exports: returns its engine, valid for as long as the

@@ -158,13 +158,17 @@ json_t *pl_tune_json(const pl_tune_def *def, const pl_tuning *tuning)
 json_t *pl_tune_profile(const pl_tune_def *def, const pl_tuning *tuning)
 {
     const pl_engine_choice *base = &def->space->base;
-    return json_pack("{s:s, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:b}", "schema",
-                     "plumb.profile/1", "name", "tuned", "engine", base->engine->name,
-                     "engine_version", base->engine->version, "profile",
-                     base->engine->profiles[base->profile].name, "dt",
-                     pl_json_number_or_null(tuning->setting.dt), "options",
-                     options_json(&tuning->setting.choice), "scenarios", scenarios_json(def),
-                     "targets", targets_json(def), "validated", is_validated(tuning));
+    char made[32];
+    pl_timestamp(made);
+    return json_pack(
+        "{s:s, s:s, s:s, s:s, s:s, s:o, s:o, s:o, s:o, s:b, s:i, s:s, s:O?, s:O?}", "schema",
+        "plumb.profile/1", "name", "tuned", "engine", base->engine->name, "engine_version",
+        base->engine->version, "profile", base->engine->profiles[base->profile].name, "dt",
+        pl_json_number_or_null(tuning->setting.dt), "options",
+        options_json(&tuning->setting.choice), "scenarios", scenarios_json(def), "targets",
+        targets_json(def), "validated", is_validated(tuning), "budget", def->budget, "made", made,
+        "command", json_object_get(def->provenance, "command"), "plumb",
+        json_object_get(def->provenance, "plumb"));
 }
 
 static void print_margin(FILE *out, double excess)
