@@ -1,6 +1,6 @@
 /* plumb list scenarios|engines|metrics|suites. Each kind is built as one JSON array, which is
  * printed as it is or as text. */
-#include "engines/registry.h"
+#include "engine_list.h"
 #include "plumb/scenario.h"
 #include "report/report.h"
 #include "request.h"
@@ -10,27 +10,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A parameter of a scenario or an option of an engine, which have the same keys. */
-static json_t *setting(const pl_engine_option *option)
-{
-    return json_pack("{s:s, s:f, s:f, s:f, s:b, s:s, s:s}", "name", option->name, "default",
-                     option->value, "min", option->min, "max", option->max, "integer",
-                     (int)option->integer, "unit", option->unit, "help", option->help);
-}
-
 static json_t *list_params(const pl_scenario *scenario)
 {
     json_t *list = json_array();
     for (int i = 0; i < scenario->param_count; ++i) {
         const pl_param *p = &scenario->params[i];
-        const pl_engine_option option = {.name = p->name,
-                                         .value = p->value,
-                                         .min = p->min,
-                                         .max = p->max,
-                                         .integer = p->integer,
-                                         .unit = p->unit,
-                                         .help = p->help};
-        json_array_append_new(list, setting(&option));
+        json_array_append_new(list, json_pack("{s:s, s:f, s:f, s:f, s:b, s:s, s:s}", "name",
+                                              p->name, "default", p->value, "min", p->min, "max",
+                                              p->max, "integer", (int)p->integer, "unit", p->unit,
+                                              "help", p->help));
     }
     return list;
 }
@@ -82,114 +70,6 @@ static json_t *list_scenarios(void)
                             acceptance_of(s), "needs", needs, "params", list_params(s)));
     }
     return list;
-}
-
-static json_t *list_profiles(const pl_engine_info *engine)
-{
-    json_t *list = json_array();
-    for (int i = 0; i < engine->profile_count; ++i) {
-        const pl_engine_profile *p = &engine->profiles[i];
-        json_array_append_new(list,
-                              json_pack("{s:s, s:s, s:b}", "name", p->name, "help", p->help,
-                                        "in_default_comparison", (int)p->in_default_comparison));
-    }
-    return list;
-}
-
-static json_t *list_options(const pl_engine_info *engine)
-{
-    json_t *list = json_array();
-    for (int i = 0; i < engine->option_count; ++i) {
-        json_array_append_new(list, setting(&engine->options[i]));
-    }
-    return list;
-}
-
-/* The SPECs that are listed. */
-typedef struct pl_specs {
-    const char *const *items; /* (count) */
-    int count;
-} pl_specs;
-
-static const char *precision_name(pl_precision precision)
-{
-    return precision == PL_PRECISION_FLOAT ? "float" : "double";
-}
-
-static const char *integrator_name(pl_integrator integrator)
-{
-    switch (integrator) {
-    case PL_INTEGRATOR_SEMI_IMPLICIT_EULER:
-        return "semi-implicit Euler";
-    case PL_INTEGRATOR_EXPLICIT_EULER:
-        return "explicit Euler";
-    case PL_INTEGRATOR_MIDPOINT:
-        return "midpoint";
-    case PL_INTEGRATOR_UNKNOWN:
-        break;
-    }
-    return "unknown";
-}
-
-static json_t *list_contacts(uint32_t contacts)
-{
-    static const char *const names[] = {"points", "impulses", "torques"};
-    json_t *list = json_array();
-    for (int i = 0; i < 3; ++i) {
-        if ((contacts >> i & 1u) != 0) {
-            json_array_append_new(list, json_string(names[i]));
-        }
-    }
-    return list;
-}
-
-/* What is known of an engine, added to its item. Of one that could not be asked, the fault. */
-static void describe_engine(json_t *item, const pl_engine_info *e)
-{
-    if (e->fault.is_fault) {
-        json_object_set_new(item, "fault", pl_json_text(e->fault.reason, strlen(e->fault.reason)));
-        return;
-    }
-    json_object_set_new(item, "version", json_string(e->version));
-    json_object_set_new(item, "description", json_string(e->description));
-    json_object_set_new(item, "precision", json_string(precision_name(e->precision)));
-    json_object_set_new(item, "integrator", json_string(integrator_name(e->integrator)));
-    json_object_set_new(item, "contacts", list_contacts(e->contacts));
-    json_object_set_new(item, "binary", json_string(e->binary));
-    json_object_set_new(item, "substeps", json_integer(e->substeps));
-    json_object_set_new(item, "profiles", list_profiles(e));
-    json_object_set_new(item, "options", list_options(e));
-}
-
-/* The engines of this build, or those of the SPECs in `asked`. */
-static pl_status list_engines(const pl_specs *asked, json_t **list, pl_error *error)
-{
-    int count;
-    const pl_built_in *engines = pl_built_in_engines(&count);
-    pl_status status = PL_OK;
-    *list = json_array();
-    for (int i = 0; asked->count == 0 && i < count && status == PL_OK; ++i) {
-        const pl_engine_info *e = NULL;
-        json_t *item = json_pack("{s:s, s:s, s:b}", "name", engines[i].name, "package",
-                                 engines[i].package, "present", engines[i].entry != NULL);
-        if (engines[i].entry != NULL) {
-            status = pl_engine_of_build(&engines[i], &e, error);
-        }
-        if (e != NULL) {
-            describe_engine(item, e);
-        }
-        json_array_append_new(*list, item);
-    }
-    for (int i = 0; i < asked->count && status == PL_OK; ++i) {
-        pl_engine_choice choice;
-        status = pl_engine_choose(asked->items[i], &choice, error);
-        if (status == PL_OK) {
-            json_t *item = json_pack("{s:s, s:b}", "name", choice.engine->name, "present", true);
-            describe_engine(item, choice.engine);
-            json_array_append_new(*list, item);
-        }
-    }
-    return status;
 }
 
 static json_t *list_metrics(void)
@@ -257,51 +137,6 @@ static void print_scenario(const json_t *item)
     print_settings(json_object_get(item, "params"));
 }
 
-/* Precision, sub-steps, integrator and what contacts report, on a line. */
-static void print_nature(const json_t *item)
-{
-    const int substeps = (int)json_integer_value(json_object_get(item, "substeps"));
-    printf("  %s precision, %d %s a step, integrator %s, contacts ",
-           pl_json_get_text(item, "precision"), substeps, substeps == 1 ? "sub-step" : "sub-steps",
-           pl_json_get_text(item, "integrator"));
-    const json_t *contacts = json_object_get(item, "contacts");
-    size_t index;
-    const json_t *name;
-    json_array_foreach(contacts, index, name)
-    {
-        printf("%s%s", index == 0 ? "with " : ", ", json_string_value(name));
-    }
-    printf("%s\n", json_array_size(contacts) == 0 ? "not reported" : "");
-}
-
-static void print_engine(const json_t *item)
-{
-    if (!json_is_true(json_object_get(item, "present"))) {
-        printf("%-10s absent from this build; Debian: %s\n", pl_json_get_text(item, "name"),
-               pl_json_get_text(item, "package"));
-        return;
-    }
-    if (json_object_get(item, "fault") != NULL) {
-        printf("%-10s %s\n", pl_json_get_text(item, "name"), pl_json_get_text(item, "fault"));
-        return;
-    }
-    printf("%-10s %s  %s\n", pl_json_get_text(item, "name"), pl_json_get_text(item, "version"),
-           pl_json_get_text(item, "description"));
-    print_nature(item);
-    size_t index;
-    const json_t *p;
-    json_array_foreach(json_object_get(item, "profiles"), index, p)
-    {
-        printf("  %s:%-*s %s%s\n", pl_json_get_text(item, "name"),
-               25 - (int)strlen(pl_json_get_text(item, "name")), pl_json_get_text(p, "name"),
-               pl_json_get_text(p, "help"),
-               json_is_true(json_object_get(p, "in_default_comparison"))
-                   ? ""
-                   : " (only when asked for)");
-    }
-    print_settings(json_object_get(item, "options"));
-}
-
 static void print_metric(const json_t *item)
 {
     printf("%-22s %-6s %-7s %s\n", pl_json_get_text(item, "name"), pl_json_get_text(item, "unit"),
@@ -327,7 +162,7 @@ typedef struct kind {
 } kind;
 
 static const kind kinds[] = {{"scenarios", list_scenarios, print_scenario},
-                             {"engines", NULL, print_engine},
+                             {"engines", NULL, pl_engine_list_print},
                              {"metrics", list_metrics, print_metric},
                              {"suites", list_suites, print_suite}};
 enum { KIND_COUNT = sizeof kinds / sizeof kinds[0] };
@@ -403,8 +238,8 @@ static int run(const pl_call *call)
     json_t *list = o.kind->list == NULL ? NULL : o.kind->list();
     pl_status status = PL_OK;
     if (list == NULL) {
-        const pl_specs specs = {o.request.names.items + 1, o.request.names.count - 1};
-        status = list_engines(&specs, &list, &error);
+        status =
+            pl_engine_list(o.request.names.items + 1, o.request.names.count - 1, &list, &error);
     }
     pl_request_free(&o.request);
     if (status != PL_OK) {

@@ -6,6 +6,24 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The profiles that come with Plumb, an array, which compare/CMakeLists.txt builds into the program.
+ */
+extern const char pl_tuned_profiles_json[];
+
+/* The profile of that name in a list; NULL: none. Borrowed. */
+static json_t *find_profile(const json_t *list, const char *name)
+{
+    size_t index;
+    json_t *file;
+    json_array_foreach(list, index, file)
+    {
+        if (strcmp(pl_json_get_text(file, "name"), name) == 0) {
+            return file;
+        }
+    }
+    return NULL;
+}
+
 /* Whether a value is in the range of its option. */
 static bool is_allowed(const pl_engine_option *option, double value)
 {
@@ -39,11 +57,29 @@ static pl_status read_options(const pl_engine_info *engine, const char *path, js
     return PL_OK;
 }
 
-static pl_status read_profile(const pl_engine_info *engine, const char *name, const char *path,
-                              pl_tuned_profile *profile, bool *found, pl_error *error)
+/* Adds a profile to the list where it is the engine's and its name is new. Takes `file`. */
+static pl_status add_profile(const pl_engine_info *engine, const char *from, json_t *file,
+                             json_t *list, pl_error *error)
+{
+    const char *name = pl_json_get_text(file, "name");
+    pl_status status = PL_OK;
+    if (strcmp(pl_json_get_text(file, "schema"), "plumb.profile/1") != 0 ||
+        !json_is_object(json_object_get(file, "options"))) {
+        status =
+            pl_fail(error, PL_BAD_INPUT, "%s: is no plumb.profile/1, as plumb tune saves it", from);
+    } else if (strcmp(pl_json_get_text(file, "engine"), engine->name) == 0 &&
+               find_profile(list, name) == NULL) {
+        json_object_set_new(file, "from", json_string(from));
+        json_array_append(list, file);
+    }
+    json_decref(file);
+    return status;
+}
+
+static pl_status add_file(const pl_engine_info *engine, const char *path, json_t *list,
+                          pl_error *error)
 {
     json_error_t why;
-    pl_status status = PL_OK;
     json_t *file = json_load_file(path, JSON_REJECT_DUPLICATES, &why);
     if (file == NULL) {
         return json_error_code(&why) == json_error_cannot_open_file
@@ -51,35 +87,69 @@ static pl_status read_profile(const pl_engine_info *engine, const char *name, co
                    : pl_fail(error, PL_BAD_INPUT, "%s:%d:%d: %s", path, why.line, why.column,
                              why.text);
     }
-    if (strcmp(pl_json_get_text(file, "schema"), "plumb.profile/1") != 0 ||
-        !json_is_object(json_object_get(file, "options"))) {
-        status =
-            pl_fail(error, PL_BAD_INPUT, "%s: is no plumb.profile/1, as plumb tune saves it", path);
-    } else if (strcmp(pl_json_get_text(file, "engine"), engine->name) == 0 &&
-               strcmp(pl_json_get_text(file, "name"), name) == 0) {
-        *found = true;
-        status = read_options(engine, path, file, profile, error);
+    return add_profile(engine, path, file, list, error);
+}
+
+static pl_status add_files(const pl_engine_info *engine, json_t *list, pl_error *error)
+{
+    const char *paths = getenv(PL_PROFILES_VARIABLE);
+    char *copy = paths == NULL ? NULL : strdup(paths);
+    pl_status status = PL_OK;
+    if (paths != NULL && copy == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for " PL_PROFILES_VARIABLE);
     }
-    json_decref(file);
+    for (char *rest = copy; rest != NULL && status == PL_OK;) {
+        const char *path = strsep(&rest, ":");
+        if (path[0] != '\0') {
+            status = add_file(engine, path, list, error);
+        }
+    }
+    free(copy);
+    return status;
+}
+
+static pl_status add_own(const pl_engine_info *engine, json_t *list, pl_error *error)
+{
+    size_t index;
+    json_t *file;
+    json_t *own = json_loads(pl_tuned_profiles_json, JSON_REJECT_DUPLICATES, NULL);
+    pl_status status =
+        own == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for profiles") : PL_OK;
+    json_array_foreach(own, index, file)
+    {
+        if (status == PL_OK) {
+            status = add_profile(engine, "plumb", json_incref(file), list, error);
+        }
+    }
+    json_decref(own);
+    return status;
+}
+
+pl_status pl_tuned_profiles(const pl_engine_info *engine, json_t **list, pl_error *error)
+{
+    *list = json_array();
+    pl_status status = *list == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory for profiles")
+                                     : add_files(engine, *list, error);
+    if (status == PL_OK && engine->built_in != NULL) {
+        status = add_own(engine, *list, error);
+    }
+    if (status != PL_OK) {
+        json_decref(*list);
+        *list = NULL;
+    }
     return status;
 }
 
 pl_status pl_tuned_profile_find(const pl_engine_info *engine, const char *name,
                                 pl_tuned_profile *profile, bool *found, pl_error *error)
 {
-    const char *paths = getenv(PL_PROFILES_VARIABLE);
-    char *copy = paths == NULL ? NULL : strdup(paths);
-    pl_status status = PL_OK;
-    *found = false;
-    if (paths != NULL && copy == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for " PL_PROFILES_VARIABLE);
+    json_t *list = NULL;
+    pl_status status = pl_tuned_profiles(engine, &list, error);
+    json_t *file = find_profile(list, name);
+    *found = file != NULL;
+    if (status == PL_OK && *found) {
+        status = read_options(engine, pl_json_get_text(file, "from"), file, profile, error);
     }
-    for (char *rest = copy; rest != NULL && !*found && status == PL_OK;) {
-        const char *path = strsep(&rest, ":");
-        if (path[0] != '\0') {
-            status = read_profile(engine, name, path, profile, found, error);
-        }
-    }
-    free(copy);
+    json_decref(list);
     return status;
 }

@@ -3,6 +3,7 @@
 #include "adapter_trust.h"
 #include "case_page.h"
 #include "cell_verdict.h"
+#include "engine_words.h"
 #include "number_format.h"
 #include "page.h"
 #include "results/result.h"
@@ -660,6 +661,7 @@ void pl_report_page(const pl_report *report, bool html, pl_text_buffer *out)
         if (html) {
             add_times(matrix, &page);
             add_settings(matrix, &page);
+            pl_engine_words_add(matrix, &page);
             pl_page_heading(&page, "cases", "Case by case");
             for (int i = 0; i < matrix->case_count; ++i) {
                 pl_case_page(matrix, i, out);

@@ -62,6 +62,6 @@ for name in "by_name.json", "by_env.json":
     for option, value in profile["options"].items():
         assert run["settings"][option] == value, option
 END
-expect 2 'unknown profile' tower --engine plumb:tuned --target "$target"
+expect 2 'unknown profile' tower --engine plumb:tuend --target "$target"
 
 exit $failed

@@ -366,7 +366,7 @@ static void test_file_profile_is_its_base_with_changes(void **state)
     pl_error error = {.message = ""};
     assert_int_equal(pl_engine_choose("plumb:tuned", &choice, &error), PL_IO);
     unsetenv("PLUMB_PROFILES");
-    assert_int_equal(pl_engine_choose("plumb:tuned", &choice, &error), PL_BAD_INPUT);
+    assert_int_equal(pl_engine_choose("plumb:tuend", &choice, &error), PL_BAD_INPUT);
 }
 
 int main(void)

@@ -1,0 +1,383 @@
+/* Each configuration of an engine with all its settings: as shipped, as its authors recommend, and
+ * as plumb tune found. */
+#include "engine_list.h"
+
+#include "base/json_field.h"
+#include "report/engine_words.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { LINE_WIDTH = 98 };
+
+/* ---- JSON ---- */
+
+/* The values of a profile that differ from those of the first one, by name. */
+static json_t *changed_values(const pl_engine_info *engine, int profile)
+{
+    const double *shipped = pl_engine_profile_values(engine, 0);
+    const double *values = pl_engine_profile_values(engine, profile);
+    json_t *changed = json_object();
+    for (int i = 0; i < engine->option_count; ++i) {
+        if (values[i] != shipped[i]) {
+            json_object_set_new(changed, engine->options[i].name, json_real(values[i]));
+        }
+    }
+    return changed;
+}
+
+static json_t *sources_of(const pl_engine_info *engine, int profile)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < engine->source_count; ++i) {
+        const pl_engine_source *source = &engine->sources[i];
+        if (source->profile == profile) {
+            json_array_append_new(
+                list, json_pack("{s:s?, s:s}", "option", source->option, "text", source->text));
+        }
+    }
+    return list;
+}
+
+static json_t *list_profiles(const pl_engine_info *engine)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < engine->profile_count; ++i) {
+        const pl_engine_profile *p = &engine->profiles[i];
+        json_array_append_new(
+            list, json_pack("{s:s, s:s, s:b, s:o, s:o}", "name", p->name, "help", p->help,
+                            "in_default_comparison", (int)p->in_default_comparison, "changed",
+                            changed_values(engine, i), "sources", sources_of(engine, i)));
+    }
+    return list;
+}
+
+/* The profiles in which plumb tune varies an option, and the range; NULL: none. */
+static json_t *tune_range(const pl_engine_info *engine, const pl_engine_option *option)
+{
+    json_t *profiles = json_array();
+    for (int i = 0; i < engine->profile_count && i < 32; ++i) {
+        if ((option->tune_profiles >> i & 1u) != 0) {
+            json_array_append_new(profiles, json_string(engine->profiles[i].name));
+        }
+    }
+    if (json_array_size(profiles) == 0) {
+        json_decref(profiles);
+        return NULL;
+    }
+    return json_pack("{s:f, s:f, s:b, s:o}", "min", option->tune_min, "max", option->tune_max,
+                     "logarithmic", (int)option->tune_logarithmic, "profiles", profiles);
+}
+
+static json_t *list_options(const pl_engine_info *engine)
+{
+    json_t *list = json_array();
+    for (int i = 0; i < engine->option_count; ++i) {
+        const pl_engine_option *o = &engine->options[i];
+        json_array_append_new(
+            list, json_pack("{s:s, s:f, s:f, s:f, s:b, s:s, s:s, s:s*, s:o*}", "name", o->name,
+                            "default", pl_engine_profile_values(engine, 0)[i], "min", o->min, "max",
+                            o->max, "integer", (int)o->integer, "unit", o->unit, "help", o->help,
+                            "code", o->code, "tune", tune_range(engine, o)));
+    }
+    return list;
+}
+
+/* What each word means in a built-in engine; NULL where that is not known. */
+static json_t *words_of(const pl_engine_info *engine)
+{
+    size_t index;
+    const json_t *word;
+    json_t *known = engine->built_in == NULL ? NULL : pl_engine_words();
+    json_t *words = json_object();
+    json_array_foreach(json_object_get(known, "words"), index, word)
+    {
+        json_t *means = json_object_get(json_object_get(word, "means"), engine->name);
+        if (means != NULL) {
+            json_object_set(words, pl_json_get_text(word, "word"), means);
+        }
+    }
+    json_decref(known);
+    if (json_object_size(words) == 0) {
+        json_decref(words);
+        return NULL;
+    }
+    return words;
+}
+
+static const char *precision_name(pl_precision precision)
+{
+    return precision == PL_PRECISION_FLOAT ? "float" : "double";
+}
+
+static const char *integrator_name(pl_integrator integrator)
+{
+    switch (integrator) {
+    case PL_INTEGRATOR_SEMI_IMPLICIT_EULER:
+        return "semi-implicit Euler";
+    case PL_INTEGRATOR_EXPLICIT_EULER:
+        return "explicit Euler";
+    case PL_INTEGRATOR_MIDPOINT:
+        return "midpoint";
+    case PL_INTEGRATOR_UNKNOWN:
+        break;
+    }
+    return "unknown";
+}
+
+static json_t *list_contacts(uint32_t contacts)
+{
+    static const char *const names[] = {"points", "impulses", "torques"};
+    json_t *list = json_array();
+    for (int i = 0; i < 3; ++i) {
+        if ((contacts >> i & 1u) != 0) {
+            json_array_append_new(list, json_string(names[i]));
+        }
+    }
+    return list;
+}
+
+/* What is known of an engine, added to its item. Of one that could not be asked, the fault. */
+static pl_status describe_engine(json_t *item, const pl_engine_info *e, pl_error *error)
+{
+    json_t *tuned = NULL;
+    if (e->fault.is_fault) {
+        json_object_set_new(item, "fault", pl_json_text(e->fault.reason, strlen(e->fault.reason)));
+        return PL_OK;
+    }
+    pl_status status = pl_tuned_profiles(e, &tuned, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    json_t *known = json_pack(
+        "{s:s, s:s, s:s, s:s, s:o, s:s, s:i, s:o, s:o, s:o, s:o*}", "version", e->version,
+        "description", e->description, "precision", precision_name(e->precision), "integrator",
+        integrator_name(e->integrator), "contacts", list_contacts(e->contacts), "binary", e->binary,
+        "substeps", e->substeps, "profiles", list_profiles(e), "tuned", tuned, "options",
+        list_options(e), "words", words_of(e));
+    json_object_update(item, known);
+    json_decref(known);
+    return PL_OK;
+}
+
+pl_status pl_engine_list(const char *const *asked, int asked_count, json_t **list, pl_error *error)
+{
+    int count;
+    const pl_built_in *engines = pl_built_in_engines(&count);
+    pl_status status = PL_OK;
+    *list = json_array();
+    for (int i = 0; asked_count == 0 && i < count && status == PL_OK; ++i) {
+        const pl_engine_info *e = NULL;
+        json_t *item = json_pack("{s:s, s:s, s:b}", "name", engines[i].name, "package",
+                                 engines[i].package, "present", engines[i].entry != NULL);
+        json_array_append_new(*list, item);
+        if (engines[i].entry != NULL) {
+            status = pl_engine_of_build(&engines[i], &e, error);
+        }
+        if (e != NULL) {
+            status = describe_engine(item, e, error);
+        }
+    }
+    for (int i = 0; i < asked_count && status == PL_OK; ++i) {
+        pl_engine_choice choice;
+        status = pl_engine_choose(asked[i], &choice, error);
+        if (status == PL_OK) {
+            json_t *item = json_pack("{s:s, s:b}", "name", choice.engine->name, "present", true);
+            json_array_append_new(*list, item);
+            status = describe_engine(item, choice.engine, error);
+        }
+    }
+    return status;
+}
+
+/* ---- Text ---- */
+
+/* Prints a text in lines of at most LINE_WIDTH bytes; the cursor stands at column `at`, and further
+ * lines begin at column `indent`. */
+static void print_wrapped(int at, int indent, const char *text)
+{
+    const char *rest = text;
+    for (bool first = true; *rest != '\0'; first = false) {
+        const int length = (int)strcspn(rest, " ");
+        if (!first && at + 1 + length > LINE_WIDTH) {
+            printf("\n%*s", indent, "");
+            at = indent;
+        } else if (!first) {
+            putchar(' ');
+            ++at;
+        }
+        printf("%.*s", length, rest);
+        at += length;
+        rest += length;
+        rest += strspn(rest, " ");
+    }
+    putchar('\n');
+}
+
+/* Precision, sub-steps, integrator and what contacts report, on a line. */
+static void print_nature(const json_t *item)
+{
+    const int substeps = (int)json_integer_value(json_object_get(item, "substeps"));
+    printf("  %s precision, %d %s a step, integrator %s, contacts ",
+           pl_json_get_text(item, "precision"), substeps, substeps == 1 ? "sub-step" : "sub-steps",
+           pl_json_get_text(item, "integrator"));
+    const json_t *contacts = json_object_get(item, "contacts");
+    size_t index;
+    const json_t *name;
+    json_array_foreach(contacts, index, name)
+    {
+        printf("%s%s", index == 0 ? "with " : ", ", json_string_value(name));
+    }
+    printf("%s\n", json_array_size(contacts) == 0 ? "not reported" : "");
+}
+
+/* The text of the source of an option; NULL: none. */
+static const char *source_text(const json_t *sources, const char *option)
+{
+    size_t index;
+    const json_t *source;
+    json_array_foreach(sources, index, source)
+    {
+        if (strcmp(pl_json_get_text(source, "option"), option) == 0) {
+            return pl_json_get_text(source, "text");
+        }
+    }
+    return NULL;
+}
+
+/* A setting on a line, and why. */
+static void print_value(const char *name, double value, const char *why)
+{
+    char setting[PL_NAME_SIZE + 40];
+    snprintf(setting, sizeof setting, "%s=%.6g", name, value);
+    if (why == NULL) {
+        printf("      %s\n", setting);
+    } else {
+        const int used = printf("      %-24s ", setting);
+        print_wrapped(used, 31, why);
+    }
+}
+
+static void print_profile(const json_t *engine, json_t *p)
+{
+    size_t index;
+    const json_t *source;
+    const char *key;
+    json_t *value;
+    const json_t *sources = json_object_get(p, "sources");
+    const char *name = pl_json_get_text(engine, "name");
+    printf("  %s:%-*s %s%s\n", name, 25 - (int)strlen(name), pl_json_get_text(p, "name"),
+           pl_json_get_text(p, "help"),
+           json_is_true(json_object_get(p, "in_default_comparison")) ? ""
+                                                                     : " (only when asked for)");
+    json_object_foreach(json_object_get(p, "changed"), key, value)
+    {
+        print_value(key, json_number_value(value), source_text(sources, key));
+    }
+    json_array_foreach(sources, index, source)
+    {
+        if (json_is_null(json_object_get(source, "option"))) {
+            printf("      ");
+            print_wrapped(6, 8, pl_json_get_text(source, "text"));
+        }
+    }
+}
+
+/* Texts of an array, with commas between them. */
+static void print_texts(const json_t *texts)
+{
+    size_t index;
+    const json_t *item;
+    json_array_foreach(texts, index, item)
+    {
+        printf("%s%s", index == 0 ? "" : ", ", json_string_value(item));
+    }
+}
+
+/* A tuned profile: what it is for, where it is from, and how its options differ from those of the
+ * profile that it changes. */
+static void print_tuned(const json_t *engine, const json_t *tuned)
+{
+    size_t index;
+    const json_t *option;
+    const char *name = pl_json_get_text(engine, "name"), *base = pl_json_get_text(tuned, "profile");
+    const char *from = pl_json_get_text(tuned, "from");
+    const double dt = json_number_value(json_object_get(tuned, "dt"));
+    printf("  %s:%-*s ", name, 25 - (int)strlen(name), pl_json_get_text(tuned, "name"));
+    print_texts(json_object_get(tuned, "targets"));
+    printf(" on ");
+    print_texts(json_object_get(tuned, "scenarios"));
+    printf("\n      %s; from %s, made %s\n",
+           json_is_true(json_object_get(tuned, "validated")) ? "validated" : "not validated",
+           strcmp(from, "plumb") == 0 ? "Plumb" : from, pl_json_get_text(tuned, "made"));
+    if (dt > 0) {
+        printf("      for --dt 1/%.6g\n", 1 / dt);
+    }
+    const json_t *profile = NULL;
+    json_array_foreach(json_object_get(engine, "profiles"), index, option)
+    {
+        profile = strcmp(pl_json_get_text(option, "name"), base) == 0 ? option : profile;
+    }
+    printf("      changes %s:%s:\n", name, base);
+    json_array_foreach(json_object_get(engine, "options"), index, option)
+    {
+        const char *key = pl_json_get_text(option, "name");
+        const json_t *value = json_object_get(json_object_get(tuned, "options"), key);
+        const json_t *other = json_object_get(json_object_get(profile, "changed"), key);
+        const double before =
+            json_number_value(other != NULL ? other : json_object_get(option, "default"));
+        if (value != NULL && json_number_value(value) != before) {
+            print_value(key, json_number_value(value), NULL);
+        }
+    }
+}
+
+static void print_option(const json_t *o)
+{
+    char setting[PL_NAME_SIZE];
+    char range[128] = "";
+    const json_t *tune = json_object_get(o, "tune");
+    if (tune != NULL) {
+        snprintf(range, sizeof range, "; tuned from %g to %g",
+                 json_number_value(json_object_get(tune, "min")),
+                 json_number_value(json_object_get(tune, "max")));
+    }
+    char text[1024];
+    snprintf(text, sizeof text, "%s (%s; default %g, %g to %g%s)", pl_json_get_text(o, "help"),
+             pl_json_get_text(o, "unit"), json_number_value(json_object_get(o, "default")),
+             json_number_value(json_object_get(o, "min")),
+             json_number_value(json_object_get(o, "max")), range);
+    snprintf(setting, sizeof setting, "%s", pl_json_get_text(o, "name"));
+    print_wrapped(printf("    %-24s ", setting), 29, text);
+}
+
+void pl_engine_list_print(const json_t *item)
+{
+    const char *name = pl_json_get_text(item, "name");
+    size_t index;
+    json_t *part;
+    if (!json_is_true(json_object_get(item, "present"))) {
+        printf("%-10s absent from this build; Debian: %s\n", name,
+               pl_json_get_text(item, "package"));
+        return;
+    }
+    if (json_object_get(item, "fault") != NULL) {
+        printf("%-10s %s\n", name, pl_json_get_text(item, "fault"));
+        return;
+    }
+    printf("%-10s %s  %s\n", name, pl_json_get_text(item, "version"),
+           pl_json_get_text(item, "description"));
+    print_nature(item);
+    json_array_foreach(json_object_get(item, "profiles"), index, part)
+    {
+        print_profile(item, part);
+    }
+    json_array_foreach(json_object_get(item, "tuned"), index, part)
+    {
+        print_tuned(item, part);
+    }
+    json_array_foreach(json_object_get(item, "options"), index, part)
+    {
+        print_option(part);
+    }
+}
