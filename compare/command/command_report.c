@@ -37,7 +37,8 @@ static bool is_sweep(const pl_sweep_analysis *analysis)
     for (int i = 0; i < analysis->scene_count; ++i) {
         for (int k = 0; k < analysis->engine_count; ++k) {
             const pl_sweep_curve *curve = &analysis->scenes[i].curves[k];
-            if (!analysis->engines[k].whole && curve->ok + curve->failed + curve->unmeasured > 1) {
+            if (analysis->engines[k].kind == PL_SWEEP_PROFILE &&
+                curve->ok + curve->failed + curve->unmeasured > 1) {
                 return true;
             }
         }

@@ -19,7 +19,9 @@ typedef struct options {
     pl_vary *varied;
     int varied_count;
     int repeats;         /* 0: not given */
-    double repeat_below; /* s of CPU time */
+    int settings;        /* --settings; -1: not given */
+    int changes;         /* --changes; -1: not given */
+    double repeat_below; /* s of CPU time; -1: not given */
     const char *list;    /* --plan; NULL: none */
     const char *shard;   /* --shard; NULL: from the environment */
 } options;
@@ -35,6 +37,11 @@ static pl_status add_vary(void *user, const char *text, pl_error *error)
 
 static pl_status check(void *user, pl_error *error)
 {
+    const options *o = user;
+    if (o->varied_count > 0 && o->settings > 0) {
+        return pl_fail(error, PL_BAD_INPUT,
+                       "--settings belongs to the sweep without --vary, which says what is varied");
+    }
     return pl_request_check(user, "name a scenario, a scene file or a --suite", "every point",
                             error);
 }
@@ -181,29 +188,84 @@ static pl_status choose_shard(const options *o, pl_shard *shard, bool *is_shard,
     return *folder == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
 }
 
+/* Adds ENGINE:tuned of each engine for which a file of profiles has it. */
+static pl_status add_tuned(pl_plan *base, pl_error *error)
+{
+    pl_status status = PL_OK;
+    const int count = base->configuration_count;
+    for (int i = 0; i < count && status == PL_OK; ++i) {
+        const pl_engine_info *engine = base->configurations[i].choice.engine;
+        pl_tuned_profile profile;
+        char spec[sizeof base->configurations->choice.spec];
+        bool found = false;
+        if (pl_engine_profile_index(engine, "tuned") < 0 && !engine->fault.is_fault) {
+            status = pl_tuned_profile_find(engine, "tuned", &profile, &found, error);
+        }
+        if (found) { /* once, however many profiles the engine has */
+            snprintf(spec, sizeof spec, "%s:tuned", pl_engine_spec_name(engine));
+            status = pl_plan_add_engine(base, spec, error);
+        }
+    }
+    return status;
+}
+
+/* What the usual sweep varies: the time step, and the settings of a design. */
+static pl_status make_usual(options *o, pl_plan *base, pl_design *design, pl_error *error)
+{
+    pl_status status = add_vary(o, PL_SWEEP_STEPS, error);
+    if (status == PL_OK) {
+        const pl_design_def def = {.plan = base,
+                                   .steps = o->varied[0].numbers,
+                                   .step_count = o->varied[0].count,
+                                   .settings = o->settings,
+                                   .all_profiles = o->request.engines.count == 0};
+        status = pl_design_make(&def, design, error);
+    }
+    return status == PL_OK ? add_tuned(base, error) : status;
+}
+
+static void set_defaults(options *o, bool is_usual)
+{
+    if (o->repeats == 0) {
+        o->repeats = is_usual ? PL_SWEEP_DEFAULT_REPEATS : 1;
+    }
+    if (o->repeat_below < 0) {
+        o->repeat_below = is_usual ? 0.5 : 2;
+    }
+    if (o->settings < 0) {
+        o->settings = is_usual ? PL_SWEEP_DEFAULT_SETTINGS : 0;
+    }
+    if (o->changes < 0) {
+        o->changes = is_usual ? PL_SWEEP_DEFAULT_CHANGES : 0;
+    }
+    if (o->request.limits.cpu_time <= 0 && is_usual) {
+        o->request.limits.cpu_time = PL_SWEEP_DEFAULT_CPU_LIMIT;
+    }
+}
+
 static pl_status make_plan(const pl_call *call, options *o, pl_shard shard, pl_plan *plan,
                            pl_error *error)
 {
-    const bool is_default = o->varied_count == 0;
-    const int repeats = is_default ? PL_SWEEP_DEFAULT_REPEATS : 1;
-    pl_plan base = {.repeats = o->repeats > 0 ? o->repeats : repeats};
-    if (o->request.limits.timeout <= 0) {
-        o->request.limits.timeout =
-            is_default ? PL_SWEEP_DEFAULT_TIMEOUT : pl_request_default().limits.timeout;
-    }
+    const bool is_usual = o->varied_count == 0;
+    pl_design design = {.count = 0};
+    set_defaults(o, is_usual);
+    pl_plan base = {.repeats = o->repeats};
     pl_status status = pl_request_plan(call, &o->request, &base, error);
-    if (status == PL_OK) {
-        status = is_default ? pl_default_vary(&base, &o->varied, &o->varied_count, error) : PL_OK;
+    if (status == PL_OK && is_usual) {
+        status = make_usual(o, &base, &design, error);
     }
     if (status == PL_OK) {
         const pl_grid_def def = {.base = &base,
                                  .varied = o->varied,
                                  .varied_count = o->varied_count,
+                                 .design = design.count > 0 ? &design : NULL,
+                                 .changes = o->changes,
                                  .dt = o->request.dt,
                                  .duration = o->request.duration,
                                  .shard = shard};
         status = pl_grid_plan(&def, plan, error);
     }
+    pl_design_free(&design);
     pl_plan_free(&base);
     return status;
 }
@@ -219,9 +281,8 @@ static void free_options(options *o)
 
 static int run(const pl_call *call)
 {
-    options o = {.request = pl_request_default(), .repeat_below = 2};
+    options o = {.request = pl_request_default(), .repeat_below = -1, .settings = -1, .changes = -1};
     o.request.out = "sweep";
-    o.request.limits.timeout = 0; /* not given */
     pl_call_parse(call, &o);
     pl_error error = {.message = ""};
     pl_plan plan = {.repeats = 1};
@@ -255,16 +316,29 @@ static const pl_option OPTIONS[] = {
      "scenarios, for all that have it; ENGINE.KEY and SCENARIO.KEY vary it for that one "
      "alone and take precedence. VALUES: a,b,c; 1..9; 0..1:+0.25; 1..256:x2, also mixed; "
      "numbers may be fractions, 1/240..1/60:x2. Overrides --set and --dt (repeatable; "
-     "default: dt=1/60 to 1/960 s, halved each time; for engines with iterations their "
-     "default number and five times as many; and a --timeout of 20 s)",
+     "default: the usual sweep, described above)",
      PL_OPTION_PARSED, .parse = add_vary},
     {"repeat", "N", "Runs of each point, interleaved (default 1; 3 without --vary)",
      PL_OPTION_INTEGER, .field = offsetof(options, repeats), .min = 1, .max = PL_GRID_MOST_RUNS},
     {"repeat-below", "S",
-     "Repeat only runs that took the engine less than S seconds of CPU time (default 2): "
-     "the median over the steps of a long run hardly changes",
+     "Repeat only runs that took the engine less than S seconds of CPU time (default 0.5; 2 with "
+     "--vary): the median over the steps of a long run hardly changes",
      PL_OPTION_NUMBER, .field = offsetof(options, repeat_below), .takes = "seconds",
      .max = (double)INFINITY},
+    {"settings", "N",
+     "Without --vary: settings tried of each engine besides its profiles (default 24; 0: none)",
+     PL_OPTION_INTEGER, .field = offsetof(options, settings), .max = 10000},
+    {"changes", "N",
+     "Make each point once more on each of N changed scenes: n one larger, friction up by its last "
+     "bit, parameters moved within 1 % and others, of which a scene has those that it has a "
+     "parameter for; scene files have none. A point's error is then the largest, and its cost is "
+     "that of the scene itself (default 2; 0 with --vary)",
+     PL_OPTION_INTEGER, .field = offsetof(options, changes), .max = 7},
+    {"cpu-limit", NULL,
+     "Longest CPU time in seconds of the engine's own calls in a run: create, step and read. The "
+     "referee's time does not count. What ends there is not tried at shorter time steps (default "
+     "3; none with --vary)",
+     .kind = PL_OPTION_HELP},
     {"plan", "FILE",
      "Write the runs as JSON lines in their order, and make none (- is standard output)",
      PL_OPTION_TEXT, .field = offsetof(options, list)},
@@ -282,12 +356,15 @@ const pl_command pl_command_sweep = {
     .summary = "vary steps, options and parameters over many runs",
     .arguments = "SCENARIO|SCENE.json...",
     .description =
-        "Runs engines over a grid: all combinations of time steps and scenario parameters, each "
-        "on all combinations of engines and their options. Engines take turns, and repeats are "
-        "outermost, so that a machine that slows down is fair to all. Prints which engine is "
-        "faster "
-        "at the same error, and writes sweep.html and sweep.json; after several shards plumb "
-        "report does.",
+        "Runs engines over many settings and prints which is faster at the same error. Without "
+        "--vary, the usual sweep: every profile as shipped, and ENGINE:tuned where --profiles has "
+        "it, at time steps from 1/60 to 1/960 s by halves; and --settings N of each engine, spread "
+        "over its profiles (those of --engine, or all), its tunable options and these time steps "
+        "by a Latin hypercube, the same on every machine. With --vary, a grid: all combinations of "
+        "time steps and scenario parameters, each on all combinations of engines and their "
+        "options.\n\n"
+        "Engines take turns, and repeats are outermost, so that a machine that slows down is fair "
+        "to all. Writes sweep.html and sweep.json; after several shards plumb report does.",
     .notes =
         "Examples:\n"
         "  plumb sweep slope-slide --vary dt=1/480..1/30:x2 --vary iterations=1..256:x2 --repeat "

@@ -6,7 +6,7 @@
 #include "tuned_profile.h"
 
 /* Size of a label, with its terminating zero. */
-enum { PL_LABEL_SIZE = 128 };
+enum { PL_LABEL_SIZE = 384 };
 
 /* An engine chosen with its settings, complete and in range. */
 typedef struct pl_engine_choice {

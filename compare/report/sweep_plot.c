@@ -138,8 +138,8 @@ static int colour_of(const pl_sweep_analysis *analysis, int engine)
     const pl_sweep_engine *engines = analysis->engines;
     int ours = 0, all = 0;
     for (int i = 0; i < engine; ++i) {
-        ours += engines[i].whole == engines[engine].whole && engines[i].ours;
-        all += engines[i].whole == engines[engine].whole;
+        ours += engines[i].kind == engines[engine].kind && engines[i].ours;
+        all += engines[i].kind == engines[engine].kind;
     }
     if (ours == 0 && engines[engine].ours) {
         return 0;
@@ -187,7 +187,7 @@ static bool lay_out(sweep_plot *plot)
         widen(point->error, &plot->y_low, &plot->y_high);
     }
     for (int e = 0; e < analysis->engine_count; ++e) {
-        strips += analysis->engines[e].whole && scene->curves[e].failed > 0;
+        strips += analysis->engines[e].kind == PL_SWEEP_WHOLE && scene->curves[e].failed > 0;
     }
     if (ok == 0) {
         return false;
@@ -308,14 +308,14 @@ void pl_sweep_plot_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene
     pl_text_add(out, "<figure>");
     open_plot(&plot, title, "CPU time for a simulated second, s", y_name);
     for (int e = analysis->engine_count - 1; e >= 0; --e) {
-        if (analysis->engines[e].whole) {
+        if (analysis->engines[e].kind == PL_SWEEP_WHOLE) {
             add_curve(&plot, e);
         }
     }
     for (int e = 0; e < analysis->engine_count; ++e) {
         const pl_sweep_curve *curve = &scene->curves[e];
         char note[PL_SWEEP_TEXT_SIZE];
-        if (!analysis->engines[e].whole || !pl_sweep_curve_was_run(curve)) {
+        if (analysis->engines[e].kind != PL_SWEEP_WHOLE || !pl_sweep_curve_was_run(curve)) {
             continue;
         }
         if (curve->failed > 0) {
@@ -359,7 +359,7 @@ void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_pro
     open_plot(&plot, title, "factor within which of the fastest engine's cost", "scenes solved");
     for (int e = analysis->engine_count - 1; e >= 0; --e) {
         const double *ratios = profile->ratios + (size_t)e * (size_t)analysis->scene_count;
-        if (analysis->engines[e].whole != profile->whole) {
+        if (analysis->engines[e].kind != profile->kind) {
             continue;
         }
         double share = pl_sweep_share(analysis, profile, e, 1);
@@ -376,7 +376,7 @@ void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_pro
     }
     for (int e = 0; e < analysis->engine_count; ++e) {
         char note[PL_SWEEP_TEXT_SIZE];
-        if (analysis->engines[e].whole != profile->whole) {
+        if (analysis->engines[e].kind != profile->kind) {
             continue;
         }
         snprintf(note, sizeof note, "solves %d of %d", profile->counts[e], profile->scenes);

@@ -53,23 +53,29 @@ static void add_warnings(const pl_sweep_analysis *analysis, const pl_page *page)
 static void add_means(const pl_sweep_analysis *analysis, const pl_page *page)
 {
     pl_page_heading(page, "sweep-speed", "Speed at matched error");
-    pl_page_paragraph(page, "",
-                      "How many times as fast plumb is at an error of at most 1e-3: the geometric "
-                      "mean over the scenes that both solve to it. Scenes that one of them never "
-                      "solves are not in the mean, and are counted next to it.");
-    pl_page_table(page, pl_sweep_means_table(analysis, true, PL_SWEEP_MATCHED_LEVEL), 0);
+    pl_page_paragraph(
+        page, "",
+        "How many times as fast plumb is at an error of at most 1e-3: the geometric "
+        "mean over the scenes that both solve to it. Scenes that one of them does not "
+        "solve with the settings that were tried are not in the mean, and are counted "
+        "next to it. As shipped, both have their first profile with its default "
+        "options, at any time step; at its best, each has the cheapest of all "
+        "settings that were tried on the scene.");
+    pl_page_table(page, pl_sweep_means_table(analysis, PL_SWEEP_WHOLE, PL_SWEEP_MATCHED_LEVEL), 0);
+    pl_page_paragraph(page, "", "Scene by scene, with the settings that are each one's best:");
+    pl_page_table(page, pl_sweep_factors_table(analysis, -1, PL_SWEEP_MATCHED_LEVEL), 0);
     pl_page_details(page, "Profile against profile, and at other errors");
     for (int k = 0; k < 2 * PL_SWEEP_LEVELS; ++k) {
         const int level = k % PL_SWEEP_LEVELS;
-        const bool whole = k < PL_SWEEP_LEVELS;
+        const pl_sweep_kind kind = k < PL_SWEEP_LEVELS ? PL_SWEEP_WHOLE : PL_SWEEP_PROFILE;
         char error[PL_NUMBER_SIZE];
-        if (whole && level == PL_SWEEP_MATCHED_LEVEL) {
+        if (kind == PL_SWEEP_WHOLE && level == PL_SWEEP_MATCHED_LEVEL) {
             continue;
         }
         pl_format_power(pl_sweep_levels[level], error);
-        pl_text_format(page->out, "<h4>%s, at most %s</h4>\n", whole ? "Engines" : "Profiles",
-                       error);
-        pl_page_table(page, pl_sweep_means_table(analysis, whole, level), 0);
+        pl_text_format(page->out, "<h4>%s, at most %s</h4>\n",
+                       kind == PL_SWEEP_WHOLE ? "Engines" : "Profiles", error);
+        pl_page_table(page, pl_sweep_means_table(analysis, kind, level), 0);
     }
     pl_text_add(page->out, "</details>\n");
 }
@@ -83,7 +89,8 @@ static void add_shares(const pl_sweep_analysis *analysis, int index, const pl_pa
     }
     pl_format_power(pl_sweep_levels[profile->level], error);
     pl_text_format(page->out, "<h4>%s, at most %s: %d scenes</h4>\n",
-                   profile->whole ? "Engines" : "Profiles", error, profile->scenes);
+                   profile->kind == PL_SWEEP_WHOLE ? "Engines" : "Profiles", error,
+                   profile->scenes);
     pl_sweep_plot_profile(analysis, profile, page->out);
     pl_page_table(page, pl_sweep_shares_table(analysis, profile), 0);
 }
@@ -131,17 +138,16 @@ static void add_scene(const pl_sweep_analysis *analysis, int index, const pl_pag
     pl_text_add_element(page->out, "", scene->name, "</h3>\n");
     pl_sweep_plot_scene(analysis, scene, page->out);
     add_titled(page, "Least CPU time for a simulated second, by error",
-               pl_sweep_costs_table(analysis, scene, true));
-    add_titled(page, "Speed of plumb, by error",
-               pl_sweep_speeds_table(analysis, scene, true, false));
+               pl_sweep_costs_table(analysis, scene, PL_SWEEP_WHOLE));
+    add_titled(page, "Speed of plumb, by error", pl_sweep_factors_table(analysis, index, -1));
     pl_page_details(page, "Between points of the fronts, error at matched time, profiles");
     add_titled(page, "Speed between points of the fronts",
-               pl_sweep_speeds_table(analysis, scene, true, true));
+               pl_sweep_speeds_table(analysis, scene, PL_SWEEP_WHOLE, true));
     add_titled(page, "Error at matched CPU time for a simulated second",
-               pl_sweep_errors_table(analysis, scene, true));
+               pl_sweep_errors_table(analysis, scene, PL_SWEEP_WHOLE));
     add_titled(page, "Profiles: least CPU time, and speed",
-               pl_sweep_costs_table(analysis, scene, false));
-    pl_page_table(page, pl_sweep_speeds_table(analysis, scene, false, false), 0);
+               pl_sweep_costs_table(analysis, scene, PL_SWEEP_PROFILE));
+    pl_page_table(page, pl_sweep_speeds_table(analysis, scene, PL_SWEEP_PROFILE, false), 0);
     pl_text_add(page->out, "</details>\n");
     pl_page_details(page, "All points, and those that failed");
     pl_page_table(page, pl_sweep_points_table(analysis, index), 0);
@@ -159,8 +165,10 @@ static void add_method(pl_text_buffer *out)
         "<p>A point is an engine with its options at a time step on a scene. Its cost is the CPU "
         "time of the engine's steps alone for a second of simulated time, the median over its "
         "repeats; its error is the scenario's primary error, and an error below %s counts as "
-        "%s. A point of which any repeat was not ok has failed and has no numbers; so has one that "
-        "ran into the time limit, or would have at a shorter step. Settings that an engine does "
+        "%s. Where a point was also run on small changes of the scene, its error is the largest of "
+        "all, and its cost remains that of the scene itself. A point of which any repeat or change "
+        "was not ok has failed and has no numbers; so has one that ran into a limit of time, or "
+        "would have at a shorter step. Settings that an engine does "
         "not support make no point.</p>\n"
         "<p>A front has the points of an engine for which no other of its points is both cheaper "
         "and as exact. Nothing is extrapolated: between points of a front the line is straight in "
@@ -269,7 +277,7 @@ static void print_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene 
                    scene->primary_error, scene->unit[0] == '\0' ? "" : ", ", scene->unit);
     out->failed |= heading.failed;
     if (scene->primary_error[0] != '\0' && !heading.failed) {
-        print_table(heading.data, pl_sweep_costs_table(analysis, scene, true), 0, out);
+        print_table(heading.data, pl_sweep_costs_table(analysis, scene, PL_SWEEP_WHOLE), 0, out);
     }
     pl_text_free(&heading);
 }
@@ -288,7 +296,9 @@ void pl_sweep_report_print(FILE *stream, const pl_sweep_analysis *analysis)
         print_table("Where plumb loses", pl_sweep_losses_table(analysis), PRINTED_ROWS, &out);
     }
     print_table("Speed of plumb at errors of at most 1e-3, over all scenes",
-                pl_sweep_means_table(analysis, true, PL_SWEEP_MATCHED_LEVEL), 0, &out);
+                pl_sweep_means_table(analysis, PL_SWEEP_WHOLE, PL_SWEEP_MATCHED_LEVEL), 0, &out);
+    print_table("Speed of plumb at errors of at most 1e-3, scene by scene",
+                pl_sweep_factors_table(analysis, -1, PL_SWEEP_MATCHED_LEVEL), 0, &out);
     for (int i = 0; i < analysis->scene_count; ++i) {
         print_scene(analysis, &analysis->scenes[i], &out);
     }

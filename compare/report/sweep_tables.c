@@ -107,6 +107,13 @@ void pl_sweep_unverified(const pl_sweep_analysis *analysis, pl_text_buffer *out)
 
 /* ---- Cells ---- */
 
+/* Adds that the settings that an engine was tried with do not reach an error. */
+static void add_not_with(const pl_sweep_curve *curve, pl_table *table)
+{
+    const int settings = pl_sweep_curve_settings(curve);
+    pl_table_format_cell(table, "not with %d %s", settings, settings == 1 ? "setting" : "settings");
+}
+
 static void add_ratio(const pl_sweep_ratio *ratio, const char *otherwise, pl_table *table)
 {
     char text[PL_SWEEP_TEXT_SIZE];
@@ -114,14 +121,18 @@ static void add_ratio(const pl_sweep_ratio *ratio, const char *otherwise, pl_tab
     pl_table_add(table, isnan(ratio->value) ? otherwise : text);
 }
 
-/* Adds the cost of a point, CPU time for a simulated second; "not reached" for the index -1. */
-static void add_cost_of(const pl_sweep_analysis *analysis, int point, pl_table *table)
+/* Adds the cost of a point, CPU time for a simulated second; for the index -1, with how many settings
+ * of its curve it was not reached. */
+static void add_cost_of(const pl_sweep_analysis *analysis, int point, const pl_sweep_curve *curve,
+                        pl_table *table)
 {
-    char text[PL_NUMBER_SIZE] = "not reached";
+    char text[PL_NUMBER_SIZE];
     if (point >= 0) {
         pl_format_number(analysis->points[point].cost, "s", text);
+        pl_table_add(table, text);
+    } else {
+        add_not_with(curve, table);
     }
-    pl_table_add(table, text);
 }
 
 static void add_number(double value, const char *unit, pl_table *table)
@@ -150,38 +161,65 @@ pl_table pl_sweep_losses_table(const pl_sweep_analysis *analysis)
         pl_table_add(&table, analysis->scenes[loss->scene].name);
         pl_table_add(&table, error);
         pl_table_add(&table, analysis->engines[analysis->pairs[loss->pair].other].name);
-        add_cost_of(analysis, loss->other, &table);
-        add_cost_of(analysis, loss->ours, &table);
+        const pl_sweep_pair *pair = &analysis->pairs[loss->pair];
+        const pl_sweep_curve *curves = analysis->scenes[loss->scene].curves;
+        add_cost_of(analysis, loss->other, &curves[pair->other], &table);
+        add_cost_of(analysis, loss->ours, &curves[pair->ours], &table);
         add_ratio(&loss->speed, pl_no_number, &table);
         pl_table_add(&table, loss->within_noise ? "within noise" : "");
     }
     return table;
 }
 
-static void add_count(pl_table *table, int count, int scenes)
+/* Adds how many scenes one of a pair did not reach, and with how many settings at most. */
+static void add_count(const pl_sweep_analysis *analysis, const pl_sweep_pair *pair, int engine,
+                      int count, pl_table *table)
 {
+    int most = 0;
+    for (int p = 0; p < analysis->scene_count; ++p) {
+        const int settings = pl_sweep_curve_settings(&analysis->scenes[p].curves[engine]);
+        most = settings > most ? settings : most;
+    }
     if (count == 0) {
         pl_table_add(table, "none");
     } else {
-        pl_table_format_cell(table, "%d of %d scenes: never reached", count, scenes);
+        pl_table_format_cell(table, "%d of %d scenes: not with %d settings", count, pair->scenes,
+                             most);
     }
 }
 
-pl_table pl_sweep_means_table(const pl_sweep_analysis *analysis, bool whole, int level)
+static void add_mean(const pl_sweep_analysis *analysis, const pl_sweep_pair *pair, int level,
+                     pl_table *table)
+{
+    add_ratio(&pair->mean[level], pl_no_number, table);
+    pl_table_format_cell(table, "%d of %d", pair->both[level], pair->scenes);
+    add_count(analysis, pair, pair->other, pair->ours_only[level], table);
+    add_count(analysis, pair, pair->ours, pair->other_only[level], table);
+}
+
+pl_table pl_sweep_means_table(const pl_sweep_analysis *analysis, pl_sweep_kind kind, int level)
 {
     pl_table table = {0};
-    pl_table_columns(&table, "Ours|Other|>Mean speed|>Scenes both reach|The other alone fails|"
-                             "Ours alone fails");
+    pl_table_columns(&table, kind == PL_SWEEP_WHOLE
+                                 ? "Ours|Other|Settings|>Mean speed|>Scenes both reach|"
+                                   "The other alone fails|Ours alone fails"
+                                 : "Ours|Other|>Mean speed|>Scenes both reach|"
+                                   "The other alone fails|Ours alone fails");
     for (int i = 0; i < analysis->pair_count; ++i) {
         const pl_sweep_pair *pair = &analysis->pairs[i];
-        if (analysis->engines[pair->ours].whole != whole || pair->scenes == 0) {
+        if (analysis->engines[pair->ours].kind != kind || pair->scenes == 0) {
             continue;
         }
+        if (kind == PL_SWEEP_WHOLE && pair->shipped >= 0) {
+            add_pair(analysis, pair, &table);
+            pl_table_add(&table, "as shipped");
+            add_mean(analysis, &analysis->pairs[pair->shipped], level, &table);
+        }
         add_pair(analysis, pair, &table);
-        add_ratio(&pair->mean[level], pl_no_number, &table);
-        pl_table_format_cell(&table, "%d of %d", pair->both[level], pair->scenes);
-        add_count(&table, pair->ours_only[level], pair->scenes);
-        add_count(&table, pair->other_only[level], pair->scenes);
+        if (kind == PL_SWEEP_WHOLE) {
+            pl_table_add(&table, "each at its best");
+        }
+        add_mean(analysis, pair, level, &table);
     }
     return table;
 }
@@ -222,7 +260,7 @@ pl_table pl_sweep_shares_table(const pl_sweep_analysis *analysis, const pl_sweep
     pl_table_columns(&table,
                      "Engine|>the fastest|>within 1.5 of it|>2|>3|>5|>10|>100|>at any cost");
     for (int e = 0; e < analysis->engine_count && profile->scenes > 0; ++e) {
-        if (analysis->engines[e].whole != profile->whole) {
+        if (analysis->engines[e].kind != profile->kind) {
             continue;
         }
         pl_table_add(&table, analysis->engines[e].name);
@@ -269,7 +307,12 @@ pl_table pl_sweep_failed_table(const pl_sweep_analysis *analysis, int scene)
             pl_table_add(&table, first);
         }
         pl_table_add(&table, point->state == PL_SWEEP_UNMEASURED ? "not measured" : point->outcome);
-        pl_table_add(&table, point->reason);
+        if (point->change[0] != '\0') {
+            pl_table_format_cell(&table, "on a changed scene (%s): %s", point->change,
+                                 point->reason);
+        } else {
+            pl_table_add(&table, point->reason);
+        }
     }
     return table;
 }
@@ -277,7 +320,7 @@ pl_table pl_sweep_failed_table(const pl_sweep_analysis *analysis, int scene)
 /* ---- Tables of one scene ---- */
 
 pl_table pl_sweep_costs_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                              bool whole)
+                              pl_sweep_kind kind)
 {
     pl_table table = {0};
     char headings[PL_SWEEP_TEXT_SIZE], text[PL_SWEEP_TEXT_SIZE];
@@ -285,12 +328,12 @@ pl_table pl_sweep_costs_table(const pl_sweep_analysis *analysis, const pl_sweep_
     pl_table_columns(&table, headings);
     for (int e = 0; e < analysis->engine_count; ++e) {
         const pl_sweep_curve *curve = &scene->curves[e];
-        if (analysis->engines[e].whole != whole || !pl_sweep_curve_was_run(curve)) {
+        if (analysis->engines[e].kind != kind || !pl_sweep_curve_was_run(curve)) {
             continue;
         }
         pl_table_add(&table, analysis->engines[e].name);
         for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
-            add_cost_of(analysis, curve->cheapest[k], &table);
+            add_cost_of(analysis, curve->cheapest[k], curve, &table);
         }
         snprintf(text, sizeof text, "%s", pl_no_number);
         if (curve->front_count > 0) {
@@ -313,7 +356,7 @@ static const char *attained_text(pl_attained_by attained)
 }
 
 pl_table pl_sweep_speeds_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                               bool whole, bool between)
+                               pl_sweep_kind kind, bool between)
 {
     pl_table table = {0};
     char headings[PL_SWEEP_TEXT_SIZE];
@@ -322,13 +365,75 @@ pl_table pl_sweep_speeds_table(const pl_sweep_analysis *analysis, const pl_sweep
     for (int i = 0; i < analysis->pair_count; ++i) {
         const pl_sweep_pair *pair = &analysis->pairs[i];
         const pl_pairwise_comparison *comparison = &scene->comparisons[i];
-        if (analysis->engines[pair->ours].whole != whole || !comparison->run) {
+        if (analysis->engines[pair->ours].kind != kind || !comparison->run) {
             continue;
         }
         add_pair(analysis, pair, &table);
         for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
             add_ratio(between ? &comparison->speed_between[k] : &comparison->speed[k],
                       between ? pl_no_number : attained_text(comparison->at_error[k]), &table);
+        }
+    }
+    return table;
+}
+
+/* ---- Both factors of a scene ---- */
+
+/* Adds the ratio of a pair at a level, or which of the two reached it alone. */
+static void add_factor(const pl_sweep_scene *scene, int pair, int level, pl_table *table)
+{
+    const pl_pairwise_comparison *comparison = pair < 0 ? NULL : &scene->comparisons[pair];
+    if (comparison == NULL || !comparison->run) {
+        pl_table_add(table, pl_no_number);
+    } else {
+        add_ratio(&comparison->speed[level], attained_text(comparison->at_error[level]), table);
+    }
+}
+
+/* Adds the setting of an engine that is the cheapest at a level: its label and time step. */
+static void add_setting(const pl_sweep_analysis *analysis, const pl_sweep_curve *curve, int level,
+                        pl_table *table)
+{
+    const int point = curve->cheapest[level];
+    char step[PL_NUMBER_SIZE];
+    if (point < 0) {
+        add_not_with(curve, table);
+    } else {
+        pl_format_step(analysis->points[point].dt, step);
+        pl_table_format_cell(table, "%s at %s", analysis->points[point].label, step);
+    }
+}
+
+static void add_factors(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, int index,
+                        int level, pl_table *table)
+{
+    const pl_sweep_pair *pair = &analysis->pairs[index];
+    char error[PL_NUMBER_SIZE];
+    pl_format_power(pl_sweep_levels[level], error);
+    pl_table_add(table, scene->name);
+    pl_table_add(table, error);
+    pl_table_add(table, analysis->engines[pair->other].name);
+    add_factor(scene, pair->shipped, level, table);
+    add_factor(scene, index, level, table);
+    add_setting(analysis, &scene->curves[pair->ours], level, table);
+    add_setting(analysis, &scene->curves[pair->other], level, table);
+}
+
+pl_table pl_sweep_factors_table(const pl_sweep_analysis *analysis, int scene, int level)
+{
+    pl_table table = {0};
+    pl_table_columns(&table, "Scene|>Error|Other|>Speed as shipped|>Speed, each at its best|"
+                             "Ours at its best|The other at its best");
+    for (int p = 0; p < analysis->scene_count; ++p) {
+        for (int i = 0; i < analysis->pair_count && (scene < 0 || scene == p); ++i) {
+            const pl_pairwise_comparison *comparison = &analysis->scenes[p].comparisons[i];
+            const bool whole = analysis->engines[analysis->pairs[i].ours].kind == PL_SWEEP_WHOLE;
+            for (int k = 0; k < PL_SWEEP_LEVELS && whole && comparison->run; ++k) {
+                if (comparison->at_error[k] != PL_ATTAINED_BY_NEITHER &&
+                    (level < 0 || level == k)) {
+                    add_factors(analysis, &analysis->scenes[p], i, k, &table);
+                }
+            }
         }
     }
     return table;
@@ -343,14 +448,14 @@ static bool is_same_as_before(const pl_sweep_scene *scene, const pl_sweep_pair *
 }
 
 pl_table pl_sweep_errors_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                               bool whole)
+                               pl_sweep_kind kind)
 {
     pl_table table = {0};
     pl_table_columns(&table, "Ours|Other|>Cost|>Their error over ours|>Between points");
     for (int i = 0; i < analysis->pair_count; ++i) {
         const pl_sweep_pair *pair = &analysis->pairs[i];
         const pl_pairwise_comparison *comparison = &scene->comparisons[i];
-        bool compared = analysis->engines[pair->ours].whole == whole && comparison->run;
+        bool compared = analysis->engines[pair->ours].kind == kind && comparison->run;
         for (int k = 0; compared && k < PL_SWEEP_TIMES; ++k) {
             if (comparison->at_cost[k] == PL_ATTAINED_BY_NEITHER ||
                 (is_same_as_before(scene, pair, k) &&
@@ -378,7 +483,7 @@ pl_table pl_sweep_points_table(const pl_sweep_analysis *analysis, int scene)
         if (point->scene != scene || point->state != PL_SWEEP_OK) {
             continue;
         }
-        const pl_sweep_curve *curve = &of->curves[point->engines[0]];
+        const pl_sweep_curve *curve = &of->curves[point->engines[PL_SWEEP_WHOLE]];
         bool on_front = false;
         for (int k = 0; k < curve->front_count; ++k) {
             on_front |= curve->front[k] == i;

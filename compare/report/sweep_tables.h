@@ -26,20 +26,25 @@ void pl_sweep_unverified(const pl_sweep_analysis *analysis, pl_text_buffer *out)
 /* A row a loss, in the order of the analysis. */
 pl_table pl_sweep_losses_table(const pl_sweep_analysis *analysis);
 
-/* A row a pair of engines: the mean ratio of speeds at a level of error, and who reached it. */
-pl_table pl_sweep_means_table(const pl_sweep_analysis *analysis, bool whole, int level);
+/* A row a pair of engines, of whole ones two, as shipped and each at its best: the mean ratio of
+ * speeds at a level of error, and who reached it. */
+pl_table pl_sweep_means_table(const pl_sweep_analysis *analysis, pl_sweep_kind kind, int level);
+
+/* A row a pair of whole engines and level that one of them reached: the ratio of speeds as shipped
+ * and with each one's best setting, and these settings. Of one scene and level (indices; -1: all). */
+pl_table pl_sweep_factors_table(const pl_sweep_analysis *analysis, int scene, int level);
 
 /* A row an engine that was run on the scene: the cost of each level, and failed points. */
 pl_table pl_sweep_costs_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                              bool whole);
+                              pl_sweep_kind kind);
 
 /* A row a pair: the ratio of speeds at each level; `between` points of the fronts, or at points. */
 pl_table pl_sweep_speeds_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                               bool whole, bool between);
+                               pl_sweep_kind kind, bool between);
 
 /* A row a pair and cost at which either has a new point: the ratio of errors. */
 pl_table pl_sweep_errors_table(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                               bool whole);
+                               pl_sweep_kind kind);
 
 /* A row a series of time steps: of all scenes, or of one (an index; -1: all). */
 pl_table pl_sweep_orders_table(const pl_sweep_analysis *analysis, int scene);

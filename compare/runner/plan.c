@@ -234,10 +234,16 @@ pl_status pl_plan_add_pairing(pl_plan *plan, int test_case, int configuration, p
     return pl_array_push(&plan->pairings, &plan->pairing_count, &added, sizeof added, error);
 }
 
+/* How many of the pairings each further repeat has. */
+static int repeated(const pl_plan *plan)
+{
+    return plan->repeated_count > 0 ? plan->repeated_count : plan->pairing_count;
+}
+
 long pl_plan_size(const pl_plan *plan)
 {
     if (plan->pairings != NULL) {
-        return (long)plan->repeats * plan->pairing_count;
+        return plan->pairing_count + (plan->repeats - 1L) * repeated(plan);
     }
     return (long)plan->repeats * plan->case_count * plan->configuration_count;
 }
@@ -259,8 +265,10 @@ static const pl_pairing *turn(const pl_plan *plan, long place, long repeat)
 pl_planned_run pl_plan_run(const pl_plan *plan, long index)
 {
     if (plan->pairings != NULL) {
-        const long repeat = index / plan->pairing_count;
-        const pl_pairing *pairing = turn(plan, index % plan->pairing_count, repeat);
+        const bool again = index >= plan->pairing_count;
+        const long further = again ? index - plan->pairing_count : index;
+        const long repeat = again ? 1 + further / repeated(plan) : 0;
+        const pl_pairing *pairing = turn(plan, again ? further % repeated(plan) : further, repeat);
         return (pl_planned_run){.test_case = &plan->cases[pairing->test_case],
                                 .configuration = &plan->configurations[pairing->configuration],
                                 .repeat = (int)repeat};

@@ -52,6 +52,7 @@ typedef struct pl_plan {
      * neighbours with the same case take turns; NULL: all on all */
     pl_pairing *pairings;
     int pairing_count;
+    int repeated_count; /* of them, the first so many are repeated; 0: all */
     int repeats;
     uint64_t seed;
     pl_variation variation; /* of the cases that are added next */

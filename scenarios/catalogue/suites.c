@@ -3,10 +3,15 @@
 
 #include <string.h>
 
-static const pl_suite_entry canonical[] = {
-    {"tower", NULL, 0},         {"multi-tower", "k=2,n=10", 0}, {"slope-stick", NULL, 0},
-    {"slope-slide", NULL, 0},   {"slope-tip", NULL, 0},         {"wall", NULL, 0},
-    {"wall-collapse", NULL, 0}, {"falling-cubes", NULL, 0},     {"rocket", NULL, 0}};
+static const pl_suite_entry canonical[] = {{"tower", NULL, 0},
+                                           {"multi-tower", "k=2,n=10", 0},
+                                           {"slope-stick", NULL, 0},
+                                           {"slope-slide", NULL, 0},
+                                           {"slope-tip", NULL, 0},
+                                           {"wall", NULL, 0},
+                                           {"wall-collapse", "rows=10,columns=10", 0},
+                                           {"falling-cubes", NULL, 0},
+                                           {"rocket", NULL, 0}};
 
 /* Every scenario that has a right answer in numbers. */
 static const pl_suite_entry analytic[] = {{"free-fall", NULL, 0},

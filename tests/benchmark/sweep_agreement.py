@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """How far two sweeps of the same plan agree: sweep_agreement.py ONE/sweep.json OTHER/sweep.json
 
-Of all ratios of speed at matched error, of error at matched cost, and their means, in how many cells
+Of all ratios of speed at matched error (at each one's best and as shipped), of error at matched cost, and
+the means, in how many cells
 the intervals of the two overlap, and in how many each value lies in the other's interval. A cell that
 both engines reach in one sweep alone agrees in neither."""
 import json
@@ -17,11 +18,16 @@ def cells(path):
             pair = (problem["name"], duel["ours"], duel["other"])
             for at in duel["levels"]:
                 found["speed", pair, at["level"]] = at["speed"]
+                if "as_shipped" in at:
+                    found["shipped", pair, at["level"]] = at["as_shipped"]["speed"]
             for at in duel["times"]:
                 found["error", pair, at["time"]] = at["exactness"]
     for pair in sweep["pairs"]:
         for at in pair["levels"]:
             found["mean", (pair["ours"], pair["other"]), at["level"]] = at["mean_speed"]
+            if "as_shipped" in at:
+                key = "mean as shipped", (pair["ours"], pair["other"]), at["level"]
+                found[key] = at["as_shipped"]["mean_speed"]
     return found
 
 
@@ -31,7 +37,7 @@ def has_interval(ratio):
 
 one, other = cells(sys.argv[1]), cells(sys.argv[2])
 totals = [0, 0, 0]
-for kind in ("speed", "error", "mean"):
+for kind in ("speed", "shipped", "error", "mean", "mean as shipped"):
     counts = [0, 0, 0]
     for key in one.keys() | other.keys():
         a, b = one.get(key), other.get(key)

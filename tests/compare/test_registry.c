@@ -148,7 +148,7 @@ static void test_bare_engine_name_is_its_first_profile(void **state)
         if (known[i].entry == NULL) {
             continue;
         }
-        char label[128], expected[128];
+        char label[PL_LABEL_SIZE], expected[PL_LABEL_SIZE];
         pl_engine_choice choice = choose(known[i].name);
         assert_ptr_equal(choice.engine->built_in, &known[i]);
         assert_int_equal(choice.profile, 0);
@@ -163,7 +163,7 @@ static void test_bare_engine_name_is_its_first_profile(void **state)
 static void test_profile_defaults_come_before_the_users_options(void **state)
 {
     (void)state;
-    char spec[256], label[128];
+    char spec[256], label[PL_LABEL_SIZE];
     in_folder("mine.so", spec);
     pl_engine_choice choice = choose(spec);
     assert_string_equal(choice.engine->name, "mine");
@@ -193,7 +193,7 @@ static void test_profile_defaults_come_before_the_users_options(void **state)
 static void test_labels_distinguish_numbers_by_the_last_bit(void **state)
 {
     (void)state;
-    char spec[256], label[128];
+    char spec[256], label[PL_LABEL_SIZE];
     in_folder("mine.so,stiffness=0.1", spec);
     pl_engine_choice choice = choose(spec);
     pl_engine_choice_label(&choice, label);

@@ -304,7 +304,7 @@ static void test_profile_by_hand(void **state)
     pl_sweep_analysis analysis = analysis_of(results);
     const pl_sweep_profile *profile = &analysis.profiles[PL_SWEEP_MATCHED_LEVEL];
     int ours = engine_named(&analysis, "plumb"), ode = engine_named(&analysis, "ode");
-    assert_true(profile->whole);
+    assert_int_equal(profile->kind, PL_SWEEP_WHOLE);
     assert_int_equal(profile->scenes, 4);
     static const struct {
         double tau, ours, theirs;

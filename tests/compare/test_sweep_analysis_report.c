@@ -67,7 +67,7 @@ static void test_losses_come_before_everything_else(void **state)
     assert_contains(page.data, said);
     assert_before(text, "in 2 of 10 comparisons", "Where plumb loses");
     assert_before(text, "Where plumb loses", "over all scenes");
-    assert_contains(text, "1 of 2 scenes: never reached");
+    assert_contains(text, "1 of 2 scenes: not with 2 settings");
     pl_text_free(&page);
     free(text);
     json_decref(results);

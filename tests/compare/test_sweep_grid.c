@@ -249,7 +249,7 @@ static void check_shards(asked a, int count)
         total += pl_plan_size(&part);
         for (long k = 0; k < pl_plan_size(&part); ++k) {
             pl_planned_run run = pl_plan_run(&part, k);
-            char hash[17], point[256];
+            char hash[17], point[PL_LABEL_SIZE + 32];
             run_hash(&part, k, hash);
             assert_null(json_object_get(owner, hash));
             json_object_set_new(owner, hash, json_integer(i));

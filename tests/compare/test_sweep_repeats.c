@@ -1,9 +1,10 @@
-/* The runs that a sweep repeats, and the parameters that it varies by default. */
+/* The runs that a sweep repeats, and those that it makes on changed scenes. */
 #include "check.h"
 #include "studies/sweep/pruning.h"
 #include "studies/sweep/vary.h"
+#include "studies/variant/variant.h"
 
-#include <stdlib.h>
+#include <string.h>
 
 /* free-fall and projectile on two profiles: three repeats. */
 static void make_plan(pl_plan *plan)
@@ -93,42 +94,93 @@ static void test_results_of_other_sweeps_say_nothing(void **state)
     pl_plan_free(&plan);
 }
 
-static void test_steps_are_halved_and_default_budgets_varied(void **state)
+/* free-fall, unchanged and changed, on plumb with two repeats: three runs. */
+static void make_plan_with_change(pl_plan *plan)
+{
+    const pl_scenario *scenario = pl_scenario_find("free-fall", NULL);
+    *plan = (pl_plan){.repeats = 2};
+    assert_int_equal(pl_plan_add_scenario(plan, scenario, NULL, 0, NULL), PL_OK);
+    memcpy(plan->variation.changed, plan->cases[0].params, sizeof plan->cases[0].params);
+    assert_true(
+        pl_variant_apply(&pl_variants_swept.items[2], scenario, 0, plan->variation.changed));
+    plan->variation.change = pl_variants_swept.items[2].name;
+    assert_int_equal(pl_plan_add_scenario(plan, scenario, NULL, 0, NULL), PL_OK);
+    assert_int_equal(pl_plan_add_engine(plan, "plumb:fast", NULL), PL_OK);
+    assert_int_equal(pl_plan_add_pairing(plan, 0, 0, NULL), PL_OK);
+    assert_int_equal(pl_plan_add_pairing(plan, 1, 0, NULL), PL_OK);
+    plan->repeated_count = 1;
+}
+
+static void test_changed_scenes_are_not_repeated(void **state)
 {
     (void)state;
     pl_plan plan;
-    pl_vary *varied;
-    int count;
-    make_plan(&plan);
-    assert_int_equal(pl_default_vary(&plan, &varied, &count, NULL), PL_OK);
-    assert_int_equal(count, 1); /* plumb's budget bounds nothing */
-    assert_string_equal(varied[0].key, "dt");
-    assert_int_equal(varied[0].count, 5);
-    for (int i = 0; i < 5; ++i) {
-        bool there = false;
-        for (int k = 0; k < 5; ++k) {
-            there |= varied[0].numbers[k] == 1.0 / (60 << i);
-        }
-        assert_true(there);
+    make_plan_with_change(&plan);
+    const int cases[] = {0, 1, 0}, repeats[] = {0, 0, 1};
+    assert_int_equal(pl_plan_size(&plan), 3);
+    for (int i = 0; i < 3; ++i) {
+        const pl_planned_run run = pl_plan_run(&plan, i);
+        assert_ptr_equal(run.test_case, &plan.cases[cases[i]]);
+        assert_int_equal(run.repeat, repeats[i]);
+        json_t *identity;
+        hash_of(&plan, i, &identity);
+        assert_string_equal(pl_json_get_text(identity, "change"),
+                            cases[i] == 0 ? "" : "parameters within 1 %, draw 1");
+        json_decref(identity);
     }
-    pl_vary_free(&varied[0]);
-    free(varied);
-    pl_error error;
-    if (pl_plan_add_engine(&plan, "ode:quick", &error) == PL_OK &&
-        pl_plan_add_engine(&plan, "ode:dantzig", &error) == PL_OK) {
-        assert_int_equal(pl_default_vary(&plan, &varied, &count, NULL), PL_OK);
-        assert_int_equal(count, 2);
-        assert_string_equal(varied[1].owner, "ode");
-        assert_string_equal(varied[1].key, "iterations");
-        assert_int_equal(varied[1].count, 2);
-        assert_close(varied[1].numbers[0], 20, 0, 0);
-        assert_close(varied[1].numbers[1], 100, 0, 0);
-        for (int i = 0; i < count; ++i) {
-            pl_vary_free(&varied[i]);
-        }
-        free(varied);
-    }
+    /* The results have the parameters of the scene itself, so that they are of one point. */
+    assert_string_not_equal(plan.cases[0].scene_hash, plan.cases[1].scene_hash);
+    assert_memory_equal(plan.cases[0].params, plan.cases[1].params, sizeof plan.cases[0].params);
     pl_plan_free(&plan);
+}
+
+static void test_changes_of_a_failed_point_are_spared(void **state)
+{
+    (void)state;
+    static const char *const outcomes[] = {"ok", "collapsed", "timeout"};
+    for (int i = 0; i < 3; ++i) {
+        pl_plan plan;
+        pl_repeats repeats;
+        json_t *changed;
+        make_plan_with_change(&plan);
+        assert_int_equal(pl_repeats_begin(&repeats, &plan, 2, NULL), PL_OK);
+        const char *hash = hash_of(&plan, 1, &changed);
+        assert_false(pl_repeats_spare(&repeats, hash));
+        see(&repeats, &plan, 0, outcomes[i], 0.01, 100);
+        assert_int_equal(pl_repeats_spare(&repeats, hash), i > 0);
+        json_decref(changed);
+        pl_repeats_free(&repeats);
+        pl_plan_free(&plan);
+    }
+}
+
+static void test_a_failed_change_spares_no_repeat(void **state)
+{
+    (void)state;
+    pl_plan plan;
+    pl_repeats repeats;
+    json_t *again;
+    make_plan_with_change(&plan);
+    assert_int_equal(pl_repeats_begin(&repeats, &plan, 2, NULL), PL_OK);
+    see(&repeats, &plan, 0, "ok", 0.01, 100);
+    see(&repeats, &plan, 1, "timeout", 1, 100);
+    assert_false(pl_repeats_spare(&repeats, hash_of(&plan, 2, &again)));
+    json_decref(again);
+    pl_repeats_free(&repeats);
+    pl_plan_free(&plan);
+}
+
+static void test_steps_of_the_usual_sweep_are_halved(void **state)
+{
+    (void)state;
+    pl_vary steps;
+    assert_int_equal(pl_vary_parse(PL_SWEEP_STEPS, &steps, NULL), PL_OK);
+    assert_string_equal(steps.key, "dt");
+    assert_int_equal(steps.count, 5);
+    for (int i = 0; i < 5; ++i) {
+        assert_true(steps.numbers[i] == 1.0 / (60 << i));
+    }
+    pl_vary_free(&steps);
 }
 
 int main(void)
@@ -136,7 +188,10 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_only_short_runs_are_repeated),
         cmocka_unit_test(test_results_of_other_sweeps_say_nothing),
-        cmocka_unit_test(test_steps_are_halved_and_default_budgets_varied),
+        cmocka_unit_test(test_changed_scenes_are_not_repeated),
+        cmocka_unit_test(test_changes_of_a_failed_point_are_spared),
+        cmocka_unit_test(test_a_failed_change_spares_no_repeat),
+        cmocka_unit_test(test_steps_of_the_usual_sweep_are_halved),
     };
     return cmocka_run_group_tests_name("sweep_repeats", tests, NULL, NULL);
 }

@@ -343,7 +343,7 @@ static void test_file_profile_is_its_base_with_changes(void **state)
     assert_int_equal(choice.profile, same.profile);
     assert_memory_equal(choice.values, same.values,
                         (size_t)choice.engine->option_count * sizeof(double));
-    char label[128];
+    char label[PL_LABEL_SIZE];
     pl_engine_choice_label(&choice, label);
     assert_string_equal(label, "plumb:fast,slop=0.002");
     const pl_engine_choice further = choose("plumb:tuned,slop=0.001");

@@ -241,6 +241,7 @@ static void test_canonical_suite_is_these_in_order(void **state)
         assert_string_equal(suite->entries[i].scenario, expected[i]);
     }
     assert_string_equal(suite->entries[1].setting, "k=2,n=10");
+    assert_string_equal(suite->entries[6].setting, "rows=10,columns=10");
     assert_null(suite->published_metric);
 }
 

@@ -17,7 +17,8 @@ json_t *add_sweep_run(json_t *results, sweep_run run)
     const double dt = run.dt == 0 ? 1.0 / 64 : run.dt;
     const char *profile = strchr(run.engine, ':') + 1;
     char label[128];
-    snprintf(label, sizeof label, "%s,iterations=%d", run.engine, run.iterations);
+    snprintf(label, sizeof label, run.shipped ? "%s" : "%s,iterations=%d", run.engine,
+             run.iterations);
     json_t *row = json_pack(
         "{s:s, s:s, s:s, s:{s:i, s:f}, s:s, s:s%, s:s, s:s, s:s, s:{s:f, s:f, s:i}, s:i, s:i, s:s, "
         "s:n, s:{s:o, s:o}, s:{s:s}, s:{s:s, s:s}}",
@@ -29,6 +30,10 @@ json_t *add_sweep_run(json_t *results, sweep_run run)
         "metrics", "travel_error", value_of(run.error), "time_per_step", value_of(run.cost * dt),
         "host", "cpu", "one", "plumb", "version", "0.1.0", "git", "abc");
     assert_non_null(row);
+    json_object_set_new(row, "as_shipped", json_boolean(run.shipped));
+    if (run.change != NULL) {
+        json_object_set_new(row, "change", json_string(run.change));
+    }
     assert_int_equal(json_array_append_new(results, row), 0);
     return row;
 }

@@ -11,6 +11,8 @@ typedef struct sweep_run {
     double dt;                     /* s; powers of two keep the cost exact */
     int n, iterations, repeat;     /* n: a parameter; iterations: an option */
     const char *outcome;
+    const char *change; /* of the scene; NULL: none */
+    bool shipped;       /* as shipped; the label then has no option */
 } sweep_run;
 
 /* Appends the run; the row is borrowed from `results`. */

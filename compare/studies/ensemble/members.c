@@ -147,9 +147,9 @@ static pl_status add_ensemble(const pl_members_def *def, const pl_plan *plan, co
     }
     const char *label = plan->configurations[added.configuration].label;
     if (added.setting == 0) {
-        snprintf(added.name, sizeof added.name, "%s", label);
+        snprintf(added.name, sizeof added.name, "%.250s", label);
     } else {
-        snprintf(added.name, sizeof added.name, "%s [%.100s]", label,
+        snprintf(added.name, sizeof added.name, "%.150s [%.100s]", label,
                  def->settings[added.setting - 1]);
     }
     all->items[all->count++] = added;

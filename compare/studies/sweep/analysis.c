@@ -49,10 +49,11 @@ static pl_status estimate_noise(pl_sweep_analysis *analysis, pl_error *error)
 /* ---- Performance profiles (Dolan and More 2002) ---- */
 
 /* Whether all engines of the kind were run on the scene, and it has a primary error. */
-static bool belongs(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene, bool whole)
+static bool belongs(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+                    pl_sweep_kind kind)
 {
     for (int e = 0; e < analysis->engine_count; ++e) {
-        if (analysis->engines[e].whole == whole && !pl_sweep_curve_was_run(&scene->curves[e])) {
+        if (analysis->engines[e].kind == kind && !pl_sweep_curve_was_run(&scene->curves[e])) {
             return false;
         }
     }
@@ -72,14 +73,14 @@ static void add_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene *s
 {
     double least = (double)INFINITY;
     for (int e = 0; e < analysis->engine_count; ++e) {
-        if (analysis->engines[e].whole == profile->whole) {
+        if (analysis->engines[e].kind == profile->kind) {
             least = fmin(least, cost_of(analysis, scene, e, profile->level));
         }
     }
     ++profile->scenes;
     for (int e = 0; e < analysis->engine_count && isfinite(least); ++e) {
         double cost = cost_of(analysis, scene, e, profile->level);
-        if (analysis->engines[e].whole == profile->whole && isfinite(cost)) {
+        if (analysis->engines[e].kind == profile->kind && isfinite(cost)) {
             double *ratios = profile->ratios + (size_t)e * (size_t)analysis->scene_count;
             ratios[profile->counts[e]++] = cost / least;
         }
@@ -97,16 +98,17 @@ static pl_status find_profiles(pl_sweep_analysis *analysis, pl_error *error)
     }
     for (int i = 0; i < 2 * PL_SWEEP_LEVELS; ++i) {
         pl_sweep_profile *profile = &analysis->profiles[analysis->profile_count++];
-        *profile = (pl_sweep_profile){.level = i % PL_SWEEP_LEVELS,
-                                      .whole = i < PL_SWEEP_LEVELS,
-                                      .counts = calloc(engines + 1, sizeof(int)),
-                                      .ratios = calloc(engines * scenes + 1, sizeof(double))};
+        *profile =
+            (pl_sweep_profile){.level = i % PL_SWEEP_LEVELS,
+                               .kind = i < PL_SWEEP_LEVELS ? PL_SWEEP_WHOLE : PL_SWEEP_PROFILE,
+                               .counts = calloc(engines + 1, sizeof(int)),
+                               .ratios = calloc(engines * scenes + 1, sizeof(double))};
         if (profile->counts == NULL || profile->ratios == NULL) {
             return pl_fail(error, PL_NO_MEMORY, "out of memory for profiles of %zu engines",
                            engines);
         }
         for (int p = 0; p < analysis->scene_count; ++p) {
-            if (belongs(analysis, &analysis->scenes[p], profile->whole)) {
+            if (belongs(analysis, &analysis->scenes[p], profile->kind)) {
                 add_scene(analysis, &analysis->scenes[p], profile);
             }
         }

@@ -3,8 +3,9 @@
  * A scene is a scenario with its parameters except the time step. A point is an engine with its
  * options at a time step on a scene, over all repeats. Its cost is the CPU time of the engine's
  * steps per second of simulated time (s/s): time_per_step / dt. Its error is the scenario's primary
- * error. Each engine is listed with all its profiles together, and each profile by itself. Ratios
- * are above 1 where plumb is ahead. */
+ * error, the largest over the scene and the changes of it that were run. Each engine is listed with
+ * all its profiles together, each profile by itself, and as shipped. Ratios are above 1 where plumb
+ * is ahead. */
 #ifndef PLUMB_SWEEP_ANALYSIS_H
 #define PLUMB_SWEEP_ANALYSIS_H
 
@@ -28,10 +29,18 @@ extern const double pl_sweep_times[PL_SWEEP_TIMES];
 /* Smaller errors count as this one, because they are rounding. */
 extern const double pl_sweep_error_floor;
 
+/* What of an engine is listed as a row of the analysis. */
+typedef enum pl_sweep_kind {
+    PL_SWEEP_WHOLE,   /* all that was run of it: its best settings count */
+    PL_SWEEP_PROFILE, /* one profile, with any options */
+    PL_SWEEP_SHIPPED  /* its first profile with default options: only the time step varies */
+} pl_sweep_kind;
+enum { PL_SWEEP_KINDS = 3 };
+
 /* Whether a point has a cost and an error, and if not, why. */
 typedef enum pl_sweep_state {
     PL_SWEEP_OK,
-    PL_SWEEP_FAILED,     /* the outcome of a repeat is not ok */
+    PL_SWEEP_FAILED,     /* the outcome of a repeat or on a change of the scene is not ok */
     PL_SWEEP_UNMEASURED, /* all are ok, but the error or the time is missing */
     PL_SWEEP_UNSUPPORTED /* the engine does not support it with these settings: not a failure */
 } pl_sweep_state;
@@ -44,29 +53,32 @@ typedef struct pl_sweep_sample {
 
 /* All texts and rows are borrowed from the results. */
 typedef struct pl_sweep_point {
-    const json_t *row; /* the first repeat that is not ok, or the first */
+    const json_t *row; /* the first repeat or change that is not ok, or the first */
     int scene;
-    int engines[2]; /* indices: all profiles, and the profile */
-    int series;     /* points of one series differ in dt alone */
-    double dt;      /* s */
+    int engines[PL_SWEEP_KINDS]; /* indices, by kind; -1: it is not as shipped */
+    int series;                  /* points of one series differ in dt alone */
+    double dt;                   /* s */
     const char *label, *outcome, *reason;
+    /* Of the scene, on which the point has its error, or failed; "": the scene itself. */
+    const char *change;
     pl_sweep_state state;
-    int repeats;
+    int repeats; /* of the scene itself */
+    int changes; /* runs on changes of it */
     /* The following fields are set only where the state is OK. */
     pl_sweep_sample *samples; /* (sample_count), by cost; owned */
     int sample_count;
     double cost, cost_mad; /* median, and median of |x - median|, s/s */
-    double error;          /* median, not below the floor */
-    double raw_error;      /* median, without the floor */
+    double error;          /* median, or the largest of the changes; not below the floor */
+    double raw_error;      /* the same without the floor */
     double instructions;   /* for a second of simulated time, median; NAN: not counted */
     uint64_t hash;         /* of the point's keys */
 } pl_sweep_point;
 
-/* An engine, or one profile of it, as a row of the analysis. */
+/* An engine, or a part of its points, as a row of the analysis. */
 typedef struct pl_sweep_engine {
     char name[128]; /* "ode", "ode:quick" */
     bool ours;
-    bool whole; /* all profiles of the engine */
+    pl_sweep_kind kind;
     /* Of a profile with a run whose conformance is not known to have passed: its SPEC, borrowed from
      * the results. NULL: passed. */
     const char *unverified;
@@ -74,7 +86,8 @@ typedef struct pl_sweep_engine {
 
 /* One engine on one scene. */
 typedef struct pl_sweep_curve {
-    int ok, failed, unmeasured; /* points; all 0: none was run or supported */
+    int ok, failed, unmeasured; /* points; all 0: none was run or supported. Their sum is the number
+                                   of settings that were tried */
     int *front; /* (front_count): points of which no other is both cheaper and as exact, by rising
                    cost and falling error; owned */
     int front_count;
@@ -122,9 +135,10 @@ typedef struct pl_sweep_scene {
     pl_pairwise_comparison *comparisons; /* (pair_count) */
 } pl_sweep_scene;
 
-/* Two engines that are compared: both with all profiles, or a profile of each. */
+/* Two engines that are compared, of the same kind. */
 typedef struct pl_sweep_pair {
     int ours, other;
+    int shipped; /* of two whole engines: the pair of both as shipped; -1: none */
     /* Over all scenes on which both were run, by level. */
     pl_sweep_ratio mean[PL_SWEEP_LEVELS]; /* geometric mean of `speed`, of scenes both reached */
     int both[PL_SWEEP_LEVELS], ours_only[PL_SWEEP_LEVELS], other_only[PL_SWEEP_LEVELS];
@@ -165,10 +179,10 @@ typedef struct pl_sweep_order {
  * ratios up to tau over `scenes`. */
 typedef struct pl_sweep_profile {
     int level;
-    bool whole;
-    int scenes;     /* on which all these engines were run */
-    int *counts;    /* (engine_count): ratios of each; 0 for those of the other kind */
-    double *ratios; /* (engine_count x scene_count): engine by engine, ascending, >= 1 */
+    pl_sweep_kind kind; /* WHOLE or PROFILE */
+    int scenes;         /* on which all these engines were run */
+    int *counts;        /* (engine_count): ratios of each; 0 for those of the other kind */
+    double *ratios;     /* (engine_count x scene_count): engine by engine, ascending, >= 1 */
 } pl_sweep_profile;
 
 /* The analysis of the results of a sweep. `results` is borrowed, the arrays are owned. */
@@ -176,7 +190,7 @@ typedef struct pl_sweep_analysis {
     const json_t *results;
     pl_sweep_point *points; /* by scene, engine, series, falling dt */
     int point_count;
-    pl_sweep_engine *engines; /* whole engines, then profiles; ours first, then by name */
+    pl_sweep_engine *engines; /* by kind; ours first, then by name */
     int engine_count;
     pl_sweep_scene *scenes; /* in the catalogue's order, then by name */
     int scene_count;
@@ -207,6 +221,10 @@ void pl_sweep_analysis_free(pl_sweep_analysis *analysis);
 
 /* Whether a point is one of the engine's. */
 bool pl_sweep_point_is_of(const pl_sweep_point *point, int engine);
+
+/* How many settings of the engine were tried on the scene: points that it supports, with any
+ * outcome. */
+int pl_sweep_curve_settings(const pl_sweep_curve *curve);
 
 /* The engine was run on the scene, with any outcome. */
 bool pl_sweep_curve_was_run(const pl_sweep_curve *curve);

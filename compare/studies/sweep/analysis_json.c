@@ -60,9 +60,10 @@ static json_t *engines_json(const pl_sweep_analysis *analysis)
     json_t *array = json_array();
     for (int i = 0; i < analysis->engine_count; ++i) {
         const pl_sweep_engine *engine = &analysis->engines[i];
-        json_array_append_new(array,
-                              json_pack("{s:o, s:b, s:b}", "name", text(engine->name), "ours",
-                                        (int)engine->ours, "all_profiles", (int)engine->whole));
+        json_array_append_new(array, json_pack("{s:o, s:b, s:b, s:b}", "name", text(engine->name),
+                                               "ours", (int)engine->ours, "all_profiles",
+                                               (int)(engine->kind == PL_SWEEP_WHOLE), "as_shipped",
+                                               (int)(engine->kind == PL_SWEEP_SHIPPED)));
     }
     return array;
 }
@@ -76,10 +77,17 @@ static json_t *point_json(const pl_sweep_point *point)
     }
     json_t *object = json_pack(
         "{s:i, s:i, s:i, s:o, s:O?, s:f, s:s, s:o, s:o, s:i}", "problem", point->scene, "engine",
-        point->engines[0], "profile", point->engines[1], "label", text(point->label), "settings",
-        json_object_get(point->row, "settings"), "dt", point->dt, "state", states[point->state],
-        "outcome", text(point->outcome), "reason",
+        point->engines[PL_SWEEP_WHOLE], "profile", point->engines[PL_SWEEP_PROFILE], "label",
+        text(point->label), "settings", json_object_get(point->row, "settings"), "dt", point->dt,
+        "state", states[point->state], "outcome", text(point->outcome), "reason",
         point->reason[0] == '\0' ? json_null() : text(point->reason), "repeats", point->repeats);
+    if (object != NULL) {
+        json_object_set_new(object, "changes", json_integer(point->changes));
+        json_object_set_new(object, "change",
+                            point->change[0] == '\0' ? json_null() : text(point->change));
+        json_object_set_new(object, "as_shipped",
+                            json_boolean(point->engines[PL_SWEEP_SHIPPED] >= 0));
+    }
     if (object != NULL && point->state == PL_SWEEP_OK) {
         json_object_set_new(object, "cost", number(point->cost));
         json_object_set_new(object, "cost_mad", number(point->cost_mad));
@@ -110,24 +118,29 @@ static json_t *curve_json(const pl_sweep_analysis *analysis, const pl_sweep_curv
         json_array_append_new(costs,
                               reached < 0 ? json_null() : number(analysis->points[reached].cost));
     }
-    return json_pack("{s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:o}", "engine", engine, "ok", curve->ok,
-                     "failed", curve->failed, "unmeasured", curve->unmeasured, "front",
+    return json_pack("{s:i, s:i, s:i, s:i, s:i, s:o, s:o, s:o, s:o}", "engine", engine, "settings",
+                     pl_sweep_curve_settings(curve), "ok", curve->ok, "failed", curve->failed,
+                     "unmeasured", curve->unmeasured, "front",
                      places(curve->front, curve->front_count), "cheapest_at_level",
                      places(curve->cheapest, PL_SWEEP_LEVELS), "cost_at_level", costs,
                      "most_exact_at_time", places(curve->most_exact, PL_SWEEP_TIMES));
 }
 
-static json_t *comparison_json(const pl_sweep_pair *pair, const pl_pairwise_comparison *comparison)
+/* Who reached a level, the ratios there, and the settings that they are of. */
+static json_t *level_json(const pl_sweep_scene *scene, const pl_sweep_pair *pair, int index, int k)
 {
-    json_t *levels = json_array(), *times = json_array();
-    for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
-        json_array_append_new(levels,
-                              json_pack("{s:f, s:s, s:o, s:o, s:o}", "level", pl_sweep_levels[k],
-                                        "reached", attained_name(comparison->at_error[k]), "speed",
-                                        ratio_json(&comparison->speed[k]), "speed_between",
-                                        ratio_json(&comparison->speed_between[k]), "instructions",
-                                        number(comparison->instructions[k])));
-    }
+    const pl_pairwise_comparison *comparison = &scene->comparisons[index];
+    return json_pack(
+        "{s:s, s:o, s:o, s:o, s:o, s:o}", "reached", attained_name(comparison->at_error[k]),
+        "our_point", place(scene->curves[pair->ours].cheapest[k]), "other_point",
+        place(scene->curves[pair->other].cheapest[k]), "speed", ratio_json(&comparison->speed[k]),
+        "speed_between", ratio_json(&comparison->speed_between[k]), "instructions",
+        number(comparison->instructions[k]));
+}
+
+static json_t *times_json(const pl_pairwise_comparison *comparison)
+{
+    json_t *times = json_array();
     for (int k = 0; k < PL_SWEEP_TIMES; ++k) {
         if (comparison->at_cost[k] == PL_ATTAINED_BY_NEITHER) {
             continue;
@@ -138,8 +151,34 @@ static json_t *comparison_json(const pl_sweep_pair *pair, const pl_pairwise_comp
                                                "exactness_between",
                                                ratio_json(&comparison->exactness_between[k])));
     }
+    return times;
+}
+
+/* A pair of whole engines also has the same as shipped. */
+static json_t *comparison_json(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
+                               int index)
+{
+    const pl_sweep_pair *pair = &analysis->pairs[index];
+    const bool has_shipped = pair->shipped >= 0 && scene->comparisons[pair->shipped].run;
+    json_t *levels = json_array();
+    for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
+        json_t *level = level_json(scene, pair, index, k);
+        json_object_set_new(level, "level", json_real(pl_sweep_levels[k]));
+        if (has_shipped) {
+            json_object_set_new(
+                level, "as_shipped",
+                level_json(scene, &analysis->pairs[pair->shipped], pair->shipped, k));
+        }
+        json_array_append_new(levels, level);
+    }
     return json_pack("{s:i, s:i, s:o, s:o}", "ours", pair->ours, "other", pair->other, "levels",
-                     levels, "times", times);
+                     levels, "times", times_json(&scene->comparisons[index]));
+}
+
+/* Whether a pair has an entry of its own; one as shipped is in that of the whole engines. */
+static bool is_listed(const pl_sweep_analysis *analysis, int pair)
+{
+    return analysis->engines[analysis->pairs[pair].ours].kind != PL_SWEEP_SHIPPED;
 }
 
 static json_t *scene_json(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene)
@@ -153,9 +192,8 @@ static json_t *scene_json(const pl_sweep_analysis *analysis, const pl_sweep_scen
         }
     }
     for (int i = 0; i < analysis->pair_count; ++i) {
-        if (scene->comparisons[i].run) {
-            json_array_append_new(comparisons,
-                                  comparison_json(&analysis->pairs[i], &scene->comparisons[i]));
+        if (scene->comparisons[i].run && is_listed(analysis, i)) {
+            json_array_append_new(comparisons, comparison_json(analysis, scene, i));
         }
     }
     return json_pack("{s:o, s:o, s:o, s:O?, s:o, s:o, s:o, s:o, s:o}", "name", text(scene->name),
@@ -174,24 +212,35 @@ static json_t *scenes_json(const pl_sweep_analysis *analysis)
     return array;
 }
 
+static json_t *mean_json(const pl_sweep_pair *pair, int k)
+{
+    return json_pack("{s:o, s:i, s:i, s:i, s:i}", "mean_speed", ratio_json(&pair->mean[k]), "both",
+                     pair->both[k], "ours_only", pair->ours_only[k], "other_only",
+                     pair->other_only[k], "neither",
+                     pair->scenes - pair->both[k] - pair->ours_only[k] - pair->other_only[k]);
+}
+
 static json_t *pairs_json(const pl_sweep_analysis *analysis)
 {
     json_t *array = json_array();
     for (int i = 0; i < analysis->pair_count; ++i) {
         const pl_sweep_pair *pair = &analysis->pairs[i];
         json_t *levels = json_array();
-        for (int k = 0; k < PL_SWEEP_LEVELS; ++k) {
-            json_array_append_new(
-                levels,
-                json_pack("{s:f, s:o, s:i, s:i, s:i, s:i}", "level", pl_sweep_levels[k],
-                          "mean_speed", ratio_json(&pair->mean[k]), "both", pair->both[k],
-                          "ours_only", pair->ours_only[k], "other_only", pair->other_only[k],
-                          "neither",
-                          pair->scenes - pair->both[k] - pair->ours_only[k] - pair->other_only[k]));
+        for (int k = 0; k < PL_SWEEP_LEVELS && is_listed(analysis, i); ++k) {
+            json_t *level = mean_json(pair, k);
+            json_object_set_new(level, "level", json_real(pl_sweep_levels[k]));
+            if (pair->shipped >= 0) {
+                json_object_set_new(level, "as_shipped",
+                                    mean_json(&analysis->pairs[pair->shipped], k));
+            }
+            json_array_append_new(levels, level);
         }
-        json_array_append_new(array,
-                              json_pack("{s:i, s:i, s:i, s:o}", "ours", pair->ours, "other",
-                                        pair->other, "problems", pair->scenes, "levels", levels));
+        if (is_listed(analysis, i)) {
+            json_array_append_new(array, json_pack("{s:i, s:i, s:i, s:O}", "ours", pair->ours,
+                                                   "other", pair->other, "problems", pair->scenes,
+                                                   "levels", levels));
+        }
+        json_decref(levels);
     }
     return array;
 }
@@ -238,15 +287,15 @@ static json_t *profiles_json(const pl_sweep_analysis *analysis)
         json_t *engines = json_array();
         for (int e = 0; e < analysis->engine_count; ++e) {
             const double *ratios = profile->ratios + (size_t)e * (size_t)analysis->scene_count;
-            if (analysis->engines[e].whole == profile->whole) {
+            if (analysis->engines[e].kind == profile->kind) {
                 json_array_append_new(engines, json_pack("{s:i, s:o}", "engine", e, "ratios",
                                                          numbers(ratios, profile->counts[e])));
             }
         }
         json_array_append_new(array, json_pack("{s:f, s:b, s:i, s:o}", "level",
                                                pl_sweep_levels[profile->level], "all_profiles",
-                                               (int)profile->whole, "problems", profile->scenes,
-                                               "engines", engines));
+                                               (int)(profile->kind == PL_SWEEP_WHOLE), "problems",
+                                               profile->scenes, "engines", engines));
     }
     return array;
 }

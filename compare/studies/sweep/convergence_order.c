@@ -130,7 +130,7 @@ pl_status pl_orders_find(pl_sweep_analysis *analysis, pl_error *error)
         if (next - first > 1 && is_known) {
             pl_sweep_order *order = &analysis->orders[analysis->order_count++];
             *order = (pl_sweep_order){
-                .scene = point->scene, .engine = point->engines[1], .first = first};
+                .scene = point->scene, .engine = point->engines[PL_SWEEP_PROFILE], .first = first};
             pl_order_fit(dt, errors, next - first, order);
         }
     }

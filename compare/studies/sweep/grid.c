@@ -3,6 +3,7 @@
 
 #include "grid_keys.h"
 #include "results/store.h"
+#include "studies/variant/variant.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -119,10 +120,10 @@ static pl_status add_configuration(const pl_engine_choice *asked, const pl_engin
 
 /* Adds all configurations to the plan. PL_BAD_INPUT: a value out of its option's range, or two
  * configurations with the same label. */
-static pl_status add_configurations(const pl_grid_def *def, pl_plan *plan, pl_error *error)
+static pl_status add_configurations(const pl_grid_def *def, json_t *labels, pl_plan *plan,
+                                    pl_error *error)
 {
-    json_t *labels = json_object();
-    pl_status status = labels == NULL ? pl_fail(error, PL_NO_MEMORY, "out of memory") : PL_OK;
+    pl_status status = PL_OK;
     bool more = true;
     for (long number = 0; more && status == PL_OK; ++number) {
         more = false;
@@ -139,7 +140,24 @@ static pl_status add_configurations(const pl_grid_def *def, pl_plan *plan, pl_er
             }
         }
     }
-    json_decref(labels);
+    return status;
+}
+
+/* Adds the settings of the design that the plan does not have yet. */
+static pl_status add_design(const pl_design *design, const pl_plan *base, json_t *labels,
+                            double *steps, pl_plan *plan, pl_error *error)
+{
+    const int varied = plan->configuration_count;
+    pl_status status = PL_OK;
+    for (int i = 0; i < design->count && status == PL_OK; ++i) {
+        const pl_design_setting *setting = &design->items[i];
+        const int before = plan->configuration_count;
+        status = add_configuration(&base->configurations[setting->base].choice, &setting->choice,
+                                   labels, plan, error);
+        if (plan->configuration_count > before) {
+            steps[before - varied] = setting->dt;
+        }
+    }
     return status;
 }
 
@@ -147,10 +165,13 @@ static pl_status add_configurations(const pl_grid_def *def, pl_plan *plan, pl_er
 typedef struct place {
     int base;
     long combination;
+    int test_case; /* its place in the plan; -1: none of its points is the shard's */
 } place;
 
 typedef struct grid {
     const pl_grid_def *def;
+    int varied_count;   /* configurations that are run at all time steps: the first ones */
+    double *steps;      /* s: of each further configuration, the time step that it is run at */
     pl_grid_keys *keys; /* (of the base's cases) */
     place *places;      /* (count): each case once */
     int count;
@@ -249,25 +270,113 @@ static pl_status add_place(const grid *g, const place *at, pl_plan *plan, pl_err
     return pl_plan_add_values(plan, test_case->descriptor, values, NULL, error);
 }
 
+/* The time step of a place, s; NAN: the scene file's own. */
+static double step_of(const grid *g, const place *at)
+{
+    const pl_scenario *scenario = g->def->base->cases[at->base].descriptor;
+    double values[PL_MAX_PARAMS];
+    if (scenario == NULL) {
+        return time_step(g, at);
+    }
+    vary_values(g, at, values);
+    for (int i = 0; i < scenario->param_count; ++i) {
+        if (strcmp(scenario->params[i].name, "dt") == 0) {
+            return values[i];
+        }
+    }
+    return (double)NAN;
+}
+
+/* Whether the grid has the point, and it is the shard's. */
+static bool has_point(const grid *g, const pl_plan *plan, int number, int configuration)
+{
+    const pl_shard *shard = &g->def->shard;
+    return (configuration < g->varied_count ||
+            g->steps[configuration - g->varied_count] == step_of(g, &g->places[number])) &&
+           pl_shard_of_point(shard->count, g->count, plan->configuration_count, number,
+                             configuration) == shard->index;
+}
+
+/* A plan of whole cases, all on all engines, needs no list of points. */
+static bool needs_pairings(const grid *g)
+{
+    return g->count < g->def->shard.count || g->def->design != NULL || g->def->changes > 0;
+}
+
+/* Adds the points of a case that are the shard's. */
+static pl_status add_points(const grid *g, int number, int test_case, pl_plan *plan,
+                            pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int i = 0; i < plan->configuration_count && status == PL_OK; ++i) {
+        if (has_point(g, plan, number, i)) {
+            status = pl_plan_add_pairing(plan, test_case, i, error);
+        }
+    }
+    return status;
+}
+
 /* The case and its points, as far as they are the shard's. */
 static pl_status add_share(const grid *g, int number, pl_plan *plan, pl_error *error)
 {
-    const pl_shard *shard = &g->def->shard;
-    const int test_case = plan->case_count;
+    place *at = &g->places[number];
+    bool is_due = false;
+    at->test_case = -1;
+    for (int i = 0; i < plan->configuration_count && !is_due; ++i) {
+        is_due = has_point(g, plan, number, i);
+    }
+    const int before = plan->case_count;
+    pl_status status = is_due ? add_place(g, at, plan, error) : PL_OK;
+    if (status != PL_OK || plan->case_count == before) {
+        return status;
+    }
+    at->test_case = before;
+    return needs_pairings(g) ? add_points(g, number, before, plan, error) : PL_OK;
+}
+
+/* The scene of a case with each of its changes, and the points. */
+static pl_status add_changes(const grid *g, int number, pl_plan *plan, pl_error *error)
+{
+    const place *at = &g->places[number];
+    const pl_scenario *scenario = g->def->base->cases[at->base].descriptor;
     pl_status status = PL_OK;
-    for (int i = 0; i < plan->configuration_count && status == PL_OK; ++i) {
-        if (pl_shard_of_point(shard->count, g->count, plan->configuration_count, number, i) !=
-            shard->index) {
+    int applied = 0;
+    for (int i = 0; scenario != NULL && at->test_case >= 0 && i < pl_variants_swept.count &&
+                    applied < g->def->changes && status == PL_OK;
+         ++i) {
+        const pl_variant *variant = &pl_variants_swept.items[i];
+        const int before = plan->case_count;
+        vary_values(g, at, plan->variation.changed);
+        if (!pl_variant_apply(variant, scenario, plan->seed, plan->variation.changed)) {
             continue;
         }
-        if (plan->case_count == test_case) {
-            status = add_place(g, &g->places[number], plan, error);
+        plan->variation.change = variant->name;
+        status = add_place(g, at, plan, error);
+        if (status == PL_BAD_INPUT) { /* the changed values do not go together */
+            status = PL_OK;
+        } else if (plan->case_count > before) {
+            ++applied;
+            status = add_points(g, number, before, plan, error);
         }
-        /* A plan of whole cases needs no list of points. */
-        if (status != PL_OK || plan->case_count == test_case || g->count >= shard->count) {
-            break;
-        }
-        status = pl_plan_add_pairing(plan, test_case, i, error);
+    }
+    plan->variation = (pl_variation){.change = NULL};
+    return status;
+}
+
+/* Adds all cases with their points: those that are repeated, then the changed scenes. */
+static pl_status add_cases(const grid *g, pl_plan *plan, pl_error *error)
+{
+    pl_status status = PL_OK;
+    for (int i = 0; i < g->count && status == PL_OK; ++i) {
+        status = add_share(g, i, plan, error);
+    }
+    plan->repeated_count = plan->pairing_count;
+    for (int i = 0; i < g->count && status == PL_OK && g->def->changes > 0; ++i) {
+        status = add_changes(g, i, plan, error);
+    }
+    if (status == PL_OK && pl_plan_size(plan) > PL_GRID_MOST_RUNS) {
+        status = pl_fail(error, PL_BAD_INPUT, "%ld runs; a sweep has at most %d",
+                         pl_plan_size(plan), (int)PL_GRID_MOST_RUNS);
     }
     return status;
 }
@@ -293,9 +402,13 @@ pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error)
     if (status != PL_OK) {
         return status;
     }
+    json_t *labels = json_object();
+    const size_t settings = def->design == NULL ? 0 : (size_t)def->design->count;
     g.keys = calloc((size_t)def->base->case_count + 1, sizeof *g.keys);
-    if (g.keys == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for the grid");
+    g.steps = calloc(settings + 1, sizeof *g.steps);
+    if (g.keys == NULL || g.steps == NULL || labels == NULL) {
+        status = pl_fail(error, PL_NO_MEMORY, "out of memory for the grid");
+        goto cleanup;
     }
     for (int i = 0; i < def->base->case_count; ++i) {
         g.keys[i] = pl_grid_keys_of_case(def, &def->base->cases[i]);
@@ -306,15 +419,23 @@ pl_status pl_grid_plan(const pl_grid_def *def, pl_plan *plan, pl_error *error)
     plan->defers = true;
     status = check_size(def, cases, count_configurations(def), error);
     if (status == PL_OK) {
-        status = add_configurations(def, plan, error);
+        status = add_configurations(def, labels, plan, error);
+    }
+    g.varied_count = plan->configuration_count;
+    if (status == PL_OK && def->design != NULL) {
+        status = add_design(def->design, def->base, labels, g.steps, plan, error);
     }
     if (status == PL_OK) {
         status = list_places(&g, (long)cases, error);
     }
-    for (int i = 0; i < g.count && status == PL_OK; ++i) {
-        status = add_share(&g, i, plan, error);
+    if (status == PL_OK) {
+        status = add_cases(&g, plan, error);
     }
+
+cleanup:
+    json_decref(labels);
     free(g.keys);
+    free(g.steps);
     free(g.places);
     return status;
 }

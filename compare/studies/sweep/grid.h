@@ -3,10 +3,11 @@
  *
  * Problems come in the order in which they were asked for, the last key varying fastest. The
  * configurations alternate among the engines, those of one engine in the same order. Equal points
- * appear once. */
+ * appear once. Changed scenes come after all others, and are not repeated. */
 #ifndef PLUMB_SWEEP_GRID_H
 #define PLUMB_SWEEP_GRID_H
 
+#include "design.h"
 #include "runner/plan.h"
 #include "shard.h"
 #include "vary.h"
@@ -18,6 +19,9 @@ typedef struct pl_grid_def {
     const pl_plan *base; /* the cases and engines as asked for, unvaried; repeats; seed */
     const pl_vary *varied;
     int varied_count;
+    /* Settings that are run besides, each on the cases of its own time step; NULL: none. */
+    const pl_design *design;
+    int changes; /* of each scene, at most (pl_variants_swept): on each, every point is run once */
     double dt, duration; /* s: asked for of scene files; NAN: their own */
     pl_shard shard;
 } pl_grid_def;

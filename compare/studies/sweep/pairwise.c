@@ -55,15 +55,25 @@ static bool always_ahead(const resampling *d, const pl_sweep_point *q, const pl_
            extreme_error(q, fmax) <= extreme_error(p, fmin);
 }
 
-/* Marks the points that can be on the front of a profile, and so on that of its engine. */
+/* Whether the point is in every front's choice that p is in: of their profile, and as shipped if p
+ * is. */
+static bool competes(const pl_sweep_point *q, const pl_sweep_point *p)
+{
+    const int shipped = p->engines[PL_SWEEP_SHIPPED];
+    return q->engines[PL_SWEEP_PROFILE] == p->engines[PL_SWEEP_PROFILE] &&
+           (shipped < 0 || q->engines[PL_SWEEP_SHIPPED] == shipped);
+}
+
+/* Marks the points that can be on the front of a profile, and so on that of its engine, or on that of
+ * the engine as shipped. */
 static void mark_needed(resampling *d)
 {
     for (int i = 0; i < d->count; ++i) {
         const pl_sweep_point *point = &d->points[i];
         d->needed[i] = point->state == PL_SWEEP_OK;
         for (int k = 0; k < d->count && d->needed[i]; ++k) {
-            d->needed[i] = d->points[k].engines[1] != point->engines[1] ||
-                           !always_ahead(d, &d->points[k], point);
+            d->needed[i] =
+                !competes(&d->points[k], point) || !always_ahead(d, &d->points[k], point);
         }
     }
 }
@@ -325,6 +335,32 @@ static void finish_means(const workspace *a, pl_sweep_analysis *analysis)
     }
 }
 
+/* The engine that a point of this one as shipped belongs to; -1: none was run. */
+static int shipped_of(const pl_sweep_analysis *analysis, int whole)
+{
+    for (int i = 0; i < analysis->point_count; ++i) {
+        const pl_sweep_point *point = &analysis->points[i];
+        if (point->engines[PL_SWEEP_WHOLE] == whole && point->engines[PL_SWEEP_SHIPPED] >= 0) {
+            return point->engines[PL_SWEEP_SHIPPED];
+        }
+    }
+    return -1;
+}
+
+/* Finds the pair of the same two engines as shipped. */
+static void link_shipped(const pl_sweep_analysis *analysis, pl_sweep_pair *pair)
+{
+    if (analysis->engines[pair->ours].kind != PL_SWEEP_WHOLE) {
+        return;
+    }
+    const int ours = shipped_of(analysis, pair->ours), other = shipped_of(analysis, pair->other);
+    for (int i = 0; i < analysis->pair_count && ours >= 0 && other >= 0; ++i) {
+        if (analysis->pairs[i].ours == ours && analysis->pairs[i].other == other) {
+            pair->shipped = i;
+        }
+    }
+}
+
 static pl_status make_pairs(pl_sweep_analysis *analysis, pl_error *error)
 {
     const size_t count = (size_t)analysis->engine_count;
@@ -335,10 +371,14 @@ static pl_status make_pairs(pl_sweep_analysis *analysis, pl_error *error)
     for (int i = 0; i < analysis->engine_count; ++i) {
         for (int k = 0; k < analysis->engine_count; ++k) {
             const pl_sweep_engine *a = &analysis->engines[i], *b = &analysis->engines[k];
-            if (a->ours && !b->ours && a->whole == b->whole) {
-                analysis->pairs[analysis->pair_count++] = (pl_sweep_pair){.ours = i, .other = k};
+            if (a->ours && !b->ours && a->kind == b->kind) {
+                analysis->pairs[analysis->pair_count++] =
+                    (pl_sweep_pair){.ours = i, .other = k, .shipped = -1};
             }
         }
+    }
+    for (int i = 0; i < analysis->pair_count; ++i) {
+        link_shipped(analysis, &analysis->pairs[i]);
     }
     return PL_OK;
 }
@@ -383,84 +423,4 @@ pl_status pl_compare_pairwise(pl_sweep_analysis *analysis, pl_error *error)
     free(a.values);
     free(a.logs);
     return status;
-}
-
-/* ---- Losses ---- */
-
-/* Without an interval, times within 10 % are equal. */
-static const double equal_within = 0.1;
-
-static bool is_within_noise(const pl_sweep_ratio *speed)
-{
-    return isnan(speed->low) ? speed->value * (1 + equal_within) > 1 : speed->high >= 1;
-}
-
-static bool is_fine(const pl_sweep_loss *loss)
-{
-    return loss->level >= PL_SWEEP_MATCHED_LEVEL;
-}
-
-static int compare_losses(const void *left, const void *right)
-{
-    const pl_sweep_loss *a = left, *b = right;
-    if (is_fine(a) != is_fine(b)) {
-        return is_fine(a) ? -1 : 1;
-    }
-    if (a->within_noise != b->within_noise) {
-        return a->within_noise ? 1 : -1;
-    }
-    if (a->attained != b->attained) {
-        return a->attained == PL_ATTAINED_BY_OTHER_ONLY ? -1 : 1;
-    }
-    if (a->attained == PL_ATTAINED_BY_BOTH && a->speed.value != b->speed.value) {
-        return a->speed.value < b->speed.value ? -1 : 1;
-    }
-    int order = a->scene - b->scene;
-    order = order != 0 ? order : a->pair - b->pair;
-    return order != 0 ? order : a->level - b->level;
-}
-
-static void note_loss(pl_sweep_analysis *analysis, int p, int pair, int level)
-{
-    const pl_sweep_scene *scene = &analysis->scenes[p];
-    const pl_pairwise_comparison *comparison = &scene->comparisons[pair];
-    const pl_attained_by attained = comparison->at_error[level];
-    const pl_sweep_ratio *speed = &comparison->speed[level];
-    analysis->compared += attained != PL_ATTAINED_BY_NEITHER;
-    if (attained != PL_ATTAINED_BY_OTHER_ONLY &&
-        !(attained == PL_ATTAINED_BY_BOTH && speed->value < 1)) {
-        return;
-    }
-    pl_sweep_loss loss = {
-        .scene = p,
-        .pair = pair,
-        .level = level,
-        .attained = attained,
-        .ours = scene->curves[analysis->pairs[pair].ours].cheapest[level],
-        .other = scene->curves[analysis->pairs[pair].other].cheapest[level],
-        .speed = *speed,
-        .within_noise = attained == PL_ATTAINED_BY_BOTH && is_within_noise(speed),
-    };
-    analysis->fine_losses += is_fine(&loss);
-    analysis->losses[analysis->loss_count++] = loss;
-}
-
-pl_status pl_list_losses(pl_sweep_analysis *analysis, pl_error *error)
-{
-    size_t most = (size_t)analysis->scene_count * (size_t)analysis->pair_count * PL_SWEEP_LEVELS;
-    analysis->losses = calloc(most + 1, sizeof *analysis->losses);
-    if (analysis->losses == NULL) {
-        return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu comparisons", most);
-    }
-    for (int p = 0; p < analysis->scene_count; ++p) {
-        for (int i = 0; i < analysis->pair_count; ++i) {
-            bool whole = analysis->engines[analysis->pairs[i].ours].whole;
-            for (int k = 0; k < PL_SWEEP_LEVELS && whole && analysis->scenes[p].comparisons[i].run;
-                 ++k) {
-                note_loss(analysis, p, i, k);
-            }
-        }
-    }
-    qsort(analysis->losses, (size_t)analysis->loss_count, sizeof *analysis->losses, compare_losses);
-    return PL_OK;
 }

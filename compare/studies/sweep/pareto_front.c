@@ -12,12 +12,18 @@ const double pl_sweep_error_floor = 1e-9;
 
 bool pl_sweep_point_is_of(const pl_sweep_point *point, int engine)
 {
-    return point->engines[0] == engine || point->engines[1] == engine;
+    return point->engines[PL_SWEEP_WHOLE] == engine || point->engines[PL_SWEEP_PROFILE] == engine ||
+           point->engines[PL_SWEEP_SHIPPED] == engine;
+}
+
+int pl_sweep_curve_settings(const pl_sweep_curve *curve)
+{
+    return curve->ok + curve->failed + curve->unmeasured;
 }
 
 bool pl_sweep_curve_was_run(const pl_sweep_curve *curve)
 {
-    return curve->ok + curve->failed + curve->unmeasured > 0;
+    return pl_sweep_curve_settings(curve) > 0;
 }
 
 static bool before(const pl_sweep_sample *samples, int a, int b)

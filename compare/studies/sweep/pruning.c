@@ -1,36 +1,57 @@
 /* Decides from results which runs of a sweep need not be made. */
 #include "pruning.h"
 
+#include "base/text_buffer.h"
 #include "results/run_verdict.h"
 
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-static void name_point(const pl_plan *plan, const pl_planned_run *run, char name[48])
+/* A text that a case has in common with its changes, and the configuration. */
+static char *name_point(const pl_plan *plan, const pl_planned_run *run)
 {
-    snprintf(name, 48, "%td.%td", run->test_case - plan->cases,
-             run->configuration - plan->configurations);
+    const pl_case *test_case = run->test_case;
+    pl_text_buffer text = {0};
+    pl_text_format(&text, "%td %s %a", run->configuration - plan->configurations, test_case->name,
+                   test_case->scene.dt);
+    for (int i = 0; test_case->descriptor != NULL && i < test_case->descriptor->param_count; ++i) {
+        pl_text_format(&text, " %a", test_case->params[i]);
+    }
+    return text.failed ? NULL : text.data;
+}
+
+/* Notes the run, with the hash by which its result will be known. False: out of memory. */
+static bool note_run(pl_repeats *repeats, const pl_plan *plan, const pl_planned_run *run)
+{
+    char *name = name_point(plan, run);
+    char hash[17];
+    bool noted = name != NULL && pl_planned_run_hash(plan, run, hash, NULL) == PL_OK &&
+                 json_object_set_new(repeats->points, hash, json_string(name)) == 0;
+    if (noted && run->test_case->variation.change != NULL) {
+        noted = json_object_set_new(repeats->changed, hash, json_true()) == 0;
+    } else if (noted && run->repeat == 0) {
+        noted = json_object_set_new(repeats->first, hash, json_true()) == 0;
+    }
+    free(name);
+    return noted;
 }
 
 pl_status pl_repeats_begin(pl_repeats *repeats, const pl_plan *plan, double limit, pl_error *error)
 {
-    *repeats = (pl_repeats){
-        .limit = limit, .points = json_object(), .first = json_object(), .spared = json_object()};
-    bool made = repeats->points != NULL && repeats->first != NULL && repeats->spared != NULL;
+    *repeats = (pl_repeats){.limit = limit,
+                            .points = json_object(),
+                            .first = json_object(),
+                            .changed = json_object(),
+                            .spared = json_object(),
+                            .failed = json_object()};
+    bool made = repeats->points != NULL && repeats->first != NULL && repeats->changed != NULL &&
+                repeats->spared != NULL && repeats->failed != NULL;
     for (long i = 0; made && i < pl_plan_size(plan); ++i) {
-        char name[48];
         const pl_planned_run run = pl_plan_run(plan, i);
-        json_t *identity = pl_planned_run_identity(plan, &run);
-        const char *hash = identity != NULL ? pl_json_get_text(identity, "run") : "";
-        name_point(plan, &run, name);
-        made =
-            identity != NULL && json_object_set_new(repeats->points, hash, json_string(name)) == 0;
-        if (made && run.repeat == 0) {
-            made = json_object_set_new(repeats->first, hash, json_true()) == 0;
-        }
-        json_decref(identity);
+        made = note_run(repeats, plan, &run);
     }
     return made ? PL_OK : pl_fail(error, PL_NO_MEMORY, "out of memory for the plan");
 }
@@ -39,7 +60,9 @@ void pl_repeats_free(pl_repeats *repeats)
 {
     json_decref(repeats->points);
     json_decref(repeats->first);
+    json_decref(repeats->changed);
     json_decref(repeats->spared);
+    json_decref(repeats->failed);
     *repeats = (pl_repeats){0};
 }
 
@@ -57,18 +80,28 @@ static double cost_of(const json_t *result)
 
 void pl_repeats_see(pl_repeats *repeats, const json_t *result)
 {
-    const char *point = point_of(repeats, pl_json_get_text(result, "run"));
-    bool ended = strcmp(pl_json_get_text(result, "outcome"), "timeout") != 0;
-    if (point != NULL && (!ended || cost_of(result) > repeats->limit)) {
+    const char *run = pl_json_get_text(result, "run");
+    const char *point = point_of(repeats, run);
+    const char *outcome = pl_json_get_text(result, "outcome");
+    if (point == NULL || json_object_get(repeats->changed, run) != NULL) {
+        return;
+    }
+    if (strcmp(outcome, "timeout") == 0 || cost_of(result) > repeats->limit) {
         json_object_set_new(repeats->spared, point, json_true());
+    }
+    if (strcmp(outcome, "ok") != 0) {
+        json_object_set_new(repeats->failed, point, json_true());
     }
 }
 
 bool pl_repeats_spare(const pl_repeats *repeats, const char *run)
 {
     const char *point = point_of(repeats, run);
-    return point != NULL && json_object_get(repeats->first, run) == NULL &&
-           json_object_get(repeats->spared, point) != NULL;
+    if (point == NULL || json_object_get(repeats->first, run) != NULL) {
+        return false;
+    }
+    const bool is_changed = json_object_get(repeats->changed, run) != NULL;
+    return json_object_get(is_changed ? repeats->failed : repeats->spared, point) != NULL;
 }
 
 static double step_of(const json_t *run)
@@ -96,7 +129,8 @@ static bool is_same_text(const json_t *run, const json_t *other, const char *key
 static bool is_finer(const json_t *run, const json_t *than)
 {
     return step_of(run) < step_of(than) && is_same_text(run, than, "scenario") &&
-           is_same_text(run, than, "label") && has_equal_params_but_dt(run, than);
+           is_same_text(run, than, "label") && is_same_text(run, than, "change") &&
+           has_equal_params_but_dt(run, than);
 }
 
 /* The result of a run that was not made. */
@@ -132,7 +166,8 @@ pl_status pl_prune_timeouts(const pl_plan *plan, const json_t *result, json_t *p
     }
     for (long i = 0; i < pl_plan_size(plan) && status == PL_OK; ++i) {
         const pl_planned_run run = pl_plan_run(plan, i);
-        if (run.repeat > 0) {
+        if (run.repeat > 0 || run.test_case->scene.dt >= step_of(result) ||
+            strcmp(run.configuration->label, pl_json_get_text(result, "label")) != 0) {
             continue;
         }
         json_t *identity = pl_planned_run_identity(plan, &run);

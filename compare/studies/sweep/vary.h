@@ -10,8 +10,14 @@
 enum {
     PL_VARY_MOST_VALUES = 100000,
     PL_SWEEP_DEFAULT_REPEATS = 3,
-    PL_SWEEP_DEFAULT_TIMEOUT = 20 /* s */
+    PL_SWEEP_DEFAULT_CPU_LIMIT = 3, /* s */
+    PL_SWEEP_DEFAULT_SETTINGS = 24, /* of each engine */
+    PL_SWEEP_DEFAULT_CHANGES = 2    /* of each scene */
 };
+
+/* The time steps of the usual sweep. Coarse ones first: what takes too long there need not be tried
+ * at the others. */
+#define PL_SWEEP_STEPS "dt=1/60,1/120,1/240,1/480,1/960"
 
 /* A key of a profile, an option or a parameter, and the values that it takes. */
 typedef struct pl_vary {
@@ -34,10 +40,5 @@ pl_status pl_vary_parse(const char *text, pl_vary *vary, pl_error *error);
 
 /* Frees what parsing allocated. */
 void pl_vary_free(pl_vary *vary);
-
-/* What a sweep varies by default: the time step, 1/60 to 1/960 s by halves; and for each engine of
- * the plan whose default settings have a budget of `iterations`, this budget and five times it.
- * *varied is malloc'd; the caller frees it and its items, also on failure. */
-pl_status pl_default_vary(const pl_plan *plan, pl_vary **varied, int *count, pl_error *error);
 
 #endif

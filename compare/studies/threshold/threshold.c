@@ -140,7 +140,7 @@ static pl_status keep(void *user, json_t *result, pl_error *error)
         const char *name = s->def->plan->cases[search->test_case].name;
         const char *label = s->def->plan->configurations[search->configuration].label;
         char running[256];
-        snprintf(running, sizeof running, "%s %s", name, label);
+        snprintf(running, sizeof running, "%s %.200s", name, label);
         ++s->progress.done;
         if (is_over(search)) {
             s->progress.total -= pl_bisection_most_trials(&search->bisection) - search->runs;

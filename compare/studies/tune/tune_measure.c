@@ -197,7 +197,7 @@ static pl_status add_runs(gatherer *g, pl_error *error)
     const pl_measure_def *def = g->def;
     pl_status status = PL_OK;
     for (int s = 0; s < def->setting_count && status == PL_OK; ++s) {
-        char label[128];
+        char label[PL_LABEL_SIZE];
         pl_engine_choice_label(&def->settings[s].choice, label);
         status = pl_plan_add_choice(&g->plan, &def->settings[s].choice, label, NULL, error);
     }

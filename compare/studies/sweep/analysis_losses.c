@@ -1,0 +1,83 @@
+/* Lists where the front of another engine is ahead of ours. */
+#include "analysis_parts.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Without an interval, times within 10 % are equal. */
+static const double equal_within = 0.1;
+
+static bool is_within_noise(const pl_sweep_ratio *speed)
+{
+    return isnan(speed->low) ? speed->value * (1 + equal_within) > 1 : speed->high >= 1;
+}
+
+static bool is_fine(const pl_sweep_loss *loss)
+{
+    return loss->level >= PL_SWEEP_MATCHED_LEVEL;
+}
+
+static int compare_losses(const void *left, const void *right)
+{
+    const pl_sweep_loss *a = left, *b = right;
+    if (is_fine(a) != is_fine(b)) {
+        return is_fine(a) ? -1 : 1;
+    }
+    if (a->within_noise != b->within_noise) {
+        return a->within_noise ? 1 : -1;
+    }
+    if (a->attained != b->attained) {
+        return a->attained == PL_ATTAINED_BY_OTHER_ONLY ? -1 : 1;
+    }
+    if (a->attained == PL_ATTAINED_BY_BOTH && a->speed.value != b->speed.value) {
+        return a->speed.value < b->speed.value ? -1 : 1;
+    }
+    int order = a->scene - b->scene;
+    order = order != 0 ? order : a->pair - b->pair;
+    return order != 0 ? order : a->level - b->level;
+}
+
+static void note_loss(pl_sweep_analysis *analysis, int p, int pair, int level)
+{
+    const pl_sweep_scene *scene = &analysis->scenes[p];
+    const pl_pairwise_comparison *comparison = &scene->comparisons[pair];
+    const pl_attained_by attained = comparison->at_error[level];
+    const pl_sweep_ratio *speed = &comparison->speed[level];
+    analysis->compared += attained != PL_ATTAINED_BY_NEITHER;
+    if (attained != PL_ATTAINED_BY_OTHER_ONLY &&
+        !(attained == PL_ATTAINED_BY_BOTH && speed->value < 1)) {
+        return;
+    }
+    pl_sweep_loss loss = {
+        .scene = p,
+        .pair = pair,
+        .level = level,
+        .attained = attained,
+        .ours = scene->curves[analysis->pairs[pair].ours].cheapest[level],
+        .other = scene->curves[analysis->pairs[pair].other].cheapest[level],
+        .speed = *speed,
+        .within_noise = attained == PL_ATTAINED_BY_BOTH && is_within_noise(speed),
+    };
+    analysis->fine_losses += is_fine(&loss);
+    analysis->losses[analysis->loss_count++] = loss;
+}
+
+pl_status pl_list_losses(pl_sweep_analysis *analysis, pl_error *error)
+{
+    size_t most = (size_t)analysis->scene_count * (size_t)analysis->pair_count * PL_SWEEP_LEVELS;
+    analysis->losses = calloc(most + 1, sizeof *analysis->losses);
+    if (analysis->losses == NULL) {
+        return pl_fail(error, PL_NO_MEMORY, "out of memory for %zu comparisons", most);
+    }
+    for (int p = 0; p < analysis->scene_count; ++p) {
+        for (int i = 0; i < analysis->pair_count; ++i) {
+            bool whole = analysis->engines[analysis->pairs[i].ours].kind == PL_SWEEP_WHOLE;
+            for (int k = 0; k < PL_SWEEP_LEVELS && whole && analysis->scenes[p].comparisons[i].run;
+                 ++k) {
+                note_loss(analysis, p, i, k);
+            }
+        }
+    }
+    qsort(analysis->losses, (size_t)analysis->loss_count, sizeof *analysis->losses, compare_losses);
+    return PL_OK;
+}
