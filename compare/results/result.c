@@ -146,10 +146,9 @@ json_t *pl_conformance_to_json(const pl_conformance *conformance)
 /* The engine's first profile with its default options. */
 static bool is_as_shipped(const pl_run_view *run)
 {
-    const double *defaults = pl_engine_profile_values(run->engine, 0);
     bool equal = run->profile == 0;
     for (int i = 0; i < run->engine->option_count && equal; ++i) {
-        equal = run->options[i] == defaults[i];
+        equal = run->options[i] == pl_engine_profile_values(run->engine, 0)[i];
     }
     return equal;
 }

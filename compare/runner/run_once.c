@@ -269,7 +269,7 @@ static double cpu_time_of(const run *r)
 static bool is_over_limit(const run *r, pl_run_result *result)
 {
     const double limit = r->def->cpu_limit;
-    pl_error reason;
+    pl_error reason = {.message = ""};
     if (!(limit > 0) || cpu_time_of(r) <= limit || result->steps_done == result->steps_asked) {
         return false;
     }

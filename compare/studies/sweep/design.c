@@ -98,6 +98,9 @@ static bool begin_engine(drawn_engine *e, int index)
     const bool is_labelled = first->label[0] != '\0';
     e->base = index;
     e->choice_count = 0;
+    if (first->engine->fault.is_fault) {
+        return false;
+    }
     for (int i = 0; i < plan->configuration_count && !is_labelled; ++i) {
         const pl_engine_choice *choice = &plan->configurations[i].choice;
         if (choice->engine != first->engine || choice->label[0] != '\0') {
@@ -117,7 +120,7 @@ static bool begin_engine(drawn_engine *e, int index)
     if (is_labelled) {
         e->choices[e->choice_count++] = *first;
     }
-    return !first->engine->fault.is_fault;
+    return true;
 }
 
 pl_status pl_design_make(const pl_design_def *def, pl_design *design, pl_error *error)
