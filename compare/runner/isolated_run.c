@@ -141,6 +141,13 @@ static json_t *missing_outcome(const pl_isolated_run *run)
     }
     pl_process_describe_end(&run->process, run->limits.timeout, where, outcome.reason,
                             sizeof outcome.reason);
+    if (WIFSIGNALED(run->process.wait_status) && WTERMSIG(run->process.wait_status) == SIGPROF &&
+        run->limits.cpu_time > 0) {
+        outcome.outcome = PL_OUTCOME_TIMEOUT;
+        snprintf(outcome.reason, sizeof outcome.reason,
+                 "the engine's calls took more than the --cpu-limit of %g s: killed %s",
+                 run->limits.cpu_time, where);
+    }
     if (!run->process.timed_out && run->process.wait_status == 0 && was_reported(run)) {
         snprintf(outcome.reason, sizeof outcome.reason, "its result is damaged: %s",
                  PL_FOREIGN_DESCRIPTOR);

@@ -251,6 +251,7 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
         status = pl_session_read_contacts(&r->session, &r->contacts, &r->contact_capacity, &count,
                                           &fault);
     }
+    arm_limit(r, false);
     if (status == PL_OK) {
         status = pl_check_contacts(r->contacts, count, r->session.loaded.table.contacts,
                                    def->scene->body_count, result->steps_done, &fault);
