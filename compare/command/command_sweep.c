@@ -326,7 +326,7 @@ static const pl_option OPTIONS[] = {
      PL_OPTION_NUMBER, .field = offsetof(options, repeat_below), .takes = "seconds",
      .max = (double)INFINITY},
     {"settings", "N",
-     "Without --vary: settings tried of each engine besides its profiles (default 24; 0: none)",
+     "Without --vary: settings tried of each engine besides its profiles (default 20; 0: none)",
      PL_OPTION_INTEGER, .field = offsetof(options, settings), .max = 10000},
     {"changes", "N",
      "Make each point once more on each of N changed scenes: n one larger, friction up by its last "

@@ -11,7 +11,7 @@ enum {
     PL_VARY_MOST_VALUES = 100000,
     PL_SWEEP_DEFAULT_REPEATS = 3,
     PL_SWEEP_DEFAULT_CPU_LIMIT = 3, /* s */
-    PL_SWEEP_DEFAULT_SETTINGS = 24, /* of each engine */
+    PL_SWEEP_DEFAULT_SETTINGS = 20, /* of each engine */
     PL_SWEEP_DEFAULT_CHANGES = 2    /* of each scene */
 };
 
