@@ -165,7 +165,8 @@ static double judge(const pl_scene *scene, motion moves)
         const pl_step_observation seen = {.frame = &frame, .contact_count = -1};
         verdict = pl_referee_step(referee, &seen, NULL);
     }
-    verdict = pl_referee_finish(referee, NULL, &metrics, NULL);
+    pl_note note;
+    verdict = pl_referee_finish(referee, NULL, &metrics, &note, NULL);
     pl_referee_destroy(referee);
     free(bodies);
     return verdict == PL_VERDICT_OK ? metrics.item[PL_METRIC_CHAOTIC_ERROR].value : HUGE_VAL;
