@@ -281,7 +281,8 @@ static void free_options(options *o)
 
 static int run(const pl_call *call)
 {
-    options o = {.request = pl_request_default(), .repeat_below = -1, .settings = -1, .changes = -1};
+    options o = {
+        .request = pl_request_default(), .repeat_below = -1, .settings = -1, .changes = -1};
     o.request.out = "sweep";
     pl_call_parse(call, &o);
     pl_error error = {.message = ""};

@@ -26,12 +26,12 @@ typedef struct pl_gate_row {
     const json_t *metrics; /* name -> number, text, or null where it applies and has no value */
 
     /* Only rows that come from results have these; else they are NULL and 0. */
-    const char *reason;      /* why the outcome is not ok; "" when it is */
+    const char *reason;         /* why the outcome is not ok; "" when it is */
     const char *verdict_reason; /* why the verdict is not accurate; "" when it is */
-    json_t *reasons;         /* owned; metric -> why it has no value */
-    json_t *spread;          /* owned; [least, largest] of metrics whose repeats differ */
-    json_t *measured;        /* owned; medians of metrics that differ from run to run */
-    pl_gate_sample *samples; /* (sample_count), owned */
+    json_t *reasons;            /* owned; metric -> why it has no value */
+    json_t *spread;             /* owned; [least, largest] of metrics whose repeats differ */
+    json_t *measured;           /* owned; medians of metrics that differ from run to run */
+    pl_gate_sample *samples;    /* (sample_count), owned */
     int sample_count;
 } pl_gate_row;
 

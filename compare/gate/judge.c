@@ -469,8 +469,7 @@ static void judge_verdict(const pl_gate_row *before, const pl_gate_row *now,
     describe(pl_gate_verdict_add(verdict, !is_better, now, "verdict"),
              pl_result_verdict_name(before->verdict), pl_result_verdict_name(now->verdict),
              "no worse verdict",
-             is_better ? "better: --update-baseline tightens the baseline"
-                       : now->verdict_reason);
+             is_better ? "better: --update-baseline tightens the baseline" : now->verdict_reason);
 }
 
 static pl_status judge_row(const pl_gate_inputs *in, const pl_gate_row *before,

@@ -278,8 +278,7 @@ pl_status pl_gate_rule_parse(const char *text, pl_gate_rule *rule, pl_error *err
         return fail_at(text, at, "one of > >= < <= == !=", error);
     }
     rule->op = operators[i].op;
-    rule->is_text = strcmp(rule->metric, "outcome") == 0 ||
-                    strcmp(rule->metric, "verdict") == 0 ||
+    rule->is_text = strcmp(rule->metric, "outcome") == 0 || strcmp(rule->metric, "verdict") == 0 ||
                     strcmp(rule->metric, "integrator") == 0 ||
                     strcmp(rule->metric, "state_hash") == 0;
     if (rule->is_text && rule->op != PL_GATE_EQUAL && rule->op != PL_GATE_OTHER) {

@@ -117,8 +117,8 @@ pl_status pl_engine_findings_find(const pl_result_matrix *matrix, pl_engine_find
     }
     write_statements(matrix, findings);
     write_adapters(matrix, findings);
-    if (findings->statement.failed || findings->our_statement.failed || findings->adapters.failed || findings->read_back.failed ||
-        findings->origin.failed) {
+    if (findings->statement.failed || findings->our_statement.failed || findings->adapters.failed ||
+        findings->read_back.failed || findings->origin.failed) {
         return pl_fail(error, PL_NO_MEMORY, "no memory for the statement of findings");
     }
     return PL_OK;

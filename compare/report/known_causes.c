@@ -35,9 +35,8 @@ enum { MOST_BYTES = 1 << 20 };
 extern const char pl_known_causes_json[];
 
 static const char *const file_keys[] = {"schema", "found_with", "versions", "causes"};
-static const char *const cause_keys[] = {"engine",    "profile", "outcome", "versions",
-                                         "scenarios", "cause",   "evidence", "by",
-                                         "experiments"};
+static const char *const cause_keys[] = {"engine", "profile",  "outcome", "versions",   "scenarios",
+                                         "cause",  "evidence", "by",      "experiments"};
 static const pl_key_set file_set = PL_KEY_SET("known causes", file_keys);
 static const pl_key_set cause_set = PL_KEY_SET("known cause", cause_keys);
 

@@ -242,7 +242,8 @@ static void write_rule(pl_text_buffer *text)
         "memory_peak, since memory is counted in pages and taken ahead of need. Times and memory "
         "within 10 %, and memory within 256 KiB, are equal; both are compared only on one machine. "
         "A failed run of ours counts once. Failed runs come first, then the primary error and the "
-        "time of a step, then other metrics, each by the ratio; last those of which both values are "
+        "time of a step, then other metrics, each by the ratio; last those of which both values "
+        "are "
         "below 1e-7, near rounding and the tolerances of solvers.");
 }
 

@@ -216,8 +216,9 @@ static void name_cases(pl_result_matrix *matrix)
 static int badness(const json_t *result)
 {
     static const int of[PL_RESULT_VERDICT_COUNT] = {0, 2, 3, 1};
-    return strcmp(pl_json_get_text(result, "outcome"), "ok") != 0 ? 4
-                                                                  : of[pl_result_verdict_of(result)];
+    return strcmp(pl_json_get_text(result, "outcome"), "ok") != 0
+               ? 4
+               : of[pl_result_verdict_of(result)];
 }
 
 /* Summarises the repeats of one run, of which there is at least one. */
@@ -349,8 +350,8 @@ static pl_status lay_out(const json_t *results, pl_result_matrix *matrix, pl_err
             return pl_fail(error, PL_NO_MEMORY, "no memory for %zu results", count);
         }
         for (int k = 0; k < matrix->column_count; ++k) {
-            matrix->cases[i].cells[k] = (pl_cell){
-                .outcome = "", .reason = "", .verdict = PL_RESULT_UNJUDGED};
+            matrix->cases[i].cells[k] =
+                (pl_cell){.outcome = "", .reason = "", .verdict = PL_RESULT_UNJUDGED};
         }
     }
     return PL_OK;

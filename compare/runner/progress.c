@@ -79,10 +79,9 @@ void pl_progress_run_ended(pl_progress *progress, const char *title, const json_
         return;
     }
     fprintf(progress->out, "%s[%ld/%ld] %s  %s  %s%s%s  %.2f s%s%s\n",
-            progress->terminal ? "\r\033[K" : "", progress->done, progress->total,
-            title, pl_json_get_text(result, "label"), colour, word,
-            colour[0] == '\0' ? "" : "\033[0m", seconds, good || reason[0] == '\0' ? "" : ": ",
-            good ? "" : reason);
+            progress->terminal ? "\r\033[K" : "", progress->done, progress->total, title,
+            pl_json_get_text(result, "label"), colour, word, colour[0] == '\0' ? "" : "\033[0m",
+            seconds, good || reason[0] == '\0' ? "" : ": ", good ? "" : reason);
 }
 
 void pl_progress_end(const pl_progress *progress)

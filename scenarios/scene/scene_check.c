@@ -297,8 +297,7 @@ static bool check_expected(const pl_scene *scene, const pl_expect_value *value,
 {
     return check_times(scene, value, diagnostic) &&
            pl_check_number(diagnostic, "answer", value->answer,
-                           value->answer == floor(value->answer) &&
-                               value->answer <= PL_MAX_ANSWERS,
+                           value->answer == floor(value->answer) && value->answer <= PL_MAX_ANSWERS,
                            "a whole number of 0 to 8");
 }
 

@@ -276,8 +276,9 @@ static const pl_field value_fields[] = {
      .about = "what the error is divided by"},
     {"answer", PL_FIELD_NUMBER, offsetof(pl_expect_value, answer), OMITTED,
      .range = PL_RANGE_NOT_NEGATIVE,
-     .about = "of a scene with several right answers, the number, 1 to 8, of the one that the value "
-              "belongs to: the error is that from the nearest answer. 0: it belongs to all"},
+     .about =
+         "of a scene with several right answers, the number, 1 to 8, of the one that the value "
+         "belongs to: the error is that from the nearest answer. 0: it belongs to all"},
 };
 
 static const pl_field statistic_fields[] = {

@@ -140,8 +140,8 @@ static void test_primary_error_and_time_come_before_other_metrics(void **state)
     set_both(results, "reference_error", 6e-3, 2e-3);
     set_both(results, "creep", 1.1e-7, 2e-8);
     made_report made = make_report(results);
-    static const int order[] = {PL_METRIC_TIME_PER_STEP, PL_METRIC_REFERENCE_ERROR,
-                                PL_METRIC_FORCE_BALANCE, PL_METRIC_CREEP,
+    static const int order[] = {PL_METRIC_TIME_PER_STEP,  PL_METRIC_REFERENCE_ERROR,
+                                PL_METRIC_FORCE_BALANCE,  PL_METRIC_CREEP,
                                 PL_METRIC_MOMENTUM_ERROR, PL_METRIC_CONE_VIOLATION};
     assert_int_equal(made.report.losses.count, 6);
     for (int i = 0; i < 6; ++i) {

@@ -59,7 +59,8 @@ static void test_summary_shows_published_numbers_next_to_ours(void **state)
     assert_contains(text, "| Case | Published | plumb:fast | ode:dantzig | ode:quick |\n");
     assert_contains(text, "| 1.65 | 2.50<br>accurate | –<br>accurate | 20.0<br>accurate |\n");
     assert_contains(text, "| 36 | 3.50<br>accurate | –<br>accurate | 20.0<br>accurate |\n");
-    assert_contains(text, "| 47 | 4.50<br>accurate | –<br>accurate | 20.0<br>**failed: collapsed** |\n");
+    assert_contains(text,
+                    "| 47 | 4.50<br>accurate | –<br>accurate | 20.0<br>**failed: collapsed** |\n");
     assert_contains(text, "Table 2");
     assert_before(text, "| 1.65 |", "| 36 |");
     assert_before(text, "| 36 |", "| 47 |");

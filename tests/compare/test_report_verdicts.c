@@ -25,7 +25,8 @@ static void add_three(json_t *results, const char *label, const char *a, const c
 static void test_engines_are_ordered_by_accuracy_then_failures(void **state)
 {
     (void)state;
-    static const char *const expected[] = {"z:all", "y:no-failure", "x:one", "a:none", "plumb:none"};
+    static const char *const expected[] = {"z:all", "y:no-failure", "x:one", "a:none",
+                                           "plumb:none"};
     json_t *results = json_array();
     add_three(results, "plumb:none", "failed", "failed", "failed");
     add_three(results, "a:none", "failed", "failed", "failed");
@@ -57,9 +58,10 @@ static void test_runs_without_a_verdict_are_counted_apart(void **state)
     json_object_set_new(row, "reason", json_string("it has no hulls"));
     made_report made = make_report(results);
     char *table = printed_table(made.results, false, 120);
-    assert_contains(made.markdown.data,
-                    "| engine | accurate | inaccurate | failed | unsupported | not judged | not run "
-                    "|\n");
+    assert_contains(
+        made.markdown.data,
+        "| engine | accurate | inaccurate | failed | unsupported | not judged | not run "
+        "|\n");
     assert_contains(made.markdown.data, "| x:p | 1 | 0 | 0 | 0 | 2 | 0 |\n");
     assert_contains(made.markdown.data, "| y:p | 1 | 0 | 0 | 1 | 0 | 1 |\n");
     assert_contains(table, " not judged\n");
