@@ -81,7 +81,7 @@ expect 0 'crashed +it called exit\(0\)' sweep free-fall --vary iterations=1,2 "$
 [[ $(grep -c '"outcome":"ok"' swept/results.jsonl) == 2 ]] || note_failure "sweep: $(cat out)"
 expect 3 'load-exit0.so: it called exit\(0\) while it was loaded' sweep free-fall --vary iterations=1,2 \
     --engine ./load-exit0.so --out none
-expect 0 'small:one .*ok' compare free-fall --iterations-to-tolerance "${both[@]}" --out compared
+expect 0 'small:one .*accurate' compare free-fall --iterations-to-tolerance "${both[@]}" --out compared
 grep -q '"iterations_to_tolerance":{[^}]*"value":[0-9]' compared/results.jsonl || note_failure "no iterations to tolerance"
 
 exit $failed
