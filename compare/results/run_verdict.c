@@ -50,7 +50,7 @@ static pl_result_verdict judge_error(const json_t *result, double acceptance, ch
     const char *note = pl_json_get_text(result, "note");
     const double error = pl_result_metric(result, "reference_error");
     const json_t *metric = json_object_get(json_object_get(result, "metrics"), "reference_error");
-    const char *unit = pl_json_get_text(metric, "unit");
+    const char *unit = pl_json_get_text(metric, "unit"), *part = pl_json_get_text(metric, "part");
     if (isnan(error)) {
         snprintf(reason, size, "%s has no value: %s", name, why_absent(result, "reference_error"));
         return PL_RESULT_UNJUDGED;
@@ -59,9 +59,10 @@ static pl_result_verdict judge_error(const json_t *result, double acceptance, ch
         return PL_RESULT_ACCURATE;
     }
     unit = strcmp(unit, "1") == 0 ? "" : unit;
-    snprintf(reason, size, "%s%s%s is %.3g%s%s, and at most %.3g%s%s is accurate", note,
-             note[0] != '\0' ? "; " : "", name, error, unit[0] != '\0' ? " " : "", unit, acceptance,
-             unit[0] != '\0' ? " " : "", unit);
+    part = part[0] != '\0' ? part : name;
+    snprintf(reason, size, "%s%s%s %.3g%s%s, beyond %.3g%s%s", note, note[0] != '\0' ? "; " : "",
+             part, error, unit[0] != '\0' ? " " : "", unit, acceptance, unit[0] != '\0' ? " " : "",
+             unit);
     return PL_RESULT_INACCURATE;
 }
 
