@@ -58,7 +58,9 @@ if not page.endswith(rows):
 END
 [[ ! -s wrong.txt ]] || note_failure "$(cat wrong.txt)"
 
-# The profiles of the user's files are listed, and run.
+# The profile that comes with Plumb runs; the user's file of the same name comes first.
+expect 0 'slop' list engines plumb
+expect 0 'ok' run slope-stick --duration 0.1 --engine plumb:tuned
 cat >mine.json <<'END'
 {"schema": "plumb.profile/1", "name": "tuned", "engine": "plumb", "profile": "fast", "options": {"slop": 0.003}}
 END

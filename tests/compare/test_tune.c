@@ -369,6 +369,29 @@ static void test_file_profile_is_its_base_with_changes(void **state)
     assert_int_equal(pl_engine_choose("plumb:tuend", &choice, &error), PL_BAD_INPUT);
 }
 
+/* Every built-in engine has a tuned profile without a file, and it is whole. */
+static void test_tuned_profiles_come_with_the_program(void **state)
+{
+    (void)state;
+    int count = 0;
+    const pl_built_in *engines = pl_built_in_engines(&count);
+    unsetenv("PLUMB_PROFILES");
+    for (int i = 0; i < count; ++i) {
+        const pl_engine_info *engine = NULL;
+        pl_tuned_profile tuned;
+        bool found = false;
+        if (pl_engine_of_build(&engines[i], &engine, NULL) != PL_OK) {
+            continue;
+        }
+        assert_int_equal(pl_tuned_profile_find(engine, "tuned", &tuned, &found, NULL), PL_OK);
+        assert_true(found);
+        assert_true(pl_engine_profile_index(engine, tuned.base) >= 0);
+        for (int k = 0; k < engine->option_count; ++k) {
+            assert_true(tuned.given[k]);
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -384,6 +407,7 @@ int main(void)
         cmocka_unit_test(test_engine_api_code_lists_changed_values_only),
         cmocka_unit_test(test_held_out_scenarios_are_not_tuned_on),
         cmocka_unit_test(test_file_profile_is_its_base_with_changes),
+        cmocka_unit_test(test_tuned_profiles_come_with_the_program),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
