@@ -100,7 +100,7 @@ const pl_scenario pl_scenario_roll_slope = {
     .acceptance = 0.06,
     .acceptance_reason =
         "6 %: speeds that differ by less look the same (Snowden and Braddick 1991); "
-        "a prism may overlap the slope by 1 % of its width of 1 m",
+        "a prism is judged as chaotic scenes are, by 0.05",
     .validity = "angle > 0, friction >= 2/7 tan(angle) for the sphere, 1/3 for the cylinder",
     PL_PARAMS(roll_slope_params),
     .build = roll_slope_build};
