@@ -35,15 +35,10 @@ static json_t *threshold_of(const pl_scenario *scenario)
                      t->tolerance, "formula", t->formula);
 }
 
-/* NULL: none is stated. */
 static json_t *acceptance_of(const pl_scenario *scenario)
 {
-    const int metric = pl_metric_by_name(scenario->primary_error);
-    if (scenario->acceptance_reason == NULL) {
-        return NULL;
-    }
     return json_pack("{s:f, s:s, s:s}", "bound", scenario->acceptance, "unit",
-                     metric < 0 ? "1" : pl_metric_table[metric].unit, "reason",
+                     pl_metric_table[pl_metric_by_name(scenario->primary_error)].unit, "reason",
                      scenario->acceptance_reason);
 }
 
@@ -62,7 +57,7 @@ static json_t *list_scenarios(void)
             }
         }
         json_array_append_new(
-            list, json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s*, s:s*, s:o*, s:s, s:o*, s:o, s:o}",
+            list, json_pack("{s:s, s:s, s:s, s:s, s:s, s:s, s:s*, s:s*, s:o*, s:s, s:o, s:o, s:o}",
                             "name", s->name, "title", s->title, "description", s->description,
                             "reference", s->reference, "expected", s->expected, "source", s->source,
                             "validity", s->validity, "provokes", s->provokes, "threshold",
@@ -127,13 +122,11 @@ static void print_scenario(const json_t *item)
     const json_t *acceptance = json_object_get(item, "acceptance");
     printf("%-18s %s\n", pl_json_get_text(item, "name"), pl_json_get_text(item, "title"));
     printf("    judged by %s\n", pl_json_get_text(item, "primary_error"));
-    if (acceptance != NULL) {
-        const char *unit = pl_json_get_text(acceptance, "unit");
-        const bool has_unit = strcmp(unit, "1") != 0;
-        printf("    accurate up to %g%s%s (%s)\n",
-               json_number_value(json_object_get(acceptance, "bound")), has_unit ? " " : "",
-               has_unit ? unit : "", pl_json_get_text(acceptance, "reason"));
-    }
+    const char *unit = pl_json_get_text(acceptance, "unit");
+    const bool has_unit = strcmp(unit, "1") != 0;
+    printf("    accurate up to %g%s%s (%s)\n",
+           json_number_value(json_object_get(acceptance, "bound")), has_unit ? " " : "",
+           has_unit ? unit : "", pl_json_get_text(acceptance, "reason"));
     print_settings(json_object_get(item, "params"));
 }
 

@@ -105,12 +105,10 @@ static void add_primary(pl_text_buffer *out, const pl_scenario *s)
             pl_text_add_element(out, ", ", info->unit, "");
         }
         pl_text_add_element(out, ": ", info->definition, "</dd>\n");
-        if (s->acceptance_reason != NULL) {
-            pl_text_format(out, "<dt>Accurate</dt><dd>up to %g", s->acceptance);
-            pl_text_add_element(out, strcmp(info->unit, "1") != 0 ? " " : "",
-                                strcmp(info->unit, "1") != 0 ? info->unit : "", "");
-            pl_text_add_element(out, ": ", s->acceptance_reason, "</dd>\n");
-        }
+        pl_text_format(out, "<dt>Accurate</dt><dd>up to %g", s->acceptance);
+        pl_text_add_element(out, strcmp(info->unit, "1") != 0 ? " " : "",
+                            strcmp(info->unit, "1") != 0 ? info->unit : "", "");
+        pl_text_add_element(out, ": ", s->acceptance_reason, "</dd>\n");
     }
 }
 

@@ -32,7 +32,7 @@ pl_status pl_scenario_build(const pl_scenario *scenario, const double *values, u
     *scene = pl_scene_default();
     snprintf(scene->name, sizeof scene->name, "%s", scenario->name);
     snprintf(scene->primary_error, sizeof scene->primary_error, "%s", scenario->primary_error);
-    scene->acceptance = scenario->acceptance > 0 ? scenario->acceptance : (double)INFINITY;
+    scene->acceptance = scenario->acceptance;
     scene->dt = value_of(scenario, values, "dt");
     scene->duration = value_of(scenario, values, "duration");
     pl_builder builder = {.scene = scene, .random = {.state = seed}, .error = error};

@@ -26,12 +26,6 @@ static bool expects_no_motion(const pl_scene *scene)
            strcmp(scene->primary_error, "rest_position_error") == 0;
 }
 
-/* Of a chaotic scene no place is expected. */
-static bool expects_places(const pl_scene *scene)
-{
-    return scene->rest_count + scene->travel_count + scene->value_count > 0;
-}
-
 /* Appends the names of the scenarios in which something moves; returns their number. */
 static int add_moving(const char **words, int used)
 {
@@ -39,7 +33,7 @@ static int add_moving(const char **words, int used)
     const pl_scenario *const *scenarios = pl_scenarios(&count);
     for (int i = 0; i < count; ++i) {
         pl_scene scene = scenario_scene(scenarios[i]->name, NULL);
-        if (expects_places(&scene) && !expects_no_motion(&scene)) {
+        if (!expects_no_motion(&scene)) {
             assert_in_range(used, 1, MOST_WORDS - 2);
             words[used++] = scenarios[i]->name;
             ++moving;
