@@ -219,11 +219,14 @@ static void add_cases(const pl_result_matrix *matrix, const terminal *to)
     for (int i = 0; i < matrix->case_count; ++i) {
         const pl_case *test_case = &matrix->cases[i];
         const char *title = test_case->catalogue == NULL ? NULL : test_case->catalogue->title;
-        char line[640];
-        snprintf(line, sizeof line, "%s%s%s%s%s", test_case->name, title != NULL ? ": " : "",
+        char line[800], bound[PL_NUMBER_SIZE];
+        const char *reason = NULL;
+        const bool is_bounded = pl_case_acceptance(matrix, test_case, bound, &reason);
+        snprintf(line, sizeof line, "%s%s%s%s%s%s%s", test_case->name, title != NULL ? ": " : "",
                  title != NULL ? title : "",
                  test_case->primary_error[0] != '\0' ? "; error = " : "; no reference",
-                 test_case->primary_error);
+                 test_case->primary_error, is_bounded ? ", accurate up to " : "",
+                 is_bounded ? bound : "");
         pl_text_add(to->out, "\n");
         add_line(to, bold, line);
         table.first = i * matrix->column_count;

@@ -25,18 +25,19 @@ static void add_three(json_t *results, const char *label, const char *a, const c
 static void test_engines_are_ordered_by_accuracy_then_failures(void **state)
 {
     (void)state;
-    static const char *const expected[] = {"z:all", "y:no-failure", "x:one", "a:none",
-                                           "plumb:none"};
+    static const char *const expected[] = {"z:all", "w:two",  "y:no-failure",
+                                           "x:one", "a:none", "plumb:none"};
     json_t *results = json_array();
     add_three(results, "plumb:none", "failed", "failed", "failed");
     add_three(results, "a:none", "failed", "failed", "failed");
     add_three(results, "x:one", "failed", "accurate", "inaccurate");
     add_three(results, "y:no-failure", "accurate", "inaccurate", "inaccurate");
+    add_three(results, "w:two", "accurate", "accurate", "failed");
     add_three(results, "z:all", "accurate", "accurate", "accurate");
     made_report made = make_report(results);
     char *table = printed_table(made.results, false, 100);
-    assert_int_equal(made.report.verdicts.count, 5);
-    for (int i = 0; i < 5; ++i) {
+    assert_int_equal(made.report.verdicts.count, 6);
+    for (int i = 0; i < 6; ++i) {
         assert_string_equal(made.report.verdicts.items[i].column->name, expected[i]);
     }
     assert_contains(table, "x:one                1           1       1\n");
@@ -157,6 +158,10 @@ static void test_bound_stands_next_to_the_primary_error(void **state)
     assert_contains(made.html.data, "<code>drift</code> of at most 0.05 m");
     assert_contains(made.markdown.data, "| a (drift, at most 0.05 m) |");
     assert_contains(made.markdown.data, "| b (drift) |");
+    char *table = printed_table(made.results, false, 100);
+    assert_contains(table, "a; error = drift, accurate up to 0.05 m\n");
+    assert_contains(table, "b; error = drift\n");
+    free(table);
     free_report(&made);
 }
 
