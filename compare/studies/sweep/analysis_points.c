@@ -5,7 +5,7 @@
 
 #include "base/hash.h"
 #include "base/statistics.h"
-#include "results/result.h"
+#include "results/run_verdict.h"
 
 #include <inttypes.h>
 #include <math.h>
@@ -108,7 +108,7 @@ static void judge_outcomes(const json_t *const *rows, int count, pl_sweep_point 
     point->state = PL_SWEEP_OK;
     for (int i = 0; i < count && point->state == PL_SWEEP_OK; ++i) {
         const char *outcome = pl_json_get_text(rows[i], "outcome");
-        if (strcmp(outcome, "ok") != 0) {
+        if (strcmp(outcome, "ok") != 0 || pl_result_verdict_of(rows[i]) == PL_RESULT_FAILED) {
             /* What is unsupported on a changed scene only has failed there. */
             point->state = strcmp(outcome, "unsupported") == 0 && !is_changed(rows[i])
                                ? PL_SWEEP_UNSUPPORTED
@@ -118,7 +118,8 @@ static void judge_outcomes(const json_t *const *rows, int count, pl_sweep_point 
     }
     point->change = pl_json_get_text(point->row, "change");
     point->outcome = pl_json_get_text(point->row, "outcome");
-    point->reason = pl_json_get_text(point->row, "reason");
+    const bool jumped = point->state == PL_SWEEP_FAILED && strcmp(point->outcome, "ok") == 0;
+    point->reason = pl_json_get_text(point->row, jumped ? "verdict_reason" : "reason");
     point->label = pl_json_get_text(point->row, "label");
 }
 
