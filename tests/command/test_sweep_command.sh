@@ -24,14 +24,14 @@ expect 2 'did you mean --vary' sweep free-fall --vry dt=1
 
 expect 2 '--settings belongs to the sweep without --vary' sweep free-fall --vary dt=1/60 --settings 3
 
-# The usual sweep: each profile at five steps, two settings of each engine besides, and changed scenes, which
+# The usual sweep: each profile and the tuned one at five steps, two settings of each engine besides, and changed scenes, which
 # are not repeated.
 "$PLUMB" sweep free-fall --engine plumb --engine plumb:fast --settings 2 --changes 1 --repeat 2 --plan - >usual.jsonl
 python3 - <<'END' || note_failure "the usual sweep is not as described"
 import json
 plan = [json.loads(line) for line in open("usual.jsonl")]
 points = {(run["label"], run["settings"]["dt"]) for run in plan}
-assert len(points) == 2 * 5 + 2, points
+assert len(points) == 3 * 5 + 2, points
 assert len({run["run"] for run in plan}) == len(plan) == 3 * len(points)
 for point in points:
     kinds = sorted((run["repeat"], run.get("change", "")) for run in plan
@@ -40,7 +40,7 @@ for point in points:
 assert {run["label"] for run in plan if run["as_shipped"]} == {"plumb:default"}
 END
 "$PLUMB" sweep free-fall --engine plumb --settings 0 --changes 0 --repeat 1 --plan - >usual.jsonl
-[[ $(wc -l <usual.jsonl) == 5 ]] || note_failure "settings or changes that were turned off are run"
+[[ $(wc -l <usual.jsonl) == 10 ]] || note_failure "settings or changes that were turned off are run"
 
 sweep=(sweep free-fall uniform.json --engine plumb --engine plumb:fast --vary dt=1/60,1/30
     --vary iterations=1,2 --duration 0.5 --repeat 2)
