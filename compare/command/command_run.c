@@ -71,7 +71,7 @@ static void print_result(const json_t *result)
     if (pl_json_get_text(result, "reason")[0] != '\0') {
         printf("  %s\n", pl_json_get_text(result, "reason"));
     }
-    printf("  verdict: %s%s%s\n", pl_result_verdict_name(pl_result_verdict_of(result)),
+    printf("  verdict: %s%s%s\n", pl_verdict_name(pl_verdict_of(result)),
            pl_json_get_text(result, "verdict_reason")[0] != '\0' ? "; " : "",
            pl_json_get_text(result, "verdict_reason"));
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {

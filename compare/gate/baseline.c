@@ -115,7 +115,7 @@ static bool check_verdict(const json_t *json, pl_diagnostic *diagnostic)
 {
     const json_t *value = json_object_get(json, "verdict");
     char found[PL_FOUND_SIZE];
-    return value == NULL || pl_result_verdict_of(json) != PL_RESULT_UNJUDGED ||
+    return value == NULL || pl_verdict_of(json) != PL_VERDICT_UNJUDGED ||
            pl_diagnose_field(diagnostic, "verdict",
                              "expected accurate, inaccurate or failed, found %s",
                              pl_json_found(value, found));

@@ -78,7 +78,7 @@ bool pl_gate_row_identify(pl_gate_row *row)
     row->scenario = pl_json_get_text(row->json, "scenario");
     row->label = pl_json_get_text(row->json, "engine");
     row->outcome = pl_json_get_text(row->json, "outcome");
-    row->verdict = pl_result_verdict_of(row->json);
+    row->verdict = pl_verdict_of(row->json);
     row->metrics = json_object_get(row->json, "metrics");
     snprintf(row->name, sizeof row->name, "%.120s", row->scenario);
     const json_t *params = json_object_get(row->json, "params");

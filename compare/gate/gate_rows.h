@@ -22,7 +22,7 @@ typedef struct pl_gate_row {
     size_t case_length; /* bytes of the key that all rows of one case share */
     char name[192];     /* the scenario, with the parameters that are off their defaults */
     const char *scenario, *label, *outcome;
-    pl_result_verdict verdict;
+    pl_verdict verdict;
     const json_t *metrics; /* name -> number, text, or null where it applies and has no value */
 
     /* Only rows that come from results have these; else they are NULL and 0. */

@@ -100,18 +100,17 @@ static json_t *row_json(const json_t *result)
 /* Keeps the worst verdict of the repeats; a row in which one was not judged has none. */
 static bool add_verdict(pl_gate_row *row, const json_t *result)
 {
-    const pl_result_verdict verdict = pl_result_verdict_of(result);
+    const pl_verdict verdict = pl_verdict_of(result);
     if (row->sample_count > 1 && verdict <= row->verdict) {
         return true;
     }
     row->verdict = verdict;
     row->verdict_reason = pl_json_get_text(result, "verdict_reason");
-    if (verdict == PL_RESULT_UNJUDGED) {
+    if (verdict == PL_VERDICT_UNJUDGED) {
         json_object_del(row->json, "verdict");
         return true;
     }
-    return json_object_set_new(row->json, "verdict",
-                               json_string(pl_result_verdict_name(verdict))) == 0;
+    return json_object_set_new(row->json, "verdict", json_string(pl_verdict_name(verdict))) == 0;
 }
 
 static pl_status add_sample(pl_gate_row *row, const json_t *result, int file, pl_error *error)

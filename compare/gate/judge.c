@@ -390,7 +390,7 @@ static pl_status judge_by_rule(const pl_gate_inputs *in, const pl_gate_rule *rul
     } else if (strcmp(rule->metric, "outcome") == 0) {
         judge_text(rule, row, row->outcome, row->reason, verdict);
     } else if (strcmp(rule->metric, "verdict") == 0) {
-        judge_text(rule, row, pl_result_verdict_name(row->verdict), row->verdict_reason, verdict);
+        judge_text(rule, row, pl_verdict_name(row->verdict), row->verdict_reason, verdict);
     } else if (cost >= 0 && strcmp(rule->metric, pl_gate_costs[cost].ratio) == 0) {
         return judge_ratio(in, rule, row, judged, verdict, error);
     } else if (rule->is_text) {
@@ -452,10 +452,10 @@ static bool judge_outcome(const pl_gate_row *before, const pl_gate_row *now,
 static void judge_verdict(const pl_gate_row *before, const pl_gate_row *now,
                           pl_gate_verdict *verdict)
 {
-    if (before->verdict == PL_RESULT_UNJUDGED || now->verdict == PL_RESULT_UNJUDGED) {
+    if (before->verdict == PL_VERDICT_UNJUDGED || now->verdict == PL_VERDICT_UNJUDGED) {
         if (before->verdict != now->verdict) {
             pl_gate_verdict_note(verdict, "verdict",
-                                 now->verdict == PL_RESULT_UNJUDGED
+                                 now->verdict == PL_VERDICT_UNJUDGED
                                      ? "is no longer judged"
                                      : "the baseline has none: --update-baseline takes it in");
         }
@@ -467,8 +467,7 @@ static void judge_verdict(const pl_gate_row *before, const pl_gate_row *now,
     }
     const bool is_better = now->verdict < before->verdict;
     describe(pl_gate_verdict_add(verdict, !is_better, now, "verdict"),
-             pl_result_verdict_name(before->verdict), pl_result_verdict_name(now->verdict),
-             "no worse verdict",
+             pl_verdict_name(before->verdict), pl_verdict_name(now->verdict), "no worse verdict",
              is_better ? "better: --update-baseline tightens the baseline" : now->verdict_reason);
 }
 

@@ -246,8 +246,8 @@ static pl_status read_word(const char *text, const char *at, pl_gate_rule *rule,
     for (int i = 0; i < PL_OUTCOME_COUNT && is_outcome; ++i) {
         known |= strcmp(pl_outcome_name((pl_outcome)i), rule->word) == 0;
     }
-    for (int i = 0; i < PL_RESULT_VERDICT_COUNT && is_verdict; ++i) {
-        known |= strcmp(pl_result_verdict_name((pl_result_verdict)i), rule->word) == 0;
+    for (int i = 0; i < PL_VERDICT_COUNT && is_verdict; ++i) {
+        known |= strcmp(pl_verdict_name((pl_verdict)i), rule->word) == 0;
     }
     return known ? PL_OK
                  : fail_at(text, at,

@@ -36,7 +36,7 @@ struct pl_referee {
     const pl_scene *scene;
     pl_scale scale;
     long asked, done; /* steps */
-    pl_verdict ended; /* what ended the run early, with its reason */
+    pl_ending ended;  /* what ended the run early, with its reason */
     pl_error reason;
     pl_candidate_pairs *pairs;
     pl_touching *touching;
@@ -93,14 +93,14 @@ void pl_referee_destroy(pl_referee *r)
 
 /* ---- Frames ---- */
 
-/* Ends the run when `verdict` is not PL_VERDICT_OK; `*error` (NULL allowed) gets the reason. */
-static pl_verdict conclude(pl_referee *r, pl_verdict verdict, pl_error *error)
+/* Ends the run when `ending` is not PL_ENDING_OK; `*error` (NULL allowed) gets the reason. */
+static pl_ending conclude(pl_referee *r, pl_ending ending, pl_error *error)
 {
-    r->ended = verdict;
-    if (verdict != PL_VERDICT_OK && error != NULL) {
+    r->ended = ending;
+    if (ending != PL_ENDING_OK && error != NULL) {
         *error = r->reason;
     }
-    return verdict;
+    return ending;
 }
 
 static void see_pairs(pl_referee *r, const pl_body_state *bodies)
@@ -124,15 +124,15 @@ void pl_referee_set_engine(pl_referee *referee, const pl_referee_engine *engine)
     pl_values_set_engine(referee->values, engine);
 }
 
-pl_verdict pl_referee_start(pl_referee *r, const pl_frame *frame)
+pl_ending pl_referee_start(pl_referee *r, const pl_frame *frame)
 {
-    pl_verdict verdict = pl_check_finite(r->scene, frame->bodies, 0, &r->reason);
-    if (verdict == PL_VERDICT_OK) {
+    pl_ending ending = pl_check_finite(r->scene, frame->bodies, 0, &r->reason);
+    if (ending == PL_ENDING_OK) {
         pl_mechanics_start(r->mechanics, frame->bodies);
         see_pairs(r, frame->bodies);
         see_poses(r, frame->bodies);
     }
-    return conclude(r, verdict, NULL);
+    return conclude(r, ending, NULL);
 }
 
 static bool contacts_belong(const pl_scene *scene, const pl_contact *contacts, int count)
@@ -201,23 +201,23 @@ static void see_stats(pl_referee *r, const pl_step_stats *stats, double cpu_time
     }
 }
 
-pl_verdict pl_referee_step(pl_referee *r, const pl_step_observation *seen, pl_error *error)
+pl_ending pl_referee_step(pl_referee *r, const pl_step_observation *seen, pl_error *error)
 {
-    if (r->ended != PL_VERDICT_OK) {
+    if (r->ended != PL_ENDING_OK) {
         return conclude(r, r->ended, error);
     }
     const pl_body_state *bodies = seen->frame->bodies;
     long step = r->done + 1;
-    pl_verdict verdict = pl_check_finite(r->scene, bodies, step, &r->reason);
-    if (verdict == PL_VERDICT_OK) {
+    pl_ending ending = pl_check_finite(r->scene, bodies, step, &r->reason);
+    if (ending == PL_ENDING_OK) {
         r->done = step;
         see_stats(r, seen->stats, seen->cpu_time);
         see_pairs(r, bodies);
         see_mechanics(r, seen);
         see_poses(r, bodies);
-        verdict = pl_check_bounds(r->scene, &r->scale, bodies, energy_gain(r), step, &r->reason);
+        ending = pl_check_bounds(r->scene, &r->scale, bodies, energy_gain(r), step, &r->reason);
     }
-    return conclude(r, verdict, error);
+    return conclude(r, ending, error);
 }
 
 /* ---- Metrics ---- */
@@ -314,7 +314,7 @@ static void step_metrics(const pl_referee *r, const char *residual_unit, pl_metr
 
 static bool ended_early(const pl_referee *r)
 {
-    return r->ended != PL_VERDICT_OK || r->done < r->asked;
+    return r->ended != PL_ENDING_OK || r->done < r->asked;
 }
 
 /* Replaces metrics that apply by the reason of the early end. Units stay. */
@@ -380,9 +380,9 @@ static pl_metric reference_metric(const pl_referee *r, const pl_metric *item)
     return metric;
 }
 
-static pl_verdict final_verdict(const pl_referee *r, pl_note *note, pl_error *error)
+static pl_ending final_ending(const pl_referee *r, pl_note *note, pl_error *error)
 {
-    if (r->ended != PL_VERDICT_OK && error != NULL) {
+    if (r->ended != PL_ENDING_OK && error != NULL) {
         *error = r->reason;
     }
     note->text[0] = '\0';
@@ -390,8 +390,8 @@ static pl_verdict final_verdict(const pl_referee *r, pl_note *note, pl_error *er
                           : pl_standing_judge(r->standing, r->pairs, r->last, note, error);
 }
 
-pl_verdict pl_referee_finish(pl_referee *r, const char *residual_unit, pl_metrics *metrics,
-                             pl_note *note, pl_error *error)
+pl_ending pl_referee_finish(pl_referee *r, const char *residual_unit, pl_metrics *metrics,
+                            pl_note *note, pl_error *error)
 {
     *metrics = (pl_metrics){0};
     pl_metric *item = metrics->item;
@@ -403,5 +403,5 @@ pl_verdict pl_referee_finish(pl_referee *r, const char *residual_unit, pl_metric
     withdraw_after_early_end(r, item);
     pl_chaotic_metrics(r->scene, item);
     item[PL_METRIC_REFERENCE_ERROR] = reference_metric(r, item);
-    return final_verdict(r, note, error);
+    return final_ending(r, note, error);
 }

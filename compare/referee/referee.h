@@ -25,7 +25,7 @@ void pl_referee_destroy(pl_referee *referee);
 void pl_referee_set_engine(pl_referee *referee, const pl_referee_engine *engine);
 
 /* Takes the state before the first step. */
-pl_verdict pl_referee_start(pl_referee *referee, const pl_frame *frame);
+pl_ending pl_referee_start(pl_referee *referee, const pl_frame *frame);
 
 /* What is known of a step. */
 typedef struct pl_step_observation {
@@ -37,17 +37,17 @@ typedef struct pl_step_observation {
     bool has_points_alone; /* the engine reported contact points, and not their impulses */
 } pl_step_observation;
 
-/* Takes a step. Returns PL_VERDICT_NONFINITE or PL_VERDICT_DIVERGED from the frame on that shows
+/* Takes a step. Returns PL_ENDING_NONFINITE or PL_ENDING_DIVERGED from the frame on that shows
  * it, with the reason in `error` (NULL allowed). */
-pl_verdict pl_referee_step(pl_referee *referee, const pl_step_observation *seen, pl_error *error);
+pl_ending pl_referee_step(pl_referee *referee, const pl_step_observation *seen, pl_error *error);
 
-/* Writes all metrics, except those that the runner measures, into *metrics. Returns PL_VERDICT_OK,
- * or PL_VERDICT_COLLAPSED with the reason in `error`. After an early end, metrics of the final
+/* Writes all metrics, except those that the runner measures, into *metrics. Returns PL_ENDING_OK,
+ * or PL_ENDING_COLLAPSED with the reason in `error`. After an early end, metrics of the final
  * state are PL_METRIC_FAILED with the reason "the run ended at step N of M", maxima and means are
- * over the steps so far, and the verdict is the one that ended the run, with its reason
- * (PL_VERDICT_OK if the referee did not end it). residual_unit is as in pl_engine, and *metrics
+ * over the steps so far, and the ending is the one that ended the run, with its reason
+ * (PL_ENDING_OK if the referee did not end it). residual_unit is as in pl_engine, and *metrics
  * points to it. *note says how bodies have moved that stand, see metrics/standing.h. */
-pl_verdict pl_referee_finish(pl_referee *referee, const char *residual_unit, pl_metrics *metrics,
-                             pl_note *note, pl_error *error);
+pl_ending pl_referee_finish(pl_referee *referee, const char *residual_unit, pl_metrics *metrics,
+                            pl_note *note, pl_error *error);
 
 #endif

@@ -10,19 +10,19 @@ static bool is_unsupported(const pl_cell *cell)
 
 const char *pl_cell_style(const pl_cell *cell)
 {
-    static const char *const styles[PL_RESULT_VERDICT_COUNT] = {"ok", "poor", "bad", ""};
+    static const char *const styles[PL_VERDICT_COUNT] = {"ok", "poor", "bad", ""};
     return cell->result == NULL || is_unsupported(cell) ? "none" : styles[cell->verdict];
 }
 
 void pl_cell_verdict(const pl_cell *cell, char text[PL_CELL_VERDICT_SIZE])
 {
-    const bool by_outcome = cell->verdict == PL_RESULT_FAILED && strcmp(cell->outcome, "ok") != 0;
+    const bool by_outcome = cell->verdict == PL_VERDICT_FAILED && strcmp(cell->outcome, "ok") != 0;
     if (cell->result == NULL || is_unsupported(cell)) {
         snprintf(text, PL_CELL_VERDICT_SIZE, "%s",
                  cell->result == NULL ? "not run" : cell->outcome);
         return;
     }
-    snprintf(text, PL_CELL_VERDICT_SIZE, "%s%s%.60s", pl_result_verdict_name(cell->verdict),
+    snprintf(text, PL_CELL_VERDICT_SIZE, "%s%s%.60s", pl_verdict_name(cell->verdict),
              by_outcome ? ": " : "", by_outcome ? cell->outcome : "");
 }
 

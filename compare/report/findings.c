@@ -16,12 +16,12 @@ static bool has_no_value(const pl_cell *cell)
 /* Whether something can be said of the run's answer. */
 static bool is_counted(const pl_cell *cell)
 {
-    return cell->result != NULL && (cell->verdict != PL_RESULT_UNJUDGED || has_no_value(cell));
+    return cell->result != NULL && (cell->verdict != PL_VERDICT_UNJUDGED || has_no_value(cell));
 }
 
 static bool is_finding(const pl_cell *cell)
 {
-    return is_counted(cell) && cell->verdict != PL_RESULT_ACCURATE;
+    return is_counted(cell) && cell->verdict != PL_VERDICT_ACCURATE;
 }
 
 /* Says how many runs of our own engine, or of the others, are not accurate. */

@@ -267,7 +267,7 @@ static void add_result(const pl_page *page, const pl_cell *cell, double fastest,
         pl_table_style(table, "none", NULL);
         return;
     }
-    if (cell->verdict != PL_RESULT_ACCURATE) {
+    if (cell->verdict != PL_VERDICT_ACCURATE) {
         pl_cell_badge(&cell_page, cell);
         pl_text_add(&markup, html ? "<br>" : " ");
     }
@@ -517,7 +517,7 @@ static void add_published_rows(const pl_result_matrix *matrix, const pl_suite_en
         pl_table_add(table, text);
         for (int k = 0; k < matrix->column_count; ++k) {
             const pl_cell *cell = &test_case->cells[k];
-            const char *bold = cell->verdict == PL_RESULT_ACCURATE ? "" : "**";
+            const char *bold = cell->verdict == PL_VERDICT_ACCURATE ? "" : "**";
             char verdict[PL_CELL_VERDICT_SIZE];
             pl_text_buffer markup = {0};
             pl_cell_verdict(cell, verdict);
@@ -593,7 +593,7 @@ static void add_settings(const pl_result_matrix *matrix, const pl_page *page)
 static bool has_failed(const pl_case *test_case, const pl_cell *cell)
 {
     (void)test_case;
-    return !cell->ok || cell->verdict == PL_RESULT_FAILED;
+    return !cell->ok || cell->verdict == PL_VERDICT_FAILED;
 }
 
 static void add_failures(const pl_result_matrix *matrix, const pl_page *page)

@@ -215,10 +215,8 @@ static void name_cases(pl_result_matrix *matrix)
 /* Grows as a run is worse: of two repeats the worse one is shown. */
 static int badness(const json_t *result)
 {
-    static const int of[PL_RESULT_VERDICT_COUNT] = {0, 2, 3, 1};
-    return strcmp(pl_json_get_text(result, "outcome"), "ok") != 0
-               ? 4
-               : of[pl_result_verdict_of(result)];
+    static const int of[PL_VERDICT_COUNT] = {0, 2, 3, 1};
+    return strcmp(pl_json_get_text(result, "outcome"), "ok") != 0 ? 4 : of[pl_verdict_of(result)];
 }
 
 /* Summarises the repeats of one run, of which there is at least one. */
@@ -235,7 +233,7 @@ static void fill_cell(pl_cell *cell, const json_t *const *runs, int count, doubl
         cell->mixed_hosts |= strcmp(cpu, pl_result_text(runs[i], "host", "cpu")) != 0;
     }
     cell->result = shown;
-    cell->verdict = pl_result_verdict_of(shown);
+    cell->verdict = pl_verdict_of(shown);
     cell->ok = cell->ok_repeats == count;
     cell->outcome = pl_json_get_text(cell->result, "outcome");
     cell->reason = pl_json_get_text(cell->result, "reason");
@@ -351,7 +349,7 @@ static pl_status lay_out(const json_t *results, pl_result_matrix *matrix, pl_err
         }
         for (int k = 0; k < matrix->column_count; ++k) {
             matrix->cases[i].cells[k] =
-                (pl_cell){.outcome = "", .reason = "", .verdict = PL_RESULT_UNJUDGED};
+                (pl_cell){.outcome = "", .reason = "", .verdict = PL_VERDICT_UNJUDGED};
         }
     }
     return PL_OK;

@@ -14,7 +14,7 @@ typedef struct pl_cell {
     const json_t *result; /* the first of the worst repeats; NULL: not run */
     int repeats, ok_repeats;
     const char *outcome, *reason; /* of `result`; "" when there is none */
-    pl_result_verdict verdict;    /* of `result`, and so the worst; PL_RESULT_UNJUDGED: none */
+    pl_verdict verdict;           /* of `result`, and so the worst; PL_VERDICT_UNJUDGED: none */
     bool ok;                      /* the outcome of all repeats is */
     bool outcomes_differ;
     bool mixed_hosts; /* repeats come from different processors */

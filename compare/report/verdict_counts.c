@@ -24,22 +24,22 @@ static int value_of(const pl_verdict_count *item, count_column column)
     case UNSUPPORTED:
         return item->unsupported;
     case NOT_JUDGED:
-        return item->runs[PL_RESULT_UNJUDGED];
+        return item->runs[PL_VERDICT_UNJUDGED];
     case NOT_RUN:
         return item->not_run;
     default:
-        return item->runs[column == ACCURATE     ? PL_RESULT_ACCURATE
-                          : column == INACCURATE ? PL_RESULT_INACCURATE
-                                                 : PL_RESULT_FAILED];
+        return item->runs[column == ACCURATE     ? PL_VERDICT_ACCURATE
+                          : column == INACCURATE ? PL_VERDICT_INACCURATE
+                                                 : PL_VERDICT_FAILED];
     }
 }
 
 static int compare_counts(const void *left, const void *right)
 {
     const pl_verdict_count *a = left, *b = right;
-    int order = b->runs[PL_RESULT_ACCURATE] - a->runs[PL_RESULT_ACCURATE];
-    order = order != 0 ? order : a->runs[PL_RESULT_FAILED] - b->runs[PL_RESULT_FAILED];
-    order = order != 0 ? order : a->runs[PL_RESULT_INACCURATE] - b->runs[PL_RESULT_INACCURATE];
+    int order = b->runs[PL_VERDICT_ACCURATE] - a->runs[PL_VERDICT_ACCURATE];
+    order = order != 0 ? order : a->runs[PL_VERDICT_FAILED] - b->runs[PL_VERDICT_FAILED];
+    order = order != 0 ? order : a->runs[PL_VERDICT_INACCURATE] - b->runs[PL_VERDICT_INACCURATE];
     /* NOLINTNEXTLINE(clang-analyzer-core.*): every item has a column */
     return order != 0 ? order : strcmp(a->column->name, b->column->name);
 }

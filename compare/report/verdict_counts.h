@@ -8,8 +8,8 @@
 /* The verdicts on one engine configuration. The repeats of a run count once, by the worst. */
 typedef struct pl_verdict_count {
     const pl_column *column;
-    int runs[PL_RESULT_VERDICT_COUNT]; /* of each verdict; those unsupported are not among them */
-    int unsupported, not_run;          /* cases */
+    int runs[PL_VERDICT_COUNT]; /* of each verdict; those unsupported are not among them */
+    int unsupported, not_run;   /* cases */
 } pl_verdict_count;
 
 /* The verdicts on all engine configurations of a report. */

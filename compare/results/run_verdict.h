@@ -6,21 +6,21 @@
 #include "result.h"
 
 /* The three verdicts on a run, in the order in which they are counted. */
-typedef enum pl_result_verdict {
-    PL_RESULT_ACCURATE,   /* its primary error is at most the scene's acceptance */
-    PL_RESULT_INACCURATE, /* it is larger */
-    PL_RESULT_FAILED,  /* the outcome is not ok, or a body moved in a way that nothing explains */
-    PL_RESULT_UNJUDGED /* unsupported; or the scene states no acceptance; or the primary error has
+typedef enum pl_verdict {
+    PL_VERDICT_ACCURATE,   /* its primary error is at most the scene's acceptance */
+    PL_VERDICT_INACCURATE, /* it is larger */
+    PL_VERDICT_FAILED,  /* the outcome is not ok, or a body moved in a way that nothing explains */
+    PL_VERDICT_UNJUDGED /* unsupported; or the scene states no acceptance; or the primary error has
                              no value */
-} pl_result_verdict;
-enum { PL_RESULT_VERDICT_COUNT = 4 };
+} pl_verdict;
+enum { PL_VERDICT_COUNT = 4 };
 
 /* "accurate", "inaccurate", "failed", and "not judged", which is null in results. */
-const char *pl_result_verdict_name(pl_result_verdict verdict);
+const char *pl_verdict_name(pl_verdict verdict);
 
 /* The verdict of a result. One that was made without verdicts failed where its outcome says so, and
  * is else not judged. */
-pl_result_verdict pl_result_verdict_of(const json_t *result);
+pl_verdict pl_verdict_of(const json_t *result);
 
 /* The whole result: the union of identity, outcome and provenance (each borrowed), with `schema`,
  * `output` (null when `output` is empty), `started`, and its verdict. */

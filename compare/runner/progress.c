@@ -66,12 +66,12 @@ void pl_progress_draw(const pl_progress *progress, const char *running, double p
 void pl_progress_run_ended(pl_progress *progress, const char *title, const json_t *result,
                            double seconds)
 {
-    static const char *const colours[PL_RESULT_VERDICT_COUNT] = {"", "\033[33m", "\033[31m", ""};
-    const pl_result_verdict verdict = pl_result_verdict_of(result);
+    static const char *const colours[PL_VERDICT_COUNT] = {"", "\033[33m", "\033[31m", ""};
+    const pl_verdict verdict = pl_verdict_of(result);
     const char *outcome = pl_json_get_text(result, "outcome");
-    const bool is_judged = verdict != PL_RESULT_UNJUDGED;
-    const bool good = is_judged ? verdict == PL_RESULT_ACCURATE : strcmp(outcome, "ok") == 0;
-    const char *word = is_judged ? pl_result_verdict_name(verdict) : outcome;
+    const bool is_judged = verdict != PL_VERDICT_UNJUDGED;
+    const bool good = is_judged ? verdict == PL_VERDICT_ACCURATE : strcmp(outcome, "ok") == 0;
+    const char *word = is_judged ? pl_verdict_name(verdict) : outcome;
     const char *reason = pl_json_get_text(result, is_judged ? "verdict_reason" : "reason");
     const char *colour = progress->colour ? colours[verdict] : "";
     progress->done += 1;

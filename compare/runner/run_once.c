@@ -198,7 +198,7 @@ static pl_status begin(run *r, pl_run_result *result, bool *going, pl_error *err
     pl_referee_set_engine(r->referee, &engine);
     read_frame(r, 0);
     enter(def->watch, PL_STAGE_JUDGE);
-    if (pl_referee_start(r->referee, &r->frame) == PL_VERDICT_NONFINITE) {
+    if (pl_referee_start(r->referee, &r->frame) == PL_ENDING_NONFINITE) {
         pl_fail(&fault, PL_FAILED, "not finite before the first step");
         set_outcome(result, PL_OUTCOME_NONFINITE, &fault);
         return PL_OK;
@@ -270,15 +270,15 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
                                       .contact_count = has_impulses ? count : -1,
                                       .has_points_alone = !has_impulses && count > 0,
                                       .cpu_time = cost.cpu_time};
-    pl_verdict verdict = pl_referee_step(r->referee, &seen, &fault);
+    pl_ending ending = pl_referee_step(r->referee, &seen, &fault);
     status = record_frame(r, result->steps_done, error);
-    if (verdict == PL_VERDICT_NONFINITE || verdict == PL_VERDICT_DIVERGED) {
+    if (ending == PL_ENDING_NONFINITE || ending == PL_ENDING_DIVERGED) {
         *going = false;
         set_outcome(result,
-                    verdict == PL_VERDICT_NONFINITE ? PL_OUTCOME_NONFINITE : PL_OUTCOME_DIVERGED,
+                    ending == PL_ENDING_NONFINITE ? PL_OUTCOME_NONFINITE : PL_OUTCOME_DIVERGED,
                     &fault);
     }
-    if (verdict != PL_VERDICT_NONFINITE) {
+    if (ending != PL_ENDING_NONFINITE) {
         swap_frames(r);
     }
     return status;
@@ -327,9 +327,9 @@ static void set_costs(const pl_call_cost *cost, pl_run_result *result)
 static void judge(run *r, double memory, pl_run_result *result)
 {
     pl_error fault = {.message = ""};
-    pl_verdict verdict = pl_referee_finish(r->referee, r->def->choice->engine->residual_unit,
-                                           &result->metrics, &result->note, &fault);
-    if (verdict == PL_VERDICT_COLLAPSED && result->outcome == PL_OUTCOME_OK) {
+    pl_ending ending = pl_referee_finish(r->referee, r->def->choice->engine->residual_unit,
+                                         &result->metrics, &result->note, &fault);
+    if (ending == PL_ENDING_COLLAPSED && result->outcome == PL_OUTCOME_OK) {
         set_outcome(result, PL_OUTCOME_COLLAPSED, &fault);
     }
     pl_metric *peak = &result->metrics.item[PL_METRIC_MEMORY_PEAK];

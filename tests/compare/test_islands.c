@@ -90,7 +90,7 @@ static void prepare_balls(run *r, const double *places, int count)
 
 static double step_gain(run *r)
 {
-    assert_int_equal(run_finish(r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(r), PL_ENDING_OK);
     double gain = run_value(r, PL_METRIC_ENERGY_STEP_GAIN);
     run_end(r);
     return gain;
@@ -193,7 +193,7 @@ static void test_gain_is_not_hidden_by_a_loss(void **state)
     run_step_many(&r, 1);
     r.state[1].velocity[1] = 0;
     run_step_many(&r, 53);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_ENERGY_GAIN), 0, 0, 0);
     assert_close(run_value(&r, PL_METRIC_ENERGY_STEP_GAIN), 0.25, 1e-15, 0);
     assert_int_equal(run_metric(&r, PL_METRIC_ENERGY_STEP_GAIN)->worst_step, 11);

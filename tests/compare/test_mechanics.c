@@ -63,7 +63,7 @@ static void fly_by(run *r, pl_position_rule integrator, const double force[3], c
         assert_close(pl_mechanics_energy_gain(mechanics, &scale, integrator), 0, 1e-13, 0);
     }
     pl_arena_free(&arena);
-    assert_int_equal(run_finish(r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(r), PL_ENDING_OK);
     assert_close(run_value(r, PL_METRIC_ENERGY_GAIN), 0, 1e-13, 0);
     assert_close(run_value(r, PL_METRIC_ENERGY_STEP_GAIN), 0, 1e-14, 0);
     assert_close(run_value(r, PL_METRIC_MOMENTUM_ERROR), 0, 1e-13, 0);
@@ -162,7 +162,7 @@ static void fly_off_frame(pl_position_rule rule)
         assert_close(pl_mechanics_energy_gain(mechanics, &scale, rule), 0, 1e-13, 0);
     }
     pl_arena_free(&arena);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_ENERGY_GAIN), 0, 1e-13, 0);
     assert_close(run_value(&r, PL_METRIC_MOMENTUM_ERROR), 0, 1e-13, 0);
     run_end(&r);
@@ -237,7 +237,7 @@ static void test_spontaneous_velocity_shows_in_energy_and_momentum(void **state)
         r.state[0].velocity[0] = k >= 10 && k < 20 ? 2 : 1;
         run_step_many(&r, 1);
     }
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     /* E: 1 J -> 4 J; p: 2 -> 4 kg m/s. */
     assert_close(run_value(&r, PL_METRIC_ENERGY_GAIN), 3, 1e-14, 0);
     assert_close(run_value(&r, PL_METRIC_MOMENTUM_ERROR), 1, 1e-14, 0);
@@ -254,7 +254,7 @@ static void test_lost_energy_is_no_gain(void **state)
     run_begin(&r);
     memset(r.state[0].velocity, 0, sizeof r.state[0].velocity);
     run_step_many(&r, 256);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_ENERGY_GAIN), 0, 0, 0);
     run_end(&r);
 }
@@ -273,9 +273,9 @@ static void test_contact_impulses_of_static_bodies_balance_the_weight(void **sta
             const pl_contact contact = {
                 .body_a = order, .body_b = 1 - order, .point = {7, 0, 0}, .impulse = {0, 0, up}};
             for (int k = 0; k < 64; ++k) {
-                assert_int_equal(run_step_with(&r, &contact, 1), PL_VERDICT_OK);
+                assert_int_equal(run_step_with(&r, &contact, 1), PL_ENDING_OK);
             }
-            assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+            assert_int_equal(run_finish(&r), PL_ENDING_OK);
             /* p_ref is M g T, so half the support leaves half of it unexplained. */
             assert_close(run_value(&r, PL_METRIC_MOMENTUM_ERROR), wrong != 0 ? 0.5 : 0, 1e-13, 0);
             run_end(&r);
@@ -304,9 +304,9 @@ static void test_contact_torques_of_static_bodies_slow_a_spin(void **state)
                                         .torque = {0, 0, silent != 0 ? 0 : -sign * inertia}};
             for (int k = 0; k < 64; ++k) {
                 r.state[1].angular_velocity[2] -= 1;
-                assert_int_equal(run_step_with(&r, &contact, 1), PL_VERDICT_OK);
+                assert_int_equal(run_step_with(&r, &contact, 1), PL_ENDING_OK);
             }
-            assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+            assert_int_equal(run_finish(&r), PL_ENDING_OK);
             const double error = run_value(&r, PL_METRIC_MOMENTUM_ERROR);
             assert_true(silent != 0 ? error > 1e-2 : error < 1e-13);
             run_end(&r);
@@ -321,9 +321,9 @@ static void test_contact_of_unknown_body_fails_momentum_only(void **state)
     run_prepare_box_on_floor(&r, 1);
     run_begin(&r);
     const pl_contact contact = {.body_a = 0, .body_b = 2};
-    assert_int_equal(run_step_with(&r, &contact, 1), PL_VERDICT_OK);
+    assert_int_equal(run_step_with(&r, &contact, 1), PL_ENDING_OK);
     run_step_many(&r, 63);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_int_equal(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->state, PL_METRIC_FAILED);
     assert_contains(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->reason, "step 1");
     assert_close(run_value(&r, PL_METRIC_ENERGY_GAIN), 0, 0, 0);
@@ -338,9 +338,9 @@ static void test_nan_impulse_fails_the_momentum_error(void **state)
     run_begin(&r);
     const pl_contact contact = {.body_a = 0, .body_b = 1, .impulse = {nan(""), 0, 0}};
     for (int k = 0; k < 64; ++k) {
-        assert_int_equal(run_step_with(&r, &contact, 1), PL_VERDICT_OK);
+        assert_int_equal(run_step_with(&r, &contact, 1), PL_ENDING_OK);
     }
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_int_equal(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->state, PL_METRIC_FAILED);
     assert_contains(run_metric(&r, PL_METRIC_MOMENTUM_ERROR)->reason, "not finite at step 1");
     run_end(&r);
@@ -358,7 +358,7 @@ static void test_long_fall_is_no_divergence(void **state)
         integrate(&r, PL_SEMI_IMPLICIT, 0, none, none);
         run_step_many(&r, 1);
     }
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     run_end(&r);
 }
 

@@ -39,7 +39,7 @@ static void test_lift_and_deviation_are_separate(void **state)
         move(&r, k * H, k == 20 ? -3e-3 : 1e-3, k == 30 ? 2e-3 : -5e-3);
         run_step_many(&r, 1);
     }
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_LIFT), 2e-3, 1e-14, 0);
     assert_close(run_value(&r, PL_METRIC_PATH_DEVIATION), 3e-3, 1e-14, 0);
     assert_int_equal(run_metric(&r, PL_METRIC_LIFT)->worst_step, 30);
@@ -55,7 +55,7 @@ static void test_sinking_body_has_no_lift(void **state)
     run_begin(&r);
     move(&r, 1, 0, -1e-3);
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_LIFT), 0, 0, 0);
     assert_close(run_value(&r, PL_METRIC_PATH_DEVIATION), 0, 1e-15, 0);
     run_end(&r);
@@ -72,7 +72,7 @@ static void test_lift_of_a_resting_body_starts_at_rest(void **state)
     r.state[1].position[0] = 4;
     r.state[1].position[2] = 0.625;
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_LIFT), 0.125, 0, 0);
     assert_int_equal(run_metric(&r, PL_METRIC_PATH_DEVIATION)->state, PL_METRIC_ABSENT);
     run_end(&r);
@@ -93,7 +93,7 @@ static void test_travel_off_the_plane_has_no_lift(void **state)
     r.state[1].position[0] = 0.6 - 0.8e-2;
     r.state[1].position[2] = 5.8 + 0.6e-2;
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_int_equal(run_metric(&r, PL_METRIC_LIFT)->state, PL_METRIC_ABSENT);
     assert_close(run_value(&r, PL_METRIC_PATH_DEVIATION), 1e-2, 1e-14, 0);
     run_end(&r);
@@ -108,7 +108,7 @@ static void test_without_a_reference_there_is_no_lift(void **state)
     run_add_body(&r, "ball", pl_shape_sphere(0.5), false, 0, 5);
     run_begin(&r);
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_int_equal(run_metric(&r, PL_METRIC_LIFT)->state, PL_METRIC_ABSENT);
     assert_int_equal(run_metric(&r, PL_METRIC_PATH_DEVIATION)->state, PL_METRIC_ABSENT);
     run_end(&r);

@@ -31,7 +31,7 @@ static void test_body_at_rest_at_its_reference_is_exact(void **state)
     run_prepare_box_on_floor(&r, 2);
     run_begin(&r);
     run_step_many(&r, 128);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     const pl_metric_id zero[] = {
         PL_METRIC_REFERENCE_ERROR, PL_METRIC_REST_POSITION_ERROR, PL_METRIC_REST_ROTATION_ERROR,
         PL_METRIC_PENETRATION_MAX, PL_METRIC_PENETRATION_REST,    PL_METRIC_DRIFT,
@@ -65,9 +65,9 @@ static void test_points_without_impulses_are_the_reason(void **state)
                                               .stats = &r.stats,
                                               .contact_count = -1,
                                               .has_points_alone = points == 1};
-            assert_int_equal(pl_referee_step(r.referee, &seen, NULL), PL_VERDICT_OK);
+            assert_int_equal(pl_referee_step(r.referee, &seen, NULL), PL_ENDING_OK);
         }
-        assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+        assert_int_equal(run_finish(&r), PL_ENDING_OK);
         for (size_t i = 0; i < sizeof of_force / sizeof of_force[0]; ++i) {
             const pl_metric *metric = run_metric(&r, of_force[i]);
             if (points == 1) {
@@ -93,11 +93,11 @@ static void test_first_nonfinite_number_ends_the_run(void **state)
         run_step_many(&r, 9);
         double wrong = bad[number % 3];
         memcpy((char *)&r.state[1] + number * sizeof wrong, &wrong, sizeof wrong);
-        assert_int_equal(run_step(&r), PL_VERDICT_NONFINITE);
+        assert_int_equal(run_step(&r), PL_ENDING_NONFINITE);
         assert_contains(r.error.message, "\"box\"");
         assert_contains(r.error.message, "step 10");
-        assert_int_equal(run_step(&r), PL_VERDICT_NONFINITE);
-        assert_int_equal(run_finish(&r), PL_VERDICT_NONFINITE);
+        assert_int_equal(run_step(&r), PL_ENDING_NONFINITE);
+        assert_int_equal(run_finish(&r), PL_ENDING_NONFINITE);
         const pl_metric *rest = run_metric(&r, PL_METRIC_REST_POSITION_ERROR);
         assert_int_equal(rest->state, PL_METRIC_FAILED);
         assert_string_equal(rest->reason, "the run ended at step 9 of 64");
@@ -112,7 +112,7 @@ static void test_null_quaternion_is_no_rotation(void **state)
     run_prepare_box_on_floor(&r, 1);
     run_begin(&r);
     memset(r.state[1].orientation, 0, sizeof r.state[1].orientation);
-    assert_int_equal(run_step(&r), PL_VERDICT_NONFINITE);
+    assert_int_equal(run_step(&r), PL_ENDING_NONFINITE);
     assert_contains(r.error.message, "no rotation");
     run_end(&r);
 }
@@ -125,8 +125,8 @@ static void test_run_that_starts_with_nan_has_no_metrics(void **state)
     run_begin(&r);
     r.state[1].position[0] = nan("");
     pl_frame frame = run_frame(&r);
-    assert_int_equal(pl_referee_start(r.referee, &frame), PL_VERDICT_NONFINITE);
-    assert_int_equal(run_finish(&r), PL_VERDICT_NONFINITE);
+    assert_int_equal(pl_referee_start(r.referee, &frame), PL_ENDING_NONFINITE);
+    assert_int_equal(run_finish(&r), PL_ENDING_NONFINITE);
     assert_contains(r.error.message, "step 0");
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         assert_true(run_metric(&r, (pl_metric_id)i)->state == PL_METRIC_FAILED ||
@@ -144,10 +144,10 @@ static void test_diverged_run_keeps_its_maxima(void **state)
     r.state[1].position[2] = 0.49;
     run_step_many(&r, 5);
     r.state[1].velocity[0] = 1e5;
-    assert_int_equal(run_step(&r), PL_VERDICT_DIVERGED);
+    assert_int_equal(run_step(&r), PL_ENDING_DIVERGED);
     assert_contains(r.error.message, "\"box\"");
     assert_contains(r.error.message, "step 6");
-    assert_int_equal(run_finish(&r), PL_VERDICT_DIVERGED);
+    assert_int_equal(run_finish(&r), PL_ENDING_DIVERGED);
     assert_close(run_value(&r, PL_METRIC_PENETRATION_MAX), 0.01, 1e-15, 0);
     assert_int_equal(run_metric(&r, PL_METRIC_PENETRATION_REST)->state, PL_METRIC_FAILED);
     assert_int_equal(run_metric(&r, PL_METRIC_STATE_HASH)->state, PL_METRIC_FAILED);
@@ -163,7 +163,7 @@ static void test_energy_gain_below_the_speed_bound_diverges(void **state)
     run_begin(&r);
     /* E_ref = 2 kg x 9.81 x sqrt(3) m = 34 J, so that 300 m/s (9e4 J) is 2600 times as much. */
     r.state[1].velocity[0] = 300;
-    assert_int_equal(run_step(&r), PL_VERDICT_DIVERGED);
+    assert_int_equal(run_step(&r), PL_ENDING_DIVERGED);
     assert_contains(r.error.message, "energy");
     run_end(&r);
 }
@@ -180,7 +180,7 @@ static void test_hovering_within_rounding_is_touching(void **state)
         r.scene.bodies[1].position[2] += gaps[i];
         run_begin(&r);
         run_step_many(&r, 64);
-        assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+        assert_int_equal(run_finish(&r), PL_ENDING_OK);
         const pl_metric *momentum = run_metric(&r, PL_METRIC_MOMENTUM_ERROR);
         assert_int_equal(momentum->state, i < 2 ? PL_METRIC_FAILED : PL_METRIC_VALUE);
         assert_close(run_value(&r, PL_METRIC_PENETRATION_MAX), 0, 0, 0);
@@ -199,7 +199,7 @@ static void test_speed_bound_is_that_of_its_definition(void **state)
         run_prepare_box_on_floor(&r, 1);
         run_begin(&r);
         r.state[1].velocity[0] = bound * (beyond ? 1.001 : 0.999);
-        assert_int_equal(run_step(&r), PL_VERDICT_DIVERGED);
+        assert_int_equal(run_step(&r), PL_ENDING_DIVERGED);
         assert_contains(r.error.message, beyond ? "moves at" : "energy has grown");
         run_end(&r);
     }
@@ -213,7 +213,7 @@ static void test_early_end_leaves_the_maxima(void **state)
     run_begin(&r);
     r.stats.iterations = 7;
     run_step_many(&r, 10);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_ITERATIONS_MAX), 7, 0, 0);
     assert_close(run_value(&r, PL_METRIC_PENETRATION_MAX), 0, 0, 0);
     assert_string_equal(run_metric(&r, PL_METRIC_CREEP)->reason,
@@ -235,7 +235,7 @@ static void test_statistics_of_steps(void **state)
         r.stats.residual = k == 33 ? 0.5 : k <= 8 ? 1e-3 : 1e-6;
         run_step_many(&r, 1);
     }
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     const pl_metric *iterations = run_metric(&r, PL_METRIC_ITERATIONS_MEAN);
     assert_close(iterations->value, (2 * 4950 + 500 - 77) / 200.0, 1e-12, 0);
     assert_int_equal(iterations->worst_step, 77);
@@ -265,10 +265,10 @@ static void test_metrics_that_no_step_reports_have_no_value(void **state)
     run_prepare_box_on_floor(&r, 1);
     run_begin(&r);
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     pl_metrics other;
     pl_note note;
-    assert_int_equal(pl_referee_finish(r.referee, NULL, &other, &note, NULL), PL_VERDICT_OK);
+    assert_int_equal(pl_referee_finish(r.referee, NULL, &other, &note, NULL), PL_ENDING_OK);
     for (int i = 0; i < 2; ++i) {
         const pl_metric *residual = run_metric(&r, of_residual[i]);
         assert_int_equal(residual->state, PL_METRIC_FAILED);
@@ -287,7 +287,7 @@ static void hash_with(double x, char text[24])
     run_begin(&r);
     r.state[1].position[0] = x;
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_int_equal(run_metric(&r, PL_METRIC_STATE_HASH)->state, PL_METRIC_TEXT);
     memcpy(text, run_metric(&r, PL_METRIC_STATE_HASH)->text, 24);
     run_end(&r);

@@ -25,14 +25,14 @@ static void prepare(run *r, double gravity, bool spins)
     run_begin(r);
 }
 
-static pl_verdict verdict_at_speed(double gravity, bool spins, double speed, double spin)
+static pl_ending verdict_at_speed(double gravity, bool spins, double speed, double spin)
 {
     run r;
     prepare(&r, gravity, spins);
     r.state[0].velocity[0] = speed;
     r.state[0].angular_velocity[0] = spin;
-    pl_verdict verdict = run_step(&r);
-    if (verdict != PL_VERDICT_OK) {
+    pl_ending verdict = run_step(&r);
+    if (verdict != PL_ENDING_OK) {
         (void)run_finish(&r);
         assert_contains(r.error.message, "body \"light\" moves at");
     }
@@ -50,18 +50,18 @@ static void test_speed_bound_is_a_hundredfold(void **state)
     for (int k = 0; k < 2; ++k) {
         const double gravity = k == 0 ? 0 : G;
         for (int spins = 0; spins < 2; ++spins) {
-            assert_int_equal(verdict_at_speed(gravity, spins, 0.999 * bounds[k], 0), PL_VERDICT_OK);
+            assert_int_equal(verdict_at_speed(gravity, spins, 0.999 * bounds[k], 0), PL_ENDING_OK);
             assert_int_equal(verdict_at_speed(gravity, spins, 1.001 * bounds[k], 0),
-                             PL_VERDICT_DIVERGED);
+                             PL_ENDING_DIVERGED);
             /* The speed of the surface counts. */
             assert_int_equal(verdict_at_speed(gravity, spins, 0.5 * bounds[k], 0.501 * bounds[k]),
-                             PL_VERDICT_DIVERGED);
+                             PL_ENDING_DIVERGED);
         }
     }
 }
 
 /* A ball of 2 kg at 1 m/s has 1 J, and in a scene without gravity that is all. */
-static pl_verdict verdict_at_energy(double joule)
+static pl_ending verdict_at_energy(double joule)
 {
     run r;
     run_prepare(&r, 1);
@@ -70,7 +70,7 @@ static pl_verdict verdict_at_energy(double joule)
     r.scene.bodies[0].velocity[0] = 1;
     run_begin(&r);
     r.state[0].velocity[0] = sqrt(joule);
-    pl_verdict verdict = run_step(&r);
+    pl_ending verdict = run_step(&r);
     run_end(&r);
     return verdict;
 }
@@ -78,8 +78,8 @@ static pl_verdict verdict_at_energy(double joule)
 static void test_ten_times_the_energy_gained_is_divergence(void **state)
 {
     (void)state;
-    assert_int_equal(verdict_at_energy(1 + 9.9), PL_VERDICT_OK);
-    assert_int_equal(verdict_at_energy(1 + 10.1), PL_VERDICT_DIVERGED);
+    assert_int_equal(verdict_at_energy(1 + 9.9), PL_ENDING_OK);
+    assert_int_equal(verdict_at_energy(1 + 10.1), PL_ENDING_DIVERGED);
 }
 
 static void test_quaternion_far_from_unit_is_no_rotation(void **state)
@@ -92,7 +92,7 @@ static void test_quaternion_far_from_unit_is_no_rotation(void **state)
         r.state[0].orientation[0] = sqrt(squares[i] / 2);
         r.state[0].orientation[2] = -sqrt(squares[i] / 2);
         bool ok = i == 1 || i == 2;
-        assert_int_equal(run_step(&r), ok ? PL_VERDICT_OK : PL_VERDICT_NONFINITE);
+        assert_int_equal(run_step(&r), ok ? PL_ENDING_OK : PL_ENDING_NONFINITE);
         run_end(&r);
     }
 }
@@ -119,7 +119,7 @@ static double gained(double gap, const double spins[2], int from)
     r.state[from].velocity[2] = 0;
     r.state[!from].velocity[2] = SPEED;
     run_step_many(&r, 61);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     double gain = run_value(&r, PL_METRIC_ENERGY_STEP_GAIN) * energy / (SPEED * SPEED);
     run_end(&r);
     return gain;

@@ -159,8 +159,8 @@ static double judge(const pl_scene *scene, motion moves)
     }
     assert_int_equal(pl_referee_create(scene, &referee, NULL), PL_OK);
     pl_frame frame = {.bodies = bodies};
-    pl_verdict verdict = pl_referee_start(referee, &frame);
-    for (long step = 1; step <= pl_scene_steps(scene) && verdict == PL_VERDICT_OK; ++step) {
+    pl_ending verdict = pl_referee_start(referee, &frame);
+    for (long step = 1; step <= pl_scene_steps(scene) && verdict == PL_ENDING_OK; ++step) {
         moves(scene, (double)step * scene->dt, bodies);
         const pl_step_observation seen = {.frame = &frame, .contact_count = -1};
         verdict = pl_referee_step(referee, &seen, NULL);
@@ -169,7 +169,7 @@ static double judge(const pl_scene *scene, motion moves)
     verdict = pl_referee_finish(referee, NULL, &metrics, &note, NULL);
     pl_referee_destroy(referee);
     free(bodies);
-    return verdict == PL_VERDICT_OK ? metrics.item[PL_METRIC_CHAOTIC_ERROR].value : HUGE_VAL;
+    return verdict == PL_ENDING_OK ? metrics.item[PL_METRIC_CHAOTIC_ERROR].value : HUGE_VAL;
 }
 
 /* The engine reports no contacts, so that its momentum is not judged. */

@@ -100,7 +100,7 @@ static void slide(run *r, bool swap, double rx, double ry)
         for (int i = 0; i < CORNERS && swap; ++i) {
             c[i] = swapped(c[i]);
         }
-        assert_int_equal(run_step_with(r, c, CORNERS), PL_VERDICT_OK);
+        assert_int_equal(run_step_with(r, c, CORNERS), PL_ENDING_OK);
     }
     (void)run_finish(r);
 }
@@ -210,7 +210,7 @@ static void test_force_balance_is_in_units_of_weight(void **state)
     for (int n = 1; n <= 9; ++n) {
         pl_contact c[CORNERS];
         corners(c, 0, 0, n == 4 ? 0.3 : 0, n == 6 ? -0.1 : 0, n == 4 ? 0.6 : 1);
-        assert_int_equal(run_step_with(&r, c, CORNERS), PL_VERDICT_OK);
+        assert_int_equal(run_step_with(&r, c, CORNERS), PL_ENDING_OK);
     }
     (void)run_finish(&r);
     assert_close(run_value(&r, PL_METRIC_FORCE_BALANCE), 0.5, 1e-15, 0);
@@ -286,7 +286,7 @@ static void turning_force(pl_position_rule integrator, bool rule_is_kept)
         }
         s->orientation[0] = cos(b / 2);
         s->orientation[3] = sin(b / 2);
-        assert_int_equal(run_step_with(&r, NULL, 0), PL_VERDICT_OK);
+        assert_int_equal(run_step_with(&r, NULL, 0), PL_ENDING_OK);
     }
     (void)run_finish(&r);
     double balance = run_value(&r, PL_METRIC_FORCE_BALANCE);
@@ -320,7 +320,7 @@ static void test_free_fall_has_only_the_force_balance(void **state)
     for (int n = 0; n < 8; ++n) {
         r.state[BOX].velocity[2] -= g * H;
         r.state[BOX].position[2] += H * r.state[BOX].velocity[2];
-        assert_int_equal(run_step_with(&r, NULL, 0), PL_VERDICT_OK);
+        assert_int_equal(run_step_with(&r, NULL, 0), PL_ENDING_OK);
     }
     (void)run_finish(&r);
     assert_close(run_value(&r, PL_METRIC_FORCE_BALANCE), 0, 1e-14, 0);

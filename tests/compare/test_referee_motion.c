@@ -23,7 +23,7 @@ static void test_final_pose_errors_are_distance_and_angle(void **state)
         r.state[1].orientation[0] = sign * cos(angle / 2);
         r.state[1].orientation[2] = sign * sin(angle / 2);
         run_step_many(&r, 1);
-        assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+        assert_int_equal(run_finish(&r), PL_ENDING_OK);
         assert_close(run_value(&r, PL_METRIC_REST_POSITION_ERROR), 5e-3, 0, 1e-12);
         assert_close(run_value(&r, PL_METRIC_REST_ROTATION_ERROR), angle, 0, 1e-12);
         assert_close(run_value(&r, PL_METRIC_REFERENCE_ERROR), 5e-3, 0, 1e-12);
@@ -40,7 +40,7 @@ static void test_sphere_has_no_rotation_error(void **state)
     run_expect_rest(&r, 0);
     run_begin(&r);
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_int_equal(run_metric(&r, PL_METRIC_REST_ROTATION_ERROR)->state, PL_METRIC_ABSENT);
     assert_int_equal(run_metric(&r, PL_METRIC_PENETRATION_MAX)->state, PL_METRIC_ABSENT);
     run_end(&r);
@@ -55,7 +55,7 @@ static void test_body_beyond_collapse_distance_is_named(void **state)
     run_begin(&r);
     r.state[1].position[2] += 0.25;
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     run_end(&r);
 
     run_prepare_box_on_floor(&r, 1);
@@ -63,7 +63,7 @@ static void test_body_beyond_collapse_distance_is_named(void **state)
     run_begin(&r);
     r.state[1].position[2] += 0.2500001;
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_COLLAPSED);
+    assert_int_equal(run_finish(&r), PL_ENDING_COLLAPSED);
     assert_contains(r.error.message, "\"box\"");
     assert_contains(r.error.message, "0.25 m");
     assert_close(run_value(&r, PL_METRIC_REST_POSITION_ERROR), 0.2500001, 0, 1e-12);
@@ -83,7 +83,7 @@ static void test_travel_errors_are_relative_to_their_own_references(void **state
         r.state[0].position[0] = 10 + 4.4 * i / 64;
         run_step_many(&r, 1);
     }
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_TRAVEL_ERROR), 0.1, 1e-14, 0);
     assert_close(run_value(&r, PL_METRIC_DISCRETE_ERROR), 0.12, 1e-14, 0);
     assert_int_equal(run_metric(&r, PL_METRIC_SETTLE_TIME)->state, PL_METRIC_ABSENT);
@@ -105,7 +105,7 @@ static void test_drift_to_the_side_is_a_travel_error(void **state)
         r.state[0].position[2] = -0.8 * i / 64;
         run_step_many(&r, 1);
     }
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_TRAVEL_ERROR), 0.25, 1e-14, 0);
     assert_close(run_value(&r, PL_METRIC_DISCRETE_ERROR), 0.25, 1e-14, 0);
     run_end(&r);
@@ -123,7 +123,7 @@ static void test_penetration_statistics_of_a_known_ramp(void **state)
         r.state[1].position[2] = 0.5 - 1e-6 * up_and_down;
         run_step_many(&r, 1);
     }
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     const pl_metric *m = run_metric(&r, PL_METRIC_PENETRATION_MAX);
     assert_close(run_value(&r, PL_METRIC_PENETRATION_MAX), 150e-6, 1e-15, 0);
     assert_int_equal(m->worst_step, 150);
@@ -149,7 +149,7 @@ static void test_overlap_of_the_first_frame_is_ignored(void **state)
     run_begin(&r);
     r.state[1].position[2] = 0.51;
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_PENETRATION_MAX), 0, 0, 0);
     run_end(&r);
 }
@@ -164,7 +164,7 @@ static void test_overlapping_static_bodies_do_not_count(void **state)
     run_add_body(&r, "ball", pl_shape_sphere(1), false, 0, 2 - 1e-3);
     run_begin(&r);
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_PENETRATION_MAX), 1e-3, 1e-15, 0);
     run_end(&r);
 }
@@ -179,7 +179,7 @@ static void test_static_body_stays_where_the_scene_has_it(void **state)
     run_begin(&r);
     memset(&r.state[0], 0, sizeof r.state[0]);
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_PENETRATION_MAX), 1e-3, 1e-15, 0);
     run_end(&r);
 }
@@ -196,7 +196,7 @@ static void test_settle_time_of_a_decaying_motion(void **state)
         run_step_many(&r, 1);
     }
     /* The scene starts at rest, but moves within half a second. */
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_SETTLE_TIME), ceil(log(100) / H) * H, 0, 0);
     run_end(&r);
 }
@@ -213,7 +213,7 @@ static void test_quiet_below_half_a_second_does_not_settle(void **state)
             r.state[1].angular_velocity[1] = k >= 10 && k < 10 + lengths[c] ? 0.9e-3 : 1e-3;
             run_step_many(&r, 1);
         }
-        assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+        assert_int_equal(run_finish(&r), PL_ENDING_OK);
         if (c == 0) {
             assert_int_equal(run_metric(&r, PL_METRIC_SETTLE_TIME)->state, PL_METRIC_FAILED);
             assert_contains(run_metric(&r, PL_METRIC_SETTLE_TIME)->reason, "never below");
@@ -237,7 +237,7 @@ static void test_drift_and_creep_of_a_steady_motion(void **state)
         r.state[1].velocity[0] = 0.03;
         run_step_many(&r, 1);
     }
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_DRIFT), 0.15, 1e-14, 0);
     assert_close(run_value(&r, PL_METRIC_CREEP), 0.05, 0, 1e-12);
     run_end(&r);
@@ -256,7 +256,7 @@ static void test_drift_counts_from_the_settled_pose(void **state)
         r.state[1].velocity[0] = settled ? 1e-5 : 1 / (96 * H);
         run_step_many(&r, 1);
     }
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_SETTLE_TIME), 1.5, 0, 0);
     assert_close(run_value(&r, PL_METRIC_DRIFT), 1e-5 * 3.5, 1e-15, 0);
     assert_close(run_value(&r, PL_METRIC_CREEP), 1e-5, 0, 1e-9);
@@ -277,7 +277,7 @@ static void test_drift_leaves_out_the_direction_of_travel(void **state)
         r.state[0].velocity[0] = 1;
         run_step_many(&r, 1);
     }
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_DRIFT), 1e-3, 1e-15, 0);
     assert_close(run_value(&r, PL_METRIC_CREEP), 1e-3, 0, 1e-10);
     assert_int_equal(run_metric(&r, PL_METRIC_DISCRETE_ERROR)->state, PL_METRIC_ABSENT);
@@ -298,7 +298,7 @@ static void test_lift_is_the_height_over_the_floor(void **state)
         r.state[1].position[0] += x[k];
         r.state[1].position[2] += z[k];
         run_step_many(&r, 64);
-        assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+        assert_int_equal(run_finish(&r), PL_ENDING_OK);
         assert_close(run_value(&r, PL_METRIC_LIFT), k == 4 ? 0.03 : 0, 1e-15, 0);
         run_end(&r);
     }
@@ -312,7 +312,7 @@ static void test_without_a_reference_there_is_no_drift(void **state)
     run_add_body(&r, "ball", pl_shape_sphere(1), false, 0, 0);
     run_begin(&r);
     run_step_many(&r, 128);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_int_equal(run_metric(&r, PL_METRIC_DRIFT)->state, PL_METRIC_ABSENT);
     assert_int_equal(run_metric(&r, PL_METRIC_CREEP)->state, PL_METRIC_ABSENT);
     assert_int_equal(run_metric(&r, PL_METRIC_REFERENCE_ERROR)->state, PL_METRIC_ABSENT);

@@ -33,7 +33,7 @@ static void test_spread_metrics_are_of_the_last_frame(void **state)
     put(&r, 2, 3, 0, 1);
     put(&r, 3, 9, -1, 0.5);
     run_step_many(&r, 1);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_close(run_value(&r, PL_METRIC_SPREAD_X), sqrt(24), 1e-14, 0);
     assert_close(run_value(&r, PL_METRIC_SPREAD_Y), sqrt(14.0 / 3), 1e-14, 0);
     assert_close(run_value(&r, PL_METRIC_MASS_HEIGHT), (6 * 2 + 2 * 1 + 2 * 0.5) / 10, 1e-14, 0);

@@ -28,7 +28,7 @@ static void begin_tower(run *r)
 }
 
 /* Moves each cube by its height in the tower times these distances, m, and ends the run. */
-static pl_verdict end_tower(run *r, double aside, double down)
+static pl_ending end_tower(run *r, double aside, double down)
 {
     for (int k = 1; k <= CUBES; ++k) {
         r->state[k].position[0] = aside * k;
@@ -43,7 +43,7 @@ static void test_leaning_tower_stands_and_leans(void **state)
     (void)state;
     run r;
     begin_tower(&r);
-    assert_int_equal(end_tower(&r, 0.15, 0), PL_VERDICT_OK); /* the top by 0.75 m */
+    assert_int_equal(end_tower(&r, 0.15, 0), PL_ENDING_OK); /* the top by 0.75 m */
     assert_contains(r.note.text, "leans");
     assert_contains(r.note.text, "\"cube 5\" ended 0.75 m aside");
     run_end(&r);
@@ -54,7 +54,7 @@ static void test_squashed_tower_stands_and_is_squashed(void **state)
     (void)state;
     run r;
     begin_tower(&r);
-    assert_int_equal(end_tower(&r, 0, 0.12), PL_VERDICT_OK); /* the top by 0.6 m */
+    assert_int_equal(end_tower(&r, 0, 0.12), PL_ENDING_OK); /* the top by 0.6 m */
     assert_contains(r.note.text, "squashed");
     assert_contains(r.note.text, "0.6 m too low");
     run_end(&r);
@@ -67,7 +67,7 @@ static void test_cube_that_left_its_support_has_collapsed(void **state)
     begin_tower(&r);
     r.state[CUBES].position[0] = 0.51;
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_COLLAPSED);
+    assert_int_equal(run_finish(&r), PL_ENDING_COLLAPSED);
     assert_contains(r.error.message, "\"cube 5\" ended 0.51 m");
     assert_string_equal(r.note.text, "");
     run_end(&r);
@@ -82,7 +82,7 @@ static void test_whole_tower_that_slid_has_collapsed(void **state)
         r.state[k].position[0] = 0.6;
     }
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_COLLAPSED);
+    assert_int_equal(run_finish(&r), PL_ENDING_COLLAPSED);
     run_end(&r);
 }
 
@@ -92,7 +92,7 @@ static void test_tower_that_still_falls_has_collapsed(void **state)
     run r;
     begin_tower(&r);
     r.state[CUBES].velocity[0] = 0.5; /* m/s */
-    assert_int_equal(end_tower(&r, 0.15, 0), PL_VERDICT_COLLAPSED);
+    assert_int_equal(end_tower(&r, 0.15, 0), PL_ENDING_COLLAPSED);
     run_end(&r);
 }
 
@@ -103,7 +103,7 @@ static void test_small_error_is_noted_beyond_acceptance(void **state)
     for (int i = 0; i < 2; ++i) {
         run r;
         begin_tower(&r);
-        assert_int_equal(end_tower(&r, aside[i], 0), PL_VERDICT_OK);
+        assert_int_equal(end_tower(&r, aside[i], 0), PL_ENDING_OK);
         assert_int_equal(r.note.text[0] != '\0', i == 1);
         run_end(&r);
     }
@@ -121,7 +121,7 @@ static void test_cube_that_turns_with_its_support_stands(void **state)
     r.state[CUBES].position[0] = r.state[CUBES - 1].position[0] + sin(angle);
     r.state[CUBES].position[2] = r.state[CUBES - 1].position[2] + cos(angle);
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_contains(r.note.text, "0.2 m aside");
     run_end(&r);
 }
@@ -139,7 +139,7 @@ static double unexplained(double z, double jump, double speed)
     run_begin(&r);
     r.state[1].position[0] += jump;
     run_step_many(&r, 64);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     const double found = run_value(&r, PL_METRIC_UNEXPLAINED_MOTION);
     run_end(&r);
     return found;
@@ -174,7 +174,7 @@ static void test_motion_with_the_speed_of_the_island_is_explained(void **state)
         r.state[0].velocity[0] = 0;
         r.state[1].position[0] += 0.5;
         run_step_many(&r, 64);
-        assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+        assert_int_equal(run_finish(&r), PL_ENDING_OK);
         assert_close(run_value(&r, PL_METRIC_UNEXPLAINED_MOTION),
                      apart == 1 ? 0.5 - 9.81 * H * H : 0, 1e-12, 0);
         run_end(&r);

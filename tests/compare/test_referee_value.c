@@ -23,7 +23,7 @@ static void prepare(run *r, pl_quantity quantity, double value)
 
 static double error_of(run *r)
 {
-    assert_int_equal(run_finish(r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(r), PL_ENDING_OK);
     double error = run_value(r, PL_METRIC_VALUE_ERROR);
     run_end(r);
     return error;
@@ -204,7 +204,7 @@ static void test_unseen_period_fails_the_value_error(void **state)
     prepare(&r, PL_QUANTITY_PERIOD, STEPS * H);
     run_begin(&r);
     run_step_many(&r, STEPS);
-    assert_int_equal(run_finish(&r), PL_VERDICT_OK);
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
     const pl_metric *error = run_metric(&r, PL_METRIC_VALUE_ERROR);
     assert_int_equal(error->state, PL_METRIC_FAILED);
     assert_contains(error->reason, "no whole period");

@@ -83,9 +83,9 @@ static void test_results_without_the_keys_are_read(void **state)
     made_report made = make_report(results);
     char *table = printed_table(made.results, false, 120);
     const pl_verdict_count *count = &made.report.verdicts.items[0];
-    assert_int_equal(count->runs[PL_RESULT_ACCURATE], 0);
-    assert_int_equal(count->runs[PL_RESULT_FAILED], 1);
-    assert_int_equal(count->runs[PL_RESULT_UNJUDGED], 1);
+    assert_int_equal(count->runs[PL_VERDICT_ACCURATE], 0);
+    assert_int_equal(count->runs[PL_VERDICT_FAILED], 1);
+    assert_int_equal(count->runs[PL_VERDICT_UNJUDGED], 1);
     assert_int_equal(count->unsupported, 1);
     assert_contains(table, " failed: collapsed: body 3 fell\n");
     free(table);
@@ -103,8 +103,8 @@ static void test_repeats_count_once_by_the_worst(void **state)
     }
     made_report made = make_report(results);
     const pl_verdict_count *count = &made.report.verdicts.items[0];
-    assert_int_equal(count->runs[PL_RESULT_ACCURATE], 0);
-    assert_int_equal(count->runs[PL_RESULT_INACCURATE], 1);
+    assert_int_equal(count->runs[PL_VERDICT_ACCURATE], 0);
+    assert_int_equal(count->runs[PL_VERDICT_INACCURATE], 1);
     free_report(&made);
 }
 

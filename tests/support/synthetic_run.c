@@ -60,10 +60,10 @@ void run_begin(run *r)
     assert_int_equal(pl_referee_create(&r->scene, &r->referee, &r->error), PL_OK);
     pl_referee_set_engine(r->referee, &r->engine);
     pl_frame frame = run_frame(r);
-    assert_int_equal(pl_referee_start(r->referee, &frame), PL_VERDICT_OK);
+    assert_int_equal(pl_referee_start(r->referee, &frame), PL_ENDING_OK);
 }
 
-pl_verdict run_step_with(run *r, const pl_contact *contacts, int count)
+pl_ending run_step_with(run *r, const pl_contact *contacts, int count)
 {
     pl_frame frame = run_frame(r);
     return pl_referee_step(r->referee,
@@ -71,7 +71,7 @@ pl_verdict run_step_with(run *r, const pl_contact *contacts, int count)
                            &r->error);
 }
 
-pl_verdict run_step(run *r)
+pl_ending run_step(run *r)
 {
     return run_step_with(r, NULL, -1);
 }
@@ -79,11 +79,11 @@ pl_verdict run_step(run *r)
 void run_step_many(run *r, long count)
 {
     for (long i = 0; i < count; ++i) {
-        assert_int_equal(run_step(r), PL_VERDICT_OK);
+        assert_int_equal(run_step(r), PL_ENDING_OK);
     }
 }
 
-pl_verdict run_finish(run *r)
+pl_ending run_finish(run *r)
 {
     return pl_referee_finish(r->referee, "m/s", &r->metrics, &r->note, &r->error);
 }

@@ -34,11 +34,11 @@ void run_prepare_box_on_floor(run *r, double duration);
 /* Starts the referee with the scene's initial state. */
 void run_begin(run *r);
 /* Gives the referee the current r->state with these contacts (count -1: none reported). */
-pl_verdict run_step_with(run *r, const pl_contact *contacts, int count);
-pl_verdict run_step(run *r);
-/* `count` steps, of which each must have the verdict OK. */
+pl_ending run_step_with(run *r, const pl_contact *contacts, int count);
+pl_ending run_step(run *r);
+/* `count` steps, of which each must go on. */
 void run_step_many(run *r, long count);
-pl_verdict run_finish(run *r);
+pl_ending run_finish(run *r);
 void run_end(run *r);
 pl_frame run_frame(run *r);
 

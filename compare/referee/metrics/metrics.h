@@ -1,4 +1,4 @@
-/* The metrics of a run and its verdict. Names, units and directions of metrics are stable, because
+/* The metrics of a run and how it ended. Names, units and directions of metrics are stable, because
  * gates and scripts depend on them. The definitions are in the table in metrics.c. */
 #ifndef PLUMB_METRICS_H
 #define PLUMB_METRICS_H
@@ -116,11 +116,11 @@ typedef struct pl_note {
 } pl_note;
 
 /* How a run ended, as far as its frames show. */
-typedef enum pl_verdict {
-    PL_VERDICT_OK,
-    PL_VERDICT_COLLAPSED, /* what should stand does not: see standing.h */
-    PL_VERDICT_DIVERGED,  /* energy or speed beyond the scene's bound; the run should end */
-    PL_VERDICT_NONFINITE  /* a pose or velocity is NaN or infinite; the run should end */
-} pl_verdict;
+typedef enum pl_ending {
+    PL_ENDING_OK,
+    PL_ENDING_COLLAPSED, /* what should stand does not: see standing.h */
+    PL_ENDING_DIVERGED,  /* energy or speed beyond the scene's bound; the run should end */
+    PL_ENDING_NONFINITE  /* a pose or velocity is NaN or infinite; the run should end */
+} pl_ending;
 
 #endif

@@ -131,8 +131,8 @@ static const char *invalid_part(const pl_body_state *s)
     return is_finite(s->angular_velocity) ? NULL : "angular velocity";
 }
 
-pl_verdict pl_check_finite(const pl_scene *scene, const pl_body_state *bodies, long step,
-                           pl_error *error)
+pl_ending pl_check_finite(const pl_scene *scene, const pl_body_state *bodies, long step,
+                          pl_error *error)
 {
     for (int i = 0; i < scene->body_count; ++i) {
         const char *invalid = scene->bodies[i].is_static ? NULL : invalid_part(&bodies[i]);
@@ -140,15 +140,14 @@ pl_verdict pl_check_finite(const pl_scene *scene, const pl_body_state *bodies, l
             (void)pl_fail(error, PL_FAILED, "the %s of body \"%s\" is %s at step %ld", invalid,
                           scene->bodies[i].name,
                           invalid[0] == 'o' ? "no rotation" : "not a finite number", step);
-            return PL_VERDICT_NONFINITE;
+            return PL_ENDING_NONFINITE;
         }
     }
-    return PL_VERDICT_OK;
+    return PL_ENDING_OK;
 }
 
-pl_verdict pl_check_bounds(const pl_scene *scene, const pl_scale *scale,
-                           const pl_body_state *bodies, double energy_gain, long step,
-                           pl_error *error)
+pl_ending pl_check_bounds(const pl_scene *scene, const pl_scale *scale, const pl_body_state *bodies,
+                          double energy_gain, long step, pl_error *error)
 {
     for (int i = 0; i < scene->body_count; ++i) {
         double speed = pl_vec_length(pl_vec_of(bodies[i].velocity)) +
@@ -158,14 +157,14 @@ pl_verdict pl_check_bounds(const pl_scene *scene, const pl_scale *scale,
             (void)pl_fail(error, PL_FAILED,
                           "body \"%s\" moves at %.3g m/s at step %ld, beyond the scene's %.3g m/s",
                           scene->bodies[i].name, speed, step, scale->speed_bound);
-            return PL_VERDICT_DIVERGED;
+            return PL_ENDING_DIVERGED;
         }
     }
     if (!(energy_gain <= MAX_ENERGY_GAIN)) {
         (void)pl_fail(error, PL_FAILED,
                       "energy has grown by %.3g times the scene's %.3g J at step %ld", energy_gain,
                       scale->energy, step);
-        return PL_VERDICT_DIVERGED;
+        return PL_ENDING_DIVERGED;
     }
-    return PL_VERDICT_OK;
+    return PL_ENDING_OK;
 }

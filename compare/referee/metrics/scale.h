@@ -26,16 +26,15 @@ typedef struct pl_scale {
 /* The scales of the scene's initial state. */
 pl_scale pl_scale_of(const pl_scene *scene);
 
-/* PL_VERDICT_NONFINITE, with body and step in `error`, when a number of a dynamic body is NaN or
+/* PL_ENDING_NONFINITE, with body and step in `error`, when a number of a dynamic body is NaN or
  * infinite or its orientation has a squared norm outside 1/2 .. 2. */
-pl_verdict pl_check_finite(const pl_scene *scene, const pl_body_state *bodies, long step,
-                           pl_error *error);
+pl_ending pl_check_finite(const pl_scene *scene, const pl_body_state *bodies, long step,
+                          pl_error *error);
 
-/* PL_VERDICT_DIVERGED, with the reason in `error`, when a point of a dynamic body is faster than
+/* PL_ENDING_DIVERGED, with the reason in `error`, when a point of a dynamic body is faster than
  * scale->speed_bound, or when the current `energy_gain` (the metric) exceeds 10. A free fall,
  * however long, gains no energy. */
-pl_verdict pl_check_bounds(const pl_scene *scene, const pl_scale *scale,
-                           const pl_body_state *bodies, double energy_gain, long step,
-                           pl_error *error);
+pl_ending pl_check_bounds(const pl_scene *scene, const pl_scale *scale, const pl_body_state *bodies,
+                          double energy_gain, long step, pl_error *error);
 
 #endif

@@ -136,15 +136,15 @@ static void describe(const pl_standing *s, int body, double distance, pl_note *n
              s->scene->bodies[body].name, distance, where);
 }
 
-pl_verdict pl_standing_judge(pl_standing *s, pl_candidate_pairs *pairs, const pl_body_state *last,
-                             pl_note *note, pl_error *error)
+pl_ending pl_standing_judge(pl_standing *s, pl_candidate_pairs *pairs, const pl_body_state *last,
+                            pl_note *note, pl_error *error)
 {
     const pl_scene *scene = s->scene;
     double distance = 0;
     const int farthest = pl_farthest_from_rest(scene, last, &distance);
     note->text[0] = '\0';
     if (farthest < 0 || !(distance > visible(scene))) {
-        return PL_VERDICT_OK;
+        return PL_ENDING_OK;
     }
     const int body = scene->rests[farthest].body;
     s->last = last;
@@ -156,8 +156,8 @@ pl_verdict pl_standing_judge(pl_standing *s, pl_candidate_pairs *pairs, const pl
         (void)pl_fail(error, PL_FAILED,
                       "body \"%s\" ended %.3g m from its reference, beyond %.3g m",
                       scene->bodies[body].name, distance, scene->collapse_distance);
-        return PL_VERDICT_COLLAPSED;
+        return PL_ENDING_COLLAPSED;
     }
     describe(s, body, distance, note);
-    return PL_VERDICT_OK;
+    return PL_ENDING_OK;
 }

@@ -14,12 +14,12 @@ pl_standing *pl_standing_create(const pl_scene *scene, pl_arena *arena);
 
 /* Judges the last frame of a run, `last`, (scene->body_count). `pairs` are those of the scene.
  *
- * PL_VERDICT_COLLAPSED, with the reason in `error`: a body ended farther than
+ * PL_ENDING_COLLAPSED, with the reason in `error`: a body ended farther than
  * scene->collapse_distance from its rest, and it is still falling, or two bodies that should touch
- * have moved that far against each other. PL_VERDICT_OK otherwise. *note then says how the body
+ * have moved that far against each other. PL_ENDING_OK otherwise. *note then says how the body
  * that is farthest from its rest has moved, where a user would see it: beyond the scene's acceptance
  * or its collapse_distance; else it is empty. */
-pl_verdict pl_standing_judge(pl_standing *standing, pl_candidate_pairs *pairs,
-                             const pl_body_state *last, pl_note *note, pl_error *error);
+pl_ending pl_standing_judge(pl_standing *standing, pl_candidate_pairs *pairs,
+                            const pl_body_state *last, pl_note *note, pl_error *error);
 
 #endif

@@ -108,7 +108,7 @@ static void judge_outcomes(const json_t *const *rows, int count, pl_sweep_point 
     point->state = PL_SWEEP_OK;
     for (int i = 0; i < count && point->state == PL_SWEEP_OK; ++i) {
         const char *outcome = pl_json_get_text(rows[i], "outcome");
-        if (strcmp(outcome, "ok") != 0 || pl_result_verdict_of(rows[i]) == PL_RESULT_FAILED) {
+        if (strcmp(outcome, "ok") != 0 || pl_verdict_of(rows[i]) == PL_VERDICT_FAILED) {
             /* What is unsupported on a changed scene only has failed there. */
             point->state = strcmp(outcome, "unsupported") == 0 && !is_changed(rows[i])
                                ? PL_SWEEP_UNSUPPORTED

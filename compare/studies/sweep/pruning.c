@@ -89,7 +89,7 @@ void pl_repeats_see(pl_repeats *repeats, const json_t *result)
     if (strcmp(outcome, "timeout") == 0 || cost_of(result) > repeats->limit) {
         json_object_set_new(repeats->spared, point, json_true());
     }
-    if (strcmp(outcome, "ok") != 0 || pl_result_verdict_of(result) == PL_RESULT_FAILED) {
+    if (strcmp(outcome, "ok") != 0 || pl_verdict_of(result) == PL_VERDICT_FAILED) {
         json_object_set_new(repeats->failed, point, json_true());
     }
 }
