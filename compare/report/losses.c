@@ -308,6 +308,10 @@ void pl_loss_texts(const pl_loss *loss, char metric[PL_LOSS_TEXT_SIZE],
              primary ? ")" : "");
     pl_metric_text(&loss->our_cell->metrics[loss->metric], ours);
     pl_metric_text(&loss->best_cell->metrics[loss->metric], best);
+    if (loss->best_cell->verdict == PL_VERDICT_INACCURATE) {
+        const size_t used = strlen(best);
+        snprintf(best + used, PL_LOSS_TEXT_SIZE - used, " (inaccurate)");
+    }
     if (loss->near_rounding) {
         snprintf(ratio, PL_LOSS_TEXT_SIZE, "both near rounding");
     } else if (loss->kind == PL_LOSS_VALUE) {

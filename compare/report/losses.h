@@ -54,7 +54,8 @@ void pl_losses_free(pl_losses *losses);
 /* The size of each text of a loss, in bytes. */
 enum { PL_LOSS_TEXT_SIZE = 192 };
 
-/* Writes the texts of a loss, the same in every format. */
+/* Writes the texts of a loss, the same in every format. The other engine's value says so where its
+ * run is inaccurate. */
 void pl_loss_texts(const pl_loss *loss, char metric[PL_LOSS_TEXT_SIZE],
                    char ours[PL_LOSS_TEXT_SIZE], char best[PL_LOSS_TEXT_SIZE],
                    char ratio[PL_LOSS_TEXT_SIZE]);

@@ -29,6 +29,22 @@ static void test_loss_is_the_ratio_to_the_best_other(void **state)
     free_report(&made);
 }
 
+static void test_value_of_an_inaccurate_run_says_so(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 2; ++i) {
+        json_t *results = two_runs("time_per_step", 2e-3, 1e-3);
+        json_t *theirs = json_array_get(results, 1);
+        json_object_set_new(theirs, "verdict", json_string(i == 0 ? "accurate" : "inaccurate"));
+        made_report made = make_report(results);
+        char texts[4][PL_LOSS_TEXT_SIZE];
+        assert_int_equal(made.report.losses.count, 1);
+        pl_loss_texts(&made.report.losses.items[0], texts[0], texts[1], texts[2], texts[3]);
+        assert_string_equal(texts[2], i == 0 ? "1.00 ms" : "1.00 ms (inaccurate)");
+        free_report(&made);
+    }
+}
+
 static void test_difference_below_noise_is_no_loss(void **state)
 {
     (void)state;
@@ -256,6 +272,7 @@ static void test_verdicts_and_losses_come_before_results(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_value_of_an_inaccurate_run_says_so),
         cmocka_unit_test(test_loss_is_the_ratio_to_the_best_other),
         cmocka_unit_test(test_difference_below_noise_is_no_loss),
         cmocka_unit_test(test_ratio_uses_the_floor_below_it),
