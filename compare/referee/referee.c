@@ -28,6 +28,7 @@ typedef enum series_id {
     OF_CONTACTS,
     OF_TIME,
     OF_UNEXPLAINED,
+    OF_FREE_FLIGHT,
     SERIES_COUNT
 } series_id;
 
@@ -170,6 +171,9 @@ static void see_mechanics(pl_referee *r, const pl_step_observation *seen)
     pl_series_add(&r->series[OF_UNEXPLAINED],
                   pl_unexplained_motion_of(r->unexplained, r->touching, step.before, step.after),
                   r->done);
+    pl_series_add(&r->series[OF_FREE_FLIGHT],
+                  pl_free_flight_error_of(r->unexplained, r->touching, step.before, step.after),
+                  r->done);
     for (pl_position_rule k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         double gain = pl_mechanics_energy_gain(r->mechanics, &r->scale, k) -
                       pl_mechanics_energy_rounding(r->mechanics) / r->scale.energy;
@@ -278,6 +282,9 @@ static void dynamic_metrics(const pl_referee *r, pl_metric *item)
     const pl_position_rule integrator = pl_integrator_of(pl_mechanics_votes(r->mechanics));
     item[PL_METRIC_ENERGY_GAIN] = maximum(r, OF_ENERGY + (int)integrator);
     item[PL_METRIC_UNEXPLAINED_MOTION] = maximum(r, OF_UNEXPLAINED);
+    if (r->series[OF_FREE_FLIGHT].count > 0) {
+        item[PL_METRIC_FREE_FLIGHT_ERROR] = maximum(r, OF_FREE_FLIGHT);
+    }
     item[PL_METRIC_ENERGY_STEP_GAIN] = maximum(r, OF_STEP_GAIN + (int)integrator);
     item[PL_METRIC_MOMENTUM_ERROR] = momentum_metric(r, integrator);
     contact_force_metrics(r, integrator, item);

@@ -181,6 +181,47 @@ static void test_motion_with_the_speed_of_the_island_is_explained(void **state)
     }
 }
 
+/* ---- Free flight ---- */
+
+/* A ball at height z whose velocity changes by `share` of what gravity gives it in a step. */
+static const pl_metric *fall(run *r, double z, double share)
+{
+    run_prepare(r, 1);
+    run_add_body(r, "floor", pl_shape_plane(0, 0, 1, 0), true, 0, 0);
+    run_add_body(r, "ball", pl_shape_sphere(1), false, 0, z);
+    run_begin(r);
+    for (int i = 0; i < 64; ++i) {
+        r->state[1].velocity[2] -= share * 9.81 * H;
+        run_step_many(r, 1);
+    }
+    assert_int_equal(run_finish(r), PL_ENDING_OK);
+    return run_metric(r, PL_METRIC_FREE_FLIGHT_ERROR);
+}
+
+static void test_free_flight_takes_the_whole_of_gravity(void **state)
+{
+    (void)state;
+    const double shares[] = {1, 0.75, 0, 1.5};
+    for (int i = 0; i < 4; ++i) {
+        run r;
+        const pl_metric *error = fall(&r, 100, shares[i]);
+        assert_int_equal(error->state, PL_METRIC_VALUE);
+        assert_close(error->value, fabs(shares[i] - 1), 1e-12, 1e-12);
+        run_end(&r);
+    }
+}
+
+static void test_body_that_may_touch_does_not_fly(void **state)
+{
+    (void)state;
+    const double heights[] = {1, 1.0005}; /* on the floor, and within rounding of it */
+    for (int i = 0; i < 2; ++i) {
+        run r;
+        assert_int_equal(fall(&r, heights[i], 0)->state, PL_METRIC_ABSENT);
+        run_end(&r);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -194,6 +235,8 @@ int main(void)
         cmocka_unit_test(test_jump_beyond_speed_and_gravity_is_unexplained),
         cmocka_unit_test(test_push_out_of_an_overlap_is_explained),
         cmocka_unit_test(test_motion_with_the_speed_of_the_island_is_explained),
+        cmocka_unit_test(test_free_flight_takes_the_whole_of_gravity),
+        cmocka_unit_test(test_body_that_may_touch_does_not_fly),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,6 +5,7 @@
  *
  *   penetration_p99    the overlap that 99 % of the touching pairs do not exceed, over L
  *   penetration_max    the deepest overlap, over 10 L: it may be seen for one frame only
+ *   free_flight_error  of a body that meets no other
  *   energy_gain        over the energy of the scene
  *   momentum_error     over the momentum of the scene
  *   statistics_error   where the end statistics are known
@@ -64,8 +65,8 @@ static pl_metric statistics_error(const pl_scene *scene, const pl_metric *item)
 
 static pl_metric chaotic_error(double size, const pl_metric *item)
 {
-    static const pl_metric_id plain[] = {PL_METRIC_ENERGY_GAIN, PL_METRIC_MOMENTUM_ERROR,
-                                         PL_METRIC_STATISTICS_ERROR};
+    static const pl_metric_id plain[] = {PL_METRIC_FREE_FLIGHT_ERROR, PL_METRIC_ENERGY_GAIN,
+                                         PL_METRIC_MOMENTUM_ERROR, PL_METRIC_STATISTICS_ERROR};
     pl_metric largest = pl_metric_failed("no metric that it consists of has a value");
     const pl_metric *penetration = &item[PL_METRIC_PENETRATION_MAX];
     if (penetration->state == PL_METRIC_VALUE) {

@@ -79,6 +79,10 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
          "h V + h^2 (|g| + F/m) + D, over the body's radius, at least 0; V is the largest speed, "
          "and D the sum of the overlaps, in the body's island before and after the step; beyond "
          "0.1 the run has failed"},
+    [PL_METRIC_FREE_FLIGHT_ERROR] =
+        {"free_flight_error", "1", PL_LOWER_IS_BETTER, true,
+         "max over steps and bodies that meet no other, and have no force of the scene, of "
+         "|v' - v - h g| / (h |g|); absent where no body flies, and without gravity"},
     [PL_METRIC_ENERGY_GAIN] =
         {"energy_gain", "1", PL_LOWER_IS_BETTER, true,
          "max over frames of (E - E_0 - work of scene forces) / E_ref, at least 0; E = kinetic + "

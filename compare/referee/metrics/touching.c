@@ -24,6 +24,7 @@ struct pl_touching {
 
     int *now, *both; /* (body_count): parents; a root is its own parent and the least of its set */
     double *sum;     /* (body_count): by root */
+    bool *met, *last_met;         /* (body_count): meets another body in a frame */
     double *depths, *last_depths; /* (body_count): sums of a body's overlaps in a frame, m */
 };
 
@@ -47,6 +48,8 @@ pl_touching *pl_touching_create(const pl_scene *scene, pl_arena *arena)
     t->now = pl_arena_take(arena, count, sizeof *t->now);
     t->both = pl_arena_take(arena, count, sizeof *t->both);
     t->sum = pl_arena_take(arena, count, sizeof *t->sum);
+    t->met = pl_arena_take(arena, count, sizeof *t->met);
+    t->last_met = pl_arena_take(arena, count, sizeof *t->last_met);
     t->depths = pl_arena_take(arena, count, sizeof *t->depths);
     t->last_depths = pl_arena_take(arena, count, sizeof *t->last_depths);
     if (arena->failed) {
@@ -79,12 +82,17 @@ void pl_touching_begin(pl_touching *t, long step)
     separate(t->now, t->scene->body_count);
     memcpy(t->last_depths, t->depths, (size_t)t->scene->body_count * sizeof *t->depths);
     memset(t->depths, 0, (size_t)t->scene->body_count * sizeof *t->depths);
+    memcpy(t->last_met, t->met, (size_t)t->scene->body_count * sizeof *t->met);
+    memset(t->met, 0, (size_t)t->scene->body_count * sizeof *t->met);
 }
 
 void pl_touching_see(void *touching, const pl_near_pair *pair)
 {
     pl_touching *t = touching;
     const pl_body *bodies = t->scene->bodies;
+    if (pair->meets) {
+        t->met[pair->a] = t->met[pair->b] = true;
+    }
     if (pair->meets && (bodies[pair->a].is_static || bodies[pair->b].is_static)) {
         t->met_static = true;
     } else if (pair->meets) {
@@ -128,6 +136,11 @@ int pl_touching_island(pl_touching *t, int body)
 double pl_touching_depth(const pl_touching *t, int body)
 {
     return t->depths[body] + t->last_depths[body];
+}
+
+bool pl_touching_flew(const pl_touching *t, int body)
+{
+    return !t->met[body] && !t->last_met[body];
 }
 
 double pl_touching_island_max(pl_touching *t, const double *growth)

@@ -39,6 +39,10 @@ int pl_touching_island(pl_touching *touching, int body);
 /* The sum of the depths of a body's overlaps in the frames before and after the last step, m. */
 double pl_touching_depth(const pl_touching *touching, int body);
 
+/* Whether a body flew through the last step: it met no other, neither in the frame before nor in the
+ * frame after. */
+bool pl_touching_flew(const pl_touching *touching, int body);
+
 /* Sets penetration_max and penetration_rest in item (PL_METRIC_COUNT). Both are PL_METRIC_FAILED if
  * the gap of any pair could not be computed. */
 void pl_touching_metrics(const pl_touching *touching, pl_metric *item);

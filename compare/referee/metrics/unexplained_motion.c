@@ -5,7 +5,10 @@
  * V is the largest speed of a point of the island's bodies before or after the step: within the step
  * bodies hand velocities on, and none gets more than the fastest had. F is the sum of the scene's
  * forces on the body. D is the sum of the depths of the island's overlaps before and after the step,
- * by which an engine may push bodies out. What goes beyond is a jump. */
+ * by which an engine may push bodies out. What goes beyond is a jump.
+ *
+ * A body that meets no other in a step has v' = v + h g, with any integrator and any number of
+ * sub-steps. Engines that damp all motion, or that let nothing move, show here. */
 #include "unexplained_motion.h"
 
 #include "plumb/vec.h"
@@ -84,6 +87,24 @@ double pl_unexplained_motion_of(pl_unexplained_motion *m, pl_touching *touching,
             const double explained =
                 h * m->speed[root] + h * h * m->acceleration[i] + m->depth[root];
             most = fmax(most, (moved - explained) / m->radius[i]);
+        }
+    }
+    return most;
+}
+
+double pl_free_flight_error_of(const pl_unexplained_motion *m, const pl_touching *touching,
+                               const pl_body_state *before, const pl_body_state *after)
+{
+    const pl_scene *scene = m->scene;
+    const pl_vec gravity = pl_vec_of(scene->gravity);
+    const double h = scene->dt, g = pl_vec_length(gravity);
+    double most = (double)NAN;
+    for (int i = 0; i < scene->body_count && g > 0; ++i) {
+        const bool is_free = !scene->bodies[i].is_static && m->acceleration[i] == g;
+        if (is_free && pl_touching_flew(touching, i)) {
+            const pl_vec change =
+                pl_vec_sub(pl_vec_of(after[i].velocity), pl_vec_of(before[i].velocity));
+            most = fmax(most, pl_vec_length(pl_vec_mad(change, -h, gravity)) / (h * g));
         }
     }
     return most;
