@@ -65,9 +65,12 @@ static const pl_suite_entry paper_blocks[] = {{"blocks", "n=5", 0.6e-3 + 1.5e-3}
                                               {"blocks", "n=100", 20e-3 + 60e-3},
                                               {"blocks", "n=200", 44e-3 + 140e-3}};
 
-/* Small enough for a hundred members on two cores in minutes. */
-static const pl_suite_entry chaotic[] = {{"wall-collapse", "rows=8,columns=12", 0},
-                                         {"pile", "n=60,duration=6", 0}};
+/* Those whose converged end statistics are known (converged.c). */
+static const pl_suite_entry chaotic[] = {{"wall-collapse", NULL, 0},
+                                         {"pile", NULL, 0},
+                                         {"falling-cubes", NULL, 0},
+                                         {"dominoes", NULL, 0},
+                                         {"domino-into-pile", NULL, 0}};
 
 /* Cases that break engines; each names what it provokes. */
 static const pl_suite_entry hard[] = {
@@ -90,7 +93,7 @@ static const pl_suite suites[] = {
          "all that have a right answer in numbers: bodies that move, slide, bounce and rest",
      ENTRIES(analytic)},
     {.name = "chaotic",
-     .description = "collapses and piles, to be compared as ensembles: plumb ensemble's default",
+     .description = "collapses, piles and dominoes, of which the end statistics are known: plumb ensemble's default",
      ENTRIES(chaotic)},
     {.name = "hard",
      .description = "cases that break engines: weights, edges, friction at its limit, sizes, steps",
