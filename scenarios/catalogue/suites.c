@@ -93,7 +93,8 @@ static const pl_suite suites[] = {
          "all that have a right answer in numbers: bodies that move, slide, bounce and rest",
      ENTRIES(analytic)},
     {.name = "chaotic",
-     .description = "collapses, piles and dominoes, of which the end statistics are known: plumb ensemble's default",
+     .description = "collapses, piles and dominoes, of which the end statistics are known: plumb "
+                    "ensemble's default",
      ENTRIES(chaotic)},
     {.name = "hard",
      .description = "cases that break engines: weights, edges, friction at its limit, sizes, steps",
