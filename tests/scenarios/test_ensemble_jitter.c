@@ -25,6 +25,8 @@ static void hash_of_member(const char *name, const char *setting, uint64_t seed,
     pl_scene scene = build(name, setting, 0);
     pl_scene_jitter(&scene, seed, member);
     assert_int_equal(pl_scene_validate(&scene, NULL), PL_OK);
+    scene.primary_error[0] = '\0'; /* how it is judged has no part in it */
+    scene.acceptance = (double)INFINITY;
     assert_int_equal(pl_scene_hash(&scene, hash, NULL), PL_OK);
     pl_scene_free(&scene);
 }
@@ -129,9 +131,9 @@ static void test_ensemble_member_is_equal_everywhere(void **state)
         int member;
         const char *hash;
     } members[] = {
-        {"pile", "n=30", 0, 0, "04be7aec36122466"},
-        {"pile", "n=30", 0, 7, "63f9459435ad4811"},
-        {"wall-collapse", "rows=3,columns=5", 42, 0, "d30861f77a78d121"},
+        {"pile", "n=30", 0, 0, "6e7c66ba57a6d563"},
+        {"pile", "n=30", 0, 7, "dfe7ef25b0d42e7c"},
+        {"wall-collapse", "rows=3,columns=5", 42, 0, "676633dbf2ead08c"},
     };
     for (size_t i = 0; i < sizeof members / sizeof members[0]; ++i) {
         char hash[17];
