@@ -5,6 +5,7 @@
 #include "results/run_verdict.h"
 
 #include <errno.h>
+#include <math.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -216,11 +217,14 @@ static void draw(const execution *e)
     pl_progress_draw(e->bar, running, part, pl_monotonic_seconds());
 }
 
-/* Milliseconds until a deadline, or until the bar is drawn again. */
+/* Milliseconds until a deadline, until the bar is drawn again, or until runs are looked at. */
 static int patience(const execution *e)
 {
     double now = pl_monotonic_seconds();
     double wait = e->bar != NULL && e->bar->terminal ? 0.2 : 3600;
+    if (e->def->limits.cpu_time > 0) {
+        wait = fmin(wait, fmin(fmax(e->def->limits.cpu_time / 4, 0.005), 0.25));
+    }
     for (int i = 0; i < e->def->jobs; ++i) {
         double left = e->slots[i].run.process.deadline - now;
         if (e->slots[i].busy && !e->slots[i].run.process.timed_out && left < wait) {
@@ -255,6 +259,9 @@ static pl_status wait_and_collect(execution *e, int *signal_number, pl_error *er
         return PL_OK;
     }
     for (int i = 0; i < jobs && status == PL_OK; ++i) {
+        if (e->slots[i].busy) {
+            pl_isolated_run_look(&e->slots[i].run);
+        }
         if (e->slots[i].busy &&
             pl_process_advance(&e->slots[i].run.process, &e->polls[i * PL_PROCESS_POLLS])) {
             status = finish(e, &e->slots[i], error);

@@ -8,6 +8,7 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
+#include <time.h>
 
 /* In the child: the result as JSON is the answer. */
 static pl_status answer_result(const pl_run_result *result, void *user, pl_error *error)
@@ -126,6 +127,28 @@ static void describe_place(const pl_isolated_run *run, char *text, size_t size)
 static bool was_reported(const pl_isolated_run *run)
 {
     return atomic_load(&run->def.watch->stage) == PL_STAGE_REPORT;
+}
+
+void pl_isolated_run_look(pl_isolated_run *run)
+{
+    const int stage = atomic_load(&run->def.watch->stage);
+    const long step = atomic_load(&run->def.watch->steps_done);
+    clockid_t clock;
+    struct timespec used;
+    if (!(run->limits.cpu_time > 0) || clock_getcpuclockid(run->process.pid, &clock) != 0 ||
+        clock_gettime(clock, &used) != 0) {
+        return;
+    }
+    const double cpu_time = (double)used.tv_sec + 1e-9 * (double)used.tv_nsec;
+    const bool is_limited =
+        stage == PL_STAGE_CREATE || stage == PL_STAGE_STEP || stage == PL_STAGE_READ;
+    if (!is_limited || stage != run->call || step != run->call_step) {
+        run->call = stage;
+        run->call_step = step;
+        run->call_cpu_time = cpu_time;
+    } else if (cpu_time - run->call_cpu_time > run->limits.cpu_time) {
+        kill(run->process.pid, SIGPROF);
+    }
 }
 
 /* The outcome of a run whose process did not answer. */

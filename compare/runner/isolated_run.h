@@ -13,12 +13,21 @@ typedef struct pl_isolated_run {
     pl_run_def def; /* its watch is shared with the child */
     json_t *identity;
     char started[32];
+    /* The call of the engine that was last seen in progress, and the CPU time of the process then. */
+    int call;
+    long call_step;
+    double call_cpu_time; /* s */
 } pl_isolated_run;
 
 /* Starts the run. `def` is copied, `def->watch` and `def->cpu_limit` are not used; what it points to must outlive the
  * run. Takes its own reference of `identity`. */
 pl_status pl_isolated_run_start(pl_isolated_run *run, const pl_run_def *def, json_t *identity,
                                 const pl_limits *limits, pl_error *error);
+
+/* Looks at the run, and ends it when one call of the engine has taken more than the limit of CPU
+ * time. To be called from time to time while the run has such a limit. (A timer of CPU time in the
+ * process itself would make Linux count its CPU time in ticks of the scheduler.) */
+void pl_isolated_run_look(pl_isolated_run *run);
 
 /* After pl_process_advance said that the process has ended: its plumb.result/1, a new reference.
  * PL_IO or PL_NO_MEMORY when the run itself could not be made. Frees the run in any case. */

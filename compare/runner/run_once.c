@@ -15,7 +15,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/time.h>
 
 /* Two frames: the new one, and the last good one. */
 typedef struct run {
@@ -150,21 +149,6 @@ static double cpu_time_of(const run *r)
            cost[PL_CALLS_READ].cpu_time;
 }
 
-/* Has the kernel end the process with SIGPROF when the calls to come, up to the disarming, bring the
- * engine to twice its limit of CPU time: a call that does not return cannot be ended otherwise.
- * isolated_run.c tells the signal. */
-static void arm_limit(const run *r, bool on)
-{
-    const double limit = r->def->cpu_limit;
-    const double left = on ? fmax(2 * limit - cpu_time_of(r), 1e-3) : 0;
-    if (limit > 0) {
-        const double whole = floor(left);
-        const struct itimerval timer = {
-            .it_value = {.tv_sec = (time_t)whole, .tv_usec = (suseconds_t)(1e6 * (left - whole))}};
-        setitimer(ITIMER_PROF, &timer, NULL);
-    }
-}
-
 /* Loads the engine. False when that ended the run. */
 static bool load(run *r, pl_run_result *result)
 {
@@ -183,9 +167,7 @@ static pl_status begin(run *r, pl_run_result *result, bool *going, pl_error *err
     const pl_run_def *def = r->def;
     pl_error fault = {.message = ""};
     *going = false;
-    arm_limit(r, true);
     pl_status status = pl_session_create(&r->session, def->scene, &fault);
-    arm_limit(r, false);
     if (status == PL_OK) {
         status = pl_parameter_check(&r->session, def->scene, &result->read_back, &result->substeps,
                                     &fault);
@@ -239,7 +221,6 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
         return status;
     }
     int count = -1;
-    arm_limit(r, true);
     status = pl_session_step(&r->session, &stats, &cost, &fault);
     if (status == PL_OK) {
         result->steps_done += 1;
@@ -251,7 +232,6 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
         status = pl_session_read_contacts(&r->session, &r->contacts, &r->contact_capacity, &count,
                                           &fault);
     }
-    arm_limit(r, false);
     if (status == PL_OK) {
         status = pl_check_contacts(r->contacts, count, r->session.loaded.table.contacts,
                                    def->scene->body_count, result->steps_done, &fault);

@@ -32,8 +32,8 @@ typedef struct pl_run_def {
     FILE *trajectory;          /* gets every frame as CSV; NULL: none */
     const char *positions;     /* file that gets a compact trajectory (positions.h); NULL: none */
     const pl_capture *capture; /* NULL: none; otherwise the engine exports contact problems */
-    /* s of CPU time: a run of which create, steps and reads have taken more is not gone on with, and
-     * one of which they take twice as much ends in SIGPROF. 0: no limit */
+    /* s of CPU time: a run of which create, steps and reads have taken more is not gone on with. A
+     * call that does not return is ended by isolated_run.h. 0: no limit */
     double cpu_limit;
     pl_run_watch *watch;
 } pl_run_def;

@@ -3,6 +3,7 @@
 #include "base/sanitizer.h"
 #include "check.h"
 #include "plumb_process.h"
+#include "results/result.h"
 #include "results/store.h"
 
 #include <errno.h>
@@ -165,6 +166,22 @@ static void test_cpu_limit_leaves_out_waiting_and_the_referee(void **state)
     free_output(&output);
 }
 
+/* Linux counts the CPU time of a process that has a timer of CPU time in ticks: that of a short run
+ * would be 0. */
+static void test_cpu_limit_leaves_the_clock_exact(void **state)
+{
+    const fixture *f = *state;
+    for (int i = 0; i < 4; ++i) {
+        plumb_output output = run_plumb(
+            f->at.directory, (const char *const[]){"run", "free-fall", "--engine", "plumb",
+                                                   "--cpu-limit", "10", "--json", "-", NULL});
+        json_t *result = json_loads(output.out, 0, NULL);
+        assert_true(pl_result_metric(result, "time_per_step") > 0);
+        json_decref(result);
+        free_output(&output);
+    }
+}
+
 static void test_a_stopped_process_is_timeout(void **state)
 {
     const json_t *row = check_outcome(state, "faulty:stop", "timeout");
@@ -274,6 +291,7 @@ int main(void)
         cmocka_unit_test(test_a_stopped_process_is_timeout),
         cmocka_unit_test(test_cpu_limit_counts_create_steps_and_reads),
         cmocka_unit_test(test_cpu_limit_leaves_out_waiting_and_the_referee),
+        cmocka_unit_test(test_cpu_limit_leaves_the_clock_exact),
         cmocka_unit_test(test_nan_is_nonfinite_with_the_last_good_frame),
         cmocka_unit_test(test_all_memory_taken_is_crashed),
         cmocka_unit_test(test_exit_in_a_step_is_always_crashed),

@@ -2,6 +2,7 @@
 #include "check.h"
 #include "studies/sweep/design.h"
 #include "studies/variant/tunable.h"
+#include "studies/variant/variant.h"
 
 #include <math.h>
 #include <string.h>
@@ -176,9 +177,26 @@ static void test_the_design_is_the_same_everywhere(void **state)
     pl_design_free(&design);
 }
 
+/* Beyond its critical value a scene has another right answer: slope-tip within 1 % may have to tip. */
+static void test_a_change_never_crosses_a_critical_value(void **state)
+{
+    (void)state;
+    int count = 0;
+    const pl_scenario *const *scenarios = pl_scenarios(&count);
+    const pl_variant drawn = {"drawn", PL_VARIANT_DRAWN, 1};
+    for (int i = 0; i < count; ++i) {
+        double values[PL_MAX_PARAMS];
+        assert_int_equal(pl_scenario_values(scenarios[i], NULL, 0, values, NULL), PL_OK);
+        if (scenarios[i]->threshold != NULL) {
+            assert_false(pl_variant_apply(&drawn, scenarios[i], 0, values));
+        }
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_a_change_never_crosses_a_critical_value),
         cmocka_unit_test(test_options_take_values_all_over_their_ranges),
         cmocka_unit_test(test_steps_and_profiles_have_equal_shares),
         cmocka_unit_test(test_what_is_not_tuned_keeps_its_value),

@@ -109,12 +109,13 @@ static bool is_drawn(const pl_param *param, double value)
            strcmp(param->name, "duration") != 0;
 }
 
+/* A scenario with a critical value is left alone: on the other side of it another answer is right. */
 static bool draw(const pl_scenario *scenario, uint64_t seed, double *values)
 {
     const double part = 0.01;
     pl_random random = {.state = seed};
     bool changed = false;
-    for (int i = 0; i < scenario->param_count; ++i) {
+    for (int i = 0; i < scenario->param_count && scenario->threshold == NULL; ++i) {
         const pl_param *param = &scenario->params[i];
         if (is_drawn(param, values[i])) {
             const double moved = values[i] * (1 + part * (2 * pl_random_unit(&random) - 1));
