@@ -13,8 +13,7 @@ source "$SOURCE/tests/support/faulty_plumb.sh"
 judge() {
     local code=0 results=$1 pattern
     shift
-    "$PLUMB" gate "$results/still" "$results/swept" --baseline "$SOURCE/tests/baseline/plumb.json" \
-        >"$directory/said" || code=$?
+    baseline_gate "$PLUMB" "$results" "$SOURCE/tests/baseline/plumb.json" >"$directory/said" || code=$?
     ((code == 1)) || { cat "$directory/said" >&2; fail "$results: exit code $code, not 1"; }
     for pattern in "$@"; do
         grep -Eq -- "$pattern" "$directory/said" ||
