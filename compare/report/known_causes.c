@@ -1,7 +1,7 @@
 /* Reads known_causes.json, plumb.known-causes/1:
  *
  *     {"schema": "plumb.known-causes/1", "found_with": TEXT,
- *      "versions": {ENGINE: [OLDEST, NEWEST], ...},
+ *      "versions": {ENGINE: [OLDEST, NEWEST], ...}, "profiles": {ENGINE: [PROFILE, ...], ...}?,
  *      "causes": [{"engine": ENGINE, "profile": TEXT?, "outcome": TEXT?,
  *                  "versions": [OLDEST, NEWEST]?,
  *                  "scenarios": {SCENARIO: {PARAMETER: [LEAST, LARGEST], ...}, ...},
@@ -14,7 +14,8 @@
  * was varied, or the adapter was changed for the purpose. tests/compare/test_known_causes_slow.sh
  * replays the experiments. What they cannot show is named by `by`: a modified adapter, a debugger, a
  * run that takes minutes. `h` in the texts is the scenario's time step. A number is given as such or as a text with a fraction, "1/240". Statements without their
- * own versions have those of the whole file.
+ * own versions have those of the whole file, and those without a profile are about the file's
+ * profiles of the engine.
  *
  * ODE's two bounded directions and its implicit gyroscopic torque are in its manual. That dantzig
  * takes the bounds from the frictionless normal forces is inferred from the angle of `ladder`. */
@@ -34,7 +35,7 @@ enum { MOST_BYTES = 1 << 20 };
 /* The file, which compare/CMakeLists.txt builds into the program. */
 extern const char pl_known_causes_json[];
 
-static const char *const file_keys[] = {"schema", "found_with", "versions", "causes"};
+static const char *const file_keys[] = {"schema", "found_with", "versions", "profiles", "causes"};
 static const char *const cause_keys[] = {"engine", "profile",  "outcome", "versions",   "scenarios",
                                          "cause",  "evidence", "by",      "experiments"};
 static const pl_key_set file_set = PL_KEY_SET("known causes", file_keys);
@@ -122,9 +123,10 @@ static bool read_scenarios(const json_t *json, pl_known_cause *cause, pl_diagnos
     return true;
 }
 
-static bool read_cause(const json_t *json, const json_t *versions, pl_known_cause *cause,
+static bool read_cause(const json_t *json, const json_t *file, pl_known_cause *cause,
                        pl_diagnostic *diagnostic)
 {
+    const json_t *versions = json_object_get(file, "versions");
     const char *by = NULL;
     const json_t *experiments = NULL;
     if (!pl_json_object(json, &cause_set, diagnostic) ||
@@ -137,6 +139,7 @@ static bool read_cause(const json_t *json, const json_t *versions, pl_known_caus
         !read_scenarios(json, cause, diagnostic)) {
         return false;
     }
+    cause->profiles = json_object_get(json_object_get(file, "profiles"), cause->engine);
     if (!json_is_null(json_object_get(json, "cause")) &&
         !pl_json_string(json, "cause", PL_REQUIRED, "a text or null", &cause->cause, diagnostic)) {
         return false;
@@ -178,8 +181,7 @@ static bool read_file(const json_t *json, void *user, pl_diagnostic *diagnostic)
     json_array_foreach(array, index, item)
     {
         pl_path_push_index(&diagnostic->path, (int)index);
-        if (!read_cause(item, json_object_get(json, "versions"), &causes->items[causes->count++],
-                        diagnostic)) {
+        if (!read_cause(item, json, &causes->items[causes->count++], diagnostic)) {
             return false;
         }
         pl_path_pop(&diagnostic->path);
@@ -228,6 +230,23 @@ static bool are_in_ranges(const json_t *ranges, const pl_scenario *scenario, con
     return true;
 }
 
+/* Whether a statement is about a profile of its engine. */
+static bool is_about(const pl_known_cause *cause, const char *profile)
+{
+    size_t index;
+    const json_t *item;
+    if (cause->profile != NULL || cause->profiles == NULL) {
+        return cause->profile == NULL || strcmp(cause->profile, profile) == 0;
+    }
+    json_array_foreach(cause->profiles, index, item)
+    {
+        if (json_is_string(item) && strcmp(json_string_value(item), profile) == 0) {
+            return true;
+        }
+    }
+    return false;
+}
+
 const pl_known_cause *pl_known_cause_find(const pl_known_causes *causes, const json_t *result)
 {
     const char *engine = pl_json_get_text(result, "engine");
@@ -246,7 +265,7 @@ const pl_known_cause *pl_known_cause_find(const pl_known_causes *causes, const j
         const json_t *ranges = json_object_get(cause->scenarios, name);
         if (ranges != NULL && strcmp(cause->engine, engine) == 0 &&
             strverscmp(cause->oldest, version) <= 0 && strverscmp(version, cause->newest) <= 0 &&
-            (cause->profile == NULL || strcmp(cause->profile, profile) == 0) &&
+            is_about(cause, profile) &&
             (cause->outcome == NULL ? !cut_off : strcmp(cause->outcome, outcome) == 0) &&
             are_in_ranges(ranges, scenario, json_object_get(result, "params"))) {
             return cause;

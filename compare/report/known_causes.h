@@ -9,7 +9,8 @@
 
 /* One statement. */
 typedef struct pl_known_cause {
-    const char *engine, *profile; /* profile NULL: any */
+    const char *engine, *profile; /* profile NULL: those in `profiles` */
+    const json_t *profiles;       /* names; NULL: any */
     const char *outcome;          /* NULL: any except crashed and timeout */
     const char *oldest, *newest;  /* versions of the engine, both included */
     const json_t *scenarios;      /* name -> parameter -> [least, largest] */

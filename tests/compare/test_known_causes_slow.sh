@@ -16,8 +16,7 @@ with open(path) as file:
     known = json.load(file)
 listed = subprocess.run([plumb, "list", "engines"], capture_output=True, text=True, check=True).stdout
 versions = dict(re.findall(r"^([a-z]+) +([0-9][0-9.]*) ", listed, re.M))
-profiles = [line.split()[0] for line in listed.splitlines()
-            if re.match(r"  [a-z]+:[a-z]", line) and "only when asked for" not in line]
+profiles = [f"{engine}:{profile}" for engine, names in known["profiles"].items() for profile in names]
 failures = []
 
 

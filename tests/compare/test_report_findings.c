@@ -286,7 +286,8 @@ static void test_every_known_cause_can_be_reached(void **state)
         bool reached = false;
         char label[64];
         snprintf(label, sizeof label, "%s:%s", cause->engine,
-                 cause->profile == NULL ? "" : cause->profile);
+                 cause->profile == NULL ? json_string_value(json_array_get(cause->profiles, 0))
+                                        : cause->profile);
         json_object_foreach((json_t *)cause->scenarios, name, ranges)
         {
             const run r = {cause->engine,
