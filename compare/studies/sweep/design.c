@@ -14,6 +14,7 @@
 /* An engine whose settings are drawn. */
 typedef struct drawn_engine {
     const pl_design_def *def;
+    const pl_engine_info *engine;
     int base;                                         /* its first configuration in the plan */
     pl_engine_choice choices[PL_ENGINE_MAX_PROFILES]; /* (choice_count): the profiles */
     int choice_count;
@@ -23,7 +24,7 @@ typedef struct drawn_engine {
 /* Orders the strata of one dimension at random, by a seed that is the engine's and the key's. */
 static void draw_places(const drawn_engine *e, const char *key)
 {
-    const char *name = e->choices[0].engine->name;
+    const char *name = e->engine->name;
     pl_random random = {.state = pl_hash_text(pl_hash_text(PL_HASH_START, name), key)};
     for (int i = 0; i < e->def->settings; ++i) {
         const int other = (int)(pl_random_unit(&random) * (i + 1));
@@ -60,7 +61,7 @@ static bool is_set(const pl_engine_choice *choice, int option)
 /* Sets an option of all the engine's settings whose profile is tuned by it. */
 static void vary_option(const drawn_engine *e, int option, pl_design_setting *settings)
 {
-    const pl_engine_option *varied = &e->choices[0].engine->options[option];
+    const pl_engine_option *varied = &e->engine->options[option];
     draw_places(e, varied->name);
     for (int i = 0; i < e->def->settings; ++i) {
         pl_engine_choice *choice = &settings[i].choice;
@@ -84,7 +85,7 @@ static void draw_settings(const drawn_engine *e, pl_design_setting *settings)
     for (int i = 0; i < e->def->settings; ++i) {
         settings[i].dt = e->def->steps[(int)(place_of(e, i) * e->def->step_count)];
     }
-    for (int i = 0; i < e->choices[0].engine->option_count; ++i) {
+    for (int i = 0; i < e->engine->option_count; ++i) {
         vary_option(e, i, settings);
     }
 }
@@ -96,6 +97,7 @@ static bool begin_engine(drawn_engine *e, int index)
     const pl_plan *plan = e->def->plan;
     const pl_engine_choice *first = &plan->configurations[index].choice;
     const bool is_labelled = first->label[0] != '\0';
+    e->engine = first->engine;
     e->base = index;
     e->choice_count = 0;
     if (first->engine->fault.is_fault) {
@@ -120,7 +122,7 @@ static bool begin_engine(drawn_engine *e, int index)
     if (is_labelled) {
         e->choices[e->choice_count++] = *first;
     }
-    return true;
+    return e->choice_count > 0;
 }
 
 pl_status pl_design_make(const pl_design_def *def, pl_design *design, pl_error *error)
