@@ -25,7 +25,8 @@ pl_status pl_engine_of_build(const pl_built_in *built_in, const pl_engine_info *
 /* Parses `name[:profile][,option=value]...[,label=TEXT]`, where name is a built-in engine or the
  * path of a shared object (it has a '/' or ends in ".so"). The default profile is the engine's
  * first. A profile that the engine does not have itself is looked up in the files that
- * PLUMB_PROFILES names and in those that come with Plumb. An engine with a fault (pl_engine_info.fault) is chosen too; its profile and
+ * PLUMB_PROFILES names and in those that come with Plumb. An engine with a fault
+ * (pl_engine_info.fault) is chosen too; its profile and
  * options are then not checked. PL_BAD_INPUT: an unknown name, profile or option (the nearest one
  * is suggested), a value out of range, a shared object of another ABI, or a file that is no
  * plumb.profile/1. PL_UNSUPPORTED: an engine that this build lacks, with its Debian package. PL_IO:

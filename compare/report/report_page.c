@@ -208,6 +208,24 @@ static void add_losses(const pl_losses *losses, const pl_page *page)
     pl_page_paragraph(page, "note", losses->rule.data);
 }
 
+/* Adds a run that is not accurate: why, of our own engine; of another the cause, and its evidence. */
+static void add_finding(const pl_engine_finding *finding, bool ours, pl_table *table)
+{
+    char error[PL_FINDING_TEXT_SIZE];
+    const char *cause = NULL, *evidence = NULL;
+    pl_engine_finding_texts(finding, error, &cause, &evidence);
+    pl_table_add(table, finding->test_case->name);
+    pl_table_add(table, finding->column->name);
+    pl_table_add(table, error);
+    pl_table_style(table, pl_cell_style(finding->cell), NULL);
+    pl_table_add(table, ours ? pl_cell_why(finding->cell) : cause);
+    pl_table_style(table, "why", NULL);
+    if (!ours) {
+        pl_table_add(table, evidence);
+        pl_table_style(table, "why", NULL);
+    }
+}
+
 /* Adds the runs of our own engine that are not accurate. */
 static void add_our_findings(const pl_engine_findings *findings, const pl_page *page)
 {
@@ -217,16 +235,7 @@ static void add_our_findings(const pl_engine_findings *findings, const pl_page *
     }
     pl_table_columns(&table, "Case|Engine|Error|Why");
     for (int i = 0; i < findings->our_count; ++i) {
-        const pl_engine_finding *finding = &findings->ours[i];
-        char error[PL_FINDING_TEXT_SIZE];
-        const char *cause = NULL, *evidence = NULL;
-        pl_engine_finding_texts(finding, error, &cause, &evidence);
-        pl_table_add(&table, finding->test_case->name);
-        pl_table_add(&table, finding->column->name);
-        pl_table_add(&table, error);
-        pl_table_style(&table, pl_cell_style(finding->cell), NULL);
-        pl_table_add(&table, pl_cell_why(finding->cell));
-        pl_table_style(&table, "why", NULL);
+        add_finding(&findings->ours[i], true, &table);
     }
     pl_page_paragraph(page, "verdict", findings->our_statement.data);
     pl_page_table(page, table, SHOWN_LOSSES);
@@ -379,18 +388,7 @@ static void add_findings(const pl_engine_findings *findings, const pl_page *page
     pl_table_columns(&table, "Case|Engine|Error|What in the engine causes it|"
                              "What was varied, and what changed");
     for (int i = 0; i < findings->count; ++i) {
-        const pl_engine_finding *finding = &findings->items[i];
-        char error[PL_FINDING_TEXT_SIZE];
-        const char *cause = NULL, *evidence = NULL;
-        pl_engine_finding_texts(finding, error, &cause, &evidence);
-        pl_table_add(&table, finding->test_case->name);
-        pl_table_add(&table, finding->column->name);
-        pl_table_add(&table, error);
-        pl_table_style(&table, pl_cell_style(finding->cell), NULL);
-        pl_table_add(&table, cause);
-        pl_table_style(&table, "why", NULL);
-        pl_table_add(&table, evidence);
-        pl_table_style(&table, "why", NULL);
+        add_finding(&findings->items[i], false, &table);
     }
     pl_page_heading(page, "findings", "Findings");
     pl_page_paragraph(page, "verdict", findings->statement.data);

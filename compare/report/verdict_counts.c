@@ -89,7 +89,8 @@ void pl_verdict_counts_free(pl_verdict_counts *counts)
     *counts = (pl_verdict_counts){0};
 }
 
-/* Adds the engine's name and a bar: how its cases divide. The numbers beside it say the same. */
+/* Adds the engine's name and a bar that shows the share of each verdict, as the numbers beside it
+ * do. */
 static void add_name_and_bar(const pl_verdict_count *item, int cases, pl_table *table)
 {
     pl_text_buffer markup = {0};

@@ -201,7 +201,7 @@ static void test_tilted_shapes_touch_planes_at_the_lowest_point(void **state)
     for_each_profile(law_tilted);
 }
 
-/* How deep the engine lets bodies sink in of its own accord, m. */
+/* The penetration that the engine does not push out, m. */
 static double surface_layer(const pl_engine_choice *choice)
 {
     const int option = pl_engine_option_index(choice->engine, "surface_layer");

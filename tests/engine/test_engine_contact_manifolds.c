@@ -147,9 +147,9 @@ static void test_renamed_points_inherit_from_their_side_only(void **state)
             }
         }
         pe_vec3 before = manifold_impulse(contacts, loaded);
-        pe_contact_rules anew = {.reuse_tolerance = 0, .most_points = PE_MAX_POINTS};
+        pe_contact_rules no_reuse = {.reuse_tolerance = 0, .most_points = PE_MAX_POINTS};
         pe_arena_reset(&c.world->arena, &c.world->allocator);
-        assert_int_equal(pe_contacts_update(c.world, &anew, NULL, H, NULL), PE_OK);
+        assert_int_equal(pe_contacts_update(c.world, &no_reuse, NULL, H, NULL), PE_OK);
         assert_int_equal(contacts->manifold_count, 2);
         assert_at_most(pe_length(pe_sub(manifold_impulse(contacts, loaded), before)), 1e-15);
         assert_at_most(pe_length(manifold_impulse(contacts, !loaded)), 0);

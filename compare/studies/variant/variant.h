@@ -14,7 +14,8 @@ typedef enum pl_variant_kind {
     PL_VARIANT_LARGER,  /* n one larger */
     PL_VARIANT_SMALLER, /* n one smaller */
     PL_VARIANT_OFFSET,  /* offset = 0.01, with another seed */
-    PL_VARIANT_DRAWN /* continuous parameters drawn within 1 %, where the scenario has no critical value */
+    /* Continuous parameters drawn within 1 %, where the scenario has no critical value. */
+    PL_VARIANT_DRAWN
 } pl_variant_kind;
 
 /* A small change of all scenes that a study uses. */
