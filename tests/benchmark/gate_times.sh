@@ -12,7 +12,7 @@ trap 'rm -rf "$directory"' EXIT
 # shellcheck source=tests/support/faulty_plumb.sh
 source "$SOURCE/tests/support/faulty_plumb.sh"
 
-faulty slow engine/src/step.c 's/^pe_status pe_world_step(/static pe_status swift_step(/
+faulty slow engine/src/step/world_step.c 's/^pe_status pe_world_step(/static pe_status swift_step(/
 $a\
 static double spent(void)\
 {\

@@ -3,13 +3,15 @@
 
     results_tables.py [--plumb PROGRAM] [--out DIRECTORY] [TABLE ...]
 
-TABLE is canonical, paper, blocks, shapes, analytic, hard, thresholds or metamorphic; without one, all.
-DIRECTORY keeps the results (default: results_tables). The tables of sweeps and
-solvers are printed by plumb sweep and plumb solve themselves."""
+TABLE is canonical, paper, blocks, shapes, analytic, hard, chaotic, losses, thresholds, metamorphic, sweep or
+solvers; without one, all. DIRECTORY keeps the results (default: results_tables); a sweep and a benchmark of
+solvers that are there are not repeated."""
 import argparse
+import csv
 import json
 import pathlib
 import shlex
+import statistics
 import subprocess
 import sys
 
@@ -123,6 +125,10 @@ def number(value, unit=""):
     return f"{text} {unit}".strip()
 
 
+def power(level):
+    return f"{level:.0e}".replace("e-0", "e-")
+
+
 def error(results):
     """The primary error of a run: plain if it is accurate, slanted if it is not, bold where it failed."""
     if not results:
@@ -135,8 +141,8 @@ def error(results):
     return {"accurate": text, "inaccurate": f"*{text}*", "failed": f"**{text}**", None: text}[worst["verdict"]]
 
 
-def print_table(columns, rows):
-    print("\n| " + " | ".join(columns) + " |\n|---" + "|---:" * (len(columns) - 1) + "|")
+def print_table(columns, rows, align="---:"):
+    print("\n| " + " | ".join(columns) + " |\n|---" + f"|{align}" * (len(columns) - 1) + "|")
     for row in rows:
         print("| " + " | ".join(row) + " |")
     print(flush=True)
@@ -204,6 +210,45 @@ def hard(program):
     suite(program, "hard")
 
 
+def chaotic(program):
+    """chaotic_error and what dominates it, with plumb at three values of its slop."""
+    slops = ["1e-5", "1e-4", "1e-3"]
+    ours = [f"{profile},slop={slop}" for profile in PROFILES[:2] for slop in slops]
+    others = ["plumb:fast", *CONFIGURATIONS[1:]]
+    rows = []
+    for scenario in ("falling-cubes", "pile", "wall-collapse"):
+        (runs,) = program.compare(f"{scenario} --cpu-limit 60", ours + others).values()
+        # Labels leave out an option that has its default, but the results are in the order of the command.
+        cells = [f"{error(results)} {part(results[0])}".strip() for results in runs.values()]
+        rows.append([scenario, ", ".join(cells[:3]), ", ".join(cells[3:6]), *cells[6:]])
+    print_table(["scenario", f"plumb:accurate, slop {', '.join(slops)} m", "plumb, the same", *others], rows)
+
+
+def part(result):
+    """The part of a chaotic error that dominates it, as the first letter of its metric."""
+    letters = {"penetration_p99": "o", "penetration_max": "d", "statistics_error": "s", "energy_gain": "e",
+               "momentum_error": "m", "free_flight_error": "f"}
+    return letters.get(result["metrics"].get("chaotic_error", {}).get("part"), "")
+
+
+def losses(program):
+    """What a page on losses needs: other time steps, heaps of meshes, memory."""
+    rows = []
+    for scenario in ("rocking-block", "slide-and-spin", "top"):
+        for dt in ("1/60", "1/240"):
+            (runs,) = program.compare(f"{scenario} --dt {dt}", PROFILES[:1] + OTHERS).values()
+            rows.append([f"{scenario}, {dt} s", *(error(runs[label_of(s)]) for s in PROFILES[:1] + OTHERS)])
+    print_table(["scenario", "plumb:accurate", *OTHERS], rows)
+    engines, rows = PROFILES + OTHERS, []
+    for arguments in ("pile --set shape=3", "wall-collapse --set rows=25 --set columns=40"):
+        (runs,) = program.compare(arguments, engines).values()
+        base = metric(runs["bullet:si"], "time_per_step")
+        rows.append([arguments] + [f"× {metric(runs[label_of(s)], 'time_per_step') / base:.2g}, "
+                                   f"{number(metric(runs[label_of(s)], 'penetration_max'), 'm')}, "
+                                   f"{metric(runs[label_of(s)], 'memory_peak') / 2**20:.0f} MiB" for s in engines])
+    print_table(["scenario: time of a step, deepest overlap, memory", *engines], rows)
+
+
 def thresholds(program):
     engines, rows = ["plumb:accurate", "ode:quick", "ode:dantzig", "bullet:si", "bullet:nncg"], []
     for scenario in THRESHOLDS:
@@ -235,8 +280,92 @@ def metamorphic(program):
     print_table(["scene: what is changed", *engines], rows)
 
 
+def solvers(program):
+    """Problems solved from a cold start, of those that stand or slide and of collapses and piles, and times."""
+    out = program.directory / "solvers"
+    if not (out / "solver-benchmark.csv").exists():
+        program.call("solve", "--benchmark", "--out", str(out))
+    rows = list(csv.DictReader((out / "solver-benchmark.csv").open(encoding="utf-8")))
+    rows = [row for row in rows if row["start"] == "cold"]
+    levels = sorted({float(row["tolerance"]) for row in rows}, reverse=True)
+    names = list(dict.fromkeys(row["solver"] for row in rows))
+    seconds = {(row["solver"], float(row["tolerance"]), row["problem"]): float(row["seconds"])
+               for row in rows if row["reached"] == "1"}
+    problems = list(dict.fromkeys(row["problem"] for row in rows))
+    moving = {name for name in problems if name.startswith(("collapse", "pile"))}
+    counts, means = [], []
+    for solver in names:
+        solved = [[name for name in problems if (solver, level, name) in seconds] for level in levels]
+        counts.append([solver, *(f"{len(set(of) - moving)} / {len(set(of) & moving)}" for of in solved)])
+        ratios = [[seconds[solver, level, name] / seconds["gauss_seidel", level, name]
+                   for name in of if ("gauss_seidel", level, name) in seconds] for level, of in zip(levels, solved)]
+        means.append([solver, *(number(statistics.geometric_mean(of)) if of else "–" for of in ratios)])
+    heads = [f"to {power(level)} m/s" for level in levels]
+    print(f"Of {len(problems) - len(moving)} that stand or slide / of {len(moving)} collapses and piles:")
+    print_table(["solver", *heads], counts)
+    print_table(["CPU time over gauss_seidel", *heads], means[1:])
+
+
+SWEEP_LEVELS = [1e-2, 1e-3]
+
+
+def two_digits(value):
+    return f"{float(f'{value:.2g}'):g}"
+
+
+def factor(at):
+    """How many times as fast plumb is as the other engine at this error."""
+    if at["our_point"] is None and at["other_point"] is None:
+        return "neither"
+    if at["speed"] is None:
+        return "plumb alone" if at["other_point"] is None else "it alone"
+    value, low, high = (two_digits(at["speed"][key]) for key in ("value", "low", "high"))
+    return f"× {value} ({low} to {high})"
+
+
+def settings_of(problem, sweep, best):
+    """One row for each engine: its best point at the least error of SWEEP_LEVELS that it reaches."""
+    rows = []
+    for engine, points in best.items():
+        level = min((level for level in SWEEP_LEVELS if points[level] is not None), default=None)
+        name = sweep["engines"][engine]["name"]
+        if level is None:
+            (curve,) = [curve for curve in problem["curves"] if curve["engine"] == engine]
+            rows.append([problem["name"], name, "–", f"not with {curve['settings']} settings"])
+        else:
+            point = sweep["points"][points[level]]
+            label = point["label"].replace(",", ", ")
+            rows.append([problem["name"], name, power(level), f"{label} at 1/{1 / point['dt']:.0f} s"])
+    return rows
+
+
+def sweep(program):
+    """Speed at the same error, as shipped and at each engine's best, and the settings that were best."""
+    out = program.directory / "sweep"
+    program.call("sweep", "--suite", "canonical", "--jobs", "2", "--resume", "--out", str(out))
+    found = json.loads((out / "sweep.json").read_text(encoding="utf-8"))
+    names = [engine["name"] for engine in found["engines"] if engine["all_profiles"] and not engine["ours"]]
+    factors, settings = [], []
+    for problem in found["problems"]:
+        duels = [duel for duel in problem["duels"] if found["engines"][duel["other"]]["name"] in names]
+        best = {}
+        for wanted in SWEEP_LEVELS:
+            row = [problem["name"], power(wanted)]
+            for duel in duels:
+                (level,) = [level for level in duel["levels"] if level["level"] == wanted]
+                row.append(f"{factor(level['as_shipped'])}<br>{factor(level)}")
+                best.setdefault(duel["ours"], {})[wanted] = level["our_point"]
+                best.setdefault(duel["other"], {})[wanted] = level["other_point"]
+            factors.append(row)
+        settings += settings_of(problem, found, best)
+    print_table(["scenario", "error", *names], factors)
+    print_table(["scenario", "engine", "error", "best settings"], settings, align="---")
+
+
 def main():
-    tables = {f.__name__: f for f in (canonical, paper, blocks, shapes, analytic, hard, thresholds, metamorphic)}
+    tables = {f.__name__: f
+              for f in (canonical, paper, blocks, shapes, analytic, hard, chaotic, losses,
+                        thresholds, metamorphic, sweep, solvers)}
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--plumb", default="build/compare/plumb")
     parser.add_argument("--out", default="results_tables", type=pathlib.Path)
