@@ -14,9 +14,8 @@
  * was varied, or the adapter was changed for the purpose. tests/compare/test_known_causes_slow.sh
  * replays the experiments. What they cannot show is named by `by`: a modified adapter, a debugger, a
  * run that takes minutes. `h` in the texts is the scenario's time step. A number is given as such
- * or as a text with a fraction, "1/240". Statements without their
- * own versions have those of the whole file, and those without a profile are about the file's
- * profiles of the engine.
+ * or as a text with a fraction, "1/240". Statements without versions have those of the whole file,
+ * and those without a profile are about all profiles that the file lists for the engine.
  *
  * ODE's two bounded directions and its implicit gyroscopic torque are in its manual. That dantzig
  * takes the bounds from the frictionless normal forces is inferred from the angle of `ladder`. */

@@ -89,8 +89,8 @@ void pl_verdict_counts_free(pl_verdict_counts *counts)
     *counts = (pl_verdict_counts){0};
 }
 
-/* Adds the engine's name and a bar that shows the share of each verdict, as the numbers beside it
- * do. */
+/* Adds the engine's name above a bar with a part for each verdict, as wide as its share of the
+ * cases. */
 static void add_name_and_bar(const pl_verdict_count *item, int cases, pl_table *table)
 {
     pl_text_buffer markup = {0};

@@ -24,8 +24,8 @@ pl_progress pl_progress_begin(FILE *out, long total, double now);
 void pl_progress_draw(const pl_progress *progress, const char *running, double part, double now);
 
 /* Counts a run that has ended, and writes its line: `title`, its verdict, or where it has none its
- * outcome,
- * and why. On a terminal only where it is not accurate, or without a verdict not ok. */
+ * outcome, and why. On a terminal it writes only lines of runs that are not accurate, or that have
+ * no verdict and are not ok. */
 void pl_progress_run_ended(pl_progress *progress, const char *title, const json_t *result,
                            double seconds);
 

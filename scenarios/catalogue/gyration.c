@@ -14,8 +14,7 @@
  * of period 4 K(m) / p; with 1 and 3 changed for each other where L^2 < 2 E I_2. K is by the
  * arithmetic-geometric mean, K = pi / (2 M(1, sqrt(1 - m))). Where L^2 = 2 E I_2 there is no
  * period. The box keeps its place, to 1 m. The differences L^2 - 2 E I_k = sum I_i (I_i - I_k)
- * w_i^2 are taken without
- * cancellation. */
+ * w_i^2 are taken without cancellation. */
 
 enum { TORQUE_FREE_WOBBLE_X, TORQUE_FREE_WOBBLE_Z, TORQUE_FREE_SPIN };
 

@@ -35,7 +35,7 @@ CANONICAL = [
     ("slope-stick, 60 s", "slope-stick", 3),
     ("slope-slide, 2 s: distance, relative", "slope-slide", 3),
     ("slide-to-stop, 3 s: distance, relative", "slide-to-stop", 3),
-    ("pile of 100, 4 s: chaotic_error", "pile", 1),
+    ("pile of 100, 4 s: chaotic_error", "pile", 3),
     ("wall-collapse 10 × 10, 5 s: chaotic_error", "wall-collapse", 3),
     ("wall-collapse 25 × 40, 5 s: chaotic_error", "wall-collapse --set rows=25 --set columns=40", 1),
 ]
