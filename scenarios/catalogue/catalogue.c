@@ -16,7 +16,8 @@
     DO(needle_in_gap) DO(free_fall) DO(projectile) DO(bowling) DO(torque_free) DO(bounce) \
     DO(oblique_impact) DO(collision_train) DO(rocking_block) DO(isotropy) DO(carried_balls) \
     DO(reaction_split) DO(spin_stop) DO(cradle) DO(dominoes) DO(falling_cubes) \
-    DO(domino_into_pile) DO(top) DO(slide_and_spin)
+    DO(domino_into_pile) DO(domino_spiral) DO(container) DO(rubble) DO(medley) DO(top) \
+    DO(slide_and_spin)
 /* clang-format on */
 
 #define DECLARE(name) extern const pl_scenario pl_scenario_##name;

@@ -1,25 +1,41 @@
-/* Rows of dominoes along x, the first of them tipped over. */
+/* Rows of dominoes along x or a spiral, the first of them tipped over. */
 #include "catalogue.h"
+#include "trigonometry.h"
 
 #include <math.h>
 
 /* Half extents of a domino, over its height. */
 static const double domino_half[3] = {0.075, 0.25, 0.5};
 
-/* Adds `count` dominoes of 1 kg and `size` m of height, upright on the floor, the first at x = 0
- * and `spacing` times the size from each to the next. The first turns about its leading lower edge
+/* A domino of 1 kg and `size` m of height, upright on the floor. */
+static pl_body domino_at(double size, double x, double y)
+{
+    const double *h = domino_half;
+    return pl_body_at(pl_shape_box(h[0] * size, h[1] * size, h[2] * size), x, y, h[2] * size);
+}
+
+/* Lets a domino that faces along the level unit vector (dx, dy) turn about its leading lower edge
  * with `push` times the spin that just tips it. */
+static void tip(const pl_builder *b, double size, double push, double dx, double dy,
+                pl_body *domino)
+{
+    const double x = domino_half[0] * size, z = domino_half[2] * size, reach = sqrt(x * x + z * z);
+    const double spin = push * sqrt(1.5 * b->gravity * (reach - z)) / reach;
+    domino->angular_velocity[0] = spin * (0 - dy);
+    domino->angular_velocity[1] = spin * dx;
+    domino->velocity[0] = spin * z * dx;
+    domino->velocity[1] = spin * z * dy;
+    domino->velocity[2] = spin * x;
+}
+
+/* Adds `count` dominoes along x, the first at x = 0, which is tipped, and `spacing` times the size
+ * from each to the next. */
 static void build_row(pl_builder *b, int count, double size, double spacing, double push)
 {
-    const double x = domino_half[0] * size, y = domino_half[1] * size;
-    const double z = domino_half[2] * size, reach = sqrt(x * x + z * z);
-    const double spin = push * sqrt(1.5 * b->gravity * (reach - z)) / reach;
     for (int i = 0; i < count; ++i) {
-        pl_body domino = pl_body_at(pl_shape_box(x, y, z), i * spacing * size, 0, z);
+        pl_body domino = domino_at(size, i * spacing * size, 0);
         if (i == 0) {
-            domino.angular_velocity[1] = spin;
-            domino.velocity[0] = spin * z;
-            domino.velocity[2] = spin * x;
+            tip(b, size, push, 1, 0, &domino);
         }
         pl_build_body(b, &domino, "domino %d", i + 1);
     }
@@ -121,3 +137,59 @@ const pl_scenario pl_scenario_domino_into_pile = {
     PL_CHAOTIC_ACCEPTANCE,
     PL_PARAMS(domino_into_pile_params),
     .build = domino_into_pile_build};
+
+/* Dominoes along a spiral, of which the innermost is tipped over.
+ *
+ * On the spiral r = inner + turn_width angle / (2 pi), each domino faces along the tangent, half its
+ * height from the next. Those of neighbouring turns do not reach each other. */
+
+enum { DOMINO_SPIRAL_COUNT, DOMINO_SPIRAL_FRICTION };
+
+static const double inner = 2, turn_width = 1; /* m */
+
+static const pl_param domino_spiral_params[] = {
+    {"n", 150, 1, 1000, true, "1", "dominoes, of 1 kg and 1 m"},
+    PL_PARAM_FRICTION,
+    PL_PARAM_TIME(12),
+};
+
+/* Turns an unturned body about z until its x axis is the level unit vector (dx, dy). */
+static void face(pl_body *body, double dx, double dy)
+{
+    body->orientation[0] = sqrt(fmax(1 + dx, 0) / 2);
+    body->orientation[3] = copysign(sqrt(fmax(1 - dx, 0) / 2), dy);
+}
+
+static void domino_spiral_build(pl_builder *b, const double *values)
+{
+    const double widening = turn_width / (2 * 3.141592653589793); /* m per rad */
+    double angle = 0;
+    pl_build_floor(b);
+    for (int i = 0; i < (int)values[DOMINO_SPIRAL_COUNT]; ++i) {
+        const double radius = inner + widening * angle;
+        const double c = pl_cosine_of_any(angle), s = pl_sine_of_any(angle);
+        /* The point (radius c, radius s) moves by this per rad. */
+        const double x = widening * c - radius * s, y = widening * s + radius * c;
+        const double along = sqrt(x * x + y * y);
+        pl_body domino = domino_at(size, radius * c, radius * s);
+        face(&domino, x / along, y / along);
+        if (i == 0) {
+            tip(b, size, push, x / along, y / along, &domino);
+        }
+        pl_build_body(b, &domino, "domino %d", i + 1);
+        angle += spacing * size / along;
+    }
+}
+
+const pl_scenario pl_scenario_domino_spiral = {
+    .name = "domino-spiral",
+    .title = "Spiral of dominoes",
+    .description = "Dominoes along a spiral, the innermost tipped over: the wave turns all the way "
+                   "and leaves one long chain of bodies that lean on each other.",
+    .reference = "no closed form for the motion; " PL_CHAOTIC_REFERENCE,
+    .expected = "ok: the wave runs to the last domino; no two bodies overlap at any time",
+    .source = "impenetrability, conservation of energy and momentum",
+    .primary_error = "chaotic_error",
+    PL_CHAOTIC_ACCEPTANCE,
+    PL_PARAMS(domino_spiral_params),
+    .build = domino_spiral_build};

@@ -72,6 +72,19 @@ static const pl_suite_entry chaotic[] = {{"wall-collapse", NULL, 0},
                                          {"dominoes", NULL, 0},
                                          {"domino-into-pile", NULL, 0}};
 
+/* Heaps and other scenes of many contacts that no one aligned, moving and at rest. */
+static const pl_suite_entry heaps[] = {{"wall-collapse", NULL, 0},
+                                       {"wall-collapse", "rows=25,columns=40", 0},
+                                       {"falling-cubes", NULL, 0},
+                                       {"pile", NULL, 0},
+                                       {"pile", "n=1000", 0},
+                                       {"container", NULL, 0},
+                                       {"rubble", NULL, 0},
+                                       {"medley", NULL, 0},
+                                       {"domino-spiral", NULL, 0},
+                                       {"tower", "n=20,yaw=0.1", 0},
+                                       {"wall-collapse", "rows=60,columns=100", 0}};
+
 /* Cases that break engines; each names what it provokes. */
 static const pl_suite_entry hard[] = {
     {"tower", "n=100", 0},       {"mass-ratio", "k=6", 0},     {"arch", NULL, 0},
@@ -96,6 +109,10 @@ static const pl_suite suites[] = {
      .description = "collapses, piles and dominoes, of which the end statistics are known: plumb "
                     "ensemble's default",
      ENTRIES(chaotic)},
+    {.name = "heaps",
+     .description =
+         "collapses, piles, rubble and a yawed tower: many contacts, none of them aligned",
+     ENTRIES(heaps)},
     {.name = "hard",
      .description = "cases that break engines: weights, edges, friction at its limit, sizes, steps",
      ENTRIES(hard)},

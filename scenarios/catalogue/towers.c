@@ -23,16 +23,29 @@ static void begin(pl_builder *b)
     b->scene->collapse_distance = half;
 }
 
-/* A tower of n unit cubes.
+/* A tower of n unit cubes, or of slabs.
  *
- * Cube k = 1 .. n of side 1 stands with its centre at z = k - 1/2, exactly on the one below. Its
- * mass is m_k = rising_mass^((k - 1) / (n - 1)) kg, times top_mass for k = n, so that cube 1 of
- * several weighs 1 kg. With `offset`, each is moved in x and y by a uniform random part of up to
- * offset * side. No cube is then more than 2 * 0.2 sides off any other, so the centre of mass of
- * all cubes above a joint, a mean of theirs whatever their masses, lies within half a side of the
- * centres of both cubes at the joint: it stands by statics, and nothing moves. */
+ * Cube k = 1 .. n of side 1 and height h stands with its centre at z = (k - 1/2) h, exactly on the
+ * one below. Its mass is m_k = rising_mass^((k - 1) / (n - 1)) kg, times top_mass for k = n, so that
+ * cube 1 of several weighs 1 kg. With `offset`, each is moved in x and y by a uniform random part of
+ * up to offset * side. No cube is then more than 2 * 0.2 sides off any other, so the centre of mass
+ * of all cubes above a joint, a mean of theirs whatever their masses, lies within half a side of the
+ * centres of both cubes at the joint: it stands by statics, and nothing moves. With `yaw`, each is
+ * turned about z by a uniform random angle up to that. The faces at a joint then still overlap in
+ * the circles in them, of half a side about their centres, in which the centre of mass must lie: so
+ * 2 sqrt(2) offset <= 1/2. */
 
-enum { TOWER_COUNT, TOWER_FRICTION, TOWER_OFFSET, TOWER_TOP_MASS, TOWER_RISING_MASS };
+enum {
+    TOWER_COUNT,
+    TOWER_FRICTION,
+    TOWER_OFFSET,
+    TOWER_TOP_MASS,
+    TOWER_RISING_MASS,
+    TOWER_YAW,
+    TOWER_HEIGHT
+};
+
+static const double most_yawed_offset = 0.17;
 
 static const pl_param tower_params[] = {
     PL_PARAM_CUBES,
@@ -42,13 +55,22 @@ static const pl_param tower_params[] = {
     {"top_mass", 1, 1, 1e6, false, "1", "how many times heavier the top cube is"},
     {"rising_mass", 1, 1, 1e6, false, "1",
      "mass of the top over the bottom, in equal ratios from cube to cube (before top_mass)"},
+    {"yaw", 0, 0, 0.8, false, "rad", "largest random turn about the vertical"},
+    {"height", 1, 0.05, 1, false, "m", "of a cube; below 1 it is a slab"},
     PL_PARAM_TIME(10),
 };
 
-static double displacement(pl_random *random, double offset)
+/* Uniform from -most to most. */
+static double displacement(pl_random *random, double most)
 {
     /* Not 0 times something negative, which would be -0. */
-    return offset > 0 ? offset * (2 * pl_random_unit(random) - 1) : 0;
+    return most > 0 ? most * (2 * pl_random_unit(random) - 1) : 0;
+}
+
+static void turn_about_z(pl_body *body, double angle)
+{
+    body->orientation[0] = pl_cosine(angle / 2);
+    body->orientation[3] = pl_sine(angle / 2);
 }
 
 /* The n-th root of ratio >= 1, from below, by bisection down to neighbouring numbers: the same bits
@@ -72,13 +94,20 @@ static void tower_build(pl_builder *b, const double *values)
 {
     begin(b);
     const int count = (int)values[TOWER_COUNT];
+    const double height = values[TOWER_HEIGHT];
+    b->scene->collapse_distance = height / 2;
+    if (values[TOWER_YAW] > 0 && values[TOWER_OFFSET] > most_yawed_offset) {
+        pl_build_refuse(b, "expected an offset up to %g with yaw, found %g", most_yawed_offset,
+                        values[TOWER_OFFSET]);
+    }
     const double growth = count > 1 ? root(values[TOWER_RISING_MASS], count - 1) : 1;
     double mass = 1;
     for (int k = 1; k <= count; ++k, mass *= growth) {
         const double x = displacement(&b->random, values[TOWER_OFFSET]);
         const double y = displacement(&b->random, values[TOWER_OFFSET]);
-        pl_body cube = cube_at(x, y, k - half);
+        pl_body cube = pl_body_at(pl_shape_box(half, half, height / 2), x, y, (k - half) * height);
         cube.mass = k == count ? mass * values[TOWER_TOP_MASS] : mass;
+        turn_about_z(&cube, displacement(&b->random, values[TOWER_YAW]));
         pl_build_rest(b, pl_build_body(b, &cube, "cube %d", k));
     }
 }
@@ -89,10 +118,10 @@ const pl_scenario pl_scenario_tower = {
     .description =
         "n unit cubes of 1 kg stacked exactly, at rest: whether a solver carries the weight "
         "of the whole tower through every contact, and for how long. The cubes may be displaced, "
-        "or grow heavier upwards.",
-    .reference = "every cube stays where it is: z_k = k - 1/2 m, for any masses and "
-                 "offsets",
-    .expected = "ok: every cube at rest where it began, for any number, masses and offsets",
+        "turned, flat, or grow heavier upwards.",
+    .reference = "every cube stays where it is: z_k = (k - 1/2) height, for any masses, offsets "
+                 "and turns",
+    .expected = "ok: every cube at rest where it began, for any number, masses, offsets and turns",
     .source = "statics",
     .primary_error = "rest_position_error",
     PL_ACCEPT_AT_REST,

@@ -2,10 +2,10 @@
 #ifndef PLUMB_TRIGONOMETRY_H
 #define PLUMB_TRIGONOMETRY_H
 
-/* The sine of an angle from 0 to 1.6 rad, good to a few units in the last place. */
+/* The sine of an angle from -1.6 to 1.6 rad, good to a few units in the last place. */
 double pl_sine(double angle);
 
-/* The cosine of an angle from 0 to 1.6 rad, good to a few units in the last place. */
+/* The cosine of an angle from -1.6 to 1.6 rad, good to a few units in the last place. */
 double pl_cosine(double angle);
 
 /* The sine of any angle from 0 to 1e6 rad, good to 1e-16 of the angle. */

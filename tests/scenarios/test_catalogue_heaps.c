@@ -32,6 +32,38 @@ static void test_first_domino_has_its_multiple_of_tipping_energy(void **state)
     }
 }
 
+/* Along the spiral each domino faces the next; across it turns are farther apart than dominoes are
+ * wide. The first one turns about its leading edge. */
+static void test_dominoes_of_a_spiral_face_the_next(void **state)
+{
+    (void)state;
+    pl_scene scene = scenario_scene("domino-spiral", NULL);
+    assert_int_equal(scene.body_count, 151);
+    for (int i = 1; i < 150; ++i) {
+        const double *x = scene.bodies[i].position, *next = scene.bodies[i + 1].position;
+        const double *q = scene.bodies[i].orientation;
+        const double facing[2] = {1 - 2 * q[3] * q[3], 2 * q[0] * q[3]};
+        const double way[2] = {next[0] - x[0], next[1] - x[1]};
+        const double distance = hypot(way[0], way[1]);
+        assert_true(distance > 0.48 && distance < 0.51);
+        assert_true((facing[0] * way[0] + facing[1] * way[1]) / distance > cos(0.15));
+        assert_close(q[0] * q[0] + q[3] * q[3], 1, 1e-15, 0);
+        for (int k = i + 3; k <= 150; ++k) {
+            const double *other = scene.bodies[k].position;
+            assert_true(hypot(other[0] - x[0], other[1] - x[1]) > 0.9);
+        }
+    }
+    const pl_body *first = &scene.bodies[1];
+    const double *q = first->orientation, *v = first->velocity, *w = first->angular_velocity;
+    const double facing[2] = {1 - 2 * q[3] * q[3], 2 * q[0] * q[3]};
+    const double edge[3] = {0.075 * facing[0], 0.075 * facing[1], -0.5};
+    assert_close(v[0] + w[1] * edge[2] - w[2] * edge[1], 0, 1e-12, 0);
+    assert_close(v[1] + w[2] * edge[0] - w[0] * edge[2], 0, 1e-12, 0);
+    assert_close(v[2] + w[0] * edge[1] - w[1] * edge[0], 0, 1e-12, 0);
+    assert_true(w[1] * facing[0] - w[0] * facing[1] > 0);
+    pl_scene_free(&scene);
+}
+
 static void test_falling_cubes_start_apart_by_the_seed(void **state)
 {
     (void)state;
@@ -119,6 +151,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_first_domino_has_its_multiple_of_tipping_energy),
+        cmocka_unit_test(test_dominoes_of_a_spiral_face_the_next),
         cmocka_unit_test(test_falling_cubes_start_apart_by_the_seed),
         cmocka_unit_test(test_the_pile_before_the_dominoes_stands_by_itself),
         cmocka_unit_test(test_accurate_profile_topples_all_dominoes_without_overlap),

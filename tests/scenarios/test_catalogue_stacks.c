@@ -93,6 +93,45 @@ static void test_displaced_tower_stands_for_every_seed(void **state)
     assert_true(largest > 0.199 && largest <= 0.2);
 }
 
+/* The centre of mass of all slabs above a joint lies within half a side of both slabs at it, and so
+ * over both faces whatever their turns. */
+static void test_yawed_tower_of_slabs_stands_for_every_seed(void **state)
+{
+    (void)state;
+    static const char *const settings[] = {"n=24", "offset=0.17", "yaw=0.8", "height=0.2"};
+    double largest = 0;
+    for (uint64_t seed = 0; seed < 50; ++seed) {
+        pl_scene scene;
+        build_scenario("tower", settings, 4, seed, &scene);
+        check_all_rest(&scene);
+        double sum[2] = {0, 0};
+        for (int i = scene.body_count - 1; i >= 1; --i) {
+            const pl_body *slab = &scene.bodies[i];
+            const double *q = slab->orientation;
+            assert_close(q[0] * q[0] + q[3] * q[3], 1, 1e-15, 0);
+            assert_true(q[1] == 0 && q[2] == 0);
+            assert_close(slab->position[2], 0.2 * (i - 0.5), 1e-14, 0);
+            largest = fmax(largest, fabs(2 * atan2(q[3], q[0])));
+            sum[0] += slab->position[0];
+            sum[1] += slab->position[1];
+            for (int k = i; k >= i - 1 && i > 1; --k) {
+                const double *x = scene.bodies[k].position;
+                const double mean = scene.body_count - i;
+                assert_true(hypot(sum[0] / mean - x[0], sum[1] / mean - x[1]) < 0.5);
+            }
+        }
+        pl_scene_free(&scene);
+    }
+    assert_true(largest > 0.79 && largest <= 0.8);
+}
+
+static void test_far_displaced_yawed_tower_is_refused(void **state)
+{
+    (void)state;
+    static const char *const settings[] = {"offset=0.18", "yaw=0.1", NULL};
+    assert_scenario_refuses("tower", settings, "expected an offset up to 0.17");
+}
+
 /* Masses as their definition says, by the C library's pow, and the scene otherwise that of the
  * plain tower. */
 static void test_tower_masses_rise_in_equal_ratios(void **state)
@@ -237,6 +276,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tower_cubes_touch_and_stand),
         cmocka_unit_test(test_displaced_tower_stands_for_every_seed),
+        cmocka_unit_test(test_yawed_tower_of_slabs_stands_for_every_seed),
+        cmocka_unit_test(test_far_displaced_yawed_tower_is_refused),
         cmocka_unit_test(test_tower_masses_rise_in_equal_ratios),
         cmocka_unit_test(test_displaced_tower_of_any_masses_stands_by_statics),
         cmocka_unit_test(test_mass_ratio_is_ten_to_the_k),

@@ -130,6 +130,7 @@ static pe_status reserve_slot(pe_world *world, pe_error *error)
         {&world->twist_array, sizeof(pe_twist)},
         {&world->mass_array, sizeof(pe_mass)},
         {&world->applied_force_array, sizeof(pe_applied_force)},
+        {&world->record_array, sizeof(pe_record)},
     };
     size_t used = (size_t)world->slot_count;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
@@ -177,6 +178,7 @@ pe_status pe_body_create(pe_world *world, const pe_body_def *def, pe_body_id *bo
         def->is_static ? (pe_twist){0} : (pe_twist){def->velocity, def->angular_velocity};
     pe_masses(world)[slot] = mass_of(def, geometry);
     pe_applied_forces(world)[slot] = (pe_applied_force){0};
+    pe_records(world)[slot] = (pe_record){0};
     world->bodies_changed = true;
     world->contacts_stale = true;
     *body = (pe_body_id){(uint32_t)slot, made->generation};

@@ -44,6 +44,12 @@ typedef struct pe_body {
     int next_free; /* slot of the next free one, 0 ends the list */
 } pe_body;
 
+/* What earlier steps found out about the island of a body, by which later ones save work. */
+typedef struct pe_record {
+    int correction_wait;  /* steps left without exact position correction, which was taken back */
+    int correction_pause; /* steps that the last such wait took; 0: it was not taken back */
+} pe_record;
+
 /* Forces, in N, and torques, in N m, that are applied in the next step. */
 typedef struct pe_applied_force {
     pe_vec3 force, torque;           /* world, for the next step */
@@ -102,7 +108,7 @@ struct pe_world {
     pe_world_def def;
     pe_allocator allocator;
 
-    pe_array body_array, pose_array, twist_array, mass_array, applied_force_array;
+    pe_array body_array, pose_array, twist_array, mass_array, applied_force_array, record_array;
     bool has_applied_forces; /* since the last step */
     int slot_count;          /* slots in use or free, the dummy included */
     int first_free;
@@ -154,6 +160,11 @@ static inline pe_mass *pe_masses(const pe_world *world)
 static inline pe_applied_force *pe_applied_forces(const pe_world *world)
 {
     return world->applied_force_array.items;
+}
+
+static inline pe_record *pe_records(const pe_world *world)
+{
+    return world->record_array.items;
 }
 
 /* The manifolds and points of a list. */

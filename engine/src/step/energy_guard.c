@@ -129,6 +129,23 @@ static bool is_shallow(const group *g, const pe_pose *poses, bool corrected)
     return true;
 }
 
+/* Steps for which a group is not corrected exactly once this was taken back: twice as many each
+ * time, up to the most. A heap at rest would otherwise be corrected in vain at every step. */
+enum { FIRST_PAUSE = 1, MOST_PAUSE = 64 };
+
+static void pause_correction(const group *g, bool taken_back)
+{
+    pe_record *records = pe_records(g->step->world);
+    for (int i = 0; i < g->count; ++i) {
+        pe_record *record = &records[g->slots[i]];
+        int pause = !taken_back                     ? 0
+                    : record->correction_pause == 0 ? FIRST_PAUSE
+                                                    : 2 * record->correction_pause;
+        record->correction_pause = pause < MOST_PAUSE ? pause : MOST_PAUSE;
+        record->correction_wait = record->correction_pause;
+    }
+}
+
 /* Takes back the position correction. Returns the factor of the velocities. */
 static double take_back_correction(const group *g, bool *put_back)
 {
@@ -145,18 +162,12 @@ static double take_back_correction(const group *g, bool *put_back)
     return e.growth < ROUNDING_LIFT * g->count * e.force ? 1 : factor_of(&e, true);
 }
 
-static void guard_group(const group *g, bool *put_back, pe_energy_report *report)
+/* Returns whether bodies were put back. */
+static bool take_energy(const group *g, const energy *e, double factor, bool *put_back)
 {
     const pe_step *step = g->step;
-    energy e = energy_of(g);
-    double factor = factor_of(&e, e.exact && !e.corrected);
-    if (factor == 1) {
-        return;
-    }
-    report->islands += 1;
-    report->removed += e.growth;
     bool waits =
-        e.corrected && e.exact && factor < LEFT && is_shallow(g, step->uncorrected_poses, true);
+        e->corrected && e->exact && factor < LEFT && is_shallow(g, step->uncorrected_poses, true);
     if (waits) {
         factor = take_back_correction(g, put_back);
     }
@@ -171,7 +182,23 @@ static void guard_group(const group *g, bool *put_back, pe_energy_report *report
             put_back[slot] = true;
         }
     }
-    report->put_back += waits || returns;
+    return waits || returns;
+}
+
+static void guard_group(const group *g, bool *put_back, pe_energy_report *report)
+{
+    energy e = energy_of(g);
+    double factor = factor_of(&e, e.exact && !e.corrected);
+    bool back = false;
+    if (factor < 1) {
+        report->islands += 1;
+        report->removed += e.growth;
+        back = take_energy(g, &e, factor, put_back);
+        report->put_back += back;
+    }
+    if (e.corrected) {
+        pause_correction(g, back);
+    }
 }
 
 void pe_energy_guard(const pe_step *step, const pe_islands *groups, bool *put_back,

@@ -277,6 +277,19 @@ static pe_status correct_by(pe_step *step, const pe_correction_rules *rules)
     return PE_OK;
 }
 
+/* The bodies whose islands were solved directly, and whose correction is not waiting. */
+static const bool *find_exactly_corrected(pe_step *step)
+{
+    pe_world *world = step->world;
+    bool *found = pe_scratch(world, (size_t)world->slot_count, sizeof *found);
+    for (int slot = 0; slot < world->slot_count && found != NULL; ++slot) {
+        pe_record *record = &pe_records(world)[slot];
+        found[slot] = step->solved_directly[slot] && record->correction_wait == 0;
+        record->correction_wait -= record->correction_wait > 0;
+    }
+    return found;
+}
+
 /* Corrects all penetration in islands that were solved directly, and that over the slop in all.
  * Soft contacts push by themselves, so that in the fast profile only the islands that were too fast
  * for them are corrected. */
@@ -291,7 +304,11 @@ static pe_status correct_positions(pe_step *step)
     direct.begin = DIRECT_DEPTH;
     direct.aim = 0;
     direct.enough = 0.1 * DIRECT_DEPTH;
-    direct.among = fast ? step->fast_moving : step->solved_directly;
+    direct.among = fast ? step->fast_moving : find_exactly_corrected(step);
+    if (direct.among == NULL) {
+        return pe_fail(step->error, PE_NO_MEMORY, "no memory to correct %d bodies",
+                       step->world->slot_count);
+    }
     direct.solver = pe_solve_combined;
     direct.solver_limits = (pe_solve_limits){direct.enough, CORRECTION_ITERATIONS};
     pe_status status = correct_by(step, &direct);
