@@ -69,7 +69,8 @@ const pl_metric_info pl_metric_table[PL_METRIC_COUNT] = {
         {"drift", "m", PL_LOWER_IS_BETTER, true,
          "max over bodies and frames of the displacement since settle_time (of a scene that does "
          "not settle: since 1 s or half the duration) in directions in which the reference does "
-         "not move"},
+         "not move; where the scene expects nothing of any body, of all bodies once it has "
+         "settled"},
     [PL_METRIC_CREEP] =
         {"creep", "m/s", PL_LOWER_IS_BETTER, true,
          "max over bodies of the least-squares slope of drift's displacement vector over time"},

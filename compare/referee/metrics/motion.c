@@ -13,7 +13,9 @@
  * least-squares slope over time t, both without the part along the travel. The baseline is the pose
  * at settle_time, which is known only 0.5 s later. So two measurements run: one restarts whenever
  * the scene becomes quiet, and is final once the scene has settled; the other starts at 1 s (or
- * half the duration), and is used if the scene never settles. The slope is
+ * half the duration), and is used if the scene never settles. In a scene that expects nothing of any
+ * body, all dynamic ones are followed once it has settled, and before that there is no drift. The
+ * slope is
  *
  *   sum (t - mean t)(d - mean d) / sum (t - mean t)^2
  *
@@ -115,6 +117,16 @@ static void follow(pl_motion *m, bool *seen, const followed *body)
     seen[body->body] = true;
 }
 
+/* Follows all dynamic bodies from where they settle. */
+static void follow_settled(pl_motion *m)
+{
+    for (int i = 0; i < m->scene->body_count; ++i) {
+        if (!m->scene->bodies[i].is_static) {
+            m->since_quiet.bodies[m->since_quiet.count++] = (drifting){.body = i};
+        }
+    }
+}
+
 static void follow_all(pl_motion *m, bool *seen)
 {
     const pl_scene *scene = m->scene;
@@ -134,6 +146,9 @@ static void follow_all(pl_motion *m, bool *seen)
                            .origin = pl_vec_of(scene->rests[i].position),
                            .along = still,
                            .normal = normal});
+    }
+    if (scene->travel_count + scene->rest_count + scene->value_count == 0) {
+        follow_settled(m);
     }
 }
 
@@ -271,7 +286,12 @@ static pl_metric settle_metric(const pl_motion *m, long steps)
 static void drift_metrics(const pl_motion *m, pl_metric *item)
 {
     const drift *d = m->settled ? &m->since_quiet : &m->since_fixed;
+    if (m->since_quiet.count == 0) {
+        return;
+    }
     if (d->count == 0) {
+        item[PL_METRIC_DRIFT] = item[PL_METRIC_CREEP] =
+            pl_metric_failed("the bodies did not come to rest");
         return;
     }
     if (d->samples < 2) {
