@@ -123,6 +123,10 @@ static void test_needs_are_those_of_the_default_scene(void **state)
         {"dominoes", "friction rotation plane box"},
         {"falling-cubes", "friction rotation plane box"},
         {"domino-into-pile", "friction rotation plane box"},
+        {"domino-spiral", "friction rotation plane box"},
+        {"container", "friction rotation plane box"},
+        {"rubble", "friction rotation plane hull"},
+        {"medley", "friction rotation plane sphere box capsule cylinder hull mesh"},
         {"top", "rotation plane hull"},
         {"slide-and-spin", "friction rotation plane hull"},
     };
