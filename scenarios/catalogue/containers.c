@@ -7,6 +7,7 @@
 #include "solids.h"
 
 #include <math.h>
+#include <stdio.h>
 
 static const double sideways = 1; /* m/s, at most, in x and in y */
 static const double density = 1;  /* kg/m^3 */
@@ -60,6 +61,7 @@ enum { STONE_POINTS = 14 };
 static pl_shape draw_stone(pl_builder *b, const kit *k)
 {
     double points[STONE_POINTS][3], axes[3], q[4];
+    char name[PL_NAME_SIZE];
     for (int i = 0; i < 3; ++i) {
         axes[i] = draw_size(&b->random, k);
     }
@@ -70,7 +72,8 @@ static pl_shape draw_stone(pl_builder *b, const kit *k)
         points[i][1] = axes[1] * 2 * (q[2] * q[3] - q[0] * q[1]);
         points[i][2] = axes[2] * (1 - 2 * (q[1] * q[1] + q[2] * q[2]));
     }
-    return pl_build_hull(b, "stone", (const double(*)[3])points, STONE_POINTS);
+    snprintf(name, sizeof name, "stone %d", b->scene->body_count);
+    return pl_build_hull(b, name, (const double(*)[3])points, STONE_POINTS);
 }
 
 static pl_shape draw_shape(pl_builder *b, const kit *k)

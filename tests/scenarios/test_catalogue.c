@@ -199,7 +199,7 @@ static void test_bad_settings_are_refused(void **state)
     assert_setting_refused("tower", "n", "expected NAME=VALUE, found \"n\"");
     assert_setting_refused("tower", "frction=1", "did you mean \"friction\"?");
     assert_setting_refused("tower", "elasticity=1",
-                           "it has n, friction, offset, top_mass, rising_mass, dt");
+                           "it has n, friction, offset, top_mass, rising_mass, yaw, height, dt");
     assert_setting_refused("tower", "n=ten", "n: expected a number, found \"ten\"");
     assert_setting_refused("tower", "n=", "expected a number");
     assert_setting_refused("tower", "n=nan", "expected a number");
