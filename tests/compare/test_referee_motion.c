@@ -304,18 +304,65 @@ static void test_lift_is_the_height_over_the_floor(void **state)
     }
 }
 
-static void test_without_a_reference_there_is_no_drift(void **state)
+/* Two balls that the scene expects nothing of come to rest at 1.5 s, and the second one then creeps
+ * at 1e-5 m/s. */
+static void test_without_expectations_all_settled_bodies_drift(void **state)
+{
+    (void)state;
+    run r;
+    run_prepare(&r, 5);
+    run_add_body(&r, "still", pl_shape_sphere(1), false, 0, 0);
+    run_add_body(&r, "creeping", pl_shape_sphere(1), false, 4, 0);
+    run_begin(&r);
+    for (int k = 1; k <= 320; ++k) {
+        bool settled = k >= 96;
+        r.state[0].velocity[0] = settled ? 0 : 1 / (96 * H);
+        r.state[0].position[0] = settled ? 1 : k / 96.0;
+        r.state[1].velocity[1] = settled ? 1e-5 : 0;
+        r.state[1].position[1] = settled ? 1e-5 * (k - 96) * H : 0;
+        run_step_many(&r, 1);
+    }
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
+    assert_close(run_value(&r, PL_METRIC_DRIFT), 1e-5 * 3.5, 1e-15, 0);
+    assert_close(run_value(&r, PL_METRIC_CREEP), 1e-5, 0, 1e-9);
+    assert_int_equal(run_metric(&r, PL_METRIC_REFERENCE_ERROR)->state, PL_METRIC_ABSENT);
+    run_end(&r);
+}
+
+static void test_without_expectations_moving_bodies_have_no_drift(void **state)
 {
     (void)state;
     run r;
     run_prepare(&r, 2);
     run_add_body(&r, "ball", pl_shape_sphere(1), false, 0, 0);
     run_begin(&r);
+    for (int k = 1; k <= 128; ++k) {
+        r.state[0].velocity[0] = 0.01;
+        r.state[0].position[0] = 0.01 * k * H;
+        run_step_many(&r, 1);
+    }
+    assert_int_equal(run_finish(&r), PL_ENDING_OK);
+    assert_int_equal(run_metric(&r, PL_METRIC_DRIFT)->state, PL_METRIC_FAILED);
+    assert_int_equal(run_metric(&r, PL_METRIC_CREEP)->state, PL_METRIC_FAILED);
+    assert_contains(run_metric(&r, PL_METRIC_DRIFT)->reason, "did not come to rest");
+    run_end(&r);
+}
+
+/* What is expected of a body's path says nothing of rest. */
+static void test_expected_value_alone_makes_no_drift(void **state)
+{
+    (void)state;
+    run r;
+    run_prepare(&r, 2);
+    run_add_body(&r, "ball", pl_shape_sphere(1), false, 0, 0);
+    pl_expect_value velocity = pl_expect_value_default(&r.scene);
+    velocity.quantity = PL_QUANTITY_VELOCITY;
+    assert_int_equal(pl_scene_add_value(&r.scene, &velocity, &r.error), PL_OK);
+    run_begin(&r);
     run_step_many(&r, 128);
     assert_int_equal(run_finish(&r), PL_ENDING_OK);
     assert_int_equal(run_metric(&r, PL_METRIC_DRIFT)->state, PL_METRIC_ABSENT);
     assert_int_equal(run_metric(&r, PL_METRIC_CREEP)->state, PL_METRIC_ABSENT);
-    assert_int_equal(run_metric(&r, PL_METRIC_REFERENCE_ERROR)->state, PL_METRIC_ABSENT);
     run_end(&r);
 }
 
@@ -337,7 +384,9 @@ int main(void)
         cmocka_unit_test(test_drift_counts_from_the_settled_pose),
         cmocka_unit_test(test_drift_leaves_out_the_direction_of_travel),
         cmocka_unit_test(test_lift_is_the_height_over_the_floor),
-        cmocka_unit_test(test_without_a_reference_there_is_no_drift),
+        cmocka_unit_test(test_without_expectations_all_settled_bodies_drift),
+        cmocka_unit_test(test_without_expectations_moving_bodies_have_no_drift),
+        cmocka_unit_test(test_expected_value_alone_makes_no_drift),
     };
     return cmocka_run_group_tests_name("referee motion", tests, NULL, NULL);
 }
