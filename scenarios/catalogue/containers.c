@@ -313,9 +313,10 @@ static void medley_build(pl_builder *b, const double *values)
 const pl_scenario pl_scenario_medley = {
     .name = "medley",
     .title = "Medley of shapes",
-    .description = "Boxes, spheres, capsules, cylinders, icosahedra and rings of 500 triangles, "
-                   "the heaviest 16 times as heavy as the lightest of its kind, fall into a box of "
-                   "planes: every pair of shapes in one heap.",
+    .description =
+        "Boxes, spheres, capsules, cylinders, icosahedra and rings of 500 triangles, "
+        "of masses that differ more than tenfold, fall into a box of planes: every pair of "
+        "shapes in one heap.",
     PL_POURED,
     PL_PARAMS(medley_params),
     .build = medley_build};

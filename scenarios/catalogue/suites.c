@@ -72,7 +72,7 @@ static const pl_suite_entry chaotic[] = {{"wall-collapse", NULL, 0},
                                          {"dominoes", NULL, 0},
                                          {"domino-into-pile", NULL, 0}};
 
-/* Heaps and other scenes of many contacts that no one aligned, moving and at rest. */
+/* Heaps and other scenes of many contacts at any angle, moving and at rest. */
 static const pl_suite_entry heaps[] = {{"wall-collapse", NULL, 0},
                                        {"wall-collapse", "rows=25,columns=40", 0},
                                        {"falling-cubes", NULL, 0},
@@ -110,8 +110,8 @@ static const pl_suite suites[] = {
                     "ensemble's default",
      ENTRIES(chaotic)},
     {.name = "heaps",
-     .description =
-         "collapses, piles, rubble and a yawed tower: many contacts, none of them aligned",
+     .description = "collapses, piles, rubble, a spiral of dominoes, a yawed tower: many contacts "
+                    "at any angle",
      ENTRIES(heaps)},
     {.name = "hard",
      .description = "cases that break engines: weights, edges, friction at its limit, sizes, steps",
