@@ -45,7 +45,8 @@ static const pl_engine_option options[OPTION_COUNT] = {
      "Newton steps and sweeps of one island in one step, at most", "def.max_iterations = {};", 0, 0,
      0, false},
     {"slop", 1e-4, 1e-12, 1, false, "m",
-     "penetration of swept islands is pushed out from three times this, down to this",
+     "penetration of swept islands is pushed out from six times this (accurate: three), down to "
+     "this",
      "def.penetration_slop = {};", ALL_PROFILES, 1e-6, 1e-2, true},
     {"impact_bodies", 2, 0, 1e6, true, "1",
      "islands of so many bodies or fewer take impacts at their own time; fast: none",

@@ -65,7 +65,7 @@ static void assert_velocities(const pe_world *world, pe_body_id id, const double
  * others. Problems that one of the two did not solve are skipped. */
 static int count_equal(const pe_world *world, pe_contact_problem *const *problems, int count)
 {
-    const pe_solve_limits limits = {.tolerance = 1e-12, .max_iterations = 100000};
+    const pe_solve_limits limits = {.tolerance = 1e-10, .max_iterations = 100000};
     int equal = 0;
     for (int k = 0; k < count; ++k) {
         pe_contact_solution s;
@@ -85,13 +85,13 @@ static void test_captured_problem_gives_the_velocities_of_the_step(void **state)
     (void)state;
     enum { STEPS = 30, ALL = 7 };
     pe_world_def def = pe_world_def_default();
-    def.tolerance = 1e-12;
+    def.tolerance = 1e-10;
     pe_body_id ids[5];
     pe_world *world = make_world(&def);
     pe_material_id material = add_material(world, 0.4, 0);
     add_tower(world, 5, material, ids);
     pe_body_state pushed = state_of(world, ids[4]);
-    pushed.velocity.x = 0.5; /* the top one slides off */
+    pushed.velocity.x = 0.05; /* the top one slides */
     assert_int_equal(pe_body_set_state(world, ids[4], &pushed, NULL), PE_OK);
     for (int i = 0; i < 2; ++i) { /* one that rolls, and one that slides and spins up */
         pe_body_def sphere = pe_body_def_default();

@@ -70,6 +70,59 @@ static void test_iteration_limits_hold_and_start_is_never_worsened(void **state)
     }
 }
 
+/* A quiet island that no impulses solve; its warm start is off by less than 1e-3 m/s. */
+static pe_contact_problem *quiet_problem(uint64_t seed, int bodies)
+{
+    pe_contact_problem *problem = problem_at_random(seed, bodies, 3 * bodies);
+    for (int i = 0; i < bodies; ++i) {
+        for (int k = 0; k < 6; ++k) {
+            problem->bodies[i].free_velocity[k] *= 1e-5;
+        }
+    }
+    for (int j = 0; j < problem->point_count; ++j) {
+        problem->points[j].bias *= 1e-5;
+        for (int k = 0; k < 3; ++k) {
+            problem->points[j].impulse[k] *= 1e-5;
+        }
+    }
+    return problem;
+}
+
+/* Where no sweeps are allowed all iterations are those of the direct solver: 6000 over the number of
+ * points, but at least 16 and at most 48. */
+static void test_warm_islands_get_few_direct_iterations(void **state)
+{
+    (void)state;
+    static const int sizes[] = {8, 15, 25, 40, 80};
+    for (int k = 0; k < 5; ++k) {
+        int reached = 0;
+        for (uint64_t seed = 1; seed <= 4; ++seed) {
+            solving s;
+            pe_contact_problem *source = quiet_problem(seed, sizes[k]);
+            solving_begin(&s, source);
+            const pe_island_limits limits = {.tolerance = 1e-10,
+                                             .swept_tolerance = 1e-10,
+                                             .max_updates = 1e6,
+                                             .max_iterations = 100000,
+                                             .patience = 1e9};
+            assert_at_most(pe_problem_residual(&s.problem).max, 1e-3);
+            pe_island_report report = {.path = PE_PATH_NONE};
+            assert_int_equal(pe_solve_island(&s.problem, &limits, s.work, &report, NULL), PE_OK);
+            int most = 6000 / source->point_count;
+            most = most < 16 ? 16 : most > 48 ? 48 : most;
+            assert_in_range(report.solve.iterations, 1, most);
+            if (report.solve.iterations == most) {
+                reached += 1;
+                assert_true(report.direct_failed);
+            }
+            pe_contact_problem_destroy(source);
+            solving_end(&s);
+        }
+        print_message("    %d bodies: %d of 4 use all iterations\n", sizes[k], reached);
+        assert_true(reached > 0);
+    }
+}
+
 /* Where a NaN may come from. */
 static void poison(pe_contact_problem *problem, int place)
 {
@@ -187,6 +240,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_one_iteration_is_too_few_best_is_left),
         cmocka_unit_test(test_iteration_limits_hold_and_start_is_never_worsened),
+        cmocka_unit_test(test_warm_islands_get_few_direct_iterations),
         cmocka_unit_test(test_nan_ends_and_is_not_converged),
         cmocka_unit_test(test_nan_leaves_the_starting_impulses),
         cmocka_unit_test(test_every_failed_allocation_is_reported),

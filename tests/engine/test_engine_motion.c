@@ -1,6 +1,8 @@
 /* Motion without contact: the integrator against closed forms. */
 #include "base/vec3.h"
 #include "check.h"
+#include "model/integrate.h"
+#include "random_pose.h"
 #include "world_for_tests.h"
 
 #include <math.h>
@@ -62,6 +64,53 @@ static void test_free_spin_conserves_energy_and_angular_momentum(void **state)
     }
     assert_close(least, -5, 0.05, 0);
     pe_world_destroy(world);
+}
+
+static pe_vec3 momentum_of(const pe_world *world, int slot)
+{
+    const pe_mat3 *r = &pe_poses(world)[slot].rotation;
+    pe_vec3 w = pe_unrotate(r, pe_twists(world)[slot].angular_velocity);
+    return pe_rotate(r, pe_mul(pe_masses(world)[slot].inertia, w));
+}
+
+/* One step from a random state, by `angle` in all; relative errors of energy and momentum. */
+static void rotate_once(check_random *random, double angle, double *energy_error,
+                        double *momentum_error)
+{
+    static const pe_vec3 none[2] = {{0, 0, 0}, {0, 0, 0}};
+    pe_world *world = make_world(NULL);
+    pe_body_def def = box_def(0.1, 0.3, 0.5, pe_v3(0, 0, 0));
+    def.orientation = random_turn(random);
+    def.angular_velocity = random_vector(random, 10);
+    int slot = (int)add_body(world, &def).index;
+    pe_vec3 before = momentum_of(world, slot), spin = pe_twists(world)[slot].angular_velocity;
+    double dt = angle / pe_length(spin), begun = pe_dot(before, spin);
+    pe_vec3 end, mean;
+    pe_rotate_freely(world, slot, dt, none, &end, &mean);
+    pe_pose_move(&pe_poses(world)[slot], none[0], pe_scale(dt, mean));
+    pe_twists(world)[slot].angular_velocity = end;
+    pe_vec3 after = momentum_of(world, slot);
+    *energy_error = fabs(pe_dot(after, end) - begun) / begun;
+    *momentum_error = pe_length(pe_sub(after, before)) / pe_length(before);
+    pe_world_destroy(world);
+}
+
+static void test_free_rotation_keeps_energy_and_momentum_to_rounding(void **state)
+{
+    (void)state;
+    check_random random = {3};
+    double worst[2] = {0};
+    for (int k = -6; k <= 0; ++k) {
+        for (int i = 0; i < 500; ++i) {
+            double energy, momentum;
+            rotate_once(&random, pow(10, k), &energy, &momentum);
+            worst[0] = fmax(worst[0], energy);
+            worst[1] = fmax(worst[1], momentum);
+        }
+    }
+    print_message("    energy kept to %g, momentum to %g\n", worst[0], worst[1]);
+    assert_at_most(worst[0], 5e-15);
+    assert_at_most(worst[1], 5e-15);
 }
 
 static void test_flip_period_equals_the_elliptic_integral(void **state)
@@ -154,6 +203,7 @@ int main(void)
         cmocka_unit_test(test_sine_and_cosine_equal_those_of_libm),
         cmocka_unit_test(test_projectile_follows_the_parabola),
         cmocka_unit_test(test_free_spin_conserves_energy_and_angular_momentum),
+        cmocka_unit_test(test_free_rotation_keeps_energy_and_momentum_to_rounding),
         cmocka_unit_test(test_flip_period_equals_the_elliptic_integral),
         cmocka_unit_test(test_point_force_gives_acceleration_and_torque),
         cmocka_unit_test(test_rotation_is_the_exponential_map),

@@ -47,6 +47,26 @@ static void try_impulses(sweep_bench *b, const pe_solver_manifold *manifold,
     }
 }
 
+static void set_beta(const pe_sweep *sweep, double beta)
+{
+    const pe_sweep_part whole = pe_sweep_whole(sweep);
+    pe_sweep_set_beta(sweep, &whole, beta);
+}
+
+static double residual_of(const pe_sweep *sweep)
+{
+    const pe_sweep_part whole = pe_sweep_whole(sweep);
+    double residual;
+    pe_sweep_residuals(sweep, &whole, 1, &residual);
+    return residual;
+}
+
+static void store(const pe_sweep *sweep)
+{
+    const pe_sweep_part whole = pe_sweep_whole(sweep);
+    pe_sweep_store(sweep, &whole);
+}
+
 /* Textbook Gauss-Seidel at one point. */
 static void visit_plainly(sweep_bench *b, const pe_solver_manifold *manifold, int j)
 {
@@ -89,9 +109,9 @@ static void test_a_sweep_is_gauss_seidel_point_by_point(void **state)
                                          &sweep, NULL),
                          PE_OK);
         for (int i = 0; i < 3; ++i) {
-            pe_sweep_cones(&sweep, 0);
+            pe_sweep_cones(&sweep);
         }
-        pe_sweep_store(&sweep);
+        store(&sweep);
         for (int j = 0; j < b->problem.point_count; ++j) {
             for (int k = 0; k < 3; ++k) {
                 assert_close(b->impulse[j][k], plain[j][k], 1e-11, 1e-11);
@@ -111,11 +131,11 @@ static void test_sweep_residual_equals_the_reported_one(void **state)
                                          &sweep, NULL),
                          PE_OK);
         for (int i = 0; i < 4; ++i) {
-            double seen = pe_sweep_residual(&sweep);
-            pe_sweep_store(&sweep);
+            double seen = residual_of(&sweep);
+            store(&sweep);
             pe_problem_rebuild_velocity(&b->problem);
             assert_close(seen, pe_problem_residual(&b->problem).max, 1e-11, 1e-11);
-            pe_sweep_cones(&sweep, 0);
+            pe_sweep_cones(&sweep);
         }
     }
 }
@@ -134,14 +154,16 @@ static void run(sweep_bench *b, const pe_sweep_kernel *kernel, outcome *o)
     pe_problem_rebuild_velocity(&b->problem);
     assert_int_equal(pe_sweep_create(&b->problem, kernel, bench_workspace(b), &sweep, NULL), PE_OK);
     for (int i = 0; i < 12; ++i) {
-        pe_sweep_cones(&sweep, i < 3 ? 0 : 0.8);
+        set_beta(&sweep, i < 3 ? 0 : 0.8);
+        pe_sweep_cones(&sweep);
     }
-    o->residual = pe_sweep_residual(&sweep);
+    o->residual = residual_of(&sweep);
     for (int i = 0; i < 12; ++i) {
-        pe_sweep_normals(&sweep, i < 3 ? 0 : 0.8);
+        set_beta(&sweep, i < 3 ? 0 : 0.8);
+        pe_sweep_normals(&sweep);
     }
     o->violation = pe_sweep_violation(&sweep);
-    pe_sweep_store(&sweep);
+    store(&sweep);
     memcpy(o->impulse, b->impulse, sizeof o->impulse);
 }
 
@@ -194,6 +216,41 @@ static void test_more_contacts_than_colours_are_swept(void **state)
     assert_close(sum, (100 + 0.1 * SMALL) * GRAVITY * STEP, 1e-8, 0);
 }
 
+/* Heaps of several sizes, of which some need many sweeps and some few. */
+static void test_problems_swept_together_get_their_own_bits(void **state)
+{
+    enum { HEAPS = 6 };
+    (void)state;
+    sweep_bench *alone[HEAPS], *joined[HEAPS];
+    const pe_problem *problems[HEAPS];
+    pe_solve_report reports[HEAPS] = {{0}};
+    const pe_solve_limits limits = {1e-4, 60};
+    for (int momentum = 0; momentum < 2; ++momentum) {
+        for (int i = 0; i < HEAPS; ++i) {
+            bench_set_up((void **)&alone[i]);
+            bench_set_up((void **)&joined[i]);
+            bench_put_heap(alone[i], 1 + (uint64_t)i, 1 + 3 * i, 2 + 5 * i, 4);
+            bench_put_heap(joined[i], 1 + (uint64_t)i, 1 + 3 * i, 2 + 5 * i, 4);
+            pe_problem_rebuild_velocity(&joined[i]->problem);
+            problems[i] = &joined[i]->problem;
+        }
+        assert_int_equal(pe_solve_together(problems, HEAPS, &limits, momentum != 0,
+                                           bench_workspace(joined[0]), reports, NULL),
+                         PE_OK);
+        for (int i = 0; i < HEAPS; ++i) {
+            const pe_solve_report report =
+                bench_solve(alone[i], momentum != 0 ? pe_solve_momentum : pe_solve_gauss_seidel,
+                            limits.tolerance, limits.max_iterations);
+            assert_int_equal(reports[i].iterations, report.iterations);
+            assert_int_equal(reports[i].stop, report.stop);
+            assert_memory_equal(&reports[i].residual, &report.residual, sizeof report.residual);
+            assert_memory_equal(joined[i]->impulse, alone[i]->impulse, sizeof alone[i]->impulse);
+            bench_tear_down((void **)&alone[i]);
+            bench_tear_down((void **)&joined[i]);
+        }
+    }
+}
+
 int main(void)
 {
 #define UNIT(test) cmocka_unit_test_setup_teardown(test, bench_set_up, bench_tear_down)
@@ -202,6 +259,7 @@ int main(void)
         UNIT(test_sweep_residual_equals_the_reported_one),
         UNIT(test_every_width_gives_the_same_bits),
         UNIT(test_more_contacts_than_colours_are_swept),
+        cmocka_unit_test(test_problems_swept_together_get_their_own_bits),
     };
     return cmocka_run_group_tests_name("engine_sweep_kernels", tests, NULL, NULL);
 }

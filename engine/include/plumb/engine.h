@@ -63,11 +63,14 @@ typedef struct pe_world pe_world;
 /* How contacts are solved. */
 typedef enum pe_profile {
     /* A solver for each contact island by predicted cost: islands that stand or slide are solved
-     * directly, to the tolerance. Islands that move so much that this would cost more are swept
-     * with momentum. Positions are corrected after the step, in two rounds at most. */
+     * directly, to the tolerance. Where that would cost more, or has failed lately, they are swept:
+     * with momentum, at most 30 times in a step, to a residual of 2e-4 m/s, or up to 0.02 m/s in
+     * islands of more than 1250 points. An island that meets this settles over the steps, by at
+     * most 10 sweeps in each. Positions are corrected after the step; those of swept islands in two
+     * rounds at most. */
     PE_PROFILE_DEFAULT,
-    /* The same choice, with twice the sweeps to a quarter of the residual, and up to eight rounds
-     * of position correction. */
+    /* The same choice, with at most 400 sweeps to a quarter of the residual. Positions of swept
+     * islands are corrected in up to eight rounds, and from half the depth. */
     PE_PROFILE_ACCURATE,
     /* Moving islands use sub-stepped soft contact. Islands at rest that are cheap to factor are
      * solved directly. */
@@ -80,11 +83,16 @@ typedef struct pe_world_def {
     pe_profile profile; /* how contacts are solved */
 
     /* A contact problem counts as solved when the largest natural-map residual over its contacts is
-     * below this, in m/s. One step of gravity at 60 Hz is 0.16 m/s. */
+     * at most this, in m/s. One step of gravity at 60 Hz is 0.16 m/s. Islands that are swept may
+     * keep what their profile allows, and islands of one or two bodies that move a hundred times
+     * this; pe_step_stats counts both as unconverged. */
     double tolerance;
 
     /* Bound on the work of sweeping one island in one step, in contact points visited (sweeps x
-     * points). Every island gets 50 sweeps if it needs them. */
+     * points). A direct solve is weighed against it: a larger bound lets more islands be solved
+     * directly. Sweeps are bounded by the profile, too. Every island gets 50 of them, or what the
+     * profile has, if it needs them; so only the accurate profile sweeps less for a smaller
+     * bound. */
     double max_contact_updates;
 
     /* Bound on the iterations of one island in one step: Newton steps and sweeps together. A
@@ -97,16 +105,20 @@ typedef struct pe_world_def {
     /* An island of this many bodies or fewer takes its impacts at their own time within the step,
      * one after the other, except in the fast profile. In a larger one, and everywhere at 0, an
      * impact acts at the step's start, over the gap. A step with an impact costs such an island up
-     * to 8 sub-steps, each with up to 8 passes of solver and narrow phase over its pairs. */
+     * to 8 sub-steps, each with up to 8 passes of solver and narrow phase over its pairs. With F
+     * triangles in its meshes that are not collided as hulls, the narrow phase passes over them at
+     * most max(4, 6000/F) times, and the rest of the step is an ordinary one. */
     int impact_bodies;
 
     /* Gap, in m, below which two bodies at rest relative to each other get a contact. Motion within
      * the step is added to it, so that fast bodies do not pass through others. */
     double contact_margin;
 
-    /* Penetration, in m, that is left alone in an island that is swept. Where it is deeper than
-     * three times this, bodies are moved after the step, without a change of momentum, until it is
-     * less than one and a half times this. Islands that are solved directly keep none. */
+    /* Penetration, in m, that is left alone in an island that is swept. Where it is deeper than six
+     * times this, in the accurate profile three times, bodies are moved after the step, without a
+     * change of momentum, until it is less than one and a half times this or the sweeps of the
+     * correction are used up. Islands that are solved directly keep at most 1e-8 m, except where
+     * to remove it would give them energy. */
     double penetration_slop;
 
     pe_allocator allocator; /* all NULL: aligned_alloc and free */
@@ -284,8 +296,8 @@ pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, p
 typedef enum pe_path {
     PE_PATH_NONE,   /* there was none */
     PE_PATH_WARM,   /* the last step's impulses were good enough */
-    PE_PATH_DIRECT, /* Newton and interior point iterations on a factor in body space */
-    PE_PATH_SWEEPS, /* sweeps with momentum */
+    PE_PATH_DIRECT, /* to the tolerance: Newton and interior point iterations, rarely sweeps */
+    PE_PATH_SWEEPS, /* above the tolerance: sweeps, or a direct solver that stopped short of it */
     PE_PATH_SOFT,   /* sub-steps of soft contact, which have no residual */
     PE_PATH_COUNT   /* how many paths there are */
 } pe_path;
@@ -301,7 +313,7 @@ enum { PE_HISTORY = 32 }; /* residuals in pe_step_stats */
 
 /* What one step did. Times are wall-clock seconds; impacts within the step count as solving. */
 typedef struct pe_step_stats {
-    int iterations;  /* factorisations or sweeps, largest over islands; 0 when every warm start was
+    int iterations;  /* factorisations and sweeps, largest over islands; 0 when every warm start was
                         good enough */
     double residual; /* m/s, natural map, largest over the solved contacts */
     double residual_rms;                /* m/s, over the same */

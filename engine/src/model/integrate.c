@@ -4,6 +4,10 @@
  * steps with the derivative at a small rotation, which converge slowly but surely. */
 enum { MAX_NEWTON_STEPS = 12, MAX_SPIN_ITERATIONS = 300 };
 
+/* In units of the angular velocity: a step of so little is the last. After Newton's, of which each
+ * is about the square of the one before, that leaves rounding. */
+static const double LAST_NEWTON_STEP = 1e-9, LAST_STEP = 1e-15;
+
 /* rad: a body that rotates by less in a step keeps its inertia in the world's axes. */
 static const double NO_ROTATION = 1e-9;
 
@@ -29,12 +33,21 @@ typedef struct exponential_map {
 
 static exponential_map exponential(pe_vec3 v)
 {
-    double a = pe_length(v), sine, cosine;
+    double a2 = pe_dot(v, v), a = sqrt(a2), sine, cosine;
     pe_sincos(a, &sine, &cosine);
-    /* Below 1e-3 the series' next term is below 1e-7 of the first, enough for a derivative. */
-    double f = a > 1e-3 ? (1 - cosine) / (a * a) : 0.5;
-    double g = a > 1e-3 ? (a - sine) / (a * a * a) : 1.0 / 6;
-    return (exponential_map){v, rotation_by(v), f, g};
+    /* Below 1e-3 the next term of each series is below 1e-15 of the first. */
+    bool tiny = a < 1e-3;
+    double e = tiny ? 1 - a2 / 6 : sine / a;
+    double f = tiny ? 0.5 - a2 / 24 : (1 - cosine) / a2;
+    double g = tiny ? 1.0 / 6 - a2 / 120 : (a - sine) / (a2 * a);
+    double x = v.x, y = v.y, z = v.z, c = cosine;
+    pe_mat3 rotation = {
+        /* Rodrigues' formula */
+        .r0 = {c + f * x * x, f * x * y - e * z, f * x * z + e * y},
+        .r1 = {f * x * y + e * z, c + f * y * y, f * y * z - e * x},
+        .r2 = {f * x * z - e * y, f * y * z + e * x, c + f * z * z},
+    };
+    return (exponential_map){v, rotation, f, g};
 }
 
 /* The derivative of the rotated vector x along d. */
@@ -51,8 +64,9 @@ static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
 {
     pe_vec3 inverse = pe_v3(1 / inertia.x, 1 / inertia.y, 1 / inertia.z);
     pe_vec3 momentum = pe_mul(inertia, w);
-    spin s = {.end = w, .mean = w};
-    double least = 1e-15 * pe_length(w);
+    /* By the derivative at the start. */
+    spin s = {.end = pe_madd(w, dt, pe_mul(inverse, pe_cross(momentum, w)))};
+    double speed = pe_length(w);
     for (int i = 0; i < MAX_SPIN_ITERATIONS; ++i) {
         s.end = i == MAX_NEWTON_STEPS ? w : s.end;
         s.mean = pe_scale(0.5, pe_add(w, s.end));
@@ -70,7 +84,7 @@ static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
             pe_solve3(pe_v3(c[0].x, c[1].x, c[2].x), pe_v3(c[0].y, c[1].y, c[2].y),
                       pe_v3(c[0].z, c[1].z, c[2].z), pe_sub(pe_mul(inertia, s.end), rotated));
         s.end = pe_sub(s.end, change);
-        if (pe_length(change) <= least) {
+        if (pe_length(change) <= (i < MAX_NEWTON_STEPS ? LAST_NEWTON_STEP : LAST_STEP) * speed) {
             break;
         }
     }

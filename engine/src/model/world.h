@@ -44,10 +44,19 @@ typedef struct pe_body {
     int next_free; /* slot of the next free one, 0 ends the list */
 } pe_body;
 
+/* Work that failed and is not tried again for a while: for twice as many steps each time. */
+typedef struct pe_backoff {
+    int wait;  /* steps left */
+    int pause; /* steps that the last wait took; 0: it did not fail last */
+} pe_backoff;
+
 /* What earlier steps found out about the island of a body, by which later ones save work. */
 typedef struct pe_record {
-    int correction_wait;  /* steps left without exact position correction, which was taken back */
-    int correction_pause; /* steps that the last such wait took; 0: it was not taken back */
+    pe_backoff correction; /* exact position correction, which was taken back */
+    pe_backoff direct;     /* the direct solver */
+    pe_backoff settling;   /* sweeps at rest, which gained nothing */
+    double residual, rms;  /* m/s: what the last solve left */
+    bool put_back;         /* the energy guard put the island back, which had been at rest */
 } pe_record;
 
 /* Forces, in N, and torques, in N m, that are applied in the next step. */
@@ -165,6 +174,13 @@ static inline pe_applied_force *pe_applied_forces(const pe_world *world)
 static inline pe_record *pe_records(const pe_world *world)
 {
     return world->record_array.items;
+}
+
+/* Notes that the work failed, after a last pause of `pause` steps, or that it succeeded. */
+static inline pe_backoff pe_backoff_after(bool failed, int pause, int most)
+{
+    int next = !failed ? 0 : pause == 0 ? 1 : 2 * pause < most ? 2 * pause : most;
+    return (pe_backoff){next, next};
 }
 
 /* The manifolds and points of a list. */

@@ -75,50 +75,130 @@ static bool is_look(int sweeps)
     return sweeps % LOOK_INTERVAL == 0 || sweeps == 1 || sweeps == LOOK_INTERVAL / 2;
 }
 
-/* Sweeps until the limits are met, and leaves the best iterate that was evaluated, the start
- * included. */
-static pe_status solve(const pe_problem *problem, const pe_solve_limits *limits, bool with_momentum,
-                       pe_workspace work, pe_solve_report *report, pe_error *error)
-{
+/* Problems that are swept together: parts of a joint one. */
+typedef struct sweeping {
     pe_sweep sweep;
-    report->iterations = 0;
-    report->factor_flops = 0;
-    pe_status status = pe_sweep_create(problem, pe_kernels_for(0)->sweep, work, &sweep, error);
-    if (status != PE_OK) {
+    int count;
+    pe_sweep_part *parts; /* (count) */
+    double *residuals;    /* (count): at the last look, m/s */
+    double *best;         /* (count): the least so far; what had it is stored */
+    pe_momentum *momenta; /* (count) */
+    bool *done;           /* (count) */
+} sweeping;
+
+static pe_status take_memory(const pe_problem *const *problems, int count, pe_workspace work,
+                             sweeping *s, pe_error *error)
+{
+    const size_t parts = (size_t)count;
+    int points = 0;
+    for (int k = 0; k < count; ++k) {
+        points += problems[k]->point_count;
+    }
+    *s = (sweeping){
+        .count = count,
+        .parts = pe_take(work, parts, sizeof *s->parts),
+        .residuals = pe_take(work, parts, sizeof *s->residuals),
+        .best = pe_take(work, parts, sizeof *s->best),
+        .momenta = pe_take(work, parts, sizeof *s->momenta),
+        .done = pe_take(work, parts, sizeof *s->done),
+    };
+    return s->parts != NULL && s->residuals != NULL && s->best != NULL && s->momenta != NULL &&
+                   s->done != NULL
+               ? PE_OK
+               : pe_fail(error, PE_NO_MEMORY, "no memory to sweep %d contact points", points);
+}
+
+/* Looks at the start. Returns whether any problem goes on. */
+static bool begin(sweeping *s, double tolerance, pe_solve_report *reports)
+{
+    bool goes_on = false;
+    pe_sweep_residuals(&s->sweep, s->parts, s->count, s->residuals);
+    for (int k = 0; k < s->count; ++k) {
+        s->best[k] = s->residuals[k];
+        s->momenta[k] = pe_momentum_begin(s->best[k]);
+        s->done[k] = !(s->best[k] > tolerance);
+        reports[k].iterations = 0;
+        reports[k].factor_flops = 0;
+        goes_on |= !s->done[k];
+    }
+    return goes_on;
+}
+
+/* Looks after so many sweeps, of which `more` since the last look, and keeps what is better. Returns
+ * whether any problem goes on. */
+static bool look(sweeping *s, double tolerance, int sweeps, int more, pe_solve_report *reports)
+{
+    bool goes_on = false;
+    pe_sweep_residuals(&s->sweep, s->parts, s->count, s->residuals);
+    for (int k = 0; k < s->count; ++k) {
+        if (s->done[k]) {
+            continue;
+        }
+        reports[k].iterations = sweeps;
+        pe_solve_note(&reports[k], sweeps, s->residuals[k]);
+        pe_momentum_look(&s->momenta[k], more, s->residuals[k]);
+        if (s->residuals[k] < s->best[k]) {
+            s->best[k] = s->residuals[k];
+            pe_sweep_store(&s->sweep, &s->parts[k]);
+        }
+        s->done[k] = !(s->best[k] > tolerance);
+        goes_on |= !s->done[k];
+    }
+    return goes_on;
+}
+
+/* Sweeps together until each problem meets the limits, and leaves the best iterate of each that was
+ * evaluated, the start included. */
+static pe_status solve(const pe_problem *const *problems, int count, const pe_solve_limits *limits,
+                       bool with_momentum, pe_workspace work, pe_solve_report *reports,
+                       pe_error *error)
+{
+    sweeping s;
+    pe_problem joint;
+    pe_status status = take_memory(problems, count, work, &s, error);
+    if (status != PE_OK ||
+        (status = pe_sweep_join(problems, count, work, &joint, s.parts, error)) != PE_OK ||
+        (status = pe_sweep_create(&joint, pe_kernels_for(0)->sweep, work, &s.sweep, error)) !=
+            PE_OK) {
         return status;
     }
-    double best = pe_sweep_residual(&sweep);
-    pe_momentum momentum = pe_momentum_begin(best);
-    for (int seen = 0; best > limits->tolerance && report->iterations < limits->max_iterations;) {
-        pe_sweep_cones(&sweep, with_momentum ? pe_momentum_next(&momentum) : 0);
-        int sweeps = ++report->iterations;
+    bool goes_on = begin(&s, limits->tolerance, reports);
+    for (int sweeps = 1, seen = 0; goes_on && sweeps <= limits->max_iterations; ++sweeps) {
+        for (int k = 0; k < count && with_momentum; ++k) {
+            pe_sweep_set_beta(&s.sweep, &s.parts[k], pe_momentum_next(&s.momenta[k]));
+        }
+        pe_sweep_cones(&s.sweep);
         if (is_look(sweeps) || sweeps == limits->max_iterations) {
-            double residual = pe_sweep_residual(&sweep);
-            pe_solve_note(report, sweeps, residual);
-            pe_momentum_look(&momentum, sweeps - seen, residual);
+            goes_on = look(&s, limits->tolerance, sweeps, sweeps - seen, reports);
             seen = sweeps;
-            if (residual < best) {
-                best = residual;
-                pe_sweep_store(&sweep);
-            }
         }
     }
-    /* The sweeps add up rounding errors in the velocities. The impulses give them afresh. */
-    pe_problem_rebuild_velocity(problem);
-    report->residual = pe_problem_residual(problem);
-    report->stop =
-        report->residual.max <= limits->tolerance ? PE_STOP_CONVERGED : PE_STOP_ITERATIONS;
+    pe_sweep_part_from(&joint, problems, count);
+    for (int k = 0; k < count; ++k) {
+        /* The sweeps add up rounding errors in the velocities. The impulses give them afresh. */
+        pe_problem_rebuild_velocity(problems[k]);
+        reports[k].residual = pe_problem_residual(problems[k]);
+        reports[k].stop =
+            reports[k].residual.max <= limits->tolerance ? PE_STOP_CONVERGED : PE_STOP_ITERATIONS;
+    }
     return PE_OK;
 }
 
 pe_status pe_solve_gauss_seidel(const pe_problem *problem, const pe_solve_limits *limits,
                                 pe_workspace work, pe_solve_report *report, pe_error *error)
 {
-    return solve(problem, limits, false, work, report, error);
+    return solve(&problem, 1, limits, false, work, report, error);
 }
 
 pe_status pe_solve_momentum(const pe_problem *problem, const pe_solve_limits *limits,
                             pe_workspace work, pe_solve_report *report, pe_error *error)
 {
-    return solve(problem, limits, true, work, report, error);
+    return solve(&problem, 1, limits, true, work, report, error);
+}
+
+pe_status pe_solve_together(const pe_problem *const *problems, int count,
+                            const pe_solve_limits *limits, bool with_momentum, pe_workspace work,
+                            pe_solve_report *reports, pe_error *error)
+{
+    return solve(problems, count, limits, with_momentum, work, reports, error);
 }

@@ -2,6 +2,7 @@
 
 #include "base/vec3.h"
 #include "solve_interior_point.h"
+#include "solve_tiny.h"
 
 #include <math.h>
 #include <string.h>
@@ -135,7 +136,43 @@ static const double ACCEPT_WARM = 0.01;
 static const double QUIET = 1e-3;
 enum { QUIET_ITERATIONS = 4, TRIAL_ITERATIONS = 8, ALL_ITERATIONS = 200 };
 
-/* Part of the cost of all sweeps that such a try may have. */
+/* Residuals below this, in m/s, may be rounding: a direct solver that ends there has not failed. */
+static const double ROUNDING = 1e-9;
+
+/* Bounds on the iterations of the direct solver from a warm start: so many points in all of them,
+ * but at least LEAST_WARM and at most MOST_WARM iterations. An island that takes more changes too
+ * much from step to step, and sweeps serve it better. */
+enum { WARM_POINTS = 6000, LEAST_WARM = 16, MOST_WARM = 48 };
+
+/* A chain, such as a stack, has at most so many manifolds a body. Its factor is cheap. It may also
+ * be about to fall, which a less exact solution would not show: then the energy guard holds it. */
+static const double CHAIN = 1.5;
+
+static bool is_chain(const pe_problem *problem)
+{
+    return problem->body_count > PE_TINY_BODIES &&
+           problem->manifold_count <= CHAIN * problem->body_count;
+}
+
+/* Within the tolerance the direct solver is in vain if it leaves more of the residual: that is
+ * rounding. */
+static const double DIRECT_GAIN = 0.5;
+
+/* The most iterations of the direct solver from a warm start. */
+static int warm_iterations(const pe_problem *problem)
+{
+    if (is_chain(problem)) {
+        return ALL_ITERATIONS;
+    }
+    int most = WARM_POINTS / problem->point_count;
+    return most > MOST_WARM ? MOST_WARM : most < LEAST_WARM ? LEAST_WARM : most;
+}
+
+/* Where the residual is below this, in m/s, a few Newton iterations pay even if the direct solver
+ * failed before. */
+static const double NEAR = 1e-6;
+
+/* Part of the cost of all sweeps that one try of Newton's method may have. */
 static const double TRIAL_SHARE = 0.25;
 
 /* Costs in nanoseconds, measured once; only their ratios matter. */
@@ -145,10 +182,17 @@ static const double NS_PER_FLOP = 0.14, NS_PER_ASSEMBLED_POINT = 150, NS_PER_SWE
  * such as a step of one second makes of many bodies, would cost minutes. */
 static const double COLD_PATIENCE = 16;
 
-/* Islands of so few bodies always get the whole direct solver. */
-enum { TINY = 2 };
+/* Of islands of at most PE_TINY_BODIES bodies. One that is not quiet is solved roughly at ROUGH times
+ * the tolerance. */
+enum { TINY_ITERATIONS = 16, TINY_SWEEPS = 20 };
+static const double ROUGH = 100;
 
 enum { LEAST_SWEEPS = 50, MOST_SWEEPS = 2000 };
+
+static bool is_tiny(const pe_solving *s)
+{
+    return s->problem->body_count <= PE_TINY_BODIES;
+}
 
 /* Predicted cost of iterations with a factor of so many flops. */
 static double direct_cost(const pe_problem *problem, double flops, int iterations)
@@ -162,30 +206,37 @@ static int sweep_limit(const pe_problem *problem, const pe_island_limits *limits
     return (int)pe_min(MOST_SWEEPS, most);
 }
 
-typedef struct plan {
-    bool cold;  /* no impulse to start from */
-    bool whole; /* the whole direct solver */
-    bool trial; /* a few Newton iterations before and after the sweeps */
-    int sweeps; /* at most */
-    pe_pattern pattern;
-} plan;
-
-static void choose(const pe_problem *problem, const pe_island_limits *limits, double warm,
-                   double flops, plan *to)
+static void choose(const pe_solving *s, double flops, pe_island_plan *to)
 {
+    const pe_problem *problem = s->problem;
+    double warm = s->report.solve.residual.max;
     double swept = NS_PER_SWEPT_POINT * problem->point_count * to->sweeps;
-    double patience = to->cold ? COLD_PATIENCE : warm < QUIET ? limits->patience : 0;
-    to->whole = problem->body_count <= TINY ||
-                direct_cost(problem, flops, QUIET_ITERATIONS) <= patience * swept;
-    to->trial = direct_cost(problem, flops, TRIAL_ITERATIONS) <= TRIAL_SHARE * swept;
+    double patience = to->cold ? COLD_PATIENCE : warm < QUIET ? s->limits.patience : 0;
+    to->whole = is_tiny(s) || direct_cost(problem, flops, QUIET_ITERATIONS) <= patience * swept;
+    to->trial = TRIAL_ITERATIONS * problem->point_count <= WARM_POINTS &&
+                direct_cost(problem, flops, TRIAL_ITERATIONS) <= TRIAL_SHARE * swept;
 }
 
-static pe_status make_plan(const pe_problem *problem, const pe_island_limits *limits, double warm,
-                           pe_workspace work, plan *to, pe_error *error)
+/* Whether the direct solver gets no more than a few iterations, and these only near the solution. */
+static bool waits(const pe_solving *s)
 {
-    to->cold = !pe_problem_has_impulse(problem);
-    to->sweeps = sweep_limit(problem, limits);
-    choose(problem, limits, warm, 0, to);
+    const bool quiet = s->report.solve.residual.max < QUIET;
+    return s->limits.direct_waits && !is_tiny(s) && !(is_chain(s->problem) && quiet);
+}
+
+/* Fills s->plan. */
+static pe_status make_plan(pe_solving *s, pe_workspace work, pe_error *error)
+{
+    const pe_problem *problem = s->problem;
+    const pe_island_limits *limits = &s->limits;
+    pe_island_plan *to = &s->plan;
+    double warm = s->report.solve.residual.max;
+    *to = (pe_island_plan){.cold = !pe_problem_has_impulse(problem),
+                           .sweeps = sweep_limit(problem, limits)};
+    if (waits(s) && (warm > NEAR || warm <= limits->tolerance)) {
+        return PE_OK;
+    }
+    choose(s, 0, to);
     if (!to->whole && !to->trial) {
         return PE_OK; /* too expensive even if the factor were free */
     }
@@ -204,58 +255,199 @@ static pe_status make_plan(const pe_problem *problem, const pe_island_limits *li
         keeps ? pe_pattern_store_find(limits->store, problem, loaded, work, &to->pattern, error)
               : pe_pattern_find(problem, loaded, work, &to->pattern, error);
     if (status == PE_OK) {
-        choose(problem, limits, warm, to->pattern.flops, to);
+        choose(s, to->pattern.flops, to);
     }
     return status;
 }
+
+/* An island whose residual is within the tolerance of sweeps gets a few in each step, down to this
+ * (m/s): at rest every step continues the last one. */
+static const double SETTLED = 1e-7;
+enum { SETTLING_SWEEPS = 10 };
+static const double SETTLING_GAIN = 0.99;
 
 static int fewer(int a, int b)
 {
     return a < b ? a : b;
 }
 
-pe_status pe_solve_island(const pe_problem *problem, const pe_island_limits *limits,
-                          pe_workspace work, pe_island_report *report, pe_error *error)
+/* At most `most` iterations of the direct solver. */
+static pe_status solve_directly(pe_solving *s, int most, pe_newton_form form, pe_workspace work,
+                                pe_error *error)
 {
-    pe_solve_report *solve = &report->solve;
-    solve->residual = pe_problem_residual(problem);
-    double warm = solve->residual.max;
-    pe_solve_note(solve, 0, warm);
-    if (warm <= ACCEPT_WARM * limits->tolerance) {
-        report->path = PE_PATH_WARM;
+    pe_solve_report *solve = &s->report.solve;
+    const double tolerance = s->limits.tolerance;
+    most += solve->iterations;
+    pe_solve_limits direct = {tolerance, fewer(most, s->limits.max_iterations)};
+    pe_newton_settings settings = pe_newton_settings_for(&s->plan.pattern, form, tolerance);
+    return pe_solve_direct(s->problem, &settings, &direct, work, solve, error);
+}
+
+/* Plans the island, and runs the direct solver where the plan has it; if `brief`, as a trial. */
+static pe_status try_directly(pe_solving *s, bool brief, pe_workspace work, pe_error *error)
+{
+    const pe_island_plan *plan = &s->plan;
+    pe_status status = make_plan(s, work, error);
+    if (status != PE_OK || !(plan->whole || plan->trial)) {
+        return status;
+    }
+    int most = waits(s)                ? QUIET_ITERATIONS
+               : !plan->whole || brief ? TRIAL_ITERATIONS
+               : plan->cold            ? ALL_ITERATIONS
+                                       : warm_iterations(s->problem);
+    return solve_directly(s, most, plan->cold ? PE_NEWTON_CONE : PE_NEWTON_TRESCA, work, error);
+}
+
+static pe_status solve_tiny(pe_solving *s, pe_workspace work, pe_error *error)
+{
+    pe_solve_report *solve = &s->report.solve;
+    pe_solve_limits limits = {s->limits.tolerance,
+                              fewer(solve->iterations + TINY_ITERATIONS, s->limits.max_iterations)};
+    return pe_solve_tiny(s->problem, &limits, work, solve, error);
+}
+
+/* Asks for at most `most` sweeps, to `enough` (m/s). */
+static void ask_for_sweeps(pe_solving *s, int most, double enough)
+{
+    s->sweeps = fewer(most, s->limits.max_iterations - s->report.solve.iterations);
+    s->before = s->report.solve.residual.max;
+    s->enough = enough;
+}
+
+/* Newton's method with friction, then a trial of the direct solver. */
+static pe_status begin_tiny(pe_solving *s, pe_workspace work, pe_error *error)
+{
+    const pe_solve_report *solve = &s->report.solve;
+    const double tolerance = s->limits.tolerance;
+    const bool rough = s->limits.rough && !(solve->residual.max < QUIET);
+    const double near = rough ? ROUGH * tolerance : tolerance;
+    s->least_aim = rough ? s->limits.swept_tolerance : tolerance;
+    pe_status status = solve_tiny(s, work, error);
+    if (status == PE_OK && solve->residual.max > near) {
+        status = try_directly(s, true, work, error);
+    }
+    if (solve->residual.max > near) {
+        ask_for_sweeps(s, TINY_SWEEPS, tolerance);
+    }
+    return status;
+}
+
+/* The direct solver as planned. */
+static pe_status begin_larger(pe_solving *s, pe_workspace work, pe_error *error)
+{
+    const pe_island_limits *limits = &s->limits;
+    pe_status status = try_directly(s, false, work, error);
+    const double left = s->report.solve.residual.max;
+    if (left > limits->swept_tolerance) {
+        ask_for_sweeps(s, fewer(s->plan.sweeps, limits->most_sweeps), limits->swept_tolerance);
+    } else if (left > pe_max(SETTLED, limits->tolerance) && !limits->settling_waits) {
+        ask_for_sweeps(s, SETTLING_SWEEPS, SETTLED);
+    }
+    return status;
+}
+
+pe_status pe_solving_begin(pe_solving *s, pe_workspace work, pe_error *error)
+{
+    pe_solve_report *solve = &s->report.solve;
+    solve->residual = pe_problem_residual(s->problem);
+    pe_solve_note(solve, 0, solve->residual.max);
+    s->sweeps = 0;
+    s->warm = solve->residual.max;
+    if (solve->residual.max <= ACCEPT_WARM * s->limits.tolerance) {
+        s->report.path = PE_PATH_WARM;
         solve->stop = PE_STOP_CONVERGED;
         return PE_OK;
     }
-    plan chosen;
-    report->path = PE_PATH_SWEEPS;
-    pe_status status = make_plan(problem, limits, warm, work, &chosen, error);
-    if (status == PE_OK && (chosen.whole || chosen.trial)) {
-        int most = chosen.whole ? ALL_ITERATIONS : TRIAL_ITERATIONS;
-        pe_solve_limits direct = {limits->tolerance, fewer(most, limits->max_iterations)};
-        pe_newton_settings settings = pe_newton_settings_for(
-            &chosen.pattern, chosen.cold ? PE_NEWTON_CONE : PE_NEWTON_TRESCA, limits->tolerance);
-        status = pe_solve_direct(problem, &settings, &direct, work, solve, error);
-        report->path = PE_PATH_DIRECT;
+    s->report.path = PE_PATH_SWEEPS;
+    return is_tiny(s) ? begin_tiny(s, work, error) : begin_larger(s, work, error);
+}
+
+pe_status pe_solving_sweep(pe_solving *const *islands, int count, pe_workspace work,
+                           pe_error *error)
+{
+    const pe_problem **problems = pe_take(work, (size_t)count, sizeof *problems);
+    pe_solve_report *reports = pe_take(work, (size_t)count, sizeof *reports);
+    if (problems == NULL || reports == NULL) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory to sweep %d islands", count);
     }
-    int left = limits->max_iterations - solve->iterations;
-    if (status == PE_OK && left > 0 && solve->residual.max > limits->swept_tolerance) {
-        report->path = PE_PATH_SWEEPS;
-        pe_solve_limits swept = {limits->swept_tolerance, fewer(chosen.sweeps, left)};
-        pe_solve_report sweeps = {.history = solve->history};
-        status = pe_solve_momentum(problem, &swept, work, &sweeps, error);
-        solve->iterations += sweeps.iterations;
-        solve->residual = sweeps.residual;
-        solve->stop = sweeps.stop;
-        if (status == PE_OK && chosen.trial && solve->residual.max < QUIET) {
-            int most = solve->iterations + TRIAL_ITERATIONS;
-            pe_solve_limits refine = {limits->tolerance, fewer(most, limits->max_iterations)};
-            pe_newton_settings settings =
-                pe_newton_settings_for(&chosen.pattern, PE_NEWTON_TRESCA, limits->tolerance);
-            status = pe_solve_direct(problem, &settings, &refine, work, solve, error);
-        }
+    for (int i = 0; i < count; ++i) {
+        problems[i] = islands[i]->problem;
+        reports[i] = (pe_solve_report){.history = islands[i]->report.solve.history};
     }
-    if (solve->residual.max <= limits->tolerance) {
-        report->path = PE_PATH_DIRECT;
+    const pe_solve_limits limits = {islands[0]->enough, islands[0]->sweeps};
+    /* Momentum takes more sweeps than these to begin to pay. */
+    const bool with_momentum = limits.max_iterations > SETTLING_SWEEPS;
+    pe_status status =
+        pe_solve_together(problems, count, &limits, with_momentum, work, reports, error);
+    for (int i = 0; i < count && status == PE_OK; ++i) {
+        pe_solve_report *solve = &islands[i]->report.solve;
+        solve->iterations += reports[i].iterations;
+        solve->residual = reports[i].residual;
+        solve->stop = reports[i].stop;
     }
+    return status;
+}
+
+/* Newton's method from where the sweeps ended, and where that fails, too, the direct solver. */
+static pe_status finish_tiny(pe_solving *s, pe_workspace work, pe_error *error)
+{
+    const pe_solve_report *solve = &s->report.solve;
+    pe_status status = PE_OK;
+    if (solve->residual.max > s->limits.tolerance) {
+        status = solve_tiny(s, work, error);
+    }
+    if (status == PE_OK && solve->residual.max > s->least_aim) {
+        status = try_directly(s, false, work, error);
+    }
+    return status;
+}
+
+/* Whether the direct solver does not pay for this island. That a chain could not be solved is no
+ * reason to give up on it. */
+static bool direct_failed(const pe_solving *s)
+{
+    const pe_island_plan *plan = &s->plan;
+    const pe_solve_report *solve = &s->report.solve;
+    const bool gives_up = !(plan->whole && is_chain(s->problem));
+    const double near = pe_max(s->limits.tolerance, plan->whole ? ROUNDING : NEAR);
+    const bool too_long = !plan->cold && solve->iterations >= warm_iterations(s->problem);
+    const bool in_vain =
+        s->warm <= s->limits.tolerance && solve->residual.max > DIRECT_GAIN * s->warm;
+    return (plan->whole || plan->trial) &&
+           ((gives_up && solve->residual.max > near) || too_long || in_vain);
+}
+
+pe_status pe_solving_finish(pe_solving *s, pe_workspace work, pe_error *error)
+{
+    pe_solve_report *solve = &s->report.solve;
+    pe_status status = PE_OK;
+    if (s->sweeps > 0 && is_tiny(s)) {
+        status = finish_tiny(s, work, error);
+    } else if (s->sweeps > SETTLING_SWEEPS && s->plan.trial && solve->residual.max < QUIET) {
+        status = solve_directly(s, TRIAL_ITERATIONS, PE_NEWTON_TRESCA, work, error);
+    }
+    const bool solved = solve->residual.max <= s->limits.tolerance;
+    if (s->report.path != PE_PATH_WARM && solved) {
+        s->report.path = PE_PATH_DIRECT;
+    }
+    s->report.direct_failed = direct_failed(s);
+    s->report.settling_failed = s->sweeps > 0 && s->sweeps <= SETTLING_SWEEPS &&
+                                solve->residual.max > SETTLING_GAIN * s->before;
+    return status;
+}
+
+pe_status pe_solve_island(const pe_problem *problem, const pe_island_limits *limits,
+                          pe_workspace work, pe_island_report *report, pe_error *error)
+{
+    pe_solving s = {.problem = problem, .limits = *limits, .report = *report};
+    pe_solving *alone = &s;
+    pe_status status = pe_solving_begin(&s, work, error);
+    if (status == PE_OK && s.sweeps > 0) {
+        status = pe_solving_sweep(&alone, 1, work, error);
+    }
+    if (status == PE_OK) {
+        status = pe_solving_finish(&s, work, error);
+    }
+    *report = s.report;
     return status;
 }

@@ -165,20 +165,23 @@ pe_status pe_sweep_create(const pe_problem *problem, const pe_sweep_kernel *kern
         .kernel = kernel,
         .velocity = pe_take(work, bodies, sizeof *sweep->velocity),
         .before = pe_take(work, bodies, sizeof *sweep->before),
+        .beta = pe_take(work, bodies, sizeof *sweep->beta),
         .place = pe_take(work, manifolds, sizeof *sweep->place),
     };
     uint64_t *used = pe_take(work, bodies, sizeof *used);
     int *key = pe_take(work, manifolds, sizeof *key);
-    if (sweep->velocity == NULL || sweep->before == NULL || sweep->place == NULL || used == NULL ||
-        key == NULL) {
+    if (sweep->velocity == NULL || sweep->before == NULL || sweep->beta == NULL ||
+        sweep->place == NULL || used == NULL || key == NULL) {
         goto no_memory;
     }
     colour_manifolds(problem, used, key);
     sweep->block_count = place_manifolds(problem, key, sweep->place);
     sweep->blocks = pe_take(work, (size_t)sweep->block_count + 1, sizeof *sweep->blocks);
-    if (sweep->blocks == NULL) {
+    sweep->worst = pe_take(work, (size_t)sweep->block_count + 1, sizeof *sweep->worst);
+    if (sweep->blocks == NULL || sweep->worst == NULL) {
         goto no_memory;
     }
+    memset(sweep->beta, 0, bodies * sizeof *sweep->beta);
     memset(sweep->blocks, 0, (size_t)sweep->block_count * sizeof *sweep->blocks);
     for (int k = 0; k < sweep->block_count; ++k) {
         for (int lane = 0; lane < PE_BLOCK_LANES; ++lane) {
@@ -199,10 +202,41 @@ no_memory:
                    problem->point_count);
 }
 
-void pe_sweep_store(const pe_sweep *sweep)
+pe_sweep_part pe_sweep_whole(const pe_sweep *sweep)
 {
     const pe_problem *problem = sweep->problem;
-    for (int i = 0; i < problem->manifold_count; ++i) {
+    return (pe_sweep_part){0, problem->body_count, 0, problem->manifold_count};
+}
+
+void pe_sweep_set_beta(const pe_sweep *sweep, const pe_sweep_part *part, double beta)
+{
+    for (int i = 0; i < part->body_count; ++i) {
+        sweep->beta[part->body + i] = beta;
+    }
+    for (int i = 0; i < part->manifold_count; ++i) {
+        int place = sweep->place[part->manifold + i];
+        sweep->blocks[place / PE_BLOCK_LANES].beta[place % PE_BLOCK_LANES] = beta;
+    }
+}
+
+void pe_sweep_residuals(const pe_sweep *sweep, const pe_sweep_part *parts, int count,
+                        double *residuals)
+{
+    sweep->kernel->residuals(sweep);
+    for (int k = 0; k < count; ++k) {
+        residuals[k] = 0;
+        for (int i = 0; i < parts[k].manifold_count; ++i) {
+            int place = sweep->place[parts[k].manifold + i];
+            double worst = sweep->worst[place / PE_BLOCK_LANES][place % PE_BLOCK_LANES];
+            residuals[k] = worst > residuals[k] ? worst : residuals[k];
+        }
+    }
+}
+
+void pe_sweep_store(const pe_sweep *sweep, const pe_sweep_part *part)
+{
+    const pe_problem *problem = sweep->problem;
+    for (int i = part->manifold; i < part->manifold + part->manifold_count; ++i) {
         const pe_solver_manifold *manifold = &problem->manifold[i];
         int lane = sweep->place[i] % PE_BLOCK_LANES;
         int first = sweep->blocks[sweep->place[i] / PE_BLOCK_LANES].first;

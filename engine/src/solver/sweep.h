@@ -10,7 +10,11 @@
  * that takes 216 bytes a point, where rows of the Jacobian take 360.
  *
  * With momentum, z is what a sweep leaves and y = z + beta (z - z_before) is where the next one
- * starts; z lies in the cones, y need not. */
+ * starts; z lies in the cones, y need not.
+ *
+ * A problem may consist of parts that share no dynamic body, such as several islands, so that they
+ * fill the blocks together. Each part has a beta of its own, and its bits are those that it would
+ * have alone. */
 #ifndef PE_SWEEP_H
 #define PE_SWEEP_H
 
@@ -35,7 +39,13 @@ typedef struct pe_sweep_block {
     pe_block_lanes inverse_inertia_a[6], inverse_inertia_b[6];
     pe_block_lanes linear[6], mixed[9], angular[6]; /* E: two symmetric blocks, one full */
     pe_block_lanes friction;
+    pe_block_lanes beta; /* of the manifold's part */
 } pe_sweep_block;
+
+/* A part of a problem: ranges of its bodies and manifolds. */
+typedef struct pe_sweep_part {
+    int body, body_count, manifold, manifold_count;
+} pe_sweep_part;
 
 /* The k-th points of eight manifolds. Lanes whose manifold has fewer points never touch. */
 typedef struct pe_sweep_point {
@@ -58,6 +68,8 @@ typedef struct pe_sweep {
     pe_sweep_point *points;
     pe_solver_body *velocity; /* (body_count + 1): of z; world axes */
     pe_solver_body *before;   /* (body_count + 1): of z of the sweep before */
+    double *beta;             /* (body_count + 1): of the body's part; 0 of static bodies */
+    pe_block_lanes *worst;    /* (block_count): residuals of manifolds */
     int *place;               /* (manifold_count): 8 x block + lane */
 } pe_sweep;
 
@@ -70,9 +82,9 @@ typedef struct pe_violation {
 /* The work on blocks for one width of instructions; see the functions below of the same names. */
 typedef struct pe_sweep_kernel {
     void (*prepare)(pe_sweep *sweep); /* E of the manifolds, W of the points */
-    void (*sweep_cones)(pe_sweep *sweep, double beta);
-    void (*sweep_normals)(pe_sweep *sweep, double beta);
-    double (*residual)(const pe_sweep *sweep);
+    void (*sweep_cones)(pe_sweep *sweep);
+    void (*sweep_normals)(pe_sweep *sweep);
+    void (*residuals)(const pe_sweep *sweep); /* fills sweep->worst */
     pe_violation (*violation)(const pe_sweep *sweep);
 } pe_sweep_kernel;
 
@@ -80,24 +92,29 @@ typedef struct pe_sweep_kernel {
 pe_status pe_sweep_create(const pe_problem *problem, const pe_sweep_kernel *kernel,
                           pe_workspace work, pe_sweep *sweep, pe_error *error);
 
+/* The whole problem as one part. */
+pe_sweep_part pe_sweep_whole(const pe_sweep *sweep);
+
+/* Sets the momentum of a part in the sweeps that follow; 0 at first. */
+void pe_sweep_set_beta(const pe_sweep *sweep, const pe_sweep_part *part, double beta);
+
 /* One sweep from y = z + beta (z - z_before): each point takes the normal impulse that stops
  * approach, then the tangential one that stops slip, held to the disc of radius mu p_n. */
-static inline void pe_sweep_cones(pe_sweep *sweep, double beta)
+static inline void pe_sweep_cones(pe_sweep *sweep)
 {
-    sweep->kernel->sweep_cones(sweep, beta);
+    sweep->kernel->sweep_cones(sweep);
 }
 
 /* The same for normal impulses only, as if there were no friction; tangential impulses stay. */
-static inline void pe_sweep_normals(pe_sweep *sweep, double beta)
+static inline void pe_sweep_normals(pe_sweep *sweep)
 {
-    sweep->kernel->sweep_normals(sweep, beta);
+    sweep->kernel->sweep_normals(sweep);
 }
 
-/* Largest natural-map residual of z, m/s: that of pe_problem_residual except for rounding. */
-static inline double pe_sweep_residual(const pe_sweep *sweep)
-{
-    return sweep->kernel->residual(sweep);
-}
+/* Largest natural-map residual of z in each part, m/s: that of pe_problem_residual except for
+ * rounding. */
+void pe_sweep_residuals(const pe_sweep *sweep, const pe_sweep_part *parts, int count,
+                        double *residuals);
 
 /* The violation of J_n v + b >= 0 by z. */
 static inline pe_violation pe_sweep_violation(const pe_sweep *sweep)
@@ -105,8 +122,18 @@ static inline pe_violation pe_sweep_violation(const pe_sweep *sweep)
     return sweep->kernel->violation(sweep);
 }
 
-/* Writes z to the problem's impulses. The problem's velocities are not updated. */
-void pe_sweep_store(const pe_sweep *sweep);
+/* Writes z of a part to the problem's impulses. The problem's velocities are not updated. */
+void pe_sweep_store(const pe_sweep *sweep, const pe_sweep_part *part);
+
+/* ---- Parts ---- */
+
+/* Makes one problem of several that share no dynamic body, in the workspace, and fills parts
+ * (count). A single one is borrowed as it is. */
+pe_status pe_sweep_join(const pe_problem *const *problems, int count, pe_workspace work,
+                        pe_problem *joint, pe_sweep_part *parts, pe_error *error);
+
+/* Copies the impulses of the joint problem back. */
+void pe_sweep_part_from(const pe_problem *joint, const pe_problem *const *problems, int count);
 
 /* ---- Momentum ---- */
 

@@ -56,6 +56,7 @@ typedef struct group {
     wide_pair p;
     wide frame[3][3]; /* rows n, t1, t2 */
     wide rA[3], rB[3];
+    wide beta;
     wide q[6];      /* relative twist, in the frame */
     wide wrench[6]; /* of the changes of impulse so far, in the frame */
     wide e[6];      /* normals only: their part of E */
@@ -75,6 +76,7 @@ PE_INLINE void load_group(const pe_sweep *sweep, int index, group *g)
     wide_cross(g->frame[0], g->frame[1], g->frame[2]);
     load_rows(block->arm_a[0], lane, 3, g->rA);
     load_rows(block->arm_b[0], lane, 3, g->rB);
+    g->beta = load(block->beta + lane);
 }
 
 /* The relative twist q, and the part of E for normals. */
@@ -279,7 +281,7 @@ PE_INLINE wide extrapolated_impulse(pe_sweep_point *point, int k, int lane, wide
 
 /* Point j: the normal impulse that stops approach, then the tangential one that stops slip, held to
  * the disc of radius mu pn. */
-PE_INLINE void solve_cone(int j, wide beta, group *g)
+PE_INLINE void solve_cone(int j, group *g)
 {
     const pe_sweep_block *block = g->block;
     const int lane = g->lane;
@@ -290,7 +292,7 @@ PE_INLINE void solve_cone(int j, wide beta, group *g)
     wide s[3], y[3], u[3];
     load_rows(point->s[0], lane, 3, s);
     for (int k = 0; k < 3; ++k) {
-        y[k] = extrapolated_impulse(point, k, lane, beta);
+        y[k] = extrapolated_impulse(point, k, lane, g->beta);
     }
     contact_velocity(point, lane, g->q, s, u);
     wide pn = wide_max(y[0] - u[0] * load(point->inverse_wnn + lane), wide_of(0));
@@ -356,14 +358,14 @@ PE_INLINE wide normal_velocity_at(const pe_sweep_point *point, int lane, const w
 }
 
 /* Point j: the normal impulse that stops approach. Updates the parts of the twist that it needs. */
-PE_INLINE void solve_normal(int j, wide beta, group *g)
+PE_INLINE void solve_normal(int j, group *g)
 {
     const int lane = g->lane;
     if (j >= g->block->count) {
         return;
     }
     pe_sweep_point *point = &g->points[j];
-    wide y = extrapolated_impulse(point, 0, lane, beta);
+    wide y = extrapolated_impulse(point, 0, lane, g->beta);
     wide un = normal_velocity_at(point, lane, g->q);
     wide pn = wide_max(y - un * load(point->inverse_wnn + lane), wide_of(0)), dn = pn - y;
     store(point->impulse[0] + lane, pn);
@@ -391,23 +393,23 @@ PE_INLINE void apply_normals(pe_sweep *sweep, group *g)
 }
 
 /* y = z + beta (z - z_before) of the velocities; the impulses follow in the sweep. */
-static void extrapolate_velocities(pe_sweep *sweep, double beta)
+static void extrapolate_velocities(pe_sweep *sweep)
 {
     double *now = sweep->velocity->linear, *before = sweep->before->linear;
     for (int i = 0; i < 8 * (sweep->problem->body_count + 1); i += PE_WIDTH) {
         wide z = load(now + i);
-        store(now + i, z + wide_of(beta) * (z - load(before + i)));
+        store(now + i, z + wide_of(sweep->beta[i / 8]) * (z - load(before + i)));
         store(before + i, z);
     }
 }
 
 /* `cones`: the whole contact law; otherwise only normal impulses. */
-PE_INLINE void solve_point(int j, bool cones, wide beta, group *g)
+PE_INLINE void solve_point(int j, bool cones, group *g)
 {
     if (cones) {
-        solve_cone(j, beta, g);
+        solve_cone(j, g);
     } else {
-        solve_normal(j, beta, g);
+        solve_normal(j, g);
     }
 }
 
@@ -432,25 +434,24 @@ PE_INLINE void end_group(pe_sweep *sweep, bool cones, group *g)
 }
 
 /* One sweep over all groups, with momentum; `cones` as in solve_point. */
-PE_INLINE void sweep_groups(pe_sweep *sweep, double beta_of_sweep, bool cones)
+PE_INLINE void sweep_groups(pe_sweep *sweep, bool cones)
 {
-    wide beta = wide_of(beta_of_sweep);
-    extrapolate_velocities(sweep, beta_of_sweep);
+    extrapolate_velocities(sweep);
     for (int i = 0; i < group_count(sweep);) {
         group g, h;
         start_group(sweep, i, cones, &g);
         if (are_independent(sweep, i)) {
             start_group(sweep, i + 1, cones, &h);
             for (int j = 0; j < g.block->count || j < h.block->count; ++j) {
-                solve_point(j, cones, beta, &g);
-                solve_point(j, cones, beta, &h);
+                solve_point(j, cones, &g);
+                solve_point(j, cones, &h);
             }
             end_group(sweep, cones, &g);
             end_group(sweep, cones, &h);
             i += 2;
         } else {
             for (int j = 0; j < g.block->count; ++j) {
-                solve_point(j, cones, beta, &g);
+                solve_point(j, cones, &g);
             }
             end_group(sweep, cones, &g);
             i += 1;
@@ -459,15 +460,15 @@ PE_INLINE void sweep_groups(pe_sweep *sweep, double beta_of_sweep, bool cones)
 }
 
 /* One sweep over the friction cones of all manifolds. */
-static void sweep_cones(pe_sweep *sweep, double beta)
+static void sweep_cones(pe_sweep *sweep)
 {
-    sweep_groups(sweep, beta, true);
+    sweep_groups(sweep, true);
 }
 
 /* One sweep over the normal impulses only. */
-static void sweep_normals(pe_sweep *sweep, double beta)
+static void sweep_normals(pe_sweep *sweep)
 {
-    sweep_groups(sweep, beta, false);
+    sweep_groups(sweep, false);
 }
 
 /* ---- Residuals ---- */
@@ -527,30 +528,25 @@ PE_INLINE wide point_residual(const pe_sweep_point *point, int lane, wide fricti
     return wide_sqrt(d0 * d0 + d1 * d1 + d2 * d2);
 }
 
-static double sweep_residual(const pe_sweep *sweep)
+static void sweep_residuals(const pe_sweep *sweep)
 {
-    wide most = wide_of(0);
     for (int i = 0; i < group_count(sweep); ++i) {
         group g;
+        wide most = wide_of(0);
         load_group(sweep, i, &g);
         begin_group(&g);
         wide friction = load(g.block->friction + g.lane);
         for (int j = 0; j < g.block->count; ++j) {
             most = wide_max(point_residual(&g.points[j], g.lane, friction, g.q), most);
         }
+        store(sweep->worst[g.block - sweep->blocks] + g.lane, most);
     }
-    double lane[PE_WIDTH], worst = 0;
-    memcpy(lane, &most, sizeof most);
-    for (int i = 0; i < PE_WIDTH; ++i) {
-        worst = lane[i] > worst ? lane[i] : worst;
-    }
-    return worst;
 }
 
 static const pe_sweep_kernel SWEEP_KERNEL = {
     .prepare = sweep_prepare,
     .sweep_cones = sweep_cones,
     .sweep_normals = sweep_normals,
-    .residual = sweep_residual,
+    .residuals = sweep_residuals,
     .violation = sweep_violation,
 };

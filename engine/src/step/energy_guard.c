@@ -129,20 +129,16 @@ static bool is_shallow(const group *g, const pe_pose *poses, bool corrected)
     return true;
 }
 
-/* Steps for which a group is not corrected exactly once this was taken back: twice as many each
- * time, up to the most. A heap at rest would otherwise be corrected in vain at every step. */
-enum { FIRST_PAUSE = 1, MOST_PAUSE = 64 };
+/* Steps for which a group is at most not corrected exactly, once this was taken back. A heap at rest
+ * would otherwise be corrected in vain at every step. */
+enum { MOST_PAUSE = 64 };
 
-static void pause_correction(const group *g, bool taken_back)
+static void note_correction(const group *g, bool taken_back)
 {
     pe_record *records = pe_records(g->step->world);
     for (int i = 0; i < g->count; ++i) {
-        pe_record *record = &records[g->slots[i]];
-        int pause = !taken_back                     ? 0
-                    : record->correction_pause == 0 ? FIRST_PAUSE
-                                                    : 2 * record->correction_pause;
-        record->correction_pause = pause < MOST_PAUSE ? pause : MOST_PAUSE;
-        record->correction_wait = record->correction_pause;
+        pe_backoff *b = &records[g->slots[i]].correction;
+        *b = pe_backoff_after(taken_back, b->pause, MOST_PAUSE);
     }
 }
 
@@ -162,19 +158,35 @@ static double take_back_correction(const group *g, bool *put_back)
     return e.growth < ROUNDING_LIFT * g->count * e.force ? 1 : factor_of(&e, true);
 }
 
+/* Whether all bodies were at rest at the step's start. */
+static bool was_still(const group *g)
+{
+    for (int i = 0; i < g->count; ++i) {
+        const pe_twist *twist = &g->step->twists[g->slots[i]];
+        if (pe_dot(twist->velocity, twist->velocity) > 0 ||
+            pe_dot(twist->angular_velocity, twist->angular_velocity) > 0) {
+            return false;
+        }
+    }
+    return true;
+}
+
 /* Returns whether bodies were put back. */
 static bool take_energy(const group *g, const energy *e, double factor, bool *put_back)
 {
     const pe_step *step = g->step;
-    bool waits =
-        e->corrected && e->exact && factor < LEFT && is_shallow(g, step->uncorrected_poses, true);
+    const bool near = is_shallow(g, step->poses, false);
+    bool waits = e->corrected && (e->exact ? factor < LEFT : factor == 0 && !near) &&
+                 is_shallow(g, step->uncorrected_poses, true);
     if (waits) {
         factor = take_back_correction(g, put_back);
     }
-    bool returns = factor == 0 && is_shallow(g, step->poses, false);
+    bool returns = factor == 0 && near;
+    const bool in_vain = returns && !step->world->has_applied_forces && was_still(g);
     for (int i = 0; i < g->count; ++i) {
         int slot = g->slots[i];
         pe_twist *twist = &pe_twists(step->world)[slot];
+        pe_records(step->world)[slot].put_back = in_vain;
         twist->velocity = pe_scale(factor, twist->velocity);
         twist->angular_velocity = pe_scale(factor, twist->angular_velocity);
         if (returns) {
@@ -197,7 +209,7 @@ static void guard_group(const group *g, bool *put_back, pe_energy_report *report
         report->put_back += back;
     }
     if (e.corrected) {
-        pause_correction(g, back);
+        note_correction(g, back);
     }
 }
 

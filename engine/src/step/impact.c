@@ -3,7 +3,11 @@
 
 enum {
     MAX_SUBSTEPS = 8, /* of a step */
-    MAX_TRIES = 8     /* to hit the time of an impact */
+    MAX_TRIES = 8,    /* to hit the time of an impact */
+    /* Meshes of so many facets together have their contacts found once in a step; those of fewer
+     * the more often, and all at least LEAST_SEARCHES times. */
+    MANY_FACETS = 6000,
+    LEAST_SEARCHES = 4
 };
 
 /* In units of the first impact's speed: contacts that close more slowly after it are no impacts. */
@@ -32,6 +36,7 @@ typedef struct substeps {
     pe_twist *ends;       /* (bodies) at the end of `left`, without the impact */
     double left;          /* s, of the step */
     double slow;          /* m/s: a contact that closes more slowly is no impact */
+    int searches_left;    /* for contacts */
 } substeps;
 
 static int body_count(const substeps *s)
@@ -186,6 +191,7 @@ static void count_points(substeps *s)
 static pe_status find_contacts(substeps *s)
 {
     choose(s, ALL);
+    s->searches_left -= 1;
     pe_status status =
         pe_contacts_find(s->world, &s->step->rules, &s->pairs, NULL, s->step->dt, s->step->error);
     count_points(s);
@@ -354,7 +360,7 @@ static pe_status move_to_impact(substeps *s, double time)
         }
         double more = time_to_impact(s);
         double next = more < HUGE_VAL ? pe_max(0.1 * time, pe_min(time + more, s->left)) : time;
-        if (more == 0 || next == time || n + 1 == MAX_TRIES) {
+        if (more == 0 || next == time || n + 1 == MAX_TRIES || s->searches_left <= 0) {
             break;
         }
         restore(s);
@@ -411,7 +417,8 @@ static pe_status run_substeps(substeps *s)
 {
     pe_status status = find_contacts(s);
     bool fast = true;
-    for (int n = 0; n < MAX_SUBSTEPS && fast && s->left > 0 && status == PE_OK; ++n) {
+    for (int n = 0;
+         n < MAX_SUBSTEPS && fast && s->left > 0 && s->searches_left > 0 && status == PE_OK; ++n) {
         double time;
         status = first_impact(s, &time, &fast);
         if (status == PE_OK && fast && time > 0) {
@@ -427,6 +434,19 @@ static pe_status run_substeps(substeps *s)
         add_impulses(s, &s->world->contacts);
     }
     return status;
+}
+
+/* How often the contacts of an island may be found in a step. */
+static int most_searches(const substeps *s)
+{
+    int facets = 0;
+    for (int i = 0; i < body_count(s); ++i) {
+        const pe_geometry *g = pe_bodies(s->world)[s->island.bodies[i]].geometry;
+        facets += g != NULL && !pe_geometry_is_polytope(g) ? g->triangle_count : 0;
+    }
+    const int all = MAX_SUBSTEPS * MAX_TRIES + 1;
+    int most = facets > 0 ? MANY_FACETS / facets : all;
+    return most > all ? all : most < LEAST_SEARCHES ? LEAST_SEARCHES : most;
 }
 
 /* Lists the pairs of the island's manifolds, and sets the impulses of the step's contacts to 0. */
@@ -472,6 +492,7 @@ static pe_status begin_substeps(substeps *s)
     s->island.body_start[0] = 0;
     s->island.body_start[1] = count;
     s->interval = (pe_interval){.islands = &s->island, .free = s->free, .path = PE_PATH_NONE};
+    s->searches_left = most_searches(s);
     take_over_contacts(s);
     return PE_OK;
 }

@@ -1,6 +1,5 @@
 /* One island over an interval of time: its contact problem, the solver that it gets, and the poses
  * by the velocities. */
-#include "solver/solve_island.h"
 #include "step.h"
 
 #include <string.h>
@@ -12,15 +11,17 @@ typedef struct strictness {
      * square: sweeps converge the more slowly there, and each costs more. */
     double tolerance;
     double updates;  /* part of max_contact_updates */
+    int most_sweeps; /* of a step */
     double patience; /* a direct solve may cost this many times what the allowed sweeps do */
 } strictness;
 
 static const strictness STRICTNESS[] = {
-    [PE_PROFILE_DEFAULT] = {.tolerance = 2e-4, .updates = 0.5, .patience = 8},
-    [PE_PROFILE_ACCURATE] = {.tolerance = 5e-5, .updates = 1, .patience = 4},
-    [PE_PROFILE_FAST] = {.tolerance = 2e-4, .updates = 0.5, .patience = 8},
+    [PE_PROFILE_DEFAULT] = {.tolerance = 2e-4, .updates = 0.5, .most_sweeps = 30, .patience = 8},
+    [PE_PROFILE_ACCURATE] = {.tolerance = 5e-5, .updates = 1, .most_sweeps = 400, .patience = 4},
+    [PE_PROFILE_FAST] = {.tolerance = 2e-4, .updates = 0.5, .most_sweeps = 30, .patience = 8},
 };
 static const double SWEPT_POINTS = 1250;
+static const double MOST_TOLERANCE = 0.02; /* m/s: what sweeps aim at in any island */
 
 /* A gap may shrink below 0 by this, in m, before its bodies move by the new velocity; and by the
  * displacement of a transported point. */
@@ -63,32 +64,158 @@ static void count_solve(pe_step *step, const pe_island_report *report,
     step->residual_points += points;
 }
 
-pe_status pe_island_solve(pe_step *step, pe_interval *interval, pe_island_problem *island)
+/* Steps for which solvers are at most not tried again where they failed. */
+enum { MOST_PAUSE = 64 };
+
+static pe_backoff longer(pe_backoff a, pe_backoff b)
 {
-    pe_world *world = step->world;
-    pe_status status = pe_problem_build(world, interval, island, step->error);
-    if (status != PE_OK) {
-        return status;
+    return (pe_backoff){a.wait > b.wait ? a.wait : b.wait, a.pause > b.pause ? a.pause : b.pause};
+}
+
+/* The longest waits among the bodies. */
+static pe_record record_of(const pe_world *world, const int *slots, int count)
+{
+    pe_record record = {0};
+    for (int i = 0; i < count; ++i) {
+        const pe_record *r = &pe_records(world)[slots[i]];
+        record.direct = longer(record.direct, r->direct);
+        record.settling = longer(record.settling, r->settling);
     }
+    return record;
+}
+
+/* The wait after a step: one less, or another one if the work was done. */
+static pe_backoff after_step(pe_backoff before, bool done, bool failed)
+{
+    return before.wait > 0 ? (pe_backoff){before.wait - 1, before.pause}
+           : done          ? pe_backoff_after(failed, before.pause, MOST_PAUSE)
+                           : before;
+}
+
+/* Notes for all bodies of the island what its solve was like. */
+static void note_solve(const pe_world *world, const pe_island_item *item)
+{
+    const pe_island_report *report = &item->solving.report;
+    const bool done = report->path != PE_PATH_WARM;
+    for (int i = 0; i < item->island.problem.body_count; ++i) {
+        pe_record *r = &pe_records(world)[item->island.slot[i]];
+        r->direct = after_step(item->record.direct, done, report->direct_failed);
+        r->settling = after_step(item->record.settling, done, report->settling_failed);
+        r->residual = report->solve.residual.max;
+        r->rms = report->solve.residual.rms;
+        r->put_back = false;
+    }
+}
+
+static bool is_still(const pe_twist *twist)
+{
+    return pe_dot(twist->velocity, twist->velocity) == 0 &&
+           pe_dot(twist->angular_velocity, twist->angular_velocity) == 0;
+}
+
+bool pe_island_hold(pe_step *step, int k)
+{
+    const pe_world *world = step->world;
+    const pe_islands *islands = &step->islands;
+    const int *slots = islands->bodies + islands->body_start[k];
+    const int count = islands->body_start[k + 1] - islands->body_start[k];
+    bool held = step->repeats;
+    for (int i = 0; i < count && held; ++i) {
+        const pe_record *r = &pe_records(world)[slots[i]];
+        held = r->put_back && r->direct.wait > 0 && r->settling.wait > 0 &&
+               is_still(&pe_twists(world)[slots[i]]);
+    }
+    for (int i = 0; i < count && held; ++i) {
+        pe_record *r = &pe_records(world)[slots[i]];
+        r->direct.wait -= 1;
+        r->settling.wait -= 1;
+        step->moves[slots[i]] = false;
+    }
+    if (held) {
+        const pe_record *r = &pe_records(world)[slots[0]];
+        int points = 0;
+        for (pe_point_walk at = pe_walk_island(&world->contacts, islands, k); pe_next_point(&at);) {
+            ++points;
+        }
+        pe_island_report report = {
+            .path = PE_PATH_SWEEPS,
+            .solve = {.residual = {.max = r->residual, .rms = r->rms}, .stop = PE_STOP_STALLED},
+        };
+        count_solve(step, &report, &(pe_solve_history){0}, points);
+    }
+    return held;
+}
+
+static pe_island_limits limits_of(const pe_world *world, const pe_island_problem *island)
+{
     const strictness strict = STRICTNESS[world->def.profile];
     double size = pe_max(1, island->problem.point_count / SWEPT_POINTS);
-    pe_solve_mark marks[PE_HISTORY];
-    pe_solve_history history = {.marks = marks, .capacity = PE_HISTORY};
-    pe_island_report report = {.solve.history = &history};
-    pe_island_limits limits = {
+    double swept = pe_min(MOST_TOLERANCE, strict.tolerance * size * size);
+    return (pe_island_limits){
         .tolerance = world->def.tolerance,
-        .swept_tolerance = pe_max(world->def.tolerance, strict.tolerance * size * size),
+        .swept_tolerance = pe_max(world->def.tolerance, swept),
         .max_updates = strict.updates * world->def.max_contact_updates,
+        .most_sweeps = strict.most_sweeps,
         .max_iterations = world->def.max_iterations,
+        .rough = world->def.profile != PE_PROFILE_ACCURATE,
         .patience = strict.patience,
         .store = world->patterns,
     };
-    status =
-        pe_solve_island(&island->problem, &limits, pe_step_memory(world), &report, step->error);
-    if (status == PE_OK) {
-        count_solve(step, &report, &history, island->problem.point_count);
-        interval->path = report.path;
+}
+
+pe_status pe_island_begin(pe_step *step, pe_island_item *item)
+{
+    pe_world *world = step->world;
+    pe_status status = pe_problem_build(world, &item->interval, &item->island, step->error);
+    if (status != PE_OK) {
+        return status;
     }
+    item->history = (pe_solve_history){.marks = item->marks, .capacity = PE_HISTORY};
+    item->record = record_of(world, item->island.slot, item->island.problem.body_count);
+    item->solving = (pe_solving){
+        .problem = &item->island.problem,
+        .limits = limits_of(world, &item->island),
+        .report.solve.history = &item->history,
+    };
+    item->solving.limits.direct_waits = item->record.direct.wait > 0;
+    item->solving.limits.settling_waits = item->record.settling.wait > 0;
+    return pe_solving_begin(&item->solving, pe_step_memory(world), step->error);
+}
+
+/* Ends the solve of an island that was swept if it asked for that. */
+static pe_status end_solve(pe_step *step, pe_island_item *item)
+{
+    const pe_world *world = step->world;
+    const pe_island_report *report = &item->solving.report;
+    pe_status status = pe_solving_finish(&item->solving, pe_step_memory(step->world), step->error);
+    if (status != PE_OK) {
+        return status;
+    }
+    count_solve(step, report, &item->history, item->island.problem.point_count);
+    item->interval.path = report->path;
+    note_solve(world, item);
+    return PE_OK;
+}
+
+/* Begins the island, and sweeps it by itself if it asks for that. */
+static pe_status begin_alone(pe_step *step, pe_island_item *item)
+{
+    pe_solving *solving = &item->solving;
+    pe_status status = pe_island_begin(step, item);
+    return status == PE_OK && solving->sweeps > 0
+               ? pe_solving_sweep(&solving, 1, pe_step_memory(step->world), step->error)
+               : status;
+}
+
+pe_status pe_island_solve(pe_step *step, pe_interval *interval, pe_island_problem *island)
+{
+    pe_island_item item = {.interval = *interval};
+    pe_status status = begin_alone(step, &item);
+    if (status == PE_OK) {
+        status = end_solve(step, &item);
+    }
+    *island = item.island;
+    interval->path = item.interval.path;
     return status;
 }
 
@@ -256,16 +383,26 @@ static pe_status integrate_island(pe_step *step, const pe_interval *interval,
     return PE_OK;
 }
 
+pe_status pe_island_end(pe_step *step, pe_island_item *item)
+{
+    pe_status status = end_solve(step, item);
+    if (status == PE_OK) {
+        status = integrate_island(step, &item->interval, &item->island);
+    }
+    if (status == PE_OK) {
+        pe_problem_store_impulses(step->world, &item->island);
+    }
+    return status;
+}
+
 pe_status pe_island_step(pe_step *step, pe_interval *interval)
 {
-    pe_island_problem island;
-    pe_status status = pe_island_solve(step, interval, &island);
+    pe_island_item item = {.interval = *interval};
+    pe_status status = begin_alone(step, &item);
     if (status == PE_OK) {
-        status = integrate_island(step, interval, &island);
+        status = pe_island_end(step, &item);
     }
-    if (status == PE_OK) {
-        pe_problem_store_impulses(step->world, &island);
-    }
+    interval->path = item.interval.path;
     return status;
 }
 

@@ -14,6 +14,9 @@
 /* Sweeps between two looks at the violation, after which more bodies may be swept. */
 enum { LOOK_INTERVAL = 10 };
 
+/* An island of more than MOST_SOLVED / max_iterations points gets fewer iterations of the solver. */
+enum { MOST_SOLVED = 3000, LEAST_ITERATIONS = 4 };
+
 /* A body takes its other contacts into the sweeps when a point of it has moved by this part of
  * rules->enough. */
 static const double REACHED = 0.3;
@@ -259,6 +262,7 @@ static pe_status sweep_island(correction *c, selection island, pe_island_problem
         if (status != PE_OK) {
             return status;
         }
+        const pe_sweep_part whole = pe_sweep_whole(&sweep);
         pe_violation best = pe_sweep_violation(&sweep);
         if (sweeps == 0) {
             momentum = pe_momentum_begin(best.deepest);
@@ -266,7 +270,8 @@ static pe_status sweep_island(correction *c, selection island, pe_island_problem
         grown = false;
         while (!grown && sweeps < c->rules->max_sweeps && best.deepest > c->rules->enough) {
             for (int i = 0; i < LOOK_INTERVAL; ++i) {
-                pe_sweep_normals(&sweep, pe_momentum_next(&momentum));
+                pe_sweep_set_beta(&sweep, &whole, pe_momentum_next(&momentum));
+                pe_sweep_normals(&sweep);
             }
             sweeps += LOOK_INTERVAL;
             pe_violation now = pe_sweep_violation(&sweep);
@@ -274,7 +279,7 @@ static pe_status sweep_island(correction *c, selection island, pe_island_problem
             grown = activate_reached(c, built, sweep.velocity);
             if (now.squares < best.squares || grown) {
                 best = now;
-                pe_sweep_store(&sweep);
+                pe_sweep_store(&sweep, &whole);
             }
         }
         for (int j = 0; j < built->problem.point_count && grown; ++j) {
@@ -293,8 +298,13 @@ static pe_status solve_whole(correction *c, int k, pe_island_problem *built)
     pe_status status = build_problem(c, &c->islands, k, built);
     if (status == PE_OK) {
         pe_solve_report report = {0};
-        status = c->rules->solver(&built->problem, &c->rules->solver_limits,
-                                  pe_step_memory(c->world), &report, c->error);
+        pe_solve_limits limits = c->rules->solver_limits;
+        const int bound = MOST_SOLVED / built->problem.point_count;
+        limits.max_iterations = bound < LEAST_ITERATIONS        ? LEAST_ITERATIONS
+                                : bound < limits.max_iterations ? bound
+                                                                : limits.max_iterations;
+        status =
+            c->rules->solver(&built->problem, &limits, pe_step_memory(c->world), &report, c->error);
         c->iterations = report.iterations > c->iterations ? report.iterations : c->iterations;
     }
     return status;

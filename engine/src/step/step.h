@@ -7,7 +7,7 @@
 
 #include "contact/contact.h"
 #include "problem/problem_build.h"
-#include "solver/solve.h"
+#include "solver/solve_island.h"
 
 /* The context of a step. */
 typedef struct pe_step {
@@ -26,9 +26,12 @@ typedef struct pe_step {
     pe_free_motion *free; /* the step without contacts */
 
     bool *soft;            /* (islands): solved by soft contact */
+    bool *moves;           /* bodies whose island is not held */
     bool *solved_directly; /* bodies whose island was not swept */
     bool *fast_moving;     /* bodies that soft contact would not stop */
     bool any_fast_moving;
+
+    bool repeats; /* same forces, dt and bodies as in the step before */
 
     bool *corrected;                  /* bodies that position correction moved */
     const pe_pose *uncorrected_poses; /* before it did; read only of bodies in `corrected` */
@@ -40,6 +43,27 @@ typedef struct pe_step {
 pe_status pe_check_dt(double dt, pe_error *error);
 
 /* ---- Islands (island_step.c) ---- */
+
+/* An island on its way through the step. The caller sets the interval. */
+typedef struct pe_island_item {
+    pe_interval interval;
+    pe_island_problem island;
+    pe_solving solving;
+    pe_record record; /* of the island */
+    pe_solve_history history;
+    pe_solve_mark marks[PE_HISTORY];
+} pe_island_item;
+
+/* Holds island k, if the last step tried to solve it in vain from the same state: its bodies were at
+ * rest and were put back by the energy guard, and the solvers wait. Returns whether it is held. It
+ * keeps its poses and impulses then, which is what the same work would end with. */
+bool pe_island_hold(pe_step *step, int k);
+
+/* Builds the island's contact problem and begins to solve it: item->solving may ask for sweeps. */
+pe_status pe_island_begin(pe_step *step, pe_island_item *item);
+
+/* Ends the solve, moves the bodies as pe_island_step does, and stores the impulses. */
+pe_status pe_island_end(pe_step *step, pe_island_item *item);
 
 /* Builds and solves the island's contact problem, and counts it in step->stats. */
 pe_status pe_island_solve(pe_step *step, pe_interval *interval, pe_island_problem *island);
@@ -71,10 +95,11 @@ bool pe_impact_is_due(const pe_step *step, int k);
 
 /* Does the work of pe_island_step in sub-steps: the island moves up to its first impact, with the
  * contacts that are not about to impact. That impact is solved in an instant, at the poses at which
- * it happens, and so on over the rest of dt. After a few impacts the rest is an ordinary step. An
- * ordinary step alone would spread an impact over two steps, or let it act at the step's start and
- * over the gap. (Event detection in the manner of Pfeiffer and Glocker 1996, Multibody Dynamics
- * with Unilateral Contacts, within a time-stepping scheme.)
+ * it happens, and so on over the rest of dt. After a few impacts the rest is an ordinary step, and
+ * sooner where the contacts of large meshes take long to find. An ordinary step alone would spread
+ * an impact over two steps, or let it act at the step's start and over the gap. (Event detection in
+ * the manner of Pfeiffer and Glocker 1996, Multibody Dynamics with Unilateral Contacts, within a
+ * time-stepping scheme.)
  *
  * The island's points in world->contacts get the impulses of all sub-steps. The impulse of a point
  * that is no longer in that list goes to the nearest point of the pair. step->free stays that of
@@ -155,9 +180,11 @@ typedef struct pe_energy_report {
  * removed at any cost. Growth within rounding is left alone.
  *
  * Contacts that were solved directly do not sink, so that motion under them is no error, and may be
- * the begin of a fall. There position correction alone is taken back, already if it would cost half
- * of the speed, and waits until motion can pay for it. The tiny lift by which contacts remove
- * rounding is left alone.
+ * the beginning of a fall. There position correction alone is taken back, already if it would cost
+ * half of the speed, and waits until motion can pay for it. The tiny lift by which contacts remove
+ * rounding is left alone. Position correction alone is also taken back where an island that was
+ * swept has moved too far to go back to where it was. Exact position correction that was taken back
+ * is not tried again for 1, 2, 4, up to 64 steps.
  *
  * To scale velocities costs momentum. So an island whose bodies were all solved directly, or have
  * no contact, and none of them corrected, may gain a millionth: the error of finite steps.

@@ -103,8 +103,8 @@ void pe_world_destroy(pe_world *world)
     }
     pe_allocator allocator = world->allocator;
     pe_array *arrays[] = {
-        &world->body_array, &world->pose_array,          &world->twist_array,
-        &world->mass_array, &world->applied_force_array, &world->record_array,
+        &world->body_array,          &world->pose_array,          &world->twist_array,
+        &world->mass_array,          &world->applied_force_array, &world->record_array,
         &world->material_pair_array,
     };
     pe_contacts *lists[] = {&world->contacts, &world->previous, &world->solved,

@@ -67,9 +67,11 @@ static pe_status begin_step(pe_step *step)
     step->solved_directly = pe_scratch_zero(world, slots, sizeof(bool));
     step->fast_moving = pe_scratch_zero(world, slots, sizeof(bool));
     step->corrected = pe_scratch_zero(world, slots, sizeof(bool));
+    step->moves = pe_scratch(world, slots, sizeof(bool));
     if (pe_scratch_failed(world)) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to step %zu bodies", slots);
     }
+    memset(step->moves, true, slots * sizeof *step->moves);
     memcpy(step->poses, pe_poses(world), slots * sizeof *step->poses);
     memcpy(step->twists, pe_twists(world), slots * sizeof *step->twists);
     return PE_OK;
@@ -117,26 +119,49 @@ static pe_status find_islands(pe_step *step)
 
 /* ---- Velocities and poses ---- */
 
-/* Brings the bodies of an island to their velocities and poses at the end of the step. */
-static pe_status solve_island(pe_step *step, int k)
+static void count_island(pe_step *step, int k, pe_path path)
 {
-    pe_interval whole = {
-        .islands = &step->islands,
-        .k = k,
-        .free = step->free,
-        .dt = step->dt,
-        .path = PE_PATH_NONE,
+    step->stats.islands_by_path[path] += 1;
+    for (int i = step->islands.body_start[k]; i < step->islands.body_start[k + 1]; ++i) {
+        step->solved_directly[step->islands.bodies[i]] = path != PE_PATH_SWEEPS;
+    }
+}
+
+static bool has_impact(const pe_step *step, int k)
+{
+    return step->world->def.profile != PE_PROFILE_FAST && pe_impact_is_due(step, k);
+}
+
+/* Ends an island whose sweeps, if it asked for any, are made. */
+static pe_status end_island(pe_step *step, pe_island_item *item)
+{
+    pe_status status = pe_island_end(step, item);
+    if (status == PE_OK) {
+        count_island(step, item->interval.k, item->interval.path);
+    }
+    return status;
+}
+
+/* Brings the bodies of an island to their velocities and poses at the end of the step, or leaves an
+ * item that asks for sweeps. */
+static pe_status begin_island(pe_step *step, int k, pe_island_item *item)
+{
+    *item = (pe_island_item){
+        .interval = {&step->islands, k, step->free, step->dt, PE_PATH_NONE},
     };
-    bool impact = step->world->def.profile != PE_PROFILE_FAST && pe_impact_is_due(step, k);
-    pe_status status = impact ? pe_impact_step(step, k, &whole.path) : pe_island_step(step, &whole);
-    if (status != PE_OK) {
+    if (pe_island_hold(step, k)) {
+        count_island(step, k, PE_PATH_SWEEPS);
+        return PE_OK;
+    }
+    if (has_impact(step, k)) {
+        pe_status status = pe_impact_step(step, k, &item->interval.path);
+        if (status == PE_OK) {
+            count_island(step, k, item->interval.path);
+        }
         return status;
     }
-    step->stats.islands_by_path[whole.path] += 1;
-    for (int i = step->islands.body_start[k]; i < step->islands.body_start[k + 1]; ++i) {
-        step->solved_directly[step->islands.bodies[i]] = whole.path != PE_PATH_SWEEPS;
-    }
-    return PE_OK;
+    pe_status status = pe_island_begin(step, item);
+    return status == PE_OK && item->solving.sweeps == 0 ? end_island(step, item) : status;
 }
 
 /* Whether an island hardly moves and is cheap to solve directly. */
@@ -196,17 +221,87 @@ static pe_status choose_soft(pe_step *step)
     return PE_OK;
 }
 
+/* Islands of so few points are swept together, up to so many of them. */
+enum { FEW_POINTS = 128, MANY_POINTS = 1024 };
+
+/* Whether an item joins those that are swept together, which begin with `first` and have so many
+ * points. */
+static bool joins(const pe_solving *first, int points, const pe_solving *s)
+{
+    int more = s->problem->point_count;
+    return more <= FEW_POINTS && points + more <= MANY_POINTS && s->enough == first->enough &&
+           s->sweeps == first->sweeps;
+}
+
+/* Sweeps a group of items and ends them. */
+static pe_status sweep_group(pe_step *step, pe_island_item **group, pe_solving **solving, int count)
+{
+    pe_world *world = step->world;
+    for (int i = 0; i < count; ++i) {
+        solving[i] = &group[i]->solving;
+    }
+    pe_arena_mark before = pe_arena_fill(&world->arena);
+    pe_status status = pe_solving_sweep(solving, count, pe_step_memory(world), step->error);
+    for (int i = 0; i < count && status == PE_OK; ++i) {
+        pe_arena_rewind(&world->arena, &world->allocator, before);
+        status = end_island(step, group[i]);
+    }
+    pe_arena_rewind(&world->arena, &world->allocator, before);
+    return status;
+}
+
+/* Sweeps and ends the items that ask for sweeps. Those that can be swept together are. */
+static pe_status sweep_islands(pe_step *step, pe_island_item **items, int count)
+{
+    pe_island_item **group = pe_scratch(step->world, (size_t)count + 1, sizeof *group);
+    pe_solving **solving = pe_scratch(step->world, (size_t)count + 1, sizeof *solving);
+    if (group == NULL || solving == NULL) {
+        return pe_fail(step->error, PE_NO_MEMORY, "no memory to sweep %d islands", count);
+    }
+    pe_status status = PE_OK;
+    for (int left = 0; status == PE_OK && count > 0; count = left) {
+        const pe_solving *first = &items[0]->solving;
+        int joined = 0, points = 0;
+        left = 0;
+        for (int i = 0; i < count; ++i) {
+            if (i == 0 || joins(first, points, &items[i]->solving)) {
+                points += items[i]->solving.problem->point_count;
+                group[joined++] = items[i];
+            } else {
+                items[left++] = items[i];
+            }
+        }
+        status = sweep_group(step, group, solving, joined);
+    }
+    return status;
+}
+
 static pe_status solve_islands(pe_step *step)
 {
     pe_world *world = step->world;
     pe_status status = choose_soft(step);
+    size_t count = (size_t)step->islands.count;
+    pe_island_item *items = pe_scratch(world, count + 1, sizeof *items);
+    pe_island_item **asking = pe_scratch(world, count + 1, sizeof *asking);
+    int begun = 0;
+    if (status == PE_OK && pe_scratch_failed(world)) {
+        return pe_fail(step->error, PE_NO_MEMORY, "no memory for %zu islands", count);
+    }
     for (int k = 0; k < step->islands.count && status == PE_OK; ++k) {
         if (!step->soft[k]) {
             /* Each island's numbers in the memory of the one before: it is in the cache. */
             pe_arena_mark before = pe_arena_fill(&world->arena);
-            status = solve_island(step, k);
-            pe_arena_rewind(&world->arena, &world->allocator, before);
+            status = begin_island(step, k, &items[begun]);
+            if (status == PE_OK && items[begun].solving.sweeps > 0) {
+                asking[begun] = &items[begun];
+                ++begun;
+            } else {
+                pe_arena_rewind(&world->arena, &world->allocator, before);
+            }
         }
+    }
+    if (status == PE_OK) {
+        status = sweep_islands(step, asking, begun);
     }
     if (status == PE_OK && step->stats.islands_by_path[PE_PATH_SOFT] > 0) {
         status = pe_soft_step(world, &(pe_chosen_islands){&step->islands, step->soft}, step->dt,
@@ -283,9 +378,9 @@ static const bool *find_exactly_corrected(pe_step *step)
     pe_world *world = step->world;
     bool *found = pe_scratch(world, (size_t)world->slot_count, sizeof *found);
     for (int slot = 0; slot < world->slot_count && found != NULL; ++slot) {
-        pe_record *record = &pe_records(world)[slot];
-        found[slot] = step->solved_directly[slot] && record->correction_wait == 0;
-        record->correction_wait -= record->correction_wait > 0;
+        pe_backoff *b = &pe_records(world)[slot].correction;
+        found[slot] = step->solved_directly[slot] && b->wait == 0;
+        b->wait -= b->wait > 0;
     }
     return found;
 }
@@ -316,10 +411,15 @@ static pe_status correct_positions(pe_step *step)
         return status;
     }
     pe_correction_rules rules = pe_correction_rules_default();
+    rules.among = step->moves;
     rules.begin = 3 * slop;
     rules.aim = slop;
     rules.enough = 0.5 * slop;
-    rules.max_rounds = step->world->def.profile == PE_PROFILE_ACCURATE ? rules.max_rounds : 2;
+    if (step->world->def.profile != PE_PROFILE_ACCURATE) {
+        rules.begin = 6 * slop;
+        rules.max_rounds = 2;
+        rules.max_sweeps = 30;
+    }
     return correct_by(step, &rules);
 }
 
@@ -357,6 +457,7 @@ static pe_status run_phases(pe_step *step)
 {
     pe_world *world = step->world;
     bool stale = world->contacts_stale || step->dt != world->previous_dt;
+    step->repeats = !stale && !world->has_applied_forces && world->def.profile != PE_PROFILE_FAST;
     pe_status status = stale ? find_contacts(step) : PE_OK;
     if (status != PE_OK || (status = find_islands(step)) != PE_OK ||
         (status = solve_and_move(step)) != PE_OK || (status = find_next_contacts(step)) != PE_OK) {
