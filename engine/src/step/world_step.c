@@ -229,8 +229,8 @@ enum { FEW_POINTS = 128, MANY_POINTS = 1024 };
 static bool joins(const pe_solving *first, int points, const pe_solving *s)
 {
     int more = s->problem->point_count;
-    return more <= FEW_POINTS && points + more <= MANY_POINTS && s->enough == first->enough &&
-           s->sweeps == first->sweeps;
+    return first->problem->point_count <= FEW_POINTS && more <= FEW_POINTS &&
+           points + more <= MANY_POINTS && s->enough == first->enough && s->sweeps == first->sweeps;
 }
 
 /* Sweeps a group of items and ends them. */
