@@ -193,7 +193,7 @@ static bool is_held(const pe_world *world, pe_body_id id)
     return r->put_back && r->direct.wait > 0 && r->settling.wait > 0;
 }
 
-/* Disturbs a heap at rest, and returns how far a box then goes in a quarter of a second, in m. */
+/* Throws up or lifts the topmost box of a heap at rest, and returns how far a box then goes in a quarter of a second, in m. */
 static double way_after(pe_world *world, const pe_body_id *ids, int disturbance)
 {
     pe_vec3 begin[BOXES];
@@ -207,14 +207,9 @@ static double way_after(pe_world *world, const pe_body_id *ids, int disturbance)
         pe_body_state s = state_of(world, ids[top]);
         s.velocity.z = 2;
         assert_int_equal(pe_body_set_state(world, ids[top], &s, NULL), PE_OK);
-    } else if (disturbance == 1) {
-        pe_body_def def = box_def(0.2, 0.2, 0.2, pe_add(begin[top], pe_v3(0, 0, 0.6)));
-        def.velocity = pe_v3(0, 0, -10);
-        def.mass = 500;
-        add_body(world, &def);
     }
     for (int n = 0; n < 15; ++n) {
-        if (disturbance == 2) {
+        if (disturbance == 1) {
             const pe_vec3 up = {0, 0, 30 * pe_masses(world)[ids[top].index].mass};
             assert_int_equal(
                 pe_body_apply_force(world, ids[top], up, pe_v3(0, 0, 0), PE_FRAME_WORLD, NULL),
@@ -236,7 +231,7 @@ static void test_held_heap_moves_when_it_is_disturbed(void **state)
     (void)state;
     int held = 0;
     for (int k = 0; k < SOME_HEAPS; ++k) {
-        for (int disturbance = 0; disturbance < 3; ++disturbance) {
+        for (int disturbance = 0; disturbance < 2; ++disturbance) {
             pe_body_id ids[BOXES];
             pe_world *world = make_heap((uint64_t)(1 + k / 2),
                                         k % 2 ? PE_PROFILE_ACCURATE : PE_PROFILE_DEFAULT, ids);
@@ -252,8 +247,8 @@ static void test_held_heap_moves_when_it_is_disturbed(void **state)
             pe_world_destroy(world);
         }
     }
-    print_message("    %d of %d heaps were held\n", held, 3 * SOME_HEAPS);
-    assert_true(held >= 6);
+    print_message("    %d of %d heaps were held\n", held, 2 * SOME_HEAPS);
+    assert_true(held >= 4);
 }
 
 int main(void)

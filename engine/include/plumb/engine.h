@@ -69,7 +69,7 @@ typedef enum pe_profile {
      * most 10 sweeps in each. Positions are corrected after the step; those of swept islands in two
      * rounds at most. */
     PE_PROFILE_DEFAULT,
-    /* The same choice, with at most 400 sweeps to a quarter of the residual. Positions of swept
+    /* The same choice, with at most 2000 sweeps to a third of the residual. Positions of swept
      * islands are corrected in up to eight rounds, and from half the depth. */
     PE_PROFILE_ACCURATE,
     /* Moving islands use sub-stepped soft contact. Islands at rest that are cheap to factor are

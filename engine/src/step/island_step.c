@@ -17,7 +17,7 @@ typedef struct strictness {
 
 static const strictness STRICTNESS[] = {
     [PE_PROFILE_DEFAULT] = {.tolerance = 2e-4, .updates = 0.5, .most_sweeps = 30, .patience = 8},
-    [PE_PROFILE_ACCURATE] = {.tolerance = 5e-5, .updates = 1, .most_sweeps = 400, .patience = 4},
+    [PE_PROFILE_ACCURATE] = {.tolerance = 7e-5, .updates = 1, .most_sweeps = 2000, .patience = 4},
     [PE_PROFILE_FAST] = {.tolerance = 2e-4, .updates = 0.5, .most_sweeps = 30, .patience = 8},
 };
 static const double SWEPT_POINTS = 1250;
