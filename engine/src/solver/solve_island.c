@@ -365,7 +365,7 @@ pe_status pe_solving_begin(pe_solving *s, pe_workspace work, pe_error *error)
 pe_status pe_solving_sweep(pe_solving *const *islands, int count, pe_workspace work,
                            pe_error *error)
 {
-    const pe_problem **problems = pe_take(work, (size_t)count, sizeof *problems);
+    const pe_problem **problems = pe_take(work, (size_t)count, sizeof(void *));
     pe_solve_report *reports = pe_take(work, (size_t)count, sizeof *reports);
     if (problems == NULL || reports == NULL) {
         return pe_fail(error, PE_NO_MEMORY, "no memory to sweep %d islands", count);

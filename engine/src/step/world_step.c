@@ -253,8 +253,8 @@ static pe_status sweep_group(pe_step *step, pe_island_item **group, pe_solving *
 /* Sweeps and ends the items that ask for sweeps. Those that can be swept together are. */
 static pe_status sweep_islands(pe_step *step, pe_island_item **items, int count)
 {
-    pe_island_item **group = pe_scratch(step->world, (size_t)count + 1, sizeof *group);
-    pe_solving **solving = pe_scratch(step->world, (size_t)count + 1, sizeof *solving);
+    pe_island_item **group = pe_scratch(step->world, (size_t)count + 1, sizeof(void *));
+    pe_solving **solving = pe_scratch(step->world, (size_t)count + 1, sizeof(void *));
     if (group == NULL || solving == NULL) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to sweep %d islands", count);
     }
@@ -282,7 +282,7 @@ static pe_status solve_islands(pe_step *step)
     pe_status status = choose_soft(step);
     size_t count = (size_t)step->islands.count;
     pe_island_item *items = pe_scratch(world, count + 1, sizeof *items);
-    pe_island_item **asking = pe_scratch(world, count + 1, sizeof *asking);
+    pe_island_item **asking = pe_scratch(world, count + 1, sizeof(void *));
     int begun = 0;
     if (status == PE_OK && pe_scratch_failed(world)) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory for %zu islands", count);
