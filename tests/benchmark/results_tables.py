@@ -3,9 +3,9 @@
 
     results_tables.py [--plumb PROGRAM] [--out DIRECTORY] [TABLE ...]
 
-TABLE is canonical, paper, blocks, shapes, analytic, hard, chaotic, losses, thresholds, metamorphic, sweep or
-solvers; without one, all. DIRECTORY keeps the results (default: results_tables); a sweep and a benchmark of
-solvers that are there are not repeated."""
+TABLE is canonical, paper, blocks, shapes, analytic, hard, chaotic, heaps, heap_speed, losses, thresholds,
+metamorphic, sweep or solvers; without one, all. DIRECTORY keeps the results (default: results_tables); sweeps and a
+benchmark of solvers that are there are not repeated."""
 import argparse
 import csv
 import json
@@ -39,6 +39,22 @@ CANONICAL = [
     ("wall-collapse 10 × 10, 5 s: chaotic_error", "wall-collapse", 3),
     ("wall-collapse 25 × 40, 5 s: chaotic_error", "wall-collapse --set rows=25 --set columns=40", 1),
 ]
+# Label, arguments, repeats.
+HEAPS = [
+    ("wall-collapse 10 × 10, 5 s", "wall-collapse", 5),
+    ("wall-collapse 25 × 40, 5 s", "wall-collapse --set rows=25 --set columns=40", 1),
+    ("falling-cubes, 4 s", "falling-cubes", 5),
+    ("pile of 100, 20 s", "pile --duration 20", 3),
+    ("pile of 1000, 4 s", "pile --set n=1000", 1),
+    ("container of 100 boxes, 4 s", "container --duration 4", 3),
+    ("the same, 30 s", "container", 3),
+    ("medley of 80 shapes, 6 s", "medley", 1),
+    ("rubble of 300 hulls, 6 s", "rubble", 1),
+    ("domino-spiral of 150, 12 s", "domino-spiral", 3),
+    ("yawed tower of 20, 10 s", "tower --set n=20 --set yaw=0.1", 5),
+]
+HEAP_ENGINES = ["plumb", "plumb:accurate", "bullet:si", "ode:quick"]
+OVERLAPS = [5e-3, 1e-3, 2e-4]
 SHAPES = [
     ("rest-shape: cylinder on its cap", "rest-shape --set shape=1"),
     ("cylinder on its side", "rest-shape --set shape=2"),
@@ -231,6 +247,66 @@ def part(result):
     return letters.get(result["metrics"].get("chaotic_error", {}).get("part"), "")
 
 
+def heaps(program):
+    """Time and overlap in heaps, and what else is asked of the engine there."""
+    rows, laws = [], []
+    names = ["momentum_error", "energy_step_gain", "drift"]
+    for label, arguments, repeats in HEAPS:
+        (runs,) = program.compare(f"{arguments} --timeout 600", HEAP_ENGINES, repeats).values()
+        cells = []
+        for spec in HEAP_ENGINES:
+            found = runs[label_of(spec)]
+            mean, middle = (relative(found, runs["bullet:si"], part) for part in ("value", "p50"))
+            usual, deepest = (of_series(found, "penetration_max", part) for part in ("p95", "value"))
+            cells.append(f"× {number(mean)}, × {number(middle)}<br>{millimetres(usual)}, {millimetres(deepest)} mm")
+        rows.append([label, *cells])
+        for spec in HEAP_ENGINES[:2]:
+            found = runs[label_of(spec)]
+            longest = of_series(found, "time_per_step", "p99") / of_series(found, "time_per_step", "p50")
+            laws.append([label, spec, number(of_series(found, "residual_rms", "p95")),
+                         *(number(metric(found, name)) for name in names), number(longest)])
+    print_table(["scenario", *HEAP_ENGINES], rows)
+    print_table(["scenario", "profile", "residual_rms, 95 % of steps", *names, "time: p99 over median"], laws)
+
+
+def of_series(results, name, part):
+    return median([result["metrics"].get(name, {}).get(part) for result in results])
+
+
+def relative(found, base, part):
+    time = of_series(found, "time_per_step", part)
+    return time / of_series(base, "time_per_step", part) if time else None
+
+
+def millimetres(distance):
+    return number(None if distance is None else 1e3 * distance)
+
+
+def heap_speed(program):
+    """CPU time for a simulated second at the same overlap, relative to the fastest setting of plumb."""
+    out = program.directory / "heap_speed"
+    program.call("sweep", "wall-collapse", "falling-cubes", "pile", "container", "--duration", "4", "--changes", "0",
+                 "--jobs", "2", "--resume", "--out", str(out))
+    best = {}
+    for line in (out / "results.jsonl").read_text(encoding="utf-8").splitlines():
+        result = json.loads(line)
+        overlap = result["metrics"].get("penetration_max", {}).get("p95")
+        time = result["metrics"].get("time_per_step", {}).get("value")
+        if result["outcome"] == "ok" and overlap is not None and time is not None:
+            engine = result["label"].split(":")[0].split(",")[0]
+            for level in OVERLAPS:
+                if overlap <= level:
+                    at = best.setdefault((result["scenario"], level), {})
+                    at[engine] = min(at.get(engine, (float("inf"), "")), (time / result["dt"], result["label"]))
+    rows = []
+    for (scenario, level), at in sorted(best.items(), key=lambda item: (item[0][0], -item[0][1])):
+        ours = at.get("plumb", (None, ""))[0]
+        rows.append([scenario, number(1e3 * level, "mm"), at.get("plumb", (None, "–"))[1],
+                     *(f"× {number(at[name][0] / ours)}<br>{at[name][1]}" if name in at and ours else "not reached"
+                       for name in ("bullet", "ode", "mujoco"))])
+    print_table(["scenario", "overlap", "plumb", "bullet", "ode", "mujoco"], rows)
+
+
 def losses(program):
     """What a page on losses needs: other time steps, heaps of meshes, memory."""
     rows = []
@@ -364,7 +440,7 @@ def sweep(program):
 
 def main():
     tables = {f.__name__: f
-              for f in (canonical, paper, blocks, shapes, analytic, hard, chaotic, losses,
+              for f in (canonical, paper, blocks, shapes, analytic, hard, chaotic, heaps, heap_speed, losses,
                         thresholds, metamorphic, sweep, solvers)}
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--plumb", default="build/compare/plumb")
