@@ -42,8 +42,9 @@
 #define PL_CHAOTIC_REFERENCE                                                                       \
     "no overlap at any time, no gain of energy, momentum kept, and end statistics as those of "    \
     "converged runs where two engines agree on them"
-#define PL_CHAOTIC_ACCEPTANCE                                                                      \
-    .acceptance = 0.1,                                                                             \
+#define PL_CHAOTIC_SOURCE "impenetrability, conservation of energy and momentum"
+#define PL_CHAOTIC_JUDGED                                                                          \
+    .primary_error = "chaotic_error", .acceptance = 0.1,                                           \
     .acceptance_reason = "0.1: one contact in a hundred overlaps by a tenth of the thinnest "      \
                          "body, or a body has passed through another, or energy, momentum or the " \
                          "end are off by a tenth"

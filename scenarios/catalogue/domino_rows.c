@@ -75,9 +75,8 @@ const pl_scenario pl_scenario_dominoes = {
                  "times as large all speeds are sqrt(s) times as high",
     .expected = "ok: the wave runs to the last domino, with push above 1; no two bodies overlap at "
                 "any time",
-    .source = "impenetrability, conservation of energy and momentum; dimensional analysis",
-    .primary_error = "chaotic_error",
-    PL_CHAOTIC_ACCEPTANCE,
+    .source = PL_CHAOTIC_SOURCE "; dimensional analysis",
+    PL_CHAOTIC_JUDGED,
     PL_PARAMS(dominoes_params),
     .build = dominoes_build};
 
@@ -132,9 +131,8 @@ const pl_scenario pl_scenario_domino_into_pile = {
                    "random: an orderly wave that ends in a chaotic one.",
     .reference = "no closed form for the motion; " PL_CHAOTIC_REFERENCE,
     .expected = "ok: the wave runs into the pile; no two bodies overlap at any time",
-    .source = "impenetrability, conservation of energy and momentum",
-    .primary_error = "chaotic_error",
-    PL_CHAOTIC_ACCEPTANCE,
+    .source = PL_CHAOTIC_SOURCE,
+    PL_CHAOTIC_JUDGED,
     PL_PARAMS(domino_into_pile_params),
     .build = domino_into_pile_build};
 
@@ -188,8 +186,7 @@ const pl_scenario pl_scenario_domino_spiral = {
                    "and leaves one long chain of bodies that lean on each other.",
     .reference = "no closed form for the motion; " PL_CHAOTIC_REFERENCE,
     .expected = "ok: the wave runs to the last domino; no two bodies overlap at any time",
-    .source = "impenetrability, conservation of energy and momentum",
-    .primary_error = "chaotic_error",
-    PL_CHAOTIC_ACCEPTANCE,
+    .source = PL_CHAOTIC_SOURCE,
+    PL_CHAOTIC_JUDGED,
     PL_PARAMS(domino_spiral_params),
     .build = domino_spiral_build};

@@ -10,13 +10,6 @@ static const double H = 1.0 / 60;
 
 enum { BOXES = 20 };
 
-/* Two heaps, one for each profile, have the same seed. */
-static uint64_t seed_of(int heap)
-{
-    const int pair = heap / 2;
-    return 1 + (uint64_t)pair;
-}
-
 /* Boxes thrown into a box of four walls, 1.6 m wide. */
 static pe_world *make_heap(uint64_t seed, pe_profile profile, pe_body_id *ids)
 {
@@ -48,23 +41,32 @@ static pe_world *make_heap(uint64_t seed, pe_profile profile, pe_body_id *ids)
     return world;
 }
 
-/* What a heap costs in a hundred steps, and how far a box goes in them. */
+enum { TO_REST = 600, COUNTED = 100 };
+
+/* A heap after TO_REST steps. Heaps 2k and 2k + 1 begin alike, and differ in their profile. */
+static pe_world *heap_at_rest(int heap, pe_body_id *ids)
+{
+    const int pair = heap / 2;
+    const pe_profile profile = heap % 2 ? PE_PROFILE_ACCURATE : PE_PROFILE_DEFAULT;
+    pe_world *world = make_heap(1 + (uint64_t)pair, profile, ids);
+    for (int n = 0; n < TO_REST; ++n) {
+        step(world, H);
+    }
+    return world;
+}
+
+/* What a heap costs in COUNTED steps, and how far a box goes in them. */
 typedef struct cost {
     int iterations, rounds;
     double drift; /* m */
 } cost;
 
-enum { TO_REST = 600, COUNTED = 100 };
-
-static cost cost_of_rest(uint64_t seed, pe_profile profile)
+static cost cost_of_rest(int heap)
 {
     pe_body_id ids[BOXES];
     pe_vec3 begin[BOXES];
     cost c = {0};
-    pe_world *world = make_heap(seed, profile, ids);
-    for (int n = 0; n < TO_REST; ++n) {
-        step(world, H);
-    }
+    pe_world *world = heap_at_rest(heap, ids);
     for (int i = 0; i < BOXES; ++i) {
         begin[i] = state_of(world, ids[i]).position;
     }
@@ -88,7 +90,7 @@ static void test_heaps_at_rest_cost_little_and_stay(void **state)
     (void)state;
     int cheap = 0;
     for (int k = 0; k < HEAPS; ++k) {
-        cost c = cost_of_rest(seed_of(k), k % 2 ? PE_PROFILE_ACCURATE : PE_PROFILE_DEFAULT);
+        cost c = cost_of_rest(k);
         print_message("    heap %d: %d iterations, %d rounds, %g m\n", k, c.iterations, c.rounds,
                       c.drift);
         assert_true(c.iterations <= 5 * COUNTED);
@@ -102,7 +104,7 @@ static void test_heaps_at_rest_cost_little_and_stay(void **state)
 
 /* ---- Work that fails ---- */
 
-enum { MOST_PAUSE = 64, STEPS = 300 };
+enum { STEPS = 300 };
 
 /* When work that always fails is tried. */
 typedef struct retry {
@@ -115,7 +117,7 @@ static void check_retry(retry *r, int n, bool tried, pe_backoff noted)
 {
     assert_int_equal(tried, n == r->due);
     if (tried) {
-        r->now = pe_backoff_after(true, r->now.pause, MOST_PAUSE);
+        r->now = pe_backoff_after(true, r->now.pause);
         r->due = n + 1 + r->now.wait;
     } else {
         r->now.wait -= 1;
@@ -130,14 +132,14 @@ static void test_pauses_double_until_the_work_succeeds(void **state)
     static const int pauses[] = {1, 2, 4, 8, 16, 32, 64, 64, 64};
     pe_backoff b = {0};
     for (int k = 0; k < 9; ++k) {
-        b = pe_backoff_after(true, b.pause, MOST_PAUSE);
+        b = pe_backoff_after(true, b.pause);
         assert_int_equal(b.pause, pauses[k]);
         assert_int_equal(b.wait, pauses[k]);
     }
-    b = pe_backoff_after(false, b.pause, MOST_PAUSE);
+    b = pe_backoff_after(false, b.pause);
     assert_int_equal(b.pause, 0);
     assert_int_equal(b.wait, 0);
-    assert_int_equal(pe_backoff_after(true, 33, MOST_PAUSE).pause, MOST_PAUSE);
+    assert_int_equal(pe_backoff_after(true, 33).pause, PE_MOST_PAUSE);
 }
 
 /* A cube at rest that is a little in the ground: no motion pays for a lift. */
@@ -158,7 +160,7 @@ static void test_correction_taken_back_waits_ever_longer(void **state)
             check_retry(&r, n, tried, pe_records(world)[slot].correction);
             assert_close(state_of(world, id).position.z, cube.position.z, 1e-9, 0);
         }
-        assert_int_equal(r.now.pause, MOST_PAUSE);
+        assert_int_equal(r.now.pause, PE_MOST_PAUSE);
         pe_world_destroy(world);
     }
 }
@@ -187,7 +189,7 @@ static void test_failed_direct_solver_waits_ever_longer(void **state)
         bool tried = step(world, H).factor_flops > 0;
         check_retry(&r, n, tried, pe_records(world)[slot].direct);
     }
-    assert_int_equal(r.now.pause, MOST_PAUSE);
+    assert_int_equal(r.now.pause, PE_MOST_PAUSE);
     pe_world_destroy(world);
 }
 
@@ -200,7 +202,8 @@ static bool is_held(const pe_world *world, pe_body_id id)
     return r->put_back && r->direct.wait > 0 && r->settling.wait > 0;
 }
 
-/* Throws up or lifts the topmost box of a heap at rest, and returns how far a box then goes in a quarter of a second, in m. */
+/* Throws up or lifts the topmost box of a heap at rest, and returns how far a box then goes in a
+ * quarter of a second, in m. */
 static double way_after(pe_world *world, const pe_body_id *ids, int disturbance)
 {
     pe_vec3 begin[BOXES];
@@ -240,11 +243,7 @@ static void test_held_heap_moves_when_it_is_disturbed(void **state)
     for (int k = 0; k < SOME_HEAPS; ++k) {
         for (int disturbance = 0; disturbance < 2; ++disturbance) {
             pe_body_id ids[BOXES];
-            pe_world *world =
-                make_heap(seed_of(k), k % 2 ? PE_PROFILE_ACCURATE : PE_PROFILE_DEFAULT, ids);
-            for (int n = 0; n < TO_REST; ++n) {
-                step(world, H);
-            }
+            pe_world *world = heap_at_rest(k, ids);
             bool any = false;
             for (int i = 0; i < BOXES; ++i) {
                 any |= is_held(world, ids[i]);

@@ -48,29 +48,6 @@ static double distance_between(const pl_body *a, const pl_body *b)
     return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
 }
 
-static void test_bodies_start_apart_inside_the_box(void **state)
-{
-    (void)state;
-    const char *const shapes[] = {"shape=0", "shape=1", "shape=2"};
-    for (int s = 0; s < 3; ++s) {
-        const char *settings[] = {"n=150", shapes[s]};
-        pl_scene scene;
-        build_scenario("pile", settings, 2, 7, &scene);
-        assert_int_equal(scene.body_count, SIDES + 150);
-        for (int i = SIDES; i < scene.body_count; ++i) {
-            const pl_body *body = &scene.bodies[i];
-            for (int k = 0; k < SIDES; ++k) {
-                assert_true(distance_to_plane(&scene.bodies[k], body) > reach(&body->shape));
-            }
-            for (int k = SIDES; k < i; ++k) {
-                assert_true(distance_between(&scene.bodies[k], body) >
-                            reach(&scene.bodies[k].shape) + reach(&body->shape));
-            }
-        }
-        pl_scene_free(&scene);
-    }
-}
-
 /* Signed distance from a static wall, a plane or an upright box, to a point. */
 static double distance_to_wall(const pl_body *wall, const pl_body *body)
 {
@@ -85,6 +62,34 @@ static double distance_to_wall(const pl_body *wall, const pl_body *body)
     return most;
 }
 
+static void assert_apart_inside(const pl_scene *scene, int bodies)
+{
+    assert_int_equal(scene->body_count, SIDES + bodies);
+    for (int i = SIDES; i < scene->body_count; ++i) {
+        const pl_body *body = &scene->bodies[i];
+        for (int k = 0; k < SIDES; ++k) {
+            assert_true(distance_to_wall(&scene->bodies[k], body) > reach(&body->shape));
+        }
+        for (int k = SIDES; k < i; ++k) {
+            assert_true(distance_between(&scene->bodies[k], body) >
+                        reach(&scene->bodies[k].shape) + reach(&body->shape));
+        }
+    }
+}
+
+static void test_bodies_start_apart_inside_the_box(void **state)
+{
+    (void)state;
+    const char *const shapes[] = {"shape=0", "shape=1", "shape=2"};
+    for (int s = 0; s < 3; ++s) {
+        const char *settings[] = {"n=150", shapes[s]};
+        pl_scene scene;
+        build_scenario("pile", settings, 2, 7, &scene);
+        assert_apart_inside(&scene, 150);
+        pl_scene_free(&scene);
+    }
+}
+
 static void test_containers_hold_their_bodies_apart_inside(void **state)
 {
     (void)state;
@@ -93,17 +98,7 @@ static void test_containers_hold_their_bodies_apart_inside(void **state)
     for (int s = 0; s < 3; ++s) {
         pl_scene scene;
         build_scenario(names[s], NULL, 0, 3, &scene);
-        assert_int_equal(scene.body_count, SIDES + counts[s]);
-        for (int i = SIDES; i < scene.body_count; ++i) {
-            const pl_body *body = &scene.bodies[i];
-            for (int k = 0; k < SIDES; ++k) {
-                assert_true(distance_to_wall(&scene.bodies[k], body) > reach(&body->shape));
-            }
-            for (int k = SIDES; k < i; ++k) {
-                assert_true(distance_between(&scene.bodies[k], body) >
-                            reach(&scene.bodies[k].shape) + reach(&body->shape));
-            }
-        }
+        assert_apart_inside(&scene, counts[s]);
         pl_scene_free(&scene);
     }
 }

@@ -44,7 +44,10 @@ typedef struct pe_body {
     int next_free; /* slot of the next free one, 0 ends the list */
 } pe_body;
 
-/* Work that failed and is not tried again for a while: for twice as many steps each time. */
+/* Work that failed and is not tried again for a while: for twice as many steps each time, up to
+ * PE_MOST_PAUSE. */
+enum { PE_MOST_PAUSE = 64 };
+
 typedef struct pe_backoff {
     int wait;  /* steps left */
     int pause; /* steps that the last wait took; 0: it did not fail last */
@@ -177,9 +180,10 @@ static inline pe_record *pe_records(const pe_world *world)
 }
 
 /* Notes that the work failed, after a last pause of `pause` steps, or that it succeeded. */
-static inline pe_backoff pe_backoff_after(bool failed, int pause, int most)
+static inline pe_backoff pe_backoff_after(bool failed, int pause)
 {
-    int next = !failed ? 0 : pause == 0 ? 1 : 2 * pause < most ? 2 * pause : most;
+    int longer = pause == 0 ? 1 : 2 * pause, next = !failed ? 0 : longer;
+    next = next < PE_MOST_PAUSE ? next : PE_MOST_PAUSE;
     return (pe_backoff){next, next};
 }
 
@@ -232,6 +236,13 @@ static inline bool pe_next_point(pe_point_walk *walk)
         walk->next_point = 0;
     }
     return false;
+}
+
+/* Whether the body does not move at all. */
+static inline bool pe_is_still(const pe_twist *twist)
+{
+    return pe_dot(twist->velocity, twist->velocity) == 0 &&
+           pe_dot(twist->angular_velocity, twist->angular_velocity) == 0;
 }
 
 /* Whether a torque acts on the body. */

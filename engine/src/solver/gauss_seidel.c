@@ -147,11 +147,10 @@ static bool look(sweeping *s, double tolerance, int sweeps, int more, pe_solve_r
     return goes_on;
 }
 
-/* Sweeps together until each problem meets the limits, and leaves the best iterate of each that was
- * evaluated, the start included. */
-static pe_status solve(const pe_problem *const *problems, int count, const pe_solve_limits *limits,
-                       bool with_momentum, pe_workspace work, pe_solve_report *reports,
-                       pe_error *error)
+/* The best iterates that were evaluated are left, the start included. */
+pe_status pe_solve_together(const pe_problem *const *problems, int count,
+                            const pe_solve_limits *limits, bool with_momentum, pe_workspace work,
+                            pe_solve_report *reports, pe_error *error)
 {
     sweeping s;
     pe_problem joint;
@@ -187,18 +186,11 @@ static pe_status solve(const pe_problem *const *problems, int count, const pe_so
 pe_status pe_solve_gauss_seidel(const pe_problem *problem, const pe_solve_limits *limits,
                                 pe_workspace work, pe_solve_report *report, pe_error *error)
 {
-    return solve(&problem, 1, limits, false, work, report, error);
+    return pe_solve_together(&problem, 1, limits, false, work, report, error);
 }
 
 pe_status pe_solve_momentum(const pe_problem *problem, const pe_solve_limits *limits,
                             pe_workspace work, pe_solve_report *report, pe_error *error)
 {
-    return solve(&problem, 1, limits, true, work, report, error);
-}
-
-pe_status pe_solve_together(const pe_problem *const *problems, int count,
-                            const pe_solve_limits *limits, bool with_momentum, pe_workspace work,
-                            pe_solve_report *reports, pe_error *error)
-{
-    return solve(problems, count, limits, with_momentum, work, reports, error);
+    return pe_solve_together(&problem, 1, limits, true, work, report, error);
 }

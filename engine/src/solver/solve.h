@@ -52,11 +52,21 @@ pe_status pe_solve_gauss_seidel(const pe_problem *problem, const pe_solve_limits
 pe_status pe_solve_momentum(const pe_problem *problem, const pe_solve_limits *limits,
                             pe_workspace work, pe_solve_report *report, pe_error *error);
 
-/* Either of the two for several independent problems at once. The numbers of each, and its report in
+/* Either of the two, by `with_momentum`, for several independent problems at once. The numbers of each, and its report in
  * reports (count), are what they would be alone, to the bit. */
 pe_status pe_solve_together(const pe_problem *const *problems, int count,
                             const pe_solve_limits *limits, bool with_momentum, pe_workspace work,
                             pe_solve_report *reports, pe_error *error);
+
+enum { PE_TINY_BODIES = 2 };
+
+/* Newton's method for problems of at most PE_TINY_BODIES bodies: the proximal augmented Lagrangian of
+ * solve_newton.h, with the friction bounded by mu times the normal impulse of the iterate. That
+ * couples friction to the normal impulse in the derivative, which is then not symmetric: of twelve
+ * rows at most, dense, and solved by elimination with pivots. (Alart and Curnier 1991.) Iterations
+ * are eliminations, and are added to those in the report. */
+pe_status pe_solve_tiny(const pe_problem *problem, const pe_solve_limits *limits, pe_workspace work,
+                        pe_solve_report *report, pe_error *error);
 
 /* Newton's method in the Tresca form, or in the cone form without an impulse to start from. */
 pe_status pe_solve_newton(const pe_problem *problem, const pe_solve_limits *limits,

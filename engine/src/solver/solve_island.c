@@ -1,8 +1,8 @@
 #include "solve_island.h"
 
 #include "base/vec3.h"
+#include "solve.h"
 #include "solve_interior_point.h"
-#include "solve_tiny.h"
 
 #include <math.h>
 #include <string.h>
@@ -154,10 +154,6 @@ static bool is_chain(const pe_problem *problem)
            problem->manifold_count <= CHAIN * problem->body_count;
 }
 
-/* Within the tolerance the direct solver is in vain if it leaves more of the residual: that is
- * rounding. */
-static const double DIRECT_GAIN = 0.5;
-
 /* The most iterations of the direct solver from a warm start. */
 static int warm_iterations(const pe_problem *problem)
 {
@@ -187,6 +183,7 @@ static const double COLD_PATIENCE = 16;
 enum { TINY_ITERATIONS = 16, TINY_SWEEPS = 20 };
 static const double ROUGH = 100;
 
+/* Sweeps that are allowed with any max_updates, and at most. */
 enum { LEAST_SWEEPS = 50, MOST_SWEEPS = 2000 };
 
 static bool is_tiny(const pe_solving *s)
@@ -401,6 +398,10 @@ static pe_status finish_tiny(pe_solving *s, pe_workspace work, pe_error *error)
     }
     return status;
 }
+
+/* Within the tolerance the direct solver is in vain if it leaves more of the residual: that is
+ * rounding. */
+static const double DIRECT_GAIN = 0.5;
 
 /* Whether the direct solver does not pay for this island. That a chain could not be solved is no
  * reason to give up on it. */

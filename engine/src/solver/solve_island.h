@@ -34,7 +34,7 @@ typedef struct pe_island_plan {
     bool cold;  /* no impulse to start from */
     bool whole; /* the whole direct solver */
     bool trial; /* a few Newton iterations before and after the sweeps */
-    int sweeps; /* at most */
+    int sweeps; /* that max_updates allows: a direct solve is weighed against their cost */
     pe_pattern pattern;
 } pe_island_plan;
 

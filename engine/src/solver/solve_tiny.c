@@ -1,6 +1,6 @@
-#include "solve_tiny.h"
-
+/* Newton's method with Coulomb friction for problems of one or two bodies. */
 #include "base/vec3.h"
+#include "solve.h"
 
 #include <math.h>
 #include <string.h>
@@ -296,7 +296,7 @@ pe_status pe_solve_tiny(const pe_problem *problem, const pe_solve_limits *limits
                        problem->point_count);
     }
     const size_t impulses = (points - 1) * sizeof *best;
-    pe_residual now = report->residual, least = now;
+    pe_residual now = pe_problem_residual(problem), least = now;
     memcpy(best, problem->impulse, impulses);
     bool goes_on = true;
     for (int outer = 0; outer < MOST_OUTER && goes_on; ++outer) {

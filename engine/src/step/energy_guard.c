@@ -129,16 +129,13 @@ static bool is_shallow(const group *g, const pe_pose *poses, bool corrected)
     return true;
 }
 
-/* Steps for which a group is at most not corrected exactly, once this was taken back. A heap at rest
- * would otherwise be corrected in vain at every step. */
-enum { MOST_PAUSE = 64 };
-
+/* A heap at rest would otherwise be corrected in vain at every step. */
 static void note_correction(const group *g, bool taken_back)
 {
     pe_record *records = pe_records(g->step->world);
     for (int i = 0; i < g->count; ++i) {
         pe_backoff *b = &records[g->slots[i]].correction;
-        *b = pe_backoff_after(taken_back, b->pause, MOST_PAUSE);
+        *b = pe_backoff_after(taken_back, b->pause);
     }
 }
 
@@ -162,9 +159,7 @@ static double take_back_correction(const group *g, bool *put_back)
 static bool was_still(const group *g)
 {
     for (int i = 0; i < g->count; ++i) {
-        const pe_twist *twist = &g->step->twists[g->slots[i]];
-        if (pe_dot(twist->velocity, twist->velocity) > 0 ||
-            pe_dot(twist->angular_velocity, twist->angular_velocity) > 0) {
+        if (!pe_is_still(&g->step->twists[g->slots[i]])) {
             return false;
         }
     }

@@ -64,9 +64,6 @@ static void count_solve(pe_step *step, const pe_island_report *report,
     step->residual_points += points;
 }
 
-/* Steps for which solvers are at most not tried again where they failed. */
-enum { MOST_PAUSE = 64 };
-
 static pe_backoff longer(pe_backoff a, pe_backoff b)
 {
     return (pe_backoff){a.wait > b.wait ? a.wait : b.wait, a.pause > b.pause ? a.pause : b.pause};
@@ -88,7 +85,7 @@ static pe_record record_of(const pe_world *world, const int *slots, int count)
 static pe_backoff after_step(pe_backoff before, bool done, bool failed)
 {
     return before.wait > 0 ? (pe_backoff){before.wait - 1, before.pause}
-           : done          ? pe_backoff_after(failed, before.pause, MOST_PAUSE)
+           : done          ? pe_backoff_after(failed, before.pause)
                            : before;
 }
 
@@ -107,12 +104,6 @@ static void note_solve(const pe_world *world, const pe_island_item *item)
     }
 }
 
-static bool is_still(const pe_twist *twist)
-{
-    return pe_dot(twist->velocity, twist->velocity) == 0 &&
-           pe_dot(twist->angular_velocity, twist->angular_velocity) == 0;
-}
-
 bool pe_island_hold(pe_step *step, int k)
 {
     const pe_world *world = step->world;
@@ -123,7 +114,7 @@ bool pe_island_hold(pe_step *step, int k)
     for (int i = 0; i < count && held; ++i) {
         const pe_record *r = &pe_records(world)[slots[i]];
         held = r->put_back && r->direct.wait > 0 && r->settling.wait > 0 &&
-               is_still(&pe_twists(world)[slots[i]]);
+               pe_is_still(&pe_twists(world)[slots[i]]);
     }
     for (int i = 0; i < count && held; ++i) {
         pe_record *r = &pe_records(world)[slots[i]];

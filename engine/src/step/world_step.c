@@ -412,10 +412,11 @@ static pe_status correct_positions(pe_step *step)
     }
     pe_correction_rules rules = pe_correction_rules_default();
     rules.among = step->moves;
-    rules.begin = 3 * slop;
     rules.aim = slop;
     rules.enough = 0.5 * slop;
-    if (step->world->def.profile != PE_PROFILE_ACCURATE) {
+    if (step->world->def.profile == PE_PROFILE_ACCURATE) {
+        rules.begin = 3 * slop;
+    } else {
         rules.begin = 6 * slop;
         rules.max_rounds = 2;
         rules.max_sweeps = 30;
