@@ -44,10 +44,10 @@ typedef struct pe_body {
     int next_free; /* slot of the next free one, 0 ends the list */
 } pe_body;
 
-/* Work that failed and is not tried again for a while: for twice as many steps each time, up to
- * PE_MOST_PAUSE. */
 enum { PE_MOST_PAUSE = 64 };
 
+/* Work that failed and is not tried again for a while: for twice as many steps each time, up to
+ * PE_MOST_PAUSE. */
 typedef struct pe_backoff {
     int wait;  /* steps left */
     int pause; /* steps that the last wait took; 0: it did not fail last */

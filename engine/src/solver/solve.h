@@ -52,8 +52,8 @@ pe_status pe_solve_gauss_seidel(const pe_problem *problem, const pe_solve_limits
 pe_status pe_solve_momentum(const pe_problem *problem, const pe_solve_limits *limits,
                             pe_workspace work, pe_solve_report *report, pe_error *error);
 
-/* Either of the two, by `with_momentum`, for several independent problems at once. The numbers of each, and its report in
- * reports (count), are what they would be alone, to the bit. */
+/* Either of the two, by `with_momentum`, for several independent problems at once. The numbers of
+ * each, and its report in reports (count), are what they would be alone, to the bit. */
 pe_status pe_solve_together(const pe_problem *const *problems, int count,
                             const pe_solve_limits *limits, bool with_momentum, pe_workspace work,
                             pe_solve_report *reports, pe_error *error);
