@@ -417,6 +417,39 @@ static void test_turning_force_is_integrated_over_the_step(void **state)
     run_end(&r);
 }
 
+/* An impulse at any time of a step stops a flying ball in one direction. The ball's place says when
+ * the impulse acted, and so what its arm was. */
+static void test_impulse_within_a_step_keeps_angular_momentum(void **state)
+{
+    (void)state;
+    const double speed = 3;
+    for (int part = 0; part <= 8; ++part) {
+        run r;
+        run_prepare(&r, 1);
+        memset(r.scene.gravity, 0, sizeof r.scene.gravity);
+        run_add_body(&r, "wall", pl_shape_plane(-1, 0, 0, -100), true, 0, 0);
+        run_add_body(&r, "ball", pl_shape_sphere(0.5), false, 7, 5);
+        r.scene.bodies[1].velocity[0] = r.scene.bodies[1].velocity[2] = speed;
+        pl_scale scale = pl_scale_of(&r.scene);
+        pl_arena arena = {0};
+        pl_mechanics *mechanics = pl_mechanics_create(&r.scene, &arena);
+        run_begin(&r);
+        pl_mechanics_start(mechanics, r.state);
+        const pl_body_state before[2] = {r.state[0], r.state[1]};
+        const pl_contact contact = {.body_a = 0,
+                                    .body_b = 1,
+                                    .point = {7.5, 0, 5},
+                                    .impulse = {-r.scene.bodies[1].mass * speed, 0, 0}};
+        r.state[1].position[0] += part / 8.0 * H * speed;
+        r.state[1].position[2] += H * speed;
+        r.state[1].velocity[0] = 0;
+        pl_mechanics_step(mechanics, &(pl_step){1, before, r.state, &contact, 1});
+        assert_at_most(pl_mechanics_momentum_error(mechanics, &scale, PL_SECOND_ORDER), 1e-14);
+        pl_arena_free(&arena);
+        run_end(&r);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -431,6 +464,7 @@ int main(void)
         cmocka_unit_test(test_lost_energy_is_no_gain),
         cmocka_unit_test(test_contact_impulses_of_static_bodies_balance_the_weight),
         cmocka_unit_test(test_contact_torques_of_static_bodies_slow_a_spin),
+        cmocka_unit_test(test_impulse_within_a_step_keeps_angular_momentum),
         cmocka_unit_test(test_contact_of_unknown_body_fails_momentum_only),
         cmocka_unit_test(test_nan_impulse_fails_the_momentum_error),
         cmocka_unit_test(test_long_fall_is_no_divergence),

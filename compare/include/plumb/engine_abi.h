@@ -219,7 +219,7 @@ typedef struct pl_frame {
 typedef struct pl_contact {
     int body_a;        /* index in the scene */
     int body_b;        /* index in the scene */
-    double point[3];   /* m, in the world */
+    double point[3];   /* m, in the world, where the bodies had it at the start of the step */
     double normal[3];  /* unit, from A to B */
     double separation; /* m; negative in penetration */
     double impulse[3]; /* N s, on B over the whole step, in the world frame */

@@ -21,6 +21,11 @@
  *               x' - x in the mean, which is exact under gravity alone. Which sub-steps a
  *               contact's impulse is of is not known, and so neither is its arm
  *
+ * An engine may let impulses on a body act at another time of the step: an impact at its own time, or
+ * at the start of a step that is of second order otherwise. Then x' = x + h (v + c (v' - v)) with
+ * another c than 1 or 1/2, and the arms of gravity and contacts on that body move by (1 - c)(x' - x).
+ * So c is fitted to each body's step.
+ *
  * By the energy of the other integrator a falling body would seem to gain or lose m g^2 h t / 2.
  *
  * Rounding of an engine that declares floats. With c of pl_step_rounding, a step may change
@@ -231,15 +236,37 @@ static pl_vec displacement(const pl_mechanics *m, int body, const pl_step *step)
     return pl_vec_sub(centre_of(m, step->after, body), centre_of(m, step->before, body));
 }
 
+/* In units of a step's gravity and of the speed: by less a velocity does not change visibly. */
+static const double UNCHANGED_BY_GRAVITY = 1e-3, UNCHANGED_SPEED = 1e-9;
+
+/* The part of the body's displacement by which the arms of gravity and contacts on it move in the
+ * step: 1 - c, where c in [0, 1] fits x' - x = h (v + c (v' - v)) best. Where v hardly changes it is
+ * `usual`, that of the integrator. */
+static double arm_share(const pl_mechanics *m, int body, const pl_step *step, double usual)
+{
+    const double dt = m->scene->dt;
+    const pl_vec v = pl_vec_of(step->before[body].velocity);
+    const pl_vec change = pl_vec_sub(pl_vec_of(step->after[body].velocity), v);
+    const pl_vec more = pl_vec_mad(displacement(m, body, step), -dt, v);
+    const double unclear = UNCHANGED_BY_GRAVITY * dt * pl_vec_length(pl_vec_of(m->scene->gravity)) +
+                           UNCHANGED_SPEED * pl_vec_length(v);
+    const double weight = unclear * unclear, size = weight + pl_vec_dot(change, change);
+    const double c = (weight * (1 - usual) + pl_vec_dot(more, change) / dt) / size;
+    return size > 0 ? 1 - fmin(fmax(c, 0), 1) : usual;
+}
+
 /* Adds an external impulse on a body at a world point of the start of the step. */
 static void add_body_impulse(pl_mechanics *m, int body, const pl_step *step, pl_vec point,
                              pl_vec impulse)
 {
+    const double usual[PL_POSITION_RULE_COUNT] = {
+        [PL_SEMI_IMPLICIT] = pl_later_share(&m->votes.engine), [PL_SECOND_ORDER] = 0.5};
     const pl_vec moved = displacement(m, body, step);
     add_impulse_rounding(m, point, impulse);
-    add_impulse(m, PL_SEMI_IMPLICIT, pl_vec_mad(point, pl_later_share(&m->votes.engine), moved),
-                impulse);
-    add_impulse(m, PL_SECOND_ORDER, pl_vec_mad(point, 0.5, moved), impulse);
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+        const double share = arm_share(m, body, step, usual[k]);
+        add_impulse(m, (pl_position_rule)k, pl_vec_mad(point, share, moved), impulse);
+    }
 }
 
 static void add_gravity(pl_mechanics *m, const pl_step *step)

@@ -355,7 +355,7 @@ pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_err
 typedef struct pe_contact {
     pe_body_id body_a; /* A */
     pe_body_id body_b; /* B */
-    pe_vec3 point;     /* m, world, at the start of the step */
+    pe_vec3 point;     /* m, world, where the bodies had it at the start of the step */
     pe_vec3 normal;    /* unit, world, from A to B */
     double separation; /* m, at the start of the step; negative in penetration */
     pe_vec3 impulse;   /* N s, world, on B, summed over the step */

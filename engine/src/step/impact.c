@@ -223,8 +223,25 @@ static bool is_larger(pe_vec3 a, pe_vec3 b)
     return pe_dot(a, a) > pe_dot(b, b);
 }
 
+/* How far the bodies of a manifold have moved in the step, m: the mean of those that move at all. */
+static pe_vec3 displacement_of(const substeps *s, const pe_manifold *m)
+{
+    const int slots[2] = {m->a, m->b};
+    pe_vec3 sum = {0, 0, 0};
+    int moving = 0;
+    for (int k = 0; k < 2; ++k) {
+        if (!pe_bodies(s->world)[slots[k]].is_static) {
+            sum = pe_add(sum, pe_sub(pe_poses(s->world)[slots[k]].position,
+                                     s->step->poses[slots[k]].position));
+            moving += 1;
+        }
+    }
+    return pe_scale(1.0 / moving, sum);
+}
+
 /* Adds the impulses of a sub-step's list to those of the step, whose points get the position and
- * the normal at which most of their impulses acted; their gap stays that of the step's start. */
+ * the normal at which most of their impulses acted: seen from the bodies, which are where they were
+ * at the step's start. Their gap stays that of the step's start. */
 static void add_impulses(const substeps *s, const pe_contacts *list)
 {
     for (pe_point_walk at = pe_walk_points(list); pe_next_point(&at);) {
@@ -233,7 +250,7 @@ static void add_impulses(const substeps *s, const pe_contacts *list)
             /* NOLINTNEXTLINE(clang-analyzer-core.*): the step's list has points of every pair */
             if (is_larger(at.point->impulse, to.point->impulse)) {
                 to.manifold->normal = at.manifold->normal;
-                to.point->position = at.point->position;
+                to.point->position = pe_sub(at.point->position, displacement_of(s, at.manifold));
             }
             to.point->impulse = pe_add(to.point->impulse, at.point->impulse);
         }
