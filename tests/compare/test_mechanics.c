@@ -223,6 +223,20 @@ static void test_pushed_body_does_not_show_the_integrator(void **state)
     run_end(&r);
 }
 
+/* An engine of second order may move colliding bodies by their new velocities. Free flight decides
+ * if there is any. */
+static void test_few_second_order_steps_show_the_integrator(void **state)
+{
+    (void)state;
+    pl_integrator_votes votes = {.pushed = {[PL_SEMI_IMPLICIT] = 1000, [PL_SECOND_ORDER] = 2}};
+    assert_int_equal(pl_integrator_of(&votes), PL_SECOND_ORDER);
+    assert_int_equal(pl_integrator_certain(&votes), PL_INTEGRATOR_MIXED);
+    votes.pushed[PL_SECOND_ORDER] = 1;
+    assert_int_equal(pl_integrator_of(&votes), PL_SEMI_IMPLICIT);
+    votes = (pl_integrator_votes){.flying = {[PL_SEMI_IMPLICIT] = 1}, .pushed = {2, 1000}};
+    assert_int_equal(pl_integrator_of(&votes), PL_SEMI_IMPLICIT);
+}
+
 /* A ball of 2 kg without gravity gains 1 m/s without a cause at step 10 and loses it at step 20. */
 static void test_spontaneous_velocity_shows_in_energy_and_momentum(void **state)
 {
@@ -460,6 +474,7 @@ int main(void)
         cmocka_unit_test(test_body_off_its_frame_conserves_energy_and_momentum),
         cmocka_unit_test(test_impulse_before_the_flight_shows_second_order),
         cmocka_unit_test(test_pushed_body_does_not_show_the_integrator),
+        cmocka_unit_test(test_few_second_order_steps_show_the_integrator),
         cmocka_unit_test(test_spontaneous_velocity_shows_in_energy_and_momentum),
         cmocka_unit_test(test_lost_energy_is_no_gain),
         cmocka_unit_test(test_contact_impulses_of_static_bodies_balance_the_weight),

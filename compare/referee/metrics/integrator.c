@@ -16,6 +16,8 @@
 static const double RESOLUTION = 1e-10; /* of the distance from the origin */
 static const double FIT = 1e-3;
 static const double FREE = 1e-9; /* of the velocity that gravity gives in a step */
+/* Of the steps that fit semi-implicit Euler: so many may fit second order by chance. */
+static const double BY_CHANCE = 1e-3;
 
 int pl_substeps_of(const pl_referee_engine *engine)
 {
@@ -75,17 +77,25 @@ void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
     }
 }
 
+/* Whether any step in free flight fits an integrator. */
+static bool flew(const pl_integrator_votes *votes)
+{
+    return votes->flying[PL_SECOND_ORDER] > 0 || votes->flying[PL_SEMI_IMPLICIT] > 0;
+}
+
 /* The votes that count: those in free flight, if there are any. */
 static const long *deciding_votes(const pl_integrator_votes *votes)
 {
-    bool flew = votes->flying[PL_SECOND_ORDER] > 0 || votes->flying[PL_SEMI_IMPLICIT] > 0;
-    return flew ? votes->flying : votes->pushed;
+    return flew(votes) ? votes->flying : votes->pushed;
 }
 
 pl_position_rule pl_integrator_of(const pl_integrator_votes *votes)
 {
     const long *count = deciding_votes(votes);
-    return count[PL_SECOND_ORDER] > count[PL_SEMI_IMPLICIT] ? PL_SECOND_ORDER : PL_SEMI_IMPLICIT;
+    const double least = flew(votes) ? 1 : BY_CHANCE;
+    return (double)count[PL_SECOND_ORDER] > least * (double)count[PL_SEMI_IMPLICIT]
+               ? PL_SECOND_ORDER
+               : PL_SEMI_IMPLICIT;
 }
 
 pl_integrator_certainty pl_integrator_certain(const pl_integrator_votes *votes)
