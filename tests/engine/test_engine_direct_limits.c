@@ -89,7 +89,7 @@ static pe_contact_problem *quiet_problem(uint64_t seed, int bodies)
 }
 
 /* Where no sweeps are allowed all iterations are those of the direct solver: 6000 over the number of
- * points, but at least 16 and at most 48. */
+ * points, but at least 12 and at most 48. */
 static void test_warm_islands_get_few_direct_iterations(void **state)
 {
     (void)state;
@@ -109,7 +109,7 @@ static void test_warm_islands_get_few_direct_iterations(void **state)
             pe_island_report report = {.path = PE_PATH_NONE};
             assert_int_equal(pe_solve_island(&s.problem, &limits, s.work, &report, NULL), PE_OK);
             int most = 6000 / source->point_count;
-            most = most < 16 ? 16 : most > 48 ? 48 : most;
+            most = most < 12 ? 12 : most > 48 ? 48 : most;
             assert_in_range(report.solve.iterations, 1, most);
             if (report.solve.iterations == most) {
                 reached += 1;

@@ -107,7 +107,7 @@ typedef struct pe_world_def {
      * impact acts at the step's start, over the gap. A step with an impact costs such an island up
      * to 8 sub-steps, each with up to 8 passes of solver and narrow phase over its pairs. With F
      * triangles in its meshes that are not collided as hulls, the narrow phase passes over them at
-     * most max(4, 6000/F) times, and the rest of the step is an ordinary one. */
+     * most max(2, 2000/F) times, and the rest of the step is an ordinary one. */
     int impact_bodies;
 
     /* Gap, in m, below which two bodies at rest relative to each other get a contact. Motion within

@@ -142,7 +142,7 @@ static const double ROUNDING = 1e-9;
 /* Bounds on the iterations of the direct solver from a warm start: so many points in all of them,
  * but at least LEAST_WARM and at most MOST_WARM iterations. An island that takes more changes too
  * much from step to step, and sweeps serve it better. */
-enum { WARM_POINTS = 6000, LEAST_WARM = 16, MOST_WARM = 48 };
+enum { WARM_POINTS = 6000, LEAST_WARM = 12, MOST_WARM = 48 };
 
 /* A chain, such as a stack, has at most so many manifolds a body. Its factor is cheap. It may also
  * be about to fall, which a less exact solution would not show: then the energy guard holds it. */

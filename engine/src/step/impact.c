@@ -6,8 +6,8 @@ enum {
     MAX_TRIES = 8,    /* to hit the time of an impact */
     /* Meshes of so many facets together have their contacts found once in a step; those of fewer
      * the more often, and all at least LEAST_SEARCHES times. */
-    MANY_FACETS = 6000,
-    LEAST_SEARCHES = 4
+    MANY_FACETS = 2000,
+    LEAST_SEARCHES = 2
 };
 
 /* In units of the first impact's speed: contacts that close more slowly after it are no impacts. */
@@ -447,6 +447,7 @@ static pe_status run_substeps(substeps *s)
     }
     if (status == PE_OK && s->left > 0) {
         predict(s, s->left);
+        choose(s, ALL); /* the contacts may have been found after the last choice */
         status = pe_island_step(s->step, &s->interval);
         add_impulses(s, &s->world->contacts);
     }

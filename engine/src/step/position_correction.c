@@ -15,7 +15,7 @@
 enum { LOOK_INTERVAL = 10 };
 
 /* An island of more than MOST_SOLVED / max_iterations points gets fewer iterations of the solver. */
-enum { MOST_SOLVED = 3000, LEAST_ITERATIONS = 4 };
+enum { MOST_SOLVED = 1500, LEAST_ITERATIONS = 4 };
 
 /* A body takes its other contacts into the sweeps when a point of it has moved by this part of
  * rules->enough. */
