@@ -137,7 +137,8 @@ def metric(results, name):
 def number(value, unit=""):
     if value is None:
         return "–"
-    text = f"{value:.2g}" if value == 0 or 1e-4 <= abs(value) < 1e6 else f"{value:.1e}".replace("e-0", "e-")
+    plain = value == 0 or 1e-4 <= abs(value) < 1e6
+    text = f"{float(f'{value:.2g}'):g}" if plain else f"{value:.1e}".replace("e-0", "e-")
     return f"{text} {unit}".strip()
 
 
@@ -293,11 +294,13 @@ def heap_speed(program):
         overlap = result["metrics"].get("penetration_max", {}).get("p95")
         time = result["metrics"].get("time_per_step", {}).get("value")
         if result["outcome"] == "ok" and overlap is not None and time is not None:
-            engine = result["label"].split(":")[0].split(",")[0]
+            label, _, varied = result["label"].partition(",")
+            engine, dt = label.split(":")[0], result["settings"]["dt"]
+            setting = f"{label}{' varied' if varied else ''}, 1/{round(1 / dt)} s"
             for level in OVERLAPS:
                 if overlap <= level:
                     at = best.setdefault((result["scenario"], level), {})
-                    at[engine] = min(at.get(engine, (float("inf"), "")), (time / result["dt"], result["label"]))
+                    at[engine] = min(at.get(engine, (float("inf"), "")), (time / dt, setting))
     rows = []
     for (scenario, level), at in sorted(best.items(), key=lambda item: (item[0][0], -item[0][1])):
         ours = at.get("plumb", (None, ""))[0]
