@@ -21,7 +21,7 @@ import time
 
 # The first pattern that matches a command adds these arguments to it.
 REDUCED = (
-    (r"^plumb sweep --suite canonical", "--duration 0.1 --timeout 5 --repeat 1 --vary dt=1/60"),
+    (r"^plumb sweep (--suite canonical|wall-collapse )", "--duration 0.1 --timeout 5 --repeat 1 --vary dt=1/60"),
     (r"^plumb sweep .*--suite", "--duration 0.1 --timeout 5"),
     (r"^plumb compare .*--suite", "--duration 0.1 --timeout 20"),
     (r"^plumb (compare|sweep|metamorphic) ", "--duration 0.1"),
