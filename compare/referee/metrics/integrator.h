@@ -49,8 +49,9 @@ void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
 
 /* The integrator that fits most steps in free flight. Without such steps it is that of second order
  * if more of the other steps fit it than chance explains: an engine of second order may move
- * colliding bodies differently, one of semi-implicit Euler has no such steps. PL_SEMI_IMPLICIT where no step distinguishes the two, for example because nothing accelerates: both energies then
- * grow alike. */
+ * colliding bodies differently, one of semi-implicit Euler has no such steps. PL_SEMI_IMPLICIT where
+ * no step distinguishes the two, for example because nothing accelerates: both energies then grow
+ * alike. */
 pl_position_rule pl_integrator_of(const pl_integrator_votes *votes);
 
 /* Whether the steps of a run agree on one integrator. */

@@ -240,14 +240,15 @@ static pl_vec displacement(const pl_mechanics *m, int body, const pl_step *step)
 static const double UNCHANGED_BY_GRAVITY = 1e-3, UNCHANGED_SPEED = 1e-9;
 
 /* The part of the body's displacement by which the arms of gravity and contacts on it move in the
- * step: 1 - c, where c in [0, 1] fits x' - x = h (v + c (v' - v)) best. Where v hardly changes it is
+ * step: 1 - c, where c in [0, 1] fits moved = h (v + c (v' - v)) best. Where v hardly changes it is
  * `usual`, that of the integrator. */
-static double arm_share(const pl_mechanics *m, int body, const pl_step *step, double usual)
+static double arm_share(const pl_mechanics *m, int body, const pl_step *step, pl_vec moved,
+                        double usual)
 {
     const double dt = m->scene->dt;
     const pl_vec v = pl_vec_of(step->before[body].velocity);
     const pl_vec change = pl_vec_sub(pl_vec_of(step->after[body].velocity), v);
-    const pl_vec more = pl_vec_mad(displacement(m, body, step), -dt, v);
+    const pl_vec more = pl_vec_mad(moved, -dt, v);
     const double unclear = UNCHANGED_BY_GRAVITY * dt * pl_vec_length(pl_vec_of(m->scene->gravity)) +
                            UNCHANGED_SPEED * pl_vec_length(v);
     const double weight = unclear * unclear, size = weight + pl_vec_dot(change, change);
@@ -264,7 +265,7 @@ static void add_body_impulse(pl_mechanics *m, int body, const pl_step *step, pl_
     const pl_vec moved = displacement(m, body, step);
     add_impulse_rounding(m, point, impulse);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        const double share = arm_share(m, body, step, usual[k]);
+        const double share = arm_share(m, body, step, moved, usual[k]);
         add_impulse(m, (pl_position_rule)k, pl_vec_mad(point, share, moved), impulse);
     }
 }
