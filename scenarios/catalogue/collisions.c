@@ -141,9 +141,11 @@ const pl_scenario pl_scenario_collision_train = {
  * each stays together: they leave with v (m - e n) / (m + n) and v (1 + e) m / (m + n), so that one
  * that meets two leaves them with v (-1/3, 2/3, 2/3). The velocities at the end are compared with
  * both laws, and the nearer one counts. Below restitution 1 the first law is that of equal gaps, as
- * they become small, where a finite number of impacts ends. */
+ * they become small, where a finite number of impacts ends. With a gap between the spheres that are at
+ * rest, and between those that arrive, no two contacts act at once: the first law alone is right, by
+ * the impacts of the run. */
 
-enum { CRADLE_COUNT, CRADLE_MOVING, CRADLE_RESTITUTION, CRADLE_SPEED };
+enum { CRADLE_COUNT, CRADLE_MOVING, CRADLE_RESTITUTION, CRADLE_SPEED, CRADLE_GAP };
 
 static const double cradle_radius = 0.1, cradle_gap = 0.25; /* m */
 
@@ -152,6 +154,10 @@ static const pl_param cradle_params[] = {
     {"moving", 1, 1, MOST_TOUCHING, true, "1", "spheres that run into them"},
     PL_PARAM_RESTITUTION(1),
     {"speed", 1, 0.1, 100, false, "m/s", "of the moving spheres"},
+    {"gap", 0, 0, 1, false, "m",
+     "between two neighbours at rest, and between two that move: above 0 only impacts in sequence "
+     "are "
+     "right; 0: they touch"},
     PL_PARAM_TIME(1),
 };
 
@@ -167,28 +173,60 @@ static void expect_speed(pl_builder *b, int ball, double speed, double scale, in
     pl_build_value(b, &value);
 }
 
-/* `touch`: the spheres meet within the run. */
-static void cradle_expect(pl_builder *b, const double *values, bool touch)
+enum { IN_SEQUENCE = 1, AT_ONCE };
+
+/* The velocities after impacts one after the other. Spheres that touch have a gap that does not
+ * matter, and all impacts end at once; the others have those that fit into the run. */
+static bool sequence_of(const pl_builder *b, const double *values, train *t)
 {
-    enum { IN_SEQUENCE = 1, AT_ONCE };
+    const double arriving = values[CRADLE_MOVING], gap = values[CRADLE_GAP];
+    *t = (train){.count = (int)(arriving + values[CRADLE_COUNT])};
+    for (int i = 0; i < t->count; ++i) {
+        t->mass[i] = 1;
+        t->place[i] = (gap > 0 ? gap : 1) * i - (i < arriving && gap > 0 ? cradle_gap : 0);
+        t->speed[i] = i < arriving ? values[CRADLE_SPEED] : 0;
+    }
+    return run_until(t, gap > 0 ? b->end : 1e9, values[CRADLE_RESTITUTION]);
+}
+
+static void expect_in_sequence(pl_builder *b, const double *values, int answer)
+{
+    train t;
+    const bool ends = sequence_of(b, values, &t);
+    if (!ends && answer == 0) {
+        pl_build_refuse(b, "expected fewer than %d impacts within the run, found more",
+                        MOST_IMPACTS);
+    }
+    for (int i = 0; i < t.count && ends; ++i) {
+        expect_speed(b, i, t.speed[i], values[CRADLE_SPEED], answer);
+    }
+}
+
+static void expect_at_once(pl_builder *b, const double *values)
+{
     const double speed = values[CRADLE_SPEED], e = values[CRADLE_RESTITUTION];
     const double arriving = values[CRADLE_MOVING], resting = values[CRADLE_COUNT];
-    const double all = arriving + resting;
-    train t = {.count = (int)all};
-    for (int i = 0; i < t.count; ++i) {
-        t.mass[i] = 1;
-        t.place[i] = i; /* the unit of length, and so of time, does not matter */
-        t.speed[i] = i < arriving ? 1 : 0;
-    }
-    const bool ends = !touch || run_until(&t, 1e9, e);
-    for (int i = 0; i < t.count && ends; ++i) {
-        expect_speed(b, i, speed * t.speed[i], speed, IN_SEQUENCE);
-    }
-    for (int i = 0; i < t.count && touch; ++i) {
+    for (int i = 0; i < (int)(arriving + resting); ++i) {
         const double part = i < arriving ? arriving - e * resting : (1 + e) * arriving;
-        expect_speed(b, i, speed * part / all, speed, AT_ONCE);
+        expect_speed(b, i, speed * part / (arriving + resting), speed, AT_ONCE);
     }
-    for (int i = 0; i < t.count; ++i) {
+}
+
+static void cradle_expect(pl_builder *b, const double *values)
+{
+    const double speed = values[CRADLE_SPEED];
+    const int count = (int)(values[CRADLE_MOVING] + values[CRADLE_COUNT]);
+    if (values[CRADLE_GAP] > 0) {
+        expect_in_sequence(b, values, 0);
+    } else if (speed * b->end > cradle_gap) {
+        expect_in_sequence(b, values, IN_SEQUENCE);
+        expect_at_once(b, values);
+    } else {
+        for (int i = 0; i < count; ++i) {
+            expect_speed(b, i, b->scene->bodies[i].velocity[0], speed, 0);
+        }
+    }
+    for (int i = 0; i < count; ++i) {
         pl_build_none(b, i, PL_QUANTITY_VELOCITY, PL_ALONG_Y | PL_ALONG_Z, speed);
         pl_build_none(b, i, PL_QUANTITY_SPIN, PL_ALONG_ALL, speed / cradle_radius);
     }
@@ -199,13 +237,14 @@ static void cradle_build(pl_builder *b, const double *values)
     b->scene->gravity[2] = 0;
     const int moving = (int)values[CRADLE_MOVING], count = moving + (int)values[CRADLE_COUNT];
     for (int i = 0; i < count; ++i) {
-        pl_body ball =
-            pl_body_at(pl_shape_sphere(cradle_radius),
-                       2 * cradle_radius * (i - moving) - (i < moving ? cradle_gap : 0), 0, 0);
+        pl_body ball = pl_body_at(pl_shape_sphere(cradle_radius),
+                                  (2 * cradle_radius + values[CRADLE_GAP]) * (i - moving) -
+                                      (i < moving ? cradle_gap : 0),
+                                  0, 0);
         ball.velocity[0] = i < moving ? values[CRADLE_SPEED] : 0;
         pl_build_body(b, &ball, "ball %d", i + 1);
     }
-    cradle_expect(b, values, values[CRADLE_SPEED] * b->end > cradle_gap);
+    cradle_expect(b, values);
 }
 
 const pl_scenario pl_scenario_cradle = {

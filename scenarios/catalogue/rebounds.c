@@ -1,8 +1,10 @@
-/* Impacts of a sphere on the floor: straight and with restitution, and oblique with spin. */
+/* Impacts of spheres on the floor: straight and with restitution, alone and side by side, and oblique
+ * with spin. */
 #include "catalogue.h"
 #include "trigonometry.h"
 
 #include <math.h>
+#include <stdio.h>
 
 /* A sphere falls on a level floor and bounces.
  *
@@ -66,14 +68,14 @@ static double height_at(double time, double height, double e, double g)
     return speed > 1e-9 ? speed * passed - g * passed * passed / 2 : 0;
 }
 
-static void bounce_build(pl_builder *b, const double *values)
+/* Drops a ball at x from a height, and expects its apexes, or else its height at the end. */
+static void build_bouncing(pl_builder *b, const char *name, double radius, double x, double height,
+                           double e, int bounces)
 {
-    const double height = values[BOUNCE_HEIGHT], e = values[BOUNCE_RESTITUTION];
-    pl_build_floor(b);
-    pl_body ball = pl_body_at(pl_shape_sphere(bounce_radius), 0, 0, bounce_radius + height);
-    const int index = pl_build_body(b, &ball, "ball");
-    expect_apexes(b, index, height, e, (int)values[BOUNCE_BOUNCES]);
-    if (b->scene->value_count == 0) {
+    pl_body ball = pl_body_at(pl_shape_sphere(radius), x, 0, radius + height);
+    const int index = pl_build_body(b, &ball, "%s", name), values = b->scene->value_count;
+    expect_apexes(b, index, height, e, bounces);
+    if (b->scene->value_count == values) {
         const double end = b->end;
         const double left = height_at(end, height, e, b->gravity);
         pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_z, pl_continuous(left - height),
@@ -81,6 +83,13 @@ static void bounce_build(pl_builder *b, const double *values)
     }
     pl_build_none(b, index, PL_QUANTITY_POSITION, PL_ALONG_X | PL_ALONG_Y, height);
     pl_build_none(b, index, PL_QUANTITY_SPIN, PL_ALONG_ALL, 1);
+}
+
+static void bounce_build(pl_builder *b, const double *values)
+{
+    pl_build_floor(b);
+    build_bouncing(b, "ball", bounce_radius, 0, values[BOUNCE_HEIGHT], values[BOUNCE_RESTITUTION],
+                   (int)values[BOUNCE_BOUNCES]);
 }
 
 const pl_scenario pl_scenario_bounce = {
@@ -98,6 +107,70 @@ const pl_scenario pl_scenario_bounce = {
         "apexes of flights of 8 steps or more within the run; without one, the height at the end",
     PL_PARAMS(bounce_params),
     .build = bounce_build};
+
+/* Spheres side by side fall on a level floor and bounce, each as if it were alone.
+ *
+ * The centres lie in a row along x, two radii and `gap` apart; ball i = 0 .. n - 1 falls from
+ * height + i stagger. All move vertically. Where two touch, they do so at one height, so that their
+ * contact is level, and neither of them moves along its normal: it carries nothing, whatever its
+ * restitution and friction, and each ball bounces as in `bounce`. Without stagger all meet the floor
+ * at one instant. With it each has an impact of its own, next to others that fly. The radius is a
+ * power of 2, so that spheres without a gap touch in floating point too. */
+
+enum {
+    BOUNCE_ROW_HEIGHT,
+    BOUNCE_ROW_RESTITUTION,
+    BOUNCE_ROW_BOUNCES,
+    BOUNCE_ROW_COUNT,
+    BOUNCE_ROW_GAP,
+    BOUNCE_ROW_STAGGER,
+    BOUNCE_ROW_FRICTION
+};
+
+static const double bounce_row_radius = 0.125; /* m */
+
+static const pl_param bounce_row_params[] = {
+    {"height", 1, 0.01, 100, false, "m", "of the first ball's lowest point above the floor"},
+    PL_PARAM_RESTITUTION(0.8),
+    {"bounces", 3, 1, 50, true, "1", "how many of them are judged"},
+    {"n", 5, 1, 50, true, "1", "number of balls"},
+    {"gap", 0, 0, 10, false, "m", "between two neighbours; 0: they touch"},
+    {"stagger", 0, 0, 10, false, "m", "how much higher each ball starts than the one before"},
+    PL_PARAM_FRICTION,
+    PL_PARAM_TIME(3),
+};
+
+static void bounce_row_build(pl_builder *b, const double *values)
+{
+    pl_build_floor(b);
+    for (int i = 0; i < (int)values[BOUNCE_ROW_COUNT]; ++i) {
+        char name[PL_NAME_SIZE];
+        snprintf(name, sizeof name, "ball %d", i + 1);
+        build_bouncing(b, name, bounce_row_radius,
+                       i * (2 * bounce_row_radius + values[BOUNCE_ROW_GAP]),
+                       values[BOUNCE_ROW_HEIGHT] + i * values[BOUNCE_ROW_STAGGER],
+                       values[BOUNCE_ROW_RESTITUTION], (int)values[BOUNCE_ROW_BOUNCES]);
+    }
+}
+
+const pl_scenario pl_scenario_bounce_row = {
+    .name = "bounce-row",
+    .title = "Balls that bounce side by side",
+    .description = "Spheres in a row, touching or apart, fall on the floor and bounce: whether "
+                   "bodies that share no load leave each other's impacts alone.",
+    .reference = "as for a single ball, for each: apex e^(2 k) H after k bounces",
+    .expected = "ok: every ball bounces in its place, as high as a single one",
+    .source = "Newton 1687, Principia, scholium to the laws: v' = -e v; the contact between two "
+              "balls is level, and nothing moves along it",
+    .primary_error = "value_error",
+    PL_ACCEPT_MOTION,
+    .validity =
+        "apexes of flights of 8 steps or more within the run; without one, the height at the end",
+    .provokes = "independent impacts in one group of bodies: a solver that ends the group's step "
+                "early, or drops restitution where many contacts act, takes from each ball's "
+                "bounce; a right engine lets all bounce as one",
+    PL_PARAMS(bounce_row_params),
+    .build = bounce_row_build};
 
 /* A spinning sphere strikes a floor obliquely, without gravity.
  *

@@ -33,9 +33,11 @@ static const pl_suite_entry analytic[] = {{"free-fall", NULL, 0},
                                           {"carried-balls", NULL, 0},
                                           {"ladder", NULL, 0},
                                           {"bounce", NULL, 0},
+                                          {"bounce-row", NULL, 0},
                                           {"oblique-impact", NULL, 0},
                                           {"collision-train", NULL, 0},
                                           {"cradle", NULL, 0},
+                                          {"cradle", "gap=0.01,n=4", 0},
                                           {"rocking-block", NULL, 0},
                                           {"thin-wall", NULL, 0},
                                           {"tower", NULL, 0},
@@ -53,7 +55,10 @@ static const pl_suite_entry analytic[] = {{"free-fall", NULL, 0},
                                           {"thin-rod", NULL, 0},
                                           {"far-from-origin", NULL, 0},
                                           {"large-step", NULL, 0},
-                                          {"initial-overlap", NULL, 0}};
+                                          {"initial-overlap", NULL, 0},
+                                          {"dropped-load", NULL, 0},
+                                          {"lid", NULL, 0},
+                                          {"raft", NULL, 0}};
 
 /* Table 2 of the source. */
 static const pl_suite_entry paper[] = {
@@ -83,16 +88,31 @@ static const pl_suite_entry heaps[] = {{"wall-collapse", NULL, 0},
                                        {"medley", NULL, 0},
                                        {"domino-spiral", NULL, 0},
                                        {"tower", "n=20,yaw=0.1", 0},
+                                       {"dropped-load", "ratio=1000", 0},
+                                       {"lid", "height=0.1", 0},
+                                       {"raft", "k=9,height=1", 0},
                                        {"wall-collapse", "rows=60,columns=100", 0}};
 
 /* Cases that break engines; each names what it provokes. */
-static const pl_suite_entry hard[] = {
-    {"tower", "n=100", 0},       {"mass-ratio", "k=6", 0},     {"arch", NULL, 0},
-    {"card-house", NULL, 0},     {"overhang", NULL, 0},        {"cylinder-pyramid", NULL, 0},
-    {"sphere-pyramid", NULL, 0}, {"cradle", NULL, 0},          {"painleve", NULL, 0},
-    {"rocking-block", NULL, 0},  {"thin-rod", NULL, 0},        {"far-from-origin", NULL, 0},
-    {"large-step", NULL, 0},     {"initial-overlap", NULL, 0}, {"pile", "shape=3", 0},
-    {"needle-in-gap", NULL, 0}};
+static const pl_suite_entry hard[] = {{"tower", "n=100", 0},
+                                      {"mass-ratio", "k=6", 0},
+                                      {"arch", NULL, 0},
+                                      {"card-house", NULL, 0},
+                                      {"overhang", NULL, 0},
+                                      {"cylinder-pyramid", NULL, 0},
+                                      {"sphere-pyramid", NULL, 0},
+                                      {"cradle", NULL, 0},
+                                      {"painleve", NULL, 0},
+                                      {"rocking-block", NULL, 0},
+                                      {"thin-rod", NULL, 0},
+                                      {"far-from-origin", NULL, 0},
+                                      {"large-step", NULL, 0},
+                                      {"initial-overlap", NULL, 0},
+                                      {"pile", "shape=3", 0},
+                                      {"needle-in-gap", NULL, 0},
+                                      {"bounce-row", NULL, 0},
+                                      {"dropped-load", NULL, 0},
+                                      {"lid", NULL, 0}};
 
 #define ENTRIES(table) .entries = (table), .entry_count = sizeof(table) / sizeof(table)[0]
 
@@ -110,7 +130,8 @@ static const pl_suite suites[] = {
                     "ensemble's default",
      ENTRIES(chaotic)},
     {.name = "heaps",
-     .description = "collapses, piles, rubble, a spiral of dominoes, a yawed tower: many contacts "
+     .description = "collapses, piles, rubble, a spiral of dominoes, a yawed tower, heavy loads: "
+                    "many contacts "
                     "at any angle",
      ENTRIES(heaps)},
     {.name = "hard",

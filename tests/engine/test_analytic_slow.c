@@ -33,6 +33,7 @@ static const bound bounds[] = {
     {"bowling", SMOOTH},
     {"carried-balls", SMOOTH},
     {"bounce", IMPACT},
+    {"bounce-row", IMPACT},
     {"oblique-impact", IMPACT},
     {"collision-train", IMPACT},
     {"cradle", IMPACT},

@@ -129,6 +129,10 @@ static void test_needs_are_those_of_the_default_scene(void **state)
         {"medley", "friction rotation plane sphere box capsule cylinder hull mesh"},
         {"top", "rotation plane hull"},
         {"slide-and-spin", "friction rotation plane hull"},
+        {"bounce-row", "friction restitution rotation plane sphere"},
+        {"dropped-load", "friction rotation plane box"},
+        {"lid", "friction rotation plane box"},
+        {"raft", "friction rotation plane box"},
     };
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);

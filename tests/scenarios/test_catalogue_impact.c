@@ -83,6 +83,36 @@ static void test_unfinished_flight_expects_the_final_height(void **state)
     }
 }
 
+/* The centres of two neighbours are never nearer than their radii and gap, whatever the difference
+ * of their heights, and each has the apexes of a ball that is alone. */
+static void test_balls_in_a_row_bounce_like_single_ones(void **state)
+{
+    (void)state;
+    static const char *const row[] = {"n=4", "gap=0.01", "stagger=0.25", "restitution=0.7", NULL};
+    static const char *const heights[] = {"height=1", "height=1.25", "height=1.5", "height=1.75"};
+    pl_scene scene = scenario_scene("bounce-row", row);
+    int next = 0;
+    for (int i = 0; i < 4; ++i) {
+        const char *const settings[] = {heights[i], "restitution=0.7", NULL};
+        pl_scene single = scenario_scene("bounce", settings);
+        for (int k = 0; k < single.value_count; ++k, ++next) {
+            const pl_expect_value *value = &scene.values[next], *alone = &single.values[k];
+            assert_int_equal(value->body, i + 1);
+            assert_int_equal(value->quantity, alone->quantity);
+            assert_memory_equal(value->direction, alone->direction, sizeof alone->direction);
+            assert_close(value->value, alone->value, 0, 0);
+            assert_close(value->from, alone->from, 0, 0);
+            assert_close(value->until, alone->until, 0, 0);
+        }
+        const pl_body *ball = &scene.bodies[i + 1];
+        assert_close(ball->position[2] - ball->shape.radius, 1 + 0.25 * i, 0, 0);
+        assert_close(ball->position[0], i * 0.26, 1e-15, 0);
+        pl_scene_free(&single);
+    }
+    assert_int_equal(scene.value_count, next);
+    pl_scene_free(&scene);
+}
+
 /* Routh's way: the normal impulse grows by little, and with it friction against the slip of the
  * moment, never by more than stops it. v, rim (r w) and up, in m/s, of a sphere of 1 kg. */
 static void strike(double friction, double e, double *v, double *rim, double *up)
@@ -338,6 +368,30 @@ static void test_cradle_groups_part_by_newtons_restitution(void **state)
     pl_scene_free(&scene);
 }
 
+/* With gaps the impacts come one after the other, and nothing else is right. */
+static void test_cradle_with_gaps_equals_small_time_steps(void **state)
+{
+    (void)state;
+    static const char *const settings[][6] = {
+        {"gap=0.05", NULL},
+        {"gap=0.02", "n=3", "moving=2", "restitution=0.6", NULL},
+        {"gap=0.1", "n=4", "moving=1", "restitution=0.9", "duration=2", NULL}};
+    static const double restitutions[] = {1, 0.6, 0.9};
+    for (int i = 0; i < 3; ++i) {
+        pl_scene scene = scenario_scene("cradle", settings[i]);
+        double speed[10], expected[10];
+        march(&scene, restitutions[i], speed);
+        assert_int_equal(speeds_of(&scene, 1, expected) + speeds_of(&scene, 2, expected), 0);
+        for (int k = 0; k < scene.body_count; ++k) {
+            assert_close(scene.values[k].value, speed[k], 1e-9, 0);
+        }
+        pl_scene_free(&scene);
+    }
+    static const char *const endless[] = {"gap=0.01", "n=20", "restitution=0.1", "duration=100",
+                                          NULL};
+    assert_scenario_refuses("cradle", endless, "expected fewer than");
+}
+
 /* At the expected pose the end is where it was, and by the energy since the impulse, which keeps
  * the angular momentum about the end, the time to get there is the expected one. */
 static void test_painleve_rod_turns_about_its_end(void **state)
@@ -411,6 +465,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_bounce_heights_follow_the_reversed_speed),
         cmocka_unit_test(test_unfinished_flight_expects_the_final_height),
+        cmocka_unit_test(test_balls_in_a_row_bounce_like_single_ones),
         cmocka_unit_test(test_oblique_impacts_equal_incremental_impulses),
         cmocka_unit_test(test_collision_trains_equal_small_time_steps),
         cmocka_unit_test(test_equal_train_passes_all_momentum),
@@ -419,6 +474,7 @@ int main(void)
         cmocka_unit_test(test_cradle_spheres_touch_and_are_hit),
         cmocka_unit_test(test_both_laws_of_the_cradle_keep_momentum_and_energy),
         cmocka_unit_test(test_cradle_groups_part_by_newtons_restitution),
+        cmocka_unit_test(test_cradle_with_gaps_equals_small_time_steps),
         cmocka_unit_test(test_painleve_rod_turns_about_its_end),
         cmocka_unit_test(test_painleve_below_its_friction_is_not_judged),
         cmocka_unit_test(test_accurate_meets_collision_trains_of_any_masses),
