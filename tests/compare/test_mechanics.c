@@ -190,7 +190,7 @@ static void test_impulse_before_the_flight_shows_second_order(void **state)
         s->velocity[k] += (k + 1) + H * r.scene.gravity[k];
         s->position[k] += H * (s->velocity[k] - H * r.scene.gravity[k] / 2);
     }
-    pl_integrator_see(&votes, &r.scene, &before, &r.state[0]);
+    pl_integrator_see(&votes, &r.scene, &before, &r.state[0], &(pl_vec){0, 0, 0});
     assert_int_equal(votes.pushed[PL_SECOND_ORDER], 1);
     assert_int_equal(votes.pushed[PL_SEMI_IMPLICIT], 0);
     run_end(&r);
@@ -209,7 +209,7 @@ static void test_pushed_body_does_not_show_the_integrator(void **state)
         pl_body_state before = r.state[0];
         integrate(&r, PL_SEMI_IMPLICIT, 0, none, none);
         r.state[0].position[2] += 1e-4;
-        pl_integrator_see(&votes, &r.scene, &before, &r.state[0]);
+        pl_integrator_see(&votes, &r.scene, &before, &r.state[0], &(pl_vec){0, 0, 0});
     }
     for (pl_position_rule k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         assert_true(votes.flying[k] == 0 && votes.pushed[k] == 0);
@@ -218,7 +218,7 @@ static void test_pushed_body_does_not_show_the_integrator(void **state)
     votes.pushed[PL_SEMI_IMPLICIT] = 100;
     pl_body_state before = r.state[0];
     integrate(&r, PL_SECOND_ORDER, 0, none, none);
-    pl_integrator_see(&votes, &r.scene, &before, &r.state[0]);
+    pl_integrator_see(&votes, &r.scene, &before, &r.state[0], &(pl_vec){0, 0, 0});
     assert_int_equal(pl_integrator_of(&votes), PL_SECOND_ORDER);
     run_end(&r);
 }
@@ -427,6 +427,9 @@ static void test_turning_force_is_integrated_over_the_step(void **state)
     assert_close(pl_mechanics_energy_gain(mechanics, &scale, PL_SECOND_ORDER), 0, 1e-5, 0);
     assert_at_most(pl_mechanics_momentum_error(mechanics, &scale, PL_SECOND_ORDER), 1e-6);
     assert_true(pl_mechanics_momentum_error(mechanics, &scale, PL_SEMI_IMPLICIT) > 1e-3);
+    const pl_integrator_votes *votes = pl_mechanics_votes(mechanics);
+    assert_int_equal(pl_integrator_of(votes), PL_SECOND_ORDER);
+    assert_int_equal(pl_integrator_certain(votes), PL_INTEGRATOR_DETECTED);
     pl_arena_free(&arena);
     run_end(&r);
 }

@@ -40,8 +40,8 @@ static void remember(pe_world *world, under_way *u)
     size_t slots = (size_t)world->slot_count;
     memcpy(u->poses, pe_poses(world), slots * sizeof *u->poses);
     memcpy(u->twists, pe_twists(world), slots * sizeof *u->twists);
-    pe_predict_motion(world, H, u->free);
     assert_int_equal(pe_islands_find(world, &u->islands, NULL), PE_OK);
+    pe_predict_motion(world, u->islands.place, H, u->free);
 }
 
 /* Moves a body as if it touched nothing. */

@@ -169,7 +169,7 @@ static void test_off_centre_rocket_converges_to_fresnel_integrals(void **state)
         error[k] = distance(s.position, exact);
         turned[k] = angle_between(s.orientation, rotation_of((pe_vec3){0, 0.5 * angular * 4, 0}));
     }
-    assert_order("rocket in the plane: position", error, 1.9);
+    assert_order("rocket in the plane: position", error, 3.8);
     assert_order("rocket in the plane: angle", turned, 1.9);
 }
 

@@ -1,8 +1,9 @@
 /* A body whose centre of mass moves by d while its velocity goes from v to v' has made a step of
  *
  *   semi-implicit Euler         d = h v', with n sub-steps h v' - (1 - 1/n) h (v' - v) / 2
- *   a second-order integrator   d = h (v + v') / 2, or d = h v' - h^2 g / 2, where impulses come
- *                               before the flight; under gravity alone the two are equal
+ *   a second-order integrator   d = h (v + v') / 2, with or without what forces add that turn with
+ *                               the body, or d = h v' - h^2 g / 2, where impulses come before the
+ *                               flight; under gravity alone these are equal
  *
  * The two integrators differ by h |v' - v| / (2n). A step votes where that is far above rounding
  * and the step fits exactly one of them, to a thousandth of h |v' - v| and to the rounding of the
@@ -37,7 +38,7 @@ double pl_later_share(const pl_referee_engine *engine)
 }
 
 static void count_body(pl_integrator_votes *votes, const pl_body *body, pl_vec g, double h,
-                       const pl_body_state *before, const pl_body_state *after)
+                       const pl_body_state *before, const pl_body_state *after, pl_vec turned)
 {
     pl_vec x = pl_state_centre(body, before), v = pl_vec_of(before->velocity);
     pl_vec end = pl_vec_of(after->velocity);
@@ -53,8 +54,9 @@ static void count_body(pl_integrator_votes *votes, const pl_body *body, pl_vec g
     double semi_implicit =
         pl_vec_length(pl_vec_mad(late, pl_later_share(&votes->engine) * h, pl_vec_sub(end, v)));
     double mean = pl_vec_length(pl_vec_mad(late, h / 2, pl_vec_sub(end, v)));
+    double turning = pl_vec_length(pl_vec_sub(pl_vec_mad(late, h / 2, pl_vec_sub(end, v)), turned));
     double flight = pl_vec_length(pl_vec_mad(late, h * h / 2, g));
-    double second_order = fmin(mean, flight);
+    double second_order = fmin(fmin(mean, turning), flight);
     bool is_first = semi_implicit <= fit, is_second = second_order <= fit;
     if (is_first && is_second) {
         return;
@@ -67,12 +69,13 @@ static void count_body(pl_integrator_votes *votes, const pl_body *body, pl_vec g
 }
 
 void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
-                       const pl_body_state *before, const pl_body_state *after)
+                       const pl_body_state *before, const pl_body_state *after,
+                       const pl_vec *turned)
 {
     pl_vec g = pl_vec_of(scene->gravity);
     for (int i = 0; i < scene->body_count; ++i) {
         if (!scene->bodies[i].is_static) {
-            count_body(votes, &scene->bodies[i], g, scene->dt, &before[i], &after[i]);
+            count_body(votes, &scene->bodies[i], g, scene->dt, &before[i], &after[i], turned[i]);
         }
     }
 }

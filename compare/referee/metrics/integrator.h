@@ -7,6 +7,7 @@
 
 #include "plumb/engine_abi.h"
 #include "plumb/scene.h"
+#include "plumb/vec.h"
 
 /* What an engine declares, by which its frames are judged. {0} is one sub-step, in doubles. */
 typedef struct pl_referee_engine {
@@ -43,9 +44,11 @@ typedef struct pl_integrator_votes {
  * the second-order rule does by 1/2: (1 - 1/n) / 2. */
 double pl_later_share(const pl_referee_engine *engine);
 
-/* Counts one step of the dynamic bodies. */
+/* Counts one step of the dynamic bodies. `turned` (scene->body_count) is what forces that turn with
+ * the bodies add to the displacements of a second-order integrator, m. */
 void pl_integrator_see(pl_integrator_votes *votes, const pl_scene *scene,
-                       const pl_body_state *before, const pl_body_state *after);
+                       const pl_body_state *before, const pl_body_state *after,
+                       const pl_vec *turned);
 
 /* The integrator that fits most steps in free flight. Without such steps it is that of second order
  * if more of the other steps fit it than chance explains: an engine of second order may move

@@ -13,7 +13,7 @@
  *     energy    E grows by h F.(u + u')/2
  *     angular   x' x m v' - x x m v = (x + x')/2 x m (v' - v): the arms move by (x' - x)/2 too
  *     A force in the body's frame turns within the step: its impulse, moment and work are integrals
- *     over the turn, here by Simpson's rule.
+ *     over the turn, here by Simpson's rule, and x' = x + h (v + v')/2 + h^2 (F - F')/(12 m).
  *
  *   semi-implicit Euler with n sub-steps of h / n
  *     energy    E + (h/2n) m g.v
@@ -128,6 +128,7 @@ struct pl_mechanics {
     pl_vec *origin;                         /* (body_count): centres of mass at the start */
     double *energy[PL_POSITION_RULE_COUNT]; /* each (body_count): of the last state */
     double *growth[PL_POSITION_RULE_COUNT]; /* each (body_count): in the last step, without work */
+    pl_vec *turned;                         /* (body_count): of the last step; see find_turned */
     totals first, last;
     external given;
     rounding blur;
@@ -144,6 +145,7 @@ pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
     }
     m->scene = scene;
     m->origin = pl_arena_take(arena, count, sizeof *m->origin);
+    m->turned = pl_arena_take(arena, count, sizeof *m->turned);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         m->energy[k] = pl_arena_take(arena, count, sizeof *m->energy[k]);
         m->growth[k] = pl_arena_take(arena, count, sizeof *m->growth[k]);
@@ -263,9 +265,11 @@ static void add_body_impulse(pl_mechanics *m, int body, const pl_step *step, pl_
     const double usual[PL_POSITION_RULE_COUNT] = {
         [PL_SEMI_IMPLICIT] = pl_later_share(&m->votes.engine), [PL_SECOND_ORDER] = 0.5};
     const pl_vec moved = displacement(m, body, step);
+    const pl_vec straight[PL_POSITION_RULE_COUNT] = {
+        [PL_SEMI_IMPLICIT] = moved, [PL_SECOND_ORDER] = pl_vec_sub(moved, m->turned[body])};
     add_impulse_rounding(m, point, impulse);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-        const double share = arm_share(m, body, step, moved, usual[k]);
+        const double share = arm_share(m, body, step, straight[k], usual[k]);
         add_impulse(m, (pl_position_rule)k, pl_vec_mad(point, share, moved), impulse);
     }
 }
@@ -368,12 +372,34 @@ void pl_mechanics_start(pl_mechanics *m, const pl_body_state *bodies)
     m->first = m->last;
 }
 
+/* What forces that turn within the step add to the displacements of a second-order integrator:
+ * h^2 (F - F') / (12 m), with F at the start and F' at the end, beyond h (v + v') / 2. */
+static void find_turned(pl_mechanics *m, const pl_step *step)
+{
+    const double dt = m->scene->dt;
+    memset(m->turned, 0, (size_t)m->scene->body_count * sizeof *m->turned);
+    for (int i = 0; i < m->scene->force_count; ++i) {
+        const pl_force *force = &m->scene->forces[i];
+        const pl_body *body = &m->scene->bodies[force->body];
+        if (!body->is_static && force->frame == PL_FRAME_BODY &&
+            pl_applied_force_acts(force, step->number, dt)) {
+            const pl_axes first = pl_axes_of(step->before[force->body].orientation);
+            const pl_axes last = pl_axes_of(step->after[force->body].orientation);
+            const pl_vec f = pl_vec_of(force->force);
+            const pl_vec change = pl_vec_sub(pl_to_world(&first, f), pl_to_world(&last, f));
+            pl_vec *turned = &m->turned[force->body];
+            *turned = pl_vec_mad(*turned, dt * dt / (12 * body->mass), change);
+        }
+    }
+}
+
 void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
 {
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         memset(m->growth[k], 0, (size_t)m->scene->body_count * sizeof *m->growth[k]);
     }
-    pl_integrator_see(&m->votes, m->scene, step->before, step->after);
+    find_turned(m, step);
+    pl_integrator_see(&m->votes, m->scene, step->before, step->after, m->turned);
     add_gravity(m, step);
     for (int i = 0; i < m->scene->force_count; ++i) {
         const pl_force *force = &m->scene->forces[i];

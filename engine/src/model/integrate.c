@@ -94,18 +94,51 @@ static spin spin_freely(pe_vec3 inertia, pe_vec3 w, double dt)
     return s;
 }
 
-/* Mean force and torque over the step, world: those at the midpoint orientation. */
-static void mean_force(const pe_applied_force *applied, const pe_twist *twist, const pe_pose *pose,
-                       double dt, pe_vec3 *force, pe_vec3 *torque)
+/* The applied forces of a step, world. */
+typedef struct step_forces {
+    pe_vec3 mean;   /* N: h times it is their impulse */
+    pe_vec3 early;  /* N, mean with the weight 2 (h - t)/h: h^2/2 times it is m times their
+                       displacement */
+    pe_vec3 torque; /* N m, mean */
+} step_forces;
+
+/* The rotation of the body in `time` from the step's start, by its angular velocity there and its
+ * angular acceleration. Of a body that touches something, where contacts oppose the torque, that is
+ * the one of the last step. */
+static pe_mat3 rotation_after(const pe_world *world, int slot, bool flies, double time)
 {
-    *force = applied->force;
-    *torque = applied->torque;
-    if (applied->rotates) {
-        pe_mat3 half = rotation_by(pe_scale(0.5 * dt, twist->angular_velocity));
-        *force = pe_add(*force, pe_rotate(&half, pe_rotate(&pose->rotation, applied->body_force)));
-        *torque =
-            pe_add(*torque, pe_rotate(&half, pe_rotate(&pose->rotation, applied->body_torque)));
+    const pe_applied_force *applied = &pe_applied_forces(world)[slot];
+    const pe_mat3 *rotation = &pe_poses(world)[slot].rotation;
+    const pe_vec3 inertia = pe_masses(world)[slot].inertia;
+    pe_vec3 velocity = pe_twists(world)[slot].angular_velocity, change = applied->acceleration;
+    if (flies) {
+        pe_vec3 w = pe_unrotate(rotation, velocity);
+        pe_vec3 torque = pe_add(pe_cross(pe_mul(inertia, w), w), applied->body_torque);
+        torque = pe_add(torque, pe_unrotate(rotation, applied->torque));
+        change = pe_rotate(rotation,
+                           pe_v3(torque.x / inertia.x, torque.y / inertia.y, torque.z / inertia.z));
     }
+    return rotation_by(pe_scale(time, pe_madd(velocity, 0.5 * time, change)));
+}
+
+/* Forces in the body's axes by Simpson's rule: at the start, the middle and the end. */
+static step_forces forces_of_step(const pe_world *world, int slot, bool flies, double dt)
+{
+    const pe_applied_force *applied = &pe_applied_forces(world)[slot];
+    step_forces f = {applied->force, applied->force, applied->torque};
+    if (applied->rotates) {
+        const pe_mat3 *rotation = &pe_poses(world)[slot].rotation;
+        pe_vec3 force = pe_rotate(rotation, applied->body_force);
+        pe_vec3 torque = pe_rotate(rotation, applied->body_torque);
+        pe_mat3 half = rotation_after(world, slot, flies, 0.5 * dt);
+        pe_mat3 whole = rotation_after(world, slot, flies, dt);
+        pe_vec3 middle = pe_rotate(&half, force), end = pe_rotate(&whole, force);
+        f.mean = pe_madd(f.mean, 1.0 / 6, pe_madd(pe_add(force, end), 4, middle));
+        f.early = flies ? pe_madd(f.early, 1.0 / 3, pe_madd(force, 2, middle)) : f.mean;
+        end = pe_add(torque, pe_rotate(&whole, torque));
+        f.torque = pe_madd(f.torque, 1.0 / 6, pe_madd(end, 4, pe_rotate(&half, torque)));
+    }
+    return f;
 }
 
 void pe_rotate_freely(const pe_world *world, int slot, double dt, const pe_vec3 impulses[2],
@@ -129,30 +162,30 @@ void pe_rotate_freely(const pe_world *world, int slot, double dt, const pe_vec3 
     *mean = pe_rotate(rotation, s.mean);
 }
 
-pe_free_motion pe_predict_body(const pe_world *world, int slot, double dt)
+pe_free_motion pe_predict_body(const pe_world *world, int slot, bool flies, double dt)
 {
     const pe_twist *twist = &pe_twists(world)[slot];
-    pe_vec3 force;
-    pe_free_motion free = {.end = *twist, .mean = *twist};
-    mean_force(&pe_applied_forces(world)[slot], twist, &pe_poses(world)[slot], dt, &force,
-               &free.torque);
-    pe_vec3 acceleration = pe_madd(world->def.gravity, pe_masses(world)[slot].inverse_mass, force);
-    free.end.velocity = pe_madd(twist->velocity, dt, acceleration);
-    free.mean.velocity = pe_madd(twist->velocity, 0.5 * dt, acceleration);
+    const double inverse_mass = pe_masses(world)[slot].inverse_mass;
+    const step_forces f = forces_of_step(world, slot, flies, dt);
+    pe_free_motion free = {.end = *twist, .mean = *twist, .torque = f.torque};
+    pe_vec3 mean = pe_madd(world->def.gravity, inverse_mass, f.mean);
+    pe_vec3 early = pe_madd(world->def.gravity, inverse_mass, f.early);
+    free.end.velocity = pe_madd(twist->velocity, dt, mean);
+    free.mean.velocity = pe_madd(twist->velocity, 0.5 * dt, early);
     const pe_vec3 half = pe_scale(0.5 * dt, free.torque), halves[2] = {half, half};
     pe_rotate_freely(world, slot, dt, halves, &free.end.angular_velocity,
                      &free.mean.angular_velocity);
     return free;
 }
 
-void pe_predict_motion(const pe_world *world, double dt, pe_free_motion *motions)
+void pe_predict_motion(const pe_world *world, const int *place, double dt, pe_free_motion *motions)
 {
     for (int slot = 0; slot < world->slot_count; ++slot) {
         const pe_twist *twist = &pe_twists(world)[slot];
         if (pe_masses(world)[slot].inverse_mass == 0) {
             motions[slot] = (pe_free_motion){.end = *twist, .mean = *twist};
         } else {
-            motions[slot] = pe_predict_body(world, slot, dt);
+            motions[slot] = pe_predict_body(world, slot, place[slot] < 0, dt);
         }
     }
 }

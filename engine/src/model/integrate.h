@@ -11,15 +11,17 @@ typedef struct pe_free_motion {
     pe_vec3 torque; /* N m, world; h times it is the angular impulse of the applied forces */
 } pe_free_motion;
 
-/* Fills `motions` (slots) for a step of dt, in s. The free rotation keeps the angular momentum in
+/* Fills `motions` (slots) for a step of dt, in s, of bodies that touch nothing where `place` (slots)
+ * is below 0. The free rotation keeps the angular momentum in
  * the world frame to rounding and is second order: I w' = exp(-h m) I w in the body's axes, m = (w
  * + w')/2 the mean angular velocity by which the body then rotates (a midpoint rule on the rotation
  * group, of the kind of Moser and Veselov 1991). Torques act in two halves, before and after the
- * rotation. Forces given in the body's axes rotate with it. */
-void pe_predict_motion(const pe_world *world, double dt, pe_free_motion *motions);
+ * rotation. Forces given in the body's axes rotate with it:
+ * impulse and displacement are integrals over the step, by Simpson's rule. */
+void pe_predict_motion(const pe_world *world, const int *place, double dt, pe_free_motion *motions);
 
-/* The same of one dynamic body. */
-pe_free_motion pe_predict_body(const pe_world *world, int slot, double dt);
+/* The same of one dynamic body; `flies`: it touches nothing. */
+pe_free_motion pe_predict_body(const pe_world *world, int slot, bool flies, double dt);
 
 /* The rotation of a body over dt, in s, which gets the angular impulses `impulses`[0] at the step's
  * start and `impulses`[1] at its end, in N m s, world, and rotates freely between. Writes the

@@ -67,6 +67,8 @@ typedef struct pe_applied_force {
     pe_vec3 force, torque;           /* world, for the next step */
     pe_vec3 body_force, body_torque; /* in the body's axes, rotating with it */
     bool rotates;                    /* the latter are not zero */
+    pe_vec3
+        acceleration; /* rad/s^2, world, mean of the last step, if forces rotated in it; else 0 */
 } pe_applied_force;
 
 /* Coefficients of a contact between two materials. */

@@ -78,7 +78,7 @@ static pe_status capture_all(pe_world *world, double dt, pe_contact_problem ***p
         return pe_fail(error, PE_NO_MEMORY, "no memory for %d contact problems", islands.count);
     }
     memset(made, 0, (size_t)islands.count * sizeof(pe_contact_problem *));
-    pe_predict_motion(world, dt, free);
+    pe_predict_motion(world, islands.place, dt, free);
     for (int k = 0; k < islands.count && status == PE_OK; ++k) {
         const pe_interval interval = {.islands = &islands, .k = k, .free = free, .dt = dt};
         status = capture_island(world, &interval, &made[k], error);

@@ -263,7 +263,7 @@ static void predict(substeps *s, double dt)
 {
     for (int i = 0; i < body_count(s); ++i) {
         int slot = s->island.bodies[i];
-        s->free[slot] = pe_predict_body(s->world, slot, dt);
+        s->free[slot] = pe_predict_body(s->world, slot, false, dt);
     }
     s->interval.dt = dt;
 }

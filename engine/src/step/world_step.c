@@ -318,7 +318,7 @@ static pe_status solve_and_move(pe_step *step)
 {
     pe_world *world = step->world;
     double mark = seconds_now();
-    pe_predict_motion(world, step->dt, step->free);
+    pe_predict_motion(world, step->islands.place, step->dt, step->free);
     pe_status status = solve_islands(step);
     if (status != PE_OK) {
         return status;
@@ -445,13 +445,18 @@ static pe_status guard_energy(pe_step *step)
                : PE_OK;
 }
 
-static void clear_applied_forces(pe_world *world)
+static void clear_applied_forces(const pe_step *step)
 {
-    if (world->has_applied_forces) {
-        world->has_applied_forces = false;
-        memset(pe_applied_forces(world), 0,
-               (size_t)world->slot_count * sizeof *pe_applied_forces(world));
+    pe_world *world = step->world;
+    pe_applied_force *applied = pe_applied_forces(world);
+    for (int i = 0; i < world->slot_count && world->has_applied_forces; ++i) {
+        pe_vec3 gained =
+            pe_sub(pe_twists(world)[i].angular_velocity, step->twists[i].angular_velocity);
+        bool rotated = applied[i].rotates;
+        applied[i] = (pe_applied_force){0};
+        applied[i].acceleration = pe_scale(rotated ? 1 / step->dt : 0, gained);
     }
+    world->has_applied_forces = false;
 }
 
 static pe_status run_phases(pe_step *step)
@@ -503,7 +508,7 @@ pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_err
         undo_step(&step);
         return status;
     }
-    clear_applied_forces(world);
+    clear_applied_forces(&step);
     if (stats != NULL) {
         *stats = step.stats;
     }
