@@ -299,3 +299,12 @@ void pl_build_none(pl_builder *builder, int body, pl_quantity quantity, unsigned
         }
     }
 }
+
+void pl_build_statistic(pl_builder *builder, pl_statistic metric, double value, double scale)
+{
+    const pl_expect_statistic statistic = {
+        .metric = metric, .low = value, .high = value, .scale = scale};
+    if (ready(builder)) {
+        builder->status = pl_scene_add_statistic(builder->scene, &statistic, builder->error);
+    }
+}

@@ -121,6 +121,9 @@ void pl_build_none(pl_builder *builder, int body, pl_quantity quantity, unsigned
                    double scale);
 enum { PL_ALONG_X = 1, PL_ALONG_Y = 2, PL_ALONG_Z = 4, PL_ALONG_ALL = 7 };
 
+/* Expects exactly this end value of a statistic. The error is divided by `scale`. */
+void pl_build_statistic(pl_builder *builder, pl_statistic metric, double value, double scale);
+
 /* Refuses the values of the parameters: PL_BAD_INPUT, with a message as printf makes it. */
 #if defined(__GNUC__)
 __attribute__((format(printf, 2, 3)))

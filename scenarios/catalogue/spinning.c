@@ -1,9 +1,11 @@
-/* Bodies that spin on a level floor until friction stops them: in place, and while they slide. */
+/* Bodies that spin on a level floor: until friction stops them, in place and while they slide, and a
+ * coin that rolls on its edge for ever. */
 #include "catalogue.h"
 #include "solids.h"
 #include "trigonometry.h"
 
 #include <math.h>
+#include <string.h>
 
 /* A box or a disc spins flat on a level floor until friction stops it.
  *
@@ -224,3 +226,111 @@ const pl_scenario pl_scenario_slide_and_spin = {
                 "0.25 m from its axis to its sides",
     PL_PARAMS(slide_and_spin_params),
     .build = slide_and_spin_build};
+
+/* A coin, a short cylinder, rolls on its edge without slip, so that its axis keeps its tilt and turns
+ * evenly about the vertical: Euler's disk without losses.
+ *
+ * Radius R, half thickness d, tilt a of the axis from the vertical, s = sin a, c = cos a. With e3
+ * along the axis, e2 up the slope of the face and e1 = e2 x e3, both turning with the rate W about
+ * the vertical c e3 + s e2, the spin is w = W s e2 + w3 e3. The lowest point is at r = -R e2 - d e3
+ * from the centre, whose height R s + d c is constant. Without slip the centre moves at -w x r, along
+ * e1, on a circle: of radius p if w3 = W (s d - p) / R. The force F on the lowest point holds the
+ * weight and the centre on its circle, and r x F changes the angular momentum (A W s e2 + C w3 e3,
+ * with A = m (R^2 / 4 + d^2 / 3), C = m R^2 / 2) as the frame turns it:
+ *   m g (R c - d s) - m W^2 p (R s + d c) = W s (A W c - C w3), so
+ *   W^2 = g (R c - d s) / (p (R s + d c) + s c A / m + s (p - s d) C / (m R)).
+ * For a thin coin whose centre rests (p = 0) that is W^2 = 4 g / (R s), and friction has nothing to
+ * do; else it holds the centre on the circle, with W^2 p <= friction g. Height, tilt, energy and the
+ * spin about the vertical, W s^2 + w3 c, are constant. The height stands for the energy: for a thin
+ * coin whose centre rests, that is 3/2 m g R s. Up to a tilt of 1.1 small deviations stay
+ * small: the linear equations about the steady motion have only frequencies that are real. */
+
+enum {
+    SPINNING_COIN_TILT,
+    SPINNING_COIN_PATH,
+    SPINNING_COIN_RADIUS,
+    SPINNING_COIN_THICKNESS,
+    SPINNING_COIN_FRICTION
+};
+
+static const pl_param spinning_coin_params[] = {
+    {"tilt", 0.5, 0.05, 1.1, false, "rad",
+     "of the coin's axis from the vertical; small: nearly flat"},
+    {"path", 0, 0, 100, false, "m", "radius of the circle of the coin's centre; 0: it rests"},
+    {"radius", 0.5, 0.01, 10, false, "m", "of the coin"},
+    {"thickness", 0.1, 0.002, 0.5, false, "1", "of the coin, over its radius"},
+    PL_PARAM_FRICTION,
+    PL_PARAM_TIME(5),
+};
+
+/* Steady rolling of a coin of 1 kg that leans to -x, its centre at x = path. */
+typedef struct rolling {
+    double height, turning; /* of the centre, m; W, rad/s */
+    double spin[3];         /* at the start, rad/s */
+} rolling;
+
+static rolling steady_rolling(double g, double tilt, double path, double r, double d)
+{
+    const double s = pl_sine(tilt), c = pl_cosine(tilt), height = r * s + d * c;
+    const double a = r * r / 4 + d * d / 3, axial = r * r / 2;
+    const double turning =
+        sqrt(g * (r * c - d * s) / (path * height + s * c * a + s * (path - s * d) * axial / r));
+    const double w3 = turning * (s * d - path) / r, w2 = turning * s;
+    return (rolling){
+        .height = height, .turning = turning, .spin = {w3 * s - w2 * c, 0, w3 * c + w2 * s}};
+}
+
+static void spinning_coin_build(pl_builder *b, const double *values)
+{
+    const double path = values[SPINNING_COIN_PATH], radius = values[SPINNING_COIN_RADIUS];
+    const double tilt = values[SPINNING_COIN_TILT], friction = values[SPINNING_COIN_FRICTION];
+    const double half_height = radius * values[SPINNING_COIN_THICKNESS] / 2;
+    const rolling coin = steady_rolling(b->gravity, tilt, path, radius, half_height);
+    const double need = coin.turning * coin.turning * path / b->gravity;
+    const double phase = coin.turning * b->end, whole = 6.283185307179586;
+    if (friction < need) {
+        pl_build_refuse(b,
+                        "expected a friction of at least %g, which holds the coin on its path, "
+                        "found %g",
+                        need, friction);
+    }
+    pl_build_floor(b);
+    pl_body body = pl_body_at(pl_shape_cylinder(radius, half_height), path, 0, coin.height);
+    pl_turn_about_y(&body, tilt);
+    body.velocity[1] = coin.turning * path;
+    memcpy(body.angular_velocity, coin.spin, sizeof body.angular_velocity);
+    const int index = pl_build_body(b, &body, "coin");
+    const double along = path * phase, turned = fmod(phase, whole);
+    const double scale = fmax(radius, along), rise = coin.height;
+    const double x = path * (pl_cosine_of_any(turned) - 1), y = path * pl_sine_of_any(turned);
+    pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_z, pl_continuous(0), rise);
+    pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_x, pl_continuous(x), scale);
+    pl_build_at_end(b, index, PL_QUANTITY_POSITION, pl_axis_y, pl_continuous(y), scale);
+    pl_build_at_end(b, index, PL_QUANTITY_SPIN, pl_axis_z, pl_continuous(coin.spin[2]),
+                    coin.turning);
+    pl_build_at_end(b, index, PL_QUANTITY_TURN, pl_axis_z, pl_continuous(coin.spin[2] * b->end),
+                    phase);
+}
+
+const pl_scenario pl_scenario_spinning_coin = {
+    .name = "spinning-coin",
+    .title = "Coin that rolls on its edge",
+    .description = "A coin rolls round on its edge, tilted, its centre at rest or on a circle: "
+                   "Euler's disk without losses, which an engine of good balance of moments keeps "
+                   "up for ever.",
+    .reference =
+        "steady: W^2 = g (R c - d s) / (p (R s + d c) + s c A / m + s (p - s d) C / (m R)) "
+        "for the turning of the axis, w3 = W (s d - p) / R for the spin about it; height "
+        "R s + d c, tilt and energy stay",
+    .expected = "ok: the coin keeps rolling round at the same tilt, and no energy is lost",
+    .source = "rolling of a disk: Appell 1900, Sur l'integration des equations du mouvement d'un "
+              "corps pesant de revolution roulant par une arete circulaire sur un plan horizontal; "
+              "W^2 = 4 g / (R s): Moffatt 2000, Euler's disk and its finite-time singularity",
+    .primary_error = "value_error",
+    PL_ACCEPT_MOTION,
+    .validity = "friction holds the coin on its path: W^2 p <= friction g",
+    .provokes = "a contact point that runs round the edge many times a second: gyroscopic moments "
+                "taken at the wrong instant and contacts of the step's start tilt the coin, and it "
+                "falls flat or rears up; a right engine keeps its height",
+    PL_PARAMS(spinning_coin_params),
+    .build = spinning_coin_build};

@@ -58,7 +58,11 @@ static const pl_suite_entry analytic[] = {{"free-fall", NULL, 0},
                                           {"initial-overlap", NULL, 0},
                                           {"dropped-load", NULL, 0},
                                           {"lid", NULL, 0},
-                                          {"raft", NULL, 0}};
+                                          {"raft", NULL, 0},
+                                          {"overlapping-start", NULL, 0},
+                                          {"rain", NULL, 0},
+                                          {"spinning-coin", NULL, 0},
+                                          {"spinning-coin", "tilt=1,path=0.2", 0}};
 
 /* Table 2 of the source. */
 static const pl_suite_entry paper[] = {
@@ -112,7 +116,9 @@ static const pl_suite_entry hard[] = {{"tower", "n=100", 0},
                                       {"needle-in-gap", NULL, 0},
                                       {"bounce-row", NULL, 0},
                                       {"dropped-load", NULL, 0},
-                                      {"lid", NULL, 0}};
+                                      {"lid", NULL, 0},
+                                      {"overlapping-start", NULL, 0},
+                                      {"spinning-coin", NULL, 0}};
 
 #define ENTRIES(table) .entries = (table), .entry_count = sizeof(table) / sizeof(table)[0]
 

@@ -10,7 +10,7 @@
 #include <string.h>
 
 /* Relative; at rest m. */
-static const double AT_REST = 1e-6, SMOOTH = 1e-4, IMPACT = 1e-3;
+static const double AT_REST = 1e-6, SMOOTH = 1e-4, IMPACT = 1e-3, ROLLING_EDGE = 0.06;
 
 typedef struct bound {
     const char *scenario;
@@ -34,6 +34,8 @@ static const bound bounds[] = {
     {"carried-balls", SMOOTH},
     {"bounce", IMPACT},
     {"bounce-row", IMPACT},
+    {"rain", IMPACT},
+    {"spinning-coin", ROLLING_EDGE},
     {"oblique-impact", IMPACT},
     {"collision-train", IMPACT},
     {"cradle", IMPACT},

@@ -133,6 +133,9 @@ static void test_needs_are_those_of_the_default_scene(void **state)
         {"dropped-load", "friction rotation plane box"},
         {"lid", "friction rotation plane box"},
         {"raft", "friction rotation plane box"},
+        {"rain", "friction restitution rotation plane sphere"},
+        {"spinning-coin", "friction rotation plane cylinder"},
+        {"overlapping-start", "friction rotation plane sphere box"},
     };
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);

@@ -1,9 +1,10 @@
 /* The catalogue's loads on light cubes: what is expected at rest stands by statics, and the load falls
- * straight to it. */
+ * straight to it. Its bodies that start in overlap, and where they belong. */
 #include "check.h"
 #include "scenario_scene.h"
 
 #include <math.h>
+#include <string.h>
 
 static const char *const scenes[][6] = {
     {"dropped-load", NULL},
@@ -98,12 +99,73 @@ static void test_accurate_holds_loads_where_they_rest(void **state)
     assert_at_most(accurate_metric("lid", lid, "1/60", "rest_position_error"), 1e-6);
 }
 
+/* How deep two bodies are in each other along their least axis, as boxes; at their start, or at rest. A
+ * ball overlaps along z alone, where it is as high as its box. */
+static double depth_of(const pl_scene *scene, int a, int b, bool at_rest)
+{
+    double depth = HUGE_VAL;
+    const pl_body *body[2] = {&scene->bodies[a], &scene->bodies[b]};
+    double x[2][3], half[2][3];
+    for (int i = 0; i < 2; ++i) {
+        memcpy(x[i], body[i]->position, sizeof x[i]);
+        for (int k = 0; k < 3; ++k) {
+            const bool ball = body[i]->shape.kind == PL_SHAPE_SPHERE;
+            half[i][k] = ball ? body[i]->shape.radius : body[i]->shape.half_extents[k];
+        }
+        for (int r = 0; r < scene->rest_count && at_rest; ++r) {
+            if (scene->rests[r].body == (i == 0 ? a : b)) {
+                memcpy(x[i], scene->rests[r].position, sizeof x[i]);
+            }
+        }
+    }
+    for (int k = 0; k < 3; ++k) {
+        depth = fmin(depth, half[0][k] + half[1][k] - fabs(x[0][k] - x[1][k]));
+    }
+    return depth;
+}
+
+static void test_overlapping_bodies_end_apart_or_stay(void **state)
+{
+    (void)state;
+    static const char *const settings[] = {"overlap=0.2", NULL};
+    pl_scene scene = scenario_scene("overlapping-start", settings);
+    int stay = 0, part = 0;
+    for (int i = 0; i < scene.rest_count; ++i) {
+        const int body = scene.rests[i].body;
+        const double *start = scene.bodies[body].position, *end = scene.rests[i].position;
+        double way = 0, deepest = 0.5 - start[2], left = 0.5 - end[2];
+        for (int k = 0; k < 3; ++k) {
+            way += fabs(end[k] - start[k]);
+        }
+        for (int j = 1; j < scene.body_count; ++j) {
+            deepest = fmax(deepest, j == body ? 0 : depth_of(&scene, body, j, false));
+            left = fmax(left, j == body ? 0 : depth_of(&scene, body, j, true));
+        }
+        assert_close(deepest, 0.2, 1e-14, 0);
+        assert_close(left, way > 0 ? 0 : 0.2, 1e-14, 0);
+        stay += way == 0;
+        part += way > 0;
+        assert_true(way == 0 || fabs(way - 0.2) < 1e-14 || fabs(way - 0.1) < 1e-14);
+    }
+    assert_int_equal(stay, 2);
+    assert_int_equal(part, 6);
+    pl_scene_free(&scene);
+}
+
+static void test_accurate_parts_what_can_be_parted(void **state)
+{
+    (void)state;
+    assert_at_most(accurate_metric("overlapping-start", NULL, "1/60", "rest_position_error"), 1e-6);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_loads_rest_flush_on_what_carries_them),
         cmocka_unit_test(test_loads_start_above_their_place),
         cmocka_unit_test(test_accurate_holds_loads_where_they_rest),
+        cmocka_unit_test(test_overlapping_bodies_end_apart_or_stay),
+        cmocka_unit_test(test_accurate_parts_what_can_be_parted),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

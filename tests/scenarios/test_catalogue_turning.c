@@ -1,5 +1,5 @@
-/* The references of the top and of the plate that slides and spins, by another way than the
- * builders'. */
+/* The references of the top, of the plate that slides and spins, and of the coin that rolls on its
+ * edge, by another way than the builders'. */
 #include "check.h"
 #include "scenario_scene.h"
 
@@ -220,12 +220,141 @@ static void test_plates_with_one_motion_equal_one_point(void **state)
     pl_scene_free(&scene);
 }
 
+/* A disk that rolls without slip, in vectors. y = (x, y of the centre, axis a, spin w), r the lowest
+ * point from the centre, v = -w x r, and F = m (v' + g z):
+ *   J w' + w x J w = r x F,  v' = -w' x r - w x r'. */
+typedef struct disk {
+    double radius, half, across, along; /* of 1 kg */
+} disk;
+
+static double dot(const double a[3], const double b[3])
+{
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* r and r', for the axis a and a'. */
+static void lowest(const disk *d, const double a[3], const double rate[3], double r[3],
+                   double of_r[3])
+{
+    double up[3], of_up[3];
+    for (int k = 0; k < 3; ++k) {
+        up[k] = (k == 2 ? 1 : 0) - a[2] * a[k];
+        of_up[k] = -rate[2] * a[k] - a[2] * rate[k];
+    }
+    const double length = sqrt(dot(up, up)), growth = dot(up, of_up) / length;
+    for (int k = 0; k < 3; ++k) {
+        r[k] = -d->half * a[k] - d->radius * up[k] / length;
+        of_r[k] = -d->half * rate[k] -
+                  d->radius * (of_up[k] / length - up[k] * growth / (length * length));
+    }
+}
+
+/* m w' = b for a symmetric m, by Cramer's rule. */
+static void solve_3(double m[3][3], const double b[3], double x[3])
+{
+    double c[3][3], whole;
+    for (int k = 0; k < 3; ++k) {
+        cross(m[(k + 1) % 3], m[(k + 2) % 3], c[k]);
+    }
+    whole = dot(m[0], c[0]);
+    for (int k = 0; k < 3; ++k) {
+        x[k] = (b[0] * c[0][k] + b[1] * c[1][k] + b[2] * c[2][k]) / whole;
+    }
+}
+
+static void disk_rate(const void *context, double t, const double *y, double *rate)
+{
+    (void)t;
+    const disk *d = context;
+    const double *a = y + 2, *w = y + 5;
+    double r[3], of_r[3], v[3], momentum[3], whirl[3], carried[3], moment[3], m[3][3], b[3];
+    cross(w, a, rate + 2);
+    lowest(d, a, rate + 2, r, of_r);
+    cross(r, w, v);
+    const double about = dot(a, w), square = dot(r, r), weight[3] = {0, 0, g};
+    for (int k = 0; k < 3; ++k) {
+        momentum[k] = d->across * w[k] + (d->along - d->across) * about * a[k];
+        for (int j = 0; j < 3; ++j) {
+            m[k][j] = (k == j ? d->across + square : 0) + (d->along - d->across) * a[k] * a[j] -
+                      r[k] * r[j];
+        }
+    }
+    cross(w, momentum, whirl);
+    cross(w, of_r, carried);
+    for (int k = 0; k < 3; ++k) {
+        carried[k] = weight[k] - carried[k];
+    }
+    cross(r, carried, moment);
+    for (int k = 0; k < 3; ++k) {
+        b[k] = moment[k] - whirl[k];
+    }
+    solve_3(m, b, rate + 5);
+    rate[0] = v[0];
+    rate[1] = v[1];
+}
+
+static double expected_of(const pl_scene *scene, pl_quantity quantity, int axis)
+{
+    return expected_value(scene, 1, quantity, axis)->value;
+}
+
+static void test_coin_equals_integrated_rolling(void **state)
+{
+    (void)state;
+    static const char *const settings[][6] = {
+        {NULL},
+        {"tilt=1", "path=0.2", NULL},
+        {"tilt=0.1", "thickness=0.01", "duration=2", NULL},
+        {"tilt=0.7", "path=1", "friction=1", "radius=0.1", "thickness=0.5", NULL}};
+    for (int i = 0; i < 4; ++i) {
+        pl_scene scene = scenario_scene("spinning-coin", settings[i]);
+        const pl_body *coin = &scene.bodies[1];
+        const double *q = coin->orientation, *v = coin->velocity;
+        const disk d = {coin->shape.radius, coin->shape.half_height, coin->inertia[0],
+                        coin->inertia[2]};
+        double y[8] = {coin->position[0], coin->position[1], 2 * q[0] * q[2], 0,
+                       1 - 2 * q[2] * q[2]};
+        const double tilt = acos(y[4]), end = scene.values[0].until;
+        memcpy(y + 5, coin->angular_velocity, 3 * sizeof *y);
+        double rate[8];
+        disk_rate(&d, 0, y, rate);
+        assert_close(v[0], rate[0], 1e-14, 0);
+        assert_close(v[1], rate[1], 1e-14, 1e-14);
+        assert_close(coin->position[2], d.radius * sin(tilt) + d.half * cos(tilt), 0, 1e-14);
+        integrate(disk_rate, &d, 0, end, 20000, 8, y);
+        assert_close(acos(y[4]), tilt, 1e-8, 0);
+        assert_close(y[7], expected_of(&scene, PL_QUANTITY_SPIN, 2), 0, 1e-7);
+        assert_close(y[7] * end, expected_of(&scene, PL_QUANTITY_TURN, 2), 0, 1e-7);
+        for (int k = 0; k < 2; ++k) {
+            assert_close(y[k] - coin->position[k], expected_of(&scene, PL_QUANTITY_POSITION, k),
+                         1e-6, 0);
+        }
+        assert_close(expected_of(&scene, PL_QUANTITY_POSITION, 2), 0, 0, 0);
+        pl_scene_free(&scene);
+    }
+}
+
+/* Moffatt 2000, and the friction that holds the centre on its circle. */
+static void test_thin_coin_turns_as_published(void **state)
+{
+    (void)state;
+    static const char *const thin[] = {"tilt=0.1", "thickness=0.002", NULL};
+    pl_scene scene = scenario_scene("spinning-coin", thin);
+    const double *w = scene.bodies[1].angular_velocity, s = sin(0.1);
+    assert_close(hypot(w[0], w[2]), sqrt(4 * g / (0.5 * s)) * s, 0, 0.03);
+    pl_scene_free(&scene);
+    static const char *const slippery[] = {"tilt=1", "path=0.2", "friction=0.2", NULL};
+    assert_scenario_refuses("spinning-coin", slippery, "expected a friction of at least 0.3");
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_top_precesses_by_its_equations_of_motion),
         cmocka_unit_test(test_plate_motion_equals_small_time_steps),
         cmocka_unit_test(test_plates_with_one_motion_equal_one_point),
+        cmocka_unit_test(test_coin_equals_integrated_rolling),
+        cmocka_unit_test(test_thin_coin_turns_as_published),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

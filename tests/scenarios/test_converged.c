@@ -34,13 +34,15 @@ static void test_every_chaotic_scenario_has_statistics(void **state)
     const pl_scenario *const *scenarios = pl_scenarios(&count);
     for (int i = 0; i < count; ++i) {
         if (strcmp(scenarios[i]->primary_error, "chaotic_error") == 0) {
-            assert_true(statistics_of(scenarios[i]->name, NULL, 0, 0) > 1);
+            /* That of rain is its own: its energy lost from impact to impact. */
+            const int least = strcmp(scenarios[i]->name, "rain") == 0 ? 1 : 2;
+            assert_true(statistics_of(scenarios[i]->name, NULL, 0, 0) >= least);
             ++chaotic;
         } else {
             assert_int_equal(statistics_of(scenarios[i]->name, NULL, 0, 0), 0);
         }
     }
-    assert_int_equal(chaotic, 9);
+    assert_int_equal(chaotic, 10);
 }
 
 static void test_other_seeds_draw_another_scene(void **state)
