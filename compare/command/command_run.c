@@ -54,8 +54,13 @@ static void print_metric(const char *name, const json_t *metric)
     if (json_is_string(value)) {
         printf("  %-22s %s\n", name, json_string_value(value));
     } else if (json_is_number(value)) {
-        printf("  %-22s %-12.6g %s\n", name, json_number_value(value),
+        printf("  %-22s %-12.6g %s", name, json_number_value(value),
                pl_json_get_text(metric, "unit"));
+        const json_t *answer = json_object_get(metric, "answer");
+        if (answer != NULL) {
+            printf("  nearest right answer: %d", (int)json_integer_value(answer));
+        }
+        printf("\n");
     } else {
         printf("  %-22s none: %s\n", name, pl_json_get_text(metric, "reason"));
     }

@@ -60,6 +60,7 @@ pl_metric_summary pl_metric_summarise(const json_t *const *results, int repeats,
     if (json_is_string(json_object_get(first, "unit"))) {
         summary.unit = pl_json_get_text(first, "unit");
     }
+    summary.answer = (int)json_integer_value(json_object_get(first, "answer"));
     for (int i = 0; pl_metric_is_deterministic(first, id) && i < repeats; ++i) {
         const json_t *value = json_object_get(metric_in(results[i], id), "value");
         if (value == NULL || !json_equal(value, json_object_get(first, "value"))) {
@@ -116,6 +117,7 @@ void pl_metric_note(const pl_metric_summary *summary, char text[PL_METRIC_NOTE_S
 {
     enum { PART_SIZE = 4 * PL_NUMBER_SIZE };
     char spread[PART_SIZE] = "", steps[PART_SIZE] = "", worst[PL_NUMBER_SIZE] = "";
+    char answer[PART_SIZE] = "";
     char a[PL_NUMBER_SIZE], b[PL_NUMBER_SIZE], c[PL_NUMBER_SIZE];
     bool has_value = summary->state == PL_METRIC_VALUE;
     if (has_value && summary->count > 1) {
@@ -134,6 +136,10 @@ void pl_metric_note(const pl_metric_summary *summary, char text[PL_METRIC_NOTE_S
             snprintf(worst, sizeof worst, ", worst at step %.0f", summary->worst_step);
         }
     }
-    snprintf(text, PL_METRIC_NOTE_SIZE, "%s%s%s%s%s", reason_of(summary),
-             summary->disagrees ? "not deterministic: repeats differ. " : "", spread, steps, worst);
+    if (has_value && summary->answer > 0) {
+        snprintf(answer, sizeof answer, "nearest right answer: %d. ", summary->answer);
+    }
+    snprintf(text, PL_METRIC_NOTE_SIZE, "%s%s%s%s%s%s", reason_of(summary),
+             summary->disagrees ? "not deterministic: repeats differ. " : "", answer, spread, steps,
+             worst);
 }

@@ -15,6 +15,7 @@ typedef struct pl_metric_summary {
     const char *text;      /* state TEXT */
     const char *reason;    /* state FAILED */
     const char *unit;      /* the result's own, or the table's */
+    int answer;            /* the number of the nearest of several right answers; 0: none */
     bool disagrees;        /* a deterministic metric whose repeats differ */
     bool has_percentiles;
     double p50, p95, p99, worst_step; /* medians over repeats */

@@ -241,6 +241,9 @@ static json_t *metric_json(const pl_metric *metric, const pl_metric_info *info)
     if (has_value && metric->part != NULL) {
         failed |= json_object_set_new(object, "part", json_string(metric->part));
     }
+    if (has_value && metric->answer > 0) {
+        failed |= json_object_set_new(object, "answer", json_integer(metric->answer));
+    }
     if (failed != 0) {
         json_decref(object);
         return NULL;

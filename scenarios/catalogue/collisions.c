@@ -252,7 +252,8 @@ const pl_scenario pl_scenario_cradle = {
     .title = "Newton's cradle by contacts alone",
     .description = "Spheres run into a row of spheres that touch each other: which of the laws of "
                    "simultaneous impact the engine has, and whether it keeps momentum and energy.",
-    .reference = "1 on 2 leave with v (0, 0, 1) in sequence, v (-1/3, 2/3, 2/3) all at once; both "
+    .reference = "1 on 2 leave with v (0, 0, 1) in sequence, v (-1/3, 2/3, 2/3) all at once "
+                 "(answers 1 and 2); both "
                  "keep momentum (momentum_error 0), at restitution 1 also energy (energy_lost 0 J)",
     .expected = "ok: the velocities at the end are those of one of the two laws of simultaneous "
                 "impact",

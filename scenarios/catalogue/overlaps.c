@@ -9,7 +9,9 @@
  * each other, each by half. Where static bodies on both sides leave no room there is no way out. The
  * cubes between two walls, and between the floor and a ceiling, are in the middle, and by symmetry
  * nothing moves them. No way out takes more energy than the lift against gravity, so nothing is
- * thrown: a body that ends elsewhere has been moved by more than what was asked for. */
+ * thrown: a body that ends elsewhere has been moved by more than what was asked for. That is judged
+ * (rest_position_error). `lift` shows what was thrown upwards even if it fell back to its place, and
+ * penetration_rest is at best the overlap of the two that stay. */
 
 enum { OVERLAPPING_START_OVERLAP, OVERLAPPING_START_FRICTION };
 

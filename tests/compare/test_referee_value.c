@@ -171,7 +171,8 @@ static void test_nearest_of_several_answers_counts(void **state)
     (void)state;
     static const struct {
         double reached, error; /* over the scale of 2 */
-    } cases[] = {{3, 0.5}, {4, 0}, {7, 0.5}, {8, 0}, {20, 6}};
+        int answer;
+    } cases[] = {{3, 0.5, 1}, {4, 0, 1}, {7, 0.5, 2}, {8, 0, 2}, {20, 6, 2}};
     for (int i = 0; i < 5; ++i) {
         run r;
         prepare(&r, PL_QUANTITY_POSITION, 4);
@@ -180,7 +181,10 @@ static void test_nearest_of_several_answers_counts(void **state)
         run_begin(&r);
         r.state[0].position[2] = cases[i].reached;
         run_step_many(&r, STEPS);
-        assert_close(error_of(&r), cases[i].error, 1e-12, 0);
+        assert_int_equal(run_finish(&r), PL_ENDING_OK);
+        assert_close(run_value(&r, PL_METRIC_VALUE_ERROR), cases[i].error, 1e-12, 0);
+        assert_int_equal(r.metrics.item[PL_METRIC_VALUE_ERROR].answer, cases[i].answer);
+        run_end(&r);
     }
 }
 

@@ -91,6 +91,7 @@ typedef struct pl_metric {
     char reason[128];
     const char *unit; /* NULL: the table's */
     const char *part; /* of a maximum over unlike parts: the name of the largest; NULL: none */
+    int answer; /* of a scene with several right answers, the number of the nearest; 0: of others */
     bool has_percentiles;
     double p50, p95, p99; /* over steps */
     long worst_step;      /* step number, from 1, of the largest value */

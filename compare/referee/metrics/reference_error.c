@@ -225,16 +225,18 @@ static void add_error(answer_errors *errors, const reading *r, double error)
     *largest = fmax(*largest, error / r->expected->scale);
 }
 
-/* Raises the metric to the error from the nearest right answer. */
+/* Raises the metric to the error from the nearest right answer, and names it. */
 static void raise_to_nearest(pl_metric *metric, const answer_errors *errors)
 {
-    double nearest = HUGE_VAL;
+    int nearest = 0;
     for (int i = 1; i <= PL_MAX_ANSWERS; ++i) {
-        nearest = errors->largest[i] < 0 ? nearest : fmin(nearest, errors->largest[i]);
+        const double error = errors->largest[i];
+        nearest = error >= 0 && (nearest == 0 || error < errors->largest[nearest]) ? i : nearest;
     }
-    const double error = fmax(errors->largest[0], nearest < HUGE_VAL ? nearest : -1);
+    const double error = fmax(errors->largest[0], errors->largest[nearest]);
     if (error >= 0) {
         raise_to(metric, error);
+        metric->answer = nearest;
     }
 }
 
