@@ -114,9 +114,8 @@ const pl_scenario pl_scenario_bounce = {
  * height + i stagger. All move vertically. Where two touch, they do so at one height, so that their
  * contact is level, and neither of them moves along its normal: it carries nothing, whatever its
  * restitution and friction, and each ball bounces as in `bounce`. Without stagger all meet the floor
- * at one instant. With it each has an impact of its own, next to others that fly; then there must be
- * a gap, since spheres that pass at a distance of 0 collide if they are off by the least amount. The
- * radius is a power of 2, so that spheres without a gap touch in floating point too. */
+ * at one instant. With it each has an impact of its own, next to others that fly. The radius is a
+ * power of 2, so that spheres without a gap touch in floating point too. */
 
 enum {
     BOUNCE_ROW_HEIGHT,
@@ -136,18 +135,13 @@ static const pl_param bounce_row_params[] = {
     {"bounces", 3, 1, 50, true, "1", "how many of them are judged"},
     {"n", 5, 1, 50, true, "1", "number of balls"},
     {"gap", 0, 0, 10, false, "m", "between two neighbours; 0: they touch"},
-    {"stagger", 0, 0, 10, false, "m",
-     "how much higher each ball starts than the one before; above 0 only with a gap"},
+    {"stagger", 0, 0, 10, false, "m", "how much higher each ball starts than the one before"},
     PL_PARAM_FRICTION,
     PL_PARAM_TIME(3),
 };
 
 static void bounce_row_build(pl_builder *b, const double *values)
 {
-    if (values[BOUNCE_ROW_STAGGER] > 0 && values[BOUNCE_ROW_GAP] == 0) {
-        pl_build_refuse(b, "expected a gap above 0 with stagger %g, found 0",
-                        values[BOUNCE_ROW_STAGGER]);
-    }
     pl_build_floor(b);
     for (int i = 0; i < (int)values[BOUNCE_ROW_COUNT]; ++i) {
         char name[PL_NAME_SIZE];

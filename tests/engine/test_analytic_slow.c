@@ -35,7 +35,6 @@ static const bound bounds[] = {
     {"bounce", IMPACT},
     {"bounce-row", IMPACT},
     {"rain", IMPACT},
-    {"raft", SMOOTH},
     {"spinning-coin", ROLLING_EDGE},
     {"oblique-impact", IMPACT},
     {"collision-train", IMPACT},

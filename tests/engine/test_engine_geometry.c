@@ -208,7 +208,7 @@ static void test_invalid_solids_are_refused_with_the_place(void **state)
     in.triangles[0][1] = 8;
     check_refused(&def, "triangle 0: expected three vertices of 8");
     in.vertices[3].y = NAN;
-    check_refused(&def, "vertex 3 is not finite");
+    check_refused(&def, "vertex 3: expected finite numbers");
     def.vertex_count = 3;
     check_refused(&def, "4 vertices");
     mesh_free(&in);

@@ -231,7 +231,10 @@ static void test_heap_correction_keeps_mass_centre_and_momenta(void **state)
         assert_true(report.rounds <= rules.max_rounds);
         assert_at_most(pe_length(pe_sub(centre_of_mass(world), centre)), 1e-12);
         assert_at_most(pe_length(pe_sub(spin_of(world), spin)), 1e-12);
-        mended += after < 0.5 * before;
+        for (int i = 0; i < 6; ++i) { /* a step moves bodies by a part of their size */
+            correct_by(world, &rules);
+        }
+        mended += squares_of(world, rules.aim) < 0.5 * before;
         pe_world_destroy(world);
     }
     assert_true(mended > 10);
@@ -330,6 +333,73 @@ static void test_excluded_bodies_stay_during_projection(void **state)
     }
 }
 
+/* ---- Overlap ---- */
+
+static pe_world *make_weightless_world_of(pe_profile profile)
+{
+    pe_world_def def = pe_world_def_default();
+    def.gravity = pe_v3(0, 0, 0);
+    def.profile = profile;
+    return make_world(&def);
+}
+
+static void test_deep_overlap_is_parted_over_several_steps(void **state)
+{
+    (void)state;
+    for (int profile = PE_PROFILE_DEFAULT; profile <= PE_PROFILE_ACCURATE; ++profile) {
+        pe_world *world = make_weightless_world_of((pe_profile)profile);
+        pe_body_def a = box_def(0.5, 0.5, 0.5, pe_v3(0, 0, 0));
+        pe_body_def b = box_def(0.5, 0.5, 0.5, pe_v3(0.2, 0, 0));
+        b.mass = 3;
+        pe_body_id one = add_body(world, &a), other = add_body(world, &b);
+        double x = 0;
+        for (int i = 0; i < 8; ++i) {
+            pe_step_stats stats = step(world, H);
+            double now = state_of(world, one).position.x;
+            assert_at_most(x - now, 0.2 + 1e-12);
+            assert_true(now < x || stats.overlapping == 0);
+            assert_int_equal(stats.unparted, 0);
+            x = now;
+        }
+        assert_int_equal(step(world, H).overlapping, 0);
+        assert_at_most(depth_of(world), 1e-3);
+        assert_close(-x, 3 * (state_of(world, other).position.x - 0.2), 1e-12, 0);
+        pe_world_destroy(world);
+    }
+}
+
+/* A ball of diameter 1 in a gap of 0.6, in which nothing can part it from both planes. */
+static void test_a_body_that_cannot_be_parted_stays(void **state)
+{
+    (void)state;
+    for (int profile = PE_PROFILE_DEFAULT; profile <= PE_PROFILE_ACCURATE; ++profile) {
+        pe_world *world = make_weightless_world_of((pe_profile)profile);
+        pe_material_id material = add_material(world, 0.5, 0);
+        add_plane(world, pe_v3(0, 0, 1), material);
+        pe_body_def ceiling = pe_body_def_default(), ball = ceiling;
+        double tilt = 1e-4;
+        ceiling.is_static = true;
+        ceiling.shape = (pe_shape){.kind = PE_SHAPE_PLANE,
+                                   .normal = {sin(tilt), 0, -cos(tilt)},
+                                   .offset = -0.6 * cos(tilt)};
+        add_body(world, &ceiling);
+        ball.position.z = 0.35;
+        pe_body_id id = add_body(world, &ball);
+        int tried = 0, counted = 0;
+        for (int i = 0; i < 100; ++i) {
+            pe_step_stats stats = step(world, H);
+            tried += stats.projection_iterations > 0;
+            counted += stats.unparted == 1 && stats.overlapping == 1;
+        }
+        assert_true(counted > 80);
+        assert_true(tried < 30);
+        pe_vec3 x = state_of(world, id).position;
+        assert_at_most(fabs(x.x), 1);
+        assert_close(x.z, 0.3, 0.06, 0);
+        pe_world_destroy(world);
+    }
+}
+
 /* ---- Swept islands in a step ---- */
 
 static const double SLOP = 1e-3;
@@ -408,6 +478,8 @@ int main(void)
         cmocka_unit_test(test_any_solver_may_take_the_place_of_sweeps),
         cmocka_unit_test(test_only_flagged_islands_are_corrected),
         cmocka_unit_test(test_excluded_bodies_stay_during_projection),
+        cmocka_unit_test(test_deep_overlap_is_parted_over_several_steps),
+        cmocka_unit_test(test_a_body_that_cannot_be_parted_stays),
         cmocka_unit_test(test_swept_tower_keeps_small_depths),
         cmocka_unit_test(test_swept_tower_is_freed_of_larger_depths),
     };

@@ -8,7 +8,10 @@
  * one world is used by one thread at a time. The same calls give the same bits, over runs,
  * compilers and optimisation levels. Nothing here prints or exits: a function that can fail returns
  * a status and fills the optional pe_error. On failure it has changed nothing, unless noted. How
- * well the solver converged is no error: it is in pe_step_stats. */
+ * well the solver converged is no error: it is in pe_step_stats.
+ *
+ * Numbers are at most 1e12 in SI units, masses and forces at most 1e30, inertias at most 1e60; lengths
+ * and time steps are at least 1e-12, masses 1e-30, inertias 1e-60. Others are out of range. */
 #ifndef PLUMB_ENGINE_H
 #define PLUMB_ENGINE_H
 
@@ -39,7 +42,8 @@ typedef struct pe_quat {
 typedef enum pe_status {
     PE_OK = 0,
     PE_BAD_ARGUMENT, /* a number is out of range, or an id is not of a living object */
-    PE_NO_MEMORY     /* the allocator returned NULL */
+    PE_NO_MEMORY,    /* the allocator returned NULL */
+    PE_NOT_FINITE    /* a step would have left a state that is not finite, or absurd */
 } pe_status;
 
 /* What went wrong. Every function that takes one accepts NULL, and fills it only on failure. */
@@ -334,6 +338,10 @@ typedef struct pe_step_stats {
     int projection_iterations; /* of position correction, largest over islands and rounds */
     double penetration;        /* m, deepest after the bodies have moved */
     double penetration_left;   /* m, deepest after position correction */
+    int overlapping; /* bodies that overlap others by more than a twentieth of the smaller one's
+                        least extent after the step: a step parts them by a fifth of it at most */
+    int unparted;    /* those of them that the last attempt did not part: they stay, and are tried
+                        again after 1, 2, 4, up to 64 steps */
     int guarded_islands;      /* groups of touching bodies from which energy was taken that they had
                                  gained from numerical errors */
     double time_broad_phase;  /* s: pairs of bodies that are near each other */
@@ -347,8 +355,10 @@ typedef struct pe_step_stats {
 
 /* Advances the world by dt, in s: islands, contact problems, motion; then the contacts at the new
  * poses and position correction, so that the state that is read afterwards is the corrected one.
- * `stats` may be NULL. PE_BAD_ARGUMENT for a dt that is not a finite number above 0, PE_NO_MEMORY;
- * then no body has moved. After some steps of a scene that does not grow no memory is allocated. */
+ * `stats` may be NULL. PE_BAD_ARGUMENT for a dt out of range; PE_NO_MEMORY; PE_NOT_FINITE, naming
+ * the body and the number, if a state would not stay finite and within 1e15 m, 1e30 m/s and rad/s,
+ * which also drops the forces that were applied. Then no body has moved, and the world can be used
+ * as before. After some steps of a scene that does not grow no memory is allocated. */
 pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_error *error);
 
 /* One contact point of the last step. */

@@ -1,4 +1,5 @@
 /* Bodies: creation, destruction, state, and forces on them. */
+#include "ranges.h"
 #include "shape.h"
 #include "world.h"
 
@@ -13,9 +14,15 @@ pe_body_def pe_body_def_default(void)
 
 static pe_status check_state(const pe_body_state *state, pe_error *error)
 {
-    if (!pe_is_finite(state->position) || !pe_is_finite(state->velocity) ||
-        !pe_is_finite(state->angular_velocity)) {
-        return pe_fail(error, PE_BAD_ARGUMENT, "position and velocities: expected finite numbers");
+    pe_status status = pe_check_vector("position", state->position, PE_MOST_LENGTH, error);
+    if (status == PE_OK) {
+        status = pe_check_vector("velocity", state->velocity, PE_MOST_SPEED, error);
+    }
+    if (status == PE_OK) {
+        status = pe_check_vector("angular_velocity", state->angular_velocity, PE_MOST_SPEED, error);
+    }
+    if (status != PE_OK) {
+        return status;
     }
     pe_quat q = state->orientation;
     if (!(fabs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1) <= 2e-6)) {
@@ -59,16 +66,17 @@ static pe_status check_def(const pe_world *world, const pe_body_def *def,
     if (def->material.index >= (uint32_t)world->material_count) {
         return pe_fail(error, PE_BAD_ARGUMENT, "no material %u in this world", def->material.index);
     }
-    if (!def->is_static && (!(def->mass > 0) || !isfinite(def->mass))) {
-        return pe_fail(error, PE_BAD_ARGUMENT, "mass: expected a finite number above 0, found %g",
-                       def->mass);
+    if (!def->is_static &&
+        (status = pe_check_range("mass", def->mass, PE_LEAST_MASS, PE_MOST_MASS, error)) != PE_OK) {
+        return status;
     }
     pe_vec3 i = def->inertia;
     bool given = i.x != 0 || i.y != 0 || i.z != 0;
-    if (given && !(pe_is_finite(i) && i.x > 0 && i.y > 0 && i.z > 0)) {
+    double least = pe_min(i.x, pe_min(i.y, i.z));
+    if (given && !(pe_is_within(i, PE_MOST_INERTIA) && least >= PE_LEAST_INERTIA)) {
         return pe_fail(error, PE_BAD_ARGUMENT,
-                       "inertia: expected three numbers above 0, or all 0, found (%g, %g, %g)", i.x,
-                       i.y, i.z);
+                       "inertia: expected three numbers in %g .. %g, or all 0, found (%g, %g, %g)",
+                       PE_LEAST_INERTIA, PE_MOST_INERTIA, i.x, i.y, i.z);
     }
     return check_state(
         &(pe_body_state){def->position, def->orientation, def->velocity, def->angular_velocity},
@@ -294,8 +302,9 @@ pe_status pe_body_apply_force(pe_world *world, pe_body_id body, pe_vec3 force, p
     if (status != PE_OK) {
         return status;
     }
-    if (!pe_is_finite(force) || !pe_is_finite(offset)) {
-        return pe_fail(error, PE_BAD_ARGUMENT, "force: expected finite numbers");
+    if ((status = pe_check_vector("force", force, PE_MOST_MASS, error)) != PE_OK ||
+        (status = pe_check_vector("offset", offset, PE_MOST_LENGTH, error)) != PE_OK) {
+        return status;
     }
     pe_applied_force *applied = &pe_applied_forces(world)[body.index];
     world->has_applied_forces = true;

@@ -2,6 +2,7 @@
 #include "geometry.h"
 
 #include "geometry_build.h"
+#include "ranges.h"
 #include "world.h"
 
 /* Room for indices of corners: three a triangle. */
@@ -15,8 +16,12 @@ static pe_status check_def(const pe_geometry_def *def, pe_error *error)
                        def->vertex_count, def->triangle_count);
     }
     for (int i = 0; i < def->vertex_count; ++i) {
-        if (!pe_is_finite(def->vertices[i])) {
-            return pe_fail(error, PE_BAD_ARGUMENT, "geometry: vertex %d is not finite", i);
+        const pe_vec3 v = def->vertices[i];
+        if (!pe_is_within(v, PE_MOST_LENGTH)) {
+            return pe_fail(error, PE_BAD_ARGUMENT,
+                           "geometry: vertex %d: expected finite numbers of at most %g, found "
+                           "(%g, %g, %g)",
+                           i, PE_MOST_LENGTH, v.x, v.y, v.z);
         }
     }
     for (int i = 0; i < def->triangle_count; ++i) {
@@ -67,12 +72,13 @@ static pe_status make(pe_geometry *g, const pe_geometry_def *def, const pe_alloc
                       pe_workspace work, pe_error *error)
 {
     g->frame = pe_geometry_mass(def);
-    if (!(g->frame.volume > 0)) {
-        return pe_fail(
-            error, PE_BAD_ARGUMENT,
-            "geometry: expected triangles counter-clockwise seen from outside; they hold "
-            "a volume of %g",
-            g->frame.volume);
+    const double least = PE_LEAST_LENGTH * PE_LEAST_LENGTH * PE_LEAST_LENGTH;
+    if (!(g->frame.volume >= least)) {
+        return pe_fail(error, PE_BAD_ARGUMENT,
+                       "geometry: expected triangles counter-clockwise seen from outside, around a "
+                       "volume of at least %g m^3 that is more than the rounding of their corners; "
+                       "they hold a volume of %g",
+                       least, g->frame.volume);
     }
     g->rotation = pe_matrix_of(g->frame.orientation);
     pe_status status = copy_def(g, def, allocator, error);

@@ -12,6 +12,9 @@
 /* Products of inertia below this part of the trace are rounding. */
 static const double ROUNDING = 1e-12;
 
+/* Of a coordinate: a surface may be off by so much. */
+static const double UNCERTAIN = 1e-15;
+
 /* The integrals over the solid. */
 typedef struct moments {
     double volume;
@@ -48,6 +51,20 @@ static moments integrate(const pe_geometry_def *def, pe_vec3 origin)
         add_square(m.second, w, c);
     }
     return m;
+}
+
+/* By how much a volume may be wrong because the coordinates of its surface are rounded, m^3. */
+static double uncertain_volume(const pe_geometry_def *def)
+{
+    double area = 0, farthest = 0;
+    for (int i = 0; i < def->triangle_count; ++i) {
+        const pe_vec3 *a = &def->vertices[def->triangles[i][0]],
+                      *b = &def->vertices[def->triangles[i][1]],
+                      *c = &def->vertices[def->triangles[i][2]];
+        area += 0.5 * pe_length(pe_cross(pe_sub(*b, *a), pe_sub(*c, *a)));
+        farthest = pe_max(farthest, pe_length(*a));
+    }
+    return UNCERTAIN * farthest * area;
 }
 
 static pe_vec3 centre_of_bounds(const pe_geometry_def *def)
@@ -137,7 +154,8 @@ pe_geometry_frame pe_geometry_mass(const pe_geometry_def *def)
     pe_vec3 origin = centre_of_bounds(def);
     moments m = integrate(def, origin);
     pe_geometry_frame frame = {.volume = m.volume, .orientation = {.w = 1}};
-    if (!(m.volume > 0)) {
+    if (!(m.volume > uncertain_volume(def))) {
+        frame.volume = pe_min(m.volume, 0);
         return frame;
     }
     /* Again about the centre itself, so that nothing cancels. */

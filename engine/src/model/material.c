@@ -1,16 +1,13 @@
 /* Materials, and the table of friction and restitution for each pair of them. */
+#include "ranges.h"
 #include "world.h"
 
 #include <string.h>
 
 static pe_status check_coefficients(double friction, double restitution, pe_error *error)
 {
-    if (!(friction >= 0) || !isfinite(friction) || !(restitution >= 0) || !(restitution <= 1)) {
-        return pe_fail(error, PE_BAD_ARGUMENT,
-                       "expected friction >= 0 and restitution in 0 .. 1, found %g, %g", friction,
-                       restitution);
-    }
-    return PE_OK;
+    pe_status status = pe_check_range("friction", friction, 0, 1e12, error);
+    return status == PE_OK ? pe_check_range("restitution", restitution, 0, 1, error) : status;
 }
 
 pe_status pe_material_create(pe_world *world, double friction, double restitution,

@@ -1,6 +1,8 @@
 /* Inertia, bounds and checks of the shapes, by kind. */
 #include "shape.h"
 
+#include "ranges.h"
+
 /* The principal inertia of a cylinder of unit mass. */
 static pe_vec3 cylinder_inertia(double r, double half)
 {
@@ -133,7 +135,7 @@ pe_extent pe_shape_extent(const pe_shape *shape, const pe_geometry *geometry,
 
 static bool is_length(double x)
 {
-    return isfinite(x) && x > 0;
+    return x >= PE_LEAST_LENGTH && x <= PE_MOST_LENGTH;
 }
 
 pe_status pe_shape_check(const pe_shape *shape, pe_error *error)
@@ -142,29 +144,34 @@ pe_status pe_shape_check(const pe_shape *shape, pe_error *error)
     double length = pe_length(shape->normal), r = shape->radius, half = shape->half_height;
     switch (shape->kind) {
     case PE_SHAPE_PLANE:
-        return fabs(length - 1) <= 1e-9 && isfinite(shape->offset)
+        return fabs(length - 1) <= 1e-9 && fabs(shape->offset) <= PE_MOST_LENGTH
                    ? PE_OK
                    : pe_fail(error, PE_BAD_ARGUMENT,
-                             "plane: expected a unit normal and a finite offset, found a normal "
-                             "of length %.17g, offset %g",
-                             length, shape->offset);
+                             "plane: expected a unit normal and an offset of at most %g, found a "
+                             "normal of length %.17g, offset %g",
+                             PE_MOST_LENGTH, length, shape->offset);
     case PE_SHAPE_SPHERE:
         return is_length(r) ? PE_OK
                             : pe_fail(error, PE_BAD_ARGUMENT,
-                                      "sphere: expected a radius above 0, found %g", r);
+                                      "sphere: expected a radius above 0, found %g; the range is "
+                                      "%g .. %g m",
+                                      r, PE_LEAST_LENGTH, PE_MOST_LENGTH);
     case PE_SHAPE_CAPSULE:
     case PE_SHAPE_CYLINDER:
         return is_length(r) && is_length(half)
                    ? PE_OK
                    : pe_fail(error, PE_BAD_ARGUMENT,
-                             "%s: expected a radius and a half height above 0, found %g, %g",
-                             shape->kind == PE_SHAPE_CAPSULE ? "capsule" : "cylinder", r, half);
+                             "%s: expected a radius and a half height above 0, found %g, %g; the "
+                             "range is %g .. %g m",
+                             shape->kind == PE_SHAPE_CAPSULE ? "capsule" : "cylinder", r, half,
+                             PE_LEAST_LENGTH, PE_MOST_LENGTH);
     case PE_SHAPE_BOX:
         return is_length(e.x) && is_length(e.y) && is_length(e.z)
                    ? PE_OK
                    : pe_fail(error, PE_BAD_ARGUMENT,
-                             "box: expected half extents above 0, found (%g, %g, %g)", e.x, e.y,
-                             e.z);
+                             "box: expected half extents above 0, found (%g, %g, %g); the range is "
+                             "%g .. %g m",
+                             e.x, e.y, e.z, PE_LEAST_LENGTH, PE_MOST_LENGTH);
     case PE_SHAPE_HULL:
     case PE_SHAPE_MESH:
         return PE_OK; /* checked when it was made */

@@ -24,8 +24,8 @@ typedef struct pe_extent {
 pe_extent pe_shape_extent(const pe_shape *shape, const pe_geometry *geometry,
                           const pe_mat3 *rotation);
 
-/* PE_BAD_ARGUMENT: a number is not finite, a length not positive, or the normal not a unit vector
- * to 1e-9. */
+/* PE_BAD_ARGUMENT: a length or an offset is out of range, or the normal not a unit vector to
+ * 1e-9. */
 pe_status pe_shape_check(const pe_shape *shape, pe_error *error);
 
 #endif

@@ -5,7 +5,15 @@
  * is a contact problem without friction in which the displacement d, in m and rad, takes the place
  * of the velocity, phi + aim that of the bias, and nothing moves freely. Any solver of contact
  * problems solves it. An island is not swept whole: sweeping begins at the bodies of violated
- * contacts and extends to those that get pushed. */
+ * contacts and extends to those that get pushed.
+ *
+ * Between two nearly opposite normals the least displacement of these linear rows may be hundreds of
+ * metres, and no displacement at all may part a body from static ones on both sides. So no body
+ * moves farther in a step than a part of its size: no contact asks for more than that, a solution
+ * that exceeds it is dropped for sweeps, and if these exceed it, all displacements of the island are
+ * scaled by one factor. The violation is a convex function of them and 0 is no better, so that a
+ * part mends as well, by less. Deep overlap is parted over several steps. Where that leads nowhere
+ * the bodies are left as they are for a while. */
 #include "solver/kernels.h"
 #include "step.h"
 
@@ -23,6 +31,18 @@ static const double REACHED = 0.3;
 
 /* In units of the deepest penetration of its island: a gap that no push closes. */
 static const double FAR = 4;
+
+/* In units of the least half extent of a body: how far a point of it moves in a step at most. */
+static const double LONGEST_WAY = 0.4;
+
+/* In the same unit: so little is none. */
+static const double NO_WAY = 1e-3;
+
+/* In the same unit: deeper contacts count as overlap, which may be impossible to part. */
+static const double OVERLAP = 0.1;
+
+/* Overlap that keeps more than this part of its depth is not being parted. */
+static const double NO_HEADWAY = 0.99;
 
 typedef struct correction {
     pe_step *step;
@@ -71,9 +91,37 @@ static const pe_manifold *manifold_at(const pe_world *world, selection s, int i)
     return &pe_manifolds(&world->contacts)[manifold_index(s, i)];
 }
 
-static bool counts(const bool *among, const pe_manifold *m)
+/* The smallest least half extent of the two bodies, in m, of those that can move. */
+static double size_of(const pe_world *world, const pe_manifold *m)
+{
+    const pe_body *a = &pe_bodies(world)[m->a], *b = &pe_bodies(world)[m->b];
+    return a->is_static ? b->size : b->is_static ? a->size : pe_min(a->size, b->size);
+}
+
+static bool overlaps(const pe_world *world, const pe_manifold *m)
+{
+    return m->least_separation < 0 && -m->least_separation > OVERLAP * size_of(world, m);
+}
+
+static bool is_static_or_waits(const pe_world *world, int slot)
+{
+    return pe_bodies(world)[slot].is_static || pe_records(world)[slot].parting.wait > 0;
+}
+
+/* Whether earlier steps could not part the bodies, so that their overlap is left alone now. */
+static bool is_left_alone(const pe_world *world, const pe_manifold *m)
+{
+    return overlaps(world, m) && is_static_or_waits(world, m->a) && is_static_or_waits(world, m->b);
+}
+
+static bool is_among(const bool *among, const pe_manifold *m)
 {
     return among == NULL || among[m->a] || among[m->b];
+}
+
+static bool counts(const pe_world *world, const bool *among, const pe_manifold *m)
+{
+    return is_among(among, m) && !is_left_alone(world, m);
 }
 
 /* The deepest penetration of manifolds that count, in m. */
@@ -82,18 +130,46 @@ static double deepest_of(const pe_world *world, selection s, const bool *among)
     double deepest = 0;
     for (int i = 0; i < s.count; ++i) {
         const pe_manifold *m = manifold_at(world, s, i);
-        deepest = counts(among, m) ? pe_max(deepest, -m->least_separation) : deepest;
+        deepest = counts(world, among, m) ? pe_max(deepest, -m->least_separation) : deepest;
     }
     return deepest;
 }
 
+/* The same over all manifolds, those that are left alone included. */
 static double deepest_of_world(const correction *c)
 {
-    return deepest_of(c->world, (selection){NULL, c->world->contacts.manifold_count},
-                      c->rules->among);
+    const pe_contacts *contacts = &c->world->contacts;
+    double deepest = 0;
+    for (int i = 0; i < contacts->manifold_count; ++i) {
+        const pe_manifold *m = &pe_manifolds(contacts)[i];
+        deepest = is_among(c->rules->among, m) ? pe_max(deepest, -m->least_separation) : deepest;
+    }
+    return deepest;
 }
 
 /* ---- The problem ---- */
+
+/* How far a point of the body is moved in a step at most, in m: by a part of its size, and what its
+ * speed has moved it may also be taken back. */
+static double longest_way(const correction *c, int slot)
+{
+    const pe_twist *twist = &pe_twists(c->world)[slot];
+    double speed = pe_length(twist->velocity);
+    if (c->step->twists != NULL) {
+        speed = pe_max(speed, pe_length(c->step->twists[slot].velocity));
+    }
+    return LONGEST_WAY * pe_bodies(c->world)[slot].size +
+           c->step->dt * (speed + pe_spin_speed(c->world, slot));
+}
+
+/* The most depth that a contact of the manifold asks to be removed, in m. */
+static double most_removed(const correction *c, const pe_manifold *m)
+{
+    const pe_body *bodies = pe_bodies(c->world);
+    double a = bodies[m->a].is_static ? HUGE_VAL : longest_way(c, m->a);
+    double b = bodies[m->b].is_static ? HUGE_VAL : longest_way(c, m->b);
+    return is_left_alone(c->world, m) ? 0 : pe_min(a, b);
+}
 
 /* The problem at the head of this file for island k: impulses, velocities and free velocities 0. */
 static pe_status build_problem(const correction *c, const pe_islands *islands, int k,
@@ -117,9 +193,13 @@ static pe_status build_problem(const correction *c, const pe_islands *islands, i
     for (size_t i = 0; i < manifolds; ++i) {
         manifold[i].friction = 0;
     }
-    for (size_t i = 0; i < points; ++i) {
-        double gap = pe_manifold_points(&world->contacts)[built->point_of[i]].separation;
-        point[i].bias = gap + c->rules->aim;
+    for (size_t i = 0; i < manifolds; ++i) {
+        const pe_manifold *m = &pe_manifolds(&world->contacts)[built->source[i]];
+        const double least = -most_removed(c, m);
+        for (int j = manifold[i].first; j < manifold[i].first + manifold[i].count; ++j) {
+            double gap = pe_manifold_points(&world->contacts)[built->point_of[j]].separation;
+            point[j].bias = pe_max(gap + c->rules->aim, least);
+        }
     }
     problem->manifold = manifold;
     problem->point = point;
@@ -157,7 +237,7 @@ static pe_violation violation_of_world(const correction *c)
 {
     pe_violation v = {0};
     for (pe_point_walk at = pe_walk_points(&c->world->contacts); pe_next_point(&at);) {
-        if (counts(c->rules->among, at.manifold)) {
+        if (counts(c->world, c->rules->among, at.manifold)) {
             double depth = -at.point->separation;
             add_violation(depth, pe_max(depth - c->rules->aim, 0), &v);
         }
@@ -316,14 +396,45 @@ static pe_vec3 rotated_times(const pe_mat3 *rotation, pe_vec3 d, pe_vec3 x)
     return pe_rotate(rotation, pe_mul(d, pe_unrotate(rotation, x)));
 }
 
-/* Moves the bodies; their momenta stay. */
-static void displace(correction *c, const pe_island_problem *built)
+/* How far the farthest point of body i moves by the displacement found, in m, at most. */
+static double way_of(const correction *c, const pe_island_problem *built, int i)
+{
+    const double *d = built->problem.velocity[i];
+    double radius = pe_bodies(c->world)[built->slot[i]].bounding_radius;
+    return sqrt(pe_dot3(d, d)) + radius * sqrt(pe_dot3(d + 3, d + 3));
+}
+
+/* How far the body may still be moved in this step, in m. */
+static double way_left(const correction *c, int slot)
+{
+    return pe_max(0, longest_way(c, slot) - c->step->way[slot]);
+}
+
+/* The part, at most 1, of the displacements found by which no body moves too far; 0: they are not
+ * finite. */
+static double part_of(const correction *c, const pe_island_problem *built)
+{
+    double part = 1;
+    for (int i = 0; i < built->problem.body_count; ++i) {
+        double way = way_of(c, built, i), left = way_left(c, built->slot[i]);
+        if (!isfinite(way)) {
+            return 0;
+        }
+        part = part * way > left ? left / way : part;
+    }
+    return part;
+}
+
+/* Moves the bodies by that part; their momenta stay. */
+static void displace(correction *c, const pe_island_problem *built, double part)
 {
     for (int i = 0; i < built->problem.body_count; ++i) {
         const double *d = built->problem.velocity[i];
         int slot = built->slot[i];
         pe_pose *pose = &pe_poses(c->world)[slot];
-        pe_vec3 linear = pe_v3_load(d), rotation = pe_v3_load(d + 3);
+        pe_vec3 linear = pe_scale(part, pe_v3_load(d));
+        pe_vec3 rotation = pe_scale(part, pe_v3_load(d + 3));
+        c->step->way[slot] += part * way_of(c, built, i);
         if (pe_dot(linear, linear) > 0 || pe_dot(rotation, rotation) > 0) {
             const pe_mass *mass = &pe_masses(c->world)[slot];
             pe_vec3 inertia = mass->inertia;
@@ -346,14 +457,15 @@ static pe_status correct_island(correction *c, int k)
     bool better = false;
     if (c->rules->solver != NULL) {
         status = solve_whole(c, k, &built);
-        better = status == PE_OK && is_better(&built.problem);
+        better = status == PE_OK && is_better(&built.problem) && part_of(c, &built) == 1;
     }
     if (status == PE_OK && !better) {
         status = sweep_island(c, island_manifolds(&c->islands, k), &built);
         better = status == PE_OK && is_better(&built.problem);
     }
-    if (better) {
-        displace(c, &built);
+    const double part = better ? part_of(c, &built) : 0;
+    if (part > 0) {
+        displace(c, &built, part);
     }
     return status;
 }
@@ -381,6 +493,17 @@ static pe_status take_sweep_memory(correction *c)
 
 /* ---- Rounds ---- */
 
+/* Whether a body of the island has moved as far as it may in this step: the others wait for it. */
+static bool has_moved_enough(const correction *c, int k)
+{
+    bool enough = false;
+    for (int i = c->islands.body_start[k]; i < c->islands.body_start[k + 1] && !enough; ++i) {
+        int slot = c->islands.bodies[i];
+        enough = !(way_left(c, slot) > NO_WAY * pe_bodies(c->world)[slot].size);
+    }
+    return enough;
+}
+
 /* Moves the bodies of contacts that are too deep, once. */
 static pe_status correct_once(correction *c)
 {
@@ -392,7 +515,7 @@ static pe_status correct_once(correction *c)
     }
     for (int k = 0; status == PE_OK && k < c->islands.count; ++k) {
         int first = c->islands.bodies[c->islands.body_start[k]];
-        if ((among == NULL || among[first]) &&
+        if ((among == NULL || among[first]) && !has_moved_enough(c, k) &&
             deepest_of(c->world, island_manifolds(&c->islands, k), among) > c->rules->begin) {
             pe_arena_mark before = pe_arena_fill(&c->world->arena);
             status = correct_island(c, k);
@@ -465,6 +588,9 @@ pe_status pe_correct_positions(pe_step *step, const pe_correction_rules *rules,
     c.moved = pe_scratch(world, slots, sizeof *c.moved);
     bool *ever = pe_scratch_zero(world, slots, sizeof *ever);
     snapshot begun = take_snapshot_memory(world), later = take_snapshot_memory(world);
+    if (step->way == NULL) {
+        step->way = pe_scratch_zero(world, slots, sizeof *step->way);
+    }
     if (pe_scratch_failed(world)) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to correct %zu positions", slots);
     }
@@ -493,9 +619,61 @@ pe_status pe_correct_positions(pe_step *step, const pe_correction_rules *rules,
         }
     }
     report->iterations = c.iterations;
-    report->penetration_left = best.violation.deepest;
+    report->penetration_left = deepest_of_world(&c);
     report->moved = ever;
     report->poses = begun.poses;
     report->twists = begun.twists;
     return status;
+}
+
+/* ---- Overlap ---- */
+
+/* Of each body (slots), in m; 0 where it has none, or is static. */
+static void find_overlap(const pe_world *world, double *depth)
+{
+    const pe_body *bodies = pe_bodies(world);
+    memset(depth, 0, (size_t)world->slot_count * sizeof *depth);
+    for (int i = 0; i < world->contacts.manifold_count; ++i) {
+        const pe_manifold *m = &pe_manifolds(&world->contacts)[i];
+        if (overlaps(world, m)) {
+            const int slots[2] = {m->a, m->b};
+            for (int k = 0; k < 2; ++k) {
+                double most = pe_max(depth[slots[k]], -m->least_separation);
+                depth[slots[k]] = bodies[slots[k]].is_static ? 0 : most;
+            }
+        }
+    }
+}
+
+pe_status pe_overlap_begin(pe_step *step)
+{
+    size_t slots = (size_t)step->world->slot_count;
+    step->overlap = pe_scratch(step->world, slots, sizeof *step->overlap);
+    if (step->overlap == NULL) {
+        return pe_fail(step->error, PE_NO_MEMORY, "no memory for the overlap of %zu bodies", slots);
+    }
+    find_overlap(step->world, step->overlap);
+    return PE_OK;
+}
+
+pe_status pe_overlap_end(pe_step *step)
+{
+    size_t slots = (size_t)step->world->slot_count;
+    double *now = pe_scratch(step->world, slots, sizeof *now);
+    if (now == NULL) {
+        return pe_fail(step->error, PE_NO_MEMORY, "no memory for the overlap of %zu bodies", slots);
+    }
+    find_overlap(step->world, now);
+    for (size_t slot = 1; slot < slots; ++slot) {
+        pe_backoff *b = &pe_records(step->world)[slot].parting;
+        if (b->wait > 0) {
+            b->wait -= 1;
+        } else {
+            bool in_vain = now[slot] > 0 && now[slot] > NO_HEADWAY * step->overlap[slot];
+            *b = pe_backoff_after(in_vain, b->pause);
+        }
+        step->stats.overlapping += now[slot] > 0;
+        step->stats.unparted += now[slot] > 0 && b->pause > 0;
+    }
+    return PE_OK;
 }

@@ -36,7 +36,9 @@ typedef struct pe_step {
     bool *corrected;                  /* bodies that position correction moved */
     const pe_pose *uncorrected_poses; /* before it did; read only of bodies in `corrected` */
     const pe_twist *uncorrected_twists;
-    double shallow; /* m: the energy guard does not put back bodies that were moved farther */
+    double *way; /* (slots) m: how far correction has moved a point of the body; NULL: not yet */
+    double *overlap; /* (slots) m: deepest overlap of the body before correction */
+    double shallow;  /* m: the energy guard does not put back bodies that were moved farther */
 } pe_step;
 
 /* PE_BAD_ARGUMENT unless dt is a finite number above 0. */
@@ -148,12 +150,21 @@ typedef struct pe_correction_report {
 /* Removes penetration by moving bodies; momenta stay. Corrects each island that has a contact
  * deeper than rules->begin, finds the contacts of the moved bodies again, and repeats this while
  * there is such an island, at most rules->max_rounds times. The round with the least sum of squared
- * violations of phi >= -aim wins: if the last one is not it, bodies go back to there.
+ * violations of phi >= -aim wins: if the last one is not it, bodies go back to there. No point of a
+ * body moves by more than a fifth of its least extent, and the way of its speed, in all corrections
+ * of a step.
  *
  * world->contacts must be those at the poses now, and are so afterwards, with their impulses. On
  * PE_NO_MEMORY some bodies may have been moved, and world->contacts be those of other poses. */
 pe_status pe_correct_positions(pe_step *step, const pe_correction_rules *rules,
                                pe_correction_report *report);
+
+/* Notes the overlap of all bodies before the first correction, to compare it with that after: bodies that were
+ * not parted, as between static ones on both sides, are left alone for 1, 2, 4, up to 64 steps. An
+ * overlap is a contact deeper than a twentieth of the least extent of its smaller body. */
+pe_status pe_overlap_begin(pe_step *step);
+/* The same, after the last. */
+pe_status pe_overlap_end(pe_step *step);
 
 /* ---- Energy (energy_guard.c) ---- */
 
@@ -195,5 +206,28 @@ typedef struct pe_energy_report {
  * contacts in world->contacts are those of other poses then. */
 void pe_energy_guard(const pe_step *step, const pe_islands *groups, bool *put_back,
                      pe_energy_report *report);
+
+/* ---- Bounds of a step (motion_bound.c) ---- */
+
+/* Where the contact problem of an island was solved so badly that its kinetic energy is over four
+ * times what it was before the step and is without contacts, together: takes the bodies back to the
+ * step's start, scales the new velocities to that energy, and moves the bodies by these. */
+void pe_bound_energy(const pe_step *step);
+
+/* PE_NOT_FINITE, with the body and the number, unless all states are finite and within what
+ * collision can take: 1e15 m, 1e30 m/s and rad/s. */
+pe_status pe_check_motion(const pe_step *step);
+
+/* Takes back what a body, or by rotation its farthest point, has moved in the step beyond
+ *
+ *   dt (max(|v|, |v'|) + |v* - v|) + a quarter of the least extent,
+ *
+ * where v' is the velocity at the end and v* that without contacts: it moved by a velocity that the
+ * energy guard took, or was pushed out too fast. A point at the bounding radius R may move as far by
+ * rotation, and by R times the same of the angular velocity, with dt w^2 more for what rotation
+ * without a torque may add.
+ * Flags these bodies (slots), whose contacts in world->contacts are those of other poses then.
+ * Returns whether there are any. */
+bool pe_bound_motion(const pe_step *step, bool *put_back);
 
 #endif

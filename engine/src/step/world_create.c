@@ -1,6 +1,7 @@
 /* Creates and destroys worlds. */
 #include "broad_phase/broad_phase.h"
 #include "model/geometry.h"
+#include "model/ranges.h"
 #include "sparse/pattern_store.h"
 
 /* A world and what the phases of the step keep in it, in one block of memory. */
@@ -26,24 +27,27 @@ pe_world_def pe_world_def_default(void)
 
 static pe_status check_def(const pe_world_def *def, pe_error *error)
 {
-    if (!pe_is_finite(def->gravity)) {
-        return pe_fail(error, PE_BAD_ARGUMENT, "gravity: expected finite numbers");
-    }
     if (def->profile < PE_PROFILE_DEFAULT || def->profile > PE_PROFILE_FAST) {
         return pe_fail(error, PE_BAD_ARGUMENT, "profile: expected one of pe_profile, found %d",
                        (int)def->profile);
     }
-    if (!(def->tolerance > 0) || !(def->max_contact_updates >= 1)) {
-        return pe_fail(error, PE_BAD_ARGUMENT,
-                       "expected tolerance > 0 and max_contact_updates >= 1, found %g, %g",
-                       def->tolerance, def->max_contact_updates);
+    pe_status status = pe_check_vector("gravity", def->gravity, PE_MOST_SPEED, error);
+    const struct {
+        const char *name;
+        double found, least, most;
+    } numbers[] = {
+        {"tolerance", def->tolerance, 1e-30, PE_MOST_SPEED},
+        {"max_contact_updates", def->max_contact_updates, 1, 1e30},
+        {"restitution_threshold", def->restitution_threshold, 0, PE_MOST_SPEED},
+        {"contact_margin", def->contact_margin, 0, PE_MOST_LENGTH},
+        {"penetration_slop", def->penetration_slop, 1e-30, PE_MOST_LENGTH},
+    };
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0] && status == PE_OK; ++i) {
+        status = pe_check_range(numbers[i].name, numbers[i].found, numbers[i].least,
+                                numbers[i].most, error);
     }
-    if (!(def->restitution_threshold >= 0) || !(def->contact_margin >= 0) ||
-        !(def->penetration_slop > 0)) {
-        return pe_fail(error, PE_BAD_ARGUMENT,
-                       "expected restitution_threshold >= 0, contact_margin >= 0 and "
-                       "penetration_slop > 0, found %g, %g, %g",
-                       def->restitution_threshold, def->contact_margin, def->penetration_slop);
+    if (status != PE_OK) {
+        return status;
     }
     if (def->max_iterations < 1) {
         return pe_fail(error, PE_BAD_ARGUMENT, "max_iterations: expected at least 1, found %d",

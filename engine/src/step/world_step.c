@@ -1,6 +1,7 @@
 /* The step: a straight pipeline of phases, each timed. */
 #define _POSIX_C_SOURCE 199309L
 
+#include "model/ranges.h"
 #include "solver/soft.h"
 #include "step.h"
 
@@ -77,9 +78,16 @@ static pe_status begin_step(pe_step *step)
     return PE_OK;
 }
 
-static void undo_step(const pe_step *step)
+/* Puts the bodies back. Where the step was not finite, what may be the cause is forgotten: forces
+ * and the impulses of contacts. */
+static void undo_step(const pe_step *step, pe_status status)
 {
     size_t slots = (size_t)step->world->slot_count;
+    if (status == PE_NOT_FINITE) {
+        memset(pe_applied_forces(step->world), 0, slots * sizeof *pe_applied_forces(step->world));
+        step->world->has_applied_forces = false;
+        step->world->contacts.manifold_count = step->world->contacts.point_count = 0;
+    }
     memcpy(pe_poses(step->world), step->poses, slots * sizeof *step->poses);
     memcpy(pe_twists(step->world), step->twists, slots * sizeof *step->twists);
     step->world->contacts_stale = true;
@@ -330,8 +338,9 @@ static pe_status solve_and_move(pe_step *step)
             pe_integrate_free(world, slot, step->free, step->dt);
         }
     }
+    pe_bound_energy(step);
     step->stats.time_integrate = lap(&mark);
-    return PE_OK;
+    return pe_check_motion(step);
 }
 
 /* ---- Contacts of the step's end, and corrections ---- */
@@ -440,7 +449,8 @@ static pe_status guard_energy(pe_step *step)
     }
     pe_energy_guard(step, &groups, put_back, &report);
     step->stats.guarded_islands = report.islands;
-    return report.put_back > 0
+    const bool bounded = pe_bound_motion(step, put_back);
+    return report.put_back > 0 || bounded
                ? pe_contacts_update(world, &step->rules, put_back, step->dt, step->error)
                : PE_OK;
 }
@@ -470,9 +480,12 @@ static pe_status run_phases(pe_step *step)
         return status;
     }
     double mark = seconds_now();
-    status = correct_positions(step);
+    if ((status = pe_overlap_begin(step)) == PE_OK && (status = correct_positions(step)) == PE_OK &&
+        (status = guard_energy(step)) == PE_OK) {
+        status = pe_overlap_end(step);
+    }
     if (status == PE_OK) {
-        status = guard_energy(step);
+        status = pe_check_motion(step);
     }
     step->stats.time_project = lap(&mark);
     return status;
@@ -480,9 +493,7 @@ static pe_status run_phases(pe_step *step)
 
 pe_status pe_check_dt(double dt, pe_error *error)
 {
-    return dt > 0 && isfinite(dt) ? PE_OK
-                                  : pe_fail(error, PE_BAD_ARGUMENT,
-                                            "dt: expected a finite number above 0, found %g", dt);
+    return pe_check_range("dt", dt, PE_LEAST_TIME, PE_MOST_TIME, error);
 }
 
 pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_error *error)
@@ -505,7 +516,7 @@ pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_err
     }
     status = run_phases(&step);
     if (status != PE_OK) {
-        undo_step(&step);
+        undo_step(&step, status);
         return status;
     }
     clear_applied_forces(&step);

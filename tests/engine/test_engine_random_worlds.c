@@ -1,0 +1,21 @@
+/* The laws of a step in a few hundred random worlds. */
+#include "random_worlds.h"
+
+#include "check.h"
+
+static void test_steps_of_random_worlds_are_bounded(void **state)
+{
+    (void)state;
+    random_worlds_found found = random_worlds_run(1, 200);
+    assert_int_equal(found.too_far, 0);
+    assert_int_equal(found.not_finite, 0);
+    assert_int_equal(found.too_fast, 0);
+    assert_int_equal(found.failed, 0);
+    assert_true(found.unparted > 0); /* the worlds are as bad as they should be */
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_steps_of_random_worlds_are_bounded)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
