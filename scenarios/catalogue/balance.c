@@ -158,7 +158,8 @@ const pl_scenario pl_scenario_ladder = {
  *     friction >= (tan(lean) - t / L) / 2,
  * where its partner's push is level, as symmetry asks. But the two edges that meet there have no
  * normal of their own: where an engine takes that of a card's face, which leans, the level push
- * needs friction >= tan(lean) too. More storeys have no closed form. */
+ * needs friction >= tan(lean) too. More storeys have no closed form. By linear programming, two
+ * need 0.244929 and three 0.269143 at a lean of 20 degrees. */
 
 enum { CARD_HOUSE_STOREYS, CARD_HOUSE_LEAN, CARD_HOUSE_FRICTION };
 
@@ -231,12 +232,12 @@ const pl_scenario pl_scenario_card_house = {
                    "an edge, by friction alone.",
     .reference =
         "every card stays where it is; one pair needs friction >= (tan(lean) - thickness / "
-        "length) / 2, or tan(lean) where the edges that meet take the normal of a face; more "
-        "storeys "
-        "have no closed form",
+        "length) / 2, or tan(lean) where the edges that meet take the normal of a face; at a lean "
+        "of 20 degrees two storeys need 0.2449 and three 0.2691",
     .expected = "ok: every card at rest where it began; collapsed with too little friction: the "
                 "cards slide apart",
-    .source = "statics of a pair: moments about its lower edge",
+    .source =
+        "statics of a pair: moments about its lower edge; of more storeys: linear programming",
     .primary_error = "rest_position_error",
     PL_ACCEPT_AT_REST,
     .validity = "friction well above that of one pair",

@@ -384,6 +384,25 @@ static void test_stacks_and_houses_are_balanced(void **state)
     }
 }
 
+/* The friction that the catalogue states of houses. */
+static void test_houses_of_cards_need_the_stated_friction(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *setting;
+        double friction;
+    } cases[] = {{"storeys=1", 0.171985}, {"storeys=2", 0.244929}, {"storeys=3", 0.269143}};
+    for (int i = 0; i < 3; ++i) {
+        double values[PL_MAX_PARAMS];
+        const pl_scenario *scenario = find("card-house");
+        assert_int_equal(pl_scenario_values(scenario, &cases[i].setting, 1, values, NULL), PL_OK);
+        const double limit = limit_of(scenario, values);
+        if (!(fabs(limit - cases[i].friction) < 1e-6)) {
+            fail_msg("%s: %.9g", cases[i].setting, limit);
+        }
+    }
+}
+
 static void test_hard_scenes_describe_the_provoked_fault(void **state)
 {
     (void)state;
@@ -420,6 +439,7 @@ int main(void)
         cmocka_unit_test(test_overlapping_cubes_belong_on_each_other),
         cmocka_unit_test(test_cards_touch_level_cards_exactly),
         cmocka_unit_test(test_stacks_and_houses_are_balanced),
+        cmocka_unit_test(test_houses_of_cards_need_the_stated_friction),
         cmocka_unit_test(test_hard_scenes_describe_the_provoked_fault),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

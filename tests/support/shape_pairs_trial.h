@@ -11,7 +11,8 @@ typedef struct trial {
     pair_pose pose;
     check_random random;
     double margin;    /* m: the pair's gap is within it */
-    double tolerance; /* m: 1e-9 of the size, and rounding of the lengths that were added */
+    double tolerance; /* m: 1e-9 of the size, or 1e-4 where parallel edges meet, and rounding of the
+                         lengths that were added */
     const char *what;
     double found, expected;
     int skipped; /* of the trials of the pair of kinds: where the law does not apply */

@@ -56,6 +56,16 @@
 /* Cosine between an edge and the normal below which the edge lies across the normal. */
 #define PE_EDGE_ACROSS 1e-4
 
+/* Length: parallel edges whose gap or overlap is less have the normal of edges that meet. */
+#define PE_EDGES_MEET 1e-4
+/* Sine of the angle of two faces up to which they lie on each other and one gives the normal, though
+ * edges meet. From twice that on the normal is that of the edges. */
+#define PE_MEETING_FLAT 0.1
+/* Sines of angles: by which a face's normal may lie outside the range of an edge, for rounding, and
+ * by which that of edges that meet lies within it at least, or it is that of the face. */
+#define PE_MEETING_ROUNDING 1e-9
+#define PE_MEETING_FACE 1e-6
+
 /* ---- Reduction to PE_MAX_POINTS ---- */
 
 /* Length: depths that tie for the first point of a reduced polytope manifold. */

@@ -8,7 +8,7 @@
  *
  * An axis that separates gives a lower bound of the distance. If no point realises it, the nearest
  * features are a corner and a corner or edge, or edges away from the axis. The general collider of
- * polytopes then finds them.
+ * polytopes then finds them, and parallel edges that meet.
  *
  * The work is done in the axes of the boxes. Points are moved to the world at the end. */
 #include "narrow_phase/tolerances.h"
@@ -433,19 +433,46 @@ static pe_vec3 face_normal(const box_side *box, int k, bool flipped)
     return pe_scale((box->offset[k] < 0) != flipped ? -1 : 1, axis_of(box, k));
 }
 
+/* The axes of the box along which the other touches it, within `reach`: one of them, 3 if there are
+ * more, -1 if there are none. */
+static int touching_axis(const box_side *box, const box_side *other, double reach)
+{
+    int found = -1;
+    const double *e = other->extent;
+    for (int k = 0; k < 3; ++k) {
+        const double *r = box->r[k];
+        double s = fabs(box->offset[k]) - box->extent[k] -
+                   (e[0] * fabs(r[0]) + e[1] * fabs(r[1]) + e[2] * fabs(r[2]));
+        found = fabs(s) > reach ? found : found < 0 ? k : 3;
+    }
+    return found;
+}
+
+/* Whether the boxes touch along the normals of two faces that are not parallel. */
+static bool may_meet_at_edges(const box_pair *p, double reach)
+{
+    int a = touching_axis(&p->a, &p->b, reach), b = touching_axis(&p->b, &p->a, reach);
+    if (a < 0 || b < 0 || a == 3 || b == 3) {
+        return a == 3 || b == 3; /* two of one box suffice */
+    }
+    return 1 - p->reach[a][b] * p->reach[a][b] > PE_MEETING_FLAT * PE_MEETING_FLAT;
+}
+
 void pe_collide_box_box(pe_placed a, pe_placed b, double margin, pe_pair_manifold *manifold)
 {
     box_pair p;
     axis_choice face_a, face_b;
     describe(a, b, &p);
-    if (!test_faces(&p, margin, &face_a, &face_b)) {
+    double size = pe_min(a.size, b.size), tie = PE_AXIS_TIE * size,
+           tolerance = PE_SAME_DISTANCE * size, reach = PE_EDGES_MEET * size;
+    if (!test_faces(&p, margin + reach, &face_a, &face_b)) {
         return;
     }
-    double size = pe_min(a.size, b.size), tie = PE_AXIS_TIE * size,
-           tolerance = PE_SAME_DISTANCE * size;
     bool of_b = face_b.separation > face_a.separation + tie;
     axis_choice best = of_b ? face_b : face_a, edge = {.separation = best.separation};
-    if (!test_edges(&p, margin, tie, &edge)) {
+    if ((fabs(best.separation) <= reach && may_meet_at_edges(&p, reach) &&
+         pe_collide_meeting_edges(a, b, margin, manifold)) ||
+        !test_edges(&p, margin, tie, &edge)) {
         return;
     }
     bool of_edges = edge.separation > best.separation;

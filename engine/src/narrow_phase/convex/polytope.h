@@ -66,9 +66,9 @@ int pe_face_corner(const pe_polytope *p, const pe_face *face, int k);
 typedef struct pe_separation {
     double distance; /* m, of the cores along the normal */
     pe_vec3 normal;  /* unit, in a's axes, from a to b */
-    enum { PE_OF_FACE_A, PE_OF_FACE_B, PE_OF_EDGES, PE_OF_POINTS } kind;
+    enum { PE_OF_FACE_A, PE_OF_FACE_B, PE_OF_EDGES, PE_OF_LINE, PE_OF_POINTS } kind;
     int a, b; /* the face; the edge of each */
-    /* Except of edges: nearest points along the normal, in a's axes (the point of a face may lie
+    /* Except of edges and lines: nearest points along the normal, in a's axes (the point of a face may lie
      * outside it), and the first and last of the vertices that they lie among (0 for a face). */
     pe_vec3 on_a, on_b;
     int ends_a[2], ends_b[2];
@@ -83,6 +83,10 @@ bool pe_polytope_best_edges(const pe_polytope_pair *pair, double limit, pe_separ
 
 /* The distance and the nearest points of cores that `start` separates or touches along. */
 pe_separation pe_polytope_distance(const pe_polytope_pair *pair, const pe_separation *start);
+
+/* Fills the manifold of two boxes or hulls that touch along parallel edges: see polytope_edges.c.
+ * False: they do not, and the manifold is as it was. */
+bool pe_collide_meeting_edges(pe_placed a, pe_placed b, double margin, pe_pair_manifold *manifold);
 
 /* The separation of the cores along the unit direction n in a's axes. */
 double pe_polytope_separation_along(const pe_polytope_pair *pair, pe_vec3 n);

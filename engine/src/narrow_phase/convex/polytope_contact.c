@@ -9,10 +9,8 @@
  *
  * The least separation is always that of the cores minus the radii: if no corner realises it, the
  * nearest points are added. */
-#include "narrow_phase/feature_id.h"
-#include "narrow_phase/points.h"
 #include "narrow_phase/tolerances.h"
-#include "polytope.h"
+#include "polytope_edges.h"
 
 /* Clipping adds at most one corner a side. The room for one more is never used. */
 enum { MOST_CORNERS = 2 * PE_FACE_CORNERS + 1 };
@@ -209,179 +207,21 @@ static void face_contact(const view *w, pe_candidates *found)
     }
 }
 
-/* ---- Edges and nearest points ---- */
+/* ---- Manifolds ---- */
 
-/* Points in a's axes and the features that they lie on: vertices, or edges by theirs. */
-typedef struct witness {
-    pe_vec3 on_a, on_b;
-    int ends_a[2], ends_b[2];
-} witness;
-
-enum { NEAREST = 1, END_OF_A, END_OF_B }; /* corners of faces have 0 there */
-
-static uint64_t witness_feature(const pe_polytope_pair *pair, uint64_t kind, const int a[2],
-                                const int b[2])
+/* Adds the points of a line, and of the faces what lies farther from touching than a line may. */
+static void line_and_faces(const pe_polytope_pair *pair, const pe_separation *line,
+                           const pe_candidates *faces, pe_candidates *found)
 {
-    if (pair->a.vertex_count == 1 || pair->b.vertex_count == 1) {
-        return 0; /* a ball has one point */
-    }
-    static const int whole[2] = {0, 1}; /* the end of a capsule's segment makes no difference */
-    a = pair->a.face_count == 0 && kind == NEAREST ? whole : a;
-    b = pair->b.face_count == 0 && kind == NEAREST ? whole : b;
-    return kind << 60 | pe_vertex_pair_feature(a[0], a[1]) << 30 |
-           pe_vertex_pair_feature(b[0], b[1]);
-}
-
-static pe_vec3 vertex_of_b(const pe_polytope_pair *pair, int vertex)
-{
-    return pe_transform_point(&pair->b_in_a, pair->b.vertices[vertex]);
-}
-
-/* The points where two edges cross, seen along their common normal. They are clamped to the part
- * where the edges lie next to each other, because the crossing of nearly parallel lines is
- * uncertain. */
-static witness crossing_of_edges(const pe_polytope_pair *pair, const pe_edge *a, const pe_edge *b)
-{
-    pe_vec3 p = pair->a.vertices[a->vertex[0]], q = vertex_of_b(pair, b->vertex[0]);
-    pe_vec3 u = pe_sub(pair->a.vertices[a->vertex[1]], p);
-    pe_vec3 v = pe_sub(vertex_of_b(pair, b->vertex[1]), q), d = pe_sub(q, p), w = pe_cross(u, v);
-    double square = pe_dot(w, w), whole = pe_dot(u, u);
-    double from = pe_dot(d, u) / whole, to = from + pe_dot(v, u) / whole;
-    double low = pe_max(0, pe_min(from, to)), high = pe_min(1, pe_max(from, to));
-    double s = square > 0 ? pe_dot(pe_cross(d, v), w) / square : low;
-    s = pe_max(low, pe_min(high, s));
-    pe_vec3 x = pe_madd(p, s, u);
-    double t = pe_dot(pe_sub(x, q), v) / pe_dot(v, v);
-    return (witness){.on_a = x,
-                     .on_b = pe_madd(q, pe_max(0, pe_min(1, t)), v),
-                     .ends_a = {a->vertex[0], a->vertex[1]},
-                     .ends_b = {b->vertex[0], b->vertex[1]}};
-}
-
-/* The nearest points along the direction. */
-static witness witness_of(const pe_polytope_pair *pair, const pe_separation *s)
-{
-    return s->kind == PE_OF_EDGES
-               ? crossing_of_edges(pair, &pair->a.edges[s->a], &pair->b.edges[s->b])
-               : (witness){
-                     s->on_a, s->on_b, {s->ends_a[0], s->ends_a[1]}, {s->ends_b[0], s->ends_b[1]}};
-}
-
-static void add_witness(const pe_polytope_pair *pair, const pe_separation *s, const witness *w,
-                        pe_candidates *found)
-{
-    pe_vec3 on_a = pe_madd(w->on_a, pair->a.radius, s->normal);
-    pe_vec3 on_b = pe_madd(w->on_b, -pair->b.radius, s->normal);
-    pe_candidates_add(found, pair->pose_a, pe_scale(0.5, pe_add(on_a, on_b)),
-                      pe_dot(s->normal, pe_sub(on_b, on_a)),
-                      witness_feature(pair, NEAREST, w->ends_a, w->ends_b));
-}
-
-/* Two nearly parallel edges, with coordinates along the first one. */
-typedef struct line {
-    pe_vec3 along;           /* unit */
-    pe_vec3 a[2], b[2];      /* ends */
-    double at_a[2], at_b[2]; /* m */
-} line;
-
-/* The point of an edge with the coordinate t. */
-static pe_vec3 at(const pe_vec3 x[2], const double place[2], double t)
-{
-    return pe_madd(x[0], (t - place[0]) / (place[1] - place[0]), pe_sub(x[1], x[0]));
-}
-
-/* Adds the point with the coordinate t. If the edges are rounded and offset by y sideways, each
- * surface meets the normal at its share of y, below its top. */
-static void add_line_point(const pe_polytope_pair *pair, const line *l, pe_vec3 n, double t,
-                           uint64_t feature, pe_candidates *found)
-{
-    double ra = pair->a.radius, rb = pair->b.radius, sum = ra + rb;
-    pe_vec3 xa = at(l->a, l->at_a, t), xb = at(l->b, l->at_b, t), across = pe_cross(n, l->along);
-    double y = pe_dot(across, pe_sub(xb, xa)), share = sum > 0 ? ra / sum : 0.5;
-    if (fabs(y) > pe_max(0.5 * sum, PE_CLIP_SLACK * pair->size)) {
-        return;
-    }
-    double ya = share * y, yb = y - ya;
-    xa = pe_madd(pe_madd(xa, ya, across), sqrt(pe_max(0, ra * ra - ya * ya)), n);
-    xb = pe_madd(pe_madd(xb, -yb, across), -sqrt(pe_max(0, rb * rb - yb * yb)), n);
-    /* The two points differ a little along the line. That on the sharper shape is used. */
-    double separation = pe_dot(n, pe_sub(xb, xa));
-    pe_vec3 middle = ra < rb ? pe_madd(xa, 0.5 * separation, n) : pe_madd(xb, -0.5 * separation, n);
-    pe_candidates_add(found, pair->pose_a, middle, separation, feature);
-}
-
-/* Adds both ends of the part where two nearly parallel edges lie next to each other. */
-static void line_contact(const pe_polytope_pair *pair, const pe_edge *a, const pe_edge *b,
-                         pe_vec3 n, pe_candidates *found)
-{
-    line l;
-    for (int k = 0; k < 2; ++k) {
-        l.a[k] = pair->a.vertices[a->vertex[k]];
-        l.b[k] = vertex_of_b(pair, b->vertex[k]);
-    }
-    l.along = pe_sub(l.a[1], l.a[0]);
-    l.along = pe_scale(1 / pe_length(l.along), l.along);
-    for (int k = 0; k < 2; ++k) {
-        l.at_a[k] = pe_dot(l.along, l.a[k]);
-        l.at_b[k] = pe_dot(l.along, l.b[k]);
-    }
-    int first_b = l.at_b[0] < l.at_b[1] ? 0 : 1;
-    double low = pe_max(l.at_a[0], l.at_b[first_b]), high = pe_min(l.at_a[1], l.at_b[1 - first_b]);
-    double slack = PE_CLIP_SLACK * pair->size;
-    for (int end = 0; end < 2 && high - low > slack; ++end) {
-        double t = end == 0 ? low : high;
-        int at_b = end == 0 ? first_b : 1 - first_b;
-        bool of_a = fabs(t - l.at_a[end]) <= slack;
-        const int end_a[2] = {a->vertex[end], a->vertex[end]};
-        const int end_b[2] = {b->vertex[at_b], b->vertex[at_b]};
-        add_line_point(pair, &l, n, t,
-                       of_a ? witness_feature(pair, END_OF_A, end_a, b->vertex)
-                            : witness_feature(pair, END_OF_B, a->vertex, end_b),
-                       found);
-    }
-}
-
-/* The sine of the angle of two edges that both lie across the normal; 2: they do not. */
-static double sine_of_edges(const pe_polytope_pair *pair, const pe_edge *a, const pe_edge *b,
-                            const pe_separation *s)
-{
-    pe_vec3 u = pe_sub(pair->a.vertices[a->vertex[1]], pair->a.vertices[a->vertex[0]]);
-    pe_vec3 v = pe_rotate(&pair->b_in_a.turn,
-                          pe_sub(pair->b.vertices[b->vertex[1]], pair->b.vertices[b->vertex[0]]));
-    double lu = pe_length(u), lv = pe_length(v);
-    /* Over a wide gap, points opposite each other along the normal would be far apart sideways. */
-    double most = PE_EDGE_ACROSS * pe_min(1, pair->size / fabs(s->distance));
-    bool across = fabs(pe_dot(u, s->normal)) < most * lu && fabs(pe_dot(v, s->normal)) < most * lv;
-    return across ? pe_length(pe_cross(u, v)) / (lu * lv) : 2;
-}
-
-/* Adds the line contact of the most parallel edges at the witness that lie across the normal. */
-static void touching_line(const pe_polytope_pair *pair, const pe_separation *s, const witness *w,
-                          pe_candidates *found)
-{
-    const pe_polytope *a = &pair->a, *b = &pair->b;
-    if (a->edge_count == 0 || b->edge_count == 0) {
-        return;
-    }
-    double least = PE_LINE_CONTACT;
-    const pe_edge *edge_a = NULL, *edge_b = NULL;
-    for (int i = a->vertex_first[w->ends_a[0]]; i < a->vertex_first[w->ends_a[0] + 1]; ++i) {
-        for (int j = b->vertex_first[w->ends_b[0]]; j < b->vertex_first[w->ends_b[0] + 1]; ++j) {
-            const pe_edge *p = &a->edges[a->vertex_edges[i]], *q = &b->edges[b->vertex_edges[j]];
-            double sine = sine_of_edges(pair, p, q, s);
-            if (sine < least) {
-                least = sine;
-                edge_a = p;
-                edge_b = q;
-            }
+    pe_polytope_add_nearest(pair, line, line, line->distance + PE_SAME_DISTANCE * pair->size,
+                            found);
+    for (int i = 0; i < faces->count; ++i) {
+        const pe_pair_point *point = &faces->item[i];
+        if (point->separation > line->distance + PE_EDGES_MEET * pair->size) {
+            found->item[found->count++] = *point;
         }
     }
-    if (edge_a != NULL) {
-        line_contact(pair, edge_a, edge_b, s->normal, found);
-    }
 }
-
-/* ---- Manifolds ---- */
 
 /* Fills the manifold along the direction. False: `must_be_real`, and no point realises the
  * distance. */
@@ -410,20 +250,18 @@ static bool contact(const pe_polytope_pair *pair, const pe_separation *s, bool m
         face_contact(&w, &found);
     }
     double tolerance = PE_SAME_DISTANCE * pair->size;
-    if (found.least > separation + tolerance) {
+    if (s->kind == PE_OF_LINE) {
+        const pe_candidates faces = found;
+        pe_candidates_clear(&found);
+        line_and_faces(pair, s, &faces, &found);
+    } else if (found.least > separation + tolerance) {
         if (must_be_real) {
             return false;
         }
         /* Cores that touch, but not at a face, have nearest points, too. */
         bool touch = s->kind != PE_OF_EDGES && fabs(s->distance) <= tolerance;
         pe_separation points = touch ? pe_polytope_distance(pair, s) : *s;
-        witness w = witness_of(pair, &points);
-        if (found.count == 0) {
-            touching_line(pair, s, &w, &found);
-        }
-        if (found.least > separation + tolerance) {
-            add_witness(pair, s, &w, &found);
-        }
+        pe_polytope_add_nearest(pair, s, &points, separation + tolerance, &found);
     }
     manifold->normal = pe_rotate(&pair->pose_a->rotation, s->normal);
     manifold->normal_on_b = s->kind == PE_OF_FACE_B;
@@ -442,13 +280,30 @@ static void contact_apart(const pe_polytope_pair *pair, const pe_separation *sta
     }
 }
 
+bool pe_collide_meeting_edges(pe_placed a, pe_placed b, double margin, pe_pair_manifold *manifold)
+{
+    pe_polytope_pair pair;
+    pe_polytope_pair_make(a, b, &pair);
+    pe_separation face, line;
+    return pe_polytope_best_face(&pair, margin + PE_EDGES_MEET * pair.size, &face) &&
+           pe_polytope_edges_meet(&pair, &face, &line) &&
+           contact(&pair, &line, false, margin, manifold);
+}
+
 void pe_collide_polytopes(pe_placed a, pe_placed b, double margin, pe_pair_manifold *manifold)
 {
     pe_polytope_pair pair;
     pe_polytope_pair_make(a, b, &pair);
     double limit = margin + pair.a.radius + pair.b.radius;
-    pe_separation s;
-    if (!pe_polytope_best_face(&pair, limit, &s)) {
+    pe_separation s, line;
+    if (!pe_polytope_best_face(&pair, limit + PE_EDGES_MEET * pair.size, &s)) {
+        return;
+    }
+    if (pe_polytope_edges_meet(&pair, &s, &line)) {
+        contact(&pair, &line, false, margin, manifold);
+        return;
+    }
+    if (s.distance > limit) {
         return;
     }
     /* A gap along a face is the distance if points realise it; else the distance is to be found. */
