@@ -3,6 +3,7 @@
 #include "built_in.h"
 #include "contact_problems.h"
 #include "plumb/contact_problem.h"
+#include "plumb/contact_times.h"
 #include "plumb/engine.h"
 #include "plumb/scenario.h"
 
@@ -373,10 +374,34 @@ static int read_contacts(const pl_engine_instance *instance, pl_contact *contact
     return count;
 }
 
+static void store_place(pl_contact_place *to, const pe_contact_place *from)
+{
+    store(to->arm_a, from->arm_a);
+    store(to->arm_b, from->arm_b);
+    store(to->normal, from->normal);
+}
+
+/* read_contacts was called just before. */
+static void read_contact_times(const pl_engine_instance *instance, pl_contact_time *times,
+                               int count)
+{
+    for (int i = 0; i < count; ++i) {
+        const pe_contact *c = &instance->contacts[i];
+        times[i].begin = c->begin;
+        times[i].end = c->end;
+        times[i].order = c->order;
+        store_place(&times[i].acts, &c->acts);
+        store_place(&times[i].holds, &c->holds);
+    }
+}
+
 static const void *extension(const char *name)
 {
     static const pl_contact_problems contact_problems = {.capture = capture};
-    return strcmp(name, PL_CONTACT_PROBLEMS) == 0 ? &contact_problems : NULL;
+    static const pl_contact_times contact_times = {.read = read_contact_times};
+    return strcmp(name, PL_CONTACT_PROBLEMS) == 0 ? (const void *)&contact_problems
+           : strcmp(name, PL_CONTACT_TIMES) == 0  ? &contact_times
+                                                  : NULL;
 }
 
 const pl_engine *pl_engine_plumb(void)

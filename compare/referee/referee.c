@@ -157,7 +157,12 @@ static double or_infinity(double value)
 /* Energy, momentum and contact impulses of a step, which starts at r->last. */
 static void see_mechanics(pl_referee *r, const pl_step_observation *seen)
 {
-    pl_step step = {r->done, r->last, seen->frame->bodies, seen->contacts, seen->contact_count};
+    pl_step step = {.number = r->done,
+                    .before = r->last,
+                    .after = seen->frame->bodies,
+                    .contacts = seen->contacts,
+                    .times = seen->contact_times,
+                    .contact_count = seen->contact_count};
     if (step.contact_count < 0 && r->no_contacts_step == 0) {
         r->no_contacts_step = r->done;
     }

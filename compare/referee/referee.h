@@ -6,7 +6,7 @@
 #ifndef PLUMB_REFEREE_H
 #define PLUMB_REFEREE_H
 
-#include "plumb/engine_abi.h"
+#include "plumb/contact_times.h"
 #include "plumb/scene.h"
 #include "referee/metrics/integrator.h"
 #include "referee/metrics/metrics.h"
@@ -33,6 +33,7 @@ typedef struct pl_step_observation {
     const pl_step_stats *stats; /* NULL if the engine reports none */
     const pl_contact *contacts; /* of this step; NULL with contact_count < 0 if not reported */
     int contact_count;
+    const pl_contact_time *contact_times; /* (contact_count); NULL: over the whole step */
     double cpu_time;       /* of the process, for the step call alone, s */
     bool has_points_alone; /* the engine reported contact points, and not their impulses */
 } pl_step_observation;

@@ -95,3 +95,30 @@ pl_status pl_check_contacts(const pl_contact *contacts, int count, uint32_t repo
     }
     return status;
 }
+
+static bool is_place(const pl_contact_place *place)
+{
+    const double *n = place->normal, length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    return is_finite(place->arm_a) && is_finite(place->arm_b) && fabs(length - 1) <= UNIT;
+}
+
+pl_status pl_check_contact_times(const pl_contact_time *times, int count, double dt, long step,
+                                 pl_error *error)
+{
+    for (int i = 0; i < count; ++i) {
+        const pl_contact_time *t = &times[i];
+        if (!(t->begin >= 0 && t->begin <= t->end && t->end <= dt * (1 + UNIT))) {
+            return pl_fail(error, PL_FAILED,
+                           "the engine reports at step %ld, of %g s, that a contact acted from %g "
+                           "to %g s",
+                           step, dt, t->begin, t->end);
+        }
+        if (!is_place(&t->acts) || !is_place(&t->holds)) {
+            return pl_fail(error, PL_FAILED,
+                           "the engine reports at step %ld a contact whose place has an arm that is "
+                           "not finite or a normal that is no unit vector",
+                           step);
+        }
+    }
+    return PL_OK;
+}

@@ -3,7 +3,7 @@
 #ifndef PLUMB_REPORTED_VALUES_H
 #define PLUMB_REPORTED_VALUES_H
 
-#include "plumb/engine_abi.h"
+#include "plumb/contact_times.h"
 
 /* Checks the statistics of a step: each is NAN (unknown), or finite and at least 0. PL_FAILED. */
 pl_status pl_check_stats(const pl_step_stats *stats, long step, pl_error *error);
@@ -13,5 +13,9 @@ pl_status pl_check_stats(const pl_step_stats *stats, long step, pl_error *error)
  * PL_FAILED. */
 pl_status pl_check_contacts(const pl_contact *contacts, int count, uint32_t reported,
                             int body_count, long step, pl_error *error);
+
+/* PL_FAILED: a time outside the step, or a number that is not finite. `dt`: of the step, s. */
+pl_status pl_check_contact_times(const pl_contact_time *times, int count, double dt, long step,
+                                 pl_error *error);
 
 #endif

@@ -24,6 +24,8 @@ typedef struct run {
     pl_frame frame, good;
     bool has_good;
     pl_contact *contacts;
+    pl_contact_time *times; /* of `contacts` */
+    int time_capacity;
     int contact_capacity;
     pl_positions_writer positions;
 } run;
@@ -236,6 +238,14 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
         status = pl_check_contacts(r->contacts, count, r->session.loaded.table.contacts,
                                    def->scene->body_count, result->steps_done, &fault);
     }
+    bool has_times = false;
+    if (status == PL_OK) {
+        status = pl_session_read_contact_times(&r->session, count, &r->times, &r->time_capacity,
+                                               &has_times, &fault);
+    }
+    if (status == PL_OK && has_times) {
+        status = pl_check_contact_times(r->times, count, def->scene->dt, result->steps_done, &fault);
+    }
     if (status != PL_OK) {
         *going = false;
         set_failure(result, status, &fault);
@@ -248,6 +258,7 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
                                       .stats = &stats,
                                       .contacts = has_impulses ? r->contacts : NULL,
                                       .contact_count = has_impulses ? count : -1,
+                                      .contact_times = has_impulses && has_times ? r->times : NULL,
                                       .has_points_alone = !has_impulses && count > 0,
                                       .cpu_time = cost.cpu_time};
     pl_ending ending = pl_referee_step(r->referee, &seen, &fault);
@@ -363,5 +374,6 @@ cleanup:
     free(r.frame.bodies);
     free(r.good.bodies);
     free(r.contacts);
+    free(r.times);
     return status;
 }

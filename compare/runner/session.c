@@ -217,6 +217,37 @@ pl_status pl_session_read_contacts(pl_session *session, pl_contact **contacts, i
                    *capacity);
 }
 
+static const pl_contact_times *contact_times_of(const pl_engine *engine)
+{
+    return engine->extension != NULL ? engine->extension(PL_CONTACT_TIMES) : NULL;
+}
+
+pl_status pl_session_read_contact_times(pl_session *session, int count, pl_contact_time **times,
+                                        int *capacity, bool *known, pl_error *error)
+{
+    *known = false;
+    if (count <= 0) {
+        return PL_OK;
+    }
+    before_call(session, PL_STAGE_READ);
+    const pl_contact_times *table = contact_times_of(&session->loaded.table);
+    after_call(session, PL_CALLS_READ);
+    if (table == NULL) {
+        return PL_OK;
+    }
+    if (count > *capacity) {
+        pl_status status = pl_array_reserve(times, capacity, count, sizeof **times, error);
+        if (status != PL_OK) {
+            return status;
+        }
+    }
+    before_call(session, PL_STAGE_READ);
+    table->read(session->instance, *times, count);
+    after_call(session, PL_CALLS_READ);
+    *known = true;
+    return PL_OK;
+}
+
 void pl_session_read_settings(pl_session *session, pl_engine_settings *settings)
 {
     settings->struct_size = sizeof *settings;

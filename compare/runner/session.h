@@ -7,6 +7,7 @@
 #include "engines/float_environment.h"
 #include "engines/load_engine.h"
 #include "engines/registry.h"
+#include "plumb/contact_times.h"
 #include "plumb/scenario.h"
 #include "resource_usage.h"
 
@@ -84,6 +85,11 @@ void pl_session_read_frame(pl_session *session, pl_frame *frame);
  * PL_NO_MEMORY. */
 pl_status pl_session_read_contacts(pl_session *session, pl_contact **contacts, int *capacity,
                                    int *count, pl_error *error);
+
+/* When the contacts of the last pl_session_read_contacts acted: *times, an array of *capacity that
+ * may grow. *known is false when the engine does not say, or there are none. PL_NO_MEMORY. */
+pl_status pl_session_read_contact_times(pl_session *session, int count, pl_contact_time **times,
+                                        int *capacity, bool *known, pl_error *error);
 
 /* What the engine reads back; `settings` has its arrays and body_count, and is prepared here. */
 void pl_session_read_settings(pl_session *session, pl_engine_settings *settings);

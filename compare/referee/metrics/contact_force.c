@@ -15,6 +15,7 @@
  * restitution. */
 #include "contact_force.h"
 
+#include "contact_motion.h"
 #include "referee/geometry/solid.h"
 #include "series.h"
 
@@ -32,6 +33,7 @@ typedef enum series_id {
 
 struct pl_contact_force {
     const pl_scene *scene;
+    pl_contact_motion *motion;
     pl_vec *excess[PL_POSITION_RULE_COUNT]; /* each (body_count): impulses less their effect, N s */
     pl_series series[SERIES_COUNT];
     bool unreported; /* in some step the engine reported no contacts */
@@ -58,6 +60,7 @@ pl_contact_force *pl_contact_force_create(const pl_scene *scene, pl_arena *arena
         return NULL;
     }
     f->scene = scene;
+    f->motion = pl_contact_motion_create(scene, arena);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         f->excess[k] = pl_arena_take(arena, (size_t)scene->body_count, sizeof *f->excess[k]);
     }
@@ -139,40 +142,66 @@ static void see_balance(pl_contact_force *f, const pl_step *step)
 
 /* ---- The law of each contact ---- */
 
-/* Adds one body's part in a contact to `t`, and returns the velocity of its point, m/s. */
-static pl_vec add_side(const pl_scene *scene, int index, const pl_contact *contact,
-                       const pl_step *step, touch *t)
+/* From the body's centre of mass to the contact's point, m, both at the start of the step. */
+static pl_vec arm_of(const pl_scene *scene, int body, const pl_contact *contact,
+                     const pl_step *step)
+{
+    return pl_vec_sub(pl_vec_of(contact->point),
+                      pl_state_centre(&scene->bodies[body], &step->before[body]));
+}
+
+/* The velocity of the body's point after the step, m/s. */
+static pl_vec point_velocity(const pl_scene *scene, int index, const pl_contact *contact,
+                             const pl_step *step)
+{
+    const pl_body_state *after = &step->after[index];
+    if (scene->bodies[index].is_static) {
+        return (pl_vec){0, 0, 0};
+    }
+    pl_vec turning = pl_vec_cross(pl_vec_of(after->angular_velocity),
+                                  arm_of(scene, index, contact, step));
+    return pl_vec_add(pl_vec_of(after->velocity), turning);
+}
+
+/* Adds one body's part in a contact at `arm` to `t`. */
+static void add_side(const pl_scene *scene, int index, pl_vec arm, const pl_step *step, touch *t)
 {
     const pl_body *body = &scene->bodies[index];
     if (body->is_static) {
-        return (pl_vec){0, 0, 0};
+        return;
     }
-    const pl_body_state *before = &step->before[index], *after = &step->after[index];
-    pl_vec arm = pl_vec_sub(pl_vec_of(contact->point), pl_state_centre(body, before));
-    pl_vec turning = pl_vec_cross(pl_vec_of(after->angular_velocity), arm);
-    pl_axes axes = pl_principal_axes(&body->shape, before->orientation);
+    pl_axes axes = pl_principal_axes(&body->shape, step->before[index].orientation);
     t->inverse_mass += 1 / body->mass;
     for (int k = 0; k < 3; ++k) {
         pl_vec lever = pl_vec_cross(axes.axis[k], arm);
         t->inverse_mass += pl_vec_dot(lever, lever) / (3 * body->inertia[k]);
     }
     t->weight = fmin(t->weight, body->mass * gravity_of(scene) * scene->dt);
-    return pl_vec_add(pl_vec_of(after->velocity), turning);
 }
 
-static touch touch_of(const pl_scene *scene, const pl_contact *contact, const pl_step *step)
+/* Contact i of the step, which left the relative velocity `velocity`. */
+static touch touch_of(const pl_scene *scene, int i, pl_vec velocity, const pl_step *step)
 {
+    const pl_contact *contact = &step->contacts[i];
+    const pl_contact_time *time = step->times != NULL ? &step->times[i] : NULL;
+    const int a = contact->body_a, b = contact->body_b;
     touch t = {.weight = HUGE_VAL};
-    pl_scene_pair(scene, scene->bodies[contact->body_a].material,
-                  scene->bodies[contact->body_b].material, &t.friction, &t.restitution);
-    pl_vec of_a = add_side(scene, contact->body_a, contact, step, &t);
-    pl_vec of_b = add_side(scene, contact->body_b, contact, step, &t);
-    pl_vec velocity = pl_vec_sub(of_b, of_a);
-    pl_vec n = pl_vec_of(contact->normal), r = pl_vec_of(contact->impulse);
+    pl_scene_pair(scene, scene->bodies[a].material, scene->bodies[b].material, &t.friction,
+                  &t.restitution);
+    add_side(scene, a, time != NULL ? pl_vec_of(time->acts.arm_a) : arm_of(scene, a, contact, step),
+             step, &t);
+    add_side(scene, b, time != NULL ? pl_vec_of(time->acts.arm_b) : arm_of(scene, b, contact, step),
+             step, &t);
+    const pl_vec n = pl_vec_of(time != NULL ? time->acts.normal : contact->normal);
+    const pl_vec at_end = pl_vec_of(time != NULL ? time->holds.normal : contact->normal);
+    const double dt = time != NULL ? time->end - time->begin : scene->dt;
+    const pl_vec r = pl_vec_of(contact->impulse);
     t.normal_impulse = pl_vec_dot(r, n);
     t.tangent_impulse = pl_vec_reject(r, n);
-    t.normal_velocity = pl_vec_dot(velocity, n) + fmax(contact->separation, 0) / scene->dt;
-    t.tangent_velocity = pl_vec_reject(velocity, n);
+    t.normal_velocity = pl_vec_dot(velocity, at_end);
+    /* A gap closes over an interval, not in the instant of an impact. */
+    t.normal_velocity += dt > 0 ? fmax(contact->separation, 0) / dt : 0;
+    t.tangent_velocity = pl_vec_reject(pl_vec_mad(velocity, -pl_vec_dot(velocity, at_end), at_end), n);
     return t;
 }
 
@@ -212,10 +241,10 @@ static void see_friction(pl_contact_force *f, long step, const touch *t, worst *
     }
 }
 
-static void see_contact(pl_contact_force *f, const pl_step *step, const pl_contact *contact,
+static void see_contact(pl_contact_force *f, const pl_step *step, int i, pl_vec velocity,
                         worst *most)
 {
-    const touch t = touch_of(f->scene, contact, step);
+    const touch t = touch_of(f->scene, i, velocity, step);
     if (!(t.inverse_mass > 0)) {
         return; /* both are static */
     }
@@ -225,6 +254,19 @@ static void see_contact(pl_contact_force *f, const pl_step *step, const pl_conta
         most->signorini = larger(most->signorini, power);
         most->natural_map = larger(most->natural_map, natural_map(&t));
     }
+}
+
+/* Contacts of a step on their way to its worst values. */
+typedef struct judging {
+    pl_contact_force *force;
+    const pl_step *step;
+    worst most;
+} judging;
+
+static void judge(void *context, int i, pl_vec velocity)
+{
+    judging *j = context;
+    see_contact(j->force, j->step, i, velocity, &j->most);
 }
 
 static void add_worst(pl_contact_force *f, series_id id, double value, long step)
@@ -240,11 +282,17 @@ void pl_contact_force_step(pl_contact_force *f, const pl_step *step)
     if (f->unreported) {
         return;
     }
-    worst most = {-1, -1, -1};
+    judging j = {f, step, {-1, -1, -1}};
     see_balance(f, step);
-    for (int i = 0; i < step->contact_count; ++i) {
-        see_contact(f, step, &step->contacts[i], &most);
+    if (step->times != NULL) {
+        pl_contact_motion_step(f->motion, step, judge, &j);
     }
+    for (int i = 0; i < step->contact_count && step->times == NULL; ++i) {
+        const pl_contact *c = &step->contacts[i];
+        judge(&j, i, pl_vec_sub(point_velocity(f->scene, c->body_b, c, step),
+                                point_velocity(f->scene, c->body_a, c, step)));
+    }
+    const worst most = j.most;
     add_worst(f, OF_CONE, most.cone, step->number);
     add_worst(f, OF_SIGNORINI, most.signorini, step->number);
     add_worst(f, OF_NATURAL_MAP, most.natural_map, step->number);

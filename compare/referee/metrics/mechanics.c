@@ -339,8 +339,19 @@ static void add_force(pl_mechanics *m, const pl_force *force, const pl_step *ste
     }
 }
 
+/* In units of the step: an interval shorter by less is the whole step. */
+static const double WHOLE_STEP = 1e-9;
+
+/* Whether the contact's point is where its impulse acted, and not where the bodies had it at the
+ * start of the step. */
+static bool is_at_own_time(const pl_contact_time *time, double dt)
+{
+    return time != NULL && time->end - time->begin < (1 - WHOLE_STEP) * dt;
+}
+
 /* Impulses and torques between dynamic bodies cancel; those of static bodies are external. */
-static void add_contact(pl_mechanics *m, const pl_contact *contact, const pl_step *step)
+static void add_contact(pl_mechanics *m, const pl_contact *contact, const pl_contact_time *time,
+                        const pl_step *step)
 {
     bool a_static = m->scene->bodies[contact->body_a].is_static;
     bool b_static = m->scene->bodies[contact->body_b].is_static;
@@ -350,8 +361,16 @@ static void add_contact(pl_mechanics *m, const pl_contact *contact, const pl_ste
     }
     const double sign = a_static ? 1 : -1;
     m->has_contact = true;
-    add_body_impulse(m, a_static ? contact->body_b : contact->body_a, step,
-                     pl_vec_of(contact->point), pl_vec_scale(pl_vec_of(contact->impulse), sign));
+    const pl_vec point = pl_vec_of(contact->point);
+    const pl_vec impulse = pl_vec_scale(pl_vec_of(contact->impulse), sign);
+    if (is_at_own_time(time, m->scene->dt)) {
+        add_impulse_rounding(m, point, impulse);
+        for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+            add_impulse(m, (pl_position_rule)k, point, impulse);
+        }
+    } else {
+        add_body_impulse(m, a_static ? contact->body_b : contact->body_a, step, point, impulse);
+    }
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         pl_vec *angular = &m->given.angular[k];
         *angular = pl_vec_mad(*angular, sign, pl_vec_of(contact->torque));
@@ -409,7 +428,7 @@ void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
         }
     }
     for (int i = 0; i < step->contact_count; ++i) {
-        add_contact(m, &step->contacts[i], step);
+        add_contact(m, &step->contacts[i], step->times != NULL ? &step->times[i] : NULL, step);
     }
     measure(m, step->after);
 }

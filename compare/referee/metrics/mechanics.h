@@ -7,6 +7,7 @@
 
 #include "base/arena.h"
 #include "integrator.h"
+#include "plumb/contact_times.h"
 #include "plumb/vec.h"
 #include "scale.h"
 
@@ -40,6 +41,7 @@ typedef struct pl_step {
     long number;                         /* from 1 */
     const pl_body_state *before, *after; /* (scene->body_count) */
     const pl_contact *contacts;          /* between bodies of the scene */
+    const pl_contact_time *times;        /* of the contacts; NULL: all are of the whole step */
     int contact_count;                   /* < 0: the engine reports no contacts */
 } pl_step;
 

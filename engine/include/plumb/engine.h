@@ -361,18 +361,34 @@ typedef struct pe_step_stats {
  * as before. After some steps of a scene that does not grow no memory is allocated. */
 pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_error *error);
 
-/* One contact point of the last step. */
+/* Where a contact is, seen from its bodies: world axes. */
+typedef struct pe_contact_place {
+    pe_vec3 arm_a, arm_b; /* m, from the centres of mass of A and B to the point */
+    pe_vec3 normal;       /* unit, from A to B */
+} pe_contact_place;
+
+/* One contact point of the last step, over the interval in which its impulse acted. That is the
+ * whole step, or a sub-step of an island that took its impacts at their own time. Such a point is
+ * listed once for each sub-step in which it could push, and once for each impact. */
 typedef struct pe_contact {
     pe_body_id body_a; /* A */
     pe_body_id body_b; /* B */
-    pe_vec3 point;     /* m, world, where the bodies had it at the start of the step */
+    pe_vec3 point;     /* m, world, where it was when the impulse acted; if that was over the whole
+                          step, where the bodies had it at the start of the step */
     pe_vec3 normal;    /* unit, world, from A to B */
-    double separation; /* m, at the start of the step; negative in penetration */
-    pe_vec3 impulse;   /* N s, world, on B, summed over the step */
+    double separation; /* m, at the start of the interval; negative in penetration */
+    pe_vec3 impulse;   /* N s, world, on B, summed over the interval */
+    double begin, end; /* s since the start of the step; equal: an impact, in an instant */
+    int order;         /* of the solves within the step: those of lower order acted before */
+    pe_contact_place acts; /* where the impulse acted */
+
+    /* Where the contact law holds for the velocities at the interval's end: the same place, or, if
+     * the impulse acted at the middle of the interval, where the contact was at its end. */
+    pe_contact_place holds;
 } pe_contact;
 
-/* Copies up to `capacity` contact points of the last step, in a fixed order, and returns how many
- * there are. `contacts` may be NULL when the capacity is 0. */
+/* Copies up to `capacity` contact points of the last step, in a fixed order in which `order` never
+ * decreases, and returns how many there are. `contacts` may be NULL when the capacity is 0. */
 int pe_world_get_contacts(const pe_world *world, pe_contact *contacts, int capacity);
 
 #ifdef __cplusplus

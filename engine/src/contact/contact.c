@@ -203,6 +203,7 @@ static pe_status reuse_pair(search *s, const examined *e)
         status = append(s, e, old->count, &m);
         if (status == PE_OK) {
             m->kept = true;
+            m->apart = false;
             m->built = old->built;
             transport(e, m, pe_manifold_points(s->old) + old->first,
                       pe_manifold_points(s->found) + m->first);
@@ -304,7 +305,7 @@ static pe_status build_pair(search *s, const examined *e, const pe_pair_manifold
             return status;
         }
         pe_manifold_point *points = pe_manifold_points(s->found) + m->first;
-        m->kept = false;
+        m->kept = m->apart = false;
         m->normal = from->normal;
         m->built = built_now(e, from);
         m->least_separation = HUGE_VAL;

@@ -217,6 +217,18 @@ static void forget_contacts(pe_contacts *contacts, int slot)
     contacts->manifold_count = kept;
 }
 
+static void forget_contacts_apart(pe_world *world, uint32_t slot)
+{
+    pe_contact *contacts = world->apart_array.items;
+    int kept = 0;
+    for (int i = 0; i < world->apart_count; ++i) {
+        if (contacts[i].body_a.index != slot && contacts[i].body_b.index != slot) {
+            contacts[kept++] = contacts[i];
+        }
+    }
+    world->apart_count = kept;
+}
+
 pe_status pe_body_destroy(pe_world *world, pe_body_id body, pe_error *error)
 {
     pe_status status = check_id(world, body, error);
@@ -227,6 +239,7 @@ pe_status pe_body_destroy(pe_world *world, pe_body_id body, pe_error *error)
     pe_body *gone = &pe_bodies(world)[slot];
     forget_contacts(&world->contacts, slot);
     forget_contacts(&world->solved, slot);
+    forget_contacts_apart(world, body.index);
     world->bodies_changed = true;
     world->contacts_stale = true;
     gone->alive = false;

@@ -94,6 +94,7 @@ typedef struct pe_manifold {
     int first, count;
     double least_separation; /* m, of its points */
     double friction, restitution;
+    bool apart; /* its impulses of the step are in world->apart */
     bool kept; /* its points are those of the list before, transported by the bodies */
     pe_built built;
 } pe_manifold;
@@ -124,6 +125,7 @@ struct pe_world {
     pe_allocator allocator;
 
     pe_array body_array, pose_array, twist_array, mass_array, applied_force_array, record_array;
+    pe_array start_pose_array; /* (slots of then): at the start of the last step */
     bool has_applied_forces; /* since the last step */
     int slot_count;          /* slots in use or free, the dummy included */
     int first_free;
@@ -145,6 +147,10 @@ struct pe_world {
     pe_contacts contacts, previous, solved;
     /* `contacts` and `previous` of the island that takes sub-steps (impact.c). */
     pe_contacts substep_contacts, substep_previous;
+    /* (apart_count) pe_contact: the points of the last step that did not act over the whole step at
+     * its start. */
+    pe_array apart_array;
+    int apart_count;
     double previous_dt;
     bool contacts_stale; /* bodies or materials were changed since `contacts` were found */
 

@@ -45,7 +45,7 @@ static const double FIXED = 1e-9;
 
 typedef struct midpoint {
     pe_world *world;
-    const pe_island_problem *built;
+    pe_island_problem *built;
     const pe_problem *problem;
     const pe_free_motion *free;
     double dt;
@@ -362,6 +362,9 @@ static void transport_points(const midpoint *s, const pe_solver_manifold *manifo
         point->slip[0] = at_end[1] - at_half[1];
         point->slip[1] = at_end[2] - at_half[2];
         s->built->normal_change[j] = change;
+        pe_vec3 offset_end = transport_point(manifold, point, f, &to_end);
+        s->built->end[j] = (pe_contact_place){pe_add(end.rA, offset_end),
+                                              pe_add(end.rB, offset_end), end.axis[0]};
         pe_v3_store(ra, pe_add(half.rA, offset));
         pe_v3_store(rb, pe_add(half.rB, offset));
         point->scale = pe_point_scale(&inertia[manifold->a], &inertia[manifold->b], ra, rb);
@@ -448,7 +451,7 @@ static bool oppose_mean_slip(const midpoint *s, const pe_solver_manifold *manifo
     return any;
 }
 
-pe_status pe_problem_to_midpoint(pe_world *world, const pe_island_problem *built,
+pe_status pe_problem_to_midpoint(pe_world *world, pe_island_problem *built,
                                  const pe_free_motion *free, double dt, pe_error *error)
 {
     midpoint s = {
@@ -458,7 +461,8 @@ pe_status pe_problem_to_midpoint(pe_world *world, const pe_island_problem *built
         return PE_OK;
     }
     s.fixed = pe_scratch(world, (size_t)count + 1, sizeof *s.fixed);
-    if (s.fixed == NULL) {
+    built->end = pe_scratch_zero(world, (size_t)built->problem.point_count, sizeof *built->end);
+    if (pe_scratch_failed(world)) {
         return pe_fail(error, PE_NO_MEMORY, "no memory for %d manifolds", count);
     }
     bool changed = false;
@@ -467,6 +471,8 @@ pe_status pe_problem_to_midpoint(pe_world *world, const pe_island_problem *built
     }
     if (changed) {
         pe_problem_rebuild_velocity(s.problem);
+    } else {
+        built->end = NULL;
     }
     changed = true;
     for (int round = 0; round < SLIP_ROUNDS && changed; ++round) {

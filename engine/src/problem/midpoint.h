@@ -24,7 +24,7 @@
 
 /* Transports the manifolds of `built`, whose velocities are in step with its impulses, and are
  * afterwards. `free` (slots) is the motion without contacts; `dt` in s. */
-pe_status pe_problem_to_midpoint(pe_world *world, const pe_island_problem *built,
+pe_status pe_problem_to_midpoint(pe_world *world, pe_island_problem *built,
                                  const pe_free_motion *free, double dt, pe_error *error);
 
 #endif

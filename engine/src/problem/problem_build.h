@@ -13,6 +13,9 @@ typedef struct pe_interval {
     const pe_free_motion *free; /* (slots): the motion without contacts; NULL: bodies are at rest */
     double dt;                  /* s */
     pe_path path;               /* set to the path on which the island was solved */
+    bool substep;               /* its contacts are listed apart */
+    double begin;               /* s since the start of the step */
+    int order;                  /* of the solves within the step */
 } pe_interval;
 
 /* The problem of an island, and its places in the world. */
@@ -23,6 +26,8 @@ typedef struct pe_island_problem {
     int *point_of;         /* (point_count): the world's manifold point of each point */
     double *normal_change; /* (point_count): m/s, by how much the rotation in half a step changes
                               u_n; 0 where the point was not transported to the midpoint */
+    pe_contact_place *end; /* (point_count): the contact at the end of the step, of points that were
+                              transported; NULL: none was. The normals of others are zero. */
 } pe_island_problem;
 
 /* Builds the island's problem in the step's arena, with the impulses of its manifold points and the

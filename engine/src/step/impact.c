@@ -36,6 +36,7 @@ typedef struct substeps {
     pe_twist *ends;       /* (bodies) at the end of `left`, without the impact */
     double left;          /* s, of the step */
     double slow;          /* m/s: a contact that closes more slowly is no impact */
+    int order;            /* of the last solve in the step */
     int searches_left;    /* for contacts */
 } substeps;
 
@@ -200,9 +201,9 @@ static pe_status find_contacts(substeps *s)
 
 /* The point of the step's contacts that stands for a point of a sub-step: of the same pair, that on
  * the same features, or else the nearest. */
-static pe_point_walk step_point_of(const substeps *s, const pe_point_walk *of)
+static pe_manifold_point *step_point_of(const substeps *s, const pe_point_walk *of)
 {
-    pe_point_walk best = {0};
+    pe_manifold_point *best = NULL;
     double least = HUGE_VAL;
     pe_point_walk at = pe_walk_island(&s->world->substep_contacts, &s->step->islands, s->k);
     while (pe_next_point(&at)) {
@@ -211,48 +212,21 @@ static pe_point_walk step_point_of(const substeps *s, const pe_point_walk *of)
             double distance = at.point->feature == of->point->feature ? -1 : pe_dot(off, off);
             if (distance < least) {
                 least = distance;
-                best = at;
+                best = at.point;
             }
         }
     }
     return best;
 }
 
-static bool is_larger(pe_vec3 a, pe_vec3 b)
-{
-    return pe_dot(a, a) > pe_dot(b, b);
-}
-
-/* How far the bodies of a manifold have moved in the step, m: the mean of those that move at all. */
-static pe_vec3 displacement_of(const substeps *s, const pe_manifold *m)
-{
-    const int slots[2] = {m->a, m->b};
-    pe_vec3 sum = {0, 0, 0};
-    int moving = 0;
-    for (int k = 0; k < 2; ++k) {
-        if (!pe_bodies(s->world)[slots[k]].is_static) {
-            sum = pe_add(sum, pe_sub(pe_poses(s->world)[slots[k]].position,
-                                     s->step->poses[slots[k]].position));
-            moving += 1;
-        }
-    }
-    return pe_scale(1.0 / moving, sum);
-}
-
-/* Adds the impulses of a sub-step's list to those of the step, whose points get the position and
- * the normal at which most of their impulses acted: seen from the bodies, which are where they were
- * at the step's start. Their gap stays that of the step's start. */
+/* Adds the impulses of a sub-step's list to those of the step, from which the next one starts. */
 static void add_impulses(const substeps *s, const pe_contacts *list)
 {
     for (pe_point_walk at = pe_walk_points(list); pe_next_point(&at);) {
         if (pe_dot(at.point->impulse, at.point->impulse) > 0) {
-            pe_point_walk to = step_point_of(s, &at);
+            pe_manifold_point *to = step_point_of(s, &at);
             /* NOLINTNEXTLINE(clang-analyzer-core.*): the step's list has points of every pair */
-            if (is_larger(at.point->impulse, to.point->impulse)) {
-                to.manifold->normal = at.manifold->normal;
-                to.point->position = pe_sub(at.point->position, displacement_of(s, at.manifold));
-            }
-            to.point->impulse = pe_add(to.point->impulse, at.point->impulse);
+            to->impulse = pe_add(to->impulse, at.point->impulse);
         }
     }
 }
@@ -261,6 +235,8 @@ static void add_impulses(const substeps *s, const pe_contacts *list)
 
 static void predict(substeps *s, double dt)
 {
+    s->interval.begin = s->step->dt - s->left;
+    s->interval.order = ++s->order;
     for (int i = 0; i < body_count(s); ++i) {
         int slot = s->island.bodies[i];
         s->free[slot] = pe_predict_body(s->world, slot, false, dt);
@@ -366,6 +342,7 @@ static void restore(substeps *s)
 /* Moves for about `time`, to the impact, or to the end of the step. */
 static pe_status move_to_impact(substeps *s, double time)
 {
+    const int listed = s->world->apart_count;
     save(s);
     for (int n = 0; n < MAX_TRIES; ++n) {
         pe_status status = move(s, time);
@@ -381,6 +358,7 @@ static pe_status move_to_impact(substeps *s, double time)
             break;
         }
         restore(s);
+        s->world->apart_count = listed;
         pe_contacts_swap(&s->world->contacts, &s->world->previous);
         count_points(s);
         time = next;
@@ -423,6 +401,9 @@ static pe_status solve_impact(substeps *s)
         }
         pe_problem_store_impulses(s->world, &built);
         add_impulses(s, &s->world->contacts);
+        s->interval.begin = s->step->dt - s->left;
+        s->interval.order = ++s->order;
+        status = pe_list_apart(s->step, &s->interval, s->interval.begin, &built, NULL);
     }
     choose(s, ALL);
     s->slow = pe_max(s->slow, MINOR * speed);
@@ -477,6 +458,7 @@ static void take_over_contacts(substeps *s)
         if (last == NULL || last->a != a || last->b != b) {
             s->pairs.items[s->pairs.count++] = (pe_pair){a, b};
         }
+        at.manifold->apart = true;
         at.point->impulse = pe_v3(0, 0, 0);
     }
 }
@@ -509,7 +491,7 @@ static pe_status begin_substeps(substeps *s)
     s->island.start[0] = s->island.start[1] = 0;
     s->island.body_start[0] = 0;
     s->island.body_start[1] = count;
-    s->interval = (pe_interval){.islands = &s->island, .free = s->free, .path = PE_PATH_NONE};
+    s->interval = (pe_interval){.islands = &s->island, .free = s->free, .substep = true};
     s->searches_left = most_searches(s);
     take_over_contacts(s);
     return PE_OK;

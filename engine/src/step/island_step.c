@@ -272,12 +272,10 @@ static bool pushes(const pe_island_problem *island, const pe_solver_manifold *ma
     return normal > 0;
 }
 
-/* Mean velocities of the bodies over the interval, and sums of old and new velocity. The item
- * behind the last body is that of static bodies. */
+/* How the bodies move, and sums of their old and new velocities. */
 typedef struct motion {
-    double (*mean)[6];
-    double (*sum)[6];
-    bool *late; /* moves by its new velocity */
+    pe_moved moved;
+    double (*sum)[6]; /* as mean */
 } motion;
 
 static pe_status begin_motion(pe_step *step, const pe_island_problem *island,
@@ -286,23 +284,23 @@ static pe_status begin_motion(pe_step *step, const pe_island_problem *island,
     pe_world *world = step->world;
     const pe_problem *problem = &island->problem;
     size_t bodies = (size_t)problem->body_count + 1;
-    m->mean = pe_scratch(world, bodies, sizeof *m->mean);
+    m->moved.mean = pe_scratch(world, bodies, sizeof *m->moved.mean);
     m->sum = pe_scratch(world, bodies, sizeof *m->sum);
-    m->late = pe_scratch(world, bodies, sizeof *m->late);
+    m->moved.late = pe_scratch(world, bodies, sizeof *m->moved.late);
     if (pe_scratch_failed(world)) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to move %d bodies",
                        problem->body_count);
     }
-    memset(m->mean[problem->body_count], 0, sizeof *m->mean);
+    memset(m->moved.mean[problem->body_count], 0, sizeof *m->moved.mean);
     memset(m->sum[problem->body_count], 0, sizeof *m->sum);
-    memset(m->late, 0, bodies * sizeof *m->late);
-    m->late[problem->body_count] = true; /* static bodies need no flag */
+    memset(m->moved.late, 0, bodies * sizeof *m->moved.late);
+    m->moved.late[problem->body_count] = true; /* static bodies need no flag */
     for (int i = 0; i < problem->body_count; ++i) {
         const pe_twist *drift = &free[island->slot[i]].mean;
         const pe_twist *old = &pe_twists(world)[island->slot[i]];
         const double *v = problem->velocity[i], *predicted = problem->free_velocity[i];
         for (int k = 0; k < 6; ++k) {
-            m->mean[i][k] = component(drift, k) + 0.5 * (v[k] - predicted[k]);
+            m->moved.mean[i][k] = component(drift, k) + 0.5 * (v[k] - predicted[k]);
             m->sum[i][k] = component(old, k) + v[k];
         }
     }
@@ -313,8 +311,8 @@ static pe_status begin_motion(pe_step *step, const pe_island_problem *island,
 static void find_late(const pe_world *world, const pe_island_problem *island, double dt, motion *m)
 {
     const pe_problem *problem = &island->problem;
-    const double(*sum)[6] = (const double(*)[6])m->sum, (*mean)[6] = (const double(*)[6])m->mean;
-    bool *late = m->late;
+    const double(*sum)[6] = (const double(*)[6])m->sum, (*mean)[6] = (const double(*)[6])m->moved.mean;
+    bool *late = m->moved.late;
     for (bool changed = true; changed;) {
         changed = false;
         for (int i = 0; i < problem->manifold_count; ++i) {
@@ -329,8 +327,8 @@ static void find_late(const pe_world *world, const pe_island_problem *island, do
             bool loaded = pushes(island, manifold, sum, &adds);
             if ((loaded && (adds || dynamic_late)) || closes(world, island, manifold, mean, dt)) {
                 late[a] = late[b] = changed = true;
-                memcpy(m->mean[a], problem->velocity[a], sizeof *m->mean);
-                memcpy(m->mean[b], problem->velocity[b], sizeof *m->mean);
+                memcpy(m->moved.mean[a], problem->velocity[a], sizeof *m->moved.mean);
+                memcpy(m->moved.mean[b], problem->velocity[b], sizeof *m->moved.mean);
             }
         }
     }
@@ -353,7 +351,7 @@ static void split_impulse(const pe_interval *interval, const pe_island_problem *
 }
 
 static pe_status integrate_island(pe_step *step, const pe_interval *interval,
-                                  const pe_island_problem *island)
+                                  const pe_island_problem *island, pe_moved *moved)
 {
     pe_world *world = step->world;
     motion m;
@@ -365,23 +363,30 @@ static pe_status integrate_island(pe_step *step, const pe_interval *interval,
     for (int i = 0; i < island->problem.body_count; ++i) {
         int slot = island->slot[i];
         pe_vec3 impulses[2], end, mean;
-        split_impulse(interval, island, i, m.late[i], impulses);
+        split_impulse(interval, island, i, m.moved.late[i], impulses);
         pe_rotate_freely(world, slot, interval->dt, impulses, &end, &mean);
         pe_twists(world)[slot] = (pe_twist){pe_v3_load(island->problem.velocity[i]), end};
-        pe_pose_move(&pe_poses(world)[slot], pe_scale(interval->dt, pe_v3_load(m.mean[i])),
+        pe_pose_move(&pe_poses(world)[slot], pe_scale(interval->dt, pe_v3_load(m.moved.mean[i])),
                      pe_scale(interval->dt, mean));
     }
+    *moved = m.moved;
     return PE_OK;
 }
 
 pe_status pe_island_end(pe_step *step, pe_island_item *item)
 {
+    const pe_interval *interval = &item->interval;
+    pe_moved moved;
     pe_status status = end_solve(step, item);
     if (status == PE_OK) {
-        status = integrate_island(step, &item->interval, &item->island);
+        status = integrate_island(step, interval, &item->island, &moved);
     }
     if (status == PE_OK) {
         pe_problem_store_impulses(step->world, &item->island);
+        if (interval->substep || item->island.end != NULL) {
+            status = pe_list_apart(step, interval, interval->begin + interval->dt, &item->island,
+                                   &moved);
+        }
     }
     return status;
 }

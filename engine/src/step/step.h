@@ -21,7 +21,7 @@ typedef struct pe_step {
 
     /* At the step's start. */
     pe_islands islands;
-    pe_pose *poses;
+    pe_pose *poses; /* the world's start_pose_array */
     pe_twist *twists;
     pe_free_motion *free; /* the step without contacts */
 
@@ -87,6 +87,18 @@ pe_status pe_island_step(pe_step *step, pe_interval *interval);
 /* Moves a body that touches nothing over dt, in s. Without a torque its rotation is integrated by a
  * rule of fourth order, except in the fast profile. `free` (slots): the motion without contacts. */
 void pe_integrate_free(pe_world *world, int slot, const pe_free_motion *free, double dt);
+
+/* How a body of an island has moved in an interval. */
+typedef struct pe_moved {
+    double (*mean)[6]; /* (bodies + 1): mean velocities; the last item is that of static bodies */
+    bool *late;        /* (bodies + 1): moved by its new velocity, as by an impulse at the start */
+} pe_moved;
+
+/* Lists the island's contacts apart, with their impulses over the interval, which ends at `end`, in
+ * s since the start of the step. `moved` NULL: an impact, which took no time. Called when the
+ * impulses are stored and the bodies have moved (contact_report.c). */
+pe_status pe_list_apart(pe_step *step, const pe_interval *interval, double end,
+                        const pe_island_problem *island, const pe_moved *moved);
 
 /* ---- Impacts at their own time (impact.c) ---- */
 

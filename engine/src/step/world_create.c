@@ -109,7 +109,7 @@ void pe_world_destroy(pe_world *world)
     pe_array *arrays[] = {
         &world->body_array,          &world->pose_array,          &world->twist_array,
         &world->mass_array,          &world->applied_force_array, &world->record_array,
-        &world->material_pair_array,
+        &world->material_pair_array, &world->start_pose_array,    &world->apart_array,
     };
     pe_contacts *lists[] = {&world->contacts, &world->previous, &world->solved,
                             &world->substep_contacts, &world->substep_previous};

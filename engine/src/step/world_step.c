@@ -62,7 +62,6 @@ static pe_status begin_step(pe_step *step)
 {
     pe_world *world = step->world;
     size_t slots = (size_t)world->slot_count;
-    step->poses = pe_scratch(world, slots, sizeof *step->poses);
     step->twists = pe_scratch(world, slots, sizeof *step->twists);
     step->free = pe_scratch(world, slots, sizeof *step->free);
     step->solved_directly = pe_scratch_zero(world, slots, sizeof(bool));
@@ -72,6 +71,12 @@ static pe_status begin_step(pe_step *step)
     if (pe_scratch_failed(world)) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to step %zu bodies", slots);
     }
+    pe_status status = pe_array_reserve(&world->start_pose_array, &world->allocator,
+                                        sizeof *step->poses, slots, 0, step->error);
+    if (status != PE_OK) {
+        return status;
+    }
+    step->poses = world->start_pose_array.items;
     memset(step->moves, true, slots * sizeof *step->moves);
     memcpy(step->poses, pe_poses(world), slots * sizeof *step->poses);
     memcpy(step->twists, pe_twists(world), slots * sizeof *step->twists);
@@ -155,7 +160,7 @@ static pe_status end_island(pe_step *step, pe_island_item *item)
 static pe_status begin_island(pe_step *step, int k, pe_island_item *item)
 {
     *item = (pe_island_item){
-        .interval = {&step->islands, k, step->free, step->dt, PE_PATH_NONE},
+        .interval = {.islands = &step->islands, .k = k, .free = step->free, .dt = step->dt},
     };
     if (pe_island_hold(step, k)) {
         count_island(step, k, PE_PATH_SWEEPS);
@@ -503,6 +508,7 @@ pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_err
         return status;
     }
     pe_arena_reset(&world->arena, &world->allocator);
+    world->apart_count = 0;
     pe_step step = {
         .world = world,
         .dt = dt,
@@ -524,24 +530,4 @@ pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_err
         *stats = step.stats;
     }
     return PE_OK;
-}
-
-int pe_world_get_contacts(const pe_world *world, pe_contact *contacts, int capacity)
-{
-    const pe_body *bodies = pe_bodies(world);
-    int count = 0;
-    for (pe_point_walk at = pe_walk_points(&world->solved); pe_next_point(&at); ++count) {
-        if (count < capacity) {
-            int a = at.manifold->a, b = at.manifold->b;
-            contacts[count] = (pe_contact){
-                .body_a = {(uint32_t)a, bodies[a].generation},
-                .body_b = {(uint32_t)b, bodies[b].generation},
-                .point = at.point->position,
-                .normal = at.manifold->normal,
-                .separation = at.point->separation,
-                .impulse = at.point->impulse,
-            };
-        }
-    }
-    return count;
 }

@@ -1,0 +1,32 @@
+/* The velocities that each contact left, where an engine says when its contacts acted.
+ *
+ * From the state before the step on, the momenta of each body follow from gravity and from the
+ * reported impulses in their order. An impulse over an interval [b, e] leaves
+ *
+ *   v = v_b + (e - b) g + J/m,    w = w_free + I_b^-1 sum r x J,
+ *
+ * where w_free is what free rotation makes of w_b by e, and I_b the inertia in the axes of b: the
+ * velocities of time stepping (Moreau 1988; Jean 1999), which the contact law is imposed on. Then
+ * the body rotates, and keeps its angular momentum. What is left to the velocities that the engine
+ * reports at the step's end, by applied forces, position correction or errors, is added to those of
+ * the last interval. */
+#ifndef PLUMB_CONTACT_MOTION_H
+#define PLUMB_CONTACT_MOTION_H
+
+#include "mechanics.h"
+
+/* Memory for one step of all bodies. */
+typedef struct pl_contact_motion pl_contact_motion;
+
+/* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
+pl_contact_motion *pl_contact_motion_create(const pl_scene *scene, pl_arena *arena);
+
+/* Takes contact i of a step: the velocity of B's point relative to A's that it left where its law
+ * holds, m/s, world. */
+typedef void pl_contact_visit(void *context, int i, pl_vec velocity);
+
+/* Visits all contacts of a step whose times are known, in their order. */
+void pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step,
+                            pl_contact_visit *visit, void *context);
+
+#endif
