@@ -129,6 +129,8 @@ struct pl_mechanics {
     double *energy[PL_POSITION_RULE_COUNT]; /* each (body_count): of the last state */
     double *growth[PL_POSITION_RULE_COUNT]; /* each (body_count): in the last step, without work */
     pl_vec *turned;                         /* (body_count): of the last step; see find_turned */
+    bool *has_own_time;                     /* (body_count): a contact acted on it at its own time */
+    pl_vec *mean_shift; /* (body_count): of those, the mean of x over the step less x before it */
     totals first, last;
     external given;
     rounding blur;
@@ -146,6 +148,8 @@ pl_mechanics *pl_mechanics_create(const pl_scene *scene, pl_arena *arena)
     m->scene = scene;
     m->origin = pl_arena_take(arena, count, sizeof *m->origin);
     m->turned = pl_arena_take(arena, count, sizeof *m->turned);
+    m->has_own_time = pl_arena_take(arena, count, sizeof *m->has_own_time);
+    m->mean_shift = pl_arena_take(arena, count, sizeof *m->mean_shift);
     for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
         m->energy[k] = pl_arena_take(arena, count, sizeof *m->energy[k]);
         m->growth[k] = pl_arena_take(arena, count, sizeof *m->growth[k]);
@@ -274,14 +278,75 @@ static void add_body_impulse(pl_mechanics *m, int body, const pl_step *step, pl_
     }
 }
 
+/* In units of the step: an interval shorter by less is the whole step. */
+static const double WHOLE_STEP = 1e-9;
+
+/* Whether the contact's point is where its impulse acted, and not where the bodies had it at the
+ * start of the step. */
+static bool is_at_own_time(const pl_contact_time *time, double dt)
+{
+    return time != NULL && time->end - time->begin < (1 - WHOLE_STEP) * dt;
+}
+
+static const pl_contact_time *time_of(const pl_step *step, int contact)
+{
+    return step->times != NULL ? &step->times[contact] : NULL;
+}
+
+/* Adds what an impulse, spread evenly over its interval, adds to the mean of x over the step. */
+static void add_mean_shift(pl_mechanics *m, int body, const pl_contact_time *time, pl_vec impulse)
+{
+    const double dt = m->scene->dt, b = dt - time->begin, e = dt - time->end;
+    const double share = (b * b + b * e + e * e) / (6 * dt); /* (b^3 - e^3) / (b - e) / (6 dt) */
+    m->mean_shift[body] =
+        pl_vec_mad(m->mean_shift[body], share / m->scene->bodies[body].mass, impulse);
+}
+
+/* Finds the bodies with contacts at their own time, and the mean of their places over the step:
+ * gravity acts all the time, whatever the time of an impact. */
+static void find_mean_shifts(pl_mechanics *m, const pl_step *step)
+{
+    const double dt = m->scene->dt;
+    const pl_vec fallen = pl_vec_scale(pl_vec_of(m->scene->gravity), dt * dt / 6);
+    memset(m->has_own_time, 0, (size_t)m->scene->body_count * sizeof *m->has_own_time);
+    for (int i = 0; i < m->scene->body_count; ++i) {
+        m->mean_shift[i] = pl_vec_mad(fallen, 0.5 * dt, pl_vec_of(step->before[i].velocity));
+    }
+    for (int i = 0; i < step->contact_count && step->times != NULL; ++i) {
+        const pl_contact *c = &step->contacts[i];
+        const int bodies[2] = {c->body_a, c->body_b};
+        for (int k = 0; k < 2; ++k) {
+            if (is_at_own_time(&step->times[i], dt) && !m->scene->bodies[bodies[k]].is_static) {
+                m->has_own_time[bodies[k]] = true;
+                add_mean_shift(m, bodies[k], &step->times[i],
+                               pl_vec_scale(pl_vec_of(c->impulse), k == 0 ? -1 : 1));
+            }
+        }
+    }
+}
+
+/* Adds an external impulse at a world point where it acted. */
+static void add_impulse_there(pl_mechanics *m, pl_vec point, pl_vec impulse)
+{
+    add_impulse_rounding(m, point, impulse);
+    for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
+        add_impulse(m, (pl_position_rule)k, point, impulse);
+    }
+}
+
 static void add_gravity(pl_mechanics *m, const pl_step *step)
 {
     pl_vec g = pl_vec_of(m->scene->gravity);
     for (int i = 0; i < m->scene->body_count; ++i) {
         const pl_body *body = &m->scene->bodies[i];
         if (!body->is_static) {
-            add_body_impulse(m, i, step, centre_of(m, step->before, i),
-                             pl_vec_scale(g, body->mass * m->scene->dt));
+            const pl_vec centre = centre_of(m, step->before, i);
+            const pl_vec impulse = pl_vec_scale(g, body->mass * m->scene->dt);
+            if (m->has_own_time[i]) {
+                add_impulse_there(m, pl_vec_add(centre, m->mean_shift[i]), impulse);
+            } else {
+                add_body_impulse(m, i, step, centre, impulse);
+            }
         }
     }
 }
@@ -339,16 +404,6 @@ static void add_force(pl_mechanics *m, const pl_force *force, const pl_step *ste
     }
 }
 
-/* In units of the step: an interval shorter by less is the whole step. */
-static const double WHOLE_STEP = 1e-9;
-
-/* Whether the contact's point is where its impulse acted, and not where the bodies had it at the
- * start of the step. */
-static bool is_at_own_time(const pl_contact_time *time, double dt)
-{
-    return time != NULL && time->end - time->begin < (1 - WHOLE_STEP) * dt;
-}
-
 /* Impulses and torques between dynamic bodies cancel; those of static bodies are external. */
 static void add_contact(pl_mechanics *m, const pl_contact *contact, const pl_contact_time *time,
                         const pl_step *step)
@@ -364,10 +419,7 @@ static void add_contact(pl_mechanics *m, const pl_contact *contact, const pl_con
     const pl_vec point = pl_vec_of(contact->point);
     const pl_vec impulse = pl_vec_scale(pl_vec_of(contact->impulse), sign);
     if (is_at_own_time(time, m->scene->dt)) {
-        add_impulse_rounding(m, point, impulse);
-        for (int k = 0; k < PL_POSITION_RULE_COUNT; ++k) {
-            add_impulse(m, (pl_position_rule)k, point, impulse);
-        }
+        add_impulse_there(m, point, impulse);
     } else {
         add_body_impulse(m, a_static ? contact->body_b : contact->body_a, step, point, impulse);
     }
@@ -419,6 +471,7 @@ void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
     }
     find_turned(m, step);
     pl_integrator_see(&m->votes, m->scene, step->before, step->after, m->turned);
+    find_mean_shifts(m, step);
     add_gravity(m, step);
     for (int i = 0; i < m->scene->force_count; ++i) {
         const pl_force *force = &m->scene->forces[i];
@@ -428,7 +481,7 @@ void pl_mechanics_step(pl_mechanics *m, const pl_step *step)
         }
     }
     for (int i = 0; i < step->contact_count; ++i) {
-        add_contact(m, &step->contacts[i], step->times != NULL ? &step->times[i] : NULL, step);
+        add_contact(m, &step->contacts[i], time_of(step, i), step);
     }
     measure(m, step->after);
 }
