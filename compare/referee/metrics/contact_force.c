@@ -19,6 +19,8 @@
 #include "referee/geometry/solid.h"
 #include "series.h"
 
+#include <string.h>
+
 /* In units of the lighter body's weight: friction is not measured at contacts that bear less. */
 static const double LIGHT = 1e-3;
 
@@ -179,8 +181,19 @@ static void add_side(const pl_scene *scene, int index, pl_vec arm, const pl_step
     t->weight = fmin(t->weight, body->mass * gravity_of(scene) * scene->dt);
 }
 
-/* Contact i of the step, which left the relative velocity `velocity`. */
-static touch touch_of(const pl_scene *scene, int i, pl_vec velocity, const pl_step *step)
+/* Part of its bound from which friction slides. */
+static const double SLIDING = 0.99;
+
+/* Whether the impulse acted at the middle of its interval, and slid there. */
+static bool slides_at_middle(const touch *t, const pl_contact_time *time)
+{
+    return time != NULL && memcmp(&time->acts, &time->holds, sizeof time->acts) != 0 &&
+           pl_vec_length(t->tangent_impulse) > SLIDING * t->friction * t->normal_impulse;
+}
+
+/* Contact i of the step. */
+static touch touch_of(const pl_scene *scene, int i, const pl_contact_velocity *velocity,
+                      const pl_step *step)
 {
     const pl_contact *contact = &step->contacts[i];
     const pl_contact_time *time = step->times != NULL ? &step->times[i] : NULL;
@@ -198,10 +211,12 @@ static touch touch_of(const pl_scene *scene, int i, pl_vec velocity, const pl_st
     const pl_vec r = pl_vec_of(contact->impulse);
     t.normal_impulse = pl_vec_dot(r, n);
     t.tangent_impulse = pl_vec_reject(r, n);
-    t.normal_velocity = pl_vec_dot(velocity, at_end);
+    t.normal_velocity = pl_vec_dot(velocity->left, at_end);
     /* A gap closes over an interval, not in the instant of an impact. */
     t.normal_velocity += dt > 0 ? fmax(contact->separation, 0) / dt : 0;
-    t.tangent_velocity = pl_vec_reject(pl_vec_mad(velocity, -pl_vec_dot(velocity, at_end), at_end), n);
+    t.tangent_velocity = slides_at_middle(&t, time)
+                             ? pl_vec_reject(velocity->mean, n)
+                             : pl_vec_reject(pl_vec_reject(velocity->left, at_end), n);
     return t;
 }
 
@@ -241,8 +256,8 @@ static void see_friction(pl_contact_force *f, long step, const touch *t, worst *
     }
 }
 
-static void see_contact(pl_contact_force *f, const pl_step *step, int i, pl_vec velocity,
-                        worst *most)
+static void see_contact(pl_contact_force *f, const pl_step *step, int i,
+                        const pl_contact_velocity *velocity, worst *most)
 {
     const touch t = touch_of(f->scene, i, velocity, step);
     if (!(t.inverse_mass > 0)) {
@@ -263,7 +278,7 @@ typedef struct judging {
     worst most;
 } judging;
 
-static void judge(void *context, int i, pl_vec velocity)
+static void judge(void *context, int i, const pl_contact_velocity *velocity)
 {
     judging *j = context;
     see_contact(j->force, j->step, i, velocity, &j->most);
@@ -289,8 +304,9 @@ void pl_contact_force_step(pl_contact_force *f, const pl_step *step)
     }
     for (int i = 0; i < step->contact_count && step->times == NULL; ++i) {
         const pl_contact *c = &step->contacts[i];
-        judge(&j, i, pl_vec_sub(point_velocity(f->scene, c->body_b, c, step),
-                                point_velocity(f->scene, c->body_a, c, step)));
+        const pl_vec left = pl_vec_sub(point_velocity(f->scene, c->body_b, c, step),
+                                       point_velocity(f->scene, c->body_a, c, step));
+        judge(&j, i, &(pl_contact_velocity){.left = left});
     }
     const worst most = j.most;
     add_worst(f, OF_CONE, most.cone, step->number);

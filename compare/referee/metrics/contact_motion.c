@@ -144,15 +144,23 @@ static void close_solve(const pl_contact_motion *m, int index)
     }
 }
 
-static pl_vec point_velocity(const pl_contact_motion *m, int body, const double arm[3], bool last)
+/* Adds the velocities of one body's point, with a sign. `last`: the solve ends with the step. */
+static void add_point_velocity(const pl_contact_motion *m, int index, double sign,
+                               const double acts[3], const double holds[3], bool last,
+                               pl_contact_velocity *u)
 {
-    const track *t = &m->tracks[body];
-    if (m->scene->bodies[body].is_static) {
-        return (pl_vec){0, 0, 0};
+    const pl_body *body = &m->scene->bodies[index];
+    const track *t = &m->tracks[index];
+    if (body->is_static) {
+        return;
     }
-    pl_vec v = last ? pl_vec_add(t->left_v, t->rest_v) : t->left_v;
-    pl_vec w = last ? pl_vec_add(t->left_w, t->rest_w) : t->left_w;
-    return pl_vec_add(v, pl_vec_cross(w, pl_vec_of(arm)));
+    const pl_vec v = last ? pl_vec_add(t->left_v, t->rest_v) : t->left_v;
+    const pl_vec w = last ? pl_vec_add(t->left_w, t->rest_w) : t->left_w;
+    const pl_vec before = inertia_times(&t->axes, body->inertia, true, t->momentum);
+    const pl_vec mean_v = pl_vec_scale(pl_vec_add(v, t->v), 0.5);
+    const pl_vec mean_w = pl_vec_scale(pl_vec_add(w, before), 0.5);
+    u->left = pl_vec_mad(u->left, sign, pl_vec_add(v, pl_vec_cross(w, pl_vec_of(holds))));
+    u->mean = pl_vec_mad(u->mean, sign, pl_vec_add(mean_v, pl_vec_cross(mean_w, pl_vec_of(acts))));
 }
 
 /* ---- A step ---- */
@@ -196,11 +204,12 @@ static void follow(pl_contact_motion *m, const pl_step *step, pl_contact_visit *
         }
         for (int i = first; i < end && visit != NULL; ++i) {
             const pl_contact *c = &step->contacts[i];
-            const pl_contact_place *holds = &step->times[i].holds;
+            const pl_contact_place *acts = &step->times[i].acts, *holds = &step->times[i].holds;
             const bool at_end = step->times[i].end >= last;
-            visit(context, i,
-                  pl_vec_sub(point_velocity(m, c->body_b, holds->arm_b, at_end),
-                             point_velocity(m, c->body_a, holds->arm_a, at_end)));
+            pl_contact_velocity u = {{0, 0, 0}, {0, 0, 0}};
+            add_point_velocity(m, c->body_a, -1, acts->arm_a, holds->arm_a, at_end, &u);
+            add_point_velocity(m, c->body_b, 1, acts->arm_b, holds->arm_b, at_end, &u);
+            visit(context, i, &u);
         }
         for (int i = first; i < end; ++i) {
             close_solve(m, step->contacts[i].body_a);

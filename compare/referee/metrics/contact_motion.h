@@ -21,9 +21,14 @@ typedef struct pl_contact_motion pl_contact_motion;
 /* `scene` must outlive it. Memory of the arena; NULL when out of memory. */
 pl_contact_motion *pl_contact_motion_create(const pl_scene *scene, pl_arena *arena);
 
-/* Takes contact i of a step: the velocity of B's point relative to A's that it left where its law
- * holds, m/s, world. */
-typedef void pl_contact_visit(void *context, int i, pl_vec velocity);
+/* Velocities of B's point relative to A's, m/s, world. */
+typedef struct pl_contact_velocity {
+    pl_vec left; /* at the end of the interval, where the contact law holds */
+    pl_vec mean; /* of its begin and its end, where the impulse acted */
+} pl_contact_velocity;
+
+/* Takes contact i of a step. */
+typedef void pl_contact_visit(void *context, int i, const pl_contact_velocity *velocity);
 
 /* Visits all contacts of a step whose times are known, in their order. */
 void pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step,
