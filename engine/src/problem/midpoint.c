@@ -434,12 +434,14 @@ static bool oppose_mean_slip(const midpoint *s, const pe_solver_manifold *manifo
         double cross = u[1] * v[2] - u[2] * v[1];
         double turned = 2 * point->scale * manifold->friction * p[0];
         double square = sum[0] * sum[0] + sum[1] * sum[1];
-        /* At the midpoint the manifold has rotated by half, and so has the slip. */
-        point->slip[0] = point->slip[1] = 0;
-        if (square > LEAST_SLIP * LEAST_SLIP && turned * turned < square &&
-            fabs(cross) > STRAIGHT * square &&
-            fabs(loss[0] * sum[0] + loss[1] * sum[1]) < SLOWING * square &&
-            loss[0] * loss[0] + loss[1] * loss[1] < square) {
+        const bool slides_on = square > LEAST_SLIP * LEAST_SLIP && turned * turned < square &&
+                               fabs(loss[0] * sum[0] + loss[1] * sum[1]) < SLOWING * square &&
+                               loss[0] * loss[0] + loss[1] * loss[1] < square;
+        if (slides_on) {
+            /* At the midpoint the manifold has rotated by half, and so has the slip. */
+            point->slip[0] = point->slip[1] = 0;
+        }
+        if (slides_on && fabs(cross) > STRAIGHT * square) {
             double most = manifold->friction * p[0] / sqrt(square);
             for (int k = 0; k < 2; ++k) {
                 point->slip[k] = 0.5 * loss[k];
