@@ -46,6 +46,7 @@ typedef struct touch {
     double friction, restitution;
     double normal_impulse, normal_velocity;
     pl_vec tangent_impulse, tangent_velocity;
+    pl_vec mean_slip;    /* the mean of both ends of the interval, where friction may act by it */
     double inverse_mass; /* 1/rho, 1/kg */
     double weight;       /* of the lighter body, times the step: N s */
 } touch;
@@ -181,14 +182,10 @@ static void add_side(const pl_scene *scene, int index, pl_vec arm, const pl_step
     t->weight = fmin(t->weight, body->mass * gravity_of(scene) * scene->dt);
 }
 
-/* Part of its bound from which friction slides. */
-static const double SLIDING = 0.99;
-
-/* Whether the impulse acted at the middle of its interval, and slid there. */
-static bool slides_at_middle(const touch *t, const pl_contact_time *time)
+/* Whether the impulse acted at the middle of its interval. */
+static bool acts_at_middle(const pl_contact_time *time)
 {
-    return time != NULL && memcmp(&time->acts, &time->holds, sizeof time->acts) != 0 &&
-           pl_vec_length(t->tangent_impulse) > SLIDING * t->friction * t->normal_impulse;
+    return time != NULL && memcmp(&time->acts, &time->holds, sizeof time->acts) != 0;
 }
 
 /* Contact i of the step. */
@@ -214,19 +211,18 @@ static touch touch_of(const pl_scene *scene, int i, const pl_contact_velocity *v
     t.normal_velocity = pl_vec_dot(velocity->left, at_end);
     /* A gap closes over an interval, not in the instant of an impact. */
     t.normal_velocity += dt > 0 ? fmax(contact->separation, 0) / dt : 0;
-    t.tangent_velocity = slides_at_middle(&t, time)
-                             ? pl_vec_reject(velocity->mean, n)
-                             : pl_vec_reject(pl_vec_reject(velocity->left, at_end), n);
+    t.tangent_velocity = pl_vec_reject(pl_vec_reject(velocity->left, at_end), n);
+    t.mean_slip = acts_at_middle(time) ? pl_vec_reject(velocity->mean, n) : t.tangent_velocity;
     return t;
 }
 
-/* |r - P_K(r - rho (u + mu |u_t| n))| / rho, m/s. */
-static double natural_map(const touch *t)
+/* |r - P_K(r - rho (u + mu |u_t| n))| / rho, m/s, at the slip u_t. */
+static double natural_map_at(const touch *t, pl_vec slip)
 {
     double mu = t->friction, rho = 1 / t->inverse_mass;
-    double opening = t->normal_velocity + mu * pl_vec_length(t->tangent_velocity);
+    double opening = t->normal_velocity + mu * pl_vec_length(slip);
     double normal = t->normal_impulse - rho * opening;
-    pl_vec tangent = pl_vec_mad(t->tangent_impulse, -rho, t->tangent_velocity);
+    pl_vec tangent = pl_vec_mad(t->tangent_impulse, -rho, slip);
     double along = pl_vec_length(tangent);
     if (mu * along <= -normal) {
         normal = 0;
@@ -239,6 +235,13 @@ static double natural_map(const touch *t)
     pl_vec apart = pl_vec_sub(t->tangent_impulse, tangent);
     double off = t->normal_impulse - normal;
     return sqrt(off * off + pl_vec_dot(apart, apart)) / rho;
+}
+
+/* Friction opposes the slip at the end of the interval or, of a contact that acts at its middle, the
+ * mean slip: the one is due where the slip stops, the other where it goes on. */
+static double natural_map(const touch *t)
+{
+    return fmin(natural_map_at(t, t->tangent_velocity), natural_map_at(t, t->mean_slip));
 }
 
 /* Friction of a contact that bears a load, in a scene with gravity. */
