@@ -12,8 +12,9 @@ static const double SMOOTH = 0.25;
  * transport. */
 static const double NO_ROTATION = 1e-9, MOST_ROTATION = 0.5;
 
-/* Part of a gap that is corrected in a step. With all of it, mean velocities overshoot. */
-static const double DRIFT = 0.5;
+/* Part of a small gap that is corrected in a step: with all of it, mean velocities overshoot. Small
+ * is this part of the way that rotation moves the point in half a step. */
+static const double DRIFT = 0.5, SMALL_GAP = 0.25;
 
 /* m and m/s: a contact that touches, and one that does not approach. */
 static const double TOUCHING = 1e-9, RESTING = 1e-6;
@@ -355,7 +356,7 @@ static void transport_points(const midpoint *s, const pe_solver_manifold *manifo
         velocity_at(a, b, &end, transport_point(manifold, point, f, &to_end), at_end);
         double change = fabs(at_end[0] - at_half[0]);
         bool bounces = point->bias < -RESTING;
-        if (!bounces && fabs(gap) < s->dt * change + TOUCHING) {
+        if (!bounces && fabs(gap) < SMALL_GAP * s->dt * change + TOUCHING) {
             point->bias = DRIFT * gap / s->dt;
         }
         point->bias += at_end[0] - at_half[0];
