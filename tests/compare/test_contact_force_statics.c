@@ -64,8 +64,11 @@ static void stand_step(stand *s)
     assert_int_equal(
         pl_session_read_contacts(&s->session, &s->contacts, &s->capacity, &s->count, NULL), PL_OK);
     s->steps += 1;
-    pl_contact_force_step(s->force,
-                          &(pl_step){s->steps, s->before, s->frame.bodies, s->contacts, s->count});
+    pl_contact_force_step(s->force, &(pl_step){.number = s->steps,
+                                               .before = s->before,
+                                               .after = s->frame.bodies,
+                                               .contacts = s->contacts,
+                                               .contact_count = s->count});
 }
 
 /* Over all steps. The integrator does not matter, because no force turns. */

@@ -58,7 +58,8 @@ static void fly_by(run *r, pl_position_rule integrator, const double force[3], c
         const pl_body_state before = r->state[0];
         integrate(r, integrator, 0, k * H >= from && k * H < until ? force : none, arm);
         run_step_many(r, 1);
-        pl_mechanics_step(mechanics, &(pl_step){k + 1, &before, r->state, NULL, 0});
+        pl_mechanics_step(mechanics,
+                          &(pl_step){.number = k + 1, .before = &before, .after = r->state});
         assert_int_equal(pl_integrator_of(pl_mechanics_votes(mechanics)), integrator);
         assert_close(pl_mechanics_energy_gain(mechanics, &scale, integrator), 0, 1e-13, 0);
     }
@@ -157,7 +158,8 @@ static void fly_off_frame(pl_position_rule rule)
         s->position[1] -= middle[0] * sin(angle) + middle[1] * cos(angle);
         s->position[2] -= middle[2];
         run_step_many(&r, 1);
-        pl_mechanics_step(mechanics, &(pl_step){k + 1, &before, r.state, NULL, 0});
+        pl_mechanics_step(mechanics,
+                          &(pl_step){.number = k + 1, .before = &before, .after = r.state});
         assert_int_equal(pl_integrator_of(pl_mechanics_votes(mechanics)), rule);
         assert_close(pl_mechanics_energy_gain(mechanics, &scale, rule), 0, 1e-13, 0);
     }
@@ -420,7 +422,8 @@ static void test_turning_force_is_integrated_over_the_step(void **state)
     for (int k = 0; k < 60; ++k) {
         const pl_body_state before = r.state[0];
         turn_and_push(&r, thrust, arm);
-        pl_mechanics_step(mechanics, &(pl_step){k + 1, &before, r.state, NULL, 0});
+        pl_mechanics_step(mechanics,
+                          &(pl_step){.number = k + 1, .before = &before, .after = r.state});
     }
     /* It turns by up to a third of a radian a step. Simpson's rule is of fourth order; with the
      * force as it began each step a tenth would be missing. */
@@ -460,7 +463,11 @@ static void test_impulse_within_a_step_keeps_angular_momentum(void **state)
         r.state[1].position[0] += part / 8.0 * H * speed;
         r.state[1].position[2] += H * speed;
         r.state[1].velocity[0] = 0;
-        pl_mechanics_step(mechanics, &(pl_step){1, before, r.state, &contact, 1});
+        pl_mechanics_step(mechanics, &(pl_step){.number = 1,
+                                                .before = before,
+                                                .after = r.state,
+                                                .contacts = &contact,
+                                                .contact_count = 1});
         assert_at_most(pl_mechanics_momentum_error(mechanics, &scale, PL_SECOND_ORDER), 1e-14);
         pl_arena_free(&arena);
         run_end(&r);

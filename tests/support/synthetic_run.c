@@ -67,7 +67,11 @@ pl_ending run_step_with(run *r, const pl_contact *contacts, int count)
 {
     pl_frame frame = run_frame(r);
     return pl_referee_step(r->referee,
-                           &(pl_step_observation){&frame, &r->stats, contacts, count, 1e-3, false},
+                           &(pl_step_observation){.frame = &frame,
+                                                  .stats = &r->stats,
+                                                  .contacts = contacts,
+                                                  .contact_count = count,
+                                                  .cpu_time = 1e-3},
                            &r->error);
 }
 
