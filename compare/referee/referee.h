@@ -34,7 +34,7 @@ typedef struct pl_step_observation {
     const pl_contact *contacts; /* of this step; NULL with contact_count < 0 if not reported */
     int contact_count;
     const pl_contact_time *contact_times; /* (contact_count); NULL: over the whole step */
-    double cpu_time;       /* of the process, for the step call alone, s */
+    double cpu_time;                      /* of the process, for the step call alone, s */
     bool has_points_alone; /* the engine reported contact points, and not their impulses */
 } pl_step_observation;
 

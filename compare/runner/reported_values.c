@@ -114,10 +114,11 @@ pl_status pl_check_contact_times(const pl_contact_time *times, int count, double
                            step, dt, t->begin, t->end);
         }
         if (!is_place(&t->acts) || !is_place(&t->holds)) {
-            return pl_fail(error, PL_FAILED,
-                           "the engine reports at step %ld a contact whose place has an arm that is "
-                           "not finite or a normal that is no unit vector",
-                           step);
+            return pl_fail(
+                error, PL_FAILED,
+                "the engine reports at step %ld a contact whose place has an arm that is "
+                "not finite or a normal that is no unit vector",
+                step);
         }
     }
     return PL_OK;

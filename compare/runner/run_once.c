@@ -244,7 +244,8 @@ static pl_status make_step(run *r, pl_run_result *result, bool *going, pl_error 
                                                &has_times, &fault);
     }
     if (status == PL_OK && has_times) {
-        status = pl_check_contact_times(r->times, count, def->scene->dt, result->steps_done, &fault);
+        status =
+            pl_check_contact_times(r->times, count, def->scene->dt, result->steps_done, &fault);
     }
     if (status != PL_OK) {
         *going = false;

@@ -141,11 +141,10 @@ static void corner_drop(const pl_engine_choice *choice, int floor_index, bool sl
         assert_true(up * contact->impulse[2] > 0);
         assert_at_most(distance(contact->point, corner), 0.02);
         double share = depth_share(choice, PL_SHAPE_BOX, slab ? PL_SHAPE_BOX : PL_SHAPE_PLANE);
-        assert_close(contact->separation, share * corner[2], 1e-9, 0);
+        const bool later = r.has_times && r.times[i].begin > 0; /* when the corner is there */
+        assert_close(contact->separation, later ? 0 : share * corner[2], 1e-8, 0);
         double arm[3], twist[3];
-        for (int k = 0; k < 3; ++k) {
-            arm[k] = contact->point[k] - r.before[box_index].position[k];
-        }
+        engine_contact_arm(&r, i, box_index, arm);
         cross(arm, contact->impulse, twist);
         for (int k = 0; k < 3; ++k) {
             torque[k] += up * twist[k];

@@ -338,8 +338,9 @@ static void law_rocket(const pl_engine_choice *choice)
                   rate, fine_place, fine_rate);
     assert_at_most(place, 0.02);
     assert_at_most(rate, 0.05);
-    assert_at_most(fine_place, 0.3 * place);
-    assert_at_most(fine_rate, 0.3 * rate);
+    /* An engine may be right to the error of the expected path. */
+    assert_at_most(fine_place, fmax(0.3 * place, 1e-8));
+    assert_at_most(fine_rate, fmax(0.3 * rate, 1e-8));
     /* On the axis: a straight line, with the exact sums of the two orders. */
     rocket(choice, 0, 100, &place, &rate);
     double late = is_second_order(choice) ? 0 : 0.5 * THRUST / 3 / 100;

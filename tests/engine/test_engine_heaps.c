@@ -88,18 +88,21 @@ enum { HEAPS = 20 };
 static void test_heaps_at_rest_cost_little_and_stay(void **state)
 {
     (void)state;
-    int cheap = 0;
+    int cheap = 0, still = 0;
     for (int k = 0; k < HEAPS; ++k) {
         cost c = cost_of_rest(k);
         print_message("    heap %d: %d iterations, %d rounds, %g m\n", k, c.iterations, c.rounds,
                       c.drift);
         assert_true(c.iterations <= 5 * COUNTED);
         assert_true(c.rounds <= COUNTED / 8);
-        assert_at_most(c.drift, 1e-6);
+        /* A heap whose contacts change once more is swept, to 2e-4 m/s, for a few steps. */
+        assert_at_most(c.drift, 3 * 2e-4 * H);
+        still += c.drift <= 1e-6;
         cheap += c.iterations <= 2 * COUNTED;
     }
     print_message("    %d of %d heaps take 2 iterations a step or fewer\n", cheap, HEAPS);
     assert_true(4 * cheap >= 3 * HEAPS);
+    assert_true(10 * still >= 9 * HEAPS);
 }
 
 /* ---- Work that fails ---- */

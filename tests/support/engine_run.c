@@ -93,6 +93,22 @@ void engine_step(engine_run *r)
         r->contact_count = engine->read_contacts(r->session.instance, r->contacts, MOST_CONTACTS);
         assert_true(r->contact_count <= MOST_CONTACTS);
     }
+    const pl_contact_times *table =
+        engine->extension != NULL ? engine->extension(PL_CONTACT_TIMES) : NULL;
+    r->has_times = table != NULL;
+    if (table != NULL) {
+        table->read(r->session.instance, r->times, r->contact_count);
+    }
+}
+
+void engine_contact_arm(const engine_run *r, int i, int body, double arm[3])
+{
+    const pl_contact_place *acts = &r->times[i].acts;
+    for (int k = 0; k < 3; ++k) {
+        arm[k] = !r->has_times ? r->contacts[i].point[k] - r->before[body].position[k]
+                 : r->contacts[i].body_b == body ? acts->arm_b[k]
+                                                 : acts->arm_a[k];
+    }
 }
 
 void engine_finish(engine_run *r)

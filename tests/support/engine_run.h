@@ -36,6 +36,8 @@ typedef struct engine_run {
     double time;
     pl_step_stats stats;
     pl_contact contacts[MOST_CONTACTS];
+    pl_contact_time times[MOST_CONTACTS]; /* of the contacts, if the engine says */
+    bool has_times;
     int contact_count;
 } engine_run;
 
@@ -44,6 +46,9 @@ void engine_start(engine_run *r, const pl_engine_choice *choice, const pl_scene 
 /* One step of the scene's dt. */
 void engine_step(engine_run *r);
 void engine_finish(engine_run *r);
+
+/* From the centre of mass of a box or sphere to where contact i acted on it, m, world. */
+void engine_contact_arm(const engine_run *r, int i, int body, double arm[3]);
 
 /* Applies a law to every profile of every engine of this build; on failure the last line names the
  * engine. */

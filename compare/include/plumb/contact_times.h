@@ -14,6 +14,7 @@
 extern "C" {
 #endif
 
+/* The name of the table below. */
 #define PL_CONTACT_TIMES "plumb.contact_times/1"
 
 /* Where a contact is, seen from its bodies: world axes. */

@@ -161,8 +161,8 @@ static pl_vec point_velocity(const pl_scene *scene, int index, const pl_contact 
     if (scene->bodies[index].is_static) {
         return (pl_vec){0, 0, 0};
     }
-    pl_vec turning = pl_vec_cross(pl_vec_of(after->angular_velocity),
-                                  arm_of(scene, index, contact, step));
+    pl_vec turning =
+        pl_vec_cross(pl_vec_of(after->angular_velocity), arm_of(scene, index, contact, step));
     return pl_vec_add(pl_vec_of(after->velocity), turning);
 }
 

@@ -176,8 +176,8 @@ static void begin_step(pl_contact_motion *m, const pl_step *step)
         if (!body->is_static) {
             t->v = pl_vec_of(before->velocity);
             t->axes = pl_principal_axes(&body->shape, before->orientation);
-            t->momentum = inertia_times(&t->axes, body->inertia, false,
-                                        pl_vec_of(before->angular_velocity));
+            t->momentum =
+                inertia_times(&t->axes, body->inertia, false, pl_vec_of(before->angular_velocity));
         }
     }
 }
@@ -189,8 +189,8 @@ static void follow(pl_contact_motion *m, const pl_step *step, pl_contact_visit *
     const double last = (1 - LAST) * m->scene->dt;
     begin_step(m, step);
     for (int first = 0, end; first < step->contact_count; first = end) {
-        for (end = first; end < step->contact_count &&
-                          step->times[end].order == step->times[first].order;
+        for (end = first;
+             end < step->contact_count && step->times[end].order == step->times[first].order;
              ++end) {
             const pl_contact *c = &step->contacts[end];
             const pl_contact_time *time = &step->times[end];
@@ -235,8 +235,8 @@ static void find_rest(pl_contact_motion *m, const pl_step *step)
     }
 }
 
-void pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step,
-                            pl_contact_visit *visit, void *context)
+void pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step, pl_contact_visit *visit,
+                            void *context)
 {
     follow(motion, step, NULL, NULL);
     find_rest(motion, step);

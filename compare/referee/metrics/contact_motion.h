@@ -31,7 +31,7 @@ typedef struct pl_contact_velocity {
 typedef void pl_contact_visit(void *context, int i, const pl_contact_velocity *velocity);
 
 /* Visits all contacts of a step whose times are known, in their order. */
-void pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step,
-                            pl_contact_visit *visit, void *context);
+void pl_contact_motion_step(pl_contact_motion *motion, const pl_step *step, pl_contact_visit *visit,
+                            void *context);
 
 #endif

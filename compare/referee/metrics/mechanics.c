@@ -129,7 +129,7 @@ struct pl_mechanics {
     double *energy[PL_POSITION_RULE_COUNT]; /* each (body_count): of the last state */
     double *growth[PL_POSITION_RULE_COUNT]; /* each (body_count): in the last step, without work */
     pl_vec *turned;                         /* (body_count): of the last step; see find_turned */
-    bool *has_own_time;                     /* (body_count): a contact acted on it at its own time */
+    bool *has_own_time; /* (body_count): a contact acted on it at its own time */
     pl_vec *mean_shift; /* (body_count): of those, the mean of x over the step less x before it */
     totals first, last;
     external given;

@@ -363,8 +363,9 @@ pe_status pe_world_step(pe_world *world, double dt, pe_step_stats *stats, pe_err
 
 /* Where a contact is, seen from its bodies: world axes. */
 typedef struct pe_contact_place {
-    pe_vec3 arm_a, arm_b; /* m, from the centres of mass of A and B to the point */
-    pe_vec3 normal;       /* unit, from A to B */
+    pe_vec3 arm_a;  /* m, from the centre of mass of A to the point */
+    pe_vec3 arm_b;  /* m, from the centre of mass of B to the point */
+    pe_vec3 normal; /* unit, from A to B */
 } pe_contact_place;
 
 /* One contact point of the last step, over the interval in which its impulse acted. That is the
@@ -378,7 +379,8 @@ typedef struct pe_contact {
     pe_vec3 normal;    /* unit, world, from A to B */
     double separation; /* m, at the start of the interval; negative in penetration */
     pe_vec3 impulse;   /* N s, world, on B, summed over the interval */
-    double begin, end; /* s since the start of the step; equal: an impact, in an instant */
+    double begin;      /* s since the start of the step */
+    double end;        /* s; equal to begin: an impact, in an instant */
     int order;         /* of the solves within the step: those of lower order acted before */
     pe_contact_place acts; /* where the impulse acted */
 

@@ -95,7 +95,7 @@ typedef struct pe_manifold {
     double least_separation; /* m, of its points */
     double friction, restitution;
     bool apart; /* its impulses of the step are in world->apart */
-    bool kept; /* its points are those of the list before, transported by the bodies */
+    bool kept;  /* its points are those of the list before, transported by the bodies */
     pe_built built;
 } pe_manifold;
 
@@ -126,8 +126,8 @@ struct pe_world {
 
     pe_array body_array, pose_array, twist_array, mass_array, applied_force_array, record_array;
     pe_array start_pose_array; /* (slots of then): at the start of the last step */
-    bool has_applied_forces; /* since the last step */
-    int slot_count;          /* slots in use or free, the dummy included */
+    bool has_applied_forces;   /* since the last step */
+    int slot_count;            /* slots in use or free, the dummy included */
     int first_free;
 
     pe_array geometry_array; /* (geometry_count) pointers to pe_geometry */

@@ -364,8 +364,8 @@ static void transport_points(const midpoint *s, const pe_solver_manifold *manifo
         point->slip[1] = at_end[2] - at_half[2];
         s->built->normal_change[j] = change;
         pe_vec3 offset_end = transport_point(manifold, point, f, &to_end);
-        s->built->end[j] = (pe_contact_place){pe_add(end.rA, offset_end),
-                                              pe_add(end.rB, offset_end), end.axis[0]};
+        s->built->end[j] =
+            (pe_contact_place){pe_add(end.rA, offset_end), pe_add(end.rB, offset_end), end.axis[0]};
         pe_v3_store(ra, pe_add(half.rA, offset));
         pe_v3_store(rb, pe_add(half.rB, offset));
         point->scale = pe_point_scale(&inertia[manifold->a], &inertia[manifold->b], ra, rb);

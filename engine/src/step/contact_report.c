@@ -73,8 +73,7 @@ pe_status pe_list_apart(pe_step *step, const pe_interval *interval, double end,
         m->apart = true;
         const bool on_b = manifold->b != problem->body_count;
         const int moving = on_b ? manifold->b : manifold->a;
-        const pe_vec3 centre =
-            acting_centre(world, interval, on_b ? m->b : m->a, moving, moved);
+        const pe_vec3 centre = acting_centre(world, interval, on_b ? m->b : m->a, moving, moved);
         for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
             const pe_manifold_point *point =
                 &pe_manifold_points(&world->contacts)[island->point_of[j]];

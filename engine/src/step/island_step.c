@@ -311,7 +311,8 @@ static pe_status begin_motion(pe_step *step, const pe_island_problem *island,
 static void find_late(const pe_world *world, const pe_island_problem *island, double dt, motion *m)
 {
     const pe_problem *problem = &island->problem;
-    const double(*sum)[6] = (const double(*)[6])m->sum, (*mean)[6] = (const double(*)[6])m->moved.mean;
+    const double(*sum)[6] = (const double(*)[6])m->sum,
+          (*mean)[6] = (const double(*)[6])m->moved.mean;
     bool *late = m->moved.late;
     for (bool changed = true; changed;) {
         changed = false;
