@@ -368,6 +368,33 @@ static void test_deep_overlap_is_parted_over_several_steps(void **state)
     }
 }
 
+/* Its top has to be lifted by 1.5 of its side. */
+static void test_an_overlapping_tower_is_lifted_upright(void **state)
+{
+    (void)state;
+    enum { HIGH = 30 };
+    for (int profile = PE_PROFILE_DEFAULT; profile <= PE_PROFILE_ACCURATE; ++profile) {
+        pe_body_id ids[HIGH];
+        pe_world_def def = pe_world_def_default();
+        def.profile = (pe_profile)profile;
+        pe_world *world = make_world(&def);
+        add_tower(world, HIGH, add_material(world, 0.5, 0), ids);
+        for (int i = 0; i < HIGH; ++i) {
+            pe_body_state s = state_of(world, ids[i]);
+            s.position.z -= 0.05 * (i + 1);
+            assert_int_equal(pe_body_set_state(world, ids[i], &s, NULL), PE_OK);
+        }
+        for (int i = 0; i < 30; ++i) {
+            step(world, H);
+        }
+        for (int i = 0; i < HIGH; ++i) {
+            pe_vec3 x = state_of(world, ids[i]).position;
+            assert_at_most(pe_length(pe_sub(x, pe_v3(0, 0, i + 0.5))), 1e-6);
+        }
+        pe_world_destroy(world);
+    }
+}
+
 /* A ball of diameter 1 in a gap of 0.6, in which nothing can part it from both planes. */
 static void test_a_body_that_cannot_be_parted_stays(void **state)
 {
@@ -479,6 +506,7 @@ int main(void)
         cmocka_unit_test(test_only_flagged_islands_are_corrected),
         cmocka_unit_test(test_excluded_bodies_stay_during_projection),
         cmocka_unit_test(test_deep_overlap_is_parted_over_several_steps),
+        cmocka_unit_test(test_an_overlapping_tower_is_lifted_upright),
         cmocka_unit_test(test_a_body_that_cannot_be_parted_stays),
         cmocka_unit_test(test_swept_tower_keeps_small_depths),
         cmocka_unit_test(test_swept_tower_is_freed_of_larger_depths),

@@ -10,8 +10,8 @@
  * Between two nearly opposite normals the least displacement of these linear rows may be hundreds of
  * metres, and no displacement at all may part a body from static ones on both sides. So no body
  * moves farther in a step than a part of its size: no contact asks for more than that, a solution
- * that exceeds it is dropped for sweeps, and if these exceed it, all displacements of the island are
- * scaled by one factor. The violation is a convex function of them and 0 is no better, so that a
+ * that exceeds it by far is dropped for sweeps, and what exceeds it still is scaled, all displacements
+ * of the island by one factor. The violation is a convex function of them and 0 is no better, so that a
  * part mends as well, by less. Deep overlap is parted over several steps. Where that leads nowhere
  * the bodies are left as they are for a while. */
 #include "solver/kernels.h"
@@ -35,7 +35,10 @@ static const double FAR = 4;
 /* In units of the least half extent of a body: how far a point of it moves in a step at most. */
 static const double LONGEST_WAY = 0.4;
 
-/* In the same unit: so little is none. */
+/* A solution of which bodies may move by less than this part in a step leads far away. */
+static const double LEAST_PART = 1.0 / 16;
+
+/* In units of the least half extent: so little is none. */
 static const double NO_WAY = 1e-3;
 
 /* In the same unit: deeper contacts count as overlap, which may be impossible to part. */
@@ -457,7 +460,7 @@ static pe_status correct_island(correction *c, int k)
     bool better = false;
     if (c->rules->solver != NULL) {
         status = solve_whole(c, k, &built);
-        better = status == PE_OK && is_better(&built.problem) && part_of(c, &built) == 1;
+        better = status == PE_OK && is_better(&built.problem) && part_of(c, &built) >= LEAST_PART;
     }
     if (status == PE_OK && !better) {
         status = sweep_island(c, island_manifolds(&c->islands, k), &built);
