@@ -135,9 +135,96 @@ static void test_friction_opposes_mean_slip_of_continued_sliding_only(void **sta
     assert_true(largest_slip_bias(PE_PROFILE_FAST, 2, 4) == 0);
 }
 
+/* Height that a coin on its rim has lost after two seconds of steady rolling, over its height. */
+static double lost_height(double tilt, int steps_a_second)
+{
+    const double r = 0.5, d = 0.025, s = sin(tilt), c = cos(tilt), height = r * s + d * c;
+    const double a = r * r / 4 + d * d / 3, axial = r * r / 2;
+    pe_world_def def = pe_world_def_default();
+    def.gravity = (pe_vec3){0, 0, -9.81};
+    pe_world *world = make_world(&def);
+    pe_body_def coin = pe_body_def_default();
+    coin.shape.kind = PE_SHAPE_CYLINDER;
+    coin.shape.radius = r;
+    coin.shape.half_height = d;
+    coin.mass = 1;
+    coin.material = add_material(world, 0.5, 0);
+    add_plane(world, (pe_vec3){0, 0, 1}, coin.material);
+    /* The axis turns about the vertical, the centre rests, and friction has nothing to do. */
+    double turning = sqrt(9.81 * (r * c - d * s) / (s * c * a - s * s * d * axial / r));
+    double along = turning * s * d / r, across = turning * s;
+    coin.position.z = height;
+    coin.orientation = (pe_quat){cos(tilt / 2), 0, sin(tilt / 2), 0};
+    coin.angular_velocity = (pe_vec3){along * s - across * c, 0, along * c + across * s};
+    pe_body_id body = add_body(world, &coin);
+    double lost = 0;
+    for (int i = 0; i < 2 * steps_a_second; ++i) {
+        step(world, 1.0 / steps_a_second);
+        lost = fmax(lost, fabs(1 - state_of(world, body).position.z / height));
+    }
+    pe_world_destroy(world);
+    return lost;
+}
+
+static void test_coin_rolls_on_its_rim_in_second_order(void **state)
+{
+    (void)state;
+    static const double tilts[] = {0.3, 0.5, 0.9};
+    for (int i = 0; i < 3; ++i) {
+        double coarse = lost_height(tilts[i], 60), fine = lost_height(tilts[i], 120);
+        print_message("    tilt %g: %.2e, then %.2e\n", tilts[i], coarse, fine);
+        assert_at_most(coarse, 0.01);
+        assert_at_most(3 * fine, coarse);
+    }
+}
+
+/* Height of a block's centre over that at rest when it has rocked on to its other corner, over the
+ * one at the start (Housner 1963). */
+static double rocked(double slenderness, double tilt, double h)
+{
+    const double b = 0.25, a = b * slenderness, alpha = atan(1 / slenderness);
+    const double radius = sqrt(a * a + b * b), t = alpha * tilt;
+    pe_world_def def = pe_world_def_default();
+    pe_world *world = make_world(&def);
+    pe_body_def block = box_def(b, b, a, (pe_vec3){0, 0, radius * cos(alpha - t)});
+    block.material = add_material(world, 2, 0);
+    add_plane(world, (pe_vec3){0, 0, 1}, block.material);
+    block.orientation = (pe_quat){cos(t / 2), 0, sin(t / 2), 0};
+    pe_body_id body = add_body(world, &block);
+    double before = 0, apex = 0;
+    bool struck = false;
+    for (int i = 0; i * h < 3; ++i) {
+        step(world, h);
+        pe_body_state s = state_of(world, body);
+        struck |= s.orientation.y < 0;
+        if (struck && before <= 0 && s.velocity.z < 0) {
+            break;
+        }
+        before = s.velocity.z > 0 ? -1 : before;
+        apex = struck ? fmax(apex, s.position.z - a) : 0;
+    }
+    pe_world_destroy(world);
+    return apex / (block.position.z - a);
+}
+
+static void test_rocking_block_keeps_the_share_that_the_impact_leaves(void **state)
+{
+    (void)state;
+    static const double cases[][2] = {{4, 0.6}, {2, 0.5}, {7, 0.3}, {2.5, 0.4}};
+    for (int i = 0; i < 4; ++i) {
+        double sine = sin(atan(1 / cases[i][0])), ratio = 1 - 1.5 * sine * sine;
+        double found = rocked(cases[i][0], cases[i][1], 1.0 / 60);
+        print_message("    slenderness %g, tilt %g: %.5f, expected %.5f\n", cases[i][0],
+                      cases[i][1], found, ratio * ratio);
+        assert_close(found, ratio * ratio, 2e-3, 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_coin_rolls_on_its_rim_in_second_order),
+        cmocka_unit_test(test_rocking_block_keeps_the_share_that_the_impact_leaves),
         cmocka_unit_test(test_top_on_smooth_floor_is_second_order),
         cmocka_unit_test(test_sliding_spinning_plate_is_second_order),
         cmocka_unit_test(test_friction_opposes_mean_slip_of_continued_sliding_only),

@@ -26,6 +26,9 @@ static const double SMOOTH_CHANGES = 3;
 /* Part of the speed gained in a step of free fall that does not count as normal velocity. */
 static const double FALL = 2e-3;
 
+/* Part of that which a normal velocity may be off at the midpoint. */
+static const double NEGLIGIBLE = 0.1;
+
 /* Friction below this part of its bound sticks. */
 static const double LIMIT = 0.99;
 
@@ -37,6 +40,9 @@ static const double SLOWING = 0.5, LEAST_SLIP = 1e-6;
  * rotation. */
 static const double STRAIGHT = 1e-7;
 
+/* How often the midpoint is found from the velocities, which depend on it. */
+enum { TRANSPORTS = 2 };
+
 /* Rounds of finding b_t and the direction of the impulses, which depend on each other. */
 enum { SLIP_ROUNDS = 3 };
 
@@ -44,13 +50,32 @@ enum { SLIP_ROUNDS = 3 };
  * there. */
 static const double FIXED = 1e-9;
 
+/* In units of the radius: a point that is less than this, and its gap, from a rim is on it. */
+static const double ON_RIM = 1e-6;
+
+/* A motion of both bodies. */
+typedef struct displacement {
+    pe_vec3 rotation_a, rotation_b; /* rotation vectors, world, up to about a radian */
+    pe_vec3 shift;                  /* of a's centre of mass relative to b's, world, m */
+} displacement;
+
+/* A manifold after such a motion, to second order of the rotations, in world axes. */
+typedef struct transported {
+    pe_vec3 axis[3]; /* n, t1, t2 */
+    pe_vec3 rA, rB;  /* from the centres of mass to the manifold's centre */
+} transported;
+
 typedef struct midpoint {
     pe_world *world;
     pe_island_problem *built;
     const pe_problem *problem;
     const pe_free_motion *free;
     double dt;
-    bool *fixed; /* (manifolds): transported, or would be if its bodies rotated */
+    bool *fixed;         /* (manifolds): transported, or would be if its bodies rotated */
+    bool *moved;         /* (manifolds): transported */
+    transported *end;    /* (manifolds): at the end of the step, of those that are transported */
+    pe_vec3 *end_offset; /* (points): from the manifold's centre there, world */
+    pe_problem start;    /* its contacts at the start of the step */
 } midpoint;
 
 /* ---- Attachment to features ---- */
@@ -59,6 +84,11 @@ typedef struct midpoint {
 typedef struct attachment {
     bool in_a, in_b;
     bool normal_a, normal_b;
+    /* The points are on the rims of a cylinder, which is the body that they would be fixed in, but
+     * stay lowest, or in their direction, while it turns. */
+    bool on_rim;
+    pe_vec3 axis;  /* of the cylinder, world */
+    double radius; /* m */
 } attachment;
 
 /* The first manifold of the list that is not before the pair of m. */
@@ -95,17 +125,32 @@ static const pe_manifold_point *find_point(const pe_contacts *list, const pe_man
     return NULL;
 }
 
+/* Whether a manifold and one of the last step have a point on the same features. */
+static bool shares_point(const pe_world *world, const pe_manifold *m, const pe_manifold *last)
+{
+    const pe_manifold_point *points = pe_manifold_points(&world->contacts) + m->first;
+    for (int i = 0; i < m->count; ++i) {
+        if (find_point(&world->solved, last, points[i].feature) != NULL) {
+            return true;
+        }
+    }
+    return false;
+}
+
 /* Compares a manifold with that of the same features in the last step. */
 static attachment compare(const pe_world *world, const pe_manifold *m, const pe_manifold *last)
 {
     const pe_manifold_point *points = pe_manifold_points(&world->contacts) + m->first;
     bool on_b = m->built.normal_on_b;
     bool normal = last->built.normal_on_b == on_b && is_fixed(last->built.normal, m->built.normal);
-    attachment f = {true, true, normal && !on_b, normal && on_b};
+    attachment f = {
+        .in_a = true, .in_b = true, .normal_a = normal && !on_b, .normal_b = normal && on_b};
     for (int j = 0; j < m->count; ++j) {
         const pe_manifold_point *old = find_point(&world->solved, last, points[j].feature);
-        f.in_a = f.in_a && old != NULL && is_fixed(old->anchor_a, points[j].anchor_a);
-        f.in_b = f.in_b && old != NULL && is_fixed(old->anchor_b, points[j].anchor_b);
+        /* A new point in front of a gap moves as the others do. */
+        bool comes = old == NULL && points[j].separation > TOUCHING;
+        f.in_a = f.in_a && (comes || (old != NULL && is_fixed(old->anchor_a, points[j].anchor_a)));
+        f.in_b = f.in_b && (comes || (old != NULL && is_fixed(old->anchor_b, points[j].anchor_b)));
     }
     return f;
 }
@@ -121,11 +166,41 @@ static bool is_plane(const pe_world *world, int slot)
     return pe_bodies(world)[slot].shape.kind == PE_SHAPE_PLANE;
 }
 
+/* Whether all points are on rims of the cylinder `slot`. */
+static bool are_on_rim(const pe_world *world, const pe_manifold *m, int slot)
+{
+    const pe_shape *shape = &pe_bodies(world)[slot].shape;
+    const pe_pose *pose = &pe_poses(world)[slot];
+    const pe_manifold_point *points = pe_manifold_points(&world->contacts) + m->first;
+    for (int j = 0; j < m->count; ++j) {
+        pe_vec3 x = pe_unrotate(&pose->rotation, pe_sub(points[j].position, pose->position));
+        double off = ON_RIM * shape->radius + fabs(points[j].separation);
+        if (!(fabs(sqrt(x.x * x.x + x.y * x.y) - shape->radius) < off) ||
+            !(fabs(fabs(x.z) - shape->half_height) < off)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Attaches points on the rims of a cylinder, whose normal is fixed in the other body. */
+static void attach_to_rim(const pe_world *world, const pe_manifold *m, attachment *f)
+{
+    const int slot = f->normal_a ? m->b : m->a;
+    if (!f->in_a && !f->in_b && f->normal_a != f->normal_b &&
+        pe_bodies(world)[slot].shape.kind == PE_SHAPE_CYLINDER && are_on_rim(world, m, slot)) {
+        f->on_rim = true;
+        f->in_a = f->normal_b;
+        f->in_b = f->normal_a;
+        f->axis = pe_axis(&pe_poses(world)[slot].rotation, 2);
+        f->radius = pe_bodies(world)[slot].shape.radius;
+    }
+}
+
 /* Of a pair that is new, only the corners of polyhedra on a plane are known to be fixed. */
-static attachment find_attachment(const pe_world *world, const pe_manifold *m)
+static attachment find_fixed(const pe_world *world, const pe_manifold *m)
 {
     const pe_contacts *list = &world->solved;
-    uint64_t feature = pe_manifold_points(&world->contacts)[m->first].feature;
     bool known = false;
     for (int i = find_pair(list, m); i < list->manifold_count; ++i) {
         const pe_manifold *last = &pe_manifolds(list)[i];
@@ -133,34 +208,56 @@ static attachment find_attachment(const pe_world *world, const pe_manifold *m)
             break;
         }
         known = true;
-        if (find_point(list, last, feature) != NULL) {
+        if (shares_point(world, m, last)) {
             return compare(world, m, last);
         }
     }
-    bool a = !known && is_polyhedron(world, m->a) && is_plane(world, m->b);
-    bool b = !known && is_polyhedron(world, m->b) && is_plane(world, m->a);
-    return (attachment){.in_a = a, .in_b = b, .normal_a = b, .normal_b = a};
+    bool a = !known && is_plane(world, m->b), b = !known && is_plane(world, m->a);
+    return (attachment){.in_a = a && is_polyhedron(world, m->a),
+                        .in_b = b && is_polyhedron(world, m->b),
+                        .normal_a = b,
+                        .normal_b = a};
+}
+
+static attachment find_attachment(const pe_world *world, const pe_manifold *m)
+{
+    attachment f = find_fixed(world, m);
+    attach_to_rim(world, m, &f);
+    return f;
 }
 
 /* ---- Transport of the geometry ---- */
-
-/* A motion of both bodies. */
-typedef struct displacement {
-    pe_vec3 rotation_a, rotation_b; /* rotation vectors, world, up to about a radian */
-    pe_vec3 shift;                  /* of a's centre of mass relative to b's, world, m */
-} displacement;
-
-/* A manifold after such a motion, to second order of the rotations, in world axes. */
-typedef struct transported {
-    pe_vec3 axis[3]; /* n, t1, t2 */
-    pe_vec3 rA, rB;  /* from the centres of mass to the manifold's centre */
-} transported;
 
 /* x rotated about v by 2 atan |v|/2, which is |v| to second order (Rodrigues). */
 static pe_vec3 rotated(pe_vec3 v, pe_vec3 x)
 {
     pe_vec3 t = pe_scale(0.5, v), c = pe_cross(t, x);
     return pe_madd(x, 2 / (1 + pe_dot(t, t)), pe_add(c, pe_cross(t, c)));
+}
+
+/* The unit vector across the axis that is nearest to v, or 0. */
+static pe_vec3 outward(pe_vec3 axis, pe_vec3 v)
+{
+    pe_vec3 across = pe_madd(v, -pe_dot(axis, v), axis);
+    double length = pe_length(across);
+    return pe_scale(length > 0 ? 1 / length : 0, across);
+}
+
+/* The arm of a point on a rim after the motion, world. `down` and `down_now` are the direction to the
+ * other body before and after. */
+static pe_vec3 rim_arm(const attachment *f, const displacement *d, pe_vec3 down, pe_vec3 down_now,
+                       pe_vec3 arm)
+{
+    pe_vec3 axis = rotated(f->in_a ? d->rotation_a : d->rotation_b, f->axis);
+    pe_vec3 radial = outward(f->axis, arm), lowest = outward(f->axis, down), now;
+    if (pe_length(pe_sub(radial, lowest)) < ON_RIM) {
+        radial = lowest;
+        now = outward(axis, down_now);
+    } else {
+        now = outward(axis, radial);
+    }
+    pe_vec3 moved = pe_scale(pe_dot(arm, f->axis), pe_sub(axis, f->axis));
+    return pe_add(arm, pe_madd(moved, f->radius, pe_sub(now, radial)));
 }
 
 static transported transport_manifold(const pe_solver_manifold *manifold, const attachment *f,
@@ -189,6 +286,13 @@ static pe_vec3 transport_point(const pe_solver_manifold *manifold, const pe_solv
     pe_vec3 offset = {0};
     for (int k = 0; k < 3; ++k) {
         offset = pe_madd(offset, point->s[k], pe_v3_load(manifold->frame[k]));
+    }
+    if (f->on_rim) {
+        pe_vec3 centre = pe_v3_load(f->in_a ? manifold->arm_a : manifold->arm_b);
+        pe_vec3 normal = pe_scale(f->in_a ? 1 : -1, pe_v3_load(manifold->frame[0]));
+        pe_vec3 now = rotated(f->in_a ? d->rotation_b : d->rotation_a, normal);
+        return pe_sub(rim_arm(f, d, normal, now, pe_add(centre, offset)),
+                      rotated(f->in_a ? d->rotation_a : d->rotation_b, centre));
     }
     return rotated(f->in_a ? d->rotation_a : d->rotation_b, offset);
 }
@@ -242,25 +346,7 @@ static void start_twist(const midpoint *s, const pe_solver_manifold *manifold, d
     pe_solver_manifold_twist(&pair, (const double(*)[6])start, q);
 }
 
-/* Whether all manifolds touch and nothing approaches, as scenes begin. */
-static bool is_at_rest(const midpoint *s)
-{
-    for (int i = 0; i < s->problem->manifold_count; ++i) {
-        const pe_solver_manifold *manifold = &s->problem->manifold[i];
-        const pe_manifold_point *points = kept_points(s, i);
-        double q[6], u[3];
-        start_twist(s, manifold, q);
-        for (int j = 0; j < manifold->count; ++j) {
-            pe_point_motion(&s->problem->point[manifold->first + j], q, u);
-            if (!(fabs(points[j].separation) < TOUCHING && fabs(u[0]) < RESTING)) {
-                return false;
-            }
-        }
-    }
-    return true;
-}
-
-/* Whether the impulses of the last step nearly fit, or nothing has moved yet. */
+/* Whether the impulses of the last step nearly fit. */
 static bool is_smooth(const midpoint *s)
 {
     double off = 0, largest = 0, q[6], u[3];
@@ -274,7 +360,7 @@ static bool is_smooth(const midpoint *s)
             largest = pe_max(largest, p);
         }
     }
-    return off < SMOOTH * largest || (largest == 0 && is_at_rest(s));
+    return off < SMOOTH * largest;
 }
 
 /* ---- Transport ---- */
@@ -335,37 +421,18 @@ static bool is_continued(const midpoint *s, const pe_solver_manifold *manifold,
     return true;
 }
 
-/* Sets biases, scales, offsets and impulses of the points to those at the midpoint. */
+/* Sets scales, offsets and impulses of the points to those at the midpoint. */
 static void transport_points(const midpoint *s, const pe_solver_manifold *manifold,
-                             const pe_manifold_point *points, const attachment *f,
-                             const displacement *to_half)
+                             const attachment *f, const displacement *to_half,
+                             const displacement *to_end)
 {
-    displacement to_end = {pe_scale(2, to_half->rotation_a), pe_scale(2, to_half->rotation_b),
-                           pe_scale(2, to_half->shift)};
     transported half = transport_manifold(manifold, f, to_half);
-    transported end = transport_manifold(manifold, f, &to_end);
-    const double *a = s->problem->velocity[manifold->a], *b = s->problem->velocity[manifold->b];
     const pe_inertia *inertia = s->problem->inertia;
-    for (int i = 0; i < manifold->count; ++i) {
-        int j = manifold->first + i;
+    for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
         pe_solver_point *point = &s->problem->point[j];
-        double at_half[3], at_end[3], ra[3], rb[3], *p = s->problem->impulse[j];
-        double gap = points[i].separation;
+        double ra[3], rb[3], *p = s->problem->impulse[j];
         pe_vec3 offset = transport_point(manifold, point, f, to_half), force = {0};
-        velocity_at(a, b, &half, offset, at_half);
-        velocity_at(a, b, &end, transport_point(manifold, point, f, &to_end), at_end);
-        double change = fabs(at_end[0] - at_half[0]);
-        bool bounces = point->bias < -RESTING;
-        if (!bounces && fabs(gap) < SMALL_GAP * s->dt * change + TOUCHING) {
-            point->bias = DRIFT * gap / s->dt;
-        }
-        point->bias += at_end[0] - at_half[0];
-        point->slip[0] = at_end[1] - at_half[1];
-        point->slip[1] = at_end[2] - at_half[2];
-        s->built->normal_change[j] = change;
-        pe_vec3 offset_end = transport_point(manifold, point, f, &to_end);
-        s->built->end[j] =
-            (pe_contact_place){pe_add(end.rA, offset_end), pe_add(end.rB, offset_end), end.axis[0]};
+        s->end_offset[j] = transport_point(manifold, point, f, to_end);
         pe_v3_store(ra, pe_add(half.rA, offset));
         pe_v3_store(rb, pe_add(half.rB, offset));
         point->scale = pe_point_scale(&inertia[manifold->a], &inertia[manifold->b], ra, rb);
@@ -379,15 +446,58 @@ static void transport_points(const midpoint *s, const pe_solver_manifold *manifo
     }
 }
 
-/* Transports manifold i to the midpoint, if it can be; false where nothing changed. */
-static bool transport(const midpoint *s, int i)
+/* Sets the biases of the points of manifold i, which is at the midpoint. */
+static void set_biases(const midpoint *s, int i)
 {
-    pe_solver_manifold *manifold = &s->problem->manifold[i];
+    const pe_solver_manifold *manifold = &s->problem->manifold[i];
+    const pe_manifold_point *points = kept_points(s, i);
+    const double(*velocity)[6] = (const double(*)[6])s->problem->velocity;
+    double q[6], at_half[3], at_end[3];
+    pe_solver_manifold_twist(manifold, velocity, q);
+    for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
+        pe_solver_point *point = &s->problem->point[j];
+        double gap = points[j - manifold->first].separation;
+        pe_point_motion(point, q, at_half);
+        velocity_at(velocity[manifold->a], velocity[manifold->b], &s->end[i], s->end_offset[j],
+                    at_end);
+        double change = fabs(at_end[0] - at_half[0]);
+        bool bounces = point->bias < -RESTING;
+        if (!bounces && fabs(gap) < SMALL_GAP * s->dt * change + TOUCHING) {
+            point->bias = DRIFT * gap / s->dt;
+        }
+        point->bias += at_end[0] - at_half[0];
+        point->slip[0] = at_end[1] - at_half[1];
+        point->slip[1] = at_end[2] - at_half[2];
+        s->built->normal_change[j] =
+            change + NEGLIGIBLE * FALL * s->dt * pe_length(s->world->def.gravity);
+        s->built->end[j] =
+            (pe_contact_place){pe_add(s->end[i].rA, s->end_offset[j]),
+                               pe_add(s->end[i].rB, s->end_offset[j]), s->end[i].axis[0]};
+    }
+}
+
+/* The motions of manifold i up to the midpoint and the end; false where it does not rotate, or too
+ * much. */
+static bool predict_motion(const midpoint *s, int i, displacement *half, displacement *end)
+{
+    const pe_solver_manifold *manifold = &s->problem->manifold[i];
     pe_vec3 vA, wA, vB, wB;
     mean_velocity(s, manifold->a, &vA, &wA);
     mean_velocity(s, manifold->b, &vB, &wB);
     double angle = s->dt * sqrt(pe_max(pe_dot(wA, wA), pe_dot(wB, wB)));
-    bool rotates = angle > NO_ROTATION && 0.5 * angle < MOST_ROTATION;
+    pe_vec3 shift = pe_sub(vA, vB);
+    const double h = s->dt;
+    *half = (displacement){pe_scale(0.5 * h, wA), pe_scale(0.5 * h, wB), pe_scale(0.5 * h, shift)};
+    *end = (displacement){pe_scale(h, wA), pe_scale(h, wB), pe_scale(h, shift)};
+    return angle > NO_ROTATION && 0.5 * angle < MOST_ROTATION;
+}
+
+/* Transports manifold i to the midpoint, if it can be; false where nothing changed. */
+static bool transport(const midpoint *s, int i)
+{
+    pe_solver_manifold *manifold = &s->problem->manifold[i];
+    displacement half, end;
+    bool rotates = predict_motion(s, i, &half, &end);
     s->fixed[i] = false;
     if (!rotates && !any_slides(s, manifold)) {
         return false;
@@ -397,14 +507,13 @@ static bool transport(const midpoint *s, int i)
     if (!s->fixed[i] || !rotates) {
         return false;
     }
-    displacement half = {pe_scale(0.5 * s->dt, wA), pe_scale(0.5 * s->dt, wB),
-                         pe_scale(0.5 * s->dt, pe_sub(vA, vB))};
     s->fixed[i] = is_continued(s, manifold, kept_points(s, i), &f, &half);
     if (!s->fixed[i]) {
         return false;
     }
     transported to = transport_manifold(manifold, &f, &half);
-    transport_points(s, manifold, kept_points(s, i), &f, &half);
+    s->end[i] = transport_manifold(manifold, &f, &end);
+    transport_points(s, manifold, &f, &half, &end);
     for (int k = 0; k < 3; ++k) {
         pe_v3_store(manifold->frame[k], to.axis[k]);
     }
@@ -454,30 +563,114 @@ static bool oppose_mean_slip(const midpoint *s, const pe_solver_manifold *manifo
     return any;
 }
 
+/* Whether the points of a manifold wander on a rim. */
+static bool any_on_rim(const midpoint *s)
+{
+    for (int i = 0; i < s->problem->manifold_count; ++i) {
+        if (find_attachment(s->world, kept_manifold(s, i)).on_rim) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/* Whether no loaded manifold has an impact. */
+static bool all_continue(const midpoint *s)
+{
+    for (int i = 0; i < s->problem->manifold_count; ++i) {
+        const attachment f = find_attachment(s->world, kept_manifold(s, i));
+        displacement half, end;
+        predict_motion(s, i, &half, &end);
+        if (!is_continued(s, &s->problem->manifold[i], kept_points(s, i), &f, &half)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+static void copy_contacts(const pe_problem *from, const pe_problem *to)
+{
+    const size_t points = (size_t)from->point_count;
+    memcpy(to->manifold, from->manifold, (size_t)from->manifold_count * sizeof *to->manifold);
+    memcpy(to->point, from->point, points * sizeof *to->point);
+    memcpy(to->impulse, from->impulse, points * sizeof *to->impulse);
+}
+
+/* Whether the impulses show where the midpoint is: those of the last step, or, with `solved`, of
+ * this one. */
+static bool is_predictable(const midpoint *s, bool solved)
+{
+    return solved || s->built->wanders ? pe_problem_has_impulse(s->problem) && all_continue(s)
+                                       : is_smooth(s);
+}
+
+/* Takes memory, and keeps the problem as it is at the step's start. */
+static pe_status begin(midpoint *s, pe_error *error)
+{
+    const size_t manifolds = (size_t)s->problem->manifold_count + 1;
+    const size_t points = (size_t)s->problem->point_count + 1;
+    s->fixed = pe_scratch(s->world, manifolds, sizeof *s->fixed);
+    s->moved = pe_scratch(s->world, manifolds, sizeof *s->moved);
+    s->end = pe_scratch(s->world, manifolds, sizeof *s->end);
+    s->end_offset = pe_scratch(s->world, points, sizeof *s->end_offset);
+    s->start.manifold = pe_scratch(s->world, manifolds, sizeof *s->start.manifold);
+    s->start.point = pe_scratch(s->world, points, sizeof *s->start.point);
+    s->start.impulse = pe_scratch(s->world, points, sizeof *s->start.impulse);
+    s->built->end = pe_scratch_zero(s->world, points, sizeof *s->built->end);
+    if (pe_scratch_failed(s->world)) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for %zu contact points", points);
+    }
+    s->start.manifold_count = s->problem->manifold_count;
+    s->start.point_count = s->problem->point_count;
+    copy_contacts(s->problem, &s->start);
+    return PE_OK;
+}
+
+/* Transports manifolds from the step's start by the velocities, and brings these in step. Returns
+ * whether it did any. */
+static bool transport_all(const midpoint *s)
+{
+    bool changed = false;
+    copy_contacts(&s->start, s->problem);
+    for (int i = 0; i < s->problem->manifold_count; ++i) {
+        s->moved[i] = transport(s, i);
+        changed |= s->moved[i];
+    }
+    if (changed) {
+        pe_problem_rebuild_velocity(s->problem);
+    }
+    return changed;
+}
+
 pe_status pe_problem_to_midpoint(pe_world *world, pe_island_problem *built,
-                                 const pe_free_motion *free, double dt, pe_error *error)
+                                 const pe_free_motion *free, double dt, bool solved,
+                                 pe_error *error)
 {
     midpoint s = {
         .world = world, .built = built, .problem = &built->problem, .free = free, .dt = dt};
-    int count = built->problem.manifold_count;
-    if (built->problem.body_count > MOST_BODIES || !is_smooth(&s)) {
+    const int count = built->problem.manifold_count;
+    built->unsettled = built->wanders = false;
+    if (built->problem.body_count > MOST_BODIES) {
         return PE_OK;
     }
-    s.fixed = pe_scratch(world, (size_t)count + 1, sizeof *s.fixed);
-    built->end = pe_scratch_zero(world, (size_t)built->problem.point_count, sizeof *built->end);
-    if (pe_scratch_failed(world)) {
-        return pe_fail(error, PE_NO_MEMORY, "no memory for %d manifolds", count);
+    built->wanders = !solved && any_on_rim(&s);
+    if (!is_predictable(&s, solved)) {
+        built->unsettled = !solved;
+        return PE_OK;
     }
-    bool changed = false;
-    for (int i = 0; i < count; ++i) {
-        changed |= transport(&s, i);
+    pe_status status = begin(&s, error);
+    for (int n = 0; n < TRANSPORTS && status == PE_OK; ++n) {
+        if (!transport_all(&s)) {
+            built->end = NULL;
+            break;
+        }
     }
-    if (changed) {
-        pe_problem_rebuild_velocity(s.problem);
-    } else {
-        built->end = NULL;
+    for (int i = 0; i < count && status == PE_OK; ++i) {
+        if (s.moved[i]) {
+            set_biases(&s, i);
+        }
     }
-    changed = true;
+    bool changed = status == PE_OK;
     for (int round = 0; round < SLIP_ROUNDS && changed; ++round) {
         changed = false;
         for (int i = 0; i < count; ++i) {
@@ -487,5 +680,5 @@ pe_status pe_problem_to_midpoint(pe_world *world, pe_island_problem *built,
             pe_problem_rebuild_velocity(s.problem);
         }
     }
-    return PE_OK;
+    return status;
 }

@@ -173,8 +173,9 @@ pe_status pe_problem_build(pe_world *world, const pe_interval *interval, pe_isla
         first += m->count;
     }
     pe_problem_rebuild_velocity(problem);
-    if (interval->free != NULL && world->def.profile != PE_PROFILE_FAST) {
-        return pe_problem_to_midpoint(world, built, interval->free, interval->dt, error);
+    if (interval->free != NULL && !interval->instant && world->def.profile != PE_PROFILE_FAST) {
+        return pe_problem_to_midpoint(world, built, interval->free, interval->dt, interval->solved,
+                                      error);
     }
     return PE_OK;
 }

@@ -12,6 +12,8 @@ typedef struct pe_interval {
     int k;                      /* the island */
     const pe_free_motion *free; /* (slots): the motion without contacts; NULL: bodies are at rest */
     double dt;                  /* s */
+    bool instant;               /* an impact: nothing moves */
+    bool solved;                /* the impulses are not of the last step, but fit */
     pe_path path;               /* set to the path on which the island was solved */
     bool substep;               /* its contacts are listed apart */
     double begin;               /* s since the start of the step */
@@ -28,6 +30,10 @@ typedef struct pe_island_problem {
                               u_n; 0 where the point was not transported to the midpoint */
     pe_contact_place *end; /* (point_count): the contact at the end of the step, of points that were
                               transported; NULL: none was. The normals of others are zero. */
+    bool unsettled; /* not at the midpoint because the impulses of the last step do not fit, but
+                       those that solve it may (midpoint.h) */
+    bool wanders; /* points roll on a rim: where they are at the midpoint follows from impulses that
+                       fit there */
 } pe_island_problem;
 
 /* Builds the island's problem in the step's arena, with the impulses of its manifold points and the

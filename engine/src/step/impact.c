@@ -35,7 +35,7 @@ typedef struct substeps {
     pe_twist *twists;     /* (bodies) at the sub-step's start */
     pe_twist *ends;       /* (bodies) at the end of `left`, without the impact */
     double left;          /* s, of the step */
-    double slow;          /* m/s: a contact that closes more slowly is no impact */
+    double slow;          /* m/s: at least what is no impact; rises with each impact */
     int order;            /* of the last solve in the step */
     int searches_left;    /* for contacts */
 } substeps;
@@ -47,10 +47,17 @@ static int body_count(const substeps *s)
 
 /* ---- Points ---- */
 
-/* m/s: gravity's change of velocity in a step is no impact, and neither is a speed below 1e-9. */
-static double slow_closing(const pe_world *world, double dt)
+/* m/s: by how much gravity changes a velocity in a step. */
+static double fall(const pe_world *world, double dt)
 {
-    return pe_max(dt * pe_length(world->def.gravity), 1e-9);
+    return dt * pe_length(world->def.gravity);
+}
+
+/* m/s: no impact. Contacts that bounce would do so ever faster below the speed that gravity gives in a
+ * step; others stop at once, and a quarter of that is enough. */
+static double slow_closing(const pe_world *world, const pe_manifold *m, double dt)
+{
+    return pe_max((m->restitution > 0 ? 1 : 0.25) * fall(world, dt), 1e-9);
 }
 
 static pe_vec3 point_velocity(const pe_world *world, int slot, const pe_twist *twist, pe_vec3 x)
@@ -74,10 +81,17 @@ static double opening(const pe_world *world, const pe_point_walk *at)
     return opening_at(world, at, &twists[at->manifold->a], &twists[at->manifold->b]);
 }
 
-/* Whether a point that opens at `speed` is an impact now. */
-static bool impacts_now(const substeps *s, const pe_manifold_point *point, double speed)
+/* m/s: a contact that closes more slowly is no impact. */
+static double slow_at(const substeps *s, const pe_point_walk *at)
 {
-    return speed < -s->slow && point->separation <= pe_max(CLOSED, -speed * TOGETHER * s->step->dt);
+    return pe_max(s->slow, slow_closing(s->world, at->manifold, s->step->dt));
+}
+
+/* Whether a point that opens at `speed` is an impact now. */
+static bool impacts_now(const substeps *s, const pe_point_walk *at, double speed)
+{
+    return speed < -slow_at(s, at) &&
+           at->point->separation <= pe_max(CLOSED, -speed * TOGETHER * s->step->dt);
 }
 
 /* Moves on to the next point of the sub-step's contacts that closes fast enough for an impact. */
@@ -85,7 +99,7 @@ static bool next_closing(const substeps *s, pe_point_walk *at, double *speed)
 {
     while (pe_next_point(at)) {
         *speed = opening(s->world, at);
-        if (*speed < -s->slow) {
+        if (*speed < -slow_at(s, at)) {
             return true;
         }
     }
@@ -100,12 +114,12 @@ bool pe_impact_is_due(const pe_step *step, int k)
     if (end - begin > world->def.impact_bodies) {
         return false;
     }
-    double slow = slow_closing(world, step->dt);
     bool due = false;
     pe_point_walk at = pe_walk_island(&world->contacts, islands, k);
     while (!due && pe_next_point(&at)) {
-        double speed = opening(world, &at);
-        due = speed < -slow && at.point->separation + step->dt * (speed - slow) < 0;
+        double speed = opening(world, &at), slow = slow_closing(world, at.manifold, step->dt);
+        due = speed < -slow &&
+              at.point->separation + step->dt * (speed - pe_max(slow, fall(world, step->dt))) < 0;
     }
     for (int i = begin; i < end && due; ++i) {
         due = !pe_has_torque(&pe_applied_forces(world)[islands->bodies[i]]);
@@ -126,11 +140,13 @@ static bool is_chosen(const substeps *s, choice which, const pe_point_walk *at)
     double speed = opening(s->world, at);
     switch (which) {
     case SEPARATING:
-        return speed >= -s->slow;
+        return speed >= -slow_at(s, at);
     case IMPACTING:
-        return impacts_now(s, at->point, speed) ||
-               (speed >= -s->slow &&
-                at->point->separation <= pe_max(CLOSED, 0.5 * s->step->dt * s->slow));
+        return impacts_now(s, at, speed) ||
+               (speed >= -slow_at(s, at) &&
+                at->point->separation <=
+                    pe_max(CLOSED, 0.5 * s->step->dt *
+                                       pe_max(slow_at(s, at), fall(s->world, s->step->dt))));
     default:
         return true;
     }
@@ -375,7 +391,7 @@ static double impact_speed(const substeps *s)
 {
     double most = 0, speed;
     for (pe_point_walk at = pe_walk_points(&s->world->contacts); next_closing(s, &at, &speed);) {
-        most = impacts_now(s, at.point, speed) ? pe_max(most, -speed) : most;
+        most = impacts_now(s, &at, speed) ? pe_max(most, -speed) : most;
     }
     return most;
 }
@@ -394,7 +410,9 @@ static pe_status solve_impact(substeps *s)
     choose(s, IMPACTING);
     pe_island_problem built;
     s->interval.dt = 1; /* gaps do not matter in an instant: over a second they close by nothing */
+    s->interval.instant = true;
     pe_status status = pe_island_solve(s->step, &s->interval, &built);
+    s->interval.instant = false;
     if (status == PE_OK) {
         for (int i = 0; i < body_count(s); ++i) {
             pe_twists(s->world)[s->island.bodies[i]] = solved_twist(&built, i);
@@ -505,7 +523,6 @@ pe_status pe_impact_step(pe_step *step, int k, pe_path *path)
         .world = world,
         .k = k,
         .left = step->dt,
-        .slow = slow_closing(world, step->dt),
     };
     pe_status status = begin_substeps(&s);
     if (status != PE_OK) {

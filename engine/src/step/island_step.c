@@ -2,6 +2,9 @@
  * by the velocities. */
 #include "step.h"
 
+#include "problem/midpoint.h"
+#include "solver/solve.h"
+
 #include <string.h>
 
 /* How much each profile asks of an island that is not solved directly. */
@@ -30,9 +33,14 @@ static const double CLOSING_SLACK = 1e-9;
 /* Speed, in m/s, against which an impulse may act without mattering. */
 static const double NEGLIGIBLE_SPEED = 1e-6;
 
-/* Part of the kinetic energy of its bodies that a manifold with transported points may add: less
- * than the energy guard lets pass. */
-static const double MOVING_ERROR = 2e-6;
+/* Part of the change of a transported point's velocity along the normal in half a step, against
+ * which its impulse may act: the error of second order, of which the energy guard takes the gain.
+ * With the new velocities its bodies would lose a thousand times as much. */
+static const double TURNING_PART = 1;
+
+/* How often the midpoint of a contact that rolls on a rim is found from impulses that fit at the last
+ * one. */
+enum { WANDERING_ROUNDS = 2 };
 
 /* Three steps of a symmetric rule of second order, the second one backwards, make one of fourth
  * (Yoshida 1990, Construction of higher order symplectic integrators, eq. 2.12). */
@@ -154,10 +162,35 @@ static pe_island_limits limits_of(const pe_world *world, const pe_island_problem
     };
 }
 
+/* Solves a problem that the impulses of the last step do not fit, as after an impact, and builds it
+ * again at the midpoint that follows from those that do. */
+static pe_status settle(pe_step *step, pe_island_item *item)
+{
+    pe_world *world = step->world;
+    const pe_solve_limits limits = {world->def.tolerance, world->def.max_iterations};
+    const int rounds = item->island.wanders ? WANDERING_ROUNDS : 1;
+    pe_interval interval = item->interval;
+    interval.solved = true;
+    pe_status status = PE_OK;
+    for (int i = 0; i < rounds && status == PE_OK; ++i) {
+        pe_solve_report report = {0};
+        status = pe_solve_tiny(&item->island.problem, &limits, pe_step_memory(world), &report,
+                               step->error);
+        if (status == PE_OK) {
+            pe_problem_store_impulses(world, &item->island);
+            status = pe_problem_build(world, &interval, &item->island, step->error);
+        }
+    }
+    return status;
+}
+
 pe_status pe_island_begin(pe_step *step, pe_island_item *item)
 {
     pe_world *world = step->world;
     pe_status status = pe_problem_build(world, &item->interval, &item->island, step->error);
+    if (status == PE_OK && (item->island.unsettled || item->island.wanders)) {
+        status = settle(step, item);
+    }
     if (status != PE_OK) {
         return status;
     }
@@ -236,15 +269,6 @@ static bool closes(const pe_world *world, const pe_island_problem *island,
     return false;
 }
 
-/* J, of body i. */
-static double kinetic_energy(const pe_problem *problem, int i)
-{
-    double momentum[6];
-    pe_mass_times(&problem->inertia[i], problem->velocity[i], momentum);
-    return 0.5 * (pe_dot3(momentum, problem->velocity[i]) +
-                  pe_dot3(momentum + 3, problem->velocity[i] + 3));
-}
-
 /* Whether the manifold pushes, and whether it would add energy at these sums of old and new
  * velocity. */
 static bool pushes(const pe_island_problem *island, const pe_solver_manifold *manifold,
@@ -252,7 +276,7 @@ static bool pushes(const pe_island_problem *island, const pe_solver_manifold *ma
 {
     const pe_problem *problem = &island->problem;
     double q[6], moment[3], normal = 0, work = 0;
-    bool transported = false;
+    double allowed = 0;
     pe_solver_manifold_twist(manifold, sum, q);
     for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
         const double *p = problem->impulse[j];
@@ -261,12 +285,7 @@ static bool pushes(const pe_island_problem *island, const pe_solver_manifold *ma
             work += p[k] * (q[k] + moment[k]);
         }
         normal += p[0];
-        transported |= island->normal_change[j] > 0;
-    }
-    double allowed = NEGLIGIBLE_SPEED * normal;
-    if (transported) {
-        allowed += MOVING_ERROR *
-                   (kinetic_energy(problem, manifold->a) + kinetic_energy(problem, manifold->b));
+        allowed += p[0] * (NEGLIGIBLE_SPEED + TURNING_PART * island->normal_change[j]);
     }
     *adds = work > allowed;
     return normal > 0;
