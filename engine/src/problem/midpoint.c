@@ -27,7 +27,7 @@ static const double SMOOTH_CHANGES = 3;
 static const double FALL = 2e-3;
 
 /* Part of that which a normal velocity may be off at the midpoint. */
-static const double NEGLIGIBLE = 0.1;
+static const double NEGLIGIBLE = 0.01;
 
 /* Friction below this part of its bound sticks. */
 static const double LIMIT = 0.99;
@@ -166,6 +166,11 @@ static bool is_plane(const pe_world *world, int slot)
     return pe_bodies(world)[slot].shape.kind == PE_SHAPE_PLANE;
 }
 
+static bool is_cylinder(const pe_world *world, int slot)
+{
+    return pe_bodies(world)[slot].shape.kind == PE_SHAPE_CYLINDER;
+}
+
 /* Whether all points are on rims of the cylinder `slot`. */
 static bool are_on_rim(const pe_world *world, const pe_manifold *m, int slot)
 {
@@ -187,8 +192,8 @@ static bool are_on_rim(const pe_world *world, const pe_manifold *m, int slot)
 static void attach_to_rim(const pe_world *world, const pe_manifold *m, attachment *f)
 {
     const int slot = f->normal_a ? m->b : m->a;
-    if (!f->in_a && !f->in_b && f->normal_a != f->normal_b &&
-        pe_bodies(world)[slot].shape.kind == PE_SHAPE_CYLINDER && are_on_rim(world, m, slot)) {
+    if (!f->in_a && !f->in_b && f->normal_a != f->normal_b && is_cylinder(world, slot) &&
+        are_on_rim(world, m, slot)) {
         f->on_rim = true;
         f->in_a = f->normal_b;
         f->in_b = f->normal_a;
@@ -452,7 +457,7 @@ static void set_biases(const midpoint *s, int i)
     const pe_solver_manifold *manifold = &s->problem->manifold[i];
     const pe_manifold_point *points = kept_points(s, i);
     const double(*velocity)[6] = (const double(*)[6])s->problem->velocity;
-    double q[6], at_half[3], at_end[3];
+    double q[6], at_half[3], at_end[3], most = 0;
     pe_solver_manifold_twist(manifold, velocity, q);
     for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
         pe_solver_point *point = &s->problem->point[j];
@@ -461,6 +466,7 @@ static void set_biases(const midpoint *s, int i)
         velocity_at(velocity[manifold->a], velocity[manifold->b], &s->end[i], s->end_offset[j],
                     at_end);
         double change = fabs(at_end[0] - at_half[0]);
+        most = pe_max(most, change);
         bool bounces = point->bias < -RESTING;
         if (!bounces && fabs(gap) < SMALL_GAP * s->dt * change + TOUCHING) {
             point->bias = DRIFT * gap / s->dt;
@@ -468,11 +474,13 @@ static void set_biases(const midpoint *s, int i)
         point->bias += at_end[0] - at_half[0];
         point->slip[0] = at_end[1] - at_half[1];
         point->slip[1] = at_end[2] - at_half[2];
-        s->built->normal_change[j] =
-            change + NEGLIGIBLE * FALL * s->dt * pe_length(s->world->def.gravity);
         s->built->end[j] =
             (pe_contact_place){pe_add(s->end[i].rA, s->end_offset[j]),
                                pe_add(s->end[i].rB, s->end_offset[j]), s->end[i].axis[0]};
+    }
+    for (int j = manifold->first; j < manifold->first + manifold->count; ++j) {
+        s->built->normal_change[j] =
+            most + NEGLIGIBLE * FALL * s->dt * pe_length(s->world->def.gravity);
     }
 }
 
@@ -567,7 +575,9 @@ static bool oppose_mean_slip(const midpoint *s, const pe_solver_manifold *manifo
 static bool any_on_rim(const midpoint *s)
 {
     for (int i = 0; i < s->problem->manifold_count; ++i) {
-        if (find_attachment(s->world, kept_manifold(s, i)).on_rim) {
+        const pe_manifold *m = kept_manifold(s, i);
+        if ((is_cylinder(s->world, m->a) || is_cylinder(s->world, m->b)) &&
+            find_attachment(s->world, m).on_rim) {
             return true;
         }
     }

@@ -176,7 +176,7 @@ static pe_status settle(pe_step *step, pe_island_item *item)
         pe_solve_report report = {0};
         status = pe_solve_tiny(&item->island.problem, &limits, pe_step_memory(world), &report,
                                step->error);
-        if (status == PE_OK) {
+        if (status == PE_OK && pe_problem_has_impulse(&item->island.problem)) {
             pe_problem_store_impulses(world, &item->island);
             status = pe_problem_build(world, &interval, &item->island, step->error);
         }
