@@ -277,6 +277,61 @@ static bool neighbour_pays(double gap)
     return pays;
 }
 
+/* The momenta of all bodies about the origin. */
+static void momenta_of(const pe_world *world, pe_vec3 *linear, pe_vec3 *angular)
+{
+    *linear = *angular = pe_v3(0, 0, 0);
+    for (int slot = 1; slot < world->slot_count; ++slot) {
+        const pe_mass *m = &pe_masses(world)[slot];
+        const pe_pose *pose = &pe_poses(world)[slot];
+        const pe_twist *v = &pe_twists(world)[slot];
+        pe_vec3 p = pe_scale(m->mass, v->velocity);
+        pe_vec3 w = pe_unrotate(&pose->rotation, v->angular_velocity);
+        pe_vec3 spin = pe_rotate(&pose->rotation, pe_mul(m->inertia, w));
+        *linear = pe_add(*linear, p);
+        *angular = pe_add(*angular, pe_add(pe_cross(pose->position, p), spin));
+    }
+}
+
+/* Two bricks that touch in flight, and that an impulse between them has given energy or taken it. */
+static void test_bodies_that_pay_together_keep_momenta(void **state)
+{
+    (void)state;
+    check_random random = {21};
+    int acted = 0;
+    for (int k = 0; k < 50; ++k) {
+        pe_world_def world_def = pe_world_def_default();
+        world_def.gravity = pe_v3(0, 0, 0);
+        pe_world *world = make_world(&world_def);
+        pe_body_id ids[2];
+        for (int i = 0; i < 2; ++i) {
+            pe_body_def def = box_def(0.5, 0.3, 0.2, pe_v3(1.0 * i, 0, 0));
+            def.mass = 1 + i;
+            def.velocity = random_vector(&random, 3);
+            def.angular_velocity = random_vector(&random, 3);
+            ids[i] = add_body(world, &def);
+        }
+        under_way u;
+        remember(world, &u);
+        const double impulse = check_uniform(&random, -1, 1);
+        for (int i = 0; i < 2; ++i) {
+            move_freely(world, &u, (int)ids[i].index);
+            pe_twists(world)[ids[i].index].velocity.x += (i == 0 ? 1 : -1) * impulse / (1 + i);
+        }
+        pe_vec3 linear, angular, linear_after, angular_after;
+        momenta_of(world, &linear, &angular);
+        const double before = kinetic_energy(world);
+        const pe_energy_report report = guard(world, &u);
+        momenta_of(world, &linear_after, &angular_after);
+        assert_close(before - kinetic_energy(world), report.removed, 1e-12, 0);
+        assert_close(pe_length(pe_sub(linear_after, linear)), 0, 1e-13, 0);
+        assert_close(pe_length(pe_sub(angular_after, angular)), 0, 1e-13, 0);
+        acted += report.islands;
+        pe_world_destroy(world);
+    }
+    assert_true(acted > 10 && acted < 40);
+}
+
 static void test_energy_is_taken_from_touching_bodies_only(void **state)
 {
     (void)state;
@@ -498,6 +553,7 @@ int main(void)
         cmocka_unit_test(test_energy_guard_removes_growth_that_motion_covers),
         cmocka_unit_test(test_a_rise_without_motion_is_taken_back),
         cmocka_unit_test(test_exact_motion_may_gain_a_millionth),
+        cmocka_unit_test(test_bodies_that_pay_together_keep_momenta),
         cmocka_unit_test(test_energy_is_taken_from_touching_bodies_only),
         cmocka_unit_test(test_a_lift_that_motion_pays_for_stays),
         cmocka_unit_test(test_excess_lift_is_undone_and_motion_continues),

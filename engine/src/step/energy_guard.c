@@ -103,6 +103,96 @@ static energy energy_of(const group *g)
     return e;
 }
 
+/* ---- The motion of a group as a whole ---- */
+
+/* The rigid motion that has the group's momenta. */
+typedef struct whole {
+    pe_vec3 centre; /* m */
+    pe_twist twist; /* of the centre */
+    double kinetic; /* J, of the group */
+    double inside;  /* J, of what its bodies move besides */
+} whole;
+
+/* Adds m (r.r 1 - r r^T) + R I R^T to rows of a symmetric matrix. */
+static void add_inertia(const pe_mass *mass, const pe_mat3 *rotation, pe_vec3 r, pe_vec3 rows[3])
+{
+    for (int k = 0; k < 3; ++k) {
+        pe_vec3 e = pe_v3(k == 0, k == 1, k == 2);
+        pe_vec3 of_arm = pe_sub(pe_scale(pe_dot(r, r), e), pe_scale(pe_component(r, k), r));
+        rows[k] = pe_madd(pe_add(rows[k], angular_momentum(mass, rotation, e)), mass->mass, of_arm);
+    }
+}
+
+/* The velocities of a body that moves with the group as a whole. */
+static pe_twist twist_in(const whole *w, pe_vec3 position)
+{
+    pe_vec3 r = pe_sub(position, w->centre);
+    return (pe_twist){pe_add(w->twist.velocity, pe_cross(w->twist.angular_velocity, r)),
+                      w->twist.angular_velocity};
+}
+
+static pe_twist twist_besides(const pe_twist *twist, const pe_twist *mean)
+{
+    return (pe_twist){pe_sub(twist->velocity, mean->velocity),
+                      pe_sub(twist->angular_velocity, mean->angular_velocity)};
+}
+
+static whole whole_of(const group *g)
+{
+    const pe_world *world = g->step->world;
+    const pe_pose *poses = pe_poses(world);
+    const pe_twist *twists = pe_twists(world);
+    const pe_mass *masses = pe_masses(world);
+    pe_vec3 first = {0, 0, 0}, momentum = {0, 0, 0}, angular = {0, 0, 0}, rows[3] = {{0, 0, 0}};
+    double mass = 0;
+    for (int i = 0; i < g->count; ++i) {
+        int slot = g->slots[i];
+        mass += masses[slot].mass;
+        first = pe_madd(first, masses[slot].mass, poses[slot].position);
+        momentum = pe_madd(momentum, masses[slot].mass, twists[slot].velocity);
+    }
+    whole w = {.centre = pe_scale(1 / mass, first), .twist.velocity = pe_scale(1 / mass, momentum)};
+    for (int i = 0; i < g->count; ++i) {
+        int slot = g->slots[i];
+        const pe_mat3 *rotation = &poses[slot].rotation;
+        pe_vec3 r = pe_sub(poses[slot].position, w.centre);
+        angular = pe_madd(angular, masses[slot].mass, pe_cross(r, twists[slot].velocity));
+        angular = pe_add(angular,
+                         angular_momentum(&masses[slot], rotation, twists[slot].angular_velocity));
+        add_inertia(&masses[slot], rotation, r, rows);
+    }
+    w.twist.angular_velocity = pe_solve3(rows[0], rows[1], rows[2], angular);
+    for (int i = 0; i < g->count; ++i) {
+        int slot = g->slots[i];
+        pe_twist mean = twist_in(&w, poses[slot].position);
+        pe_twist besides = twist_besides(&twists[slot], &mean);
+        w.kinetic += kinetic_energy(&masses[slot], &poses[slot], &twists[slot]);
+        w.inside += kinetic_energy(&masses[slot], &poses[slot], &besides);
+    }
+    return w;
+}
+
+/* Takes the energy that scaling all velocities would from what the group moves besides its motion
+ * as a whole, so that it keeps its momenta; false where there is not so much. */
+static bool take_from_inside(const group *g, double scale)
+{
+    const whole w = whole_of(g);
+    const double taken = (1 - scale * scale) * w.kinetic;
+    if (!(taken < w.inside)) {
+        return false;
+    }
+    const double factor = sqrt(1 - taken / w.inside);
+    for (int i = 0; i < g->count; ++i) {
+        int slot = g->slots[i];
+        pe_twist *twist = &pe_twists(g->step->world)[slot];
+        pe_twist mean = twist_in(&w, pe_poses(g->step->world)[slot].position);
+        pe_twist besides = twist_besides(twist, &mean);
+        twist->velocity = pe_madd(mean.velocity, factor, besides.velocity);
+        twist->angular_velocity = pe_madd(mean.angular_velocity, factor, besides.angular_velocity);
+    }
+    return true;
+}
+
 /* The factor of the velocities that leaves no growth; 0: there is none. */
 static double factor_of(const energy *e, bool exact)
 {
@@ -178,6 +268,9 @@ static bool take_energy(const group *g, const energy *e, double factor, bool *pu
     }
     bool returns = factor == 0 && near;
     const bool in_vain = returns && !step->world->has_applied_forces && was_still(g);
+    if (factor > 0 && factor < 1 && take_from_inside(g, factor)) {
+        factor = 1;
+    }
     for (int i = 0; i < g->count; ++i) {
         int slot = g->slots[i];
         pe_twist *twist = &pe_twists(step->world)[slot];

@@ -197,7 +197,9 @@ typedef struct pe_energy_report {
  *
  *   dE = sum T(end) - T(begin) - F . dx - h tau . w     (w the mean of both angular velocities),
  *
- * gets its velocities scaled by sqrt(1 - dE/T(end)). If there is not that much motion, the energy
+ * pays with its motion. What its bodies move besides the motion of the whole, which has all its
+ * momenta, is scaled by sqrt(1 - dE/T(besides)); if that is not enough, all velocities are scaled
+ * by sqrt(1 - dE/T(end)). If there is not that much motion, the energy
  * came from position correction. Then the island comes to rest, and goes back to where it was, to
  * lie as deep as before, unless a body was moved by more than step->shallow: deeper penetration is
  * removed at any cost. Growth within rounding is left alone.
@@ -209,7 +211,7 @@ typedef struct pe_energy_report {
  * swept has moved too far to go back to where it was. Exact position correction that was taken back
  * is not tried again for 1, 2, 4, up to 64 steps.
  *
- * To scale velocities costs momentum. So an island whose bodies were all solved directly, or have
+ * To scale all velocities costs momentum. So an island whose bodies were all solved directly, or have
  * no contact, and none of them corrected, may gain a millionth: the error of finite steps.
  *
  * `groups` are bodies that touch (pe_islands_find_touching; only their lists of bodies are read).
