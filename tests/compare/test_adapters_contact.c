@@ -34,12 +34,31 @@ static bool was_pushed_out(const pl_body_state *before, const pl_body_state *now
     return distance(off, none) > dt * distance(change, none) / 2 + 1e-9;
 }
 
+/* Whether the body's energy is what it was before, to rounding: an engine has bounded it. */
+static bool has_kept_energy(const pl_body *body, const pl_body_state *before,
+                            const pl_body_state *now)
+{
+    double spin[2][3], energy[2];
+    const pl_body_state *states[2] = {before, now};
+    for (int i = 0; i < 2; ++i) {
+        to_body(states[i]->orientation, states[i]->angular_velocity, spin[i]);
+        energy[i] = body->mass * g * states[i]->position[2];
+        for (int k = 0; k < 3; ++k) {
+            const double v = states[i]->velocity[k], w = spin[i][k];
+            energy[i] += (body->mass * v * v + body->inertia[k] * w * w) / 2;
+        }
+    }
+    return fabs(energy[1] - energy[0]) < 1e-11 * fabs(energy[0]);
+}
+
 /* Linear momentum: m dv = m g h + sum of reported impulses, over one step, for every moving body
- * that was not pushed out of another. */
+ * that was not pushed out of another. An engine that bounds a body's energy may take momentum for
+ * it, a ten-thousandth at most. */
 static void check_momentum(const engine_run *r, double dt)
 {
     for (int b = 0; b < r->scene->body_count; ++b) {
         const pl_body *body = &r->scene->bodies[b];
+        const double none[3] = {0, 0, 0};
         if (body->is_static || was_pushed_out(&r->before[b], &r->now[b], dt)) {
             continue;
         }
@@ -53,7 +72,11 @@ static void check_momentum(const engine_run *r, double dt)
             }
             double change = body->mass * (r->now[b].velocity[k] - r->before[b].velocity[k] -
                                           r->scene->gravity[k] * dt);
-            assert_close(change, impulse, (1e-10 + force_mismatch(&r->choice)) * scale, 0);
+            const double bounded = has_kept_energy(body, &r->before[b], &r->now[b])
+                                       ? 1e-4 * body->mass * distance(r->now[b].velocity, none)
+                                       : 0;
+            assert_close(change, impulse, (1e-10 + force_mismatch(&r->choice)) * scale + bounded,
+                         0);
         }
     }
 }
