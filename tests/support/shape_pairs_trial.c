@@ -129,6 +129,12 @@ static bool meets_at_edges(const pair *p)
            p->b.shape.radius == 0 && p->a.shape.kind != PE_SHAPE_PLANE;
 }
 
+double tolerance_of(const pair *p)
+{
+    const double exact = 1e-9 * p->size + 64 * DBL_EPSILON * (wide(p) + 5);
+    return meets_at_edges(p) ? pe_max(exact, 1e-4 * p->size) : exact;
+}
+
 typedef struct named_law {
     const char *name;
     law *holds;
@@ -144,10 +150,7 @@ static int run_pair(trial *t, const named_law *run, pe_shape_kind a, pe_shape_ki
         t->pose = (pair_pose)(i % POSE_COUNT);
         t->pair = random_pair(t->pool, a, b, t->pose, &t->random, run->gap);
         t->margin = margin_of(t);
-        t->tolerance = 1e-9 * t->pair.size + 64 * DBL_EPSILON * (wide(&t->pair) + 5);
-        if (meets_at_edges(&t->pair)) {
-            t->tolerance = pe_max(t->tolerance, 1e-4 * t->pair.size);
-        }
+        t->tolerance = tolerance_of(&t->pair);
         if (!run->holds(t)) {
             failures += 1;
             by_pose[t->pose] += 1;

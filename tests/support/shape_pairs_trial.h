@@ -50,6 +50,9 @@ manifolds collide(const placed *a, const placed *b, double margin);
 /* The deepest point, NULL when there is none; *normal is that of its manifold. */
 const pe_pair_point *deepest_of(const manifolds *found, pe_vec3 *normal);
 
+/* The tolerance of a trial. */
+double tolerance_of(const pair *p);
+
 /* A margin that the pair is always within. */
 double wide(const pair *p);
 
