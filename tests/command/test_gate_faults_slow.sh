@@ -37,7 +37,7 @@ judge "$directory/wider-results" \
 judge "$directory/narrower-results" \
     '^FAIL +slide-to-stop / plumb:accurate: friction_effective: 0\.5 -> 0\.495, allowed'
 judge "$directory/cold-results" \
-    '^FAIL +reaction-split / plumb:accurate: iterations_mean: .* -> .*, allowed'
+    '^FAIL +top / plumb:accurate: iterations_mean: .* -> .*, allowed'
 
 # Sound, but for a scenario that is not run any more.
 mkdir "$directory/fewer" "$directory/fewer/still"
