@@ -243,7 +243,7 @@ static bool impact(shower *s, int i)
  * meet next. */
 static void look_again(shower *s, int i, int partner, double now)
 {
-    bool open[MOST_BALLS];
+    bool open[MOST_BALLS] = {false};
     for (int j = 0; j < s->count; ++j) {
         flier *f = &s->ball[j];
         open[j] = j == i || j == partner || f->partner == NONE || f->partner == i ||

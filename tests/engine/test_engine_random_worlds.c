@@ -1,12 +1,16 @@
-/* The laws of a step in a few hundred random worlds. */
+/* The laws of a step in random worlds: in a few hundred, or in as many as the argument says. */
 #include "random_worlds.h"
 
 #include "check.h"
 
+#include <stdlib.h>
+
+static int worlds = 200;
+
 static void test_steps_of_random_worlds_are_bounded(void **state)
 {
     (void)state;
-    random_worlds_found found = random_worlds_run(1, 200);
+    random_worlds_found found = random_worlds_run(1, worlds);
     assert_int_equal(found.too_far, 0);
     assert_int_equal(found.not_finite, 0);
     assert_int_equal(found.too_fast, 0);
@@ -14,8 +18,11 @@ static void test_steps_of_random_worlds_are_bounded(void **state)
     assert_true(found.unparted > 0); /* the worlds are as bad as they should be */
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    if (argc > 1) {
+        worlds = (int)strtol(argv[1], NULL, 10);
+    }
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_steps_of_random_worlds_are_bounded)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

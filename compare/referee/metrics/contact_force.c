@@ -21,8 +21,6 @@
 #include "referee/geometry/solid.h"
 #include "series.h"
 
-#include <string.h>
-
 /* In units of the lighter body's weight: friction is not measured at contacts that bear less. */
 static const double LIGHT = 1e-3;
 
@@ -187,7 +185,16 @@ static void add_side(const pl_scene *scene, int index, pl_vec arm, const pl_step
 /* Whether the impulse acted at the middle of its interval. */
 static bool acts_at_middle(const pl_contact_time *time)
 {
-    return time != NULL && memcmp(&time->acts, &time->holds, sizeof time->acts) != 0;
+    if (time == NULL) {
+        return false;
+    }
+    const pl_contact_place *acts = &time->acts, *holds = &time->holds;
+    bool differ = false;
+    for (int k = 0; k < 3; ++k) {
+        differ |= acts->arm_a[k] != holds->arm_a[k] || acts->arm_b[k] != holds->arm_b[k] ||
+                  acts->normal[k] != holds->normal[k];
+    }
+    return differ;
 }
 
 /* Contact i of the step. */

@@ -676,7 +676,7 @@ pe_status pe_problem_to_midpoint(pe_world *world, pe_island_problem *built,
         }
     }
     for (int i = 0; i < count && status == PE_OK; ++i) {
-        if (s.moved[i]) {
+        if (s.moved[i] && built->end != NULL) {
             set_biases(&s, i);
         }
     }
