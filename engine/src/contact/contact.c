@@ -370,18 +370,45 @@ static bool is_convex(const pe_body *b)
     return b->shape.kind != PE_SHAPE_MESH || b->geometry->convex;
 }
 
+static pe_placed placed(const pe_world *world, int slot)
+{
+    const pe_body *body = &pe_bodies(world)[slot];
+    return (pe_placed){&body->shape, body->geometry, &pe_poses(world)[slot], body->size};
+}
+
+static pe_status collide(pe_world *world, pe_pair pair, double margin, pe_pair_manifold *manifolds,
+                         int *count, pe_error *error)
+{
+    pe_workspace work = pe_step_memory(world);
+    pe_arena_mark mark = pe_arena_fill(work.arena);
+    *count = pe_collide(placed(world, pair.a), placed(world, pair.b), margin, work, manifolds);
+    pe_arena_rewind(work.arena, work.allocator, mark);
+    return *count >= 0 ? PE_OK
+                       : pe_fail(error, PE_NO_MEMORY, "no memory for the contacts of two meshes");
+}
+
+pe_status pe_pair_overlap(pe_world *world, int a, int b, double *depth, pe_error *error)
+{
+    pe_pair_manifold manifolds[PE_MAX_MANIFOLDS];
+    int count;
+    pe_status status = collide(world, (pe_pair){a, b}, 0, manifolds, &count, error);
+    *depth = 0;
+    for (int i = 0; i < count; ++i) {
+        for (int j = 0; j < manifolds[i].count; ++j) {
+            *depth = pe_max(*depth, -manifolds[i].item[j].separation);
+        }
+    }
+    return status;
+}
+
 /* Appends new manifolds of the pair, as the narrow phase finds them. */
 static pe_status collide_pair(search *s, const examined *e)
 {
-    pe_workspace work = pe_step_memory(s->world);
-    pe_arena_mark mark = pe_arena_fill(work.arena);
     pe_pair_manifold manifolds[PE_MAX_MANIFOLDS];
-    int count = pe_collide((pe_placed){&e->a->shape, e->a->geometry, e->pose_a, e->a->size},
-                           (pe_placed){&e->b->shape, e->b->geometry, e->pose_b, e->b->size},
-                           e->margin, work, manifolds);
-    pe_arena_rewind(work.arena, work.allocator, mark);
-    if (count < 0) {
-        return pe_fail(s->error, PE_NO_MEMORY, "no memory for the contacts of two meshes");
+    int count;
+    pe_status status = collide(s->world, e->pair, e->margin, manifolds, &count, s->error);
+    if (status != PE_OK) {
+        return status;
     }
     for (int i = 0; i < count; ++i) {
         if (manifolds[i].count > s->rules->most_points) {

@@ -39,6 +39,9 @@ pe_status pe_contacts_find(pe_world *world, const pe_contact_rules *rules,
 pe_status pe_contacts_update(pe_world *world, const pe_contact_rules *rules, const bool *moved,
                              double dt, pe_error *error);
 
+/* How deep two bodies overlap at the poses now, in m; 0 where they do not. */
+pe_status pe_pair_overlap(pe_world *world, int a, int b, double *depth, pe_error *error);
+
 /* Scales the impulses of world->contacts when dt, in s, is not the last step's. */
 void pe_contacts_scale_impulses(pe_world *world, double dt);
 

@@ -3,14 +3,20 @@
 /* Gaps up to this, in m, are closed. */
 static const double TOUCHING = 1e-6;
 
-/* The root of a slot's tree, with every visited link cut in half (Tarjan and van Leeuwen 1984). */
-static int find_root(int *parent, int slot)
+/* Every visited link is cut in half (Tarjan and van Leeuwen 1984). */
+int pe_root_of(int *parent, int item)
 {
-    while (parent[slot] != slot) {
-        parent[slot] = parent[parent[slot]];
-        slot = parent[slot];
+    while (parent[item] != item) {
+        parent[item] = parent[parent[item]];
+        item = parent[item];
     }
-    return slot;
+    return item;
+}
+
+void pe_join_roots(int *parent, int a, int b)
+{
+    int p = pe_root_of(parent, a), q = pe_root_of(parent, b);
+    parent[p > q ? p : q] = p < q ? p : q;
 }
 
 void pe_islands_take(pe_world *world, size_t manifolds, pe_islands *islands)
@@ -54,9 +60,7 @@ static void join(const pe_world *world, const pe_manifold *m, int *parent)
 {
     const pe_body *bodies = pe_bodies(world);
     if (!bodies[m->a].is_static && !bodies[m->b].is_static) {
-        int p = find_root(parent, m->a), q = find_root(parent, m->b);
-        /* The smaller slot is the root, so that an island's root is its first body. */
-        parent[p > q ? p : q] = p < q ? p : q;
+        pe_join_roots(parent, m->a, m->b); /* an island's root is its first body */
     }
 }
 
@@ -66,7 +70,7 @@ static void list_bodies(const pe_world *world, int *parent, const int *number, p
     /* Static and unused slots are roots of themselves without a contact: number -1. */
     int *island_of_body = islands->place;
     for (int slot = 0; slot < world->slot_count; ++slot) {
-        island_of_body[slot] = number[find_root(parent, slot)];
+        island_of_body[slot] = number[pe_root_of(parent, slot)];
     }
     sort_by_group(island_of_body, world->slot_count, islands->count, islands->body_start,
                   islands->bodies);
@@ -103,7 +107,7 @@ pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
     /* Mark the roots that have contacts and number them in order. */
     for (int i = 0; i < count; ++i) {
         int body = bodies[manifolds[i].a].is_static ? manifolds[i].b : manifolds[i].a;
-        island_of[i] = find_root(parent, body);
+        island_of[i] = pe_root_of(parent, body);
         number[island_of[i]] = 0;
     }
     for (int slot = 0; slot < world->slot_count; ++slot) {
@@ -115,6 +119,64 @@ pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
     sort_by_group(island_of, count, islands->count, islands->start, islands->manifolds);
 
     list_bodies(world, parent, number, islands);
+    return PE_OK;
+}
+
+/* The part of each body and of each manifold, by place in the island; -1: in none. The number of
+ * parts. */
+static int number_parts(const pe_world *world, const pe_islands *whole, int k, int *parent,
+                        int *of_body, int *of_manifold)
+{
+    int bodies = whole->body_start[k + 1] - whole->body_start[k], count = 0;
+    for (int i = 0; i < bodies; ++i) { /* a root comes before the rest of its tree */
+        int root = pe_root_of(parent, i);
+        of_body[i] = root == i ? count++ : of_body[root];
+    }
+    for (int j = whole->start[k]; j < whole->start[k + 1]; ++j) {
+        const pe_manifold *m = &pe_manifolds(&world->contacts)[whole->manifolds[j]];
+        int a = whole->place[m->a], b = whole->place[m->b];
+        int part = of_body[a < 0 ? b : a];
+        of_manifold[j - whole->start[k]] = b < 0 || of_body[b] == part ? part : -1;
+    }
+    return count;
+}
+
+/* Sorts the items by their part; what is sorted are their numbers in the world. */
+static void list_parts(const int *part, int count, const int *number, int parts, int *start,
+                       int *listed)
+{
+    sort_by_group(part, count, parts, start, listed);
+    for (int i = 0; i < start[parts]; ++i) {
+        listed[i] = number[listed[i]];
+    }
+}
+
+pe_status pe_islands_divide(pe_world *world, const pe_islands *whole, int k, int *parent,
+                            pe_islands *parts, pe_error *error)
+{
+    const int *bodies = whole->bodies + whole->body_start[k];
+    const int *manifolds = whole->manifolds + whole->start[k];
+    int body_count = whole->body_start[k + 1] - whole->body_start[k];
+    int manifold_count = whole->start[k + 1] - whole->start[k];
+    int *of_body = pe_scratch(world, (size_t)body_count, sizeof *of_body);
+    int *of_manifold = pe_scratch(world, (size_t)manifold_count + 1, sizeof *of_manifold);
+    pe_islands_take(world, (size_t)manifold_count, parts);
+    if (pe_scratch_failed(world)) {
+        return pe_fail(error, PE_NO_MEMORY, "no memory for the parts of %d bodies", body_count);
+    }
+    parts->count = number_parts(world, whole, k, parent, of_body, of_manifold);
+    list_parts(of_manifold, manifold_count, manifolds, parts->count, parts->start,
+               parts->manifolds);
+    list_parts(of_body, body_count, bodies, parts->count, parts->body_start, parts->bodies);
+    for (int j = 0; j < manifold_count; ++j) {
+        const pe_manifold *m = &pe_manifolds(&world->contacts)[manifolds[j]];
+        parts->place[m->a] = parts->place[m->b] = -1; /* static bodies stay so */
+    }
+    for (int p = 0; p < parts->count; ++p) {
+        for (int i = parts->body_start[p]; i < parts->body_start[p + 1]; ++i) {
+            parts->place[parts->bodies[i]] = i - parts->body_start[p];
+        }
+    }
     return PE_OK;
 }
 
@@ -167,7 +229,7 @@ pe_status pe_islands_find_touching(pe_world *world, pe_islands *groups, pe_error
     const pe_body *bodies = pe_bodies(world);
     for (int slot = 1; slot < world->slot_count; ++slot) {
         if (joined[slot] && bodies[slot].alive && !bodies[slot].is_static) {
-            int root = find_root(parent, slot);
+            int root = pe_root_of(parent, slot);
             number[root] = number[root] < 0 ? groups->count++ : number[root];
         }
     }

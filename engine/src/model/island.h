@@ -30,6 +30,17 @@ pe_status pe_islands_find(pe_world *world, pe_islands *islands, pe_error *error)
  * `place` are filled. */
 pe_status pe_islands_find_touching(pe_world *world, pe_islands *groups, pe_error *error);
 
+/* The root of an item's tree in a forest. */
+int pe_root_of(int *parent, int item);
+
+/* Joins two trees; the smaller of their roots is that of both. */
+void pe_join_roots(int *parent, int a, int b);
+
+/* Divides island k of `whole` by a forest over the places of its bodies: each tree is an island of
+ * *parts, ordered by its first body. Manifolds between two trees are in no part. */
+pe_status pe_islands_divide(pe_world *world, const pe_islands *whole, int k, int *parent,
+                            pe_islands *parts, pe_error *error);
+
 /* A walk over the points of island k in world->contacts or a list with the same manifolds. */
 static inline pe_point_walk pe_walk_island(const pe_contacts *contacts, const pe_islands *islands,
                                            int k)

@@ -59,6 +59,7 @@ typedef struct pe_record {
     pe_backoff direct;     /* the direct solver */
     pe_backoff settling;   /* sweeps at rest, which gained nothing */
     pe_backoff parting;    /* overlap, which was not parted */
+    pe_backoff parts;      /* steps in parts, which had to be joined */
     double residual, rms;  /* m/s: what the last solve left */
     bool put_back;         /* the energy guard put the island back, which had been at rest */
 } pe_record;

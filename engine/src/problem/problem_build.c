@@ -28,18 +28,43 @@ static pe_vec3 point_velocity(const pe_twist *twist, pe_vec3 r)
     return pe_add(twist->velocity, pe_cross(twist->angular_velocity, r));
 }
 
+/* Velocity at the end of the step without contacts. */
+static const pe_twist *end_of(const pe_world *world, const pe_free_motion *free, int slot)
+{
+    return pe_bodies(world)[slot].is_static ? &pe_twists(world)[slot] : &free[slot].end;
+}
+
+/* Speed, in m/s, at which the gap of a point opens, at these velocities of its bodies. */
+static double opening(const pe_world *world, const pe_manifold *m, const pe_manifold_point *point,
+                      const pe_twist *of_a, const pe_twist *of_b)
+{
+    pe_vec3 ra = pe_sub(point->position, pe_poses(world)[m->a].position);
+    pe_vec3 rb = pe_sub(point->position, pe_poses(world)[m->b].position);
+    return pe_dot(m->normal, pe_sub(point_velocity(of_b, rb), point_velocity(of_a, ra)));
+}
+
+/* Whether a bounce from this approach, in m/s, outlasts the step, at whose start it is. One that does
+ * not would add energy, because its impulse also bears what pushes the bodies together. */
+static bool outlasts(const pe_world *world, const pe_manifold *m, const pe_manifold_point *point,
+                     const pe_free_motion *free, double approach)
+{
+    if (free == NULL || world->def.profile == PE_PROFILE_FAST) {
+        return true;
+    }
+    double end = opening(world, m, point, end_of(world, free, m->a), end_of(world, free, m->b));
+    return (end - approach) - m->restitution * approach > 0;
+}
+
 /* b_n of problem.h. There is a bounce only if the gap closes within the step. */
 static double bias_of(const pe_world *world, const pe_manifold *m, const pe_manifold_point *point,
-                      double dt)
+                      const pe_free_motion *free, double dt)
 {
     double gap = closable(point->separation);
     if (m->restitution > 0) {
         const pe_twist *twists = pe_twists(world);
-        pe_vec3 ra = pe_sub(point->position, pe_poses(world)[m->a].position);
-        pe_vec3 rb = pe_sub(point->position, pe_poses(world)[m->b].position);
-        double approach = pe_dot(m->normal, pe_sub(point_velocity(&twists[m->b], rb),
-                                                   point_velocity(&twists[m->a], ra)));
-        if (approach < -world->def.restitution_threshold && gap + dt * approach <= 0) {
+        double approach = opening(world, m, point, &twists[m->a], &twists[m->b]);
+        if (approach < -world->def.restitution_threshold && gap + dt * approach <= 0 &&
+            outlasts(world, m, point, free, approach)) {
             return m->restitution * approach;
         }
     }
@@ -95,7 +120,7 @@ static void fill_bodies(const pe_world *world, const pe_free_motion *free, pe_is
 
 /* Fills a manifold whose bodies and first point are set, and its points, from the world's manifold
  * m. */
-static void fill_manifold(const pe_world *world, const pe_manifold *m, double dt,
+static void fill_manifold(const pe_world *world, const pe_manifold *m, const pe_interval *interval,
                           pe_island_problem *built, pe_solver_manifold *manifold)
 {
     const pe_problem *problem = &built->problem;
@@ -122,7 +147,7 @@ static void fill_manifold(const pe_world *world, const pe_manifold *m, double dt
             point->s[k] = pe_dot(axis[k], s);
             impulse[k] = pe_dot(axis[k], points[j].impulse);
         }
-        point->bias = bias_of(world, m, &points[j], dt);
+        point->bias = bias_of(world, m, &points[j], interval->free, interval->dt);
         point->slip[0] = point->slip[1] = 0;
         point->scale = pe_point_scale(a, b, ra, rb);
         built->point_of[first + j] = m->first + j;
@@ -169,7 +194,7 @@ pe_status pe_problem_build(pe_world *world, const pe_interval *interval, pe_isla
             .b = body_of(islands, m->b, problem->body_count),
             .first = first,
         };
-        fill_manifold(world, m, interval->dt, built, &problem->manifold[i]);
+        fill_manifold(world, m, interval, built, &problem->manifold[i]);
         first += m->count;
     }
     pe_problem_rebuild_velocity(problem);

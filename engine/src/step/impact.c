@@ -2,8 +2,9 @@
 #include "step.h"
 
 enum {
-    MAX_SUBSTEPS = 8, /* of a step */
+    MAX_SUBSTEPS = 8, /* of a step; at least two for each body */
     MAX_TRIES = 8,    /* to hit the time of an impact */
+    IN_FLIGHT = 8,    /* times impact_bodies may be in an island in which only impacts push */
     /* Meshes of so many facets together have their contacts found once in a step; those of fewer
      * the more often, and all at least LEAST_SEARCHES times. */
     MANY_FACETS = 2000,
@@ -13,11 +14,16 @@ enum {
 /* In units of the first impact's speed: contacts that close more slowly after it are no impacts. */
 static const double MINOR = 1e-3;
 
-/* m: a gap up to this is closed, and penetration up to this is no overshoot. */
+/* m: a gap up to this is closed, and penetration up to this is no overshoot. Where impacts bounce, an
+ * error of the gap is one of their energy. */
 static const double CLOSED = 1e-8;
+static const double CLOSED_TO_BOUNCE = 1e-11;
 
 /* s per s: impacts within this part of the step are simultaneous. */
 static const double TOGETHER = 1e-3;
+
+/* s per s: an impact that bounces also pushes through gaps that it would close in this part of the step. */
+static const double SHOCK = 1e-4;
 
 /* An island on its way through a step that it takes in sub-steps. While it does, world->contacts
  * and world->previous are the lists of the sub-steps, and world->substep_contacts is the list of
@@ -25,24 +31,34 @@ static const double TOGETHER = 1e-3;
 typedef struct substeps {
     pe_step *step;
     pe_world *world;
-    int k;                /* the island in step->islands */
-    pe_islands island;    /* the same bodies with the manifolds of the sub-step, all in one */
-    pe_interval interval; /* of the sub-step; only the bodies' free motions are filled */
-    pe_pair_list pairs;   /* of the island */
-    int *counts;          /* of all points of each manifold of the sub-step */
-    pe_free_motion *free; /* that of `interval` */
-    pe_pose *poses;       /* (bodies) at the sub-step's start */
-    pe_twist *twists;     /* (bodies) at the sub-step's start */
-    pe_twist *ends;       /* (bodies) at the end of `left`, without the impact */
-    double left;          /* s, of the step */
-    double slow;          /* m/s: at least what is no impact; rises with each impact */
-    int order;            /* of the last solve in the step */
-    int searches_left;    /* for contacts */
+    const pe_islands *islands; /* of the step */
+    int k;                     /* the island in it */
+    pe_islands island;         /* the same bodies with the manifolds of the sub-step, all in one */
+    pe_interval interval;      /* of the sub-step; only the bodies' free motions are filled */
+    pe_pair_list pairs;        /* of the island */
+    int *counts;               /* of all points of each manifold of the sub-step */
+    pe_free_motion *free;      /* that of `interval` */
+    pe_pose *poses;            /* (bodies) at the sub-step's start */
+    pe_twist *twists;          /* (bodies) at the sub-step's start */
+    pe_twist *ends;            /* (bodies) at the end of `left`, without the impact */
+    double left;               /* s, of the step */
+    double near;               /* m: a gap through which an impact that bounces pushes */
+    double slow;               /* m/s: at least what is no impact; rises with each impact */
+    int order;                 /* of the last solve in the step */
+    int searches_left;         /* for contacts */
+    bool bounces;              /* a contact has restitution: impacts are found more exactly */
+    bool may_push;             /* between impacts; else the step goes on as an ordinary one */
 } substeps;
 
 static int body_count(const substeps *s)
 {
     return s->island.body_start[1];
+}
+
+static int max_substeps(const substeps *s)
+{
+    int two_each = 2 * body_count(s);
+    return two_each > MAX_SUBSTEPS ? two_each : MAX_SUBSTEPS;
 }
 
 /* ---- Points ---- */
@@ -87,11 +103,17 @@ static double slow_at(const substeps *s, const pe_point_walk *at)
     return pe_max(s->slow, slow_closing(s->world, at->manifold, s->step->dt));
 }
 
+static double closed_gap(const pe_manifold *m)
+{
+    return m->restitution > 0 ? CLOSED_TO_BOUNCE : CLOSED;
+}
+
 /* Whether a point that opens at `speed` is an impact now. */
 static bool impacts_now(const substeps *s, const pe_point_walk *at, double speed)
 {
     return speed < -slow_at(s, at) &&
-           at->point->separation <= pe_max(CLOSED, -speed * TOGETHER * s->step->dt);
+           at->point->separation <=
+               pe_max(closed_gap(at->manifold), -speed * TOGETHER * s->step->dt);
 }
 
 /* Moves on to the next point of the sub-step's contacts that closes fast enough for an impact. */
@@ -106,14 +128,9 @@ static bool next_closing(const substeps *s, pe_point_walk *at, double *speed)
     return false;
 }
 
-bool pe_impact_is_due(const pe_step *step, int k)
+bool pe_impact_is_due(const pe_step *step, const pe_islands *islands, int k)
 {
-    const pe_islands *islands = &step->islands;
     const pe_world *world = step->world;
-    int begin = islands->body_start[k], end = islands->body_start[k + 1];
-    if (end - begin > world->def.impact_bodies) {
-        return false;
-    }
     bool due = false;
     pe_point_walk at = pe_walk_island(&world->contacts, islands, k);
     while (!due && pe_next_point(&at)) {
@@ -121,10 +138,56 @@ bool pe_impact_is_due(const pe_step *step, int k)
         due = speed < -slow &&
               at.point->separation + step->dt * (speed - pe_max(slow, fall(world, step->dt))) < 0;
     }
-    for (int i = begin; i < end && due; ++i) {
-        due = !pe_has_torque(&pe_applied_forces(world)[islands->bodies[i]]);
-    }
     return due;
+}
+
+static const pe_twist *free_end(const pe_step *step, int slot)
+{
+    return pe_bodies(step->world)[slot].is_static ? &pe_twists(step->world)[slot]
+                                                  : &step->free[slot].end;
+}
+
+bool pe_may_bounce(const pe_world *world, const pe_islands *islands, int k)
+{
+    bool any = false;
+    for (int j = islands->start[k]; j < islands->start[k + 1] && !any; ++j) {
+        any = pe_manifolds(&world->contacts)[islands->manifolds[j]].restitution > 0;
+    }
+    return any;
+}
+
+/* Whether no contact of the island pushes in the step, except in impacts. */
+static bool is_in_flight(const pe_step *step, const pe_islands *islands, int k)
+{
+    const pe_world *world = step->world;
+    pe_point_walk at = pe_walk_island(&world->contacts, islands, k);
+    while (pe_next_point(&at)) {
+        double slow = slow_closing(world, at.manifold, step->dt);
+        double end =
+            opening_at(world, &at, free_end(step, at.manifold->a), free_end(step, at.manifold->b));
+        if (pe_max(at.point->separation, 0) + step->dt * end < -closed_gap(at.manifold) &&
+            opening(world, &at) >= -slow) {
+            return false;
+        }
+    }
+    return true;
+}
+
+bool pe_impact_has_own_time(const pe_step *step, const pe_islands *islands, int k)
+{
+    const pe_world *world = step->world;
+    const int begin = islands->body_start[k], end = islands->body_start[k + 1];
+    const int excess = end - begin - world->def.impact_bodies;
+    if (excess > (IN_FLIGHT - 1) * world->def.impact_bodies ||
+        !pe_impact_is_due(step, islands, k)) {
+        return false;
+    }
+    for (int i = begin; i < end; ++i) {
+        if (pe_has_torque(&pe_applied_forces(world)[islands->bodies[i]])) {
+            return false;
+        }
+    }
+    return excess <= 0 || (pe_may_bounce(world, islands, k) && is_in_flight(step, islands, k));
 }
 
 /* ---- The points that take part in a solve ---- */
@@ -135,6 +198,14 @@ typedef enum choice {
     IMPACTING   /* those that impact now, and those that touch */
 } choice;
 
+/* m: an impact pushes through a gap up to this. */
+static double shock_gap(const substeps *s, const pe_point_walk *at)
+{
+    double fallen = 0.5 * s->step->dt * pe_max(slow_at(s, at), fall(s->world, s->step->dt));
+    return pe_max(closed_gap(at->manifold),
+                  at->manifold->restitution > 0 ? pe_min(fallen, s->near) : fallen);
+}
+
 static bool is_chosen(const substeps *s, choice which, const pe_point_walk *at)
 {
     double speed = opening(s->world, at);
@@ -143,10 +214,7 @@ static bool is_chosen(const substeps *s, choice which, const pe_point_walk *at)
         return speed >= -slow_at(s, at);
     case IMPACTING:
         return impacts_now(s, at, speed) ||
-               (speed >= -slow_at(s, at) &&
-                at->point->separation <=
-                    pe_max(CLOSED, 0.5 * s->step->dt *
-                                       pe_max(slow_at(s, at), fall(s->world, s->step->dt))));
+               (speed >= -slow_at(s, at) && at->point->separation <= shock_gap(s, at));
     default:
         return true;
     }
@@ -221,7 +289,7 @@ static pe_manifold_point *step_point_of(const substeps *s, const pe_point_walk *
 {
     pe_manifold_point *best = NULL;
     double least = HUGE_VAL;
-    pe_point_walk at = pe_walk_island(&s->world->substep_contacts, &s->step->islands, s->k);
+    pe_point_walk at = pe_walk_island(&s->world->substep_contacts, s->islands, s->k);
     while (pe_next_point(&at)) {
         if (at.manifold->a == of->manifold->a && at.manifold->b == of->manifold->b) {
             pe_vec3 off = pe_sub(at.point->position, of->point->position);
@@ -260,21 +328,44 @@ static void predict(substeps *s, double dt)
     s->interval.dt = dt;
 }
 
+/* Whether any of the chosen points must push, because free motion over dt would close it; where
+ * nothing bounces some mostly must. */
+static bool must_push(const substeps *s, double dt)
+{
+    if (!s->bounces) {
+        return true;
+    }
+    const pe_twist *twists = pe_twists(s->world);
+    pe_point_walk at = pe_walk_points(&s->world->contacts);
+    while (pe_next_point(&at)) {
+        int a = at.manifold->a, b = at.manifold->b;
+        const pe_twist *of_a = s->island.place[a] < 0 ? &twists[a] : &s->free[a].end;
+        const pe_twist *of_b = s->island.place[b] < 0 ? &twists[b] : &s->free[b].end;
+        double speed = opening_at(s->world, &at, of_a, of_b);
+        if (pe_max(at.point->separation, 0) + dt * speed < -closed_gap(at.manifold)) {
+            return true;
+        }
+    }
+    return false;
+}
+
 static pe_twist solved_twist(const pe_island_problem *built, int i)
 {
     const double *v = built->problem.velocity[i];
     return (pe_twist){pe_v3_load(v), pe_v3_load(v + 3)};
 }
 
-/* The velocities at the end of the rest of the step, if there were no impacts. */
-static pe_status look_ahead(substeps *s)
+/* The velocities at the end of the rest of the step, if there were no impacts. *pushing: whether
+ * contacts push before the first one. */
+static pe_status look_ahead(substeps *s, bool *pushing)
 {
     pe_island_problem built;
     predict(s, s->left);
-    bool touching = choose(s, SEPARATING) > 0;
-    pe_status status = touching ? pe_island_solve(s->step, &s->interval, &built) : PE_OK;
+    *pushing = choose(s, SEPARATING) > 0 && must_push(s, s->left);
+    bool solve = *pushing && s->may_push;
+    pe_status status = solve ? pe_island_solve(s->step, &s->interval, &built) : PE_OK;
     for (int i = 0; i < body_count(s) && status == PE_OK; ++i) {
-        s->ends[i] = touching ? solved_twist(&built, i) : s->free[s->island.bodies[i]].end;
+        s->ends[i] = solve ? solved_twist(&built, i) : s->free[s->island.bodies[i]].end;
     }
     choose(s, ALL);
     return status;
@@ -282,9 +373,9 @@ static pe_status look_ahead(substeps *s)
 
 /* When a gap that opens by u0 now and by u1 at the end closes, in s: a root of
  * gap + u0 t + (u1 - u0) t^2 / (2 left). HUGE_VAL: never. */
-static double closing_time(double gap, double u0, double u1, double left)
+static double closing_time(double gap, double closed, double u0, double u1, double left)
 {
-    if (gap <= CLOSED) {
+    if (gap <= closed) {
         return 0;
     }
     double square = u0 * u0 - 2 * gap * (u1 - u0) / left;
@@ -298,17 +389,23 @@ static const pe_twist *end_of(const substeps *s, int slot)
 }
 
 /* The time of the first impact in the rest of the step, in s from now; `left` when there is none.
- * *fast: whether any contact closes fast enough to be one at some time. */
+ * *fast: whether any contact closes fast enough to be one at some time; false also where contacts
+ * push that may not. */
 static pe_status first_impact(substeps *s, double *time, bool *fast)
 {
-    pe_status status = look_ahead(s);
+    bool pushing;
+    pe_status status = look_ahead(s, &pushing);
     double u0;
     *time = s->left;
     *fast = false;
+    if (pushing && !s->may_push) {
+        return status;
+    }
     pe_point_walk at = pe_walk_points(&s->world->contacts);
     while (status == PE_OK && next_closing(s, &at, &u0)) {
         double u1 = opening_at(s->world, &at, end_of(s, at.manifold->a), end_of(s, at.manifold->b));
-        *time = pe_min(*time, closing_time(at.point->separation, u0, u1, s->left));
+        *time = pe_min(
+            *time, closing_time(at.point->separation, closed_gap(at.manifold), u0, u1, s->left));
         *fast = true;
     }
     return status;
@@ -319,18 +416,21 @@ static double time_to_impact(const substeps *s)
 {
     double least = HUGE_VAL, speed;
     for (pe_point_walk at = pe_walk_points(&s->world->contacts); next_closing(s, &at, &speed);) {
-        bool closed = fabs(at.point->separation) <= CLOSED;
+        bool closed = fabs(at.point->separation) <= closed_gap(at.manifold);
         least = pe_min(least, closed ? 0 : at.point->separation / -speed);
     }
     return least;
 }
 
-/* Moves the island over dt with all contacts except those about to impact. */
-static pe_status move(substeps *s, double dt)
+/* Moves the island over dt with the contacts of that choice. */
+static pe_status move(substeps *s, choice which, double dt)
 {
     predict(s, dt);
-    if (choose(s, SEPARATING) > 0) {
+    if (choose(s, which) > 0 && must_push(s, dt)) {
         return pe_island_step(s->step, &s->interval);
+    }
+    for (pe_point_walk at = pe_walk_points(&s->world->contacts); pe_next_point(&at);) {
+        at.point->impulse = pe_v3(0, 0, 0);
     }
     for (int i = 0; i < body_count(s); ++i) {
         pe_integrate_free(s->world, s->island.bodies[i], s->free, dt);
@@ -355,13 +455,33 @@ static void restore(substeps *s)
     }
 }
 
+/* A move over `time`, after which the impact is `more` away, both in s. */
+typedef struct attempt {
+    double time, more;
+} attempt;
+
+/* The time to try after an attempt; the same one where no impact is near. Contacts that push move
+ * bodies by other velocities than those at the move's end, so that these alone may lead back and
+ * forth: between two attempts on both sides of the impact its time is interpolated. */
+static double next_time(attempt now, attempt last, double left, double enough)
+{
+    double had = fabs(last.more), has = fabs(now.more);
+    if (now.more == HUGE_VAL || (has <= enough && had <= enough && has > 0.5 * had && had > 0)) {
+        return now.time;
+    }
+    bool between = (now.more > 0 && last.more < 0) || (now.more < 0 && last.more > 0);
+    double step = between ? (now.time - last.time) / (last.more - now.more) * now.more : now.more;
+    return pe_max(0.1 * now.time, pe_min(now.time + step, left));
+}
+
 /* Moves for about `time`, to the impact, or to the end of the step. */
 static pe_status move_to_impact(substeps *s, double time)
 {
     const int listed = s->world->apart_count;
+    attempt last = {0, 0};
     save(s);
     for (int n = 0; n < MAX_TRIES; ++n) {
-        pe_status status = move(s, time);
+        pe_status status = move(s, SEPARATING, time);
         if (status == PE_OK) {
             status = find_contacts(s);
         }
@@ -369,7 +489,7 @@ static pe_status move_to_impact(substeps *s, double time)
             return status;
         }
         double more = time_to_impact(s);
-        double next = more < HUGE_VAL ? pe_max(0.1 * time, pe_min(time + more, s->left)) : time;
+        double next = next_time((attempt){time, more}, last, s->left, TOGETHER * s->step->dt);
         if (more == 0 || next == time || n + 1 == MAX_TRIES || s->searches_left <= 0) {
             break;
         }
@@ -377,6 +497,7 @@ static pe_status move_to_impact(substeps *s, double time)
         s->world->apart_count = listed;
         pe_contacts_swap(&s->world->contacts, &s->world->previous);
         count_points(s);
+        last = s->bounces ? (attempt){time, more} : last;
         time = next;
     }
     add_impulses(s, &s->world->previous);
@@ -407,6 +528,7 @@ static pe_status solve_impact(substeps *s)
         int slot = s->island.bodies[i];
         s->free[slot] = (pe_free_motion){.end = pe_twists(s->world)[slot]};
     }
+    s->near = SHOCK * s->step->dt * speed;
     choose(s, IMPACTING);
     pe_island_problem built;
     s->interval.dt = 1; /* gaps do not matter in an instant: over a second they close by nothing */
@@ -434,7 +556,8 @@ static pe_status run_substeps(substeps *s)
     pe_status status = find_contacts(s);
     bool fast = true;
     for (int n = 0;
-         n < MAX_SUBSTEPS && fast && s->left > 0 && s->searches_left > 0 && status == PE_OK; ++n) {
+         n < max_substeps(s) && fast && s->left > 0 && s->searches_left > 0 && status == PE_OK;
+         ++n) {
         double time;
         status = first_impact(s, &time, &fast);
         if (status == PE_OK && fast && time > 0) {
@@ -445,9 +568,7 @@ static pe_status run_substeps(substeps *s)
         }
     }
     if (status == PE_OK && s->left > 0) {
-        predict(s, s->left);
-        choose(s, ALL); /* the contacts may have been found after the last choice */
-        status = pe_island_step(s->step, &s->interval);
+        status = move(s, ALL, s->left);
         add_impulses(s, &s->world->contacts);
     }
     return status;
@@ -461,7 +582,7 @@ static int most_searches(const substeps *s)
         const pe_geometry *g = pe_bodies(s->world)[s->island.bodies[i]].geometry;
         facets += g != NULL && !pe_geometry_is_polytope(g) ? g->triangle_count : 0;
     }
-    const int all = MAX_SUBSTEPS * MAX_TRIES + 1;
+    const int all = max_substeps(s) * MAX_TRIES + 1;
     int most = facets > 0 ? MANY_FACETS / facets : all;
     return most > all ? all : most < LEAST_SEARCHES ? LEAST_SEARCHES : most;
 }
@@ -469,7 +590,7 @@ static int most_searches(const substeps *s)
 /* Lists the pairs of the island's manifolds, and sets the impulses of the step's contacts to 0. */
 static void take_over_contacts(substeps *s)
 {
-    pe_point_walk at = pe_walk_island(&s->world->contacts, &s->step->islands, s->k);
+    pe_point_walk at = pe_walk_island(&s->world->contacts, s->islands, s->k);
     while (pe_next_point(&at)) {
         int a = at.manifold->a, b = at.manifold->b;
         const pe_pair *last = s->pairs.count > 0 ? &s->pairs.items[s->pairs.count - 1] : NULL;
@@ -484,7 +605,7 @@ static void take_over_contacts(substeps *s)
 static pe_status begin_substeps(substeps *s)
 {
     pe_world *world = s->world;
-    const pe_islands *islands = &s->step->islands;
+    const pe_islands *islands = s->islands;
     int *bodies = islands->bodies + islands->body_start[s->k];
     int count = islands->body_start[s->k + 1] - islands->body_start[s->k];
     size_t pairs = (size_t)(islands->start[s->k + 1] - islands->start[s->k]);
@@ -515,14 +636,17 @@ static pe_status begin_substeps(substeps *s)
     return PE_OK;
 }
 
-pe_status pe_impact_step(pe_step *step, int k, pe_path *path)
+pe_status pe_impact_step(pe_step *step, const pe_islands *islands, int k, pe_path *path)
 {
     pe_world *world = step->world;
     substeps s = {
         .step = step,
         .world = world,
+        .islands = islands,
         .k = k,
         .left = step->dt,
+        .bounces = pe_may_bounce(world, islands, k),
+        .may_push = islands->body_start[k + 1] - islands->body_start[k] <= world->def.impact_bodies,
     };
     pe_status status = begin_substeps(&s);
     if (status != PE_OK) {

@@ -140,9 +140,31 @@ static void count_island(pe_step *step, int k, pe_path path)
     }
 }
 
-static bool has_impact(const pe_step *step, int k)
+/* Steps an island that has impacts, whole or in parts, so that they have their own time. *done:
+ * whether they do. */
+static pe_status step_impacts(pe_step *step, int k, bool *done)
 {
-    return step->world->def.profile != PE_PROFILE_FAST && pe_impact_is_due(step, k);
+    const pe_islands *islands = &step->islands;
+    const pe_world_def *def = &step->world->def;
+    pe_status status = PE_OK;
+    pe_path path = PE_PATH_NONE;
+    *done = false;
+    if (def->profile == PE_PROFILE_FAST) {
+        return PE_OK;
+    }
+    if (pe_impact_has_own_time(step, islands, k)) {
+        *done = true;
+        status = pe_impact_step(step, islands, k, &path);
+        if (status == PE_OK) {
+            count_island(step, k, path);
+        }
+    } else if (islands->body_start[k + 1] - islands->body_start[k] > def->impact_bodies &&
+               def->impact_bodies > 0 && pe_may_bounce(step->world, islands, k) &&
+               pe_impact_is_due(step, islands, k)) {
+        status = pe_parts_step(step, k, done, &path);
+        step->stats.islands_by_path[path] += *done;
+    }
+    return status;
 }
 
 /* Ends an island whose sweeps, if it asked for any, are made. */
@@ -166,14 +188,12 @@ static pe_status begin_island(pe_step *step, int k, pe_island_item *item)
         count_island(step, k, PE_PATH_SWEEPS);
         return PE_OK;
     }
-    if (has_impact(step, k)) {
-        pe_status status = pe_impact_step(step, k, &item->interval.path);
-        if (status == PE_OK) {
-            count_island(step, k, item->interval.path);
-        }
+    bool done;
+    pe_status status = step_impacts(step, k, &done);
+    if (status != PE_OK || done) {
         return status;
     }
-    pe_status status = pe_island_begin(step, item);
+    status = pe_island_begin(step, item);
     return status == PE_OK && item->solving.sweeps == 0 ? end_island(step, item) : status;
 }
 
