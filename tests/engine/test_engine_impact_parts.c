@@ -51,7 +51,7 @@ static void check_row(pe_profile profile, int n, double gap)
 {
     const double e = 0.8;
     pe_world *world = world_of(profile, G);
-    pe_material_id material = add_material(world, 0, e);
+    pe_material_id material = add_material(world, 0.5, e);
     pe_body_id ids[MOST];
     add_plane(world, pe_v3(0, 0, 1), material);
     for (int i = 0; i < n; ++i) {

@@ -107,14 +107,13 @@ typedef struct pe_world_def {
     double restitution_threshold;
 
     /* An island of this many bodies or fewer takes its impacts at their own time within the step,
-     * one after the other, except in the fast profile. Where a contact has restitution, so does one
-     * of up to eight times as many in which nothing but impacts pushes, and a larger one is divided
-     * where its contacts do not act, into parts of which each is such an island. Elsewhere, and
-     * everywhere at 0, an impact acts at the step's start, over the gap. A step with impacts costs
-     * up to 8 sub-steps, or two for each body, each with up to 8 passes of solver and narrow phase
-     * over the pairs. With F triangles in its meshes that are not collided as hulls, the narrow
-     * phase passes over them at most max(2, 2000/F) times, and the rest of the step is an ordinary
-     * one. */
+     * one after the other, except in the fast profile. An island with restitution is first divided
+     * where its contacts do not act; and the bound is eight times this for parts in which nothing
+     * but impacts pushes. Elsewhere, and everywhere at 0, an impact acts at the step's start, over
+     * the gap. A step with impacts costs up to 8 sub-steps, or two for each body, each with up to 8
+     * passes of solver and narrow phase over the pairs. With F triangles in its meshes that are not
+     * collided as hulls, the narrow phase passes over them at most max(2, 2000/F) times, and the
+     * rest of the step is an ordinary one. */
     int impact_bodies;
 
     /* Gap, in m, below which two bodies at rest relative to each other get a contact. Motion within

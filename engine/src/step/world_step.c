@@ -152,17 +152,17 @@ static pe_status step_impacts(pe_step *step, int k, bool *done)
     if (def->profile == PE_PROFILE_FAST) {
         return PE_OK;
     }
-    if (pe_impact_has_own_time(step, islands, k)) {
+    if (islands->body_start[k + 1] - islands->body_start[k] > 1 && def->impact_bodies > 0 &&
+        pe_may_bounce(step->world, islands, k) && pe_impact_is_due(step, islands, k)) {
+        status = pe_parts_step(step, k, done, &path);
+        step->stats.islands_by_path[path] += *done;
+    }
+    if (status == PE_OK && !*done && pe_impact_has_own_time(step, islands, k)) {
         *done = true;
         status = pe_impact_step(step, islands, k, &path);
         if (status == PE_OK) {
             count_island(step, k, path);
         }
-    } else if (islands->body_start[k + 1] - islands->body_start[k] > def->impact_bodies &&
-               def->impact_bodies > 0 && pe_may_bounce(step->world, islands, k) &&
-               pe_impact_is_due(step, islands, k)) {
-        status = pe_parts_step(step, k, done, &path);
-        step->stats.islands_by_path[path] += *done;
     }
     return status;
 }
