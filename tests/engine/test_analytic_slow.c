@@ -33,6 +33,7 @@ static const bound bounds[] = {
     {"bowling", SMOOTH},
     {"carried-balls", SMOOTH},
     {"bounce", IMPACT},
+    {"bounce-row", IMPACT},
     {"rain", IMPACT},
     {"spinning-coin", ROLLING_EDGE},
     {"oblique-impact", IMPACT},

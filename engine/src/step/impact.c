@@ -22,7 +22,8 @@ static const double CLOSED_TO_BOUNCE = 1e-11;
 /* s per s: impacts within this part of the step are simultaneous. */
 static const double TOGETHER = 1e-3;
 
-/* s per s: an impact that bounces also pushes through gaps that it would close in this part of the step. */
+/* s per s: an impact that bounces also pushes through gaps that it would close in this part of the
+ * step. */
 static const double SHOCK = 1e-4;
 
 /* An island on its way through a step that it takes in sub-steps. While it does, world->contacts

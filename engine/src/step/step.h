@@ -109,8 +109,9 @@ bool pe_impact_is_due(const pe_step *step, const pe_islands *islands, int k);
 bool pe_may_bounce(const pe_world *world, const pe_islands *islands, int k);
 
 /* Whether an impact is due and the island small enough (pe_world_def.impact_bodies) to be taken
- * through sub-steps; eight times as many bodies are if it may bounce and only impacts push. Bodies with torques on them are left to the ordinary step, because the energy
- * guard computes the torques' work over a whole one. */
+ * through sub-steps; eight times as many bodies are if it may bounce and only impacts push. Bodies
+ * with torques on them are left to the ordinary step, because the energy guard computes the torques'
+ * work over a whole one. */
 bool pe_impact_has_own_time(const pe_step *step, const pe_islands *islands, int k);
 
 /* Does the work of pe_island_step in sub-steps: the island moves up to its first impact, with the
@@ -129,11 +130,11 @@ pe_status pe_impact_step(pe_step *step, const pe_islands *islands, int k, pe_pat
 /* ---- Islands in parts (island_parts.c) ---- */
 
 /* Takes island k through the step in parts, if an impact that may bounce can have its own time in one
- * of them. The parts are the islands of the contacts that act: that pushed in the last step, or close in this
- * one. Each is stepped by itself, in sub-steps if it has an impact and is small. Parts that have met
- * then go back and are stepped again as one, with all others that they may reach; after three such
- * rounds the island is stepped whole. Where a part too large for sub-steps was stepped in vain, the
- * island is not divided again for 1, 2, 4, up to 64 impacts.
+ * of them. The parts are the islands of the contacts that act: that pushed in the last step, or close
+ * in this one. Each is stepped by itself, in sub-steps if it has an impact and is small. Parts that
+ * have met then go back and are stepped again as one, with all others that they may reach; after
+ * three such rounds the island is stepped whole. Where a part too large for sub-steps was stepped in
+ * vain, the island is not divided again for 1, 2, 4, up to 64 impacts.
  *
  * *done: false where nothing is done, because no part has such an impact. *path is that of
  * the worst part, and step->solved_directly is set. */
