@@ -2,6 +2,7 @@
 
 #include "kernels.h"
 
+#include <math.h>
 #include <string.h>
 
 /* ---- The plan ---- */
@@ -132,10 +133,11 @@ pe_status pe_soft_plan_make(pe_world *world, const pe_chosen_islands *chosen,
 pe_soft_settings pe_soft_settings_default(void)
 {
     return (pe_soft_settings){
-        .longest_substep = 1.0 / 480,
-        .max_substeps = 12,
-        .cycles = 1.0 / 8,
-        .damping = 10,
+        .substeps = 10,
+        .least_substeps = 6,
+        .most_substeps = 12,
+        .cycles = 0.2,
+        .damping = 5,
         .push_speed = 0.5,
     };
 }
@@ -143,8 +145,9 @@ pe_soft_settings pe_soft_settings_default(void)
 /* The slack keeps a sub-step that is too long only by rounding from costing another one. */
 static int count_substeps(double dt, const pe_soft_settings *settings)
 {
-    double needed = ceil(dt / settings->longest_substep - 1e-6);
-    return needed < 1 ? 1 : needed > settings->max_substeps ? settings->max_substeps : (int)needed;
+    int needed = (int)ceil(settings->substeps * sqrt(60 * dt) - 1e-6);
+    needed = needed > settings->most_substeps ? settings->most_substeps : needed;
+    return needed < settings->least_substeps ? settings->least_substeps : needed;
 }
 
 /* A spring of angular frequency w and damping ratio z, stepped by implicit Euler (Catto 2011): with

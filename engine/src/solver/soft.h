@@ -15,10 +15,13 @@
  * each converge better than one step with as many sweeps (Macklin et al. 2019, "Small steps in
  * physics simulation"). Contacts with a restitution above 0 get one more sweep at the end.
  *
- * Limits: contacts are soft. A cube on the ground sinks by g/w^2, with w the angular frequency of
- * its springs, and every joint of a column by what it carries, so that high columns sag and sway.
- * One sweep a sub-step does not converge where a light body is jammed between a heavy one and the
- * ground; some of the push then stays as energy, which the caller has to bound. */
+ * The number of sub-steps goes by the root of dt, so that springs are the stiffer the shorter the
+ * step is, and penetration falls with it.
+ *
+ * Limits: contacts are soft. A cube on the ground sinks by g/w^2, with w the angular
+ * frequency of its springs, and every joint of a column by what it carries, so that high columns sag
+ * and sway. One sweep a sub-step does not converge where a light body is jammed between a heavy one
+ * and the ground; some of the push then stays as energy, which the caller has to bound. */
 #ifndef PE_SOFT_H
 #define PE_SOFT_H
 
@@ -26,8 +29,8 @@
 
 /* Settings of the soft contact solver. */
 typedef struct pe_soft_settings {
-    double longest_substep; /* s; the step is cut into at least dt over this many */
-    int max_substeps;       /* but not into more than these */
+    double substeps; /* of a step of 1/60 s; their number goes by the root of the step's length */
+    int least_substeps, most_substeps; /* bounds on their number */
 
     /* Stiffness of a contact: the frequency of its spring in cycles per sub-step. Higher values
      * penetrate less; from a quarter on a collapse gains energy from it. */
@@ -40,7 +43,8 @@ typedef struct pe_soft_settings {
     int lanes;
 } pe_soft_settings;
 
-/* Sub-steps of 1/480 s, at most 12; an eighth of a cycle, damping 10, 0.5 m/s, the widest lanes. */
+/* 10 sub-steps of 1/60 s, 6 to 12 of any step; a fifth of a cycle, damping 5, 0.5 m/s, the widest
+ * lanes. */
 pe_soft_settings pe_soft_settings_default(void);
 
 /* Counts of a step of the soft contact solver. */

@@ -20,6 +20,7 @@ static const double REST_SPEED = 1e-6;
 /* Bodies that are guarded together. */
 typedef struct group {
     const pe_step *step;
+    const double *lifts; /* (slots): see find_lifts; NULL: none */
     const int *slots;
     int count;
 } group;
@@ -28,6 +29,7 @@ typedef struct group {
 typedef struct energy {
     double kinetic; /* at the end */
     double growth;
+    double risen;   /* work against the forces, of the bodies that moved against them */
     double motion;  /* kinetic, before and after */
     double terms;   /* that growth is the difference of, in size */
     double mass;    /* kg */
@@ -88,6 +90,7 @@ static void add_body(const pe_step *step, int slot, energy *e)
     e->mass += mass->mass;
     e->force += pe_length(force);
     e->growth += (after - before) - work - rotating;
+    e->risen += pe_max(-work, 0);
     /* Positions and velocities are rounded themselves. */
     double far = pe_length(force) * (pe_length(end->position) + pe_length(displacement));
     e->terms += before + after + fabs(rotating) + far +
@@ -97,9 +100,12 @@ static void add_body(const pe_step *step, int slot, energy *e)
 static energy energy_of(const group *g)
 {
     energy e = {.exact = true};
+    double lift = 0;
     for (int i = 0; i < g->count; ++i) {
         add_body(g->step, g->slots[i], &e);
+        lift += g->lifts != NULL ? g->lifts[g->slots[i]] : 0;
     }
+    e.growth -= pe_min(lift, e.risen);
     return e;
 }
 
@@ -192,6 +198,50 @@ static bool take_from_inside(const group *g, double scale)
     }
     return true;
 }
+
+/* ---- Loads on soft contacts ---- */
+
+/* A point of the body's axes in the world. */
+static pe_vec3 at_pose(const pe_pose *pose, pe_vec3 anchor)
+{
+    return pe_add(pose->position, pe_rotate(&pose->rotation, anchor));
+}
+
+/* The change of a contact point's separation in the step, in m. */
+static double parted(const pe_step *step, const pe_manifold *m, const pe_manifold_point *point)
+{
+    const pe_pose *now = pe_poses(step->world);
+    pe_vec3 a =
+        pe_sub(at_pose(&now[m->a], point->anchor_a), at_pose(&step->poses[m->a], point->anchor_a));
+    pe_vec3 b =
+        pe_sub(at_pose(&now[m->b], point->anchor_b), at_pose(&step->poses[m->b], point->anchor_b));
+    return pe_dot(m->normal, pe_sub(b, a));
+}
+
+/* What it costs to lift the load of each soft contact out of its depth, in J: the force of the
+ * contact along the depth that was removed. It counts for one of the two bodies, which are in the
+ * same group. NULL where there is no memory. */
+static double *find_lifts(const pe_step *step)
+{
+    const pe_world *world = step->world;
+    const pe_body *bodies = pe_bodies(world);
+    double *lifts = pe_scratch_zero(step->world, (size_t)world->slot_count, sizeof *lifts);
+    for (int k = 0; k < step->islands.count && lifts != NULL; ++k) {
+        pe_point_walk at = pe_walk_island(&world->solved, &step->islands, k);
+        while (step->soft[k] && pe_next_point(&at)) {
+            const pe_manifold *m = at.manifold;
+            double force = pe_dot(m->normal, at.point->impulse) / step->dt;
+            if (at.point->separation < 0 && force > 0) {
+                double way = pe_min(parted(step, m, at.point), -at.point->separation);
+                double lift = force * pe_max(way, 0);
+                lifts[bodies[m->a].is_static ? m->b : m->a] += lift;
+            }
+        }
+    }
+    return lifts;
+}
+
+/* ---- The guard ---- */
 
 /* The factor of the velocities that leaves no growth; 0: there is none. */
 static double factor_of(const energy *e, bool exact)
@@ -305,13 +355,14 @@ void pe_energy_guard(const pe_step *step, const pe_islands *groups, bool *put_ba
                      pe_energy_report *report)
 {
     *report = (pe_energy_report){0};
+    const double *lifts = step->stats.islands_by_path[PE_PATH_SOFT] > 0 ? find_lifts(step) : NULL;
     for (int k = 0; k < groups->count; ++k) {
         const int begin = groups->body_start[k], end = groups->body_start[k + 1];
-        guard_group(&(group){step, groups->bodies + begin, end - begin}, put_back, report);
+        guard_group(&(group){step, lifts, groups->bodies + begin, end - begin}, put_back, report);
     }
     for (int slot = 1; slot < step->world->slot_count; ++slot) {
         if (is_corrected(step, slot) && groups->place[slot] < 0) {
-            guard_group(&(group){step, &slot, 1}, put_back, report);
+            guard_group(&(group){step, lifts, &slot, 1}, put_back, report);
         }
     }
 }

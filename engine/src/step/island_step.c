@@ -23,6 +23,16 @@ static const strictness STRICTNESS[] = {
     [PE_PROFILE_ACCURATE] = {.tolerance = 7e-5, .updates = 1, .most_sweeps = 2000, .patience = 4},
     [PE_PROFILE_FAST] = {.tolerance = 2e-4, .updates = 0.5, .most_sweeps = 30, .patience = 8},
 };
+
+/* The fast profile. Larger islands than these are swept, except chains. */
+enum { DIRECT_BODIES = 60 };
+static const double LARGE_TOLERANCE = 1e-6; /* m/s: where Newton's method would be tried */
+static const double CHAIN = 1.1; /* manifolds a body */
+/* A new island gets many sweeps at once, because later steps go on from them. In an uneven one
+ * (step.h) the heavy body's velocity is off by the residual times the ratio: so sweeps aim at this
+ * over the ratio, within bounds, in m/s. Below CALM (m/s) they go on in the next steps. */
+enum { NEW_SWEEPS = 300, UNEVEN_SWEEPS = 70, CALM_SWEEPS = 10 };
+static const double UNEVEN_TOLERANCE = 1e-2, LEAST_UNEVEN_TOLERANCE = 1e-4, CALM = 0.02;
 static const double SWEPT_POINTS = 1250;
 static const double MOST_TOLERANCE = 0.02; /* m/s: what sweeps aim at in any island */
 
@@ -148,7 +158,8 @@ bool pe_island_hold(pe_step *step, int k)
 static pe_island_limits limits_of(const pe_world *world, const pe_island_problem *island)
 {
     const strictness strict = STRICTNESS[world->def.profile];
-    double size = pe_max(1, island->problem.point_count / SWEPT_POINTS);
+    const bool fast = world->def.profile == PE_PROFILE_FAST;
+    double size = fast ? 1 : pe_max(1, island->problem.point_count / SWEPT_POINTS);
     double swept = pe_min(MOST_TOLERANCE, strict.tolerance * size * size);
     return (pe_island_limits){
         .tolerance = world->def.tolerance,
@@ -184,6 +195,46 @@ static pe_status settle(pe_step *step, pe_island_item *item)
     return status;
 }
 
+double pe_island_mass_ratio(const pe_world *world, const pe_islands *islands, int k)
+{
+    double most = 1;
+    for (int i = islands->start[k]; i < islands->start[k + 1]; ++i) {
+        const pe_manifold *m = &pe_manifolds(&world->contacts)[islands->manifolds[i]];
+        const double a = pe_masses(world)[m->a].mass, b = pe_masses(world)[m->b].mass;
+        if (!pe_bodies(world)[m->a].is_static && !pe_bodies(world)[m->b].is_static) {
+            most = pe_max(most, pe_max(a / b, b / a));
+        }
+    }
+    return most;
+}
+
+/* Adapts the limits to the fast profile. */
+static void limit_fast(const pe_island_problem *island, double ratio, pe_island_limits *limits)
+{
+    const pe_problem *problem = &island->problem;
+    const int bodies = problem->body_count;
+    if (bodies > DIRECT_BODIES && problem->manifold_count > CHAIN * bodies) {
+        limits->direct_waits = true;
+        limits->tolerance = pe_max(limits->tolerance, LARGE_TOLERANCE);
+    }
+    if (ratio > PE_UNEVEN) {
+        const double aim = pe_max(LEAST_UNEVEN_TOLERANCE, UNEVEN_TOLERANCE / ratio);
+        limits->swept_tolerance = pe_max(limits->tolerance, aim);
+        limits->most_sweeps = UNEVEN_SWEEPS;
+    }
+    if (!pe_problem_has_impulse(problem)) {
+        limits->most_sweeps = NEW_SWEEPS;
+    }
+}
+
+/* An uneven island that is calm gets few sweeps in a step. */
+static void calm_down(double ratio, pe_solving *solving)
+{
+    if (ratio > PE_UNEVEN && solving->warm < CALM && solving->sweeps > CALM_SWEEPS) {
+        solving->sweeps = CALM_SWEEPS;
+    }
+}
+
 pe_status pe_island_begin(pe_step *step, pe_island_item *item)
 {
     pe_world *world = step->world;
@@ -203,7 +254,15 @@ pe_status pe_island_begin(pe_step *step, pe_island_item *item)
     };
     item->solving.limits.direct_waits = item->record.direct.wait > 0;
     item->solving.limits.settling_waits = item->record.settling.wait > 0;
-    return pe_solving_begin(&item->solving, pe_step_memory(world), step->error);
+    if (world->def.profile != PE_PROFILE_FAST) {
+        return pe_solving_begin(&item->solving, pe_step_memory(world), step->error);
+    }
+    const pe_interval *interval = &item->interval;
+    const double ratio = pe_island_mass_ratio(world, interval->islands, interval->k);
+    limit_fast(&item->island, ratio, &item->solving.limits);
+    status = pe_solving_begin(&item->solving, pe_step_memory(world), step->error);
+    calm_down(ratio, &item->solving);
+    return status;
 }
 
 /* Ends the solve of an island that was swept if it asked for that. */

@@ -28,8 +28,6 @@ typedef struct pe_step {
     bool *soft;            /* (islands): solved by soft contact */
     bool *moves;           /* bodies whose island is not held */
     bool *solved_directly; /* bodies whose island was not swept */
-    bool *fast_moving;     /* bodies that soft contact would not stop */
-    bool any_fast_moving;
 
     bool repeats; /* same forces, dt and bodies as in the step before */
 
@@ -55,6 +53,12 @@ typedef struct pe_island_item {
     pe_solve_history history;
     pe_solve_mark marks[PE_HISTORY];
 } pe_island_item;
+
+/* An island in which two bodies in contact differ in mass by more is uneven. */
+static const double PE_UNEVEN = 8;
+
+/* The largest ratio of the masses of two bodies in contact in island k; 1 where there are none. */
+double pe_island_mass_ratio(const pe_world *world, const pe_islands *islands, int k);
 
 /* Holds island k, if the last step tried to solve it in vain from the same state: its bodies were at
  * rest and were put back by the energy guard, and the solvers wait. Returns whether it is held. It
@@ -223,6 +227,13 @@ typedef struct pe_energy_report {
  * came from position correction. Then the island comes to rest, and goes back to where it was, to
  * lie as deep as before, unless a body was moved by more than step->shallow: deeper penetration is
  * removed at any cost. Growth within rounding is left alone.
+ *
+ * Soft contacts yield. To lift a load out of the depth that it sank to costs energy, which is not
+ * taken back: the growth may be up to the sum over the contacts of soft islands of
+ *
+ *   (normal impulse / dt) x (depth removed in the step, at most that of its start),
+ *
+ * but not above what the bodies that rose have gained of height: motion gets none of it.
  *
  * Contacts that were solved directly do not sink, so that motion under them is no error, and may be
  * the beginning of a fall. There position correction alone is taken back, already if it would cost

@@ -10,7 +10,23 @@
 
 /* Depth, in m, from which position correction acts in islands that were solved directly. */
 static const double DIRECT_DEPTH = 1e-8;
+static const double FAST_DIRECT_DEPTH = 1e-4; /* the same in the fast profile */
 enum { CORRECTION_ITERATIONS = 30 };
+
+/* Position correction by sweeps. Lengths are in units of the slop (pe_correction_rules). */
+typedef struct swept_correction {
+    double begin, aim, enough;
+    int max_rounds, max_sweeps;
+} swept_correction;
+
+static const swept_correction SWEPT[] = {
+    [PE_PROFILE_DEFAULT] = {6, 1, 0.5, 2, 30},
+    [PE_PROFILE_ACCURATE] = {3, 1, 0.5, 8, 200},
+    [PE_PROFILE_FAST] = {6, 1, 0.5, 2, 100},
+};
+/* Soft contacts push by themselves. */
+static const swept_correction AFTER_SOFT = {12, 6, 4.8, 1, 20};
+static const swept_correction STILL_DEEP = {50, 6, 4.8, 3, 60}; /* after that */
 
 /* In units of the slop: a correction by less waits until motion can pay for it (step.h). */
 static const double SHALLOW = 30;
@@ -19,14 +35,17 @@ static const double SHALLOW = 30;
  * manifold in the fast profile. */
 static const double FAST_REUSE = 2.4e-3;
 
-/* In the fast profile chains and small islands are solved directly while they hardly move. Others
- * would take many iterations, and get soft contacts. */
-enum { SMALL_ISLAND = 60 };
-static const double CHAIN = 1.5;        /* manifolds a body */
+/* In the fast profile islands that hardly move are solved as in the others: soft contacts sag under
+ * a load that lasts. */
 static const double QUIET_SPEED = 0.05; /* m/s */
+
+/* So are uneven islands, in which a light body may be jammed between a heavy one and the ground:
+ * two bodies in contact differ in mass by more than this. A larger island costs too much. */
+enum { MOST_UNEVEN = 400 }; /* bodies */
 
 /* A sub-step's one pass of soft contacts does not stop a body that reaches a wall in one step with
  * more than its own size to go: small islands with such a body are solved. */
+enum { SMALL_ISLAND = 60 };
 static const double FAR = 0.5; /* a step's motion in units of the bounding radius */
 
 static double seconds_now(void)
@@ -65,7 +84,6 @@ static pe_status begin_step(pe_step *step)
     step->twists = pe_scratch(world, slots, sizeof *step->twists);
     step->free = pe_scratch(world, slots, sizeof *step->free);
     step->solved_directly = pe_scratch_zero(world, slots, sizeof(bool));
-    step->fast_moving = pe_scratch_zero(world, slots, sizeof(bool));
     step->corrected = pe_scratch_zero(world, slots, sizeof(bool));
     step->moves = pe_scratch(world, slots, sizeof(bool));
     if (pe_scratch_failed(world)) {
@@ -197,15 +215,15 @@ static pe_status begin_island(pe_step *step, int k, pe_island_item *item)
     return status == PE_OK && item->solving.sweeps == 0 ? end_island(step, item) : status;
 }
 
-/* Whether an island hardly moves and is cheap to solve directly. */
-static bool is_quiet_and_cheap(const pe_step *step, int k)
+static int body_count(const pe_islands *islands, int k)
+{
+    return islands->body_start[k + 1] - islands->body_start[k];
+}
+
+/* Whether an island hardly moves. */
+static bool is_quiet(const pe_step *step, int k)
 {
     const pe_islands *islands = &step->islands;
-    int bodies = islands->body_start[k + 1] - islands->body_start[k];
-    int manifolds = islands->start[k + 1] - islands->start[k];
-    if (bodies > SMALL_ISLAND && manifolds > CHAIN * bodies) {
-        return false;
-    }
     for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
         pe_vec3 v = pe_twists(step->world)[islands->bodies[i]].velocity;
         if (pe_dot(v, v) > QUIET_SPEED * QUIET_SPEED) {
@@ -218,7 +236,7 @@ static bool is_quiet_and_cheap(const pe_step *step, int k)
 static bool is_fast_and_small(const pe_step *step, int k)
 {
     const pe_islands *islands = &step->islands;
-    if (islands->body_start[k + 1] - islands->body_start[k] > SMALL_ISLAND) {
+    if (body_count(islands, k) > SMALL_ISLAND) {
         return false;
     }
     for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
@@ -232,7 +250,15 @@ static bool is_fast_and_small(const pe_step *step, int k)
     return false;
 }
 
-/* Chooses the islands that get soft contacts, and notes the fast bodies of the others. */
+static bool suits_soft_contact(const pe_step *step, int k)
+{
+    const bool small = body_count(&step->islands, k) <= MOST_UNEVEN;
+    return step->world->def.profile == PE_PROFILE_FAST && !is_quiet(step, k) &&
+           !is_fast_and_small(step, k) &&
+           !(small && pe_island_mass_ratio(step->world, &step->islands, k) > PE_UNEVEN);
+}
+
+/* Chooses the islands that get soft contacts. */
 static pe_status choose_soft(pe_step *step)
 {
     const pe_islands *islands = &step->islands;
@@ -241,14 +267,7 @@ static pe_status choose_soft(pe_step *step)
         return pe_fail(step->error, PE_NO_MEMORY, "no memory for %d islands", islands->count);
     }
     for (int k = 0; k < islands->count; ++k) {
-        step->soft[k] = step->world->def.profile == PE_PROFILE_FAST && !is_quiet_and_cheap(step, k);
-        if (step->soft[k] && is_fast_and_small(step, k)) {
-            step->soft[k] = false;
-            step->any_fast_moving = true;
-            for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
-                step->fast_moving[islands->bodies[i]] = true;
-            }
-        }
+        step->soft[k] = suits_soft_contact(step, k);
         step->stats.islands_by_path[PE_PATH_SOFT] += step->soft[k];
     }
     return PE_OK;
@@ -419,21 +438,56 @@ static const bool *find_exactly_corrected(pe_step *step)
     return found;
 }
 
-/* Corrects all penetration in islands that were solved directly, and that over the slop in all.
- * Soft contacts push by themselves, so that in the fast profile only the islands that were too fast
- * for them are corrected. */
+static pe_status correct_by_sweeps(pe_step *step, const swept_correction *c, const bool *among)
+{
+    const double slop = step->world->def.penetration_slop;
+    pe_correction_rules rules = pe_correction_rules_default();
+    rules.begin = c->begin * slop;
+    rules.aim = c->aim * slop;
+    rules.enough = c->enough * slop;
+    rules.max_rounds = c->max_rounds;
+    rules.max_sweeps = c->max_sweeps;
+    rules.among = among;
+    return correct_by(step, &rules);
+}
+
+/* Corrects what soft contact moved, or only fell, after the rest. */
+static pe_status correct_fast(pe_step *step)
+{
+    const pe_islands *islands = &step->islands;
+    const size_t slots = (size_t)step->world->slot_count;
+    bool *swept = pe_scratch_zero(step->world, slots, sizeof *swept);
+    bool *soft = pe_scratch_zero(step->world, slots, sizeof *soft);
+    if (swept == NULL || soft == NULL) {
+        return pe_fail(step->error, PE_NO_MEMORY, "no memory to correct %zu bodies", slots);
+    }
+    for (int slot = 1; slot < step->world->slot_count; ++slot) {
+        soft[slot] = !pe_bodies(step->world)[slot].is_static;
+    }
+    for (int k = 0; k < islands->count; ++k) {
+        for (int i = islands->body_start[k]; !step->soft[k] && i < islands->body_start[k + 1];
+             ++i) {
+            swept[islands->bodies[i]] = true;
+            soft[islands->bodies[i]] = false;
+        }
+    }
+    pe_status status = correct_by_sweeps(step, &SWEPT[PE_PROFILE_FAST], swept);
+    if (status == PE_OK) {
+        status = correct_by_sweeps(step, &AFTER_SOFT, soft);
+    }
+    return status == PE_OK ? correct_by_sweeps(step, &STILL_DEEP, soft) : status;
+}
+
+/* Corrects all penetration in islands that were solved directly, and that over some slops in all. */
 static pe_status correct_positions(pe_step *step)
 {
-    bool fast = step->world->def.profile == PE_PROFILE_FAST;
-    double slop = step->world->def.penetration_slop;
-    if (fast && !step->any_fast_moving) {
-        return PE_OK;
-    }
+    const pe_profile profile = step->world->def.profile;
+    const bool fast = profile == PE_PROFILE_FAST;
     pe_correction_rules direct = pe_correction_rules_default();
-    direct.begin = DIRECT_DEPTH;
+    direct.begin = fast ? FAST_DIRECT_DEPTH : DIRECT_DEPTH;
     direct.aim = 0;
-    direct.enough = 0.1 * DIRECT_DEPTH;
-    direct.among = fast ? step->fast_moving : find_exactly_corrected(step);
+    direct.enough = 0.1 * direct.begin;
+    direct.among = find_exactly_corrected(step);
     if (direct.among == NULL) {
         return pe_fail(step->error, PE_NO_MEMORY, "no memory to correct %d bodies",
                        step->world->slot_count);
@@ -441,21 +495,10 @@ static pe_status correct_positions(pe_step *step)
     direct.solver = pe_solve_combined;
     direct.solver_limits = (pe_solve_limits){direct.enough, CORRECTION_ITERATIONS};
     pe_status status = correct_by(step, &direct);
-    if (status != PE_OK || fast) {
+    if (status != PE_OK) {
         return status;
     }
-    pe_correction_rules rules = pe_correction_rules_default();
-    rules.among = step->moves;
-    rules.aim = slop;
-    rules.enough = 0.5 * slop;
-    if (step->world->def.profile == PE_PROFILE_ACCURATE) {
-        rules.begin = 3 * slop;
-    } else {
-        rules.begin = 6 * slop;
-        rules.max_rounds = 2;
-        rules.max_sweeps = 30;
-    }
-    return correct_by(step, &rules);
+    return fast ? correct_fast(step) : correct_by_sweeps(step, &SWEPT[profile], step->moves);
 }
 
 static pe_status guard_energy(pe_step *step)
@@ -473,6 +516,9 @@ static pe_status guard_energy(pe_step *step)
         return status;
     }
     pe_energy_guard(step, &groups, put_back, &report);
+    if (pe_scratch_failed(world)) {
+        return pe_fail(step->error, PE_NO_MEMORY, "no memory to step %zu bodies", slots);
+    }
     step->stats.guarded_islands = report.islands;
     const bool bounded = pe_bound_motion(step, put_back);
     return report.put_back > 0 || bounded
