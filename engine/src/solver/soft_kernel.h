@@ -112,8 +112,7 @@ static void soft_bias(const pe_soft_task *task)
             wide scale = wide_select(s, zero, one, mass_scale);
             wide leak = wide_select(s, zero, zero, impulse_scale);
             wide old = r->impulse;
-            r->impulse =
-                wide_max(old - (r->mass * (scale * vn + bias) + leak * old), zero);
+            r->impulse = wide_max(old - (r->mass * (scale * vn + bias) + leak * old), zero);
             apply_normal(c, r, r->impulse - old, &n, &p);
         }
         apply_along(c->normal, n.sum, &p);

@@ -27,7 +27,7 @@ static const strictness STRICTNESS[] = {
 /* The fast profile. Larger islands than these are swept, except chains. */
 enum { DIRECT_BODIES = 60 };
 static const double LARGE_TOLERANCE = 1e-6; /* m/s: where Newton's method would be tried */
-static const double CHAIN = 1.1; /* manifolds a body */
+static const double CHAIN = 1.1;            /* manifolds a body */
 /* A new island gets many sweeps at once, because later steps go on from them. In an uneven one
  * (step.h) the heavy body's velocity is off by the residual times the ratio: so sweeps aim at this
  * over the ratio, within bounds, in m/s. Below CALM (m/s) they go on in the next steps. */
