@@ -272,7 +272,7 @@ static void test_applied_force_accelerates_a_frictionless_slider(void **state)
 static void test_momentum_is_kept_by_contacts_between_bodies(void **state)
 {
     (void)state;
-    enum { N = 10 };
+    enum { N = 27 };
     check_random random = {5};
     pe_world_def world_def = pe_world_def_default();
     world_def.gravity = pe_v3(0, 0, 0);

@@ -521,6 +521,11 @@ static pe_status guard_energy(pe_step *step)
     }
     step->stats.guarded_islands = report.islands;
     const bool bounded = pe_bound_motion(step, put_back);
+    if (bounded) { /* the energy of a fall that was taken back may be in other bodies of the group */
+        pe_energy_report again;
+        pe_energy_guard(step, &groups, put_back, &again);
+        pe_bound_motion(step, put_back);
+    }
     return report.put_back > 0 || bounded
                ? pe_contacts_update(world, &step->rules, put_back, step->dt, step->error)
                : PE_OK;
