@@ -25,7 +25,8 @@ static double kinetic_energy(const pe_mass *mass, const pe_pose *pose, const pe_
 
 /* ---- Energy of islands ---- */
 
-/* The part of the velocities that leaves the island MOST_GAIN times the energy it had; 1: all. */
+/* The part of the velocities that leaves the island MOST_GAIN times the energy it had; 1: all; 0 where
+ * its energy is not finite. */
 static double part_of_island(const pe_step *step, int k)
 {
     const pe_islands *islands = &step->islands;
@@ -37,7 +38,16 @@ static double part_of_island(const pe_step *step, int k)
         before += kinetic_energy(mass, &step->poses[slot], &step->free[slot].end);
         after += kinetic_energy(mass, &pe_poses(step->world)[slot], &pe_twists(step->world)[slot]);
     }
+    if (!isfinite(after)) {
+        return 0;
+    }
     return after > MOST_GAIN * before ? sqrt(MOST_GAIN * before / after) : 1;
+}
+
+/* A part of a vector, which may be infinite or NaN where the part is 0. */
+static pe_vec3 part_of(double part, pe_vec3 x)
+{
+    return part > 0 ? pe_scale(part, x) : pe_v3(0, 0, 0);
 }
 
 /* Moves the island's bodies from the step's start by a part of their new velocities, and scales the
@@ -48,15 +58,15 @@ static void slow_down(const pe_step *step, int k, double part)
     for (int i = islands->body_start[k]; i < islands->body_start[k + 1]; ++i) {
         int slot = islands->bodies[i];
         pe_twist *twist = &pe_twists(step->world)[slot];
-        twist->velocity = pe_scale(part, twist->velocity);
-        twist->angular_velocity = pe_scale(part, twist->angular_velocity);
+        twist->velocity = part_of(part, twist->velocity);
+        twist->angular_velocity = part_of(part, twist->angular_velocity);
         pe_poses(step->world)[slot] = step->poses[slot];
         pe_pose_move(&pe_poses(step->world)[slot], pe_scale(step->dt, twist->velocity),
                      pe_scale(step->dt, twist->angular_velocity));
     }
     pe_point_walk at = pe_walk_island(&step->world->contacts, islands, k);
     while (pe_next_point(&at)) {
-        at.point->impulse = pe_scale(part, at.point->impulse);
+        at.point->impulse = part_of(part, at.point->impulse);
     }
 }
 
