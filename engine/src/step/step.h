@@ -195,9 +195,9 @@ typedef struct pe_correction_report {
 pe_status pe_correct_positions(pe_step *step, const pe_correction_rules *rules,
                                pe_correction_report *report);
 
-/* Notes the overlap of all bodies before the first correction, to compare it with that after: bodies that were
- * not parted, as between static ones on both sides, are left alone for 1, 2, 4, up to 64 steps. An
- * overlap is a contact deeper than a twentieth of the least extent of its smaller body. */
+/* Notes the overlap of all bodies before the first correction, to compare it with that after: bodies
+ * that were not parted, as between static ones on both sides, are left alone for 1, 2, 4, up to 64
+ * steps. An overlap is a contact deeper than a twentieth of the least extent of its smaller body. */
 pe_status pe_overlap_begin(pe_step *step);
 /* The same, after the last. */
 pe_status pe_overlap_end(pe_step *step);
