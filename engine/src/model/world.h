@@ -248,6 +248,18 @@ static inline bool pe_next_point(pe_point_walk *walk)
     return false;
 }
 
+/* Speed, in m/s, at which the gap of a point opens, at these velocities of its bodies. */
+static inline double pe_opening_speed(const pe_world *world, const pe_manifold *m,
+                                      const pe_manifold_point *point, const pe_twist *of_a,
+                                      const pe_twist *of_b)
+{
+    pe_vec3 ra = pe_sub(point->position, pe_poses(world)[m->a].position);
+    pe_vec3 rb = pe_sub(point->position, pe_poses(world)[m->b].position);
+    pe_vec3 va = pe_add(of_a->velocity, pe_cross(of_a->angular_velocity, ra));
+    pe_vec3 vb = pe_add(of_b->velocity, pe_cross(of_b->angular_velocity, rb));
+    return pe_dot(m->normal, pe_sub(vb, va));
+}
+
 /* Whether the body does not move at all. */
 static inline bool pe_is_still(const pe_twist *twist)
 {

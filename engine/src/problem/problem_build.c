@@ -23,24 +23,10 @@ static double closable(double gap)
     return pe_max(0, gap - TOUCHING) + CORRECTED * touching;
 }
 
-static pe_vec3 point_velocity(const pe_twist *twist, pe_vec3 r)
-{
-    return pe_add(twist->velocity, pe_cross(twist->angular_velocity, r));
-}
-
 /* Velocity at the end of the step without contacts. */
 static const pe_twist *end_of(const pe_world *world, const pe_free_motion *free, int slot)
 {
     return pe_bodies(world)[slot].is_static ? &pe_twists(world)[slot] : &free[slot].end;
-}
-
-/* Speed, in m/s, at which the gap of a point opens, at these velocities of its bodies. */
-static double opening(const pe_world *world, const pe_manifold *m, const pe_manifold_point *point,
-                      const pe_twist *of_a, const pe_twist *of_b)
-{
-    pe_vec3 ra = pe_sub(point->position, pe_poses(world)[m->a].position);
-    pe_vec3 rb = pe_sub(point->position, pe_poses(world)[m->b].position);
-    return pe_dot(m->normal, pe_sub(point_velocity(of_b, rb), point_velocity(of_a, ra)));
 }
 
 /* Whether a bounce from this approach, in m/s, outlasts the step, at whose start it is. One that does
@@ -51,7 +37,8 @@ static bool outlasts(const pe_world *world, const pe_manifold *m, const pe_manif
     if (free == NULL || world->def.profile == PE_PROFILE_FAST) {
         return true;
     }
-    double end = opening(world, m, point, end_of(world, free, m->a), end_of(world, free, m->b));
+    double end =
+        pe_opening_speed(world, m, point, end_of(world, free, m->a), end_of(world, free, m->b));
     return (end - approach) - m->restitution * approach > 0;
 }
 
@@ -62,7 +49,7 @@ static double bias_of(const pe_world *world, const pe_manifold *m, const pe_mani
     double gap = closable(point->separation);
     if (m->restitution > 0) {
         const pe_twist *twists = pe_twists(world);
-        double approach = opening(world, m, point, &twists[m->a], &twists[m->b]);
+        double approach = pe_opening_speed(world, m, point, &twists[m->a], &twists[m->b]);
         if (approach < -world->def.restitution_threshold && gap + dt * approach <= 0 &&
             outlasts(world, m, point, free, approach)) {
             return m->restitution * approach;

@@ -1,10 +1,9 @@
 /* Time-of-impact sub-steps of one island, with contacts of their own. */
-#include "step.h"
+#include "impact.h"
 
 enum {
     MAX_SUBSTEPS = 8, /* of a step; at least two for each body */
     MAX_TRIES = 8,    /* to hit the time of an impact */
-    IN_FLIGHT = 8,    /* times impact_bodies may be in an island in which only impacts push */
     /* Meshes of so many facets together have their contacts found once in a step; those of fewer
      * the more often, and all at least LEAST_SEARCHES times. */
     MANY_FACETS = 2000,
@@ -13,11 +12,6 @@ enum {
 
 /* In units of the first impact's speed: contacts that close more slowly after it are no impacts. */
 static const double MINOR = 1e-3;
-
-/* m: a gap up to this is closed, and penetration up to this is no overshoot. Where impacts bounce, an
- * error of the gap is one of their energy. */
-static const double CLOSED = 1e-8;
-static const double CLOSED_TO_BOUNCE = 1e-11;
 
 /* s per s: impacts within this part of the step are simultaneous. */
 static const double TOGETHER = 1e-3;
@@ -64,32 +58,11 @@ static int max_substeps(const substeps *s)
 
 /* ---- Points ---- */
 
-/* m/s: by how much gravity changes a velocity in a step. */
-static double fall(const pe_world *world, double dt)
-{
-    return dt * pe_length(world->def.gravity);
-}
-
-/* m/s: no impact. Contacts that bounce would do so ever faster below the speed that gravity gives in a
- * step; others stop at once, and a quarter of that is enough. */
-static double slow_closing(const pe_world *world, const pe_manifold *m, double dt)
-{
-    return pe_max((m->restitution > 0 ? 1 : 0.25) * fall(world, dt), 1e-9);
-}
-
-static pe_vec3 point_velocity(const pe_world *world, int slot, const pe_twist *twist, pe_vec3 x)
-{
-    pe_vec3 arm = pe_sub(x, pe_poses(world)[slot].position);
-    return pe_add(twist->velocity, pe_cross(twist->angular_velocity, arm));
-}
-
 /* Speed, in m/s, at which the gap of a point opens, at these velocities of its bodies. */
 static double opening_at(const pe_world *world, const pe_point_walk *at, const pe_twist *of_a,
                          const pe_twist *of_b)
 {
-    const pe_manifold *m = at->manifold;
-    return pe_dot(m->normal, pe_sub(point_velocity(world, m->b, of_b, at->point->position),
-                                    point_velocity(world, m->a, of_a, at->point->position)));
+    return pe_opening_speed(world, at->manifold, at->point, of_a, of_b);
 }
 
 static double opening(const pe_world *world, const pe_point_walk *at)
@@ -101,12 +74,7 @@ static double opening(const pe_world *world, const pe_point_walk *at)
 /* m/s: a contact that closes more slowly is no impact. */
 static double slow_at(const substeps *s, const pe_point_walk *at)
 {
-    return pe_max(s->slow, slow_closing(s->world, at->manifold, s->step->dt));
-}
-
-static double closed_gap(const pe_manifold *m)
-{
-    return m->restitution > 0 ? CLOSED_TO_BOUNCE : CLOSED;
+    return pe_max(s->slow, pe_slow_closing(s->world, at->manifold, s->step->dt));
 }
 
 /* Whether a point that opens at `speed` is an impact now. */
@@ -114,7 +82,7 @@ static bool impacts_now(const substeps *s, const pe_point_walk *at, double speed
 {
     return speed < -slow_at(s, at) &&
            at->point->separation <=
-               pe_max(closed_gap(at->manifold), -speed * TOGETHER * s->step->dt);
+               pe_max(pe_closed_gap(at->manifold), -speed * TOGETHER * s->step->dt);
 }
 
 /* Moves on to the next point of the sub-step's contacts that closes fast enough for an impact. */
@@ -129,68 +97,6 @@ static bool next_closing(const substeps *s, pe_point_walk *at, double *speed)
     return false;
 }
 
-bool pe_impact_is_due(const pe_step *step, const pe_islands *islands, int k)
-{
-    const pe_world *world = step->world;
-    bool due = false;
-    pe_point_walk at = pe_walk_island(&world->contacts, islands, k);
-    while (!due && pe_next_point(&at)) {
-        double speed = opening(world, &at), slow = slow_closing(world, at.manifold, step->dt);
-        due = speed < -slow &&
-              at.point->separation + step->dt * (speed - pe_max(slow, fall(world, step->dt))) < 0;
-    }
-    return due;
-}
-
-static const pe_twist *free_end(const pe_step *step, int slot)
-{
-    return pe_bodies(step->world)[slot].is_static ? &pe_twists(step->world)[slot]
-                                                  : &step->free[slot].end;
-}
-
-bool pe_may_bounce(const pe_world *world, const pe_islands *islands, int k)
-{
-    bool any = false;
-    for (int j = islands->start[k]; j < islands->start[k + 1] && !any; ++j) {
-        any = pe_manifolds(&world->contacts)[islands->manifolds[j]].restitution > 0;
-    }
-    return any;
-}
-
-/* Whether no contact of the island pushes in the step, except in impacts. */
-static bool is_in_flight(const pe_step *step, const pe_islands *islands, int k)
-{
-    const pe_world *world = step->world;
-    pe_point_walk at = pe_walk_island(&world->contacts, islands, k);
-    while (pe_next_point(&at)) {
-        double slow = slow_closing(world, at.manifold, step->dt);
-        double end =
-            opening_at(world, &at, free_end(step, at.manifold->a), free_end(step, at.manifold->b));
-        if (pe_max(at.point->separation, 0) + step->dt * end < -closed_gap(at.manifold) &&
-            opening(world, &at) >= -slow) {
-            return false;
-        }
-    }
-    return true;
-}
-
-bool pe_impact_has_own_time(const pe_step *step, const pe_islands *islands, int k)
-{
-    const pe_world *world = step->world;
-    const int begin = islands->body_start[k], end = islands->body_start[k + 1];
-    const int excess = end - begin - world->def.impact_bodies;
-    if (excess > (IN_FLIGHT - 1) * world->def.impact_bodies ||
-        !pe_impact_is_due(step, islands, k)) {
-        return false;
-    }
-    for (int i = begin; i < end; ++i) {
-        if (pe_has_torque(&pe_applied_forces(world)[islands->bodies[i]])) {
-            return false;
-        }
-    }
-    return excess <= 0 || (pe_may_bounce(world, islands, k) && is_in_flight(step, islands, k));
-}
-
 /* ---- The points that take part in a solve ---- */
 
 typedef enum choice {
@@ -202,8 +108,8 @@ typedef enum choice {
 /* m: an impact pushes through a gap up to this. */
 static double shock_gap(const substeps *s, const pe_point_walk *at)
 {
-    double fallen = 0.5 * s->step->dt * pe_max(slow_at(s, at), fall(s->world, s->step->dt));
-    return pe_max(closed_gap(at->manifold),
+    double fallen = 0.5 * s->step->dt * pe_max(slow_at(s, at), pe_fall(s->world, s->step->dt));
+    return pe_max(pe_closed_gap(at->manifold),
                   at->manifold->restitution > 0 ? pe_min(fallen, s->near) : fallen);
 }
 
@@ -343,7 +249,7 @@ static bool must_push(const substeps *s, double dt)
         const pe_twist *of_a = s->island.place[a] < 0 ? &twists[a] : &s->free[a].end;
         const pe_twist *of_b = s->island.place[b] < 0 ? &twists[b] : &s->free[b].end;
         double speed = opening_at(s->world, &at, of_a, of_b);
-        if (pe_max(at.point->separation, 0) + dt * speed < -closed_gap(at.manifold)) {
+        if (pe_max(at.point->separation, 0) + dt * speed < -pe_closed_gap(at.manifold)) {
             return true;
         }
     }
@@ -406,7 +312,7 @@ static pe_status first_impact(substeps *s, double *time, bool *fast)
     while (status == PE_OK && next_closing(s, &at, &u0)) {
         double u1 = opening_at(s->world, &at, end_of(s, at.manifold->a), end_of(s, at.manifold->b));
         *time = pe_min(
-            *time, closing_time(at.point->separation, closed_gap(at.manifold), u0, u1, s->left));
+            *time, closing_time(at.point->separation, pe_closed_gap(at.manifold), u0, u1, s->left));
         *fast = true;
     }
     return status;
@@ -417,7 +323,7 @@ static double time_to_impact(const substeps *s)
 {
     double least = HUGE_VAL, speed;
     for (pe_point_walk at = pe_walk_points(&s->world->contacts); next_closing(s, &at, &speed);) {
-        bool closed = fabs(at.point->separation) <= closed_gap(at.manifold);
+        bool closed = fabs(at.point->separation) <= pe_closed_gap(at.manifold);
         least = pe_min(least, closed ? 0 : at.point->separation / -speed);
     }
     return least;

@@ -3,8 +3,8 @@
  * An island holds all bodies that are near each other. Within one step few of its contacts act: those
  * that push, and those that close. The parts between the others are stepped each by itself. Where
  * two of them meet all the same, both go back to the step's start and are stepped as one part. */
+#include "impact.h"
 #include "model/ranges.h"
-#include "step.h"
 
 #include <string.h>
 
@@ -69,17 +69,6 @@ static bool is_left_out(const division *d, const pe_manifold *m, int *a, int *b)
 
 /* ---- Which contacts act ---- */
 
-/* The contact's opening speed, in m/s, at these velocities of its bodies. */
-static double opening(const pe_world *world, const pe_manifold *m, const pe_manifold_point *point,
-                      const pe_twist *of_a, const pe_twist *of_b)
-{
-    pe_vec3 ra = pe_sub(point->position, pe_poses(world)[m->a].position);
-    pe_vec3 rb = pe_sub(point->position, pe_poses(world)[m->b].position);
-    pe_vec3 va = pe_add(of_a->velocity, pe_cross(of_a->angular_velocity, ra));
-    pe_vec3 vb = pe_add(of_b->velocity, pe_cross(of_b->angular_velocity, rb));
-    return pe_dot(m->normal, pe_sub(vb, va));
-}
-
 /* Whether the manifold pushed in the last step or closes in this one, as far as can be seen. */
 static bool acts(const division *d, const pe_manifold *m)
 {
@@ -90,8 +79,8 @@ static bool acts(const division *d, const pe_manifold *m)
     double least = PUSH * pe_min(masses[m->a].mass, masses[m->b].mass);
     for (int j = m->first; j < m->first + m->count; ++j) {
         const pe_manifold_point *point = &pe_manifold_points(&world->contacts)[j];
-        double now = opening(world, m, point, &twists[m->a], &twists[m->b]);
-        double end = opening(world, m, point, &free[m->a].end, &free[m->b].end);
+        double now = pe_opening_speed(world, m, point, &twists[m->a], &twists[m->b]);
+        double end = pe_opening_speed(world, m, point, &free[m->a].end, &free[m->b].end);
         double speed = pe_min(now, end), gap = pe_max(point->separation, 0);
         double left = gap + d->step->dt * speed;
         if (left < -CLOSED || (pe_dot(point->impulse, m->normal) > least && left < d->slow)) {

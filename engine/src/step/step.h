@@ -104,33 +104,6 @@ typedef struct pe_moved {
 pe_status pe_list_apart(pe_step *step, const pe_interval *interval, double end,
                         const pe_island_problem *island, const pe_moved *moved);
 
-/* ---- Impacts at their own time (impact.c) ---- */
-
-/* Whether a contact of the island closes within the step faster than gravity alone would make it. */
-bool pe_impact_is_due(const pe_step *step, const pe_islands *islands, int k);
-
-/* Whether a contact of the island has restitution. */
-bool pe_may_bounce(const pe_world *world, const pe_islands *islands, int k);
-
-/* Whether an impact is due and the island small enough (pe_world_def.impact_bodies) to be taken
- * through sub-steps; eight times as many bodies are if it may bounce and only impacts push. Bodies
- * with torques on them are left to the ordinary step, because the energy guard computes the torques'
- * work over a whole one. */
-bool pe_impact_has_own_time(const pe_step *step, const pe_islands *islands, int k);
-
-/* Does the work of pe_island_step in sub-steps: the island moves up to its first impact, with the
- * contacts that are not about to impact. That impact is solved in an instant, at the poses at which
- * it happens, and so on over the rest of dt. After a few impacts the rest is an ordinary step, and
- * sooner where the contacts of large meshes take long to find. An ordinary step alone would spread
- * an impact over two steps, or let it act at the step's start and over the gap. (Event detection in
- * the manner of Pfeiffer and Glocker 1996, Multibody Dynamics with Unilateral Contacts, within a
- * time-stepping scheme.)
- *
- * The island's points in world->contacts get the impulses of all sub-steps. The impulse of a point
- * that is no longer in that list goes to the nearest point of the pair. step->free stays that of
- * the whole step. */
-pe_status pe_impact_step(pe_step *step, const pe_islands *islands, int k, pe_path *path);
-
 /* ---- Islands in parts (island_parts.c) ---- */
 
 /* Takes island k through the step in parts, if an impact that may bounce can have its own time in one
@@ -144,7 +117,11 @@ pe_status pe_impact_step(pe_step *step, const pe_islands *islands, int k, pe_pat
  * the worst part, and step->solved_directly is set. */
 pe_status pe_parts_step(pe_step *step, int k, bool *done, pe_path *path);
 
-/* ---- Position correction (position_correction.c) ---- */
+/* ---- Position correction (correct_islands.c, position_correction.c) ---- */
+
+/* Corrects all penetration in islands that were solved directly, and that over some slops in all,
+ * as the profile says. */
+pe_status pe_correct_islands(pe_step *step);
 
 /* One of the solvers of solve.h; the tolerance is in m. */
 typedef pe_status pe_correction_solver(const pe_problem *problem, const pe_solve_limits *limits,

@@ -1,32 +1,12 @@
 /* The step: a straight pipeline of phases, each timed. */
 #define _POSIX_C_SOURCE 199309L
 
+#include "impact.h"
 #include "model/ranges.h"
 #include "solver/soft.h"
-#include "step.h"
 
 #include <string.h>
 #include <time.h>
-
-/* Depth, in m, from which position correction acts in islands that were solved directly. */
-static const double DIRECT_DEPTH = 1e-8;
-static const double FAST_DIRECT_DEPTH = 1e-4; /* the same in the fast profile */
-enum { CORRECTION_ITERATIONS = 30 };
-
-/* Position correction by sweeps. Lengths are in units of the slop (pe_correction_rules). */
-typedef struct swept_correction {
-    double begin, aim, enough;
-    int max_rounds, max_sweeps;
-} swept_correction;
-
-static const swept_correction SWEPT[] = {
-    [PE_PROFILE_DEFAULT] = {6, 1, 0.5, 2, 30},
-    [PE_PROFILE_ACCURATE] = {3, 1, 0.5, 8, 200},
-    [PE_PROFILE_FAST] = {6, 1, 0.5, 2, 100},
-};
-/* Soft contacts push by themselves. */
-static const swept_correction AFTER_SOFT = {12, 6, 4.8, 1, 20};
-static const swept_correction STILL_DEEP = {50, 6, 4.8, 3, 60}; /* after that */
 
 /* In units of the slop: a correction by less waits until motion can pay for it (step.h). */
 static const double SHALLOW = 30;
@@ -401,106 +381,6 @@ static pe_status find_next_contacts(pe_step *step)
     return status;
 }
 
-static pe_status correct_by(pe_step *step, const pe_correction_rules *rules)
-{
-    pe_correction_report report;
-    pe_status status = pe_correct_positions(step, rules, &report);
-    if (status != PE_OK) {
-        return status;
-    }
-    for (int slot = 0; slot < step->world->slot_count && report.moved != NULL; ++slot) {
-        step->corrected[slot] |= report.moved[slot];
-    }
-    if (step->uncorrected_poses == NULL) {
-        step->uncorrected_poses = report.poses;
-        step->uncorrected_twists = report.twists;
-    }
-    pe_step_stats *stats = &step->stats;
-    stats->projection_rounds += report.rounds;
-    stats->projection_iterations = report.iterations > stats->projection_iterations
-                                       ? report.iterations
-                                       : stats->projection_iterations;
-    stats->penetration = pe_max(stats->penetration, report.penetration);
-    stats->penetration_left = report.penetration_left;
-    return PE_OK;
-}
-
-/* The bodies whose islands were solved directly, and whose correction is not waiting. */
-static const bool *find_exactly_corrected(pe_step *step)
-{
-    pe_world *world = step->world;
-    bool *found = pe_scratch(world, (size_t)world->slot_count, sizeof *found);
-    for (int slot = 0; slot < world->slot_count && found != NULL; ++slot) {
-        pe_backoff *b = &pe_records(world)[slot].correction;
-        found[slot] = step->solved_directly[slot] && b->wait == 0;
-        b->wait -= b->wait > 0;
-    }
-    return found;
-}
-
-static pe_status correct_by_sweeps(pe_step *step, const swept_correction *c, const bool *among)
-{
-    const double slop = step->world->def.penetration_slop;
-    pe_correction_rules rules = pe_correction_rules_default();
-    rules.begin = c->begin * slop;
-    rules.aim = c->aim * slop;
-    rules.enough = c->enough * slop;
-    rules.max_rounds = c->max_rounds;
-    rules.max_sweeps = c->max_sweeps;
-    rules.among = among;
-    return correct_by(step, &rules);
-}
-
-/* Corrects what soft contact moved, or only fell, after the rest. */
-static pe_status correct_fast(pe_step *step)
-{
-    const pe_islands *islands = &step->islands;
-    const size_t slots = (size_t)step->world->slot_count;
-    bool *swept = pe_scratch_zero(step->world, slots, sizeof *swept);
-    bool *soft = pe_scratch_zero(step->world, slots, sizeof *soft);
-    if (swept == NULL || soft == NULL) {
-        return pe_fail(step->error, PE_NO_MEMORY, "no memory to correct %zu bodies", slots);
-    }
-    for (int slot = 1; slot < step->world->slot_count; ++slot) {
-        soft[slot] = !pe_bodies(step->world)[slot].is_static;
-    }
-    for (int k = 0; k < islands->count; ++k) {
-        for (int i = islands->body_start[k]; !step->soft[k] && i < islands->body_start[k + 1];
-             ++i) {
-            swept[islands->bodies[i]] = true;
-            soft[islands->bodies[i]] = false;
-        }
-    }
-    pe_status status = correct_by_sweeps(step, &SWEPT[PE_PROFILE_FAST], swept);
-    if (status == PE_OK) {
-        status = correct_by_sweeps(step, &AFTER_SOFT, soft);
-    }
-    return status == PE_OK ? correct_by_sweeps(step, &STILL_DEEP, soft) : status;
-}
-
-/* Corrects all penetration in islands that were solved directly, and that over some slops in all. */
-static pe_status correct_positions(pe_step *step)
-{
-    const pe_profile profile = step->world->def.profile;
-    const bool fast = profile == PE_PROFILE_FAST;
-    pe_correction_rules direct = pe_correction_rules_default();
-    direct.begin = fast ? FAST_DIRECT_DEPTH : DIRECT_DEPTH;
-    direct.aim = 0;
-    direct.enough = 0.1 * direct.begin;
-    direct.among = find_exactly_corrected(step);
-    if (direct.among == NULL) {
-        return pe_fail(step->error, PE_NO_MEMORY, "no memory to correct %d bodies",
-                       step->world->slot_count);
-    }
-    direct.solver = pe_solve_combined;
-    direct.solver_limits = (pe_solve_limits){direct.enough, CORRECTION_ITERATIONS};
-    pe_status status = correct_by(step, &direct);
-    if (status != PE_OK) {
-        return status;
-    }
-    return fast ? correct_fast(step) : correct_by_sweeps(step, &SWEPT[profile], step->moves);
-}
-
 static pe_status guard_energy(pe_step *step)
 {
     pe_world *world = step->world;
@@ -556,8 +436,8 @@ static pe_status run_phases(pe_step *step)
         return status;
     }
     double mark = seconds_now();
-    if ((status = pe_overlap_begin(step)) == PE_OK && (status = correct_positions(step)) == PE_OK &&
-        (status = guard_energy(step)) == PE_OK) {
+    if ((status = pe_overlap_begin(step)) == PE_OK &&
+        (status = pe_correct_islands(step)) == PE_OK && (status = guard_energy(step)) == PE_OK) {
         status = pe_overlap_end(step);
     }
     if (status == PE_OK) {
