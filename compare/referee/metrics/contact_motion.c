@@ -17,6 +17,7 @@ typedef struct track {
     pl_axes axes;       /* principal */
 
     bool open;               /* has a contact in the solve at hand */
+    bool found;              /* left_v and left_w are those of the solve */
     double end;              /* s, of the solve */
     pl_vec impulse, angular; /* N s, N m s: of the solve, so far */
     pl_vec left_v, left_w;   /* the velocities that it leaves, m/s, rad/s */
@@ -54,21 +55,19 @@ static pl_vec inertia_times(const pl_axes *axes, const double inertia[3], bool i
     return pl_to_world(axes, (pl_vec){i[0] * local.x, i[1] * local.y, i[2] * local.z});
 }
 
-/* x rotated by the rotation vector `by`, rad (Rodrigues). */
-static pl_vec rotated(pl_vec x, pl_vec by)
+/* Rotates by the rotation vector `by`, rad (Rodrigues). */
+static void rotate(pl_axes *axes, pl_vec by)
 {
     const double angle = pl_vec_length(by);
     if (angle == 0) {
-        return x;
+        return;
     }
-    const pl_vec k = pl_vec_scale(by, 1 / angle), kx = pl_vec_cross(k, x);
-    return pl_vec_mad(pl_vec_mad(x, sin(angle), kx), 1 - cos(angle), pl_vec_cross(k, kx));
-}
-
-static void rotate(pl_axes *axes, pl_vec by)
-{
+    const pl_vec along = pl_vec_scale(by, 1 / angle);
+    const double sine = sin(angle), versine = 1 - cos(angle);
     for (int k = 0; k < 3; ++k) {
-        axes->axis[k] = rotated(axes->axis[k], by);
+        const pl_vec x = axes->axis[k], turned = pl_vec_cross(along, x);
+        axes->axis[k] =
+            pl_vec_mad(pl_vec_mad(x, sine, turned), versine, pl_vec_cross(along, turned));
     }
 }
 
@@ -105,6 +104,7 @@ static void add_impulse(const pl_contact_motion *m, int body, const pl_contact_t
     if (!t->open) {
         advance(m, body, time->begin);
         t->open = true;
+        t->found = false;
         t->end = time->end;
         t->impulse = t->angular = (pl_vec){0, 0, 0};
     }
@@ -117,9 +117,10 @@ static void find_left(const pl_contact_motion *m, int index)
 {
     const pl_body *body = &m->scene->bodies[index];
     track *t = &m->tracks[index];
-    if (!t->open) {
+    if (!t->open || t->found) {
         return;
     }
+    t->found = true;
     const double dt = fmax(t->end - t->time, 0);
     pl_axes free = t->axes;
     rotate_freely(&free, body->inertia, t->momentum, dt);
