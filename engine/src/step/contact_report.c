@@ -1,28 +1,28 @@
 /* The contacts of the last step as the caller reads them. */
 #include "step.h"
 
-/* A point that acted over the whole step, where its bodies were at the start of the step. */
-static pe_contact contact_of_step(const pe_world *world, const pe_point_walk *at)
+#include <string.h>
+
+/* Writes a point that acted over the whole step, where its bodies were at the step's start. Each
+ * field is assigned, because copies of the whole structure took most of the time. */
+static void write_contact_of_step(const pe_world *world, const pe_point_walk *at, pe_contact *c)
 {
     const pe_body *bodies = pe_bodies(world);
     const pe_pose *start = world->start_pose_array.items;
     const int a = at->manifold->a, b = at->manifold->b;
-    const pe_contact_place place = {
-        .arm_a = pe_sub(at->point->position, start[a].position),
-        .arm_b = pe_sub(at->point->position, start[b].position),
-        .normal = at->manifold->normal,
-    };
-    return (pe_contact){
-        .body_a = {(uint32_t)a, bodies[a].generation},
-        .body_b = {(uint32_t)b, bodies[b].generation},
-        .point = at->point->position,
-        .normal = at->manifold->normal,
-        .separation = at->point->separation,
-        .impulse = at->point->impulse,
-        .end = world->previous_dt,
-        .acts = place,
-        .holds = place,
-    };
+    c->body_a = (pe_body_id){(uint32_t)a, bodies[a].generation};
+    c->body_b = (pe_body_id){(uint32_t)b, bodies[b].generation};
+    c->point = at->point->position;
+    c->normal = at->manifold->normal;
+    c->separation = at->point->separation;
+    c->impulse = at->point->impulse;
+    c->begin = 0;
+    c->end = world->previous_dt;
+    c->order = 0;
+    c->acts.arm_a = pe_sub(at->point->position, start[a].position);
+    c->acts.arm_b = pe_sub(at->point->position, start[b].position);
+    c->acts.normal = at->manifold->normal;
+    c->holds = c->acts;
 }
 
 /* ---- Contacts apart ---- */
@@ -101,24 +101,21 @@ pe_status pe_list_apart(pe_step *step, const pe_interval *interval, double end,
 
 /* ---- All contacts ---- */
 
-static void store(pe_contact contact, int index, pe_contact *contacts, int capacity)
-{
-    if (index < capacity) {
-        contacts[index] = contact;
-    }
-}
-
 int pe_world_get_contacts(const pe_world *world, pe_contact *contacts, int capacity)
 {
     int count = 0;
     for (pe_point_walk at = pe_walk_points(&world->solved); pe_next_point(&at);) {
         if (!at.manifold->apart) {
-            store(contact_of_step(world, &at), count++, contacts, capacity);
+            if (count < capacity) {
+                write_contact_of_step(world, &at, &contacts[count]);
+            }
+            count += 1;
         }
     }
-    const pe_contact *apart = world->apart_array.items;
-    for (int i = 0; i < world->apart_count; ++i) {
-        store(apart[i], count++, contacts, capacity);
+    const int fitting =
+        capacity - count < world->apart_count ? capacity - count : world->apart_count;
+    if (fitting > 0) {
+        memcpy(contacts + count, world->apart_array.items, (size_t)fitting * sizeof *contacts);
     }
-    return count;
+    return count + world->apart_count;
 }

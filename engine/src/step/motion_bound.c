@@ -195,11 +195,27 @@ static bool bound_rotation(const pe_step *step, int slot)
     return true;
 }
 
+/* Whether the body has moved by less than what needs no explanation. */
+static bool moved_little(const pe_step *step, int slot)
+{
+    const pe_body *body = &pe_bodies(step->world)[slot];
+    const pe_pose *from = &step->poses[slot], *to = &pe_poses(step->world)[slot];
+    pe_vec3 path = pe_sub(to->position, from->position);
+    pe_quat turn = pe_quat_product(to->orientation, pe_quat_conjugate(from->orientation));
+    double most = UNEXPLAINED * body->size, most_turn = most / body->bounding_radius;
+    double sine2 = turn.x * turn.x + turn.y * turn.y + turn.z * turn.z; /* of half the angle */
+    /* An angle up to pi is at most pi times the sine of its half, and pi^2 < 10. */
+    return pe_dot(path, path) <= most * most && 10 * sine2 <= most_turn * most_turn;
+}
+
 static bool bound_body(const pe_step *step, int slot)
 {
+    if (moved_little(step, slot)) {
+        return false;
+    }
     bool bounded = false;
-    for (int i = 0; i < BOUND_PASSES; ++i) {
-        bounded |= bound_path(step, slot, i + 1 < BOUND_PASSES);
+    for (int i = 0; i < BOUND_PASSES && bound_path(step, slot, i + 1 < BOUND_PASSES); ++i) {
+        bounded = true;
     }
     return bound_rotation(step, slot) || bounded;
 }
