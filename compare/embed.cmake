@@ -1,4 +1,6 @@
-# Writes a file as an array of C: cmake -DINPUT=FILE -DOUTPUT=FILE.c -DSYMBOL=NAME -P embed.cmake
-file(READ ${INPUT} bytes HEX)
-string(REGEX REPLACE "(..)" "'\\\\x\\1'," bytes "${bytes}")
-file(WRITE ${OUTPUT} "extern const char ${SYMBOL}[];\nconst char ${SYMBOL}[] = {${bytes}0};\n")
+# Writes a C file that holds another file's bytes and a zero: cmake -DINPUT=FILE -DOUTPUT=FILE.c
+# -DSYMBOL=NAME -P embed.cmake. The assembler reads the bytes, which is quick for large files.
+file(WRITE ${OUTPUT} "/* ${SYMBOL} */
+__asm__(\".section .rodata\\n.global ${SYMBOL}\\n${SYMBOL}:\\n.incbin \\\"${INPUT}\\\"\\n.byte 0\\n.previous\\n\");
+extern const char ${SYMBOL}[];
+")

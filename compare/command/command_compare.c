@@ -53,7 +53,10 @@ static void print_table(const json_t *results)
  * that leaves early ends the program. */
 static pl_status deliver(const options *o, json_t *results, pl_error *error)
 {
-    pl_status status = pl_report_write(o->request.out, results, error);
+    const char *const folders[] = {o->request.out};
+    const pl_report_def def = {
+        .directory = o->request.out, .results = results, .folders = folders, .folder_count = 1};
+    pl_status status = pl_report_write(&def, error);
     if (status == PL_OK) {
         status = pl_results_write_json(o->request.json, results, error);
     }

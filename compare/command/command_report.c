@@ -65,7 +65,7 @@ static pl_status analyse(const pl_request *request, const pl_merge *merge, pl_er
 
 /* Writes the report of the results, without those of changed scenes: only a sweep asks whether its
  * points hold on them. */
-static pl_status write_report(const char *out, const json_t *results, pl_error *error)
+static pl_status write_report(const pl_request *request, const json_t *results, pl_error *error)
 {
     json_t *unchanged = json_array();
     bool failed = unchanged == NULL;
@@ -74,8 +74,12 @@ static pl_status write_report(const char *out, const json_t *results, pl_error *
         failed =
             json_object_get(result, "change") == NULL && json_array_append(unchanged, result) != 0;
     }
+    const pl_report_def def = {.directory = request->out,
+                               .results = unchanged,
+                               .folders = request->names.items,
+                               .folder_count = request->names.count};
     pl_status status = failed ? pl_fail(error, PL_NO_MEMORY, "out of memory for a report")
-                              : pl_report_write(out, unchanged, error);
+                              : pl_report_write(&def, error);
     json_decref(unchanged);
     return status;
 }
@@ -93,7 +97,7 @@ static pl_status deliver(const pl_request *request, const pl_merge *merge, pl_er
         status = check_kept(merge, request->out, store, error);
     }
     if (status == PL_OK) {
-        status = write_report(request->out, merge->results, error);
+        status = write_report(request, merge->results, error);
     }
     if (status == PL_OK) {
         status = analyse(request, merge, error);

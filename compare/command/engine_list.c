@@ -3,7 +3,7 @@
 #include "engine_list.h"
 
 #include "base/json_field.h"
-#include "report/engine_words.h"
+#include "report/page_data.h"
 
 #include <math.h>
 #include <string.h>

@@ -35,20 +35,16 @@ const char *pl_cell_why(const pl_cell *cell)
                                             : pl_json_get_text(cell->result, "verdict_reason");
 }
 
-void pl_cell_badge(const pl_page *page, const pl_cell *cell)
+void pl_cell_badge(const pl_cell *cell, pl_text_buffer *out)
 {
     char text[PL_CELL_VERDICT_SIZE];
     pl_cell_verdict(cell, text);
-    if (page->html) {
-        pl_text_format(page->out, "<span class=\"badge %s\">", pl_cell_style(cell));
-    } else {
-        pl_text_add(page->out, "**");
-    }
-    pl_page_text(page, text);
+    pl_text_add(out, "**");
+    pl_text_add_markdown(out, text);
     if (cell->outcomes_differ) {
-        pl_text_format(page->out, " in %d of %d", cell->repeats - cell->ok_repeats, cell->repeats);
+        pl_text_format(out, " in %d of %d", cell->repeats - cell->ok_repeats, cell->repeats);
     }
-    pl_text_add(page->out, page->html ? "</span>" : "**");
+    pl_text_add(out, "**");
 }
 
 bool pl_case_acceptance(const pl_result_matrix *matrix, const pl_case *test_case,

@@ -3,7 +3,6 @@
 #define PLUMB_CELL_VERDICT_H
 
 #include "number_format.h"
-#include "page.h"
 #include "result_matrix.h"
 
 /* Returns the style of a cell, which pages and terminals colour: "ok" accurate, "poor" inaccurate,
@@ -20,9 +19,9 @@ void pl_cell_verdict(const pl_cell *cell, char text[PL_CELL_VERDICT_SIZE]);
  * Borrowed; "" when there is none. */
 const char *pl_cell_why(const pl_cell *cell);
 
-/* Adds the verdict of a cell that was run, and how many repeats have its outcome where they differ.
- */
-void pl_cell_badge(const pl_page *page, const pl_cell *cell);
+/* Adds the verdict of a cell that was run as bold Markdown, and how many repeats have its outcome
+ * where they differ. */
+void pl_cell_badge(const pl_cell *cell, pl_text_buffer *out);
 
 /* Writes the largest primary error of an accurate run of the case, with its unit, and in *reason
  * why it is that: borrowed, "" when it is not known. False where no run of the case states one. */

@@ -1,81 +1,56 @@
 #include "page.h"
 
-void pl_page_open(pl_text_buffer *out, const char *title, const char *style)
+#include <stdlib.h>
+#include <string.h>
+
+/* The bundled page, with `place` where the data goes (page/CMakeLists.txt makes it). */
+extern const char pl_page_html[];
+static const char place[] = "<!--data-->";
+
+void pl_page_open(pl_text_buffer *out)
 {
-    pl_text_add(out, "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-                     "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n");
-    pl_text_add_element(out, "<title>", title, "</title>\n<style>\n");
-    pl_text_add(out, pl_page_css);
-    pl_text_add(out, style == NULL ? "" : style);
-    pl_text_add(out, "</style>\n</head>\n<body>\n<main>\n");
+    const char *at = strstr(pl_page_html, place);
+    pl_text_add_bytes(out, pl_page_html, at == NULL ? 0 : (size_t)(at - pl_page_html));
+    out->failed |= at == NULL;
 }
 
 void pl_page_close(pl_text_buffer *out)
 {
-    pl_text_add(out, "</main>\n</body>\n</html>\n");
+    const char *at = strstr(pl_page_html, place);
+    pl_text_add(out, at == NULL ? "" : at + strlen(place));
 }
 
-void pl_page_text(const pl_page *page, const char *text)
+/* Nothing in JSON but the inside of a string has a '<', which there may be written as \u003c. So no
+ * text can end the element. */
+void pl_page_add_text(pl_text_buffer *out, const char *id, const char *text, size_t length)
 {
-    if (page->html) {
-        pl_text_add_html(page->out, text);
-    } else {
-        pl_text_add_markdown(page->out, text);
+    pl_text_format(out, "<script type=\"application/json\" id=\"%s\">", id);
+    for (size_t begin = 0; begin < length;) {
+        const char *found = memchr(text + begin, '<', length - begin);
+        const size_t end = found == NULL ? length : (size_t)(found - text);
+        pl_text_add_bytes(out, text + begin, end - begin);
+        pl_text_add(out, found == NULL ? "" : "\\u003c");
+        begin = found == NULL ? length : end + 1;
     }
+    pl_text_add(out, "</script>\n");
 }
 
-void pl_page_heading(const pl_page *page, const char *id, const char *text)
+void pl_page_add(pl_text_buffer *out, const char *id, const json_t *json)
 {
-    if (page->html) {
-        pl_text_add_element(page->out, "<h2 id=\"", id, "\">");
-    } else {
-        pl_text_add(page->out, "## ");
+    char *text = json == NULL ? NULL : json_dumps(json, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    if (text == NULL) {
+        out->failed = true;
+        return;
     }
-    pl_page_text(page, text);
-    pl_text_add(page->out, page->html ? "</h2>\n" : "\n\n");
+    pl_page_add_text(out, id, text, strlen(text));
+    free(text);
 }
 
-void pl_page_paragraph(const pl_page *page, const char *style, const char *text)
+void pl_page_of_study(pl_text_buffer *out, const char *kind, json_t *study)
 {
-    const bool small = !page->html && style[0] == 'n';
-    if (page->html) {
-        pl_text_format(page->out, style[0] == '\0' ? "<p>" : "<p class=\"%s\">", style);
-    }
-    pl_text_add(page->out, small ? "<sub>" : "");
-    pl_page_text(page, text);
-    pl_text_add(page->out, page->html ? "</p>\n" : small ? "</sub>\n\n" : "\n\n");
-}
-
-void pl_page_details(const pl_page *page, const char *summary)
-{
-    pl_text_add_element(page->out, "<details><summary>", summary, "</summary>\n");
-}
-
-void pl_page_table(const pl_page *page, pl_table table, int most)
-{
-    const pl_table_format format = page->html ? PL_TABLE_HTML : PL_TABLE_MARKDOWN;
-    const char *blank = page->html ? "" : "\n"; /* Markdown wants one before and after a table */
-    const int rows = pl_table_rows(&table);
-    table.last = most == 0 || rows < most ? rows : most;
-    if (rows > 0) {
-        pl_table_write(&table, format, page->out);
-        pl_text_add(page->out, blank);
-    }
-    if (rows > table.last) {
-        table.first = table.last;
-        table.last = rows;
-        pl_text_format(page->out, "<details><summary>%d more</summary>\n%s", rows - table.first,
-                       blank);
-        pl_table_write(&table, format, page->out);
-        pl_text_format(page->out, "%s</details>\n%s", blank, blank);
-    }
-    page->out->failed |= table.texts.failed;
-    pl_table_free(&table);
-}
-
-void pl_page_add_markup(pl_table *table, pl_text_buffer *markup)
-{
-    table->texts.failed |= markup->failed;
-    pl_table_add_markup(table, markup->data == NULL ? "" : markup->data);
-    pl_text_free(markup);
+    json_t *data = json_pack("{s:s, s:O}", "kind", kind, "study", study);
+    pl_page_open(out);
+    pl_page_add(out, "data", data);
+    pl_page_close(out);
+    json_decref(data);
 }

@@ -2,13 +2,18 @@
  * then all are renamed. CSV is that of RFC 4180 (Shafranovich 2005). */
 #include "report.h"
 
-#include "report_page.h"
+#include "base/file_text.h"
+#include "page.h"
+#include "page_data.h"
+#include "results/result.h"
 #include "results/store.h"
+#include "summary.h"
 
 #include <errno.h>
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* ---- CSV ---- */
@@ -183,16 +188,146 @@ static pl_status write_files(report_file *files, int count, const char *director
     return status;
 }
 
-pl_status pl_report_write(const char *directory, json_t *results, pl_error *error)
+/* ---- Runs in a row each ---- */
+
+void pl_report_runs_csv(json_t *results, pl_text_buffer *out)
 {
-    report_file files[] = {{.name = "results.csv"}, {.name = "summary.md"}, {.name = "index.html"}};
+    static const char *const keys[] = {
+        "scenario", "params",         "seed",           "repeat",     "label",
+        "engine",   "profile",        "engine_version", "settings",   "outcome",
+        "verdict",  "verdict_reason", "primary_error",  "acceptance", "steps.done",
+        "host.cpu", "plumb.version",  "started",        "run"};
+    enum { KEYS = sizeof keys / sizeof keys[0] };
+    size_t index;
+    json_t *result;
+    for (int i = 0; i < KEYS; ++i) {
+        pl_text_format(out, "%s%s", i == 0 ? "" : ",", keys[i]);
+    }
+    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
+        const char *unit = pl_metric_table_unit(id);
+        pl_text_format(out, unit[0] == '\0' ? ",%s" : ",%s (%s)", pl_metric_table[id].name, unit);
+    }
+    pl_text_add(out, "\r\n");
+    json_array_foreach(results, index, result)
+    {
+        for (int i = 0; i < KEYS; ++i) {
+            pl_text_add(out, i == 0 ? "" : ",");
+            add_value(value_at(result, keys[i]), out);
+        }
+        for (int id = 0; id < PL_METRIC_COUNT; ++id) {
+            const json_t *metric =
+                json_object_get(json_object_get(result, "metrics"), pl_metric_table[id].name);
+            pl_text_add(out, ",");
+            add_value(json_object_get(metric, "value"), out);
+        }
+        pl_text_add(out, "\r\n");
+    }
+}
+
+/* ---- The page ---- */
+
+/* The most bytes of recordings in a page, so that it can be mailed. */
+enum { MOST_RECORDINGS = 8 << 20, MOST_RECORDING = 64 << 20 };
+
+typedef struct recording {
+    char run[17];
+    char path[PATH_MAX];
+    long long size;
+} recording;
+
+static int compare_sizes(const void *left, const void *right)
+{
+    const recording *a = left, *b = right;
+    const int order = (a->size > b->size) - (a->size < b->size);
+    return order != 0 ? order : strcmp(a->run, b->run);
+}
+
+/* The recordings of the first repeat in each cell, the smallest first. The caller frees. */
+static recording *find_recordings(const pl_report_def *def, const pl_result_matrix *matrix,
+                                  int *count)
+{
+    *count = 0;
+    recording *found =
+        calloc((size_t)matrix->case_count * (size_t)matrix->column_count + 1, sizeof *found);
+    for (int i = 0; found != NULL && i < matrix->case_count; ++i) {
+        for (int k = 0; k < matrix->column_count; ++k) {
+            const char *run = pl_json_get_text(matrix->cases[i].cells[k].result, "run");
+            recording *next = &found[*count];
+            struct stat information;
+            for (int f = 0; f < def->folder_count && strlen(run) == 16; ++f) {
+                const int length = snprintf(next->path, sizeof next->path, "%s/recordings/%s.json",
+                                            def->folders[f], run);
+                if (length < (int)sizeof next->path && stat(next->path, &information) == 0) {
+                    snprintf(next->run, sizeof next->run, "%s", run);
+                    next->size = information.st_size;
+                    *count += 1;
+                    break;
+                }
+            }
+        }
+    }
+    qsort(found, (size_t)*count, sizeof *found, compare_sizes);
+    return found;
+}
+
+/* Adds those recordings that fit. One that cannot be read is left out, as if it were not there. */
+static void add_recordings(const pl_report_def *def, const pl_report *report, pl_text_buffer *out)
+{
+    static const pl_file_kind kind = {.noun = "recording", .most_bytes = MOST_RECORDING};
+    int count = 0;
+    long long total = 0;
+    recording *found = find_recordings(def, &report->matrix, &count);
+    json_t *left_out = json_array();
+    out->failed |= found == NULL;
+    for (int i = 0; found != NULL && i < count; ++i) {
+        char *text = NULL, id[32];
+        size_t length = 0;
+        total += found[i].size;
+        if (total > MOST_RECORDINGS) {
+            json_array_append_new(left_out, json_string(found[i].run));
+        } else if (pl_file_read(&kind, found[i].path, &text, &length, NULL) == PL_OK) {
+            snprintf(id, sizeof id, "recording-%s", found[i].run);
+            pl_page_add_text(out, id, text, length);
+        }
+        free(text);
+    }
+    pl_page_add(out, "left-out", left_out);
+    json_decref(left_out);
+    free(found);
+}
+
+static pl_status make_page(const pl_report_def *def, const pl_report *report, pl_text_buffer *out,
+                           pl_error *error)
+{
+    json_t *data = NULL;
+    pl_status status = pl_page_data(report, &data, error);
+    if (status == PL_OK && def->reference != NULL) {
+        json_object_set(data, "reference", def->reference);
+    }
+    if (status == PL_OK) {
+        pl_page_open(out);
+        pl_page_add(out, "data", data);
+        add_recordings(def, report, out);
+        pl_page_close(out);
+    }
+    json_decref(data);
+    return status;
+}
+
+pl_status pl_report_write(const pl_report_def *def, pl_error *error)
+{
+    report_file files[] = {{.name = "results.csv"},
+                           {.name = "runs.csv"},
+                           {.name = "summary.md"},
+                           {.name = "index.html"}};
     enum { FILE_COUNT = sizeof files / sizeof files[0] };
     pl_report report;
-    pl_status status = pl_report_build(results, &report, error);
+    pl_status status = pl_report_build(def->results, &report, error);
     if (status == PL_OK) {
-        pl_report_csv(results, &files[0].text);
-        pl_report_page(&report, false, &files[1].text);
-        pl_report_page(&report, true, &files[2].text);
+        pl_report_csv(def->results, &files[0].text);
+        pl_report_runs_csv(def->results, &files[1].text);
+        pl_report_summary(&report, &files[2].text);
+        status = make_page(def, &report, &files[3].text, error);
     }
     for (int i = 0; i < FILE_COUNT && status == PL_OK; ++i) {
         if (files[i].text.failed) {
@@ -200,7 +335,7 @@ pl_status pl_report_write(const char *directory, json_t *results, pl_error *erro
         }
     }
     if (status == PL_OK) {
-        status = write_files(files, FILE_COUNT, directory, error);
+        status = write_files(files, FILE_COUNT, def->directory, error);
     }
     for (int i = 0; i < FILE_COUNT; ++i) {
         pl_text_free(&files[i].text);

@@ -9,16 +9,29 @@
 #include <stdbool.h>
 #include <stdio.h>
 
-/* Writes results.csv (a row for each run and metric), summary.md (GitHub tables) and index.html
- * (one self-contained page) into `directory`, which must exist. `results` is an array of
- * plumb.result/1 objects, in any order, several repeats of a run among them; it is borrowed and not
- * changed.
+/* What to report. */
+typedef struct pl_report_def {
+    const char *directory; /* where the files go; it must exist */
+    /* plumb.result/1 objects in any order, several repeats of a run among them; borrowed and not
+     * changed */
+    json_t *results;
+    const char *const *folders; /* (folder_count) that may have recordings/RUN.json of the runs */
+    int folder_count;
+    json_t *reference; /* plumb.reference/1 of scenes without an expected result; NULL: none */
+} pl_report_def;
+
+/* Writes results.csv (a row for each run and metric), runs.csv (a row for each run), summary.md
+ * (GitHub tables) and index.html (one self-contained page, with at most 8 MiB of recordings).
  *
- * All three files are written under temporary names first and renamed when all are complete, so
- * that no file is ever half-written: on failure the old files stay. PL_BAD_INPUT: an item that is
- * not a plumb.result/1 object, named by its index. PL_IO: the directory cannot be written, or the
- * disk is full; the message names the file. PL_NO_MEMORY. */
-pl_status pl_report_write(const char *directory, json_t *results, pl_error *error);
+ * All files are written under temporary names first and renamed when all are complete, so that no
+ * file is ever half-written: on failure the old files stay. PL_BAD_INPUT: an item that is not a
+ * plumb.result/1 object, named by its index. PL_IO: the directory cannot be written, or the disk is
+ * full; the message names the file. PL_NO_MEMORY. */
+pl_status pl_report_write(const pl_report_def *def, pl_error *error);
+
+/* Adds results as CSV (RFC 4180) for a spreadsheet: a row for each run, with a column for each
+ * metric. Numbers have full precision; null and absent values are empty fields. */
+void pl_report_runs_csv(json_t *results, pl_text_buffer *out);
 
 /* Adds results as CSV (RFC 4180) with a header and CRLF: a row for each run and metric, with the
  * keys that identify the run in every row; a run without metrics has one row whose metric is empty.
@@ -32,7 +45,7 @@ void pl_report_csv(json_t *results, pl_text_buffer *out);
  * can control the terminal. */
 void pl_report_print_table(FILE *out, const json_t *results, bool colour, int width);
 
-/* Adds the catalogue as one HTML page: each scenario with its picture, right answer, source and
+/* Adds the catalogue as one HTML page: each scenario with its scene, right answer, source and
  * parameters. PL_NO_MEMORY, or the error of a scenario that cannot be built. */
 pl_status pl_catalogue_page(pl_text_buffer *out, pl_error *error);
 

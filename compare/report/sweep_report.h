@@ -7,8 +7,9 @@
 
 #include <stdio.h>
 
-/* Adds one self-contained HTML page, which begins with the comparisons that plumb loses. */
-void pl_sweep_page(const pl_sweep_analysis *analysis, pl_text_buffer *out);
+/* The analysis as plumb.sweep/1, with what is said of it in words: a new reference; NULL when out of
+ * memory. */
+json_t *pl_sweep_report_json(const pl_sweep_analysis *analysis);
 
 /* Writes sweep.html and sweep.json (plumb.sweep/1) into `directory`, which must exist; each file is
  * renamed to its place when it is complete. PL_IO: one cannot be written. PL_NO_MEMORY. */

@@ -59,17 +59,4 @@ pl_table pl_sweep_failed_table(const pl_sweep_analysis *analysis, int scene);
 /* A row a point of a scene that has numbers. */
 pl_table pl_sweep_points_table(const pl_sweep_analysis *analysis, int scene);
 
-/* ---- Plots ---- */
-
-/* Adds error over cost of a scene as inline SVG, both logarithmic: a front for each whole engine,
- * ours drawn last and thicker; points off the front faint; failed points as crosses along the upper
- * edge. Nothing where the scene has no points. Colours are those of page/sweep.css. */
-void pl_sweep_plot_scene(const pl_sweep_analysis *analysis, const pl_sweep_scene *scene,
-                         pl_text_buffer *out);
-
-/* Adds shares of scenes over the factor tau, logarithmic to 100, a line for each engine. Nothing
- * where no engine solved any. */
-void pl_sweep_plot_profile(const pl_sweep_analysis *analysis, const pl_sweep_profile *profile,
-                           pl_text_buffer *out);
-
 #endif

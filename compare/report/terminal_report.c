@@ -4,7 +4,7 @@
 #include "cell_verdict.h"
 #include "number_format.h"
 #include "report.h"
-#include "report_page.h"
+#include "summary.h"
 
 #include <string.h>
 
@@ -84,7 +84,7 @@ static void add_verdicts(const pl_verdict_counts *verdicts, const terminal *to)
     if (verdicts->cases < 2) {
         return;
     }
-    pl_table table = pl_verdict_counts_table(verdicts, false);
+    pl_table table = pl_verdict_counts_table(verdicts);
     pl_text_add(to->out, "\n");
     add_line(to, bold, "Verdicts");
     add_wrapped(to, verdicts->order.data, 0);

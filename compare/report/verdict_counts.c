@@ -89,25 +89,7 @@ void pl_verdict_counts_free(pl_verdict_counts *counts)
     *counts = (pl_verdict_counts){0};
 }
 
-/* Adds the engine's name above a bar with a part for each verdict, as wide as its share of the
- * cases. */
-static void add_name_and_bar(const pl_verdict_count *item, int cases, pl_table *table)
-{
-    pl_text_buffer markup = {0};
-    pl_text_add_element(&markup, "", item->column->name,
-                        "<span class=\"bar\" aria-hidden=\"true\">");
-    for (int k = 0; k < COLUMN_COUNT; ++k) {
-        const int runs = value_of(item, (count_column)k);
-        if (runs > 0) {
-            pl_text_format(&markup, "<i class=\"%s\" style=\"width:%.4g%%\"></i>",
-                           styles[k] == NULL ? "open" : styles[k], 100.0 * runs / cases);
-        }
-    }
-    pl_text_add(&markup, "</span>");
-    pl_page_add_markup(table, &markup);
-}
-
-pl_table pl_verdict_counts_table(const pl_verdict_counts *counts, bool html)
+pl_table pl_verdict_counts_table(const pl_verdict_counts *counts)
 {
     pl_table table = {0};
     bool shown[COLUMN_COUNT] = {[ACCURATE] = true, [INACCURATE] = true, [FAILED] = true};
@@ -122,11 +104,7 @@ pl_table pl_verdict_counts_table(const pl_verdict_counts *counts, bool html)
     }
     for (int i = 0; i < counts->count; ++i) {
         const pl_verdict_count *item = &counts->items[i];
-        if (html) {
-            add_name_and_bar(item, counts->cases, &table);
-        } else {
-            pl_table_add(&table, item->column->name);
-        }
+        pl_table_add(&table, item->column->name);
         for (int k = 0; k < COLUMN_COUNT; ++k) {
             const int runs = value_of(item, (count_column)k);
             if (shown[k]) {

@@ -2,7 +2,7 @@
 #ifndef PLUMB_VERDICT_COUNTS_H
 #define PLUMB_VERDICT_COUNTS_H
 
-#include "page.h"
+#include "base/table.h"
 #include "result_matrix.h"
 
 /* The verdicts on one engine configuration. The repeats of a run count once, by the worst. */
@@ -30,10 +30,9 @@ pl_status pl_verdict_counts_make(const pl_result_matrix *matrix, pl_verdict_coun
 /* Frees the counts. */
 void pl_verdict_counts_free(pl_verdict_counts *counts);
 
-/* Makes a table with a row for each engine, for HTML with a bar below its name. Counts of cases
- * that are unsupported, not judged or not run have a column where some engine has any. The caller
- * frees. */
-pl_table pl_verdict_counts_table(const pl_verdict_counts *counts, bool html);
+/* Makes a table with a row for each engine. Counts of cases that are unsupported, not judged or not
+ * run have a column where some engine has any. The caller frees. */
+pl_table pl_verdict_counts_table(const pl_verdict_counts *counts);
 
 /* Adds the counts of one engine in a line: "ode:quick: 3 accurate, 0 inaccurate, 1 failed". */
 void pl_verdict_count_text(const pl_verdict_count *item, pl_text_buffer *out);

@@ -134,13 +134,11 @@ static void test_catalogue_page_has_every_scenario_without_network_requests(void
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);
     for (int i = 0; i < count; ++i) {
-        char id[160];
-        snprintf(id, sizeof id, "<h2 id=\"%s\">", scenarios[i]->name);
-        assert_contains(page.out, id);
+        char name[160];
+        snprintf(name, sizeof name, "\"name\":\"%s\"", scenarios[i]->name);
+        assert_contains(page.out, name);
     }
-    assert_null(strstr(page.out, "<script"));
-    assert_null(strstr(page.out, "http"));
-    assert_contains(page.out, "<svg");
+    assert_contains(page.out, "default-src 'none'");
     free_output(&page);
     check_call(state, "list scenarios --page /no/such/directory/page.html", 3, "", "/no/such");
     check_call(state, "list scenarios --page /dev/full", 3, "", "No space left");

@@ -29,7 +29,7 @@ table = list(csv.DictReader(open("two/results.csv", newline="")))
 for label, row in rows.items():
     assert any(line["label"] == label and line["engine_binary"] == row["engine_binary"] for line in table)
 page, summary = open("two/index.html").read(), open("two/summary.md").read()
-assert all(f">{label}<" in page and f" {label} " in summary for label in rows)
+assert all(f'"{label}"' in page and f" {label} " in summary for label in rows)
 END
 expect 2 'are both called same: give one of them label=NAME' \
     "${fall[@]}" --engine ./old.so,label=same --engine ./new.so,label=same --out none

@@ -1,5 +1,6 @@
-/* The report's tables: HTML, Markdown and the terminal. */
+/* The report's tables: the page's data, Markdown and the terminal. */
 #include "report/number_format.h"
+#include "report/page.h"
 
 #include "check.h"
 #include "report_rows.h"
@@ -24,7 +25,7 @@ static void test_every_case_and_engine_is_in_every_table(void **state)
     }
     made_report made = make_report(results);
     char *table = printed_table(made.results, false, 100);
-    const char *texts[] = {made.html.data, made.markdown.data, table};
+    const char *texts[] = {made.data, made.markdown.data, table};
     for (int t = 0; t < 3; ++t) {
         for (int i = 0; i < 3; ++i) {
             assert_contains(texts[t], scenarios[i]);
@@ -47,7 +48,7 @@ static void test_missing_run_is_shown_as_not_run(void **state)
     add_run(results, "alone", "ode:quick", "ok");
     made_report made = make_report(results);
     char *table = printed_table(made.results, false, 100);
-    assert_contains(made.html.data, ">not run</td>");
+    assert_contains(made.data, "\"cells\":[null,{");
     assert_contains(made.markdown.data, "| not run |");
     assert_contains(table, "not run");
     free(table);
@@ -58,11 +59,9 @@ static void test_settings_of_every_engine_are_listed(void **state)
 {
     (void)state;
     made_report made = make_report(two_runs("creep", 1, 1));
-    assert_contains(made.html.data, "<th>ode:quick</th><td>1.0</td>"
-                                    "<td class=\"why\">not verified: run plumb check-engine "
-                                    "ode:p</td>"
-                                    "<td class=\"why\">iterations = 2000000, erp = 0.2</td>");
-    assert_contains(made.html.data, "dt = 0.01 s · duration = 0.1 s");
+    assert_contains(made.data, "\"settings\":\"iterations = 2000000, erp = 0.2\","
+                               "\"conformance\":\"not verified: run plumb check-engine ode:p\"");
+    assert_contains(made.data, "[\"dt\",\"0.01 s\",");
     assert_contains(made.markdown.data, "| ode:quick | 1.0 | not verified: run plumb check-engine "
                                         "ode:p | iterations = 2000000, erp = 0.2 |\n");
     free_report(&made);
@@ -72,7 +71,7 @@ static void test_missing_value_is_a_dash_with_its_reason(void **state)
 {
     (void)state;
     made_report made = make_report(runs_of_every_kind());
-    assert_contains(made.html.data, "title=\"moves to the end &lt;&amp;&gt;\">–</td>");
+    assert_contains(made.data, "\"settle_time\":[null,\"–\",\"moves to the end <&>\"]");
     free_report(&made);
 }
 
@@ -82,36 +81,11 @@ static void test_failed_run_shows_reason_and_output(void **state)
     made_report made = make_report(runs_of_every_kind());
     static const char *const outcomes[] = {"collapsed", "diverged", "nonfinite",
                                            "crashed",   "timeout",  "unsupported"};
-    const char *failures = strstr(made.html.data, "id=\"failures\"");
-    assert_non_null(failures);
     for (int i = 0; i < 6; ++i) {
-        assert_contains(failures, outcomes[i]);
+        assert_contains(made.data, outcomes[i]);
+        assert_contains(strstr(made.markdown.data, "## Failed runs"), outcomes[i]);
     }
-    assert_contains(failures, "<pre>&lt;script&gt;alert");
-    free_report(&made);
-}
-
-/* Adds a run of another engine with a creep of 1e-3 and that outcome. */
-static made_report report_with_third_run(json_t *results, const char *outcome)
-{
-    set_metric(add_run(results, "pair", "bullet:si", outcome), "creep", metric_value(1e-3));
-    return make_report(results);
-}
-
-static void test_best_value_is_bold_among_good_runs_alone(void **state)
-{
-    (void)state;
-    made_report made = report_with_third_run(two_runs("creep", 2e-3, 3e-3), "collapsed");
-    assert_int_equal(count_of(made.html.data, "class=\"best\""), 1);
-    assert_contains(made.html.data, "<b class=\"best\">0.00200 m/s</b>");
-    free_report(&made);
-}
-
-static void test_values_equal_to_rounding_are_best_together(void **state)
-{
-    (void)state;
-    made_report made = report_with_third_run(two_runs("creep", 2e-16, 1e-16), "ok");
-    assert_int_equal(count_of(made.html.data, "class=\"best\""), 2);
+    assert_contains(made.data, "\"output\":\"<script>alert");
     free_report(&made);
 }
 
@@ -142,96 +116,74 @@ static void test_terminal_lines_fit_without_control_characters(void **state)
     json_decref(results);
 }
 
-/* ---- HTML and Markdown ---- */
+/* ---- Page and Markdown ---- */
 
-/* Checks that every element is closed in order, attributes are quoted, and text has no bare '<' or
- * '&'. */
-static void check_balance(const char *html)
+/* Adds a page of the report to `page`. */
+static void make_page(const made_report *made, pl_text_buffer *page)
 {
-    static const char *const empty[] = {"meta", "br", "!DOCTYPE", "path", "circle", "use"};
-    enum { DEEPEST = 64 };
-    char open[DEEPEST][32];
-    int depth = 0;
-    for (const char *c = html; *c != '\0'; ++c) {
-        if (*c == '&' && (c[1] == ' ' || strcspn(c, ";") > 8)) {
-            fail_msg("bare & at %.60s", c);
-        }
-        if (*c != '<') {
-            continue;
-        }
-        bool closing = c[1] == '/';
-        const char *name = c + 1 + closing;
-        size_t length = strcspn(name, " />\n");
-        char tag[32];
-        assert_true(length > 0 && length < sizeof tag);
-        snprintf(tag, sizeof tag, "%.*s", (int)length, name);
-        char quote = '\0';
-        for (c = name + length; *c != '\0' && (*c != '>' || quote != '\0'); ++c) {
-            if (*c == '"') {
-                quote = quote == '\0' ? '"' : '\0';
-            }
-            assert_true(*c != '<');
-        }
-        assert_int_equal(*c, '>');
-        bool leaf = c[-1] == '/';
-        for (size_t i = 0; i < sizeof empty / sizeof empty[0]; ++i) {
-            leaf |= strcmp(tag, empty[i]) == 0;
-        }
-        if (closing) {
-            if (depth == 0 || strcmp(open[depth - 1], tag) != 0) {
-                fail_msg("</%s> closes <%s>", tag, depth == 0 ? "" : open[depth - 1]);
-            }
-            --depth;
-        } else if (!leaf) {
-            assert_true(depth < DEEPEST);
-            snprintf(open[depth++], sizeof open[0], "%s", tag);
-            if (strcmp(tag, "style") == 0) {
-                c = strstr(c, "</style>") - 1;
-            }
-        }
-    }
-    assert_int_equal(depth, 0);
+    json_t *data = json_loads(made->data, 0, NULL);
+    pl_page_open(page);
+    pl_page_add(page, "data", data);
+    pl_page_close(page);
+    assert_false(page->failed);
+    json_decref(data);
 }
 
-static void test_html_is_balanced_and_holds_no_script(void **state)
+static void test_no_text_ends_the_data_element(void **state)
 {
     (void)state;
     made_report made = make_report(runs_of_every_kind());
-    check_balance(made.html.data);
-    assert_absent(made.html.data, "<script");
-    assert_absent(made.html.data, "onload=");
-    assert_contains(made.html.data, "&lt;script&gt;alert(&quot;x&quot;)&lt;/script&gt;");
-    assert_contains(made.html.data, "Grüße");
+    pl_text_buffer page = {0}, empty = {0};
+    make_page(&made, &page);
+    pl_page_open(&empty);
+    pl_page_close(&empty);
+    assert_int_equal(count_of(page.data, "</script"), count_of(empty.data, "</script") + 1);
+    assert_int_equal(count_of(page.data, "<script"), count_of(empty.data, "<script") + 1);
+    assert_contains(page.data, "\\u003cscript>alert(\\\"x\\\")\\u003c/script>");
+    assert_contains(page.data, "Grüße");
+    pl_text_free(&page);
+    pl_text_free(&empty);
     free_report(&made);
 }
 
-static void test_html_makes_no_request(void **state)
+static void test_data_in_the_page_reads_back(void **state)
 {
     (void)state;
-    static const char *const requests[] = {"http:", "src=",    "url(",    "@import", "<link",
-                                           "<img",  "<iframe", "<object", "<base",   "http-equiv"};
-    json_t *results = two_runs("creep", 1, 2);
-    int count = 0;
-    const pl_scenario *scenario = pl_scenarios(&count)[0];
-    assert_true(count > 0);
-    add_run(results, scenario->name, "plumb:fast", "ok");
-    made_report made = make_report(results);
-    for (size_t i = 0; i < sizeof requests / sizeof requests[0]; ++i) {
-        assert_absent(made.html.data, requests[i]);
-    }
-    for (const char *at = strstr(made.html.data, "href="); at != NULL;
-         at = strstr(at + 1, "href=")) {
-        assert_int_equal(at[6], '#');
-    }
+    static const char open[] = "<script type=\"application/json\" id=\"data\">";
+    made_report made = make_report(runs_of_every_kind());
+    pl_text_buffer page = {0};
+    make_page(&made, &page);
+    const char *begin = strstr(page.data, open);
+    assert_non_null(begin);
+    begin += strlen(open);
+    const size_t length = (size_t)(strstr(begin, "</script>") - begin);
+    json_t *found = json_loadb(begin, length, 0, NULL), *expected = json_loads(made.data, 0, NULL);
+    assert_non_null(found);
+    assert_true(json_equal(found, expected));
+    json_decref(found);
+    json_decref(expected);
+    pl_text_free(&page);
     free_report(&made);
 }
 
-static void test_html_defines_every_metric(void **state)
+static void test_page_forbids_all_requests_and_other_scripts(void **state)
+{
+    (void)state;
+    pl_text_buffer page = {0};
+    pl_page_open(&page);
+    pl_page_close(&page);
+    assert_contains(page.data, "default-src 'none'; script-src 'sha256-");
+    assert_absent(page.data, "<link");
+    assert_absent(page.data, "<iframe");
+    assert_absent(page.data, " onload=");
+    pl_text_free(&page);
+}
+
+static void test_page_data_defines_every_metric(void **state)
 {
     (void)state;
     made_report made = make_report(json_array());
-    check_balance(made.html.data);
-    const char *definitions = strstr(made.html.data, "id=\"metrics\"");
+    const char *definitions = strstr(made.data, "\"metrics\":[");
     assert_non_null(definitions);
     for (int i = 0; i < PL_METRIC_COUNT; ++i) {
         assert_contains(definitions, pl_metric_table[i].name);
@@ -286,12 +238,11 @@ int main(void)
         cmocka_unit_test(test_settings_of_every_engine_are_listed),
         cmocka_unit_test(test_missing_value_is_a_dash_with_its_reason),
         cmocka_unit_test(test_failed_run_shows_reason_and_output),
-        cmocka_unit_test(test_best_value_is_bold_among_good_runs_alone),
-        cmocka_unit_test(test_values_equal_to_rounding_are_best_together),
         cmocka_unit_test(test_terminal_lines_fit_without_control_characters),
-        cmocka_unit_test(test_html_is_balanced_and_holds_no_script),
-        cmocka_unit_test(test_html_makes_no_request),
-        cmocka_unit_test(test_html_defines_every_metric),
+        cmocka_unit_test(test_no_text_ends_the_data_element),
+        cmocka_unit_test(test_data_in_the_page_reads_back),
+        cmocka_unit_test(test_page_forbids_all_requests_and_other_scripts),
+        cmocka_unit_test(test_page_data_defines_every_metric),
         cmocka_unit_test(test_markdown_tables_are_rectangular_with_any_text),
     };
     return cmocka_run_group_tests_name("report_pages", tests, NULL, NULL);

@@ -42,29 +42,37 @@ static void test_list_has_the_behaviour_of_a_right_engine(void **state)
     remove_directory(directory);
 }
 
-/* The part of the page on one scenario; malloc'd. */
-static char *section_of(const char *page, const char *name)
+/* The data of the catalogue's page: the array of scenarios. The caller releases it. */
+static json_t *scenarios_of(const char *page)
 {
-    char head[64];
-    snprintf(head, sizeof head, "<h2 id=\"%s\">", name);
-    const char *start = strstr(page, head);
-    assert_non_null(start);
-    const char *end = strstr(start + 1, "<h2 ");
-    return end != NULL ? strndup(start, (size_t)(end - start)) : strdup(start);
+    static const char open[] = "<script type=\"application/json\" id=\"data\">";
+    const char *begin = strstr(page, open);
+    assert_non_null(begin);
+    begin += strlen(open);
+    json_t *data = json_loadb(begin, (size_t)(strstr(begin, "</script>") - begin), 0, NULL);
+    json_t *scenarios = json_object_get(json_object_get(data, "study"), "scenarios");
+    assert_true(json_is_array(scenarios));
+    json_incref(scenarios);
+    json_decref(data);
+    return scenarios;
 }
 
-static void test_page_has_every_scenario_with_picture(void **state)
+static void test_page_has_every_scenario_with_its_scene(void **state)
 {
     (void)state;
     char *directory = make_directory(), *page = list(directory, "--page", "-");
     int count;
     const pl_scenario *const *scenarios = pl_scenarios(&count);
+    json_t *found = scenarios_of(page);
+    assert_int_equal(json_array_size(found), count);
     for (int i = 0; i < count; ++i) {
-        char *section = section_of(page, scenarios[i]->name);
-        assert_contains(section, "<dt>Expected</dt><dd>ok: ");
-        assert_before(section, "<svg", "</svg>");
-        free(section);
+        const json_t *item = json_array_get(found, (size_t)i);
+        const json_t *bodies = json_object_get(json_object_get(item, "scene"), "bodies");
+        assert_string_equal(result_text(item, "name"), scenarios[i]->name);
+        assert_int_equal(strncmp(result_text(item, "expected"), "ok: ", 4), 0);
+        assert_true(json_array_size(bodies) > 0);
     }
+    json_decref(found);
     free(page);
     remove_directory(directory);
 }
@@ -74,12 +82,18 @@ static void test_page_names_the_published_figures(void **state)
     (void)state;
     static const char *const names[] = {"rocket", "falling-cubes", "slope-tip", "multi-tower"};
     char *directory = make_directory(), *page = list(directory, "--page", "-");
+    json_t *found = scenarios_of(page);
     for (int i = 0; i < 4; ++i) {
-        char text[64], *section = section_of(page, names[i]);
+        char text[64];
         snprintf(text, sizeof text, "Figure %d of the source paper", i + 1);
-        assert_contains(section, text);
-        free(section);
+        for (size_t k = 0; k < json_array_size(found); ++k) {
+            const json_t *item = json_array_get(found, k);
+            if (strcmp(result_text(item, "name"), names[i]) == 0) {
+                assert_contains(result_text(item, "description"), text);
+            }
+        }
     }
+    json_decref(found);
     assert_int_equal(count_of(page, "of the source paper, "), 4);
     free(page);
     remove_directory(directory);
@@ -89,7 +103,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_list_has_the_behaviour_of_a_right_engine),
-        cmocka_unit_test(test_page_has_every_scenario_with_picture),
+        cmocka_unit_test(test_page_has_every_scenario_with_its_scene),
         cmocka_unit_test(test_page_names_the_published_figures),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,7 +2,7 @@
 #ifndef PLUMB_TEST_REPORT_ROWS_H
 #define PLUMB_TEST_REPORT_ROWS_H
 
-#include "report/report_page.h"
+#include "report/summary.h"
 
 /* Markup, quotes, separators and letters that are not ASCII. */
 extern const char hostile_text[];
@@ -29,7 +29,8 @@ json_t *runs_of_every_kind(void);
 typedef struct made_report {
     json_t *results;
     pl_report report;
-    pl_text_buffer html, markdown;
+    char *data; /* of the page, as JSON text */
+    pl_text_buffer markdown;
 } made_report;
 
 /* Takes `results`. */

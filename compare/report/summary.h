@@ -1,4 +1,4 @@
-/* The report of results as one page, in HTML or as Markdown. */
+/* Everything that a report says of results, and its summary as Markdown. */
 #ifndef PLUMB_REPORT_PAGE_OF_RESULTS_H
 #define PLUMB_REPORT_PAGE_OF_RESULTS_H
 
@@ -21,8 +21,8 @@ pl_status pl_report_build(const json_t *results, pl_report *report, pl_error *er
 /* Frees the report. */
 void pl_report_free(pl_report *report);
 
-/* Adds a self-contained HTML page without scripts and requests, or GitHub tables for the summary of
- * a CI job. Both begin with the verdicts on each engine, and where plumb loses. */
-void pl_report_page(const pl_report *report, bool html, pl_text_buffer *out);
+/* Adds the report as Markdown with GitHub's tables, for the summary of a CI job: first the verdicts on
+ * each engine, and where plumb loses. */
+void pl_report_summary(const pl_report *report, pl_text_buffer *out);
 
 #endif

@@ -1,0 +1,156 @@
+#include "case_scene.h"
+
+#include "plumb/vec.h"
+#include "results/result.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static pl_status build_from_catalogue(const pl_case *test_case, pl_scene *scene, pl_error *error)
+{
+    const pl_scenario *scenario = test_case->catalogue;
+    double values[PL_MAX_PARAMS];
+    char texts[PL_MAX_PARAMS][128];
+    const char *settings[PL_MAX_PARAMS];
+    int count = 0;
+    for (int i = 0; i < scenario->param_count; ++i) {
+        const json_t *value = json_object_get(test_case->params, scenario->params[i].name);
+        if (!json_is_number(value)) {
+            continue; /* it has its default; the hash shows if that has changed */
+        }
+        snprintf(texts[count], sizeof texts[count], "%.80s=%.17g", scenario->params[i].name,
+                 json_number_value(value));
+        settings[count] = texts[count];
+        ++count;
+    }
+    pl_status status = pl_scenario_values(scenario, settings, count, values, error);
+    return status != PL_OK
+               ? status
+               : pl_scenario_build(scenario, values, (uint64_t)test_case->seed, scene, error);
+}
+
+static pl_status build_from_file(const pl_case *test_case, pl_scene *scene, pl_error *error)
+{
+    struct stat information;
+    if (stat(test_case->scenario, &information) != 0 || !S_ISREG(information.st_mode)) {
+        return pl_fail(error, PL_IO, "there is no scene file %.200s here", test_case->scenario);
+    }
+    pl_status status = pl_scene_read_file(test_case->scenario, scene, error);
+    if (status != PL_OK) {
+        return status;
+    }
+    const json_t *settings = json_object_get(test_case->result, "settings");
+    const json_t *dt = json_object_get(settings, "dt");
+    const json_t *duration = json_object_get(settings, "duration");
+    scene->dt = json_is_number(dt) ? json_number_value(dt) : scene->dt;
+    scene->duration = json_is_number(duration) ? json_number_value(duration) : scene->duration;
+    return PL_OK;
+}
+
+pl_status pl_case_scene_build(const pl_case *test_case, pl_scene *scene, pl_error *error)
+{
+    *scene = pl_scene_default();
+    char hash[17] = "";
+    pl_status status = test_case->catalogue != NULL ? build_from_catalogue(test_case, scene, error)
+                                                    : build_from_file(test_case, scene, error);
+    if (status == PL_OK) {
+        status = pl_scene_hash(scene, hash, error);
+    }
+    if (status == PL_OK && strcmp(hash, test_case->scene_hash) != 0) {
+        status = pl_fail(error, PL_FAILED,
+                         "the scene as it is built today (%s) is not the one that was run (%.40s)",
+                         hash, test_case->scene_hash);
+    }
+    return status;
+}
+
+/* ---- JSON ---- */
+
+json_t *pl_rounded_json(double value)
+{
+    char text[32];
+    double rounded = 0;
+    snprintf(text, sizeof text, "%.6g", value);
+    (void)sscanf(text, "%lf", &rounded);
+    return pl_json_number_or_null(rounded);
+}
+
+static json_t *numbers(const double *values, int count)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < count; ++i) {
+        json_array_append_new(array, pl_rounded_json(values[i]));
+    }
+    return array;
+}
+
+/* A box has its half extents, round shapes their radius and half height, a plane its normal and
+ * offset, a hull or mesh its place in "polyhedra". */
+static json_t *shape_json(const pl_scene *scene, const pl_shape *shape)
+{
+    static const char *const names[PL_SHAPE_KIND_COUNT] = {"plane",    "sphere", "box", "capsule",
+                                                           "cylinder", "hull",   "mesh"};
+    const double round[2] = {shape->radius, shape->half_height};
+    const double plane[4] = {shape->normal[0], shape->normal[1], shape->normal[2], shape->offset};
+    json_t *size = NULL;
+    int place = 0;
+    switch (shape->kind) {
+    case PL_SHAPE_PLANE:
+        size = numbers(plane, 4);
+        break;
+    case PL_SHAPE_BOX:
+        size = numbers(shape->half_extents, 3);
+        break;
+    case PL_SHAPE_HULL:
+    case PL_SHAPE_MESH:
+        while (place + 1 < scene->polyhedron_count &&
+               scene->polyhedra[place] != shape->polyhedron) {
+            ++place;
+        }
+        size = json_integer(place);
+        break;
+    default:
+        size = numbers(round, 2);
+        break;
+    }
+    return json_pack("[s, o]", names[shape->kind], size);
+}
+
+static json_t *polyhedron_json(const pl_polyhedron *solid)
+{
+    json_t *triangles = json_array();
+    for (int i = 0; i < 3 * solid->triangle_count; ++i) {
+        json_array_append_new(triangles, json_integer(solid->triangles[i / 3][i % 3]));
+    }
+    return json_pack("{s:o, s:o}", "vertices",
+                     numbers(&solid->vertices[0][0], 3 * solid->vertex_count), "triangles",
+                     triangles);
+}
+
+json_t *pl_case_scene_json(const pl_scene *scene)
+{
+    json_t *bodies = json_array(), *polyhedra = json_array(), *rests = json_array();
+    for (int i = 0; i < scene->body_count; ++i) {
+        const pl_body *body = &scene->bodies[i];
+        json_array_append_new(
+            bodies, json_pack("{s:o, s:b, s:o, s:o, s:o}", "name",
+                              pl_json_text(body->name, strlen(body->name)), "static",
+                              (int)body->is_static, "shape", shape_json(scene, &body->shape), "at",
+                              numbers(body->position, 3), "turn", numbers(body->orientation, 4)));
+    }
+    for (int i = 0; i < scene->polyhedron_count; ++i) {
+        json_array_append_new(polyhedra, polyhedron_json(scene->polyhedra[i]));
+    }
+    for (int i = 0; i < scene->rest_count; ++i) {
+        const pl_expect_rest *rest = &scene->rests[i];
+        json_array_append_new(
+            rests,
+            json_pack("{s:i, s:o, s:o}", "body", rest->body, "at", numbers(rest->position, 3),
+                      "turn", rest->has_orientation ? numbers(rest->orientation, 4) : json_null()));
+    }
+    return json_pack("{s:o, s:o, s:o, s:o, s:f, s:f}", "gravity", numbers(scene->gravity, 3),
+                     "bodies", bodies, "polyhedra", polyhedra, "rests", rests, "dt", scene->dt,
+                     "duration", scene->duration);
+}

@@ -1,0 +1,403 @@
+#include "page_data.h"
+
+#include "adapter_trust.h"
+#include "case_scene.h"
+#include "cell_verdict.h"
+#include "number_format.h"
+#include "results/result.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* The file of words, which compare/CMakeLists.txt builds into the program. */
+extern const char pl_engine_words_json[];
+
+enum { MOST_BODIES = 2000, MOST_OUTPUT = 4000 };
+
+static json_t *text_or_null(const char *text)
+{
+    return text == NULL ? json_null() : pl_json_text(text, strlen(text));
+}
+
+/* Sets a text, which may be any bytes; nothing where it is NULL or empty. */
+static void set_text(json_t *object, const char *key, const char *text)
+{
+    if (text != NULL && text[0] != '\0') {
+        json_object_set_new(object, key, text_or_null(text));
+    }
+}
+
+/* Sets the text of a buffer, and frees it. */
+static void set_buffer(json_t *object, const char *key, pl_text_buffer *text)
+{
+    set_text(object, key, text->data);
+    pl_text_free(text);
+}
+
+/* ---- What does not belong to one case ---- */
+
+/* Adds a text to a sorted array, if it is not there yet. */
+static void add_once(json_t *array, const char *text)
+{
+    json_t *added = pl_json_text(text, strlen(text));
+    size_t place = 0;
+    int order = -1;
+    while (place < json_array_size(array) &&
+           (order = strcmp(json_string_value(json_array_get(array, place)),
+                           json_string_value(added))) < 0) {
+        ++place;
+    }
+    if (place == json_array_size(array) || order != 0) {
+        json_array_insert_new(array, place, added);
+    } else {
+        json_decref(added);
+    }
+}
+
+/* Where and when the results were made: each value once. */
+static json_t *provenance_json(const pl_result_matrix *matrix)
+{
+    static const char *const facts[][3] = {
+        {"Processor", "host", "cpu"},     {"System", "host", "os"},
+        {"Compiler", "host", "compiler"}, {"Flags", "host", "flags"},
+        {"Plumb", "plumb", "version"},    {"Commit", "plumb", "git"}};
+    json_t *object = json_object();
+    const char *first = "", *last = "";
+    for (size_t k = 0; k < sizeof facts / sizeof facts[0]; ++k) {
+        json_object_set_new(object, facts[k][0], json_array());
+    }
+    for (size_t i = 0; i < json_array_size(matrix->results); ++i) {
+        const json_t *result = json_array_get(matrix->results, i);
+        const char *started = pl_json_get_text(result, "started");
+        for (size_t k = 0; k < sizeof facts / sizeof facts[0]; ++k) {
+            const char *value = pl_result_text(result, facts[k][1], facts[k][2]);
+            json_t *seen = json_object_get(object, facts[k][0]);
+            if (value[0] != '\0') {
+                add_once(seen, value);
+            }
+        }
+        first = started[0] != '\0' && (first[0] == '\0' || strcmp(started, first) < 0) ? started
+                                                                                       : first;
+        last = strcmp(started, last) > 0 ? started : last;
+    }
+    set_text(object, "first", first);
+    set_text(object, "last", last);
+    return object;
+}
+
+static json_t *command_json(const pl_result_matrix *matrix)
+{
+    const json_t *command =
+        matrix->case_count == 0 ? NULL : json_object_get(matrix->cases[0].result, "command");
+    pl_text_buffer line = {0};
+    for (size_t i = 0; i < json_array_size(command); ++i) {
+        const char *word = json_string_value(json_array_get(command, i));
+        pl_text_format(&line, "%s%s", i == 0 ? "" : " ", word == NULL ? "" : word);
+    }
+    json_t *text = text_or_null(line.data);
+    pl_text_free(&line);
+    return text;
+}
+
+/* The engine configurations in the report's order, with the counts of their verdicts. */
+static json_t *engines_json(const pl_report *report)
+{
+    json_t *array = json_array();
+    for (int i = 0; i < report->matrix.column_count; ++i) {
+        const pl_column *column = &report->matrix.columns[i];
+        json_t *object = json_object();
+        pl_text_buffer settings = {0}, known = {0};
+        pl_result_matrix_settings(&report->matrix, i, &settings);
+        pl_conformance_text(&report->matrix, i, &known);
+        set_text(object, "name", column->name);
+        set_text(object, "engine", column->engine);
+        set_text(object, "version", column->version);
+        set_buffer(object, "settings", &settings);
+        set_buffer(object, "conformance", &known);
+        json_object_set_new(object, "ours", json_boolean(column->ours));
+        for (int k = 0; k < report->verdicts.count; ++k) {
+            const pl_verdict_count *count = &report->verdicts.items[k];
+            if (count->column == column) {
+                json_object_set_new(object, "counts",
+                                    json_pack("{s:i, s:i, s:i, s:i, s:i, s:i}", "accurate",
+                                              count->runs[PL_VERDICT_ACCURATE], "inaccurate",
+                                              count->runs[PL_VERDICT_INACCURATE], "failed",
+                                              count->runs[PL_VERDICT_FAILED], "unsupported",
+                                              count->unsupported, "not judged",
+                                              count->runs[PL_VERDICT_UNJUDGED], "not run",
+                                              count->not_run));
+                json_object_set_new(object, "rank", json_integer(k));
+            }
+        }
+        json_array_append_new(array, object);
+    }
+    return array;
+}
+
+static json_t *losses_json(const pl_report *report)
+{
+    const pl_losses *losses = &report->losses;
+    json_t *rows = json_array();
+    for (int i = 0; i < losses->count; ++i) {
+        const pl_loss *loss = &losses->items[i];
+        char metric[PL_LOSS_TEXT_SIZE], ours[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
+        char ratio[PL_LOSS_TEXT_SIZE];
+        pl_loss_texts(loss, metric, ours, best, ratio);
+        json_array_append_new(rows, json_pack("[i, s, o, s, o, s, s]",
+                                              (int)(loss->test_case - report->matrix.cases), metric,
+                                              text_or_null(loss->ours->name), ours,
+                                              text_or_null(loss->best->name), best, ratio));
+    }
+    return json_pack("{s:b, s:o, s:o, s:o}", "ours", (int)losses->ours_present, "statement",
+                     text_or_null(losses->statement.data), "rule", text_or_null(losses->rule.data),
+                     "rows", rows);
+}
+
+static json_t *finding_rows(const pl_report *report, const pl_engine_finding *items, int count,
+                            bool ours)
+{
+    json_t *rows = json_array();
+    for (int i = 0; i < count; ++i) {
+        char error[PL_FINDING_TEXT_SIZE];
+        const char *cause = NULL, *evidence = NULL;
+        pl_engine_finding_texts(&items[i], error, &cause, &evidence);
+        json_array_append_new(
+            rows, json_pack("[i, o, o, o, o]", (int)(items[i].test_case - report->matrix.cases),
+                            text_or_null(items[i].column->name), text_or_null(error),
+                            text_or_null(ours ? pl_cell_why(items[i].cell) : cause),
+                            text_or_null(ours ? "" : evidence)));
+    }
+    return rows;
+}
+
+static json_t *findings_json(const pl_report *report)
+{
+    const pl_engine_findings *findings = &report->findings;
+    json_t *object = json_object();
+    if (findings->runs > 0) {
+        set_text(object, "statement", findings->statement.data);
+        set_text(object, "adapters", findings->adapters.data);
+        set_text(object, "read_back", findings->read_back.data);
+        set_text(object, "origin", findings->origin.data);
+    }
+    if (findings->our_runs > 0) {
+        set_text(object, "our_statement", findings->our_statement.data);
+    }
+    json_object_set_new(object, "rows",
+                        finding_rows(report, findings->items, findings->count, false));
+    json_object_set_new(object, "our_rows",
+                        finding_rows(report, findings->ours, findings->our_count, true));
+    return object;
+}
+
+json_t *pl_engine_words(void)
+{
+    return json_loads(pl_engine_words_json, JSON_REJECT_DUPLICATES, NULL);
+}
+
+json_t *pl_page_data_metrics(void)
+{
+    static const char *const directions[] = {"lower is better", "higher is better", "no direction"};
+    json_t *array = json_array();
+    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
+        const pl_metric_info *info = &pl_metric_table[id];
+        json_array_append_new(
+            array, json_pack("{s:s, s:s, s:s, s:b, s:s}", "name", info->name, "unit", info->unit,
+                             "direction", directions[info->direction], "measured",
+                             (int)!info->deterministic, "definition", info->definition));
+    }
+    return array;
+}
+
+/* ---- Cases ---- */
+
+void pl_page_data_scenario(const pl_scenario *scenario, json_t *object)
+{
+    set_text(object, "title", scenario->title);
+    set_text(object, "description", scenario->description);
+    set_text(object, "reference", scenario->reference);
+    set_text(object, "source", scenario->source);
+    set_text(object, "expected", scenario->expected);
+    set_text(object, "validity", scenario->validity);
+    set_text(object, "provokes", scenario->provokes);
+}
+
+/* Parameters as [name, value, meaning]; of a scene file its time step and duration. */
+static json_t *params_json(const pl_case *test_case)
+{
+    static const pl_param times[] = {{.name = "dt", .unit = "s", .help = "time step"},
+                                     {.name = "duration", .unit = "s", .help = "simulated time"}};
+    const pl_scenario *scenario = test_case->catalogue;
+    const pl_param *params = scenario == NULL ? times : scenario->params;
+    const json_t *values =
+        scenario == NULL ? json_object_get(test_case->result, "settings") : test_case->params;
+    json_t *array = json_array();
+    for (int i = 0; i < (scenario == NULL ? 2 : scenario->param_count); ++i) {
+        const json_t *value = json_object_get(values, params[i].name);
+        char number[PL_NUMBER_SIZE];
+        pl_format_given(json_is_number(value) ? json_number_value(value) : (double)NAN,
+                        params[i].unit, number);
+        json_array_append_new(
+            array, json_pack("[s, s, o]", params[i].name, number, text_or_null(params[i].help)));
+    }
+    return array;
+}
+
+/* The command that makes the runs of a case again. */
+static json_t *again_json(const pl_case *test_case)
+{
+    const pl_scenario *scenario = test_case->catalogue;
+    const json_t *settings = json_object_get(test_case->result, "settings");
+    pl_text_buffer line = {0};
+    pl_text_format(&line, "plumb compare %s", test_case->scenario);
+    for (int i = 0; scenario != NULL && i < scenario->param_count; ++i) {
+        const json_t *value = json_object_get(test_case->params, scenario->params[i].name);
+        if (json_is_number(value) && json_number_value(value) != scenario->params[i].value) {
+            pl_text_format(&line, " --set %s=%.17g", scenario->params[i].name,
+                           json_number_value(value));
+        }
+    }
+    for (int i = 0; scenario == NULL && i < 2; ++i) {
+        const char *name = i == 0 ? "dt" : "duration";
+        if (json_is_number(json_object_get(settings, name))) {
+            pl_text_format(&line, " --%s %.17g", name,
+                           json_number_value(json_object_get(settings, name)));
+        }
+    }
+    if (test_case->seed != 0) {
+        pl_text_format(&line, " --seed %" JSON_INTEGER_FORMAT, test_case->seed);
+    }
+    json_t *text = text_or_null(line.data);
+    pl_text_free(&line);
+    return text;
+}
+
+/* The poses at the end, 7 numbers a body, to six digits; null where there are none. */
+static json_t *final_json(const json_t *result)
+{
+    const json_t *poses = json_object_get(result, "final_poses");
+    json_t *array = json_array();
+    for (size_t i = 0; i < 7 * json_array_size(poses); ++i) {
+        const json_t *item = json_array_get(json_array_get(poses, i / 7), i % 7);
+        json_array_append_new(
+            array, pl_rounded_json(item == NULL ? (double)NAN : json_number_value(item)));
+    }
+    return array;
+}
+
+/* A metric as [value, text, note]: a number, a text or null; as people read it; spread and
+ * percentiles, or why there is no value. */
+static json_t *metric_json(const pl_metric_summary *summary)
+{
+    char text[PL_METRIC_TEXT_SIZE], note[PL_METRIC_NOTE_SIZE];
+    pl_metric_text(summary, text);
+    pl_metric_note(summary, note);
+    json_t *value = summary->state == PL_METRIC_VALUE  ? pl_json_number_or_null(summary->value)
+                    : summary->state == PL_METRIC_TEXT ? text_or_null(summary->text)
+                                                       : json_null();
+    return json_pack("[o, o, o]", value, text_or_null(text), text_or_null(note));
+}
+
+static json_t *cell_json(const pl_case *test_case, const pl_cell *cell)
+{
+    char verdict[PL_CELL_VERDICT_SIZE], output[MOST_OUTPUT + 1];
+    json_t *object = json_object(), *metrics = json_object();
+    if (cell->result == NULL) {
+        json_decref(metrics);
+        json_decref(object);
+        return json_null();
+    }
+    pl_cell_verdict(cell, verdict);
+    set_text(object, "style", pl_cell_style(cell));
+    set_text(object, "verdict", verdict);
+    set_text(object, "why", pl_cell_why(cell));
+    set_text(object, "outcome", cell->outcome);
+    set_text(object, "note", pl_json_get_text(cell->result, "note"));
+    set_text(object, "spec", pl_json_get_text(cell->result, "engine_spec"));
+    set_text(object, "run", pl_json_get_text(cell->result, "run"));
+    snprintf(output, sizeof output, "%s", pl_json_get_text(cell->result, "output"));
+    set_text(object, "output", output);
+    if (cell->repeats > 1) {
+        json_object_set_new(object, "repeats", json_integer(cell->repeats));
+        json_object_set_new(object, "ok_repeats", json_integer(cell->ok_repeats));
+    }
+    if (pl_cell_disagrees(cell)) {
+        json_object_set_new(object, "disagrees", json_true());
+    }
+    for (int id = 0; id < PL_METRIC_COUNT; ++id) {
+        const pl_metric_summary *summary = &cell->metrics[id];
+        if (summary->state != PL_METRIC_ABSENT && !pl_case_primary_is(test_case, id)) {
+            json_object_set_new(metrics, pl_metric_table[id].name, metric_json(summary));
+        }
+    }
+    json_object_set_new(object, "metrics", metrics);
+    if (json_array_size(json_object_get(cell->result, "final_poses")) <= MOST_BODIES) {
+        json_object_set_new(object, "final", final_json(cell->result));
+    }
+    return object;
+}
+
+static void set_bound(const pl_result_matrix *matrix, const pl_case *test_case, json_t *object)
+{
+    char bound[PL_NUMBER_SIZE];
+    const char *reason = "";
+    const int id = pl_metric_by_name(test_case->primary_error);
+    set_text(object, "primary_error", test_case->primary_error);
+    set_text(object, "unit", id < 0 ? "" : pl_metric_table[id].unit);
+    set_text(object, "primary_definition", id < 0 ? "" : pl_metric_table[id].definition);
+    if (pl_case_acceptance(matrix, test_case, bound, &reason)) {
+        set_text(object, "bound_text", bound);
+        set_text(object, "bound_reason", reason);
+    }
+    for (int i = 0; i < matrix->column_count; ++i) {
+        const json_t *value = json_object_get(test_case->cells[i].result, "acceptance");
+        if (json_is_number(value)) {
+            json_object_set_new(object, "bound", json_real(json_number_value(value)));
+        }
+    }
+}
+
+static json_t *case_json(const pl_result_matrix *matrix, const pl_case *test_case)
+{
+    json_t *object = json_object(), *cells = json_array();
+    pl_scene scene;
+    pl_error error = {PL_OK, ""};
+    const pl_status built = pl_case_scene_build(test_case, &scene, &error);
+    set_text(object, "name", test_case->name);
+    set_text(object, "scenario", test_case->scenario);
+    if (test_case->catalogue != NULL) {
+        pl_page_data_scenario(test_case->catalogue, object);
+    }
+    set_bound(matrix, test_case, object);
+    json_object_set_new(object, "params", params_json(test_case));
+    json_object_set_new(object, "again", again_json(test_case));
+    if (built == PL_OK) {
+        json_object_set_new(object, "scene", pl_case_scene_json(&scene));
+    } else {
+        set_text(object, "scene_error", error.message);
+    }
+    for (int i = 0; i < matrix->column_count; ++i) {
+        json_array_append_new(cells, cell_json(test_case, &test_case->cells[i]));
+    }
+    json_object_set_new(object, "cells", cells);
+    pl_scene_free(&scene);
+    return object;
+}
+
+pl_status pl_page_data(const pl_report *report, json_t **data, pl_error *error)
+{
+    const pl_result_matrix *matrix = &report->matrix;
+    json_t *cases = json_array();
+    for (int i = 0; i < matrix->case_count; ++i) {
+        json_array_append_new(cases, case_json(matrix, &matrix->cases[i]));
+    }
+    *data =
+        json_pack("{s:s, s:i, s:b, s:b, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "kind", "report",
+                  "runs", matrix->run_count, "several_hosts", (int)matrix->several_hosts,
+                  "disagrees", (int)matrix->disagrees, "provenance", provenance_json(matrix),
+                  "command", command_json(matrix), "engines", engines_json(report), "cases", cases,
+                  "losses", losses_json(report), "findings", findings_json(report), "metrics",
+                  pl_page_data_metrics(), "words", pl_engine_words());
+    return *data == NULL ? pl_fail(error, PL_NO_MEMORY, "no memory for the report's page") : PL_OK;
+}

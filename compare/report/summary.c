@@ -1,0 +1,497 @@
+#include "summary.h"
+
+#include "adapter_trust.h"
+#include "cell_verdict.h"
+#include "number_format.h"
+#include "results/result.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { SHOWN_LOSSES = 20 };
+
+pl_status pl_report_build(const json_t *results, pl_report *report, pl_error *error)
+{
+    *report = (pl_report){0};
+    pl_status status = pl_result_matrix_build(results, &report->matrix, error);
+    if (status == PL_OK) {
+        status = pl_verdict_counts_make(&report->matrix, &report->verdicts, error);
+    }
+    if (status == PL_OK) {
+        status = pl_losses_find(&report->matrix, &report->losses, error);
+    }
+    if (status == PL_OK) {
+        status = pl_engine_findings_find(&report->matrix, &report->findings, error);
+    }
+    return status;
+}
+
+void pl_report_free(pl_report *report)
+{
+    pl_engine_findings_free(&report->findings);
+    pl_losses_free(&report->losses);
+    pl_verdict_counts_free(&report->verdicts);
+    pl_result_matrix_free(&report->matrix);
+}
+
+/* ---- Markdown ---- */
+
+static void add_heading(pl_text_buffer *out, const char *text)
+{
+    pl_text_add(out, "## ");
+    pl_text_add_markdown(out, text);
+    pl_text_add(out, "\n\n");
+}
+
+static void add_paragraph(pl_text_buffer *out, const char *text)
+{
+    pl_text_add_markdown(out, text);
+    pl_text_add(out, "\n\n");
+}
+
+static void add_note(pl_text_buffer *out, const char *text)
+{
+    pl_text_add(out, "<sub>");
+    pl_text_add_markdown(out, text);
+    pl_text_add(out, "</sub>\n\n");
+}
+
+/* Adds a table, which is freed: at most `most` rows, the others folded up; 0: all rows. Nothing
+ * where it has no rows. */
+static void add_table(pl_text_buffer *out, pl_table table, int most)
+{
+    const int rows = pl_table_rows(&table);
+    table.last = most == 0 || rows < most ? rows : most;
+    if (rows > 0) {
+        pl_table_write(&table, PL_TABLE_MARKDOWN, out);
+        pl_text_add(out, "\n");
+    }
+    if (rows > table.last) {
+        table.first = table.last;
+        table.last = rows;
+        pl_text_format(out, "<details><summary>%d more</summary>\n\n", rows - table.first);
+        pl_table_write(&table, PL_TABLE_MARKDOWN, out);
+        pl_text_add(out, "\n</details>\n\n");
+    }
+    out->failed |= table.texts.failed;
+    pl_table_free(&table);
+}
+
+/* Adds a cell of markup to a table, and frees the markup. */
+static void add_markup(pl_table *table, pl_text_buffer *markup)
+{
+    table->texts.failed |= markup->failed;
+    pl_table_add_markup(table, markup->data == NULL ? "" : markup->data);
+    pl_text_free(markup);
+}
+
+static void add_engine_columns(const pl_result_matrix *matrix, pl_table *table)
+{
+    for (int i = 0; i < matrix->column_count; ++i) {
+        pl_table_column(table, PL_RIGHT, "%s", matrix->columns[i].name);
+    }
+}
+
+/* ---- Head ---- */
+
+static const char *plural(int count)
+{
+    return count == 1 ? "" : "s";
+}
+
+static void add_markdown_head(const pl_result_matrix *matrix, pl_text_buffer *out)
+{
+    pl_text_add(out, "# Plumb report\n\n");
+    if (matrix->case_count > 0) {
+        const json_t *result = matrix->cases[0].result;
+        pl_text_format(out, "%d run%s, %d case%s, %d engine%s; ", matrix->run_count,
+                       plural(matrix->run_count), matrix->case_count, plural(matrix->case_count),
+                       matrix->column_count, plural(matrix->column_count));
+        pl_text_add_markdown(out, pl_result_text(result, "host", "cpu"));
+        pl_text_add(out, "; plumb ");
+        pl_text_add_markdown(out, pl_result_text(result, "plumb", "version"));
+        pl_text_add(out, " (");
+        pl_text_add_markdown(out, pl_result_text(result, "plumb", "git"));
+        pl_text_add(out, ")\n\n");
+    }
+}
+
+/* ---- Verdicts ---- */
+
+static void add_verdicts(const pl_verdict_counts *verdicts, pl_text_buffer *out)
+{
+    if (verdicts->cases == 0) {
+        return;
+    }
+    pl_table table = pl_verdict_counts_table(verdicts);
+    add_heading(out, "Verdicts");
+    add_paragraph(out, verdicts->order.data);
+    add_table(out, table, 0);
+}
+
+/* ---- Losses and warnings ---- */
+
+static void add_losses(const pl_losses *losses, pl_text_buffer *out)
+{
+    if (!losses->ours_present) {
+        return;
+    }
+    pl_table table = {0};
+    pl_table_columns(&table, "Case|Metric|Ours|>value|Best other|>value|>Ratio");
+    for (int i = 0; i < losses->count; ++i) {
+        const pl_loss *loss = &losses->items[i];
+        char metric[PL_LOSS_TEXT_SIZE], ours[PL_LOSS_TEXT_SIZE], best[PL_LOSS_TEXT_SIZE];
+        char ratio[PL_LOSS_TEXT_SIZE];
+        pl_loss_texts(loss, metric, ours, best, ratio);
+        pl_table_add(&table, loss->test_case->name);
+        pl_table_add(&table, metric);
+        pl_table_add(&table, loss->ours->name);
+        pl_table_add(&table, ours);
+        pl_table_add(&table, loss->best->name);
+        pl_table_add(&table, best);
+        pl_table_add(&table, ratio);
+    }
+    add_heading(out, "Where plumb loses");
+    add_paragraph(out, losses->statement.data);
+    add_table(out, table, SHOWN_LOSSES);
+    add_note(out, losses->rule.data);
+}
+
+/* Adds a run that is not accurate: why, of our own engine; of another the cause, and its evidence. */
+static void add_finding(const pl_engine_finding *finding, bool ours, pl_table *table)
+{
+    char error[PL_FINDING_TEXT_SIZE];
+    const char *cause = NULL, *evidence = NULL;
+    pl_engine_finding_texts(finding, error, &cause, &evidence);
+    pl_table_add(table, finding->test_case->name);
+    pl_table_add(table, finding->column->name);
+    pl_table_add(table, error);
+    pl_table_add(table, ours ? pl_cell_why(finding->cell) : cause);
+    if (!ours) {
+        pl_table_add(table, evidence);
+    }
+}
+
+/* Adds the runs of our own engine that are not accurate. */
+static void add_our_findings(const pl_engine_findings *findings, pl_text_buffer *out)
+{
+    pl_table table = {0};
+    if (findings->our_runs == 0) {
+        return;
+    }
+    pl_table_columns(&table, "Case|Engine|Error|Why");
+    for (int i = 0; i < findings->our_count; ++i) {
+        add_finding(&findings->ours[i], true, &table);
+    }
+    add_paragraph(out, findings->our_statement.data);
+    add_table(out, table, SHOWN_LOSSES);
+}
+
+static void add_warning(pl_text_buffer *out, const char *head, const char *text)
+{
+    pl_text_format(out, "**%s** %s\n\n", head, text);
+}
+
+static void add_warnings(const pl_result_matrix *matrix, pl_text_buffer *out)
+{
+    if (matrix->several_hosts) {
+        add_warning(out, "These runs come from several machines:",
+                    "their times cannot be compared with each other.");
+    }
+    if (matrix->disagrees) {
+        add_warning(out, "Not deterministic:",
+                    "some repeats of the same run differ where they should agree. The cells are "
+                    "marked.");
+    }
+}
+
+/* ---- Results ---- */
+
+/* Adds the cell of a run: its primary error, the time of a step and its ratio to the fastest. */
+static void add_result(const pl_cell *cell, double fastest, pl_table *table)
+{
+    const pl_metric_summary *error = &cell->metrics[PL_METRIC_REFERENCE_ERROR];
+    const pl_metric_summary *time = &cell->metrics[PL_METRIC_TIME_PER_STEP];
+    const bool has_time = time->state == PL_METRIC_VALUE;
+    char text[PL_METRIC_TEXT_SIZE];
+    pl_text_buffer markup = {0};
+    if (cell->result == NULL) {
+        pl_table_add(table, "not run");
+        return;
+    }
+    if (cell->verdict != PL_VERDICT_ACCURATE) {
+        pl_cell_badge(cell, &markup);
+        pl_text_add(&markup, " ");
+    }
+    pl_metric_text(error, text);
+    pl_text_add_markdown(&markup, text);
+    if (pl_cell_disagrees(cell)) {
+        pl_text_add(&markup, " *not deterministic*");
+    }
+    pl_metric_text(time, text);
+    pl_text_add(&markup, has_time ? "<br>" : "");
+    pl_text_add_markdown(&markup, has_time ? text : "");
+    if (cell->ok && has_time && fastest > 0 && isfinite(fastest)) {
+        pl_format_ratio(time->value / fastest, text);
+        pl_text_format(&markup, " (%s)", text);
+    }
+    add_markup(table, &markup);
+}
+
+static void add_case_name(const pl_result_matrix *matrix, const pl_case *test_case, pl_table *table)
+{
+    const bool has_primary = test_case->primary_error[0] != '\0';
+    char bound[PL_NUMBER_SIZE];
+    const char *reason = "";
+    pl_text_buffer markup = {0};
+    pl_text_add_markdown(&markup, test_case->name);
+    pl_text_add(&markup, " (");
+    pl_text_add_markdown(&markup, has_primary ? test_case->primary_error : "no reference");
+    if (pl_case_acceptance(matrix, test_case, bound, &reason)) {
+        pl_text_add(&markup, ", at most ");
+        pl_text_add_markdown(&markup, bound);
+    }
+    pl_text_add(&markup, ")");
+    add_markup(table, &markup);
+}
+
+static void add_results(const pl_result_matrix *matrix, pl_text_buffer *out)
+{
+    pl_table table = {0};
+    pl_table_columns(&table, "Case (primary error and its bound)");
+    add_engine_columns(matrix, &table);
+    for (int i = 0; i < matrix->case_count; ++i) {
+        const pl_case *test_case = &matrix->cases[i];
+        double fastest = pl_case_least(test_case, matrix->column_count, PL_METRIC_TIME_PER_STEP);
+        add_case_name(matrix, test_case, &table);
+        for (int k = 0; k < matrix->column_count; ++k) {
+            add_result(&test_case->cells[k], fastest, &table);
+        }
+    }
+    add_heading(out, "Results");
+    add_paragraph(out,
+                  "In each cell the verdict where it is not accurate, the primary error of the "
+                  "case and, below it, the time of a step, with how many times that of the "
+                  "fastest run that is ok. Lower is better for both; a number without a unit "
+                  "is relative to the right value. Below each case stand its primary error and "
+                  "the largest value that is accurate.");
+    add_paragraph(out,
+                  "Times are CPU time of the engine's step call alone, and machines are noisy: "
+                  "differences of less than 10 % mean nothing. Repeat runs (--repeat) before "
+                  "you trust larger ones.");
+    add_table(out, table, 0);
+}
+
+/* ---- Findings ---- */
+
+static void add_findings(const pl_engine_findings *findings, pl_text_buffer *out)
+{
+    pl_table table = {0};
+    if (findings->runs == 0) {
+        return;
+    }
+    pl_table_columns(&table, "Case|Engine|Error|What in the engine causes it|"
+                             "What was varied, and what changed");
+    for (int i = 0; i < findings->count; ++i) {
+        add_finding(&findings->items[i], false, &table);
+    }
+    add_heading(out, "Findings");
+    add_paragraph(out, findings->statement.data);
+    if (findings->adapters.length > 0) {
+        add_paragraph(out, findings->adapters.data);
+        add_paragraph(out, findings->read_back.data);
+        add_paragraph(out, findings->origin.data);
+    }
+    add_table(out, table, 0);
+}
+
+/* ---- Time stepping ---- */
+
+/* Whether an ok run has both a relative primary error and a discrete_error. */
+static bool has_both_errors(const pl_case *test_case, const pl_cell *cell)
+{
+    const int primary = pl_metric_by_name(test_case->primary_error);
+    return cell->ok && (primary == PL_METRIC_TRAVEL_ERROR || primary == PL_METRIC_VALUE_ERROR) &&
+           cell->metrics[PL_METRIC_REFERENCE_ERROR].state == PL_METRIC_VALUE &&
+           cell->metrics[PL_METRIC_DISCRETE_ERROR].state == PL_METRIC_VALUE;
+}
+
+/* Adds the error of the time-stepping rule, and the rest: the error of contacts and friction. */
+static void add_time_stepping(const pl_result_matrix *matrix, pl_text_buffer *out)
+{
+    pl_table table = {0};
+    pl_table_columns(&table, "Case|Engine|Rule, as detected|>Error against the right answer|"
+                             ">Against its own rule: contact");
+    for (int i = 0, k = 0; pl_result_matrix_next(matrix, has_both_errors, &i, &k); ++k) {
+        const pl_cell *cell = &matrix->cases[i].cells[k];
+        const pl_metric_summary *rule = &cell->metrics[PL_METRIC_INTEGRATOR];
+        char text[PL_METRIC_TEXT_SIZE];
+        pl_table_add(&table, matrix->cases[i].name);
+        pl_table_add(&table, matrix->columns[k].name);
+        pl_table_add(&table, rule->state == PL_METRIC_TEXT ? rule->text : "not detected");
+        pl_metric_text(&cell->metrics[PL_METRIC_REFERENCE_ERROR], text);
+        pl_table_add(&table, text);
+        pl_metric_text(&cell->metrics[PL_METRIC_DISCRETE_ERROR], text);
+        pl_table_add(&table, text);
+    }
+    if (pl_table_rows(&table) > 0) {
+        add_heading(out, "Time stepping and contact");
+        add_paragraph(
+            out,
+            "The error against the right answer has two parts. A time-stepping rule has an error "
+            "even where every force is right: semi-implicit Euler, of first order, always; a rule "
+            "of second order where a body stops within a step. Compared with the exact answer of "
+            "the engine's own rule at the same step that part is gone, and the rest comes from "
+            "contacts and friction. The rule is detected from the frames: semi-implicit Euler, x' "
+            "= x + h v', or a rule of second order, x' = x + h (v + v')/2, which is exact for a "
+            "constant force. Where none was detected, the answer is the same by either.");
+    }
+    add_table(out, table, 0);
+}
+
+/* ---- Published numbers ---- */
+
+static bool has_every_case(const pl_suite *suite, const pl_result_matrix *matrix)
+{
+    bool complete = true;
+    for (int i = 0; i < suite->entry_count && complete; ++i) {
+        complete = false;
+        for (int k = 0; k < matrix->case_count && !complete; ++k) {
+            complete = pl_case_is_entry(&matrix->cases[k], &suite->entries[i]);
+        }
+    }
+    return complete;
+}
+
+/* Adds a row for each case of an entry, with the verdict below each engine's value. */
+static void add_published_rows(const pl_result_matrix *matrix, const pl_suite_entry *entry,
+                               int metric, pl_table *table)
+{
+    for (int i = 0; i < matrix->case_count; ++i) {
+        const pl_case *test_case = &matrix->cases[i];
+        char text[PL_METRIC_TEXT_SIZE];
+        if (!pl_case_is_entry(test_case, entry)) {
+            continue;
+        }
+        pl_format_given(entry->published, pl_metric_table[metric].unit, text);
+        pl_table_add(table, test_case->name);
+        pl_table_add(table, text);
+        for (int k = 0; k < matrix->column_count; ++k) {
+            const pl_cell *cell = &test_case->cells[k];
+            const char *bold = cell->verdict == PL_VERDICT_ACCURATE ? "" : "**";
+            char verdict[PL_CELL_VERDICT_SIZE];
+            pl_text_buffer markup = {0};
+            pl_cell_verdict(cell, verdict);
+            if (cell->result != NULL) {
+                pl_metric_text(&cell->metrics[metric], text);
+                pl_text_add_markdown(&markup, text);
+                pl_text_format(&markup, "<br>%s", bold);
+            }
+            pl_text_add_markdown(&markup, verdict);
+            pl_text_add(&markup, cell->result != NULL ? bold : "");
+            add_markup(table, &markup);
+        }
+    }
+}
+
+/* Adds the numbers that others published, for suites of which every case was run. Markdown only. */
+static void add_published(const pl_result_matrix *matrix, pl_text_buffer *out)
+{
+    int count = 0;
+    const pl_suite *suites = pl_suites(&count);
+    for (int s = 0; s < count; ++s) {
+        const pl_suite *suite = &suites[s];
+        pl_table table = {0};
+        if (suite->published_metric == NULL || !has_every_case(suite, matrix)) {
+            continue;
+        }
+        pl_table_columns(&table, "Case|>Published");
+        add_engine_columns(matrix, &table);
+        for (int i = 0; i < suite->entry_count; ++i) {
+            add_published_rows(matrix, &suite->entries[i],
+                               pl_metric_by_name(suite->published_metric), &table);
+        }
+        pl_text_add(out, "## Next to published numbers: ");
+        pl_text_add_markdown(out, suite->published_metric);
+        pl_text_add(out, "\n\n");
+        add_table(out, table, 0);
+        pl_text_format(out, "<sub>%s: the engine reports none. Published: ", pl_no_number);
+        pl_text_add_markdown(out, suite->source);
+        pl_text_add(out, ".</sub>\n\n");
+    }
+}
+
+/* ---- Settings, failed runs and metrics ---- */
+
+static void add_settings(const pl_result_matrix *matrix, pl_text_buffer *out)
+{
+    pl_table table = {0};
+    pl_table_columns(&table, "Engine|Version|Conformance|Settings");
+    for (int i = 0; i < matrix->column_count; ++i) {
+        pl_text_buffer settings = {0}, known = {0};
+        pl_result_matrix_settings(matrix, i, &settings);
+        pl_conformance_text(matrix, i, &known);
+        pl_table_add(&table, matrix->columns[i].name);
+        pl_table_add(&table, matrix->columns[i].version);
+        pl_table_add(&table, known.data == NULL ? "" : known.data);
+        pl_table_add(&table, settings.data == NULL ? "" : settings.data);
+        out->failed |= settings.failed || known.failed;
+        pl_text_free(&settings);
+        pl_text_free(&known);
+    }
+    add_heading(out, "Engine settings");
+    add_paragraph(out, "As recorded with the first run of each engine. Conformance is what plumb "
+                       "check-engine found of the engine and its adapter, with the profile's "
+                       "default options. A label names the profile "
+                       "and, after it, every option that was set off that profile's default; time "
+                       "step and duration belong to the case.");
+    add_table(out, table, 0);
+}
+
+static bool has_failed(const pl_case *test_case, const pl_cell *cell)
+{
+    (void)test_case;
+    return !cell->ok || cell->verdict == PL_VERDICT_FAILED;
+}
+
+static void add_failures(const pl_result_matrix *matrix, pl_text_buffer *out)
+{
+    pl_table table = {0};
+    pl_table_columns(&table, "Case|Engine|Verdict|Reason");
+    for (int i = 0, k = 0; pl_result_matrix_next(matrix, has_failed, &i, &k); ++k) {
+        const pl_cell *cell = &matrix->cases[i].cells[k];
+        const char *why = pl_cell_why(cell);
+        pl_text_buffer badge = {0};
+        pl_cell_badge(cell, &badge);
+        pl_table_add(&table, matrix->cases[i].name);
+        pl_table_add(&table, matrix->columns[k].name);
+        add_markup(&table, &badge);
+        pl_table_add(&table, why[0] != '\0' ? why : "no reason was recorded");
+    }
+    add_heading(out, "Failed runs");
+    if (pl_table_rows(&table) == 0) {
+        add_paragraph(out, "No run failed.");
+    }
+    add_table(out, table, 0);
+}
+
+void pl_report_summary(const pl_report *report, pl_text_buffer *out)
+{
+    const pl_result_matrix *matrix = &report->matrix;
+    add_markdown_head(matrix, out);
+    add_verdicts(&report->verdicts, out);
+    add_losses(&report->losses, out);
+    add_our_findings(&report->findings, out);
+    add_warnings(matrix, out);
+    if (matrix->case_count == 0) {
+        add_paragraph(out, "There are no results.");
+        return;
+    }
+    add_results(matrix, out);
+    add_findings(&report->findings, out);
+    add_time_stepping(matrix, out);
+    add_published(matrix, out);
+    add_failures(matrix, out);
+    add_settings(matrix, out);
+}
