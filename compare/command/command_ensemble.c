@@ -2,6 +2,7 @@
  * by the distributions of the end states of many runs from almost the same start. Results are
  * appended to DIR/results.jsonl as runs end. */
 #include "base/array.h"
+#include "base/folding.h"
 #include "request.h"
 #include "results/store.h"
 #include "runner/execute.h"
@@ -107,7 +108,7 @@ static pl_status deliver(const options *o, const pl_ensemble_outcome *outcome, p
         status = pl_results_write_json(o->request.json, outcome->json, error);
     }
     if (!pl_is_stdout(o->request.json)) {
-        fputs(outcome->summary, stdout);
+        fputs(outcome->text, stdout);
     }
     free(json);
     free(summary);
@@ -125,8 +126,8 @@ static pl_status conclude(const options *o, const pl_plan *plan, const pl_ensemb
     }
     json_t *before = o->request.resume ? json_load_file(path, 0, NULL) : NULL;
     free(path);
-    pl_status status =
-        pl_ensemble_conclude(plan, ensembles, results, folder, before, &outcome, error);
+    pl_status status = pl_ensemble_conclude(plan, ensembles, results, folder, before,
+                                            pl_window_width(stdout), &outcome, error);
     if (status == PL_OK) {
         status = deliver(o, &outcome, error);
     }

@@ -380,7 +380,7 @@ static void test_benchmark_means_are_geometric_over_common_tolerances(void **sta
         json_pack("{s:[o, o, o, o]}", "problems", made_problem("p", 100, 4e-3, 25, 1e-3),
                   made_problem("q", 10, 1e-3, 10, 4e-3), made_problem("r", 0, 1, 7, 1),
                   made_problem("s", 3, 1, 0, 1));
-    char *markdown = pl_benchmark_markdown(result);
+    char *markdown = pl_benchmark_text(result, 0);
     assert_non_null(markdown);
     squeeze(markdown);
     /* Iterations: root of 1/4 x 1; time: root of 1/4 x 4; one alone, one missed. */
