@@ -7,6 +7,7 @@
 #include "results/store.h"
 #include "runner/execute.h"
 #include "studies/ensemble/ensemble_report.h"
+#include "studies/ensemble/verdict.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -192,7 +193,10 @@ static pl_status make_plan(const pl_call *call, options *o, pl_plan *plan, pl_en
         pl_texts_add(&o->request.suites, "chaotic");
     }
     pl_status status = pl_request_add_engines(call, &o->request, plan, error);
-    return status == PL_OK ? pl_members_plan(&def, plan, ensembles, error) : status;
+    if (status == PL_OK) {
+        status = pl_members_plan(&def, plan, ensembles, error);
+    }
+    return status == PL_OK ? pl_verdicts_possible(ensembles, error) : status;
 }
 
 static int core_count(void)
@@ -242,8 +246,10 @@ static int run(const pl_call *call)
 }
 
 static const pl_option OPTIONS[] = {
-    {"members", "N", "Members of each ensemble (default 16)", PL_OPTION_INTEGER,
-     .field = offsetof(options, members), .min = 2, .max = 1000},
+    {"members", "N",
+     "Members of each ensemble (default 16); so few that no difference could be significant are "
+     "refused",
+     PL_OPTION_INTEGER, .field = offsetof(options, members), .min = 2, .max = 1000},
     {"against", "NAME=VALUE[,...]|itself",
      "Also run a second ensemble of each engine, with members of its own and with these "
      "scenario settings, or the same ones, and compare the two (repeatable)",

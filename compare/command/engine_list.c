@@ -241,7 +241,7 @@ static void print_profile(const json_t *engine, json_t *p, FILE *out)
     json_t *value;
     const json_t *sources = json_object_get(p, "sources");
     const char *name = pl_json_get_text(engine, "name");
-    fprintf(out, "  %s:%-*s %s%s\n", name, 25 - (int)strlen(name), pl_json_get_text(p, "name"),
+    fprintf(out, "  %s:%-*s  %s%s\n", name, 19 - (int)strlen(name), pl_json_get_text(p, "name"),
             pl_json_get_text(p, "help"),
             json_is_true(json_object_get(p, "in_default_comparison")) ? ""
                                                                       : " (only when asked for)");
@@ -277,7 +277,7 @@ static void print_tuned(const json_t *engine, const json_t *tuned, FILE *out)
     const char *name = pl_json_get_text(engine, "name"), *base = pl_json_get_text(tuned, "profile");
     const char *from = pl_json_get_text(tuned, "from");
     const double dt = json_number_value(json_object_get(tuned, "dt"));
-    fprintf(out, "  %s:%-*s ", name, 25 - (int)strlen(name), pl_json_get_text(tuned, "name"));
+    fprintf(out, "  %s:%-*s  ", name, 19 - (int)strlen(name), pl_json_get_text(tuned, "name"));
     print_texts(json_object_get(tuned, "targets"), out);
     fprintf(out, " on ");
     print_texts(json_object_get(tuned, "scenarios"), out);

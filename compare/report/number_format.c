@@ -36,15 +36,17 @@ static void digits(double value, char text[32])
     }
 }
 
-/* The same with two digits. */
-static void two_digits(double value, char text[32])
+/* Writes a spread with as many places as the text of its number, and at least one digit. */
+static void spread_digits(double spread, const char *number, char text[32])
 {
-    const double size = fabs(value);
-    if (size < 0.995e-3 || size >= 99999.5) {
-        digits(value, text);
+    const char *point = strchr(number, '.');
+    const double size = fabs(spread);
+    if (size < 0.9995e-3 || size >= 99999.5 || strchr(number, 'e') != NULL) {
+        digits(spread, text);
     } else {
-        const int places = 1 - (int)floor(log10(size * 1.005));
-        snprintf(text, 32, "%.*f", places > 0 ? places : 0, value);
+        const int places = point == NULL ? 0 : (int)strlen(point + 1);
+        const int least = -(int)floor(log10(size * 1.05));
+        snprintf(text, 32, "%.*f", places > least ? places : least, spread);
     }
 }
 
@@ -80,7 +82,7 @@ void pl_format_spread(double value, double spread, const char *unit, char text[P
     const scale in = scale_of(value, unit);
     char number[32], around[32];
     digits(value / in.factor, number);
-    two_digits(spread / in.factor, around);
+    spread_digits(spread / in.factor, number, around);
     snprintf(text, PL_NUMBER_SIZE, "%s ± %s%s%.20s", number, around, in.unit[0] == '\0' ? "" : " ",
              in.unit);
 }

@@ -205,8 +205,8 @@ static void add_cases(const pl_result_matrix *matrix, const terminal *to)
     if (repeats > 1) {
         char line[200];
         snprintf(line, sizeof line,
-                 "Numbers are medians of %d repeats. ± is the median distance of the repeats from "
-                 "it, shown where they differ.",
+                 "Each number is the median of %d repeats. ± is the median distance of the repeats "
+                 "from it; it is left out where all are equal.",
                  repeats);
         pl_text_add(to->out, "\n");
         add_text(to, line);

@@ -83,10 +83,10 @@ static int most_broken(const layout *l, int count)
     return found;
 }
 
-/* Makes the key columns no wider than half of the line, where that is needed. */
+/* Makes the key columns no wider than two thirds of the line. */
 static void narrow_keys(layout *l)
 {
-    while (width_of(l->least, 0, l->keys) > l->available / 2) {
+    while (width_of(l->least, 0, l->keys) > 2 * l->available / 3) {
         int widest = 0;
         for (int k = 1; k < l->keys; ++k) {
             widest = l->least[k] > l->least[widest] ? k : widest;

@@ -185,6 +185,25 @@ pl_status pl_permutation_p(const pl_pool *pool, double *p, pl_error *error)
     return PL_OK;
 }
 
+double pl_permutation_least_p(int count)
+{
+    const double ways = ways_to_deal(2 * count, count);
+    return ways <= most_exact ? 2 / ways : 1.0 / (1 + PL_PERMUTATION_DRAWS);
+}
+
+int pl_permutation_least_count(int tests, double level)
+{
+    const double drawn = 1.0 / (1 + PL_PERMUTATION_DRAWS);
+    int count = 1;
+    while (tests * pl_permutation_least_p(count) >= level) {
+        if (pl_permutation_least_p(count) <= drawn) {
+            return 0;
+        }
+        ++count;
+    }
+    return count;
+}
+
 pl_status pl_split_half_noise(const double *values, int count, int n, int m, pl_noise *noise,
                               pl_error *error)
 {
